@@ -1,0 +1,31 @@
+/* libcontact: explicit finite-element contact-impact. One include for everything that needs libc and libm only. */
+#ifndef CONTACT_H
+#define CONTACT_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#include <contact/status.h>
+#include <contact/sum.h>
+#include <contact/quadrature.h>
+#include <contact/segment.h>
+#include <contact/brick.h>
+#include <contact/projection.h>
+#include <contact/material.h>
+#include <contact/mesh.h>
+#include <contact/mass.h>
+#include <contact/effect.h>
+#include <contact/solid.h>
+#include <contact/contact.h>
+#include <contact/support.h>
+#include <contact/step.h>
+#include <contact/energy.h>
+#include <contact/scene.h>
+#include <contact/exact.h>
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

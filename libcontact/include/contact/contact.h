@@ -1,0 +1,116 @@
+#ifndef CONTACT_CONTACT_H
+#define CONTACT_CONTACT_H
+
+#include <contact/effect.h>
+#include <contact/projection.h>
+#include <contact/segment.h>
+
+/**
+ * A contact surface: faces over somebody's nodes. Node numbers refer to the arrays of coordinates, forces and masses
+ * that the host passes to the calls below; they may be the nodes of a whole mesh.
+ */
+typedef struct ct_surface {
+  ct_face_kind kind;
+  int32_t node_count;
+  int32_t face_count;
+  /** Node numbers, counter-clockwise from outside, shape (face_count, nodes of a face). */
+  const int32_t *faces;
+  /** Reference coordinates [length], shape (node_count, 3): they give the weights w J_ref of the Gauss points. */
+  const double *reference;
+} ct_surface;
+
+/** Choices of a contact. Start from `ct_contact_options_default`. */
+typedef struct ct_contact_options {
+  /** Penalty ε [stress / length], > 0; see `ct_contact_penalty`. */
+  double epsilon;
+  /** Search for the closest point: CT_ROBUST, CT_NEWTON or CT_SIMPLEX. */
+  ct_method method;
+  /** Tolerance of the search in half-widths of a face. */
+  double tolerance;
+  /** A point deeper than this under a face [length] is not in contact with it; 0: the largest face size of the two surfaces. */
+  double depth;
+  /** Threads; results do not depend on it. */
+  int threads;
+} ct_contact_options;
+
+CT_API ct_contact_options ct_contact_options_default(void);
+
+/** Penalty ε = β E / h [stress / length], :eq:`penalty-factor`. β between 3 and 5 suits Courant numbers near 0.125. */
+CT_API double ct_contact_penalty(double beta, double young, double h);
+
+/** The contact of two surfaces; opaque, as it holds the search tree. */
+typedef struct ct_contact ct_contact;
+
+/**
+ * Prepare the contact of two surfaces (both are slave once and master once). The surfaces' arrays are copied.
+ * ``CT_ERROR_ARGUMENT``: empty surface, node number out of range, coordinates not finite, ε not positive;
+ * ``CT_ERROR_GEOMETRY``: a face without area (`error` names the body 0 or 1 and the face).
+ */
+CT_API ct_status ct_contact_create(const ct_surface *a, const ct_surface *b, const ct_contact_options *options,
+                                   ct_contact **out, ct_error *error);
+
+/**
+ * Find who meets whom at the current coordinates `xa`, `xb` [length], shapes (node_count of a surface, 3), and compute forces and energy.
+ * ``CT_INVALID``: a coordinate is not finite (`error` names body and node); forces are then those of the last good call.
+ */
+CT_API ct_status ct_contact_update(ct_contact *contact, const double *xa, const double *xb, ct_error *error);
+
+/** Add the contact forces of the last update to `fa`, `fb` [force], shapes (node_count, 3). */
+CT_API ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb);
+
+/** Potential Π of the last update [energy], :eq:`contact-potential`. */
+CT_API double ct_contact_energy(const ct_contact *contact);
+
+/** Resultant force on each surface and its moment about the origin [force, force · length]; their sums vanish to round-off. */
+CT_API ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], double moment_a[3], double force_b[3],
+                                      double moment_b[3]);
+
+/** Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active at its nearest face, :eq:`contact-bound`. */
+CT_API ct_status ct_contact_frequency(const ct_contact *contact, const double *mass_a, const double *mass_b,
+                                      double *omega_squared);
+
+/**
+ * Largest stable step of the contact alone [time], 2 / ω. A host combines it with its own limit dt_host as
+ * 1 / sqrt(1 / dt² + 1 / dt_host²), :eq:`step-bound`. `mass_a`, `mass_b`: nodal masses, shapes (node_count).
+ */
+CT_API ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a, const double *mass_b, double *dt);
+
+/** One contact point, for pictures and tests. */
+typedef struct ct_contact_point {
+  /** 0: a point of surface a; 1: of surface b. */
+  int32_t side;
+  /** Face of the point, its number among the face's Gauss points, and the face of the other surface that it met (-1: none). */
+  int32_t face;
+  int32_t gauss;
+  int32_t other;
+  /** Position, and its closest point ȳ on the other surface [length]. */
+  double position[3];
+  double closest[3];
+  /** Parameters of ȳ on the other face. */
+  double xi[2];
+  /** Signed distance g [length], negative inside; NaN when `other` is -1. */
+  double gap;
+  /** Traction ε⟨-g⟩ [stress] and weight w J_ref [area] of the point. */
+  double pressure;
+  double weight;
+} ct_contact_point;
+
+/** Number of Gauss points of both surfaces, those of a first. */
+CT_API int64_t ct_contact_point_count(const ct_contact *contact);
+
+/** The points of the last update, `points` of shape (ct_contact_point_count). */
+CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points);
+
+CT_API void ct_contact_free(ct_contact *contact);
+
+/**
+ * The contact effect of two surfaces of one problem, whose nodes are numbered as the problem's.
+ * `nodal_mass` (node_count of the problem) is copied for the stable step.
+ */
+CT_API ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, const ct_contact_options *options,
+                                          const double *nodal_mass, ct_effect **effect, ct_error *error);
+
+/** The contact inside an effect's scratch, with the last force's points. */
+CT_API const ct_contact *ct_contact_of_scratch(const void *scratch);
+
+#endif

@@ -1,0 +1,63 @@
+#ifndef CONTACT_EFFECT_H
+#define CONTACT_EFFECT_H
+
+#include <contact/status.h>
+
+/**
+ * What an effect is shown when it is asked for its force: the state of all bodies, one after another, at one time.
+ * Nothing here may be changed by the effect but its own `memory` and `scratch`.
+ */
+typedef struct ct_view {
+  /** Time t_n [time]. */
+  double time;
+  /** Threads that the effect may use; results must not depend on it. */
+  int threads;
+  /** Reference coordinates X [length], shape (node_count, 3). */
+  const double *reference;
+  /** Displacement u_n [length], shape (node_count, 3). */
+  const double *displacement;
+  /** Velocity half a step back, v_{n-1/2} [length / time], shape (node_count, 3). */
+  const double *velocity;
+  /** What the effect remembers from step n - 1 (memory_count doubles), and where it writes what step n + 1 shall see. */
+  const double *memory;
+  double *next_memory;
+  /** What `create_scratch` made for this state. */
+  void *scratch;
+} ct_view;
+
+/**
+ * One physical effect: a force on some nodes, its energy, and its bound on the time step.
+ * The time loop runs over the effects that a problem lists and over nothing else. A null function pointer means
+ * that the effect has nothing to say there.
+ */
+typedef struct ct_effect {
+  /** "solid", "contact", ... and a column of the ledger. */
+  const char *name;
+  /** What the effect's functions need, fixed once the problem is made; `free_data` gives it back. */
+  void *data;
+  /** Nodes that the force acts on, ascending; null when it acts on all nodes. */
+  const int32_t *nodes;
+  int32_t node_count;
+  /** Doubles of the state that the effect keeps from step to step (a restart carries them). */
+  int64_t memory_count;
+  /**
+   * Not zero: the effect holds degrees of freedom at a constant velocity (inverse mass 0). It has no `force`; the time loop takes
+   * minus the sum of all other forces there, and keeps its impulse only, as its work is impulse times velocity.
+   */
+  int reaction;
+  /** Scratch space of one state. */
+  ct_status (*create_scratch)(const struct ct_effect *effect, void **scratch, ct_error *error);
+  void (*free_scratch)(void *scratch);
+  /** Write the force on the effect's nodes, shape (node_count, 3) [force]. */
+  ct_status (*force)(const struct ct_effect *effect, const ct_view *view, double *force, ct_error *error);
+  /** Stored energy for the same view, after `force` was called with it [energy]. */
+  ct_status (*energy)(const struct ct_effect *effect, const ct_view *view, double *energy, ct_error *error);
+  /** Upper bound of what the effect adds to the largest ω² of the problem [1 / time²], :eq:`step-bound`. */
+  ct_status (*frequency)(const struct ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error);
+  void (*free_data)(void *data);
+} ct_effect;
+
+/** Free an effect made by one of the library's `ct_..._create_effect` calls. */
+CT_API void ct_effect_free(ct_effect *effect);
+
+#endif

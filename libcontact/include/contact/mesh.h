@@ -1,0 +1,69 @@
+#ifndef CONTACT_MESH_H
+#define CONTACT_MESH_H
+
+#include <contact/brick.h>
+#include <contact/status.h>
+
+/**
+ * Nodes and bricks of one body. The struct only points: `ct_mesh_create_box` and `ct_mesh_create_copy`
+ * allocate what they point to, and `ct_mesh_free` gives it back. A host may also fill one by hand.
+ */
+typedef struct ct_mesh {
+  /** All elements are of one kind. */
+  ct_brick_kind kind;
+  int32_t node_count;
+  int32_t element_count;
+  /** Reference coordinates X [length], shape (node_count, 3). */
+  double *nodes;
+  /** Node numbers of each element in VTK's order, shape (element_count, 8 or 20). */
+  int32_t *elements;
+} ct_mesh;
+
+/** A rectangular box of bricks. */
+typedef struct ct_box {
+  /** Corner with the smallest coordinates [length]. */
+  double origin[3];
+  /** Edge lengths [length], > 0. */
+  double size[3];
+  /** Elements along x, y, z, >= 1. */
+  int32_t cells[3];
+} ct_box;
+
+/**
+ * Mesh a box with bricks: element (i, j, k) has number i + cells[0] (j + cells[1] k), and ξ, η, ζ run along x, y, z.
+ * Node coordinates are ((n - i) a + i b) / n between the ends a and b, so that mirrored boxes have exactly
+ * mirrored nodes. Corner nodes come first, row by row; mid-side nodes of hex20 follow (along x, then y, then z).
+ */
+CT_API ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh, ct_error *error);
+
+/** Copy a mesh given by arrays and check it as `ct_mesh_check` does. */
+CT_API ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error);
+
+CT_API void ct_mesh_free(ct_mesh *mesh);
+
+/**
+ * Refuse node numbers out of range, coordinates that are not finite, and elements whose Jacobian determinant is not
+ * positive at a Gauss point (``CT_ERROR_GEOMETRY``; `error` names the element and the Gauss point).
+ */
+CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
+
+/** Shortest edge between corner nodes of any element [length]: the h of the Courant number and of the penalty. */
+CT_API double ct_mesh_shortest_edge(const ct_mesh *mesh);
+
+/**
+ * Faces of the mesh that belong to one element only and lie in the plane ``x[axis] = value`` within 1e-9 of the
+ * mesh's size. `faces` gets (count, 4 or 8) node numbers, counter-clockwise from outside, and `owners` (count) the elements;
+ * either may be null. The return value is the count (call once with nulls to learn it).
+ */
+CT_API int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t *faces, int32_t *owners);
+
+/** Nodes in the plane ``x[axis] = value`` within 1e-9 of the mesh's size, in ascending order; returns their count. */
+CT_API int32_t ct_mesh_plane_nodes(const ct_mesh *mesh, int axis, double value, int32_t *nodes);
+
+/** All faces of the mesh that belong to one element only, as `ct_mesh_plane_faces` gives them. */
+CT_API int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t *owners);
+
+/** Smallest and largest coordinates of the nodes [length]. */
+CT_API void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3]);
+
+#endif

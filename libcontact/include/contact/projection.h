@@ -1,0 +1,109 @@
+#ifndef CONTACT_PROJECTION_H
+#define CONTACT_PROJECTION_H
+
+#include <contact/segment.h>
+
+/** How the closest point is looked for. ct_project says which of them this build has. */
+typedef enum ct_method {
+  CT_SIMPLEX = 0,          /**< the paper's search: a regular simplex that is only reflected and halved; unconstrained */
+  CT_NELDER_MEAD = 1,      /**< the full Nelder-Mead search, with expansion and contraction */
+  CT_NEWTON = 2,           /**< Newton-Raphson on :eq:`projection-stationary`; unconstrained */
+  CT_LEAST_SQUARES = 3,    /**< Gauss-Newton, the least-square projection */
+  CT_STEEPEST_DESCENT = 4, /**< steepest descent */
+  CT_BROYDEN = 5,          /**< Broyden's method */
+  CT_BFGS = 6,             /**< the BFGS method */
+  CT_ROBUST = 7,           /**< the default: samples, then Newton in a trust region, on the closed face */
+  CT_CERTIFIED = 8         /**< robust, with a proof that no other point is closer */
+} ct_method;
+
+/** On which part of the face a foot lies. */
+typedef enum ct_where {
+  CT_INTERIOR = 0, /**< inside */
+  CT_EDGE = 1,     /**< on an edge, within the tolerance */
+  CT_VERTEX = 2,   /**< on a corner, within the tolerance */
+  CT_OUTSIDE = 3   /**< beyond the face; only the unconstrained methods end there */
+} ct_where;
+
+/** Called with every iterate: its reference coordinates, f there [length^2], and the pointer of the options. */
+typedef void (*ct_project_trace)(const double xi[2], double f, void *user);
+
+/** What a caller may choose; start from ct_project_options_default. */
+typedef struct ct_project_options {
+  /** The method; CT_ROBUST. */
+  ct_method method;
+  /** Bound on the error of xi, in half-widths of the face (1 on quadrilaterals, 1/2 on triangles); 1e-10. Must be positive. */
+  double tolerance;
+  /** Not zero: begin at ``start`` (the last answer, say). Zero: begin at the centre of the face, and for CT_ROBUST at the best of a few samples. */
+  int use_start;
+  double start[2];
+  /** Iterations before giving up with CT_ITERATION_LIMIT; 0 takes the limit of the method (simplex 2000, newton and robust 100). */
+  int iteration_limit;
+  /** Null, or called with every iterate. */
+  ct_project_trace trace;
+  /** Handed to ``trace``. */
+  void *user;
+} ct_project_options;
+
+/** The closest point that was found; everything is written by ct_project. */
+typedef struct ct_projection {
+  /**
+   * CT_OK: xi is within the tolerance. CT_NOT_CERTIFIED: f is at its minimum as far as double precision shows, yet xi may
+   * be off by more than the tolerance (a far point, a face that is nearly a sphere about the point). CT_ITERATION_LIMIT: the budget is used
+   * up, or simplex compares nothing but rounding. CT_NO_CONVERGENCE: no minimum was found. CT_INVALID: the input is not finite, the
+   * face has no area, or a length is not between 1e-70 and 1e70; then all floating-point members are NaN.
+   */
+  ct_status status;
+  /** Interior, edge, vertex or outside. */
+  ct_where where;
+  /** Number of the edge (edge i joins corners i and i + 1) or of the corner; -1 where there is none. */
+  int index;
+  /** Calls of f (with or without gradient and Hessian), samples included. */
+  int evaluations;
+  int iterations;
+  /** Not zero when a proof says that no point of the face is closer. */
+  int certified;
+  /** Reference coordinates of the foot. */
+  double xi[2];
+  /** The foot y(xi) [length]. */
+  double point[3];
+  /** Distance of the given point from the foot [length], not negative. */
+  double distance;
+  /** The distance with a sign: positive when the given point lies on the side of the normal. */
+  double signed_distance;
+  /** Unit normal of the face at the foot, along y,1 x y,2. */
+  double normal[3];
+} ct_projection;
+
+/** Default options: CT_ROBUST, tolerance 1e-10, no start, the method's own iteration limit, no trace. */
+CT_API ct_project_options ct_project_options_default(void);
+
+/** Name of a method as in Python, for example ``"nelder_mead"``; null for a value that is no method. */
+CT_API const char *ct_method_name(ct_method method);
+
+/** Method of a name. CT_ERROR_ARGUMENT, with ``method`` untouched, when there is none of that name or a pointer is null. */
+CT_API ct_status ct_method_from_name(const char *name, ct_method *method);
+
+/**
+ * The function that a projection minimises, :eq:`projection-f`: its value ``f`` [length^2], gradient ``g`` = (f,1  f,2) of :eq:`projection-gradient` and
+ * Hessian ``H`` = (f,11  f,22  f,12) of :eq:`projection-hessian` at xi. Each output may be null.
+ */
+CT_API void ct_project_function(const ct_face *face, const double point[3], const double xi[2], double *f, double g[2], double H[3]);
+
+/**
+ * Closest point of a face to ``point``, :eq:`projection-minimum`. Null ``options`` are the defaults.
+ *
+ * The answer is ``out->status``, or, with all floating-point members NaN: CT_ERROR_ARGUMENT for a null pointer, an unknown face
+ * kind or method, a tolerance that is not positive, a start that is not finite or a negative limit; CT_ERROR_UNSUPPORTED for a method that this
+ * build does not have. A mirrored face and point give the mirrored bits with CT_ROBUST and CT_NEWTON, as does a scaling by a power of two.
+ */
+CT_API ct_status ct_project(const ct_face *face, const double point[3], const ct_project_options *options, ct_projection *out);
+
+/**
+ * Closest point of one face to each of ``count`` points, shape (count, 3), into ``out[count]``. ``start`` is null, or has a start for each
+ * point, shape (count, 2), which replaces the start of the options. Answers CT_OK when every point was looked at (see the status of each), else
+ * the first CT_ERROR_...
+ */
+CT_API ct_status ct_project_points(const ct_face *face, size_t count, const double *points, const ct_project_options *options, const double *start,
+                                   ct_projection *out);
+
+#endif

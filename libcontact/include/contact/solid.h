@@ -1,0 +1,61 @@
+#ifndef CONTACT_SOLID_H
+#define CONTACT_SOLID_H
+
+#include <contact/effect.h>
+#include <contact/mass.h>
+#include <contact/material.h>
+#include <contact/mesh.h>
+
+/** The kernel that computes a block of elements. */
+typedef enum ct_solid_kernel {
+  CT_KERNEL_AUTO = 0,    /**< the cheapest one that fits */
+  CT_KERNEL_GENERAL = 1, /**< bricks of any shape: Gauss points, 8 elements at a time */
+  CT_KERNEL_BOX = 2      /**< hex8, all rectangular along x, y, z and of one size: the integrals in closed form */
+} ct_solid_kernel;
+
+/**
+ * Internal force of one element, the readable form: small strain, isotropic, Gauss points one after another,
+ * :eq:`internal-force`. `nodes` and `displacement` and `force` have shape (8 or 20, 3); `force` [force] is what
+ * the element does to its nodes, -Bᵀσ integrated. `energy` may be null.
+ */
+CT_API ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes, const double *displacement,
+                                        const ct_material *material, double *force, double *energy, ct_error *error);
+
+/** Stress xx yy zz xy yz zx [stress] of one element at the point ξ, :eq:`hooke`. */
+CT_API ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes, const double *displacement,
+                                         const ct_material *material, const double xi[3], double stress[6], ct_error *error);
+
+/**
+ * Upper bound of the largest ω² of one element with its lumped `mass` (8 or 20), the largest eigenvalue of
+ * M⁻¹K, :eq:`element-bound` [1 / time²].
+ */
+CT_API ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes, const ct_material *material,
+                                            const double *mass, double *omega_squared, ct_error *error);
+
+/** One body as the solid effect sees it: its nodes stand at `first_node` of the problem. */
+typedef struct ct_solid_block {
+  const ct_mesh *mesh;
+  ct_material material;
+  int32_t first_node;
+  ct_solid_kernel kernel;
+  /** How the masses were lumped, for the bound on the time step. */
+  ct_lumping lumping;
+} ct_solid_block;
+
+/**
+ * The solid effect of all bodies: `blocks` (block_count) in ascending order of `first_node` without gaps. Meshes must outlive the
+ * effect. ``CT_ERROR_UNSUPPORTED`` when a kernel is asked for that does not fit its block.
+ */
+CT_API ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_count, ct_effect **effect, ct_error *error);
+
+/** The kernel that the effect chose for a block, and the floating-point operations and bytes of one update of one element. */
+CT_API ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel, double *flops, double *bytes);
+
+/**
+ * Stress at all element centres of one mesh, shape (element_count, 6) in the order xx yy zz xy yz zx [stress];
+ * `displacement` has shape (node_count, 3).
+ */
+CT_API ct_status ct_solid_stress(const ct_mesh *mesh, const ct_material *material, const double *displacement,
+                                 double *stress, ct_error *error);
+
+#endif

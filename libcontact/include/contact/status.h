@@ -1,0 +1,56 @@
+#ifndef CONTACT_STATUS_H
+#define CONTACT_STATUS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* What a shared library shows of itself; cffi and the documentation drop the word. */
+#ifndef CT_API
+#if defined(__GNUC__) && !defined(__wasm__)
+#define CT_API __attribute__((visibility("default")))
+#else
+#define CT_API
+#endif
+#endif
+
+/**
+ * How a call ended. Zero is success; 1 to 4 are also the verdicts on one projection
+ * (the same numbers as ``libcontact.Status`` in Python); the rest are errors.
+ */
+typedef enum ct_status {
+  CT_OK = 0,              /**< done, and the answer meets the tolerance */
+  CT_NOT_CERTIFIED = 1,   /**< an answer that no proof stands behind */
+  CT_ITERATION_LIMIT = 2, /**< the budget of iterations was used up first */
+  CT_NO_CONVERGENCE = 3,  /**< the method stopped at a point that is no stationary point */
+  CT_INVALID = 4,         /**< NaN, infinite or degenerate numbers came in; no number comes out */
+  CT_ERROR_ARGUMENT = 5,  /**< an argument is impossible: null, out of range, unknown */
+  CT_ERROR_MEMORY = 6,    /**< the system gave no memory */
+  CT_ERROR_GEOMETRY = 7,  /**< an inverted or collapsed element or face */
+  CT_ERROR_STEP = 8,      /**< the time step is above the stable one */
+  CT_ERROR_UNSUPPORTED = 9, /**< known, but not in this build or not for this case */
+  CT_ERROR_FILE = 10,     /**< a file can't be opened, written or read */
+  CT_ERROR_BLOWUP = 11    /**< the state has stopped being finite in mid-run */
+} ct_status;
+
+/**
+ * The detail of an error, owned by the caller, who may pass a null pointer when the code is enough.
+ * Calls that succeed leave it alone.
+ */
+typedef struct ct_error {
+  /** The same code that the call returns. */
+  ct_status code;
+  /** Body, element and point (node, Gauss point or row) that the error is about, counted from 0; -1 where it names none. */
+  int64_t body;
+  int64_t element;
+  int64_t point;
+  /** One sentence for a person, ended by a zero byte. */
+  char text[256];
+} ct_error;
+
+/** A short name for a status, for example ``"inverted or collapsed element"``; never null. */
+CT_API const char *ct_status_name(ct_status status);
+
+/** Version of the library as ``"major.minor.patch"``. */
+CT_API const char *ct_version(void);
+
+#endif

@@ -1,0 +1,109 @@
+#ifndef CONTACT_STEP_H
+#define CONTACT_STEP_H
+
+#include <contact/effect.h>
+#include <contact/material.h>
+#include <contact/mesh.h>
+
+/** One body of a problem. */
+typedef struct ct_body {
+  /** A name for people, ended by a zero byte. */
+  char name[64];
+  const ct_mesh *mesh;
+  ct_material material;
+  /** Its nodes are first_node ... first_node + mesh->node_count - 1 of the problem. */
+  int32_t first_node;
+} ct_body;
+
+/**
+ * All that stays fixed during a run. `ct_scene_build` makes one; a host may fill one by hand.
+ * The nodes of all bodies stand one after another.
+ */
+typedef struct ct_problem {
+  int32_t node_count;
+  int32_t body_count;
+  const ct_body *bodies;
+  /** Reference coordinates X [length], shape (node_count, 3). */
+  const double *reference;
+  /** Lumped mass [mass], shape (node_count). */
+  const double *mass;
+  /**
+   * One over the mass of each degree of freedom, shape (node_count, 3) [1 / mass]; 0 where a support prescribes a constant
+   * velocity, which the leapfrog then keeps.
+   */
+  const double *inverse_mass;
+  /** Velocity at t = 0 [length / time], shape (node_count, 3). */
+  const double *initial_velocity;
+  /** The effects; the first one acts on all nodes (usually "solid"). */
+  int32_t effect_count;
+  const ct_effect *const *effects;
+  /** Time step Δt [time]. */
+  double dt;
+  /** Threads, >= 1; results do not depend on it. */
+  int threads;
+} ct_problem;
+
+/**
+ * All that moves. Everything that a restart needs is `step`, `time`, `kinetic_start`, and the arrays `displacement`,
+ * `velocity`, `work`, `impulse` and `memory`; a copy of them continues with the same bits.
+ */
+typedef struct ct_state {
+  /** The problem that it belongs to. */
+  const ct_problem *problem;
+  /** Number n of the next step, and its time t_n = n Δt [time]. */
+  int64_t step;
+  double time;
+  int32_t node_count;
+  /** u_n [length], shape (node_count, 3); written by `ct_step`. */
+  double *displacement;
+  /** v_{n-1/2} [length / time], shape (node_count, 3); written by `ct_step`. */
+  double *velocity;
+  /**
+   * For each effect in turn that is no reaction, at each of its nodes and components: the sum over the past steps of f_j · (v_{j-1/2} + v_{j+1/2}),
+   * its work divided by Δt / 2, :eq:`work-balance`.
+   */
+  int64_t work_count;
+  double *work;
+  /** For each effect but the first, likewise: the sum of f_j, its impulse divided by Δt, :eq:`impulse-balance`. */
+  int64_t impulse_count;
+  double *impulse;
+  /** Kinetic energy at t = 0 [energy]. */
+  double kinetic_start;
+  /** Memory of the effects, one after another (memory_count doubles). */
+  int64_t memory_count;
+  double *memory;
+  /** Forces and scratch space of the current step; not part of a restart. */
+  struct ct_workspace *workspace;
+} ct_state;
+
+/** The stable step that is reported, and what it is made of. */
+typedef struct ct_stable_step {
+  /** Largest stable Δt with all effects [time], 2 / sqrt(Σ ω²), :eq:`step-bound`. */
+  double dt;
+  /** The same without contact [time]. */
+  double dt_without_contact;
+  /** Shortest element edge over the fastest c₁ of the same body [time]: Courant number 1. */
+  double dt_courant;
+} ct_stable_step;
+
+/** A state at t = 0 with zero displacement; evaluates the first forces. */
+CT_API ct_status ct_state_create(const ct_problem *problem, ct_state **state, ct_error *error);
+
+/** Copy what a restart needs. Both states must belong to the same problem. */
+CT_API ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_state *to, ct_error *error);
+
+CT_API void ct_state_free(ct_state *state);
+
+/** One step of the central difference method in leapfrog form, :eq:`leapfrog`. */
+CT_API ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error);
+
+/** `count` steps; ends early with ``CT_ERROR_BLOWUP`` (body, node and time in `error`) when the state stops being finite. */
+CT_API ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count, ct_error *error);
+
+/**
+ * Largest stable step of the problem in this state (a null `state`: at t = 0).
+ * An upper bound of ω² of each element plus the bound of the contact points, so never above the true limit of the linear problem.
+ */
+CT_API ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *out, ct_error *error);
+
+#endif

@@ -1,0 +1,15 @@
+#ifndef CT_SRC_CONTACT_INTERNAL_H
+#define CT_SRC_CONTACT_INTERNAL_H
+
+#include "side.h"
+
+struct ct_contact {
+  ct_contact_options options;
+  double depth; /* deepest point that is in contact */
+  double skin;  /* how far beyond the depth candidates are listed */
+  int built;    /* whether the candidate lists exist */
+  ct_side side[2];
+  double *terms; /* room for sums, three numbers a point */
+};
+
+#endif

@@ -1,0 +1,190 @@
+/* The contact as an effect of a problem. */
+#include <contact/contact.h>
+
+#include "../error.h"
+#include "../memory.h"
+#include "contact_internal.h"
+
+#include <string.h>
+
+typedef struct contact_data {
+  /* Both surfaces over one list of nodes, those of the effect; reference coordinates and masses of that list. */
+  ct_surface surface[2];
+  int32_t *faces[2];
+  double *reference;
+  double *mass;
+  int32_t *nodes;
+  ct_contact_options options;
+} contact_data;
+
+/* The contact of one state, and current coordinates of the effect's nodes. */
+typedef struct contact_scratch {
+  ct_contact *contact;
+  double *x;
+} contact_scratch;
+
+static void free_data(void *data)
+{
+  contact_data *d = data;
+  if (d == NULL) return;
+  ct_release(d->faces[0]);
+  ct_release(d->faces[1]);
+  ct_release(d->reference);
+  ct_release(d->mass);
+  ct_release(d->nodes);
+  ct_release(d);
+}
+
+static void free_scratch(void *scratch)
+{
+  contact_scratch *s = scratch;
+  if (s == NULL) return;
+  ct_contact_free(s->contact);
+  ct_release(s->x);
+  ct_release(s);
+}
+
+static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
+{
+  const contact_data *data = effect->data;
+  contact_scratch *s = ct_allocate(1, sizeof *s);
+  if (s == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  s->x = ct_allocate((size_t)effect->node_count, 3 * sizeof *s->x);
+  ct_status status = s->x != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  if (status == CT_OK) status = ct_contact_create(&data->surface[0], &data->surface[1], &data->options, &s->contact, error);
+  if (status != CT_OK) {
+    free_scratch(s);
+    return status;
+  }
+  *scratch = s;
+  return CT_OK;
+}
+
+/* A point's memory: number of its other face plus one (0: none), and the parameters there. */
+static void recall(ct_contact *contact, const double *memory)
+{
+  for (int s = 0; s < 2; s++)
+    for (int64_t i = 0; i < (int64_t)contact->side[s].face_count * contact->side[s].rule.count; i++, memory += 3) {
+      ct_gauss_point *point = &contact->side[s].points[i];
+      double last = (double)contact->side[1 - s].face_count;
+      point->other = memory[0] >= 1.0 && memory[0] <= last ? (int32_t)memory[0] - 1 : -1;
+      memcpy(point->xi, &memory[1], sizeof point->xi);
+    }
+}
+
+static void remember(const ct_contact *contact, double *memory)
+{
+  for (int s = 0; s < 2; s++)
+    for (int64_t i = 0; i < (int64_t)contact->side[s].face_count * contact->side[s].rule.count; i++, memory += 3) {
+      const ct_gauss_point *point = &contact->side[s].points[i];
+      memory[0] = (double)point->other + 1.0;
+      memcpy(&memory[1], point->xi, sizeof point->xi);
+    }
+}
+
+static ct_status contact_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+{
+  contact_scratch *s = view->scratch;
+  for (int32_t i = 0; i < effect->node_count; i++)
+    for (int c = 0; c < 3; c++) {
+      int64_t dof = 3 * (int64_t)effect->nodes[i] + c;
+      s->x[3 * (int64_t)i + c] = view->reference[dof] + view->displacement[dof];
+    }
+  s->contact->options.threads = view->threads;
+  recall(s->contact, view->memory);
+  ct_status status = ct_contact_update(s->contact, s->x, s->x, error);
+  if (status != CT_OK) {
+    if (error != NULL && error->point >= 0) error->point = effect->nodes[error->point];
+    return status;
+  }
+  remember(s->contact, view->next_memory);
+  memset(force, 0, 3 * (size_t)effect->node_count * sizeof *force);
+  return ct_contact_add_force(s->contact, force, force);
+}
+
+static ct_status contact_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
+{
+  (void)effect;
+  (void)error;
+  *energy = ct_contact_energy(((const contact_scratch *)view->scratch)->contact);
+  return CT_OK;
+}
+
+static ct_status contact_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
+{
+  const contact_data *data = effect->data;
+  ct_status status = ct_contact_frequency(((const contact_scratch *)view->scratch)->contact, data->mass, data->mass, omega_squared);
+  return status == CT_OK ? CT_OK : ct_fail(error, status, CT_NOWHERE, "contact: no bound on the time step");
+}
+
+static ct_status renumber(contact_data *data, const ct_surface *surface[2], const double *nodal_mass, int32_t *count, ct_error *error)
+{
+  int32_t total = surface[0]->node_count;
+  int32_t *own = ct_allocate((size_t)total, sizeof *own);
+  data->nodes = ct_allocate((size_t)total, sizeof *data->nodes);
+  data->reference = ct_allocate((size_t)total, 3 * sizeof *data->reference);
+  data->mass = ct_allocate((size_t)total, sizeof *data->mass);
+  ct_status status = own && data->nodes && data->reference && data->mass ? CT_OK : CT_ERROR_MEMORY;
+  for (int s = 0; status == CT_OK && s < 2; s++) {
+    size_t entries = (size_t)surface[s]->face_count * (size_t)ct_face_node_count(surface[s]->kind);
+    data->faces[s] = ct_allocate(entries, sizeof *data->faces[s]);
+    if (data->faces[s] == NULL) status = CT_ERROR_MEMORY;
+    for (size_t i = 0; status == CT_OK && i < entries; i++) {
+      int32_t node = surface[s]->faces[i];
+      if (node < 0 || node >= total)
+        status = ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, (int64_t)i, node}, "surface %d names node %d of %d", s, (int)node, (int)total);
+      else
+        own[node] = 1;
+    }
+  }
+  for (int32_t n = 0; status == CT_OK && n < total; n++)
+    if (own[n]) {
+      data->nodes[*count] = n;
+      memcpy(&data->reference[3 * (size_t)*count], &surface[0]->reference[3 * (size_t)n], 3 * sizeof(double));
+      data->mass[*count] = nodal_mass[n];
+      own[n] = (*count)++;
+    }
+  for (int s = 0; status == CT_OK && s < 2; s++) {
+    size_t entries = (size_t)surface[s]->face_count * (size_t)ct_face_node_count(surface[s]->kind);
+    for (size_t i = 0; i < entries; i++) data->faces[s][i] = own[surface[s]->faces[i]];
+    data->surface[s] = (ct_surface){surface[s]->kind, *count, surface[s]->face_count, data->faces[s], data->reference};
+  }
+  ct_release(own);
+  return status == CT_ERROR_MEMORY ? ct_fail(error, status, CT_NOWHERE, "no memory for a contact") : status;
+}
+
+ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, const ct_contact_options *options,
+                                   const double *nodal_mass, ct_effect **out, ct_error *error)
+{
+  if (a == NULL || b == NULL || options == NULL || nodal_mass == NULL || out == NULL || a->node_count != b->node_count ||
+      a->reference != b->reference || a->faces == NULL || b->faces == NULL || a->reference == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument, or surfaces of different problems");
+  const ct_surface *surface[2] = {a, b};
+  ct_effect *effect = ct_allocate(1, sizeof *effect);
+  contact_data *data = ct_allocate(1, sizeof *data);
+  if (effect == NULL || data == NULL) {
+    ct_release(effect);
+    ct_release(data);
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  }
+  data->options = *options;
+  *effect = (ct_effect){.name = "contact", .data = data, .create_scratch = create_scratch, .free_scratch = free_scratch,
+                        .force = contact_force, .energy = contact_energy, .frequency = contact_frequency, .free_data = free_data};
+  void *trial = NULL;
+  ct_status status = renumber(data, surface, nodal_mass, &effect->node_count, error);
+  effect->nodes = data->nodes;
+  if (status == CT_OK) status = create_scratch(effect, &trial, error);
+  if (status != CT_OK) {
+    ct_effect_free(effect);
+    return status;
+  }
+  effect->memory_count = 3 * ct_contact_point_count(((contact_scratch *)trial)->contact);
+  free_scratch(trial);
+  *out = effect;
+  return CT_OK;
+}
+
+const ct_contact *ct_contact_of_scratch(const void *scratch)
+{
+  return scratch == NULL ? NULL : ((const contact_scratch *)scratch)->contact;
+}

@@ -1,0 +1,161 @@
+#include <contact/energy.h>
+#include <contact/sum.h>
+
+#include "error.h"
+#include "workspace.h"
+
+#include <math.h>
+#include <string.h>
+
+/* v_{n+1/2} of one degree of freedom. */
+static double velocity_after(const ct_problem *problem, const ct_state *state, int64_t dof)
+{
+  return ct_kick(state->velocity[dof], problem->dt, problem->inverse_mass[dof], state->workspace->total[dof]);
+}
+
+/* ½ v_{n-1/2} · M v_{n+1/2} (eq:discrete-energy). */
+static double kinetic_energy(const ct_problem *problem, ct_state *state)
+{
+  double *terms = state->workspace->terms;
+  for (int64_t n = 0; n < problem->node_count; n++) {
+    const double *v = &state->velocity[3 * n];
+    terms[n] = 0.5 * problem->mass[n] *
+               ((v[0] * velocity_after(problem, state, 3 * n) + v[1] * velocity_after(problem, state, 3 * n + 1)) +
+                v[2] * velocity_after(problem, state, 3 * n + 2));
+  }
+  return ct_sum(terms, problem->node_count);
+}
+
+static ct_status check_effect(const ct_problem *problem, const ct_state *state, int32_t effect, const void *out, ct_error *error)
+{
+  if (problem == NULL || state == NULL || out == NULL || effect < 0 || effect >= problem->effect_count)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "energy: null argument or no effect %d", (int)effect);
+  return CT_OK;
+}
+
+ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t k, double *work, ct_error *error)
+{
+  ct_status status = check_effect(problem, state, k, work, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  const ct_effect *effect = problem->effects[k];
+  const double *past = effect->reaction ? state->impulse + ct_state_impulse_start(problem, k) : state->work + ct_state_work_start(problem, k);
+  double *terms = state->workspace->terms;
+  for (int32_t i = 0; i < effect->node_count; i++) {
+    const double *v = &state->velocity[3 * (int64_t)ct_effect_node(effect, i)];
+    double t[3];
+    // -- Δt / 2 (Σ f (v⁻ + v⁺) + f_n v_{n-1/2}); a reaction's velocity is constant (eq:work-balance)
+    for (int c = 0; c < 3; c++) {
+      double f = ct_workspace_force(problem, state, k, i, c), sum = past[3 * (int64_t)i + c];
+      t[c] = effect->reaction ? 2.0 * (sum + 0.5 * f) * v[c] : sum + f * v[c];
+    }
+    terms[i] = (t[0] + t[1]) + t[2];
+  }
+  *work = 0.5 * problem->dt * ct_sum(terms, effect->node_count);
+  return CT_OK;
+}
+
+ct_status ct_energy_stored(const ct_problem *problem, ct_state *state, int32_t k, double *energy, ct_error *error)
+{
+  ct_status status = check_effect(problem, state, k, energy, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  const ct_effect *effect = problem->effects[k];
+  ct_view view = ct_workspace_view(problem, state, k);
+  *energy = 0.0;
+  return effect->energy == NULL ? CT_OK : effect->energy(effect, &view, energy, error);
+}
+
+ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *energy, ct_error *error)
+{
+  ct_status status = check_effect(problem, state, 0, energy, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  ct_energy e = {.time = state->time, .kinetic = kinetic_energy(problem, state)};
+  double stored_total = 0.0, work_total = 0.0;
+  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    double work = 0.0, stored = 0.0;
+    status = ct_energy_work(problem, state, k, &work, error);
+    if (status == CT_OK) status = ct_energy_stored(problem, state, k, &stored, error);
+    work_total += work;
+    stored_total += stored;
+    if (effect->energy == NULL) e.external += work;
+    if (strcmp(effect->name, "solid") == 0) e.strain += stored;
+    if (strcmp(effect->name, "contact") == 0) e.contact += stored;
+  }
+  e.total = e.kinetic + stored_total - e.external;
+  e.balance = e.kinetic - state->kinetic_start - work_total;
+  if (status == CT_OK) *energy = e;
+  return status;
+}
+
+/* Impulse of all effects of one name on a range of nodes since t = 0 (eq:impulse-balance). */
+static void impulse_of(const ct_problem *problem, ct_state *state, const char *name, int32_t first, int32_t last, double impulse[3])
+{
+  for (int c = 0; c < 3; c++) impulse[c] = 0.0;
+  for (int32_t k = 1; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    const double *past = state->impulse + ct_state_impulse_start(problem, k);
+    if (strcmp(effect->name, name) != 0) continue;
+    for (int c = 0; c < 3; c++) {
+      int64_t count = 0;
+      for (int32_t i = 0; i < effect->node_count; i++) {
+        int32_t node = ct_effect_node(effect, i);
+        if (node < first || node >= last) continue;
+        state->workspace->terms[count++] = past[3 * (int64_t)i + c] + 0.5 * ct_workspace_force(problem, state, k, i, c);
+      }
+      impulse[c] += problem->dt * ct_sum(state->workspace->terms, count);
+    }
+  }
+}
+
+ct_status ct_momentum_of(const ct_problem *problem, ct_state *state, int32_t body, ct_momentum *momentum, ct_error *error)
+{
+  ct_status status = check_effect(problem, state, 0, momentum, error);
+  if (status == CT_OK && (body < 0 || body >= problem->body_count))
+    status = ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "momentum: there is no body %d", (int)body);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  int32_t first = problem->bodies[body].first_node, last = first + problem->bodies[body].mesh->node_count;
+  double *terms = state->workspace->terms;
+  *momentum = (ct_momentum){.time = state->time, .body = body};
+  for (int c = 0; c < 3; c++) {
+    int p = (c + 1) % 3, q = (c + 2) % 3;
+    for (int32_t n = first; n < last; n++)
+      terms[n - first] = problem->mass[n] * (0.5 * (state->velocity[3 * (int64_t)n + c] + velocity_after(problem, state, 3 * (int64_t)n + c)));
+    momentum->p[c] = ct_sum(terms, last - first);
+    for (int32_t n = first; n < last; n++) {
+      int64_t d = 3 * (int64_t)n;
+      double vp = 0.5 * (state->velocity[d + p] + velocity_after(problem, state, d + p));
+      double vq = 0.5 * (state->velocity[d + q] + velocity_after(problem, state, d + q));
+      terms[n - first] = problem->mass[n] * ((problem->reference[d + p] + state->displacement[d + p]) * vq -
+                                             (problem->reference[d + q] + state->displacement[d + q]) * vp);
+    }
+    momentum->L[c] = ct_sum(terms, last - first);
+  }
+  impulse_of(problem, state, "contact", first, last, momentum->contact_impulse);
+  impulse_of(problem, state, "support", first, last, momentum->support_impulse);
+  return CT_OK;
+}
+
+ct_status ct_state_velocity(const ct_problem *problem, ct_state *state, double *velocity, ct_error *error)
+{
+  ct_status status = check_effect(problem, state, 0, velocity, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  for (int64_t d = 0; status == CT_OK && d < 3 * (int64_t)problem->node_count; d++)
+    velocity[d] = 0.5 * (state->velocity[d] + velocity_after(problem, state, d));
+  return status;
+}
+
+ct_status ct_state_force(const ct_problem *problem, ct_state *state, int32_t k, double *force, ct_error *error)
+{
+  ct_status status = check_effect(problem, state, k, force, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  memset(force, 0, 3 * (size_t)problem->node_count * sizeof *force);
+  for (int32_t i = 0; i < problem->effects[k]->node_count; i++)
+    for (int c = 0; c < 3; c++)
+      force[3 * (int64_t)ct_effect_node(problem->effects[k], i) + c] = ct_workspace_force(problem, state, k, i, c);
+  return CT_OK;
+}

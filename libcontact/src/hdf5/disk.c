@@ -1,0 +1,151 @@
+#define _XOPEN_SOURCE 700
+#define _DEFAULT_SOURCE
+#define _FILE_OFFSET_BITS 64
+
+#include "hdf5_internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#if defined(__linux__)
+#include <sys/syscall.h>
+#endif
+
+enum { LONGEST_PATH_SHOWN = 120 };
+
+const char *ct_disk_short(const char *path)
+{
+  size_t length = strlen(path);
+  return length > LONGEST_PATH_SHOWN ? path + (length - LONGEST_PATH_SHOWN) : path;
+}
+
+static ct_status system_fail(ct_error *error, const char *path, const char *what, int number)
+{
+  char reason[80];
+  if (strerror_r(number, reason, sizeof reason) != 0) snprintf(reason, sizeof reason, "error %d", number);
+  return ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't %s: %s", ct_disk_short(path), what, reason);
+}
+
+ct_status ct_disk_names(const char *path, char **target, char **part, ct_error *error)
+{
+  struct stat found;
+  *target = *part = NULL;
+  if (stat(path, &found) == 0 && !S_ISREG(found.st_mode)) {
+    if (S_ISDIR(found.st_mode)) return system_fail(error, path, "write the file", EISDIR);
+    return ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't write the file: it is no ordinary file", ct_disk_short(path));
+  }
+  char *real = realpath(path, NULL);
+  const char *name = real != NULL ? real : path;
+  size_t length = strlen(name) + 1;
+  *target = malloc(length);
+  *part = malloc(length + sizeof ".part");
+  if (*target != NULL && *part != NULL) {
+    memcpy(*target, name, length);
+    snprintf(*part, length + sizeof ".part", "%s.part", name);
+  }
+  free(real);
+  if (*target == NULL || *part == NULL) return ct_output_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a path");
+  return CT_OK;
+}
+
+ct_status ct_disk_check_readable(const char *path, ct_error *error)
+{
+  struct stat found;
+  if (stat(path, &found) != 0) return system_fail(error, path, "read the file", errno);
+  if (S_ISDIR(found.st_mode)) return system_fail(error, path, "read the file", EISDIR);
+  int descriptor = open(path, O_RDONLY);
+  if (descriptor < 0) return system_fail(error, path, "read the file", errno);
+  close(descriptor);
+  return CT_OK;
+}
+
+/* The system's descriptor of a file that HDF5 has opened, or -1. */
+static int descriptor_of(hid_t file)
+{
+  void *handle = NULL;
+  hid_t access = H5Fget_access_plist(file);
+  if (access < 0) return -1;
+  herr_t got = H5Fget_vfd_handle(file, access, &handle);
+  H5Pclose(access);
+  return got >= 0 && handle != NULL ? *(int *)handle : -1;
+}
+
+/* Ask for the bytes from `start` on; 0, or the number of the error when the disk has no room for them. */
+static int reserve(int descriptor, off_t start, int64_t bytes)
+{
+#if defined(_POSIX_ADVISORY_INFO) && _POSIX_ADVISORY_INFO > 0
+  int result;
+  do result = posix_fallocate(descriptor, start, (off_t)bytes);
+  while (result == EINTR);
+  // -- Only a full disk counts: a file system that can't reserve is no reason to stop
+  if (result == ENOSPC || result == EFBIG || result == EDQUOT || result == EIO) return result;
+#else
+  (void)descriptor, (void)start, (void)bytes;
+#endif
+  return 0;
+}
+
+ct_status ct_disk_try(const char *part, int64_t bytes, const char *path, ct_error *error)
+{
+  int descriptor = open(part, O_RDWR | O_CREAT, 0666);
+  if (descriptor < 0) return system_fail(error, path, "write the file", errno);
+  int result = reserve(descriptor, 0, bytes);
+  close(descriptor);
+  if (result == 0) return CT_OK;
+  remove(part);
+  return system_fail(error, path, "write the file", result);
+}
+
+ct_status ct_disk_reserve(hid_t file, int64_t bytes, const char *path, ct_error *error)
+{
+  hsize_t size = 0;
+  int descriptor = descriptor_of(file);
+  if (descriptor < 0 || H5Fget_filesize(file, &size) < 0) return CT_OK;
+  int result = reserve(descriptor, (off_t)size, bytes);
+  if (result == 0) return CT_OK;
+  ct_disk_trim(file);
+  return system_fail(error, path, "write the next step", result);
+}
+
+void ct_disk_trim(hid_t file)
+{
+  hsize_t size = 0;
+  int descriptor = descriptor_of(file);
+  if (descriptor < 0 || H5Fget_filesize(file, &size) < 0) return;
+  struct stat found;
+  // -- A file that stays too long is still right, so a failure here needs no answer
+  if (fstat(descriptor, &found) == 0 && found.st_size > (off_t)size && ftruncate(descriptor, (off_t)size) != 0) return;
+}
+
+/* A file in memory that nobody else sees, or one without a name. */
+static int open_sink(void)
+{
+#if defined(SYS_memfd_create)
+  int sink = (int)syscall(SYS_memfd_create, "libcontact", 0);
+  if (sink >= 0) return sink;
+#endif
+  FILE *file = tmpfile();
+  int copy = file != NULL ? dup(fileno(file)) : -1;
+  if (file != NULL) fclose(file);
+  return copy;
+}
+
+void ct_disk_detach(hid_t file)
+{
+  int descriptor = descriptor_of(file), sink = open_sink();
+  if (descriptor >= 0 && sink >= 0) dup2(sink, descriptor);
+  if (sink >= 0) close(sink);
+}
+
+ct_status ct_disk_rename(const char *from, const char *to, ct_error *error)
+{
+  if (rename(from, to) != 0) return system_fail(error, to, "write the file", errno);
+  return CT_OK;
+}
+
+void ct_disk_remove(const char *path) { remove(path); }

@@ -1,0 +1,201 @@
+#include <contact/mesh.h>
+#include <contact/quadrature.h>
+
+#include "error.h"
+#include "jacobian.h"
+#include "memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ct_status mesh_allocate(ct_brick_kind kind, int64_t nodes, int64_t elements, ct_mesh **out, ct_error *error)
+{
+  int per = ct_brick_node_count(kind);
+  if (nodes < 1 || elements < 1 || nodes > INT32_MAX || elements > INT32_MAX / 64)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "a mesh of %lld nodes and %lld elements", (long long)nodes,
+                   (long long)elements);
+  ct_mesh *mesh = ct_allocate(1, sizeof *mesh);
+  if (mesh == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a mesh");
+  mesh->kind = kind;
+  mesh->node_count = (int32_t)nodes;
+  mesh->element_count = (int32_t)elements;
+  mesh->nodes = ct_allocate((size_t)nodes, 3 * sizeof *mesh->nodes);
+  mesh->elements = ct_allocate((size_t)elements * (size_t)per, sizeof *mesh->elements);
+  if (mesh->nodes == NULL || mesh->elements == NULL) {
+    ct_mesh_free(mesh);
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a mesh of %lld nodes", (long long)nodes);
+  }
+  *out = mesh;
+  return CT_OK;
+}
+
+void ct_mesh_free(ct_mesh *mesh)
+{
+  if (mesh == NULL) return;
+  ct_release(mesh->nodes);
+  ct_release(mesh->elements);
+  ct_release(mesh);
+}
+
+/* Nodes of a box stand on a lattice of half cells: point (i, j, k) with 0 <= i <= 2 cells[0] and so on.
+ * Corners have even coordinates; the mid-side nodes of hex20 have exactly one odd one. */
+static int32_t lattice_node(const int32_t cells[3], const int32_t at[3])
+{
+  int odd = -1;
+  for (int d = 0; d < 3; d++)
+    if (at[d] % 2) odd = d;
+  int64_t first = 0;
+  int64_t corners[3], count[3];
+  for (int d = 0; d < 3; d++) corners[d] = cells[d] + 1;
+  // Blocks of numbers: corners, then mid-sides along x, y, z.
+  for (int block = -1; block <= odd; block++) {
+    for (int d = 0; d < 3; d++) count[d] = d == block ? cells[d] : corners[d];
+    if (block == odd) break;
+    first += count[0] * count[1] * count[2];
+  }
+  return (int32_t)(first + at[0] / 2 + count[0] * (at[1] / 2 + count[1] * (at[2] / 2)));
+}
+
+static void lattice_coordinates(const ct_box *box, const int32_t at[3], double x[3])
+{
+  for (int d = 0; d < 3; d++) {
+    double a = box->origin[d], b = box->origin[d] + box->size[d];
+    double n = 2.0 * box->cells[d], i = at[d];
+    x[d] = ((n - i) * a + i * b) / n;
+  }
+}
+
+static ct_status box_check(const ct_box *box, ct_error *error)
+{
+  for (int d = 0; d < 3; d++) {
+    if (!isfinite(box->origin[d]) || !isfinite(box->size[d]) || !(box->size[d] > 0.0))
+      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: origin %g and size %g along %c", box->origin[d],
+                     box->size[d], "xyz"[d]);
+    if (box->cells[d] < 1 || box->cells[d] > 1000000)
+      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: %d cells along %c", (int)box->cells[d], "xyz"[d]);
+  }
+  return CT_OK;
+}
+
+static void box_element(ct_mesh *mesh, const ct_box *box, const int32_t cell[3], int32_t element)
+{
+  int per = ct_brick_node_count(mesh->kind);
+  for (int a = 0; a < per; a++) {
+    double xi[3];
+    int32_t at[3];
+    ct_brick_reference(mesh->kind, a, xi);
+    for (int d = 0; d < 3; d++) at[d] = 2 * cell[d] + 1 + (int32_t)xi[d];
+    int32_t node = lattice_node(box->cells, at);
+    mesh->elements[(size_t)element * (size_t)per + (size_t)a] = node;
+    lattice_coordinates(box, at, &mesh->nodes[3 * (size_t)node]);
+  }
+}
+
+ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh, ct_error *error)
+{
+  if (box == NULL || mesh == NULL || ct_brick_node_count(kind) == 0)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: null argument or unknown element");
+  ct_status status = box_check(box, error);
+  if (status != CT_OK) return status;
+  int64_t n[3] = {box->cells[0], box->cells[1], box->cells[2]};
+  if (n[0] * n[1] > INT32_MAX) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: too many cells");
+  int64_t nodes = (n[0] + 1) * (n[1] + 1) * (n[2] + 1);
+  if (kind == CT_HEX20)
+    nodes += n[0] * (n[1] + 1) * (n[2] + 1) + (n[0] + 1) * n[1] * (n[2] + 1) + (n[0] + 1) * (n[1] + 1) * n[2];
+  status = mesh_allocate(kind, nodes, n[0] * n[1] * n[2], mesh, error);
+  if (status != CT_OK) return status;
+
+  int32_t element = 0, cell[3];
+  for (cell[2] = 0; cell[2] < box->cells[2]; cell[2]++)
+    for (cell[1] = 0; cell[1] < box->cells[1]; cell[1]++)
+      for (cell[0] = 0; cell[0] < box->cells[0]; cell[0]++) box_element(*mesh, box, cell, element++);
+  return CT_OK;
+}
+
+ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error)
+{
+  if (source == NULL || mesh == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "mesh: null argument");
+  ct_status status = ct_mesh_check(source, error);
+  if (status == CT_OK) status = mesh_allocate(source->kind, source->node_count, source->element_count, mesh, error);
+  if (status != CT_OK) return status;
+  size_t per = (size_t)ct_brick_node_count(source->kind);
+  memcpy((*mesh)->nodes, source->nodes, 3 * (size_t)source->node_count * sizeof(double));
+  memcpy((*mesh)->elements, source->elements, per * (size_t)source->element_count * sizeof(int32_t));
+  return CT_OK;
+}
+
+static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t element, ct_error *error)
+{
+  int per = ct_brick_node_count(mesh->kind);
+  double nodes[20][3];
+  ct_place where = {-1, element, -1};
+  for (int a = 0; a < per; a++) {
+    int32_t node = mesh->elements[(size_t)element * (size_t)per + (size_t)a];
+    if (node < 0 || node >= mesh->node_count)
+      return ct_fail(error, CT_ERROR_ARGUMENT, where, "element %d names node %d, the mesh has nodes 0 to %d", (int)element,
+                     (int)node, (int)mesh->node_count - 1);
+    memcpy(nodes[a], &mesh->nodes[3 * (size_t)node], sizeof nodes[a]);
+  }
+  for (int q = 0; q < rule->count; q++) {
+    double dN[20][3], J[3][3], C[3][3];
+    ct_brick_gradient(mesh->kind, rule->xi[q], dN);
+    ct_reference_gradient(per, dN, nodes, J);
+    double det = ct_cofactors(J, C);
+    double scale = sqrt((J[0][0] * J[0][0] + J[1][0] * J[1][0] + J[2][0] * J[2][0]) *
+                        (J[0][1] * J[0][1] + J[1][1] * J[1][1] + J[2][1] * J[2][1]) *
+                        (J[0][2] * J[0][2] + J[1][2] * J[1][2] + J[2][2] * J[2][2]));
+    where.point = q;
+    if (!(det > 1e-12 * scale))
+      return ct_fail(error, CT_ERROR_GEOMETRY, where, "element %d is %s: Jacobian determinant %g at Gauss point %d",
+                     (int)element, det < -1e-12 * scale ? "inverted" : "collapsed", det, q);
+  }
+  return CT_OK;
+}
+
+ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
+{
+  if (mesh == NULL || mesh->nodes == NULL || mesh->elements == NULL || ct_brick_node_count(mesh->kind) == 0 ||
+      mesh->node_count < 1 || mesh->element_count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "mesh: empty, or unknown kind of element");
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    for (int d = 0; d < 3; d++)
+      if (!isfinite(mesh->nodes[3 * (size_t)i + (size_t)d]))
+        return ct_fail(error, CT_INVALID, (ct_place){-1, -1, i}, "coordinate %c of node %d is not finite", "xyz"[d], (int)i);
+  ct_rule rule;
+  ct_status status = ct_rule_brick(mesh->kind, &rule);
+  for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) status = element_check(mesh, &rule, e, error);
+  return status;
+}
+
+double ct_mesh_shortest_edge(const ct_mesh *mesh)
+{
+  static const int edge[12][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
+                                  {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
+  size_t per = (size_t)ct_brick_node_count(mesh->kind);
+  double shortest = INFINITY;
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (int k = 0; k < 12; k++) {
+      const double *a = &mesh->nodes[3 * (size_t)mesh->elements[(size_t)e * per + (size_t)edge[k][0]]];
+      const double *b = &mesh->nodes[3 * (size_t)mesh->elements[(size_t)e * per + (size_t)edge[k][1]]];
+      double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+      double length = sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
+      if (length < shortest) shortest = length;
+    }
+  return shortest;
+}
+
+void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3])
+{
+  for (int d = 0; d < 3; d++) {
+    low[d] = INFINITY;
+    high[d] = -INFINITY;
+  }
+  for (int32_t i = 0; i < mesh->node_count; i++)
+    for (int d = 0; d < 3; d++) {
+      double x = mesh->nodes[3 * (size_t)i + (size_t)d];
+      if (x < low[d]) low[d] = x;
+      if (x > high[d]) high[d] = x;
+    }
+}

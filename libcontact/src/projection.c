@@ -1,0 +1,126 @@
+#include <contact/projection.h>
+
+#include "projection/projection_internal.h"
+#include "segment_sum.h"
+#include "vector.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The table of methods: a row without a function is known by name and not in this build. */
+static const struct {
+  const char *name;
+  ct_project_method *project;
+} METHOD[] = {
+    [CT_SIMPLEX] = {"simplex", ct_project_simplex},
+    [CT_NELDER_MEAD] = {"nelder_mead", NULL},
+    [CT_NEWTON] = {"newton", ct_project_newton},
+    [CT_LEAST_SQUARES] = {"least_squares", NULL},
+    [CT_STEEPEST_DESCENT] = {"steepest_descent", NULL},
+    [CT_BROYDEN] = {"broyden", NULL},
+    [CT_BFGS] = {"bfgs", NULL},
+    [CT_ROBUST] = {"robust", ct_project_robust},
+    [CT_CERTIFIED] = {"certified", NULL},
+};
+enum { METHODS = sizeof METHOD / sizeof METHOD[0] };
+
+const char *ct_method_name(ct_method method)
+{
+  int row = (int)method;
+  return row >= 0 && row < METHODS ? METHOD[row].name : NULL;
+}
+
+ct_status ct_method_from_name(const char *name, ct_method *method)
+{
+  if (name == NULL || method == NULL) return CT_ERROR_ARGUMENT;
+  for (int row = 0; row < METHODS; row++)
+    if (strcmp(name, METHOD[row].name) == 0) {
+      *method = (ct_method)row;
+      return CT_OK;
+    }
+  return CT_ERROR_ARGUMENT;
+}
+
+ct_project_options ct_project_options_default(void)
+{
+  ct_project_options options = {CT_ROBUST, 1e-10, 0, {0, 0}, 0, NULL, NULL};
+  return options;
+}
+
+void ct_project_function(const ct_face *face, const double point[3], const double xi[2], double *f, double g[2], double H[3])
+{
+  if (face == NULL || point == NULL || xi == NULL) return;
+  // -- Subtract the point first (eq:projection-shift)
+  ct_face shifted = *face;
+  for (int i = 0; i < ct_face_node_count(face->kind); i++)
+    for (int k = 0; k < 3; k++) shifted.node[i][k] = face->node[i][k] - point[k];
+  double d[3], t1[3], t2[3], bend[3][3], ddN[8][3];
+  ct_segment_point(&shifted, xi, d);
+  ct_segment_tangents(&shifted, xi, t1, t2);
+  ct_segment_hessian(face->kind, xi, ddN);
+  for (int a = 0; a < 3; a++) ct_segment_sum(&shifted, &ddN[0][a], 3, bend[a]);
+  // -- Value, gradient and Hessian (eq:projection-f, eq:projection-gradient, eq:projection-hessian)
+  if (f != NULL) *f = ct_vector_dot(d, d);
+  if (g != NULL) g[0] = 2 * ct_vector_dot(d, t1), g[1] = 2 * ct_vector_dot(d, t2);
+  if (H == NULL) return;
+  H[0] = 2 * (ct_vector_dot(t1, t1) + ct_vector_dot(d, bend[0]));
+  H[1] = 2 * (ct_vector_dot(t2, t2) + ct_vector_dot(d, bend[1]));
+  H[2] = 2 * (ct_vector_dot(t1, t2) + ct_vector_dot(d, bend[2]));
+}
+
+/* Everything that has no answer. */
+static ct_status nothing(ct_projection *out, ct_status status)
+{
+  ct_projection none = {status, CT_OUTSIDE, -1, 0, 0, 0, {NAN, NAN}, {NAN, NAN, NAN}, NAN, NAN, {NAN, NAN, NAN}};
+  *out = none;
+  return status;
+}
+
+/* Is there a method for these options, and are they possible? */
+static ct_status check_options(const ct_project_options *options)
+{
+  if (ct_method_name(options->method) == NULL || options->iteration_limit < 0) return CT_ERROR_ARGUMENT;
+  if (!(options->tolerance > 0 && options->tolerance < HUGE_VAL)) return CT_ERROR_ARGUMENT;
+  if (options->use_start && !(fabs(options->start[0]) < HUGE_VAL && fabs(options->start[1]) < HUGE_VAL)) return CT_ERROR_ARGUMENT;
+  return METHOD[options->method].project != NULL ? CT_OK : CT_ERROR_UNSUPPORTED;
+}
+
+ct_status ct_project(const ct_face *face, const double point[3], const ct_project_options *options, ct_projection *out)
+{
+  if (out == NULL) return CT_ERROR_ARGUMENT;
+  ct_project_options defaults = ct_project_options_default();
+  if (options == NULL) options = &defaults;
+  if (face == NULL || point == NULL || ct_face_node_count(face->kind) == 0) return nothing(out, CT_ERROR_ARGUMENT);
+  ct_status status = check_options(options);
+  if (status != CT_OK) return nothing(out, status);
+  ct_patch patch;
+  if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK) return nothing(out, CT_INVALID);
+  ct_foot foot = {{0, 0}, {0, 0, 0}, 0, 0};
+  out->status = METHOD[options->method].project(&patch, options, &foot);
+  if (!ct_patch_normal(&patch, foot.xi, out->normal)) return nothing(out, out->status == CT_OK ? CT_INVALID : out->status);
+  out->where = ct_patch_where(face->kind, foot.xi, options->tolerance * ct_patch_half_width(face->kind), &out->index);
+  out->evaluations = foot.evaluations;
+  out->iterations = foot.iterations;
+  out->certified = 0;
+  for (int a = 0; a < 2; a++) out->xi[a] = foot.xi[a];
+  for (int k = 0; k < 3; k++) out->point[k] = point[k] + foot.d[k];
+  // -- Distance, and its sign on the side of the normal (eq:projection-signed)
+  out->distance = sqrt(ct_vector_dot(foot.d, foot.d));
+  out->signed_distance = ct_vector_dot(foot.d, out->normal) <= 0 ? out->distance : -out->distance;
+  return out->status;
+}
+
+ct_status ct_project_points(const ct_face *face, size_t count, const double *points, const ct_project_options *options, const double *start,
+                            ct_projection *out)
+{
+  if (count == 0) return CT_OK;
+  if (points == NULL || out == NULL) return CT_ERROR_ARGUMENT;
+  ct_project_options own = options != NULL ? *options : ct_project_options_default();
+  ct_status first = CT_OK;
+  for (size_t i = 0; i < count; i++) {
+    if (start != NULL) own.use_start = 1, own.start[0] = start[2 * i], own.start[1] = start[2 * i + 1];
+    ct_status status = ct_project(face, points + 3 * i, &own, &out[i]);
+    if (first == CT_OK && status >= CT_ERROR_ARGUMENT) first = status;
+  }
+  return first;
+}

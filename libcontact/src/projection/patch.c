@@ -1,0 +1,156 @@
+#include "projection_internal.h"
+
+#include "../vector.h"
+
+#include <math.h>
+
+/* Coefficients of one coordinate from the node values v; each is a tree that flips map onto itself up to its sign. */
+static void quadrilateral(const double v[8], int serendipity, double c[8])
+{
+  // -- Corners (eq:projection-patch-q4)
+  double all = (v[0] + v[1]) + (v[2] + v[3]), right = (v[1] - v[0]) + (v[2] - v[3]);
+  double up = (v[3] - v[0]) + (v[2] - v[1]), twist = (v[0] - v[1]) + (v[2] - v[3]);
+  c[0] = 0.25 * all, c[1] = 0.25 * right, c[2] = 0.25 * up, c[3] = 0.25 * twist;
+  c[4] = c[5] = c[6] = c[7] = 0;
+  if (!serendipity) return;
+  // -- Mid-sides (eq:projection-patch-q8)
+  double row = v[4] + v[6], column = v[5] + v[7];
+  c[0] = 0.5 * (row + column) - 0.25 * all;
+  c[1] = 0.5 * (v[5] - v[7]);
+  c[2] = 0.5 * (v[6] - v[4]);
+  c[4] = 0.25 * all - 0.5 * row;
+  c[5] = 0.25 * all - 0.5 * column;
+  c[6] = 0.25 * up - 0.5 * (v[6] - v[4]);
+  c[7] = 0.25 * right - 0.5 * (v[5] - v[7]);
+}
+
+static void triangle(const double v[8], int quadratic, double c[8])
+{
+  c[0] = v[0], c[1] = v[1] - v[0], c[2] = v[2] - v[0];
+  c[3] = c[4] = c[5] = c[6] = c[7] = 0;
+  if (!quadratic) return;
+  // -- Mid-sides of the triangle (eq:projection-patch-t6)
+  c[4] = 2 * ((v[0] + v[1]) - 2 * v[3]);
+  c[5] = 2 * ((v[0] + v[2]) - 2 * v[5]);
+  c[3] = 4 * ((v[0] - (v[3] + v[5])) + v[4]);
+  c[1] = (v[1] - v[0]) - c[4];
+  c[2] = (v[2] - v[0]) - c[5];
+}
+
+ct_status ct_patch_init(ct_patch *patch, ct_face_kind kind, const double node[8][3], const double point[3])
+{
+  int count = ct_face_node_count(kind);
+  double c[8], check = 0, size = 0, far = 0;
+  patch->kind = kind;
+  for (int j = 0; j < 8; j++) patch->c[j][3] = 0;
+  for (int k = 0; k < 3; k++) {
+    // -- Subtract the point first (eq:projection-shift)
+    double v[8] = {0};
+    for (int i = 0; i < count; i++) v[i] = node[i][k] - point[k];
+    if (kind == CT_Q4 || kind == CT_Q8) quadrilateral(v, kind == CT_Q8, c);
+    else triangle(v, kind == CT_T6, c);
+    for (int j = 0; j < 8; j++) {
+      patch->c[j][k] = c[j];
+      check += 0 * c[j];
+      if (j > 0) size = fabs(c[j]) > size ? fabs(c[j]) : size;
+    }
+    far = fabs(c[0]) > far ? fabs(c[0]) : far;
+  }
+  // -- Products of four lengths must stay within double precision
+  patch->size = size;
+  return check == 0 && size > 1e-70 && size < 1e70 && far < 1e70 ? CT_OK : CT_INVALID;
+}
+
+double ct_patch_value(const ct_patch *patch, const double xi[2], double d[3])
+{
+  const double(*c)[4] = patch->c;
+  double x = xi[0], y = xi[1], xy = x * y, xx = x * x, yy = y * y, xxy = xx * y, xyy = x * yy, e[4];
+  for (int k = 0; k < 4; k++) {
+    // -- Point of the patch (eq:projection-patch)
+    e[k] = (c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y);
+    e[k] += (c[4][k] * xx + c[5][k] * yy) + (c[6][k] * xxy + c[7][k] * xyy);
+  }
+  for (int k = 0; k < 3; k++) d[k] = e[k];
+  return ct_vector_dot(e, e);
+}
+
+static void tangents(const ct_patch *patch, const double xi[2], double t1[4], double t2[4])
+{
+  const double(*c)[4] = patch->c;
+  double x = xi[0], y = xi[1];
+  for (int k = 0; k < 4; k++) {
+    // -- Tangents of the patch (eq:projection-patch-derivatives)
+    double cx = c[6][k] * x, cy = c[7][k] * y;
+    t1[k] = (c[1][k] + c[3][k] * y) + (2 * (c[4][k] * x) + y * (2 * cx + cy));
+    t2[k] = (c[2][k] + c[3][k] * x) + (2 * (c[5][k] * y) + x * (cx + 2 * cy));
+  }
+}
+
+double ct_patch_derivatives(const ct_patch *patch, const double xi[2], double d[3], double g[2], double H[3])
+{
+  const double(*c)[4] = patch->c;
+  double t1[4], t2[4], t11[4], t22[4], t12[4];
+  double f = ct_patch_value(patch, xi, d);
+  tangents(patch, xi, t1, t2);
+  for (int k = 0; k < 4; k++) {
+    // -- Second derivatives of the patch (eq:projection-patch-derivatives)
+    t11[k] = 2 * (c[4][k] + c[6][k] * xi[1]);
+    t22[k] = 2 * (c[5][k] + c[7][k] * xi[0]);
+    t12[k] = c[3][k] + 2 * (c[6][k] * xi[0] + c[7][k] * xi[1]);
+  }
+  // -- Gradient (eq:projection-gradient)
+  g[0] = 2 * ct_vector_dot(d, t1);
+  g[1] = 2 * ct_vector_dot(d, t2);
+  // -- Hessian (eq:projection-hessian)
+  H[0] = 2 * (ct_vector_dot(t1, t1) + ct_vector_dot(d, t11));
+  H[1] = 2 * (ct_vector_dot(t2, t2) + ct_vector_dot(d, t22));
+  H[2] = 2 * (ct_vector_dot(t1, t2) + ct_vector_dot(d, t12));
+  return f;
+}
+
+/* Unit normal exactly at xi; answers 0 where the tangents vanish or are parallel to rounding. */
+static int normal_at(const ct_patch *patch, const double xi[2], double n[3])
+{
+  double t1[4], t2[4];
+  tangents(patch, xi, t1, t2);
+  // -- Unit normal (eq:segment-normal)
+  ct_vector_cross(t1, t2, n);
+  double square = ct_vector_dot(n, n), limit = 1e-14 * sqrt(ct_vector_dot(t1, t1)) * sqrt(ct_vector_dot(t2, t2));
+  if (!(square > limit * limit)) return 0;
+  double length = sqrt(square);
+  for (int k = 0; k < 3; k++) n[k] /= length;
+  return 1;
+}
+
+int ct_patch_normal(const ct_patch *patch, const double xi[2], double n[3])
+{
+  if (normal_at(patch, xi, n)) return 1;
+  // -- At a collapsed corner, take the normal just inside of it
+  double centre = ct_patch_centre(patch->kind), inside[2];
+  for (int a = 0; a < 2; a++) inside[a] = xi[a] + (centre - xi[a]) / 1048576;
+  if (normal_at(patch, inside, n)) return 1;
+  for (int k = 0; k < 3; k++) n[k] = NAN;
+  return 0;
+}
+
+ct_where ct_patch_where(ct_face_kind kind, const double xi[2], double slack, int *index)
+{
+  *index = -1;
+  int triangular = kind == CT_T3 || kind == CT_T6, touched[4] = {0}, edges = triangular ? 3 : 4;
+  // -- Distance to each edge, positive inside
+  double inside[4] = {xi[1], 1 - (xi[0] + xi[1]), xi[0], 1};
+  if (!triangular) inside[0] = 1 + xi[1], inside[1] = 1 - xi[0], inside[2] = 1 - xi[1], inside[3] = 1 + xi[0];
+  for (int i = 0; i < edges; i++) {
+    if (!(inside[i] >= -slack)) return CT_OUTSIDE;
+    touched[i] = inside[i] <= slack;
+    if (touched[i]) *index = i;
+  }
+  if (*index < 0) return CT_INTERIOR;
+  // -- Corner i lies between edges i - 1 and i
+  for (int i = 0; i < edges; i++)
+    if (touched[i] && touched[(i + edges - 1) % edges]) {
+      *index = i;
+      return CT_VERTEX;
+    }
+  return CT_EDGE;
+}

@@ -1,0 +1,122 @@
+#include "projection_internal.h"
+
+#include <float.h>
+#include <math.h>
+
+/* A regular simplex in the plane of xi: its vertices, their values of f, and for how many iterations each has stayed. */
+typedef struct simplex {
+  double x[3][2], f[3];
+  int age[3];
+  double edge;
+} simplex;
+
+static double value(const ct_patch *patch, const double x[2], ct_foot *foot)
+{
+  double d[3];
+  foot->evaluations++;
+  return ct_patch_value(patch, x, d);
+}
+
+/* The regular simplex of edge `edge` with its centroid at `centre`; a flip of xi_1 about the centroid maps it onto itself. */
+static void simplex_start(simplex *s, const ct_patch *patch, const double centre[2], double edge, ct_foot *foot)
+{
+  // -- Regular simplex about the start (eq:simplex-start)
+  double corner[3][2] = {{-0.5, -sqrt(3) / 6}, {0.5, -sqrt(3) / 6}, {0, sqrt(3) / 3}};
+  s->edge = edge;
+  for (int i = 0; i < 3; i++) {
+    for (int a = 0; a < 2; a++) s->x[i][a] = centre[a] + edge * corner[i][a];
+    s->f[i] = value(patch, s->x[i], foot);
+    s->age[i] = 0;
+  }
+}
+
+/* Sort out the lowest vertex, the second highest and the highest. */
+static void simplex_order(const simplex *s, int *low, int *second, int *high)
+{
+  // -- Highest and lowest vertex (eq:simplex-high, eq:simplex-low)
+  *high = s->f[0] > s->f[1] ? 0 : 1;
+  *low = 1 - *high;
+  if (s->f[2] > s->f[*high]) *high = 2;
+  else if (s->f[2] < s->f[*low]) *low = 2;
+  *second = 3 - *low - *high;
+}
+
+/* Reflect vertex i in the middle of the others; writes the image and answers f there. */
+static double simplex_reflect(const simplex *s, const ct_patch *patch, int i, double image[2], ct_foot *foot)
+{
+  const double *p = s->x[(i + 1) % 3], *q = s->x[(i + 2) % 3];
+  for (int a = 0; a < 2; a++) {
+    // -- Centre of the others, and the reflection with alpha = 1 (eq:simplex-centre, eq:simplex-reflection)
+    double centre = 0.5 * (p[a] + q[a]);
+    image[a] = centre + (centre - s->x[i][a]);
+  }
+  return value(patch, image, foot);
+}
+
+static void simplex_move(simplex *s, int i, const double image[2], double f)
+{
+  for (int k = 0; k < 3; k++) s->age[k]++;
+  s->x[i][0] = image[0];
+  s->x[i][1] = image[1];
+  s->f[i] = f;
+  s->age[i] = 0;
+}
+
+static void simplex_halve(simplex *s, const ct_patch *patch, int low, ct_foot *foot)
+{
+  // -- Halve the edge about the lowest vertex (eq:simplex-halving)
+  s->edge *= 0.5;
+  for (int i = 0; i < 3; i++) {
+    s->age[i] = 0;
+    if (i == low) continue;
+    for (int a = 0; a < 2; a++) s->x[i][a] = s->x[low][a] + 0.5 * (s->x[i][a] - s->x[low][a]);
+    s->f[i] = value(patch, s->x[i], foot);
+  }
+}
+
+/* One iteration; answers the larger of the highest vertex and its image, by which rounding noise shows. */
+static double simplex_step(simplex *s, const ct_patch *patch, ct_foot *foot)
+{
+  double image[2];
+  int low, second, high;
+  simplex_order(s, &low, &second, &high);
+  double f = simplex_reflect(s, patch, high, image, foot), top = fmax(f, s->f[high]);
+  int moved = high;
+  if (f >= s->f[high]) {
+    // -- The worst does not improve: reflect the second highest instead
+    f = simplex_reflect(s, patch, second, image, foot);
+    moved = second;
+  }
+  simplex_move(s, moved, image, f);
+  return top;
+}
+
+ct_status ct_project_simplex(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
+{
+  int limit = options->iteration_limit > 0 ? options->iteration_limit : 2000, low, second, high;
+  double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width;
+  double centre = ct_patch_centre(patch->kind), start[2] = {centre, centre};
+  // -- Age at which a vertex is the centre of rotation, 3.5 for n = 2 (eq:simplex-age)
+  const int n = 2;
+  const double m = 1.65 * n + 0.05 * n * n;
+  simplex s;
+  simplex_start(&s, patch, options->use_start ? options->start : start, half_width, foot);
+  ct_status status = CT_ITERATION_LIMIT;
+  for (foot->iterations = 0; foot->iterations < limit; foot->iterations++) {
+    double top = simplex_step(&s, patch, foot);
+    simplex_order(&s, &low, &second, &high);
+    if (options->trace != NULL) options->trace(s.x[low], s.f[low], options->user);
+    if (s.age[low] < m) continue;
+    if (s.edge <= tolerance) {
+      status = CT_OK;
+      break;
+    }
+    // -- Stop where values differ by rounding only (eq:simplex-floor)
+    if (fmax(top, s.f[high]) - s.f[low] <= 4 * DBL_EPSILON * s.f[low]) break;
+    simplex_halve(&s, patch, low, foot);
+  }
+  simplex_order(&s, &low, &second, &high);
+  for (int a = 0; a < 2; a++) foot->xi[a] = s.x[low][a];
+  ct_patch_value(patch, foot->xi, foot->d);
+  return status;
+}

@@ -1,0 +1,330 @@
+#include <contact/scene.h>
+
+#include "error.h"
+#include "memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* What was added of one body, contact and support. */
+typedef struct scene_body {
+  ct_mesh *mesh;
+  ct_lumping lumping;
+  ct_solid_kernel kernel;
+  double velocity[3];
+} scene_body;
+
+typedef struct scene_contact {
+  ct_scene_contact given; /* its arrays are ours */
+  int32_t *faces[2];
+  double epsilon;
+} scene_contact;
+
+struct ct_scene {
+  int32_t body_count, contact_count, support_count;
+  ct_body *bodies;
+  scene_body *parts;
+  scene_contact *contacts;
+  ct_scene_support *supports; /* their arrays are ours */
+  /* What `ct_scene_build` makes. */
+  ct_problem problem;
+  ct_effect **effects;
+  double *reference, *mass, *inverse_mass, *velocity;
+};
+
+/* Room for one more row at the end of a table of `count` rows. */
+static int grow(void **table, int32_t count, size_t size)
+{
+  if (count > 0 && (count & (count - 1)) != 0) return 1; // room doubles at powers of two
+  void *larger = ct_allocate(count == 0 ? 1 : 2 * (size_t)count, size);
+  if (larger == NULL) return 0;
+  if (count > 0) memcpy(larger, *table, (size_t)count * size);
+  ct_release(*table);
+  *table = larger;
+  return 1;
+}
+
+static void *duplicate(const void *from, size_t bytes)
+{
+  void *copy = ct_allocate(bytes, 1);
+  if (copy != NULL && bytes > 0) memcpy(copy, from, bytes);
+  return copy;
+}
+
+ct_status ct_scene_create(ct_scene **scene, ct_error *error)
+{
+  if (scene == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
+  *scene = ct_allocate(1, sizeof **scene);
+  return *scene != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a scene");
+}
+
+/* Give back what `ct_scene_build` made. */
+static void unbuild(ct_scene *scene)
+{
+  for (int32_t i = 0; scene->effects != NULL && i < scene->contact_count + 2; i++) ct_effect_free(scene->effects[i]);
+  ct_release(scene->effects);
+  ct_release(scene->reference);
+  ct_release(scene->mass);
+  ct_release(scene->inverse_mass);
+  ct_release(scene->velocity);
+  scene->effects = NULL;
+  scene->reference = scene->mass = scene->inverse_mass = scene->velocity = NULL;
+  memset(&scene->problem, 0, sizeof scene->problem);
+}
+
+void ct_scene_free(ct_scene *scene)
+{
+  if (scene == NULL) return;
+  unbuild(scene);
+  for (int32_t i = 0; i < scene->body_count; i++) ct_mesh_free(scene->parts[i].mesh);
+  for (int32_t i = 0; i < scene->contact_count; i++) {
+    ct_release(scene->contacts[i].faces[0]);
+    ct_release(scene->contacts[i].faces[1]);
+  }
+  for (int32_t i = 0; i < scene->support_count; i++) ct_release((void *)(uintptr_t)scene->supports[i].nodes);
+  ct_release(scene->bodies);
+  ct_release(scene->parts);
+  ct_release(scene->contacts);
+  ct_release(scene->supports);
+  ct_release(scene);
+}
+
+ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *mesh, const ct_material *material, ct_lumping lumping,
+                            ct_solid_kernel kernel, const double velocity[3], int32_t *body, ct_error *error)
+{
+  if (scene == NULL || name == NULL || mesh == NULL || velocity == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body: null argument");
+  ct_status status = ct_material_check(material, error);
+  for (int c = 0; status == CT_OK && c < 3; c++)
+    if (!isfinite(velocity[c])) status = ct_fail(error, CT_INVALID, CT_NOWHERE, "body %s: velocity %c is not finite", name, "xyz"[c]);
+  ct_mesh *copy = NULL;
+  if (status == CT_OK) status = ct_mesh_create_copy(mesh, &copy, error);
+  if (status == CT_OK && (!grow((void **)&scene->bodies, scene->body_count, sizeof *scene->bodies) ||
+                          !grow((void **)&scene->parts, scene->body_count, sizeof *scene->parts))) {
+    ct_mesh_free(copy);
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for body %s", name);
+  }
+  if (status != CT_OK) {
+    if (error != NULL) error->body = scene->body_count;
+    return status;
+  }
+  ct_body *entry = &scene->bodies[scene->body_count];
+  snprintf(entry->name, sizeof entry->name, "%s", name);
+  entry->mesh = copy;
+  entry->material = *material;
+  entry->first_node = 0;
+  for (int32_t i = 0; i < scene->body_count; i++) entry->first_node += scene->bodies[i].mesh->node_count;
+  scene->parts[scene->body_count] = (scene_body){copy, lumping, kernel, {velocity[0], velocity[1], velocity[2]}};
+  if (body != NULL) *body = scene->body_count;
+  scene->body_count++;
+  return CT_OK;
+}
+
+static ct_status check_body(const ct_scene *scene, int32_t body, const char *what, ct_error *error)
+{
+  if (body >= 0 && body < scene->body_count) return CT_OK;
+  return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "%s: there is no body %d", what, (int)body);
+}
+
+ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error)
+{
+  if (scene == NULL || contact == NULL || contact->faces_a == NULL || contact->faces_b == NULL || contact->face_count_a < 1 ||
+      contact->face_count_b < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: a surface has no faces");
+  ct_status status = check_body(scene, contact->body_a, "contact", error);
+  if (status == CT_OK) status = check_body(scene, contact->body_b, "contact", error);
+  if (status != CT_OK) return status;
+  if (!(contact->beta > 0.0) == !(contact->options.epsilon > 0.0))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: give either beta or epsilon, positive (beta %g, epsilon %g)",
+                   contact->beta, contact->options.epsilon);
+  if (!grow((void **)&scene->contacts, scene->contact_count, sizeof *scene->contacts))
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  scene_contact *entry = &scene->contacts[scene->contact_count];
+  memset(entry, 0, sizeof *entry);
+  entry->given = *contact;
+  const int32_t *faces[2] = {contact->faces_a, contact->faces_b}, count[2] = {contact->face_count_a, contact->face_count_b},
+                body[2] = {contact->body_a, contact->body_b};
+  for (int s = 0; s < 2; s++) {
+    size_t entries = (size_t)count[s] * (size_t)ct_face_node_count(ct_brick_face_kind(scene->parts[body[s]].mesh->kind));
+    entry->faces[s] = duplicate(faces[s], entries * sizeof *faces[s]);
+    if (entry->faces[s] == NULL) {
+      ct_release(entry->faces[0]);
+      return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+    }
+    for (size_t i = 0; i < entries; i++) entry->faces[s][i] += scene->bodies[body[s]].first_node;
+  }
+  scene->contact_count++;
+  return CT_OK;
+}
+
+ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support, ct_error *error)
+{
+  if (scene == NULL || support == NULL || support->nodes == NULL || support->node_count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "support: no nodes");
+  ct_status status = check_body(scene, support->body, "support", error);
+  if (status != CT_OK) return status;
+  int32_t *nodes = duplicate(support->nodes, (size_t)support->node_count * sizeof *nodes);
+  if (nodes == NULL || !grow((void **)&scene->supports, scene->support_count, sizeof *scene->supports)) {
+    ct_release(nodes);
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a support");
+  }
+  for (int32_t i = 0; i < support->node_count; i++) nodes[i] += scene->bodies[support->body].first_node;
+  scene->supports[scene->support_count] = *support;
+  scene->supports[scene->support_count].nodes = nodes;
+  scene->support_count++;
+  return CT_OK;
+}
+
+/* Nodes of all bodies one after another: coordinates, masses, initial velocities. */
+static ct_status join_bodies(ct_scene *scene, ct_error *error)
+{
+  ct_problem *problem = &scene->problem;
+  for (int32_t i = 0; i < scene->body_count; i++) problem->node_count += scene->parts[i].mesh->node_count;
+  size_t n = (size_t)problem->node_count;
+  scene->reference = ct_allocate(n, 3 * sizeof(double));
+  scene->mass = ct_allocate(n, sizeof(double));
+  scene->inverse_mass = ct_allocate(n, 3 * sizeof(double));
+  scene->velocity = ct_allocate(n, 3 * sizeof(double));
+  if (!scene->reference || !scene->mass || !scene->inverse_mass || !scene->velocity)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for %d nodes", (int)problem->node_count);
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    const scene_body *part = &scene->parts[i];
+    size_t first = (size_t)scene->bodies[i].first_node, count = (size_t)part->mesh->node_count;
+    memcpy(&scene->reference[3 * first], part->mesh->nodes, 3 * count * sizeof(double));
+    ct_status status = ct_mass_lumped(part->mesh, scene->bodies[i].material.density, part->lumping, &scene->mass[first], error);
+    if (status != CT_OK) {
+      if (error != NULL) error->body = i;
+      return status;
+    }
+    for (size_t d = 3 * first; d < 3 * (first + count); d++) {
+      if (!(scene->mass[d / 3] > 0.0))
+        return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){i, -1, (int64_t)(d / 3 - first)}, "node %d of body %s belongs to no element",
+                       (int)(d / 3 - first), scene->bodies[i].name);
+      scene->inverse_mass[d] = 1.0 / scene->mass[d / 3];
+      scene->velocity[d] = part->velocity[d % 3];
+    }
+  }
+  return CT_OK;
+}
+
+static ct_status make_solid(ct_scene *scene, ct_error *error)
+{
+  ct_solid_block *blocks = ct_allocate((size_t)scene->body_count, sizeof *blocks);
+  if (blocks == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
+  for (int32_t i = 0; i < scene->body_count; i++)
+    blocks[i] = (ct_solid_block){.mesh = scene->parts[i].mesh, .material = scene->bodies[i].material, .kernel = scene->parts[i].kernel,
+                                 .first_node = scene->bodies[i].first_node, .lumping = scene->parts[i].lumping};
+  ct_status status = ct_solid_create_effect(blocks, scene->body_count, &scene->effects[0], error);
+  ct_release(blocks);
+  return status;
+}
+
+/* ε = β E / h with the smaller modulus and the shorter edge of the two bodies (eq:penalty-factor). */
+static double penalty_of(const ct_scene *scene, const ct_scene_contact *contact)
+{
+  if (contact->options.epsilon > 0.0) return contact->options.epsilon;
+  double E = fmin(scene->bodies[contact->body_a].material.young, scene->bodies[contact->body_b].material.young);
+  double h = fmin(ct_mesh_shortest_edge(scene->parts[contact->body_a].mesh), ct_mesh_shortest_edge(scene->parts[contact->body_b].mesh));
+  return ct_contact_penalty(contact->beta, E, h);
+}
+
+static ct_status make_contact(ct_scene *scene, int32_t number, ct_effect **effect, ct_error *error)
+{
+  scene_contact *entry = &scene->contacts[number];
+  ct_contact_options options = entry->given.options;
+  int32_t count[2] = {entry->given.face_count_a, entry->given.face_count_b}, body[2] = {entry->given.body_a, entry->given.body_b};
+  ct_surface surface[2];
+  for (int s = 0; s < 2; s++)
+    surface[s] = (ct_surface){.kind = ct_brick_face_kind(scene->parts[body[s]].mesh->kind), .node_count = scene->problem.node_count,
+                              .face_count = count[s], .faces = entry->faces[s], .reference = scene->reference};
+  entry->epsilon = options.epsilon = penalty_of(scene, &entry->given);
+  return ct_contact_create_effect(&surface[0], &surface[1], &options, scene->mass, effect, error);
+}
+
+static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *error)
+{
+  ct_support *supports = ct_allocate((size_t)scene->support_count, sizeof *supports);
+  if (supports == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
+  for (int32_t i = 0; i < scene->support_count; i++) {
+    const ct_scene_support *from = &scene->supports[i];
+    supports[i].nodes = from->nodes;
+    supports[i].node_count = from->node_count;
+    memcpy(supports[i].fixed, from->fixed, sizeof from->fixed);
+    memcpy(supports[i].velocity, from->velocity, sizeof from->velocity);
+  }
+  ct_status status = ct_support_create_effect(supports, scene->support_count, scene->problem.node_count, effect, error);
+  ct_release(supports);
+  return status == CT_OK ? ct_support_apply(*effect, scene->inverse_mass, scene->velocity) : status;
+}
+
+static ct_status make_effects(ct_scene *scene, ct_error *error)
+{
+  int32_t count = 1;
+  scene->effects = ct_allocate((size_t)scene->contact_count + 2, sizeof *scene->effects);
+  if (scene->effects == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the effects");
+  ct_status status = make_solid(scene, error);
+  for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++) status = make_contact(scene, i, &scene->effects[count++], error);
+  if (status == CT_OK && scene->support_count > 0) status = make_supports(scene, &scene->effects[count++], error);
+  scene->problem.effect_count = count;
+  return status;
+}
+
+/* The time step that the scene asks for, before it is fitted to the end. */
+static ct_status asked_step(const ct_scene_time *time, const ct_stable_step *stable, double *dt, ct_error *error)
+{
+  int given = (time->courant > 0.0) + (time->fraction > 0.0) + (time->dt > 0.0);
+  if (!(time->end > 0.0) || !isfinite(time->end) || given != 1 || time->threads < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "time: needs an end > 0 (%g), exactly one of courant, fraction, dt (%d given), threads >= 1 (%d)",
+                   time->end, given, time->threads);
+  *dt = time->courant > 0.0 ? time->courant * stable->dt_courant : time->fraction > 0.0 ? time->fraction * stable->dt : time->dt;
+  if (!(*dt <= stable->dt * (1.0 + 1e-12)))
+    return ct_fail(error, CT_ERROR_STEP, CT_NOWHERE, "time step %g (Courant number %g) is above the stable step %g (Courant number %g)", *dt,
+                   *dt / stable->dt_courant, stable->dt, stable->dt / stable->dt_courant);
+  if (!(time->end / *dt < 9e15)) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "time: %g steps", time->end / *dt);
+  return CT_OK;
+}
+
+ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_problem **problem, int64_t *step_count,
+                         ct_stable_step *stable, ct_error *error)
+{
+  if (scene == NULL || time == NULL || problem == NULL || step_count == NULL || stable == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
+  if (scene->body_count < 1) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: no bodies");
+  unbuild(scene);
+  ct_problem *p = &scene->problem;
+  double dt = 0.0;
+  ct_status status = join_bodies(scene, error);
+  if (status == CT_OK) status = make_effects(scene, error);
+  if (status == CT_OK) {
+    p->body_count = scene->body_count;
+    p->bodies = scene->bodies;
+    p->reference = scene->reference;
+    p->mass = scene->mass;
+    p->inverse_mass = scene->inverse_mass;
+    p->initial_velocity = scene->velocity;
+    p->effects = (const ct_effect *const *)scene->effects;
+    p->threads = 1;
+    p->dt = 1.0; // any step will do to ask for the stable one
+    status = ct_stable(p, NULL, stable, error);
+  }
+  if (status == CT_OK) status = asked_step(time, stable, &dt, error);
+  if (status != CT_OK) {
+    unbuild(scene);
+    return status;
+  }
+  // -- The largest step not above the asked one that ends where the scene ends (eq:whole-steps)
+  *step_count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));
+  p->dt = time->end / (double)*step_count;
+  p->threads = time->threads;
+  *problem = p;
+  return CT_OK;
+}
+
+ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon)
+{
+  if (scene == NULL || epsilon == NULL || contact < 0 || contact >= scene->contact_count) return CT_ERROR_ARGUMENT;
+  *epsilon = scene->contacts[contact].epsilon;
+  return CT_OK;
+}
+

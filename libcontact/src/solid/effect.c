@@ -1,0 +1,265 @@
+/* The solid effect: internal forces of all bodies. */
+#include <contact/quadrature.h>
+#include <contact/solid.h>
+#include <contact/sum.h>
+
+#include "../error.h"
+#include "../memory.h"
+#include "../tree.h"
+#include "kernel.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct solid_data {
+  int32_t part_count;
+  ct_solid_part *parts;
+  int64_t value_count;
+  int64_t element_count;
+  double omega_squared;
+} solid_data;
+
+/* Element forces of all parts, and room for one energy an element. */
+typedef struct solid_scratch {
+  double *values;
+  double *energies;
+} solid_scratch;
+
+static void free_data(void *data)
+{
+  solid_data *solid = data;
+  if (solid == NULL) return;
+  for (int32_t i = 0; solid->parts != NULL && i < solid->part_count; i++) {
+    ct_release(solid->parts[i].batch_nodes);
+    ct_release(solid->parts[i].gradients);
+    ct_assembly_free(solid->parts[i].assembly);
+  }
+  ct_release(solid->parts);
+  ct_release(solid);
+}
+
+static void free_scratch(void *scratch)
+{
+  solid_scratch *s = scratch;
+  if (s == NULL) return;
+  ct_release(s->values);
+  ct_release(s->energies);
+  ct_release(s);
+}
+
+static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  solid_scratch *s = ct_allocate(1, sizeof *s);
+  if (s != NULL) {
+    s->values = ct_allocate((size_t)solid->value_count, sizeof *s->values);
+    s->energies = ct_allocate((size_t)solid->element_count, sizeof *s->energies);
+  }
+  if (s == NULL || s->values == NULL || s->energies == NULL) {
+    free_scratch(s);
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
+  }
+  *scratch = s;
+  return CT_OK;
+}
+
+static void part_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *u, double *values)
+{
+  if (part->kernel == CT_KERNEL_BOX)
+    ct_solid_box_batches(part, first, last, u, values);
+  else if (part->mesh->kind == CT_HEX8)
+    ct_solid_hex8_batches(part, first, last, u, values);
+  else
+    ct_solid_hex20_batches(part, first, last, u, values);
+}
+
+enum { BATCHES_AT_ONCE = 32, NODES_AT_ONCE = 1024 };
+
+static ct_status solid_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  const solid_scratch *scratch = view->scratch;
+  (void)error;
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    const double *u = view->displacement + 3 * (int64_t)part->first_node;
+    double *f = force + 3 * (int64_t)part->first_node, *values = scratch->values + part->first_value;
+    int32_t batches = part->batch_count, nodes = part->mesh->node_count;
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(view->threads) schedule(static) if (view->threads > 1)
+#endif
+    for (int32_t b = 0; b < batches; b += BATCHES_AT_ONCE)
+      part_batches(part, b, b + BATCHES_AT_ONCE < batches ? b + BATCHES_AT_ONCE : batches, u, values);
+    ct_assembly_fold(part->assembly, values);
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(view->threads) schedule(static) if (view->threads > 1)
+#endif
+    for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE)
+      ct_assembly_gather(part->assembly, values, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes, f);
+  }
+  return CT_OK;
+}
+
+/* Energy of one element, -½ f · (u - mean of u): the force is linear in u and blind to a translation. */
+static double element_energy(const ct_solid_part *part, int32_t e, const double *u, const double *values)
+{
+  int per = ct_brick_node_count(part->mesh->kind);
+  const int32_t *node = &part->mesh->elements[(size_t)e * (size_t)per];
+  double work[3];
+  for (int c = 0; c < 3; c++) {
+    double t[20];
+    for (int a = 0; a < 8; a++) t[a] = u[3 * (int64_t)node[a] + c];
+    double mean = ct_tree_corners(t) / 8.0;
+    for (int a = 0; a < per; a++)
+      t[a] = values[((int64_t)(e / 8 * per + a) * 3 + c) * 8 + e % 8] * (u[3 * (int64_t)node[a] + c] - mean);
+    work[c] = ct_tree_nodes(per, t);
+  }
+  return -0.5 * ((work[0] + work[1]) + work[2]);
+}
+
+static ct_status solid_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  const solid_scratch *scratch = view->scratch;
+  int64_t count = 0;
+  (void)error;
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    for (int32_t e = 0; e < part->mesh->element_count; e++)
+      scratch->energies[count++] = element_energy(part, e, view->displacement + 3 * (int64_t)part->first_node,
+                                                  scratch->values + part->first_value);
+  }
+  *energy = ct_sum(scratch->energies, count);
+  return CT_OK;
+}
+
+static ct_status solid_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
+{
+  (void)view;
+  (void)error;
+  *omega_squared = ((const solid_data *)effect->data)->omega_squared;
+  return CT_OK;
+}
+
+/* Largest eigenvalue of the elements of one part; a box has one element's worth. */
+static ct_status part_frequency(const ct_solid_part *part, double *omega_squared, ct_error *error)
+{
+  const ct_mesh *mesh = part->mesh;
+  size_t per = (size_t)ct_brick_node_count(mesh->kind);
+  int32_t count = part->kernel == CT_KERNEL_BOX ? 1 : mesh->element_count;
+  *omega_squared = 0.0;
+  for (int32_t e = 0; e < count; e++) {
+    double x[20][3], m[20], w;
+    for (size_t a = 0; a < per; a++) memcpy(x[a], &mesh->nodes[3 * (size_t)mesh->elements[(size_t)e * per + a]], sizeof x[a]);
+    ct_status status = ct_mass_element(mesh->kind, &x[0][0], part->material.density, part->lumping, m, error);
+    if (status == CT_OK) status = ct_solid_element_frequency(mesh->kind, &x[0][0], &part->material, m, &w, error);
+    if (status != CT_OK) {
+      if (error != NULL) error->element = e;
+      return status;
+    }
+    if (w > *omega_squared) *omega_squared = w;
+  }
+  return CT_OK;
+}
+
+static ct_status prepare_gradients(ct_solid_part *part)
+{
+  ct_rule rule;
+  part->gradients = ct_allocate(27, sizeof *part->gradients);
+  if (part->gradients == NULL) return CT_ERROR_MEMORY;
+  ct_rule_brick(part->mesh->kind, &rule);
+  for (int q = 0; q < rule.count; q++) ct_brick_gradient(part->mesh->kind, rule.xi[q], part->gradients[q]);
+  return CT_OK;
+}
+
+static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, ct_error *error)
+{
+  int32_t per = ct_brick_node_count(block->mesh->kind);
+  part->mesh = block->mesh;
+  part->material = block->material;
+  part->lumping = block->lumping;
+  part->first_node = block->first_node;
+  ct_material_lame(&part->material, &part->lambda, &part->mu);
+  int box = ct_solid_is_box(part->mesh, part->edge);
+  if (block->kernel == CT_KERNEL_BOX && !box)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular hex8 elements of one size");
+  part->kernel = block->kernel == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : block->kernel;
+  part->batch_count = (part->mesh->element_count + 7) / 8;
+  part->batch_nodes = ct_allocate((size_t)part->batch_count * 8 * (size_t)per, sizeof *part->batch_nodes);
+  if (part->batch_nodes == NULL || (part->mesh->kind == CT_HEX20 && prepare_gradients(part) != CT_OK))
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
+  for (int32_t b = 0; b < part->batch_count; b++)
+    for (int32_t a = 0; a < per; a++)
+      for (int32_t l = 0; l < 8; l++) {
+        int32_t e = 8 * b + l < part->mesh->element_count ? 8 * b + l : part->mesh->element_count - 1;
+        part->batch_nodes[(b * per + a) * 8 + l] = part->mesh->elements[e * per + a];
+      }
+  return ct_assembly_create(part->mesh, 3, &part->assembly, error);
+}
+
+static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_error *error)
+{
+  solid->parts = ct_allocate((size_t)solid->part_count, sizeof *solid->parts);
+  if (solid->parts == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
+  int32_t next_node = 0;
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    ct_solid_part *part = &solid->parts[i];
+    double omega_squared = 0.0;
+    ct_status status = ct_material_check(&blocks[i].material, error);
+    if (status == CT_OK) status = ct_mesh_check(blocks[i].mesh, error);
+    if (status == CT_OK && blocks[i].first_node != next_node)
+      status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the body begins at node %d, not %d", (int)blocks[i].first_node, (int)next_node);
+    if (status == CT_OK) status = prepare_part(part, &blocks[i], error);
+    if (status == CT_OK) status = part_frequency(part, &omega_squared, error);
+    if (status != CT_OK) {
+      if (error != NULL) error->body = i;
+      return status;
+    }
+    part->first_value = solid->value_count;
+    solid->value_count += part->assembly->value_count;
+    solid->element_count += part->mesh->element_count;
+    solid->omega_squared = fmax(solid->omega_squared, omega_squared);
+    next_node += part->mesh->node_count;
+  }
+  return CT_OK;
+}
+
+ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_count, ct_effect **out, ct_error *error)
+{
+  if (blocks == NULL || block_count < 1 || out == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: no bodies");
+  ct_effect *effect = ct_allocate(1, sizeof *effect);
+  solid_data *solid = ct_allocate(1, sizeof *solid);
+  if (effect == NULL || solid == NULL) {
+    ct_release(effect);
+    ct_release(solid);
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the solid effect");
+  }
+  solid->part_count = block_count;
+  *effect = (ct_effect){.name = "solid", .data = solid, .create_scratch = create_scratch, .free_scratch = free_scratch,
+                        .force = solid_force, .energy = solid_energy, .frequency = solid_frequency, .free_data = free_data};
+  ct_status status = prepare(solid, blocks, error);
+  if (status != CT_OK) {
+    ct_effect_free(effect);
+    return status;
+  }
+  for (int32_t i = 0; i < block_count; i++) effect->node_count += blocks[i].mesh->node_count;
+  *out = effect;
+  return CT_OK;
+}
+
+ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel, double *flops, double *bytes)
+{
+  if (effect == NULL || effect->force != solid_force || block < 0) return CT_ERROR_ARGUMENT;
+  const solid_data *solid = effect->data;
+  if (block >= solid->part_count) return CT_ERROR_ARGUMENT;
+  const ct_solid_part *part = &solid->parts[block];
+  double elements = part->mesh->element_count, per = ct_brick_node_count(part->mesh->kind);
+  // Operations counted in the kernels; the gather adds 7 sums a component and node.
+  double kernel_flops = part->kernel == CT_KERNEL_BOX ? 393.0 : part->mesh->kind == CT_HEX8 ? 2154.0 : 37434.0;
+  if (kernel != NULL) *kernel = part->kernel;
+  if (flops != NULL) *flops = kernel_flops + 21.0 * part->mesh->node_count / elements;
+  // Node numbers and element forces written once and read once; displacements and forces of the nodes, and the gather's places.
+  if (bytes != NULL) *bytes = 4.0 * per + 48.0 * per + (48.0 + 32.0) * part->mesh->node_count / elements;
+  return CT_OK;
+}

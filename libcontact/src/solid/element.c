@@ -1,0 +1,115 @@
+/* One element at a time, as the equations read. The batch kernels beside this file compute the same numbers faster. */
+#include <contact/quadrature.h>
+#include <contact/solid.h>
+
+#include "../error.h"
+#include "../jacobian.h"
+
+#include <string.h>
+
+/* Displacement gradient ∂u_i/∂x_j at one point and the factor det J; 0 when the element is not valid there. */
+static double displacement_gradient(ct_brick_kind kind, double x[20][3], double u[20][3], const double xi[3], double dNdx[20][3],
+                                    double G[3][3])
+{
+  int per = ct_brick_node_count(kind);
+  double dN[20][3], J[3][3], C[3][3];
+  // -- Map the derivatives of the shape functions to the body (eq:jacobian)
+  ct_brick_gradient(kind, xi, dN);
+  ct_reference_gradient(per, dN, x, J);
+  double det = ct_cofactors(J, C);
+  if (!(det > 0.0)) return 0.0;
+  for (int a = 0; a < per; a++)
+    for (int j = 0; j < 3; j++)
+      dNdx[a][j] = ((dN[a][0] * C[j][0] + dN[a][1] * C[j][1]) + dN[a][2] * C[j][2]) / det;
+  ct_reference_gradient(per, dNdx, u, G);
+  return det;
+}
+
+/* Hooke's law for small strains, σ = Λ tr(ε) I + 2 μ ε, as a full 3 x 3 matrix (eq:hooke). */
+static void hooke(const ct_material *material, double G[3][3], double sigma[3][3])
+{
+  double lambda, mu;
+  ct_material_lame(material, &lambda, &mu);
+  double trace = (G[0][0] + G[1][1]) + G[2][2];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) sigma[i][j] = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * trace : 0.0);
+}
+
+static ct_status element_arguments(ct_brick_kind kind, const double *nodes, const double *displacement,
+                                   const ct_material *material, double x[20][3], double u[20][3], ct_error *error)
+{
+  size_t per = (size_t)ct_brick_node_count(kind);
+  if (per == 0 || nodes == NULL || displacement == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
+  memcpy(x, nodes, per * sizeof x[0]);
+  memcpy(u, displacement, per * sizeof u[0]);
+  return ct_material_check(material, error);
+}
+
+ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes, const double *displacement,
+                                 const ct_material *material, double *force, double *energy, ct_error *error)
+{
+  double x[20][3], u[20][3];
+  ct_status status = element_arguments(kind, nodes, displacement, material, x, u, error);
+  if (status != CT_OK) return status;
+  int per = ct_brick_node_count(kind);
+  ct_rule rule;
+  ct_rule_brick(kind, &rule);
+  double W = 0.0;
+  for (int i = 0; i < 3 * per; i++) force[i] = 0.0;
+
+  // -- Sum f = -∫ σ ∂N/∂x dV over the Gauss points (eq:internal-force)
+  for (int q = 0; q < rule.count; q++) {
+    double dNdx[20][3], G[3][3], sigma[3][3];
+    double det = displacement_gradient(kind, x, u, rule.xi[q], dNdx, G);
+    if (det == 0.0)
+      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q}, "the element is inverted or collapsed at Gauss point %d", q);
+    hooke(material, G, sigma);
+    double dV = rule.weight[q] * det;
+    for (int a = 0; a < per; a++)
+      for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) force[3 * a + i] -= sigma[i][j] * dNdx[a][j] * dV;
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++) W += 0.5 * sigma[i][j] * G[i][j] * dV;
+  }
+  if (energy != NULL) *energy = W;
+  return CT_OK;
+}
+
+ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes, const double *displacement,
+                                  const ct_material *material, const double xi[3], double stress[6], ct_error *error)
+{
+  double x[20][3], u[20][3], dNdx[20][3], G[3][3], s[3][3];
+  ct_status status = element_arguments(kind, nodes, displacement, material, x, u, error);
+  if (status != CT_OK) return status;
+  if (displacement_gradient(kind, x, u, xi, dNdx, G) == 0.0)
+    return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE, "the element is inverted or collapsed");
+  hooke(material, G, s);
+  double voigt[6] = {s[0][0], s[1][1], s[2][2], s[0][1], s[1][2], s[2][0]};
+  memcpy(stress, voigt, sizeof voigt);
+  return CT_OK;
+}
+
+ct_status ct_solid_stress(const ct_mesh *mesh, const ct_material *material, const double *displacement, double *stress,
+                          ct_error *error)
+{
+  static const double centre[3] = {0.0, 0.0, 0.0};
+  if (mesh == NULL || displacement == NULL || stress == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument");
+  size_t per = (size_t)ct_brick_node_count(mesh->kind);
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    double x[20][3] = {{0.0}}, u[20][3] = {{0.0}};
+    for (size_t a = 0; a < per; a++) {
+      size_t node = (size_t)mesh->elements[(size_t)e * per + a];
+      memcpy(x[a], &mesh->nodes[3 * node], sizeof x[a]);
+      memcpy(u[a], &displacement[3 * node], sizeof u[a]);
+    }
+    ct_status status =
+        ct_solid_element_stress(mesh->kind, &x[0][0], &u[0][0], material, centre, &stress[6 * (size_t)e], error);
+    if (status != CT_OK) {
+      if (error != NULL) error->element = e;
+      return status;
+    }
+  }
+  return CT_OK;
+}

@@ -1,0 +1,60 @@
+#ifndef CT_SRC_SOLID_KERNEL_H
+#define CT_SRC_SOLID_KERNEL_H
+
+#include <contact/solid.h>
+
+#include "../assembly.h"
+#include "../lanes.h"
+
+/* One body, prepared for its kernel. Element forces go to `values` in the layout of ct_assembly. */
+typedef struct ct_solid_part {
+  const ct_mesh *mesh;
+  ct_material material;
+  ct_lumping lumping;
+  double lambda, mu;
+  int32_t first_node;
+  ct_solid_kernel kernel;
+  /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
+  double edge[3];
+  /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */
+  int32_t batch_count;
+  int32_t *batch_nodes;
+  /* Shape gradients ∂N_a/∂ξ_j and weights at the Gauss points of hex20, shape (27, 20, 3). */
+  double (*gradients)[20][3];
+  ct_assembly *assembly;
+  /* Where this part's values begin in the scratch of the effect. */
+  int64_t first_value;
+} ct_solid_part;
+
+/* Edge lengths when all elements are rectangular along x, y, z and alike to 1e-12; 0 otherwise. */
+int ct_solid_is_box(const ct_mesh *mesh, double edge[3]);
+
+/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. */
+void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
+void ct_solid_hex8_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
+void ct_solid_hex20_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
+
+/* Read `per` nodes of 8 elements from an array (nodes, 3) into lanes v[component][node]. */
+static inline void ct_load_lanes(const int32_t *nodes, int per, const double *array, int lane, ct_lanes *v)
+{
+  for (int a = 0; a < per; a++) {
+    const int32_t *n = &nodes[8 * a + lane];
+#if CT_LANES_WIDE
+    const double *p0 = array + 3 * (int64_t)n[0], *p1 = array + 3 * (int64_t)n[1], *p2 = array + 3 * (int64_t)n[2],
+                 *p3 = array + 3 * (int64_t)n[3], *p4 = array + 3 * (int64_t)n[4], *p5 = array + 3 * (int64_t)n[5],
+                 *p6 = array + 3 * (int64_t)n[6], *p7 = array + 3 * (int64_t)n[7];
+    for (int c = 0; c < 3; c++) v[per * c + a] = (ct_lanes){p0[c], p1[c], p2[c], p3[c], p4[c], p5[c], p6[c], p7[c]};
+#else
+    for (int c = 0; c < 3; c++) v[per * c + a] = array[3 * (int64_t)n[0] + c];
+#endif
+  }
+}
+
+/* Write lanes f[component][node] of 8 elements to their place in `values`. */
+static inline void ct_store_lanes(const ct_lanes *f, int per, int lane, double *values)
+{
+  for (int a = 0; a < per; a++)
+    for (int c = 0; c < 3; c++) *(ct_lanes *)(void *)&values[8 * (3 * a + c) + lane] = f[per * c + a];
+}
+
+#endif

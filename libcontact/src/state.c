@@ -1,0 +1,249 @@
+/* The moving part of a problem: making, copying and freeing a state, and the forces that belong to it. */
+#include <contact/energy.h>
+#include <contact/step.h>
+
+#include "error.h"
+#include "memory.h"
+#include "workspace.h"
+
+#include <math.h>
+#include <string.h>
+
+int64_t ct_state_work_start(const ct_problem *problem, int32_t k)
+{
+  int64_t start = 0;
+  for (int32_t i = 0; i < k; i++)
+    if (!problem->effects[i]->reaction) start += 3 * (int64_t)problem->effects[i]->node_count;
+  return start;
+}
+
+int64_t ct_state_impulse_start(const ct_problem *problem, int32_t k)
+{
+  int64_t start = 0;
+  for (int32_t i = 1; i < k; i++) start += 3 * (int64_t)problem->effects[i]->node_count;
+  return start;
+}
+
+int64_t ct_state_memory_start(const ct_problem *problem, int32_t k)
+{
+  int64_t start = 0;
+  for (int32_t i = 0; i < k; i++) start += problem->effects[i]->memory_count;
+  return start;
+}
+
+static ct_status check_problem(const ct_problem *p, ct_error *error)
+{
+  if (p == NULL || p->bodies == NULL || p->reference == NULL || p->mass == NULL || p->inverse_mass == NULL ||
+      p->initial_velocity == NULL || p->effects == NULL || p->node_count < 1 || p->body_count < 1 || p->effect_count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: something is missing");
+  if (p->effects[0]->nodes != NULL || p->effects[0]->node_count != p->node_count || p->effects[0]->force == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: the first effect must act on all nodes");
+  for (int32_t k = 1; k < p->effect_count; k++)
+    if ((p->effects[k]->force == NULL) != (p->effects[k]->reaction != 0))
+      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s has no force", p->effects[k]->name);
+  if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: a step of %g with %d threads", p->dt, p->threads);
+  return CT_OK;
+}
+
+static void workspace_free(const ct_problem *problem, ct_workspace *w)
+{
+  if (w == NULL) return;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    if (w->force != NULL) ct_release(w->force[k]);
+    if (w->scratch != NULL && w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
+  }
+  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->terms};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
+  ct_release(w);
+}
+
+/* List the nodes on which several effects act. */
+static ct_status list_touched(const ct_problem *problem, ct_workspace *w)
+{
+  char *mark = ct_allocate((size_t)problem->node_count, 1);
+  if (mark == NULL) return CT_ERROR_MEMORY;
+  for (int32_t k = 1; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    for (int32_t i = 0; !effect->reaction && i < effect->node_count; i++) mark[ct_effect_node(effect, i)] = 1;
+  }
+  for (int32_t n = 0; n < problem->node_count; n++) w->touched_count += mark[n];
+  size_t count = (size_t)w->touched_count;
+  w->touched = ct_allocate(count, sizeof *w->touched);
+  w->touched_first = ct_allocate(count, 3 * sizeof(double));
+  w->touched_velocity = ct_allocate(count, 3 * sizeof(double));
+  w->touched_work = ct_allocate(count, 3 * sizeof(double));
+  ct_status status = w->touched && w->touched_first && w->touched_velocity && w->touched_work ? CT_OK : CT_ERROR_MEMORY;
+  int32_t next = 0;
+  for (int32_t n = 0; status == CT_OK && n < problem->node_count; n++)
+    if (mark[n]) w->touched[next++] = n;
+  ct_release(mark);
+  return status;
+}
+
+static ct_status workspace_create(const ct_problem *problem, ct_workspace **out, ct_error *error)
+{
+  size_t n = (size_t)problem->node_count, effects = (size_t)problem->effect_count;
+  ct_workspace *w = ct_allocate(1, sizeof *w);
+  *out = w;
+  if (w == NULL) return CT_ERROR_MEMORY;
+  w->forces_at = -1;
+  w->total = ct_allocate(n, 3 * sizeof(double));
+  w->terms = ct_allocate(n, sizeof(double));
+  w->force = ct_allocate(effects, sizeof *w->force);
+  w->scratch = ct_allocate(effects, sizeof *w->scratch);
+  w->next_memory = ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
+  if (!w->total || !w->terms || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK) return CT_ERROR_MEMORY;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (k > 0 && !effect->reaction) {
+      w->force[k] = ct_allocate((size_t)effect->node_count, 3 * sizeof(double));
+      if (w->force[k] == NULL) return CT_ERROR_MEMORY;
+    }
+    ct_status status = effect->create_scratch == NULL ? CT_OK : effect->create_scratch(effect, &w->scratch[k], error);
+    if (status != CT_OK) return status;
+  }
+  return CT_OK;
+}
+
+void ct_state_free(ct_state *state)
+{
+  if (state == NULL) return;
+  if (state->workspace != NULL) workspace_free(state->problem, state->workspace);
+  ct_release(state->displacement);
+  ct_release(state->velocity);
+  ct_release(state->work);
+  ct_release(state->impulse);
+  ct_release(state->memory);
+  ct_release(state);
+}
+
+static ct_status state_allocate(const ct_problem *problem, ct_state **out, ct_error *error)
+{
+  ct_state *s = ct_allocate(1, sizeof *s);
+  *out = s;
+  if (s == NULL) return CT_ERROR_MEMORY;
+  size_t n = (size_t)problem->node_count;
+  s->problem = problem;
+  s->node_count = problem->node_count;
+  s->work_count = ct_state_work_start(problem, problem->effect_count);
+  s->impulse_count = ct_state_impulse_start(problem, problem->effect_count);
+  s->memory_count = ct_state_memory_start(problem, problem->effect_count);
+  s->displacement = ct_allocate(n, 3 * sizeof(double));
+  s->velocity = ct_allocate(n, 3 * sizeof(double));
+  s->work = ct_allocate((size_t)s->work_count, sizeof(double));
+  s->impulse = ct_allocate((size_t)s->impulse_count, sizeof(double));
+  s->memory = ct_allocate((size_t)s->memory_count, sizeof(double));
+  if (!s->displacement || !s->velocity || !s->work || !s->impulse || !s->memory) return CT_ERROR_MEMORY;
+  return workspace_create(problem, &s->workspace, error);
+}
+
+/* Half a step back from t = 0, and ledgers that count only the half of the first forces that comes after it (eq:leapfrog-start). */
+static void start(const ct_problem *problem, ct_state *state)
+{
+  const double *F = state->workspace->total;
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
+    state->velocity[d] = ct_kick(problem->initial_velocity[d], -0.5 * problem->dt, problem->inverse_mass[d], F[d]);
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    double *work = state->work + ct_state_work_start(problem, k), *impulse = state->impulse + ct_state_impulse_start(problem, k);
+    for (int32_t i = 0; i < effect->node_count; i++)
+      for (int c = 0; c < 3; c++) {
+        double f = ct_workspace_force(problem, state, k, i, c);
+        if (!effect->reaction) work[3 * (int64_t)i + c] = -f * state->velocity[3 * (int64_t)ct_effect_node(effect, i) + c];
+        if (k > 0) impulse[3 * (int64_t)i + c] = -0.5 * f;
+      }
+  }
+}
+
+ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *error)
+{
+  ct_energy energy;
+  ct_state *state = NULL;
+  if (out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "state: null argument");
+  ct_status status = check_problem(problem, error);
+  if (status != CT_OK) return status;
+  status = state_allocate(problem, &state, error);
+  if (status == CT_ERROR_MEMORY) ct_fail(error, status, CT_NOWHERE, "no memory for a state of %d nodes", (int)problem->node_count);
+  if (status == CT_OK) {
+    memcpy(state->velocity, problem->initial_velocity, 3 * (size_t)problem->node_count * sizeof(double));
+    status = ct_workspace_forces(problem, state, error);
+  }
+  if (status == CT_OK) {
+    start(problem, state);
+    status = ct_energy_of(problem, state, &energy, error);
+  }
+  if (status != CT_OK) {
+    ct_state_free(state);
+    return status;
+  }
+  state->kinetic_start = energy.kinetic;
+  *out = state;
+  return CT_OK;
+}
+
+ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_state *to, ct_error *error)
+{
+  if (problem == NULL || from == NULL || to == NULL || from->node_count != to->node_count || from->work_count != to->work_count ||
+      from->impulse_count != to->impulse_count || from->memory_count != to->memory_count)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "state: the two states are of different problems");
+  size_t n = 3 * (size_t)problem->node_count;
+  memcpy(to->displacement, from->displacement, n * sizeof(double));
+  memcpy(to->velocity, from->velocity, n * sizeof(double));
+  memcpy(to->work, from->work, (size_t)from->work_count * sizeof(double));
+  memcpy(to->impulse, from->impulse, (size_t)from->impulse_count * sizeof(double));
+  memcpy(to->memory, from->memory, (size_t)from->memory_count * sizeof(double));
+  to->step = from->step;
+  to->time = from->time;
+  to->kinetic_start = from->kinetic_start;
+  to->workspace->forces_at = -1;
+  return CT_OK;
+}
+
+ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k)
+{
+  int64_t memory = ct_state_memory_start(problem, k);
+  return (ct_view){.time = state->time, .threads = problem->threads, .reference = problem->reference,
+                   .displacement = state->displacement, .velocity = state->velocity, .memory = state->memory + memory,
+                   .next_memory = state->workspace->next_memory + memory, .scratch = state->workspace->scratch[k]};
+}
+
+double ct_workspace_force(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i, int c)
+{
+  const ct_workspace *w = state->workspace;
+  const ct_effect *effect = problem->effects[k];
+  int64_t dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
+  if (effect->reaction) return problem->inverse_mass[dof] == 0.0 ? -w->total[dof] : 0.0;
+  if (k > 0) return w->force[k][3 * (int64_t)i + c];
+  // The first effect's force stands in `total`, but for the nodes where others were added.
+  int32_t low = 0, high = w->touched_count;
+  while (low < high) {
+    int32_t middle = (low + high) / 2;
+    if (w->touched[middle] < i)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < w->touched_count && w->touched[low] == i ? w->touched_first[3 * (int64_t)low + c] : w->total[dof];
+}
+
+ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error)
+{
+  ct_workspace *w = state->workspace;
+  if (w->forces_at == state->step) return CT_OK;
+  w->forces_at = -1;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (effect->reaction) continue;
+    ct_view view = ct_workspace_view(problem, state, k);
+    double *force = k == 0 ? w->total : w->force[k];
+    ct_status status = effect->force(effect, &view, force, error);
+    if (status != CT_OK) return status;
+    for (int32_t i = 0; k == 0 && i < w->touched_count; i++)
+      memcpy(&w->touched_first[3 * (int64_t)i], &w->total[3 * (int64_t)w->touched[i]], 3 * sizeof(double));
+    for (int32_t i = 0; k > 0 && i < effect->node_count; i++)
+      for (int c = 0; c < 3; c++) w->total[3 * (int64_t)ct_effect_node(effect, i) + c] += force[3 * (int64_t)i + c];
+  }
+  w->forces_at = state->step;
+  return CT_OK;
+}

@@ -1,0 +1,168 @@
+#include <contact/step.h>
+
+#include "error.h"
+#include "lanes.h"
+#include "workspace.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { AT_ONCE = 4096, STEPS_BETWEEN_CHECKS = 64 };
+
+/* Kick and drift the degrees of freedom first ... last - 1, and count the work of the first effect. */
+CT_CLONES
+static void advance(int64_t first, int64_t last, double dt, const double *restrict inverse_mass, const double *restrict force,
+                    double *restrict displacement, double *restrict velocity, double *restrict work)
+{
+#pragma omp simd
+  for (int64_t d = first; d < last; d++) {
+    // -- v_{n+1/2} = v_{n-1/2} + Δt f / m, u_{n+1} = u_n + Δt v_{n+1/2} (eq:leapfrog)
+    double before = velocity[d], after = ct_kick(before, dt, inverse_mass[d], force[d]);
+    velocity[d] = after;
+    displacement[d] += dt * after;
+    work[d] += force[d] * (before + after);
+  }
+}
+
+/* Before the step: keep what the correction at the nodes with several effects needs. */
+static void keep_touched(ct_state *state)
+{
+  ct_workspace *w = state->workspace;
+  for (int32_t i = 0; i < w->touched_count; i++) {
+    int64_t dof = 3 * (int64_t)w->touched[i];
+    memcpy(&w->touched_velocity[3 * (int64_t)i], &state->velocity[dof], 3 * sizeof(double));
+    memcpy(&w->touched_work[3 * (int64_t)i], &state->work[dof], 3 * sizeof(double));
+  }
+}
+
+/* After the step: the first effect's work at nodes with several effects is that of its own force (eq:work-balance). */
+static void correct_touched(ct_state *state)
+{
+  ct_workspace *w = state->workspace;
+  for (int32_t i = 0; i < w->touched_count; i++)
+    for (int c = 0; c < 3; c++) {
+      int64_t dof = 3 * (int64_t)w->touched[i] + c, own = 3 * (int64_t)i + c;
+      state->work[dof] = w->touched_work[own] + w->touched_first[own] * (w->touched_velocity[own] + state->velocity[dof]);
+    }
+}
+
+/* Velocity before the step at a node on which an effect beside the first acts. */
+static const double *velocity_before(const ct_workspace *w, int32_t node)
+{
+  int32_t low = 0, high = w->touched_count - 1;
+  while (low < high) {
+    int32_t middle = (low + high) / 2;
+    if (w->touched[middle] < node)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return &w->touched_velocity[3 * (int64_t)low];
+}
+
+/* Work and impulse of the effects beside the first (eq:work-balance, eq:impulse-balance). */
+static void count_work(const ct_problem *problem, ct_state *state)
+{
+  ct_workspace *w = state->workspace;
+  for (int32_t k = 1; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    double *impulse = state->impulse + ct_state_impulse_start(problem, k), *work = state->work + ct_state_work_start(problem, k);
+    for (int32_t i = 0; i < effect->node_count; i++) {
+      int32_t node = ct_effect_node(effect, i);
+      const double *after = &state->velocity[3 * (int64_t)node];
+      if (effect->reaction) {
+        for (int64_t c = 0; c < 3; c++)
+          impulse[3 * (int64_t)i + c] -= problem->inverse_mass[3 * (int64_t)node + c] == 0.0 ? w->total[3 * (int64_t)node + c] : 0.0;
+        continue;
+      }
+      const double *before = velocity_before(w, node), *force = &w->force[k][3 * (int64_t)i];
+      for (int64_t c = 0; c < 3; c++) {
+        work[3 * (int64_t)i + c] += force[c] * (before[c] + after[c]);
+        impulse[3 * (int64_t)i + c] += force[c];
+      }
+    }
+  }
+}
+
+ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
+{
+  if (problem == NULL || state == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "step: null argument");
+  ct_status status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  ct_workspace *w = state->workspace;
+  int64_t count = 3 * (int64_t)problem->node_count;
+  keep_touched(state);
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(problem->threads) schedule(static) if (problem->threads > 1)
+#endif
+  for (int64_t d = 0; d < count; d += AT_ONCE)
+    advance(d, d + AT_ONCE < count ? d + AT_ONCE : count, problem->dt, problem->inverse_mass, w->total, state->displacement,
+            state->velocity, state->work);
+  correct_touched(state);
+  count_work(problem, state);
+  memcpy(state->memory, w->next_memory, (size_t)state->memory_count * sizeof(double));
+  state->step++;
+  state->time = (double)state->step * problem->dt;
+  return CT_OK;
+}
+
+/* Name the first node whose velocity is not finite. */
+static ct_status check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
+{
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
+    if (isfinite(state->velocity[d]) && isfinite(state->displacement[d])) continue;
+    int32_t node = (int32_t)(d / 3), body = 0;
+    while (body + 1 < problem->body_count && problem->bodies[body + 1].first_node <= node) body++;
+    return ct_fail(error, CT_ERROR_BLOWUP, (ct_place){body, -1, node - problem->bodies[body].first_node},
+                   "the motion stopped being finite by t = %g (step %lld): body %s, node %d", state->time, (long long)state->step,
+                   problem->bodies[body].name, (int)(node - problem->bodies[body].first_node));
+  }
+  return CT_OK;
+}
+
+ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count, ct_error *error)
+{
+  ct_status status = CT_OK;
+  for (int64_t i = 1; status == CT_OK && i <= count; i++) {
+    status = ct_step(problem, state, error);
+    if (status == CT_OK && (i % STEPS_BETWEEN_CHECKS == 0 || i == count)) status = check_finite(problem, state, error);
+  }
+  return status;
+}
+
+/* Sum of the effects' bounds of ω², with and without contact (eq:step-bound). */
+static ct_status sum_frequencies(const ct_problem *problem, ct_state *state, double *all, double *without_contact, ct_error *error)
+{
+  *all = *without_contact = 0.0;
+  ct_status status = ct_workspace_forces(problem, state, error);
+  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    ct_view view = ct_workspace_view(problem, state, k);
+    double omega_squared = 0.0;
+    if (effect->frequency == NULL) continue;
+    status = effect->frequency(effect, &view, &omega_squared, error);
+    *all += omega_squared;
+    if (strcmp(effect->name, "contact") != 0) *without_contact += omega_squared;
+  }
+  return status;
+}
+
+ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *out, ct_error *error)
+{
+  double all, without;
+  ct_state *own = NULL;
+  if (problem == NULL || out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "stable step: null argument");
+  ct_status status = state == NULL ? ct_state_create(problem, &own, error) : CT_OK;
+  if (status == CT_OK) status = sum_frequencies(problem, state == NULL ? own : state, &all, &without, error);
+  ct_state_free(own);
+  if (status != CT_OK) return status;
+  out->dt = 2.0 / sqrt(all);
+  out->dt_without_contact = 2.0 / sqrt(without);
+  out->dt_courant = INFINITY;
+  for (int32_t i = 0; i < problem->body_count; i++) {
+    double c1, c2;
+    ct_material_speeds(&problem->bodies[i].material, &c1, &c2);
+    out->dt_courant = fmin(out->dt_courant, ct_mesh_shortest_edge(problem->bodies[i].mesh) / c1);
+  }
+  return CT_OK;
+}

@@ -1,0 +1,32 @@
+#ifndef CT_SRC_VECTOR_H
+#define CT_SRC_VECTOR_H
+
+#include <math.h>
+
+/* Products of vectors with three components, always summed (x + y) + z, so that a mirrored pair gives the mirrored bits. */
+static inline double ct_vector_dot(const double a[3], const double b[3])
+{
+  return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+}
+
+static inline void ct_vector_cross(const double a[3], const double b[3], double c[3])
+{
+  c[0] = a[1] * b[2] - a[2] * b[1];
+  c[1] = a[2] * b[0] - a[0] * b[2];
+  c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* The unit vector along a x b. Answers 0 where rounding decides its direction: a and b parallel to 1e-14, zero, or not finite. */
+static inline int ct_vector_unit_normal(const double a[3], const double b[3], double n[3])
+{
+  double la = sqrt(ct_vector_dot(a, a)), lb = sqrt(ct_vector_dot(b, b)), u[3], v[3];
+  if (!(la > 0 && lb > 0 && la < HUGE_VAL && lb < HUGE_VAL)) return 0;
+  for (int k = 0; k < 3; k++) u[k] = a[k] / la, v[k] = b[k] / lb;
+  ct_vector_cross(u, v, n);
+  double length = sqrt(ct_vector_dot(n, n));
+  if (!(length > 1e-14)) return 0;
+  for (int k = 0; k < 3; k++) n[k] /= length;
+  return 1;
+}
+
+#endif

@@ -1,0 +1,41 @@
+#ifndef CT_SRC_WORKSPACE_H
+#define CT_SRC_WORKSPACE_H
+
+#include <contact/step.h>
+
+/* What a state needs to take a step and a restart does not: forces at t_n and scratch space of the effects. */
+typedef struct ct_workspace {
+  int64_t forces_at;  /* the step whose forces stand below, or -1 */
+  double *total;      /* sum of all forces but reactions, shape (node_count, 3) */
+  double **force;     /* of each effect: on its own nodes; null for the first one (in `total`) and for reactions */
+  void **scratch;     /* of each effect */
+  double *next_memory;
+  int32_t touched_count; /* nodes on which more than the first effect acts, ascending */
+  int32_t *touched;
+  double *touched_first; /* force of the first effect there, shape (touched_count, 3) */
+  double *touched_velocity, *touched_work; /* v_{n-1/2} and the first effect's work there, before the step */
+  double *terms;         /* room for sums, one number a node */
+} ct_workspace;
+
+/* Make the forces at the state's time, unless they stand already. */
+ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error);
+
+/* What effect `k` is shown of a state. */
+ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k);
+
+/* v_{n+1/2} of one degree of freedom, given the forces (eq:leapfrog). */
+static inline double ct_kick(double v, double dt, double inverse_mass, double force) { return v + dt * inverse_mass * force; }
+
+/* Force of effect `k` on its i-th node and component c, after ct_workspace_forces; reactions are minus the total on held
+ * degrees of freedom (eq:reaction). */
+double ct_workspace_force(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i, int c);
+
+/* Node of the problem that is the i-th of an effect. */
+static inline int32_t ct_effect_node(const ct_effect *effect, int32_t i) { return effect->nodes == NULL ? i : effect->nodes[i]; }
+
+/* Where effect `k` begins in the state's `work`, `impulse` and `memory`. */
+int64_t ct_state_work_start(const ct_problem *problem, int32_t k);
+int64_t ct_state_impulse_start(const ct_problem *problem, int32_t k);
+int64_t ct_state_memory_start(const ct_problem *problem, int32_t k);
+
+#endif
