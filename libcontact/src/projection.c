@@ -1,7 +1,6 @@
 #include <contact/projection.h>
 
 #include "projection/projection_internal.h"
-#include "segment_sum.h"
 #include "vector.h"
 
 #include <math.h>
@@ -50,22 +49,13 @@ ct_project_options ct_project_options_default(void)
 void ct_project_function(const ct_face *face, const double point[3], const double xi[2], double *f, double g[2], double H[3])
 {
   if (face == NULL || point == NULL || xi == NULL) return;
-  // -- Subtract the point first (eq:projection-shift)
-  ct_face shifted = *face;
-  for (int i = 0; i < ct_face_node_count(face->kind); i++)
-    for (int k = 0; k < 3; k++) shifted.node[i][k] = face->node[i][k] - point[k];
-  double d[3], t1[3], t2[3], bend[3][3], ddN[8][3];
-  ct_segment_point(&shifted, xi, d);
-  ct_segment_tangents(&shifted, xi, t1, t2);
-  ct_segment_hessian(face->kind, xi, ddN);
-  for (int a = 0; a < 3; a++) ct_segment_sum(&shifted, &ddN[0][a], 3, bend[a]);
+  ct_patch patch;
+  double value = NAN, slope[2] = {NAN, NAN}, curvature[3] = {NAN, NAN, NAN}, d[3];
   // -- Value, gradient and Hessian (eq:projection-f, eq:projection-gradient, eq:projection-hessian)
-  if (f != NULL) *f = ct_vector_dot(d, d);
-  if (g != NULL) g[0] = 2 * ct_vector_dot(d, t1), g[1] = 2 * ct_vector_dot(d, t2);
-  if (H == NULL) return;
-  H[0] = 2 * (ct_vector_dot(t1, t1) + ct_vector_dot(d, bend[0]));
-  H[1] = 2 * (ct_vector_dot(t2, t2) + ct_vector_dot(d, bend[1]));
-  H[2] = 2 * (ct_vector_dot(t1, t2) + ct_vector_dot(d, bend[2]));
+  if (ct_patch_init(&patch, face->kind, face->node, point) == CT_OK) value = ct_patch_derivatives(&patch, xi, d, slope, curvature);
+  if (f != NULL) *f = value;
+  for (int a = 0; a < 2 && g != NULL; a++) g[a] = slope[a];
+  for (int i = 0; i < 3 && H != NULL; i++) H[i] = curvature[i];
 }
 
 /* Everything that has no answer. */

@@ -1,6 +1,5 @@
 #include <contact/segment.h>
 
-#include "segment_sum.h"
 #include "vector.h"
 
 #include <math.h>
@@ -115,7 +114,9 @@ void ct_segment_hessian(ct_face_kind kind, const double xi[2], double ddN[8][3])
   }
 }
 
-void ct_segment_sum(const ct_face *face, const double *weight, int stride, double sum[3])
+/* Sum over the nodes of weight times coordinate, in the tree that a flip of xi_1 or xi_2 (of quadrilaterals) and an exchange
+ * of xi_1 and xi_2 (of triangles) maps onto itself, so that a mirrored face gives the mirrored bits. */
+static void node_sum(const ct_face *face, const double *weight, int stride, double sum[3])
 {
   for (int k = 0; k < 3; k++) {
     double v[8] = {0};
@@ -137,7 +138,7 @@ void ct_segment_point(const ct_face *face, const double xi[2], double y[3])
   if (face == NULL || xi == NULL || y == NULL) return;
   double N[8];
   ct_segment_shape(face->kind, xi, N);
-  ct_segment_sum(face, N, 1, y);
+  node_sum(face, N, 1, y);
 }
 
 void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3], double t2[3])
@@ -145,8 +146,8 @@ void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3], 
   if (face == NULL || xi == NULL || t1 == NULL || t2 == NULL) return;
   double dN[8][2];
   ct_segment_gradient(face->kind, xi, dN);
-  ct_segment_sum(face, &dN[0][0], 2, t1);
-  ct_segment_sum(face, &dN[0][1], 2, t2);
+  node_sum(face, &dN[0][0], 2, t1);
+  node_sum(face, &dN[0][1], 2, t2);
 }
 
 ct_status ct_segment_normal(const ct_face *face, const double xi[2], double n[3])

@@ -1,10 +1,5 @@
 #include <contact/status.h>
 
-#include "error.h"
-
-#include <stdarg.h>
-#include <stdio.h>
-
 const char *ct_status_name(ct_status status)
 {
   switch (status) {
@@ -26,17 +21,11 @@ const char *ct_status_name(ct_status status)
 
 const char *ct_version(void) { return "0.1.0"; }
 
-ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *format, ...)
+int ct_has_openmp(void)
 {
-  if (error != NULL) {
-    error->code = code;
-    error->body = where.body;
-    error->element = where.element;
-    error->point = where.point;
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(error->text, sizeof error->text, format, arguments);
-    va_end(arguments);
-  }
-  return code;
+#ifdef _OPENMP
+  return 1;
+#else
+  return 0;
+#endif
 }

@@ -8,8 +8,10 @@
  * then the same four at xi_3 = +1; for hex20 then the middles of the 4 bottom edges, of the 4 top edges and of the 4 upright edges.
  */
 typedef enum ct_brick_kind {
-  CT_HEX8 = 0, /**< trilinear brick, 8 nodes */
-  CT_HEX20 = 1 /**< serendipity brick, 20 nodes */
+  /** trilinear brick, 8 nodes */
+  CT_HEX8 = 0,
+  /** serendipity brick, 20 nodes */
+  CT_HEX20 = 1
 } ct_brick_kind;
 
 /** Number of nodes of a brick kind: 8 or 20, and 0 for a kind that does not exist. */

@@ -10,8 +10,11 @@
  * that the host passes to the calls below; they may be the nodes of a whole mesh.
  */
 typedef struct ct_surface {
+  /** All faces are of one kind. */
   ct_face_kind kind;
+  /** Rows of the host's arrays. */
   int32_t node_count;
+  /** Number of faces. */
   int32_t face_count;
   /** Node numbers, counter-clockwise from outside, shape (face_count, nodes of a face). */
   const int32_t *faces;
@@ -33,6 +36,7 @@ typedef struct ct_contact_options {
   int threads;
 } ct_contact_options;
 
+/** Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread. ``epsilon`` is 0 and must be set. */
 CT_API ct_contact_options ct_contact_options_default(void);
 
 /** Penalty ε = β E / h [stress / length], :eq:`penalty-factor`. β between 3 and 5 suits Courant numbers near 0.125. */
@@ -79,19 +83,23 @@ CT_API ct_status ct_contact_stable_step(const ct_contact *contact, const double 
 typedef struct ct_contact_point {
   /** 0: a point of surface a; 1: of surface b. */
   int32_t side;
-  /** Face of the point, its number among the face's Gauss points, and the face of the other surface that it met (-1: none). */
+  /** Face of the point. */
   int32_t face;
+  /** Number of the point on its face. */
   int32_t gauss;
+  /** Face of the other surface that it met, or -1. */
   int32_t other;
-  /** Position, and its closest point ȳ on the other surface [length]. */
+  /** Position y [length]. */
   double position[3];
+  /** Closest point ȳ on the other surface [length]; NaN when `other` is -1. */
   double closest[3];
   /** Parameters of ȳ on the other face. */
   double xi[2];
   /** Signed distance g [length], negative inside; NaN when `other` is -1. */
   double gap;
-  /** Traction ε⟨-g⟩ [stress] and weight w J_ref [area] of the point. */
+  /** Traction ε⟨-g⟩ [stress]. */
   double pressure;
+  /** Weight w J_ref [area]. */
   double weight;
 } ct_contact_point;
 
@@ -101,6 +109,7 @@ CT_API int64_t ct_contact_point_count(const ct_contact *contact);
 /** The points of the last update, `points` of shape (ct_contact_point_count). */
 CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points);
 
+/** Free a contact; null is allowed. */
 CT_API void ct_contact_free(ct_contact *contact);
 
 /**

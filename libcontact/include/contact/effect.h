@@ -18,8 +18,9 @@ typedef struct ct_view {
   const double *displacement;
   /** Velocity half a step back, v_{n-1/2} [length / time], shape (node_count, 3). */
   const double *velocity;
-  /** What the effect remembers from step n - 1 (memory_count doubles), and where it writes what step n + 1 shall see. */
+  /** What the effect remembers from step n - 1 (memory_count doubles). */
   const double *memory;
+  /** Where it writes what step n + 1 shall see. */
   double *next_memory;
   /** What `create_scratch` made for this state. */
   void *scratch;
@@ -37,6 +38,7 @@ typedef struct ct_effect {
   void *data;
   /** Nodes that the force acts on, ascending; null when it acts on all nodes. */
   const int32_t *nodes;
+  /** Number of nodes that the force acts on. */
   int32_t node_count;
   /** Doubles of the state that the effect keeps from step to step (a restart carries them). */
   int64_t memory_count;
@@ -47,6 +49,7 @@ typedef struct ct_effect {
   int reaction;
   /** Scratch space of one state. */
   ct_status (*create_scratch)(const struct ct_effect *effect, void **scratch, ct_error *error);
+  /** Give the scratch space back. */
   void (*free_scratch)(void *scratch);
   /** Write the force on the effect's nodes, shape (node_count, 3) [force]. */
   ct_status (*force)(const struct ct_effect *effect, const ct_view *view, double *force, ct_error *error);
@@ -54,6 +57,7 @@ typedef struct ct_effect {
   ct_status (*energy)(const struct ct_effect *effect, const ct_view *view, double *energy, ct_error *error);
   /** Upper bound of what the effect adds to the largest ω² of the problem [1 / time²], :eq:`step-bound`. */
   ct_status (*frequency)(const struct ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error);
+  /** Give `data` back. */
   void (*free_data)(void *data);
 } ct_effect;
 

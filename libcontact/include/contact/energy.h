@@ -8,6 +8,7 @@
  * and what each effect has done, :eq:`work-balance`. All [energy].
  */
 typedef struct ct_energy {
+  /** t_n [time]. */
   double time;
   /** ½ v_{n-1/2} · M v_{n+1/2}. */
   double kinetic;
@@ -25,14 +26,17 @@ typedef struct ct_energy {
 
 /** Momentum of one body at t_n, from the mean of v_{n-1/2} and v_{n+1/2}. */
 typedef struct ct_momentum {
+  /** t_n [time]. */
   double time;
+  /** Number of the body. */
   int32_t body;
   /** Linear momentum [mass · length / time]. */
   double p[3];
   /** Angular momentum about the origin [mass · length² / time]. */
   double L[3];
-  /** Impulse of the contacts and of the supports on the body since t = 0 [mass · length / time], :eq:`impulse-balance`. */
+  /** Impulse of the contacts on the body since t = 0 [mass · length / time], :eq:`impulse-balance`. */
   double contact_impulse[3];
+  /** Impulse of the supports on the body since t = 0 [mass · length / time]. */
   double support_impulse[3];
 } ct_momentum;
 

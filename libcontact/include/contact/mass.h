@@ -5,9 +5,12 @@
 
 /** How the consistent mass matrix is made diagonal. */
 typedef enum ct_lumping {
-  CT_LUMP_DEFAULT = 0, /**< row sum for hex8, HRZ for hex20 */
-  CT_LUMP_ROW_SUM = 1, /**< each row's sum goes to the diagonal, :eq:`row-sum` */
-  CT_LUMP_HRZ = 2      /**< the diagonal, scaled to the element's mass, :eq:`hrz` */
+  /** row sum for hex8, HRZ for hex20 */
+  CT_LUMP_DEFAULT = 0,
+  /** each row's sum goes to the diagonal, :eq:`row-sum` */
+  CT_LUMP_ROW_SUM = 1,
+  /** the diagonal, scaled to the element's mass, :eq:`hrz` */
+  CT_LUMP_HRZ = 2
 } ct_lumping;
 
 /**

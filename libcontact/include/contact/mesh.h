@@ -11,7 +11,9 @@
 typedef struct ct_mesh {
   /** All elements are of one kind. */
   ct_brick_kind kind;
+  /** Number of nodes. */
   int32_t node_count;
+  /** Number of elements. */
   int32_t element_count;
   /** Reference coordinates X [length], shape (node_count, 3). */
   double *nodes;
@@ -39,6 +41,7 @@ CT_API ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_me
 /** Copy a mesh given by arrays and check it as `ct_mesh_check` does. */
 CT_API ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error);
 
+/** Free a mesh that `ct_mesh_create_box` or `ct_mesh_create_copy` made; null is allowed. */
 CT_API void ct_mesh_free(ct_mesh *mesh);
 
 /**

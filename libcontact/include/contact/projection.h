@@ -5,23 +5,36 @@
 
 /** How the closest point is looked for. ct_project says which of them this build has. */
 typedef enum ct_method {
-  CT_SIMPLEX = 0,          /**< the paper's search: a regular simplex that is only reflected and halved; unconstrained */
-  CT_NELDER_MEAD = 1,      /**< the full Nelder-Mead search, with expansion and contraction */
-  CT_NEWTON = 2,           /**< Newton-Raphson on :eq:`projection-stationary`; unconstrained */
-  CT_LEAST_SQUARES = 3,    /**< Gauss-Newton, the least-square projection */
-  CT_STEEPEST_DESCENT = 4, /**< steepest descent */
-  CT_BROYDEN = 5,          /**< Broyden's method */
-  CT_BFGS = 6,             /**< the BFGS method */
-  CT_ROBUST = 7,           /**< the default: samples, then Newton in a trust region, on the closed face */
-  CT_CERTIFIED = 8         /**< robust, with a proof that no other point is closer */
+  /** the paper's search: a regular simplex that is only reflected and halved; unconstrained */
+  CT_SIMPLEX = 0,
+  /** the full Nelder-Mead search, with expansion and contraction */
+  CT_NELDER_MEAD = 1,
+  /** Newton-Raphson on :eq:`projection-stationary`; unconstrained */
+  CT_NEWTON = 2,
+  /** Gauss-Newton, the least-square projection */
+  CT_LEAST_SQUARES = 3,
+  /** steepest descent */
+  CT_STEEPEST_DESCENT = 4,
+  /** Broyden's method */
+  CT_BROYDEN = 5,
+  /** the BFGS method */
+  CT_BFGS = 6,
+  /** the default: samples, then Newton in a trust region, on the closed face */
+  CT_ROBUST = 7,
+  /** robust, with a proof that no other point is closer */
+  CT_CERTIFIED = 8
 } ct_method;
 
 /** On which part of the face a foot lies. */
 typedef enum ct_where {
-  CT_INTERIOR = 0, /**< inside */
-  CT_EDGE = 1,     /**< on an edge, within the tolerance */
-  CT_VERTEX = 2,   /**< on a corner, within the tolerance */
-  CT_OUTSIDE = 3   /**< beyond the face; only the unconstrained methods end there */
+  /** inside */
+  CT_INTERIOR = 0,
+  /** on an edge, within the tolerance */
+  CT_EDGE = 1,
+  /** on a corner, within the tolerance */
+  CT_VERTEX = 2,
+  /** beyond the face; only the unconstrained methods end there */
+  CT_OUTSIDE = 3
 } ct_where;
 
 /** Called with every iterate: its reference coordinates, f there [length^2], and the pointer of the options. */
@@ -47,7 +60,7 @@ typedef struct ct_project_options {
 /** The closest point that was found; everything is written by ct_project. */
 typedef struct ct_projection {
   /**
-   * CT_OK: xi is within the tolerance. CT_NOT_CERTIFIED: f is at its minimum as far as double precision shows, yet xi may
+   * CT_OK: xi is within the tolerance of a minimum of f (with CT_SIMPLEX: the edge is, which on long thin faces can be far from it). CT_NOT_CERTIFIED: f is at its minimum as far as double precision shows, yet xi may
    * be off by more than the tolerance (a far point, a face that is nearly a sphere about the point). CT_ITERATION_LIMIT: the budget is used
    * up, or simplex compares nothing but rounding. CT_NO_CONVERGENCE: no minimum was found. CT_INVALID: the input is not finite, the
    * face has no area, or a length is not between 1e-70 and 1e70; then all floating-point members are NaN.
@@ -85,7 +98,8 @@ CT_API ct_status ct_method_from_name(const char *name, ct_method *method);
 
 /**
  * The function that a projection minimises, :eq:`projection-f`: its value ``f`` [length^2], gradient ``g`` = (f,1  f,2) of :eq:`projection-gradient` and
- * Hessian ``H`` = (f,11  f,22  f,12) of :eq:`projection-hessian` at xi. Each output may be null.
+ * Hessian ``H`` = (f,11  f,22  f,12) of :eq:`projection-hessian` at xi. Each output may be null. NaN comes out where
+ * ct_project would answer CT_INVALID.
  */
 CT_API void ct_project_function(const ct_face *face, const double point[3], const double xi[2], double *f, double g[2], double H[3]);
 
@@ -101,7 +115,7 @@ CT_API ct_status ct_project(const ct_face *face, const double point[3], const ct
 /**
  * Closest point of one face to each of ``count`` points, shape (count, 3), into ``out[count]``. ``start`` is null, or has a start for each
  * point, shape (count, 2), which replaces the start of the options. Answers CT_OK when every point was looked at (see the status of each), else
- * the first CT_ERROR_...
+ * the first error
  */
 CT_API ct_status ct_project_points(const ct_face *face, size_t count, const double *points, const ct_project_options *options, const double *start,
                                    ct_projection *out);

@@ -13,25 +13,35 @@ typedef struct ct_scene ct_scene;
 
 /** One contact between two surfaces of two bodies. */
 typedef struct ct_scene_contact {
-  /** Bodies, and their faces as `ct_mesh_plane_faces` gives them (node numbers of the body's own mesh). */
+  /** Number of the first body. */
   int32_t body_a;
+  /** Number of the second body. */
   int32_t body_b;
+  /** Faces of the first body. */
   int32_t face_count_a;
+  /** Faces of the second body. */
   int32_t face_count_b;
+  /** Node numbers of the first body's own mesh, as `ct_mesh_plane_faces` gives them. */
   const int32_t *faces_a;
+  /** Likewise of the second body. */
   const int32_t *faces_b;
   /** Penalty factor β of ε = β E / h, with the smaller E and the shortest edge of the two bodies; or 0 and `options.epsilon` > 0. */
   double beta;
+  /** Search, depth; `epsilon` when `beta` is 0. */
   ct_contact_options options;
 } ct_scene_contact;
 
 /** Prescribed velocity of a set of nodes of one body. */
 typedef struct ct_scene_support {
+  /** Number of the body. */
   int32_t body;
-  /** Node numbers of the body's own mesh. */
+  /** Node numbers of the body's own mesh, shape (node_count). */
   const int32_t *nodes;
+  /** Number of nodes. */
   int32_t node_count;
+  /** Which of x, y, z are prescribed (0 or 1). */
   int fixed[3];
+  /** Their velocity [length / time]. */
   double velocity[3];
 } ct_scene_support;
 
@@ -49,6 +59,7 @@ typedef struct ct_scene_time {
   int threads;
 } ct_scene_time;
 
+/** An empty scene. */
 CT_API ct_status ct_scene_create(ct_scene **scene, ct_error *error);
 
 /** Add a body with a copy of the mesh; `*body` gets its number. */
@@ -56,8 +67,10 @@ CT_API ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_m
                                    ct_lumping lumping, ct_solid_kernel kernel, const double velocity[3], int32_t *body,
                                    ct_error *error);
 
+/** Add a contact; its arrays are copied. */
 CT_API ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error);
 
+/** Add a support; its nodes are copied. */
 CT_API ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support, ct_error *error);
 
 /**
@@ -71,6 +84,7 @@ CT_API ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, cons
 /** Penalty ε that the contact of this number uses, after `ct_scene_build` [stress / length]. */
 CT_API ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon);
 
+/** Free a scene and the problem that it built; null is allowed. States of the problem are freed before. */
 CT_API void ct_scene_free(ct_scene *scene);
 
 #endif

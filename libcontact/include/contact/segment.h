@@ -9,10 +9,14 @@
  * (0,0), (1,0), (0,1) and, for T6, the mid-sides 1-2, 2-3, 3-1.
  */
 typedef enum ct_face_kind {
-  CT_Q4 = 0, /**< bilinear quadrilateral, 4 nodes */
-  CT_Q8 = 1, /**< serendipity quadrilateral, 8 nodes */
-  CT_T3 = 2, /**< linear triangle, 3 nodes */
-  CT_T6 = 3  /**< quadratic triangle, 6 nodes */
+  /** bilinear quadrilateral, 4 nodes */
+  CT_Q4 = 0,
+  /** serendipity quadrilateral, 8 nodes */
+  CT_Q8 = 1,
+  /** linear triangle, 3 nodes */
+  CT_T3 = 2,
+  /** quadratic triangle, 6 nodes */
+  CT_T6 = 3
 } ct_face_kind;
 
 /** One face with the coordinates of its nodes [length]; rows beyond the node count of the kind are never read. */
@@ -45,12 +49,12 @@ CT_API void ct_segment_point(const ct_face *face, const double xi[2], double y[3
 CT_API void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3], double t2[3]);
 
 /**
- * The unit normal t_1 x t_2 / |t_1 x t_2|, :eq:`segment-normal`. Where the tangents are parallel, zero or not finite there
+ * The unit normal t_1 x t_2 / ``|t_1 x t_2|``, :eq:`segment-normal`. Where the tangents are parallel, zero or not finite there
  * is none: then ``n`` is NaN and the answer is CT_ERROR_GEOMETRY. A null pointer or unknown kind gives CT_ERROR_ARGUMENT.
  */
 CT_API ct_status ct_segment_normal(const ct_face *face, const double xi[2], double n[3]);
 
-/** The area element J = |t_1 x t_2| [length^2] of :eq:`segment-area`; NaN for a null pointer or unknown kind. */
+/** The area element J = ``|t_1 x t_2|`` [length^2] of :eq:`segment-area`; NaN for a null pointer or unknown kind. */
 CT_API double ct_segment_area_element(const ct_face *face, const double xi[2]);
 
 #endif

@@ -8,9 +8,12 @@
 
 /** The kernel that computes a block of elements. */
 typedef enum ct_solid_kernel {
-  CT_KERNEL_AUTO = 0,    /**< the cheapest one that fits */
-  CT_KERNEL_GENERAL = 1, /**< bricks of any shape: Gauss points, 8 elements at a time */
-  CT_KERNEL_BOX = 2      /**< hex8, all rectangular along x, y, z and of one size: the integrals in closed form */
+  /** the cheapest one that fits */
+  CT_KERNEL_AUTO = 0,
+  /** bricks of any shape: Gauss points, 8 elements at a time */
+  CT_KERNEL_GENERAL = 1,
+  /** hex8, all rectangular along x, y, z and of one size: the integrals in closed form */
+  CT_KERNEL_BOX = 2
 } ct_solid_kernel;
 
 /**
@@ -34,9 +37,13 @@ CT_API ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *no
 
 /** One body as the solid effect sees it: its nodes stand at `first_node` of the problem. */
 typedef struct ct_solid_block {
+  /** Its nodes and elements. */
   const ct_mesh *mesh;
+  /** What it is made of. */
   ct_material material;
+  /** Number of its first node in the problem. */
   int32_t first_node;
+  /** The kernel, or CT_KERNEL_AUTO. */
   ct_solid_kernel kernel;
   /** How the masses were lumped, for the bound on the time step. */
   ct_lumping lumping;

@@ -18,18 +18,30 @@
  * (the same numbers as ``libcontact.Status`` in Python); the rest are errors.
  */
 typedef enum ct_status {
-  CT_OK = 0,              /**< done, and the answer meets the tolerance */
-  CT_NOT_CERTIFIED = 1,   /**< an answer that no proof stands behind */
-  CT_ITERATION_LIMIT = 2, /**< the budget of iterations was used up first */
-  CT_NO_CONVERGENCE = 3,  /**< the method stopped at a point that is no stationary point */
-  CT_INVALID = 4,         /**< NaN, infinite or degenerate numbers came in; no number comes out */
-  CT_ERROR_ARGUMENT = 5,  /**< an argument is impossible: null, out of range, unknown */
-  CT_ERROR_MEMORY = 6,    /**< the system gave no memory */
-  CT_ERROR_GEOMETRY = 7,  /**< an inverted or collapsed element or face */
-  CT_ERROR_STEP = 8,      /**< the time step is above the stable one */
-  CT_ERROR_UNSUPPORTED = 9, /**< known, but not in this build or not for this case */
-  CT_ERROR_FILE = 10,     /**< a file can't be opened, written or read */
-  CT_ERROR_BLOWUP = 11    /**< the state has stopped being finite in mid-run */
+  /** done, and the answer meets the tolerance */
+  CT_OK = 0,
+  /** an answer that no proof stands behind */
+  CT_NOT_CERTIFIED = 1,
+  /** the budget of iterations was used up first */
+  CT_ITERATION_LIMIT = 2,
+  /** the method stopped at a point that is no stationary point */
+  CT_NO_CONVERGENCE = 3,
+  /** NaN, infinite or degenerate numbers came in; no number comes out */
+  CT_INVALID = 4,
+  /** an argument is impossible: null, out of range, unknown */
+  CT_ERROR_ARGUMENT = 5,
+  /** the system gave no memory */
+  CT_ERROR_MEMORY = 6,
+  /** an inverted or collapsed element or face */
+  CT_ERROR_GEOMETRY = 7,
+  /** the time step is above the stable one */
+  CT_ERROR_STEP = 8,
+  /** known, but not in this build or not for this case */
+  CT_ERROR_UNSUPPORTED = 9,
+  /** a file can't be opened, written or read */
+  CT_ERROR_FILE = 10,
+  /** the state has stopped being finite in mid-run */
+  CT_ERROR_BLOWUP = 11
 } ct_status;
 
 /**
@@ -39,9 +51,11 @@ typedef enum ct_status {
 typedef struct ct_error {
   /** The same code that the call returns. */
   ct_status code;
-  /** Body, element and point (node, Gauss point or row) that the error is about, counted from 0; -1 where it names none. */
+  /** Body that the error is about, counted from 0; -1 where it names none. */
   int64_t body;
+  /** Element or face, likewise. */
   int64_t element;
+  /** Node, Gauss point or row, likewise. */
   int64_t point;
   /** One sentence for a person, ended by a zero byte. */
   char text[256];
@@ -52,5 +66,8 @@ CT_API const char *ct_status_name(ct_status status);
 
 /** Version of the library as ``"major.minor.patch"``. */
 CT_API const char *ct_version(void);
+
+/** Not zero when the library was compiled with OpenMP; without it, any number of threads means one. */
+CT_API int ct_has_openmp(void);
 
 #endif

@@ -9,7 +9,9 @@
 typedef struct ct_body {
   /** A name for people, ended by a zero byte. */
   char name[64];
+  /** Its nodes and elements. */
   const ct_mesh *mesh;
+  /** What it is made of. */
   ct_material material;
   /** Its nodes are first_node ... first_node + mesh->node_count - 1 of the problem. */
   int32_t first_node;
@@ -20,8 +22,11 @@ typedef struct ct_body {
  * The nodes of all bodies stand one after another.
  */
 typedef struct ct_problem {
+  /** Nodes of all bodies. */
   int32_t node_count;
+  /** Number of bodies. */
   int32_t body_count;
+  /** The bodies, in the order of their nodes. */
   const ct_body *bodies;
   /** Reference coordinates X [length], shape (node_count, 3). */
   const double *reference;
@@ -36,6 +41,7 @@ typedef struct ct_problem {
   const double *initial_velocity;
   /** The effects; the first one acts on all nodes (usually "solid"). */
   int32_t effect_count;
+  /** The list of them, shape (effect_count). */
   const ct_effect *const *effects;
   /** Time step Δt [time]. */
   double dt;
@@ -52,25 +58,30 @@ typedef struct ct_state {
   const ct_problem *problem;
   /** Number n of the next step, and its time t_n = n Δt [time]. */
   int64_t step;
+  /** t_n [time]. */
   double time;
+  /** Nodes of all bodies. */
   int32_t node_count;
   /** u_n [length], shape (node_count, 3); written by `ct_step`. */
   double *displacement;
   /** v_{n-1/2} [length / time], shape (node_count, 3); written by `ct_step`. */
   double *velocity;
+  /** Doubles in `work`. */
+  int64_t work_count;
   /**
    * For each effect in turn that is no reaction, at each of its nodes and components: the sum over the past steps of f_j · (v_{j-1/2} + v_{j+1/2}),
    * its work divided by Δt / 2, :eq:`work-balance`.
    */
-  int64_t work_count;
   double *work;
-  /** For each effect but the first, likewise: the sum of f_j, its impulse divided by Δt, :eq:`impulse-balance`. */
+  /** Doubles in `impulse`. */
   int64_t impulse_count;
+  /** For each effect but the first, likewise: the sum of f_j, its impulse divided by Δt, :eq:`impulse-balance`. */
   double *impulse;
   /** Kinetic energy at t = 0 [energy]. */
   double kinetic_start;
-  /** Memory of the effects, one after another (memory_count doubles). */
+  /** Doubles in `memory`. */
   int64_t memory_count;
+  /** Memory of the effects, one after another. */
   double *memory;
   /** Forces and scratch space of the current step; not part of a restart. */
   struct ct_workspace *workspace;
@@ -92,6 +103,7 @@ CT_API ct_status ct_state_create(const ct_problem *problem, ct_state **state, ct
 /** Copy what a restart needs. Both states must belong to the same problem. */
 CT_API ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_state *to, ct_error *error);
 
+/** Free a state; null is allowed. Its problem must still exist. */
 CT_API void ct_state_free(ct_state *state);
 
 /** One step of the central difference method in leapfrog form, :eq:`leapfrog`. */

@@ -7,6 +7,7 @@
 typedef struct ct_support {
   /** Node numbers of the problem, shape (node_count). */
   const int32_t *nodes;
+  /** Number of nodes. */
   int32_t node_count;
   /** Which of x, y, z are prescribed (0 or 1). */
   int fixed[3];

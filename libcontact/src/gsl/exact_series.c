@@ -8,6 +8,7 @@
 #include <contact/exact_series.h>
 
 #include "../error.h"
+#include "../lanes.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_integration.h>
@@ -19,8 +20,8 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* Gauss points of a panel of wave numbers. */
-enum { NODES = 6 };
+/* Gauss points of a panel of wave numbers; modes that are summed together. */
+enum { NODES = 6, BLOCK = 128 };
 
 /* One mode: its place, the amplitudes times the weight of the quadrature. A and B are those of the functions divided
  * by exp(|Im alpha|), exp(|Im beta|), so that none overflows. */
@@ -28,10 +29,15 @@ typedef struct ct_mode {
   double xi, omega, alpha2, beta2, a, b;
 } ct_mode;
 
+/* Modes as the sums want them; what a block has too many has no amplitude. */
+typedef struct ct_mode_block {
+  double xi[BLOCK], omega[BLOCK], alpha2[BLOCK], beta2[BLOCK], a[BLOCK], b[BLOCK];
+} ct_mode_block;
+
 struct ct_exact_series {
   double epsilon, kappa2, reach;
-  size_t count, room;
-  ct_mode *mode;
+  size_t count, blocks, room; /* modes; blocks in use and in memory */
+  ct_mode_block *block;
 };
 
 /* cos s, s sin s, sin(s)/s as functions of s^2, divided by exp(|Im s|); `unit` is 1 divided by exp(2 |Im s|). */
@@ -111,21 +117,29 @@ static ct_mode mode_at(const ct_exact_series *s, double xi, double omega, double
 
 static ct_status keep(ct_exact_series *s, const ct_mode *mode)
 {
-  if (s->count == s->room) {
-    const size_t room = 2 * s->room + 4096;
-    ct_mode *grown = realloc(s->mode, room * sizeof *grown);
-    if (grown == NULL) return CT_ERROR_MEMORY;
-    s->mode = grown;
-    s->room = room;
+  const size_t place = s->count % BLOCK;
+  if (place == 0) {
+    if (s->blocks == s->room) {
+      const size_t room = 2 * s->room + 16;
+      ct_mode_block *grown = realloc(s->block, room * sizeof *grown);
+      if (grown == NULL) return CT_ERROR_MEMORY;
+      s->block = grown;
+      s->room = room;
+    }
+    s->block[s->blocks++] = (ct_mode_block){{0.0}, {0.0}, {0.0}, {0.0}, {0.0}, {0.0}};
+    for (int i = 0; i < BLOCK; i++) s->block[s->blocks - 1].omega[i] = 1.0;
   }
-  s->mode[s->count++] = *mode;
+  ct_mode_block *b = &s->block[s->blocks - 1];
+  b->xi[place] = mode->xi, b->omega[place] = mode->omega, b->alpha2[place] = mode->alpha2;
+  b->beta2[place] = mode->beta2, b->a[place] = mode->a, b->b[place] = mode->b;
+  s->count++;
   return CT_OK;
 }
 
-/* What a wave number needs: solver, Rayleigh speed over c1, and the smallest mode worth keeping. */
+/* What a wave number needs: solver, Rayleigh speed over c1, width of a panel, and the smallest mode worth keeping. */
 typedef struct ct_branches {
   gsl_root_fsolver *solver;
-  double c_r, least;
+  double c_r, width, least;
 } ct_branches;
 
 /* The modes of one wave number on the lowest `branches` branches. */
@@ -151,17 +165,17 @@ static ct_status wave_number(ct_exact_series *s, const ct_branches *how, double 
   return CT_OK;
 }
 
-/* All wave numbers: `branches` of them up to 3 xi_N + 60, then the lowest alone, the Rayleigh wave, up to 4000 (eq:series-grid). */
+/* All wave numbers: all branches up to 3 xi_N + 60, then the lowest alone, the Rayleigh wave, up to 4000
+ * (eq:series-grid). */
 static ct_status tabulate(ct_exact_series *s, size_t branches, const ct_branches *how,
                           const gsl_integration_glfixed_table *rule)
 {
-  const double width = fmin(1.0, 4.0 / s->reach);
   const double all = 60.0 + 3.0 * PI * (double)branches / sqrt(s->kappa2 - 1.0), end = fmax(4000.0, all);
-  for (size_t panel = 0; (double)panel * width < end; panel++) {
-    const double left = (double)panel * width;
+  for (size_t panel = 0; (double)panel * how->width < end; panel++) {
+    const double left = (double)panel * how->width;
     for (size_t i = 0; i < NODES; i++) {
       double xi, weight;
-      gsl_integration_glfixed_point(left, left + width, i, &xi, &weight, rule);
+      gsl_integration_glfixed_point(left, left + how->width, i, &xi, &weight, rule);
       const ct_status status = wave_number(s, how, xi, weight, left < all ? branches : 1);
       if (status != CT_OK) return status;
     }
@@ -173,7 +187,8 @@ ct_status ct_exact_series_create(double nu, size_t branches, double reach, ct_ex
 {
   if (out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "out is a null pointer");
   *out = NULL;
-  ct_branches how = {NULL, 0.0, 1e-9};
+  const double width = fmin(1.0, 4.0 / reach);
+  ct_branches how = {NULL, 0.0, width, 3e-8 * width};
   double c2;
   if (ct_exact_speeds(nu, &c2, &how.c_r) != CT_OK)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
@@ -187,7 +202,7 @@ ct_status ct_exact_series_create(double nu, size_t branches, double reach, ct_ex
   ct_status status = s != NULL && rule != NULL && how.solver != NULL ? CT_OK : CT_ERROR_MEMORY;
   if (status == CT_OK) {
     const double epsilon = 2.0 * nu / (1.0 - 2.0 * nu);
-    *s = (ct_exact_series){epsilon, 2.0 + epsilon, reach, 0, 0, NULL};
+    *s = (ct_exact_series){epsilon, 2.0 + epsilon, reach, 0, 0, 0, NULL};
     status = tabulate(s, branches, &how, rule);
   }
   if (how.solver != NULL) gsl_root_fsolver_free(how.solver);
@@ -203,58 +218,115 @@ ct_status ct_exact_series_create(double nu, size_t branches, double reach, ct_ex
 void ct_exact_series_free(ct_exact_series *series)
 {
   if (series == NULL) return;
-  free(series->mode);
+  free(series->block);
   free(series);
 }
 
-/* cos(s z) and s sin(s z) over exp(|Im s|), 0 <= z <= 1, as functions of s^2. */
-static void shape(double square, double z, double *c, double *s)
+/* Sines and cosines of a block of angles, 0 <= angle < 1e6, written so that the compiler can do several at a time:
+ * angle = k pi/2 + y with |y| <= pi/4 and Taylor's polynomials in y. */
+CT_CLONES static void waves(const double *angle, double *cosine, double *sine)
 {
-  const double r = sqrt(fabs(square));
-  if (square >= 0.0) {
-    *c = cos(r * z);
-    *s = r * sin(r * z);
-  } else {
-    const double rise = exp(r * (z - 1.0)), fall = exp(-r * (z + 1.0));
-    *c = 0.5 * (rise + fall);
-    *s = -0.5 * r * (rise - fall);
+  const double shift = 6755399441055744.0; /* adding and subtracting it rounds to an integer */
+  const double half_pi[3] = {1.57079632673412561417, 6.07710050630396597660e-11, 2.02226624879595063154e-21};
+#pragma omp simd
+  for (int i = 0; i < BLOCK; i++) {
+    const double k = (angle[i] * (2.0 / PI) + shift) - shift, turns = (0.25 * k + shift) - shift;
+    const double quarter = k - 4.0 * turns; /* -2, -1, 0, 1 or 2 */
+    const double y = ((angle[i] - k * half_pi[0]) - k * half_pi[1]) - k * half_pi[2], y2 = y * y;
+    const double s =
+        y + y * y2 * (-1.0 / 6 + y2 * (1.0 / 120 + y2 * (-1.0 / 5040 + y2 * (1.0 / 362880 + y2 * (-1.0 / 39916800
+        + y2 * (1.0 / 6227020800.0 - y2 / 1307674368000.0))))));
+    const double c =
+        1.0 + y2 * (-0.5 + y2 * (1.0 / 24 + y2 * (-1.0 / 720 + y2 * (1.0 / 40320 + y2 * (-1.0 / 3628800
+        + y2 * (1.0 / 479001600 + y2 * (-1.0 / 87178291200.0 + y2 / 20922789888000.0)))))));
+    const int odd = fabs(quarter) == 1.0;
+    const double first = odd ? c : s, second = odd ? s : c;
+    sine[i] = fabs(quarter - 0.5) > 1.0 ? -first : first;
+    cosine[i] = fabs(quarter + 0.5) > 1.0 ? -second : second;
   }
 }
 
-/* What x and t do to each mode: sin, cos of xi x times cos(omega t), sin(omega t)/omega. */
-static void wave_factors(const ct_exact_series *s, double x, double t, double *factor)
+/* cos(s z) and s sin(s z) over exp(|Im s|) for s = i r, 0 <= z <= 1; both vanish where the mode does not reach. */
+static void hyperbolic(double r, double z, double *c, double *s)
 {
-  for (size_t i = 0; i < s->count; i++) {
-    const ct_mode *m = &s->mode[i];
-    const double sx = sin(m->xi * x), cx = cos(m->xi * x), ct = cos(m->omega * t), st = sin(m->omega * t) / m->omega;
-    double *f = factor + 4 * i;
-    f[0] = sx * ct, f[1] = cx * ct, f[2] = sx * st, f[3] = cx * st;
+  *c = *s = 0.0;
+  if (r * (1.0 - z) > 45.0) return;
+  const double rise = exp(r * (z - 1.0)), fall = 2.0 * r * z > 45.0 ? 0.0 : exp(-r * (z + 1.0));
+  *c = 0.5 * (rise + fall);
+  *s = -0.5 * r * (rise - fall);
+}
+
+/* cos(s z) and s sin(s z) over exp(|Im s|) of a block of modes, given s^2. */
+CT_CLONES static void shapes(const double *square, double z, double *c, double *s)
+{
+  double root[BLOCK], angle[BLOCK];
+  for (int i = 0; i < BLOCK; i++) {
+    root[i] = sqrt(fabs(square[i]));
+    angle[i] = root[i] * z;
+  }
+  waves(angle, c, s);
+  for (int i = 0; i < BLOCK; i++) s[i] *= root[i];
+  for (int i = 0; i < BLOCK; i++)
+    if (square[i] < 0.0) hyperbolic(root[i], z, &c[i], &s[i]);
+}
+
+/* What x and t do to each mode of a block: sin, cos of xi x times cos(omega t), sin(omega t)/omega. */
+typedef struct ct_wave_factors {
+  double sin_cos[BLOCK], cos_cos[BLOCK], sin_sin[BLOCK], cos_sin[BLOCK];
+} ct_wave_factors;
+
+static void wave_factors(const ct_mode_block *m, double x, double t, ct_wave_factors *f)
+{
+  double angle[BLOCK], cx[BLOCK], sx[BLOCK], ct[BLOCK], st[BLOCK];
+  for (int i = 0; i < BLOCK; i++) angle[i] = m->xi[i] * x;
+  waves(angle, cx, sx);
+  for (int i = 0; i < BLOCK; i++) angle[i] = m->omega[i] * t;
+  waves(angle, ct, st);
+  for (int i = 0; i < BLOCK; i++) {
+    f->sin_cos[i] = sx[i] * ct[i];
+    f->cos_cos[i] = cx[i] * ct[i];
+    f->sin_sin[i] = sx[i] * st[i] / m->omega[i];
+    f->cos_sin[i] = cx[i] * st[i] / m->omega[i];
   }
 }
 
-/* Sum of the modes at height z >= 0 (eq:series-fields). */
-static void sum_modes(const ct_exact_series *s, double z, const double *factor, double field[5])
+/* Add a block of modes at height z >= 0 (eq:series-fields). */
+CT_CLONES static void add_modes(const ct_mode_block *m, const ct_wave_factors *f, double epsilon, double z, double field[5])
 {
-  double sigma_x = 0.0, sigma_z = 0.0, tau = 0.0, v_x = 0.0, v_z = 0.0;
-  for (size_t i = 0; i < s->count; i++) {
-    const ct_mode *m = &s->mode[i];
-    const double *f = factor + 4 * i;
-    double ca, sa, cb, sb;
-    shape(m->alpha2, z, &ca, &sa);
-    shape(m->beta2, z, &cb, &sb);
+  double ca[BLOCK], sa[BLOCK], cb[BLOCK], sb[BLOCK];
+  shapes(m->alpha2, z, ca, sa);
+  shapes(m->beta2, z, cb, sb);
+  double sum[5] = {0.0, 0.0, 0.0, 0.0, 0.0};
+  for (int i = 0; i < BLOCK; i++) {
     // -- Displacement of the mode and its derivatives over the thickness (eq:series-boundary)
-    const double sinc = m->beta2 != 0.0 ? sb / m->beta2 : z;
-    const double u = -(m->xi * m->a * ca + m->b * cb), w = m->xi * m->b * sinc - m->a * sa;
-    const double divergence = -m->omega * m->omega * m->a * ca;
-    const double w_z = m->xi * m->b * cb - m->alpha2 * m->a * ca, u_z = m->xi * m->a * sa + m->b * sb;
-    // -- Velocity and Hooke's law
-    v_x += u * f[0];
-    v_z += w * f[1];
-    sigma_x += (divergence + 2.0 / s->epsilon * m->xi * u) * f[3];
-    sigma_z += (divergence + 2.0 / s->epsilon * w_z) * f[3];
-    tau += (u_z - m->xi * w) / s->epsilon * f[2];
+    const double xi = m->xi[i], a = m->a[i], b = m->b[i];
+    const double sinc = m->beta2[i] != 0.0 ? sb[i] / m->beta2[i] : z;
+    const double u = -(xi * a * ca[i] + b * cb[i]), w = xi * b * sinc - a * sa[i];
+    const double divergence = -m->omega[i] * m->omega[i] * a * ca[i];
+    const double w_z = xi * b * cb[i] - m->alpha2[i] * a * ca[i], u_z = xi * a * sa[i] + b * sb[i];
+    // -- Hooke's law and velocity
+    sum[0] += (divergence + 2.0 / epsilon * xi * u) * f->cos_sin[i];
+    sum[1] += (divergence + 2.0 / epsilon * w_z) * f->cos_sin[i];
+    sum[2] += (u_z - xi * w) / epsilon * f->sin_sin[i];
+    sum[3] += u * f->sin_cos[i];
+    sum[4] += w * f->cos_cos[i];
   }
-  field[0] = sigma_x, field[1] = sigma_z, field[2] = tau, field[3] = v_x, field[4] = v_z;
+  for (int k = 0; k < 5; k++) field[k] += sum[k];
+}
+
+/* The points first, ..., last - 1 have one x and one t: all modes at each. */
+static void sum_line(const ct_exact_series *s, size_t first, size_t last, const double *x, const double *z,
+                     const double *t, double *fields)
+{
+  for (size_t i = 5 * first; i < 5 * last; i++) fields[i] = 0.0;
+  for (size_t j = 0; j < s->blocks; j++) {
+    ct_wave_factors factors;
+    wave_factors(&s->block[j], x[first], t[first], &factors);
+    for (size_t i = first; i < last; i++) add_modes(&s->block[j], &factors, s->epsilon, fabs(z[i]), fields + 5 * i);
+  }
+  // -- Shear stress and transversal velocity are odd in z
+  for (size_t i = first; i < last; i++)
+    if (z[i] < 0.0) fields[5 * i + 2] = -fields[5 * i + 2], fields[5 * i + 4] = -fields[5 * i + 4];
 }
 
 /* Why a point can't be answered; null when it can. */
@@ -281,15 +353,10 @@ ct_status ct_exact_series_fields(const ct_exact_series *series, size_t n, const 
     return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, (int64_t)i},
                    "point %zu (x = %g, z = %g, t = %g): %s", i, x[i], z[i], t[i], reason);
   }
-  double *factor = malloc((4 * series->count + 1) * sizeof *factor);
-  if (factor == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the factors of the modes");
-  for (size_t i = 0; i < n; i++) {
-    if (i == 0 || x[i] != x[i - 1] || t[i] != t[i - 1]) wave_factors(series, x[i], t[i], factor);
-    double *field = fields + 5 * i;
-    sum_modes(series, fabs(z[i]), factor, field);
-    if (z[i] < 0.0) field[2] = -field[2], field[4] = -field[4];
+  for (size_t first = 0, last = 1; first < n; first = last++) {
+    while (last < n && x[last] == x[first] && t[last] == t[first]) last++;
+    sum_line(series, first, last, x, z, t, fields);
   }
-  free(factor);
   return CT_OK;
 }
 

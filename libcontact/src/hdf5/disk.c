@@ -1,5 +1,4 @@
 #define _XOPEN_SOURCE 700
-#define _DEFAULT_SOURCE
 #define _FILE_OFFSET_BITS 64
 
 #include "hdf5_internal.h"
@@ -11,10 +10,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#if defined(__linux__)
-#include <sys/syscall.h>
-#endif
 
 enum { LONGEST_PATH_SHOWN = 120 };
 
@@ -64,17 +59,6 @@ ct_status ct_disk_check_readable(const char *path, ct_error *error)
   return CT_OK;
 }
 
-/* The system's descriptor of a file that HDF5 has opened, or -1. */
-static int descriptor_of(hid_t file)
-{
-  void *handle = NULL;
-  hid_t access = H5Fget_access_plist(file);
-  if (access < 0) return -1;
-  herr_t got = H5Fget_vfd_handle(file, access, &handle);
-  H5Pclose(access);
-  return got >= 0 && handle != NULL ? *(int *)handle : -1;
-}
-
 /* Ask for the bytes from `start` on; 0, or the number of the error when the disk has no room for them. */
 static int reserve(int descriptor, off_t start, int64_t bytes)
 {
@@ -97,49 +81,32 @@ ct_status ct_disk_try(const char *part, int64_t bytes, const char *path, ct_erro
   int result = reserve(descriptor, 0, bytes);
   close(descriptor);
   if (result == 0) return CT_OK;
-  remove(part);
+  unlink(part);
   return system_fail(error, path, "write the file", result);
 }
 
-ct_status ct_disk_reserve(hid_t file, int64_t bytes, const char *path, ct_error *error)
+ct_status ct_disk_reserve(const ct_disk *disk, hid_t file, int64_t bytes, const char *path, ct_error *error)
 {
   hsize_t size = 0;
-  int descriptor = descriptor_of(file);
-  if (descriptor < 0 || H5Fget_filesize(file, &size) < 0) return CT_OK;
-  int result = reserve(descriptor, (off_t)size, bytes);
+  if (H5Fget_filesize(file, &size) < 0) return CT_OK;
+  int result = reserve(disk->descriptor, (off_t)size, bytes);
   if (result == 0) return CT_OK;
-  ct_disk_trim(file);
+  ct_disk_trim(disk, file);
   return system_fail(error, path, "write the next step", result);
 }
 
-void ct_disk_trim(hid_t file)
+void ct_disk_trim(const ct_disk *disk, hid_t file)
 {
   hsize_t size = 0;
-  int descriptor = descriptor_of(file);
-  if (descriptor < 0 || H5Fget_filesize(file, &size) < 0) return;
   struct stat found;
+  if (H5Fget_filesize(file, &size) < 0 || fstat(disk->descriptor, &found) != 0) return;
   // -- A file that stays too long is still right, so a failure here needs no answer
-  if (fstat(descriptor, &found) == 0 && found.st_size > (off_t)size && ftruncate(descriptor, (off_t)size) != 0) return;
+  if (found.st_size > (off_t)size && ftruncate(disk->descriptor, (off_t)size) != 0) return;
 }
 
-/* A file in memory that nobody else sees, or one without a name. */
-static int open_sink(void)
+ct_status ct_disk_check(const ct_disk *disk, const char *path, const char *what, ct_error *error)
 {
-#if defined(SYS_memfd_create)
-  int sink = (int)syscall(SYS_memfd_create, "libcontact", 0);
-  if (sink >= 0) return sink;
-#endif
-  FILE *file = tmpfile();
-  int copy = file != NULL ? dup(fileno(file)) : -1;
-  if (file != NULL) fclose(file);
-  return copy;
-}
-
-void ct_disk_detach(hid_t file)
-{
-  int descriptor = descriptor_of(file), sink = open_sink();
-  if (descriptor >= 0 && sink >= 0) dup2(sink, descriptor);
-  if (sink >= 0) close(sink);
+  return disk->error == 0 ? CT_OK : system_fail(error, path, what, disk->error);
 }
 
 ct_status ct_disk_rename(const char *from, const char *to, ct_error *error)
@@ -148,4 +115,4 @@ ct_status ct_disk_rename(const char *from, const char *to, ct_error *error)
   return CT_OK;
 }
 
-void ct_disk_remove(const char *path) { remove(path); }
+void ct_disk_remove(const char *path) { unlink(path); }

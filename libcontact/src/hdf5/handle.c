@@ -187,13 +187,12 @@ int64_t ct_hdf5_row_count(hid_t parent, const char *name)
 
 enum { MANY_STEPS = 128, LARGEST_TABLE_CHUNK = 65536, LARGEST_CHUNK_ROWS = 1 << 20 };
 
-/* Small tables: many steps a chunk. Fields: one step a chunk. */
-static int64_t chunk_rows(int64_t rows, int64_t row_bytes)
+/* Fields: one step a chunk. Tables: many steps a chunk. */
+static int64_t chunk_rows(const ct_column *column, int64_t row_bytes)
 {
-  int64_t steps = LARGEST_TABLE_CHUNK / (rows * row_bytes);
-  if (steps > MANY_STEPS) steps = MANY_STEPS;
-  if (steps > 1) return rows * steps;
-  return rows < LARGEST_CHUNK_ROWS ? rows : LARGEST_CHUNK_ROWS;
+  if (column->is_field) return column->rows < LARGEST_CHUNK_ROWS ? column->rows : LARGEST_CHUNK_ROWS;
+  int64_t steps = LARGEST_TABLE_CHUNK / (column->rows * row_bytes);
+  return column->rows * (steps < 1 ? 1 : steps < MANY_STEPS ? steps : MANY_STEPS);
 }
 
 ct_status ct_hdf5_create_column(hid_t parent, const char *name, const char *path, ct_column *column, ct_error *error)
@@ -202,7 +201,7 @@ ct_status ct_hdf5_create_column(hid_t parent, const char *name, const char *path
   int rank = column->width > 0 ? 2 : 1;
   hsize_t width = (hsize_t)column->width, none[2] = {0, width}, limit[2] = {H5S_UNLIMITED, width};
   column->value_size = H5Tget_size(column->type);
-  column->chunk_rows = chunk_rows(column->rows, (int64_t)(column->value_size * (rank == 2 ? (size_t)width : 1)));
+  column->chunk_rows = chunk_rows(column, (int64_t)(column->value_size * (rank == 2 ? (size_t)width : 1)));
   hsize_t chunk[2] = {(hsize_t)column->chunk_rows, width};
   hid_t space = H5Screate_simple(rank, none, limit), how = H5Pcreate(H5P_DATASET_CREATE), type = H5Tcopy(column->type);
   // -- Structs lose their padding in the file

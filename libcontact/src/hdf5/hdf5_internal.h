@@ -5,6 +5,10 @@
 
 #include <hdf5.h>
 
+#if !H5_VERSION_GE(1, 10, 2)
+#error "libcontact-hdf5 needs HDF5 1.10.2 or newer (H5Fset_libver_bounds)"
+#endif
+
 /* What the source files of libcontact-hdf5 share. Functions that return ct_status fill `error` with the path and the reason. */
 
 /* What an error is about; -1 where it names none. */
@@ -21,6 +25,8 @@ typedef struct ct_column {
   hid_t type;
   int64_t rows, width, chunk_rows;
   size_t value_size;
+  /* A field on the points or cells; if not, a table with a few rows a step. */
+  int is_field;
   /* Where the rows of the current step stand. */
   const void *source;
 } ct_column;
@@ -67,14 +73,23 @@ typedef struct ct_part {
   int64_t count;
 } ct_part;
 
+/* The file as the system knows it. */
+typedef struct ct_disk {
+  /* -1 when it is closed. */
+  int descriptor;
+  /* The number of the first error that a write has met, 0 when all is well. */
+  int error;
+} ct_disk;
+
 struct ct_output {
   char *path;
   /* The name until the first step is written. */
   char *part_path;
-  int renamed;
+  int made, renamed;
   /* A write has failed in the middle of a step: nothing more is written. */
   int broken;
-  hid_t file, steps, step_count, energy_type, momentum_type, effect_type, seal_type;
+  ct_disk disk;
+  hid_t driver, file, step_count, energy_type, momentum_type, effect_type, seal_type;
   int64_t node_count, cell_count;
   int32_t body_count, effect_count;
   int32_t column_count, displacement_column;
@@ -131,17 +146,22 @@ ct_status ct_disk_names(const char *path, char **target, char **part, ct_error *
 ct_status ct_disk_check_readable(const char *path, ct_error *error);
 /* Make the file `part` and see whether the disk has room for `bytes` bytes. */
 ct_status ct_disk_try(const char *part, int64_t bytes, const char *path, ct_error *error);
-/* Ask the system for `bytes` bytes beyond the end of the file, so that a full disk is met here and not by HDF5. */
-ct_status ct_disk_reserve(hid_t file, int64_t bytes, const char *path, ct_error *error);
+/* Ask the system for `bytes` bytes beyond the end of the file, so that a full disk is met before anything is written. */
+ct_status ct_disk_reserve(const ct_disk *disk, hid_t file, int64_t bytes, const char *path, ct_error *error);
 /* Give back what was reserved and not used. */
-void ct_disk_trim(hid_t file);
-/* Cut the open file off from the disk after a failed write: HDF5 crashes at the end of the process when it can't write what it still
- * holds, so that goes to a file in memory that is thrown away. */
-void ct_disk_detach(hid_t file);
+void ct_disk_trim(const ct_disk *disk, hid_t file);
+/* ``CT_ERROR_FILE`` with the system's reason once a write has failed. */
+ct_status ct_disk_check(const ct_disk *disk, const char *path, const char *what, ct_error *error);
 ct_status ct_disk_rename(const char *from, const char *to, ct_error *error);
 void ct_disk_remove(const char *path);
 /* The end of a path that is too long for a message. */
 const char *ct_disk_short(const char *path);
+
+/* -- driver.c: a way for HDF5 to the disk on which writes never fail -- */
+
+hid_t ct_driver_register(void);
+/* Files that are opened with `access` go through the driver; `disk` must live until they are closed. */
+herr_t ct_driver_use(hid_t access, hid_t driver, ct_disk *disk);
 
 /* -- layout.c: the file without its steps -- */
 

@@ -140,8 +140,9 @@ static ct_status other_body(const body_row *was, const body_row *is, int32_t b, 
   else if (was->density != is->density) what = "density";
   if (what == NULL) return CT_OK;
   ct_place where = {b, -1, -1};
-  return ct_output_fail(error, CT_ERROR_FILE, where, "%s: the file belongs to another problem: body %d '%s' (in the file '%s') has another %s",
-                 ct_disk_short(path), (int)b, is->name, was->name, what);
+  return ct_output_fail(error, CT_ERROR_FILE, where,
+                        "%s: the file belongs to another problem: body %d '%s' (in the file '%s') has another %s", ct_disk_short(path),
+                        (int)b, is->name, was->name, what);
 }
 
 static ct_status compare_bodies(hid_t group, const ct_problem *problem, const char *path, ct_error *error)
@@ -201,8 +202,8 @@ ct_status ct_identity_compare(hid_t group, const ct_problem *problem, const char
   double dt = 0;
   ct_status status = ct_hdf5_read_attribute(group, "layout", H5T_NATIVE_INT64, &layout, path, error);
   if (status == CT_OK && layout != CT_LAYOUT)
-    status = ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file has layout %ld, this library reads layout %d", ct_disk_short(path),
-                     (long)layout, CT_LAYOUT);
+    status = ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file has layout %ld, this library reads layout %d",
+                            ct_disk_short(path), (long)layout, CT_LAYOUT);
   if (status == CT_OK) status = compare_bodies(group, problem, path, error);
   if (status == CT_OK) status = compare_effects(group, problem, path, error);
   if (status == CT_OK) status = ct_hdf5_read_attribute(group, "dt", H5T_NATIVE_DOUBLE, &dt, path, error);

@@ -91,8 +91,8 @@ static ct_status write_grid(ct_output *o, const ct_problem *problem, hid_t vtk, 
 
 /* -- The datasets that grow -- */
 
-static ct_status add_column(ct_output *o, hid_t parent, const char *name, hid_t type, int64_t rows, int64_t width, const void *source,
-                            ct_error *error)
+static ct_status add_dataset(ct_output *o, int field, hid_t parent, const char *name, hid_t type, int64_t rows, int64_t width,
+                             const void *source, ct_error *error)
 {
   if (rows == 0) return CT_OK;
   ct_column *column = &o->column[o->column_count++];
@@ -100,8 +100,20 @@ static ct_status add_column(ct_output *o, hid_t parent, const char *name, hid_t 
   column->type = type;
   column->rows = rows;
   column->width = width;
+  column->is_field = field;
   column->source = source;
   return ct_hdf5_create_column(parent, name, o->path, column, error);
+}
+
+static ct_status add_column(ct_output *o, hid_t parent, const char *name, hid_t type, int64_t rows, int64_t width, const void *source,
+                            ct_error *error)
+{
+  return add_dataset(o, 0, parent, name, type, rows, width, source, error);
+}
+
+static ct_status add_field(ct_output *o, hid_t parent, const char *name, int64_t rows, int64_t width, const double *source, ct_error *error)
+{
+  return add_dataset(o, 1, parent, name, H5T_NATIVE_DOUBLE, rows, width, source, error);
 }
 
 typedef struct table {
@@ -132,15 +144,15 @@ static ct_status create_step_tables(ct_output *o, hid_t steps, ct_error *error)
 static ct_status create_point_fields(ct_output *o, hid_t data, hid_t offsets, const ct_output_options *options, ct_error *error)
 {
   ct_status status = CT_OK;
-  hid_t whole = H5T_NATIVE_INT64, real = H5T_NATIVE_DOUBLE;
+  hid_t whole = H5T_NATIVE_INT64;
   o->displacement_column = -1;
   if (options->displacement) {
     o->displacement_column = o->column_count;
-    status = add_column(o, data, "displacement", real, o->node_count, 3, NULL, error);
+    status = add_field(o, data, "displacement", o->node_count, 3, NULL, error);
     if (status == CT_OK) status = add_column(o, offsets, "displacement", whole, 1, 0, &o->now.point_row, error);
   }
   if (options->velocity && status == CT_OK) {
-    status = add_column(o, data, "velocity", real, o->node_count, 3, o->now.velocity, error);
+    status = add_field(o, data, "velocity", o->node_count, 3, o->now.velocity, error);
     if (status == CT_OK) status = add_column(o, offsets, "velocity", whole, 1, 0, &o->now.point_row, error);
   }
   return status;
@@ -150,7 +162,7 @@ static ct_status create_cell_fields(ct_output *o, hid_t data, hid_t offsets, con
 {
   ct_status status = add_column(o, offsets, "body", H5T_NATIVE_INT64, 1, 0, &o->now.zero, error);
   if (options->stress && status == CT_OK) {
-    status = add_column(o, data, "stress", H5T_NATIVE_DOUBLE, o->cell_count, 6, o->now.stress, error);
+    status = add_field(o, data, "stress", o->cell_count, 6, o->now.stress, error);
     if (status == CT_OK) status = add_column(o, offsets, "stress", H5T_NATIVE_INT64, 1, 0, &o->now.cell_row, error);
   }
   return status;

@@ -58,15 +58,18 @@ static ct_status create_record(ct_output *o, const ct_output_options *options, c
 
 static ct_status open_file(ct_output *o, ct_error *error)
 {
+  o->driver = ct_driver_register();
   hid_t access = ct_layout_open_access(), how = H5Pcreate(H5P_FILE_CREATE);
   int ready = access >= 0 && how >= 0 && H5Pset_obj_track_times(how, 0) >= 0;
   // -- In pages of the system's size no small piece lies on two of them, so that a kill can't cut one in two
   ready = ready && H5Pset_file_space_strategy(how, H5F_FSPACE_STRATEGY_PAGE, 0, 1) >= 0 && H5Pset_file_space_page_size(how, PAGE) >= 0;
+  ready = ready && ct_driver_use(access, o->driver, &o->disk) >= 0;
   if (ready) o->file = H5Fcreate(o->part_path, H5F_ACC_TRUNC, how, access);
   // -- From here on: datasets that grow without moving (the superblock stays the old one)
   ct_status status = CT_OK;
   if (o->file < 0 || H5Fset_libver_bounds(o->file, H5F_LIBVER_V110, H5F_LIBVER_V110) < 0)
     status = ct_hdf5_fail(error, o->path, "write the file");
+  if (ct_disk_check(&o->disk, o->path, "write the file", error) != CT_OK) status = CT_ERROR_FILE;
   if (how >= 0) H5Pclose(how);
   if (access >= 0) H5Pclose(access);
   return status;
@@ -86,7 +89,6 @@ static ct_status destroy(ct_output *o, ct_error *error)
 {
   ct_status status = CT_OK;
   int good = 1;
-  if (o->broken && o->file >= 0) ct_disk_detach(o->file);
   for (int32_t i = 0; i < o->column_count; i++)
     if (o->column[i].set >= 0 && H5Dclose(o->column[i].set) < 0) good = 0;
   for (int i = 0; i <= CT_PART_COUNT; i++)
@@ -98,8 +100,10 @@ static ct_status destroy(ct_output *o, ct_error *error)
   if (o->effect_type >= 0) H5Tclose(o->effect_type);
   if (o->seal_type >= 0) H5Tclose(o->seal_type);
   if (o->file >= 0 && H5Fclose(o->file) < 0) good = 0;
-  if (!good && !o->broken) status = ct_hdf5_fail(error, o->path, "close the file");
-  if (!o->renamed && o->part_path != NULL) ct_disk_remove(o->part_path);
+  if (o->driver >= 0) H5FDunregister(o->driver);
+  if (!o->broken && !good) status = ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't close the file", ct_disk_short(o->path));
+  if (!o->broken && status == CT_OK) status = ct_disk_check(&o->disk, o->path, "close the file", error);
+  if (o->made && !o->renamed) ct_disk_remove(o->part_path);
   free(o->now.velocity);
   free(o->now.stress);
   free(o->now.bodies);
@@ -116,20 +120,23 @@ static ct_status create(const char *path, const ct_problem *problem, const ct_ou
 {
   ct_output *o = calloc(1, sizeof *o);
   if (o == NULL) return ct_output_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an output");
-  o->file = o->step_count = o->energy_type = o->momentum_type = o->effect_type = o->seal_type = -1;
+  o->disk.descriptor = -1;
+  o->driver = o->file = o->step_count = o->energy_type = o->momentum_type = o->effect_type = o->seal_type = -1;
   for (int i = 0; i <= CT_PART_COUNT; i++) o->slot[0][i] = o->slot[1][i] = -1;
   count(o, problem);
   ct_status status = create_record(o, options, error);
   if (status == CT_OK) status = ct_disk_names(path, &o->path, &o->part_path, error);
   int64_t bytes = ct_layout_bytes(o, problem, options) + MARGIN;
   if (status == CT_OK) status = ct_disk_try(o->part_path, bytes, o->path, error);
+  o->made = status == CT_OK;
   if (status == CT_OK) status = open_file(o, error);
-  if (status == CT_OK) status = ct_disk_reserve(o->file, bytes, o->path, error);
+  if (status == CT_OK) status = ct_disk_reserve(&o->disk, o->file, bytes, o->path, error);
   if (status == CT_OK) status = create_types(o, error);
   if (status == CT_OK) status = ct_layout_create(o, problem, options, error);
   if (status == CT_OK && H5Fflush(o->file, H5F_SCOPE_LOCAL) < 0) status = ct_hdf5_fail(error, o->path, "write the file");
+  if (status == CT_OK) status = ct_disk_check(&o->disk, o->path, "write the file", error);
   if (status == CT_OK) {
-    ct_disk_trim(o->file);
+    ct_disk_trim(&o->disk, o->file);
     *output = o;
   } else {
     o->broken = 1;
@@ -237,31 +244,36 @@ static int64_t step_bytes(const ct_output *o, const ct_state *state)
   return bytes;
 }
 
+static ct_status flush(ct_output *o, ct_error *error)
+{
+  if (H5Fflush(o->file, H5F_SCOPE_LOCAL) < 0) return ct_hdf5_fail(error, o->path, "write a step");
+  return ct_disk_check(&o->disk, o->path, "write a step", error);
+}
+
 static ct_status write_step(ct_output *o, const ct_state *state, ct_error *error)
 {
   // -- The data of the step, which no reader looks for yet
   ct_status status = o->row == 0 ? ct_restart_create_slots(o, state, error) : CT_OK;
   if (status == CT_OK) status = ct_restart_write(o, state, error);
   for (int32_t i = 0; i < o->column_count && status == CT_OK; i++) status = ct_hdf5_write_column(&o->column[i], o->row, o->path, error);
-  if (status == CT_OK && H5Fflush(o->file, H5F_SCOPE_LOCAL) < 0) status = ct_hdf5_fail(error, o->path, "write a step");
+  if (status == CT_OK) status = flush(o, error);
   // -- The number of steps, which makes it visible
   int64_t steps = o->row + 1;
-  if (status == CT_OK && (H5Awrite(o->step_count, H5T_NATIVE_INT64, &steps) < 0 || H5Fflush(o->file, H5F_SCOPE_LOCAL) < 0))
-    status = ct_hdf5_fail(error, o->path, "write a step");
-  return status;
+  if (status == CT_OK && H5Awrite(o->step_count, H5T_NATIVE_INT64, &steps) < 0) status = ct_hdf5_fail(error, o->path, "write a step");
+  return status == CT_OK ? flush(o, error) : status;
 }
 
 static ct_status append(ct_output *o, const ct_problem *problem, ct_state *state, ct_error *error)
 {
   ct_status status = gather(o, problem, state, error);
-  if (status == CT_OK) status = ct_disk_reserve(o->file, step_bytes(o, state), o->path, error);
+  if (status == CT_OK) status = ct_disk_reserve(&o->disk, o->file, step_bytes(o, state), o->path, error);
   if (status != CT_OK) return status;
   status = write_step(o, state, error);
   if (status != CT_OK) {
     o->broken = 1;
     return status;
   }
-  ct_disk_trim(o->file);
+  ct_disk_trim(&o->disk, o->file);
   o->row++;
   if (o->renamed) return CT_OK;
   status = ct_disk_rename(o->part_path, o->path, error);

@@ -4,37 +4,37 @@
 
 #include <math.h>
 
-/* Coefficients of one coordinate from the node values v; each is a tree that flips map onto itself up to its sign. */
-static void quadrilateral(const double v[8], int serendipity, double c[8])
+/* Coefficients of one coordinate from the nodes v and the point p. Only c[0] knows the point; the others are made of differences between nodes,
+ * so that neither a far origin nor a far point costs them digits. Each is a tree that flips map onto itself up to its sign. */
+static void quadrilateral(const double v[8], double p, int serendipity, double c[8])
 {
   // -- Corners (eq:projection-patch-q4)
-  double all = (v[0] + v[1]) + (v[2] + v[3]), right = (v[1] - v[0]) + (v[2] - v[3]);
+  double all = ((v[0] - p) + (v[1] - p)) + ((v[2] - p) + (v[3] - p)), right = (v[1] - v[0]) + (v[2] - v[3]);
   double up = (v[3] - v[0]) + (v[2] - v[1]), twist = (v[0] - v[1]) + (v[2] - v[3]);
   c[0] = 0.25 * all, c[1] = 0.25 * right, c[2] = 0.25 * up, c[3] = 0.25 * twist;
   c[4] = c[5] = c[6] = c[7] = 0;
   if (!serendipity) return;
   // -- Mid-sides (eq:projection-patch-q8)
-  double row = v[4] + v[6], column = v[5] + v[7];
-  c[0] = 0.5 * (row + column) - 0.25 * all;
+  c[0] = 0.5 * (((v[4] - p) + (v[6] - p)) + ((v[5] - p) + (v[7] - p))) - 0.25 * all;
   c[1] = 0.5 * (v[5] - v[7]);
   c[2] = 0.5 * (v[6] - v[4]);
-  c[4] = 0.25 * all - 0.5 * row;
-  c[5] = 0.25 * all - 0.5 * column;
-  c[6] = 0.25 * up - 0.5 * (v[6] - v[4]);
-  c[7] = 0.25 * right - 0.5 * (v[5] - v[7]);
+  c[4] = 0.25 * (((v[0] - v[4]) + (v[1] - v[4])) + ((v[2] - v[6]) + (v[3] - v[6])));
+  c[5] = 0.25 * (((v[0] - v[7]) + (v[3] - v[7])) + ((v[1] - v[5]) + (v[2] - v[5])));
+  c[6] = 0.25 * up - c[2];
+  c[7] = 0.25 * right - c[1];
 }
 
-static void triangle(const double v[8], int quadratic, double c[8])
+static void triangle(const double v[8], double p, int quadratic, double c[8])
 {
-  c[0] = v[0], c[1] = v[1] - v[0], c[2] = v[2] - v[0];
+  c[0] = v[0] - p, c[1] = v[1] - v[0], c[2] = v[2] - v[0];
   c[3] = c[4] = c[5] = c[6] = c[7] = 0;
   if (!quadratic) return;
   // -- Mid-sides of the triangle (eq:projection-patch-t6)
-  c[4] = 2 * ((v[0] + v[1]) - 2 * v[3]);
-  c[5] = 2 * ((v[0] + v[2]) - 2 * v[5]);
-  c[3] = 4 * ((v[0] - (v[3] + v[5])) + v[4]);
-  c[1] = (v[1] - v[0]) - c[4];
-  c[2] = (v[2] - v[0]) - c[5];
+  c[3] = 2 * (((v[0] - v[3]) + (v[0] - v[5])) + ((v[4] - v[3]) + (v[4] - v[5])));
+  c[4] = 2 * ((v[0] - v[3]) + (v[1] - v[3]));
+  c[5] = 2 * ((v[0] - v[5]) + (v[2] - v[5]));
+  c[1] -= c[4];
+  c[2] -= c[5];
 }
 
 ct_status ct_patch_init(ct_patch *patch, ct_face_kind kind, const double node[8][3], const double point[3])
@@ -46,9 +46,9 @@ ct_status ct_patch_init(ct_patch *patch, ct_face_kind kind, const double node[8]
   for (int k = 0; k < 3; k++) {
     // -- Subtract the point first (eq:projection-shift)
     double v[8] = {0};
-    for (int i = 0; i < count; i++) v[i] = node[i][k] - point[k];
-    if (kind == CT_Q4 || kind == CT_Q8) quadrilateral(v, kind == CT_Q8, c);
-    else triangle(v, kind == CT_T6, c);
+    for (int i = 0; i < count; i++) v[i] = node[i][k];
+    if (kind == CT_Q4 || kind == CT_Q8) quadrilateral(v, point[k], kind == CT_Q8, c);
+    else triangle(v, point[k], kind == CT_T6, c);
     for (int j = 0; j < 8; j++) {
       patch->c[j][k] = c[j];
       check += 0 * c[j];
@@ -84,6 +84,14 @@ static void tangents(const ct_patch *patch, const double xi[2], double t1[4], do
     t1[k] = (c[1][k] + c[3][k] * y) + (2 * (c[4][k] * x) + y * (2 * cx + cy));
     t2[k] = (c[2][k] + c[3][k] * x) + (2 * (c[5][k] * y) + x * (cx + 2 * cy));
   }
+}
+
+void ct_patch_tangent_lengths(const ct_patch *patch, const double xi[2], double length[2])
+{
+  double t1[4], t2[4];
+  tangents(patch, xi, t1, t2);
+  length[0] = sqrt(ct_vector_dot(t1, t1));
+  length[1] = sqrt(ct_vector_dot(t2, t2));
 }
 
 double ct_patch_derivatives(const ct_patch *patch, const double xi[2], double d[3], double g[2], double H[3])

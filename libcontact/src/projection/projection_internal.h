@@ -22,7 +22,7 @@ typedef struct ct_foot {
 /* One row of the table of methods. */
 typedef ct_status ct_project_method(const ct_patch *, const ct_project_options *, ct_foot *);
 
-/* Polynomial of the face with `node` rows minus `point`. Answers CT_INVALID when a number is not finite, all nodes coincide
+/* Polynomial of the face as seen from `point`. Answers CT_INVALID when a number is not finite, all nodes coincide
  * or a length is beyond 1e+-70. */
 ct_status ct_patch_init(ct_patch *patch, ct_face_kind kind, const double node[8][3], const double point[3]);
 
@@ -31,6 +31,9 @@ double ct_patch_value(const ct_patch *patch, const double xi[2], double d[3]);
 
 /* f, gradient (f,1  f,2) and Hessian (f,11  f,22  f,12) at xi, with d; answers f. */
 double ct_patch_derivatives(const ct_patch *patch, const double xi[2], double d[3], double g[2], double H[3]);
+
+/* Lengths of the tangents at xi. */
+void ct_patch_tangent_lengths(const ct_patch *patch, const double xi[2], double length[2]);
 
 /* Unit normal at xi along y,1 x y,2; at a collapsed corner that of the points just inside. Answers 0, with NaN, when there is none. */
 int ct_patch_normal(const ct_patch *patch, const double xi[2], double n[3]);

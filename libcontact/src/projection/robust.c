@@ -134,13 +134,30 @@ static double noise(const ct_patch *patch, double f)
   return 8 * DBL_EPSILON * (f + patch->size * sqrt(f));
 }
 
+/* Does rounding of the gradient move the foot by less than the tolerance, along the directions that the face leaves free? */
+static int resolved(const ct_patch *patch, const iterate *at, int triangular, double tolerance)
+{
+  double length[2], low = triangular ? 0 : -1, rounding = 4 * DBL_EPSILON * (sqrt(at->f) + patch->size);
+  int bound[2] = {at->xi[0] <= low || at->xi[0] >= 1, at->xi[1] <= low || at->xi[1] >= 1};
+  if (bound[0] && bound[1]) return 1;
+  ct_patch_tangent_lengths(patch, at->xi, length);
+  // -- How far rounding moves the foot (eq:robust-resolved)
+  for (int a = 0; a < 2; a++)
+    if (bound[1 - a]) return rounding * length[a] <= tolerance * at->H[a];
+  if (triangular && at->xi[0] + at->xi[1] >= 1)
+    return rounding * (length[0] + length[1]) <= tolerance * ((at->H[0] + at->H[1]) - 2 * at->H[2]);
+  double determinant = at->H[0] * at->H[1] - at->H[2] * at->H[2], twist = fabs(at->H[2]);
+  double first = at->H[1] * length[0] + twist * length[1], second = at->H[0] * length[1] + twist * length[0];
+  return rounding * most(first, second) <= tolerance * determinant;
+}
+
 /* The last step has been found: take it, and look at d only. */
-static ct_status finish(const ct_patch *patch, iterate *at, const iterate *trial, ct_status status)
+static ct_status finish(const ct_patch *patch, iterate *at, const iterate *trial, double tolerance)
 {
   at->xi[0] = trial->xi[0];
   at->xi[1] = trial->xi[1];
   at->f = ct_patch_value(patch, at->xi, at->d);
-  return status;
+  return resolved(patch, at, patch->kind == CT_T3 || patch->kind == CT_T6, tolerance) ? CT_OK : CT_NOT_CERTIFIED;
 }
 
 /* Descend from the iterate `at`, looked at already, to a minimum of f on the face. */
@@ -161,7 +178,7 @@ static ct_status descend(const ct_patch *patch, const ct_project_options *option
     snap(triangular, trial.xi);
     // -- Done when the step is small, or the next one would be rounding (eq:robust-quadratic)
     double next = length * length * most(1, length / (before * before));
-    if (length <= tolerance || next <= DBL_EPSILON * half_width) return finish(patch, at, &trial, length < radius ? CT_OK : CT_NOT_CERTIFIED);
+    if (length <= tolerance || next <= DBL_EPSILON * half_width) return finish(patch, at, &trial, length < radius ? tolerance : 0);
     look(patch, &trial, foot);
     // -- Take the step if f falls, or, where rounding hides that, if the steps get shorter (eq:robust-accept)
     int accept = at->f - trial.f >= 0.1 * predicted;
@@ -198,21 +215,39 @@ static int is_valley(const double f[9], int corners, int i)
   return f[i] <= f[j] && f[i] <= f[after] && f[i] <= f[corners + after] && f[i] <= f[corners + before];
 }
 
-static double radius2(const double xi[2]) { return xi[0] * xi[0] + xi[1] * xi[1]; }
+/* Does the face bend so much that valleys may hide between the samples? */
+static int is_folded(const ct_patch *patch)
+{
+  double square[8];
+  for (int j = 1; j < 8; j++) square[j] = ct_vector_dot(patch->c[j], patch->c[j]);
+  // -- Compare what is not linear with what is (eq:robust-folded)
+  return square[3] + ((square[4] + square[5]) + (square[6] + square[7])) > 0.5 * least(square[1], square[2]);
+}
 
-/* Descend from every sample that is a valley; the lowest end wins, and of equal ones the one nearer the centre. */
+/* Is the end `a` better than `b`: lower, or as low and nearer the centre? A mirror does not change the answer. */
+static int is_better(const iterate *a, ct_status end_a, const iterate *b, ct_status end_b)
+{
+  if (a->f != b->f) return a->f < b->f;
+  double ra = a->xi[0] * a->xi[0] + a->xi[1] * a->xi[1], rb = b->xi[0] * b->xi[0] + b->xi[1] * b->xi[1];
+  if (ra != rb) return ra < rb;
+  for (int k = 0; k < 2; k++)
+    if (fabs(a->xi[k]) != fabs(b->xi[k])) return fabs(a->xi[k]) < fabs(b->xi[k]);
+  return end_a < end_b;
+}
+
+/* Descend from every sample that is a valley, on a folded face from all of them; the lowest end wins, and of equal ones the one nearer the centre. */
 static ct_status descend_from_valleys(const ct_patch *patch, const ct_project_options *options, const double f[9], iterate *best, ct_foot *foot)
 {
-  int triangular = patch->kind == CT_T3 || patch->kind == CT_T6, corners = triangular ? 3 : 4;
+  int triangular = patch->kind == CT_T3 || patch->kind == CT_T6, corners = triangular ? 3 : 4, folded = is_folded(patch);
   ct_status status = CT_NO_CONVERGENCE;
   best->f = HUGE_VAL;
   for (int i = 2 * corners; i >= 0; i--) {
-    if (!is_valley(f, corners, i)) continue;
+    if (!folded && !is_valley(f, corners, i)) continue;
     iterate at;
     for (int a = 0; a < 2; a++) at.xi[a] = triangular ? TRIANGLE[i][a] : QUADRILATERAL[i][a];
     look(patch, &at, foot);
     ct_status end = descend(patch, options, &at, foot);
-    if (at.f > best->f || (at.f == best->f && radius2(at.xi) >= radius2(best->xi))) continue;
+    if (best->f < HUGE_VAL && !is_better(&at, end, best, status)) continue;
     *best = at;
     status = end;
   }
@@ -259,7 +294,7 @@ ct_status ct_project_robust(const ct_patch *patch, const ct_project_options *opt
     snap(triangular, at.xi);
     look(patch, &at, foot);
   }
-  ct_status status = at.f <= lowest ? descend(patch, options, &at, foot) : descend_from_valleys(patch, options, f, &at, foot);
+  ct_status status = at.f <= lowest + noise(patch, lowest) ? descend(patch, options, &at, foot) : descend_from_valleys(patch, options, f, &at, foot);
   for (int a = 0; a < 2; a++) foot->xi[a] = at.xi[a];
   for (int k = 0; k < 3; k++) foot->d[k] = at.d[k];
   return status;

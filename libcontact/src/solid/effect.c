@@ -141,16 +141,31 @@ static ct_status solid_frequency(const ct_effect *effect, const ct_view *view, d
   return CT_OK;
 }
 
+/* Whether two elements are translations of each other, to 1e-12 of their size: they then have one eigenvalue. */
+static int same_shape(int per, double x[20][3], double y[20][3])
+{
+  double size = 0.0, difference = 0.0;
+  for (int a = 1; a < per; a++)
+    for (int c = 0; c < 3; c++) {
+      size = fmax(size, fabs(x[a][c] - x[0][c]));
+      difference = fmax(difference, fabs((x[a][c] - x[0][c]) - (y[a][c] - y[0][c])));
+    }
+  return difference <= 1e-12 * size;
+}
+
 /* Largest eigenvalue of the elements of one part; a box has one element's worth. */
 static ct_status part_frequency(const ct_solid_part *part, double *omega_squared, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
   size_t per = (size_t)ct_brick_node_count(mesh->kind);
   int32_t count = part->kernel == CT_KERNEL_BOX ? 1 : mesh->element_count;
+  double last[20][3] = {{0.0}};
   *omega_squared = 0.0;
   for (int32_t e = 0; e < count; e++) {
     double x[20][3], m[20], w;
     for (size_t a = 0; a < per; a++) memcpy(x[a], &mesh->nodes[3 * (size_t)mesh->elements[(size_t)e * per + a]], sizeof x[a]);
+    if (e > 0 && same_shape((int)per, x, last)) continue;
+    memcpy(last, x, sizeof last);
     ct_status status = ct_mass_element(mesh->kind, &x[0][0], part->material.density, part->lumping, m, error);
     if (status == CT_OK) status = ct_solid_element_frequency(mesh->kind, &x[0][0], &part->material, m, &w, error);
     if (status != CT_OK) {

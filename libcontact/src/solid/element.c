@@ -4,12 +4,11 @@
 
 #include "../error.h"
 #include "../jacobian.h"
+#include "element.h"
 
 #include <string.h>
 
-/* Displacement gradient ∂u_i/∂x_j at one point and the factor det J; 0 when the element is not valid there. */
-static double displacement_gradient(ct_brick_kind kind, double x[20][3], double u[20][3], const double xi[3], double dNdx[20][3],
-                                    double G[3][3])
+double ct_element_gradients(ct_brick_kind kind, double x[20][3], const double xi[3], double dNdx[20][3])
 {
   int per = ct_brick_node_count(kind);
   double dN[20][3], J[3][3], C[3][3];
@@ -21,7 +20,6 @@ static double displacement_gradient(ct_brick_kind kind, double x[20][3], double 
   for (int a = 0; a < per; a++)
     for (int j = 0; j < 3; j++)
       dNdx[a][j] = ((dN[a][0] * C[j][0] + dN[a][1] * C[j][1]) + dN[a][2] * C[j][2]) / det;
-  ct_reference_gradient(per, dNdx, u, G);
   return det;
 }
 
@@ -61,9 +59,10 @@ ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes, const 
   // -- Sum f = -∫ σ ∂N/∂x dV over the Gauss points (eq:internal-force)
   for (int q = 0; q < rule.count; q++) {
     double dNdx[20][3], G[3][3], sigma[3][3];
-    double det = displacement_gradient(kind, x, u, rule.xi[q], dNdx, G);
+    double det = ct_element_gradients(kind, x, rule.xi[q], dNdx);
     if (det == 0.0)
       return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q}, "the element is inverted or collapsed at Gauss point %d", q);
+    ct_reference_gradient(per, dNdx, u, G);
     hooke(material, G, sigma);
     double dV = rule.weight[q] * det;
     for (int a = 0; a < per; a++)
@@ -82,8 +81,9 @@ ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes, const
   double x[20][3], u[20][3], dNdx[20][3], G[3][3], s[3][3];
   ct_status status = element_arguments(kind, nodes, displacement, material, x, u, error);
   if (status != CT_OK) return status;
-  if (displacement_gradient(kind, x, u, xi, dNdx, G) == 0.0)
+  if (ct_element_gradients(kind, x, xi, dNdx) == 0.0)
     return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE, "the element is inverted or collapsed");
+  ct_reference_gradient(ct_brick_node_count(kind), dNdx, u, G);
   hooke(material, G, s);
   double voigt[6] = {s[0][0], s[1][1], s[2][2], s[0][1], s[1][2], s[2][0]};
   memcpy(stress, voigt, sizeof voigt);

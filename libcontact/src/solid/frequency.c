@@ -1,29 +1,47 @@
 /* The largest eigenvalue of one element: an upper bound of ω² of the whole mesh. */
+#include <contact/quadrature.h>
 #include <contact/solid.h>
 
 #include "../error.h"
+#include "element.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { SIZE = 60 };
 
-/* Stiffness scaled by the masses, A = M^-1/2 K M^-1/2, one unit displacement after another. */
+/* Add the stiffness of one Gauss point, (∂σ/∂u) : ∂N/∂x dV, for the nodes a and b (eq:stiffness). */
+static void add_stiffness(double A[SIZE][SIZE], int a, int b, const double p[3], const double q[3], double lambda, double mu)
+{
+  double dot = (p[0] * q[0] + p[1] * q[1]) + p[2] * q[2];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) A[3 * a + i][3 * b + j] += lambda * p[i] * q[j] + mu * p[j] * q[i] + (i == j ? mu * dot : 0.0);
+}
+
+/* Stiffness scaled by the masses, A = M^-1/2 K M^-1/2. */
 static ct_status scaled_stiffness(ct_brick_kind kind, const double *nodes, const ct_material *material, const double *mass,
                                   double A[SIZE][SIZE], ct_error *error)
 {
-  int n = 3 * ct_brick_node_count(kind);
-  for (int j = 0; j < n; j++) {
-    double u[SIZE] = {0.0}, f[SIZE];
-    u[j] = 1.0;
-    if (!(mass[j / 3] > 0.0))
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, j / 3}, "node %d of the element has mass %g", j / 3, mass[j / 3]);
-    ct_status status = ct_solid_element_force(kind, nodes, u, material, f, NULL, error);
-    if (status != CT_OK) return status;
-    for (int i = 0; i < n; i++) A[i][j] = -f[i] / (sqrt(mass[i / 3]) * sqrt(mass[j / 3]));
+  int per = ct_brick_node_count(kind);
+  double x[20][3], lambda, mu;
+  ct_rule rule;
+  ct_rule_brick(kind, &rule);
+  ct_material_lame(material, &lambda, &mu);
+  memcpy(x, nodes, (size_t)per * sizeof x[0]);
+  memset(A, 0, sizeof(double) * SIZE * SIZE);
+  for (int a = 0; a < per; a++)
+    if (!(mass[a] > 0.0))
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, a}, "node %d of the element has mass %g", a, mass[a]);
+  for (int q = 0; q < rule.count; q++) {
+    double dNdx[20][3], det = ct_element_gradients(kind, x, rule.xi[q], dNdx);
+    if (det == 0.0)
+      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q}, "the element is inverted or collapsed at Gauss point %d", q);
+    double dV = rule.weight[q] * det;
+    for (int a = 0; a < per; a++)
+      for (int b = 0; b <= a; b++) add_stiffness(A, a, b, dNdx[a], dNdx[b], lambda * dV, mu * dV);
   }
-  for (int i = 0; i < n; i++)
-    for (int j = 0; j < i; j++) A[i][j] = A[j][i] = 0.5 * (A[i][j] + A[j][i]);
+  for (int i = 0; i < 3 * per; i++)
+    for (int j = 0; j <= i; j++) A[j][i] = A[i][j] = A[i][j] / (sqrt(mass[i / 3]) * sqrt(mass[j / 3]));
   return CT_OK;
 }
 
@@ -72,7 +90,8 @@ ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes, co
   double A[SIZE][SIZE], diagonal[SIZE], side[SIZE];
   if (ct_brick_node_count(kind) == 0 || nodes == NULL || mass == NULL || omega_squared == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
-  ct_status status = scaled_stiffness(kind, nodes, material, mass, A, error);
+  ct_status status = ct_material_check(material, error);
+  if (status == CT_OK) status = scaled_stiffness(kind, nodes, material, mass, A, error);
   if (status != CT_OK) return status;
   int n = 3 * ct_brick_node_count(kind);
   tridiagonal(n, A, diagonal, side);

@@ -1,0 +1,217 @@
+# Every command of the project; `make help` lists them. There is no configure step: what the machine has is asked here.
+#
+# make figures | test | docs | bench set up what is missing first (wrapper/bootstrap.sh), then call make again, so that the second
+# make sees what the first one installed. BOOTSTRAP=no never installs system packages. WITHOUT="gsl hdf5" builds as if they were not there.
+
+CC ?= cc
+CXX ?= c++
+AR ?= ar
+PYTHON ?= python3
+PKG_CONFIG ?= pkg-config
+prefix ?= /usr/local
+OPT ?= -O3
+BUILD := build
+VERSION := 0.1.0
+SONAME := 0
+WITHOUT ?=
+BOOTSTRAP ?= yes
+
+# -- What the machine has -----------------------------------------------------------------------------------------------
+first_package = $(firstword $(foreach p,$(1),$(shell $(PKG_CONFIG) --exists $(p) 2>/dev/null && echo $(p))))
+GSL := $(if $(filter gsl,$(WITHOUT)),,$(call first_package,gsl))
+HDF5 := $(if $(filter hdf5,$(WITHOUT)),,$(call first_package,hdf5-serial hdf5))
+OPENMP := $(if $(filter openmp,$(WITHOUT)),,$(shell printf 'int main(void){return 0;}' | $(CC) -fopenmp -x c - -o /dev/null 2>/dev/null && echo -fopenmp))
+HAVE_CXX := $(shell command -v $(CXX) 2>/dev/null)
+ADDONS := $(if $(GSL),gsl) $(if $(HDF5),hdf5)
+
+# -ffp-contract=off: the same bits from every compiler. -fopenmp-simd: vector lanes without a runtime.
+WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wshadow $(if $(CI),-Werror)
+BASE := -std=c99 -ffp-contract=off $(if $(OPENMP),-fopenmp,-fopenmp-simd) -fPIC -fvisibility=hidden -Ilibcontact/include
+CORE_FLAGS := $(BASE) $(WARNINGS) $(CFLAGS)
+GSL_FLAGS = $(shell $(PKG_CONFIG) --cflags $(GSL))
+HDF5_FLAGS = $(shell $(PKG_CONFIG) --cflags $(HDF5))
+GSL_LIBS = $(if $(GSL),$(shell $(PKG_CONFIG) --libs $(GSL)))
+HDF5_LIBS = $(if $(HDF5),$(shell $(PKG_CONFIG) --libs $(HDF5)))
+
+# -- Files ---------------------------------------------------------------------------------------------------------------
+HEADERS := $(wildcard libcontact/include/*.h libcontact/include/contact/*.h)
+CORE_SOURCES := $(filter-out libcontact/src/gsl/% libcontact/src/hdf5/%,$(wildcard libcontact/src/*.c libcontact/src/*/*.c))
+GSL_SOURCES := $(wildcard libcontact/src/gsl/*.c)
+HDF5_SOURCES := $(wildcard libcontact/src/hdf5/*.c)
+object = $(patsubst libcontact/src/%.c,$(1)/%.o,$(2))
+CORE_OBJECTS := $(call object,$(BUILD)/obj,$(CORE_SOURCES))
+ADDON_ARCHIVES := $(foreach a,$(ADDONS),$(BUILD)/lib/libcontact-$(a).a)
+ARCHIVES := $(BUILD)/lib/libcontact.a $(ADDON_ARCHIVES)
+SHARED := $(ARCHIVES:.a=.so)
+WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py) setup.py pyproject.toml
+VENV := $(BUILD)/venv
+
+.PHONY: help all lib install wheel figures test docs bench info clean setup
+.PHONY: _figures _test _docs _bench _wheel
+.DELETE_ON_ERROR:
+
+help:
+	@echo "make figures          the plate impact: Figs. 3, 4, 5 in build/figures, errors against the exact solution"
+	@echo "make test             every test; the last line counts them"
+	@echo "make docs             the book, in build/docs/html"
+	@echo "make bench            measured tables and pictures, in build/bench"
+	@echo "make lib              the C libraries, in build/lib"
+	@echo "make install prefix=  headers, libraries and pkg-config files (DESTDIR works too)"
+	@echo "make wheel            the Python package, in build/wheel"
+	@echo "make info             what was found on this machine"
+	@echo "make clean            away with build/"
+	@echo "BOOTSTRAP=no never installs system packages; WITHOUT=\"gsl hdf5 openmp\" leaves parts out."
+
+all: lib
+lib: $(ARCHIVES) $(SHARED)
+
+# -- Libraries -------------------------------------------------------------------------------------------------------------
+# Flags that a change of must rebuild for: compiler, options, parts.
+$(BUILD)/flags: FORCE
+	@mkdir -p $(BUILD)
+	@echo '$(CC) $(OPT) $(CORE_FLAGS) $(ADDONS)' | cmp -s - $@ || echo '$(CC) $(OPT) $(CORE_FLAGS) $(ADDONS)' > $@
+FORCE:
+
+$(BUILD)/obj/gsl/%.o $(BUILD)/asan/gsl/%.o: EXTRA = $(GSL_FLAGS)
+$(BUILD)/obj/hdf5/%.o $(BUILD)/asan/hdf5/%.o: EXTRA = $(HDF5_FLAGS)
+$(BUILD)/obj/%.o: libcontact/src/%.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(CC) $(OPT) $(CORE_FLAGS) $(EXTRA) -MMD -MP -c $< -o $@
+
+$(BUILD)/lib/libcontact.a: $(CORE_OBJECTS)
+$(BUILD)/lib/libcontact-gsl.a: $(call object,$(BUILD)/obj,$(GSL_SOURCES))
+$(BUILD)/lib/libcontact-hdf5.a: $(call object,$(BUILD)/obj,$(HDF5_SOURCES))
+$(BUILD)/lib/%.a:
+	@mkdir -p $(@D)
+	rm -f $@ && $(AR) rcs $@ $^
+
+$(BUILD)/lib/libcontact.so: $(CORE_OBJECTS)
+	@mkdir -p $(@D)
+	$(CC) -shared $(OPENMP) -Wl,-soname,libcontact.so.$(SONAME) -o $@ $^ -lm
+	ln -sf libcontact.so $(BUILD)/lib/libcontact.so.$(SONAME)
+# An add-on sees the core through its public calls; the few private helpers it needs come along, hidden.
+HELPERS := $(BUILD)/obj/error.o $(BUILD)/obj/memory.o
+$(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontact.so $(HELPERS)
+	$(CC) -shared -Wl,--no-undefined -Wl,-soname,libcontact-$*.so.$(SONAME) -o $@ -Wl,--whole-archive $< -Wl,--no-whole-archive \
+	  $(HELPERS) -L$(BUILD)/lib -lcontact $(if $(filter gsl,$*),$(GSL_LIBS),$(HDF5_LIBS)) -lm
+	ln -sf libcontact-$*.so $(BUILD)/lib/libcontact-$*.so.$(SONAME)
+
+-include $(wildcard $(BUILD)/obj/*.d $(BUILD)/obj/*/*.d $(BUILD)/asan/*.d $(BUILD)/asan/*/*.d)
+
+# -- Installation -----------------------------------------------------------------------------------------------------------
+install: lib
+	mkdir -p $(DESTDIR)$(prefix)/include/contact $(DESTDIR)$(prefix)/lib/pkgconfig
+	cp libcontact/include/contact.h $(DESTDIR)$(prefix)/include/
+	cp $(filter-out $(if $(GSL),,%/exact_series.h) $(if $(HDF5),,%/output.h),$(wildcard libcontact/include/contact/*.h)) \
+	  $(DESTDIR)$(prefix)/include/contact/
+	for a in contact $(ADDONS:%=contact-%); do \
+	  cp $(BUILD)/lib/lib$$a.a $(DESTDIR)$(prefix)/lib/ && \
+	  cp $(BUILD)/lib/lib$$a.so $(DESTDIR)$(prefix)/lib/lib$$a.so.$(VERSION) && \
+	  ln -sf lib$$a.so.$(VERSION) $(DESTDIR)$(prefix)/lib/lib$$a.so.$(SONAME) && \
+	  ln -sf lib$$a.so.$(SONAME) $(DESTDIR)$(prefix)/lib/lib$$a.so && \
+	  sed -e 's|@prefix@|$(prefix)|; s|@version@|$(VERSION)|; s|@openmp@|$(OPENMP)|; s|@gsl@|$(GSL)|; s|@hdf5@|$(HDF5)|' \
+	    libcontact/lib$$a.pc.in > $(DESTDIR)$(prefix)/lib/pkgconfig/lib$$a.pc || exit 1; \
+	done
+
+# -- Set-up: system packages, then the Python environment ----------------------------------------------------------------------
+setup:
+	@BOOTSTRAP=$(BOOTSTRAP) PYTHON="$(PYTHON)" WITHOUT="$(WITHOUT)" sh wrapper/bootstrap.sh
+
+$(VENV)/.base:
+	$(PYTHON) -m venv $(VENV)
+	$(VENV)/bin/python -m pip install -q --upgrade pip
+	touch $@
+$(VENV)/.%: wrapper/requirements/%.txt $(VENV)/.base
+	$(VENV)/bin/python -m pip install -q -r $<
+	touch $@
+# The extension is linked with the archives above; `pip install .` alone compiles the core by itself.
+$(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
+	LIBCONTACT_PREBUILT=$(abspath $(BUILD)/lib) LIBCONTACT_ADDONS="$(ADDONS)" LIBCONTACT_PACKAGES="$(GSL) $(HDF5)" \
+	  LIBCONTACT_OPENMP="$(OPENMP)" $(VENV)/bin/python -m pip install -q --no-deps --no-build-isolation --force-reinstall .
+	@rm -rf $(BUILD)/lib.* $(BUILD)/bdist.* $(BUILD)/temp.*
+	touch $@
+
+figures test docs bench wheel: setup
+	@+$(MAKE) --no-print-directory _$@
+
+# -- Figures, book, bench, wheel --------------------------------------------------------------------------------------------------
+_figures: $(VENV)/.wrapper
+	@mkdir -p $(BUILD)/figures
+	MPLBACKEND=Agg LIBCONTACT_FIGURES=$(BUILD)/figures $(VENV)/bin/python tutorials/01_plate_impact.py
+	@echo "written: $(BUILD)/figures/"
+
+_docs: $(VENV)/.wrapper $(VENV)/.docs
+	MPLBACKEND=Agg $(VENV)/bin/python -m sphinx -W --keep-going -n -q -b html docs $(BUILD)/docs/html
+	@echo "written: $(BUILD)/docs/html/index.html"
+
+_bench: $(VENV)/.wrapper $(VENV)/.bench
+	$(VENV)/bin/python bench/run.py $(BUILD)/bench
+	@echo "written: $(BUILD)/bench/"
+
+_wheel: $(VENV)/.run
+	$(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation -w $(BUILD)/wheel .
+	@ls $(BUILD)/wheel
+
+# -- Tests ------------------------------------------------------------------------------------------------------------------------
+# Each tests/c/test_*.c is a program; those of the add-ons are built when the add-ons are. Once plainly, once with sanitizers.
+ADDON_TESTS := exact_series output
+C_TESTS := $(filter-out $(ADDON_TESTS),$(patsubst tests/c/test_%.c,%,$(wildcard tests/c/test_*.c))) \
+  $(if $(GSL),$(patsubst tests/c/test_%.c,%,$(wildcard tests/c/test_exact_series.c))) \
+  $(if $(HDF5),$(patsubst tests/c/test_%.c,%,$(wildcard tests/c/test_output.c)))
+SANITIZE := -O1 -g -fsanitize=address,undefined -fno-omit-frame-pointer -DCT_NO_CLONES
+TEST_FLAGS := -std=c99 -ffp-contract=off $(OPENMP) -Wall -Wextra -Ilibcontact/include -Itests/c
+ASAN_OBJECTS := $(call object,$(BUILD)/asan,$(CORE_SOURCES) $(if $(GSL),$(GSL_SOURCES)) $(if $(HDF5),$(HDF5_SOURCES)))
+
+$(BUILD)/asan/%.o: libcontact/src/%.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(CC) $(SANITIZE) $(CORE_FLAGS) $(EXTRA) -MMD -MP -c $< -o $@
+$(BUILD)/asan/libcontact.a: $(ASAN_OBJECTS)
+	rm -f $@ && $(AR) rcs $@ $^
+TEST_LIBS = $(GSL_LIBS) $(HDF5_LIBS) -lm
+$(BUILD)/tests/test_%: tests/c/test_%.c $(wildcard tests/c/*.h) $(ARCHIVES)
+	@mkdir -p $(@D)
+	$(CC) -O1 $(TEST_FLAGS) $(HDF5_FLAGS) $< -o $@ $(ADDON_ARCHIVES) $(BUILD)/lib/libcontact.a $(TEST_LIBS)
+$(BUILD)/tests/asan_%: tests/c/test_%.c $(wildcard tests/c/*.h) $(BUILD)/asan/libcontact.a
+	@mkdir -p $(@D)
+	$(CC) $(SANITIZE) $(TEST_FLAGS) $(HDF5_FLAGS) $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
+
+# Programs of a host, built against an installed copy through pkg-config: C99 and C++, static and shared.
+STAGE := $(abspath $(BUILD)/stage)
+EMBED := $(foreach p,host project,$(foreach l,static shared,$(BUILD)/tests/embed_$(p)_c_$(l) $(if $(HAVE_CXX),$(BUILD)/tests/embed_$(p)_cxx_$(l))))
+$(BUILD)/stage/.done: $(ARCHIVES) $(SHARED) $(HEADERS) $(wildcard libcontact/*.pc.in)
+	rm -rf $(BUILD)/stage
+	$(MAKE) --no-print-directory install prefix=$(STAGE) DESTDIR=
+	touch $@
+EMBED_PACKAGE := PKG_CONFIG_PATH=$(STAGE)/lib/pkgconfig $(PKG_CONFIG)
+EMBED_FLAGS := `$(EMBED_PACKAGE) --cflags libcontact`
+EMBED_SHARED := `$(EMBED_PACKAGE) --libs libcontact` -Wl,-rpath,$(STAGE)/lib
+EMBED_STATIC := $(STAGE)/lib/libcontact.a $(OPENMP)
+define embed_rules
+$(BUILD)/tests/embed_%_c_$(1): tests/embed/%.c tests/c/tap.h $(BUILD)/stage/.done
+	@mkdir -p $$(@D)
+	$(CC) -std=c99 -O1 -Wall -Wextra -Wpedantic -Werror -Itests/c $(EMBED_FLAGS) $$< -o $$@ $(2) -lm
+$(BUILD)/tests/embed_%_cxx_$(1): tests/embed/%.c tests/c/tap.h $(BUILD)/stage/.done
+	@mkdir -p $$(@D)
+	$(CXX) -x c++ -std=c++11 -O1 -Wall -Wextra -Werror -Itests/c $(EMBED_FLAGS) $$< -x none -o $$@ $(2) -lm
+endef
+$(eval $(call embed_rules,static,$$(EMBED_STATIC)))
+$(eval $(call embed_rules,shared,$$(EMBED_SHARED)))
+
+_test: $(C_TESTS:%=$(BUILD)/tests/test_%) $(C_TESTS:%=$(BUILD)/tests/asan_%) $(if $(shell command -v $(PKG_CONFIG)),$(EMBED)) \
+  $(VENV)/.wrapper $(VENV)/.test $(VENV)/.docs
+	@LIBCONTACT_BUILD=$(BUILD) CC="$(CC)" $(VENV)/bin/python tests/run_tests.py $(BUILD) $(C_TESTS:%=$(BUILD)/tests/test_%) \
+	  $(C_TESTS:%=$(BUILD)/tests/asan_%) $(if $(shell command -v $(PKG_CONFIG)),$(EMBED))
+
+# -- The rest -----------------------------------------------------------------------------------------------------------------------
+info:
+	@echo "compiler   $(shell $(CC) --version | head -n 1)"
+	@echo "flags      $(OPT) $(CORE_FLAGS)"
+	@echo "OpenMP     $(if $(OPENMP),yes,no)"
+	@echo "C++        $(if $(HAVE_CXX),$(HAVE_CXX),no: the C++ embedding tests are left out)"
+	@echo "GSL        $(if $(GSL),$(GSL) $(shell $(PKG_CONFIG) --modversion $(GSL)),no: libcontact-gsl (the modal series) is left out)"
+	@echo "HDF5       $(if $(HDF5),$(HDF5) $(shell $(PKG_CONFIG) --modversion $(HDF5)),no: libcontact-hdf5 (results files, restart) is left out)"
+	@echo "python     $(shell $(PYTHON) --version 2>&1) ($(PYTHON)), environment $(VENV)$(if $(wildcard $(VENV)/.wrapper),, (not made yet))"
+	@echo "left out   $(if $(WITHOUT),$(WITHOUT),nothing (WITHOUT=\"gsl hdf5 openmp\" leaves parts out))"
+
+clean:
+	rm -rf $(BUILD) docs/tutorials docs/_code

@@ -1,0 +1,128 @@
+"""How fast the plate impact runs, what the contact costs, and how that compares with other codes on the same machine in the same run."""
+
+from __future__ import annotations
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+import libcontact as ct
+
+HERE = Path(__file__).parent
+SCENES = HERE.parent / "tutorials" / "scenes"
+RUNS = 5
+ELEMENTS, PAIRS = 10_000, 100  # of one plate, of the contact
+
+
+def seconds(scene: ct.Scene) -> tuple[float, int]:
+    """Wall seconds of one run without a results file, and its steps."""
+    start = time.perf_counter()
+    run = scene.run(progress=False, output=False)
+    return time.perf_counter() - start, int(run.steps[-1])
+
+
+def without_contact(scene: ct.Scene) -> ct.Scene:
+    data = scene.data
+    del data["contact"]
+    return ct.Scene(data)
+
+
+def roofline() -> dict[str, float]:
+    """What one core can do here: bytes a second of a copy that does not fit the cache of one core, and Gflop/s of a product of matrices."""
+    array, other = np.zeros(4_000_000), np.ones(4_000_000)
+    copies = []
+    for _ in range(5):
+        start = time.perf_counter()
+        np.copyto(array, other)
+        copies.append(time.perf_counter() - start)
+    a = np.random.default_rng(0).random((1000, 1000))
+    products = []
+    for _ in range(3):
+        start = time.perf_counter()
+        a @ a
+        products.append(time.perf_counter() - start)
+    return {"copy_GB_per_s": 2 * 8 * array.size / min(copies) / 1e9, "matrix_product_Gflop_per_s": 2e9 / min(products) / 1e9}
+
+
+def peer(code: str, steps: int) -> dict | None:
+    """The same plate in another code, in a process of its own; None where it is not installed."""
+    # A large block that malloc keeps: without it Akantu gives its arrays back to the system in every step and takes twice as long.
+    keep = {"MALLOC_MMAP_THRESHOLD_": str(2**30), "MALLOC_TRIM_THRESHOLD_": str(2**30), "MALLOC_TOP_PAD_": str(2**28)}
+    done = subprocess.run([sys.executable, str(HERE / "peers.py"), code, str(steps)], env={**os.environ, **keep, "OMP_NUM_THREADS": "1"},
+                          capture_output=True, text=True)
+    return json.loads(done.stdout.splitlines()[-1]) if done.returncode == 0 else None
+
+
+def measure() -> dict:
+    """All figures; ours and the peers' in turn, so that a machine that slows down slows all of them."""
+    contact_scene = ct.Scene.load(SCENES / "plates.toml")
+    data = contact_scene.data
+    data["output"] = {"every": 10**9}
+    contact_scene = ct.Scene(data)
+    data = ct.Scene.load(SCENES / "plates_reference.toml").data
+    data["output"] = {"every": 10**9}
+    plate_scene = ct.Scene(data)
+    free_scene = without_contact(contact_scene)
+    with_contact, free, plate, scipy, akantu = [], [], [], [], []
+    for _ in range(RUNS):
+        run, steps = seconds(contact_scene)
+        with_contact.append(run)
+        free.append(seconds(free_scene)[0])
+        plate.append(seconds(plate_scene)[0])
+        scipy.append(peer("scipy", 100))
+        akantu.append(peer("akantu", 20))
+    median = statistics.median
+    result = {
+        "steps": steps,
+        "updates_per_s": 2 * ELEMENTS * steps / median(with_contact),
+        "us_per_update": 1e6 * median(with_contact) / (2 * ELEMENTS * steps),
+        "us_per_update_one_plate": 1e6 * median(plate) / (ELEMENTS * steps),
+        "contact_us_per_pair_and_step": 1e6 * median(a - b for a, b in zip(with_contact, free)) / (steps * PAIRS),
+        "roofline": roofline(),
+        "plan": contact_scene.explain().data,
+        "peers": {},
+    }
+    for code, rows in (("scipy", scipy), ("akantu", akantu)):
+        if all(rows):
+            ratios = [row["us_per_update"] / (1e6 * own / (ELEMENTS * steps)) for row, own in zip(rows, plate)]
+            result["peers"][code] = {"us_per_update": median(row["us_per_update"] for row in rows), "times_ours": median(ratios),
+                                     "times_ours_range": [min(ratios), max(ratios)]}
+    return result
+
+
+def report(result: dict) -> str:
+    lines = [
+        f"two plates, {2 * ELEMENTS} hex8, {result['steps']} steps, one core, everything included:",
+        f"  {result['updates_per_s'] / 1e6:.1f} million element updates a second ({result['us_per_update']:.4f} µs an update)",
+        f"  contact: {result['contact_us_per_pair_and_step']:.2f} µs a face pair and step ({PAIRS} pairs)",
+        f"one plate, no contact: {result['us_per_update_one_plate']:.4f} µs an update",
+    ]
+    for code, row in result["peers"].items():
+        low, high = row["times_ours_range"]
+        lines.append(f"  {code}: {row['us_per_update']:.3f} µs an update, {row['times_ours']:.1f} times ours ({low:.1f} to {high:.1f} in {RUNS} pairs)")
+    for code in ("scipy", "akantu"):
+        if code not in result["peers"]:
+            lines.append(f"  {code}: not installed here")
+    roof = result["roofline"]
+    lines.append(f"roofline: one core copies {roof['copy_GB_per_s']:.1f} GB/s, a product of matrices runs at {roof['matrix_product_Gflop_per_s']:.0f} Gflop/s")
+    return "\n".join(lines)
+
+
+def draw(result: dict, path: Path) -> None:
+    import matplotlib.pyplot as plt
+
+    names = ["libcontact", *result["peers"]]
+    values = [result["us_per_update_one_plate"], *(row["us_per_update"] for row in result["peers"].values())]
+    fig, ax = plt.subplots(figsize=(7, 1.2 + 0.5 * len(names)), layout="constrained")
+    bars = ax.barh(names, values, color=["tab:red"] + ["tab:gray"] * (len(names) - 1))
+    ax.bar_label(bars, [f"{v:.3f} µs ({v / values[0]:.0f} x)" for v in values], padding=4)
+    ax.set(xscale="log", xlabel="µs an element update, one core (one plate of 10 000 hex8, no contact)", xlim=(values[0] / 2, max(values) * 6))
+    ax.invert_yaxis()
+    fig.savefig(path, dpi=150)
+    plt.close(fig)

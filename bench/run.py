@@ -1,0 +1,46 @@
+"""``make bench``: run every bench, print its table, write JSON and a picture to the folder named on the command line."""
+
+import json
+import os
+import platform
+import subprocess
+import sys
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import matplotlib  # noqa: E402
+
+matplotlib.use("Agg")
+
+import libcontact as ct  # noqa: E402
+import penalty  # noqa: E402
+import plates  # noqa: E402
+
+
+def machine() -> dict:
+    """Where the figures come from."""
+    try:
+        cpu = next(line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name"))
+    except (OSError, StopIteration):
+        cpu = platform.processor()
+    compiler = subprocess.run([os.environ.get("CC", "cc"), "--version"], capture_output=True, text=True).stdout.splitlines()
+    return {"cpu": cpu, "system": platform.platform(), "compiler": compiler[0] if compiler else "", "python": platform.python_version(),
+            "libcontact": ct.__version__}
+
+
+def main() -> None:
+    folder = Path(sys.argv[1])
+    folder.mkdir(parents=True, exist_ok=True)
+    where = machine()
+    print("\n".join(f"{key}: {value}" for key, value in where.items()), flush=True)
+    for bench in (plates, penalty):
+        result = bench.measure()
+        print("\n" + bench.report(result), flush=True)
+        (folder / f"{bench.__name__}.json").write_text(json.dumps({"machine": where, "result": result}, indent=1, default=str))
+        bench.draw(result, folder / f"{bench.__name__}.png")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,114 @@
+"""How the book is built: ``make docs``, or by hand
+
+    build/venv/bin/python -m sphinx -W --keep-going -n -b html docs build/docs/html
+
+``LIBCONTACT_GALLERY=0`` shows the tutorials without running them, which takes seconds and needs no compiled wrapper; where there is none, the page of
+the Python package is left out.
+Nothing in the book comes from outside: it reads the same without a network, opened from the disk.
+"""
+
+import importlib.util
+import os
+import shutil
+import sys
+from pathlib import Path
+
+DOCS = Path(__file__).resolve().parent
+ROOT = DOCS.parent
+RUN_TUTORIALS = os.environ.get("LIBCONTACT_GALLERY", "1") != "0"
+
+sys.path.insert(0, str(DOCS / "_ext"))
+
+project = "libcontact"
+author = "the libcontact authors"
+copyright = f"{author}; MIT licence"  # noqa: A001 (the name is Sphinx's)
+
+extensions = [
+    "weave",  # quotes C functions and fragments, checks equation labels
+    "codepages",  # each C file as a page, for the links from listings and from the API
+    "cnames",  # `ct_name` in comments becomes a link; no public function without a page
+    "hawkmoth",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
+    "sphinx_design",
+    "sphinxcontrib.bibtex",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["tutorials/sg_execution_times.rst", "tutorials/**/*.ipynb"]
+default_role = "cname"
+highlight_language = "c"
+nitpicky = True
+nitpick_ignore = [
+    # Types of the C standard library, which has no pages here.
+    ("c:identifier", "size_t"),
+    ("c:identifier", "int32_t"),
+    ("c:identifier", "int64_t"),
+    # What Scene.explain is made from: not for callers.
+    ("py:class", "libcontact.problem.Problem"),
+]
+nitpick_ignore_regex = [
+    # Types of Python and numpy in signatures: their pages are on the net, and the book is built without it.
+    (r"py:.*", r"(numpy|np|pathlib|os|collections|typing|enum)\..*|Any|Iterable|Callable|Path|ndarray|ArrayLike"),
+    (r"py:.*", r"(int|float|str|bool|bytes|dict|list|tuple|object|None|optional|IntEnum|ValueError|RuntimeError)"),
+]
+
+# -- Numbers of figures, listings and equations -------------------------------------------------------------------
+numfig = True
+math_numfig = True
+numfig_secnum_depth = 1
+numfig_format = {"code-block": "Listing %s", "figure": "Fig. %s", "table": "Table %s"}
+math_eqref_format = "({number})"
+
+# -- HTML ---------------------------------------------------------------------------------------------------------
+html_theme = "furo"
+html_title = "libcontact"
+html_static_path = ["_static"]
+html_css_files = ["book.css"]
+html_show_sphinx = False
+html_copy_source = False
+pygments_style = "friendly"
+pygments_dark_style = "github-dark"
+mathjax_path = "tex-svg-full.js"
+
+# -- C, from the comments of the headers ------------------------------------------------------------------------
+hawkmoth_root = str(ROOT / "libcontact" / "include")
+hawkmoth_clang = ["-std=c99", f"-I{hawkmoth_root}"]
+hawkmoth_compiler = "gcc"  # asked for the folder of stddef.h
+hawkmoth_source_uri = "../_code/libcontact/include/{source}.html#line-{line}"
+
+# -- Python --------------------------------------------------------------------------------------------------------
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_preserve_defaults = True
+package = importlib.util.find_spec("libcontact")
+if not RUN_TUTORIALS and (package is None or package.origin is None):  # no origin: the folder of the C library, not the package
+    exclude_patterns.append("api/python.rst")
+    suppress_warnings = ["toc.excluded"]
+
+# -- References and tutorials ---------------------------------------------------------------------------------------
+bibtex_bibfiles = ["references.bib"]
+bibtex_reference_style = "author_year"
+sphinx_gallery_conf = {
+    "examples_dirs": "../tutorials",
+    "gallery_dirs": "tutorials",
+    "filename_pattern": r"/\d\d_",
+    "plot_gallery": RUN_TUTORIALS,
+    "abort_on_example_error": True,
+    "write_computation_times": False,
+    "show_memory": False,
+    "remove_config_comments": True,
+    "download_all_examples": False,
+}
+
+
+def copy_mathjax(app):
+    """Take the one file of MathJax that sets everything without fetching more; the package would copy 20 MB."""
+    if app.builder.format == "html":
+        package = Path(importlib.util.find_spec("sphinx-mathjax-offline").origin).parent
+        target = Path(app.outdir) / "_static"
+        target.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(package / "static" / "mathjax" / mathjax_path, target / mathjax_path)
+
+
+def setup(app):
+    app.connect("builder-inited", copy_mathjax)

@@ -1,0 +1,354 @@
+/* What several tests share: random numbers, meshes that are distorted, turned or mirrored, forces of a whole problem, eigenvalues. */
+#ifndef BODIES_H
+#define BODIES_H
+
+#include <contact.h>
+
+#include "tap.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static unsigned long long bodies_seed = 88172645463325252ull;
+
+/* Uniform on (-a, a). */
+static inline double uniform(double a)
+{
+  bodies_seed ^= bodies_seed << 13, bodies_seed ^= bodies_seed >> 7, bodies_seed ^= bodies_seed << 17;
+  return a * (2 * ((double)(bodies_seed >> 11) / 9007199254740992.0) - 1);
+}
+
+/* One of 0 ... n - 1. */
+static inline int pick(int n) { return (int)floor(0.5 * (uniform(1.0) + 1.0) * n); }
+
+static inline double worst(double so_far, double error) { return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far; }
+
+static inline double largest(const double *v, int64_t n)
+{
+  double top = 0.0;
+  for (int64_t i = 0; i < n; i++) top = worst(top, v[i]);
+  return top;
+}
+
+static inline double largest_difference(const double *v, const double *w, int64_t n)
+{
+  double top = 0.0;
+  for (int64_t i = 0; i < n; i++) top = worst(top, v[i] - w[i]);
+  return top;
+}
+
+/* End the program when a preparation, which is not what the test is about, has failed. */
+static inline void need(ct_status status, const ct_error *error)
+{
+  if (status == CT_OK) return;
+  printf("Bail out! %s: %s\n", ct_status_name(status), error->text);
+  exit(1);
+}
+
+static inline void *room(int64_t count, size_t size)
+{
+  void *memory = calloc((size_t)(count > 0 ? count : 1), size);
+  if (memory == NULL) {
+    printf("Bail out! no memory\n");
+    exit(1);
+  }
+  return memory;
+}
+
+static inline double *numbers(int64_t count) { return room(count, sizeof(double)); }
+static inline int32_t *integers(int64_t count) { return room(count, sizeof(int32_t)); }
+
+static inline ct_mesh *box_mesh(ct_brick_kind kind, double x, double y, double z, double a, double b, double c, int nx, int ny, int nz)
+{
+  ct_box box = {{x, y, z}, {a, b, c}, {nx, ny, nz}};
+  ct_error error;
+  ct_mesh *mesh = NULL;
+  need(ct_mesh_create_box(kind, &box, &mesh, &error), &error);
+  return mesh;
+}
+
+/* Move every node at random, up to `amount` in each direction. */
+static inline void distort(ct_mesh *mesh, double amount)
+{
+  for (int i = 0; i < 3 * mesh->node_count; i++) mesh->nodes[i] += uniform(amount);
+}
+
+/* The same, but nodes on the outside of a box stay. */
+static inline void distort_inside(ct_mesh *mesh, double amount)
+{
+  double low[3], high[3];
+  ct_mesh_bounds(mesh, low, high);
+  for (int n = 0; n < mesh->node_count; n++) {
+    int inside = 1;
+    for (int c = 0; c < 3; c++) {
+      double x = mesh->nodes[3 * n + c], margin = 1e-6 * (high[c] - low[c]);
+      inside &= x > low[c] + margin && x < high[c] - margin;
+    }
+    for (int c = 0; inside && c < 3; c++) mesh->nodes[3 * n + c] += uniform(amount);
+  }
+}
+
+/* Local node of a brick at the given reference coordinates. */
+static inline int local_node(ct_brick_kind kind, const double xi[3])
+{
+  for (int a = 0; a < ct_brick_node_count(kind); a++) {
+    double at[3];
+    ct_brick_reference(kind, a, at);
+    if (at[0] == xi[0] && at[1] == xi[1] && at[2] == xi[2]) return a;
+  }
+  return -1;
+}
+
+/* Let the reference axes of each element point along other edges: one of the 24 rotations of a cube, at random. */
+static inline void turn_elements(ct_mesh *mesh)
+{
+  static const int axes[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+  int per = ct_brick_node_count(mesh->kind);
+  for (int e = 0; e < mesh->element_count; e++) {
+    int32_t old[20];
+    int order = pick(6), first = pick(2) ? 1 : -1, second = pick(2) ? 1 : -1, third = first * second * (order < 3 ? 1 : -1);
+    int sign[3] = {first, second, third};
+    memcpy(old, &mesh->elements[e * per], (size_t)per * sizeof *old);
+    for (int a = 0; a < per; a++) {
+      double at[3], from[3];
+      ct_brick_reference(mesh->kind, a, at);
+      for (int c = 0; c < 3; c++) from[c] = sign[c] * at[axes[order][c]];
+      mesh->elements[e * per + a] = old[local_node(mesh->kind, from)];
+    }
+  }
+}
+
+/* The mirror image in the plane x[axis] = 0: node n is the image of node n, and the reference axis is flipped, so elements stay valid. */
+static inline ct_mesh *mirror_mesh(const ct_mesh *mesh, int axis)
+{
+  ct_mesh *image = NULL;
+  ct_error error;
+  int per = ct_brick_node_count(mesh->kind);
+  need(ct_mesh_create_copy(mesh, &image, &error), &error);
+  for (int n = 0; n < mesh->node_count; n++) image->nodes[3 * n + axis] = -mesh->nodes[3 * n + axis];
+  for (int e = 0; e < mesh->element_count; e++)
+    for (int a = 0; a < per; a++) {
+      double at[3];
+      ct_brick_reference(mesh->kind, a, at);
+      at[axis] = at[axis] == 0.0 ? 0.0 : -at[axis];
+      image->elements[e * per + a] = mesh->elements[e * per + local_node(mesh->kind, at)];
+    }
+  return image;
+}
+
+/* Number of entries of w that are not the mirror image of v's, compared as values. */
+static inline int64_t mirror_faults(const double *v, const double *w, int64_t nodes, int axis)
+{
+  int64_t faults = 0;
+  for (int64_t i = 0; i < 3 * nodes; i++) faults += !(w[i] == (i % 3 == axis ? -v[i] : v[i]));
+  return faults;
+}
+
+/* Values of one element's nodes from an array of shape (nodes, 3). */
+static inline void take_element(const ct_mesh *mesh, int e, const double *from, double to[60])
+{
+  int per = ct_brick_node_count(mesh->kind);
+  for (int a = 0; a < per; a++) memcpy(&to[3 * a], &from[3 * mesh->elements[e * per + a]], 3 * sizeof(double));
+}
+
+/* Forces of all effects of a problem at any displacement, apart from any state. */
+typedef struct probe {
+  const ct_problem *problem;
+  void **scratch;
+  double *memory, *next, *force;
+} probe;
+
+static inline probe probe_open(const ct_problem *problem)
+{
+  probe p = {problem, room(problem->effect_count, sizeof(void *)), NULL, NULL, numbers(3 * (int64_t)problem->node_count)};
+  int64_t memory = 0;
+  ct_error error;
+  for (int k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (effect->create_scratch != NULL) need(effect->create_scratch(effect, &p.scratch[k], &error), &error);
+    memory += effect->memory_count;
+  }
+  p.memory = numbers(memory);
+  p.next = numbers(memory);
+  return p;
+}
+
+static inline void probe_close(probe *p)
+{
+  for (int k = 0; k < p->problem->effect_count; k++)
+    if (p->scratch[k] != NULL) p->problem->effects[k]->free_scratch(p->scratch[k]);
+  free(p->scratch);
+  free(p->memory);
+  free(p->next);
+  free(p->force);
+}
+
+/* Sum of the forces of all effects but reactions, shape (node_count, 3). */
+static inline void probe_force(probe *p, const double *u, double *sum)
+{
+  int64_t memory = 0;
+  ct_error error;
+  memset(sum, 0, 3 * (size_t)p->problem->node_count * sizeof *sum);
+  for (int k = 0; k < p->problem->effect_count; k++) {
+    const ct_effect *effect = p->problem->effects[k];
+    if (effect->reaction) continue;
+    ct_view view = {.threads = 1, .reference = p->problem->reference, .displacement = u, .velocity = u, .memory = p->memory + memory,
+                    .next_memory = p->next + memory, .scratch = p->scratch[k]};
+    need(effect->force(effect, &view, p->force, &error), &error);
+    for (int i = 0; i < effect->node_count; i++)
+      for (int c = 0; c < 3; c++) sum[3 * (effect->nodes == NULL ? i : effect->nodes[i]) + c] += p->force[3 * i + c];
+    memory += effect->memory_count;
+  }
+}
+
+/* Largest eigenvalue of M⁻¹K about the displacement u0, by power iteration with the Rayleigh quotient (a lower bound of it at any
+ * time). K is the difference of forces over a displacement of size `small`; `component` 0 ... 2 looks at that direction only. */
+static inline double true_frequency(const ct_problem *problem, const double *u0, double small, int component, int iterations)
+{
+  int64_t n = 3 * (int64_t)problem->node_count;
+  double *v = numbers(n), *u = numbers(n), *f0 = numbers(n), *f = numbers(n), quotient = 0.0;
+  probe p = probe_open(problem);
+  probe_force(&p, u0, f0);
+  for (int64_t i = 0; i < n; i++) v[i] = problem->inverse_mass[i] > 0.0 && (component < 0 || i % 3 == component) ? uniform(1.0) : 0.0;
+  for (int k = 0; k < iterations; k++) {
+    double top = largest(v, n), work = 0.0, mass = 0.0;
+    for (int64_t i = 0; i < n; i++) u[i] = u0[i] + (v[i] *= 1.0 / top) * small;
+    probe_force(&p, u, f);
+    for (int64_t i = 0; i < n; i++) {
+      double Kv = -(f[i] - f0[i]) / small;
+      if (problem->inverse_mass[i] == 0.0 || (component >= 0 && i % 3 != component)) continue;
+      work += v[i] * Kv;
+      mass += v[i] * v[i] / problem->inverse_mass[i];
+      v[i] = problem->inverse_mass[i] * Kv;
+    }
+    quotient = work / mass;
+  }
+  probe_close(&p);
+  free(v);
+  free(u);
+  free(f0);
+  free(f);
+  return quotient;
+}
+
+/* Largest eigenvalue of a symmetric n x n matrix by Jacobi's rotations. */
+static inline double jacobi_largest(int n, double *A)
+{
+  for (int sweep = 0; sweep < 60; sweep++) {
+    double off = 0.0, on = 0.0;
+    for (int p = 0; p < n; p++)
+      for (int q = 0; q < n; q++) *(p == q ? &on : &off) += A[p * n + q] * A[p * n + q];
+    if (off <= 1e-30 * on) break;
+    for (int p = 0; p < n; p++)
+      for (int q = p + 1; q < n; q++) {
+        if (A[p * n + q] == 0.0) continue;
+        double theta = (A[q * n + q] - A[p * n + p]) / (2.0 * A[p * n + q]);
+        double t = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(theta * theta + 1.0)), c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+        for (int k = 0; k < n; k++) {
+          double a = A[k * n + p], b = A[k * n + q];
+          A[k * n + p] = c * a - s * b;
+          A[k * n + q] = s * a + c * b;
+        }
+        for (int k = 0; k < n; k++) {
+          double a = A[p * n + k], b = A[q * n + k];
+          A[p * n + k] = c * a - s * b;
+          A[q * n + k] = s * a + c * b;
+        }
+      }
+  }
+  double top = A[0];
+  for (int i = 1; i < n; i++) top = fmax(top, A[i * n + i]);
+  return top;
+}
+
+/* Add a body to a scene; a mesh of its own is copied and given back. */
+static inline int32_t add_body(ct_scene *scene, const char *name, ct_mesh *mesh, const ct_material *material, ct_solid_kernel kernel,
+                               double vx, double vy, double vz)
+{
+  double velocity[3] = {vx, vy, vz};
+  int32_t body = -1;
+  ct_error error;
+  need(ct_scene_add_body(scene, name, mesh, material, CT_LUMP_DEFAULT, kernel, velocity, &body, &error), &error);
+  ct_mesh_free(mesh);
+  return body;
+}
+
+/* Hold the components in `which` ("x", "xyz", ...) of a body's nodes in a plane; `axis` -1: of all its nodes. */
+static inline void add_support(ct_scene *scene, int32_t body, const ct_mesh *mesh, int axis, double value, const char *which, double velocity)
+{
+  int32_t *nodes = integers(mesh->node_count), count = mesh->node_count;
+  for (int32_t i = 0; i < count; i++) nodes[i] = i;
+  if (axis >= 0) count = ct_mesh_plane_nodes(mesh, axis, value, nodes);
+  ct_scene_support support = {.body = body, .nodes = nodes, .node_count = count};
+  for (int c = 0; c < 3; c++) {
+    support.fixed[c] = strchr(which, "xyz"[c]) != NULL;
+    support.velocity[c] = support.fixed[c] ? velocity : 0.0;
+  }
+  ct_error error;
+  need(ct_scene_add_support(scene, &support, &error), &error);
+  free(nodes);
+}
+
+/* Contact between the faces of two bodies in the planes x[axis] = at_a and at_b. */
+static inline ct_status add_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
+                                    double at_b, int axis, double beta)
+{
+  int32_t *fa = integers(8 * 6 * mesh_a->element_count), *fb = integers(8 * 6 * mesh_b->element_count);
+  ct_scene_contact contact = {.body_a = a, .body_b = b, .face_count_a = ct_mesh_plane_faces(mesh_a, axis, at_a, fa, NULL),
+                              .face_count_b = ct_mesh_plane_faces(mesh_b, axis, at_b, fb, NULL), .faces_a = fa, .faces_b = fb,
+                              .beta = beta, .options = ct_contact_options_default()};
+  ct_error error;
+  ct_status status = ct_scene_add_contact(scene, &contact, &error);
+  need(status, &error);
+  free(fa);
+  free(fb);
+  return status;
+}
+
+static inline ct_scene *new_scene(void)
+{
+  ct_scene *scene = NULL;
+  ct_error error;
+  need(ct_scene_create(&scene, &error), &error);
+  return scene;
+}
+
+static inline const ct_problem *build(ct_scene *scene, ct_scene_time time, int64_t *steps, ct_stable_step *stable)
+{
+  const ct_problem *problem = NULL;
+  ct_error error;
+  need(ct_scene_build(scene, &time, &problem, steps, stable, &error), &error);
+  return problem;
+}
+
+static inline ct_state *new_state(const ct_problem *problem)
+{
+  ct_state *state = NULL;
+  ct_error error;
+  need(ct_state_create(problem, &state, &error), &error);
+  return state;
+}
+
+static inline void advance(const ct_problem *problem, ct_state *state, int64_t steps)
+{
+  ct_error error;
+  need(ct_step_many(problem, state, steps, &error), &error);
+}
+
+static inline ct_energy energy_of(const ct_problem *problem, ct_state *state)
+{
+  ct_energy energy = {0};
+  ct_error error;
+  need(ct_energy_of(problem, state, &energy, &error), &error);
+  return energy;
+}
+
+static inline ct_momentum momentum_of(const ct_problem *problem, ct_state *state, int32_t body)
+{
+  ct_momentum momentum = {0};
+  ct_error error;
+  need(ct_momentum_of(problem, state, body, &momentum, &error), &error);
+  return momentum;
+}
+
+#endif

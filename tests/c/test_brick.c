@@ -1,0 +1,125 @@
+/* Bricks against interpolation conditions, finite differences and the geometry of the cube. Node numbering against VTK itself is in
+ * tests/python/test_projection.py. */
+#include <contact/brick.h>
+
+#include "tap.h"
+
+static const char *NAME[2] = {"hex8", "hex20"};
+static const double PROBE[4][3] = {{0.125, 0.25, -0.5}, {-0.625, 0.75, 0.375}, {1, -1, 1}, {0.3, -0.1, 0.7}};
+
+static double worst(double so_far, double error) { return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far; }
+
+static void interpolation_conditions(ct_brick_kind kind)
+{
+  double delta = 0, unity = 0, linear = 0;
+  int n = ct_brick_node_count(kind);
+  for (int j = 0; j < n; j++) {
+    double xi[3], N[20];
+    ct_brick_reference(kind, j, xi);
+    ct_brick_shape(kind, xi, N);
+    for (int i = 0; i < 20; i++) delta = worst(delta, N[i] - (i == j));
+  }
+  for (int p = 0; p < 4; p++) {
+    double N[20], sum = 0, place[3] = {0, 0, 0};
+    ct_brick_shape(kind, PROBE[p], N);
+    for (int i = 0; i < n; i++) {
+      double xi[3];
+      ct_brick_reference(kind, i, xi);
+      sum += N[i];
+      for (int a = 0; a < 3; a++) place[a] += N[i] * xi[a];
+    }
+    unity = worst(unity, sum - 1);
+    for (int a = 0; a < 3; a++) linear = worst(linear, place[a] - PROBE[p][a]);
+  }
+  tap_close(delta, 0, 0, "%s: N_i is 1 at node i and 0 at the others", NAME[kind]);
+  tap_close(unity, 0, 2e-15, "%s: the N_i add up to 1", NAME[kind]);
+  tap_close(linear, 0, 2e-15, "%s: the N_i reproduce the coordinates", NAME[kind]);
+}
+
+/* Along one axis the N_i are at most quadratic: central differences with a step of 1/2 have no truncation error. */
+static void derivatives(ct_brick_kind kind)
+{
+  double error = 0;
+  for (int p = 0; p < 4; p++) {
+    double dN[20][3];
+    ct_brick_gradient(kind, PROBE[p], dN);
+    for (int a = 0; a < 3; a++) {
+      double up[3], down[3], N1[20], N0[20];
+      for (int b = 0; b < 3; b++) up[b] = PROBE[p][b] + 0.5 * (a == b), down[b] = PROBE[p][b] - 0.5 * (a == b);
+      ct_brick_shape(kind, up, N1);
+      ct_brick_shape(kind, down, N0);
+      for (int i = 0; i < 20; i++) error = worst(error, N1[i] - N0[i] - dN[i][a]);
+    }
+  }
+  tap_close(error, 0, 4e-15, "%s: derivatives against differences", NAME[kind]);
+}
+
+/* The face's own interpolation of the brick's nodes runs over the right side, with its normal outwards. */
+static void sides(ct_brick_kind kind)
+{
+  for (int side = 0; side < 6; side++) {
+    int axis = side / 2, nodes[8], count = ct_face_node_count(ct_brick_face_kind(kind));
+    double sign = side % 2 ? 1 : -1, xi[2] = {0.25, -0.5}, y[3], n[3];
+    ct_face face = {ct_brick_face_kind(kind), {{0}}};
+    ct_brick_face(kind, side, nodes);
+    for (int i = 0; i < count; i++) ct_brick_reference(kind, nodes[i], face.node[i]);
+    ct_segment_point(&face, xi, y);
+    ct_segment_normal(&face, xi, n);
+    tap_ok(y[axis] == sign && n[axis] == sign, "%s: side %d lies where its name says, normal outwards", NAME[kind], side);
+    double unit = ct_segment_area_element(&face, xi);
+    tap_close(unit, 1, 1e-15, "%s: side %d has its mid-sides between its corners", NAME[kind], side);
+    tap_ok(y[axis == 2 ? 1 : 2] == -0.5, "%s: side %d has the second axis that all have", NAME[kind], side);
+    tap_ok(count == 8 || nodes[4] == -1, "%s: side %d has no further nodes", NAME[kind], side);
+  }
+}
+
+/* Mirroring the brick in an axis maps each side to a side whose nodes are those of the mirrored brick, with xi_1 (or xi_2) flipped. */
+static void mirrored_sides(ct_brick_kind kind)
+{
+  static const int FLIP1[8] = {1, 0, 3, 2, 4, 7, 6, 5}, FLIP2[8] = {3, 2, 1, 0, 6, 5, 4, 7};
+  int good = 1, count = ct_face_node_count(ct_brick_face_kind(kind));
+  for (int mirror = 0; mirror < 3; mirror++)
+    for (int side = 0; side < 6; side++) {
+      int image = side / 2 == mirror ? side ^ 1 : side, nodes[8], others[8], flip1 = 1, flip2 = 1;
+      ct_brick_face(kind, side, nodes);
+      ct_brick_face(kind, image, others);
+      for (int i = 0; i < count; i++) {
+        double a[3], b1[3], b2[3];
+        ct_brick_reference(kind, nodes[i], a);
+        ct_brick_reference(kind, others[FLIP1[i]], b1);
+        ct_brick_reference(kind, others[FLIP2[i]], b2);
+        a[mirror] = -a[mirror];
+        for (int k = 0; k < 3; k++) flip1 &= a[k] == b1[k], flip2 &= a[k] == b2[k];
+      }
+      if (!flip1 && !flip2) good = 0;
+    }
+  tap_ok(good, "%s: mirrored bricks have mirrored sides", NAME[kind]);
+}
+
+static void bad_input(void)
+{
+  double N[20], xi[3] = {0, 0, 0};
+  int nodes[8];
+  ct_brick_shape((ct_brick_kind)5, xi, N);
+  tap_ok(ct_brick_node_count((ct_brick_kind)5) == 0 && isnan(N[19]), "an unknown kind has no nodes and no numbers");
+  ct_brick_reference(CT_HEX8, 8, xi);
+  tap_ok(isnan(xi[0]), "hex8 has no node 8");
+  ct_brick_face(CT_HEX8, 6, nodes);
+  tap_ok(nodes[0] == -1, "there is no side 6");
+  ct_brick_shape(CT_HEX8, NULL, N);
+  ct_brick_gradient(CT_HEX8, xi, NULL);
+  ct_brick_face(CT_HEX8, 0, NULL);
+  tap_ok(1, "null pointers write nothing");
+}
+
+int main(void)
+{
+  for (int kind = 0; kind < 2; kind++) {
+    interpolation_conditions((ct_brick_kind)kind);
+    derivatives((ct_brick_kind)kind);
+    sides((ct_brick_kind)kind);
+    mirrored_sides((ct_brick_kind)kind);
+  }
+  bad_input();
+  return tap_done();
+}

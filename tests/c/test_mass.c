@@ -1,0 +1,131 @@
+/* Lumped masses against volumes, closed forms and the mirror. */
+#include "bodies.h"
+
+static const char *KIND[2] = {"hex8", "hex20"};
+
+static double *masses(const ct_mesh *m, double density, ct_lumping lumping)
+{
+  double *mass = numbers(m->node_count);
+  ct_error e;
+  need(ct_mass_lumped(m, density, lumping, mass, &e), &e);
+  return mass;
+}
+
+static double total(const double *v, int n)
+{
+  double sum = 0.0;
+  for (int i = 0; i < n; i++) sum += v[i];
+  return sum;
+}
+
+static void total_mass(ct_brick_kind kind, ct_lumping lumping)
+{
+  // Inner nodes move, the box stays, so the volume is 2 * 1 * 1.5; afterwards an affine map multiplies it by its determinant.
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 2, 1, 1.5, 4, 3, 3);
+  distort_inside(m, 0.05);
+  double *mass = masses(m, 7.8, lumping), least = INFINITY;
+  for (int n = 0; n < m->node_count; n++) least = fmin(least, mass[n]);
+  tap_close(total(mass, m->node_count), 7.8 * 3.0, 1e-12, "%s, lumping %d: mass of a distorted box is rho V", KIND[kind], lumping);
+  tap_ok(least > 0.0, "%s, lumping %d: all masses are positive (least %.3g)", KIND[kind], lumping, least);
+  free(mass);
+
+  const double A[3][3] = {{1.1, 0.2, -0.3}, {0.1, 0.9, 0.4}, {-0.2, 0.3, 1.3}};
+  double det = 1.1 * (0.9 * 1.3 - 0.4 * 0.3) - 0.2 * (0.1 * 1.3 - 0.4 * -0.2) + -0.3 * (0.1 * 0.3 - 0.9 * -0.2);
+  for (int n = 0; n < m->node_count; n++) {
+    double x[3], *y = &m->nodes[3 * n];
+    memcpy(x, y, sizeof x);
+    for (int i = 0; i < 3; i++) y[i] = A[i][0] * x[0] + A[i][1] * x[1] + A[i][2] * x[2];
+  }
+  mass = masses(m, 7.8, lumping);
+  tap_close(total(mass, m->node_count), 7.8 * 3.0 * det, 1e-12, "%s, lumping %d: mass of the sheared box", KIND[kind], lumping);
+  free(mass);
+  ct_mesh_free(m);
+}
+
+static void closed_forms(void)
+{
+  // Each element of a box gives an eighth of its mass to each corner.
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 2, 3, 4, 2, 3, 4);
+  double *mass = masses(m, 8.0, CT_LUMP_ROW_SUM), off = 0.0;
+  for (int n = 0; n < m->node_count; n++) {
+    double want = 1.0;
+    for (int c = 0; c < 3; c++) want *= m->nodes[3 * n + c] == 0.0 || m->nodes[3 * n + c] == 2.0 + c ? 1.0 : 2.0;
+    off = worst(off, mass[n] - want);
+  }
+  tap_ok(off < 1e-14, "hex8 box: 1, 2, 4, 8 eighths of a cell's mass on corner, edge, face, inside (off by %.2g)", off);
+  free(mass);
+  ct_mesh_free(m);
+
+  ct_mesh *cube = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  double one[20], row[8], hrz[8];
+  ct_error e;
+  double x[60];
+  take_element(cube, 0, cube->nodes, x);
+  need(ct_mass_element(CT_HEX20, x, 1.0, CT_LUMP_DEFAULT, one, &e), &e);
+  off = 0.0;
+  for (int a = 0; a < 20; a++) off = worst(off, one[a] - (a < 8 ? 7.0 / 248.0 : 2.0 / 31.0));
+  tap_ok(off < 1e-15, "hex20 cube: 7/248 at corners, 2/31 at mid-sides (off by %.2g)", off);
+  need(ct_mass_element(CT_HEX8, x, 1.0, CT_LUMP_ROW_SUM, row, &e), &e);
+  need(ct_mass_element(CT_HEX8, x, 1.0, CT_LUMP_HRZ, hrz, &e), &e);
+  tap_ok(largest_difference(row, hrz, 8) < 1e-16 && fabs(row[0] - 0.125) < 1e-16, "hex8 cube: row sum and HRZ agree on 1/8");
+
+  // A brick whose cross-section grows along x as 1 + x.
+  double taper[24];
+  for (int a = 0; a < 8; a++) {
+    double xi[3];
+    ct_brick_reference(CT_HEX8, a, xi);
+    taper[3 * a] = 0.5 * (1.0 + xi[0]);
+    taper[3 * a + 1] = 0.5 * xi[1] * (1.0 + taper[3 * a]);
+    taper[3 * a + 2] = 0.5 * xi[2];
+  }
+  need(ct_mass_element(CT_HEX8, taper, 1.0, CT_LUMP_ROW_SUM, row, &e), &e);
+  // ∫ (1 - x)(1 + x) dx = 2/3 on the thin side, ∫ x (1 + x) dx = 5/6 on the thick one, a quarter at each corner.
+  off = 0.0;
+  for (int a = 0; a < 8; a++) off = worst(off, row[a] - (taper[3 * a] == 0.0 ? 1.0 / 6.0 : 5.0 / 24.0));
+  tap_ok(off < 1e-15, "tapered hex8: row sums 1/6 and 5/24 (off by %.2g)", off);
+  ct_mesh_free(cube);
+}
+
+static void mirrored(ct_brick_kind kind)
+{
+  for (int axis = 0; axis < 3; axis++) {
+    ct_mesh *m = box_mesh(kind, 0.1, -0.3, 0.2, 1, 1, 1, 3, 3, 3);
+    distort(m, 0.03);
+    ct_mesh *image = mirror_mesh(m, axis);
+    double *mass = masses(m, 1.7, CT_LUMP_DEFAULT), *other = masses(image, 1.7, CT_LUMP_DEFAULT);
+    tap_ok(memcmp(mass, other, (size_t)m->node_count * sizeof *mass) == 0, "%s: mirrored in %c, the same bits", KIND[kind], "xyz"[axis]);
+    free(mass);
+    free(other);
+    ct_mesh_free(m);
+    ct_mesh_free(image);
+  }
+}
+
+static void refusals(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 2, 1, 1, 2, 1, 1);
+  double *mass = numbers(m->node_count);
+  ct_error e = {0};
+  tap_ok(ct_mass_lumped(m, 1.0, CT_LUMP_ROW_SUM, mass, &e) == CT_ERROR_UNSUPPORTED && strstr(e.text, "negative") != NULL, "row sum of hex20 is refused: %s",
+         e.text);
+  tap_ok(ct_mass_lumped(m, -1.0, CT_LUMP_DEFAULT, mass, &e) == CT_ERROR_GEOMETRY && e.element == 0, "a negative density is refused: %s", e.text);
+  m->nodes[0] = NAN;
+  tap_ok(ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, mass, &e) != CT_OK, "a NaN in the nodes is refused: %s", e.text);
+  tap_ok(ct_mass_lumped(NULL, 1.0, CT_LUMP_DEFAULT, mass, NULL) == CT_ERROR_ARGUMENT && ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, NULL, NULL) == CT_ERROR_ARGUMENT,
+         "null arguments are refused");
+  tap_ok(ct_mass_element((ct_brick_kind)9, m->nodes, 1.0, CT_LUMP_DEFAULT, mass, NULL) == CT_ERROR_ARGUMENT, "an unknown element is refused");
+  free(mass);
+  ct_mesh_free(m);
+}
+
+int main(void)
+{
+  total_mass(CT_HEX8, CT_LUMP_ROW_SUM);
+  total_mass(CT_HEX8, CT_LUMP_HRZ);
+  total_mass(CT_HEX20, CT_LUMP_DEFAULT);
+  closed_forms();
+  mirrored(CT_HEX8);
+  mirrored(CT_HEX20);
+  refusals();
+  return tap_done();
+}

@@ -1,0 +1,224 @@
+/* Box meshes, their faces and sets, and what the check of a mesh refuses. */
+#include "bodies.h"
+
+static const char *KIND[2] = {"hex8", "hex20"};
+
+static void box_counts(ct_brick_kind kind)
+{
+  // 3 x 4 x 5 cells: 4 * 5 * 6 corners; 3 * 5 * 6 + 4 * 4 * 6 + 4 * 5 * 5 mid-sides.
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 3, 4, 5, 3, 4, 5);
+  tap_ok(m->node_count == (kind == CT_HEX8 ? 120 : 120 + 90 + 96 + 100) && m->element_count == 60, "%s: 3 x 4 x 5 cells have %d nodes",
+         KIND[kind], m->node_count);
+  int per = ct_brick_node_count(kind), off = 0, unused = 0, *used = room(m->node_count, sizeof *used);
+  for (int e = 0; e < 60; e++)
+    for (int a = 0; a < per; a++) {
+      int cell[3] = {e % 3, e / 3 % 4, e / 12};
+      double xi[3];
+      ct_brick_reference(kind, a, xi);
+      // Edges are 1 long, so node (xi, eta, zeta) of cell (i, j, k) stands at i + (1 + xi) / 2 and so on.
+      for (int c = 0; c < 3; c++) off += m->nodes[3 * m->elements[e * per + a] + c] != cell[c] + 0.5 * (1.0 + xi[c]);
+      used[m->elements[e * per + a]]++;
+    }
+  for (int n = 0; n < m->node_count; n++) unused += used[n] == 0;
+  tap_ok(off == 0, "%s: every node of every element stands where its cell wants it (%d do not)", KIND[kind], off);
+  tap_ok(unused == 0, "%s: every node is used", KIND[kind]);
+  // Node sharing: each corner of the box is used once, an inner lattice point 8 times.
+  int eight = 0, one = 0;
+  for (int n = 0; n < 120; n++) eight += used[n] == 8, one += used[n] == 1;
+  tap_ok(one == 8 && eight == 2 * 3 * 4, "%s: 8 corners of one element, 24 inner corners of eight", KIND[kind]);
+  tap_ok(ct_mesh_check(m, NULL) == CT_OK, "%s: the mesh passes its own check", KIND[kind]);
+  tap_close(ct_mesh_shortest_edge(m), 1.0, 0.0, "%s: shortest edge", KIND[kind]);
+  double low[3], high[3];
+  ct_mesh_bounds(m, low, high);
+  tap_ok(low[0] == 0 && low[1] == 0 && low[2] == 0 && high[0] == 3 && high[1] == 4 && high[2] == 5, "%s: bounds", KIND[kind]);
+  free(used);
+  ct_mesh_free(m);
+}
+
+static void mirrored_boxes(ct_brick_kind kind)
+{
+  int faults = 0;
+  for (int trial = 0; trial < 20; trial++) {
+    double a = 0.1 + fabs(uniform(3.0)), b = 0.1 + fabs(uniform(3.0)), c = 0.1 + fabs(uniform(3.0));
+    int n = 1 + pick(40);
+    ct_mesh *right = box_mesh(kind, 0, 0, 0, a, b, c, n, 2, 3), *left = box_mesh(kind, -a, 0, 0, a, b, c, n, 2, 3);
+    int per = ct_brick_node_count(kind);
+    for (int e = 0; e < right->element_count; e++)
+      for (int i = 0; i < per; i++) {
+        int image = e - e % n + (n - 1 - e % n);
+        double xi[3];
+        ct_brick_reference(kind, i, xi);
+        xi[0] = xi[0] == 0.0 ? 0.0 : -xi[0];
+        const double *x = &right->nodes[3 * right->elements[e * per + i]],
+                     *y = &left->nodes[3 * left->elements[image * per + local_node(kind, xi)]];
+        faults += !(y[0] == -x[0] && y[1] == x[1] && y[2] == x[2]);
+      }
+    ct_mesh_free(right);
+    ct_mesh_free(left);
+  }
+  tap_ok(faults == 0, "%s: boxes on [0, a] and [-a, 0] have exactly negated coordinates (%d do not)", KIND[kind], faults);
+}
+
+static double element_volume(const ct_mesh *m, int e)
+{
+  // A box: the product of the diagonal between two opposite corners.
+  int per = ct_brick_node_count(m->kind);
+  const double *p = &m->nodes[3 * m->elements[e * per]], *q = &m->nodes[3 * m->elements[e * per + 6]];
+  return (q[0] - p[0]) * (q[1] - p[1]) * (q[2] - p[2]);
+}
+
+static void faces(ct_brick_kind kind)
+{
+  ct_mesh *m = box_mesh(kind, -1, 2, 5, 3, 1, 2, 3, 2, 4);
+  int per = ct_brick_node_count(kind), per_face = kind == CT_HEX8 ? 4 : 8, want[3] = {2 * 4, 3 * 4, 3 * 2};
+  double low[3], high[3], inner[3], area = 0.0, volume = 0.0;
+  int outwards = 0, owned = 0, total = 0, counted = 1;
+  ct_mesh_bounds(m, low, high);
+  int32_t *face = integers(8 * 6 * m->element_count), *owner = integers(6 * m->element_count);
+  for (int side = 0; side < 6; side++) {
+    int axis = side / 2;
+    double at = side % 2 ? high[axis] : low[axis];
+    int count = ct_mesh_plane_faces(m, axis, at, face, owner);
+    counted &= count == want[axis] && count == ct_mesh_plane_faces(m, axis, at, NULL, NULL);
+    for (int f = 0; f < count; f++) {
+      ct_face shape = {ct_brick_face_kind(kind), {{0}}};
+      double centre[2] = {0, 0}, n[3], y[3];
+      int found = 0;
+      for (int a = 0; a < per_face; a++) {
+        memcpy(shape.node[a], &m->nodes[3 * face[f * per_face + a]], sizeof shape.node[a]);
+        for (int b = 0; b < per; b++) found += m->elements[owner[f] * per + b] == face[f * per_face + a];
+      }
+      ct_segment_normal(&shape, centre, n);
+      ct_segment_point(&shape, centre, y);
+      for (int c = 0; c < 3; c++) inner[c] = 0.5 * (low[c] + high[c]);
+      outwards += n[axis] * (y[axis] - inner[axis]) > 0.0 && fabs(fabs(n[axis]) - 1.0) < 1e-14;
+      owned += found == per_face;
+      area += 4.0 * ct_segment_area_element(&shape, centre);
+      total++;
+    }
+  }
+  tap_ok(counted, "%s: each side of the box has its faces", KIND[kind]);
+  tap_ok(outwards == total, "%s: all %d normals point out of the box", KIND[kind], total);
+  tap_ok(owned == total, "%s: each face's nodes are its owner's", KIND[kind]);
+  tap_close(area, 2 * (3 * 1 + 3 * 2 + 1 * 2), 1e-12, "%s: area of the box", KIND[kind]);
+  tap_ok(ct_mesh_outer_faces(m, face, owner) == total && ct_mesh_outer_faces(m, NULL, NULL) == total, "%s: outer faces are those of the six sides",
+         KIND[kind]);
+  for (int e = 0; e < m->element_count; e++) volume += element_volume(m, e);
+  tap_close(volume, 6.0, 1e-12, "%s: volumes of the elements add up", KIND[kind]);
+  tap_ok(ct_mesh_plane_faces(m, 0, 0.0, NULL, NULL) == 0, "%s: a plane of inner faces has no outer ones", KIND[kind]);
+  tap_ok(ct_mesh_plane_faces(m, 0, 17.0, NULL, NULL) == 0 && ct_mesh_plane_faces(m, 3, 0.0, NULL, NULL) == 0 &&
+             ct_mesh_plane_faces(m, -1, 0.0, NULL, NULL) == 0,
+         "%s: no faces beyond the box, none on a fourth axis", KIND[kind]);
+
+  int32_t *set = integers(m->node_count);
+  int count = ct_mesh_plane_nodes(m, 2, 5.0, set), ascending = 1, right = 0;
+  for (int i = 1; i < count; i++) ascending &= set[i] > set[i - 1];
+  for (int n = 0; n < m->node_count; n++) right += m->nodes[3 * n + 2] == 5.0;
+  tap_ok(count == right && ascending && count == (kind == CT_HEX8 ? 12 : 12 + 9 + 8), "%s: %d nodes in a plane, ascending", KIND[kind], count);
+  free(face);
+  free(owner);
+  free(set);
+  ct_mesh_free(m);
+}
+
+/* Faces and their outward side survive any turning of the elements' own axes. */
+static void turned_faces(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 3, 3, 3);
+  turn_elements(m);
+  int32_t *face = integers(8 * 6 * m->element_count);
+  int count = ct_mesh_plane_faces(m, 0, 1.0, face, NULL), good = 0;
+  for (int f = 0; f < count; f++) {
+    ct_face shape = {CT_Q8, {{0}}};
+    double centre[2] = {0, 0}, n[3];
+    for (int a = 0; a < 8; a++) memcpy(shape.node[a], &m->nodes[3 * face[f * 8 + a]], sizeof shape.node[a]);
+    ct_segment_normal(&shape, centre, n);
+    good += n[0] > 0.999999;
+  }
+  tap_ok(ct_mesh_check(m, NULL) == CT_OK && count == 9 && good == 9, "turned elements: nine faces at x = 1, all outwards");
+  free(face);
+  ct_mesh_free(m);
+}
+
+static void refused(ct_mesh *m, ct_status want, int64_t element, int64_t point, const char *word, const char *what)
+{
+  ct_error e = {0};
+  ct_mesh *copy = NULL;
+  ct_status status = ct_mesh_check(m, &e);
+  tap_ok(status == want && e.code == want && e.element == element && (point < 0 || e.point == point) && strstr(e.text, word) != NULL,
+         "%s is refused: %s", what, e.text);
+  tap_ok(ct_mesh_create_copy(m, &copy, NULL) == want && copy == NULL, "%s is not copied", what);
+}
+
+static void refusals(ct_brick_kind kind)
+{
+  int per = ct_brick_node_count(kind);
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 4, 1, 1, 4, 1, 1);
+  int32_t *three = &m->elements[3 * per], keep[20];
+  double old;
+
+  memcpy(keep, three, sizeof(int32_t) * (size_t)per);
+  for (int a = 0; a < 4; a++) three[a] = keep[a + 4], three[a + 4] = keep[a];
+  for (int a = 8; kind == CT_HEX20 && a < 12; a++) three[a] = keep[a + 4], three[a + 4] = keep[a];
+  refused(m, CT_ERROR_GEOMETRY, 3, 0, "inverted", "an element turned inside out");
+  memcpy(three, keep, sizeof(int32_t) * (size_t)per);
+
+  for (int a = 0; a < 4; a++) three[a + 4] = keep[a];
+  for (int a = 8; kind == CT_HEX20 && a < 12; a++) three[a + 4] = keep[a], three[a + 8] = keep[a - 8];
+  refused(m, CT_ERROR_GEOMETRY, 3, 0, "collapsed", "an element without height");
+  memcpy(three, keep, sizeof(int32_t) * (size_t)per);
+
+  three[2] = m->node_count;
+  refused(m, CT_ERROR_ARGUMENT, 3, -1, "names node", "a node number too large");
+  three[2] = -1;
+  refused(m, CT_ERROR_ARGUMENT, 3, -1, "names node", "a negative node number");
+  memcpy(three, keep, sizeof(int32_t) * (size_t)per);
+
+  old = m->nodes[3 * 5 + 1];
+  m->nodes[3 * 5 + 1] = NAN;
+  refused(m, CT_INVALID, -1, 5, "node 5", "a coordinate that is NaN");
+  m->nodes[3 * 5 + 1] = INFINITY;
+  refused(m, CT_INVALID, -1, 5, "coordinate y", "an infinite coordinate");
+  m->nodes[3 * 5 + 1] = old;
+  tap_ok(ct_mesh_check(m, NULL) == CT_OK, "%s: and with all of that undone it passes", KIND[kind]);
+
+  m->kind = (ct_brick_kind)7;
+  tap_ok(ct_mesh_check(m, NULL) == CT_ERROR_ARGUMENT, "an unknown kind of element is refused");
+  m->kind = kind;
+  m->element_count = 0;
+  tap_ok(ct_mesh_check(m, NULL) == CT_ERROR_ARGUMENT && ct_mesh_check(NULL, NULL) == CT_ERROR_ARGUMENT, "an empty mesh is refused");
+  ct_mesh_free(m);
+}
+
+static void box_refused(double size, int cells, double origin, const char *what)
+{
+  ct_box box = {{0, origin, 0}, {1, size, 1}, {1, cells, 1}};
+  ct_mesh *m = NULL;
+  ct_error e = {0};
+  ct_status status = ct_mesh_create_box(CT_HEX8, &box, &m, &e);
+  tap_ok(status == CT_ERROR_ARGUMENT && m == NULL && strstr(e.text, "along y") != NULL, "a box with %s is refused: %s", what, e.text);
+}
+
+int main(void)
+{
+  for (int kind = 0; kind < 2; kind++) {
+    box_counts((ct_brick_kind)kind);
+    mirrored_boxes((ct_brick_kind)kind);
+    faces((ct_brick_kind)kind);
+    refusals((ct_brick_kind)kind);
+  }
+  turned_faces();
+  box_refused(0.0, 1, 0.0, "no height");
+  box_refused(-1.0, 1, 0.0, "a negative height");
+  box_refused(NAN, 1, 0.0, "a height that is NaN");
+  box_refused(1.0, 0, 0.0, "no cells");
+  box_refused(1.0, 1, INFINITY, "an origin at infinity");
+  ct_box big = {{0, 0, 0}, {1, 1, 1}, {1000000, 1000000, 1000000}}, some = {{0, 0, 0}, {1, 1, 1}, {2000, 2000, 2000}};
+  ct_mesh *m = NULL;
+  tap_ok(ct_mesh_create_box(CT_HEX8, &big, &m, NULL) == CT_ERROR_ARGUMENT && ct_mesh_create_box(CT_HEX20, &some, &m, NULL) == CT_ERROR_ARGUMENT,
+         "more cells than numbers reach are refused");
+  tap_ok(ct_mesh_create_box(CT_HEX8, NULL, &m, NULL) == CT_ERROR_ARGUMENT && ct_mesh_create_box((ct_brick_kind)5, &some, &m, NULL) == CT_ERROR_ARGUMENT,
+         "no box and an unknown element are refused");
+  ct_mesh_free(NULL);
+  return tap_done();
+}

@@ -1,0 +1,443 @@
+/* Internal forces: patch test, energy gradient, rigid motions, the batch kernels against the readable form, frequencies. */
+#include "bodies.h"
+
+static const char *KIND[2] = {"hex8", "hex20"};
+static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9};
+static const ct_material SOFT = {1.0, 0.2, 1.0};
+
+/* The solid effect of one mesh, with what it needs to be asked. */
+typedef struct block {
+  ct_effect *effect;
+  void *scratch;
+} block;
+
+static block open_block(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel)
+{
+  ct_solid_block b = {m, *material, 0, kernel, CT_LUMP_DEFAULT};
+  block solid = {NULL, NULL};
+  ct_error e;
+  need(ct_solid_create_effect(&b, 1, &solid.effect, &e), &e);
+  need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
+  return solid;
+}
+
+static void close_block(block *solid)
+{
+  solid->effect->free_scratch(solid->scratch);
+  ct_effect_free(solid->effect);
+}
+
+/* Forces at the displacement u, and the energy. */
+static double block_force(const block *solid, const double *u, double *f)
+{
+  ct_view view = {.threads = 1, .displacement = u, .scratch = solid->scratch};
+  double energy = NAN;
+  ct_error e;
+  need(solid->effect->force(solid->effect, &view, f, &e), &e);
+  need(solid->effect->energy(solid->effect, &view, &energy, &e), &e);
+  return energy;
+}
+
+static double block_frequency(const block *solid)
+{
+  ct_view view = {.threads = 1, .scratch = solid->scratch};
+  double omega_squared = NAN;
+  ct_error e;
+  need(solid->effect->frequency(solid->effect, &view, &omega_squared, &e), &e);
+  return omega_squared;
+}
+
+static double *random_displacement(const ct_mesh *m, double amount)
+{
+  double *u = numbers(3 * m->node_count);
+  for (int i = 0; i < 3 * m->node_count; i++) u[i] = uniform(amount);
+  return u;
+}
+
+/* Forces and energy of all elements by the readable form, added up node by node. */
+static double reference_force(const ct_mesh *m, const ct_material *material, const double *u, double *f)
+{
+  int per = ct_brick_node_count(m->kind);
+  double total = 0.0;
+  ct_error e;
+  memset(f, 0, 3 * (size_t)m->node_count * sizeof *f);
+  for (int el = 0; el < m->element_count; el++) {
+    double x[60], v[60], g[60], energy;
+    take_element(m, el, m->nodes, x);
+    take_element(m, el, u, v);
+    need(ct_solid_element_force(m->kind, x, v, material, g, &energy, &e), &e);
+    for (int a = 0; a < per; a++)
+      for (int c = 0; c < 3; c++) f[3 * m->elements[el * per + a] + c] += g[3 * a + c];
+    total += energy;
+  }
+  return total;
+}
+
+/* A linear displacement on a distorted mesh has its constant stress everywhere and no force at inner nodes. */
+static void patch_test(ct_brick_kind kind)
+{
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 1, 3, 3, 3);
+  distort(m, kind == CT_HEX8 ? 0.08 : 0.03);
+  turn_elements(m);
+  double G[3][3], lambda, mu, want[6], off[2] = {0, 0}, inner = 0.0, top, resultant[3] = {0};
+  for (int i = 0; i < 9; i++) G[i / 3][i % 3] = uniform(1e-3);
+  ct_material_lame(&STEEL, &lambda, &mu);
+  double trace = G[0][0] + G[1][1] + G[2][2];
+  for (int i = 0; i < 3; i++) {
+    want[i] = lambda * trace + 2.0 * mu * G[i][i];
+    want[3 + i] = mu * (G[i][(i + 1) % 3] + G[(i + 1) % 3][i]);
+  }
+  double *u = numbers(3 * m->node_count), *f = numbers(3 * m->node_count), *stress = numbers(6 * m->element_count);
+  for (int n = 0; n < m->node_count; n++)
+    for (int i = 0; i < 3; i++)
+      for (int j = 0; j < 3; j++) u[3 * n + i] += G[i][j] * m->nodes[3 * n + j];
+  ct_error e;
+  need(ct_solid_stress(m, &STEEL, u, stress, &e), &e);
+  for (int el = 0; el < m->element_count; el++) {
+    double x[60], v[60], xi[3] = {uniform(1.0), uniform(1.0), uniform(1.0)}, s[6];
+    take_element(m, el, m->nodes, x);
+    take_element(m, el, u, v);
+    need(ct_solid_element_stress(kind, x, v, &STEEL, xi, s, &e), &e);
+    off[0] = worst(off[0], largest_difference(&stress[6 * el], want, 6));
+    off[1] = worst(off[1], largest_difference(s, want, 6));
+  }
+  tap_ok(off[0] < 1e-11 * largest(want, 6), "%s patch: stress at centres, off by %.2g", KIND[kind], off[0] / largest(want, 6));
+  tap_ok(off[1] < 1e-11 * largest(want, 6), "%s patch: stress anywhere, off by %.2g", KIND[kind], off[1] / largest(want, 6));
+
+  block solid = open_block(m, &STEEL, CT_KERNEL_GENERAL);
+  double energy = block_force(&solid, u, f), density = 0.0, volume = 0.0;
+  int32_t *outer = integers(8 * 6 * m->element_count), *is_outer = integers(m->node_count);
+  int per_face = kind == CT_HEX8 ? 4 : 8, faces = ct_mesh_outer_faces(m, outer, NULL);
+  for (int i = 0; i < faces * per_face; i++) is_outer[outer[i]] = 1;
+  top = largest(f, 3 * m->node_count);
+  for (int n = 0; n < m->node_count; n++)
+    for (int c = 0; c < 3; c++) {
+      if (!is_outer[n]) inner = worst(inner, f[3 * n + c]);
+      resultant[c] += f[3 * n + c];
+    }
+  tap_ok(inner < 1e-12 * top, "%s patch: no force at inner nodes, at most %.2g of the largest", KIND[kind], inner / top);
+  tap_ok(largest(resultant, 3) < 1e-12 * top, "%s patch: the forces add up to nothing, %.2g", KIND[kind], largest(resultant, 3) / top);
+  // Energy is half stress times strain times the volume (mass at density 1).
+  double *mass = numbers(m->node_count);
+  need(ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, mass, &e), &e);
+  for (int n = 0; n < m->node_count; n++) volume += mass[n];
+  for (int i = 0; i < 3; i++) {
+    int j = (i + 1) % 3;
+    density += 0.5 * want[i] * G[i][i] + 0.5 * want[3 + i] * (G[i][j] + G[j][i]);
+  }
+  tap_close(energy / (density * volume), 1.0, 1e-12, "%s patch: energy", KIND[kind]);
+  close_block(&solid);
+  free(mass);
+  free(outer);
+  free(is_outer);
+  free(u);
+  free(f);
+  free(stress);
+  ct_mesh_free(m);
+}
+
+/* The force is minus the gradient of the energy. The energy is quadratic, so central differences have no error but rounding. */
+static void energy_gradient(ct_brick_kind kind)
+{
+  int n = 3 * ct_brick_node_count(kind);
+  double x[60], u[60], f[60], g[60], off = 0.0, top = 0.0, work = 0.0, energy, up, down;
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  distort(m, kind == CT_HEX8 ? 0.15 : 0.05);
+  take_element(m, 0, m->nodes, x);
+  for (int i = 0; i < n; i++) u[i] = uniform(1.0);
+  ct_error e;
+  need(ct_solid_element_force(kind, x, u, &SOFT, f, &energy, &e), &e);
+  for (int i = 0; i < n; i++) {
+    double keep = u[i], h = 0.5;
+    u[i] = keep + h;
+    need(ct_solid_element_force(kind, x, u, &SOFT, g, &up, &e), &e);
+    u[i] = keep - h;
+    need(ct_solid_element_force(kind, x, u, &SOFT, g, &down, &e), &e);
+    u[i] = keep;
+    off = worst(off, f[i] + (up - down) / (2.0 * h));
+    top = worst(top, f[i]);
+    work -= 0.5 * f[i] * u[i];
+  }
+  tap_ok(off < 1e-13 * top, "%s: force is minus the gradient of the energy, off by %.2g", KIND[kind], off / top);
+  tap_close(work / energy, 1.0, 1e-13, "%s: energy is half the work", KIND[kind]);
+  ct_mesh_free(m);
+}
+
+static void rigid_motions(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
+{
+  ct_mesh *m = box_mesh(kind, 0.1, -0.7, 1.3, 1, 1, 1, 3, 3, 3);
+  if (kernel == CT_KERNEL_GENERAL) distort(m, 0.03);
+  block solid = open_block(m, &STEEL, kernel);
+  double *u = numbers(3 * m->node_count), *f = numbers(3 * m->node_count), *g = numbers(3 * m->node_count), nonzero = 0.0, scale;
+  for (int k = 0; k < 20; k++) {
+    double t[3] = {uniform(1e3), uniform(1e-3), uniform(1.0)};
+    for (int i = 0; i < 3 * m->node_count; i++) u[i] = t[i % 3];
+    double energy = block_force(&solid, u, f);
+    nonzero = worst(worst(nonzero, largest(f, 3 * m->node_count)), energy);
+    reference_force(m, &STEEL, u, g);
+    nonzero = worst(nonzero, largest(g, 3 * m->node_count));
+  }
+  tap_ok(nonzero == 0.0, "%s: a translation gives exactly no force and no energy (%g)", name, nonzero);
+
+  // Small rotation u = w x X, against a stretch of the same size.
+  double w[3] = {0.3, -0.5, 0.7};
+  for (int n = 0; n < m->node_count; n++)
+    for (int c = 0; c < 3; c++) u[3 * n + c] = w[(c + 1) % 3] * m->nodes[3 * n + (c + 2) % 3] - w[(c + 2) % 3] * m->nodes[3 * n + (c + 1) % 3];
+  block_force(&solid, u, f);
+  block_force(&solid, m->nodes, g);
+  scale = largest(g, 3 * m->node_count);
+  tap_ok(largest(f, 3 * m->node_count) < 1e-14 * scale, "%s: a small rotation gives %.2g of a stretch's force", name, largest(f, 3 * m->node_count) / scale);
+  close_block(&solid);
+  free(u);
+  free(f);
+  free(g);
+  ct_mesh_free(m);
+}
+
+static void kernel_against_reference(ct_mesh *m, ct_solid_kernel kernel, const char *name)
+{
+  block solid = open_block(m, &STEEL, kernel);
+  double *u = random_displacement(m, 1e-3), *f = numbers(3 * m->node_count), *g = numbers(3 * m->node_count);
+  double energy = block_force(&solid, u, f), want = reference_force(m, &STEEL, u, g);
+  ct_solid_kernel chosen = CT_KERNEL_AUTO;
+  ct_solid_block_plan(solid.effect, 0, &chosen, NULL, NULL);
+  double off = largest_difference(f, g, 3 * m->node_count) / largest(g, 3 * m->node_count);
+  tap_ok(off < 1e-13 && chosen == kernel && fabs(energy / want - 1.0) < 1e-13, "%s, %d elements: force off by %.2g, energy by %.2g", name, m->element_count, off,
+         fabs(energy / want - 1.0));
+  close_block(&solid);
+  free(u);
+  free(f);
+  free(g);
+  ct_mesh_free(m);
+}
+
+static void kernels(void)
+{
+  static const int count[5] = {1, 7, 8, 9, 17};
+  for (int i = 0; i < 5; i++) {
+    ct_mesh *box = box_mesh(CT_HEX8, -1, 2, 0.5, count[i] * 0.3, 0.7, 1.1, count[i], 1, 1);
+    kernel_against_reference(box, CT_KERNEL_BOX, "box kernel");
+    ct_mesh *hex8 = box_mesh(CT_HEX8, -1, 2, 0.5, count[i], 1, 1, count[i], 1, 1);
+    distort(hex8, 0.12);
+    kernel_against_reference(hex8, CT_KERNEL_GENERAL, "hex8 kernel");
+    ct_mesh *hex20 = box_mesh(CT_HEX20, -1, 2, 0.5, count[i], 1, 1, count[i], 1, 1);
+    distort(hex20, 0.05);
+    kernel_against_reference(hex20, CT_KERNEL_GENERAL, "hex20 kernel");
+  }
+  for (int kind = 0; kind < 2; kind++) {
+    // Elements whose axes point anywhere meet a node in the same octant: the assembly must add them one after another.
+    ct_mesh *m = box_mesh((ct_brick_kind)kind, 0, 0, 0, 4, 3, 5, 4, 3, 5);
+    distort(m, 0.05);
+    turn_elements(m);
+    kernel_against_reference(m, CT_KERNEL_GENERAL, kind == 0 ? "hex8 kernel, turned elements" : "hex20 kernel, turned elements");
+  }
+  ct_mesh *three = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 5, 4, 3);
+  kernel_against_reference(three, CT_KERNEL_BOX, "box kernel, a block of cells");
+}
+
+/* Five wedges of hexahedra around an axis: a node with five elements, which no lattice has. */
+static void wheel(void)
+{
+  enum { SPOKES = 5 };
+  ct_mesh m = {CT_HEX8, 2 * (2 * SPOKES + 1), SPOKES, numbers(6 * (2 * SPOKES + 1)), integers(8 * SPOKES)};
+  const double turn = 2.0 * 3.14159265358979323846 / (2 * SPOKES);
+  for (int n = 0; n < m.node_count; n++) {
+    int layer = n / (2 * SPOKES + 1), k = n % (2 * SPOKES + 1);
+    double r = k == 0 ? 0.0 : k % 2 ? 1.0 : 1.3;
+    m.nodes[3 * n] = r * cos(turn * k);
+    m.nodes[3 * n + 1] = r * sin(turn * k);
+    m.nodes[3 * n + 2] = layer;
+  }
+  for (int s = 0; s < SPOKES; s++) {
+    int ring[4] = {0, 2 * s + 1, 2 * s + 2, 2 * ((s + 1) % SPOKES) + 1};
+    for (int a = 0; a < 8; a++) m.elements[8 * s + a] = ring[a % 4] + a / 4 * (2 * SPOKES + 1);
+  }
+  ct_mesh *copy = NULL;
+  ct_error e;
+  need(ct_mesh_create_copy(&m, &copy, &e), &e);
+  kernel_against_reference(copy, CT_KERNEL_GENERAL, "hex8 kernel, five elements around an axis");
+  free(m.nodes);
+  free(m.elements);
+}
+
+static void refusals(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
+  m->nodes[3 * 13] += 0.01;
+  ct_solid_block b = {m, STEEL, 0, CT_KERNEL_BOX, CT_LUMP_DEFAULT};
+  ct_effect *effect = NULL;
+  ct_error e = {0};
+  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL && e.body == 0, "the box kernel refuses another mesh: %s", e.text);
+  b.kernel = CT_KERNEL_AUTO;
+  need(ct_solid_create_effect(&b, 1, &effect, &e), &e);
+  ct_solid_kernel chosen = CT_KERNEL_BOX;
+  double flops = 0, bytes = 0;
+  ct_solid_block_plan(effect, 0, &chosen, &flops, &bytes);
+  tap_ok(chosen == CT_KERNEL_GENERAL && flops > 0 && bytes > 0, "the cheapest that fits a distorted mesh is the general one");
+  tap_ok(ct_solid_block_plan(effect, 1, &chosen, NULL, NULL) == CT_ERROR_ARGUMENT, "there is no second block");
+  ct_effect_free(effect);
+  effect = NULL;
+  b.first_node = 3;
+  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT, "a gap before the body is refused: %s", e.text);
+  b.first_node = 0;
+  b.material.poisson = 0.5;
+  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "Poisson") != NULL, "an incompressible body is refused: %s", e.text);
+  b.material = STEEL;
+  b.lumping = CT_LUMP_ROW_SUM;
+  ct_mesh *q = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  b.mesh = q;
+  b.kernel = CT_KERNEL_BOX;
+  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED, "the box kernel refuses hex20");
+  b.kernel = CT_KERNEL_AUTO;
+  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED, "row-summed hex20 is refused: %s", e.text);
+  tap_ok(ct_solid_create_effect(NULL, 1, &effect, NULL) == CT_ERROR_ARGUMENT && ct_solid_create_effect(&b, 0, &effect, NULL) == CT_ERROR_ARGUMENT && effect == NULL,
+         "no bodies are refused");
+
+  double x[60], u[60] = {0}, f[60], s[6], w, mass[20], xi[3] = {0, 0, 0};
+  take_element(m, 0, m->nodes, x);
+  for (int c = 0; c < 3; c++) {
+    double t = x[c];
+    x[c] = x[12 + c];
+    x[12 + c] = t;
+  }
+  for (int a = 0; a < 20; a++) mass[a] = 1.0;
+  tap_ok(ct_solid_element_force(CT_HEX8, x, u, &STEEL, f, NULL, &e) == CT_ERROR_GEOMETRY && e.point >= 0, "the force of a folded element is refused: %s", e.text);
+  tap_ok(ct_solid_element_frequency(CT_HEX8, x, &STEEL, mass, &w, &e) == CT_ERROR_GEOMETRY, "so is its frequency");
+  take_element(m, 0, m->nodes, x);
+  mass[4] = 0.0;
+  tap_ok(ct_solid_element_frequency(CT_HEX8, x, &STEEL, mass, &w, &e) == CT_ERROR_ARGUMENT && e.point == 4, "a node without mass is refused: %s", e.text);
+  tap_ok(ct_solid_element_stress((ct_brick_kind)4, x, u, &STEEL, xi, s, NULL) == CT_ERROR_ARGUMENT && ct_solid_element_force(CT_HEX8, NULL, u, &STEEL, f, NULL, NULL) == CT_ERROR_ARGUMENT,
+         "an unknown element and a null pointer are refused");
+  ct_mesh_free(m);
+  ct_mesh_free(q);
+}
+
+/* M^-1/2 K M^-1/2 of one element, K column by column from unit displacements, and its largest eigenvalue by Jacobi's method. */
+static double jacobi_frequency(ct_brick_kind kind, const double x[60], const ct_material *material, const double mass[20])
+{
+  static double A[60 * 60];
+  int n = 3 * ct_brick_node_count(kind);
+  ct_error e;
+  for (int j = 0; j < n; j++) {
+    double u[60] = {0}, f[60];
+    u[j] = 1.0;
+    need(ct_solid_element_force(kind, x, u, material, f, NULL, &e), &e);
+    for (int i = 0; i < n; i++) A[i * n + j] = -f[i] / sqrt(mass[i / 3] * mass[j / 3]);
+  }
+  return jacobi_largest(n, A);
+}
+
+static double element_frequency(const ct_mesh *m, const ct_material *material, double x[60], double mass[20])
+{
+  double w;
+  ct_error e;
+  take_element(m, 0, m->nodes, x);
+  need(ct_mass_element(m->kind, x, material->density, CT_LUMP_DEFAULT, mass, &e), &e);
+  need(ct_solid_element_frequency(m->kind, x, material, mass, &w, &e), &e);
+  return w;
+}
+
+static void frequencies(void)
+{
+  static const double poisson[4] = {0.0, 0.3, 0.45, -0.4}, printed[2][2] = {{1.0, 0.7338}, {0.25, 0.27}};
+  double x[60], mass[20], c1, c2;
+  for (int kind = 0; kind < 2; kind++)
+    for (int k = 0; k < 4; k++) {
+      ct_material m = {3.0, poisson[k], 2.0};
+      ct_mesh *cube = box_mesh((ct_brick_kind)kind, 0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1);
+      ct_material_speeds(&m, &c1, &c2);
+      double w = element_frequency(cube, &m, x, mass), courant = 2.0 / sqrt(w) * c1 / 0.5;
+      if (k < 2) tap_close(courant, printed[kind][k], kind == 0 ? 5e-5 : 5e-3, "%s cube, nu = %g: critical c1 dt / h", KIND[kind], poisson[k]);
+      if (kind == 0 && poisson[k] >= 0.0) {
+        // The highest mode of the cube is its dilatation u = x: omega^2 = 12 K / (rho h^2), K = E / 3 (1 - 2 nu).
+        double bulk = m.young / (3.0 * (1.0 - 2.0 * m.poisson));
+        tap_close(w / (12.0 * bulk / (m.density * 0.25)), 1.0, 1e-11, "hex8 cube, nu = %g: omega^2 = 12 K / rho h^2", poisson[k]);
+      }
+      tap_close(w / jacobi_frequency((ct_brick_kind)kind, x, &m, mass), 1.0, 1e-11, "%s cube, nu = %g: Jacobi's largest eigenvalue", KIND[kind], poisson[k]);
+      ct_mesh_free(cube);
+    }
+  double low = INFINITY, high = 0.0;
+  for (int trial = 0; trial < 40; trial++) {
+    ct_mesh *m = box_mesh((ct_brick_kind)(trial % 2), 0, 0, 0, exp(uniform(2.0)), 1, exp(uniform(2.0)), 1, 1, 1);
+    distort(m, 0.02);
+    double w = element_frequency(m, &STEEL, x, mass), ratio = w / jacobi_frequency((ct_brick_kind)(trial % 2), x, &STEEL, mass);
+    low = fmin(low, ratio);
+    high = fmax(high, ratio);
+    ct_mesh_free(m);
+  }
+  tap_ok(low >= 1.0 - 1e-13 && high < 1.0 + 1e-11, "40 distorted elements: bound over Jacobi's eigenvalue in 1%+.2g ... 1%+.2g", low - 1.0, high - 1.0);
+}
+
+/* The bound of the elements is above the largest eigenvalue of the assembled mesh, and not far. */
+static void global_bound(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
+{
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 4, 4, 4, 4, 4, 4);
+  if (kernel == CT_KERNEL_GENERAL) distort(m, kind == CT_HEX8 ? 0.1 : 0.04);
+  block solid = open_block(m, &SOFT, kernel);
+  int n = 3 * m->node_count;
+  double *v = random_displacement(m, 1.0), *f = numbers(n), *mass = numbers(m->node_count), quotient = 0.0, bound = block_frequency(&solid);
+  ct_error e;
+  need(ct_mass_lumped(m, SOFT.density, CT_LUMP_DEFAULT, mass, &e), &e);
+  for (int k = 0; k < 400; k++) {
+    double top = largest(v, n), work = 0.0, kinetic = 0.0;
+    for (int i = 0; i < n; i++) v[i] /= top;
+    block_force(&solid, v, f);
+    for (int i = 0; i < n; i++) {
+      work -= f[i] * v[i];
+      kinetic += mass[i / 3] * v[i] * v[i];
+      v[i] = -f[i] / mass[i / 3];
+    }
+    quotient = work / kinetic;
+  }
+  tap_ok(bound >= quotient && bound < 2.0 * quotient, "%s: bound of omega^2 is %.4f of the mesh's own", name, bound / quotient);
+  close_block(&solid);
+  free(v);
+  free(f);
+  free(mass);
+  ct_mesh_free(m);
+}
+
+static void mirrored(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
+{
+  for (int axis = 0; axis < 3; axis++) {
+    ct_mesh *m = box_mesh(kind, 0.13, -0.71, 0.37, 1, 1.1, 0.9, 4, 3, 5);
+    if (kernel == CT_KERNEL_GENERAL) distort(m, 0.03);
+    ct_mesh *image = mirror_mesh(m, axis);
+    block right = open_block(m, &STEEL, kernel), left = open_block(image, &STEEL, kernel);
+    double *u = random_displacement(m, 1e-3), *v = numbers(3 * m->node_count), *f = numbers(3 * m->node_count), *g = numbers(3 * m->node_count);
+    for (int i = 0; i < 3 * m->node_count; i++) v[i] = i % 3 == axis ? -u[i] : u[i];
+    double energy = block_force(&right, u, f), other = block_force(&left, v, g);
+    int64_t faults = mirror_faults(f, g, m->node_count, axis);
+    tap_ok(faults == 0 && energy == other, "%s mirrored in %c: %d of %d forces are not the mirrored bits", name, "xyz"[axis], (int)faults, 3 * m->node_count);
+    close_block(&right);
+    close_block(&left);
+    free(u);
+    free(v);
+    free(f);
+    free(g);
+    ct_mesh_free(m);
+    ct_mesh_free(image);
+  }
+}
+
+int main(void)
+{
+  for (int kind = 0; kind < 2; kind++) {
+    patch_test((ct_brick_kind)kind);
+    energy_gradient((ct_brick_kind)kind);
+  }
+  rigid_motions(CT_HEX8, CT_KERNEL_BOX, "box kernel");
+  rigid_motions(CT_HEX8, CT_KERNEL_GENERAL, "hex8 kernel");
+  rigid_motions(CT_HEX20, CT_KERNEL_GENERAL, "hex20 kernel");
+  kernels();
+  wheel();
+  refusals();
+  frequencies();
+  global_bound(CT_HEX8, CT_KERNEL_BOX, "box kernel");
+  global_bound(CT_HEX8, CT_KERNEL_GENERAL, "hex8 kernel");
+  global_bound(CT_HEX20, CT_KERNEL_GENERAL, "hex20 kernel");
+  mirrored(CT_HEX8, CT_KERNEL_BOX, "box kernel");
+  mirrored(CT_HEX8, CT_KERNEL_GENERAL, "hex8 kernel");
+  mirrored(CT_HEX20, CT_KERNEL_GENERAL, "hex20 kernel");
+  return tap_done();
+}

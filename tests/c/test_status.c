@@ -1,0 +1,48 @@
+/* Names of the codes, the version, and what an error carries. */
+#include "../../libcontact/src/error.h"
+#include "bodies.h"
+
+#include <ctype.h>
+
+int main(void)
+{
+  int distinct = 1, filled = 1;
+  for (int i = 0; i <= CT_ERROR_BLOWUP; i++) {
+    const char *name = ct_status_name((ct_status)i);
+    filled &= name != NULL && strlen(name) > 1;
+    for (int j = 0; j < i; j++) distinct &= strcmp(name, ct_status_name((ct_status)j)) != 0;
+  }
+  tap_ok(filled && distinct, "twelve codes have twelve names");
+  tap_ok(strcmp(ct_status_name(CT_OK), "ok") == 0, "success is ok");
+  tap_ok(strcmp(ct_status_name((ct_status)99), "unknown status") == 0 && strcmp(ct_status_name((ct_status)-1), "unknown status") == 0,
+         "other numbers are unknown");
+
+  const char *version = ct_version();
+  int dots = 0, digits = 1;
+  for (const char *c = version; *c != '\0'; c++) {
+    dots += *c == '.';
+    digits &= *c == '.' || isdigit((unsigned char)*c);
+  }
+  tap_ok(dots == 2 && digits && isdigit((unsigned char)version[0]), "the version %s reads major.minor.patch", version);
+
+  ct_error error;
+  memset(&error, 7, sizeof error);
+  ct_status status = ct_fail(&error, CT_ERROR_STEP, (ct_place){1, 2, 3}, "%s %d", "number", 4);
+  tap_ok(status == CT_ERROR_STEP && error.code == CT_ERROR_STEP && error.body == 1 && error.element == 2 && error.point == 3 &&
+             strcmp(error.text, "number 4") == 0,
+         "an error carries code, place and text");
+  char lengthy[1000];
+  memset(lengthy, 'x', sizeof lengthy - 1);
+  lengthy[sizeof lengthy - 1] = '\0';
+  ct_fail(&error, CT_ERROR_FILE, CT_NOWHERE, "%s", lengthy);
+  tap_ok(strlen(error.text) == sizeof error.text - 1 && error.body == -1 && error.element == -1 && error.point == -1,
+         "a text too long is cut and ended, and no place is -1");
+  tap_ok(ct_fail(NULL, CT_ERROR_MEMORY, CT_NOWHERE, "nobody reads this") == CT_ERROR_MEMORY, "an error without a reader still has its code");
+
+  ct_material steel = {2.1e5, 0.3, 7.8e-9};
+  memset(&error, 7, sizeof error);
+  ct_error before = error;
+  ct_status good = ct_material_check(&steel, &error);
+  tap_ok(good == CT_OK && memcmp(&before, &error, sizeof error) == 0, "a call that succeeds leaves the error alone");
+  return tap_done();
+}

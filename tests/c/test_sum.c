@@ -1,0 +1,137 @@
+/* Sums against exact integers and against an exact expansion; the same bits in any order. */
+#include <contact/sum.h>
+
+#include "bodies.h"
+
+#include <float.h>
+
+enum { MOST = 3000 };
+
+static int same(double a, double b) { return memcmp(&a, &b, sizeof a) == 0; }
+
+static void shuffle(double *v, int n)
+{
+  for (int i = n - 1; i > 0; i--) {
+    int j = pick(i + 1);
+    double t = v[i];
+    v[i] = v[j];
+    v[j] = t;
+  }
+}
+
+/* Exact sum as a list of numbers that do not overlap (Shewchuk's growing expansion); returns their sum less `guess`. */
+static double exact_minus(const double *v, int n, double guess)
+{
+  static double part[MOST + 1];
+  int parts = 0;
+  for (int i = -1; i < n; i++) {
+    double x = i < 0 ? -guess : v[i];
+    int kept = 0;
+    for (int k = 0; k < parts; k++) {
+      double y = part[k];
+      if (fabs(x) < fabs(y)) {
+        double t = x;
+        x = y;
+        y = t;
+      }
+      double high = x + y, low = y - (high - x);
+      if (low != 0.0) part[kept++] = low;
+      x = high;
+    }
+    part[kept++] = x;
+    parts = kept;
+  }
+  double sum = 0.0;
+  for (int k = 0; k < parts; k++) sum += part[k];
+  return sum;
+}
+
+static void integers_are_exact(void)
+{
+  static double v[1000];
+  int wrong = 0;
+  for (int trial = 0; trial < 300; trial++) {
+    int n = 1 + pick(1000), shift = pick(800) - 400;
+    int64_t sum = 0;
+    for (int i = 0; i < n; i++) {
+      int64_t k = (int64_t)uniform(1125899906842624.0); // below 2^50, so that a thousand fit into 63 bits
+      v[i] = ldexp((double)k, shift);
+      sum += k;
+    }
+    wrong += !same(ct_sum(v, n), ldexp((double)sum, shift));
+  }
+  tap_ok(wrong == 0, "300 sums of up to 1000 integers times 2^k: the exact sum, rounded once (%d differ)", wrong);
+}
+
+static void error_bound(void)
+{
+  static double v[MOST];
+  double over = 0.0;
+  for (int trial = 0; trial < 300; trial++) {
+    int n = 2 + pick(MOST - 2), spread = 1 + pick(200);
+    double top = 0.0;
+    for (int i = 0; i < n; i++) {
+      v[i] = ldexp(uniform(1.0), pick(spread));
+      if (i % 2 && trial % 2) v[i] = -v[i - 1] * (1.0 + (pick(3) - 1) * DBL_EPSILON); // strong cancellation
+      top = worst(top, v[i]);
+    }
+    double got = ct_sum(v, n), allowed = ldexp((double)n * n * n, -100) * top + 0.5 * DBL_EPSILON * fabs(got);
+    over = worst(over, exact_minus(v, n, got) / allowed);
+  }
+  tap_ok(over <= 1.0, "300 sums with spread exponents and cancellation: error at most %.3g of count^3 2^-100 top + ulp / 2", over);
+
+  // One number fixes the grid, is cancelled, and a thousand just below half the fine spacing are left.
+  for (int i = 0; i < 1024; i++) v[i] = ldexp(0.99, -80);
+  v[0] = 1.0;
+  v[1] = -1.0;
+  tap_close(ct_sum(v, 1024), 1022 * ldexp(0.99, -80), ldexp(1.0, 30 - 100), "numbers below the fine grid: off by no more than the bound");
+}
+
+static void order_does_not_matter(void)
+{
+  static double v[1000], negative[1000];
+  int wrong = 0, odd = 0;
+  for (int trial = 0; trial < 100; trial++) {
+    int n = 1 + pick(1000);
+    for (int i = 0; i < n; i++) v[i] = ldexp(uniform(1.0), pick(120) - 60);
+    double sum = ct_sum(v, n);
+    for (int k = 0; k < 10; k++) {
+      shuffle(v, n);
+      wrong += !same(ct_sum(v, n), sum);
+    }
+    for (int i = 0; i < n; i++) negative[i] = -v[i];
+    odd += !same(ct_sum(negative, n), -sum);
+  }
+  tap_ok(wrong == 0, "1000 permutations: the same bits (%d differ)", wrong);
+  tap_ok(odd == 0, "negated numbers: the negated bits (%d differ)", odd);
+
+  // The ordinary sum does depend on the order, so the test above can see something.
+  double left = 0.0, right = 0.0;
+  for (int i = 0; i < 1000; i++) v[i] = ldexp(uniform(1.0), pick(40));
+  for (int i = 0; i < 1000; i++) left += v[i], right += v[999 - i];
+  tap_ok(left != right, "the plain sums of such numbers from left and from right differ");
+}
+
+static void special_cases(void)
+{
+  double cancel[3] = {1e16, 1.0, -1e16}, bad[3] = {1.0, NAN, 2.0}, endless[3] = {1.0, INFINITY, -INFINITY};
+  double huge[2] = {DBL_MAX, DBL_MAX}, tiny[100], zeros[3] = {0.0, -0.0, 0.0}, one = -0.1;
+  tap_ok(ct_sum(cancel, 3) == 1.0, "1e16 + 1 - 1e16 = 1");
+  tap_ok(isnan(ct_sum(bad, 3)), "a NaN gives NaN");
+  tap_ok(isnan(ct_sum(endless, 3)), "infinities give NaN");
+  tap_ok(isnan(ct_sum(huge, 2)), "overflow gives NaN");
+  tap_ok(ct_sum(NULL, 0) == 0.0 && ct_sum(cancel, 0) == 0.0, "nothing adds up to 0");
+  tap_ok(ct_sum(zeros, 3) == 0.0, "zeros add up to 0");
+  tap_ok(same(ct_sum(&one, 1), -0.1), "one number is its own sum");
+  for (int i = 0; i < 100; i++) tiny[i] = ldexp(1.0, -1074);
+  tap_ok(ct_sum(tiny, 100) == 100 * ldexp(1.0, -1074), "the smallest numbers are not lost");
+}
+
+int main(void)
+{
+  integers_are_exact();
+  error_bound();
+  order_does_not_matter();
+  special_cases();
+  return tap_done();
+}

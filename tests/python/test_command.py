@@ -1,0 +1,156 @@
+"""The command line: exit codes, what goes to stdout and what to stderr, and no traceback for what a user can do wrong."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from libcontact._core import lib
+from libcontact.command import main
+
+SCENES = Path(__file__).parents[2] / "tutorials" / "scenes"
+needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
+
+
+@pytest.fixture
+def scene(tmp_path, monkeypatch):
+    """A plate of 20 x 1 x 20 cells that hits a wall, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    text = (SCENES / "plates_reference.toml").read_text()
+    text = text.replace("[100, 1, 100]", "[20, 1, 20]").replace("every = 50", "every = 20")
+    Path("scene.toml").write_text(text)
+    return "scene.toml"
+
+
+def test_version_is_that_of_the_library(capsys):
+    from libcontact._core import ffi
+
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"libcontact {ffi.string(lib.ct_version()).decode()}\n"
+
+
+@pytest.mark.parametrize("arguments", [[], ["walk"], ["run"], ["run", "a.toml", "--until", "soon"], ["run", "a.toml", "--threads", "x"]])
+def test_a_wrong_command_line_is_bad_input(arguments, capsys):
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert not out and "usage: libcontact" in err
+
+
+def test_explain_prints_to_stdout(scene, capsys):
+    assert main(["explain", scene]) == 0
+    out, err = capsys.readouterr()
+    assert "400 hex8" in out and "c1 = 6.02" in out and not err
+
+
+@needs_hdf5
+def test_run_writes_the_file_and_reports_on_stderr(scene, capsys):
+    assert main(["run", scene, "-o", "out.vtkhdf"]) == 0
+    out, err = capsys.readouterr()
+    assert not out and "out.vtkhdf" in err and "work balance" in err
+    assert sorted(os.listdir()) == ["out.vtkhdf", "scene.toml"]
+    assert main(["run", scene, "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "") and os.path.exists("plates_reference.vtkhdf")
+
+
+@needs_hdf5
+def test_a_stopped_run_is_continued_to_the_same_end(scene, capsys):
+    from libcontact.run import Run
+
+    assert main(["run", scene, "-o", "whole.vtkhdf"]) == 0
+    assert main(["run", scene, "-o", "first.vtkhdf", "--until", "1e-7"]) == 0
+    assert main(["run", scene, "-o", "rest.vtkhdf", "--restart", "first.vtkhdf", "--threads", "2"]) == 0
+    whole, rest = Run.load("whole.vtkhdf"), Run.load("rest.vtkhdf")
+    assert whole.state["right"].displacement.tobytes() == rest.state["right"].displacement.tobytes()
+    assert Run.load("first.vtkhdf").time[-1] == pytest.approx(1e-7, rel=0.05)
+
+
+@needs_hdf5
+def test_plot_draws_a_picture(scene, capsys):
+    pytest.importorskip("matplotlib")
+    assert main(["run", scene, "-o", "out.vtkhdf", "--until", "1e-7", "--quiet"]) == 0
+    assert main(["plot", "out.vtkhdf"]) == 0
+    assert main(["plot", "out.vtkhdf", "-o", "v.png", "--field", "velocity_x", "--scale", "10"]) == 0
+    for name in ("out.png", "v.png"):
+        assert Path(name).read_bytes().startswith(b"\x89PNG") and name in capsys.readouterr().err + name
+    assert main(["plot", "out.vtkhdf", "--field", "stress_xq"]) == 2
+    assert "did you mean" in capsys.readouterr().err
+    assert main(["plot", "out.vtkhdf", "-o", "none/v.png"]) == 2
+
+
+@needs_hdf5
+def test_plot_draws_what_there_is(scene, capsys):
+    pytest.importorskip("matplotlib")
+    Path(scene).write_text(Path(scene).read_text().replace('["displacement", "velocity", "stress"]', '["stress"]'))
+    assert main(["run", scene, "-o", "out.vtkhdf", "--until", "1e-7", "--quiet"]) == 0
+    assert main(["plot", "out.vtkhdf"]) == 0
+    assert main(["plot", "out.vtkhdf", "--field", "velocity_x"]) == 2
+    assert "velocity was not recorded" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("arguments, words", [
+    (["run", "none.toml"], "none.toml"),
+    (["explain", "none.toml"], "none.toml"),
+    (["run", "scene.toml", "-o", "none/out.vtkhdf"], "output.file"),
+    (["run", "scene.toml", "--until", "-1"], "until"),
+    (["run", "scene.toml", "--until", "1"], "until"),
+    (["run", "scene.toml", "--threads", "0"], "threads"),
+    (["run", "scene.toml", "--restart", "none.vtkhdf"], "none.vtkhdf"),
+    (["plot", "none.vtkhdf"], "none.vtkhdf"),
+    (["plot", "scene.toml"], "scene.toml"),
+])
+def test_bad_input_is_one_line_and_exit_code_2(scene, arguments, words, capsys):
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert not out and words in err and "Traceback" not in err and err.startswith("error: ")
+
+
+def test_a_run_that_fails_has_exit_code_3(scene, capsys):
+    text = Path(scene).read_text().replace("velocity = [-1000, 0, 0]", "velocity = [-1e305, 0, 0]")
+    Path(scene).write_text(text.split("[output]")[0])
+    assert main(["run", scene]) == 3
+    assert "the run failed: " in capsys.readouterr().err
+
+
+def test_ctrl_c_has_exit_code_130_and_keeps_the_file(scene):
+    Path(scene).write_text(Path(scene).read_text().replace("end_c1t_over = { length = 2.5, value = 0.56 }", "end = 1.0"))
+    process = subprocess.Popen([sys.executable, "-m", "libcontact.command", "run", scene, "-o", "out.vtkhdf"], stderr=subprocess.PIPE, text=True)
+    if hasattr(lib, "ct_output_create"):
+        while process.poll() is None and not os.path.exists("out.vtkhdf"):
+            time.sleep(0.05)
+    else:
+        time.sleep(5.0)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130, err
+    assert "interrupted at t = " in err and "Traceback" not in err
+    if hasattr(lib, "ct_output_create"):
+        from libcontact.run import Run
+
+        assert Run.load("out.vtkhdf").time[-1] > 0.0
+
+
+@needs_hdf5
+def test_a_full_disk_fails_the_run_and_keeps_what_was_written(scene):
+    """A limit on the size of files stands for the full disk: the system refuses the bytes in the same way."""
+    import resource
+
+    Path(scene).write_text(Path(scene).read_text().replace("every = 20", "every = 1"))
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2_000_000, 2_000_000))
+    command = [sys.executable, "-m", "libcontact.command", "run", scene, "-o", "out.vtkhdf"]
+    done = subprocess.run(command, check=False, stderr=subprocess.PIPE, text=True, preexec_fn=limit)
+    assert done.returncode == 3, done.stderr
+    assert "the run failed: " in done.stderr and "Traceback" not in done.stderr
+    from libcontact.run import Run
+
+    kept = Run.load("out.vtkhdf")
+    assert 1 < len(kept.time) < 80 and f"{len(kept.time)} records" in done.stderr
+
+
+def test_a_closed_pipe_is_no_error(scene):
+    command = f"{sys.executable} -m libcontact.command explain {scene} | head -n 1"
+    done = subprocess.run(["bash", "-c", f"set -o pipefail; {command}"], check=False, capture_output=True, text=True)
+    assert "Traceback" not in done.stderr and "BrokenPipe" not in done.stderr

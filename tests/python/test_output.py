@@ -1,0 +1,167 @@
+"""Layout of the results file, read with h5py; the numbers are those that `test_output --write` sets by hand."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+h5py = pytest.importorskip("h5py")
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+STEPS = 4
+
+
+def writer_program(folder):
+    """The C test program: the one that make has built (LIBCONTACT_BUILD names the folder), or one compiled here."""
+    folder_of_make = os.environ.get("LIBCONTACT_BUILD")
+    if folder_of_make and (ROOT / folder_of_make / "tests/test_output").exists():
+        return ROOT / folder_of_make / "tests/test_output"
+    compiler = shutil.which(os.environ.get("CC", "cc"))
+    flags = None
+    for name in ("hdf5-serial", "hdf5"):
+        try:
+            asked = subprocess.run(["pkg-config", "--cflags", "--libs", name], capture_output=True, text=True)
+        except FileNotFoundError:
+            break
+        if asked.returncode == 0:
+            flags = asked.stdout.split()
+            break
+    if compiler is None or flags is None:
+        pytest.skip("no C compiler, or no HDF5 development files")
+    library = ROOT / "libcontact"
+    sources = [path for path in (library / "src").rglob("*.c") if path.parent.name != "gsl"]
+    program = folder / "test_output"
+    command = [compiler, "-std=c99", "-ffp-contract=off", "-O1", "-I", library / "include", "-I", ROOT / "tests/c"]
+    command += [*sources, ROOT / "tests/c/test_output.c", "-o", program, *flags, "-lm"]
+    subprocess.run([str(part) for part in command], check=True)
+    return program
+
+
+def write_results(folder):
+    path = folder / "results.vtkhdf"
+    subprocess.run([str(writer_program(folder)), "--write", str(path), str(STEPS)], check=True)
+    return path
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    with h5py.File(write_results(tmp_path_factory.mktemp("output"))) as file:
+        yield file
+
+
+def displacement(points, step):
+    x, y, z = points.T
+    return 1e-3 * (step + 1) * np.column_stack([x + 2 * y, y - z, 3 * z])
+
+
+def velocity(step):
+    return (step + 1) * np.array([0.5, 1, 1.5])
+
+
+def test_header(results):
+    group = results["VTKHDF"]
+    assert group.attrs["Type"] == b"UnstructuredGrid"
+    assert list(group.attrs["Version"]) == [2, 2]
+    assert group["Steps"].attrs["NSteps"] == STEPS
+    kind = group.attrs.get_id("Type").get_type()
+    assert not kind.is_variable_str() and kind.get_cset() == h5py.h5t.CSET_ASCII
+
+
+def test_grid(results):
+    group = results["VTKHDF"]
+    points, cells = 4 * 3 * 2 + 32, 6 + 2
+    assert group["NumberOfPoints"][:].tolist() == [points] == [len(group["Points"])]
+    assert group["NumberOfCells"][:].tolist() == [cells] == [len(group["Types"])]
+    assert group["NumberOfConnectivityIds"][:].tolist() == [6 * 8 + 2 * 20] == [len(group["Connectivity"])]
+    assert group["Types"][:].tolist() == [12] * 6 + [25] * 2
+    assert np.diff(group["Offsets"][:]).tolist() == [8] * 6 + [20] * 2
+    assert group["Types"].dtype == np.uint8 and group["Connectivity"].dtype == np.int64
+    connectivity = group["Connectivity"][:]
+    assert connectivity[:48].max() == 23 and connectivity[48:].min() == 24 and connectivity.max() == points - 1
+    # The first brick of the first body: VTK's order of corners, along x, then back
+    corners = group["Points"][:][connectivity[:8]]
+    assert np.allclose(corners[0], [-1.5, 0, 0]) and np.allclose(corners[6] - corners[0], [0.5, 0.5, 1])
+    assert np.allclose(corners[1] - corners[0], [0.5, 0, 0]) and np.allclose(corners[3] - corners[0], [0, 0.5, 0])
+    assert group["CellData/body"][:].tolist() == [0] * 6 + [1] * 2
+
+
+def test_fields_of_each_step(results):
+    group = results["VTKHDF"]
+    points = group["Points"][:]
+    n = len(points)
+    # Hooke's law by hand with Lambda = mu = 1 (E = 2.5, nu = 1/4), strain 1e-3 (k + 1) (1, 1, 3, 1, -1/2, 0)
+    stress = np.array([7, 7, 11, 2, -1, 0]) * 1e-3
+    for step in range(STEPS):
+        rows = slice(*(group["Steps/PointDataOffsets/displacement"][step] + np.array([0, n])))
+        assert np.allclose(group["PointData/displacement"][rows], displacement(points, step), rtol=0, atol=1e-15)
+        rows = slice(*(group["Steps/CellDataOffsets/stress"][step] + np.array([0, 8])))
+        assert np.allclose(group["CellData/stress"][rows], (step + 1) * stress, rtol=0, atol=1e-14)
+    assert len(group["PointData/displacement"]) == len(group["PointData/velocity"]) == STEPS * n
+    assert len(group["CellData/stress"]) == STEPS * 8
+    assert not group["Steps/CellDataOffsets/body"][:].any()
+
+
+def test_step_tables(results):
+    steps = results["VTKHDF/Steps"]
+    assert np.allclose(steps["Values"], 0.2 * np.arange(STEPS))
+    for name in ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets"):
+        assert not steps[name][:].any() and len(steps[name]) == STEPS
+    assert steps["CellOffsets"].shape == steps["ConnectivityIdOffsets"].shape == (STEPS, 1)
+    assert steps["NumberOfParts"][:].tolist() == [1] * STEPS
+    for name in results["VTKHDF/FieldData"]:
+        assert steps["FieldDataOffsets"][name][:].tolist() == list(range(STEPS))
+
+
+def test_ledger(results):
+    energy, momentum = results["libcontact/energy"][:], results["libcontact/momentum"][:]
+    assert energy.dtype.names == ("time", "kinetic", "strain", "contact", "external", "total", "balance")
+    assert momentum.dtype.names == ("time", "body", "p", "L", "contact_impulse", "support_impulse")
+    factor = np.arange(1, STEPS + 1)
+    mass = 2 * np.array([1.5, 2])
+    assert np.allclose(energy["time"], 0.2 * np.arange(STEPS))
+    assert np.allclose(energy["kinetic"], 0.5 * mass.sum() * 3.5 * factor**2, rtol=1e-13)
+    # sigma : epsilon = 7 + 7 + 33 + 2 (2 * 1 + 1/2), over a volume of 3.5
+    assert np.allclose(energy["strain"], 0.5 * 3.5 * 52e-6 * factor**2, rtol=1e-12)
+    assert momentum["body"].tolist() == [0, 1] * STEPS
+    for step in range(STEPS):
+        for body in range(2):
+            assert np.allclose(momentum["p"][2 * step + body], mass[body] * velocity(step), rtol=1e-13)
+    for name in ("kinetic", "strain", "contact", "external", "total", "balance"):
+        assert (results["VTKHDF/FieldData"][name][:] == energy[name]).all()
+    assert np.allclose(results["VTKHDF/FieldData/momentum"], momentum["p"].reshape(STEPS, 2, 3).sum(axis=1))
+    assert np.allclose(results["VTKHDF/FieldData/angular_momentum"], momentum["L"].reshape(STEPS, 2, 3).sum(axis=1))
+    assert results["libcontact/step"][:].tolist() == [0, 10, 20, 30]
+
+
+def test_what_the_run_was(results):
+    group = results["libcontact"]
+    assert group.attrs["layout"] == 1 and group.attrs["dt"] == 0.02 and group.attrs["version"].count(b".") == 2
+    assert group["scene"][()].decode() == 'title = "Zwei Platten: α"\n'
+    body, effects = group["body"][:], group["effects"][:]
+    assert body["name"].tolist() == [b"left", b"right"] and body["kind"].tolist() == [0, 1]
+    assert body["first_node"].tolist() == [0, 24] and body["node_count"].tolist() == [24, 32]
+    assert body["first_cell"].tolist() == [0, 6] and body["cell_count"].tolist() == [6, 2]
+    assert (body["young"] == 2.5).all() and (body["poisson"] == 0.25).all() and (body["density"] == 2).all()
+    assert effects["name"].tolist() == [b"solid"] and effects["node_count"].tolist() == [56]
+    assert group["effect"].shape == (STEPS,) and np.allclose(group["effect"]["energy"], group["energy"]["strain"])
+
+
+def test_restart_records(results):
+    slots = results["libcontact/restart"]
+    points = results["VTKHDF/Points"][:]
+    seals = {name: slots[name]["seal"][()] for name in "ab"}
+    assert [int(seals[name]["sequence"]) for name in "ab"] == [3, 4]
+    for name in "ab":
+        slot, seal = slots[name], seals[name]
+        step = int(seal["sequence"]) - 1
+        assert seal["row"] == step and seal["step"] == 10 * step and np.isclose(seal["time"], 0.2 * step)
+        assert np.allclose(slot["displacement"], displacement(points, step), rtol=0, atol=1e-15)
+        assert np.allclose(slot["velocity"], velocity(step))
+        head = [np.array([seal[key]]) for key in ("sequence", "step", "row", "time", "kinetic_start")]
+        arrays = [slot[key][:].ravel() for key in ("displacement", "velocity", "work", "impulse", "memory")]
+        words = np.concatenate([part.view(np.uint64) for part in head + arrays])
+        assert words.sum() == seal["sum"]
+        assert (words * np.arange(1, len(words) + 1, dtype=np.uint64)).sum() == seal["weighted"]

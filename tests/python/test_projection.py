@@ -1,0 +1,203 @@
+"""Projections through Python, against closed forms, fifty-digit arithmetic and VTK."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import libcontact as ct
+from libcontact.projection import Status
+
+mp = pytest.importorskip("mpmath")
+
+QUADRILATERAL = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0]], float)
+TRIANGLE = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0], [0.5, 0.5], [0, 0.5]], float)
+REFERENCE = {"Q4": QUADRILATERAL[:4], "Q8": QUADRILATERAL, "T3": TRIANGLE[:3], "T6": TRIANGLE}
+KINDS = list(REFERENCE)
+numbers = st.floats(-1, 1, allow_subnormal=False)
+
+
+def shape(kind, x, y):
+    """Shape functions written from the book's formulas, for any number type."""
+    if kind[0] == "T":
+        L = [1 - x - y, x, y]
+        if kind == "T3":
+            return L
+        return [a * (2 * a - 1) for a in L] + [4 * L[i] * L[(i + 1) % 3] for i in range(3)]
+    corners = [((1 + a * x) * (1 + b * y), a * x + b * y - 1) for a, b in QUADRILATERAL[:4].astype(int)]
+    if kind == "Q4":
+        return [c / 4 for c, _ in corners]
+    sides = [(1 - x * x) * (1 - y) / 2, (1 + x) * (1 - y * y) / 2, (1 - x * x) * (1 + y) / 2, (1 - x) * (1 - y * y) / 2]
+    return [c * e / 4 for c, e in corners] + sides
+
+
+def flat(kind):
+    return np.column_stack([REFERENCE[kind], np.zeros(len(REFERENCE[kind]))])
+
+
+@pytest.mark.parametrize("method", ["robust", "newton", "simplex"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_point_above_a_flat_face(kind, method):
+    points = np.array([[0.25, 0.25, 0.5], [0.3, 0.1, -0.25], [0.25, 0.5, 0.0]])
+    found = ct.project(kind, flat(kind), points, method=method)
+    np.testing.assert_allclose(found.xi, points[:, :2], atol=2e-8)
+    np.testing.assert_allclose(found.point, points * [1, 1, 0], atol=2e-8)
+    np.testing.assert_allclose(found.signed_distance, points[:, 2], atol=1e-10)
+    np.testing.assert_allclose(found.distance, np.abs(points[:, 2]), atol=1e-10)
+    assert list(found.where) == ["interior"] * 3
+    assert not found.certified.any() and found.certified.dtype == bool
+    assert (found.evaluations > 0).all()
+    assert set(found.status) <= ({Status.OK, Status.ITERATION_LIMIT} if method == "simplex" else {Status.OK})
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_where_tells_interior_edge_vertex_and_outside(kind):
+    points = np.array([[0.3, 0.3, 1], [0.3, -4, 1], [-4, -4, 1.0]])
+    assert list(ct.project(kind, flat(kind), points).where) == ["interior", "edge", "vertex"]
+    assert list(ct.project(kind, flat(kind), points, method="newton").where) == ["interior", "outside", "outside"]
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.sampled_from(KINDS), st.lists(numbers, min_size=24, max_size=24), st.lists(numbers, min_size=3, max_size=3))
+def test_newton_from_the_robust_foot_agrees_with_fifty_digits(kind, noise, point):
+    """Where the foot is inside, fifty-digit Newton from it moves by rounding only, whatever the shape of the face."""
+    count = len(REFERENCE[kind])
+    nodes = flat(kind) + 0.1 * np.reshape(noise, (8, 3))[:count]
+    found = ct.project(kind, nodes, [point])
+    if found.where[0] != "interior" or found.status[0] != Status.OK:
+        return
+    with mp.workdps(50):
+
+        def gradient(x, y):
+            def f(x, y):
+                N = shape(kind, x, y)
+                d = [sum(n * mp.mpf(node[k]) for n, node in zip(N, nodes.tolist())) - mp.mpf(point[k]) for k in range(3)]
+                return sum(c * c for c in d)
+
+            return mp.diff(f, (x, y), (1, 0)), mp.diff(f, (x, y), (0, 1))
+
+        start = [mp.mpf(float(v)) for v in found.xi[0]]
+        root = mp.findroot(gradient, start, tol=1e-30)
+        for a in range(2):
+            assert abs(root[a] - start[a]) <= 1e-10 * (1 if kind[0] == "Q" else 0.5)
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.sampled_from(KINDS), st.lists(numbers, min_size=24, max_size=24), st.lists(numbers, min_size=3, max_size=3))
+def test_no_sample_of_the_face_is_closer(kind, noise, point):
+    count = len(REFERENCE[kind])
+    nodes = flat(kind) + 0.1 * np.reshape(noise, (8, 3))[:count]
+    found = ct.project(kind, nodes, [point])
+    x, y = np.meshgrid(np.linspace(-1, 1, 41), np.linspace(-1, 1, 41))
+    if kind[0] == "T":
+        x, y = (1 + x) / 2, (1 + y) / 2
+        inside = x + y <= 1
+        x, y = x[inside], y[inside]
+    face = sum(n[..., None] * node for n, node in zip(map(np.asarray, shape(kind, x, y)), nodes))
+    assert found.distance[0] <= np.linalg.norm(face - point, axis=-1).min() + 1e-14
+    assert found.distance[0] == pytest.approx(np.linalg.norm(found.point[0] - point), abs=1e-15)
+
+
+def test_arrays_of_other_kinds_are_taken_when_no_digit_is_lost():
+    nodes, points = flat("Q8"), np.random.default_rng(3).uniform(-1, 1, (7, 3))
+    want = ct.project("Q8", nodes, points)
+    short = ct.project("Q8", nodes.astype(np.float32), np.asfortranarray(points))
+    np.testing.assert_array_equal(short.xi, want.xi)
+    stepped = np.repeat(points, 2, axis=0)[::2]
+    np.testing.assert_array_equal(ct.project("Q8", nodes.tolist(), stepped).distance, want.distance)
+    np.testing.assert_array_equal(ct.project("Q8", nodes.astype(int), points).distance, want.distance)
+
+
+def test_start_for_one_and_for_all():
+    nodes, points = flat("Q4"), np.array([[0.5, 0.5, 1], [-0.5, 0.25, 1]])
+    for start in ([0, 0], points[:, :2], points[:, :2].astype(np.float32)):
+        found = ct.project("Q4", nodes, points, method="newton", start=start)
+        np.testing.assert_allclose(found.xi, points[:, :2], atol=1e-14)
+    cold, warm = ct.project("Q4", nodes, points), ct.project("Q4", nodes, points, start=points[:, :2])
+    assert (warm.evaluations <= cold.evaluations).all()
+
+
+def test_no_points_give_empty_arrays():
+    found = ct.project("T6", flat("T6"), np.zeros((0, 3)), start=np.zeros((0, 2)))
+    assert found.xi.shape == (0, 2) and found.point.shape == (0, 3) and found.where.shape == (0,)
+
+
+@pytest.mark.parametrize("method", ["robust", "newton", "simplex"])
+def test_numbers_that_are_not_finite_are_reported_for_each_point(method):
+    points = np.array([[0, 0, 1.0], [np.nan, 0, 1], [np.inf, 0, 1]])
+    found = ct.project("Q4", flat("Q4"), points, method=method)
+    assert list(found.status[1:]) == [Status.INVALID] * 2 and found.status[0] != Status.INVALID
+    for name in ("xi", "point", "distance", "signed_distance"):
+        assert np.isnan(getattr(found, name)[1:]).all() and np.isfinite(getattr(found, name)[0]).all()
+    nodes = flat("Q4")
+    nodes[3, 1] = np.nan
+    assert (ct.project("Q4", nodes, points, method=method).status == Status.INVALID).all()
+    assert ct.project("Q4", np.ones((4, 3)), points[:1], method=method).status[0] == Status.INVALID
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "words"),
+    [
+        (dict(kind="Q5"), ValueError, "kind must be one of Q4, Q8, T3, T6"),
+        (dict(nodes=np.zeros((8, 3))), ValueError, r"nodes of a Q4 face must have shape \(4, 3\)"),
+        (dict(points=np.zeros(3)), ValueError, r"points must have shape \(m, 3\)"),
+        (dict(points=np.zeros((2, 2))), ValueError, "points must have shape"),
+        (dict(points=[[1j, 0, 0]]), TypeError, "points must be real"),
+        (dict(nodes=[["a"] * 3] * 4), TypeError, "nodes must be real"),
+        (dict(method="secant"), ValueError, "method must be one of simplex"),
+        (dict(tolerance=0), ValueError, "tolerance must be positive"),
+        (dict(tolerance=float("nan")), ValueError, "tolerance must be positive"),
+        (dict(start=[0, 0, 0]), ValueError, "start must have shape"),
+        (dict(start=[0, np.nan]), ValueError, "start must be finite"),
+    ],
+)
+def test_impossible_arguments_are_named(arguments, error, words):
+    given_ = dict(kind="Q4", nodes=flat("Q4"), points=np.zeros((1, 3))) | arguments
+    with pytest.raises(error, match=words):
+        ct.project(**given_)
+
+
+def test_node_order_and_shape_functions_are_those_of_vtk():
+    vtk = pytest.importorskip("vtk")
+    from libcontact._core import ffi, lib
+
+    cases = [(vtk.vtkHexahedron, "CT_HEX8"), (vtk.vtkQuadraticHexahedron, "CT_HEX20")]
+    for make, kind in cases:
+        cell, kind = make(), getattr(lib, kind)
+        count = lib.ct_brick_node_count(kind)
+        xi, N = ffi.new("double[3]"), ffi.new("double[20]")
+        corners = np.reshape([cell.GetParametricCoords()[i] for i in range(3 * count)], (count, 3))
+        for i in range(count):
+            lib.ct_brick_reference(kind, i, xi)
+            np.testing.assert_array_equal(list(xi), 2 * corners[i] - 1)
+        theirs, point = [0.0] * count, [0.3, 0.8, 0.45]
+        cell.InterpolateFunctions(point, theirs)
+        lib.ct_brick_shape(kind, [2 * p - 1 for p in point], N)
+        np.testing.assert_allclose(list(N)[:count], theirs, atol=1e-14)
+        for side in range(6):
+            nodes = ffi.new("int[8]")
+            lib.ct_brick_face(kind, side, nodes)
+            mine = {n for n in nodes if n >= 0}
+            assert mine in faces_of(cell, count)
+    for make, kind, half in [
+        (vtk.vtkQuad, "Q4", 2),
+        (vtk.vtkQuadraticQuad, "Q8", 2),
+        (vtk.vtkTriangle, "T3", 1),
+        (vtk.vtkQuadraticTriangle, "T6", 1),
+    ]:
+        cell, count = make(), len(REFERENCE[kind])
+        theirs, N, point = [0.0] * count, ffi.new("double[8]"), [0.3, 0.45, 0.0]
+        cell.InterpolateFunctions(point, theirs)
+        lib.ct_segment_shape(getattr(lib, "CT_" + kind), [half * p - (half - 1) for p in point[:2]], N)
+        np.testing.assert_allclose(list(N)[:count], theirs, atol=1e-14)
+
+
+def faces_of(cell, count):
+    """The node numbers of the sides of a VTK cell whose node i has the number i."""
+    for i in range(count):
+        cell.GetPointIds().SetId(i, i)
+    sides = []
+    for i in range(6):
+        side = cell.GetFace(i)
+        sides.append({side.GetPointId(j) for j in range(side.GetNumberOfPoints())})
+    return sides

@@ -1,0 +1,81 @@
+"""The extension ``libcontact._core``: its declarations are the public headers, read as they are.
+
+Plain ``pip install .`` compiles the core (libc and libm only). The Makefile links the archives that it has built instead, and the add-ons
+with them, by the variables LIBCONTACT_PREBUILT (folder of the archives), LIBCONTACT_ADDONS ("gsl hdf5"), LIBCONTACT_PACKAGES (their names for
+pkg-config) and LIBCONTACT_OPENMP (a flag or nothing).
+"""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import cffi
+
+LIBRARY = Path("libcontact")
+INCLUDE = LIBRARY / "include"
+ADDON_HEADERS = {"gsl": "contact/exact_series.h", "hdf5": "contact/output.h"}
+FLAGS = ["-O3", "-std=c99", "-ffp-contract=off", "-fvisibility=hidden", "-fopenmp-simd"]
+
+
+def included(header):
+    """The headers of the library that a header includes, in order."""
+    return re.findall(r"^#include <(contact/\w+\.h)>", (INCLUDE / header).read_text(encoding="utf-8"), re.M)
+
+
+def in_order(headers):
+    """All headers, each after those that it includes."""
+    found = []
+
+    def visit(header):
+        if header not in found:
+            for other in included(header):
+                visit(other)
+            found.append(header)
+
+    for header in headers:
+        visit(header)
+    return found
+
+
+def declarations(header):
+    """The text of a header without comments, preprocessor lines, C++ blocks and the export word."""
+    text = (INCLUDE / header).read_text(encoding="utf-8")
+    text = re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.S)
+    text = re.sub(r"^#ifdef __cplusplus.*?^#endif", "", text, flags=re.S | re.M)
+    text = re.sub(r"^#.*$", "", text, flags=re.M)
+    return text.replace("CT_API ", "")
+
+
+def pkg_config(option, packages):
+    return subprocess.run(["pkg-config", option, *packages], check=True, capture_output=True, text=True).stdout.split() if packages else []
+
+
+addons = os.environ.get("LIBCONTACT_ADDONS", "").split()
+packages = os.environ.get("LIBCONTACT_PACKAGES", "").split()
+openmp = os.environ.get("LIBCONTACT_OPENMP", "").split()
+prebuilt = os.environ.get("LIBCONTACT_PREBUILT")
+headers = in_order(included("contact.h") + [ADDON_HEADERS[name] for name in addons])
+
+if prebuilt:
+    names = [f"libcontact-{name}.a" for name in addons] + ["libcontact.a"]
+    sources, objects = [], [str(Path(prebuilt) / name) for name in names]
+else:
+    addons = []
+    headers = in_order(included("contact.h"))
+    sources = sorted(str(path) for path in (LIBRARY / "src").rglob("*.c") if path.parent.name not in ADDON_HEADERS)
+    objects = []
+
+ffi = cffi.FFI()
+ffi.cdef("\n".join(map(declarations, headers)))
+ffi.set_source(
+    "libcontact._core",
+    "\n".join(f"#include <{header}>" for header in ["contact.h", *(ADDON_HEADERS[name] for name in addons)]),
+    sources=sources,
+    include_dirs=[str(INCLUDE)],
+    extra_objects=objects,
+    extra_compile_args=[] if sys.platform == "win32" else FLAGS + pkg_config("--cflags", packages if prebuilt else []),
+    extra_link_args=openmp + pkg_config("--libs", packages if prebuilt else []),
+    libraries=["m"] if sys.platform != "win32" else [],
+)

@@ -1,0 +1,69 @@
+"""Errors of the C library as exceptions: the class says what kind, the text is C's, and body, element and point say where."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ._core import ffi, lib
+
+
+class Error(Exception):
+    """An error of the library. ``code`` is C's status; ``body``, ``element``, ``point`` are numbers from 0, or None."""
+
+    def __init__(self, text: str, code: int | None = None, body: int | None = None, element: int | None = None, point: int | None = None):
+        super().__init__(text)
+        self.code, self.body, self.element, self.point = code, body, element, point
+
+
+class ArgumentError(Error, ValueError):
+    """An argument is impossible: out of range, unknown, not finite."""
+
+
+class GeometryError(Error, ValueError):
+    """An element or a face is inverted or collapsed."""
+
+
+class StepError(Error, ValueError):
+    """The time step is above the stable one."""
+
+
+class NotBuiltIn(Error, NotImplementedError):
+    """Known, but not in this build or not for this case."""
+
+
+class FileError(Error, OSError):
+    """A file can't be opened, written or read."""
+
+
+class BlowupError(Error, ArithmeticError):
+    """The state stopped being finite in mid-run."""
+
+
+CLASSES = {
+    lib.CT_INVALID: ArgumentError,
+    lib.CT_ERROR_ARGUMENT: ArgumentError,
+    lib.CT_ERROR_GEOMETRY: GeometryError,
+    lib.CT_ERROR_STEP: StepError,
+    lib.CT_ERROR_UNSUPPORTED: NotBuiltIn,
+    lib.CT_ERROR_FILE: FileError,
+    lib.CT_ERROR_BLOWUP: BlowupError,
+}
+
+
+def new_error() -> Any:
+    """A ``ct_error *`` for one call."""
+    error = ffi.new("ct_error *")
+    error.body = error.element = error.point = -1
+    return error
+
+
+def check(status: int, error: Any = None) -> None:
+    """Raise what a status other than CT_OK says, with the detail in ``error`` (a ``ct_error *``) where there is one."""
+    if status == lib.CT_OK:
+        return
+    text = ffi.string(error.text).decode(errors="replace") if error is not None else ""
+    text = text or ffi.string(lib.ct_status_name(status)).decode()
+    if status == lib.CT_ERROR_MEMORY:
+        raise MemoryError(text)
+    place = [] if error is None else [None if i < 0 else int(i) for i in (error.body, error.element, error.point)]
+    raise CLASSES.get(status, Error)(text, int(status), *place)

@@ -1,0 +1,187 @@
+"""What a scene will compute, what it will not, and why, as text and as data."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from .parts import DEFAULT_BETA, Contact
+from .problem import BuiltBody, BuiltContact, Problem, memory_estimate, speeds
+from .units import Units
+
+# Effects of the library, with what a scene that leaves them out goes without.
+EFFECTS = {
+    "solid": "internal forces of the bodies (every scene has them)",
+    "contact": "no [[contact]]: bodies pass through each other",
+    "support": "no [[support]]: nothing holds the bodies",
+}
+ASSUMPTIONS = (
+    "small strains and rotations, linear isotropic elasticity",
+    "contact without friction; penalty, so surfaces overlap by pressure / epsilon",
+    "no damping and no artificial viscosity: the ringing behind a steep front is the mesh's own",
+)
+SLOW, FAST = 100.0, 20000.0
+
+
+class Explanation(str):
+    """The text of ``Scene.explain``, with the same facts as a dictionary in ``data``."""
+
+    data: dict[str, Any]
+
+
+def explain(problem: Problem, every: int, records: int) -> Explanation:
+    """Explain a built problem that is recorded at ``records`` steps (about every ``every`` steps)."""
+    data = _facts(problem)
+    data["output"] = {"file": problem.parts.output.file, "fields": list(problem.parts.output.fields), "every": every, "records": records}
+    text = Explanation("\n".join(_lines(data, problem.parts.units)))
+    text.data = data
+    return text
+
+
+def _facts(problem: Problem) -> dict[str, Any]:
+    parts = problem.parts
+    used = list(dict.fromkeys(problem.effects))
+    bodies = [_body(problem, body) for body in problem.bodies.values()]
+    return {
+        "title": parts.title,
+        "file": problem.file,
+        "units": {"length": parts.units.length, "mass": parts.units.mass, "time": parts.units.time,
+                  "stress": parts.units.label("stress"), "energy": parts.units.label("energy")},
+        "bodies": bodies,
+        "effects": used,
+        "left_out": {name: why for name, why in EFFECTS.items() if name not in used},
+        "assumptions": list(ASSUMPTIONS),
+        "contacts": [_contact(built, given) for built, given in zip(problem.contacts, parts.contacts)],
+        "supports": [{"set": f"{s.body}.{s.face}", "fix": list(s.fix), "velocity": list(s.velocity)} for s in parts.supports],
+        "time": _time(problem),
+        "cost": {
+            "memory_bytes": sum(memory_estimate(b["nodes"], b["elements"], 8 if b["element"] == "hex8" else 20) for b in bodies),
+            "flops_per_step": sum(b["elements"] * b["flops_per_update"] for b in bodies),
+            "bytes_per_step": sum(b["elements"] * b["bytes_per_update"] for b in bodies),
+            "updates": problem.step_count * sum(b["elements"] for b in bodies),
+            "threads": problem.threads,
+        },
+        "warnings": [warning for body in bodies for warning in body["warnings"]],
+    }
+
+
+def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
+    given = problem.parts.bodies[body.name]
+    c1, c2 = speeds(body.material)
+    si = c1 * problem.parts.units.factor("velocity")
+    lumping = given.lumping or ("row_sum" if body.mesh.element == "hex8" else "hrz")
+    warnings = []
+    if not SLOW <= si <= FAST:
+        warnings.append(f'material "{body.material.name}": c1 = {si:.4g} m/s is outside {SLOW:g} ... {FAST:g} m/s; '
+                        "are young, density and [units] consistent?")
+    return {
+        "name": body.name, "material": body.material.name, "element": body.mesh.element,
+        "nodes": len(body.mesh.nodes), "elements": len(body.mesh.elements),
+        "kernel": body.kernel, "kernel_why": _why(given.kernel, body), "lumping": lumping,
+        "c1": c1, "c2": c2, "c1_si": si, "shortest_edge": body.mesh.shortest_edge,
+        "flops_per_update": body.flops, "bytes_per_update": body.bytes, "warnings": warnings,
+    }
+
+
+def _why(asked: str, body: BuiltBody) -> str:
+    if asked != "auto":
+        return "asked for"
+    if body.kernel == "box":
+        return "all elements are equal boxes along x, y, z: integrals in closed form"
+    if body.mesh.element == "hex20":
+        return "hex20: 3x3x3 Gauss points"
+    return "elements are not equal boxes along x, y, z: 2x2x2 Gauss points"
+
+
+def _contact(built: BuiltContact, given: Contact) -> dict[str, Any]:
+    return {
+        "surfaces": list(built.surfaces), "faces": list(built.faces), "gauss_points": list(built.points),
+        "epsilon": built.epsilon, "beta": given.beta, "penalty_is_default": not given.penalty_given,
+        "method": given.method, "tolerance": given.tolerance, "depth": given.depth,
+    }
+
+
+def _time(problem: Problem) -> dict[str, Any]:
+    stable, (asked, value) = problem.stable, problem.parts.time.step
+    by_contact = stable.dt < 0.999 * stable.dt_without_contact
+    return {
+        "integrator": problem.parts.time.integrator, "end": problem.end, "asked": {asked: value},
+        "dt": problem.dt, "steps": problem.step_count,
+        "stable": stable.dt, "stable_without_contact": stable.dt_without_contact, "dt_courant": stable.dt_courant,
+        "courant": problem.dt / stable.dt_courant if stable.dt_courant > 0.0 else math.inf, "fraction": problem.dt / stable.dt,
+        "limited_by": "elements and contact together" if by_contact else "elements",
+    }
+
+
+def _lines(data: dict[str, Any], units: Units) -> list[str]:
+    out = [data["title"] or "(no title)"]
+    if data["file"]:
+        out.append(f"  scene {data['file']}")
+    out.append(f"  units {units.length}, {units.mass}, {units.time}: stress in {units.label('stress')}, energy in {units.label('energy')}")
+    out += ["", "Bodies"]
+    for body in data["bodies"]:
+        out += _body_lines(body, units)
+    out += ["", "Effects that are computed: " + ", ".join(data["effects"])]
+    for contact in data["contacts"]:
+        out += _contact_lines(contact, units)
+    for support in data["supports"]:
+        moving = f" at the velocity {support['velocity']} {units.label('velocity')}" if any(support["velocity"]) else ""
+        out.append(f"  support {support['set']}: {', '.join(support['fix'])} held{moving}")
+    out += ["", "What is not computed"]
+    out += [f"  {name}: {why}" for name, why in data["left_out"].items()]
+    out += [f"  assumed: {assumption}" for assumption in data["assumptions"]]
+    out += ["", "Time"] + _time_lines(data["time"], units)
+    out += ["", "Output"] + _output_lines(data["output"])
+    out += ["", "Cost"] + _cost_lines(data["cost"])
+    if data["warnings"]:
+        out += ["", "Warnings"] + [f"  {warning}" for warning in data["warnings"]]
+    return out
+
+
+def _body_lines(body: dict[str, Any], units: Units) -> list[str]:
+    speed = units.label("velocity")
+    return [
+        f"  {body['name']}: {body['elements']} {body['element']}, {body['nodes']} nodes, material {body['material']}, "
+        + f"shortest edge {body['shortest_edge']:.6g} {units.length}",
+        f"    waves: c1 = {body['c1']:.6g} {speed} ({body['c1_si']:.5g} m/s), c2 = {body['c2']:.6g} {speed}",
+        f"    kernel {body['kernel']} ({body['kernel_why']}), mass lumped by {body['lumping']}",
+    ]
+
+
+def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
+    a, b = contact["surfaces"]
+    if contact["penalty_is_default"]:
+        origin = f"beta = {DEFAULT_BETA:g}, the default"
+    else:
+        origin = f"beta = {contact['beta']:g}" if contact["beta"] is not None else "given"
+    return [
+        f"  contact {a} with {b}: {contact['faces'][0]} and {contact['faces'][1]} faces, each side slave and master once, "
+        + f"{sum(contact['gauss_points'])} Gauss points",
+        f"    penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin}), closest points by {contact['method']}",
+    ]
+
+
+def _time_lines(time: dict[str, Any], units: Units) -> list[str]:
+    (asked, value), = time["asked"].items()
+    t = units.time
+    return [
+        f"  {time['integrator']} to t = {time['end']:.6g} {t} in {time['steps']} steps of {time['dt']:.6g} {t} "
+        + f"(asked: {asked} = {value:g})",
+        f"  stable step {time['stable']:.6g} {t} with contact, {time['stable_without_contact']:.6g} {t} without; "
+        + f"limited by {time['limited_by']}",
+        f"  Courant number c1 dt / h = {time['courant']:.4g}, fraction of the stable step = {time['fraction']:.4g}",
+    ]
+
+
+def _output_lines(output: dict[str, Any]) -> list[str]:
+    file = f"to {output['file']}" if output["file"] else "in memory only (no file named)"
+    fields = ", ".join(output["fields"]) if output["fields"] and output["file"] else "the ledger"
+    return [f"  {output['records']} records of {fields} {file}"]
+
+
+def _cost_lines(cost: dict[str, Any]) -> list[str]:
+    return [
+        f"  {cost['updates']:.4g} element updates; about {cost['flops_per_step']:.3g} flops and {cost['bytes_per_step']:.3g} bytes a step "
+        + "in the elements",
+        f"  memory about {cost['memory_bytes'] / 1e6:.3g} MB, threads {cost['threads']}",
+    ]

@@ -1,0 +1,301 @@
+"""The time loop of a run: chunks of C steps, records, progress, Ctrl-C, and what happens when something fails."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import signal
+import sys
+import threading
+import time as clock
+import warnings
+from pathlib import Path
+from typing import Any
+from collections.abc import Iterator
+
+import numpy as np
+
+from ._core import ffi, lib
+from .errors import NotBuiltIn, check, new_error
+from .mesh import view
+from .problem import Problem
+from .run import ENERGY, MOMENTUM, BodyState, Run, RunError, State
+from .schema import SceneError, is_number
+
+DEFAULT_RECORDS = 100
+CHUNK_SECONDS = 0.1
+# The same rows with the padding of the C struct.
+C_MOMENTUM = np.dtype(MOMENTUM.descr, align=True)
+
+
+class OutputWarning(UserWarning):
+    """A run goes on without something that was asked for, for example a file in a build without HDF5."""
+
+
+def schedule(problem: Problem) -> tuple[int, list[int] | None]:
+    """Recording interval in steps, and the steps of ``times`` (nearest to each) when the scene names times."""
+    output = problem.parts.output
+    if output.times is not None:
+        return problem.step_count, sorted({_step_of(t, problem) for t in output.times})
+    return output.every or max(1, math.ceil(problem.step_count / DEFAULT_RECORDS)), None
+
+
+def record_count(problem: Problem) -> int:
+    """Number of records of the whole run, the first and the last state included."""
+    every, steps = schedule(problem)
+    if steps is not None:
+        return len({0, problem.step_count, *steps})
+    return -(-problem.step_count // every) + 1
+
+
+def _step_of(t: float, problem: Problem) -> int:
+    step = t / problem.dt
+    if not step <= problem.step_count + 0.5:
+        raise SceneError(f"{t:g} is after the end of the run, {problem.end:g}", "output.times", problem.file)
+    return round(step)
+
+
+def last_step(problem: Problem, until: Any) -> int:
+    """The first step that is not before ``until`` (None: the end)."""
+    if until is None:
+        return problem.step_count
+    if not is_number(until) or not until > 0.0:
+        raise SceneError(f"is {until!r}; it must be a time above 0", "until", problem.file)
+    if until > problem.end * (1.0 + 1e-12):
+        raise SceneError(f"{until:g} is after the end of the run, {problem.end:g}", "until", problem.file)
+    return min(max(math.ceil(until / problem.dt * (1.0 - 1e-12)), 1), problem.step_count)
+
+
+class Loop:
+    """One run of a problem, from its first record to its last."""
+
+    def __init__(self, problem: Problem, scene_text: str):
+        self.problem, self.scene_text = problem, scene_text
+        self.state = self._new_state()
+        self.good: Any = None
+        self.output: Any = None
+        self.path: Path | None = None
+        self.steps: list[int] = []
+        self.energy: list[np.ndarray] = []
+        self.momentum: list[np.ndarray] = []
+        self.interrupted = False
+        self.seconds = 0.0
+
+    def _new_state(self) -> Any:
+        out, error = ffi.new("ct_state **"), new_error()
+        check(lib.ct_state_create(self.problem.pointer, out, error), error)
+        # Freeing a state asks the problem's effects, so the state keeps the problem alive.
+        return ffi.gc(out[0], lambda state, free=lib.ct_state_free, problem=self.problem: free(state))
+
+    # What is written.
+
+    def restart(self, path: str | Path) -> None:
+        """Continue from the newest restart record of a file."""
+        if not hasattr(lib, "ct_output_restart"):
+            raise NotBuiltIn("this build has no HDF5, so it can't read a restart")
+        error = new_error()
+        if lib.ct_output_restart(os.fsencode(path), self.problem.pointer, self.state, error) != lib.CT_OK:
+            raise SceneError(_text(error), "restart", self.problem.file)
+
+    def open(self, path: str | Path) -> None:
+        """Create the results file; without HDF5 say so and go on in memory."""
+        if not hasattr(lib, "ct_output_create"):
+            warnings.warn(OutputWarning(f'this build has no HDF5: "{path}" is not written, the results stay in memory'), stacklevel=4)
+            return
+        fields = self.problem.parts.output.fields
+        text = ffi.new("char[]", self.scene_text.encode())
+        options = ffi.new("ct_output_options *", {name: name in fields for name in ("displacement", "velocity", "stress")})
+        options.scene = text
+        out, error = ffi.new("ct_output **"), new_error()
+        if lib.ct_output_create(os.fsencode(path), self.problem.pointer, options, out, error) != lib.CT_OK:
+            raise SceneError(_text(error), "output.file", self.problem.file)
+        self.output, self.path = out[0], Path(path).absolute()
+
+    def close(self) -> None:
+        if self.output is None:
+            return
+        output, self.output = self.output, None
+        error = new_error()
+        if lib.ct_output_close(output, error) != lib.CT_OK:
+            raise RunError(_text(error))
+
+    def abandon(self) -> None:
+        """Close the file after a failure; what was written before stays readable."""
+        with contextlib.suppress(RunError):
+            self.close()
+
+    def record(self) -> None:
+        """One row of each table, and one step of the file."""
+        energy, momentum = ffi.new("ct_energy *"), ffi.new("ct_momentum *")
+        problem = self.problem.pointer
+        self._call(lib.ct_energy_of, problem, self.state, energy)
+        rows = []
+        for body in range(len(self.problem.bodies)):
+            self._call(lib.ct_momentum_of, problem, self.state, body, momentum)
+            rows.append(np.frombuffer(ffi.buffer(momentum), C_MOMENTUM).astype(MOMENTUM))
+        energies = np.frombuffer(ffi.buffer(energy), ENERGY).copy()
+        if not np.isfinite(energies.view(np.float64)).all():
+            raise RunError(f"the energy stopped being finite by t = {self.state.time:g} (step {self.state.step})")
+        if self.output is not None:
+            self._call(lib.ct_output_append, self.output, problem, self.state)
+        else:
+            self.good = self.good or self._new_state()
+            self._call(lib.ct_state_copy, problem, self.state, self.good)
+        self.energy.append(energies)
+        self.momentum += rows
+        self.steps.append(self.state.step)
+
+    # The loop.
+
+    def run(self, until: Any, progress: Any) -> None:
+        """Step to the end (or ``until``), recording as the scene says."""
+        last = last_step(self.problem, until)
+        if self.state.step > last:
+            raise SceneError(f"the restart stands at step {self.state.step}, after the last step {last}", "restart", self.problem.file)
+        begin = clock.perf_counter()
+        with _progress(progress, self.state.step, last) as tell, _ctrl_c() as stop:
+            self.record()
+            while self.state.step < last and not stop:
+                self._advance(min(self._next_record(), last), tell, stop)
+                if self.state.step > self.steps[-1]:
+                    self.record()
+        self.interrupted = bool(stop) and self.state.step < last
+        self.seconds = clock.perf_counter() - begin
+
+    def _next_record(self) -> int:
+        every, steps = schedule(self.problem)
+        now = self.state.step
+        if steps is not None:
+            return next((step for step in steps if step > now), self.problem.step_count)
+        return (now // every + 1) * every
+
+    def _advance(self, target: int, tell: Any, stop: list) -> None:
+        """Steps to ``target`` in chunks of about a tenth of a second, so that Ctrl-C and the progress bar get their turn."""
+        chunk = 1
+        while self.state.step < target and not stop:
+            count = min(chunk, target - self.state.step)
+            begin = clock.perf_counter()
+            self._call(lib.ct_step_many, self.problem.pointer, self.state, count)
+            took = clock.perf_counter() - begin
+            tell(count)
+            chunk = int(min(max(chunk * 2, 1) if took < CHUNK_SECONDS / 2 else max(1, count * CHUNK_SECONDS / took), 10**6))
+
+    def _call(self, function: Any, *arguments: Any) -> None:
+        """Call the C library in the middle of a run; what it refuses is a RunError with the body's name."""
+        error = new_error()
+        if function(*arguments, error) != lib.CT_OK:
+            names = list(self.problem.bodies)
+            text = _text(error)
+            named = 0 <= error.body < len(names) and names[error.body] not in text
+            raise RunError(f'body "{names[error.body]}": {text}' if named else text)
+
+    # What comes out.
+
+    def result(self, failed: bool = False) -> Run:
+        """The run so far; after a failure with the last state that was recorded."""
+        problem = self.problem
+        state = self._last_good() if failed else self._state(self.state)
+        return Run(
+            bodies=list(problem.bodies), units=problem.parts.units, steps=self.steps,
+            energy=np.concatenate(self.energy or [np.empty(0, ENERGY)]), momentum=np.concatenate(self.momentum or [np.empty(0, MOMENTUM)]),
+            state=state, path=self.path, scene=self.scene_text, interrupted=self.interrupted, seconds=self.seconds,
+            writer=None if failed else self._write)
+
+    def _last_good(self) -> State | None:
+        if self.good is not None and self.steps:
+            return self._state(self.good)
+        if self.path is not None and self.path.exists():
+            with contextlib.suppress(ValueError, OSError):
+                return Run.load(self.path).state
+        return None
+
+    def _state(self, state: Any) -> State:
+        problem, error = self.problem, new_error()
+        velocity = np.empty((problem.pointer.node_count, 3))
+        check(lib.ct_state_velocity(problem.pointer, state, ffi.from_buffer("double[]", velocity), error), error)
+        velocity.flags.writeable = False
+        displacement = view(state.displacement, velocity.shape, np.float64, (state, problem))
+        bodies = {body.name: BodyState(body.name, body.mesh, body.material, displacement[body.nodes], velocity[body.nodes])
+                  for body in problem.bodies.values()}
+        return State(state.time, state.step, bodies)
+
+    def _write(self, run: Run, path: Path) -> None:
+        """Save a run that has no file: its last state through the C library, and all rows of its tables."""
+        if not hasattr(lib, "ct_output_create"):
+            raise NotBuiltIn("this build has no HDF5, so it can't save a run")
+        from .results import write_tables
+
+        try:
+            self.open(path)
+        except SceneError as error:
+            raise OSError(error.reason) from None
+        error = new_error()
+        written = lib.ct_output_append(self.output, self.problem.pointer, self.state, error)
+        output, self.output, self.path = self.output, None, None
+        closed = lib.ct_output_close(output, error if written == lib.CT_OK else new_error())
+        if written != lib.CT_OK or closed != lib.CT_OK:
+            raise OSError(_text(error))
+        write_tables(path, run.steps, run.energy, run.momentum)
+
+
+def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, until: Any, output: Any) -> Run:
+    """Run a problem. Errors of the input are SceneErrors, before the first step; what fails later is a RunError with the run so far."""
+    last_step(problem, until)
+    schedule(problem)
+    loop = Loop(problem, scene_text)
+    if restart is not None:
+        loop.restart(restart)
+    if output is not None:
+        loop.open(output)
+    try:
+        loop.run(until, progress)
+    except RunError as error:
+        loop.abandon()
+        error.run = loop.result(failed=True)
+        raise
+    except BaseException:
+        loop.abandon()
+        raise
+    try:
+        loop.close()
+    except RunError as error:
+        error.run = loop.result()
+        raise
+    return loop.result()
+
+
+def _text(error: Any) -> str:
+    return ffi.string(error.text).decode(errors="replace") or ffi.string(lib.ct_status_name(error.code)).decode()
+
+
+@contextlib.contextmanager
+def _progress(wanted: Any, start: int, last: int) -> Iterator[Any]:
+    """A progress bar on stderr. True: where stderr is a terminal; "always": everywhere; False: nowhere."""
+    if not wanted or (wanted != "always" and not sys.stderr.isatty()):
+        yield lambda count: None
+        return
+    from tqdm import tqdm
+
+    with tqdm(total=last, initial=start, unit=" steps", file=sys.stderr, dynamic_ncols=True) as bar:
+        yield bar.update
+
+
+@contextlib.contextmanager
+def _ctrl_c() -> Iterator[list]:
+    """A list that stops being empty at the first Ctrl-C; the second one interrupts as usual."""
+    stop: list = []
+
+    def handler(number: int, frame: Any) -> None:
+        if stop:
+            raise KeyboardInterrupt
+        stop.append(number)
+
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGINT) in (None, signal.SIG_IGN):
+        yield stop
+        return
+    before = signal.signal(signal.SIGINT, handler)
+    try:
+        yield stop
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,290 @@
+"""The parts of a scene as checked values: units, materials, bodies, contacts, supports, time, output."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .schema import SceneError, Table, describe, float_array, index_array, suggestion
+from .units import BASES, Units
+
+FACES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "outer")
+ELEMENTS = ("hex8", "hex20")
+LUMPINGS = ("row_sum", "hrz")
+KERNELS = ("auto", "general", "box")
+METHODS = ("robust", "newton", "simplex")
+FIELDS = ("displacement", "velocity", "stress")
+INTEGRATORS = ("central_difference",)
+DEFAULT_BETA = 4.0
+
+
+@dataclass(frozen=True)
+class Material:
+    name: str
+    young: float
+    poisson: float
+    density: float
+
+
+@dataclass(frozen=True)
+class Box:
+    origin: tuple[float, float, float]
+    size: tuple[float, float, float]
+    cells: tuple[int, int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A body; exactly one of ``box``, ``mesh`` (a file) and ``nodes`` with ``elements`` is given."""
+
+    name: str
+    material: str
+    element: str | None
+    velocity: tuple[float, float, float]
+    lumping: str | None
+    kernel: str
+    box: Box | None
+    mesh: str | None
+    nodes: np.ndarray | None
+    elements: np.ndarray | None
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A contact of two surfaces (body, face); exactly one of ``beta`` and ``epsilon`` is a number."""
+
+    surfaces: tuple[tuple[str, str], tuple[str, str]]
+    beta: float | None
+    epsilon: float | None
+    penalty_given: bool
+    method: str
+    tolerance: float | None
+    depth: float | None
+
+
+@dataclass(frozen=True)
+class Support:
+    body: str
+    face: str
+    fix: tuple[str, ...]
+    velocity: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Time:
+    """End and step of the run: ``end``, or ``end_over`` = (length, value) for end = value length / c₁; ``step`` = ("courant", 0.125)."""
+
+    end: float | None
+    end_over: tuple[float, float] | None
+    step: tuple[str, float]
+    integrator: str
+
+
+@dataclass(frozen=True)
+class Output:
+    file: str | None
+    fields: tuple[str, ...]
+    every: int | None
+    times: tuple[float, ...] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """A whole checked scene; ``time`` is None as long as a scene that is built in Python has none."""
+
+    title: str
+    units: Units
+    materials: dict[str, Material]
+    bodies: dict[str, Body]
+    contacts: tuple[Contact, ...]
+    supports: tuple[Support, ...]
+    time: Time | None
+    output: Output
+    threads: int
+
+
+def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
+    """Check the tables of a scene. ``whole`` also asks for what a scene that is still being built may lack: bodies and time."""
+    scene = Table(data, "", file)
+    title = scene.text("title", "")
+    units = _units(scene.table("units"))
+    materials = _named(scene.tables("material"), _material)
+    bodies = _named(scene.tables("body"), lambda table: _body(table, materials))
+    contacts = tuple(_contact(table, bodies) for table in scene.tables("contact"))
+    supports = tuple(_support(table, bodies) for table in scene.tables("support"))
+    table = scene.table("time", None) if not whole else scene.table("time")
+    time = _time(table) if table is not None else None
+    output = _output(scene.table("output", {}))
+    run = scene.table("run", {})
+    threads = run.integer("threads", 1, most=1024)
+    run.done()
+    scene.done()
+    if whole and not bodies:
+        raise SceneError("there is no [[body]]; a scene needs at least one", "body", file)
+    return Parts(title, units, materials, bodies, contacts, supports, time, output, threads)
+
+
+def _named(tables: list[Table], reader: Any) -> dict[str, Any]:
+    """Read an array of tables whose names must differ."""
+    out: dict[str, Any] = {}
+    for table in tables:
+        part = reader(table)
+        if part.name in out:
+            raise table.error("name", f'"{part.name}" is used twice')
+        out[part.name] = part
+    return out
+
+
+def _units(table: Table) -> Units:
+    chosen = {base: table.choice(base, names) for base, names in BASES.items()}
+    table.done()
+    return Units(**chosen)
+
+
+def _material(table: Table) -> Material:
+    material = Material(
+        name=table.name("name"),
+        young=table.number("young", above=0.0),
+        poisson=table.number("poisson", above=-1.0),
+        density=table.number("density", above=0.0),
+    )
+    if material.poisson >= 0.5:
+        raise table.error("poisson", f"is {material.poisson:g}; it must be below 0.5, where a material stops changing volume")
+    table.done()
+    return material
+
+
+def _body(table: Table, materials: dict[str, Material]) -> Body:
+    name = table.name("name")
+    material = table.text("material")
+    if material not in materials:
+        raise table.error("material", f'no material is named "{material}"' + suggestion(material, materials))
+    element = table.choice("element", ELEMENTS, None)
+    velocity = table.vector("velocity", (0.0, 0.0, 0.0))
+    lumping = table.choice("lumping", LUMPINGS, None)
+    kernel = table.choice("kernel", KERNELS, "auto")
+    shape = table.one_of("box", "mesh", "nodes")
+    box = _box(table.table("box")) if shape == "box" else None
+    mesh = table.text("mesh") if shape == "mesh" else None
+    nodes, elements = _arrays(table) if shape == "nodes" else (None, None)
+    if table.has("elements") and shape != "nodes":
+        raise table.error("elements", f'cannot stand beside "{shape}"; it belongs to "nodes"')
+    if elements is not None:
+        found = "hex8" if elements.shape[1] == 8 else "hex20"
+        if element not in (None, found):
+            raise table.error("element", f'is "{element}", but "elements" has {elements.shape[1]} nodes a row ({found})')
+        element = found
+    if box is not None and element is None:
+        element = "hex8"
+    if element == "hex20" and lumping == "row_sum":
+        raise table.error("lumping", '"row_sum" gives the corners of hex20 a negative mass; use "hrz"')
+    if element == "hex20" and kernel == "box":
+        raise table.error("kernel", '"box" is for hex8; hex20 has the kernel "general"')
+    table.done()
+    return Body(name, material, element, velocity, lumping, kernel, box, mesh, nodes, elements)
+
+
+def _box(table: Table) -> Box:
+    origin = table.vector("origin", (0.0, 0.0, 0.0))
+    size = table.vector("size", above=0.0)
+    cells = tuple(table.checked_integer(n, f"cells[{i}]", 1, 2**31 - 1) for i, n in enumerate(table.items("cells", 3)))
+    table.done()
+    return Box(origin, size, cells)
+
+
+def _arrays(table: Table) -> tuple[np.ndarray, np.ndarray]:
+    try:
+        nodes = float_array(table.get("nodes"), 3)
+    except ValueError as error:
+        raise table.error("nodes", str(error)) from None
+    try:
+        elements = index_array(table.get("elements"), (8, 20), len(nodes))
+    except SceneError:
+        raise
+    except ValueError as error:
+        raise table.error("elements", str(error)) from None
+    return nodes, elements
+
+
+def split_face(table: Table, key: str, value: Any, bodies: dict[str, Body]) -> tuple[str, str]:
+    """``"left.x_max"`` as (body, face), both of which must exist."""
+    if not isinstance(value, str):
+        raise table.error(key, f'is {describe(value)}; it must be a text such as "left.x_max"')
+    body, dot, face = value.rpartition(".")
+    if not dot:
+        raise table.error(key, f'"{value}" is no face; write body and face with a dot, such as "left.x_max"')
+    if body not in bodies:
+        raise table.error(key, f'"{value}": no body is named "{body}"' + suggestion(body, bodies))
+    if face not in FACES:
+        raise table.error(key, f'"{value}": body "{body}" has no face "{face}"' + suggestion(face, FACES))
+    return body, face
+
+
+def _contact(table: Table, bodies: dict[str, Body]) -> Contact:
+    surfaces = tuple(split_face(table, f"surfaces[{i}]", value, bodies) for i, value in enumerate(table.items("surfaces", 2)))
+    if surfaces[0] == surfaces[1]:
+        raise table.error("surfaces", f'"{".".join(surfaces[0])}" stands against itself; two different surfaces are needed')
+    given = table.one_of("beta", "epsilon", required=False)
+    contact = Contact(
+        surfaces=surfaces,
+        beta=table.number("beta", None if given else DEFAULT_BETA, above=0.0),
+        epsilon=table.number("epsilon", None, above=0.0),
+        penalty_given=given is not None,
+        method=table.choice("method", METHODS, "robust"),
+        tolerance=table.number("tolerance", None, above=0.0),
+        depth=table.number("depth", None, above=0.0),
+    )
+    table.done()
+    return contact
+
+
+def _support(table: Table, bodies: dict[str, Body]) -> Support:
+    body, face = split_face(table, "set", table.text("set"), bodies)
+    fix = table.items("fix")
+    if not fix:
+        raise table.error("fix", 'is empty; name at least one of "x", "y", "z"')
+    for i, axis in enumerate(fix):
+        if not isinstance(axis, str) or axis not in ("x", "y", "z"):
+            raise table.error(f"fix[{i}]", f'is {describe(axis)}; it must be "x", "y" or "z"')
+        if axis in fix[:i]:
+            raise table.error(f"fix[{i}]", f'"{axis}" is named twice')
+    velocity = table.vector("velocity", (0.0, 0.0, 0.0))
+    for i, axis in enumerate("xyz"):
+        if velocity[i] != 0.0 and axis not in fix:
+            raise table.error(f"velocity[{i}]", f'is {velocity[i]:g}, but "{axis}" is not in fix')
+    table.done()
+    return Support(body, face, tuple(fix), velocity)
+
+
+def _time(table: Table) -> Time:
+    which = table.one_of("end", "end_c1t_over")
+    end = table.number("end", above=0.0) if which == "end" else None
+    end_over = None
+    if which == "end_c1t_over":
+        over = table.table("end_c1t_over")
+        end_over = (over.number("length", above=0.0), over.number("value", above=0.0))
+        over.done()
+    step = table.one_of("courant", "fraction", "dt")
+    value = table.number(step, above=0.0)
+    integrator = table.choice("integrator", INTEGRATORS, INTEGRATORS[0])
+    table.done()
+    return Time(end, end_over, (step, value), integrator)
+
+
+def _output(table: Table) -> Output:
+    file = table.text("file", None)
+    if file == "" or (file is not None and "\0" in file):
+        raise table.error("file", "is no file name")
+    fields = table.items("fields", None, list(FIELDS))
+    for i, field in enumerate(fields):
+        if not isinstance(field, str) or field not in FIELDS:
+            raise table.error(f"fields[{i}]", f"{describe(field)} is no field" + suggestion(str(field), FIELDS))
+    which = table.one_of("every", "times", required=False)
+    every = table.integer("every", least=1, most=2**53) if which == "every" else None
+    times = None
+    if which == "times":
+        times = tuple(table.checked_number(t, f"times[{i}]", least=0.0) for i, t in enumerate(table.items("times")))
+    table.done()
+    return Output(file, tuple(dict.fromkeys(fields)), every, times)

@@ -1,0 +1,255 @@
+"""From a checked scene to the C library's problem: meshes, masses, effects, stable step."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import parts as scene_parts
+from ._core import ffi, lib
+from .errors import Error, new_error
+from .mesh import KINDS, WIDTH, Mesh, read_vtkhdf
+from .schema import SceneError, float_array, index_array
+
+LUMPING = {None: lib.CT_LUMP_DEFAULT, "row_sum": lib.CT_LUMP_ROW_SUM, "hrz": lib.CT_LUMP_HRZ}
+KERNEL = {"auto": lib.CT_KERNEL_AUTO, "general": lib.CT_KERNEL_GENERAL, "box": lib.CT_KERNEL_BOX}
+METHOD = {"robust": lib.CT_ROBUST, "newton": lib.CT_NEWTON, "simplex": lib.CT_SIMPLEX}
+MOST_STEPS = 10**12
+
+
+@dataclass(frozen=True, eq=False)
+class BuiltBody:
+    """A body of a built problem; its nodes are the rows ``nodes`` of the problem's arrays."""
+
+    name: str
+    mesh: Mesh
+    material: scene_parts.Material
+    nodes: slice
+    kernel: str
+    flops: float
+    bytes: float
+
+
+@dataclass(frozen=True)
+class BuiltContact:
+    surfaces: tuple[str, str]
+    faces: tuple[int, int]
+    points: tuple[int, int]
+    epsilon: float
+
+
+def speeds(material: scene_parts.Material) -> tuple[float, float]:
+    """Speeds c₁ and c₂ of a material's waves, in the units of the scene."""
+    c = ffi.new("double[2]")
+    lib.ct_material_speeds(c_material(material), c, c + 1)
+    return c[0], c[1]
+
+
+def c_material(material: scene_parts.Material) -> Any:
+    return ffi.new("ct_material *", {"young": material.young, "poisson": material.poisson, "density": material.density})
+
+
+def memory_estimate(nodes: int, elements: int, width: int) -> int:
+    """
+    Bytes that a run needs, about: 32 numbers a node (coordinates, masses, displacement, velocity, forces, ledger), and the
+    node numbers of the elements, twice, with the forces of their nodes on the way to the sum.
+    """
+    return nodes * 32 * 8 + elements * width * (2 * 4 + 3 * 8)
+
+
+class Problem:
+    """A built problem and all that keeps it alive. Everything that does not move during a run is here."""
+
+    def __init__(self, parts: scene_parts.Parts, file: str | None = None, threads: int | None = None):
+        self.parts, self.file = parts, file
+        self.threads = parts.threads if threads is None else threads
+        self._check_size()
+        out = ffi.new("ct_scene **")
+        self._call(lib.ct_scene_create, out, key="")
+        self._scene = ffi.gc(out[0], lib.ct_scene_free)
+        self._add_bodies()
+        self._faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contacts)]
+        for i, support in enumerate(parts.supports):
+            self._add_support(i, support)
+        self._build()
+        self.bodies = {name: self._built_body(i, name) for i, name in enumerate(parts.bodies)}
+        self.contacts = [self._built_contact(i, contact) for i, contact in enumerate(parts.contacts)]
+        self.effects = [ffi.string(self.pointer.effects[i].name).decode() for i in range(self.pointer.effect_count)]
+
+    @property
+    def dt(self) -> float:
+        return self.pointer.dt
+
+    @property
+    def end(self) -> float:
+        """The end of the run in the scene's units."""
+        time = self.parts.time
+        if time.end is not None:
+            return time.end
+        return time.end_over[0] * time.end_over[1] / self.fastest
+
+    @property
+    def fastest(self) -> float:
+        """The fastest c₁ of all bodies: the one that ``end_c1t_over`` means."""
+        return max(speeds(self.parts.materials[body.material])[0] for body in self.parts.bodies.values())
+
+    # Errors of the C library, as the scene's keys tell them.
+
+    def _call(self, function: Any, *arguments: Any, key: str, about: str = "") -> None:
+        error = new_error()
+        status = function(*arguments, error)
+        if status != lib.CT_OK:
+            raise self._refusal(status, error, key, about)
+
+    def _refusal(self, status: int, error: Any, key: str, about: str = "") -> SceneError:
+        text = ffi.string(error.text).decode(errors="replace") or ffi.string(lib.ct_status_name(status)).decode()
+        names = list(self.parts.bodies)
+        part = text.partition(":")[0].partition(" ")[0]
+        if not key and part in ("contact", "support", "time"):
+            key = part
+        elif not about and error.code == status and 0 <= error.body < len(names):
+            key = key or f"body[{error.body}]"
+            about = "" if names[error.body] in text else f'body "{names[error.body]}": '
+        return SceneError(about + text, key, self.file)
+
+    # The pieces.
+
+    def _check_size(self) -> None:
+        """Refuse boxes that this machine can't hold before their meshes are made."""
+        need = 0
+        for i, body in enumerate(self.parts.bodies.values()):
+            if body.box is not None:
+                x, y, z = body.box.cells
+                nodes = (x + 1) * (y + 1) * (z + 1) * (4 if body.element == "hex20" else 1)
+                need += memory_estimate(nodes, x * y * z, WIDTH[body.element])
+            if need > _physical_memory():
+                reason = f"the run needs about {need / 1e9:.3g} GB, this machine has {_physical_memory() / 1e9:.3g} GB"
+                raise SceneError(reason, f"body[{i}].box.cells", self.file)
+
+    def _mesh(self, i: int, body: scene_parts.Body) -> Mesh:
+        key = f"body[{i}]." + ("box" if body.box else "mesh" if body.mesh else "elements")
+        about = f'body "{body.name}": '
+        if body.box is not None:
+            box = body.box
+            return self._checked(lambda: Mesh.box(body.element, box.origin, box.size, box.cells), key, about)
+        nodes, elements = (body.nodes, body.elements) if body.mesh is None else self._read(i, body)
+        unused = np.flatnonzero(np.bincount(elements.ravel(), minlength=len(nodes)) == 0)
+        if unused.size:
+            raise SceneError(f"{about}node {unused[0]} belongs to no element, so it would have no mass", key, self.file)
+        return self._checked(lambda: Mesh.copy(nodes, elements), key, about)
+
+    def _read(self, i: int, body: scene_parts.Body) -> tuple[np.ndarray, np.ndarray]:
+        path = Path(self.file).parent / body.mesh if self.file else Path(body.mesh)
+        try:
+            nodes, elements = read_vtkhdf(path)
+            nodes = float_array(nodes, 3)
+            elements = index_array(elements, (8, 20), len(nodes))
+        except (Error, ValueError) as error:
+            raise SceneError(f'body "{body.name}": {error}', f"body[{i}].mesh", self.file) from None
+        found = "hex8" if elements.shape[1] == 8 else "hex20"
+        if body.element not in (None, found):
+            raise SceneError(f'is "{body.element}", but "{path}" holds {found}', f"body[{i}].element", self.file)
+        if found == "hex20" and (body.lumping == "row_sum" or body.kernel == "box"):
+            key = "lumping" if body.lumping == "row_sum" else "kernel"
+            raise SceneError(f'"{getattr(body, key)}" is for hex8, and "{path}" holds hex20', f"body[{i}].{key}", self.file)
+        return nodes, elements
+
+    def _checked(self, make: Any, key: str, about: str) -> Mesh:
+        try:
+            return make()
+        except (Error, ValueError, MemoryError, OverflowError) as error:
+            raise SceneError(f"{about}{error}", key, self.file) from None
+
+    def _add_bodies(self) -> None:
+        self._meshes = {}
+        number = ffi.new("int32_t *")
+        for i, body in enumerate(self.parts.bodies.values()):
+            mesh = self._mesh(i, body)
+            material = c_material(self.parts.materials[body.material])
+            c1 = speeds(self.parts.materials[body.material])[0]
+            if not (math.isfinite(c1) and c1 > 0.0):
+                raise SceneError(f'material "{body.material}" has the wave speed {c1:g}', f"body[{i}].material", self.file)
+            self._call(lib.ct_scene_add_body, self._scene, body.name.encode(), mesh.pointer, material, LUMPING[body.lumping],
+                       KERNEL[body.kernel], list(body.velocity), number, key=f"body[{i}]", about=f'body "{body.name}": ')
+            self._meshes[body.name] = mesh
+
+    def _add_contact(self, i: int, contact: scene_parts.Contact) -> list[np.ndarray]:
+        numbers = {name: n for n, name in enumerate(self.parts.bodies)}
+        faces = []
+        for j, (body, face) in enumerate(contact.surfaces):
+            faces.append(self._meshes[body].faces(face)[0])
+            if not len(faces[j]):
+                raise SceneError(f'"{body}.{face}" has no faces: no outer face of the body lies in that plane',
+                                 f"contact[{i}].surfaces[{j}]", self.file)
+        new = ffi.new("ct_scene_contact *", {"beta": contact.beta or 0.0, "options": lib.ct_contact_options_default()})
+        for side, (body, _), table in zip("ab", contact.surfaces, faces):
+            setattr(new, f"body_{side}", numbers[body])
+            setattr(new, f"face_count_{side}", len(table))
+            setattr(new, f"faces_{side}", ffi.from_buffer("int32_t[]", table))
+        new.options.epsilon = contact.epsilon or 0.0
+        new.options.method = METHOD[contact.method]
+        new.options.threads = self.threads
+        if contact.tolerance is not None:
+            new.options.tolerance = contact.tolerance
+        if contact.depth is not None:
+            new.options.depth = contact.depth
+        self._call(lib.ct_scene_add_contact, self._scene, new, key=f"contact[{i}]")
+        return faces
+
+    def _add_support(self, i: int, support: scene_parts.Support) -> None:
+        nodes = self._meshes[support.body].face_nodes(support.face)
+        if not nodes.size:
+            raise SceneError(f'"{support.body}.{support.face}" has no nodes', f"support[{i}].set", self.file)
+        new = ffi.new("ct_scene_support *", {
+            "body": list(self.parts.bodies).index(support.body), "nodes": ffi.from_buffer("int32_t[]", nodes),
+            "node_count": len(nodes), "fixed": [axis in support.fix for axis in "xyz"], "velocity": list(support.velocity)})
+        self._call(lib.ct_scene_add_support, self._scene, new, key=f"support[{i}]")
+
+    def _build(self) -> None:
+        name, value = self.parts.time.step
+        end = self.end
+        if not (math.isfinite(end) and end > 0.0):
+            raise SceneError(f"the end of the run is {end:g}", "time", self.file)
+        time = ffi.new("ct_scene_time *", {"end": end, name: value, "threads": self.threads})
+        problem, count, self.stable = ffi.new("const ct_problem **"), ffi.new("int64_t *"), ffi.new("ct_stable_step *")
+        error = new_error()
+        status = lib.ct_scene_build(self._scene, time, problem, count, self.stable, error)
+        if status != lib.CT_OK:
+            key = f"time.{name}" if status == lib.CT_ERROR_STEP else ""
+            raise self._refusal(status, error, key)
+        if not 1 <= count[0] <= MOST_STEPS:
+            raise SceneError(f"asks for {count[0]} steps; at most {MOST_STEPS:g} are taken", f"time.{name}", self.file)
+        self.pointer, self.step_count = problem[0], count[0]
+        self._meshes = {}
+
+    def _built_body(self, i: int, name: str) -> BuiltBody:
+        body = self.pointer.bodies[i]
+        kernel, cost = ffi.new("ct_solid_kernel *"), ffi.new("double[2]")
+        lib.ct_solid_block_plan(self.pointer.effects[0], i, kernel, cost, cost + 1)
+        chosen = next(word for word, value in KERNEL.items() if value == kernel[0])
+        rows = slice(body.first_node, body.first_node + body.mesh.node_count)
+        material = self.parts.materials[self.parts.bodies[name].material]
+        return BuiltBody(name, Mesh(body.mesh, self._scene), material, rows, chosen, cost[0], cost[1])
+
+    def _built_contact(self, i: int, contact: scene_parts.Contact) -> BuiltContact:
+        epsilon = ffi.new("double *")
+        lib.ct_scene_contact_epsilon(self._scene, i, epsilon)
+        rule = ffi.new("ct_rule *")
+        points = []
+        for (body, _), faces in zip(contact.surfaces, self._faces[i]):
+            lib.ct_rule_face(lib.ct_brick_face_kind(KINDS[self.bodies[body].mesh.element]), 0, rule)
+            points.append(len(faces) * rule.count)
+        names = tuple(".".join(surface) for surface in contact.surfaces)
+        return BuiltContact(names, tuple(len(faces) for faces in self._faces[i]), tuple(points), epsilon[0])
+
+
+def _physical_memory() -> float:
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, ValueError, OSError):
+        return math.inf

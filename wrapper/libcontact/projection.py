@@ -1,0 +1,162 @@
+"""The closest point of a face, for many points at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+
+from ._core import ffi, lib
+
+__all__ = ["Projection", "Status", "project"]
+
+
+class Status(IntEnum):
+    """How the search for one closest point ended; the same numbers as ``ct_status`` in C."""
+
+    OK = 0
+    NOT_CERTIFIED = 1
+    ITERATION_LIMIT = 2
+    NO_CONVERGENCE = 3
+    INVALID = 4
+
+
+@dataclass(frozen=True)
+class Projection:
+    """The closest points of m points; every array has a row a point, and NaN where the status is INVALID."""
+
+    #: Reference coordinates of the feet, shape (m, 2).
+    xi: np.ndarray
+    #: The feet, shape (m, 3).
+    point: np.ndarray
+    #: Distance of each point from its foot.
+    distance: np.ndarray
+    #: The distance, negative where the point lies against the normal y,1 x y,2.
+    signed_distance: np.ndarray
+    #: Numbers of :class:`Status`.
+    status: np.ndarray
+    #: Calls of f, with or without its gradient and Hessian.
+    evaluations: np.ndarray
+    #: "interior", "edge", "vertex" or "outside".
+    where: np.ndarray
+    #: True where a proof says that no point of the face is closer.
+    certified: np.ndarray
+
+
+_KINDS = {"Q4": lib.CT_Q4, "Q8": lib.CT_Q8, "T3": lib.CT_T3, "T6": lib.CT_T6}
+_WHERE = np.array(["interior", "edge", "vertex", "outside"])
+_FIELDS = {
+    "status": (np.int32, ()),
+    "where": (np.int32, ()),
+    "evaluations": (np.int32, ()),
+    "certified": (np.int32, ()),
+    "xi": (np.float64, (2,)),
+    "point": (np.float64, (3,)),
+    "distance": (np.float64, ()),
+    "signed_distance": (np.float64, ()),
+}
+_ROW = np.dtype(
+    {
+        "names": list(_FIELDS),
+        "formats": list(_FIELDS.values()),
+        "offsets": [ffi.offsetof("ct_projection", name) for name in _FIELDS],
+        "itemsize": ffi.sizeof("ct_projection"),
+    }
+)
+
+
+def project(
+    kind: str,
+    nodes: Any,
+    points: Any,
+    method: str = "robust",
+    tolerance: float = 1e-10,
+    start: Any = None,
+) -> Projection:
+    """Find the closest point of one face to each of m points.
+
+    :param kind: ``"Q4"``, ``"Q8"``, ``"T3"`` or ``"T6"``.
+    :param nodes: node coordinates, shape (n, 3), corners counter-clockwise and then mid-sides.
+    :param points: the points, shape (m, 3).
+    :param method: ``"robust"`` stays on the face; ``"simplex"`` and ``"newton"`` are unconstrained.
+    :param tolerance: bound on the error of xi in half-widths of the face.
+    :param start: where to begin, shape (2,) for all points or (m, 2); the method's own choice by default.
+    :raises TypeError: numbers that are not real.
+    :raises ValueError: a kind, method, shape, tolerance or start that is impossible.
+    :raises NotImplementedError: a method that this build does not have.
+    """
+    face = _face(kind, nodes)
+    points = _real("points", points)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ValueError(f"points must have shape (m, 3), not {points.shape}")
+    options = _options(method, tolerance)
+    first = ffi.NULL if start is None else ffi.from_buffer("double[]", _start(start, len(points)))
+    rows = np.zeros(len(points), _ROW)
+    code = lib.ct_project_points(
+        face,
+        len(points),
+        ffi.from_buffer("double[]", points),
+        options,
+        first,
+        ffi.cast("ct_projection *", ffi.from_buffer(rows)),
+    )
+    if code == lib.CT_ERROR_UNSUPPORTED:
+        raise NotImplementedError(f'method "{method}" is not in this build')
+    if code != lib.CT_OK:
+        raise ValueError(f"projection refused: {ffi.string(lib.ct_status_name(code)).decode()}")
+    return _result(rows)
+
+
+def _result(rows: np.ndarray) -> Projection:
+    """Copy the rows that C has written into one array a field."""
+    fields = {name: rows[name].copy() for name in _FIELDS}
+    fields["where"] = _WHERE[rows["where"]]
+    fields["certified"] = rows["certified"] != 0
+    return Projection(**fields)
+
+
+def _real(name: str, values: Any) -> np.ndarray:
+    """Values as a contiguous array of doubles, if no digit is lost on the way."""
+    array = np.asarray(values)
+    if array.size == 0:
+        return np.zeros(array.shape)
+    if array.dtype.kind not in "fiu" or not np.can_cast(array.dtype, np.float64, "safe"):
+        raise TypeError(f"{name} must be real numbers that fit double precision, not {array.dtype}")
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def _face(kind: str, nodes: Any) -> Any:
+    if not isinstance(kind, str) or kind not in _KINDS:
+        raise ValueError(f"kind must be one of {', '.join(_KINDS)}, not {kind!r}")
+    nodes = _real("nodes", nodes)
+    count = lib.ct_face_node_count(_KINDS[kind])
+    if nodes.shape != (count, 3):
+        raise ValueError(f"nodes of a {kind} face must have shape ({count}, 3), not {nodes.shape}")
+    face = ffi.new("ct_face *")
+    face.kind = _KINDS[kind]
+    ffi.memmove(face.node, nodes, nodes.nbytes)
+    return face
+
+
+def _options(method: str, tolerance: float) -> Any:
+    options = ffi.new("ct_project_options *", lib.ct_project_options_default())
+    chosen = ffi.new("ct_method *")
+    if not isinstance(method, str) or lib.ct_method_from_name(method.encode(), chosen) != lib.CT_OK:
+        known = [ffi.string(lib.ct_method_name(i)).decode() for i in range(lib.CT_CERTIFIED + 1)]
+        raise ValueError(f"method must be one of {', '.join(known)}, not {method!r}")
+    options.method = chosen[0]
+    options.tolerance = float(tolerance)
+    if not 0 < options.tolerance < float("inf"):
+        raise ValueError(f"tolerance must be positive and finite, not {tolerance!r}")
+    return options
+
+
+def _start(start: Any, count: int) -> np.ndarray:
+    start = _real("start", start)
+    if start.shape not in ((2,), (count, 2)):
+        raise ValueError(f"start must have shape (2,) or ({count}, 2), not {start.shape}")
+    if not np.isfinite(start).all():
+        raise ValueError("start must be finite")
+    return np.ascontiguousarray(np.broadcast_to(start, (count, 2)))

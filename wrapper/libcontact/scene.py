@@ -1,0 +1,227 @@
+"""Scenes: what a run computes. Read from TOML, given as a dictionary, or built step by step; then explained and run."""
+
+from __future__ import annotations
+
+import copy
+import os
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import parts as scene_parts
+from .errors import NotBuiltIn
+from .explain import Explanation, explain
+from .loop import execute, record_count, schedule
+from .problem import Problem
+from .run import Run
+from .schema import SceneError, describe
+
+# What may differ between a scene and the one whose run it continues.
+FREE_ON_RESTART = ("title", "output", "run", "units")
+
+
+class Scene:
+    """
+    A scene: units, materials, bodies, effects, time and output, with the keys of the scene file (docs: "The scene file").
+
+    >>> scene = Scene.load("plates.toml")                      # from a file
+    >>> scene = Scene({"units": {...}, "material": [...], ...})  # from the same tables in Python
+    >>> scene = Scene(title="...", units={"length": "mm", "mass": "t", "time": "s"})   # or piece by piece
+    >>> scene.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
+
+    Every piece is checked when it comes in; what is wrong is a SceneError with file, key and reason.
+    """
+
+    def __init__(self, data: dict[str, Any] | None = None, *, title: str | None = None, units: dict[str, str] | None = None,
+                 file: str | Path | None = None):
+        if data is not None and (title is not None or units is not None):
+            raise TypeError("give either the whole data or title and units")
+        self.file = None if file is None else str(file)
+        self._problem: Problem | None = None
+        whole = data is not None
+        if data is None:
+            data = {"title": title or "", "units": units}
+            if units is None:
+                raise SceneError("is missing; give length, mass and time", "units", self.file)
+        self._parts = scene_parts.read(data, self.file, whole)
+        self._data = _plain(data)
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """A copy of the scene's tables, to be changed at will and made into another ``Scene(data)``."""
+        return copy.deepcopy(self._data)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Scene:
+        """Read a scene file (TOML, UTF-8)."""
+        path = str(path)
+        try:
+            text = Path(path).read_bytes().decode("utf-8")
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+            raise SceneError(f"can't be read: {reason}", "", path) from None
+        try:
+            data = tomllib.loads(text)
+        except tomllib.TOMLDecodeError as error:
+            raise SceneError(f"is no TOML: {error}", "", path) from None
+        except (RecursionError, ValueError) as error:
+            raise SceneError(f"can't be understood: {error}", "", path) from None
+        return cls(data, file=path)
+
+    def save(self, path: str | Path) -> None:
+        """Write the scene as TOML; arrays of nodes and elements are written out, and paths of meshes count from the new folder."""
+        self._whole()
+        old, new = (Path(file).resolve().parent if file else Path.cwd() for file in (self.file, path))
+        data = self.data
+        for body in data["body"]:
+            if old != new and "mesh" in body and not Path(body["mesh"]).is_absolute():
+                body["mesh"] = os.path.relpath(old / body["mesh"], new)
+        Path(path).write_text(_toml(data), encoding="utf-8")
+
+    def toml(self, arrays: bool = True) -> str:
+        """The scene as TOML; without ``arrays`` nodes and elements are named only (the results file holds them anyway)."""
+        return _toml(self.data, arrays)
+
+    # Building step by step.
+
+    def add_material(self, name: str, *, young: float, poisson: float, density: float) -> Scene:
+        return self._add("material", name=name, young=young, poisson=poisson, density=density)
+
+    def add_body(self, name: str, *, material: str, box: Any = None, mesh: Any = None, nodes: Any = None, elements: Any = None,
+                 element: str | None = None, velocity: Any = None, lumping: str | None = None, kernel: str | None = None) -> Scene:
+        """Add a body: a ``box``, a ``mesh`` file, or ``nodes`` (n, 3) with ``elements`` (cells, 8 or 20); the arrays are copied."""
+        mesh = os.fspath(mesh) if isinstance(mesh, os.PathLike) else mesh
+        return self._add("body", name=name, box=box, mesh=mesh, nodes=nodes, elements=elements, element=element, material=material,
+                         velocity=velocity, lumping=lumping, kernel=kernel)
+
+    def add_contact(self, a: str, b: str, *, beta: float | None = None, epsilon: float | None = None, method: str | None = None,
+                    tolerance: float | None = None, depth: float | None = None) -> Scene:
+        """Add the contact of two surfaces such as ``"left.x_max"`` and ``"right.x_min"``; beta is 4 if no penalty is given."""
+        return self._add("contact", surfaces=[a, b], beta=beta, epsilon=epsilon, method=method, tolerance=tolerance, depth=depth)
+
+    def add_support(self, set: str, *, fix: Any, velocity: Any = None) -> Scene:
+        """Prescribe the velocity (0 by default) of the nodes of a face such as ``"right.z_min"``, in the directions ``fix``."""
+        return self._add("support", set=set, fix=list(fix) if isinstance(fix, (str, tuple)) else fix, velocity=velocity)
+
+    def set_time(self, *, end: float | None = None, end_c1t_over: Any = None, courant: float | None = None,
+                 fraction: float | None = None, dt: float | None = None, integrator: str | None = None) -> Scene:
+        """Give the end of the run and exactly one of ``courant``, ``fraction`` and ``dt``."""
+        return self._set("time", end=end, end_c1t_over=end_c1t_over, courant=courant, fraction=fraction, dt=dt, integrator=integrator)
+
+    def set_output(self, file: Any = None, *, fields: Any = None, every: int | None = None, times: Any = None) -> Scene:
+        """Name the results file, its fields, and when to record: ``every`` n steps, or at the steps nearest to ``times``."""
+        file = os.fspath(file) if isinstance(file, os.PathLike) else file
+        return self._set("output", file=file, fields=fields, every=every, times=times)
+
+    def _add(self, key: str, **entries: Any) -> Scene:
+        new = {name: value for name, value in entries.items() if value is not None}
+        return self._change({**self._data, key: [*self._data.get(key, []), new]})
+
+    def _set(self, key: str, **entries: Any) -> Scene:
+        return self._change({**self._data, key: {name: value for name, value in entries.items() if value is not None}})
+
+    def _change(self, data: dict[str, Any]) -> Scene:
+        self._parts = scene_parts.read(data, self.file, whole=False)
+        self._data = _plain(data)
+        self._problem = None
+        return self
+
+    # What a scene is for.
+
+    def explain(self) -> Explanation:
+        """What will be computed, what will not, and why: a text, with the same facts as a dictionary in its ``data``."""
+        problem = self._built(None)
+        return explain(problem, schedule(problem)[0], record_count(problem))
+
+    def run(self, progress: bool | str = True, restart: str | Path | None = None, until: float | None = None,
+            output: str | Path | bool | None = None, threads: int | None = None) -> Run:
+        """
+        Compute the scene.
+
+        ``progress`` shows a bar where stderr is a terminal ("always": everywhere). ``restart`` continues from the newest record
+        of a results file with the same bits. ``until`` ends earlier without changing the step. ``output`` names another file than the scene does;
+        False writes none. The first Ctrl-C ends the run after a last record, and the Run says ``interrupted``.
+        What is wrong with the input is a SceneError before the first step; what fails later is a RunError.
+        """
+        if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or not 1 <= threads <= 1024):
+            raise SceneError(f"is {describe(threads)}; it must be a whole number from 1 to 1024", "run.threads", self.file)
+        parts = self._whole()
+        path = parts.output.file if output is None else (output or None)
+        if path is not None:
+            self._check_output(path, restart)
+        if restart is not None:
+            self._check_restart(restart)
+        return execute(self._built(threads), self.toml(arrays=False), progress=progress, restart=restart, until=until, output=path)
+
+    def _whole(self) -> scene_parts.Parts:
+        """The parts of a scene that is complete; else the error that says what is missing."""
+        if self._parts.time is None or not self._parts.bodies:
+            self._parts = scene_parts.read(self._data, self.file)
+        return self._parts
+
+    def _built(self, threads: int | None) -> Problem:
+        """The C problem, kept as long as nothing changes."""
+        parts = self._whole()
+        wanted = parts.threads if threads is None else threads
+        if self._problem is None or self._problem.threads != wanted:
+            self._problem = Problem(parts, self.file, wanted)
+        return self._problem
+
+    def _check_output(self, path: Any, restart: Any) -> None:
+        """Refuse a results file that can't be written, before anything is computed."""
+        if not isinstance(path, (str, os.PathLike)):
+            raise SceneError(f"is {describe(path)}; it must be a path", "output.file", self.file)
+        path = Path(path)
+        folder = path.parent
+        reason = None
+        if not folder.is_dir():
+            reason = f'there is no folder "{folder}"'
+        elif path.is_dir():
+            reason = "is a folder"
+        elif not os.access(path if path.exists() else folder, os.W_OK):
+            reason = "permission denied"
+        elif restart is not None and path.exists() and Path(restart).exists() and path.samefile(restart):
+            reason = "is the file that the restart is read from; name another one, or its earlier records would be lost"
+        if reason:
+            raise SceneError(f'"{path}" can\'t be written: {reason}', "output.file", self.file)
+
+    def _check_restart(self, path: Any) -> None:
+        """Refuse to continue the run of another scene."""
+        try:
+            before = tomllib.loads(Run.load(path).scene)
+        except NotBuiltIn:
+            return  # without h5py the C library's own comparison of bodies, effects, step and nodes has to do
+        except (ValueError, TypeError) as error:
+            raise SceneError(str(error), "restart", self.file) from None
+        now = tomllib.loads(self.toml(arrays=False))
+        for key in dict.fromkeys([*before, *now]):
+            if key not in FREE_ON_RESTART and before.get(key) != now.get(key):
+                raise SceneError(f'"{path}" comes from another scene: [{key}] differs', "restart", self.file)
+
+    def __repr__(self) -> str:
+        return f"<Scene {self._parts.title!r}: {', '.join(self._parts.bodies) or 'no bodies yet'}>"
+
+
+def _toml(data: dict[str, Any], arrays: bool = True) -> str:
+    import tomli_w
+
+    for body in data.get("body", []):
+        for key in ("nodes", "elements"):
+            if key in body:
+                body[key] = body[key].tolist() if arrays else f"array of shape {body[key].shape}"
+    return tomli_w.dumps(data)
+
+
+def _plain(value: Any) -> Any:
+    """A deep copy in plain Python types (TOML's), with the arrays of nodes and elements kept as arrays of their own."""
+    if isinstance(value, dict):
+        return {str(key): np.array(item) if key in ("nodes", "elements") else _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    return str(value) if isinstance(value, str) else value
