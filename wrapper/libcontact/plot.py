@@ -98,4 +98,4 @@ def draw_energies(axes: Any, run: Run) -> None:
     time, energy = (f" [{run.units.time}]", f" [{run.units.label('energy')}]") if run.units else ("", "")
     axes.set(xlabel="t" + time, ylabel="energy" + energy)
     axes.grid(alpha=0.3)
-    axes.legend(ncols=5, fontsize="small")
+    axes.legend(ncols=5, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
