@@ -40,13 +40,14 @@ ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t k, 
   if (status != CT_OK) return status;
   const ct_effect *effect = problem->effects[k];
   const double *past = effect->reaction ? state->impulse + ct_state_impulse_start(problem, k) : state->work + ct_state_work_start(problem, k);
+  const double *force = ct_workspace_force_of(problem, state, k);
   double *terms = state->workspace->terms;
   for (int32_t i = 0; i < effect->node_count; i++) {
     const double *v = &state->velocity[3 * (int64_t)ct_effect_node(effect, i)];
     double t[3];
     // -- Δt / 2 (Σ f (v⁻ + v⁺) + f_n v_{n-1/2}); a reaction's velocity is constant (eq:work-balance)
     for (int c = 0; c < 3; c++) {
-      double f = ct_workspace_force(problem, state, k, i, c), sum = past[3 * (int64_t)i + c];
+      double f = force[3 * (int64_t)i + c], sum = past[3 * (int64_t)i + c];
       t[c] = effect->reaction ? 2.0 * (sum + 0.5 * f) * v[c] : sum + f * v[c];
     }
     terms[i] = (t[0] + t[1]) + t[2];
@@ -86,6 +87,9 @@ ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *en
   }
   e.total = e.kinetic + stored_total - e.external;
   e.balance = e.kinetic - state->kinetic_start - work_total;
+  if (status == CT_OK && !isfinite(e.total + e.balance))
+    status = ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "the energy stopped being finite by t = %g (step %lld)", state->time,
+                     (long long)state->step);
   if (status == CT_OK) *energy = e;
   return status;
 }
@@ -98,12 +102,13 @@ static void impulse_of(const ct_problem *problem, ct_state *state, const char *n
     const ct_effect *effect = problem->effects[k];
     const double *past = state->impulse + ct_state_impulse_start(problem, k);
     if (strcmp(effect->name, name) != 0) continue;
+    const double *force = ct_workspace_force_of(problem, state, k);
     for (int c = 0; c < 3; c++) {
       int64_t count = 0;
       for (int32_t i = 0; i < effect->node_count; i++) {
         int32_t node = ct_effect_node(effect, i);
         if (node < first || node >= last) continue;
-        state->workspace->terms[count++] = past[3 * (int64_t)i + c] + 0.5 * ct_workspace_force(problem, state, k, i, c);
+        state->workspace->terms[count++] = past[3 * (int64_t)i + c] + 0.5 * force[3 * (int64_t)i + c];
       }
       impulse[c] += problem->dt * ct_sum(state->workspace->terms, count);
     }
@@ -153,9 +158,10 @@ ct_status ct_state_force(const ct_problem *problem, ct_state *state, int32_t k, 
   ct_status status = check_effect(problem, state, k, force, error);
   if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
+  const double *own = ct_workspace_force_of(problem, state, k);
   memset(force, 0, 3 * (size_t)problem->node_count * sizeof *force);
   for (int32_t i = 0; i < problem->effects[k]->node_count; i++)
     for (int c = 0; c < 3; c++)
-      force[3 * (int64_t)ct_effect_node(problem->effects[k], i) + c] = ct_workspace_force(problem, state, k, i, c);
+      force[3 * (int64_t)ct_effect_node(problem->effects[k], i) + c] = own[3 * (int64_t)i + c];
   return CT_OK;
 }

@@ -69,7 +69,7 @@ static void lattice_coordinates(const ct_box *box, const int32_t at[3], double x
 static ct_status box_check(const ct_box *box, ct_error *error)
 {
   for (int d = 0; d < 3; d++) {
-    if (!isfinite(box->origin[d]) || !isfinite(box->size[d]) || !(box->size[d] > 0.0))
+    if (!isfinite(box->origin[d]) || !isfinite(2.0 * box->cells[d] * (fabs(box->origin[d]) + box->size[d])) || !(box->size[d] > 0.0))
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: origin %g and size %g along %c", box->origin[d],
                      box->size[d], "xyz"[d]);
     if (box->cells[d] < 1 || box->cells[d] > 1000000)
@@ -175,14 +175,18 @@ double ct_mesh_shortest_edge(const ct_mesh *mesh)
                                   {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
   size_t per = (size_t)ct_brick_node_count(mesh->kind);
   double shortest = INFINITY;
-  for (int32_t e = 0; e < mesh->element_count; e++)
+  for (int32_t e = 0; e < mesh->element_count; e++) {
+    double length[12], longest = 0.0;
     for (int k = 0; k < 12; k++) {
       const double *a = &mesh->nodes[3 * (size_t)mesh->elements[(size_t)e * per + (size_t)edge[k][0]]];
       const double *b = &mesh->nodes[3 * (size_t)mesh->elements[(size_t)e * per + (size_t)edge[k][1]]];
       double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-      double length = sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
-      if (length < shortest) shortest = length;
+      length[k] = sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
+      longest = fmax(longest, length[k]);
     }
+    for (int k = 0; k < 12; k++)
+      if (length[k] > 1e-9 * longest) shortest = fmin(shortest, length[k]);
+  }
   return shortest;
 }
 

@@ -1,7 +1,9 @@
 #include <contact/scene.h>
 
+#include "contact/contact_internal.h"
 #include "error.h"
 #include "memory.h"
+#include "workspace.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -239,7 +241,10 @@ static ct_status make_contact(ct_scene *scene, int32_t number, ct_effect **effec
     surface[s] = (ct_surface){.kind = ct_brick_face_kind(scene->parts[body[s]].mesh->kind), .node_count = scene->problem.node_count,
                               .face_count = count[s], .faces = entry->faces[s], .reference = scene->reference};
   entry->epsilon = options.epsilon = penalty_of(scene, &entry->given);
-  return ct_contact_create_effect(&surface[0], &surface[1], &options, scene->mass, effect, error);
+  ct_status status = ct_contact_create_effect(&surface[0], &surface[1], &options, scene->mass, effect, error);
+  // What the contact calls surface 0 or 1 is one of our bodies.
+  if (status != CT_OK && error != NULL && (error->body == 0 || error->body == 1)) error->body = body[error->body];
+  return status;
 }
 
 static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *error)
@@ -319,6 +324,16 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   p->threads = time->threads;
   *problem = p;
   return CT_OK;
+}
+
+const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state, int32_t effect, ct_error *error)
+{
+  if (problem == NULL || state == NULL || effect < 0 || effect >= problem->effect_count ||
+      strcmp(problem->effects[effect]->name, "contact") != 0) {
+    ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no contact", (int)effect);
+    return NULL;
+  }
+  return ct_workspace_forces(problem, state, error) == CT_OK ? ct_contact_of_scratch(state->workspace->scratch[effect]) : NULL;
 }
 
 ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon)

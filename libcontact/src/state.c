@@ -53,7 +53,7 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
     if (w->force != NULL) ct_release(w->force[k]);
     if (w->scratch != NULL && w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
   }
-  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->terms};
+  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->terms, w->room};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_release(w);
 }
@@ -90,10 +90,11 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   w->forces_at = -1;
   w->total = ct_allocate(n, 3 * sizeof(double));
   w->terms = ct_allocate(n, sizeof(double));
+  w->room = ct_allocate(n, 3 * sizeof(double));
   w->force = ct_allocate(effects, sizeof *w->force);
   w->scratch = ct_allocate(effects, sizeof *w->scratch);
   w->next_memory = ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
-  if (!w->total || !w->terms || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK) return CT_ERROR_MEMORY;
+  if (!w->total || !w->terms || !w->room || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK) return CT_ERROR_MEMORY;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (k > 0 && !effect->reaction) {
@@ -146,12 +147,13 @@ static void start(const ct_problem *problem, ct_state *state)
     state->velocity[d] = ct_kick(problem->initial_velocity[d], -0.5 * problem->dt, problem->inverse_mass[d], F[d]);
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
+    const double *force = ct_workspace_force_of(problem, state, k);
     double *work = state->work + ct_state_work_start(problem, k), *impulse = state->impulse + ct_state_impulse_start(problem, k);
-    for (int32_t i = 0; i < effect->node_count; i++)
-      for (int c = 0; c < 3; c++) {
-        double f = ct_workspace_force(problem, state, k, i, c);
-        if (!effect->reaction) work[3 * (int64_t)i + c] = -f * state->velocity[3 * (int64_t)ct_effect_node(effect, i) + c];
-        if (k > 0) impulse[3 * (int64_t)i + c] = -0.5 * f;
+    for (int64_t i = 0; i < effect->node_count; i++)
+      for (int64_t c = 0; c < 3; c++) {
+        double f = force[3 * i + c];
+        if (!effect->reaction) work[3 * i + c] = -f * state->velocity[3 * (int64_t)ct_effect_node(effect, (int32_t)i) + c];
+        if (k > 0) impulse[3 * i + c] = -0.5 * f;
       }
   }
 }
@@ -208,23 +210,21 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
                    .next_memory = state->workspace->next_memory + memory, .scratch = state->workspace->scratch[k]};
 }
 
-double ct_workspace_force(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i, int c)
+const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k)
 {
   const ct_workspace *w = state->workspace;
   const ct_effect *effect = problem->effects[k];
-  int64_t dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
-  if (effect->reaction) return problem->inverse_mass[dof] == 0.0 ? -w->total[dof] : 0.0;
-  if (k > 0) return w->force[k][3 * (int64_t)i + c];
+  if (k > 0 && !effect->reaction) return w->force[k];
   // The first effect's force stands in `total`, but for the nodes where others were added.
-  int32_t low = 0, high = w->touched_count;
-  while (low < high) {
-    int32_t middle = (low + high) / 2;
-    if (w->touched[middle] < i)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low < w->touched_count && w->touched[low] == i ? w->touched_first[3 * (int64_t)low + c] : w->total[dof];
+  if (k == 0) memcpy(w->room, w->total, 3 * (size_t)problem->node_count * sizeof(double));
+  for (int64_t i = 0; k == 0 && i < w->touched_count; i++)
+    memcpy(&w->room[3 * (int64_t)w->touched[i]], &w->touched_first[3 * i], 3 * sizeof(double));
+  for (int64_t i = 0; effect->reaction && i < effect->node_count; i++)
+    for (int64_t c = 0; c < 3; c++) {
+      int64_t dof = 3 * (int64_t)ct_effect_node(effect, (int32_t)i) + c;
+      w->room[3 * i + c] = problem->inverse_mass[dof] == 0.0 ? -w->total[dof] : 0.0;
+    }
+  return w->room;
 }
 
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error)

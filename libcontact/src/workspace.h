@@ -15,6 +15,7 @@ typedef struct ct_workspace {
   double *touched_first; /* force of the first effect there, shape (touched_count, 3) */
   double *touched_velocity, *touched_work; /* v_{n-1/2} and the first effect's work there, before the step */
   double *terms;         /* room for sums, one number a node */
+  double *room;          /* room for the forces of one effect, shape (node_count, 3) */
 } ct_workspace;
 
 /* Make the forces at the state's time, unless they stand already. */
@@ -26,9 +27,9 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
 /* v_{n+1/2} of one degree of freedom, given the forces (eq:leapfrog). */
 static inline double ct_kick(double v, double dt, double inverse_mass, double force) { return v + dt * inverse_mass * force; }
 
-/* Force of effect `k` on its i-th node and component c, after ct_workspace_forces; reactions are minus the total on held
- * degrees of freedom (eq:reaction). */
-double ct_workspace_force(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i, int c);
+/* Forces of effect `k` on its own nodes, shape (node_count, 3), after ct_workspace_forces; reactions are minus the total on held
+ * degrees of freedom (eq:reaction). The array is good until the next call. */
+const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k);
 
 /* Node of the problem that is the i-th of an effect. */
 static inline int32_t ct_effect_node(const ct_effect *effect, int32_t i) { return effect->nodes == NULL ? i : effect->nodes[i]; }

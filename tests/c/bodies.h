@@ -261,15 +261,14 @@ static inline double jacobi_largest(int n, double *A)
   return top;
 }
 
-/* Add a body to a scene; a mesh of its own is copied and given back. */
-static inline int32_t add_body(ct_scene *scene, const char *name, ct_mesh *mesh, const ct_material *material, ct_solid_kernel kernel,
+/* Add a body to a scene, which copies the mesh. */
+static inline int32_t add_body(ct_scene *scene, const char *name, const ct_mesh *mesh, const ct_material *material, ct_solid_kernel kernel,
                                double vx, double vy, double vz)
 {
   double velocity[3] = {vx, vy, vz};
   int32_t body = -1;
   ct_error error;
   need(ct_scene_add_body(scene, name, mesh, material, CT_LUMP_DEFAULT, kernel, velocity, &body, &error), &error);
-  ct_mesh_free(mesh);
   return body;
 }
 

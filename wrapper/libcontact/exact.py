@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._core import ffi, lib
-from .errors import NotBuiltIn
+from .errors import ArgumentError, NotBuiltIn, check, new_error
 
 __all__ = ["Stress", "Velocity", "Fields", "Speeds", "plates", "plates_series", "speeds", "fronts"]
 
@@ -61,14 +61,12 @@ def _ask(function, x, z, t, *options):
     shape, points = _points(x, z, t)
     size = points[0].size
     fields = np.empty((size, 5))
-    bad = ffi.new("size_t *")
-    error = ffi.new("ct_error *")
+    bad, error = ffi.new("size_t *"), new_error()
     status = function(size, *(_pointer(a) for a in points), *options, _pointer(fields), bad, error)
-    if status != lib.CT_OK:
-        text = ffi.string(error.text).decode()
-        if bad[0] < size and len(shape) > 1:
-            text += f" [index {tuple(int(i) for i in np.unravel_index(bad[0], shape))}]"
-        raise MemoryError(text) if status == lib.CT_ERROR_MEMORY else ValueError(text)
+    if status == lib.CT_ERROR_ARGUMENT and bad[0] < size and len(shape) > 1:
+        index = tuple(int(i) for i in np.unravel_index(bad[0], shape))
+        raise ArgumentError(f"{ffi.string(error.text).decode()} [index {index}]", status, point=int(bad[0]))
+    check(status, error)
     columns = [fields[:, i].copy().reshape(shape)[()] for i in range(5)]
     return Fields(Stress(*columns[:3]), Velocity(*columns[3:]))
 
@@ -93,7 +91,7 @@ def plates_series(x, z, t, nu=0.3, branches=300):
         raise NotBuiltIn("exact.plates_series needs GSL, which this build of libcontact does not have")
     branches = operator.index(branches)
     if branches < 1:
-        raise ValueError(f"branches = {branches}, must be 1 to 10000")
+        raise ArgumentError(f"branches = {branches}, must be 1 to 1000")
     return _ask(lib.ct_exact_plates_series, x, z, t, float(nu), branches)
 
 
@@ -101,7 +99,7 @@ def speeds(nu=0.3):
     """Speeds ``(c2, c_r)`` of the shear wave and of the Rayleigh wave over c1."""
     c2, c_r = ffi.new("double *"), ffi.new("double *")
     if lib.ct_exact_speeds(float(nu), c2, c_r) != lib.CT_OK:
-        raise ValueError(f"nu = {nu}, Poisson's ratio must be in (0, 0.49]")
+        raise ArgumentError(f"nu = {nu}, Poisson's ratio must be in (0, 0.49]")
     return Speeds(c2[0], c_r[0])
 
 
@@ -113,7 +111,7 @@ def fronts(t, nu=0.3, points=91):
     """
     t = float(t)
     if not 0.0 <= t < 2.0:
-        raise ValueError(f"t = {t:g}, the fronts are known for 0 <= t < 2")
+        raise ArgumentError(f"t = {t:g}, the fronts are known for 0 <= t < 2")
     c2, c_r = speeds(nu)
     angle = np.linspace(0.0, 0.5 * np.pi, points)
     quarter = np.column_stack([np.cos(angle), np.sin(angle)])

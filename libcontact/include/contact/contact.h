@@ -119,7 +119,4 @@ CT_API void ct_contact_free(ct_contact *contact);
 CT_API ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, const ct_contact_options *options,
                                           const double *nodal_mass, ct_effect **effect, ct_error *error);
 
-/** The contact inside an effect's scratch, with the last force's points. */
-CT_API const ct_contact *ct_contact_of_scratch(const void *scratch);
-
 #endif

@@ -12,9 +12,11 @@ typedef struct ct_exact_series ct_exact_series;
 /**
  * Find the Rayleigh-Lamb branches (:eq:`series-dispersion`) and the weights of their modes (:eq:`series-sum`).
  *
- * ``nu`` is Poisson's ratio in (0, 0.49], ``branches`` the number of branches, 1 to 10000, counted from the lowest.
+ * ``nu`` is Poisson's ratio in (0, 0.49], ``branches`` the number of branches, 1 to 1000, counted from the lowest.
  * ``reach`` in (0, 100] bounds x + t of all points that will be asked: the waves in the integrand are sampled for it.
- * The plan belongs to the caller, who gives it to :c:func:`ct_exact_series_free`; 300 branches take about 100 MB.
+ * The plan belongs to the caller, who gives it to :c:func:`ct_exact_series_free`. 300 branches take about 100 MB up to a
+ * reach of 4; memory and time grow with the square of ``branches``, and beyond that reach in proportion to it. GSL's
+ * own error handler is left as it is.
  * Errors: ``CT_ERROR_ARGUMENT``, ``CT_ERROR_MEMORY``; then ``out`` gets a null pointer.
  */
 CT_API ct_status ct_exact_series_create(double nu, size_t branches, double reach, ct_exact_series **out,

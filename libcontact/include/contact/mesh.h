@@ -50,7 +50,10 @@ CT_API void ct_mesh_free(ct_mesh *mesh);
  */
 CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 
-/** Shortest edge between corner nodes of any element [length]: the h of the Courant number and of the penalty. */
+/**
+ * Shortest edge between corner nodes of any element [length]: the h of the Courant number and of the penalty. Edges that a wedge has
+ * collapsed to a point (below 1e-9 of the element's longest) do not count.
+ */
 CT_API double ct_mesh_shortest_edge(const ct_mesh *mesh);
 
 /**

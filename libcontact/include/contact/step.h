@@ -103,7 +103,7 @@ CT_API ct_status ct_state_create(const ct_problem *problem, ct_state **state, ct
 /** Copy what a restart needs. Both states must belong to the same problem. */
 CT_API ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_state *to, ct_error *error);
 
-/** Free a state; null is allowed. Its problem must still exist. */
+/** Free a state; null is allowed. The problem must outlive its states. */
 CT_API void ct_state_free(ct_state *state);
 
 /** One step of the central difference method in leapfrog form, :eq:`leapfrog`. */

@@ -12,4 +12,7 @@ struct ct_contact {
   double *terms; /* room for sums, three numbers a point */
 };
 
+/* The contact inside the scratch of a contact effect. */
+const ct_contact *ct_contact_of_scratch(const void *scratch);
+
 #endif

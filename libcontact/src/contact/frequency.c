@@ -6,26 +6,29 @@
 
 #include <math.h>
 
-/* The point whose nearest face is looked for. */
+/* The point whose nearest face is looked for, and what it has found: of equally near faces the first one. */
 typedef struct seeker {
   const ct_side *other;
   double y[3];
-  ct_projection foot, best;
+  int32_t face;
+  ct_projection best;
   double nearest;
 } seeker;
 
 static double face_distance(void *user, int32_t target)
 {
   seeker *s = user;
+  ct_projection foot;
   ct_face face;
   ct_side_face(s->other, target, &face);
-  ct_status status = ct_project(&face, s->y, NULL, &s->foot);
+  ct_status status = ct_project(&face, s->y, NULL, &foot);
   if (status == CT_INVALID || status >= CT_ERROR_ARGUMENT) return INFINITY;
-  if (s->foot.distance < s->nearest) {
-    s->nearest = s->foot.distance;
-    s->best = s->foot;
+  if (foot.distance < s->nearest || (foot.distance == s->nearest && target < s->face)) {
+    s->face = target;
+    s->nearest = foot.distance;
+    s->best = foot;
   }
-  return s->foot.distance;
+  return foot.distance;
 }
 
 /* Face and shape functions that a point would press on: those of the last update, or of the nearest face. */

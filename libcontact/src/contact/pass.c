@@ -11,6 +11,7 @@ typedef struct nearest {
   int32_t face;
   double distance;
   ct_projection foot;
+  double origin[3], y[3]; /* the middle of the face's box, and the point relative to it */
 } nearest;
 
 /* What one pass needs everywhere. */
@@ -57,6 +58,8 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
     best->face = target;
     best->distance = foot.distance;
     best->foot = foot;
+    memcpy(best->origin, origin, sizeof origin);
+    memcpy(best->y, y, sizeof y);
   }
 }
 
@@ -64,14 +67,12 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
  * border of the surface, or when the two surfaces do not face each other. */
 static int measure(const pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
 {
-  double origin[3], y[3], foot[3], normal[3], own[3];
+  double foot[3], normal[3], own[3];
   ct_face mine;
   if (!ct_side_normal(p->other, best->face, &best->foot, normal)) return 0;
-  middle(&p->other->boxes[best->face], origin);
-  position(p->side, face, q, origin, y);
   ct_segment_shape(p->other->kind, best->foot.xi, point->N);
-  ct_side_interpolate(p->other, best->face, point->N, origin, foot);
-  for (int c = 0; c < 3; c++) point->d[c] = foot[c] - y[c];
+  ct_side_interpolate(p->other, best->face, point->N, best->origin, foot);
+  for (int c = 0; c < 3; c++) point->d[c] = foot[c] - best->y[c];
   double distance = sqrt(ct_vector_dot(point->d, point->d));
   point->gap = ct_vector_dot(point->d, normal) > 0.0 ? -distance : distance;
   if (point->gap >= 0.0) return 1;
@@ -85,7 +86,7 @@ static void search_point(const pass *p, int32_t face, int q)
   const ct_side *side = p->side, *other = p->other;
   int64_t number = (int64_t)face * side->rule.count + q;
   ct_gauss_point *point = &p->side->points[number];
-  nearest best = {INT32_MAX, INFINITY, {0}};
+  nearest best = {.face = INT32_MAX, .distance = INFINITY};
   double y[3];
   position(side, face, q, zero, y);
 

@@ -186,9 +186,10 @@ ct_bounds ct_face_bounds(const ct_face *face)
       box.high[c] = fmax(box.high[c], face->node[a][c]);
     }
     // -- Widen the box by how far mid-sides pull the face out of it (eq:face-bounds)
-    double bulge = 0.0;
+    double pull[4] = {0.0};
     for (int e = 0; per > corners && e < corners; e++)
-      bulge += fabs(face->node[corners + e][c] - 0.5 * (face->node[e][c] + face->node[(e + 1) % corners][c]));
+      pull[e] = fabs(face->node[corners + e][c] - 0.5 * (face->node[e][c] + face->node[(e + 1) % corners][c]));
+    double bulge = (pull[0] + pull[2]) + (pull[1] + pull[3]);
     box.low[c] -= bulge;
     box.high[c] += bulge;
   }
@@ -201,7 +202,8 @@ void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], c
   for (int c = 0; c < 3; c++) {
     double t[8] = {0.0};
     for (int a = 0; a < side->per; a++) t[a] = N[a] * (side->x[3 * (int64_t)node[a] + c] - origin[c]);
-    out[c] = ((t[0] + t[1]) + (t[2] + t[3])) + ((t[4] + t[6]) + (t[5] + t[7]));
+    out[c] = (t[0] + t[1]) + (t[2] + t[3]);
+    if (side->per > 4) out[c] += (t[4] + t[6]) + (t[5] + t[7]);
   }
 }
 

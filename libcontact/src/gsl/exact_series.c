@@ -192,11 +192,11 @@ ct_status ct_exact_series_create(double nu, size_t branches, double reach, ct_ex
   double c2;
   if (ct_exact_speeds(nu, &c2, &how.c_r) != CT_OK)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
-  if (branches < 1 || branches > 10000)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "branches = %zu, must be 1 to 10000", branches);
+  if (branches < 1 || branches > 1000)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "branches = %zu, must be 1 to 1000", branches);
   if (!(reach > 0.0 && reach <= 100.0))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reach = %g, x + t must be at most 100", reach);
-  ct_exact_series *s = malloc(sizeof *s);
+  ct_exact_series *s = calloc(1, sizeof *s);
   gsl_integration_glfixed_table *rule = gsl_integration_glfixed_table_alloc(NODES);
   how.solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   ct_status status = s != NULL && rule != NULL && how.solver != NULL ? CT_OK : CT_ERROR_MEMORY;

@@ -1,0 +1,814 @@
+/* Contact of two surfaces: forces against the energy, conservation, closed forms, folds and borders, the bound on the step. */
+#include "bodies.h"
+
+#include <float.h>
+
+static const char *KIND[4] = {"Q4", "Q8", "T3", "T6"};
+static const double EPSILON = 1000.0;
+
+/* A surface with arrays of its own: the lattice of half cells over a rectangle, of which some kinds leave nodes unused. */
+typedef struct patch {
+  ct_surface surface;
+  int32_t *faces;
+  double *x;
+} patch;
+
+static patch new_patch(ct_face_kind kind, int nx, int ny, double x0, double y0, double wx, double wy, int up)
+{
+  static const int square[8][2] = {{0, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 0}, {2, 1}, {1, 2}, {0, 1}};
+  static const int lower[6][2] = {{0, 0}, {2, 0}, {0, 2}, {1, 0}, {1, 1}, {0, 1}}, upper[6][2] = {{2, 2}, {0, 2}, {2, 0}, {1, 2}, {1, 1}, {2, 1}};
+  static const int back4[8] = {0, 3, 2, 1, 7, 6, 5, 4}, back3[6] = {0, 2, 1, 5, 4, 3};
+  int triangle = kind == CT_T3 || kind == CT_T6, per = ct_face_node_count(kind), row = 2 * nx + 1, count = nx * ny * (triangle ? 2 : 1);
+  patch p = {{kind, row * (2 * ny + 1), count, NULL, NULL}, integers(count * per), numbers(3 * row * (2 * ny + 1))};
+  for (int n = 0; n < p.surface.node_count; n++) {
+    p.x[3 * n] = x0 + wx * (n % row) / (2 * nx);
+    p.x[3 * n + 1] = y0 + wy * (n / row) / (2 * ny);
+  }
+  for (int f = 0; f < count; f++) {
+    int cell = triangle ? f / 2 : f, i = 2 * (cell % nx), j = 2 * (cell / nx);
+    const int(*corner)[2] = triangle ? (f % 2 ? upper : lower) : square;
+    for (int a = 0; a < per; a++) {
+      int from = up ? a : triangle ? back3[a] : back4[a];
+      p.faces[f * per + a] = i + corner[from][0] + row * (j + corner[from][1]);
+    }
+  }
+  p.surface.faces = p.faces;
+  p.surface.reference = p.x;
+  return p;
+}
+
+static void free_patch(patch *p)
+{
+  free(p->faces);
+  free(p->x);
+}
+
+static ct_contact *open_contact(const patch *a, const patch *b, ct_contact_options options)
+{
+  ct_contact *contact = NULL;
+  ct_error e;
+  if (options.epsilon == 0.0) options.epsilon = EPSILON;
+  need(ct_contact_create(&a->surface, &b->surface, &options, &contact, &e), &e);
+  return contact;
+}
+
+static void update(ct_contact *contact, const patch *a, const patch *b)
+{
+  ct_error e;
+  need(ct_contact_update(contact, a->x, b->x, &e), &e);
+}
+
+/* Forces on both surfaces, from zero. */
+static void forces(const ct_contact *contact, const patch *a, const patch *b, double *fa, double *fb)
+{
+  ct_error e = {0};
+  memset(fa, 0, 3 * (size_t)a->surface.node_count * sizeof *fa);
+  memset(fb, 0, 3 * (size_t)b->surface.node_count * sizeof *fb);
+  need(ct_contact_add_force(contact, fa, fb), &e);
+}
+
+static double total(const double *f, int nodes, int c)
+{
+  double sum = 0.0;
+  for (int n = 0; n < nodes; n++) sum += f[3 * n + c];
+  return sum;
+}
+
+/* Two warped patches that do not match, the upper one turned by 0.3, tilted and partly inside the lower one. */
+static void warped_pair(ct_face_kind ka, ct_face_kind kb, patch *a, patch *b)
+{
+  *a = new_patch(ka, 3, 2, -1, -1, 2, 2, 1);
+  *b = new_patch(kb, 2, 2, -0.5, -0.5, 1, 1, 0);
+  for (int n = 0; n < a->surface.node_count; n++) {
+    double *x = &a->x[3 * n];
+    x[2] = 0.05 * sin(2.0 * x[0] + 1.0) * cos(1.5 * x[1]) + uniform(0.01);
+    x[0] += uniform(0.03);
+    x[1] += uniform(0.03);
+  }
+  for (int n = 0; n < b->surface.node_count; n++) {
+    double *x = &b->x[3 * n], s = x[0], t = x[1];
+    x[0] = 0.955 * s - 0.296 * t + uniform(0.02);
+    x[1] = 0.296 * s + 0.955 * t + uniform(0.02);
+    x[2] = 0.03 * s - 0.02 * t + 0.02 * s * t + uniform(0.015);
+  }
+}
+
+static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
+{
+  patch a, b;
+  warped_pair(ka, kb, &a, &b);
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  double *fa = numbers(3 * a.surface.node_count), *fb = numbers(3 * b.surface.node_count), off = 0.0, top, h = 1e-6;
+  update(contact, &a, &b);
+  forces(contact, &a, &b, fa, fb);
+  int64_t points = ct_contact_point_count(contact);
+  ct_contact_point *point = room(points, sizeof *point);
+  int pressed[2] = {0, 0};
+  ct_contact_points(contact, point);
+  for (int i = 0; i < points; i++) pressed[point[i].side] += point[i].pressure > 0.0;
+  top = worst(largest(fa, 3 * a.surface.node_count), largest(fb, 3 * b.surface.node_count));
+  for (int s = 0; s < 2; s++) {
+    patch *p = s == 0 ? &a : &b;
+    for (int i = 0; i < 3 * p->surface.node_count; i++) {
+      double keep = p->x[i], up, down;
+      p->x[i] = keep + h;
+      update(contact, &a, &b);
+      up = ct_contact_energy(contact);
+      p->x[i] = keep - h;
+      update(contact, &a, &b);
+      down = ct_contact_energy(contact);
+      p->x[i] = keep;
+      off = worst(off, (s == 0 ? fa : fb)[i] + (up - down) / (2.0 * h));
+    }
+  }
+  tap_ok(off < 1e-6 * top && pressed[0] > 3 && pressed[1] > 3, "%s on %s, warped (%d and %d points inside): force is minus the gradient of the energy, off by %.2g",
+         KIND[kb], KIND[ka], pressed[0], pressed[1], off / top);
+
+  // Linear and angular momentum: the forces of both sides and their moments cancel.
+  double sum[3] = {0}, moment[3] = {0}, size = 0.0, arm = 0.0, fx[2][3], mx[2][3], resultant = 0.0;
+  for (int s = 0; s < 2; s++) {
+    const patch *p = s == 0 ? &a : &b;
+    const double *f = s == 0 ? fa : fb;
+    for (int n = 0; n < p->surface.node_count; n++)
+      for (int c = 0; c < 3; c++) {
+        sum[c] += f[3 * n + c];
+        moment[c] += p->x[3 * n + (c + 1) % 3] * f[3 * n + (c + 2) % 3] - p->x[3 * n + (c + 2) % 3] * f[3 * n + (c + 1) % 3];
+        size += fabs(f[3 * n + c]);
+        arm = worst(arm, p->x[3 * n + c]);
+      }
+  }
+  tap_ok(largest(sum, 3) < 1e-13 * size, "%s on %s: linear momentum, %.2g of the forces", KIND[kb], KIND[ka], largest(sum, 3) / size);
+  tap_ok(largest(moment, 3) < 1e-13 * size * arm, "%s on %s: angular momentum, %.2g", KIND[kb], KIND[ka], largest(moment, 3) / (size * arm));
+  update(contact, &a, &b);
+  ct_contact_resultant(contact, fx[0], mx[0], fx[1], mx[1]);
+  for (int c = 0; c < 3; c++) {
+    resultant = worst(resultant, fx[0][c] - total(fa, a.surface.node_count, c));
+    resultant = worst(resultant, fx[1][c] - total(fb, b.surface.node_count, c));
+    resultant = worst(resultant, mx[0][c] + mx[1][c]);
+  }
+  tap_ok(resultant < 1e-13 * size, "%s on %s: the resultants are those of the nodal forces, off by %.2g", KIND[kb], KIND[ka], resultant / size);
+  ct_contact_free(contact);
+  free(point);
+  free(fa);
+  free(fb);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* Two squares of area 0.75, pressed into each other by delta: force eps delta A, energy eps delta^2 A / 2, on any meshes. */
+static void flat_overlap(ct_face_kind ka, ct_face_kind kb, int na, int nb)
+{
+  patch a = new_patch(ka, na, na, 0, 0, 1, 0.75, 1), b = new_patch(kb, nb, nb, 0, 0, 1, 0.75, 0);
+  double delta = 0.01, *fa = numbers(3 * a.surface.node_count), *fb = numbers(3 * b.surface.node_count);
+  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = -delta;
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  update(contact, &a, &b);
+  forces(contact, &a, &b, fa, fb);
+  double want = EPSILON * delta * 0.75, nodal = 0.0;
+  tap_ok(fabs(total(fa, a.surface.node_count, 2) / want + 1.0) < 1e-13 && fabs(total(fb, b.surface.node_count, 2) / want - 1.0) < 1e-13,
+         "%s %d on %s %d, flat: total force eps delta A, off by %.2g", KIND[kb], nb, KIND[ka], na, fabs(total(fb, b.surface.node_count, 2) / want - 1.0));
+  tap_close(ct_contact_energy(contact) / (0.5 * want * delta), 1.0, 1e-13, "%s %d on %s %d, flat: energy eps delta^2 A / 2", KIND[kb], nb, KIND[ka], na);
+
+  // Nodal forces of a uniform pressure are the integrals of the shape functions; matching meshes give them exactly.
+  double *uniform_force = numbers(a.surface.node_count);
+  for (int f = 0; f < a.surface.face_count; f++) {
+    static const double share[4][8] = {{0.25, 0.25, 0.25, 0.25}, {-1.0 / 12, -1.0 / 12, -1.0 / 12, -1.0 / 12, 1.0 / 3, 1.0 / 3, 1.0 / 3, 1.0 / 3},
+                                       {1.0 / 3, 1.0 / 3, 1.0 / 3}, {0, 0, 0, 1.0 / 3, 1.0 / 3, 1.0 / 3}};
+    int per = ct_face_node_count(ka);
+    for (int i = 0; i < per; i++) uniform_force[a.faces[f * per + i]] -= want / a.surface.face_count * share[ka][i];
+  }
+  for (int n = 0; n < a.surface.node_count; n++) nodal = worst(nodal, fa[3 * n + 2] - uniform_force[n]);
+  nodal /= largest(uniform_force, a.surface.node_count);
+  if (ka == kb && na == nb)
+    tap_ok(nodal < 1e-13, "%s, matching meshes: nodal forces of a uniform pressure, off by %.2g", KIND[ka], nodal);
+  else
+    tap_ok(nodal > 1e-6 && nodal < 10.0, "%s %d on %s %d: the patch test is not passed, worst nodal force off by %.2g of the largest", KIND[kb], nb, KIND[ka], na, nodal);
+  ct_contact_free(contact);
+  free(uniform_force);
+  free(fa);
+  free(fb);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* One pair of Q8 faces: corners -1/12, mid-sides 1/3 of the force. */
+static void one_q8(void)
+{
+  patch a = new_patch(CT_Q8, 1, 1, 0, 0, 2, 1, 1), b = new_patch(CT_Q8, 1, 1, 0, 0, 2, 1, 0);
+  double fa[27], fb[27], off = 0.0;
+  for (int n = 0; n < 9; n++) b.x[3 * n + 2] = -0.25;
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  update(contact, &a, &b);
+  forces(contact, &a, &b, fa, fb);
+  for (int i = 0; i < 8; i++) {
+    double want = EPSILON * 0.25 * 2.0 * (i < 4 ? -1.0 / 12.0 : 1.0 / 3.0);
+    off = worst(worst(off, fa[3 * a.faces[i] + 2] / want + 1.0), fb[3 * b.faces[i] + 2] / want - 1.0);
+  }
+  tap_ok(off < 1e-13, "uniform pressure on a Q8 face: -1/12 at corners, 1/3 at mid-sides, off by %.2g", off);
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* The gap from far apart to far inside, in units of the face; beyond the depth (the face's diagonal) there is no contact. */
+static void gap_sweep(double h)
+{
+  static const double size[14] = {10, 3, 1.5, 1.41, 1, 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 0};
+  patch a = new_patch(CT_Q4, 2, 2, 0, 0, 2 * h, 2 * h, 1), b = new_patch(CT_Q4, 2, 2, 0, 0, 2 * h, 2 * h, 0);
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  ct_contact_point point[32];
+  int wrong_pair = 0, wrong_force = 0;
+  double gap = 0.0, energy = 0.0, *fa = numbers(75), *fb = numbers(75);
+  for (int i = 0; i < 28; i++) {
+    double g = (i < 14 ? -size[i] : size[27 - i]) * h, A = 4.0 * h * h;
+    for (int n = 0; n < 25; n++) b.x[3 * n + 2] = g;
+    update(contact, &a, &b);
+    forces(contact, &a, &b, fa, fb);
+    ct_contact_points(contact, point);
+    int near = fabs(g) < sqrt(2.0) * h, pressed = near && g < 0.0;
+    for (int k = 0; k < 32; k++) {
+      wrong_pair += (point[k].other >= 0) != near || isnan(point[k].gap) == near;
+      if (near) gap = worst(gap, fabs(g) > 0.0 ? point[k].gap / g - 1.0 : point[k].gap);
+    }
+    energy = worst(energy, pressed ? ct_contact_energy(contact) / (0.5 * EPSILON * g * g * A) - 1.0 : ct_contact_energy(contact));
+    double want = pressed ? -EPSILON * g * A : 0.0, got = total(fb, 25, 2);
+    wrong_force += pressed ? !(fabs(got / want - 1.0) < 1e-12) : !(largest(fa, 75) == 0.0 && largest(fb, 75) == 0.0);
+  }
+  tap_ok(wrong_pair == 0, "gap from -10 to 10 faces of %g: points have a partner within the depth and only there (%d wrong)", h, wrong_pair);
+  tap_ok(gap < 1e-12, "the gap of each point is the given one, off by %.2g", gap);
+  tap_ok(energy < 1e-12 && wrong_force == 0, "energy and force are those of the gap, exactly none when apart (off by %.2g, %d wrong)", energy, wrong_force);
+  ct_contact_free(contact);
+  free(fa);
+  free(fb);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* A plate of thickness 0.1, closed all around, and a patch that presses on its top: the plate's far side must stay out of it. */
+static void far_side(double inside)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 0.1, 4, 4, 1);
+  int32_t *outer = integers(4 * 6 * m->element_count);
+  patch a = {{CT_Q4, m->node_count, ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes}, NULL, m->nodes};
+  patch b = new_patch(CT_Q4, 2, 2, 0.3, 0.3, 0.4, 0.4, 0);
+  for (int n = 0; n < 25; n++) b.x[3 * n + 2] = 0.1 - inside;
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  double *fa = numbers(3 * m->node_count), fb[75], bottom = 0.0, slave = EPSILON * inside * 0.16 * 0.5;
+  update(contact, &a, &b);
+  forces(contact, &a, &b, fa, fb);
+  for (int n = 0; n < m->node_count; n++)
+    if (m->nodes[3 * n + 2] == 0.0) bottom = worst(bottom, largest(&fa[3 * n], 3));
+  // The patch's own points give half of eps g A; the plate's points above the patch, the other half, depend on where they lie.
+  tap_ok(bottom == 0.0 && total(fb, 25, 2) >= slave * (1.0 - 1e-12), "a patch %g inside the top of a closed plate: no force on its bottom, %.3g >= %.3g upwards", inside,
+         total(fb, 25, 2), slave);
+
+  // From below, facing up: the bottom is pressed and the top is left alone.
+  patch up = new_patch(CT_Q4, 2, 2, 0.3, 0.3, 0.4, 0.4, 1);
+  for (int n = 0; n < 25; n++) up.x[3 * n + 2] = inside;
+  ct_contact *below = open_contact(&a, &up, ct_contact_options_default());
+  double top = 0.0;
+  update(below, &a, &up);
+  forces(below, &a, &up, fa, fb);
+  for (int n = 0; n < m->node_count; n++)
+    if (m->nodes[3 * n + 2] != 0.0) top = worst(top, largest(&fa[3 * n], 3));
+  tap_ok(top == 0.0 && total(fb, 25, 2) <= -slave * (1.0 - 1e-12), "the same from below: no force on its top");
+
+  // Above the top and facing up, back to back with the plate: both normals agree, so there is nothing to press on.
+  for (int n = 0; n < 25; n++) up.x[3 * n + 2] = 0.1 - inside;
+  update(below, &a, &up);
+  ct_contact_point *point = room(ct_contact_point_count(below), sizeof *point);
+  int same_way = 0;
+  ct_contact_points(below, point);
+  for (int i = 0; i < ct_contact_point_count(below); i++) same_way += point[i].pressure > 0.0 && point[i].side == 1 && point[i].closest[2] > 0.05;
+  tap_ok(same_way == 0, "a patch that faces the same way as the top is not pressed by the top");
+  free(point);
+  ct_contact_free(below);
+  free_patch(&up);
+  ct_contact_free(contact);
+  free(fa);
+  free(outer);
+  free_patch(&b);
+  ct_mesh_free(m);
+}
+
+/* A point beyond the border of the other surface meets nothing; the others meet it in full. */
+static void border(void)
+{
+  patch a = new_patch(CT_Q4, 4, 4, 0, 0, 1, 1, 1), b = new_patch(CT_Q4, 5, 3, 0.37, -0.41, 1, 1, 0);
+  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = -0.01;
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  update(contact, &a, &b);
+  int64_t count = ct_contact_point_count(contact);
+  ct_contact_point *point = room(count, sizeof *point);
+  int wrong = 0, in = 0;
+  ct_contact_points(contact, point);
+  for (int i = 0; i < count; i++) {
+    double x = point[i].position[0], y = point[i].position[1];
+    int over = point[i].side == 1 ? x < 1.0 && y > 0.0 : x > 0.37 && y < 0.59;
+    in += over;
+    wrong += over ? !(fabs(point[i].gap + 0.01) < 1e-15) : point[i].other != -1 || point[i].pressure != 0.0;
+  }
+  tap_ok(wrong == 0 && in > 20 && in < count, "%d of %d points lie over the other surface: they meet it, the others do not (%d wrong)", in, (int)count, wrong);
+  free(point);
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* Distance of a point from z = z0 + c (|x| + q |y|), four quarter planes: the foot on each, or on its two edges. */
+static double roof_distance(double z0, double c, double q, const double p[3], double foot[3])
+{
+  double best = INFINITY;
+  for (int k = 0; k < 4; k++) {
+    double sx = k & 1 ? 1 : -1, sy = k & 2 ? 1 : -1, y[3] = {p[0], p[1], p[2] - z0}, n[3] = {-sx * c, -sy * c * q, 1.0};
+    double height = (n[0] * y[0] + n[1] * y[1] + n[2] * y[2]) / (n[0] * n[0] + n[1] * n[1] + 1.0), at[3][3];
+    const double edge[2][3] = {{sx, 0, c}, {0, sy, c * q}};
+    for (int i = 0; i < 3; i++) at[0][i] = y[i] - height * n[i];
+    for (int j = 0; j < 2; j++) {
+      double t = (edge[j][0] * y[0] + edge[j][1] * y[1] + edge[j][2] * y[2]) / (edge[j][0] * edge[j][0] + edge[j][1] * edge[j][1] + edge[j][2] * edge[j][2]);
+      for (int i = 0; i < 3; i++) at[1 + j][i] = fmax(t, 0.0) * edge[j][i];
+    }
+    for (int j = 0; j < 3; j++) {
+      double d = sqrt((at[j][0] - y[0]) * (at[j][0] - y[0]) + (at[j][1] - y[1]) * (at[j][1] - y[1]) + (at[j][2] - y[2]) * (at[j][2] - y[2]));
+      if (j == 0 && (sx * at[0][0] < 0.0 || sy * at[0][1] < 0.0)) continue;
+      if (d >= best) continue;
+      best = d;
+      for (int i = 0; i < 3; i++) foot[i] = at[j][i] + (i == 2 ? z0 : 0.0);
+    }
+  }
+  return best;
+}
+
+/* Two folded surfaces, z = c (|x| + q |y|) below and z = z0 + C (|x| + q |y|) above: every point that is inside the other body
+ * must meet it once, at the distance of the exact surface, whether its foot lies on a face, an edge or the corner. */
+static void fold(double c, double C, double z0, double q, const char *what)
+{
+  patch a = new_patch(CT_Q4, 8, 8, -1, -1, 2, 2, 1), b = new_patch(CT_Q4, 10, 6, -0.6, -0.6, 1.2, 1.2, 0);
+  for (int n = 0; n < a.surface.node_count; n++) a.x[3 * n + 2] = c * (fabs(a.x[3 * n]) + q * fabs(a.x[3 * n + 1]));
+  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = z0 + C * (fabs(b.x[3 * n]) + q * fabs(b.x[3 * n + 1]));
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  update(contact, &a, &b);
+  int64_t count = ct_contact_point_count(contact);
+  ct_contact_point *point = room(count, sizeof *point);
+  int lost = 0, inside = 0, on_edge = 0, invented = 0;
+  double off = 0.0, energy = 0.0;
+  ct_contact_points(contact, point);
+  for (int i = 0; i < count; i++) {
+    const double *p = point[i].position;
+    double r = fabs(p[0]) + q * fabs(p[1]), foot[3] = {0};
+    int above = point[i].side == 1, in = above ? p[2] < c * r : p[2] > z0 + C * r;
+    double d = above ? roof_distance(0.0, c, q, p, foot) : roof_distance(z0, C, q, p, foot), edge = above ? 1.0 : 0.6;
+    if (fabs(foot[0]) > edge - 1e-9 || fabs(foot[1]) > edge - 1e-9) in = 0; // beyond the border
+    if (!in) {
+      invented += point[i].pressure != 0.0;
+      continue;
+    }
+    inside++;
+    on_edge += fabs(foot[0]) < 1e-9 || (q > 0.0 && fabs(foot[1]) < 1e-9);
+    lost += !(point[i].gap < 0.0);
+    off = worst(off, point[i].gap + d);
+    energy += 0.25 * EPSILON * d * d * point[i].weight;
+  }
+  tap_ok(lost == 0 && invented == 0 && inside > 10 && off < 1e-9, "%s: %d points inside, %d with the foot on an edge or corner, %d lost, %d invented, gap off by %.2g", what, inside,
+         on_edge, lost, invented, off);
+  tap_close(ct_contact_energy(contact) / energy, 1.0, 1e-9, "%s: the energy counts each of them once", what);
+  free(point);
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* The bound of the contact's omega^2 against the largest eigenvalue of its own stiffness, by differences of forces. */
+static void frequency_bound(ct_face_kind ka, ct_face_kind kb)
+{
+  patch a, b;
+  warped_pair(ka, kb, &a, &b);
+  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] -= 0.1; // all points active
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  int na = a.surface.node_count, n = na + b.surface.node_count, dofs = 3 * n;
+  double *K = numbers((int64_t)dofs * dofs), *mass = numbers(n), *up = numbers(dofs), *down = numbers(dofs), h = 1e-6, bound;
+  for (int i = 0; i < n; i++) mass[i] = exp(uniform(1.0));
+  for (int j = 0; j < dofs; j++) {
+    double *x = j < 3 * na ? &a.x[j] : &b.x[j - 3 * na], keep = *x;
+    *x = keep + h;
+    update(contact, &a, &b);
+    forces(contact, &a, &b, up, up + 3 * na);
+    *x = keep - h;
+    update(contact, &a, &b);
+    forces(contact, &a, &b, down, down + 3 * na);
+    *x = keep;
+    for (int i = 0; i < dofs; i++) K[(int64_t)i * dofs + j] = (down[i] - up[i]) / (2.0 * h);
+  }
+  update(contact, &a, &b);
+  double skew = 0.0, top = largest(K, (int64_t)dofs * dofs);
+  for (int i = 0; i < dofs; i++)
+    for (int j = 0; j < dofs; j++) skew = worst(skew, K[(int64_t)i * dofs + j] - K[(int64_t)j * dofs + i]);
+  // Power iteration on M^-1 K + bound, whose largest eigenvalue belongs to the largest positive one of M^-1 K.
+  ct_status status = ct_contact_frequency(contact, mass, mass + na, &bound);
+  double value = 0.0, *v = numbers(dofs), *w = numbers(dofs);
+  for (int i = 0; i < dofs; i++) v[i] = uniform(1.0);
+  for (int k = 0; k < 2000; k++) {
+    double work = 0.0, kinetic = 0.0, size = largest(v, dofs);
+    for (int i = 0; i < dofs; i++) v[i] /= size;
+    for (int i = 0; i < dofs; i++) {
+      w[i] = 0.0;
+      for (int j = 0; j < dofs; j++) w[i] += 0.5 * (K[(int64_t)i * dofs + j] + K[(int64_t)j * dofs + i]) * v[j];
+      work += v[i] * w[i];
+      kinetic += mass[i / 3] * v[i] * v[i];
+    }
+    for (int i = 0; i < dofs; i++) v[i] = w[i] / mass[i / 3] + bound * v[i];
+    value = work / kinetic;
+  }
+  tap_ok(skew < 1e-4 * top, "%s on %s: the stiffness is symmetric, off by %.2g", KIND[kb], KIND[ka], skew / top);
+  tap_ok(status == CT_OK && bound >= value * (1.0 - 1e-6) && bound < 10.0 * value, "%s on %s: bound of omega^2 is %.3f of the true largest eigenvalue", KIND[kb],
+         KIND[ka], bound / value);
+  ct_contact_free(contact);
+  free(K);
+  free(mass);
+  free(up);
+  free(down);
+  free(v);
+  free(w);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* Two equal Q4 squares: the uniform mode is the highest, omega^2 = eps A / 2 m, and the bound is sharp, near or far apart. */
+static void sharp_bound(void)
+{
+  patch a = new_patch(CT_Q4, 1, 1, 0, 0, 1, 1, 1), b = new_patch(CT_Q4, 1, 1, 0, 0, 1, 1, 0);
+  double mass[9] = {2, 2, 2, 2, 2, 2, 2, 2, 2}, bound = 0.0, dt = 0.0;
+  for (int n = 0; n < 9; n++) b.x[3 * n + 2] = 0.125;
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  ct_status status = ct_contact_frequency(contact, mass, mass, &bound);
+  tap_ok(status == CT_OK && fabs(bound / (EPSILON / 4.0) - 1.0) < 1e-13, "two squares before the first update: omega^2 = eps A / 2 m");
+  for (int n = 0; n < 9; n++) b.x[3 * n + 2] = 50.0;
+  update(contact, &a, &b);
+  status = ct_contact_frequency(contact, mass, mass, &bound);
+  tap_ok(status == CT_OK && fabs(bound / (EPSILON / 4.0) - 1.0) < 1e-13, "fifty faces apart: the same bound");
+  tap_ok(ct_contact_stable_step(contact, mass, mass, &dt) == CT_OK && fabs(dt * sqrt(bound) - 2.0) < 1e-13, "the stable step is 2 / omega");
+  mass[0] = 0.0;
+  tap_ok(ct_contact_frequency(contact, mass, mass, &bound) == CT_ERROR_ARGUMENT, "a node without mass is refused");
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* Points that see an edge between two faces at exactly the same distance: the bound must use one face and its own shape functions. */
+static void bound_on_ties(void)
+{
+  patch a = new_patch(CT_Q4, 4, 1, -2, -0.5, 4, 1, 1), b = new_patch(CT_Q4, 1, 1, -0.5, -0.5, 1, 1, 0), swapped = new_patch(CT_Q4, 4, 1, -2, -0.5, 4, 1, 1);
+  int32_t order[4] = {0, 2, 1, 3};
+  double mass_a[27], mass_b[9], bound[2];
+  for (int n = 0; n < 9; n++) {
+    // The upper face stands upright over the edge x = 0, so all its points see that edge.
+    double x = b.x[3 * n];
+    b.x[3 * n] = 0.0;
+    b.x[3 * n + 2] = 0.6 + x;
+    mass_b[n] = 1.0;
+  }
+  for (int n = 0; n < 27; n++) mass_a[n] = a.x[3 * n] < -1.5 || a.x[3 * n] > 1.5 || fabs(a.x[3 * n]) < 0.1 ? 1.0 : 1e-4;
+  for (int f = 0; f < 4; f++) memcpy(&swapped.faces[4 * f], &a.faces[4 * order[f]], 4 * sizeof(int32_t));
+  for (int k = 0; k < 2; k++) {
+    ct_contact *contact = open_contact(k == 0 ? &a : &swapped, &b, ct_contact_options_default());
+    ct_error e = {0};
+    need(ct_contact_frequency(contact, mass_a, mass_b, &bound[k]), &e);
+    ct_contact_free(contact);
+  }
+  tap_close(bound[1] / bound[0], 1.0, 1e-12, "points over an edge between two faces: the bound does not depend on the order of the faces");
+  free_patch(&a);
+  free_patch(&b);
+  free_patch(&swapped);
+}
+
+/* Critical Courant number of two equal bars, and of a bar on a wall, with the penalty beta E A / h. */
+static void bars(double beta, int wall)
+{
+  const double h = 0.5;
+  ct_material m = {4.0, 0.0, 1.0};
+  ct_scene *scene = new_scene();
+  ct_mesh *left = box_mesh(CT_HEX8, -20 * h, 0, 0, 20 * h, 2, 2, 20, 1, 1), *right = box_mesh(CT_HEX8, 0, 0, 0, 20 * h, 2, 2, 20, 1, 1);
+  int32_t a = add_body(scene, "left", left, &m, CT_KERNEL_AUTO, 0, 0, 0), b = add_body(scene, "right", right, &m, CT_KERNEL_AUTO, 0, 0, 0);
+  add_contact(scene, a, left, 0.0, b, right, 0.0, 0, beta);
+  if (wall) add_support(scene, b, right, -1, 0.0, "xyz", 0.0);
+  int64_t steps;
+  ct_stable_step stable;
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 1.0, .threads = 1}, &steps, &stable);
+  double *u = numbers(3 * p->node_count);
+  for (int n = 0; n < p->node_count; n++) u[3 * n] = n < p->node_count / 2 ? 1e-3 : 0.0; // pressed, so that the springs act
+  double omega = sqrt(true_frequency(p, u, 1e-6, 0, 3000)), courant = 2.0 / omega / stable.dt_courant;
+  double b2 = wall ? beta * beta : 4.0 * beta * beta, want = sqrt(2.0 / (1.0 + sqrt(1.0 + b2)));
+  tap_close(courant, want, 1e-4 * want, "%s, beta = %g: critical Courant number", wall ? "bar on a wall" : "two equal bars", beta);
+  tap_close(stable.dt / stable.dt_courant, 1.0 / sqrt(1.0 + beta), 1e-9, "%s, beta = %g: reported 1 / sqrt(1 + beta), %.3f of the true one",
+            wall ? "bar on a wall" : "two equal bars", beta, stable.dt / stable.dt_courant / courant);
+  tap_ok(stable.dt <= 2.0 / omega, "the reported step is below the true limit");
+  free(u);
+  ct_mesh_free(left);
+  ct_mesh_free(right);
+  ct_scene_free(scene);
+}
+
+/* A million faces from the origin the forces are the same to 1e-9: coordinates are multiples of 2^-30, so the shift is exact. */
+static void translation(ct_face_kind kind)
+{
+  patch a, b;
+  warped_pair(kind, kind, &a, &b);
+  double shift[3] = {1048576.0, -2097152.0, 524288.0}, *f[2][2], energy[2], off = 0.0, top = 0.0;
+  for (int k = 0; k < 2; k++) {
+    for (int s = 0; s < 2; s++) {
+      patch *p = s == 0 ? &a : &b;
+      f[k][s] = numbers(3 * p->surface.node_count);
+      for (int i = 0; i < 3 * p->surface.node_count; i++) p->x[i] = k == 0 ? floor(p->x[i] * 1073741824.0) / 1073741824.0 : p->x[i] + shift[i % 3];
+    }
+    ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+    update(contact, &a, &b);
+    forces(contact, &a, &b, f[k][0], f[k][1]);
+    energy[k] = ct_contact_energy(contact);
+    ct_contact_free(contact);
+  }
+  for (int s = 0; s < 2; s++) {
+    int n = 3 * (s == 0 ? &a : &b)->surface.node_count;
+    off = worst(off, largest_difference(f[0][s], f[1][s], n));
+    top = worst(top, largest(f[0][s], n));
+  }
+  tap_ok(off < 1e-9 * top && fabs(energy[1] / energy[0] - 1.0) < 1e-9 && top > 0.0, "%s, moved by a million faces: forces off by %.2g", KIND[kind], off / top);
+  for (int k = 0; k < 4; k++) free(f[k / 2][k % 2]);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* Forces of a pair, in one list: all of a, then all of b, then the energy. */
+static double *all_forces(const patch *a, const patch *b, ct_contact_options options)
+{
+  int na = 3 * a->surface.node_count, nb = 3 * b->surface.node_count;
+  double *f = numbers(na + nb + 1);
+  ct_contact *contact = open_contact(a, b, options);
+  update(contact, a, b);
+  forces(contact, a, b, f, f + na);
+  f[na + nb] = ct_contact_energy(contact);
+  ct_contact_free(contact);
+  return f;
+}
+
+static void symmetries(ct_face_kind kind)
+{
+  patch a, b;
+  warped_pair(kind, kind, &a, &b);
+  int na = 3 * a.surface.node_count, nb = 3 * b.surface.node_count, faults = 0;
+  ct_contact_options options = ct_contact_options_default();
+  double *f = all_forces(&a, &b, options), *g = all_forces(&b, &a, options);
+  tap_ok(memcmp(f, g + nb, (size_t)na * sizeof *f) == 0 && memcmp(f + na, g, (size_t)nb * sizeof *f) == 0 && f[na + nb] == g[na + nb],
+         "%s: the surfaces swapped, the same bits", KIND[kind]);
+  free(g);
+
+  options.threads = 2;
+  g = all_forces(&a, &b, options);
+  tap_ok(memcmp(f, g, (size_t)(na + nb + 1) * sizeof *f) == 0, "%s: two threads, the same bits", KIND[kind]);
+  free(g);
+  options.threads = 1;
+
+  // Faces in another order: the sums do not depend on it.
+  int per = ct_face_node_count(kind), count = a.surface.face_count;
+  int32_t *order = integers(count * per), *keep = a.faces;
+  for (int i = 0; i < count; i++) memcpy(&order[i * per], &keep[(count - 1 - i) * per], (size_t)per * sizeof *order);
+  a.surface.faces = order;
+  g = all_forces(&a, &b, options);
+  tap_ok(memcmp(f, g, (size_t)(na + nb + 1) * sizeof *f) == 0, "%s: faces in the opposite order, the same bits", KIND[kind]);
+  a.surface.faces = keep;
+  free(order);
+  free(g);
+
+  // Lengths times 2^k: eps w J d grows as 2^3k, eps w J d^2 as 2^4k.
+  for (int k = -20; k <= 20; k += 40) {
+    for (int i = 0; i < na; i++) a.x[i] = ldexp(a.x[i], k);
+    for (int i = 0; i < nb; i++) b.x[i] = ldexp(b.x[i], k);
+    g = all_forces(&a, &b, options);
+    for (int i = 0; i < na + nb + 1; i++) faults += !(g[i] == ldexp(f[i], i < na + nb ? 3 * k : 4 * k));
+    free(g);
+    for (int i = 0; i < na; i++) a.x[i] = ldexp(a.x[i], -k);
+    for (int i = 0; i < nb; i++) b.x[i] = ldexp(b.x[i], -k);
+  }
+  tap_ok(faults == 0, "%s: lengths scaled by 2^-20 and 2^20 scale the bits (%d do not)", KIND[kind], faults);
+
+  // Mirrored in x, y, z, with the faces listed the other way round: (xi, eta) -> (-xi, eta).
+  static const int back4[8] = {1, 0, 3, 2, 4, 7, 6, 5};
+  if (kind == CT_Q4 || kind == CT_Q8) {
+    int64_t wrong = 0;
+    for (int s = 0; s < 2; s++) {
+      patch *p = s == 0 ? &a : &b;
+      for (int i = 0; i < p->surface.face_count; i++) {
+        int32_t old[8];
+        memcpy(old, &p->faces[i * per], (size_t)per * sizeof *old);
+        for (int j = 0; j < per; j++) p->faces[i * per + j] = old[back4[j]];
+      }
+    }
+    for (int axis = 0; axis < 3; axis++) {
+      for (int s = 0; s < 2; s++)
+        for (int n = 0; n < (s == 0 ? na : nb) / 3; n++) (s == 0 ? &a : &b)->x[3 * n + axis] *= -1.0;
+      g = all_forces(&a, &b, options);
+      wrong += mirror_faults(f, g, (na + nb) / 3, axis) + !(f[na + nb] == g[na + nb]);
+      free(g);
+      for (int s = 0; s < 2; s++)
+        for (int n = 0; n < (s == 0 ? na : nb) / 3; n++) (s == 0 ? &a : &b)->x[3 * n + axis] *= -1.0;
+    }
+    tap_ok(wrong == 0, "%s: mirrored in x, y and z, the mirrored bits (%d are not)", KIND[kind], (int)wrong);
+  }
+  free(f);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+static ct_contact_point *all_points(const patch *a, const patch *b, ct_contact_options options, int64_t *count)
+{
+  ct_contact *contact = open_contact(a, b, options);
+  update(contact, a, b);
+  *count = ct_contact_point_count(contact);
+  ct_contact_point *point = room(*count, sizeof *point);
+  ct_contact_points(contact, point);
+  ct_contact_free(contact);
+  return point;
+}
+
+/* Newton and the simplex know no borders, so they may miss a foot on an edge between two faces; every other point they find alike. */
+static void methods(ct_face_kind kind)
+{
+  patch a, b;
+  int64_t count;
+  warped_pair(kind, kind, &a, &b);
+  ct_contact_options options = ct_contact_options_default();
+  ct_contact_point *want = all_points(&a, &b, options, &count);
+  for (int k = 0; k < 2; k++) {
+    int differ = 0, edge = 0, pressed = 0;
+    double off = 0.0;
+    options.method = k == 0 ? CT_NEWTON : CT_SIMPLEX;
+    ct_contact_point *got = all_points(&a, &b, options, &count);
+    for (int64_t i = 0; i < count; i++) {
+      double r = want[i].xi[0], s = want[i].xi[1];
+      int square = kind == CT_Q4 || kind == CT_Q8, on_edge = want[i].other >= 0 && (square ? fabs(r) > 1 - 1e-6 || fabs(s) > 1 - 1e-6 : r < 1e-6 || s < 1e-6 || r + s > 1 - 1e-6);
+      edge += on_edge;
+      if (on_edge || want[i].other < 0) continue;
+      pressed += want[i].pressure > 0.0;
+      differ += got[i].other != want[i].other;
+      off = worst(off, got[i].gap - want[i].gap);
+    }
+    tap_ok(differ == 0 && off < 1e-11 && pressed > 10, "%s, warped: %s finds the %d pressed points of the robust search, gaps off by %.2g (%d others on edges)", KIND[kind],
+           k == 0 ? "Newton" : "the simplex", pressed, off, edge);
+    free(got);
+  }
+  free(want);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* A contact that has followed a motion gives what a new one gives at its end. */
+static void history(void)
+{
+  patch a, b;
+  warped_pair(CT_Q4, CT_Q8, &a, &b);
+  int na = 3 * a.surface.node_count, nb = 3 * b.surface.node_count;
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  for (int k = 0; k < 60; k++) {
+    for (int n = 0; n < b.surface.node_count; n++) {
+      b.x[3 * n] += k < 30 ? 0.05 : -0.05;
+      b.x[3 * n + 2] += k < 30 ? 0.03 : -0.03;
+    }
+    update(contact, &a, &b);
+  }
+  double *f = numbers(na + nb), *g = all_forces(&a, &b, ct_contact_options_default());
+  forces(contact, &a, &b, f, f + na);
+  double off = largest_difference(f, g, na + nb) / largest(g, na + nb);
+  tap_ok(off < 1e-9, "after a journey of 60 updates: forces off by %.2g of a new contact's", off);
+  ct_contact_free(contact);
+  free(f);
+  free(g);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+static void not_finite(void)
+{
+  patch a, b;
+  warped_pair(CT_Q4, CT_Q4, &a, &b);
+  int na = 3 * a.surface.node_count, nb = 3 * b.surface.node_count;
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  double *f = numbers(na + nb), *g = numbers(na + nb), keep;
+  ct_error e = {0};
+  update(contact, &a, &b);
+  forces(contact, &a, &b, f, f + na);
+  int node = b.faces[2];
+  keep = b.x[3 * node + 1];
+  b.x[3 * node + 1] = NAN;
+  ct_status status = ct_contact_update(contact, a.x, b.x, &e);
+  forces(contact, &a, &b, g, g + na);
+  tap_ok(status == CT_INVALID && e.code == CT_INVALID && e.body == 1 && e.point == node, "a NaN coordinate: %s", e.text);
+  tap_ok(memcmp(f, g, (size_t)(na + nb) * sizeof *f) == 0, "the forces are still those of the last good update");
+  b.x[3 * node + 1] = keep;
+  a.x[3 * a.faces[0]] = -INFINITY;
+  tap_ok(ct_contact_update(contact, a.x, b.x, &e) == CT_INVALID && e.body == 0 && e.point == a.faces[0], "an infinite coordinate: %s", e.text);
+  ct_contact_free(contact);
+  free(f);
+  free(g);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+static void refused(const ct_surface *a, const ct_surface *b, const ct_contact_options *options, ct_status want, int64_t body, int64_t element, const char *what)
+{
+  ct_contact *contact = NULL;
+  ct_error e = {0};
+  ct_status status = ct_contact_create(a, b, options, &contact, &e);
+  tap_ok(status == want && contact == NULL && e.code == want && (body < 0 || e.body == body) && (element < 0 || e.element == element) && strlen(e.text) > 8,
+         "%s: refused, %s", what, e.text);
+}
+
+static void refusals(void)
+{
+  patch a, b;
+  warped_pair(CT_Q4, CT_Q8, &a, &b);
+  ct_contact_options good = ct_contact_options_default(), o;
+  good.epsilon = 1.0;
+  const double penalty[4] = {0.0, -1.0, NAN, INFINITY}, tolerance[4] = {0.0, -1.0, 1.0, NAN};
+  for (int i = 0; i < 4; i++) {
+    o = good, o.epsilon = penalty[i];
+    refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "a penalty that is not positive");
+    o = good, o.tolerance = tolerance[i];
+    refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "a tolerance out of range");
+  }
+  o = good, o.depth = -0.1;
+  refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "a negative depth");
+  o = good, o.threads = 0;
+  refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "no threads");
+  o = good, o.method = CT_BFGS;
+  refused(&a.surface, &b.surface, &o, CT_ERROR_UNSUPPORTED, -1, -1, "a method that contact does not use");
+  o = good, o.method = (ct_method)77;
+  refused(&a.surface, &b.surface, &o, CT_ERROR_UNSUPPORTED, -1, -1, "a method that is none");
+  ct_surface s = b.surface;
+  s.face_count = 0;
+  refused(&a.surface, &s, &good, CT_ERROR_ARGUMENT, 1, -1, "a surface without faces");
+  refused(&s, &a.surface, &good, CT_ERROR_ARGUMENT, 0, -1, "a first surface without faces");
+  s = b.surface, s.kind = (ct_face_kind)9;
+  refused(&a.surface, &s, &good, CT_ERROR_ARGUMENT, 1, -1, "an unknown kind of face");
+  s = b.surface, s.faces = NULL;
+  refused(&a.surface, &s, &good, CT_ERROR_ARGUMENT, 1, -1, "no face list");
+  refused(NULL, &s, &good, CT_ERROR_ARGUMENT, -1, -1, "no surface");
+  tap_ok(ct_contact_create(&a.surface, &b.surface, NULL, NULL, NULL) == CT_ERROR_ARGUMENT, "no options, nowhere to write, no error: refused");
+
+  int32_t keep = b.faces[8 + 3];
+  b.faces[8 + 3] = b.surface.node_count;
+  refused(&a.surface, &b.surface, &good, CT_ERROR_ARGUMENT, 1, 1, "a node number too large");
+  b.faces[8 + 3] = -5;
+  refused(&a.surface, &b.surface, &good, CT_ERROR_ARGUMENT, 1, 1, "a negative node number");
+  b.faces[8 + 3] = keep;
+  double x = b.x[3 * keep];
+  b.x[3 * keep] = NAN;
+  refused(&a.surface, &b.surface, &good, CT_INVALID, 1, -1, "a reference coordinate that is NaN");
+  b.x[3 * keep] = x;
+  for (int i = 0; i < 8; i++) memcpy(&b.x[3 * b.faces[8 * 2 + i]], &b.x[3 * b.faces[8 * 2]], 3 * sizeof(double));
+  refused(&a.surface, &b.surface, &good, CT_ERROR_GEOMETRY, 1, 2, "a face without area");
+
+  tap_ok(ct_contact_update(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT && ct_contact_add_force(NULL, a.x, b.x) == CT_ERROR_ARGUMENT && isnan(ct_contact_energy(NULL)) &&
+             ct_contact_point_count(NULL) == 0 && ct_contact_points(NULL, NULL) == CT_ERROR_ARGUMENT && ct_contact_stable_step(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT,
+         "calls without a contact are refused");
+  ct_contact_free(NULL);
+  tap_close(ct_contact_penalty(4.0, 2.1e5, 0.025), 3.36e7, 1e-6, "beta = 4, E = 2.1e5, h = 0.025: eps = 3.36e7");
+  free_patch(&a);
+  free_patch(&b);
+}
+
+int main(void)
+{
+  static const int pair[7][2] = {{CT_Q4, CT_Q4}, {CT_Q8, CT_Q8}, {CT_T3, CT_T3}, {CT_T6, CT_T6}, {CT_Q4, CT_T6}, {CT_Q8, CT_T3}, {CT_Q8, CT_Q4}};
+  for (int i = 0; i < 7; i++) force_is_gradient((ct_face_kind)pair[i][0], (ct_face_kind)pair[i][1]);
+  for (int k = 0; k < 4; k++) flat_overlap((ct_face_kind)k, (ct_face_kind)k, 3, 3);
+  flat_overlap(CT_Q4, CT_Q4, 2, 3);
+  flat_overlap(CT_Q4, CT_Q4, 4, 5);
+  flat_overlap(CT_Q4, CT_Q4, 22, 3);
+  flat_overlap(CT_Q8, CT_Q8, 2, 3);
+  flat_overlap(CT_T6, CT_Q4, 3, 4);
+  one_q8();
+  gap_sweep(1.0);
+  gap_sweep(0x1p-13);
+  far_side(0.02);
+  border();
+  fold(-0.2, 0.0, -0.05, 0.0, "a ridge into a plane");
+  fold(1.0, 1.3, -0.1, 0.0, "a ridge into a valley");
+  fold(-0.2, 0.0, -0.1, 1.0, "a pyramid into a plane");
+  fold(1.0, 1.3, -0.1, 1.0, "a pyramid into a pit");
+  for (int i = 0; i < 4; i++) frequency_bound((ct_face_kind)i, (ct_face_kind)i);
+  frequency_bound(CT_Q8, CT_Q4);
+  sharp_bound();
+  bound_on_ties();
+  bars(1.0, 0);
+  bars(10.0, 0);
+  bars(1.0, 1);
+  bars(10.0, 1);
+  for (int k = 0; k < 4; k++) {
+    translation((ct_face_kind)k);
+    symmetries((ct_face_kind)k);
+    methods((ct_face_kind)k);
+  }
+  history();
+  not_finite();
+  refusals();
+  return tap_done();
+}
