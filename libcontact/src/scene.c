@@ -32,6 +32,7 @@ struct ct_scene {
   /* What `ct_scene_build` makes. */
   ct_problem problem;
   ct_effect **effects;
+  int32_t effect_room; /* places in `effects`, for what was there when it was made */
   double *reference, *mass, *inverse_mass, *velocity;
 };
 
@@ -64,7 +65,7 @@ ct_status ct_scene_create(ct_scene **scene, ct_error *error)
 /* Give back what `ct_scene_build` made. */
 static void unbuild(ct_scene *scene)
 {
-  for (int32_t i = 0; scene->effects != NULL && i < scene->contact_count + 2; i++) ct_effect_free(scene->effects[i]);
+  for (int32_t i = 0; scene->effects != NULL && i < scene->effect_room; i++) ct_effect_free(scene->effects[i]);
   ct_release(scene->effects);
   ct_release(scene->reference);
   ct_release(scene->mass);
@@ -129,6 +130,17 @@ static ct_status check_body(const ct_scene *scene, int32_t body, const char *wha
   return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "%s: there is no body %d", what, (int)body);
 }
 
+/* Node numbers of a body's own mesh, `per` of them a face; a support's nodes stand alone (`per` 0). */
+static ct_status check_nodes(const ct_scene *scene, int32_t body, const int32_t *nodes, int64_t count, int per, const char *what, ct_error *error)
+{
+  int32_t limit = scene->parts[body].mesh->node_count;
+  for (int64_t i = 0; i < count; i++)
+    if (nodes[i] < 0 || nodes[i] >= limit)
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, per > 0 ? i / per : -1, nodes[i]}, "%s: there is no node %d, body %s has nodes 0 to %d",
+                     what, (int)nodes[i], scene->bodies[body].name, (int)limit - 1);
+  return CT_OK;
+}
+
 ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error)
 {
   if (scene == NULL || contact == NULL || contact->faces_a == NULL || contact->faces_b == NULL || contact->face_count_a < 1 ||
@@ -140,13 +152,18 @@ ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact,
   if (!(contact->beta > 0.0) == !(contact->options.epsilon > 0.0))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: give either beta or epsilon, positive (beta %g, epsilon %g)",
                    contact->beta, contact->options.epsilon);
+  const int32_t *faces[2] = {contact->faces_a, contact->faces_b}, count[2] = {contact->face_count_a, contact->face_count_b},
+                body[2] = {contact->body_a, contact->body_b};
+  for (int s = 0; s < 2; s++) {
+    int per = ct_face_node_count(ct_brick_face_kind(scene->parts[body[s]].mesh->kind));
+    status = check_nodes(scene, body[s], faces[s], (int64_t)count[s] * per, per, "contact", error);
+    if (status != CT_OK) return status;
+  }
   if (!grow((void **)&scene->contacts, scene->contact_count, sizeof *scene->contacts))
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   scene_contact *entry = &scene->contacts[scene->contact_count];
   memset(entry, 0, sizeof *entry);
   entry->given = *contact;
-  const int32_t *faces[2] = {contact->faces_a, contact->faces_b}, count[2] = {contact->face_count_a, contact->face_count_b},
-                body[2] = {contact->body_a, contact->body_b};
   for (int s = 0; s < 2; s++) {
     size_t entries = (size_t)count[s] * (size_t)ct_face_node_count(ct_brick_face_kind(scene->parts[body[s]].mesh->kind));
     entry->faces[s] = duplicate(faces[s], entries * sizeof *faces[s]);
@@ -165,6 +182,7 @@ ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support,
   if (scene == NULL || support == NULL || support->nodes == NULL || support->node_count < 1)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "support: no nodes");
   ct_status status = check_body(scene, support->body, "support", error);
+  if (status == CT_OK) status = check_nodes(scene, support->body, support->nodes, support->node_count, 0, "support", error);
   if (status != CT_OK) return status;
   int32_t *nodes = duplicate(support->nodes, (size_t)support->node_count * sizeof *nodes);
   if (nodes == NULL || !grow((void **)&scene->supports, scene->support_count, sizeof *scene->supports)) {
@@ -266,7 +284,8 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
 static ct_status make_effects(ct_scene *scene, ct_error *error)
 {
   int32_t count = 1;
-  scene->effects = ct_allocate((size_t)scene->contact_count + 2, sizeof *scene->effects);
+  scene->effect_room = scene->contact_count + 2;
+  scene->effects = ct_allocate((size_t)scene->effect_room, sizeof *scene->effects);
   if (scene->effects == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the effects");
   ct_status status = make_solid(scene, error);
   for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++) status = make_contact(scene, i, &scene->effects[count++], error);

@@ -1,0 +1,300 @@
+/* What a scene builds, and what it refuses. */
+#include "bodies.h"
+
+static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9};
+
+/* Two plates that touch at x = 0; the meshes are kept for more. */
+typedef struct plates {
+  ct_scene *scene;
+  ct_mesh *left, *right;
+} plates;
+
+static plates two_plates(double beta)
+{
+  plates p = {new_scene(), box_mesh(CT_HEX8, -1, 0, 0, 1, 0.25, 1, 4, 1, 4), box_mesh(CT_HEX8, 0, 0, 0, 1, 0.25, 1, 4, 1, 4)};
+  add_body(p.scene, "left", p.left, &STEEL, CT_KERNEL_AUTO, 1000, 0, 0);
+  add_body(p.scene, "right", p.right, &STEEL, CT_KERNEL_AUTO, -1000, 0, 0);
+  if (beta > 0.0) add_contact(p.scene, 0, p.left, 0.0, 1, p.right, 0.0, 0, beta);
+  return p;
+}
+
+static void close_plates(plates *p)
+{
+  ct_scene_free(p->scene);
+  ct_mesh_free(p->left);
+  ct_mesh_free(p->right);
+}
+
+static void not_built(ct_scene *scene, ct_scene_time time, ct_status want, const char *word, const char *what)
+{
+  const ct_problem *problem = NULL;
+  int64_t steps = -1;
+  ct_stable_step stable;
+  ct_error e = {0};
+  ct_status status = ct_scene_build(scene, &time, &problem, &steps, &stable, &e);
+  tap_ok(status == want && e.code == want && strstr(e.text, word) != NULL && problem == NULL, "%s: refused, %s", what, e.text);
+}
+
+static void times(void)
+{
+  plates p = two_plates(4.0);
+  ct_scene_time t = {.end = 1e-6, .courant = 0.125, .threads = 1}, bad;
+  int64_t steps;
+  ct_stable_step stable;
+  const ct_problem *problem = build(p.scene, t, &steps, &stable);
+  double asked = 0.125 * stable.dt_courant, c1, c2;
+  ct_material_speeds(&STEEL, &c1, &c2);
+  tap_close(stable.dt_courant / (0.25 / c1), 1.0, 1e-13, "Courant number 1 is the shortest edge over c1");
+  tap_close((double)steps * problem->dt, 1e-6, 1e-20, "%d steps end where the scene ends", (int)steps);
+  tap_ok(problem->dt <= asked * (1 + 1e-8) && 1e-6 / (double)(steps - 1) > asked, "%d steps are the fewest: dt is %.6f of the asked one", (int)steps, problem->dt / asked);
+  tap_ok(stable.dt < stable.dt_without_contact && stable.dt_without_contact < stable.dt_courant, "the contact lowers the stable step, and it is below Courant number 1");
+  double eps = 0.0;
+  tap_ok(ct_scene_contact_epsilon(p.scene, 0, &eps) == CT_OK && fabs(eps / (4.0 * 2.1e5 / 0.25) - 1.0) < 1e-13, "eps = beta E / h");
+  tap_ok(ct_scene_contact_epsilon(p.scene, 1, &eps) == CT_ERROR_ARGUMENT && ct_scene_contact_epsilon(p.scene, -1, &eps) == CT_ERROR_ARGUMENT, "there is no second contact");
+
+  t.courant = 0.0, t.fraction = 1.0;
+  problem = build(p.scene, t, &steps, &stable);
+  tap_ok(problem->dt <= stable.dt && problem->dt > 0.5 * stable.dt, "the whole stable step may be asked for");
+  t.fraction = 0.0, t.dt = stable.dt / 3.0, t.end = stable.dt / 3.0 * 17.0;
+  problem = build(p.scene, t, &steps, &stable);
+  tap_ok(steps == 17, "17 times dt are 17 steps, not 18 (%d)", (int)steps);
+
+  t = (ct_scene_time){.end = 1e-6, .courant = 0.125, .threads = 1};
+  bad = t, bad.courant = 0.99;
+  not_built(p.scene, bad, CT_ERROR_STEP, "above the stable step", "a Courant number above the stable one");
+  bad = t, bad.courant = 0.0, bad.fraction = 1.01;
+  not_built(p.scene, bad, CT_ERROR_STEP, "above the stable step", "1.01 of the stable step");
+  bad = t, bad.courant = 0.0, bad.dt = INFINITY;
+  not_built(p.scene, bad, CT_ERROR_STEP, "above the stable step", "an infinite step");
+  bad = t, bad.courant = 0.0;
+  not_built(p.scene, bad, CT_ERROR_ARGUMENT, "exactly one", "no step");
+  bad = t, bad.fraction = 0.5;
+  not_built(p.scene, bad, CT_ERROR_ARGUMENT, "exactly one", "two steps");
+  bad = t, bad.courant = NAN;
+  not_built(p.scene, bad, CT_ERROR_ARGUMENT, "exactly one", "a Courant number that is NaN");
+  bad = t, bad.end = 0.0;
+  not_built(p.scene, bad, CT_ERROR_ARGUMENT, "end", "no end");
+  bad = t, bad.end = INFINITY;
+  not_built(p.scene, bad, CT_ERROR_ARGUMENT, "end", "an end at infinity");
+  bad = t, bad.threads = 0;
+  not_built(p.scene, bad, CT_ERROR_ARGUMENT, "threads", "no threads");
+  bad = t, bad.courant = 1e-20;
+  not_built(p.scene, bad, CT_ERROR_ARGUMENT, "steps", "more steps than can be counted");
+  tap_ok(build(p.scene, t, &steps, &stable) != NULL, "after all that the scene still builds");
+  tap_ok(ct_scene_build(NULL, &t, &problem, &steps, &stable, NULL) == CT_ERROR_ARGUMENT && ct_scene_build(p.scene, NULL, &problem, &steps, &stable, NULL) == CT_ERROR_ARGUMENT,
+         "null arguments are refused");
+  close_plates(&p);
+
+  ct_scene *empty = new_scene();
+  not_built(empty, t, CT_ERROR_ARGUMENT, "no bodies", "a scene without bodies");
+  ct_scene_free(empty);
+  ct_scene_free(NULL);
+}
+
+static void no_body(const ct_mesh *m, ct_material material, ct_lumping lumping, ct_solid_kernel kernel, double vx, ct_status want, const char *word, const char *what)
+{
+  ct_scene *scene = new_scene();
+  double velocity[3] = {vx, 0, 0};
+  ct_error e = {0};
+  ct_status status = ct_scene_add_body(scene, "plate", m, &material, lumping, kernel, velocity, NULL, &e);
+  if (status == CT_OK) {
+    // What only shows when masses and forces are made.
+    const ct_problem *problem = NULL;
+    int64_t steps;
+    ct_stable_step stable;
+    ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
+    status = ct_scene_build(scene, &t, &problem, &steps, &stable, &e);
+  }
+  tap_ok(status == want && e.code == want && e.body == 0 && strstr(e.text, word) != NULL, "%s: refused, %s", what, e.text);
+  ct_scene_free(scene);
+}
+
+static void bodies(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1), *q = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 2, 1, 1);
+  ct_material bad = STEEL;
+  bad.density = -7.8e-9;
+  no_body(m, bad, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_ARGUMENT, "density", "a negative density");
+  bad = STEEL, bad.poisson = 0.5;
+  no_body(m, bad, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_ARGUMENT, "Poisson", "nu = 1/2");
+  bad = STEEL, bad.young = 0.0;
+  no_body(m, bad, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_ARGUMENT, "Young", "no stiffness");
+  no_body(m, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, NAN, CT_INVALID, "velocity", "a velocity that is NaN");
+  no_body(q, STEEL, CT_LUMP_ROW_SUM, CT_KERNEL_AUTO, 0, CT_ERROR_UNSUPPORTED, "negative mass", "row sum of hex20");
+  no_body(q, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_BOX, 0, CT_ERROR_UNSUPPORTED, "box kernel", "the box kernel for hex20");
+  double keep = m->nodes[3];
+  m->nodes[3] = 0.6 + 2.0;
+  no_body(m, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_GEOMETRY, "element 1 is inverted", "an inverted element");
+  m->nodes[3] = NAN;
+  no_body(m, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_INVALID, "node 1", "a NaN in the nodes");
+  m->nodes[3] = keep;
+  m->elements[3] = 900;
+  no_body(m, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_ARGUMENT, "node 900", "a node that does not exist");
+  ct_mesh_free(m);
+  ct_mesh_free(q);
+
+  // A node that no element uses has no mass.
+  ct_mesh *loose = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1);
+  loose->element_count = 1;
+  no_body(loose, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_GEOMETRY, "no element", "a node without element");
+  ct_mesh_free(loose);
+
+  ct_scene *scene = new_scene();
+  double velocity[3] = {0, 0, 0};
+  tap_ok(ct_scene_add_body(scene, NULL, NULL, &STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, velocity, NULL, NULL) == CT_ERROR_ARGUMENT && ct_scene_create(NULL, NULL) == CT_ERROR_ARGUMENT,
+         "null arguments are refused");
+  ct_scene_free(scene);
+}
+
+static void contact_refused(plates *p, ct_scene_contact c, int at_build, ct_status want, const char *word, const char *what)
+{
+  ct_error e = {0};
+  ct_status status = ct_scene_add_contact(p->scene, &c, &e);
+  if (at_build && status == CT_OK) {
+    const ct_problem *problem = NULL;
+    int64_t steps;
+    ct_stable_step stable;
+    ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
+    status = ct_scene_build(p->scene, &t, &problem, &steps, &stable, &e);
+  }
+  tap_ok(status == want && e.code == want && strstr(e.text, word) != NULL, "%s: refused, %s", what, e.text);
+}
+
+static void contacts(void)
+{
+  plates p = two_plates(0.0);
+  int32_t fa[64], fb[64], wrong[64];
+  ct_scene_contact good = {0, 1, ct_mesh_plane_faces(p.left, 0, 0.0, fa, NULL), ct_mesh_plane_faces(p.right, 0, 0.0, fb, NULL), fa, fb, 4.0, ct_contact_options_default()}, c;
+  c = good, c.options.epsilon = 1.0;
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either beta or epsilon", "both beta and epsilon");
+  c = good, c.beta = 0.0;
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either beta or epsilon", "neither beta nor epsilon");
+  c = good, c.beta = -4.0;
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either beta or epsilon", "a negative beta");
+  c = good, c.beta = NAN;
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either beta or epsilon", "a beta that is NaN");
+  c = good, c.face_count_a = 0;
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "no faces", "a surface without faces");
+  c = good, c.faces_b = NULL;
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "no faces", "a face list that does not exist");
+  c = good, c.body_b = 2;
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "no body 2", "a body that does not exist");
+  c = good, c.body_a = -1;
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "no body -1", "body -1");
+  memcpy(wrong, fa, sizeof wrong);
+  wrong[5] = p.left->node_count; // of the other body, once the bodies stand one after another
+  c = good, c.faces_a = wrong;
+  contact_refused(&p, c, 1, CT_ERROR_ARGUMENT, "node", "a face with a node of the other body");
+  close_plates(&p);
+
+  p = two_plates(0.0);
+  memcpy(wrong, fb, sizeof wrong);
+  wrong[5] = -1; // the last node of the body before
+  c = good, c.faces_b = wrong;
+  contact_refused(&p, c, 1, CT_ERROR_ARGUMENT, "node", "a face with a negative node number");
+  close_plates(&p);
+
+  p = two_plates(0.0);
+  c = good, c.options.method = CT_BROYDEN;
+  contact_refused(&p, c, 1, CT_ERROR_UNSUPPORTED, "broyden", "a search that contact does not use");
+  close_plates(&p);
+
+  p = two_plates(0.0);
+  c = good, c.beta = INFINITY;
+  contact_refused(&p, c, 1, CT_ERROR_ARGUMENT, "penalty", "an infinite beta");
+  close_plates(&p);
+}
+
+static void supports(void)
+{
+  plates p = two_plates(0.0);
+  static const int32_t nodes[2] = {0, 3}, negative[1] = {-1}, beyond[1] = {50};
+  ct_scene_support good = {1, nodes, 2, {1, 0, 0}, {0, 0, 0}}, s;
+  ct_error e = {0};
+  ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
+  tap_ok(p.right->node_count == 50, "each plate has 50 nodes");
+  s = good, s.body = 7;
+  tap_ok(ct_scene_add_support(p.scene, &s, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "no body 7") != NULL, "a body that does not exist: refused, %s", e.text);
+  s = good, s.node_count = 0;
+  tap_ok(ct_scene_add_support(p.scene, &s, &e) == CT_ERROR_ARGUMENT, "no nodes: refused, %s", e.text);
+  for (int k = 0; k < 2; k++) {
+    s = good, s.body = k == 0 ? 1 : 0, s.nodes = k == 0 ? negative : beyond, s.node_count = 1;
+    ct_status status = ct_scene_add_support(p.scene, &s, &e);
+    tap_ok(status == CT_ERROR_ARGUMENT && strstr(e.text, "node") != NULL, "node %d of a body with nodes 0 to 49: refused, %s", (int)s.nodes[0], e.text);
+    if (status == CT_OK) break;
+  }
+  close_plates(&p);
+
+  p = two_plates(0.0);
+  need(ct_scene_add_support(p.scene, &good, &e), &e);
+  s = good, s.velocity[0] = 1.0;
+  need(ct_scene_add_support(p.scene, &s, &e), &e);
+  not_built(p.scene, t, CT_ERROR_ARGUMENT, "velocity", "two velocities for one node");
+  close_plates(&p);
+
+  p = two_plates(0.0);
+  s = good, s.fixed[0] = 0;
+  need(ct_scene_add_support(p.scene, &s, &e), &e);
+  not_built(p.scene, t, CT_ERROR_ARGUMENT, "component", "a support that holds nothing");
+  close_plates(&p);
+}
+
+/* Adding to a scene after it was built, and building again. */
+static void built_twice(void)
+{
+  plates p = two_plates(4.0);
+  ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
+  int64_t steps;
+  ct_stable_step before, after;
+  build(p.scene, t, &steps, &before);
+  for (int k = 0; k < 3; k++) add_contact(p.scene, 0, p.left, 0.0, 1, p.right, 0.0, 0, 4.0);
+  const ct_problem *problem = build(p.scene, t, &steps, &after);
+  tap_ok(problem->effect_count == 5 && after.dt < before.dt, "three more contacts after a build: five effects and a smaller stable step");
+  add_support(p.scene, 0, p.left, 0, -1.0, "xyz", 0.0);
+  problem = build(p.scene, t, &steps, &after);
+  tap_ok(problem->effect_count == 6 && problem->inverse_mass[0] == 0.0, "and a support after that");
+  for (int k = 0; k < 40; k++) add_support(p.scene, 0, p.left, 0, -1.0, "xyz", 0.0);
+  for (int k = 0; k < 20; k++) add_contact(p.scene, 0, p.left, 0.0, 1, p.right, 0.0, 0, 4.0);
+  close_plates(&p); // sanitizers watch that the scene gives back just what it holds
+  tap_ok(1, "a scene that grew after its last build is given back");
+}
+
+/* The problem is what was asked for: nodes one body after another, masses, velocities, names. */
+static void contents(void)
+{
+  plates p = two_plates(4.0);
+  ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
+  int64_t steps;
+  ct_stable_step stable;
+  char name[100];
+  memset(name, 'n', sizeof name - 1);
+  name[99] = '\0';
+  ct_mesh *far = box_mesh(CT_HEX20, 5, 5, 5, 1, 1, 1, 1, 1, 1);
+  add_body(p.scene, name, far, &STEEL, CT_KERNEL_AUTO, 1, 2, 3);
+  const ct_problem *problem = build(p.scene, t, &steps, &stable);
+  double mass = 0.0;
+  int right = problem->node_count == 120 && problem->body_count == 3 && problem->bodies[1].first_node == 50 && problem->bodies[2].first_node == 100;
+  for (int n = 0; n < 120; n++) {
+    const double *v = &problem->initial_velocity[3 * n], *x = n < 50 ? &p.left->nodes[3 * n] : n < 100 ? &p.right->nodes[3 * (n - 50)] : &far->nodes[3 * (n - 100)];
+    right &= v[0] == (n < 50 ? 1000 : n < 100 ? -1000 : 1) && v[2] == (n < 100 ? 0 : 3) && memcmp(x, &problem->reference[3 * n], 24) == 0;
+    mass += problem->mass[n];
+  }
+  tap_ok(right, "nodes, coordinates and velocities of three bodies stand one after another");
+  tap_close(mass / (7.8e-9 * (0.25 + 0.25 + 1.0)), 1.0, 1e-13, "their masses add up");
+  tap_ok(strcmp(problem->bodies[0].name, "left") == 0 && strlen(problem->bodies[2].name) == 63, "names are kept, long ones cut");
+  tap_ok(strcmp(problem->effects[0]->name, "solid") == 0 && strcmp(problem->effects[1]->name, "contact") == 0 && problem->effect_count == 2,
+         "two effects, and none that was not asked for");
+  ct_mesh_free(far);
+  close_plates(&p);
+}
+
+int main(void)
+{
+  times();
+  bodies();
+  contacts();
+  supports();
+  built_twice();
+  contents();
+  return tap_done();
+}

@@ -1,0 +1,74 @@
+"""Every tutorial runs as it stands; each asserts what it claims. The first one also writes the files of the contract."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+
+ROOT = Path(__file__).resolve().parents[2]
+SCRIPTS = sorted((ROOT / "tutorials").glob("[0-9][0-9]_*.py"))
+
+
+def run(script, folder):
+    return subprocess.run([sys.executable, str(script)], cwd=folder, capture_output=True, text=True,
+                          env={**os.environ, "MPLBACKEND": "Agg", "LIBCONTACT_FIGURES": str(folder)})
+
+
+@pytest.mark.parametrize("script", [s for s in SCRIPTS if not s.name.startswith("01")], ids=lambda s: s.stem)
+def test_tutorial_runs(script, tmp_path):
+    done = run(script, tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.fixture(scope="module")
+def figures(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("figures")
+    done = run(SCRIPTS[0], folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+def read(path):
+    names = path.read_text().splitlines()[0].split(",")
+    return names, np.loadtxt(path, delimiter=",", skiprows=1)
+
+
+def test_plate_impact_writes_its_files(figures):
+    wanted = {"fig3.png", "fig4.png", "fig5.png", "fig4.csv", "fig5.csv"} | ({"plates.vtkhdf"} if ct.has("hdf5") else set())
+    assert wanted <= {path.name for path in figures.iterdir()}
+
+
+def test_fig4_table(figures):
+    names, rows = read(figures / "fig4.csv")
+    assert names == ["x_over_d", "contact", "reference", "exact"]
+    assert rows.shape == (200, 4)
+    x, contact, reference, exact = rows.T
+    assert np.all(np.diff(x) > 0)
+    np.testing.assert_allclose(x, (np.arange(-100, 100) + 0.5) / 100, atol=1e-12)
+    # The uniaxial wave: -(1 - nu)/nu behind the front at 0.56, nothing before it.
+    np.testing.assert_allclose(exact, np.where(np.abs(x) < 0.56, -7 / 3, 0), atol=1e-12)
+    assert np.array_equal(contact, contact[::-1]) and np.array_equal(reference, reference[::-1])
+    assert np.mean(np.abs(contact - reference)) < 0.01 * 7 / 3
+
+
+def test_fig5_table(figures):
+    names, rows = read(figures / "fig5.csv")
+    assert names == ["z_over_d", "contact", "reference", "exact", "series"]
+    assert rows.shape == (100, 5)
+    z, _, _, exact, series = rows.T
+    np.testing.assert_allclose(z, (np.arange(100) + 0.5) / 100, atol=1e-12)
+    assert np.all(exact[z < 0.6] == -1)
+    assert np.mean(np.abs(series - exact)) < 0.004 if ct.has("gsl") else np.all(np.isnan(series))
+
+
+@pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
+def test_results_file_continues_the_run(figures):
+    """The newest record of the tutorial's file is the state at the end."""
+    run = ct.Run.load(figures / "plates.vtkhdf")
+    assert run.steps[-1] == 448
+    assert abs(run.energy["total"][-1] / run.energy["total"][0] - 1) < 1e-3
