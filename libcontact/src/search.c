@@ -161,7 +161,7 @@ int32_t ct_search_overlaps(const ct_search *search, const ct_bounds *box, int32_
     stack[depth++] = right_of(r);
     stack[depth++] = left_of(r);
   }
-  if (found <= room) qsort(items, (size_t)found, sizeof *items, compare_items);
+  if (found > 1 && found <= room) qsort(items, (size_t)found, sizeof *items, compare_items);
   return found;
 }
 

@@ -125,7 +125,11 @@ ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count
   ct_status status = CT_OK;
   for (int64_t i = 1; status == CT_OK && i <= count; i++) {
     status = ct_step(problem, state, error);
-    if (status == CT_OK && (i % STEPS_BETWEEN_CHECKS == 0 || i == count)) status = check_finite(problem, state, error);
+    // An effect may be the first to meet a number that is not finite (CT_INVALID); the answer is the same as without it.
+    if (status == CT_INVALID || (status == CT_OK && (i % STEPS_BETWEEN_CHECKS == 0 || i == count))) {
+      ct_status finite = check_finite(problem, state, error);
+      if (finite != CT_OK) status = finite;
+    }
   }
   return status;
 }

@@ -32,6 +32,7 @@ static void free_data(void *data)
   for (int32_t i = 0; solid->parts != NULL && i < solid->part_count; i++) {
     ct_release(solid->parts[i].batch_nodes);
     ct_release(solid->parts[i].gradients);
+    ct_release(solid->parts[i].ready);
     ct_assembly_free(solid->parts[i].assembly);
   }
   ct_release(solid->parts);
@@ -73,7 +74,36 @@ static void part_batches(const ct_solid_part *part, int32_t first, int32_t last,
     ct_solid_hex20_batches(part, first, last, u, values);
 }
 
-enum { BATCHES_AT_ONCE = 32, NODES_AT_ONCE = 1024 };
+/* One thread: sum each node as soon as its last element is there. */
+static void part_force(const ct_solid_part *part, const double *u, double *values, double *f)
+{
+  int32_t node = 0, block = 0;
+  for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK, block++) {
+    part_batches(part, b, b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count, u, values);
+    if (part->assembly->extra_count > 0) continue;
+    ct_assembly_gather(part->assembly, values, node, part->ready[block], f);
+    node = part->ready[block];
+  }
+  ct_assembly_fold(part->assembly, values);
+  ct_assembly_gather(part->assembly, values, node, part->mesh->node_count, f);
+}
+
+#ifdef _OPENMP
+enum { NODES_AT_ONCE = 1024 };
+
+/* Several threads: all elements, then all nodes. The sums are the same. */
+static void part_force_threads(const ct_solid_part *part, const double *u, double *values, double *f, int threads)
+{
+  int32_t batches = part->batch_count, nodes = part->mesh->node_count;
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (int32_t b = 0; b < batches; b += CT_BLOCK)
+    part_batches(part, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches, u, values);
+  ct_assembly_fold(part->assembly, values);
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE)
+    ct_assembly_gather(part->assembly, values, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes, f);
+}
+#endif
 
 static ct_status solid_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
 {
@@ -84,18 +114,13 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     const ct_solid_part *part = &solid->parts[i];
     const double *u = view->displacement + 3 * (int64_t)part->first_node;
     double *f = force + 3 * (int64_t)part->first_node, *values = scratch->values + part->first_value;
-    int32_t batches = part->batch_count, nodes = part->mesh->node_count;
 #ifdef _OPENMP
-#pragma omp parallel for num_threads(view->threads) schedule(static) if (view->threads > 1)
+    if (view->threads > 1) {
+      part_force_threads(part, u, values, f, view->threads);
+      continue;
+    }
 #endif
-    for (int32_t b = 0; b < batches; b += BATCHES_AT_ONCE)
-      part_batches(part, b, b + BATCHES_AT_ONCE < batches ? b + BATCHES_AT_ONCE : batches, u, values);
-    ct_assembly_fold(part->assembly, values);
-#ifdef _OPENMP
-#pragma omp parallel for num_threads(view->threads) schedule(static) if (view->threads > 1)
-#endif
-    for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE)
-      ct_assembly_gather(part->assembly, values, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes, f);
+    part_force(part, u, values, f);
   }
   return CT_OK;
 }
@@ -187,6 +212,28 @@ static ct_status prepare_gradients(ct_solid_part *part)
   return CT_OK;
 }
 
+/* Find for each block of batches how many nodes, counted from the first, have all their elements by then. */
+static ct_status prepare_ready(ct_solid_part *part)
+{
+  const ct_mesh *mesh = part->mesh;
+  int32_t blocks = (part->batch_count + CT_BLOCK - 1) / CT_BLOCK, node = 0;
+  size_t per = (size_t)ct_brick_node_count(mesh->kind);
+  int32_t *last = ct_allocate((size_t)mesh->node_count, sizeof *last);
+  part->ready = ct_allocate((size_t)blocks, sizeof *part->ready);
+  if (last == NULL || part->ready == NULL) {
+    ct_release(last);
+    return CT_ERROR_MEMORY;
+  }
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (size_t a = 0; a < per; a++) last[mesh->elements[(size_t)e * per + a]] = e;
+  for (int32_t block = 0; block < blocks; block++) {
+    while (node < mesh->node_count && last[node] / (8 * CT_BLOCK) <= block) node++;
+    part->ready[block] = node;
+  }
+  ct_release(last);
+  return CT_OK;
+}
+
 static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, ct_error *error)
 {
   int32_t per = ct_brick_node_count(block->mesh->kind);
@@ -201,7 +248,8 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   part->kernel = block->kernel == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : block->kernel;
   part->batch_count = (part->mesh->element_count + 7) / 8;
   part->batch_nodes = ct_allocate((size_t)part->batch_count * 8 * (size_t)per, sizeof *part->batch_nodes);
-  if (part->batch_nodes == NULL || (part->mesh->kind == CT_HEX20 && prepare_gradients(part) != CT_OK))
+  if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK ||
+      (part->mesh->kind == CT_HEX20 && prepare_gradients(part) != CT_OK))
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   for (int32_t b = 0; b < part->batch_count; b++)
     for (int32_t a = 0; a < per; a++)

@@ -22,9 +22,14 @@ typedef struct ct_solid_part {
   /* Shape gradients ∂N_a/∂ξ_j and weights at the Gauss points of hex20, shape (27, 20, 3). */
   double (*gradients)[20][3];
   ct_assembly *assembly;
+  /* After each block of CT_BLOCK batches: the first node that still waits for an element, shape (blocks). */
+  int32_t *ready;
   /* Where this part's values begin in the scratch of the effect. */
   int64_t first_value;
 } ct_solid_part;
+
+/* Batches that are computed before their nodes are summed, while their forces are still in the cache. */
+enum { CT_BLOCK = 32 };
 
 /* Edge lengths when all elements are rectangular along x, y, z and alike to 1e-12; 0 otherwise. */
 int ct_solid_is_box(const ct_mesh *mesh, double edge[3]);

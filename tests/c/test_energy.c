@@ -1,0 +1,208 @@
+/* The ledger of energy and momentum on small plates, with and without contact, alike and unlike. */
+#include "bodies.h"
+
+static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9};
+
+/* Half plates of the impact: symmetric planes at z = 0 and, for plane strain, at both faces y. */
+static void plane_strain(ct_scene *scene, int32_t body, const ct_mesh *m, double thickness)
+{
+  add_support(scene, body, m, 2, 0.0, "z", 0.0);
+  add_support(scene, body, m, 1, 0.0, "y", 0.0);
+  add_support(scene, body, m, 1, thickness, "y", 0.0);
+}
+
+/* What a run leaves of each quantity that should not change, relative to its scale. */
+typedef struct ledger {
+  double total, balance, impulse, momentum, contact, solid_work, contact_work;
+} ledger;
+
+static ledger watch(const ct_problem *p, ct_state *state, int64_t steps, int64_t every)
+{
+  ledger worst_of = {0};
+  ct_energy first = energy_of(p, state), now;
+  ct_momentum start[2], m[2];
+  double scale = 0.0, work;
+  ct_error e;
+  for (int b = 0; b < p->body_count; b++) start[b] = momentum_of(p, state, b);
+  for (int n = 0; n < p->node_count; n++) {
+    const double *v = &p->initial_velocity[3 * n];
+    scale += p->mass[n] * sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  }
+  for (int64_t done = 0; done < steps; done += every) {
+    advance(p, state, every);
+    now = energy_of(p, state);
+    worst_of.total = worst(worst_of.total, (now.total - first.total) / first.total);
+    worst_of.balance = worst(worst_of.balance, now.balance / first.kinetic);
+    worst_of.contact = worst(worst_of.contact, now.contact / first.total);
+    // For linear forces the work of the solid is minus its stored energy.
+    need(ct_energy_work(p, state, 0, &work, &e), &e);
+    worst_of.solid_work = worst(worst_of.solid_work, (work + now.strain) / first.total);
+    double sum = 0.0, sum_start = 0.0;
+    for (int b = 0; b < p->body_count; b++) {
+      m[b] = momentum_of(p, state, b);
+      for (int c = 0; c < 3; c++) worst_of.impulse = worst(worst_of.impulse, (m[b].p[c] - start[b].p[c] - m[b].contact_impulse[c] - m[b].support_impulse[c]) / scale);
+      sum += m[b].p[0], sum_start += start[b].p[0];
+    }
+    worst_of.momentum = worst(worst_of.momentum, (sum - sum_start) / scale);
+  }
+  return worst_of;
+}
+
+/* One plate that hits a rigid plane: all forces are linear. */
+static void reference_run(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 2.5, 0.125, 2.5, 20, 1, 20);
+  ct_scene *scene = new_scene();
+  add_body(scene, "right", m, &STEEL, CT_KERNEL_AUTO, -1000, 0, 0);
+  plane_strain(scene, 0, m, 0.125);
+  add_support(scene, 0, m, 0, 0.0, "x", 0.0);
+  int64_t steps;
+  ct_stable_step stable;
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 6e-7, .courant = 0.125, .threads = 1}, &steps, &stable);
+  ct_state *state = new_state(p);
+  double kinetic = energy_of(p, state).kinetic, mass = 0.0;
+  for (int n = 0; n < p->node_count; n++) mass += m->nodes[3 * n] > 0.0 ? p->mass[n] : 0.0;
+  tap_close(kinetic / (0.5 * mass * 1e6), 1.0, 1e-12, "reference run: kinetic energy of what moves, m v^2 / 2");
+  ledger l = watch(p, state, steps / 10 * 10, 10);
+  tap_ok(l.total < 1e-12, "reference run, %d steps: total energy constant to %.2g", (int)steps, l.total);
+  tap_ok(l.balance < 1e-12, "reference run: work balance %.2g", l.balance);
+  tap_ok(l.solid_work < 1e-12, "reference run: work of the solid is minus its energy, off by %.2g", l.solid_work);
+  tap_ok(l.impulse < 1e-12, "reference run: change of momentum is the support's impulse, off by %.2g", l.impulse);
+  ct_momentum now = momentum_of(p, state, 0);
+  tap_ok(now.support_impulse[0] > 0.0 && now.contact_impulse[0] == 0.0, "reference run: the wall pushes back, and there is no contact");
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(m);
+}
+
+/* Two equal plates. */
+static void contact_run(double beta, double courant, double fraction, double drift)
+{
+  ct_mesh *right = box_mesh(CT_HEX8, 0, 0, 0, 2.5, 0.125, 2.5, 20, 1, 20), *left = box_mesh(CT_HEX8, -2.5, 0, 0, 2.5, 0.125, 2.5, 20, 1, 20);
+  ct_scene *scene = new_scene();
+  add_body(scene, "right", right, &STEEL, CT_KERNEL_AUTO, -1000, 0, 0);
+  add_body(scene, "left", left, &STEEL, CT_KERNEL_AUTO, 1000, 0, 0);
+  plane_strain(scene, 0, right, 0.125);
+  plane_strain(scene, 1, left, 0.125);
+  add_contact(scene, 1, left, 0.0, 0, right, 0.0, 0, beta);
+  int64_t steps;
+  ct_stable_step stable;
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-6, .courant = courant, .fraction = fraction, .threads = 1}, &steps, &stable);
+  ct_state *state = new_state(p);
+  ledger l = watch(p, state, steps / 5 * 5, 5);
+  char name[80];
+  snprintf(name, sizeof name, "contact run, beta = %g, Courant number %.3f", beta, p->dt / stable.dt_courant);
+  tap_ok(l.total < drift && l.contact > 1e-3, "%s: total energy constant to %.2g, up to %.2g of it in the contact", name, l.total, l.contact);
+  tap_ok(l.balance < 1e-12, "%s: work balance %.2g", name, l.balance);
+  tap_ok(l.impulse < 1e-12 && l.momentum < 1e-13, "%s: impulse %.2g, total momentum %.2g", name, l.impulse, l.momentum);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(right);
+  ct_mesh_free(left);
+}
+
+/* Meshes 1 : 7.3 along the contact, densities 2 : 1, different velocities. */
+static void unlike_plates(void)
+{
+  ct_material heavy = STEEL;
+  heavy.density *= 2.0;
+  ct_mesh *coarse = box_mesh(CT_HEX8, -2.5, 0, 0, 2.5, 0.25, 2.5, 10, 1, 10), *fine = box_mesh(CT_HEX8, 0, 0, 0, 2.5, 0.25, 2.5, 12, 1, 73);
+  ct_scene *scene = new_scene();
+  add_body(scene, "coarse", coarse, &heavy, CT_KERNEL_AUTO, 700, 0, 0);
+  add_body(scene, "fine", fine, &STEEL, CT_KERNEL_AUTO, -1900, 0, 30);
+  plane_strain(scene, 0, coarse, 0.25);
+  plane_strain(scene, 1, fine, 0.25);
+  add_contact(scene, 0, coarse, 0.0, 1, fine, 0.0, 0, 1.0);
+  int64_t steps;
+  ct_stable_step stable;
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 8e-7, .fraction = 0.7, .threads = 1}, &steps, &stable);
+  ct_state *state = new_state(p);
+  ledger l = watch(p, state, steps / 10 * 10, 10);
+  ct_momentum a = momentum_of(p, state, 0), b = momentum_of(p, state, 1);
+  tap_ok(l.momentum < 1e-13, "unlike plates, %d steps: total p_x constant to %.2g of sum m |v|", (int)steps, l.momentum);
+  tap_ok(l.impulse < 1e-12, "unlike plates: each change of momentum is contact plus support impulse, off by %.2g", l.impulse);
+  tap_ok(l.balance < 1e-12 && l.total < 0.02, "unlike plates: work balance %.2g, total energy to %.2g", l.balance, l.total);
+  tap_ok(a.contact_impulse[0] < 0.0 && fabs(a.contact_impulse[0] + b.contact_impulse[0]) < 1e-12 * fabs(a.contact_impulse[0]) && fabs(a.contact_impulse[0]) > 0.1 * fabs(a.p[0]),
+         "unlike plates: the contact's impulses are opposite, %.3g and %.3g", a.contact_impulse[0], b.contact_impulse[0]);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(coarse);
+  ct_mesh_free(fine);
+}
+
+/* Hands on: p = m v, L = X x m v of a flying block, and velocities at whole steps. */
+static void flying_block(void)
+{
+  ct_material m = {2.0, 0.3, 0.5};
+  ct_mesh *box = box_mesh(CT_HEX8, 1, 2, 3, 1, 1, 2, 2, 2, 2);
+  ct_scene *scene = new_scene();
+  add_body(scene, "block", box, &m, CT_KERNEL_AUTO, 3, -1, 2);
+  int64_t steps;
+  ct_stable_step stable;
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  ct_state *state = new_state(p);
+  advance(p, state, steps);
+  ct_momentum now = momentum_of(p, state, 0);
+  // Mass 1; at t = 1 the centre is at (1.5, 2.5, 4) + (3, -1, 2) = (4.5, 1.5, 6): L = X x v = (1.5*2 + 6*1, 6*3 - 4.5*2, -4.5 - 4.5).
+  const double L[3] = {9.0, 9.0, -9.0}, v[3] = {3, -1, 2};
+  double off = worst(largest_difference(now.p, v, 3), largest_difference(now.L, L, 3));
+  tap_ok(off < 1e-13 && now.body == 0 && fabs(now.time - 1.0) < 1e-15, "a flying block of mass 1: p = v, L = X x v, off by %.2g", off);
+  tap_close(energy_of(p, state).kinetic, 7.0, 1e-13, "its kinetic energy is 14 / 2");
+
+  double *u = numbers(3 * p->node_count), stored = 1.0, work = 1.0;
+  ct_error e = {0};
+  need(ct_state_velocity(p, state, u, &e), &e);
+  off = 0.0;
+  for (int i = 0; i < 3 * p->node_count; i++) off = worst(off, u[i] - v[i % 3]);
+  tap_ok(off < 1e-14, "velocity at whole steps");
+  need(ct_energy_stored(p, state, 0, &stored, &e), &e);
+  need(ct_energy_work(p, state, 0, &work, &e), &e);
+  tap_ok(stored < 1e-25 && fabs(work) < 1e-13, "nothing is stored and nothing done");
+  tap_ok(ct_momentum_of(p, state, 1, &now, &e) == CT_ERROR_ARGUMENT && ct_momentum_of(p, state, -1, &now, &e) == CT_ERROR_ARGUMENT, "there is no second body: %s", e.text);
+  tap_ok(ct_energy_stored(p, state, 1, &stored, &e) == CT_ERROR_ARGUMENT && ct_state_force(p, state, -1, u, &e) == CT_ERROR_ARGUMENT && ct_energy_work(p, state, 0, NULL, NULL) == CT_ERROR_ARGUMENT &&
+             ct_energy_of(NULL, state, NULL, NULL) == CT_ERROR_ARGUMENT && ct_state_velocity(p, NULL, u, NULL) == CT_ERROR_ARGUMENT,
+         "effects that do not exist and null arguments are refused: %s", e.text);
+  free(u);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(box);
+}
+
+/* The kinetic energy (v- . M v+) / 2 by hand, from two half-step velocities of the run itself. */
+static void discrete_kinetic(void)
+{
+  ct_material m = {2.0, 0.3, 0.5};
+  ct_mesh *box = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 2, 2, 1);
+  ct_scene *scene = new_scene();
+  add_body(scene, "block", box, &m, CT_KERNEL_AUTO, 1, 0, 0);
+  add_support(scene, 0, box, 0, 0.0, "xyz", 0.0);
+  int64_t steps;
+  ct_stable_step stable;
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9, .threads = 1}, &steps, &stable);
+  ct_state *state = new_state(p);
+  double off = 0.0, *before = numbers(3 * p->node_count);
+  for (int k = 0; k < 50; k++) {
+    double got = energy_of(p, state).kinetic, want = 0.0;
+    memcpy(before, state->velocity, 3 * (size_t)p->node_count * sizeof *before);
+    advance(p, state, 1);
+    for (int i = 0; i < 3 * p->node_count; i++) want += 0.5 * p->mass[i / 3] * before[i] * state->velocity[i];
+    off = worst(off, (got - want) / state->kinetic_start);
+  }
+  tap_ok(off < 1e-13, "kinetic energy is half of v- M v+, off by %.2g", off);
+  free(before);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(box);
+}
+
+int main(void)
+{
+  reference_run();
+  contact_run(4.0, 0.125, 0.0, 1e-3);
+  contact_run(20.0, 0.125, 0.0, 1e-2);
+  contact_run(20.0, 0.0, 1.0, 10.0);
+  unlike_plates();
+  flying_block();
+  discrete_kinetic();
+  return tap_done();
+}
