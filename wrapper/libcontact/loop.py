@@ -20,7 +20,7 @@ from ._core import ffi, lib
 from .errors import NotBuiltIn, check, new_error
 from .mesh import view
 from .problem import Problem
-from .run import ENERGY, MOMENTUM, BodyState, Run, RunError, State
+from .run import ENERGY, MOMENTUM, POINT, BodyState, Run, RunError, State
 from .schema import SceneError, is_number
 
 DEFAULT_RECORDS = 100
@@ -200,7 +200,7 @@ class Loop:
             bodies=list(problem.bodies), units=problem.parts.units, steps=self.steps,
             energy=np.concatenate(self.energy or [np.empty(0, ENERGY)]), momentum=np.concatenate(self.momentum or [np.empty(0, MOMENTUM)]),
             state=state, path=self.path, scene=self.scene_text, interrupted=self.interrupted, seconds=self.seconds,
-            writer=None if failed else self._write)
+            writer=None if failed else self._write, contact=[] if failed else self._contacts())
 
     def _last_good(self) -> State | None:
         if self.good is not None and self.steps:
@@ -219,6 +219,20 @@ class Loop:
         bodies = {body.name: BodyState(body.name, body.mesh, body.material, displacement[body.nodes], velocity[body.nodes])
                   for body in problem.bodies.values()}
         return State(state.time, state.step, bodies)
+
+    def _contacts(self) -> list[np.ndarray]:
+        """The Gauss points of each contact in the last state."""
+        out = []
+        for k, name in enumerate(self.problem.effects):
+            if name == "contact":
+                error = new_error()
+                contact = lib.ct_state_contact(self.problem.pointer, self.state, k, error)
+                if contact == ffi.NULL:
+                    check(error.code, error)
+                points = np.zeros(lib.ct_contact_point_count(contact), POINT)
+                check(lib.ct_contact_points(contact, ffi.cast("ct_contact_point *", points.ctypes.data)))
+                out.append(points)
+        return out
 
     def _write(self, run: Run, path: Path) -> None:
         """Save a run that has no file: its last state through the C library, and all rows of its tables."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from collections.abc import Iterator
@@ -21,6 +21,11 @@ from .units import Units
 ENERGY = np.dtype([(name, "f8") for name in ("time", "kinetic", "strain", "contact", "external", "total", "balance")])
 MOMENTUM = np.dtype(
     [("time", "f8"), ("body", "i4"), ("p", "f8", 3), ("L", "f8", 3), ("contact_impulse", "f8", 3), ("support_impulse", "f8", 3)])
+POINT = np.dtype(
+    [("side", "i4"), ("face", "i4"), ("gauss", "i4"), ("other", "i4"), ("position", "f8", 3), ("closest", "f8", 3), ("xi", "f8", 2),
+     ("gap", "f8"), ("pressure", "f8"), ("weight", "f8")],
+    align=True,
+)
 STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 COMPONENTS = {
     **{f"stress_{name}": ("stress", i) for i, name in enumerate(STRESS)},
@@ -139,17 +144,20 @@ class Run:
     """
     What a run recorded. ``time`` (records,) and ``steps`` (records,); ``energy``, a structured array with the fields time, kinetic, strain,
     contact, external, total, balance, a row a record; ``momentum``, with time, body (number in ``bodies``), p, L,
-    contact_impulse, support_impulse, a row a record and body. ``state`` is the last recorded state.
+    contact_impulse, support_impulse, a row a record and body. ``state`` is the last recorded state. ``contact`` has for each contact of
+    the scene the Gauss points of both surfaces in that state: side, face, gauss, other (the face that was met, or -1), position, closest, xi,
+    gap (negative inside, NaN where nothing was met), pressure, weight; it is empty for a run that was read from a file.
     """
 
     def __init__(self, *, bodies: list[str], units: Units | None, steps: Any, energy: np.ndarray, momentum: np.ndarray,
                  state: State | None, path: Path | None = None, scene: str = "", interrupted: bool = False, seconds: float = 0.0,
-                 writer: Any = None):
+                 writer: Any = None, contact: Sequence[np.ndarray] = ()):
         self.bodies, self.units, self.state = bodies, units, state
         self.steps = np.asarray(steps, np.int64)
         self.energy, self.momentum = energy, momentum
         self.path, self.scene = path, scene
         self.interrupted, self.seconds = interrupted, seconds
+        self.contact = list(contact)
         self._writer = writer
 
     @property
