@@ -101,6 +101,20 @@ static void mirrored(ct_brick_kind kind)
   }
 }
 
+/* Elements whose axes point anywhere meet a node in the same octant; the masses are the same. */
+static void turned(ct_brick_kind kind)
+{
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 1, 4, 4, 4);
+  distort(m, 0.02);
+  double *straight = masses(m, 1.7, CT_LUMP_DEFAULT);
+  turn_elements(m);
+  double *mass = masses(m, 1.7, CT_LUMP_DEFAULT), off = largest_difference(mass, straight, m->node_count) / largest(straight, m->node_count);
+  tap_ok(off < 1e-14, "%s: turned elements have the same masses, off by %.2g", KIND[kind], off);
+  free(mass);
+  free(straight);
+  ct_mesh_free(m);
+}
+
 static void refusals(void)
 {
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 2, 1, 1, 2, 1, 1);
@@ -124,6 +138,8 @@ int main(void)
   total_mass(CT_HEX8, CT_LUMP_HRZ);
   total_mass(CT_HEX20, CT_LUMP_DEFAULT);
   closed_forms();
+  turned(CT_HEX8);
+  turned(CT_HEX20);
   mirrored(CT_HEX8);
   mirrored(CT_HEX20);
   refusals();

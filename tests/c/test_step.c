@@ -300,7 +300,7 @@ static int same_state(const ct_state *x, const ct_state *y)
          memcmp(x->memory, y->memory, (size_t)x->memory_count * sizeof(double)) == 0;
 }
 
-enum { RUN = 250 };
+enum { RUN = 250, THREADED = 80 };
 
 static void equal_bits(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
 {
@@ -311,16 +311,18 @@ static void equal_bits(ct_brick_kind kind, ct_solid_kernel kernel, const char *n
   advance(&one.own, half, RUN / 2);
   need(ct_state_copy(&one.own, half, rest, &e), &e);
   advance(&one.own, rest, RUN - RUN / 2);
+  advance(&two.own, threads, THREADED);
+  int alike = 0;
   for (int k = 0; k < RUN; k++) {
     advance(&one.own, whole, 1);
+    if (k + 1 == THREADED) alike = same_state(whole, threads) && same_ledger(&one.own, whole, &two.own, threads);
     if (k % 10 == 0) pressed = worst(pressed, energy_of(&one.own, whole).contact);
   }
-  advance(&two.own, threads, RUN);
   double start = whole->kinetic_start;
   tap_ok(pressed > 1e-3 * start, "%s: the bodies press on each other (contact energy up to %.3f of the kinetic)", name, pressed / start);
   tap_ok(same_state(whole, rest), "%s: a run that was copied and continued has the same bits, ledger asked or not", name);
   tap_ok(same_ledger(&one.own, whole, &one.own, rest), "%s: and so has its ledger", name);
-  tap_ok(same_state(whole, threads) && same_ledger(&one.own, whole, &two.own, threads), "%s: two threads have the same bits", name);
+  tap_ok(alike, "%s: two threads have the same bits", name);
   for (int axis = 0; axis < 3; axis++) {
     collision image = collide(kind, kernel, axis, 1);
     ct_state *mirrored = new_state(&image.own);
@@ -374,6 +376,59 @@ static void symmetric_impact(ct_brick_kind kind, ct_solid_kernel kernel, const c
   ct_scene_free(scene);
   ct_mesh_free(flat);
   ct_mesh_free(flat_left);
+  ct_mesh_free(left);
+  ct_mesh_free(right);
+}
+
+/* Bodies that overlap at t = 0 have a force there: the first half kick goes back from the given velocity, and the ledger knows. */
+static void loaded_start(void)
+{
+  ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2), *right = box_mesh(CT_HEX8, -0.03125, 0, 0, 1, 1, 1, 2, 2, 2);
+  ct_scene *scene = one_body(left, &SOFT, CT_KERNEL_AUTO, 0.25, 0, 0);
+  add_body(scene, "right", right, &SOFT, CT_KERNEL_AUTO, -0.5, 0, 0);
+  add_contact(scene, 0, left, 0.0, 1, right, -0.03125, 0, 1.0);
+  int64_t steps;
+  ct_stable_step stable;
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 0.5, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  // eps = E / h = 4, area 1: the force is 4 * 0.03125, and each face's nodes share it as 1 : 2 : 4.
+  ct_state *state = new_state(p);
+  double *f = numbers(3 * p->node_count), *v = numbers(3 * p->node_count), sum = 0.0, kick = 0.0, mean = 0.0, error[2] = {0}, order;
+  ct_error e;
+  need(ct_state_force(p, state, 1, f, &e), &e);
+  need(ct_state_velocity(p, state, v, &e), &e);
+  for (int n = 0; n < p->node_count; n++) {
+    double v0 = n < left->node_count ? 0.25 : -0.5;
+    sum += n < left->node_count ? f[3 * n] : 0.0;
+    kick = worst(kick, state->velocity[3 * n] - (v0 - 0.5 * p->dt * f[3 * n] / p->mass[n]));
+    mean = worst(mean, v[3 * n] - v0);
+  }
+  tap_close(sum, -0.125, 1e-14, "bodies that overlap at the start press with eps g A");
+  tap_ok(kick < 1e-15 && mean < 1e-15, "half a step before the start the velocity lacks half a kick (%.2g), at the start it is the given one (%.2g)", kick, mean);
+  ct_energy first = energy_of(p, state), now;
+  tap_close(first.contact, 0.5 * 4.0 * 0.03125 * 0.03125, 1e-16, "and hold eps g^2 A / 2");
+  advance(p, state, steps);
+  now = energy_of(p, state);
+  ct_momentum a = momentum_of(p, state, 0);
+  tap_ok(fabs(now.balance) < 1e-13 * first.kinetic, "loaded start: work balance %.2g", now.balance / first.kinetic);
+  tap_close(a.p[0] - 0.25 * 1.5, a.contact_impulse[0], 1e-14, "loaded start: change of momentum is the contact's impulse");
+  ct_state_free(state);
+  // Errors of the displacement at t = 1/16, while all points stay in contact: order 2 only with the half kick.
+  double *fine = numbers(3 * p->node_count);
+  for (int k = 0; k < 3; k++) {
+    int64_t count = k == 0 ? 4096 : k == 1 ? 16 : 32;
+    ct_problem q = changed(p, 0.0625 / (double)count, NULL);
+    state = new_state(&q);
+    advance(&q, state, count);
+    if (k == 0) memcpy(fine, state->displacement, 3 * (size_t)p->node_count * sizeof *fine);
+    else error[k - 1] = largest_difference(state->displacement, fine, 3 * p->node_count);
+    ct_state_free(state);
+  }
+  order = log(error[0] / error[1]) / log(2.0);
+  tap_ok(order > 1.9 && order < 2.1, "loaded start: order %.3f in dt (errors %.2g %.2g)", order, error[0], error[1]);
+  free(fine);
+  free(f);
+  free(v);
+  ct_scene_free(scene);
   ct_mesh_free(left);
   ct_mesh_free(right);
 }
@@ -467,6 +522,7 @@ int main(void)
   symmetric_impact(CT_HEX8, CT_KERNEL_BOX, "box kernel");
   symmetric_impact(CT_HEX8, CT_KERNEL_GENERAL, "hex8 kernel");
   symmetric_impact(CT_HEX20, CT_KERNEL_GENERAL, "hex20 kernel");
+  loaded_start();
   blowup(0);
   blowup(1);
   refusals();

@@ -339,13 +339,15 @@ def test_what_c_refuses_has_the_key_of_its_table():
     assert refused(small(time={"end": 1e300, "courant": 0.1}), run=True).key == "time"
 
 
-def test_a_collapsed_edge_has_no_courant_number_but_a_stable_step():
+def test_a_collapsed_edge_does_not_count_in_the_courant_number():
     nodes = CUBE.copy()
     nodes[[2, 6]] = nodes[[1, 5]]
     wedge = cube(nodes)
     wedge["time"] = {"end": 2e-7, "fraction": 0.5}
     facts = ct.Scene(wedge).explain().data["time"]
-    assert facts["courant"] == math.inf and 0 < facts["fraction"] <= 0.5
+    # The wedge of a unit cube: its shortest real edge is 1.
+    c1 = ct.Scene(wedge).explain().data["bodies"][0]["c1"]
+    assert facts["courant"] == pytest.approx(c1 * facts["dt"], rel=1e-12) and 0 < facts["fraction"] <= 0.5
 
 
 def test_what_does_not_fit_the_machine_is_refused_before_it_is_tried():
