@@ -2,6 +2,7 @@
 
 #include "error.h"
 #include "memory.h"
+#include "mesh_internal.h"
 
 
 void ct_assembly_free(ct_assembly *assembly)
@@ -62,6 +63,10 @@ static void fill_places(const ct_mesh *mesh, ct_assembly *assembly)
 ct_status ct_assembly_create(const ct_mesh *mesh, int components, ct_assembly **out, ct_error *error)
 {
   int per = ct_brick_node_count(mesh->kind);
+  int32_t number[20];
+  ct_status status = per > 0 ? CT_OK : ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "mesh: unknown kind of element");
+  for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) status = ct_mesh_element_nodes(mesh, e, number, error);
+  if (status != CT_OK) return status;
   int64_t values = ((int64_t)mesh->element_count + 7) / 8 * 8 * per * components;
   if (values > INT32_MAX / 4)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "a mesh of %d elements is too large", (int)mesh->element_count);

@@ -4,6 +4,7 @@
 #include "error.h"
 #include "jacobian.h"
 #include "memory.h"
+#include "mesh_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -126,18 +127,27 @@ ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *e
   return CT_OK;
 }
 
+ct_status ct_mesh_element_nodes(const ct_mesh *mesh, int32_t element, int32_t *nodes, ct_error *error)
+{
+  int per = ct_brick_node_count(mesh->kind);
+  for (int a = 0; a < per; a++) {
+    nodes[a] = mesh->elements[(size_t)element * (size_t)per + (size_t)a];
+    if (nodes[a] < 0 || nodes[a] >= mesh->node_count)
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, element, -1}, "element %d names node %d, the mesh has nodes 0 to %d",
+                     (int)element, (int)nodes[a], (int)mesh->node_count - 1);
+  }
+  return CT_OK;
+}
+
 static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t element, ct_error *error)
 {
   int per = ct_brick_node_count(mesh->kind);
+  int32_t number[20];
   double nodes[20][3];
   ct_place where = {-1, element, -1};
-  for (int a = 0; a < per; a++) {
-    int32_t node = mesh->elements[(size_t)element * (size_t)per + (size_t)a];
-    if (node < 0 || node >= mesh->node_count)
-      return ct_fail(error, CT_ERROR_ARGUMENT, where, "element %d names node %d, the mesh has nodes 0 to %d", (int)element,
-                     (int)node, (int)mesh->node_count - 1);
-    memcpy(nodes[a], &mesh->nodes[3 * (size_t)node], sizeof nodes[a]);
-  }
+  ct_status status = ct_mesh_element_nodes(mesh, element, number, error);
+  if (status != CT_OK) return status;
+  for (int a = 0; a < per; a++) memcpy(nodes[a], &mesh->nodes[3 * (size_t)number[a]], sizeof nodes[a]);
   for (int q = 0; q < rule->count; q++) {
     double dN[20][3], J[3][3], C[3][3];
     ct_brick_gradient(mesh->kind, rule->xi[q], dN);
@@ -171,6 +181,7 @@ ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
 
 double ct_mesh_shortest_edge(const ct_mesh *mesh)
 {
+  if (mesh == NULL) return NAN;
   static const int edge[12][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
                                   {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
   size_t per = (size_t)ct_brick_node_count(mesh->kind);
@@ -196,6 +207,7 @@ void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3])
     low[d] = INFINITY;
     high[d] = -INFINITY;
   }
+  if (mesh == NULL) return;
   for (int32_t i = 0; i < mesh->node_count; i++)
     for (int d = 0; d < 3; d++) {
       double x = mesh->nodes[3 * (size_t)i + (size_t)d];

@@ -220,5 +220,15 @@ int main(void)
   tap_ok(ct_mesh_create_box(CT_HEX8, NULL, &m, NULL) == CT_ERROR_ARGUMENT && ct_mesh_create_box((ct_brick_kind)5, &some, &m, NULL) == CT_ERROR_ARGUMENT,
          "no box and an unknown element are refused");
   ct_mesh_free(NULL);
+  double low[3], high[3];
+  ct_mesh_bounds(NULL, low, high);
+  tap_ok(isnan(ct_mesh_shortest_edge(NULL)) && low[0] > high[0], "a null mesh has no edge and no bounds");
+  double corner[3] = {0, 0, 0}, out[8];
+  int32_t beyond[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  ct_mesh wrong = {CT_HEX8, 1, 1, corner, beyond};
+  ct_material steel = {2.1e11, 0.3, 7800.0};
+  ct_error e = {0};
+  tap_ok(ct_mass_lumped(&wrong, 1.0, CT_LUMP_DEFAULT, out, &e) == CT_ERROR_ARGUMENT && e.element == 0, "masses: a node out of range is refused: %s", e.text);
+  tap_ok(ct_solid_stress(&wrong, &steel, corner, out, &e) == CT_ERROR_ARGUMENT && e.element == 0, "stresses: a node out of range is refused: %s", e.text);
   return tap_done();
 }

@@ -52,7 +52,7 @@ CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 
 /**
  * Shortest edge between corner nodes of any element [length]: the h of the Courant number and of the penalty. Edges that a wedge has
- * collapsed to a point (below 1e-9 of the element's longest) do not count.
+ * collapsed to a point (below 1e-9 of the element's longest) do not count. NaN for a null mesh.
  */
 CT_API double ct_mesh_shortest_edge(const ct_mesh *mesh);
 
@@ -69,7 +69,7 @@ CT_API int32_t ct_mesh_plane_nodes(const ct_mesh *mesh, int axis, double value, 
 /** All faces of the mesh that belong to one element only, as `ct_mesh_plane_faces` gives them. */
 CT_API int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t *owners);
 
-/** Smallest and largest coordinates of the nodes [length]. */
+/** Smallest and largest coordinates of the nodes [length]; infinite, the wrong way round, for a null mesh. */
 CT_API void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3]);
 
 #endif

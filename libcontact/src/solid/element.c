@@ -4,6 +4,7 @@
 
 #include "../error.h"
 #include "../jacobian.h"
+#include "../mesh_internal.h"
 #include "element.h"
 
 #include <string.h>
@@ -99,13 +100,14 @@ ct_status ct_solid_stress(const ct_mesh *mesh, const ct_material *material, cons
   size_t per = (size_t)ct_brick_node_count(mesh->kind);
   for (int32_t e = 0; e < mesh->element_count; e++) {
     double x[20][3] = {{0.0}}, u[20][3] = {{0.0}};
-    for (size_t a = 0; a < per; a++) {
-      size_t node = (size_t)mesh->elements[(size_t)e * per + a];
+    int32_t number[20];
+    ct_status status = ct_mesh_element_nodes(mesh, e, number, error);
+    for (size_t a = 0; status == CT_OK && a < per; a++) {
+      size_t node = (size_t)number[a];
       memcpy(x[a], &mesh->nodes[3 * node], sizeof x[a]);
       memcpy(u[a], &displacement[3 * node], sizeof u[a]);
     }
-    ct_status status =
-        ct_solid_element_stress(mesh->kind, &x[0][0], &u[0][0], material, centre, &stress[6 * (size_t)e], error);
+    if (status == CT_OK) status = ct_solid_element_stress(mesh->kind, &x[0][0], &u[0][0], material, centre, &stress[6 * (size_t)e], error);
     if (status != CT_OK) {
       if (error != NULL) error->element = e;
       return status;
