@@ -15,6 +15,8 @@ from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
+# What tutorials write goes beside the book, not into the sources.
+os.environ.setdefault("LIBCONTACT_FIGURES", str(ROOT / "build" / "docs" / "figures"))
 RUN_TUTORIALS = os.environ.get("LIBCONTACT_GALLERY", "1") != "0"
 
 sys.path.insert(0, str(DOCS / "_ext"))

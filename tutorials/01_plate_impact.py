@@ -186,6 +186,12 @@ ax.legend(loc="upper center", ncols=5, fontsize=8, bbox_to_anchor=(0.5, -0.08), 
 fig.savefig(folder / "fig3.png", dpi=150)
 
 # %%
+# The curves as tables, for those who would rather compare numbers than pictures.
+
+for name, columns in (("fig4.csv", fig4), ("fig5.csv", fig5)):
+    np.savetxt(folder / name, np.column_stack(list(columns.values())), fmt="%.17g", delimiter=",", header=",".join(columns), comments="")
+
+# %%
 # How good is it?
 # ---------------
 # First the contact against the reference: the mean difference on Fig. 4's line, as a part of the plateau 7/3. Then the symmetry that the paper
@@ -294,9 +300,3 @@ for name, rows in table.items():
 
 if ct.has("gsl"):
     print(f"series with 300 branches against the closed form on Fig. 5's line: mean difference {np.mean(np.abs(fig5['series'] - fig5['exact'])):.4f}")
-
-# %%
-# The curves as tables, for those who would rather compare numbers than pictures.
-
-for name, columns in (("fig4.csv", fig4), ("fig5.csv", fig5)):
-    np.savetxt(folder / name, np.column_stack(list(columns.values())), fmt="%.17g", delimiter=",", header=",".join(columns), comments="")

@@ -3,6 +3,9 @@
 
 #include <contact/status.h>
 
+/* More threads than this are refused: some runtimes end the program when they can't start them. */
+enum { CT_MOST_THREADS = 1024 };
+
 /* What an error is about; -1 where it names none. */
 typedef struct ct_place {
   int64_t body, element, point;

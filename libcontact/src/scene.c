@@ -98,6 +98,8 @@ ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *me
 {
   if (scene == NULL || name == NULL || mesh == NULL || velocity == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body: null argument");
+  if ((int)lumping < CT_LUMP_DEFAULT || (int)lumping > CT_LUMP_HRZ || (int)kernel < CT_KERNEL_AUTO || (int)kernel > CT_KERNEL_BOX)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body %s: no lumping %d or no kernel %d", name, (int)lumping, (int)kernel);
   ct_status status = ct_material_check(material, error);
   for (int c = 0; status == CT_OK && c < 3; c++)
     if (!isfinite(velocity[c])) status = ct_fail(error, CT_INVALID, CT_NOWHERE, "body %s: velocity %c is not finite", name, "xyz"[c]);
@@ -298,14 +300,14 @@ static ct_status make_effects(ct_scene *scene, ct_error *error)
 static ct_status asked_step(const ct_scene_time *time, const ct_stable_step *stable, double *dt, ct_error *error)
 {
   int given = (time->courant > 0.0) + (time->fraction > 0.0) + (time->dt > 0.0);
-  if (!(time->end > 0.0) || !isfinite(time->end) || given != 1 || time->threads < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "time: needs an end > 0 (%g), exactly one of courant, fraction, dt (%d given), threads >= 1 (%d)",
+  if (!(time->end > 0.0) || !isfinite(time->end) || given != 1 || time->threads < 1 || time->threads > CT_MOST_THREADS)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "time: needs an end > 0 (%g), exactly one of courant, fraction, dt (%d given), 1 to 1024 threads (%d)",
                    time->end, given, time->threads);
   *dt = time->courant > 0.0 ? time->courant * stable->dt_courant : time->fraction > 0.0 ? time->fraction * stable->dt : time->dt;
   if (!(*dt <= stable->dt * (1.0 + 1e-12)))
     return ct_fail(error, CT_ERROR_STEP, CT_NOWHERE, "time step %g (Courant number %g) is above the stable step %g (Courant number %g)", *dt,
                    *dt / stable->dt_courant, stable->dt, stable->dt / stable->dt_courant);
-  if (!(time->end / *dt < 9e15)) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "time: %g steps", time->end / *dt);
+  if (!(time->end / *dt < 9e15)) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "time: %g steps to the end are more than can be counted", time->end / *dt);
   return CT_OK;
 }
 

@@ -41,7 +41,7 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
   for (int32_t k = 1; k < p->effect_count; k++)
     if ((p->effects[k]->force == NULL) != (p->effects[k]->reaction != 0))
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s has no force", p->effects[k]->name);
-  if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1)
+  if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1 || p->threads > CT_MOST_THREADS)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: a step of %g with %d threads", p->dt, p->threads);
   return CT_OK;
 }

@@ -122,6 +122,7 @@ static ct_status check_finite(const ct_problem *problem, const ct_state *state, 
 
 ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count, ct_error *error)
 {
+  if (count < 0) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "step: %lld steps", (long long)count);
   ct_status status = CT_OK;
   for (int64_t i = 1; status == CT_OK && i <= count; i++) {
     status = ct_step(problem, state, error);

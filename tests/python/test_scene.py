@@ -575,3 +575,31 @@ def test_the_page_names_every_unit_and_every_key():
             "tolerance depth set fix end end_c1t_over courant fraction dt integrator output.file output.fields output.every "
             "output.times run.threads")
     assert [key for key in keys.split() if f"``{key}``" not in page] == []
+
+
+def test_an_overlap_at_the_start_is_told():
+    """The right block begins 0.1 inside the left one: explain says so."""
+    scene = ct.Scene(title="overlap", units={"length": "m", "mass": "kg", "time": "s"})
+    scene.add_material("soft", young=1.0, poisson=0.0, density=1.0)
+    for name, origin in (("left", -1.0), ("right", -0.1)):
+        scene.add_body(name, material="soft", box={"origin": [origin, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]})
+    scene.add_contact("left.x_max", "right.x_min", beta=1).set_time(end=1.0, fraction=0.5)
+    facts = scene.explain().data
+    assert facts["contacts"][0]["initial_gap"] == pytest.approx(-0.1, abs=1e-12)
+    assert any("overlap by 0.1" in warning for warning in facts["warnings"])
+
+
+def test_a_scene_file_is_not_overwritten_by_its_results(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text((SCENES / "plates_reference.toml").read_text().replace("[100, 1, 100]", "[4, 1, 4]"))
+    before = path.read_bytes()
+    with pytest.raises(ct.SceneError, match="no results file"):
+        ct.Scene.load(path).run(progress=False, output=path)
+    assert path.read_bytes() == before
+
+
+def test_masked_nodes_are_refused():
+    nodes = np.ma.array(CUBE, mask=False)
+    nodes[3, 1] = np.ma.masked
+    with pytest.raises(ct.SceneError, match="masked"):
+        ct.Scene(cube(nodes)).explain()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import math
 import sys
 import warnings
 from pathlib import Path
@@ -48,6 +50,9 @@ def _guarded(options: argparse.Namespace) -> int:
     except (Error, MemoryError) as error:
         _say(f"the run failed: {error or 'out of memory'}", "red")
         return RUN_FAILED
+    except OSError as error:
+        _say(f"error: {error.strerror or error}", "red")
+        return BAD_INPUT
 
 
 class BadInput(ValueError):
@@ -135,11 +140,19 @@ def _explain(options: argparse.Namespace) -> int:
 def _plot(options: argparse.Namespace) -> int:
     from .run import Run
 
+    if not math.isfinite(options.scale) or abs(options.scale) > 1e12:
+        raise BadInput(f"the scale {options.scale:g} can't be drawn")
+    if not options.file:
+        raise BadInput("the name of the run is empty")
     target = Path(options.output) if options.output else Path(options.file).with_suffix(".png")
+    try:
+        run = Run.load(options.file)
+    except ValueError as error:
+        raise BadInput(str(error)) from None
     try:
         from .plot import picture
 
-        picture(Run.load(options.file), target, options.field, options.scale)
+        picture(run, target, options.field, options.scale)
     except ImportError as error:
         raise BadInput(f"plotting needs matplotlib ({error})") from None
     except OSError as error:
@@ -152,6 +165,8 @@ def _plot(options: argparse.Namespace) -> int:
 
 def _say(text: str, style: str = "") -> None:
     """A line on stderr, coloured where stderr is a terminal and rich is there."""
+    if sys.stderr is None:
+        return
     if sys.stderr.isatty():
         try:
             from rich.console import Console
@@ -161,7 +176,8 @@ def _say(text: str, style: str = "") -> None:
         else:
             Console(stderr=True).print(Text(text, style=style))
             return
-    print(text, file=sys.stderr)
+    with contextlib.suppress(OSError):  # a message that can't be shown does not change the result
+        print(text, file=sys.stderr, flush=True)
 
 
 def _silence_stdout() -> None:

@@ -46,9 +46,19 @@ class Speeds(NamedTuple):
     c_r: float
 
 
+def _real(name, values):
+    """Values as an array of doubles; what is no real number, or is masked, is refused."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"{name} has masked values; fill or leave them out")
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name} must be real numbers, not {array.dtype}")
+    return array.astype(np.float64)
+
+
 def _points(x, z, t):
     """The coordinates broadcast, each flat, contiguous and float64."""
-    arrays = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in (x, z, t)))
+    arrays = np.broadcast_arrays(*map(_real, ("x", "z", "t"), (x, z, t)))
     return arrays[0].shape, [np.ascontiguousarray(a).reshape(-1) for a in arrays]
 
 

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from .parts import DEFAULT_BETA, Contact
-from .problem import BuiltBody, BuiltContact, Problem, memory_estimate, speeds
+from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, speeds
 from .units import Units
 
 # Effects of the library, with what a scene that leaves them out goes without.
@@ -42,6 +42,8 @@ def _facts(problem: Problem) -> dict[str, Any]:
     parts = problem.parts
     used = list(dict.fromkeys(problem.effects))
     bodies = [_body(problem, body) for body in problem.bodies.values()]
+    gaps = _initial_gaps(problem)
+    contacts = [_contact(built, given, gap) for built, given, gap in zip(problem.contacts, parts.contacts, gaps)]
     return {
         "title": parts.title,
         "file": problem.file,
@@ -51,7 +53,7 @@ def _facts(problem: Problem) -> dict[str, Any]:
         "effects": used,
         "left_out": {name: why for name, why in EFFECTS.items() if name not in used},
         "assumptions": list(ASSUMPTIONS),
-        "contacts": [_contact(built, given) for built, given in zip(problem.contacts, parts.contacts)],
+        "contacts": contacts,
         "supports": [{"set": f"{s.body}.{s.face}", "fix": list(s.fix), "velocity": list(s.velocity)} for s in parts.supports],
         "time": _time(problem),
         "cost": {
@@ -61,7 +63,7 @@ def _facts(problem: Problem) -> dict[str, Any]:
             "updates": problem.step_count * sum(b["elements"] for b in bodies),
             "threads": problem.threads,
         },
-        "warnings": [warning for body in bodies for warning in body["warnings"]],
+        "warnings": [warning for part in (*bodies, *contacts) for warning in part["warnings"]],
     }
 
 
@@ -93,11 +95,23 @@ def _why(asked: str, body: BuiltBody) -> str:
     return "elements are not equal boxes along x, y, z: 2x2x2 Gauss points"
 
 
-def _contact(built: BuiltContact, given: Contact) -> dict[str, Any]:
+def _initial_gaps(problem: Problem) -> list[float | None]:
+    """The smallest gap of each contact at t = 0; None where no point is near the other surface."""
+    if not problem.contacts:
+        return []
+    gaps = [points["gap"][points["other"] >= 0] for points in contact_points(problem, new_state(problem))]
+    return [float(gap.min()) if gap.size else None for gap in gaps]
+
+
+def _contact(built: BuiltContact, given: Contact, gap: float | None) -> dict[str, Any]:
+    warnings = []
+    if gap is not None and gap < 0.0:
+        warnings.append(f"contact {built.surfaces[0]} with {built.surfaces[1]}: the surfaces overlap by {-gap:.3g} at the start; "
+                        "the penalty pushes them apart, which puts energy into the bodies")
     return {
         "surfaces": list(built.surfaces), "faces": list(built.faces), "gauss_points": list(built.points),
         "epsilon": built.epsilon, "beta": given.beta, "penalty_is_default": not given.penalty_given,
-        "method": given.method, "tolerance": given.tolerance, "depth": given.depth,
+        "method": given.method, "tolerance": given.tolerance, "depth": given.depth, "initial_gap": gap, "warnings": warnings,
     }
 
 
@@ -158,6 +172,8 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
         f"  contact {a} with {b}: {contact['faces'][0]} and {contact['faces'][1]} faces, each side slave and master once, "
         + f"{sum(contact['gauss_points'])} Gauss points",
         f"    penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin}), closest points by {contact['method']}",
+        "    at the start " + ("no point is near the other surface" if contact["initial_gap"] is None
+                               else f"the smallest gap is {contact['initial_gap']:.4g} {units.length}"),
     ]
 
 

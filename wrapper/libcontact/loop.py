@@ -19,8 +19,8 @@ import numpy as np
 from ._core import ffi, lib
 from .errors import NotBuiltIn, check, new_error
 from .mesh import view
-from .problem import Problem
-from .run import ENERGY, MOMENTUM, POINT, BodyState, Run, RunError, State
+from .problem import Problem, contact_points, new_state
+from .run import ENERGY, MOMENTUM, BodyState, Run, RunError, State
 from .schema import SceneError, is_number
 
 DEFAULT_RECORDS = 100
@@ -72,7 +72,7 @@ class Loop:
 
     def __init__(self, problem: Problem, scene_text: str):
         self.problem, self.scene_text = problem, scene_text
-        self.state = self._new_state()
+        self.state = new_state(problem)
         self.good: Any = None
         self.output: Any = None
         self.path: Path | None = None
@@ -81,12 +81,6 @@ class Loop:
         self.momentum: list[np.ndarray] = []
         self.interrupted = False
         self.seconds = 0.0
-
-    def _new_state(self) -> Any:
-        out, error = ffi.new("ct_state **"), new_error()
-        check(lib.ct_state_create(self.problem.pointer, out, error), error)
-        # Freeing a state asks the problem's effects, so the state keeps the problem alive.
-        return ffi.gc(out[0], lambda state, free=lib.ct_state_free, problem=self.problem: free(state))
 
     # What is written.
 
@@ -140,7 +134,7 @@ class Loop:
         if self.output is not None:
             self._call(lib.ct_output_append, self.output, problem, self.state)
         else:
-            self.good = self.good or self._new_state()
+            self.good = self.good or new_state(self.problem)
             self._call(lib.ct_state_copy, problem, self.state, self.good)
         self.energy.append(energies)
         self.momentum += rows
@@ -200,7 +194,7 @@ class Loop:
             bodies=list(problem.bodies), units=problem.parts.units, steps=self.steps,
             energy=np.concatenate(self.energy or [np.empty(0, ENERGY)]), momentum=np.concatenate(self.momentum or [np.empty(0, MOMENTUM)]),
             state=state, path=self.path, scene=self.scene_text, interrupted=self.interrupted, seconds=self.seconds,
-            writer=None if failed else self._write, contact=[] if failed else self._contacts())
+            writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state))
 
     def _last_good(self) -> State | None:
         if self.good is not None and self.steps:
@@ -219,20 +213,6 @@ class Loop:
         bodies = {body.name: BodyState(body.name, body.mesh, body.material, displacement[body.nodes], velocity[body.nodes])
                   for body in problem.bodies.values()}
         return State(state.time, state.step, bodies)
-
-    def _contacts(self) -> list[np.ndarray]:
-        """The Gauss points of each contact in the last state."""
-        out = []
-        for k, name in enumerate(self.problem.effects):
-            if name == "contact":
-                error = new_error()
-                contact = lib.ct_state_contact(self.problem.pointer, self.state, k, error)
-                if contact == ffi.NULL:
-                    check(error.code, error)
-                points = np.zeros(lib.ct_contact_point_count(contact), POINT)
-                check(lib.ct_contact_points(contact, ffi.cast("ct_contact_point *", points.ctypes.data)))
-                out.append(points)
-        return out
 
     def _write(self, run: Run, path: Path) -> None:
         """Save a run that has no file: its last state through the C library, and all rows of its tables."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from . import parts as scene_parts
 from ._core import ffi, lib
-from .errors import Error, new_error
+from .errors import Error, check, new_error
 from .mesh import KINDS, WIDTH, Mesh, read_vtkhdf
 from .schema import SceneError, float_array, index_array
 
@@ -20,6 +20,11 @@ LUMPING = {None: lib.CT_LUMP_DEFAULT, "row_sum": lib.CT_LUMP_ROW_SUM, "hrz": lib
 KERNEL = {"auto": lib.CT_KERNEL_AUTO, "general": lib.CT_KERNEL_GENERAL, "box": lib.CT_KERNEL_BOX}
 METHOD = {"robust": lib.CT_ROBUST, "newton": lib.CT_NEWTON, "simplex": lib.CT_SIMPLEX}
 MOST_STEPS = 10**12
+POINT = np.dtype(
+    [("side", "i4"), ("face", "i4"), ("gauss", "i4"), ("other", "i4"), ("position", "f8", 3), ("closest", "f8", 3), ("xi", "f8", 2),
+     ("gap", "f8"), ("pressure", "f8"), ("weight", "f8")],
+    align=True,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +116,7 @@ class Problem:
         names = list(self.parts.bodies)
         part = text.partition(":")[0].partition(" ")[0]
         if not key and part in ("contact", "support", "time"):
-            key = part
+            key, text = part, text.partition(":")[2].strip() or text
         elif not about and error.code == status and 0 <= error.body < len(names):
             key = key or f"body[{error.body}]"
             about = "" if names[error.body] in text else f'body "{names[error.body]}": '
@@ -246,6 +251,29 @@ class Problem:
             points.append(len(faces) * rule.count)
         names = tuple(".".join(surface) for surface in contact.surfaces)
         return BuiltContact(names, tuple(len(faces) for faces in self._faces[i]), tuple(points), epsilon[0])
+
+
+def contact_points(problem: Problem, state: Any) -> list[np.ndarray]:
+    """The Gauss points of each contact of the problem in a state (``ct_state *``)."""
+    out = []
+    for k, name in enumerate(problem.effects):
+        if name == "contact":
+            error = new_error()
+            contact = lib.ct_state_contact(problem.pointer, state, k, error)
+            if contact == ffi.NULL:
+                check(error.code, error)
+            points = np.zeros(lib.ct_contact_point_count(contact), POINT)
+            check(lib.ct_contact_points(contact, ffi.cast("ct_contact_point *", points.ctypes.data)))
+            out.append(points)
+    return out
+
+
+def new_state(problem: Problem) -> Any:
+    """A state of the problem at t = 0."""
+    out, error = ffi.new("ct_state **"), new_error()
+    check(lib.ct_state_create(problem.pointer, out, error), error)
+    # Freeing a state asks the problem's effects, so the state keeps the problem alive.
+    return ffi.gc(out[0], lambda state, free=lib.ct_state_free, problem=problem: free(state))
 
 
 def _physical_memory() -> float:

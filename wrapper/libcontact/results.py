@@ -20,9 +20,9 @@ KIND = ("hex8", "hex20")
 def load(path: Path, record: int = -1) -> Run:
     """Read a run; a ValueError says what is wrong with the file."""
     h5py = need_h5py()
-    if not path.exists():
-        raise ValueError(f'can\'t read "{path}": no such file')
     try:
+        if not path.exists():
+            raise ValueError(f'can\'t read "{path}": no such file')
         with h5py.File(path, "r") as file:
             return _read(path, file, record)
     except OSError as error:
@@ -85,6 +85,8 @@ def _field(vtk: Any, group: str, name: str, record: int, rows: int) -> np.ndarra
         return None
     start = int(vtk[f"Steps/{group}Offsets/{name}"][record])
     values = np.ascontiguousarray(vtk[f"{group}/{name}"][start : start + rows], np.float64)
+    if not np.isfinite(values).all():
+        raise ValueError(f"the field {name} of record {record} is damaged: it is not finite")
     values.flags.writeable = False
     return values
 

@@ -21,11 +21,6 @@ from .units import Units
 ENERGY = np.dtype([(name, "f8") for name in ("time", "kinetic", "strain", "contact", "external", "total", "balance")])
 MOMENTUM = np.dtype(
     [("time", "f8"), ("body", "i4"), ("p", "f8", 3), ("L", "f8", 3), ("contact_impulse", "f8", 3), ("support_impulse", "f8", 3)])
-POINT = np.dtype(
-    [("side", "i4"), ("face", "i4"), ("gauss", "i4"), ("other", "i4"), ("position", "f8", 3), ("closest", "f8", 3), ("xi", "f8", 2),
-     ("gap", "f8"), ("pressure", "f8"), ("weight", "f8")],
-    align=True,
-)
 STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 COMPONENTS = {
     **{f"stress_{name}": ("stress", i) for i, name in enumerate(STRESS)},

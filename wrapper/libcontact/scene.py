@@ -174,18 +174,34 @@ class Scene:
         if not isinstance(path, (str, os.PathLike)):
             raise SceneError(f"is {describe(path)}; it must be a path", "output.file", self.file)
         path = Path(path)
-        folder = path.parent
-        reason = None
-        if not folder.is_dir():
-            reason = f'there is no folder "{folder}"'
-        elif path.is_dir():
-            reason = "is a folder"
-        elif not os.access(path if path.exists() else folder, os.W_OK):
-            reason = "permission denied"
-        elif restart is not None and path.exists() and Path(restart).exists() and path.samefile(restart):
-            reason = "is the file that the restart is read from; name another one, or its earlier records would be lost"
+        try:
+            reason = self._why_not_written(path, restart)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
         if reason:
             raise SceneError(f'"{path}" can\'t be written: {reason}', "output.file", self.file)
+
+    def _why_not_written(self, path: Path, restart: Any) -> str | None:
+        folder = path.parent
+        if "\0" in str(path):
+            return "its name holds a zero character"
+        if not folder.is_dir():
+            return f'there is no folder "{folder}"'
+        if path.is_dir():
+            return "is a folder"
+        if not os.access(path if path.exists() else folder, os.W_OK):
+            return "permission denied"
+        if not path.exists():
+            return None
+        if restart is not None and Path(restart).exists() and path.samefile(restart):
+            return "is the file that the restart is read from; name another one, or its earlier records would be lost"
+        for body in self._parts.bodies.values():
+            mesh = None if body.mesh is None else (Path(self.file).parent if self.file else Path()) / body.mesh
+            if mesh is not None and mesh.exists() and path.samefile(mesh):
+                return f'is the mesh of body "{body.name}"'
+        if path.is_file() and path.stat().st_size and _first_bytes(path) != b"\x89HDF":
+            return "is there already and is no results file; name another one, or remove it"
+        return None
 
     def _check_restart(self, path: Any) -> None:
         """Refuse to continue the run of another scene."""
@@ -212,6 +228,11 @@ def _toml(data: dict[str, Any], arrays: bool = True) -> str:
             if key in body:
                 body[key] = body[key].tolist() if arrays else f"array of shape {body[key].shape}"
     return tomli_w.dumps(data)
+
+
+def _first_bytes(path: Path) -> bytes:
+    with open(path, "rb") as file:
+        return file.read(4)
 
 
 def _plain(value: Any) -> Any:

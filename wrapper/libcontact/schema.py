@@ -236,6 +236,8 @@ def index_array(value: Any, widths: tuple[int, ...], limit: int) -> np.ndarray:
 def _rectangular(value: Any) -> np.ndarray:
     if not isinstance(value, (np.ndarray, list, tuple)):
         raise ValueError(f"is {describe(value)}; it must be an array")
+    if np.ma.is_masked(value):
+        raise ValueError("has masked values; fill or leave them out")
     try:
         array = np.asarray(value)
     except (ValueError, TypeError, OverflowError) as error:

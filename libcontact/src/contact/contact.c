@@ -32,7 +32,7 @@ static ct_status check_options(const ct_contact_options *options, ct_error *erro
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: the penalty must be positive, not %g", options->epsilon);
   if (!(options->tolerance > 0.0 && options->tolerance < 1.0))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: a tolerance of %g", options->tolerance);
-  if (!(options->depth >= 0.0) || !isfinite(options->depth) || options->threads < 1)
+  if (!(options->depth >= 0.0) || !isfinite(options->depth) || options->threads < 1 || options->threads > CT_MOST_THREADS)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: depth %g, %d threads", options->depth, options->threads);
   if (options->method != CT_ROBUST && options->method != CT_NEWTON && options->method != CT_SIMPLEX)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "contact does not search with the method %s",
