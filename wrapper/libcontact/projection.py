@@ -144,7 +144,7 @@ def _options(method: str, tolerance: float) -> Any:
     options = ffi.new("ct_project_options *", lib.ct_project_options_default())
     chosen = ffi.new("ct_method *")
     if not isinstance(method, str) or lib.ct_method_from_name(method.encode(), chosen) != lib.CT_OK:
-        known = [ffi.string(lib.ct_method_name(i)).decode() for i in range(lib.CT_CERTIFIED + 1)]
+        known = [ffi.string(lib.ct_method_name(i)).decode() for i in range(lib.CT_TORUS + 1)]
         raise ValueError(f"method must be one of {', '.join(known)}, not {method!r}")
     options.method = chosen[0]
     options.tolerance = float(tolerance)

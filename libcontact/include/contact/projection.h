@@ -7,22 +7,28 @@
 typedef enum ct_method {
   /** the paper's search: a regular simplex that is only reflected and halved; unconstrained */
   CT_SIMPLEX = 0,
-  /** the full Nelder-Mead search, with expansion and contraction */
+  /** the full Nelder-Mead search, with expansion and contraction; unconstrained */
   CT_NELDER_MEAD = 1,
   /** Newton-Raphson on :eq:`projection-stationary`; unconstrained */
   CT_NEWTON = 2,
-  /** Gauss-Newton, the least-square projection */
+  /** Gauss-Newton, the least-square projection; unconstrained */
   CT_LEAST_SQUARES = 3,
-  /** steepest descent */
+  /** steepest descent; unconstrained */
   CT_STEEPEST_DESCENT = 4,
-  /** Broyden's method */
+  /** Broyden's method; unconstrained */
   CT_BROYDEN = 5,
-  /** the BFGS method */
+  /** the BFGS method; unconstrained */
   CT_BFGS = 6,
   /** the default: samples, then Newton in a trust region, on the closed face */
   CT_ROBUST = 7,
   /** robust, with a proof that no other point is closer */
-  CT_CERTIFIED = 8
+  CT_CERTIFIED = 8,
+  /** the simplex to get near, Newton-Raphson to finish; unconstrained */
+  CT_SIMPLEX_NEWTON = 9,
+  /** projection on a sphere that touches the face at the iterate; unconstrained */
+  CT_SPHERE = 10,
+  /** projection on a torus that has both curvatures of the face at the iterate; unconstrained */
+  CT_TORUS = 11
 } ct_method;
 
 /** On which part of the face a foot lies. */
