@@ -101,6 +101,17 @@ int ct_local_at(const ct_patch *patch, const double xi[2], const double d[3], ct
 /* The step of xi that moves by w = (w1, w2) in the tangent plane. */
 void ct_local_step(const ct_local *local, const double w[2], double s[2]);
 
+/* Is it easily shown that no point of the face is closer than xi, cutting the face into four `depth` times at most? Mirrored faces give the same
+ * answer. */
+int ct_proof_at_sight(const ct_patch *patch, const double xi[2], int depth, ct_foot *count);
+
+/* How the search for a proof has ended. */
+typedef enum ct_outcome { CT_PROVEN, CT_CLOSER, CT_GAVE_UP } ct_outcome;
+
+/* Try to prove that no point of the face is closer than xi by more than the tolerance, looking at no more than `budget` pieces of the face.
+ * After CT_CLOSER xi is a point that is. */
+ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, double xi[2], ct_foot *count);
+
 /* The methods. They read tolerance, use_start, start, iteration_limit and trace of the options, and add to the counts of the foot, which
  * the caller sets to zero. A contact kernel calls ct_patch_init, one of these with the last xi as start, and ct_patch_normal. */
 ct_project_method ct_project_simplex, ct_project_nelder_mead, ct_project_newton, ct_project_least_squares, ct_project_steepest_descent;

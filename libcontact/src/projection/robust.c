@@ -197,15 +197,6 @@ static int is_valley(const double f[9], int corners, int i)
   return f[i] <= f[j] && f[i] <= f[after] && f[i] <= f[corners + after] && f[i] <= f[corners + before];
 }
 
-/* Does the face bend so much that valleys may hide between the samples? */
-static int is_folded(const ct_patch *patch)
-{
-  double square[8];
-  for (int j = 1; j < 8; j++) square[j] = ct_vector_dot(patch->c[j], patch->c[j]);
-  // -- Compare what is not linear with what is (eq:robust-folded)
-  return square[3] + ((square[4] + square[5]) + (square[6] + square[7])) > 0.5 * least(square[1], square[2]);
-}
-
 /* Is the end `a` better than `b`: lower, or as low and nearer the centre? A mirror does not change the answer. */
 static int is_better(const ct_iterate *a, ct_status end_a, const ct_iterate *b, ct_status end_b)
 {
@@ -217,22 +208,32 @@ static int is_better(const ct_iterate *a, ct_status end_a, const ct_iterate *b, 
   return end_a < end_b;
 }
 
-/* Descend from every sample that is a valley, on a folded face from all of them; the lowest end wins, and of equal ones the one nearer the centre. */
+/* Descend from sample i; keep the end if it is better than the best so far. */
+static void descend_from_sample(const ct_patch *patch, const ct_project_options *options, int i, ct_iterate *best, ct_status *status, ct_foot *foot)
+{
+  int triangular = patch->kind == CT_T3 || patch->kind == CT_T6;
+  ct_iterate at;
+  for (int a = 0; a < 2; a++) at.xi[a] = triangular ? TRIANGLE[i][a] : QUADRILATERAL[i][a];
+  ct_iterate_look(patch, &at, foot);
+  ct_status end = descend(patch, options, &at, foot);
+  if (best->f < HUGE_VAL && !is_better(&at, end, best, *status)) return;
+  *best = at;
+  *status = end;
+}
+
+/* Descend from every sample that is a valley, and then from the others unless one look shows that nothing is closer; the lowest end wins, and of
+ * equal ones the one nearer the centre. */
 static ct_status descend_from_valleys(const ct_patch *patch, const ct_project_options *options, const double f[9], ct_iterate *best, ct_foot *foot)
 {
-  int triangular = patch->kind == CT_T3 || patch->kind == CT_T6, corners = triangular ? 3 : 4, folded = is_folded(patch);
+  int corners = patch->kind == CT_T3 || patch->kind == CT_T6 ? 3 : 4;
   ct_status status = CT_NO_CONVERGENCE;
   best->f = HUGE_VAL;
-  for (int i = 2 * corners; i >= 0; i--) {
-    if (!folded && !is_valley(f, corners, i)) continue;
-    ct_iterate at;
-    for (int a = 0; a < 2; a++) at.xi[a] = triangular ? TRIANGLE[i][a] : QUADRILATERAL[i][a];
-    ct_iterate_look(patch, &at, foot);
-    ct_status end = descend(patch, options, &at, foot);
-    if (best->f < HUGE_VAL && !is_better(&at, end, best, status)) continue;
-    *best = at;
-    status = end;
-  }
+  for (int i = 2 * corners; i >= 0; i--)
+    if (is_valley(f, corners, i)) descend_from_sample(patch, options, i, best, &status, foot);
+  // -- Look again where the face may hide something (eq:robust-hidden)
+  if (ct_proof_at_sight(patch, best->xi, 2, foot)) return status;
+  for (int i = 2 * corners; i >= 0; i--)
+    if (!is_valley(f, corners, i)) descend_from_sample(patch, options, i, best, &status, foot);
   return status;
 }
 
