@@ -117,3 +117,41 @@ ct_status ct_project_points(const ct_face *face, size_t count, const double *poi
   }
   return first;
 }
+
+static ct_status no_hit(ct_ray_hit *out, ct_status status, int evaluations)
+{
+  ct_ray_hit none = {status, CT_OUTSIDE, -1, evaluations, {NAN, NAN}, {NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}};
+  *out = none;
+  return status;
+}
+
+ct_status ct_project_ray(const ct_face *face, const double point[3], const double direction[3], double tolerance, ct_ray_hit *out)
+{
+  if (out == NULL) return CT_ERROR_ARGUMENT;
+  if (face == NULL || point == NULL || direction == NULL || ct_face_node_count(face->kind) == 0) return no_hit(out, CT_ERROR_ARGUMENT, 0);
+  if (!(tolerance > 0 && tolerance < 1)) return no_hit(out, CT_ERROR_ARGUMENT, 0);
+  ct_patch patch;
+  if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK) return no_hit(out, CT_INVALID, 0);
+  double d[3];
+  out->evaluations = 0;
+  // -- Meet the face (eq:ray-hit)
+  out->status = ct_patch_ray(&patch, direction, tolerance, out->xi, &out->distance, &out->evaluations);
+  if (out->status != CT_OK && out->status != CT_NOT_CERTIFIED) return no_hit(out, out->status, out->evaluations);
+  if (!ct_patch_normal(&patch, out->xi, out->normal)) return no_hit(out, CT_INVALID, out->evaluations);
+  out->where = ct_patch_where(face->kind, out->xi, tolerance * ct_patch_half_width(face->kind), &out->index);
+  ct_patch_value(&patch, out->xi, d);
+  for (int k = 0; k < 3; k++) out->point[k] = point[k] + d[k];
+  return out->status;
+}
+
+ct_status ct_project_rays(const ct_face *face, size_t count, const double *points, const double *directions, double tolerance, ct_ray_hit *out)
+{
+  if (count == 0) return CT_OK;
+  if (points == NULL || directions == NULL || out == NULL) return CT_ERROR_ARGUMENT;
+  ct_status first = CT_OK;
+  for (size_t i = 0; i < count; i++) {
+    ct_status status = ct_project_ray(face, points + 3 * i, directions + 3 * i, tolerance, &out[i]);
+    if (first == CT_OK && status >= CT_ERROR_ARGUMENT) first = status;
+  }
+  return first;
+}

@@ -112,6 +112,9 @@ typedef enum ct_outcome { CT_PROVEN, CT_CLOSER, CT_GAVE_UP } ct_outcome;
  * After CT_CLOSER xi is a point that is. */
 ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, double xi[2], ct_foot *count);
 
+/* Where the line through the given point meets the face, nearest to the point; the way along the direction. CT_NO_CONVERGENCE when it misses. */
+ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double tolerance, double xi[2], double *distance, int *looks);
+
 /* The methods. They read tolerance, use_start, start, iteration_limit and trace of the options, and add to the counts of the foot, which
  * the caller sets to zero. A contact kernel calls ct_patch_init, one of these with the last xi as start, and ct_patch_normal. */
 ct_project_method ct_project_simplex, ct_project_nelder_mead, ct_project_newton, ct_project_least_squares, ct_project_steepest_descent;
