@@ -90,7 +90,9 @@ ct_status ct_project(const ct_face *face, const double point[3], const ct_projec
   if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK) return nothing(out, CT_INVALID);
   ct_foot foot = {{0, 0}, {0, 0, 0}, 0, 0, 0};
   out->status = METHOD[options->method].project(&patch, options, &foot);
-  if (!ct_patch_normal(&patch, foot.xi, out->normal)) return nothing(out, out->status == CT_OK ? CT_INVALID : out->status);
+  // -- Neither without a normal nor beyond the range of numbers is there an answer
+  double f = ct_vector_dot(foot.d, foot.d);
+  if (!(f < HUGE_VAL) || !ct_patch_normal(&patch, foot.xi, out->normal)) return nothing(out, CT_INVALID);
   out->where = ct_patch_where(face->kind, foot.xi, options->tolerance * ct_patch_half_width(face->kind), &out->index);
   out->evaluations = foot.evaluations;
   out->iterations = foot.iterations;
@@ -98,7 +100,7 @@ ct_status ct_project(const ct_face *face, const double point[3], const ct_projec
   for (int a = 0; a < 2; a++) out->xi[a] = foot.xi[a];
   for (int k = 0; k < 3; k++) out->point[k] = point[k] + foot.d[k];
   // -- Distance, and its sign on the side of the normal (eq:projection-signed)
-  out->distance = sqrt(ct_vector_dot(foot.d, foot.d));
+  out->distance = sqrt(f);
   out->signed_distance = ct_vector_dot(foot.d, out->normal) <= 0 ? out->distance : -out->distance;
   return out->status;
 }

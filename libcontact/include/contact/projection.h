@@ -69,7 +69,7 @@ typedef struct ct_projection {
    * CT_OK: xi is within the tolerance of a minimum of f (with CT_SIMPLEX: the edge is, which on long thin faces can be far from it). CT_NOT_CERTIFIED: f is at its minimum as far as double precision shows, yet xi may
    * be off by more than the tolerance (a far point, a face that is nearly a sphere about the point). CT_ITERATION_LIMIT: the budget is used
    * up, or simplex or nelder_mead compares nothing but rounding. CT_NO_CONVERGENCE: no minimum was found. CT_INVALID: the input is not finite, the
-   * face has no area, or a length is not between 1e-70 and 1e70; then all floating-point members are NaN.
+   * face has no area or no normal where the method has ended, the start is so far out that f overflows, or a length is not between 1e-70 and 1e70; then all floating-point members are NaN.
    */
   ct_status status;
   /** Interior, edge, vertex or outside. */
