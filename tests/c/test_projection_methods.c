@@ -125,10 +125,11 @@ static void sheared_and_twisted(void)
     face.node[i][2] = 0.8 * face.node[i][0] * face.node[i][1];
   }
   ct_projection out;
-  path p = walk(CT_TORUS, &face, point, start, &out);
-  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "the torus is of second order where the net is sheared (%d iterates)", p.count);
-  p = walk(CT_SPHERE, &face, point, diagonal, &out);
-  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "the sphere along a principal direction, too (%d iterates)", p.count);
+  path p = walk(CT_SPHERE, &face, point, diagonal, &out);
+  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "the sphere is of second order along a principal direction (%d iterates)", p.count);
+  for (int i = 0; i < 8; i++) face.node[i][2] += 0.3 * face.node[i][0] * face.node[i][0];
+  p = walk(CT_TORUS, &face, point, start, &out);
+  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "the torus in any direction (%d iterates)", p.count);
 }
 
 /* Along the axis of symmetry of a cylinder Broyden's method is the secant rule. */
