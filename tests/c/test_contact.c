@@ -758,10 +758,10 @@ static void refusals(void)
   refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "a negative depth");
   o = good, o.threads = 0;
   refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "no threads");
-  o = good, o.method = CT_BFGS;
-  refused(&a.surface, &b.surface, &o, CT_ERROR_UNSUPPORTED, -1, -1, "a method that contact does not use");
+  o = good, o.threads = 1025;
+  refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "more threads than are safe to ask for");
   o = good, o.method = (ct_method)77;
-  refused(&a.surface, &b.surface, &o, CT_ERROR_UNSUPPORTED, -1, -1, "a method that is none");
+  refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "a method that is none");
   ct_surface s = b.surface;
   s.face_count = 0;
   refused(&a.surface, &s, &good, CT_ERROR_ARGUMENT, 1, -1, "a surface without faces");

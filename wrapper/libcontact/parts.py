@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from .projection import METHODS
 from .schema import SceneError, Table, describe, float_array, index_array, suggestion
 from .units import BASES, Units
 
@@ -14,7 +15,6 @@ FACES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "outer")
 ELEMENTS = ("hex8", "hex20")
 LUMPINGS = ("row_sum", "hrz")
 KERNELS = ("auto", "general", "box")
-METHODS = ("robust", "newton", "simplex")
 FIELDS = ("displacement", "velocity", "stress")
 INTEGRATORS = ("central_difference",)
 DEFAULT_BETA = 4.0

@@ -14,11 +14,11 @@ from . import parts as scene_parts
 from ._core import ffi, lib
 from .errors import Error, check, new_error
 from .mesh import KINDS, WIDTH, Mesh, read_vtkhdf
+from .projection import METHODS
 from .schema import SceneError, float_array, index_array
 
 LUMPING = {None: lib.CT_LUMP_DEFAULT, "row_sum": lib.CT_LUMP_ROW_SUM, "hrz": lib.CT_LUMP_HRZ}
 KERNEL = {"auto": lib.CT_KERNEL_AUTO, "general": lib.CT_KERNEL_GENERAL, "box": lib.CT_KERNEL_BOX}
-METHOD = {"robust": lib.CT_ROBUST, "newton": lib.CT_NEWTON, "simplex": lib.CT_SIMPLEX}
 MOST_STEPS = 10**12
 POINT = np.dtype(
     [("side", "i4"), ("face", "i4"), ("gauss", "i4"), ("other", "i4"), ("position", "f8", 3), ("closest", "f8", 3), ("xi", "f8", 2),
@@ -197,7 +197,7 @@ class Problem:
             setattr(new, f"face_count_{side}", len(table))
             setattr(new, f"faces_{side}", ffi.from_buffer("int32_t[]", table))
         new.options.epsilon = contact.epsilon or 0.0
-        new.options.method = METHOD[contact.method]
+        new.options.method = METHODS[contact.method]
         new.options.threads = self.threads
         if contact.tolerance is not None:
             new.options.tolerance = contact.tolerance

@@ -65,6 +65,8 @@ class RayHits:
     where: np.ndarray
 
 
+#: Numbers of the search methods by name.
+METHODS = {ffi.string(lib.ct_method_name(i)).decode(): i for i in range(lib.CT_TORUS + 1)}
 _KINDS = {"Q4": lib.CT_Q4, "Q8": lib.CT_Q8, "T3": lib.CT_T3, "T6": lib.CT_T6}
 _WHERE = np.array(["interior", "edge", "vertex", "outside"])
 _FIELDS = {
@@ -180,6 +182,8 @@ def _result(rows: np.ndarray) -> Projection:
 
 def _real(name: str, values: Any) -> np.ndarray:
     """Values as a contiguous array of doubles, if no digit is lost on the way."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"{name} has masked values; fill or leave them out")
     array = np.asarray(values)
     if array.size == 0:
         return np.zeros(array.shape)
@@ -205,8 +209,7 @@ def _options(method: str, tolerance: float) -> Any:
     options = ffi.new("ct_project_options *", lib.ct_project_options_default())
     chosen = ffi.new("ct_method *")
     if not isinstance(method, str) or lib.ct_method_from_name(method.encode(), chosen) != lib.CT_OK:
-        known = [ffi.string(lib.ct_method_name(i)).decode() for i in range(lib.CT_TORUS + 1)]
-        raise ValueError(f"method must be one of {', '.join(known)}, not {method!r}")
+        raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
     options.method = chosen[0]
     options.tolerance = float(tolerance)
     if not 0 < options.tolerance < float("inf"):

@@ -26,7 +26,7 @@ typedef struct ct_surface {
 typedef struct ct_contact_options {
   /** Penalty ε [stress / length], > 0; see `ct_contact_penalty`. */
   double epsilon;
-  /** Search for the closest point: CT_ROBUST, CT_NEWTON or CT_SIMPLEX. */
+  /** Search for the closest point. The unconstrained methods miss points whose foot lies on an edge between faces. */
   ct_method method;
   /** Tolerance of the search in half-widths of a face. */
   double tolerance;

@@ -34,9 +34,8 @@ static ct_status check_options(const ct_contact_options *options, ct_error *erro
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: a tolerance of %g", options->tolerance);
   if (!(options->depth >= 0.0) || !isfinite(options->depth) || options->threads < 1 || options->threads > CT_MOST_THREADS)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: depth %g, %d threads", options->depth, options->threads);
-  if (options->method != CT_ROBUST && options->method != CT_NEWTON && options->method != CT_SIMPLEX)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "contact does not search with the method %s",
-                   ct_method_name(options->method) == NULL ? "of this number" : ct_method_name(options->method));
+  if (ct_method_name(options->method) == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no search method %d", (int)options->method);
   return CT_OK;
 }
 
