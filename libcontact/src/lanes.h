@@ -6,11 +6,9 @@
  * one lane at a time. */
 #if defined(__GNUC__)
 typedef double ct_lanes __attribute__((vector_size(64), may_alias));
-/* The same in memory that is aligned as doubles are. */
-typedef double ct_lanes_loose __attribute__((vector_size(64), may_alias, aligned(8)));
 #define CT_LANES_WIDE 1
 #else
-typedef double ct_lanes, ct_lanes_loose;
+typedef double ct_lanes;
 #define CT_LANES_WIDE 0
 #endif
 
