@@ -86,6 +86,13 @@ def ordinary(rng):
     return kind, nodes, near(rng, kind, nodes)
 
 
+def distorted(rng):
+    """Nodes far from where they belong."""
+    kind = any_kind(rng)
+    nodes = curved(rng, kind, 0.4, 0.3)
+    return kind, nodes, near(rng, kind, nodes, 0.6)
+
+
 def warped_q4(rng):
     nodes = flat("Q4") + rng.uniform(-0.3, 0.3, (4, 3))
     nodes[:, 2] += rng.uniform(0.2, 0.8) * np.array([1, -1, 1, -1])
@@ -104,22 +111,12 @@ def collapsed_q4(rng):
     return "Q4", nodes, rng.uniform(-1.5, 1.5, 3)
 
 
-def move_mid_sides(rng, fraction):
-    """A curved Q8 whose mid-sides at corner 0 stand at `fraction` of their edges."""
+def quarter_point_q8(rng):
+    """The mid-sides next to corner 0 stand at the quarter point of their edges, or beyond it: there the face folds over."""
     nodes = curved(rng, "Q8", 0.3, 0.05)
+    fraction = 0.25 if rng.random() < 0.5 else rng.uniform(0.1, 0.25)
     for side, other in ((4, 1), (7, 3)):
         nodes[side] = nodes[0] + fraction * (nodes[other] - nodes[0]) + rng.choice([0, 0.02]) * rng.normal(size=3)
-    return nodes
-
-
-def quarter_point_q8(rng):
-    nodes = move_mid_sides(rng, 0.25)
-    target = nodes[0] if rng.random() < 0.4 else at("Q8", nodes, somewhere(rng, "Q8"))
-    return "Q8", nodes, target + rng.uniform(-0.3, 0.3, 3)
-
-
-def beyond_quarter_q8(rng):
-    nodes = move_mid_sides(rng, rng.uniform(0.1, 0.25))
     target = nodes[0] if rng.random() < 0.4 else at("Q8", nodes, somewhere(rng, "Q8"))
     return "Q8", nodes, target + rng.uniform(-0.3, 0.3, 3)
 
@@ -216,21 +213,28 @@ def on_surface(rng):
     return kind, nodes, at(kind, nodes, somewhere(rng, kind))
 
 
-def on_boundary(rng):
+def on_boundary(rng, along):
     """The foot is on an edge or a corner, exactly or nearly, with the point on, above or below it."""
     kind = any_kind(rng)
     nodes = curved(rng, kind, 0.4, 0.1)
     corners = REFERENCE[kind][: 4 if kind[0] == "Q" else 3]
     i = rng.integers(len(corners))
-    along = rng.choice([0, rng.random()])
     xi = corners[i] + along * (corners[(i + 1) % len(corners)] - corners[i])
     return kind, nodes, at(kind, nodes, xi) + rng.choice([0, -0.2, 0.2]) * normal(kind, nodes, xi)
+
+
+def on_edge(rng):
+    return on_boundary(rng, rng.random())
+
+
+def on_corner(rng):
+    return on_boundary(rng, 0)
 
 
 def needle_triangle(rng):
     kind = ("T3", "T6")[rng.integers(2)]
     nodes = flat(kind) + 0.05 * rng.normal(size=(len(REFERENCE[kind]), 3))
-    thin = 10 ** rng.uniform(-6, -3)
+    thin = 10 ** rng.uniform(-4, -1)
     point = near(rng, kind, nodes)
     scale = np.array([1, thin, thin])
     return kind, nodes * scale, point * rng.choice([1, thin], 3)
@@ -242,8 +246,9 @@ def curved_t6(rng):
     return "T6", nodes, rng.uniform(-1.2, 1.2, 3)
 
 
-CATEGORIES = (ordinary, warped_q4, collapsed_q4, quarter_point_q8, beyond_quarter_q8, cylinder, saddle, aspect_1e3, aspect_1e6, size_1e_9, size_1e9,
-              offset_1e6, centre_of_curvature, two_lobes, far_away, on_surface, on_boundary, needle_triangle, curved_t6)
+CATEGORIES = (ordinary, distorted, warped_q4, collapsed_q4, quarter_point_q8, cylinder, saddle, aspect_1e3, aspect_1e6, size_1e_9, size_1e9,
+              offset_1e6, centre_of_curvature, two_lobes, far_away, on_surface, on_edge, on_corner, needle_triangle,
+              curved_t6)
 
 
 def generate():
@@ -338,10 +343,10 @@ def follow_down(kind, c, xi):
     """In many digits from xi to a stationary point inside; None when it leaves the face."""
     x, y = (mp.mpf(float(v)) for v in xi)
     now = derivatives(kind, c, x, y)
-    for _ in range(60):
+    for _ in range(1000):
         step = newton_step(*now[1:], mp.sqrt)
         alpha = mp.mpf(1)
-        while alpha > 1e-3:
+        while alpha > 1e-9:
             nx, ny = x + alpha * step[0], y + alpha * step[1]
             trial = derivatives(kind, c, nx, ny)
             if trial[0] < now[0]:
