@@ -46,7 +46,7 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py) setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all lib install wheel figures test docs bench info clean setup
+.PHONY: help all lib install wheel figures test docs bench fuzz info clean setup
 .PHONY: _figures _test _docs _bench _wheel
 .DELETE_ON_ERROR:
 
@@ -59,6 +59,7 @@ help:
 	@echo "make install prefix=  headers, libraries and pkg-config files (DESTDIR works too)"
 	@echo "make wheel            the Python package, in build/wheel"
 	@echo "make info             what was found on this machine"
+	@echo "make fuzz             any bytes into the projections, for FUZZ_SECONDS (60) where the compiler has libFuzzer"
 	@echo "make clean            away with build/"
 	@echo "BOOTSTRAP=no never installs system packages; WITHOUT=\"gsl hdf5 openmp\" leaves parts out."
 
@@ -168,10 +169,10 @@ $(BUILD)/asan/%.o: libcontact/src/%.c $(BUILD)/flags
 $(BUILD)/asan/libcontact.a: $(ASAN_OBJECTS)
 	rm -f $@ && $(AR) rcs $@ $^
 TEST_LIBS = $(GSL_LIBS) $(HDF5_LIBS) -lm
-$(BUILD)/tests/test_%: tests/c/test_%.c $(wildcard tests/c/*.h) $(ARCHIVES)
+$(BUILD)/tests/test_%: tests/c/test_%.c $(wildcard tests/c/*.h tests/fuzz/*.c) $(ARCHIVES)
 	@mkdir -p $(@D)
 	$(CC) -O1 $(TEST_FLAGS) $(HDF5_FLAGS) $< -o $@ $(ADDON_ARCHIVES) $(BUILD)/lib/libcontact.a $(TEST_LIBS)
-$(BUILD)/tests/asan_%: tests/c/test_%.c $(wildcard tests/c/*.h) $(BUILD)/asan/libcontact.a
+$(BUILD)/tests/asan_%: tests/c/test_%.c $(wildcard tests/c/*.h tests/fuzz/*.c) $(BUILD)/asan/libcontact.a
 	@mkdir -p $(@D)
 	$(CC) $(SANITIZE) $(TEST_FLAGS) $(HDF5_FLAGS) $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
 
@@ -201,6 +202,15 @@ _test: $(C_TESTS:%=$(BUILD)/tests/test_%) $(C_TESTS:%=$(BUILD)/tests/asan_%) $(i
   $(VENV)/.wrapper $(VENV)/.test $(VENV)/.docs
 	@LIBCONTACT_BUILD=$(BUILD) CC="$(CC)" $(VENV)/bin/python tests/run_tests.py $(BUILD) $(C_TESTS:%=$(BUILD)/tests/test_%) \
 	  $(C_TESTS:%=$(BUILD)/tests/asan_%) $(if $(shell command -v $(PKG_CONFIG)),$(EMBED))
+
+# The fuzz target: libFuzzer where the compiler has it, else pseudo-random bytes.
+FUZZ_SECONDS ?= 60
+FUZZER = $(shell printf 'int LLVMFuzzerTestOneInput(const char*d,unsigned long n){return d==0&&n==1;}' \
+  | $(CC) -fsanitize=fuzzer -x c - -o /dev/null 2>/dev/null && echo yes)
+fuzz: tests/fuzz/fuzz_project.c $(BUILD)/asan/libcontact.a
+	@mkdir -p $(BUILD)/fuzz/corpus
+	$(CC) $(SANITIZE) $(TEST_FLAGS) $(if $(FUZZER),-fsanitize=fuzzer,-DFUZZ_MAIN=1) $< -o $(BUILD)/fuzz/fuzz_project $(BUILD)/asan/libcontact.a $(TEST_LIBS)
+	$(BUILD)/fuzz/fuzz_project $(if $(FUZZER),-max_total_time=$(FUZZ_SECONDS) $(BUILD)/fuzz/corpus,1000000)
 
 # -- The rest -----------------------------------------------------------------------------------------------------------------------
 info:

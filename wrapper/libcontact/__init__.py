@@ -8,13 +8,13 @@
 from . import exact
 from ._core import ffi, lib
 from .errors import ArgumentError, BlowupError, Error, FileError, GeometryError, NotBuiltIn, StepError
-from .projection import Projection, Status, project
+from .projection import Projection, RayHits, Status, project, project_ray
 from .run import Run, RunError
 from .scene import Scene
 from .schema import SceneError
 
-__all__ = ["ArgumentError", "BlowupError", "Error", "FileError", "GeometryError", "NotBuiltIn", "Projection", "Run", "RunError", "Scene",
-           "SceneError", "Status", "StepError", "exact", "has", "project"]
+__all__ = ["ArgumentError", "BlowupError", "Error", "FileError", "GeometryError", "NotBuiltIn", "Projection", "RayHits", "Run", "RunError",
+           "Scene", "SceneError", "Status", "StepError", "exact", "has", "project", "project_ray"]
 
 __version__ = ffi.string(lib.ct_version()).decode()
 

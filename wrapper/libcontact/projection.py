@@ -10,7 +10,7 @@ import numpy as np
 
 from ._core import ffi, lib
 
-__all__ = ["Projection", "Status", "project"]
+__all__ = ["Projection", "RayHits", "Status", "project", "project_ray"]
 
 
 class Status(IntEnum):
@@ -45,6 +45,26 @@ class Projection:
     certified: np.ndarray
 
 
+@dataclass(frozen=True)
+class RayHits:
+    """Where m lines meet a face; every array has a row a line. A line that misses has the status NO_CONVERGENCE and NaN."""
+
+    #: Reference coordinates of the hits, shape (m, 2).
+    xi: np.ndarray
+    #: The hits, shape (m, 3).
+    point: np.ndarray
+    #: The way from each point to its hit, negative against the direction.
+    distance: np.ndarray
+    #: Unit normals of the face at the hits, shape (m, 3).
+    normal: np.ndarray
+    #: Numbers of :class:`Status`.
+    status: np.ndarray
+    #: Points of the face that were looked at.
+    evaluations: np.ndarray
+    #: "interior", "edge", "vertex", or "outside" where there is no hit.
+    where: np.ndarray
+
+
 _KINDS = {"Q4": lib.CT_Q4, "Q8": lib.CT_Q8, "T3": lib.CT_T3, "T6": lib.CT_T6}
 _WHERE = np.array(["interior", "edge", "vertex", "outside"])
 _FIELDS = {
@@ -57,14 +77,24 @@ _FIELDS = {
     "distance": (np.float64, ()),
     "signed_distance": (np.float64, ()),
 }
-_ROW = np.dtype(
-    {
-        "names": list(_FIELDS),
-        "formats": list(_FIELDS.values()),
-        "offsets": [ffi.offsetof("ct_projection", name) for name in _FIELDS],
-        "itemsize": ffi.sizeof("ct_projection"),
-    }
-)
+_HIT_FIELDS = {name: _FIELDS[name] for name in ("status", "where", "evaluations", "xi", "point", "distance")}
+_HIT_FIELDS["normal"] = (np.float64, (3,))
+
+
+def _row(struct: str, fields: dict) -> np.dtype:
+    """The fields of a C structure, as numpy sees an array of it."""
+    return np.dtype(
+        {
+            "names": list(fields),
+            "formats": list(fields.values()),
+            "offsets": [ffi.offsetof(struct, name) for name in fields],
+            "itemsize": ffi.sizeof(struct),
+        }
+    )
+
+
+_ROW = _row("ct_projection", _FIELDS)
+_HIT_ROW = _row("ct_ray_hit", _HIT_FIELDS)
 
 
 def project(
@@ -80,17 +110,16 @@ def project(
     :param kind: ``"Q4"``, ``"Q8"``, ``"T3"`` or ``"T6"``.
     :param nodes: node coordinates, shape (n, 3), corners counter-clockwise and then mid-sides.
     :param points: the points, shape (m, 3).
-    :param method: ``"robust"`` stays on the face; ``"simplex"`` and ``"newton"`` are unconstrained.
+    :param method: ``"robust"`` stays on the face, and so does ``"certified"``, which also proves its answer. Unconstrained are ``"simplex"``,
+        ``"nelder_mead"``, ``"newton"``, ``"simplex_newton"``, ``"least_squares"``, ``"sphere"``, ``"torus"``, ``"steepest_descent"``, ``"broyden"``
+        and ``"bfgs"``.
     :param tolerance: bound on the error of xi in half-widths of the face.
     :param start: where to begin, shape (2,) for all points or (m, 2); the method's own choice by default.
     :raises TypeError: numbers that are not real.
     :raises ValueError: a kind, method, shape, tolerance or start that is impossible.
-    :raises NotImplementedError: a method that this build does not have.
     """
     face = _face(kind, nodes)
-    points = _real("points", points)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise ValueError(f"points must have shape (m, 3), not {points.shape}")
+    points = _triples("points", points)
     options = _options(method, tolerance)
     first = ffi.NULL if start is None else ffi.from_buffer("double[]", _start(start, len(points)))
     rows = np.zeros(len(points), _ROW)
@@ -102,11 +131,43 @@ def project(
         first,
         ffi.cast("ct_projection *", ffi.from_buffer(rows)),
     )
-    if code == lib.CT_ERROR_UNSUPPORTED:
-        raise NotImplementedError(f'method "{method}" is not in this build')
     if code != lib.CT_OK:
         raise ValueError(f"projection refused: {ffi.string(lib.ct_status_name(code)).decode()}")
     return _result(rows)
+
+
+def project_ray(kind: str, nodes: Any, points: Any, directions: Any, tolerance: float = 1e-10) -> RayHits:
+    """Find where the lines through m points along m directions meet one face, each nearest to its point.
+
+    :param kind: ``"Q4"``, ``"Q8"``, ``"T3"`` or ``"T6"``.
+    :param nodes: node coordinates, shape (n, 3), as for :func:`project`.
+    :param points: the points, shape (m, 3).
+    :param directions: the directions, shape (3,) for all points or (m, 3), of any length.
+    :param tolerance: how far beyond the face a hit may lie, in half-widths of the face; below 1.
+    :raises TypeError: numbers that are not real.
+    :raises ValueError: a kind, shape or tolerance that is impossible.
+    """
+    face = _face(kind, nodes)
+    points = _triples("points", points)
+    directions = _real("directions", directions)
+    if directions.shape not in ((3,), points.shape):
+        raise ValueError(f"directions must have shape (3,) or {points.shape}, not {directions.shape}")
+    directions = np.ascontiguousarray(np.broadcast_to(directions, points.shape))
+    if not 0 < float(tolerance) < 1:
+        raise ValueError(f"tolerance must be positive and below 1, not {tolerance!r}")
+    rows = np.zeros(len(points), _HIT_ROW)
+    arrays = [ffi.from_buffer("double[]", points), ffi.from_buffer("double[]", directions)]
+    lib.ct_project_rays(face, len(points), *arrays, float(tolerance), ffi.cast("ct_ray_hit *", ffi.from_buffer(rows)))
+    fields = {name: rows[name].copy() for name in _HIT_FIELDS}
+    fields["where"] = _WHERE[rows["where"]]
+    return RayHits(**fields)
+
+
+def _triples(name: str, values: Any) -> np.ndarray:
+    array = _real(name, values)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"{name} must have shape (m, 3), not {array.shape}")
+    return array
 
 
 def _result(rows: np.ndarray) -> Projection:
@@ -144,7 +205,7 @@ def _options(method: str, tolerance: float) -> Any:
     options = ffi.new("ct_project_options *", lib.ct_project_options_default())
     chosen = ffi.new("ct_method *")
     if not isinstance(method, str) or lib.ct_method_from_name(method.encode(), chosen) != lib.CT_OK:
-        known = [ffi.string(lib.ct_method_name(i)).decode() for i in range(lib.CT_CERTIFIED + 1)]
+        known = [ffi.string(lib.ct_method_name(i)).decode() for i in range(lib.CT_TORUS + 1)]
         raise ValueError(f"method must be one of {', '.join(known)}, not {method!r}")
     options.method = chosen[0]
     options.tolerance = float(tolerance)

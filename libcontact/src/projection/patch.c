@@ -2,6 +2,7 @@
 
 #include "../vector.h"
 
+#include <float.h>
 #include <math.h>
 
 /* Coefficients of one coordinate from the nodes v and the point p. Only c[0] knows the point; the others are made of differences between nodes,
@@ -74,7 +75,7 @@ double ct_patch_value(const ct_patch *patch, const double xi[2], double d[3])
   return ct_vector_dot(e, e);
 }
 
-static void tangents(const ct_patch *patch, const double xi[2], double t1[4], double t2[4])
+void ct_patch_tangents(const ct_patch *patch, const double xi[2], double t1[4], double t2[4])
 {
   const double(*c)[4] = patch->c;
   double x = xi[0], y = xi[1];
@@ -89,23 +90,34 @@ static void tangents(const ct_patch *patch, const double xi[2], double t1[4], do
 void ct_patch_tangent_lengths(const ct_patch *patch, const double xi[2], double length[2])
 {
   double t1[4], t2[4];
-  tangents(patch, xi, t1, t2);
+  ct_patch_tangents(patch, xi, t1, t2);
   length[0] = sqrt(ct_vector_dot(t1, t1));
   length[1] = sqrt(ct_vector_dot(t2, t2));
 }
 
-double ct_patch_derivatives(const ct_patch *patch, const double xi[2], double d[3], double g[2], double H[3])
+void ct_patch_curves(const ct_patch *patch, const double xi[2], double t11[4], double t22[4], double t12[4])
 {
   const double(*c)[4] = patch->c;
-  double t1[4], t2[4], t11[4], t22[4], t12[4];
-  double f = ct_patch_value(patch, xi, d);
-  tangents(patch, xi, t1, t2);
   for (int k = 0; k < 4; k++) {
     // -- Second derivatives of the patch (eq:projection-patch-derivatives)
     t11[k] = 2 * (c[4][k] + c[6][k] * xi[1]);
     t22[k] = 2 * (c[5][k] + c[7][k] * xi[0]);
     t12[k] = c[3][k] + 2 * (c[6][k] * xi[0] + c[7][k] * xi[1]);
   }
+}
+
+double ct_patch_noise(const ct_patch *patch, double f)
+{
+  // -- Rounding of f (eq:robust-noise)
+  return 8 * DBL_EPSILON * (f + patch->size * sqrt(f));
+}
+
+double ct_patch_derivatives(const ct_patch *patch, const double xi[2], double d[3], double g[2], double H[3])
+{
+  double t1[4], t2[4], t11[4], t22[4], t12[4];
+  double f = ct_patch_value(patch, xi, d);
+  ct_patch_tangents(patch, xi, t1, t2);
+  ct_patch_curves(patch, xi, t11, t22, t12);
   // -- Gradient (eq:projection-gradient)
   g[0] = 2 * ct_vector_dot(d, t1);
   g[1] = 2 * ct_vector_dot(d, t2);
@@ -120,7 +132,7 @@ double ct_patch_derivatives(const ct_patch *patch, const double xi[2], double d[
 static int normal_at(const ct_patch *patch, const double xi[2], double n[3])
 {
   double t1[4], t2[4];
-  tangents(patch, xi, t1, t2);
+  ct_patch_tangents(patch, xi, t1, t2);
   // -- Unit normal (eq:segment-normal)
   ct_vector_cross(t1, t2, n);
   double square = ct_vector_dot(n, n), limit = 1e-14 * sqrt(ct_vector_dot(t1, t1)) * sqrt(ct_vector_dot(t2, t2));

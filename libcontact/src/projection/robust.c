@@ -88,13 +88,8 @@ static double model_minimum(const model *q, double s[2])
   return q->sum < HUGE_VAL ? model_slant(q, value, s) : value;
 }
 
-/* An iterate with all that is known of f there. */
-typedef struct iterate {
-  double xi[2], f, d[3], g[2], H[3];
-} iterate;
-
 /* The model of f about the iterate, limited to the face and to the trust region of half-width `radius`. */
-static void model_about(model *q, const iterate *at, int triangular, double radius)
+static void model_about(model *q, const ct_iterate *at, int triangular, double radius)
 {
   for (int a = 0; a < 2; a++) {
     q->g[a] = at->g[a];
@@ -121,21 +116,8 @@ static void snap(int triangular, double xi[2])
   xi[large] = 1 - xi[1 - large];
 }
 
-static void look(const ct_patch *patch, iterate *at, ct_foot *foot)
-{
-  at->f = ct_patch_derivatives(patch, at->xi, at->d, at->g, at->H);
-  foot->evaluations++;
-}
-
-/* How much rounding may change f: d is known to the rounding of the largest length in it. */
-static double noise(const ct_patch *patch, double f)
-{
-  // -- Rounding of f (eq:robust-noise)
-  return 8 * DBL_EPSILON * (f + patch->size * sqrt(f));
-}
-
 /* Does rounding of the gradient move the foot by less than the tolerance, along the directions that the face leaves free? */
-static int resolved(const ct_patch *patch, const iterate *at, int triangular, double tolerance)
+static int resolved(const ct_patch *patch, const ct_iterate *at, int triangular, double tolerance)
 {
   double length[2], low = triangular ? 0 : -1, rounding = 4 * DBL_EPSILON * (sqrt(at->f) + patch->size);
   int bound[2] = {at->xi[0] <= low || at->xi[0] >= 1, at->xi[1] <= low || at->xi[1] >= 1};
@@ -152,7 +134,7 @@ static int resolved(const ct_patch *patch, const iterate *at, int triangular, do
 }
 
 /* The last step has been found: take it, and look at d only. */
-static ct_status finish(const ct_patch *patch, iterate *at, const iterate *trial, double tolerance)
+static ct_status finish(const ct_patch *patch, ct_iterate *at, const ct_iterate *trial, double tolerance)
 {
   at->xi[0] = trial->xi[0];
   at->xi[1] = trial->xi[1];
@@ -161,7 +143,7 @@ static ct_status finish(const ct_patch *patch, iterate *at, const iterate *trial
 }
 
 /* Descend from the iterate `at`, looked at already, to a minimum of f on the face. */
-static ct_status descend(const ct_patch *patch, const ct_project_options *options, iterate *at, ct_foot *foot)
+static ct_status descend(const ct_patch *patch, const ct_project_options *options, ct_iterate *at, ct_foot *foot)
 {
   int triangular = patch->kind == CT_T3 || patch->kind == CT_T6, limit = options->iteration_limit > 0 ? options->iteration_limit : 100;
   double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width;
@@ -170,7 +152,7 @@ static ct_status descend(const ct_patch *patch, const ct_project_options *option
     if (options->trace != NULL) options->trace(at->xi, at->f, options->user);
     // -- Step to the lowest point of the model (eq:robust-model)
     model q;
-    iterate trial;
+    ct_iterate trial;
     double s[2];
     model_about(&q, at, triangular, radius);
     double predicted = -model_minimum(&q, s), length = most(fabs(s[0]), fabs(s[1]));
@@ -179,10 +161,10 @@ static ct_status descend(const ct_patch *patch, const ct_project_options *option
     // -- Done when the step is small, or the next one would be rounding (eq:robust-quadratic)
     double next = length * length * most(1, length / (before * before));
     if (length <= tolerance || next <= DBL_EPSILON * half_width) return finish(patch, at, &trial, length < radius ? tolerance : 0);
-    look(patch, &trial, foot);
+    ct_iterate_look(patch, &trial, foot);
     // -- Take the step if f falls, or, where rounding hides that, if the steps get shorter (eq:robust-accept)
     int accept = at->f - trial.f >= 0.1 * predicted;
-    if (!accept && predicted <= noise(patch, at->f)) {
+    if (!accept && predicted <= ct_patch_noise(patch, at->f)) {
       if (length > 0.5 * stalled) return CT_NOT_CERTIFIED;
       stalled = length;
       accept = 1;
@@ -215,17 +197,8 @@ static int is_valley(const double f[9], int corners, int i)
   return f[i] <= f[j] && f[i] <= f[after] && f[i] <= f[corners + after] && f[i] <= f[corners + before];
 }
 
-/* Does the face bend so much that valleys may hide between the samples? */
-static int is_folded(const ct_patch *patch)
-{
-  double square[8];
-  for (int j = 1; j < 8; j++) square[j] = ct_vector_dot(patch->c[j], patch->c[j]);
-  // -- Compare what is not linear with what is (eq:robust-folded)
-  return square[3] + ((square[4] + square[5]) + (square[6] + square[7])) > 0.5 * least(square[1], square[2]);
-}
-
 /* Is the end `a` better than `b`: lower, or as low and nearer the centre? A mirror does not change the answer. */
-static int is_better(const iterate *a, ct_status end_a, const iterate *b, ct_status end_b)
+static int is_better(const ct_iterate *a, ct_status end_a, const ct_iterate *b, ct_status end_b)
 {
   if (a->f != b->f) return a->f < b->f;
   double ra = a->xi[0] * a->xi[0] + a->xi[1] * a->xi[1], rb = b->xi[0] * b->xi[0] + b->xi[1] * b->xi[1];
@@ -235,22 +208,32 @@ static int is_better(const iterate *a, ct_status end_a, const iterate *b, ct_sta
   return end_a < end_b;
 }
 
-/* Descend from every sample that is a valley, on a folded face from all of them; the lowest end wins, and of equal ones the one nearer the centre. */
-static ct_status descend_from_valleys(const ct_patch *patch, const ct_project_options *options, const double f[9], iterate *best, ct_foot *foot)
+/* Descend from sample i; keep the end if it is better than the best so far. */
+static void descend_from_sample(const ct_patch *patch, const ct_project_options *options, int i, ct_iterate *best, ct_status *status, ct_foot *foot)
 {
-  int triangular = patch->kind == CT_T3 || patch->kind == CT_T6, corners = triangular ? 3 : 4, folded = is_folded(patch);
+  int triangular = patch->kind == CT_T3 || patch->kind == CT_T6;
+  ct_iterate at;
+  for (int a = 0; a < 2; a++) at.xi[a] = triangular ? TRIANGLE[i][a] : QUADRILATERAL[i][a];
+  ct_iterate_look(patch, &at, foot);
+  ct_status end = descend(patch, options, &at, foot);
+  if (best->f < HUGE_VAL && !is_better(&at, end, best, *status)) return;
+  *best = at;
+  *status = end;
+}
+
+/* Descend from every sample that is a valley, and then from the others unless one look shows that nothing is closer; the lowest end wins, and of
+ * equal ones the one nearer the centre. */
+static ct_status descend_from_valleys(const ct_patch *patch, const ct_project_options *options, const double f[9], ct_iterate *best, ct_foot *foot)
+{
+  int corners = patch->kind == CT_T3 || patch->kind == CT_T6 ? 3 : 4;
   ct_status status = CT_NO_CONVERGENCE;
   best->f = HUGE_VAL;
-  for (int i = 2 * corners; i >= 0; i--) {
-    if (!folded && !is_valley(f, corners, i)) continue;
-    iterate at;
-    for (int a = 0; a < 2; a++) at.xi[a] = triangular ? TRIANGLE[i][a] : QUADRILATERAL[i][a];
-    look(patch, &at, foot);
-    ct_status end = descend(patch, options, &at, foot);
-    if (best->f < HUGE_VAL && !is_better(&at, end, best, status)) continue;
-    *best = at;
-    status = end;
-  }
+  for (int i = 2 * corners; i >= 0; i--)
+    if (is_valley(f, corners, i)) descend_from_sample(patch, options, i, best, &status, foot);
+  // -- Look again where the face may hide something (eq:robust-hidden)
+  if (ct_proof_at_sight(patch, best->xi, 2, foot)) return status;
+  for (int i = 2 * corners; i >= 0; i--)
+    if (!is_valley(f, corners, i)) descend_from_sample(patch, options, i, best, &status, foot);
   return status;
 }
 
@@ -286,15 +269,15 @@ ct_status ct_project_robust(const ct_patch *patch, const ct_project_options *opt
     for (int i = 0; i < samples; i++) f[i] = ct_patch_value(patch, TRIANGLE[i], d);
   for (int i = 0; i < samples; i++) lowest = least(lowest, f[i]);
   foot->evaluations += samples;
-  iterate at = {{0, 0}, HUGE_VAL, {0, 0, 0}, {0, 0}, {0, 0, 0}};
+  ct_iterate at = {{0, 0}, HUGE_VAL, {0, 0, 0}, {0, 0}, {0, 0, 0}};
   if (options->use_start) {
     // -- Begin at the given start unless a sample is lower
     at.xi[0] = options->start[0];
     at.xi[1] = options->start[1];
     snap(triangular, at.xi);
-    look(patch, &at, foot);
+    ct_iterate_look(patch, &at, foot);
   }
-  ct_status status = at.f <= lowest + noise(patch, lowest) ? descend(patch, options, &at, foot) : descend_from_valleys(patch, options, f, &at, foot);
+  ct_status status = at.f <= lowest + ct_patch_noise(patch, lowest) ? descend(patch, options, &at, foot) : descend_from_valleys(patch, options, f, &at, foot);
   for (int a = 0; a < 2; a++) foot->xi[a] = at.xi[a];
   for (int k = 0; k < 3; k++) foot->d[k] = at.d[k];
   return status;

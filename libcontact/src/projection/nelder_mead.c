@@ -1,0 +1,117 @@
+#include "projection_internal.h"
+
+#include <float.h>
+#include <math.h>
+
+/* A triangle in the plane of xi that changes its form, vertices sorted from the lowest to the highest. */
+typedef struct triangle {
+  double x[3][2], f[3];
+} triangle;
+
+/* Put vertices in order, the lowest first. */
+static void sort(triangle *t)
+{
+  for (int i = 1; i < 3; i++)
+    for (int j = i; j > 0 && t->f[j] < t->f[j - 1]; j--) {
+      double f = t->f[j], x = t->x[j][0], y = t->x[j][1];
+      t->f[j] = t->f[j - 1], t->x[j][0] = t->x[j - 1][0], t->x[j][1] = t->x[j - 1][1];
+      t->f[j - 1] = f, t->x[j - 1][0] = x, t->x[j - 1][1] = y;
+    }
+}
+
+static double value(const ct_patch *patch, const double x[2], ct_foot *foot)
+{
+  double d[3];
+  foot->evaluations++;
+  return ct_patch_value(patch, x, d);
+}
+
+/* The point at `factor` times the way from the highest vertex's opposite centre to that vertex; answers f there. */
+static double along(const triangle *t, const ct_patch *patch, double factor, double image[2], ct_foot *foot)
+{
+  for (int a = 0; a < 2; a++) {
+    double centre = 0.5 * (t->x[0][a] + t->x[1][a]);
+    // -- On the line through the highest vertex and the centre of the others (eq:nelder-line)
+    image[a] = centre + factor * (t->x[2][a] - centre);
+  }
+  return value(patch, image, foot);
+}
+
+static void replace_highest(triangle *t, const double x[2], double f)
+{
+  t->x[2][0] = x[0], t->x[2][1] = x[1], t->f[2] = f;
+}
+
+static void shrink(triangle *t, const ct_patch *patch, ct_foot *foot)
+{
+  // -- Shrink towards the lowest vertex (eq:nelder-shrink)
+  for (int i = 1; i < 3; i++) {
+    for (int a = 0; a < 2; a++) t->x[i][a] = t->x[0][a] + 0.5 * (t->x[i][a] - t->x[0][a]);
+    t->f[i] = value(patch, t->x[i], foot);
+  }
+}
+
+/* One iteration on a sorted triangle. */
+static void nelder_mead_step(triangle *t, const ct_patch *patch, ct_foot *foot)
+{
+  double image[2], other[2];
+  // -- Reflection (eq:nelder-reflection)
+  double f = along(t, patch, -1, image, foot);
+  if (f < t->f[0]) {
+    // -- Expansion (eq:nelder-expansion)
+    double further = along(t, patch, -2, other, foot);
+    if (further < t->f[0]) replace_highest(t, other, further);
+    else replace_highest(t, image, f);
+    return;
+  }
+  if (f <= t->f[1]) {
+    replace_highest(t, image, f);
+    return;
+  }
+  if (f < t->f[2]) replace_highest(t, image, f);
+  // -- Contraction (eq:nelder-contraction)
+  double nearer = along(t, patch, 0.5, other, foot);
+  if (nearer <= t->f[2]) replace_highest(t, other, nearer);
+  else shrink(t, patch, foot);
+}
+
+static double extent(const triangle *t)
+{
+  double most = 0;
+  for (int i = 1; i < 3; i++)
+    for (int a = 0; a < 2; a++) most = fmax(most, fabs(t->x[i][a] - t->x[0][a]));
+  return most;
+}
+
+ct_status ct_project_nelder_mead(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
+{
+  int limit = options->iteration_limit > 0 ? options->iteration_limit : 2000;
+  double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width, start[2];
+  // -- Regular simplex about the start (eq:simplex-start)
+  double corner[3][2] = {{-0.5, -sqrt(3) / 6}, {0.5, -sqrt(3) / 6}, {0, sqrt(3) / 3}};
+  triangle t;
+  ct_iterate_start(patch, options, start);
+  for (int i = 0; i < 3; i++) {
+    for (int a = 0; a < 2; a++) t.x[i][a] = start[a] + half_width * corner[i][a];
+    t.f[i] = value(patch, t.x[i], foot);
+  }
+  ct_status status = CT_ITERATION_LIMIT;
+  sort(&t);
+  for (; foot->iterations < limit; foot->iterations++) {
+    if (options->trace != NULL) options->trace(t.x[0], t.f[0], options->user);
+    double size = extent(&t);
+    if (size <= tolerance) {
+      status = CT_OK;
+      break;
+    }
+    // -- Values that differ by rounding only: shrink while the triangle is large, else stop (eq:simplex-floor)
+    int level = t.f[2] - t.f[0] <= 4 * DBL_EPSILON * t.f[0];
+    if (level && size <= 1e-4 * half_width) break;
+    if (level) shrink(&t, patch, foot);
+    else nelder_mead_step(&t, patch, foot);
+    sort(&t);
+  }
+  for (int a = 0; a < 2; a++) foot->xi[a] = t.x[0][a];
+  ct_patch_value(patch, foot->xi, foot->d);
+  return status;
+}

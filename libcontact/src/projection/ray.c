@@ -1,0 +1,149 @@
+#include "projection_internal.h"
+
+#include "../vector.h"
+
+#include <float.h>
+#include <math.h>
+
+/* The face as seen along a line: the two components across it, which vanish where the line meets the face. */
+typedef struct sight {
+  const ct_patch *patch;
+  double across[2][3], along[3]; /* unit vectors */
+  double bend[2][3];             /* bounds of the second derivatives 11, 22, 12 of each component */
+  double slack;                  /* how far beyond the face a hit may lie, in xi */
+  int triangular;
+} sight;
+
+/* A square of the reference plane. */
+typedef struct square {
+  double centre[2], half;
+} square;
+
+/* The components across the line at xi, and their Jacobian. */
+static void look_across(const sight *s, const double xi[2], double G[2], double J[2][2])
+{
+  double d[3], t1[4], t2[4];
+  ct_patch_value(s->patch, xi, d);
+  ct_patch_tangents(s->patch, xi, t1, t2);
+  for (int i = 0; i < 2; i++) {
+    // -- Components across the line (eq:ray-across)
+    G[i] = ct_vector_dot(s->across[i], d);
+    J[i][0] = ct_vector_dot(s->across[i], t1);
+    J[i][1] = ct_vector_dot(s->across[i], t2);
+  }
+}
+
+/* Two unit vectors across the direction, and bounds of the second derivatives along them. Answers 0 for a direction without length. */
+static int sight_along(sight *s, const double direction[3])
+{
+  double most = 0, check = 0, e[3], n[3] = {0, 0, 0};
+  for (int k = 0; k < 3; k++) most = fmax(most, fabs(direction[k])), check += 0 * direction[k];
+  if (!(most > 0 && check == 0)) return 0;
+  for (int k = 0; k < 3; k++) e[k] = direction[k] / most;
+  double length = sqrt(ct_vector_dot(e, e));
+  for (int k = 0; k < 3; k++) s->along[k] = e[k] / length;
+  int least = fabs(e[0]) < fabs(e[1]) ? 0 : 1;
+  n[fabs(e[2]) < fabs(e[least]) ? 2 : least] = 1;
+  ct_vector_unit_normal(s->along, n, s->across[0]);
+  ct_vector_unit_normal(s->along, s->across[0], s->across[1]);
+  for (int i = 0; i < 2; i++) {
+    double c[8];
+    for (int j = 3; j < 8; j++) c[j] = fabs(ct_vector_dot(s->across[i], s->patch->c[j]));
+    // -- Bounds of the second derivatives (eq:ray-bend)
+    s->bend[i][0] = 2 * (c[4] + c[6]), s->bend[i][1] = 2 * (c[5] + c[7]), s->bend[i][2] = c[3] + 2 * (c[6] + c[7]);
+  }
+  return 1;
+}
+
+/* What one look at a square tells of the roots in it. */
+typedef enum verdict { NONE, ONE_AT_MOST, UNKNOWN } verdict;
+
+static verdict judge(const sight *s, const square *q, double G[2], double J[2][2])
+{
+  double w = q->half, spread[2];
+  look_across(s, q->centre, G, J);
+  for (int i = 0; i < 2; i++) {
+    const double *b = s->bend[i];
+    // -- No root where a component cannot vanish (eq:ray-empty)
+    spread[i] = 0.5 * (b[0] + b[1] + 2 * b[2]) * w * w;
+    if (fabs(G[i]) > (fabs(J[i][0]) + fabs(J[i][1])) * w + spread[i]) return NONE;
+  }
+  double determinant = J[0][0] * J[1][1] - J[0][1] * J[1][0];
+  if (!(fabs(determinant) > 0)) return UNKNOWN;
+  double change = 0;
+  for (int a = 0; a < 2; a++) {
+    // -- The same for the components that Newton's step mixes (eq:ray-mixed)
+    double p = (a == 0 ? J[1][1] : -J[1][0]) / determinant, r = (a == 0 ? -J[0][1] : J[0][0]) / determinant;
+    double step = p * G[0] + r * G[1], bend = fabs(p) * spread[0] + fabs(r) * spread[1];
+    if (fabs(step) > w + bend) return NONE;
+    change = fmax(change, 2 * bend / w);
+  }
+  // -- At most one root where the Jacobian changes little (eq:ray-unique)
+  return change < 0.5 ? ONE_AT_MOST : UNKNOWN;
+}
+
+/* Newton to the root that the square may hold; answers whether it does. */
+static int polish(const sight *s, const square *q, double xi[2], int *looks)
+{
+  double G[2], J[2][2], beyond = q->half * (1 + 1e-9) + s->slack;
+  xi[0] = q->centre[0], xi[1] = q->centre[1];
+  for (int i = 0; i < 20; i++) {
+    look_across(s, xi, G, J);
+    ++*looks;
+    double determinant = J[0][0] * J[1][1] - J[0][1] * J[1][0];
+    // -- Newton's step across the line (eq:ray-newton)
+    double x = (J[0][1] * G[1] - J[1][1] * G[0]) / determinant, y = (J[1][0] * G[0] - J[0][0] * G[1]) / determinant;
+    xi[0] += x, xi[1] += y;
+    if (!(fabs(xi[0] - q->centre[0]) <= 2 * beyond && fabs(xi[1] - q->centre[1]) <= 2 * beyond)) return 0;
+    if (fmax(fabs(x), fabs(y)) <= 1e-8) break;
+  }
+  return fabs(xi[0] - q->centre[0]) <= beyond && fabs(xi[1] - q->centre[1]) <= beyond;
+}
+
+/* Keep a root that lies on the face if the line reaches it sooner than the best so far. */
+static void keep(const sight *s, const double xi[2], double *best, double at[2])
+{
+  int index;
+  double d[3];
+  if (ct_patch_where(s->patch->kind, xi, s->slack, &index) == CT_OUTSIDE) return;
+  ct_patch_value(s->patch, xi, d);
+  double distance = ct_vector_dot(d, s->along);
+  if (fabs(distance) < fabs(*best)) *best = distance, at[0] = xi[0], at[1] = xi[1];
+}
+
+ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double tolerance, double xi[2], double *distance, int *looks)
+{
+  enum { BUDGET = 4000, DEPTH = 30 };
+  static const double PART[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  int size = 1, touch = 0, triangular = patch->kind == CT_T3 || patch->kind == CT_T6;
+  square stack[3 * DEPTH + 4];
+  sight s = {patch, {{0}}, {0}, {{0}}, tolerance * ct_patch_half_width(patch->kind), triangular};
+  if (!sight_along(&s, direction)) return CT_INVALID;
+  stack[0].centre[0] = stack[0].centre[1] = s.triangular ? 0.5 : 0;
+  stack[0].half = (s.triangular ? 0.5 : 1) + s.slack;
+  double smallest = ldexp(stack[0].half, -DEPTH), G[2], J[2][2], root[2];
+  *distance = HUGE_VAL;
+  for (; size > 0 && *looks < BUDGET; ++*looks) {
+    square q = stack[--size];
+    if (s.triangular && q.centre[0] + q.centre[1] - 2 * q.half > 1 + s.slack) continue;
+    verdict found = judge(&s, &q, G, J);
+    if (found == NONE) continue;
+    if (found == ONE_AT_MOST) {
+      if (polish(&s, &q, root, looks)) keep(&s, root, distance, xi);
+      continue;
+    }
+    if (q.half <= smallest) {
+      // -- Too small to cut: here the line touches the face without crossing it
+      keep(&s, q.centre, distance, xi);
+      touch = 1;
+      continue;
+    }
+    for (int i = 0; i < 4; i++) {
+      square *part = &stack[size++];
+      part->half = 0.5 * q.half;
+      for (int a = 0; a < 2; a++) part->centre[a] = q.centre[a] + part->half * PART[i][a];
+    }
+  }
+  if (*distance == HUGE_VAL) return size > 0 ? CT_ITERATION_LIMIT : CT_NO_CONVERGENCE;
+  return size > 0 || touch ? CT_NOT_CERTIFIED : CT_OK;
+}

@@ -1,0 +1,196 @@
+/* Every method on ordinary faces with a closed form, its order of convergence against theory, its honesty, its budget. */
+#include "faces.h"
+#include "tap.h"
+
+enum { METHODS = CT_TORUS + 1 };
+
+static int by_values(int m) { return m == CT_SIMPLEX || m == CT_NELDER_MEAD; }
+
+static ct_project_options with(int method)
+{
+  ct_project_options options = ct_project_options_default();
+  options.method = (ct_method)method;
+  return options;
+}
+
+/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its foot below. */
+static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
+{
+  for (int m = 0; m < METHODS; m++) {
+    double error = 0, gap = 0;
+    int status = 1;
+    for (int trial = 0; trial < 200; trial++) {
+      ct_face face = parabolic_face(kind, p, q);
+      double xi[2], point[3], n[3], g = uniform(0.3);
+      random_xi(kind, 0.02, xi);
+      parabolic_point(p, q, xi, g, point, n);
+      ct_project_options options = with(m);
+      ct_projection out;
+      ct_project(&face, point, &options, &out);
+      status &= out.status == CT_OK || (by_values(m) && out.status == CT_ITERATION_LIMIT);
+      status &= out.certified == (m == CT_CERTIFIED) && out.evaluations > 0;
+      for (int a = 0; a < 2; a++) error = worst(error, out.xi[a] - xi[a]);
+      gap = worst(worst(gap, out.signed_distance - g), out.distance - fabs(g));
+    }
+    tap_ok(status, "%s on a %s: %s ends well", FACE_NAME[kind], what, ct_method_name((ct_method)m));
+    tap_close(error, 0, by_values(m) ? 5e-8 : 1e-10, "%s on a %s: %s finds the foot", FACE_NAME[kind], what, ct_method_name((ct_method)m));
+    tap_close(gap, 0, 1e-14, "%s on a %s: %s gives the gap with its sign", FACE_NAME[kind], what, ct_method_name((ct_method)m));
+  }
+}
+
+/* The path of a method, as the trace shows it. */
+typedef struct path {
+  double xi[300][2], f[300];
+  int count;
+} path;
+
+static void record(const double xi[2], double f, void *user)
+{
+  path *p = (path *)user;
+  if (p->count >= 300) return;
+  p->xi[p->count][0] = xi[0], p->xi[p->count][1] = xi[1], p->f[p->count++] = f;
+}
+
+static path walk(int method, const ct_face *face, const double point[3], const double start[2], ct_projection *out)
+{
+  path p = {{{0}}, {0}, 0};
+  ct_project_options options = with(method);
+  options.trace = record, options.user = &p, options.use_start = 1, options.start[0] = start[0], options.start[1] = start[1];
+  ct_project(face, point, &options, out);
+  return p;
+}
+
+static double off(const path *p, int i) { return fmax(fabs(p->xi[i][0]), fabs(p->xi[i][1])); }
+
+/* At the top of z = (p x^2 + q y^2) / 2 the curvatures are p and q, and a point at height g is projected there. To first order least squares leaves
+ * g times the curvature of each error; the sphere k = curvature in the direction of the point leaves an error too unless p = q; Newton and the
+ * torus have an error of second order. */
+static void orders(void)
+{
+  double g = 0.4, point[3] = {0, 0, 0.4}, start[2] = {0.2, 0}, diagonal[2] = {0.15, 0.1};
+  ct_projection out;
+  ct_face cylinder = parabolic_face(CT_Q8, 0.8, 0), cup = parabolic_face(CT_Q8, 0.7, 0.7), saddle = parabolic_face(CT_Q8, 0.9, -0.6);
+  path p = walk(CT_LEAST_SQUARES, &cylinder, point, start, &out);
+  tap_close(p.xi[6][0] / p.xi[5][0], g * 0.8, 1e-3, "least squares leaves the gap times the curvature of each error");
+  p = walk(CT_SPHERE, &cup, point, diagonal, &out);
+  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "the sphere is of second order on a cup (%d iterates)", p.count);
+  p = walk(CT_SPHERE, &saddle, point, diagonal, &out);
+  tap_ok(p.count > 10 && off(&p, 6) > 0.02 * off(&p, 5), "but of first order on a saddle (%d iterates)", p.count);
+  p = walk(CT_TORUS, &saddle, point, diagonal, &out);
+  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "the torus is of second order on a saddle (%d iterates)", p.count);
+  p = walk(CT_NEWTON, &saddle, point, diagonal, &out);
+  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "as is newton (%d iterates)", p.count);
+  p = walk(CT_BROYDEN, &saddle, point, diagonal, &out);
+  tap_ok(p.count < 14 && out.status == CT_OK, "broyden needs no more Hessians than one (%d iterates)", p.count);
+  p = walk(CT_BFGS, &saddle, point, diagonal, &out);
+  tap_ok(p.count < 16 && out.status == CT_OK, "bfgs needs none (%d iterates)", p.count);
+  int falls = 1;
+  for (int i = 1; i < p.count; i++) falls &= p.f[i] <= p.f[i - 1] * (1 + 1e-15);
+  tap_ok(falls, "bfgs goes downhill only");
+}
+
+/* On a plane f is a parabola with round contours if the tangents are orthogonal and as long: then each of these needs one step. */
+static void one_step(void)
+{
+  ct_face flat = parabolic_face(CT_T3, 0, 0);
+  double point[3] = {0.4, 0.25, 0.5};
+  static const int METHOD[6] = {CT_NEWTON, CT_LEAST_SQUARES, CT_SPHERE, CT_TORUS, CT_BROYDEN, CT_STEEPEST_DESCENT};
+  for (int i = 0; i < 6; i++) {
+    ct_project_options options = with(METHOD[i]);
+    options.iteration_limit = 1;
+    ct_projection out;
+    ct_project(&flat, point, &options, &out);
+    tap_close(fmax(fabs(out.xi[0] - 0.4), fabs(out.xi[1] - 0.25)), 0, 1e-15, "T3: %s needs one step", ct_method_name((ct_method)METHOD[i]));
+  }
+}
+
+/* Steepest descent with exact steps on the parabola f = x^2 + c y^2 from the worst start shrinks the error by (c - 1) / (c + 1) a step. */
+static void zigzag(void)
+{
+  double c = 9, start[2] = {0.9, 0.1}, point[3] = {0, 0, 0};
+  ct_face flat = parabolic_face(CT_Q4, 0, 0);
+  for (int i = 0; i < 4; i++) flat.node[i][1] *= 3;
+  ct_projection out;
+  path p = walk(CT_STEEPEST_DESCENT, &flat, point, start, &out);
+  tap_close(p.xi[10][0] / p.xi[9][0], (c - 1) / (c + 1), 1e-9, "steepest descent zigzags at the rate of theory");
+}
+
+/* Rosenbrock-like valleys want the expansion and the contraction; a quadratic function of two variables is no trouble for either simplex. */
+static void nelder_mead_changes_its_form(void)
+{
+  ct_face narrow = parabolic_face(CT_Q8, 0, 0);
+  for (int i = 0; i < 8; i++) narrow.node[i][1] = 0.02 * narrow.node[i][1] + 0.3 * narrow.node[i][0] * narrow.node[i][0];
+  double xi[2] = {0.8, -0.3}, point[3] = {0.8, 0.02 * -0.3 + 0.3 * 0.64, 1e-5};
+  ct_projection regular, changing;
+  ct_project_options options = with(CT_NELDER_MEAD);
+  ct_project(&narrow, point, &options, &changing);
+  options = with(CT_SIMPLEX);
+  ct_project(&narrow, point, &options, &regular);
+  double e = fmax(fabs(changing.xi[0] - xi[0]), fabs(changing.xi[1] - xi[1]));
+  tap_close(e, 0, 1e-8, "nelder_mead walks along a narrow bent valley (%d evaluations)", changing.evaluations);
+  tap_ok(fabs(regular.xi[0] - xi[0]) > 1e-3, "the regular simplex is halved to nothing there");
+}
+
+/* A trough has a saddle of f above the centre of curvature: whoever ends there must not call it an answer. */
+static void saddles_are_no_answers(void)
+{
+  ct_face trough = parabolic_face(CT_Q8, 1, 0);
+  double above[3] = {0, 0.25, 1.125};
+  for (int m = 0; m < METHODS; m++) {
+    ct_project_options options = with(m);
+    ct_projection out;
+    ct_project(&trough, above, &options, &out);
+    int at_foot = fabs(fabs(out.xi[0]) - 0.5) < 1e-6;
+    tap_ok(at_foot || (out.status != CT_OK && out.certified == 0), "trough: %s %s", ct_method_name((ct_method)m),
+           at_foot ? "finds a foot" : "says that it found none");
+  }
+}
+
+static void budgets_copies_and_bad_input(int m)
+{
+  ct_project_options options = with(m), two = options;
+  const char *name = ct_method_name((ct_method)m);
+  ct_projection out, twin;
+  int scaled = 1, sane = 1;
+  two.iteration_limit = 2;
+  for (int trial = 0; trial < 200; trial++) {
+    ct_face face = random_face((ct_face_kind)(trial % 4), 0.3), copy = face;
+    double point[3], other[3], power = ldexp(1, trial % 61 - 30);
+    for (int k = 0; k < 3; k++) point[k] = uniform(1.3), other[k] = power * point[k];
+    for (int i = 0; i < 24; i++) copy.node[i / 3][i % 3] *= power;
+    ct_project(&face, point, &options, &out);
+    ct_project(&copy, other, &options, &twin);
+    scaled &= out.status == twin.status && out.xi[0] == twin.xi[0] && out.xi[1] == twin.xi[1] && twin.distance == power * out.distance;
+    scaled &= out.evaluations == twin.evaluations && out.iterations == twin.iterations;
+    ct_project(&face, point, &two, &out);
+    sane &= out.distance == out.distance && out.evaluations < 4200;
+    if (m != CT_ROBUST && m != CT_CERTIFIED && m != CT_SIMPLEX_NEWTON) sane &= out.iterations <= 2;
+  }
+  tap_ok(scaled, "%s: a copy scaled by a power of two gives the scaled bits", name);
+  tap_ok(sane, "%s respects its budget", name);
+  ct_face flat = parabolic_face(CT_Q4, 0, 0), line = flat;
+  double point[3] = {0, 0.1, 1}, nowhere[3] = {0, NAN, 1};
+  for (int i = 0; i < 4; i++) line.node[i][1] = 0;
+  tap_ok(ct_project(&flat, nowhere, &options, &out) == CT_INVALID && isnan(out.xi[0]) && isnan(out.distance) && isnan(out.normal[1]), "%s: NaN in the point", name);
+  ct_status status = ct_project(&line, point, &options, &out);
+  tap_ok(status == CT_INVALID && isnan(out.distance), "%s: a face shrunk to a line", name);
+}
+
+int main(void)
+{
+  for (int k = 0; k < 4; k++) {
+    ct_face_kind kind = (ct_face_kind)k;
+    paraboloid(kind, 0, 0, "plane");
+    if (kind != CT_Q8 && kind != CT_T6) continue;
+    paraboloid(kind, 0.8, 0, "parabolic cylinder");
+    paraboloid(kind, 0.9, 0.9, "nearly spherical cup");
+    paraboloid(kind, 0.7, -0.6, "saddle");
+  }
+  orders();
+  one_step();
+  zigzag();
+  nelder_mead_changes_its_form();
+  saddles_are_no_answers();
+  for (int m = 0; m < METHODS; m++) budgets_copies_and_bad_input(m);
+  return tap_done();
+}
