@@ -36,7 +36,7 @@ CT_API void ct_batch_gather(size_t count, int per, const double *rows, const int
  * All faces are of one kind. ``nodes``, shape (blocks, nodes of the kind, 3, 8), ``points``, shape (blocks, 3, 8), and ``start``, null or of shape
  * (blocks, 2, 8), are laid out as ct_batch_gather does; a start that is not finite is none. Null ``options`` are the defaults; method, use_start, start and trace of them are not read.
  *
- * Quadrilaterals run in lanes, and a lane in trouble (several valleys, a face that folds, values lost in rounding, no foot after a dozen steps)
+ * Quadrilaterals run in lanes, and a lane in trouble (several valleys, a face that may hide something, values lost in rounding, no foot after a dozen steps)
  * is given to ct_project; so are all triangles. CT_ERROR_ARGUMENT, with nothing written: a null pointer, an unknown kind,
  * a tolerance that is not positive or a negative limit. CT_OK otherwise; see the status of each pair.
  */

@@ -15,17 +15,37 @@ static ct_batch_kernel *kernel_for(ct_face_kind kind)
   return NULL;
 }
 
+/* The face and the point of one lane. */
+static void take_lane(ct_face_kind kind, const double *nodes, const double *points, int lane, ct_face *face, double point[3])
+{
+  face->kind = kind;
+  for (int i = 0; i < ct_face_node_count(kind); i++)
+    for (int k = 0; k < 3; k++) face->node[i][k] = nodes[8 * (3 * i + k) + lane];
+  for (int k = 0; k < 3; k++) point[k] = points[8 * k + lane];
+}
+
+/* Does the single search accept the foot of a lane, too? (eq:robust-hidden) */
+static int is_closest(ct_face_kind kind, const double *nodes, const double *points, const double xi[16], const ct_batch_feet *feet, size_t block, int lane)
+{
+  ct_face face;
+  ct_patch patch;
+  ct_foot foot = {{0, 0}, {0, 0, 0}, 0, 0, 0};
+  double point[3], own[2] = {xi[lane], xi[8 + lane]};
+  take_lane(kind, nodes, points, lane, &face, point);
+  if (ct_patch_init(&patch, kind, (const double(*)[3])face.node, point) != CT_OK || !ct_proof_at_sight(&patch, own, 2, &foot)) return 0;
+  if (feet->evaluations != NULL) feet->evaluations[8 * block + (size_t)lane] += foot.evaluations - 1;
+  return 1;
+}
+
 /* One lane of a block, by ct_project. */
 static void project_lane(ct_face_kind kind, const double *nodes, const double *points, const double *start, const ct_project_options *options,
-                         const ct_batch_feet *feet, size_t block, int lane)
+                         double xi[16], const ct_batch_feet *feet, size_t block, int lane)
 {
   ct_face face = {kind, {{0}}};
   ct_project_options own = *options;
   ct_projection out;
   double point[3];
-  for (int i = 0; i < ct_face_node_count(kind); i++)
-    for (int k = 0; k < 3; k++) face.node[i][k] = nodes[8 * (3 * i + k) + lane];
-  for (int k = 0; k < 3; k++) point[k] = points[8 * k + lane];
+  take_lane(kind, nodes, points, lane, &face, point);
   own.method = CT_ROBUST;
   own.trace = NULL;
   own.use_start = start != NULL && fabs(start[lane]) < HUGE_VAL && fabs(start[8 + lane]) < HUGE_VAL;
@@ -36,7 +56,7 @@ static void project_lane(ct_face_kind kind, const double *nodes, const double *p
   if (feet->signed_distance != NULL) feet->signed_distance[at] = out.signed_distance;
   if (feet->status != NULL) feet->status[at] = (int32_t)out.status;
   if (feet->evaluations != NULL) feet->evaluations[at] = (int32_t)out.evaluations;
-  for (size_t a = 0; a < 2 && feet->xi != NULL; a++) feet->xi[8 * (2 * block + a) + (size_t)lane] = out.xi[a];
+  for (int a = 0; a < 2; a++) xi[8 * a + lane] = out.xi[a];
   for (size_t k = 0; k < 3 && feet->normal != NULL; k++) feet->normal[8 * (3 * block + k) + (size_t)lane] = out.normal[k];
 }
 
@@ -64,10 +84,14 @@ ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
   ct_batch_kernel *kernel = kernel_for(kind);
   for (size_t block = 0; block < ct_batch_blocks(count); block++) {
     const double *x = nodes + 24 * per * block, *p = points + 24 * block, *from = start != NULL ? start + 16 * block : NULL;
-    unsigned hard = kernel != NULL ? kernel(kind, x, p, from, options, feet, block) : 255;
+    double xi[16];
+    unsigned hard = kernel != NULL ? kernel(kind, x, p, from, options, xi, feet, block) : 255;
     // -- Lanes in trouble, and triangles, one at a time
-    for (int lane = 0; lane < 8; lane++)
-      if (hard >> lane & 1) project_lane(kind, x, p, from, options, feet, block, lane);
+    for (int lane = 0; lane < 8 && hard != 0; lane++) {
+      int alone = (int)(hard >> lane & 1), doubtful = (int)(hard >> lane >> 8 & 1);
+      if (alone || (doubtful && !is_closest(kind, x, p, xi, feet, block, lane))) project_lane(kind, x, p, from, options, xi, feet, block, lane);
+    }
+    for (int i = 0; i < 16 && feet->xi != NULL; i++) feet->xi[16 * block + (size_t)i] = xi[i];
   }
   return CT_OK;
 }

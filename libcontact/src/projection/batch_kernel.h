@@ -40,11 +40,11 @@ typedef struct models {
   lanes g[2], H[3], low[2], high[2];
 } models;
 
-/* Their search; those in `hard` are left to ct_project. */
+/* Their search. Those in `hard` are left to ct_project; those in `doubtful` have a foot, of which it is to be seen whether it is the closest point. */
 typedef struct searches {
   iterates at;
   lanes radius, before, limit, evaluations;
-  mask active, hard;
+  mask active, hard, cold, doubtful;
 } searches;
 
 PART int any(const mask *m)
@@ -127,18 +127,24 @@ PART void tangents(const patches *patch, const lanes xi[2], lanes t1[3], lanes t
   }
 }
 
+PART void curves(const patches *patch, const lanes xi[2], lanes t11[3], lanes t22[3], lanes t12[3])
+{
+  const lanes(*c)[3] = patch->c;
+  for (int k = 0; k < 3; k++) {
+    // -- Second derivatives of the patch (eq:projection-patch-derivatives)
+    t11[k] = 2 * (c[4][k] + c[6][k] * xi[1]);
+    t22[k] = 2 * (c[5][k] + c[7][k] * xi[0]);
+    t12[k] = c[3][k] + 2 * (c[6][k] * xi[0] + c[7][k] * xi[1]);
+  }
+}
+
 /* f, gradient and Hessian at at->xi. */
 PART void look(const patches *patch, iterates *at)
 {
-  const lanes(*c)[3] = patch->c;
   lanes d[3], t1[3], t2[3], t11[3], t22[3], t12[3];
   value(patch, at->xi, d, &at->f);
   tangents(patch, at->xi, t1, t2);
-  for (int k = 0; k < 3; k++) {
-    t11[k] = 2 * (c[4][k] + c[6][k] * at->xi[1]);
-    t22[k] = 2 * (c[5][k] + c[7][k] * at->xi[0]);
-    t12[k] = c[3][k] + 2 * (c[6][k] * at->xi[0] + c[7][k] * at->xi[1]);
-  }
+  curves(patch, at->xi, t11, t22, t12);
   // -- Gradient and Hessian (eq:projection-gradient, eq:projection-hessian)
   at->g[0] = 2 * DOT(d, t1);
   at->g[1] = 2 * DOT(d, t2);
@@ -169,11 +175,11 @@ PART void sample(const patches *patch, lanes f[9])
   for (int i = 0; i < 9; i++) f[i] = DOT(d[i], d[i]);
 }
 
-/* Begin where the only valley among the samples is; with several, or on a folded face, the lane is hard. */
-PART void choose_valley(const patches *patch, const lanes f[9], searches *s)
+/* Begin where the only valley among the samples is; with several the lane is hard. */
+PART void choose_valley(const lanes f[9], searches *s)
 {
   static const double AT[9][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}, {0, 0}};
-  lanes found = {0}, square[8];
+  lanes found = {0};
   s->at.xi[0] = s->at.xi[1] = found;
   mask centre = f[8] <= f[0];
   for (int j = 1; j < 8; j++) centre &= f[8] <= f[j];
@@ -186,10 +192,7 @@ PART void choose_valley(const patches *patch, const lanes f[9], searches *s)
     found = PICK(valley, found + 1, found);
     for (int a = 0; a < 2; a++) s->at.xi[a] = PICK(valley, AT[i][a] + 0 * found, s->at.xi[a]);
   }
-  for (int j = 1; j < 8; j++) square[j] = DOT(patch->c[j], patch->c[j]);
-  // -- A folded face (eq:robust-folded)
-  mask folded = square[3] + ((square[4] + square[5]) + (square[6] + square[7])) > 0.5 * LEAST(square[1], square[2]);
-  s->hard = folded | (found != 1);
+  s->hard = found != 1;
 }
 
 /* Bring xi onto the face, and onto its edge where only rounding is between. */
@@ -207,8 +210,9 @@ PART void begin(const patches *patch, const double *start, int lane, searches *s
 {
   lanes f[9], zero = {0}, d[3];
   sample(patch, f);
-  choose_valley(patch, f, s);
-  s->evaluations = zero + 10;
+  choose_valley(f, s);
+  s->evaluations = zero + 11;
+  s->cold = zero == zero;
   if (start == NULL) return;
   lanes lowest = f[0], xi[2], fs;
   for (int i = 1; i < 9; i++) lowest = LEAST(lowest, f[i]);
@@ -221,7 +225,9 @@ PART void begin(const patches *patch, const double *start, int lane, searches *s
   mask warm = fs <= lowest + 8 * DBL_EPSILON * (lowest + patch->size * length);
   s->hard = (s->hard & ~warm) | ~finite;
   for (int a = 0; a < 2; a++) s->at.xi[a] = PICK(warm, xi[a], s->at.xi[a]);
-  s->evaluations = PICK(warm, s->evaluations, s->evaluations + 1);
+  // A start costs a look; only without one, or with a poor one, is the answer looked over (eq:robust-hidden).
+  s->evaluations = PICK(warm, s->evaluations - 1, s->evaluations + 1);
+  s->cold = ~warm;
 }
 
 PART void model_value(const models *q, const lanes s[2], lanes *v)
@@ -353,8 +359,95 @@ PART void resolved(const patches *patch, const iterates *at, const lanes *f, con
   *good = (move <= allowed) | (bound[0] & bound[1]);
 }
 
+/* A quadratic form as in proof.c. */
+typedef struct forms {
+  lanes m11, m22, low, high;
+} forms;
+
+/* Bounds of the derivatives over the faces, as in proof.c, and what is to be shown. */
+typedef struct proofs {
+  lanes tangent[2], curve[3], margin, target;
+} proofs;
+
+PART void proof_about(const patches *patch, const lanes *distance, proofs *p)
+{
+  lanes n[8], all = 0 * *distance;
+  for (int j = 0; j < 8; j++) {
+    n[j] = (SIZE(patch->c[j][0]) + SIZE(patch->c[j][1])) + SIZE(patch->c[j][2]);
+    all += n[j];
+  }
+  // -- Bounds of the derivatives (eq:certified-derivatives)
+  p->tangent[0] = (n[1] + n[3]) + (2 * (n[4] + n[6]) + n[7]), p->tangent[1] = (n[2] + n[3]) + (2 * (n[5] + n[7]) + n[6]);
+  p->curve[0] = 2 * n[4] + 6 * n[6], p->curve[1] = 2 * n[5] + 6 * n[7], p->curve[2] = n[3] + 2 * (n[6] + n[7]);
+  // -- The margin, less what rounding may hide (eq:certified-target)
+  lanes rounding = 64 * DBL_EPSILON * all;
+  p->margin = 0.5 * 1e-10 * MOST(*distance, patch->size) - 2 * rounding;
+  lanes low = *distance - p->margin;
+  low = PICK(low > 0, low, 0 * all);
+  p->target = low * low;
+}
+
+/* Lower bounds of the quadratic part of f about the feet, as seen from anywhere on the face; `at` has d and the tangents at the feet. */
+PART void secant_form(const patches *patch, const proofs *p, const lanes xi[2], const lanes d[3], const lanes t1[3], const lanes t2[3],
+                      const lanes *distance, forms *m)
+{
+  const lanes(*c)[3] = patch->c;
+  const double e = 256 * DBL_EPSILON;
+  lanes x = -xi[0], y = -xi[1], t11[3], t22[3], t12[3], a1[3], a2[3], v = (SIZE(x) + SIZE(y)) + 1;
+  curves(patch, xi, t11, t22, t12);
+  for (int k = 0; k < 3; k++) {
+    // -- Secants from the feet to the centres of the faces (eq:certified-secants)
+    a1[k] = (t1[k] + 0.5 * (x * t11[k] + y * t12[k])) + x * y * c[6][k];
+    a2[k] = (t2[k] + 0.5 * (y * t22[k] + x * t12[k])) + x * y * c[7][k];
+  }
+  lanes d6 = 2 * DOT(d, c[6]), d7 = 2 * DOT(d, c[7]);
+  lanes a11 = DOT(a1, t11), a12 = DOT(a1, t12) + d6, b22 = DOT(a2, t22), b12 = DOT(a2, t12) + d7;
+  lanes cross1 = DOT(a1, t22) + DOT(a2, t12), cross2 = DOT(a1, t12) + DOT(a2, t11);
+  lanes a6 = DOT(a1, c[6]), b7 = DOT(a2, c[7]), cross3 = DOT(a1, c[7]) + DOT(a2, c[6]);
+  // -- Form at the centres, and what it may lose elsewhere (eq:certified-form, eq:certified-spread, eq:certified-rounding)
+  m->m11 = DOT(a1, a1) + (DOT(d, t11) + d6 * y);
+  m->m22 = DOT(a2, a2) + (DOT(d, t22) + d7 * x);
+  m->m11 -= (SIZE(a11) + SIZE(a12)) + 2 * SIZE(a6) * v + e * (p->tangent[0] * p->tangent[0] + *distance * p->curve[0]);
+  m->m22 -= (SIZE(b22) + SIZE(b12)) + 2 * SIZE(b7) * v + e * (p->tangent[1] * p->tangent[1] + *distance * p->curve[1]);
+  lanes spread = 0.5 * (SIZE(cross1) + SIZE(cross2)) + SIZE(cross3) * v + e * (p->tangent[0] * p->tangent[1] + *distance * p->curve[2]);
+  lanes m12 = DOT(a1, a2) + DOT(d, t12);
+  m->low = m12 - spread;
+  m->high = m12 + spread;
+}
+
+/* What a slope does over the face: it makes the form steeper where it leads away from the foot, else it counts as a loss. */
+PART void slope_share(const lanes *slope, const lanes *offset, lanes *curvature, lanes *loss)
+{
+  lanes middle = *slope * *offset, low = middle - SIZE(*slope), high = middle + SIZE(*slope), fall = PICK(low < 0, low, 0 * low);
+  mask helps = (low >= 0) & (high > 0);
+  // -- A slope away from the foot is at least a parabola (eq:certified-slope)
+  lanes share = *slope / (high / *slope) * (1 - 16 * DBL_EPSILON);
+  *curvature = PICK(helps, *curvature + share, *curvature);
+  *loss = PICK(helps, *loss, *loss - fall);
+}
+
+/* Is it seen from the feet alone that no point of the faces is closer? Where it is not, ct_project may look closer. */
+PART void prove(const patches *patch, const lanes xi[2], const lanes d[3], const lanes *f, const lanes t1[3], const lanes t2[3], mask *proven)
+{
+  lanes distance = *f, g[2] = {2 * DOT(d, t1), 2 * DOT(d, t2)}, offset[2] = {-xi[0], -xi[1]}, zero = {0};
+  proofs p;
+  forms m;
+  root(&distance);
+  proof_about(patch, &distance, &p);
+  secant_form(patch, &p, xi, d, t1, t2, &distance, &m);
+  lanes loss = 16 * DBL_EPSILON * distance * (distance + 4 * (p.tangent[0] + p.tangent[1]));
+  slope_share(&g[0], &offset[0], &m.m11, &loss);
+  slope_share(&g[1], &offset[1], &m.m22, &loss);
+  // -- Positive on all steps that occur (eq:certified-positive)
+  mask corner = (SIZE(xi[0]) >= 1) & (SIZE(xi[1]) >= 1), same = xi[0] * xi[1] > 0;
+  lanes below = -m.low, twist = MOST(below, m.high), up = PICK(below > 0, below, zero), down = PICK(m.high > 0, m.high, zero);
+  twist = PICK(corner, PICK(same, up, down), twist);
+  *proven = (*f - loss >= p.target) & (m.m11 >= 0) & (m.m22 >= 0) & (m.m11 * m.m22 >= twist * twist * (1 + 16 * DBL_EPSILON));
+  *proven = (p.margin > 0) & (*proven | ~(p.target > 0));
+}
+
 /* Write what is known of the feet; a lane without a normal becomes hard. */
-PART void finish(const patches *patch, searches *s, const ct_batch_feet *feet, size_t block, int lane)
+PART void finish(const patches *patch, searches *s, double xi[16], const ct_batch_feet *feet, size_t block, int lane)
 {
   lanes d[3], f, t1[3], t2[3], n[3], length[2], zero = {0};
   value(patch, s->at.xi, d, &f);
@@ -363,6 +456,14 @@ PART void finish(const patches *patch, searches *s, const ct_batch_feet *feet, s
   for (int a = 0; a < 2; a++) root(&length[a]);
   mask good;
   resolved(patch, &s->at, &f, length, &s->limit, &good);
+  s->cold &= ~s->hard;
+  s->doubtful = s->hard & ~s->hard;
+  if (any(&s->cold)) {
+    // -- Look again where the face may hide something (eq:robust-hidden)
+    mask proven;
+    prove(patch, s->at.xi, d, &f, t1, t2, &proven);
+    s->doubtful = s->cold & ~proven;
+  }
   // -- Unit normal (eq:segment-normal)
   for (int k = 0; k < 3; k++) n[k] = t1[(k + 1) % 3] * t2[(k + 2) % 3] - t1[(k + 2) % 3] * t2[(k + 1) % 3];
   lanes square = DOT(n, n), least = 1e-14 * length[0] * length[1], norm = square;
@@ -373,7 +474,7 @@ PART void finish(const patches *patch, searches *s, const ct_batch_feet *feet, s
   lanes distance = *root(&f), signed_distance = PICK(DOT(d, n) <= 0, distance, -distance), status = PICK(good, zero + CT_OK, zero + CT_NOT_CERTIFIED);
   if (feet->distance != NULL) *(loose *)(void *)&feet->distance[8 * block + (size_t)lane] = distance;
   if (feet->signed_distance != NULL) *(loose *)(void *)&feet->signed_distance[8 * block + (size_t)lane] = signed_distance;
-  for (size_t a = 0; a < 2 && feet->xi != NULL; a++) *(loose *)(void *)&feet->xi[8 * (2 * block + a) + (size_t)lane] = s->at.xi[a];
+  for (int a = 0; a < 2; a++) *(loose *)(void *)&xi[8 * a + lane] = s->at.xi[a];
   for (size_t k = 0; k < 3 && feet->normal != NULL; k++) *(loose *)(void *)&feet->normal[8 * (3 * block + k) + (size_t)lane] = n[k];
   for (int l = 0; l < LANES; l++) {
     if (feet->status != NULL) feet->status[8 * block + (size_t)(lane + l)] = (int32_t)status[l];
@@ -382,7 +483,7 @@ PART void finish(const patches *patch, searches *s, const ct_batch_feet *feet, s
 }
 
 PART unsigned project_block(int count, const double *nodes, const double *points, const double *start, const ct_project_options *options,
-                                     const ct_batch_feet *feet, size_t block)
+                            double xi[16], const ct_batch_feet *feet, size_t block)
 {
   unsigned hard = 0;
   int steps = options->iteration_limit > 0 && options->iteration_limit < STEPS ? options->iteration_limit : STEPS;
@@ -399,15 +500,16 @@ PART unsigned project_block(int count, const double *nodes, const double *points
     s.active = ~s.hard;
     for (int i = 0; i < steps && any(&s.active); i++) step(&patch, options->tolerance, &s);
     s.hard |= s.active;
-    finish(&patch, &s, feet, block, lane);
-    for (int l = 0; l < LANES; l++) hard |= s.hard[l] ? 1u << (lane + l) : 0;
+    finish(&patch, &s, xi, feet, block, lane);
+    s.doubtful &= ~s.hard;
+    for (int l = 0; l < LANES; l++) hard |= (s.hard[l] ? 1u << (lane + l) : 0) | (s.doubtful[l] ? 256u << (lane + l) : 0);
   }
   return hard;
 }
 
 __attribute__((target(TARGET)))
 unsigned KERNEL(ct_face_kind kind, const double *nodes, const double *points, const double *start, const ct_project_options *options,
-                const ct_batch_feet *feet, size_t block)
+                double xi[16], const ct_batch_feet *feet, size_t block)
 {
-  return kind == CT_Q4 ? project_block(4, nodes, points, start, options, feet, block) : project_block(8, nodes, points, start, options, feet, block);
+  return kind == CT_Q4 ? project_block(4, nodes, points, start, options, xi, feet, block) : project_block(8, nodes, points, start, options, xi, feet, block);
 }
