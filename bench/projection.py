@@ -24,7 +24,7 @@ from libcontact._core import ffi, lib
 HERE = Path(__file__).parent
 ROOT = HERE.parent
 TOLERANCES = [10.0**-k for k in range(2, 15)]
-ORDINARY, HARD_EVERY, ROUNDS = 400, 4, 7
+ORDINARY, HARD_EVERY, ROUNDS = 400, 2, 7
 RIGHT = 1e-6  # of the distance or the face size, whichever is larger
 MARGIN = 1e-6  # a foot this far from the edges, in xi, is inside
 FACE = np.dtype([("kind", np.int32), ("fill", np.int32), ("node", np.float64, (8, 3))])
@@ -137,7 +137,7 @@ def scipy_run(nodes, points, tolerance, method):
             d = (xi[0] ** i * xi[1] ** j) @ c
             return d @ d
 
-        options = {"ftol": tolerance**2} if method == "SLSQP" else {"xatol": tolerance, "fatol": tolerance**2}
+        options = {"ftol": max(tolerance**2, 1e-15)} if method == "SLSQP" else {"xatol": tolerance, "fatol": max(tolerance**2, 1e-15)}
         end = minimize(f, (0.0, 0.0), method=method, bounds=[(-1, 1), (-1, 1)], options={"maxiter": 2000, **options})
         feet[k], calls[k] = end.x, end.nfev
     return time.perf_counter() - start, feet, calls
@@ -151,8 +151,7 @@ def work_and_precision(run, pairs, xi, distance, size) -> list[dict]:
         seconds = min(run(pairs, tolerance) for _ in range(2))
         error = np.nan_to_num(np.abs(pairs.distances - distance) / np.maximum(distance, size), nan=np.inf)
         row = {"tolerance": tolerance, "evaluations": float(np.mean(pairs.calls)), "ns": 1e9 * seconds / len(distance),
-               "distance_error": float(np.median(error)), "distance_error_95": float(np.quantile(error, 0.95)),
-               "right": float(np.mean(error <= max(RIGHT, tolerance)))}
+               "distance_error": float(np.median(error)), "wrong": float(np.mean(error > RIGHT))}
         if xi is not None:
             row["xi_error"] = float(np.median(np.max(np.abs(pairs.feet - xi), axis=1)))
         rows.append(row)
@@ -226,12 +225,12 @@ def measure() -> dict:
         sizes = np.array([corpus.face_size(own) for own in nodes])
         ordinary = Pairs(lib.CT_Q8, nodes, points)
         cases = corpus.load()
-        hard = [c for c in cases if c["category"] != "ordinary"][::HARD_EVERY]
+        hard = [c for c in cases if c["category"] != "ordinary" and c["margin"] > MARGIN][::HARD_EVERY]
         result = {"ordinary": {}, "hard": {}, "success": {}, "categories": sorted({c["category"] for c in cases}), "cases": len(cases)}
         for name, own in run.items():
             result["ordinary"][name] = work_and_precision(own, ordinary, xi, gaps, sizes)
             result["hard"][name] = work_and_precision(own, pairs_of(hard), None, *truths(hard))
-            right = success(own, name in CLOSED or name in NLOPT, pairs_of(cases), cases)
+            right = success(own, name in CLOSED, pairs_of(cases), cases)
             result["success"][name] = {category: float(np.mean([r for r, c in zip(right, cases) if c["category"] == category]))
                                        for category in result["categories"]} | {"all": float(np.mean(right))}
         result["scipy"] = scipy_rows(nodes[:40], points[:40], xi[:40])
@@ -284,7 +283,7 @@ def report(result: dict) -> str:
         lines.append(f"  {name:18} at {row['tolerance']:.0e} {row['ns']:9.0f} ns  {row['times_robust']:7.2f}  ({low:.2f} to {high:.2f})")
     names = list(result["success"])
     lines.append(f"answers right to {RIGHT:.0e} in % of {result['cases']} hard cases (free searches may say \"outside\" where the minimum is not inside;")
-    lines.append("NLopt has the box of the reference face, on triangles too):")
+    lines.append("NLopt has the box about the reference face):")
     lines += [f"  {chr(97 + i)}  {name}" for i, name in enumerate(names)]
     lines.append("  " + " " * 20 + "".join(f"{chr(97 + i):>6}" for i in range(len(names))))
     for category in [*result["categories"], "all"]:
@@ -305,15 +304,15 @@ def draw(result: dict, path: Path) -> None:
 
     fig, axes = plt.subplots(2, 3, figsize=(15, 9), layout="constrained")
     colour = colours(result["ordinary"])
-    for row, (which, error) in zip(axes, (("ordinary", "xi_error"), ("hard", "distance_error_95"))):
+    for row, (which, error) in zip(axes, (("ordinary", "xi_error"), ("hard", "wrong"))):
         for name, table in result[which].items():
             style = {"color": colour[name], "marker": ".", "ls": "-" if name in methods() else "--", "label": name}
-            value = np.maximum([r[error] for r in table], 1e-17)
+            value = np.maximum([r[error] for r in table], 1e-17 if error == "xi_error" else 1e-3)
             row[0].loglog([r["evaluations"] for r in table], value, **style)
             row[1].loglog([r["ns"] for r in table], value, **style)
             row[2].loglog([r["tolerance"] for r in table], np.maximum([r["distance_error"] for r in table], 1e-17), **style)
-        words = {"xi_error": "median error in ξ", "distance_error_95": "distance: error of the 95th percentile"}[error]
-        row[0].set(xlabel="evaluations of f", ylabel=words, title=f"{which} faces")
+        words = {"xi_error": "median error in ξ", "wrong": "share of distances wrong by more than 1e-6 (1e-3: none)"}[error]
+        row[0].set(xlabel="evaluations of f", ylabel=words, title={"ordinary": "ordinary faces", "hard": "hard faces, foot inside"}[which])
         row[1].set(xlabel="ns", ylabel=words)
         row[2].set(xlabel="tolerance", ylabel="median error in distance")
     axes[0, 2].legend(fontsize=7, ncols=2)
