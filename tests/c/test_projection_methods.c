@@ -115,6 +115,50 @@ static void zigzag(void)
   tap_close(p.xi[10][0] / p.xi[9][0], (c - 1) / (c + 1), 1e-9, "steepest descent zigzags at the rate of theory");
 }
 
+/* A sheared net on a saddle, z = r x y: the principal directions are the diagonals and the tangents are not orthogonal. */
+static void sheared_and_twisted(void)
+{
+  ct_face face = parabolic_face(CT_Q8, 0, 0);
+  double point[3] = {0, 0, 0.4}, start[2] = {0.1, 0.15}, diagonal[2] = {0.09, 0.15};
+  for (int i = 0; i < 8; i++) {
+    face.node[i][0] += 0.4 * face.node[i][1];
+    face.node[i][2] = 0.8 * face.node[i][0] * face.node[i][1];
+  }
+  ct_projection out;
+  path p = walk(CT_SPHERE, &face, point, diagonal, &out);
+  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "the sphere is of second order along a principal direction (%d iterates)", p.count);
+  for (int i = 0; i < 8; i++) face.node[i][2] += 0.3 * face.node[i][0] * face.node[i][0];
+  p = walk(CT_TORUS, &face, point, start, &out);
+  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "the torus in any direction (%d iterates)", p.count);
+}
+
+/* Along the axis of symmetry of a cylinder Broyden's method is the secant rule. */
+static void broyden_is_the_secant_rule(void)
+{
+  ct_face cylinder = parabolic_face(CT_Q8, 0.8, 0);
+  double point[3] = {0.1, 0, 0.6}, start[2] = {0.7, 0}, g[2][2], off_rule = 0;
+  ct_projection out;
+  path p = walk(CT_BROYDEN, &cylinder, point, start, &out);
+  for (int i = 1; i < 4; i++) {
+    for (int j = 0; j < 2; j++) ct_project_function(&cylinder, point, p.xi[i - 1 + j], NULL, g[j], NULL);
+    double next = p.xi[i][0] - g[1][0] * (p.xi[i][0] - p.xi[i - 1][0]) / (g[1][0] - g[0][0]);
+    off_rule = worst(off_rule, p.xi[i + 1][0] - next);
+  }
+  tap_close(off_rule, 0, 1e-12, "broyden in one dimension is the secant rule");
+}
+
+/* The first moves of Nelder and Mead on a plane, by hand. */
+static void nelder_mead_by_hand(void)
+{
+  ct_face flat = parabolic_face(CT_Q4, 0, 0);
+  double far[3] = {50, 0, 0}, near[3] = {0, -0.2, 0}, start[2] = {0, 0};
+  ct_projection out;
+  path p = walk(CT_NELDER_MEAD, &flat, far, start, &out);
+  tap_close(fmax(fabs(p.xi[1][0] - 1.75), fabs(p.xi[1][1] - 7 * sqrt(3) / 12)), 0, 1e-14, "nelder_mead expands towards a far point");
+  p = walk(CT_NELDER_MEAD, &flat, near, start, &out);
+  tap_close(fmax(fabs(p.xi[1][0]), fabs(p.xi[1][1] - sqrt(3) / 12)), 0, 1e-14, "and contracts about a near one");
+}
+
 /* Rosenbrock-like valleys want the expansion and the contraction; a quadratic function of two variables is no trouble for either simplex. */
 static void nelder_mead_changes_its_form(void)
 {
@@ -189,6 +233,9 @@ int main(void)
   orders();
   one_step();
   zigzag();
+  sheared_and_twisted();
+  broyden_is_the_secant_rule();
+  nelder_mead_by_hand();
   nelder_mead_changes_its_form();
   saddles_are_no_answers();
   for (int m = 0; m < METHODS; m++) budgets_copies_and_bad_input(m);

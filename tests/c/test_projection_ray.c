@@ -82,6 +82,8 @@ static void edges_and_touches(void)
   tap_ok(ct_project_ray(&flat, edge, down, 1e-10, &out) == CT_OK && out.where == CT_EDGE && out.index == 0, "an edge is hit");
   tap_close(out.distance, -0.5, 1e-15, "behind the point");
   tap_ok(ct_project_ray(&flat, beside, up, 1e-10, &out) == CT_NO_CONVERGENCE && isnan(out.xi[0]), "what passes beside is a miss");
+  ct_status parallel = ct_project_ray(&flat, up, (double[3]){1, 2, 0}, 1e-10, &out);
+  tap_ok(parallel == CT_NO_CONVERGENCE && out.evaluations < 10, "a line parallel to a plane misses it (%d looks)", out.evaluations);
   double below[3] = {-0.3, 0.1, 0}, along[3] = {1, 0, 0}, centre[3] = {-0.5, 0, 0}, low[3] = {0, 0, -0.01};
   tap_ok(ct_project_ray(&flat, below, along, 1e-10, &out) == CT_NOT_CERTIFIED && isfinite(out.distance), "a line in the face is no clear hit");
   ct_status touch = ct_project_ray(&cup, centre, along, 1e-10, &out);

@@ -31,11 +31,16 @@ def shape(kind, x, y):
     return [c * e / 4 for c, e in corners] + sides
 
 
+METHODS = ["simplex", "nelder_mead", "newton", "least_squares", "steepest_descent", "broyden", "bfgs", "robust", "certified", "simplex_newton",
+           "sphere", "torus"]
+BY_VALUES = {"simplex", "nelder_mead"}
+
+
 def flat(kind):
     return np.column_stack([REFERENCE[kind], np.zeros(len(REFERENCE[kind]))])
 
 
-@pytest.mark.parametrize("method", ["robust", "newton", "simplex"])
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_point_above_a_flat_face(kind, method):
     points = np.array([[0.25, 0.25, 0.5], [0.3, 0.1, -0.25], [0.25, 0.5, 0.0]])
@@ -45,9 +50,9 @@ def test_point_above_a_flat_face(kind, method):
     np.testing.assert_allclose(found.signed_distance, points[:, 2], atol=1e-10)
     np.testing.assert_allclose(found.distance, np.abs(points[:, 2]), atol=1e-10)
     assert list(found.where) == ["interior"] * 3
-    assert not found.certified.any() and found.certified.dtype == bool
+    assert (found.certified == (method == "certified")).all() and found.certified.dtype == bool
     assert (found.evaluations > 0).all()
-    assert set(found.status) <= ({Status.OK, Status.ITERATION_LIMIT} if method == "simplex" else {Status.OK})
+    assert set(found.status) <= ({Status.OK, Status.ITERATION_LIMIT} if method in BY_VALUES else {Status.OK})
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -117,12 +122,56 @@ def test_start_for_one_and_for_all():
     assert (warm.evaluations <= cold.evaluations).all()
 
 
+@settings(max_examples=100, deadline=None)
+@given(st.sampled_from(KINDS), st.lists(numbers, min_size=24, max_size=24), st.lists(numbers, min_size=3, max_size=3))
+def test_what_is_certified_no_method_beats(kind, noise, point):
+    count = len(REFERENCE[kind])
+    nodes = flat(kind) + 0.5 * np.reshape(noise, (8, 3))[:count]
+    best = ct.project(kind, nodes, [3 * np.array(point)], method="certified")
+    if best.status[0] == Status.INVALID:
+        return
+    assert best.certified[0] == (best.status[0] == Status.OK)
+    size = max(best.distance[0], np.ptp(nodes, axis=0).max())
+    for method in METHODS:
+        found = ct.project(kind, nodes, [3 * np.array(point)], method=method)
+        if best.certified[0] and found.where[0] != "outside" and found.status[0] != Status.INVALID:
+            assert best.distance[0] <= found.distance[0] + 1e-10 * size
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.sampled_from(KINDS), st.lists(numbers, min_size=24, max_size=24), st.tuples(numbers, numbers), numbers)
+def test_a_line_along_the_normal_comes_back_to_the_foot(kind, noise, place, gap):
+    nodes = flat(kind) + 0.05 * np.reshape(noise, (8, 3))[: len(REFERENCE[kind])]
+    x = np.array(place) if kind[0] == "Q" else np.array([(1 + place[0]) / 4, (1 + place[1]) / 4])
+    foot = np.array(shape(kind, *x)) @ nodes
+    normal = ct.project(kind, nodes, [foot], method="newton", start=x)
+    up = ct.project_ray(kind, nodes, [foot], [0, 0, 1]).normal
+    found = ct.project_ray(kind, nodes, foot + 0.2 * gap * up, up)
+    assert normal.distance[0] < 1e-14 and found.status[0] == Status.OK
+    np.testing.assert_allclose(found.xi[0], x, atol=1e-12)
+    np.testing.assert_allclose(found.distance, -0.2 * gap, atol=1e-13)
+
+
+def test_lines_that_hit_and_miss():
+    points = np.array([[0.25, 0.25, 1], [0.25, 0.25, -2], [5, 0, 1], [np.nan, 0, 0]])
+    hits = ct.project_ray("Q4", flat("Q4"), points, [0, 0, 3])
+    np.testing.assert_array_equal(hits.distance[:2], [-1, 2])
+    assert list(hits.where) == ["interior", "interior", "outside", "outside"]
+    assert list(hits.status) == [Status.OK, Status.OK, Status.NO_CONVERGENCE, Status.INVALID]
+    assert np.isnan(hits.xi[2:]).all() and np.isnan(hits.normal[2:]).all() and (hits.normal[:2] == [0, 0, 1]).all()
+    assert ct.project_ray("T6", flat("T6"), np.zeros((0, 3)), [0, 0, 1]).xi.shape == (0, 2)
+    with pytest.raises(ValueError, match="directions must have shape"):
+        ct.project_ray("Q4", flat("Q4"), points, [[0, 0, 1]])
+    with pytest.raises(ValueError, match="tolerance must be positive and below 1"):
+        ct.project_ray("Q4", flat("Q4"), points, [0, 0, 1], tolerance=1)
+
+
 def test_no_points_give_empty_arrays():
     found = ct.project("T6", flat("T6"), np.zeros((0, 3)), start=np.zeros((0, 2)))
     assert found.xi.shape == (0, 2) and found.point.shape == (0, 3) and found.where.shape == (0,)
 
 
-@pytest.mark.parametrize("method", ["robust", "newton", "simplex"])
+@pytest.mark.parametrize("method", METHODS)
 def test_numbers_that_are_not_finite_are_reported_for_each_point(method):
     points = np.array([[0, 0, 1.0], [np.nan, 0, 1], [np.inf, 0, 1]])
     found = ct.project("Q4", flat("Q4"), points, method=method)

@@ -44,7 +44,7 @@ typedef struct models {
 typedef struct searches {
   iterates at;
   lanes radius, before, limit, evaluations;
-  mask active, hard, cold, doubtful;
+  mask active, hard, cold, doubtful; /* cold: the answer is to be looked over */
 } searches;
 
 PART int any(const mask *m)
@@ -205,14 +205,25 @@ PART void snap(lanes xi[2])
   }
 }
 
+/* Are the faces so nearly plane that no valley can hide between the samples? */
+PART void is_mild(const patches *patch, mask *mild)
+{
+  lanes square[8];
+  for (int j = 1; j < 8; j++) square[j] = DOT(patch->c[j], patch->c[j]);
+  // -- Compare what is not linear with what is (eq:robust-mild)
+  *mild = square[3] + ((square[4] + square[5]) + (square[6] + square[7])) <= 0.1 * LEAST(square[1], square[2]);
+}
+
 /* Where to begin: the given start, unless a sample is lower by more than rounding (eq:robust-noise); else the valley. */
 PART void begin(const patches *patch, const double *start, int lane, searches *s)
 {
   lanes f[9], zero = {0}, d[3];
   sample(patch, f);
   choose_valley(f, s);
-  s->evaluations = zero + 11;
-  s->cold = zero == zero;
+  mask mild;
+  is_mild(patch, &mild);
+  s->cold = ~mild;
+  s->evaluations = PICK(mild, zero + 10, zero + 11);
   if (start == NULL) return;
   lanes lowest = f[0], xi[2], fs;
   for (int i = 1; i < 9; i++) lowest = LEAST(lowest, f[i]);
@@ -225,9 +236,8 @@ PART void begin(const patches *patch, const double *start, int lane, searches *s
   mask warm = fs <= lowest + 8 * DBL_EPSILON * (lowest + patch->size * length);
   s->hard = (s->hard & ~warm) | ~finite;
   for (int a = 0; a < 2; a++) s->at.xi[a] = PICK(warm, xi[a], s->at.xi[a]);
-  // A start costs a look; only without one, or with a poor one, is the answer looked over (eq:robust-hidden).
-  s->evaluations = PICK(warm, s->evaluations - 1, s->evaluations + 1);
-  s->cold = ~warm;
+  s->evaluations = PICK(warm, zero + 10, s->evaluations + 1);
+  s->cold &= ~warm;
 }
 
 PART void model_value(const models *q, const lanes s[2], lanes *v)

@@ -197,6 +197,15 @@ static int is_valley(const double f[9], int corners, int i)
   return f[i] <= f[j] && f[i] <= f[after] && f[i] <= f[corners + after] && f[i] <= f[corners + before];
 }
 
+/* Is the face so nearly plane that no valley can hide between the samples? */
+static int is_mild(const ct_patch *patch)
+{
+  double square[8];
+  for (int j = 1; j < 8; j++) square[j] = ct_vector_dot(patch->c[j], patch->c[j]);
+  // -- Compare what is not linear with what is (eq:robust-mild)
+  return square[3] + ((square[4] + square[5]) + (square[6] + square[7])) <= 0.1 * least(square[1], square[2]);
+}
+
 /* Is the end `a` better than `b`: lower, or as low and nearer the centre? A mirror does not change the answer. */
 static int is_better(const ct_iterate *a, ct_status end_a, const ct_iterate *b, ct_status end_b)
 {
@@ -231,7 +240,7 @@ static ct_status descend_from_valleys(const ct_patch *patch, const ct_project_op
   for (int i = 2 * corners; i >= 0; i--)
     if (is_valley(f, corners, i)) descend_from_sample(patch, options, i, best, &status, foot);
   // -- Look again where the face may hide something (eq:robust-hidden)
-  if (ct_proof_at_sight(patch, best->xi, 2, foot)) return status;
+  if (is_mild(patch) || ct_proof_at_sight(patch, best->xi, 2, foot)) return status;
   for (int i = 2 * corners; i >= 0; i--)
     if (!is_valley(f, corners, i)) descend_from_sample(patch, options, i, best, &status, foot);
   return status;
