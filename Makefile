@@ -24,9 +24,9 @@ OPENMP := $(if $(filter openmp,$(WITHOUT)),,$(shell printf 'int main(void){retur
 HAVE_CXX := $(shell command -v $(CXX) 2>/dev/null)
 ADDONS := $(if $(GSL),gsl) $(if $(HDF5),hdf5)
 
-# -ffp-contract=off: the same bits from every compiler. -fopenmp-simd: vector lanes without a runtime.
+# -ffp-contract=off: the same bits from every compiler. -fopenmp-simd: vector lanes without a runtime. -fno-math-errno: roots in lanes, too.
 WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wshadow $(if $(CI),-Werror)
-BASE := -std=c99 -ffp-contract=off $(if $(OPENMP),-fopenmp,-fopenmp-simd) -fPIC -fvisibility=hidden -Ilibcontact/include
+BASE := -std=c99 -ffp-contract=off -fno-math-errno $(if $(OPENMP),-fopenmp,-fopenmp-simd) -fPIC -fvisibility=hidden -Ilibcontact/include
 CORE_FLAGS := $(BASE) $(WARNINGS) $(CFLAGS)
 GSL_FLAGS = $(shell $(PKG_CONFIG) --cflags $(GSL))
 HDF5_FLAGS = $(shell $(PKG_CONFIG) --cflags $(HDF5))

@@ -16,7 +16,7 @@ import cffi
 LIBRARY = Path("libcontact")
 INCLUDE = LIBRARY / "include"
 ADDON_HEADERS = {"gsl": "contact/exact_series.h", "hdf5": "contact/output.h"}
-FLAGS = ["-O3", "-std=c99", "-ffp-contract=off", "-fvisibility=hidden", "-fopenmp-simd"]
+FLAGS = ["-O3", "-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-fopenmp-simd"]
 
 
 def included(header):

@@ -1,0 +1,48 @@
+"""The faces that the projection bench measures on."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "data"))
+
+import corpus  # noqa: E402, F401 (for those who import it from here)
+
+
+def benchmark():
+    """The distorted face and a point above it: nodes (8, 3), point (3,).
+
+    The paper's benchmark is a segment cut from two rectangular plates that are bent over a cylinder. This one is constructed in its place: a Q8 square,
+    sheared, laid over a cylinder of radius 1 and twisted a little. The point stands beneath the arch, near the axis of the cylinder: each flank has a foot, and
+    one of them is nearer.
+    """
+    square = corpus.QUADRILATERAL * [1.1, 1.0]
+    s, y = square[:, 0] + 0.35 * square[:, 1], square[:, 1] + 0.1 * square[:, 0] * square[:, 1]
+    nodes = np.column_stack([np.sin(s), y, np.cos(s) + 0.15 * square[:, 0] * square[:, 1]])
+    return nodes, np.array([0.1, 0.1, -0.1])
+
+
+def ordinary(count: int, seed: int = 7):
+    """Curved Q8 faces, points above or below them, and their feet by construction: nodes (m, 8, 3), points (m, 3), xi (m, 2), gaps (m,)."""
+    rng = np.random.default_rng(seed)
+    nodes = np.empty((count, 8, 3))
+    points, xi, gaps = np.empty((count, 3)), rng.uniform(-0.9, 0.9, (count, 2)), rng.uniform(-0.3, 0.3, count)
+    for i in range(count):
+        nodes[i] = corpus.curved(rng, "Q8", 0.4, 0.05)
+        y, n = foot(nodes[i], xi[i])
+        points[i] = y + gaps[i] * n
+    return nodes, points, xi, np.abs(gaps)
+
+
+def foot(nodes, xi):
+    """Point and unit normal of a Q8 face, from polynomials of its own."""
+    powers = np.array(corpus.POWERS["Q8"])
+    A = np.array([[x**i * y**j for i, j in powers] for x, y in corpus.QUADRILATERAL])
+    c = np.linalg.solve(A, nodes)
+    (x, y), (i, j) = xi, powers.T
+    dx, dy = i * x ** np.maximum(i - 1, 0) * y**j, j * x**i * y ** np.maximum(j - 1, 0)
+    n = np.cross(dx @ c, dy @ c)
+    return (x**i * y**j) @ c, n / np.linalg.norm(n)

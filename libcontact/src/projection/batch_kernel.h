@@ -1,0 +1,525 @@
+/* robust for LANES pairs of face and point side by side; batch4.c and batch8.c define LANES, TARGET and KERNEL and include this. The arithmetic of each
+ * lane is that of robust.c and patch.c, operation for operation; what is rare there is left to ct_project here. A vector is as
+ * wide as the machine compares at once: of wider ones gcc splits up the comparisons into single lanes. */
+#include "batch_internal.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+
+typedef double lanes __attribute__((vector_size(8 * LANES), may_alias));
+typedef double loose __attribute__((vector_size(8 * LANES), may_alias, aligned(8)));
+typedef int64_t mask __attribute__((vector_size(8 * LANES), may_alias));
+
+/* A part of the kernel. It names the instruction set itself: gcc splits up vectors that a function cannot have before it inlines. */
+#define PART static inline __attribute__((always_inline, target(TARGET)))
+
+/* A comparison answers with all bits or none of a lane; PICK chooses by that. */
+#define PICK(m, a, b) ((lanes)(((m) & (mask)(a)) | (~(m) & (mask)(b))))
+#define LEAST(a, b) PICK((b) < (a), b, a)
+#define MOST(a, b) PICK((b) > (a), b, a)
+#define SIZE(a) PICK((a) < 0, -(a), a)
+#define DOT(a, b) (((a)[0] * (b)[0] + (a)[1] * (b)[1]) + (a)[2] * (b)[2])
+
+/* Steps before a lane is left to ct_project. */
+enum { STEPS = 12 };
+
+/* The polynomials of LANES faces as seen from their points, see ct_patch. */
+typedef struct patches {
+  lanes c[8][3], size;
+  mask good;
+} patches;
+
+/* As many iterates, with f and its derivatives there. */
+typedef struct iterates {
+  lanes xi[2], f, g[2], H[3];
+} iterates;
+
+/* The models of f about the iterates, see robust.c. */
+typedef struct models {
+  lanes g[2], H[3], low[2], high[2];
+} models;
+
+/* Their search. Those in `hard` are left to ct_project; those in `doubtful` have a foot, of which it is to be seen whether it is the closest point. */
+typedef struct searches {
+  iterates at;
+  lanes radius, before, limit, evaluations;
+  mask active, hard, cold, doubtful; /* cold: the answer is to be looked over */
+} searches;
+
+PART int any(const mask *m)
+{
+  int64_t all = 0;
+  for (int l = 0; l < LANES; l++) all |= (*m)[l];
+  return all != 0;
+}
+
+PART lanes *root(lanes *a)
+{
+  double *value = (double *)a;
+#pragma omp simd
+  for (int l = 0; l < LANES; l++) value[l] = sqrt(value[l]);
+  return a;
+}
+
+PART void corners_to_patch(const lanes v[8], const lanes *p, lanes c[8][3], int k)
+{
+  // -- Corners (eq:projection-patch-q4)
+  lanes all = ((v[0] - *p) + (v[1] - *p)) + ((v[2] - *p) + (v[3] - *p)), right = (v[1] - v[0]) + (v[2] - v[3]);
+  lanes up = (v[3] - v[0]) + (v[2] - v[1]), twist = (v[0] - v[1]) + (v[2] - v[3]);
+  c[0][k] = 0.25 * all, c[1][k] = 0.25 * right, c[2][k] = 0.25 * up, c[3][k] = 0.25 * twist;
+  for (int j = 4; j < 8; j++) c[j][k] = 0 * *p;
+}
+
+PART void sides_to_patch(const lanes v[8], const lanes *p, lanes c[8][3], int k)
+{
+  // -- Mid-sides (eq:projection-patch-q8)
+  lanes corners = c[0][k], right = c[1][k], up = c[2][k];
+  c[0][k] = 0.5 * (((v[4] - *p) + (v[6] - *p)) + ((v[5] - *p) + (v[7] - *p))) - corners;
+  c[1][k] = 0.5 * (v[5] - v[7]);
+  c[2][k] = 0.5 * (v[6] - v[4]);
+  c[4][k] = 0.25 * (((v[0] - v[4]) + (v[1] - v[4])) + ((v[2] - v[6]) + (v[3] - v[6])));
+  c[5][k] = 0.25 * (((v[0] - v[7]) + (v[3] - v[7])) + ((v[1] - v[5]) + (v[2] - v[5])));
+  c[6][k] = up - c[2][k];
+  c[7][k] = right - c[1][k];
+}
+
+PART void patches_init(patches *patch, int count, const double *nodes, const double *points, int lane)
+{
+  lanes check = {0}, far = {0};
+  patch->size = check;
+  for (int k = 0; k < 3; k++) {
+    // -- Subtract the point first (eq:projection-shift)
+    lanes v[8], p = *(const loose *)(const void *)&points[8 * k + lane];
+    for (int i = 0; i < count; i++) v[i] = *(const loose *)(const void *)&nodes[8 * (3 * i + k) + lane];
+    corners_to_patch(v, &p, patch->c, k);
+    if (count == 8) sides_to_patch(v, &p, patch->c, k);
+    for (int j = 0; j < 8; j++) {
+      lanes size = SIZE(patch->c[j][k]);
+      check += 0 * size;
+      if (j > 0) patch->size = MOST(patch->size, size);
+      else far = MOST(far, size);
+    }
+  }
+  patch->good = (check == 0) & (patch->size > 1e-70) & (patch->size < 1e70) & (far < 1e70);
+}
+
+PART void value(const patches *patch, const lanes xi[2], lanes d[3], lanes *f)
+{
+  const lanes(*c)[3] = patch->c;
+  lanes x = xi[0], y = xi[1], xy = x * y, xx = x * x, yy = y * y, xxy = xx * y, xyy = x * yy;
+  for (int k = 0; k < 3; k++) {
+    // -- Point of the patch (eq:projection-patch)
+    lanes e = (c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y);
+    d[k] = e + ((c[4][k] * xx + c[5][k] * yy) + (c[6][k] * xxy + c[7][k] * xyy));
+  }
+  *f = DOT(d, d);
+}
+
+PART void tangents(const patches *patch, const lanes xi[2], lanes t1[3], lanes t2[3])
+{
+  const lanes(*c)[3] = patch->c;
+  for (int k = 0; k < 3; k++) {
+    // -- Tangents of the patch (eq:projection-patch-derivatives)
+    lanes cx = c[6][k] * xi[0], cy = c[7][k] * xi[1];
+    t1[k] = (c[1][k] + c[3][k] * xi[1]) + (2 * (c[4][k] * xi[0]) + xi[1] * (2 * cx + cy));
+    t2[k] = (c[2][k] + c[3][k] * xi[0]) + (2 * (c[5][k] * xi[1]) + xi[0] * (cx + 2 * cy));
+  }
+}
+
+PART void curves(const patches *patch, const lanes xi[2], lanes t11[3], lanes t22[3], lanes t12[3])
+{
+  const lanes(*c)[3] = patch->c;
+  for (int k = 0; k < 3; k++) {
+    // -- Second derivatives of the patch (eq:projection-patch-derivatives)
+    t11[k] = 2 * (c[4][k] + c[6][k] * xi[1]);
+    t22[k] = 2 * (c[5][k] + c[7][k] * xi[0]);
+    t12[k] = c[3][k] + 2 * (c[6][k] * xi[0] + c[7][k] * xi[1]);
+  }
+}
+
+/* f, gradient and Hessian at at->xi. */
+PART void look(const patches *patch, iterates *at)
+{
+  lanes d[3], t1[3], t2[3], t11[3], t22[3], t12[3];
+  value(patch, at->xi, d, &at->f);
+  tangents(patch, at->xi, t1, t2);
+  curves(patch, at->xi, t11, t22, t12);
+  // -- Gradient and Hessian (eq:projection-gradient, eq:projection-hessian)
+  at->g[0] = 2 * DOT(d, t1);
+  at->g[1] = 2 * DOT(d, t2);
+  at->H[0] = 2 * (DOT(t1, t1) + DOT(d, t11));
+  at->H[1] = 2 * (DOT(t2, t2) + DOT(d, t22));
+  at->H[2] = 2 * (DOT(t1, t2) + DOT(d, t12));
+}
+
+/* f at corners, mid-sides and centre. */
+PART void sample(const patches *patch, lanes f[9])
+{
+  lanes d[9][3];
+  for (int k = 0; k < 3; k++) {
+    // -- Corners, mid-sides and centre (eq:robust-samples)
+    lanes c0 = patch->c[0][k], twist = patch->c[3][k], right = patch->c[1][k], up = patch->c[2][k];
+    lanes row = c0 + patch->c[5][k], column = c0 + patch->c[4][k], corner = c0 + (patch->c[4][k] + patch->c[5][k]);
+    lanes across = right + patch->c[7][k], along = up + patch->c[6][k];
+    d[0][k] = (corner + twist) - (across + along);
+    d[1][k] = (corner - twist) + (across - along);
+    d[2][k] = (corner + twist) + (across + along);
+    d[3][k] = (corner - twist) - (across - along);
+    d[4][k] = row - up;
+    d[5][k] = column + right;
+    d[6][k] = row + up;
+    d[7][k] = column - right;
+    d[8][k] = c0;
+  }
+  for (int i = 0; i < 9; i++) f[i] = DOT(d[i], d[i]);
+}
+
+/* Begin where the only valley among the samples is; with several the lane is hard. */
+PART void choose_valley(const lanes f[9], searches *s)
+{
+  static const double AT[9][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}, {0, 0}};
+  lanes found = {0};
+  s->at.xi[0] = s->at.xi[1] = found;
+  mask centre = f[8] <= f[0];
+  for (int j = 1; j < 8; j++) centre &= f[8] <= f[j];
+  found = PICK(centre, found + 1, found);
+  for (int i = 0; i < 8; i++) {
+    int j = i % 4, after = (j + 1) % 4, before = (j + 3) % 4;
+    mask valley = (f[i] <= f[8]) & (f[i] <= f[4 + before]);
+    if (i < 4) valley &= f[i] <= f[4 + j];
+    else valley &= (f[i] <= f[j]) & (f[i] <= f[after]) & (f[i] <= f[4 + after]);
+    found = PICK(valley, found + 1, found);
+    for (int a = 0; a < 2; a++) s->at.xi[a] = PICK(valley, AT[i][a] + 0 * found, s->at.xi[a]);
+  }
+  s->hard = found != 1;
+}
+
+/* Bring xi onto the face, and onto its edge where only rounding is between. */
+PART void snap(lanes xi[2])
+{
+  for (int a = 0; a < 2; a++) {
+    lanes one = 0 * xi[a] + 1;
+    xi[a] = PICK(xi[a] > 1 - 2 * DBL_EPSILON, one, xi[a]);
+    xi[a] = PICK(xi[a] < -1 + 2 * DBL_EPSILON, -one, xi[a]);
+  }
+}
+
+/* Are the faces so nearly plane that no valley can hide between the samples? */
+PART void is_mild(const patches *patch, mask *mild)
+{
+  lanes square[8];
+  for (int j = 1; j < 8; j++) square[j] = DOT(patch->c[j], patch->c[j]);
+  // -- Compare what is not linear with what is (eq:robust-mild)
+  *mild = square[3] + ((square[4] + square[5]) + (square[6] + square[7])) <= 0.1 * LEAST(square[1], square[2]);
+}
+
+/* Where to begin: the given start, unless a sample is lower by more than rounding (eq:robust-noise); else the valley. */
+PART void begin(const patches *patch, const double *start, int lane, searches *s)
+{
+  lanes f[9], zero = {0}, d[3];
+  sample(patch, f);
+  choose_valley(f, s);
+  mask mild;
+  is_mild(patch, &mild);
+  s->cold = ~mild;
+  s->evaluations = PICK(mild, zero + 10, zero + 11);
+  if (start == NULL) return;
+  lanes lowest = f[0], xi[2], fs;
+  for (int i = 1; i < 9; i++) lowest = LEAST(lowest, f[i]);
+  lanes length = lowest;
+  root(&length);
+  for (int a = 0; a < 2; a++) xi[a] = *(const loose *)(const void *)&start[8 * a + lane];
+  mask finite = (SIZE(xi[0]) < HUGE_VAL) & (SIZE(xi[1]) < HUGE_VAL);
+  snap(xi);
+  value(patch, xi, d, &fs);
+  mask warm = fs <= lowest + 8 * DBL_EPSILON * (lowest + patch->size * length);
+  s->hard = (s->hard & ~warm) | ~finite;
+  for (int a = 0; a < 2; a++) s->at.xi[a] = PICK(warm, xi[a], s->at.xi[a]);
+  s->evaluations = PICK(warm, zero + 10, s->evaluations + 1);
+  s->cold &= ~warm;
+}
+
+PART void model_value(const models *q, const lanes s[2], lanes *v)
+{
+  lanes linear = q->g[0] * s[0] + q->g[1] * s[1];
+  *v = linear + (0.5 * (q->H[0] * (s[0] * s[0]) + q->H[1] * (s[1] * s[1])) + q->H[2] * (s[0] * s[1]));
+}
+
+PART void model_keep(const models *q, const lanes s[2], const mask *allowed, lanes *best_value, lanes best[2])
+{
+  lanes v;
+  model_value(q, s, &v);
+  mask lower = *allowed & (v < *best_value);
+  *best_value = PICK(lower, v, *best_value);
+  for (int a = 0; a < 2; a++) best[a] = PICK(lower, s[a], best[a]);
+}
+
+/* Lowest points of the models on the four sides of their regions (eq:robust-side). */
+PART void model_sides(const models *q, lanes *best_value, lanes best[2])
+{
+  lanes s[2], zero = {0};
+  *best_value = best[0] = best[1] = zero;
+  for (int side = 0; side < 4; side++) {
+    int axis = side / 2, other = 1 - axis;
+    lanes bound = side % 2 ? q->high[axis] : q->low[axis], low = q->low[other], high = q->high[other];
+    // -- Root of the slope along a side, or its two ends (eq:robust-side)
+    lanes slope = q->g[other] + q->H[2] * bound, curvature = q->H[other], place = -slope / curvature;
+    mask allowed = low <= high, up = curvature > 0;
+    place = MOST(place, low);
+    place = LEAST(place, high);
+    s[axis] = bound;
+    s[other] = PICK(up, place, low);
+    model_keep(q, s, &allowed, best_value, best);
+    allowed &= ~up;
+    s[other] = high;
+    model_keep(q, s, &allowed, best_value, best);
+  }
+}
+
+/* Lowest points of the models (eq:robust-model); s, and the fall that each promises. */
+PART void model_minimum(const models *q, const mask *active, lanes s[2], lanes *predicted)
+{
+  lanes determinant = q->H[0] * q->H[1] - q->H[2] * q->H[2], v;
+  s[0] = (q->H[2] * q->g[1] - q->H[1] * q->g[0]) / determinant;
+  s[1] = (q->H[2] * q->g[0] - q->H[0] * q->g[1]) / determinant;
+  model_value(q, s, &v);
+  *predicted = -v;
+  mask newton = (q->H[0] > 0) & (determinant > 0);
+  for (int a = 0; a < 2; a++) newton &= (s[a] >= q->low[a]) & (s[a] <= q->high[a]);
+  mask rest = *active & ~newton;
+  if (!any(&rest)) return;
+  lanes best[2];
+  model_sides(q, &v, best);
+  *predicted = PICK(newton, *predicted, -v);
+  for (int a = 0; a < 2; a++) s[a] = PICK(newton, s[a], best[a]);
+}
+
+PART void model_about(models *q, const iterates *at, const lanes *radius)
+{
+  for (int a = 0; a < 2; a++) {
+    q->g[a] = at->g[a];
+    lanes low = -1 - at->xi[a], high = 1 - at->xi[a];
+    q->low[a] = MOST(low, -*radius);
+    q->high[a] = LEAST(high, *radius);
+  }
+  for (int i = 0; i < 3; i++) q->H[i] = at->H[i];
+}
+
+/* One step of every active lane. A lane whose f no longer falls as promised, with a promise near rounding, becomes hard. */
+PART void step(const patches *patch, double tolerance, searches *s)
+{
+  models q;
+  iterates trial;
+  lanes move[2], predicted, zero = {0};
+  model_about(&q, &s->at, &s->radius);
+  model_minimum(&q, &s->active, move, &predicted);
+  lanes across = SIZE(move[0]), along = SIZE(move[1]), length = MOST(across, along);
+  for (int a = 0; a < 2; a++) trial.xi[a] = s->at.xi[a] + move[a];
+  snap(trial.xi);
+  // -- Done when the step is small, or the next one would be rounding (eq:robust-quadratic)
+  lanes ratio = length / (s->before * s->before), next = length * length * PICK(ratio > 1, ratio, zero + 1);
+  mask done = s->active & ((length <= tolerance) | (next <= DBL_EPSILON));
+  for (int a = 0; a < 2; a++) s->at.xi[a] = PICK(done, trial.xi[a], s->at.xi[a]);
+  s->limit = PICK(done & (length >= s->radius), zero, s->limit);
+  s->active &= ~done;
+  if (!any(&s->active)) return;
+  look(patch, &trial);
+  s->evaluations = PICK(s->active, s->evaluations + 1, s->evaluations);
+  // -- Take the step if f falls (eq:robust-accept)
+  mask accept = s->at.f - trial.f >= 0.1 * predicted, refuse = s->active & ~accept;
+  if (any(&refuse)) {
+    lanes noise = s->at.f;
+    root(&noise);
+    noise = 8 * DBL_EPSILON * (s->at.f + patch->size * noise);
+    s->hard |= refuse & ~(predicted > noise);
+    s->active &= ~s->hard;
+    s->radius = PICK(refuse, 0.25 * length, s->radius);
+  }
+  accept &= s->active;
+  lanes wider = 2 * s->radius;
+  s->radius = PICK(accept & (length >= s->radius), LEAST(wider, zero + 2), s->radius);
+  s->before = PICK(accept, length, s->before);
+  s->at.f = PICK(accept, trial.f, s->at.f);
+  for (int a = 0; a < 2; a++) {
+    s->at.xi[a] = PICK(accept, trial.xi[a], s->at.xi[a]);
+    s->at.g[a] = PICK(accept, trial.g[a], s->at.g[a]);
+  }
+  for (int i = 0; i < 3; i++) s->at.H[i] = PICK(accept, trial.H[i], s->at.H[i]);
+}
+
+/* Does rounding of the gradient move the feet by less than the tolerance? (eq:robust-resolved) */
+PART void resolved(const patches *patch, const iterates *at, const lanes *f, const lanes length[2], const lanes *tolerance, mask *good)
+{
+  lanes distance = *f;
+  lanes rounding = 4 * DBL_EPSILON * (*root(&distance) + patch->size), limit[2];
+  mask bound[2];
+  for (int a = 0; a < 2; a++) {
+    bound[a] = (at->xi[a] <= -1) | (at->xi[a] >= 1);
+    limit[a] = *tolerance * at->H[a];
+  }
+  lanes determinant = at->H[0] * at->H[1] - at->H[2] * at->H[2], twist = SIZE(at->H[2]);
+  lanes first = at->H[1] * length[0] + twist * length[1], second = at->H[0] * length[1] + twist * length[0];
+  // -- How far rounding moves the foot (eq:robust-resolved)
+  lanes move = rounding * MOST(first, second), allowed = *tolerance * determinant;
+  for (int a = 1; a >= 0; a--) {
+    move = PICK(bound[1 - a], rounding * length[a], move);
+    allowed = PICK(bound[1 - a], limit[a], allowed);
+  }
+  *good = (move <= allowed) | (bound[0] & bound[1]);
+}
+
+/* A quadratic form as in proof.c. */
+typedef struct forms {
+  lanes m11, m22, low, high;
+} forms;
+
+/* Bounds of the derivatives over the faces, as in proof.c, and what is to be shown. */
+typedef struct proofs {
+  lanes tangent[2], curve[3], margin, target;
+} proofs;
+
+PART void proof_about(const patches *patch, const lanes *distance, proofs *p)
+{
+  lanes n[8], all = 0 * *distance;
+  for (int j = 0; j < 8; j++) {
+    n[j] = (SIZE(patch->c[j][0]) + SIZE(patch->c[j][1])) + SIZE(patch->c[j][2]);
+    all += n[j];
+  }
+  // -- Bounds of the derivatives (eq:certified-derivatives)
+  p->tangent[0] = (n[1] + n[3]) + (2 * (n[4] + n[6]) + n[7]), p->tangent[1] = (n[2] + n[3]) + (2 * (n[5] + n[7]) + n[6]);
+  p->curve[0] = 2 * n[4] + 6 * n[6], p->curve[1] = 2 * n[5] + 6 * n[7], p->curve[2] = n[3] + 2 * (n[6] + n[7]);
+  // -- The margin, less what rounding may hide (eq:certified-target)
+  lanes rounding = 64 * DBL_EPSILON * all;
+  p->margin = 0.5 * 1e-10 * MOST(*distance, patch->size) - 2 * rounding;
+  lanes low = *distance - p->margin;
+  low = PICK(low > 0, low, 0 * all);
+  p->target = low * low;
+}
+
+/* Lower bounds of the quadratic part of f about the feet, as seen from anywhere on the face; `at` has d and the tangents at the feet. */
+PART void secant_form(const patches *patch, const proofs *p, const lanes xi[2], const lanes d[3], const lanes t1[3], const lanes t2[3],
+                      const lanes *distance, forms *m)
+{
+  const lanes(*c)[3] = patch->c;
+  const double e = 256 * DBL_EPSILON;
+  lanes x = -xi[0], y = -xi[1], t11[3], t22[3], t12[3], a1[3], a2[3], v = (SIZE(x) + SIZE(y)) + 1;
+  curves(patch, xi, t11, t22, t12);
+  for (int k = 0; k < 3; k++) {
+    // -- Secants from the feet to the centres of the faces (eq:certified-secants)
+    a1[k] = (t1[k] + 0.5 * (x * t11[k] + y * t12[k])) + x * y * c[6][k];
+    a2[k] = (t2[k] + 0.5 * (y * t22[k] + x * t12[k])) + x * y * c[7][k];
+  }
+  lanes d6 = 2 * DOT(d, c[6]), d7 = 2 * DOT(d, c[7]);
+  lanes a11 = DOT(a1, t11), a12 = DOT(a1, t12) + d6, b22 = DOT(a2, t22), b12 = DOT(a2, t12) + d7;
+  lanes cross1 = DOT(a1, t22) + DOT(a2, t12), cross2 = DOT(a1, t12) + DOT(a2, t11);
+  lanes a6 = DOT(a1, c[6]), b7 = DOT(a2, c[7]), cross3 = DOT(a1, c[7]) + DOT(a2, c[6]);
+  // -- Form at the centres, and what it may lose elsewhere (eq:certified-form, eq:certified-spread, eq:certified-rounding)
+  m->m11 = DOT(a1, a1) + (DOT(d, t11) + d6 * y);
+  m->m22 = DOT(a2, a2) + (DOT(d, t22) + d7 * x);
+  m->m11 -= (SIZE(a11) + SIZE(a12)) + 2 * SIZE(a6) * v + e * (p->tangent[0] * p->tangent[0] + *distance * p->curve[0]);
+  m->m22 -= (SIZE(b22) + SIZE(b12)) + 2 * SIZE(b7) * v + e * (p->tangent[1] * p->tangent[1] + *distance * p->curve[1]);
+  lanes spread = 0.5 * (SIZE(cross1) + SIZE(cross2)) + SIZE(cross3) * v + e * (p->tangent[0] * p->tangent[1] + *distance * p->curve[2]);
+  lanes m12 = DOT(a1, a2) + DOT(d, t12);
+  m->low = m12 - spread;
+  m->high = m12 + spread;
+}
+
+/* What a slope does over the face: it makes the form steeper where it leads away from the foot, else it counts as a loss. */
+PART void slope_share(const lanes *slope, const lanes *offset, lanes *curvature, lanes *loss)
+{
+  lanes middle = *slope * *offset, low = middle - SIZE(*slope), high = middle + SIZE(*slope), fall = PICK(low < 0, low, 0 * low);
+  mask helps = (low >= 0) & (high > 0);
+  // -- A slope away from the foot is at least a parabola (eq:certified-slope)
+  lanes share = *slope / (high / *slope) * (1 - 16 * DBL_EPSILON);
+  *curvature = PICK(helps, *curvature + share, *curvature);
+  *loss = PICK(helps, *loss, *loss - fall);
+}
+
+/* Is it seen from the feet alone that no point of the faces is closer? Where it is not, ct_project may look closer. */
+PART void prove(const patches *patch, const lanes xi[2], const lanes d[3], const lanes *f, const lanes t1[3], const lanes t2[3], mask *proven)
+{
+  lanes distance = *f, g[2] = {2 * DOT(d, t1), 2 * DOT(d, t2)}, offset[2] = {-xi[0], -xi[1]}, zero = {0};
+  proofs p;
+  forms m;
+  root(&distance);
+  proof_about(patch, &distance, &p);
+  secant_form(patch, &p, xi, d, t1, t2, &distance, &m);
+  lanes loss = 16 * DBL_EPSILON * distance * (distance + 4 * (p.tangent[0] + p.tangent[1]));
+  slope_share(&g[0], &offset[0], &m.m11, &loss);
+  slope_share(&g[1], &offset[1], &m.m22, &loss);
+  // -- Positive on all steps that occur (eq:certified-positive)
+  mask corner = (SIZE(xi[0]) >= 1) & (SIZE(xi[1]) >= 1), same = xi[0] * xi[1] > 0;
+  lanes below = -m.low, twist = MOST(below, m.high), up = PICK(below > 0, below, zero), down = PICK(m.high > 0, m.high, zero);
+  twist = PICK(corner, PICK(same, up, down), twist);
+  *proven = (*f - loss >= p.target) & (m.m11 >= 0) & (m.m22 >= 0) & (m.m11 * m.m22 >= twist * twist * (1 + 16 * DBL_EPSILON));
+  *proven = (p.margin > 0) & (*proven | ~(p.target > 0));
+}
+
+/* Write what is known of the feet; a lane without a normal becomes hard. */
+PART void finish(const patches *patch, searches *s, double xi[16], const ct_batch_feet *feet, size_t block, int lane)
+{
+  lanes d[3], f, t1[3], t2[3], n[3], length[2], zero = {0};
+  value(patch, s->at.xi, d, &f);
+  tangents(patch, s->at.xi, t1, t2);
+  length[0] = DOT(t1, t1), length[1] = DOT(t2, t2);
+  for (int a = 0; a < 2; a++) root(&length[a]);
+  mask good;
+  resolved(patch, &s->at, &f, length, &s->limit, &good);
+  s->cold &= ~s->hard;
+  s->doubtful = s->hard & ~s->hard;
+  if (any(&s->cold)) {
+    // -- Look again where the face may hide something (eq:robust-hidden)
+    mask proven;
+    prove(patch, s->at.xi, d, &f, t1, t2, &proven);
+    s->doubtful = s->cold & ~proven;
+  }
+  // -- Unit normal (eq:segment-normal)
+  for (int k = 0; k < 3; k++) n[k] = t1[(k + 1) % 3] * t2[(k + 2) % 3] - t1[(k + 2) % 3] * t2[(k + 1) % 3];
+  lanes square = DOT(n, n), least = 1e-14 * length[0] * length[1], norm = square;
+  s->hard |= ~(square > least * least);
+  root(&norm);
+  for (int k = 0; k < 3; k++) n[k] /= norm;
+  // -- Distance, and its sign on the side of the normal (eq:projection-signed)
+  lanes distance = *root(&f), signed_distance = PICK(DOT(d, n) <= 0, distance, -distance), status = PICK(good, zero + CT_OK, zero + CT_NOT_CERTIFIED);
+  if (feet->distance != NULL) *(loose *)(void *)&feet->distance[8 * block + (size_t)lane] = distance;
+  if (feet->signed_distance != NULL) *(loose *)(void *)&feet->signed_distance[8 * block + (size_t)lane] = signed_distance;
+  for (int a = 0; a < 2; a++) *(loose *)(void *)&xi[8 * a + lane] = s->at.xi[a];
+  for (size_t k = 0; k < 3 && feet->normal != NULL; k++) *(loose *)(void *)&feet->normal[8 * (3 * block + k) + (size_t)lane] = n[k];
+  for (int l = 0; l < LANES; l++) {
+    if (feet->status != NULL) feet->status[8 * block + (size_t)(lane + l)] = (int32_t)status[l];
+    if (feet->evaluations != NULL) feet->evaluations[8 * block + (size_t)(lane + l)] = (int32_t)s->evaluations[l];
+  }
+}
+
+PART unsigned project_block(int count, const double *nodes, const double *points, const double *start, const ct_project_options *options,
+                            double xi[16], const ct_batch_feet *feet, size_t block)
+{
+  unsigned hard = 0;
+  int steps = options->iteration_limit > 0 && options->iteration_limit < STEPS ? options->iteration_limit : STEPS;
+  for (int lane = 0; lane < 8; lane += LANES) {
+    patches patch;
+    searches s;
+    lanes zero = {0};
+    patches_init(&patch, count, nodes, points, lane);
+    begin(&patch, start, lane, &s);
+    look(&patch, &s.at);
+    s.radius = s.before = zero + 1;
+    s.limit = zero + options->tolerance;
+    s.hard |= ~patch.good;
+    s.active = ~s.hard;
+    for (int i = 0; i < steps && any(&s.active); i++) step(&patch, options->tolerance, &s);
+    s.hard |= s.active;
+    finish(&patch, &s, xi, feet, block, lane);
+    s.doubtful &= ~s.hard;
+    for (int l = 0; l < LANES; l++) hard |= (s.hard[l] ? 1u << (lane + l) : 0) | (s.doubtful[l] ? 256u << (lane + l) : 0);
+  }
+  return hard;
+}
+
+__attribute__((target(TARGET)))
+unsigned KERNEL(ct_face_kind kind, const double *nodes, const double *points, const double *start, const ct_project_options *options,
+                double xi[16], const ct_batch_feet *feet, size_t block)
+{
+  return kind == CT_Q4 ? project_block(4, nodes, points, start, options, xi, feet, block) : project_block(8, nodes, points, start, options, xi, feet, block);
+}
