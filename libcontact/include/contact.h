@@ -12,6 +12,7 @@ extern "C" {
 #include <contact/segment.h>
 #include <contact/brick.h>
 #include <contact/projection.h>
+#include <contact/search.h>
 #include <contact/material.h>
 #include <contact/mesh.h>
 #include <contact/mass.h>
