@@ -30,7 +30,8 @@ static int32_t partner(const ct_side *side, const ct_side *other, int64_t i, dou
   ct_nearest nearest;
   neighbourhood near = {other->search, (int32_t)(i / side->rule.count)};
   ct_side_interpolate(side, near.face, side->N[i % side->rule.count], zero, y);
-  ct_search_point(other->search, y, -1, ct_search_options_default().tolerance, side == other ? is_adjacent : NULL, &near, &nearest);
+  ct_search_point(other->search, y, -1, HUGE_VAL, ct_search_options_default().tolerance, side == other ? is_adjacent : NULL, &near,
+                  &nearest);
   if (nearest.face >= 0) ct_segment_shape(other->search->kind, nearest.xi, N);
   return nearest.face;
 }

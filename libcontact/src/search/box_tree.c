@@ -276,7 +276,7 @@ static int overlap(const ct_bounds *a, const ct_bounds *b)
 static float scaled(const ct_box_tree *tree, double x, int c)
 {
   double y = (x - tree->origin[c]) * tree->scale;
-  return (float)(y > 1e18 ? 1e18 : y < -1e18 ? -1e18 : y);
+  return (float)(y > 1e17 ? 1e17 : y < -1e17 ? -1e17 : y);
 }
 
 int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, const ct_bounds *box, int32_t *items, int32_t room)
@@ -307,33 +307,41 @@ int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, co
   return found;
 }
 
-/* A child that waits to be looked at, and the square of its distance. */
+/* A child that waits to be looked at, and four times the square of its distance. */
 typedef struct waiting {
   float square;
   int32_t child;
 } waiting;
 
-/* Squared distances of a point from the boxes of a node (eq:box-distance). */
-static void squares(const node *n, const float point[3], float square[WIDTH])
+/* Four times the squared distances of a point from the boxes of a node (eq:box-distance); t + |t| is twice the positive part of t, and
+ * needs no branch. */
+static inline void squares(const node *n, const float point[3], float square[WIDTH])
 {
-  for (int k = 0; k < WIDTH; k++) square[k] = 0.0f;
-  for (int c = 0; c < 3; c++)
-    for (int k = 0; k < WIDTH; k++) {
-      float below = n->low[c][k] - point[c], above = point[c] - n->high[c][k];
-      float d = below > above ? below : above;
-      d = d > 0.0f ? d : 0.0f;
-      square[k] += d * d;
-    }
+#pragma omp simd
+  for (int k = 0; k < WIDTH; k++) {
+    float x = n->low[0][k] - point[0], y = n->low[1][k] - point[1], z = n->low[2][k] - point[2];
+    float u = point[0] - n->high[0][k], v = point[1] - n->high[1][k], w = point[2] - n->high[2][k];
+    float a = (x + fabsf(x)) + (u + fabsf(u)), b = (y + fabsf(y)) + (v + fabsf(v)), c = (z + fabsf(z)) + (w + fabsf(w));
+    square[k] = (a * a + b * b) + c * c;
+  }
 }
 
-/* The known square in the tree's units, with room for the roundings of four products; at most 1e37, which no box reaches. */
+/* Four times the known square in the tree's units, with room for the roundings of four products; at most 1e37, which no box
+ * reaches. */
 static float limit_of(const ct_box_tree *tree, double square)
 {
-  double limit = square * (tree->scale * tree->scale) * (1.0 + 1e-5);
+  double limit = 4.0 * square * (tree->scale * tree->scale) * (1.0 + 1e-5);
   return (float)(limit < 1e37 ? limit : 1e37);
 }
 
-void ct_box_tree_visit(const ct_box_tree *tree, const double point[3], double square, ct_box_visit *visit, void *user)
+/* Four times the square of a lower bound, a little lower rather than higher. */
+static float bound_of(const ct_box_tree *tree, double square)
+{
+  double bound = 4.0 * square * (tree->scale * tree->scale) * (1.0 - 1e-6);
+  return (float)(bound < 1e36 ? bound : 1e36);
+}
+
+void ct_box_tree_visit(const ct_box_tree *tree, const double point[3], double square, ct_box_visit *visit, ct_box_visit *bound, void *user)
 {
   waiting stack[STACK];
   int depth = 0;
@@ -351,6 +359,8 @@ void ct_box_tree_visit(const ct_box_tree *tree, const double point[3], double sq
     const node *n = &tree->nodes[next.child];
     squares(n, p, d);
     for (int k = 0, bottom = depth; k < n->count; k++) {
+      if (d[k] > limit) continue;
+      if (bound != NULL && n->child[k] < 0) d[k] = bound_of(tree, bound(user, ~n->child[k]));
       if (d[k] > limit) continue;
       // -- Put the nearest child on top
       int at = depth++;

@@ -26,11 +26,12 @@ int64_t ct_box_tree_builds(const ct_box_tree *tree);
  * the last build or refit. */
 int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, const ct_bounds *box, int32_t *items, int32_t room);
 
-/* Looks at one item; answers the square of the smallest distance that is known so far. */
+/* Looks at one item; answers the square of the smallest distance that is known so far. Or: a lower bound of the square of its distance. */
 typedef double ct_box_visit(void *user, int32_t item);
 
 /* Visit every item that may be as near to the point as the nearest, and few others, near ones first. `square`: the square of a distance that is
- * known, or infinity. No item is left out that ties with the best to rounding. */
-void ct_box_tree_visit(const ct_box_tree *tree, const double point[3], double square, ct_box_visit *visit, void *user);
+ * known, or infinity. `bound`: null, or a better lower bound of an item's distance than that of its box. No item is left out that ties with the
+ * best to rounding. */
+void ct_box_tree_visit(const ct_box_tree *tree, const double point[3], double square, ct_box_visit *visit, ct_box_visit *bound, void *user);
 
 #endif

@@ -4,6 +4,7 @@
 #include "../projection/projection_internal.h"
 #include "../vector.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -15,6 +16,7 @@ typedef struct seeker {
   void *user;
   ct_project_options project;
   int32_t started; /* the face that was tried before the tree */
+  double bound;    /* square of a distance at which there is some face */
   int32_t face;
   double square;
   double xi[2], d[3];  /* parameters and vector to the foot, of triangles */
@@ -38,8 +40,6 @@ static void try_curved(seeker *s, int32_t face)
 {
   ct_face own;
   ct_projection foot;
-  // -- Leave out what the box along the face shows to be farther (eq:oriented-box)
-  if (ct_oriented_square(&s->search->oriented[face], s->point) > s->square) return;
   ct_search_face(s->search, face, &own);
   ct_project(&own, s->point, &s->project, &foot);
   double square = foot.distance * foot.distance;
@@ -51,16 +51,24 @@ static void try_curved(seeker *s, int32_t face)
 
 static double try_face(seeker *s, int32_t face)
 {
-  if (s->skip != NULL && s->skip(s->user, face)) return s->square;
-  if (s->search->kind == CT_T3) try_triangle(s, face);
-  else try_curved(s, face);
-  return s->square;
+  if (s->skip == NULL || !s->skip(s->user, face)) {
+    if (s->search->kind == CT_T3) try_triangle(s, face);
+    else try_curved(s, face);
+  }
+  return s->square < s->bound ? s->square : s->bound;
 }
 
 static double visit(void *user, int32_t face)
 {
   seeker *s = user;
-  return face == s->started ? s->square : try_face(s, face);
+  return face == s->started ? s->square < s->bound ? s->square : s->bound : try_face(s, face);
+}
+
+/* The box along the face is a better bound than that along the axes (eq:oriented-box). */
+static double oriented_bound(void *user, int32_t face)
+{
+  const seeker *s = user;
+  return ct_oriented_square(&s->search->oriented[face], s->point);
 }
 
 static void nothing(ct_nearest *out)
@@ -107,11 +115,11 @@ static void finish(seeker *s, ct_nearest *out)
   out->signed_distance = ct_vector_dot(s->search->kind == CT_T3 ? s->d : d, out->normal) <= 0.0 ? foot->distance : -foot->distance;
 }
 
-void ct_search_point(const ct_search *search, const double point[3], int32_t start, double tolerance, ct_search_skip *skip, void *user,
+void ct_search_point(const ct_search *search, const double point[3], int32_t start, double bound, double tolerance, ct_search_skip *skip, void *user,
                      ct_nearest *out)
 {
   seeker s = {.search = search, .point = point, .skip = skip, .user = user, .project = ct_project_options_default(), .started = start,
-              .face = INT32_MAX, .square = HUGE_VAL};
+              .bound = bound, .face = INT32_MAX, .square = HUGE_VAL};
   s.project.tolerance = tolerance;
   for (int c = 0; c < 3; c++)
     if (!(fabs(point[c]) <= 1e70)) {
@@ -119,8 +127,8 @@ void ct_search_point(const ct_search *search, const double point[3], int32_t sta
       return;
     }
   // -- Try the face to begin with, then every face whose box is not farther (eq:closest-face)
-  if (start >= 0) try_face(&s, start);
-  ct_box_tree_visit(search->tree, point, s.square, visit, &s);
+  if (start >= 0) bound = try_face(&s, start);
+  ct_box_tree_visit(search->tree, point, bound, visit, search->oriented != NULL ? oriented_bound : NULL, &s);
   finish(&s, out);
 }
 
@@ -129,13 +137,28 @@ ct_search_options ct_search_options_default(void) { return (ct_search_options){.
 /* Points that are asked one after the other by one thread. */
 enum { BLOCK = 1024 };
 
+/* Square of the distance of a point from the foot of another: the nearest face is no farther. With room for the rounding of coordinates. */
+static double bound_from(const double point[3], const ct_nearest *last)
+{
+  double square = 0.0, largest = 0.0;
+  if (last->face < 0) return HUGE_VAL;
+  for (int c = 0; c < 3; c++) {
+    double d = point[c] - last->point[c];
+    square += d * d;
+    largest = fmax(largest, fabs(last->point[c]));
+  }
+  double far = sqrt(square) + 64.0 * DBL_EPSILON * largest;
+  return far * far;
+}
+
 static void ask_block(const ct_search *search, size_t first, size_t last, const double *points, const int32_t *start, double tolerance,
                       ct_nearest *out)
 {
-  int32_t near = -1;
   for (size_t i = first; i < last; i++) {
-    ct_search_point(search, &points[3 * i], start != NULL && start[i] >= 0 ? start[i] : near, tolerance, NULL, NULL, &out[i]);
-    near = out[i].face;
+    // -- Begin with the face that is given, or with the distance from the last foot (eq:warm-bound)
+    int32_t face = start != NULL ? start[i] : -1;
+    double bound = face < 0 && i > first ? bound_from(&points[3 * i], &out[i - 1]) : HUGE_VAL;
+    ct_search_point(search, &points[3 * i], face, bound, tolerance, NULL, NULL, &out[i]);
   }
 }
 

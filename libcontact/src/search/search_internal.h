@@ -49,8 +49,8 @@ double ct_search_triangle(const ct_search *search, int32_t face, const double po
 /* Whether a face is left out of a query. */
 typedef int ct_search_skip(void *user, int32_t face);
 
-/* Nearest face of one point. `start`: -1 or a face to begin with. `skip`: null, or faces to leave out. */
-void ct_search_point(const ct_search *search, const double point[3], int32_t start, double tolerance, ct_search_skip *skip, void *user,
+/* Nearest face of one point. `start`: -1 or a face to begin with. `bound`: the square of a distance at which some face is, or infinity. `skip`: null, or faces to leave out. */
+void ct_search_point(const ct_search *search, const double point[3], int32_t start, double bound, double tolerance, ct_search_skip *skip, void *user,
                      ct_nearest *out);
 
 #endif
