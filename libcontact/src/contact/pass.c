@@ -38,8 +38,9 @@ static void middle(const ct_bounds *box, double origin[3])
   for (int c = 0; c < 3; c++) origin[c] = 0.5 * (box->low[c] + box->high[c]);
 }
 
-/* In a contact of a surface with itself, whether a foot is one to be pushed from: the faces look at each other, and the point is not deeper under
- * it than half the thickness of the body, for then the foot is on the far side (eq:self-depth). The thickness is measured by feet that it is under. */
+/* In a contact of a surface with itself, whether a foot is one to be pushed from: the faces look at each other, no face at the foot is nearer (one
+ * that shares a node with the point's own would not have been tried, eq:local-minimum), and the point is not deeper under it than half the
+ * thickness of the body, for then the foot is on the far side (eq:self-depth). The thickness is measured by feet that it is under. */
 static int may_push(const pass *p, const nearest *best, const double y[3], int32_t target, const ct_projection *foot)
 {
   double normal[3], d[3];
@@ -47,6 +48,7 @@ static int may_push(const pass *p, const nearest *best, const double y[3], int32
   for (int c = 0; c < 3; c++) d[c] = foot->point[c] - y[c];
   int under = ct_vector_dot(d, normal) > 0.0;
   if (!(ct_vector_dot(best->own, normal) < 0.0)) return 0;
+  if (!ct_search_is_minimum(p->other->search, target, foot->where, foot->index, foot->xi, d)) return 0;
   return p->purpose == CT_PASS_THICKNESS ? under : !under || foot->distance <= best->depth;
 }
 

@@ -23,23 +23,30 @@ static void add_normal(const ct_search *search, int32_t face, const double xi[2]
   for (int c = 0; c < 3; c++) sum[c] += weight * n[c];
 }
 
-/* On edge `e` of a face: add the neighbour's normal at the same point; 0 at the border. */
-static int edge_normal(const ct_search *search, int32_t face, int e, const double foot[2], double normal[3])
+/* The neighbour across edge `e` of a face, and its parameters at a point of that edge; -1 at the border. */
+static int32_t across(const ct_search *search, int32_t face, int e, const double foot[2], double xi[2])
 {
   const int32_t *mine = &search->faces[(int64_t)face * search->per];
   int32_t other = search->neighbour[(int64_t)face * search->edges + e];
-  if (other < 0) return 0;
-  double first[2], last[2], xi[2];
+  if (other < 0) return -1;
+  double first[2], last[2];
   edge_point(search->edges, e, -1.0, first);
   edge_point(search->edges, e, 1.0, last);
   double along[2] = {last[0] - first[0], last[1] - first[1]}, here[2] = {foot[0] - first[0], foot[1] - first[1]};
   double s = 2.0 * (along[0] * here[0] + along[1] * here[1]) / (along[0] * along[0] + along[1] * along[1]) - 1.0;
   const int32_t *theirs = &search->faces[(int64_t)other * search->per];
   for (int k = 0; k < search->edges; k++)
-    if (theirs[k] == mine[(e + 1) % search->edges] && theirs[(k + 1) % search->edges] == mine[e]) {
-      edge_point(search->edges, k, -s, xi);
-      add_normal(search, other, xi, 1.0, normal);
-    }
+    if (theirs[k] == mine[(e + 1) % search->edges] && theirs[(k + 1) % search->edges] == mine[e]) edge_point(search->edges, k, -s, xi);
+  return other;
+}
+
+/* On edge `e` of a face: add the neighbour's normal at the same point; 0 at the border. */
+static int edge_normal(const ct_search *search, int32_t face, int e, const double foot[2], double normal[3])
+{
+  double xi[2];
+  int32_t other = across(search, face, e, foot, xi);
+  if (other < 0) return 0;
+  add_normal(search, other, xi, 1.0, normal);
   return 1;
 }
 
@@ -80,4 +87,38 @@ int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int 
   if (where == CT_EDGE) return edge_normal(search, face, index, xi, normal);
   if (where == CT_VERTEX) return corner_normal(search, face, index, normal);
   return where == CT_INTERIOR;
+}
+
+/* Whether the distance grows, to rounding, from the place xi of a face towards its place `to`. */
+static int grows(const ct_search *search, int32_t face, const double xi[2], const double to[2], const double d[3])
+{
+  ct_face f;
+  double t1[3], t2[3], v[3];
+  ct_search_face(search, face, &f);
+  ct_segment_tangents(&f, xi, t1, t2);
+  for (int c = 0; c < 3; c++) v[c] = (to[0] - xi[0]) * t1[c] + (to[1] - xi[1]) * t2[c];
+  // -- Slope of the squared distance (eq:local-minimum)
+  return ct_vector_dot(d, v) >= -1e-6 * sqrt(ct_vector_dot(d, d) * ct_vector_dot(v, v));
+}
+
+int ct_search_is_minimum(const ct_search *search, int32_t face, ct_where where, int index, const double xi[2], const double d[3])
+{
+  double at[2], to[2], centre = search->edges == 4 ? 0.0 : 1.0 / 3.0;
+  const double middle[2] = {centre, centre};
+  if (where == CT_EDGE) {
+    int32_t other = across(search, face, index, xi, at);
+    return other < 0 || grows(search, other, at, middle, d);
+  }
+  if (where != CT_VERTEX) return 1;
+  int32_t node = search->faces[(int64_t)face * search->per + index];
+  for (int32_t i = search->ring_first[node]; i < search->ring_first[node + 1]; i++)
+    for (int k = 0; k < search->edges; k++) {
+      if (search->faces[(int64_t)search->ring[i] * search->per + k] != node) continue;
+      edge_point(search->edges, k, -1.0, at);
+      for (int way = 1; way < search->edges; way += search->edges - 2) {
+        edge_point(search->edges, (k + way) % search->edges, -1.0, to);
+        if (!grows(search, search->ring[i], at, to, d)) return 0;
+      }
+    }
+  return 1;
 }

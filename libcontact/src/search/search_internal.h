@@ -43,6 +43,10 @@ int ct_search_adjacent(const ct_search *search, int32_t face, int32_t other);
  * at a corner (eq:pseudo-normal). Answers 0 when the foot lies on the border of the surface; the faces that are there are summed all the same. */
 int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int index, const double xi[2], const double own[3], double normal[3]);
 
+/* Whether the distance grows from a foot into every face that meets there, so that the foot is a nearest point of the whole surface and not only of
+ * its face (eq:local-minimum). `d` points from the point to the foot. Inside a face it always is. */
+int ct_search_is_minimum(const ct_search *search, int32_t face, ct_where where, int index, const double xi[2], const double d[3]);
+
 /* Squared distance of a point from face `face`, a triangle with corners as nodes; with its parameters and the vector to it (eq:triangle-inside). */
 double ct_search_triangle(const ct_search *search, int32_t face, const double point[3], double xi[2], double d[3]);
 
