@@ -30,7 +30,7 @@ class Nearest:
     signed_distance: np.ndarray
     #: Unit vectors outwards at the feet, shape (m, 3).
     normal: np.ndarray
-    #: Numbers of :class:`Status`.
+    #: Numbers of :class:`~libcontact.projection.Status`.
     status: np.ndarray
     #: "interior", "edge" or "vertex" of the face; "outside" where the status is INVALID.
     where: np.ndarray
