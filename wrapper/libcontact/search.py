@@ -59,6 +59,9 @@ _ROW = np.dtype(
 )
 
 
+_CHUNK = 16384  # points whose rows stay in the cache until they are sorted into arrays
+
+
 class Surface:
     """Faces over nodes, with a tree of boxes that finds the nearest face.
 
@@ -110,20 +113,23 @@ class Surface:
         :param threads: changes no bit either.
         """
         points = _rows("points", points)
-        first = ffi.NULL
         if start is not None:
             start = _whole("start", start)
             if start.shape != (len(points),) or ((start < -1) | (start >= self._faces)).any():
                 raise ValueError(f"start must be a face, 0 to {self._faces - 1}, or -1 for each of {len(points)} points")
-            first = ffi.from_buffer("int32_t[]", start)
         options = ffi.new("ct_search_options *", {"tolerance": float(tolerance), "threads": int(threads)})
         if not 0 < options.tolerance < float("inf") or options.threads < 1:
             raise ValueError(f"tolerance must be positive and finite, threads at least 1, not {tolerance!r} and {threads!r}")
-        rows = np.zeros(len(points), _ROW)
+        fields = {name: np.empty((len(points), *shape), dtype) for name, (dtype, shape) in _FIELDS.items()}
+        rows = np.empty(min(len(points), _CHUNK), _ROW)
         out = ffi.cast("ct_nearest *", ffi.from_buffer(rows))
-        check(lib.ct_search_nearest(self._search, len(points), ffi.from_buffer("double[]", points), first, options, out), None)
-        fields = {name: rows[name].copy() for name in _FIELDS}
-        return Nearest(**{**fields, "where": _WHERE[rows["where"]]})
+        for i in range(0, len(points), _CHUNK):
+            part = points[i : i + _CHUNK]
+            begin = ffi.NULL if start is None else ffi.from_buffer("int32_t[]", start[i : i + _CHUNK])
+            check(lib.ct_search_nearest(self._search, len(part), ffi.from_buffer("double[]", part), begin, options, out))
+            for name, array in fields.items():
+                array[i : i + _CHUNK] = rows[name][: len(part)]
+        return Nearest(**{**fields, "where": _WHERE[fields["where"]]})
 
 
 def nearest(kind: str, nodes: Any, faces: Any, points: Any, tolerance: float = 1e-10, threads: int = 1) -> Nearest:

@@ -118,9 +118,17 @@ static void finish(seeker *s, ct_nearest *out)
 void ct_search_point(const ct_search *search, const double point[3], int32_t start, double bound, double tolerance, ct_search_skip *skip, void *user,
                      ct_nearest *out)
 {
-  seeker s = {.search = search, .point = point, .skip = skip, .user = user, .project = ct_project_options_default(), .started = start,
-              .bound = bound, .face = INT32_MAX, .square = HUGE_VAL};
+  seeker s;
+  s.search = search;
+  s.point = point;
+  s.skip = skip;
+  s.user = user;
+  s.project = ct_project_options_default();
   s.project.tolerance = tolerance;
+  s.started = start;
+  s.bound = bound;
+  s.face = INT32_MAX;
+  s.square = HUGE_VAL;
   for (int c = 0; c < 3; c++)
     if (!(fabs(point[c]) <= 1e70)) {
       nothing(out);
