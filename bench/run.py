@@ -18,6 +18,7 @@ import libcontact as ct  # noqa: E402
 import penalty  # noqa: E402
 import plates  # noqa: E402
 import projection  # noqa: E402
+import search  # noqa: E402
 
 
 def machine() -> dict:
@@ -36,7 +37,7 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     where = machine()
     print("\n".join(f"{key}: {value}" for key, value in where.items()), flush=True)
-    for bench in (plates, penalty, projection):
+    for bench in (plates, penalty, projection, search):
         result = bench.measure()
         print("\n" + bench.report(result), flush=True)
         (folder / f"{bench.__name__}.json").write_text(json.dumps({"machine": where, "result": result}, indent=1, default=str))

@@ -13,6 +13,7 @@ extern "C" {
 #include <contact/brick.h>
 #include <contact/projection.h>
 #include <contact/batch.h>
+#include <contact/search.h>
 #include <contact/material.h>
 #include <contact/mesh.h>
 #include <contact/mass.h>

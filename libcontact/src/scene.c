@@ -261,7 +261,10 @@ static ct_status make_contact(ct_scene *scene, int32_t number, ct_effect **effec
     surface[s] = (ct_surface){.kind = ct_brick_face_kind(scene->parts[body[s]].mesh->kind), .node_count = scene->problem.node_count,
                               .face_count = count[s], .faces = entry->faces[s], .reference = scene->reference};
   entry->epsilon = options.epsilon = penalty_of(scene, &entry->given);
-  ct_status status = ct_contact_create_effect(&surface[0], &surface[1], &options, scene->mass, effect, error);
+  // The same faces twice: the contact of a surface with itself.
+  size_t bytes = (size_t)count[0] * (size_t)ct_face_node_count(surface[0].kind) * sizeof(int32_t);
+  int self = body[0] == body[1] && count[0] == count[1] && memcmp(entry->faces[0], entry->faces[1], bytes) == 0;
+  ct_status status = ct_contact_create_effect(&surface[0], &surface[self ? 0 : 1], &options, scene->mass, effect, error);
   // What the contact calls surface 0 or 1 is one of our bodies.
   if (status != CT_OK && error != NULL && (error->body == 0 || error->body == 1)) error->body = body[error->body];
   return status;

@@ -1,6 +1,8 @@
-/* The search tree against looking at every box. */
-#include "../../libcontact/src/search.h"
+/* The search: its tree of boxes, its boxes of faces, its nearest faces, against looking at everything and against closed forms. */
+#include "../../libcontact/src/search/search_internal.h"
 #include "bodies.h"
+
+/* -- The tree ---------------------------------------------------------------------------------------------------------- */
 
 static ct_bounds random_box(double spread, double size, int lattice)
 {
@@ -26,38 +28,32 @@ typedef struct items {
   const double *point;
   double *extra; /* how much farther than its box an item is */
   int asked;
+  int32_t first; /* the nearest, of equals the first */
+  double best;
 } items;
 
-static double distance(void *user, int32_t item)
+static double distance(const items *all, int32_t item) { return ct_bounds_distance(&all->boxes[item], all->point) + all->extra[item]; }
+
+static double visit(void *user, int32_t item)
 {
   items *all = user;
+  double d = distance(all, item);
   all->asked++;
-  return ct_bounds_distance(&all->boxes[item], all->point) + all->extra[item];
+  if (d < all->best || (d == all->best && item < all->first)) {
+    all->best = d;
+    all->first = item;
+  }
+  return all->best * all->best;
 }
 
-static ct_search *tree(int count, const ct_bounds *boxes)
+/* Ask the tree for overlaps and nearest items, and compare with all boxes one by one; prints what was asked. */
+static void against_all(const ct_box_tree *tree, const ct_bounds *boxes, double *extra, int count, double spread, int lattice, const char *what)
 {
-  ct_search *search = NULL;
-  ct_error e;
-  need(ct_search_create(count, &search, &e), &e);
-  ct_search_build(search, boxes);
-  return search;
-}
-
-static void against_all(int count, int lattice, const char *what)
-{
-  ct_bounds *boxes = room(count, sizeof *boxes);
-  double *extra = numbers(count);
   int32_t *found = integers(count);
   int wrong = 0, unlike = 0, asked = 0, queries = 300;
-  for (int i = 0; i < count; i++) {
-    boxes[i] = random_box(50.0, 4.0, lattice);
-    extra[i] = lattice ? 0.0 : fabs(uniform(1.0));
-  }
-  ct_search *search = tree(count, boxes);
   for (int k = 0; k < queries; k++) {
-    ct_bounds query = random_box(55.0, 20.0, lattice);
-    int n = ct_search_overlaps(search, &query, found, count), next = 0;
+    ct_bounds query = random_box(1.1 * spread, 0.4 * spread, lattice);
+    int n = ct_box_tree_overlaps(tree, boxes, &query, found, count), next = 0;
     for (int i = 0; i < count; i++)
       if (meets(&boxes[i], &query)) {
         wrong += next >= n || found[next] != i;
@@ -65,53 +61,88 @@ static void against_all(int count, int lattice, const char *what)
       }
     wrong += next != n;
 
-    double point[3] = {uniform(60.0), uniform(60.0), uniform(60.0)}, best = INFINITY, got;
+    double point[3] = {uniform(1.2 * spread), uniform(1.2 * spread), uniform(1.2 * spread)};
     for (int c = 0; lattice && c < 3; c++) point[c] = floor(point[c]);
-    items all = {boxes, point, extra, 0};
-    int32_t first = -1, item = ct_search_nearest(search, point, distance, &all, &got);
-    asked += all.asked;
-    for (int i = 0; i < count; i++) {
-      double d = distance(&all, i);
-      if (d < best) best = d, first = i;
-    }
-    unlike += item != first || got != best;
+    items all = {boxes, point, extra, 0, -1, INFINITY}, tried = all;
+    ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &tried);
+    asked += tried.asked;
+    for (int i = 0; i < count; i++) visit(&all, i);
+    unlike += tried.first != all.first || tried.best != all.best;
   }
   tap_ok(wrong == 0, "%s: overlaps are those found by looking at all %d boxes, ascending", what, count);
   tap_ok(unlike == 0, "%s: the nearest is the nearest of all, the first of equals (%.1f of %d looked at)", what, (double)asked / queries, count);
-  ct_search_free(search);
-  free(boxes);
-  free(extra);
   free(found);
 }
 
-static void special_cases(void)
+static void random_boxes(int count, int lattice, const char *what)
+{
+  ct_bounds *boxes = room(count, sizeof *boxes);
+  double *extra = numbers(count);
+  ct_box_tree *tree = NULL;
+  ct_error e;
+  char name[100];
+  need(ct_box_tree_create(count, &tree, &e), &e);
+  for (int i = 0; i < count; i++) {
+    boxes[i] = random_box(50.0, 4.0, lattice);
+    extra[i] = lattice ? 0.0 : fabs(uniform(1.0));
+  }
+  ct_box_tree_build(tree, boxes);
+  against_all(tree, boxes, extra, count, 50.0, lattice, what);
+
+  // Boxes that move a little, are blown up, shrink: the tree follows.
+  static const struct { const char *name; double scale; } MOVE[] = {{"moved", 1.0}, {"1e6 times as large", 1e6}, {"1e-9 times as large", 1e-9}};
+  for (int m = 0; m < 3; m++) {
+    ct_bounds *moved = room(count, sizeof *moved);
+    for (int i = 0; i < count; i++)
+      for (int c = 0; c < 3; c++) {
+        double u = lattice ? 0.0 : uniform(0.5);
+        moved[i].low[c] = MOVE[m].scale * (boxes[i].low[c] + u);
+        moved[i].high[c] = MOVE[m].scale * (boxes[i].high[c] + u);
+      }
+    ct_box_tree_refit(tree, moved);
+    snprintf(name, sizeof name, "%s, %s", what, MOVE[m].name);
+    against_all(tree, moved, extra, count, 50.0 * MOVE[m].scale, lattice && MOVE[m].scale >= 1.0, name);
+    free(moved);
+  }
+  ct_box_tree_free(tree);
+  free(boxes);
+  free(extra);
+}
+
+static void special_boxes(void)
 {
   ct_bounds one = {{0, 0, 0}, {1, 1, 1}}, touching = {{1, 1, 1}, {2, 2, 2}}, apart = {{1.0000001, 0, 0}, {2, 1, 1}};
-  double point[3] = {3, 0.5, 0.5}, zero[8] = {0}, d = 0.0;
+  double point[3] = {3, 0.5, 0.5}, zero[8] = {0};
   int32_t found[8];
-  ct_search *search = tree(1, &one);
-  items all = {&one, point, zero, 0};
-  tap_ok(ct_search_overlaps(search, &touching, found, 8) == 1 && found[0] == 0, "boxes that touch overlap");
-  tap_ok(ct_search_overlaps(search, &apart, found, 8) == 0, "boxes apart do not");
-  tap_ok(ct_search_nearest(search, point, distance, &all, &d) == 0 && d == 2.0, "a tree of one item: distance 2");
-  ct_search_free(search);
+  ct_box_tree *tree = NULL;
+  ct_error e;
+  need(ct_box_tree_create(1, &tree, &e), &e);
+  ct_box_tree_build(tree, &one);
+  items all = {&one, point, zero, 0, -1, INFINITY};
+  tap_ok(ct_box_tree_overlaps(tree, &one, &touching, found, 8) == 1 && found[0] == 0, "boxes that touch overlap");
+  tap_ok(ct_box_tree_overlaps(tree, &one, &apart, found, 8) == 0, "boxes apart do not, by a ten-millionth");
+  ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
+  tap_ok(all.first == 0 && all.best == 2.0, "a tree of one item: distance 2");
+  ct_box_tree_free(tree);
 
   ct_bounds same[8];
   for (int i = 0; i < 8; i++) same[i] = one;
-  search = tree(8, same);
-  all.boxes = same;
-  tap_ok(ct_search_nearest(search, point, distance, &all, &d) == 0 && d == 2.0, "of eight equal items the first is taken");
+  need(ct_box_tree_create(8, &tree, &e), &e);
+  ct_box_tree_build(tree, same);
+  all = (items){same, point, zero, 0, -1, INFINITY};
+  ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
+  tap_ok(all.first == 0 && all.asked == 8, "of eight equal items all are looked at and the first is taken");
   found[3] = 77;
-  tap_ok(ct_search_overlaps(search, &one, found, 3) == 8 && found[3] == 77, "with room for three, eight are counted and three written");
-  ct_search_free(search);
+  tap_ok(ct_box_tree_overlaps(tree, same, &one, found, 3) == 8 && found[3] == 77, "with room for three, eight are counted and three written");
+  ct_box_tree_free(tree);
 
-  search = NULL;
-  ct_error e;
-  need(ct_search_create(0, &search, &e), &e);
-  ct_search_build(search, &one);
-  tap_ok(ct_search_overlaps(search, &one, found, 8) == 0 && ct_search_nearest(search, point, distance, &all, &d) == -1, "an empty tree finds nothing");
-  ct_search_free(search);
-  ct_search_free(NULL);
+  need(ct_box_tree_create(0, &tree, &e), &e);
+  ct_box_tree_build(tree, &one);
+  all.asked = 0;
+  ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
+  tap_ok(ct_box_tree_overlaps(tree, &one, &one, found, 8) == 0 && all.asked == 0, "an empty tree finds nothing");
+  ct_box_tree_free(tree);
+  ct_box_tree_free(NULL);
 
   ct_bounds box = {{-1, -2, -3}, {1, 2, 3}};
   double inside[3] = {0.5, 1, -2}, corner[3] = {4, 6, 3 + 12}, face[3] = {0, -7, 0};
@@ -119,13 +150,447 @@ static void special_cases(void)
          "distance from a box: 0 inside, 13 = |(3, 4, 12)| off a corner, 5 off a face");
 }
 
+/* -- Boxes of curved faces ---------------------------------------------------------------------------------------------- */
+
+static void random_face(ct_face *face, ct_face_kind kind, double bend)
+{
+  static const double corner[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}};
+  static const double triangle[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
+  double axes[2][3] = {{1, uniform(0.5), uniform(0.5)}, {uniform(0.5), 1, uniform(0.5)}};
+  face->kind = kind;
+  for (int a = 0; a < ct_face_node_count(kind); a++)
+    for (int c = 0; c < 3; c++) {
+      const double *at = kind == CT_T3 || kind == CT_T6 ? triangle[a] : corner[a];
+      face->node[a][c] = at[0] * axes[0][c] + at[1] * axes[1][c] + uniform(bend);
+    }
+}
+
+static const struct { ct_face_kind kind; const char *name; } KIND[] = {{CT_Q4, "Q4"}, {CT_Q8, "Q8"}, {CT_T3, "T3"}, {CT_T6, "T6"}};
+
+/* The boxes of bent faces hold their points; how much larger than the points' own box is the box along the axes. */
+static void face_boxes(int k)
+{
+  int out = 0, far = 0, wide = 0;
+  double excess = 0.0;
+  for (int trial = 0; trial < 300; trial++) {
+    ct_face face;
+    random_face(&face, KIND[k].kind, 0.4);
+    ct_bounds box = ct_face_bounds(&face), seen = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    ct_oriented oriented;
+    ct_oriented_init(&oriented, &face);
+    double query[3] = {uniform(3.0), uniform(3.0), uniform(3.0)}, nearest = HUGE_VAL;
+    for (int i = 0; i <= 20; i++)
+      for (int j = 0; j <= 20; j++) {
+        double xi[2] = {0.1 * i - 1.0, 0.1 * j - 1.0}, y[3], square = 0.0;
+        if (KIND[k].kind == CT_T3 || KIND[k].kind == CT_T6) xi[0] = 0.05 * i, xi[1] = 0.05 * j * (1.0 - xi[0]);
+        ct_segment_point(&face, xi, y);
+        if (ct_oriented_square(&oriented, y) > 0.0) far++;
+        for (int c = 0; c < 3; c++) {
+          if (y[c] < box.low[c] - 1e-15 || y[c] > box.high[c] + 1e-15) out++;
+          seen.low[c] = fmin(seen.low[c], y[c]);
+          seen.high[c] = fmax(seen.high[c], y[c]);
+          square += (y[c] - query[c]) * (y[c] - query[c]);
+        }
+        nearest = fmin(nearest, square);
+      }
+    if (ct_oriented_square(&oriented, query) > nearest) wide++;
+    for (int c = 0; c < 3; c++) excess = fmax(excess, (box.high[c] - box.low[c]) / (seen.high[c] - seen.low[c]));
+  }
+  tap_ok(out == 0, "%s: the box of the control points holds 441 points of each of 300 bent faces (at most %.2f times as wide as they)", KIND[k].name, excess);
+  tap_ok(far == 0 && wide == 0, "%s: the box along the face holds them too, and is never farther from a point than they", KIND[k].name);
+}
+
+/* A parabola through (-1, 0), (0, 1), (1, 0) has its control point at 2: the box is known. */
+static void parabola(void)
+{
+  ct_face face = {CT_Q8, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, -1, 1}, {1, 0, 0}, {0, 1, 1}, {-1, 0, 0}}};
+  ct_bounds box = ct_face_bounds(&face);
+  tap_close(box.high[2], 2.0, 1e-14, "a vault of height 1 is boxed to its control points, at height 2");
+  tap_close(box.low[2], 0.0, 1e-14, "and to its feet");
+  tap_close(box.high[0], 1.0, 1e-14, "and not wider than its corners");
+}
+
+/* -- Nearest faces ------------------------------------------------------------------------------------------------------- */
+
+/* A grid of n x n cells over [-1, 1]^2, lifted by a wave, of any kind of face. */
+typedef struct patchwork {
+  ct_surface surface;
+  double *x;
+  int32_t *faces;
+} patchwork;
+
+static void patchwork_make(patchwork *p, ct_face_kind kind, int n, double wave)
+{
+  static const int Q[8][2] = {{0, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 0}, {2, 1}, {1, 2}, {0, 1}};
+  static const int T[2][6][2] = {{{0, 0}, {2, 0}, {2, 2}, {1, 0}, {2, 1}, {1, 1}}, {{0, 0}, {2, 2}, {0, 2}, {1, 1}, {1, 2}, {0, 1}}};
+  int m = 2 * n + 1, per = ct_face_node_count(kind), triangular = kind == CT_T3 || kind == CT_T6, count = (triangular ? 2 : 1) * n * n, f = 0;
+  p->x = numbers(3 * m * m);
+  p->faces = integers(count * per);
+  for (int i = 0; i < m; i++)
+    for (int j = 0; j < m; j++) {
+      double *x = &p->x[3 * (i * m + j)];
+      x[0] = (double)i / n - 1.0;
+      x[1] = (double)j / n - 1.0;
+      x[2] = wave * sin(3.0 * x[0]) * cos(2.0 * x[1]);
+    }
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++)
+      for (int t = 0; t < (triangular ? 2 : 1); t++, f++)
+        for (int a = 0; a < per; a++) {
+          const int *at = triangular ? T[t][a] : Q[a];
+          p->faces[f * per + a] = (2 * i + at[0]) * m + 2 * j + at[1];
+        }
+  p->surface = (ct_surface){kind, m * m, count, p->faces, p->x};
+}
+
+static void patchwork_free(patchwork *p)
+{
+  free(p->x);
+  free(p->faces);
+}
+
+static ct_search *search_of(const ct_surface *surface)
+{
+  ct_search *search = NULL;
+  ct_error e;
+  need(ct_search_create(surface, &search, &e), &e);
+  return search;
+}
+
+/* Nearest distance by projecting on every face. */
+static double by_all(const ct_surface *s, const double *x, const double point[3])
+{
+  double best = INFINITY;
+  int per = ct_face_node_count(s->kind);
+  for (int f = 0; f < s->face_count; f++) {
+    ct_face face = {.kind = s->kind};
+    ct_projection foot;
+    for (int a = 0; a < per; a++) memcpy(face.node[a], &x[3 * s->faces[f * per + a]], sizeof face.node[a]);
+    ct_project(&face, point, NULL, &foot);
+    if (foot.distance < best) best = foot.distance;
+  }
+  return best;
+}
+
+static int same_bits(const ct_nearest *a, const ct_nearest *b, int count)
+{
+  int same = 1;
+  for (int i = 0; i < count; i++)
+    same &= a[i].status == b[i].status && a[i].face == b[i].face && a[i].where == b[i].where && a[i].index == b[i].index &&
+            memcmp(a[i].xi, b[i].xi, sizeof a[i].xi) == 0 && memcmp(a[i].point, b[i].point, sizeof a[i].point) == 0 &&
+            memcmp(&a[i].distance, &b[i].distance, sizeof a[i].distance) == 0 &&
+            memcmp(&a[i].signed_distance, &b[i].signed_distance, sizeof a[i].signed_distance) == 0 &&
+            memcmp(a[i].normal, b[i].normal, sizeof a[i].normal) == 0;
+  return same;
+}
+
+enum { CLOUD = 3000 };
+
+static void nearest_faces(int k)
+{
+  patchwork p;
+  patchwork_make(&p, KIND[k].kind, 7, 0.3);
+  ct_search *search = search_of(&p.surface);
+  double *points = numbers(3 * CLOUD), off = 0.0, foot = 0.0;
+  ct_nearest *out = room(CLOUD, sizeof *out), *again = room(CLOUD, sizeof *again);
+  int32_t *start = integers(CLOUD);
+  for (int i = 0; i < CLOUD; i++)
+    for (int c = 0; c < 3; c++) points[3 * i + c] = uniform(c == 2 ? 0.6 : 1.3);
+  // Some points exactly on nodes and on edges, where faces tie.
+  for (int i = 0; i < 100; i++) memcpy(&points[3 * i], &p.x[3 * p.faces[i]], 3 * sizeof *points);
+  tap_ok(ct_search_nearest(search, CLOUD, points, NULL, NULL, out) == CT_OK, "%s: a cloud of %d points", KIND[k].name, CLOUD);
+  for (int i = 0; i < CLOUD; i++) {
+    ct_face face;
+    double y[3];
+    off = fmax(off, fabs(out[i].distance - by_all(&p.surface, p.x, &points[3 * i])));
+    ct_search_face(search, out[i].face, &face);
+    ct_segment_point(&face, out[i].xi, y);
+    for (int c = 0; c < 3; c++) foot = fmax(foot, fabs(y[c] - out[i].point[c]));
+    start[i] = i % 3 == 0 ? -1 : (i * 37) % p.surface.face_count;
+  }
+  tap_close(off, 0.0, 1e-14, "%s: the distance is that of the nearest of all faces", KIND[k].name);
+  tap_close(foot, 0.0, 1e-14, "%s: the foot is the point of that face at xi", KIND[k].name);
+
+  ct_search_options options = ct_search_options_default();
+  ct_search_nearest(search, CLOUD, points, start, &options, again);
+  tap_ok(same_bits(out, again, CLOUD), "%s: other starts, the same bits", KIND[k].name);
+  options.threads = 3;
+  ct_search_nearest(search, CLOUD, points, NULL, &options, again);
+  tap_ok(same_bits(out, again, CLOUD), "%s: three threads, the same bits", KIND[k].name);
+  ct_error e;
+  double *moved = numbers(3 * p.surface.node_count);
+  for (int i = 0; i < 3 * p.surface.node_count; i++) moved[i] = p.x[i] + uniform(1.0);
+  need(ct_search_move(search, moved, &e), &e);
+  need(ct_search_move(search, p.x, &e), &e);
+  ct_search_nearest(search, CLOUD, points, NULL, NULL, again);
+  tap_ok(ct_search_builds(search) > 1 && same_bits(out, again, CLOUD), "%s: after a crumpling and back (%d builds), the same bits", KIND[k].name,
+         (int)ct_search_builds(search));
+  free(moved);
+  free(points);
+  free(out);
+  free(again);
+  free(start);
+  ct_search_free(search);
+  patchwork_free(&p);
+}
+
+/* Triangles whose distance and sign are known: the unit cube. */
+static const double CUBE[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+static const int32_t CUBE_Q[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+
+static void cube(ct_face_kind kind)
+{
+  int32_t faces[12][3];
+  double worst = 0.0, normal = 0.0;
+  for (int f = 0; f < 6; f++) {
+    const int32_t *q = CUBE_Q[f], split[2][3] = {{q[0], q[1], q[2]}, {q[0], q[2], q[3]}};
+    memcpy(faces[2 * f], split, sizeof split);
+  }
+  ct_surface surface = {kind, 8, kind == CT_T3 ? 12 : 6, kind == CT_T3 ? faces[0] : CUBE_Q[0], CUBE[0]};
+  ct_search *search = search_of(&surface);
+  int signs = 0, found[3] = {0};
+  for (int i = 0; i < 4000; i++) {
+    // -- Outside: distance from the cube. Inside: the nearest of six planes.
+    double point[3], outside = 0.0, inside = HUGE_VAL;
+    for (int c = 0; c < 3; c++) {
+      point[c] = 0.5 + uniform(i % 2 == 0 ? 0.5 : 1.5);
+      double beyond = fmax(fmax(-point[c], point[c] - 1.0), 0.0);
+      outside += beyond * beyond;
+      inside = fmin(inside, fmin(point[c], 1.0 - point[c]));
+    }
+    double want = outside > 0.0 ? sqrt(outside) : -inside;
+    ct_nearest got;
+    ct_search_nearest(search, 1, point, NULL, NULL, &got);
+    worst = fmax(worst, fabs(got.signed_distance - want));
+    signs += (got.signed_distance > 0.0) != (want > 0.0);
+    found[got.where]++;
+    double length = sqrt(got.normal[0] * got.normal[0] + got.normal[1] * got.normal[1] + got.normal[2] * got.normal[2]);
+    normal = fmax(normal, fabs(length - 1.0));
+  }
+  const char *name = kind == CT_T3 ? "of triangles" : "of Q4 faces";
+  tap_close(worst, 0.0, 1e-14, "a cube %s: signed distances in closed form (%d feet inside faces, %d on edges, %d on corners)", name, found[0], found[1], found[2]);
+  tap_ok(signs == 0 && found[1] > 500 && found[2] > 500, "a cube %s: no sign is wrong at its folds", name);
+  tap_close(normal, 0.0, 1e-14, "a cube %s: normals are unit vectors", name);
+
+  double off_corner[3] = {2, 2, 2}, off_edge[3] = {0.5, 2, 2};
+  ct_nearest a, b;
+  ct_search_nearest(search, 1, off_corner, NULL, NULL, &a);
+  ct_search_nearest(search, 1, off_edge, NULL, NULL, &b);
+  // A corner weighs each side of the cube by a right angle, however its triangles cut it.
+  for (int c = 0; c < 3; c++) tap_close(a.normal[c], 1.0 / sqrt(3.0), 1e-14, "a cube %s: the normal at the corner, %c", name, "xyz"[c]);
+  tap_ok(b.normal[0] == 0.0 && fabs(b.normal[1] - sqrt(0.5)) < 1e-15 && b.where == CT_EDGE, "a cube %s: the normal at an edge", name);
+  ct_search_free(search);
+}
+
+/* The classic trap of signs: a spike, where the face that is found first looks away from the point. */
+static void spike(void)
+{
+  const double x[5][3] = {{0, 0, 1}, {0.05, 0.05, 0}, {-0.05, 0.05, 0}, {-0.05, -0.05, 0}, {0.05, -0.05, 0}};
+  const int32_t faces[6][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {1, 3, 2}, {1, 4, 3}};
+  ct_surface surface = {CT_T3, 5, 6, faces[0], x[0]};
+  ct_search *search = search_of(&surface);
+  int wrong = 0;
+  for (int i = 0; i < 500; i++) {
+    double point[3] = {uniform(0.01), uniform(0.01), 1.0 + fabs(uniform(0.5)) + 0.02};
+    ct_nearest got;
+    ct_search_nearest(search, 1, point, NULL, NULL, &got);
+    wrong += !(got.signed_distance > 0.0) || got.where != CT_VERTEX;
+  }
+  tap_ok(wrong == 0, "points above the tip of a needle are outside, whichever face is found");
+  ct_search_free(search);
+}
+
+/* A sphere of Q8 faces, refined: distances converge to those of the sphere. */
+static double sphere_error(int n)
+{
+  static const int Q[8][2] = {{0, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 0}, {2, 1}, {1, 2}, {0, 1}};
+  int m = 2 * n + 1, f = 0;
+  double *x = numbers(3 * m * m), worst = 0.0;
+  int32_t *faces = integers(8 * n * n);
+  for (int i = 0; i < m; i++)
+    for (int j = 0; j < m; j++) {
+      double u = (double)i / n - 1.0, v = (double)j / n - 1.0, r = sqrt(1.0 + u * u + v * v);
+      double at[3] = {u / r, v / r, 1.0 / r};
+      memcpy(&x[3 * (i * m + j)], at, sizeof at);
+    }
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j < n; j++, f++)
+      for (int a = 0; a < 8; a++) faces[8 * f + a] = (2 * i + Q[a][0]) * m + 2 * j + Q[a][1];
+  ct_surface surface = {CT_Q8, m * m, n * n, faces, x};
+  ct_search *search = search_of(&surface);
+  for (int i = 0; i < 500; i++) {
+    double point[3] = {uniform(0.4), uniform(0.4), 1.0}, scale = 1.2 + uniform(0.6), r = 0.0;
+    for (int c = 0; c < 3; c++) point[c] *= scale;
+    for (int c = 0; c < 3; c++) r += point[c] * point[c];
+    ct_nearest got;
+    ct_search_nearest(search, 1, point, NULL, NULL, &got);
+    worst = fmax(worst, fabs(got.signed_distance - (sqrt(r) - 1.0)));
+  }
+  ct_search_free(search);
+  free(x);
+  free(faces);
+  return worst;
+}
+
+static void sphere(void)
+{
+  double coarse = sphere_error(4), fine = sphere_error(8);
+  tap_ok(fine < coarse / 7.0, "Q8 faces on a sphere: signed distances from it fall from %.2g to %.2g as faces are halved, order %.1f", coarse, fine, log2(coarse / fine));
+}
+
+/* The closed form of the triangle against the general projection, needles included. */
+static void triangles(void)
+{
+  double worst = 0.0, at = 0.0;
+  for (int i = 0; i < 20000; i++) {
+    double x[9], thin = i % 4 == 0 ? 1e-6 : 1.0, point[3];
+    for (int a = 0; a < 9; a++) x[a] = uniform(1.0);
+    for (int c = 0; c < 3; c++) {
+      x[6 + c] = thin == 1.0 ? x[6 + c] : 0.3 * x[c] + 0.7 * x[3 + c] + thin * x[6 + c];
+      point[c] = uniform(1.5);
+    }
+    const int32_t nodes[3] = {0, 1, 2};
+    ct_surface surface = {CT_T3, 3, 1, nodes, x};
+    ct_search *search = search_of(&surface);
+    double xi[2], d[3], square = ct_search_triangle(search, 0, point, xi, d), best = HUGE_VAL;
+    ct_face face;
+    ct_projection foot;
+    ct_search_face(search, 0, &face);
+    ct_project(&face, point, NULL, &foot);
+    best = foot.distance;
+    worst = fmax(worst, fabs(sqrt(square) - best));
+    double y[3];
+    ct_segment_point(&face, xi, y);
+    for (int c = 0; c < 3; c++) at = fmax(at, fabs(y[c] - point[c] - d[c]));
+    ct_search_free(search);
+  }
+  tap_close(worst, 0.0, 1e-13, "the distance from a triangle in closed form is that of the general projection, needles of 1e6 included");
+  tap_close(at, 0.0, 1e-15, "and its foot is the point at xi");
+}
+
+/* -- What goes wrong ------------------------------------------------------------------------------------------------------- */
+
+static ct_status try_create(ct_surface surface, ct_error *e)
+{
+  ct_search *search = NULL;
+  ct_status status = ct_search_create(&surface, &search, e);
+  ct_search_free(search);
+  return status;
+}
+
+static void refused(void)
+{
+  patchwork p;
+  patchwork_make(&p, CT_T3, 2, 0.1);
+  ct_search *search = search_of(&p.surface);
+  ct_error e;
+  double point[3] = {0, 0, 1};
+  ct_nearest out;
+  int32_t start = p.surface.face_count;
+  ct_search_options options = ct_search_options_default();
+  tap_ok(ct_search_nearest(NULL, 1, point, NULL, NULL, &out) == CT_ERROR_ARGUMENT && ct_search_nearest(search, 1, NULL, NULL, NULL, &out) == CT_ERROR_ARGUMENT &&
+             ct_search_nearest(search, 1, point, NULL, NULL, NULL) == CT_ERROR_ARGUMENT && ct_search_nearest(search, 0, NULL, NULL, NULL, NULL) == CT_OK,
+         "null pointers are refused, no points are fine");
+  tap_ok(ct_search_nearest(search, 1, point, &start, NULL, &out) == CT_ERROR_ARGUMENT, "a start that is no face is refused");
+  options.tolerance = 0.0;
+  tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out) == CT_ERROR_ARGUMENT, "a tolerance of 0 is refused");
+  options = ct_search_options_default();
+  options.threads = 0;
+  tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out) == CT_ERROR_ARGUMENT, "no thread is refused");
+
+  double strange[][3] = {{NAN, 0, 0}, {0, INFINITY, 0}, {0, 0, 1e300}, {1e71, 0, 0}};
+  for (int i = 0; i < 4; i++) {
+    ct_search_nearest(search, 1, strange[i], NULL, NULL, &out);
+    tap_ok(out.status == CT_INVALID && out.face == -1 && isnan(out.distance) && isnan(out.point[0]), "a point of (%g, %g, %g) gets no answer", strange[i][0], strange[i][1], strange[i][2]);
+  }
+  double far[3] = {3e20, 0, 0};
+  ct_search_nearest(search, 1, far, NULL, NULL, &out);
+  tap_ok(out.status == CT_OK && out.distance == 3e20, "a point 1e20 sizes away gets one");
+
+  double *x = numbers(3 * p.surface.node_count);
+  memcpy(x, p.x, 3 * (size_t)p.surface.node_count * sizeof *x);
+  x[3 * p.faces[1] + 2] = NAN;
+  tap_ok(ct_search_move(search, x, &e) == CT_INVALID && e.point == p.faces[1], "a node moved to NaN is refused and named: %s", e.text);
+  ct_search_nearest(search, 1, point, NULL, NULL, &out);
+  tap_ok(out.status == CT_OK && isfinite(out.distance), "and nothing has moved");
+  for (int i = 0; i < 3 * p.surface.node_count; i++) x[i] = 0.25;
+  need(ct_search_move(search, x, &e), &e);
+  ct_search_nearest(search, 1, point, NULL, NULL, &out);
+  tap_ok(out.status == CT_INVALID, "a surface that has shrunk to a point has no nearest face with a normal");
+  ct_search_free(search);
+
+  tap_ok(try_create((ct_surface){CT_T3, 0, 0, p.faces, p.x}, &e) == CT_ERROR_ARGUMENT, "an empty surface is refused: %s", e.text);
+  tap_ok(try_create((ct_surface){(ct_face_kind)9, 3, 1, p.faces, p.x}, &e) == CT_ERROR_ARGUMENT, "an unknown kind is refused");
+  tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 3}, p.x}, &e) == CT_ERROR_ARGUMENT && e.element == 0, "a node that is not there is refused: %s", e.text);
+  tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 1}, p.x}, &e) == CT_ERROR_GEOMETRY && e.element == 0, "a face without area is refused: %s", e.text);
+  tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 2}, (double[]){0, 0, NAN, 1, 0, 0, 0, 1, 0}}, &e) == CT_INVALID, "NaN is refused: %s", e.text);
+  tap_ok(ct_search_create(NULL, NULL, NULL) == CT_ERROR_ARGUMENT && ct_search_builds(NULL) == 0 && isnan(ct_search_cost(NULL)), "null pointers everywhere");
+  free(x);
+  patchwork_free(&p);
+}
+
+/* The same face many times, and many faces in one plane. */
+static void repeated(void)
+{
+  int32_t faces[50][4];
+  const double x[4][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  for (int f = 0; f < 50; f++)
+    for (int a = 0; a < 4; a++) faces[f][a] = a;
+  ct_surface surface = {CT_Q4, 4, 50, faces[0], x[0]};
+  ct_search *search = search_of(&surface);
+  double points[6] = {0.3, 0.4, 2.0, 0.3, 0.4, -2.0};
+  int32_t start[2] = {49, 7};
+  ct_nearest out[2];
+  ct_search_nearest(search, 2, points, start, NULL, out);
+  tap_ok(out[0].face == 0 && out[1].face == 0 && out[0].signed_distance == 2.0 && out[1].signed_distance == -2.0,
+         "of fifty equal faces the first is taken, wherever one starts");
+  ct_search_free(search);
+}
+
+/* The tree is kept while a surface moves as one, and built anew when it is crumpled. */
+static void rebuilding(void)
+{
+  patchwork p;
+  ct_error e;
+  patchwork_make(&p, CT_Q4, 20, 0.1);
+  ct_search *search = search_of(&p.surface);
+  double *x = numbers(3 * p.surface.node_count);
+  for (int step = 1; step <= 100; step++) {
+    for (int i = 0; i < p.surface.node_count; i++)
+      for (int c = 0; c < 3; c++) x[3 * i + c] = (1.0 + 0.01 * step) * p.x[3 * i + c] + 0.3 * step;
+    need(ct_search_move(search, x, &e), &e);
+  }
+  tap_ok(ct_search_builds(search) == 1 && fabs(ct_search_cost(search) - 1.0) < 0.05, "a surface that flies and grows keeps its tree (cost %.2f)", ct_search_cost(search));
+  for (int i = 0; i < p.surface.node_count; i++) {
+    int j = (i * 601) % p.surface.node_count; // every node takes the place of another one
+    memcpy(&x[3 * i], &p.x[3 * j], 3 * sizeof *x);
+  }
+  need(ct_search_move(search, x, &e), &e);
+  tap_ok(ct_search_builds(search) == 2 && ct_search_cost(search) == 1.0, "one whose nodes are shuffled gets a new one");
+  free(x);
+  ct_search_free(search);
+  patchwork_free(&p);
+}
+
 int main(void)
 {
-  against_all(1, 0, "one box");
-  against_all(2, 0, "two boxes");
-  against_all(17, 0, "seventeen boxes");
-  against_all(4000, 0, "thousands of boxes");
-  against_all(3000, 1, "boxes on a lattice, with ties and touching");
-  special_cases();
+  random_boxes(1, 0, "one box");
+  random_boxes(2, 0, "two boxes");
+  random_boxes(5, 0, "five boxes");
+  random_boxes(17, 0, "seventeen boxes");
+  random_boxes(4000, 0, "thousands of boxes");
+  random_boxes(3000, 1, "boxes on a lattice, with ties and touching");
+  special_boxes();
+  for (int k = 0; k < 4; k++) face_boxes(k);
+  parabola();
+  for (int k = 0; k < 4; k++) nearest_faces(k);
+  cube(CT_T3);
+  cube(CT_Q4);
+  spike();
+  sphere();
+  triangles();
+  repeated();
+  rebuilding();
+  refused();
   return tap_done();
 }

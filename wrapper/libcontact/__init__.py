@@ -12,9 +12,10 @@ from .projection import Projection, RayHits, Status, project, project_ray
 from .run import Run, RunError
 from .scene import Scene
 from .schema import SceneError
+from .search import Nearest, Surface, nearest
 
-__all__ = ["ArgumentError", "BlowupError", "Error", "FileError", "GeometryError", "NotBuiltIn", "Projection", "RayHits", "Run", "RunError",
-           "Scene", "SceneError", "Status", "StepError", "exact", "has", "project", "project_ray"]
+__all__ = ["ArgumentError", "BlowupError", "Error", "FileError", "GeometryError", "Nearest", "NotBuiltIn", "Projection", "RayHits", "Run",
+           "RunError", "Scene", "SceneError", "Status", "StepError", "Surface", "exact", "has", "nearest", "project", "project_ray"]
 
 __version__ = ffi.string(lib.ct_version()).decode()
 

@@ -3,24 +3,8 @@
 
 #include <contact/effect.h>
 #include <contact/projection.h>
+#include <contact/search.h>
 #include <contact/segment.h>
-
-/**
- * A contact surface: faces over somebody's nodes. Node numbers refer to the arrays of coordinates, forces and masses
- * that the host passes to the calls below; they may be the nodes of a whole mesh.
- */
-typedef struct ct_surface {
-  /** All faces are of one kind. */
-  ct_face_kind kind;
-  /** Rows of the host's arrays. */
-  int32_t node_count;
-  /** Number of faces. */
-  int32_t face_count;
-  /** Node numbers, counter-clockwise from outside, shape (face_count, nodes of a face). */
-  const int32_t *faces;
-  /** Reference coordinates [length], shape (node_count, 3): they give the weights w J_ref of the Gauss points. */
-  const double *reference;
-} ct_surface;
 
 /** Choices of a contact. Start from `ct_contact_options_default`. */
 typedef struct ct_contact_options {
@@ -52,6 +36,14 @@ typedef struct ct_contact ct_contact;
  */
 CT_API ct_status ct_contact_create(const ct_surface *a, const ct_surface *b, const ct_contact_options *options,
                                    ct_contact **out, ct_error *error);
+
+/**
+ * Prepare the contact of a surface with itself: a fold, two layers, the ends of a C. Every point looks for the nearest face that shares no node
+ * with its own and looks the other way; of points under it only those are in contact that are less deep than half the body's thickness there in the
+ * reference shape, :eq:`self-depth`. The reference shape must not pass through itself. In the calls below, what belongs to surface b is neither
+ * read nor written then and may be null. Errors as of ct_contact_create.
+ */
+CT_API ct_status ct_contact_create_self(const ct_surface *surface, const ct_contact_options *options, ct_contact **out, ct_error *error);
 
 /**
  * Find who meets whom at the current coordinates `xa`, `xb` [length], shapes (node_count of a surface, 3), and compute forces and energy.
@@ -113,7 +105,7 @@ CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *
 CT_API void ct_contact_free(ct_contact *contact);
 
 /**
- * The contact effect of two surfaces of one problem, whose nodes are numbered as the problem's.
+ * The contact effect of two surfaces of one problem, whose nodes are numbered as the problem's; if `a` and `b` are the same pointer, of the surface with itself.
  * `nodal_mass` (node_count of the problem) is copied for the stable step.
  */
 CT_API ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, const ct_contact_options *options,

@@ -20,8 +20,7 @@ double ct_contact_penalty(double beta, double young, double h) { return beta * y
 void ct_contact_free(ct_contact *contact)
 {
   if (contact == NULL) return;
-  ct_side_clear(&contact->side[0]);
-  ct_side_clear(&contact->side[1]);
+  for (int s = 0; s < contact->sides; s++) ct_side_clear(&contact->side[s]);
   ct_release(contact->terms);
   ct_release(contact);
 }
@@ -39,59 +38,41 @@ static ct_status check_options(const ct_contact_options *options, ct_error *erro
   return CT_OK;
 }
 
-ct_status ct_contact_create(const ct_surface *a, const ct_surface *b, const ct_contact_options *options, ct_contact **out,
-                            ct_error *error)
-{
-  if (a == NULL || b == NULL || options == NULL || out == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
-  ct_status status = check_options(options, error);
-  if (status != CT_OK) return status;
-  ct_contact *contact = ct_allocate(1, sizeof *contact);
-  if (contact == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
-  contact->options = *options;
-  status = ct_side_init(&contact->side[0], a, 0, error);
-  if (status == CT_OK) status = ct_side_init(&contact->side[1], b, 1, error);
-  if (status == CT_OK) {
-    double size = fmax(contact->side[0].size, contact->side[1].size);
-    contact->depth = options->depth > 0.0 ? options->depth : size;
-    contact->skin = 0.5 * size;
-    contact->terms = ct_allocate((size_t)ct_contact_point_count(contact), 3 * sizeof *contact->terms);
-    if (contact->terms == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
-  }
-  if (status != CT_OK) {
-    ct_contact_free(contact);
-    return status;
-  }
-  *out = contact;
-  return CT_OK;
-}
-
 /* Largest motion of a node since the last build of the candidate lists. */
 static double motion(const ct_side *side)
 {
   double top = 0.0;
-  for (int64_t n = 0; n < side->node_count; n++) {
+  for (int64_t n = 0; n < side->search->node_count; n++) {
     double d[3];
-    for (int c = 0; c < 3; c++) d[c] = side->x[3 * n + c] - side->x_built[3 * n + c];
+    for (int c = 0; c < 3; c++) d[c] = side->search->x[3 * n + c] - side->x_built[3 * n + c];
     top = fmax(top, ct_vector_dot(d, d));
   }
   return sqrt(top);
+}
+
+/* Leave out of a list of faces those that share a node with `face`, itself among them; answers how many stay (eq:self-adjacent). */
+static int32_t drop_adjacent(const ct_side *side, int32_t face, int32_t *list, int32_t count)
+{
+  int32_t kept = 0;
+  for (int32_t i = 0; i < count; i++)
+    if (!ct_search_adjacent(side->search, face, list[i])) list[kept++] = list[i];
+  return kept;
 }
 
 /* List for each face of `side` the faces of `other` within `reach`. */
 static ct_status list_candidates(ct_side *side, const ct_side *other, double reach, ct_error *error)
 {
   int32_t count = 0;
-  for (int32_t f = 0; f < side->face_count; f++) {
-    ct_bounds box = side->boxes[f];
+  for (int32_t f = 0; f < side->search->face_count; f++) {
+    ct_bounds box = side->search->boxes[f];
     for (int c = 0; c < 3; c++) {
       box.low[c] -= reach;
       box.high[c] += reach;
     }
     side->candidate_first[f] = count;
-    int32_t found = ct_search_overlaps(other->search, &box, side->candidates + count, side->candidate_room - count);
+    int32_t found = ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box, side->candidates + count, side->candidate_room - count);
     if (found > side->candidate_room - count) {
-      int32_t room = 2 * (count + found) + 8 * side->face_count;
+      int32_t room = 2 * (count + found) + 8 * side->search->face_count;
       int32_t *larger = ct_allocate((size_t)room, sizeof *larger);
       if (larger == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for contact candidates");
       if (count > 0) memcpy(larger, side->candidates, (size_t)count * sizeof *larger);
@@ -101,41 +82,105 @@ static ct_status list_candidates(ct_side *side, const ct_side *other, double rea
       f--; // once more, with room
       continue;
     }
-    count += found;
+    count += side == other ? drop_adjacent(side, f, side->candidates + count, found) : found;
   }
-  side->candidate_first[side->face_count] = count;
+  side->candidate_first[side->search->face_count] = count;
   return CT_OK;
 }
 
-/* Build trees and candidate lists when the surfaces have moved by a part of the skin (eq:skin). */
+/* Refit trees and list candidates when the surfaces have moved by a part of the skin (eq:skin). */
 static ct_status refresh_candidates(ct_contact *contact, ct_error *error)
 {
-  ct_side *a = &contact->side[0], *b = &contact->side[1];
+  ct_side *a = &contact->side[0], *b = &contact->side[contact->sides - 1];
   if (contact->built && motion(a) + motion(b) <= 0.25 * contact->skin) return CT_OK;
-  for (int s = 0; s < 2; s++) {
+  for (int s = 0; s < contact->sides; s++) {
     ct_side *side = &contact->side[s];
-    ct_search_build(side->search, side->boxes);
-    memcpy(side->x_built, side->x, 3 * (size_t)side->node_count * sizeof *side->x);
+    ct_search_refit(side->search);
+    memcpy(side->x_built, side->search->x, 3 * (size_t)side->search->node_count * sizeof *side->search->x);
   }
   ct_status status = list_candidates(a, b, contact->depth + contact->skin, error);
-  if (status == CT_OK) status = list_candidates(b, a, contact->depth + contact->skin, error);
+  if (status == CT_OK && a != b) status = list_candidates(b, a, contact->depth + contact->skin, error);
   contact->built = status == CT_OK;
   return status;
+}
+
+/* How deep a point of a surface may be under another part of it: half the thickness of the body there in the reference shape, so that
+ * the far side of a thin body does not count as contact (eq:self-depth). */
+static ct_status measure_thickness(ct_contact *contact, ct_error *error)
+{
+  ct_side *side = &contact->side[0];
+  side->depth = ct_allocate((size_t)ct_side_point_count(side), sizeof *side->depth);
+  if (side->depth == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  ct_status status = refresh_candidates(contact, error);
+  if (status != CT_OK) return status;
+  ct_pass_search(side, side, &contact->options, contact->depth, CT_PASS_THICKNESS);
+  for (int64_t i = 0; i < ct_side_point_count(side); i++) {
+    ct_gauss_point *point = &side->points[i];
+    side->depth[i] = point->gap < 0.0 ? 0.5 * -point->gap : contact->depth;
+    *point = (ct_gauss_point){.other = -1, .gap = NAN};
+  }
+  return CT_OK;
+}
+
+/* A contact of `sides` surfaces: two, or one with itself. */
+static ct_status create(const ct_surface *const surface[2], int sides, const ct_contact_options *options, ct_contact **out, ct_error *error)
+{
+  ct_status status = check_options(options, error);
+  if (status != CT_OK) return status;
+  ct_contact *contact = ct_allocate(1, sizeof *contact);
+  if (contact == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  double size = 0.0;
+  contact->options = *options;
+  for (int s = 0; s < sides && status == CT_OK; s++) {
+    status = ct_side_init(&contact->side[s], surface[s], s, error);
+    if (status != CT_OK) break;
+    contact->sides = s + 1;
+    size = fmax(size, contact->side[s].search->size);
+  }
+  if (status == CT_OK) {
+    contact->depth = options->depth > 0.0 ? options->depth : size;
+    contact->skin = 0.5 * size;
+    contact->terms = ct_allocate((size_t)ct_contact_point_count(contact), 3 * sizeof *contact->terms);
+    if (contact->terms == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  }
+  if (status == CT_OK && sides == 1) status = measure_thickness(contact, error);
+  if (status != CT_OK) {
+    ct_contact_free(contact);
+    return status;
+  }
+  *out = contact;
+  return CT_OK;
+}
+
+ct_status ct_contact_create(const ct_surface *a, const ct_surface *b, const ct_contact_options *options, ct_contact **out,
+                            ct_error *error)
+{
+  if (a == NULL || b == NULL || options == NULL || out == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
+  const ct_surface *surface[2] = {a, b};
+  return create(surface, 2, options, out, error);
+}
+
+ct_status ct_contact_create_self(const ct_surface *surface, const ct_contact_options *options, ct_contact **out, ct_error *error)
+{
+  if (surface == NULL || options == NULL || out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
+  const ct_surface *both[2] = {surface, surface};
+  return create(both, 1, options, out, error);
 }
 
 /* Add the forces of one side's points to the nodes of both sides, in sums that do not depend on their order (eq:contact-force). */
 static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
 {
-  for (int64_t i = 0; i < (int64_t)side->face_count * side->rule.count; i++) {
+  for (int64_t i = 0; i < ct_side_point_count(side); i++) {
     const ct_gauss_point *point = &side->points[i];
     if (!(point->gap < 0.0)) continue;
     const double *N = side->N[i % side->rule.count];
-    for (int a = 0; a < side->per; a++) {
-      int64_t node = 3 * (int64_t)side->faces[i / side->rule.count * side->per + a];
+    for (int a = 0; a < side->search->per; a++) {
+      int64_t node = 3 * (int64_t)side->search->faces[i / side->rule.count * side->search->per + a];
       for (int c = 0; c < 3; c++) ct_grid_add(grid, N[a] * point->force[c], &side->force[node + c], &side->force_fine[node + c]);
     }
-    for (int a = 0; a < other->per; a++) {
-      int64_t node = 3 * (int64_t)other->faces[(int64_t)point->other * other->per + a];
+    for (int a = 0; a < other->search->per; a++) {
+      int64_t node = 3 * (int64_t)other->search->faces[(int64_t)point->other * other->search->per + a];
       for (int c = 0; c < 3; c++)
         ct_grid_add(grid, -(point->N[a] * point->force[c]), &other->force[node + c], &other->force_fine[node + c]);
     }
@@ -145,7 +190,7 @@ static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
 static double largest_force(const ct_side *side)
 {
   double top = 0.0;
-  for (int64_t i = 0; i < (int64_t)side->face_count * side->rule.count; i++)
+  for (int64_t i = 0; i < ct_side_point_count(side); i++)
     for (int c = 0; c < 3; c++) top = fmax(top, fabs(side->points[i].force[c]));
   return top;
 }
@@ -153,9 +198,10 @@ static double largest_force(const ct_side *side)
 static ct_status collect_forces(ct_contact *contact, ct_error *error)
 {
   ct_grid grid;
-  double top = fmax(largest_force(&contact->side[0]), largest_force(&contact->side[1]));
-  for (int s = 0; s < 2; s++) {
-    size_t size = 3 * (size_t)contact->side[s].node_count * sizeof(double);
+  double top = 0.0;
+  for (int s = 0; s < contact->sides; s++) {
+    top = fmax(top, largest_force(&contact->side[s]));
+    size_t size = 3 * (size_t)contact->side[s].search->node_count * sizeof(double);
     memset(contact->side[s].force, 0, size);
     memset(contact->side[s].force_fine, 0, size);
   }
@@ -163,32 +209,31 @@ static ct_status collect_forces(ct_contact *contact, ct_error *error)
   // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
   if (!ct_grid_init(&grid, 2.0 * top, 16 * ct_contact_point_count(contact)))
     return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "a contact force of %g", top);
-  spread(&grid, &contact->side[0], &contact->side[1]);
-  spread(&grid, &contact->side[1], &contact->side[0]);
+  for (int s = 0; s < contact->sides; s++) spread(&grid, &contact->side[s], &contact->side[contact->sides - 1 - s]);
   return CT_OK;
 }
 
 ct_status ct_contact_update(ct_contact *contact, const double *xa, const double *xb, ct_error *error)
 {
-  if (contact == NULL || xa == NULL || xb == NULL)
+  if (contact == NULL || xa == NULL || (xb == NULL && contact->sides == 2))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
-  ct_status status = ct_side_move(&contact->side[0], xa, 0, error);
-  if (status == CT_OK) status = ct_side_move(&contact->side[1], xb, 1, error);
+  ct_status status = ct_search_set(contact->side[0].search, xa, 0, error);
+  if (status == CT_OK && contact->sides == 2) status = ct_search_set(contact->side[1].search, xb, 1, error);
   if (status == CT_OK) status = refresh_candidates(contact, error);
   if (status != CT_OK) return status;
-  ct_pass_search(&contact->side[0], &contact->side[1], &contact->options, contact->depth);
-  ct_pass_search(&contact->side[1], &contact->side[0], &contact->options, contact->depth);
+  for (int s = 0; s < contact->sides; s++)
+    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, contact->depth, CT_PASS_CONTACT);
   return collect_forces(contact, error);
 }
 
 ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb)
 {
-  if (contact == NULL || fa == NULL || fb == NULL) return CT_ERROR_ARGUMENT;
-  for (int s = 0; s < 2; s++) {
+  if (contact == NULL || fa == NULL || (fb == NULL && contact->sides == 2)) return CT_ERROR_ARGUMENT;
+  for (int s = 0; s < contact->sides; s++) {
     const ct_side *side = &contact->side[s];
     double *f = s == 0 ? fa : fb;
-    for (int64_t n = 0; n < side->node_count; n++)
-      for (int c = 0; c < 3; c++) f[3 * (int64_t)side->nodes[n] + c] += side->force[3 * n + c] + side->force_fine[3 * n + c];
+    for (int64_t n = 0; n < side->search->node_count; n++)
+      for (int c = 0; c < 3; c++) f[3 * (int64_t)side->search->nodes[n] + c] += side->force[3 * n + c] + side->force_fine[3 * n + c];
   }
   return CT_OK;
 }
@@ -198,23 +243,23 @@ double ct_contact_energy(const ct_contact *contact)
   if (contact == NULL) return NAN;
   int64_t count = 0;
   // -- Π = Σ ½ · ½ ε g² w J over the points inside, = ½ force · d (eq:contact-potential)
-  for (int s = 0; s < 2; s++)
-    for (int64_t i = 0; i < (int64_t)contact->side[s].face_count * contact->side[s].rule.count; i++)
+  for (int s = 0; s < contact->sides; s++)
+    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++)
       contact->terms[count++] = 0.5 * ct_vector_dot(contact->side[s].points[i].force, contact->side[s].points[i].d);
   return ct_sum(contact->terms, count);
 }
 
 ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], double moment_a[3], double force_b[3], double moment_b[3])
 {
-  if (contact == NULL || force_a == NULL || moment_a == NULL || force_b == NULL || moment_b == NULL) return CT_ERROR_ARGUMENT;
-  for (int s = 0; s < 2; s++) {
+  if (contact == NULL || force_a == NULL || moment_a == NULL || (contact->sides == 2 && (force_b == NULL || moment_b == NULL))) return CT_ERROR_ARGUMENT;
+  for (int s = 0; s < contact->sides; s++) {
     const ct_side *side = &contact->side[s];
     double *force = s == 0 ? force_a : force_b, *moment = s == 0 ? moment_a : moment_b;
     for (int c = 0; c < 3; c++) force[c] = moment[c] = 0.0;
-    for (int64_t n = 0; n < side->node_count; n++) {
+    for (int64_t n = 0; n < side->search->node_count; n++) {
       double f[3], m[3];
       for (int c = 0; c < 3; c++) f[c] = side->force[3 * n + c] + side->force_fine[3 * n + c];
-      ct_vector_cross(&side->x[3 * n], f, m);
+      ct_vector_cross(&side->search->x[3 * n], f, m);
       for (int c = 0; c < 3; c++) {
         force[c] += f[c];
         moment[c] += m[c];
@@ -227,7 +272,7 @@ ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], dou
 int64_t ct_contact_point_count(const ct_contact *contact)
 {
   int64_t count = 0;
-  for (int s = 0; contact != NULL && s < 2; s++) count += (int64_t)contact->side[s].face_count * contact->side[s].rule.count;
+  for (int s = 0; contact != NULL && s < contact->sides; s++) count += ct_side_point_count(&contact->side[s]);
   return count;
 }
 
@@ -235,9 +280,9 @@ ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
   if (contact == NULL || points == NULL) return CT_ERROR_ARGUMENT;
-  for (int s = 0; s < 2; s++) {
+  for (int s = 0; s < contact->sides; s++) {
     const ct_side *side = &contact->side[s];
-    for (int64_t i = 0; i < (int64_t)side->face_count * side->rule.count; i++, points++) {
+    for (int64_t i = 0; i < ct_side_point_count(side); i++, points++) {
       const ct_gauss_point *from = &side->points[i];
       int met = from->other >= 0;
       *points = (ct_contact_point){.side = s, .face = (int32_t)(i / side->rule.count), .gauss = (int32_t)(i % side->rule.count),

@@ -9,6 +9,7 @@
 
 typedef struct contact_data {
   /* Both surfaces over one list of nodes, those of the effect; reference coordinates and masses of that list. */
+  int sides; /* 1: of a surface with itself */
   ct_surface surface[2];
   int32_t *faces[2];
   double *reference;
@@ -51,7 +52,9 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   if (s == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   s->x = ct_allocate((size_t)effect->node_count, 3 * sizeof *s->x);
   ct_status status = s->x != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
-  if (status == CT_OK) status = ct_contact_create(&data->surface[0], &data->surface[1], &data->options, &s->contact, error);
+  if (status == CT_OK)
+    status = data->sides == 1 ? ct_contact_create_self(&data->surface[0], &data->options, &s->contact, error)
+                              : ct_contact_create(&data->surface[0], &data->surface[1], &data->options, &s->contact, error);
   if (status != CT_OK) {
     free_scratch(s);
     return status;
@@ -63,10 +66,10 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
 /* A point's memory: number of its other face plus one (0: none), and the parameters there. */
 static void recall(ct_contact *contact, const double *memory)
 {
-  for (int s = 0; s < 2; s++)
-    for (int64_t i = 0; i < (int64_t)contact->side[s].face_count * contact->side[s].rule.count; i++, memory += 3) {
+  for (int s = 0; s < contact->sides; s++)
+    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += 3) {
       ct_gauss_point *point = &contact->side[s].points[i];
-      double last = (double)contact->side[1 - s].face_count;
+      double last = (double)contact->side[contact->sides - 1 - s].search->face_count;
       point->other = memory[0] >= 1.0 && memory[0] <= last ? (int32_t)memory[0] - 1 : -1;
       memcpy(point->xi, &memory[1], sizeof point->xi);
     }
@@ -74,8 +77,8 @@ static void recall(ct_contact *contact, const double *memory)
 
 static void remember(const ct_contact *contact, double *memory)
 {
-  for (int s = 0; s < 2; s++)
-    for (int64_t i = 0; i < (int64_t)contact->side[s].face_count * contact->side[s].rule.count; i++, memory += 3) {
+  for (int s = 0; s < contact->sides; s++)
+    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += 3) {
       const ct_gauss_point *point = &contact->side[s].points[i];
       memory[0] = (double)point->other + 1.0;
       memcpy(&memory[1], point->xi, sizeof point->xi);
@@ -125,7 +128,7 @@ static ct_status renumber(contact_data *data, const ct_surface *surface[2], cons
   data->reference = ct_allocate((size_t)total, 3 * sizeof *data->reference);
   data->mass = ct_allocate((size_t)total, sizeof *data->mass);
   ct_status status = own && data->nodes && data->reference && data->mass ? CT_OK : CT_ERROR_MEMORY;
-  for (int s = 0; status == CT_OK && s < 2; s++) {
+  for (int s = 0; status == CT_OK && s < data->sides; s++) {
     size_t entries = (size_t)surface[s]->face_count * (size_t)ct_face_node_count(surface[s]->kind);
     data->faces[s] = ct_allocate(entries, sizeof *data->faces[s]);
     if (data->faces[s] == NULL) status = CT_ERROR_MEMORY;
@@ -144,7 +147,7 @@ static ct_status renumber(contact_data *data, const ct_surface *surface[2], cons
       data->mass[*count] = nodal_mass[n];
       own[n] = (*count)++;
     }
-  for (int s = 0; status == CT_OK && s < 2; s++) {
+  for (int s = 0; status == CT_OK && s < data->sides; s++) {
     size_t entries = (size_t)surface[s]->face_count * (size_t)ct_face_node_count(surface[s]->kind);
     for (size_t i = 0; i < entries; i++) data->faces[s][i] = own[surface[s]->faces[i]];
     data->surface[s] = (ct_surface){surface[s]->kind, *count, surface[s]->face_count, data->faces[s], data->reference};
@@ -168,6 +171,7 @@ ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, con
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   }
   data->options = *options;
+  data->sides = a == b ? 1 : 2;
   *effect = (ct_effect){.name = "contact", .data = data, .create_scratch = create_scratch, .free_scratch = free_scratch,
                         .force = contact_force, .energy = contact_energy, .frequency = contact_frequency, .free_data = free_data};
   void *trial = NULL;

@@ -6,29 +6,16 @@
 
 #include <math.h>
 
-/* The point whose nearest face is looked for, and what it has found: of equally near faces the first one. */
-typedef struct seeker {
-  const ct_side *other;
-  double y[3];
+/* A surface in contact with itself, and the face of the point whose partner is looked for. */
+typedef struct neighbourhood {
+  const ct_search *search;
   int32_t face;
-  ct_projection best;
-  double nearest;
-} seeker;
+} neighbourhood;
 
-static double face_distance(void *user, int32_t target)
+static int is_adjacent(void *user, int32_t face)
 {
-  seeker *s = user;
-  ct_projection foot;
-  ct_face face;
-  ct_side_face(s->other, target, &face);
-  ct_status status = ct_project(&face, s->y, NULL, &foot);
-  if (status == CT_INVALID || status >= CT_ERROR_ARGUMENT) return INFINITY;
-  if (foot.distance < s->nearest || (foot.distance == s->nearest && target < s->face)) {
-    s->face = target;
-    s->nearest = foot.distance;
-    s->best = foot;
-  }
-  return foot.distance;
+  const neighbourhood *n = user;
+  return ct_search_adjacent(n->search, n->face, face);
 }
 
 /* Face and shape functions that a point would press on: those of the last update, or of the nearest face. */
@@ -39,55 +26,59 @@ static int32_t partner(const ct_side *side, const ct_side *other, int64_t i, dou
     for (int a = 0; a < 8; a++) N[a] = side->points[i].N[a];
     return side->points[i].other;
   }
-  seeker s = {.other = other, .nearest = INFINITY};
-  double nearest;
-  ct_side_interpolate(side, (int32_t)(i / side->rule.count), side->N[i % side->rule.count], zero, s.y);
-  int32_t face = ct_search_nearest(other->search, s.y, face_distance, &s, &nearest);
-  if (face >= 0 && isfinite(nearest)) ct_segment_shape(other->kind, s.best.xi, N);
-  return isfinite(nearest) ? face : -1;
+  double y[3];
+  ct_nearest nearest;
+  neighbourhood near = {other->search, (int32_t)(i / side->rule.count)};
+  ct_side_interpolate(side, near.face, side->N[i % side->rule.count], zero, y);
+  ct_search_point(other->search, y, -1, HUGE_VAL, ct_search_options_default().tolerance, side == other ? is_adjacent : NULL, &near,
+                  &nearest);
+  if (nearest.face >= 0) ct_segment_shape(other->search->kind, nearest.xi, N);
+  return nearest.face;
 }
 
 /* Row sums Σ_gp k |b_i| Σ_j |b_j| of the penalty stiffness of one pass (eq:contact-bound). */
 static void add_rows(const ct_side *side, const ct_side *other, double epsilon, double *rows, double *other_rows)
 {
-  for (int64_t i = 0; i < (int64_t)side->face_count * side->rule.count; i++) {
+  for (int64_t i = 0; i < ct_side_point_count(side); i++) {
     double N[8], k = 0.5 * epsilon * side->weight[i], sum = 0.0;
     const double *own = side->N[i % side->rule.count];
     int32_t face = partner(side, other, i, N);
     if (face < 0) continue;
-    for (int a = 0; a < side->per; a++) sum += fabs(own[a]);
-    for (int a = 0; a < other->per; a++) sum += fabs(N[a]);
-    for (int a = 0; a < side->per; a++) rows[side->faces[i / side->rule.count * side->per + a]] += k * sum * fabs(own[a]);
-    for (int a = 0; a < other->per; a++) other_rows[other->faces[(int64_t)face * other->per + a]] += k * sum * fabs(N[a]);
+    for (int a = 0; a < side->search->per; a++) sum += fabs(own[a]);
+    for (int a = 0; a < other->search->per; a++) sum += fabs(N[a]);
+    for (int a = 0; a < side->search->per; a++) rows[side->search->faces[i / side->rule.count * side->search->per + a]] += k * sum * fabs(own[a]);
+    for (int a = 0; a < other->search->per; a++) other_rows[other->search->faces[(int64_t)face * other->search->per + a]] += k * sum * fabs(N[a]);
   }
 }
 
 static double largest_row(const ct_side *side, const double *rows, const double *mass)
 {
   double top = 0.0;
-  for (int32_t n = 0; n < side->node_count; n++) top = fmax(top, rows[n] / mass[side->nodes[n]]);
+  for (int32_t n = 0; n < side->search->node_count; n++) top = fmax(top, rows[n] / mass[side->search->nodes[n]]);
   return top;
 }
 
 ct_status ct_contact_frequency(const ct_contact *contact, const double *mass_a, const double *mass_b, double *omega_squared)
 {
-  if (contact == NULL || mass_a == NULL || mass_b == NULL || omega_squared == NULL) return CT_ERROR_ARGUMENT;
-  const ct_side *a = &contact->side[0], *b = &contact->side[1];
-  for (int s = 0; s < 2; s++)
-    for (int32_t n = 0; n < contact->side[s].node_count; n++)
-      if (!((s == 0 ? mass_a : mass_b)[contact->side[s].nodes[n]] > 0.0)) return CT_ERROR_ARGUMENT;
-  double *rows_a = ct_allocate((size_t)a->node_count, sizeof *rows_a), *rows_b = ct_allocate((size_t)b->node_count, sizeof *rows_b);
-  ct_status status = rows_a != NULL && rows_b != NULL ? CT_OK : CT_ERROR_MEMORY;
-  if (status == CT_OK) {
+  if (contact == NULL || mass_a == NULL || (mass_b == NULL && contact->sides == 2) || omega_squared == NULL) return CT_ERROR_ARGUMENT;
+  for (int s = 0; s < contact->sides; s++)
+    for (int32_t n = 0; n < contact->side[s].search->node_count; n++)
+      if (!((s == 0 ? mass_a : mass_b)[contact->side[s].search->nodes[n]] > 0.0)) return CT_ERROR_ARGUMENT;
+  double *rows[2] = {NULL, NULL};
+  ct_status status = CT_OK;
+  for (int s = 0; s < contact->sides; s++) {
+    rows[s] = ct_allocate((size_t)contact->side[s].search->node_count, sizeof *rows[s]);
+    if (rows[s] == NULL) status = CT_ERROR_MEMORY;
     // Trees of the current shape, so that the call also works before the first update.
-    ct_search_build(a->search, a->boxes);
-    ct_search_build(b->search, b->boxes);
-    add_rows(a, b, contact->options.epsilon, rows_a, rows_b);
-    add_rows(b, a, contact->options.epsilon, rows_b, rows_a);
-    *omega_squared = fmax(largest_row(a, rows_a, mass_a), largest_row(b, rows_b, mass_b));
+    ct_search_refit(contact->side[s].search);
   }
-  ct_release(rows_a);
-  ct_release(rows_b);
+  *omega_squared = 0.0;
+  for (int s = 0, t = contact->sides - 1; s < contact->sides && status == CT_OK; s++, t--)
+    add_rows(&contact->side[s], &contact->side[t], contact->options.epsilon, rows[s], rows[t]);
+  for (int s = 0; s < contact->sides && status == CT_OK; s++)
+    *omega_squared = fmax(*omega_squared, largest_row(&contact->side[s], rows[s], s == 0 ? mass_a : mass_b));
+  ct_release(rows[0]);
+  ct_release(rows[1]);
   return status;
 }
 

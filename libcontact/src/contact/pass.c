@@ -12,6 +12,8 @@ typedef struct nearest {
   double distance;
   ct_projection foot;
   double origin[3], y[3]; /* the middle of the face's box, and the point relative to it */
+  double own[3];          /* unit normal at the point, and how deep it may be: of a surface with itself */
+  double depth;
 } nearest;
 
 /* What one pass needs everywhere. */
@@ -20,6 +22,8 @@ typedef struct pass {
   const ct_side *other;
   ct_project_options project;
   double epsilon, depth;
+  int self; /* whether the other side is the same surface */
+  ct_pass_purpose purpose;
 } pass;
 
 /* Position of a Gauss point, relative to `origin`. */
@@ -34,6 +38,20 @@ static void middle(const ct_bounds *box, double origin[3])
   for (int c = 0; c < 3; c++) origin[c] = 0.5 * (box->low[c] + box->high[c]);
 }
 
+/* In a contact of a surface with itself, whether a foot is one to be pushed from: the faces look at each other, no face at the foot is nearer (one
+ * that shares a node with the point's own would not have been tried, eq:local-minimum), and the point is not deeper under it than half the
+ * thickness of the body, for then the foot is on the far side (eq:self-depth). The thickness is measured by feet that it is under. */
+static int may_push(const pass *p, const nearest *best, const double y[3], int32_t target, const ct_projection *foot)
+{
+  double normal[3], d[3];
+  (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
+  for (int c = 0; c < 3; c++) d[c] = foot->point[c] - y[c];
+  int under = ct_vector_dot(d, normal) > 0.0;
+  if (!(ct_vector_dot(best->own, normal) < 0.0)) return 0;
+  if (!ct_search_is_minimum(p->other->search, target, foot->where, foot->index, foot->xi, d)) return 0;
+  return p->purpose == CT_PASS_THICKNESS ? under : !under || foot->distance <= best->depth;
+}
+
 /* Project a point on one face of the other side and keep the answer if it is the nearest. */
 static void try_face(const pass *p, int32_t face, int q, int32_t target, const double *start, nearest *best)
 {
@@ -41,10 +59,10 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
   ct_projection foot;
   ct_face shifted;
   double origin[3], y[3];
-  middle(&p->other->boxes[target], origin);
+  middle(&p->other->search->boxes[target], origin);
   position(p->side, face, q, origin, y);
-  ct_side_face(p->other, target, &shifted);
-  for (int a = 0; a < p->other->per; a++)
+  ct_search_face(p->other->search, target, &shifted);
+  for (int a = 0; a < p->other->search->per; a++)
     for (int c = 0; c < 3; c++) shifted.node[a][c] -= origin[c];
   if (start != NULL) {
     options.use_start = 1;
@@ -53,7 +71,7 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
   }
   ct_status status = ct_project(&shifted, y, &options, &foot);
   int found = status == CT_OK || status == CT_NOT_CERTIFIED || status == CT_ITERATION_LIMIT;
-  if (!found || foot.where == CT_OUTSIDE) return;
+  if (!found || foot.where == CT_OUTSIDE || (p->self && !may_push(p, best, y, target, &foot))) return;
   if (foot.distance < best->distance || (foot.distance == best->distance && target < best->face)) {
     best->face = target;
     best->distance = foot.distance;
@@ -69,15 +87,26 @@ static int measure(const pass *p, int32_t face, int q, const nearest *best, ct_g
 {
   double foot[3], normal[3], own[3];
   ct_face mine;
-  if (!ct_side_normal(p->other, best->face, &best->foot, normal)) return 0;
-  ct_segment_shape(p->other->kind, best->foot.xi, point->N);
+  if (!ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal)) return 0;
+  ct_segment_shape(p->other->search->kind, best->foot.xi, point->N);
   ct_side_interpolate(p->other, best->face, point->N, best->origin, foot);
   for (int c = 0; c < 3; c++) point->d[c] = foot[c] - best->y[c];
   double distance = sqrt(ct_vector_dot(point->d, point->d));
   point->gap = ct_vector_dot(point->d, normal) > 0.0 ? -distance : distance;
   if (point->gap >= 0.0) return 1;
-  ct_side_face(p->side, face, &mine);
+  ct_search_face(p->side->search, face, &mine);
   return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK && ct_vector_dot(own, normal) < 0.0 && point->gap >= -p->depth;
+}
+
+/* Begin with nothing found; a surface in contact with itself needs its own normal first. Answers 0 when there is none. */
+static int begin(const pass *p, int32_t face, int q, nearest *best)
+{
+  ct_face mine;
+  *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .depth = p->depth};
+  if (!p->self) return 1;
+  if (p->purpose == CT_PASS_CONTACT) best->depth = p->side->depth[(int64_t)face * p->side->rule.count + q];
+  ct_search_face(p->side->search, face, &mine);
+  return ct_segment_normal(&mine, p->side->rule.xi[q], best->own) == CT_OK;
 }
 
 static void search_point(const pass *p, int32_t face, int q)
@@ -86,17 +115,18 @@ static void search_point(const pass *p, int32_t face, int q)
   const ct_side *side = p->side, *other = p->other;
   int64_t number = (int64_t)face * side->rule.count + q;
   ct_gauss_point *point = &p->side->points[number];
-  nearest best = {.face = INT32_MAX, .distance = INFINITY};
+  nearest best;
   double y[3];
+  int able = begin(p, face, q, &best);
   position(side, face, q, zero, y);
 
   // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)
   int32_t warm = point->other;
-  if (warm >= 0 && ct_bounds_distance(&other->boxes[warm], y) <= p->depth) try_face(p, face, q, warm, point->xi, &best);
-  for (int32_t i = side->candidate_first[face]; i < side->candidate_first[face + 1]; i++) {
+  if (able && warm >= 0 && ct_bounds_distance(&other->search->boxes[warm], y) <= p->depth) try_face(p, face, q, warm, point->xi, &best);
+  for (int32_t i = side->candidate_first[face]; able && i < side->candidate_first[face + 1]; i++) {
     int32_t target = side->candidates[i];
     double reach = best.distance < p->depth ? best.distance : p->depth;
-    if (target != warm && ct_bounds_distance(&other->boxes[target], y) <= reach) try_face(p, face, q, target, NULL, &best);
+    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= reach) try_face(p, face, q, target, NULL, &best);
   }
 
   // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
@@ -114,14 +144,14 @@ static void search_point(const pass *p, int32_t face, int q)
     for (int c = 0; c < 3; c++) point->force[c] = 0.5 * p->epsilon * side->weight[number] * point->d[c];
 }
 
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth)
+void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, ct_pass_purpose purpose)
 {
-  pass p = {side, other, ct_project_options_default(), options->epsilon, depth};
+  pass p = {side, other, ct_project_options_default(), options->epsilon, depth, side == other, purpose};
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(options->threads) schedule(static) if (options->threads > 1)
 #endif
-  for (int32_t f = 0; f < side->face_count; f++)
+  for (int32_t f = 0; f < side->search->face_count; f++)
     for (int q = 0; q < side->rule.count; q++) search_point(&p, f, q);
 }

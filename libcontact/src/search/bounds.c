@@ -1,0 +1,116 @@
+/* Boxes around points and curved faces. */
+#include "bounds.h"
+
+#include "../vector.h"
+
+#include <float.h>
+#include <math.h>
+
+double ct_bounds_distance(const ct_bounds *box, const double point[3])
+{
+  double d[3];
+  for (int c = 0; c < 3; c++) d[c] = fmax(fmax(box->low[c] - point[c], point[c] - box->high[c]), 0.0);
+  return sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
+}
+
+void ct_bounds_join(ct_bounds *box, const ct_bounds *other)
+{
+  for (int c = 0; c < 3; c++) {
+    if (other->low[c] < box->low[c]) box->low[c] = other->low[c];
+    if (other->high[c] > box->high[c]) box->high[c] = other->high[c];
+  }
+}
+
+/* Coordinate `c` of the Bernstein control points of a face: corners, one on each mid-side, one in the middle of a Q8. Answers how many. */
+static int control_points(const ct_face *face, int c, double b[9])
+{
+  int per = ct_face_node_count(face->kind), corners = per == 4 || per == 8 ? 4 : 3;
+  for (int a = 0; a < corners; a++) b[a] = face->node[a][c];
+  if (per == corners) return corners;
+  // -- Pull the control point of a mid-side beyond its node (eq:control-points)
+  const double(*x)[3] = face->node;
+  for (int e = 0; e < corners; e++) b[corners + e] = 2.0 * x[corners + e][c] - 0.5 * (x[e][c] + x[(e + 1) % corners][c]);
+  if (corners == 3) return 6;
+  double middles = (x[4][c] + x[6][c]) + (x[5][c] + x[7][c]), ends = (x[0][c] + x[1][c]) + (x[2][c] + x[3][c]);
+  b[8] = middles - 0.75 * ends;
+  return 9;
+}
+
+ct_bounds ct_face_bounds(const ct_face *face)
+{
+  int linear = face->kind == CT_Q4 || face->kind == CT_T3;
+  ct_bounds box;
+  for (int c = 0; c < 3; c++) {
+    double b[9];
+    int count = control_points(face, c, b);
+    // -- The box of the control points holds the face (eq:face-bounds)
+    box.low[c] = box.high[c] = b[0];
+    for (int i = 1; i < count; i++) {
+      if (b[i] < box.low[c]) box.low[c] = b[i];
+      if (b[i] > box.high[c]) box.high[c] = b[i];
+    }
+    // Control points that were computed may be off by a few roundings; corners are exact.
+    double slack = linear ? 0.0 : 16.0 * DBL_EPSILON * (fabs(box.low[c]) + fabs(box.high[c]));
+    box.low[c] -= slack;
+    box.high[c] += slack;
+  }
+  return box;
+}
+
+/* Three orthogonal unit vectors, the last along the normal of a face at its middle; the coordinate axes when it has none. */
+static void frame(const ct_face *face, double axis[3][3])
+{
+  int corners = face->kind == CT_Q4 || face->kind == CT_Q8 ? 4 : 3;
+  double u[3], v[3];
+  for (int i = 0; i < 3; i++)
+    for (int c = 0; c < 3; c++) axis[i][c] = i == c;
+  for (int c = 0; c < 3; c++) {
+    const double(*x)[3] = face->node;
+    u[c] = corners == 3 ? x[1][c] - x[0][c] : (x[1][c] - x[0][c]) + (x[2][c] - x[3][c]);
+    v[c] = corners == 3 ? x[2][c] - x[0][c] : (x[3][c] - x[0][c]) + (x[2][c] - x[1][c]);
+  }
+  double length = sqrt(ct_vector_dot(u, u)), normal[3];
+  if (!ct_vector_unit_normal(u, v, normal)) return;
+  for (int c = 0; c < 3; c++) {
+    axis[0][c] = u[c] / length;
+    axis[2][c] = normal[c];
+  }
+  ct_vector_cross(axis[2], axis[0], axis[1]);
+}
+
+void ct_oriented_init(ct_oriented *box, const ct_face *face)
+{
+  double b[3][9], size = 0.0;
+  int count = 0;
+  frame(face, box->axis);
+  for (int c = 0; c < 3; c++) {
+    count = control_points(face, c, b[c]);
+    double low = b[c][0], high = b[c][0];
+    for (int i = 1; i < count; i++) {
+      low = fmin(low, b[c][i]);
+      high = fmax(high, b[c][i]);
+    }
+    box->middle[c] = 0.5 * (low + high);
+    size = fmax(size, (high - low) + 16.0 * DBL_EPSILON * (fabs(low) + fabs(high)));
+  }
+  for (int k = 0; k < 3; k++) {
+    // -- Half extents that hold the control points, with room for rounding
+    box->half[k] = 0.0;
+    for (int i = 0; i < count; i++) {
+      double d[3] = {b[0][i] - box->middle[0], b[1][i] - box->middle[1], b[2][i] - box->middle[2]};
+      box->half[k] = fmax(box->half[k], fabs(ct_vector_dot(box->axis[k], d)));
+    }
+    box->half[k] += 1e-9 * size;
+  }
+}
+
+double ct_oriented_square(const ct_oriented *box, const double point[3])
+{
+  double d[3], sum = 0.0;
+  for (int c = 0; c < 3; c++) d[c] = point[c] - box->middle[c];
+  for (int k = 0; k < 3; k++) {
+    double beyond = fabs(ct_vector_dot(box->axis[k], d)) - box->half[k];
+    sum += beyond > 0.0 ? beyond * beyond : 0.0;
+  }
+  return (1.0 - 1e-9) * sum;
+}

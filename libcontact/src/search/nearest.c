@@ -1,0 +1,190 @@
+/* The nearest face of a surface for each point of a cloud. */
+#include "search_internal.h"
+
+#include "../projection/projection_internal.h"
+#include "../vector.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* A point, and the best that it has found so far. */
+typedef struct seeker {
+  const ct_search *search;
+  const double *point;
+  ct_search_skip *skip;
+  void *user;
+  ct_project_options project;
+  int32_t started; /* the face that was tried before the tree */
+  double bound;    /* square of a distance at which there is some face */
+  int32_t face;
+  double square;
+  double xi[2], d[3];  /* parameters and vector to the foot, of triangles */
+  ct_projection foot;  /* of all other kinds */
+} seeker;
+
+/* Nearer than the best, or as near and earlier in the list of faces. */
+static int is_better(const seeker *s, double square, int32_t face) { return square < s->square || (square == s->square && face < s->face); }
+
+static void try_triangle(seeker *s, int32_t face)
+{
+  double xi[2], d[3], square = ct_search_triangle(s->search, face, s->point, xi, d);
+  if (!is_better(s, square, face) || !(square < HUGE_VAL)) return;
+  s->face = face;
+  s->square = square;
+  memcpy(s->xi, xi, sizeof xi);
+  memcpy(s->d, d, sizeof d);
+}
+
+static void try_curved(seeker *s, int32_t face)
+{
+  ct_face own;
+  ct_projection foot;
+  ct_search_face(s->search, face, &own);
+  ct_project(&own, s->point, &s->project, &foot);
+  double square = foot.distance * foot.distance;
+  if (!(square < HUGE_VAL) || !is_better(s, square, face)) return;
+  s->face = face;
+  s->square = square;
+  s->foot = foot;
+}
+
+static double try_face(seeker *s, int32_t face)
+{
+  if (s->skip == NULL || !s->skip(s->user, face)) {
+    if (s->search->kind == CT_T3) try_triangle(s, face);
+    else try_curved(s, face);
+  }
+  return s->square < s->bound ? s->square : s->bound;
+}
+
+static double visit(void *user, int32_t face)
+{
+  seeker *s = user;
+  return face == s->started ? s->square < s->bound ? s->square : s->bound : try_face(s, face);
+}
+
+/* The box along the face is a better bound than that along the axes (eq:oriented-box). */
+static double oriented_bound(void *user, int32_t face)
+{
+  const seeker *s = user;
+  return ct_oriented_square(&s->search->oriented[face], s->point);
+}
+
+static void nothing(ct_nearest *out)
+{
+  *out = (ct_nearest){CT_INVALID, -1, CT_OUTSIDE, -1, {NAN, NAN}, {NAN, NAN, NAN}, NAN, NAN, {NAN, NAN, NAN}};
+}
+
+/* What ct_project would say of the foot on a triangle. */
+static int finish_triangle(seeker *s)
+{
+  ct_face face;
+  double u[3], v[3];
+  ct_search_face(s->search, s->face, &face);
+  for (int c = 0; c < 3; c++) {
+    u[c] = face.node[1][c] - face.node[0][c];
+    v[c] = face.node[2][c] - face.node[0][c];
+    s->foot.point[c] = s->point[c] + s->d[c];
+  }
+  s->foot.status = CT_OK;
+  s->foot.distance = sqrt(s->square);
+  memcpy(s->foot.xi, s->xi, sizeof s->xi);
+  s->foot.where = ct_patch_where(CT_T3, s->xi, s->project.tolerance * ct_patch_half_width(CT_T3), &s->foot.index);
+  return ct_vector_unit_normal(u, v, s->foot.normal);
+}
+
+/* The answer from the best foot: its sign is that of the mean normal (eq:pseudo-normal). */
+static void finish(seeker *s, ct_nearest *out)
+{
+  if (s->face == INT32_MAX || (s->search->kind == CT_T3 && !finish_triangle(s))) {
+    nothing(out);
+    return;
+  }
+  const ct_projection *foot = &s->foot;
+  *out = (ct_nearest){.status = foot->status, .face = s->face, .where = foot->where, .index = foot->index, .distance = foot->distance};
+  double normal[3], d[3];
+  (void)ct_search_normal(s->search, s->face, foot->where, foot->index, foot->xi, foot->normal, normal);
+  double length = sqrt(ct_vector_dot(normal, normal));
+  for (int a = 0; a < 2; a++) out->xi[a] = foot->xi[a];
+  for (int c = 0; c < 3; c++) {
+    out->point[c] = foot->point[c];
+    out->normal[c] = length > 0.0 ? normal[c] / length : foot->normal[c];
+    d[c] = foot->point[c] - s->point[c];
+  }
+  out->signed_distance = ct_vector_dot(s->search->kind == CT_T3 ? s->d : d, out->normal) <= 0.0 ? foot->distance : -foot->distance;
+}
+
+void ct_search_point(const ct_search *search, const double point[3], int32_t start, double bound, double tolerance, ct_search_skip *skip, void *user,
+                     ct_nearest *out)
+{
+  seeker s;
+  s.search = search;
+  s.point = point;
+  s.skip = skip;
+  s.user = user;
+  s.project = ct_project_options_default();
+  s.project.tolerance = tolerance;
+  s.started = start;
+  s.bound = bound;
+  s.face = INT32_MAX;
+  s.square = HUGE_VAL;
+  for (int c = 0; c < 3; c++)
+    if (!(fabs(point[c]) <= 1e70)) {
+      nothing(out);
+      return;
+    }
+  // -- Try the face to begin with, then every face whose box is not farther (eq:closest-face)
+  if (start >= 0) bound = try_face(&s, start);
+  ct_box_tree_visit(search->tree, point, bound, visit, search->oriented != NULL ? oriented_bound : NULL, &s);
+  finish(&s, out);
+}
+
+ct_search_options ct_search_options_default(void) { return (ct_search_options){.tolerance = 1e-10, .threads = 1}; }
+
+/* Points that are asked one after the other by one thread. */
+enum { BLOCK = 1024 };
+
+/* Square of the distance of a point from the foot of another: the nearest face is no farther. With room for the rounding of coordinates. */
+static double bound_from(const double point[3], const ct_nearest *last)
+{
+  double square = 0.0, largest = 0.0;
+  if (last->face < 0) return HUGE_VAL;
+  for (int c = 0; c < 3; c++) {
+    double d = point[c] - last->point[c];
+    square += d * d;
+    largest = fmax(largest, fabs(last->point[c]));
+  }
+  double far = sqrt(square) + 64.0 * DBL_EPSILON * largest;
+  return far * far;
+}
+
+static void ask_block(const ct_search *search, size_t first, size_t last, const double *points, const int32_t *start, double tolerance,
+                      ct_nearest *out)
+{
+  for (size_t i = first; i < last; i++) {
+    // -- Begin with the face that is given, or with the distance from the last foot (eq:warm-bound)
+    int32_t face = start != NULL ? start[i] : -1;
+    double bound = face < 0 && i > first ? bound_from(&points[3 * i], &out[i - 1]) : HUGE_VAL;
+    ct_search_point(search, &points[3 * i], face, bound, tolerance, NULL, NULL, &out[i]);
+  }
+}
+
+ct_status ct_search_nearest(const ct_search *search, size_t count, const double *points, const int32_t *start, const ct_search_options *options,
+                            ct_nearest *out)
+{
+  ct_search_options own = options != NULL ? *options : ct_search_options_default();
+  if (search == NULL || (count > 0 && (points == NULL || out == NULL))) return CT_ERROR_ARGUMENT;
+  if (!(own.tolerance > 0.0 && own.tolerance < HUGE_VAL) || own.threads < 1) return CT_ERROR_ARGUMENT;
+  for (size_t i = 0; start != NULL && i < count; i++)
+    if (start[i] < -1 || start[i] >= search->face_count) return CT_ERROR_ARGUMENT;
+  int64_t blocks = (int64_t)((count + BLOCK - 1) / BLOCK);
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(own.threads) schedule(dynamic) if (own.threads > 1)
+#endif
+  for (int64_t b = 0; b < blocks; b++) {
+    size_t first = (size_t)b * BLOCK, last = first + BLOCK < count ? first + BLOCK : count;
+    ask_block(search, first, last, points, start, own.tolerance, out);
+  }
+  return CT_OK;
+}

@@ -1,0 +1,210 @@
+/* A surface: its topology, its current shape, its tree of boxes. */
+#include "search_internal.h"
+
+#include "../error.h"
+#include "../memory.h"
+#include "../vector.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Lengths beyond this overflow when four of them are multiplied. */
+static const double LARGEST = 1e70;
+
+void ct_search_free(ct_search *search)
+{
+  if (search == NULL) return;
+  void *blocks[] = {search->nodes, search->faces, search->neighbour, search->ring_first, search->ring, search->x, search->boxes, search->oriented};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
+  ct_box_tree_free(search->tree);
+  ct_release(search);
+}
+
+static ct_status check_surface(const ct_surface *surface, int body, ct_error *error)
+{
+  ct_place where = {body, -1, -1};
+  int per = surface == NULL ? 0 : ct_face_node_count(surface->kind);
+  if (per == 0 || surface->faces == NULL || surface->reference == NULL || surface->face_count < 1 || surface->node_count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, where, "surface %d is empty or of an unknown kind", body);
+  for (int32_t f = 0; f < surface->face_count; f++)
+    for (int a = 0; a < per; a++) {
+      int32_t node = surface->faces[(int64_t)f * per + a];
+      where.element = f;
+      if (node < 0 || node >= surface->node_count)
+        return ct_fail(error, CT_ERROR_ARGUMENT, where, "face %d of surface %d names node %d, there are nodes 0 to %d", (int)f,
+                       body, (int)node, (int)surface->node_count - 1);
+      for (int c = 0; c < 3; c++)
+        if (!isfinite(surface->reference[3 * (int64_t)node + c]))
+          return ct_fail(error, CT_INVALID, (ct_place){body, f, node}, "coordinate %c of node %d of surface %d is not finite",
+                         "xyz"[c], (int)node, body);
+    }
+  return CT_OK;
+}
+
+static ct_status allocate(ct_search *search, ct_error *error)
+{
+  size_t faces = (size_t)search->face_count, hosts = (size_t)search->host_count;
+  search->nodes = ct_allocate(hosts, sizeof *search->nodes);
+  search->faces = ct_allocate(faces * (size_t)search->per, sizeof *search->faces);
+  search->neighbour = ct_allocate(faces * (size_t)search->edges, sizeof *search->neighbour);
+  search->ring = ct_allocate(faces * (size_t)search->per, sizeof *search->ring);
+  search->boxes = ct_allocate(faces, sizeof *search->boxes);
+  if (search->kind != CT_T3) search->oriented = ct_allocate(faces, sizeof *search->oriented);
+  return search->nodes != NULL && search->faces != NULL && search->neighbour != NULL && search->ring != NULL && search->boxes != NULL &&
+                 (search->kind == CT_T3 || search->oriented != NULL)
+             ? ct_box_tree_create(search->face_count, &search->tree, error)
+             : CT_ERROR_MEMORY;
+}
+
+/* Number the surface's own nodes. */
+static ct_status number_nodes(ct_search *search, const ct_surface *surface)
+{
+  size_t entries = (size_t)search->face_count * (size_t)search->per;
+  int32_t *own = ct_allocate((size_t)search->host_count, sizeof *own);
+  if (own == NULL) return CT_ERROR_MEMORY;
+  for (size_t i = 0; i < entries; i++) own[surface->faces[i]] = 1;
+  for (int32_t n = 0; n < search->host_count; n++)
+    if (own[n]) {
+      search->nodes[search->node_count] = n;
+      own[n] = search->node_count++;
+    }
+  for (size_t i = 0; i < entries; i++) search->faces[i] = own[surface->faces[i]];
+  ct_release(own);
+  search->ring_first = ct_allocate((size_t)search->node_count + 1, sizeof *search->ring_first);
+  search->x = ct_allocate((size_t)search->node_count, 3 * sizeof *search->x);
+  return search->ring_first != NULL && search->x != NULL ? CT_OK : CT_ERROR_MEMORY;
+}
+
+/* List the faces around each node. */
+static void find_rings(ct_search *search)
+{
+  size_t entries = (size_t)search->face_count * (size_t)search->per, nodes = (size_t)search->node_count;
+  for (size_t i = 0; i < entries; i++) search->ring_first[search->faces[i] + 1]++;
+  for (size_t n = 0; n < nodes; n++) search->ring_first[n + 1] += search->ring_first[n];
+  for (size_t i = entries; i-- > 0;) search->ring[--search->ring_first[search->faces[i] + 1]] = (int32_t)(i / (size_t)search->per);
+  // The filling has moved each end to its beginning: shift the table back by one.
+  for (size_t n = 0; n < nodes; n++) search->ring_first[n] = search->ring_first[n + 1];
+  search->ring_first[nodes] = (int32_t)entries;
+}
+
+static void find_neighbours(ct_search *search)
+{
+  for (int32_t f = 0; f < search->face_count; f++)
+    for (int e = 0; e < search->edges; e++) {
+      const int32_t *mine = &search->faces[(int64_t)f * search->per];
+      int32_t a = mine[e], b = mine[(e + 1) % search->edges], found = -1;
+      for (int32_t i = search->ring_first[a]; i < search->ring_first[a + 1]; i++) {
+        const int32_t *theirs = &search->faces[(int64_t)search->ring[i] * search->per];
+        for (int k = 0; k < search->edges; k++)
+          if (search->ring[i] != f && theirs[k] == b && theirs[(k + 1) % search->edges] == a) found = search->ring[i];
+      }
+      search->neighbour[(int64_t)f * search->edges + e] = found;
+    }
+}
+
+/* Refuse faces without area, and find the largest one. */
+static ct_status measure(ct_search *search, int body, ct_error *error)
+{
+  static const double middle[2][2] = {{0.0, 0.0}, {1.0 / 3.0, 1.0 / 3.0}};
+  for (int32_t f = 0; f < search->face_count; f++) {
+    ct_face face;
+    ct_search_face(search, f, &face);
+    const ct_bounds *box = &search->boxes[f];
+    double edge[3] = {box->high[0] - box->low[0], box->high[1] - box->low[1], box->high[2] - box->low[2]};
+    double size = sqrt(ct_vector_dot(edge, edge));
+    search->size = fmax(search->size, size);
+    if (!(ct_segment_area_element(&face, middle[search->edges == 3]) > 1e-14 * size * size))
+      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, f, -1}, "face %d of surface %d has no area", (int)f, body);
+  }
+  return CT_OK;
+}
+
+ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, ct_error *error)
+{
+  ct_status status = check_surface(surface, body, error);
+  if (status != CT_OK) return status;
+  ct_search *search = ct_allocate(1, sizeof *search);
+  if (search == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a surface");
+  search->kind = surface->kind;
+  search->per = ct_face_node_count(surface->kind);
+  search->edges = surface->kind == CT_Q4 || surface->kind == CT_Q8 ? 4 : 3;
+  search->face_count = surface->face_count;
+  search->host_count = surface->node_count;
+  if (allocate(search, error) != CT_OK || number_nodes(search, surface) != CT_OK) {
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a surface");
+  } else {
+    find_rings(search);
+    find_neighbours(search);
+    status = ct_search_set(search, surface->reference, body, error);
+  }
+  if (status == CT_OK) status = measure(search, body, error);
+  if (status == CT_OK) *out = search;
+  else ct_search_free(search);
+  return status;
+}
+
+ct_status ct_search_set(ct_search *search, const double *host, int body, ct_error *error)
+{
+  for (int32_t n = 0; n < search->node_count; n++)
+    for (int c = 0; c < 3; c++)
+      if (!(fabs(host[3 * (int64_t)search->nodes[n] + c]) <= LARGEST))
+        return ct_fail(error, CT_INVALID, (ct_place){body, -1, search->nodes[n]}, "coordinate %c of node %d of surface %d is not finite, or beyond %g",
+                       "xyz"[c], (int)search->nodes[n], body, LARGEST);
+  for (int32_t n = 0; n < search->node_count; n++)
+    memcpy(&search->x[3 * (int64_t)n], &host[3 * (int64_t)search->nodes[n]], 3 * sizeof *search->x);
+  for (int32_t f = 0; f < search->face_count; f++) {
+    ct_face face;
+    ct_search_face(search, f, &face);
+    search->boxes[f] = ct_face_bounds(&face);
+  }
+  return CT_OK;
+}
+
+void ct_search_refit(ct_search *search)
+{
+  for (int32_t f = 0; search->oriented != NULL && f < search->face_count; f++) {
+    ct_face face;
+    ct_search_face(search, f, &face);
+    ct_oriented_init(&search->oriented[f], &face);
+  }
+  ct_box_tree_refit(search->tree, search->boxes);
+}
+
+void ct_search_face(const ct_search *search, int32_t face, ct_face *out)
+{
+  out->kind = search->kind;
+  for (int a = 0; a < search->per; a++)
+    memcpy(out->node[a], &search->x[3 * (int64_t)search->faces[(int64_t)face * search->per + a]], sizeof out->node[a]);
+}
+
+int ct_search_adjacent(const ct_search *search, int32_t face, int32_t other)
+{
+  const int32_t *mine = &search->faces[(int64_t)face * search->per], *theirs = &search->faces[(int64_t)other * search->per];
+  for (int a = 0; a < search->per; a++)
+    for (int b = 0; b < search->per; b++)
+      if (mine[a] == theirs[b]) return 1;
+  return 0;
+}
+
+ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error *error)
+{
+  if (surface == NULL || out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "search: null argument");
+  ct_search *search = NULL;
+  ct_status status = ct_search_init(surface, 0, &search, error);
+  if (status != CT_OK) return status;
+  ct_search_refit(search);
+  *out = search;
+  return CT_OK;
+}
+
+ct_status ct_search_move(ct_search *search, const double *x, ct_error *error)
+{
+  if (search == NULL || x == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "search: null argument");
+  ct_status status = ct_search_set(search, x, 0, error);
+  if (status == CT_OK) ct_search_refit(search);
+  return status;
+}
+
+int64_t ct_search_builds(const ct_search *search) { return search == NULL ? 0 : ct_box_tree_builds(search->tree); }
+
+double ct_search_cost(const ct_search *search) { return search == NULL ? NAN : ct_box_tree_cost(search->tree); }

@@ -1,0 +1,352 @@
+/* Contact of a surface with itself: a strip folded upon itself, a ring cut open, closed thin bodies, all that must not touch. */
+#include "bodies.h"
+
+static const char *KIND[4] = {"Q4", "Q8", "T3", "T6"};
+static const double EPSILON = 1000.0;
+
+/* A surface with arrays of its own; the faces of its lower and its upper layer apart. */
+typedef struct fold {
+  ct_surface surface, lower, upper;
+  int32_t *faces, *layer[2];
+  double *reference, *x;
+} fold;
+
+enum { ALONG = 14, ACROSS = 2 };
+
+/* A hairpin: a layer of length 1 at z = 0, half a circle, a layer of length 1 at z = 0.3, normals inwards. */
+static void hairpin(double s, double y, double x[3])
+{
+  const double r = 0.15, arc = 3.14159265358979324 * r;
+  double angle = (s - 1.0) / r;
+  x[1] = y;
+  if (s <= 1.0) x[0] = s, x[2] = 0.0;
+  else if (s < 1.0 + arc) x[0] = 1.0 + r * sin(angle), x[2] = r - r * cos(angle);
+  else x[0] = 2.0 + arc - s, x[2] = 2.0 * r;
+}
+
+static fold new_fold(ct_face_kind kind)
+{
+  static const int square[8][2] = {{0, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 0}, {2, 1}, {1, 2}, {0, 1}};
+  static const int triangle[2][6][2] = {{{0, 0}, {2, 0}, {0, 2}, {1, 0}, {1, 1}, {0, 1}}, {{2, 2}, {0, 2}, {2, 0}, {1, 2}, {1, 1}, {2, 1}}};
+  int three = kind == CT_T3 || kind == CT_T6, per = ct_face_node_count(kind), row = 2 * ALONG + 1, nodes = row * (2 * ACROSS + 1);
+  int count = ALONG * ACROSS * (three ? 2 : 1), in[2] = {0, 0};
+  fold p = {.faces = integers(count * per), .layer = {integers(count * per), integers(count * per)}, .reference = numbers(3 * nodes), .x = numbers(3 * nodes)};
+  for (int n = 0; n < nodes; n++)
+    hairpin((2.0 + 0.15 * 3.14159265358979324) * (n % row) / (2 * ALONG), 0.4 * (n / row) / (2 * ACROSS), &p.reference[3 * n]);
+  for (int f = 0; f < count; f++) {
+    int cell = three ? f / 2 : f, i = 2 * (cell % ALONG), j = 2 * (cell / ALONG), side = cell % ALONG < ALONG / 2 ? 0 : 1;
+    for (int a = 0; a < per; a++) {
+      const int *at = three ? triangle[f % 2][a] : square[a];
+      p.faces[f * per + a] = p.layer[side][per * in[side] + a] = i + at[0] + row * (j + at[1]);
+    }
+    in[side]++;
+  }
+  memcpy(p.x, p.reference, 3 * (size_t)nodes * sizeof *p.x);
+  p.surface = (ct_surface){kind, nodes, count, p.faces, p.reference};
+  p.lower = (ct_surface){kind, nodes, in[0], p.layer[0], p.reference};
+  p.upper = (ct_surface){kind, nodes, in[1], p.layer[1], p.reference};
+  return p;
+}
+
+static void free_fold(fold *p)
+{
+  free(p->faces);
+  free(p->layer[0]);
+  free(p->layer[1]);
+  free(p->reference);
+  free(p->x);
+}
+
+/* Press the end of the upper layer through the lower one, to z = -0.1 of where it was; shift it by `slide`, warp both at random. */
+static void press(fold *p, double slide, double noise)
+{
+  for (int n = 0; n < p->surface.node_count; n++) {
+    const double *X = &p->reference[3 * n];
+    double t = fmin(fmax((1.0 - X[0]) / 0.6, 0.0), 1.0), w = t * t * (3.0 - 2.0 * t);
+    p->x[3 * n] = X[0] + (X[2] > 0.29 ? slide : 0.0) + uniform(noise);
+    p->x[3 * n + 1] = X[1] + uniform(noise);
+    p->x[3 * n + 2] = X[2] * (1.0 - 1.1 * w) + uniform(0.3 * noise);
+  }
+}
+
+static ct_contact *open_self(const ct_surface *surface)
+{
+  ct_contact *contact = NULL;
+  ct_error e;
+  ct_contact_options options = ct_contact_options_default();
+  options.epsilon = EPSILON;
+  need(ct_contact_create_self(surface, &options, &contact, &e), &e);
+  return contact;
+}
+
+static double energy_at(ct_contact *contact, const double *x)
+{
+  ct_error e;
+  need(ct_contact_update(contact, x, NULL, &e), &e);
+  return ct_contact_energy(contact);
+}
+
+static void forces(const ct_contact *contact, int nodes, double *f)
+{
+  ct_error e = {0};
+  memset(f, 0, 3 * (size_t)nodes * sizeof *f);
+  need(ct_contact_add_force(contact, f, NULL), &e);
+}
+
+/* Forces of a folded strip: minus the gradient of the energy; momentum; no point meets its neighbourhood. */
+static void folded(ct_face_kind kind)
+{
+  fold p = new_fold(kind);
+  int nodes = p.surface.node_count, pressed[2] = {0, 0}, across = 0;
+  ct_contact *contact = open_self(&p.surface);
+  double *f = numbers(3 * nodes), off = 0.0, h = 1e-6, sum[3] = {0}, moment[3] = {0}, size = 0.0, F[3], M[3];
+  press(&p, 0.013, 0.01);
+  energy_at(contact, p.x);
+  forces(contact, nodes, f);
+  int64_t count = ct_contact_point_count(contact);
+  ct_contact_point *point = room(count, sizeof *point);
+  ct_contact_points(contact, point);
+  for (int i = 0; i < count; i++) {
+    if (!(point[i].pressure > 0.0)) continue;
+    int cells = kind == CT_T3 || kind == CT_T6 ? 2 : 1, mine = point[i].face / cells % ALONG < ALONG / 2, theirs = point[i].other / cells % ALONG < ALONG / 2;
+    pressed[mine]++;
+    across += mine != theirs;
+  }
+  tap_ok(pressed[0] > 5 && pressed[1] > 5 && across == pressed[0] + pressed[1], "%s strip: %d points of one layer and %d of the other are pressed, each by the other layer",
+         KIND[kind], pressed[0], pressed[1]);
+  for (int i = 0; i < 3 * nodes; i++) {
+    double keep = p.x[i], up;
+    p.x[i] = keep + h;
+    up = energy_at(contact, p.x);
+    p.x[i] = keep - h;
+    off = worst(off, f[i] + (up - energy_at(contact, p.x)) / (2.0 * h));
+    p.x[i] = keep;
+  }
+  tap_ok(off < 1e-6 * largest(f, 3 * nodes), "%s strip: force is minus the gradient of the energy, off by %.2g", KIND[kind], off / largest(f, 3 * nodes));
+  for (int n = 0; n < nodes; n++)
+    for (int c = 0; c < 3; c++) {
+      sum[c] += f[3 * n + c];
+      moment[c] += p.x[3 * n + (c + 1) % 3] * f[3 * n + (c + 2) % 3] - p.x[3 * n + (c + 2) % 3] * f[3 * n + (c + 1) % 3];
+      size += fabs(f[3 * n + c]);
+    }
+  tap_ok(largest(sum, 3) < 1e-13 * size && largest(moment, 3) < 1e-13 * size, "%s strip: linear and angular momentum, %.2g and %.2g of the forces", KIND[kind],
+         largest(sum, 3) / size, largest(moment, 3) / size);
+  energy_at(contact, p.x);
+  tap_ok(ct_contact_resultant(contact, F, M, NULL, NULL) == CT_OK && largest(F, 3) < 1e-13 * size && largest(M, 3) < 1e-13 * size, "%s strip: no resultant", KIND[kind]);
+  ct_contact_free(contact);
+  free(point);
+  free(f);
+  free_fold(&p);
+}
+
+/* The layers as two surfaces of their own must say the same, as the bend between them touches nothing. */
+static void like_two(ct_face_kind kind)
+{
+  fold p = new_fold(kind);
+  int nodes = p.surface.node_count;
+  ct_contact *one = open_self(&p.surface), *two = NULL;
+  ct_contact_options options = ct_contact_options_default();
+  ct_error e;
+  double *f = numbers(3 * nodes), *g = numbers(3 * nodes), a, b;
+  options.epsilon = EPSILON;
+  need(ct_contact_create(&p.lower, &p.upper, &options, &two, &e), &e);
+  press(&p, 0.02, 0.01);
+  a = energy_at(one, p.x);
+  need(ct_contact_update(two, p.x, p.x, &e), &e);
+  b = ct_contact_energy(two);
+  forces(one, nodes, f);
+  need(ct_contact_add_force(two, g, g), &e);
+  tap_ok(a > 0.0 && fabs(a / b - 1.0) < 1e-12, "%s strip: the energy is that of its two layers as two surfaces, off by %.2g", KIND[kind], a / b - 1.0);
+  tap_ok(largest_difference(f, g, 3 * nodes) < 1e-12 * largest(g, 3 * nodes), "%s strip: so are the forces", KIND[kind]);
+  ct_contact_free(one);
+  ct_contact_free(two);
+  free(f);
+  free(g);
+  free_fold(&p);
+}
+
+/* The bound on the step against the largest eigenvalue of the contact's own stiffness, by power iteration over differences of forces. */
+static void bound(ct_face_kind kind)
+{
+  fold p = new_fold(kind);
+  int n = 3 * p.surface.node_count;
+  ct_contact *contact = open_self(&p.surface);
+  double *f0 = numbers(n), *f = numbers(n), *v = numbers(n), *mass = numbers(n), *x = numbers(n), quotient = 0.0, square = 0.0, dt = 0.0, h = 1e-7;
+  ct_error e = {0};
+  press(&p, 0.01, 0.005);
+  energy_at(contact, p.x);
+  forces(contact, n / 3, f0);
+  for (int i = 0; i < n; i++) v[i] = uniform(1.0), mass[i] = 0.5 + 0.01 * (i % 7);
+  need(ct_contact_frequency(contact, mass, NULL, &square), &e);
+  need(ct_contact_stable_step(contact, mass, NULL, &dt), &e);
+  for (int k = 0; k < 60; k++) {
+    double work = 0.0, kinetic = 0.0, top = largest(v, n);
+    for (int i = 0; i < n; i++) x[i] = p.x[i] + h * (v[i] /= top);
+    energy_at(contact, x);
+    forces(contact, n / 3, f);
+    for (int i = 0; i < n; i++) {
+      double Kv = -(f[i] - f0[i]) / h;
+      work += v[i] * Kv;
+      kinetic += mass[i / 3] * v[i] * v[i];
+      v[i] = Kv / mass[i / 3];
+    }
+    quotient = work / kinetic;
+  }
+  tap_ok(quotient > 0.05 * square && quotient <= square, "%s strip: the bound %.4g holds the true frequency %.4g", KIND[kind], square, quotient);
+  tap_close(dt * sqrt(square), 2.0, 1e-14, "%s strip: the step is that of the bound", KIND[kind]);
+  ct_contact_free(contact);
+  free(f0);
+  free(f);
+  free(v);
+  free(x);
+  free(mass);
+  free_fold(&p);
+}
+
+/* A layer that travels over the other one: the forces at the end are the bits of a contact that was made for the end alone, on any number of threads. */
+static void history(ct_face_kind kind)
+{
+  fold p = new_fold(kind);
+  int nodes = p.surface.node_count;
+  ct_contact *travelled = open_self(&p.surface), *fresh = open_self(&p.surface), *threads = NULL;
+  ct_contact_options options = ct_contact_options_default();
+  ct_error e;
+  double *f = numbers(3 * nodes), *g = numbers(3 * nodes), *h = numbers(3 * nodes);
+  options.epsilon = EPSILON;
+  options.threads = 3;
+  need(ct_contact_create_self(&p.surface, &options, &threads, &e), &e);
+  for (int step = 0; step <= 60; step++) {
+    press(&p, 0.01 * step, 0.0);
+    energy_at(travelled, p.x);
+  }
+  energy_at(fresh, p.x);
+  energy_at(threads, p.x);
+  forces(travelled, nodes, f);
+  forces(fresh, nodes, g);
+  forces(threads, nodes, h);
+  tap_ok(largest(f, 3 * nodes) > 0.0 && largest_difference(f, g, 3 * nodes) <= 1e-13 * largest(g, 3 * nodes), "%s strip: the way there does not show in the forces (%.2g)", KIND[kind],
+         largest_difference(f, g, 3 * nodes) / largest(g, 3 * nodes));
+  tap_ok(memcmp(g, h, 3 * (size_t)nodes * sizeof *g) == 0, "%s strip: the same bits from three threads", KIND[kind]);
+  ct_contact_free(travelled);
+  ct_contact_free(fresh);
+  ct_contact_free(threads);
+  free(f);
+  free(g);
+  free(h);
+  free_fold(&p);
+}
+
+/* The skin of a box, closed all around, at a given thickness: squeezed, sheared and bent it must not touch itself. */
+static void closed(ct_brick_kind kind, double thickness)
+{
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 2, 1, thickness, 8, 4, 1);
+  int32_t *outer = integers(8 * 6 * m->element_count);
+  ct_surface surface = {ct_brick_face_kind(kind), m->node_count, ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes};
+  ct_contact *contact = open_self(&surface);
+  double *x = numbers(3 * m->node_count), *f = numbers(3 * m->node_count), top = 0.0, energy = 0.0;
+  for (int shape = 0; shape < 4; shape++) {
+    for (int n = 0; n < m->node_count; n++) {
+      const double *X = &m->nodes[3 * n];
+      double bend = 0.8 * X[0], r = 1.25 + X[2];
+      x[3 * n] = shape == 3 ? r * sin(bend) : X[0] + (shape == 2 ? 0.5 * X[2] : 0.0);
+      x[3 * n + 1] = X[1];
+      x[3 * n + 2] = shape == 3 ? r * cos(bend) : X[2] * (shape == 1 ? 0.7 : 1.0);
+    }
+    energy = worst(energy, energy_at(contact, x));
+    forces(contact, m->node_count, f);
+    top = worst(top, largest(f, 3 * m->node_count));
+  }
+  tap_ok(top == 0.0 && energy == 0.0, "%s skin of a plate of thickness %g: as it is, squeezed, sheared and bent, it does not touch itself", KIND[surface.kind], thickness);
+  ct_contact_free(contact);
+  free(x);
+  free(f);
+  free(outer);
+  ct_mesh_free(m);
+}
+
+/* A bar bent to a ring that is almost closed: the body between angle 0 and `angle`, of thickness 0.2. */
+static void ring(const ct_mesh *m, double angle, double *x)
+{
+  for (int n = 0; n < m->node_count; n++) {
+    const double *X = &m->nodes[3 * n];
+    double r = 1.0 + X[2];
+    x[3 * n] = r * cos(X[0] * angle);
+    x[3 * n + 1] = -X[1];
+    x[3 * n + 2] = r * sin(X[0] * angle);
+  }
+}
+
+/* A C whose ends are pushed into each other: the ends meet as two surfaces would, and nothing else does. */
+static void c_shape(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 0.3, 0.2, 40, 3, 2);
+  int32_t *outer = integers(4 * 6 * m->element_count), *first = integers(4 * 100), *last = integers(4 * 100);
+  double *reference = numbers(3 * m->node_count), *x = numbers(3 * m->node_count), *f = numbers(3 * m->node_count), *g = numbers(3 * m->node_count);
+  ct_error e;
+  ct_contact_options options = ct_contact_options_default();
+  ring(m, 6.1, reference);
+  ct_surface skin = {CT_Q4, m->node_count, ct_mesh_outer_faces(m, outer, NULL), outer, reference};
+  ct_surface a = {CT_Q4, m->node_count, ct_mesh_plane_faces(m, 0, 0.0, first, NULL), first, reference};
+  ct_surface b = {CT_Q4, m->node_count, ct_mesh_plane_faces(m, 0, 1.0, last, NULL), last, reference};
+  ct_contact *self = open_self(&skin), *pair = NULL;
+  options.epsilon = EPSILON;
+  need(ct_contact_create(&a, &b, &options, &pair, &e), &e);
+  tap_ok(energy_at(self, reference) == 0.0, "a C with open ends does not touch itself");
+  ring(m, 6.2832 + 0.02, x);
+  double got = energy_at(self, x);
+  need(ct_contact_update(pair, x, x, &e), &e);
+  forces(self, m->node_count, f);
+  need(ct_contact_add_force(pair, g, g), &e);
+  double want = ct_contact_energy(pair);
+  tap_ok(want > 0.0 && fabs(got / want - 1.0) < 1e-12, "a C whose ends are pushed into each other has the energy of its two ends, off by %.2g", got / want - 1.0);
+  tap_ok(largest_difference(f, g, 3 * m->node_count) < 1e-12 * largest(g, 3 * m->node_count), "and their forces");
+  ct_contact_free(self);
+  ct_contact_free(pair);
+  free(outer);
+  free(first);
+  free(last);
+  free(reference);
+  free(x);
+  free(f);
+  free(g);
+  ct_mesh_free(m);
+}
+
+static void refusals(void)
+{
+  fold p = new_fold(CT_Q4);
+  ct_contact_options options = ct_contact_options_default();
+  ct_contact *contact = NULL;
+  ct_error e;
+  double F[3];
+  tap_ok(ct_contact_create_self(NULL, &options, &contact, &e) == CT_ERROR_ARGUMENT && ct_contact_create_self(&p.surface, NULL, &contact, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_create_self(&p.surface, &options, NULL, NULL) == CT_ERROR_ARGUMENT,
+         "null pointers are refused");
+  tap_ok(ct_contact_create_self(&p.surface, &options, &contact, &e) == CT_ERROR_ARGUMENT, "no penalty: %s", e.text);
+  p.surface.face_count = 0;
+  options.epsilon = 1.0;
+  tap_ok(ct_contact_create_self(&p.surface, &options, &contact, &e) == CT_ERROR_ARGUMENT && contact == NULL, "no faces: %s", e.text);
+  p.surface.face_count = 1;
+  need(ct_contact_create_self(&p.surface, &options, &contact, &e), &e);
+  tap_ok(energy_at(contact, p.reference) == 0.0 && ct_contact_resultant(contact, F, F, NULL, NULL) == CT_OK, "one face alone touches nothing");
+  tap_ok(ct_contact_frequency(contact, F, NULL, NULL) == CT_ERROR_ARGUMENT, "nowhere to write: refused");
+  ct_contact_free(contact);
+  free_fold(&p);
+}
+
+int main(void)
+{
+  for (int k = 0; k < 4; k++) {
+    folded((ct_face_kind)k);
+    like_two((ct_face_kind)k);
+    bound((ct_face_kind)k);
+    history((ct_face_kind)k);
+  }
+  closed(CT_HEX8, 0.05);
+  closed(CT_HEX8, 0.3);
+  closed(CT_HEX20, 0.05);
+  closed(CT_HEX20, 0.3);
+  c_shape();
+  refusals();
+  return tap_done();
+}
