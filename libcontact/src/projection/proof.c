@@ -312,7 +312,7 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
       }
       if (proven_from_centre(p, &b, &c) || (sloping = slope_in_cell(p, &b, &c)) == EMPTY) continue;
     }
-    if (cells >= budget || size + 3 > 3 * DEPTH + 4) return CT_GAVE_UP;
+    if (cells >= budget || size + 4 > 3 * DEPTH + 4) return CT_GAVE_UP;
     if (sloping == REDUCED) stack[size++] = c;
     else size += divide(p->triangular, &c, stack + size);
   }
