@@ -195,8 +195,8 @@ static void contacts(void)
   close_plates(&p);
 
   p = two_plates(0.0);
-  c = good, c.options.method = CT_BROYDEN;
-  contact_refused(&p, c, 1, CT_ERROR_UNSUPPORTED, "broyden", "a search that contact does not use");
+  c = good, c.options.method = (ct_method)77;
+  contact_refused(&p, c, 1, CT_ERROR_ARGUMENT, "77", "a search that does not exist");
   close_plates(&p);
 
   p = two_plates(0.0);
