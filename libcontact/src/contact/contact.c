@@ -111,12 +111,17 @@ static ct_status measure_thickness(ct_contact *contact, ct_error *error)
   ct_side *side = &contact->side[0];
   side->depth = ct_allocate((size_t)ct_side_point_count(side), sizeof *side->depth);
   if (side->depth == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  // -- Look twice as deep, so that what is half as deep is known (eq:self-depth)
+  double depth = contact->depth;
+  contact->depth = 2.0 * depth;
   ct_status status = refresh_candidates(contact, error);
+  contact->depth = depth;
+  contact->built = 0;
   if (status != CT_OK) return status;
-  ct_pass_search(side, side, &contact->options, contact->depth, CT_PASS_THICKNESS);
+  ct_pass_search(side, side, &contact->options, 2.0 * depth, CT_PASS_THICKNESS);
   for (int64_t i = 0; i < ct_side_point_count(side); i++) {
     ct_gauss_point *point = &side->points[i];
-    side->depth[i] = point->gap < 0.0 ? 0.5 * -point->gap : contact->depth;
+    side->depth[i] = point->gap < 0.0 ? 0.5 * -point->gap : depth;
     *point = (ct_gauss_point){.other = -1, .gap = NAN};
   }
   return CT_OK;
