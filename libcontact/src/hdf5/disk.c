@@ -23,7 +23,7 @@ static ct_status system_fail(ct_error *error, const char *path, const char *what
 {
   char reason[80];
   if (strerror_r(number, reason, sizeof reason) != 0) snprintf(reason, sizeof reason, "error %d", number);
-  return ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't %s: %s", ct_disk_short(path), what, reason);
+  return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't %s: %s", ct_disk_short(path), what, reason);
 }
 
 ct_status ct_disk_names(const char *path, char **target, char **part, ct_error *error)
@@ -32,7 +32,7 @@ ct_status ct_disk_names(const char *path, char **target, char **part, ct_error *
   *target = *part = NULL;
   if (stat(path, &found) == 0 && !S_ISREG(found.st_mode)) {
     if (S_ISDIR(found.st_mode)) return system_fail(error, path, "write the file", EISDIR);
-    return ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't write the file: it is no ordinary file", ct_disk_short(path));
+    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't write the file: it is no ordinary file", ct_disk_short(path));
   }
   char *real = realpath(path, NULL);
   const char *name = real != NULL ? real : path;
@@ -44,7 +44,7 @@ ct_status ct_disk_names(const char *path, char **target, char **part, ct_error *
     snprintf(*part, length + sizeof ".part", "%s.part", name);
   }
   free(real);
-  if (*target == NULL || *part == NULL) return ct_output_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a path");
+  if (*target == NULL || *part == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a path");
   return CT_OK;
 }
 

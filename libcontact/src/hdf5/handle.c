@@ -1,25 +1,9 @@
 #include "hdf5_internal.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 /* -- Errors -- */
-
-ct_status ct_output_fail(ct_error *error, ct_status code, ct_place where, const char *format, ...)
-{
-  if (error != NULL) {
-    error->code = code;
-    error->body = where.body;
-    error->element = where.element;
-    error->point = where.point;
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(error->text, sizeof error->text, format, arguments);
-    va_end(arguments);
-  }
-  return code;
-}
 
 /* Keeps the innermost text of the stack, and better one that quotes the system. */
 static herr_t keep_reason(unsigned level, const H5E_error2_t *entry, void *data)
@@ -41,7 +25,7 @@ ct_status ct_hdf5_fail(ct_error *error, const char *path, const char *what)
 {
   char reason[96] = "HDF5 gives no reason";
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_reason, reason);
-  return ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't %s: %s", ct_disk_short(path), what, reason);
+  return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't %s: %s", ct_disk_short(path), what, reason);
 }
 
 ct_status ct_hdf5_check_version(ct_error *error)
@@ -49,7 +33,7 @@ ct_status ct_hdf5_check_version(ct_error *error)
   unsigned major = 0, minor = 0, release = 0;
   if (H5get_libversion(&major, &minor, &release) < 0 || major != H5_VERS_MAJOR || minor != H5_VERS_MINOR ||
       release != H5_VERS_RELEASE)
-    return ct_output_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "libcontact-hdf5 was compiled with HDF5 %d.%d.%d, but HDF5 %u.%u.%u is loaded", H5_VERS_MAJOR, H5_VERS_MINOR,
                    H5_VERS_RELEASE, major, minor, release);
   return CT_OK;
@@ -137,7 +121,7 @@ ct_status ct_hdf5_write_label(hid_t parent, const char *name, const char *text, 
 
 static ct_status wrong_shape(const char *name, const char *path, ct_error *error)
 {
-  return ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: '%s' has another shape than the problem", ct_disk_short(path), name);
+  return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: '%s' has another shape than the problem", ct_disk_short(path), name);
 }
 
 ct_status ct_hdf5_read_array(hid_t parent, const char *name, hid_t type, int rank, const hsize_t *dims, void *data, const char *path,

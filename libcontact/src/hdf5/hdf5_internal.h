@@ -1,6 +1,8 @@
 #ifndef CT_SRC_HDF5_INTERNAL_H
 #define CT_SRC_HDF5_INTERNAL_H
 
+#include "../error.h"
+
 #include <contact/output.h>
 
 #include <hdf5.h>
@@ -10,13 +12,6 @@
 #endif
 
 /* What the source files of libcontact-hdf5 share. Functions that return ct_status fill `error` with the path and the reason. */
-
-/* What an error is about; -1 where it names none. */
-typedef struct ct_place {
-  int64_t body, element, point;
-} ct_place;
-
-static const ct_place CT_NOWHERE = {-1, -1, -1};
 
 /* A dataset that grows by `rows` rows of `width` values a step (width 0: the dataset has no second axis). */
 typedef struct ct_column {
@@ -103,11 +98,6 @@ struct ct_output {
 
 /* -- handle.c: HDF5 calls with their errors told -- */
 
-/* Fill `error` (if any) with a printf-style sentence and return `code`. (The core's own ct_fail is not visible from here.) */
-#if defined(__GNUC__)
-__attribute__((format(printf, 4, 5)))
-#endif
-ct_status ct_output_fail(ct_error *error, ct_status code, ct_place where, const char *format, ...);
 /* "path: can't <what>: <reason>", the reason from HDF5's error stack; call it before any other HDF5 call clears that. */
 ct_status ct_hdf5_fail(ct_error *error, const char *path, const char *what);
 /* The library that was loaded is the one that was compiled against (HDF5 itself would end the process). */

@@ -107,7 +107,7 @@ static ct_status write_rows(hid_t parent, const char *name, hid_t type, int32_t 
                             ct_error *error)
 {
   const hsize_t length = (hsize_t)count;
-  if (rows == NULL) return ct_output_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the table of %s", name);
+  if (rows == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the table of %s", name);
   if (type < 0) return ct_hdf5_fail(error, path, "make a table");
   return ct_hdf5_write_array(parent, name, type, 1, &length, rows, path, error);
 }
@@ -140,7 +140,7 @@ static ct_status other_body(const body_row *was, const body_row *is, int32_t b, 
   else if (was->density != is->density) what = "density";
   if (what == NULL) return CT_OK;
   ct_place where = {b, -1, -1};
-  return ct_output_fail(error, CT_ERROR_FILE, where,
+  return ct_fail(error, CT_ERROR_FILE, where,
                         "%s: the file belongs to another problem: body %d '%s' (in the file '%s') has another %s", ct_disk_short(path),
                         (int)b, is->name, was->name, what);
 }
@@ -149,13 +149,13 @@ static ct_status compare_bodies(hid_t group, const ct_problem *problem, const ch
 {
   int64_t found = ct_hdf5_row_count(group, "body");
   if (found != problem->body_count)
-    return ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file belongs to another problem: it has %ld bodies, the problem %d",
+    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file belongs to another problem: it has %ld bodies, the problem %d",
                    ct_disk_short(path), (long)found, (int)problem->body_count);
   const hsize_t count = (hsize_t)found;
   hid_t type = body_type();
   body_row *now = body_rows(problem), *was = calloc((size_t)found + 1, sizeof *was);
   ct_status status = CT_OK;
-  if (now == NULL || was == NULL) status = ct_output_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the table of bodies");
+  if (now == NULL || was == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the table of bodies");
   else if (type < 0) status = ct_hdf5_fail(error, path, "read the bodies");
   else status = ct_hdf5_read_array(group, "body", type, 1, &count, was, path, error);
   for (int32_t b = 0; b < problem->body_count && status == CT_OK; b++) {
@@ -172,20 +172,20 @@ static ct_status compare_effects(hid_t group, const ct_problem *problem, const c
 {
   int64_t found = ct_hdf5_row_count(group, "effects");
   if (found != problem->effect_count)
-    return ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file belongs to another problem: it has %ld effects, the problem %d",
+    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file belongs to another problem: it has %ld effects, the problem %d",
                    ct_disk_short(path), (long)found, (int)problem->effect_count);
   const hsize_t count = (hsize_t)found;
   hid_t type = effect_name_type();
   effect_name_row *now = effect_rows(problem), *was = calloc((size_t)found + 1, sizeof *was);
   ct_status status = CT_OK;
-  if (now == NULL || was == NULL) status = ct_output_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the table of effects");
+  if (now == NULL || was == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the table of effects");
   else if (type < 0) status = ct_hdf5_fail(error, path, "read the effects");
   else status = ct_hdf5_read_array(group, "effects", type, 1, &count, was, path, error);
   for (int32_t i = 0; i < problem->effect_count && status == CT_OK; i++) {
     was[i].name[63] = 0;
     if (strcmp(was[i].name, now[i].name) == 0 && was[i].node_count == now[i].node_count && was[i].memory_count == now[i].memory_count)
       continue;
-    status = ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE,
+    status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE,
                      "%s: the file belongs to another problem: effect %d is '%s' on %d nodes with %ld values of memory, "
                      "in the file '%s' on %d nodes with %ld", ct_disk_short(path), (int)i, now[i].name, (int)now[i].node_count,
                      (long)now[i].memory_count, was[i].name, (int)was[i].node_count, (long)was[i].memory_count);
@@ -202,13 +202,13 @@ ct_status ct_identity_compare(hid_t group, const ct_problem *problem, const char
   double dt = 0;
   ct_status status = ct_hdf5_read_attribute(group, "layout", H5T_NATIVE_INT64, &layout, path, error);
   if (status == CT_OK && layout != CT_LAYOUT)
-    status = ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file has layout %ld, this library reads layout %d",
+    status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file has layout %ld, this library reads layout %d",
                             ct_disk_short(path), (long)layout, CT_LAYOUT);
   if (status == CT_OK) status = compare_bodies(group, problem, path, error);
   if (status == CT_OK) status = compare_effects(group, problem, path, error);
   if (status == CT_OK) status = ct_hdf5_read_attribute(group, "dt", H5T_NATIVE_DOUBLE, &dt, path, error);
   if (status == CT_OK && dt != problem->dt)
-    status = ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file was written with the time step %.17g, the problem has %.17g",
+    status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file was written with the time step %.17g, the problem has %.17g",
                      ct_disk_short(path), dt, problem->dt);
   return status;
 }
@@ -217,12 +217,12 @@ ct_status ct_identity_compare_points(hid_t file, const ct_problem *problem, cons
 {
   const hsize_t shape[2] = {(hsize_t)problem->node_count, 3};
   double *points = malloc((3 * (size_t)problem->node_count + 1) * sizeof *points);
-  if (points == NULL) return ct_output_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the points of the file");
+  if (points == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the points of the file");
   ct_status status = ct_hdf5_read_array(file, "VTKHDF/Points", H5T_NATIVE_DOUBLE, 2, shape, points, path, error);
   for (int64_t i = 0; i < 3 * (int64_t)problem->node_count && status == CT_OK; i++) {
     if (points[i] == problem->reference[i]) continue;
     ct_place where = {-1, -1, i / 3};
-    status = ct_output_fail(error, CT_ERROR_FILE, where, "%s: the file belongs to another problem: node %ld stands at another place",
+    status = ct_fail(error, CT_ERROR_FILE, where, "%s: the file belongs to another problem: node %ld stands at another place",
                      ct_disk_short(path), (long)(i / 3));
   }
   free(points);

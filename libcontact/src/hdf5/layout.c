@@ -53,7 +53,7 @@ static ct_status grid_fill(const ct_problem *problem, int64_t cells, grid *g, ct
   g->body = malloc((size_t)(cells + 1) * sizeof *g->body);
   g->types = malloc((size_t)(cells + 1) * sizeof *g->types);
   if (g->connectivity == NULL || g->offsets == NULL || g->body == NULL || g->types == NULL)
-    return ct_output_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the grid of the results file");
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the grid of the results file");
   int64_t cell = 0, at = 0;
   for (int32_t b = 0; b < problem->body_count; b++) {
     const ct_body *body = &problem->bodies[b];

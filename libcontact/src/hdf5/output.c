@@ -17,18 +17,18 @@ static ct_status check_problem(const ct_problem *problem, ct_error *error)
   int64_t nodes = 0;
   if (problem->node_count <= 0 || problem->body_count <= 0 || problem->effect_count < 0 || problem->bodies == NULL ||
       problem->reference == NULL || (problem->effect_count > 0 && problem->effects == NULL))
-    return ct_output_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the problem of an output has no bodies");
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the problem of an output has no bodies");
   for (int32_t b = 0; b < problem->body_count; b++) {
     const ct_body *body = &problem->bodies[b];
     ct_place where = {b, -1, -1};
     if (body->mesh == NULL || body->mesh->element_count <= 0 || ct_brick_node_count(body->mesh->kind) == 0)
-      return ct_output_fail(error, CT_ERROR_ARGUMENT, where, "body %d of the problem has no elements", (int)b);
+      return ct_fail(error, CT_ERROR_ARGUMENT, where, "body %d of the problem has no elements", (int)b);
     if (body->first_node != nodes)
-      return ct_output_fail(error, CT_ERROR_ARGUMENT, where, "body %d must start at node %ld of the problem", (int)b, (long)nodes);
+      return ct_fail(error, CT_ERROR_ARGUMENT, where, "body %d must start at node %ld of the problem", (int)b, (long)nodes);
     nodes += body->mesh->node_count;
   }
   if (nodes != problem->node_count)
-    return ct_output_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the bodies have %ld nodes, the problem says %d", (long)nodes,
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the bodies have %ld nodes, the problem says %d", (long)nodes,
                           (int)problem->node_count);
   return CT_OK;
 }
@@ -52,7 +52,7 @@ static ct_status create_record(ct_output *o, const ct_output_options *options, c
   now->effects = calloc((size_t)o->effect_count + 1, sizeof *now->effects);
   if ((options->velocity && now->velocity == NULL) || (options->stress && now->stress == NULL) || now->bodies == NULL ||
       now->addends == NULL || now->effects == NULL)
-    return ct_output_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the output of %ld nodes", (long)o->node_count);
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the output of %ld nodes", (long)o->node_count);
   return CT_OK;
 }
 
@@ -101,7 +101,7 @@ static ct_status destroy(ct_output *o, ct_error *error)
   if (o->seal_type >= 0) H5Tclose(o->seal_type);
   if (o->file >= 0 && H5Fclose(o->file) < 0) good = 0;
   if (o->driver >= 0) H5FDunregister(o->driver);
-  if (!o->broken && !good) status = ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't close the file", ct_disk_short(o->path));
+  if (!o->broken && !good) status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't close the file", ct_disk_short(o->path));
   if (!o->broken && status == CT_OK) status = ct_disk_check(&o->disk, o->path, "close the file", error);
   if (o->made && !o->renamed) ct_disk_remove(o->part_path);
   free(o->now.velocity);
@@ -119,7 +119,7 @@ static ct_status create(const char *path, const ct_problem *problem, const ct_ou
                         ct_error *error)
 {
   ct_output *o = calloc(1, sizeof *o);
-  if (o == NULL) return ct_output_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an output");
+  if (o == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an output");
   o->disk.descriptor = -1;
   o->driver = o->file = o->step_count = o->energy_type = o->momentum_type = o->effect_type = o->seal_type = -1;
   for (int i = 0; i <= CT_PART_COUNT; i++) o->slot[0][i] = o->slot[1][i] = -1;
@@ -150,7 +150,7 @@ ct_status ct_output_create(const char *path, const ct_problem *problem, const ct
 {
   if (output != NULL) *output = NULL;
   if (path == NULL || *path == 0 || problem == NULL || options == NULL || output == NULL)
-    return ct_output_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ct_output_create needs a path, a problem, options and an output");
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ct_output_create needs a path, a problem, options and an output");
   ct_status status = check_problem(problem, error);
   if (status == CT_OK) status = ct_hdf5_check_version(error);
   if (status != CT_OK) return status;
@@ -164,11 +164,11 @@ ct_status ct_output_create(const char *path, const ct_problem *problem, const ct
 static ct_status check_state(const ct_output *o, const ct_problem *problem, const ct_state *state, ct_error *error)
 {
   if (problem->node_count != o->node_count || problem->body_count != o->body_count || problem->effect_count != o->effect_count)
-    return ct_output_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s was created for another problem", ct_disk_short(o->path));
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s was created for another problem", ct_disk_short(o->path));
   if (state->node_count != o->node_count || (o->row > 0 && !ct_restart_fits(o, state)))
-    return ct_output_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the state belongs to another problem than %s", ct_disk_short(o->path));
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the state belongs to another problem than %s", ct_disk_short(o->path));
   if (o->broken)
-    return ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: an earlier step could not be written", ct_disk_short(o->path));
+    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: an earlier step could not be written", ct_disk_short(o->path));
   return CT_OK;
 }
 
@@ -180,7 +180,7 @@ static ct_status check_finite(const ct_problem *problem, const ct_state *state, 
     int32_t body = 0;
     while (body + 1 < problem->body_count && problem->bodies[body + 1].first_node <= i / 3) body++;
     ct_place where = {body, -1, i / 3};
-    return ct_output_fail(error, CT_ERROR_BLOWUP, where, "body %d '%.63s', node %ld: not finite at t = %g, so it is not written",
+    return ct_fail(error, CT_ERROR_BLOWUP, where, "body %d '%.63s', node %ld: not finite at t = %g, so it is not written",
                           (int)body, problem->bodies[body].name, (long)(i / 3), state->time);
   }
   return CT_OK;
@@ -284,7 +284,7 @@ static ct_status append(ct_output *o, const ct_problem *problem, ct_state *state
 ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_state *state, ct_error *error)
 {
   if (output == NULL || problem == NULL || state == NULL)
-    return ct_output_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ct_output_append needs an output, a problem and a state");
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ct_output_append needs an output, a problem and a state");
   ct_status status = check_state(output, problem, state, error);
   if (status != CT_OK) return status;
   H5E_BEGIN_TRY { status = append(output, problem, state, error); }
@@ -300,7 +300,7 @@ ct_status ct_output_close(ct_output *output, ct_error *error)
   ct_status status;
   int broken = output->broken;
   if (broken)
-    ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: a step could not be written; the steps before it are in the file",
+    ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: a step could not be written; the steps before it are in the file",
                    ct_disk_short(output->path));
   H5E_BEGIN_TRY { status = destroy(output, error); }
   H5E_END_TRY

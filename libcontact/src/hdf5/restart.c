@@ -141,7 +141,7 @@ static ct_status create_copy(const ct_state *state, ct_state *copy, double **mem
 {
   size_t nodes = 3 * (size_t)state->node_count, work = (size_t)state->work_count, impulse = (size_t)state->impulse_count;
   *memory = malloc((2 * nodes + work + impulse + (size_t)state->memory_count + 1) * sizeof **memory);
-  if (*memory == NULL) return ct_output_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a restart record");
+  if (*memory == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a restart record");
   memset(copy, 0, sizeof *copy);
   copy->problem = state->problem;
   copy->node_count = state->node_count;
@@ -203,14 +203,14 @@ static ct_status read_newest(hid_t group, const char *path, ct_state *into, ct_e
   ct_status status = read_slot(group, first, path, into, &whole, error);
   if (!whole) status = read_slot(group, 1 - first, path, into, &whole, error);
   if (status == CT_OK && !whole)
-    status = ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file has no complete restart record", ct_disk_short(path));
+    status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file has no complete restart record", ct_disk_short(path));
   return status;
 }
 
 static ct_status read_file(hid_t file, const char *path, const ct_problem *problem, ct_state *into, ct_error *error)
 {
   if (H5Lexists(file, "libcontact", H5P_DEFAULT) <= 0)
-    return ct_output_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file was not written by libcontact", ct_disk_short(path));
+    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file was not written by libcontact", ct_disk_short(path));
   hid_t group = H5Gopen2(file, "libcontact", H5P_DEFAULT);
   ct_status status = group < 0 ? ct_hdf5_fail(error, path, "read the file") : CT_OK;
   if (status == CT_OK) status = ct_identity_compare(group, problem, path, error);
@@ -242,7 +242,7 @@ static ct_status restart(const char *path, const ct_problem *problem, ct_state *
 ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_state *state, ct_error *error)
 {
   if (path == NULL || problem == NULL || state == NULL)
-    return ct_output_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ct_output_restart needs a path, a problem and a state");
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ct_output_restart needs a path, a problem and a state");
   ct_status status = ct_hdf5_check_version(error);
   if (status != CT_OK) return status;
   H5E_BEGIN_TRY { status = restart(path, problem, state, error); }
