@@ -315,6 +315,45 @@ static void c_shape(void)
   ct_mesh_free(m);
 }
 
+/* A scene in which the ends of a C fly at each other: the faces of the skin are given twice, and energy and momentum are kept. */
+static void scene_of_a_c(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 0.3, 0.2, 40, 2, 2), *bent = NULL;
+  int32_t *outer = integers(4 * 6 * m->element_count);
+  ct_material material = {1000.0, 0.3, 1e-3};
+  ct_scene *scene = new_scene();
+  ct_stable_step stable;
+  ct_error e;
+  int64_t steps;
+  double touched = 0.0, balance = 0.0, p = 0.0, size = 0.0;
+  need(ct_mesh_create_copy(m, &bent, &e), &e);
+  ring(m, 6.25, bent->nodes);
+  int32_t body = add_body(scene, "c", bent, &material, (ct_solid_kernel)0, 0, 0, 0), faces = ct_mesh_outer_faces(bent, outer, NULL);
+  ct_scene_contact contact = {.body_a = body, .body_b = body, .face_count_a = faces, .face_count_b = faces, .faces_a = outer, .faces_b = outer, .beta = 1.0,
+                              .options = ct_contact_options_default()};
+  need(ct_scene_add_contact(scene, &contact, &e), &e);
+  const ct_problem *problem = build(scene, (ct_scene_time){.end = 2e-3, .fraction = 0.4, .threads = 1}, &steps, &stable);
+  ct_state *state = new_state(problem);
+  for (int n = 0; n < m->node_count; n++) state->velocity[3 * n + 2] = 40.0 * (m->nodes[3 * n] - 0.5);
+  ct_energy first = energy_of(problem, state), now = first;
+  for (int64_t i = 0; i < steps; i += 10) {
+    advance(problem, state, 10);
+    now = energy_of(problem, state);
+    touched = fmax(touched, now.contact / first.total);
+    balance = worst(balance, now.total / first.total - 1.0);
+  }
+  ct_momentum momentum = momentum_of(problem, state, body);
+  for (int n = 0; n < m->node_count; n++) size += fabs(state->velocity[3 * n + 2]) / problem->inverse_mass[3 * n];
+  for (int c = 0; c < 3; c++) p = worst(p, momentum.p[c]);
+  tap_ok(touched > 1e-4 && balance < 0.02, "a scene of a C whose ends collide: contact takes %.2g of the energy, the total strays by %.2g", touched, balance);
+  tap_close(p / size, 0.0, 1e-10, "and its momentum stays");
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(bent);
+  ct_mesh_free(m);
+  free(outer);
+}
+
 static void refusals(void)
 {
   fold p = new_fold(CT_Q4);
@@ -350,6 +389,7 @@ int main(void)
   closed(CT_HEX20, 0.05);
   closed(CT_HEX20, 0.3);
   c_shape();
+  scene_of_a_c();
   refusals();
   return tap_done();
 }

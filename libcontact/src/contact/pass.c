@@ -47,7 +47,9 @@ static int may_push(const pass *p, const nearest *best, const double y[3], int32
   (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
   for (int c = 0; c < 3; c++) d[c] = foot->point[c] - y[c];
   int under = ct_vector_dot(d, normal) > 0.0;
-  if (!(ct_vector_dot(best->own, normal) < 0.0)) return 0;
+  // -- The sides of an edge look across, not at each other, however the body bends (eq:self-adjacent)
+  double length = sqrt(ct_vector_dot(normal, normal)), facing = p->purpose == CT_PASS_THICKNESS ? 0.0 : -0.25;
+  if (!(ct_vector_dot(best->own, normal) < facing * length)) return 0;
   if (!ct_search_is_minimum(p->other->search, target, foot->where, foot->index, foot->xi, d)) return 0;
   return p->purpose == CT_PASS_THICKNESS ? under : !under || foot->distance <= best->depth;
 }
