@@ -14,6 +14,9 @@ BUILD := build
 VERSION := 0.1.0
 SONAME := 0
 WITHOUT ?=
+# V=1 shows every command as it runs.
+V ?=
+Q := $(if $(V),,@)
 BOOTSTRAP ?= yes
 
 # -- What the machine has -----------------------------------------------------------------------------------------------
@@ -61,7 +64,7 @@ help:
 	@echo "make info             what was found on this machine"
 	@echo "make fuzz             any bytes into the projections, for FUZZ_SECONDS (60) where the compiler has libFuzzer"
 	@echo "make clean            away with build/"
-	@echo "BOOTSTRAP=no never installs system packages; WITHOUT=\"gsl hdf5 openmp\" leaves parts out."
+	@echo "BOOTSTRAP=no never installs system packages; WITHOUT=\"gsl hdf5 openmp\" leaves parts out; V=1 shows the commands."
 
 all: lib
 lib: $(ARCHIVES) $(SHARED)
@@ -77,25 +80,26 @@ $(BUILD)/obj/gsl/%.o $(BUILD)/asan/gsl/%.o: EXTRA = $(GSL_FLAGS)
 $(BUILD)/obj/hdf5/%.o $(BUILD)/asan/hdf5/%.o: EXTRA = $(HDF5_FLAGS)
 $(BUILD)/obj/%.o: libcontact/src/%.c $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CC) $(OPT) $(CORE_FLAGS) $(EXTRA) -MMD -MP -c $< -o $@
+	@echo "  cc $<"
+	$(Q)$(CC) $(OPT) $(CORE_FLAGS) $(EXTRA) -MMD -MP -c $< -o $@
 
 $(BUILD)/lib/libcontact.a: $(CORE_OBJECTS)
 $(BUILD)/lib/libcontact-gsl.a: $(call object,$(BUILD)/obj,$(GSL_SOURCES))
 $(BUILD)/lib/libcontact-hdf5.a: $(call object,$(BUILD)/obj,$(HDF5_SOURCES))
 $(BUILD)/lib/%.a:
 	@mkdir -p $(@D)
-	rm -f $@ && $(AR) rcs $@ $^
+	$(Q)rm -f $@ && $(AR) rcs $@ $^
 
 $(BUILD)/lib/libcontact.so: $(CORE_OBJECTS)
 	@mkdir -p $(@D)
-	$(CC) -shared $(OPENMP) -Wl,-soname,libcontact.so.$(SONAME) -o $@ $^ -lm
-	ln -sf libcontact.so $(BUILD)/lib/libcontact.so.$(SONAME)
+	$(Q)$(CC) -shared $(OPENMP) -Wl,-soname,libcontact.so.$(SONAME) -o $@ $^ -lm
+	$(Q)ln -sf libcontact.so $(BUILD)/lib/libcontact.so.$(SONAME)
 # An add-on sees the core through its public calls; the few private helpers it needs come along, hidden.
 HELPERS := $(BUILD)/obj/error.o $(BUILD)/obj/memory.o
 $(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontact.so $(HELPERS)
-	$(CC) -shared -Wl,--no-undefined -Wl,-soname,libcontact-$*.so.$(SONAME) -o $@ -Wl,--whole-archive $< -Wl,--no-whole-archive \
+	$(Q)$(CC) -shared -Wl,--no-undefined -Wl,-soname,libcontact-$*.so.$(SONAME) -o $@ -Wl,--whole-archive $< -Wl,--no-whole-archive \
 	  $(HELPERS) -L$(BUILD)/lib -lcontact $(if $(filter gsl,$*),$(GSL_LIBS),$(HDF5_LIBS)) -lm
-	ln -sf libcontact-$*.so $(BUILD)/lib/libcontact-$*.so.$(SONAME)
+	$(Q)ln -sf libcontact-$*.so $(BUILD)/lib/libcontact-$*.so.$(SONAME)
 
 -include $(wildcard $(BUILD)/obj/*.d $(BUILD)/obj/*/*.d $(BUILD)/asan/*.d $(BUILD)/asan/*/*.d)
 
@@ -119,18 +123,21 @@ setup:
 	@BOOTSTRAP=$(BOOTSTRAP) PYTHON="$(PYTHON)" WITHOUT="$(WITHOUT)" sh wrapper/bootstrap.sh
 
 $(VENV)/.base:
-	$(PYTHON) -m venv $(VENV)
-	$(VENV)/bin/python -m pip install -q --upgrade pip
-	touch $@
+	@echo "  python environment $(VENV)"
+	$(Q)$(PYTHON) -m venv $(VENV)
+	$(Q)$(VENV)/bin/python -m pip install -q --upgrade pip
+	$(Q)touch $@
 $(VENV)/.%: wrapper/requirements/%.txt $(VENV)/.base
-	$(VENV)/bin/python -m pip install -q -r $<
-	touch $@
+	@echo "  pip install -r $<"
+	$(Q)$(VENV)/bin/python -m pip install -q -r $<
+	$(Q)touch $@
 # The extension is linked with the archives above; `pip install .` alone compiles the core by itself.
 $(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
-	LIBCONTACT_PREBUILT=$(abspath $(BUILD)/lib) LIBCONTACT_ADDONS="$(ADDONS)" LIBCONTACT_PACKAGES="$(GSL) $(HDF5)" \
+	@echo "  wrapper"
+	$(Q)LIBCONTACT_PREBUILT=$(abspath $(BUILD)/lib) LIBCONTACT_ADDONS="$(ADDONS)" LIBCONTACT_PACKAGES="$(GSL) $(HDF5)" \
 	  LIBCONTACT_OPENMP="$(OPENMP)" $(VENV)/bin/python -m pip install -q --no-deps --no-build-isolation --force-reinstall .
 	@rm -rf $(BUILD)/lib.* $(BUILD)/bdist.* $(BUILD)/temp.*
-	touch $@
+	$(Q)touch $@
 
 figures test docs bench wheel: setup
 	@+$(MAKE) --no-print-directory _$@
@@ -150,7 +157,7 @@ _bench: $(VENV)/.wrapper $(VENV)/.bench
 	@echo "written: $(BUILD)/bench/"
 
 _wheel: $(VENV)/.run
-	$(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation -w $(BUILD)/wheel .
+	$(Q)$(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation -w $(BUILD)/wheel .
 	@ls $(BUILD)/wheel
 
 # -- Tests ------------------------------------------------------------------------------------------------------------------------
@@ -165,16 +172,17 @@ ASAN_OBJECTS := $(call object,$(BUILD)/asan,$(CORE_SOURCES) $(if $(GSL),$(GSL_SO
 
 $(BUILD)/asan/%.o: libcontact/src/%.c $(BUILD)/flags
 	@mkdir -p $(@D)
-	$(CC) $(SANITIZE) $(CORE_FLAGS) $(EXTRA) -MMD -MP -c $< -o $@
+	@echo "  cc (sanitizers) $<"
+	$(Q)$(CC) $(SANITIZE) $(CORE_FLAGS) $(EXTRA) -MMD -MP -c $< -o $@
 $(BUILD)/asan/libcontact.a: $(ASAN_OBJECTS)
-	rm -f $@ && $(AR) rcs $@ $^
+	$(Q)rm -f $@ && $(AR) rcs $@ $^
 TEST_LIBS = $(GSL_LIBS) $(HDF5_LIBS) -lm
 $(BUILD)/tests/test_%: tests/c/test_%.c $(wildcard tests/c/*.h tests/fuzz/*.c) $(ARCHIVES)
 	@mkdir -p $(@D)
-	$(CC) -O1 $(TEST_FLAGS) $(HDF5_FLAGS) $< -o $@ $(ADDON_ARCHIVES) $(BUILD)/lib/libcontact.a $(TEST_LIBS)
+	$(Q)$(CC) -O1 $(TEST_FLAGS) $(HDF5_FLAGS) $< -o $@ $(ADDON_ARCHIVES) $(BUILD)/lib/libcontact.a $(TEST_LIBS)
 $(BUILD)/tests/asan_%: tests/c/test_%.c $(wildcard tests/c/*.h tests/fuzz/*.c) $(BUILD)/asan/libcontact.a
 	@mkdir -p $(@D)
-	$(CC) $(SANITIZE) $(TEST_FLAGS) $(HDF5_FLAGS) $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
+	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) $(HDF5_FLAGS) $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
 
 # Programs of a host, built against an installed copy through pkg-config: C99 and C++, static and shared.
 STAGE := $(abspath $(BUILD)/stage)
@@ -182,7 +190,7 @@ EMBED := $(foreach p,host project,$(foreach l,static shared,$(BUILD)/tests/embed
 $(BUILD)/stage/.done: $(ARCHIVES) $(SHARED) $(HEADERS) $(wildcard libcontact/*.pc.in)
 	rm -rf $(BUILD)/stage
 	$(MAKE) --no-print-directory install prefix=$(STAGE) DESTDIR=
-	touch $@
+	$(Q)touch $@
 EMBED_PACKAGE := PKG_CONFIG_PATH=$(STAGE)/lib/pkgconfig $(PKG_CONFIG)
 EMBED_FLAGS := `$(EMBED_PACKAGE) --cflags libcontact`
 EMBED_SHARED := `$(EMBED_PACKAGE) --libs libcontact` -Wl,-rpath,$(STAGE)/lib
@@ -190,10 +198,10 @@ EMBED_STATIC := $(STAGE)/lib/libcontact.a $(OPENMP)
 define embed_rules
 $(BUILD)/tests/embed_%_c_$(1): tests/embed/%.c tests/c/tap.h $(BUILD)/stage/.done
 	@mkdir -p $$(@D)
-	$(CC) -std=c99 -O1 -Wall -Wextra -Wpedantic -Werror -Itests/c $(EMBED_FLAGS) $$< -o $$@ $(2) -lm
+	$(Q)$(CC) -std=c99 -O1 -Wall -Wextra -Wpedantic -Werror -Itests/c $(EMBED_FLAGS) $$< -o $$@ $(2) -lm
 $(BUILD)/tests/embed_%_cxx_$(1): tests/embed/%.c tests/c/tap.h $(BUILD)/stage/.done
 	@mkdir -p $$(@D)
-	$(CXX) -x c++ -std=c++11 -O1 -Wall -Wextra -Werror -Itests/c $(EMBED_FLAGS) $$< -x none -o $$@ $(2) -lm
+	$(Q)$(CXX) -x c++ -std=c++11 -O1 -Wall -Wextra -Werror -Itests/c $(EMBED_FLAGS) $$< -x none -o $$@ $(2) -lm
 endef
 $(eval $(call embed_rules,static,$$(EMBED_STATIC)))
 $(eval $(call embed_rules,shared,$$(EMBED_SHARED)))
@@ -209,7 +217,7 @@ FUZZER = $(shell printf 'int LLVMFuzzerTestOneInput(const char*d,unsigned long n
   | $(CC) -fsanitize=fuzzer -x c - -o /dev/null 2>/dev/null && echo yes)
 fuzz: tests/fuzz/fuzz_project.c $(BUILD)/asan/libcontact.a
 	@mkdir -p $(BUILD)/fuzz/corpus
-	$(CC) $(SANITIZE) $(TEST_FLAGS) $(if $(FUZZER),-fsanitize=fuzzer,-DFUZZ_MAIN=1) $< -o $(BUILD)/fuzz/fuzz_project $(BUILD)/asan/libcontact.a $(TEST_LIBS)
+	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) $(if $(FUZZER),-fsanitize=fuzzer,-DFUZZ_MAIN=1) $< -o $(BUILD)/fuzz/fuzz_project $(BUILD)/asan/libcontact.a $(TEST_LIBS)
 	$(BUILD)/fuzz/fuzz_project $(if $(FUZZER),-max_total_time=$(FUZZ_SECONDS) $(BUILD)/fuzz/corpus,1000000)
 
 # -- The rest -----------------------------------------------------------------------------------------------------------------------
