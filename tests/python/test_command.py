@@ -120,14 +120,19 @@ def test_a_run_that_fails_has_exit_code_3(scene, capsys, monkeypatch):
 
 def test_ctrl_c_has_exit_code_130_and_keeps_the_file(scene):
     Path(scene).write_text(Path(scene).read_text().replace("end_c1t_over = { length = 2.5, value = 0.56 }", "end = 1.0"))
-    process = subprocess.Popen([sys.executable, "-m", "libcontact.command", "run", scene, "-o", "out.vtkhdf"], stderr=subprocess.PIPE, text=True)
+    # A shell starts background jobs with Ctrl-C switched off, and children inherit that: switch it on again.
+    process = subprocess.Popen([sys.executable, "-m", "libcontact.command", "run", scene, "-o", "out.vtkhdf"], stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     if hasattr(lib, "ct_output_create"):
         while process.poll() is None and not os.path.exists("out.vtkhdf"):
             time.sleep(0.05)
     else:
         time.sleep(5.0)
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    try:
+        _, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
     assert process.returncode == 130, err
     assert "interrupted at t = " in err and "Traceback" not in err
     if hasattr(lib, "ct_output_create"):

@@ -309,11 +309,15 @@ def test_ctrl_c_ends_the_run_and_keeps_what_there_is(with_file, tmp_path):
     path = tmp_path / "cut.vtkhdf" if with_file else False
     scene = plates(time={"end": 1.0, "courant": 0.125}, output={"every": 50})
     timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
-    before = signal.getsignal(signal.SIGINT)
-    timer.start()
-    run = scene.run(output=path)
-    timer.join()
-    assert run.interrupted and signal.getsignal(signal.SIGINT) is before
+    # A shell starts background jobs with Ctrl-C switched off, and the tests inherit that: switch it on for this one.
+    inherited = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        timer.start()
+        run = scene.run(output=path)
+        timer.join()
+        assert run.interrupted and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, inherited)
     assert 0 < run.steps[-1] and run.time[-1] < 1.0
     if with_file:
         assert same_state(run, Run.load(path))
