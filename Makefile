@@ -18,6 +18,12 @@ WITHOUT ?=
 V ?=
 Q := $(if $(V),,@)
 BOOTSTRAP ?= yes
+override prefix := $(abspath $(prefix))
+
+# Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
+ifneq ($(filter figures test docs bench wheel check-c clean,$(MAKECMDGOALS)),)
+.NOTPARALLEL:
+endif
 
 # -- What the machine has -----------------------------------------------------------------------------------------------
 first_package = $(firstword $(foreach p,$(1),$(shell $(PKG_CONFIG) --exists $(p) 2>/dev/null && echo $(p))))
@@ -25,14 +31,15 @@ GSL := $(if $(filter gsl,$(WITHOUT)),,$(call first_package,gsl))
 HDF5 := $(if $(filter hdf5,$(WITHOUT)),,$(call first_package,hdf5-serial hdf5))
 OPENMP := $(if $(filter openmp,$(WITHOUT)),,$(shell printf 'int main(void){return 0;}' | $(CC) -fopenmp -x c - -o /dev/null 2>/dev/null && echo -fopenmp))
 HAVE_CXX := $(shell command -v $(CXX) 2>/dev/null)
+HAVE_PKG_CONFIG := $(shell command -v $(PKG_CONFIG) 2>/dev/null)
 ADDONS := $(if $(GSL),gsl) $(if $(HDF5),hdf5)
 
 # -ffp-contract=off: the same bits from every compiler. -fopenmp-simd: vector lanes without a runtime. -fno-math-errno: roots in lanes, too.
 WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wshadow $(if $(CI),-Werror)
 BASE := -std=c99 -ffp-contract=off -fno-math-errno $(if $(OPENMP),-fopenmp,-fopenmp-simd) -fPIC -fvisibility=hidden -Ilibcontact/include
 CORE_FLAGS := $(BASE) $(WARNINGS) $(CFLAGS)
-GSL_FLAGS = $(shell $(PKG_CONFIG) --cflags $(GSL))
-HDF5_FLAGS = $(shell $(PKG_CONFIG) --cflags $(HDF5))
+GSL_FLAGS = $(if $(GSL),$(shell $(PKG_CONFIG) --cflags $(GSL)))
+HDF5_FLAGS = $(if $(HDF5),$(shell $(PKG_CONFIG) --cflags $(HDF5)))
 GSL_LIBS = $(if $(GSL),$(shell $(PKG_CONFIG) --libs $(GSL)))
 HDF5_LIBS = $(if $(HDF5),$(shell $(PKG_CONFIG) --libs $(HDF5)))
 
@@ -49,13 +56,14 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py) setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all lib install wheel figures test docs bench fuzz info clean setup
-.PHONY: _figures _test _docs _bench _wheel
+.PHONY: help all lib install wheel figures test docs bench check-c fuzz info clean setup
+.PHONY: _figures _test _docs _bench _wheel _check-c
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make figures          the plate impact: Figs. 3, 4, 5 in build/figures, errors against the exact solution"
 	@echo "make test             every test; the last line counts them"
+	@echo "make check-c          the C tests alone, without a Python environment"
 	@echo "make docs             the book, in build/docs/html"
 	@echo "make bench            measured tables and pictures, in build/bench"
 	@echo "make lib              the C libraries, in build/lib"
@@ -94,10 +102,10 @@ $(BUILD)/lib/libcontact.so: $(CORE_OBJECTS)
 	@mkdir -p $(@D)
 	$(Q)$(CC) -shared $(OPENMP) -Wl,-soname,libcontact.so.$(SONAME) -o $@ $^ -lm
 	$(Q)ln -sf libcontact.so $(BUILD)/lib/libcontact.so.$(SONAME)
-# An add-on sees the core through its public calls; the few private helpers it needs come along, hidden.
+# An add-on sees the core through its public calls and finds it beside itself; the few private helpers it needs come along, hidden.
 HELPERS := $(BUILD)/obj/error.o $(BUILD)/obj/memory.o
 $(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontact.so $(HELPERS)
-	$(Q)$(CC) -shared -Wl,--no-undefined -Wl,-soname,libcontact-$*.so.$(SONAME) -o $@ -Wl,--whole-archive $< -Wl,--no-whole-archive \
+	$(Q)$(CC) -shared -Wl,--no-undefined -Wl,-rpath,'$$ORIGIN' -Wl,-soname,libcontact-$*.so.$(SONAME) -o $@ -Wl,--whole-archive $< -Wl,--no-whole-archive \
 	  $(HELPERS) -L$(BUILD)/lib -lcontact $(if $(filter gsl,$*),$(GSL_LIBS),$(HDF5_LIBS)) -lm
 	$(Q)ln -sf libcontact-$*.so $(BUILD)/lib/libcontact-$*.so.$(SONAME)
 
@@ -120,26 +128,35 @@ install: lib
 
 # -- Set-up: system packages, then the Python environment ----------------------------------------------------------------------
 setup:
-	@BOOTSTRAP=$(BOOTSTRAP) PYTHON="$(PYTHON)" WITHOUT="$(WITHOUT)" sh wrapper/bootstrap.sh
+	@BOOTSTRAP=$(BOOTSTRAP) PYTHON="$(PYTHON)" PKG_CONFIG="$(PKG_CONFIG)" WITHOUT="$(WITHOUT)" sh wrapper/bootstrap.sh
+
+# One pip at a time in the environment, also under -j.
+PIP = $(if $(shell command -v flock 2>/dev/null),flock $(VENV)/.lock) $(VENV)/bin/python -m pip
 
 $(VENV)/.base:
 	@echo "  python environment $(VENV)"
 	$(Q)$(PYTHON) -m venv $(VENV)
-	$(Q)$(VENV)/bin/python -m pip install -q --upgrade pip
+	$(Q)$(PIP) install -q --upgrade pip
 	$(Q)touch $@
 $(VENV)/.%: wrapper/requirements/%.txt $(VENV)/.base
 	@echo "  pip install -r $<"
-	$(Q)$(VENV)/bin/python -m pip install -q -r $<
+	$(Q)$(PIP) install -q -r $<
 	$(Q)touch $@
+# What setuptools leaves in build/: it would take an extension from there for a new one.
+SETUPTOOLS_LEFT := $(BUILD)/lib.* $(BUILD)/bdist.* $(BUILD)/temp.*
 # The extension is linked with the archives above; `pip install .` alone compiles the core by itself.
 $(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
 	@echo "  wrapper"
+	@rm -rf $(SETUPTOOLS_LEFT)
 	$(Q)LIBCONTACT_PREBUILT=$(abspath $(BUILD)/lib) LIBCONTACT_ADDONS="$(ADDONS)" LIBCONTACT_PACKAGES="$(GSL) $(HDF5)" \
-	  LIBCONTACT_OPENMP="$(OPENMP)" $(VENV)/bin/python -m pip install -q --no-deps --no-build-isolation --force-reinstall .
-	@rm -rf $(BUILD)/lib.* $(BUILD)/bdist.* $(BUILD)/temp.*
+	  LIBCONTACT_OPENMP="$(OPENMP)" CC="$(CC)" PKG_CONFIG="$(PKG_CONFIG)" \
+	  $(PIP) install -q --no-deps --no-build-isolation --force-reinstall .
+	@rm -rf $(SETUPTOOLS_LEFT)
 	$(Q)touch $@
 
 figures test docs bench wheel: setup
+	@+$(MAKE) --no-print-directory _$@
+check-c:
 	@+$(MAKE) --no-print-directory _$@
 
 # -- Figures, book, bench, wheel --------------------------------------------------------------------------------------------------
@@ -157,7 +174,9 @@ _bench: $(VENV)/.wrapper $(VENV)/.bench
 	@echo "written: $(BUILD)/bench/"
 
 _wheel: $(VENV)/.run
-	$(Q)$(VENV)/bin/python -m pip wheel -q --no-deps --no-build-isolation -w $(BUILD)/wheel .
+	@rm -rf $(SETUPTOOLS_LEFT) $(BUILD)/wheel
+	$(Q)CC="$(CC)" $(PIP) wheel -q --no-deps --no-build-isolation -w $(BUILD)/wheel .
+	@rm -rf $(SETUPTOOLS_LEFT)
 	@ls $(BUILD)/wheel
 
 # -- Tests ------------------------------------------------------------------------------------------------------------------------
@@ -167,7 +186,8 @@ C_TESTS := $(filter-out $(ADDON_TESTS),$(patsubst tests/c/test_%.c,%,$(wildcard 
   $(if $(GSL),$(patsubst tests/c/test_%.c,%,$(wildcard tests/c/test_exact_series.c))) \
   $(if $(HDF5),$(patsubst tests/c/test_%.c,%,$(wildcard tests/c/test_output.c)))
 SANITIZE := -O1 -g -fsanitize=address,undefined -fno-omit-frame-pointer -DCT_NO_CLONES
-TEST_FLAGS := -std=c99 -ffp-contract=off $(OPENMP) -Wall -Wextra -Ilibcontact/include -Itests/c
+SANITIZERS = $(shell printf 'int main(void){return 0;}' | $(CC) -fsanitize=address,undefined -x c - -o /dev/null 2>/dev/null && echo yes)
+TEST_FLAGS := -std=c99 -ffp-contract=off $(OPENMP) -Wall -Wextra $(if $(CI),-Werror) -Ilibcontact/include -Itests/c
 ASAN_OBJECTS := $(call object,$(BUILD)/asan,$(CORE_SOURCES) $(if $(GSL),$(GSL_SOURCES)) $(if $(HDF5),$(HDF5_SOURCES)))
 
 $(BUILD)/asan/%.o: libcontact/src/%.c $(BUILD)/flags
@@ -186,30 +206,42 @@ $(BUILD)/tests/asan_%: tests/c/test_%.c $(wildcard tests/c/*.h tests/fuzz/*.c) $
 
 # Programs of a host, built against an installed copy through pkg-config: C99 and C++, static and shared.
 STAGE := $(abspath $(BUILD)/stage)
-EMBED := $(foreach p,host project,$(foreach l,static shared,$(BUILD)/tests/embed_$(p)_c_$(l) $(if $(HAVE_CXX),$(BUILD)/tests/embed_$(p)_cxx_$(l))))
+EMBED = $(foreach p,host project,$(foreach l,static shared,$(BUILD)/tests/embed_$(p)_c_$(l) $(if $(HAVE_CXX),$(BUILD)/tests/embed_$(p)_cxx_$(l))))
 $(BUILD)/stage/.done: $(ARCHIVES) $(SHARED) $(HEADERS) $(wildcard libcontact/*.pc.in)
 	rm -rf $(BUILD)/stage
 	$(MAKE) --no-print-directory install prefix=$(STAGE) DESTDIR=
 	$(Q)touch $@
 EMBED_PACKAGE := PKG_CONFIG_PATH=$(STAGE)/lib/pkgconfig $(PKG_CONFIG)
 EMBED_FLAGS := `$(EMBED_PACKAGE) --cflags libcontact`
-EMBED_SHARED := `$(EMBED_PACKAGE) --libs libcontact` -Wl,-rpath,$(STAGE)/lib
-EMBED_STATIC := $(STAGE)/lib/libcontact.a $(OPENMP)
+EMBED_SHARED := `$(EMBED_PACKAGE) --libs libcontact` -Wl,-rpath,$(STAGE)/lib -lm
+EMBED_STATIC := `$(EMBED_PACKAGE) --libs --static libcontact | sed 's|-lcontact|$(STAGE)/lib/libcontact.a|'`
 define embed_rules
 $(BUILD)/tests/embed_%_c_$(1): tests/embed/%.c tests/c/tap.h $(BUILD)/stage/.done
 	@mkdir -p $$(@D)
-	$(Q)$(CC) -std=c99 -O1 -Wall -Wextra -Wpedantic -Werror -Itests/c $(EMBED_FLAGS) $$< -o $$@ $(2) -lm
+	$(Q)$(CC) -std=c99 -O1 -Wall -Wextra -Wpedantic -Werror -Itests/c $(EMBED_FLAGS) $$< -o $$@ $(2)
 $(BUILD)/tests/embed_%_cxx_$(1): tests/embed/%.c tests/c/tap.h $(BUILD)/stage/.done
 	@mkdir -p $$(@D)
-	$(Q)$(CXX) -x c++ -std=c++11 -O1 -Wall -Wextra -Werror -Itests/c $(EMBED_FLAGS) $$< -x none -o $$@ $(2) -lm
+	$(Q)$(CXX) -x c++ -std=c++11 -O1 -Wall -Wextra -Werror -Itests/c $(EMBED_FLAGS) $$< -x none -o $$@ $(2)
 endef
 $(eval $(call embed_rules,static,$$(EMBED_STATIC)))
 $(eval $(call embed_rules,shared,$$(EMBED_SHARED)))
 
-_test: $(C_TESTS:%=$(BUILD)/tests/test_%) $(C_TESTS:%=$(BUILD)/tests/asan_%) $(if $(shell command -v $(PKG_CONFIG)),$(EMBED)) \
-  $(VENV)/.wrapper $(VENV)/.test $(VENV)/.docs
-	@LIBCONTACT_BUILD=$(BUILD) CC="$(CC)" $(VENV)/bin/python tests/run_tests.py $(BUILD) $(C_TESTS:%=$(BUILD)/tests/test_%) \
-	  $(C_TESTS:%=$(BUILD)/tests/asan_%) $(if $(shell command -v $(PKG_CONFIG)),$(EMBED))
+C_PROGRAMS = $(C_TESTS:%=$(BUILD)/tests/test_%) $(if $(SANITIZERS),$(C_TESTS:%=$(BUILD)/tests/asan_%)) $(if $(HAVE_PKG_CONFIG),$(EMBED))
+C_SKIPPED = $(if $(GSL),,--skip "test_exact_series: no GSL") $(if $(HDF5),,--skip "test_output: no HDF5") \
+  $(if $(SANITIZERS),,--skip "asan_*: $(CC) has no sanitizers") \
+  $(if $(HAVE_PKG_CONFIG),$(if $(HAVE_CXX),,--skip "embed_*_cxx: no C++ compiler"),--skip "embed_*: no pkg-config")
+
+# What was found is asked once, for both the files to make and the programs to run.
+ifneq ($(filter _test _check-c,$(MAKECMDGOALS)),)
+C_PROGRAMS := $(C_PROGRAMS)
+C_SKIPPED := $(C_SKIPPED)
+endif
+
+_test: $(C_PROGRAMS) $(VENV)/.wrapper $(VENV)/.test $(VENV)/.docs
+	@LIBCONTACT_BUILD=$(BUILD) CC="$(CC)" PKG_CONFIG="$(PKG_CONFIG)" $(VENV)/bin/python tests/run_tests.py $(BUILD) $(C_SKIPPED) $(C_PROGRAMS)
+
+_check-c: $(C_PROGRAMS)
+	@$(PYTHON) tests/run_tests.py $(BUILD) --no-pytest $(C_SKIPPED) $(C_PROGRAMS)
 
 # The fuzz target: libFuzzer where the compiler has it, else pseudo-random bytes.
 FUZZ_SECONDS ?= 60
@@ -225,6 +257,7 @@ info:
 	@echo "compiler   $(shell $(CC) --version | head -n 1)"
 	@echo "flags      $(OPT) $(CORE_FLAGS)"
 	@echo "OpenMP     $(if $(OPENMP),yes,no)"
+	@echo "pkg-config $(if $(HAVE_PKG_CONFIG),$(HAVE_PKG_CONFIG),no: GSL and HDF5 cannot be found, the embedding tests are left out)"
 	@echo "C++        $(if $(HAVE_CXX),$(HAVE_CXX),no: the C++ embedding tests are left out)"
 	@echo "GSL        $(if $(GSL),$(GSL) $(shell $(PKG_CONFIG) --modversion $(GSL)),no: libcontact-gsl (the modal series) is left out)"
 	@echo "HDF5       $(if $(HDF5),$(HDF5) $(shell $(PKG_CONFIG) --modversion $(HDF5)),no: libcontact-hdf5 (results files, restart) is left out)"

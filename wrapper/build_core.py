@@ -49,7 +49,10 @@ def declarations(header):
 
 
 def pkg_config(option, packages):
-    return subprocess.run(["pkg-config", option, *packages], check=True, capture_output=True, text=True).stdout.split() if packages else []
+    if not packages:
+        return []
+    command = [os.environ.get("PKG_CONFIG", "pkg-config"), option, *packages]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
 
 
 addons = os.environ.get("LIBCONTACT_ADDONS", "").split()

@@ -2,8 +2,11 @@
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
+import sys
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -12,7 +15,11 @@ import libcontact as ct
 from libcontact._core import lib
 
 ROOT = Path(__file__).resolve().parents[2]
-LIBRARIES = Path(os.environ.get("LIBCONTACT_BUILD", ROOT / "build")) / "lib"
+BUILD = Path(os.environ.get("LIBCONTACT_BUILD", ROOT / "build"))
+LIBRARIES = BUILD / "lib"
+STAGE = BUILD / "stage"
+CC = shlex.split(os.environ.get("CC", "cc"))
+PKG_CONFIG = os.environ.get("PKG_CONFIG", "pkg-config")
 INCLUDE = ROOT / "libcontact" / "include"
 ADDON = {"hdf5": "output.h", "gsl": "exact_series.h"}
 
@@ -29,6 +36,66 @@ def test_the_umbrella_includes_every_core_header():
     umbrella = (INCLUDE / "contact.h").read_text()
     for header in (INCLUDE / "contact").glob("*.h"):
         assert (f"<contact/{header.name}>" in umbrella) != (header.name in ADDON.values()), header
+
+
+@pytest.mark.skipif(shutil.which(CC[0]) is None, reason="no C compiler")
+def test_every_header_compiles_alone(tmp_path):
+    """In any order and without others before it, as C99 with all warnings."""
+    for header in sorted((INCLUDE / "contact").glob("*.h")):
+        source = tmp_path / "alone.c"
+        source.write_text(f"#include <contact/{header.name}>\nint main(void) {{ return 0; }}\n")
+        done = subprocess.run([*CC, "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{INCLUDE}", "-fsyntax-only", str(source)],
+                              capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+
+
+USES = {
+    "gsl": "#include <contact/exact_series.h>\n"
+           "int main(void) { double x = 1.0, z = 0.0, t = 0.5, f[5]; size_t bad; ct_error e;\n"
+           "  return ct_exact_plates_series(1, &x, &z, &t, 0.3, 10, f, &bad, &e) != CT_OK || f[0] != f[0]; }\n",
+    "hdf5": "#include <contact/output.h>\n"
+            "int main(void) { ct_error e; return ct_output_close(NULL, &e) != CT_OK; }\n",
+}
+
+
+@pytest.mark.skipif(shutil.which(PKG_CONFIG) is None or not STAGE.is_dir(), reason="no pkg-config or no installed copy")
+@pytest.mark.parametrize("part", USES)
+def test_an_installed_addon_is_found_by_pkg_config(part, tmp_path):
+    if not ct.has(part):
+        pytest.skip(f"built without {part}")
+    environment = {**os.environ, "PKG_CONFIG_PATH": str(STAGE / "lib" / "pkgconfig")}
+    flags = subprocess.run([PKG_CONFIG, "--cflags", "--libs", f"libcontact-{part}"], check=True, capture_output=True, text=True, env=environment)
+    source, program = tmp_path / "use.c", tmp_path / "use"
+    source.write_text(USES[part])
+    subprocess.run([*CC, "-std=c99", str(source), "-o", str(program), *flags.stdout.split(), f"-Wl,-rpath,{STAGE / 'lib'}"], check=True)
+    assert subprocess.run([str(program)]).returncode == 0
+
+
+@pytest.mark.skipif(shutil.which(CC[0]) is None, reason="no C compiler")
+def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
+    """What `pip install .` does, through an sdist: no Makefile, no add-on, so GSL's licence stays out."""
+    pytest.importorskip("setuptools")
+    tree = tmp_path / "tree"
+    tree.mkdir()
+    for name in ("libcontact", "wrapper"):
+        shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("*.egg-info", "__pycache__", "*.so"))
+    for name in ("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, tree)
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("LIBCONTACT_")}
+    make = "from setuptools import build_meta as b; import sys; print(b.build_sdist(sys.argv[1]))"
+    done = subprocess.run([sys.executable, "-c", make, str(tmp_path)], cwd=tree, capture_output=True, text=True, env=environment)
+    assert done.returncode == 0, done.stderr
+    done = subprocess.run([sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-index", "--no-build-isolation", "-w", str(tmp_path),
+                           str(next(tmp_path.glob("*.tar.gz")))], cwd=tmp_path, capture_output=True, text=True, env=environment)
+    assert done.returncode == 0, done.stderr
+    wheel = next(tmp_path.glob("*.whl"))
+    assert "-abi3-" in wheel.name
+    zipfile.ZipFile(wheel).extractall(tmp_path / "installed")
+    use = ("import libcontact as ct; assert ct.__file__.startswith(%r); f = ct.project('Q4', [[-1,-1,0],[1,-1,0],[1,1,0],[-1,1,0]], [[0,0,2]]); "
+           "print(f.distance[0], ct.has('hdf5'), ct.has('gsl'))" % str(tmp_path))
+    done = subprocess.run([sys.executable, "-c", use], cwd=tmp_path, capture_output=True, text=True,
+                          env={**environment, "PYTHONPATH": str(tmp_path / "installed")})
+    assert done.stdout == "2.0 False False\n", done.stderr
 
 
 def nm(*arguments):
