@@ -29,10 +29,12 @@ struct ct_scene {
   scene_body *parts;
   scene_contact *contacts;
   ct_scene_support *supports; /* their arrays are ours */
+  ct_effect **added;          /* beside solid, contacts and supports */
+  int32_t added_count;
+  int joined; /* the nodes are numbered, no body can be added */
   /* What `ct_scene_build` makes. */
   ct_problem problem;
   ct_effect **effects;
-  int32_t effect_room; /* places in `effects`, for what was there when it was made */
   double *reference, *mass, *inverse_mass, *velocity;
 };
 
@@ -62,16 +64,32 @@ ct_status ct_scene_create(ct_scene **scene, ct_error *error)
   return *scene != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a scene");
 }
 
+/* Whether an effect is one that was added, and not made by `ct_scene_build`. */
+static int is_added(const ct_scene *scene, const ct_effect *effect)
+{
+  for (int32_t i = 0; i < scene->added_count; i++)
+    if (scene->added[i] == effect) return 1;
+  return 0;
+}
+
 /* Give back what `ct_scene_build` made. */
 static void unbuild(ct_scene *scene)
 {
-  for (int32_t i = 0; scene->effects != NULL && i < scene->effect_room; i++) ct_effect_free(scene->effects[i]);
+  for (int32_t i = 0; i < scene->problem.effect_count; i++)
+    if (!is_added(scene, scene->effects[i])) ct_effect_free(scene->effects[i]);
   ct_release(scene->effects);
+  scene->effects = NULL;
+  scene->problem.effects = NULL;
+  scene->problem.effect_count = 0;
+}
+
+/* Give back what `ct_scene_join` made. */
+static void unjoin(ct_scene *scene)
+{
   ct_release(scene->reference);
   ct_release(scene->mass);
   ct_release(scene->inverse_mass);
   ct_release(scene->velocity);
-  scene->effects = NULL;
   scene->reference = scene->mass = scene->inverse_mass = scene->velocity = NULL;
   memset(&scene->problem, 0, sizeof scene->problem);
 }
@@ -80,6 +98,9 @@ void ct_scene_free(ct_scene *scene)
 {
   if (scene == NULL) return;
   unbuild(scene);
+  for (int32_t i = 0; i < scene->added_count; i++) ct_effect_free(scene->added[i]);
+  ct_release(scene->added);
+  unjoin(scene);
   for (int32_t i = 0; i < scene->body_count; i++) ct_mesh_free(scene->parts[i].mesh);
   for (int32_t i = 0; i < scene->contact_count; i++) {
     ct_release(scene->contacts[i].faces[0]);
@@ -98,6 +119,8 @@ ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *me
 {
   if (scene == NULL || name == NULL || mesh == NULL || velocity == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body: null argument");
+  if (scene->joined)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body %s: the scene's bodies were joined before, and none can be added after", name);
   if ((int)lumping < CT_LUMP_DEFAULT || (int)lumping > CT_LUMP_HRZ || (int)kernel < CT_KERNEL_AUTO || (int)kernel > CT_KERNEL_BOX)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body %s: no lumping %d or no kernel %d", name, (int)lumping, (int)kernel);
   ct_status status = ct_material_check(material, error);
@@ -198,7 +221,21 @@ ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support,
   return CT_OK;
 }
 
-/* Nodes of all bodies one after another: coordinates, masses, initial velocities. */
+/* What the supports change and each build begins with: 1 / m and the initial velocity of all nodes of a body. */
+static ct_status start_body(ct_scene *scene, int32_t i, ct_error *error)
+{
+  const scene_body *part = &scene->parts[i];
+  size_t first = (size_t)scene->bodies[i].first_node, count = (size_t)part->mesh->node_count;
+  for (size_t d = 3 * first; d < 3 * (first + count); d++) {
+    if (!(scene->mass[d / 3] > 0.0))
+      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){i, -1, (int64_t)(d / 3 - first)}, "node %d of body %s belongs to no element",
+                     (int)(d / 3 - first), scene->bodies[i].name);
+    scene->inverse_mass[d] = 1.0 / scene->mass[d / 3];
+    scene->velocity[d] = part->velocity[d % 3];
+  }
+  return CT_OK;
+}
+
 static ct_status join_bodies(ct_scene *scene, ct_error *error)
 {
   ct_problem *problem = &scene->problem;
@@ -215,18 +252,45 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
     size_t first = (size_t)scene->bodies[i].first_node, count = (size_t)part->mesh->node_count;
     memcpy(&scene->reference[3 * first], part->mesh->nodes, 3 * count * sizeof(double));
     ct_status status = ct_mass_lumped(part->mesh, scene->bodies[i].material.density, part->lumping, &scene->mass[first], error);
-    if (status != CT_OK) {
-      if (error != NULL) error->body = i;
-      return status;
-    }
-    for (size_t d = 3 * first; d < 3 * (first + count); d++) {
-      if (!(scene->mass[d / 3] > 0.0))
-        return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){i, -1, (int64_t)(d / 3 - first)}, "node %d of body %s belongs to no element",
-                       (int)(d / 3 - first), scene->bodies[i].name);
-      scene->inverse_mass[d] = 1.0 / scene->mass[d / 3];
-      scene->velocity[d] = part->velocity[d % 3];
-    }
+    if (status != CT_OK && error != NULL) error->body = i;
+    if (status == CT_OK) status = start_body(scene, i, error);
+    if (status != CT_OK) return status;
   }
+  *problem = (ct_problem){.node_count = problem->node_count, .body_count = scene->body_count, .bodies = scene->bodies,
+                          .reference = scene->reference, .mass = scene->mass, .inverse_mass = scene->inverse_mass,
+                          .initial_velocity = scene->velocity, .threads = 1};
+  return CT_OK;
+}
+
+ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_error *error)
+{
+  if (scene == NULL || problem == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
+  if (scene->body_count < 1) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: no bodies");
+  ct_status status = scene->joined ? CT_OK : join_bodies(scene, error);
+  scene->joined = status == CT_OK;
+  *problem = &scene->problem;
+  if (status != CT_OK) unjoin(scene);
+  return status;
+}
+
+ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *error)
+{
+  ct_status status = CT_OK;
+  if (scene == NULL || effect == NULL)
+    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect: null argument");
+  else if (!scene->joined)
+    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %s: join the scene's bodies first, an effect is made for their nodes", effect->name);
+  else if (effect->node_count > 0 && (effect->nodes == NULL ? effect->node_count != scene->problem.node_count
+                                                            : effect->nodes[effect->node_count - 1] >= scene->problem.node_count))
+    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %s: its nodes are not those of the %d of the problem", effect->name,
+                     (int)scene->problem.node_count);
+  else if (!grow((void **)&scene->added, scene->added_count, sizeof(ct_effect *)))
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an effect");
+  if (status != CT_OK) {
+    ct_effect_free(effect);
+    return status;
+  }
+  scene->added[scene->added_count++] = effect;
   return CT_OK;
 }
 
@@ -288,14 +352,21 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
 
 static ct_status make_effects(ct_scene *scene, ct_error *error)
 {
-  int32_t count = 1;
-  scene->effect_room = scene->contact_count + 2;
-  scene->effects = ct_allocate((size_t)scene->effect_room, sizeof *scene->effects);
+  int32_t *count = &scene->problem.effect_count;
+  scene->effects = ct_allocate((size_t)scene->contact_count + (size_t)scene->added_count + 2, sizeof *scene->effects);
   if (scene->effects == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the effects");
   ct_status status = make_solid(scene, error);
-  for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++) status = make_contact(scene, i, &scene->effects[count++], error);
-  if (status == CT_OK && scene->support_count > 0) status = make_supports(scene, &scene->effects[count++], error);
-  scene->problem.effect_count = count;
+  if (status == CT_OK) (*count)++;
+  for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++) {
+    status = make_contact(scene, i, &scene->effects[*count], error);
+    if (status == CT_OK) (*count)++;
+  }
+  for (int32_t i = 0; status == CT_OK && i < scene->added_count; i++) scene->effects[(*count)++] = scene->added[i];
+  if (status == CT_OK && scene->support_count > 0) {
+    status = make_supports(scene, &scene->effects[*count], error);
+    if (scene->effects[*count] != NULL) (*count)++;
+  }
+  scene->problem.effects = (const ct_effect *const *)scene->effects;
   return status;
 }
 
@@ -319,24 +390,16 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
 {
   if (scene == NULL || time == NULL || problem == NULL || step_count == NULL || stable == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
-  if (scene->body_count < 1) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: no bodies");
-  unbuild(scene);
   ct_problem *p = &scene->problem;
   double dt = 0.0;
-  ct_status status = join_bodies(scene, error);
+  const ct_problem *joined;
+  unbuild(scene);
+  ct_status status = ct_scene_join(scene, &joined, error);
+  for (int32_t i = 0; status == CT_OK && i < scene->body_count; i++) status = start_body(scene, i, error);
   if (status == CT_OK) status = make_effects(scene, error);
-  if (status == CT_OK) {
-    p->body_count = scene->body_count;
-    p->bodies = scene->bodies;
-    p->reference = scene->reference;
-    p->mass = scene->mass;
-    p->inverse_mass = scene->inverse_mass;
-    p->initial_velocity = scene->velocity;
-    p->effects = (const ct_effect *const *)scene->effects;
-    p->threads = 1;
-    p->dt = 1.0; // any step will do to ask for the stable one
-    status = ct_stable(p, NULL, stable, error);
-  }
+  p->threads = 1;
+  p->dt = 1.0; // any step will do to ask for the stable one
+  if (status == CT_OK) status = ct_stable(p, NULL, stable, error);
   if (status == CT_OK) status = asked_step(time, stable, &dt, error);
   if (status != CT_OK) {
     unbuild(scene);

@@ -116,6 +116,7 @@ void ct_state_free(ct_state *state)
   ct_release(state->work);
   ct_release(state->impulse);
   ct_release(state->memory);
+  ct_release(state->effect_seconds);
   ct_release(state);
 }
 
@@ -135,7 +136,8 @@ static ct_status state_allocate(const ct_problem *problem, ct_state **out, ct_er
   s->work = ct_allocate((size_t)s->work_count, sizeof(double));
   s->impulse = ct_allocate((size_t)s->impulse_count, sizeof(double));
   s->memory = ct_allocate((size_t)s->memory_count, sizeof(double));
-  if (!s->displacement || !s->velocity || !s->work || !s->impulse || !s->memory) return CT_ERROR_MEMORY;
+  s->effect_seconds = ct_allocate((size_t)problem->effect_count + 1, sizeof(double));
+  if (!s->displacement || !s->velocity || !s->work || !s->impulse || !s->memory || !s->effect_seconds) return CT_ERROR_MEMORY;
   return workspace_create(problem, &s->workspace, error);
 }
 
@@ -236,9 +238,10 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
     const ct_effect *effect = problem->effects[k];
     if (effect->reaction) continue;
     ct_view view = ct_workspace_view(problem, state, k);
-    double *force = k == 0 ? w->total : w->force[k];
+    double *force = k == 0 ? w->total : w->force[k], begin = problem->clock == NULL ? 0.0 : problem->clock();
     ct_status status = effect->force(effect, &view, force, error);
     if (status != CT_OK) return status;
+    if (problem->clock != NULL) state->effect_seconds[k] += problem->clock() - begin;
     for (int32_t i = 0; k == 0 && i < w->touched_count; i++)
       memcpy(&w->touched_first[3 * (int64_t)i], &w->total[3 * (int64_t)w->touched[i]], 3 * sizeof(double));
     for (int32_t i = 0; k > 0 && i < effect->node_count; i++)

@@ -91,6 +91,7 @@ ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
   if (status != CT_OK) return status;
   ct_workspace *w = state->workspace;
   int64_t count = 3 * (int64_t)problem->node_count;
+  double begin = problem->clock == NULL ? 0.0 : problem->clock();
   keep_touched(state);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(problem->threads) schedule(static) if (problem->threads > 1)
@@ -103,6 +104,7 @@ ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
   memcpy(state->memory, w->next_memory, (size_t)state->memory_count * sizeof(double));
   state->step++;
   state->time = (double)state->step * problem->dt;
+  if (problem->clock != NULL) state->effect_seconds[problem->effect_count] += problem->clock() - begin;
   return CT_OK;
 }
 
@@ -138,34 +140,49 @@ ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count
   return status;
 }
 
-/* Sum of the effects' bounds of ω², with and without contact (eq:step-bound). */
-static ct_status sum_frequencies(const ct_problem *problem, ct_state *state, double *all, double *without_contact, ct_error *error)
+/* What bounds the step: sums over the effects of ω² and of the damping rate (eq:step-bound, eq:damped-step-bound). */
+typedef struct bounds {
+  double omega_squared, rate;
+} bounds;
+
+/* Ask all effects, once with and once without the contacts. */
+static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds *all, bounds *without_contact, ct_error *error)
 {
-  *all = *without_contact = 0.0;
+  *all = *without_contact = (bounds){0.0, 0.0};
   ct_status status = ct_workspace_forces(problem, state, error);
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     ct_view view = ct_workspace_view(problem, state, k);
-    double omega_squared = 0.0;
-    if (effect->frequency == NULL) continue;
-    status = effect->frequency(effect, &view, &omega_squared, error);
-    *all += omega_squared;
-    if (strcmp(effect->name, "contact") != 0) *without_contact += omega_squared;
+    bounds own = {0.0, 0.0};
+    if (effect->frequency != NULL) status = effect->frequency(effect, &view, &own.omega_squared, error);
+    if (status == CT_OK && effect->damping != NULL) status = effect->damping(effect, &view, &own.rate, error);
+    all->omega_squared += own.omega_squared;
+    all->rate += own.rate;
+    if (strcmp(effect->name, "contact") == 0) continue;
+    without_contact->omega_squared += own.omega_squared;
+    without_contact->rate += own.rate;
   }
   return status;
 }
 
+/* Largest stable step; without damping 2 / ω (eq:damped-step-bound). */
+static double step_of(const bounds *b)
+{
+  if (b->rate == 0.0) return 2.0 / sqrt(b->omega_squared);
+  return 4.0 / (b->rate + sqrt(b->rate * b->rate + 4.0 * b->omega_squared));
+}
+
 ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *out, ct_error *error)
 {
-  double all, without;
+  bounds all, without;
   ct_state *own = NULL;
   if (problem == NULL || out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "stable step: null argument");
   ct_status status = state == NULL ? ct_state_create(problem, &own, error) : CT_OK;
-  if (status == CT_OK) status = sum_frequencies(problem, state == NULL ? own : state, &all, &without, error);
+  if (status == CT_OK) status = sum_bounds(problem, state == NULL ? own : state, &all, &without, error);
   ct_state_free(own);
   if (status != CT_OK) return status;
-  out->dt = 2.0 / sqrt(all);
-  out->dt_without_contact = 2.0 / sqrt(without);
+  out->dt = step_of(&all);
+  out->dt_without_contact = step_of(&without);
   out->dt_courant = INFINITY;
   for (int32_t i = 0; i < problem->body_count; i++) {
     double c1, c2;

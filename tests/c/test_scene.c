@@ -288,6 +288,116 @@ static void contents(void)
   close_plates(&p);
 }
 
+/* A spring on all nodes or a dashpot on some, to be an effect of the caller's own: force -c times displacement or velocity. */
+typedef struct own_data {
+  double c, bound;
+  int *freed;
+} own_data;
+
+static ct_status spring_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+{
+  (void)error;
+  for (int d = 0; d < 3 * effect->node_count; d++) force[d] = -((own_data *)effect->data)->c * view->displacement[d];
+  return CT_OK;
+}
+
+static ct_status dashpot_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+{
+  (void)error;
+  for (int i = 0; i < effect->node_count; i++)
+    for (int c = 0; c < 3; c++) force[3 * i + c] = -((own_data *)effect->data)->c * view->velocity[3 * effect->nodes[i] + c];
+  return CT_OK;
+}
+
+static ct_status own_bound(const ct_effect *effect, const ct_view *view, double *bound, ct_error *error)
+{
+  (void)view, (void)error;
+  *bound = ((own_data *)effect->data)->bound;
+  return CT_OK;
+}
+
+static void own_freed(void *data) { ++*((own_data *)data)->freed; }
+
+/* The caller's own effects: taken over, run, freed once, and refused with the reason. */
+static void own_effects(void)
+{
+  int freed = 0;
+  static const int32_t nodes[2] = {0, 7}, outside[2] = {0, 100}, unsorted[2] = {7, 7};
+  plates p = two_plates(4.0);
+  own_data data = {3.0, 5e7, &freed};
+  ct_effect filled = {.name = "dashpot", .data = &data, .nodes = nodes, .node_count = 2, .force = dashpot_force, .damping = own_bound, .free_data = own_freed};
+  ct_effect *effect = NULL;
+  ct_error e = {0};
+  const ct_problem *joined = NULL;
+  ct_scene_time t = {.end = 1e-7, .courant = 0.1, .threads = 1};
+  int64_t steps;
+  ct_stable_step without, with;
+  build(p.scene, t, &steps, &without);
+  need(ct_scene_join(p.scene, &joined, &e), &e);
+  tap_ok(joined->node_count == 100 && joined->mass[0] > 0.0, "a joined scene has its nodes and masses");
+  tap_ok(ct_scene_add_body(p.scene, "late", p.left, &STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, joined->initial_velocity, NULL, &e) == CT_ERROR_ARGUMENT,
+         "no body after that: %s", e.text);
+  need(ct_effect_create(&filled, &effect, &e), &e);
+  tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_OK, "an effect of the caller's own is taken");
+  const ct_problem *problem = build(p.scene, t, &steps, &with);
+  tap_ok(problem->effect_count == 3 && strcmp(problem->effects[2]->name, "dashpot") == 0, "it stands behind the contacts");
+  double W = 4.0 / (without.dt * without.dt), D = 5e7;
+  tap_close(with.dt / ((sqrt(D * D + 4 * W) - D) / W), 1.0, 1e-12, "its damping lowers the stable step to the root of 4 - 2 D dt - W dt^2 (%g of it)", with.dt / without.dt);
+  build(p.scene, t, &steps, &with);
+  tap_ok(freed == 0, "building twice keeps it");
+  filled.nodes = outside;
+  need(ct_effect_create(&filled, &effect, &e), &e);
+  tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_ERROR_ARGUMENT && freed == 1, "nodes outside: refused and freed, %s", e.text);
+  filled.nodes = unsorted;
+  tap_ok(ct_effect_create(&filled, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "ascending"), "nodes not ascending: %s", e.text);
+  filled.nodes = nodes, filled.force = NULL;
+  tap_ok(ct_effect_create(&filled, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "force"), "no force: %s", e.text);
+  close_plates(&p);
+  tap_ok(freed == 2, "the scene frees it once");
+}
+
+/* One step factor: how far a spring with a dashpot swings after 20000 steps of `factor` times the bound of eq. damped-step-bound. */
+static double swing(double factor, double w, double d)
+{
+  static const int32_t nodes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  int freed = 0;
+  double mass[8], inverse[24], velocity[24] = {1.0};
+  for (int i = 0; i < 8; i++) mass[i] = 2.0;
+  for (int i = 0; i < 24; i++) inverse[i] = 0.5;
+  own_data spring = {2.0 * w, w, &freed}, dashpot = {2.0 * d, d, &freed};
+  ct_effect one = {.name = "spring", .data = &spring, .node_count = 8, .force = spring_force, .frequency = own_bound};
+  ct_effect two = {.name = "dashpot", .data = &dashpot, .nodes = nodes, .node_count = 8, .force = dashpot_force, .damping = own_bound};
+  const ct_effect *effects[2] = {&one, &two};
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  ct_body body = {.name = "mass", .mesh = mesh, .material = STEEL};
+  ct_problem problem = {.node_count = 8, .body_count = 1, .bodies = &body, .reference = mesh->nodes, .mass = mass, .inverse_mass = inverse,
+                        .initial_velocity = velocity, .effect_count = 2, .effects = effects, .dt = 1.0, .threads = 1};
+  ct_stable_step stable;
+  ct_error e = {0};
+  ct_state *state = NULL;
+  need(ct_stable(&problem, NULL, &stable, &e), &e);
+  problem.dt = factor * stable.dt;
+  need(ct_state_create(&problem, &state, &e), &e);
+  double top = 0.0;
+  for (int i = 0; i < 20000 && top < 1e30; i++) {
+    need(ct_step(&problem, state, &e), &e);
+    top = fmax(top, fabs(state->displacement[0]) * sqrt(w + d * d));
+  }
+  ct_state_free(state);
+  ct_mesh_free(mesh);
+  return top;
+}
+
+/* The damped bound from both sides. */
+static void damped_limit(void)
+{
+  const double cases[][2] = {{1.0, 0.0}, {1.0, 0.1}, {1.0, 2.0}, {4.0, 30.0}, {1e-6, 1.0}};
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    double w = cases[i][0], d = cases[i][1], below = swing(0.999, w, d), above = swing(1.002, w, d);
+    tap_ok(below < 100.0 && above > 1e20, "spring %g and dashpot %g: bounded at 0.999 of the limit (%.3g), not at 1.002 (%.3g)", w, d, below, above);
+  }
+}
+
 int main(void)
 {
   times();
@@ -296,5 +406,7 @@ int main(void)
   supports();
   built_twice();
   contents();
+  own_effects();
+  damped_limit();
   return tap_done();
 }

@@ -57,11 +57,22 @@ typedef struct ct_effect {
   ct_status (*energy)(const struct ct_effect *effect, const ct_view *view, double *energy, ct_error *error);
   /** Upper bound of what the effect adds to the largest ω² of the problem [1 / time²], :eq:`step-bound`. */
   ct_status (*frequency)(const struct ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error);
+  /**
+   * Upper bound of the largest eigenvalue of M⁻¹C [1 / time] for a force -C v that goes with the velocity half a step back, :eq:`damped-step-bound`.
+   * Null for a force that does not depend on velocity.
+   */
+  ct_status (*damping)(const struct ct_effect *effect, const ct_view *view, double *rate, ct_error *error);
   /** Give `data` back. */
   void (*free_data)(void *data);
 } ct_effect;
 
-/** Free an effect made by one of the library's `ct_..._create_effect` calls. */
+/**
+ * An effect of the caller's own: a copy of a filled `ct_effect` that `ct_scene_add_effect` can take over and `ct_effect_free` frees. `nodes` and `data` stay the
+ * caller's until `free_data` is called, once. ``CT_ERROR_ARGUMENT``: no name, nodes not ascending, a force missing or beside `reaction`.
+ */
+CT_API ct_status ct_effect_create(const ct_effect *filled, ct_effect **effect, ct_error *error);
+
+/** Free an effect made by `ct_effect_create` or one of the library's `ct_..._create_effect` calls. */
 CT_API void ct_effect_free(ct_effect *effect);
 
 #endif

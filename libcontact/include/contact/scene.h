@@ -2,6 +2,7 @@
 #define CONTACT_SCENE_H
 
 #include <contact/contact.h>
+#include <contact/effect.h>
 #include <contact/mass.h>
 #include <contact/mesh.h>
 #include <contact/solid.h>
@@ -72,6 +73,15 @@ CT_API ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *c
 
 /** Add a support; its nodes are copied. */
 CT_API ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support, ct_error *error);
+
+/**
+ * Number the nodes of all bodies one after another. `*problem` then has its bodies, reference coordinates, masses and initial velocities, but no effects
+ * yet: what the library's `ct_..._create_effect` calls need. No body can be added after it. The problem lives as long as the scene.
+ */
+CT_API ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_error *error);
+
+/** Add an effect that was made for the joined problem, the library's or the caller's own. The scene takes it over, also when the call fails, and frees it. */
+CT_API ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *error);
 
 /**
  * Build the problem: masses, effects, stable step, and the largest Δt not above the asked one that reaches `end` in a whole

@@ -47,6 +47,8 @@ typedef struct ct_problem {
   double dt;
   /** Threads, >= 1; results do not depend on it. */
   int threads;
+  /** Null, or a clock [seconds] with which the time loop measures what each effect costs (`effect_seconds` of the state); results do not depend on it. */
+  double (*clock)(void);
 } ct_problem;
 
 /**
@@ -83,13 +85,18 @@ typedef struct ct_state {
   int64_t memory_count;
   /** Memory of the effects, one after another. */
   double *memory;
+  /**
+   * Seconds spent in the forces of each effect so far, and after them in the rest of the time loop, shape (effect_count + 1); zero without the problem's
+   * clock. Not part of a restart; written by `ct_step`.
+   */
+  double *effect_seconds;
   /** Forces and scratch space of the current step; not part of a restart. */
   struct ct_workspace *workspace;
 } ct_state;
 
 /** The stable step that is reported, and what it is made of. */
 typedef struct ct_stable_step {
-  /** Largest stable Δt with all effects [time], 2 / sqrt(Σ ω²), :eq:`step-bound`. */
+  /** Largest stable Δt with all effects [time]: 2 / sqrt(Σ ω²), :eq:`step-bound`, or with damping :eq:`damped-step-bound`. */
   double dt;
   /** The same without contact [time]. */
   double dt_without_contact;
