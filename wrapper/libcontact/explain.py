@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from . import effects
 from .parts import DEFAULT_BETA, Contact
 from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, speeds
 from .units import Units
@@ -14,6 +15,7 @@ EFFECTS = {
     "solid": "internal forces of the bodies (every scene has them)",
     "contact": "no [[contact]]: bodies pass through each other",
     "support": "no [[support]]: nothing holds the bodies",
+    **{effects.name_of(module): module.WITHOUT for module in effects.MODULES},
 }
 ASSUMPTIONS = (
     "small strains and rotations, linear isotropic elasticity",
@@ -55,6 +57,7 @@ def _facts(problem: Problem) -> dict[str, Any]:
         "assumptions": list(ASSUMPTIONS),
         "contacts": contacts,
         "supports": [{"set": f"{s.body}.{s.face}", "fix": list(s.fix), "velocity": list(s.velocity)} for s in parts.supports],
+        "added": [{"name": added.name, "key": added.key, "text": added.module.describe(added.given, parts.units)} for added in parts.effects],
         "time": _time(problem),
         "cost": {
             "memory_bytes": sum(memory_estimate(b["nodes"], b["elements"], 8 if b["element"] == "hex8" else 20) for b in bodies),
@@ -141,6 +144,7 @@ def _lines(data: dict[str, Any], units: Units) -> list[str]:
     for support in data["supports"]:
         moving = f" at the velocity {support['velocity']} {units.label('velocity')}" if any(support["velocity"]) else ""
         out.append(f"  support {support['set']}: {', '.join(support['fix'])} held{moving}")
+    out += [f"  {added['name']}: {added['text']}" for added in data["added"]]
     out += ["", "What is not computed"]
     out += [f"  {name}: {why}" for name, why in data["left_out"].items()]
     out += [f"  assumed: {assumption}" for assumption in data["assumptions"]]

@@ -20,7 +20,7 @@ from ._core import ffi, lib
 from .errors import NotBuiltIn, check, new_error
 from .mesh import view
 from .problem import Problem, contact_points, new_state
-from .run import ENERGY, MOMENTUM, BodyState, Run, RunError, State
+from .run import ENERGY, MOMENTUM, BodyState, Run, RunError, State, energy_dtype
 from .schema import SceneError, is_number
 
 DEFAULT_RECORDS = 100
@@ -128,7 +128,7 @@ class Loop:
         for body in range(len(self.problem.bodies)):
             self._call(lib.ct_momentum_of, problem, self.state, body, momentum)
             rows.append(np.frombuffer(ffi.buffer(momentum), C_MOMENTUM).astype(MOMENTUM))
-        energies = np.frombuffer(ffi.buffer(energy), ENERGY).copy()
+        energies = self._energies(np.frombuffer(ffi.buffer(energy), ENERGY))
         if not np.isfinite(energies.view(np.float64)).all():
             raise RunError(f"the energy stopped being finite by t = {self.state.time:g} (step {self.state.step})")
         if self.output is not None:
@@ -139,6 +139,18 @@ class Loop:
         self.energy.append(energies)
         self.momentum += rows
         self.steps.append(self.state.step)
+
+    def _energies(self, row: np.ndarray) -> np.ndarray:
+        """A row of the ledger with the columns of all effects."""
+        out = np.zeros(1, energy_dtype(self.problem.effects))
+        for name in ENERGY.names:
+            out[name] = row[name]
+        value = ffi.new("double *")
+        for k, (name, stores) in enumerate(zip(self.problem.effects, self.problem.stores)):
+            if name in out.dtype.names and name not in ENERGY.names:
+                self._call(lib.ct_energy_stored if stores else lib.ct_energy_work, self.problem.pointer, self.state, k, value)
+                out[name] += value[0]
+        return out
 
     # The loop.
 
@@ -192,7 +204,7 @@ class Loop:
         state = self._last_good() if failed else self._state(self.state)
         return Run(
             bodies=list(problem.bodies), units=problem.parts.units, steps=self.steps,
-            energy=np.concatenate(self.energy or [np.empty(0, ENERGY)]), momentum=np.concatenate(self.momentum or [np.empty(0, MOMENTUM)]),
+            energy=np.concatenate(self.energy or [np.empty(0, energy_dtype(problem.effects))]), momentum=np.concatenate(self.momentum or [np.empty(0, MOMENTUM)]),
             state=state, path=self.path, scene=self.scene_text, interrupted=self.interrupted, seconds=self.seconds,
             writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state))
 

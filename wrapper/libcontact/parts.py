@@ -1,4 +1,4 @@
-"""The parts of a scene as checked values: units, materials, bodies, contacts, supports, time, output."""
+"""The parts of a scene as checked values: units, materials, bodies, contacts, supports, other effects, time, output."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from . import effects
 from .projection import METHODS
 from .schema import SceneError, Table, describe, float_array, index_array, suggestion
+from .surfaces import split_face
 from .units import BASES, Units
 
-FACES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "outer")
 ELEMENTS = ("hex8", "hex20")
 LUMPINGS = ("row_sum", "hrz")
 KERNELS = ("auto", "general", "box")
@@ -100,6 +101,7 @@ class Parts:
     bodies: dict[str, Body]
     contacts: tuple[Contact, ...]
     supports: tuple[Support, ...]
+    effects: tuple[effects.Added, ...]
     time: Time | None
     output: Output
     threads: int
@@ -114,6 +116,7 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     bodies = _named(scene.tables("body"), lambda table: _body(table, materials))
     contacts = tuple(_contact(table, bodies) for table in scene.tables("contact"))
     supports = tuple(_support(table, bodies) for table in scene.tables("support"))
+    added = effects.read(scene, effects.Known(materials, bodies, contacts))
     table = scene.table("time", None) if not whole else scene.table("time")
     time = _time(table) if table is not None else None
     output = _output(scene.table("output", {}))
@@ -123,7 +126,7 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     scene.done()
     if whole and not bodies:
         raise SceneError("there is no [[body]]; a scene needs at least one", "body", file)
-    return Parts(title, units, materials, bodies, contacts, supports, time, output, threads)
+    return Parts(title, units, materials, bodies, contacts, supports, added, time, output, threads)
 
 
 def _named(tables: list[Table], reader: Any) -> dict[str, Any]:
@@ -206,20 +209,6 @@ def _arrays(table: Table) -> tuple[np.ndarray, np.ndarray]:
     except ValueError as error:
         raise table.error("elements", str(error)) from None
     return nodes, elements
-
-
-def split_face(table: Table, key: str, value: Any, bodies: dict[str, Body]) -> tuple[str, str]:
-    """``"left.x_max"`` as (body, face), both of which must exist."""
-    if not isinstance(value, str):
-        raise table.error(key, f'is {describe(value)}; it must be a text such as "left.x_max"')
-    body, dot, face = value.rpartition(".")
-    if not dot:
-        raise table.error(key, f'"{value}" is no face; write body and face with a dot, such as "left.x_max"')
-    if body not in bodies:
-        raise table.error(key, f'"{value}": no body is named "{body}"' + suggestion(body, bodies))
-    if face not in FACES:
-        raise table.error(key, f'"{value}": body "{body}" has no face "{face}"' + suggestion(face, FACES))
-    return body, face
 
 
 def _contact(table: Table, bodies: dict[str, Body]) -> Contact:

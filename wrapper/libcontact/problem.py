@@ -81,10 +81,13 @@ class Problem:
         self._faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contacts)]
         for i, support in enumerate(parts.supports):
             self._add_support(i, support)
+        self.kept: list[Any] = []
+        self._add_effects()
         self._build()
         self.bodies = {name: self._built_body(i, name) for i, name in enumerate(parts.bodies)}
         self.contacts = [self._built_contact(i, contact) for i, contact in enumerate(parts.contacts)]
         self.effects = [ffi.string(self.pointer.effects[i].name).decode() for i in range(self.pointer.effect_count)]
+        self.stores = [self.pointer.effects[i].energy != ffi.NULL for i in range(self.pointer.effect_count)]
 
     @property
     def dt(self) -> float:
@@ -215,6 +218,16 @@ class Problem:
             "node_count": len(nodes), "fixed": [axis in support.fix for axis in "xyz"], "velocity": list(support.velocity)})
         self._call(lib.ct_scene_add_support, self._scene, new, key=f"support[{i}]")
 
+    def _add_effects(self) -> None:
+        """The effects beside contacts and supports, which are made for the joined bodies."""
+        if not self.parts.effects:
+            return
+        joined = ffi.new("const ct_problem **")
+        self._call(lib.ct_scene_join, self._scene, joined, key="")
+        for added in self.parts.effects:
+            maker = Maker(self, joined[0], added.key)
+            self._call(lib.ct_scene_add_effect, self._scene, added.module.create(added.given, maker), key=added.key)
+
     def _build(self) -> None:
         name, value = self.parts.time.step
         end = self.end
@@ -251,6 +264,55 @@ class Problem:
             points.append(len(faces) * rule.count)
         names = tuple(".".join(surface) for surface in contact.surfaces)
         return BuiltContact(names, tuple(len(faces) for faces in self._faces[i]), tuple(points), epsilon[0])
+
+
+class Maker:
+    """
+    What a module of ``libcontact.effects`` needs to make its effect: the joined ``problem`` (``const ct_problem *``), whose nodes are those of all
+    bodies one after another, and the scene's ``parts``.
+    """
+
+    def __init__(self, built: Problem, joined: Any, key: str):
+        self.problem, self.parts, self.key = joined, built.parts, key
+        self._built = built
+
+    def keep(self, value: Any) -> Any:
+        """Keep something alive as long as the problem."""
+        self._built.kept.append(value)
+        return value
+
+    def error(self, reason: str, key: str = "") -> SceneError:
+        return SceneError(reason, f"{self.key}.{key}" if key else self.key, self._built.file)
+
+    def make(self, function: Any, options: Any) -> Any:
+        """The effect that a ``ct_..._create_effect`` makes of its options."""
+        out = ffi.new("ct_effect **")
+        self._built._call(function, options, self.problem, out, key=self.key)
+        return out[0]
+
+    def body(self, name: str) -> Any:
+        """The ``ct_body`` of a name."""
+        return self.problem.bodies[list(self.parts.bodies).index(name)]
+
+    def body_nodes(self, name: str) -> np.ndarray:
+        """Numbers of all nodes of a body in the problem (int32)."""
+        body = self.body(name)
+        return np.arange(body.first_node, body.first_node + body.mesh.node_count, dtype=np.int32)
+
+    def face_nodes(self, surface: tuple[str, str]) -> np.ndarray:
+        """Numbers of the nodes of a surface (body, face) in the problem, ascending (int32); none is an error."""
+        nodes = self._built._meshes[surface[0]].face_nodes(surface[1])
+        return self._on_surface(nodes, surface)
+
+    def faces(self, surface: tuple[str, str]) -> tuple[int, np.ndarray]:
+        """Kind (``CT_Q4``, ``CT_Q8``) and node numbers (faces, 4 or 8) of a surface (body, face) in the problem; none is an error."""
+        mesh = self._built._meshes[surface[0]]
+        return lib.ct_brick_face_kind(KINDS[mesh.element]), self._on_surface(mesh.faces(surface[1])[0], surface)
+
+    def _on_surface(self, numbers: np.ndarray, surface: tuple[str, str]) -> np.ndarray:
+        if not len(numbers):
+            raise self.error(f'"{".".join(surface)}" has no faces: no outer face of the body lies in that plane')
+        return np.ascontiguousarray(numbers + self.body(surface[0]).first_node, dtype=np.int32)
 
 
 def contact_points(problem: Problem, state: Any) -> list[np.ndarray]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from .mesh import WIDTH, Mesh, need_h5py
 from .parts import Material
-from .run import ENERGY, MOMENTUM, BodyState, Run, State
+from .run import ENERGY, MOMENTUM, BodyState, Run, State, energy_dtype
 from .units import BASES, Units
 
 LAYOUT = 1
@@ -51,7 +51,24 @@ def _tables(own: Any, count: int, bodies: int) -> tuple[np.ndarray, np.ndarray, 
     """Steps, energies and momenta: the rows of the recorded steps, or, where the file was saved from memory, its whole history."""
     if "history" in own:
         own, count = own["history"], len(own["history/step"])
-    return (own["step"][:count], _columns(own["energy"][:count], ENERGY), _columns(own["momentum"][: count * bodies], MOMENTUM))
+    energy = own["energy"][:count]
+    if "effects" in own:
+        energy = _with_effects(energy, own, count)
+    return own["step"][:count], _columns(energy, energy.dtype), _columns(own["momentum"][: count * bodies], MOMENTUM)
+
+
+def _with_effects(energy: np.ndarray, own: Any, count: int) -> np.ndarray:
+    """The ledger with a column for each further effect, from the table of all effects' work and stored energy."""
+    names = [_text(row["name"]) for row in own["effects"][()]]
+    stores = [bool(row["stores"]) for row in own["effects"][()]]
+    rows = own["effect"][: count * len(names)].reshape(count, len(names))
+    out = np.zeros(count, energy_dtype(names))
+    for name in ENERGY.names:
+        out[name] = energy[name]
+    for k, name in enumerate(names):
+        if name in out.dtype.names and name not in ENERGY.names:
+            out[name] += rows["energy" if stores[k] else "work"][:, k]
+    return out
 
 
 def _columns(rows: np.ndarray, dtype: np.dtype) -> np.ndarray:

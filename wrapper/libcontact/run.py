@@ -28,6 +28,16 @@ COMPONENTS = {
 }
 
 
+# Effects whose energy or work stands in the columns of ENERGY; others have a column of their own.
+IN_ENERGY = ("solid", "contact", "support")
+
+
+def energy_dtype(effects: Sequence[str]) -> np.dtype:
+    """The fields of ``Run.energy`` for the effects of a problem: a column for the name of each that has none yet."""
+    own = dict.fromkeys(name for name in effects if name not in IN_ENERGY)
+    return np.dtype(ENERGY.descr + [(name, "f8") for name in own])
+
+
 class RunError(Error, RuntimeError):
     """A run that failed in the middle. ``run`` holds what was recorded before, with the last good state; None if there is none."""
 
@@ -138,7 +148,8 @@ class State(Mapping):
 class Run:
     """
     What a run recorded. ``time`` (records,) and ``steps`` (records,); ``energy``, a structured array with the fields time, kinetic, strain,
-    contact, external, total, balance, a row a record; ``momentum``, with time, body (number in ``bodies``), p, L,
+    contact, external, total, balance, and one of the name of each further effect (the energy that it stores, or the work that it did if it stores
+    none), a row a record; ``momentum``, with time, body (number in ``bodies``), p, L,
     contact_impulse, support_impulse, a row a record and body. ``state`` is the last recorded state. ``contact`` has for each contact of
     the scene the Gauss points of both surfaces in that state: side, face, gauss, other (the face that was met, or -1), position, closest, xi,
     gap (negative inside, NaN where nothing was met), pressure, weight; it is empty for a run that was read from a file.

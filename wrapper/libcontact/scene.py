@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from . import effects
 from . import parts as scene_parts
 from .errors import NotBuiltIn
 from .explain import Explanation, explain
 from .loop import execute, record_count, schedule
 from .problem import Problem
 from .run import Run
-from .schema import SceneError, describe
+from .schema import SceneError, describe, suggestion
 
 # What may differ between a scene and the one whose run it continues.
 FREE_ON_RESTART = ("title", "output", "run", "units")
@@ -104,6 +105,16 @@ class Scene:
     def add_support(self, set: str, *, fix: Any, velocity: Any = None) -> Scene:
         """Prescribe the velocity (0 by default) of the nodes of a face such as ``"right.z_min"``, in the directions ``fix``."""
         return self._add("support", set=set, fix=list(fix) if isinstance(fix, (str, tuple)) else fix, velocity=velocity)
+
+    def add(self, effect: str, **entries: Any) -> Scene:
+        """Add an effect of ``libcontact.effects`` with the keys of its table: ``scene.add("gravity", acceleration=[0, 0, -9810])``."""
+        module = next((module for module in effects.MODULES if effects.name_of(module) == effect), None)
+        if module is None:
+            known = [effects.name_of(module) for module in effects.MODULES]
+            raise SceneError(f'no effect is named "{effect}"' + suggestion(effect, known), "", self.file)
+        if not module.MANY and effect in self._data:
+            raise SceneError("stands twice; a scene has it once", effect, self.file)
+        return self._add(effect, **entries) if module.MANY else self._set(effect, **entries)
 
     def set_time(self, *, end: float | None = None, end_c1t_over: Any = None, courant: float | None = None,
                  fraction: float | None = None, dt: float | None = None, integrator: str | None = None) -> Scene:

@@ -17,6 +17,7 @@ typedef struct body_row {
 typedef struct effect_name_row {
   char name[64];
   int32_t node_count;
+  int32_t stores; /* whether the effect has a stored energy */
   int64_t memory_count;
 } effect_name_row;
 
@@ -66,6 +67,7 @@ static hid_t body_type(void)
 static hid_t effect_name_type(void)
 {
   const member members[] = {{"node_count", HOFFSET(effect_name_row, node_count), H5T_NATIVE_INT32},
+                            {"stores", HOFFSET(effect_name_row, stores), H5T_NATIVE_INT32},
                             {"memory_count", HOFFSET(effect_name_row, memory_count), H5T_NATIVE_INT64}};
   return row_type(sizeof(effect_name_row), members, sizeof members / sizeof members[0]);
 }
@@ -98,6 +100,7 @@ static effect_name_row *effect_rows(const ct_problem *problem)
     const ct_effect *effect = problem->effects[i];
     strncpy(rows[i].name, effect->name, sizeof rows[i].name - 1);
     rows[i].node_count = effect->nodes == NULL ? problem->node_count : effect->node_count;
+    rows[i].stores = effect->energy != NULL;
     rows[i].memory_count = effect->memory_count;
   }
   return rows;
