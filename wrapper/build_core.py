@@ -16,7 +16,7 @@ import cffi
 LIBRARY = Path("libcontact")
 INCLUDE = LIBRARY / "include"
 ADDON_HEADERS = {"gsl": "contact/exact_series.h", "hdf5": "contact/output.h"}
-FLAGS = ["-O3", "-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-fopenmp-simd"]
+FLAGS = ["-O3", "-std=c99", "-D_POSIX_C_SOURCE=199309L", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-fopenmp-simd"]
 
 
 def included(header):
@@ -70,11 +70,26 @@ else:
     sources = sorted(str(path) for path in (LIBRARY / "src").rglob("*.c") if path.parent.name not in ADDON_HEADERS)
     objects = []
 
+# The clock that tells what each effect costs: wall time in seconds.
+CLOCK = """
+#include <time.h>
+#ifdef _WIN32
+static double wall_clock(void) { return (double)clock() / CLOCKS_PER_SEC; }
+#else
+static double wall_clock(void)
+{
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+#endif
+"""
+
 ffi = cffi.FFI()
-ffi.cdef("\n".join(map(declarations, headers)))
+ffi.cdef("\n".join(map(declarations, headers)) + "\nstatic double wall_clock(void);")
 ffi.set_source(
     "libcontact._core",
-    "\n".join(f"#include <{header}>" for header in ["contact.h", *(ADDON_HEADERS[name] for name in addons)]),
+    "\n".join(f"#include <{header}>" for header in ["contact.h", *(ADDON_HEADERS[name] for name in addons)]) + CLOCK,
     sources=sources,
     include_dirs=[str(INCLUDE)],
     extra_objects=objects,

@@ -398,6 +398,7 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   for (int32_t i = 0; status == CT_OK && i < scene->body_count; i++) status = start_body(scene, i, error);
   if (status == CT_OK) status = make_effects(scene, error);
   p->threads = 1;
+  p->clock = NULL;
   p->dt = 1.0; // any step will do to ask for the stable one
   if (status == CT_OK) status = ct_stable(p, NULL, stable, error);
   if (status == CT_OK) status = asked_step(time, stable, &dt, error);
@@ -409,6 +410,7 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   *step_count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));
   p->dt = time->end / (double)*step_count;
   p->threads = time->threads;
+  p->clock = time->clock;
   *problem = p;
   return CT_OK;
 }

@@ -140,6 +140,20 @@ ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count
   return status;
 }
 
+ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k, double *omega_squared, double *rate, ct_error *error)
+{
+  if (problem == NULL || state == NULL || omega_squared == NULL || rate == NULL || k < 0 || k >= problem->effect_count)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "stable step: null argument or no effect %d", (int)k);
+  const ct_effect *effect = problem->effects[k];
+  *omega_squared = *rate = 0.0;
+  ct_status status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  ct_view view = ct_workspace_view(problem, state, k);
+  if (effect->frequency != NULL) status = effect->frequency(effect, &view, omega_squared, error);
+  if (status == CT_OK && effect->damping != NULL) status = effect->damping(effect, &view, rate, error);
+  return status;
+}
+
 /* What bounds the step: sums over the effects of ω² and of the damping rate (eq:step-bound, eq:damped-step-bound). */
 typedef struct bounds {
   double omega_squared, rate;
@@ -149,16 +163,14 @@ typedef struct bounds {
 static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds *all, bounds *without_contact, ct_error *error)
 {
   *all = *without_contact = (bounds){0.0, 0.0};
-  ct_status status = ct_workspace_forces(problem, state, error);
+  ct_status status = CT_OK;
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
-    const ct_effect *effect = problem->effects[k];
-    ct_view view = ct_workspace_view(problem, state, k);
-    bounds own = {0.0, 0.0};
-    if (effect->frequency != NULL) status = effect->frequency(effect, &view, &own.omega_squared, error);
-    if (status == CT_OK && effect->damping != NULL) status = effect->damping(effect, &view, &own.rate, error);
+    bounds own;
+    status = ct_stable_share(problem, state, k, &own.omega_squared, &own.rate, error);
+    if (status != CT_OK) return status;
     all->omega_squared += own.omega_squared;
     all->rate += own.rate;
-    if (strcmp(effect->name, "contact") == 0) continue;
+    if (strcmp(problem->effects[k]->name, "contact") == 0) continue;
     without_contact->omega_squared += own.omega_squared;
     without_contact->rate += own.rate;
   }

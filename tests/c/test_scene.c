@@ -318,6 +318,13 @@ static ct_status own_bound(const ct_effect *effect, const ct_view *view, double 
 
 static void own_freed(void *data) { ++*((own_data *)data)->freed; }
 
+/* A clock that counts how often it was asked. */
+static double ticks(void)
+{
+  static double count;
+  return ++count;
+}
+
 /* The caller's own effects: taken over, run, freed once, and refused with the reason. */
 static void own_effects(void)
 {
@@ -343,7 +350,27 @@ static void own_effects(void)
   tap_ok(problem->effect_count == 3 && strcmp(problem->effects[2]->name, "dashpot") == 0, "it stands behind the contacts");
   double W = 4.0 / (without.dt * without.dt), D = 5e7;
   tap_close(with.dt / ((sqrt(D * D + 4 * W) - D) / W), 1.0, 1e-12, "its damping lowers the stable step to the root of 4 - 2 D dt - W dt^2 (%g of it)", with.dt / without.dt);
-  build(p.scene, t, &steps, &with);
+  ct_state *state = NULL;
+  double omega_squared[3], rate[3], sum = 0.0;
+  need(ct_state_create(problem, &state, &e), &e);
+  for (int k = 0; k < 3; k++) {
+    need(ct_stable_share(problem, state, k, &omega_squared[k], &rate[k], &e), &e);
+    sum += omega_squared[k];
+  }
+  tap_close(sum / W, 1.0, 1e-12, "the effects' shares of the bound add up");
+  tap_ok(rate[0] == 0.0 && rate[1] == 0.0 && rate[2] == D && omega_squared[2] == 0.0, "the dashpot alone damps, and has no stiffness");
+  tap_ok(ct_stable_share(problem, state, 3, omega_squared, rate, &e) == CT_ERROR_ARGUMENT, "there is no fourth share: %s", e.text);
+  need(ct_step(problem, state, &e), &e);
+  tap_ok(state->effect_seconds[0] == 0.0, "without a clock nothing is measured");
+  ct_state_free(state);
+  t.clock = ticks;
+  problem = build(p.scene, t, &steps, &with);
+  need(ct_state_create(problem, &state, &e), &e);
+  need(ct_step_many(problem, state, 5, &e), &e);
+  int each_once = 1;
+  for (int k = 0; k < 4; k++) each_once &= state->effect_seconds[k] == 5.0;
+  tap_ok(each_once, "a clock that counts its calls finds 5 in each effect and in the rest of 5 steps");
+  ct_state_free(state);
   tap_ok(freed == 0, "building twice keeps it");
   filled.nodes = outside;
   need(ct_effect_create(&filled, &effect, &e), &e);

@@ -47,6 +47,10 @@ typedef struct ct_effect {
    * minus the sum of all other forces there, and keeps its impulse only, as its work is impulse times velocity.
    */
   int reaction;
+  /** Floating-point operations of one call of `force`, about; 0: not told. A plan shows it, nothing depends on it. */
+  double flops;
+  /** Bytes that one call of `force` moves between memory and processor, about; 0: not told. */
+  double bytes;
   /** Scratch space of one state. */
   ct_status (*create_scratch)(const struct ct_effect *effect, void **scratch, ct_error *error);
   /** Give the scratch space back. */

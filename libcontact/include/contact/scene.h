@@ -58,6 +58,8 @@ typedef struct ct_scene_time {
   double dt;
   /** Threads, >= 1. */
   int threads;
+  /** Null, or the clock [seconds] that the problem gets. */
+  double (*clock)(void);
 } ct_scene_time;
 
 /** An empty scene. */

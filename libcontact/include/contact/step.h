@@ -120,6 +120,12 @@ CT_API ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *e
 CT_API ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count, ct_error *error);
 
 /**
+ * What one effect adds to the bound of the step in this state: ω² [1 / time²] and the rate of its damping [1 / time], :eq:`damped-step-bound`; 0 where it
+ * says nothing.
+ */
+CT_API ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t effect, double *omega_squared, double *rate, ct_error *error);
+
+/**
  * Largest stable step of the problem in this state (a null `state`: at t = 0).
  * An upper bound of ω² of each element plus the bound of the contact points, so never above the true limit of the linear problem.
  */
