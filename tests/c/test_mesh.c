@@ -226,7 +226,7 @@ int main(void)
   double corner[3] = {0, 0, 0}, out[8];
   int32_t beyond[8] = {0, 1, 2, 3, 4, 5, 6, 7};
   ct_mesh wrong = {CT_HEX8, 1, 1, corner, beyond};
-  ct_material steel = {2.1e11, 0.3, 7800.0};
+  ct_material steel = {2.1e11, 0.3, 7800.0, CT_LINEAR};
   ct_error e = {0};
   tap_ok(ct_mass_lumped(&wrong, 1.0, CT_LUMP_DEFAULT, out, &e) == CT_ERROR_ARGUMENT && e.element == 0, "masses: a node out of range is refused: %s", e.text);
   tap_ok(ct_solid_stress(&wrong, &steel, corner, out, &e) == CT_ERROR_ARGUMENT && e.element == 0, "stresses: a node out of range is refused: %s", e.text);
