@@ -301,6 +301,43 @@ static void mirrored(ct_brick_kind kind, ct_law law)
   ct_mesh_free(m);
 }
 
+/* A ring is its own mirror image: mirrored displacements give mirrored forces, to the last bit, also where it closes. */
+static void mirrored_ring(ct_brick_kind kind, ct_law law)
+{
+  ct_ring ring = {{0, 0, 0}, {1.0, 1.5}, 0.5, {2, 10, 2}};
+  ct_mesh *m = NULL;
+  ct_error e;
+  need(ct_mesh_create_ring(kind, &ring, &m, &e), &e);
+  ct_material material = soft(law);
+  int n = 3 * m->node_count, faults = 0;
+  double *u = random_displacement(m, 0.02), *v = numbers(n), *f = numbers(n), *g = numbers(n);
+  block solid = open_block(m, &material, CT_KERNEL_AUTO);
+  block_force(&solid, u, f);
+  for (int axis = 0; axis < 3; axis++) {
+    int *image = integers(m->node_count);
+    for (int a = 0; a < m->node_count; a++) {
+      image[a] = -1;
+      for (int b = 0; b < m->node_count; b++) {
+        int same = 1;
+        for (int c = 0; c < 3; c++) same &= m->nodes[3 * b + c] == (c == axis ? -m->nodes[3 * a + c] : m->nodes[3 * a + c]);
+        if (same) image[a] = b;
+      }
+      faults += image[a] < 0;
+      for (int c = 0; image[a] >= 0 && c < 3; c++) v[3 * image[a] + c] = c == axis ? -u[3 * a + c] : u[3 * a + c];
+    }
+    block_force(&solid, v, g);
+    for (int i = 0; faults == 0 && i < n; i++) faults += !(g[3 * image[i / 3] + i % 3] == (i % 3 == axis ? -f[i] : f[i]));
+    free(image);
+  }
+  tap_ok(faults == 0, "%s, %s: a ring mirrors its forces to the last bit, %d faults", KIND[kind], LAW[law], faults);
+  close_block(&solid);
+  free(u);
+  free(v);
+  free(f);
+  free(g);
+  ct_mesh_free(m);
+}
+
 static void add_spinning(ct_scene *scene, const ct_mesh *m, const ct_material *material, double rate)
 {
   int32_t body = add_body(scene, "block", m, material, CT_KERNEL_AUTO, 0, 0, 0);
@@ -486,6 +523,7 @@ int main(void)
       uniaxial(k, LARGE[l]);
       kernels(k, LARGE[l]);
       mirrored(k, LARGE[l]);
+      mirrored_ring(k, LARGE[l]);
       spinning(k, LARGE[l]);
       tangent_bound(k, LARGE[l]);
       inside_out(k, LARGE[l]);

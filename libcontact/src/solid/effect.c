@@ -15,16 +15,18 @@
 static const struct kernel_row {
   ct_solid_kernel kernel;
   ct_brick_kind kind;
-  int large;
+  ct_law law;
   ct_solid_batches *batches;
   ct_solid_energies *energies;
   double flops;
 } KERNELS[] = {
-  {CT_KERNEL_BOX, CT_HEX8, 0, ct_solid_box_batches, NULL, 393.0},
-  {CT_KERNEL_GENERAL, CT_HEX8, 0, ct_solid_hex8_batches, NULL, 2154.0},
-  {CT_KERNEL_GENERAL, CT_HEX20, 0, ct_solid_hex20_batches, NULL, 37434.0},
-  {CT_KERNEL_GENERAL, CT_HEX8, 1, ct_solid_large_hex8_batches, ct_solid_large_hex8_energies, 3000.0},
-  {CT_KERNEL_GENERAL, CT_HEX20, 1, ct_solid_large_hex20_batches, ct_solid_large_hex20_energies, 40000.0},
+  {CT_KERNEL_BOX, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 393.0},
+  {CT_KERNEL_GENERAL, CT_HEX8, CT_LINEAR, ct_solid_hex8_batches, NULL, 2154.0},
+  {CT_KERNEL_GENERAL, CT_HEX20, CT_LINEAR, ct_solid_hex20_batches, NULL, 37434.0},
+  {CT_KERNEL_GENERAL, CT_HEX8, CT_ST_VENANT_KIRCHHOFF, ct_solid_large_hex8_batches, ct_solid_large_hex8_energies, 3250.0},
+  {CT_KERNEL_GENERAL, CT_HEX8, CT_NEO_HOOKEAN, ct_solid_large_hex8_batches, ct_solid_large_hex8_energies, 3594.0},
+  {CT_KERNEL_GENERAL, CT_HEX20, CT_ST_VENANT_KIRCHHOFF, ct_solid_large_hex20_batches, ct_solid_large_hex20_energies, 41133.0},
+  {CT_KERNEL_GENERAL, CT_HEX20, CT_NEO_HOOKEAN, ct_solid_large_hex20_batches, ct_solid_large_hex20_energies, 42294.0},
 };
 
 typedef struct solid_data {
@@ -269,7 +271,7 @@ static ct_status choose_kernel(ct_solid_part *part, ct_solid_kernel asked, ct_er
   part->kernel = asked == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
   for (size_t k = 0; part->batches == NULL && k < sizeof KERNELS / sizeof KERNELS[0]; k++) {
     const struct kernel_row *row = &KERNELS[k];
-    if (row->kernel != part->kernel || row->kind != part->mesh->kind || row->large != large) continue;
+    if (row->kernel != part->kernel || row->kind != part->mesh->kind || row->law != part->material.law) continue;
     part->batches = row->batches;
     part->energies = row->energies;
     part->flops = row->flops;
