@@ -11,12 +11,29 @@
 #include <math.h>
 #include <string.h>
 
+/* Which function computes a block, and the operations of one element counted in it. The first row that fits is taken. */
+static const struct kernel_row {
+  ct_solid_kernel kernel;
+  ct_brick_kind kind;
+  ct_law law;
+  ct_solid_batches *batches;
+  ct_solid_energies *energies;
+  double flops;
+} KERNELS[] = {
+  {CT_KERNEL_BOX, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 393.0},
+  {CT_KERNEL_GENERAL, CT_HEX8, CT_LINEAR, ct_solid_hex8_batches, NULL, 2154.0},
+  {CT_KERNEL_GENERAL, CT_HEX20, CT_LINEAR, ct_solid_hex20_batches, NULL, 37434.0},
+  {CT_KERNEL_GENERAL, CT_HEX8, CT_ST_VENANT_KIRCHHOFF, ct_solid_large_hex8_batches, ct_solid_large_hex8_energies, 3250.0},
+  {CT_KERNEL_GENERAL, CT_HEX8, CT_NEO_HOOKEAN, ct_solid_large_hex8_batches, ct_solid_large_hex8_energies, 3594.0},
+  {CT_KERNEL_GENERAL, CT_HEX20, CT_ST_VENANT_KIRCHHOFF, ct_solid_large_hex20_batches, ct_solid_large_hex20_energies, 41133.0},
+  {CT_KERNEL_GENERAL, CT_HEX20, CT_NEO_HOOKEAN, ct_solid_large_hex20_batches, ct_solid_large_hex20_energies, 42294.0},
+};
+
 typedef struct solid_data {
   int32_t part_count;
   ct_solid_part *parts;
   int64_t value_count;
   int64_t element_count;
-  double omega_squared;
 } solid_data;
 
 /* Element forces of all parts, and room for one energy an element. */
@@ -60,18 +77,14 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
   }
+  // Batches that no kernel has computed are undeformed.
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    double *lowest = s->values + part->first_value + part->assembly->value_count;
+    for (int32_t b = 0; part->energies != NULL && b < part->batch_count; b++) lowest[b] = 1.0;
+  }
   *scratch = s;
   return CT_OK;
-}
-
-static void part_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *u, double *values)
-{
-  if (part->kernel == CT_KERNEL_BOX)
-    ct_solid_box_batches(part, first, last, u, values);
-  else if (part->mesh->kind == CT_HEX8)
-    ct_solid_hex8_batches(part, first, last, u, values);
-  else
-    ct_solid_hex20_batches(part, first, last, u, values);
 }
 
 /* One thread: sum each node as soon as its last element is there. */
@@ -79,7 +92,7 @@ static void part_force(const ct_solid_part *part, const double *u, double *value
 {
   int32_t node = 0, block = 0;
   for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK, block++) {
-    part_batches(part, b, b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count, u, values);
+    part->batches(part, b, b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count, u, values);
     if (part->assembly->extra_count > 0) continue;
     ct_assembly_gather(part->assembly, values, node, part->ready[block], f);
     node = part->ready[block];
@@ -97,7 +110,7 @@ static void part_force_threads(const ct_solid_part *part, const double *u, doubl
   int32_t batches = part->batch_count, nodes = part->mesh->node_count;
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (int32_t b = 0; b < batches; b += CT_BLOCK)
-    part_batches(part, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches, u, values);
+    part->batches(part, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches, u, values);
   ct_assembly_fold(part->assembly, values);
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE)
@@ -109,20 +122,20 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
 {
   const solid_data *solid = effect->data;
   const solid_scratch *scratch = view->scratch;
-  (void)error;
+  ct_status status = CT_OK;
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
     const double *u = view->displacement + 3 * (int64_t)part->first_node;
     double *f = force + 3 * (int64_t)part->first_node, *values = scratch->values + part->first_value;
 #ifdef _OPENMP
-    if (view->threads > 1) {
+    if (view->threads > 1)
       part_force_threads(part, u, values, f, view->threads);
-      continue;
-    }
+    else
 #endif
-    part_force(part, u, values, f);
+      part_force(part, u, values, f);
+    if (status == CT_OK) status = ct_solid_check_volume(part, i, u, values, error);
   }
-  return CT_OK;
+  return status;
 }
 
 /* Energy of one element, -½ f · (u - mean of u): the force is linear in u and blind to a translation. */
@@ -150,19 +163,14 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
   (void)error;
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
-    for (int32_t e = 0; e < part->mesh->element_count; e++)
-      scratch->energies[count++] = element_energy(part, e, view->displacement + 3 * (int64_t)part->first_node,
-                                                  scratch->values + part->first_value);
+    const double *u = view->displacement + 3 * (int64_t)part->first_node, *values = scratch->values + part->first_value;
+    double batch[8];
+    for (int32_t e = 0; e < part->mesh->element_count; e++) {
+      if (part->energies != NULL && e % 8 == 0) part->energies(part, e / 8, u, batch);
+      scratch->energies[count++] = part->energies != NULL ? batch[e % 8] : element_energy(part, e, u, values);
+    }
   }
   *energy = ct_sum(scratch->energies, count);
-  return CT_OK;
-}
-
-static ct_status solid_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
-{
-  (void)view;
-  (void)error;
-  *omega_squared = ((const solid_data *)effect->data)->omega_squared;
   return CT_OK;
 }
 
@@ -182,14 +190,14 @@ static int same_shape(int per, double x[20][3], double y[20][3])
 static ct_status part_frequency(const ct_solid_part *part, double *omega_squared, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
-  size_t per = (size_t)ct_brick_node_count(mesh->kind);
+  int per = ct_brick_node_count(mesh->kind);
   int32_t count = part->kernel == CT_KERNEL_BOX ? 1 : mesh->element_count;
   double last[20][3] = {{0.0}};
   *omega_squared = 0.0;
   for (int32_t e = 0; e < count; e++) {
     double x[20][3], m[20], w;
-    for (size_t a = 0; a < per; a++) memcpy(x[a], &mesh->nodes[3 * (size_t)mesh->elements[(size_t)e * per + a]], sizeof x[a]);
-    if (e > 0 && same_shape((int)per, x, last)) continue;
+    ct_solid_load_element(mesh, e, mesh->nodes, x);
+    if (e > 0 && same_shape(per, x, last)) continue;
     memcpy(last, x, sizeof last);
     ct_status status = ct_mass_element(mesh->kind, &x[0][0], part->material.density, part->lumping, m, error);
     if (status == CT_OK) status = ct_solid_element_frequency(mesh->kind, &x[0][0], &part->material, m, &w, error);
@@ -199,6 +207,24 @@ static ct_status part_frequency(const ct_solid_part *part, double *omega_squared
     }
     if (w > *omega_squared) *omega_squared = w;
   }
+  return CT_OK;
+}
+
+static ct_status solid_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  double largest = 0.0;
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    double own = part->omega_squared;
+    if (part->energies != NULL && view->displacement != NULL) {
+      ct_status status = ct_solid_tangent_frequency(part, view->displacement + 3 * (int64_t)part->first_node, &own, error);
+      if (status != CT_OK && error != NULL) error->body = i;
+      if (status != CT_OK) return status;
+    }
+    largest = fmax(largest, own);
+  }
+  *omega_squared = largest;
   return CT_OK;
 }
 
@@ -234,6 +260,25 @@ static ct_status prepare_ready(ct_solid_part *part)
   return CT_OK;
 }
 
+/* The kernel that is asked for, or the cheapest that fits. */
+static ct_status choose_kernel(ct_solid_part *part, ct_solid_kernel asked, ct_error *error)
+{
+  int large = part->material.law != CT_LINEAR, box = !large && ct_solid_is_box(part->mesh, part->edge);
+  if (asked == CT_KERNEL_BOX && large)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel is for small strain; large deformation has the general one");
+  if (asked == CT_KERNEL_BOX && !box)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular hex8 elements of one size");
+  part->kernel = asked == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
+  for (size_t k = 0; part->batches == NULL && k < sizeof KERNELS / sizeof KERNELS[0]; k++) {
+    const struct kernel_row *row = &KERNELS[k];
+    if (row->kernel != part->kernel || row->kind != part->mesh->kind || row->law != part->material.law) continue;
+    part->batches = row->batches;
+    part->energies = row->energies;
+    part->flops = row->flops;
+  }
+  return CT_OK;
+}
+
 static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, ct_error *error)
 {
   int32_t per = ct_brick_node_count(block->mesh->kind);
@@ -242,10 +287,8 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   part->lumping = block->lumping;
   part->first_node = block->first_node;
   ct_material_lame(&part->material, &part->lambda, &part->mu);
-  int box = ct_solid_is_box(part->mesh, part->edge);
-  if (block->kernel == CT_KERNEL_BOX && !box)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular hex8 elements of one size");
-  part->kernel = block->kernel == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : block->kernel;
+  ct_status status = choose_kernel(part, block->kernel, error);
+  if (status != CT_OK) return status;
   part->batch_count = (part->mesh->element_count + 7) / 8;
   part->batch_nodes = ct_allocate((size_t)part->batch_count * 8 * (size_t)per, sizeof *part->batch_nodes);
   if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK ||
@@ -267,21 +310,19 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
   int32_t next_node = 0;
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];
-    double omega_squared = 0.0;
     ct_status status = ct_material_check(&blocks[i].material, error);
     if (status == CT_OK) status = ct_mesh_check(blocks[i].mesh, error);
     if (status == CT_OK && blocks[i].first_node != next_node)
       status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the body begins at node %d, not %d", (int)blocks[i].first_node, (int)next_node);
     if (status == CT_OK) status = prepare_part(part, &blocks[i], error);
-    if (status == CT_OK) status = part_frequency(part, &omega_squared, error);
+    if (status == CT_OK) status = part_frequency(part, &part->omega_squared, error);
     if (status != CT_OK) {
       if (error != NULL) error->body = i;
       return status;
     }
     part->first_value = solid->value_count;
-    solid->value_count += part->assembly->value_count;
+    solid->value_count += part->assembly->value_count + (part->energies != NULL ? (part->batch_count + 7) / 8 * 8 : 0);
     solid->element_count += part->mesh->element_count;
-    solid->omega_squared = fmax(solid->omega_squared, omega_squared);
     next_node += part->mesh->node_count;
   }
   return CT_OK;
@@ -318,10 +359,9 @@ ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_k
   if (block >= solid->part_count) return CT_ERROR_ARGUMENT;
   const ct_solid_part *part = &solid->parts[block];
   double elements = part->mesh->element_count, per = ct_brick_node_count(part->mesh->kind);
-  // Operations counted in the kernels; the gather adds 7 sums a component and node.
-  double kernel_flops = part->kernel == CT_KERNEL_BOX ? 393.0 : part->mesh->kind == CT_HEX8 ? 2154.0 : 37434.0;
   if (kernel != NULL) *kernel = part->kernel;
-  if (flops != NULL) *flops = kernel_flops + 21.0 * part->mesh->node_count / elements;
+  // The gather adds 7 sums a component and node.
+  if (flops != NULL) *flops = part->flops + 21.0 * part->mesh->node_count / elements;
   // Node numbers and element forces written once and read once; displacements and forces of the nodes, and the gather's places.
   if (bytes != NULL) *bytes = 4.0 * per + 48.0 * per + (48.0 + 32.0) * part->mesh->node_count / elements;
   return CT_OK;
