@@ -275,10 +275,9 @@ static void kernels(ct_brick_kind kind, ct_law law)
   tap_ok(same, "%s, %s: two threads, the same bits", KIND[kind], LAW[law]);
 }
 
-static void mirrored(ct_brick_kind kind, ct_law law)
+static int64_t mirror_faults_of(ct_mesh *m, ct_law law)
 {
   int64_t faults = 0;
-  ct_mesh *m = distorted(kind, 3);
   ct_material material = soft(law);
   int n = 3 * m->node_count;
   double *u = random_displacement(m, 0.03), *v = numbers(n), *f = numbers(n), *g = numbers(n);
@@ -293,12 +292,20 @@ static void mirrored(ct_brick_kind kind, ct_law law)
     close_block(&there);
     ct_mesh_free(image);
   }
-  tap_ok(faults == 0, "%s, %s: mirror images have mirrored bits, %d faults", KIND[kind], LAW[law], (int)faults);
   free(u);
   free(v);
   free(f);
   free(g);
   ct_mesh_free(m);
+  return faults;
+}
+
+/* One body of many elements, and many of one: a sum over all would hide the last bits of an element's energy. */
+static void mirrored(ct_brick_kind kind, ct_law law)
+{
+  int64_t faults = mirror_faults_of(distorted(kind, 3), law);
+  for (int k = 0; k < 20; k++) faults += mirror_faults_of(distorted(kind, 1), law);
+  tap_ok(faults == 0, "%s, %s: mirror images have mirrored bits, %d faults", KIND[kind], LAW[law], (int)faults);
 }
 
 /* A ring is its own mirror image: mirrored displacements give mirrored forces, to the last bit, also where it closes. */
