@@ -33,7 +33,8 @@ static inline void hex8_point(const lines *g, int q, ct_lanes J[3][3], ct_lanes 
 }
 
 CT_CLONES
-void ct_solid_large_hex8_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values)
+void ct_solid_large_hex8_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement,
+                                 double *values)
 {
   for (int32_t b = first; b < last; b++) {
     double lowest = 1.0;
@@ -71,7 +72,8 @@ void ct_solid_large_hex8_energies(const ct_solid_part *part, int32_t batch, cons
   }
 }
 
-static inline void hex20_nodes(const ct_solid_part *part, int32_t b, int lane, const double *displacement, ct_lanes x[60], ct_lanes u[60])
+static inline void hex20_nodes(const ct_solid_part *part, int32_t b, int lane, const double *displacement, ct_lanes x[60],
+                               ct_lanes u[60])
 {
   ct_load_lanes(&part->batch_nodes[160 * (int64_t)b], 20, part->mesh->nodes, lane, x);
   ct_load_lanes(&part->batch_nodes[160 * (int64_t)b], 20, displacement, lane, u);
@@ -82,7 +84,8 @@ static inline void hex20_nodes(const ct_solid_part *part, int32_t b, int lane, c
 }
 
 CT_CLONES
-void ct_solid_large_hex20_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values)
+void ct_solid_large_hex20_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement,
+                                  double *values)
 {
   for (int32_t b = first; b < last; b++) {
     double lowest = 1.0;
