@@ -68,7 +68,8 @@ void ct_solid_large_hex8_energies(const ct_solid_part *part, int32_t batch, cons
       hex8_point(&g, q, J, H);
       ct_large_point_energy(part->material.law, J, H, part->lambda, part->mu, &W[q]);
     }
-    *(ct_lanes *)(void *)&energies[lane] = ((W[0] + W[1]) + (W[2] + W[3])) + ((W[4] + W[5]) + (W[6] + W[7]));
+    ct_lanes sum = ((W[0] + W[1]) + (W[2] + W[3])) + ((W[4] + W[5]) + (W[6] + W[7]));
+    memcpy(&energies[lane], &sum, sizeof sum);
   }
 }
 
@@ -121,6 +122,7 @@ void ct_solid_large_hex20_energies(const ct_solid_part *part, int32_t batch, con
     }
     for (int k = 0; k < 9; k++) line[k] = (W[3 * k] + W[3 * k + 2]) + W[3 * k + 1];
     for (int k = 0; k < 3; k++) plane[k] = (line[3 * k] + line[3 * k + 2]) + line[3 * k + 1];
-    *(ct_lanes *)(void *)&energies[lane] = (plane[0] + plane[2]) + plane[1];
+    ct_lanes sum = (plane[0] + plane[2]) + plane[1];
+    memcpy(&energies[lane], &sum, sizeof sum);
   }
 }
