@@ -190,7 +190,8 @@ class Problem:
                        KERNEL[body.kernel], list(body.velocity), number, key=f"body[{i}]", about=f'body "{body.name}": ')
             if body.spin is not None:
                 velocity = _spinning(body, mesh)
-                self._call(lib.ct_scene_set_velocity, self._scene, number[0], ffi.from_buffer("double[]", velocity), key=f"body[{i}].spin")
+                self._call(lib.ct_scene_set_velocity, self._scene, number[0], ffi.from_buffer("double[]", velocity),
+                           key=f"body[{i}].spin")
             self._meshes[body.name] = mesh
 
     def _add_contact(self, i: int, contact: scene_parts.Contact) -> list[np.ndarray]:

@@ -10,9 +10,10 @@
 
 struct ct_solid_part;
 
-/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel for large deformation also
- * writes the smallest J = det F of batch b (and 1) to `values[assembly->value_count + b]`. */
-typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
+/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel for large
+ * deformation also writes the smallest J = det F of batch b (and 1) to `values[assembly->value_count + b]`. */
+typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement,
+                              double *values);
 
 /* Stored energies of the 8 elements of one batch. */
 typedef void ct_solid_energies(const struct ct_solid_part *part, int32_t batch, const double *displacement, double energies[8]);
@@ -52,7 +53,8 @@ enum { CT_BLOCK = 32 };
 /* Edge lengths when all elements are rectangular along x, y, z and alike to 1e-12; 0 otherwise. */
 int ct_solid_is_box(const ct_mesh *mesh, double edge[3]);
 
-ct_solid_batches ct_solid_box_batches, ct_solid_hex8_batches, ct_solid_hex20_batches, ct_solid_large_hex8_batches, ct_solid_large_hex20_batches;
+ct_solid_batches ct_solid_box_batches, ct_solid_hex8_batches, ct_solid_hex20_batches;
+ct_solid_batches ct_solid_large_hex8_batches, ct_solid_large_hex20_batches;
 ct_solid_energies ct_solid_large_hex8_energies, ct_solid_large_hex20_energies;
 
 /* Refuse a batch whose smallest J is not positive, in the words of the readable form. */
