@@ -9,7 +9,7 @@
 
 void ct_side_clear(ct_side *side)
 {
-  void *blocks[] = {side->weight, side->x_built, side->candidate_first, side->candidates, side->points, side->depth, side->force, side->force_fine};
+  void *blocks[] = {side->weight, side->x_built, side->candidate_first, side->candidates, side->points, side->reference, side->force, side->force_fine};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_search_free(side->search);
   memset(side, 0, sizeof *side);
@@ -68,14 +68,23 @@ ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, ct_er
   return CT_OK;
 }
 
-void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3])
+static void interpolate(const ct_search *search, const double *x, int32_t face, const double N[8], const double origin[3], double out[3])
 {
-  const ct_search *search = side->search;
   const int32_t *node = &search->faces[(int64_t)face * search->per];
   for (int c = 0; c < 3; c++) {
     double t[8] = {0.0};
-    for (int a = 0; a < search->per; a++) t[a] = N[a] * (search->x[3 * (int64_t)node[a] + c] - origin[c]);
+    for (int a = 0; a < search->per; a++) t[a] = N[a] * (x[3 * (int64_t)node[a] + c] - origin[c]);
     out[c] = (t[0] + t[1]) + (t[2] + t[3]);
     if (search->per > 4) out[c] += (t[4] + t[6]) + (t[5] + t[7]);
   }
+}
+
+void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3])
+{
+  interpolate(side->search, side->search->x, face, N, origin, out);
+}
+
+void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3])
+{
+  interpolate(side->search, side->reference, face, N, origin, out);
 }
