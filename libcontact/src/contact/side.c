@@ -22,11 +22,13 @@ static ct_status allocate(ct_side *side)
   size_t faces = (size_t)side->search->face_count, points = (size_t)ct_side_point_count(side), nodes = (size_t)side->search->node_count;
   side->weight = ct_allocate(points, sizeof *side->weight);
   side->candidate_first = ct_allocate(faces + 1, sizeof *side->candidate_first);
+  side->candidate_room = side->search->face_count;
+  side->candidates = ct_allocate(faces, sizeof *side->candidates);
   side->points = ct_allocate(points, sizeof *side->points);
   side->x_built = ct_allocate(3 * nodes, sizeof *side->x_built);
   side->force = ct_allocate(3 * nodes, sizeof *side->force);
   side->force_fine = ct_allocate(3 * nodes, sizeof *side->force_fine);
-  return side->weight && side->candidate_first && side->points && side->x_built && side->force && side->force_fine ? CT_OK : CT_ERROR_MEMORY;
+  return side->weight && side->candidate_first && side->candidates && side->points && side->x_built && side->force && side->force_fine ? CT_OK : CT_ERROR_MEMORY;
 }
 
 /* Weights w J_ref of the Gauss points (eq:contact-potential). */
