@@ -123,6 +123,7 @@ static ct_status create(const ct_surface *const surface[2], int sides, const ct_
   if (contact == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   double size = 0.0;
   contact->options = *options;
+  contact->one_array = surface[0]->reference == surface[1]->reference;
   for (int s = 0; s < sides && status == CT_OK; s++) {
     status = ct_side_init(&contact->side[s], surface[s], s, error);
     if (status != CT_OK) break;
