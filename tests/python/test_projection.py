@@ -250,3 +250,50 @@ def faces_of(cell, count):
         side = cell.GetFace(i)
         sides.append({side.GetPointId(j) for j in range(side.GetNumberOfPoints())})
     return sides
+
+
+# The way to the foot, and points of a face.
+
+
+def test_points_of_a_face_are_those_of_the_polynomial_through_its_nodes():
+    rng = np.random.default_rng(5)
+    for kind, powers, at in (("Q8", [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2), (2, 1), (1, 2)],
+                              [(-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0)]),
+                             ("T6", [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (0, 2)], [(0, 0), (1, 0), (0, 1), (0.5, 0), (0.5, 0.5), (0, 0.5)])):
+        nodes = rng.normal(size=(len(at), 3))
+        c = np.linalg.solve([[x**i * y**j for i, j in powers] for x, y in at], nodes)
+        xi = rng.uniform(-1.5, 1.5, (4, 5, 2))
+        want = sum((xi[..., 0] ** i * xi[..., 1] ** j)[..., None] * row for (i, j), row in zip(powers, c))
+        np.testing.assert_allclose(ct.face_points(kind, nodes, xi), want, atol=1e-12)
+        np.testing.assert_allclose(ct.face_points(kind, nodes, at), nodes, atol=1e-15)
+    with pytest.raises(ValueError, match="xi"):
+        ct.face_points("Q4", np.zeros((4, 3)), 0.0)
+
+
+@pytest.mark.parametrize("method", ["simplex", "newton", "bfgs", "robust", "certified"])
+def test_a_path_ends_at_the_foot_that_project_finds(method):
+    nodes = np.array([[-1, -1, 0.1], [1.2, -1, -0.2], [1, 1, 0.3], [-1, 0.9, 0.2]])
+    path, found = ct.project_path("Q4", nodes, [0.2, -0.3, 0.8], method, start=(0.5, 0.5))
+    plain = ct.project("Q4", nodes, [[0.2, -0.3, 0.8]], method, start=(0.5, 0.5))
+    assert len(path) > 2 and path[-1].tobytes() == plain.xi[0].tobytes()
+    assert (found.evaluations[0], found.status[0], found.distance[0]) == (plain.evaluations[0], plain.status[0], plain.distance[0])
+    distance = np.linalg.norm(ct.face_points("Q4", nodes, path) - [0.2, -0.3, 0.8], axis=1)
+    assert distance[-1] <= distance.min() + 1e-15
+
+
+def test_newton_is_done_on_a_triangle_after_one_step():
+    """f is a quadratic polynomial there, so the step from any start leads to the foot; the paper says so."""
+    rng = np.random.default_rng(9)
+    for _ in range(50):
+        nodes, point, start = rng.normal(size=(3, 3)), rng.normal(size=3), rng.uniform(0, 0.5, 2)
+        path, _ = ct.project_path("T3", nodes, point, "newton", start=start)
+        edges = (nodes[1:] - nodes[0]).T
+        foot = np.linalg.lstsq(edges, point - nodes[0], rcond=None)[0]
+        scale = np.linalg.cond(edges) ** 2 * (1 + np.abs(foot).max())
+        assert np.abs(path[0] - start).max() == 0.0
+        assert np.abs(path[1] - foot).max() < 1e-13 * scale
+
+
+def test_a_path_of_a_wrong_point_is_refused():
+    with pytest.raises(ValueError, match="point"):
+        ct.project_path("T3", np.eye(3), [1.0, 2.0])
