@@ -180,7 +180,6 @@ REFUSED = [
     (("body",), [], "contact[0].surfaces[0]", "no body"),
     (("contact", 0, "surfaces"), ["left.x_max", "right.x_mni"], "contact[0].surfaces[1]", 'did you mean "x_min"'),
     (("contact", 0, "surfaces"), ["lfet.x_max", "right.x_min"], "contact[0].surfaces[0]", 'did you mean "left"'),
-    (("contact", 0, "surfaces"), ["left.x_max", "left.x_max"], "contact[0].surfaces", "itself"),
     (("contact", 0, "surfaces"), ["left", "right.x_min"], "contact[0].surfaces[0]", "dot"),
     (("contact", 0, "surfaces"), "left.x_max", "contact[0].surfaces", "list"),
     (("contact", 0, "beta"), 0, "contact[0].beta", "above 0"),

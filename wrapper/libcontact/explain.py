@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from . import effects
@@ -19,6 +20,7 @@ EFFECTS = {
 }
 ASSUMPTIONS = (
     "contact without friction; penalty, so surfaces overlap by pressure / epsilon",
+    "surfaces meet only where a [[contact]] names them; a body passes through itself unless one names two surfaces of it, or one twice",
     "no damping and no artificial viscosity: the ringing behind a steep front is the mesh's own",
 )
 LAWS = {
@@ -125,10 +127,10 @@ def _initial_gaps(problem: Problem) -> list[float | None]:
 def _contact(built: BuiltContact, given: Contact, gap: float | None) -> dict[str, Any]:
     warnings = []
     if gap is not None and gap < 0.0:
-        warnings.append(f"contact {built.surfaces[0]} with {built.surfaces[1]}: the surfaces overlap by {-gap:.3g} at the start; "
+        warnings.append(f"contact {_who(built.surfaces)}: the surfaces overlap by {-gap:.3g} at the start; "
                         "the penalty pushes them apart, which puts energy into the bodies")
     return {
-        "surfaces": list(built.surfaces), "faces": list(built.faces), "gauss_points": list(built.points),
+        "surfaces": list(built.surfaces), "with_itself": built.with_itself, "faces": list(built.faces), "gauss_points": list(built.points),
         "epsilon": built.epsilon, "beta": given.beta, "penalty_is_default": not given.penalty_given,
         "method": given.method, "tolerance": given.tolerance, "depth": given.depth, "initial_gap": gap, "warnings": warnings,
     }
@@ -182,18 +184,25 @@ def _body_lines(body: dict[str, Any], units: Units) -> list[str]:
     ]
 
 
+def _who(surfaces: Sequence[str]) -> str:
+    return f"{surfaces[0]} with " + ("itself" if surfaces[0] == surfaces[1] else surfaces[1])
+
+
 def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
-    a, b = contact["surfaces"]
+    if contact["with_itself"]:
+        how = f"{contact['faces'][0]} faces of one body, each against all that share no node with it"
+        nobody = "no point is near another part of the surface"
+    else:
+        how = f"{contact['faces'][0]} and {contact['faces'][1]} faces, each side slave and master once"
+        nobody = "no point is near the other surface"
     if contact["penalty_is_default"]:
         origin = f"beta = {DEFAULT_BETA:g}, the default"
     else:
         origin = f"beta = {contact['beta']:g}" if contact["beta"] is not None else "given"
     return [
-        f"  contact {a} with {b}: {contact['faces'][0]} and {contact['faces'][1]} faces, each side slave and master once, "
-        + f"{sum(contact['gauss_points'])} Gauss points",
+        f"  contact {_who(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} Gauss points",
         f"    penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin}), closest points by {contact['method']}",
-        "    at the start " + ("no point is near the other surface" if contact["initial_gap"] is None
-                               else f"the smallest gap is {contact['initial_gap']:.4g} {units.length}"),
+        "    at the start " + (nobody if contact["initial_gap"] is None else f"the smallest gap is {contact['initial_gap']:.4g} {units.length}"),
     ]
 
 

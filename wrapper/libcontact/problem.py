@@ -43,9 +43,12 @@ class BuiltBody:
 
 @dataclass(frozen=True)
 class BuiltContact:
+    """A contact; ``faces`` and ``points`` count those of each side. A surface in contact with itself is its one side."""
+
     surfaces: tuple[str, str]
-    faces: tuple[int, int]
-    points: tuple[int, int]
+    with_itself: bool
+    faces: tuple[int, ...]
+    points: tuple[int, ...]
     epsilon: float
 
 
@@ -202,6 +205,8 @@ class Problem:
             if not len(faces[j]):
                 raise SceneError(f'"{body}.{face}" has no faces: no outer face of the body lies in that plane',
                                  f"contact[{i}].surfaces[{j}]", self.file)
+        if contact.with_itself:
+            faces = [_together(*faces)] * 2
         new = ffi.new("ct_scene_contact *", {"beta": contact.beta or 0.0, "options": lib.ct_contact_options_default()})
         for side, (body, _), table in zip("ab", contact.surfaces, faces):
             setattr(new, f"body_{side}", numbers[body])
@@ -215,7 +220,7 @@ class Problem:
         if contact.depth is not None:
             new.options.depth = contact.depth
         self._call(lib.ct_scene_add_contact, self._scene, new, key=f"contact[{i}]")
-        return faces
+        return faces[:1] if contact.with_itself else faces
 
     def _add_support(self, i: int, support: scene_parts.Support) -> None:
         nodes = self._meshes[support.body].face_nodes(support.face)
@@ -271,7 +276,7 @@ class Problem:
             lib.ct_rule_face(lib.ct_brick_face_kind(KINDS[self.bodies[body].mesh.element]), 0, rule)
             points.append(len(faces) * rule.count)
         names = tuple(".".join(surface) for surface in contact.surfaces)
-        return BuiltContact(names, tuple(len(faces) for faces in self._faces[i]), tuple(points), epsilon[0])
+        return BuiltContact(names, contact.with_itself, tuple(len(faces) for faces in self._faces[i]), tuple(points), epsilon[0])
 
 
 class Maker:
@@ -321,6 +326,13 @@ class Maker:
         if not len(numbers):
             raise self.error(f'"{".".join(surface)}" has no faces: no outer face of the body lies in that plane')
         return np.ascontiguousarray(numbers + self.body(surface[0]).first_node, dtype=np.int32)
+
+
+def _together(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """The faces of two surfaces of one body as one surface: those of the first, then those of the second that it does not have."""
+    both = np.concatenate([first, second])
+    _, places = np.unique(both, axis=0, return_index=True)
+    return np.ascontiguousarray(both[np.sort(places)])
 
 
 def contact_points(problem: Problem, state: Any) -> list[np.ndarray]:

@@ -9,6 +9,7 @@ struct ct_contact {
   double skin;  /* how far beyond the depth candidates are listed */
   int built;    /* whether the candidate lists exist */
   int sides;    /* 2, or 1 for the contact of a surface with itself */
+  int one_array; /* whether the nodes of both sides are numbered in one array of the host */
   ct_side side[2];
   double *terms; /* room for sums, three numbers a point */
 };
