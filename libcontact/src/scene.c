@@ -31,6 +31,7 @@ struct ct_scene {
   ct_scene_support *supports; /* their arrays are ours */
   ct_effect **added;          /* beside solid, contacts and supports */
   int32_t added_count;
+  ct_savings savings;
   int joined; /* the nodes are numbered, no body can be added */
   /* What `ct_scene_build` makes. */
   ct_problem problem;
@@ -61,7 +62,16 @@ ct_status ct_scene_create(ct_scene **scene, ct_error *error)
 {
   if (scene == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
   *scene = ct_allocate(1, sizeof **scene);
-  return *scene != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a scene");
+  if (*scene == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a scene");
+  (*scene)->savings = ct_savings_default();
+  return CT_OK;
+}
+
+ct_status ct_scene_set_savings(ct_scene *scene, const ct_savings *savings, ct_error *error)
+{
+  if (scene == NULL || savings == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "savings: null argument");
+  scene->savings = *savings;
+  return CT_OK;
 }
 
 /* Whether an effect is one that was added, and not made by `ct_scene_build`. */
@@ -300,7 +310,8 @@ static ct_status make_solid(ct_scene *scene, ct_error *error)
   if (blocks == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
   for (int32_t i = 0; i < scene->body_count; i++)
     blocks[i] = (ct_solid_block){.mesh = scene->parts[i].mesh, .material = scene->bodies[i].material, .kernel = scene->parts[i].kernel,
-                                 .first_node = scene->bodies[i].first_node, .lumping = scene->parts[i].lumping};
+                                 .first_node = scene->bodies[i].first_node, .lumping = scene->parts[i].lumping,
+                                 .savings = &scene->savings};
   ct_status status = ct_solid_create_effect(blocks, scene->body_count, &scene->effects[0], error);
   ct_release(blocks);
   return status;

@@ -4,6 +4,24 @@
 #include <contact/status.h>
 
 /**
+ * Work that may be left out where leaving it out changes no result, :doc:`/theory/savings`; each 1 (may be) or 0. A scene begins with `ct_savings_default`;
+ * turning one off is good for measuring what it saves, and for nothing else.
+ */
+typedef struct ct_savings {
+  /** Elements whose nodes have moved all alike are not computed, and nodes without force are only moved on. */
+  int quiet;
+  /** One layer of bricks held along y is computed in two dimensions. */
+  int plane_strain;
+  /** Elements of one shape and material share what is stored for them. */
+  int congruent;
+  /** Contact surfaces that are too far from each other to touch are not searched. */
+  int distant;
+} ct_savings;
+
+/** All savings on. */
+CT_API ct_savings ct_savings_default(void);
+
+/**
  * What an effect is shown when it is asked for its force: the state of all bodies, one after another, at one time.
  * Nothing here may be changed by the effect but its own `memory` and `scratch`.
  */

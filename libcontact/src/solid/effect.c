@@ -240,6 +240,7 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   part->mesh = block->mesh;
   part->material = block->material;
   part->lumping = block->lumping;
+  part->savings = block->savings == NULL ? ct_savings_default() : *block->savings;
   part->first_node = block->first_node;
   ct_material_lame(&part->material, &part->lambda, &part->mu);
   int box = ct_solid_is_box(part->mesh, part->edge);

@@ -11,6 +11,7 @@ typedef struct ct_solid_part {
   const ct_mesh *mesh;
   ct_material material;
   ct_lumping lumping;
+  ct_savings savings;
   double lambda, mu;
   int32_t first_node;
   ct_solid_kernel kernel;
