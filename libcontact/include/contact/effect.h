@@ -42,6 +42,11 @@ typedef struct ct_view {
   double *next_memory;
   /** What `create_scratch` made for this state. */
   void *scratch;
+  /**
+   * Null, except for the first effect when `force` still holds what it wrote in its last call: then a bit a node, node n being bit n % 64 of word n / 64, all
+   * 0. The effect may set the bit of a node on which its force is zero, as it was in the last call, and leave that force as it stands, :eq:`still-node`.
+   */
+  uint64_t *still;
 } ct_view;
 
 /**

@@ -3,10 +3,11 @@
 #include <contact/solid.h>
 #include <contact/sum.h>
 
+#include "../bits.h"
 #include "../error.h"
 #include "../memory.h"
 #include "../tree.h"
-#include "kernel.h"
+#include "quiet.h"
 
 #include <math.h>
 #include <string.h>
@@ -16,13 +17,17 @@ typedef struct solid_data {
   ct_solid_part *parts;
   int64_t value_count;
   int64_t element_count;
+  int64_t batch_count;
+  int32_t node_count;
+  int quiet; /* whether some part leaves out its quiet batches */
   double omega_squared;
 } solid_data;
 
-/* Element forces of all parts, and room for one energy an element. */
+/* Element forces of all parts, room for one energy an element, and what is known of quiet batches. */
 typedef struct solid_scratch {
   double *values;
   double *energies;
+  ct_quiet quiet;
 } solid_scratch;
 
 static void free_data(void *data)
@@ -33,6 +38,8 @@ static void free_data(void *data)
     ct_release(solid->parts[i].batch_nodes);
     ct_release(solid->parts[i].gradients);
     ct_release(solid->parts[i].ready);
+    ct_release(solid->parts[i].range_first);
+    ct_release(solid->parts[i].ranges);
     ct_assembly_free(solid->parts[i].assembly);
   }
   ct_release(solid->parts);
@@ -45,6 +52,8 @@ static void free_scratch(void *scratch)
   if (s == NULL) return;
   ct_release(s->values);
   ct_release(s->energies);
+  ct_release(s->quiet.batch);
+  ct_release(s->quiet.changed);
   ct_release(s);
 }
 
@@ -56,7 +65,12 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
     s->values = ct_allocate((size_t)solid->value_count, sizeof *s->values);
     s->energies = ct_allocate((size_t)solid->element_count, sizeof *s->energies);
   }
-  if (s == NULL || s->values == NULL || s->energies == NULL) {
+  if (s != NULL && solid->quiet) {
+    size_t words = (size_t)ct_bits_words(solid->node_count);
+    s->quiet.batch = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.batch);
+    s->quiet.changed = ct_allocate(words, sizeof *s->quiet.changed);
+  }
+  if (s == NULL || s->values == NULL || s->energies == NULL || (solid->quiet && !(s->quiet.batch && s->quiet.changed))) {
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
   }
@@ -74,54 +88,100 @@ static void part_batches(const ct_solid_part *part, int32_t first, int32_t last,
     ct_solid_hex20_batches(part, first, last, u, values);
 }
 
-/* One thread: sum each node as soon as its last element is there. */
-static void part_force(const ct_solid_part *part, const double *u, double *values, double *f)
+/* One call of the force for one part. */
+typedef struct part_call {
+  const ct_solid_part *part;
+  const double *displacement; /* of the problem */
+  double *values, *f;         /* of the part */
+  ct_quiet *quiet;            /* null: compute every batch, sum every node */
+} part_call;
+
+/* Compute those of the batches first ... last - 1 that are not quiet. */
+static void call_batches(const part_call *call, int32_t first, int32_t last)
 {
+  const ct_solid_part *part = call->part;
+  const double *u = call->displacement + 3 * (int64_t)part->first_node;
+  int32_t begin = first;
+  for (int32_t b = first; call->quiet != NULL && b < last; b++) {
+    if (!ct_quiet_skip(call->quiet, part, b, call->displacement)) continue;
+    part_batches(part, begin, b, u, call->values);
+    begin = b + 1;
+  }
+  part_batches(part, begin, last, u, call->values);
+  if (call->quiet != NULL) ct_quiet_confirm(call->quiet, part, first, last, call->values);
+}
+
+/* Sum at those of the part's nodes first ... last - 1 that have an element which was computed. */
+static void call_gather(const part_call *call, int32_t first, int32_t last)
+{
+  int32_t shift = call->part->first_node;
+  if (call->quiet == NULL) {
+    ct_assembly_gather(call->part->assembly, call->values, first, last, call->f);
+    return;
+  }
+  for (int32_t n = shift + first, end; n < shift + last; n = end) {
+    n = ct_bits_next(call->quiet->changed, n, shift + last, 1);
+    end = ct_bits_next(call->quiet->changed, n, shift + last, 0);
+    ct_assembly_gather(call->part->assembly, call->values, n - shift, end - shift, call->f);
+  }
+}
+
+/* One thread: sum each node as soon as its last element is there. */
+static void part_force(const part_call *call)
+{
+  const ct_solid_part *part = call->part;
   int32_t node = 0, block = 0;
   for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK, block++) {
-    part_batches(part, b, b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count, u, values);
+    int32_t end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
+    call_batches(call, b, end);
+    if (call->quiet != NULL) ct_quiet_mark(call->quiet, part, b, end);
     if (part->assembly->extra_count > 0) continue;
-    ct_assembly_gather(part->assembly, values, node, part->ready[block], f);
+    call_gather(call, node, part->ready[block]);
     node = part->ready[block];
   }
-  ct_assembly_fold(part->assembly, values);
-  ct_assembly_gather(part->assembly, values, node, part->mesh->node_count, f);
+  ct_assembly_fold(part->assembly, call->values);
+  call_gather(call, node, part->mesh->node_count);
 }
 
 #ifdef _OPENMP
 enum { NODES_AT_ONCE = 1024 };
 
 /* Several threads: all elements, then all nodes. The sums are the same. */
-static void part_force_threads(const ct_solid_part *part, const double *u, double *values, double *f, int threads)
+static void part_force_threads(const part_call *call, int threads)
 {
+  const ct_solid_part *part = call->part;
   int32_t batches = part->batch_count, nodes = part->mesh->node_count;
 #pragma omp parallel for num_threads(threads) schedule(static)
-  for (int32_t b = 0; b < batches; b += CT_BLOCK)
-    part_batches(part, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches, u, values);
-  ct_assembly_fold(part->assembly, values);
+  for (int32_t b = 0; b < batches; b += CT_BLOCK) call_batches(call, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches);
+  if (call->quiet != NULL) ct_quiet_mark(call->quiet, part, 0, batches);
+  ct_assembly_fold(part->assembly, call->values);
 #pragma omp parallel for num_threads(threads) schedule(static)
-  for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE)
-    ct_assembly_gather(part->assembly, values, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes, f);
+  for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE) call_gather(call, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes);
 }
 #endif
 
 static ct_status solid_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
 {
   const solid_data *solid = effect->data;
-  const solid_scratch *scratch = view->scratch;
+  solid_scratch *scratch = view->scratch;
   (void)error;
+  // Begin with no node changed; where nothing stands from before, all are to be summed.
+  if (solid->quiet) memset(scratch->quiet.changed, view->still == NULL ? 0xff : 0, (size_t)ct_bits_words(solid->node_count) * sizeof(uint64_t));
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
-    const double *u = view->displacement + 3 * (int64_t)part->first_node;
-    double *f = force + 3 * (int64_t)part->first_node, *values = scratch->values + part->first_value;
+    part_call call = {part, view->displacement, scratch->values + part->first_value, force + 3 * (int64_t)part->first_node,
+                      part->savings.quiet ? &scratch->quiet : NULL};
+    if (solid->quiet && !part->savings.quiet) ct_bits_put(scratch->quiet.changed, part->first_node, part->first_node + part->mesh->node_count, 1);
 #ifdef _OPENMP
     if (view->threads > 1) {
-      part_force_threads(part, u, values, f, view->threads);
+      part_force_threads(&call, view->threads);
       continue;
     }
 #endif
-    part_force(part, u, values, f);
+    part_force(&call);
   }
+  // -- A node whose elements were all skipped has the same zero force as before (eq:still-node)
+  for (int64_t w = 0; solid->quiet && view->still != NULL && w < ct_bits_words(solid->node_count); w++) view->still[w] = ~scratch->quiet.changed[w];
   return CT_OK;
 }
 
@@ -258,6 +318,7 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
         int32_t e = 8 * b + l < part->mesh->element_count ? 8 * b + l : part->mesh->element_count - 1;
         part->batch_nodes[(b * per + a) * 8 + l] = part->mesh->elements[e * per + a];
       }
+  if (part->savings.quiet && ct_quiet_prepare(part) != CT_OK) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   return ct_assembly_create(part->mesh, 3, &part->assembly, error);
 }
 
@@ -282,9 +343,13 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
     part->first_value = solid->value_count;
     solid->value_count += part->assembly->value_count;
     solid->element_count += part->mesh->element_count;
+    part->first_batch = solid->batch_count;
+    solid->batch_count += part->batch_count;
+    solid->quiet = solid->quiet || part->savings.quiet;
     solid->omega_squared = fmax(solid->omega_squared, omega_squared);
     next_node += part->mesh->node_count;
   }
+  solid->node_count = next_node;
   return CT_OK;
 }
 

@@ -25,8 +25,11 @@ typedef struct ct_solid_part {
   ct_assembly *assembly;
   /* After each block of CT_BLOCK batches: the first node that still waits for an element, shape (blocks). */
   int32_t *ready;
-  /* Where this part's values begin in the scratch of the effect. */
-  int64_t first_value;
+  /* Where this part's values, and its batches, begin in the scratch of the effect. */
+  int64_t first_value, first_batch;
+  /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null when quiet batches are not left out. */
+  int32_t *range_first;
+  struct ct_node_range *ranges;
 } ct_solid_part;
 
 /* Batches that are computed before their nodes are summed, while their forces are still in the cache. */
@@ -35,7 +38,8 @@ enum { CT_BLOCK = 32 };
 /* Edge lengths when all elements are rectangular along x, y, z and alike to 1e-12; 0 otherwise. */
 int ct_solid_is_box(const ct_mesh *mesh, double edge[3]);
 
-/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. */
+/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of displacements first, and
+ * uses nothing else that changes: forces where all nodes have the same displacement are then the same to the last bit, whatever it is (eq:quiet-force). */
 void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
 void ct_solid_hex8_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
 void ct_solid_hex20_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
