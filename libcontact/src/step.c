@@ -83,24 +83,12 @@ static const double *velocity_before(const ct_workspace *w, int32_t node)
   return &w->touched_velocity[3 * (int64_t)low];
 }
 
-/* Where the next node of an effect stands that is not still, counted from its i-th on; a gap in its nodes ends the look. */
-static int32_t next_moving(const ct_workspace *w, const ct_effect *effect, int32_t i)
-{
-  int32_t node = ct_effect_node(effect, i), last = effect->node_count - 1 - i, skip;
-  if (!ct_bits_get(w->still, node)) return i;
-  skip = ct_bits_next(w->still, node, ct_effect_node(effect, effect->node_count - 1) + 1, 0) - node;
-  if (skip > last + 1) return i + 1;
-  return ct_effect_node(effect, i + skip - 1) == node + skip - 1 ? i + skip : i + 1;
-}
-
 /* The impulse of a reaction: minus all other forces on the degrees of freedom that it holds (eq:impulse-balance). */
 static void count_reaction(const ct_problem *problem, const ct_workspace *w, const ct_effect *effect, double *impulse)
 {
-  for (int32_t i = 0, moving; i < effect->node_count; i = moving) {
-    moving = next_moving(w, effect, i);
-    if (moving > i) continue;
-    moving = i + 1;
+  for (int32_t i = 0; i < effect->node_count; i++) {
     int64_t dof = 3 * (int64_t)ct_effect_node(effect, i);
+    if (ct_bits_get(w->still, ct_effect_node(effect, i))) continue;
     for (int64_t c = 0; c < 3; c++) impulse[3 * (int64_t)i + c] -= problem->inverse_mass[dof + c] == 0.0 ? w->total[dof + c] : 0.0;
   }
 }
