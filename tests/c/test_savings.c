@@ -267,10 +267,154 @@ static void front(void)
   close_run(&r);
 }
 
+/* Two plates that fly toward each other, wobble, touch and part: the coordinates of the second one at a time from 0 to 1. */
+static void fly(const double *reference, int32_t node_count, double time, double *x)
+{
+  for (int32_t n = 0; n < node_count; n++) {
+    const double *X = &reference[3 * n];
+    double wobble = 0.2 * sin(9.0 * time) * sin(5.0 * X[1] + 3.0 * X[2] + 20.0 * time), right = X[0] > 0.5;
+    x[3 * n] = X[0] + 0.5 * wobble - right * 5.1 * sin(3.14159265358979 * time);
+    x[3 * n + 1] = X[1] + 0.3 * time;
+    x[3 * n + 2] = X[2] + wobble;
+  }
+}
+
+/* Contact points of a contact that need not look, and of one that always does; on the way the first one counts its looks. */
+static void flight(ct_brick_kind kind, int self)
+{
+  enum { STEPS = 800 };
+  // Of a surface with itself, all faces of a plate share a node: nothing on the same side is near.
+  ct_mesh *m[2] = {box_mesh(kind, -1, 0, 0, 1, 1, 1, 1, self ? 2 : 4, self ? 2 : 4), box_mesh(kind, 5, 0.03, -0.02, 1, 1, 1, 1, self ? 2 : 3, 2)};
+  int per = ct_face_node_count(ct_brick_face_kind(kind));
+  int32_t nodes = m[0]->node_count + m[1]->node_count, faces[8 * 25], count[2];
+  double *X = numbers(3 * nodes), *x = numbers(3 * nodes), *mass = numbers(nodes), *f[2] = {numbers(3 * nodes), numbers(3 * nodes)};
+  memcpy(X, m[0]->nodes, 24 * (size_t)m[0]->node_count);
+  memcpy(X + 3 * m[0]->node_count, m[1]->nodes, 24 * (size_t)m[1]->node_count);
+  count[0] = ct_mesh_plane_faces(m[0], 0, 0.0, faces, NULL);
+  count[1] = ct_mesh_plane_faces(m[1], 0, 5.0, faces + per * count[0], NULL);
+  for (int i = per * count[0]; i < per * (count[0] + count[1]); i++) faces[i] += m[0]->node_count;
+  for (int n = 0; n < nodes; n++) mass[n] = 1.0;
+  ct_surface both = {ct_brick_face_kind(kind), nodes, count[0] + count[1], faces, X}, a = both, b = both;
+  a.face_count = count[0];
+  b.face_count = count[1];
+  b.faces = faces + per * count[0];
+  ct_contact *c[2];
+  ct_contact_options options = ct_contact_options_default();
+  options.epsilon = 10.0;
+  ct_error e;
+  for (int k = 0; k < 2; k++) {
+    options.distant = k;
+    need(self ? ct_contact_create_self(&both, &options, &c[k], &e) : ct_contact_create(&a, &b, &options, &c[k], &e), &e);
+  }
+  int64_t points = ct_contact_point_count(c[0]);
+  ct_contact_point *p[2] = {room(points, sizeof **p), room(points, sizeof **p)};
+  int same = 0, skipped = 0, touching = 0, looks = 0;
+  double last = NAN;
+  for (int step = 0; step <= STEPS; step++) {
+    double omega[2] = {0.0, 0.0};
+    fly(X, nodes, step / (double)STEPS, x);
+    c[1]->side[0].points[0].gap = 42.0; // stands only when nobody has searched
+    for (int k = 0; k < 2; k++) {
+      c[k]->side[0].points[1].other = 0; // as an older state may say
+      memset(f[k], 0, 24 * (size_t)nodes);
+      memset(p[k], 0, (size_t)points * sizeof **p);
+      need(ct_contact_update(c[k], x, x, &e), &e);
+      if (k == 1 && c[1]->side[0].points[0].gap == 42.0) c[1]->side[0].points[0].gap = NAN, skipped++;
+      ct_contact_add_force(c[k], f[k], f[k]);
+      ct_contact_points(c[k], p[k]);
+      if (step % 7 == 0) ct_contact_frequency(c[k], mass, mass, &omega[k]);
+    }
+    looks += last != c[1]->side[0].x_built[0];
+    last = c[1]->side[0].x_built[0];
+    touching += ct_contact_energy(c[0]) > 0.0;
+    same += memcmp(f[0], f[1], 24 * (size_t)nodes) == 0 && memcmp(p[0], p[1], (size_t)points * sizeof **p) == 0 && omega[0] == omega[1] &&
+            ct_contact_energy(c[0]) == ct_contact_energy(c[1]);
+  }
+  tap_ok(same == STEPS + 1 && touching > 20 && skipped > STEPS / 4,
+         "%s plates fly, touch and part, %s: the same bits in %d states, %d of them touching, no search in %d, %d looks", kind == CT_HEX8 ? "linear" : "quadratic",
+         self ? "one surface" : "two surfaces", same, touching, skipped, looks);
+  fly(X, nodes, 0.0, x);
+  need(ct_contact_update(c[1], x, x, &e), &e);
+  x[3 * (nodes - 1)] = NAN;
+  x[3 * faces[0]] = NAN;
+  tap_ok(ct_contact_update(c[1], x, x, &e) == CT_INVALID && e.point == faces[0], "a NaN far from all contact is an error");
+  for (int k = 0; k < 2; k++) {
+    ct_contact_free(c[k]);
+    free(p[k]);
+    free(f[k]);
+    ct_mesh_free(m[k]);
+  }
+  free(X);
+  free(x);
+  free(mass);
+}
+
+/* The middle of a quadratic face moves three times as far as its nodes when corners and mid-sides part: it is not missed. */
+static void bulge(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  int32_t faces[16], nodes = m->node_count, count = ct_mesh_plane_faces(m, 0, 1.0, faces, NULL);
+  double *X = numbers(6 * nodes), *x = numbers(6 * nodes);
+  for (int n = 0; n < nodes; n++)
+    for (int c = 0; c < 3; c++) X[3 * n + c] = m->nodes[3 * n + c], X[3 * (nodes + n) + c] = (c == 0 ? 12.0 : 1.0) - m->nodes[3 * n + c];
+  ct_surface a = {CT_Q8, 2 * nodes, count, faces, X}, b = a;
+  int32_t turned[8];
+  for (int i = 0; i < 8; i++) turned[i] = faces[i] + nodes;
+  b.faces = turned;
+  ct_contact *c[2];
+  ct_contact_options options = ct_contact_options_default();
+  ct_error e;
+  options.epsilon = 1.0;
+  int same = 0, touching = 0;
+  for (int k = 0; k < 2; k++) {
+    options.distant = k;
+    need(ct_contact_create(&a, &b, &options, &c[k], &e), &e);
+  }
+  for (int step = 0; step <= 60; step++) {
+    memcpy(x, X, 48 * (size_t)nodes);
+    for (int i = 0; i < 8; i++) {
+      x[3 * faces[i]] += (i < 4 ? -1.0 : 1.0) * 0.04 * step;
+      x[3 * turned[i]] += (i < 4 ? 1.0 : -1.0) * 0.04 * step;
+    }
+    for (int k = 0; k < 2; k++) need(ct_contact_update(c[k], x, x, &e), &e);
+    same += ct_contact_energy(c[0]) == ct_contact_energy(c[1]);
+    touching += ct_contact_energy(c[0]) > 0.0;
+  }
+  tap_ok(same == 61 && touching > 10, "two quadratic faces that bulge toward each other touch in %d of 61 states", touching);
+  for (int k = 0; k < 2; k++) ct_contact_free(c[k]);
+  free(X);
+  free(x);
+  ct_mesh_free(m);
+}
+
+/* A scene without contact has no memory, no work and no nodes of one. */
+static void without_contact(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
+  ct_scene *scene = new_scene();
+  int64_t steps;
+  ct_stable_step stable;
+  add_body(scene, "block", m, &STEEL, CT_KERNEL_AUTO, 1, 0, 0);
+  const ct_problem *problem = build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.9, .threads = 1}, &steps, &stable);
+  ct_state *state = new_state(problem);
+  tap_ok(problem->effect_count == 1 && state->memory_count == 0 && state->impulse_count == 0 && state->work_count == 3 * m->node_count &&
+             state->workspace->touched_count == 0, "a scene without contact keeps nothing for it");
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(m);
+}
+
 int main(void)
 {
-  ct_savings quiet = {.quiet = 1};
+  ct_savings quiet = {.quiet = 1}, distant = {.distant = 1};
   same_bits(quiet, "quiet");
+  same_bits(distant, "distant");
+  for (int self = 0; self < 2; self++) {
+    flight(CT_HEX8, self);
+    flight(CT_HEX20, self);
+  }
+  bulge();
+  without_contact();
   restarts();
   copied_zeros();
   batches();
