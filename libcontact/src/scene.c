@@ -304,14 +304,14 @@ ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *erro
   return CT_OK;
 }
 
-static ct_status make_solid(ct_scene *scene, ct_error *error)
+static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
 {
   ct_solid_block *blocks = ct_allocate((size_t)scene->body_count, sizeof *blocks);
   if (blocks == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
   for (int32_t i = 0; i < scene->body_count; i++)
     blocks[i] = (ct_solid_block){.mesh = scene->parts[i].mesh, .material = scene->bodies[i].material, .kernel = scene->parts[i].kernel,
                                  .first_node = scene->bodies[i].first_node, .lumping = scene->parts[i].lumping,
-                                 .savings = &scene->savings};
+                                 .savings = &scene->savings, .threads = threads};
   ct_status status = ct_solid_create_effect(blocks, scene->body_count, &scene->effects[0], error);
   ct_release(blocks);
   return status;
@@ -362,12 +362,12 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
   return status == CT_OK ? ct_support_apply(*effect, scene->inverse_mass, scene->velocity) : status;
 }
 
-static ct_status make_effects(ct_scene *scene, ct_error *error)
+static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
 {
   int32_t *count = &scene->problem.effect_count;
   scene->effects = ct_allocate((size_t)scene->contact_count + (size_t)scene->added_count + 2, sizeof *scene->effects);
   if (scene->effects == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the effects");
-  ct_status status = make_solid(scene, error);
+  ct_status status = make_solid(scene, threads, error);
   if (status == CT_OK) (*count)++;
   for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++) {
     status = make_contact(scene, i, &scene->effects[*count], error);
@@ -408,7 +408,7 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   unbuild(scene);
   ct_status status = ct_scene_join(scene, &joined, error);
   for (int32_t i = 0; status == CT_OK && i < scene->body_count; i++) status = start_body(scene, i, error);
-  if (status == CT_OK) status = make_effects(scene, error);
+  if (status == CT_OK) status = make_effects(scene, time->threads, error);
   p->threads = 1;
   p->clock = NULL;
   p->dt = 1.0; // any step will do to ask for the stable one

@@ -199,6 +199,12 @@ static void copied_zeros(void)
 }
 
 /* A batch is skipped only when it was computed before with nodes that had moved alike, and had no force. */
+static int skipped(ct_quiet *quiet, const ct_solid_part *part, const double *u)
+{
+  ct_quiet_find(quiet, part, 0, u);
+  return quiet->batch[part->first_batch] == CT_BATCH_QUIET;
+}
+
 static void batches(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 8, 1, 1);
@@ -212,36 +218,36 @@ static void batches(void)
   double u[3 * 39], values[192] = {0.0};
   for (int i = 0; i < 3 * 39; i++) u[i] = i < 9 ? 7.0 : 0.1 * (i % 3 + 1);
   tap_ok(ct_quiet_prepare(&part) == CT_OK && part.range_first[1] == 1 && part.ranges[0].first == 3 && part.ranges[0].last == 38, "a batch of a row has one range of nodes");
-  tap_ok(!ct_quiet_skip(&quiet, &part, 0, u) && found[2] == CT_BATCH_FRESH, "a batch that moves alike is computed once");
+  tap_ok(!skipped(&quiet, &part, u) && found[2] == CT_BATCH_FRESH, "a batch that moves alike is computed once");
   values[191] = -1e-300;
   ct_quiet_confirm(&quiet, &part, 0, 1, values);
-  tap_ok(!ct_quiet_skip(&quiet, &part, 0, u), "one with a force is computed again");
+  tap_ok(!skipped(&quiet, &part, u), "one with a force is computed again");
   values[191] = -0.0;
   ct_quiet_confirm(&quiet, &part, 0, 1, values);
-  ct_quiet_mark(&quiet, &part, 0, 1);
+  ct_quiet_mark(&quiet, &part);
   tap_ok(changed[0] == ((1ull << 39) - 1 - 7), "what was computed marks its nodes");
   changed[0] = 0;
-  tap_ok(ct_quiet_skip(&quiet, &part, 0, u), "one without is skipped");
-  ct_quiet_mark(&quiet, &part, 0, 1);
+  tap_ok(skipped(&quiet, &part, u), "one without is skipped");
+  ct_quiet_mark(&quiet, &part);
   tap_ok(changed[0] == 0, "what was skipped marks none");
   for (int i = 9; i < 3 * 39; i++) u[i] = 1e3 * (i % 3 - 1);
-  tap_ok(ct_quiet_skip(&quiet, &part, 0, u), "also elsewhere");
+  tap_ok(skipped(&quiet, &part, u), "also elsewhere");
   for (int n = 3; n < 39; n++)
     for (int c = 0; c < 3; c++) {
       double keep = u[3 * n + c];
       u[3 * n + c] += keep == 0.0 ? 5e-324 : 1e-12;
-      if (ct_quiet_skip(&quiet, &part, 0, u)) changed[0] = 1;
+      if (skipped(&quiet, &part, u)) changed[0] = 1;
       u[3 * n + c] = keep;
-      ct_quiet_skip(&quiet, &part, 0, u); // computed again
-      if (!ct_quiet_skip(&quiet, &part, 0, u)) changed[0] = 2;
+      skipped(&quiet, &part, u); // computed again
+      if (!skipped(&quiet, &part, u)) changed[0] = 2;
     }
   tap_ok(changed[0] == 0, "the last bit of any node wakes it");
   u[9] = -0.0;
   for (int i = 12; i < 3 * 39; i += 3) u[i] = 0.0;
-  tap_ok(!ct_quiet_skip(&quiet, &part, 0, u), "and so does the sign of zero");
+  tap_ok(!skipped(&quiet, &part, u), "and so does the sign of zero");
   for (int i = 9; i < 3 * 39; i++) u[i] = INFINITY;
-  ct_quiet_skip(&quiet, &part, 0, u);
-  tap_ok(!ct_quiet_skip(&quiet, &part, 0, u), "what is not finite is never quiet");
+  skipped(&quiet, &part, u);
+  tap_ok(!skipped(&quiet, &part, u), "what is not finite is never quiet");
   ct_release(part.range_first);
   ct_release(part.ranges);
   ct_mesh_free(m);
@@ -387,6 +393,49 @@ static void bulge(void)
   ct_mesh_free(m);
 }
 
+/* Force and energy of a box, many cells long or thin, for random displacements that are alike in parts of it: tables or none, any number of threads. */
+static void lattices(void)
+{
+  static const int CELLS[][3] = {{1, 1, 1}, {1, 1, 300}, {300, 1, 1}, {1, 300, 1}, {30, 7, 9}, {7, 40, 2}, {100, 1, 13}, {3, 3, 200}, {13, 1, 1}, {1, 9, 70}};
+  ct_error e;
+  for (int i = 0; i < (int)(sizeof CELLS / sizeof *CELLS); i++) {
+    const int *n = CELLS[i];
+    ct_mesh *m = box_mesh(CT_HEX8, -1, 2, 3, 0.1 * n[0], 0.2 * n[1], 0.3 * n[2], n[0], n[1], n[2]);
+    ct_savings on = ct_savings_default();
+    double *u = numbers(3 * m->node_count), *f[2] = {numbers(3 * m->node_count), numbers(3 * m->node_count)}, energy[2] = {0, 0};
+    int same = 0, tried = 0;
+    for (int threads = 1; threads <= 5; threads += 2) {
+      ct_solid_block block = {.mesh = m, .material = STEEL, .savings = &NONE, .threads = threads == 5 ? 2 : threads};
+      ct_effect *effect[2];
+      void *scratch[2];
+      for (int k = 0; k < 2; k++, block.savings = &on) {
+        need(ct_solid_create_effect(&block, 1, &effect[k], &e), &e);
+        need(effect[k]->create_scratch(effect[k], &scratch[k], &e), &e);
+      }
+      for (int turn = 0; turn < 6; turn++, tried++) {
+        // From the first moving node on, until a last one.
+        int first = pick(m->node_count), last = turn == 0 ? m->node_count : first + pick(m->node_count - first);
+        for (int d = 0; d < 3 * m->node_count; d++) u[d] = d >= 3 * first && d < 3 * last ? uniform(1e-3) : 0.3 * (d % 3) + turn;
+        for (int k = 0; k < 2; k++) {
+          ct_view view = {.threads = threads, .displacement = u, .scratch = scratch[k]};
+          need(effect[k]->force(effect[k], &view, f[k], &e), &e);
+          need(effect[k]->energy(effect[k], &view, &energy[k], &e), &e);
+        }
+        same += memcmp(f[0], f[1], 24 * (size_t)m->node_count) == 0 && energy[0] == energy[1];
+      }
+      for (int k = 0; k < 2; k++) {
+        effect[k]->free_scratch(scratch[k]);
+        ct_effect_free(effect[k]);
+      }
+    }
+    tap_ok(same == tried, "%d x %d x %d cells: the same force and energy without tables", n[0], n[1], n[2]);
+    free(u);
+    free(f[0]);
+    free(f[1]);
+    ct_mesh_free(m);
+  }
+}
+
 /* A scene without contact has no memory, no work and no nodes of one. */
 static void without_contact(void)
 {
@@ -406,14 +455,16 @@ static void without_contact(void)
 
 int main(void)
 {
-  ct_savings quiet = {.quiet = 1}, distant = {.distant = 1};
-  same_bits(quiet, "quiet");
-  same_bits(distant, "distant");
+  same_bits((ct_savings){.quiet = 1}, "quiet");
+  same_bits((ct_savings){.congruent = 1}, "congruent");
+  same_bits((ct_savings){.distant = 1}, "distant");
+  same_bits((ct_savings){.quiet = 1, .congruent = 1, .distant = 1}, "all three");
   for (int self = 0; self < 2; self++) {
     flight(CT_HEX8, self);
     flight(CT_HEX20, self);
   }
   bulge();
+  lattices();
   without_contact();
   restarts();
   copied_zeros();

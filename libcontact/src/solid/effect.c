@@ -7,6 +7,7 @@
 #include "../error.h"
 #include "../memory.h"
 #include "../tree.h"
+#include "lattice.h"
 #include "quiet.h"
 
 #include <math.h>
@@ -96,6 +97,18 @@ typedef struct part_call {
   ct_quiet *quiet;            /* null: compute every batch, sum every node */
 } part_call;
 
+/* Find which batches are quiet, and mark the nodes of the others. */
+static void find_quiet(const part_call *call, int threads)
+{
+  const ct_solid_part *part = call->part;
+  (void)threads;
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#endif
+  for (int32_t b = 0; b < part->batch_count; b++) ct_quiet_find(call->quiet, part, b, call->displacement);
+  ct_quiet_mark(call->quiet, part);
+}
+
 /* Compute those of the batches first ... last - 1 that are not quiet. */
 static void call_batches(const part_call *call, int32_t first, int32_t last)
 {
@@ -103,12 +116,22 @@ static void call_batches(const part_call *call, int32_t first, int32_t last)
   const double *u = call->displacement + 3 * (int64_t)part->first_node;
   int32_t begin = first;
   for (int32_t b = first; call->quiet != NULL && b < last; b++) {
-    if (!ct_quiet_skip(call->quiet, part, b, call->displacement)) continue;
+    if (call->quiet->batch[part->first_batch + b] != CT_BATCH_QUIET) continue;
+    if (part->cells[0] > 0) ct_lattice_zeros(part, b, call->values);
     part_batches(part, begin, b, u, call->values);
     begin = b + 1;
   }
   part_batches(part, begin, last, u, call->values);
-  if (call->quiet != NULL) ct_quiet_confirm(call->quiet, part, first, last, call->values);
+  // A body in a ring has the box kernel, which gives zeros; and two threads may compute one batch.
+  if (call->quiet != NULL && part->cells[0] == 0) ct_quiet_confirm(call->quiet, part, first, last, call->values);
+}
+
+static void part_gather(const ct_solid_part *part, const double *values, int32_t first, int32_t last, double *f)
+{
+  if (part->cells[0] > 0)
+    ct_lattice_gather(part, values, first, last, f);
+  else
+    ct_assembly_gather(part->assembly, values, first, last, f);
 }
 
 /* Sum at those of the part's nodes first ... last - 1 that have an element which was computed. */
@@ -116,13 +139,13 @@ static void call_gather(const part_call *call, int32_t first, int32_t last)
 {
   int32_t shift = call->part->first_node;
   if (call->quiet == NULL) {
-    ct_assembly_gather(call->part->assembly, call->values, first, last, call->f);
+    part_gather(call->part, call->values, first, last, call->f);
     return;
   }
   for (int32_t n = shift + first, end; n < shift + last; n = end) {
     n = ct_bits_next(call->quiet->changed, n, shift + last, 1);
     end = ct_bits_next(call->quiet->changed, n, shift + last, 0);
-    ct_assembly_gather(call->part->assembly, call->values, n - shift, end - shift, call->f);
+    part_gather(call->part, call->values, n - shift, end - shift, call->f);
   }
 }
 
@@ -132,15 +155,43 @@ static void part_force(const part_call *call)
   const ct_solid_part *part = call->part;
   int32_t node = 0, block = 0;
   for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK, block++) {
-    int32_t end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
-    call_batches(call, b, end);
-    if (call->quiet != NULL) ct_quiet_mark(call->quiet, part, b, end);
+    call_batches(call, b, b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count);
     if (part->assembly->extra_count > 0) continue;
     call_gather(call, node, part->ready[block]);
     node = part->ready[block];
   }
   ct_assembly_fold(part->assembly, call->values);
   call_gather(call, node, part->mesh->node_count);
+}
+
+/* The same for a range of the nodes of a body whose forces go through a ring: begin with the first element that a node of the range may have. */
+static void ring_force(const part_call *call, int32_t first, int32_t last)
+{
+  const ct_solid_part *part = call->part;
+  int32_t node = first;
+  for (int32_t b = ct_lattice_begin(part, first) / 8, end; node < last; b = end) {
+    end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
+    call_batches(call, b, end);
+    int32_t ready = ct_lattice_ready(part, 8 * end);
+    ready = ready < last ? ready : last;
+    if (ready <= node) continue;
+    call_gather(call, node, ready);
+    node = ready;
+  }
+}
+
+/* Each thread sums its share of the nodes with a ring of its own. Elements between two shares are computed twice. */
+static void ring_force_threads(const part_call *call, int threads)
+{
+  int32_t nodes = call->part->mesh->node_count, shares = threads < call->part->rings ? threads : call->part->rings;
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(shares) schedule(static, 1) if (shares > 1)
+#endif
+  for (int32_t i = 0; i < shares; i++) {
+    part_call own = *call;
+    own.values += 24 * call->part->stride * i;
+    ring_force(&own, (int32_t)((int64_t)nodes * i / shares), (int32_t)((int64_t)nodes * (i + 1) / shares));
+  }
 }
 
 #ifdef _OPENMP
@@ -153,7 +204,6 @@ static void part_force_threads(const part_call *call, int threads)
   int32_t batches = part->batch_count, nodes = part->mesh->node_count;
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (int32_t b = 0; b < batches; b += CT_BLOCK) call_batches(call, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches);
-  if (call->quiet != NULL) ct_quiet_mark(call->quiet, part, 0, batches);
   ct_assembly_fold(part->assembly, call->values);
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE) call_gather(call, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes);
@@ -172,6 +222,11 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     part_call call = {part, view->displacement, scratch->values + part->first_value, force + 3 * (int64_t)part->first_node,
                       part->savings.quiet ? &scratch->quiet : NULL};
     if (solid->quiet && !part->savings.quiet) ct_bits_put(scratch->quiet.changed, part->first_node, part->first_node + part->mesh->node_count, 1);
+    if (call.quiet != NULL) find_quiet(&call, view->threads);
+    if (part->cells[0] > 0) {
+      ring_force_threads(&call, view->threads);
+      continue;
+    }
 #ifdef _OPENMP
     if (view->threads > 1) {
       part_force_threads(&call, view->threads);
@@ -186,9 +241,11 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
 }
 
 /* Energy of one element, -½ f · (u - mean of u): the force is linear in u and blind to a translation. */
-static double element_energy(const ct_solid_part *part, int32_t e, const double *u, const double *values)
+static double element_energy(const ct_solid_part *part, int32_t e, const double *u, double *values)
 {
   int per = ct_brick_node_count(part->mesh->kind);
+  int64_t stride;
+  const double *f = ct_batch_values(part, values, e / 8, &stride) + e % 8;
   const int32_t *node = &part->mesh->elements[(size_t)e * (size_t)per];
   double work[3];
   for (int c = 0; c < 3; c++) {
@@ -196,7 +253,7 @@ static double element_energy(const ct_solid_part *part, int32_t e, const double 
     for (int a = 0; a < 8; a++) t[a] = u[3 * (int64_t)node[a] + c];
     double mean = ct_tree_corners(t) / 8.0;
     for (int a = 0; a < per; a++)
-      t[a] = values[((int64_t)(e / 8 * per + a) * 3 + c) * 8 + e % 8] * (u[3 * (int64_t)node[a] + c] - mean);
+      t[a] = f[(3 * a + c) * stride] * (u[3 * (int64_t)node[a] + c] - mean);
     work[c] = ct_tree_nodes(per, t);
   }
   return -0.5 * ((work[0] + work[1]) + work[2]);
@@ -210,9 +267,13 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
   (void)error;
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
-    for (int32_t e = 0; e < part->mesh->element_count; e++)
-      scratch->energies[count++] = element_energy(part, e, view->displacement + 3 * (int64_t)part->first_node,
-                                                  scratch->values + part->first_value);
+    const double *u = view->displacement + 3 * (int64_t)part->first_node;
+    double *values = scratch->values + part->first_value;
+    for (int32_t e = 0; e < part->mesh->element_count; e++) {
+      // Forces that went through a ring are made once more.
+      if (part->cells[0] > 0 && e % 8 == 0) part_batches(part, e / 8, e / 8 + 1, u, values);
+      scratch->energies[count++] = element_energy(part, e, u, values);
+    }
   }
   *energy = ct_sum(scratch->energies, count);
   return CT_OK;
@@ -294,6 +355,22 @@ static ct_status prepare_ready(ct_solid_part *part)
   return CT_OK;
 }
 
+/* A lattice: take from the kernel what an element without strain gives. */
+static ct_status prepare_lattice(ct_solid_part *part, int threads, ct_error *error)
+{
+  part->rings = threads < 1 ? 1 : threads < CT_MOST_RINGS ? threads : CT_MOST_RINGS;
+  part->value_count = ct_lattice_prepare(part);
+  double *u = ct_allocate((size_t)part->mesh->node_count, 3 * sizeof *u), *values = ct_allocate((size_t)part->value_count, sizeof *values);
+  if (u != NULL && values != NULL) {
+    ct_solid_box_batches(part, 0, 1, u, values);
+    for (int i = 0; i < 24; i++) part->zeros[i] = values[i * part->stride];
+  }
+  ct_status status = u != NULL && values != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
+  ct_release(u);
+  ct_release(values);
+  return status;
+}
+
 static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, ct_error *error)
 {
   int32_t per = ct_brick_node_count(block->mesh->kind);
@@ -308,6 +385,7 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular hex8 elements of one size");
   part->kernel = block->kernel == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : block->kernel;
   part->batch_count = (part->mesh->element_count + 7) / 8;
+  if (part->savings.congruent && part->kernel == CT_KERNEL_BOX && ct_lattice_find(part->mesh, part->cells)) return prepare_lattice(part, block->threads, error);
   part->batch_nodes = ct_allocate((size_t)part->batch_count * 8 * (size_t)per, sizeof *part->batch_nodes);
   if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK ||
       (part->mesh->kind == CT_HEX20 && prepare_gradients(part) != CT_OK))
@@ -319,7 +397,9 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
         part->batch_nodes[(b * per + a) * 8 + l] = part->mesh->elements[e * per + a];
       }
   if (part->savings.quiet && ct_quiet_prepare(part) != CT_OK) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
-  return ct_assembly_create(part->mesh, 3, &part->assembly, error);
+  ct_status status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
+  if (status == CT_OK) part->value_count = part->assembly->value_count;
+  return status;
 }
 
 static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_error *error)
@@ -341,7 +421,7 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
       return status;
     }
     part->first_value = solid->value_count;
-    solid->value_count += part->assembly->value_count;
+    solid->value_count += part->value_count;
     solid->element_count += part->mesh->element_count;
     part->first_batch = solid->batch_count;
     solid->batch_count += part->batch_count;
@@ -389,6 +469,7 @@ ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_k
   if (kernel != NULL) *kernel = part->kernel;
   if (flops != NULL) *flops = kernel_flops + 21.0 * part->mesh->node_count / elements;
   // Node numbers and element forces written once and read once; displacements and forces of the nodes, and the gather's places.
-  if (bytes != NULL) *bytes = 4.0 * per + 48.0 * per + (48.0 + 32.0) * part->mesh->node_count / elements;
+  // A lattice has no node numbers and no places, and its forces stay in the cache.
+  if (bytes != NULL) *bytes = part->cells[0] > 0 ? 48.0 * part->mesh->node_count / elements : 52.0 * per + (48.0 + 32.0) * part->mesh->node_count / elements;
   return CT_OK;
 }

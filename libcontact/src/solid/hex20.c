@@ -67,6 +67,6 @@ void ct_solid_hex20_batches(const ct_solid_part *part, int32_t first, int32_t la
       }
       for (int i = 0; i < 3; i++)
         for (int a = 0; a < 20; a++) nodal_force(P, part->gradients, a, i, &u[20 * i + a]);
-      ct_store_lanes(u, 20, lane, &values[480 * (int64_t)b]);
+      ct_store_lanes(u, 20, lane, &values[480 * (int64_t)b], 8);
     }
 }

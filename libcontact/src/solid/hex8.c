@@ -71,6 +71,6 @@ void ct_solid_hex8_batches(const ct_solid_part *part, int32_t first, int32_t las
         collect_modes(P, i, F);
         ct_brick_nodal(F, &u[8 * i]);
       }
-      ct_store_lanes(u, 8, lane, &values[192 * (int64_t)b]);
+      ct_store_lanes(u, 8, lane, &values[192 * (int64_t)b], 8);
     }
 }

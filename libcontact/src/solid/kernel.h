@@ -17,6 +17,12 @@ typedef struct ct_solid_part {
   ct_solid_kernel kernel;
   /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
   double edge[3];
+  /* Cells of a body whose elements share all that is stored, cells[0] = 0: of none. Then a ring of so many elements, a power of two, holds their forces, those of one
+   * component of one node `stride` after those of the one before; each thread has one. `zeros` are the forces of an element that nothing strains, shape (8, 3).
+   * There are no batch_nodes, ranges, assembly, ready. */
+  int32_t cells[3], rings;
+  int64_t ring, stride;
+  double zeros[24];
   /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */
   int32_t batch_count;
   int32_t *batch_nodes;
@@ -25,8 +31,8 @@ typedef struct ct_solid_part {
   ct_assembly *assembly;
   /* After each block of CT_BLOCK batches: the first node that still waits for an element, shape (blocks). */
   int32_t *ready;
-  /* Where this part's values, and its batches, begin in the scratch of the effect. */
-  int64_t first_value, first_batch;
+  /* Where this part's values, and its batches, begin in the scratch of the effect, and how many values it has. */
+  int64_t first_value, first_batch, value_count;
   /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null when quiet batches are not left out. */
   int32_t *range_first;
   struct ct_node_range *ranges;
@@ -60,11 +66,18 @@ static inline void ct_load_lanes(const int32_t *nodes, int per, const double *ar
   }
 }
 
+/* Where the forces of batch `b` stand: number (3 a + c) of element l at [(3 a + c) * stride + l]. */
+static inline double *ct_batch_values(const ct_solid_part *part, double *values, int32_t b, int64_t *stride)
+{
+  *stride = part->cells[0] > 0 ? part->stride : 8;
+  return part->cells[0] > 0 ? values + (8 * (int64_t)b & (part->ring - 1)) : values + 24 * (int64_t)ct_brick_node_count(part->mesh->kind) * b;
+}
+
 /* Write lanes f[component][node] of 8 elements to their place in `values`. */
-static inline void ct_store_lanes(const ct_lanes *f, int per, int lane, double *values)
+static inline void ct_store_lanes(const ct_lanes *f, int per, int lane, double *values, int64_t stride)
 {
   for (int a = 0; a < per; a++)
-    for (int c = 0; c < 3; c++) *(ct_lanes *)(void *)&values[8 * (3 * a + c) + lane] = f[per * c + a];
+    for (int c = 0; c < 3; c++) *(ct_lanes *)(void *)&values[stride * (3 * a + c) + lane] = f[per * c + a];
 }
 
 #endif

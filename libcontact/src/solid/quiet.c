@@ -31,6 +31,34 @@ static int32_t batch_ranges(const ct_solid_part *part, int32_t b, ct_node_range 
   return count;
 }
 
+/* The same of a body in the order of a lattice, without a table: four rows for each row of elements. Rows may be there twice. */
+static int32_t lattice_ranges(const ct_solid_part *part, int32_t b, ct_node_range *range)
+{
+  int32_t row = part->cells[0] + 1, layer = row * (part->cells[1] + 1), count = 0;
+  int32_t last = 8 * b + 8 < part->mesh->element_count ? 8 * b + 8 : part->mesh->element_count;
+  for (int32_t e = 8 * b, end; e < last; e = end) {
+    int32_t i = e % part->cells[0], j = e / part->cells[0] % part->cells[1], k = e / part->cells[0] / part->cells[1];
+    int32_t first = part->first_node + i + row * j + layer * k;
+    end = e + part->cells[0] - i < last ? e + part->cells[0] - i : last;
+    for (int r = 0; r < 4; r++) {
+      int32_t begin = first + (r & 1) * row + (r >> 1) * layer;
+      range[count++] = (ct_node_range){begin, begin + end - e};
+    }
+  }
+  return count;
+}
+
+/* The ranges of a batch, from the part's table or made in `room`. */
+static const ct_node_range *ranges_of(const ct_solid_part *part, int32_t b, ct_node_range room[CT_MOST_RANGES], int32_t *count)
+{
+  if (part->cells[0] > 0) {
+    *count = lattice_ranges(part, b, room);
+    return room;
+  }
+  *count = part->range_first[b + 1] - part->range_first[b];
+  return &part->ranges[part->range_first[b]];
+}
+
 ct_status ct_quiet_prepare(ct_solid_part *part)
 {
   part->range_first = ct_allocate((size_t)part->batch_count + 1, sizeof *part->range_first);
@@ -45,9 +73,11 @@ ct_status ct_quiet_prepare(ct_solid_part *part)
 /* Whether all nodes of a batch have the same displacement, to the last bit, and a finite one (eq:quiet-batch). */
 static int moved_alike(const ct_solid_part *part, int32_t b, const double *displacement)
 {
-  const ct_node_range *range = &part->ranges[part->range_first[b]], *end = &part->ranges[part->range_first[b + 1]];
+  ct_node_range room[CT_MOST_RANGES];
+  int32_t count;
+  const ct_node_range *range = ranges_of(part, b, room, &count);
   const double *u = &displacement[3 * (int64_t)range->first];
-  for (const ct_node_range *r = range; r < end; r++)
+  for (const ct_node_range *r = range; r < range + count; r++)
     // A range is compared with itself, shifted by a node.
     if (memcmp(&displacement[3 * (int64_t)r->first], u, 3 * sizeof *u) != 0 ||
         memcmp(&displacement[3 * (int64_t)r->first], &displacement[3 * (int64_t)r->first + 3], 3 * (size_t)(r->last - r->first) * sizeof *u) != 0)
@@ -55,29 +85,32 @@ static int moved_alike(const ct_solid_part *part, int32_t b, const double *displ
   return isfinite(u[0]) && isfinite(u[1]) && isfinite(u[2]);
 }
 
-int ct_quiet_skip(ct_quiet *quiet, const ct_solid_part *part, int32_t b, const double *displacement)
+void ct_quiet_find(ct_quiet *quiet, const ct_solid_part *part, int32_t b, const double *displacement)
 {
   uint8_t *found = &quiet->batch[part->first_batch + b];
-  int alike = moved_alike(part, b, displacement), skip = alike && *found != CT_BATCH_MOVING;
-  *found = (uint8_t)(skip ? CT_BATCH_QUIET : alike ? CT_BATCH_FRESH : CT_BATCH_MOVING);
-  return skip;
+  int alike = moved_alike(part, b, displacement);
+  *found = (uint8_t)(!alike ? CT_BATCH_MOVING : *found == CT_BATCH_MOVING ? CT_BATCH_FRESH : CT_BATCH_QUIET);
 }
 
-void ct_quiet_confirm(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last, const double *values)
+void ct_quiet_confirm(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last, double *values)
 {
-  int64_t size = 24 * (int64_t)ct_brick_node_count(part->mesh->kind);
+  int per = ct_brick_node_count(part->mesh->kind);
   for (int32_t b = first; b < last; b++) {
     uint8_t *found = &quiet->batch[part->first_batch + b];
-    for (int64_t i = b * size; *found == CT_BATCH_FRESH && i < (b + 1) * size; i++)
-      if (values[i] != 0.0) *found = CT_BATCH_MOVING;
+    int64_t stride;
+    const double *v = ct_batch_values(part, values, b, &stride);
+    for (int i = 0; *found == CT_BATCH_FRESH && i < 3 * per * 8; i++)
+      if (v[i / 8 * stride + i % 8] != 0.0) *found = CT_BATCH_MOVING;
   }
 }
 
-void ct_quiet_mark(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last)
+void ct_quiet_mark(ct_quiet *quiet, const ct_solid_part *part)
 {
-  for (int32_t b = first; b < last; b++) {
+  for (int32_t b = 0; b < part->batch_count; b++) {
+    ct_node_range room[CT_MOST_RANGES];
+    int32_t count;
     if (quiet->batch[part->first_batch + b] == CT_BATCH_QUIET) continue;
-    for (int32_t i = part->range_first[b]; i < part->range_first[b + 1]; i++)
-      ct_bits_put(quiet->changed, part->ranges[i].first, part->ranges[i].last + 1, 1);
+    const ct_node_range *range = ranges_of(part, b, room, &count);
+    for (int32_t i = 0; i < count; i++) ct_bits_put(quiet->changed, range[i].first, range[i].last + 1, 1);
   }
 }
