@@ -355,22 +355,6 @@ static ct_status prepare_ready(ct_solid_part *part)
   return CT_OK;
 }
 
-/* A lattice: take from the kernel what an element without strain gives. */
-static ct_status prepare_lattice(ct_solid_part *part, int threads, ct_error *error)
-{
-  part->rings = threads < 1 ? 1 : threads < CT_MOST_RINGS ? threads : CT_MOST_RINGS;
-  part->value_count = ct_lattice_prepare(part);
-  double *u = ct_allocate((size_t)part->mesh->node_count, 3 * sizeof *u), *values = ct_allocate((size_t)part->value_count, sizeof *values);
-  if (u != NULL && values != NULL) {
-    ct_solid_box_batches(part, 0, 1, u, values);
-    for (int i = 0; i < 24; i++) part->zeros[i] = values[i * part->stride];
-  }
-  ct_status status = u != NULL && values != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
-  ct_release(u);
-  ct_release(values);
-  return status;
-}
-
 static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, ct_error *error)
 {
   int32_t per = ct_brick_node_count(block->mesh->kind);
@@ -385,7 +369,11 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular hex8 elements of one size");
   part->kernel = block->kernel == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : block->kernel;
   part->batch_count = (part->mesh->element_count + 7) / 8;
-  if (part->savings.congruent && part->kernel == CT_KERNEL_BOX && ct_lattice_find(part->mesh, part->cells)) return prepare_lattice(part, block->threads, error);
+  if (part->savings.congruent && part->kernel == CT_KERNEL_BOX && ct_lattice_find(part->mesh, part->cells)) {
+    part->rings = block->threads < 1 ? 1 : block->threads < CT_MOST_RINGS ? block->threads : CT_MOST_RINGS;
+    part->value_count = ct_lattice_prepare(part);
+    return CT_OK;
+  }
   part->batch_nodes = ct_allocate((size_t)part->batch_count * 8 * (size_t)per, sizeof *part->batch_nodes);
   if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK ||
       (part->mesh->kind == CT_HEX20 && prepare_gradients(part) != CT_OK))

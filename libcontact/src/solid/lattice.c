@@ -57,9 +57,9 @@ void ct_lattice_zeros(const ct_solid_part *part, int32_t b, double *values)
 {
   int64_t stride;
   double *v = ct_batch_values(part, values, b, &stride);
-  // Zeros with the signs that the kernel would give them.
+  // The kernel gives some of its zeros a minus, but the node on the side of negative ξ never: sums at nodes are +0 in both cases.
   for (int i = 0; i < 24; i++)
-    for (int l = 0; l < 8; l++) v[i * stride + l] = part->zeros[i];
+    for (int l = 0; l < 8; l++) v[i * stride + l] = 0.0;
 }
 
 /* Sum eight runs of element forces that lie side by side; `step`: from one component to the next. */
