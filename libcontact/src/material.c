@@ -31,5 +31,7 @@ ct_status ct_material_check(const ct_material *material, ct_error *error)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "Poisson's ratio must lie in -1 < nu < 1/2, not %g", material->poisson);
   if (!(material->density > 0.0) || !isfinite(material->density))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "density must be positive, not %g", material->density);
+  if ((int)material->law < CT_LINEAR || (int)material->law > CT_NEO_HOOKEAN)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "there is no material law %d", (int)material->law);
   return CT_OK;
 }

@@ -40,15 +40,14 @@ void ct_mesh_free(ct_mesh *mesh)
 }
 
 /* Nodes of a box stand on a lattice of half cells: point (i, j, k) with 0 <= i <= 2 cells[0] and so on.
- * Corners have even coordinates; the mid-side nodes of hex20 have exactly one odd one. */
-static int32_t lattice_node(const int32_t cells[3], const int32_t at[3])
+ * Corners, of which there are so many along each axis, have even coordinates; the mid-side nodes of hex20 have exactly one odd one. */
+static int32_t lattice_node(const int32_t cells[3], const int64_t corners[3], const int32_t at[3])
 {
   int odd = -1;
   for (int d = 0; d < 3; d++)
     if (at[d] % 2) odd = d;
   int64_t first = 0;
-  int64_t corners[3], count[3];
-  for (int d = 0; d < 3; d++) corners[d] = cells[d] + 1;
+  int64_t count[3];
   // Blocks of numbers: corners, then mid-sides along x, y, z.
   for (int block = -1; block <= odd; block++) {
     for (int d = 0; d < 3; d++) count[d] = d == block ? cells[d] : corners[d];
@@ -58,8 +57,9 @@ static int32_t lattice_node(const int32_t cells[3], const int32_t at[3])
   return (int32_t)(first + at[0] / 2 + count[0] * (at[1] / 2 + count[1] * (at[2] / 2)));
 }
 
-static void lattice_coordinates(const ct_box *box, const int32_t at[3], double x[3])
+static void lattice_coordinates(const void *shape, const int32_t at[3], double x[3])
 {
+  const ct_box *box = shape;
   for (int d = 0; d < 3; d++) {
     double a = box->origin[d], b = box->origin[d] + box->size[d];
     double n = 2.0 * box->cells[d], i = at[d];
@@ -79,18 +79,35 @@ static ct_status box_check(const ct_box *box, ct_error *error)
   return CT_OK;
 }
 
-static void box_element(ct_mesh *mesh, const ct_box *box, const int32_t cell[3], int32_t element)
+/* Where a lattice point lies: `shape` is a ct_box or a ct_ring. */
+typedef void place_node(const void *shape, const int32_t at[3], double x[3]);
+
+/* Bricks on a lattice; with `corners[d]` equal to `cells[d]` it closes upon itself along d. */
+static ct_status create_lattice(ct_brick_kind kind, const int32_t cells[3], const int64_t corners[3], place_node *place, const void *shape,
+                                ct_mesh **out, ct_error *error)
 {
-  int per = ct_brick_node_count(mesh->kind);
-  for (int a = 0; a < per; a++) {
-    double xi[3];
-    int32_t at[3];
-    ct_brick_reference(mesh->kind, a, xi);
-    for (int d = 0; d < 3; d++) at[d] = 2 * cell[d] + 1 + (int32_t)xi[d];
-    int32_t node = lattice_node(box->cells, at);
-    mesh->elements[(size_t)element * (size_t)per + (size_t)a] = node;
-    lattice_coordinates(box, at, &mesh->nodes[3 * (size_t)node]);
-  }
+  int64_t n[3] = {cells[0], cells[1], cells[2]};
+  if (n[0] * n[1] > INT32_MAX) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "a mesh of too many cells");
+  int64_t nodes = corners[0] * corners[1] * corners[2];
+  if (kind == CT_HEX20) nodes += n[0] * corners[1] * corners[2] + corners[0] * n[1] * corners[2] + corners[0] * corners[1] * n[2];
+  ct_status status = mesh_allocate(kind, nodes, n[0] * n[1] * n[2], out, error);
+  if (status != CT_OK) return status;
+
+  size_t next = 0;
+  int per = ct_brick_node_count(kind);
+  int32_t cell[3], at[3];
+  for (cell[2] = 0; cell[2] < cells[2]; cell[2]++)
+    for (cell[1] = 0; cell[1] < cells[1]; cell[1]++)
+      for (cell[0] = 0; cell[0] < cells[0]; cell[0]++)
+        for (int a = 0; a < per; a++) {
+          double xi[3];
+          ct_brick_reference(kind, a, xi);
+          for (int d = 0; d < 3; d++) at[d] = (int32_t)((2 * cell[d] + 1 + (int32_t)xi[d]) % (corners[d] == n[d] ? 2 * n[d] : 2 * n[d] + 1));
+          int32_t node = lattice_node(cells, corners, at);
+          (*out)->elements[next++] = node;
+          place(shape, at, &(*out)->nodes[3 * (size_t)node]);
+        }
+  return CT_OK;
 }
 
 ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh, ct_error *error)
@@ -99,19 +116,52 @@ ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **me
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: null argument or unknown element");
   ct_status status = box_check(box, error);
   if (status != CT_OK) return status;
-  int64_t n[3] = {box->cells[0], box->cells[1], box->cells[2]};
-  if (n[0] * n[1] > INT32_MAX) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: too many cells");
-  int64_t nodes = (n[0] + 1) * (n[1] + 1) * (n[2] + 1);
-  if (kind == CT_HEX20)
-    nodes += n[0] * (n[1] + 1) * (n[2] + 1) + (n[0] + 1) * n[1] * (n[2] + 1) + (n[0] + 1) * (n[1] + 1) * n[2];
-  status = mesh_allocate(kind, nodes, n[0] * n[1] * n[2], mesh, error);
-  if (status != CT_OK) return status;
+  int64_t corners[3] = {box->cells[0] + 1, box->cells[1] + 1, box->cells[2] + 1};
+  return create_lattice(kind, box->cells, corners, lattice_coordinates, box, mesh, error);
+}
 
-  int32_t element = 0, cell[3];
-  for (cell[2] = 0; cell[2] < box->cells[2]; cell[2]++)
-    for (cell[1] = 0; cell[1] < box->cells[1]; cell[1]++)
-      for (cell[0] = 0; cell[0] < box->cells[0]; cell[0]++) box_element(*mesh, box, cell, element++);
-  return CT_OK;
+/* Cosine and sine of the angle 2π i / n, folded to the first eighth of the circle so that they mirror exactly (eq:mesh-ring). */
+static void circle(int32_t i, int32_t n, double *c, double *s)
+{
+  const double pi = 3.14159265358979323846;
+  int64_t a = 8 * (int64_t)i, turn = n; // eighths of the circle: a / turn of them
+  int below = a > 4 * turn, left, swap;
+  if (below) a = 8 * turn - a;
+  left = a > 2 * turn;
+  if (left) a = 4 * turn - a;
+  swap = a > turn;
+  if (swap) a = 2 * turn - a;
+  double angle = 0.25 * pi * (double)a / (double)turn, x = cos(angle), y = a == turn ? x : sin(angle);
+  *c = (swap ? y : x) * (left ? -1.0 : 1.0);
+  *s = (swap ? x : y) * (below ? -1.0 : 1.0);
+}
+
+static void ring_coordinates(const void *shape, const int32_t at[3], double x[3])
+{
+  const ct_ring *ring = shape;
+  double c, s, n = 2.0 * ring->cells[0], r = ((n - at[0]) * ring->radius[0] + at[0] * ring->radius[1]) / n;
+  circle(at[1], 2 * ring->cells[1], &c, &s);
+  x[0] = ring->centre[0] + r * c;
+  x[1] = ring->centre[1] + r * s;
+  x[2] = ring->centre[2] + (double)(at[2] - ring->cells[2]) * ring->width / (2.0 * ring->cells[2]);
+}
+
+ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh **mesh, ct_error *error)
+{
+  if (ring == NULL || mesh == NULL || ct_brick_node_count(kind) == 0)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ring: null argument or unknown element");
+  const double *r = ring->radius;
+  if (!(r[0] > 0.0 && r[1] > r[0]) || !isfinite(r[1]) || !(ring->width > 0.0) || !isfinite(ring->width))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ring: radius %g to %g, width %g", r[0], r[1], ring->width);
+  for (int d = 0; d < 3; d++) {
+    static const char *const along[3] = {"along the radius", "around", "across"};
+    int32_t least = d == 1 ? 3 : 1;
+    if (!isfinite(ring->centre[d])) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ring: its centre is not finite");
+    if (ring->cells[d] < least || ring->cells[d] > 1000000)
+      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ring: %d cells %s, at least %d are needed", (int)ring->cells[d], along[d], (int)least);
+  }
+  int64_t corners[3] = {ring->cells[0] + 1, ring->cells[1], ring->cells[2] + 1};
+  return create_lattice(kind, ring->cells, corners, ring_coordinates, ring, mesh, error);
 }
 
 ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error)

@@ -15,6 +15,7 @@ typedef struct scene_body {
   ct_lumping lumping;
   ct_solid_kernel kernel;
   double velocity[3];
+  double *velocities; /* of each node, or null */
 } scene_body;
 
 typedef struct scene_contact {
@@ -111,7 +112,10 @@ void ct_scene_free(ct_scene *scene)
   for (int32_t i = 0; i < scene->added_count; i++) ct_effect_free(scene->added[i]);
   ct_release(scene->added);
   unjoin(scene);
-  for (int32_t i = 0; i < scene->body_count; i++) ct_mesh_free(scene->parts[i].mesh);
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    ct_mesh_free(scene->parts[i].mesh);
+    ct_release(scene->parts[i].velocities);
+  }
   for (int32_t i = 0; i < scene->contact_count; i++) {
     ct_release(scene->contacts[i].faces[0]);
     ct_release(scene->contacts[i].faces[1]);
@@ -153,7 +157,7 @@ ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *me
   entry->material = *material;
   entry->first_node = 0;
   for (int32_t i = 0; i < scene->body_count; i++) entry->first_node += scene->bodies[i].mesh->node_count;
-  scene->parts[scene->body_count] = (scene_body){copy, lumping, kernel, {velocity[0], velocity[1], velocity[2]}};
+  scene->parts[scene->body_count] = (scene_body){copy, lumping, kernel, {velocity[0], velocity[1], velocity[2]}, NULL};
   if (body != NULL) *body = scene->body_count;
   scene->body_count++;
   return CT_OK;
@@ -163,6 +167,24 @@ static ct_status check_body(const ct_scene *scene, int32_t body, const char *wha
 {
   if (body >= 0 && body < scene->body_count) return CT_OK;
   return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "%s: there is no body %d", what, (int)body);
+}
+
+ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *velocity, ct_error *error)
+{
+  if (scene == NULL || velocity == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "velocity: null argument");
+  ct_status status = check_body(scene, body, "velocity", error);
+  if (status != CT_OK) return status;
+  const char *name = scene->bodies[body].name;
+  int64_t count = 3 * (int64_t)scene->parts[body].mesh->node_count;
+  if (scene->joined)
+    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "body %s: the scene's bodies were joined before, and keep their velocities", name);
+  for (int64_t d = 0; d < count; d++)
+    if (!isfinite(velocity[d])) return ct_fail(error, CT_INVALID, (ct_place){body, -1, d / 3}, "body %s: velocity %c of node %d is not finite", name, "xyz"[d % 3], (int)(d / 3));
+  double *copy = duplicate(velocity, (size_t)count * sizeof *copy);
+  if (copy == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for body %s", name);
+  ct_release(scene->parts[body].velocities);
+  scene->parts[body].velocities = copy;
+  return CT_OK;
 }
 
 /* Node numbers of a body's own mesh, `per` of them a face; a support's nodes stand alone (`per` 0). */
@@ -241,7 +263,7 @@ static ct_status start_body(ct_scene *scene, int32_t i, ct_error *error)
       return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){i, -1, (int64_t)(d / 3 - first)}, "node %d of body %s belongs to no element",
                      (int)(d / 3 - first), scene->bodies[i].name);
     scene->inverse_mass[d] = 1.0 / scene->mass[d / 3];
-    scene->velocity[d] = part->velocity[d % 3];
+    scene->velocity[d] = part->velocities != NULL ? part->velocities[d - 3 * first] : part->velocity[d % 3];
   }
   return CT_OK;
 }

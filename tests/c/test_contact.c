@@ -485,7 +485,7 @@ static void bound_on_ties(void)
 static void bars(double beta, int wall)
 {
   const double h = 0.5;
-  ct_material m = {4.0, 0.0, 1.0};
+  ct_material m = {4.0, 0.0, 1.0, CT_LINEAR};
   ct_scene *scene = new_scene();
   ct_mesh *left = box_mesh(CT_HEX8, -20 * h, 0, 0, 20 * h, 2, 2, 20, 1, 1), *right = box_mesh(CT_HEX8, 0, 0, 0, 20 * h, 2, 2, 20, 1, 1);
   int32_t a = add_body(scene, "left", left, &m, CT_KERNEL_AUTO, 0, 0, 0), b = add_body(scene, "right", right, &m, CT_KERNEL_AUTO, 0, 0, 0);

@@ -1,7 +1,7 @@
 /* The ledger of energy and momentum on small plates, with and without contact, alike and unlike. */
 #include "bodies.h"
 
-static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9};
+static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
 
 /* Half plates of the impact: symmetric planes at z = 0 and, for plane strain, at both faces y. */
 static void plane_strain(ct_scene *scene, int32_t body, const ct_mesh *m, double thickness)
@@ -133,7 +133,7 @@ static void unlike_plates(void)
 /* Hands on: p = m v, L = X x m v of a flying block, and velocities at whole steps. */
 static void flying_block(void)
 {
-  ct_material m = {2.0, 0.3, 0.5};
+  ct_material m = {2.0, 0.3, 0.5, CT_LINEAR};
   ct_mesh *box = box_mesh(CT_HEX8, 1, 2, 3, 1, 1, 2, 2, 2, 2);
   ct_scene *scene = new_scene();
   add_body(scene, "block", box, &m, CT_KERNEL_AUTO, 3, -1, 2);
@@ -171,7 +171,7 @@ static void flying_block(void)
 /* The kinetic energy (v- . M v+) / 2 by hand, from two half-step velocities of the run itself. */
 static void discrete_kinetic(void)
 {
-  ct_material m = {2.0, 0.3, 0.5};
+  ct_material m = {2.0, 0.3, 0.5, CT_LINEAR};
   ct_mesh *box = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 2, 2, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "block", box, &m, CT_KERNEL_AUTO, 1, 0, 0);

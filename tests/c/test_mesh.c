@@ -190,6 +190,56 @@ static void refusals(ct_brick_kind kind)
   ct_mesh_free(m);
 }
 
+/* Number of the node that stands exactly at (x, y, z), or -1. */
+static int node_at(const ct_mesh *m, double x, double y, double z)
+{
+  for (int n = 0; n < m->node_count; n++)
+    if (m->nodes[3 * n] == x && m->nodes[3 * n + 1] == y && m->nodes[3 * n + 2] == z) return n;
+  return -1;
+}
+
+/* A ring closes upon itself: counts, the volume of a polygon's prism, radii, and exact mirror images of its nodes. */
+static void rings(ct_brick_kind kind)
+{
+  static const int around[3] = {3, 8, 12};
+  for (int k = 0; k < 3; k++) {
+    int n[3] = {2, around[k], 3}, faults = 0, corners = (n[0] + 1) * n[1] * (n[2] + 1);
+    int edges = n[0] * n[1] * (n[2] + 1) + corners + (n[0] + 1) * n[1] * n[2];
+    ct_ring ring = {{0, 0, 0}, {1.5, 2.25}, 0.7, {n[0], n[1], n[2]}};
+    ct_mesh *m = NULL;
+    ct_error e;
+    need(ct_mesh_create_ring(kind, &ring, &m, &e), &e);
+    need(ct_mesh_check(m, &e), &e);
+    tap_ok(m->element_count == n[0] * n[1] * n[2] && m->node_count == corners + (kind == CT_HEX20 ? edges : 0) &&
+               ct_mesh_outer_faces(m, NULL, NULL) == 2 * n[1] * (n[0] + n[2]), "ring of %d, kind %d: nodes, elements, outer faces", n[1], (int)kind);
+    double *mass = numbers(m->node_count), volume = 0.0, pi = acos(-1.0), polygon = 0.5 * n[1] * sin(2 * pi / n[1]) * (2.25 * 2.25 - 1.5 * 1.5) * 0.7, off = 0.0;
+    need(ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, mass, &e), &e);
+    for (int i = 0; i < m->node_count; i++) volume += mass[i];
+    // Quadratic edges are parabolas, each with two thirds of chord times height beyond the polygon.
+    double segment = kind == CT_HEX8 ? 0.0 : n[1] * 4.0 / 3.0 * sin(pi / n[1]) * (1.0 - cos(pi / n[1])) * (2.25 * 2.25 - 1.5 * 1.5) * 0.7;
+    tap_close(volume, polygon + segment, 1e-13, "ring of %d, kind %d: volume", n[1], (int)kind);
+    for (int i = 0; i < m->node_count; i++) {
+      double *x = &m->nodes[3 * i], r = hypot(x[0], x[1]), layer = (r - 1.5) / 0.75 * 2 * n[0];
+      off = worst(off, layer - floor(layer + 0.5));
+      faults += node_at(m, x[0], -x[1], x[2]) < 0;
+      faults += node_at(m, x[0], x[1], -x[2]) < 0;
+      if (n[1] % 2 == 0) faults += node_at(m, -x[0], x[1], x[2]) < 0;
+      if (n[1] % 4 == 0) faults += node_at(m, x[1], x[0], x[2]) < 0;
+    }
+    tap_ok(off < 1e-13, "ring of %d, kind %d: nodes stand on circles, off by %.2g", n[1], (int)kind, off);
+    tap_ok(faults == 0, "ring of %d, kind %d: nodes have exact mirror images", n[1], (int)kind);
+    free(mass);
+    ct_mesh_free(m);
+  }
+}
+
+static void ring_refused(ct_ring ring, const char *word, const char *what)
+{
+  ct_mesh *m = NULL;
+  ct_error e = {0};
+  tap_ok(ct_mesh_create_ring(CT_HEX8, &ring, &m, &e) == CT_ERROR_ARGUMENT && m == NULL && strstr(e.text, word) != NULL, "%s is refused: %s", what, e.text);
+}
+
 static void box_refused(double size, int cells, double origin, const char *what)
 {
   ct_box box = {{0, origin, 0}, {1, size, 1}, {1, cells, 1}};
@@ -219,6 +269,14 @@ int main(void)
          "more cells than numbers reach are refused");
   tap_ok(ct_mesh_create_box(CT_HEX8, NULL, &m, NULL) == CT_ERROR_ARGUMENT && ct_mesh_create_box((ct_brick_kind)5, &some, &m, NULL) == CT_ERROR_ARGUMENT,
          "no box and an unknown element are refused");
+  for (int kind = 0; kind < 2; kind++) rings((ct_brick_kind)kind);
+  ring_refused((ct_ring){{0, 0, 0}, {0, 1}, 1, {1, 8, 1}}, "radius", "a ring without a hole");
+  ring_refused((ct_ring){{0, 0, 0}, {1, 1}, 1, {1, 8, 1}}, "radius", "a ring without thickness");
+  ring_refused((ct_ring){{0, 0, 0}, {1, 2}, NAN, {1, 8, 1}}, "width", "a width that is NaN");
+  ring_refused((ct_ring){{0, 0, INFINITY}, {1, 2}, 1, {1, 8, 1}}, "centre", "a centre at infinity");
+  ring_refused((ct_ring){{0, 0, 0}, {1, 2}, 1, {1, 2, 1}}, "around", "a ring of two");
+  ring_refused((ct_ring){{0, 0, 0}, {1, 2}, 1, {1, 8, 0}}, "across", "a ring of no cells");
+  tap_ok(ct_mesh_create_ring(CT_HEX8, NULL, &m, NULL) == CT_ERROR_ARGUMENT, "no ring is refused");
   ct_mesh_free(NULL);
   double low[3], high[3];
   ct_mesh_bounds(NULL, low, high);
@@ -226,7 +284,7 @@ int main(void)
   double corner[3] = {0, 0, 0}, out[8];
   int32_t beyond[8] = {0, 1, 2, 3, 4, 5, 6, 7};
   ct_mesh wrong = {CT_HEX8, 1, 1, corner, beyond};
-  ct_material steel = {2.1e11, 0.3, 7800.0};
+  ct_material steel = {2.1e11, 0.3, 7800.0, CT_LINEAR};
   ct_error e = {0};
   tap_ok(ct_mass_lumped(&wrong, 1.0, CT_LUMP_DEFAULT, out, &e) == CT_ERROR_ARGUMENT && e.element == 0, "masses: a node out of range is refused: %s", e.text);
   tap_ok(ct_solid_stress(&wrong, &steel, corner, out, &e) == CT_ERROR_ARGUMENT && e.element == 0, "stresses: a node out of range is refused: %s", e.text);

@@ -113,7 +113,7 @@ static rig *rig_create(int curved, int with_probe)
   ct_error error;
   rig_mesh(r, curved);
   int32_t nodes = r->mesh[0]->node_count + r->mesh[1]->node_count;
-  const ct_material material = {2.5, 0.25, 2};
+  const ct_material material = {2.5, 0.25, 2, CT_LINEAR};
   ct_solid_block block[2];
   r->reference = malloc(3 * (size_t)nodes * sizeof(double));
   r->mass = malloc((size_t)nodes * sizeof(double));

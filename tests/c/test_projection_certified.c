@@ -80,6 +80,62 @@ static void degenerate_faces(void)
   tap_ok(collapsed.evaluations < 20000 && quarter.evaluations < 20000, "the budget holds");
 }
 
+static double f_at(const ct_face *face, const double point[3], double x, double y)
+{
+  double xi[2] = {x, y}, f;
+  ct_project_function(face, point, xi, &f, NULL, NULL);
+  return f;
+}
+
+/* Lowest f over xi_1 at the given xi_2 = y, or (outer) over xi_2 of that: a grid, and the golden section about its best place. */
+static double on_row(const ct_face *face, const double point[3], double x, int outer);
+
+static double golden(const ct_face *face, const double point[3], double y, int outer, int cells)
+{
+  const double part = 0.61803398874989485;
+  double lowest = HUGE_VAL, place = 0;
+  for (int i = 0; i <= cells; i++) {
+    double x = 2.0 * i / cells - 1, f = outer ? on_row(face, point, x, 0) : f_at(face, point, x, y);
+    if (f < lowest) lowest = f, place = x;
+  }
+  double a = fmax(place - 2.0 / cells, -1), b = fmin(place + 2.0 / cells, 1);
+  for (int i = 0; i < 60; i++) {
+    double u = b - part * (b - a), v = a + part * (b - a);
+    double fu = outer ? on_row(face, point, u, 0) : f_at(face, point, u, y), fv = outer ? on_row(face, point, v, 0) : f_at(face, point, v, y);
+    lowest = fmin(lowest, fmin(fu, fv));
+    if (fu < fv) b = v;
+    else a = u;
+  }
+  return lowest;
+}
+
+static double on_row(const ct_face *face, const double point[3], double x, int outer) { return golden(face, point, x, outer, 32); }
+
+/* Long thin faces: a narrow valley that winds, and a search that is stopped on its way. */
+static void narrow_valleys(void)
+{
+  score s = {0, 0, 0, 0};
+  int wrong = 0;
+  for (int trial = 0; trial < 80; trial++) {
+    ct_face face = random_face(trial % 2 ? CT_Q4 : CT_Q8, 0.2);
+    double thin = pow(10, -3 - trial % 4), point[3] = {uniform(0.8), thin * uniform(1), thin * uniform(1)};
+    for (int i = 0; i < 8; i++) face.node[i][1] *= thin, face.node[i][2] *= thin;
+    double lowest = sqrt(golden(&face, point, 0, 1, 32));
+    for (int limit = 0; limit < 3; limit++) {
+      ct_project_options options = ct_project_options_default();
+      ct_projection out;
+      options.method = CT_CERTIFIED;
+      options.iteration_limit = limit;
+      ct_project(&face, point, &options, &out);
+      s.proven += limit == 0 && out.certified;
+      s.refuted += out.certified && out.distance > lowest + 1e-10;
+      wrong += limit == 0 && !(out.distance <= lowest + 1e-10);
+    }
+  }
+  report(&s, 80, 78, "Q4 and Q8", "1e3 to 1e6 times as long as wide");
+  tap_ok(wrong <= 1, "the foot lies on the floor of the valley: %d of 80 are farther than a search line by line", wrong);
+}
+
 /* On a cylinder every height over the axis is as near as every other: a line of feet, and a distance that is certain. */
 static void many_feet(void)
 {
@@ -108,6 +164,7 @@ int main(void)
     if (kind == CT_Q8 || kind == CT_T6) folded_faces(kind);
   }
   degenerate_faces();
+  narrow_valleys();
   many_feet();
   return tap_done();
 }

@@ -6,7 +6,7 @@
 #include "../../libcontact/src/workspace.h"
 #include "bodies.h"
 
-static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9};
+static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
 static const ct_savings NONE = {0, 0, 0, 0};
 
 /* A scene of two bars that meet, in many forms. */
@@ -14,6 +14,7 @@ typedef struct form {
   const char *name;
   ct_brick_kind kind;
   ct_solid_kernel kernel;
+  ct_law law;
   double distort;      /* of the nodes inside, in edges */
   int unlike;          /* the second bar has another mesh */
   int turned;          /* elements with axes along any edge: octants are no lattice */
@@ -68,7 +69,9 @@ static run open_run(const form *f, ct_savings savings, int threads)
   ct_mesh *m[2] = {bar(f, 0), bar(f, 1)};
   bodies_seed = seed;
   double sign = f->mirrored ? -1.0 : 1.0;
-  for (int b = 0; b < 2; b++) add_body(r.scene, b ? "right" : "left", m[b], &STEEL, f->kernel, sign * f->v[b], 0, 0);
+  ct_material steel = STEEL;
+  steel.law = f->law;
+  for (int b = 0; b < 2; b++) add_body(r.scene, b ? "right" : "left", m[b], &steel, f->kernel, sign * f->v[b], 0, 0);
   add_contact(r.scene, 0, m[0], 0, 1, m[1], sign * 0.1 * f->gap, 0, f->beta);
   if (!isnan(f->held)) add_support(r.scene, 1, m[1], 0, sign * (0.1 * f->gap + 2.4), "x", sign * f->held);
   add_support(r.scene, 0, m[0], 2, 0.0, "z", 0.0);
@@ -127,6 +130,9 @@ static const form FORMS[] = {
     {.name = "turned elements", .turned = 1, .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "hex20", .kind = CT_HEX20, .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "hex20, distorted", .kind = CT_HEX20, .distort = 0.02, .v = {1000, 0}, .held = NAN, .beta = 0.5, .steps = 40},
+    {.name = "St. Venant-Kirchhoff", .law = CT_ST_VENANT_KIRCHHOFF, .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
+    {.name = "neo-Hookean, distorted", .law = CT_NEO_HOOKEAN, .distort = 0.1, .v = {1000, 0}, .held = NAN, .beta = 0.5, .steps = 40},
+    {.name = "neo-Hookean hex20", .kind = CT_HEX20, .law = CT_NEO_HOOKEAN, .v = {1000, 0}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "an effect on four nodes", .v = {1000, -1000}, .held = NAN, .pushed = 1, .beta = 0.5, .steps = 40},
     {.name = "an effect on all nodes", .v = {0, -1000}, .held = NAN, .pushed = 2, .beta = 0.5, .steps = 40},
     {.name = "an effect that begins later", .v = {0, 0}, .held = NAN, .gap = 1.0, .pushed = 3, .beta = 0.5, .steps = 60},

@@ -1,7 +1,7 @@
 /* What a scene builds, and what it refuses. */
 #include "bodies.h"
 
-static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9};
+static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
 
 /* Two plates that touch at x = 0; the meshes are kept for more. */
 typedef struct plates {

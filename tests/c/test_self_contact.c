@@ -320,7 +320,7 @@ static void scene_of_a_c(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 0.3, 0.2, 40, 2, 2), *bent = NULL;
   int32_t *outer = integers(4 * 6 * m->element_count);
-  ct_material material = {1000.0, 0.3, 1e-3};
+  ct_material material = {1000.0, 0.3, 1e-3, CT_LINEAR};
   ct_scene *scene = new_scene();
   ct_stable_step stable;
   ct_error e;

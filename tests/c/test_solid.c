@@ -1,77 +1,9 @@
 /* Internal forces: patch test, energy gradient, rigid motions, the batch kernels against the readable form, frequencies. */
-#include "bodies.h"
+#include "blocks.h"
 
 static const char *KIND[2] = {"hex8", "hex20"};
-static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9};
-static const ct_material SOFT = {1.0, 0.2, 1.0};
-
-/* The solid effect of one mesh, with what it needs to be asked. */
-typedef struct block {
-  ct_effect *effect;
-  void *scratch;
-} block;
-
-static block open_block(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel)
-{
-  ct_solid_block b = {.mesh = m, .material = *material, .kernel = kernel};
-  block solid = {NULL, NULL};
-  ct_error e;
-  need(ct_solid_create_effect(&b, 1, &solid.effect, &e), &e);
-  need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
-  return solid;
-}
-
-static void close_block(block *solid)
-{
-  solid->effect->free_scratch(solid->scratch);
-  ct_effect_free(solid->effect);
-}
-
-/* Forces at the displacement u, and the energy. */
-static double block_force(const block *solid, const double *u, double *f)
-{
-  ct_view view = {.threads = 1, .displacement = u, .scratch = solid->scratch};
-  double energy = NAN;
-  ct_error e;
-  need(solid->effect->force(solid->effect, &view, f, &e), &e);
-  need(solid->effect->energy(solid->effect, &view, &energy, &e), &e);
-  return energy;
-}
-
-static double block_frequency(const block *solid)
-{
-  ct_view view = {.threads = 1, .scratch = solid->scratch};
-  double omega_squared = NAN;
-  ct_error e;
-  need(solid->effect->frequency(solid->effect, &view, &omega_squared, &e), &e);
-  return omega_squared;
-}
-
-static double *random_displacement(const ct_mesh *m, double amount)
-{
-  double *u = numbers(3 * m->node_count);
-  for (int i = 0; i < 3 * m->node_count; i++) u[i] = uniform(amount);
-  return u;
-}
-
-/* Forces and energy of all elements by the readable form, added up node by node. */
-static double reference_force(const ct_mesh *m, const ct_material *material, const double *u, double *f)
-{
-  int per = ct_brick_node_count(m->kind);
-  double total = 0.0;
-  ct_error e;
-  memset(f, 0, 3 * (size_t)m->node_count * sizeof *f);
-  for (int el = 0; el < m->element_count; el++) {
-    double x[60], v[60], g[60], energy;
-    take_element(m, el, m->nodes, x);
-    take_element(m, el, u, v);
-    need(ct_solid_element_force(m->kind, x, v, material, g, &energy, &e), &e);
-    for (int a = 0; a < per; a++)
-      for (int c = 0; c < 3; c++) f[3 * m->elements[el * per + a] + c] += g[3 * a + c];
-    total += energy;
-  }
-  return total;
-}
+static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
+static const ct_material SOFT = {1.0, 0.2, 1.0, CT_LINEAR};
 
 /* A linear displacement on a distorted mesh has its constant stress everywhere and no force at inner nodes. */
 static void patch_test(ct_brick_kind kind)
@@ -376,7 +308,7 @@ static void frequencies(void)
   double x[60], mass[20], c1, c2;
   for (int kind = 0; kind < 2; kind++)
     for (int k = 0; k < 4; k++) {
-      ct_material m = {3.0, poisson[k], 2.0};
+      ct_material m = {3.0, poisson[k], 2.0, CT_LINEAR};
       ct_mesh *cube = box_mesh((ct_brick_kind)kind, 0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1);
       ct_material_speeds(&m, &c1, &c2);
       double w = element_frequency(cube, &m, x, mass), courant = 2.0 / sqrt(w) * c1 / 0.5;

@@ -39,7 +39,7 @@ int main(void)
          "a text too long is cut and ended, and no place is -1");
   tap_ok(ct_fail(NULL, CT_ERROR_MEMORY, CT_NOWHERE, "nobody reads this") == CT_ERROR_MEMORY, "an error without a reader still has its code");
 
-  ct_material steel = {2.1e5, 0.3, 7.8e-9};
+  ct_material steel = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
   memset(&error, 7, sizeof error);
   ct_error before = error;
   ct_status good = ct_material_check(&steel, &error);

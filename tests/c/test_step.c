@@ -1,7 +1,7 @@
 /* The leapfrog against closed forms: free flight, a vibration, the order, the limit of stability, bars that collide; and equal bits. */
 #include "bodies.h"
 
-static const ct_material SOFT = {2.0, 0.3, 1.5};
+static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
 static const double PI = 3.14159265358979323846;
 
 static ct_scene *one_body(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel, double vx, double vy, double vz)
@@ -209,7 +209,7 @@ static void bar_run(const char *name, ct_scene *scene, double end, double area, 
 static void two_bars(void)
 {
   static const double want[5] = {0.0, 20.0, 0.1, -0.1, 0.0};
-  ct_material m = {1.0, 0.0, 1.0};
+  ct_material m = {1.0, 0.0, 1.0, CT_LINEAR};
   ct_mesh *left = box_mesh(CT_HEX8, -10, 0, 0, 10, 0.5, 0.5, 100, 1, 1), *right = box_mesh(CT_HEX8, 0, 0, 0, 10, 0.5, 0.5, 100, 1, 1);
   ct_scene *scene = one_body(left, &m, CT_KERNEL_AUTO, 0.1, 0, 0);
   add_body(scene, "right", right, &m, CT_KERNEL_AUTO, -0.1, 0, 0);
@@ -223,7 +223,7 @@ static void two_bars(void)
 static void bar_on_wall(void)
 {
   static const double want[5] = {0.5, 0.5 + 2.0 * 10.0 / 30.0, 300.0, 10.0, 0.0};
-  ct_material m = {900.0, 0.0, 1.0};
+  ct_material m = {900.0, 0.0, 1.0, CT_LINEAR};
   ct_mesh *bar = box_mesh(CT_HEX8, 5, 0, 0, 10, 0.5, 0.5, 100, 1, 1), *wall = box_mesh(CT_HEX8, -0.2, -0.5, -0.5, 0.2, 1.5, 1.5, 1, 2, 2);
   ct_scene *scene = one_body(bar, &m, CT_KERNEL_AUTO, -10, 0, 0);
   add_body(scene, "wall", wall, &m, CT_KERNEL_AUTO, 0, 0, 0);

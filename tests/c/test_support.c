@@ -1,7 +1,7 @@
 /* Prescribed velocities, their reactions and what a support refuses. */
 #include "bodies.h"
 
-static const ct_material SOFT = {2.0, 0.3, 1.5};
+static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
 
 /* A distorted block whose base moves at a constant velocity while the rest has another one. */
 static void moving_base(ct_brick_kind kind)

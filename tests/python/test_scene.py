@@ -571,7 +571,7 @@ def test_the_page_names_every_unit_and_every_key():
     page = PAGE.read_text(encoding="utf-8")
     for names in BASES.values():
         assert [name for name in names if f"``{name}``" not in page] == []
-    keys = ("young poisson density box mesh nodes elements element material velocity lumping kernel surfaces beta epsilon method "
+    keys = ("young poisson density law box ring spin mesh nodes elements element material velocity lumping kernel surfaces beta epsilon method "
             "tolerance depth set fix end end_c1t_over courant fraction dt integrator output.file output.fields output.every "
             "output.times run.threads")
     assert [key for key in keys.split() if f"``{key}``" not in page] == []

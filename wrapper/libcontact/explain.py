@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from . import effects
-from .parts import DEFAULT_BETA, Contact
+from .parts import DEFAULT_BETA, Contact, Parts
 from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, speeds
 from .units import Units
 
@@ -18,10 +18,15 @@ EFFECTS = {
     **{effects.name_of(module): module.WITHOUT for module in effects.MODULES},
 }
 ASSUMPTIONS = (
-    "small strains and rotations, linear isotropic elasticity",
     "contact without friction; penalty, so surfaces overlap by pressure / epsilon",
     "no damping and no artificial viscosity: the ringing behind a steep front is the mesh's own",
 )
+LAWS = {
+    "linear": "small strains and rotations, linear isotropic elasticity",
+    "st_venant_kirchhoff": "any rotation and moderate strain by St. Venant-Kirchhoff's law, which gives way under strong compression",
+    "neo_hookean": "any rotation and large strain by the compressible neo-Hookean law",
+}
+STIFFENS = "the stable step is that of the undeformed bodies; a body that is strained much can need a smaller one"
 SLOW, FAST = 100.0, 20000.0
 
 
@@ -54,7 +59,7 @@ def _facts(problem: Problem) -> dict[str, Any]:
         "bodies": bodies,
         "effects": used,
         "left_out": {name: why for name, why in EFFECTS.items() if name not in used},
-        "assumptions": list(ASSUMPTIONS),
+        "assumptions": _assumptions(parts),
         "contacts": contacts,
         "supports": [{"set": f"{s.body}.{s.face}", "fix": list(s.fix), "velocity": list(s.velocity)} for s in parts.supports],
         "added": [{"name": added.name, "key": added.key, "text": added.module.describe(added.given, parts.units)} for added in parts.effects],
@@ -70,6 +75,15 @@ def _facts(problem: Problem) -> dict[str, Any]:
     }
 
 
+def _assumptions(parts: Parts) -> list[str]:
+    """What each body is taken to be, by its law, and what holds for all."""
+    bodies: dict[str, list[str]] = {}
+    for body in parts.bodies.values():
+        bodies.setdefault(parts.materials[body.material].law, []).append(body.name)
+    laws = [LAWS[law] + (f" ({', '.join(names)})" if len(bodies) > 1 else "") for law, names in bodies.items()]
+    return [*laws, *([STIFFENS] if set(bodies) != {"linear"} else []), *ASSUMPTIONS]
+
+
 def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
     given = problem.parts.bodies[body.name]
     c1, c2 = speeds(body.material)
@@ -80,7 +94,7 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
         warnings.append(f'material "{body.material.name}": c1 = {si:.4g} m/s is outside {SLOW:g} ... {FAST:g} m/s; '
                         "are young, density and [units] consistent?")
     return {
-        "name": body.name, "material": body.material.name, "element": body.mesh.element,
+        "name": body.name, "material": body.material.name, "law": body.material.law, "element": body.mesh.element,
         "nodes": len(body.mesh.nodes), "elements": len(body.mesh.elements),
         "kernel": body.kernel, "kernel_why": _why(given.kernel, body), "lumping": lumping,
         "c1": c1, "c2": c2, "c1_si": si, "shortest_edge": body.mesh.shortest_edge,
@@ -95,6 +109,8 @@ def _why(asked: str, body: BuiltBody) -> str:
         return "all elements are equal boxes along x, y, z: integrals in closed form"
     if body.mesh.element == "hex20":
         return "hex20: 3x3x3 Gauss points"
+    if body.material.law != "linear":
+        return "large strain: 2x2x2 Gauss points"
     return "elements are not equal boxes along x, y, z: 2x2x2 Gauss points"
 
 

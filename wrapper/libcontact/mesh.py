@@ -47,6 +47,16 @@ class Mesh:
         return mesh
 
     @classmethod
+    def ring(cls, element: str, shape: Any) -> Mesh:
+        """A ring of bricks, numbered as ``ct_mesh_create_ring`` says; ``shape`` has centre, radius (inner, outer), width and cells."""
+        ring = ffi.new("ct_ring *", {"centre": list(shape.centre), "radius": list(shape.radius), "width": shape.width, "cells": list(shape.cells)})
+        out, error = ffi.new("ct_mesh **"), new_error()
+        check(lib.ct_mesh_create_ring(KINDS[element], ring, out, error), error)
+        mesh = cls(out[0])
+        check(lib.ct_mesh_check(mesh.pointer, error), error)
+        return mesh
+
+    @classmethod
     def copy(cls, nodes: np.ndarray, elements: np.ndarray) -> Mesh:
         """A checked copy of contiguous float64 ``nodes`` (n, 3) and int32 ``elements`` (cells, 8 or 20)."""
         if nodes.dtype != np.float64 or elements.dtype != np.int32:

@@ -15,6 +15,7 @@ from .units import BASES, Units
 
 ELEMENTS = ("hex8", "hex20")
 LUMPINGS = ("row_sum", "hrz")
+LAWS = ("linear", "st_venant_kirchhoff", "neo_hookean")
 KERNELS = ("auto", "general", "box")
 FIELDS = ("displacement", "velocity", "stress")
 SAVINGS = ("quiet", "plane_strain", "congruent", "distant")
@@ -28,6 +29,7 @@ class Material:
     young: float
     poisson: float
     density: float
+    law: str = "linear"
 
 
 @dataclass(frozen=True)
@@ -37,9 +39,28 @@ class Box:
     cells: tuple[int, int, int]
 
 
+@dataclass(frozen=True)
+class Ring:
+    """A ring about an axis along z; ``cells`` along the radius, around, across."""
+
+    centre: tuple[float, float, float]
+    radius: tuple[float, float]
+    width: float
+    cells: tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class Spin:
+    """A rotation at the start: angle in time about an axis through ``centre`` (None: the middle of the body's bounds)."""
+
+    axis: tuple[float, float, float]
+    rate: float
+    centre: tuple[float, float, float] | None
+
+
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A body; exactly one of ``box``, ``mesh`` (a file) and ``nodes`` with ``elements`` is given."""
+    """A body; exactly one of ``box``, ``ring``, ``mesh`` (a file) and ``nodes`` with ``elements`` is given."""
 
     name: str
     material: str
@@ -51,6 +72,8 @@ class Body:
     mesh: str | None
     nodes: np.ndarray | None
     elements: np.ndarray | None
+    ring: Ring | None = None
+    spin: Spin | None = None
 
 
 @dataclass(frozen=True)
@@ -155,6 +178,7 @@ def _material(table: Table) -> Material:
         young=table.number("young", above=0.0),
         poisson=table.number("poisson", above=-1.0),
         density=table.number("density", above=0.0),
+        law=table.choice("law", LAWS, "linear"),
     )
     if material.poisson >= 0.5:
         raise table.error("poisson", f"is {material.poisson:g}; it must be below 0.5, where a material stops changing volume")
@@ -171,8 +195,10 @@ def _body(table: Table, materials: dict[str, Material]) -> Body:
     velocity = table.vector("velocity", (0.0, 0.0, 0.0))
     lumping = table.choice("lumping", LUMPINGS, None)
     kernel = table.choice("kernel", KERNELS, "auto")
-    shape = table.one_of("box", "mesh", "nodes")
+    shape = table.one_of("box", "ring", "mesh", "nodes")
     box = _box(table.table("box")) if shape == "box" else None
+    ring = _ring(table.table("ring")) if shape == "ring" else None
+    spin = _spin(table.table("spin")) if table.has("spin") else None
     mesh = table.text("mesh") if shape == "mesh" else None
     nodes, elements = _arrays(table) if shape == "nodes" else (None, None)
     if table.has("elements") and shape != "nodes":
@@ -182,22 +208,53 @@ def _body(table: Table, materials: dict[str, Material]) -> Body:
         if element not in (None, found):
             raise table.error("element", f'is "{element}", but "elements" has {elements.shape[1]} nodes a row ({found})')
         element = found
-    if box is not None and element is None:
+    if shape in ("box", "ring") and element is None:
         element = "hex8"
     if element == "hex20" and lumping == "row_sum":
         raise table.error("lumping", '"row_sum" gives the corners of hex20 a negative mass; use "hrz"')
     if element == "hex20" and kernel == "box":
         raise table.error("kernel", '"box" is for hex8; hex20 has the kernel "general"')
+    large = materials[material].law != "linear"
+    if large and kernel == "box":
+        raise table.error("kernel", f'"box" is for small strain; material "{material}" has the law "{materials[material].law}"')
+    if spin is not None and not large:
+        raise table.error("spin", f'turns the body, and the law "linear" of material "{material}" takes a rotation for a strain; '
+                                  'give the material the law "st_venant_kirchhoff" or "neo_hookean"')
     table.done()
-    return Body(name, material, element, velocity, lumping, kernel, box, mesh, nodes, elements)
+    return Body(name, material, element, velocity, lumping, kernel, box, mesh, nodes, elements, ring, spin)
 
 
 def _box(table: Table) -> Box:
     origin = table.vector("origin", (0.0, 0.0, 0.0))
     size = table.vector("size", above=0.0)
-    cells = tuple(table.checked_integer(n, f"cells[{i}]", 1, 2**31 - 1) for i, n in enumerate(table.items("cells", 3)))
+    cells = _cells(table, (1, 1, 1))
     table.done()
     return Box(origin, size, cells)
+
+
+def _cells(table: Table, least: tuple[int, int, int]) -> tuple[int, int, int]:
+    return tuple(table.checked_integer(n, f"cells[{i}]", least[i], 2**31 - 1) for i, n in enumerate(table.items("cells", 3)))
+
+
+def _ring(table: Table) -> Ring:
+    centre = table.vector("centre", (0.0, 0.0, 0.0))
+    inner, outer = (table.checked_number(r, f"radius[{i}]", above=0.0) for i, r in enumerate(table.items("radius", 2)))
+    if not outer > inner:
+        raise table.error("radius[1]", f"is {outer:g}; the outer radius must be above the inner one, {inner:g}")
+    width = table.number("width", above=0.0)
+    cells = _cells(table, (1, 3, 1))
+    table.done()
+    return Ring(centre, (inner, outer), width, cells)
+
+
+def _spin(table: Table) -> Spin:
+    axis = table.vector("axis", (0.0, 0.0, 1.0))
+    if not any(axis):
+        raise table.error("axis", "is 0; it must have a direction")
+    rate = table.number("rate")
+    centre = table.vector("centre", None)
+    table.done()
+    return Spin(axis, rate, centre)
 
 
 def _arrays(table: Table) -> tuple[np.ndarray, np.ndarray]:

@@ -18,6 +18,7 @@ from .projection import METHODS
 from .schema import SceneError, float_array, index_array
 
 LUMPING = {None: lib.CT_LUMP_DEFAULT, "row_sum": lib.CT_LUMP_ROW_SUM, "hrz": lib.CT_LUMP_HRZ}
+LAW = {"linear": lib.CT_LINEAR, "st_venant_kirchhoff": lib.CT_ST_VENANT_KIRCHHOFF, "neo_hookean": lib.CT_NEO_HOOKEAN}
 KERNEL = {"auto": lib.CT_KERNEL_AUTO, "general": lib.CT_KERNEL_GENERAL, "box": lib.CT_KERNEL_BOX}
 MOST_STEPS = 10**12
 POINT = np.dtype(
@@ -56,7 +57,8 @@ def speeds(material: scene_parts.Material) -> tuple[float, float]:
 
 
 def c_material(material: scene_parts.Material) -> Any:
-    return ffi.new("ct_material *", {"young": material.young, "poisson": material.poisson, "density": material.density})
+    return ffi.new("ct_material *", {"young": material.young, "poisson": material.poisson, "density": material.density,
+                                     "law": LAW[material.law]})
 
 
 def memory_estimate(nodes: int, elements: int, width: int) -> int:
@@ -130,23 +132,25 @@ class Problem:
     # The pieces.
 
     def _check_size(self) -> None:
-        """Refuse boxes that this machine can't hold before their meshes are made."""
+        """Refuse boxes and rings that this machine can't hold before their meshes are made."""
         need = 0
         for i, body in enumerate(self.parts.bodies.values()):
-            if body.box is not None:
-                x, y, z = body.box.cells
+            if body.box is not None or body.ring is not None:
+                x, y, z = (body.box or body.ring).cells
                 nodes = (x + 1) * (y + 1) * (z + 1) * (4 if body.element == "hex20" else 1)
                 need += memory_estimate(nodes, x * y * z, WIDTH[body.element])
             if need > _physical_memory():
                 reason = f"the run needs about {need / 1e9:.3g} GB, this machine has {_physical_memory() / 1e9:.3g} GB"
-                raise SceneError(reason, f"body[{i}].box.cells", self.file)
+                raise SceneError(reason, f"body[{i}].{'box' if body.box else 'ring'}.cells", self.file)
 
     def _mesh(self, i: int, body: scene_parts.Body) -> Mesh:
-        key = f"body[{i}]." + ("box" if body.box else "mesh" if body.mesh else "elements")
+        key = f"body[{i}]." + ("box" if body.box else "ring" if body.ring else "mesh" if body.mesh else "elements")
         about = f'body "{body.name}": '
         if body.box is not None:
             box = body.box
             return self._checked(lambda: Mesh.box(body.element, box.origin, box.size, box.cells), key, about)
+        if body.ring is not None:
+            return self._checked(lambda: Mesh.ring(body.element, body.ring), key, about)
         nodes, elements = (body.nodes, body.elements) if body.mesh is None else self._read(i, body)
         unused = np.flatnonzero(np.bincount(elements.ravel(), minlength=len(nodes)) == 0)
         if unused.size:
@@ -186,6 +190,9 @@ class Problem:
                 raise SceneError(f'material "{body.material}" has the wave speed {c1:g}', f"body[{i}].material", self.file)
             self._call(lib.ct_scene_add_body, self._scene, body.name.encode(), mesh.pointer, material, LUMPING[body.lumping],
                        KERNEL[body.kernel], list(body.velocity), number, key=f"body[{i}]", about=f'body "{body.name}": ')
+            if body.spin is not None:
+                velocity = _spinning(body, mesh)
+                self._call(lib.ct_scene_set_velocity, self._scene, number[0], ffi.from_buffer("double[]", velocity), key=f"body[{i}].spin")
             self._meshes[body.name] = mesh
 
     def _add_contact(self, i: int, contact: scene_parts.Contact) -> list[np.ndarray]:
@@ -338,6 +345,15 @@ def new_state(problem: Problem) -> Any:
     check(lib.ct_state_create(problem.pointer, out, error), error)
     # Freeing a state asks the problem's effects, so the state keeps the problem alive.
     return ffi.gc(out[0], lambda state, free=lib.ct_state_free, problem=problem: free(state))
+
+
+def _spinning(body: scene_parts.Body, mesh: Mesh) -> np.ndarray:
+    """Velocity of each node of a body that flies and turns, v + ω × (X - centre)."""
+    low, high = mesh.bounds
+    centre = 0.5 * (low + high) if body.spin.centre is None else np.array(body.spin.centre)
+    axis = np.array(body.spin.axis)
+    omega = body.spin.rate / math.hypot(*axis) * axis
+    return np.ascontiguousarray(np.array(body.velocity) + np.cross(omega, mesh.nodes - centre))
 
 
 def _physical_memory() -> float:

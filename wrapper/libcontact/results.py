@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .mesh import WIDTH, Mesh, need_h5py
-from .parts import Material
+from .parts import LAWS, Material
 from .run import ENERGY, MOMENTUM, BodyState, Run, State, energy_dtype
 from .units import BASES, Units
 
@@ -90,7 +90,8 @@ def _bodies(vtk: Any, rows: np.ndarray, names: list[str], record: int) -> dict[s
         width = WIDTH[KIND[row["kind"]]]
         elements = connectivity[offsets[cells.start] : offsets[cells.stop]].reshape(-1, width) - nodes.start
         mesh = Mesh.copy(np.ascontiguousarray(points[nodes]), elements.astype(np.int32))
-        material = Material("", float(row["young"]), float(row["poisson"]), float(row["density"]))
+        law = LAWS[int(row["law"])] if "law" in rows.dtype.names else LAWS[0]
+        material = Material("", float(row["young"]), float(row["poisson"]), float(row["density"]), law)
         cut = [None if fields[field] is None else fields[field][nodes] for field in ("displacement", "velocity")]
         out[name] = BodyState(name, mesh, material, *cut, None if stress is None else stress[cells])
     return out

@@ -87,15 +87,16 @@ class Scene:
 
     # Building step by step.
 
-    def add_material(self, name: str, *, young: float, poisson: float, density: float) -> Scene:
-        return self._add("material", name=name, young=young, poisson=poisson, density=density)
+    def add_material(self, name: str, *, young: float, poisson: float, density: float, law: str | None = None) -> Scene:
+        """Add a material; ``law`` is "linear" (small strain, the default), "st_venant_kirchhoff" or "neo_hookean"."""
+        return self._add("material", name=name, young=young, poisson=poisson, density=density, law=law)
 
-    def add_body(self, name: str, *, material: str, box: Any = None, mesh: Any = None, nodes: Any = None, elements: Any = None,
-                 element: str | None = None, velocity: Any = None, lumping: str | None = None, kernel: str | None = None) -> Scene:
-        """Add a body: a ``box``, a ``mesh`` file, or ``nodes`` (n, 3) with ``elements`` (cells, 8 or 20); the arrays are copied."""
+    def add_body(self, name: str, *, material: str, box: Any = None, ring: Any = None, mesh: Any = None, nodes: Any = None,
+                 elements: Any = None, element: str | None = None, velocity: Any = None, spin: Any = None, lumping: str | None = None, kernel: str | None = None) -> Scene:
+        """Add a body: a ``box``, a ``ring``, a ``mesh`` file, or ``nodes`` (n, 3) with ``elements`` (cells, 8 or 20); the arrays are copied."""
         mesh = os.fspath(mesh) if isinstance(mesh, os.PathLike) else mesh
-        return self._add("body", name=name, box=box, mesh=mesh, nodes=nodes, elements=elements, element=element, material=material,
-                         velocity=velocity, lumping=lumping, kernel=kernel)
+        return self._add("body", name=name, box=box, ring=ring, mesh=mesh, nodes=nodes, elements=elements, element=element, material=material,
+                         velocity=velocity, spin=spin, lumping=lumping, kernel=kernel)
 
     def add_contact(self, a: str, b: str, *, beta: float | None = None, epsilon: float | None = None, method: str | None = None,
                     tolerance: float | None = None, depth: float | None = None) -> Scene:

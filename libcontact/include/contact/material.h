@@ -3,14 +3,26 @@
 
 #include <contact/status.h>
 
-/** An isotropic linear elastic material, in one consistent set of units. */
+/** How stress follows from deformation; all three laws agree with Hooke's where strain and rotation are small. */
+typedef enum ct_law {
+  /** small strain and small rotation, :eq:`hooke` */
+  CT_LINEAR = 0,
+  /** St. Venant-Kirchhoff, :eq:`st-venant-kirchhoff`: any rotation, moderate strain; it gives way under strong compression */
+  CT_ST_VENANT_KIRCHHOFF = 1,
+  /** compressible neo-Hookean, :eq:`neo-hookean`: any rotation, large strain */
+  CT_NEO_HOOKEAN = 2
+} ct_law;
+
+/** An isotropic elastic material, in one consistent set of units. */
 typedef struct ct_material {
   /** Young's modulus E [stress], > 0. */
   double young;
   /** Poisson's ratio ν [-], -1 < ν < 1/2. */
   double poisson;
-  /** Density ρ [mass / volume], > 0. */
+  /** Density ρ [mass / volume] of the undeformed body, > 0. */
   double density;
+  /** The law; 0 is small strain. */
+  ct_law law;
 } ct_material;
 
 /** Lamé's constants Λ and μ [stress], :eq:`lame`. */

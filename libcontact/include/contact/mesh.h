@@ -5,7 +5,7 @@
 #include <contact/status.h>
 
 /**
- * Nodes and bricks of one body. The struct only points: `ct_mesh_create_box` and `ct_mesh_create_copy`
+ * Nodes and bricks of one body. The struct only points: the `ct_mesh_create_...` calls
  * allocate what they point to, and `ct_mesh_free` gives it back. A host may also fill one by hand.
  */
 typedef struct ct_mesh {
@@ -38,10 +38,29 @@ typedef struct ct_box {
  */
 CT_API ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh, ct_error *error);
 
+/** A ring (a tube) about an axis along z. */
+typedef struct ct_ring {
+  /** Its middle [length]. */
+  double centre[3];
+  /** Inner and outer radius [length], 0 < inner < outer. */
+  double radius[2];
+  /** Length along z [length], > 0. */
+  double width;
+  /** Elements along the radius, around (>= 3), along z. */
+  int32_t cells[3];
+} ct_ring;
+
+/**
+ * Mesh a ring with bricks: ξ runs outward, η around from x towards y, ζ along z; element (i, j, k) has number i + cells[0] (j + cells[1] k), and node numbers
+ * follow `ct_mesh_create_box` with cells[1] nodes around. Mid-side nodes of hex20 lie on the circles. About its centre the ring mirrors exactly: along z and y
+ * for every number of cells, along x for an even one, and x with y for one that 4 divides, :eq:`mesh-ring`.
+ */
+CT_API ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh **mesh, ct_error *error);
+
 /** Copy a mesh given by arrays and check it as `ct_mesh_check` does. */
 CT_API ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error);
 
-/** Free a mesh that `ct_mesh_create_box` or `ct_mesh_create_copy` made; null is allowed. */
+/** Free a mesh that one of the `ct_mesh_create_...` calls made; null is allowed. */
 CT_API void ct_mesh_free(ct_mesh *mesh);
 
 /**

@@ -11,6 +11,7 @@ typedef struct body_row {
   int32_t kind, first_node, node_count;
   int64_t first_cell, cell_count;
   double young, poisson, density;
+  int32_t law; /* 0, small strain, where the file is older than the laws */
 } body_row;
 
 /* One row of /libcontact/effects. */
@@ -60,7 +61,8 @@ static hid_t body_type(void)
                             {"cell_count", HOFFSET(body_row, cell_count), H5T_NATIVE_INT64},
                             {"young", HOFFSET(body_row, young), H5T_NATIVE_DOUBLE},
                             {"poisson", HOFFSET(body_row, poisson), H5T_NATIVE_DOUBLE},
-                            {"density", HOFFSET(body_row, density), H5T_NATIVE_DOUBLE}};
+                            {"density", HOFFSET(body_row, density), H5T_NATIVE_DOUBLE},
+                            {"law", HOFFSET(body_row, law), H5T_NATIVE_INT32}};
   return row_type(sizeof(body_row), members, sizeof members / sizeof members[0]);
 }
 
@@ -88,6 +90,7 @@ static body_row *body_rows(const ct_problem *problem)
     rows[b].young = body->material.young;
     rows[b].poisson = body->material.poisson;
     rows[b].density = body->material.density;
+    rows[b].law = (int32_t)body->material.law;
     cell += body->mesh->element_count;
   }
   return rows;
@@ -141,6 +144,7 @@ static ct_status other_body(const body_row *was, const body_row *is, int32_t b, 
   else if (was->young != is->young) what = "Young's modulus";
   else if (was->poisson != is->poisson) what = "Poisson's ratio";
   else if (was->density != is->density) what = "density";
+  else if (was->law != is->law) what = "material law";
   if (what == NULL) return CT_OK;
   ct_place where = {b, -1, -1};
   return ct_fail(error, CT_ERROR_FILE, where,

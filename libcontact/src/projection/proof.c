@@ -152,7 +152,9 @@ static int proven_from_foot(const proof *p, const base *foot, const cell *c)
   if (foot->g[0] + slant != 0) linear_share(p, c, foot, foot->g[0] + slant, E1, &m, &loss);
   if (foot->g[1] + slant != 0) linear_share(p, c, foot, foot->g[1] + slant, E2, &m, &loss);
   int one_sign = fabs(x) >= w[0] && fabs(y) >= w[1];
-  return foot->f - loss >= p->target && is_positive(&m, !one_sign ? 0 : x * y > 0 ? 1 : -1);
+  // The form of a plane face without curved sides is a sum of squares, whatever rounding shows of it.
+  int is_square = p->curve[0] + p->curve[1] + p->curve[2] == 0;
+  return foot->f - loss >= p->target && (is_square || is_positive(&m, !one_sign ? 0 : x * y > 0 ? 1 : -1));
 }
 
 /* The same as seen from the centre of the cell. */
@@ -285,13 +287,70 @@ int ct_proof_at_sight(const ct_patch *patch, const double xi[2], int depth, ct_f
   return !(p.target > 0) || proven_after_cuts(&p, &foot, whole_face(p.triangular), depth, count);
 }
 
+/* What a long thin face looks like from the foot: u = e.d along it, with e across d at the foot, and the rest v = d - u e. As f = u^2 + v^2, no point of a
+ * cell is closer where |u| alone, or |v| alone, is too large; and |v| changes little although u changes fast (eq:certified-narrow). */
+typedef struct narrow {
+  ct_patch along, across; /* u, in the first coordinate, and v */
+  proof proof;            /* of v */
+  base foot;              /* of v */
+} narrow;
+
+static void narrow_about(const proof *p, const base *foot, narrow *n)
+{
+  const double *t = p->tangent[0] > p->tangent[1] ? foot->t1 : foot->t2;
+  double e[3], share = foot->f > 0 ? ct_vector_dot(t, foot->d) / foot->f : 0;
+  for (int k = 0; k < 3; k++) e[k] = t[k] - share * foot->d[k];
+  double length = sqrt(ct_vector_dot(e, e));
+  for (int k = 0; k < 3; k++) e[k] = length > 0 ? e[k] / length : 0;
+  n->along = n->across = *p->patch;
+  for (int j = 0; j < 8; j++) {
+    // -- Parts along and across (eq:certified-narrow)
+    double u = ct_vector_dot(p->patch->c[j], e);
+    for (int k = 0; k < 3; k++) {
+      n->along.c[j][k] = k == 0 ? u : 0;
+      n->across.c[j][k] = p->patch->c[j][k] - u * e[k];
+    }
+  }
+  proof_about(&n->proof, &n->across, 1, 0);
+  n->proof.rounding = p->rounding;
+  double floor_ = sqrt(p->target) + 2 * p->rounding;
+  n->proof.target = floor_ * floor_;
+  base_at(&n->across, foot->xi, &n->foot);
+}
+
+/* Is |u| too large throughout the cell? */
+static int is_beyond(const proof *p, const narrow *n, const cell *c)
+{
+  double d[3], t1[4], t2[4], t11[4], t22[4], t12[4], w[2];
+  const double(*a)[4] = n->along.c;
+  reach(p, c, w);
+  ct_patch_value(&n->along, c->centre, d);
+  ct_patch_tangents(&n->along, c->centre, t1, t2);
+  ct_patch_curves(&n->along, c->centre, t11, t22, t12);
+  // -- All terms of u about the centre (eq:certified-beyond)
+  double first = fabs(t1[0]) * w[0] + fabs(t2[0]) * w[1];
+  double second = 0.5 * (fabs(t11[0]) * (w[0] * w[0]) + fabs(t22[0]) * (w[1] * w[1])) + fabs(t12[0]) * (w[0] * w[1]);
+  double third = (fabs(a[6][0]) * w[0] + fabs(a[7][0]) * w[1]) * (w[0] * w[1]);
+  return fabs(d[0]) - (first + second + third) * (1 + 16 * DBL_EPSILON) >= sqrt(n->proof.target);
+}
+
+/* Is a cell of a long thin face done? */
+static int proven_narrow(const proof *p, const narrow *n, const cell *c)
+{
+  base b;
+  if (is_beyond(p, n, c) || proven_from_foot(&n->proof, &n->foot, c)) return 1;
+  base_at(&n->across, c->centre, &b);
+  return proven_from_centre(&n->proof, &b, c);
+}
+
 ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, double xi[2], ct_foot *count)
 {
-  enum { DEPTH = 36 };
+  enum { DEPTH = 36, NARROW = 100 };
   cell stack[3 * DEPTH + 4];
   proof about, *p = &about;
+  narrow thin;
   base at, *foot = &at;
-  int size = 1;
+  int size = 1, looks_narrow = 0;
   base_at(patch, xi, foot);
   count->evaluations++;
   if (!proof_about(p, patch, tolerance, foot->distance)) return CT_GAVE_UP;
@@ -312,6 +371,12 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
       }
       if (proven_from_centre(p, &b, &c) || (sloping = slope_in_cell(p, &b, &c)) == EMPTY) continue;
     }
+    // -- Many cells: look along and across the face as well (eq:certified-narrow)
+    if (cells >= NARROW && !looks_narrow) {
+      narrow_about(p, foot, &thin);
+      looks_narrow = 1;
+    }
+    if (looks_narrow && proven_narrow(p, &thin, &c)) continue;
     if (cells >= budget || size + 4 > 3 * DEPTH + 4) return CT_GAVE_UP;
     if (sloping == REDUCED) stack[size++] = c;
     else size += divide(p->triangular, &c, stack + size);

@@ -122,7 +122,8 @@ void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last
         modal_force(s[i], K1, K3, K9, F);
         ct_brick_nodal(F, &f[8 * i]);
       }
-      ct_store_lanes(f, 8, lane, out, stride);
+      for (int a = 0; a < 8; a++)
+        for (int c = 0; c < 3; c++) *(ct_lanes *)(void *)&out[stride * (3 * a + c) + lane] = f[8 * c + a];
     }
   }
 }

@@ -13,6 +13,24 @@
 #include <math.h>
 #include <string.h>
 
+/* Which function computes a block, and the operations of one element counted in it. The first row that fits is taken. */
+static const struct kernel_row {
+  ct_solid_kernel kernel;
+  ct_brick_kind kind;
+  ct_law law;
+  ct_solid_batches *batches;
+  ct_solid_energies *energies;
+  double flops;
+} KERNELS[] = {
+  {CT_KERNEL_BOX, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 393.0},
+  {CT_KERNEL_GENERAL, CT_HEX8, CT_LINEAR, ct_solid_hex8_batches, NULL, 2154.0},
+  {CT_KERNEL_GENERAL, CT_HEX20, CT_LINEAR, ct_solid_hex20_batches, NULL, 37434.0},
+  {CT_KERNEL_GENERAL, CT_HEX8, CT_ST_VENANT_KIRCHHOFF, ct_solid_large_hex8_batches, ct_solid_large_hex8_energies, 3250.0},
+  {CT_KERNEL_GENERAL, CT_HEX8, CT_NEO_HOOKEAN, ct_solid_large_hex8_batches, ct_solid_large_hex8_energies, 3594.0},
+  {CT_KERNEL_GENERAL, CT_HEX20, CT_ST_VENANT_KIRCHHOFF, ct_solid_large_hex20_batches, ct_solid_large_hex20_energies, 41133.0},
+  {CT_KERNEL_GENERAL, CT_HEX20, CT_NEO_HOOKEAN, ct_solid_large_hex20_batches, ct_solid_large_hex20_energies, 42294.0},
+};
+
 typedef struct solid_data {
   int32_t part_count;
   ct_solid_part *parts;
@@ -21,7 +39,6 @@ typedef struct solid_data {
   int64_t batch_count;
   int32_t node_count;
   int quiet; /* whether some part leaves out its quiet batches */
-  double omega_squared;
 } solid_data;
 
 /* Element forces of all parts, room for one energy an element, and what is known of quiet batches. */
@@ -75,18 +92,15 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
   }
+  // Batches that no kernel has computed are undeformed.
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    if (part->energies == NULL) continue;
+    double *lowest = s->values + part->first_value + part->assembly->value_count;
+    for (int32_t b = 0; b < part->batch_count; b++) lowest[b] = 1.0;
+  }
   *scratch = s;
   return CT_OK;
-}
-
-static void part_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *u, double *values)
-{
-  if (part->kernel == CT_KERNEL_BOX)
-    ct_solid_box_batches(part, first, last, u, values);
-  else if (part->mesh->kind == CT_HEX8)
-    ct_solid_hex8_batches(part, first, last, u, values);
-  else
-    ct_solid_hex20_batches(part, first, last, u, values);
 }
 
 /* One call of the force for one part. */
@@ -118,10 +132,10 @@ static void call_batches(const part_call *call, int32_t first, int32_t last)
   for (int32_t b = first; call->quiet != NULL && b < last; b++) {
     if (call->quiet->batch[part->first_batch + b] != CT_BATCH_QUIET) continue;
     if (part->cells[0] > 0) ct_lattice_zeros(part, b, call->values);
-    part_batches(part, begin, b, u, call->values);
+    part->batches(part, begin, b, u, call->values);
     begin = b + 1;
   }
-  part_batches(part, begin, last, u, call->values);
+  part->batches(part, begin, last, u, call->values);
   // A body in a ring has the box kernel, which gives zeros; and two threads may compute one batch.
   if (call->quiet != NULL && part->cells[0] == 0) ct_quiet_confirm(call->quiet, part, first, last, call->values);
 }
@@ -214,7 +228,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
 {
   const solid_data *solid = effect->data;
   solid_scratch *scratch = view->scratch;
-  (void)error;
+  ct_status status = CT_OK;
   // Begin with no node changed; where nothing stands from before, all are to be summed.
   if (solid->quiet) memset(scratch->quiet.changed, view->still == NULL ? 0xff : 0, (size_t)ct_bits_words(solid->node_count) * sizeof(uint64_t));
   for (int32_t i = 0; i < solid->part_count; i++) {
@@ -228,16 +242,16 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
       continue;
     }
 #ifdef _OPENMP
-    if (view->threads > 1) {
+    if (view->threads > 1)
       part_force_threads(&call, view->threads);
-      continue;
-    }
+    else
 #endif
-    part_force(&call);
+      part_force(&call);
+    if (status == CT_OK) status = ct_solid_check_volume(part, i, view->displacement + 3 * (int64_t)part->first_node, call.values, error);
   }
   // -- A node whose elements were all skipped has the same zero force as before (eq:still-node)
   for (int64_t w = 0; solid->quiet && view->still != NULL && w < ct_bits_words(solid->node_count); w++) view->still[w] = ~scratch->quiet.changed[w];
-  return CT_OK;
+  return status;
 }
 
 /* Energy of one element, -½ f · (u - mean of u): the force is linear in u and blind to a translation. */
@@ -268,22 +282,15 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
     const double *u = view->displacement + 3 * (int64_t)part->first_node;
-    double *values = scratch->values + part->first_value;
+    double *values = scratch->values + part->first_value, batch[8];
     for (int32_t e = 0; e < part->mesh->element_count; e++) {
+      if (part->energies != NULL && e % 8 == 0) part->energies(part, e / 8, u, batch);
       // Forces that went through a ring are made once more.
-      if (part->cells[0] > 0 && e % 8 == 0) part_batches(part, e / 8, e / 8 + 1, u, values);
-      scratch->energies[count++] = element_energy(part, e, u, values);
+      if (part->cells[0] > 0 && e % 8 == 0) part->batches(part, e / 8, e / 8 + 1, u, values);
+      scratch->energies[count++] = part->energies != NULL ? batch[e % 8] : element_energy(part, e, u, values);
     }
   }
   *energy = ct_sum(scratch->energies, count);
-  return CT_OK;
-}
-
-static ct_status solid_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
-{
-  (void)view;
-  (void)error;
-  *omega_squared = ((const solid_data *)effect->data)->omega_squared;
   return CT_OK;
 }
 
@@ -303,14 +310,14 @@ static int same_shape(int per, double x[20][3], double y[20][3])
 static ct_status part_frequency(const ct_solid_part *part, double *omega_squared, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
-  size_t per = (size_t)ct_brick_node_count(mesh->kind);
+  int per = ct_brick_node_count(mesh->kind);
   int32_t count = part->kernel == CT_KERNEL_BOX ? 1 : mesh->element_count;
   double last[20][3] = {{0.0}};
   *omega_squared = 0.0;
   for (int32_t e = 0; e < count; e++) {
     double x[20][3], m[20], w;
-    for (size_t a = 0; a < per; a++) memcpy(x[a], &mesh->nodes[3 * (size_t)mesh->elements[(size_t)e * per + a]], sizeof x[a]);
-    if (e > 0 && same_shape((int)per, x, last)) continue;
+    ct_solid_load_element(mesh, e, mesh->nodes, x);
+    if (e > 0 && same_shape(per, x, last)) continue;
     memcpy(last, x, sizeof last);
     ct_status status = ct_mass_element(mesh->kind, &x[0][0], part->material.density, part->lumping, m, error);
     if (status == CT_OK) status = ct_solid_element_frequency(mesh->kind, &x[0][0], &part->material, m, &w, error);
@@ -320,6 +327,24 @@ static ct_status part_frequency(const ct_solid_part *part, double *omega_squared
     }
     if (w > *omega_squared) *omega_squared = w;
   }
+  return CT_OK;
+}
+
+static ct_status solid_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  double largest = 0.0;
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    double own = part->omega_squared;
+    if (part->energies != NULL && view->displacement != NULL) {
+      ct_status status = ct_solid_tangent_frequency(part, view->displacement + 3 * (int64_t)part->first_node, &own, error);
+      if (status != CT_OK && error != NULL) error->body = i;
+      if (status != CT_OK) return status;
+    }
+    largest = fmax(largest, own);
+  }
+  *omega_squared = largest;
   return CT_OK;
 }
 
@@ -355,6 +380,25 @@ static ct_status prepare_ready(ct_solid_part *part)
   return CT_OK;
 }
 
+/* The kernel that is asked for, or the cheapest that fits. */
+static ct_status choose_kernel(ct_solid_part *part, ct_solid_kernel asked, ct_error *error)
+{
+  int large = part->material.law != CT_LINEAR, box = !large && ct_solid_is_box(part->mesh, part->edge);
+  if (asked == CT_KERNEL_BOX && large)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel is for small strain; large deformation has the general one");
+  if (asked == CT_KERNEL_BOX && !box)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular hex8 elements of one size");
+  part->kernel = asked == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
+  for (size_t k = 0; part->batches == NULL && k < sizeof KERNELS / sizeof KERNELS[0]; k++) {
+    const struct kernel_row *row = &KERNELS[k];
+    if (row->kernel != part->kernel || row->kind != part->mesh->kind || row->law != part->material.law) continue;
+    part->batches = row->batches;
+    part->energies = row->energies;
+    part->flops = row->flops;
+  }
+  return CT_OK;
+}
+
 static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, ct_error *error)
 {
   int32_t per = ct_brick_node_count(block->mesh->kind);
@@ -364,10 +408,8 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   part->savings = block->savings == NULL ? ct_savings_default() : *block->savings;
   part->first_node = block->first_node;
   ct_material_lame(&part->material, &part->lambda, &part->mu);
-  int box = ct_solid_is_box(part->mesh, part->edge);
-  if (block->kernel == CT_KERNEL_BOX && !box)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular hex8 elements of one size");
-  part->kernel = block->kernel == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : block->kernel;
+  ct_status status = choose_kernel(part, block->kernel, error);
+  if (status != CT_OK) return status;
   part->batch_count = (part->mesh->element_count + 7) / 8;
   if (part->savings.congruent && part->kernel == CT_KERNEL_BOX && ct_lattice_find(part->mesh, part->cells)) {
     part->rings = block->threads < 1 ? 1 : block->threads < CT_MOST_RINGS ? block->threads : CT_MOST_RINGS;
@@ -385,8 +427,8 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
         part->batch_nodes[(b * per + a) * 8 + l] = part->mesh->elements[e * per + a];
       }
   if (part->savings.quiet && ct_quiet_prepare(part) != CT_OK) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
-  ct_status status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
-  if (status == CT_OK) part->value_count = part->assembly->value_count;
+  status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
+  if (status == CT_OK) part->value_count = part->assembly->value_count + (part->energies != NULL ? (part->batch_count + 7) / 8 * 8 : 0);
   return status;
 }
 
@@ -397,13 +439,12 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
   int32_t next_node = 0;
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];
-    double omega_squared = 0.0;
     ct_status status = ct_material_check(&blocks[i].material, error);
     if (status == CT_OK) status = ct_mesh_check(blocks[i].mesh, error);
     if (status == CT_OK && blocks[i].first_node != next_node)
       status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the body begins at node %d, not %d", (int)blocks[i].first_node, (int)next_node);
     if (status == CT_OK) status = prepare_part(part, &blocks[i], error);
-    if (status == CT_OK) status = part_frequency(part, &omega_squared, error);
+    if (status == CT_OK) status = part_frequency(part, &part->omega_squared, error);
     if (status != CT_OK) {
       if (error != NULL) error->body = i;
       return status;
@@ -414,7 +455,6 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
     part->first_batch = solid->batch_count;
     solid->batch_count += part->batch_count;
     solid->quiet = solid->quiet || part->savings.quiet;
-    solid->omega_squared = fmax(solid->omega_squared, omega_squared);
     next_node += part->mesh->node_count;
   }
   solid->node_count = next_node;
@@ -452,10 +492,9 @@ ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_k
   if (block >= solid->part_count) return CT_ERROR_ARGUMENT;
   const ct_solid_part *part = &solid->parts[block];
   double elements = part->mesh->element_count, per = ct_brick_node_count(part->mesh->kind);
-  // Operations counted in the kernels; the gather adds 7 sums a component and node.
-  double kernel_flops = part->kernel == CT_KERNEL_BOX ? 393.0 : part->mesh->kind == CT_HEX8 ? 2154.0 : 37434.0;
   if (kernel != NULL) *kernel = part->kernel;
-  if (flops != NULL) *flops = kernel_flops + 21.0 * part->mesh->node_count / elements;
+  // The gather adds 7 sums a component and node.
+  if (flops != NULL) *flops = part->flops + 21.0 * part->mesh->node_count / elements;
   // Node numbers and element forces written once and read once; displacements and forces of the nodes, and the gather's places.
   // A lattice has no node numbers and no places, and its forces stay in the cache.
   if (bytes != NULL) *bytes = part->cells[0] > 0 ? 48.0 * part->mesh->node_count / elements : 52.0 * per + (48.0 + 32.0) * part->mesh->node_count / elements;

@@ -6,7 +6,9 @@
 #include "../jacobian.h"
 #include "../mesh_internal.h"
 #include "element.h"
+#include "large.h"
 
+#include <math.h>
 #include <string.h>
 
 double ct_element_gradients(ct_brick_kind kind, double x[20][3], const double xi[3], double dNdx[20][3])
@@ -34,6 +36,36 @@ static void hooke(const ct_material *material, double G[3][3], double sigma[3][3
     for (int j = 0; j < 3; j++) sigma[i][j] = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * trace : 0.0);
 }
 
+/* The stress that works on ∂N/∂X: Hooke's, or for large deformation the first Piola-Kirchhoff stress F S (eq:piola). Returns J = det F, 1 for small strain. */
+static double working_stress(const ct_material *material, double G[3][3], double P[3][3])
+{
+  if (material->law == CT_LINEAR) {
+    hooke(material, G, P);
+    return 1.0;
+  }
+  double S[3][3], J = ct_large_stress(material, G, S);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) P[i][j] = S[i][j] + ((G[i][0] * S[0][j] + G[i][1] * S[1][j]) + G[i][2] * S[2][j]);
+  return J;
+}
+
+/* Stored energy of a unit of volume, from the gradient and the stress that it gave. */
+static double energy_density(const ct_material *material, double G[3][3], double P[3][3])
+{
+  double W = 0.0;
+  if (material->law != CT_LINEAR) return ct_large_energy(material, G);
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) W += 0.5 * P[i][j] * G[i][j];
+  return W;
+}
+
+static ct_status check_inside_out(double J, int64_t point, ct_error *error)
+{
+  if (J > 0.0) return CT_OK;
+  if (isnan(J)) return ct_fail(error, CT_INVALID, (ct_place){-1, -1, point}, "the displacement of the element is not finite");
+  return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, point}, "the deformation turns the element inside out: J = det F = %.3g", J);
+}
+
 static ct_status element_arguments(ct_brick_kind kind, const double *nodes, const double *displacement,
                                    const ct_material *material, double x[20][3], double u[20][3], ct_error *error)
 {
@@ -59,18 +91,18 @@ ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes, const 
 
   // -- Sum f = -∫ σ ∂N/∂x dV over the Gauss points (eq:internal-force)
   for (int q = 0; q < rule.count; q++) {
-    double dNdx[20][3], G[3][3], sigma[3][3];
+    double dNdx[20][3], G[3][3], P[3][3];
     double det = ct_element_gradients(kind, x, rule.xi[q], dNdx);
     if (det == 0.0)
       return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q}, "the element is inverted or collapsed at Gauss point %d", q);
     ct_reference_gradient(per, dNdx, u, G);
-    hooke(material, G, sigma);
+    status = check_inside_out(working_stress(material, G, P), q, error);
+    if (status != CT_OK) return status;
     double dV = rule.weight[q] * det;
     for (int a = 0; a < per; a++)
       for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) force[3 * a + i] -= sigma[i][j] * dNdx[a][j] * dV;
-    for (int i = 0; i < 3; i++)
-      for (int j = 0; j < 3; j++) W += 0.5 * sigma[i][j] * G[i][j] * dV;
+        for (int j = 0; j < 3; j++) force[3 * a + i] -= P[i][j] * dNdx[a][j] * dV;
+    if (energy != NULL) W += energy_density(material, G, P) * dV;
   }
   if (energy != NULL) *energy = W;
   return CT_OK;
@@ -79,13 +111,19 @@ ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes, const 
 ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes, const double *displacement,
                                   const ct_material *material, const double xi[3], double stress[6], ct_error *error)
 {
-  double x[20][3], u[20][3], dNdx[20][3], G[3][3], s[3][3];
+  double x[20][3], u[20][3], dNdx[20][3], G[3][3], P[3][3], s[3][3];
   ct_status status = element_arguments(kind, nodes, displacement, material, x, u, error);
   if (status != CT_OK) return status;
   if (ct_element_gradients(kind, x, xi, dNdx) == 0.0)
     return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE, "the element is inverted or collapsed");
   ct_reference_gradient(ct_brick_node_count(kind), dNdx, u, G);
-  hooke(material, G, s);
+  double J = working_stress(material, G, P);
+  status = check_inside_out(J, -1, error);
+  if (status != CT_OK) return status;
+  // -- Cauchy's stress, P Fᵀ / J (eq:cauchy)
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      s[i][j] = material->law == CT_LINEAR ? P[i][j] : (P[i][j] + ((P[i][0] * G[j][0] + P[i][1] * G[j][1]) + P[i][2] * G[j][2])) / J;
   double voigt[6] = {s[0][0], s[1][1], s[2][2], s[0][1], s[1][2], s[2][0]};
   memcpy(stress, voigt, sizeof voigt);
   return CT_OK;

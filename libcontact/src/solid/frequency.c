@@ -1,9 +1,11 @@
-/* The largest eigenvalue of one element: an upper bound of ω² of the whole mesh. */
+/* The largest eigenvalue of one element, undeformed or at its tangent: an upper bound of ω² of the whole mesh. */
 #include <contact/quadrature.h>
 #include <contact/solid.h>
 
 #include "../error.h"
+#include "../jacobian.h"
 #include "element.h"
+#include "large.h"
 
 #include <math.h>
 #include <string.h>
@@ -18,16 +20,37 @@ static void add_stiffness(double A[SIZE][SIZE], int a, int b, const double p[3],
     for (int j = 0; j < 3; j++) A[3 * a + i][3 * b + j] += lambda * p[i] * q[j] + mu * p[j] * q[i] + (i == j ? mu * dot : 0.0);
 }
 
-/* Stiffness scaled by the masses, A = M^-1/2 K M^-1/2. */
-static ct_status scaled_stiffness(ct_brick_kind kind, const double *nodes, const ct_material *material, const double *mass,
-                                  double A[SIZE][SIZE], ct_error *error)
+/* Add the tangent stiffness of one Gauss point for all pairs of nodes (eq:large-tangent). */
+static void add_tangent(double A[SIZE][SIZE], int per, double g[20][3], const ct_large_stiffness *K, double dV)
+{
+  double v[20][3], s[20][3];
+  for (int a = 0; a < per; a++)
+    for (int i = 0; i < 3; i++) {
+      v[a][i] = (K->V[i][0] * g[a][0] + K->V[i][1] * g[a][1]) + K->V[i][2] * g[a][2];
+      s[a][i] = (K->S[i][0] * g[a][0] + K->S[i][1] * g[a][1]) + K->S[i][2] * g[a][2];
+    }
+  for (int a = 0; a < per; a++)
+    for (int b = 0; b <= a; b++) {
+      double dot = ((g[a][0] * g[b][0] + g[a][1] * g[b][1]) + g[a][2] * g[b][2]) * dV;
+      double initial = ((g[a][0] * s[b][0] + g[a][1] * s[b][1]) + g[a][2] * s[b][2]) * dV;
+      for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+          A[3 * a + i][3 * b + k] += (K->a * v[a][i] * v[b][k] + K->b * v[b][i] * v[a][k]) * dV + dot * K->M[i][k] + (i == k ? initial : 0.0);
+    }
+}
+
+/* Stiffness scaled by the masses, A = M^-1/2 K M^-1/2; the tangent at a displacement unless that is null. */
+static ct_status scaled_stiffness(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
+                                  const double *mass, double A[SIZE][SIZE], ct_error *error)
 {
   int per = ct_brick_node_count(kind);
-  double x[20][3], lambda, mu;
+  double x[20][3], u[20][3], G[3][3], lambda, mu;
+  ct_large_stiffness K;
   ct_rule rule;
   ct_rule_brick(kind, &rule);
   ct_material_lame(material, &lambda, &mu);
   memcpy(x, nodes, (size_t)per * sizeof x[0]);
+  if (displacement != NULL) memcpy(u, displacement, (size_t)per * sizeof u[0]);
   memset(A, 0, sizeof(double) * SIZE * SIZE);
   for (int a = 0; a < per; a++)
     if (!(mass[a] > 0.0))
@@ -37,6 +60,13 @@ static ct_status scaled_stiffness(ct_brick_kind kind, const double *nodes, const
     if (det == 0.0)
       return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q}, "the element is inverted or collapsed at Gauss point %d", q);
     double dV = rule.weight[q] * det;
+    if (displacement != NULL) {
+      ct_reference_gradient(per, dNdx, u, G);
+      if (!(ct_large_tangent(material, G, &K) > 0.0))
+        return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q}, "the deformation turns the element inside out at Gauss point %d", q);
+      add_tangent(A, per, dNdx, &K, dV);
+      continue;
+    }
     for (int a = 0; a < per; a++)
       for (int b = 0; b <= a; b++) add_stiffness(A, a, b, dNdx[a], dNdx[b], lambda * dV, mu * dV);
   }
@@ -84,14 +114,12 @@ static int all_below(int n, const double *diagonal, const double *side, double x
   return pivot < 0.0;
 }
 
-ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes, const ct_material *material,
-                                     const double *mass, double *omega_squared, ct_error *error)
+/* Largest eigenvalue of M⁻¹K; the tangent's unless `displacement` is null. */
+static ct_status largest_eigenvalue(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
+                                    const double *mass, double *omega_squared, ct_error *error)
 {
   double A[SIZE][SIZE], diagonal[SIZE], side[SIZE];
-  if (ct_brick_node_count(kind) == 0 || nodes == NULL || mass == NULL || omega_squared == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
-  ct_status status = ct_material_check(material, error);
-  if (status == CT_OK) status = scaled_stiffness(kind, nodes, material, mass, A, error);
+  ct_status status = scaled_stiffness(kind, nodes, displacement, material, mass, A, error);
   if (status != CT_OK) return status;
   int n = 3 * ct_brick_node_count(kind);
   tridiagonal(n, A, diagonal, side);
@@ -112,4 +140,23 @@ ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes, co
   }
   *omega_squared = high * (1.0 + 1e-12);
   return CT_OK;
+}
+
+ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes, const ct_material *material,
+                                     const double *mass, double *omega_squared, ct_error *error)
+{
+  if (ct_brick_node_count(kind) == 0 || nodes == NULL || mass == NULL || omega_squared == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
+  ct_status status = ct_material_check(material, error);
+  return status == CT_OK ? largest_eigenvalue(kind, nodes, NULL, material, mass, omega_squared, error) : status;
+}
+
+ct_status ct_solid_element_tangent_frequency(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
+                                             const double *mass, double *omega_squared, ct_error *error)
+{
+  if (ct_brick_node_count(kind) == 0 || nodes == NULL || displacement == NULL || mass == NULL || omega_squared == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
+  ct_status status = ct_material_check(material, error);
+  if (status != CT_OK) return status;
+  return largest_eigenvalue(kind, nodes, material->law == CT_LINEAR ? NULL : displacement, material, mass, omega_squared, error);
 }

@@ -6,6 +6,18 @@
 #include "../assembly.h"
 #include "../lanes.h"
 
+#include <string.h>
+
+struct ct_solid_part;
+
+/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of displacements first,
+ * and uses nothing else that changes: where all nodes of a batch have the same displacement, it gives the same bits whatever that is (eq:quiet-force).
+ * A kernel for large deformation also writes the smallest J = det F of batch b (and 1) to `values[assembly->value_count + b]`. */
+typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
+
+/* Stored energies of the 8 elements of one batch. */
+typedef void ct_solid_energies(const struct ct_solid_part *part, int32_t batch, const double *displacement, double energies[8]);
+
 /* One body, prepared for its kernel. Element forces go to `values` in the layout of ct_assembly. */
 typedef struct ct_solid_part {
   const ct_mesh *mesh;
@@ -15,6 +27,13 @@ typedef struct ct_solid_part {
   double lambda, mu;
   int32_t first_node;
   ct_solid_kernel kernel;
+  ct_solid_batches *batches;
+  /* Null where the force is linear: the energy is then half its work. */
+  ct_solid_energies *energies;
+  /* Floating-point operations of the kernel for one element. */
+  double flops;
+  /* Largest ω² of the undeformed elements. */
+  double omega_squared;
   /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
   double edge[3];
   /* Cells of a body whose elements share all that is stored, cells[0] = 0: of none. Then a ring of so many elements, a power of two, holds their forces, those of one
@@ -43,11 +62,21 @@ enum { CT_BLOCK = 32 };
 /* Edge lengths when all elements are rectangular along x, y, z and alike to 1e-12; 0 otherwise. */
 int ct_solid_is_box(const ct_mesh *mesh, double edge[3]);
 
-/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of displacements first, and
- * uses nothing else that changes: forces where all nodes have the same displacement are then the same to the last bit, whatever it is (eq:quiet-force). */
-void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
-void ct_solid_hex8_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
-void ct_solid_hex20_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
+ct_solid_batches ct_solid_box_batches, ct_solid_hex8_batches, ct_solid_hex20_batches, ct_solid_large_hex8_batches, ct_solid_large_hex20_batches;
+ct_solid_energies ct_solid_large_hex8_energies, ct_solid_large_hex20_energies;
+
+/* Refuse a batch whose smallest J is not positive, in the words of the readable form. */
+ct_status ct_solid_check_volume(const ct_solid_part *part, int32_t body, const double *u, const double *values, ct_error *error);
+
+/* Largest eigenvalue of the tangents of the elements of one part at the displacement u (eq:tangent-bound). */
+ct_status ct_solid_tangent_frequency(const ct_solid_part *part, const double *u, double *omega_squared, ct_error *error);
+
+/* Values of one element's nodes from an array (nodes, 3). */
+static inline void ct_solid_load_element(const ct_mesh *mesh, int32_t e, const double *from, double to[20][3])
+{
+  size_t per = (size_t)ct_brick_node_count(mesh->kind);
+  for (size_t a = 0; a < per; a++) memcpy(to[a], &from[3 * (size_t)mesh->elements[(size_t)e * per + a]], sizeof to[a]);
+}
 
 /* Read `per` nodes of 8 elements from an array (nodes, 3) into lanes v[component][node]. */
 static inline void ct_load_lanes(const int32_t *nodes, int per, const double *array, int lane, ct_lanes *v)
@@ -73,10 +102,10 @@ static inline double *ct_batch_values(const ct_solid_part *part, double *values,
 }
 
 /* Write lanes f[component][node] of 8 elements to their place in `values`. */
-static inline void ct_store_lanes(const ct_lanes *f, int per, int lane, double *values, int64_t stride)
+static inline void ct_store_lanes(const ct_lanes *f, int per, int lane, double *values)
 {
   for (int a = 0; a < per; a++)
-    for (int c = 0; c < 3; c++) *(ct_lanes *)(void *)&values[stride * (3 * a + c) + lane] = f[per * c + a];
+    for (int c = 0; c < 3; c++) *(ct_lanes *)(void *)&values[8 * (3 * a + c) + lane] = f[per * c + a];
 }
 
 #endif

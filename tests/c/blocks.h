@@ -1,0 +1,75 @@
+/* The solid effect of one mesh, asked by itself, and the readable form of its forces. */
+#ifndef BLOCKS_H
+#define BLOCKS_H
+
+#include "bodies.h"
+
+/* The solid effect of one mesh, with what it needs to be asked. */
+typedef struct block {
+  ct_effect *effect;
+  void *scratch;
+} block;
+
+static inline block open_block(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel)
+{
+  ct_solid_block b = {.mesh = m, .material = *material, .kernel = kernel};
+  block solid = {NULL, NULL};
+  ct_error e;
+  need(ct_solid_create_effect(&b, 1, &solid.effect, &e), &e);
+  need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
+  return solid;
+}
+
+static inline void close_block(block *solid)
+{
+  solid->effect->free_scratch(solid->scratch);
+  ct_effect_free(solid->effect);
+}
+
+/* Forces at the displacement u, and the energy. */
+static inline double block_force(const block *solid, const double *u, double *f)
+{
+  ct_view view = {.threads = 1, .displacement = u, .scratch = solid->scratch};
+  double energy = NAN;
+  ct_error e;
+  need(solid->effect->force(solid->effect, &view, f, &e), &e);
+  need(solid->effect->energy(solid->effect, &view, &energy, &e), &e);
+  return energy;
+}
+
+static inline double block_frequency(const block *solid)
+{
+  ct_view view = {.threads = 1, .scratch = solid->scratch};
+  double omega_squared = NAN;
+  ct_error e;
+  need(solid->effect->frequency(solid->effect, &view, &omega_squared, &e), &e);
+  return omega_squared;
+}
+
+static inline double *random_displacement(const ct_mesh *m, double amount)
+{
+  double *u = numbers(3 * m->node_count);
+  for (int i = 0; i < 3 * m->node_count; i++) u[i] = uniform(amount);
+  return u;
+}
+
+/* Forces and energy of all elements by the readable form, added up node by node. */
+static inline double reference_force(const ct_mesh *m, const ct_material *material, const double *u, double *f)
+{
+  int per = ct_brick_node_count(m->kind);
+  double total = 0.0;
+  ct_error e;
+  memset(f, 0, 3 * (size_t)m->node_count * sizeof *f);
+  for (int el = 0; el < m->element_count; el++) {
+    double x[60], v[60], g[60], energy;
+    take_element(m, el, m->nodes, x);
+    take_element(m, el, u, v);
+    need(ct_solid_element_force(m->kind, x, v, material, g, &energy, &e), &e);
+    for (int a = 0; a < per; a++)
+      for (int c = 0; c < 3; c++) f[3 * m->elements[el * per + a] + c] += g[3 * a + c];
+    total += energy;
+  }
+  return total;
+}
+
+#endif
