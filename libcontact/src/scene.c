@@ -111,11 +111,12 @@ void ct_scene_free(ct_scene *scene)
   unbuild(scene);
   for (int32_t i = 0; i < scene->added_count; i++) ct_effect_free(scene->added[i]);
   ct_release(scene->added);
-  unjoin(scene);
   for (int32_t i = 0; i < scene->body_count; i++) {
+    if (scene->joined) scene->parts[i].mesh->nodes = NULL; // the problem's, which goes below
     ct_mesh_free(scene->parts[i].mesh);
     ct_release(scene->parts[i].velocities);
   }
+  unjoin(scene);
   for (int32_t i = 0; i < scene->contact_count; i++) {
     ct_release(scene->contacts[i].faces[0]);
     ct_release(scene->contacts[i].faces[1]);
@@ -287,6 +288,12 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
     if (status != CT_OK && error != NULL) error->body = i;
     if (status == CT_OK) status = start_body(scene, i, error);
     if (status != CT_OK) return status;
+  }
+  // From here on the bodies' meshes share the coordinates of the problem.
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    ct_mesh *mesh = scene->parts[i].mesh;
+    ct_release(mesh->nodes);
+    mesh->nodes = &scene->reference[3 * (size_t)scene->bodies[i].first_node];
   }
   *problem = (ct_problem){.node_count = problem->node_count, .body_count = scene->body_count, .bodies = scene->bodies,
                           .reference = scene->reference, .mass = scene->mass, .inverse_mass = scene->inverse_mass,
