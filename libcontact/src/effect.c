@@ -4,6 +4,8 @@
 #include "error.h"
 #include "memory.h"
 
+ct_savings ct_savings_default(void) { return (ct_savings){.quiet = 1, .plane_strain = 1, .congruent = 1, .distant = 1}; }
+
 ct_status ct_effect_create(const ct_effect *filled, ct_effect **effect, ct_error *error)
 {
   if (filled == NULL || effect == NULL || filled->name == NULL || filled->node_count < 0 || filled->memory_count < 0)

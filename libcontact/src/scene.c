@@ -32,6 +32,7 @@ struct ct_scene {
   ct_scene_support *supports; /* their arrays are ours */
   ct_effect **added;          /* beside solid, contacts and supports */
   int32_t added_count;
+  ct_savings savings;
   int joined; /* the nodes are numbered, no body can be added */
   /* What `ct_scene_build` makes. */
   ct_problem problem;
@@ -62,7 +63,16 @@ ct_status ct_scene_create(ct_scene **scene, ct_error *error)
 {
   if (scene == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
   *scene = ct_allocate(1, sizeof **scene);
-  return *scene != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a scene");
+  if (*scene == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a scene");
+  (*scene)->savings = ct_savings_default();
+  return CT_OK;
+}
+
+ct_status ct_scene_set_savings(ct_scene *scene, const ct_savings *savings, ct_error *error)
+{
+  if (scene == NULL || savings == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "savings: null argument");
+  scene->savings = *savings;
+  return CT_OK;
 }
 
 /* Whether an effect is one that was added, and not made by `ct_scene_build`. */
@@ -101,11 +111,12 @@ void ct_scene_free(ct_scene *scene)
   unbuild(scene);
   for (int32_t i = 0; i < scene->added_count; i++) ct_effect_free(scene->added[i]);
   ct_release(scene->added);
-  unjoin(scene);
   for (int32_t i = 0; i < scene->body_count; i++) {
+    if (scene->joined) scene->parts[i].mesh->nodes = NULL; // the problem's, which goes below
     ct_mesh_free(scene->parts[i].mesh);
     ct_release(scene->parts[i].velocities);
   }
+  unjoin(scene);
   for (int32_t i = 0; i < scene->contact_count; i++) {
     ct_release(scene->contacts[i].faces[0]);
     ct_release(scene->contacts[i].faces[1]);
@@ -281,6 +292,12 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
     if (status == CT_OK) status = start_body(scene, i, error);
     if (status != CT_OK) return status;
   }
+  // From here on the bodies' meshes share the coordinates of the problem.
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    ct_mesh *mesh = scene->parts[i].mesh;
+    ct_release(mesh->nodes);
+    mesh->nodes = &scene->reference[3 * (size_t)scene->bodies[i].first_node];
+  }
   *problem = (ct_problem){.node_count = problem->node_count, .body_count = scene->body_count, .bodies = scene->bodies,
                           .reference = scene->reference, .mass = scene->mass, .inverse_mass = scene->inverse_mass,
                           .initial_velocity = scene->velocity, .threads = 1};
@@ -319,13 +336,14 @@ ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *erro
   return CT_OK;
 }
 
-static ct_status make_solid(ct_scene *scene, ct_error *error)
+static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
 {
   ct_solid_block *blocks = ct_allocate((size_t)scene->body_count, sizeof *blocks);
   if (blocks == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
   for (int32_t i = 0; i < scene->body_count; i++)
     blocks[i] = (ct_solid_block){.mesh = scene->parts[i].mesh, .material = scene->bodies[i].material, .kernel = scene->parts[i].kernel,
-                                 .first_node = scene->bodies[i].first_node, .lumping = scene->parts[i].lumping};
+                                 .first_node = scene->bodies[i].first_node, .lumping = scene->parts[i].lumping,
+                                 .savings = &scene->savings, .threads = threads};
   ct_status status = ct_solid_create_effect(blocks, scene->body_count, &scene->effects[0], error);
   ct_release(blocks);
   return status;
@@ -344,6 +362,7 @@ static ct_status make_contact(ct_scene *scene, int32_t number, ct_effect **effec
 {
   scene_contact *entry = &scene->contacts[number];
   ct_contact_options options = entry->given.options;
+  options.distant = options.distant && scene->savings.distant;
   int32_t count[2] = {entry->given.face_count_a, entry->given.face_count_b}, body[2] = {entry->given.body_a, entry->given.body_b};
   ct_surface surface[2];
   for (int s = 0; s < 2; s++)
@@ -375,12 +394,12 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
   return status == CT_OK ? ct_support_apply(*effect, scene->inverse_mass, scene->velocity) : status;
 }
 
-static ct_status make_effects(ct_scene *scene, ct_error *error)
+static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
 {
   int32_t *count = &scene->problem.effect_count;
   scene->effects = ct_allocate((size_t)scene->contact_count + (size_t)scene->added_count + 2, sizeof *scene->effects);
   if (scene->effects == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the effects");
-  ct_status status = make_solid(scene, error);
+  ct_status status = make_solid(scene, threads, error);
   if (status == CT_OK) (*count)++;
   for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++) {
     status = make_contact(scene, i, &scene->effects[*count], error);
@@ -421,7 +440,7 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   unbuild(scene);
   ct_status status = ct_scene_join(scene, &joined, error);
   for (int32_t i = 0; status == CT_OK && i < scene->body_count; i++) status = start_body(scene, i, error);
-  if (status == CT_OK) status = make_effects(scene, error);
+  if (status == CT_OK) status = make_effects(scene, time->threads, error);
   p->threads = 1;
   p->clock = NULL;
   p->dt = 1.0; // any step will do to ask for the stable one

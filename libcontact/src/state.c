@@ -2,6 +2,7 @@
 #include <contact/energy.h>
 #include <contact/step.h>
 
+#include "bits.h"
 #include "error.h"
 #include "memory.h"
 #include "workspace.h"
@@ -53,7 +54,7 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
     if (w->force != NULL) ct_release(w->force[k]);
     if (w->scratch != NULL && w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
   }
-  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->terms, w->room};
+  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->terms, w->room, w->still};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_release(w);
 }
@@ -91,10 +92,11 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   w->total = ct_allocate(n, 3 * sizeof(double));
   w->terms = ct_allocate(n, sizeof(double));
   w->room = ct_allocate(n, 3 * sizeof(double));
+  w->still = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->still);
   w->force = ct_allocate(effects, sizeof *w->force);
   w->scratch = ct_allocate(effects, sizeof *w->scratch);
   w->next_memory = ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
-  if (!w->total || !w->terms || !w->room || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK) return CT_ERROR_MEMORY;
+  if (!w->total || !w->terms || !w->room || !w->still || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK) return CT_ERROR_MEMORY;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (k > 0 && !effect->reaction) {
@@ -212,6 +214,7 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   to->time = from->time;
   to->kinetic_start = from->kinetic_start;
   to->workspace->forces_at = -1;
+  to->workspace->kept = 0;
   return CT_OK;
 }
 
@@ -245,19 +248,28 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
   ct_workspace *w = state->workspace;
   if (w->forces_at == state->step) return CT_OK;
   w->forces_at = -1;
+  int kept = w->kept;
+  w->kept = 0;
+  memset(w->still, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *w->still);
+  for (int32_t i = 0; kept && i < w->touched_count; i++)
+    memcpy(&w->total[3 * (int64_t)w->touched[i]], &w->touched_first[3 * (int64_t)i], 3 * sizeof(double));
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (effect->reaction) continue;
     ct_view view = ct_workspace_view(problem, state, k);
+    if (k == 0 && kept) view.still = w->still;
     double *force = k == 0 ? w->total : w->force[k], begin = problem->clock == NULL ? 0.0 : problem->clock();
     ct_status status = effect->force(effect, &view, force, error);
     if (status != CT_OK) return status;
     if (problem->clock != NULL) state->effect_seconds[k] += problem->clock() - begin;
-    for (int32_t i = 0; k == 0 && i < w->touched_count; i++)
+    for (int32_t i = 0; k == 0 && i < w->touched_count; i++) {
       memcpy(&w->touched_first[3 * (int64_t)i], &w->total[3 * (int64_t)w->touched[i]], 3 * sizeof(double));
+      ct_bits_put(w->still, w->touched[i], w->touched[i] + 1, 0);
+    }
     for (int32_t i = 0; k > 0 && i < effect->node_count; i++)
       for (int c = 0; c < 3; c++) w->total[3 * (int64_t)ct_effect_node(effect, i) + c] += force[3 * (int64_t)i + c];
   }
   w->forces_at = state->step;
+  w->kept = 1;
   return CT_OK;
 }

@@ -1,5 +1,6 @@
 #include <contact/step.h>
 
+#include "bits.h"
 #include "error.h"
 #include "lanes.h"
 #include "vector.h"
@@ -8,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { AT_ONCE = 4096, STEPS_BETWEEN_CHECKS = 64 };
+enum { NODES_AT_ONCE = 1024, STEPS_BETWEEN_CHECKS = 64 };
 
 /* Kick and drift the degrees of freedom first ... last - 1, and count the work of the first effect. */
 CT_CLONES
@@ -22,6 +23,28 @@ static void advance(int64_t first, int64_t last, double dt, const double *restri
     velocity[d] = after;
     displacement[d] += dt * after;
     work[d] += force[d] * (before + after);
+  }
+}
+
+/* The same where the force is zero as it was in the last step: velocity and work then stay as they are (eq:still-node). */
+CT_CLONES
+static void drift(int64_t first, int64_t last, double dt, const double *restrict velocity, double *restrict displacement)
+{
+#pragma omp simd
+  for (int64_t d = first; d < last; d++) displacement[d] += dt * velocity[d];
+}
+
+/* Move the nodes first ... last - 1. */
+static void advance_nodes(const ct_problem *problem, ct_state *state, int32_t first, int32_t last)
+{
+  const ct_workspace *w = state->workspace;
+  for (int32_t n = first, end; n < last; n = end) {
+    int still = ct_bits_get(w->still, n);
+    end = ct_bits_next(w->still, n, last, !still);
+    if (still)
+      drift(3 * (int64_t)n, 3 * (int64_t)end, problem->dt, state->velocity, state->displacement);
+    else
+      advance(3 * (int64_t)n, 3 * (int64_t)end, problem->dt, problem->inverse_mass, w->total, state->displacement, state->velocity, state->work);
   }
 }
 
@@ -61,6 +84,16 @@ static const double *velocity_before(const ct_workspace *w, int32_t node)
   return &w->touched_velocity[3 * (int64_t)low];
 }
 
+/* The impulse of a reaction: minus all other forces on the degrees of freedom that it holds (eq:impulse-balance). */
+static void count_reaction(const ct_problem *problem, const ct_workspace *w, const ct_effect *effect, double *impulse)
+{
+  for (int32_t i = 0; i < effect->node_count; i++) {
+    int64_t dof = 3 * (int64_t)ct_effect_node(effect, i);
+    if (ct_bits_get(w->still, ct_effect_node(effect, i))) continue;
+    for (int64_t c = 0; c < 3; c++) impulse[3 * (int64_t)i + c] -= problem->inverse_mass[dof + c] == 0.0 ? w->total[dof + c] : 0.0;
+  }
+}
+
 /* Work and impulse of the effects beside the first (eq:work-balance, eq:impulse-balance). */
 static void count_work(const ct_problem *problem, ct_state *state)
 {
@@ -68,14 +101,10 @@ static void count_work(const ct_problem *problem, ct_state *state)
   for (int32_t k = 1; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     double *impulse = state->impulse + ct_state_impulse_start(problem, k), *work = state->work + ct_state_work_start(problem, k);
-    for (int32_t i = 0; i < effect->node_count; i++) {
+    if (effect->reaction) count_reaction(problem, w, effect, impulse);
+    for (int32_t i = 0; !effect->reaction && i < effect->node_count; i++) {
       int32_t node = ct_effect_node(effect, i);
       const double *after = &state->velocity[3 * (int64_t)node];
-      if (effect->reaction) {
-        for (int64_t c = 0; c < 3; c++)
-          impulse[3 * (int64_t)i + c] -= problem->inverse_mass[3 * (int64_t)node + c] == 0.0 ? w->total[3 * (int64_t)node + c] : 0.0;
-        continue;
-      }
       const double *before = velocity_before(w, node), *force = &w->force[k][3 * (int64_t)i];
       for (int64_t c = 0; c < 3; c++) {
         work[3 * (int64_t)i + c] += force[c] * (before[c] + after[c]);
@@ -91,15 +120,14 @@ ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   ct_workspace *w = state->workspace;
-  int64_t count = 3 * (int64_t)problem->node_count;
+  int32_t count = problem->node_count;
   double begin = problem->clock == NULL ? 0.0 : problem->clock();
   keep_touched(state);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(problem->threads) schedule(static) if (problem->threads > 1)
 #endif
-  for (int64_t d = 0; d < count; d += AT_ONCE)
-    advance(d, d + AT_ONCE < count ? d + AT_ONCE : count, problem->dt, problem->inverse_mass, w->total, state->displacement,
-            state->velocity, state->work);
+  for (int32_t n = 0; n < count; n += NODES_AT_ONCE)
+    advance_nodes(problem, state, n, count - n > NODES_AT_ONCE ? n + NODES_AT_ONCE : count);
   correct_touched(state);
   count_work(problem, state);
   memcpy(state->memory, w->next_memory, (size_t)state->memory_count * sizeof(double));

@@ -12,7 +12,7 @@ typedef struct block {
 
 static inline block open_block(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel)
 {
-  ct_solid_block b = {m, *material, 0, kernel, CT_LUMP_DEFAULT};
+  ct_solid_block b = {.mesh = m, .material = *material, .kernel = kernel};
   block solid = {NULL, NULL};
   ct_error e;
   need(ct_solid_create_effect(&b, 1, &solid.effect, &e), &e);

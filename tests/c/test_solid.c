@@ -229,7 +229,7 @@ static void refusals(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
   m->nodes[3 * 13] += 0.01;
-  ct_solid_block b = {m, STEEL, 0, CT_KERNEL_BOX, CT_LUMP_DEFAULT};
+  ct_solid_block b = {.mesh = m, .material = STEEL, .kernel = CT_KERNEL_BOX};
   ct_effect *effect = NULL;
   ct_error e = {0};
   tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL && e.body == 0, "the box kernel refuses another mesh: %s", e.text);

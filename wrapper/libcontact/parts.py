@@ -18,6 +18,7 @@ LUMPINGS = ("row_sum", "hrz")
 LAWS = ("linear", "st_venant_kirchhoff", "neo_hookean")
 KERNELS = ("auto", "general", "box")
 FIELDS = ("displacement", "velocity", "stress")
+SAVINGS = ("quiet", "plane_strain", "congruent", "distant")
 INTEGRATORS = ("central_difference",)
 DEFAULT_BETA = 4.0
 
@@ -135,6 +136,7 @@ class Parts:
     time: Time | None
     output: Output
     threads: int
+    savings: tuple[str, ...]
 
 
 def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
@@ -152,11 +154,12 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     output = _output(scene.table("output", {}))
     run = scene.table("run", {})
     threads = run.integer("threads", 1, most=1024)
+    savings = _savings(run)
     run.done()
     scene.done()
     if whole and not bodies:
         raise SceneError("there is no [[body]]; a scene needs at least one", "body", file)
-    return Parts(title, units, materials, bodies, contacts, supports, added, time, output, threads)
+    return Parts(title, units, materials, bodies, contacts, supports, added, time, output, threads, savings)
 
 
 def _named(tables: list[Table], reader: Any) -> dict[str, Any]:
@@ -307,6 +310,15 @@ def _support(table: Table, bodies: dict[str, Body]) -> Support:
             raise table.error(f"velocity[{i}]", f'is {velocity[i]:g}, but "{axis}" is not in fix')
     table.done()
     return Support(body, face, tuple(fix), velocity)
+
+
+def _savings(table: Table) -> tuple[str, ...]:
+    """What may be left out because it changes no result; all of it unless the scene lists some."""
+    savings = table.items("savings", None, list(SAVINGS))
+    for i, saving in enumerate(savings):
+        if not isinstance(saving, str) or saving not in SAVINGS:
+            raise table.error(f"savings[{i}]", f"{describe(saving)} is no saving" + suggestion(str(saving), SAVINGS))
+    return tuple(dict.fromkeys(savings))
 
 
 def _time(table: Table) -> Time:

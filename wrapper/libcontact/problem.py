@@ -82,6 +82,8 @@ class Problem:
         out = ffi.new("ct_scene **")
         self._call(lib.ct_scene_create, out, key="")
         self._scene = ffi.gc(out[0], lib.ct_scene_free)
+        savings = ffi.new("ct_savings *", {name: name in parts.savings for name in scene_parts.SAVINGS})
+        self._call(lib.ct_scene_set_savings, self._scene, savings, key="run.savings")
         self._add_bodies()
         self._faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contacts)]
         for i, support in enumerate(parts.supports):

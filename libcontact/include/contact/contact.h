@@ -18,9 +18,11 @@ typedef struct ct_contact_options {
   double depth;
   /** Threads; results do not depend on it. */
   int threads;
+  /** Not 0: no search while the surfaces are too far from each other to touch, :eq:`contact-clear`; results do not depend on it. */
+  int distant;
 } ct_contact_options;
 
-/** Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread. ``epsilon`` is 0 and must be set. */
+/** Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, no search between distant surfaces. ``epsilon`` is 0 and must be set. */
 CT_API ct_contact_options ct_contact_options_default(void);
 
 /** Penalty ε = β E / h [stress / length], :eq:`penalty-factor`. β between 3 and 5 suits Courant numbers near 0.125. */

@@ -4,6 +4,24 @@
 #include <contact/status.h>
 
 /**
+ * Work that may be left out where leaving it out changes no result, :doc:`/theory/savings`; each 1 (may be) or 0. A scene begins with `ct_savings_default`;
+ * turning one off is good for measuring what it saves, and for nothing else.
+ */
+typedef struct ct_savings {
+  /** Elements whose nodes have moved all alike are not computed, and nodes without force are only moved on. */
+  int quiet;
+  /** One layer of bricks held along y is computed in two dimensions. */
+  int plane_strain;
+  /** Elements of one shape and material share what is stored for them. */
+  int congruent;
+  /** Contact surfaces that are too far from each other to touch are not searched. */
+  int distant;
+} ct_savings;
+
+/** All savings on. */
+CT_API ct_savings ct_savings_default(void);
+
+/**
  * What an effect is shown when it is asked for its force: the state of all bodies, one after another, at one time.
  * Nothing here may be changed by the effect but its own `memory` and `scratch`.
  */
@@ -24,6 +42,11 @@ typedef struct ct_view {
   double *next_memory;
   /** What `create_scratch` made for this state. */
   void *scratch;
+  /**
+   * Null, except for the first effect when `force` still holds what it wrote in its last call: then a bit a node, node n being bit n % 64 of word n / 64, all
+   * 0. The effect may set the bit of a node on which its force is zero, as it was in the last call, and leave that force as it stands, :eq:`still-node`.
+   */
+  uint64_t *still;
 } ct_view;
 
 /**

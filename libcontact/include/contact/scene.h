@@ -89,6 +89,9 @@ CT_API ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *s
  */
 CT_API ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_error *error);
 
+/** What may be left out when the scene is computed, from its next build on; all of it if this is not called. */
+CT_API ct_status ct_scene_set_savings(ct_scene *scene, const ct_savings *savings, ct_error *error);
+
 /** Add an effect that was made for the joined problem, the library's or the caller's own. The scene takes it over, also when the call fails, and frees it. */
 CT_API ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *error);
 

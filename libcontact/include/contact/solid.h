@@ -56,6 +56,10 @@ typedef struct ct_solid_block {
   ct_solid_kernel kernel;
   /** How the masses were lumped, for the bound on the time step. */
   ct_lumping lumping;
+  /** What may be left out in this body, read when the effect is made; null: all that `ct_savings_default` tells. */
+  const ct_savings *savings;
+  /** Threads for which room is kept; 0: one. With more threads than that the forces are the same. */
+  int threads;
 } ct_solid_block;
 
 /**

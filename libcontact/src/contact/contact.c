@@ -12,7 +12,7 @@
 
 ct_contact_options ct_contact_options_default(void)
 {
-  return (ct_contact_options){.epsilon = 0.0, .method = CT_ROBUST, .tolerance = 1e-10, .depth = 0.0, .threads = 1};
+  return (ct_contact_options){.epsilon = 0.0, .method = CT_ROBUST, .tolerance = 1e-10, .depth = 0.0, .threads = 1, .distant = 1};
 }
 
 double ct_contact_penalty(double beta, double young, double h) { return beta * young / h; }
@@ -59,16 +59,22 @@ static int32_t drop_adjacent(const ct_side *side, int32_t face, int32_t *list, i
   return kept;
 }
 
+static ct_bounds grown(const ct_bounds *box, double reach)
+{
+  ct_bounds larger = *box;
+  for (int c = 0; c < 3; c++) {
+    larger.low[c] -= reach;
+    larger.high[c] += reach;
+  }
+  return larger;
+}
+
 /* List for each face of `side` the faces of `other` within `reach`. */
 static ct_status list_candidates(ct_side *side, const ct_side *other, double reach, ct_error *error)
 {
   int32_t count = 0;
   for (int32_t f = 0; f < side->search->face_count; f++) {
-    ct_bounds box = side->search->boxes[f];
-    for (int c = 0; c < 3; c++) {
-      box.low[c] -= reach;
-      box.high[c] += reach;
-    }
+    ct_bounds box = grown(&side->search->boxes[f], reach);
     side->candidate_first[f] = count;
     int32_t found = ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box, side->candidates + count, side->candidate_room - count);
     if (found > side->candidate_room - count) {
@@ -88,6 +94,40 @@ static ct_status list_candidates(ct_side *side, const ct_side *other, double rea
   return CT_OK;
 }
 
+/* Whether the box of some face of `side` comes within `reach` of one of `other`; faces that share a node do not count. */
+static int anything_within(const ct_side *side, const ct_side *other, double reach)
+{
+  enum { ROOM = 64 };
+  int32_t list[ROOM];
+  for (int32_t f = 0; f < side->search->face_count; f++) {
+    ct_bounds box = grown(&side->search->boxes[f], reach);
+    int32_t found = ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box, list, ROOM);
+    if (found > ROOM || (side == other ? drop_adjacent(side, f, list, found) : found) > 0) return 1;
+  }
+  return 0;
+}
+
+/* Find how far the surfaces are from touching: what is free beyond the depth, twice the skin, four times, ... while nothing is there. */
+static void measure_clear(ct_contact *contact)
+{
+  enum { DOUBLINGS = 40 };
+  const ct_side *a = &contact->side[0], *b = &contact->side[contact->sides - 1];
+  contact->clear = 0.0;
+  if (!contact->options.distant || a->candidate_first[a->search->face_count] + b->candidate_first[b->search->face_count] > 0) return;
+  contact->clear = contact->skin;
+  for (int i = 0; i < DOUBLINGS && !anything_within(a, b, contact->depth + 2.0 * contact->clear); i++) contact->clear *= 2.0;
+}
+
+/* Whether no point can have come into the depth of a face since the lists were made: the box of a linear face moves at most as far as its nodes,
+ * that of a quadratic one seven times as far (eq:contact-clear). */
+static int still_distant(const ct_contact *contact)
+{
+  if (!contact->built || contact->clear == 0.0) return 0;
+  const ct_side *a = &contact->side[0], *b = &contact->side[contact->sides - 1];
+  double part = a->search->per > a->search->edges || b->search->per > b->search->edges ? 0.125 : 0.9;
+  return motion(a) + motion(b) <= part * contact->clear;
+}
+
 /* Refit trees and list candidates when the surfaces have moved by a part of the skin (eq:skin). */
 static ct_status refresh_candidates(ct_contact *contact, ct_error *error)
 {
@@ -101,6 +141,7 @@ static ct_status refresh_candidates(ct_contact *contact, ct_error *error)
   ct_status status = list_candidates(a, b, contact->depth + contact->skin, error);
   if (status == CT_OK && a != b) status = list_candidates(b, a, contact->depth + contact->skin, error);
   contact->built = status == CT_OK;
+  if (contact->built) measure_clear(contact);
   return status;
 }
 
@@ -210,9 +251,17 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
 {
   if (contact == NULL || xa == NULL || (xb == NULL && contact->sides == 2))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
-  ct_status status = ct_search_set(contact->side[0].search, xa, 0, error);
-  if (status == CT_OK && contact->sides == 2) status = ct_search_set(contact->side[1].search, xb, 1, error);
-  if (status == CT_OK) status = refresh_candidates(contact, error);
+  ct_status status = ct_search_place(contact->side[0].search, xa, 0, error);
+  if (status == CT_OK && contact->sides == 2) status = ct_search_place(contact->side[1].search, xb, 1, error);
+  if (status != CT_OK) return status;
+  if (still_distant(contact)) {
+    // No point has a face, as in the last call; a host may have set some since then, from an older state.
+    for (int s = 0; s < contact->sides; s++)
+      for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++) contact->side[s].points[i].other = -1;
+    return CT_OK;
+  }
+  for (int s = 0; s < contact->sides; s++) ct_search_box(contact->side[s].search);
+  status = refresh_candidates(contact, error);
   if (status != CT_OK) return status;
   for (int s = 0; s < contact->sides; s++)
     ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, contact->depth);

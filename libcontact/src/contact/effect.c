@@ -124,10 +124,7 @@ static ct_status renumber(contact_data *data, const ct_surface *surface[2], cons
 {
   int32_t total = surface[0]->node_count;
   int32_t *own = ct_allocate((size_t)total, sizeof *own);
-  data->nodes = ct_allocate((size_t)total, sizeof *data->nodes);
-  data->reference = ct_allocate((size_t)total, 3 * sizeof *data->reference);
-  data->mass = ct_allocate((size_t)total, sizeof *data->mass);
-  ct_status status = own && data->nodes && data->reference && data->mass ? CT_OK : CT_ERROR_MEMORY;
+  ct_status status = own != NULL ? CT_OK : CT_ERROR_MEMORY;
   for (int s = 0; status == CT_OK && s < data->sides; s++) {
     size_t entries = (size_t)surface[s]->face_count * (size_t)ct_face_node_count(surface[s]->kind);
     data->faces[s] = ct_allocate(entries, sizeof *data->faces[s]);
@@ -140,6 +137,12 @@ static ct_status renumber(contact_data *data, const ct_surface *surface[2], cons
         own[node] = 1;
     }
   }
+  size_t marked = 0;
+  for (int32_t n = 0; status == CT_OK && n < total; n++) marked += own[n] != 0;
+  data->nodes = ct_allocate(marked, sizeof *data->nodes);
+  data->reference = ct_allocate(marked, 3 * sizeof *data->reference);
+  data->mass = ct_allocate(marked, sizeof *data->mass);
+  if (status == CT_OK && !(data->nodes && data->reference && data->mass)) status = CT_ERROR_MEMORY;
   for (int32_t n = 0; status == CT_OK && n < total; n++)
     if (own[n]) {
       data->nodes[*count] = n;

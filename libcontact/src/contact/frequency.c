@@ -81,6 +81,7 @@ ct_status ct_contact_frequency(const ct_contact *contact, const double *mass_a, 
     rows[s] = ct_allocate((size_t)contact->side[s].search->node_count, sizeof *rows[s]);
     if (rows[s] == NULL) status = CT_ERROR_MEMORY;
     // Trees of the current shape, so that the call also works before the first update.
+    ct_search_box(contact->side[s].search);
     ct_search_refit(contact->side[s].search);
   }
   *omega_squared = 0.0;

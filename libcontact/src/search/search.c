@@ -140,7 +140,7 @@ ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, c
   return status;
 }
 
-ct_status ct_search_set(ct_search *search, const double *host, int body, ct_error *error)
+ct_status ct_search_place(ct_search *search, const double *host, int body, ct_error *error)
 {
   for (int32_t n = 0; n < search->node_count; n++)
     for (int c = 0; c < 3; c++)
@@ -149,12 +149,23 @@ ct_status ct_search_set(ct_search *search, const double *host, int body, ct_erro
                        "xyz"[c], (int)search->nodes[n], body, CT_LARGEST_LENGTH);
   for (int32_t n = 0; n < search->node_count; n++)
     memcpy(&search->x[3 * (int64_t)n], &host[3 * (int64_t)search->nodes[n]], 3 * sizeof *search->x);
+  return CT_OK;
+}
+
+void ct_search_box(ct_search *search)
+{
   for (int32_t f = 0; f < search->face_count; f++) {
     ct_face face;
     ct_search_face(search, f, &face);
     search->boxes[f] = ct_face_bounds(&face);
   }
-  return CT_OK;
+}
+
+ct_status ct_search_set(ct_search *search, const double *host, int body, ct_error *error)
+{
+  ct_status status = ct_search_place(search, host, body, error);
+  if (status == CT_OK) ct_search_box(search);
+  return status;
 }
 
 void ct_search_refit(ct_search *search)

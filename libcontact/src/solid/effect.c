@@ -3,10 +3,12 @@
 #include <contact/solid.h>
 #include <contact/sum.h>
 
+#include "../bits.h"
 #include "../error.h"
 #include "../memory.h"
 #include "../tree.h"
-#include "kernel.h"
+#include "lattice.h"
+#include "quiet.h"
 
 #include <math.h>
 #include <string.h>
@@ -34,12 +36,16 @@ typedef struct solid_data {
   ct_solid_part *parts;
   int64_t value_count;
   int64_t element_count;
+  int64_t batch_count;
+  int32_t node_count;
+  int quiet; /* whether some part leaves out its quiet batches */
 } solid_data;
 
-/* Element forces of all parts, and room for one energy an element. */
+/* Element forces of all parts, room for one energy an element, and what is known of quiet batches. */
 typedef struct solid_scratch {
   double *values;
   double *energies;
+  ct_quiet quiet;
 } solid_scratch;
 
 static void free_data(void *data)
@@ -50,6 +56,8 @@ static void free_data(void *data)
     ct_release(solid->parts[i].batch_nodes);
     ct_release(solid->parts[i].gradients);
     ct_release(solid->parts[i].ready);
+    ct_release(solid->parts[i].range_first);
+    ct_release(solid->parts[i].ranges);
     ct_assembly_free(solid->parts[i].assembly);
   }
   ct_release(solid->parts);
@@ -62,6 +70,8 @@ static void free_scratch(void *scratch)
   if (s == NULL) return;
   ct_release(s->values);
   ct_release(s->energies);
+  ct_release(s->quiet.batch);
+  ct_release(s->quiet.changed);
   ct_release(s);
 }
 
@@ -73,75 +83,183 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
     s->values = ct_allocate((size_t)solid->value_count, sizeof *s->values);
     s->energies = ct_allocate((size_t)solid->element_count, sizeof *s->energies);
   }
-  if (s == NULL || s->values == NULL || s->energies == NULL) {
+  if (s != NULL && solid->quiet) {
+    size_t words = (size_t)ct_bits_words(solid->node_count);
+    s->quiet.batch = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.batch);
+    s->quiet.changed = ct_allocate(words, sizeof *s->quiet.changed);
+  }
+  if (s == NULL || s->values == NULL || s->energies == NULL || (solid->quiet && !(s->quiet.batch && s->quiet.changed))) {
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
   }
   // Batches that no kernel has computed are undeformed.
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
+    if (part->energies == NULL) continue;
     double *lowest = s->values + part->first_value + part->assembly->value_count;
-    for (int32_t b = 0; part->energies != NULL && b < part->batch_count; b++) lowest[b] = 1.0;
+    for (int32_t b = 0; b < part->batch_count; b++) lowest[b] = 1.0;
   }
   *scratch = s;
   return CT_OK;
 }
 
-/* One thread: sum each node as soon as its last element is there. */
-static void part_force(const ct_solid_part *part, const double *u, double *values, double *f)
+/* One call of the force for one part. */
+typedef struct part_call {
+  const ct_solid_part *part;
+  const double *displacement; /* of the problem */
+  double *values, *f;         /* of the part */
+  ct_quiet *quiet;            /* null: compute every batch, sum every node */
+} part_call;
+
+/* Find which batches are quiet, and mark the nodes of the others. */
+static void find_quiet(const part_call *call, int threads)
 {
+  const ct_solid_part *part = call->part;
+  (void)threads;
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#endif
+  for (int32_t b = 0; b < part->batch_count; b++) ct_quiet_find(call->quiet, part, b, call->displacement);
+  ct_quiet_mark(call->quiet, part);
+}
+
+/* Compute those of the batches first ... last - 1 that are not quiet. */
+static void call_batches(const part_call *call, int32_t first, int32_t last)
+{
+  const ct_solid_part *part = call->part;
+  const double *u = call->displacement + 3 * (int64_t)part->first_node;
+  int32_t begin = first;
+  for (int32_t b = first; call->quiet != NULL && b < last; b++) {
+    if (call->quiet->batch[part->first_batch + b] != CT_BATCH_QUIET) continue;
+    if (part->cells[0] > 0) ct_lattice_zeros(part, b, call->values);
+    part->batches(part, begin, b, u, call->values);
+    begin = b + 1;
+  }
+  part->batches(part, begin, last, u, call->values);
+  // A body in a ring has the box kernel, which gives zeros; and two threads may compute one batch.
+  if (call->quiet != NULL && part->cells[0] == 0) ct_quiet_confirm(call->quiet, part, first, last, call->values);
+}
+
+static void part_gather(const ct_solid_part *part, const double *values, int32_t first, int32_t last, double *f)
+{
+  if (part->cells[0] > 0)
+    ct_lattice_gather(part, values, first, last, f);
+  else
+    ct_assembly_gather(part->assembly, values, first, last, f);
+}
+
+/* Sum at those of the part's nodes first ... last - 1 that have an element which was computed. */
+static void call_gather(const part_call *call, int32_t first, int32_t last)
+{
+  int32_t shift = call->part->first_node;
+  if (call->quiet == NULL) {
+    part_gather(call->part, call->values, first, last, call->f);
+    return;
+  }
+  for (int32_t n = shift + first, end; n < shift + last; n = end) {
+    n = ct_bits_next(call->quiet->changed, n, shift + last, 1);
+    end = ct_bits_next(call->quiet->changed, n, shift + last, 0);
+    part_gather(call->part, call->values, n - shift, end - shift, call->f);
+  }
+}
+
+/* One thread: sum each node as soon as its last element is there. */
+static void part_force(const part_call *call)
+{
+  const ct_solid_part *part = call->part;
   int32_t node = 0, block = 0;
   for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK, block++) {
-    part->batches(part, b, b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count, u, values);
+    call_batches(call, b, b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count);
     if (part->assembly->extra_count > 0) continue;
-    ct_assembly_gather(part->assembly, values, node, part->ready[block], f);
+    call_gather(call, node, part->ready[block]);
     node = part->ready[block];
   }
-  ct_assembly_fold(part->assembly, values);
-  ct_assembly_gather(part->assembly, values, node, part->mesh->node_count, f);
+  ct_assembly_fold(part->assembly, call->values);
+  call_gather(call, node, part->mesh->node_count);
+}
+
+/* The same for a range of the nodes of a body whose forces go through a ring: begin with the first element that a node of the range may have. */
+static void ring_force(const part_call *call, int32_t first, int32_t last)
+{
+  const ct_solid_part *part = call->part;
+  int32_t node = first;
+  for (int32_t b = ct_lattice_begin(part, first) / 8, end; node < last; b = end) {
+    end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
+    call_batches(call, b, end);
+    int32_t ready = ct_lattice_ready(part, 8 * end);
+    ready = ready < last ? ready : last;
+    if (ready <= node) continue;
+    call_gather(call, node, ready);
+    node = ready;
+  }
+}
+
+/* Each thread sums its share of the nodes with a ring of its own. Elements between two shares are computed twice. */
+static void ring_force_threads(const part_call *call, int threads)
+{
+  int32_t nodes = call->part->mesh->node_count, shares = threads < call->part->rings ? threads : call->part->rings;
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(shares) schedule(static, 1) if (shares > 1)
+#endif
+  for (int32_t i = 0; i < shares; i++) {
+    part_call own = *call;
+    own.values += 24 * call->part->stride * i;
+    ring_force(&own, (int32_t)((int64_t)nodes * i / shares), (int32_t)((int64_t)nodes * (i + 1) / shares));
+  }
 }
 
 #ifdef _OPENMP
 enum { NODES_AT_ONCE = 1024 };
 
 /* Several threads: all elements, then all nodes. The sums are the same. */
-static void part_force_threads(const ct_solid_part *part, const double *u, double *values, double *f, int threads)
+static void part_force_threads(const part_call *call, int threads)
 {
+  const ct_solid_part *part = call->part;
   int32_t batches = part->batch_count, nodes = part->mesh->node_count;
 #pragma omp parallel for num_threads(threads) schedule(static)
-  for (int32_t b = 0; b < batches; b += CT_BLOCK)
-    part->batches(part, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches, u, values);
-  ct_assembly_fold(part->assembly, values);
+  for (int32_t b = 0; b < batches; b += CT_BLOCK) call_batches(call, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches);
+  ct_assembly_fold(part->assembly, call->values);
 #pragma omp parallel for num_threads(threads) schedule(static)
-  for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE)
-    ct_assembly_gather(part->assembly, values, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes, f);
+  for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE) call_gather(call, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes);
 }
 #endif
 
 static ct_status solid_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
 {
   const solid_data *solid = effect->data;
-  const solid_scratch *scratch = view->scratch;
+  solid_scratch *scratch = view->scratch;
   ct_status status = CT_OK;
+  // Begin with no node changed; where nothing stands from before, all are to be summed.
+  if (solid->quiet) memset(scratch->quiet.changed, view->still == NULL ? 0xff : 0, (size_t)ct_bits_words(solid->node_count) * sizeof(uint64_t));
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
-    const double *u = view->displacement + 3 * (int64_t)part->first_node;
-    double *f = force + 3 * (int64_t)part->first_node, *values = scratch->values + part->first_value;
+    part_call call = {part, view->displacement, scratch->values + part->first_value, force + 3 * (int64_t)part->first_node,
+                      part->savings.quiet ? &scratch->quiet : NULL};
+    if (solid->quiet && !part->savings.quiet) ct_bits_put(scratch->quiet.changed, part->first_node, part->first_node + part->mesh->node_count, 1);
+    if (call.quiet != NULL) find_quiet(&call, view->threads);
+    if (part->cells[0] > 0) {
+      ring_force_threads(&call, view->threads);
+      continue;
+    }
 #ifdef _OPENMP
     if (view->threads > 1)
-      part_force_threads(part, u, values, f, view->threads);
+      part_force_threads(&call, view->threads);
     else
 #endif
-      part_force(part, u, values, f);
-    if (status == CT_OK) status = ct_solid_check_volume(part, i, u, values, error);
+      part_force(&call);
+    if (status == CT_OK) status = ct_solid_check_volume(part, i, view->displacement + 3 * (int64_t)part->first_node, call.values, error);
   }
+  // -- A node whose elements were all skipped has the same zero force as before (eq:still-node)
+  for (int64_t w = 0; solid->quiet && view->still != NULL && w < ct_bits_words(solid->node_count); w++) view->still[w] = ~scratch->quiet.changed[w];
   return status;
 }
 
 /* Energy of one element, -½ f · (u - mean of u): the force is linear in u and blind to a translation. */
-static double element_energy(const ct_solid_part *part, int32_t e, const double *u, const double *values)
+static double element_energy(const ct_solid_part *part, int32_t e, const double *u, double *values)
 {
   int per = ct_brick_node_count(part->mesh->kind);
+  int64_t stride;
+  const double *f = ct_batch_values(part, values, e / 8, &stride) + e % 8;
   const int32_t *node = &part->mesh->elements[(size_t)e * (size_t)per];
   double work[3];
   for (int c = 0; c < 3; c++) {
@@ -149,7 +267,7 @@ static double element_energy(const ct_solid_part *part, int32_t e, const double 
     for (int a = 0; a < 8; a++) t[a] = u[3 * (int64_t)node[a] + c];
     double mean = ct_tree_corners(t) / 8.0;
     for (int a = 0; a < per; a++)
-      t[a] = values[((int64_t)(e / 8 * per + a) * 3 + c) * 8 + e % 8] * (u[3 * (int64_t)node[a] + c] - mean);
+      t[a] = f[(3 * a + c) * stride] * (u[3 * (int64_t)node[a] + c] - mean);
     work[c] = ct_tree_nodes(per, t);
   }
   return -0.5 * ((work[0] + work[1]) + work[2]);
@@ -163,10 +281,12 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
   (void)error;
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
-    const double *u = view->displacement + 3 * (int64_t)part->first_node, *values = scratch->values + part->first_value;
-    double batch[8];
+    const double *u = view->displacement + 3 * (int64_t)part->first_node;
+    double *values = scratch->values + part->first_value, batch[8];
     for (int32_t e = 0; e < part->mesh->element_count; e++) {
       if (part->energies != NULL && e % 8 == 0) part->energies(part, e / 8, u, batch);
+      // Forces that went through a ring are made once more.
+      if (part->cells[0] > 0 && e % 8 == 0) part->batches(part, e / 8, e / 8 + 1, u, values);
       scratch->energies[count++] = part->energies != NULL ? batch[e % 8] : element_energy(part, e, u, values);
     }
   }
@@ -286,11 +406,17 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   part->mesh = block->mesh;
   part->material = block->material;
   part->lumping = block->lumping;
+  part->savings = block->savings == NULL ? ct_savings_default() : *block->savings;
   part->first_node = block->first_node;
   ct_material_lame(&part->material, &part->lambda, &part->mu);
   ct_status status = choose_kernel(part, block->kernel, error);
   if (status != CT_OK) return status;
   part->batch_count = (part->mesh->element_count + 7) / 8;
+  if (part->savings.congruent && part->kernel == CT_KERNEL_BOX && ct_lattice_find(part->mesh, part->cells)) {
+    part->rings = block->threads < 1 ? 1 : block->threads < CT_MOST_RINGS ? block->threads : CT_MOST_RINGS;
+    part->value_count = ct_lattice_prepare(part);
+    return CT_OK;
+  }
   part->batch_nodes = ct_allocate((size_t)part->batch_count * 8 * (size_t)per, sizeof *part->batch_nodes);
   if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK ||
       (part->mesh->kind == CT_HEX20 && prepare_gradients(part) != CT_OK))
@@ -301,7 +427,10 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
         int32_t e = 8 * b + l < part->mesh->element_count ? 8 * b + l : part->mesh->element_count - 1;
         part->batch_nodes[(b * per + a) * 8 + l] = part->mesh->elements[e * per + a];
       }
-  return ct_assembly_create(part->mesh, 3, &part->assembly, error);
+  if (part->savings.quiet && ct_quiet_prepare(part) != CT_OK) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
+  status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
+  if (status == CT_OK) part->value_count = part->assembly->value_count + (part->energies != NULL ? (part->batch_count + 7) / 8 * 8 : 0);
+  return status;
 }
 
 static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_error *error)
@@ -322,10 +451,14 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
       return status;
     }
     part->first_value = solid->value_count;
-    solid->value_count += part->assembly->value_count + (part->energies != NULL ? (part->batch_count + 7) / 8 * 8 : 0);
+    solid->value_count += part->value_count;
     solid->element_count += part->mesh->element_count;
+    part->first_batch = solid->batch_count;
+    solid->batch_count += part->batch_count;
+    solid->quiet = solid->quiet || part->savings.quiet;
     next_node += part->mesh->node_count;
   }
+  solid->node_count = next_node;
   return CT_OK;
 }
 
@@ -364,6 +497,7 @@ ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_k
   // The gather adds 7 sums a component and node.
   if (flops != NULL) *flops = part->flops + 21.0 * part->mesh->node_count / elements;
   // Node numbers and element forces written once and read once; displacements and forces of the nodes, and the gather's places.
-  if (bytes != NULL) *bytes = 4.0 * per + 48.0 * per + (48.0 + 32.0) * part->mesh->node_count / elements;
+  // A lattice has no node numbers and no places, and its forces stay in the cache.
+  if (bytes != NULL) *bytes = part->cells[0] > 0 ? 48.0 * part->mesh->node_count / elements : 52.0 * per + (48.0 + 32.0) * part->mesh->node_count / elements;
   return CT_OK;
 }

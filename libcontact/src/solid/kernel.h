@@ -10,10 +10,10 @@
 
 struct ct_solid_part;
 
-/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel for large
- * deformation also writes the smallest J = det F of batch b (and 1) to `values[assembly->value_count + b]`. */
-typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement,
-                              double *values);
+/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of displacements first,
+ * and uses nothing else that changes: where all nodes of a batch have the same displacement, it gives the same bits whatever that is (eq:quiet-force).
+ * A kernel for large deformation also writes the smallest J = det F of batch b (and 1) to `values[assembly->value_count + b]`. */
+typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
 
 /* Stored energies of the 8 elements of one batch. */
 typedef void ct_solid_energies(const struct ct_solid_part *part, int32_t batch, const double *displacement, double energies[8]);
@@ -23,6 +23,7 @@ typedef struct ct_solid_part {
   const ct_mesh *mesh;
   ct_material material;
   ct_lumping lumping;
+  ct_savings savings;
   double lambda, mu;
   int32_t first_node;
   ct_solid_kernel kernel;
@@ -35,6 +36,11 @@ typedef struct ct_solid_part {
   double omega_squared;
   /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
   double edge[3];
+  /* Cells of a body whose elements share all that is stored, cells[0] = 0: of none. Then a ring of so many elements, a power of two, holds their forces, those of one
+   * component of one node `stride` after those of the one before; each thread has one. There are no batch_nodes,
+   * ranges, assembly, ready. */
+  int32_t cells[3], rings;
+  int64_t ring, stride;
   /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */
   int32_t batch_count;
   int32_t *batch_nodes;
@@ -43,8 +49,11 @@ typedef struct ct_solid_part {
   ct_assembly *assembly;
   /* After each block of CT_BLOCK batches: the first node that still waits for an element, shape (blocks). */
   int32_t *ready;
-  /* Where this part's values begin in the scratch of the effect. */
-  int64_t first_value;
+  /* Where this part's values, and its batches, begin in the scratch of the effect, and how many values it has. */
+  int64_t first_value, first_batch, value_count;
+  /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null when quiet batches are not left out. */
+  int32_t *range_first;
+  struct ct_node_range *ranges;
 } ct_solid_part;
 
 /* Batches that are computed before their nodes are summed, while their forces are still in the cache. */
@@ -84,6 +93,13 @@ static inline void ct_load_lanes(const int32_t *nodes, int per, const double *ar
     for (int c = 0; c < 3; c++) v[per * c + a] = array[3 * (int64_t)n[0] + c];
 #endif
   }
+}
+
+/* Where the forces of batch `b` stand: number (3 a + c) of element l at [(3 a + c) * stride + l]. */
+static inline double *ct_batch_values(const ct_solid_part *part, double *values, int32_t b, int64_t *stride)
+{
+  *stride = part->cells[0] > 0 ? part->stride : 8;
+  return part->cells[0] > 0 ? values + (8 * (int64_t)b & (part->ring - 1)) : values + 24 * (int64_t)ct_brick_node_count(part->mesh->kind) * b;
 }
 
 /* Write lanes f[component][node] of 8 elements to their place in `values`. */

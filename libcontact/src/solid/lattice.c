@@ -1,0 +1,112 @@
+/* Bodies of equal boxes in the order of a lattice: nothing is stored of an element. */
+#include "lattice.h"
+
+#include <string.h>
+
+/* Number of the node at the corner (-,-,-) of an element. */
+static int32_t first_corner(const int32_t cells[3], int32_t e)
+{
+  int32_t i = e % cells[0], j = e / cells[0] % cells[1], k = e / cells[0] / cells[1];
+  return i + (cells[0] + 1) * (j + (cells[1] + 1) * k);
+}
+
+int ct_lattice_find(const ct_mesh *mesh, int32_t cells[3])
+{
+  const int32_t *n = mesh->elements;
+  if (mesh->kind != CT_HEX8 || n[0] != 0) return 0;
+  // The first element tells the length of a row and of a layer of nodes.
+  int32_t row = n[3], layer = n[4];
+  if (row < 2 || layer < 2 * row || layer % row != 0 || mesh->node_count % layer != 0) return 0;
+  cells[0] = row - 1, cells[1] = layer / row - 1, cells[2] = mesh->node_count / layer - 1;
+  if (cells[2] < 1 || (int64_t)cells[0] * cells[1] * cells[2] != mesh->element_count) return 0;
+  const int32_t corner[8] = {0, 1, row + 1, row, layer, layer + 1, layer + row + 1, layer + row};
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (int a = 0; a < 8; a++)
+      if (n[8 * (int64_t)e + a] != first_corner(cells, e) + corner[a]) return 0;
+  return 1;
+}
+
+/* Elements that may lie between the first and the last one of a node. */
+static int64_t history(const ct_solid_part *part) { return 1 + part->cells[0] + (int64_t)part->cells[0] * part->cells[1]; }
+
+int64_t ct_lattice_prepare(ct_solid_part *part)
+{
+  // -- A power of two that holds what nodes still wait for and what is computed at once (eq:lattice-ring)
+  int64_t need = history(part) + 8 * CT_BLOCK, all = 8 * (int64_t)part->batch_count;
+  part->ring = 8;
+  while (part->ring < (need < all ? need : all)) part->ring *= 2;
+  part->stride = part->ring + 8; // rows of the ring would fight for the same place in the cache
+  return 24 * part->stride * part->rings;
+}
+
+int32_t ct_lattice_ready(const ct_solid_part *part, int32_t element)
+{
+  return element < part->mesh->element_count ? first_corner(part->cells, element) : part->mesh->node_count;
+}
+
+int32_t ct_lattice_begin(const ct_solid_part *part, int32_t first)
+{
+  int32_t row = part->cells[0] + 1, rows = part->cells[1] + 1;
+  int64_t at = first % row + part->cells[0] * (first / row % rows + part->cells[1] * (int64_t)(first / row / rows));
+  // At the end of a layer a node's number may be that of an element one row further on.
+  at -= history(part) + part->cells[0];
+  return at > 0 ? (int32_t)at : 0;
+}
+
+void ct_lattice_zeros(const ct_solid_part *part, int32_t b, double *values)
+{
+  int64_t stride;
+  double *v = ct_batch_values(part, values, b, &stride);
+  // The kernel gives some of its zeros a minus, but the node on the side of negative ξ never: sums at nodes are +0 in both cases.
+  for (int i = 0; i < 24; i++)
+    for (int l = 0; l < 8; l++) v[i * stride + l] = 0.0;
+}
+
+/* Sum eight runs of element forces that lie side by side; `step`: from one component to the next. */
+CT_CLONES
+static void gather_run(const double *const v[8], const int64_t step[8], int32_t count, double *f)
+{
+  for (int c = 0; c < 3; c++) {
+    const double *a = v[0] + c * step[0], *b = v[1] + c * step[1], *d = v[2] + c * step[2], *e = v[3] + c * step[3];
+    const double *p = v[4] + c * step[4], *q = v[5] + c * step[5], *r = v[6] + c * step[6], *s = v[7] + c * step[7];
+    // -- Pair the octants along ξ, then η, then ζ (eq:tree-sum)
+#pragma omp simd
+    for (int32_t n = 0; n < count; n++) f[3 * n + c] = ((a[n] + b[n]) + (d[n] + e[n])) + ((p[n] + q[n]) + (r[n] + s[n]));
+  }
+}
+
+/* Where the eight elements around node (i, j, k) have their force on it; answers for how many nodes along x this goes on. */
+static int32_t octants(const ct_solid_part *part, const double *values, const int32_t at[3], int32_t count, const double *v[8], int64_t step[8])
+{
+  enum { ZEROS = 64 };
+  static const double zeros[ZEROS] = {0.0};
+  static const int corner[8] = {6, 7, 5, 4, 2, 3, 1, 0}; // local number of the node in the element of each octant
+  const int32_t *cells = part->cells;
+  int64_t e0 = at[0] - 1 + (int64_t)cells[0] * (at[1] - 1 + (int64_t)cells[1] * (at[2] - 1));
+  int32_t inside = at[0] > 0 && at[0] < cells[0] ? cells[0] - at[0] : 1, run = count < inside ? count : inside;
+  run = run < ZEROS ? run : ZEROS;
+  for (int o = 0; o < 8; o++) {
+    int side[3] = {o & 1, o >> 1 & 1, o >> 2}, there = 1;
+    for (int d = 0; d < 3; d++) there = there && at[d] - 1 + side[d] >= 0 && at[d] - 1 + side[d] < cells[d];
+    v[o] = zeros;
+    step[o] = 0;
+    if (!there) continue;
+    int64_t place = (e0 + side[0] + (int64_t)cells[0] * (side[1] + (int64_t)cells[1] * side[2])) & (part->ring - 1);
+    v[o] = values + 3 * corner[o] * part->stride + place;
+    step[o] = part->stride;
+    if (run > part->ring - place) run = (int32_t)(part->ring - place);
+  }
+  return run;
+}
+
+void ct_lattice_gather(const ct_solid_part *part, const double *values, int32_t first, int32_t last, double *f)
+{
+  int32_t row = part->cells[0] + 1, rows = part->cells[1] + 1;
+  for (int32_t n = first, run; n < last; n += run) {
+    const double *v[8];
+    int64_t step[8];
+    int32_t at[3] = {n % row, n / row % rows, n / row / rows};
+    run = octants(part, values, at, last - n, v, step);
+    gather_run(v, step, run, &f[3 * (int64_t)n]);
+  }
+}
