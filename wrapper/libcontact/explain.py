@@ -8,6 +8,7 @@ from typing import Any
 
 from . import effects
 from .parts import DEFAULT_BETA, Contact, Parts
+from .plan import Cost, predict, table
 from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, speeds
 from .units import Units
 
@@ -41,6 +42,7 @@ class Explanation(str):
 def explain(problem: Problem, every: int, records: int) -> Explanation:
     """Explain a built problem that is recorded at ``records`` steps (about every ``every`` steps)."""
     data = _facts(problem)
+    data["plan"] = predict(problem, records)
     data["output"] = {"file": problem.parts.output.file, "fields": list(problem.parts.output.fields), "every": every, "records": records}
     text = Explanation("\n".join(_lines(data, problem.parts.units)))
     text.data = data
@@ -169,6 +171,7 @@ def _lines(data: dict[str, Any], units: Units) -> list[str]:
     out += ["", "Time"] + _time_lines(data["time"], units)
     out += ["", "Output"] + _output_lines(data["output"])
     out += ["", "Cost"] + _cost_lines(data["cost"])
+    out += _plan_lines(data["plan"], data["time"]["stable"])
     if data["warnings"]:
         out += ["", "Warnings"] + [f"  {warning}" for warning in data["warnings"]]
     return out
@@ -230,3 +233,9 @@ def _cost_lines(cost: dict[str, Any]) -> list[str]:
         + "in the elements",
         f"  memory about {cost['memory_bytes'] / 1e6:.3g} MB, threads {cost['threads']}",
     ]
+
+
+def _plan_lines(plan: list[Cost], stable: float) -> list[str]:
+    if any(cost.predicted is None for cost in plan):
+        return ["  no prediction: a trial of a few steps failed"]
+    return ["  predicted from a trial of a few steps on this machine:", *table(plan, stable)]

@@ -85,7 +85,7 @@ class Problem:
         savings = ffi.new("ct_savings *", {name: name in parts.savings for name in scene_parts.SAVINGS})
         self._call(lib.ct_scene_set_savings, self._scene, savings, key="run.savings")
         self._add_bodies()
-        self._faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contacts)]
+        self.faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contacts)]
         for i, support in enumerate(parts.supports):
             self._add_support(i, support)
         self.kept: list[Any] = []
@@ -274,11 +274,11 @@ class Problem:
         lib.ct_scene_contact_epsilon(self._scene, i, epsilon)
         rule = ffi.new("ct_rule *")
         points = []
-        for (body, _), faces in zip(contact.surfaces, self._faces[i]):
+        for (body, _), faces in zip(contact.surfaces, self.faces[i]):
             lib.ct_rule_face(lib.ct_brick_face_kind(KINDS[self.bodies[body].mesh.element]), 0, rule)
             points.append(len(faces) * rule.count)
         names = tuple(".".join(surface) for surface in contact.surfaces)
-        return BuiltContact(names, contact.with_itself, tuple(len(faces) for faces in self._faces[i]), tuple(points), epsilon[0])
+        return BuiltContact(names, contact.with_itself, tuple(len(faces) for faces in self.faces[i]), tuple(points), epsilon[0])
 
 
 class Maker:
