@@ -124,11 +124,11 @@ def spring(scene, k=2.0, **more):
 
 
 def test_a_spring_written_in_python_turns_a_body_back():
-    """A rigid bar (10 x 0.1 x 0.1, mass 0.1) on four springs of k = 2e-3: omega^2 = 8e-3 / 0.1."""
+    """A bar (10 x 0.1 x 0.1, mass 0.1) on four springs of k = 2e-3: omega^2 = 8e-3 / 0.1, but for the bar's own stiffness E A / L = 0.9."""
     scene = spring(bar(velocity=[0.01, 0, 0]), k=2e-3).set_time(end=np.pi / np.sqrt(8e-3 / 0.1), fraction=0.9).set_output(every=1)
     run = scene.run(progress=False)
     assert run.state["bar"].velocity[:, 0].mean() == pytest.approx(-0.01, rel=1e-3)
-    assert run.energy.dtype.names[-1] == "spring" and run.energy["spring"].max() == pytest.approx(run.energy["kinetic"][0], rel=1e-3)
+    assert run.energy.dtype.names[-1] == "spring" and run.energy["spring"].max() == pytest.approx(run.energy["kinetic"][0], rel=1e-2)
     np.testing.assert_allclose(run.energy["total"], run.energy["total"][0], rtol=1e-12)
     assert abs(run.energy["balance"]).max() < 1e-12 * run.energy["kinetic"][0]
 
