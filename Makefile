@@ -70,7 +70,7 @@ help:
 	@echo "make install prefix=  headers, libraries and pkg-config files (DESTDIR works too)"
 	@echo "make wheel            the Python package, in build/wheel"
 	@echo "make info             what was found on this machine"
-	@echo "make fuzz             any bytes into the projections, for FUZZ_SECONDS (60) where the compiler has libFuzzer"
+	@echo "make fuzz             any bytes into the projections, for FUZZ_SECONDS (60) where a compiler here has libFuzzer"
 	@echo "make clean            away with build/"
 	@echo "BOOTSTRAP=no never installs system packages; WITHOUT=\"gsl hdf5 openmp\" leaves parts out; V=1 shows the commands."
 
@@ -109,7 +109,7 @@ $(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontac
 	  $(HELPERS) -L$(BUILD)/lib -lcontact $(if $(filter gsl,$*),$(GSL_LIBS),$(HDF5_LIBS)) -lm
 	$(Q)ln -sf libcontact-$*.so $(BUILD)/lib/libcontact-$*.so.$(SONAME)
 
--include $(wildcard $(BUILD)/obj/*.d $(BUILD)/obj/*/*.d $(BUILD)/asan/*.d $(BUILD)/asan/*/*.d)
+-include $(wildcard $(foreach d,obj asan fuzz/obj,$(BUILD)/$(d)/*.d $(BUILD)/$(d)/*/*.d))
 
 # -- Installation -----------------------------------------------------------------------------------------------------------
 install: lib
@@ -185,7 +185,8 @@ ADDON_TESTS := exact_series output
 C_TESTS := $(filter-out $(ADDON_TESTS),$(patsubst tests/c/test_%.c,%,$(wildcard tests/c/test_*.c))) \
   $(if $(GSL),$(patsubst tests/c/test_%.c,%,$(wildcard tests/c/test_exact_series.c))) \
   $(if $(HDF5),$(patsubst tests/c/test_%.c,%,$(wildcard tests/c/test_output.c)))
-SANITIZE := -O1 -g -fsanitize=address,undefined -fno-omit-frame-pointer -DCT_NO_CLONES
+# At -O1 clang makes no vectors, and need not say so.
+SANITIZE := -O1 -g -fsanitize=address,undefined -fno-omit-frame-pointer -DCT_NO_CLONES -Wno-pass-failed
 SANITIZERS = $(shell printf 'int main(void){return 0;}' | $(CC) -fsanitize=address,undefined -x c - -o /dev/null 2>/dev/null && echo yes)
 TEST_FLAGS := -std=c99 -ffp-contract=off $(OPENMP) -Wall -Wextra $(if $(CI),-Werror) -Ilibcontact/include -Itests/c
 ASAN_OBJECTS := $(call object,$(BUILD)/asan,$(CORE_SOURCES) $(if $(GSL),$(GSL_SOURCES)) $(if $(HDF5),$(HDF5_SOURCES)))
@@ -243,14 +244,27 @@ _test: $(C_PROGRAMS) $(VENV)/.wrapper $(VENV)/.test $(VENV)/.docs
 _check-c: $(C_PROGRAMS)
 	@$(PYTHON) tests/run_tests.py $(BUILD) --no-pytest $(C_SKIPPED) $(C_PROGRAMS)
 
-# The fuzz target: libFuzzer where the compiler has it, else pseudo-random bytes.
+# The fuzz target: libFuzzer where $(CC) or a clang has it, with the library compiled for it; else pseudo-random bytes.
 FUZZ_SECONDS ?= 60
-FUZZER = $(shell printf 'int LLVMFuzzerTestOneInput(const char*d,unsigned long n){return d==0&&n==1;}' \
-  | $(CC) -fsanitize=fuzzer -x c - -o /dev/null 2>/dev/null && echo yes)
-fuzz: tests/fuzz/fuzz_project.c $(BUILD)/asan/libcontact.a
+FUZZ_CC = $(firstword $(foreach c,$(CC) clang clang-19 clang-18 clang-17 clang-16 clang-15 clang-14,$(shell command -v $(firstword $(c)) >/dev/null 2>&1 && \
+  printf 'int LLVMFuzzerTestOneInput(const char*d,unsigned long n){return d==0&&n==1;}' | $(c) -fsanitize=fuzzer,address -x c - -o /dev/null 2>/dev/null && echo $(c))))
+ifneq ($(filter fuzz,$(MAKECMDGOALS)),)
+FUZZ_CC := $(FUZZ_CC)
+endif
+FUZZ_OBJECTS := $(call object,$(BUILD)/fuzz/obj,$(CORE_SOURCES))
+FUZZ_FLAGS := $(SANITIZE) -std=c99 -ffp-contract=off -fno-math-errno -fopenmp-simd -Ilibcontact/include
+$(BUILD)/fuzz/obj/%.o: libcontact/src/%.c
+	@mkdir -p $(@D)
+	@echo "  $(FUZZ_CC) (fuzzer) $<"
+	$(Q)$(FUZZ_CC) $(FUZZ_FLAGS) -fsanitize=fuzzer-no-link -MMD -MP -c $< -o $@
+$(BUILD)/fuzz/libfuzzer_project: tests/fuzz/fuzz_project.c $(FUZZ_OBJECTS)
+	$(Q)$(FUZZ_CC) $(FUZZ_FLAGS) -fsanitize=fuzzer $^ -o $@ -lm
+$(BUILD)/fuzz/random_project: tests/fuzz/fuzz_project.c $(BUILD)/asan/libcontact.a
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) -DFUZZ_MAIN=1 $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
+fuzz: $(if $(filter fuzz,$(MAKECMDGOALS)),$(BUILD)/fuzz/$(if $(FUZZ_CC),libfuzzer_project,random_project))
 	@mkdir -p $(BUILD)/fuzz/corpus
-	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) $(if $(FUZZER),-fsanitize=fuzzer,-DFUZZ_MAIN=1) $< -o $(BUILD)/fuzz/fuzz_project $(BUILD)/asan/libcontact.a $(TEST_LIBS)
-	$(BUILD)/fuzz/fuzz_project $(if $(FUZZER),-max_total_time=$(FUZZ_SECONDS) $(BUILD)/fuzz/corpus,1000000)
+	$< $(if $(FUZZ_CC),-max_total_time=$(FUZZ_SECONDS) -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus,1000000)
 
 # -- The rest -----------------------------------------------------------------------------------------------------------------------
 info:

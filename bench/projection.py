@@ -17,15 +17,15 @@ import numpy as np
 
 import faces
 import libcontact as ct
-from faces import corpus
+from faces import MARGIN, RIGHT, corpus
+from libcontact import plot_projection
 from libcontact._core import ffi, lib
+from libcontact.projection import METHODS
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent
 TOLERANCES = [10.0**-k for k in range(2, 15)]
 ORDINARY, HARD_EVERY, ROUNDS = 400, 2, 7
-RIGHT = 1e-6  # of the distance or the face size, whichever is larger
-MARGIN = 1e-6  # a foot this far from the edges, in xi, is inside
 FACE = np.dtype([("kind", np.int32), ("fill", np.int32), ("node", np.float64, (8, 3))])
 NLOPT = {"NLopt SLSQP": "LD_SLSQP", "NLopt BOBYQA": "LN_BOBYQA", "NLopt NELDERMEAD": "LN_NELDERMEAD"}
 NLOPT_CALLS = ("create", "destroy", "set_min_objective", "set_lower_bounds", "set_upper_bounds", "set_xtol_abs1", "set_maxeval", "set_initial_step1",
@@ -80,20 +80,6 @@ def nlopt_table():
         return None
 
 
-def methods() -> list[str]:
-    """The methods of this build; one that it only knows by name is left out."""
-    found, face = [], np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], float)
-    for number in range(1000):
-        name = lib.ct_method_name(number)
-        if name == ffi.NULL:
-            return found
-        try:
-            ct.project("T3", face, [[0.2, 0.2, 1.0]], method=ffi.string(name).decode())
-        except NotImplementedError:
-            continue
-        found.append(ffi.string(name).decode())
-
-
 def solvers(loops) -> dict:
     """Name -> function(pairs, tolerance) that returns seconds, for every method and every peer that is here."""
     out = {}
@@ -105,7 +91,7 @@ def solvers(loops) -> dict:
 
         out[name] = run
 
-    for name in methods():
+    for name in METHODS:
         number = ffi.new("ct_method *")
         lib.ct_method_from_name(name.encode(), number)
         add(name, lambda pairs, n=int(number[0]): loops.bench_ours(ctypes.byref(pairs), n))
@@ -166,10 +152,7 @@ def is_outside(pairs, tolerance):
 def success(run, closed, pairs, cases) -> np.ndarray:
     """Is each answer right? A search that does not know the edges may say "outside" where the minimum is not inside."""
     run(pairs, 1e-10)
-    distance, size = np.array([c["distance"] for c in cases]), np.array([corpus.face_size(c["nodes"]) for c in cases])
-    right = np.abs(pairs.distances - distance) <= RIGHT * np.maximum(distance, size)
-    inside = np.array([c["margin"] for c in cases]) > MARGIN
-    return right | (~inside & is_outside(pairs, 1e-10) & (not closed))
+    return faces.right(cases, pairs.distances, is_outside(pairs, 1e-10) & (not closed))
 
 
 def speeds(loops, run) -> dict:
@@ -305,7 +288,7 @@ def draw(result: dict, path: Path) -> None:
     colour = colours(result["ordinary"])
     for row, (which, error) in zip(axes, (("ordinary", "xi_error"), ("hard", "wrong"))):
         for name, table in result[which].items():
-            style = {"color": colour[name], "marker": ".", "ls": "-" if name in methods() else "--", "label": name}
+            style = {"color": colour[name], "marker": ".", "ls": "-" if name in METHODS else "--", "label": name}
             value = np.maximum([r[error] for r in table], 1e-17 if error == "xi_error" else 1e-3)
             row[0].loglog([r["evaluations"] for r in table], value, **style)
             row[1].loglog([r["ns"] for r in table], value, **style)
@@ -321,86 +304,34 @@ def draw(result: dict, path: Path) -> None:
     draw_starts(path.with_name("projection_starts.png"))
 
 
-def squared_distance(nodes, point, x, y):
-    """f of a Q8 face on arrays of xi."""
-    c = np.linalg.solve(np.array([[a**i * b**j for i, j in corpus.POWERS["Q8"]] for a, b in corpus.QUADRILATERAL]), nodes - point)
-    d = sum(row * (x**i * y**j)[..., None] for row, (i, j) in zip(c, corpus.POWERS["Q8"]))
-    return np.sum(d * d, axis=-1)
-
-
-def path_of(method, nodes, point, start=None):
-    """Every iterate of one search, and its answer."""
-    iterates = []
-
-    @ffi.callback("void(double *, double, void *)")
-    def trace(xi, f, user):
-        iterates.append((xi[0], xi[1]))
-
-    face, options, out = ffi.new("ct_face *"), ffi.new("ct_project_options *", lib.ct_project_options_default()), ffi.new("ct_projection *")
-    face.kind = lib.CT_Q8
-    ffi.memmove(face.node, np.ascontiguousarray(nodes), nodes.nbytes)
-    chosen = ffi.new("ct_method *")
-    lib.ct_method_from_name(method.encode(), chosen)
-    options.method, options.trace, options.tolerance = chosen[0], trace, 1e-8
-    if start is not None:
-        options.use_start, options.start = 1, start
-    lib.ct_project(face, list(point), options, out)
-    iterates.append((out.xi[0], out.xi[1]))
-    return np.array(iterates), out.evaluations
-
-
-def background(ax, nodes, point, reach=1.6):
-    x, y = np.meshgrid(*2 * [np.linspace(-reach, reach, 241)])
-    f = np.sqrt(squared_distance(nodes, point, x, y))
-    ax.contour(x, y, f, levels=np.quantile(f, np.linspace(0, 0.9, 25)), colors="0.8", linewidths=0.6)
-    ax.plot([-1, 1, 1, -1, -1], [-1, -1, 1, 1, -1], "k", lw=0.8)
-    ax.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xticks=[-1, 0, 1], yticks=[-1, 0, 1])
-
-
 def draw_paths(path: Path) -> None:
+    nodes, point = faces.benchmark()
+    fig, axes = panels()
+    for ax, name in zip(axes.flat, METHODS):
+        evaluations = plot_projection.draw_path(ax, "Q8", nodes, point, name, (-0.6, 0.7))
+        ax.set_title(f"{name}: {evaluations} evaluations", fontsize=10)
+    plot_projection.legend_of_ends(fig)
+    fig.suptitle("The benchmark face: iterates from ξ = (-0.6, 0.7), lines of equal distance; the star is the closest point")
+    fig.savefig(path, dpi=130)
+
+
+def draw_starts(path: Path) -> None:
+    nodes, point = faces.benchmark()
+    fig, axes = panels()
+    for ax, name in zip(axes.flat, METHODS):
+        share = plot_projection.draw_starts(ax, "Q8", nodes, point, name, cells=121)
+        ax.set_title(f"{name}: right from {100 * share:.0f} %", fontsize=10)
+    plot_projection.legend_of_ends(fig)
+    fig.suptitle("The benchmark face: where a search ends, by its start; the star is the closest point")
+    fig.savefig(path, dpi=130)
+
+
+def panels():
+    """A figure with axes for every method."""
     import matplotlib.pyplot as plt
 
-    nodes, point = faces.benchmark()
-    best = ct.project("Q8", nodes, point[None]).xi[0]
-    names = methods()
-    fig, axes = plt.subplots(-(-len(names) // 4), min(4, len(names)), figsize=(14, 3.6 * -(-len(names) // 4)), layout="constrained", squeeze=False)
-    for ax in axes.flat[len(names):]:
+    rows = -(-len(METHODS) // 4)
+    fig, axes = plt.subplots(rows, 4, figsize=(13, 3.35 * rows + 0.6), layout="constrained", squeeze=False)
+    for ax in axes.flat[len(METHODS):]:
         ax.axis("off")
-    for ax, name in zip(axes.flat, names):
-        background(ax, nodes, point)
-        iterates, evaluations = path_of(name, nodes, point, (-0.6, 0.7))
-        ax.plot(*iterates.T, ".-", color="tab:red", lw=1, ms=4)
-        ax.plot(*best, "*", color="k", ms=9)
-        end = np.max(np.abs(iterates[-1] - best)) < 1e-4
-        ax.set_title(f"{name}: {evaluations} evaluations{'' if end else ', elsewhere'}", fontsize=9)
-    fig.suptitle("The benchmark face: iterates from ξ = (-0.6, 0.7), lines of equal distance, star: the closest point")
-    fig.savefig(path, dpi=130)
-    plt.close(fig)
-
-
-def draw_starts(path: Path, cells: int = 81) -> None:
-    import matplotlib.pyplot as plt
-    from matplotlib.colors import ListedColormap
-
-    nodes, point = faces.benchmark()
-    best = ct.project("Q8", nodes, point[None]).xi[0]
-    reach = 1.5
-    starts = np.stack(np.meshgrid(*2 * [np.linspace(-reach, reach, cells)]), axis=-1).reshape(-1, 2)
-    names = methods()
-    fig, axes = plt.subplots(-(-len(names) // 4), min(4, len(names)), figsize=(14, 3.6 * -(-len(names) // 4)), layout="constrained", squeeze=False)
-    for ax in axes.flat[len(names):]:
-        ax.axis("off")
-    for ax, name in zip(axes.flat, names):
-        found = ct.project("Q8", nodes, np.broadcast_to(point, (len(starts), 3)), method=name, tolerance=1e-8, start=starts)
-        right = np.max(np.abs(found.xi - best), axis=1) < 1e-4
-        end = np.where(right, 0, np.where(found.where == "outside", 2, 1))
-        end[~right & (found.status >= ct.Status.NO_CONVERGENCE)] = 3
-        ax.imshow(end.reshape(cells, cells), origin="lower", extent=2 * (-reach, reach), vmin=0, vmax=3, interpolation="nearest",
-                  cmap=ListedColormap(["tab:green", "tab:orange", "tab:blue", "tab:gray"]))
-        ax.plot([-1, 1, 1, -1, -1], [-1, -1, 1, 1, -1], "k", lw=0.8)
-        ax.plot(*best, "*", color="k", ms=9)
-        ax.set(xticks=[-1, 0, 1], yticks=[-1, 0, 1])
-        ax.set_title(f"{name}: right from {100 * np.mean(right):.0f} %", fontsize=9)
-    fig.suptitle("The benchmark face: where a search from each start ends. Green: closest point; orange: another point of the face; blue: outside; grey: nowhere")
-    fig.savefig(path, dpi=130)
-    plt.close(fig)
+    return fig, axes

@@ -28,6 +28,7 @@ copyright = f"{author}; MIT licence"  # noqa: A001 (the name is Sphinx's)
 extensions = [
     "weave",  # quotes C functions and fragments, checks equation labels
     "codepages",  # each C file as a page, for the links from listings and from the API
+    "methodtable",  # measures the methods of projection side by side
     "cnames",  # `ct_name` in comments becomes a link; no public function without a page
     "hawkmoth",
     "sphinx.ext.autodoc",
@@ -47,10 +48,12 @@ nitpick_ignore = [
     ("c:identifier", "int64_t"),
     # What Scene.explain is made from: not for callers.
     ("py:class", "libcontact.problem.Problem"),
+    # What modules of effects read their tables from.
+    ("py:class", "libcontact.schema.Table"),
 ]
 nitpick_ignore_regex = [
     # Types of Python and numpy in signatures: their pages are on the net, and the book is built without it.
-    (r"py:.*", r"(numpy|np|pathlib|os|collections|typing|enum)\..*|Any|Iterable|Callable|Path|ndarray|ArrayLike"),
+    (r"py:.*", r"(numpy|np|pathlib|os|collections|typing|types|enum)\..*|Any|Iterable|Callable|Path|ndarray|ArrayLike"),
     (r"py:.*", r"(int|float|str|bool|bytes|dict|list|tuple|object|None|optional|IntEnum|ValueError|RuntimeError)"),
 ]
 

@@ -21,10 +21,11 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.colors import ListedColormap
 
 import libcontact as ct
 from libcontact import Status
+from libcontact.plot_projection import draw_path, draw_starts, legend_of_ends
+from libcontact.projection import METHODS
 
 folder = Path(os.environ.get("LIBCONTACT_FIGURES", "."))
 folder.mkdir(parents=True, exist_ok=True)
@@ -36,7 +37,7 @@ point = np.array([0.1, 0.1, -0.1])
 
 
 def face(x, y):
-    """Points of the face at the reference coordinates (x, y), which may be arrays."""
+    """Points of the face at the reference coordinates (x, y), which may be arrays, from the shape functions of a Q8 face (see :doc:`/theory/segment`)."""
     corners = [(1 + a * x) * (1 + b * y) * (a * x + b * y - 1) / 4 for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     sides = [(1 - x * x) * (1 - y) / 2, (1 + x) * (1 - y * y) / 2, (1 - x * x) * (1 + y) / 2, (1 - x) * (1 - y * y) / 2]
     return sum(np.multiply.outer(N, node) for N, node in zip(corners + sides, nodes))
@@ -78,47 +79,29 @@ fig.savefig(folder / "closest_point_face.png", dpi=120)
 # Most methods walk from a start. We let each begin at every point of a grid, inside the face and around it, and colour the start by what is found: the closest point (green),
 # another point of the face (orange), a point beyond the edges (blue), or nothing (grey).
 
-NAMES = ["simplex", "nelder_mead", "newton", "least_squares", "steepest_descent", "broyden", "bfgs", "simplex_newton", "sphere", "torus", "robust",
-         "certified"]
+def panels():
+    """A figure with axes for every method."""
+    rows = -(-len(METHODS) // 4)
+    fig, axes = plt.subplots(rows, 4, figsize=(12, 3.2 * rows + 0.6), layout="constrained", squeeze=False)
+    for ax in axes.flat[len(METHODS):]:
+        ax.axis("off")
+    return fig, axes
 
 
-def is_here(name):
-    """Does this build have the method?"""
-    try:
-        ct.project("Q8", nodes, [point], method=name)
-    except (NotImplementedError, ValueError):
-        return False
-    return True
-
-
-methods = [name for name in NAMES if is_here(name)]
-CELLS, REACH = 61, 1.4
-starts = np.stack(np.meshgrid(*2 * [np.linspace(-REACH, REACH, CELLS)]), axis=-1).reshape(-1, 2)
-copies = np.broadcast_to(point, (len(starts), 3))
-share, runs = {}, {}
-for name in methods:
-    runs[name] = ct.project("Q8", nodes, copies, method=name, tolerance=1e-8, start=starts)
-    share[name] = np.mean(np.abs(runs[name].xi - foot).max(axis=1) < 1e-4)
-
-columns = 4
-rows = -(-len(methods) // columns)
-fig, axes = plt.subplots(rows, columns, figsize=(11, 2.9 * rows), layout="constrained", squeeze=False)
-for ax in axes.flat[len(methods):]:
-    ax.axis("off")
-for ax, name in zip(axes.flat, methods):
-    found = runs[name]
-    right = np.abs(found.xi - foot).max(axis=1) < 1e-4
-    colour = np.where(right, 0, np.where(found.status >= Status.NO_CONVERGENCE, 3, np.where(found.where == "outside", 2, 1)))
-    ax.imshow(colour.reshape(CELLS, CELLS), origin="lower", extent=2 * (-REACH, REACH), vmin=0, vmax=3, interpolation="nearest",
-              cmap=ListedColormap(["tab:green", "tab:orange", "tab:blue", "tab:gray"]))
-    ax.plot([-1, 1, 1, -1, -1], [-1, -1, 1, 1, -1], "k", lw=0.8)
-    ax.plot(*foot, "*", color="k", ms=9)
-    ax.set(xticks=[-1, 0, 1], yticks=[-1, 0, 1])
-    ax.set_title(f"{name}: {100 * share[name]:.0f} %", fontsize=9)
-fig.suptitle("where a search ends, by its start; % that find the closest point")
+share = {}
+fig, axes = panels()
+for ax, name in zip(axes.flat, METHODS):
+    share[name] = draw_starts(ax, "Q8", nodes, point, name)
+    ax.set_title(f"{name}: {100 * share[name]:.0f} %", fontsize=10)
+legend_of_ends(fig)
+fig.suptitle("where a search ends, by its start; % that find the closest point, the star")
 fig.savefig(folder / "closest_point_starts.png", dpi=120)
 
-for name in methods:
+x, y = np.meshgrid(*2 * [np.linspace(-1.5, 1.5, 61)])
+starts = np.stack([x, y], axis=-1).reshape(-1, 2)
+copies = np.broadcast_to(point, (len(starts), 3))
+runs = {name: ct.project("Q8", nodes, copies, method=name, tolerance=1e-8, start=starts) for name in METHODS}
+for name in METHODS:
     print(f"{name:17} finds the closest point from {100 * share[name]:3.0f} % of the starts, {np.mean(runs[name].evaluations):6.1f} evaluations of f")
 
 # %%
@@ -129,15 +112,27 @@ for name in methods:
 assert share["newton"] < 0.6
 assert share["newton"] < share["simplex"] < 1
 assert share["robust"] == 1
-if "certified" in methods:
-    sure = ct.project("Q8", nodes, [point], method="certified")
-    assert share["certified"] == 1 and sure.certified[0]
-    print("and certified has proved that no point of the face is closer")
+sure = ct.project("Q8", nodes, [point], method="certified")
+assert share["certified"] == 1 and sure.certified[0]
+print("and certified has proved that no point of the face is closer")
 refused = runs["newton"].status >= Status.NO_CONVERGENCE
 ends = runs["newton"].xi[~refused]
 assert np.mean(refused) > 0.1
 for shift in (1e-3, 0), (-1e-3, 0), (0, 1e-3), (0, -1e-3):  # what it does call a foot is the bottom of a valley
     assert np.all(distance(*(ends + shift).T) > distance(*ends.T))
+
+# %%
+# And which way do they go? Here are the iterates of all methods from one start at the wrong side of the ridge.
+
+fig, axes = panels()
+calls = {}
+for ax, name in zip(axes.flat, METHODS):
+    calls[name] = draw_path(ax, "Q8", nodes, point, name, start=(-0.6, 0.7))
+    ax.set_title(f"{name}: {calls[name]} evaluations", fontsize=10)
+legend_of_ends(fig)
+fig.suptitle("iterates from ξ = (-0.6, 0.7), lines of equal distance; the star is the closest point")
+fig.savefig(folder / "closest_point_paths.png", dpi=120)
+assert calls["newton"] < calls["simplex"]
 
 # %%
 # What does a digit cost?
@@ -162,13 +157,13 @@ assert np.abs(reference - known).max() < 1e-8
 
 tolerances = 10.0 ** -np.arange(2, 15)
 work, error = {}, {}
-for name in methods:
+for name in METHODS:
     table = [ct.project("Q8", nodes, [easy], method=name, tolerance=tolerance) for tolerance in tolerances]
     work[name] = np.array([row.evaluations[0] for row in table])
     error[name] = np.array([np.abs(row.xi[0] - reference).max() for row in table])
 
 fig, ax = plt.subplots(figsize=(8, 5), layout="constrained")
-for name, style in zip(methods, plt.get_cmap("tab20").colors):
+for name, style in zip(METHODS, plt.get_cmap("tab20").colors):
     ax.loglog(work[name], np.maximum(error[name], 1e-17), ".-", color=style, label=name)
 ax.set(xlabel="evaluations of f", ylabel="error in ξ", title="work and precision, tolerance 1e-2 … 1e-14")
 ax.grid(alpha=0.3)

@@ -23,6 +23,11 @@ extern "C" {
 #include <contact/support.h>
 #include <contact/step.h>
 #include <contact/energy.h>
+#include <contact/history.h>
+#include <contact/gravity.h>
+#include <contact/load.h>
+#include <contact/damping.h>
+#include <contact/absorb.h>
 #include <contact/scene.h>
 #include <contact/exact.h>
 

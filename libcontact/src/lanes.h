@@ -1,6 +1,9 @@
 #ifndef CT_SRC_LANES_H
 #define CT_SRC_LANES_H
 
+/* Any header of libc: it defines __GLIBC__, without which the kernels would silently be compiled for the oldest machine alone. */
+#include <stdint.h>
+
 /* Eight numbers that are computed side by side, one for each element of a batch. Arithmetic on a ct_lanes is arithmetic on
  * each lane, rounded as one double is; so every instruction set gives the same bits. gcc and clang know the type; other compilers get
  * one lane at a time. */

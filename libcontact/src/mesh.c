@@ -40,7 +40,8 @@ void ct_mesh_free(ct_mesh *mesh)
 }
 
 /* Nodes of a box stand on a lattice of half cells: point (i, j, k) with 0 <= i <= 2 cells[0] and so on.
- * Corners, of which there are so many along each axis, have even coordinates; the mid-side nodes of hex20 have exactly one odd one. */
+ * Corners, of which there are so many along each axis, have even coordinates; the mid-side nodes of hex20 have exactly one odd
+ * one. */
 static int32_t lattice_node(const int32_t cells[3], const int64_t corners[3], const int32_t at[3])
 {
   int odd = -1;
@@ -83,8 +84,8 @@ static ct_status box_check(const ct_box *box, ct_error *error)
 typedef void place_node(const void *shape, const int32_t at[3], double x[3]);
 
 /* Bricks on a lattice; with `corners[d]` equal to `cells[d]` it closes upon itself along d. */
-static ct_status create_lattice(ct_brick_kind kind, const int32_t cells[3], const int64_t corners[3], place_node *place, const void *shape,
-                                ct_mesh **out, ct_error *error)
+static ct_status create_lattice(ct_brick_kind kind, const int32_t cells[3], const int64_t corners[3], place_node *place,
+                                const void *shape, ct_mesh **out, ct_error *error)
 {
   int64_t n[3] = {cells[0], cells[1], cells[2]};
   if (n[0] * n[1] > INT32_MAX) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "a mesh of too many cells");
@@ -102,7 +103,10 @@ static ct_status create_lattice(ct_brick_kind kind, const int32_t cells[3], cons
         for (int a = 0; a < per; a++) {
           double xi[3];
           ct_brick_reference(kind, a, xi);
-          for (int d = 0; d < 3; d++) at[d] = (int32_t)((2 * cell[d] + 1 + (int32_t)xi[d]) % (corners[d] == n[d] ? 2 * n[d] : 2 * n[d] + 1));
+          for (int d = 0; d < 3; d++) {
+            int64_t points = corners[d] == n[d] ? 2 * n[d] : 2 * n[d] + 1;
+            at[d] = (int32_t)((2 * cell[d] + 1 + (int32_t)xi[d]) % points);
+          }
           int32_t node = lattice_node(cells, corners, at);
           (*out)->elements[next++] = node;
           place(shape, at, &(*out)->nodes[3 * (size_t)node]);
@@ -158,7 +162,8 @@ ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh *
     int32_t least = d == 1 ? 3 : 1;
     if (!isfinite(ring->centre[d])) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ring: its centre is not finite");
     if (ring->cells[d] < least || ring->cells[d] > 1000000)
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ring: %d cells %s, at least %d are needed", (int)ring->cells[d], along[d], (int)least);
+      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ring: %d cells %s, at least %d are needed", (int)ring->cells[d],
+                     along[d], (int)least);
   }
   int64_t corners[3] = {ring->cells[0] + 1, ring->cells[1], ring->cells[2] + 1};
   return create_lattice(kind, ring->cells, corners, ring_coordinates, ring, mesh, error);

@@ -178,9 +178,12 @@ ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *vel
   const char *name = scene->bodies[body].name;
   int64_t count = 3 * (int64_t)scene->parts[body].mesh->node_count;
   if (scene->joined)
-    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "body %s: the scene's bodies were joined before, and keep their velocities", name);
+    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
+                   "body %s: the scene's bodies were joined before, and keep their velocities", name);
   for (int64_t d = 0; d < count; d++)
-    if (!isfinite(velocity[d])) return ct_fail(error, CT_INVALID, (ct_place){body, -1, d / 3}, "body %s: velocity %c of node %d is not finite", name, "xyz"[d % 3], (int)(d / 3));
+    if (!isfinite(velocity[d]))
+      return ct_fail(error, CT_INVALID, (ct_place){body, -1, d / 3}, "body %s: velocity %c of node %d is not finite", name,
+                     "xyz"[d % 3], (int)(d / 3));
   double *copy = duplicate(velocity, (size_t)count * sizeof *copy);
   if (copy == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for body %s", name);
   ct_release(scene->parts[body].velocities);

@@ -146,12 +146,19 @@ static ct_status state_allocate(const ct_problem *problem, ct_state **out, ct_er
   return workspace_create(problem, &s->workspace, error);
 }
 
-/* Half a step back from t = 0, and ledgers that count only the half of the first forces that comes after it (eq:leapfrog-start). */
-static void start(const ct_problem *problem, ct_state *state)
+/* Half a step back from t = 0 (eq:leapfrog-start). */
+static void step_back(const ct_problem *problem, ct_state *state)
 {
-  const double *F = state->workspace->total;
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
-    state->velocity[d] = ct_kick(problem->initial_velocity[d], -0.5 * problem->dt, problem->inverse_mass[d], F[d]);
+    state->velocity[d] = ct_kick(problem->initial_velocity[d], -0.5 * problem->dt, problem->inverse_mass[d], state->workspace->total[d]);
+  // A force that goes with velocity has seen another one so far; a restart from here would see this one.
+  for (int32_t k = 0; k < problem->effect_count; k++)
+    if (problem->effects[k]->damping != NULL) state->workspace->forces_at = -1;
+}
+
+/* Ledgers that count only the half of the first forces that comes after t = 0 (eq:leapfrog-start). */
+static void start_ledgers(const ct_problem *problem, ct_state *state)
+{
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     const double *force = ct_workspace_force_of(problem, state, k);
@@ -179,7 +186,11 @@ ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *e
     status = ct_workspace_forces(problem, state, error);
   }
   if (status == CT_OK) {
-    start(problem, state);
+    step_back(problem, state);
+    status = ct_workspace_forces(problem, state, error);
+  }
+  if (status == CT_OK) {
+    start_ledgers(problem, state);
     status = ct_energy_of(problem, state, &energy, error);
   }
   if (status != CT_OK) {

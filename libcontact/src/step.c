@@ -3,6 +3,7 @@
 #include "bits.h"
 #include "error.h"
 #include "lanes.h"
+#include "vector.h"
 #include "workspace.h"
 
 #include <math.h>
@@ -136,14 +137,11 @@ ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
   return CT_OK;
 }
 
-/* Beyond this, squares of distances leave the range of numbers and no search can answer. */
-static const double LARGEST = 1e70;
-
 /* Name the first node that is out of the range of numbers. */
 static ct_status check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
 {
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
-    if (isfinite(state->velocity[d]) && fabs(state->displacement[d]) <= LARGEST) continue;
+    if (isfinite(state->velocity[d]) && fabs(state->displacement[d]) <= CT_LARGEST_LENGTH) continue;
     int32_t node = (int32_t)(d / 3), body = 0;
     while (body + 1 < problem->body_count && problem->bodies[body + 1].first_node <= node) body++;
     return ct_fail(error, CT_ERROR_BLOWUP, (ct_place){body, -1, node - problem->bodies[body].first_node},

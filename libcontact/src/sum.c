@@ -10,7 +10,9 @@ static double largest(const double *values, int64_t count)
 {
   double top = 0.0;
   int odd = 0;
+#ifndef __clang__ // which knows no vector maximum that minds NaN, and says so
 #pragma omp simd reduction(max : top) reduction(| : odd)
+#endif
   for (int64_t i = 0; i < count; i++) {
     double a = fabs(values[i]);
     odd |= !(a <= DBL_MAX);

@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+/* Lengths beyond this are refused: four of them multiplied would leave the range of numbers. */
+#define CT_LARGEST_LENGTH 1e70
+
 /* Products of vectors with three components, always summed (x + y) + z, so that a mirrored pair gives the mirrored bits. */
 static inline double ct_vector_dot(const double a[3], const double b[3])
 {

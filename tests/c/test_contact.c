@@ -795,6 +795,52 @@ static void refusals(void)
   free_patch(&b);
 }
 
+/* Two surfaces of one array of nodes that share an edge, an open book: a node of both gets the sum of both rows (eq:contact-bound), here put together
+ * once more from the points of an update. */
+static void shared_nodes(void)
+{
+  double x[18] = {0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0.5, 0, 0.8, 0.5, 1, 0.8}, mass[6] = {0.1, 0.1, 1, 1, 1, 1}, copy[18], row[6] = {0}, want = 0, got[2], zero[18] = {0};
+  int32_t lower[4] = {0, 2, 3, 1}, upper[4] = {0, 1, 5, 4};
+  ct_surface a = {CT_Q4, 6, 1, lower, x}, b = {CT_Q4, 6, 1, upper, x};
+  const int32_t *faces[2] = {lower, upper};
+  ct_contact_options options = ct_contact_options_default();
+  ct_contact *contact = NULL;
+  ct_error e = {0};
+  ct_rule rule;
+  options.epsilon = EPSILON;
+  need(ct_contact_create(&a, &b, &options, &contact, &e), &e);
+  need(ct_contact_update(contact, x, x, &e), &e);
+  ct_rule_face(CT_Q4, 0, &rule);
+  int64_t count = ct_contact_point_count(contact), met = 0;
+  ct_contact_point *point = room(count, sizeof *point);
+  ct_contact_points(contact, point);
+  for (int i = 0; i < count; i++) {
+    double N[8], M[8];
+    if (point[i].other < 0) continue;
+    met++;
+    ct_segment_shape(CT_Q4, rule.xi[point[i].gauss], N);
+    ct_segment_shape(CT_Q4, point[i].xi, M);
+    for (int k = 0; k < 4; k++) {
+      row[faces[point[i].side][k]] += 0.5 * EPSILON * point[i].weight * 2.0 * N[k];
+      row[faces[1 - point[i].side][k]] += 0.5 * EPSILON * point[i].weight * 2.0 * M[k];
+    }
+  }
+  for (int n = 0; n < 6; n++) want = fmax(want, row[n] / mass[n]);
+  need(ct_contact_frequency(contact, mass, mass, &got[0]), &e);
+  tap_ok(met == count, "every point of an open book looks at the other page");
+  tap_close(got[0] / want, 1.0, 1e-13, "nodes of both pages have the sum of both rows");
+  need(ct_contact_add_force(contact, zero, zero), &e);
+  tap_ok(largest(zero, 18) == 0.0, "and an open book does not press");
+  ct_contact_free(contact);
+  memcpy(copy, x, sizeof copy);
+  b.reference = copy;
+  need(ct_contact_create(&a, &b, &options, &contact, &e), &e);
+  need(ct_contact_frequency(contact, mass, mass, &got[1]), &e);
+  tap_ok(got[1] < 0.9 * got[0], "of two arrays they are nodes of their own");
+  ct_contact_free(contact);
+  free(point);
+}
+
 int main(void)
 {
   static const int pair[7][2] = {{CT_Q4, CT_Q4}, {CT_Q8, CT_Q8}, {CT_T3, CT_T3}, {CT_T6, CT_T6}, {CT_Q4, CT_T6}, {CT_Q8, CT_T3}, {CT_Q8, CT_Q4}};
@@ -818,6 +864,7 @@ int main(void)
   frequency_bound(CT_Q8, CT_Q4);
   sharp_bound();
   bound_on_ties();
+  shared_nodes();
   bars(1.0, 0);
   bars(10.0, 0);
   bars(1.0, 1);

@@ -240,9 +240,9 @@ static void history(ct_face_kind kind)
 }
 
 /* The skin of a box, closed all around, at a given thickness: squeezed, sheared and bent it must not touch itself. */
-static void closed(ct_brick_kind kind, double thickness)
+static void closed(ct_brick_kind kind, double thickness, int layers)
 {
-  ct_mesh *m = box_mesh(kind, 0, 0, 0, 2, 1, thickness, 8, 4, 1);
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 2, 1, thickness, 8, 4, layers);
   int32_t *outer = integers(8 * 6 * m->element_count);
   ct_surface surface = {ct_brick_face_kind(kind), m->node_count, ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes};
   ct_contact *contact = open_self(&surface);
@@ -259,11 +259,54 @@ static void closed(ct_brick_kind kind, double thickness)
     forces(contact, m->node_count, f);
     top = worst(top, largest(f, 3 * m->node_count));
   }
-  tap_ok(top == 0.0 && energy == 0.0, "%s skin of a plate of thickness %g: as it is, squeezed, sheared and bent, it does not touch itself", KIND[surface.kind], thickness);
+  tap_ok(top == 0.0 && energy == 0.0, "%s skin of a plate of thickness %g in %d layers: as it is, squeezed, sheared and bent, it does not touch itself", KIND[surface.kind],
+         thickness, layers);
   ct_contact_free(contact);
   free(x);
   free(f);
   free(outer);
+  ct_mesh_free(m);
+}
+
+/* A hairpin whose lower jaw opens by `angle`: the body between two legs of length 0.6 and thickness 0.1 that are 0.08 apart. */
+static void jaws(const ct_mesh *m, double angle, double *x)
+{
+  const double leg = 0.6, thick = 0.1, middle = 0.09, arc = middle * 3.14159265358979324;
+  for (int n = 0; n < m->node_count; n++) {
+    const double *X = &m->nodes[3 * n];
+    double s = (2.0 * leg + arc) * X[0], turn = fmin(fmax((s - leg) / middle, 0.0), 3.14159265358979324), r = middle - thick * (X[2] - 0.5);
+    double a = (s < leg ? s : s > leg + arc ? 2.0 * leg + arc - s : leg) + r * sin(turn) - leg, b = -r * cos(turn), open = angle * fmin(fmax((leg - s) / 0.3, 0.0), 1.0);
+    x[3 * n] = a * cos(open) - b * sin(open);
+    x[3 * n + 1] = X[1];
+    x[3 * n + 2] = a * sin(open) + b * cos(open);
+  }
+}
+
+/* Jaws that open touch nothing, although the end of one comes to look at the underside of the other, through the other (eq:self-way). */
+static void open_jaws(ct_brick_kind kind)
+{
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 0.2, 1, 18, 2, 2);
+  int32_t *outer = integers(8 * 6 * m->element_count);
+  double *reference = numbers(3 * m->node_count), *x = numbers(3 * m->node_count), energy = 0.0;
+  jaws(m, 0.0, reference);
+  ct_surface skin = {ct_brick_face_kind(kind), m->node_count, ct_mesh_outer_faces(m, outer, NULL), outer, reference};
+  ct_contact *contact = NULL;
+  ct_contact_options options = ct_contact_options_default();
+  ct_error e;
+  options.epsilon = EPSILON;
+  options.depth = 0.4;
+  need(ct_contact_create_self(&skin, &options, &contact, &e), &e);
+  for (int step = 0; step <= 40; step++) {
+    jaws(m, 0.02 * step, x);
+    energy = worst(energy, energy_at(contact, x));
+  }
+  tap_ok(energy == 0.0, "%s jaws that open do not touch: energy %g", KIND[skin.kind], energy);
+  jaws(m, -0.16, x);
+  tap_ok(energy_at(contact, x) > 0.0, "%s jaws that close do", KIND[skin.kind]);
+  ct_contact_free(contact);
+  free(outer);
+  free(reference);
+  free(x);
   ct_mesh_free(m);
 }
 
@@ -384,10 +427,14 @@ int main(void)
     bound((ct_face_kind)k);
     history((ct_face_kind)k);
   }
-  closed(CT_HEX8, 0.05);
-  closed(CT_HEX8, 0.3);
-  closed(CT_HEX20, 0.05);
-  closed(CT_HEX20, 0.3);
+  closed(CT_HEX8, 0.05, 1);
+  closed(CT_HEX8, 0.3, 1);
+  closed(CT_HEX8, 0.3, 3);
+  closed(CT_HEX20, 0.05, 1);
+  closed(CT_HEX20, 0.3, 1);
+  closed(CT_HEX20, 0.3, 3);
+  open_jaws(CT_HEX8);
+  open_jaws(CT_HEX20);
   c_shape();
   scene_of_a_c();
   refusals();

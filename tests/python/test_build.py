@@ -116,6 +116,15 @@ def test_static_libraries_define_ct_only(library):
     assert names and all(name.startswith("ct_") for name in names)
 
 
+@pytest.mark.skipif(shutil.which("nm") is None or not LIBRARIES.is_dir(), reason="no nm or no built libraries")
+def test_either_all_kernels_or_none_are_compiled_for_several_machines():
+    """A source that meets lanes.h before any header of libc would lose its fast versions without a word."""
+    names = {line.split()[-1] for line in nm(str(LIBRARIES / "libcontact.a")).splitlines() if line.strip()}
+    kernels = {name for name in names if re.fullmatch(r"ct_solid_\w+_(batches|energies)", name)}
+    cloned = {name.removesuffix(".avx2") for name in names if name.endswith(".avx2")} & kernels
+    assert len(kernels) >= 3 and cloned in (set(), kernels)
+
+
 @pytest.mark.skipif(shutil.which("ldd") is None or not (LIBRARIES / "libcontact.so").exists(), reason="no ldd or no shared library")
 def test_the_core_needs_libc_and_libm_only():
     needed = subprocess.run(["ldd", str(LIBRARIES / "libcontact.so")], check=True, capture_output=True, text=True).stdout

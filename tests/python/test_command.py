@@ -121,7 +121,7 @@ def test_a_run_that_fails_has_exit_code_3(scene, capsys, monkeypatch):
 def test_ctrl_c_has_exit_code_130_and_keeps_the_file(scene):
     Path(scene).write_text(Path(scene).read_text().replace("end_c1t_over = { length = 2.5, value = 0.56 }", "end = 1.0"))
     # A shell starts background jobs with Ctrl-C switched off, and children inherit that: switch it on again.
-    process = subprocess.Popen([sys.executable, "-m", "libcontact.command", "run", scene, "-o", "out.vtkhdf"], stderr=subprocess.PIPE, text=True,
+    process = subprocess.Popen([sys.executable, "-m", "libcontact", "run", scene, "-o", "out.vtkhdf"], stderr=subprocess.PIPE, text=True,
                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     if hasattr(lib, "ct_output_create"):
         while process.poll() is None and not os.path.exists("out.vtkhdf"):
@@ -141,6 +141,31 @@ def test_ctrl_c_has_exit_code_130_and_keeps_the_file(scene):
         assert Run.load("out.vtkhdf").time[-1] > 0.0
 
 
+def test_ctrl_c_among_the_imports_has_exit_code_130_and_says_one_word(tmp_path):
+    """A numpy that is interrupted at its first line stands for the moment."""
+    (tmp_path / "numpy.py").write_text("raise KeyboardInterrupt")
+    place = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    for arguments in (["run", "scene.toml"], ["explain", "scene.toml"]):
+        done = subprocess.run([sys.executable, "-m", "libcontact", *arguments], capture_output=True, text=True, env=place)
+        assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
+
+
+def test_the_command_of_the_shell_is_that_of_the_package():
+    import importlib.metadata
+
+    (command,) = (e for e in importlib.metadata.distribution("libcontact").entry_points if e.group == "console_scripts")
+    assert command.value == "libcontact.__main__:main"
+
+
+def test_every_name_of_the_package_is_there():
+    import libcontact as ct
+
+    for name in ct.__all__:
+        assert getattr(ct, name) is not None and name in dir(ct)
+    with pytest.raises(AttributeError, match="scnee"):
+        ct.scnee
+
+
 @needs_hdf5
 def test_a_full_disk_fails_the_run_and_keeps_what_was_written(scene):
     """A limit on the size of files stands for the full disk: the system refuses the bytes in the same way."""
@@ -148,7 +173,7 @@ def test_a_full_disk_fails_the_run_and_keeps_what_was_written(scene):
 
     Path(scene).write_text(Path(scene).read_text().replace("every = 20", "every = 1"))
     limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2_000_000, 2_000_000))
-    command = [sys.executable, "-m", "libcontact.command", "run", scene, "-o", "out.vtkhdf"]
+    command = [sys.executable, "-m", "libcontact", "run", scene, "-o", "out.vtkhdf"]
     done = subprocess.run(command, check=False, stderr=subprocess.PIPE, text=True, preexec_fn=limit)
     assert done.returncode == 3, done.stderr
     assert "the run failed: " in done.stderr and "Traceback" not in done.stderr
@@ -159,6 +184,6 @@ def test_a_full_disk_fails_the_run_and_keeps_what_was_written(scene):
 
 
 def test_a_closed_pipe_is_no_error(scene):
-    command = f"{sys.executable} -m libcontact.command explain {scene} | head -n 1"
+    command = f"{sys.executable} -m libcontact explain {scene} | head -n 1"
     done = subprocess.run(["bash", "-c", f"set -o pipefail; {command}"], check=False, capture_output=True, text=True)
     assert "Traceback" not in done.stderr and "BrokenPipe" not in done.stderr

@@ -3,25 +3,62 @@
 >>> import libcontact as ct
 >>> run = ct.Scene.load("plates.toml").run()
 >>> run.energy["total"]
+
+A name is imported when it is first asked for. So the command line starts at once, and Ctrl-C finds somebody who minds it.
 """
 
-from . import exact
-from ._core import ffi, lib
-from .errors import ArgumentError, BlowupError, Error, FileError, GeometryError, NotBuiltIn, StepError
-from .projection import Projection, RayHits, Status, project, project_ray
-from .run import Run, RunError
-from .scene import Scene
-from .schema import SceneError
-from .search import Nearest, Surface, nearest
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from . import exact
+    from .errors import ArgumentError, BlowupError, Error, FileError, GeometryError, NotBuiltIn, StepError
+    from .projection import Projection, RayHits, Status, face_points, project, project_path, project_ray
+    from .run import Run, RunError
+    from .scene import Scene
+    from .schema import SceneError
+    from .search import Nearest, Surface, nearest
 
 __all__ = ["ArgumentError", "BlowupError", "Error", "FileError", "GeometryError", "Nearest", "NotBuiltIn", "Projection", "RayHits", "Run",
-           "RunError", "Scene", "SceneError", "Status", "StepError", "Surface", "exact", "has", "nearest", "project", "project_ray"]
+           "RunError", "Scene", "SceneError", "Status", "StepError", "Surface", "exact", "face_points", "has", "nearest", "project", "project_path",
+           "project_ray"]
 
-__version__ = ffi.string(lib.ct_version()).decode()
+# Where each name lives.
+_HOME = {
+    **dict.fromkeys(("ArgumentError", "BlowupError", "Error", "FileError", "GeometryError", "NotBuiltIn", "StepError"), "errors"),
+    **dict.fromkeys(("Projection", "RayHits", "Status", "face_points", "project", "project_path", "project_ray"), "projection"),
+    **dict.fromkeys(("Run", "RunError"), "run"),
+    **dict.fromkeys(("Nearest", "Surface", "nearest"), "search"),
+    "Scene": "scene",
+    "SceneError": "schema",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        value = getattr(import_module("." + _HOME[name], __name__), name)
+    elif name == "exact":
+        value = import_module(".exact", __name__)
+    elif name == "__version__":
+        from ._core import ffi, lib
+
+        value = ffi.string(lib.ct_version()).decode()
+    else:
+        raise AttributeError(f'module "libcontact" has no attribute "{name}"')
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__, "__version__"})
 
 
 def has(part: str) -> bool:
     """Whether an optional part was built in: "hdf5" (results files), "gsl" (the modal series), "openmp" (threads)."""
+    from ._core import lib
+
     parts = {
         "hdf5": hasattr(lib, "ct_output_create"),
         "gsl": hasattr(lib, "ct_exact_plates_series"),

@@ -26,7 +26,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _guarded(options: argparse.Namespace) -> int:
-    """The command itself, with what may go wrong turned into messages and exit codes."""
+    """The command itself, with what may go wrong turned into messages and exit codes; Ctrl-C among its imports is left to the caller."""
     from .errors import Error, NotBuiltIn
     from .run import RunError
     from .schema import SceneError
@@ -185,7 +185,3 @@ def _silence_stdout() -> None:
     import os
 
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from . import effects
 from .parts import DEFAULT_BETA, Contact, Parts
+from .plan import Cost, predict, table
 from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, speeds
 from .units import Units
 
@@ -19,6 +21,7 @@ EFFECTS = {
 }
 ASSUMPTIONS = (
     "contact without friction; penalty, so surfaces overlap by pressure / epsilon",
+    "surfaces meet only where a [[contact]] names them; a body passes through itself unless one names two surfaces of it, or one twice",
     "no damping and no artificial viscosity: the ringing behind a steep front is the mesh's own",
 )
 LAWS = {
@@ -39,6 +42,7 @@ class Explanation(str):
 def explain(problem: Problem, every: int, records: int) -> Explanation:
     """Explain a built problem that is recorded at ``records`` steps (about every ``every`` steps)."""
     data = _facts(problem)
+    data["plan"] = predict(problem, records)
     data["output"] = {"file": problem.parts.output.file, "fields": list(problem.parts.output.fields), "every": every, "records": records}
     text = Explanation("\n".join(_lines(data, problem.parts.units)))
     text.data = data
@@ -125,10 +129,10 @@ def _initial_gaps(problem: Problem) -> list[float | None]:
 def _contact(built: BuiltContact, given: Contact, gap: float | None) -> dict[str, Any]:
     warnings = []
     if gap is not None and gap < 0.0:
-        warnings.append(f"contact {built.surfaces[0]} with {built.surfaces[1]}: the surfaces overlap by {-gap:.3g} at the start; "
+        warnings.append(f"contact {_who(built.surfaces)}: the surfaces overlap by {-gap:.3g} at the start; "
                         "the penalty pushes them apart, which puts energy into the bodies")
     return {
-        "surfaces": list(built.surfaces), "faces": list(built.faces), "gauss_points": list(built.points),
+        "surfaces": list(built.surfaces), "with_itself": built.with_itself, "faces": list(built.faces), "gauss_points": list(built.points),
         "epsilon": built.epsilon, "beta": given.beta, "penalty_is_default": not given.penalty_given,
         "method": given.method, "tolerance": given.tolerance, "depth": given.depth, "initial_gap": gap, "warnings": warnings,
     }
@@ -167,6 +171,7 @@ def _lines(data: dict[str, Any], units: Units) -> list[str]:
     out += ["", "Time"] + _time_lines(data["time"], units)
     out += ["", "Output"] + _output_lines(data["output"])
     out += ["", "Cost"] + _cost_lines(data["cost"])
+    out += _plan_lines(data["plan"], data["time"]["stable"])
     if data["warnings"]:
         out += ["", "Warnings"] + [f"  {warning}" for warning in data["warnings"]]
     return out
@@ -182,18 +187,25 @@ def _body_lines(body: dict[str, Any], units: Units) -> list[str]:
     ]
 
 
+def _who(surfaces: Sequence[str]) -> str:
+    return f"{surfaces[0]} with " + ("itself" if surfaces[0] == surfaces[1] else surfaces[1])
+
+
 def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
-    a, b = contact["surfaces"]
+    if contact["with_itself"]:
+        how = f"{contact['faces'][0]} faces of one body, each against all that share no node with it"
+        nobody = "no point is near another part of the surface"
+    else:
+        how = f"{contact['faces'][0]} and {contact['faces'][1]} faces, each side slave and master once"
+        nobody = "no point is near the other surface"
     if contact["penalty_is_default"]:
         origin = f"beta = {DEFAULT_BETA:g}, the default"
     else:
         origin = f"beta = {contact['beta']:g}" if contact["beta"] is not None else "given"
     return [
-        f"  contact {a} with {b}: {contact['faces'][0]} and {contact['faces'][1]} faces, each side slave and master once, "
-        + f"{sum(contact['gauss_points'])} Gauss points",
+        f"  contact {_who(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} Gauss points",
         f"    penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin}), closest points by {contact['method']}",
-        "    at the start " + ("no point is near the other surface" if contact["initial_gap"] is None
-                               else f"the smallest gap is {contact['initial_gap']:.4g} {units.length}"),
+        "    at the start " + (nobody if contact["initial_gap"] is None else f"the smallest gap is {contact['initial_gap']:.4g} {units.length}"),
     ]
 
 
@@ -221,3 +233,9 @@ def _cost_lines(cost: dict[str, Any]) -> list[str]:
         + "in the elements",
         f"  memory about {cost['memory_bytes'] / 1e6:.3g} MB, threads {cost['threads']}",
     ]
+
+
+def _plan_lines(plan: list[Cost], stable: float) -> list[str]:
+    if any(cost.predicted is None for cost in plan):
+        return ["  no prediction: a trial of a few steps failed"]
+    return ["  predicted from a trial of a few steps on this machine:", *table(plan, stable)]

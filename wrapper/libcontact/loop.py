@@ -19,6 +19,7 @@ import numpy as np
 from ._core import ffi, lib
 from .errors import NotBuiltIn, check, new_error
 from .mesh import view
+from .plan import measured
 from .problem import Problem, contact_points, new_state
 from .run import ENERGY, MOMENTUM, BodyState, Run, RunError, State, energy_dtype
 from .schema import SceneError, is_number
@@ -80,7 +81,7 @@ class Loop:
         self.energy: list[np.ndarray] = []
         self.momentum: list[np.ndarray] = []
         self.interrupted = False
-        self.seconds = 0.0
+        self.seconds = self.output_seconds = 0.0
 
     # What is written.
 
@@ -121,6 +122,11 @@ class Loop:
 
     def record(self) -> None:
         """One row of each table, and one step of the file."""
+        begin = clock.perf_counter()
+        self._record()
+        self.output_seconds += clock.perf_counter() - begin
+
+    def _record(self) -> None:
         energy, momentum = ffi.new("ct_energy *"), ffi.new("ct_momentum *")
         problem = self.problem.pointer
         self._call(lib.ct_energy_of, problem, self.state, energy)
@@ -206,7 +212,7 @@ class Loop:
             bodies=list(problem.bodies), units=problem.parts.units, steps=self.steps,
             energy=np.concatenate(self.energy or [np.empty(0, energy_dtype(problem.effects))]), momentum=np.concatenate(self.momentum or [np.empty(0, MOMENTUM)]),
             state=state, path=self.path, scene=self.scene_text, interrupted=self.interrupted, seconds=self.seconds,
-            writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state))
+            costs=measured(problem, self.state, self.output_seconds), writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state))
 
     def _last_good(self) -> State | None:
         if self.good is not None and self.steps:

@@ -48,8 +48,9 @@ class Mesh:
 
     @classmethod
     def ring(cls, element: str, shape: Any) -> Mesh:
-        """A ring of bricks, numbered as ``ct_mesh_create_ring`` says; ``shape`` has centre, radius (inner, outer), width and cells."""
-        ring = ffi.new("ct_ring *", {"centre": list(shape.centre), "radius": list(shape.radius), "width": shape.width, "cells": list(shape.cells)})
+        """A ring of bricks, numbered as ``ct_mesh_create_ring`` says; ``shape`` has centre, radius, width and cells."""
+        ring = ffi.new("ct_ring *", {"centre": list(shape.centre), "radius": list(shape.radius), "width": shape.width,
+                                     "cells": list(shape.cells)})
         out, error = ffi.new("ct_mesh **"), new_error()
         check(lib.ct_mesh_create_ring(KINDS[element], ring, out, error), error)
         mesh = cls(out[0])

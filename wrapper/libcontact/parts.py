@@ -78,7 +78,10 @@ class Body:
 
 @dataclass(frozen=True)
 class Contact:
-    """A contact of two surfaces (body, face); exactly one of ``beta`` and ``epsilon`` is a number."""
+    """
+    A contact of two surfaces (body, face); exactly one of ``beta`` and ``epsilon`` is a number. Surfaces of one body are taken as one, which is in
+    contact with itself: only so neighbouring faces and the far side of a thin body are told from contact.
+    """
 
     surfaces: tuple[tuple[str, str], tuple[str, str]]
     beta: float | None
@@ -87,6 +90,10 @@ class Contact:
     method: str
     tolerance: float | None
     depth: float | None
+
+    @property
+    def with_itself(self) -> bool:
+        return self.surfaces[0][0] == self.surfaces[1][0]
 
 
 @dataclass(frozen=True)
@@ -273,8 +280,6 @@ def _arrays(table: Table) -> tuple[np.ndarray, np.ndarray]:
 
 def _contact(table: Table, bodies: dict[str, Body]) -> Contact:
     surfaces = tuple(split_face(table, f"surfaces[{i}]", value, bodies) for i, value in enumerate(table.items("surfaces", 2)))
-    if surfaces[0] == surfaces[1]:
-        raise table.error("surfaces", f'"{".".join(surfaces[0])}" stands against itself; two different surfaces are needed')
     given = table.one_of("beta", "epsilon", required=False)
     contact = Contact(
         surfaces=surfaces,

@@ -43,9 +43,12 @@ class BuiltBody:
 
 @dataclass(frozen=True)
 class BuiltContact:
+    """A contact; ``faces`` and ``points`` count those of each side. A surface in contact with itself is its one side."""
+
     surfaces: tuple[str, str]
-    faces: tuple[int, int]
-    points: tuple[int, int]
+    with_itself: bool
+    faces: tuple[int, ...]
+    points: tuple[int, ...]
     epsilon: float
 
 
@@ -82,7 +85,7 @@ class Problem:
         savings = ffi.new("ct_savings *", {name: name in parts.savings for name in scene_parts.SAVINGS})
         self._call(lib.ct_scene_set_savings, self._scene, savings, key="run.savings")
         self._add_bodies()
-        self._faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contacts)]
+        self.faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contacts)]
         for i, support in enumerate(parts.supports):
             self._add_support(i, support)
         self.kept: list[Any] = []
@@ -192,7 +195,8 @@ class Problem:
                        KERNEL[body.kernel], list(body.velocity), number, key=f"body[{i}]", about=f'body "{body.name}": ')
             if body.spin is not None:
                 velocity = _spinning(body, mesh)
-                self._call(lib.ct_scene_set_velocity, self._scene, number[0], ffi.from_buffer("double[]", velocity), key=f"body[{i}].spin")
+                self._call(lib.ct_scene_set_velocity, self._scene, number[0], ffi.from_buffer("double[]", velocity),
+                           key=f"body[{i}].spin")
             self._meshes[body.name] = mesh
 
     def _add_contact(self, i: int, contact: scene_parts.Contact) -> list[np.ndarray]:
@@ -203,6 +207,8 @@ class Problem:
             if not len(faces[j]):
                 raise SceneError(f'"{body}.{face}" has no faces: no outer face of the body lies in that plane',
                                  f"contact[{i}].surfaces[{j}]", self.file)
+        if contact.with_itself:
+            faces = [_together(*faces)] * 2
         new = ffi.new("ct_scene_contact *", {"beta": contact.beta or 0.0, "options": lib.ct_contact_options_default()})
         for side, (body, _), table in zip("ab", contact.surfaces, faces):
             setattr(new, f"body_{side}", numbers[body])
@@ -216,7 +222,7 @@ class Problem:
         if contact.depth is not None:
             new.options.depth = contact.depth
         self._call(lib.ct_scene_add_contact, self._scene, new, key=f"contact[{i}]")
-        return faces
+        return faces[:1] if contact.with_itself else faces
 
     def _add_support(self, i: int, support: scene_parts.Support) -> None:
         nodes = self._meshes[support.body].face_nodes(support.face)
@@ -268,11 +274,11 @@ class Problem:
         lib.ct_scene_contact_epsilon(self._scene, i, epsilon)
         rule = ffi.new("ct_rule *")
         points = []
-        for (body, _), faces in zip(contact.surfaces, self._faces[i]):
+        for (body, _), faces in zip(contact.surfaces, self.faces[i]):
             lib.ct_rule_face(lib.ct_brick_face_kind(KINDS[self.bodies[body].mesh.element]), 0, rule)
             points.append(len(faces) * rule.count)
         names = tuple(".".join(surface) for surface in contact.surfaces)
-        return BuiltContact(names, tuple(len(faces) for faces in self._faces[i]), tuple(points), epsilon[0])
+        return BuiltContact(names, contact.with_itself, tuple(len(faces) for faces in self.faces[i]), tuple(points), epsilon[0])
 
 
 class Maker:
@@ -322,6 +328,13 @@ class Maker:
         if not len(numbers):
             raise self.error(f'"{".".join(surface)}" has no faces: no outer face of the body lies in that plane')
         return np.ascontiguousarray(numbers + self.body(surface[0]).first_node, dtype=np.int32)
+
+
+def _together(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """The faces of two surfaces of one body as one surface: those of the first, then those of the second that it does not have."""
+    both = np.concatenate([first, second])
+    _, places = np.unique(both, axis=0, return_index=True)
+    return np.ascontiguousarray(both[np.sort(places)])
 
 
 def contact_points(problem: Problem, state: Any) -> list[np.ndarray]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ._core import ffi, lib
 
-__all__ = ["Projection", "RayHits", "Status", "project", "project_ray"]
+__all__ = ["Projection", "RayHits", "Status", "face_points", "project", "project_path", "project_ray"]
 
 
 class Status(IntEnum):
@@ -136,6 +136,50 @@ def project(
     if code != lib.CT_OK:
         raise ValueError(f"projection refused: {ffi.string(lib.ct_status_name(code)).decode()}")
     return _result(rows)
+
+
+def project_path(
+    kind: str,
+    nodes: Any,
+    point: Any,
+    method: str = "robust",
+    tolerance: float = 1e-10,
+    start: Any = None,
+) -> tuple[np.ndarray, Projection]:
+    """Find the closest point of one face to one point, and tell the way there.
+
+    The arguments are those of :func:`project`, for one point of shape (3,).
+
+    :returns: the iterates of the method, shape (n, 2), the last of them the foot, and the projection, with arrays of one row.
+    """
+    face = _face(kind, nodes)
+    points = _triples("point", np.asarray(point)[None])
+    options = _options(method, tolerance)
+    iterates: list[tuple[float, float]] = []
+
+    @ffi.callback("void(double *, double, void *)")
+    def trace(xi: Any, f: float, user: Any) -> None:
+        iterates.append((xi[0], xi[1]))
+
+    options.trace = trace
+    if start is not None:
+        options.use_start, options.start = 1, list(_start(start, 1)[0])
+    rows = np.zeros(1, _ROW)
+    lib.ct_project(face, ffi.from_buffer("double[]", points), options, ffi.cast("ct_projection *", ffi.from_buffer(rows)))
+    found = _result(rows)
+    return np.array([*iterates, tuple(found.xi[0])]), found
+
+
+def face_points(kind: str, nodes: Any, xi: Any) -> np.ndarray:
+    """The points of one face at reference coordinates ``xi`` of shape (..., 2); of shape (..., 3)."""
+    _face(kind, nodes)
+    nodes, xi = _real("nodes", nodes), _real("xi", xi)
+    if xi.ndim < 1 or xi.shape[-1] != 2:
+        raise ValueError(f"xi must have shape (..., 2), not {xi.shape}")
+    N = np.empty((xi.size // 2, 8))
+    for row, at in zip(N, xi.reshape(-1, 2)):
+        lib.ct_segment_shape(_KINDS[kind], ffi.from_buffer("double[]", at), ffi.from_buffer("double[]", row))
+    return (N[:, : len(nodes)] @ nodes).reshape(*xi.shape[:-1], 3)
 
 
 def project_ray(kind: str, nodes: Any, points: Any, directions: Any, tolerance: float = 1e-10) -> RayHits:

@@ -152,18 +152,20 @@ class Run:
     none), a row a record; ``momentum``, with time, body (number in ``bodies``), p, L,
     contact_impulse, support_impulse, a row a record and body. ``state`` is the last recorded state. ``contact`` has for each contact of
     the scene the Gauss points of both surfaces in that state: side, face, gauss, other (the face that was met, or -1), position, closest, xi,
-    gap (negative inside, NaN where nothing was met), pressure, weight; it is empty for a run that was read from a file.
+    gap (negative inside, NaN where nothing was met), pressure, weight; it is empty for a run that was read from a file. ``costs`` are the seconds of each
+    effect by name, of the "time loop" around them and of the "output"; ``Scene.costs`` puts them beside what was predicted.
     """
 
     def __init__(self, *, bodies: list[str], units: Units | None, steps: Any, energy: np.ndarray, momentum: np.ndarray,
                  state: State | None, path: Path | None = None, scene: str = "", interrupted: bool = False, seconds: float = 0.0,
-                 writer: Any = None, contact: Sequence[np.ndarray] = ()):
+                 costs: Mapping[str, float] | None = None, writer: Any = None, contact: Sequence[np.ndarray] = ()):
         self.bodies, self.units, self.state = bodies, units, state
         self.steps = np.asarray(steps, np.int64)
         self.energy, self.momentum = energy, momentum
         self.path, self.scene = path, scene
         self.interrupted, self.seconds = interrupted, seconds
         self.contact = list(contact)
+        self.costs = dict(costs or {})
         self._writer = writer
 
     @property

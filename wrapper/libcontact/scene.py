@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import os
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from . import parts as scene_parts
 from .errors import NotBuiltIn
 from .explain import Explanation, explain
 from .loop import execute, record_count, schedule
+from .plan import Cost, predict, table
 from .problem import Problem
 from .run import Run
 from .schema import SceneError, describe, suggestion
@@ -100,7 +102,10 @@ class Scene:
 
     def add_contact(self, a: str, b: str, *, beta: float | None = None, epsilon: float | None = None, method: str | None = None,
                     tolerance: float | None = None, depth: float | None = None) -> Scene:
-        """Add the contact of two surfaces such as ``"left.x_max"`` and ``"right.x_min"``; beta is 4 if no penalty is given."""
+        """
+        Add the contact of two surfaces such as ``"left.x_max"`` and ``"right.x_min"``; beta is 4 if no penalty is given. A surface that is named
+        twice, or two of one body, can meet itself: ``scene.add_contact("ring.outer", "ring.outer")``.
+        """
         return self._add("contact", surfaces=[a, b], beta=beta, epsilon=epsilon, method=method, tolerance=tolerance, depth=depth)
 
     def add_support(self, set: str, *, fix: Any, velocity: Any = None) -> Scene:
@@ -146,6 +151,19 @@ class Scene:
         """What will be computed, what will not, and why: a text, with the same facts as a dictionary in its ``data``."""
         problem = self._built(None)
         return explain(problem, schedule(problem)[0], record_count(problem))
+
+    def costs(self, run: Run | None = None) -> list[Cost]:
+        """
+        What each effect of the scene will cost, predicted from a trial of a few steps, and, where a ``run`` of it is given, what it did cost. ``print(scene.cost_table(run))``
+        shows the same.
+        """
+        problem = self._built(None)
+        plan = predict(problem, record_count(problem) if run is None else len(run.steps))
+        return plan if run is None else [replace(cost, measured=run.costs.get(cost.name)) for cost in plan]
+
+    def cost_table(self, run: Run | None = None) -> str:
+        """The costs as a table."""
+        return "\n".join(table(self.costs(run), self._built(None).stable.dt))
 
     def run(self, progress: bool | str = True, restart: str | Path | None = None, until: float | None = None,
             output: str | Path | bool | None = None, threads: int | None = None) -> Run:

@@ -63,7 +63,10 @@ CT_API double ct_contact_energy(const ct_contact *contact);
 CT_API ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], double moment_a[3], double force_b[3],
                                       double moment_b[3]);
 
-/** Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active at its nearest face, :eq:`contact-bound`. */
+/**
+ * Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active at its nearest face, :eq:`contact-bound`.
+ * If both surfaces were given with one array of reference coordinates, a node of both gets the sum of its two rows.
+ */
 CT_API ct_status ct_contact_frequency(const ct_contact *contact, const double *mass_a, const double *mass_b,
                                       double *omega_squared);
 

@@ -51,9 +51,10 @@ typedef struct ct_ring {
 } ct_ring;
 
 /**
- * Mesh a ring with bricks: ξ runs outward, η around from x towards y, ζ along z; element (i, j, k) has number i + cells[0] (j + cells[1] k), and node numbers
- * follow `ct_mesh_create_box` with cells[1] nodes around. Mid-side nodes of hex20 lie on the circles. About its centre the ring mirrors exactly: along z and y
- * for every number of cells, along x for an even one, and x with y for one that 4 divides, :eq:`mesh-ring`.
+ * Mesh a ring with bricks: ξ runs outward, η around from x towards y, ζ along z; element (i, j, k) has number i + cells[0] (j
+ * + cells[1] k), and node numbers follow `ct_mesh_create_box` with cells[1] nodes around. Mid-side nodes of hex20 lie on the
+ * circles. About its centre the ring mirrors exactly: along z and y for every number of cells, along x for an even one, and x
+ * with y for one that 4 divides, :eq:`mesh-ring`.
  */
 CT_API ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh **mesh, ct_error *error);
 

@@ -71,8 +71,9 @@ CT_API ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_m
                                    ct_error *error);
 
 /**
- * Give each node of a body its own velocity at t = 0 [length / time], shape (node_count, 3), in place of the one of `ct_scene_add_body`; the array is copied.
- * Not after `ct_scene_join`. ``CT_INVALID``: a number is not finite (`error` names the node).
+ * Give each node of a body its own velocity at t = 0 [length / time], shape (node_count, 3), in place of the one of
+ * `ct_scene_add_body`; the array is copied. Not after `ct_scene_join`. ``CT_INVALID``: a number is not finite (`error` names
+ * the node).
  */
 CT_API ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *velocity, ct_error *error);
 

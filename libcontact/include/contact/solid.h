@@ -17,10 +17,10 @@ typedef enum ct_solid_kernel {
 } ct_solid_kernel;
 
 /**
- * Internal force of one element, the readable form: Gauss points one after another, :eq:`internal-force`, and for large deformation
- * :eq:`large-force`. `nodes` (undeformed) and `displacement` and `force` have shape (8 or 20, 3); `force` [force] is what
- * the element does to its nodes. `energy` [energy], :eq:`large-energy`, may be null. ``CT_ERROR_GEOMETRY`` when the deformation turns the
- * element inside out (`error` names the Gauss point).
+ * Internal force of one element, the readable form: Gauss points one after another, :eq:`internal-force`, and for large
+ * deformation :eq:`large-force`. `nodes` (undeformed) and `displacement` and `force` have shape (8 or 20, 3); `force` [force]
+ * is what the element does to its nodes. `energy` [energy], :eq:`large-energy`, may be null. ``CT_ERROR_GEOMETRY`` when the
+ * deformation turns the element inside out (`error` names the Gauss point).
  */
 CT_API ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes, const double *displacement,
                                         const ct_material *material, double *force, double *energy, ct_error *error);
@@ -37,8 +37,8 @@ CT_API ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *no
                                             const double *mass, double *omega_squared, ct_error *error);
 
 /**
- * The same for the tangent stiffness at a displacement (8 or 20, 3), :eq:`large-tangent`; 0 when no eigenvalue is positive. With the law
- * CT_LINEAR the displacement changes nothing.
+ * The same for the tangent stiffness at a displacement (8 or 20, 3), :eq:`large-tangent`; 0 when no eigenvalue is positive.
+ * With the law CT_LINEAR the displacement changes nothing.
  */
 CT_API ct_status ct_solid_element_tangent_frequency(ct_brick_kind kind, const double *nodes, const double *displacement,
                                                     const ct_material *material, const double *mass, double *omega_squared,
@@ -64,8 +64,9 @@ typedef struct ct_solid_block {
 
 /**
  * The solid effect of all bodies: `blocks` (block_count) in ascending order of `first_node` without gaps. Meshes must outlive the
- * effect. ``CT_ERROR_UNSUPPORTED`` when a kernel is asked for that does not fit its block. Under a law for large deformation its force fails with
- * ``CT_ERROR_GEOMETRY``, body and element, as soon as an element is turned inside out, and its bound on the step is that of the tangent.
+ * effect. ``CT_ERROR_UNSUPPORTED`` when a kernel is asked for that does not fit its block. Under a law for large deformation
+ * its force fails with ``CT_ERROR_GEOMETRY``, body and element, as soon as an element is turned inside out, and its bound on
+ * the step is that of the tangent.
  */
 CT_API ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_count, ct_effect **effect, ct_error *error);
 
@@ -73,8 +74,8 @@ CT_API ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t bl
 CT_API ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel, double *flops, double *bytes);
 
 /**
- * Stress at all element centres of one mesh, shape (element_count, 6) in the order xx yy zz xy yz zx [stress] (Cauchy's for large deformation);
- * `displacement` has shape (node_count, 3).
+ * Stress at all element centres of one mesh, shape (element_count, 6) in the order xx yy zz xy yz zx [stress] (Cauchy's for
+ * large deformation); `displacement` has shape (node_count, 3).
  */
 CT_API ct_status ct_solid_stress(const ct_mesh *mesh, const ct_material *material, const double *displacement,
                                  double *stress, ct_error *error);

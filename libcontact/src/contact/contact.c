@@ -145,26 +145,13 @@ static ct_status refresh_candidates(ct_contact *contact, ct_error *error)
   return status;
 }
 
-/* How deep a point of a surface may be under another part of it: half the thickness of the body there in the reference shape, so that
- * the far side of a thin body does not count as contact (eq:self-depth). */
-static ct_status measure_thickness(ct_contact *contact, ct_error *error)
+/* A surface in contact with itself remembers its reference shape (eq:self-depth). */
+static ct_status keep_reference(ct_side *side, ct_error *error)
 {
-  ct_side *side = &contact->side[0];
-  side->depth = ct_allocate((size_t)ct_side_point_count(side), sizeof *side->depth);
-  if (side->depth == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
-  // -- Look twice as deep, so that what is half as deep is known (eq:self-depth)
-  double depth = contact->depth;
-  contact->depth = 2.0 * depth;
-  ct_status status = refresh_candidates(contact, error);
-  contact->depth = depth;
-  contact->built = 0;
-  if (status != CT_OK) return status;
-  ct_pass_search(side, side, &contact->options, 2.0 * depth, CT_PASS_THICKNESS);
-  for (int64_t i = 0; i < ct_side_point_count(side); i++) {
-    ct_gauss_point *point = &side->points[i];
-    side->depth[i] = point->gap < 0.0 ? 0.5 * -point->gap : depth;
-    *point = (ct_gauss_point){.other = -1, .gap = NAN};
-  }
+  size_t size = 3 * (size_t)side->search->node_count * sizeof *side->reference;
+  side->reference = ct_allocate(size, 1);
+  if (side->reference == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  memcpy(side->reference, side->search->x, size);
   return CT_OK;
 }
 
@@ -177,6 +164,7 @@ static ct_status create(const ct_surface *const surface[2], int sides, const ct_
   if (contact == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   double size = 0.0;
   contact->options = *options;
+  contact->one_array = surface[0]->reference == surface[1]->reference;
   for (int s = 0; s < sides && status == CT_OK; s++) {
     status = ct_side_init(&contact->side[s], surface[s], s, error);
     if (status != CT_OK) break;
@@ -189,7 +177,7 @@ static ct_status create(const ct_surface *const surface[2], int sides, const ct_
     contact->terms = ct_allocate((size_t)ct_contact_point_count(contact), 3 * sizeof *contact->terms);
     if (contact->terms == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   }
-  if (status == CT_OK && sides == 1) status = measure_thickness(contact, error);
+  if (status == CT_OK && sides == 1) status = keep_reference(&contact->side[0], error);
   if (status != CT_OK) {
     ct_contact_free(contact);
     return status;
@@ -276,7 +264,7 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
   status = refresh_candidates(contact, error);
   if (status != CT_OK) return status;
   for (int s = 0; s < contact->sides; s++)
-    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, contact->depth, CT_PASS_CONTACT);
+    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, contact->depth);
   return collect_forces(contact, error);
 }
 

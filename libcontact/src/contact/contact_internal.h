@@ -10,6 +10,7 @@ struct ct_contact {
   int built;    /* whether the candidate lists exist */
   double clear; /* not 0: when they were made, no two faces were nearer than the depth plus this (eq:contact-clear) */
   int sides;    /* 2, or 1 for the contact of a surface with itself */
+  int one_array; /* whether the nodes of both sides are numbered in one array of the host */
   ct_side side[2];
   double *terms; /* room for sums, three numbers a point */
 };

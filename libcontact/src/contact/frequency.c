@@ -51,6 +51,17 @@ static void add_rows(const ct_side *side, const ct_side *other, double epsilon, 
   }
 }
 
+/* Two surfaces over one array of nodes: a node of both has one row, the sum of what each pass found. Both lists of nodes ascend. */
+static void join_rows(const ct_side *a, const ct_side *b, double *rows_a, double *rows_b)
+{
+  for (int32_t i = 0, j = 0; i < a->search->node_count && j < b->search->node_count;) {
+    int32_t p = a->search->nodes[i], q = b->search->nodes[j];
+    if (p == q) rows_a[i] = rows_b[j] = rows_a[i] + rows_b[j];
+    i += p <= q;
+    j += q <= p;
+  }
+}
+
 static double largest_row(const ct_side *side, const double *rows, const double *mass)
 {
   double top = 0.0;
@@ -76,6 +87,7 @@ ct_status ct_contact_frequency(const ct_contact *contact, const double *mass_a, 
   *omega_squared = 0.0;
   for (int s = 0, t = contact->sides - 1; s < contact->sides && status == CT_OK; s++, t--)
     add_rows(&contact->side[s], &contact->side[t], contact->options.epsilon, rows[s], rows[t]);
+  if (status == CT_OK && contact->sides == 2 && contact->one_array) join_rows(&contact->side[0], &contact->side[1], rows[0], rows[1]);
   for (int s = 0; s < contact->sides && status == CT_OK; s++)
     *omega_squared = fmax(*omega_squared, largest_row(&contact->side[s], rows[s], s == 0 ? mass_a : mass_b));
   ct_release(rows[0]);

@@ -12,8 +12,7 @@ typedef struct nearest {
   double distance;
   ct_projection foot;
   double origin[3], y[3]; /* the middle of the face's box, and the point relative to it */
-  double own[3];          /* unit normal at the point, and how deep it may be: of a surface with itself */
-  double depth;
+  double own[3];          /* unit normal at the point, of a surface with itself */
 } nearest;
 
 /* What one pass needs everywhere. */
@@ -23,7 +22,6 @@ typedef struct pass {
   ct_project_options project;
   double epsilon, depth;
   int self; /* whether the other side is the same surface */
-  ct_pass_purpose purpose;
 } pass;
 
 /* Position of a Gauss point, relative to `origin`. */
@@ -38,29 +36,42 @@ static void middle(const ct_bounds *box, double origin[3])
   for (int c = 0; c < 3; c++) origin[c] = 0.5 * (box->low[c] + box->high[c]);
 }
 
+/* How deep a point of a surface may be under a foot on another part of it: half as deep as it was under that place in the reference shape, if it was
+ * under it, for then the foot is on the far side of the body; else as deep as any (eq:self-depth). */
+static double deepest(const pass *p, int32_t face, int q, int32_t target, const double xi[2])
+{
+  static const double zero[3] = {0.0, 0.0, 0.0};
+  const ct_search *search = p->other->search;
+  double N[8], X[3], d[3], normal[3];
+  ct_face reference = {.kind = search->kind};
+  ct_segment_shape(search->kind, xi, N);
+  ct_side_interpolate_reference(p->side, face, p->side->N[q], zero, X);
+  ct_side_interpolate_reference(p->other, target, N, X, d);
+  for (int a = 0; a < search->per; a++)
+    memcpy(reference.node[a], &p->other->reference[3 * (int64_t)search->faces[(int64_t)target * search->per + a]], sizeof reference.node[a]);
+  if (ct_segment_normal(&reference, xi, normal) != CT_OK || !(ct_vector_dot(d, normal) > 0.0)) return p->depth;
+  return fmin(p->depth, 0.5 * sqrt(ct_vector_dot(d, d)));
+}
+
 /* In a contact of a surface with itself, whether a foot is one to be pushed from: the faces look at each other, no face at the foot is nearer (one
- * that shares a node with the point's own would not have been tried, eq:local-minimum), and the point is not deeper under it than half the
- * thickness of the body, for then the foot is on the far side (eq:self-depth). The thickness is measured by feet that it is under. */
-static int may_push(const pass *p, const nearest *best, const double y[3], int32_t target, const ct_projection *foot)
+ * that shares a node with the point's own would not have been tried, eq:local-minimum), and the point is not deeper under it than it may be. `own` is
+ * the normal at the point. */
+static int may_push(const pass *p, int32_t face, int q, const double own[3], const double y[3], int32_t target, const ct_projection *foot)
 {
   double normal[3], d[3];
   (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
   for (int c = 0; c < 3; c++) d[c] = foot->point[c] - y[c];
-  int under = ct_vector_dot(d, normal) > 0.0;
   // -- The sides of an edge look across, not at each other, however the body bends (eq:self-adjacent)
-  double length = sqrt(ct_vector_dot(normal, normal)), facing = p->purpose == CT_PASS_THICKNESS ? 0.0 : -0.25;
-  if (!(ct_vector_dot(best->own, normal) < facing * length)) return 0;
+  if (!(ct_vector_dot(own, normal) < -0.25 * sqrt(ct_vector_dot(normal, normal)))) return 0;
   if (!ct_search_is_minimum(p->other->search, target, foot->where, foot->index, foot->xi, d)) return 0;
-  return p->purpose == CT_PASS_THICKNESS ? under : !under || foot->distance <= best->depth;
+  return !(ct_vector_dot(d, normal) > 0.0) || foot->distance <= deepest(p, face, q, target, foot->xi);
 }
 
-/* Project a point on one face of the other side and keep the answer if it is the nearest. */
-static void try_face(const pass *p, int32_t face, int q, int32_t target, const double *start, nearest *best)
+/* Project a point on one face of the other side, both seen from `origin`. Answers 0 when it has no foot there. */
+static int project(const pass *p, int32_t face, int q, int32_t target, const double *start, double origin[3], double y[3], ct_projection *foot)
 {
   ct_project_options options = p->project;
-  ct_projection foot;
   ct_face shifted;
-  double origin[3], y[3];
   middle(&p->other->search->boxes[target], origin);
   position(p->side, face, q, origin, y);
   ct_search_face(p->other->search, target, &shifted);
@@ -71,9 +82,16 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
     options.start[0] = start[0];
     options.start[1] = start[1];
   }
-  ct_status status = ct_project(&shifted, y, &options, &foot);
-  int found = status == CT_OK || status == CT_NOT_CERTIFIED || status == CT_ITERATION_LIMIT;
-  if (!found || foot.where == CT_OUTSIDE || (p->self && !may_push(p, best, y, target, &foot))) return;
+  ct_status status = ct_project(&shifted, y, &options, foot);
+  return (status == CT_OK || status == CT_NOT_CERTIFIED || status == CT_ITERATION_LIMIT) && foot->where != CT_OUTSIDE;
+}
+
+/* Try one face of the other side and keep the answer if it is the nearest. */
+static void try_face(const pass *p, int32_t face, int q, int32_t target, const double *start, nearest *best)
+{
+  ct_projection foot;
+  double origin[3], y[3];
+  if (!project(p, face, q, target, start, origin, y, &foot) || (p->self && !may_push(p, face, q, best->own, y, target, &foot))) return;
   if (foot.distance < best->distance || (foot.distance == best->distance && target < best->face)) {
     best->face = target;
     best->distance = foot.distance;
@@ -100,13 +118,25 @@ static int measure(const pass *p, int32_t face, int q, const nearest *best, ct_g
   return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK && ct_vector_dot(own, normal) < 0.0 && point->gap >= -p->depth;
 }
 
+/* Whether the way from a point to its foot, `d`, first enters through another face, one that the point is outside of: then the foot is on the far
+ * side of something that the point is not in (eq:self-way). */
+static int enters(const pass *p, int32_t face, int q, int32_t target, const double d[3])
+{
+  ct_projection foot;
+  double origin[3], y[3], way[3], normal[3];
+  if (!project(p, face, q, target, NULL, origin, y, &foot)) return 0;
+  for (int c = 0; c < 3; c++) way[c] = foot.point[c] - y[c];
+  (void)ct_search_normal(p->other->search, target, foot.where, foot.index, foot.xi, foot.normal, normal);
+  return ct_vector_dot(way, normal) < 0.0 && ct_vector_dot(d, way) >= ct_vector_dot(way, way) &&
+         ct_search_is_minimum(p->other->search, target, foot.where, foot.index, foot.xi, way);
+}
+
 /* Begin with nothing found; a surface in contact with itself needs its own normal first. Answers 0 when there is none. */
 static int begin(const pass *p, int32_t face, int q, nearest *best)
 {
   ct_face mine;
-  *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .depth = p->depth};
+  *best = (nearest){.face = INT32_MAX, .distance = INFINITY};
   if (!p->self) return 1;
-  if (p->purpose == CT_PASS_CONTACT) best->depth = p->side->depth[(int64_t)face * p->side->rule.count + q];
   ct_search_face(p->side->search, face, &mine);
   return ct_segment_normal(&mine, p->side->rule.xi[q], best->own) == CT_OK;
 }
@@ -136,7 +166,13 @@ static void search_point(const pass *p, int32_t face, int q)
   point->gap = NAN;
   memset(point->force, 0, sizeof point->force);
   if (best.face == INT32_MAX) return;
-  if (!measure(p, face, q, &best, point)) {
+  int met = measure(p, face, q, &best, point);
+  // -- A surface with itself: no other face is on the way to the foot (eq:self-way)
+  for (int32_t i = side->candidate_first[face]; p->self && met && point->gap < 0.0 && i < side->candidate_first[face + 1]; i++) {
+    int32_t target = side->candidates[i];
+    if (target != best.face && ct_bounds_distance(&other->search->boxes[target], y) <= best.distance) met = !enters(p, face, q, target, point->d);
+  }
+  if (!met) {
     point->gap = NAN;
     return;
   }
@@ -146,9 +182,9 @@ static void search_point(const pass *p, int32_t face, int q)
     for (int c = 0; c < 3; c++) point->force[c] = 0.5 * p->epsilon * side->weight[number] * point->d[c];
 }
 
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, ct_pass_purpose purpose)
+void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth)
 {
-  pass p = {side, other, ct_project_options_default(), options->epsilon, depth, side == other, purpose};
+  pass p = {side, other, ct_project_options_default(), options->epsilon, depth, side == other};
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
 #ifdef _OPENMP

@@ -9,7 +9,7 @@
 
 void ct_side_clear(ct_side *side)
 {
-  void *blocks[] = {side->weight, side->x_built, side->candidate_first, side->candidates, side->points, side->depth, side->force, side->force_fine};
+  void *blocks[] = {side->weight, side->x_built, side->candidate_first, side->candidates, side->points, side->reference, side->force, side->force_fine};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_search_free(side->search);
   memset(side, 0, sizeof *side);
@@ -22,11 +22,13 @@ static ct_status allocate(ct_side *side)
   size_t faces = (size_t)side->search->face_count, points = (size_t)ct_side_point_count(side), nodes = (size_t)side->search->node_count;
   side->weight = ct_allocate(points, sizeof *side->weight);
   side->candidate_first = ct_allocate(faces + 1, sizeof *side->candidate_first);
+  side->candidate_room = side->search->face_count;
+  side->candidates = ct_allocate(faces, sizeof *side->candidates);
   side->points = ct_allocate(points, sizeof *side->points);
   side->x_built = ct_allocate(3 * nodes, sizeof *side->x_built);
   side->force = ct_allocate(3 * nodes, sizeof *side->force);
   side->force_fine = ct_allocate(3 * nodes, sizeof *side->force_fine);
-  return side->weight && side->candidate_first && side->points && side->x_built && side->force && side->force_fine ? CT_OK : CT_ERROR_MEMORY;
+  return side->weight && side->candidate_first && side->candidates && side->points && side->x_built && side->force && side->force_fine ? CT_OK : CT_ERROR_MEMORY;
 }
 
 /* Weights w J_ref of the Gauss points (eq:contact-potential). */
@@ -68,14 +70,23 @@ ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, ct_er
   return CT_OK;
 }
 
-void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3])
+static void interpolate(const ct_search *search, const double *x, int32_t face, const double N[8], const double origin[3], double out[3])
 {
-  const ct_search *search = side->search;
   const int32_t *node = &search->faces[(int64_t)face * search->per];
   for (int c = 0; c < 3; c++) {
     double t[8] = {0.0};
-    for (int a = 0; a < search->per; a++) t[a] = N[a] * (search->x[3 * (int64_t)node[a] + c] - origin[c]);
+    for (int a = 0; a < search->per; a++) t[a] = N[a] * (x[3 * (int64_t)node[a] + c] - origin[c]);
     out[c] = (t[0] + t[1]) + (t[2] + t[3]);
     if (search->per > 4) out[c] += (t[4] + t[6]) + (t[5] + t[7]);
   }
+}
+
+void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3])
+{
+  interpolate(side->search, side->search->x, face, N, origin, out);
+}
+
+void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3])
+{
+  interpolate(side->search, side->reference, face, N, origin, out);
 }

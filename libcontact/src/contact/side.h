@@ -26,7 +26,7 @@ typedef struct ct_side {
   double *x_built;    /* coordinates at the last listing of candidates, shape (node_count, 3) */
   int32_t *candidate_first, *candidates; /* faces of the other side that may come near each face, until the next listing */
   int32_t candidate_room;
-  double *depth;      /* of each point of a surface in contact with itself: how deep it may be; else null */
+  double *reference;  /* of a surface in contact with itself: its reference coordinates, shape (node_count, 3); else null */
 
   ct_gauss_point *points; /* shape (face_count, rule.count) */
   double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3) */
@@ -41,10 +41,10 @@ int64_t ct_side_point_count(const ct_side *side);
 /* Σ_a N_a (x_a - origin), paired so that a flipped face gives the same bits (eq:tree-sum). */
 void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3]);
 
-/* What a pass looks for: contact, or, of a surface with itself, how thick the body is under each point. */
-typedef enum ct_pass_purpose { CT_PASS_CONTACT, CT_PASS_THICKNESS } ct_pass_purpose;
+/* The same with reference coordinates, of a surface in contact with itself. */
+void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3]);
 
 /* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). */
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, ct_pass_purpose purpose);
+void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth);
 
 #endif

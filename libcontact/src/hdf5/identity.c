@@ -82,7 +82,7 @@ static body_row *body_rows(const ct_problem *problem)
     const ct_body *body = &problem->bodies[b];
     memcpy(rows[b].name, body->name, sizeof rows[b].name - 1);
     for (size_t i = strlen(rows[b].name); i < sizeof rows[b].name; i++) rows[b].name[i] = 0;
-    rows[b].kind = body->mesh->kind;
+    rows[b].kind = (int32_t)body->mesh->kind;
     rows[b].first_node = body->first_node;
     rows[b].node_count = body->mesh->node_count;
     rows[b].first_cell = cell;

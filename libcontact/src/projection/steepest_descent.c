@@ -5,11 +5,12 @@
 /* The step along -g to the lowest point of the parabola that f is along it; where f bends down, a half-width. */
 static void steepest_step(const ct_iterate *at, double half_width, double s[2])
 {
-  const double *g = at->g, *H = at->H;
-  double square = g[0] * g[0] + g[1] * g[1], bend = H[0] * (g[0] * g[0]) + 2 * H[2] * (g[0] * g[1]) + H[1] * (g[1] * g[1]);
-  // -- Length of the step (eq:steepest-length)
-  double most = half_width / sqrt(square), length = bend > 0 ? fmin(square / bend, most) : most;
-  for (int a = 0; a < 2; a++) s[a] = -length * g[a];
+  const double *H = at->H;
+  double slope = sqrt(at->g[0] * at->g[0] + at->g[1] * at->g[1]), e[2] = {at->g[0] / slope, at->g[1] / slope};
+  double bend = H[0] * (e[0] * e[0]) + 2 * H[2] * (e[0] * e[1]) + H[1] * (e[1] * e[1]);
+  // -- Length of the step, along a unit vector so that no product leaves the range of numbers (eq:steepest-length)
+  double length = bend > 0 ? fmin(slope / bend, half_width) : half_width;
+  for (int a = 0; a < 2; a++) s[a] = -length * e[a];
 }
 
 ct_status ct_project_steepest_descent(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)

@@ -7,6 +7,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { WIDTH = 4, STACK = 128 };
 
@@ -31,6 +32,9 @@ struct ct_box_tree {
   double cost, cost_built;
   int64_t builds;
 };
+
+/* Coordinates of the children that a node does not have: farther than any point or limit. */
+static const float NOWHERE = 3e18f;
 
 /* Room in the scaled boxes for every rounding to single precision: of boxes, of points, of their differences. */
 static const double MARGIN = 1e-6;
@@ -211,7 +215,7 @@ static float root_surface(const node *root)
   float edge[3];
   for (int c = 0; c < 3; c++) {
     float low = root->low[c][0], high = root->high[c][0];
-    for (int k = 1; k < WIDTH; k++) {
+    for (int k = 1; k < root->count; k++) {
       low = root->low[c][k] < low ? root->low[c][k] : low;
       high = root->high[c][k] > high ? root->high[c][k] : high;
     }
@@ -231,7 +235,7 @@ static void fit(ct_box_tree *tree, const ct_bounds *boxes)
     node *n = &tree->nodes[i];
     for (int k = 0; k < n->count; k++) tree->cost += (double)fit_child(tree, boxes, n, k);
     for (int k = n->count; k < WIDTH; k++)
-      for (int c = 0; c < 3; c++) n->low[c][k] = n->high[c][k] = n->low[c][0];
+      for (int c = 0; c < 3; c++) n->low[c][k] = n->high[c][k] = NOWHERE;
   }
   tree->cost /= (double)root_surface(&tree->nodes[0]);
 }
@@ -307,11 +311,49 @@ int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, co
   return found;
 }
 
-/* A child that waits to be looked at, and four times the square of its distance. */
-typedef struct waiting {
-  float square;
+/* A child that waits to be looked at, behind four times the square of its distance; so those that wait are ordered as whole numbers are, for the bits of
+ * floats that are not negative are. */
+typedef uint64_t waiting;
+
+static inline waiting wait(float square, int32_t child)
+{
+  uint32_t bits;
+  memcpy(&bits, &square, sizeof bits);
+  return (waiting)bits << 32 | (uint32_t)child;
+}
+
+static inline int32_t child_of(waiting w)
+{
+  uint32_t bits = (uint32_t)w;
   int32_t child;
-} waiting;
+  memcpy(&child, &bits, sizeof child);
+  return child;
+}
+
+static inline void order(waiting *near, waiting *far)
+{
+  waiting a = *near, b = *far;
+  *near = a < b ? a : b;
+  *far = a < b ? b : a;
+}
+
+/* Put the children within the limit on the stack, the nearest on top; answers the new height. Without branches, as no processor can guess them: all
+ * four are sorted and written, and each stays only if it counts. */
+static inline int push(const node *n, const float square[WIDTH], waiting limit, waiting *stack, int depth)
+{
+  waiting w[WIDTH];
+  for (int k = 0; k < WIDTH; k++) w[k] = wait(square[k], n->child[k]);
+  order(&w[0], &w[1]);
+  order(&w[2], &w[3]);
+  order(&w[0], &w[2]);
+  order(&w[1], &w[3]);
+  order(&w[1], &w[2]);
+  for (int k = WIDTH; k-- > 0;) {
+    stack[depth] = w[k];
+    depth += w[k] <= limit;
+  }
+  return depth;
+}
 
 /* Four times the squared distances of a point from the boxes of a node (eq:box-distance); t + |t| is twice the positive part of t, and
  * needs no branch. */
@@ -326,12 +368,12 @@ static inline void squares(const node *n, const float point[3], float square[WID
   }
 }
 
-/* Four times the known square in the tree's units, with room for the roundings of four products; at most 1e37, which no box
- * reaches. */
-static float limit_of(const ct_box_tree *tree, double square)
+/* The last that need not wait in vain: four times the known square in the tree's units, with room for the roundings of four products; at most 1e37,
+ * which no box reaches. */
+static inline waiting limit_of(const ct_box_tree *tree, double square)
 {
   double limit = 4.0 * square * (tree->scale * tree->scale) * (1.0 + 1e-5);
-  return (float)(limit < 1e37 ? limit : 1e37);
+  return wait((float)(limit < 1e37 ? limit : 1e37), -1);
 }
 
 /* Four times the square of a lower bound, a little lower rather than higher. */
@@ -345,27 +387,23 @@ void ct_box_tree_visit(const ct_box_tree *tree, const double point[3], double sq
 {
   waiting stack[STACK];
   int depth = 0;
-  float p[3], d[WIDTH], limit = limit_of(tree, square);
+  float p[3], d[WIDTH];
+  waiting limit = limit_of(tree, square);
   for (int c = 0; c < 3; c++) p[c] = scaled(tree, point[c], c);
-  if (tree->count > 0) stack[depth++] = (waiting){0.0f, 0};
+  if (tree->count > 0) stack[depth++] = wait(0.0f, 0);
   while (depth > 0) {
     // -- Leave out every box that is farther than the best item (eq:box-distance)
     waiting next = stack[--depth];
-    if (next.square > limit) continue;
-    if (next.child < 0) {
-      limit = limit_of(tree, visit(user, ~next.child));
+    int32_t child = child_of(next);
+    if (next > limit) continue;
+    if (child < 0) {
+      limit = limit_of(tree, visit(user, ~child));
       continue;
     }
-    const node *n = &tree->nodes[next.child];
+    const node *n = &tree->nodes[child];
     squares(n, p, d);
-    for (int k = 0, bottom = depth; k < n->count; k++) {
-      if (d[k] > limit) continue;
-      if (bound != NULL && n->child[k] < 0) d[k] = bound_of(tree, bound(user, ~n->child[k]));
-      if (d[k] > limit) continue;
-      // -- Put the nearest child on top
-      int at = depth++;
-      for (; at > bottom && stack[at - 1].square < d[k]; at--) stack[at] = stack[at - 1];
-      stack[at] = (waiting){d[k], n->child[k]};
-    }
+    for (int k = 0; bound != NULL && k < n->count; k++)
+      if (n->child[k] < 0 && wait(d[k], 0) <= limit) d[k] = bound_of(tree, bound(user, ~n->child[k]));
+    depth = push(n, d, limit, stack, depth);
   }
 }

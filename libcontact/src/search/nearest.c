@@ -130,7 +130,7 @@ void ct_search_point(const ct_search *search, const double point[3], int32_t sta
   s.face = INT32_MAX;
   s.square = HUGE_VAL;
   for (int c = 0; c < 3; c++)
-    if (!(fabs(point[c]) <= 1e70)) {
+    if (!(fabs(point[c]) <= CT_LARGEST_LENGTH)) {
       nothing(out);
       return;
     }

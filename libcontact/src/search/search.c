@@ -8,9 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Lengths beyond this overflow when four of them are multiplied. */
-static const double LARGEST = 1e70;
-
 void ct_search_free(ct_search *search)
 {
   if (search == NULL) return;
@@ -147,9 +144,9 @@ ct_status ct_search_place(ct_search *search, const double *host, int body, ct_er
 {
   for (int32_t n = 0; n < search->node_count; n++)
     for (int c = 0; c < 3; c++)
-      if (!(fabs(host[3 * (int64_t)search->nodes[n] + c]) <= LARGEST))
+      if (!(fabs(host[3 * (int64_t)search->nodes[n] + c]) <= CT_LARGEST_LENGTH))
         return ct_fail(error, CT_INVALID, (ct_place){body, -1, search->nodes[n]}, "coordinate %c of node %d of surface %d is not finite, or beyond %g",
-                       "xyz"[c], (int)search->nodes[n], body, LARGEST);
+                       "xyz"[c], (int)search->nodes[n], body, CT_LARGEST_LENGTH);
   for (int32_t n = 0; n < search->node_count; n++)
     memcpy(&search->x[3 * (int64_t)n], &host[3 * (int64_t)search->nodes[n]], 3 * sizeof *search->x);
   return CT_OK;

@@ -385,7 +385,8 @@ static ct_status choose_kernel(ct_solid_part *part, ct_solid_kernel asked, ct_er
 {
   int large = part->material.law != CT_LINEAR, box = !large && ct_solid_is_box(part->mesh, part->edge);
   if (asked == CT_KERNEL_BOX && large)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel is for small strain; large deformation has the general one");
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "the box kernel is for small strain; large deformation has the general one");
   if (asked == CT_KERNEL_BOX && !box)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular hex8 elements of one size");
   part->kernel = asked == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;

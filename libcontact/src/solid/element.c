@@ -36,7 +36,8 @@ static void hooke(const ct_material *material, double G[3][3], double sigma[3][3
     for (int j = 0; j < 3; j++) sigma[i][j] = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * trace : 0.0);
 }
 
-/* The stress that works on ∂N/∂X: Hooke's, or for large deformation the first Piola-Kirchhoff stress F S (eq:piola). Returns J = det F, 1 for small strain. */
+/* The stress that works on ∂N/∂X: Hooke's, or for large deformation the first Piola-Kirchhoff stress F S (eq:piola). Returns J
+ * = det F, 1 for small strain. */
 static double working_stress(const ct_material *material, double G[3][3], double P[3][3])
 {
   if (material->law == CT_LINEAR) {
@@ -63,7 +64,8 @@ static ct_status check_inside_out(double J, int64_t point, ct_error *error)
 {
   if (J > 0.0) return CT_OK;
   if (isnan(J)) return ct_fail(error, CT_INVALID, (ct_place){-1, -1, point}, "the displacement of the element is not finite");
-  return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, point}, "the deformation turns the element inside out: J = det F = %.3g", J);
+  return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, point},
+                 "the deformation turns the element inside out: J = det F = %.3g", J);
 }
 
 static ct_status element_arguments(ct_brick_kind kind, const double *nodes, const double *displacement,
@@ -123,7 +125,8 @@ ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes, const
   // -- Cauchy's stress, P Fᵀ / J (eq:cauchy)
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
-      s[i][j] = material->law == CT_LINEAR ? P[i][j] : (P[i][j] + ((P[i][0] * G[j][0] + P[i][1] * G[j][1]) + P[i][2] * G[j][2])) / J;
+      s[i][j] = material->law == CT_LINEAR ? P[i][j]
+                                           : (P[i][j] + ((P[i][0] * G[j][0] + P[i][1] * G[j][1]) + P[i][2] * G[j][2])) / J;
   double voigt[6] = {s[0][0], s[1][1], s[2][2], s[0][1], s[1][2], s[2][0]};
   memcpy(stress, voigt, sizeof voigt);
   return CT_OK;

@@ -35,13 +35,14 @@ static void add_tangent(double A[SIZE][SIZE], int per, double g[20][3], const ct
       double initial = ((g[a][0] * s[b][0] + g[a][1] * s[b][1]) + g[a][2] * s[b][2]) * dV;
       for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
-          A[3 * a + i][3 * b + k] += (K->a * v[a][i] * v[b][k] + K->b * v[b][i] * v[a][k]) * dV + dot * K->M[i][k] + (i == k ? initial : 0.0);
+          A[3 * a + i][3 * b + k] += (K->a * v[a][i] * v[b][k] + K->b * v[b][i] * v[a][k]) * dV
+            + dot * K->M[i][k] + (i == k ? initial : 0.0);
     }
 }
 
 /* Stiffness scaled by the masses, A = M^-1/2 K M^-1/2; the tangent at a displacement unless that is null. */
-static ct_status scaled_stiffness(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
-                                  const double *mass, double A[SIZE][SIZE], ct_error *error)
+static ct_status scaled_stiffness(ct_brick_kind kind, const double *nodes, const double *displacement,
+                                  const ct_material *material, const double *mass, double A[SIZE][SIZE], ct_error *error)
 {
   int per = ct_brick_node_count(kind);
   double x[20][3], u[20][3], G[3][3], lambda, mu;
@@ -63,7 +64,8 @@ static ct_status scaled_stiffness(ct_brick_kind kind, const double *nodes, const
     if (displacement != NULL) {
       ct_reference_gradient(per, dNdx, u, G);
       if (!(ct_large_tangent(material, G, &K) > 0.0))
-        return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q}, "the deformation turns the element inside out at Gauss point %d", q);
+        return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q},
+                       "the deformation turns the element inside out at Gauss point %d", q);
       add_tangent(A, per, dNdx, &K, dV);
       continue;
     }
@@ -115,8 +117,8 @@ static int all_below(int n, const double *diagonal, const double *side, double x
 }
 
 /* Largest eigenvalue of M⁻¹K; the tangent's unless `displacement` is null. */
-static ct_status largest_eigenvalue(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
-                                    const double *mass, double *omega_squared, ct_error *error)
+static ct_status largest_eigenvalue(ct_brick_kind kind, const double *nodes, const double *displacement,
+                                    const ct_material *material, const double *mass, double *omega_squared, ct_error *error)
 {
   double A[SIZE][SIZE], diagonal[SIZE], side[SIZE];
   ct_status status = scaled_stiffness(kind, nodes, displacement, material, mass, A, error);
@@ -151,8 +153,8 @@ ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes, co
   return status == CT_OK ? largest_eigenvalue(kind, nodes, NULL, material, mass, omega_squared, error) : status;
 }
 
-ct_status ct_solid_element_tangent_frequency(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
-                                             const double *mass, double *omega_squared, ct_error *error)
+ct_status ct_solid_element_tangent_frequency(ct_brick_kind kind, const double *nodes, const double *displacement,
+                                             const ct_material *material, const double *mass, double *omega_squared, ct_error *error)
 {
   if (ct_brick_node_count(kind) == 0 || nodes == NULL || displacement == NULL || mass == NULL || omega_squared == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");

@@ -62,7 +62,8 @@ enum { CT_BLOCK = 32 };
 /* Edge lengths when all elements are rectangular along x, y, z and alike to 1e-12; 0 otherwise. */
 int ct_solid_is_box(const ct_mesh *mesh, double edge[3]);
 
-ct_solid_batches ct_solid_box_batches, ct_solid_hex8_batches, ct_solid_hex20_batches, ct_solid_large_hex8_batches, ct_solid_large_hex20_batches;
+ct_solid_batches ct_solid_box_batches, ct_solid_hex8_batches, ct_solid_hex20_batches;
+ct_solid_batches ct_solid_large_hex8_batches, ct_solid_large_hex20_batches;
 ct_solid_energies ct_solid_large_hex8_energies, ct_solid_large_hex20_energies;
 
 /* Refuse a batch whose smallest J is not positive, in the words of the readable form. */

@@ -3,7 +3,8 @@
 
 #include <math.h>
 
-/* What both laws are made of: B = 2E = FᵀF - 1 without the loss of digits that FᵀF - 1 has for small strain, its cofactors and invariants. */
+/* What both laws are made of: B = 2E = FᵀF - 1 without the loss of digits that FᵀF - 1 has for small strain, its cofactors and
+ * invariants. */
 typedef struct deformation {
   double B[3][3], adjugate[3][3];
   /* tr B; the sum of its principal minors; det B. */

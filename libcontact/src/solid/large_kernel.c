@@ -33,7 +33,8 @@ static inline void hex8_point(const lines *g, int q, ct_lanes J[3][3], ct_lanes 
 }
 
 CT_CLONES
-void ct_solid_large_hex8_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values)
+void ct_solid_large_hex8_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement,
+                                 double *values)
 {
   for (int32_t b = first; b < last; b++) {
     double lowest = 1.0;
@@ -67,11 +68,13 @@ void ct_solid_large_hex8_energies(const ct_solid_part *part, int32_t batch, cons
       hex8_point(&g, q, J, H);
       ct_large_point_energy(part->material.law, J, H, part->lambda, part->mu, &W[q]);
     }
-    *(ct_lanes *)(void *)&energies[lane] = ((W[0] + W[1]) + (W[2] + W[3])) + ((W[4] + W[5]) + (W[6] + W[7]));
+    ct_lanes sum = ((W[0] + W[1]) + (W[2] + W[3])) + ((W[4] + W[5]) + (W[6] + W[7]));
+    memcpy(&energies[lane], &sum, sizeof sum);
   }
 }
 
-static inline void hex20_nodes(const ct_solid_part *part, int32_t b, int lane, const double *displacement, ct_lanes x[60], ct_lanes u[60])
+static inline void hex20_nodes(const ct_solid_part *part, int32_t b, int lane, const double *displacement, ct_lanes x[60],
+                               ct_lanes u[60])
 {
   ct_load_lanes(&part->batch_nodes[160 * (int64_t)b], 20, part->mesh->nodes, lane, x);
   ct_load_lanes(&part->batch_nodes[160 * (int64_t)b], 20, displacement, lane, u);
@@ -82,7 +85,8 @@ static inline void hex20_nodes(const ct_solid_part *part, int32_t b, int lane, c
 }
 
 CT_CLONES
-void ct_solid_large_hex20_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values)
+void ct_solid_large_hex20_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement,
+                                  double *values)
 {
   for (int32_t b = first; b < last; b++) {
     double lowest = 1.0;
@@ -118,6 +122,7 @@ void ct_solid_large_hex20_energies(const ct_solid_part *part, int32_t batch, con
     }
     for (int k = 0; k < 9; k++) line[k] = (W[3 * k] + W[3 * k + 2]) + W[3 * k + 1];
     for (int k = 0; k < 3; k++) plane[k] = (line[3 * k] + line[3 * k + 2]) + line[3 * k + 1];
-    *(ct_lanes *)(void *)&energies[lane] = (plane[0] + plane[2]) + plane[1];
+    ct_lanes sum = (plane[0] + plane[2]) + plane[1];
+    memcpy(&energies[lane], &sum, sizeof sum);
   }
 }

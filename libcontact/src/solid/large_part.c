@@ -1,4 +1,5 @@
-/* What a body of large deformation is asked beside its forces: whether an element is inside out, and the tangent's eigenvalues. */
+/* What a body of large deformation is asked beside its forces: whether an element is inside out, and the tangent's
+ * eigenvalues. */
 #include "../error.h"
 #include "kernel.h"
 
@@ -20,12 +21,14 @@ ct_status ct_solid_check_volume(const ct_solid_part *part, int32_t body, const d
       if (error != NULL) error->body = body, error->element = e;
       return status;
     }
-    return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, 8 * (int64_t)b, -1}, "one of the elements %d to %d is turned inside out", (int)(8 * b), (int)(8 * b + 7));
+    return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, 8 * (int64_t)b, -1},
+                   "one of the elements %d to %d is turned inside out", (int)(8 * b), (int)(8 * b + 7));
   }
   return CT_OK;
 }
 
-/* Largest eigenvalue of the tangents of the elements of one part; elements that have only been carried along keep that of their kind. */
+/* Largest eigenvalue of the tangents of the elements of one part; elements that have only been carried along keep that of
+ * their kind. */
 ct_status ct_solid_tangent_frequency(const ct_solid_part *part, const double *u, double *omega_squared, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
@@ -39,7 +42,8 @@ ct_status ct_solid_tangent_frequency(const ct_solid_part *part, const double *u,
     if (deformed) {
       ct_solid_load_element(mesh, e, mesh->nodes, x);
       ct_status status = ct_mass_element(mesh->kind, &x[0][0], part->material.density, part->lumping, m, error);
-      if (status == CT_OK) status = ct_solid_element_tangent_frequency(mesh->kind, &x[0][0], &v[0][0], &part->material, m, &w, error);
+      if (status == CT_OK) status = ct_solid_element_tangent_frequency(mesh->kind, &x[0][0], &v[0][0], &part->material, m,
+                                                                       &w, error);
       if (status != CT_OK) {
         if (error != NULL) error->element = e;
         return status;

@@ -18,7 +18,8 @@ static inline void ct_lanes_cofactors(ct_lanes A[3][3], ct_lanes C[3][3], ct_lan
   *det = (A[0][0] * C[0][0] + A[0][1] * C[0][1]) + A[0][2] * C[0][2];
 }
 
-/* Displacement gradient G = ∂u/∂X from the reference gradients J of the coordinates, with their cofactors C, and H of the displacements. */
+/* Displacement gradient G = ∂u/∂X from the reference gradients J of the coordinates, with their cofactors C, and H of the
+ * displacements. */
 static inline void ct_large_gradient(ct_lanes J[3][3], ct_lanes H[3][3], ct_lanes C[3][3], ct_lanes *det, ct_lanes G[3][3])
 {
   ct_lanes_cofactors(J, C, det);
@@ -65,7 +66,8 @@ static inline void ct_large_law(ct_law law, const ct_lanes B[6], const ct_lanes 
 }
 
 /* The stress as it works on the reference gradients, P = F S C, and det F (eq:large-reference-stress). */
-static inline void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], double lambda, double mu, ct_lanes P[3][3], ct_lanes *volume)
+static inline void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], double lambda, double mu, ct_lanes P[3][3],
+                                  ct_lanes *volume)
 {
   static const int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
   ct_lanes C[3][3], G[3][3], minor[3][3], B[6], S[6], T[3], det, three;
@@ -83,13 +85,15 @@ static inline void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3]
 }
 
 /* Stored energy of one point times det J, for its weight (eq:large-energy). */
-static inline void ct_large_point_energy(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], double lambda, double mu, ct_lanes *energy)
+static inline void ct_large_point_energy(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], double lambda, double mu,
+                                         ct_lanes *energy)
 {
   ct_lanes C[3][3], G[3][3], B[6], A[6], I[3], det;
   ct_large_gradient(J, H, C, &det, G);
   ct_large_strain(G, B);
   if (law == CT_ST_VENANT_KIRCHHOFF) {
-    ct_lanes trace = (B[0] + B[1]) + B[2], normal = (B[0] * B[0] + B[1] * B[1]) + B[2] * B[2], shear = (B[3] * B[3] + B[4] * B[4]) + B[5] * B[5];
+    ct_lanes trace = (B[0] + B[1]) + B[2], normal = (B[0] * B[0] + B[1] * B[1]) + B[2] * B[2];
+    ct_lanes shear = (B[3] * B[3] + B[4] * B[4]) + B[5] * B[5];
     *energy = det * ((0.125 * lambda) * (trace * trace) + (0.25 * mu) * (normal + 2.0 * shear));
     return;
   }

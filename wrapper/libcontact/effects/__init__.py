@@ -16,10 +16,8 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
-from ..schema import Table
-
-# In the order in which their forces are added and their columns stand in the ledger.
-MODULES: tuple[ModuleType, ...] = ()
+from .._core import ffi
+from ..schema import Table, describe, suggestion
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,3 +61,34 @@ def read(scene: Table, known: Known) -> tuple[Added, ...]:
             out.append(Added(module, table.key, module.read(table, known)))
             table.done()
     return tuple(out)
+
+
+def body_names(table: Table, known: Known) -> tuple[str, ...] | None:
+    """The key ``bodies``, names of bodies; None, for all, where it is not given."""
+    names = table.items("bodies", None, None)
+    if names is None:
+        return None
+    for i, name in enumerate(names):
+        if not isinstance(name, str):
+            raise table.error(f"bodies[{i}]", f"is {describe(name)}; it must be the name of a body")
+        if name not in known.bodies:
+            raise table.error(f"bodies[{i}]", f'no body is named "{name}"' + suggestion(name, known.bodies))
+        if name in names[:i]:
+            raise table.error(f"bodies[{i}]", f'"{name}" is named twice')
+    if not names:
+        raise table.error("bodies", "is empty; leave it out for all bodies")
+    return tuple(names)
+
+
+def body_numbers(names: tuple[str, ...] | None, maker: Any) -> tuple[Any, int]:
+    """Numbers of bodies for C (``int32_t *`` and their count); a null pointer for all."""
+    if names is None:
+        return ffi.NULL, 0
+    order = list(maker.parts.bodies)
+    return maker.keep(ffi.new("int32_t[]", [order.index(name) for name in names])), len(names)
+
+
+# The modules use what stands above. In the order in which their forces are added and their columns stand in the ledger.
+from . import absorb, damping, gravity, load  # noqa: E402
+
+MODULES: tuple[ModuleType, ...] = (gravity, load, damping, absorb)

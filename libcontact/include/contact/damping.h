@@ -1,0 +1,22 @@
+#ifndef CONTACT_DAMPING_H
+#define CONTACT_DAMPING_H
+
+#include <contact/step.h>
+
+/** Damping in proportion to mass. */
+typedef struct ct_damping {
+  /** Rate α >= 0 [1 / time]: a free velocity decays by exp(-α t), :eq:`damping-decay`. */
+  double rate;
+  /** Numbers of the bodies that are damped, shape (body_count); null: all. */
+  const int32_t *bodies;
+  /** Number of them. */
+  int32_t body_count;
+} ct_damping;
+
+/**
+ * The effect "damping": f = -α m v with the velocity half a step back, :eq:`damping-force`. It stores nothing; its work is negative and stands in the ledger.
+ * The problem is a joined one, see `ct_scene_join`.
+ */
+CT_API ct_status ct_damping_create_effect(const ct_damping *damping, const ct_problem *problem, ct_effect **effect, ct_error *error);
+
+#endif

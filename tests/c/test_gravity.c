@@ -1,0 +1,88 @@
+/* Bodies that fall. */
+#include "bodies.h"
+
+static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0};
+
+static const ct_problem *falling(ct_scene *scene, const ct_gravity *gravity, double end)
+{
+  const ct_problem *joined = NULL;
+  ct_effect *effect = NULL;
+  ct_error e = {0};
+  int64_t steps;
+  ct_stable_step stable;
+  need(ct_scene_join(scene, &joined, &e), &e);
+  need(ct_gravity_create_effect(gravity, joined, &effect, &e), &e);
+  need(ct_scene_add_effect(scene, effect, &e), &e);
+  return build(scene, (ct_scene_time){.end = end, .fraction = 0.5, .threads = 1}, &steps, &stable);
+}
+
+/* The leapfrog with its half-step start falls exactly half g t^2; the energy of weight and motion is constant. */
+static void free_fall(void)
+{
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 2, 3, 2, 2, 3);
+  ct_scene *scene = new_scene();
+  add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 5);
+  add_body(scene, "two", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 5);
+  static const int32_t second = 1;
+  ct_gravity gravity = {.acceleration = {1.0, 0.0, -10.0}, .bodies = &second, .body_count = 1};
+  const ct_problem *problem = falling(scene, &gravity, 1.0);
+  ct_state *state = NULL;
+  ct_error e = {0};
+  ct_energy start, now;
+  need(ct_state_create(problem, &state, &e), &e);
+  need(ct_energy_of(problem, state, &start, &e), &e);
+  double total = 0.0, balance = 0.0;
+  while (state->time < 0.999) {
+    need(ct_step_many(problem, state, 1, &e), &e);
+    need(ct_energy_of(problem, state, &now, &e), &e);
+    total = worst(total, now.total - start.total), balance = worst(balance, now.balance);
+  }
+  double t = state->time, first = 0.0, other = 0.0;
+  int32_t half = problem->node_count / 2;
+  for (int32_t n = 0; n < half; n++) {
+    first = worst(first, state->displacement[3 * n + 2] - 5 * t), first = worst(first, state->displacement[3 * n]);
+    const double *u = &state->displacement[3 * (half + n)];
+    other = worst(other, u[2] - (5 * t - 5 * t * t)), other = worst(other, u[0] - 0.5 * t * t), other = worst(other, u[1]);
+  }
+  tap_close(other, 0.0, 1e-12, "a body falls v t + g t^2 / 2 (t = %g)", t);
+  tap_close(first, 0.0, 1e-13, "a body that is not listed flies on");
+  tap_close(total / start.total, 0.0, 1e-12, "kinetic energy and weight together are constant");
+  tap_close(balance / start.total, 0.0, 1e-13, "the work balance closes");
+  double force[3 * 200], sum = 0.0, mass = 0.0;
+  tap_ok(3 * problem->node_count <= 600, "room for the forces");
+  need(ct_state_force(problem, state, 1, force, &e), &e);
+  for (int32_t n = 0; n < problem->node_count; n++) sum += force[3 * n + 2];
+  for (int32_t n = half; n < problem->node_count; n++) mass += problem->mass[n];
+  tap_close(sum / (-10.0 * mass), 1.0, 1e-13, "the resultant is the weight");
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(mesh);
+}
+
+static void refusals(void)
+{
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  ct_scene *scene = new_scene();
+  const ct_problem *joined = NULL;
+  ct_effect *effect = NULL;
+  ct_error e = {0};
+  static const int32_t none = 3;
+  add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
+  need(ct_scene_join(scene, &joined, &e), &e);
+  ct_gravity bad = {.acceleration = {0.0, NAN, 0.0}};
+  tap_ok(ct_gravity_create_effect(&bad, joined, &effect, &e) == CT_INVALID, "NaN: %s", e.text);
+  bad = (ct_gravity){.acceleration = {0.0, 1.0, 0.0}, .bodies = &none, .body_count = 1};
+  tap_ok(ct_gravity_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && e.body == 3, "no such body: %s", e.text);
+  bad.body_count = 0;
+  tap_ok(ct_gravity_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no bodies: %s", e.text);
+  tap_ok(ct_gravity_create_effect(NULL, joined, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL, "nothing: %s", e.text);
+  ct_scene_free(scene);
+  ct_mesh_free(mesh);
+}
+
+int main(void)
+{
+  free_fall();
+  refusals();
+  return tap_done();
+}

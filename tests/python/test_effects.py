@@ -1,0 +1,114 @@
+"""Effects that a scene adds from its tables: results against closed forms, refusals with file, key and reason, columns of the ledger."""
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+
+UNITS = {"length": "m", "mass": "kg", "time": "s"}
+
+
+def bar(cells=100, length=10.0, width=0.1, **body):
+    scene = ct.Scene(units=UNITS)
+    scene.add_material("soft", young=900.0, poisson=0.0, density=1.0)
+    return scene.add_body("bar", material="soft", box={"origin": [0, 0, 0], "size": [length, width, width], "cells": [cells, 1, 1]}, **body)
+
+
+def test_a_thrown_body_rises_and_falls_and_the_ledger_has_its_weight():
+    scene = bar(velocity=[0, 0, 5]).add("gravity", acceleration=[0, 0, -10]).set_time(end=0.2, fraction=0.9)
+    run = scene.run(progress=False)
+    t = run.time[-1]
+    np.testing.assert_allclose(run.state["bar"].displacement[:, 2], 5 * t - 5 * t**2, rtol=1e-12)
+    assert run.energy.dtype.names[-1] == "gravity"
+    np.testing.assert_allclose(run.energy["kinetic"] + run.energy["strain"] + run.energy["gravity"], run.energy["total"], rtol=1e-12)
+    np.testing.assert_allclose(run.energy["total"], run.energy["total"][0], rtol=1e-12)
+
+
+def test_gravity_of_some_bodies_leaves_the_others():
+    scene = bar()
+    scene.add_body("free", material="soft", box={"origin": [0, 1, 0], "size": [1, 1, 1], "cells": [1, 1, 1]})
+    run = scene.add("gravity", acceleration=[0, 0, -10], bodies=["bar"]).set_time(end=0.1, fraction=0.9).run(progress=False)
+    assert not run.state["free"].displacement.any() and run.state["bar"].displacement[:, 2].max() < 0
+
+
+def test_a_load_with_a_history_pulls_a_wave_of_its_shape():
+    """The stress at x is the traction at the end, delayed by the way over c = 30."""
+    scene = bar(cells=200).add("load", surface="bar.x_max", traction=[2, 0, 0], history={"time": [0, 0.1, 0.2], "value": [0, 1, 0]})
+    run = scene.set_time(end=0.2, fraction=0.9).run(progress=False)
+    x, stress = run.line("stress_xx", [4.1, 0.05, 0.05], [9.9, 0.05, 0.05], n=50)
+    exact = 2 * np.interp(run.time[-1] - (5.9 - x) / 30, [0, 0.1, 0.2], [0, 1, 0])
+    assert np.max(np.abs(stress - exact)) < 0.05
+    assert run.energy["external"][-1] == pytest.approx(run.energy["load"][-1]) and run.energy["load"][-1] > 0
+
+
+def test_an_absorbing_end_takes_the_wave():
+    pulse = {"time": [0, 0.05, 0.1], "value": [0, 1, 0]}
+    scene = bar().add("load", surface="bar.x_min", traction=[2, 0, 0], history=pulse)
+    free = scene.set_time(end=0.5, fraction=0.4).run(progress=False)
+    run = ct.Scene(scene.data).add("absorb", surface="bar.x_max").run(progress=False)
+    left = [r.energy["strain"][-1] + r.energy["kinetic"][-1] for r in (run, free)]
+    assert left[0] < 0.01 * left[1]
+    np.testing.assert_allclose(np.abs(run.energy["balance"]).max() / left[1], 0, atol=1e-12)
+
+
+def test_damping_ends_in_the_static_solution():
+    """A bar under its own weight, hung up at one end, comes to rest with the end lower by rho g L^2 / (2 E)."""
+    scene = bar(cells=20).add_support("bar.x_min", fix="xyz").add("gravity", acceleration=[10, 0, 0])
+    scene.add("damping", rate=2 * np.pi / 2 * 30 / 10).set_time(end=12, fraction=0.9)
+    run = scene.run(progress=False)
+    assert run.state["bar"].displacement[:, 0].max() == pytest.approx(1 * 10 * 100 / (2 * 900), rel=1e-3)
+    assert run.energy["kinetic"][-1] < 1e-12 * run.energy["strain"][-1]
+    assert run.energy["damping"][-1] < 0
+
+
+def test_a_restart_has_the_same_bits_with_forces_that_go_with_velocity(tmp_path):
+    pytest.importorskip("h5py")
+    scene = bar().add("damping", rate=3).add("gravity", acceleration=[1, 2, 3]).add("absorb", surface="bar.x_max")
+    scene.add("load", surface="bar.x_min", pressure=1.0, following=True).set_time(end=0.1, fraction=0.9)
+    scene.set_output(tmp_path / "whole.vtkhdf", every=20)
+    whole = scene.run(progress=False)
+    scene.run(progress=False, until=0.05, output=tmp_path / "half.vtkhdf")
+    rest = scene.run(progress=False, restart=tmp_path / "half.vtkhdf", output=tmp_path / "rest.vtkhdf")
+    assert rest.state["bar"].displacement.tobytes() == whole.state["bar"].displacement.tobytes()
+    assert rest.energy[-1].tobytes() == whole.energy[-1].tobytes()
+    loaded = ct.Run.load(tmp_path / "whole.vtkhdf")
+    assert loaded.energy.dtype == whole.energy.dtype and loaded.energy.tobytes() == whole.energy.tobytes()
+
+
+def test_explain_tells_what_is_on_and_what_is_not():
+    text = bar().add("gravity", acceleration=[0, 0, -10]).set_time(end=1, fraction=0.9).explain()
+    assert "gravity: [0.0, 0.0, -10.0] m/s^2 on all bodies" in text and "no [damping]" in text
+    assert "gravity" in text.data["effects"] and "gravity" not in text.data["left_out"]
+
+
+@pytest.mark.parametrize("effect, entries, words", [
+    ("gravity", {}, ["gravity.acceleration", "missing"]),
+    ("gravity", {"acceleration": [0, 0]}, ["gravity.acceleration", "3"]),
+    ("gravity", {"acceleration": [0, 0, 1], "bodies": ["baar"]}, ["gravity.bodies[0]", 'did you mean "bar"']),
+    ("gravity", {"acceleration": [0, 0, 1], "bodies": []}, ["gravity.bodies", "empty"]),
+    ("gravity", {"acceleration": [0, 0, 1], "acc": 1}, ["gravity.acc", "unknown key"]),
+    ("damping", {"rate": -1}, ["damping.rate", "at least 0"]),
+    ("load", {"surface": "bar.x_max"}, ["load[0]", "neither a traction nor a pressure"]),
+    ("load", {"surface": "bar.top", "pressure": 1}, ["load[0].surface", "no face"]),
+    ("load", {"surface": "bar.x_max", "traction": [1, 0, 0], "following": True}, ["load[0].following", "only a pressure follows"]),
+    ("load", {"surface": "bar.x_max", "pressure": 1, "history": {"time": [0, 1], "value": [1]}}, ["load[0].history.value", "both need as many"]),
+    ("load", {"surface": "bar.x_max", "pressure": 1, "history": {"time": [1, 0], "value": [1, 1]}}, ["load[0].history.time[1]", "before"]),
+    ("absorb", {"surface": 3}, ["absorb[0].surface", "must be a text"]),
+    ("gravty", {}, ['did you mean "gravity"']),
+])
+def test_what_cannot_be_is_refused_with_key_and_reason(effect, entries, words):
+    with pytest.raises(ct.SceneError) as refused:
+        bar().add(effect, **entries)
+    for word in words:
+        assert word in str(refused.value)
+
+
+def test_an_effect_that_a_scene_has_once_is_refused_twice():
+    with pytest.raises(ct.SceneError, match="stands twice"):
+        bar().add("gravity", acceleration=[0, 0, 1]).add("gravity", acceleration=[0, 0, 1])
+
+
+def test_a_step_above_the_damped_limit_is_refused():
+    scene = bar().add("damping", rate=1e4).set_time(end=0.1, courant=0.9)
+    with pytest.raises(ct.SceneError, match="above the stable step"):
+        scene.explain()

@@ -1,0 +1,83 @@
+"""The plan of a scene: what is predicted, what is measured, and what the front of a wave can have reached."""
+
+import math
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+from libcontact import activity
+from libcontact.plan import LOOP, OUTPUT
+
+UNITS = {"length": "m", "mass": "kg", "time": "s"}
+
+
+def two_bars(gap=1.0, v=(3.0, -2.0), cells=40, savings=None, end=2.0):
+    scene = ct.Scene(units=UNITS)
+    scene.add_material("soft", young=900.0, poisson=0.0, density=1.0)
+    for name, x, speed in (("left", -10.0, v[0]), ("right", gap, v[1])):
+        scene.add_body(name, material="soft", box={"origin": [x, 0, 0], "size": [10, 0.5, 0.5], "cells": [cells, 1, 1]}, velocity=[speed, 0, 0])
+    scene.add_contact("left.x_max", "right.x_min").set_time(end=end, fraction=0.9)
+    if savings is not None:
+        data = scene.data
+        data["run"] = {"savings": savings}
+        scene = ct.Scene(data)
+    return scene
+
+
+def touch_of(scene):
+    return activity.first_touch(scene._built(None))[0]
+
+
+def test_bodies_that_approach_touch_when_their_gap_is_closed():
+    touch = touch_of(two_bars())
+    assert touch.time == pytest.approx(0.2) and touch.body == "right"
+    np.testing.assert_allclose(touch.shift, [-1, 0, 0], atol=1e-12)
+    assert touch_of(two_bars(v=(1, 2))).time == math.inf
+    assert touch_of(two_bars(gap=0.0)).time == 0.0
+
+
+def test_a_falling_body_touches_after_the_root_of_two_gaps_over_g():
+    scene = two_bars(v=(0, 0)).add("gravity", acceleration=[10, 0, 0], bodies=["left"])
+    assert touch_of(scene).time == pytest.approx(math.sqrt(2 / 10))
+    scene = two_bars(v=(1, 0)).add("gravity", acceleration=[-10, 0, 0], bodies=["left"])
+    assert touch_of(scene).time == math.inf
+
+
+def test_the_front_goes_one_element_a_step():
+    elements = np.array([[i, i + 1] for i in range(10)])
+    starts = np.full(11, np.inf)
+    starts[0] = 3.0
+    np.testing.assert_array_equal(activity._first_steps(elements, starts), 3.0 + np.arange(10))
+    assert np.all(activity._first_steps(elements, np.full(11, np.inf)) == np.inf)
+
+
+def test_before_the_touch_nothing_is_active():
+    scene = two_bars(gap=10.0, end=1.0)  # meets at t = 2
+    plan = {cost.name: cost for cost in scene.costs()}
+    assert plan["solid"].active == 0.0 and plan["contact"].active == 0.0
+    whole = {cost.name: cost for cost in two_bars(gap=10.0, end=1.0, savings=[]).costs()}
+    assert whole["solid"].active == 1.0
+
+
+def test_each_effect_has_its_costs_and_its_share_of_the_bound():
+    scene = two_bars(gap=0.0).add("damping", rate=0.5)
+    run = scene.run(progress=False)
+    costs = scene.costs(run)
+    assert [cost.name for cost in costs] == ["solid", "contact", "damping", LOOP, OUTPUT]
+    assert all(cost.predicted > 0 and cost.measured > 0 for cost in costs)
+    stable = scene.explain().data["time"]["stable"]
+    # 4 / dt^2 = W + 2 D / dt, the root that eq. damped-step-bound gives
+    total = sum(cost.omega_squared for cost in costs) + 2 * sum(cost.rate for cost in costs) / stable
+    assert total * stable**2 == pytest.approx(4.0, rel=1e-12)
+    assert sum(cost.measured for cost in costs) <= run.seconds  # parts of the whole
+    text = scene.cost_table(run)
+    assert "predicted" in text and "measured" in text and "damping" in text
+    assert "measured" not in scene.cost_table()
+
+
+def test_the_trial_of_a_plan_changes_nothing():
+    scene, fresh = two_bars(), two_bars()
+    scene.explain()
+    a, b = scene.run(progress=False), fresh.run(progress=False)
+    assert a.state["left"].displacement.tobytes() == b.state["left"].displacement.tobytes()

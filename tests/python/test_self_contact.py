@@ -1,0 +1,139 @@
+"""Scenes in which a body meets itself: a hairpin that a falling block closes, thin and neighbouring surfaces that must not touch."""
+
+import math
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+from libcontact.mesh import Mesh
+
+LEG, THICK, GAP = 0.6, 0.1, 0.08
+
+
+def hairpin(element="hex8"):
+    """A strip folded once: two legs along x, one above the other, and half a ring between them; nodes, elements."""
+    mesh = Mesh.box(element, (0, 0, 0), (1, 0.2, 1), (18, 2, 2))
+    s, y, t = mesh.nodes.T
+    middle, arc = 0.5 * (THICK + GAP), 0.5 * (THICK + GAP) * math.pi
+    along, off = (2 * LEG + arc) * s, THICK * (t - 0.5)  # off > 0 is the inner side
+    angle = np.clip((along - LEG) / middle, 0.0, math.pi)
+    straight = np.where(along < LEG, along, np.where(along > LEG + arc, 2 * LEG + arc - along, LEG))
+    radius = middle - off
+    nodes = np.stack([straight + radius * np.sin(angle), y, -radius * np.cos(angle)], -1)
+    return nodes, mesh.elements
+
+
+def press(surfaces, element="hex8", **changes):
+    """A block falls on the upper leg; the lower leg is not held, so that nothing from outside acts."""
+    nodes, elements = hairpin(element)
+    top = GAP / 2 + THICK
+    block = {"origin": [0, -0.05, top + 0.005], "size": [0.2, 0.3, 0.2], "cells": [2, 3, 2]}
+    scene = {
+        "units": {"length": "m", "mass": "kg", "time": "s"},
+        "material": [{"name": "soft", "young": 1e5, "poisson": 0.3, "density": 1000.0},
+                     {"name": "heavy", "young": 1e6, "poisson": 0.3, "density": 4000.0}],
+        "body": [{"name": "u", "nodes": nodes, "elements": elements, "material": "soft"},
+                 {"name": "block", "box": block, "element": "hex8", "material": "heavy", "velocity": [0, 0, -0.6]}],
+        "contact": [{"surfaces": ["block.outer", "u.outer"], "beta": 1}],
+        "time": {"end": 0.25, "fraction": 0.5},
+        "output": {"every": 20},
+    }
+    if surfaces:
+        scene["contact"].append({"surfaces": surfaces, "beta": 1})
+    scene.update(changes)
+    return ct.Scene(scene)
+
+
+def overlap(run):
+    """How far the end of the upper leg has gone through the lower one: both undersides and tops, where they face each other."""
+    state = run.state["u"]
+    inner = {sign: np.isclose(state.nodes[:, 2], sign * GAP / 2) & (state.nodes[:, 0] < 0.5 * LEG) for sign in (-1, 1)}
+    low, high = (state.positions[inner[sign]] for sign in (-1, 1))
+    # Both are nearly straight along x: compare at the places of the upper nodes, column by column in y.
+    return max(float(np.interp(x, *low[np.argsort(low[:, 0])][:, [0, 2]].T) - z) for x, _, z in high)
+
+
+@pytest.fixture(scope="module", params=["hex8", "hex20"])
+def pressed(request):
+    """The deepest moment of the collision: the run that is stopped there, with and without contact of the hairpin with itself."""
+    element = request.param
+    changes = {"time": {"end": 0.12, "fraction": 0.5}}
+    return press(["u.outer", "u.outer"], element, **changes).run(progress=False), press(None, element, **changes).run(progress=False)
+
+
+def test_the_layers_of_a_fold_do_not_pass_through_each_other(pressed):
+    with_contact, without = pressed
+    assert overlap(without) > 0.4 * GAP, "the block is to drive one leg into the other"
+    assert overlap(with_contact) < 0.1 * GAP
+    points = with_contact.contact[1]
+    pushed = points[points["pressure"] > 0.0]
+    assert len(pushed) > 6 and set(points["side"]) == {0}
+    assert np.all(np.abs(pushed["position"][:, 2] - pushed["closest"][:, 2]) < 0.1 * GAP)
+
+
+def test_momentum_and_energy_of_a_fold_that_closes_and_opens_again():
+    run = press(["u.outer", "u.outer"]).run(progress=False)
+    assert run.energy["contact"].max() > 1e-3 * run.energy["total"][0], "the contact is to matter"
+    size = 4000.0 * 0.2 * 0.3 * 0.2
+    p = sum(run.body_momentum(body)["p"] for body in run.bodies)
+    assert np.abs(p - p[0]).max() < 1e-12 * size
+    total = run.energy["total"]
+    assert np.abs(total / total[0] - 1.0).max() < 0.02
+    assert np.abs(run.energy["balance"]).max() < 1e-12 * total[0]
+
+
+def test_two_faces_of_one_body_meet_as_the_faces_of_two_bodies_do():
+    """The fold is only touched where its inner sides look at each other: leaving out all else changes nothing; nor do threads and the order."""
+    whole = press(["u.outer", "u.outer"]).run(progress=False, until=0.12)
+    for surfaces in (["u.z_min", "u.outer"], ["u.outer", "u.y_min"]):
+        part = press(surfaces).run(progress=False, until=0.12, threads=2)
+        assert part.state["u"].positions.tobytes() == whole.state["u"].positions.tobytes()
+
+
+@pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
+def test_a_run_that_is_stopped_in_self_contact_goes_on_with_the_same_bits(tmp_path):
+    scene = press(["u.outer", "u.outer"], time={"end": 0.12, "fraction": 0.5})
+    whole = scene.run(progress=False)
+    scene.run(progress=False, until=0.1, output=tmp_path / "first.vtkhdf")
+    rest = scene.run(progress=False, restart=tmp_path / "first.vtkhdf", output=tmp_path / "rest.vtkhdf")
+    assert rest.state["u"].positions.tobytes() == whole.state["u"].positions.tobytes()
+
+
+def plate(surfaces):
+    """A thin plate that flies and spins nowhere: it must stay as it is, whatever of it may meet itself."""
+    return ct.Scene({
+        "units": {"length": "m", "mass": "kg", "time": "s"},
+        "material": [{"name": "soft", "young": 1e5, "poisson": 0.3, "density": 1000.0}],
+        "body": [{"name": "p", "box": {"origin": [0, 0, 0], "size": [1, 1, 0.05], "cells": [5, 5, 1]}, "material": "soft", "velocity": [3, 2, 1]}],
+        "contact": [{"surfaces": surfaces}],
+        "time": {"end": 0.01, "fraction": 0.5},
+    })
+
+
+@pytest.mark.parametrize("surfaces", [["p.z_min", "p.z_max"], ["p.x_max", "p.z_max"], ["p.outer", "p.z_min"], ["p.y_min", "p.y_min"]])
+def test_the_far_side_of_a_plate_and_its_neighbouring_sides_are_no_contact(surfaces):
+    run = plate(surfaces).run(progress=False)
+    assert run.energy["contact"].max() == 0.0
+    assert run.energy["strain"].max() < 1e-20 * run.energy["kinetic"][0]
+    assert not any("overlap" in warning for warning in plate(surfaces).explain().data["warnings"])
+
+
+def test_explain_tells_who_meets_itself():
+    explained = press(["u.outer", "u.outer"]).explain()
+    contact = explained.data["contacts"][1]
+    outer = 2 * (18 * 2 + 18 * 2 + 2 * 2)
+    assert contact["with_itself"] and contact["faces"] == [outer] and contact["gauss_points"] == [4 * outer]
+    assert 0.9 * GAP < contact["initial_gap"] <= GAP, "the ring between the legs is a polygon, a little narrower than they"
+    assert f"contact u.outer with itself: {outer} faces of one body" in explained
+    two = press(["u.y_min", "u.y_max"]).explain()
+    assert two.data["contacts"][1]["faces"] == [2 * 18 * 2] and "contact u.y_min with u.y_max: 72 faces of one body" in two
+    assert not two.data["contacts"][0]["with_itself"]
+
+
+def test_a_scene_piece_by_piece():
+    scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
+    scene.add_material("soft", young=1e5, poisson=0.3, density=1000.0)
+    nodes, elements = hairpin()
+    scene.add_body("u", material="soft", nodes=nodes, elements=elements).add_contact("u.outer", "u.outer").set_time(end=1e-3, fraction=0.5)
+    assert scene.explain().data["contacts"][0]["with_itself"]

@@ -1,0 +1,124 @@
+"""When something can happen in a scene: the first possible touch of each contact, and how much of the elements a force can have reached."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ._core import ffi
+
+if TYPE_CHECKING:
+    from .problem import Problem
+
+# Elements that are quiet together (the library's batch).
+BATCH = 8
+# Beyond this the front is not followed element by element; all are taken as active.
+MOST_ELEMENTS = 2_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Touch:
+    """One contact: the earliest ``time`` at which its surfaces can meet (infinite: never), and the ``shift`` (3,) of ``body`` that brings them together."""
+
+    contact: int
+    body: str
+    time: float
+    shift: np.ndarray
+
+
+def first_touch(problem: Problem) -> list[Touch]:
+    """For each contact when the boxes of its surfaces meet, the bodies moving as they began and with their gravity."""
+    out = []
+    for i, contact in enumerate(problem.parts.contacts):
+        (a, _), (b, _) = contact.surfaces
+        boxes = []
+        for body, faces in zip((a, b), problem.faces[i]):
+            points = problem.bodies[body].mesh.nodes[np.unique(faces)]
+            boxes.append((points.min(axis=0), points.max(axis=0)))
+        gaps = np.maximum(boxes[1][0] - boxes[0][1], boxes[0][0] - boxes[1][1])
+        axis = int(np.argmax(gaps))
+        gap, side = float(gaps[axis]), 1.0 if boxes[1][0][axis] > boxes[0][1][axis] else -1.0
+        if a == b or gap <= 0.0:
+            out.append(Touch(i, b, 0.0, np.zeros(3)))
+            continue
+        speed = side * (problem.parts.bodies[a].velocity[axis] - problem.parts.bodies[b].velocity[axis])
+        pull = side * (_gravity(problem, a)[axis] - _gravity(problem, b)[axis])
+        shift = np.zeros(3)
+        shift[axis] = -side * gap
+        out.append(Touch(i, b, _fall(gap, speed, pull), shift))
+    return out
+
+
+def _gravity(problem: Problem, body: str) -> np.ndarray:
+    total = np.zeros(3)
+    for added in problem.parts.effects:
+        if added.name == "gravity" and (added.given.bodies is None or body in added.given.bodies):
+            total += added.given.acceleration
+    return total
+
+
+def _fall(gap: float, speed: float, pull: float) -> float:
+    """The first time at which speed t + pull t² / 2 = gap."""
+    if pull == 0.0:
+        return gap / speed if speed > 0.0 else math.inf
+    square = speed * speed + 2.0 * pull * gap
+    if square < 0.0 or (pull < 0.0 and speed <= 0.0):
+        return math.inf
+    return 2.0 * gap / (speed + math.sqrt(square))
+
+
+def active_share(problem: Problem, touch: list[Touch]) -> float:
+    """
+    The share of batches of elements that a force can have reached, the mean over the steps of the run. A force goes one element a step; it begins where
+    surfaces can touch, where a support stops a node, and wherever another effect acts. 1 where nothing is left out.
+    """
+    if "quiet" not in problem.parts.savings or sum(len(body.mesh.elements) for body in problem.bodies.values()) > MOST_ELEMENTS:
+        return 1.0
+    starts = _starts(problem, touch)
+    active = total = 0.0
+    for body in problem.bodies.values():
+        steps = _first_steps(body.mesh.elements, starts[body.nodes])
+        batches = np.minimum.reduceat(steps, np.arange(0, len(steps), BATCH))
+        active += np.maximum(problem.step_count - batches, 0.0).sum() / problem.step_count
+        total += len(batches)
+    return float(active / total)
+
+
+def _starts(problem: Problem, touch: list[Touch]) -> np.ndarray:
+    """The step at which a force can begin at each node of the problem; infinite where none does."""
+    pointer = problem.pointer
+    count = pointer.node_count
+    starts = np.full(count, np.inf)
+    velocity = np.frombuffer(ffi.buffer(pointer.initial_velocity, 24 * count), np.float64).reshape(-1, 3)
+    for body in problem.bodies.values():
+        own = velocity[body.nodes]
+        common = np.median(own, axis=0)
+        starts[body.nodes][np.any(own != common, axis=1)] = 0.0
+    contacts = 0
+    for k, name in enumerate(problem.effects):
+        effect = pointer.effects[k]
+        if k == 0 or effect.reaction or effect.node_count == 0:
+            contacts += name == "contact"
+            continue
+        nodes = slice(None) if effect.nodes == ffi.NULL else np.frombuffer(ffi.buffer(effect.nodes, 4 * effect.node_count), np.int32)
+        begin = 0.0
+        if name == "contact":
+            begin = touch[contacts].time / problem.dt
+            contacts += 1
+        starts[nodes] = np.minimum(starts[nodes], begin)
+    return starts
+
+
+def _first_steps(elements: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """For each element the step at which one of its nodes is reached first, the front going on by an element a step."""
+    reached = starts.copy()
+    while True:
+        steps = reached[elements].min(axis=1)
+        after = reached.copy()
+        np.minimum.at(after, elements.ravel(), np.repeat(steps + 1.0, elements.shape[1]))
+        if np.array_equal(after, reached):
+            return steps
+        reached = after
