@@ -91,12 +91,15 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   w->forces_at = -1;
   w->total = ct_allocate(n, 3 * sizeof(double));
   w->terms = ct_allocate(n, sizeof(double));
-  w->room = ct_allocate(n, 3 * sizeof(double));
   w->still = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->still);
   w->force = ct_allocate(effects, sizeof *w->force);
   w->scratch = ct_allocate(effects, sizeof *w->scratch);
   w->next_memory = ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
-  if (!w->total || !w->terms || !w->room || !w->still || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK) return CT_ERROR_MEMORY;
+  if (!w->total || !w->terms || !w->still || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK) return CT_ERROR_MEMORY;
+  // Forces of one effect need room of their own only where `total` holds those of several.
+  int several = w->touched_count > 0;
+  for (int32_t k = 0; k < problem->effect_count; k++) several = several || problem->effects[k]->reaction;
+  if (several && (w->room = ct_allocate(n, 3 * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (k > 0 && !effect->reaction) {
@@ -231,6 +234,7 @@ const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *s
   const ct_workspace *w = state->workspace;
   const ct_effect *effect = problem->effects[k];
   if (k > 0 && !effect->reaction) return w->force[k];
+  if (w->room == NULL) return w->total;
   // The first effect's force stands in `total`, but for the nodes where others were added.
   if (k == 0) memcpy(w->room, w->total, 3 * (size_t)problem->node_count * sizeof(double));
   for (int64_t i = 0; k == 0 && i < w->touched_count; i++)
