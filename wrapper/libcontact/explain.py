@@ -62,6 +62,7 @@ def _facts(problem: Problem) -> dict[str, Any]:
                   "stress": parts.units.label("stress"), "energy": parts.units.label("energy")},
         "bodies": bodies,
         "effects": used,
+        "savings": list(parts.savings),
         "left_out": {name: why for name, why in EFFECTS.items() if name not in used},
         "assumptions": _assumptions(parts),
         "contacts": contacts,
@@ -167,6 +168,7 @@ def _lines(data: dict[str, Any], units: Units) -> list[str]:
     out += [f"  {added['name']}: {added['text']}" for added in data["added"]]
     out += ["", "What is not computed"]
     out += [f"  {name}: {why}" for name, why in data["left_out"].items()]
+    out += ["  what changes no result: " + (", ".join(data["savings"]) or "none, by the scene's own wish")]
     out += [f"  assumed: {assumption}" for assumption in data["assumptions"]]
     out += ["", "Time"] + _time_lines(data["time"], units)
     out += ["", "Output"] + _output_lines(data["output"])
