@@ -5,61 +5,84 @@
 #include <float.h>
 #include <math.h>
 
-/* Coefficients of one coordinate from the nodes v and the point p. Only c[0] knows the point; the others are made of differences between nodes,
- * so that neither a far origin nor a far point costs them digits. Each is a tree that flips map onto itself up to its sign. */
-static void quadrilateral(const double v[8], double p, int serendipity, double c[8])
+/* Coefficients of the patch from its nodes v and the point p, coordinate by coordinate. Only c[0] knows the point; the others are made of differences
+ * between nodes, so that neither a far origin nor a far point costs them digits. Each is a tree that flips map onto itself up to its sign. */
+static inline void quadrilateral(const double v[8][3], const double p[3], double c[8][4])
 {
-  // -- Corners (eq:projection-patch-q4)
-  double all = ((v[0] - p) + (v[1] - p)) + ((v[2] - p) + (v[3] - p)), right = (v[1] - v[0]) + (v[2] - v[3]);
-  double up = (v[3] - v[0]) + (v[2] - v[1]), twist = (v[0] - v[1]) + (v[2] - v[3]);
-  c[0] = 0.25 * all, c[1] = 0.25 * right, c[2] = 0.25 * up, c[3] = 0.25 * twist;
-  c[4] = c[5] = c[6] = c[7] = 0;
-  if (!serendipity) return;
-  // -- Mid-sides (eq:projection-patch-q8)
-  c[0] = 0.5 * (((v[4] - p) + (v[6] - p)) + ((v[5] - p) + (v[7] - p))) - 0.25 * all;
-  c[1] = 0.5 * (v[5] - v[7]);
-  c[2] = 0.5 * (v[6] - v[4]);
-  c[4] = 0.25 * (((v[0] - v[4]) + (v[1] - v[4])) + ((v[2] - v[6]) + (v[3] - v[6])));
-  c[5] = 0.25 * (((v[0] - v[7]) + (v[3] - v[7])) + ((v[1] - v[5]) + (v[2] - v[5])));
-  c[6] = 0.25 * up - c[2];
-  c[7] = 0.25 * right - c[1];
+  for (int k = 0; k < 3; k++) {
+    // -- Corners (eq:projection-patch-q4)
+    double all = ((v[0][k] - p[k]) + (v[1][k] - p[k])) + ((v[2][k] - p[k]) + (v[3][k] - p[k]));
+    double right = (v[1][k] - v[0][k]) + (v[2][k] - v[3][k]), up = (v[3][k] - v[0][k]) + (v[2][k] - v[1][k]);
+    double twist = (v[0][k] - v[1][k]) + (v[2][k] - v[3][k]);
+    c[0][k] = 0.25 * all, c[1][k] = 0.25 * right, c[2][k] = 0.25 * up, c[3][k] = 0.25 * twist;
+  }
 }
 
-static void triangle(const double v[8], double p, int quadratic, double c[8])
+/* What the mid-sides change, after the corners. */
+static inline void mid_sides(const double v[8][3], const double p[3], double c[8][4])
 {
-  c[0] = v[0] - p, c[1] = v[1] - v[0], c[2] = v[2] - v[0];
-  c[3] = c[4] = c[5] = c[6] = c[7] = 0;
-  if (!quadratic) return;
-  // -- Mid-sides of the triangle (eq:projection-patch-t6)
-  c[3] = 2 * (((v[0] - v[3]) + (v[0] - v[5])) + ((v[4] - v[3]) + (v[4] - v[5])));
-  c[4] = 2 * ((v[0] - v[3]) + (v[1] - v[3]));
-  c[5] = 2 * ((v[0] - v[5]) + (v[2] - v[5]));
-  c[1] -= c[4];
-  c[2] -= c[5];
+  for (int k = 0; k < 3; k++) {
+    // -- Mid-sides (eq:projection-patch-q8)
+    double right = c[1][k], up = c[2][k];
+    c[0][k] = 0.5 * (((v[4][k] - p[k]) + (v[6][k] - p[k])) + ((v[5][k] - p[k]) + (v[7][k] - p[k]))) - c[0][k];
+    c[1][k] = 0.5 * (v[5][k] - v[7][k]);
+    c[2][k] = 0.5 * (v[6][k] - v[4][k]);
+    c[4][k] = 0.25 * (((v[0][k] - v[4][k]) + (v[1][k] - v[4][k])) + ((v[2][k] - v[6][k]) + (v[3][k] - v[6][k])));
+    c[5][k] = 0.25 * (((v[0][k] - v[7][k]) + (v[3][k] - v[7][k])) + ((v[1][k] - v[5][k]) + (v[2][k] - v[5][k])));
+    c[6][k] = up - c[2][k];
+    c[7][k] = right - c[1][k];
+  }
+}
+
+static inline void triangle(const double v[8][3], const double p[3], int quadratic, double c[8][4])
+{
+  for (int k = 0; k < 3; k++) {
+    c[0][k] = v[0][k] - p[k], c[1][k] = v[1][k] - v[0][k], c[2][k] = v[2][k] - v[0][k];
+    if (!quadratic) continue;
+    // -- Mid-sides of the triangle (eq:projection-patch-t6)
+    c[3][k] = 2 * (((v[0][k] - v[3][k]) + (v[0][k] - v[5][k])) + ((v[4][k] - v[3][k]) + (v[4][k] - v[5][k])));
+    c[4][k] = 2 * ((v[0][k] - v[3][k]) + (v[1][k] - v[3][k]));
+    c[5][k] = 2 * ((v[0][k] - v[5][k]) + (v[2][k] - v[5][k]));
+    c[1][k] -= c[4][k];
+    c[2][k] -= c[5][k];
+  }
+}
+
+/* Largest of the four, none of which is negative or NaN. */
+static double largest(const double v[4])
+{
+  double a = v[0] > v[1] ? v[0] : v[1], b = v[2] > v[3] ? v[2] : v[3];
+  return a > b ? a : b;
+}
+
+/* The size of the patch. Products of four lengths must stay within double precision; and a sum is finite only if all is. */
+static ct_status measure(ct_patch *patch)
+{
+  double size[4] = {0}, far[4], sum[4] = {0};
+  for (int j = 1; j < 8; j++)
+    for (int k = 0; k < 4; k++) {
+      double c = fabs(patch->c[j][k]);
+      size[k] = c > size[k] ? c : size[k];
+      sum[k] += c;
+    }
+  for (int k = 0; k < 4; k++) far[k] = fabs(patch->c[0][k]), sum[k] += far[k];
+  double all = (sum[0] + sum[1]) + sum[2];
+  if (!(all < 1e72)) return CT_INVALID;
+  patch->size = largest(size);
+  return patch->size > 1e-70 && patch->size < 1e70 && largest(far) < 1e70 ? CT_OK : CT_INVALID;
 }
 
 ct_status ct_patch_init(ct_patch *patch, ct_face_kind kind, const double node[8][3], const double point[3])
 {
-  int count = ct_face_node_count(kind);
-  double c[8], check = 0, size = 0, far = 0;
   patch->kind = kind;
   for (int j = 0; j < 8; j++) patch->c[j][3] = 0;
-  for (int k = 0; k < 3; k++) {
-    // -- Subtract the point first (eq:projection-shift)
-    double v[8] = {0};
-    for (int i = 0; i < count; i++) v[i] = node[i][k];
-    if (kind == CT_Q4 || kind == CT_Q8) quadrilateral(v, point[k], kind == CT_Q8, c);
-    else triangle(v, point[k], kind == CT_T6, c);
-    for (int j = 0; j < 8; j++) {
-      patch->c[j][k] = c[j];
-      check += 0 * c[j];
-      if (j > 0) size = fabs(c[j]) > size ? fabs(c[j]) : size;
-    }
-    far = fabs(c[0]) > far ? fabs(c[0]) : far;
-  }
-  // -- Products of four lengths must stay within double precision
-  patch->size = size;
-  return check == 0 && size > 1e-70 && size < 1e70 && far < 1e70 ? CT_OK : CT_INVALID;
+  for (int j = 3; j < 8 && kind != CT_Q8; j++)
+    for (int k = 0; k < 3; k++) patch->c[j][k] = 0;
+  // -- Subtract the point first (eq:projection-shift)
+  if (kind == CT_Q4 || kind == CT_Q8) quadrilateral(node, point, patch->c);
+  else triangle(node, point, kind == CT_T6, patch->c);
+  if (kind == CT_Q8) mid_sides(node, point, patch->c);
+  return measure(patch);
 }
 
 double ct_patch_value(const ct_patch *patch, const double xi[2], double d[3])

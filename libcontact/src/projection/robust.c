@@ -122,6 +122,9 @@ static int resolved(const ct_patch *patch, const ct_iterate *at, int triangular,
   double length[2], low = triangular ? 0 : -1, rounding = 4 * DBL_EPSILON * (sqrt(at->f) + patch->size);
   int bound[2] = {at->xi[0] <= low || at->xi[0] >= 1, at->xi[1] <= low || at->xi[1] >= 1};
   if (bound[0] && bound[1]) return 1;
+  // -- No tangent is longer than 9 coefficients' vectors, 16 sizes (eq:robust-long)
+  double most_H = most(at->H[0], at->H[1]) + fabs(at->H[2]);
+  if (!triangular && !bound[0] && !bound[1] && 16 * patch->size * (rounding * most_H) <= tolerance * (at->H[0] * at->H[1] - at->H[2] * at->H[2])) return 1;
   ct_patch_tangent_lengths(patch, at->xi, length);
   // -- How far rounding moves the foot (eq:robust-resolved)
   for (int a = 0; a < 2; a++)
@@ -160,7 +163,7 @@ static ct_status descend(const ct_patch *patch, const ct_project_options *option
     snap(triangular, trial.xi);
     // -- Done when the step is small, or the next one would be rounding (eq:robust-quadratic)
     double next = length * length * most(1, length / (before * before));
-    if (length <= tolerance || next <= DBL_EPSILON * half_width) return finish(patch, at, &trial, length < radius ? tolerance : 0);
+    if (length <= tolerance || next <= most(1e-3 * tolerance, DBL_EPSILON * half_width)) return finish(patch, at, &trial, length < radius ? tolerance : 0);
     ct_iterate_look(patch, &trial, foot);
     // -- Take the step if f falls, or, where rounding hides that, if the steps get shorter (eq:robust-accept)
     int accept = at->f - trial.f >= 0.1 * predicted;
@@ -183,18 +186,21 @@ static ct_status descend(const ct_patch *patch, const ct_project_options *option
 static const double QUADRILATERAL[9][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}, {0, 0}};
 static const double TRIANGLE[7][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}, {1.0 / 3, 1.0 / 3}};
 
-/* Is sample i not higher than its neighbours? Corners see their two mid-sides, mid-sides see two corners and two mid-sides, all see the centre. */
-static int is_valley(const double f[9], int corners, int i)
+/* Which samples are not higher than their neighbours: bit i for sample i. Corners see their two mid-sides, mid-sides see two corners and two mid-sides, all see
+ * the centre. */
+static unsigned valleys(const double f[9], int corners)
 {
-  int j = i % corners, after = (j + 1) % corners, before = (j + corners - 1) % corners;
-  if (i == 2 * corners) {
-    for (int k = 0; k < i; k++)
-      if (f[k] < f[i]) return 0;
-    return 1;
+  unsigned found = 0, centre = 1;
+  for (int j = 0; j < corners; j++) {
+    int after = (j + 1) % corners, before = (j + corners - 1) % corners;
+    const double *side = f + corners, c = f[2 * corners];
+    unsigned corner = (unsigned)(f[j] <= side[j]) & (unsigned)(f[j] <= side[before]) & (unsigned)(f[j] <= c);
+    unsigned middle = (unsigned)(side[j] <= f[j]) & (unsigned)(side[j] <= f[after]) & (unsigned)(side[j] <= side[after]) &
+                      (unsigned)(side[j] <= side[before]) & (unsigned)(side[j] <= c);
+    centre &= (unsigned)!(f[j] < c) & (unsigned)!(side[j] < c);
+    found |= corner << j | middle << (corners + j);
   }
-  if (f[i] > f[2 * corners]) return 0;
-  if (i < corners) return f[i] <= f[corners + j] && f[i] <= f[corners + before];
-  return f[i] <= f[j] && f[i] <= f[after] && f[i] <= f[corners + after] && f[i] <= f[corners + before];
+  return found | centre << (2 * corners);
 }
 
 /* Is the face so nearly plane that no valley can hide between the samples? */
@@ -217,12 +223,27 @@ static int is_better(const ct_iterate *a, ct_status end_a, const ct_iterate *b, 
   return end_a < end_b;
 }
 
+/* A first guess of the floor of the valley at sample i of a quadrilateral: where the parabolas through the samples of its row and of its column are lowest. */
+static void valley_floor(const double f[9], int i, double xi[2])
+{
+  // Samples at -1, 0, 1 along each axis, through every sample.
+  static const int LINE[9][2][3] = {{{0, 4, 1}, {0, 7, 3}}, {{0, 4, 1}, {1, 5, 2}}, {{3, 6, 2}, {1, 5, 2}}, {{3, 6, 2}, {0, 7, 3}}, {{0, 4, 1}, {4, 8, 6}},
+                                    {{7, 8, 5}, {1, 5, 2}}, {{3, 6, 2}, {4, 8, 6}}, {{7, 8, 5}, {0, 7, 3}}, {{7, 8, 5}, {4, 8, 6}}};
+  for (int a = 0; a < 2; a++) {
+    const int *line = LINE[i][a];
+    // -- Lowest point of a parabola (eq:robust-parabola)
+    double rise = 0.5 * (f[line[2]] - f[line[0]]), bend = (f[line[2]] - f[line[1]]) + (f[line[0]] - f[line[1]]);
+    if (bend > 0) xi[a] = least(most(-rise / bend, -1), 1);
+  }
+}
+
 /* Descend from sample i; keep the end if it is better than the best so far. */
-static void descend_from_sample(const ct_patch *patch, const ct_project_options *options, int i, ct_iterate *best, ct_status *status, ct_foot *foot)
+static void descend_from_sample(const ct_patch *patch, const ct_project_options *options, const double f[9], int i, ct_iterate *best, ct_status *status, ct_foot *foot)
 {
   int triangular = patch->kind == CT_T3 || patch->kind == CT_T6;
   ct_iterate at;
   for (int a = 0; a < 2; a++) at.xi[a] = triangular ? TRIANGLE[i][a] : QUADRILATERAL[i][a];
+  if (!triangular) valley_floor(f, i, at.xi);
   ct_iterate_look(patch, &at, foot);
   ct_status end = descend(patch, options, &at, foot);
   if (best->f < HUGE_VAL && !is_better(&at, end, best, *status)) return;
@@ -237,12 +258,13 @@ static ct_status descend_from_valleys(const ct_patch *patch, const ct_project_op
   int corners = patch->kind == CT_T3 || patch->kind == CT_T6 ? 3 : 4;
   ct_status status = CT_NO_CONVERGENCE;
   best->f = HUGE_VAL;
+  unsigned valley = corners == 4 ? valleys(f, 4) : valleys(f, 3);
   for (int i = 2 * corners; i >= 0; i--)
-    if (is_valley(f, corners, i)) descend_from_sample(patch, options, i, best, &status, foot);
+    if (valley >> i & 1) descend_from_sample(patch, options, f, i, best, &status, foot);
   // -- Look again where the face may hide something (eq:robust-hidden)
   if (is_mild(patch) || ct_proof_at_sight(patch, best->xi, 2, foot)) return status;
   for (int i = 2 * corners; i >= 0; i--)
-    if (!is_valley(f, corners, i)) descend_from_sample(patch, options, i, best, &status, foot);
+    if (!(valley >> i & 1)) descend_from_sample(patch, options, f, i, best, &status, foot);
   return status;
 }
 
