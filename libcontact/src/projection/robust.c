@@ -1,5 +1,6 @@
-#include "projection_internal.h"
+#include "polynomial.h"
 
+#include "../lanes.h"
 #include "../vector.h"
 
 #include <float.h>
@@ -8,6 +9,11 @@
 /* As fmin and fmax, for numbers, without a call. */
 static inline double least(double a, double b) { return b < a ? b : a; }
 static inline double most(double a, double b) { return b > a ? b : a; }
+
+static inline int is_triangular(const ct_patch *patch) { return patch->kind == CT_T3 || patch->kind == CT_T6; }
+
+/* What makes a face mild; and how well a foot must be known for the proof that nothing is closer. */
+static const double MILD = 0.1, PROVABLE = 1e-10;
 
 /* Quadratic model q(s) = g.s + s.H s / 2 of f about an iterate, on the steps that stay in the trust region and on the face:
  * low <= s <= high and s_1 + s_2 <= sum. */
@@ -67,18 +73,10 @@ static double model_slant(const model *q, double value, double best[2])
   return value;
 }
 
-/* Lowest point s of the model; answers q(s) <= 0. */
+/* Lowest point s of the model on the boundary of the allowed steps; answers q(s) <= 0. */
 static double model_minimum(const model *q, double s[2])
 {
-  double determinant = q->H[0] * q->H[1] - q->H[2] * q->H[2];
-  if (q->H[0] > 0 && determinant > 0) {
-    // -- Newton's step where the model is convex and the step allowed (eq:projection-newton)
-    s[0] = (q->H[2] * q->g[1] - q->H[1] * q->g[0]) / determinant;
-    s[1] = (q->H[2] * q->g[0] - q->H[0] * q->g[1]) / determinant;
-    if (s[0] >= q->low[0] && s[0] <= q->high[0] && s[1] >= q->low[1] && s[1] <= q->high[1] && s[0] + s[1] <= q->sum)
-      return model_value(q, s);
-  }
-  // -- Otherwise the lowest point lies on a side (eq:robust-model)
+  // -- The lowest point lies on a side (eq:robust-model)
   double value = 0;
   s[0] = s[1] = 0;
   for (int axis = 0; axis < 2; axis++) {
@@ -116,59 +114,116 @@ static void snap(int triangular, double xi[2])
   xi[large] = 1 - xi[1 - large];
 }
 
-/* Does rounding of the gradient move the foot by less than the tolerance, along the directions that the face leaves free? */
-static int resolved(const ct_patch *patch, const ct_iterate *at, int triangular, double tolerance)
+/* Is xi on the face, and not on its boundary nor within rounding of it? */
+static inline int is_inside(int triangular, const double xi[2])
 {
-  double length[2], low = triangular ? 0 : -1, rounding = 4 * DBL_EPSILON * (sqrt(at->f) + patch->size);
-  int bound[2] = {at->xi[0] <= low || at->xi[0] >= 1, at->xi[1] <= low || at->xi[1] >= 1};
+  const double edge = 1 - 2 * DBL_EPSILON;
+  if (!triangular) return most(fabs(xi[0]), fabs(xi[1])) <= edge;
+  return least(xi[0], xi[1]) >= 2 * DBL_EPSILON && xi[0] + xi[1] <= edge;
+}
+
+/* The step s to the lowest point of the model where that is not Newton's, and where it leads; answers the fall that the model promises. */
+static double bounded_step(const ct_iterate *at, int triangular, double radius, double s[2], double xi[2])
+{
+  model q;
+  model_about(&q, at, triangular, radius);
+  double predicted = -model_minimum(&q, s);
+  for (int a = 0; a < 2; a++) xi[a] = at->xi[a] + s[a];
+  snap(triangular, xi);
+  return predicted;
+}
+
+/* Newton's step, its end and the promised fall. Answers 0 when the model is not convex or the step not allowed. */
+static inline int newton_step(const ct_iterate *at, int triangular, double radius, double s[2], double xi[2], double *predicted)
+{
+  // -- Newton's step (eq:projection-newton)
+  double determinant = at->H[0] * at->H[1] - at->H[2] * at->H[2];
+  s[0] = (at->H[2] * at->g[1] - at->H[1] * at->g[0]) / determinant;
+  s[1] = (at->H[2] * at->g[0] - at->H[0] * at->g[1]) / determinant;
+  xi[0] = at->xi[0] + s[0];
+  xi[1] = at->xi[1] + s[1];
+  *predicted = -0.5 * (at->g[0] * s[0] + at->g[1] * s[1]);
+  return at->H[0] > 0 && determinant > 0 && most(fabs(s[0]), fabs(s[1])) <= radius && is_inside(triangular, xi);
+}
+
+/* Does rounding of the gradient move the foot xi by less than the tolerance, along the directions that the face leaves free? H and the tangents are those of the
+ * last look. */
+static inline int resolved(const ct_patch *patch, const ct_iterate *look, const double xi[2], double f, int triangular, double tolerance)
+{
+  const double *H = look->H;
+  double low = triangular ? 0 : -1, rounding = 4 * DBL_EPSILON * (sqrt(f) + patch->size), length[2] = {sqrt(look->square[0]), sqrt(look->square[1])};
+  int bound[2] = {xi[0] <= low || xi[0] >= 1, xi[1] <= low || xi[1] >= 1};
   if (bound[0] && bound[1]) return 1;
-  // -- No tangent is longer than 9 coefficients' vectors, 16 sizes (eq:robust-long)
-  double most_H = most(at->H[0], at->H[1]) + fabs(at->H[2]);
-  if (!triangular && !bound[0] && !bound[1] && 16 * patch->size * (rounding * most_H) <= tolerance * (at->H[0] * at->H[1] - at->H[2] * at->H[2])) return 1;
-  ct_patch_tangent_lengths(patch, at->xi, length);
   // -- How far rounding moves the foot (eq:robust-resolved)
   for (int a = 0; a < 2; a++)
-    if (bound[1 - a]) return rounding * length[a] <= tolerance * at->H[a];
-  if (triangular && at->xi[0] + at->xi[1] >= 1)
-    return rounding * (length[0] + length[1]) <= tolerance * ((at->H[0] + at->H[1]) - 2 * at->H[2]);
-  double determinant = at->H[0] * at->H[1] - at->H[2] * at->H[2], twist = fabs(at->H[2]);
-  double first = at->H[1] * length[0] + twist * length[1], second = at->H[0] * length[1] + twist * length[0];
+    if (bound[1 - a]) return rounding * length[a] <= tolerance * H[a];
+  if (triangular && xi[0] + xi[1] >= 1) return rounding * (length[0] + length[1]) <= tolerance * ((H[0] + H[1]) - 2 * H[2]);
+  double determinant = H[0] * H[1] - H[2] * H[2], twist = fabs(H[2]);
+  double first = H[1] * length[0] + twist * length[1], second = H[0] * length[1] + twist * length[0];
   return rounding * most(first, second) <= tolerance * determinant;
 }
 
-/* The last step has been found: take it, and look at d only. */
-static ct_status finish(const ct_patch *patch, ct_iterate *at, const ct_iterate *trial, double tolerance)
+/* Let the caller see an iterate. */
+static void show(const ct_project_options *options, const ct_iterate *at)
 {
-  at->xi[0] = trial->xi[0];
-  at->xi[1] = trial->xi[1];
-  at->f = ct_patch_value(patch, at->xi, at->d);
-  return resolved(patch, at, patch->kind == CT_T3 || patch->kind == CT_T6, tolerance) ? CT_OK : CT_NOT_CERTIFIED;
+  double xi[2] = {at->xi[0], at->xi[1]};
+  options->trace(xi, at->f, options->user);
 }
 
-/* Descend from the iterate `at`, looked at already, to a minimum of f on the face. */
-static ct_status descend(const ct_patch *patch, const ct_project_options *options, ct_iterate *at, ct_foot *foot)
+/* Where a descent has ended. */
+typedef struct end {
+  double xi[2], f, d[4];
+  ct_status status;
+} end;
+
+/* The step from `at`, tried in vain or too small to be looked at: what is the end? */
+static inline void settle(const ct_patch *patch, const ct_iterate *at, const double xi[2], double tolerance, end *out)
 {
-  int triangular = patch->kind == CT_T3 || patch->kind == CT_T6, limit = options->iteration_limit > 0 ? options->iteration_limit : 100;
-  double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width;
+  out->xi[0] = xi[0], out->xi[1] = xi[1];
+  out->f = ct_polynomial_value(patch, xi, out->d);
+  out->status = resolved(patch, at, xi, out->f, is_triangular(patch), tolerance) ? CT_OK : CT_NOT_CERTIFIED;
+}
+
+static inline void stop_at(const ct_iterate *at, ct_status status, end *out)
+{
+  for (int a = 0; a < 2; a++) out->xi[a] = at->xi[a];
+  for (int k = 0; k < 3; k++) out->d[k] = at->d[k];
+  out->f = at->f;
+  out->status = status;
+}
+
+/* Descend from xi to a minimum of f on the face, sought to within the tolerance. Answers 0, having done nothing, when f is above the ceiling there. */
+CT_CLONES
+static int descend(const ct_patch *patch, const ct_project_options *options, double sought, const double xi[2], double ceiling, ct_foot *foot, end *out)
+{
+  int triangular = is_triangular(patch), limit = options->iteration_limit > 0 ? options->iteration_limit : 100;
+  double half_width = ct_patch_half_width(patch->kind), tolerance = sought * half_width, small = DBL_EPSILON * half_width;
   double radius = half_width, before = half_width, stalled = HUGE_VAL;
+  ct_iterate at, trial;
+  at.xi[0] = xi[0], at.xi[1] = xi[1];
+  ct_polynomial_look(patch, &at);
+  foot->evaluations++;
+  if (at.f > ceiling) return 0;
   for (int iteration = 0; iteration < limit; iteration++, foot->iterations++) {
-    if (options->trace != NULL) options->trace(at->xi, at->f, options->user);
+    if (options->trace != NULL) show(options, &at);
     // -- Step to the lowest point of the model (eq:robust-model)
-    model q;
-    ct_iterate trial;
-    double s[2];
-    model_about(&q, at, triangular, radius);
-    double predicted = -model_minimum(&q, s), length = most(fabs(s[0]), fabs(s[1]));
-    for (int a = 0; a < 2; a++) trial.xi[a] = at->xi[a] + s[a];
-    snap(triangular, trial.xi);
-    // -- Done when the step is small, or the next one would be rounding (eq:robust-quadratic)
-    double next = length * length * most(1, length / (before * before));
-    if (length <= tolerance || next <= most(1e-3 * tolerance, DBL_EPSILON * half_width)) return finish(patch, at, &trial, length < radius ? tolerance : 0);
-    ct_iterate_look(patch, &trial, foot);
+    double s[2], predicted;
+    if (!newton_step(&at, triangular, radius, s, trial.xi, &predicted)) predicted = bounded_step(&at, triangular, radius, s, trial.xi);
+    double length = most(fabs(s[0]), fabs(s[1])), square = length * length;
+    // -- Done when the step is small, or the next one would be rounding: then look at d only (eq:robust-quadratic)
+    if (length <= tolerance || (square <= small && square * length <= small * (before * before))) {
+      settle(patch, &at, trial.xi, length < radius ? options->tolerance * half_width : 0, out);
+      return 1;
+    }
+    ct_polynomial_look(patch, &trial);
+    foot->evaluations++;
     // -- Take the step if f falls, or, where rounding hides that, if the steps get shorter (eq:robust-accept)
-    int accept = at->f - trial.f >= 0.1 * predicted;
-    if (!accept && predicted <= ct_patch_noise(patch, at->f)) {
-      if (length > 0.5 * stalled) return CT_NOT_CERTIFIED;
+    int accept = at.f - trial.f >= 0.1 * predicted;
+    if (!accept && predicted <= ct_patch_noise(patch, at.f)) {
+      if (length > 0.5 * stalled) {
+        stop_at(&at, CT_NOT_CERTIFIED, out);
+        return 1;
+      }
       stalled = length;
       accept = 1;
     }
@@ -177,99 +232,92 @@ static ct_status descend(const ct_patch *patch, const ct_project_options *option
     else if (length >= radius) radius = least(2 * radius, 2 * half_width);
     if (!accept) continue;
     before = length;
-    *at = trial;
+    at = trial;
   }
-  return CT_ITERATION_LIMIT;
+  stop_at(&at, CT_ITERATION_LIMIT, out);
+  return 1;
 }
 
 /* Sample points: the corners, the mid-sides, the centre. */
 static const double QUADRILATERAL[9][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}, {0, 0}};
 static const double TRIANGLE[7][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}, {1.0 / 3, 1.0 / 3}};
 
-/* Which samples are not higher than their neighbours: bit i for sample i. Corners see their two mid-sides, mid-sides see two corners and two mid-sides, all see
- * the centre. */
-static unsigned valleys(const double f[9], int corners)
+/* Which samples are not higher than their neighbours: bit i for sample i. Corners see their two mid-sides, mid-sides see two corners and two mid-sides,
+ * all see the centre. */
+static inline unsigned valleys(const double f[9], int corners)
 {
-  unsigned found = 0, centre = 1;
+  const double *side = f + corners, centre = f[2 * corners];
+  unsigned found = 0, lowest = 1;
   for (int j = 0; j < corners; j++) {
     int after = (j + 1) % corners, before = (j + corners - 1) % corners;
-    const double *side = f + corners, c = f[2 * corners];
-    unsigned corner = (unsigned)(f[j] <= side[j]) & (unsigned)(f[j] <= side[before]) & (unsigned)(f[j] <= c);
-    unsigned middle = (unsigned)(side[j] <= f[j]) & (unsigned)(side[j] <= f[after]) & (unsigned)(side[j] <= side[after]) &
-                      (unsigned)(side[j] <= side[before]) & (unsigned)(side[j] <= c);
-    centre &= (unsigned)!(f[j] < c) & (unsigned)!(side[j] < c);
-    found |= corner << j | middle << (corners + j);
+    double sides = least(side[j], side[before]), around = least(least(f[j], f[after]), least(side[after], side[before]));
+    found |= (unsigned)(f[j] <= least(sides, centre)) << j | (unsigned)(side[j] <= least(around, centre)) << (corners + j);
+    lowest &= (unsigned)(centre <= least(f[j], side[j]));
   }
-  return found | centre << (2 * corners);
+  return found | lowest << (2 * corners);
 }
 
-/* Is the face so nearly plane that no valley can hide between the samples? */
-static int is_mild(const ct_patch *patch)
+/* Number of the highest bit that is set, of 16. */
+static inline int highest(unsigned bits)
 {
-  double square[8];
-  for (int j = 1; j < 8; j++) square[j] = ct_vector_dot(patch->c[j], patch->c[j]);
+  int n = 0;
+  for (int step = 8; step > 0; step /= 2) {
+    int more = (bits >> step != 0) * step;
+    bits >>= more;
+    n += more;
+  }
+  return n;
+}
+
+/* Is the face so nearly plane, seen from a point at the distance sqrt(f), that no valley can hide between the samples? */
+static inline int is_mild(const ct_patch *patch, double f)
+{
+  const double(*c)[4] = patch->c;
+  double bent[4];
+  for (int k = 0; k < 4; k++) bent[k] = c[3][k] * c[3][k] + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) + (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
+  double straight = least(ct_vector_dot(c[1], c[1]), ct_vector_dot(c[2], c[2]));
   // -- Compare what is not linear with what is (eq:robust-mild)
-  return square[3] + ((square[4] + square[5]) + (square[6] + square[7])) <= 0.1 * least(square[1], square[2]);
+  return ((bent[0] + bent[1]) + bent[2]) * (straight + f) <= MILD * (straight * straight);
 }
 
 /* Is the end `a` better than `b`: lower, or as low and nearer the centre? A mirror does not change the answer. */
-static int is_better(const ct_iterate *a, ct_status end_a, const ct_iterate *b, ct_status end_b)
+static int is_better(const end *a, const end *b)
 {
   if (a->f != b->f) return a->f < b->f;
   double ra = a->xi[0] * a->xi[0] + a->xi[1] * a->xi[1], rb = b->xi[0] * b->xi[0] + b->xi[1] * b->xi[1];
   if (ra != rb) return ra < rb;
   for (int k = 0; k < 2; k++)
     if (fabs(a->xi[k]) != fabs(b->xi[k])) return fabs(a->xi[k]) < fabs(b->xi[k]);
-  return end_a < end_b;
+  return a->status < b->status;
 }
 
-/* A first guess of the floor of the valley at sample i of a quadrilateral: where the parabolas through the samples of its row and of its column are lowest. */
-static void valley_floor(const double f[9], int i, double xi[2])
+/* Descend from the samples with a bit in `from`, those of high number first; keep the best of the ends. */
+static inline void descend_from(unsigned from, const ct_patch *patch, const ct_project_options *options, double sought, ct_foot *foot, end *best)
 {
-  // Samples at -1, 0, 1 along each axis, through every sample.
-  static const int LINE[9][2][3] = {{{0, 4, 1}, {0, 7, 3}}, {{0, 4, 1}, {1, 5, 2}}, {{3, 6, 2}, {1, 5, 2}}, {{3, 6, 2}, {0, 7, 3}}, {{0, 4, 1}, {4, 8, 6}},
-                                    {{7, 8, 5}, {1, 5, 2}}, {{3, 6, 2}, {4, 8, 6}}, {{7, 8, 5}, {0, 7, 3}}, {{7, 8, 5}, {4, 8, 6}}};
-  for (int a = 0; a < 2; a++) {
-    const int *line = LINE[i][a];
-    // -- Lowest point of a parabola (eq:robust-parabola)
-    double rise = 0.5 * (f[line[2]] - f[line[0]]), bend = (f[line[2]] - f[line[1]]) + (f[line[0]] - f[line[1]]);
-    if (bend > 0) xi[a] = least(most(-rise / bend, -1), 1);
+  const double(*place)[2] = is_triangular(patch) ? TRIANGLE : QUADRILATERAL;
+  while (from != 0) {
+    int i = highest(from);
+    end found;
+    descend(patch, options, sought, place[i], HUGE_VAL, foot, &found);
+    if (best->f == HUGE_VAL || is_better(&found, best)) *best = found;
+    from &= ~(1u << i);
   }
-}
-
-/* Descend from sample i; keep the end if it is better than the best so far. */
-static void descend_from_sample(const ct_patch *patch, const ct_project_options *options, const double f[9], int i, ct_iterate *best, ct_status *status, ct_foot *foot)
-{
-  int triangular = patch->kind == CT_T3 || patch->kind == CT_T6;
-  ct_iterate at;
-  for (int a = 0; a < 2; a++) at.xi[a] = triangular ? TRIANGLE[i][a] : QUADRILATERAL[i][a];
-  if (!triangular) valley_floor(f, i, at.xi);
-  ct_iterate_look(patch, &at, foot);
-  ct_status end = descend(patch, options, &at, foot);
-  if (best->f < HUGE_VAL && !is_better(&at, end, best, *status)) return;
-  *best = at;
-  *status = end;
 }
 
 /* Descend from every sample that is a valley, and then from the others unless one look shows that nothing is closer; the lowest end wins, and of
  * equal ones the one nearer the centre. */
-static ct_status descend_from_valleys(const ct_patch *patch, const ct_project_options *options, const double f[9], ct_iterate *best, ct_foot *foot)
+static inline void descend_from_valleys(const ct_patch *patch, const ct_project_options *options, const double f[9], double lowest, ct_foot *foot, end *best)
 {
-  int corners = patch->kind == CT_T3 || patch->kind == CT_T6 ? 3 : 4;
-  ct_status status = CT_NO_CONVERGENCE;
-  best->f = HUGE_VAL;
-  unsigned valley = corners == 4 ? valleys(f, 4) : valleys(f, 3);
-  for (int i = 2 * corners; i >= 0; i--)
-    if (valley >> i & 1) descend_from_sample(patch, options, f, i, best, &status, foot);
+  int triangular = is_triangular(patch), mild = is_mild(patch, lowest);
+  unsigned valley = triangular ? valleys(f, 3) : valleys(f, 4), all = triangular ? 127 : 511;
+  double sought = mild ? options->tolerance : least(options->tolerance, PROVABLE);
+  descend_from(valley, patch, options, sought, foot, best);
   // -- Look again where the face may hide something (eq:robust-hidden)
-  if (is_mild(patch) || ct_proof_at_sight(patch, best->xi, 2, foot)) return status;
-  for (int i = 2 * corners; i >= 0; i--)
-    if (!(valley >> i & 1)) descend_from_sample(patch, options, f, i, best, &status, foot);
-  return status;
+  if (!mild && !ct_proof_at_sight(patch, best->xi, 2, foot)) descend_from(all & ~valley, patch, options, sought, foot, best);
 }
 
 /* f at the nine sample points of a quadrilateral, where its polynomial is a sum of coefficients. */
-static void sample_quadrilateral(const ct_patch *patch, double f[9])
+static inline void sample_quadrilateral(const ct_patch *patch, double f[9])
 {
   double d[9][4];
   for (int k = 0; k < 4; k++) {
@@ -290,26 +338,30 @@ static void sample_quadrilateral(const ct_patch *patch, double f[9])
   for (int i = 0; i < 9; i++) f[i] = ct_vector_dot(d[i], d[i]);
 }
 
-ct_status ct_project_robust(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
+/* f at the sample points; answers the lowest. */
+static inline double sample(const ct_patch *patch, double f[9], ct_foot *foot)
 {
-  int triangular = patch->kind == CT_T3 || patch->kind == CT_T6, samples = triangular ? 7 : 9;
-  double f[9], d[3], lowest = HUGE_VAL;
+  int triangular = is_triangular(patch), samples = triangular ? 7 : 9;
+  double d[4], lowest;
   // -- Sample the face (eq:robust-samples)
   if (!triangular) sample_quadrilateral(patch, f);
   else
-    for (int i = 0; i < samples; i++) f[i] = ct_patch_value(patch, TRIANGLE[i], d);
-  for (int i = 0; i < samples; i++) lowest = least(lowest, f[i]);
+    for (int i = 0; i < samples; i++) f[i] = ct_polynomial_value(patch, TRIANGLE[i], d);
   foot->evaluations += samples;
-  ct_iterate at = {{0, 0}, HUGE_VAL, {0, 0, 0}, {0, 0}, {0, 0, 0}};
-  if (options->use_start) {
-    // -- Begin at the given start unless a sample is lower
-    at.xi[0] = options->start[0];
-    at.xi[1] = options->start[1];
-    snap(triangular, at.xi);
-    ct_iterate_look(patch, &at, foot);
-  }
-  ct_status status = at.f <= lowest + ct_patch_noise(patch, lowest) ? descend(patch, options, &at, foot) : descend_from_valleys(patch, options, f, &at, foot);
-  for (int a = 0; a < 2; a++) foot->xi[a] = at.xi[a];
-  for (int k = 0; k < 3; k++) foot->d[k] = at.d[k];
-  return status;
+  lowest = least(least(least(f[0], f[1]), least(f[2], f[3])), least(least(f[4], f[5]), f[6]));
+  return triangular ? lowest : least(lowest, least(f[7], f[8]));
+}
+
+CT_CLONES
+ct_status ct_project_robust(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
+{
+  double f[9], lowest = sample(patch, f, foot), start[2] = {options->start[0], options->start[1]};
+  end best = {{0, 0}, HUGE_VAL, {0, 0, 0, 0}, CT_NO_CONVERGENCE};
+  // -- Begin at the given start unless a sample is lower
+  if (options->use_start) snap(is_triangular(patch), start);
+  if (!options->use_start || !descend(patch, options, options->tolerance, start, lowest + ct_patch_noise(patch, lowest), foot, &best))
+    descend_from_valleys(patch, options, f, lowest, foot, &best);
+  for (int a = 0; a < 2; a++) foot->xi[a] = best.xi[a];
+  for (int k = 0; k < 3; k++) foot->d[k] = best.d[k];
+  return best.status;
 }
