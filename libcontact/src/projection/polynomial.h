@@ -56,9 +56,10 @@ static inline void ct_polynomial_look(const ct_patch *patch, ct_iterate *at)
   // -- Hessian (eq:projection-hessian)
   at->square[0] = ct_vector_dot(t1, t1);
   at->square[1] = ct_vector_dot(t2, t2);
+  at->square[2] = ct_vector_dot(t1, t2);
   at->H[0] = 2 * (at->square[0] + 2 * ct_vector_dot(d, a));
   at->H[1] = 2 * (at->square[1] + 2 * ct_vector_dot(d, b));
-  at->H[2] = 2 * (ct_vector_dot(t1, t2) + ct_vector_dot(d, t12));
+  at->H[2] = 2 * (at->square[2] + ct_vector_dot(d, t12));
 }
 
 #endif

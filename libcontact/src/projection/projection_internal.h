@@ -21,7 +21,7 @@ typedef struct ct_foot {
 
 /* A point of the plane of xi with all that is known of f there; squares of the two tangents. */
 typedef struct ct_iterate {
-  double xi[2], f, d[3], g[2], H[3], square[2];
+  double xi[2], f, d[3], g[2], H[3], square[3];
 } ct_iterate;
 
 /* One row of the table of methods. */

@@ -13,7 +13,12 @@ static inline double most(double a, double b) { return b > a ? b : a; }
 static inline int is_triangular(const ct_patch *patch) { return patch->kind == CT_T3 || patch->kind == CT_T6; }
 
 /* What makes a face mild; and how well a foot must be known for the proof that nothing is closer. */
-static const double MILD = 0.1, PROVABLE = 1e-10;
+static const double MILD = 0.25, PROVABLE = 1e-10, NEXT = 1e-3;
+
+/* A step, where it leads, and the fall that the model promises. */
+typedef struct step {
+  double s[2], xi[2], fall;
+} step;
 
 /* Quadratic model q(s) = g.s + s.H s / 2 of f about an iterate, on the steps that stay in the trust region and on the face:
  * low <= s <= high and s_1 + s_2 <= sum. */
@@ -122,28 +127,28 @@ static inline int is_inside(int triangular, const double xi[2])
   return least(xi[0], xi[1]) >= 2 * DBL_EPSILON && xi[0] + xi[1] <= edge;
 }
 
-/* The step s to the lowest point of the model where that is not Newton's, and where it leads; answers the fall that the model promises. */
-static double bounded_step(const ct_iterate *at, int triangular, double radius, double s[2], double xi[2])
-{
-  model q;
-  model_about(&q, at, triangular, radius);
-  double predicted = -model_minimum(&q, s);
-  for (int a = 0; a < 2; a++) xi[a] = at->xi[a] + s[a];
-  snap(triangular, xi);
-  return predicted;
-}
-
-/* Newton's step, its end and the promised fall. Answers 0 when the model is not convex or the step not allowed. */
-static inline int newton_step(const ct_iterate *at, int triangular, double radius, double s[2], double xi[2], double *predicted)
+/* Newton's step. Answers 0 when the model is not convex or the step not allowed. */
+static inline int newton_step(const ct_iterate *at, int triangular, double radius, step *to)
 {
   // -- Newton's step (eq:projection-newton)
   double determinant = at->H[0] * at->H[1] - at->H[2] * at->H[2];
-  s[0] = (at->H[2] * at->g[1] - at->H[1] * at->g[0]) / determinant;
-  s[1] = (at->H[2] * at->g[0] - at->H[0] * at->g[1]) / determinant;
-  xi[0] = at->xi[0] + s[0];
-  xi[1] = at->xi[1] + s[1];
-  *predicted = -0.5 * (at->g[0] * s[0] + at->g[1] * s[1]);
-  return at->H[0] > 0 && determinant > 0 && most(fabs(s[0]), fabs(s[1])) <= radius && is_inside(triangular, xi);
+  to->s[0] = (at->H[2] * at->g[1] - at->H[1] * at->g[0]) / determinant;
+  to->s[1] = (at->H[2] * at->g[0] - at->H[0] * at->g[1]) / determinant;
+  for (int a = 0; a < 2; a++) to->xi[a] = at->xi[a] + to->s[a];
+  to->fall = -0.5 * (at->g[0] * to->s[0] + at->g[1] * to->s[1]);
+  return at->H[0] > 0 && determinant > 0 && most(fabs(to->s[0]), fabs(to->s[1])) <= radius && is_inside(triangular, to->xi);
+}
+
+/* The step to the lowest point of the model on the boundary of what is allowed. The iterate is a copy, so that those of the loop stay in registers. */
+static step bounded_step(ct_iterate at, int triangular, double radius)
+{
+  model q;
+  step to;
+  model_about(&q, &at, triangular, radius);
+  to.fall = -model_minimum(&q, to.s);
+  for (int a = 0; a < 2; a++) to.xi[a] = at.xi[a] + to.s[a];
+  snap(triangular, to.xi);
+  return to;
 }
 
 /* Does rounding of the gradient move the foot xi by less than the tolerance, along the directions that the face leaves free? H and the tangents are those of the
@@ -164,10 +169,10 @@ static inline int resolved(const ct_patch *patch, const ct_iterate *look, const 
 }
 
 /* Let the caller see an iterate. */
-static void show(const ct_project_options *options, const ct_iterate *at)
+static void show(const ct_project_options *options, double x, double y, double f)
 {
-  double xi[2] = {at->xi[0], at->xi[1]};
-  options->trace(xi, at->f, options->user);
+  double xi[2] = {x, y};
+  options->trace(xi, f, options->user);
 }
 
 /* Where a descent has ended. */
@@ -192,34 +197,51 @@ static inline void stop_at(const ct_iterate *at, ct_status status, end *out)
   out->status = status;
 }
 
-/* Descend from xi to a minimum of f on the face, sought to within the tolerance. Answers 0, having done nothing, when f is above the ceiling there. */
+/* Is the face so nearly plane, as seen from an iterate near its foot, that f has one valley only? */
+static inline int is_mild(const ct_patch *patch, const ct_iterate *at)
+{
+  const double(*c)[4] = patch->c;
+  double bent[4];
+  for (int k = 0; k < 4; k++) bent[k] = c[3][k] * c[3][k] + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) + (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
+  double area = at->square[0] * at->square[1] - at->square[2] * at->square[2], straight = area / most(at->square[0], at->square[1]);
+  // -- Compare what is not linear with what is (eq:robust-mild)
+  return ((bent[0] + bent[1]) + bent[2]) * (straight + at->f) <= MILD * (straight * straight);
+}
+
+/* Descend from xi to a minimum of f on the face, sought to within the tolerance. Answers 0 when the iterate of number `probe` shows that the face is not mild;
+ * then `out` is this iterate. */
 CT_CLONES
-static int descend(const ct_patch *patch, const ct_project_options *options, double sought, const double xi[2], double ceiling, ct_foot *foot, end *out)
+static int descend(const ct_patch *patch, const ct_project_options *options, double sought, const double xi[2], int probe, ct_foot *foot, end *out)
 {
   int triangular = is_triangular(patch), limit = options->iteration_limit > 0 ? options->iteration_limit : 100;
-  double half_width = ct_patch_half_width(patch->kind), tolerance = sought * half_width, small = DBL_EPSILON * half_width;
+  double half_width = ct_patch_half_width(patch->kind), tolerance = sought * half_width;
+  double small = half_width * (probe < 0 ? DBL_EPSILON : most(NEXT * least(sought, PROVABLE), DBL_EPSILON));
   double radius = half_width, before = half_width, stalled = HUGE_VAL;
   ct_iterate at, trial;
+  step to;
   at.xi[0] = xi[0], at.xi[1] = xi[1];
   ct_polynomial_look(patch, &at);
   foot->evaluations++;
-  if (at.f > ceiling) return 0;
   for (int iteration = 0; iteration < limit; iteration++, foot->iterations++) {
-    if (options->trace != NULL) show(options, &at);
+    if (options->trace != NULL) show(options, at.xi[0], at.xi[1], at.f);
+    if (iteration == probe && !is_mild(patch, &at)) {
+      stop_at(&at, CT_NO_CONVERGENCE, out);
+      return 0;
+    }
     // -- Step to the lowest point of the model (eq:robust-model)
-    double s[2], predicted;
-    if (!newton_step(&at, triangular, radius, s, trial.xi, &predicted)) predicted = bounded_step(&at, triangular, radius, s, trial.xi);
-    double length = most(fabs(s[0]), fabs(s[1])), square = length * length;
-    // -- Done when the step is small, or the next one would be rounding: then look at d only (eq:robust-quadratic)
-    if (length <= tolerance || (square <= small && square * length <= small * (before * before))) {
-      settle(patch, &at, trial.xi, length < radius ? options->tolerance * half_width : 0, out);
+    if (!newton_step(&at, triangular, radius, &to)) to = bounded_step(at, triangular, radius);
+    double length = most(fabs(to.s[0]), fabs(to.s[1])), square = length * length;
+    // -- Done when the step is small, or the next one would be: then look at d only (eq:robust-quadratic)
+    if (iteration >= probe && (length <= tolerance || (square <= small && square * length <= small * (before * before)))) {
+      settle(patch, &at, to.xi, length < radius ? options->tolerance * half_width : 0, out);
       return 1;
     }
+    trial.xi[0] = to.xi[0], trial.xi[1] = to.xi[1];
     ct_polynomial_look(patch, &trial);
     foot->evaluations++;
     // -- Take the step if f falls, or, where rounding hides that, if the steps get shorter (eq:robust-accept)
-    int accept = at.f - trial.f >= 0.1 * predicted;
-    if (!accept && predicted <= ct_patch_noise(patch, at.f)) {
+    int accept = at.f - trial.f >= 0.1 * to.fall;
+    if (!accept && to.fall <= ct_patch_noise(patch, at.f)) {
       if (length > 0.5 * stalled) {
         stop_at(&at, CT_NOT_CERTIFIED, out);
         return 1;
@@ -235,7 +257,7 @@ static int descend(const ct_patch *patch, const ct_project_options *options, dou
     at = trial;
   }
   stop_at(&at, CT_ITERATION_LIMIT, out);
-  return 1;
+  return limit > probe;
 }
 
 /* Sample points: the corners, the mid-sides, the centre. */
@@ -257,29 +279,6 @@ static inline unsigned valleys(const double f[9], int corners)
   return found | lowest << (2 * corners);
 }
 
-/* Number of the highest bit that is set, of 16. */
-static inline int highest(unsigned bits)
-{
-  int n = 0;
-  for (int step = 8; step > 0; step /= 2) {
-    int more = (bits >> step != 0) * step;
-    bits >>= more;
-    n += more;
-  }
-  return n;
-}
-
-/* Is the face so nearly plane, seen from a point at the distance sqrt(f), that no valley can hide between the samples? */
-static inline int is_mild(const ct_patch *patch, double f)
-{
-  const double(*c)[4] = patch->c;
-  double bent[4];
-  for (int k = 0; k < 4; k++) bent[k] = c[3][k] * c[3][k] + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) + (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
-  double straight = least(ct_vector_dot(c[1], c[1]), ct_vector_dot(c[2], c[2]));
-  // -- Compare what is not linear with what is (eq:robust-mild)
-  return ((bent[0] + bent[1]) + bent[2]) * (straight + f) <= MILD * (straight * straight);
-}
-
 /* Is the end `a` better than `b`: lower, or as low and nearer the centre? A mirror does not change the answer. */
 static int is_better(const end *a, const end *b)
 {
@@ -292,28 +291,14 @@ static int is_better(const end *a, const end *b)
 }
 
 /* Descend from the samples with a bit in `from`, those of high number first; keep the best of the ends. */
-static inline void descend_from(unsigned from, const ct_patch *patch, const ct_project_options *options, double sought, ct_foot *foot, end *best)
+static void descend_from(unsigned from, const ct_patch *patch, const ct_project_options *options, double sought, ct_foot *foot, end *best)
 {
-  const double(*place)[2] = is_triangular(patch) ? TRIANGLE : QUADRILATERAL;
-  while (from != 0) {
-    int i = highest(from);
+  for (int i = 8; i >= 0; i--) {
     end found;
-    descend(patch, options, sought, place[i], HUGE_VAL, foot, &found);
+    if (!(from >> i & 1)) continue;
+    descend(patch, options, sought, is_triangular(patch) ? TRIANGLE[i] : QUADRILATERAL[i], -1, foot, &found);
     if (best->f == HUGE_VAL || is_better(&found, best)) *best = found;
-    from &= ~(1u << i);
   }
-}
-
-/* Descend from every sample that is a valley, and then from the others unless one look shows that nothing is closer; the lowest end wins, and of
- * equal ones the one nearer the centre. */
-static inline void descend_from_valleys(const ct_patch *patch, const ct_project_options *options, const double f[9], double lowest, ct_foot *foot, end *best)
-{
-  int triangular = is_triangular(patch), mild = is_mild(patch, lowest);
-  unsigned valley = triangular ? valleys(f, 3) : valleys(f, 4), all = triangular ? 127 : 511;
-  double sought = mild ? options->tolerance : least(options->tolerance, PROVABLE);
-  descend_from(valley, patch, options, sought, foot, best);
-  // -- Look again where the face may hide something (eq:robust-hidden)
-  if (!mild && !ct_proof_at_sight(patch, best->xi, 2, foot)) descend_from(all & ~valley, patch, options, sought, foot, best);
 }
 
 /* f at the nine sample points of a quadrilateral, where its polynomial is a sum of coefficients. */
@@ -352,16 +337,39 @@ static inline double sample(const ct_patch *patch, double f[9], ct_foot *foot)
   return triangular ? lowest : least(lowest, least(f[7], f[8]));
 }
 
-CT_CLONES
+/* The search on a face that is not mild, where `probe` has come to. */
+static void search_samples(const ct_patch *patch, const ct_project_options *options, const end *probe, ct_foot *foot, end *best)
+{
+  int triangular = is_triangular(patch);
+  double f[9], lowest = sample(patch, f, foot), sought = least(options->tolerance, PROVABLE);
+  // -- Go on from the given start unless a sample is lower (eq:robust-noise)
+  if (options->use_start && probe->f <= lowest + ct_patch_noise(patch, lowest)) {
+    descend(patch, options, options->tolerance, probe->xi, -1, foot, best);
+    return;
+  }
+  // -- Else begin at every sample that is a valley; the lowest end wins, and of equal ones the one nearer the centre
+  unsigned valley = triangular ? valleys(f, 3) : valleys(f, 4), all = triangular ? 127 : 511;
+  best->f = HUGE_VAL;
+  descend_from(valley, patch, options, sought, foot, best);
+  // -- Look again where the face may hide something (eq:robust-hidden)
+  if (!ct_proof_at_sight(patch, best->xi, 2, foot)) descend_from(all & ~valley, patch, options, sought, foot, best);
+}
+
 ct_status ct_project_robust(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
 {
-  double f[9], lowest = sample(patch, f, foot), start[2] = {options->start[0], options->start[1]};
-  end best = {{0, 0}, HUGE_VAL, {0, 0, 0, 0}, CT_NO_CONVERGENCE};
-  // -- Begin at the given start unless a sample is lower
-  if (options->use_start) snap(is_triangular(patch), start);
-  if (!options->use_start || !descend(patch, options, options->tolerance, start, lowest + ct_patch_noise(patch, lowest), foot, &best))
-    descend_from_valleys(patch, options, f, lowest, foot, &best);
-  for (int a = 0; a < 2; a++) foot->xi[a] = best.xi[a];
-  for (int k = 0; k < 3; k++) foot->d[k] = best.d[k];
-  return best.status;
+  double centre = ct_patch_centre(patch->kind), start[2] = {centre, centre};
+  end best, probe;
+  if (options->use_start) {
+    for (int a = 0; a < 2; a++) start[a] = options->start[a];
+    snap(is_triangular(patch), start);
+  }
+  // -- Search a mild face from one place, any other from many (eq:robust-mild)
+  const end *found = &probe;
+  if (!descend(patch, options, options->tolerance, start, options->use_start ? 0 : 1, foot, &probe)) {
+    search_samples(patch, options, &probe, foot, &best);
+    found = &best;
+  }
+  for (int a = 0; a < 2; a++) foot->xi[a] = found->xi[a];
+  for (int k = 0; k < 3; k++) foot->d[k] = found->d[k];
+  return found->status;
 }
