@@ -12,9 +12,6 @@ static inline double most(double a, double b) { return b > a ? b : a; }
 
 static inline int is_triangular(const ct_patch *patch) { return patch->kind == CT_T3 || patch->kind == CT_T6; }
 
-/* What makes a face mild; and how well a foot must be known for the proof that nothing is closer. */
-static const double MILD = 0.25, PROVABLE = 1e-10, NEXT = 1e-3;
-
 /* A step, where it leads, and the fall that the model promises. */
 typedef struct step {
   double s[2], xi[2], fall;
@@ -205,7 +202,7 @@ static inline int is_mild(const ct_patch *patch, const ct_iterate *at)
   for (int k = 0; k < 4; k++) bent[k] = c[3][k] * c[3][k] + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) + (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
   double area = at->square[0] * at->square[1] - at->square[2] * at->square[2], straight = area / most(at->square[0], at->square[1]);
   // -- Compare what is not linear with what is (eq:robust-mild)
-  return ((bent[0] + bent[1]) + bent[2]) * (straight + at->f) <= MILD * (straight * straight);
+  return ((bent[0] + bent[1]) + bent[2]) * (straight + at->f) <= CT_MILD * (straight * straight);
 }
 
 /* Descend from xi to a minimum of f on the face, sought to within the tolerance. Answers 0 when the iterate of number `probe` shows that the face is not mild;
@@ -215,7 +212,7 @@ static int descend(const ct_patch *patch, const ct_project_options *options, dou
 {
   int triangular = is_triangular(patch), limit = options->iteration_limit > 0 ? options->iteration_limit : 100;
   double half_width = ct_patch_half_width(patch->kind), tolerance = sought * half_width;
-  double small = half_width * (probe < 0 ? DBL_EPSILON : most(NEXT * least(sought, PROVABLE), DBL_EPSILON));
+  double small = half_width * (probe < 0 ? DBL_EPSILON : most(CT_NEXT * least(sought, CT_PROVABLE), DBL_EPSILON));
   double radius = half_width, before = half_width, stalled = HUGE_VAL;
   ct_iterate at, trial;
   step to;
@@ -341,7 +338,7 @@ static inline double sample(const ct_patch *patch, double f[9], ct_foot *foot)
 static void search_samples(const ct_patch *patch, const ct_project_options *options, const end *probe, ct_foot *foot, end *best)
 {
   int triangular = is_triangular(patch);
-  double f[9], lowest = sample(patch, f, foot), sought = least(options->tolerance, PROVABLE);
+  double f[9], lowest = sample(patch, f, foot), sought = least(options->tolerance, CT_PROVABLE);
   // -- Go on from the given start unless a sample is lower (eq:robust-noise)
   if (options->use_start && probe->f <= lowest + ct_patch_noise(patch, lowest)) {
     descend(patch, options, options->tolerance, probe->xi, -1, foot, best);
