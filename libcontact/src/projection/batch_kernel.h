@@ -44,7 +44,7 @@ typedef struct models {
  * the closest point, which is not easy to see of those in `doubtful`. */
 typedef struct searches {
   iterates at;
-  lanes radius, before, tolerance, small, limit, evaluations;
+  lanes radius, before, tolerance, limit, evaluations;
   mask active, hard, rough, cold, doubtful;
 } searches;
 
@@ -229,7 +229,8 @@ PART void is_mild(const patches *patch, const iterates *at, mask *mild)
 {
   const lanes(*c)[3] = patch->c;
   lanes bent[3], straight = at->square[0] * at->square[1] - at->square[2] * at->square[2];
-  for (int k = 0; k < 3; k++) bent[k] = c[3][k] * c[3][k] + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) + (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
+  for (int k = 0; k < 3; k++)
+    bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) + 2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
   straight /= MOST(at->square[0], at->square[1]);
   // -- Compare what is not linear with what is (eq:robust-mild)
   *mild = ((bent[0] + bent[1]) + bent[2]) * (straight + at->f) <= CT_MILD * (straight * straight);
@@ -239,7 +240,6 @@ PART void is_mild(const patches *patch, const iterates *at, mask *mild)
 PART void begin(const patches *patch, const double *start, int lane, double tolerance, searches *s)
 {
   lanes zero = {0};
-  double close = CT_NEXT * (tolerance < CT_PROVABLE ? tolerance : CT_PROVABLE);
   s->at.xi[0] = s->at.xi[1] = zero;
   s->hard = ~patch->good;
   if (start != NULL) {
@@ -250,7 +250,6 @@ PART void begin(const patches *patch, const double *start, int lane, double tole
   look(patch, &s->at);
   s->radius = s->before = s->evaluations = zero + 1;
   s->limit = s->tolerance = zero + tolerance;
-  s->small = zero + (close > DBL_EPSILON ? close : DBL_EPSILON);
   s->rough = s->cold = s->doubtful = zero != zero;
   s->active = ~s->hard;
 }
@@ -277,7 +276,6 @@ PART void begin_again(const patches *patch, int warm, double tolerance, searches
   take(&s->at, &next, &rough);
   s->radius = PICK(rough, zero + 1, s->radius);
   s->before = PICK(rough, zero + 1, s->before);
-  s->small = PICK(rough, zero + DBL_EPSILON, s->small);
   s->tolerance = PICK(s->cold, zero + (tolerance < CT_PROVABLE ? tolerance : CT_PROVABLE), s->tolerance);
   // Nine samples, the first look, and for the cold one at the end
   s->evaluations = PICK(rough, s->evaluations + 10, s->evaluations);
@@ -365,8 +363,9 @@ PART void step(const patches *patch, int may_end, searches *s)
   steps_from(s, &length, trial.xi, &fall);
   if (may_end) {
     // -- Done when the step is small, or the next one would be (eq:robust-quadratic)
+    const double small = 4 * DBL_EPSILON;
     lanes square = length * length;
-    mask done = s->active & ((length <= s->tolerance) | ((square <= s->small) & (square * length <= s->small * (s->before * s->before))));
+    mask done = s->active & ((length <= s->tolerance) | ((square <= small) & (square * length <= small * (s->before * s->before))));
     for (int a = 0; a < 2; a++) s->at.xi[a] = PICK(done, trial.xi[a], s->at.xi[a]);
     s->limit = PICK(done & (length >= s->radius), zero, s->limit);
     s->active &= ~done;

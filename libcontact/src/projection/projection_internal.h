@@ -27,9 +27,8 @@ typedef struct ct_iterate {
 /* One row of the table of methods. */
 typedef ct_status ct_project_method(const ct_patch *, const ct_project_options *, ct_foot *);
 
-/* For robust: what makes a face mild; how well a foot must be known for the proof that nothing is closer; and the share of the tolerance that the step after the last
- * one may have. */
-static const double CT_MILD = 0.2, CT_PROVABLE = 1e-10, CT_NEXT = 1e-3;
+/* For robust: what makes a face mild, and how well a foot must be known for the proof that nothing is closer. */
+static const double CT_MILD = 0.2, CT_PROVABLE = 1e-10;
 
 /* Polynomial of the face as seen from `point`. Answers CT_INVALID when a number is not finite, all nodes coincide
  * or a length is beyond 1e+-70. */

@@ -199,7 +199,8 @@ static inline int is_mild(const ct_patch *patch, const ct_iterate *at)
 {
   const double(*c)[4] = patch->c;
   double bent[4];
-  for (int k = 0; k < 4; k++) bent[k] = c[3][k] * c[3][k] + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) + (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
+  for (int k = 0; k < 4; k++)
+    bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) + 2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
   double area = at->square[0] * at->square[1] - at->square[2] * at->square[2], straight = area / most(at->square[0], at->square[1]);
   // -- Compare what is not linear with what is (eq:robust-mild)
   return ((bent[0] + bent[1]) + bent[2]) * (straight + at->f) <= CT_MILD * (straight * straight);
@@ -211,8 +212,7 @@ CT_CLONES
 static int descend(const ct_patch *patch, const ct_project_options *options, double sought, const double xi[2], int probe, ct_foot *foot, end *out)
 {
   int triangular = is_triangular(patch), limit = options->iteration_limit > 0 ? options->iteration_limit : 100;
-  double half_width = ct_patch_half_width(patch->kind), tolerance = sought * half_width;
-  double small = half_width * (probe < 0 ? DBL_EPSILON : most(CT_NEXT * least(sought, CT_PROVABLE), DBL_EPSILON));
+  double half_width = ct_patch_half_width(patch->kind), tolerance = sought * half_width, small = 4 * DBL_EPSILON * half_width;
   double radius = half_width, before = half_width, stalled = HUGE_VAL;
   ct_iterate at, trial;
   step to;
