@@ -335,10 +335,10 @@ PART void model_about(models *q, const iterates *at, const lanes *radius)
 PART void steps_from(const searches *s, lanes *length, lanes xi[2], lanes *fall)
 {
   const iterates *at = &s->at;
-  lanes determinant = at->H[0] * at->H[1] - at->H[2] * at->H[2], move[2], best[2], value;
+  lanes determinant = at->H[0] * at->H[1] - at->H[2] * at->H[2], inverse = 1 / determinant, move[2], best[2], value;
   // -- Newton's step where the model is convex and the step allowed (eq:projection-newton)
-  move[0] = (at->H[2] * at->g[1] - at->H[1] * at->g[0]) / determinant;
-  move[1] = (at->H[2] * at->g[0] - at->H[0] * at->g[1]) / determinant;
+  move[0] = (at->H[2] * at->g[1] - at->H[1] * at->g[0]) * inverse;
+  move[1] = (at->H[2] * at->g[0] - at->H[0] * at->g[1]) * inverse;
   for (int a = 0; a < 2; a++) xi[a] = at->xi[a] + move[a];
   *fall = -0.5 * (at->g[0] * move[0] + at->g[1] * move[1]);
   lanes across = SIZE(move[0]), along = SIZE(move[1]), x = SIZE(xi[0]), y = SIZE(xi[1]);

@@ -128,9 +128,9 @@ static inline int is_inside(int triangular, const double xi[2])
 static inline int newton_step(const ct_iterate *at, int triangular, double radius, step *to)
 {
   // -- Newton's step (eq:projection-newton)
-  double determinant = at->H[0] * at->H[1] - at->H[2] * at->H[2];
-  to->s[0] = (at->H[2] * at->g[1] - at->H[1] * at->g[0]) / determinant;
-  to->s[1] = (at->H[2] * at->g[0] - at->H[0] * at->g[1]) / determinant;
+  double determinant = at->H[0] * at->H[1] - at->H[2] * at->H[2], inverse = 1 / determinant;
+  to->s[0] = (at->H[2] * at->g[1] - at->H[1] * at->g[0]) * inverse;
+  to->s[1] = (at->H[2] * at->g[0] - at->H[0] * at->g[1]) * inverse;
   for (int a = 0; a < 2; a++) to->xi[a] = at->xi[a] + to->s[a];
   to->fall = -0.5 * (at->g[0] * to->s[0] + at->g[1] * to->s[1]);
   return at->H[0] > 0 && determinant > 0 && most(fabs(to->s[0]), fabs(to->s[1])) <= radius && is_inside(triangular, to->xi);
