@@ -233,7 +233,7 @@ PART void is_mild(const patches *patch, const iterates *at, mask *mild)
     bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) + 2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
   straight /= MOST(at->square[0], at->square[1]);
   // -- Compare what is not linear with what is (eq:robust-mild)
-  *mild = ((bent[0] + bent[1]) + bent[2]) * (straight + at->f) <= CT_MILD * (straight * straight);
+  *mild = ((bent[0] + bent[1]) + bent[2]) * (straight + 2 * at->f) <= CT_MILD * (straight * straight);
 }
 
 /* Begin at the given starts, or at the centres of the faces. */

@@ -178,7 +178,7 @@ typedef struct end {
   ct_status status;
 } end;
 
-/* The step from `at`, tried in vain or too small to be looked at: what is the end? */
+/* The end at xi, where the last step from `at` leads. */
 static inline void settle(const ct_patch *patch, const ct_iterate *at, const double xi[2], double tolerance, end *out)
 {
   out->xi[0] = xi[0], out->xi[1] = xi[1];
@@ -194,7 +194,7 @@ static inline void stop_at(const ct_iterate *at, ct_status status, end *out)
   out->status = status;
 }
 
-/* Is the face so nearly plane, as seen from an iterate near its foot, that f has one valley only? */
+/* Is the face so nearly plane, as seen from an iterate near its foot, that f has one valley only? What is not linear is weighed by its second derivatives. */
 static inline int is_mild(const ct_patch *patch, const ct_iterate *at)
 {
   const double(*c)[4] = patch->c;
@@ -203,7 +203,20 @@ static inline int is_mild(const ct_patch *patch, const ct_iterate *at)
     bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) + 2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
   double area = at->square[0] * at->square[1] - at->square[2] * at->square[2], straight = area / most(at->square[0], at->square[1]);
   // -- Compare what is not linear with what is (eq:robust-mild)
-  return ((bent[0] + bent[1]) + bent[2]) * (straight + at->f) <= CT_MILD * (straight * straight);
+  return ((bent[0] + bent[1]) + bent[2]) * (straight + 2 * at->f) <= CT_MILD * (straight * straight);
+}
+
+typedef enum verdict { TAKE, REFUSE, STOP } verdict;
+
+/* Is a step taken that should make f fall by `fall`? `stalled` is the length of the last one that rounding did not let judge. */
+static inline verdict judge(const ct_patch *patch, double f, double f_trial, double fall, double length, double *stalled)
+{
+  // -- Take the step if f falls, or, where rounding hides that, if the steps get shorter (eq:robust-accept)
+  if (f - f_trial >= 0.1 * fall) return TAKE;
+  if (!(fall <= ct_patch_noise(patch, f))) return REFUSE;
+  if (length > 0.5 * *stalled) return STOP;
+  *stalled = length;
+  return TAKE;
 }
 
 /* Descend from xi to a minimum of f on the face, sought to within the tolerance. Answers 0 when the iterate of number `probe` shows that the face is not mild;
@@ -236,20 +249,15 @@ static int descend(const ct_patch *patch, const ct_project_options *options, dou
     trial.xi[0] = to.xi[0], trial.xi[1] = to.xi[1];
     ct_polynomial_look(patch, &trial);
     foot->evaluations++;
-    // -- Take the step if f falls, or, where rounding hides that, if the steps get shorter (eq:robust-accept)
-    int accept = at.f - trial.f >= 0.1 * to.fall;
-    if (!accept && to.fall <= ct_patch_noise(patch, at.f)) {
-      if (length > 0.5 * stalled) {
-        stop_at(&at, CT_NOT_CERTIFIED, out);
-        return 1;
-      }
-      stalled = length;
-      accept = 1;
+    verdict taken = judge(patch, at.f, trial.f, to.fall, length, &stalled);
+    if (taken == STOP) {
+      stop_at(&at, CT_NOT_CERTIFIED, out);
+      return 1;
     }
     // -- Widen or narrow the trust region
-    if (!accept) radius = 0.25 * length;
+    if (taken == REFUSE) radius = 0.25 * length;
     else if (length >= radius) radius = least(2 * radius, 2 * half_width);
-    if (!accept) continue;
+    if (taken == REFUSE) continue;
     before = length;
     at = trial;
   }
