@@ -136,7 +136,7 @@ static inline int newton_step(const ct_iterate *at, int triangular, double radiu
   int convex = at->H[0] > 0 && determinant > 0;
   if (radius < HUGE_VAL) return convex && most(fabs(to->s[0]), fabs(to->s[1])) <= radius && is_inside(triangular, to->xi);
   // -- A first guess is cut to the face, and good if f does not rise (eq:robust-guess)
-  snap(triangular, to->xi);
+  if (!is_inside(triangular, to->xi)) snap(triangular, to->xi);
   for (int a = 0; a < 2; a++) to->s[a] = to->xi[a] - at->xi[a];
   to->fall = 0;
   return convex;
