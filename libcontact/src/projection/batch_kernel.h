@@ -331,8 +331,8 @@ PART void model_about(models *q, const iterates *at, const lanes *radius)
   for (int i = 0; i < 3; i++) q->H[i] = at->H[i];
 }
 
-/* Steps to the lowest points of the models (eq:robust-model): the lengths, where they lead, and the fall that each promises. */
-PART void steps_from(const searches *s, lanes *length, lanes xi[2], lanes *fall)
+/* Steps to the lowest points of the models (eq:robust-model), or a first guess of them: the lengths, where they lead, and the fall that each promises. */
+PART void steps_from(const searches *s, int guess, lanes *length, lanes xi[2], lanes *fall)
 {
   const iterates *at = &s->at;
   lanes determinant = at->H[0] * at->H[1] - at->H[2] * at->H[2], inverse = 1 / determinant, move[2], best[2], value;
@@ -341,9 +341,17 @@ PART void steps_from(const searches *s, lanes *length, lanes xi[2], lanes *fall)
   move[1] = (at->H[2] * at->g[0] - at->H[0] * at->g[1]) * inverse;
   for (int a = 0; a < 2; a++) xi[a] = at->xi[a] + move[a];
   *fall = -0.5 * (at->g[0] * move[0] + at->g[1] * move[1]);
+  if (guess) {
+    // -- A first guess is cut to the face, and good if f does not rise (eq:robust-guess)
+    snap(xi);
+    for (int a = 0; a < 2; a++) move[a] = xi[a] - at->xi[a];
+    *fall = *length = (lanes){0};
+  }
   lanes across = SIZE(move[0]), along = SIZE(move[1]), x = SIZE(xi[0]), y = SIZE(xi[1]);
   *length = MOST(across, along);
-  mask newton = (at->H[0] > 0) & (determinant > 0) & (*length <= s->radius) & (MOST(x, y) <= 1 - 2 * DBL_EPSILON), rest = s->active & ~newton;
+  mask newton = (at->H[0] > 0) & (determinant > 0), rest;
+  if (!guess) newton &= (*length <= s->radius) & (MOST(x, y) <= 1 - 2 * DBL_EPSILON);
+  rest = s->active & ~newton;
   if (!any(&rest)) return;
   models q;
   model_about(&q, at, &s->radius);
@@ -355,12 +363,12 @@ PART void steps_from(const searches *s, lanes *length, lanes xi[2], lanes *fall)
   snap(xi);
 }
 
-/* One step of every active lane; none ends that `may_end` forbids. A lane whose f no longer falls as promised, with a promise near rounding, becomes hard. */
+/* One step of every active lane: a first guess, or one that `may_end` the search. A lane whose f no longer falls as promised, with a promise near rounding, becomes hard. */
 PART void step(const patches *patch, int may_end, searches *s)
 {
   iterates trial;
   lanes fall, length, zero = {0};
-  steps_from(s, &length, trial.xi, &fall);
+  steps_from(s, !may_end, &length, trial.xi, &fall);
   if (may_end) {
     // -- Done when the step is small, or the next one would be (eq:robust-quadratic)
     const double small = 4 * DBL_EPSILON;

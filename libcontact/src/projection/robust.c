@@ -133,7 +133,13 @@ static inline int newton_step(const ct_iterate *at, int triangular, double radiu
   to->s[1] = (at->H[2] * at->g[0] - at->H[0] * at->g[1]) * inverse;
   for (int a = 0; a < 2; a++) to->xi[a] = at->xi[a] + to->s[a];
   to->fall = -0.5 * (at->g[0] * to->s[0] + at->g[1] * to->s[1]);
-  return at->H[0] > 0 && determinant > 0 && most(fabs(to->s[0]), fabs(to->s[1])) <= radius && is_inside(triangular, to->xi);
+  int convex = at->H[0] > 0 && determinant > 0;
+  if (radius < HUGE_VAL) return convex && most(fabs(to->s[0]), fabs(to->s[1])) <= radius && is_inside(triangular, to->xi);
+  // -- A first guess is cut to the face, and good if f does not rise (eq:robust-guess)
+  if (!is_inside(triangular, to->xi)) snap(triangular, to->xi);
+  for (int a = 0; a < 2; a++) to->s[a] = to->xi[a] - at->xi[a];
+  to->fall = 0;
+  return convex;
 }
 
 /* The step to the lowest point of the model on the boundary of what is allowed. The iterate is a copy, so that those of the loop stay in registers. */
@@ -239,7 +245,7 @@ static int descend(const ct_patch *patch, const ct_project_options *options, dou
       return 0;
     }
     // -- Step to the lowest point of the model (eq:robust-model)
-    if (!newton_step(&at, triangular, radius, &to)) to = bounded_step(at, triangular, radius);
+    if (!newton_step(&at, triangular, iteration < probe ? HUGE_VAL : radius, &to)) to = bounded_step(at, triangular, radius);
     double length = most(fabs(to.s[0]), fabs(to.s[1])), square = length * length;
     // -- Done when the step is small, or the next one would be: then look at d only (eq:robust-quadratic)
     if (iteration >= probe && (length <= tolerance || (square <= small && square * length <= small * (before * before)))) {
