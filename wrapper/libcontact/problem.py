@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -75,7 +76,8 @@ def memory_estimate(nodes: int, elements: int, width: int) -> int:
 class Problem:
     """A built problem and all that keeps it alive. Everything that does not move during a run is here."""
 
-    def __init__(self, parts: scene_parts.Parts, file: str | None = None, threads: int | None = None):
+    def __init__(self, parts: scene_parts.Parts, file: str | None = None, threads: int | None = None,
+                 own: Sequence[Any] = ()):
         self.parts, self.file = parts, file
         self.threads = parts.threads if threads is None else threads
         self._check_size()
@@ -89,7 +91,7 @@ class Problem:
         for i, support in enumerate(parts.supports):
             self._add_support(i, support)
         self.kept: list[Any] = []
-        self._add_effects()
+        self._add_effects(own)
         self._build()
         self.bodies = {name: self._built_body(i, name) for i, name in enumerate(parts.bodies)}
         self.contacts = [self._built_contact(i, contact) for i, contact in enumerate(parts.contacts)]
@@ -233,15 +235,17 @@ class Problem:
             "node_count": len(nodes), "fixed": [axis in support.fix for axis in "xyz"], "velocity": list(support.velocity)})
         self._call(lib.ct_scene_add_support, self._scene, new, key=f"support[{i}]")
 
-    def _add_effects(self) -> None:
-        """The effects beside contacts and supports, which are made for the joined bodies."""
-        if not self.parts.effects:
+    def _add_effects(self, own: Sequence[Any]) -> None:
+        """The effects beside contacts and supports, which are made for the joined bodies: those of the scene's tables, then those of the user's ``own``."""
+        if not self.parts.effects and not own:
             return
         joined = ffi.new("const ct_problem **")
         self._call(lib.ct_scene_join, self._scene, joined, key="")
         for added in self.parts.effects:
             maker = Maker(self, joined[0], added.key)
             self._call(lib.ct_scene_add_effect, self._scene, added.module.create(added.given, maker), key=added.key)
+        for effect in own:
+            self._call(lib.ct_scene_add_effect, self._scene, effect.create(Maker(self, joined[0], effect.name)), key=effect.name)
 
     def _build(self) -> None:
         name, value = self.parts.time.step
