@@ -1,4 +1,7 @@
-"""What each saving saves, beside the same run with it off: time and memory, with the same bits. Five scenes of bench/scene_loop.c; minima of interleaved runs."""
+"""
+What each saving saves, beside the same run with it off: time and memory, with the same bits. Five scenes of bench/scene_loop.c; minima of
+interleaved runs.
+"""
 
 from __future__ import annotations
 

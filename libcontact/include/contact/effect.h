@@ -4,8 +4,8 @@
 #include <contact/status.h>
 
 /**
- * Work that may be left out where leaving it out changes no result, :doc:`/theory/savings`; each 1 (may be) or 0. A scene begins with `ct_savings_default`;
- * turning one off is good for measuring what it saves, and for nothing else.
+ * Work that may be left out where leaving it out changes no result, :doc:`/theory/savings`; each 1 (may be) or 0. A scene begins with
+ * `ct_savings_default`; turning one off is good for measuring what it saves, and for nothing else.
  */
 typedef struct ct_savings {
   /** Elements whose nodes have moved all alike are not computed, and nodes without force are only moved on. */
@@ -43,8 +43,9 @@ typedef struct ct_view {
   /** What `create_scratch` made for this state. */
   void *scratch;
   /**
-   * Null, except for the first effect when `force` still holds what it wrote in its last call: then a bit a node, node n being bit n % 64 of word n / 64, all
-   * 0. The effect may set the bit of a node on which its force is zero, as it was in the last call, and leave that force as it stands, :eq:`still-node`.
+   * Null, except for the first effect when `force` still holds what it wrote in its last call: then a bit a node, node n being bit n % 64
+   * of word n / 64, all 0. The effect may set the bit of a node on which its force is zero, as it was in the last call, and leave that
+   * force as it stands, :eq:`still-node`.
    */
   uint64_t *still;
 } ct_view;

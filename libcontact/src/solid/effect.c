@@ -498,6 +498,7 @@ ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_k
   if (flops != NULL) *flops = part->flops + 21.0 * part->mesh->node_count / elements;
   // Node numbers and element forces written once and read once; displacements and forces of the nodes, and the gather's places.
   // A lattice has no node numbers and no places, and its forces stay in the cache.
-  if (bytes != NULL) *bytes = part->cells[0] > 0 ? 48.0 * part->mesh->node_count / elements : 52.0 * per + (48.0 + 32.0) * part->mesh->node_count / elements;
+  double nodes = part->mesh->node_count / elements;
+  if (bytes != NULL) *bytes = part->cells[0] > 0 ? 48.0 * nodes : 52.0 * per + (48.0 + 32.0) * nodes;
   return CT_OK;
 }

@@ -10,8 +10,9 @@
 
 struct ct_solid_part;
 
-/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of displacements first,
- * and uses nothing else that changes: where all nodes of a batch have the same displacement, it gives the same bits whatever that is (eq:quiet-force).
+/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of
+ * displacements first, and uses nothing else that changes: where all nodes of a batch have the same displacement, it gives the same bits
+ * whatever that is (eq:quiet-force).
  * A kernel for large deformation also writes the smallest J = det F of batch b (and 1) to `values[assembly->value_count + b]`. */
 typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
 
@@ -36,9 +37,9 @@ typedef struct ct_solid_part {
   double omega_squared;
   /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
   double edge[3];
-  /* Cells of a body whose elements share all that is stored, cells[0] = 0: of none. Then a ring of so many elements, a power of two, holds their forces, those of one
-   * component of one node `stride` after those of the one before; each thread has one. There are no batch_nodes,
-   * ranges, assembly, ready. */
+  /* Cells of a body whose elements share all that is stored; cells[0] = 0: of none. Then a ring of `ring` elements, a power of two, holds
+   * their forces, those of one component of one node `stride` after those of the one before; each thread has one ring. There are no
+   * batch_nodes, ranges, assembly, ready. */
   int32_t cells[3], rings;
   int64_t ring, stride;
   /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */

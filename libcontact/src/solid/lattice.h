@@ -3,8 +3,8 @@
 
 #include "kernel.h"
 
-/* A body of equal boxes whose elements and nodes are numbered as ct_mesh_create_box does needs no table: the nodes of an element, and the elements at a node, follow
- * from their numbers. Element forces stand in a ring that the nodes follow closely (eq:lattice-ring). */
+/* A body of equal boxes whose elements and nodes are numbered as ct_mesh_create_box does needs no table: the nodes of an element, and the
+ * elements at a node, follow from their numbers. Element forces stand in a ring that the nodes follow closely (eq:lattice-ring). */
 
 /* Threads that have a ring each; more of them share. */
 enum { CT_MOST_RINGS = 64 };
