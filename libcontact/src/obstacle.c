@@ -14,7 +14,7 @@
 /* The obstacle with arrays of our own and an axis of length 1. */
 typedef struct obstacle_data {
   ct_obstacle given;
-  double *times, *displacement;
+  double *time, *value; /* of the history */
   int32_t *faces, *nodes;
   double *mass; /* of the effect's nodes */
   const double *reference;
@@ -57,24 +57,16 @@ double ct_obstacle_gap(const ct_obstacle *obstacle, const double point[3], doubl
 
 void ct_obstacle_motion(const ct_obstacle *obstacle, double time, double motion[3])
 {
-  int32_t last = obstacle->history_count - 1, k = 0;
-  if (last < 0) {
-    for (int c = 0; c < 3; c++) motion[c] = time * obstacle->velocity[c];
-    return;
-  }
-  while (k < last && obstacle->times[k + 1] < time) k++;
-  // -- Linear between two times of the history (eq:obstacle-motion)
-  const double *u = &obstacle->displacement[3 * (int64_t)k], *t = &obstacle->times[k];
-  double s = k == last || time <= t[0] ? 0.0 : (time - t[0]) / (t[1] - t[0]);
-  if (s > 1.0) s = 1.0;
-  for (int c = 0; c < 3; c++) motion[c] = s == 0.0 ? u[c] : u[c] + s * (u[3 + c] - u[c]);
+  // -- Velocity and history (eq:obstacle-motion)
+  double factor = obstacle->history.count > 0 ? ct_history_value(&obstacle->history, time) : 0.0;
+  for (int c = 0; c < 3; c++) motion[c] = time * obstacle->velocity[c] + factor * obstacle->travel[c];
 }
 
 static void free_data(void *data)
 {
   obstacle_data *d = data;
   if (d == NULL) return;
-  void *blocks[] = {d->times, d->displacement, d->faces, d->nodes, d->mass};
+  void *blocks[] = {d->time, d->value, d->faces, d->nodes, d->mass};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_release(d);
 }
@@ -234,8 +226,8 @@ static ct_status check(const ct_obstacle *o, const ct_problem *problem, ct_error
 {
   double a[3];
   int per = ct_face_node_count(o->kind), finite = 1;
-  for (int c = 0; c < 3; c++) finite = finite && isfinite(o->point[c]) && isfinite(o->velocity[c]);
-  if (!finite) return ct_fail(error, CT_INVALID, CT_NOWHERE, "obstacle: its point or velocity is not finite");
+  for (int c = 0; c < 3; c++) finite = finite && isfinite(o->point[c]) && isfinite(o->velocity[c]) && isfinite(o->travel[c]);
+  if (!finite) return ct_fail(error, CT_INVALID, CT_NOWHERE, "obstacle: its point, velocity or travel is not finite");
   if ((int)o->shape < CT_OBSTACLE_PLANE || (int)o->shape > CT_OBSTACLE_CYLINDER)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: there is no shape %d", (int)o->shape);
   if (!(o->epsilon > 0.0) || !isfinite(o->epsilon))
@@ -244,14 +236,8 @@ static ct_status check(const ct_obstacle *o, const ct_problem *problem, ct_error
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the %s has no length", o->shape == CT_OBSTACLE_PLANE ? "normal" : "axis");
   if (o->shape != CT_OBSTACLE_PLANE && (!(o->radius > 0.0) || !isfinite(o->radius)))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the radius must be positive, not %g", o->radius);
-  if (o->history_count < 0 || (o->history_count > 0 && (o->times == NULL || o->displacement == NULL)))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: its history is missing");
-  for (int32_t k = 0; k < o->history_count; k++) {
-    if (!isfinite(o->times[k]) || (k > 0 && !(o->times[k] > o->times[k - 1])))
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: time %d of its history is not above the one before", (int)k);
-    for (int c = 0; c < 3; c++)
-      if (!isfinite(o->displacement[3 * (int64_t)k + c])) return ct_fail(error, CT_INVALID, CT_NOWHERE, "obstacle: place %d of its history is not finite", (int)k);
-  }
+  if (o->history.count == 0 && (o->travel[0] != 0.0 || o->travel[1] != 0.0 || o->travel[2] != 0.0))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: it has a way to travel, but no history says when");
   if (per == 0 || o->face_count < 1 || o->faces == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the surface has no faces");
   for (int64_t i = 0; i < (int64_t)o->face_count * per; i++)
     if (o->faces[i] < 0 || o->faces[i] >= problem->node_count)
@@ -262,19 +248,19 @@ static ct_status check(const ct_obstacle *o, const ct_problem *problem, ct_error
 /* Copy what the caller gave, and the masses of the surface's nodes. */
 static ct_status fill(obstacle_data *data, const ct_obstacle *o, const ct_problem *problem, ct_effect *effect, ct_error *error)
 {
-  size_t entries = (size_t)o->face_count * (size_t)ct_face_node_count(o->kind), history = (size_t)o->history_count;
+  size_t entries = (size_t)o->face_count * (size_t)ct_face_node_count(o->kind), points = (size_t)o->history.count;
   void *trial = NULL;
   data->given = *o;
   if (o->shape != CT_OBSTACLE_SPHERE) (void)unit(o->axis, data->given.axis);
   data->reference = problem->reference;
   data->node_count = problem->node_count;
   data->faces = ct_duplicate(o->faces, entries * sizeof *o->faces);
-  data->times = ct_duplicate(o->times, history * sizeof *o->times);
-  data->displacement = ct_duplicate(o->displacement, 3 * history * sizeof *o->displacement);
-  if (!data->faces || !data->times || !data->displacement) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
+  data->time = ct_duplicate(o->history.time, points * sizeof *data->time);
+  data->value = ct_duplicate(o->history.value, points * sizeof *data->value);
+  if (!data->faces || !data->time || !data->value) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   data->given.faces = data->faces;
-  data->given.times = data->times;
-  data->given.displacement = data->displacement;
+  data->given.history.time = data->time;
+  data->given.history.value = data->value;
   ct_status status = create_scratch(effect, &trial, error);
   if (status != CT_OK) return status;
   const ct_search *search = ct_obstacle_of_scratch(trial)->side.search;
@@ -291,7 +277,8 @@ static ct_status fill(obstacle_data *data, const ct_obstacle *o, const ct_proble
 ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_problem *problem, ct_effect **out, ct_error *error)
 {
   if (obstacle == NULL || problem == NULL || out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: null argument");
-  ct_status status = check(obstacle, problem, error);
+  ct_status status = ct_history_check(&obstacle->history, error);
+  if (status == CT_OK) status = check(obstacle, problem, error);
   if (status != CT_OK) return status;
   ct_effect *effect = ct_allocate(1, sizeof *effect);
   obstacle_data *data = ct_allocate(1, sizeof *data);

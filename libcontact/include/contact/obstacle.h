@@ -1,6 +1,7 @@
 #ifndef CONTACT_OBSTACLE_H
 #define CONTACT_OBSTACLE_H
 
+#include <contact/history.h>
 #include <contact/segment.h>
 #include <contact/step.h>
 
@@ -26,14 +27,12 @@ typedef struct ct_obstacle {
   double radius;
   /** Penalty ε [stress / length], > 0; see `ct_contact_penalty`. */
   double epsilon;
-  /** Constant velocity [length / time]; zero when a history is given. */
+  /** Constant velocity [length / time]. */
   double velocity[3];
-  /** Number of times of the history of its motion, or 0. */
-  int32_t history_count;
-  /** Those times [time], ascending, shape (history_count). */
-  const double *times;
-  /** Displacement of the obstacle at those times [length], shape (history_count, 3); linear between them, constant before the first and after the last. */
-  const double *displacement;
+  /** What the history's factor multiplies [length]; zero without a history. */
+  double travel[3];
+  /** Its displacement is velocity times time plus `travel` times this factor, :eq:`obstacle-motion`; no points: no travel. */
+  ct_history history;
   /** Kind of the surface's faces. */
   ct_face_kind kind;
   /** Number of faces of the surface. */
@@ -48,12 +47,12 @@ typedef struct ct_obstacle {
  */
 CT_API double ct_obstacle_gap(const ct_obstacle *obstacle, const double point[3], double n[3]);
 
-/** Where the obstacle is at a time, relative to t = 0's `point` [length]: velocity times time, or its history. */
+/** Where the obstacle is at a time, relative to t = 0's `point` [length], :eq:`obstacle-motion`. */
 CT_API void ct_obstacle_motion(const ct_obstacle *obstacle, double time, double motion[3]);
 
 /**
  * The effect of one obstacle, named "obstacle". It stores the penalty's energy; work of its motion is external.
- * ``CT_ERROR_ARGUMENT``: penalty or radius not positive, no axis, no faces, node out of range, history not ascending.
+ * ``CT_ERROR_ARGUMENT``: penalty or radius not positive, no axis, no faces, node out of range, history not ascending, travel without a history.
  */
 CT_API ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_problem *problem, ct_effect **effect, ct_error *error);
 
