@@ -28,6 +28,8 @@ extern "C" {
 #include <contact/load.h>
 #include <contact/damping.h>
 #include <contact/absorb.h>
+#include <contact/obstacle.h>
+#include <contact/friction.h>
 #include <contact/scene.h>
 #include <contact/exact.h>
 

@@ -1,3 +1,4 @@
+#include <contact/friction.h>
 #include <contact/scene.h>
 
 #include "contact/contact_internal.h"
@@ -50,13 +51,6 @@ static int grow(void **table, int32_t count, size_t size)
   ct_release(*table);
   *table = larger;
   return 1;
-}
-
-static void *duplicate(const void *from, size_t bytes)
-{
-  void *copy = ct_allocate(bytes, 1);
-  if (copy != NULL && bytes > 0) memcpy(copy, from, bytes);
-  return copy;
 }
 
 ct_status ct_scene_create(ct_scene **scene, ct_error *error)
@@ -184,7 +178,7 @@ ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *vel
     if (!isfinite(velocity[d]))
       return ct_fail(error, CT_INVALID, (ct_place){body, -1, d / 3}, "body %s: velocity %c of node %d is not finite", name,
                      "xyz"[d % 3], (int)(d / 3));
-  double *copy = duplicate(velocity, (size_t)count * sizeof *copy);
+  double *copy = ct_duplicate(velocity, (size_t)count * sizeof *copy);
   if (copy == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for body %s", name);
   ct_release(scene->parts[body].velocities);
   scene->parts[body].velocities = copy;
@@ -227,7 +221,7 @@ ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact,
   entry->given = *contact;
   for (int s = 0; s < 2; s++) {
     size_t entries = (size_t)count[s] * (size_t)ct_face_node_count(ct_brick_face_kind(scene->parts[body[s]].mesh->kind));
-    entry->faces[s] = duplicate(faces[s], entries * sizeof *faces[s]);
+    entry->faces[s] = ct_duplicate(faces[s], entries * sizeof *faces[s]);
     if (entry->faces[s] == NULL) {
       ct_release(entry->faces[0]);
       return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
@@ -245,7 +239,7 @@ ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support,
   ct_status status = check_body(scene, support->body, "support", error);
   if (status == CT_OK) status = check_nodes(scene, support->body, support->nodes, support->node_count, 0, "support", error);
   if (status != CT_OK) return status;
-  int32_t *nodes = duplicate(support->nodes, (size_t)support->node_count * sizeof *nodes);
+  int32_t *nodes = ct_duplicate(support->nodes, (size_t)support->node_count * sizeof *nodes);
   if (nodes == NULL || !grow((void **)&scene->supports, scene->support_count, sizeof *scene->supports)) {
     ct_release(nodes);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a support");
@@ -397,12 +391,17 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
 static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
 {
   int32_t *count = &scene->problem.effect_count;
-  scene->effects = ct_allocate((size_t)scene->contact_count + (size_t)scene->added_count + 2, sizeof *scene->effects);
+  scene->effects = ct_allocate(2 * (size_t)scene->contact_count + (size_t)scene->added_count + 2, sizeof *scene->effects);
   if (scene->effects == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the effects");
   ct_status status = make_solid(scene, threads, error);
   if (status == CT_OK) (*count)++;
   for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++) {
     status = make_contact(scene, i, &scene->effects[*count], error);
+    if (status == CT_OK) (*count)++;
+    const ct_scene_contact *given = &scene->contacts[i].given;
+    if (status != CT_OK || given->friction == 0.0) continue;
+    ct_friction friction = {.on = scene->effects[*count - 1], .coefficient = given->friction, .tangent = given->tangent};
+    status = ct_friction_create_effect(&friction, &scene->problem, &scene->effects[*count], error);
     if (status == CT_OK) (*count)++;
   }
   for (int32_t i = 0; status == CT_OK && i < scene->added_count; i++) scene->effects[(*count)++] = scene->added[i];

@@ -32,6 +32,14 @@ int64_t ct_state_memory_start(const ct_problem *problem, int32_t k)
   return start;
 }
 
+/* Whether the effect that effect `k` reads stands before it. */
+static int reads_earlier(const ct_problem *problem, int32_t k)
+{
+  for (int32_t i = 0; i < k; i++)
+    if (problem->effects[i] == problem->effects[k]->reads) return 1;
+  return problem->effects[k]->reads == NULL;
+}
+
 static ct_status check_problem(const ct_problem *p, ct_error *error)
 {
   if (p == NULL || p->bodies == NULL || p->reference == NULL || p->mass == NULL || p->inverse_mass == NULL ||
@@ -42,6 +50,9 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
   for (int32_t k = 1; k < p->effect_count; k++)
     if ((p->effects[k]->force == NULL) != (p->effects[k]->reaction != 0))
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s has no force", p->effects[k]->name);
+  for (int32_t k = 1; k < p->effect_count; k++)
+    if (!reads_earlier(p, k))
+      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s reads one that does not stand before it", p->effects[k]->name);
   if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1 || p->threads > CT_MOST_THREADS)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: a step of %g with %d threads", p->dt, p->threads);
   return CT_OK;
@@ -221,12 +232,22 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   return CT_OK;
 }
 
+/* Scratch space of the effect that effect `k` reads. */
+static const void *scratch_read(const ct_problem *problem, const ct_state *state, int32_t k)
+{
+  const ct_effect *other = problem->effects[k]->reads;
+  for (int32_t i = 0; other != NULL && i < k; i++)
+    if (problem->effects[i] == other) return state->workspace->scratch[i];
+  return NULL;
+}
+
 ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k)
 {
   int64_t memory = ct_state_memory_start(problem, k);
   return (ct_view){.time = state->time, .threads = problem->threads, .reference = problem->reference,
                    .displacement = state->displacement, .velocity = state->velocity, .memory = state->memory + memory,
-                   .next_memory = state->workspace->next_memory + memory, .scratch = state->workspace->scratch[k]};
+                   .next_memory = state->workspace->next_memory + memory, .scratch = state->workspace->scratch[k],
+                   .read = scratch_read(problem, state, k)};
 }
 
 const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k)

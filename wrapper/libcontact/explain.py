@@ -7,20 +7,22 @@ from collections.abc import Sequence
 from typing import Any
 
 from . import effects
-from .parts import DEFAULT_BETA, Contact, Parts
+from .parts import Contact, Parts
 from .plan import Cost, predict, table
 from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, speeds
+from .surfaces import DEFAULT_BETA
 from .units import Units
 
 # Effects of the library, with what a scene that leaves them out goes without.
 EFFECTS = {
     "solid": "internal forces of the bodies (every scene has them)",
     "contact": "no [[contact]]: bodies pass through each other",
+    "friction": "no friction in a contact or an obstacle: surfaces slide freely",
     "support": "no [[support]]: nothing holds the bodies",
     **{effects.name_of(module): module.WITHOUT for module in effects.MODULES},
 }
 ASSUMPTIONS = (
-    "contact without friction; penalty, so surfaces overlap by pressure / epsilon",
+    "contact by a penalty, so surfaces overlap by pressure / epsilon",
     "surfaces meet only where a [[contact]] names them; a body passes through itself unless one names two surfaces of it, or one twice",
     "no damping and no artificial viscosity: the ringing behind a steep front is the mesh's own",
 )
@@ -135,6 +137,7 @@ def _contact(built: BuiltContact, given: Contact, gap: float | None) -> dict[str
     return {
         "surfaces": list(built.surfaces), "with_itself": built.with_itself, "faces": list(built.faces), "gauss_points": list(built.points),
         "epsilon": built.epsilon, "beta": given.beta, "penalty_is_default": not given.penalty_given,
+        "friction": given.friction, "tangent": given.tangent or 1.0,
         "method": given.method, "tolerance": given.tolerance, "depth": given.depth, "initial_gap": gap, "warnings": warnings,
     }
 
@@ -207,6 +210,7 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
     return [
         f"  contact {_who(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} Gauss points",
         f"    penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin}), closest points by {contact['method']}",
+        *([f"    friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"] if contact["friction"] else []),
         "    at the start " + (nobody if contact["initial_gap"] is None else f"the smallest gap is {contact['initial_gap']:.4g} {units.length}"),
     ]
 

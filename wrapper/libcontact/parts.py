@@ -10,7 +10,7 @@ import numpy as np
 from . import effects
 from .projection import METHODS
 from .schema import SceneError, Table, describe, float_array, index_array, suggestion
-from .surfaces import split_face
+from .surfaces import DEFAULT_BETA, split_face
 from .units import BASES, Units
 
 ELEMENTS = ("hex8", "hex20")
@@ -20,7 +20,6 @@ KERNELS = ("auto", "general", "box")
 FIELDS = ("displacement", "velocity", "stress")
 SAVINGS = ("quiet", "plane_strain", "congruent", "distant")
 INTEGRATORS = ("central_difference",)
-DEFAULT_BETA = 4.0
 
 
 @dataclass(frozen=True)
@@ -90,6 +89,8 @@ class Contact:
     method: str
     tolerance: float | None
     depth: float | None
+    friction: float
+    tangent: float
 
     @property
     def with_itself(self) -> bool:
@@ -148,6 +149,8 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     bodies = _named(scene.tables("body"), lambda table: _body(table, materials))
     contacts = tuple(_contact(table, bodies) for table in scene.tables("contact"))
     supports = tuple(_support(table, bodies) for table in scene.tables("support"))
+    if scene.has("friction"):
+        raise scene.error("friction", "can't stand alone: there is no friction without a pressure; write friction = 0.3 in a [[contact]] or an [[obstacle]]")
     added = effects.read(scene, effects.Known(materials, bodies, contacts))
     table = scene.table("time", None) if not whole else scene.table("time")
     time = _time(table) if table is not None else None
@@ -289,7 +292,11 @@ def _contact(table: Table, bodies: dict[str, Body]) -> Contact:
         method=table.choice("method", METHODS, "robust"),
         tolerance=table.number("tolerance", None, above=0.0),
         depth=table.number("depth", None, above=0.0),
+        friction=table.number("friction", 0.0, least=0.0),
+        tangent=table.number("tangent", 0.0, above=0.0),
     )
+    if contact.tangent and not contact.friction:
+        raise table.error("tangent", 'belongs to friction; give "friction" too')
     table.done()
     return contact
 

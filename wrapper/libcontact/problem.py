@@ -211,7 +211,8 @@ class Problem:
                                  f"contact[{i}].surfaces[{j}]", self.file)
         if contact.with_itself:
             faces = [_together(*faces)] * 2
-        new = ffi.new("ct_scene_contact *", {"beta": contact.beta or 0.0, "options": lib.ct_contact_options_default()})
+        new = ffi.new("ct_scene_contact *", {"beta": contact.beta or 0.0, "friction": contact.friction, "tangent": contact.tangent,
+                                                  "options": lib.ct_contact_options_default()})
         for side, (body, _), table in zip("ab", contact.surfaces, faces):
             setattr(new, f"body_{side}", numbers[body])
             setattr(new, f"face_count_{side}", len(table))
@@ -243,7 +244,9 @@ class Problem:
         self._call(lib.ct_scene_join, self._scene, joined, key="")
         for added in self.parts.effects:
             maker = Maker(self, joined[0], added.key)
-            self._call(lib.ct_scene_add_effect, self._scene, added.module.create(added.given, maker), key=added.key)
+            made = added.module.create(added.given, maker)
+            for effect in made if isinstance(made, list) else [made]:
+                self._call(lib.ct_scene_add_effect, self._scene, effect, key=added.key)
         for effect in own:
             self._call(lib.ct_scene_add_effect, self._scene, effect.create(Maker(self, joined[0], effect.name)), key=effect.name)
 

@@ -48,6 +48,8 @@ typedef struct ct_view {
    * force as it stands, :eq:`still-node`.
    */
   uint64_t *still;
+  /** Scratch space of the effect that this one `reads`, as its `force` has left it for the same time; null without one. */
+  const void *read;
 } ct_view;
 
 /**
@@ -75,6 +77,8 @@ typedef struct ct_effect {
   double flops;
   /** Bytes that one call of `force` moves between memory and processor, about; 0: not told. */
   double bytes;
+  /** Null, or an effect that stands before this one in the problem's list and whose scratch space it is shown as `read` of the view. */
+  const struct ct_effect *reads;
   /** Scratch space of one state. */
   ct_status (*create_scratch)(const struct ct_effect *effect, void **scratch, ct_error *error);
   /** Give the scratch space back. */
@@ -90,6 +94,11 @@ typedef struct ct_effect {
    * Null for a force that does not depend on velocity.
    */
   ct_status (*damping)(const struct ct_effect *effect, const ct_view *view, double *rate, ct_error *error);
+  /**
+   * Work since t = 0 that comes in from outside through an effect that stores energy, as of a moving obstacle [energy], for the view of the last `force`; the
+   * ledger books it as external. Null: none does.
+   */
+  ct_status (*external)(const struct ct_effect *effect, const ct_view *view, double *work, ct_error *error);
   /** Give `data` back. */
   void (*free_data)(void *data);
 } ct_effect;

@@ -30,6 +30,10 @@ typedef struct ct_scene_contact {
   double beta;
   /** Search, depth; `epsilon` when `beta` is 0. */
   ct_contact_options options;
+  /** Coefficient μ of friction; 0: none, and nothing is kept or computed for it. */
+  double friction;
+  /** Ratio of the tangential to the normal penalty of friction; 0: 1. */
+  double tangent;
 } ct_scene_contact;
 
 /** Prescribed velocity of a set of nodes of one body. */
