@@ -22,6 +22,7 @@ extern "C" {
 #include <contact/contact.h>
 #include <contact/support.h>
 #include <contact/step.h>
+#include <contact/viscosity.h>
 #include <contact/energy.h>
 #include <contact/history.h>
 #include <contact/gravity.h>

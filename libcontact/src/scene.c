@@ -6,6 +6,7 @@
 #include "memory.h"
 #include "workspace.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -17,6 +18,7 @@ typedef struct scene_body {
   ct_solid_kernel kernel;
   double velocity[3];
   double *velocities; /* of each node, or null */
+  double hourglass;   /* coefficient, or 0 for the default */
 } scene_body;
 
 typedef struct scene_contact {
@@ -130,7 +132,7 @@ ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *me
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body: null argument");
   if (scene->joined)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body %s: the scene's bodies were joined before, and none can be added after", name);
-  if ((int)lumping < CT_LUMP_DEFAULT || (int)lumping > CT_LUMP_HRZ || (int)kernel < CT_KERNEL_AUTO || (int)kernel > CT_KERNEL_BOX)
+  if ((int)lumping < CT_LUMP_DEFAULT || (int)lumping > CT_LUMP_HRZ || (int)kernel < CT_KERNEL_AUTO || (int)kernel > CT_KERNEL_REDUCED)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body %s: no lumping %d or no kernel %d", name, (int)lumping, (int)kernel);
   ct_status status = ct_material_check(material, error);
   for (int c = 0; status == CT_OK && c < 3; c++)
@@ -152,7 +154,7 @@ ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *me
   entry->material = *material;
   entry->first_node = 0;
   for (int32_t i = 0; i < scene->body_count; i++) entry->first_node += scene->bodies[i].mesh->node_count;
-  scene->parts[scene->body_count] = (scene_body){copy, lumping, kernel, {velocity[0], velocity[1], velocity[2]}, NULL};
+  scene->parts[scene->body_count] = (scene_body){copy, lumping, kernel, {velocity[0], velocity[1], velocity[2]}, NULL, 0.0};
   if (body != NULL) *body = scene->body_count;
   scene->body_count++;
   return CT_OK;
@@ -182,6 +184,17 @@ ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *vel
   if (copy == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for body %s", name);
   ct_release(scene->parts[body].velocities);
   scene->parts[body].velocities = copy;
+  return CT_OK;
+}
+
+ct_status ct_scene_set_hourglass(ct_scene *scene, int32_t body, double coefficient, ct_error *error)
+{
+  if (scene == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "hourglass: null argument");
+  ct_status status = check_body(scene, body, "hourglass", error);
+  if (status != CT_OK) return status;
+  if (!(coefficient > 0.0) || !isfinite(coefficient))
+    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "the hourglass coefficient must be positive, not %g", coefficient);
+  scene->parts[body].hourglass = coefficient;
   return CT_OK;
 }
 
@@ -330,14 +343,25 @@ ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *erro
   return CT_OK;
 }
 
+/* Whether supports hold all nodes of a body in a direction at velocity 0; they were applied before. */
+static int held_body(const ct_scene *scene, int32_t body, int axis)
+{
+  size_t first = (size_t)scene->bodies[body].first_node, count = (size_t)scene->parts[body].mesh->node_count;
+  for (size_t n = first; n < first + count; n++)
+    if (scene->inverse_mass[3 * n + (size_t)axis] != 0.0 || scene->velocity[3 * n + (size_t)axis] != 0.0) return 0;
+  return 1;
+}
+
 static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
 {
   ct_solid_block *blocks = ct_allocate((size_t)scene->body_count, sizeof *blocks);
   if (blocks == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
-  for (int32_t i = 0; i < scene->body_count; i++)
+  for (int32_t i = 0; i < scene->body_count; i++) {
     blocks[i] = (ct_solid_block){.mesh = scene->parts[i].mesh, .material = scene->bodies[i].material, .kernel = scene->parts[i].kernel,
                                  .first_node = scene->bodies[i].first_node, .lumping = scene->parts[i].lumping,
-                                 .savings = &scene->savings, .threads = threads};
+                                 .savings = &scene->savings, .threads = threads, .hourglass = scene->parts[i].hourglass};
+    for (int axis = 0; axis < 3; axis++) blocks[i].held[axis] = held_body(scene, i, axis);
+  }
   ct_status status = ct_solid_create_effect(blocks, scene->body_count, &scene->effects[0], error);
   ct_release(blocks);
   return status;
@@ -391,10 +415,15 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
 static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
 {
   int32_t *count = &scene->problem.effect_count;
-  scene->effects = ct_allocate(2 * (size_t)scene->contact_count + (size_t)scene->added_count + 2, sizeof *scene->effects);
+  ct_effect *supports = NULL, *hourglass = NULL;
+  scene->effects = ct_allocate(2 * (size_t)scene->contact_count + (size_t)scene->added_count + 3, sizeof *scene->effects);
   if (scene->effects == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the effects");
-  ct_status status = make_solid(scene, threads, error);
+  // What is held decides on the kernels, so supports are made first; they stand last.
+  ct_status status = scene->support_count > 0 ? make_supports(scene, &supports, error) : CT_OK;
+  if (status == CT_OK) status = make_solid(scene, threads, error);
   if (status == CT_OK) (*count)++;
+  if (status == CT_OK) status = ct_solid_create_hourglass(scene->effects[0], &hourglass, error);
+  if (hourglass != NULL) scene->effects[(*count)++] = hourglass;
   for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++) {
     status = make_contact(scene, i, &scene->effects[*count], error);
     if (status == CT_OK) (*count)++;
@@ -405,10 +434,7 @@ static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
     if (status == CT_OK) (*count)++;
   }
   for (int32_t i = 0; status == CT_OK && i < scene->added_count; i++) scene->effects[(*count)++] = scene->added[i];
-  if (status == CT_OK && scene->support_count > 0) {
-    status = make_supports(scene, &scene->effects[*count], error);
-    if (scene->effects[*count] != NULL) (*count)++;
-  }
+  if (supports != NULL) scene->effects[(*count)++] = supports;
   scene->problem.effects = (const ct_effect *const *)scene->effects;
   return status;
 }
@@ -442,7 +468,7 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   if (status == CT_OK) status = make_effects(scene, time->threads, error);
   p->threads = 1;
   p->clock = NULL;
-  p->dt = 1.0; // any step will do to ask for the stable one
+  p->dt = DBL_MIN; // any step will do to ask for the stable one, if half of it changes no velocity
   if (status == CT_OK) status = ct_stable(p, NULL, stable, error);
   if (status == CT_OK) status = asked_step(time, stable, &dt, error);
   if (status != CT_OK) {

@@ -81,6 +81,9 @@ CT_API ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_m
  */
 CT_API ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *velocity, ct_error *error);
 
+/** The coefficient κ of the hourglass control of a body with CT_KERNEL_REDUCED, :eq:`hourglass-stiffness`, > 0; the default if this is not called. */
+CT_API ct_status ct_scene_set_hourglass(ct_scene *scene, int32_t body, double coefficient, ct_error *error);
+
 /** Add a contact; its arrays are copied. */
 CT_API ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error);
 

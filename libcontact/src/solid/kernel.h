@@ -45,6 +45,9 @@ typedef struct ct_solid_part {
   /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */
   int32_t batch_count;
   int32_t *batch_nodes;
+  /* Coefficient of the hourglass control, and what is laid down for each batch, when the kernel is CT_KERNEL_REDUCED. */
+  double hourglass;
+  struct ct_reduced_lanes *mean;
   /* Shape gradients ∂N_a/∂ξ_j and weights at the Gauss points of hex20, shape (27, 20, 3). */
   double (*gradients)[20][3];
   ct_assembly *assembly;
@@ -55,6 +58,9 @@ typedef struct ct_solid_part {
   /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null when quiet batches are not left out. */
   int32_t *range_first;
   struct ct_node_range *ranges;
+  /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE, and where its values stand behind those of the bricks. */
+  struct ct_plane *plane;
+  int64_t plane_value;
 } ct_solid_part;
 
 /* Batches that are computed before their nodes are summed, while their forces are still in the cache. */
@@ -79,6 +85,9 @@ static inline void ct_solid_load_element(const ct_mesh *mesh, int32_t e, const d
   size_t per = (size_t)ct_brick_node_count(mesh->kind);
   for (size_t a = 0; a < per; a++) memcpy(to[a], &from[3 * (size_t)mesh->elements[(size_t)e * per + a]], sizeof to[a]);
 }
+
+/* Node numbers of a mesh, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */
+void ct_solid_batch_nodes(const ct_mesh *mesh, int32_t *batch_nodes);
 
 /* Read `per` nodes of 8 elements from an array (nodes, 3) into lanes v[component][node]. */
 static inline void ct_load_lanes(const int32_t *nodes, int per, const double *array, int lane, ct_lanes *v)
