@@ -22,8 +22,8 @@ EFFECTS = {
 ASSUMPTIONS = (
     "contact without friction; penalty, so surfaces overlap by pressure / epsilon",
     "surfaces meet only where a [[contact]] names them; a body passes through itself unless one names two surfaces of it, or one twice",
-    "no damping and no artificial viscosity: the ringing behind a steep front is the mesh's own",
 )
+RINGING = "no damping and no artificial viscosity: the ringing behind a steep front is the mesh's own"
 LAWS = {
     "linear": "small strains and rotations, linear isotropic elasticity",
     "st_venant_kirchhoff": "any rotation and moderate strain by St. Venant-Kirchhoff's law, which gives way under strong compression",
@@ -86,7 +86,8 @@ def _assumptions(parts: Parts) -> list[str]:
     for body in parts.bodies.values():
         bodies.setdefault(parts.materials[body.material].law, []).append(body.name)
     laws = [LAWS[law] + (f" ({', '.join(names)})" if len(bodies) > 1 else "") for law, names in bodies.items()]
-    return [*laws, *([STIFFENS] if set(bodies) != {"linear"} else []), *ASSUMPTIONS]
+    ringing = [] if {"damping", "viscosity"} & {effect.name for effect in parts.effects} else [RINGING]
+    return [*laws, *([STIFFENS] if set(bodies) != {"linear"} else []), *ASSUMPTIONS, *ringing]
 
 
 def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
@@ -110,6 +111,10 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
 def _why(asked: str, body: BuiltBody) -> str:
     if asked != "auto":
         return "asked for"
+    if body.kernel == "reduced":
+        return "integration = \"reduced\": one point, and hourglass control"
+    if body.kernel == "plane":
+        return "one layer of equal boxes held along its thickness: plane strain, in two dimensions"
     if body.kernel == "box":
         return "all elements are equal boxes along x, y, z: integrals in closed form"
     if body.mesh.element == "hex20":

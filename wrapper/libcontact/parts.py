@@ -16,7 +16,8 @@ from .units import BASES, Units
 ELEMENTS = ("hex8", "hex20")
 LUMPINGS = ("row_sum", "hrz")
 LAWS = ("linear", "st_venant_kirchhoff", "neo_hookean")
-KERNELS = ("auto", "general", "box")
+KERNELS = ("auto", "general", "box", "plane")
+INTEGRATIONS = ("full", "reduced")
 FIELDS = ("displacement", "velocity", "stress")
 SAVINGS = ("quiet", "plane_strain", "congruent", "distant")
 INTEGRATORS = ("central_difference",)
@@ -74,6 +75,8 @@ class Body:
     elements: np.ndarray | None
     ring: Ring | None = None
     spin: Spin | None = None
+    integration: str = "full"
+    hourglass: float | None = None
 
 
 @dataclass(frozen=True)
@@ -149,6 +152,9 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     contacts = tuple(_contact(table, bodies) for table in scene.tables("contact"))
     supports = tuple(_support(table, bodies) for table in scene.tables("support"))
     added = effects.read(scene, effects.Known(materials, bodies, contacts))
+    for i, body in enumerate(bodies.values()):
+        if body.kernel == "plane":
+            _no_load_out_of_plane(i, bodies, supports, added, file)
     table = scene.table("time", None) if not whole else scene.table("time")
     time = _time(table) if table is not None else None
     output = _output(scene.table("output", {}))
@@ -219,16 +225,45 @@ def _body(table: Table, materials: dict[str, Material]) -> Body:
         element = "hex8"
     if element == "hex20" and lumping == "row_sum":
         raise table.error("lumping", '"row_sum" gives the corners of hex20 a negative mass; use "hrz"')
-    if element == "hex20" and kernel == "box":
-        raise table.error("kernel", '"box" is for hex8; hex20 has the kernel "general"')
+    if element == "hex20" and kernel in ("box", "plane"):
+        raise table.error("kernel", f'"{kernel}" is for hex8; hex20 has the kernel "general"')
+    integration, hourglass = _integration(table, kernel, element)
     large = materials[material].law != "linear"
-    if large and kernel == "box":
-        raise table.error("kernel", f'"box" is for small strain; material "{material}" has the law "{materials[material].law}"')
+    if large and integration == "reduced":
+        raise table.error("integration", f'"reduced" is for small strain; material "{material}" has the law "{materials[material].law}"')
+    if large and kernel in ("box", "plane"):
+        raise table.error("kernel", f'"{kernel}" is for small strain; material "{material}" has the law "{materials[material].law}"')
     if spin is not None and not large:
         raise table.error("spin", f'turns the body, and the law "linear" of material "{material}" takes a rotation for a strain; '
                                   'give the material the law "st_venant_kirchhoff" or "neo_hookean"')
     table.done()
-    return Body(name, material, element, velocity, lumping, kernel, box, mesh, nodes, elements, ring, spin)
+    return Body(name, material, element, velocity, lumping, kernel, box, mesh, nodes, elements, ring, spin, integration, hourglass)
+
+
+def _integration(table: Table, kernel: str, element: str | None) -> tuple[str, float | None]:
+    """The keys ``integration`` and ``hourglass``, the coefficient of the control that one point an element needs."""
+    integration = table.choice("integration", INTEGRATIONS, "full")
+    hourglass = table.number("hourglass", None, above=0.0)
+    if integration == "reduced" and element == "hex20":
+        raise table.error("integration", '"reduced" with hourglass control is for hex8; hex20 is integrated in full')
+    if integration == "reduced" and kernel != "auto":
+        raise table.error("kernel", f'"{kernel}" integrates in full, and the body asks for integration = "reduced"')
+    if hourglass is not None and integration == "full":
+        raise table.error("hourglass", 'needs integration = "reduced"; full integration has no hourglass motion to control')
+    return integration, hourglass
+
+
+def _no_load_out_of_plane(body: int, bodies: dict[str, Body], supports: tuple[Support, ...], added: tuple[effects.Added, ...], file: str | None) -> None:
+    """Refuse a load along the thickness of a body that asks for the kernel of plane strain."""
+    name, given = list(bodies.items())[body]
+    held = {axis for support in supports if support.body == name for axis in support.fix}
+    thin = [k for k in range(3) if given.box is not None and given.box.cells[k] == 1 and "xyz"[k] in held]
+    for effect in added:
+        own = effect.given
+        named = getattr(own, "bodies", ()) is None or name in (getattr(own, "bodies", None) or ()) or name == getattr(own, "surface", ("",))[0]
+        vector = getattr(own, "acceleration", getattr(own, "traction", None))
+        if named and vector is not None and thin and all(vector[k] != 0.0 for k in thin):
+            raise SceneError(f'acts on "{name}" along {"xyz"[thin[0]]}, the thickness of its plane strain (kernel = "plane"), where nothing may move', effect.key, file)
 
 
 def _box(table: Table) -> Box:

@@ -20,7 +20,8 @@ from .schema import SceneError, float_array, index_array
 
 LUMPING = {None: lib.CT_LUMP_DEFAULT, "row_sum": lib.CT_LUMP_ROW_SUM, "hrz": lib.CT_LUMP_HRZ}
 LAW = {"linear": lib.CT_LINEAR, "st_venant_kirchhoff": lib.CT_ST_VENANT_KIRCHHOFF, "neo_hookean": lib.CT_NEO_HOOKEAN}
-KERNEL = {"auto": lib.CT_KERNEL_AUTO, "general": lib.CT_KERNEL_GENERAL, "box": lib.CT_KERNEL_BOX}
+KERNEL = {"auto": lib.CT_KERNEL_AUTO, "general": lib.CT_KERNEL_GENERAL, "box": lib.CT_KERNEL_BOX,
+          "plane": lib.CT_KERNEL_PLANE, "reduced": lib.CT_KERNEL_REDUCED}
 MOST_STEPS = 10**12
 POINT = np.dtype(
     [("side", "i4"), ("face", "i4"), ("gauss", "i4"), ("other", "i4"), ("position", "f8", 3), ("closest", "f8", 3), ("xi", "f8", 2),
@@ -173,8 +174,8 @@ class Problem:
         found = "hex8" if elements.shape[1] == 8 else "hex20"
         if body.element not in (None, found):
             raise SceneError(f'is "{body.element}", but "{path}" holds {found}', f"body[{i}].element", self.file)
-        if found == "hex20" and (body.lumping == "row_sum" or body.kernel == "box"):
-            key = "lumping" if body.lumping == "row_sum" else "kernel"
+        if found == "hex20" and (body.lumping == "row_sum" or body.kernel in ("box", "plane") or body.integration == "reduced"):
+            key = "lumping" if body.lumping == "row_sum" else "integration" if body.integration == "reduced" else "kernel"
             raise SceneError(f'"{getattr(body, key)}" is for hex8, and "{path}" holds hex20', f"body[{i}].{key}", self.file)
         return nodes, elements
 
@@ -194,7 +195,9 @@ class Problem:
             if not (math.isfinite(c1) and c1 > 0.0):
                 raise SceneError(f'material "{body.material}" has the wave speed {c1:g}', f"body[{i}].material", self.file)
             self._call(lib.ct_scene_add_body, self._scene, body.name.encode(), mesh.pointer, material, LUMPING[body.lumping],
-                       KERNEL[body.kernel], list(body.velocity), number, key=f"body[{i}]", about=f'body "{body.name}": ')
+                       KERNEL["reduced" if body.integration == "reduced" else body.kernel], list(body.velocity), number, key=f"body[{i}]", about=f'body "{body.name}": ')
+            if body.hourglass is not None:
+                self._call(lib.ct_scene_set_hourglass, self._scene, number[0], body.hourglass, key=f"body[{i}].hourglass")
             if body.spin is not None:
                 velocity = _spinning(body, mesh)
                 self._call(lib.ct_scene_set_velocity, self._scene, number[0], ffi.from_buffer("double[]", velocity),

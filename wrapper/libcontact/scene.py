@@ -99,11 +99,12 @@ class Scene:
         return self._add("material", name=name, young=young, poisson=poisson, density=density, law=law)
 
     def add_body(self, name: str, *, material: str, box: Any = None, ring: Any = None, mesh: Any = None, nodes: Any = None,
-                 elements: Any = None, element: str | None = None, velocity: Any = None, spin: Any = None, lumping: str | None = None, kernel: str | None = None) -> Scene:
+                 elements: Any = None, element: str | None = None, velocity: Any = None, spin: Any = None, lumping: str | None = None, kernel: str | None = None,
+                 integration: str | None = None, hourglass: float | None = None) -> Scene:
         """Add a body: a ``box``, a ``ring``, a ``mesh`` file, or ``nodes`` (n, 3) with ``elements`` (cells, 8 or 20); the arrays are copied."""
         mesh = os.fspath(mesh) if isinstance(mesh, os.PathLike) else mesh
         return self._add("body", name=name, box=box, ring=ring, mesh=mesh, nodes=nodes, elements=elements, element=element, material=material,
-                         velocity=velocity, spin=spin, lumping=lumping, kernel=kernel)
+                         velocity=velocity, spin=spin, lumping=lumping, kernel=kernel, integration=integration, hourglass=hourglass)
 
     def add_contact(self, a: str, b: str, *, beta: float | None = None, epsilon: float | None = None, method: str | None = None,
                     tolerance: float | None = None, depth: float | None = None) -> Scene:

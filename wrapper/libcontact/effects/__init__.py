@@ -89,6 +89,6 @@ def body_numbers(names: tuple[str, ...] | None, maker: Any) -> tuple[Any, int]:
 
 
 # The modules use what stands above. In the order in which their forces are added and their columns stand in the ledger.
-from . import absorb, damping, gravity, load  # noqa: E402
+from . import absorb, damping, gravity, load, viscosity  # noqa: E402
 
-MODULES: tuple[ModuleType, ...] = (gravity, load, damping, absorb)
+MODULES: tuple[ModuleType, ...] = (gravity, load, damping, absorb, viscosity)
