@@ -88,7 +88,8 @@ def _assumptions(parts: Parts) -> list[str]:
     for body in parts.bodies.values():
         bodies.setdefault(parts.materials[body.material].law, []).append(body.name)
     laws = [LAWS[law] + (f" ({', '.join(names)})" if len(bodies) > 1 else "") for law, names in bodies.items()]
-    return [*laws, *([STIFFENS] if set(bodies) != {"linear"} else []), *ASSUMPTIONS]
+    ringing = [] if {"damping", "viscosity"} & {effect.name for effect in parts.effects} else [RINGING]
+    return [*laws, *([STIFFENS] if set(bodies) != {"linear"} else []), *ASSUMPTIONS, *ringing]
 
 
 def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
