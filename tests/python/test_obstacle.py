@@ -1,0 +1,113 @@
+"""Scenes with obstacles and friction: closed forms, ledgers, restart, and what is refused."""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+from libcontact._core import lib
+from libcontact.schema import SceneError
+
+SCENES = Path(__file__).parents[2] / "tutorials" / "scenes"
+needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
+
+
+def changed(name, **changes):
+    data = tomllib.loads((SCENES / f"{name}.toml").read_text(encoding="utf-8"))
+    for key, value in changes.items():
+        data[key] = value
+    return data
+
+
+def test_bar_on_a_wall():
+    run = ct.Scene.load(SCENES / "bar_on_a_wall.toml").run(progress=False, output=False)
+    energy, p = run.energy, run.momentum["p"][:, 0] / 0.1
+    touching = energy["time"][energy["obstacle"] > 0.05 * energy["obstacle"].max()]
+    assert abs(touching[0] - 0.5) < 0.02 and abs(touching[-1] - (0.5 + 2 / 3)) < 0.02
+    # Momentum grows by pressure times area: 300 over the area, of a bar of mass 10 over the area.
+    steady = (energy["time"] > 0.6) & (energy["time"] < 1.1)
+    assert np.polyfit(energy["time"][steady], p[steady], 1)[0] == pytest.approx(30.0, rel=0.01)
+    assert p[-1] == pytest.approx(10.0, rel=0.01)
+    assert np.abs(energy["balance"]).max() < 1e-12 * energy["kinetic"][0]
+
+
+def test_block_on_an_incline():
+    run = ct.Scene.load(SCENES / "block_on_an_incline.toml").run(progress=False, output=False)
+    last, p = run.energy[-1], run.momentum[-1]["p"]
+    # Friction is 0.3 of the normal force but for the first moment of stick.
+    assert p[0] == pytest.approx(300 * 3.6 - 0.3 * p[2], rel=5e-3)
+    assert last["friction"] < 0 and abs(last["balance"]) < 1e-12 * last["kinetic"]
+    assert abs(last["total"]) < 2e-3 * last["kinetic"]
+
+
+def test_block_stays_below_the_angle_of_friction():
+    data = changed("block_on_an_incline", gravity={"acceleration": [2, 0, -8]})
+    data["obstacle"][0]["friction"] = 0.9
+    run = ct.Scene(data).run(progress=False, output=False)
+    slip = 2 * 1000 * 0.3 / (1e5 / 0.15)
+    assert np.abs(run.state["block"].displacement[:, 0]).max() < 20 * slip
+    assert abs(run.momentum[-1]["p"][0]) < 0.05 * 300 * 2
+
+
+def test_hertz():
+    run = ct.Scene.load(SCENES / "hertz.toml").run(progress=False, output=False)
+    # The work of the sphere on a quarter of the block: the integral of Hertz's force, 2/5 of force times approach. Few elements over the radius, a block of six radii.
+    force = 4 / 3 * 1000 / (1 - 0.09) * 2.0 * 0.1**1.5
+    assert run.energy["external"][-1] == pytest.approx(0.4 * force * 0.1 / 4, rel=0.15)
+    assert abs(run.energy["total"][-1]) < 1e-4 * run.energy["external"][-1]
+
+
+@needs_hdf5
+def test_restart_carries_friction(tmp_path):
+    scene = ct.Scene(changed("block_on_an_incline", output={"every": 50}))
+    whole = scene.run(progress=False, output=tmp_path / "whole.vtkhdf")
+    scene.run(progress=False, output=tmp_path / "half.vtkhdf", until=0.5)
+    rest = scene.run(progress=False, restart=tmp_path / "half.vtkhdf", output=False)
+    assert np.array_equal(whole.state["block"].velocity, rest.state["block"].velocity)
+
+
+def test_contact_with_friction_has_its_own_column_and_line():
+    box = lambda z, size: {"origin": [0, 0, z], "size": size, "cells": [3, 3, 1]}
+    data = {
+        "units": {"length": "m", "mass": "kg", "time": "s"},
+        "material": [{"name": "m", "young": 1e4, "poisson": 0.2, "density": 1.0}],
+        "body": [{"name": "slab", "box": box(-0.3, [2, 1, 0.3]), "material": "m"},
+                 {"name": "block", "box": box(-1e-4, [1, 1, 0.3]), "material": "m", "velocity": [1, 0, -0.1]}],
+        "contact": [{"surfaces": ["slab.z_max", "block.z_min"], "friction": 0.4}],
+        "time": {"end": 0.02, "fraction": 0.5},
+    }
+    scene = ct.Scene(data)
+    assert "friction 0.4" in scene.explain()
+    rough = scene.run(progress=False)
+    assert rough.energy["friction"][-1] < 0
+    # What one body loses along x the other gains.
+    p = rough.momentum["p"].reshape(-1, 2, 3)
+    assert p[-1, 0, 0] > 1e-3 and np.abs(p.sum(axis=1) - p[0].sum(axis=0)).max() < 1e-13
+    del data["contact"][0]["friction"]
+    smooth = ct.Scene(data).run(progress=False)
+    assert "friction" not in smooth.energy.dtype.names and np.abs(smooth.momentum["p"].reshape(-1, 2, 3)[-1, 0, 0]) < 1e-4
+
+
+@pytest.mark.parametrize("change, key, reason", [
+    ({"friction": [{"coefficient": 0.3}]}, "friction", "no friction without a pressure"),
+    ({"surface": "block.top"}, "obstacle[0].surface", "no face"),
+    ({"plane": {"point": [0, 0, 0], "normal": [0, 0, 0]}}, "obstacle[0].plane.normal", "zero"),
+    ({"sphere": {"centre": [0, 0, 0], "radius": 1}}, "obstacle[0].sphere", "cannot stand beside"),
+    ({"plane": None}, "obstacle[0]", "exactly one is needed"),
+    ({"travel": [0, 0, 1]}, "obstacle[0].history", "go together"),
+    ({"tangent": 1.0, "friction": 0.0}, "obstacle[0].tangent", "belongs to friction"),
+    ({"friction": -1}, "obstacle[0].friction", "at least 0"),
+    ({"speed": 1}, "obstacle[0].speed", "unknown key"),
+])
+def test_refusals(change, key, reason):
+    data = changed("block_on_an_incline")
+    if isinstance(change.get("friction"), list):
+        data.update(change)
+    else:
+        data["obstacle"][0].update(change)
+        data["obstacle"][0] = {name: value for name, value in data["obstacle"][0].items() if value is not None}
+    with pytest.raises(SceneError) as error:
+        ct.Scene(data)
+    assert error.value.key == key and reason in str(error.value)
