@@ -31,6 +31,9 @@ def first_touch(problem: Problem) -> list[Touch]:
     out = []
     for i, contact in enumerate(problem.parts.contacts):
         (a, _), (b, _) = contact.surfaces
+        if contact.with_itself:
+            out.append(Touch(i, b, 0.0, np.zeros(3)))
+            continue
         boxes = []
         for body, faces in zip((a, b), problem.faces[i]):
             points = problem.bodies[body].mesh.nodes[np.unique(faces)]
@@ -38,7 +41,7 @@ def first_touch(problem: Problem) -> list[Touch]:
         gaps = np.maximum(boxes[1][0] - boxes[0][1], boxes[0][0] - boxes[1][1])
         axis = int(np.argmax(gaps))
         gap, side = float(gaps[axis]), 1.0 if boxes[1][0][axis] > boxes[0][1][axis] else -1.0
-        if a == b or gap <= 0.0:
+        if gap <= 0.0:
             out.append(Touch(i, b, 0.0, np.zeros(3)))
             continue
         speed = side * (problem.parts.bodies[a].velocity[axis] - problem.parts.bodies[b].velocity[axis])
