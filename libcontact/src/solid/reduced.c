@@ -104,10 +104,11 @@ void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t 
     }
 }
 
+CT_CLONES
 void ct_solid_reduced_energies(const ct_solid_part *part, int32_t batch, const double *displacement, double strain[8], double hourglass[8])
 {
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
-    ct_lanes u[3 * 8], G[3][3], S[3][3], q[3][HOURGLASS], W[3], H[3];
+    ct_lanes u[3 * 8], G[3][3], S[3][3], q[3][HOURGLASS], W[3], H[3], half;
     const reduced_lanes *r = lanes_of(part, batch, lane);
     ct_load_lanes(&part->batch_nodes[64 * (int64_t)batch], 8, displacement, lane, u);
     strain_and_hourglass(r, u, part->lambda, part->mu, G, S, q);
@@ -116,7 +117,10 @@ void ct_solid_reduced_energies(const ct_solid_part *part, int32_t batch, const d
       W[i] = (S[i][0] * G[i][0] + S[i][1] * G[i][1]) + S[i][2] * G[i][2];
       H[i] = (q[i][0] * q[i][0] + q[i][1] * q[i][1]) + (q[i][2] * q[i][2] + q[i][3] * q[i][3]);
     }
-    *(ct_lanes *)(void *)&strain[lane] = 0.5 * ((W[0] + W[1]) + W[2]);
-    *(ct_lanes *)(void *)&hourglass[lane] = (0.5 * r->c) * ((H[0] + H[1]) + H[2]);
+    // Arrays of the caller need not be aligned.
+    half = 0.5 * ((W[0] + W[1]) + W[2]);
+    memcpy(&strain[lane], &half, sizeof half);
+    half = (0.5 * r->c) * ((H[0] + H[1]) + H[2]);
+    memcpy(&hourglass[lane], &half, sizeof half);
   }
 }
