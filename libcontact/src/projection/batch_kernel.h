@@ -18,7 +18,7 @@ typedef int64_t mask __attribute__((vector_size(8 * LANES), may_alias));
 #define PICK(m, a, b) ((lanes)(((m) & (mask)(a)) | (~(m) & (mask)(b))))
 #define LEAST(a, b) PICK((b) < (a), b, a)
 #define MOST(a, b) PICK((b) > (a), b, a)
-#define SIZE(a) PICK((a) < 0, -(a), a)
+#define SIZE(a) ((lanes)((mask)(a) & INT64_MAX))
 #define DOT(a, b) (((a)[0] * (b)[0] + (a)[1] * (b)[1]) + (a)[2] * (b)[2])
 
 /* Steps before a lane is left to ct_project. */
@@ -87,8 +87,8 @@ PART void sides_to_patch(const lanes v[8], const lanes *p, lanes c[8][3], int k)
 
 PART void patches_init(patches *patch, int count, const double *nodes, const double *points, int lane)
 {
-  lanes check = {0}, far = {0};
-  patch->size = check;
+  lanes all = {0}, far = all;
+  patch->size = far;
   for (int k = 0; k < 3; k++) {
     // -- Subtract the point first (eq:projection-shift)
     lanes v[8], p = *(const loose *)(const void *)&points[8 * k + lane];
@@ -97,12 +97,13 @@ PART void patches_init(patches *patch, int count, const double *nodes, const dou
     if (count == 8) sides_to_patch(v, &p, patch->c, k);
     for (int j = 0; j < 8; j++) {
       lanes size = SIZE(patch->c[j][k]);
-      check += 0 * size;
+      all += size;
       if (j > 0) patch->size = MOST(patch->size, size);
       else far = MOST(far, size);
     }
   }
-  patch->good = (check == 0) & (patch->size > 1e-70) & (patch->size < 1e70) & (far < 1e70);
+  // A comparison does not see NaN, a sum does
+  patch->good = (all < 1e72) & (patch->size > 1e-70) & (patch->size < 1e70) & (far < 1e70);
 }
 
 PART void value(const patches *patch, const lanes xi[2], lanes d[3], lanes *f)
