@@ -1,6 +1,7 @@
-/* robust for LANES pairs of face and point side by side; batch4.c and batch8.c define LANES, TARGET and KERNEL and include this. The arithmetic of each
- * lane is that of robust.c and patch.c, operation for operation; what is rare there is left to ct_project here. A vector is as
- * wide as the machine compares at once: of wider ones gcc splits up the comparisons into single lanes. */
+/* robust for LANES pairs of face and point side by side; batch4.c and batch8.c define LANES, TARGET and KERNEL and include
+ * this. The arithmetic of each lane is that of robust.c and patch.c, operation for operation; what is rare there is left to
+ * ct_project here. A vector is as wide as the machine compares at once: of wider ones gcc splits up the comparisons into single
+ * lanes. */
 #include "batch_internal.h"
 
 #include <float.h>
@@ -11,7 +12,8 @@ typedef double lanes __attribute__((vector_size(8 * LANES), may_alias));
 typedef double loose __attribute__((vector_size(8 * LANES), may_alias, aligned(8)));
 typedef int64_t mask __attribute__((vector_size(8 * LANES), may_alias));
 
-/* A part of the kernel. It names the instruction set itself: gcc splits up vectors that a function cannot have before it inlines. */
+/* A part of the kernel. It names the instruction set itself: gcc splits up vectors that a function cannot have before it
+ * inlines. */
 #define PART static inline __attribute__((always_inline, target(TARGET)))
 
 /* A comparison answers with all bits or none of a lane; PICK chooses by that. */
@@ -40,8 +42,8 @@ typedef struct models {
   lanes g[2], H[3], low[2], high[2];
 } models;
 
-/* Their search. Those in `hard` are left to ct_project; those in `rough` are not mild and want samples; of those in `cold` it is to be seen whether the foot is
- * the closest point, which is not easy to see of those in `doubtful`. */
+/* Their search. Those in `hard` are left to ct_project; those in `rough` are not mild and want samples; of those in `cold` it
+ * is to be seen whether the foot is the closest point, which is not easy to see of those in `doubtful`. */
 typedef struct searches {
   iterates at;
   lanes radius, before, tolerance, limit, evaluations;
@@ -332,7 +334,8 @@ PART void model_about(models *q, const iterates *at, const lanes *radius)
   for (int i = 0; i < 3; i++) q->H[i] = at->H[i];
 }
 
-/* Steps to the lowest points of the models (eq:robust-model), or a first guess of them: the lengths, where they lead, and the fall that each promises. */
+/* Steps to the lowest points of the models (eq:robust-model), or a first guess of them: the lengths, where they lead, and the
+ * fall that each promises. */
 PART void steps_from(const searches *s, int guess, lanes *length, lanes xi[2], lanes *fall)
 {
   const iterates *at = &s->at;
@@ -364,7 +367,8 @@ PART void steps_from(const searches *s, int guess, lanes *length, lanes xi[2], l
   snap(xi);
 }
 
-/* One step of every active lane: a first guess, or one that `may_end` the search. A lane whose f no longer falls as promised, with a promise near rounding, becomes hard. */
+/* One step of every active lane: a first guess, or one that `may_end` the search. A lane whose f no longer falls as promised,
+ * with a promise near rounding, becomes hard. */
 PART void step(const patches *patch, int may_end, searches *s)
 {
   iterates trial;
@@ -464,7 +468,8 @@ PART void proof_about(const patches *patch, const lanes *distance, proofs *p)
   p->target = low * low;
 }
 
-/* Lower bounds of the quadratic part of f about the feet, as seen from anywhere on the face; `at` has d and the tangents at the feet. */
+/* Lower bounds of the quadratic part of f about the feet, as seen from anywhere on the face; `at` has d and the tangents at the
+ * feet. */
 PART void secant_form(const patches *patch, const proofs *p, const lanes xi[2], const lanes d[3], const lanes t1[3], const lanes t2[3],
                       const lanes *distance, forms *m)
 {
