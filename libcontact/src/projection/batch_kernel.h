@@ -1,6 +1,7 @@
-/* robust for LANES pairs of face and point side by side; batch4.c and batch8.c define LANES, TARGET and KERNEL and include this. The arithmetic of each
- * lane is that of robust.c and patch.c, operation for operation; what is rare there is left to ct_project here. A vector is as
- * wide as the machine compares at once: of wider ones gcc splits up the comparisons into single lanes. */
+/* robust for LANES pairs of face and point side by side; batch4.c and batch8.c define LANES, TARGET and KERNEL and include
+ * this. The arithmetic of each lane is that of robust.c and patch.c, operation for operation; what is rare there is left to
+ * ct_project here. A vector is as wide as the machine compares at once: of wider ones gcc splits up the comparisons into single
+ * lanes. */
 #include "batch_internal.h"
 
 #include <float.h>
@@ -11,14 +12,15 @@ typedef double lanes __attribute__((vector_size(8 * LANES), may_alias));
 typedef double loose __attribute__((vector_size(8 * LANES), may_alias, aligned(8)));
 typedef int64_t mask __attribute__((vector_size(8 * LANES), may_alias));
 
-/* A part of the kernel. It names the instruction set itself: gcc splits up vectors that a function cannot have before it inlines. */
+/* A part of the kernel. It names the instruction set itself: gcc splits up vectors that a function cannot have before it
+ * inlines. */
 #define PART static inline __attribute__((always_inline, target(TARGET)))
 
 /* A comparison answers with all bits or none of a lane; PICK chooses by that. */
 #define PICK(m, a, b) ((lanes)(((m) & (mask)(a)) | (~(m) & (mask)(b))))
 #define LEAST(a, b) PICK((b) < (a), b, a)
 #define MOST(a, b) PICK((b) > (a), b, a)
-#define SIZE(a) PICK((a) < 0, -(a), a)
+#define SIZE(a) ((lanes)((mask)(a) & INT64_MAX))
 #define DOT(a, b) (((a)[0] * (b)[0] + (a)[1] * (b)[1]) + (a)[2] * (b)[2])
 
 /* Steps before a lane is left to ct_project. */
@@ -40,8 +42,8 @@ typedef struct models {
   lanes g[2], H[3], low[2], high[2];
 } models;
 
-/* Their search. Those in `hard` are left to ct_project; those in `rough` are not mild and want samples; of those in `cold` it is to be seen whether the foot is
- * the closest point, which is not easy to see of those in `doubtful`. */
+/* Their search. Those in `hard` are left to ct_project; those in `rough` are not mild and want samples; of those in `cold` it
+ * is to be seen whether the foot is the closest point, which is not easy to see of those in `doubtful`. */
 typedef struct searches {
   iterates at;
   lanes radius, before, tolerance, limit, evaluations;
@@ -87,8 +89,8 @@ PART void sides_to_patch(const lanes v[8], const lanes *p, lanes c[8][3], int k)
 
 PART void patches_init(patches *patch, int count, const double *nodes, const double *points, int lane)
 {
-  lanes check = {0}, far = {0};
-  patch->size = check;
+  lanes all = {0}, far = all;
+  patch->size = far;
   for (int k = 0; k < 3; k++) {
     // -- Subtract the point first (eq:projection-shift)
     lanes v[8], p = *(const loose *)(const void *)&points[8 * k + lane];
@@ -97,12 +99,13 @@ PART void patches_init(patches *patch, int count, const double *nodes, const dou
     if (count == 8) sides_to_patch(v, &p, patch->c, k);
     for (int j = 0; j < 8; j++) {
       lanes size = SIZE(patch->c[j][k]);
-      check += 0 * size;
+      all += size;
       if (j > 0) patch->size = MOST(patch->size, size);
       else far = MOST(far, size);
     }
   }
-  patch->good = (check == 0) & (patch->size > 1e-70) & (patch->size < 1e70) & (far < 1e70);
+  // A comparison does not see NaN, a sum does
+  patch->good = (all < 1e72) & (patch->size > 1e-70) & (patch->size < 1e70) & (far < 1e70);
 }
 
 PART void value(const patches *patch, const lanes xi[2], lanes d[3], lanes *f)
@@ -331,7 +334,8 @@ PART void model_about(models *q, const iterates *at, const lanes *radius)
   for (int i = 0; i < 3; i++) q->H[i] = at->H[i];
 }
 
-/* Steps to the lowest points of the models (eq:robust-model), or a first guess of them: the lengths, where they lead, and the fall that each promises. */
+/* Steps to the lowest points of the models (eq:robust-model), or a first guess of them: the lengths, where they lead, and the
+ * fall that each promises. */
 PART void steps_from(const searches *s, int guess, lanes *length, lanes xi[2], lanes *fall)
 {
   const iterates *at = &s->at;
@@ -363,7 +367,8 @@ PART void steps_from(const searches *s, int guess, lanes *length, lanes xi[2], l
   snap(xi);
 }
 
-/* One step of every active lane: a first guess, or one that `may_end` the search. A lane whose f no longer falls as promised, with a promise near rounding, becomes hard. */
+/* One step of every active lane: a first guess, or one that `may_end` the search. A lane whose f no longer falls as promised,
+ * with a promise near rounding, becomes hard. */
 PART void step(const patches *patch, int may_end, searches *s)
 {
   iterates trial;
@@ -463,7 +468,8 @@ PART void proof_about(const patches *patch, const lanes *distance, proofs *p)
   p->target = low * low;
 }
 
-/* Lower bounds of the quadratic part of f about the feet, as seen from anywhere on the face; `at` has d and the tangents at the feet. */
+/* Lower bounds of the quadratic part of f about the feet, as seen from anywhere on the face; `at` has d and the tangents at the
+ * feet. */
 PART void secant_form(const patches *patch, const proofs *p, const lanes xi[2], const lanes d[3], const lanes t1[3], const lanes t2[3],
                       const lanes *distance, forms *m)
 {

@@ -142,7 +142,8 @@ static inline int newton_step(const ct_iterate *at, int triangular, double radiu
   return convex;
 }
 
-/* The step to the lowest point of the model on the boundary of what is allowed. The iterate is a copy, so that those of the loop stay in registers. */
+/* The step to the lowest point of the model on the boundary of what is allowed. The iterate is a copy, so that those of the
+ * loop stay in registers. */
 static step bounded_step(ct_iterate at, int triangular, double radius)
 {
   model q;
@@ -154,8 +155,8 @@ static step bounded_step(ct_iterate at, int triangular, double radius)
   return to;
 }
 
-/* Does rounding of the gradient move the foot xi by less than the tolerance, along the directions that the face leaves free? H and the tangents are those of the
- * last look. */
+/* Does rounding of the gradient move the foot xi by less than the tolerance, along the directions that the face leaves free? H
+ * and the tangents are those of the last look. */
 static inline int resolved(const ct_patch *patch, const ct_iterate *look, const double xi[2], double f, int triangular, double tolerance)
 {
   const double *H = look->H;
@@ -200,7 +201,8 @@ static inline void stop_at(const ct_iterate *at, ct_status status, end *out)
   out->status = status;
 }
 
-/* Is the face so nearly plane, as seen from an iterate near its foot, that f has one valley only? What is not linear is weighed by its second derivatives. */
+/* Is the face so nearly plane, as seen from an iterate near its foot, that f has one valley only? What is not linear is weighed
+ * by its second derivatives. */
 static inline int is_mild(const ct_patch *patch, const ct_iterate *at)
 {
   const double(*c)[4] = patch->c;
@@ -225,8 +227,8 @@ static inline verdict judge(const ct_patch *patch, double f, double f_trial, dou
   return TAKE;
 }
 
-/* Descend from xi to a minimum of f on the face, sought to within the tolerance. Answers 0 when the iterate of number `probe` shows that the face is not mild;
- * then `out` is this iterate. */
+/* Descend from xi to a minimum of f on the face, sought to within the tolerance. Answers 0 when the iterate of number `probe`
+ * shows that the face is not mild; then `out` is this iterate. */
 CT_CLONES
 static int descend(const ct_patch *patch, const ct_project_options *options, double sought, const double xi[2], int probe, ct_foot *foot, end *out)
 {
@@ -275,8 +277,8 @@ static int descend(const ct_patch *patch, const ct_project_options *options, dou
 static const double QUADRILATERAL[9][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}, {0, 0}};
 static const double TRIANGLE[7][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}, {1.0 / 3, 1.0 / 3}};
 
-/* Which samples are not higher than their neighbours: bit i for sample i. Corners see their two mid-sides, mid-sides see two corners and two mid-sides,
- * all see the centre. */
+/* Which samples are not higher than their neighbours: bit i for sample i. Corners see their two mid-sides, mid-sides see two
+ * corners and two mid-sides, all see the centre. */
 static inline unsigned valleys(const double f[9], int corners)
 {
   const double *side = f + corners, centre = f[2 * corners];
