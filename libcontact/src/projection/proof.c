@@ -452,7 +452,8 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
       narrow_about(p, foot, &thin);
       looks_narrow = 1;
     }
-    if (looks_narrow && (proven_by_series(p, &b, &c) || proven_narrow(p, &thin, &c))) continue;
+    // A cell that has been reduced is no longer the one about the base b; it comes again.
+    if (looks_narrow && ((sloping == OPEN && proven_by_series(p, &b, &c)) || proven_narrow(p, &thin, &c))) continue;
     if (cells >= budget || size + 4 > 3 * DEPTH + 4) return CT_GAVE_UP;
     if (sloping == REDUCED) stack[size++] = c;
     else size += divide(p->triangular, &c, stack + size);
