@@ -2,6 +2,8 @@
 #include "faces.h"
 #include "tap.h"
 
+#include "../../libcontact/src/projection/projection_internal.h"
+
 /* How many of `trials` are proven, how many of the proofs a grid refutes, and what they cost. */
 typedef struct score {
   int proven, refuted, disagree, evaluations;
@@ -155,6 +157,95 @@ static void many_feet(void)
   tap_ok(out.certified && out.distance == 0, "nothing is closer than zero");
 }
 
+/* A Q8 or T6 face through points of a sphere, or of a cylinder, with the point near its centre: f is nearly the same everywhere. */
+static ct_face around(ct_face_kind kind, int sphere, double radius, double aside, double point[3])
+{
+  ct_face face = parabolic_face(kind, 0, 0);
+  for (int i = 0; i < ct_face_node_count(kind); i++) {
+    double *x = face.node[i];
+    x[2] = sqrt(radius * radius - x[0] * x[0] - (sphere ? x[1] * x[1] : 0));
+  }
+  for (int k = 0; k < 3; k++) point[k] = uniform(aside);
+  return face;
+}
+
+static void centres_of_curvature(void)
+{
+  score s = {0, 0, 0, 0};
+  for (int trial = 0; trial < 300; trial++) {
+    double point[3];
+    ct_face face = around(trial % 2 ? CT_Q8 : CT_T6, trial % 4 < 2, 1.5 + fabs(uniform(2)), pow(10, -1 - trial % 9), point);
+    judge(&face, point, 0, 64, &s);
+  }
+  report(&s, 300, 297, "Q8 and T6", "at the centre of curvature");
+}
+
+/* Near the surface nothing is left of the distance that a bound could give away; a look at the foot must do. */
+static void near_the_surface(void)
+{
+  int certified = 0;
+  long evaluations = 0, robust = 0;
+  for (int trial = 0; trial < 400; trial++) {
+    ct_face face = parabolic_face(CT_Q8, uniform(0.3), uniform(0.3));
+    double xi[2] = {uniform(0.9), uniform(0.9)}, gap = pow(10, -3 - trial % 8), point[3] = {xi[0], xi[1], 0};
+    for (int i = 0; i < 8; i++)
+      for (int k = 0; k < 2; k++) face.node[i][k] += uniform(0.03);
+    ct_project_options options = ct_project_options_default();
+    ct_projection on, out;
+    ct_project(&face, point, &options, &on);
+    for (int k = 0; k < 3; k++) point[k] = on.point[k] + gap * on.normal[k];
+    ct_project(&face, point, &options, &on);
+    options.method = CT_CERTIFIED;
+    ct_project(&face, point, &options, &out);
+    certified += out.certified;
+    evaluations += out.evaluations;
+    robust += on.evaluations;
+  }
+  tap_ok(certified == 400, "%d of 400 points within 1e-3 to 1e-10 of the surface are certified", certified);
+  tap_ok(evaluations <= robust + 440, "nearly all by one look (%ld looks of certified, %ld of robust)", evaluations, robust);
+}
+
+/* A foot that is wrong by `shift`: if that is nevertheless called proven, it must be as near as the true one within half the tolerance. */
+static void attack(const ct_face *face, const double point[3], double shift, int *proven, int *lies)
+{
+  ct_project_options options = ct_project_options_default();
+  options.method = CT_CERTIFIED;
+  ct_projection out;
+  ct_patch patch;
+  if (ct_project(face, point, &options, &out) != CT_OK || ct_patch_init(&patch, face->kind, face->node, point) != CT_OK) return;
+  double xi[2] = {out.xi[0] + uniform(shift), out.xi[1] + uniform(shift)}, low = triangular(face->kind) ? 0 : -1;
+  for (int a = 0; a < 2; a++) xi[a] = fmin(fmax(xi[a], low), 1);
+  if (triangular(face->kind)) xi[1] = fmin(xi[1], 1 - xi[0]);
+  double d[3], wrong = sqrt(ct_patch_value(&patch, xi, d));
+  ct_foot count = {{0, 0}, {0, 0, 0}, 0, 0, 0};
+  if (ct_proof_search(&patch, 1e-10, 2000, xi, &count) != CT_PROVEN) return;
+  ++*proven;
+  *lies += wrong > out.distance + 0.5e-10 * fmax(wrong, patch.size);
+}
+
+static void attacks(void)
+{
+  int proven = 0, lies = 0;
+  for (int trial = 0; trial < 3000; trial++) {
+    ct_face_kind kind = (ct_face_kind)(trial % 4);
+    ct_face face = random_face(kind, 0.3);
+    double point[3] = {uniform(1), uniform(1), uniform(1)}, thin = 1, scale = 1;
+    if (trial % 6 == 1) face = parabolic_face(kind, uniform(4), uniform(4)), point[0] = 0;
+    if (trial % 6 == 2) face = around(trial % 4 < 2 ? CT_Q8 : CT_T6, trial % 5 < 3, 1.5 + fabs(uniform(2)), pow(10, -1 - trial % 9), point);
+    if (trial % 6 == 3) thin = pow(10, uniform(6));
+    if (trial % 6 == 4) scale = pow(10, uniform(60));
+    if (trial % 6 == 5)
+      for (int k = 0; k < 3; k++) face.node[1][k] = face.node[0][k];
+    for (int k = 0; k < 3; k++) {
+      double s = k == 1 ? scale * thin : scale;
+      for (int i = 0; i < 8; i++) face.node[i][k] *= s;
+      point[k] *= s;
+    }
+    attack(&face, point, pow(10, -trial % 13), &proven, &lies);
+  }
+  tap_ok(lies == 0 && proven > 300, "3000 feet that are moved by 1 to 1e-12: %d are good enough to be proven, %d of them wrongly", proven, lies);
+}
+
 int main(void)
 {
   for (int k = 0; k < 4; k++) {
@@ -166,5 +257,8 @@ int main(void)
   degenerate_faces();
   narrow_valleys();
   many_feet();
+  centres_of_curvature();
+  near_the_surface();
+  attacks();
   return tap_done();
 }

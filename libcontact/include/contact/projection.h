@@ -89,9 +89,8 @@ typedef struct ct_projection {
   int iterations;
   /**
    * Not zero when a proof says that no point of the face is closer by more than half of max(distance, size) times the tolerance, taken between
-   * 1e-12 and 1e-6; size is
-   * the largest coefficient of :eq:`projection-patch`. Only CT_CERTIFIED sets it, and its CT_OK means this and no more: xi may be undetermined
-   * where many points are as near.
+   * 1e-12 and 1e-6; size is the largest coefficient of :eq:`projection-patch`, but the constant one. Rounding is counted. The nodes and the point are
+   * taken as exact. Only CT_CERTIFIED sets it, and its CT_OK means this and no more: xi may be undetermined where many points are as near.
    */
   int certified;
   /** Reference coordinates of the foot. */

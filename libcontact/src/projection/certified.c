@@ -2,26 +2,43 @@
 
 #include <math.h>
 
-/* Pieces of the face that a proof may look at, at first and if need be, and how often something closer may turn up. */
-enum { FIRST = 500, BUDGET = 20000, RESTARTS = 20 };
+/* Pieces of the face that a proof may look at, at first and if need be; how often something closer may turn up; and from when on a way down that is found
+ * when there is no proof is no reason any more to look no longer. */
+enum { FIRST = 500, BUDGET = 20000, RESTARTS = 20, WALKS = 2 };
+
+/* The face in units of about its own size, where that is needed to keep products of its lengths within the range of numbers. */
+static const ct_patch *in_range(const ct_patch *patch, ct_patch *scaled)
+{
+  int exponent;
+  if (patch->size > 1e-20 && patch->size < 1e20) return patch;
+  frexp(patch->size, &exponent);
+  *scaled = *patch;
+  scaled->size = ldexp(patch->size, -exponent);
+  for (int j = 0; j < 8; j++)
+    for (int k = 0; k < 3; k++) scaled->c[j][k] = ldexp(patch->c[j][k], -exponent);
+  return scaled;
+}
 
 ct_status ct_project_certified(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
 {
   ct_project_options own = *options;
+  ct_patch room;
+  const ct_patch *shown = in_range(patch, &room);
   int budget = FIRST;
   own.tolerance = fmin(own.tolerance, 1e-7);
   ct_project_robust(patch, &own, foot);
   for (int restart = 0; restart < RESTARTS; restart++) {
     // -- Show that nothing is closer (eq:certified-target)
     own.start[0] = foot->xi[0], own.start[1] = foot->xi[1];
-    ct_outcome outcome = ct_proof_search(patch, options->tolerance, budget, own.start, foot);
+    ct_outcome outcome = ct_proof_search(shown, options->tolerance, budget, own.start, foot);
     foot->certified = outcome == CT_PROVEN;
     if (outcome == CT_PROVEN) return CT_OK;
-    // -- No proof: look for a way down along a narrow valley, else look longer (eq:valley-along)
-    if (outcome == CT_GAVE_UP && !ct_follow_valley(patch, own.start, foot)) {
+    // -- No proof: look for a way down along a narrow valley, else, or if that has not helped, look longer (eq:valley-along)
+    if (outcome == CT_GAVE_UP) {
       if (budget == BUDGET) return CT_NOT_CERTIFIED;
-      budget = BUDGET;
-      continue;
+      int lower = ct_follow_valley(shown, own.start, foot);
+      if (!lower || restart >= WALKS) budget = BUDGET;
+      if (!lower) continue;
     }
     // -- Something is closer: descend again, from there
     own.use_start = 1;

@@ -105,6 +105,9 @@ void ct_local_step(const ct_local *local, const double w[2], double s[2]);
  * answer. */
 int ct_proof_at_sight(const ct_patch *patch, const double xi[2], int depth, ct_foot *count);
 
+/* Unit vector q across a valley of f, where f with the Hessian (f,11  f,22  f,12) is most curved, and the curvatures across and along. */
+void ct_principal(const double H[3], double q[2], double curvature[2]);
+
 /* Descend along the floor of a narrow valley of f from xi, which becomes the end. Answers 0 when f did not fall. */
 int ct_follow_valley(const ct_patch *patch, double xi[2], ct_foot *foot);
 

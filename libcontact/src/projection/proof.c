@@ -5,6 +5,9 @@
 #include <float.h>
 #include <math.h>
 
+/* A product of six lengths of a face of size one must be larger than this, or rounding is not relative any more. */
+static const double SMALLEST = 1e-290;
+
 static inline double least(double a, double b) { return b < a ? b : a; }
 static inline double most(double a, double b) { return b > a ? b : a; }
 
@@ -83,11 +86,11 @@ static void secant_form(const proof *p, const base *b, const cell *c, form *m)
   double spread = 0.5 * (fabs(a22 + b12) * w[1] + fabs(a12 + b11) * w[0]) + fabs(a7 + b6) * v + e * (t[0] * t[1] + b->distance * h[2]);
   m->low = m12 - spread;
   m->high = m12 + spread;
-  // -- A piece of an edge has steps along it only
+  // -- A piece of an edge has steps along it only, so that any number will do for the other entry
   for (int a = 0; a < 2; a++) {
     if (w[a] > 0 || c->centre[a] != b->xi[a]) continue;
-    if (a == 0) m->m11 = most(m->m11, 0);
-    else m->m22 = most(m->m22, 0);
+    if (a == 0) m->m11 = most(m->m11, t[0] * t[0]);
+    else m->m22 = most(m->m22, t[1] * t[1]);
     m->low = m->high = 0;
   }
 }
@@ -106,10 +109,15 @@ static void linear_range(const proof *p, const cell *c, const double g[2], doubl
   *high = middle + most(i, most(j, k));
 }
 
-/* Is the form nowhere negative, the product s1 s2 having the sign of `sign` (0: any)? */
-static int is_positive(const form *m, int sign)
+/* The most that the product s1 s2, which has the sign of `sign` (0: any), can take from the form, for |2 s1 s2| = 1. */
+static double worst_twist(const form *m, int sign)
 {
-  double twist = sign > 0 ? most(-m->low, 0) : sign < 0 ? most(m->high, 0) : most(-m->low, m->high);
+  return sign > 0 ? most(-m->low, 0) : sign < 0 ? most(m->high, 0) : most(-m->low, m->high);
+}
+
+/* Is the form nowhere negative? */
+static int is_positive(const form *m, double twist)
+{
   // -- Positive on all steps that occur (eq:certified-positive)
   return m->m11 >= 0 && m->m22 >= 0 && m->m11 * m->m22 >= twist * twist * (1 + 16 * DBL_EPSILON);
 }
@@ -120,13 +128,29 @@ static double base_rounding(const proof *p, const base *b)
   return 16 * DBL_EPSILON * b->distance * (b->distance + 4 * (p->tangent[0] + p->tangent[1]));
 }
 
+/* Does a parabola with the positive form m and the gradient g fall below its value at the base by no more than `room`? */
+static int holds_parabola(const form *m, double twist, const double g[2], double room)
+{
+  double g1 = fabs(g[0]), g2 = fabs(g[1]), product = m->m11 * m->m22;
+  // -- The lowest value of a parabola that lies below f (eq:certified-parabola)
+  double divisor = (product - twist * twist) * (1 - 1e-6) - 1e-9 * product, may = room * divisor;
+  double drop = 0.25 * ((m->m22 * g1) * g1 + 2 * (twist * g1) * g2 + (m->m11 * g2) * g2) * (1 + 1e-6);
+  return divisor > 0 && may > SMALLEST && drop < HUGE_VAL && drop <= may;
+}
+
+/* What the linear term costs: the most that it falls below zero on the cell, and the gradient of the shares that do so. */
+typedef struct slack {
+  double loss, g[2];
+} slack;
+
 /* Add what one part of the linear term does over the cell: a share lambda of the direction e, which helps where it is positive. */
-static void linear_share(const proof *p, const cell *c, const base *foot, double lambda, const double e[2], form *m, double *loss)
+static void linear_share(const proof *p, const cell *c, const base *foot, double lambda, const double e[2], form *m, slack *rest)
 {
   double low, high, g[2] = {lambda * e[0], lambda * e[1]};
   linear_range(p, c, g, g[0] * (c->centre[0] - foot->xi[0]) + g[1] * (c->centre[1] - foot->xi[1]), &low, &high);
   if (!(low >= 0 && high > 0)) {
-    *loss -= least(low, 0);
+    rest->loss -= least(low, 0);
+    for (int a = 0; a < 2; a++) rest->g[a] += g[a];
     return;
   }
   // -- A slope away from the foot is at least a parabola (eq:certified-slope)
@@ -142,40 +166,92 @@ static int proven_from_foot(const proof *p, const base *foot, const cell *c)
 {
   static const double E1[2] = {1, 0}, E2[2] = {0, 1}, E3[2] = {-1, -1};
   form m;
-  double loss = base_rounding(p, foot), w[2];
-  double x = c->centre[0] - foot->xi[0], y = c->centre[1] - foot->xi[1];
+  slack rest = {0, {0, 0}};
+  double w[2], x = c->centre[0] - foot->xi[0], y = c->centre[1] - foot->xi[1];
+  double room = foot->f - base_rounding(p, foot) - p->target;
+  if (room < 0) return 0;
   reach(p, c, w);
   secant_form(p, foot, c, &m);
   // -- Shares of the slope along the sides of the face (eq:certified-shares)
   double slant = p->triangular ? most(0, -least(foot->g[0], foot->g[1])) : 0;
-  if (slant > 0) linear_share(p, c, foot, slant, E3, &m, &loss);
-  if (foot->g[0] + slant != 0) linear_share(p, c, foot, foot->g[0] + slant, E1, &m, &loss);
-  if (foot->g[1] + slant != 0) linear_share(p, c, foot, foot->g[1] + slant, E2, &m, &loss);
-  int one_sign = fabs(x) >= w[0] && fabs(y) >= w[1];
+  if (slant > 0) linear_share(p, c, foot, slant, E3, &m, &rest);
+  if (foot->g[0] + slant != 0) linear_share(p, c, foot, foot->g[0] + slant, E1, &m, &rest);
+  if (foot->g[1] + slant != 0) linear_share(p, c, foot, foot->g[1] + slant, E2, &m, &rest);
+  double twist = worst_twist(&m, fabs(x) < w[0] || fabs(y) < w[1] ? 0 : x * y > 0 ? 1 : -1);
   // The form of a plane face without curved sides is a sum of squares, whatever rounding shows of it.
-  int is_square = p->curve[0] + p->curve[1] + p->curve[2] == 0;
-  return foot->f - loss >= p->target && (is_square || is_positive(&m, !one_sign ? 0 : x * y > 0 ? 1 : -1));
+  int is_square = p->curve[0] + p->curve[1] + p->curve[2] == 0, positive = is_positive(&m, twist);
+  if (rest.loss <= room) return is_square || positive;
+  // -- What is left of the slope at the foot, against the form (eq:certified-rest)
+  return positive && holds_parabola(&m, twist, rest.g, room);
 }
 
-/* The same as seen from the centre of the cell. */
+/* The same within half-widths w, for a form that is positive across a valley and nearly nothing along it. */
+static int holds_in_valley(const form *m, const double g[2], const double w[2], double room)
+{
+  double M[3] = {m->m11, m->m22, 0.5 * (m->low + m->high)}, q[2], unused[2];
+  ct_principal(M, q, unused);
+  // -- Form and slope along and across (eq:certified-turned)
+  double first = M[0] * q[0] + M[2] * q[1], second = M[2] * q[0] + M[1] * q[1];
+  double lost = 0.5 * (m->high - m->low) + fabs(second * q[0] - first * q[1]) + 32 * DBL_EPSILON * (fabs(M[0]) + fabs(M[1]) + 2 * fabs(M[2]));
+  double across = first * q[0] + second * q[1] - lost, along = (M[0] * (q[1] * q[1]) + M[1] * (q[0] * q[0])) - 2 * M[2] * (q[0] * q[1]) - lost;
+  double steep = g[0] * q[0] + g[1] * q[1], slope = fabs(g[1] * q[0] - g[0] * q[1]), far = fabs(q[1]) * w[0] + fabs(q[0]) * w[1];
+  room -= 16 * DBL_EPSILON * (fabs(g[0]) + fabs(g[1])) * (w[0] + w[1]);
+  if (!(across > 0 && room * across > SMALLEST)) return 0;
+  // -- Lowest value along the valley and across it (eq:certified-valley)
+  double fall = along > 0 && slope <= 2 * along * far ? 0.25 * slope * slope / along : far * (slope - along * far);
+  return (most(fall, 0) + 0.25 * steep * steep / across) * (1 + 1e-6) <= room;
+}
+
+/* Does the slope at the centre of the cell, with the form m, take no more than `room` anywhere in the cell? */
+static int holds_in_cell(const proof *p, const base *b, const cell *c, const form *m, double room)
+{
+  double low, high, w[2], twist = worst_twist(m, 0);
+  if (room < 0) return 0;
+  reach(p, c, w);
+  linear_range(p, c, b->g, 0, &low, &high);
+  double g[2] = {w[0] > 0 ? b->g[0] : 0, w[1] > 0 ? b->g[1] : 0};
+  if (is_positive(m, twist)) {
+    if (room + low >= 0 || holds_parabola(m, twist, g, room)) return 1;
+  } else {
+    // -- The form at its worst (eq:certified-worst)
+    double half = 0.5 * (m->m11 - m->m22), lowest = 0.5 * (m->m11 + m->m22) - sqrt(half * half + twist * twist);
+    if (room + low + (w[0] * w[0] + w[1] * w[1]) * (lowest * (1 + 16 * DBL_EPSILON)) >= 0) return 1;
+  }
+  return holds_in_valley(m, g, w, room);
+}
+
+/* Is no point of the cell closer than the target, as seen from its centre? */
 static int proven_from_centre(const proof *p, const base *b, const cell *c)
 {
   form m;
-  double low, high, w[2];
-  reach(p, c, w);
   secant_form(p, b, c, &m);
-  linear_range(p, c, b->g, 0, &low, &high);
-  double room = b->f - base_rounding(p, b) - p->target, twist = most(-m.low, m.high);
-  if (room < 0) return 0;
-  if (is_positive(&m, 0)) {
-    // -- The lowest value of a parabola that lies below f (eq:certified-parabola)
-    double g1 = fabs(b->g[0]), g2 = fabs(b->g[1]), determinant = m.m11 * m.m22 - twist * twist;
-    double drop = 0.25 * ((m.m22 * g1) * g1 + 2 * (twist * g1) * g2 + (m.m11 * g2) * g2);
-    return room + low >= 0 || drop * (1 + 1e-6) <= room * (determinant * (1 - 1e-6) - 1e-9 * (m.m11 * m.m22));
+  return holds_in_cell(p, b, c, &m, b->f - base_rounding(p, b) - p->target);
+}
+
+/* The same with all terms of f about the centre, for places where many points are nearly as near. */
+static int proven_by_series(const proof *p, const base *b, const cell *c)
+{
+  static const int POWER[8][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 0}, {0, 2}, {2, 1}, {1, 2}};
+  const double *part[8] = {b->d, b->t1, b->t2, b->t12, b->t11, b->t22, p->patch->c[6], p->patch->c[7]};
+  double w[2], size[5][5], F[5][5] = {{0}}, all = 0, loss = 0;
+  reach(p, c, w);
+  for (int i = 0; i < 5; i++)
+    for (int j = 0; j < 5; j++) size[i][j] = i > 0 ? size[i - 1][j] * w[0] : j > 0 ? size[0][j - 1] * w[1] : 1;
+  for (int i = 0; i < 8; i++) {
+    double half = i == 4 || i == 5 ? 0.5 : 1;
+    all += half * sqrt(ct_vector_dot(part[i], part[i])) * size[POWER[i][0]][POWER[i][1]];
+    // -- Coefficients of f (eq:certified-series)
+    for (int j = 0; j <= i; j++) {
+      double share = (j < i ? 2 : 1) * half * (j == 4 || j == 5 ? 0.5 : 1);
+      F[POWER[i][0] + POWER[j][0]][POWER[i][1] + POWER[j][1]] += share * ct_vector_dot(part[i], part[j]);
+    }
   }
-  // -- The form at its worst (eq:certified-worst)
-  double half = 0.5 * (m.m11 - m.m22), lowest = 0.5 * (m.m11 + m.m22) - sqrt(half * half + twist * twist);
-  return room + low + (w[0] * w[0] + w[1] * w[1]) * (lowest * (1 + 16 * DBL_EPSILON)) >= 0;
+  // -- Terms from the third order on at their worst (eq:certified-series-bound)
+  for (int i = 0; i < 5; i++)
+    for (int j = 0; j < 5; j++)
+      if (i + j > 2) loss += (i % 2 == 0 && j % 2 == 0 ? most(-F[i][j], 0) : fabs(F[i][j])) * size[i][j];
+  form m = {F[2][0], F[0][2], 0.5 * F[1][1], 0.5 * F[1][1]};
+  return holds_in_cell(p, b, c, &m, b->f - p->target - loss - 256 * DBL_EPSILON * (all * all));
 }
 
 /* Cut a cell into four, or into two if it is a piece of an edge; answers how many. */
@@ -361,8 +437,8 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
     slope sloping = OPEN;
     // -- A cell is done if the foot, or its own centre, shows that it holds nothing closer (eq:certified-bound)
     if (proven_from_foot(p, foot, &c)) continue;
+    base b;
     if (cells > 0) {
-      base b;
       base_at(p->patch, c.centre, &b);
       count->evaluations++;
       if (b.f < p->target) {
@@ -376,7 +452,8 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
       narrow_about(p, foot, &thin);
       looks_narrow = 1;
     }
-    if (looks_narrow && proven_narrow(p, &thin, &c)) continue;
+    // A cell that has been reduced is no longer the one about the base b; it comes again.
+    if (looks_narrow && ((sloping == OPEN && proven_by_series(p, &b, &c)) || proven_narrow(p, &thin, &c))) continue;
     if (cells >= budget || size + 4 > 3 * DEPTH + 4) return CT_GAVE_UP;
     if (sloping == REDUCED) stack[size++] = c;
     else size += divide(p->triangular, &c, stack + size);

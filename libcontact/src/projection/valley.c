@@ -5,8 +5,7 @@
 #include <float.h>
 #include <math.h>
 
-/* Unit vector q across the valley, where f is most curved, and the curvatures across and along. */
-static void principal(const double H[3], double q[2], double curvature[2])
+void ct_principal(const double H[3], double q[2], double curvature[2])
 {
   double half = 0.5 * (H[0] - H[1]), mean = 0.5 * (H[0] + H[1]), radius = hypot(half, H[2]);
   curvature[0] = mean + radius;
@@ -41,7 +40,7 @@ static void to_the_floor(const ct_patch *patch, int triangular, ct_iterate *at, 
 {
   for (int i = 0; i < 3; i++) {
     double q[2], curvature[2];
-    principal(at->H, q, curvature);
+    ct_principal(at->H, q, curvature);
     if (!(curvature[0] > 0)) return;
     // -- One step across (eq:valley-across)
     double across = -(at->g[0] * q[0] + at->g[1] * q[1]) / curvature[0], s[2] = {across * q[0], across * q[1]};
@@ -59,7 +58,7 @@ int ct_follow_valley(const ct_patch *patch, double xi[2], ct_foot *foot)
   double start = at.f;
   for (int i = 0; i < 200 && radius > 1e-12 * half_width; i++) {
     double q[2], curvature[2];
-    principal(at.H, q, curvature);
+    ct_principal(at.H, q, curvature);
     // -- A step along, at most as long as the radius (eq:valley-along)
     double slope = at.g[1] * q[0] - at.g[0] * q[1], along = -slope / curvature[1];
     if (!(curvature[1] > 0 && fabs(along) <= radius)) along = slope > 0 ? -radius : radius;
