@@ -156,7 +156,7 @@ static ct_status push_force(const ct_effect *effect, const ct_view *view, double
 static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
 {
   plates p = {new_scene(), NULL, NULL};
-  ct_mesh *m[2] = {box_mesh(CT_HEX8, -0.5, 0, 0, 0.5, 0.05, 0.5, 10, 1, 10), box_mesh(CT_HEX8, 0, 0, 0, 0.5, 0.05, 0.5, 10, 1, 10)};
+  ct_mesh *m[2] = {box_mesh(CT_HEX8, -2, 0, 0, 2, 0.05, 0.5, 40, 1, 10), box_mesh(CT_HEX8, 0, 0, 0, 2, 0.05, 0.5, 40, 1, 10)};
   int32_t body[2];
   ct_savings savings = ct_savings_default();
   ct_error e;
