@@ -80,6 +80,14 @@ static void forces(void)
       tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0 && own == want, "%c: layers that part are computed as bricks", "xyz"[axis]);
       u[3 * 77 + (axis + how) % 3] = keep;
     }
+    // Both layers alike, but not at rest along the axis.
+    double *w = numbers(n);
+    memcpy(w, u, (size_t)n * sizeof *w);
+    for (int k = 0; k < m->node_count; k++) w[3 * k + axis] = 1e-4 * m->nodes[3 * k + (axis + 1) % 3];
+    own = block_force(&plane, w, f);
+    want = block_force(&box, w, g);
+    tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0 && own == want, "%c: so are layers that shear along their thickness", "xyz"[axis]);
+    free(w);
     own = block_force(&plane, u, f);
     want = block_force(&box, u, g);
     tap_ok(unlike(f, g, n) == 0 && own == want, "%c: and as a plane again", "xyz"[axis]);
@@ -145,11 +153,15 @@ static ct_status push_force(const ct_effect *effect, const ct_view *view, double
   return CT_OK;
 }
 
-static plates open_plates(ct_solid_kernel kernel, int push)
+static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
 {
   plates p = {new_scene(), NULL, NULL};
-  ct_mesh *m[2] = {box_mesh(CT_HEX8, -0.5, 0, 0, 0.5, 0.05, 0.5, 10, 1, 10), box_mesh(CT_HEX8, 0, 0, 0, 0.5, 0.05, 0.5, 10, 1, 10)};
+  ct_mesh *m[2] = {box_mesh(CT_HEX8, -2, 0, 0, 2, 0.05, 0.5, 40, 1, 10), box_mesh(CT_HEX8, 0, 0, 0, 2, 0.05, 0.5, 40, 1, 10)};
   int32_t body[2];
+  ct_savings savings = ct_savings_default();
+  ct_error e;
+  savings.congruent = congruent;
+  need(ct_scene_set_savings(p.scene, &savings, &e), &e);
   for (int i = 0; i < 2; i++) {
     body[i] = add_body(p.scene, i == 0 ? "left" : "right", m[i], &STEEL, kernel, i == 0 ? 1000 : -1000, 0, 0);
     add_support(p.scene, body[i], m[i], 2, 0.0, "z", 0.0);
@@ -159,7 +171,6 @@ static plates open_plates(ct_solid_kernel kernel, int push)
   static const int32_t node[1] = {120};
   ct_effect *effect = NULL, filled = {.name = "push", .nodes = node, .node_count = 1, .force = push_force};
   const ct_problem *joined;
-  ct_error e;
   need(ct_scene_join(p.scene, &joined, &e), &e);
   if (push) {
     need(ct_effect_create(&filled, &effect, &e), &e);
@@ -177,8 +188,9 @@ static plates open_plates(ct_solid_kernel kernel, int push)
 
 static void runs(void)
 {
-  for (int push = 0; push < 2; push++) {
-    plates a = open_plates(CT_KERNEL_AUTO, push), b = open_plates(CT_KERNEL_BOX, push);
+  for (int how = 0; how < 4; how++) {
+    int push = how % 2, congruent = how / 2;
+    plates a = open_plates(CT_KERNEL_AUTO, push, congruent), b = open_plates(CT_KERNEL_BOX, push, congruent);
     int64_t n = 3 * (int64_t)a.problem->node_count;
     size_t bytes = (size_t)n * sizeof(double);
     ct_solid_kernel kernel = CT_KERNEL_AUTO;
@@ -186,7 +198,7 @@ static void runs(void)
     ct_energy ea = energy_of(a.problem, a.state), eb = energy_of(b.problem, b.state);
     ct_momentum ma = momentum_of(a.problem, a.state, 1), mb = momentum_of(b.problem, b.state, 1);
     tap_ok(kernel == CT_KERNEL_PLANE && memcmp(a.state->displacement, b.state->displacement, bytes) == 0 && memcmp(a.state->velocity, b.state->velocity, bytes) == 0,
-           "plates%s: displacements and velocities have the bits of the bricks", push ? ", one layer pushed" : "");
+           "plates%s%s: displacements and velocities have the bits of the bricks", push ? ", one layer pushed" : "", congruent ? "" : ", nothing shared");
     tap_ok(memcmp(&ea, &eb, sizeof ea) == 0 && ea.contact + ea.strain > 0.0, "their ledger, too: kinetic %.9g, strain %.9g", ea.kinetic, ea.strain);
     tap_ok(memcmp(&ma, &mb, sizeof ma) == 0, "and momentum and impulses of contact and supports");
     double *f = numbers(n), *g = numbers(n);
@@ -214,6 +226,16 @@ static void choice(void)
   tap_ok(kernel_of(wrong.effect) == CT_KERNEL_BOX, "held another way it is not");
   tap_ok(kernel_of(thick.effect) == CT_KERNEL_BOX, "two layers are not");
   tap_ok(kernel_of(general.effect) == CT_KERNEL_GENERAL, "elements of any shape are not");
+  for (int moving = 0; moving < 2; moving++) {
+    ct_scene *scene = new_scene();
+    int32_t body = add_body(scene, "layer", one, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
+    add_support(scene, body, one, -1, 0.0, "y", moving ? 3.0 : 0.0);
+    int64_t steps;
+    ct_stable_step stable;
+    const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-7, .fraction = 0.9, .threads = 1}, &steps, &stable);
+    tap_ok(kernel_of(p->effects[0]) == (moving ? CT_KERNEL_BOX : CT_KERNEL_PLANE), "of a scene: held %s", moving ? "and moved, it is computed as bricks" : "at rest, it is a plane");
+    ct_scene_free(scene);
+  }
   double cost[2], bytes[2];
   block box = open_held(one, CT_KERNEL_BOX, 1);
   ct_solid_block_plan(held.effect, 0, NULL, &cost[0], &bytes[0]);
