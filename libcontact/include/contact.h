@@ -27,6 +27,7 @@ extern "C" {
 #include <contact/gravity.h>
 #include <contact/load.h>
 #include <contact/damping.h>
+#include <contact/motion.h>
 #include <contact/absorb.h>
 #include <contact/scene.h>
 #include <contact/exact.h>
