@@ -43,7 +43,7 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
     if ((p->effects[k]->force == NULL) != (p->effects[k]->reaction != 0))
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s has no force", p->effects[k]->name);
   for (int32_t k = 1; k + 1 < p->effect_count; k++)
-    if (p->effects[k]->last && !p->effects[k + 1]->reaction)
+    if (p->effects[k]->last > 0 && p->effects[k + 1]->last <= p->effects[k]->last && !p->effects[k + 1]->reaction)
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s needs the forces of all others, and %s stands after it", p->effects[k]->name,
                      p->effects[k + 1]->name);
   if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1 || p->threads > CT_MOST_THREADS)

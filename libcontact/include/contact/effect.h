@@ -74,7 +74,7 @@ typedef struct ct_effect {
    * minus the sum of all other forces there, and keeps its impulse only, as its work is impulse times velocity.
    */
   int reaction;
-  /** Not zero: the force needs `total` of all others, so nothing but reactions may stand after the effect in the problem's list. */
+  /** Not zero: the force needs `total` of all others, so only reactions and effects with a larger `last` may stand after the effect in the problem's list. */
   int last;
   /** Floating-point operations of one call of `force`, about; 0: not told. A plan shows it, nothing depends on it. */
   double flops;
