@@ -74,7 +74,7 @@ static void relaxation(void)
   double unrest = 0.0, work = 0.0, balance = 0.0, off = 0.0;
   need(ct_energy_unrest(problem, state, &unrest, &e), &e);
   tap_ok(unrest > 0.9, "at the start nothing balances the weight: unrest %g", unrest);
-  ct_energy energy = {0};
+  ct_energy energy = {0}, first = energy_of(problem, state);
   for (unrest = 1.0; state->step < steps && unrest > 1e-9;) {
     if (state->step == 200) need(ct_state_copy(problem, state, other, &e), &e);
     advance(problem, state, 1);
@@ -90,7 +90,8 @@ static void relaxation(void)
   tap_ok(unrest <= 1e-9 && state->step < 600, "relaxation comes to rest in %d steps, 4 L / c is %.1f steps", (int)state->step, 40.0 / 30.0 / problem->dt);
   tap_ok(off < 1e-8, "in the static solution, off by %.2g of %.2g", off, 500.0 / 900.0);
   tap_ok(balance < 1e-12, "the work balance closes (%.2g)", balance);
-  tap_close(work / energy.strain, -1.0, 1e-8, "damping has taken half the work of the weight, the other half is strain (%g)", energy.strain);
+  // The weight does the work 2 E_strain, and the motion began with the discrete kinetic energy of -dt/2 and dt/2, which is below 0.
+  tap_close((work + first.kinetic) / energy.strain, -1.0, 1e-8, "damping has taken half the work of the weight, the other half is strain (%g)", energy.strain);
   while (other->step < state->step) advance(problem, other, 1);
   tap_ok(memcmp(other->displacement, state->displacement, 3 * (size_t)problem->node_count * sizeof(double)) == 0, "a restart has the same bits");
   ct_state_free(state);
