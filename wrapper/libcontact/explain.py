@@ -65,8 +65,10 @@ def _facts(problem: Problem) -> dict[str, Any]:
         "left_out": {name: why for name, why in EFFECTS.items() if name not in used},
         "assumptions": _assumptions(parts),
         "contacts": contacts,
-        "supports": [{"set": f"{s.body}.{s.face}", "fix": list(s.fix), "velocity": list(s.velocity)} for s in parts.supports],
-        "added": [{"name": added.name, "key": added.key, "text": added.module.describe(added.given, parts.units)} for added in parts.effects],
+        "supports": [{"set": f"{s.body}.{s.face}", "fix": list(s.fix), "velocity": list(s.velocity),
+                      "displacement": list(s.displacement), "history": len(s.history[0])} for s in parts.supports],
+        "added": [{"name": added.name, "key": added.key, "text": added.module.describe(added.given, parts.units)} for added in parts.effects]
+                 + [{"name": own.name, "key": own.name, "text": f"a function of the caller's own, on {own.nodes if isinstance(own.nodes, str) else own.nodes[0]}"} for own in problem.own],
         "time": _time(problem),
         "cost": {
             "memory_bytes": sum(memory_estimate(b["nodes"], b["elements"], 8 if b["element"] == "hex8" else 20) for b in bodies),
@@ -163,6 +165,8 @@ def _lines(data: dict[str, Any], units: Units) -> list[str]:
         out += _contact_lines(contact, units)
     for support in data["supports"]:
         moving = f" at the velocity {support['velocity']} {units.label('velocity')}" if any(support["velocity"]) else ""
+        if support["history"]:
+            moving = f" on a path, {support['displacement']} {units.length} times a history of {support['history']} points"
         out.append(f"  support {support['set']}: {', '.join(support['fix'])} held{moving}")
     out += [f"  {added['name']}: {added['text']}" for added in data["added"]]
     out += ["", "What is not computed"]

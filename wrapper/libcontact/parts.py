@@ -98,20 +98,28 @@ class Contact:
 
 @dataclass(frozen=True)
 class Support:
+    """What is held: with the constant ``velocity``, or, where ``history`` has points, on the path ``displacement`` times history."""
+
     body: str
     face: str
     fix: tuple[str, ...]
     velocity: tuple[float, float, float]
+    displacement: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    history: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
 
 
 @dataclass(frozen=True)
 class Time:
-    """End and step of the run: ``end``, or ``end_over`` = (length, value) for end = value length / c₁; ``step`` = ("courant", 0.125)."""
+    """
+    End and step of the run: ``end``, or ``end_over`` = (length, value) for end = value length / c₁; ``step`` = ("courant", 0.125). With ``until_static`` the run
+    ends as soon as it is that near to rest and all histories are over.
+    """
 
     end: float | None
     end_over: tuple[float, float] | None
     step: tuple[str, float]
     integrator: str
+    until_static: float | None = None
 
 
 @dataclass(frozen=True)
@@ -308,8 +316,25 @@ def _support(table: Table, bodies: dict[str, Body]) -> Support:
     for i, axis in enumerate("xyz"):
         if velocity[i] != 0.0 and axis not in fix:
             raise table.error(f"velocity[{i}]", f'is {velocity[i]:g}, but "{axis}" is not in fix')
+    displacement, history = _path(table, fix)
     table.done()
-    return Support(body, face, tuple(fix), velocity)
+    return Support(body, face, tuple(fix), velocity, displacement, history)
+
+
+def _path(table: Table, fix: list[str]) -> tuple[Any, Any]:
+    """The keys ``displacement`` and ``history`` of a support: both or none."""
+    there = [key for key in ("displacement", "history") if table.has(key)]
+    if not there:
+        return (0.0, 0.0, 0.0), ((), ())
+    if len(there) == 1:
+        raise table.error(there[0], "stands alone; a path is a displacement times a history, and both are needed")
+    if table.has("velocity"):
+        raise table.error("velocity", 'cannot stand beside "displacement": a support keeps a velocity or follows a path')
+    displacement = table.vector("displacement")
+    for i, axis in enumerate("xyz"):
+        if displacement[i] != 0.0 and axis not in fix:
+            raise table.error(f"displacement[{i}]", f'is {displacement[i]:g}, but "{axis}" is not in fix')
+    return displacement, effects.load.read_history(table)
 
 
 def _savings(table: Table) -> tuple[str, ...]:
@@ -332,8 +357,9 @@ def _time(table: Table) -> Time:
     step = table.one_of("courant", "fraction", "dt")
     value = table.number(step, above=0.0)
     integrator = table.choice("integrator", INTEGRATORS, INTEGRATORS[0])
+    until_static = table.number("until_static", None, least=1e-12)
     table.done()
-    return Time(end, end_over, (step, value), integrator)
+    return Time(end, end_over, (step, value), integrator, until_static)
 
 
 def _output(table: Table) -> Output:

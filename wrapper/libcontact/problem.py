@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from . import effects
 from . import parts as scene_parts
 from ._core import ffi, lib
 from .errors import Error, check, new_error
+from .own import OwnEffect, create as create_own
 from .mesh import KINDS, WIDTH, Mesh, read_vtkhdf
 from .projection import METHODS
 from .schema import SceneError, float_array, index_array
@@ -75,8 +77,8 @@ def memory_estimate(nodes: int, elements: int, width: int) -> int:
 class Problem:
     """A built problem and all that keeps it alive. Everything that does not move during a run is here."""
 
-    def __init__(self, parts: scene_parts.Parts, file: str | None = None, threads: int | None = None):
-        self.parts, self.file = parts, file
+    def __init__(self, parts: scene_parts.Parts, file: str | None = None, threads: int | None = None, own: tuple[OwnEffect, ...] = ()):
+        self.parts, self.file, self.own = parts, file, own
         self.threads = parts.threads if threads is None else threads
         self._check_size()
         out = ffi.new("ct_scene **")
@@ -87,7 +89,8 @@ class Problem:
         self._add_bodies()
         self.faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contacts)]
         for i, support in enumerate(parts.supports):
-            self._add_support(i, support)
+            if not support.history[0]:
+                self._add_support(i, support)
         self.kept: list[Any] = []
         self._add_effects()
         self._build()
@@ -113,13 +116,27 @@ class Problem:
         """The fastest c₁ of all bodies: the one that ``end_c1t_over`` means."""
         return max(speeds(self.parts.materials[body.material])[0] for body in self.parts.bodies.values())
 
+    @property
+    def settled(self) -> float:
+        """When the last history of a load or a support is over."""
+        histories = [support.history for support in self.parts.supports] + [getattr(added.given, "history", ((), ())) for added in self.parts.effects]
+        return max((time[-1] for time, _ in histories if time), default=0.0)
+
+    def failure(self) -> BaseException | None:
+        """What a function of the caller's own effects has raised, once."""
+        for own in self.own:
+            if own.failure is not None:
+                failure, own.failure = own.failure, None
+                return failure
+        return None
+
     # Errors of the C library, as the scene's keys tell them.
 
     def _call(self, function: Any, *arguments: Any, key: str, about: str = "") -> None:
         error = new_error()
         status = function(*arguments, error)
         if status != lib.CT_OK:
-            raise self._refusal(status, error, key, about)
+            raise self._refusal(status, error, key, about) from self.failure()
 
     def _refusal(self, status: int, error: Any, key: str, about: str = "") -> SceneError:
         text = ffi.string(error.text).decode(errors="replace") or ffi.string(lib.ct_status_name(status)).decode()
@@ -235,13 +252,18 @@ class Problem:
 
     def _add_effects(self) -> None:
         """The effects beside contacts and supports, which are made for the joined bodies."""
-        if not self.parts.effects:
+        paths = {f"support[{i}]": support for i, support in enumerate(self.parts.supports) if support.history[0]}
+        if not self.parts.effects and not self.own and not paths:
             return
         joined = ffi.new("const ct_problem **")
         self._call(lib.ct_scene_join, self._scene, joined, key="")
-        for added in self.parts.effects:
-            maker = Maker(self, joined[0], added.key)
-            self._call(lib.ct_scene_add_effect, self._scene, added.module.create(added.given, maker), key=added.key)
+        calls = [(added.key, added.module.create, added.given) for added in self.parts.effects]
+        calls += [(own.name, create_own, own) for own in self.own] + ([(next(iter(paths)), _motion, paths)] if paths else [])
+        made = [(key, ffi.gc(create(given, Maker(self, joined[0], key)), lib.ct_effect_free)) for key, create, given in calls]
+        # Those that need the forces of all others come last.
+        for key, effect in sorted(made, key=lambda pair: pair[1].last):
+            ffi.gc(effect, None)  # the scene takes it over, whatever it answers
+            self._call(lib.ct_scene_add_effect, self._scene, effect, key=key)
 
     def _build(self) -> None:
         name, value = self.parts.time.step
@@ -254,7 +276,7 @@ class Problem:
         status = lib.ct_scene_build(self._scene, time, problem, count, self.stable, error)
         if status != lib.CT_OK:
             key = f"time.{name}" if status == lib.CT_ERROR_STEP else ""
-            raise self._refusal(status, error, key)
+            raise self._refusal(status, error, key) from self.failure()
         if not 1 <= count[0] <= MOST_STEPS:
             raise SceneError(f"asks for {count[0]} steps; at most {MOST_STEPS:g} are taken", f"time.{name}", self.file)
         self.pointer, self.step_count = problem[0], count[0]
@@ -328,6 +350,17 @@ class Maker:
         if not len(numbers):
             raise self.error(f'"{".".join(surface)}" has no faces: no outer face of the body lies in that plane')
         return np.ascontiguousarray(numbers + self.body(surface[0]).first_node, dtype=np.int32)
+
+
+def _motion(paths: dict[str, scene_parts.Support], maker: Maker) -> Any:
+    """The effect of all supports on a path."""
+    motions = maker.keep(ffi.new("ct_motion[]", len(paths)))
+    for motion, support in zip(motions, paths.values()):
+        nodes = maker.keep(maker.face_nodes((support.body, support.face)))
+        motion.nodes, motion.node_count = ffi.from_buffer("int32_t[]", nodes), len(nodes)
+        motion.fixed, motion.displacement = [axis in support.fix for axis in "xyz"], list(support.displacement)
+        motion.history = effects.load.c_history(support.history, maker)
+    return maker.make(lambda options, *rest: lib.ct_motion_create_effect(options, len(paths), *rest), motions)
 
 
 def _together(first: np.ndarray, second: np.ndarray) -> np.ndarray:
