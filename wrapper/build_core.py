@@ -85,17 +85,8 @@ static double wall_clock(void)
 #endif
 """
 
-# What a caller's own effect in Python is asked, libcontact/own.py.
-OWN = """
-extern "Python" {
-  ct_status own_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error);
-  ct_status own_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error);
-  ct_status own_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error);
-}
-"""
-
 ffi = cffi.FFI()
-ffi.cdef("\n".join(map(declarations, headers)) + "\nstatic double wall_clock(void);" + OWN)
+ffi.cdef("\n".join(map(declarations, headers)) + "\nstatic double wall_clock(void);")
 ffi.set_source(
     "libcontact._core",
     "\n".join(f"#include <{header}>" for header in ["contact.h", *(ADDON_HEADERS[name] for name in addons)]) + CLOCK,

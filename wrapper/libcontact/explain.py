@@ -68,7 +68,6 @@ def _facts(problem: Problem) -> dict[str, Any]:
         "supports": [{"set": f"{s.body}.{s.face}", "fix": list(s.fix), "velocity": list(s.velocity),
                       "displacement": list(s.displacement), "history": len(s.history[0])} for s in parts.supports],
         "added": [{"name": added.name, "key": added.key, "text": added.module.describe(added.given, parts.units)} for added in parts.effects]
-                 + [{"name": own.name, "key": own.name, "text": f"a function of the caller's own, on {own.nodes if isinstance(own.nodes, str) else own.nodes[0]}"} for own in problem.own],
         "time": _time(problem),
         "cost": {
             "memory_bytes": sum(memory_estimate(b["nodes"], b["elements"], 8 if b["element"] == "hex8" else 20) for b in bodies),

@@ -227,7 +227,7 @@ class Loop:
             names = list(self.problem.bodies)
             text = _text(error)
             named = 0 <= error.body < len(names) and names[error.body] not in text
-            raise RunError(f'body "{names[error.body]}": {text}' if named else text) from self.problem.failure()
+            raise RunError(f'body "{names[error.body]}": {text}' if named else text)
 
     # What comes out.
 

@@ -14,7 +14,6 @@ from . import effects
 from . import parts as scene_parts
 from ._core import ffi, lib
 from .errors import Error, check, new_error
-from .own import OwnEffect, create as create_own
 from .mesh import KINDS, WIDTH, Mesh, read_vtkhdf
 from .projection import METHODS
 from .schema import SceneError, float_array, index_array
@@ -77,8 +76,8 @@ def memory_estimate(nodes: int, elements: int, width: int) -> int:
 class Problem:
     """A built problem and all that keeps it alive. Everything that does not move during a run is here."""
 
-    def __init__(self, parts: scene_parts.Parts, file: str | None = None, threads: int | None = None, own: tuple[OwnEffect, ...] = ()):
-        self.parts, self.file, self.own = parts, file, own
+    def __init__(self, parts: scene_parts.Parts, file: str | None = None, threads: int | None = None):
+        self.parts, self.file = parts, file
         self.threads = parts.threads if threads is None else threads
         self._check_size()
         out = ffi.new("ct_scene **")
@@ -122,21 +121,13 @@ class Problem:
         histories = [support.history for support in self.parts.supports] + [getattr(added.given, "history", ((), ())) for added in self.parts.effects]
         return max((time[-1] for time, _ in histories if time), default=0.0)
 
-    def failure(self) -> BaseException | None:
-        """What a function of the caller's own effects has raised, once."""
-        for own in self.own:
-            if own.failure is not None:
-                failure, own.failure = own.failure, None
-                return failure
-        return None
-
     # Errors of the C library, as the scene's keys tell them.
 
     def _call(self, function: Any, *arguments: Any, key: str, about: str = "") -> None:
         error = new_error()
         status = function(*arguments, error)
         if status != lib.CT_OK:
-            raise self._refusal(status, error, key, about) from self.failure()
+            raise self._refusal(status, error, key, about)
 
     def _refusal(self, status: int, error: Any, key: str, about: str = "") -> SceneError:
         text = ffi.string(error.text).decode(errors="replace") or ffi.string(lib.ct_status_name(status)).decode()
@@ -253,12 +244,12 @@ class Problem:
     def _add_effects(self) -> None:
         """The effects beside contacts and supports, which are made for the joined bodies."""
         paths = {f"support[{i}]": support for i, support in enumerate(self.parts.supports) if support.history[0]}
-        if not self.parts.effects and not self.own and not paths:
+        if not self.parts.effects and not paths:
             return
         joined = ffi.new("const ct_problem **")
         self._call(lib.ct_scene_join, self._scene, joined, key="")
         calls = [(added.key, added.module.create, added.given) for added in self.parts.effects]
-        calls += [(own.name, create_own, own) for own in self.own] + ([(next(iter(paths)), _motion, paths)] if paths else [])
+        calls += [(next(iter(paths)), _motion, paths)] if paths else []
         made = [(key, ffi.gc(create(given, Maker(self, joined[0], key)), lib.ct_effect_free)) for key, create, given in calls]
         # Those that need the forces of all others come last.
         for key, effect in sorted(made, key=lambda pair: pair[1].last):
@@ -276,7 +267,7 @@ class Problem:
         status = lib.ct_scene_build(self._scene, time, problem, count, self.stable, error)
         if status != lib.CT_OK:
             key = f"time.{name}" if status == lib.CT_ERROR_STEP else ""
-            raise self._refusal(status, error, key) from self.failure()
+            raise self._refusal(status, error, key)
         if not 1 <= count[0] <= MOST_STEPS:
             raise SceneError(f"asks for {count[0]} steps; at most {MOST_STEPS:g} are taken", f"time.{name}", self.file)
         self.pointer, self.step_count = problem[0], count[0]

@@ -18,9 +18,8 @@ from .explain import Explanation, explain
 from .loop import execute, record_count, schedule
 from .plan import Cost, predict, table
 from .problem import Problem
-from .own import OwnEffect
-from .run import ENERGY, IN_ENERGY, Run
-from .schema import SceneError, describe, is_number, suggestion
+from .run import Run
+from .schema import SceneError, describe, suggestion
 
 # What may differ between a scene and the one whose run it continues.
 FREE_ON_RESTART = ("title", "output", "run", "units")
@@ -44,7 +43,6 @@ class Scene:
             raise TypeError("give either the whole data or title and units")
         self.file = None if file is None else str(file)
         self._problem: Problem | None = None
-        self._own: tuple[OwnEffect, ...] = ()
         whole = data is not None
         if data is None:
             data = {"title": title or "", "units": units}
@@ -78,8 +76,6 @@ class Scene:
     def save(self, path: str | Path) -> None:
         """Write the scene as TOML; arrays of nodes and elements are written out, and paths of meshes count from the new folder."""
         self._whole()
-        if self._own:
-            raise SceneError("is a function in Python, and a scene file can't hold it", self._own[0].name, self.file)
         old, new = (Path(file).resolve().parent if file else Path.cwd() for file in (self.file, path))
         data = self.data
         for body in data["body"]:
@@ -129,24 +125,6 @@ class Scene:
         if not module.MANY and effect in self._data:
             raise SceneError("stands twice; a scene has it once", effect, self.file)
         return self._add(effect, **entries) if module.MANY else self._set(effect, **entries)
-
-    def add_effect(self, name: str, nodes: Any, *, force: Any, energy: Any = None, frequency: float = 0.0) -> Scene:
-        """
-        Add an effect of your own, with ``name`` as its column in the ledger. ``nodes`` is a body, a face ``"bar.x_max"``, or a pair (body, numbers of its nodes).
-        ``force(view)`` returns the force on these nodes, shape (n, 3), and ``energy(view)``, if it stores any, a number; ``view`` is a ``libcontact.own.View``.
-        ``frequency`` bounds the ω [1/time] that it adds to the problem, for the stable step: of a spring k on a mass m, sqrt(k / m). What the functions raise
-        ends the run with a RunError. A scene file can't hold such an effect.
-        """
-        taken = {*ENERGY.names, *IN_ENERGY, *(effects.name_of(module) for module in effects.MODULES), *(own.name for own in self._own)}
-        if not isinstance(name, str) or not name.isidentifier() or len(name) > 63 or name in taken:
-            raise SceneError(f"is {describe(name)}; it must be a word that names no other effect and no column of the ledger", "name", self.file)
-        if not callable(force) or not (energy is None or callable(energy)):
-            raise SceneError("must be functions", f"{name}.force" if not callable(force) else f"{name}.energy", self.file)
-        if not is_number(frequency) or not 0.0 <= frequency < float("inf"):
-            raise SceneError(f"is {describe(frequency)}; it must be a number, at least 0", f"{name}.frequency", self.file)
-        self._own += (OwnEffect(name, nodes, force, energy, float(frequency)),)
-        self._problem = None
-        return self
 
     def set_time(self, *, end: float | None = None, end_c1t_over: Any = None, courant: float | None = None,
                  fraction: float | None = None, dt: float | None = None, integrator: str | None = None, until_static: float | None = None) -> Scene:
@@ -223,7 +201,7 @@ class Scene:
         parts = self._whole()
         wanted = parts.threads if threads is None else threads
         if self._problem is None or self._problem.threads != wanted:
-            self._problem = Problem(parts, self.file, wanted, self._own)
+            self._problem = Problem(parts, self.file, wanted)
         return self._problem
 
     def _check_output(self, path: Any, restart: Any) -> None:
