@@ -46,6 +46,7 @@ nitpick_ignore = [
     ("c:identifier", "size_t"),
     ("c:identifier", "int32_t"),
     ("c:identifier", "int64_t"),
+    ("c:identifier", "uint64_t"),
     # What Scene.explain is made from: not for callers.
     ("py:class", "libcontact.problem.Problem"),
     # What modules of effects read their tables from.

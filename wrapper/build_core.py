@@ -85,8 +85,18 @@ static double wall_clock(void)
 #endif
 """
 
+# Functions of an effect that is written in Python (effects/own.py).
+OWN = """
+extern "Python" {
+  ct_status own_force(const ct_effect *, const ct_view *, double *, ct_error *);
+  ct_status own_energy(const ct_effect *, const ct_view *, double *, ct_error *);
+  ct_status own_frequency(const ct_effect *, const ct_view *, double *, ct_error *);
+  ct_status own_damping(const ct_effect *, const ct_view *, double *, ct_error *);
+}
+"""
+
 ffi = cffi.FFI()
-ffi.cdef("\n".join(map(declarations, headers)) + "\nstatic double wall_clock(void);")
+ffi.cdef("\n".join(map(declarations, headers)) + "\nstatic double wall_clock(void);" + OWN)
 ffi.set_source(
     "libcontact._core",
     "\n".join(f"#include <{header}>" for header in ["contact.h", *(ADDON_HEADERS[name] for name in addons)]) + CLOCK,

@@ -22,6 +22,7 @@ extern "C" {
 #include <contact/contact.h>
 #include <contact/support.h>
 #include <contact/step.h>
+#include <contact/viscosity.h>
 #include <contact/energy.h>
 #include <contact/history.h>
 #include <contact/gravity.h>
@@ -29,6 +30,8 @@ extern "C" {
 #include <contact/damping.h>
 #include <contact/motion.h>
 #include <contact/absorb.h>
+#include <contact/obstacle.h>
+#include <contact/friction.h>
 #include <contact/scene.h>
 #include <contact/exact.h>
 

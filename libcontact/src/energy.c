@@ -67,6 +67,16 @@ ct_status ct_energy_stored(const ct_problem *problem, ct_state *state, int32_t k
   return effect->energy == NULL ? CT_OK : effect->energy(effect, &view, energy, error);
 }
 
+/* Add what comes in from outside through an effect that stores energy. */
+static ct_status add_external(const ct_problem *problem, const ct_state *state, int32_t k, double *external, ct_error *error)
+{
+  double work = 0.0;
+  ct_view view = ct_workspace_view(problem, state, k);
+  ct_status status = problem->effects[k]->external(problem->effects[k], &view, &work, error);
+  *external += work;
+  return status;
+}
+
 ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *energy, ct_error *error)
 {
   ct_status status = check_effect(problem, state, 0, energy, error);
@@ -82,6 +92,7 @@ ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *en
     work_total += work;
     stored_total += stored;
     if (effect->energy == NULL) e.external += work;
+    if (status == CT_OK && effect->external != NULL) status = add_external(problem, state, k, &e.external, error);
     if (strcmp(effect->name, "solid") == 0) e.strain += stored;
     if (strcmp(effect->name, "contact") == 0) e.contact += stored;
   }
@@ -133,25 +144,39 @@ ct_status ct_energy_unrest(const ct_problem *problem, ct_state *state, double *u
   return CT_OK;
 }
 
-/* Impulse of all effects of one name on a range of nodes since t = 0 (eq:impulse-balance). */
+/* Add the impulse of one effect on a range of nodes since t = 0 (eq:impulse-balance). */
+static void add_impulse(const ct_problem *problem, ct_state *state, int32_t k, int32_t first, int32_t last, double impulse[3])
+{
+  const ct_effect *effect = problem->effects[k];
+  const double *past = state->impulse + ct_state_impulse_start(problem, k), *force = ct_workspace_force_of(problem, state, k);
+  for (int c = 0; c < 3; c++) {
+    int64_t count = 0;
+    for (int32_t i = 0; i < effect->node_count; i++) {
+      int32_t node = ct_effect_node(effect, i);
+      if (node < first || node >= last) continue;
+      state->workspace->terms[count++] = past[3 * (int64_t)i + c] + 0.5 * force[3 * (int64_t)i + c];
+    }
+    impulse[c] += problem->dt * ct_sum(state->workspace->terms, count);
+  }
+}
+
+/* Impulse of all effects of one name on a range of nodes. */
 static void impulse_of(const ct_problem *problem, ct_state *state, const char *name, int32_t first, int32_t last, double impulse[3])
 {
   for (int c = 0; c < 3; c++) impulse[c] = 0.0;
-  for (int32_t k = 1; k < problem->effect_count; k++) {
-    const ct_effect *effect = problem->effects[k];
-    const double *past = state->impulse + ct_state_impulse_start(problem, k);
-    if (strcmp(effect->name, name) != 0) continue;
-    const double *force = ct_workspace_force_of(problem, state, k);
-    for (int c = 0; c < 3; c++) {
-      int64_t count = 0;
-      for (int32_t i = 0; i < effect->node_count; i++) {
-        int32_t node = ct_effect_node(effect, i);
-        if (node < first || node >= last) continue;
-        state->workspace->terms[count++] = past[3 * (int64_t)i + c] + 0.5 * force[3 * (int64_t)i + c];
-      }
-      impulse[c] += problem->dt * ct_sum(state->workspace->terms, count);
-    }
-  }
+  for (int32_t k = 1; k < problem->effect_count; k++)
+    if (strcmp(problem->effects[k]->name, name) == 0) add_impulse(problem, state, k, first, last, impulse);
+}
+
+ct_status ct_energy_impulse(const ct_problem *problem, ct_state *state, int32_t k, double impulse[3], ct_error *error)
+{
+  ct_status status = check_effect(problem, state, k, impulse, error);
+  if (status == CT_OK && k == 0) status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "energy: no impulse of the first effect is kept");
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  for (int c = 0; c < 3; c++) impulse[c] = 0.0;
+  add_impulse(problem, state, k, 0, problem->node_count, impulse);
+  return CT_OK;
 }
 
 ct_status ct_momentum_of(const ct_problem *problem, ct_state *state, int32_t body, ct_momentum *momentum, ct_error *error)

@@ -2,6 +2,7 @@
 
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { ALIGNMENT = 64 };
 
@@ -22,4 +23,11 @@ void *ct_allocate(size_t count, size_t size)
 void ct_release(void *memory)
 {
   if (memory != NULL) free(((void **)memory)[-1]);
+}
+
+void *ct_duplicate(const void *from, size_t bytes)
+{
+  void *copy = ct_allocate(bytes, 1);
+  if (copy != NULL && bytes > 0) memcpy(copy, from, bytes);
+  return copy;
 }

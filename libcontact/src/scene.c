@@ -1,3 +1,4 @@
+#include <contact/friction.h>
 #include <contact/scene.h>
 
 #include "contact/contact_internal.h"
@@ -5,6 +6,7 @@
 #include "memory.h"
 #include "workspace.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,6 +18,7 @@ typedef struct scene_body {
   ct_solid_kernel kernel;
   double velocity[3];
   double *velocities; /* of each node, or null */
+  double hourglass;   /* coefficient, or 0 for the default */
 } scene_body;
 
 typedef struct scene_contact {
@@ -50,13 +53,6 @@ static int grow(void **table, int32_t count, size_t size)
   ct_release(*table);
   *table = larger;
   return 1;
-}
-
-static void *duplicate(const void *from, size_t bytes)
-{
-  void *copy = ct_allocate(bytes, 1);
-  if (copy != NULL && bytes > 0) memcpy(copy, from, bytes);
-  return copy;
 }
 
 ct_status ct_scene_create(ct_scene **scene, ct_error *error)
@@ -136,7 +132,7 @@ ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *me
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body: null argument");
   if (scene->joined)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body %s: the scene's bodies were joined before, and none can be added after", name);
-  if ((int)lumping < CT_LUMP_DEFAULT || (int)lumping > CT_LUMP_HRZ || (int)kernel < CT_KERNEL_AUTO || (int)kernel > CT_KERNEL_BOX)
+  if ((int)lumping < CT_LUMP_DEFAULT || (int)lumping > CT_LUMP_HRZ || (int)kernel < CT_KERNEL_AUTO || (int)kernel > CT_KERNEL_REDUCED)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body %s: no lumping %d or no kernel %d", name, (int)lumping, (int)kernel);
   ct_status status = ct_material_check(material, error);
   for (int c = 0; status == CT_OK && c < 3; c++)
@@ -158,7 +154,7 @@ ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *me
   entry->material = *material;
   entry->first_node = 0;
   for (int32_t i = 0; i < scene->body_count; i++) entry->first_node += scene->bodies[i].mesh->node_count;
-  scene->parts[scene->body_count] = (scene_body){copy, lumping, kernel, {velocity[0], velocity[1], velocity[2]}, NULL};
+  scene->parts[scene->body_count] = (scene_body){copy, lumping, kernel, {velocity[0], velocity[1], velocity[2]}, NULL, 0.0};
   if (body != NULL) *body = scene->body_count;
   scene->body_count++;
   return CT_OK;
@@ -184,10 +180,21 @@ ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *vel
     if (!isfinite(velocity[d]))
       return ct_fail(error, CT_INVALID, (ct_place){body, -1, d / 3}, "body %s: velocity %c of node %d is not finite", name,
                      "xyz"[d % 3], (int)(d / 3));
-  double *copy = duplicate(velocity, (size_t)count * sizeof *copy);
+  double *copy = ct_duplicate(velocity, (size_t)count * sizeof *copy);
   if (copy == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for body %s", name);
   ct_release(scene->parts[body].velocities);
   scene->parts[body].velocities = copy;
+  return CT_OK;
+}
+
+ct_status ct_scene_set_hourglass(ct_scene *scene, int32_t body, double coefficient, ct_error *error)
+{
+  if (scene == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "hourglass: null argument");
+  ct_status status = check_body(scene, body, "hourglass", error);
+  if (status != CT_OK) return status;
+  if (!(coefficient > 0.0) || !isfinite(coefficient))
+    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "the hourglass coefficient must be positive, not %g", coefficient);
+  scene->parts[body].hourglass = coefficient;
   return CT_OK;
 }
 
@@ -227,7 +234,7 @@ ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact,
   entry->given = *contact;
   for (int s = 0; s < 2; s++) {
     size_t entries = (size_t)count[s] * (size_t)ct_face_node_count(ct_brick_face_kind(scene->parts[body[s]].mesh->kind));
-    entry->faces[s] = duplicate(faces[s], entries * sizeof *faces[s]);
+    entry->faces[s] = ct_duplicate(faces[s], entries * sizeof *faces[s]);
     if (entry->faces[s] == NULL) {
       ct_release(entry->faces[0]);
       return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
@@ -245,7 +252,7 @@ ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support,
   ct_status status = check_body(scene, support->body, "support", error);
   if (status == CT_OK) status = check_nodes(scene, support->body, support->nodes, support->node_count, 0, "support", error);
   if (status != CT_OK) return status;
-  int32_t *nodes = duplicate(support->nodes, (size_t)support->node_count * sizeof *nodes);
+  int32_t *nodes = ct_duplicate(support->nodes, (size_t)support->node_count * sizeof *nodes);
   if (nodes == NULL || !grow((void **)&scene->supports, scene->support_count, sizeof *scene->supports)) {
     ct_release(nodes);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a support");
@@ -336,14 +343,25 @@ ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *erro
   return CT_OK;
 }
 
+/* Whether supports hold all nodes of a body in a direction at velocity 0; they were applied before. */
+static int held_body(const ct_scene *scene, int32_t body, int axis)
+{
+  size_t first = (size_t)scene->bodies[body].first_node, count = (size_t)scene->parts[body].mesh->node_count;
+  for (size_t n = first; n < first + count; n++)
+    if (scene->inverse_mass[3 * n + (size_t)axis] != 0.0 || scene->velocity[3 * n + (size_t)axis] != 0.0) return 0;
+  return 1;
+}
+
 static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
 {
   ct_solid_block *blocks = ct_allocate((size_t)scene->body_count, sizeof *blocks);
   if (blocks == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
-  for (int32_t i = 0; i < scene->body_count; i++)
+  for (int32_t i = 0; i < scene->body_count; i++) {
     blocks[i] = (ct_solid_block){.mesh = scene->parts[i].mesh, .material = scene->bodies[i].material, .kernel = scene->parts[i].kernel,
                                  .first_node = scene->bodies[i].first_node, .lumping = scene->parts[i].lumping,
-                                 .savings = &scene->savings, .threads = threads};
+                                 .savings = &scene->savings, .threads = threads, .hourglass = scene->parts[i].hourglass};
+    for (int axis = 0; axis < 3; axis++) blocks[i].held[axis] = held_body(scene, i, axis);
+  }
   ct_status status = ct_solid_create_effect(blocks, scene->body_count, &scene->effects[0], error);
   ct_release(blocks);
   return status;
@@ -397,19 +415,26 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
 static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
 {
   int32_t *count = &scene->problem.effect_count;
-  scene->effects = ct_allocate((size_t)scene->contact_count + (size_t)scene->added_count + 2, sizeof *scene->effects);
+  ct_effect *supports = NULL, *hourglass = NULL;
+  scene->effects = ct_allocate(2 * (size_t)scene->contact_count + (size_t)scene->added_count + 3, sizeof *scene->effects);
   if (scene->effects == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the effects");
-  ct_status status = make_solid(scene, threads, error);
+  // What is held decides on the kernels, so supports are made first; they stand last.
+  ct_status status = scene->support_count > 0 ? make_supports(scene, &supports, error) : CT_OK;
+  if (status == CT_OK) status = make_solid(scene, threads, error);
   if (status == CT_OK) (*count)++;
+  if (status == CT_OK) status = ct_solid_create_hourglass(scene->effects[0], &hourglass, error);
+  if (hourglass != NULL) scene->effects[(*count)++] = hourglass;
   for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++) {
     status = make_contact(scene, i, &scene->effects[*count], error);
     if (status == CT_OK) (*count)++;
+    const ct_scene_contact *given = &scene->contacts[i].given;
+    if (status != CT_OK || given->friction == 0.0) continue;
+    ct_friction friction = {.on = scene->effects[*count - 1], .coefficient = given->friction, .tangent = given->tangent};
+    status = ct_friction_create_effect(&friction, &scene->problem, &scene->effects[*count], error);
+    if (status == CT_OK) (*count)++;
   }
   for (int32_t i = 0; status == CT_OK && i < scene->added_count; i++) scene->effects[(*count)++] = scene->added[i];
-  if (status == CT_OK && scene->support_count > 0) {
-    status = make_supports(scene, &scene->effects[*count], error);
-    if (scene->effects[*count] != NULL) (*count)++;
-  }
+  if (supports != NULL) scene->effects[(*count)++] = supports;
   scene->problem.effects = (const ct_effect *const *)scene->effects;
   return status;
 }
@@ -443,7 +468,7 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   if (status == CT_OK) status = make_effects(scene, time->threads, error);
   p->threads = 1;
   p->clock = NULL;
-  p->dt = 1.0; // any step will do to ask for the stable one
+  p->dt = DBL_MIN; // any step will do to ask for the stable one, if half of it changes no velocity
   if (status == CT_OK) status = ct_stable(p, NULL, stable, error);
   if (status == CT_OK) status = asked_step(time, stable, &dt, error);
   if (status != CT_OK) {

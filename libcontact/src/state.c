@@ -7,6 +7,7 @@
 #include "memory.h"
 #include "workspace.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -32,6 +33,14 @@ int64_t ct_state_memory_start(const ct_problem *problem, int32_t k)
   return start;
 }
 
+/* Whether the effect that effect `k` reads stands before it. */
+static int reads_earlier(const ct_problem *problem, int32_t k)
+{
+  for (int32_t i = 0; i < k; i++)
+    if (problem->effects[i] == problem->effects[k]->reads) return 1;
+  return problem->effects[k]->reads == NULL;
+}
+
 static ct_status check_problem(const ct_problem *p, ct_error *error)
 {
   if (p == NULL || p->bodies == NULL || p->reference == NULL || p->mass == NULL || p->inverse_mass == NULL ||
@@ -46,6 +55,9 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
     if (p->effects[k]->last > 0 && p->effects[k + 1]->last <= p->effects[k]->last && !p->effects[k + 1]->reaction)
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s needs the forces of all others, and %s stands after it", p->effects[k]->name,
                      p->effects[k + 1]->name);
+  for (int32_t k = 1; k < p->effect_count; k++)
+    if (!reads_earlier(p, k))
+      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s reads one that does not stand before it", p->effects[k]->name);
   if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1 || p->threads > CT_MOST_THREADS)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: a step of %g with %d threads", p->dt, p->threads);
   return CT_OK;
@@ -95,12 +107,15 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   w->forces_at = -1;
   w->total = ct_allocate(n, 3 * sizeof(double));
   w->terms = ct_allocate(n, sizeof(double));
-  w->room = ct_allocate(n, 3 * sizeof(double));
   w->still = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->still);
   w->force = ct_allocate(effects, sizeof *w->force);
   w->scratch = ct_allocate(effects, sizeof *w->scratch);
   w->next_memory = ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
-  if (!w->total || !w->terms || !w->room || !w->still || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK) return CT_ERROR_MEMORY;
+  if (!w->total || !w->terms || !w->still || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK) return CT_ERROR_MEMORY;
+  // Forces of one effect need room of their own only where `total` holds those of several.
+  int several = w->touched_count > 0;
+  for (int32_t k = 0; k < problem->effect_count; k++) several = several || problem->effects[k]->reaction;
+  if (several && (w->room = ct_allocate(n, 3 * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (k > 0 && !effect->reaction) {
@@ -155,7 +170,8 @@ static void step_back(const ct_problem *problem, ct_state *state)
   // A force that goes with velocity has seen another one so far; a restart from here would see this one.
   for (int32_t k = 0; k < problem->effect_count; k++)
     if (problem->effects[k]->damping != NULL || problem->effects[k]->last) state->workspace->forces_at = -1;
-  state->workspace->starting = 0;
+  // With the smallest of all steps a scene asks for the stable one, and no step is chosen yet.
+  state->workspace->starting = problem->dt <= DBL_MIN;
 }
 
 /* Ledgers that count only the half of the first forces that comes after t = 0 (eq:leapfrog-start). */
@@ -224,13 +240,22 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   return CT_OK;
 }
 
+/* Scratch space of the effect that effect `k` reads. */
+static const void *scratch_read(const ct_problem *problem, const ct_state *state, int32_t k)
+{
+  const ct_effect *other = problem->effects[k]->reads;
+  for (int32_t i = 0; other != NULL && i < k; i++)
+    if (problem->effects[i] == other) return state->workspace->scratch[i];
+  return NULL;
+}
+
 ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k)
 {
   int64_t memory = ct_state_memory_start(problem, k);
   return (ct_view){.time = state->time, .threads = problem->threads, .reference = problem->reference,
                    .displacement = state->displacement, .velocity = state->velocity, .memory = state->memory + memory,
                    .next_memory = state->workspace->next_memory + memory, .scratch = state->workspace->scratch[k],
-                   .dt = state->workspace->starting ? 0.0 : problem->dt, .total = state->workspace->total};
+                   .read = scratch_read(problem, state, k), .dt = state->workspace->starting ? 0.0 : problem->dt, .total = state->workspace->total};
 }
 
 const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k)
@@ -238,6 +263,7 @@ const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *s
   const ct_workspace *w = state->workspace;
   const ct_effect *effect = problem->effects[k];
   if (k > 0 && !effect->reaction) return w->force[k];
+  if (w->room == NULL) return w->total;
   // The first effect's force stands in `total`, but for the nodes where others were added.
   if (k == 0) memcpy(w->room, w->total, 3 * (size_t)problem->node_count * sizeof(double));
   for (int64_t i = 0; k == 0 && i < w->touched_count; i++)

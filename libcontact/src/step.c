@@ -185,6 +185,9 @@ typedef struct bounds {
   double omega_squared, rate;
 } bounds;
 
+/* Whether an effect of this name is there only where something touches. */
+static int is_contact(const char *name) { return strcmp(name, "contact") == 0 || strcmp(name, "friction") == 0 || strcmp(name, "obstacle") == 0; }
+
 /* Ask all effects, once with and once without the contacts. */
 static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds *all, bounds *without_contact, ct_error *error)
 {
@@ -196,7 +199,7 @@ static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds *
     if (status != CT_OK) return status;
     all->omega_squared += own.omega_squared;
     all->rate += own.rate;
-    if (strcmp(problem->effects[k]->name, "contact") == 0) continue;
+    if (is_contact(problem->effects[k]->name)) continue;
     without_contact->omega_squared += own.omega_squared;
     without_contact->rate += own.rate;
   }

@@ -194,6 +194,8 @@ static inline void probe_force(probe *p, const double *u, double *sum)
     if (effect->reaction) continue;
     ct_view view = {.threads = 1, .reference = p->problem->reference, .displacement = u, .velocity = u, .memory = p->memory + memory,
                     .next_memory = p->next + memory, .scratch = p->scratch[k]};
+    for (int j = 0; j < k; j++)
+      if (p->problem->effects[j] == effect->reads) view.read = p->scratch[j];
     need(effect->force(effect, &view, p->force, &error), &error);
     for (int i = 0; i < effect->node_count; i++)
       for (int c = 0; c < 3; c++) sum[3 * (effect->nodes == NULL ? i : effect->nodes[i]) + c] += p->force[3 * i + c];
@@ -288,14 +290,14 @@ static inline void add_support(ct_scene *scene, int32_t body, const ct_mesh *mes
   free(nodes);
 }
 
-/* Contact between the faces of two bodies in the planes x[axis] = at_a and at_b. */
-static inline ct_status add_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
-                                    double at_b, int axis, double beta)
+/* Contact between the faces of two bodies in the planes x[axis] = at_a and at_b, with a coefficient of friction. */
+static inline ct_status add_rough_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
+                                          double at_b, int axis, double beta, double friction, double tangent)
 {
   int32_t *fa = integers(8 * 6 * mesh_a->element_count), *fb = integers(8 * 6 * mesh_b->element_count);
   ct_scene_contact contact = {.body_a = a, .body_b = b, .face_count_a = ct_mesh_plane_faces(mesh_a, axis, at_a, fa, NULL),
                               .face_count_b = ct_mesh_plane_faces(mesh_b, axis, at_b, fb, NULL), .faces_a = fa, .faces_b = fb,
-                              .beta = beta, .options = ct_contact_options_default()};
+                              .beta = beta, .options = ct_contact_options_default(), .friction = friction, .tangent = tangent};
   ct_error error;
   ct_status status = ct_scene_add_contact(scene, &contact, &error);
   need(status, &error);
@@ -304,12 +306,56 @@ static inline ct_status add_contact(ct_scene *scene, int32_t a, const ct_mesh *m
   return status;
 }
 
+static inline ct_status add_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
+                                    double at_b, int axis, double beta)
+{
+  return add_rough_contact(scene, a, mesh_a, at_a, b, mesh_b, at_b, axis, beta, 0.0, 0.0);
+}
+
 static inline ct_scene *new_scene(void)
 {
   ct_scene *scene = NULL;
   ct_error error;
   need(ct_scene_create(&scene, &error), &error);
   return scene;
+}
+
+/* A weight m (g - c v) on all nodes from `first` on, as an effect of our own, plus a pull along x that swells and fades as sin² over a period. */
+typedef struct weight {
+  const ct_problem *problem;
+  int32_t first;
+  double g[3], damping, pull, period;
+} weight;
+
+static inline ct_status weight_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+{
+  const weight *w = effect->data;
+  double s = w->period > 0.0 && view->time < w->period ? sin(3.14159265358979323846 * view->time / w->period) : 0.0;
+  (void)error;
+  for (int32_t n = 0; n < effect->node_count; n++)
+    for (int c = 0; c < 3; c++)
+      force[3 * n + c] = n < w->first ? 0.0 : w->problem->mass[n] * (w->g[c] - w->damping * view->velocity[3 * n + c] + (c == 0 ? w->pull * s * s : 0.0));
+  return CT_OK;
+}
+
+static inline ct_status weight_damping(const ct_effect *effect, const ct_view *view, double *rate, ct_error *error)
+{
+  (void)view;
+  (void)error;
+  *rate = ((const weight *)effect->data)->damping;
+  return CT_OK;
+}
+
+static inline void add_weight(ct_scene *scene, weight w)
+{
+  weight *own = room(1, sizeof *own);
+  ct_error error;
+  ct_effect *effect = NULL;
+  *own = w;
+  need(ct_scene_join(scene, &own->problem, &error), &error);
+  ct_effect filled = {.name = "weight", .data = own, .free_data = free, .node_count = own->problem->node_count, .force = weight_force, .damping = weight_damping};
+  need(ct_effect_create(&filled, &effect, &error), &error);
+  need(ct_scene_add_effect(scene, effect, &error), &error);
 }
 
 static inline const ct_problem *build(ct_scene *scene, ct_scene_time time, int64_t *steps, ct_stable_step *stable)

@@ -261,6 +261,56 @@ static void folded_faces(ct_face_kind kind)
   tap_ok(missed == 0, "%s: robust misses %d of 400 lowest valleys on folded faces", NAME[kind], missed);
 }
 
+/* Caps of a sphere of radius 1.2 to 3 seen from close to its centre: f is nearly flat, and several places compete. */
+static void centres_of_curvature(ct_face_kind kind)
+{
+  const int cells = 60;
+  int missed = 0;
+  for (int trial = 0; trial < 400; trial++) {
+    ct_face face = {kind, {{0}}};
+    double radius = 2.1 + uniform(0.9), point[3] = {uniform(0.01), uniform(0.01), uniform(0.01)}, lowest = HUGE_VAL, f;
+    ct_projection out;
+    for (int i = 0; i < ct_face_node_count(kind); i++) {
+      double x = 0.5 * reference(kind, i)[0], y = 0.5 * reference(kind, i)[1];
+      face.node[i][0] = x, face.node[i][1] = y, face.node[i][2] = sqrt(radius * radius - x * x - y * y);
+    }
+    ct_project(&face, point, NULL, &out);
+    for (int i = 0; i <= cells; i++)
+      for (int j = 0; j <= (triangular(kind) ? cells - i : cells); j++) {
+        double xi[2] = {(double)i / cells, (double)j / cells};
+        if (!triangular(kind)) xi[0] = 2 * xi[0] - 1, xi[1] = 2 * xi[1] - 1;
+        ct_project_function(&face, point, xi, &f, NULL, NULL);
+        lowest = fmin(lowest, f);
+      }
+    missed += out.distance > sqrt(lowest) * (1 + 1e-12);
+  }
+  tap_ok(missed == 0, "%s: robust misses %d of 400 closest points from near a centre of curvature", NAME[kind], missed);
+}
+
+/* What robust costs: a nearly plane face a few looks, and a loose tolerance never more than a tight one. */
+static void costs_in_looks(ct_face_kind kind)
+{
+  int most = 0, dearer = 0;
+  for (int trial = 0; trial < 400; trial++) {
+    ct_face plain = random_face(kind, triangular(kind) ? 0.01 : 0.03), bent = random_face(kind, triangular(kind) ? 0.2 : 0.5);
+    double above[3] = {0.3 + uniform(0.2), 0.3 + uniform(0.2), uniform(0.3)}, point[3] = {uniform(1.5), uniform(1.5), uniform(1)};
+    ct_project_options tight = with(CT_ROBUST), loose = tight;
+    ct_projection a, b;
+    ct_project(&plain, above, &tight, &a);
+    most = a.evaluations > most ? a.evaluations : most;
+    loose.tolerance = 1e-2;
+    for (int warm = 0; warm < 2; warm++) {
+      tight.use_start = loose.use_start = warm;
+      tight.start[0] = loose.start[0] = 0.25;
+      ct_project(&bent, point, &tight, &a);
+      ct_project(&bent, point, &loose, &b);
+      dearer += b.evaluations > a.evaluations;
+    }
+  }
+  tap_ok(most <= 5, "%s: a nearly plane face needs %d looks at most", NAME[kind], most);
+  tap_ok(dearer == 0, "%s: a tolerance of 1e-2 costs more than 1e-10 on %d of 800 bent faces", NAME[kind], dearer);
+}
+
 static int same_bits(const ct_projection *a, const ct_projection *b, const double xi_sign[2], const double sign[3], double scale, const double shift[3])
 {
   int same = a->status == b->status && a->where == b->where && a->evaluations == b->evaluations;
@@ -526,7 +576,8 @@ int main(void)
     function_derivatives(kind);
     trace_shows_f(kind);
     brute_force(kind);
-    if (kind == CT_Q8 || kind == CT_T6) folded_faces(kind);
+    if (kind == CT_Q8 || kind == CT_T6) folded_faces(kind), centres_of_curvature(kind);
+    costs_in_looks(kind);
     for (int m = 0; m < 3; m++) copies_give_the_same_bits(kind, METHOD[m]), moved_copies_give_the_same_bits(kind, METHOD[m]);
   }
   newton_on_linear_triangles();

@@ -71,7 +71,7 @@ def test_robust_finds_the_closest_point():
     assert np.min(error) > -1e-12  # nothing is closer than the truth
     wrong = ~(np.abs(error) <= RIGHT)
     print(f"robust: {100 * np.mean(~wrong):.2f} % right, misses {by_category(wrong)}, median {np.median(evaluations):.0f} evaluations")
-    assert np.mean(~wrong) >= 0.994
+    assert np.mean(~wrong) >= 0.9984
     for i in np.flatnonzero(wrong):
         assert CATEGORY[i] in MAY_MISS or CASES[i]["kind"] == "T6" and CATEGORY[i] == "centre_of_curvature", (i, CATEGORY[i], error[i])
 

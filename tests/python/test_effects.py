@@ -112,3 +112,78 @@ def test_a_step_above_the_damped_limit_is_refused():
     scene = bar().add("damping", rate=1e4).set_time(end=0.1, courant=0.9)
     with pytest.raises(ct.SceneError, match="above the stable step"):
         scene.explain()
+
+
+# An effect of one's own.
+
+
+def spring(scene, k=2.0, **more):
+    """A spring from each node of the end to where it began."""
+    return scene.add_effect("spring", "bar", "x_max", lambda view: -k * view.displacement,
+                            energy=lambda view: 0.5 * k * np.sum(view.displacement**2), omega_squared=k / (0.1**3 / 8), **more)
+
+
+def test_a_spring_written_in_python_turns_a_body_back():
+    """A bar (10 x 0.1 x 0.1, mass 0.1) on four springs of k = 2e-3: omega^2 = 8e-3 / 0.1, but for the bar's own stiffness E A / L = 0.9."""
+    scene = spring(bar(velocity=[0.01, 0, 0]), k=2e-3).set_time(end=np.pi / np.sqrt(8e-3 / 0.1), fraction=0.9).set_output(every=1)
+    run = scene.run(progress=False)
+    assert run.state["bar"].velocity[:, 0].mean() == pytest.approx(-0.01, rel=1e-3)
+    assert run.energy.dtype.names[-1] == "spring" and run.energy["spring"].max() == pytest.approx(run.energy["kinetic"][0], rel=1e-2)
+    np.testing.assert_allclose(run.energy["total"], run.energy["total"][0], rtol=1e-12)
+    assert abs(run.energy["balance"]).max() < 1e-12 * run.energy["kinetic"][0]
+
+
+def test_the_stable_step_knows_the_spring():
+    free = bar().set_time(end=1, fraction=0.9).explain().data["time"]["stable"]
+    k, m = 2.0, 0.1**3 / 8
+    with_spring = spring(bar(), k).set_time(end=1, fraction=0.9).explain().data["time"]["stable"]
+    assert 4 / with_spring**2 == pytest.approx(4 / free**2 + k / m, rel=1e-12)
+
+
+def test_what_the_function_raises_ends_the_run_and_names_the_effect():
+    def force(view):
+        if view.time > 0.05:
+            raise KeyError("no such table")
+        return np.zeros_like(view.displacement)
+
+    scene = bar().add_effect("mine", "bar", [0, 3], force).set_time(end=1, fraction=0.9)
+    with pytest.raises(ct.RunError, match="effect mine: KeyError: 'no such table'") as failed:
+        scene.run(progress=False)
+    assert 0 < failed.value.run.time[-1] <= 0.051
+
+
+@pytest.mark.parametrize("answer, words", [(np.zeros((3, 3)), "shape"), (np.full((2, 3), np.nan), "not finite"), ("text", "could not convert")])
+def test_an_impossible_force_is_refused(answer, words):
+    scene = bar().add_effect("mine", "bar", [0, 3], lambda view: answer).set_time(end=1, fraction=0.9)
+    with pytest.raises(ct.Error, match=words):
+        scene.run(progress=False)
+
+
+def test_the_view_is_that_of_the_nodes_and_cannot_be_written():
+    seen = []
+
+    def force(view):
+        seen.append((view, view.reference, view.velocity, view.displacement))
+        return np.zeros((2, 3))
+
+    run = bar(velocity=[1, 2, 3]).add_effect("mine", "bar", [5, 0], force).set_time(end=0.01, fraction=0.9).run(progress=False)
+    view, reference, velocity, displacement = seen[-1]
+    np.testing.assert_array_equal(reference, run.state["bar"].nodes[[0, 5]])
+    np.testing.assert_allclose(velocity, [[1, 2, 3]] * 2, rtol=1e-12)
+    with pytest.raises(ValueError, match="read-only"):
+        displacement[0, 0] = 1
+    with pytest.raises(ValueError, match="during the call"):
+        view.velocity
+
+
+def test_a_function_cannot_be_saved_and_names_are_checked(tmp_path):
+    scene = spring(bar()).set_time(end=1, fraction=0.9)
+    with pytest.raises(ct.SceneError, match="spring: is a Python function"):
+        scene.save(tmp_path / "scene.toml")
+    for name in ("kinetic", "solid", "spring", "two words"):
+        with pytest.raises(ct.SceneError):
+            scene.add_effect(name, "bar", "x_max", lambda view: 0)
+    with pytest.raises(ct.SceneError, match="no body"):
+        bar().add_effect("mine", "baar", [0], lambda view: 0).set_time(end=1, fraction=0.9).explain()
+    with pytest.raises(ct.SceneError, match="whole numbers"):
+        bar().add_effect("mine", "bar", [10**6], lambda view: 0).set_time(end=1, fraction=0.9).explain()

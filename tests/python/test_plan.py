@@ -70,7 +70,6 @@ def test_each_effect_has_its_costs_and_its_share_of_the_bound():
     # 4 / dt^2 = W + 2 D / dt, the root that eq. damped-step-bound gives
     total = sum(cost.omega_squared for cost in costs) + 2 * sum(cost.rate for cost in costs) / stable
     assert total * stable**2 == pytest.approx(4.0, rel=1e-12)
-    assert sum(cost.measured for cost in costs) <= run.seconds  # parts of the whole
     text = scene.cost_table(run)
     assert "predicted" in text and "measured" in text and "damping" in text
     assert "measured" not in scene.cost_table()

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ._core import ffi
-
-if TYPE_CHECKING:
-    from .problem import Problem
+from .problem import Problem
 
 # Elements that are quiet together (the library's batch).
 BATCH = 8

@@ -7,23 +7,25 @@ from collections.abc import Sequence
 from typing import Any
 
 from . import effects
-from .parts import DEFAULT_BETA, Contact, Parts
+from .parts import Contact, Parts
 from .plan import Cost, predict, table
 from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, speeds
+from .surfaces import DEFAULT_BETA
 from .units import Units
 
 # Effects of the library, with what a scene that leaves them out goes without.
 EFFECTS = {
     "solid": "internal forces of the bodies (every scene has them)",
     "contact": "no [[contact]]: bodies pass through each other",
+    "friction": "no friction in a contact or an obstacle: surfaces slide freely",
     "support": "no [[support]]: nothing holds the bodies",
     **{effects.name_of(module): module.WITHOUT for module in effects.MODULES},
 }
 ASSUMPTIONS = (
-    "contact without friction; penalty, so surfaces overlap by pressure / epsilon",
+    "contact by a penalty, so surfaces overlap by pressure / epsilon",
     "surfaces meet only where a [[contact]] names them; a body passes through itself unless one names two surfaces of it, or one twice",
-    "no damping and no artificial viscosity: the ringing behind a steep front is the mesh's own",
 )
+RINGING = "no damping and no artificial viscosity: the ringing behind a steep front is the mesh's own"
 LAWS = {
     "linear": "small strains and rotations, linear isotropic elasticity",
     "st_venant_kirchhoff": "any rotation and moderate strain by St. Venant-Kirchhoff's law, which gives way under strong compression",
@@ -62,12 +64,13 @@ def _facts(problem: Problem) -> dict[str, Any]:
                   "stress": parts.units.label("stress"), "energy": parts.units.label("energy")},
         "bodies": bodies,
         "effects": used,
+        "savings": list(parts.savings),
         "left_out": {name: why for name, why in EFFECTS.items() if name not in used},
         "assumptions": _assumptions(parts),
         "contacts": contacts,
         "supports": [{"set": f"{s.body}.{s.face}", "fix": list(s.fix), "velocity": list(s.velocity),
-                      "displacement": list(s.displacement), "history": len(s.history[0])} for s in parts.supports],
-        "added": [{"name": added.name, "key": added.key, "text": added.module.describe(added.given, parts.units)} for added in parts.effects]
+                      "travel": list(s.travel), "history": len(s.history[0])} for s in parts.supports],
+        "added": [{"name": added.name, "key": added.key, "text": added.module.describe(added.given, parts.units)} for added in parts.effects],
         "time": _time(problem),
         "cost": {
             "memory_bytes": sum(memory_estimate(b["nodes"], b["elements"], 8 if b["element"] == "hex8" else 20) for b in bodies),
@@ -110,6 +113,10 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
 def _why(asked: str, body: BuiltBody) -> str:
     if asked != "auto":
         return "asked for"
+    if body.kernel == "reduced":
+        return "integration = \"reduced\": one point, and hourglass control"
+    if body.kernel == "plane":
+        return "one layer of equal boxes held along its thickness: plane strain, in two dimensions"
     if body.kernel == "box":
         return "all elements are equal boxes along x, y, z: integrals in closed form"
     if body.mesh.element == "hex20":
@@ -135,6 +142,7 @@ def _contact(built: BuiltContact, given: Contact, gap: float | None) -> dict[str
     return {
         "surfaces": list(built.surfaces), "with_itself": built.with_itself, "faces": list(built.faces), "gauss_points": list(built.points),
         "epsilon": built.epsilon, "beta": given.beta, "penalty_is_default": not given.penalty_given,
+        "friction": given.friction, "tangent": given.tangent or 1.0,
         "method": given.method, "tolerance": given.tolerance, "depth": given.depth, "initial_gap": gap, "warnings": warnings,
     }
 
@@ -165,11 +173,12 @@ def _lines(data: dict[str, Any], units: Units) -> list[str]:
     for support in data["supports"]:
         moving = f" at the velocity {support['velocity']} {units.label('velocity')}" if any(support["velocity"]) else ""
         if support["history"]:
-            moving = f" on a path, {support['displacement']} {units.length} times a history of {support['history']} points"
+            moving = f" on a path, {support['travel']} {units.length} times a history of {support['history']} points"
         out.append(f"  support {support['set']}: {', '.join(support['fix'])} held{moving}")
     out += [f"  {added['name']}: {added['text']}" for added in data["added"]]
     out += ["", "What is not computed"]
     out += [f"  {name}: {why}" for name, why in data["left_out"].items()]
+    out += ["  what changes no result: " + (", ".join(data["savings"]) or "none, by the scene's own wish")]
     out += [f"  assumed: {assumption}" for assumption in data["assumptions"]]
     out += ["", "Time"] + _time_lines(data["time"], units)
     out += ["", "Output"] + _output_lines(data["output"])
@@ -208,6 +217,7 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
     return [
         f"  contact {_who(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} Gauss points",
         f"    penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin}), closest points by {contact['method']}",
+        *([f"    friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"] if contact["friction"] else []),
         "    at the start " + (nobody if contact["initial_gap"] is None else f"the smallest gap is {contact['initial_gap']:.4g} {units.length}"),
     ]
 

@@ -10,17 +10,17 @@ import numpy as np
 from . import effects
 from .projection import METHODS
 from .schema import SceneError, Table, describe, float_array, index_array, suggestion
-from .surfaces import split_face
+from .surfaces import DEFAULT_BETA, split_face
 from .units import BASES, Units
 
 ELEMENTS = ("hex8", "hex20")
 LUMPINGS = ("row_sum", "hrz")
 LAWS = ("linear", "st_venant_kirchhoff", "neo_hookean")
-KERNELS = ("auto", "general", "box")
+KERNELS = ("auto", "general", "box", "plane")
+INTEGRATIONS = ("full", "reduced")
 FIELDS = ("displacement", "velocity", "stress")
 SAVINGS = ("quiet", "plane_strain", "congruent", "distant")
 INTEGRATORS = ("central_difference",)
-DEFAULT_BETA = 4.0
 
 
 @dataclass(frozen=True)
@@ -74,6 +74,8 @@ class Body:
     elements: np.ndarray | None
     ring: Ring | None = None
     spin: Spin | None = None
+    integration: str = "full"
+    hourglass: float | None = None
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,8 @@ class Contact:
     method: str
     tolerance: float | None
     depth: float | None
+    friction: float
+    tangent: float
 
     @property
     def with_itself(self) -> bool:
@@ -98,13 +102,13 @@ class Contact:
 
 @dataclass(frozen=True)
 class Support:
-    """What is held: with the constant ``velocity``, or, where ``history`` has points, on the path ``displacement`` times history."""
+    """What is held: with the constant ``velocity``, or, where ``history`` has points, on the path ``travel`` times history."""
 
     body: str
     face: str
     fix: tuple[str, ...]
     velocity: tuple[float, float, float]
-    displacement: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    travel: tuple[float, float, float] = (0.0, 0.0, 0.0)
     history: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
 
 
@@ -156,7 +160,12 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     bodies = _named(scene.tables("body"), lambda table: _body(table, materials))
     contacts = tuple(_contact(table, bodies) for table in scene.tables("contact"))
     supports = tuple(_support(table, bodies) for table in scene.tables("support"))
+    if scene.has("friction"):
+        raise scene.error("friction", "can't stand alone: there is no friction without a pressure; write friction = 0.3 in a [[contact]] or an [[obstacle]]")
     added = effects.read(scene, effects.Known(materials, bodies, contacts))
+    for i, body in enumerate(bodies.values()):
+        if body.kernel == "plane":
+            _no_load_out_of_plane(i, bodies, supports, added, file)
     table = scene.table("time", None) if not whole else scene.table("time")
     time = _time(table) if table is not None else None
     output = _output(scene.table("output", {}))
@@ -227,16 +236,45 @@ def _body(table: Table, materials: dict[str, Material]) -> Body:
         element = "hex8"
     if element == "hex20" and lumping == "row_sum":
         raise table.error("lumping", '"row_sum" gives the corners of hex20 a negative mass; use "hrz"')
-    if element == "hex20" and kernel == "box":
-        raise table.error("kernel", '"box" is for hex8; hex20 has the kernel "general"')
+    if element == "hex20" and kernel in ("box", "plane"):
+        raise table.error("kernel", f'"{kernel}" is for hex8; hex20 has the kernel "general"')
+    integration, hourglass = _integration(table, kernel, element)
     large = materials[material].law != "linear"
-    if large and kernel == "box":
-        raise table.error("kernel", f'"box" is for small strain; material "{material}" has the law "{materials[material].law}"')
+    if large and integration == "reduced":
+        raise table.error("integration", f'"reduced" is for small strain; material "{material}" has the law "{materials[material].law}"')
+    if large and kernel in ("box", "plane"):
+        raise table.error("kernel", f'"{kernel}" is for small strain; material "{material}" has the law "{materials[material].law}"')
     if spin is not None and not large:
         raise table.error("spin", f'turns the body, and the law "linear" of material "{material}" takes a rotation for a strain; '
                                   'give the material the law "st_venant_kirchhoff" or "neo_hookean"')
     table.done()
-    return Body(name, material, element, velocity, lumping, kernel, box, mesh, nodes, elements, ring, spin)
+    return Body(name, material, element, velocity, lumping, kernel, box, mesh, nodes, elements, ring, spin, integration, hourglass)
+
+
+def _integration(table: Table, kernel: str, element: str | None) -> tuple[str, float | None]:
+    """The keys ``integration`` and ``hourglass``, the coefficient of the control that one point an element needs."""
+    integration = table.choice("integration", INTEGRATIONS, "full")
+    hourglass = table.number("hourglass", None, above=0.0)
+    if integration == "reduced" and element == "hex20":
+        raise table.error("integration", '"reduced" with hourglass control is for hex8; hex20 is integrated in full')
+    if integration == "reduced" and kernel != "auto":
+        raise table.error("kernel", f'"{kernel}" integrates in full, and the body asks for integration = "reduced"')
+    if hourglass is not None and integration == "full":
+        raise table.error("hourglass", 'needs integration = "reduced"; full integration has no hourglass motion to control')
+    return integration, hourglass
+
+
+def _no_load_out_of_plane(body: int, bodies: dict[str, Body], supports: tuple[Support, ...], added: tuple[effects.Added, ...], file: str | None) -> None:
+    """Refuse a load along the thickness of a body that asks for the kernel of plane strain."""
+    name, given = list(bodies.items())[body]
+    held = {axis for support in supports if support.body == name for axis in support.fix}
+    thin = [k for k in range(3) if given.box is not None and given.box.cells[k] == 1 and "xyz"[k] in held]
+    for effect in added:
+        own = effect.given
+        named = getattr(own, "bodies", ()) is None or name in (getattr(own, "bodies", None) or ()) or name == getattr(own, "surface", ("",))[0]
+        vector = getattr(own, "acceleration", getattr(own, "traction", None))
+        if named and vector is not None and thin and all(vector[k] != 0.0 for k in thin):
+            raise SceneError(f'acts on "{name}" along {"xyz"[thin[0]]}, the thickness of its plane strain (kernel = "plane"), where nothing may move', effect.key, file)
 
 
 def _box(table: Table) -> Box:
@@ -297,7 +335,11 @@ def _contact(table: Table, bodies: dict[str, Body]) -> Contact:
         method=table.choice("method", METHODS, "robust"),
         tolerance=table.number("tolerance", None, above=0.0),
         depth=table.number("depth", None, above=0.0),
+        friction=table.number("friction", 0.0, least=0.0),
+        tangent=table.number("tangent", 0.0, above=0.0),
     )
+    if contact.tangent and not contact.friction:
+        raise table.error("tangent", 'belongs to friction; give "friction" too')
     table.done()
     return contact
 
@@ -316,25 +358,25 @@ def _support(table: Table, bodies: dict[str, Body]) -> Support:
     for i, axis in enumerate("xyz"):
         if velocity[i] != 0.0 and axis not in fix:
             raise table.error(f"velocity[{i}]", f'is {velocity[i]:g}, but "{axis}" is not in fix')
-    displacement, history = _path(table, fix)
+    travel, history = _path(table, fix)
     table.done()
-    return Support(body, face, tuple(fix), velocity, displacement, history)
+    return Support(body, face, tuple(fix), velocity, travel, history)
 
 
 def _path(table: Table, fix: list[str]) -> tuple[Any, Any]:
-    """The keys ``displacement`` and ``history`` of a support: both or none."""
-    there = [key for key in ("displacement", "history") if table.has(key)]
+    """The keys ``travel`` and ``history`` of a support: both or none."""
+    there = [key for key in ("travel", "history") if table.has(key)]
     if not there:
         return (0.0, 0.0, 0.0), ((), ())
     if len(there) == 1:
-        raise table.error(there[0], "stands alone; a path is a displacement times a history, and both are needed")
+        raise table.error(there[0], "stands alone; a path is the travel times a history, and both are needed")
     if table.has("velocity"):
-        raise table.error("velocity", 'cannot stand beside "displacement": a support keeps a velocity or follows a path')
-    displacement = table.vector("displacement")
+        raise table.error("velocity", 'cannot stand beside "travel": a support keeps a velocity or follows a path')
+    travel = table.vector("travel")
     for i, axis in enumerate("xyz"):
-        if displacement[i] != 0.0 and axis not in fix:
-            raise table.error(f"displacement[{i}]", f'is {displacement[i]:g}, but "{axis}" is not in fix')
-    return displacement, effects.load.read_history(table)
+        if travel[i] != 0.0 and axis not in fix:
+            raise table.error(f"travel[{i}]", f'is {travel[i]:g}, but "{axis}" is not in fix')
+    return travel, effects.load.read_history(table)
 
 
 def _savings(table: Table) -> tuple[str, ...]:

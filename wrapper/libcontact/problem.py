@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,8 @@ from .schema import SceneError, float_array, index_array
 
 LUMPING = {None: lib.CT_LUMP_DEFAULT, "row_sum": lib.CT_LUMP_ROW_SUM, "hrz": lib.CT_LUMP_HRZ}
 LAW = {"linear": lib.CT_LINEAR, "st_venant_kirchhoff": lib.CT_ST_VENANT_KIRCHHOFF, "neo_hookean": lib.CT_NEO_HOOKEAN}
-KERNEL = {"auto": lib.CT_KERNEL_AUTO, "general": lib.CT_KERNEL_GENERAL, "box": lib.CT_KERNEL_BOX}
+KERNEL = {"auto": lib.CT_KERNEL_AUTO, "general": lib.CT_KERNEL_GENERAL, "box": lib.CT_KERNEL_BOX,
+          "plane": lib.CT_KERNEL_PLANE, "reduced": lib.CT_KERNEL_REDUCED}
 MOST_STEPS = 10**12
 POINT = np.dtype(
     [("side", "i4"), ("face", "i4"), ("gauss", "i4"), ("other", "i4"), ("position", "f8", 3), ("closest", "f8", 3), ("xi", "f8", 2),
@@ -76,7 +78,8 @@ def memory_estimate(nodes: int, elements: int, width: int) -> int:
 class Problem:
     """A built problem and all that keeps it alive. Everything that does not move during a run is here."""
 
-    def __init__(self, parts: scene_parts.Parts, file: str | None = None, threads: int | None = None):
+    def __init__(self, parts: scene_parts.Parts, file: str | None = None, threads: int | None = None,
+                 own: Sequence[Any] = ()):
         self.parts, self.file = parts, file
         self.threads = parts.threads if threads is None else threads
         self._check_size()
@@ -91,7 +94,7 @@ class Problem:
             if not support.history[0]:
                 self._add_support(i, support)
         self.kept: list[Any] = []
-        self._add_effects()
+        self._add_effects(own)
         self._build()
         self.bodies = {name: self._built_body(i, name) for i, name in enumerate(parts.bodies)}
         self.contacts = [self._built_contact(i, contact) for i, contact in enumerate(parts.contacts)]
@@ -179,8 +182,8 @@ class Problem:
         found = "hex8" if elements.shape[1] == 8 else "hex20"
         if body.element not in (None, found):
             raise SceneError(f'is "{body.element}", but "{path}" holds {found}', f"body[{i}].element", self.file)
-        if found == "hex20" and (body.lumping == "row_sum" or body.kernel == "box"):
-            key = "lumping" if body.lumping == "row_sum" else "kernel"
+        if found == "hex20" and (body.lumping == "row_sum" or body.kernel in ("box", "plane") or body.integration == "reduced"):
+            key = "lumping" if body.lumping == "row_sum" else "integration" if body.integration == "reduced" else "kernel"
             raise SceneError(f'"{getattr(body, key)}" is for hex8, and "{path}" holds hex20', f"body[{i}].{key}", self.file)
         return nodes, elements
 
@@ -200,7 +203,9 @@ class Problem:
             if not (math.isfinite(c1) and c1 > 0.0):
                 raise SceneError(f'material "{body.material}" has the wave speed {c1:g}', f"body[{i}].material", self.file)
             self._call(lib.ct_scene_add_body, self._scene, body.name.encode(), mesh.pointer, material, LUMPING[body.lumping],
-                       KERNEL[body.kernel], list(body.velocity), number, key=f"body[{i}]", about=f'body "{body.name}": ')
+                       KERNEL["reduced" if body.integration == "reduced" else body.kernel], list(body.velocity), number, key=f"body[{i}]", about=f'body "{body.name}": ')
+            if body.hourglass is not None:
+                self._call(lib.ct_scene_set_hourglass, self._scene, number[0], body.hourglass, key=f"body[{i}].hourglass")
             if body.spin is not None:
                 velocity = _spinning(body, mesh)
                 self._call(lib.ct_scene_set_velocity, self._scene, number[0], ffi.from_buffer("double[]", velocity),
@@ -217,7 +222,8 @@ class Problem:
                                  f"contact[{i}].surfaces[{j}]", self.file)
         if contact.with_itself:
             faces = [_together(*faces)] * 2
-        new = ffi.new("ct_scene_contact *", {"beta": contact.beta or 0.0, "options": lib.ct_contact_options_default()})
+        new = ffi.new("ct_scene_contact *", {"beta": contact.beta or 0.0, "friction": contact.friction, "tangent": contact.tangent,
+                                                  "options": lib.ct_contact_options_default()})
         for side, (body, _), table in zip("ab", contact.surfaces, faces):
             setattr(new, f"body_{side}", numbers[body])
             setattr(new, f"face_count_{side}", len(table))
@@ -241,16 +247,19 @@ class Problem:
             "node_count": len(nodes), "fixed": [axis in support.fix for axis in "xyz"], "velocity": list(support.velocity)})
         self._call(lib.ct_scene_add_support, self._scene, new, key=f"support[{i}]")
 
-    def _add_effects(self) -> None:
-        """The effects beside contacts and supports, which are made for the joined bodies."""
+    def _add_effects(self, own: Sequence[Any]) -> None:
+        """The effects beside contacts and supports, which are made for the joined bodies: those of the scene's tables, then those of the user's ``own``."""
         paths = {f"support[{i}]": support for i, support in enumerate(self.parts.supports) if support.history[0]}
-        if not self.parts.effects and not paths:
+        if not self.parts.effects and not own and not paths:
             return
         joined = ffi.new("const ct_problem **")
         self._call(lib.ct_scene_join, self._scene, joined, key="")
         calls = [(added.key, added.module.create, added.given) for added in self.parts.effects]
-        calls += [(next(iter(paths)), _motion, paths)] if paths else []
-        made = [(key, ffi.gc(create(given, Maker(self, joined[0], key)), lib.ct_effect_free)) for key, create, given in calls]
+        calls += [(effect.name, lambda given, maker: given.create(maker), effect) for effect in own] + ([(next(iter(paths)), _motion, paths)] if paths else [])
+        made = []
+        for key, create, given in calls:
+            new = create(given, Maker(self, joined[0], key))
+            made += [(key, ffi.gc(effect, lib.ct_effect_free)) for effect in (new if isinstance(new, list) else [new])]
         # Those that need the forces of all others come last.
         for key, effect in sorted(made, key=lambda pair: pair[1].last):
             ffi.gc(effect, None)  # the scene takes it over, whatever it answers
@@ -349,7 +358,7 @@ def _motion(paths: dict[str, scene_parts.Support], maker: Maker) -> Any:
     for motion, support in zip(motions, paths.values()):
         nodes = maker.keep(maker.face_nodes((support.body, support.face)))
         motion.nodes, motion.node_count = ffi.from_buffer("int32_t[]", nodes), len(nodes)
-        motion.fixed, motion.displacement = [axis in support.fix for axis in "xyz"], list(support.displacement)
+        motion.fixed, motion.displacement = [axis in support.fix for axis in "xyz"], list(support.travel)
         motion.history = effects.load.c_history(support.history, maker)
     return maker.make(lambda options, *rest: lib.ct_motion_create_effect(options, len(paths), *rest), motions)
 

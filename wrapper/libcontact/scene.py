@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import os
 import tomllib
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,11 +15,12 @@ import numpy as np
 from . import effects
 from . import parts as scene_parts
 from .errors import NotBuiltIn
+from .effects.own import Own, View
 from .explain import Explanation, explain
 from .loop import execute, record_count, schedule
 from .plan import Cost, predict, table
 from .problem import Problem
-from .run import Run
+from .run import ENERGY, IN_ENERGY, Run
 from .schema import SceneError, describe, suggestion
 
 # What may differ between a scene and the one whose run it continues.
@@ -43,6 +45,7 @@ class Scene:
             raise TypeError("give either the whole data or title and units")
         self.file = None if file is None else str(file)
         self._problem: Problem | None = None
+        self._own: list[Own] = []
         whole = data is not None
         if data is None:
             data = {"title": title or "", "units": units}
@@ -76,6 +79,8 @@ class Scene:
     def save(self, path: str | Path) -> None:
         """Write the scene as TOML; arrays of nodes and elements are written out, and paths of meshes count from the new folder."""
         self._whole()
+        if self._own:
+            raise SceneError("is a Python function, which a scene file can't hold", self._own[0].name, self.file)
         old, new = (Path(file).resolve().parent if file else Path.cwd() for file in (self.file, path))
         data = self.data
         for body in data["body"]:
@@ -94,27 +99,30 @@ class Scene:
         return self._add("material", name=name, young=young, poisson=poisson, density=density, law=law)
 
     def add_body(self, name: str, *, material: str, box: Any = None, ring: Any = None, mesh: Any = None, nodes: Any = None,
-                 elements: Any = None, element: str | None = None, velocity: Any = None, spin: Any = None, lumping: str | None = None, kernel: str | None = None) -> Scene:
+                 elements: Any = None, element: str | None = None, velocity: Any = None, spin: Any = None, lumping: str | None = None, kernel: str | None = None,
+                 integration: str | None = None, hourglass: float | None = None) -> Scene:
         """Add a body: a ``box``, a ``ring``, a ``mesh`` file, or ``nodes`` (n, 3) with ``elements`` (cells, 8 or 20); the arrays are copied."""
         mesh = os.fspath(mesh) if isinstance(mesh, os.PathLike) else mesh
         return self._add("body", name=name, box=box, ring=ring, mesh=mesh, nodes=nodes, elements=elements, element=element, material=material,
-                         velocity=velocity, spin=spin, lumping=lumping, kernel=kernel)
+                         velocity=velocity, spin=spin, lumping=lumping, kernel=kernel, integration=integration, hourglass=hourglass)
 
     def add_contact(self, a: str, b: str, *, beta: float | None = None, epsilon: float | None = None, method: str | None = None,
-                    tolerance: float | None = None, depth: float | None = None) -> Scene:
+                    tolerance: float | None = None, depth: float | None = None, friction: float | None = None,
+                    tangent: float | None = None) -> Scene:
         """
         Add the contact of two surfaces such as ``"left.x_max"`` and ``"right.x_min"``; beta is 4 if no penalty is given. A surface that is named
         twice, or two of one body, can meet itself: ``scene.add_contact("ring.outer", "ring.outer")``.
         """
-        return self._add("contact", surfaces=[a, b], beta=beta, epsilon=epsilon, method=method, tolerance=tolerance, depth=depth)
+        return self._add("contact", surfaces=[a, b], beta=beta, epsilon=epsilon, method=method, tolerance=tolerance, depth=depth,
+                         friction=friction, tangent=tangent)
 
-    def add_support(self, set: str, *, fix: Any, velocity: Any = None, displacement: Any = None, history: Any = None) -> Scene:
+    def add_support(self, set: str, *, fix: Any, velocity: Any = None, travel: Any = None, history: Any = None) -> Scene:
         """
-        Prescribe the velocity (0 by default) of the nodes of a face such as ``"right.z_min"``, in the directions ``fix``, or their path: ``displacement`` times
+        Prescribe the velocity (0 by default) of the nodes of a face such as ``"right.z_min"``, in the directions ``fix``, or their path: ``travel`` times
         ``history={"time": [...], "value": [...]}``.
         """
         return self._add("support", set=set, fix=list(fix) if isinstance(fix, (str, tuple)) else fix, velocity=velocity,
-                         displacement=displacement, history=history)
+                         travel=travel, history=history)
 
     def add(self, effect: str, **entries: Any) -> Scene:
         """Add an effect of ``libcontact.effects`` with the keys of its table: ``scene.add("gravity", acceleration=[0, 0, -9810])``."""
@@ -125,6 +133,23 @@ class Scene:
         if not module.MANY and effect in self._data:
             raise SceneError("stands twice; a scene has it once", effect, self.file)
         return self._add(effect, **entries) if module.MANY else self._set(effect, **entries)
+
+    def add_effect(self, name: str, body: str, nodes: Any, force: Callable[[View], Any], *, energy: Callable[[View], float] | None = None,
+                   omega_squared: float = 0.0, rate: float = 0.0) -> Scene:
+        """
+        Add an effect of your own, a Python function. ``force(view)`` answers the forces (n, 3) on ``nodes`` of a body: numbers, or a face such as ``"x_max"``; ``view`` has
+        ``time``, ``reference``, ``displacement`` and ``velocity`` of these nodes (``effects.own.View``). ``energy(view)`` is what it stores; without it its work counts as from outside. Tell the
+        largest ω² [1/time²] of a stiffness (k / m of a spring on a node), and the largest c / m [1/time] of a dashpot as ``rate``, so that the stable step knows them.
+        The ledger has a column ``name``. What the function raises ends the run with a RunError.
+
+        >>> scene.add_effect("spring", "bar", "x_max", lambda view: -k * view.displacement, energy=lambda view: k / 2 * np.sum(view.displacement**2), omega_squared=k / m)
+        """
+        own = Own(name, body, nodes, force, energy, omega_squared, rate)
+        if name in IN_ENERGY or name in ENERGY.names or any(other.name == name for other in self._own):
+            raise SceneError("is the name of something else in the ledger", name, self.file)
+        self._own.append(own)
+        self._problem = None
+        return self
 
     def set_time(self, *, end: float | None = None, end_c1t_over: Any = None, courant: float | None = None,
                  fraction: float | None = None, dt: float | None = None, integrator: str | None = None, until_static: float | None = None) -> Scene:
@@ -201,7 +226,7 @@ class Scene:
         parts = self._whole()
         wanted = parts.threads if threads is None else threads
         if self._problem is None or self._problem.threads != wanted:
-            self._problem = Problem(parts, self.file, wanted)
+            self._problem = Problem(parts, self.file, wanted, self._own)
         return self._problem
 
     def _check_output(self, path: Any, restart: Any) -> None:

@@ -7,6 +7,8 @@ from typing import Any
 
 from .schema import Table, describe, suggestion
 
+# Penalty factor of contacts and obstacles that give none.
+DEFAULT_BETA = 4.0
 FACES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "outer")
 
 

@@ -4,8 +4,8 @@
 #include <contact/status.h>
 
 /**
- * Work that may be left out where leaving it out changes no result, :doc:`/theory/savings`; each 1 (may be) or 0. A scene begins with `ct_savings_default`;
- * turning one off is good for measuring what it saves, and for nothing else.
+ * Work that may be left out where leaving it out changes no result, :doc:`/theory/savings`; each 1 (may be) or 0. A scene begins with
+ * `ct_savings_default`; turning one off is good for measuring what it saves, and for nothing else.
  */
 typedef struct ct_savings {
   /** Elements whose nodes have moved all alike are not computed, and nodes without force are only moved on. */
@@ -34,7 +34,7 @@ typedef struct ct_view {
   const double *reference;
   /** Displacement u_n [length], shape (node_count, 3). */
   const double *displacement;
-  /** Δt [time]; 0 while the start is made, before v_{-1/2} is known. */
+  /** Δt [time]; 0 while the start is made, before v_{-1/2} is known, and while no step is chosen yet. */
   double dt;
   /** Sum of the forces of the effects that stand before this one in the problem's list [force], shape (node_count, 3); in `force` only. */
   const double *total;
@@ -47,10 +47,13 @@ typedef struct ct_view {
   /** What `create_scratch` made for this state. */
   void *scratch;
   /**
-   * Null, except for the first effect when `force` still holds what it wrote in its last call: then a bit a node, node n being bit n % 64 of word n / 64, all
-   * 0. The effect may set the bit of a node on which its force is zero, as it was in the last call, and leave that force as it stands, :eq:`still-node`.
+   * Null, except for the first effect when `force` still holds what it wrote in its last call: then a bit a node, node n being bit n % 64
+   * of word n / 64, all 0. The effect may set the bit of a node on which its force is zero, as it was in the last call, and leave that
+   * force as it stands, :eq:`still-node`.
    */
   uint64_t *still;
+  /** Scratch space of the effect that this one `reads`, as its `force` has left it for the same time; null without one. */
+  const void *read;
 } ct_view;
 
 /**
@@ -80,6 +83,8 @@ typedef struct ct_effect {
   double flops;
   /** Bytes that one call of `force` moves between memory and processor, about; 0: not told. */
   double bytes;
+  /** Null, or an effect that stands before this one in the problem's list and whose scratch space it is shown as `read` of the view. */
+  const struct ct_effect *reads;
   /** Scratch space of one state. */
   ct_status (*create_scratch)(const struct ct_effect *effect, void **scratch, ct_error *error);
   /** Give the scratch space back. */
@@ -95,6 +100,11 @@ typedef struct ct_effect {
    * Null for a force that does not depend on velocity.
    */
   ct_status (*damping)(const struct ct_effect *effect, const ct_view *view, double *rate, ct_error *error);
+  /**
+   * Work since t = 0 that comes in from outside through an effect that stores energy, as of a moving obstacle [energy], for the view of the last `force`; the
+   * ledger books it as external. Null: none does.
+   */
+  ct_status (*external)(const struct ct_effect *effect, const ct_view *view, double *work, ct_error *error);
   /** Give `data` back. */
   void (*free_data)(void *data);
 } ct_effect;

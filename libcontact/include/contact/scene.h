@@ -30,6 +30,10 @@ typedef struct ct_scene_contact {
   double beta;
   /** Search, depth; `epsilon` when `beta` is 0. */
   ct_contact_options options;
+  /** Coefficient μ of friction; 0: none, and nothing is kept or computed for it. */
+  double friction;
+  /** Ratio of the tangential to the normal penalty of friction; 0: 1. */
+  double tangent;
 } ct_scene_contact;
 
 /** Prescribed velocity of a set of nodes of one body. */
@@ -76,6 +80,9 @@ CT_API ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_m
  * the node).
  */
 CT_API ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *velocity, ct_error *error);
+
+/** The coefficient κ of the hourglass control of a body with CT_KERNEL_REDUCED, :eq:`hourglass-stiffness`, > 0; the default if this is not called. */
+CT_API ct_status ct_scene_set_hourglass(ct_scene *scene, int32_t body, double coefficient, ct_error *error);
 
 /** Add a contact; its arrays are copied. */
 CT_API ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error);

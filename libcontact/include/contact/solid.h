@@ -13,7 +13,11 @@ typedef enum ct_solid_kernel {
   /** bricks of any shape: Gauss points, 8 elements at a time */
   CT_KERNEL_GENERAL = 1,
   /** hex8, all rectangular along x, y, z and of one size: the integrals in closed form */
-  CT_KERNEL_BOX = 2
+  CT_KERNEL_BOX = 2,
+  /** one layer of boxes that is held along its thickness: plane strain, computed in two dimensions, :eq:`plane-force` */
+  CT_KERNEL_PLANE = 3,
+  /** hex8 of any shape with one point and hourglass control, :eq:`reduced-force`; never chosen unasked */
+  CT_KERNEL_REDUCED = 4
 } ct_solid_kernel;
 
 /**
@@ -44,6 +48,21 @@ CT_API ct_status ct_solid_element_tangent_frequency(ct_brick_kind kind, const do
                                                     const ct_material *material, const double *mass, double *omega_squared,
                                                     ct_error *error);
 
+/**
+ * Force of one hex8 element with one point and hourglass control, the readable form, :eq:`reduced-force`. `nodes`, `displacement` and `force` have
+ * shape (8, 3); `hourglass` > 0 is the coefficient κ of :eq:`hourglass-stiffness`. `energy` (may be null) gets the energies of the mean strain and of the
+ * hourglass control, :eq:`reduced-energy`. ``CT_ERROR_UNSUPPORTED`` for a law of large deformation.
+ */
+CT_API ct_status ct_solid_reduced_force(const double *nodes, const double *displacement, const ct_material *material, double hourglass,
+                                        double *force, double energy[2], ct_error *error);
+
+/** Upper bound of the largest ω² of that element with its lumped `mass` (8), :eq:`element-bound` [1 / time²]. */
+CT_API ct_status ct_solid_reduced_frequency(const double *nodes, const ct_material *material, double hourglass, const double *mass,
+                                            double *omega_squared, ct_error *error);
+
+/** The coefficient κ of the hourglass control when none is given: 1, with which a cube bends as a beam does. */
+CT_API double ct_solid_hourglass_default(void);
+
 /** One body as the solid effect sees it: its nodes stand at `first_node` of the problem. */
 typedef struct ct_solid_block {
   /** Its nodes and elements. */
@@ -60,6 +79,10 @@ typedef struct ct_solid_block {
   const ct_savings *savings;
   /** Threads for which room is kept; 0: one. With more threads than that the forces are the same. */
   int threads;
+  /** Coefficient κ of the hourglass control for CT_KERNEL_REDUCED, :eq:`hourglass-stiffness`; 0: the default. */
+  double hourglass;
+  /** 1 where a support holds all nodes of the body in this direction at velocity 0: one layer of boxes is then in plane strain. */
+  int held[3];
 } ct_solid_block;
 
 /**
@@ -69,6 +92,12 @@ typedef struct ct_solid_block {
  * the step is that of the tangent.
  */
 CT_API ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_count, ct_effect **effect, ct_error *error);
+
+/**
+ * The effect "hourglass" of a solid effect with blocks of CT_KERNEL_REDUCED: it has no force of its own (the solid effect's holds it), and its stored energy is
+ * that of the hourglass control, which the energy of the solid effect leaves out. Null, with CT_OK, when no block is of that kind. The solid effect must outlive it.
+ */
+CT_API ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **effect, ct_error *error);
 
 /** The kernel that the effect chose for a block, and the floating-point operations and bytes of one update of one element. */
 CT_API ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel, double *flops, double *bytes);

@@ -98,7 +98,7 @@ typedef struct ct_state {
 typedef struct ct_stable_step {
   /** Largest stable Δt with all effects [time]: 2 / sqrt(Σ ω²), :eq:`step-bound`, or with damping :eq:`damped-step-bound`. */
   double dt;
-  /** The same without contact [time]. */
+  /** The same without contacts, obstacles and their friction [time]. */
   double dt_without_contact;
   /** Shortest element edge over the fastest c₁ of the same body [time]: Courant number 1. */
   double dt_courant;

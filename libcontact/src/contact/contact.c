@@ -208,16 +208,9 @@ static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
   for (int64_t i = 0; i < ct_side_point_count(side); i++) {
     const ct_gauss_point *point = &side->points[i];
     if (!(point->gap < 0.0)) continue;
-    const double *N = side->N[i % side->rule.count];
-    for (int a = 0; a < side->search->per; a++) {
-      int64_t node = 3 * (int64_t)side->search->faces[i / side->rule.count * side->search->per + a];
-      for (int c = 0; c < 3; c++) ct_grid_add(grid, N[a] * point->force[c], &side->force[node + c], &side->force_fine[node + c]);
-    }
-    for (int a = 0; a < other->search->per; a++) {
-      int64_t node = 3 * (int64_t)other->search->faces[(int64_t)point->other * other->search->per + a];
-      for (int c = 0; c < 3; c++)
-        ct_grid_add(grid, -(point->N[a] * point->force[c]), &other->force[node + c], &other->force_fine[node + c]);
-    }
+    const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
+    ct_side_push(grid, side->search, i / side->rule.count, side->N[i % side->rule.count], point->force, side->force, side->force_fine);
+    ct_side_push(grid, other->search, point->other, point->N, back, other->force, other->force_fine);
   }
 }
 

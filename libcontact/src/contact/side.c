@@ -76,8 +76,7 @@ static void interpolate(const ct_search *search, const double *x, int32_t face, 
   for (int c = 0; c < 3; c++) {
     double t[8] = {0.0};
     for (int a = 0; a < search->per; a++) t[a] = N[a] * (x[3 * (int64_t)node[a] + c] - origin[c]);
-    out[c] = (t[0] + t[1]) + (t[2] + t[3]);
-    if (search->per > 4) out[c] += (t[4] + t[6]) + (t[5] + t[7]);
+    out[c] = ct_side_sum(search->per, t);
   }
 }
 

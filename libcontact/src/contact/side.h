@@ -38,11 +38,28 @@ void ct_side_clear(ct_side *side);
 /* Number of Gauss points. */
 int64_t ct_side_point_count(const ct_side *side);
 
+/* Sum over the nodes of a face, paired so that a flipped face gives the same bits (eq:tree-sum); terms beyond `per` are 0. */
+static inline double ct_side_sum(int per, const double t[8])
+{
+  double corners = (t[0] + t[1]) + (t[2] + t[3]);
+  return per > 4 ? corners + ((t[4] + t[6]) + (t[5] + t[7])) : corners;
+}
+
 /* Σ_a N_a (x_a - origin), paired so that a flipped face gives the same bits (eq:tree-sum). */
 void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3]);
 
 /* The same with reference coordinates, of a surface in contact with itself. */
 void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3]);
+
+/* Add a force at a point of a face to the face's nodes, into sums that do not depend on their order (eq:contact-force). */
+static inline void ct_side_push(const ct_grid *grid, const ct_search *search, int64_t face, const double N[8], const double force[3], double *coarse,
+                                double *fine)
+{
+  for (int a = 0; a < search->per; a++) {
+    int64_t node = 3 * (int64_t)search->faces[face * search->per + a];
+    for (int c = 0; c < 3; c++) ct_grid_add(grid, N[a] * force[c], &coarse[node + c], &fine[node + c]);
+  }
+}
 
 /* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). */
 void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth);

@@ -60,6 +60,16 @@ static void project_lane(ct_face_kind kind, const double *nodes, const double *p
   for (size_t k = 0; k < 3 && feet->normal != NULL; k++) feet->normal[8 * (3 * block + k) + (size_t)lane] = out.normal[k];
 }
 
+/* Ask for the numbers of a block, which come while the one before is computed. */
+static inline void fetch(const double *values, size_t count)
+{
+#if CT_BATCH_KERNELS
+  for (size_t i = 0; i < count; i += 8) __builtin_prefetch(values + i);
+#else
+  (void)values, (void)count;
+#endif
+}
+
 size_t ct_batch_blocks(size_t count) { return (count + 7) / 8; }
 
 void ct_batch_gather(size_t count, int per, const double *rows, const int32_t *number, double *lanes)
@@ -85,6 +95,7 @@ ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
   for (size_t block = 0; block < ct_batch_blocks(count); block++) {
     const double *x = nodes + 24 * per * block, *p = points + 24 * block, *from = start != NULL ? start + 16 * block : NULL;
     double xi[16];
+    if (block + 1 < ct_batch_blocks(count)) fetch(x + 24 * per, 24 * per), fetch(p + 24, 24);
     unsigned hard = kernel != NULL ? kernel(kind, x, p, from, options, xi, feet, block) : 255;
     // -- Lanes in trouble, and triangles, one at a time
     for (int lane = 0; lane < 8 && hard != 0; lane++) {

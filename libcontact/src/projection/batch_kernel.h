@@ -30,9 +30,9 @@ typedef struct patches {
   mask good;
 } patches;
 
-/* As many iterates, with f and its derivatives there. */
+/* As many iterates, with f and its derivatives there, and the products of the tangents. */
 typedef struct iterates {
-  lanes xi[2], f, g[2], H[3];
+  lanes xi[2], f, g[2], H[3], square[3];
 } iterates;
 
 /* The models of f about the iterates, see robust.c. */
@@ -40,11 +40,12 @@ typedef struct models {
   lanes g[2], H[3], low[2], high[2];
 } models;
 
-/* Their search. Those in `hard` are left to ct_project; those in `doubtful` have a foot, of which it is to be seen whether it is the closest point. */
+/* Their search. Those in `hard` are left to ct_project; those in `rough` are not mild and want samples; of those in `cold` it is to be seen whether the foot is
+ * the closest point, which is not easy to see of those in `doubtful`. */
 typedef struct searches {
   iterates at;
-  lanes radius, before, limit, evaluations;
-  mask active, hard, cold, doubtful; /* cold: the answer is to be looked over */
+  lanes radius, before, tolerance, limit, evaluations;
+  mask active, hard, rough, cold, doubtful;
 } searches;
 
 PART int any(const mask *m)
@@ -107,11 +108,11 @@ PART void patches_init(patches *patch, int count, const double *nodes, const dou
 PART void value(const patches *patch, const lanes xi[2], lanes d[3], lanes *f)
 {
   const lanes(*c)[3] = patch->c;
-  lanes x = xi[0], y = xi[1], xy = x * y, xx = x * x, yy = y * y, xxy = xx * y, xyy = x * yy;
+  lanes x = xi[0], y = xi[1], xx = x * x, yy = y * y, xy = x * y;
   for (int k = 0; k < 3; k++) {
     // -- Point of the patch (eq:projection-patch)
-    lanes e = (c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y);
-    d[k] = e + ((c[4][k] * xx + c[5][k] * yy) + (c[6][k] * xxy + c[7][k] * xyy));
+    lanes a = c[4][k] + c[6][k] * y, b = c[5][k] + c[7][k] * x;
+    d[k] = ((c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y)) + (a * xx + b * yy);
   }
   *f = DOT(d, d);
 }
@@ -119,11 +120,12 @@ PART void value(const patches *patch, const lanes xi[2], lanes d[3], lanes *f)
 PART void tangents(const patches *patch, const lanes xi[2], lanes t1[3], lanes t2[3])
 {
   const lanes(*c)[3] = patch->c;
+  lanes x = xi[0], y = xi[1], xx = x * x, yy = y * y, two_x = 2 * x, two_y = 2 * y;
   for (int k = 0; k < 3; k++) {
     // -- Tangents of the patch (eq:projection-patch-derivatives)
-    lanes cx = c[6][k] * xi[0], cy = c[7][k] * xi[1];
-    t1[k] = (c[1][k] + c[3][k] * xi[1]) + (2 * (c[4][k] * xi[0]) + xi[1] * (2 * cx + cy));
-    t2[k] = (c[2][k] + c[3][k] * xi[0]) + (2 * (c[5][k] * xi[1]) + xi[0] * (cx + 2 * cy));
+    lanes a = c[4][k] + c[6][k] * y, b = c[5][k] + c[7][k] * x;
+    t1[k] = (c[1][k] + c[3][k] * y) + (a * two_x + c[7][k] * yy);
+    t2[k] = (c[2][k] + c[3][k] * x) + (b * two_y + c[6][k] * xx);
   }
 }
 
@@ -138,19 +140,36 @@ PART void curves(const patches *patch, const lanes xi[2], lanes t11[3], lanes t2
   }
 }
 
-/* f, gradient and Hessian at at->xi. */
+/* f, gradient and Hessian at at->xi, see ct_polynomial_look. */
 PART void look(const patches *patch, iterates *at)
 {
-  lanes d[3], t1[3], t2[3], t11[3], t22[3], t12[3];
-  value(patch, at->xi, d, &at->f);
-  tangents(patch, at->xi, t1, t2);
-  curves(patch, at->xi, t11, t22, t12);
+  const lanes(*c)[3] = patch->c;
+  lanes x = at->xi[0], y = at->xi[1], xx = x * x, yy = y * y, xy = x * y, two_x = 2 * x, two_y = 2 * y;
+  lanes d[3], t1[3], t2[3], a[3], b[3], t12[3];
+  for (int k = 0; k < 3; k++) {
+    // -- Point, tangents, second derivatives 2 a, 2 b, t12 (eq:projection-patch, eq:projection-patch-derivatives)
+    a[k] = c[4][k] + c[6][k] * y, b[k] = c[5][k] + c[7][k] * x;
+    d[k] = ((c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y)) + (a[k] * xx + b[k] * yy);
+    t1[k] = (c[1][k] + c[3][k] * y) + (a[k] * two_x + c[7][k] * yy);
+    t2[k] = (c[2][k] + c[3][k] * x) + (b[k] * two_y + c[6][k] * xx);
+    t12[k] = c[3][k] + (c[6][k] * two_x + c[7][k] * two_y);
+  }
   // -- Gradient and Hessian (eq:projection-gradient, eq:projection-hessian)
+  at->f = DOT(d, d);
   at->g[0] = 2 * DOT(d, t1);
   at->g[1] = 2 * DOT(d, t2);
-  at->H[0] = 2 * (DOT(t1, t1) + DOT(d, t11));
-  at->H[1] = 2 * (DOT(t2, t2) + DOT(d, t22));
-  at->H[2] = 2 * (DOT(t1, t2) + DOT(d, t12));
+  at->square[0] = DOT(t1, t1), at->square[1] = DOT(t2, t2), at->square[2] = DOT(t1, t2);
+  at->H[0] = 2 * (at->square[0] + 2 * DOT(d, a));
+  at->H[1] = 2 * (at->square[1] + 2 * DOT(d, b));
+  at->H[2] = 2 * (at->square[2] + DOT(d, t12));
+}
+
+/* Take over the iterates of some lanes. */
+PART void take(iterates *at, const iterates *from, const mask *m)
+{
+  at->f = PICK(*m, from->f, at->f);
+  for (int a = 0; a < 2; a++) at->xi[a] = PICK(*m, from->xi[a], at->xi[a]), at->g[a] = PICK(*m, from->g[a], at->g[a]);
+  for (int i = 0; i < 3; i++) at->H[i] = PICK(*m, from->H[i], at->H[i]), at->square[i] = PICK(*m, from->square[i], at->square[i]);
 }
 
 /* f at corners, mid-sides and centre. */
@@ -175,12 +194,12 @@ PART void sample(const patches *patch, lanes f[9])
   for (int i = 0; i < 9; i++) f[i] = DOT(d[i], d[i]);
 }
 
-/* Begin where the only valley among the samples is; with several the lane is hard. */
-PART void choose_valley(const lanes f[9], searches *s)
+/* The only valley among the samples; with several the lane is hard. */
+PART void choose_valley(const lanes f[9], lanes xi[2], mask *hard)
 {
   static const double AT[9][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}, {0, 0}};
   lanes found = {0};
-  s->at.xi[0] = s->at.xi[1] = found;
+  xi[0] = xi[1] = found;
   mask centre = f[8] <= f[0];
   for (int j = 1; j < 8; j++) centre &= f[8] <= f[j];
   found = PICK(centre, found + 1, found);
@@ -190,9 +209,9 @@ PART void choose_valley(const lanes f[9], searches *s)
     if (i < 4) valley &= f[i] <= f[4 + j];
     else valley &= (f[i] <= f[j]) & (f[i] <= f[after]) & (f[i] <= f[4 + after]);
     found = PICK(valley, found + 1, found);
-    for (int a = 0; a < 2; a++) s->at.xi[a] = PICK(valley, AT[i][a] + 0 * found, s->at.xi[a]);
+    for (int a = 0; a < 2; a++) xi[a] = PICK(valley, AT[i][a] + 0 * found, xi[a]);
   }
-  s->hard = found != 1;
+  *hard = found != 1;
 }
 
 /* Bring xi onto the face, and onto its edge where only rounding is between. */
@@ -205,39 +224,63 @@ PART void snap(lanes xi[2])
   }
 }
 
-/* Are the faces so nearly plane that no valley can hide between the samples? */
-PART void is_mild(const patches *patch, mask *mild)
+/* Are the faces so nearly plane, as seen from iterates near their feet, that f has one valley only? */
+PART void is_mild(const patches *patch, const iterates *at, mask *mild)
 {
-  lanes square[8];
-  for (int j = 1; j < 8; j++) square[j] = DOT(patch->c[j], patch->c[j]);
+  const lanes(*c)[3] = patch->c;
+  lanes bent[3], straight = at->square[0] * at->square[1] - at->square[2] * at->square[2];
+  for (int k = 0; k < 3; k++)
+    bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) + 2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
+  straight /= MOST(at->square[0], at->square[1]);
   // -- Compare what is not linear with what is (eq:robust-mild)
-  *mild = square[3] + ((square[4] + square[5]) + (square[6] + square[7])) <= 0.1 * LEAST(square[1], square[2]);
+  *mild = ((bent[0] + bent[1]) + bent[2]) * (straight + 2 * at->f) <= CT_MILD * (straight * straight);
 }
 
-/* Where to begin: the given start, unless a sample is lower by more than rounding (eq:robust-noise); else the valley. */
-PART void begin(const patches *patch, const double *start, int lane, searches *s)
+/* Begin at the given starts, or at the centres of the faces. */
+PART void begin(const patches *patch, const double *start, int lane, double tolerance, searches *s)
 {
-  lanes f[9], zero = {0}, d[3];
+  lanes zero = {0};
+  s->at.xi[0] = s->at.xi[1] = zero;
+  s->hard = ~patch->good;
+  if (start != NULL) {
+    for (int a = 0; a < 2; a++) s->at.xi[a] = *(const loose *)(const void *)&start[8 * a + lane];
+    s->hard |= ~((SIZE(s->at.xi[0]) < HUGE_VAL) & (SIZE(s->at.xi[1]) < HUGE_VAL));
+    snap(s->at.xi);
+  }
+  look(patch, &s->at);
+  s->radius = s->before = s->evaluations = zero + 1;
+  s->limit = s->tolerance = zero + tolerance;
+  s->rough = s->cold = s->doubtful = zero != zero;
+  s->active = ~s->hard;
+}
+
+/* The lanes that are not mild begin again: at the valley among the samples, or at the given start if no sample is lower. */
+PART void begin_again(const patches *patch, int warm, double tolerance, searches *s)
+{
+  lanes f[9], zero = {0}, lowest;
+  iterates next;
   sample(patch, f);
-  choose_valley(f, s);
-  mask mild;
-  is_mild(patch, &mild);
-  s->cold = ~mild;
-  s->evaluations = PICK(mild, zero + 10, zero + 11);
-  if (start == NULL) return;
-  lanes lowest = f[0], xi[2], fs;
-  for (int i = 1; i < 9; i++) lowest = LEAST(lowest, f[i]);
-  lanes length = lowest;
-  root(&length);
-  for (int a = 0; a < 2; a++) xi[a] = *(const loose *)(const void *)&start[8 * a + lane];
-  mask finite = (SIZE(xi[0]) < HUGE_VAL) & (SIZE(xi[1]) < HUGE_VAL);
-  snap(xi);
-  value(patch, xi, d, &fs);
-  mask warm = fs <= lowest + 8 * DBL_EPSILON * (lowest + patch->size * length);
-  s->hard = (s->hard & ~warm) | ~finite;
-  for (int a = 0; a < 2; a++) s->at.xi[a] = PICK(warm, xi[a], s->at.xi[a]);
-  s->evaluations = PICK(warm, zero + 10, s->evaluations + 1);
-  s->cold &= ~warm;
+  mask several, again = zero != zero, rough = s->rough;
+  choose_valley(f, next.xi, &several);
+  if (warm) {
+    lowest = f[0];
+    for (int i = 1; i < 9; i++) lowest = LEAST(lowest, f[i]);
+    lanes length = lowest;
+    root(&length);
+    again = s->at.f <= lowest + 8 * DBL_EPSILON * (lowest + patch->size * length);
+    for (int a = 0; a < 2; a++) next.xi[a] = PICK(again, s->at.xi[a], next.xi[a]);
+  }
+  s->cold = rough & ~again;
+  s->hard |= s->cold & several;
+  look(patch, &next);
+  take(&s->at, &next, &rough);
+  s->radius = PICK(rough, zero + 1, s->radius);
+  s->before = PICK(rough, zero + 1, s->before);
+  s->tolerance = PICK(s->cold, zero + (tolerance < CT_PROVABLE ? tolerance : CT_PROVABLE), s->tolerance);
+  // Nine samples, the first look, and for the cold one at the end
+  s->evaluations = PICK(rough, s->evaluations + 10, s->evaluations);
+  s->evaluations = PICK(s->cold, s->evaluations + 1, s->evaluations);
+  s->active = rough & ~s->hard;
 }
 
 PART void model_value(const models *q, const lanes s[2], lanes *v)
@@ -277,24 +320,6 @@ PART void model_sides(const models *q, lanes *best_value, lanes best[2])
   }
 }
 
-/* Lowest points of the models (eq:robust-model); s, and the fall that each promises. */
-PART void model_minimum(const models *q, const mask *active, lanes s[2], lanes *predicted)
-{
-  lanes determinant = q->H[0] * q->H[1] - q->H[2] * q->H[2], v;
-  s[0] = (q->H[2] * q->g[1] - q->H[1] * q->g[0]) / determinant;
-  s[1] = (q->H[2] * q->g[0] - q->H[0] * q->g[1]) / determinant;
-  model_value(q, s, &v);
-  *predicted = -v;
-  mask newton = (q->H[0] > 0) & (determinant > 0);
-  for (int a = 0; a < 2; a++) newton &= (s[a] >= q->low[a]) & (s[a] <= q->high[a]);
-  mask rest = *active & ~newton;
-  if (!any(&rest)) return;
-  lanes best[2];
-  model_sides(q, &v, best);
-  *predicted = PICK(newton, *predicted, -v);
-  for (int a = 0; a < 2; a++) s[a] = PICK(newton, s[a], best[a]);
-}
-
 PART void model_about(models *q, const iterates *at, const lanes *radius)
 {
   for (int a = 0; a < 2; a++) {
@@ -306,33 +331,63 @@ PART void model_about(models *q, const iterates *at, const lanes *radius)
   for (int i = 0; i < 3; i++) q->H[i] = at->H[i];
 }
 
-/* One step of every active lane. A lane whose f no longer falls as promised, with a promise near rounding, becomes hard. */
-PART void step(const patches *patch, double tolerance, searches *s)
+/* Steps to the lowest points of the models (eq:robust-model), or a first guess of them: the lengths, where they lead, and the fall that each promises. */
+PART void steps_from(const searches *s, int guess, lanes *length, lanes xi[2], lanes *fall)
 {
+  const iterates *at = &s->at;
+  lanes determinant = at->H[0] * at->H[1] - at->H[2] * at->H[2], inverse = 1 / determinant, move[2], best[2], value;
+  // -- Newton's step where the model is convex and the step allowed (eq:projection-newton)
+  move[0] = (at->H[2] * at->g[1] - at->H[1] * at->g[0]) * inverse;
+  move[1] = (at->H[2] * at->g[0] - at->H[0] * at->g[1]) * inverse;
+  for (int a = 0; a < 2; a++) xi[a] = at->xi[a] + move[a];
+  *fall = -0.5 * (at->g[0] * move[0] + at->g[1] * move[1]);
+  if (guess) {
+    // -- A first guess is cut to the face, and good if f does not rise (eq:robust-guess)
+    snap(xi);
+    for (int a = 0; a < 2; a++) move[a] = xi[a] - at->xi[a];
+    *fall = *length = (lanes){0};
+  }
+  lanes across = SIZE(move[0]), along = SIZE(move[1]), x = SIZE(xi[0]), y = SIZE(xi[1]);
+  *length = MOST(across, along);
+  mask newton = (at->H[0] > 0) & (determinant > 0), rest;
+  if (!guess) newton &= (*length <= s->radius) & (MOST(x, y) <= 1 - 2 * DBL_EPSILON);
+  rest = s->active & ~newton;
+  if (!any(&rest)) return;
   models q;
+  model_about(&q, at, &s->radius);
+  model_sides(&q, &value, best);
+  *fall = PICK(newton, *fall, -value);
+  for (int a = 0; a < 2; a++) move[a] = PICK(newton, move[a], best[a]), xi[a] = at->xi[a] + move[a];
+  across = SIZE(move[0]), along = SIZE(move[1]);
+  *length = MOST(across, along);
+  snap(xi);
+}
+
+/* One step of every active lane: a first guess, or one that `may_end` the search. A lane whose f no longer falls as promised, with a promise near rounding, becomes hard. */
+PART void step(const patches *patch, int may_end, searches *s)
+{
   iterates trial;
-  lanes move[2], predicted, zero = {0};
-  model_about(&q, &s->at, &s->radius);
-  model_minimum(&q, &s->active, move, &predicted);
-  lanes across = SIZE(move[0]), along = SIZE(move[1]), length = MOST(across, along);
-  for (int a = 0; a < 2; a++) trial.xi[a] = s->at.xi[a] + move[a];
-  snap(trial.xi);
-  // -- Done when the step is small, or the next one would be rounding (eq:robust-quadratic)
-  lanes ratio = length / (s->before * s->before), next = length * length * PICK(ratio > 1, ratio, zero + 1);
-  mask done = s->active & ((length <= tolerance) | (next <= DBL_EPSILON));
-  for (int a = 0; a < 2; a++) s->at.xi[a] = PICK(done, trial.xi[a], s->at.xi[a]);
-  s->limit = PICK(done & (length >= s->radius), zero, s->limit);
-  s->active &= ~done;
-  if (!any(&s->active)) return;
+  lanes fall, length, zero = {0};
+  steps_from(s, !may_end, &length, trial.xi, &fall);
+  if (may_end) {
+    // -- Done when the step is small, or the next one would be (eq:robust-quadratic)
+    const double small = 4 * DBL_EPSILON;
+    lanes square = length * length;
+    mask done = s->active & ((length <= s->tolerance) | ((square <= small) & (square * length <= small * (s->before * s->before))));
+    for (int a = 0; a < 2; a++) s->at.xi[a] = PICK(done, trial.xi[a], s->at.xi[a]);
+    s->limit = PICK(done & (length >= s->radius), zero, s->limit);
+    s->active &= ~done;
+    if (!any(&s->active)) return;
+  }
   look(patch, &trial);
   s->evaluations = PICK(s->active, s->evaluations + 1, s->evaluations);
   // -- Take the step if f falls (eq:robust-accept)
-  mask accept = s->at.f - trial.f >= 0.1 * predicted, refuse = s->active & ~accept;
+  mask accept = s->at.f - trial.f >= 0.1 * fall, refuse = s->active & ~accept;
   if (any(&refuse)) {
     lanes noise = s->at.f;
     root(&noise);
     noise = 8 * DBL_EPSILON * (s->at.f + patch->size * noise);
-    s->hard |= refuse & ~(predicted > noise);
+    s->hard |= refuse & ~(fall > noise);
     s->active &= ~s->hard;
     s->radius = PICK(refuse, 0.25 * length, s->radius);
   }
@@ -340,19 +395,30 @@ PART void step(const patches *patch, double tolerance, searches *s)
   lanes wider = 2 * s->radius;
   s->radius = PICK(accept & (length >= s->radius), LEAST(wider, zero + 2), s->radius);
   s->before = PICK(accept, length, s->before);
-  s->at.f = PICK(accept, trial.f, s->at.f);
-  for (int a = 0; a < 2; a++) {
-    s->at.xi[a] = PICK(accept, trial.xi[a], s->at.xi[a]);
-    s->at.g[a] = PICK(accept, trial.g[a], s->at.g[a]);
+  take(&s->at, &trial, &accept);
+}
+
+/* Descend in all active lanes. Those that the iterate of number `probe` shows not to be mild become rough. */
+PART void descend(const patches *patch, int steps, int probe, searches *s)
+{
+  for (int i = 0; i < steps && any(&s->active); i++) {
+    if (i == probe) {
+      mask mild;
+      is_mild(patch, &s->at, &mild);
+      s->rough = s->active & ~mild;
+      s->active &= mild;
+    }
+    step(patch, i >= probe, s);
   }
-  for (int i = 0; i < 3; i++) s->at.H[i] = PICK(accept, trial.H[i], s->at.H[i]);
+  s->hard |= s->active;
 }
 
 /* Does rounding of the gradient move the feet by less than the tolerance? (eq:robust-resolved) */
-PART void resolved(const patches *patch, const iterates *at, const lanes *f, const lanes length[2], const lanes *tolerance, mask *good)
+PART void resolved(const patches *patch, const iterates *at, const lanes *f, const lanes *tolerance, mask *good)
 {
-  lanes distance = *f;
-  lanes rounding = 4 * DBL_EPSILON * (*root(&distance) + patch->size), limit[2];
+  lanes distance = *f, length[2] = {at->square[0], at->square[1]}, limit[2];
+  for (int a = 0; a < 2; a++) root(&length[a]);
+  lanes rounding = 4 * DBL_EPSILON * (*root(&distance) + patch->size);
   mask bound[2];
   for (int a = 0; a < 2; a++) {
     bound[a] = (at->xi[a] <= -1) | (at->xi[a] >= 1);
@@ -459,15 +525,12 @@ PART void prove(const patches *patch, const lanes xi[2], const lanes d[3], const
 /* Write what is known of the feet; a lane without a normal becomes hard. */
 PART void finish(const patches *patch, searches *s, double xi[16], const ct_batch_feet *feet, size_t block, int lane)
 {
-  lanes d[3], f, t1[3], t2[3], n[3], length[2], zero = {0};
+  lanes d[3], f, t1[3], t2[3], n[3], zero = {0};
   value(patch, s->at.xi, d, &f);
   tangents(patch, s->at.xi, t1, t2);
-  length[0] = DOT(t1, t1), length[1] = DOT(t2, t2);
-  for (int a = 0; a < 2; a++) root(&length[a]);
   mask good;
-  resolved(patch, &s->at, &f, length, &s->limit, &good);
+  resolved(patch, &s->at, &f, &s->limit, &good);
   s->cold &= ~s->hard;
-  s->doubtful = s->hard & ~s->hard;
   if (any(&s->cold)) {
     // -- Look again where the face may hide something (eq:robust-hidden)
     mask proven;
@@ -476,8 +539,8 @@ PART void finish(const patches *patch, searches *s, double xi[16], const ct_batc
   }
   // -- Unit normal (eq:segment-normal)
   for (int k = 0; k < 3; k++) n[k] = t1[(k + 1) % 3] * t2[(k + 2) % 3] - t1[(k + 2) % 3] * t2[(k + 1) % 3];
-  lanes square = DOT(n, n), least = 1e-14 * length[0] * length[1], norm = square;
-  s->hard |= ~(square > least * least);
+  lanes square = DOT(n, n), norm = square;
+  s->hard |= ~(square > 1e-28 * (DOT(t1, t1) * DOT(t2, t2)));
   root(&norm);
   for (int k = 0; k < 3; k++) n[k] /= norm;
   // -- Distance, and its sign on the side of the normal (eq:projection-signed)
@@ -500,16 +563,13 @@ PART unsigned project_block(int count, const double *nodes, const double *points
   for (int lane = 0; lane < 8; lane += LANES) {
     patches patch;
     searches s;
-    lanes zero = {0};
     patches_init(&patch, count, nodes, points, lane);
-    begin(&patch, start, lane, &s);
-    look(&patch, &s.at);
-    s.radius = s.before = zero + 1;
-    s.limit = zero + options->tolerance;
-    s.hard |= ~patch.good;
-    s.active = ~s.hard;
-    for (int i = 0; i < steps && any(&s.active); i++) step(&patch, options->tolerance, &s);
-    s.hard |= s.active;
+    begin(&patch, start, lane, options->tolerance, &s);
+    descend(&patch, steps, start != NULL ? 0 : 1, &s);
+    if (any(&s.rough)) {
+      begin_again(&patch, start != NULL, options->tolerance, &s);
+      descend(&patch, steps, -1, &s);
+    }
     finish(&patch, &s, xi, feet, block, lane);
     s.doubtful &= ~s.hard;
     for (int l = 0; l < LANES; l++) hard |= (s.hard[l] ? 1u << (lane + l) : 0) | (s.doubtful[l] ? 256u << (lane + l) : 0);

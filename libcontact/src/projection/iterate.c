@@ -1,4 +1,4 @@
-#include "projection_internal.h"
+#include "polynomial.h"
 
 #include "../vector.h"
 
@@ -9,7 +9,7 @@ static const double FAR = 1e3;
 
 void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_foot *foot)
 {
-  at->f = ct_patch_derivatives(patch, at->xi, at->d, at->g, at->H);
+  ct_polynomial_look(patch, at);
   foot->evaluations++;
 }
 

@@ -1,99 +1,99 @@
-#include "projection_internal.h"
+#include "polynomial.h"
 
+#include "../lanes.h"
 #include "../vector.h"
 
 #include <float.h>
 #include <math.h>
 
-/* Coefficients of one coordinate from the nodes v and the point p. Only c[0] knows the point; the others are made of differences between nodes,
- * so that neither a far origin nor a far point costs them digits. Each is a tree that flips map onto itself up to its sign. */
-static void quadrilateral(const double v[8], double p, int serendipity, double c[8])
+/* As fmax, for numbers, without a call. */
+static inline double most(double a, double b) { return b > a ? b : a; }
+
+/* Coefficients of the patch from its nodes v and the point p, coordinate by coordinate. Only c[0] knows the point; the others are made of differences
+ * between nodes, so that neither a far origin nor a far point costs them digits. Each is a tree that flips map onto itself up to its sign. */
+static inline void quadrilateral(const double v[8][4], const double p[4], double c[8][4])
 {
-  // -- Corners (eq:projection-patch-q4)
-  double all = ((v[0] - p) + (v[1] - p)) + ((v[2] - p) + (v[3] - p)), right = (v[1] - v[0]) + (v[2] - v[3]);
-  double up = (v[3] - v[0]) + (v[2] - v[1]), twist = (v[0] - v[1]) + (v[2] - v[3]);
-  c[0] = 0.25 * all, c[1] = 0.25 * right, c[2] = 0.25 * up, c[3] = 0.25 * twist;
-  c[4] = c[5] = c[6] = c[7] = 0;
-  if (!serendipity) return;
-  // -- Mid-sides (eq:projection-patch-q8)
-  c[0] = 0.5 * (((v[4] - p) + (v[6] - p)) + ((v[5] - p) + (v[7] - p))) - 0.25 * all;
-  c[1] = 0.5 * (v[5] - v[7]);
-  c[2] = 0.5 * (v[6] - v[4]);
-  c[4] = 0.25 * (((v[0] - v[4]) + (v[1] - v[4])) + ((v[2] - v[6]) + (v[3] - v[6])));
-  c[5] = 0.25 * (((v[0] - v[7]) + (v[3] - v[7])) + ((v[1] - v[5]) + (v[2] - v[5])));
-  c[6] = 0.25 * up - c[2];
-  c[7] = 0.25 * right - c[1];
+  for (int k = 0; k < 4; k++) {
+    // -- Corners (eq:projection-patch-q4)
+    double all = ((v[0][k] - p[k]) + (v[1][k] - p[k])) + ((v[2][k] - p[k]) + (v[3][k] - p[k]));
+    double right = (v[1][k] - v[0][k]) + (v[2][k] - v[3][k]), up = (v[3][k] - v[0][k]) + (v[2][k] - v[1][k]);
+    double twist = (v[0][k] - v[1][k]) + (v[2][k] - v[3][k]);
+    c[0][k] = 0.25 * all, c[1][k] = 0.25 * right, c[2][k] = 0.25 * up, c[3][k] = 0.25 * twist;
+    c[4][k] = c[5][k] = c[6][k] = c[7][k] = 0;
+  }
 }
 
-static void triangle(const double v[8], double p, int quadratic, double c[8])
+/* What the mid-sides change, after the corners. */
+static inline void mid_sides(const double v[8][4], const double p[4], double c[8][4])
 {
-  c[0] = v[0] - p, c[1] = v[1] - v[0], c[2] = v[2] - v[0];
-  c[3] = c[4] = c[5] = c[6] = c[7] = 0;
-  if (!quadratic) return;
-  // -- Mid-sides of the triangle (eq:projection-patch-t6)
-  c[3] = 2 * (((v[0] - v[3]) + (v[0] - v[5])) + ((v[4] - v[3]) + (v[4] - v[5])));
-  c[4] = 2 * ((v[0] - v[3]) + (v[1] - v[3]));
-  c[5] = 2 * ((v[0] - v[5]) + (v[2] - v[5]));
-  c[1] -= c[4];
-  c[2] -= c[5];
+  for (int k = 0; k < 4; k++) {
+    // -- Mid-sides (eq:projection-patch-q8)
+    double right = c[1][k], up = c[2][k];
+    c[0][k] = 0.5 * (((v[4][k] - p[k]) + (v[6][k] - p[k])) + ((v[5][k] - p[k]) + (v[7][k] - p[k]))) - c[0][k];
+    c[1][k] = 0.5 * (v[5][k] - v[7][k]);
+    c[2][k] = 0.5 * (v[6][k] - v[4][k]);
+    c[4][k] = 0.25 * (((v[0][k] - v[4][k]) + (v[1][k] - v[4][k])) + ((v[2][k] - v[6][k]) + (v[3][k] - v[6][k])));
+    c[5][k] = 0.25 * (((v[0][k] - v[7][k]) + (v[3][k] - v[7][k])) + ((v[1][k] - v[5][k]) + (v[2][k] - v[5][k])));
+    c[6][k] = up - c[2][k];
+    c[7][k] = right - c[1][k];
+  }
 }
 
+static inline void triangle(const double v[8][4], const double p[4], int quadratic, double c[8][4])
+{
+  for (int k = 0; k < 4; k++) {
+    c[0][k] = v[0][k] - p[k], c[1][k] = v[1][k] - v[0][k], c[2][k] = v[2][k] - v[0][k];
+    c[3][k] = c[4][k] = c[5][k] = c[6][k] = c[7][k] = 0;
+    if (!quadratic) continue;
+    // -- Mid-sides of the triangle (eq:projection-patch-t6)
+    c[3][k] = 2 * (((v[0][k] - v[3][k]) + (v[0][k] - v[5][k])) + ((v[4][k] - v[3][k]) + (v[4][k] - v[5][k])));
+    c[4][k] = 2 * ((v[0][k] - v[3][k]) + (v[1][k] - v[3][k]));
+    c[5][k] = 2 * ((v[0][k] - v[5][k]) + (v[2][k] - v[5][k]));
+    c[1][k] -= c[4][k];
+    c[2][k] -= c[5][k];
+  }
+}
+
+/* The size of the patch. Products of four lengths must stay within double precision; and a sum is finite only if all is. */
+static inline ct_status measure(ct_patch *patch)
+{
+  double size[4], far[4], sum[4];
+  for (int k = 0; k < 4; k++) {
+    far[k] = fabs(patch->c[0][k]), size[k] = fabs(patch->c[1][k]), sum[k] = far[k] + size[k];
+    for (int j = 2; j < 8; j++) {
+      double c = fabs(patch->c[j][k]);
+      size[k] = most(size[k], c);
+      sum[k] += c;
+    }
+  }
+  double all = (sum[0] + sum[1]) + sum[2], farthest = most(most(far[0], far[1]), far[2]);
+  patch->size = most(most(size[0], size[1]), size[2]);
+  return all < 1e72 && patch->size > 1e-70 && patch->size < 1e70 && farthest < 1e70 ? CT_OK : CT_INVALID;
+}
+
+CT_CLONES
 ct_status ct_patch_init(ct_patch *patch, ct_face_kind kind, const double node[8][3], const double point[3])
 {
+  double v[8][4], p[4] = {point[0], point[1], point[2], 0};
   int count = ct_face_node_count(kind);
-  double c[8], check = 0, size = 0, far = 0;
+  if (count == 0) return CT_INVALID;
+  for (int i = 0; i < count; i++) v[i][0] = node[i][0], v[i][1] = node[i][1], v[i][2] = node[i][2], v[i][3] = 0;
   patch->kind = kind;
-  for (int j = 0; j < 8; j++) patch->c[j][3] = 0;
-  for (int k = 0; k < 3; k++) {
-    // -- Subtract the point first (eq:projection-shift)
-    double v[8] = {0};
-    for (int i = 0; i < count; i++) v[i] = node[i][k];
-    if (kind == CT_Q4 || kind == CT_Q8) quadrilateral(v, point[k], kind == CT_Q8, c);
-    else triangle(v, point[k], kind == CT_T6, c);
-    for (int j = 0; j < 8; j++) {
-      patch->c[j][k] = c[j];
-      check += 0 * c[j];
-      if (j > 0) size = fabs(c[j]) > size ? fabs(c[j]) : size;
-    }
-    far = fabs(c[0]) > far ? fabs(c[0]) : far;
-  }
-  // -- Products of four lengths must stay within double precision
-  patch->size = size;
-  return check == 0 && size > 1e-70 && size < 1e70 && far < 1e70 ? CT_OK : CT_INVALID;
+  // -- Subtract the point first (eq:projection-shift)
+  if (kind == CT_Q4 || kind == CT_Q8) quadrilateral((const double(*)[4])v, p, patch->c);
+  else triangle((const double(*)[4])v, p, kind == CT_T6, patch->c);
+  if (kind == CT_Q8) mid_sides((const double(*)[4])v, p, patch->c);
+  return measure(patch);
 }
 
 double ct_patch_value(const ct_patch *patch, const double xi[2], double d[3])
 {
-  const double(*c)[4] = patch->c;
-  double x = xi[0], y = xi[1], xy = x * y, xx = x * x, yy = y * y, xxy = xx * y, xyy = x * yy, e[4];
-  for (int k = 0; k < 4; k++) {
-    // -- Point of the patch (eq:projection-patch)
-    e[k] = (c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y);
-    e[k] += (c[4][k] * xx + c[5][k] * yy) + (c[6][k] * xxy + c[7][k] * xyy);
-  }
+  double e[4], f = ct_polynomial_value(patch, xi, e);
   for (int k = 0; k < 3; k++) d[k] = e[k];
-  return ct_vector_dot(e, e);
+  return f;
 }
 
-void ct_patch_tangents(const ct_patch *patch, const double xi[2], double t1[4], double t2[4])
-{
-  const double(*c)[4] = patch->c;
-  double x = xi[0], y = xi[1];
-  for (int k = 0; k < 4; k++) {
-    // -- Tangents of the patch (eq:projection-patch-derivatives)
-    double cx = c[6][k] * x, cy = c[7][k] * y;
-    t1[k] = (c[1][k] + c[3][k] * y) + (2 * (c[4][k] * x) + y * (2 * cx + cy));
-    t2[k] = (c[2][k] + c[3][k] * x) + (2 * (c[5][k] * y) + x * (cx + 2 * cy));
-  }
-}
-
-void ct_patch_tangent_lengths(const ct_patch *patch, const double xi[2], double length[2])
-{
-  double t1[4], t2[4];
-  ct_patch_tangents(patch, xi, t1, t2);
-  length[0] = sqrt(ct_vector_dot(t1, t1));
-  length[1] = sqrt(ct_vector_dot(t2, t2));
-}
+void ct_patch_tangents(const ct_patch *patch, const double xi[2], double t1[4], double t2[4]) { ct_polynomial_tangents(patch, xi, t1, t2); }
 
 void ct_patch_curves(const ct_patch *patch, const double xi[2], double t11[4], double t22[4], double t12[4])
 {
@@ -114,30 +114,22 @@ double ct_patch_noise(const ct_patch *patch, double f)
 
 double ct_patch_derivatives(const ct_patch *patch, const double xi[2], double d[3], double g[2], double H[3])
 {
-  double t1[4], t2[4], t11[4], t22[4], t12[4];
-  double f = ct_patch_value(patch, xi, d);
-  ct_patch_tangents(patch, xi, t1, t2);
-  ct_patch_curves(patch, xi, t11, t22, t12);
-  // -- Gradient (eq:projection-gradient)
-  g[0] = 2 * ct_vector_dot(d, t1);
-  g[1] = 2 * ct_vector_dot(d, t2);
-  // -- Hessian (eq:projection-hessian)
-  H[0] = 2 * (ct_vector_dot(t1, t1) + ct_vector_dot(d, t11));
-  H[1] = 2 * (ct_vector_dot(t2, t2) + ct_vector_dot(d, t22));
-  H[2] = 2 * (ct_vector_dot(t1, t2) + ct_vector_dot(d, t12));
-  return f;
+  ct_iterate at = {{xi[0], xi[1]}, 0, {0, 0, 0}, {0, 0}, {0, 0, 0}, {0, 0}};
+  ct_polynomial_look(patch, &at);
+  for (int k = 0; k < 3; k++) d[k] = at.d[k], H[k] = at.H[k];
+  g[0] = at.g[0], g[1] = at.g[1];
+  return at.f;
 }
 
 /* Unit normal exactly at xi; answers 0 where the tangents vanish or are parallel to rounding. */
-static int normal_at(const ct_patch *patch, const double xi[2], double n[3])
+static inline int normal_at(const ct_patch *patch, const double xi[2], double n[3])
 {
   double t1[4], t2[4];
-  ct_patch_tangents(patch, xi, t1, t2);
+  ct_polynomial_tangents(patch, xi, t1, t2);
   // -- Unit normal (eq:segment-normal)
   ct_vector_cross(t1, t2, n);
-  double square = ct_vector_dot(n, n), limit = 1e-14 * sqrt(ct_vector_dot(t1, t1)) * sqrt(ct_vector_dot(t2, t2));
-  if (!(square > limit * limit)) return 0;
-  double length = sqrt(square);
+  double square = ct_vector_dot(n, n), length = sqrt(square);
+  if (!(square > 1e-28 * (ct_vector_dot(t1, t1) * ct_vector_dot(t2, t2)))) return 0;
   for (int k = 0; k < 3; k++) n[k] /= length;
   return 1;
 }
@@ -157,6 +149,7 @@ ct_where ct_patch_where(ct_face_kind kind, const double xi[2], double slack, int
 {
   *index = -1;
   int triangular = kind == CT_T3 || kind == CT_T6, touched[4] = {0}, edges = triangular ? 3 : 4;
+  if (!triangular && fabs(xi[0]) < 1 - slack && fabs(xi[1]) < 1 - slack) return CT_INTERIOR;
   // -- Distance to each edge, positive inside
   double inside[4] = {xi[1], 1 - (xi[0] + xi[1]), xi[0], 1};
   if (!triangular) inside[0] = 1 + xi[1], inside[1] = 1 - xi[0], inside[2] = 1 - xi[1], inside[3] = 1 + xi[0];

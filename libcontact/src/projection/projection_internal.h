@@ -19,13 +19,16 @@ typedef struct ct_foot {
   int evaluations, iterations, certified;
 } ct_foot;
 
-/* A point of the plane of xi with all that is known of f there. */
+/* A point of the plane of xi with all that is known of f there; squares of the two tangents. */
 typedef struct ct_iterate {
-  double xi[2], f, d[3], g[2], H[3];
+  double xi[2], f, d[3], g[2], H[3], square[3];
 } ct_iterate;
 
 /* One row of the table of methods. */
 typedef ct_status ct_project_method(const ct_patch *, const ct_project_options *, ct_foot *);
+
+/* For robust: what makes a face mild, and how well a foot must be known for the proof that nothing is closer. */
+static const double CT_MILD = 0.2, CT_PROVABLE = 1e-10;
 
 /* Polynomial of the face as seen from `point`. Answers CT_INVALID when a number is not finite, all nodes coincide
  * or a length is beyond 1e+-70. */
@@ -42,9 +45,6 @@ void ct_patch_tangents(const ct_patch *patch, const double xi[2], double t1[4], 
 
 /* Second derivatives t11, t22, t12 at xi, likewise. */
 void ct_patch_curves(const ct_patch *patch, const double xi[2], double t11[4], double t22[4], double t12[4]);
-
-/* Lengths of the tangents at xi. */
-void ct_patch_tangent_lengths(const ct_patch *patch, const double xi[2], double length[2]);
 
 /* How much rounding may change a value f: d is known to the rounding of the largest length in it. */
 double ct_patch_noise(const ct_patch *patch, double f);

@@ -54,7 +54,7 @@ int ct_follow_valley(const ct_patch *patch, double xi[2], ct_foot *foot)
 {
   int triangular = patch->kind == CT_T3 || patch->kind == CT_T6;
   double half_width = ct_patch_half_width(patch->kind), radius = 0.5 * half_width;
-  ct_iterate at = {{xi[0], xi[1]}, 0, {0, 0, 0}, {0, 0}, {0, 0, 0}};
+  ct_iterate at = {.xi = {xi[0], xi[1]}};
   ct_iterate_look(patch, &at, foot);
   double start = at.f;
   for (int i = 0; i < 200 && radius > 1e-12 * half_width; i++) {

@@ -8,7 +8,9 @@
 #include "../memory.h"
 #include "../tree.h"
 #include "lattice.h"
+#include "plane.h"
 #include "quiet.h"
+#include "reduced.h"
 
 #include <math.h>
 #include <string.h>
@@ -22,7 +24,9 @@ static const struct kernel_row {
   ct_solid_energies *energies;
   double flops;
 } KERNELS[] = {
+  {CT_KERNEL_PLANE, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 75.0},
   {CT_KERNEL_BOX, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 393.0},
+  {CT_KERNEL_REDUCED, CT_HEX8, CT_LINEAR, ct_solid_reduced_batches, NULL, 538.0},
   {CT_KERNEL_GENERAL, CT_HEX8, CT_LINEAR, ct_solid_hex8_batches, NULL, 2154.0},
   {CT_KERNEL_GENERAL, CT_HEX20, CT_LINEAR, ct_solid_hex20_batches, NULL, 37434.0},
   {CT_KERNEL_GENERAL, CT_HEX8, CT_ST_VENANT_KIRCHHOFF, ct_solid_large_hex8_batches, ct_solid_large_hex8_energies, 3250.0},
@@ -58,6 +62,8 @@ static void free_data(void *data)
     ct_release(solid->parts[i].ready);
     ct_release(solid->parts[i].range_first);
     ct_release(solid->parts[i].ranges);
+    ct_release(solid->parts[i].mean);
+    ct_plane_free(solid->parts[i].plane);
     ct_assembly_free(solid->parts[i].assembly);
   }
   ct_release(solid->parts);
@@ -109,6 +115,7 @@ typedef struct part_call {
   const double *displacement; /* of the problem */
   double *values, *f;         /* of the part */
   ct_quiet *quiet;            /* null: compute every batch, sum every node */
+  int plane;                  /* both layers are alike: one stands for both, and `values` are its own */
 } part_call;
 
 /* Find which batches are quiet, and mark the nodes of the others. */
@@ -128,24 +135,33 @@ static void call_batches(const part_call *call, int32_t first, int32_t last)
 {
   const ct_solid_part *part = call->part;
   const double *u = call->displacement + 3 * (int64_t)part->first_node;
+  ct_solid_batches *batches = call->plane ? ct_plane_batches : part->batches;
   int32_t begin = first;
   for (int32_t b = first; call->quiet != NULL && b < last; b++) {
     if (call->quiet->batch[part->first_batch + b] != CT_BATCH_QUIET) continue;
-    if (part->cells[0] > 0) ct_lattice_zeros(part, b, call->values);
-    part->batches(part, begin, b, u, call->values);
+    if (call->plane)
+      memset(&call->values[96 * (int64_t)b], 0, 96 * sizeof(double));
+    else if (part->cells[0] > 0)
+      ct_lattice_zeros(part, b, call->values);
+    else if (part->plane != NULL) // what stands there may be older than the plane
+      memset(&call->values[192 * (int64_t)b], 0, 192 * sizeof(double));
+    batches(part, begin, b, u, call->values);
     begin = b + 1;
   }
-  part->batches(part, begin, last, u, call->values);
-  // A body in a ring has the box kernel, which gives zeros; and two threads may compute one batch.
-  if (call->quiet != NULL && part->cells[0] == 0) ct_quiet_confirm(call->quiet, part, first, last, call->values);
+  batches(part, begin, last, u, call->values);
+  // A body in a ring or a plane has a kernel which gives zeros; and two threads may compute one batch.
+  if (call->quiet != NULL && part->cells[0] == 0 && part->plane == NULL) ct_quiet_confirm(call->quiet, part, first, last, call->values);
 }
 
-static void part_gather(const ct_solid_part *part, const double *values, int32_t first, int32_t last, double *f)
+static void part_gather(const part_call *call, int32_t first, int32_t last)
 {
-  if (part->cells[0] > 0)
-    ct_lattice_gather(part, values, first, last, f);
+  const ct_solid_part *part = call->part;
+  if (call->plane)
+    ct_plane_gather(part->plane, call->values, first, last, call->f);
+  else if (part->cells[0] > 0)
+    ct_lattice_gather(part, call->values, first, last, call->f);
   else
-    ct_assembly_gather(part->assembly, values, first, last, f);
+    ct_assembly_gather(part->assembly, call->values, first, last, call->f);
 }
 
 /* Sum at those of the part's nodes first ... last - 1 that have an element which was computed. */
@@ -153,13 +169,13 @@ static void call_gather(const part_call *call, int32_t first, int32_t last)
 {
   int32_t shift = call->part->first_node;
   if (call->quiet == NULL) {
-    part_gather(call->part, call->values, first, last, call->f);
+    part_gather(call, first, last);
     return;
   }
   for (int32_t n = shift + first, end; n < shift + last; n = end) {
     n = ct_bits_next(call->quiet->changed, n, shift + last, 1);
     end = ct_bits_next(call->quiet->changed, n, shift + last, 0);
-    part_gather(call->part, call->values, n - shift, end - shift, call->f);
+    part_gather(call, n - shift, end - shift);
   }
 }
 
@@ -170,11 +186,11 @@ static void part_force(const part_call *call)
   int32_t node = 0, block = 0;
   for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK, block++) {
     call_batches(call, b, b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count);
-    if (part->assembly->extra_count > 0) continue;
+    if (!call->plane && part->assembly->extra_count > 0) continue;
     call_gather(call, node, part->ready[block]);
     node = part->ready[block];
   }
-  ct_assembly_fold(part->assembly, call->values);
+  if (!call->plane) ct_assembly_fold(part->assembly, call->values);
   call_gather(call, node, part->mesh->node_count);
 }
 
@@ -218,7 +234,7 @@ static void part_force_threads(const part_call *call, int threads)
   int32_t batches = part->batch_count, nodes = part->mesh->node_count;
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (int32_t b = 0; b < batches; b += CT_BLOCK) call_batches(call, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches);
-  ct_assembly_fold(part->assembly, call->values);
+  if (!call->plane) ct_assembly_fold(part->assembly, call->values);
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE) call_gather(call, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes);
 }
@@ -234,10 +250,12 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
     part_call call = {part, view->displacement, scratch->values + part->first_value, force + 3 * (int64_t)part->first_node,
-                      part->savings.quiet ? &scratch->quiet : NULL};
+                      part->savings.quiet ? &scratch->quiet : NULL, 0};
+    call.plane = part->plane != NULL && ct_plane_holds(part->plane, view->displacement + 3 * (int64_t)part->first_node);
+    if (call.plane) call.values += part->plane_value;
     if (solid->quiet && !part->savings.quiet) ct_bits_put(scratch->quiet.changed, part->first_node, part->first_node + part->mesh->node_count, 1);
     if (call.quiet != NULL) find_quiet(&call, view->threads);
-    if (part->cells[0] > 0) {
+    if (part->cells[0] > 0 && !call.plane) {
       ring_force_threads(&call, view->threads);
       continue;
     }
@@ -247,7 +265,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     else
 #endif
       part_force(&call);
-    if (status == CT_OK) status = ct_solid_check_volume(part, i, view->displacement + 3 * (int64_t)part->first_node, call.values, error);
+    if (status == CT_OK && part->energies != NULL) status = ct_solid_check_volume(part, i, view->displacement + 3 * (int64_t)part->first_node, call.values, error);
   }
   // -- A node whose elements were all skipped has the same zero force as before (eq:still-node)
   for (int64_t w = 0; solid->quiet && view->still != NULL && w < ct_bits_words(solid->node_count); w++) view->still[w] = ~scratch->quiet.changed[w];
@@ -282,12 +300,15 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
     const double *u = view->displacement + 3 * (int64_t)part->first_node;
-    double *values = scratch->values + part->first_value, batch[8];
+    double *values = scratch->values + part->first_value, batch[8], hourglass[8];
+    // The forces of a plane stand elsewhere; those of its bricks are made here.
+    if (part->plane != NULL && part->cells[0] == 0) part->batches(part, 0, part->batch_count, u, values);
     for (int32_t e = 0; e < part->mesh->element_count; e++) {
       if (part->energies != NULL && e % 8 == 0) part->energies(part, e / 8, u, batch);
       // Forces that went through a ring are made once more.
       if (part->cells[0] > 0 && e % 8 == 0) part->batches(part, e / 8, e / 8 + 1, u, values);
-      scratch->energies[count++] = part->energies != NULL ? batch[e % 8] : element_energy(part, e, u, values);
+      if (part->mean != NULL && e % 8 == 0) ct_solid_reduced_energies(part, e / 8, u, batch, hourglass);
+      scratch->energies[count++] = part->energies != NULL || part->mean != NULL ? batch[e % 8] : element_energy(part, e, u, values);
     }
   }
   *energy = ct_sum(scratch->energies, count);
@@ -311,7 +332,7 @@ static ct_status part_frequency(const ct_solid_part *part, double *omega_squared
 {
   const ct_mesh *mesh = part->mesh;
   int per = ct_brick_node_count(mesh->kind);
-  int32_t count = part->kernel == CT_KERNEL_BOX ? 1 : mesh->element_count;
+  int32_t count = part->kernel == CT_KERNEL_BOX || part->kernel == CT_KERNEL_PLANE ? 1 : mesh->element_count;
   double last[20][3] = {{0.0}};
   *omega_squared = 0.0;
   for (int32_t e = 0; e < count; e++) {
@@ -320,7 +341,10 @@ static ct_status part_frequency(const ct_solid_part *part, double *omega_squared
     if (e > 0 && same_shape(per, x, last)) continue;
     memcpy(last, x, sizeof last);
     ct_status status = ct_mass_element(mesh->kind, &x[0][0], part->material.density, part->lumping, m, error);
-    if (status == CT_OK) status = ct_solid_element_frequency(mesh->kind, &x[0][0], &part->material, m, &w, error);
+    if (status == CT_OK && part->mean != NULL)
+      status = ct_solid_reduced_frequency(&x[0][0], &part->material, part->hourglass, m, &w, error);
+    else if (status == CT_OK)
+      status = ct_solid_element_frequency(mesh->kind, &x[0][0], &part->material, m, &w, error);
     if (status != CT_OK) {
       if (error != NULL) error->element = e;
       return status;
@@ -380,16 +404,34 @@ static ct_status prepare_ready(ct_solid_part *part)
   return CT_OK;
 }
 
-/* The kernel that is asked for, or the cheapest that fits. */
-static ct_status choose_kernel(ct_solid_part *part, ct_solid_kernel asked, ct_error *error)
+/* Take the kernel of the plane where it fits: one layer of boxes held along its thickness. */
+static ct_status choose_plane(ct_solid_part *part, const ct_solid_block *block, int box, ct_error *error)
 {
+  int wanted = block->kernel == CT_KERNEL_PLANE || (block->kernel == CT_KERNEL_AUTO && part->savings.plane_strain);
+  for (int axis = 0; wanted && box && part->plane == NULL && axis < 3; axis++)
+    if (block->held[axis] && ct_plane_create(part, axis, &part->plane) != CT_OK) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
+  if (part->plane != NULL) part->kernel = CT_KERNEL_PLANE;
+  if (block->kernel == CT_KERNEL_PLANE && part->plane == NULL)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the plane kernel needs one layer of boxes whose nodes are all held along its thickness");
+  return CT_OK;
+}
+
+/* The kernel that is asked for, or the cheapest that fits. */
+static ct_status choose_kernel(ct_solid_part *part, const ct_solid_block *block, ct_error *error)
+{
+  ct_solid_kernel asked = block->kernel;
   int large = part->material.law != CT_LINEAR, box = !large && ct_solid_is_box(part->mesh, part->edge);
   if (asked == CT_KERNEL_BOX && large)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "the box kernel is for small strain; large deformation has the general one");
   if (asked == CT_KERNEL_BOX && !box)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular hex8 elements of one size");
+  if (asked == CT_KERNEL_REDUCED && (large || part->mesh->kind != CT_HEX8))
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "reduced integration with hourglass control is for hex8 and small strain");
+  if (!(part->hourglass > 0.0) || !isfinite(part->hourglass))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the hourglass coefficient must be positive, not %g", part->hourglass);
   part->kernel = asked == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
+  ct_status status = choose_plane(part, block, box, error);
   for (size_t k = 0; part->batches == NULL && k < sizeof KERNELS / sizeof KERNELS[0]; k++) {
     const struct kernel_row *row = &KERNELS[k];
     if (row->kernel != part->kernel || row->kind != part->mesh->kind || row->law != part->material.law) continue;
@@ -397,7 +439,18 @@ static ct_status choose_kernel(ct_solid_part *part, ct_solid_kernel asked, ct_er
     part->energies = row->energies;
     part->flops = row->flops;
   }
-  return CT_OK;
+  return status;
+}
+
+void ct_solid_batch_nodes(const ct_mesh *mesh, int32_t *batch_nodes)
+{
+  int32_t per = ct_brick_node_count(mesh->kind);
+  for (int32_t b = 0; b < (mesh->element_count + 7) / 8; b++)
+    for (int32_t a = 0; a < per; a++)
+      for (int32_t l = 0; l < 8; l++) {
+        int32_t e = 8 * b + l < mesh->element_count ? 8 * b + l : mesh->element_count - 1;
+        batch_nodes[(b * per + a) * 8 + l] = mesh->elements[e * per + a];
+      }
 }
 
 static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, ct_error *error)
@@ -409,25 +462,22 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   part->savings = block->savings == NULL ? ct_savings_default() : *block->savings;
   part->first_node = block->first_node;
   ct_material_lame(&part->material, &part->lambda, &part->mu);
-  ct_status status = choose_kernel(part, block->kernel, error);
-  if (status != CT_OK) return status;
+  part->hourglass = block->hourglass == 0.0 ? ct_solid_hourglass_default() : block->hourglass;
   part->batch_count = (part->mesh->element_count + 7) / 8;
-  if (part->savings.congruent && part->kernel == CT_KERNEL_BOX && ct_lattice_find(part->mesh, part->cells)) {
+  ct_status status = choose_kernel(part, block, error);
+  if (status != CT_OK) return status;
+  if (part->savings.congruent && (part->kernel == CT_KERNEL_BOX || part->kernel == CT_KERNEL_PLANE) && ct_lattice_find(part->mesh, part->cells)) {
     part->rings = block->threads < 1 ? 1 : block->threads < CT_MOST_RINGS ? block->threads : CT_MOST_RINGS;
     part->value_count = ct_lattice_prepare(part);
-    return CT_OK;
+    return part->plane == NULL || prepare_ready(part) == CT_OK ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   }
   part->batch_nodes = ct_allocate((size_t)part->batch_count * 8 * (size_t)per, sizeof *part->batch_nodes);
   if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK ||
       (part->mesh->kind == CT_HEX20 && prepare_gradients(part) != CT_OK))
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
-  for (int32_t b = 0; b < part->batch_count; b++)
-    for (int32_t a = 0; a < per; a++)
-      for (int32_t l = 0; l < 8; l++) {
-        int32_t e = 8 * b + l < part->mesh->element_count ? 8 * b + l : part->mesh->element_count - 1;
-        part->batch_nodes[(b * per + a) * 8 + l] = part->mesh->elements[e * per + a];
-      }
-  if (part->savings.quiet && ct_quiet_prepare(part) != CT_OK) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
+  ct_solid_batch_nodes(part->mesh, part->batch_nodes);
+  if ((part->savings.quiet && ct_quiet_prepare(part) != CT_OK) || (part->kernel == CT_KERNEL_REDUCED && ct_reduced_prepare(part) != CT_OK))
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
   if (status == CT_OK) part->value_count = part->assembly->value_count + (part->energies != NULL ? (part->batch_count + 7) / 8 * 8 : 0);
   return status;
@@ -452,6 +502,8 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
     }
     part->first_value = solid->value_count;
     solid->value_count += part->value_count;
+    part->plane_value = part->value_count;
+    if (part->plane != NULL) solid->value_count += part->plane->value_count;
     solid->element_count += part->mesh->element_count;
     part->first_batch = solid->batch_count;
     solid->batch_count += part->batch_count;
@@ -486,6 +538,59 @@ ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_cou
   return CT_OK;
 }
 
+/* Energy of the hourglass control of all parts that have one; `effect` looks at the data of the solid effect. */
+static ct_status hourglass_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  double *energies = view->scratch;
+  int64_t count = 0;
+  (void)error;
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    double strain[8], hourglass[8];
+    for (int32_t e = 0; part->mean != NULL && e < part->mesh->element_count; e++) {
+      if (e % 8 == 0) ct_solid_reduced_energies(part, e / 8, view->displacement + 3 * (int64_t)part->first_node, strain, hourglass);
+      energies[count++] = hourglass[e % 8];
+    }
+  }
+  *energy = ct_sum(energies, count);
+  return CT_OK;
+}
+
+static ct_status hourglass_scratch(const ct_effect *effect, void **scratch, ct_error *error)
+{
+  *scratch = ct_allocate((size_t)((const solid_data *)effect->data)->element_count, sizeof(double));
+  return *scratch != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the hourglass energies");
+}
+
+static ct_status no_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+{
+  (void)effect;
+  (void)view;
+  (void)force;
+  (void)error;
+  return CT_OK;
+}
+
+ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_error *error)
+{
+  if (solid == NULL || solid->force != solid_force || out == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "hourglass: null argument or no solid effect");
+  const solid_data *data = solid->data;
+  int reduced = 0;
+  for (int32_t i = 0; i < data->part_count; i++) reduced |= data->parts[i].mean != NULL;
+  *out = NULL;
+  if (!reduced) return CT_OK;
+  ct_effect *effect = ct_allocate(1, sizeof *effect);
+  if (effect == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the hourglass effect");
+  *effect = (ct_effect){.name = "hourglass", .data = solid->data, .create_scratch = hourglass_scratch, .free_scratch = ct_release,
+                        .force = no_force, .energy = hourglass_energy};
+  *out = effect;
+  return CT_OK;
+}
+
+double ct_solid_hourglass_default(void) { return 1.0; }
+
 ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel, double *flops, double *bytes)
 {
   if (effect == NULL || effect->force != solid_force || block < 0) return CT_ERROR_ARGUMENT;
@@ -494,10 +599,13 @@ ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_k
   const ct_solid_part *part = &solid->parts[block];
   double elements = part->mesh->element_count, per = ct_brick_node_count(part->mesh->kind);
   if (kernel != NULL) *kernel = part->kernel;
-  // The gather adds 7 sums a component and node.
-  if (flops != NULL) *flops = part->flops + 21.0 * part->mesh->node_count / elements;
-  // Node numbers and element forces written once and read once; displacements and forces of the nodes, and the gather's places.
+  int plane = part->kernel == CT_KERNEL_PLANE;
+  double nodes = part->mesh->node_count / elements, slots = plane ? 4.0 : 8.0;
+  // The gather adds 7 sums a component and node, in a plane 3 for two nodes.
+  if (flops != NULL) *flops = part->flops + (plane ? 4.5 : 21.0) * nodes;
+  // Node numbers and element forces written once and read once; what is laid down; displacements and forces of the nodes, and the gather's places.
   // A lattice has no node numbers and no places, and its forces stay in the cache.
-  if (bytes != NULL) *bytes = part->cells[0] > 0 ? 48.0 * part->mesh->node_count / elements : 52.0 * per + (48.0 + 32.0) * part->mesh->node_count / elements;
+  double laid_down = part->mean != NULL ? 256.0 : 0.0;
+  if (bytes != NULL) *bytes = part->cells[0] > 0 && !plane ? 48.0 * nodes : 52.0 * (plane ? 4.0 : per) + laid_down + (48.0 + 4.0 * slots) * nodes;
   return CT_OK;
 }

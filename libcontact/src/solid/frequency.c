@@ -10,10 +10,9 @@
 #include <math.h>
 #include <string.h>
 
-enum { SIZE = 60 };
+enum { SIZE = CT_ELEMENT_SIZE };
 
-/* Add the stiffness of one Gauss point, (∂σ/∂u) : ∂N/∂x dV, for the nodes a and b (eq:stiffness). */
-static void add_stiffness(double A[SIZE][SIZE], int a, int b, const double p[3], const double q[3], double lambda, double mu)
+void ct_add_stiffness(double A[SIZE][SIZE], int a, int b, const double p[3], const double q[3], double lambda, double mu)
 {
   double dot = (p[0] * q[0] + p[1] * q[1]) + p[2] * q[2];
   for (int i = 0; i < 3; i++)
@@ -40,9 +39,9 @@ static void add_tangent(double A[SIZE][SIZE], int per, double g[20][3], const ct
     }
 }
 
-/* Stiffness scaled by the masses, A = M^-1/2 K M^-1/2; the tangent at a displacement unless that is null. */
-static ct_status scaled_stiffness(ct_brick_kind kind, const double *nodes, const double *displacement,
-                                  const ct_material *material, const double *mass, double A[SIZE][SIZE], ct_error *error)
+/* The lower half of the stiffness; the tangent's at a displacement unless that is null. */
+static ct_status stiffness(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
+                           double A[SIZE][SIZE], ct_error *error)
 {
   int per = ct_brick_node_count(kind);
   double x[20][3], u[20][3], G[3][3], lambda, mu;
@@ -53,9 +52,6 @@ static ct_status scaled_stiffness(ct_brick_kind kind, const double *nodes, const
   memcpy(x, nodes, (size_t)per * sizeof x[0]);
   if (displacement != NULL) memcpy(u, displacement, (size_t)per * sizeof u[0]);
   memset(A, 0, sizeof(double) * SIZE * SIZE);
-  for (int a = 0; a < per; a++)
-    if (!(mass[a] > 0.0))
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, a}, "node %d of the element has mass %g", a, mass[a]);
   for (int q = 0; q < rule.count; q++) {
     double dNdx[20][3], det = ct_element_gradients(kind, x, rule.xi[q], dNdx);
     if (det == 0.0)
@@ -70,10 +66,8 @@ static ct_status scaled_stiffness(ct_brick_kind kind, const double *nodes, const
       continue;
     }
     for (int a = 0; a < per; a++)
-      for (int b = 0; b <= a; b++) add_stiffness(A, a, b, dNdx[a], dNdx[b], lambda * dV, mu * dV);
+      for (int b = 0; b <= a; b++) ct_add_stiffness(A, a, b, dNdx[a], dNdx[b], lambda * dV, mu * dV);
   }
-  for (int i = 0; i < 3 * per; i++)
-    for (int j = 0; j <= i; j++) A[j][i] = A[i][j] = A[i][j] / (sqrt(mass[i / 3]) * sqrt(mass[j / 3]));
   return CT_OK;
 }
 
@@ -116,14 +110,16 @@ static int all_below(int n, const double *diagonal, const double *side, double x
   return pivot < 0.0;
 }
 
-/* Largest eigenvalue of M⁻¹K; the tangent's unless `displacement` is null. */
-static ct_status largest_eigenvalue(ct_brick_kind kind, const double *nodes, const double *displacement,
-                                    const ct_material *material, const double *mass, double *omega_squared, ct_error *error)
+ct_status ct_largest_eigenvalue(int per, const double *mass, double A[SIZE][SIZE], double *omega_squared, ct_error *error)
 {
-  double A[SIZE][SIZE], diagonal[SIZE], side[SIZE];
-  ct_status status = scaled_stiffness(kind, nodes, displacement, material, mass, A, error);
-  if (status != CT_OK) return status;
-  int n = 3 * ct_brick_node_count(kind);
+  double diagonal[SIZE], side[SIZE];
+  int n = 3 * per;
+  for (int a = 0; a < per; a++)
+    if (!(mass[a] > 0.0))
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, a}, "node %d of the element has mass %g", a, mass[a]);
+  // -- Scale by the masses, A = M^-1/2 K M^-1/2 (eq:element-bound)
+  for (int i = 0; i < 3 * per; i++)
+    for (int j = 0; j <= i; j++) A[j][i] = A[i][j] = A[i][j] / (sqrt(mass[i / 3]) * sqrt(mass[j / 3]));
   tridiagonal(n, A, diagonal, side);
 
   // -- Halve the interval of Gershgorin's bound; its upper end stays above all eigenvalues (eq:element-bound)
@@ -144,13 +140,22 @@ static ct_status largest_eigenvalue(ct_brick_kind kind, const double *nodes, con
   return CT_OK;
 }
 
+/* Largest eigenvalue of M⁻¹K; the tangent's unless `displacement` is null. */
+static ct_status element_eigenvalue(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
+                                    const double *mass, double *omega_squared, ct_error *error)
+{
+  double A[SIZE][SIZE];
+  ct_status status = stiffness(kind, nodes, displacement, material, A, error);
+  return status == CT_OK ? ct_largest_eigenvalue(ct_brick_node_count(kind), mass, A, omega_squared, error) : status;
+}
+
 ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes, const ct_material *material,
                                      const double *mass, double *omega_squared, ct_error *error)
 {
   if (ct_brick_node_count(kind) == 0 || nodes == NULL || mass == NULL || omega_squared == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
   ct_status status = ct_material_check(material, error);
-  return status == CT_OK ? largest_eigenvalue(kind, nodes, NULL, material, mass, omega_squared, error) : status;
+  return status == CT_OK ? element_eigenvalue(kind, nodes, NULL, material, mass, omega_squared, error) : status;
 }
 
 ct_status ct_solid_element_tangent_frequency(ct_brick_kind kind, const double *nodes, const double *displacement,
@@ -160,5 +165,5 @@ ct_status ct_solid_element_tangent_frequency(ct_brick_kind kind, const double *n
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
   ct_status status = ct_material_check(material, error);
   if (status != CT_OK) return status;
-  return largest_eigenvalue(kind, nodes, material->law == CT_LINEAR ? NULL : displacement, material, mass, omega_squared, error);
+  return element_eigenvalue(kind, nodes, material->law == CT_LINEAR ? NULL : displacement, material, mass, omega_squared, error);
 }

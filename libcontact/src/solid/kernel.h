@@ -10,8 +10,9 @@
 
 struct ct_solid_part;
 
-/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of displacements first,
- * and uses nothing else that changes: where all nodes of a batch have the same displacement, it gives the same bits whatever that is (eq:quiet-force).
+/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of
+ * displacements first, and uses nothing else that changes: where all nodes of a batch have the same displacement, it gives the same bits
+ * whatever that is (eq:quiet-force).
  * A kernel for large deformation also writes the smallest J = det F of batch b (and 1) to `values[assembly->value_count + b]`. */
 typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
 
@@ -36,14 +37,17 @@ typedef struct ct_solid_part {
   double omega_squared;
   /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
   double edge[3];
-  /* Cells of a body whose elements share all that is stored, cells[0] = 0: of none. Then a ring of so many elements, a power of two, holds their forces, those of one
-   * component of one node `stride` after those of the one before; each thread has one. There are no batch_nodes,
-   * ranges, assembly, ready. */
+  /* Cells of a body whose elements share all that is stored; cells[0] = 0: of none. Then a ring of `ring` elements, a power of two, holds
+   * their forces, those of one component of one node `stride` after those of the one before; each thread has one ring. There are no
+   * batch_nodes, ranges, assembly, ready. */
   int32_t cells[3], rings;
   int64_t ring, stride;
   /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */
   int32_t batch_count;
   int32_t *batch_nodes;
+  /* Coefficient of the hourglass control, and what is laid down for each batch, when the kernel is CT_KERNEL_REDUCED. */
+  double hourglass;
+  struct ct_reduced_lanes *mean;
   /* Shape gradients ∂N_a/∂ξ_j and weights at the Gauss points of hex20, shape (27, 20, 3). */
   double (*gradients)[20][3];
   ct_assembly *assembly;
@@ -54,6 +58,9 @@ typedef struct ct_solid_part {
   /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null when quiet batches are not left out. */
   int32_t *range_first;
   struct ct_node_range *ranges;
+  /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE, and where its values stand behind those of the bricks. */
+  struct ct_plane *plane;
+  int64_t plane_value;
 } ct_solid_part;
 
 /* Batches that are computed before their nodes are summed, while their forces are still in the cache. */
@@ -78,6 +85,9 @@ static inline void ct_solid_load_element(const ct_mesh *mesh, int32_t e, const d
   size_t per = (size_t)ct_brick_node_count(mesh->kind);
   for (size_t a = 0; a < per; a++) memcpy(to[a], &from[3 * (size_t)mesh->elements[(size_t)e * per + a]], sizeof to[a]);
 }
+
+/* Node numbers of a mesh, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */
+void ct_solid_batch_nodes(const ct_mesh *mesh, int32_t *batch_nodes);
 
 /* Read `per` nodes of 8 elements from an array (nodes, 3) into lanes v[component][node]. */
 static inline void ct_load_lanes(const int32_t *nodes, int per, const double *array, int lane, ct_lanes *v)

@@ -16,7 +16,7 @@ int ct_lattice_find(const ct_mesh *mesh, int32_t cells[3])
   if (mesh->kind != CT_HEX8 || n[0] != 0) return 0;
   // The first element tells the length of a row and of a layer of nodes.
   int32_t row = n[3], layer = n[4];
-  if (row < 2 || layer < 2 * row || layer % row != 0 || mesh->node_count % layer != 0) return 0;
+  if (row < 1 + CT_SHORTEST_ROW || layer < 2 * row || layer % row != 0 || mesh->node_count % layer != 0) return 0;
   cells[0] = row - 1, cells[1] = layer / row - 1, cells[2] = mesh->node_count / layer - 1;
   if (cells[2] < 1 || (int64_t)cells[0] * cells[1] * cells[2] != mesh->element_count) return 0;
   const int32_t corner[8] = {0, 1, row + 1, row, layer, layer + 1, layer + row + 1, layer + row};

@@ -3,13 +3,16 @@
 
 #include "kernel.h"
 
-/* A body of equal boxes whose elements and nodes are numbered as ct_mesh_create_box does needs no table: the nodes of an element, and the elements at a node, follow
- * from their numbers. Element forces stand in a ring that the nodes follow closely (eq:lattice-ring). */
+/* A body of equal boxes whose elements and nodes are numbered as ct_mesh_create_box does needs no table: the nodes of an element, and the
+ * elements at a node, follow from their numbers. Element forces stand in a ring that the nodes follow closely (eq:lattice-ring). */
 
 /* Threads that have a ring each; more of them share. */
 enum { CT_MOST_RINGS = 64 };
 
-/* Cells along x, y, z when the mesh is numbered so; answers 0 otherwise. */
+/* Cells along x below which tables are faster than sums row by row. */
+enum { CT_SHORTEST_ROW = 8 };
+
+/* Cells along x, y, z when the mesh is numbered so and has rows that are long enough; answers 0 otherwise. */
 int ct_lattice_find(const ct_mesh *mesh, int32_t cells[3]);
 
 /* Choose the size of its rings; answers how many doubles of the scratch they take. */

@@ -6,7 +6,7 @@ A module has
 - ``MANY``: whether the table may stand several times, written ``[[key]]``, else once, written ``[key]``;
 - ``WITHOUT``: what a scene without it goes without, for ``explain``;
 - ``read(table, known)``: the checked values, a frozen dataclass; what is wrong is a SceneError;
-- ``create(given, maker)``: the C effect, ``ct_effect *``;
+- ``create(given, maker)``: the C effect, ``ct_effect *``, or a list of them;
 - ``describe(given, units)``: a line for ``explain``.
 """
 
@@ -89,6 +89,6 @@ def body_numbers(names: tuple[str, ...] | None, maker: Any) -> tuple[Any, int]:
 
 
 # The modules use what stands above. In the order in which their forces are added and their columns stand in the ledger.
-from . import absorb, damping, gravity, load  # noqa: E402
+from . import absorb, damping, gravity, load, obstacle, viscosity  # noqa: E402
 
-MODULES: tuple[ModuleType, ...] = (gravity, load, damping, absorb)
+MODULES: tuple[ModuleType, ...] = (obstacle, gravity, load, damping, absorb, viscosity)

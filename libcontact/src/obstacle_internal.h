@@ -1,0 +1,19 @@
+#ifndef CT_SRC_OBSTACLE_INTERNAL_H
+#define CT_SRC_OBSTACLE_INTERNAL_H
+
+#include "contact/side.h"
+
+/* The points of an obstacle effect of one state, and where the obstacle is. In each point `d` leads to the nearest point of the obstacle,
+ * `other` is 0 where the point is inside and -1 elsewhere. */
+typedef struct ct_obstacle_points {
+  ct_side side;
+  double place[3];    /* the obstacle's point now */
+  double reaction[3]; /* force of the bodies on it */
+  double work;        /* of its motion since t = 0 */
+  double epsilon;
+  double *terms;      /* three numbers a point */
+} ct_obstacle_points;
+
+const ct_obstacle_points *ct_obstacle_of_scratch(const void *scratch);
+
+#endif

@@ -1,0 +1,124 @@
+/* One hex8 element with one point and hourglass control, as the equations read. */
+#include <contact/quadrature.h>
+#include <contact/solid.h>
+
+#include "../error.h"
+#include "../jacobian.h"
+#include "../tree.h"
+#include "element.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The element's own: volume, mean shape gradients B[a][j], hourglass vectors γ[k][a], and the stiffness of their amplitudes. */
+typedef struct reduced_element {
+  double V, B[20][3], gamma[4][20], c;
+} reduced_element;
+
+ct_status ct_element_mean_gradients(const double *nodes, double B[20][3], double *volume, double *g2, ct_error *error)
+{
+  double x[20][3] = {{0.0}}, dNdx[20][3];
+  ct_rule rule;
+  memcpy(x, nodes, 8 * sizeof x[0]);
+  ct_rule_brick(CT_HEX8, &rule);
+  memset(B, 0, 20 * sizeof B[0]);
+  *volume = *g2 = 0.0;
+  // -- Average the gradients of the shape functions over the element (eq:mean-gradient)
+  for (int p = 0; p < rule.count; p++) {
+    double dV = rule.weight[p] * ct_element_gradients(CT_HEX8, x, rule.xi[p], dNdx);
+    if (!(dV > 0.0)) return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, p}, "the element is inverted or collapsed at Gauss point %d", p);
+    *volume += dV;
+    for (int a = 0; a < 8; a++)
+      for (int j = 0; j < 3; j++) B[a][j] += dNdx[a][j] * dV;
+  }
+  for (int a = 0; a < 8; a++)
+    for (int j = 0; j < 3; j++) {
+      B[a][j] /= *volume;
+      *g2 += B[a][j] * B[a][j];
+    }
+  return CT_OK;
+}
+
+static ct_status open_element(const double *nodes, const ct_material *material, double hourglass, reduced_element *r, ct_error *error)
+{
+  double x[20][3] = {{0.0}}, xi[3], g2 = 0.0, middle[3];
+  if (nodes == NULL || !(hourglass > 0.0) || !isfinite(hourglass))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: no nodes, or an hourglass coefficient of %g", hourglass);
+  ct_status status = ct_material_check(material, error);
+  if (status != CT_OK) return status;
+  if (material->law != CT_LINEAR)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "reduced integration with hourglass control is for small strain");
+  *r = (reduced_element){.V = 0.0};
+  status = ct_element_mean_gradients(nodes, r->B, &r->V, &g2, error);
+  if (status != CT_OK) return status;
+  memcpy(x, nodes, 8 * sizeof x[0]);
+  for (int j = 0; j < 3; j++) {
+    double t[8];
+    for (int a = 0; a < 8; a++) t[a] = x[a][j];
+    middle[j] = ct_tree_corners(t) / 8.0;
+  }
+
+  // -- Make the hourglass vectors blind to linear displacements (eq:hourglass-vector)
+  for (int k = 0; k < 4; k++) {
+    double h[8], hx[3] = {0.0};
+    for (int a = 0; a < 8; a++) {
+      ct_brick_reference(CT_HEX8, a, xi);
+      h[a] = k == 0 ? xi[0] * xi[1] : k == 1 ? xi[1] * xi[2] : k == 2 ? xi[2] * xi[0] : xi[0] * xi[1] * xi[2];
+      for (int j = 0; j < 3; j++) hx[j] += h[a] * (x[a][j] - middle[j]);
+    }
+    for (int a = 0; a < 8; a++) r->gamma[k][a] = h[a] - ((hx[0] * r->B[a][0] + hx[1] * r->B[a][1]) + hx[2] * r->B[a][2]);
+  }
+  r->c = hourglass * material->young * r->V * g2 / 72.0; // (eq:hourglass-stiffness)
+  return CT_OK;
+}
+
+ct_status ct_solid_reduced_force(const double *nodes, const double *displacement, const ct_material *material, double hourglass,
+                                 double *force, double energy[2], ct_error *error)
+{
+  reduced_element r;
+  double u[20][3], G[3][3], lambda, mu, W = 0.0, H = 0.0;
+  if (displacement == NULL || force == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: null argument");
+  ct_status status = open_element(nodes, material, hourglass, &r, error);
+  if (status != CT_OK) return status;
+  memcpy(u, displacement, 8 * sizeof u[0]);
+  ct_material_lame(material, &lambda, &mu);
+  ct_reference_gradient(8, r.B, u, G);
+
+  // -- Stress of the mean gradient, at once over the whole volume (eq:reduced-force)
+  double trace = (G[0][0] + G[1][1]) + G[2][2];
+  for (int i = 0; i < 24; i++) force[i] = 0.0;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      double sigma = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * trace : 0.0);
+      for (int a = 0; a < 8; a++) force[3 * a + i] -= r.V * sigma * r.B[a][j];
+      W += 0.5 * r.V * sigma * G[i][j];
+    }
+  // -- Each hourglass amplitude is a spring (eq:hourglass-amplitude)
+  for (int k = 0; k < 4; k++)
+    for (int i = 0; i < 3; i++) {
+      double q = 0.0;
+      for (int a = 0; a < 8; a++) q += r.gamma[k][a] * (u[a][i] - u[0][i]);
+      for (int a = 0; a < 8; a++) force[3 * a + i] -= r.c * q * r.gamma[k][a];
+      H += 0.5 * r.c * q * q;
+    }
+  if (energy != NULL) energy[0] = W, energy[1] = H;
+  return CT_OK;
+}
+
+ct_status ct_solid_reduced_frequency(const double *nodes, const ct_material *material, double hourglass, const double *mass,
+                                     double *omega_squared, ct_error *error)
+{
+  reduced_element r;
+  double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE] = {{0.0}}, lambda, mu;
+  if (mass == NULL || omega_squared == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: null argument");
+  ct_status status = open_element(nodes, material, hourglass, &r, error);
+  if (status != CT_OK) return status;
+  ct_material_lame(material, &lambda, &mu);
+  for (int a = 0; a < 8; a++)
+    for (int b = 0; b <= a; b++) {
+      ct_add_stiffness(A, a, b, r.B[a], r.B[b], lambda * r.V, mu * r.V);
+      for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 4; k++) A[3 * a + i][3 * b + i] += r.c * r.gamma[k][a] * r.gamma[k][b];
+    }
+  return ct_largest_eigenvalue(8, mass, A, omega_squared, error);
+}

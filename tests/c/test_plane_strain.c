@@ -1,0 +1,242 @@
+/* One layer of boxes in two dimensions: the same numbers as the bricks give, and the bricks where the layers part. */
+#include "blocks.h"
+
+static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
+
+static ct_mesh *layer(int axis, int along, int across)
+{
+  double size[3] = {1.3, 1.3, 1.3};
+  int cells[3] = {along, along, along};
+  cells[axis] = 1;
+  cells[(axis + 1) % 3] = across;
+  size[axis] = 0.07;
+  return box_mesh(CT_HEX8, 0.1, -0.3, 0.2, size[0], size[1], size[2], cells[0], cells[1], cells[2]);
+}
+
+static block open_held(const ct_mesh *m, ct_solid_kernel kernel, int axis)
+{
+  ct_solid_block b = {.mesh = m, .material = STEEL, .kernel = kernel};
+  block solid = {NULL, NULL};
+  ct_error e;
+  b.held[axis] = 1;
+  need(ct_solid_create_effect(&b, 1, &solid.effect, &e), &e);
+  need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
+  return solid;
+}
+
+static ct_solid_kernel kernel_of(const ct_effect *effect)
+{
+  ct_solid_kernel kernel = CT_KERNEL_AUTO;
+  ct_solid_block_plan(effect, 0, &kernel, NULL, NULL);
+  return kernel;
+}
+
+/* A random displacement that is the same in both layers and nothing along the axis. */
+static double *plane_displacement(const ct_mesh *m, int axis)
+{
+  double *u = random_displacement(m, 1e-3), low[3], high[3];
+  ct_mesh_bounds(m, low, high);
+  for (int n = 0; n < m->node_count; n++) {
+    u[3 * n + axis] = 0.0;
+    for (int k = 0; k < n; k++) {
+      int p = (axis + 1) % 3, q = (axis + 2) % 3;
+      if (m->nodes[3 * n + p] == m->nodes[3 * k + p] && m->nodes[3 * n + q] == m->nodes[3 * k + q])
+        memcpy(&u[3 * n], &u[3 * k], 3 * sizeof *u);
+    }
+  }
+  return u;
+}
+
+static int64_t unlike(const double *f, const double *g, int64_t n)
+{
+  int64_t count = 0;
+  for (int64_t i = 0; i < n; i++) count += !(f[i] == g[i]);
+  return count;
+}
+
+static void forces(void)
+{
+  for (int axis = 0; axis < 3; axis++) {
+    ct_mesh *m = layer(axis, 19, 23);
+    int n = 3 * m->node_count;
+    double *u = plane_displacement(m, axis), *f = numbers(n), *g = numbers(n), *h = numbers(n);
+    block plane = open_held(m, CT_KERNEL_AUTO, axis), box = open_held(m, CT_KERNEL_BOX, axis);
+    double own = block_force(&plane, u, f), want = block_force(&box, u, g), energy = reference_force(m, &STEEL, u, h);
+    tap_ok(kernel_of(plane.effect) == CT_KERNEL_PLANE && kernel_of(box.effect) == CT_KERNEL_BOX, "held along %c: the plane kernel is chosen", "xyz"[axis]);
+    tap_ok(unlike(f, g, n) == 0 && own == want, "%c: %d of %d forces differ from the bricks', energies %.17g and %.17g", "xyz"[axis], (int)unlike(f, g, n), n, own, want);
+    tap_ok(largest_difference(f, h, n) < 1e-13 * largest(h, n) && fabs(own / energy - 1.0) < 1e-13, "%c: the readable form, off by %.2g and %.2g", "xyz"[axis],
+           largest_difference(f, h, n) / largest(h, n), own / energy - 1.0);
+    tap_ok(block_frequency(&plane) == block_frequency(&box), "%c: the same bound on the step", "xyz"[axis]);
+    ct_view view = {.threads = 2, .displacement = u, .scratch = plane.scratch};
+    ct_error e;
+    need(plane.effect->force(plane.effect, &view, h, &e), &e);
+    tap_ok(memcmp(f, h, (size_t)n * sizeof *f) == 0, "%c: two threads, the same bits", "xyz"[axis]);
+    // Part the layers at one node, or move one along the axis: the bricks take over, and give back.
+    for (int how = 0; how < 2; how++) {
+      double keep = u[3 * 77 + (axis + how) % 3];
+      u[3 * 77 + (axis + how) % 3] += 1e-9;
+      own = block_force(&plane, u, f);
+      want = block_force(&box, u, g);
+      tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0 && own == want, "%c: layers that part are computed as bricks", "xyz"[axis]);
+      u[3 * 77 + (axis + how) % 3] = keep;
+    }
+    own = block_force(&plane, u, f);
+    want = block_force(&box, u, g);
+    tap_ok(unlike(f, g, n) == 0 && own == want, "%c: and as a plane again", "xyz"[axis]);
+    close_block(&plane);
+    close_block(&box);
+    free(u);
+    free(f);
+    free(g);
+    free(h);
+    ct_mesh_free(m);
+  }
+}
+
+/* The mirror image of a displacement on the same lattice: node n gets that of the node on the other side. */
+static void mirror_field(const int cells[3], int axis, const double *from, double *to)
+{
+  int row = cells[0] + 1, sheet = row * (cells[1] + 1), nodes = sheet * (cells[2] + 1);
+  for (int n = 0; n < nodes; n++) {
+    int at[3] = {n % row, n % sheet / row, n / sheet};
+    at[axis] = cells[axis] - at[axis];
+    int image = at[0] + row * at[1] + sheet * at[2];
+    for (int c = 0; c < 3; c++) to[3 * image + c] = c == axis ? -from[3 * n + c] : from[3 * n + c];
+  }
+}
+
+static void mirrored(void)
+{
+  static const int cells[3] = {5, 1, 7};
+  ct_mesh *m = box_mesh(CT_HEX8, 0.1, -0.3, 0.2, 1.3, 0.07, 1.3, cells[0], cells[1], cells[2]);
+  int n = 3 * m->node_count;
+  double *u = plane_displacement(m, 1), *v = numbers(n), *f = numbers(n), *g = numbers(n), *image = numbers(n);
+  block plane = open_held(m, CT_KERNEL_PLANE, 1);
+  block_force(&plane, u, f);
+  for (int axis = 0; axis < 3; axis++) {
+    mirror_field(cells, axis, u, v);
+    // No minus zero along the axis: the layers would not be told to be at rest.
+    for (int i = 0; i < n; i++) v[i] += 0.0;
+    block_force(&plane, v, g);
+    mirror_field(cells, axis, f, image);
+    tap_ok(unlike(g, image, n) == 0, "mirrored in %c: %d of %d forces are not the mirrored bits", "xyz"[axis], (int)unlike(g, image, n), n);
+  }
+  close_block(&plane);
+  ct_mesh_free(m);
+  free(u);
+  free(v);
+  free(f);
+  free(g);
+  free(image);
+}
+
+/* Two plates that collide; `push` acts on one layer only. */
+typedef struct plates {
+  ct_scene *scene;
+  const ct_problem *problem;
+  ct_state *state;
+} plates;
+
+static ct_status push_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+{
+  (void)effect;
+  (void)error;
+  for (int c = 0; c < 3; c++) force[c] = c == 2 && view->time > 2e-8 ? 1e-3 : 0.0;
+  return CT_OK;
+}
+
+static plates open_plates(ct_solid_kernel kernel, int push)
+{
+  plates p = {new_scene(), NULL, NULL};
+  ct_mesh *m[2] = {box_mesh(CT_HEX8, -0.5, 0, 0, 0.5, 0.05, 0.5, 10, 1, 10), box_mesh(CT_HEX8, 0, 0, 0, 0.5, 0.05, 0.5, 10, 1, 10)};
+  int32_t body[2];
+  for (int i = 0; i < 2; i++) {
+    body[i] = add_body(p.scene, i == 0 ? "left" : "right", m[i], &STEEL, kernel, i == 0 ? 1000 : -1000, 0, 0);
+    add_support(p.scene, body[i], m[i], 2, 0.0, "z", 0.0);
+    add_support(p.scene, body[i], m[i], -1, 0.0, "y", 0.0);
+  }
+  add_contact(p.scene, body[0], m[0], 0.0, body[1], m[1], 0.0, 0, 4.0);
+  static const int32_t node[1] = {120};
+  ct_effect *effect = NULL, filled = {.name = "push", .nodes = node, .node_count = 1, .force = push_force};
+  const ct_problem *joined;
+  ct_error e;
+  need(ct_scene_join(p.scene, &joined, &e), &e);
+  if (push) {
+    need(ct_effect_create(&filled, &effect, &e), &e);
+    need(ct_scene_add_effect(p.scene, effect, &e), &e);
+  }
+  int64_t steps;
+  ct_stable_step stable;
+  p.problem = build(p.scene, (ct_scene_time){.end = 1e-7, .courant = 0.3, .threads = 1}, &steps, &stable);
+  p.state = new_state(p.problem);
+  advance(p.problem, p.state, steps);
+  ct_mesh_free(m[0]);
+  ct_mesh_free(m[1]);
+  return p;
+}
+
+static void runs(void)
+{
+  for (int push = 0; push < 2; push++) {
+    plates a = open_plates(CT_KERNEL_AUTO, push), b = open_plates(CT_KERNEL_BOX, push);
+    int64_t n = 3 * (int64_t)a.problem->node_count;
+    size_t bytes = (size_t)n * sizeof(double);
+    ct_solid_kernel kernel = CT_KERNEL_AUTO;
+    ct_solid_block_plan(a.problem->effects[0], 1, &kernel, NULL, NULL);
+    ct_energy ea = energy_of(a.problem, a.state), eb = energy_of(b.problem, b.state);
+    ct_momentum ma = momentum_of(a.problem, a.state, 1), mb = momentum_of(b.problem, b.state, 1);
+    tap_ok(kernel == CT_KERNEL_PLANE && memcmp(a.state->displacement, b.state->displacement, bytes) == 0 && memcmp(a.state->velocity, b.state->velocity, bytes) == 0,
+           "plates%s: displacements and velocities have the bits of the bricks", push ? ", one layer pushed" : "");
+    tap_ok(memcmp(&ea, &eb, sizeof ea) == 0 && ea.contact + ea.strain > 0.0, "their ledger, too: kinetic %.9g, strain %.9g", ea.kinetic, ea.strain);
+    tap_ok(memcmp(&ma, &mb, sizeof ma) == 0, "and momentum and impulses of contact and supports");
+    double *f = numbers(n), *g = numbers(n);
+    ct_error e;
+    need(ct_state_force(a.problem, a.state, a.problem->effect_count - 1, f, &e), &e);
+    need(ct_state_force(b.problem, b.state, b.problem->effect_count - 1, g, &e), &e);
+    tap_ok(unlike(f, g, n) == 0 && largest(f, n) > 0.0, "reactions of the supports are the same at every node");
+    free(f);
+    free(g);
+    plates both[2] = {a, b};
+    for (int i = 0; i < 2; i++) {
+      ct_state_free(both[i].state);
+      ct_scene_free(both[i].scene);
+    }
+  }
+}
+
+static void choice(void)
+{
+  ct_mesh *one = layer(1, 3, 4), *two = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 3, 2, 3), *bent = layer(1, 3, 4);
+  ct_error e = {0};
+  bent->nodes[0] += 1e-3;
+  block held = open_held(one, CT_KERNEL_AUTO, 1), wrong = open_held(one, CT_KERNEL_AUTO, 0), thick = open_held(two, CT_KERNEL_AUTO, 1), general = open_held(bent, CT_KERNEL_AUTO, 1);
+  tap_ok(kernel_of(held.effect) == CT_KERNEL_PLANE, "one layer of boxes held along its thickness is a plane");
+  tap_ok(kernel_of(wrong.effect) == CT_KERNEL_BOX, "held another way it is not");
+  tap_ok(kernel_of(thick.effect) == CT_KERNEL_BOX, "two layers are not");
+  tap_ok(kernel_of(general.effect) == CT_KERNEL_GENERAL, "elements of any shape are not");
+  double cost[2], bytes[2];
+  block box = open_held(one, CT_KERNEL_BOX, 1);
+  ct_solid_block_plan(held.effect, 0, NULL, &cost[0], &bytes[0]);
+  ct_solid_block_plan(box.effect, 0, NULL, &cost[1], &bytes[1]);
+  tap_ok(cost[1] > 2.0 * cost[0] && bytes[1] > 1.5 * bytes[0], "the plan: %.0f operations and %.0f bytes an element, %.0f and %.0f for bricks", cost[0], bytes[0], cost[1], bytes[1]);
+  close_block(&held);
+  close_block(&wrong);
+  close_block(&thick);
+  close_block(&general);
+  close_block(&box);
+  ct_solid_block b = {.mesh = one, .material = STEEL, .kernel = CT_KERNEL_PLANE};
+  ct_effect *effect = NULL;
+  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL, "a plane that is not held is refused: %s", e.text);
+  ct_mesh_free(one);
+  ct_mesh_free(two);
+  ct_mesh_free(bent);
+}
+
+int main(void)
+{
+  forces();
+  mirrored();
+  runs();
+  choice();
+  return tap_done();
+}

@@ -1,0 +1,91 @@
+"""Savings of a scene: the same bits with and without each, in tables, states and files, and after a restart; refusals."""
+
+import pytest
+
+import libcontact as ct
+from libcontact._core import lib
+from libcontact.parts import SAVINGS
+from libcontact.schema import SceneError
+
+needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
+
+
+def scene(savings=None, threads=1, **changes):
+    """Two unlike plates that fly toward each other over a gap, held and pushed here and there."""
+    plate = lambda x, cells: {"origin": [x, 0, 0], "size": [2.0, 0.25, 1.5], "cells": cells}
+    data = {
+        "units": {"length": "mm", "mass": "t", "time": "s"},
+        "material": [{"name": "steel", "young": 2.1e5, "poisson": 0.3, "density": 7.8e-9}],
+        "body": [
+            {"name": "left", "box": plate(-2.02, [16, 1, 12]), "material": "steel", "velocity": [1e5, 0, 0]},
+            {"name": "right", "box": plate(0.0, [10, 2, 7]), "material": "steel", "velocity": [-3e4, 0, 0], "kernel": "general"},
+        ],
+        "contact": [{"surfaces": ["left.x_max", "right.x_min"], "beta": 0.5}],
+        "support": [{"set": "left.z_min", "fix": ["z"]}, {"set": "right.x_max", "fix": ["x"], "velocity": [-3e4, 0, 0]}],
+        "time": {"end": 5e-7, "fraction": 0.99},
+        "output": {"every": 7, "fields": ["displacement", "velocity"]},
+        "run": {"threads": threads},
+    }
+    if savings is not None:
+        data["run"]["savings"] = savings
+    data.update(changes)
+    return ct.Scene(data)
+
+
+def same_run(a, b):
+    for name in a.state:
+        for field in ("displacement", "velocity", "stress"):
+            if getattr(a.state[name], field).tobytes() != getattr(b.state[name], field).tobytes():
+                return False
+    return a.energy.tobytes() == b.energy.tobytes() and a.momentum.tobytes() == b.momentum.tobytes()
+
+
+def test_every_saving_leaves_tables_and_states_as_they_are_to_the_last_bit():
+    plain = scene([]).run(progress=False)
+    assert plain.energy["contact"].max() > 0.0
+    for savings in (None, *([saving] for saving in SAVINGS)):
+        for threads in (1, 2):
+            assert same_run(plain, scene(savings, threads).run(progress=False)), (savings, threads)
+
+
+@needs_hdf5
+def test_files_and_restarts_have_the_same_bits(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    runs = {}
+    for name, first, then in (("off", [], None), ("on", None, None), ("on and off", None, []), ("off and on", [], None)):
+        half, whole = tmp_path / f"{name} half.vtkhdf", tmp_path / f"{name}.vtkhdf"
+        if name in ("off", "on"):
+            runs[name] = scene(first).run(progress=False, output=whole)
+            continue
+        scene(first).run(progress=False, output=half, until=3e-7)
+        runs[name] = scene(then).run(progress=False, output=whole, restart=half)
+    assert same_run(runs["off"], runs["on"])
+    for name in ("on and off", "off and on"):
+        for body in runs["off"].state:
+            for field in ("displacement", "velocity"):
+                assert getattr(runs["off"].state[body], field).tobytes() == getattr(runs[name].state[body], field).tobytes()
+        assert runs[name].energy[-1].tobytes() == runs["off"].energy[-1].tobytes()
+
+    def datasets(path):
+        found = {}
+        with h5py.File(path) as file:
+            file.visititems(lambda key, item: found.update({key: item[()].tobytes()}) if isinstance(item, h5py.Dataset) and item.dtype != object else None)
+        return found
+
+    off, on = datasets(tmp_path / "off.vtkhdf"), datasets(tmp_path / "on.vtkhdf")
+    assert off.keys() == on.keys() and any("velocity" in key for key in off) and not any("stress" in key for key in off)
+    # Only the text of the scene, which names the savings, may differ, and bytes that nobody has written.
+    assert [key for key in off if off[key] != on[key] and "scene" not in key.lower()] == []
+
+
+def test_an_unknown_saving_is_refused():
+    for savings, reason in ((["quite"], 'did you mean "quiet"'), (["quiet", 3], "savings[1]"), ("quiet", "list")):
+        with pytest.raises(SceneError, match=reason.replace("[", r"\[").replace("]", r"\]")) as caught:
+            scene(savings)
+        assert caught.value.key.startswith("run.savings")
+
+
+def test_explain_tells_the_savings():
+    assert "quiet, plane_strain, congruent, distant" in str(scene().explain())
+    assert scene(["distant"]).explain().data["savings"] == ["distant"]
+    assert "none, by the scene's own wish" in str(scene([]).explain())

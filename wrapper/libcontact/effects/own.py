@@ -1,0 +1,146 @@
+"""An effect of the user's own, written in Python: ``Scene.add_effect``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from .._core import ffi, lib
+from ..errors import check, new_error
+from ..schema import SceneError, describe, is_number
+
+
+class View:
+    """
+    What a force is asked with: ``time``, and for the effect's nodes, as read-only arrays (n, 3), the ``reference`` coordinates, the ``displacement`` at that time, and the
+    ``velocity`` half a step before. It is good during the call only; keep the arrays, not the view.
+    """
+
+    def __init__(self, view: Any, nodes: np.ndarray, count: int):
+        self.time = view.time
+        self._view, self._nodes, self._count = view, nodes, count
+
+    def _rows(self, name: str) -> np.ndarray:
+        if self._view is None:
+            raise ValueError("the view is gone; read it during the call")
+        rows = np.frombuffer(ffi.buffer(getattr(self._view, name), 24 * self._count), np.float64).reshape(-1, 3)[self._nodes]
+        rows.flags.writeable = False
+        return rows
+
+    def close(self) -> None:
+        self._view = None
+
+    @property
+    def reference(self) -> np.ndarray:
+        return self._rows("reference")
+
+    @property
+    def displacement(self) -> np.ndarray:
+        return self._rows("displacement")
+
+    @property
+    def velocity(self) -> np.ndarray:
+        return self._rows("velocity")
+
+
+class Own:
+    """An effect whose force is a Python function; see ``Scene.add_effect``."""
+
+    def __init__(self, name: str, body: str, nodes: Any, force: Callable[[View], Any], energy: Callable[[View], float] | None,
+                 omega_squared: float, rate: float):
+        if not isinstance(name, str) or not name.isidentifier() or len(name) > 63:
+            raise SceneError(f"{name!r} is no name for a column of the ledger", "effect")
+        if not callable(force) or not (energy is None or callable(energy)):
+            raise SceneError("force and energy must be functions", name)
+        for key, value in (("omega_squared", omega_squared), ("rate", rate)):
+            if not is_number(value) or not 0.0 <= value < float("inf"):
+                raise SceneError(f"is {describe(value)}; it must be a number of at least 0", f"{name}.{key}")
+        self.name, self.body, self.given = name, body, nodes
+        self.force, self.energy, self.omega_squared, self.rate = force, energy, float(omega_squared), float(rate)
+        self.nodes = np.empty(0, np.int32)
+        self.count = 0
+
+    def ask(self, function: Callable[[View], Any], view: Any) -> Any:
+        """What a function of the user answers to the C library's view."""
+        seen = View(view, self.nodes, self.count)
+        try:
+            return function(seen)
+        finally:
+            seen.close()
+
+    def create(self, maker: Any) -> Any:
+        """The C effect, which keeps this object by a handle that the problem keeps."""
+        if self.body not in maker.parts.bodies:
+            raise maker.error(f'no body is named "{self.body}"')
+        first, count = maker.body(self.body).first_node, maker.body(self.body).mesh.node_count
+        if isinstance(self.given, str):
+            nodes = maker.face_nodes((self.body, self.given))
+        else:
+            given = np.unique(np.asarray(self.given))
+            if given.dtype.kind not in "iu" or given.size == 0 or given[0] < 0 or given[-1] >= count:
+                raise maker.error(f"nodes must be whole numbers from 0 to {count - 1}, at least one")
+            nodes = (first + given).astype(np.int32)
+        self.nodes, self.count = maker.keep(np.ascontiguousarray(nodes)), maker.problem.node_count
+        filled = maker.keep(ffi.new("ct_effect *"))
+        filled.name = maker.keep(ffi.new("char[]", self.name.encode()))
+        filled.data = maker.keep(ffi.new_handle(self))
+        filled.nodes, filled.node_count = ffi.from_buffer("int32_t[]", self.nodes), len(self.nodes)
+        filled.force = lib.own_force
+        if self.energy is not None:
+            filled.energy = lib.own_energy
+        if self.omega_squared:
+            filled.frequency = lib.own_frequency
+        if self.rate:
+            filled.damping = lib.own_damping
+        out, error = ffi.new("ct_effect **"), new_error()
+        check(lib.ct_effect_create(filled, out, error), error)
+        return out[0]
+
+
+def _answer(effect: Any, error: Any, compute: Callable[[Own], None]) -> int:
+    """Run a function of the user; what it raises becomes an error of the C library."""
+    own = ffi.from_handle(effect.data)
+    try:
+        compute(own)
+    except Exception as reason:  # whatever the user's function raises
+        if error != ffi.NULL:
+            error.code, error.body, error.element, error.point = lib.CT_INVALID, -1, -1, -1
+            text = f"effect {own.name}: {type(reason).__name__}: {reason}".encode()[: ffi.sizeof(error.text) - 1]
+            ffi.memmove(error.text, text + b"\0", len(text) + 1)
+        return lib.CT_INVALID
+    return lib.CT_OK
+
+
+@ffi.def_extern(error=lib.CT_INVALID)
+def own_force(effect: Any, view: Any, force: Any, error: Any) -> int:
+    def compute(own: Own) -> None:
+        rows = np.asarray(own.ask(own.force, view), dtype=np.float64)
+        if rows.shape != (len(own.nodes), 3):
+            raise ValueError(f"the force has shape {rows.shape}; it must be ({len(own.nodes)}, 3)")
+        if not np.isfinite(rows).all():
+            raise ValueError(f"the force on node {own.nodes[np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]]} of the problem is not finite")
+        ffi.memmove(force, np.ascontiguousarray(rows), rows.nbytes)
+
+    return _answer(effect, error, compute)
+
+
+@ffi.def_extern(error=lib.CT_INVALID)
+def own_energy(effect: Any, view: Any, energy: Any, error: Any) -> int:
+    def compute(own: Own) -> None:
+        energy[0] = float(own.ask(own.energy, view))
+
+    return _answer(effect, error, compute)
+
+
+@ffi.def_extern(error=lib.CT_INVALID)
+def own_frequency(effect: Any, view: Any, omega_squared: Any, error: Any) -> int:
+    omega_squared[0] = ffi.from_handle(effect.data).omega_squared
+    return lib.CT_OK
+
+
+@ffi.def_extern(error=lib.CT_INVALID)
+def own_damping(effect: Any, view: Any, rate: Any, error: Any) -> int:
+    rate[0] = ffi.from_handle(effect.data).rate
+    return lib.CT_OK
