@@ -28,6 +28,7 @@ extern "C" {
 #include <contact/gravity.h>
 #include <contact/load.h>
 #include <contact/damping.h>
+#include <contact/motion.h>
 #include <contact/absorb.h>
 #include <contact/obstacle.h>
 #include <contact/friction.h>

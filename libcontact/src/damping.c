@@ -1,16 +1,18 @@
 /* Damping in proportion to mass. */
 #include <contact/damping.h>
+#include <contact/sum.h>
 
 #include "effect_internal.h"
 #include "error.h"
 #include "memory.h"
 
 #include <math.h>
+#include <string.h>
 
 typedef struct damping_data {
   double rate;
   int32_t *nodes;
-  const double *mass; /* of the problem */
+  const double *mass, *inverse_mass; /* of the problem */
 } damping_data;
 
 static void free_data(void *data)
@@ -32,6 +34,75 @@ static ct_status damping_force(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
+/* What relaxation remembers: its rate, the steps since the sample (0: there is none yet), and the sample's displacements and forces on the effect's nodes. */
+enum { RATE, AGE, SAMPLE };
+
+static ct_status create_terms(const ct_effect *effect, void **scratch, ct_error *error)
+{
+  *scratch = ct_allocate(2 * (size_t)effect->node_count, sizeof(double));
+  return *scratch != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "damping: no memory");
+}
+
+/* ω² that the change since the sample shows: -Δu · Δf / Δu · M Δu, or 0 where it shows none. */
+static double rayleigh(const ct_effect *effect, const ct_view *view)
+{
+  const damping_data *data = effect->data;
+  const double *u0 = view->memory + SAMPLE, *f0 = u0 + 3 * (int64_t)effect->node_count;
+  double *stiff = view->scratch, *mass = stiff + effect->node_count;
+  for (int32_t i = 0; i < effect->node_count; i++) {
+    int64_t node = data->nodes[i], own = 3 * (int64_t)i;
+    double work[3], square[3];
+    for (int k = 0; k < 3; k++) {
+      double free = data->inverse_mass[3 * node + k] == 0.0 ? 0.0 : 1.0, du = free * (view->displacement[3 * node + k] - u0[own + k]);
+      work[k] = -du * (view->total[3 * node + k] - f0[own + k]);
+      square[k] = du * du;
+    }
+    stiff[i] = (work[0] + work[1]) + work[2];
+    mass[i] = data->mass[node] * ((square[0] + square[1]) + square[2]);
+  }
+  double top = ct_sum(stiff, effect->node_count), bottom = ct_sum(mass, effect->node_count);
+  return top > 0.0 && bottom > 0.0 && isfinite(top / bottom) ? top / bottom : 0.0;
+}
+
+/* The rate of this step, and what the next one shall remember. */
+static double relaxation_rate(const ct_effect *effect, const ct_view *view)
+{
+  const damping_data *data = effect->data;
+  double rate = view->memory[RATE], age = view->memory[AGE];
+  // -- A new sample after the time 1 / ω = 2 / α (eq:relaxation-rate)
+  int due = age == 0.0 || 0.5 * rate * view->dt * age >= 1.0 || rate == 0.0;
+  if (due && age > 0.0) {
+    double omega = sqrt(rayleigh(effect, view));
+    if (omega > 0.0) rate = 2.0 * omega;
+  }
+  view->next_memory[RATE] = rate;
+  view->next_memory[AGE] = due ? 1.0 : age + 1.0;
+  double *u = view->next_memory + SAMPLE, *f = u + 3 * (int64_t)effect->node_count;
+  if (!due) memcpy(u, view->memory + SAMPLE, 6 * (size_t)effect->node_count * sizeof *u);
+  for (int32_t i = 0; due && i < effect->node_count; i++)
+    for (int k = 0; k < 3; k++) {
+      u[3 * (int64_t)i + k] = view->displacement[3 * (int64_t)data->nodes[i] + k];
+      f[3 * (int64_t)i + k] = view->total[3 * (int64_t)data->nodes[i] + k];
+    }
+  return rate;
+}
+
+static ct_status relaxation_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+{
+  const damping_data *data = effect->data;
+  (void)error;
+  // While the start is made the velocity is the one of t = 0, and nothing is damped yet.
+  double a = view->dt == 0.0 ? 0.0 : 0.5 * relaxation_rate(effect, view) * view->dt;
+  for (int32_t i = 0; i < effect->node_count; i++)
+    for (int k = 0; k < 3; k++) {
+      int64_t dof = 3 * (int64_t)data->nodes[i] + k;
+      double m = data->mass[data->nodes[i]], v = view->velocity[dof];
+      // -- -α m (v_{n-1/2} + v_{n+1/2}) / 2, solved for the velocity after the step (eq:relaxation-force)
+      force[3 * (int64_t)i + k] = a == 0.0 || data->inverse_mass[dof] == 0.0 ? 0.0 : -a * (2.0 * m * v / view->dt + view->total[dof]) / (1.0 + a);
+    }
+  return CT_OK;
+}
+
 static ct_status damping_rate(const ct_effect *effect, const ct_view *view, double *rate, ct_error *error)
 {
   (void)view, (void)error;
@@ -43,14 +114,25 @@ ct_status ct_damping_create_effect(const ct_damping *damping, const ct_problem *
 {
   if (damping == NULL || problem == NULL || effect == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "damping: null argument");
   if (!(damping->rate >= 0.0) || !isfinite(damping->rate)) return ct_fail(error, CT_INVALID, CT_NOWHERE, "damping: the rate is %g", damping->rate);
+  if (damping->relaxation && damping->rate != 0.0)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "damping: relaxation chooses by itself, and a rate of %g is given too", damping->rate);
   damping_data *data = ct_allocate(1, sizeof *data);
   if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "damping: no memory");
   int32_t count = 0;
   ct_status status = ct_effect_body_nodes(problem, damping->bodies, damping->body_count, "damping", &data->nodes, &count, error);
   data->rate = damping->rate;
   data->mass = problem->mass;
+  data->inverse_mass = problem->inverse_mass;
   ct_effect filled = {.name = "damping", .data = data, .nodes = data->nodes, .node_count = count, .flops = 4.0 * count, .bytes = 60.0 * count,
                       .force = damping_force, .damping = damping_rate, .free_data = free_data};
+  if (damping->relaxation) {
+    filled.memory_count = SAMPLE + 6 * (int64_t)count;
+    filled.last = 1;
+    filled.create_scratch = create_terms;
+    filled.free_scratch = ct_release;
+    filled.force = relaxation_force;
+    filled.damping = NULL;
+  }
   if (status == CT_OK) status = ct_effect_create(&filled, effect, error);
   if (status != CT_OK) free_data(data);
   return status;

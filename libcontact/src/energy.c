@@ -105,6 +105,45 @@ ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *en
   return status;
 }
 
+/* Largest component of a force on the nodes of an effect. */
+static double largest_force(const double *force, int64_t count)
+{
+  double top = 0.0;
+  for (int64_t i = 0; i < count; i++) top = fmax(top, fabs(force[i]));
+  return top;
+}
+
+/* Kinetic energy half a step back: never negative, unlike that of eq:discrete-energy. */
+static double kinetic_before(const ct_problem *problem, ct_state *state)
+{
+  double *terms = state->workspace->terms;
+  for (int64_t n = 0; n < problem->node_count; n++) {
+    const double *v = &state->velocity[3 * n];
+    terms[n] = 0.5 * problem->mass[n] * ((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
+  }
+  return ct_sum(terms, problem->node_count);
+}
+
+ct_status ct_energy_unrest(const ct_problem *problem, ct_state *state, double *unrest, ct_error *error)
+{
+  ct_status status = check_effect(problem, state, 0, unrest, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  double acting = 0.0, left = 0.0, stored = 0.0;
+  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
+    double own;
+    status = ct_energy_stored(problem, state, k, &own, error);
+    stored += fabs(own);
+    acting = fmax(acting, largest_force(ct_workspace_force_of(problem, state, k), 3 * (int64_t)problem->effects[k]->node_count));
+  }
+  if (status != CT_OK) return status;
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
+    if (problem->inverse_mass[d] != 0.0) left = fmax(left, fabs(state->workspace->total[d]));
+  // -- The larger of the two shares (eq:unrest)
+  double kinetic = kinetic_before(problem, state), forces = left == 0.0 ? 0.0 : left / acting;
+  *unrest = fmax(forces, kinetic == 0.0 ? 0.0 : sqrt(kinetic / stored));
+  return CT_OK;
+}
+
 /* Add the impulse of one effect on a range of nodes since t = 0 (eq:impulse-balance). */
 static void add_impulse(const ct_problem *problem, ct_state *state, int32_t k, int32_t first, int32_t last, double impulse[3])
 {

@@ -7,6 +7,7 @@
 #include "memory.h"
 #include "workspace.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -50,6 +51,10 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
   for (int32_t k = 1; k < p->effect_count; k++)
     if ((p->effects[k]->force == NULL) != (p->effects[k]->reaction != 0))
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s has no force", p->effects[k]->name);
+  for (int32_t k = 1; k + 1 < p->effect_count; k++)
+    if (p->effects[k]->last > 0 && p->effects[k + 1]->last <= p->effects[k]->last && !p->effects[k + 1]->reaction)
+      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s needs the forces of all others, and %s stands after it", p->effects[k]->name,
+                     p->effects[k + 1]->name);
   for (int32_t k = 1; k < p->effect_count; k++)
     if (!reads_earlier(p, k))
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s reads one that does not stand before it", p->effects[k]->name);
@@ -164,7 +169,9 @@ static void step_back(const ct_problem *problem, ct_state *state)
     state->velocity[d] = ct_kick(problem->initial_velocity[d], -0.5 * problem->dt, problem->inverse_mass[d], state->workspace->total[d]);
   // A force that goes with velocity has seen another one so far; a restart from here would see this one.
   for (int32_t k = 0; k < problem->effect_count; k++)
-    if (problem->effects[k]->damping != NULL) state->workspace->forces_at = -1;
+    if (problem->effects[k]->damping != NULL || problem->effects[k]->last) state->workspace->forces_at = -1;
+  // With the smallest of all steps a scene asks for the stable one, and no step is chosen yet.
+  state->workspace->starting = problem->dt <= DBL_MIN;
 }
 
 /* Ledgers that count only the half of the first forces that comes after t = 0 (eq:leapfrog-start). */
@@ -194,6 +201,7 @@ ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *e
   if (status == CT_ERROR_MEMORY) ct_fail(error, status, CT_NOWHERE, "no memory for a state of %d nodes", (int)problem->node_count);
   if (status == CT_OK) {
     memcpy(state->velocity, problem->initial_velocity, 3 * (size_t)problem->node_count * sizeof(double));
+    state->workspace->starting = 1;
     status = ct_workspace_forces(problem, state, error);
   }
   if (status == CT_OK) {
@@ -247,7 +255,7 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
   return (ct_view){.time = state->time, .threads = problem->threads, .reference = problem->reference,
                    .displacement = state->displacement, .velocity = state->velocity, .memory = state->memory + memory,
                    .next_memory = state->workspace->next_memory + memory, .scratch = state->workspace->scratch[k],
-                   .read = scratch_read(problem, state, k)};
+                   .read = scratch_read(problem, state, k), .dt = state->workspace->starting ? 0.0 : problem->dt, .total = state->workspace->total};
 }
 
 const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k)

@@ -6,6 +6,7 @@
 /* What a state needs to take a step and a restart does not: forces at t_n and scratch space of the effects. */
 typedef struct ct_workspace {
   int64_t forces_at;  /* the step whose forces stand below, or -1 */
+  int starting;       /* v_{-1/2} is not known yet */
   int kept;           /* whether `total` holds forces of this state's last step, and the first effect may leave some as they stand */
   uint64_t *still;    /* a bit a node: the total force is zero, to the sign as in the last step (eq:still-node) */
   double *total;      /* sum of all forces but reactions, shape (node_count, 3) */

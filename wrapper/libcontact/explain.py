@@ -68,7 +68,8 @@ def _facts(problem: Problem) -> dict[str, Any]:
         "left_out": {name: why for name, why in EFFECTS.items() if name not in used},
         "assumptions": _assumptions(parts),
         "contacts": contacts,
-        "supports": [{"set": f"{s.body}.{s.face}", "fix": list(s.fix), "velocity": list(s.velocity)} for s in parts.supports],
+        "supports": [{"set": f"{s.body}.{s.face}", "fix": list(s.fix), "velocity": list(s.velocity),
+                      "travel": list(s.travel), "history": len(s.history[0])} for s in parts.supports],
         "added": [{"name": added.name, "key": added.key, "text": added.module.describe(added.given, parts.units)} for added in parts.effects],
         "time": _time(problem),
         "cost": {
@@ -172,6 +173,8 @@ def _lines(data: dict[str, Any], units: Units) -> list[str]:
         out += _contact_lines(contact, units)
     for support in data["supports"]:
         moving = f" at the velocity {support['velocity']} {units.label('velocity')}" if any(support["velocity"]) else ""
+        if support["history"]:
+            moving = f" on a path, {support['travel']} {units.length} times a history of {support['history']} points"
         out.append(f"  support {support['set']}: {', '.join(support['fix'])} held{moving}")
     out += [f"  {added['name']}: {added['text']}" for added in data["added"]]
     out += ["", "What is not computed"]

@@ -26,12 +26,17 @@ from .schema import SceneError, is_number
 
 DEFAULT_RECORDS = 100
 CHUNK_SECONDS = 0.1
+LOOK_STEPS = 20
 # The same rows with the padding of the C struct.
 C_MOMENTUM = np.dtype(MOMENTUM.descr, align=True)
 
 
 class OutputWarning(UserWarning):
     """A run goes on without something that was asked for, for example a file in a build without HDF5."""
+
+
+class NotAtRest(UserWarning):
+    """A run that should end at rest has come to its end before."""
 
 
 def schedule(problem: Problem) -> tuple[int, list[int] | None]:
@@ -168,12 +173,34 @@ class Loop:
         begin = clock.perf_counter()
         with _progress(progress, self.state.step, last) as tell, _ctrl_c() as stop:
             self.record()
-            while self.state.step < last and not stop:
-                self._advance(min(self._next_record(), last), tell, stop)
-                if self.state.step > self.steps[-1]:
+            while self.state.step < last and not stop and not self._at_rest():
+                due = min(self._next_record(), last)
+                self._advance(min(due, self._next_look()), tell, stop)
+                if self.state.step > self.steps[-1] and (self.state.step == due or stop or self._at_rest()):
                     self.record()
         self.interrupted = bool(stop) and self.state.step < last
+        if self.problem.parts.time.until_static is not None and last == self.problem.step_count and not stop and not self._at_rest():
+            warnings.warn(NotAtRest(f"the run ends at t = {self.state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
+                                    f"until_static = {self.problem.parts.time.until_static:g}"), stacklevel=4)
         self.seconds = clock.perf_counter() - begin
+
+    def _unrest(self) -> float:
+        value = ffi.new("double *")
+        self._call(lib.ct_energy_unrest, self.problem.pointer, self.state, value)
+        return value[0]
+
+    def _next_look(self) -> int:
+        """The next step at which rest is looked for; which steps these are does not depend on how fast the run is."""
+        if self.problem.parts.time.until_static is None:
+            return self.problem.step_count
+        return (self.state.step // LOOK_STEPS + 1) * LOOK_STEPS
+
+    def _at_rest(self) -> bool:
+        """Whether the run may end here: histories are over and nothing moves."""
+        wanted, step = self.problem.parts.time.until_static, self.state.step
+        if wanted is None or step == 0 or step % LOOK_STEPS or self.state.time < self.problem.settled:
+            return False
+        return self._unrest() <= wanted
 
     def _next_record(self) -> int:
         every, steps = schedule(self.problem)

@@ -102,20 +102,28 @@ class Contact:
 
 @dataclass(frozen=True)
 class Support:
+    """What is held: with the constant ``velocity``, or, where ``history`` has points, on the path ``travel`` times history."""
+
     body: str
     face: str
     fix: tuple[str, ...]
     velocity: tuple[float, float, float]
+    travel: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    history: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
 
 
 @dataclass(frozen=True)
 class Time:
-    """End and step of the run: ``end``, or ``end_over`` = (length, value) for end = value length / c₁; ``step`` = ("courant", 0.125)."""
+    """
+    End and step of the run: ``end``, or ``end_over`` = (length, value) for end = value length / c₁; ``step`` = ("courant", 0.125). With ``until_static`` the run
+    ends as soon as it is that near to rest and all histories are over.
+    """
 
     end: float | None
     end_over: tuple[float, float] | None
     step: tuple[str, float]
     integrator: str
+    until_static: float | None = None
 
 
 @dataclass(frozen=True)
@@ -350,8 +358,25 @@ def _support(table: Table, bodies: dict[str, Body]) -> Support:
     for i, axis in enumerate("xyz"):
         if velocity[i] != 0.0 and axis not in fix:
             raise table.error(f"velocity[{i}]", f'is {velocity[i]:g}, but "{axis}" is not in fix')
+    travel, history = _path(table, fix)
     table.done()
-    return Support(body, face, tuple(fix), velocity)
+    return Support(body, face, tuple(fix), velocity, travel, history)
+
+
+def _path(table: Table, fix: list[str]) -> tuple[Any, Any]:
+    """The keys ``travel`` and ``history`` of a support: both or none."""
+    there = [key for key in ("travel", "history") if table.has(key)]
+    if not there:
+        return (0.0, 0.0, 0.0), ((), ())
+    if len(there) == 1:
+        raise table.error(there[0], "stands alone; a path is the travel times a history, and both are needed")
+    if table.has("velocity"):
+        raise table.error("velocity", 'cannot stand beside "travel": a support keeps a velocity or follows a path')
+    travel = table.vector("travel")
+    for i, axis in enumerate("xyz"):
+        if travel[i] != 0.0 and axis not in fix:
+            raise table.error(f"travel[{i}]", f'is {travel[i]:g}, but "{axis}" is not in fix')
+    return travel, effects.load.read_history(table)
 
 
 def _savings(table: Table) -> tuple[str, ...]:
@@ -374,8 +399,9 @@ def _time(table: Table) -> Time:
     step = table.one_of("courant", "fraction", "dt")
     value = table.number(step, above=0.0)
     integrator = table.choice("integrator", INTEGRATORS, INTEGRATORS[0])
+    until_static = table.number("until_static", None, least=1e-12)
     table.done()
-    return Time(end, end_over, (step, value), integrator)
+    return Time(end, end_over, (step, value), integrator, until_static)
 
 
 def _output(table: Table) -> Output:

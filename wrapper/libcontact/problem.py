@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from . import effects
 from . import parts as scene_parts
 from ._core import ffi, lib
 from .errors import Error, check, new_error
@@ -90,7 +91,8 @@ class Problem:
         self._add_bodies()
         self.faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contacts)]
         for i, support in enumerate(parts.supports):
-            self._add_support(i, support)
+            if not support.history[0]:
+                self._add_support(i, support)
         self.kept: list[Any] = []
         self._add_effects(own)
         self._build()
@@ -115,6 +117,12 @@ class Problem:
     def fastest(self) -> float:
         """The fastest c₁ of all bodies: the one that ``end_c1t_over`` means."""
         return max(speeds(self.parts.materials[body.material])[0] for body in self.parts.bodies.values())
+
+    @property
+    def settled(self) -> float:
+        """When the last history of a load or a support is over."""
+        histories = [support.history for support in self.parts.supports] + [getattr(added.given, "history", ((), ())) for added in self.parts.effects]
+        return max((time[-1] for time, _ in histories if time), default=0.0)
 
     # Errors of the C library, as the scene's keys tell them.
 
@@ -241,17 +249,21 @@ class Problem:
 
     def _add_effects(self, own: Sequence[Any]) -> None:
         """The effects beside contacts and supports, which are made for the joined bodies: those of the scene's tables, then those of the user's ``own``."""
-        if not self.parts.effects and not own:
+        paths = {f"support[{i}]": support for i, support in enumerate(self.parts.supports) if support.history[0]}
+        if not self.parts.effects and not own and not paths:
             return
         joined = ffi.new("const ct_problem **")
         self._call(lib.ct_scene_join, self._scene, joined, key="")
-        for added in self.parts.effects:
-            maker = Maker(self, joined[0], added.key)
-            made = added.module.create(added.given, maker)
-            for effect in made if isinstance(made, list) else [made]:
-                self._call(lib.ct_scene_add_effect, self._scene, effect, key=added.key)
-        for effect in own:
-            self._call(lib.ct_scene_add_effect, self._scene, effect.create(Maker(self, joined[0], effect.name)), key=effect.name)
+        calls = [(added.key, added.module.create, added.given) for added in self.parts.effects]
+        calls += [(effect.name, lambda given, maker: given.create(maker), effect) for effect in own] + ([(next(iter(paths)), _motion, paths)] if paths else [])
+        made = []
+        for key, create, given in calls:
+            new = create(given, Maker(self, joined[0], key))
+            made += [(key, ffi.gc(effect, lib.ct_effect_free)) for effect in (new if isinstance(new, list) else [new])]
+        # Those that need the forces of all others come last.
+        for key, effect in sorted(made, key=lambda pair: pair[1].last):
+            ffi.gc(effect, None)  # the scene takes it over, whatever it answers
+            self._call(lib.ct_scene_add_effect, self._scene, effect, key=key)
 
     def _build(self) -> None:
         name, value = self.parts.time.step
@@ -338,6 +350,17 @@ class Maker:
         if not len(numbers):
             raise self.error(f'"{".".join(surface)}" has no faces: no outer face of the body lies in that plane')
         return np.ascontiguousarray(numbers + self.body(surface[0]).first_node, dtype=np.int32)
+
+
+def _motion(paths: dict[str, scene_parts.Support], maker: Maker) -> Any:
+    """The effect of all supports on a path."""
+    motions = maker.keep(ffi.new("ct_motion[]", len(paths)))
+    for motion, support in zip(motions, paths.values()):
+        nodes = maker.keep(maker.face_nodes((support.body, support.face)))
+        motion.nodes, motion.node_count = ffi.from_buffer("int32_t[]", nodes), len(nodes)
+        motion.fixed, motion.displacement = [axis in support.fix for axis in "xyz"], list(support.travel)
+        motion.history = effects.load.c_history(support.history, maker)
+    return maker.make(lambda options, *rest: lib.ct_motion_create_effect(options, len(paths), *rest), motions)
 
 
 def _together(first: np.ndarray, second: np.ndarray) -> np.ndarray:

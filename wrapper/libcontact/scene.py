@@ -116,9 +116,13 @@ class Scene:
         return self._add("contact", surfaces=[a, b], beta=beta, epsilon=epsilon, method=method, tolerance=tolerance, depth=depth,
                          friction=friction, tangent=tangent)
 
-    def add_support(self, set: str, *, fix: Any, velocity: Any = None) -> Scene:
-        """Prescribe the velocity (0 by default) of the nodes of a face such as ``"right.z_min"``, in the directions ``fix``."""
-        return self._add("support", set=set, fix=list(fix) if isinstance(fix, (str, tuple)) else fix, velocity=velocity)
+    def add_support(self, set: str, *, fix: Any, velocity: Any = None, travel: Any = None, history: Any = None) -> Scene:
+        """
+        Prescribe the velocity (0 by default) of the nodes of a face such as ``"right.z_min"``, in the directions ``fix``, or their path: ``travel`` times
+        ``history={"time": [...], "value": [...]}``.
+        """
+        return self._add("support", set=set, fix=list(fix) if isinstance(fix, (str, tuple)) else fix, velocity=velocity,
+                         travel=travel, history=history)
 
     def add(self, effect: str, **entries: Any) -> Scene:
         """Add an effect of ``libcontact.effects`` with the keys of its table: ``scene.add("gravity", acceleration=[0, 0, -9810])``."""
@@ -148,9 +152,10 @@ class Scene:
         return self
 
     def set_time(self, *, end: float | None = None, end_c1t_over: Any = None, courant: float | None = None,
-                 fraction: float | None = None, dt: float | None = None, integrator: str | None = None) -> Scene:
-        """Give the end of the run and exactly one of ``courant``, ``fraction`` and ``dt``."""
-        return self._set("time", end=end, end_c1t_over=end_c1t_over, courant=courant, fraction=fraction, dt=dt, integrator=integrator)
+                 fraction: float | None = None, dt: float | None = None, integrator: str | None = None, until_static: float | None = None) -> Scene:
+        """Give the end of the run and exactly one of ``courant``, ``fraction`` and ``dt``; ``until_static`` ends it earlier, at rest (chapter "Damping")."""
+        return self._set("time", end=end, end_c1t_over=end_c1t_over, courant=courant, fraction=fraction, dt=dt, integrator=integrator,
+                         until_static=until_static)
 
     def set_output(self, file: Any = None, *, fields: Any = None, every: int | None = None, times: Any = None) -> Scene:
         """Name the results file, its fields, and when to record: ``every`` n steps, or at the steps nearest to ``times``."""

@@ -34,6 +34,10 @@ typedef struct ct_view {
   const double *reference;
   /** Displacement u_n [length], shape (node_count, 3). */
   const double *displacement;
+  /** Δt [time]; 0 while the start is made, before v_{-1/2} is known, and while no step is chosen yet. */
+  double dt;
+  /** Sum of the forces of the effects that stand before this one in the problem's list [force], shape (node_count, 3); in `force` only. */
+  const double *total;
   /** Velocity half a step back, v_{n-1/2} [length / time], shape (node_count, 3). */
   const double *velocity;
   /** What the effect remembers from step n - 1 (memory_count doubles). */
@@ -73,6 +77,8 @@ typedef struct ct_effect {
    * minus the sum of all other forces there, and keeps its impulse only, as its work is impulse times velocity.
    */
   int reaction;
+  /** Not zero: the force needs `total` of all others, so only reactions and effects with a larger `last` may stand after the effect in the problem's list. */
+  int last;
   /** Floating-point operations of one call of `force`, about; 0: not told. A plan shows it, nothing depends on it. */
   double flops;
   /** Bytes that one call of `force` moves between memory and processor, about; 0: not told. */
