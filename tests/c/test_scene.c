@@ -164,7 +164,7 @@ static void contacts(void)
 {
   plates p = two_plates(0.0);
   int32_t fa[64], fb[64], wrong[64];
-  ct_scene_contact good = {0, 1, ct_mesh_plane_faces(p.left, 0, 0.0, fa, NULL), ct_mesh_plane_faces(p.right, 0, 0.0, fb, NULL), fa, fb, 4.0, ct_contact_options_default()}, c;
+  ct_scene_contact good = {0, 1, ct_mesh_plane_faces(p.left, 0, 0.0, fa, NULL), ct_mesh_plane_faces(p.right, 0, 0.0, fb, NULL), fa, fb, 4.0, ct_contact_options_default(), 0.0, 0.0}, c;
   c = good, c.options.epsilon = 1.0;
   contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either beta or epsilon", "both beta and epsilon");
   c = good, c.beta = 0.0;
