@@ -123,7 +123,8 @@ static ct_status place_nodes(const ct_effect *effect, const ct_view *view, ct_si
       int64_t dof = 3 * (int64_t)effect->nodes[i] + c;
       side->search->x[3 * i + c] = view->reference[dof] + view->displacement[dof];
       if (!isfinite(side->search->x[3 * i + c]))
-        return ct_fail(error, CT_INVALID, (ct_place){-1, -1, effect->nodes[i]}, "obstacle: node %d is not at a finite place", (int)effect->nodes[i]);
+        return ct_fail(error, CT_INVALID, (ct_place){-1, -1, effect->nodes[i]}, "obstacle: node %d is not at a finite place",
+                       (int)effect->nodes[i]);
     }
   return CT_OK;
 }
@@ -139,14 +140,17 @@ static ct_status gather(ct_obstacle_points *s, double *force, ct_error *error)
   memset(side->force, 0, count * sizeof *force);
   memset(side->force_fine, 0, count * sizeof *force);
   for (int64_t i = 0; i < points; i++) {
-    if (isnan(side->points[i].d[0])) return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE, "obstacle: a point of the surface stands in its centre");
+    if (isnan(side->points[i].d[0]))
+      return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE, "obstacle: a point of the surface stands in its centre");
     for (int c = 0; c < 3; c++) top = fmax(top, fabs(side->points[i].force[c]));
   }
   // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
-  if (top > 0.0 && !ct_grid_init(&grid, 2.0 * top, 8 * points)) return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "obstacle: a force of %g", top);
+  if (top > 0.0 && !ct_grid_init(&grid, 2.0 * top, 8 * points))
+    return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "obstacle: a force of %g", top);
   for (int64_t i = 0; top > 0.0 && i < points; i++)
     if (side->points[i].gap < 0.0)
-      ct_side_push(&grid, side->search, i / side->rule.count, side->N[i % side->rule.count], side->points[i].force, side->force, side->force_fine);
+      ct_side_push(&grid, side->search, i / side->rule.count, side->N[i % side->rule.count], side->points[i].force, side->force,
+                   side->force_fine);
   for (size_t d = 0; d < count; d++) force[d] = side->force[d] + side->force_fine[d];
   return CT_OK;
 }
@@ -212,10 +216,11 @@ static ct_status obstacle_frequency(const ct_effect *effect, const ct_view *view
   memset(rows, 0, (size_t)effect->node_count * sizeof *rows);
   for (int64_t i = 0; i < ct_side_point_count(side); i++) {
     const double *N = side->N[i % side->rule.count];
+    const int32_t *node = &side->search->faces[i / side->rule.count * side->search->per];
     double sum = 0.0;
     for (int a = 0; a < side->search->per; a++) sum += fabs(N[a]);
     for (int a = 0; a < side->search->per; a++)
-      rows[side->search->faces[i / side->rule.count * side->search->per + a]] += data->given.epsilon * side->weight[i] * sum * fabs(N[a]);
+      rows[node[a]] += data->given.epsilon * side->weight[i] * sum * fabs(N[a]);
   }
   *omega_squared = 0.0;
   for (int32_t i = 0; i < effect->node_count; i++) *omega_squared = fmax(*omega_squared, rows[i] / data->mass[i]);
@@ -233,15 +238,18 @@ static ct_status check(const ct_obstacle *o, const ct_problem *problem, ct_error
   if (!(o->epsilon > 0.0) || !isfinite(o->epsilon))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the penalty must be positive, not %g", o->epsilon);
   if (o->shape != CT_OBSTACLE_SPHERE && !unit(o->axis, a))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the %s has no length", o->shape == CT_OBSTACLE_PLANE ? "normal" : "axis");
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the %s has no length",
+                   o->shape == CT_OBSTACLE_PLANE ? "normal" : "axis");
   if (o->shape != CT_OBSTACLE_PLANE && (!(o->radius > 0.0) || !isfinite(o->radius)))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the radius must be positive, not %g", o->radius);
   if (o->history.count == 0 && (o->travel[0] != 0.0 || o->travel[1] != 0.0 || o->travel[2] != 0.0))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: it has a way to travel, but no history says when");
-  if (per == 0 || o->face_count < 1 || o->faces == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the surface has no faces");
+  if (per == 0 || o->face_count < 1 || o->faces == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the surface has no faces");
   for (int64_t i = 0; i < (int64_t)o->face_count * per; i++)
     if (o->faces[i] < 0 || o->faces[i] >= problem->node_count)
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, i / per, o->faces[i]}, "obstacle: there is no node %d", (int)o->faces[i]);
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, i / per, o->faces[i]}, "obstacle: there is no node %d",
+                     (int)o->faces[i]);
   return CT_OK;
 }
 
@@ -257,7 +265,8 @@ static ct_status fill(obstacle_data *data, const ct_obstacle *o, const ct_proble
   data->faces = ct_duplicate(o->faces, entries * sizeof *o->faces);
   data->time = ct_duplicate(o->history.time, points * sizeof *data->time);
   data->value = ct_duplicate(o->history.value, points * sizeof *data->value);
-  if (!data->faces || !data->time || !data->value) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
+  if (!data->faces || !data->time || !data->value)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   data->given.faces = data->faces;
   data->given.history.time = data->time;
   data->given.history.value = data->value;
@@ -276,7 +285,8 @@ static ct_status fill(obstacle_data *data, const ct_obstacle *o, const ct_proble
 
 ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_problem *problem, ct_effect **out, ct_error *error)
 {
-  if (obstacle == NULL || problem == NULL || out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: null argument");
+  if (obstacle == NULL || problem == NULL || out == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: null argument");
   ct_status status = ct_history_check(&obstacle->history, error);
   if (status == CT_OK) status = check(obstacle, problem, error);
   if (status != CT_OK) return status;
@@ -287,8 +297,9 @@ ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_proble
     ct_release(data);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   }
-  *effect = (ct_effect){.name = "obstacle", .data = data, .memory_count = MEMORY, .create_scratch = create_scratch, .free_scratch = free_scratch,
-                        .force = obstacle_force, .energy = obstacle_energy, .frequency = obstacle_frequency, .external = obstacle_external,
+  *effect = (ct_effect){.name = "obstacle", .data = data, .memory_count = MEMORY, .create_scratch = create_scratch,
+                        .free_scratch = free_scratch, .force = obstacle_force, .energy = obstacle_energy,
+                        .frequency = obstacle_frequency, .external = obstacle_external,
                         .free_data = free_data};
   status = fill(data, obstacle, problem, effect, error);
   if (status != CT_OK) {
@@ -301,7 +312,8 @@ ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_proble
 
 const ct_obstacle_points *ct_obstacle_of_scratch(const void *scratch) { return scratch; }
 
-ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect, double force[3], double *work, ct_error *error)
+ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect, double force[3], double *work,
+                               ct_error *error)
 {
   if (problem == NULL || state == NULL || force == NULL || work == NULL || effect < 0 || effect >= problem->effect_count ||
       strcmp(problem->effects[effect]->name, "obstacle") != 0)

@@ -3,8 +3,8 @@
 
 #include "contact/side.h"
 
-/* The points of an obstacle effect of one state, and where the obstacle is. In each point `d` leads to the nearest point of the obstacle,
- * `other` is 0 where the point is inside and -1 elsewhere. */
+/* The points of an obstacle effect of one state, and where the obstacle is. In each point `d` leads to the nearest point of the
+ * obstacle, `other` is 0 where the point is inside and -1 elsewhere. */
 typedef struct ct_obstacle_points {
   ct_side side;
   double place[3];    /* the obstacle's point now */

@@ -186,7 +186,10 @@ typedef struct bounds {
 } bounds;
 
 /* Whether an effect of this name is there only where something touches. */
-static int is_contact(const char *name) { return strcmp(name, "contact") == 0 || strcmp(name, "friction") == 0 || strcmp(name, "obstacle") == 0; }
+static int is_contact(const char *name)
+{
+  return strcmp(name, "contact") == 0 || strcmp(name, "friction") == 0 || strcmp(name, "obstacle") == 0;
+}
 
 /* Ask all effects, once with and once without the contacts. */
 static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds *all, bounds *without_contact, ct_error *error)

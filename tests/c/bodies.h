@@ -320,7 +320,8 @@ static inline ct_scene *new_scene(void)
   return scene;
 }
 
-/* A weight m (g - c v) on all nodes from `first` on, as an effect of our own, plus a pull along x that swells and fades as sin² over a period. */
+/* A weight m (g - c v) on all nodes from `first` on, as an effect of our own, plus a pull along x that swells and fades as sin² over a
+ * period. */
 typedef struct weight {
   const ct_problem *problem;
   int32_t first;
@@ -333,8 +334,10 @@ static inline ct_status weight_force(const ct_effect *effect, const ct_view *vie
   double s = w->period > 0.0 && view->time < w->period ? sin(3.14159265358979323846 * view->time / w->period) : 0.0;
   (void)error;
   for (int32_t n = 0; n < effect->node_count; n++)
-    for (int c = 0; c < 3; c++)
-      force[3 * n + c] = n < w->first ? 0.0 : w->problem->mass[n] * (w->g[c] - w->damping * view->velocity[3 * n + c] + (c == 0 ? w->pull * s * s : 0.0));
+    for (int c = 0; c < 3; c++) {
+      double pull = c == 0 ? w->pull * s * s : 0.0;
+      force[3 * n + c] = n < w->first ? 0.0 : w->problem->mass[n] * (w->g[c] - w->damping * view->velocity[3 * n + c] + pull);
+    }
   return CT_OK;
 }
 
@@ -353,7 +356,8 @@ static inline void add_weight(ct_scene *scene, weight w)
   ct_effect *effect = NULL;
   *own = w;
   need(ct_scene_join(scene, &own->problem, &error), &error);
-  ct_effect filled = {.name = "weight", .data = own, .free_data = free, .node_count = own->problem->node_count, .force = weight_force, .damping = weight_damping};
+  ct_effect filled = {.name = "weight", .data = own, .free_data = free, .node_count = own->problem->node_count,
+                      .force = weight_force, .damping = weight_damping};
   need(ct_effect_create(&filled, &effect, &error), &error);
   need(ct_scene_add_effect(scene, effect, &error), &error);
 }

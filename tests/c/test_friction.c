@@ -1,4 +1,5 @@
-/* Friction: the law of one patch, a block on an incline, momentum, rotation, mirror images, work, restarts, the bound on the step. */
+/* Friction: the law of one patch, a block on an incline, momentum, rotation, mirror images, work, restarts, the bound on the
+ * step. */
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 4000.0, .poisson = 0.0, .density = 1.0};
@@ -13,7 +14,8 @@ typedef struct incline {
   int32_t friction; /* number of the friction effect */
 } incline;
 
-static incline new_incline(ct_brick_kind kind, const double g[3], double mu, double rho, double beta, double vx, double pull, double period, int threads)
+static incline new_incline(ct_brick_kind kind, const double g[3], double mu, double rho, double beta, double vx, double pull,
+                           double period, int threads)
 {
   incline t = {.slab = box_mesh(kind, -1, -1, -0.5, 6, 3, 0.5, 13, 4, 1), .friction = 2};
   double sink = -g[2] / (beta * SOFT.young / (kind == CT_HEX8 ? 1.0 / 3.0 : 0.4)) * 0.4;
@@ -23,7 +25,8 @@ static incline new_incline(ct_brick_kind kind, const double g[3], double mu, dou
   add_body(t.scene, "block", t.block, &SOFT, CT_KERNEL_AUTO, vx, 0, 0);
   add_support(t.scene, 0, t.slab, -1, 0.0, "xyz", 0.0);
   add_rough_contact(t.scene, 0, t.slab, 0.0, 1, t.block, -sink, 2, beta, mu, rho);
-  add_weight(t.scene, (weight){.first = t.slab->node_count, .g = {g[0], g[1], g[2]}, .damping = pull > 0.0 ? 10.0 : 0.0, .pull = pull, .period = period});
+  add_weight(t.scene, (weight){.first = t.slab->node_count, .g = {g[0], g[1], g[2]}, .damping = pull > 0.0 ? 10.0 : 0.0,
+                               .pull = pull, .period = period});
   int64_t steps;
   t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.4, .threads = threads}, &steps, &t.stable);
   t.state = new_state(t.problem);
@@ -67,10 +70,12 @@ static void the_return(void)
   double s[3] = {3.0, 0.0, 4.0}, small[3] = {0.3, 0.0, 0.4};
   tap_close(ct_friction_return(2.0, s), 3.0, 1e-15, "a slip of 5 returns to the limit 2 and slides 3");
   tap_ok(fabs(s[0] - 1.2) < 1e-15 && s[1] == 0.0 && fabs(s[2] - 1.6) < 1e-15, "its direction stays");
-  tap_ok(ct_friction_return(2.0, small) == 0.0 && small[0] == 0.3 && small[2] == 0.4, "a slip below the limit sticks and keeps its bits");
+  tap_ok(ct_friction_return(2.0, small) == 0.0 && small[0] == 0.3 && small[2] == 0.4,
+         "a slip below the limit sticks and keeps its bits");
 }
 
-/* Below the angle of friction: a pull that swells and fades moves the sole by the elastic slip and no further, and it comes back. */
+/* Below the angle of friction: a pull that swells and fades moves the sole by the elastic slip and no further, and it comes
+ * back. */
 static void sticks(ct_brick_kind kind, const char *name)
 {
   const double g[3] = {0.0, 0.0, -10.0}, beta = 1.0, rho = 0.5;
@@ -83,8 +88,10 @@ static void sticks(ct_brick_kind kind, const char *name)
   }
   need(ct_friction_energy(t.problem, t.state, t.friction, &held, &lost, &error), &error);
   // Tangential force over normal force is rho times slip over overlap. Lightly damped, so that only the pull moves the block.
-  tap_close(rho * slip / overlap, 0.06, 0.03 * 0.06, "%s, stick: the sole creeps by the elastic slip at the top of the pull", name);
-  tap_ok(fabs(sole(&t, 0)) < 0.02 * slip && lost == 0.0, "%s, stick: it comes back to %.2g of the slip, and nothing is dissipated (%.2g)", name,
+  tap_close(rho * slip / overlap, 0.06, 0.03 * 0.06, "%s, stick: the sole creeps by the elastic slip at the top of the pull",
+            name);
+  tap_ok(fabs(sole(&t, 0)) < 0.02 * slip && lost == 0.0,
+         "%s, stick: it comes back to %.2g of the slip, and nothing is dissipated (%.2g)", name,
          sole(&t, 0) / slip, lost);
   free_incline(&t);
 }
@@ -106,11 +113,14 @@ static void slides(ct_brick_kind kind, double tolerance, const char *name)
   ct_momentum to = momentum_of(t.problem, t.state, 1);
   double dt = to.time - from.time, gain = to.p[0] - from.p[0], mass = 0.4, want = mass * dt * (g[0] + mu * g[2]);
   double way = 0.5 * (from.p[0] + to.p[0]) / mass * dt * 13.0 / 6.0;
-  // Newton's second law along the slope and across it together: the friction is mu times the normal force, also at the borders, where points change their face
+  // Newton's second law along the slope and across it together: the friction is mu times the normal force, also at the borders,
+  // where points change their face
   // and others come and go. At the ends of the sole the line to the closest point leans a little.
   tap_close(gain, want - mu * (to.p[2] - from.p[2]), 1e-3 * gain, "%s, slip: momentum grows by m (g sin a - mu N)", name);
   tap_close(gain / want, 1.0, 0.01, "%s, slip: the acceleration is g (sin a - mu cos a) within the block's own swing", name);
-  tap_ok(ratio < tolerance && way > 1.5, "%s, slip: over %.2g borders of the slab's faces friction is mu times the normal force in every step (%.2g)", name, way, ratio);
+  tap_ok(ratio < tolerance && way > 1.5,
+         "%s, slip: over %.2g borders of the slab's faces friction is mu times the normal force in every step (%.2g)", name, way,
+             ratio);
   free_incline(&t);
 }
 
@@ -132,7 +142,8 @@ static void ledger(void)
     before = lost;
   }
   tap_ok(balance < 1e-12, "work balance %.2g of the kinetic energy", balance);
-  tap_ok(share < 2e-3 && lost > 0.9 * start, "work of friction is minus what is held and dissipated, to %.2g; %.3f of the energy is dissipated", share, lost / start);
+  tap_ok(share < 2e-3 && lost > 0.9 * start,
+         "work of friction is minus what is held and dissipated, to %.2g; %.3f of the energy is dissipated", share, lost / start);
   tap_ok(falls == 0, "what is dissipated never comes back");
   tap_close(momentum_of(t.problem, t.state, 1).p[0], 0.0, 0.02 * 0.4 * 2.0, "the block has come to rest");
   free_incline(&t);
@@ -149,7 +160,8 @@ static void momentum(ct_brick_kind kind, const char *name)
   add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, 0.7, -0.4, 0);
   // The top of a is warped; its faces have the numbers of the flat one.
   ct_mesh *flat = box_mesh(kind, -1, -1, -0.5, 2, 2, 0.5, 3, 3, 1);
-  ct_scene_contact contact = {.body_a = 0, .body_b = 1, .face_count_a = ct_mesh_plane_faces(flat, 2, 0.0, fa, NULL), .faces_a = fa,
+  ct_scene_contact contact = {.body_a = 0, .body_b = 1, .face_count_a = ct_mesh_plane_faces(flat, 2, 0.0, fa, NULL),
+                              .faces_a = fa,
                               .face_count_b = ct_mesh_plane_faces(b, 2, -0.02, fb, NULL), .faces_b = fb, .beta = 1.0,
                               .options = ct_contact_options_default(), .friction = 0.5};
   ct_error error;
@@ -167,10 +179,12 @@ static void momentum(ct_brick_kind kind, const char *name)
     double size = 0.0;
     for (int n = 0; n < p->node_count; n++) {
       double x[3];
-      for (int c = 0; c < 3; c++) x[c] = p->reference[3 * n + c] + state->displacement[3 * n + c], sum[c] += f[3 * n + c], size += fabs(f[3 * n + c]);
+      for (int c = 0; c < 3; c++) x[c] = p->reference[3 * n + c] + state->displacement[3 * n + c], sum[c] += f[3 * n + c],
+          size += fabs(f[3 * n + c]);
       for (int c = 0; c < 3; c++) moment[c] += x[(c + 1) % 3] * f[3 * n + (c + 2) % 3] - x[(c + 2) % 3] * f[3 * n + (c + 1) % 3];
     }
-    for (int c = 0; c < 3 && size > 0.0; c++) met += c == 0, linear = worst(linear, sum[c] / size), angular = worst(angular, moment[c] / size);
+    for (int c = 0; c < 3 && size > 0.0; c++) met += c == 0, linear = worst(linear, sum[c] / size),
+        angular = worst(angular, moment[c] / size);
   }
   tap_ok(met > 3 && linear < 1e-14, "%s: friction forces add up to zero (%.2g)", name, linear);
   tap_ok(angular < 1e-14, "%s: and so do their moments (%.2g)", name, angular);
@@ -180,7 +194,8 @@ static void momentum(ct_brick_kind kind, const char *name)
   ct_mesh_free(a), ct_mesh_free(b), ct_mesh_free(flat);
 }
 
-/* Two blocks that are pressed together, as a problem whose forces can be asked for at any displacement, with what they remember. */
+/* Two blocks that are pressed together, as a problem whose forces can be asked for at any displacement, with what they remember.
+ * */
 typedef struct pressed {
   ct_mesh *a, *b;
   ct_scene *scene;
@@ -190,13 +205,21 @@ typedef struct pressed {
   int64_t memory;
 } pressed;
 
-static pressed new_pressed(double mu, double rho, int axis)
+static pressed new_pressed(double mu, double rho, double skew, int axis)
 {
-  pressed t = {.a = box_mesh(CT_HEX8, -1, -1, -1, 2, 2, 1, 2, 2, 1), .b = box_mesh(CT_HEX8, -0.9, -0.8, -0.01, 1.5, 1.6, 1, 2, 3, 1)};
-  for (ct_mesh **m = &t.a; axis >= 0 && m <= &t.b; m++) {
-    ct_mesh *image = mirror_mesh(*m, axis);
-    ct_mesh_free(*m);
-    *m = image;
+  pressed t = {.a = box_mesh(CT_HEX8, -1, -1, -1, 2, 2, 1, 2, 2, 1),
+               .b = box_mesh(CT_HEX8, -0.9, -0.8, -0.01, 1.5, 1.6, 1, 2, 3, 1)};
+  ct_mesh **mesh[2] = {&t.a, &t.b};
+  for (int k = 0; k < 2; k++) {
+    for (int n = 0; n < (*mesh[k])->node_count; n++) {
+      double *X = &(*mesh[k])->nodes[3 * n], x = X[0];
+      X[0] += skew * sin(3.0 * X[1] + 1.0);
+      X[1] += skew * sin(2.0 * x + 0.5);
+    }
+    if (axis < 0) continue;
+    ct_mesh *image = mirror_mesh(*mesh[k], axis);
+    ct_mesh_free(*mesh[k]);
+    *mesh[k] = image;
   }
   t.scene = new_scene();
   add_body(t.scene, "a", t.a, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
@@ -240,10 +263,11 @@ static void pull_of(const pressed *t, double sum[3])
     for (int c = 0; c < 3; c++) sum[c] += t->f[3 * n + c];
 }
 
-/* Rigid blocks by hand: the slope in stick and the plateau in slip. Points of b have no border near; of the points of a some see b, the rest nothing. */
+/* Rigid blocks by hand: the slope in stick and the plateau in slip. Points of b have no border near; of the points of a some see
+ * b, the rest nothing. */
 static void patch_law(void)
 {
-  pressed t = new_pressed(0.5, 0.8, -1);
+  pressed t = new_pressed(0.5, 0.8, 0.0, -1);
   double before[3], stuck[3], slip[3], turned[3];
   go(&t);
   pull_of(&t, before);
@@ -261,14 +285,15 @@ static void patch_law(void)
   tap_close(slip[0], -0.5 * normal, 1e-12 * normal, "slip: the force stays at mu times the normal force");
   for (int i = 0; i < 60; i++) shift(&t, 0.0, 0.001), go(&t);
   pull_of(&t, turned);
-  tap_ok(fabs(turned[1] + 0.5 * turned[2]) < 1e-4 * turned[2] && fabs(turned[0]) < 0.01 * turned[2], "slip: the force turns with the motion");
+  tap_ok(fabs(turned[1] + 0.5 * turned[2]) < 1e-4 * turned[2] && fabs(turned[0]) < 0.01 * turned[2],
+         "slip: the force turns with the motion");
   free_pressed(&t);
 }
 
 /* What is held turns with the bodies: forces after a rigid rotation in steps are the rotated forces. */
 static void rotation(void)
 {
-  pressed t = new_pressed(0.5, 0.8, -1);
+  pressed t = new_pressed(0.5, 0.8, 0.0, -1);
   int count = t.problem->node_count;
   double *x0 = numbers(3 * count), *f0 = numbers(3 * count), off = 0.0, size = 0.0;
   go(&t);
@@ -280,7 +305,8 @@ static void rotation(void)
   memcpy(x0, t.u, 3 * (size_t)count * sizeof *x0);
   for (int i = 0; i < 3 * count; i++) x0[i] += t.problem->reference[i];
   memcpy(f0, t.f, 3 * (size_t)count * sizeof *f0);
-  ct_view view = {.threads = 1, .reference = t.problem->reference, .displacement = t.u, .velocity = t.u, .scratch = t.p.scratch[0]};
+  ct_view view = {.threads = 1, .reference = t.problem->reference, .displacement = t.u, .velocity = t.u,
+                  .scratch = t.p.scratch[0]};
   need(t.problem->effects[0]->force(t.problem->effects[0], &view, solid, &error), &error);
   for (int i = 0; i < 3 * count; i++) f0[i] -= solid[i], size = fmax(size, fabs(f0[i]));
   for (int step = 1; step <= 5; step++) {
@@ -306,7 +332,7 @@ static void rotation(void)
 static void mirrored(void)
 {
   for (int axis = 0; axis < 2; axis++) {
-    pressed t = new_pressed(0.5, 0.8, -1), m = new_pressed(0.5, 0.8, axis);
+    pressed t = new_pressed(0.5, 0.8, 0.1, -1), m = new_pressed(0.5, 0.8, 0.1, axis);
     int64_t faults = 0;
     for (int i = 0; i < 12; i++) {
       double x = 0.004 * cos(0.7 * i), y = 0.003 * sin(0.9 * i);
@@ -316,7 +342,8 @@ static void mirrored(void)
       go(&m);
       faults += mirror_faults(t.f, m.f, t.problem->node_count, axis);
     }
-    tap_ok(faults == 0 && largest(t.f, 3 * t.problem->node_count) > 0.0, "mirrored along %c: mirrored bits (%d off)", "xy"[axis], (int)faults);
+    tap_ok(faults == 0 && largest(t.f, 3 * t.problem->node_count) > 0.0, "mirrored along %c: mirrored bits (%d off)", "xy"[axis],
+           (int)faults);
     free_pressed(&t);
     free_pressed(&m);
   }
@@ -325,7 +352,7 @@ static void mirrored(void)
 /* The bound lies above the largest eigenvalue of M⁻¹K of contact and friction in stick, by power iteration. */
 static void bound(double rho)
 {
-  pressed t = new_pressed(0.5, rho, -1);
+  pressed t = new_pressed(0.5, rho, 0.0, -1);
   int64_t n = 3 * (int64_t)t.problem->node_count;
   double *v = numbers(n), *f0 = numbers(n), quotient = 0.0, shares[2], rate;
   go(&t);
@@ -334,7 +361,8 @@ static void bound(double rho)
   double *u0 = numbers(n), *solid = numbers(n), *solid0 = numbers(n);
   ct_error error;
   memcpy(u0, t.u, (size_t)n * sizeof *u0);
-  ct_view view = {.threads = 1, .reference = t.problem->reference, .displacement = t.u, .velocity = t.u, .scratch = t.p.scratch[0]};
+  ct_view view = {.threads = 1, .reference = t.problem->reference, .displacement = t.u, .velocity = t.u,
+                  .scratch = t.p.scratch[0]};
   need(t.problem->effects[0]->force(t.problem->effects[0], &view, solid0, &error), &error);
   for (int k = 0; k < 60; k++) {
     double top = largest(v, n), work = 0.0, mass = 0.0;
@@ -351,7 +379,8 @@ static void bound(double rho)
   }
   ct_state *state = new_state(t.problem);
   for (int k = 0; k < 2; k++) need(ct_stable_share(t.problem, state, 1 + k, &shares[k], &rate, &error), &error);
-  tap_ok(quotient > 0.3 * shares[1] && quotient <= shares[1], "rho = %g: tangential stiffness %.4g is below the bound %.4g, and not far", rho, quotient, shares[1]);
+  tap_ok(quotient > 0.3 * shares[1] && quotient <= shares[1],
+         "rho = %g: tangential stiffness %.4g is below the bound %.4g, and not far", rho, quotient, shares[1]);
   ct_state_free(state);
   free(v), free(f0), free(u0), free(solid), free(solid0);
   free_pressed(&t);
@@ -361,7 +390,8 @@ static void bound(double rho)
 static void same_bits(void)
 {
   const double g[3] = {6.0, 1.0, -8.0};
-  incline t = new_incline(CT_HEX8, g, 0.3, 1.0, 1.0, 0.5, 0.0, 0.0, 1), two = new_incline(CT_HEX8, g, 0.3, 1.0, 1.0, 0.5, 0.0, 0.0, 2);
+  incline t = new_incline(CT_HEX8, g, 0.3, 1.0, 1.0, 0.5, 0.0, 0.0, 1),
+      two = new_incline(CT_HEX8, g, 0.3, 1.0, 1.0, 0.5, 0.0, 0.0, 2);
   ct_state *other = new_state(t.problem);
   ct_error error;
   advance(t.problem, t.state, 150);
@@ -370,7 +400,8 @@ static void same_bits(void)
   advance(t.problem, other, 150);
   advance(two.problem, two.state, 300);
   size_t bytes = 3 * (size_t)t.problem->node_count * sizeof(double);
-  tap_ok(memcmp(t.state->velocity, other->velocity, bytes) == 0 && memcmp(t.state->memory, other->memory, (size_t)other->memory_count * sizeof(double)) == 0,
+  tap_ok(memcmp(t.state->velocity, other->velocity, bytes) == 0
+         && memcmp(t.state->memory, other->memory, (size_t)other->memory_count * sizeof(double)) == 0,
          "a restart continues with the same bits");
   tap_ok(memcmp(t.state->velocity, two.state->velocity, bytes) == 0, "two threads give the same bits");
   ct_state_free(other);
@@ -380,20 +411,24 @@ static void same_bits(void)
 
 static void refusals(void)
 {
-  pressed t = new_pressed(0.5, 1.0, -1);
+  pressed t = new_pressed(0.5, 1.0, 0.0, -1);
   ct_effect *effect = NULL;
   ct_error error;
-  ct_friction none = {.coefficient = 0.3}, solid = {.on = t.problem->effects[0], .coefficient = 0.3}, negative = {.on = t.problem->effects[1], .coefficient = -0.3};
-  tap_ok(ct_friction_create_effect(&none, t.problem, &effect, &error) == CT_ERROR_ARGUMENT && strstr(error.text, "needs a contact"), "friction without contact: %s", error.text);
-  tap_ok(ct_friction_create_effect(&solid, t.problem, &effect, &error) == CT_ERROR_ARGUMENT, "friction on a solid: %s", error.text);
-  tap_ok(ct_friction_create_effect(&negative, t.problem, &effect, &error) == CT_ERROR_ARGUMENT, "a negative coefficient: %s", error.text);
+  ct_friction none = {.coefficient = 0.3}, solid = {.on = t.problem->effects[0], .coefficient = 0.3},
+      negative = {.on = t.problem->effects[1], .coefficient = -0.3};
+  tap_ok(ct_friction_create_effect(&none, t.problem, &effect, &error) == CT_ERROR_ARGUMENT
+         && strstr(error.text, "needs a contact"), "friction without contact: %s", error.text);
+  tap_ok(ct_friction_create_effect(&solid, t.problem, &effect, &error) == CT_ERROR_ARGUMENT, "friction on a solid: %s",
+         error.text);
+  tap_ok(ct_friction_create_effect(&negative, t.problem, &effect, &error) == CT_ERROR_ARGUMENT, "a negative coefficient: %s",
+         error.text);
   const ct_effect *swapped[3] = {t.problem->effects[0], t.problem->effects[2], t.problem->effects[1]};
   ct_problem wrong = *t.problem;
   wrong.effects = swapped;
   ct_state *state = NULL;
   tap_ok(ct_state_create(&wrong, &state, &error) == CT_ERROR_ARGUMENT, "friction before its contact: %s", error.text);
   free_pressed(&t);
-  pressed smooth = new_pressed(0.0, 0.0, -1);
+  pressed smooth = new_pressed(0.0, 0.0, 0.0, -1);
   tap_ok(smooth.problem->effect_count == 2, "without a coefficient there is no effect of friction");
   free_pressed(&smooth);
 }

@@ -1,4 +1,5 @@
-/* Rigid obstacles: gaps against closed forms, forces against the energy, the bar on a wall, impulse, work of motion, depth, friction, Hertz. */
+/* Rigid obstacles: gaps against closed forms, forces against the energy, the bar on a wall, impulse, work of motion, depth,
+ * friction, Hertz. */
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.0, .density = 1.0};
@@ -72,7 +73,8 @@ static void gaps(void)
   ct_obstacle moving = {.velocity = {0, 1, 0}, .travel = {0, 0, 4}, .history = {2, time, value}};
   const double at[5][3] = {{0.0, 0, 0}, {1.0, 1, 0}, {1.5, 1.5, 2}, {2.0, 2, 4}, {9.0, 9, 4}};
   int off = 0;
-  for (int i = 0; i < 5; i++) ct_obstacle_motion(&moving, at[i][0], m), off += m[0] != 0.0 || m[1] != at[i][1] || m[2] != at[i][2];
+  for (int i = 0; i < 5; i++) ct_obstacle_motion(&moving, at[i][0], m), off += m[0] != 0.0 || m[1] != at[i][1]
+      || m[2] != at[i][2];
   tap_ok(off == 0, "motion by a velocity and a history (%d off)", off);
 }
 
@@ -92,7 +94,8 @@ static void gradient(ct_brick_kind kind, ct_obstacle o, const char *name)
   ct_error error;
   need(e->create_scratch(e, &scratch, &error), &error);
   for (int64_t i = 0; i < n; i++) u[i] = uniform(0.05);
-  ct_view view = {.threads = 1, .reference = t.problem->reference, .displacement = u, .velocity = u, .memory = memory, .next_memory = next, .scratch = scratch};
+  ct_view view = {.threads = 1, .reference = t.problem->reference, .displacement = u, .velocity = u, .memory = memory,
+                  .next_memory = next, .scratch = scratch};
   need(e->force(e, &view, f, &error), &error);
   double size = largest(f, 3 * e->node_count);
   for (int32_t i = 0; i < 3 * e->node_count; i++) {
@@ -114,7 +117,8 @@ static void bar(void)
   against t = begin(box_mesh(CT_HEX8, 5, 0, 0, 10, 0.1, 0.1, 100, 1, 1), &SOFT, -10, 0, 0);
   double area = 0.01, first = 0.0, last = 0.0, force[3], work, middle = 0.0, balance = 0.0, drift = 0.0, count = 0.0;
   ct_error error;
-  add_obstacle(&t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {1, 0, 0}, .epsilon = ct_contact_penalty(1.0, 900.0, 0.1)}, 0, 5.0, 0.0);
+  add_obstacle(&t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {1, 0, 0}, .epsilon = ct_contact_penalty(1.0, 900.0, 0.1)},
+               0, 5.0, 0.0);
   finish(&t, 1.5, 0.4);
   double start = energy_of(t.problem, t.state).total;
   while (t.state->time < 1.5 - 1e-9) {
@@ -144,7 +148,8 @@ static void bar(void)
 static void moving_wall(int history)
 {
   double times[2] = {0.0, 2.0}, share[2] = {0.0, 1.0}, force[3], work, drift = 0.0, balance = 0.0;
-  ct_obstacle o = {.shape = CT_OBSTACLE_PLANE, .axis = {1, 0, 0}, .epsilon = ct_contact_penalty(1.0, 900.0, 0.2), .velocity = {history ? 0.0 : 10.0, 0, 0},
+  ct_obstacle o = {.shape = CT_OBSTACLE_PLANE, .axis = {1, 0, 0}, .epsilon = ct_contact_penalty(1.0, 900.0, 0.2),
+                   .velocity = {history ? 0.0 : 10.0, 0, 0},
                    .travel = {history ? 20.0 : 0.0, 0, 0}, .history = {history ? 2 : 0, times, share}};
   against t = begin(box_mesh(CT_HEX8, 5, 0, 0, 10, 0.1, 0.1, 50, 1, 1), &SOFT, 0, 0, 0);
   ct_error error;
@@ -158,7 +163,8 @@ static void moving_wall(int history)
   ct_energy e = energy_of(t.problem, t.state);
   need(ct_obstacle_reaction(t.problem, t.state, 1, force, &work, &error), &error);
   // Mass 0.1 leaves with 20: 20 units of energy, and the wall at 10 has given an impulse of 2.
-  tap_close(momentum_of(t.problem, t.state, 0).p[0] / 0.1, 20.0, 0.2, "%s: the bar leaves with twice the wall's velocity", history ? "history" : "velocity");
+  tap_close(momentum_of(t.problem, t.state, 0).p[0] / 0.1, 20.0, 0.2, "%s: the bar leaves with twice the wall's velocity",
+            history ? "history" : "velocity");
   tap_close(work, 20.0, 0.2, "the wall's work is its impulse times its velocity");
   tap_ok(e.external == work && drift < 0.005 * 20.0, "it is booked as external, and the total stays (%.2g)", drift / 20.0);
   tap_ok(balance < 1e-12 * 20.0, "work balance %.2g", balance / 20.0);
@@ -185,7 +191,8 @@ static void incline(double mu, double vx, int slips)
   against t = begin(box_mesh(CT_HEX8, 0, 0, -g * c * 0.3 / 900.0 * 0.25, 1, 1, 0.3, 4, 3, 1), &SOFT, vx, 0, 0);
   double ratio = 0.0, *f = numbers(3 * 40), *r = numbers(3 * 40), balance = 0.0, top = 0.0, lost = 0.0, held, work;
   ct_error error;
-  add_obstacle(&t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = ct_contact_penalty(1.0, 900.0, 0.25)}, 2, t.mesh->nodes[2], mu);
+  add_obstacle(&t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = ct_contact_penalty(1.0, 900.0, 0.25)},
+               2, t.mesh->nodes[2], mu);
   add_weight(t.scene, (weight){.g = {slips ? g * s : 0.1 * g * s, 0.0, -g * c}});
   finish(&t, 1.0, 0.4);
   while (t.state->time < 0.1) advance(t.problem, t.state, 1);
@@ -206,9 +213,11 @@ static void incline(double mu, double vx, int slips)
   double gain = to.p[0] - from.p[0], mass = 0.3, want = mass * g * (s - mu * c) * (to.time - from.time);
   if (slips) {
     tap_ok(ratio < 1e-12, "incline: friction is mu times the normal force in every step (%.2g)", ratio);
-    tap_close(gain, want - mu * (to.p[2] - from.p[2]), 1e-12, "incline: so momentum along and across the slope go together exactly");
+    tap_close(gain, want - mu * (to.p[2] - from.p[2]), 1e-12,
+              "incline: so momentum along and across the slope go together exactly");
     tap_close(gain, want, 0.01 * want, "incline: the acceleration is g (sin a - mu cos a)");
-    tap_ok(lost > 0.0 && fabs(work + held + lost) < 1e-3 * lost, "incline: work of friction is minus what is held and dissipated (%.2g)", (work + held + lost) / lost);
+    tap_ok(lost > 0.0 && fabs(work + held + lost) < 1e-3 * lost,
+           "incline: work of friction is minus what is held and dissipated (%.2g)", (work + held + lost) / lost);
   } else
     tap_ok(lost == 0.0 && top < 3.0 * 0.1 * g * s * 0.3 * 0.25 / 900.0 && fabs(gain) < 0.1 * mass * 0.1 * g * s,
            "incline: below the angle of friction the block creeps by its elastic slip (%.2g) and no further", top);
@@ -224,7 +233,8 @@ static void mirrored(void)
   against t[2] = {begin(mesh, &SOFT, 0.3, 0.1, 0.0), begin(image, &SOFT, -0.3, 0.1, 0.0)};
   for (int k = 0; k < 2; k++) {
     double sign = k == 0 ? 1.0 : -1.0;
-    ct_obstacle o = {.shape = CT_OBSTACLE_SPHERE, .point = {sign * 0.4, 0.6, -1.9}, .radius = 2.0, .epsilon = 500.0, .velocity = {sign * 0.2, 0.0, 0.5}};
+    ct_obstacle o = {.shape = CT_OBSTACLE_SPHERE, .point = {sign * 0.4, 0.6, -1.9}, .radius = 2.0, .epsilon = 500.0,
+                     .velocity = {sign * 0.2, 0.0, 0.5}};
     add_obstacle(&t[k], o, 2, 0.0, 0.4);
     finish(&t[k], 0.5, 0.5);
     advance(t[k].problem, t[k].state, 40);
@@ -235,7 +245,8 @@ static void mirrored(void)
   end(&t[1]);
 }
 
-/* Hertz: a rigid sphere is pressed by `approach` into the middle of a quarter of a block that stands for a half-space, and all comes to rest. */
+/* Hertz: a rigid sphere is pressed by `approach` into the middle of a quarter of a block that stands for a half-space, and all
+ * comes to rest. */
 static void hertz(void)
 {
   const ct_material rubber = {.young = 1000.0, .poisson = 0.3, .density = 1.0};
@@ -266,8 +277,10 @@ static void hertz(void)
   // The node in the middle tells the pressure by its overlap.
   int32_t middle = 0;
   while (mesh->nodes[3 * middle] != 0.0 || mesh->nodes[3 * middle + 1] != 0.0 || mesh->nodes[3 * middle + 2] != 0.0) middle++;
-  double pressure = epsilon * (t.state->displacement[3 * middle + 2] + depth), peak = 2.0 * modulus / 3.14159265358979323846 * sqrt(depth / R);
-  tap_ok(energy_of(t.problem, t.state).kinetic < 1e-3 * work, "Hertz: all is at rest (kinetic energy %.2g of the work)", energy_of(t.problem, t.state).kinetic / work);
+  double pressure = epsilon * (t.state->displacement[3 * middle + 2] + depth),
+      peak = 2.0 * modulus / 3.14159265358979323846 * sqrt(depth / R);
+  tap_ok(energy_of(t.problem, t.state).kinetic < 1e-3 * work, "Hertz: all is at rest (kinetic energy %.2g of the work)",
+         energy_of(t.problem, t.state).kinetic / work);
   tap_close(got / want, 1.0, 0.06, "Hertz: force of the closed form for the approach (contact radius %.2g, elements %.2g)", a, h);
   tap_close(pressure / peak, 1.0, 0.08, "Hertz: pressure in the middle");
   end(&t);
@@ -283,7 +296,8 @@ static void refusals(void)
   int32_t faces[4] = {0, 1, 3, 2}, outside[4] = {0, 1, 3, 88};
   double times[2] = {1.0, 0.0}, share[2] = {0.0, 1.0};
   need(ct_scene_join(t.scene, &joined, &error), &error);
-  ct_obstacle good = {.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 1.0, .kind = CT_Q4, .face_count = 1, .faces = faces};
+  ct_obstacle good = {.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 1.0, .kind = CT_Q4, .face_count = 1,
+                      .faces = faces};
   ct_obstacle bad[8] = {good, good, good, good, good, good, good, good};
   bad[0].epsilon = 0.0;
   bad[1].axis[2] = 0.0;
@@ -293,7 +307,8 @@ static void refusals(void)
   bad[5].point[1] = NAN;
   bad[6].axis[0] = NAN;
   bad[7].travel[2] = 1.0;
-  for (int i = 0; i < 8; i++) tap_ok(ct_obstacle_create_effect(&bad[i], joined, &effect, &error) != CT_OK && effect == NULL, "refused: %s", error.text);
+  for (int i = 0; i < 8; i++) tap_ok(ct_obstacle_create_effect(&bad[i], joined, &effect, &error) != CT_OK && effect == NULL,
+                                     "refused: %s", error.text);
   end(&t);
   // The middle of the one face stands in the centre of a sphere, where no direction leads out.
   against inner = begin(box_mesh(CT_HEX20, -0.5, -0.5, 0, 1, 1, 1, 1, 1, 1), &SOFT, 0, 0, 0);
@@ -301,7 +316,8 @@ static void refusals(void)
   const ct_problem *problem;
   int64_t steps;
   ct_scene_time time = {.end = 1.0, .fraction = 0.5, .threads = 1};
-  tap_ok(ct_scene_build(inner.scene, &time, &problem, &steps, &inner.stable, &error) == CT_ERROR_GEOMETRY, "refused: %s", error.text);
+  tap_ok(ct_scene_build(inner.scene, &time, &problem, &steps, &inner.stable, &error) == CT_ERROR_GEOMETRY, "refused: %s",
+         error.text);
   end(&inner);
 }
 
@@ -310,7 +326,8 @@ int main(void)
   gaps();
   gradient(CT_HEX8, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0.1, 0.2, 1}}, "plane, Q4");
   gradient(CT_HEX20, (ct_obstacle){.shape = CT_OBSTACLE_SPHERE, .point = {0.1, 0, -0.9}, .radius = 1.0}, "sphere, Q8");
-  gradient(CT_HEX8, (ct_obstacle){.shape = CT_OBSTACLE_CYLINDER, .point = {0, 0.1, -0.95}, .axis = {1, 0.3, 0}, .radius = 1.0}, "cylinder, Q4");
+  gradient(CT_HEX8, (ct_obstacle){.shape = CT_OBSTACLE_CYLINDER, .point = {0, 0.1, -0.95}, .axis = {1, 0.3, 0}, .radius = 1.0},
+           "cylinder, Q4");
   bar();
   moving_wall(0);
   moving_wall(1);

@@ -161,7 +161,8 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     contacts = tuple(_contact(table, bodies) for table in scene.tables("contact"))
     supports = tuple(_support(table, bodies) for table in scene.tables("support"))
     if scene.has("friction"):
-        raise scene.error("friction", "can't stand alone: there is no friction without a pressure; write friction = 0.3 in a [[contact]] or an [[obstacle]]")
+        reason = "can't stand alone: there is no friction without a pressure; write friction = 0.3 in a [[contact]] or an [[obstacle]]"
+        raise scene.error("friction", reason)
     added = effects.read(scene, effects.Known(materials, bodies, contacts))
     for i, body in enumerate(bodies.values()):
         if body.kernel == "plane":

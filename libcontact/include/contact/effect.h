@@ -101,8 +101,8 @@ typedef struct ct_effect {
    */
   ct_status (*damping)(const struct ct_effect *effect, const ct_view *view, double *rate, ct_error *error);
   /**
-   * Work since t = 0 that comes in from outside through an effect that stores energy, as of a moving obstacle [energy], for the view of the last `force`; the
-   * ledger books it as external. Null: none does.
+   * Work since t = 0 that comes in from outside through an effect that stores energy, as of a moving obstacle [energy], for the view of
+   * the last `force`; the ledger books it as external. Null: none does.
    */
   ct_status (*external)(const struct ct_effect *effect, const ct_view *view, double *work, ct_error *error);
   /** Give `data` back. */

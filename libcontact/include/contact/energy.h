@@ -56,9 +56,11 @@ CT_API ct_status ct_energy_stored(const ct_problem *problem, ct_state *state, in
 CT_API ct_status ct_energy_unrest(const ct_problem *problem, ct_state *state, double *unrest, ct_error *error);
 
 /**
- * Impulse of one effect but the first on all nodes since t = 0 [mass · length / time], :eq:`impulse-balance`. What an obstacle has received is minus this.
+ * Impulse of one effect but the first on all nodes since t = 0 [mass · length / time], :eq:`impulse-balance`. What an obstacle
+ * has received is minus this.
  */
-CT_API ct_status ct_energy_impulse(const ct_problem *problem, ct_state *state, int32_t effect, double impulse[3], ct_error *error);
+CT_API ct_status ct_energy_impulse(const ct_problem *problem, ct_state *state, int32_t effect, double impulse[3],
+                                   ct_error *error);
 
 /** Momentum of one body. */
 CT_API ct_status ct_momentum_of(const ct_problem *problem, ct_state *state, int32_t body, ct_momentum *momentum, ct_error *error);

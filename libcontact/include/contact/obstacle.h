@@ -42,8 +42,8 @@ typedef struct ct_obstacle {
 } ct_obstacle;
 
 /**
- * Signed distance of a point from an obstacle at its place of t = 0 [length], negative inside, and the unit normal `n` out of the obstacle there,
- * :eq:`obstacle-gap`. The normal is NaN in the centre of a sphere and on the axis of a cylinder.
+ * Signed distance of a point from an obstacle at its place of t = 0 [length], negative inside, and the unit normal `n` out of
+ * the obstacle there, :eq:`obstacle-gap`. The normal is NaN in the centre of a sphere and on the axis of a cylinder.
  */
 CT_API double ct_obstacle_gap(const ct_obstacle *obstacle, const double point[3], double n[3]);
 
@@ -52,14 +52,17 @@ CT_API void ct_obstacle_motion(const ct_obstacle *obstacle, double time, double 
 
 /**
  * The effect of one obstacle, named "obstacle". It stores the penalty's energy; work of its motion is external.
- * ``CT_ERROR_ARGUMENT``: penalty or radius not positive, no axis, no faces, node out of range, history not ascending, travel without a history.
+ * ``CT_ERROR_ARGUMENT``: penalty or radius not positive, no axis, no faces, node out of range, history not ascending, travel
+ * without a history.
  */
-CT_API ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_problem *problem, ct_effect **effect, ct_error *error);
+CT_API ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_problem *problem, ct_effect **effect,
+                                           ct_error *error);
 
 /**
- * Force of the bodies on an obstacle at the state's time [force] and the work that its motion has put into the bodies since t = 0 [energy],
- * :eq:`obstacle-work`. ``CT_ERROR_ARGUMENT``: effect number `effect` is no obstacle.
+ * Force of the bodies on an obstacle at the state's time [force] and the work that its motion has put into the bodies since
+ * t = 0 [energy], :eq:`obstacle-work`. ``CT_ERROR_ARGUMENT``: effect number `effect` is no obstacle.
  */
-CT_API ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect, double force[3], double *work, ct_error *error);
+CT_API ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect, double force[3], double *work,
+                                      ct_error *error);
 
 #endif

@@ -49,8 +49,8 @@ typedef struct call {
 /* After the points' memory: whether there was a call before, its time, the place of the obstacle then. */
 enum { TAIL_BEGUN = 0, TAIL_TIME = 1, TAIL_PLACE = 2, TAIL = 5 };
 
-/* Doubles of memory of a point: the partner (face plus one, 0: none), then for a contact its parameters and the slip along the face's tangents and normal,
- * for an obstacle the place of the foot relative to it and the slip; last the dissipation. */
+/* Doubles of memory of a point: the partner (face plus one, 0: none), then for a contact its parameters and the slip along the
+ * face's tangents and normal, for an obstacle the place of the foot relative to it and the slip; last the dissipation. */
 enum { PARTNER = 0, FOOT = 1, SLIP = 3, LOST = 6, MEMORY = 7, RIGID_SLIP = 4, RIGID_LOST = 7, RIGID_MEMORY = 8 };
 
 double ct_friction_return(double limit, double slip[3])
@@ -74,7 +74,8 @@ static int frame(const ct_search *search, int32_t face, const double xi[2], doub
 /* Contravariant components of the part of v in the plane of two tangents (eq:friction-components). */
 static void components(const double t1[3], const double t2[3], const double v[3], double c[2])
 {
-  double g11 = ct_vector_dot(t1, t1), g22 = ct_vector_dot(t2, t2), g12 = ct_vector_dot(t1, t2), b1 = ct_vector_dot(v, t1), b2 = ct_vector_dot(v, t2);
+  double g11 = ct_vector_dot(t1, t1), g22 = ct_vector_dot(t2, t2), g12 = ct_vector_dot(t1, t2);
+  double b1 = ct_vector_dot(v, t1), b2 = ct_vector_dot(v, t2);
   double det = g11 * g22 - g12 * g12;
   c[0] = (g22 * b1 - g12 * b2) / det;
   c[1] = (g11 * b2 - g12 * b1) / det;
@@ -110,7 +111,8 @@ static void first_slip(const call *now, const ct_side *side, const ct_side *othe
   for (int c = 0; c < 3; c++) v[c] -= foot[c];
 }
 
-/* The slip before the return: what was held, carried along by the old partner's face, and the way of the point from that partner (eq:friction-trial). */
+/* The slip before the return: what was held, carried along by the old partner's face, and the way of the point from that partner
+ * (eq:friction-trial). */
 static void trial_slip(const call *now, const ct_side *side, const ct_side *other, int64_t i, const double *memory, double v[3])
 {
   int32_t face = (int32_t)memory[PARTNER] - 1;
@@ -220,7 +222,8 @@ static double largest(const friction_scratch *s, int64_t count)
 }
 
 /* Add the tractions and couples of one side's points to the nodes of both sides (eq:friction-force). */
-static void spread(const ct_grid *grid, const ct_side *side, const ct_side *other, const slip_point *points, double *const own[2], double *const others[2])
+static void spread(const ct_grid *grid, const ct_side *side, const ct_side *other, const slip_point *points,
+                   double *const own[2], double *const others[2])
 {
   for (int64_t i = 0; i < ct_side_point_count(side); i++) {
     const slip_point *p = &points[i];
@@ -245,7 +248,8 @@ static int sides_of(const friction_data *data, const void *read, const ct_side *
   return contact->sides;
 }
 
-static ct_status gather(const friction_data *data, const void *read, friction_scratch *s, const ct_effect *effect, double *force, ct_error *error)
+static ct_status gather(const friction_data *data, const void *read, friction_scratch *s, const ct_effect *effect, double *force,
+                        ct_error *error)
 {
   const ct_side *side[2];
   int sides = sides_of(data, read, side);
@@ -253,7 +257,8 @@ static ct_status gather(const friction_data *data, const void *read, friction_sc
   ct_grid grid;
   memset(force, 0, 3 * (size_t)effect->node_count * sizeof *force);
   if (top == 0.0) return CT_OK;
-  if (!ct_grid_init(&grid, 2.0 * top, 24 * data->points)) return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "friction: a force of %g", top);
+  if (!ct_grid_init(&grid, 2.0 * top, 24 * data->points))
+    return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "friction: a force of %g", top);
   for (int k = 0; k < sides; k++) {
     memset(s->coarse[k], 0, 3 * (size_t)data->side_nodes[k] * sizeof(double));
     memset(s->fine[k], 0, 3 * (size_t)data->side_nodes[k] * sizeof(double));
@@ -274,7 +279,8 @@ static ct_status gather(const friction_data *data, const void *read, friction_sc
   return CT_OK;
 }
 
-/* The time since the call before and the motion of the obstacle in it, from the tail of the memory; and the tail for the next call. */
+/* The time since the call before and the motion of the obstacle in it, from the tail of the memory; and the tail for the next
+ * call. */
 static call begin(const ct_effect *effect, const ct_view *view, int64_t size)
 {
   const friction_data *data = effect->data;
@@ -382,7 +388,8 @@ static ct_status check(const ct_friction *f, const ct_problem *problem, ct_error
 {
   if (f == NULL || problem == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "friction: null argument");
   if (f->on == NULL || (strcmp(f->on->name, "contact") != 0 && strcmp(f->on->name, "obstacle") != 0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "friction: needs a contact or an obstacle, for there is no friction without a pressure");
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "friction: needs a contact or an obstacle, for there is no friction without a pressure");
   if (!(f->coefficient > 0.0) || !isfinite(f->coefficient))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "friction: the coefficient must be positive, not %g", f->coefficient);
   if (!(f->tangent >= 0.0) || !isfinite(f->tangent))
@@ -402,10 +409,12 @@ ct_status ct_friction_create_effect(const ct_friction *friction, const ct_proble
     ct_release(data);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for friction");
   }
-  *data = (friction_data){.on = friction->on, .mu = friction->coefficient, .rho = friction->tangent > 0.0 ? friction->tangent : 1.0,
+  *data = (friction_data){.on = friction->on, .mu = friction->coefficient,
+                          .rho = friction->tangent > 0.0 ? friction->tangent : 1.0,
                           .rigid = strcmp(friction->on->name, "obstacle") == 0};
-  *effect = (ct_effect){.name = "friction", .data = data, .nodes = friction->on->nodes, .node_count = friction->on->node_count, .reads = friction->on,
-                        .create_scratch = create_scratch, .free_scratch = free_scratch, .force = friction_force, .frequency = friction_frequency,
+  *effect = (ct_effect){.name = "friction", .data = data, .nodes = friction->on->nodes, .node_count = friction->on->node_count,
+                        .reads = friction->on, .create_scratch = create_scratch, .free_scratch = free_scratch,
+                        .force = friction_force, .frequency = friction_frequency,
                         .free_data = ct_release};
   status = count(data, error);
   if (status != CT_OK) {
@@ -417,7 +426,8 @@ ct_status ct_friction_create_effect(const ct_friction *friction, const ct_proble
   return CT_OK;
 }
 
-ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t k, double *held, double *dissipated, ct_error *error)
+ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t k, double *held, double *dissipated,
+                             ct_error *error)
 {
   if (problem == NULL || state == NULL || held == NULL || dissipated == NULL || k < 0 || k >= problem->effect_count ||
       strcmp(problem->effects[k]->name, "friction") != 0)

@@ -52,8 +52,8 @@ void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], c
 void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3]);
 
 /* Add a force at a point of a face to the face's nodes, into sums that do not depend on their order (eq:contact-force). */
-static inline void ct_side_push(const ct_grid *grid, const ct_search *search, int64_t face, const double N[8], const double force[3], double *coarse,
-                                double *fine)
+static inline void ct_side_push(const ct_grid *grid, const ct_search *search, int64_t face, const double N[8],
+                                const double force[3], double *coarse, double *fine)
 {
   for (int a = 0; a < search->per; a++) {
     int64_t node = 3 * (int64_t)search->faces[face * search->per + a];

@@ -1,4 +1,4 @@
-"""Rigid obstacles, ``[[obstacle]]``: a plane, a sphere or a cylinder, fixed or moving, against the surface of a body (theory: the chapter "Obstacle")."""
+"""``[[obstacle]]``: a rigid plane, sphere or cylinder, fixed or moving, against the surface of a body (chapter "Obstacle")."""
 
 from __future__ import annotations
 
@@ -20,7 +20,10 @@ SHAPES = {"plane": (lib.CT_OBSTACLE_PLANE, "point", "normal"), "sphere": (lib.CT
 
 @dataclass(frozen=True, eq=False)
 class Obstacle:
-    """An obstacle; exactly one of ``beta`` and ``epsilon`` is a number, its way is ``velocity`` times time plus ``travel`` times the line through ``history``."""
+    """
+    An obstacle; exactly one of ``beta`` and ``epsilon`` is a number. Its way is ``velocity`` times time plus ``travel`` times the line
+    through ``history``.
+    """
 
     surface: tuple[str, str]
     shape: str
@@ -45,7 +48,8 @@ def read(table: Table, known: Known) -> Obstacle:
         surface=surface, shape=shape, point=point, axis=axis, radius=radius,
         beta=table.number("beta", None if given else DEFAULT_BETA, above=0.0),
         epsilon=table.number("epsilon", None, above=0.0),
-        velocity=table.vector("velocity", (0.0, 0.0, 0.0)), travel=table.vector("travel", (0.0, 0.0, 0.0)), history=read_history(table),
+        velocity=table.vector("velocity", (0.0, 0.0, 0.0)), travel=table.vector("travel", (0.0, 0.0, 0.0)),
+        history=read_history(table),
         friction=table.number("friction", 0.0, least=0.0), tangent=table.number("tangent", 0.0, above=0.0),
     )
     if any(obstacle.travel) != bool(obstacle.history[0]):
@@ -84,7 +88,8 @@ def create(given: Obstacle, maker: Any) -> list[Any]:
 
 def describe(given: Obstacle, units: Units) -> str:
     size = f" of radius {given.radius:g} {units.length}" if given.radius else ""
-    motion = f", moving at {list(given.velocity)} {units.label('velocity')}" if any(given.velocity) else f", moving by {list(given.travel)} {units.length} with a history" if given.history[0] else ""
+    motion = f", moving at {list(given.velocity)} {units.label('velocity')}" if any(given.velocity) else ""
+    motion += f", moving by {list(given.travel)} {units.length} with a history" if given.history[0] else ""
     penalty = f"beta = {given.beta:g}" if given.beta is not None else f"epsilon = {given.epsilon:g} {units.label('penalty')}"
     rub = f", friction {given.friction:g}" if given.friction else ", without friction"
     return f"{given.shape}{size} at {list(given.point)} {units.length} against {'.'.join(given.surface)}{motion}; {penalty}{rub}"
