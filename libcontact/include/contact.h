@@ -17,6 +17,7 @@ extern "C" {
 #include <contact/material.h>
 #include <contact/mesh.h>
 #include <contact/mass.h>
+#include <contact/enforcement.h>
 #include <contact/effect.h>
 #include <contact/solid.h>
 #include <contact/contact.h>

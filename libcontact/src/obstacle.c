@@ -2,6 +2,7 @@
 #include <contact/obstacle.h>
 #include <contact/sum.h>
 
+#include "contact/press.h"
 #include "error.h"
 #include "memory.h"
 #include "obstacle_internal.h"
@@ -104,7 +105,7 @@ static void meet(const ct_obstacle *o, ct_obstacle_points *s, int32_t face, int 
   ct_side *side = &s->side;
   int64_t number = (int64_t)face * side->rule.count + q;
   ct_gauss_point *point = &side->points[number];
-  double r[3], n[3];
+  double r[3], *n = point->normal;
   ct_side_interpolate(side, face, side->N[q], s->place, r);
   point->gap = gap_of(o, o->axis, r, n);
   point->other = point->gap < 0.0 ? 0 : -1;
@@ -148,7 +149,7 @@ static ct_status gather(ct_obstacle_points *s, double *force, ct_error *error)
   if (top > 0.0 && !ct_grid_init(&grid, 2.0 * top, 8 * points))
     return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "obstacle: a force of %g", top);
   for (int64_t i = 0; top > 0.0 && i < points; i++)
-    if (side->points[i].gap < 0.0)
+    if (ct_point_presses(&side->points[i]))
       ct_side_push(&grid, side->search, i / side->rule.count, side->N[i % side->rule.count], side->points[i].force, side->force,
                    side->force_fine);
   for (size_t d = 0; d < count; d++) force[d] = side->force[d] + side->force_fine[d];
@@ -171,7 +172,8 @@ static void count_motion(ct_obstacle_points *s, const double *memory, double *ne
   next[WORK] = s->work;
 }
 
-static ct_status obstacle_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+/* Gaps of the points at the time of the view. */
+static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error *error)
 {
   const obstacle_data *data = effect->data;
   ct_obstacle_points *s = view->scratch;
@@ -181,7 +183,55 @@ static ct_status obstacle_force(const ct_effect *effect, const ct_view *view, do
   for (int c = 0; c < 3; c++) s->place[c] += data->given.point[c];
   for (int32_t f = 0; f < s->side.search->face_count; f++)
     for (int q = 0; q < s->side.rule.count; q++) meet(&data->given, s, f, q);
-  status = gather(s, force, error);
+  return CT_OK;
+}
+
+/* How far a point may be from the obstacle and yet reach it in this step: the size of a face and twice the way of the fastest node. */
+static double reach_of(const ct_effect *effect, const ct_view *view, const ct_side *side, const double moved[3])
+{
+  double top = 0.0;
+  for (int64_t i = 0; i < effect->node_count; i++) {
+    const double *v = &view->velocity[3 * (int64_t)effect->nodes[i]];
+    top = fmax(top, ct_vector_dot(v, v));
+  }
+  return side->search->size + 2.0 * (view->dt * sqrt(top) + sqrt(ct_vector_dot(moved, moved)));
+}
+
+static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view, ct_constraint *list, int64_t *count, ct_error *error)
+{
+  const obstacle_data *data = effect->data;
+  const ct_obstacle_points *s = view->scratch;
+  double moved[3];
+  ct_status status = measure(effect, view, error);
+  if (status != CT_OK) return status;
+  ct_obstacle_motion(&data->given, view->time + view->dt, moved);
+  for (int c = 0; c < 3; c++) moved[c] = (data->given.point[c] + moved[c]) - s->place[c];
+  ct_press press = {&s->side, NULL, s->epsilon, data->given.enforcement, data->given.dissipation, reach_of(effect, view, &s->side, moved), 0, &view->memory[MEMORY], 1, 0};
+  *count = ct_press_list(&press, moved, list);
+  return CT_OK;
+}
+
+/* Forces of the constraints on the points, and into the memory; the energy that they hold. */
+static void take_constraints(const ct_view *view, ct_obstacle_points *s)
+{
+  double *memory = &view->next_memory[MEMORY];
+  ct_press_apply(&s->side, 0, view->constraints, view->constraint_count);
+  memset(memory, 0, (size_t)ct_side_point_count(&s->side) * sizeof *memory);
+  for (int64_t j = 0; j < view->constraint_count; j++) {
+    memory[view->constraints[j].point] = view->constraints[j].force;
+    s->terms[j] = ct_enforcement_energy(&view->constraints[j]);
+  }
+  s->held = ct_sum(s->terms, view->constraint_count);
+}
+
+static int is_penalty(const ct_effect *effect) { return ((const obstacle_data *)effect->data)->given.enforcement == CT_ENFORCE_PENALTY; }
+
+static ct_status obstacle_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+{
+  ct_obstacle_points *s = view->scratch;
+  ct_status status = is_penalty(effect) ? measure(effect, view, error) : CT_OK;
+  if (status == CT_OK && !is_penalty(effect)) take_constraints(view, s);
+  if (status == CT_OK) status = gather(s, force, error);
   if (status == CT_OK) count_motion(s, view->memory, view->next_memory);
   return status;
 }
@@ -190,11 +240,10 @@ static ct_status obstacle_energy(const ct_effect *effect, const ct_view *view, d
 {
   ct_obstacle_points *s = view->scratch;
   int64_t points = ct_side_point_count(&s->side);
-  (void)effect;
   (void)error;
   // -- Π = Σ ½ ε g² w J over the points inside, = ½ force · d (eq:obstacle-potential)
   for (int64_t i = 0; i < points; i++) s->terms[i] = 0.5 * ct_vector_dot(s->side.points[i].force, s->side.points[i].d);
-  *energy = ct_sum(s->terms, points);
+  *energy = is_penalty(effect) ? ct_sum(s->terms, points) : s->held;
   return CT_OK;
 }
 
@@ -207,10 +256,10 @@ static ct_status obstacle_external(const ct_effect *effect, const ct_view *view,
 }
 
 /* Largest row sum of the penalty's stiffness, every point taken as inside (eq:obstacle-bound). */
-static ct_status obstacle_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
+ct_status ct_obstacle_spring_frequency(const ct_effect *effect, const void *scratch, double *omega_squared, ct_error *error)
 {
   const obstacle_data *data = effect->data;
-  ct_side *side = &((ct_obstacle_points *)view->scratch)->side;
+  ct_side *side = &((ct_obstacle_points *)(uintptr_t)scratch)->side;
   double *rows = side->force_fine; // free between two calls of `force`, which clears it
   (void)error;
   memset(rows, 0, (size_t)effect->node_count * sizeof *rows);
@@ -227,6 +276,12 @@ static ct_status obstacle_frequency(const ct_effect *effect, const ct_view *view
   return CT_OK;
 }
 
+static ct_status obstacle_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
+{
+  // -- Other enforcements leave the step as it is (eq:controlled-energy)
+  return is_penalty(effect) ? ct_obstacle_spring_frequency(effect, view->scratch, omega_squared, error) : CT_OK;
+}
+
 static ct_status check(const ct_obstacle *o, const ct_problem *problem, ct_error *error)
 {
   double a[3];
@@ -237,6 +292,8 @@ static ct_status check(const ct_obstacle *o, const ct_problem *problem, ct_error
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: there is no shape %d", (int)o->shape);
   if (!(o->epsilon > 0.0) || !isfinite(o->epsilon))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the penalty must be positive, not %g", o->epsilon);
+  if (ct_enforcement_name(o->enforcement) == NULL || !(o->dissipation >= 0.0 && o->dissipation <= 1.0))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: enforcement %d with dissipation %g", (int)o->enforcement, o->dissipation);
   if (o->shape != CT_OBSTACLE_SPHERE && !unit(o->axis, a))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the %s has no length",
                    o->shape == CT_OBSTACLE_PLANE ? "normal" : "axis");
@@ -279,6 +336,11 @@ static ct_status fill(obstacle_data *data, const ct_obstacle *o, const ct_proble
   effect->nodes = data->nodes;
   if (!data->nodes || !data->mass) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   for (int32_t i = 0; status == CT_OK && i < effect->node_count; i++) data->mass[i] = problem->mass[data->nodes[i]];
+  if (o->enforcement != CT_ENFORCE_PENALTY) {
+    effect->constrain = obstacle_constrain;
+    effect->constraint_count = ct_side_point_count(&ct_obstacle_of_scratch(trial)->side);
+    effect->memory_count += effect->constraint_count;
+  }
   free_scratch(trial);
   return status;
 }

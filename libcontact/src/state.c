@@ -3,6 +3,7 @@
 #include <contact/step.h>
 
 #include "bits.h"
+#include "enforcement/solve.h"
 #include "error.h"
 #include "memory.h"
 #include "workspace.h"
@@ -66,6 +67,7 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
 static void workspace_free(const ct_problem *problem, ct_workspace *w)
 {
   if (w == NULL) return;
+  ct_solver_free(problem, w->solver);
   for (int32_t k = 0; k < problem->effect_count; k++) {
     if (w->force != NULL) ct_release(w->force[k]);
     if (w->scratch != NULL && w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
@@ -111,7 +113,9 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   w->force = ct_allocate(effects, sizeof *w->force);
   w->scratch = ct_allocate(effects, sizeof *w->scratch);
   w->next_memory = ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
-  if (!w->total || !w->terms || !w->still || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK) return CT_ERROR_MEMORY;
+  if (!w->total || !w->terms || !w->still || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK ||
+      ct_solver_create(problem, &w->solver) != CT_OK)
+    return CT_ERROR_MEMORY;
   // Forces of one effect need room of their own only where `total` holds those of several.
   int several = w->touched_count > 0;
   for (int32_t k = 0; k < problem->effect_count; k++) several = several || problem->effects[k]->reaction;
@@ -169,7 +173,15 @@ static void step_back(const ct_problem *problem, ct_state *state)
     state->velocity[d] = ct_kick(problem->initial_velocity[d], -0.5 * problem->dt, problem->inverse_mass[d], state->workspace->total[d]);
   // A force that goes with velocity has seen another one so far; a restart from here would see this one.
   for (int32_t k = 0; k < problem->effect_count; k++)
-    if (problem->effects[k]->damping != NULL || problem->effects[k]->last) state->workspace->forces_at = -1;
+    if (problem->effects[k]->damping != NULL || problem->effects[k]->last || problem->effects[k]->constrain != NULL) state->workspace->forces_at = -1;
+  // Then the first step is taken in full.
+  if (state->workspace->forces_at < 0) state->workspace->kept = 0;
+  // Constraints that are solved once more begin with the forces that they have found.
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    int64_t memory = ct_state_memory_start(problem, k);
+    if (problem->effects[k]->constrain != NULL)
+      memcpy(state->memory + memory, state->workspace->next_memory + memory, (size_t)problem->effects[k]->memory_count * sizeof(double));
+  }
   // With the smallest of all steps a scene asks for the stable one, and no step is chosen yet.
   state->workspace->starting = problem->dt <= DBL_MIN;
 }
@@ -276,6 +288,38 @@ const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *s
   return w->room;
 }
 
+/* Force of one effect, added to the total. */
+static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t k, int kept, ct_error *error)
+{
+  ct_workspace *w = state->workspace;
+  const ct_effect *effect = problem->effects[k];
+  ct_view view = ct_workspace_view(problem, state, k);
+  if (k == 0 && kept) view.still = w->still;
+  if (effect->constrain != NULL) {
+    view.constraints = w->solver->list + w->solver->first[k];
+    view.constraint_count = w->solver->first[k + 1] - w->solver->first[k];
+  }
+  double *force = k == 0 ? w->total : w->force[k], begin = problem->clock == NULL ? 0.0 : problem->clock();
+  ct_status status = effect->force(effect, &view, force, error);
+  if (status != CT_OK) return status;
+  if (problem->clock != NULL) state->effect_seconds[k] += problem->clock() - begin;
+  for (int32_t i = 0; k == 0 && i < w->touched_count; i++) {
+    memcpy(&w->touched_first[3 * (int64_t)i], &w->total[3 * (int64_t)w->touched[i]], 3 * sizeof(double));
+    ct_bits_put(w->still, w->touched[i], w->touched[i] + 1, 0);
+  }
+  for (int32_t i = 0; k > 0 && i < effect->node_count; i++)
+    for (int c = 0; c < 3; c++) w->total[3 * (int64_t)ct_effect_node(effect, i) + c] += force[3 * (int64_t)i + c];
+  return CT_OK;
+}
+
+/* When the force of an effect is asked for: 0 at first; 1 after the constraints are solved; 2 what reads it; 3 what needs all others. */
+static int turn_of(const ct_effect *effect)
+{
+  if (effect->last > 0) return 3;
+  if (effect->constrain != NULL) return 1;
+  return effect->reads != NULL && effect->reads->constrain != NULL ? 2 : 0;
+}
+
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error)
 {
   ct_workspace *w = state->workspace;
@@ -286,21 +330,11 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
   memset(w->still, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *w->still);
   for (int32_t i = 0; kept && i < w->touched_count; i++)
     memcpy(&w->total[3 * (int64_t)w->touched[i]], &w->touched_first[3 * (int64_t)i], 3 * sizeof(double));
-  for (int32_t k = 0; k < problem->effect_count; k++) {
-    const ct_effect *effect = problem->effects[k];
-    if (effect->reaction) continue;
-    ct_view view = ct_workspace_view(problem, state, k);
-    if (k == 0 && kept) view.still = w->still;
-    double *force = k == 0 ? w->total : w->force[k], begin = problem->clock == NULL ? 0.0 : problem->clock();
-    ct_status status = effect->force(effect, &view, force, error);
+  for (int turn = 0; turn < 4; turn++) {
+    ct_status status = turn == 1 && w->solver != NULL ? ct_solver_solve(problem, state, error) : CT_OK;
+    for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
+      if (!problem->effects[k]->reaction && turn_of(problem->effects[k]) == turn) status = add_effect(problem, state, k, kept, error);
     if (status != CT_OK) return status;
-    if (problem->clock != NULL) state->effect_seconds[k] += problem->clock() - begin;
-    for (int32_t i = 0; k == 0 && i < w->touched_count; i++) {
-      memcpy(&w->touched_first[3 * (int64_t)i], &w->total[3 * (int64_t)w->touched[i]], 3 * sizeof(double));
-      ct_bits_put(w->still, w->touched[i], w->touched[i] + 1, 0);
-    }
-    for (int32_t i = 0; k > 0 && i < effect->node_count; i++)
-      for (int c = 0; c < 3; c++) w->total[3 * (int64_t)ct_effect_node(effect, i) + c] += force[3 * (int64_t)i + c];
   }
   w->forces_at = state->step;
   w->kept = 1;

@@ -18,6 +18,7 @@ typedef struct ct_workspace {
   double *touched_first; /* force of the first effect there, shape (touched_count, 3) */
   double *touched_velocity, *touched_work; /* v_{n-1/2} and the first effect's work there, before the step */
   double *terms;         /* room for sums, one number a node */
+  struct ct_solver *solver; /* of the constraints; null without any */
   double *room;          /* room for the forces of one effect, shape (node_count, 3); null when the first one is alone */
 } ct_workspace;
 

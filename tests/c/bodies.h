@@ -290,14 +290,14 @@ static inline void add_support(ct_scene *scene, int32_t body, const ct_mesh *mes
   free(nodes);
 }
 
-/* Contact between the faces of two bodies in the planes x[axis] = at_a and at_b, with a coefficient of friction. */
-static inline ct_status add_rough_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
-                                          double at_b, int axis, double beta, double friction, double tangent)
+/* Contact between the faces of two bodies in the planes x[axis] = at_a and at_b, with options (`beta` and `faces` count, not `epsilon`) and friction. */
+static inline ct_status add_contact_with(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
+                                         double at_b, int axis, double beta, ct_contact_options options, double friction, double tangent)
 {
   int32_t *fa = integers(8 * 6 * mesh_a->element_count), *fb = integers(8 * 6 * mesh_b->element_count);
   ct_scene_contact contact = {.body_a = a, .body_b = b, .face_count_a = ct_mesh_plane_faces(mesh_a, axis, at_a, fa, NULL),
                               .face_count_b = ct_mesh_plane_faces(mesh_b, axis, at_b, fb, NULL), .faces_a = fa, .faces_b = fb,
-                              .beta = beta, .options = ct_contact_options_default(), .friction = friction, .tangent = tangent};
+                              .beta = beta, .options = options, .friction = friction, .tangent = tangent};
   ct_error error;
   ct_status status = ct_scene_add_contact(scene, &contact, &error);
   need(status, &error);
@@ -306,6 +306,16 @@ static inline ct_status add_rough_contact(ct_scene *scene, int32_t a, const ct_m
   return status;
 }
 
+/* The same with the explicit penalty and friction. */
+static inline ct_status add_rough_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
+                                          double at_b, int axis, double beta, double friction, double tangent)
+{
+  ct_contact_options options = ct_contact_options_default();
+  options.enforcement = CT_ENFORCE_PENALTY;
+  return add_contact_with(scene, a, mesh_a, at_a, b, mesh_b, at_b, axis, beta, options, friction, tangent);
+}
+
+/* The same without friction. */
 static inline ct_status add_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
                                     double at_b, int axis, double beta)
 {

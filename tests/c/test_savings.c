@@ -25,6 +25,7 @@ typedef struct form {
   int pushed;          /* 1: an effect that acts on some nodes; 2: on all; 3: one that begins to act later */
   double beta;
   int64_t steps;
+  ct_enforcement enforcement;
 } form;
 
 typedef struct push {
@@ -72,7 +73,9 @@ static run open_run(const form *f, ct_savings savings, int threads)
   ct_material steel = STEEL;
   steel.law = f->law;
   for (int b = 0; b < 2; b++) add_body(r.scene, b ? "right" : "left", m[b], &steel, f->kernel, sign * f->v[b], 0, 0);
-  add_contact(r.scene, 0, m[0], 0, 1, m[1], sign * 0.1 * f->gap, 0, f->beta);
+  ct_contact_options options = ct_contact_options_default();
+  options.enforcement = f->enforcement;
+  add_contact_with(r.scene, 0, m[0], 0, 1, m[1], sign * 0.1 * f->gap, 0, f->beta, options, 0.0, 0.0);
   if (!isnan(f->held)) add_support(r.scene, 1, m[1], 0, sign * (0.1 * f->gap + 2.4), "x", sign * f->held);
   add_support(r.scene, 0, m[0], 2, 0.0, "z", 0.0);
   for (int b = 0; b < 2; b++) add_support(r.scene, b, m[b], 1, 0.0, "y", 0.0); // their nodes have gaps
@@ -123,10 +126,11 @@ static int64_t still_nodes(const run *r)
 
 static const form FORMS[] = {
     {.name = "bars that fly together", .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
-    {.name = "a bar at rest is hit", .v = {1000, 0}, .held = 0.0, .beta = 1.0, .steps = 60},
-    {.name = "mirrored", .mirrored = 1, .v = {1000, 0}, .held = 0.0, .beta = 1.0, .steps = 60},
+    {.name = "a bar at rest is hit", .v = {1000, 0}, .held = 0.0, .beta = 1.0, .steps = 60, .enforcement = CT_ENFORCE_ENERGY_CONTROLLED},
+    {.name = "mirrored", .mirrored = 1, .v = {1000, 0}, .held = 0.0, .beta = 1.0, .steps = 60, .enforcement = CT_ENFORCE_LAGRANGE},
     {.name = "general kernel", .kernel = CT_KERNEL_GENERAL, .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
-    {.name = "distorted, unlike meshes, one bar pulled away", .distort = 0.1, .unlike = 1, .v = {1000, -700}, .held = 300.0, .beta = 0.5, .steps = 60},
+    {.name = "distorted, unlike meshes, one bar pulled away", .distort = 0.1, .unlike = 1, .v = {1000, -700}, .held = 300.0, .beta = 0.5, .steps = 60,
+     .enforcement = CT_ENFORCE_ENERGY_CONTROLLED},
     {.name = "turned elements", .turned = 1, .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "hex20", .kind = CT_HEX20, .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "hex20, distorted", .kind = CT_HEX20, .distort = 0.02, .v = {1000, 0}, .held = NAN, .beta = 0.5, .steps = 40},
@@ -138,7 +142,7 @@ static const form FORMS[] = {
     {.name = "an effect that begins later", .v = {0, 0}, .held = NAN, .gap = 1.0, .pushed = 3, .beta = 0.5, .steps = 60},
     {.name = "rows that move each by itself", .v = {0, 0}, .held = NAN, .gap = 1.0, .sheared = 1, .beta = 0.5, .steps = 20},
     {.name = "minus zero", .v = {-0.0, -0.0}, .held = -0.0, .gap = 1.0, .beta = 0.5, .steps = 5},
-    {.name = "a gap to fly first", .v = {1000, -1000}, .held = NAN, .gap = 1.5, .beta = 0.5, .steps = 60},
+    {.name = "a gap to fly first", .v = {1000, -1000}, .held = NAN, .gap = 1.5, .beta = 0.5, .steps = 60, .enforcement = CT_ENFORCE_ENERGY_CONTROLLED},
 };
 enum { FORM_COUNT = sizeof FORMS / sizeof *FORMS };
 

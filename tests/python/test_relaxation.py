@@ -141,5 +141,7 @@ def test_a_bar_bounces_twice_and_is_back():
     np.testing.assert_allclose([first[0], first[-1], second[0], second[-1]], [1, 1.6667, 3.6667, 4.3333], atol=0.06)
     assert np.interp(2.6667, run.time, height) - height[0] == pytest.approx(-2 * 10 * 10**2 / (3 * 900), abs=0.1)
     assert height[-1] - height[0] == pytest.approx(0, abs=0.15)
-    np.testing.assert_allclose(run.energy["total"], run.energy["total"][0], atol=0.01 * 5 * weight)
+    # Energy never grows; each impact takes the energy of the nodes that meet the floor, half an element of a hundred, and at most a fifth more.
+    gain = (run.energy["total"] - run.energy["total"][0]) / (5 * weight)
+    assert gain.max() < 1e-12 and gain.min() > -2 * 1.2 / (2 * 100)
     assert np.abs(run.energy["balance"]).max() < 1e-12 * 5 * weight

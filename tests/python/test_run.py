@@ -414,7 +414,7 @@ def test_contact_points_are_seen():
     scene.add_material("soft", young=1.0, poisson=0.0, density=1.0)
     for name, origin, velocity in (("left", -2.0, 0.1), ("right", 0.0, -0.1)):
         scene.add_body(name, material="soft", box={"origin": [origin, 0, 0], "size": [2, 1, 1], "cells": [8, 2, 2]}, velocity=[velocity, 0, 0])
-    scene.add_contact("left.x_max", "right.x_min", beta=1)
+    scene.add_contact("left.x_max", "right.x_min", beta=1, enforcement="penalty")
     pressures = []
     for end in np.linspace(0.5, 3.5, 13):
         scene.set_time(end=float(end), fraction=0.5)

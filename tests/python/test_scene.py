@@ -469,7 +469,11 @@ def test_both_step_numbers_are_told_whichever_was_asked():
     assert by_courant["dt"] == pytest.approx(2e-7 / math.ceil(2e-7 / wanted), rel=1e-12)
     by_fraction = ct.Scene(small(time={"end": 2e-7, "fraction": by_courant["fraction"] * (1 + 1e-9)})).explain().data["time"]
     assert by_fraction["steps"] == by_courant["steps"] and by_fraction["courant"] == pytest.approx(by_courant["courant"])
-    assert by_courant["stable"] < by_courant["stable_without_contact"]
+    assert by_courant["stable"] == by_courant["stable_without_contact"], "the energy-controlled penalty leaves the step as it is"
+    data = small()
+    data["contact"][0]["enforcement"] = "penalty"
+    explicit = ct.Scene(data).explain().data["time"]
+    assert explicit["stable"] < explicit["stable_without_contact"] == by_courant["stable"]
     # h / c1 in closed form: the shortest edge is 0.5 mm.
     c1 = math.sqrt(2.1e5 * 0.7 / (1.3 * 0.4 * 7.8e-9))
     assert by_courant["dt_courant"] == pytest.approx(0.5 / c1, rel=1e-12)

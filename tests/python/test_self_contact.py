@@ -24,7 +24,7 @@ def hairpin(element="hex8"):
     return nodes, mesh.elements
 
 
-def press(surfaces, element="hex8", **changes):
+def press(surfaces, element="hex8", enforcement="energy_controlled", **changes):
     """A block falls on the upper leg; the lower leg is not held, so that nothing from outside acts."""
     nodes, elements = hairpin(element)
     top = GAP / 2 + THICK
@@ -41,6 +41,8 @@ def press(surfaces, element="hex8", **changes):
     }
     if surfaces:
         scene["contact"].append({"surfaces": surfaces, "beta": 1})
+    for contact in scene["contact"]:
+        contact["enforcement"] = enforcement
     scene.update(changes)
     return ct.Scene(scene)
 
@@ -72,14 +74,15 @@ def test_the_layers_of_a_fold_do_not_pass_through_each_other(pressed):
     assert np.all(np.abs(pushed["position"][:, 2] - pushed["closest"][:, 2]) < 0.1 * GAP)
 
 
-def test_momentum_and_energy_of_a_fold_that_closes_and_opens_again():
-    run = press(["u.outer", "u.outer"]).run(progress=False)
+@pytest.mark.parametrize("enforcement, lost, won", [("penalty", 0.02, 0.02), ("energy_controlled", 0.05, 1e-9)])
+def test_momentum_and_energy_of_a_fold_that_closes_and_opens_again(enforcement, lost, won):
+    run = press(["u.outer", "u.outer"], enforcement=enforcement).run(progress=False)
     assert run.energy["contact"].max() > 1e-3 * run.energy["total"][0], "the contact is to matter"
     size = 4000.0 * 0.2 * 0.3 * 0.2
     p = sum(run.body_momentum(body)["p"] for body in run.bodies)
     assert np.abs(p - p[0]).max() < 1e-12 * size
     total = run.energy["total"]
-    assert np.abs(total / total[0] - 1.0).max() < 0.02
+    assert (total / total[0] - 1.0).max() < won and (total / total[0] - 1.0).min() > -lost
     assert np.abs(run.energy["balance"]).max() < 1e-12 * total[0]
 
 

@@ -143,7 +143,7 @@ def _contact(built: BuiltContact, given: Contact, gap: float | None) -> dict[str
     return {
         "surfaces": list(built.surfaces), "with_itself": built.with_itself, "faces": list(built.faces), "gauss_points": list(built.points),
         "epsilon": built.epsilon, "beta": given.beta, "penalty_is_default": not given.penalty_given,
-        "friction": given.friction, "tangent": given.tangent or 1.0,
+        "enforcement": given.enforcement, "dissipation": given.dissipation, "friction": given.friction, "tangent": given.tangent or 1.0,
         "method": given.method, "tolerance": given.tolerance, "depth": given.depth, "initial_gap": gap, "warnings": warnings,
     }
 
@@ -218,6 +218,7 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
     return [
         f"  contact {_who(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} Gauss points",
         f"    penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin}), closest points by {contact['method']}",
+        f"    enforced by {contact['enforcement']}" + (f", dissipation {contact['dissipation']:g}" if contact["enforcement"] == "energy_controlled" else ""),
         *([f"    friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"] if contact["friction"] else []),
         "    at the start " + (nobody if contact["initial_gap"] is None else f"the smallest gap is {contact['initial_gap']:.4g} {units.length}"),
     ]

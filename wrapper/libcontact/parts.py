@@ -10,7 +10,7 @@ import numpy as np
 from . import effects
 from .projection import METHODS
 from .schema import SceneError, Table, describe, float_array, index_array, suggestion
-from .surfaces import DEFAULT_BETA, split_face
+from .surfaces import DEFAULT_BETA, read_enforcement, split_face
 from .units import BASES, Units
 
 ELEMENTS = ("hex8", "hex20")
@@ -94,6 +94,8 @@ class Contact:
     depth: float | None
     friction: float
     tangent: float
+    enforcement: str
+    dissipation: float
 
     @property
     def with_itself(self) -> bool:
@@ -338,6 +340,7 @@ def _contact(table: Table, bodies: dict[str, Body]) -> Contact:
         depth=table.number("depth", None, above=0.0),
         friction=table.number("friction", 0.0, least=0.0),
         tangent=table.number("tangent", 0.0, above=0.0),
+        **dict(zip(("enforcement", "dissipation"), read_enforcement(table))),
     )
     if contact.tangent and not contact.friction:
         raise table.error("tangent", 'belongs to friction; give "friction" too')

@@ -17,6 +17,7 @@ from ._core import ffi, lib
 from .errors import Error, check, new_error
 from .mesh import KINDS, WIDTH, Mesh, read_vtkhdf
 from .projection import METHODS
+from .surfaces import ENFORCEMENTS
 from .schema import SceneError, float_array, index_array
 
 LUMPING = {None: lib.CT_LUMP_DEFAULT, "row_sum": lib.CT_LUMP_ROW_SUM, "hrz": lib.CT_LUMP_HRZ}
@@ -231,6 +232,8 @@ class Problem:
         new.options.epsilon = contact.epsilon or 0.0
         new.options.method = METHODS[contact.method]
         new.options.threads = self.threads
+        new.options.enforcement = ENFORCEMENTS[contact.enforcement]
+        new.options.dissipation = contact.dissipation
         if contact.tolerance is not None:
             new.options.tolerance = contact.tolerance
         if contact.depth is not None:

@@ -5,11 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from ._core import lib
 from .schema import Table, describe, suggestion
 
 # Penalty factor of contacts and obstacles that give none.
 DEFAULT_BETA = 4.0
+# How contacts and obstacles make forces of gaps (chapter "Enforcement"), and what stands if a scene does not say.
+ENFORCEMENTS = {"energy_controlled": lib.CT_ENFORCE_ENERGY_CONTROLLED, "penalty": lib.CT_ENFORCE_PENALTY,
+                "bipenalty": lib.CT_ENFORCE_BIPENALTY, "lagrange": lib.CT_ENFORCE_LAGRANGE}
+DEFAULT_ENFORCEMENT, DEFAULT_DISSIPATION = "energy_controlled", 0.1
 FACES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "outer")
+
+
+def read_enforcement(table: Table) -> tuple[str, float]:
+    """The keys ``enforcement`` and ``dissipation`` of a contact or an obstacle."""
+    enforcement = table.choice("enforcement", ENFORCEMENTS, DEFAULT_ENFORCEMENT)
+    if table.has("dissipation") and enforcement != "energy_controlled":
+        raise table.error("dissipation", f'belongs to the enforcement "energy_controlled", not to "{enforcement}"')
+    dissipation = table.number("dissipation", DEFAULT_DISSIPATION, least=0.0)
+    if dissipation > 1.0:
+        raise table.error("dissipation", f"is {dissipation:g}; it is a share from 0 to 1")
+    return enforcement, dissipation
 
 
 def split_face(table: Table, key: str, value: Any, bodies: Iterable[str]) -> tuple[str, str]:

@@ -20,9 +20,16 @@ typedef struct ct_contact_options {
   int threads;
   /** Not 0: no search while the surfaces are too far from each other to touch, :eq:`contact-clear`; results do not depend on it. */
   int distant;
+  /** How the contact effect of a problem makes forces of gaps; `ct_contact_update`, which knows of no step, is always the explicit penalty. */
+  ct_enforcement enforcement;
+  /** Share of the stiffness that acts at the end of the step, 0 ... 1, :eq:`energy-controlled`; for the energy-controlled penalty. */
+  double dissipation;
 } ct_contact_options;
 
-/** Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, no search between distant surfaces. ``epsilon`` is 0 and must be set. */
+/**
+ * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, no search between distant surfaces, energy-controlled penalty with dissipation 0.1.
+ * ``epsilon`` is 0 and must be set.
+ */
 CT_API ct_contact_options ct_contact_options_default(void);
 
 /** Penalty ε = β E / h [stress / length], :eq:`penalty-factor`. β between 3 and 5 suits Courant numbers near 0.125. */
@@ -94,7 +101,7 @@ typedef struct ct_contact_point {
   double xi[2];
   /** Signed distance g [length], negative inside; NaN when `other` is -1. */
   double gap;
-  /** Traction ε⟨-g⟩ [stress]. */
+  /** Traction [stress]: ε⟨-g⟩, or that of the enforcement. */
   double pressure;
   /** Weight w J_ref [area]. */
   double weight;

@@ -1,6 +1,7 @@
 #ifndef CONTACT_EFFECT_H
 #define CONTACT_EFFECT_H
 
+#include <contact/enforcement.h>
 #include <contact/status.h>
 
 /**
@@ -54,6 +55,10 @@ typedef struct ct_view {
   uint64_t *still;
   /** Scratch space of the effect that this one `reads`, as its `force` has left it for the same time; null without one. */
   const void *read;
+  /** What the effect has listed in `constrain` for the same time, with the forces that solve all constraints together; in `force` only. */
+  const ct_constraint *constraints;
+  /** How many it has listed. */
+  int64_t constraint_count;
 } ct_view;
 
 /**
@@ -85,10 +90,18 @@ typedef struct ct_effect {
   double bytes;
   /** Null, or an effect that stands before this one in the problem's list and whose scratch space it is shown as `read` of the view. */
   const struct ct_effect *reads;
+  /** Most constraints that `constrain` can list. */
+  int64_t constraint_count;
   /** Scratch space of one state. */
   ct_status (*create_scratch)(const struct ct_effect *effect, void **scratch, ct_error *error);
   /** Give the scratch space back. */
   void (*free_scratch)(void *scratch);
+  /**
+   * List the points that may press in this step into `list`, of room `constraint_count`; `count` tells how many. The forces of all effects' constraints are then
+   * found together, :eq:`constraint-problem`, with the forces of all effects known that stand before the first such effect, and `force` is shown its own. What
+   * `memory` holds of the last step's force must go into `list`, and `force` must write the present one into `next_memory`. Null: the effect has none.
+   */
+  ct_status (*constrain)(const struct ct_effect *effect, const ct_view *view, ct_constraint *list, int64_t *count, ct_error *error);
   /** Write the force on the effect's nodes, shape (node_count, 3) [force]. */
   ct_status (*force)(const struct ct_effect *effect, const ct_view *view, double *force, ct_error *error);
   /** Stored energy for the same view, after `force` was called with it [energy]. */

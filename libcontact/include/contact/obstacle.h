@@ -27,6 +27,10 @@ typedef struct ct_obstacle {
   double radius;
   /** Penalty ε [stress / length], > 0; see `ct_contact_penalty`. */
   double epsilon;
+  /** How gaps give forces. */
+  ct_enforcement enforcement;
+  /** Share of the stiffness that acts at the end of the step, 0 ... 1, :eq:`energy-controlled`; for the energy-controlled penalty. */
+  double dissipation;
   /** Constant velocity [length / time]. */
   double velocity[3];
   /** What the history's factor multiplies [length]; zero without a history. */

@@ -12,7 +12,8 @@
 
 ct_contact_options ct_contact_options_default(void)
 {
-  return (ct_contact_options){.epsilon = 0.0, .method = CT_ROBUST, .tolerance = 1e-10, .depth = 0.0, .threads = 1, .distant = 1};
+  return (ct_contact_options){.epsilon = 0.0, .method = CT_ROBUST, .tolerance = 1e-10, .depth = 0.0, .threads = 1, .distant = 1,
+                              .enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = 0.1};
 }
 
 double ct_contact_penalty(double beta, double young, double h) { return beta * young / h; }
@@ -35,6 +36,8 @@ static ct_status check_options(const ct_contact_options *options, ct_error *erro
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: depth %g, %d threads", options->depth, options->threads);
   if (ct_method_name(options->method) == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no search method %d", (int)options->method);
+  if (ct_enforcement_name(options->enforcement) == NULL || !(options->dissipation >= 0.0 && options->dissipation <= 1.0))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: enforcement %d with dissipation %g", (int)options->enforcement, options->dissipation);
   return CT_OK;
 }
 
@@ -207,7 +210,7 @@ static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
 {
   for (int64_t i = 0; i < ct_side_point_count(side); i++) {
     const ct_gauss_point *point = &side->points[i];
-    if (!(point->gap < 0.0)) continue;
+    if (!ct_point_presses(point)) continue;
     const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
     ct_side_push(grid, side->search, i / side->rule.count, side->N[i % side->rule.count], point->force, side->force, side->force_fine);
     ct_side_push(grid, other->search, point->other, point->N, back, other->force, other->force_fine);
@@ -222,7 +225,7 @@ static double largest_force(const ct_side *side)
   return top;
 }
 
-static ct_status collect_forces(ct_contact *contact, ct_error *error)
+ct_status ct_contact_collect(ct_contact *contact, ct_error *error)
 {
   ct_grid grid;
   double top = 0.0;
@@ -240,7 +243,8 @@ static ct_status collect_forces(ct_contact *contact, ct_error *error)
   return CT_OK;
 }
 
-ct_status ct_contact_update(ct_contact *contact, const double *xa, const double *xb, ct_error *error)
+/* Gaps of all points, and the forces of the penalty. */
+ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double *xb, ct_error *error)
 {
   if (contact == NULL || xa == NULL || (xb == NULL && contact->sides == 2))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
@@ -258,7 +262,13 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
   if (status != CT_OK) return status;
   for (int s = 0; s < contact->sides; s++)
     ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, contact->depth);
-  return collect_forces(contact, error);
+  return CT_OK;
+}
+
+ct_status ct_contact_update(ct_contact *contact, const double *xa, const double *xb, ct_error *error)
+{
+  ct_status status = ct_contact_measure(contact, xa, xb, error);
+  return status == CT_OK ? ct_contact_collect(contact, error) : status;
 }
 
 ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb)
@@ -311,6 +321,13 @@ int64_t ct_contact_point_count(const ct_contact *contact)
   return count;
 }
 
+/* Traction of a point, positive where it pushes. */
+static double pressure_of(const ct_gauss_point *point, double area)
+{
+  double size = sqrt(ct_vector_dot(point->force, point->force)) / area;
+  return (point->gap < 0.0) == (ct_vector_dot(point->force, point->d) >= 0.0) ? size : -size;
+}
+
 ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
@@ -323,7 +340,7 @@ ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points)
       *points = (ct_contact_point){.side = s, .face = (int32_t)(i / side->rule.count), .gauss = (int32_t)(i % side->rule.count),
                                    .other = from->other, .gap = from->gap, .weight = side->weight[i]};
       ct_side_interpolate(side, points->face, side->N[points->gauss], zero, points->position);
-      points->pressure = from->gap < 0.0 ? -contact->options.epsilon * from->gap : 0.0;
+      points->pressure = pressure_of(from, 0.5 * side->weight[i]);
       for (int c = 0; c < 3; c++) points->closest[c] = met ? points->position[c] + from->d[c] : NAN;
       for (int c = 0; c < 2; c++) points->xi[c] = met ? from->xi[c] : NAN;
     }

@@ -15,6 +15,13 @@ struct ct_contact {
   double *terms; /* room for sums, three numbers a point */
 };
 
+/* Gaps of all points at given coordinates, with the forces of the explicit penalty; and nodal forces from those of the points. */
+ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double *xb, ct_error *error);
+ct_status ct_contact_collect(ct_contact *contact, ct_error *error);
+
+/* Bound of ω² of a contact effect's points as springs, whatever the enforcement. */
+ct_status ct_contact_spring_frequency(const ct_effect *effect, const void *scratch, double *omega_squared, ct_error *error);
+
 /* The contact inside the scratch of a contact effect. */
 const ct_contact *ct_contact_of_scratch(const void *scratch);
 

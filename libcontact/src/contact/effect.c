@@ -1,10 +1,13 @@
 /* The contact as an effect of a problem. */
 #include <contact/contact.h>
+#include <contact/sum.h>
 
 #include "../error.h"
 #include "../memory.h"
 #include "contact_internal.h"
+#include "press.h"
 
+#include <math.h>
 #include <string.h>
 
 typedef struct contact_data {
@@ -22,6 +25,7 @@ typedef struct contact_data {
 typedef struct contact_scratch {
   ct_contact *contact;
   double *x;
+  double held; /* energy of the constraints */
 } contact_scratch;
 
 static void free_data(void *data)
@@ -63,30 +67,37 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_OK;
 }
 
-/* A point's memory: number of its other face plus one (0: none), and the parameters there. */
-static void recall(ct_contact *contact, const double *memory)
+/* A point's memory: number of its other face plus one (0: none), the parameters there, and where a step's gaps give the force this force. */
+enum { OTHER = 0, XI = 1, FORCE = 3 };
+
+static int is_penalty(const contact_data *data) { return data->options.enforcement == CT_ENFORCE_PENALTY; }
+static int stride(const contact_data *data) { return is_penalty(data) ? FORCE : FORCE + 1; }
+
+static void recall(ct_contact *contact, const double *memory, int size)
 {
   for (int s = 0; s < contact->sides; s++)
-    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += 3) {
+    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += size) {
       ct_gauss_point *point = &contact->side[s].points[i];
       double last = (double)contact->side[contact->sides - 1 - s].search->face_count;
-      point->other = memory[0] >= 1.0 && memory[0] <= last ? (int32_t)memory[0] - 1 : -1;
-      memcpy(point->xi, &memory[1], sizeof point->xi);
+      point->other = memory[OTHER] >= 1.0 && memory[OTHER] <= last ? (int32_t)memory[OTHER] - 1 : -1;
+      memcpy(point->xi, &memory[XI], sizeof point->xi);
     }
 }
 
-static void remember(const ct_contact *contact, double *memory)
+static void remember(const ct_contact *contact, double *memory, int size)
 {
   for (int s = 0; s < contact->sides; s++)
-    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += 3) {
+    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += size) {
       const ct_gauss_point *point = &contact->side[s].points[i];
-      memory[0] = (double)point->other + 1.0;
-      memcpy(&memory[1], point->xi, sizeof point->xi);
+      memory[OTHER] = (double)point->other + 1.0;
+      memcpy(&memory[XI], point->xi, sizeof point->xi);
     }
 }
 
-static ct_status contact_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+/* Gaps of the points at the time of the view. */
+static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error *error)
 {
+  const contact_data *data = effect->data;
   contact_scratch *s = view->scratch;
   for (int32_t i = 0; i < effect->node_count; i++)
     for (int c = 0; c < 3; c++) {
@@ -94,30 +105,79 @@ static ct_status contact_force(const ct_effect *effect, const ct_view *view, dou
       s->x[3 * (int64_t)i + c] = view->reference[dof] + view->displacement[dof];
     }
   s->contact->options.threads = view->threads;
-  recall(s->contact, view->memory);
-  ct_status status = ct_contact_update(s->contact, s->x, s->x, error);
-  if (status != CT_OK) {
-    if (error != NULL && error->point >= 0) error->point = effect->nodes[error->point];
-    return status;
+  recall(s->contact, view->memory, stride(data));
+  ct_status status = ct_contact_measure(s->contact, s->x, s->x, error);
+  if (status != CT_OK && error != NULL && error->point >= 0) error->point = effect->nodes[error->point];
+  if (status == CT_OK) remember(s->contact, view->next_memory, stride(data));
+  return status;
+}
+
+static ct_status contact_constrain(const ct_effect *effect, const ct_view *view, ct_constraint *list, int64_t *count, ct_error *error)
+{
+  static const double at_rest[3] = {0.0, 0.0, 0.0};
+  const contact_data *data = effect->data;
+  ct_status status = measure(effect, view, error);
+  if (status != CT_OK) return status;
+  const ct_contact *contact = ((const contact_scratch *)view->scratch)->contact;
+  int64_t first = 0;
+  for (int s = 0; s < contact->sides; s++) {
+    const ct_side *side = &contact->side[s];
+    ct_press press = {side, &contact->side[contact->sides - 1 - s], 0.5 * data->options.epsilon, data->options.enforcement, data->options.dissipation, HUGE_VAL, first,
+                      &view->memory[stride(data) * first + FORCE], stride(data), 1};
+    *count += ct_press_list(&press, at_rest, &list[*count]);
+    first += ct_side_point_count(side);
   }
-  remember(s->contact, view->next_memory);
+  return CT_OK;
+}
+
+/* Forces of the constraints on the points, and into the memory; the energy that they hold. */
+static void take_constraints(const contact_data *data, const ct_view *view, contact_scratch *scratch)
+{
+  ct_contact *contact = scratch->contact;
+  int64_t first = 0, points = ct_contact_point_count(contact);
+  for (int s = 0; s < contact->sides; s++) {
+    ct_press_apply(&contact->side[s], first, view->constraints, view->constraint_count);
+    first += ct_side_point_count(&contact->side[s]);
+  }
+  for (int64_t i = 0; i < points; i++) view->next_memory[stride(data) * i + FORCE] = 0.0;
+  for (int64_t j = 0; j < view->constraint_count; j++) {
+    view->next_memory[stride(data) * view->constraints[j].point + FORCE] = view->constraints[j].force;
+    contact->terms[j] = ct_enforcement_energy(&view->constraints[j]);
+  }
+  scratch->held = ct_sum(contact->terms, view->constraint_count);
+}
+
+static ct_status contact_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+{
+  const contact_data *data = effect->data;
+  contact_scratch *s = view->scratch;
+  ct_status status = is_penalty(data) ? measure(effect, view, error) : CT_OK;
+  if (status == CT_OK && !is_penalty(data)) take_constraints(data, view, s);
+  if (status == CT_OK) status = ct_contact_collect(s->contact, error);
+  if (status != CT_OK) return status;
   memset(force, 0, 3 * (size_t)effect->node_count * sizeof *force);
   return ct_contact_add_force(s->contact, force, force);
 }
 
 static ct_status contact_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
 {
-  (void)effect;
+  const contact_scratch *s = view->scratch;
   (void)error;
-  *energy = ct_contact_energy(((const contact_scratch *)view->scratch)->contact);
+  *energy = is_penalty(effect->data) ? ct_contact_energy(s->contact) : s->held;
   return CT_OK;
+}
+
+ct_status ct_contact_spring_frequency(const ct_effect *effect, const void *scratch, double *omega_squared, ct_error *error)
+{
+  const contact_data *data = effect->data;
+  ct_status status = ct_contact_frequency(((const contact_scratch *)scratch)->contact, data->mass, data->mass, omega_squared);
+  return status == CT_OK ? CT_OK : ct_fail(error, status, CT_NOWHERE, "contact: no bound on the time step");
 }
 
 static ct_status contact_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
 {
-  const contact_data *data = effect->data;
-  ct_status status = ct_contact_frequency(((const contact_scratch *)view->scratch)->contact, data->mass, data->mass, omega_squared);
-  return status == CT_OK ? CT_OK : ct_fail(error, status, CT_NOWHERE, "contact: no bound on the time step");
+  // -- Other enforcements leave the step as it is (eq:controlled-energy)
+  return is_penalty(effect->data) ? ct_contact_spring_frequency(effect, view->scratch, omega_squared, error) : CT_OK;
 }
 
 static ct_status renumber(contact_data *data, const ct_surface *surface[2], const double *nodal_mass, int32_t *count, ct_error *error)
@@ -185,7 +245,12 @@ ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, con
     ct_effect_free(effect);
     return status;
   }
-  effect->memory_count = 3 * ct_contact_point_count(((contact_scratch *)trial)->contact);
+  int64_t points = ct_contact_point_count(((contact_scratch *)trial)->contact);
+  effect->memory_count = stride(data) * points;
+  if (!is_penalty(data)) {
+    effect->constrain = contact_constrain;
+    effect->constraint_count = points;
+  }
   free_scratch(trial);
   *out = effect;
   return CT_OK;

@@ -136,10 +136,10 @@ static void make_tangential(const double d[3], double v[3])
   for (int c = 0; c < 3; c++) v[c] -= along * d[c];
 }
 
-/* Traction of a point whose trial slip is known; `k` is the normal stiffness. */
-static void rub(const friction_data *data, double k, const double d[3], slip_point *p)
+/* Traction of a point whose trial slip is known; `k` is the normal stiffness, and the normal force k times the depth below the foot. */
+static void rub(const friction_data *data, double k, const double normal[3], slip_point *p)
 {
-  double limit = data->mu / data->rho * sqrt(ct_vector_dot(d, d));
+  double limit = data->mu / data->rho * (sqrt(ct_vector_dot(normal, normal)) / k);
   p->k = data->rho * k;
   double slid = ct_friction_return(limit, p->s);
   // -- What sliding has taken (eq:friction-dissipation)
@@ -163,15 +163,15 @@ static void rub_contact(const call *now, int s, int64_t i, const double *memory,
   const ct_gauss_point *point = &side->points[i];
   double t1[3], t2[3], n[3], c[2], dN[8][2];
   release(p, memory, next, MEMORY);
-  if (!(point->gap < 0.0) || !frame(other->search, point->other, point->xi, t1, t2, n)) return;
+  if (!ct_point_presses(point) || !frame(other->search, point->other, point->xi, t1, t2, n)) return;
 
   // -- Tangential part of the trial slip, in the plane of the face or across the way to an edge (eq:friction-trial)
   trial_slip(now, side, other, i, memory, p->s);
   int inside = is_inside(other->search->kind, point->xi);
-  if (!inside) make_tangential(point->d, p->s);
+  if (!inside) make_tangential(point->force, p->s);
   components(t1, t2, p->s, c);
   for (int k = 0; inside && k < 3; k++) p->s[k] = c[0] * t1[k] + c[1] * t2[k];
-  rub(now->data, 0.5 * contact->options.epsilon * side->weight[i], point->d, p);
+  rub(now->data, 0.5 * contact->options.epsilon * side->weight[i], point->force, p);
 
   // -- The couple on the other face that balances the moment of the tractions (eq:friction-couple)
   components(t1, t2, p->s, c);
@@ -195,15 +195,15 @@ static void rub_obstacle(const call *now, int64_t i, const double *memory, doubl
   const ct_gauss_point *point = &side->points[i];
   double y[3], first[3];
   release(p, memory, next, RIGID_MEMORY);
-  if (!(point->gap < 0.0)) return;
+  if (!ct_point_presses(point)) return;
   ct_side_interpolate(side, (int32_t)(i / side->rule.count), side->N[i % side->rule.count], points->place, y);
   way(now, side->search, i / side->rule.count, side->N[i % side->rule.count], first);
   for (int c = 0; c < 3; c++) {
     p->s[c] = memory[PARTNER] != 0.0 ? (y[c] - memory[FOOT + c]) + memory[RIGID_SLIP + c] : first[c] - now->moved[c];
     next[FOOT + c] = y[c] + point->d[c];
   }
-  make_tangential(point->d, p->s);
-  rub(now->data, points->epsilon * side->weight[i], point->d, p);
+  make_tangential(point->force, p->s);
+  rub(now->data, points->epsilon * side->weight[i], point->force, p);
   next[PARTNER] = 1.0;
   memcpy(&next[RIGID_SLIP], p->s, sizeof p->s);
   next[RIGID_LOST] = p->lost;
@@ -327,9 +327,8 @@ static ct_status friction_force(const ct_effect *effect, const ct_view *view, do
 static ct_status friction_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
 {
   const friction_data *data = effect->data;
-  ct_view other = *view;
-  other.scratch = (void *)(uintptr_t)view->read;
-  ct_status status = data->on->frequency(data->on, &other, omega_squared, error);
+  ct_status status = data->rigid ? ct_obstacle_spring_frequency(data->on, view->read, omega_squared, error)
+                                 : ct_contact_spring_frequency(data->on, view->read, omega_squared, error);
   *omega_squared *= fmax(data->rho, data->mu);
   return status;
 }

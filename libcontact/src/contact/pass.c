@@ -105,7 +105,7 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
  * border of the surface, or when the two surfaces do not face each other. */
 static int measure(const pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
 {
-  double foot[3], normal[3], own[3];
+  double foot[3], own[3], *normal = point->normal;
   ct_face mine;
   if (!ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal)) return 0;
   ct_segment_shape(p->other->search->kind, best->foot.xi, point->N);

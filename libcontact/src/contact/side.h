@@ -13,9 +13,13 @@ typedef struct ct_gauss_point {
   double xi[2];   /* parameters of the closest point there */
   double d[3];    /* ȳ - y */
   double gap;     /* signed distance; NaN without `other` */
+  double normal[3]; /* outward normal of the other side at the foot, of any length */
   double N[8];    /* shape functions of the other face at xi */
-  double force[3]; /* ½ ε w J d where the gap is negative, else 0 */
+  double force[3]; /* ½ ε w J d where the gap is negative, else 0; or what the enforcement makes of the gap */
 } ct_gauss_point;
+
+/* Whether a point has a force. */
+static inline int ct_point_presses(const ct_gauss_point *point) { return point->force[0] != 0.0 || point->force[1] != 0.0 || point->force[2] != 0.0; }
 
 /* One surface of a contact: its shape and tree, its weights, its points and forces. */
 typedef struct ct_side {

@@ -7,7 +7,7 @@ from typing import Any
 
 from .._core import ffi, lib
 from ..schema import Table
-from ..surfaces import DEFAULT_BETA, split_face
+from ..surfaces import DEFAULT_BETA, ENFORCEMENTS, read_enforcement, split_face
 from ..units import Units
 from . import Known
 from .load import c_history, read_history
@@ -37,6 +37,8 @@ class Obstacle:
     history: tuple[tuple[float, ...], tuple[float, ...]]
     friction: float
     tangent: float
+    enforcement: str
+    dissipation: float
 
 
 def read(table: Table, known: Known) -> Obstacle:
@@ -51,6 +53,7 @@ def read(table: Table, known: Known) -> Obstacle:
         velocity=table.vector("velocity", (0.0, 0.0, 0.0)), travel=table.vector("travel", (0.0, 0.0, 0.0)),
         history=read_history(table),
         friction=table.number("friction", 0.0, least=0.0), tangent=table.number("tangent", 0.0, above=0.0),
+        **dict(zip(("enforcement", "dissipation"), read_enforcement(table))),
     )
     if any(obstacle.travel) != bool(obstacle.history[0]):
         raise table.error("history", 'and "travel" go together: the way is travel times the history')
@@ -77,6 +80,7 @@ def create(given: Obstacle, maker: Any) -> list[Any]:
     epsilon = given.epsilon or lib.ct_contact_penalty(given.beta, body.material.young, lib.ct_mesh_shortest_edge(body.mesh))
     options = ffi.new("ct_obstacle *", {
         "shape": SHAPES[given.shape][0], "point": given.point, "axis": given.axis, "radius": given.radius, "epsilon": epsilon,
+        "enforcement": ENFORCEMENTS[given.enforcement], "dissipation": given.dissipation,
         "velocity": given.velocity, "travel": given.travel, "history": c_history(given.history, maker),
         "kind": kind, "face_count": len(faces), "faces": ffi.from_buffer("int32_t[]", faces)})
     made = [maker.make(lib.ct_obstacle_create_effect, options)]
@@ -92,4 +96,5 @@ def describe(given: Obstacle, units: Units) -> str:
     motion += f", moving by {list(given.travel)} {units.length} with a history" if given.history[0] else ""
     penalty = f"beta = {given.beta:g}" if given.beta is not None else f"epsilon = {given.epsilon:g} {units.label('penalty')}"
     rub = f", friction {given.friction:g}" if given.friction else ", without friction"
+    penalty += f", enforced by {given.enforcement}"
     return f"{given.shape}{size} at {list(given.point)} {units.length} against {'.'.join(given.surface)}{motion}; {penalty}{rub}"

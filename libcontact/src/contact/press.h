@@ -1,0 +1,25 @@
+#ifndef CT_SRC_CONTACT_PRESS_H
+#define CT_SRC_CONTACT_PRESS_H
+
+#include "side.h"
+
+/* What all points of a side share when they are listed as constraints. */
+typedef struct ct_press {
+  const ct_side *side, *other;     /* `other` is null for an obstacle */
+  double epsilon;                  /* stiffness over weight: half the penalty where both sides have points */
+  ct_enforcement enforcement;
+  double dissipation;
+  double reach;                    /* points farther out than this are not listed */
+  int64_t first;                   /* number of the side's first point among the effect's */
+  const double *last;              /* forces of the last step, `stride` doubles apart */
+  int stride;
+  int renumber;                    /* whether the side's nodes are numbered by its `search->nodes` in the effect, or as the effect's */
+} ct_press;
+
+/* List the points of a side that may press; answers how many (eq:constraint-force). */
+int64_t ct_press_list(const ct_press *press, const double moved[3], ct_constraint *list);
+
+/* The forces that the constraints of an effect have found, onto the points of a side, those `first` ... of the effect. */
+void ct_press_apply(ct_side *side, int64_t first, const ct_constraint *list, int64_t count);
+
+#endif

@@ -1,0 +1,271 @@
+/* The forces of all constraints of a step, found together. */
+#include "solve.h"
+
+#include <contact/sum.h>
+
+#include "../contact/side.h"
+#include "../error.h"
+#include "../memory.h"
+#include "../workspace.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST_ITERATIONS = 500, FACE_NODES = 8 };
+
+/* The iteration ends when no force changes by more than this part of the largest. */
+static const double TOLERANCE = 1e-10;
+
+void ct_solver_free(const ct_problem *problem, ct_solver *s)
+{
+  if (s == NULL) return;
+  for (int32_t k = 0; s->place != NULL && k < problem->effect_count; k++) ct_release(s->place[k]);
+  void *blocks[] = {s->list, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->fine, s->active, s->slot, s->free, s->bound, s->guess, s->force, s->terms, s};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
+}
+
+/* Number the nodes on which constraints can act. */
+static ct_status number_nodes(const ct_problem *problem, ct_solver *s)
+{
+  int32_t *number = ct_allocate((size_t)problem->node_count, sizeof *number);
+  if (number == NULL) return CT_ERROR_MEMORY;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    for (int32_t i = 0; effect->constrain != NULL && i < effect->node_count; i++) number[ct_effect_node(effect, i)] = 1;
+  }
+  for (int32_t n = 0; n < problem->node_count; n++) s->node_count += number[n];
+  ct_status status = (s->nodes = ct_allocate((size_t)s->node_count, sizeof *s->nodes)) != NULL ? CT_OK : CT_ERROR_MEMORY;
+  for (int32_t n = 0, next = 0; status == CT_OK && n < problem->node_count; n++)
+    if (number[n]) {
+      s->nodes[next] = n;
+      number[n] = next++;
+    }
+  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (effect->constrain == NULL) continue;
+    s->place[k] = ct_allocate((size_t)effect->node_count, sizeof *s->place[k]);
+    if (s->place[k] == NULL) status = CT_ERROR_MEMORY;
+    for (int32_t i = 0; status == CT_OK && i < effect->node_count; i++) s->place[k][i] = number[ct_effect_node(effect, i)];
+  }
+  ct_release(number);
+  return status;
+}
+
+ct_status ct_solver_create(const ct_problem *problem, ct_solver **out)
+{
+  int64_t room = 0;
+  for (int32_t k = 0; k < problem->effect_count; k++)
+    if (problem->effects[k]->constrain != NULL) room += problem->effects[k]->constraint_count;
+  if (room == 0) return CT_OK;
+  ct_solver *s = ct_allocate(1, sizeof *s);
+  *out = s;
+  if (s == NULL) return CT_ERROR_MEMORY;
+  size_t rows = (size_t)room;
+  s->room = room;
+  s->list = ct_allocate(rows, sizeof *s->list);
+  s->first = ct_allocate((size_t)problem->effect_count + 1, sizeof *s->first);
+  s->place = ct_allocate((size_t)problem->effect_count, sizeof *s->place);
+  if (!s->list || !s->first || !s->place || number_nodes(problem, s) != CT_OK) return CT_ERROR_MEMORY;
+  double **per_dof[] = {&s->way, &s->mobility, &s->push, &s->fine}, **per_row[] = {&s->free, &s->bound, &s->guess, &s->force};
+  for (size_t i = 0; i < sizeof per_dof / sizeof per_dof[0]; i++)
+    if ((*per_dof[i] = ct_allocate((size_t)s->node_count, 3 * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
+  for (size_t i = 0; i < sizeof per_row / sizeof per_row[0]; i++)
+    if ((*per_row[i] = ct_allocate(rows, sizeof(double))) == NULL) return CT_ERROR_MEMORY;
+  s->terms = ct_allocate(2 * rows, sizeof *s->terms);
+  s->active = ct_allocate(rows, sizeof *s->active);
+  s->slot = ct_allocate(rows, 2 * FACE_NODES * sizeof *s->slot);
+  return s->terms && s->active && s->slot ? CT_OK : CT_ERROR_MEMORY;
+}
+
+/* Let every effect list what may press. */
+static ct_status list_constraints(const ct_problem *problem, ct_state *state, ct_solver *s, ct_error *error)
+{
+  s->first[0] = 0;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    int64_t count = 0;
+    if (effect->constrain != NULL) {
+      ct_view view = ct_workspace_view(problem, state, k);
+      double begin = problem->clock == NULL ? 0.0 : problem->clock();
+      ct_status status = effect->constrain(effect, &view, s->list + s->first[k], &count, error);
+      if (status != CT_OK) return status;
+      if (problem->clock != NULL) state->effect_seconds[k] += problem->clock() - begin;
+    }
+    s->first[k + 1] = s->first[k] + count;
+  }
+  return CT_OK;
+}
+
+/* Way of each node until t_{n+1} without the constraints, how far a force moves it, and (in `fine`) its way since t_{n-1} (eq:constraint-problem). */
+static void predict(const ct_problem *problem, const ct_state *state, ct_solver *s)
+{
+  // The first step is half a kick and a whole drift (eq:leapfrog-start).
+  double dt = problem->dt, kick = state->workspace->starting ? 0.5 * dt : dt;
+  for (int32_t i = 0; i < s->node_count; i++)
+    for (int64_t c = 0; c < 3; c++) {
+      int64_t own = 3 * (int64_t)i + c, dof = 3 * (int64_t)s->nodes[i] + c;
+      s->way[own] = dt * ct_kick(state->velocity[dof], kick, problem->inverse_mass[dof], state->workspace->total[dof]);
+      s->mobility[own] = dt * kick * problem->inverse_mass[dof];
+      s->fine[own] = dt * state->velocity[dof];
+    }
+}
+
+/* Σ_a b_a n·x_a for a constraint whose nodes stand at `slot` of x. */
+static double along(const ct_constraint *c, const int32_t *slot, const double *x)
+{
+  double side[2];
+  for (int f = 0; f < 2; f++) {
+    double t[FACE_NODES] = {0.0};
+    int32_t count = f == 0 ? c->own : c->other;
+    for (int32_t i = 0; i < count; i++) {
+      int32_t a = f * FACE_NODES + i;
+      const double *at = &x[3 * (int64_t)slot[a]];
+      t[i] = c->b[a] * ((c->normal[0] * at[0] + c->normal[1] * at[1]) + c->normal[2] * at[2]);
+    }
+    side[f] = ct_side_sum(count, t);
+  }
+  return side[0] + side[1];
+}
+
+/* Gaps of the steps before and after without the constraints. Those that the motions of this step cannot close are left out (eq:near-constraints). */
+static void choose_active(const ct_problem *problem, ct_solver *s)
+{
+  double most = 0.0;
+  for (int32_t k = 0; k < problem->effect_count; k++)
+    for (int64_t j = s->first[k]; j < s->first[k + 1]; j++) {
+      ct_constraint *c = &s->list[j];
+      int32_t *slot = &s->slot[2 * FACE_NODES * j];
+      for (int32_t a = 0; a < c->own; a++) slot[a] = s->place[k][c->node[a]];
+      for (int32_t a = FACE_NODES; a < FACE_NODES + c->other; a++) slot[a] = s->place[k][c->node[a]];
+      c->before = c->gap - (along(c, slot, s->fine) + c->moved);
+      c->after = c->gap + (along(c, slot, s->way) + c->moved);
+      most = fmax(most, fmax(fabs(c->after - c->gap), -c->gap));
+    }
+  s->count = 0;
+  for (int64_t j = 0; j < s->first[problem->effect_count]; j++) {
+    const ct_constraint *c = &s->list[j];
+    if (!(fmin(c->gap, c->after) <= 2.0 * most)) continue;
+    s->free[s->count] = c->after;
+    s->active[s->count++] = j;
+  }
+}
+
+/* A way to add up what the constraints do to nodes, in sums that do not depend on their order: `push` becomes Σ_j b_a n values_j, sizes instead of signs if `sizes`. */
+static int add_up(ct_solver *s, const double *values, int sizes)
+{
+  ct_grid grid;
+  double top = 0.0;
+  size_t size = 3 * (size_t)s->node_count * sizeof(double);
+  for (int64_t r = 0; r < s->count; r++) top = fmax(top, fabs(values[r]));
+  memset(s->push, 0, size);
+  memset(s->fine, 0, size);
+  // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
+  if (top == 0.0) return 1;
+  if (!ct_grid_init(&grid, 2.0 * top, 2 * FACE_NODES * s->count)) return 0;
+  for (int64_t r = 0; r < s->count; r++) {
+    const ct_constraint *c = &s->list[s->active[r]];
+    const int32_t *slot = &s->slot[2 * FACE_NODES * s->active[r]];
+    if (values[r] == 0.0) continue;
+    for (int32_t a = 0; a < FACE_NODES + c->other; a = a + 1 == c->own ? FACE_NODES : a + 1)
+      for (int64_t i = 0; i < 3; i++) {
+        double x = c->b[a] * (values[r] * c->normal[i]);
+        ct_grid_add(&grid, sizes ? fabs(x) : x, &s->push[3 * (int64_t)slot[a] + i], &s->fine[3 * (int64_t)slot[a] + i]);
+      }
+  }
+  for (int64_t d = 0; d < 3 * (int64_t)s->node_count; d++) s->push[d] = s->mobility[d] * (s->push[d] + s->fine[d]);
+  return 1;
+}
+
+/* Σ_k |W_jk| for each row of W = G (mobility) Gᵀ, or more (eq:constraint-bound). */
+static int bound_rows(ct_solver *s)
+{
+  for (int64_t r = 0; r < s->count; r++) s->guess[r] = 1.0;
+  if (!add_up(s, s->guess, 1)) return 0;
+  for (int64_t r = 0; r < s->count; r++) {
+    const ct_constraint *c = &s->list[s->active[r]];
+    const int32_t *slot = &s->slot[2 * FACE_NODES * s->active[r]];
+    ct_constraint size = *c;
+    for (int32_t a = 0; a < 2 * FACE_NODES; a++) size.b[a] = fabs(c->b[a]);
+    for (int i = 0; i < 3; i++) size.normal[i] = fabs(c->normal[i]);
+    s->bound[r] = along(&size, slot, s->push);
+  }
+  return 1;
+}
+
+/* One round: the force of each constraint as if the others stayed as guessed and its own row of W were diagonal. Answers the largest change over the largest
+ * force (eq:constraint-iteration). */
+static double improve(ct_solver *s, double *next)
+{
+  double change = 0.0, top = 0.0;
+  for (int64_t r = 0; r < s->count; r++) {
+    const ct_constraint *c = &s->list[s->active[r]];
+    double gap = s->free[r] + along(c, &s->slot[2 * FACE_NODES * s->active[r]], s->push);
+    next[r] = ct_enforcement_solve(c, gap - s->bound[r] * s->guess[r], s->bound[r]);
+    change = fmax(change, fabs(next[r] - s->guess[r]));
+    top = fmax(top, fmax(fabs(next[r]), fabs(s->guess[r])));
+  }
+  return top > 0.0 ? change / top : 0.0;
+}
+
+/* Go on from beyond the new forces, farther each time, until that leads uphill (eq:constraint-momentum). `next` becomes the forces. */
+static double extrapolate(ct_solver *s, const double *next, double pace)
+{
+  for (int64_t r = 0; r < s->count; r++) s->terms[r] = s->bound[r] * (s->guess[r] - next[r]) * (next[r] - s->force[r]);
+  int uphill = ct_sum(s->terms, s->count) > 0.0;
+  double faster = uphill ? 1.0 : 0.5 * (1.0 + sqrt(1.0 + 4.0 * pace * pace)), share = uphill ? 0.0 : (pace - 1.0) / faster;
+  for (int64_t r = 0; r < s->count; r++) {
+    double way = next[r] - s->force[r];
+    s->guess[r] = next[r] + share * way;
+    s->force[r] = next[r];
+  }
+  return faster;
+}
+
+/* Accelerated projected iteration from the forces of the last step. */
+static int iterate(ct_solver *s)
+{
+  double pace = 1.0, *next = s->terms + s->room;
+  for (int64_t r = 0; r < s->count; r++) s->guess[r] = s->force[r] = s->list[s->active[r]].force;
+  s->converged = 0;
+  for (s->iterations = 0; s->iterations < MOST_ITERATIONS && !s->converged; s->iterations++) {
+    if (!add_up(s, s->guess, 0)) return 0;
+    double change = improve(s, next);
+    s->converged = change <= TOLERANCE;
+    // Forces that hold already stay as they are: a start that is made twice gives the same bits.
+    if (s->iterations == 0 && change <= 10.0 * TOLERANCE) {
+      s->converged = 1;
+      break;
+    }
+    pace = extrapolate(s, next, pace);
+  }
+  return 1;
+}
+
+/* Forces and gaps of the solution into the list. */
+static int hand_out(const ct_problem *problem, ct_solver *s)
+{
+  for (int64_t j = 0; j < s->first[problem->effect_count]; j++) s->list[j].force = 0.0;
+  if (!add_up(s, s->force, 0)) return 0;
+  for (int64_t r = 0; r < s->count; r++) s->list[s->active[r]].force = s->force[r];
+  for (int64_t j = 0; j < s->first[problem->effect_count]; j++) s->list[j].after += along(&s->list[j], &s->slot[2 * FACE_NODES * j], s->push);
+  return 1;
+}
+
+ct_status ct_solver_solve(const ct_problem *problem, ct_state *state, ct_error *error)
+{
+  ct_solver *s = state->workspace->solver;
+  ct_status status = list_constraints(problem, state, s, error);
+  if (status != CT_OK || s->first[problem->effect_count] == 0) return status;
+  double begin = problem->clock == NULL ? 0.0 : problem->clock();
+  predict(problem, state, s);
+  choose_active(problem, s);
+  s->iterations = 0;
+  s->converged = 1;
+  if (!bound_rows(s) || !iterate(s) || !hand_out(problem, s))
+    return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "the contact forces stopped being finite at t = %g", state->time);
+  // Each effect pays for its part of the list.
+  for (int32_t k = 0; problem->clock != NULL && k < problem->effect_count; k++)
+    if (problem->effects[k]->constrain != NULL)
+      state->effect_seconds[k] += (problem->clock() - begin) * (double)(s->first[k + 1] - s->first[k]) / (double)s->first[problem->effect_count];
+  return CT_OK;
+}
