@@ -20,7 +20,7 @@ void ct_solver_free(const ct_problem *problem, ct_solver *s)
 {
   if (s == NULL) return;
   for (int32_t k = 0; s->place != NULL && k < problem->effect_count; k++) ct_release(s->place[k]);
-  void *blocks[] = {s->list, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->fine, s->active, s->slot, s->free, s->bound, s->guess, s->force, s->terms, s};
+  void *blocks[] = {s->list, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->fine, s->active, s->slot, s->free, s->bound, s->guess, s->force, s->terms, s->path, s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
 }
 
@@ -34,19 +34,23 @@ static ct_status number_nodes(const ct_problem *problem, ct_solver *s)
     for (int32_t i = 0; effect->constrain != NULL && i < effect->node_count; i++) number[ct_effect_node(effect, i)] = 1;
   }
   for (int32_t n = 0; n < problem->node_count; n++) s->node_count += number[n];
+  int32_t longest = 0;
   ct_status status = (s->nodes = ct_allocate((size_t)s->node_count, sizeof *s->nodes)) != NULL ? CT_OK : CT_ERROR_MEMORY;
   for (int32_t n = 0, next = 0; status == CT_OK && n < problem->node_count; n++)
     if (number[n]) {
       s->nodes[next] = n;
       number[n] = next++;
-    }
+    } else
+      number[n] = -1;
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    if (effect->constrain == NULL) continue;
+    if (effect->constrain == NULL && effect->path == NULL) continue;
+    if (effect->path != NULL && effect->node_count > longest) longest = effect->node_count;
     s->place[k] = ct_allocate((size_t)effect->node_count, sizeof *s->place[k]);
     if (s->place[k] == NULL) status = CT_ERROR_MEMORY;
     for (int32_t i = 0; status == CT_OK && i < effect->node_count; i++) s->place[k][i] = number[ct_effect_node(effect, i)];
   }
+  if (status == CT_OK && longest > 0 && (s->path = ct_allocate((size_t)longest, 3 * sizeof *s->path)) == NULL) status = CT_ERROR_MEMORY;
   ct_release(number);
   return status;
 }
@@ -108,6 +112,25 @@ static void predict(const ct_problem *problem, const ct_state *state, ct_solver 
       s->mobility[own] = dt * kick * problem->inverse_mass[dof];
       s->fine[own] = dt * state->velocity[dof];
     }
+}
+
+/* Degrees of freedom that follow a path: no force moves them. */
+static ct_status follow_paths(const ct_problem *problem, const ct_state *state, ct_solver *s, ct_error *error)
+{
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (effect->path == NULL) continue;
+    ct_view view = ct_workspace_view(problem, state, k);
+    ct_status status = effect->path(effect, &view, s->path, error);
+    if (status != CT_OK) return status;
+    for (int64_t d = 0; d < 3 * (int64_t)effect->node_count; d++) {
+      int32_t place = s->place[k][d / 3];
+      if (place < 0 || isnan(s->path[d])) continue;
+      s->way[3 * (int64_t)place + d % 3] = s->path[d];
+      s->mobility[3 * (int64_t)place + d % 3] = 0.0;
+    }
+  }
+  return CT_OK;
 }
 
 /* Σ_a b_a n·x_a for a constraint whose nodes stand at `slot` of x. */
@@ -258,6 +281,8 @@ ct_status ct_solver_solve(const ct_problem *problem, ct_state *state, ct_error *
   if (status != CT_OK || s->first[problem->effect_count] == 0) return status;
   double begin = problem->clock == NULL ? 0.0 : problem->clock();
   predict(problem, state, s);
+  status = follow_paths(problem, state, s, error);
+  if (status != CT_OK) return status;
   choose_active(problem, s);
   s->iterations = 0;
   s->converged = 1;

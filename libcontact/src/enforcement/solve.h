@@ -8,7 +8,7 @@ typedef struct ct_solver {
   int64_t room;           /* most constraints of all effects */
   ct_constraint *list;    /* those of one effect after those of another */
   int64_t *first;         /* of each effect in `list`, shape (effect_count + 1) */
-  int32_t **place;        /* of each effect with constraints: the place of each of its nodes among the solver's */
+  int32_t **place;        /* of each effect with constraints or a path: the place of each of its nodes among the solver's, or -1 */
   int32_t node_count;     /* nodes on which constraints can act, ascending */
   int32_t *nodes;
   double *way;            /* u_{n+1} - u_n without the constraints, shape (node_count, 3) */
@@ -19,6 +19,7 @@ typedef struct ct_solver {
   int32_t *slot;          /* places of their nodes, shape (room, 16) */
   double *free, *bound;   /* their gaps at t_{n+1} without the constraints, and bounds of the rows of W */
   double *guess, *force;  /* from where the next round starts, and the forces that the last one gave */
+  double *path;           /* ways of one effect's nodes; null when no effect takes any along a path */
   double *terms;          /* two numbers each */
   int iterations;         /* of the last solution */
   int converged;          /* whether it met the tolerance */
