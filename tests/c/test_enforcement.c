@@ -247,7 +247,7 @@ static void fill_row(const ct_solver *s, int64_t r, double *row)
   const ct_constraint *c = &s->list[s->active[r]];
   for (int a = 0; a < 16; a++)
     if (a < 8 ? a < c->own : a < 8 + c->other)
-      for (int i = 0; i < 3; i++) row[3 * s->slot[16 * s->active[r] + a] + i] += c->b[a] * c->normal[i];
+      for (int i = 0; i < 3; i++) row[4 * s->slot[16 * s->active[r] + a] + i] += c->b[a] * c->normal[i];
 }
 
 /* The forces of many points against Gauss-Seidel with a dense matrix, from zero, to the last digit. */
@@ -262,7 +262,7 @@ static void many_points(void)
       pressed = 0;
       for (int64_t r = 0; r < s->count; r++) pressed += s->list[s->active[r]].force > 0.0;
     }
-    int64_t n = s->count, dofs = 3 * (int64_t)s->node_count;
+    int64_t n = s->count, dofs = 4 * (int64_t)s->node_count;
     double *G = numbers(n * dofs), *W = numbers(n * n), *force = numbers(n), top = 0.0, off = 0.0;
     for (int64_t r = 0; r < n; r++) fill_row(s, r, &G[r * dofs]);
     for (int64_t r = 0; r < n; r++)

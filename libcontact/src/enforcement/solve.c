@@ -5,13 +5,15 @@
 
 #include "../contact/side.h"
 #include "../error.h"
+#include "../lanes.h"
 #include "../memory.h"
 #include "../workspace.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { MOST_ITERATIONS = 500, FACE_NODES = 8 };
+/* Vectors at nodes have a fourth component, 0, so that they fill a register. */
+enum { MOST_ITERATIONS = 500, FACE_NODES = 8, WIDE = 4 };
 
 /* The iteration ends when no force changes by more than this part of the largest. */
 static const double TOLERANCE = 1e-10;
@@ -20,7 +22,7 @@ void ct_solver_free(const ct_problem *problem, ct_solver *s)
 {
   if (s == NULL) return;
   for (int32_t k = 0; s->place != NULL && k < problem->effect_count; k++) ct_release(s->place[k]);
-  void *blocks[] = {s->list, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->fine, s->active, s->slot, s->free, s->bound, s->guess, s->force, s->terms, s->path, s};
+  void *blocks[] = {s->list, s->sizes, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->fine, s->active, s->slot, s->free, s->bound, s->guess, s->force, s->terms, s->path, s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
 }
 
@@ -67,12 +69,13 @@ ct_status ct_solver_create(const ct_problem *problem, ct_solver **out)
   size_t rows = (size_t)room;
   s->room = room;
   s->list = ct_allocate(rows, sizeof *s->list);
+  s->sizes = ct_allocate(rows, sizeof *s->sizes);
   s->first = ct_allocate((size_t)problem->effect_count + 1, sizeof *s->first);
   s->place = ct_allocate((size_t)problem->effect_count, sizeof *s->place);
-  if (!s->list || !s->first || !s->place || number_nodes(problem, s) != CT_OK) return CT_ERROR_MEMORY;
+  if (!s->list || !s->sizes || !s->first || !s->place || number_nodes(problem, s) != CT_OK) return CT_ERROR_MEMORY;
   double **per_dof[] = {&s->way, &s->mobility, &s->push, &s->fine}, **per_row[] = {&s->free, &s->bound, &s->guess, &s->force};
   for (size_t i = 0; i < sizeof per_dof / sizeof per_dof[0]; i++)
-    if ((*per_dof[i] = ct_allocate((size_t)s->node_count, 3 * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
+    if ((*per_dof[i] = ct_allocate((size_t)s->node_count, WIDE * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
   for (size_t i = 0; i < sizeof per_row / sizeof per_row[0]; i++)
     if ((*per_row[i] = ct_allocate(rows, sizeof(double))) == NULL) return CT_ERROR_MEMORY;
   s->terms = ct_allocate(2 * rows, sizeof *s->terms);
@@ -107,7 +110,7 @@ static void predict(const ct_problem *problem, const ct_state *state, ct_solver 
   double dt = problem->dt, kick = state->workspace->starting ? 0.5 * dt : dt;
   for (int32_t i = 0; i < s->node_count; i++)
     for (int64_t c = 0; c < 3; c++) {
-      int64_t own = 3 * (int64_t)i + c, dof = 3 * (int64_t)s->nodes[i] + c;
+      int64_t own = WIDE * (int64_t)i + c, dof = 3 * (int64_t)s->nodes[i] + c;
       s->way[own] = dt * ct_kick(state->velocity[dof], kick, problem->inverse_mass[dof], state->workspace->total[dof]);
       s->mobility[own] = dt * kick * problem->inverse_mass[dof];
       s->fine[own] = dt * state->velocity[dof];
@@ -126,8 +129,8 @@ static ct_status follow_paths(const ct_problem *problem, const ct_state *state, 
     for (int64_t d = 0; d < 3 * (int64_t)effect->node_count; d++) {
       int32_t place = s->place[k][d / 3];
       if (place < 0 || isnan(s->path[d])) continue;
-      s->way[3 * (int64_t)place + d % 3] = s->path[d];
-      s->mobility[3 * (int64_t)place + d % 3] = 0.0;
+      s->way[WIDE * (int64_t)place + d % 3] = s->path[d];
+      s->mobility[WIDE * (int64_t)place + d % 3] = 0.0;
     }
   }
   return CT_OK;
@@ -142,7 +145,7 @@ static double along(const ct_constraint *c, const int32_t *slot, const double *x
     int32_t count = f == 0 ? c->own : c->other;
     for (int32_t i = 0; i < count; i++) {
       int32_t a = f * FACE_NODES + i;
-      const double *at = &x[3 * (int64_t)slot[a]];
+      const double *at = &x[WIDE * (int64_t)slot[a]];
       t[i] = c->b[a] * ((c->normal[0] * at[0] + c->normal[1] * at[1]) + c->normal[2] * at[2]);
     }
     side[f] = ct_side_sum(count, t);
@@ -173,45 +176,59 @@ static void choose_active(const ct_problem *problem, ct_solver *s)
   }
 }
 
-/* A way to add up what the constraints do to nodes, in sums that do not depend on their order: `push` becomes Σ_j b_a n values_j, sizes instead of signs if `sizes`. */
-static int add_up(ct_solver *s, const double *values, int sizes)
+/* Add b_a times a vector to the sums at the nodes of one face (ct_grid_add, four components side by side). */
+static inline void add_face(const ct_grid *grid, int32_t count, const int32_t *slot, const double *b, const double v[WIDE], double *push, double *fine)
+{
+  for (int32_t a = 0; a < count; a++) {
+    double *sum = &push[WIDE * (int64_t)slot[a]], *rest = &fine[WIDE * (int64_t)slot[a]];
+#pragma omp simd
+    for (int i = 0; i < WIDE; i++) ct_grid_add(grid, b[a] * v[i], &sum[i], &rest[i]);
+  }
+}
+
+CT_CLONES
+static void add_rows(const ct_grid *grid, int64_t count, const ct_constraint *list, const int64_t *active, const int32_t *slot, const double *values, double *restrict push,
+                     double *restrict fine)
+{
+  for (int64_t r = 0; r < count; r++) {
+    const ct_constraint *c = &list[active[r]];
+    const int32_t *at = &slot[2 * FACE_NODES * active[r]];
+    const double v[WIDE] = {values[r] * c->normal[0], values[r] * c->normal[1], values[r] * c->normal[2], 0.0};
+    if (values[r] == 0.0) continue;
+    add_face(grid, c->own, at, c->b, v, push, fine);
+    add_face(grid, c->other, at + FACE_NODES, c->b + FACE_NODES, v, push, fine);
+  }
+}
+
+/* What forces of the constraints do to nodes, in sums that do not depend on their order: `push` becomes the way A Gᵀ values. */
+static int add_up(ct_solver *s, const ct_constraint *list, const double *values)
 {
   ct_grid grid;
   double top = 0.0;
-  size_t size = 3 * (size_t)s->node_count * sizeof(double);
+  size_t size = WIDE * (size_t)s->node_count * sizeof(double);
   for (int64_t r = 0; r < s->count; r++) top = fmax(top, fabs(values[r]));
   memset(s->push, 0, size);
   memset(s->fine, 0, size);
   // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
   if (top == 0.0) return 1;
   if (!ct_grid_init(&grid, 2.0 * top, 2 * FACE_NODES * s->count)) return 0;
-  for (int64_t r = 0; r < s->count; r++) {
-    const ct_constraint *c = &s->list[s->active[r]];
-    const int32_t *slot = &s->slot[2 * FACE_NODES * s->active[r]];
-    if (values[r] == 0.0) continue;
-    for (int32_t a = 0; a < FACE_NODES + c->other; a = a + 1 == c->own ? FACE_NODES : a + 1)
-      for (int64_t i = 0; i < 3; i++) {
-        double x = c->b[a] * (values[r] * c->normal[i]);
-        ct_grid_add(&grid, sizes ? fabs(x) : x, &s->push[3 * (int64_t)slot[a] + i], &s->fine[3 * (int64_t)slot[a] + i]);
-      }
-  }
-  for (int64_t d = 0; d < 3 * (int64_t)s->node_count; d++) s->push[d] = s->mobility[d] * (s->push[d] + s->fine[d]);
+  add_rows(&grid, s->count, list, s->active, s->slot, values, s->push, s->fine);
+  for (int64_t d = 0; d < WIDE * (int64_t)s->node_count; d++) s->push[d] = s->mobility[d] * (s->push[d] + s->fine[d]);
   return 1;
 }
 
 /* Σ_k |W_jk| for each row of W = G (mobility) Gᵀ, or more (eq:constraint-bound). */
 static int bound_rows(ct_solver *s)
 {
-  for (int64_t r = 0; r < s->count; r++) s->guess[r] = 1.0;
-  if (!add_up(s, s->guess, 1)) return 0;
   for (int64_t r = 0; r < s->count; r++) {
-    const ct_constraint *c = &s->list[s->active[r]];
-    const int32_t *slot = &s->slot[2 * FACE_NODES * s->active[r]];
-    ct_constraint size = *c;
-    for (int32_t a = 0; a < 2 * FACE_NODES; a++) size.b[a] = fabs(c->b[a]);
-    for (int i = 0; i < 3; i++) size.normal[i] = fabs(c->normal[i]);
-    s->bound[r] = along(&size, slot, s->push);
+    ct_constraint *size = &s->sizes[s->active[r]];
+    *size = s->list[s->active[r]];
+    for (int32_t a = 0; a < 2 * FACE_NODES; a++) size->b[a] = fabs(size->b[a]);
+    for (int i = 0; i < 3; i++) size->normal[i] = fabs(size->normal[i]);
+    s->guess[r] = 1.0;
   }
+  if (!add_up(s, s->sizes, s->guess)) return 0;
+  for (int64_t r = 0; r < s->count; r++) s->bound[r] = along(&s->sizes[s->active[r]], &s->slot[2 * FACE_NODES * s->active[r]], s->push);
   return 1;
 }
 
@@ -251,7 +268,7 @@ static int iterate(ct_solver *s)
   for (int64_t r = 0; r < s->count; r++) s->guess[r] = s->force[r] = s->list[s->active[r]].force;
   s->converged = 0;
   for (s->iterations = 0; s->iterations < MOST_ITERATIONS && !s->converged; s->iterations++) {
-    if (!add_up(s, s->guess, 0)) return 0;
+    if (!add_up(s, s->list, s->guess)) return 0;
     double change = improve(s, next);
     s->converged = change <= TOLERANCE;
     // Forces that hold already stay as they are: a start that is made twice gives the same bits.
@@ -268,7 +285,7 @@ static int iterate(ct_solver *s)
 static int hand_out(const ct_problem *problem, ct_solver *s)
 {
   for (int64_t j = 0; j < s->first[problem->effect_count]; j++) s->list[j].force = 0.0;
-  if (!add_up(s, s->force, 0)) return 0;
+  if (!add_up(s, s->list, s->force)) return 0;
   for (int64_t r = 0; r < s->count; r++) s->list[s->active[r]].force = s->force[r];
   for (int64_t j = 0; j < s->first[problem->effect_count]; j++) s->list[j].after += along(&s->list[j], &s->slot[2 * FACE_NODES * j], s->push);
   return 1;
