@@ -17,6 +17,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ._core import ffi, lib
+from .chatter import ChatterWarning, chatter
 from .errors import NotBuiltIn, check, new_error
 from .mesh import view
 from .plan import measured
@@ -282,6 +283,8 @@ def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, u
     """Run a problem. Errors of the input are SceneErrors, before the first step; what fails later is a RunError with the run so far."""
     last_step(problem, until)
     schedule(problem)
+    for sentence in chatter(problem):
+        warnings.warn(ChatterWarning(sentence), stacklevel=3)
     loop = Loop(problem, scene_text)
     if restart is not None:
         loop.restart(restart)
