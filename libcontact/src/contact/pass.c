@@ -3,6 +3,9 @@
 
 #include "../vector.h"
 
+#include <contact/batch.h>
+
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -106,7 +109,6 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
 static int measure(const pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
 {
   double foot[3], own[3], *normal = point->normal;
-  ct_face mine;
   if (!ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal)) return 0;
   ct_segment_shape(p->other->search->kind, best->foot.xi, point->N);
   ct_side_interpolate(p->other, best->face, point->N, best->origin, foot);
@@ -114,8 +116,8 @@ static int measure(const pass *p, int32_t face, int q, const nearest *best, ct_g
   double distance = sqrt(ct_vector_dot(point->d, point->d));
   point->gap = ct_vector_dot(point->d, normal) > 0.0 ? -distance : distance;
   if (point->gap >= 0.0) return 1;
-  ct_search_face(p->side->search, face, &mine);
-  return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK && ct_vector_dot(own, normal) < 0.0 && point->gap >= -p->depth;
+  ct_side_area(p->side, face, q, own);
+  return ct_vector_dot(own, normal) < 0.0 && point->gap >= -p->depth;
 }
 
 /* Whether the way from a point to its foot, `d`, first enters through another face, one that the point is outside of: then the foot is on the far
@@ -141,6 +143,33 @@ static int begin(const pass *p, int32_t face, int q, nearest *best)
   return ct_segment_normal(&mine, p->side->rule.xi[q], best->own) == CT_OK;
 }
 
+/* Give a point the face that it has found, if any, and its force. `y`: its position. */
+static void settle(const pass *p, int32_t face, int q, const double y[3], const nearest *best)
+{
+  const ct_side *side = p->side;
+  int64_t number = (int64_t)face * side->rule.count + q;
+  ct_gauss_point *point = &side->points[number];
+  point->other = -1;
+  point->gap = NAN;
+  memset(point->force, 0, sizeof point->force);
+  if (best->face == INT32_MAX) return;
+  int met = measure(p, face, q, best, point);
+  // -- A surface with itself: no other face is on the way to the foot (eq:self-way)
+  for (int32_t i = side->candidate_first[face]; p->self && met && point->gap < 0.0 && i < side->candidate_first[face + 1]; i++) {
+    int32_t target = side->candidates[i];
+    if (target != best->face && ct_bounds_distance(&p->other->search->boxes[target], y) <= best->distance) met = !enters(p, face, q, target, point->d);
+  }
+  if (!met) {
+    point->gap = NAN;
+    return;
+  }
+  point->other = best->face;
+  memcpy(point->xi, best->foot.xi, sizeof point->xi);
+  // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
+  if (point->gap < 0.0)
+    for (int c = 0; c < 3; c++) point->force[c] = 0.5 * p->epsilon * side->weight[number] * point->d[c];
+}
+
 static void search_point(const pass *p, int32_t face, int q)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
@@ -161,25 +190,83 @@ static void search_point(const pass *p, int32_t face, int q)
     if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= reach) try_face(p, face, q, target, NULL, &best);
   }
 
-  // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
-  point->other = -1;
-  point->gap = NAN;
-  memset(point->force, 0, sizeof point->force);
-  if (best.face == INT32_MAX) return;
-  int met = measure(p, face, q, &best, point);
-  // -- A surface with itself: no other face is on the way to the foot (eq:self-way)
-  for (int32_t i = side->candidate_first[face]; p->self && met && point->gap < 0.0 && i < side->candidate_first[face + 1]; i++) {
-    int32_t target = side->candidates[i];
-    if (target != best.face && ct_bounds_distance(&other->search->boxes[target], y) <= best.distance) met = !enters(p, face, q, target, point->d);
+  settle(p, face, q, y, &best);
+}
+
+/* Eight points side by side, as ct_project_batch takes them, each with the face of the last step. */
+typedef struct block {
+  double nodes[8 * 3 * 8], points[3 * 8], start[2 * 8];
+  double y[8][3], origin[8][3]; /* positions, and what was subtracted of them and of the nodes */
+} block;
+
+/* Whether some face but the last one may be nearer than `distance`; a little too often rather than not. */
+static int rivals(const pass *p, int32_t face, int32_t last, const double y[3], double distance)
+{
+  const ct_side *side = p->side;
+  double reach = distance < p->depth ? distance : p->depth, square = reach * reach * (1.0 + 16.0 * DBL_EPSILON);
+  for (int32_t i = side->candidate_first[face]; i < side->candidate_first[face + 1]; i++)
+    if (side->candidates[i] != last && ct_bounds_square(&p->other->search->boxes[side->candidates[i]], y) <= square) return 1;
+  return 0;
+}
+
+/* Load a point into a lane. Answers 0 when it has no last face within the depth. */
+static int load_lane(const pass *p, int64_t number, int lane, block *b)
+{
+  static const double zero[3] = {0.0, 0.0, 0.0};
+  const ct_gauss_point *point = &p->side->points[number];
+  const ct_search *search = p->other->search;
+  int32_t face = (int32_t)(number / p->side->rule.count);
+  double local[3];
+  int q = (int)(number % p->side->rule.count);
+  if (point->other < 0) return 0;
+  position(p->side, face, q, zero, b->y[lane]);
+  if (!(ct_bounds_square(&search->boxes[point->other], b->y[lane]) <= p->depth * p->depth)) return 0;
+  middle(&search->boxes[point->other], b->origin[lane]);
+  position(p->side, face, q, b->origin[lane], local);
+  for (int c = 0; c < 3; c++) b->points[8 * c + lane] = local[c];
+  for (int a = 0; a < 2; a++) b->start[8 * a + lane] = point->xi[a];
+  const int32_t *node = &search->faces[(int64_t)point->other * search->per];
+  for (int a = 0; a < search->per; a++)
+    for (int c = 0; c < 3; c++) b->nodes[8 * (3 * a + c) + lane] = search->x[3 * (int64_t)node[a] + c] - b->origin[lane][c];
+  return 1;
+}
+
+/* Fill a lane that is not needed with another one. */
+static void repeat_lane(block *b, int from, int lane)
+{
+  for (int k = 0; k < 24; k++) b->nodes[8 * k + lane] = b->nodes[8 * k + from];
+  for (int c = 0; c < 3; c++) b->points[8 * c + lane] = b->points[8 * c + from];
+  for (int a = 0; a < 2; a++) b->start[8 * a + lane] = b->start[8 * a + from];
+}
+
+/* Project the points first ... last - 1, eight at most, on the faces of the last step, side by side, and settle those whose foot is inside such a face with
+ * no other one as near. Answers with a bit for each: the search would have found the same (eq:warm-lanes). */
+static unsigned settle_block(const pass *p, int64_t first, int64_t last)
+{
+  block b;
+  double xi[16], distance[8], normal[24], slack = p->project.tolerance;
+  int32_t status[8];
+  unsigned warm = 0, settled = 0;
+  int some = 0;
+  for (int lane = 0; lane < last - first; lane++)
+    if (load_lane(p, first + lane, lane, &b)) warm |= 1u << lane, some = lane;
+  if (warm == 0) return 0;
+  for (int lane = 0; lane < 8; lane++)
+    if (!(warm >> lane & 1)) repeat_lane(&b, some, lane);
+  const ct_batch_feet feet = {.xi = xi, .distance = distance, .normal = normal, .status = status};
+  if (ct_project_batch(p->other->search->kind, 8, b.nodes, b.points, b.start, &p->project, &feet) != CT_OK) return 0;
+  for (int lane = 0; lane < last - first; lane++) {
+    int32_t face = (int32_t)((first + lane) / p->side->rule.count), target = p->side->points[first + lane].other;
+    int found = status[lane] == CT_OK || status[lane] == CT_NOT_CERTIFIED || status[lane] == CT_ITERATION_LIMIT;
+    if (!(warm >> lane & 1) || !found || !(fabs(xi[lane]) < 1.0 - slack && fabs(xi[8 + lane]) < 1.0 - slack)) continue;
+    if (rivals(p, face, target, b.y[lane], distance[lane])) continue;
+    nearest best = {.face = target, .distance = distance[lane], .foot = {.where = CT_INTERIOR, .index = -1, .xi = {xi[lane], xi[8 + lane]}}};
+    memcpy(best.origin, b.origin[lane], sizeof best.origin);
+    for (int c = 0; c < 3; c++) best.foot.normal[c] = normal[8 * c + lane], best.y[c] = b.points[8 * c + lane];
+    settle(p, face, (int)((first + lane) % p->side->rule.count), b.y[lane], &best);
+    settled |= 1u << lane;
   }
-  if (!met) {
-    point->gap = NAN;
-    return;
-  }
-  point->other = best.face;
-  memcpy(point->xi, best.foot.xi, sizeof point->xi);
-  if (point->gap < 0.0)
-    for (int c = 0; c < 3; c++) point->force[c] = 0.5 * p->epsilon * side->weight[number] * point->d[c];
+  return settled;
 }
 
 void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth)
@@ -187,9 +274,16 @@ void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_option
   pass p = {side, other, ct_project_options_default(), options->epsilon, depth, side == other};
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
+  // A surface with itself judges feet by more than their distance, and other methods have no lanes.
+  int lanes = !p.self && options->method == CT_ROBUST && (other->search->kind == CT_Q4 || other->search->kind == CT_Q8);
+  int64_t count = ct_side_point_count(side);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(options->threads) schedule(static) if (options->threads > 1)
 #endif
-  for (int32_t f = 0; f < side->search->face_count; f++)
-    for (int q = 0; q < side->rule.count; q++) search_point(&p, f, q);
+  for (int64_t first = 0; first < count; first += 8) {
+    int64_t last = first + 8 < count ? first + 8 : count;
+    unsigned settled = lanes ? settle_block(&p, first, last) : 0;
+    for (int64_t i = first; i < last; i++)
+      if (!(settled >> (i - first) & 1)) search_point(&p, (int32_t)(i / side->rule.count), (int)(i % side->rule.count));
+  }
 }

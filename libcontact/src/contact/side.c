@@ -3,6 +3,7 @@
 
 #include "../error.h"
 #include "../memory.h"
+#include "../vector.h"
 
 #include <math.h>
 #include <string.h>
@@ -34,7 +35,10 @@ static ct_status allocate(ct_side *side)
 /* Weights w J_ref of the Gauss points (eq:contact-potential). */
 static ct_status weigh(ct_side *side, int body, ct_error *error)
 {
-  for (int q = 0; q < side->rule.count; q++) ct_segment_shape(side->search->kind, side->rule.xi[q], side->N[q]);
+  for (int q = 0; q < side->rule.count; q++) {
+    ct_segment_shape(side->search->kind, side->rule.xi[q], side->N[q]);
+    ct_segment_gradient(side->search->kind, side->rule.xi[q], side->dN[q]);
+  }
   for (int32_t f = 0; f < side->search->face_count; f++) {
     ct_face face;
     ct_search_face(side->search, f, &face);
@@ -88,4 +92,18 @@ void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], c
 void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3])
 {
   interpolate(side->search, side->reference, face, N, origin, out);
+}
+
+void ct_side_area(const ct_side *side, int32_t face, int q, double normal[3])
+{
+  const ct_search *search = side->search;
+  const int32_t *node = &search->faces[(int64_t)face * search->per];
+  double tangent[2][3];
+  for (int c = 0; c < 3; c++) {
+    double t[2][8] = {{0.0}};
+    for (int a = 0; a < search->per; a++)
+      for (int i = 0; i < 2; i++) t[i][a] = side->dN[q][a][i] * search->x[3 * (int64_t)node[a] + c];
+    for (int i = 0; i < 2; i++) tangent[i][c] = ct_side_sum(search->per, t[i]);
+  }
+  ct_vector_cross(tangent[0], tangent[1], normal);
 }
