@@ -210,14 +210,12 @@ static int rivals(const pass *p, int32_t face, int32_t last, const double y[3], 
 }
 
 /* Load a point into a lane. Answers 0 when it has no last face within the depth. */
-static int load_lane(const pass *p, int64_t number, int lane, block *b)
+static int load_lane(const pass *p, int32_t face, int q, int lane, block *b)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
-  const ct_gauss_point *point = &p->side->points[number];
+  const ct_gauss_point *point = &p->side->points[(int64_t)face * p->side->rule.count + q];
   const ct_search *search = p->other->search;
-  int32_t face = (int32_t)(number / p->side->rule.count);
   double local[3];
-  int q = (int)(number % p->side->rule.count);
   if (point->other < 0) return 0;
   position(p->side, face, q, zero, b->y[lane]);
   if (!(ct_bounds_square(&search->boxes[point->other], b->y[lane]) <= p->depth * p->depth)) return 0;
@@ -239,34 +237,62 @@ static void repeat_lane(block *b, int from, int lane)
   for (int a = 0; a < 2; a++) b->start[8 * a + lane] = b->start[8 * a + from];
 }
 
-/* Project the points first ... last - 1, eight at most, on the faces of the last step, side by side, and settle those whose foot is inside such a face with
- * no other one as near. Answers with a bit for each: the search would have found the same (eq:warm-lanes). */
-static unsigned settle_block(const pass *p, int64_t first, int64_t last)
+/* Settle the point of a lane if its foot is inside its last face, with no other one as near. */
+static int settle_lane(const pass *p, int32_t face, int q, const block *b, int lane, const ct_batch_feet *feet)
+{
+  ct_status status = (ct_status)feet->status[lane];
+  double xi[2] = {feet->xi[lane], feet->xi[8 + lane]}, inside = 1.0 - p->project.tolerance;
+  int32_t target = p->side->points[(int64_t)face * p->side->rule.count + q].other;
+  if (status != CT_OK && status != CT_NOT_CERTIFIED && status != CT_ITERATION_LIMIT) return 0;
+  if (!(fabs(xi[0]) < inside && fabs(xi[1]) < inside) || rivals(p, face, target, b->y[lane], feet->distance[lane])) return 0;
+  nearest best = {.face = target, .distance = feet->distance[lane], .foot = {.where = CT_INTERIOR, .index = -1, .xi = {xi[0], xi[1]}}};
+  memcpy(best.origin, b->origin[lane], sizeof best.origin);
+  for (int c = 0; c < 3; c++) {
+    best.foot.normal[c] = feet->normal[8 * c + lane];
+    best.y[c] = b->points[8 * c + lane];
+  }
+  settle(p, face, q, b->y[lane], &best);
+  return 1;
+}
+
+/* Where the lanes' points are. */
+typedef struct place {
+  int32_t face;
+  int q;
+} place;
+
+/* Project eight points at most on the faces of the last step, side by side, and settle those for which the search would find the same
+ * (eq:warm-lanes). Answers with a bit for each. */
+static unsigned settle_block(const pass *p, const place at[8], int count)
 {
   block b;
-  double xi[16], distance[8], normal[24], slack = p->project.tolerance;
+  double xi[16], distance[8], normal[24];
   int32_t status[8];
   unsigned warm = 0, settled = 0;
   int some = 0;
-  for (int lane = 0; lane < last - first; lane++)
-    if (load_lane(p, first + lane, lane, &b)) warm |= 1u << lane, some = lane;
+  for (int lane = 0; lane < count; lane++)
+    if (load_lane(p, at[lane].face, at[lane].q, lane, &b)) warm |= 1u << lane, some = lane;
   if (warm == 0) return 0;
   for (int lane = 0; lane < 8; lane++)
     if (!(warm >> lane & 1)) repeat_lane(&b, some, lane);
   const ct_batch_feet feet = {.xi = xi, .distance = distance, .normal = normal, .status = status};
   if (ct_project_batch(p->other->search->kind, 8, b.nodes, b.points, b.start, &p->project, &feet) != CT_OK) return 0;
-  for (int lane = 0; lane < last - first; lane++) {
-    int32_t face = (int32_t)((first + lane) / p->side->rule.count), target = p->side->points[first + lane].other;
-    int found = status[lane] == CT_OK || status[lane] == CT_NOT_CERTIFIED || status[lane] == CT_ITERATION_LIMIT;
-    if (!(warm >> lane & 1) || !found || !(fabs(xi[lane]) < 1.0 - slack && fabs(xi[8 + lane]) < 1.0 - slack)) continue;
-    if (rivals(p, face, target, b.y[lane], distance[lane])) continue;
-    nearest best = {.face = target, .distance = distance[lane], .foot = {.where = CT_INTERIOR, .index = -1, .xi = {xi[lane], xi[8 + lane]}}};
-    memcpy(best.origin, b.origin[lane], sizeof best.origin);
-    for (int c = 0; c < 3; c++) best.foot.normal[c] = normal[8 * c + lane], best.y[c] = b.points[8 * c + lane];
-    settle(p, face, (int)((first + lane) % p->side->rule.count), b.y[lane], &best);
-    settled |= 1u << lane;
-  }
+  for (int lane = 0; lane < count; lane++)
+    if (warm >> lane & 1 && settle_lane(p, at[lane].face, at[lane].q, &b, lane, &feet)) settled |= 1u << lane;
   return settled;
+}
+
+/* Search for the points first ... first + count - 1, eight at most. */
+static void search_block(const pass *p, int lanes, int64_t first, int count)
+{
+  place at[8] = {{(int32_t)(first / p->side->rule.count), (int)(first % p->side->rule.count)}};
+  for (int i = 1; i < count; i++) {
+    int full = at[i - 1].q + 1 == p->side->rule.count;
+    at[i] = (place){at[i - 1].face + full, full ? 0 : at[i - 1].q + 1};
+  }
+  unsigned settled = lanes ? settle_block(p, at, count) : 0;
+  for (int i = 0; i < count; i++)
+    if (!(settled >> i & 1)) search_point(p, at[i].face, at[i].q);
 }
 
 void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth)
@@ -280,10 +306,5 @@ void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_option
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(options->threads) schedule(static) if (options->threads > 1)
 #endif
-  for (int64_t first = 0; first < count; first += 8) {
-    int64_t last = first + 8 < count ? first + 8 : count;
-    unsigned settled = lanes ? settle_block(&p, first, last) : 0;
-    for (int64_t i = first; i < last; i++)
-      if (!(settled >> (i - first) & 1)) search_point(&p, (int32_t)(i / side->rule.count), (int)(i % side->rule.count));
-  }
+  for (int64_t first = 0; first < count; first += 8) search_block(&p, lanes, first, first + 8 < count ? 8 : (int)(count - first));
 }
