@@ -79,6 +79,7 @@ static void add_contact(ct_scene *scene, const part *p, double beta)
   }
   contact.faces_a = faces[0];
   contact.faces_b = faces[1];
+  contact.options.enforcement = CT_ENFORCE_PENALTY;
   need(ct_scene_add_contact(scene, &contact, &error));
   free(faces[0]);
   free(faces[1]);

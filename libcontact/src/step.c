@@ -141,12 +141,11 @@ static void count_work(const ct_problem *problem, ct_state *state)
   }
 }
 
-/* Take a step. `watched`: nobody else can have moved the state since the forces were last made. */
-static ct_status take_step(const ct_problem *problem, ct_state *state, int watched, ct_error *error)
+/* Take a step. Forces that stood already may be older than the last change of the state by its host. */
+static ct_status take_step(const ct_problem *problem, ct_state *state, ct_error *error)
 {
   ct_workspace *w = state->workspace;
   int made = w->forces_at != state->step;
-  if (!watched) w->watched = 0;
   ct_status status = ct_workspace_forces(problem, state, error);
   w->watched = 0;
   if (status != CT_OK) return status;
@@ -171,7 +170,7 @@ static ct_status take_step(const ct_problem *problem, ct_state *state, int watch
 ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
 {
   if (problem == NULL || state == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "step: null argument");
-  ct_status status = take_step(problem, state, 0, error);
+  ct_status status = take_step(problem, state, error);
   state->workspace->watched = 0;
   return status;
 }
@@ -196,7 +195,7 @@ ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "step: null argument, or %lld steps", (long long)count);
   ct_status status = CT_OK;
   for (int64_t i = 1; status == CT_OK && i <= count; i++) {
-    status = take_step(problem, state, i > 1, error);
+    status = take_step(problem, state, error);
     // An effect may be the first to meet a number that is not finite (CT_INVALID); the answer is the same as without it.
     if (status == CT_INVALID || (status == CT_OK && (i % STEPS_BETWEEN_CHECKS == 0 || i == count))) {
       ct_status finite = check_finite(problem, state, error);
