@@ -3,6 +3,7 @@
 #include <contact/sum.h>
 
 #include "../error.h"
+#include "../lanes.h"
 #include "../memory.h"
 #include "../vector.h"
 #include "contact_internal.h"
@@ -212,14 +213,8 @@ typedef struct heap {
   double coarse[24], fine[24];
 } heap;
 
-static void clear(const ct_search *search, heap *sums)
-{
-  for (int i = 0; sums->face >= 0 && i < 3 * search->per; i++) sums->coarse[i] = sums->fine[i] = 0.0;
-  sums->face = -1;
-}
-
-/* Bring what a heap holds to the nodes of its face, and empty it. */
-static void bring(ct_side *side, heap *sums)
+/* Bring what a heap holds to the nodes of its face, and begin with another face. */
+static void bring(ct_side *side, heap *sums, int32_t next)
 {
   const ct_search *search = side->search;
   for (int a = 0; sums->face >= 0 && a < search->per; a++) {
@@ -229,23 +224,29 @@ static void bring(ct_side *side, heap *sums)
       side->force_fine[node + c] += sums->fine[3 * a + c];
     }
   }
-  clear(search, sums);
+  *sums = (heap){.face = next};
 }
 
-/* Add a force at a point of `face` to its heap. The grid makes all sums exact, so it does not matter that they are made by parts. */
-static void push(const ct_grid *grid, ct_side *side, int32_t face, const double N[8], const double force[3], heap *sums)
+/* Add a force at a point to the sums of `count` components. */
+static inline void pile(const ct_grid *grid, int count, const double N[8], const double force[3], heap *sums)
 {
   double x[24];
-  int count = 3 * side->search->per;
-  if (face != sums->face) bring(side, sums);
-  sums->face = face;
-  for (int a = 0; a < side->search->per; a++)
+  for (int a = 0; 3 * a < count; a++)
     for (int c = 0; c < 3; c++) x[3 * a + c] = N[a] * force[c];
 #pragma omp simd
   for (int i = 0; i < count; i++) ct_grid_add(grid, x[i], &sums->coarse[i], &sums->fine[i]);
 }
 
+/* Add a force at a point of `face` to its heap. The grid makes all sums exact, so it does not matter that they are made by parts. */
+static inline void push(const ct_grid *grid, ct_side *side, int32_t face, const double N[8], const double force[3], heap *sums)
+{
+  if (face != sums->face) bring(side, sums, face);
+  if (side->search->per > 4) pile(grid, 24, N, force, sums);
+  else pile(grid, 12, N, force, sums);
+}
+
 /* Add the forces of one side's points to the nodes of both sides, in sums that do not depend on their order (eq:contact-force). */
+CT_CLONES
 static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
 {
   heap own = {.face = -1}, theirs = {.face = -1};
@@ -257,8 +258,8 @@ static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
       push(grid, side, face, side->N[q], point->force, &own);
       push(grid, other, point->other, point->N, back, &theirs);
     }
-  bring(side, &own);
-  bring(other, &theirs);
+  bring(side, &own, -1);
+  bring(other, &theirs, -1);
 }
 
 static double largest_force(const ct_side *side)

@@ -104,20 +104,32 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
   }
 }
 
-/* Gap vector d = ȳ - y and the signed gap of a point over the face it has found (eq:gap). Returns 0 when the foot lies on the
- * border of the surface, or when the two surfaces do not face each other. */
-static int measure(const pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
+/* Gap vector d = ȳ - y and the signed gap of a point over a place of a face (eq:gap); its normal is known. `origin` was subtracted from the position y.
+ * Returns 0 when the two surfaces do not face each other. */
+static int measure(const pass *p, int32_t face, int q, int32_t target, const double xi[2], const double origin[3], const double y[3], ct_gauss_point *point)
 {
-  double foot[3], own[3], *normal = point->normal;
-  if (!ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal)) return 0;
-  ct_segment_shape(p->other->search->kind, best->foot.xi, point->N);
-  ct_side_interpolate(p->other, best->face, point->N, best->origin, foot);
-  for (int c = 0; c < 3; c++) point->d[c] = foot[c] - best->y[c];
+  double foot[3], own[3];
+  ct_segment_shape(p->other->search->kind, xi, point->N);
+  ct_side_interpolate(p->other, target, point->N, origin, foot);
+  for (int c = 0; c < 3; c++) point->d[c] = foot[c] - y[c];
   double distance = sqrt(ct_vector_dot(point->d, point->d));
-  point->gap = ct_vector_dot(point->d, normal) > 0.0 ? -distance : distance;
+  point->gap = ct_vector_dot(point->d, point->normal) > 0.0 ? -distance : distance;
   if (point->gap >= 0.0) return 1;
   ct_side_area(p->side, face, q, own);
-  return ct_vector_dot(own, normal) < 0.0 && point->gap >= -p->depth;
+  return ct_vector_dot(own, point->normal) < 0.0 && point->gap >= -p->depth;
+}
+
+/* Write what a point has met, and its force; `met` 0: nothing. */
+static void close_point(const pass *p, int64_t number, int met, int32_t target, const double xi[2])
+{
+  ct_gauss_point *point = &p->side->points[number];
+  // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
+  int inside = met && point->gap < 0.0;
+  double stiff = inside ? 0.5 * p->epsilon * p->side->weight[number] : 0.0;
+  for (int c = 0; c < 3; c++) point->force[c] = inside ? stiff * point->d[c] : 0.0;
+  point->other = met ? target : -1;
+  if (!met) point->gap = NAN;
+  else memcpy(point->xi, xi, sizeof point->xi);
 }
 
 /* Whether the way from a point to its foot, `d`, first enters through another face, one that the point is outside of: then the foot is on the far
@@ -143,31 +155,22 @@ static int begin(const pass *p, int32_t face, int q, nearest *best)
   return ct_segment_normal(&mine, p->side->rule.xi[q], best->own) == CT_OK;
 }
 
-/* Give a point the face that it has found, if any, and its force. `y`: its position. */
+/* Give a point the face that it has found, if any. `y`: its position. */
 static void settle(const pass *p, int32_t face, int q, const double y[3], const nearest *best)
 {
   const ct_side *side = p->side;
+  const ct_search *search = p->other->search;
   int64_t number = (int64_t)face * side->rule.count + q;
   ct_gauss_point *point = &side->points[number];
-  point->other = -1;
-  point->gap = NAN;
-  memset(point->force, 0, sizeof point->force);
-  if (best->face == INT32_MAX) return;
-  int met = measure(p, face, q, best, point);
+  // On the border of a surface there is no contact.
+  int met = best->face != INT32_MAX && ct_search_normal(search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, point->normal) &&
+            measure(p, face, q, best->face, best->foot.xi, best->origin, best->y, point);
   // -- A surface with itself: no other face is on the way to the foot (eq:self-way)
   for (int32_t i = side->candidate_first[face]; p->self && met && point->gap < 0.0 && i < side->candidate_first[face + 1]; i++) {
     int32_t target = side->candidates[i];
-    if (target != best->face && ct_bounds_distance(&p->other->search->boxes[target], y) <= best->distance) met = !enters(p, face, q, target, point->d);
+    if (target != best->face && ct_bounds_distance(&search->boxes[target], y) <= best->distance) met = !enters(p, face, q, target, point->d);
   }
-  if (!met) {
-    point->gap = NAN;
-    return;
-  }
-  point->other = best->face;
-  memcpy(point->xi, best->foot.xi, sizeof point->xi);
-  // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
-  if (point->gap < 0.0)
-    for (int c = 0; c < 3; c++) point->force[c] = 0.5 * p->epsilon * side->weight[number] * point->d[c];
+  close_point(p, number, met, best->face, best->foot.xi);
 }
 
 static void search_point(const pass *p, int32_t face, int q)
@@ -196,36 +199,34 @@ static void search_point(const pass *p, int32_t face, int q)
 /* Eight points side by side, as ct_project_batch takes them, each with the face of the last step. */
 typedef struct block {
   double nodes[8 * 3 * 8], points[3 * 8], start[2 * 8];
-  double y[8][3], origin[8][3]; /* positions, and what was subtracted of them and of the nodes */
+  double origin[8][3]; /* what was subtracted of the positions and of the nodes */
 } block;
 
-/* Whether some face but the last one may be nearer than `distance`; a little too often rather than not. */
+/* Whether some face but the last one may be nearer to a point than `distance`; with rounding of its position y, so a little too often rather than not. */
 static int rivals(const pass *p, int32_t face, int32_t last, const double y[3], double distance)
 {
   const ct_side *side = p->side;
-  double reach = distance < p->depth ? distance : p->depth, square = reach * reach * (1.0 + 16.0 * DBL_EPSILON);
+  double reach = distance < p->depth ? distance : p->depth, rounding = 16.0 * DBL_EPSILON * ((fabs(y[0]) + fabs(y[1])) + (fabs(y[2]) + reach));
+  double square = (reach + rounding) * (reach + rounding);
   for (int32_t i = side->candidate_first[face]; i < side->candidate_first[face + 1]; i++)
     if (side->candidates[i] != last && ct_bounds_square(&p->other->search->boxes[side->candidates[i]], y) <= square) return 1;
   return 0;
 }
 
-/* Load a point into a lane. Answers 0 when it has no last face within the depth. */
+/* Load a point into a lane. Answers 0 when it has no last face. */
 static int load_lane(const pass *p, int32_t face, int q, int lane, block *b)
 {
-  static const double zero[3] = {0.0, 0.0, 0.0};
   const ct_gauss_point *point = &p->side->points[(int64_t)face * p->side->rule.count + q];
   const ct_search *search = p->other->search;
-  double local[3];
+  double *origin = b->origin[lane], y[3];
   if (point->other < 0) return 0;
-  position(p->side, face, q, zero, b->y[lane]);
-  if (!(ct_bounds_square(&search->boxes[point->other], b->y[lane]) <= p->depth * p->depth)) return 0;
-  middle(&search->boxes[point->other], b->origin[lane]);
-  position(p->side, face, q, b->origin[lane], local);
-  for (int c = 0; c < 3; c++) b->points[8 * c + lane] = local[c];
+  middle(&search->boxes[point->other], origin);
+  position(p->side, face, q, origin, y);
+  for (int c = 0; c < 3; c++) b->points[8 * c + lane] = y[c];
   for (int a = 0; a < 2; a++) b->start[8 * a + lane] = point->xi[a];
   const int32_t *node = &search->faces[(int64_t)point->other * search->per];
   for (int a = 0; a < search->per; a++)
-    for (int c = 0; c < 3; c++) b->nodes[8 * (3 * a + c) + lane] = search->x[3 * (int64_t)node[a] + c] - b->origin[lane][c];
+    for (int c = 0; c < 3; c++) b->nodes[8 * (3 * a + c) + lane] = search->x[3 * (int64_t)node[a] + c] - origin[c];
   return 1;
 }
 
@@ -237,29 +238,31 @@ static void repeat_lane(block *b, int from, int lane)
   for (int a = 0; a < 2; a++) b->start[8 * a + lane] = b->start[8 * a + from];
 }
 
-/* Settle the point of a lane if its foot is inside its last face, with no other one as near. */
-static int settle_lane(const pass *p, int32_t face, int q, const block *b, int lane, const ct_batch_feet *feet)
-{
-  ct_status status = (ct_status)feet->status[lane];
-  double xi[2] = {feet->xi[lane], feet->xi[8 + lane]}, inside = 1.0 - p->project.tolerance;
-  int32_t target = p->side->points[(int64_t)face * p->side->rule.count + q].other;
-  if (status != CT_OK && status != CT_NOT_CERTIFIED && status != CT_ITERATION_LIMIT) return 0;
-  if (!(fabs(xi[0]) < inside && fabs(xi[1]) < inside) || rivals(p, face, target, b->y[lane], feet->distance[lane])) return 0;
-  nearest best = {.face = target, .distance = feet->distance[lane], .foot = {.where = CT_INTERIOR, .index = -1, .xi = {xi[0], xi[1]}}};
-  memcpy(best.origin, b->origin[lane], sizeof best.origin);
-  for (int c = 0; c < 3; c++) {
-    best.foot.normal[c] = feet->normal[8 * c + lane];
-    best.y[c] = b->points[8 * c + lane];
-  }
-  settle(p, face, q, b->y[lane], &best);
-  return 1;
-}
-
-/* Where the lanes' points are. */
+/* Where a lane's point is. */
 typedef struct place {
   int32_t face;
   int q;
 } place;
+
+/* Settle the point of a lane if its foot is inside its last face, no deeper than allowed, with no other face as near. */
+static int settle_lane(const pass *p, place at, const block *b, int lane, const ct_batch_feet *feet)
+{
+  int64_t number = (int64_t)at.face * p->side->rule.count + at.q;
+  ct_gauss_point *point = &p->side->points[number];
+  ct_status status = (ct_status)feet->status[lane];
+  double xi[2] = {feet->xi[lane], feet->xi[8 + lane]}, inside = 1.0 - p->project.tolerance, local[3], y[3];
+  int32_t target = point->other;
+  if (status != CT_OK && status != CT_NOT_CERTIFIED && status != CT_ITERATION_LIMIT) return 0;
+  for (int c = 0; c < 3; c++) {
+    local[c] = b->points[8 * c + lane];
+    y[c] = local[c] + b->origin[lane][c];
+  }
+  if (!(fabs(xi[0]) < inside && fabs(xi[1]) < inside && feet->distance[lane] < p->depth) || rivals(p, at.face, target, y, feet->distance[lane])) return 0;
+  for (int c = 0; c < 3; c++) point->normal[c] = feet->normal[8 * c + lane];
+  int met = measure(p, at.face, at.q, target, xi, b->origin[lane], local, point);
+  close_point(p, number, met, target, xi);
+  return 1;
+}
 
 /* Project eight points at most on the faces of the last step, side by side, and settle those for which the search would find the same
  * (eq:warm-lanes). Answers with a bit for each. */
@@ -278,7 +281,7 @@ static unsigned settle_block(const pass *p, const place at[8], int count)
   const ct_batch_feet feet = {.xi = xi, .distance = distance, .normal = normal, .status = status};
   if (ct_project_batch(p->other->search->kind, 8, b.nodes, b.points, b.start, &p->project, &feet) != CT_OK) return 0;
   for (int lane = 0; lane < count; lane++)
-    if (warm >> lane & 1 && settle_lane(p, at[lane].face, at[lane].q, &b, lane, &feet)) settled |= 1u << lane;
+    if (warm >> lane & 1 && settle_lane(p, at[lane], &b, lane, &feet)) settled |= 1u << lane;
   return settled;
 }
 
