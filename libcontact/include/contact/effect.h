@@ -53,6 +53,11 @@ typedef struct ct_view {
    * force as it stands, :eq:`still-node`.
    */
   uint64_t *still;
+  /**
+   * Null, except for the first effect in the midst of ct_step_many: then a bit a node as in ``still``, set for nodes that since the last call were only moved on
+   * with the velocity that they had and have.
+   */
+  const uint64_t *drifted;
   /** Scratch space of the effect that this one `reads`, as its `force` has left it for the same time; null without one. */
   const void *read;
   /** What the effect has listed in `constrain` for the same time, with the forces that solve all constraints together; in `force` only. */

@@ -3,6 +3,9 @@
 
 #include "../vector.h"
 
+#include <contact/batch.h>
+
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -101,21 +104,32 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
   }
 }
 
-/* Gap vector d = ȳ - y and the signed gap of a point over the face it has found (eq:gap). Returns 0 when the foot lies on the
- * border of the surface, or when the two surfaces do not face each other. */
-static int measure(const pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
+/* Gap vector d = ȳ - y and the signed gap of a point over a place of a face (eq:gap); its normal is known. `origin` was subtracted from the position y.
+ * Returns 0 when the two surfaces do not face each other. */
+static int measure(const pass *p, int32_t face, int q, int32_t target, const double xi[2], const double origin[3], const double y[3], ct_gauss_point *point)
 {
-  double foot[3], own[3], *normal = point->normal;
-  ct_face mine;
-  if (!ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal)) return 0;
-  ct_segment_shape(p->other->search->kind, best->foot.xi, point->N);
-  ct_side_interpolate(p->other, best->face, point->N, best->origin, foot);
-  for (int c = 0; c < 3; c++) point->d[c] = foot[c] - best->y[c];
+  double foot[3], own[3];
+  ct_segment_shape(p->other->search->kind, xi, point->N);
+  ct_side_interpolate(p->other, target, point->N, origin, foot);
+  for (int c = 0; c < 3; c++) point->d[c] = foot[c] - y[c];
   double distance = sqrt(ct_vector_dot(point->d, point->d));
-  point->gap = ct_vector_dot(point->d, normal) > 0.0 ? -distance : distance;
+  point->gap = ct_vector_dot(point->d, point->normal) > 0.0 ? -distance : distance;
   if (point->gap >= 0.0) return 1;
-  ct_search_face(p->side->search, face, &mine);
-  return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK && ct_vector_dot(own, normal) < 0.0 && point->gap >= -p->depth;
+  ct_side_area(p->side, face, q, own);
+  return ct_vector_dot(own, point->normal) < 0.0 && point->gap >= -p->depth;
+}
+
+/* Write what a point has met, and its force; `met` 0: nothing. */
+static void close_point(const pass *p, int64_t number, int met, int32_t target, const double xi[2])
+{
+  ct_gauss_point *point = &p->side->points[number];
+  // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
+  int inside = met && point->gap < 0.0;
+  double stiff = inside ? 0.5 * p->epsilon * p->side->weight[number] : 0.0;
+  for (int c = 0; c < 3; c++) point->force[c] = inside ? stiff * point->d[c] : 0.0;
+  point->other = met ? target : -1;
+  if (!met) point->gap = NAN;
+  else memcpy(point->xi, xi, sizeof point->xi);
 }
 
 /* Whether the way from a point to its foot, `d`, first enters through another face, one that the point is outside of: then the foot is on the far
@@ -141,6 +155,24 @@ static int begin(const pass *p, int32_t face, int q, nearest *best)
   return ct_segment_normal(&mine, p->side->rule.xi[q], best->own) == CT_OK;
 }
 
+/* Give a point the face that it has found, if any. `y`: its position. */
+static void settle(const pass *p, int32_t face, int q, const double y[3], const nearest *best)
+{
+  const ct_side *side = p->side;
+  const ct_search *search = p->other->search;
+  int64_t number = (int64_t)face * side->rule.count + q;
+  ct_gauss_point *point = &side->points[number];
+  // On the border of a surface there is no contact.
+  int met = best->face != INT32_MAX && ct_search_normal(search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, point->normal) &&
+            measure(p, face, q, best->face, best->foot.xi, best->origin, best->y, point);
+  // -- A surface with itself: no other face is on the way to the foot (eq:self-way)
+  for (int32_t i = side->candidate_first[face]; p->self && met && point->gap < 0.0 && i < side->candidate_first[face + 1]; i++) {
+    int32_t target = side->candidates[i];
+    if (target != best->face && ct_bounds_distance(&search->boxes[target], y) <= best->distance) met = !enters(p, face, q, target, point->d);
+  }
+  close_point(p, number, met, best->face, best->foot.xi);
+}
+
 static void search_point(const pass *p, int32_t face, int q)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
@@ -161,25 +193,109 @@ static void search_point(const pass *p, int32_t face, int q)
     if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= reach) try_face(p, face, q, target, NULL, &best);
   }
 
-  // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
-  point->other = -1;
-  point->gap = NAN;
-  memset(point->force, 0, sizeof point->force);
-  if (best.face == INT32_MAX) return;
-  int met = measure(p, face, q, &best, point);
-  // -- A surface with itself: no other face is on the way to the foot (eq:self-way)
-  for (int32_t i = side->candidate_first[face]; p->self && met && point->gap < 0.0 && i < side->candidate_first[face + 1]; i++) {
-    int32_t target = side->candidates[i];
-    if (target != best.face && ct_bounds_distance(&other->search->boxes[target], y) <= best.distance) met = !enters(p, face, q, target, point->d);
+  settle(p, face, q, y, &best);
+}
+
+/* Eight points side by side, as ct_project_batch takes them, each with the face of the last step. */
+typedef struct block {
+  double nodes[8 * 3 * 8], points[3 * 8], start[2 * 8];
+  double origin[8][3]; /* what was subtracted of the positions and of the nodes */
+} block;
+
+/* Whether some face but the last one may be nearer to a point than `distance`; with rounding of its position y, so a little too often rather than not. */
+static int rivals(const pass *p, int32_t face, int32_t last, const double y[3], double distance)
+{
+  const ct_side *side = p->side;
+  double reach = distance < p->depth ? distance : p->depth, rounding = 16.0 * DBL_EPSILON * ((fabs(y[0]) + fabs(y[1])) + (fabs(y[2]) + reach));
+  double square = (reach + rounding) * (reach + rounding);
+  for (int32_t i = side->candidate_first[face]; i < side->candidate_first[face + 1]; i++)
+    if (side->candidates[i] != last && ct_bounds_square(&p->other->search->boxes[side->candidates[i]], y) <= square) return 1;
+  return 0;
+}
+
+/* Load a point into a lane. Answers 0 when it has no last face. */
+static int load_lane(const pass *p, int32_t face, int q, int lane, block *b)
+{
+  const ct_gauss_point *point = &p->side->points[(int64_t)face * p->side->rule.count + q];
+  const ct_search *search = p->other->search;
+  double *origin = b->origin[lane], y[3];
+  if (point->other < 0) return 0;
+  middle(&search->boxes[point->other], origin);
+  position(p->side, face, q, origin, y);
+  for (int c = 0; c < 3; c++) b->points[8 * c + lane] = y[c];
+  for (int a = 0; a < 2; a++) b->start[8 * a + lane] = point->xi[a];
+  const int32_t *node = &search->faces[(int64_t)point->other * search->per];
+  for (int a = 0; a < search->per; a++)
+    for (int c = 0; c < 3; c++) b->nodes[8 * (3 * a + c) + lane] = search->x[3 * (int64_t)node[a] + c] - origin[c];
+  return 1;
+}
+
+/* Fill a lane that is not needed with another one. */
+static void repeat_lane(block *b, int from, int lane)
+{
+  for (int k = 0; k < 24; k++) b->nodes[8 * k + lane] = b->nodes[8 * k + from];
+  for (int c = 0; c < 3; c++) b->points[8 * c + lane] = b->points[8 * c + from];
+  for (int a = 0; a < 2; a++) b->start[8 * a + lane] = b->start[8 * a + from];
+}
+
+/* Where a lane's point is. */
+typedef struct place {
+  int32_t face;
+  int q;
+} place;
+
+/* Settle the point of a lane if its foot is inside its last face, no deeper than allowed, with no other face as near. */
+static int settle_lane(const pass *p, place at, const block *b, int lane, const ct_batch_feet *feet)
+{
+  int64_t number = (int64_t)at.face * p->side->rule.count + at.q;
+  ct_gauss_point *point = &p->side->points[number];
+  ct_status status = (ct_status)feet->status[lane];
+  double xi[2] = {feet->xi[lane], feet->xi[8 + lane]}, inside = 1.0 - p->project.tolerance, local[3], y[3];
+  int32_t target = point->other;
+  if (status != CT_OK && status != CT_NOT_CERTIFIED && status != CT_ITERATION_LIMIT) return 0;
+  for (int c = 0; c < 3; c++) {
+    local[c] = b->points[8 * c + lane];
+    y[c] = local[c] + b->origin[lane][c];
   }
-  if (!met) {
-    point->gap = NAN;
-    return;
+  if (!(fabs(xi[0]) < inside && fabs(xi[1]) < inside && feet->distance[lane] < p->depth) || rivals(p, at.face, target, y, feet->distance[lane])) return 0;
+  for (int c = 0; c < 3; c++) point->normal[c] = feet->normal[8 * c + lane];
+  int met = measure(p, at.face, at.q, target, xi, b->origin[lane], local, point);
+  close_point(p, number, met, target, xi);
+  return 1;
+}
+
+/* Project eight points at most on the faces of the last step, side by side, and settle those for which the search would find the same
+ * (eq:warm-lanes). Answers with a bit for each. */
+static unsigned settle_block(const pass *p, const place at[8], int count)
+{
+  block b;
+  double xi[16], distance[8], normal[24];
+  int32_t status[8];
+  unsigned warm = 0, settled = 0;
+  int some = 0;
+  for (int lane = 0; lane < count; lane++)
+    if (load_lane(p, at[lane].face, at[lane].q, lane, &b)) warm |= 1u << lane, some = lane;
+  if (warm == 0) return 0;
+  for (int lane = 0; lane < 8; lane++)
+    if (!(warm >> lane & 1)) repeat_lane(&b, some, lane);
+  const ct_batch_feet feet = {.xi = xi, .distance = distance, .normal = normal, .status = status};
+  if (ct_project_batch(p->other->search->kind, 8, b.nodes, b.points, b.start, &p->project, &feet) != CT_OK) return 0;
+  for (int lane = 0; lane < count; lane++)
+    if (warm >> lane & 1 && settle_lane(p, at[lane], &b, lane, &feet)) settled |= 1u << lane;
+  return settled;
+}
+
+/* Search for the points first ... first + count - 1, eight at most. */
+static void search_block(const pass *p, int lanes, int64_t first, int count)
+{
+  place at[8] = {{(int32_t)(first / p->side->rule.count), (int)(first % p->side->rule.count)}};
+  for (int i = 1; i < count; i++) {
+    int full = at[i - 1].q + 1 == p->side->rule.count;
+    at[i] = (place){at[i - 1].face + full, full ? 0 : at[i - 1].q + 1};
   }
-  point->other = best.face;
-  memcpy(point->xi, best.foot.xi, sizeof point->xi);
-  if (point->gap < 0.0)
-    for (int c = 0; c < 3; c++) point->force[c] = 0.5 * p->epsilon * side->weight[number] * point->d[c];
+  unsigned settled = lanes ? settle_block(p, at, count) : 0;
+  for (int i = 0; i < count; i++)
+    if (!(settled >> i & 1)) search_point(p, at[i].face, at[i].q);
 }
 
 void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth)
@@ -187,9 +303,11 @@ void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_option
   pass p = {side, other, ct_project_options_default(), options->epsilon, depth, side == other};
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
+  // A surface with itself judges feet by more than their distance, and other methods have no lanes.
+  int lanes = !p.self && options->method == CT_ROBUST && (other->search->kind == CT_Q4 || other->search->kind == CT_Q8);
+  int64_t count = ct_side_point_count(side);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(options->threads) schedule(static) if (options->threads > 1)
 #endif
-  for (int32_t f = 0; f < side->search->face_count; f++)
-    for (int q = 0; q < side->rule.count; q++) search_point(&p, f, q);
+  for (int64_t first = 0; first < count; first += 8) search_block(&p, lanes, first, first + 8 < count ? 8 : (int)(count - first));
 }
