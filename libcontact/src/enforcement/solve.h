@@ -14,7 +14,10 @@ typedef struct ct_solver {
   int32_t *nodes;
   double *way;            /* u_{n+1} - u_n without the constraints, shape (node_count, 4) with a zero as fourth */
   double *mobility;       /* how far a force moves a degree of freedom until t_{n+1}, likewise */
-  double *push, *fine;    /* sums of forces, likewise, and then in `push` the way that they add */
+  double *past;           /* u_n - u_{n-1}, likewise */
+  int32_t *entries;       /* how many constraints act on each node */
+  int32_t crowd;          /* the largest of these numbers */
+  double *push;           /* sums of forces, likewise, and then the way that they add */
   int64_t count;          /* constraints that are near enough to press */
   int64_t *active;        /* their numbers in `list` */
   int32_t *slot;          /* places of their nodes, shape (room, 16) */
