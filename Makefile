@@ -21,7 +21,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test docs bench wheel check-c clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test docs bench stability wheel check-c clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -56,8 +56,8 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py) setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all lib install wheel figures test docs bench check-c fuzz info clean setup
-.PHONY: _figures _test _docs _bench _wheel _check-c
+.PHONY: help all lib install wheel figures test docs bench stability check-c fuzz info clean setup
+.PHONY: _figures _test _docs _bench _stability _wheel _check-c
 .DELETE_ON_ERROR:
 
 help:
@@ -66,6 +66,7 @@ help:
 	@echo "make check-c          the C tests alone, without a Python environment"
 	@echo "make docs             the book, in build/docs/html"
 	@echo "make bench            measured tables and pictures, in build/bench"
+	@echo "make stability        hard cases, each with its verdict, in build/stability"
 	@echo "make lib              the C libraries, in build/lib"
 	@echo "make install prefix=  headers, libraries and pkg-config files (DESTDIR works too)"
 	@echo "make wheel            the Python package, in build/wheel"
@@ -154,7 +155,7 @@ $(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
 	@rm -rf $(SETUPTOOLS_LEFT)
 	$(Q)touch $@
 
-figures test docs bench wheel: setup
+figures test docs bench stability wheel: setup
 	@+$(MAKE) --no-print-directory _$@
 check-c:
 	@+$(MAKE) --no-print-directory _$@
@@ -172,6 +173,10 @@ _docs: $(VENV)/.wrapper $(VENV)/.docs
 _bench: $(VENV)/.wrapper $(VENV)/.bench
 	$(VENV)/bin/python bench/run.py $(BUILD)/bench
 	@echo "written: $(BUILD)/bench/"
+
+_stability: $(VENV)/.wrapper
+	$(VENV)/bin/python stability/run.py $(BUILD)/stability
+	@echo "written: $(BUILD)/stability/"
 
 _wheel: $(VENV)/.run
 	@rm -rf $(SETUPTOOLS_LEFT) $(BUILD)/wheel

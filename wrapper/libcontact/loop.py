@@ -87,6 +87,7 @@ class Loop:
         self.energy: list[np.ndarray] = []
         self.momentum: list[np.ndarray] = []
         self.interrupted = False
+        self.watch: Any = None
         self.seconds = self.output_seconds = 0.0
 
     # What is written.
@@ -130,6 +131,8 @@ class Loop:
         """One row of each table, and one step of the file."""
         begin = clock.perf_counter()
         self._record()
+        if self.watch is not None:
+            self.watch(self.result(records=1))
         self.output_seconds += clock.perf_counter() - begin
 
     def _record(self) -> None:
@@ -232,15 +235,26 @@ class Loop:
 
     # What comes out.
 
-    def result(self, failed: bool = False) -> Run:
-        """The run so far; after a failure with the last state that was recorded."""
+    def result(self, failed: bool = False, records: int = 0) -> Run:
+        """The run so far, or its last records; after a failure with the last state that was recorded."""
         problem = self.problem
+        energy, momentum = self.energy[-records:], self.momentum[-records * len(problem.bodies):]
         state = self._last_good() if failed else self._state(self.state)
         return Run(
-            bodies=list(problem.bodies), units=problem.parts.units, steps=self.steps,
-            energy=np.concatenate(self.energy or [np.empty(0, energy_dtype(problem.effects))]), momentum=np.concatenate(self.momentum or [np.empty(0, MOMENTUM)]),
+            bodies=list(problem.bodies), units=problem.parts.units, steps=self.steps[-records:],
+            energy=np.concatenate(energy or [np.empty(0, energy_dtype(problem.effects))]), momentum=np.concatenate(momentum or [np.empty(0, MOMENTUM)]),
             state=state, path=self.path, scene=self.scene_text, interrupted=self.interrupted, seconds=self.seconds,
-            costs=measured(problem, self.state, self.output_seconds), writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state))
+            costs=measured(problem, self.state, self.output_seconds), writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state),
+            impulse={} if failed else self._impulses())
+
+    def _impulses(self) -> dict[str, np.ndarray]:
+        """The impulse of each effect but the solid on all bodies together, effects of one name added up."""
+        out: dict[str, np.ndarray] = {}
+        for k, name in enumerate(self.problem.effects[1:], start=1):
+            impulse = np.zeros(3)
+            self._call(lib.ct_energy_impulse, self.problem.pointer, self.state, k, ffi.from_buffer("double[3]", impulse))
+            out[name] = out.get(name, 0.0) + impulse
+        return out
 
     def _last_good(self) -> State | None:
         if self.good is not None and self.steps:
@@ -279,13 +293,14 @@ class Loop:
         write_tables(path, run.steps, run.energy, run.momentum)
 
 
-def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, until: Any, output: Any) -> Run:
+def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, until: Any, output: Any, watch: Any = None) -> Run:
     """Run a problem. Errors of the input are SceneErrors, before the first step; what fails later is a RunError with the run so far."""
     last_step(problem, until)
     schedule(problem)
     for sentence in chatter(problem):
         warnings.warn(ChatterWarning(sentence), stacklevel=3)
     loop = Loop(problem, scene_text)
+    loop.watch = watch
     if restart is not None:
         loop.restart(restart)
     if output is not None:

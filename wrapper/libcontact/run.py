@@ -154,11 +154,14 @@ class Run:
     the scene the Gauss points of both surfaces in that state: side, face, gauss, other (the face that was met, or -1), position, closest, xi,
     gap (negative inside, NaN where nothing was met), pressure, weight; it is empty for a run that was read from a file. ``costs`` are the seconds of each
     effect by name, of the "time loop" around them and of the "output"; ``Scene.costs`` puts them beside what was predicted.
+    ``impulse`` is what each effect has given to all bodies together since t = 0 (3,), by name: their sum is the change of momentum. It is empty for a run that was
+    read from a file.
     """
 
     def __init__(self, *, bodies: list[str], units: Units | None, steps: Any, energy: np.ndarray, momentum: np.ndarray,
                  state: State | None, path: Path | None = None, scene: str = "", interrupted: bool = False, seconds: float = 0.0,
-                 costs: Mapping[str, float] | None = None, writer: Any = None, contact: Sequence[np.ndarray] = ()):
+                 costs: Mapping[str, float] | None = None, writer: Any = None, contact: Sequence[np.ndarray] = (),
+                 impulse: Mapping[str, np.ndarray] | None = None):
         self.bodies, self.units, self.state = bodies, units, state
         self.steps = np.asarray(steps, np.int64)
         self.energy, self.momentum = energy, momentum
@@ -166,6 +169,7 @@ class Run:
         self.interrupted, self.seconds = interrupted, seconds
         self.contact = list(contact)
         self.costs = dict(costs or {})
+        self.impulse = dict(impulse or {})
         self._writer = writer
 
     @property

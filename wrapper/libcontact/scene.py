@@ -196,13 +196,14 @@ class Scene:
         return "\n".join(table(self.costs(run), self._built(None).stable.dt))
 
     def run(self, progress: bool | str = True, restart: str | Path | None = None, until: float | None = None,
-            output: str | Path | bool | None = None, threads: int | None = None) -> Run:
+            output: str | Path | bool | None = None, threads: int | None = None, watch: Callable[[Run], object] | None = None) -> Run:
         """
         Compute the scene.
 
         ``progress`` shows a bar where stderr is a terminal ("always": everywhere). ``restart`` continues from the newest record
         of a results file with the same bits. ``until`` ends earlier without changing the step. ``output`` names another file than the scene does;
         False writes none. The first Ctrl-C ends the run after a last record, and the Run says ``interrupted``.
+        ``watch`` is called at every record with a Run of this record alone (copy the arrays that you want to keep).
         What is wrong with the input is a SceneError before the first step; what fails later is a RunError.
         """
         if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or not 1 <= threads <= 1024):
@@ -213,7 +214,8 @@ class Scene:
             self._check_output(path, restart)
         if restart is not None:
             self._check_restart(restart)
-        return execute(self._built(threads), self.toml(arrays=False), progress=progress, restart=restart, until=until, output=path)
+        return execute(self._built(threads), self.toml(arrays=False), progress=progress, restart=restart, until=until, output=path,
+                       watch=watch)
 
     def _whole(self) -> scene_parts.Parts:
         """The parts of a scene that is complete; else the error that says what is missing."""
