@@ -89,9 +89,9 @@ def bouncing(n: int, impacts: int, enforcement: str, beta: float | None, fractio
         return {}
 
     row = judge("bouncing bar, 30 impacts" if impacts == 30 else f"bouncing bar, {impacts} impacts", made, enforcement=enforcement, beta=beta, depth=lowest("bar"), measure=look,
-                scale=weight * g * 5, scale_name="m g 5", note=f"{n} elements")
+                scale=weight * g * 5, scale_name="m g 5", bound=1.5, note=f"{n} elements")
     time, pushed = np.array(times), np.diff(push, prepend=0.0) > 1e-6 * weight * g * (1 / c)
-    starts = time[pushed & ~np.convolve(pushed, np.ones(int(0.4 * contact / (time[1] - time[0]))), "full")[:len(pushed)].astype(bool).__and__(_before(pushed, time, contact))]
+    starts = time[pushed & ~_before(pushed, time, contact)]
     exact = 1 + between * np.arange(impacts)
     late = np.array([(starts[np.abs(starts - t).argmin()] - t) / (16 * length / c) if len(starts) else np.nan for t in exact])
     return row, late
@@ -108,15 +108,19 @@ def _before(pushed: np.ndarray, time: np.ndarray, contact: float) -> np.ndarray:
 
 
 def bouncing_bar(short: bool) -> Iterator[Row]:
-    """Each impact leaves a vibration that changes the next one, so errors of phase grow."""
+    """
+    Each impact leaves a vibration that changes the next one, so errors of phase grow. What an impact takes from the nodes at the floor makes the next flight shorter: here
+    the bipenalty, which takes nothing, is the best, as long as it is soft.
+    """
     impacts = 4 if short else 30
+    ways = [(DEFAULT, 4.0, 0.99), ("bipenalty", 1.0, 0.99)]
     for n in (40,) if short else (50, 100, 200, 400):
-        for enforcement, beta in ((DEFAULT, 4.0),) if short or n < 400 else ((DEFAULT, 4.0), ("lagrange", None), ("penalty", 1.0)):
-            row, late = bouncing(n, impacts, enforcement, beta)
+        for enforcement, beta, fraction in ways if n < 400 else [*ways, (DEFAULT, 4.0, 0.9), ("lagrange", None, 0.99), ("penalty", 0.5, 0.9)]:
+            row, late = bouncing(n, impacts, enforcement, beta, fraction)
             shown = [i for i in (0, 1, 3, 9, 29) if i < impacts]
             row.note += "; late by " + ", ".join(f"{100 * late[i]:+.2f} % ({i + 1})" for i in shown)
             row.curve = {"impact": list(range(1, impacts + 1)), "late": [float(value) for value in late]}
-            if row.good and enforcement == DEFAULT and n == 400 and not (np.abs(late[:4]).max() < 5e-3 and abs(late[9]) < 1e-2):
+            if row.good and n == 400 and not (np.abs(late[:4]).max() < 5e-3 and (enforcement != "bipenalty" or abs(late[9]) < 1e-2)):
                 row.verdict = "later than asked"
             yield row
 
