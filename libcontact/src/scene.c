@@ -477,7 +477,7 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   }
   // -- The largest step not above the asked one that ends where the scene ends (eq:whole-steps)
   *step_count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));
-  p->dt = time->end / (double)*step_count;
+  p->dt = time->keep_dt && time->dt > 0.0 ? time->dt : time->end / (double)*step_count;
   p->threads = time->threads;
   p->clock = time->clock;
   *problem = p;

@@ -44,7 +44,8 @@ def _read(path: Path, file: Any, record: int) -> Run:
     scene = _text(own["scene"][()]) if "scene" in own else ""
     steps, energy, momentum = _tables(own, count, len(names))
     state = State(float(vtk["Steps/Values"][record]), int(own["step"][record]), _bodies(vtk, bodies, names, record))
-    return Run(bodies=names, units=_units(scene), steps=steps, energy=energy, momentum=momentum, state=state, path=path, scene=scene)
+    return Run(bodies=names, units=_units(scene), steps=steps, energy=energy, momentum=momentum, state=state, path=path, scene=scene,
+               dt=float(own.attrs["dt"]))
 
 
 def _tables(own: Any, count: int, bodies: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -66,7 +66,8 @@ CT_API void ct_mesh_free(ct_mesh *mesh);
 
 /**
  * Refuse node numbers out of range, coordinates that are not finite, and elements whose Jacobian determinant is not
- * positive at a Gauss point (``CT_ERROR_GEOMETRY``; `error` names the element and the Gauss point).
+ * positive at a Gauss point, or, for hex8, negative at a corner (``CT_ERROR_GEOMETRY``; `error` names the first such element and
+ * its Gauss point, and its text counts them).
  */
 CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 
