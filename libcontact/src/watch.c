@@ -156,6 +156,11 @@ static ct_status iterate(ct_watch *w, ct_state *state, ct_error *error)
   w->omega_squared = product(w, w->mode, w->force, 0);
   memcpy(w->moved, w->mode, (size_t)count * sizeof *w->moved);
   for (int64_t d = 0; d < count; d++) w->mode[d] = problem->inverse_mass[d] * w->force[d];
+  // Numbers too large or too small for a quotient say nothing; the next round begins anew.
+  if (!isfinite(w->omega_squared) || !isfinite(product(w, w->mode, w->mode, 1))) {
+    memset(w->mode, 0, (size_t)count * sizeof *w->mode);
+    w->omega_squared = 0.0;
+  }
   return CT_OK;
 }
 

@@ -390,9 +390,12 @@ def contact_points(problem: Problem, state: Any) -> list[np.ndarray]:
 
 
 def new_state(problem: Problem) -> Any:
-    """A state of the problem at t = 0."""
+    """A state of the problem at t = 0; where that has numbers that are none, the scene is at fault."""
     out, error = ffi.new("ct_state **"), new_error()
-    check(lib.ct_state_create(problem.pointer, out, error), error)
+    try:
+        check(lib.ct_state_create(problem.pointer, out, error), error)
+    except Error as reason:
+        raise SceneError(str(reason), "", problem.file) from None
     # Freeing a state asks the problem's effects, so the state keeps the problem alive.
     return ffi.gc(out[0], lambda state, free=lib.ct_state_free, problem=problem: free(state))
 

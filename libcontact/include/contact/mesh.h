@@ -78,7 +78,7 @@ CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 CT_API double ct_mesh_shortest_edge(const ct_mesh *mesh);
 
 /**
- * Faces of the mesh that belong to one element only and lie in the plane ``x[axis] = value`` within 1e-9 of the
+ * Faces of a mesh, one that `ct_mesh_check` accepts, that belong to one element only and lie in the plane ``x[axis] = value`` within 1e-9 of the
  * mesh's size. `faces` gets (count, 4 or 8) node numbers, counter-clockwise from outside, and `owners` (count) the elements;
  * either may be null. The return value is the count (call once with nulls to learn it).
  */
