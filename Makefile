@@ -303,7 +303,8 @@ threads: $(BUILD)/tsan/host_threads
 # The C tests under valgrind; slow. MEMCHECK names some of them.
 MEMCHECK ?= mesh mass solid solid_large solid_reduced step contact friction scene watch obstacle energy search api_fuzz
 memory: $(MEMCHECK:%=$(BUILD)/tests/test_%)
-	for t in $(MEMCHECK); do valgrind -q --leak-check=full --error-exitcode=99 $(BUILD)/tests/test_$$t | grep -E '^(not ok|Bail)|^1\.\.'; test $${PIPESTATUS[0]} -ne 99 || exit 1; done
+	@for t in $(MEMCHECK); do echo "  valgrind test_$$t"; \
+	  valgrind -q --leak-check=full --error-exitcode=99 $(BUILD)/tests/test_$$t > $(BUILD)/tests/memory.txt || { cat $(BUILD)/tests/memory.txt; exit 1; }; done
 
 # -- The rest -----------------------------------------------------------------------------------------------------------------------
 info:
