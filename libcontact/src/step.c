@@ -175,8 +175,7 @@ ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
   return status;
 }
 
-/* Name the first node that is out of the range of numbers. */
-static ct_status check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
+ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
 {
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
     if (isfinite(state->velocity[d]) && fabs(state->displacement[d]) <= CT_LARGEST_LENGTH) continue;
@@ -198,7 +197,7 @@ ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count
     status = take_step(problem, state, error);
     // An effect may be the first to meet a number that is not finite (CT_INVALID); the answer is the same as without it.
     if (status == CT_INVALID || (status == CT_OK && (i % STEPS_BETWEEN_CHECKS == 0 || i == count))) {
-      ct_status finite = check_finite(problem, state, error);
+      ct_status finite = ct_check_finite(problem, state, error);
       if (finite != CT_OK) status = finite;
     }
   }

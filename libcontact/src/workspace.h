@@ -27,6 +27,9 @@ typedef struct ct_workspace {
 /* Make the forces at the state's time, unless they stand already. */
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error);
 
+/* Name the first node whose motion is out of the range of numbers (CT_ERROR_BLOWUP). */
+ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error);
+
 /* What effect `k` is shown of a state. */
 ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k);
 
