@@ -68,12 +68,13 @@ def c_material(material: scene_parts.Material) -> Any:
                                      "law": LAW[material.law]})
 
 
-def memory_estimate(nodes: int, elements: int, width: int) -> int:
+def memory_estimate(nodes: int, elements: int, width: int, lattice: bool = False) -> int:
     """
     Bytes that a run needs, about: 32 numbers a node (coordinates, masses, displacement, velocity, forces, ledger), and the
-    node numbers of the elements, twice, with the forces of their nodes on the way to the sum.
+    node numbers of the elements, twice, with the forces of their nodes on the way to the sum. A ``lattice`` of congruent elements
+    needs their numbers once, and one energy for each.
     """
-    return nodes * 32 * 8 + elements * width * (2 * 4 + 3 * 8)
+    return nodes * 32 * 8 + elements * (width * 4 + 8 if lattice else width * (2 * 4 + 3 * 8))
 
 
 class Problem:
@@ -154,10 +155,16 @@ class Problem:
             if body.box is not None or body.ring is not None:
                 x, y, z = (body.box or body.ring).cells
                 nodes = (x + 1) * (y + 1) * (z + 1) * (4 if body.element == "hex20" else 1)
-                need += memory_estimate(nodes, x * y * z, WIDTH[body.element])
+                need += memory_estimate(nodes, x * y * z, WIDTH[body.element], self._is_lattice(body))
             if need > _physical_memory():
                 reason = f"the run needs about {need / 1e9:.3g} GB, this machine has {_physical_memory() / 1e9:.3g} GB"
                 raise SceneError(reason, f"body[{i}].{'box' if body.box else 'ring'}.cells", self.file)
+
+    def _is_lattice(self, body: scene_parts.Body) -> bool:
+        """Whether nothing is stored of the elements of a body, :eq:`lattice-ring`."""
+        if body.box is None or body.element != "hex8" or body.integration != "full" or body.kernel not in ("auto", "box", "plane"):
+            return False
+        return "congruent" in self.parts.savings and self.parts.materials[body.material].law == "linear" and body.box.cells[0] >= 8
 
     def _mesh(self, i: int, body: scene_parts.Body) -> Mesh:
         key = f"body[{i}]." + ("box" if body.box else "ring" if body.ring else "mesh" if body.mesh else "elements")
