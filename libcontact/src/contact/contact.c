@@ -125,24 +125,36 @@ static void measure_clear(ct_contact *contact)
  * that of a quadratic one seven times as far (eq:contact-clear). */
 static int still_distant(const ct_contact *contact)
 {
-  if (!contact->built || contact->clear == 0.0) return 0;
+  if (!contact->built || !contact->begun || contact->clear == 0.0) return 0;
   const ct_side *a = &contact->side[0], *b = &contact->side[contact->sides - 1];
   double part = a->search->per > a->search->edges || b->search->per > b->search->edges ? 0.125 : 0.9;
   return motion(a) + motion(b) <= part * contact->clear;
+}
+
+/* How deep the deepest point was that was in contact in the last update. */
+static double deepest(const ct_contact *contact)
+{
+  double depth = 0.0;
+  for (int s = 0; s < contact->sides; s++)
+    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++)
+      if (contact->side[s].points[i].history == CT_POINT_INSIDE) depth = fmax(depth, -contact->side[s].points[i].gap);
+  return depth;
 }
 
 /* Refit trees and list candidates when the surfaces have moved by a part of the skin (eq:skin). */
 static ct_status refresh_candidates(ct_contact *contact, ct_error *error)
 {
   ct_side *a = &contact->side[0], *b = &contact->side[contact->sides - 1];
-  if (contact->built && motion(a) + motion(b) <= 0.25 * contact->skin) return CT_OK;
+  double deep = deepest(contact);
+  if (contact->built && contact->begun && deep <= contact->listed && motion(a) + motion(b) <= 0.25 * contact->skin) return CT_OK;
+  contact->listed = fmax(contact->depth, 1.5 * deep);
   for (int s = 0; s < contact->sides; s++) {
     ct_side *side = &contact->side[s];
     ct_search_refit(side->search);
     memcpy(side->x_built, side->search->x, 3 * (size_t)side->search->node_count * sizeof *side->search->x);
   }
-  ct_status status = list_candidates(a, b, contact->depth + contact->skin, error);
-  if (status == CT_OK && a != b) status = list_candidates(b, a, contact->depth + contact->skin, error);
+  ct_status status = list_candidates(a, b, contact->listed + contact->skin, error);
+  if (status == CT_OK && a != b) status = list_candidates(b, a, contact->listed + contact->skin, error);
   contact->built = status == CT_OK;
   if (contact->built) measure_clear(contact);
   return status;
@@ -254,14 +266,19 @@ ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double
   if (still_distant(contact)) {
     // No point has a face, as in the last call; a host may have set some since then, from an older state.
     for (int s = 0; s < contact->sides; s++)
-      for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++) contact->side[s].points[i].other = -1;
+      for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++) {
+        ct_gauss_point *point = &contact->side[s].points[i];
+        point->other = -1;
+        if (point->history != CT_POINT_BURIED) point->history = CT_POINT_NEW;
+      }
     return CT_OK;
   }
   for (int s = 0; s < contact->sides; s++) ct_search_box(contact->side[s].search);
   status = refresh_candidates(contact, error);
   if (status != CT_OK) return status;
   for (int s = 0; s < contact->sides; s++)
-    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, contact->depth);
+    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, contact->depth, contact->listed, !contact->begun);
+  contact->begun = 1;
   return CT_OK;
 }
 

@@ -5,7 +5,9 @@
 
 struct ct_contact {
   ct_contact_options options;
-  double depth; /* deepest point that is in contact */
+  double depth; /* a new point is in contact down to here */
+  double listed; /* candidates are complete to this distance, at least the depth */
+  int begun;    /* whether the points have a history */
   double skin;  /* how far beyond the depth candidates are listed */
   int built;    /* whether the candidate lists exist */
   double clear; /* not 0: when they were made, no two faces were nearer than the depth plus this (eq:contact-clear) */

@@ -67,8 +67,10 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_OK;
 }
 
-/* A point's memory: number of its other face plus one (0: none), the parameters there, and where a step's gaps give the force this force. */
+/* A point's memory: number of its other face plus one, negative while it is in contact, or 0: none, or BURIED; the parameters there; and where a step's
+ * gaps give the force this force. After the points: whether there was a step before. */
 enum { OTHER = 0, XI = 1, FORCE = 3 };
+static const double BURIED = -4294967296.0;
 
 static int is_penalty(const contact_data *data) { return data->options.enforcement == CT_ENFORCE_PENALTY; }
 static int stride(const contact_data *data) { return is_penalty(data) ? FORCE : FORCE + 1; }
@@ -78,10 +80,12 @@ static void recall(ct_contact *contact, const double *memory, int size)
   for (int s = 0; s < contact->sides; s++)
     for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += size) {
       ct_gauss_point *point = &contact->side[s].points[i];
-      double last = (double)contact->side[contact->sides - 1 - s].search->face_count;
-      point->other = memory[OTHER] >= 1.0 && memory[OTHER] <= last ? (int32_t)memory[OTHER] - 1 : -1;
+      double last = (double)contact->side[contact->sides - 1 - s].search->face_count, number = fabs(memory[OTHER]);
+      point->other = number >= 1.0 && number <= last ? (int32_t)number - 1 : -1;
+      point->history = memory[OTHER] == BURIED ? CT_POINT_BURIED : point->other < 0 ? CT_POINT_NEW : memory[OTHER] < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
       memcpy(point->xi, &memory[XI], sizeof point->xi);
     }
+  contact->begun = memory[0] != 0.0;
 }
 
 static void remember(const ct_contact *contact, double *memory, int size)
@@ -89,9 +93,11 @@ static void remember(const ct_contact *contact, double *memory, int size)
   for (int s = 0; s < contact->sides; s++)
     for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += size) {
       const ct_gauss_point *point = &contact->side[s].points[i];
-      memory[OTHER] = (double)point->other + 1.0;
+      double number = (double)point->other + 1.0;
+      memory[OTHER] = point->history == CT_POINT_BURIED ? BURIED : point->history == CT_POINT_INSIDE ? -number : number;
       memcpy(&memory[XI], point->xi, sizeof point->xi);
     }
+  memory[0] = 1.0;
 }
 
 /* Gaps of the points at the time of the view. */
@@ -246,7 +252,7 @@ ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, con
     return status;
   }
   int64_t points = ct_contact_point_count(((contact_scratch *)trial)->contact);
-  effect->memory_count = stride(data) * points;
+  effect->memory_count = stride(data) * points + 1;
   if (!is_penalty(data)) {
     effect->constrain = contact_constrain;
     effect->constraint_count = points;

@@ -12,8 +12,12 @@ typedef struct nearest {
   double distance;
   ct_projection foot;
   double origin[3], y[3]; /* the middle of the face's box, and the point relative to it */
-  double own[3];          /* unit normal at the point, of a surface with itself */
+  double own[3];          /* unit normal at the point, of a surface with itself and where `facing` is set */
+  int facing;             /* whether faces that look the same way as the point are left out */
 } nearest;
+
+/* Where a point is, seen from the place that it has found: nothing near, beyond the border, outside, inside, inside beneath a far side. */
+typedef enum verdict { NOWHERE, BEYOND, OUTSIDE, INSIDE, FAR } verdict;
 
 /* What one pass needs everywhere. */
 typedef struct pass {
@@ -21,7 +25,9 @@ typedef struct pass {
   const ct_side *other;
   ct_project_options project;
   double epsilon, depth;
-  int self; /* whether the other side is the same surface */
+  double listed; /* candidates are complete to this distance */
+  int self;  /* whether the other side is the same surface */
+  int first; /* whether no point has a history yet */
 } pass;
 
 /* Position of a Gauss point, relative to `origin`. */
@@ -86,12 +92,27 @@ static int project(const pass *p, int32_t face, int q, int32_t target, const dou
   return (status == CT_OK || status == CT_NOT_CERTIFIED || status == CT_ITERATION_LIMIT) && foot->where != CT_OUTSIDE;
 }
 
+/* Whether a surface with the normal `normal` (of any length) looks at one with the unit normal `own`, or across; not the same way (eq:far-side). */
+static int looks_across(const double own[3], const double normal[3])
+{
+  return ct_vector_dot(own, normal) < 0.5 * sqrt(ct_vector_dot(normal, normal));
+}
+
+/* Whether a foot is to be left out, as a nearest place among those that look at the point is wanted. */
+static int looks_away(const pass *p, const double own[3], int32_t target, const ct_projection *foot)
+{
+  double normal[3];
+  (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
+  return !looks_across(own, normal);
+}
+
 /* Try one face of the other side and keep the answer if it is the nearest. */
 static void try_face(const pass *p, int32_t face, int q, int32_t target, const double *start, nearest *best)
 {
   ct_projection foot;
   double origin[3], y[3];
   if (!project(p, face, q, target, start, origin, y, &foot) || (p->self && !may_push(p, face, q, best->own, y, target, &foot))) return;
+  if (best->facing && looks_away(p, best->own, target, &foot)) return;
   if (foot.distance < best->distance || (foot.distance == best->distance && target < best->face)) {
     best->face = target;
     best->distance = foot.distance;
@@ -101,21 +122,29 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
   }
 }
 
-/* Gap vector d = ȳ - y and the signed gap of a point over the face it has found (eq:gap). Returns 0 when the foot lies on the
- * border of the surface, or when the two surfaces do not face each other. */
-static int measure(const pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
+/* On the border of an open surface: whether the point is above the face and not beyond it, to rounding; for points that lie on edges themselves. */
+static int above_border(const ct_projection *foot, const double d[3])
+{
+  double along = ct_vector_dot(d, foot->normal);
+  return ct_vector_dot(d, d) - along * along <= 1e-12 * ct_vector_dot(d, d);
+}
+
+/* Gap vector d = ȳ - y and the signed gap of a point over the face it has found (eq:gap), and what it says of the point. */
+static verdict measure(const pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
 {
   double foot[3], own[3], *normal = point->normal;
   ct_face mine;
-  if (!ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal)) return 0;
+  int within = ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal);
   ct_segment_shape(p->other->search->kind, best->foot.xi, point->N);
   ct_side_interpolate(p->other, best->face, point->N, best->origin, foot);
   for (int c = 0; c < 3; c++) point->d[c] = foot[c] - best->y[c];
+  if (!within && !(p->side->on_edges && above_border(&best->foot, point->d))) return BEYOND;
   double distance = sqrt(ct_vector_dot(point->d, point->d));
   point->gap = ct_vector_dot(point->d, normal) > 0.0 ? -distance : distance;
-  if (point->gap >= 0.0) return 1;
+  if (point->gap >= 0.0 && point->history != CT_POINT_INSIDE) return OUTSIDE;
   ct_search_face(p->side->search, face, &mine);
-  return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK && ct_vector_dot(own, normal) < 0.0 && point->gap >= -p->depth;
+  if (ct_segment_normal(&mine, p->side->rule.xi[q], own) != CT_OK || !looks_across(own, normal)) return FAR;
+  return point->gap >= 0.0 ? OUTSIDE : INSIDE;
 }
 
 /* Whether the way from a point to its foot, `d`, first enters through another face, one that the point is outside of: then the foot is on the far
@@ -132,59 +161,119 @@ static int enters(const pass *p, int32_t face, int q, int32_t target, const doub
 }
 
 /* Begin with nothing found; a surface in contact with itself needs its own normal first. Answers 0 when there is none. */
-static int begin(const pass *p, int32_t face, int q, nearest *best)
+static int begin(const pass *p, int32_t face, int q, int facing, nearest *best)
 {
   ct_face mine;
-  *best = (nearest){.face = INT32_MAX, .distance = INFINITY};
-  if (!p->self) return 1;
+  *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .facing = facing};
+  if (!p->self && !facing) return 1;
   ct_search_face(p->side->search, face, &mine);
   return ct_segment_normal(&mine, p->side->rule.xi[q], best->own) == CT_OK;
+}
+
+/* The nearest face of a point, or the nearest that does not look the same way. A point that is in contact looks as far as it takes, but not on its own
+ * surface (eq:held). */
+static void find_nearest(const pass *p, int32_t face, int q, const double y[3], int facing, nearest *best)
+{
+  const ct_side *side = p->side, *other = p->other;
+  const ct_gauss_point *point = &side->points[(int64_t)face * side->rule.count + q];
+  int held = point->history == CT_POINT_INSIDE && !p->self;
+  double most = held ? HUGE_VAL : p->depth;
+  if (!begin(p, face, q, facing, best)) return;
+
+  // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)
+  int32_t warm = point->other;
+  if (warm >= 0 && ct_bounds_distance(&other->search->boxes[warm], y) <= most) try_face(p, face, q, warm, point->xi, best);
+  for (int32_t i = side->candidate_first[face]; i < side->candidate_first[face + 1]; i++) {
+    int32_t target = side->candidates[i];
+    double reach = best->distance < most ? best->distance : most;
+    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= reach) try_face(p, face, q, target, NULL, best);
+  }
+  // -- Deeper than the lists reach: try all faces (eq:held)
+  for (int32_t target = 0; held && best->distance > p->listed && target < other->search->face_count; target++)
+    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= best->distance) try_face(p, face, q, target, NULL, best);
+}
+
+/* Whether the point was in contact, or outside over a face that it looks at, in the last step. */
+static int came_in(const pass *p, int32_t face, int q, const ct_gauss_point *point)
+{
+  ct_face mine, last;
+  double own[3], normal[3];
+  if (point->history == CT_POINT_INSIDE) return 1;
+  if (point->history != CT_POINT_OUTSIDE || point->other < 0) return 0;
+  ct_search_face(p->side->search, face, &mine);
+  ct_search_face(p->other->search, point->other, &last);
+  return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK && ct_segment_normal(&last, point->xi, normal) == CT_OK && looks_across(own, normal);
+}
+
+/* The nearest place is a far side. A point that came in by another side belongs to that one still, unless it has left the body (eq:held). */
+static verdict judge_far(const pass *p, int32_t face, int q, const double y[3], nearest *best, ct_gauss_point *point)
+{
+  int has_left = point->gap >= 0.0;
+  if (p->self || !came_in(p, face, q, point)) return FAR;
+  find_nearest(p, face, q, y, 1, best);
+  if (best->face == INT32_MAX || measure(p, face, q, best, point) != INSIDE) return has_left ? OUTSIDE : FAR;
+  double along = ct_vector_dot(point->d, best->foot.normal);
+  return has_left && along * along < 0.5 * ct_vector_dot(point->d, point->d) ? FAR : INSIDE;
+}
+
+/* Whether a point with nothing near lies deep in the other body, at the very first look (eq:history). */
+static int is_buried(const pass *p, const double y[3])
+{
+  ct_nearest foot;
+  double normal[3];
+  if (p->self || !p->first) return 0;
+  ct_search_point(p->other->search, y, -1, HUGE_VAL, p->project.tolerance, NULL, NULL, &foot);
+  return foot.face >= 0 && foot.signed_distance < 0.0 &&
+         ct_search_normal(p->other->search, foot.face, foot.where, foot.index, foot.xi, foot.normal, normal);
+}
+
+/* What the place that a point has found and its history say together (eq:history). */
+static verdict judge(const pass *p, int32_t face, int q, const double y[3], nearest *best, ct_gauss_point *point)
+{
+  int buried = point->history == CT_POINT_BURIED;
+  if (best->face == INT32_MAX) return buried || is_buried(p, y) ? FAR : NOWHERE;
+  verdict found = measure(p, face, q, best, point);
+  if (found == FAR) found = judge_far(p, face, q, y, best, point);
+  if (found == INSIDE && (p->self || point->history != CT_POINT_INSIDE) && (buried || point->gap < -p->depth)) found = FAR;
+  if (found == FAR && p->self) return NOWHERE;
+  if (found == BEYOND && buried) return FAR;
+  // -- A surface with itself: no other face is on the way to the foot (eq:self-way)
+  for (int32_t i = p->side->candidate_first[face]; p->self && found == INSIDE && i < p->side->candidate_first[face + 1]; i++) {
+    int32_t target = p->side->candidates[i];
+    if (target != best->face && ct_bounds_distance(&p->other->search->boxes[target], y) <= best->distance && enters(p, face, q, target, point->d))
+      return NOWHERE;
+  }
+  return found;
 }
 
 static void search_point(const pass *p, int32_t face, int q)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
-  const ct_side *side = p->side, *other = p->other;
-  int64_t number = (int64_t)face * side->rule.count + q;
+  int64_t number = (int64_t)face * p->side->rule.count + q;
   ct_gauss_point *point = &p->side->points[number];
   nearest best;
   double y[3];
-  int able = begin(p, face, q, &best);
-  position(side, face, q, zero, y);
-
-  // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)
-  int32_t warm = point->other;
-  if (able && warm >= 0 && ct_bounds_distance(&other->search->boxes[warm], y) <= p->depth) try_face(p, face, q, warm, point->xi, &best);
-  for (int32_t i = side->candidate_first[face]; able && i < side->candidate_first[face + 1]; i++) {
-    int32_t target = side->candidates[i];
-    double reach = best.distance < p->depth ? best.distance : p->depth;
-    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= reach) try_face(p, face, q, target, NULL, &best);
-  }
+  position(p->side, face, q, zero, y);
+  find_nearest(p, face, q, y, 0, &best);
+  verdict found = judge(p, face, q, y, &best, point);
 
   // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
-  point->other = -1;
-  point->gap = NAN;
+  point->history = found == INSIDE ? CT_POINT_INSIDE : found == OUTSIDE ? CT_POINT_OUTSIDE : found == FAR ? CT_POINT_BURIED : CT_POINT_NEW;
   memset(point->force, 0, sizeof point->force);
-  if (best.face == INT32_MAX) return;
-  int met = measure(p, face, q, &best, point);
-  // -- A surface with itself: no other face is on the way to the foot (eq:self-way)
-  for (int32_t i = side->candidate_first[face]; p->self && met && point->gap < 0.0 && i < side->candidate_first[face + 1]; i++) {
-    int32_t target = side->candidates[i];
-    if (target != best.face && ct_bounds_distance(&other->search->boxes[target], y) <= best.distance) met = !enters(p, face, q, target, point->d);
-  }
-  if (!met) {
+  if (found != INSIDE && found != OUTSIDE) {
+    point->other = -1;
     point->gap = NAN;
     return;
   }
   point->other = best.face;
   memcpy(point->xi, best.foot.xi, sizeof point->xi);
   if (point->gap < 0.0)
-    for (int c = 0; c < 3; c++) point->force[c] = 0.5 * p->epsilon * side->weight[number] * point->d[c];
+    for (int c = 0; c < 3; c++) point->force[c] = 0.5 * p->epsilon * p->side->weight[number] * point->d[c];
 }
 
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth)
+void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double listed, int first)
 {
-  pass p = {side, other, ct_project_options_default(), options->epsilon, depth, side == other};
+  pass p = {side, other, ct_project_options_default(), options->epsilon, depth, listed, side == other, first};
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
 #ifdef _OPENMP

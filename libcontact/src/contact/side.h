@@ -7,9 +7,13 @@
 #include "../grid.h"
 #include "../search/search_internal.h"
 
+/* What is known of a point from the last update (eq:history): nothing; outside, over `other`; in contact with `other`; inside, but not in contact. */
+enum { CT_POINT_NEW, CT_POINT_OUTSIDE, CT_POINT_INSIDE, CT_POINT_BURIED };
+
 /* One Gauss point of a side, as the last update left it. */
 typedef struct ct_gauss_point {
   int32_t other;  /* face of the other side, or -1 */
+  int32_t history; /* CT_POINT_NEW, ... */
   double xi[2];   /* parameters of the closest point there */
   double d[3];    /* ȳ - y */
   double gap;     /* signed distance; NaN without `other` */
@@ -25,6 +29,7 @@ static inline int ct_point_presses(const ct_gauss_point *point) { return point->
 typedef struct ct_side {
   ct_search *search;
   ct_rule rule;
+  int on_edges;       /* whether the rule has points on edges and corners */
   double N[27][8];    /* shape functions at the Gauss points */
   double *weight;     /* w J_ref, shape (face_count, rule.count) */
   double *x_built;    /* coordinates at the last listing of candidates, shape (node_count, 3) */
@@ -65,7 +70,8 @@ static inline void ct_side_push(const ct_grid *grid, const ct_search *search, in
   }
 }
 
-/* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). */
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth);
+/* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). A new point is in contact down to `depth`; the
+ * candidates are complete to the distance `listed`; `first`: no point has a history yet. */
+void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double listed, int first);
 
 #endif
