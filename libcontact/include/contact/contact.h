@@ -6,6 +6,14 @@
 #include <contact/search.h>
 #include <contact/segment.h>
 
+/** Where on its faces a contact has points, :eq:`unseen`. */
+typedef enum ct_contact_rule {
+  /** Gauss points, which lie 0.21 h and more inside the face. */
+  CT_POINTS_GAUSS,
+  /** Points at corners, middles of edges and centres, `ct_rule_lobatto`: no corner can enter a face unseen. */
+  CT_POINTS_LOBATTO
+} ct_contact_rule;
+
 /** Choices of a contact. Start from `ct_contact_options_default`. */
 typedef struct ct_contact_options {
   /** Penalty ε [stress / length], > 0; see `ct_contact_penalty`. */
@@ -24,6 +32,8 @@ typedef struct ct_contact_options {
   ct_enforcement enforcement;
   /** Share of the stiffness that acts at the end of the step, 0 ... 1, :eq:`energy-controlled`; for the energy-controlled penalty. */
   double dissipation;
+  /** Where the points are; Gauss points. */
+  ct_contact_rule points;
 } ct_contact_options;
 
 /**
@@ -112,6 +122,38 @@ CT_API int64_t ct_contact_point_count(const ct_contact *contact);
 
 /** The points of the last update, `points` of shape (ct_contact_point_count). */
 CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points);
+
+/** Places where penetration is looked for. */
+typedef enum ct_penetration_at {
+  /** The points of the contact. */
+  CT_AT_POINTS,
+  /** The corners of all faces. */
+  CT_AT_CORNERS,
+  /** The middles of the edges of all faces. */
+  CT_AT_EDGES
+} ct_penetration_at;
+
+/** How far two surfaces are inside each other; everything is written by `ct_contact_penetration`. */
+typedef struct ct_penetration {
+  /** Number of places inside; a corner or an edge counts once for each face. */
+  int64_t inside;
+  /** Of them, points that are inside without being in contact, as they did not come in from outside, :eq:`history`; 0 at corners and edges. */
+  int64_t buried;
+  /** Depth of the deepest place that is not buried [length]; 0 when there is none. */
+  double deepest;
+  /** 0 or 1: the surface that the deepest place belongs to; -1 when there is none. */
+  int32_t side;
+  /** Its face; -1 when there is none. */
+  int32_t face;
+  /** Its position [length]; NaN when there is none. */
+  double position[3];
+} ct_penetration;
+
+/**
+ * Penetration at the coordinates of the last update, at the contact's points, or at corners or edges, which a contact with Gauss points does not look at.
+ * ``CT_ERROR_UNSUPPORTED``: corners or edges of a surface in contact with itself.
+ */
+CT_API ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at, ct_penetration *out);
 
 /** Free a contact; null is allowed. */
 CT_API void ct_contact_free(ct_contact *contact);

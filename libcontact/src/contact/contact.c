@@ -34,6 +34,8 @@ static ct_status check_options(const ct_contact_options *options, ct_error *erro
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: a tolerance of %g", options->tolerance);
   if (!(options->depth >= 0.0) || !isfinite(options->depth) || options->threads < 1 || options->threads > CT_MOST_THREADS)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: depth %g, %d threads", options->depth, options->threads);
+  if (options->points != CT_POINTS_GAUSS && options->points != CT_POINTS_LOBATTO)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no rule of points %d", (int)options->points);
   if (ct_method_name(options->method) == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no search method %d", (int)options->method);
   if (ct_enforcement_name(options->enforcement) == NULL || !(options->dissipation >= 0.0 && options->dissipation <= 1.0))
@@ -181,7 +183,7 @@ static ct_status create(const ct_surface *const surface[2], int sides, const ct_
   contact->options = *options;
   contact->one_array = surface[0]->reference == surface[1]->reference;
   for (int s = 0; s < sides && status == CT_OK; s++) {
-    status = ct_side_init(&contact->side[s], surface[s], s, error);
+    status = ct_side_init(&contact->side[s], surface[s], s, options->points == CT_POINTS_LOBATTO, error);
     if (status != CT_OK) break;
     contact->sides = s + 1;
     size = fmax(size, contact->side[s].search->size);

@@ -12,8 +12,9 @@ typedef struct nearest {
   double distance;
   ct_projection foot;
   double origin[3], y[3]; /* the middle of the face's box, and the point relative to it */
-  double own[3];          /* unit normal at the point, of a surface with itself and where `facing` is set */
-  int facing;             /* whether faces that look the same way as the point are left out */
+  double own[3];          /* unit normal at the point, of a surface with itself */
+  int same_side;          /* whether far sides are left out: faces that look away from `last` */
+  double last[3];         /* unit normal of the other side where the point was in the last step */
 } nearest;
 
 /* Where a point is, seen from the place that it has found: nothing near, beyond the border, outside, inside, inside beneath a far side. */
@@ -98,12 +99,27 @@ static int looks_across(const double own[3], const double normal[3])
   return ct_vector_dot(own, normal) < 0.5 * sqrt(ct_vector_dot(normal, normal));
 }
 
-/* Whether a foot is to be left out, as a nearest place among those that look at the point is wanted. */
-static int looks_away(const pass *p, const double own[3], int32_t target, const ct_projection *foot)
+/* Whether the normal `normal` (of any length) belongs to the far side of what has the unit normal `last` (eq:far-side). */
+static int is_far(const double last[3], const double normal[3])
+{
+  return ct_vector_dot(last, normal) < -0.5 * sqrt(ct_vector_dot(normal, normal));
+}
+
+/* Unit normal, now, of the other side where a point was in the last step. Answers 0 when it was nowhere. */
+static int last_normal(const pass *p, const ct_gauss_point *point, double normal[3])
+{
+  ct_face face;
+  if (p->self || point->other < 0) return 0;
+  ct_search_face(p->other->search, point->other, &face);
+  return ct_segment_normal(&face, point->xi, normal) == CT_OK;
+}
+
+/* Whether a foot is on the far side of what is looked for. */
+static int is_beyond_body(const pass *p, const double last[3], int32_t target, const ct_projection *foot)
 {
   double normal[3];
   (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
-  return !looks_across(own, normal);
+  return is_far(last, normal);
 }
 
 /* Try one face of the other side and keep the answer if it is the nearest. */
@@ -112,7 +128,7 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
   ct_projection foot;
   double origin[3], y[3];
   if (!project(p, face, q, target, start, origin, y, &foot) || (p->self && !may_push(p, face, q, best->own, y, target, &foot))) return;
-  if (best->facing && looks_away(p, best->own, target, &foot)) return;
+  if (best->same_side && is_beyond_body(p, best->last, target, &foot)) return;
   if (foot.distance < best->distance || (foot.distance == best->distance && target < best->face)) {
     best->face = target;
     best->distance = foot.distance;
@@ -132,7 +148,7 @@ static int above_border(const ct_projection *foot, const double d[3])
 /* Gap vector d = ȳ - y and the signed gap of a point over the face it has found (eq:gap), and what it says of the point. */
 static verdict measure(const pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
 {
-  double foot[3], own[3], *normal = point->normal;
+  double foot[3], own[3], last[3], *normal = point->normal;
   ct_face mine;
   int within = ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal);
   ct_segment_shape(p->other->search->kind, best->foot.xi, point->N);
@@ -141,10 +157,13 @@ static verdict measure(const pass *p, int32_t face, int q, const nearest *best, 
   if (!within && !(p->side->on_edges && above_border(&best->foot, point->d))) return BEYOND;
   double distance = sqrt(ct_vector_dot(point->d, point->d));
   point->gap = ct_vector_dot(point->d, normal) > 0.0 ? -distance : distance;
-  if (point->gap >= 0.0 && point->history != CT_POINT_INSIDE) return OUTSIDE;
+  int held = point->history == CT_POINT_INSIDE && !p->self;
+  if (point->gap >= 0.0 && !held) return OUTSIDE;
+  // -- Far sides: what looks away from where the point was, or the same way as a point that comes in (eq:far-side)
+  if (last_normal(p, point, last) && is_far(last, normal)) return FAR;
+  if (held) return point->gap >= 0.0 ? OUTSIDE : INSIDE;
   ct_search_face(p->side->search, face, &mine);
-  if (ct_segment_normal(&mine, p->side->rule.xi[q], own) != CT_OK || !looks_across(own, normal)) return FAR;
-  return point->gap >= 0.0 ? OUTSIDE : INSIDE;
+  return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK && looks_across(own, normal) ? INSIDE : FAR;
 }
 
 /* Whether the way from a point to its foot, `d`, first enters through another face, one that the point is outside of: then the foot is on the far
@@ -160,25 +179,27 @@ static int enters(const pass *p, int32_t face, int q, int32_t target, const doub
          ct_search_is_minimum(p->other->search, target, foot.where, foot.index, foot.xi, way);
 }
 
-/* Begin with nothing found; a surface in contact with itself needs its own normal first. Answers 0 when there is none. */
-static int begin(const pass *p, int32_t face, int q, int facing, nearest *best)
+/* Begin with nothing found; a surface in contact with itself needs its own normal first, a search on one side that of the last step. Answers 0 when
+ * there is none. */
+static int begin(const pass *p, int32_t face, int q, int same_side, nearest *best)
 {
   ct_face mine;
-  *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .facing = facing};
-  if (!p->self && !facing) return 1;
+  *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .same_side = same_side};
+  if (same_side) return last_normal(p, &p->side->points[(int64_t)face * p->side->rule.count + q], best->last);
+  if (!p->self) return 1;
   ct_search_face(p->side->search, face, &mine);
   return ct_segment_normal(&mine, p->side->rule.xi[q], best->own) == CT_OK;
 }
 
-/* The nearest face of a point, or the nearest that does not look the same way. A point that is in contact looks as far as it takes, but not on its own
+/* The nearest face of a point, or the nearest that is on no far side. A point that is in contact looks as far as it takes, but not on its own
  * surface (eq:held). */
-static void find_nearest(const pass *p, int32_t face, int q, const double y[3], int facing, nearest *best)
+static void find_nearest(const pass *p, int32_t face, int q, const double y[3], int same_side, nearest *best)
 {
   const ct_side *side = p->side, *other = p->other;
   const ct_gauss_point *point = &side->points[(int64_t)face * side->rule.count + q];
   int held = point->history == CT_POINT_INSIDE && !p->self;
   double most = held ? HUGE_VAL : p->depth;
-  if (!begin(p, face, q, facing, best)) return;
+  if (!begin(p, face, q, same_side, best)) return;
 
   // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)
   int32_t warm = point->other;
@@ -196,13 +217,12 @@ static void find_nearest(const pass *p, int32_t face, int q, const double y[3], 
 /* Whether the point was in contact, or outside over a face that it looks at, in the last step. */
 static int came_in(const pass *p, int32_t face, int q, const ct_gauss_point *point)
 {
-  ct_face mine, last;
-  double own[3], normal[3];
+  ct_face mine;
+  double own[3], last[3];
   if (point->history == CT_POINT_INSIDE) return 1;
-  if (point->history != CT_POINT_OUTSIDE || point->other < 0) return 0;
+  if (!last_normal(p, point, last)) return 0;
   ct_search_face(p->side->search, face, &mine);
-  ct_search_face(p->other->search, point->other, &last);
-  return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK && ct_segment_normal(&last, point->xi, normal) == CT_OK && looks_across(own, normal);
+  return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK && looks_across(own, last);
 }
 
 /* The nearest place is a far side. A point that came in by another side belongs to that one still, unless it has left the body (eq:held). */
@@ -211,9 +231,9 @@ static verdict judge_far(const pass *p, int32_t face, int q, const double y[3], 
   int has_left = point->gap >= 0.0;
   if (p->self || !came_in(p, face, q, point)) return FAR;
   find_nearest(p, face, q, y, 1, best);
-  if (best->face == INT32_MAX || measure(p, face, q, best, point) != INSIDE) return has_left ? OUTSIDE : FAR;
+  if (best->face == INT32_MAX || measure(p, face, q, best, point) != INSIDE) return has_left ? NOWHERE : FAR;
   double along = ct_vector_dot(point->d, best->foot.normal);
-  return has_left && along * along < 0.5 * ct_vector_dot(point->d, point->d) ? FAR : INSIDE;
+  return has_left && along * along < 0.5 * ct_vector_dot(point->d, point->d) ? NOWHERE : INSIDE;
 }
 
 /* Whether a point with nothing near lies deep in the other body, at the very first look (eq:history). */

@@ -41,7 +41,8 @@ typedef struct ct_side {
   double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3) */
 } ct_side;
 
-ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, ct_error *error);
+/* Points by the Gauss rule, or with `on_edges` by one that has points at corners and on edges too. */
+ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, int on_edges, ct_error *error);
 void ct_side_clear(ct_side *side);
 
 /* Number of Gauss points. */
