@@ -199,6 +199,7 @@ static ct_status create(const ct_surface *const surface[2], int sides, const ct_
     ct_contact_free(contact);
     return status;
   }
+  ct_passage_init(contact);
   *out = contact;
   return CT_OK;
 }

@@ -12,7 +12,7 @@ typedef struct nearest {
   double distance;
   ct_projection foot;
   double origin[3], y[3]; /* the middle of the face's box, and the point relative to it */
-  double own[3];          /* unit normal at the point, of a surface with itself */
+  double own[3];          /* unit normal at the point, of a surface with itself and where `same_side` is set */
   int same_side;          /* whether far sides are left out: faces that look away from `last` */
   double last[3];         /* unit normal of the other side where the point was in the last step */
 } nearest;
@@ -99,10 +99,20 @@ static int looks_across(const double own[3], const double normal[3])
   return ct_vector_dot(own, normal) < 0.5 * sqrt(ct_vector_dot(normal, normal));
 }
 
-/* Whether the normal `normal` (of any length) belongs to the far side of what has the unit normal `last` (eq:far-side). */
-static int is_far(const double last[3], const double normal[3])
+/* Whether a place with the normal `normal` (of any length) is on the far side, seen from where a point was, with the unit normal `last` (eq:far-side):
+ * it looks away from that, or the same way as the point, and is not the side where the point was. */
+static int is_far(const double own[3], const double last[3], const double normal[3])
 {
-  return ct_vector_dot(last, normal) < -0.5 * sqrt(ct_vector_dot(normal, normal));
+  double along = ct_vector_dot(last, normal), half = 0.5 * sqrt(ct_vector_dot(normal, normal));
+  return along < -half || (along < half && !looks_across(own, normal));
+}
+
+/* Unit normal of a point's own face. */
+static int own_normal(const pass *p, int32_t face, int q, double own[3])
+{
+  ct_face mine;
+  ct_search_face(p->side->search, face, &mine);
+  return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK;
 }
 
 /* Unit normal, now, of the other side where a point was in the last step. Answers 0 when it was nowhere. */
@@ -114,12 +124,12 @@ static int last_normal(const pass *p, const ct_gauss_point *point, double normal
   return ct_segment_normal(&face, point->xi, normal) == CT_OK;
 }
 
-/* Whether a foot is on the far side of what is looked for. */
-static int is_beyond_body(const pass *p, const double last[3], int32_t target, const ct_projection *foot)
+/* Whether a foot is on the far side of where the point was. */
+static int is_foot_far(const pass *p, const nearest *best, int32_t target, const ct_projection *foot)
 {
   double normal[3];
   (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
-  return is_far(last, normal);
+  return is_far(best->own, best->last, normal);
 }
 
 /* Try one face of the other side and keep the answer if it is the nearest. */
@@ -128,7 +138,7 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
   ct_projection foot;
   double origin[3], y[3];
   if (!project(p, face, q, target, start, origin, y, &foot) || (p->self && !may_push(p, face, q, best->own, y, target, &foot))) return;
-  if (best->same_side && is_beyond_body(p, best->last, target, &foot)) return;
+  if (best->same_side && is_foot_far(p, best, target, &foot)) return;
   if (foot.distance < best->distance || (foot.distance == best->distance && target < best->face)) {
     best->face = target;
     best->distance = foot.distance;
@@ -149,7 +159,6 @@ static int above_border(const ct_projection *foot, const double d[3])
 static verdict measure(const pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
 {
   double foot[3], own[3], last[3], *normal = point->normal;
-  ct_face mine;
   int within = ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal);
   ct_segment_shape(p->other->search->kind, best->foot.xi, point->N);
   ct_side_interpolate(p->other, best->face, point->N, best->origin, foot);
@@ -160,10 +169,10 @@ static verdict measure(const pass *p, int32_t face, int q, const nearest *best, 
   int held = point->history == CT_POINT_INSIDE && !p->self;
   if (point->gap >= 0.0 && !held) return OUTSIDE;
   // -- Far sides: what looks away from where the point was, or the same way as a point that comes in (eq:far-side)
-  if (last_normal(p, point, last) && is_far(last, normal)) return FAR;
+  if (!own_normal(p, face, q, own)) return FAR;
+  if (last_normal(p, point, last) && is_far(own, last, normal)) return FAR;
   if (held) return point->gap >= 0.0 ? OUTSIDE : INSIDE;
-  ct_search_face(p->side->search, face, &mine);
-  return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK && looks_across(own, normal) ? INSIDE : FAR;
+  return looks_across(own, normal) ? INSIDE : FAR;
 }
 
 /* Whether the way from a point to its foot, `d`, first enters through another face, one that the point is outside of: then the foot is on the far
@@ -179,16 +188,14 @@ static int enters(const pass *p, int32_t face, int q, int32_t target, const doub
          ct_search_is_minimum(p->other->search, target, foot.where, foot.index, foot.xi, way);
 }
 
-/* Begin with nothing found; a surface in contact with itself needs its own normal first, a search on one side that of the last step. Answers 0 when
- * there is none. */
+/* Begin with nothing found; a surface in contact with itself needs its own normal first, a search on one side that of the last step too. Answers 0
+ * when there is none. */
 static int begin(const pass *p, int32_t face, int q, int same_side, nearest *best)
 {
-  ct_face mine;
   *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .same_side = same_side};
-  if (same_side) return last_normal(p, &p->side->points[(int64_t)face * p->side->rule.count + q], best->last);
-  if (!p->self) return 1;
-  ct_search_face(p->side->search, face, &mine);
-  return ct_segment_normal(&mine, p->side->rule.xi[q], best->own) == CT_OK;
+  if (!p->self && !same_side) return 1;
+  if (same_side && !last_normal(p, &p->side->points[(int64_t)face * p->side->rule.count + q], best->last)) return 0;
+  return own_normal(p, face, q, best->own);
 }
 
 /* The nearest face of a point, or the nearest that is on no far side. A point that is in contact looks as far as it takes, but not on its own
@@ -217,12 +224,9 @@ static void find_nearest(const pass *p, int32_t face, int q, const double y[3], 
 /* Whether the point was in contact, or outside over a face that it looks at, in the last step. */
 static int came_in(const pass *p, int32_t face, int q, const ct_gauss_point *point)
 {
-  ct_face mine;
   double own[3], last[3];
   if (point->history == CT_POINT_INSIDE) return 1;
-  if (!last_normal(p, point, last)) return 0;
-  ct_search_face(p->side->search, face, &mine);
-  return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK && looks_across(own, last);
+  return last_normal(p, point, last) && own_normal(p, face, q, own) && looks_across(own, last);
 }
 
 /* The nearest place is a far side. A point that came in by another side belongs to that one still, unless it has left the body (eq:held). */
