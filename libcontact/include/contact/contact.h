@@ -14,6 +14,18 @@ typedef enum ct_contact_rule {
   CT_POINTS_LOBATTO
 } ct_contact_rule;
 
+/** What a contact as an effect does with points that are inside at the start, :eq:`initial-shift`. */
+typedef enum ct_initial {
+  /** Push them out at once, which puts the energy of the penalty into the bodies. */
+  CT_INITIAL_PUSH,
+  /** End with CT_ERROR_GEOMETRY, which tells how many there are, and the place and depth of the deepest. */
+  CT_INITIAL_REFUSE,
+  /** Count the gap of each of them from where it starts, until it has opened. */
+  CT_INITIAL_KEEP,
+  /** As CT_INITIAL_KEEP, but the start gap fades to nothing in the time `removal`; the ledger books its work as external. */
+  CT_INITIAL_REMOVE
+} ct_initial;
+
 /** Choices of a contact. Start from `ct_contact_options_default`. */
 typedef struct ct_contact_options {
   /** Penalty ε [stress / length], > 0; see `ct_contact_penalty`. */
@@ -34,6 +46,10 @@ typedef struct ct_contact_options {
   double dissipation;
   /** Where the points are; Gauss points. */
   ct_contact_rule points;
+  /** What becomes of points that are inside at the start; CT_INITIAL_PUSH. Only the effect heeds it, a host's ct_contact_update does not. */
+  ct_initial initial;
+  /** Time in which CT_INITIAL_REMOVE parts the surfaces [time], > 0 with it. */
+  double removal;
 } ct_contact_options;
 
 /**
@@ -109,7 +125,7 @@ typedef struct ct_contact_point {
   double closest[3];
   /** Parameters of ȳ on the other face. */
   double xi[2];
-  /** Signed distance g [length], negative inside; NaN when `other` is -1. */
+  /** Signed distance g [length], negative inside, less the start gap that is kept; NaN when `other` is -1. */
   double gap;
   /** Traction [stress]: ε⟨-g⟩, or that of the enforcement. */
   double pressure;

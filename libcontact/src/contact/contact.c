@@ -34,6 +34,8 @@ static ct_status check_options(const ct_contact_options *options, ct_error *erro
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: a tolerance of %g", options->tolerance);
   if (!(options->depth >= 0.0) || !isfinite(options->depth) || options->threads < 1 || options->threads > CT_MOST_THREADS)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: depth %g, %d threads", options->depth, options->threads);
+  if (options->initial < CT_INITIAL_PUSH || options->initial > CT_INITIAL_REMOVE || (options->initial == CT_INITIAL_REMOVE && !(options->removal > 0.0)))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: initial penetration %d with removal in %g", (int)options->initial, options->removal);
   if (options->points != CT_POINTS_GAUSS && options->points != CT_POINTS_LOBATTO)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no rule of points %d", (int)options->points);
   if (ct_method_name(options->method) == NULL)
@@ -139,7 +141,7 @@ static double deepest(const ct_contact *contact)
   double depth = 0.0;
   for (int s = 0; s < contact->sides; s++)
     for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++)
-      if (contact->side[s].points[i].history == CT_POINT_INSIDE) depth = fmax(depth, -contact->side[s].points[i].gap);
+      if (contact->side[s].points[i].history == CT_POINT_INSIDE) depth = fmax(depth, -(contact->side[s].points[i].gap + contact->side[s].points[i].shift));
   return depth;
 }
 
@@ -307,10 +309,13 @@ double ct_contact_energy(const ct_contact *contact)
 {
   if (contact == NULL) return NAN;
   int64_t count = 0;
-  // -- Π = Σ ½ · ½ ε g² w J over the points inside, = ½ force · d (eq:contact-potential)
+  // -- Π = Σ ½ · ½ ε g² w J over the points inside, = ½ force · d, with d no longer than the gap is deep (eq:contact-potential)
   for (int s = 0; s < contact->sides; s++)
-    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++)
-      contact->terms[count++] = 0.5 * ct_vector_dot(contact->side[s].points[i].force, contact->side[s].points[i].d);
+    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++) {
+      const ct_gauss_point *point = &contact->side[s].points[i];
+      double energy = 0.5 * ct_vector_dot(point->force, point->d);
+      contact->terms[count++] = point->shift < 0.0 ? energy * (point->gap / (point->gap + point->shift)) : energy;
+    }
   return ct_sum(contact->terms, count);
 }
 

@@ -35,9 +35,11 @@ static int is_no_far_side(void *user, int32_t face)
 }
 
 /* Smallest distance of the middle of a face from a far side beneath it, where that is less than `most` (eq:passage). */
-static double thickness(const ct_search *search, double most)
+static double thickness(ct_search *search, double most)
 {
   double thin = most;
+  ct_search_box(search);
+  ct_search_refit(search);
   for (int32_t f = 0; f < search->face_count; f++) {
     skin s = {.search = search};
     ct_nearest foot;

@@ -68,9 +68,9 @@ static void at_points(const ct_contact *contact, ct_penetration *out)
       double y[3];
       out->buried += side->points[i].history == CT_POINT_BURIED;
       out->inside += side->points[i].history == CT_POINT_BURIED;
-      if (side->points[i].other < 0 || !(side->points[i].gap < 0.0)) continue;
+      if (side->points[i].other < 0 || !(side->points[i].gap + side->points[i].shift < 0.0)) continue;
       ct_side_interpolate(side, face, side->N[i % side->rule.count], zero, y);
-      take(out, -side->points[i].gap, s, face, y);
+      take(out, -(side->points[i].gap + side->points[i].shift), s, face, y);
     }
   }
 }

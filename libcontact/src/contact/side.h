@@ -19,6 +19,8 @@ typedef struct ct_gauss_point {
   double gap;     /* signed distance; NaN without `other` */
   double normal[3]; /* outward normal of the other side at the foot, of any length */
   double N[8];    /* shape functions of the other face at xi */
+  double shift;    /* start gap that `gap` counts from, 0 or negative (eq:initial-shift) */
+  double closing;  /* by how much the shift grows until the next step */
   double force[3]; /* ½ ε w J d where the gap is negative, else 0; or what the enforcement makes of the gap */
 } ct_gauss_point;
 
