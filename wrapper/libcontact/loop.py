@@ -20,7 +20,7 @@ from ._core import ffi, lib
 from .errors import NotBuiltIn, check, new_error
 from .mesh import view
 from .plan import measured
-from .problem import Problem, contact_points, new_state
+from .problem import Problem, contact_points, new_state, penetrations
 from .run import ENERGY, MOMENTUM, BodyState, Run, RunError, State, energy_dtype
 from .schema import SceneError, is_number
 
@@ -239,7 +239,8 @@ class Loop:
             bodies=list(problem.bodies), units=problem.parts.units, steps=self.steps,
             energy=np.concatenate(self.energy or [np.empty(0, energy_dtype(problem.effects))]), momentum=np.concatenate(self.momentum or [np.empty(0, MOMENTUM)]),
             state=state, path=self.path, scene=self.scene_text, interrupted=self.interrupted, seconds=self.seconds,
-            costs=measured(problem, self.state, self.output_seconds), writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state))
+            costs=measured(problem, self.state, self.output_seconds), writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state),
+            penetration=[] if failed else penetrations(problem, self.state))
 
     def _last_good(self) -> State | None:
         if self.good is not None and self.steps:

@@ -135,7 +135,7 @@ static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error 
   recall(s->contact, view->memory, stride(data));
   ct_status status = ct_contact_measure(s->contact, s->x, s->x, error);
   if (status != CT_OK && error != NULL && error->point >= 0) error->point = effect->nodes[error->point];
-  if (status == CT_OK && view->dt > 0.0)
+  if (status == CT_OK && view->dt > 0.0 && view->time > 0.0)
     status = ct_passage_check(s->contact, effect->nodes, view->velocity, view->dt, view->time, error);
   if (status == CT_OK) status = treat_initial(data, view, s->contact, error);
   if (status == CT_OK) remember(s->contact, view->next_memory, stride(data));

@@ -20,7 +20,7 @@ static const double *middle(ct_face_kind kind)
   return kind == CT_T3 || kind == CT_T6 ? triangle : square;
 }
 
-/* Faces that look the same way as the place are no part of a contact (eq:far-side). */
+/* Faces that look the same way as the place are far sides (eq:far-side). */
 static int looks_away(void *user, int32_t face)
 {
   const seeker *s = user;
@@ -42,8 +42,13 @@ static double depth_at(const ct_side *side, const ct_side *other, int32_t face, 
   ct_side_interpolate(side, face, N, zero, y);
   ct_search_face(side->search, face, &mine);
   if (ct_segment_normal(&mine, xi, s.own) != CT_OK) return NAN;
-  ct_search_point(other->search, y, -1, HUGE_VAL, ct_search_options_default().tolerance, looks_away, &s, &foot);
-  if (foot.face < 0 || !ct_search_normal(other->search, foot.face, foot.where, foot.index, foot.xi, foot.normal, normal)) return NAN;
+  // The nearest face says whether the place is inside at all; if it is a far side, the nearest other one says how deep.
+  for (int k = 0; k < 2; k++) {
+    ct_search_point(other->search, y, -1, HUGE_VAL, ct_search_options_default().tolerance, k == 0 ? NULL : looks_away, &s, &foot);
+    if (foot.face < 0 || !(foot.signed_distance < 0.0)) return NAN;
+    if (ct_vector_dot(s.own, foot.normal) < 0.5) break;
+  }
+  if (!ct_search_normal(other->search, foot.face, foot.where, foot.index, foot.xi, foot.normal, normal)) return NAN;
   return -foot.signed_distance;
 }
 
