@@ -127,10 +127,278 @@ static void thin_plates(void)
   free_patch(&b);
 }
 
+static ct_contact_options with_points(ct_contact_rule rule)
+{
+  ct_contact_options options = ct_contact_options_default();
+  options.points = rule;
+  return options;
+}
+
+static int triangular(ct_face_kind kind) { return kind == CT_T3 || kind == CT_T6; }
+
+/* Lobatto's rule: its points are the corners, middles of edges and the centre, all weights are positive, and it is exact to degree 3. */
+static void lobatto(ct_face_kind kind)
+{
+  ct_rule rule;
+  double off = 0.0, low = 1.0;
+  int corners = 0, three = triangular(kind);
+  need(ct_rule_lobatto(kind, &rule), &(ct_error){0});
+  for (int i = 0; i <= 3; i++)
+    for (int j = 0; i + j <= 3; j++) {
+      // ∫ x^i y^j is i! j! / (i + j + 2)! on the triangle, and the product of 2 / (i + 1) for even i on the square.
+      static const double factorial[6] = {1, 1, 2, 6, 24, 120};
+      double sum = 0.0, want = three ? factorial[i] * factorial[j] / factorial[i + j + 2] : i % 2 || j % 2 ? 0.0 : 4.0 / ((i + 1) * (j + 1));
+      for (int q = 0; q < rule.count; q++) sum += rule.weight[q] * pow(rule.xi[q][0], i) * pow(rule.xi[q][1], j);
+      off = worst(off, sum - want);
+    }
+  for (int q = 0; q < rule.count; q++) {
+    low = fmin(low, rule.weight[q]);
+    corners += three ? (rule.xi[q][0] == 1.0 || rule.xi[q][1] == 1.0 || rule.xi[q][0] + rule.xi[q][1] == 0.0) : fabs(rule.xi[q][0]) == 1.0 && fabs(rule.xi[q][1]) == 1.0;
+  }
+  tap_ok(off < 1e-15 && low > 0.0 && corners == (three ? 3 : 4), "%s: Lobatto's rule has all corners, positive weights, and degree 3 (off by %.2g)", KIND[kind], off);
+}
+
+/* Matching flat meshes with points at nodes: uniform pressure, so nodal forces eps delta ∫N exactly, also at the border of the open surfaces. */
+static void patch_test(ct_face_kind kind)
+{
+  const double delta = 0.01;
+  patch a = new_patch(kind, 3, 2, 0, 0, 3, 2, 1), b = new_patch(kind, 3, 2, 0, 0, 3, 2, 0);
+  int nodes = a.surface.node_count, per = ct_face_node_count(kind);
+  double *fa = numbers(3 * nodes), *fb = numbers(3 * nodes), *want = numbers(3 * nodes), off = 0.0;
+  ct_rule gauss;
+  ct_rule_face(kind, 0, &gauss);
+  for (int f = 0; f < a.surface.face_count; f++)
+    for (int q = 0; q < gauss.count; q++) {
+      double N[8], J = triangular(kind) ? 1.0 : 0.25;
+      ct_segment_shape(kind, gauss.xi[q], N);
+      for (int n = 0; n < per; n++) want[3 * a.faces[f * per + n] + 2] -= EPSILON * delta * gauss.weight[q] * J * N[n];
+    }
+  lift(&b, -delta);
+  ct_contact *contact = open_contact(&a, &b, with_points(CT_POINTS_LOBATTO));
+  update(contact, &a, &b);
+  forces(contact, &a, &b, fa, fb);
+  for (int i = 0; i < 3 * nodes; i++) off = worst(worst(off, fa[i] - want[i]), fb[i] + want[i]);
+  // The patch that faces down numbers its faces from below, over the same nodes.
+  tap_ok(off < 1e-13 * EPSILON * delta, "%s: points at nodes pass the patch test on matching meshes, off by %.2g of eps delta", KIND[kind], off / (EPSILON * delta));
+  ct_contact_free(contact);
+  free(fa);
+  free(fb);
+  free(want);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* Two warped patches with points at nodes: forces are the gradient of the energy, and both momenta are kept. */
+static void lobatto_gradient(ct_face_kind kind)
+{
+  patch a = new_patch(kind, 3, 3, -1.5, -1.5, 3, 3, 1), b = new_patch(kind, 2, 2, -0.53, -0.51, 1, 1, 0);
+  for (int n = 0; n < a.surface.node_count; n++) a.x[3 * n + 2] = 0.05 * sin(1.3 * a.x[3 * n]) + uniform(0.01);
+  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = -0.09 + 0.03 * b.x[3 * n] + uniform(0.01);
+  int na = a.surface.node_count, nb = b.surface.node_count;
+  double *fa = numbers(3 * na), *fb = numbers(3 * nb), off = 0.0, h = 1e-6, F[2][3], M[2][3], top;
+  ct_contact *contact = open_contact(&a, &b, with_points(CT_POINTS_LOBATTO));
+  update(contact, &a, &b);
+  forces(contact, &a, &b, fa, fb);
+  top = largest(fb, 3 * nb);
+  need(ct_contact_resultant(contact, F[0], M[0], F[1], M[1]), &(ct_error){0});
+  for (int i = 0; i < 3 * (na + nb); i++) {
+    double *x = i < 3 * na ? &a.x[i] : &b.x[i - 3 * na], keep = *x, f = i < 3 * na ? fa[i] : fb[i - 3 * na], up;
+    *x = keep + h;
+    update(contact, &a, &b);
+    up = ct_contact_energy(contact);
+    *x = keep - h;
+    update(contact, &a, &b);
+    off = worst(off, f + (up - ct_contact_energy(contact)) / (2.0 * h));
+    *x = keep;
+  }
+  double momentum = 0.0;
+  for (int c = 0; c < 3; c++) momentum = fmax(momentum, fmax(fabs(F[0][c] + F[1][c]), fabs(M[0][c] + M[1][c])));
+  tap_ok(top > 0.0 && off < 1e-5 * top && momentum < 1e-12 * top, "%s: with points at nodes the force is the gradient (off by %.2g), momentum is kept (%.2g)", KIND[kind], off / top,
+         momentum / top);
+  ct_contact_free(contact);
+  free(fa);
+  free(fb);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* A random rotation, by a unit quaternion. */
+static void rotation(double R[3][3])
+{
+  double q[4], n = 0.0;
+  do {
+    n = 0.0;
+    for (int i = 0; i < 4; i++) q[i] = uniform(1.0), n += q[i] * q[i];
+  } while (n > 1.0 || n < 0.1);
+  for (int i = 0; i < 4; i++) q[i] /= sqrt(n);
+  double w = q[0], x = q[1], y = q[2], z = q[3];
+  double rows[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                       {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                       {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+  memcpy(R, rows, sizeof rows);
+}
+
+static void turn(patch *p, double R[3][3])
+{
+  for (int n = 0; n < p->surface.node_count; n++) {
+    double v[3] = {p->x[3 * n], p->x[3 * n + 1], p->x[3 * n + 2]};
+    for (int c = 0; c < 3; c++) p->x[3 * n + c] = R[c][0] * v[0] + R[c][1] * v[1] + R[c][2] * v[2];
+  }
+}
+
+/* Height of the lowest of the highest places: how deep `top` may go into `base` before any point of the contact is inside, by bisection; and the deepest
+ * corner then. */
+static double unseen(const patch *base, const patch *top, ct_contact_rule rule, double high, double low)
+{
+  patch moved = *top;
+  moved.x = numbers(3 * top->surface.node_count);
+  moved.surface.reference = moved.x;
+  for (int i = 0; i < 34; i++) {
+    double z = 0.5 * (high + low);
+    memcpy(moved.x, top->x, 3 * (size_t)top->surface.node_count * sizeof *moved.x);
+    shift(&moved, 0, 0, z);
+    ct_contact *contact = open_contact(base, &moved, with_points(rule));
+    update(contact, base, &moved);
+    if (ct_contact_energy(contact) > 0.0) low = z;
+    else high = z;
+    ct_contact_free(contact);
+  }
+  free(moved.x);
+  return high;
+}
+
+/* A cube of one face a side on a floor of faces of the same size, in random orientations: how deep its lowest corner is before a point sees it. And two
+ * cubes that meet edge on edge. */
+static void corners_and_edges(void)
+{
+  const double floor_low[3] = {-4, -4, -1}, floor_size[3] = {8, 8, 1}, cube_low[3] = {-0.5, -0.5, -0.5}, cube_size[3] = {1, 1, 1};
+  const int floor_cells[3] = {8, 8, 1}, one[3] = {1, 1, 1};
+  patch base = new_box(floor_low, floor_size, floor_cells);
+  double corner[2] = {0, 0}, edge[2] = {0, 0};
+  for (int k = 0; k < 24; k++) {
+    patch cube = new_box(cube_low, cube_size, one);
+    double R[3][3], lowest = 0.0;
+    rotation(R);
+    turn(&cube, R);
+    shift(&cube, uniform(0.5), uniform(0.5), 0.0);
+    for (int n = 0; n < cube.surface.node_count; n++) lowest = fmin(lowest, cube.x[3 * n + 2]);
+    for (int r = 0; r < 2; r++) corner[r] = fmax(corner[r], -lowest - unseen(&base, &cube, r ? CT_POINTS_LOBATTO : CT_POINTS_GAUSS, -lowest + 0.1, -lowest - 0.45));
+    free_patch(&cube);
+  }
+  tap_ok(corner[0] > 0.05 && corner[0] < 0.5 * (1.0 - 1.0 / sqrt(3.0)) * sqrt(2.0), "cubes on a floor: Gauss points let a corner in by up to %.3f h, less than 0.299 h", corner[0]);
+  tap_ok(corner[1] < 1e-9, "cubes on a floor: points at corners let no corner in (%.2g h)", corner[1]);
+  // Two cubes on edge, crossed: their edges meet at a random place of both.
+  for (int k = 0; k < 24; k++) {
+    patch lower = new_box(cube_low, cube_size, one), upper = new_box(cube_low, cube_size, one);
+    const double c = sqrt(0.5);
+    double about_x[3][3] = {{1, 0, 0}, {0, c, -c}, {0, c, c}}, about_y[3][3] = {{c, 0, c}, {0, 1, 0}, {-c, 0, c}};
+    turn(&lower, about_x);
+    turn(&upper, about_y);
+    shift(&upper, uniform(0.4), uniform(0.4), 0.0);
+    for (int r = 0; r < 2; r++) edge[r] = fmax(edge[r], 2.0 * c - unseen(&lower, &upper, r ? CT_POINTS_LOBATTO : CT_POINTS_GAUSS, 2.0 * c + 0.1, 2.0 * c - 0.5));
+    free_patch(&lower);
+    free_patch(&upper);
+  }
+  tap_ok(edge[1] <= 0.25, "crossed edges: points on edges let them in by up to %.3f h, at most 0.25 h; Gauss points by %.3f h", edge[1], edge[0]);
+  free_patch(&base);
+}
+
+/* A smooth bowl, one quadratic face, that slides over the borders of 20 faces of a base with the profile z(x) = -sign x² / 2 R between its nodes: the largest change of the force in a
+ * step of the slide, as a part of the force. */
+static double slide(ct_face_kind kind, double bend, double step)
+{
+  patch base = new_patch(kind, 24, 4, 0, -2, 24, 4, 1), bowl = new_patch(CT_Q8, 1, 1, -1.5, -1.5, 3, 3, 0);
+  for (int n = 0; n < base.surface.node_count; n++) base.x[3 * n + 2] = -0.5 * bend * pow(base.x[3 * n] - 12.0, 2.0);
+  for (int n = 0; n < bowl.surface.node_count; n++) bowl.x[3 * n + 2] = (bowl.x[3 * n] * bowl.x[3 * n] + bowl.x[3 * n + 1] * bowl.x[3 * n + 1]) / 12.0 - 0.15;
+  double *start = numbers(3 * bowl.surface.node_count), *fa = numbers(3 * base.surface.node_count), *fb = numbers(3 * bowl.surface.node_count), last[3] = {0}, jump = 0.0, size = 0.0;
+  memcpy(start, bowl.x, 3 * (size_t)bowl.surface.node_count * sizeof *start);
+  ct_contact *contact = open_contact(&base, &bowl, ct_contact_options_default());
+  int steps = (int)(20.0 / step + 0.5);
+  for (int i = 0; i <= steps; i++) {
+    double s = 2.013 + step * i, change = 0.0, tilt = atan(bend * (s - 12.0)), R[3][3] = {{cos(tilt), 0, sin(tilt)}, {0, 1, 0}, {-sin(tilt), 0, cos(tilt)}};
+    memcpy(bowl.x, start, 3 * (size_t)bowl.surface.node_count * sizeof *start);
+    turn(&bowl, R);
+    shift(&bowl, s, 0.0071, -0.5 * bend * pow(s - 12.0, 2.0));
+    update(contact, &base, &bowl);
+    forces(contact, &base, &bowl, fa, fb);
+    for (int c = 0; c < 3; c++) {
+      double f = total(fb, bowl.surface.node_count, c);
+      change += (f - last[c]) * (f - last[c]);
+      last[c] = f;
+    }
+    size = fmax(size, fabs(last[2]));
+    if (i > 0) jump = fmax(jump, sqrt(change));
+  }
+  ct_contact_free(contact);
+  free(start);
+  free(fa);
+  free(fb);
+  free_patch(&base);
+  free_patch(&bowl);
+  return jump / size;
+}
+
+/* On a flat base the force changes with the slide alone: half the step, half the change. On one with folds a point that changes faces changes its direction
+ * by the angle of the fold, so the total never jumps by more than that. */
+static void sliding(ct_face_kind kind)
+{
+  double coarse = slide(kind, 0.0, 0.02), fine = slide(kind, 0.0, 0.01);
+  tap_ok(fine > 0.0 && fine < 0.6 * coarse && coarse < 0.02, "%s: over 20 borders, flat: the force changes by %.2g of itself in a step of 0.02 h, %.2g in 0.01 h", KIND[kind], coarse, fine);
+  for (int way = -1; way <= 1; way += 2) {
+    double bend = way * 0.03, jump = slide(kind, bend, 0.01);
+    tap_ok(jump < fabs(bend) + 2.0 * coarse, "%s: over 20 %s folds of %.2g: at most %.2g of the force in 0.01 h", KIND[kind], way > 0 ? "convex" : "concave", fabs(bend), jump);
+  }
+}
+
+/* Flat meshes that do not match: resultant and momentum exact, the error of single nodal forces as of the line analogue. */
+static void ratios(void)
+{
+  static const int cells[5][2] = {{1, 1}, {2, 3}, {4, 5}, {4, 11}, {10, 73}};
+  static const double most[5] = {1e-12, 0.0125, 0.0425, 1.0, 1.26};
+  const double delta = 1e-3;
+  for (int k = 0; k < 5; k++) {
+    patch p[2] = {new_patch(CT_Q4, cells[k][0], 1, 0, 0, 1, 1, 1), new_patch(CT_Q4, cells[k][1], 1, 0, 0, 1, 1, 0)};
+    double error[2] = {0, 0}, *f[2], sum = 0.0, F[2][3], M[2][3], momentum = 0.0;
+    lift(&p[1], -delta);
+    ct_contact *contact = open_contact(&p[0], &p[1], ct_contact_options_default());
+    for (int s = 0; s < 2; s++) f[s] = numbers(3 * p[s].surface.node_count);
+    update(contact, &p[0], &p[1]);
+    forces(contact, &p[0], &p[1], f[0], f[1]);
+    for (int s = 0; s < 2; s++) {
+      int n = cells[k][s], row = 2 * n + 1;
+      for (int i = 0; i <= n; i++)
+        for (int j = 0; j < 2; j++) {
+          double want = EPSILON * delta * (i == 0 || i == n ? 0.25 : 0.5) / n;
+          error[s] = worst(error[s], fabs(f[s][3 * (2 * i + 2 * j * row) + 2]) / want - 1.0);
+        }
+    }
+    sum = total(f[1], p[1].surface.node_count, 2);
+    need(ct_contact_resultant(contact, F[0], M[0], F[1], M[1]), &(ct_error){0});
+    for (int c = 0; c < 3; c++) momentum = fmax(momentum, fmax(fabs(F[0][c] + F[1][c]), fabs(M[0][c] + M[1][c])));
+    tap_ok(momentum < 1e-14 * EPSILON * delta * cells[k][1] && fabs(sum / (EPSILON * delta) - 1.0) < 1e-12 && fmax(error[0], error[1]) < most[k],
+           "%d faces on %d: resultant exact (%.2g), momentum %.2g; nodal forces off by %.3g %% and %.3g %%", cells[k][0], cells[k][1], sum / (EPSILON * delta) - 1.0, momentum,
+           100.0 * error[0], 100.0 * error[1]);
+    ct_contact_free(contact);
+    for (int s = 0; s < 2; s++) {
+      free(f[s]);
+      free_patch(&p[s]);
+    }
+  }
+}
+
 int main(void)
 {
-  for (int kind = 0; kind < 4; kind++) held((ct_face_kind)kind);
+  for (int kind = 0; kind < 4; kind++) {
+    held((ct_face_kind)kind);
+    lobatto((ct_face_kind)kind);
+    patch_test((ct_face_kind)kind);
+    lobatto_gradient((ct_face_kind)kind);
+  }
   buried();
   thin_plates();
+  corners_and_edges();
+  sliding(CT_Q4);
+  sliding(CT_T3);
+  ratios();
   return tap_done();
 }

@@ -50,11 +50,11 @@ def test_overlap_is_removed_gently(enforcement):
     fast, slow = (blocks(0.01, end=T, fraction=0.2, enforcement=enforcement, initial_penetration="remove", removal_time=T).run(progress=False) for T in (0.4, 3.2))
     kick = blocks(0.01, end=0.4, fraction=0.2, enforcement=enforcement).run(progress=False).energy["contact"][0]
     for run in (fast, slow):
-        drift = run.energy["total"] - run.energy["external"]
+        # The total is what is stored less the work from outside: it must not rise above its start, 0, and with the plain penalty it keeps to it.
         scale = run.energy["external"].max()
-        print(enforcement, "drift", abs(drift).max() / scale, "work", run.energy["external"][-1] / kick, "balance", abs(run.energy["balance"]).max())
         assert run.energy["external"][-1] > 0.0
-        assert drift.max() < 0.02 * scale
+        assert run.energy["total"].max() < 1e-3 * scale
+        assert enforcement != "penalty" or run.energy["total"].min() > -1e-3 * scale
     assert slow.energy["external"][-1] < 0.1 * kick
     assert slow.penetration[0]["points"]["deepest"] < 0.1 * 0.01
 
