@@ -34,7 +34,10 @@ typedef struct ct_contact_options {
   ct_method method;
   /** Tolerance of the search in half-widths of a face. */
   double tolerance;
-  /** A point deeper than this under a face [length] is not in contact with it; 0: the largest face size of the two surfaces. */
+  /**
+   * A point that is deeper than this under a face [length] when it is first seen is not in contact with it, :eq:`point-history`; one that came in from outside is, at any
+   * depth. 0: the largest face size of the two surfaces.
+   */
   double depth;
   /** Threads; results do not depend on it. */
   int threads;
@@ -153,7 +156,7 @@ typedef enum ct_penetration_at {
 typedef struct ct_penetration {
   /** Number of places inside; a corner or an edge counts once for each face. */
   int64_t inside;
-  /** Of them, points that are inside without being in contact, as they did not come in from outside, :eq:`history`; 0 at corners and edges. */
+  /** Of them, points that are inside without being in contact, as they did not come in from outside, :eq:`point-history`; 0 at corners and edges. */
   int64_t buried;
   /** Depth of the deepest place that is not buried [length]; 0 when there is none. */
   double deepest;

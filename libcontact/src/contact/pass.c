@@ -240,7 +240,7 @@ static verdict judge_far(const pass *p, int32_t face, int q, const double y[3], 
   return has_left && along * along < 0.5 * ct_vector_dot(point->d, point->d) ? NOWHERE : INSIDE;
 }
 
-/* Whether a point with nothing near lies deep in the other body, at the very first look (eq:history). */
+/* Whether a point with nothing near lies deep in the other body, at the very first look (eq:point-history). */
 static int is_buried(const pass *p, const double y[3])
 {
   ct_nearest foot;
@@ -251,7 +251,7 @@ static int is_buried(const pass *p, const double y[3])
          ct_search_normal(p->other->search, foot.face, foot.where, foot.index, foot.xi, foot.normal, normal);
 }
 
-/* What the place that a point has found and its history say together (eq:history). */
+/* What the place that a point has found and its history say together (eq:point-history). */
 static verdict judge(const pass *p, int32_t face, int q, const double y[3], nearest *best, ct_gauss_point *point)
 {
   int buried = point->history == CT_POINT_BURIED;

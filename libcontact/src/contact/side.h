@@ -7,7 +7,7 @@
 #include "../grid.h"
 #include "../search/search_internal.h"
 
-/* What is known of a point from the last update (eq:history): nothing; outside, over `other`; in contact with `other`; inside, but not in contact. */
+/* What is known of a point from the last update (eq:point-history): nothing; outside, over `other`; in contact with `other`; inside, but not in contact. */
 enum { CT_POINT_NEW, CT_POINT_OUTSIDE, CT_POINT_INSIDE, CT_POINT_BURIED };
 
 /* One Gauss point of a side, as the last update left it. */
