@@ -21,7 +21,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test docs bench wheel check-c clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test docs bench stability wheel check-c fuzz kill clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -56,8 +56,8 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py) setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all lib install wheel figures test docs bench check-c fuzz info clean setup
-.PHONY: _figures _test _docs _bench _wheel _check-c
+.PHONY: help all lib install wheel figures test docs bench stability check-c fuzz kill threads memory info clean setup
+.PHONY: _figures _test _docs _bench _stability _wheel _check-c _fuzz _kill
 .DELETE_ON_ERROR:
 
 help:
@@ -66,11 +66,15 @@ help:
 	@echo "make check-c          the C tests alone, without a Python environment"
 	@echo "make docs             the book, in build/docs/html"
 	@echo "make bench            measured tables and pictures, in build/bench"
+	@echo "make stability        hard cases, each with its verdict, in build/stability"
 	@echo "make lib              the C libraries, in build/lib"
 	@echo "make install prefix=  headers, libraries and pkg-config files (DESTDIR works too)"
 	@echo "make wheel            the Python package, in build/wheel"
 	@echo "make info             what was found on this machine"
-	@echo "make fuzz             any bytes into the projections, for FUZZ_SECONDS (60) where a compiler here has libFuzzer"
+	@echo "make fuzz             random calls, scenes, files and faces, for FUZZ_SECONDS (60); counts add up in build/fuzz"
+	@echo "make kill             KILLS (100) runs killed while they write; each file must open and go on"
+	@echo "make threads          states stepped by several threads, under the thread sanitizer"
+	@echo "make memory           C tests under valgrind"
 	@echo "make clean            away with build/"
 	@echo "BOOTSTRAP=no never installs system packages; WITHOUT=\"gsl hdf5 openmp\" leaves parts out; V=1 shows the commands."
 
@@ -109,7 +113,7 @@ $(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontac
 	  $(HELPERS) -L$(BUILD)/lib -lcontact $(if $(filter gsl,$*),$(GSL_LIBS),$(HDF5_LIBS)) -lm
 	$(Q)ln -sf libcontact-$*.so $(BUILD)/lib/libcontact-$*.so.$(SONAME)
 
--include $(wildcard $(foreach d,obj asan fuzz/obj,$(BUILD)/$(d)/*.d $(BUILD)/$(d)/*/*.d))
+-include $(wildcard $(foreach d,obj asan tsan fuzz/obj,$(BUILD)/$(d)/*.d $(BUILD)/$(d)/*/*.d))
 
 # -- Installation -----------------------------------------------------------------------------------------------------------
 install: lib
@@ -154,7 +158,7 @@ $(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
 	@rm -rf $(SETUPTOOLS_LEFT)
 	$(Q)touch $@
 
-figures test docs bench wheel: setup
+figures test docs bench stability wheel: setup
 	@+$(MAKE) --no-print-directory _$@
 check-c:
 	@+$(MAKE) --no-print-directory _$@
@@ -172,6 +176,10 @@ _docs: $(VENV)/.wrapper $(VENV)/.docs
 _bench: $(VENV)/.wrapper $(VENV)/.bench
 	$(VENV)/bin/python bench/run.py $(BUILD)/bench
 	@echo "written: $(BUILD)/bench/"
+
+_stability: $(VENV)/.wrapper
+	$(VENV)/bin/python stability/run.py $(BUILD)/stability
+	@echo "written: $(BUILD)/stability/"
 
 _wheel: $(VENV)/.run
 	@rm -rf $(SETUPTOOLS_LEFT) $(BUILD)/wheel
@@ -248,7 +256,7 @@ _check-c: $(C_PROGRAMS)
 FUZZ_SECONDS ?= 60
 FUZZ_CC = $(firstword $(foreach c,$(CC) clang clang-19 clang-18 clang-17 clang-16 clang-15 clang-14,$(shell command -v $(firstword $(c)) >/dev/null 2>&1 && \
   printf 'int LLVMFuzzerTestOneInput(const char*d,unsigned long n){return d==0&&n==1;}' | $(c) -fsanitize=fuzzer,address -x c - -o /dev/null 2>/dev/null && echo $(c))))
-ifneq ($(filter fuzz,$(MAKECMDGOALS)),)
+ifneq ($(filter _fuzz,$(MAKECMDGOALS)),)
 FUZZ_CC := $(FUZZ_CC)
 endif
 FUZZ_OBJECTS := $(call object,$(BUILD)/fuzz/obj,$(CORE_SOURCES))
@@ -262,9 +270,41 @@ $(BUILD)/fuzz/libfuzzer_project: tests/fuzz/fuzz_project.c $(FUZZ_OBJECTS)
 $(BUILD)/fuzz/random_project: tests/fuzz/fuzz_project.c $(BUILD)/asan/libcontact.a
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) -DFUZZ_MAIN=1 $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
-fuzz: $(if $(filter fuzz,$(MAKECMDGOALS)),$(BUILD)/fuzz/$(if $(FUZZ_CC),libfuzzer_project,random_project))
+# The target of the whole library: its own program, with the library under the sanitizers.
+$(BUILD)/fuzz/random_api: tests/fuzz/fuzz_api.c tests/fuzz/dice.h $(BUILD)/asan/libcontact.a
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) -D_GNU_SOURCE -DFUZZ_MAIN=1 $(if $(HDF5),-DFUZZ_HDF5=1 $(HDF5_FLAGS)) $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
+fuzz: setup
+	@+$(MAKE) --no-print-directory _fuzz
+_fuzz: $(if $(filter _fuzz,$(MAKECMDGOALS)),$(BUILD)/fuzz/$(if $(FUZZ_CC),libfuzzer_project,random_project)) $(if $(SANITIZERS),$(BUILD)/fuzz/random_api) $(VENV)/.wrapper $(VENV)/.test
 	@mkdir -p $(BUILD)/fuzz/corpus
+	$(VENV)/bin/python tests/fuzz/run_fuzz.py $(FUZZ_SECONDS) $(BUILD)/fuzz $(if $(SANITIZERS),$(BUILD)/fuzz/random_api)
 	$< $(if $(FUZZ_CC),-max_total_time=$(FUZZ_SECONDS) -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus,1000000)
+
+# Runs that are killed while they write.
+KILLS ?= 100
+kill: setup
+	@+$(MAKE) --no-print-directory _kill
+_kill: $(VENV)/.wrapper $(VENV)/.test
+	$(VENV)/bin/python stability/kill.py $(KILLS)
+
+# -- Threads and memory, looked at by other programs ----------------------------------------------------------------------------------
+# Several states of one problem stepped by several threads of a host, under the thread sanitizer. Without OpenMP, whose runtime it does not see.
+$(BUILD)/tsan/%.o: libcontact/src/%.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	@echo "  cc (threads) $<"
+	$(Q)$(CC) -O1 -g -fsanitize=thread -DCT_NO_CLONES -Wno-pass-failed $(filter-out -fopenmp,$(CORE_FLAGS)) -fopenmp-simd -MMD -MP -c $< -o $@
+TSAN_OBJECTS := $(call object,$(BUILD)/tsan,$(CORE_SOURCES))
+$(BUILD)/tsan/host_threads: tests/embed/threads.c $(TSAN_OBJECTS)
+	$(Q)$(CC) -O1 -g -fsanitize=thread -std=c99 -Wall -Wextra -Ilibcontact/include $^ -o $@ -lpthread -lm
+threads: $(BUILD)/tsan/host_threads
+	TSAN_OPTIONS=halt_on_error=1 $<
+
+# The C tests under valgrind; slow. MEMCHECK names some of them.
+MEMCHECK ?= mesh mass solid solid_large solid_reduced step contact friction scene watch obstacle energy search api_fuzz
+memory: $(MEMCHECK:%=$(BUILD)/tests/test_%)
+	@for t in $(MEMCHECK); do echo "  valgrind test_$$t"; \
+	  valgrind -q --leak-check=full --error-exitcode=99 $(BUILD)/tests/test_$$t > $(BUILD)/tests/memory.txt || { cat $(BUILD)/tests/memory.txt; exit 1; }; done
 
 # -- The rest -----------------------------------------------------------------------------------------------------------------------
 info:

@@ -1,5 +1,5 @@
 /* Run one scene with chosen savings and tell steps, seconds, bytes and a hash of the state, as one line of JSON:
- *   scene_loop SCENE SAVINGS STEPS     SCENE: plates, plates200, block, bar, flight; SAVINGS: some of the letters q c d, or -; STEPS 0: to the end.
+ *   scene_loop SCENE SAVINGS STEPS     SCENE: plates, plates200, block, bar, flight; SAVINGS: some of the letters q c d p, or -; STEPS 0: to the end.
  * Memory is counted where the linker wraps calloc and free. */
 #define _POSIX_C_SOURCE 200809L
 #include <contact.h>
@@ -79,6 +79,7 @@ static void add_contact(ct_scene *scene, const part *p, double beta)
   }
   contact.faces_a = faces[0];
   contact.faces_b = faces[1];
+  contact.options.enforcement = CT_ENFORCE_PENALTY;
   need(ct_scene_add_contact(scene, &contact, &error));
   free(faces[0]);
   free(faces[1]);
@@ -151,7 +152,8 @@ int main(int count, char **argument)
   ct_scene *scene;
   need(ct_scene_create(&scene, &error));
   ct_scene_time time = {.end = fill(scene, argument[1]), .fraction = 0.99, .threads = 1, .clock = seconds};
-  ct_savings savings = {.quiet = strchr(argument[2], 'q') != NULL, .congruent = strchr(argument[2], 'c') != NULL, .distant = strchr(argument[2], 'd') != NULL};
+  ct_savings savings = {.quiet = strchr(argument[2], 'q') != NULL, .congruent = strchr(argument[2], 'c') != NULL, .distant = strchr(argument[2], 'd') != NULL,
+                        .plane_strain = strchr(argument[2], 'p') != NULL};
   const ct_problem *problem;
   int64_t steps;
   ct_stable_step stable;

@@ -25,6 +25,7 @@ extern "C" {
 #include <contact/step.h>
 #include <contact/viscosity.h>
 #include <contact/energy.h>
+#include <contact/watch.h>
 #include <contact/history.h>
 #include <contact/gravity.h>
 #include <contact/load.h>

@@ -7,6 +7,7 @@
 #include "mesh_internal.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -194,29 +195,56 @@ ct_status ct_mesh_element_nodes(const ct_mesh *mesh, int32_t element, int32_t *n
   return CT_OK;
 }
 
+/* Jacobian determinant of an element at a point over the product of its edge vectors there, which is 1 for a box. */
+static double relative_determinant(ct_brick_kind kind, double nodes[20][3], const double xi[3], double *det)
+{
+  double dN[20][3], J[3][3], C[3][3];
+  ct_brick_gradient(kind, xi, dN);
+  ct_reference_gradient(ct_brick_node_count(kind), dN, nodes, J);
+  *det = ct_cofactors(J, C);
+  double scale = sqrt((J[0][0] * J[0][0] + J[1][0] * J[1][0] + J[2][0] * J[2][0]) *
+                      (J[0][1] * J[0][1] + J[1][1] * J[1][1] + J[2][1] * J[2][1]) *
+                      (J[0][2] * J[0][2] + J[1][2] * J[1][2] + J[2][2] * J[2][2]));
+  return scale > 0.0 ? *det / scale : *det;
+}
+
 static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t element, ct_error *error)
 {
   int per = ct_brick_node_count(mesh->kind);
   int32_t number[20];
-  double nodes[20][3];
-  ct_place where = {-1, element, -1};
+  double nodes[20][3], det, corner[3];
   ct_status status = ct_mesh_element_nodes(mesh, element, number, error);
   if (status != CT_OK) return status;
   for (int a = 0; a < per; a++) memcpy(nodes[a], &mesh->nodes[3 * (size_t)number[a]], sizeof nodes[a]);
   for (int q = 0; q < rule->count; q++) {
-    double dN[20][3], J[3][3], C[3][3];
-    ct_brick_gradient(mesh->kind, rule->xi[q], dN);
-    ct_reference_gradient(per, dN, nodes, J);
-    double det = ct_cofactors(J, C);
-    double scale = sqrt((J[0][0] * J[0][0] + J[1][0] * J[1][0] + J[2][0] * J[2][0]) *
-                        (J[0][1] * J[0][1] + J[1][1] * J[1][1] + J[2][1] * J[2][1]) *
-                        (J[0][2] * J[0][2] + J[1][2] * J[1][2] + J[2][2] * J[2][2]));
-    where.point = q;
-    if (!(det > 1e-12 * scale))
-      return ct_fail(error, CT_ERROR_GEOMETRY, where, "element %d is %s: Jacobian determinant %g at Gauss point %d",
-                     (int)element, det < -1e-12 * scale ? "inverted" : "collapsed", det, q);
+    double relative = relative_determinant(mesh->kind, nodes, rule->xi[q], &det);
+    if (!(relative > 1e-12))
+      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, element, q}, "element %d is %s: Jacobian determinant %g at Gauss point %d", (int)element,
+                     relative < -1e-12 ? "inverted" : "collapsed", det, q);
+  }
+  // At a corner nothing is integrated and an edge may have collapsed, but a straight element must not be inside out there.
+  for (int a = 0; a < 8 && mesh->kind == CT_HEX8; a++) {
+    ct_brick_reference(mesh->kind, a, corner);
+    if (!(relative_determinant(mesh->kind, nodes, corner, &det) >= -1e-9))
+      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, element, -1}, "element %d is inverted: Jacobian determinant %g at its corner %d (node %d)", (int)element, det, a,
+                     (int)number[a]);
   }
   return CT_OK;
+}
+
+/* After the first bad element: say how many there are, and the numbers of some. */
+static void count_bad(const ct_mesh *mesh, const ct_rule *rule, int32_t first, ct_error *error)
+{
+  size_t length = strlen(error->text);
+  char list[80] = "";
+  int32_t count = 1;
+  for (int32_t e = first + 1; e < mesh->element_count; e++) {
+    if (element_check(mesh, rule, e, NULL) != CT_ERROR_GEOMETRY) continue;
+    size_t used = strlen(list);
+    if (++count <= 8) snprintf(list + used, sizeof list - used, " %d", (int)e);
+  }
+  if (count > 1 && length < sizeof error->text)
+    snprintf(error->text + length, sizeof error->text - length, "; %d elements are bad, also%s%s", (int)count, list, count > 8 ? " ..." : "");
 }
 
 ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
@@ -230,7 +258,10 @@ ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
         return ct_fail(error, CT_INVALID, (ct_place){-1, -1, i}, "coordinate %c of node %d is not finite", "xyz"[d], (int)i);
   ct_rule rule;
   ct_status status = ct_rule_brick(mesh->kind, &rule);
-  for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) status = element_check(mesh, &rule, e, error);
+  for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
+    status = element_check(mesh, &rule, e, error);
+    if (status == CT_ERROR_GEOMETRY && error != NULL) count_bad(mesh, &rule, e, error);
+  }
   return status;
 }
 

@@ -54,6 +54,22 @@ static ct_status motion_force(const ct_effect *effect, const ct_view *view, doub
   return CT_OK;
 }
 
+static ct_status motion_path(const ct_effect *effect, const ct_view *view, double *way, ct_error *error)
+{
+  const motion_data *data = effect->data;
+  (void)error;
+  for (int32_t i = 0; i < effect->node_count; i++)
+    for (int c = 0; c < 3; c++) {
+      int64_t own = 3 * (int64_t)i + c, dof = 3 * (int64_t)data->nodes[i] + c;
+      int32_t holder = data->holder[own];
+      way[own] = NAN;
+      if (holder == 0 || view->dt == 0.0) continue;
+      const ct_motion *motion = &data->motions[holder - 1];
+      way[own] = ct_history_value(&motion->history, view->time + view->dt) * motion->displacement[c] - view->displacement[dof];
+    }
+  return CT_OK;
+}
+
 static ct_status check_motion(const ct_motion *motion, int32_t number, int32_t node_count, ct_error *error)
 {
   if (motion->nodes == NULL || motion->node_count < 1) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "motion %d has no nodes", (int)number);
@@ -141,7 +157,7 @@ ct_status ct_motion_create_effect(const ct_motion *motions, int32_t count, const
     data->mass = problem->mass;
     data->inverse_mass = problem->inverse_mass;
     ct_effect filled = {.name = "support", .data = data, .nodes = data->nodes, .node_count = data->node_count, .last = 2, .flops = 18.0 * data->node_count,
-                        .bytes = 130.0 * data->node_count, .force = motion_force, .free_data = free_data};
+                        .bytes = 130.0 * data->node_count, .force = motion_force, .path = motion_path, .free_data = free_data};
     status = ct_effect_create(&filled, effect, error);
   }
   if (status != CT_OK && data != NULL) free_data(data);

@@ -450,6 +450,7 @@ static ct_status asked_step(const ct_scene_time *time, const ct_stable_step *sta
   if (!(*dt <= stable->dt * (1.0 + 1e-12)))
     return ct_fail(error, CT_ERROR_STEP, CT_NOWHERE, "time step %g (Courant number %g) is above the stable step %g (Courant number %g)", *dt,
                    *dt / stable->dt_courant, stable->dt, stable->dt / stable->dt_courant);
+  if (isinf(*dt)) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "time: the stable step is infinite, so there is no share of it (are the bodies stiff at all?)");
   if (!(time->end / *dt < 9e15)) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "time: %g steps to the end are more than can be counted", time->end / *dt);
   return CT_OK;
 }
@@ -477,7 +478,7 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   }
   // -- The largest step not above the asked one that ends where the scene ends (eq:whole-steps)
   *step_count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));
-  p->dt = time->end / (double)*step_count;
+  p->dt = time->keep_dt && time->dt > 0.0 ? time->dt : time->end / (double)*step_count;
   p->threads = time->threads;
   p->clock = time->clock;
   *problem = p;

@@ -72,7 +72,7 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
     if (w->force != NULL) ct_release(w->force[k]);
     if (w->scratch != NULL && w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
   }
-  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->terms, w->room, w->still};
+  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->terms, w->room, w->still, w->drifted};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_release(w);
 }
@@ -110,10 +110,11 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   w->total = ct_allocate(n, 3 * sizeof(double));
   w->terms = ct_allocate(n, sizeof(double));
   w->still = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->still);
+  w->drifted = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->drifted);
   w->force = ct_allocate(effects, sizeof *w->force);
   w->scratch = ct_allocate(effects, sizeof *w->scratch);
   w->next_memory = ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
-  if (!w->total || !w->terms || !w->still || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK ||
+  if (!w->total || !w->terms || !w->still || !w->drifted || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK ||
       ct_solver_create(problem, &w->solver) != CT_OK)
     return CT_ERROR_MEMORY;
   // Forces of one effect need room of their own only where `total` holds those of several.
@@ -248,7 +249,7 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   to->time = from->time;
   to->kinetic_start = from->kinetic_start;
   to->workspace->forces_at = -1;
-  to->workspace->kept = 0;
+  to->workspace->kept = to->workspace->watched = 0;
   return CT_OK;
 }
 
@@ -295,6 +296,7 @@ static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t 
   const ct_effect *effect = problem->effects[k];
   ct_view view = ct_workspace_view(problem, state, k);
   if (k == 0 && kept) view.still = w->still;
+  if (k == 0 && w->watched) view.drifted = w->drifted;
   if (effect->constrain != NULL) {
     view.constraints = w->solver->list + w->solver->first[k];
     view.constraint_count = w->solver->first[k + 1] - w->solver->first[k];
@@ -326,7 +328,11 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
   if (w->forces_at == state->step) return CT_OK;
   w->forces_at = -1;
   int kept = w->kept;
+  uint64_t *before = w->still;
   w->kept = 0;
+  w->watched = w->watched && kept;
+  w->still = w->drifted;
+  w->drifted = before;
   memset(w->still, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *w->still);
   for (int32_t i = 0; kept && i < w->touched_count; i++)
     memcpy(&w->total[3 * (int64_t)w->touched[i]], &w->touched_first[3 * (int64_t)i], 3 * sizeof(double));

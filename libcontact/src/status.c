@@ -15,6 +15,7 @@ const char *ct_status_name(ct_status status)
   case CT_ERROR_UNSUPPORTED: return "not supported";
   case CT_ERROR_FILE: return "file error";
   case CT_ERROR_BLOWUP: return "state is not finite";
+  case CT_ERROR_ENERGY: return "energy from nothing";
   }
   return "unknown status";
 }

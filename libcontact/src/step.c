@@ -84,13 +84,40 @@ static const double *velocity_before(const ct_workspace *w, int32_t node)
   return &w->touched_velocity[3 * (int64_t)low];
 }
 
+/* Take the forces on held degrees of freedom from an impulse. */
+CT_CLONES
+static void react(int64_t count, const double *restrict inverse_mass, const double *restrict force, double *restrict impulse)
+{
+#pragma omp simd
+  for (int64_t d = 0; d < count; d++) impulse[d] -= inverse_mass[d] == 0.0 ? force[d] : 0.0;
+}
+
+/* How many of the nodes i, i + 1, ... of an effect have numbers that follow each other. They ascend, so the last one tells. */
+static int32_t run_of(const ct_effect *effect, int32_t i)
+{
+  int32_t left = effect->node_count - i, count = 1;
+  if (effect->nodes == NULL) return left;
+  for (int32_t more = 1; more > 0;) {
+    int32_t longer = count + more;
+    int follows = longer <= left && effect->nodes[i + longer - 1] - effect->nodes[i] == longer - 1;
+    count = follows ? longer : count;
+    more = follows ? 2 * more : more / 2;
+  }
+  return count;
+}
+
 /* The impulse of a reaction: minus all other forces on the degrees of freedom that it holds (eq:impulse-balance). */
 static void count_reaction(const ct_problem *problem, const ct_workspace *w, const ct_effect *effect, double *impulse)
 {
-  for (int32_t i = 0; i < effect->node_count; i++) {
-    int64_t dof = 3 * (int64_t)ct_effect_node(effect, i);
-    if (ct_bits_get(w->still, ct_effect_node(effect, i))) continue;
-    for (int64_t c = 0; c < 3; c++) impulse[3 * (int64_t)i + c] -= problem->inverse_mass[dof + c] == 0.0 ? w->total[dof + c] : 0.0;
+  for (int32_t i = 0, run; i < effect->node_count; i += run) {
+    int32_t first = ct_effect_node(effect, i);
+    run = run_of(effect, i);
+    for (int32_t n = first, end; n < first + run; n = end) {
+      n = ct_bits_next(w->still, n, first + run, 0);
+      end = ct_bits_next(w->still, n, first + run, 1);
+      int64_t dof = 3 * (int64_t)n;
+      react(3 * (int64_t)(end - n), &problem->inverse_mass[dof], &w->total[dof], &impulse[3 * (int64_t)(i + n - first)]);
+    }
   }
 }
 
@@ -114,12 +141,14 @@ static void count_work(const ct_problem *problem, ct_state *state)
   }
 }
 
-ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
+/* Take a step. Forces that stood already may be older than the last change of the state by its host. */
+static ct_status take_step(const ct_problem *problem, ct_state *state, ct_error *error)
 {
-  if (problem == NULL || state == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "step: null argument");
-  ct_status status = ct_workspace_forces(problem, state, error);
-  if (status != CT_OK) return status;
   ct_workspace *w = state->workspace;
+  int made = w->forces_at != state->step;
+  ct_status status = ct_workspace_forces(problem, state, error);
+  w->watched = 0;
+  if (status != CT_OK) return status;
   int32_t count = problem->node_count;
   double begin = problem->clock == NULL ? 0.0 : problem->clock();
   keep_touched(state);
@@ -133,12 +162,20 @@ ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
   memcpy(state->memory, w->next_memory, (size_t)state->memory_count * sizeof(double));
   state->step++;
   state->time = (double)state->step * problem->dt;
+  w->watched = made;
   if (problem->clock != NULL) state->effect_seconds[problem->effect_count] += problem->clock() - begin;
   return CT_OK;
 }
 
-/* Name the first node that is out of the range of numbers. */
-static ct_status check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
+ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
+{
+  if (problem == NULL || state == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "step: null argument");
+  ct_status status = take_step(problem, state, error);
+  state->workspace->watched = 0;
+  return status;
+}
+
+ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
 {
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
     if (isfinite(state->velocity[d]) && fabs(state->displacement[d]) <= CT_LARGEST_LENGTH) continue;
@@ -153,16 +190,18 @@ static ct_status check_finite(const ct_problem *problem, const ct_state *state, 
 
 ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count, ct_error *error)
 {
-  if (count < 0) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "step: %lld steps", (long long)count);
+  if (problem == NULL || state == NULL || count < 0)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "step: null argument, or %lld steps", (long long)count);
   ct_status status = CT_OK;
   for (int64_t i = 1; status == CT_OK && i <= count; i++) {
-    status = ct_step(problem, state, error);
+    status = take_step(problem, state, error);
     // An effect may be the first to meet a number that is not finite (CT_INVALID); the answer is the same as without it.
     if (status == CT_INVALID || (status == CT_OK && (i % STEPS_BETWEEN_CHECKS == 0 || i == count))) {
-      ct_status finite = check_finite(problem, state, error);
+      ct_status finite = ct_check_finite(problem, state, error);
       if (finite != CT_OK) status = finite;
     }
   }
+  state->workspace->watched = 0;
   return status;
 }
 

@@ -8,7 +8,9 @@ typedef struct ct_workspace {
   int64_t forces_at;  /* the step whose forces stand below, or -1 */
   int starting;       /* v_{-1/2} is not known yet */
   int kept;           /* whether `total` holds forces of this state's last step, and the first effect may leave some as they stand */
+  int watched;        /* whether the state was moved by one step since the forces were made, and by nothing else */
   uint64_t *still;    /* a bit a node: the total force is zero, to the sign as in the last step (eq:still-node) */
+  uint64_t *drifted;  /* `still` of the step before */
   double *total;      /* sum of all forces but reactions, shape (node_count, 3) */
   double **force;     /* of each effect: on its own nodes; null for the first one (in `total`) and for reactions */
   void **scratch;     /* of each effect */
@@ -24,6 +26,9 @@ typedef struct ct_workspace {
 
 /* Make the forces at the state's time, unless they stand already. */
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error);
+
+/* Name the first node whose motion is out of the range of numbers (CT_ERROR_BLOWUP). */
+ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error);
 
 /* What effect `k` is shown of a state. */
 ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k);

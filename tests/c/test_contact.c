@@ -589,6 +589,40 @@ static void methods(ct_face_kind kind)
   free_patch(&b);
 }
 
+/* A face between a floor and a ceiling of one surface: as it rises, its points go from the floor to the ceiling, each when that is nearer, though their feet on the floor stay
+ * inside it. The same for a face that slides from one cell to the next. */
+static void between(ct_face_kind kind)
+{
+  patch a = new_patch(kind, 3, 1, 0, 0, 3, 1, 1), b = new_patch(kind, 1, 1, 0.1, 0.1, 0.8, 0.8, 1);
+  int per = ct_face_node_count(kind), wrong = 0, floor = 0, ceiling = 0;
+  memcpy(&a.faces[per], &a.faces[2 * per], (size_t)per * sizeof *a.faces);
+  a.surface.face_count = 2;
+  for (int n = 0; n < a.surface.node_count; n++)
+    if (a.x[3 * n] > 1.9) a.x[3 * n] = 3.0 - a.x[3 * n], a.x[3 * n + 2] = 0.5 + 0.01 * a.x[3 * n + 1];
+  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = 0.05 + 0.02 * b.x[3 * n];
+  ct_contact_options options = ct_contact_options_default();
+  options.epsilon = EPSILON;
+  ct_contact *contact = open_contact(&a, &b, options);
+  for (int k = 0; k < 40; k++) {
+    int64_t count;
+    ct_contact_point got[32];
+    update(contact, &a, &b);
+    ct_contact_points(contact, got);
+    ct_contact_point *want = all_points(&a, &b, options, &count);
+    for (int64_t i = 0; i < count; i++) {
+      wrong += got[i].other != want[i].other || (want[i].other >= 0 && !(fabs(got[i].gap - want[i].gap) < 1e-13 && fabs(got[i].xi[0] - want[i].xi[0]) < 1e-9));
+      floor += got[i].side == 1 && got[i].other == 0;
+      ceiling += got[i].side == 1 && got[i].other == 1;
+    }
+    free(want);
+    for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] += 0.01;
+  }
+  tap_ok(wrong == 0 && floor > 20 && ceiling > 20, "%s between a floor and a ceiling: nearest to the floor %d times, to the ceiling %d times, %d wrong", KIND[kind], floor, ceiling, wrong);
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+}
+
 /* A contact that has followed a motion gives what a new one gives at its end. */
 static void history(void)
 {
@@ -804,6 +838,8 @@ int main(void)
     methods((ct_face_kind)k);
   }
   history();
+  between(CT_Q4);
+  between(CT_Q8);
   tie();
   not_finite();
   refusals();

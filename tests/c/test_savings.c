@@ -2,6 +2,7 @@
 #include "../../libcontact/src/bits.h"
 #include "../../libcontact/src/contact/contact_internal.h"
 #include "../../libcontact/src/memory.h"
+#include "../../libcontact/src/solid/lattice.h"
 #include "../../libcontact/src/solid/quiet.h"
 #include "../../libcontact/src/workspace.h"
 #include "bodies.h"
@@ -170,6 +171,69 @@ static void same_bits(ct_savings savings, const char *what)
   }
 }
 
+/* Move a node at the far end of the second bar by hand, or push it, when the forces are asked for next by a step, or by the ledger, or were so just before. */
+static void meddle(run *r, int how)
+{
+  int64_t d = 3 * (int64_t)r->problem->node_count - 3;
+  if (how / 2 == 1) energy_of(r->problem, r->state);
+  r->state->displacement[d] += how % 2 ? 0.0 : 1e-7;
+  r->state->velocity[d] += how % 2 ? 1.0 : 0.0;
+  if (how / 2 == 2) energy_of(r->problem, r->state);
+}
+
+/* Also where many steps are taken in one call, and a host changes the state in between. */
+static void many_steps(void)
+{
+  for (int i = 0; i < FORM_COUNT; i++) {
+    const form *f = &FORMS[i];
+    for (int how = -1; how < 6; how++) {
+      run all = open_run(f, NONE, 1), some = open_run(f, ct_savings_default(), 2 + how % 2);
+      int same = 1;
+      for (int64_t k = 0, steps; k < f->steps; k += steps) {
+        steps = k + 7 < f->steps ? 7 : f->steps - k;
+        if (k == 7 && how >= 0) {
+          meddle(&all, how);
+          meddle(&some, how);
+        }
+        advance(all.problem, all.state, steps);
+        advance(some.problem, some.state, steps);
+        same = same && memcmp(all.state->displacement, some.state->displacement, 24 * (size_t)all.problem->node_count) == 0;
+      }
+      tap_ok(same && same_state(&all, &some), "%s, seven steps a call, a host meddles in way %d: the same bits", f->name, how);
+      close_run(&all);
+      close_run(&some);
+    }
+  }
+}
+
+/* A body whose ring holds a tenth of its elements, pushed at a few nodes: what stands in the ring of a batch that is skipped is not taken for its own. */
+static void long_ring(void)
+{
+  static const int32_t NODES[4] = {8, 3000, 3001, 5800};
+  static push data = {.force = 1e-3};
+  const ct_savings savings[2] = {NONE, ct_savings_default()};
+  ct_error e;
+  run r[2];
+  for (int k = 0; k < 2; k++) {
+    ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1.6, 0.8, 4, 16, 8, 40);
+    r[k] = (run){.scene = new_scene()};
+    add_body(r[k].scene, "block", m, &STEEL, CT_KERNEL_AUTO, 1000, 0, 0);
+    need(ct_scene_set_savings(r[k].scene, &savings[k], &e), &e);
+    ct_effect own = {.name = "push", .data = &data, .force = push_force, .nodes = NODES, .node_count = 4}, *effect;
+    const ct_problem *joined;
+    need(ct_scene_join(r[k].scene, &joined, &e), &e);
+    need(ct_effect_create(&own, &effect, &e), &e);
+    need(ct_scene_add_effect(r[k].scene, effect, &e), &e);
+    ct_stable_step stable;
+    r[k].problem = build(r[k].scene, (ct_scene_time){.end = 1e-6, .fraction = 0.99, .threads = 1}, &r[k].steps, &stable);
+    r[k].state = new_state(r[k].problem);
+    advance(r[k].problem, r[k].state, 6);
+    ct_mesh_free(m);
+  }
+  tap_ok(same_state(&r[0], &r[1]) && still_nodes(&r[1]) > 0, "a block pushed at a few nodes: the same bits, %d nodes still", (int)still_nodes(&r[1]));
+  for (int k = 0; k < 2; k++) close_run(&r[k]);
+}
+
 /* A state that is copied in the middle of a run goes on with the same bits: into a new state, into one that was before and one that was behind. */
 static void restarts(void)
 {
@@ -211,8 +275,71 @@ static void copied_zeros(void)
 /* A batch is skipped only when it was computed before with nodes that had moved alike, and had no force. */
 static int skipped(ct_quiet *quiet, const ct_solid_part *part, const double *u)
 {
-  ct_quiet_find(quiet, part, 0, u);
+  static const double different[3 * 39] = {[20] = 1.0};
+  ct_quiet_find(quiet, part, 0, u, different);
   return quiet->batch[part->first_batch] == CT_BATCH_QUIET;
+}
+
+/* One whose nodes have one velocity is not looked at until one of its nodes does more than drift; one that moves is looked at every eighth call. */
+static void sleeping_batches(ct_quiet *quiet, const ct_solid_part *part)
+{
+  double same[3 * 39], u[3 * 39] = {0.0};
+  uint8_t *found = &quiet->batch[part->first_batch], *near = &quiet->near[part->first_batch];
+  for (int i = 0; i < 3 * 39; i++) same[i] = i % 3 + 1.0;
+  *found = CT_BATCH_UNKNOWN;
+  for (int i = 0; i < 2; i++) ct_quiet_find(quiet, part, 0, u, same);
+  tap_ok(*found == CT_BATCH_ASLEEP, "nodes with one displacement and one velocity put a batch to sleep");
+  same[9] = nextafter(same[9], 0.0);
+  ct_quiet_find(quiet, part, 0, u, same);
+  tap_ok(*found == CT_BATCH_QUIET, "the last bit of a velocity does not");
+  same[9] = 1.0;
+  ct_quiet_find(quiet, part, 0, u, same);
+  u[3 * 38] = 1.0;
+  *near = 0;
+  ct_quiet_find(quiet, part, 0, u, same);
+  tap_ok(*found == CT_BATCH_ASLEEP, "while its nodes drift it is not looked at");
+  *near = 1;
+  ct_quiet_find(quiet, part, 0, u, same);
+  tap_ok(*found == CT_BATCH_MOVING, "then it is");
+  u[3 * 38] = 0.0;
+  int calls = 0;
+  for (quiet->call = 1; *found == CT_BATCH_MOVING; quiet->call = (quiet->call + 1) % 8, calls++) ct_quiet_find(quiet, part, 0, u, same);
+  tap_ok(*found == CT_BATCH_FRESH && calls == 8, "one that moves is seen to have stopped in the eighth call");
+}
+
+/* Which batches of a lattice have a node with a bit, and which nodes a range of its batches marks, beside the elements one by one. */
+static void lattice_bits(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 53, 3, 2);
+  ct_solid_part part = {.mesh = m, .batch_count = (m->element_count + 7) / 8, .first_batch = 1, .first_node = 5};
+  int32_t nodes = part.first_node + m->node_count, wrong = 0;
+  uint8_t found[64], near[64];
+  uint64_t bits[16], changed[16];
+  ct_quiet quiet = {.batch = found, .near = near, .changed = changed};
+  tap_ok(ct_lattice_find(m, part.cells) && part.batch_count < 63 && nodes <= 16 * 64, "a lattice of rows that end within a batch");
+  for (int32_t n = part.first_node; n < nodes; n++)
+    for (int value = 0; value < 2; value++) {
+      memset(bits, value ? 0 : 0xff, sizeof bits);
+      ct_bits_put(bits, n, n + 1, value);
+      ct_quiet_near(&quiet, &part, bits, nodes, value);
+      uint8_t expected[64] = {0};
+      for (int32_t i = 0; i < 8 * m->element_count; i++) expected[1 + i / 64] |= m->elements[i] == n - part.first_node;
+      wrong += memcmp(&expected[1], &near[1], (size_t)part.batch_count) != 0;
+    }
+  tap_ok(wrong == 0, "each node is near the batches of its elements");
+  for (int32_t from = 0; from < part.batch_count; from++) {
+    uint64_t expected[16] = {0};
+    memset(changed, 0, sizeof changed);
+    for (int32_t b = 0; b < part.batch_count; b++) {
+      found[1 + b] = b >= from && b < from + 9 && b != from + 3 ? CT_BATCH_MOVING : CT_BATCH_ASLEEP;
+      for (int32_t i = 64 * b; found[1 + b] == CT_BATCH_MOVING && i < 64 * (b + 1) && i < 8 * m->element_count; i++)
+        ct_bits_put(expected, part.first_node + m->elements[i], part.first_node + m->elements[i] + 1, 1);
+    }
+    ct_quiet_mark(&quiet, &part);
+    wrong += memcmp(expected, changed, sizeof changed) != 0;
+  }
+  tap_ok(wrong == 0, "batches of a lattice mark the nodes of their elements");
+  ct_mesh_free(m);
 }
 
 static void batches(void)
@@ -222,9 +349,9 @@ static void batches(void)
   for (int a = 0; a < 8; a++)
     for (int l = 0; l < 8; l++) number[8 * a + l] = m->elements[8 * l + a];
   ct_solid_part part = {.mesh = m, .batch_count = 1, .batch_nodes = number, .first_batch = 2, .first_node = 3};
-  uint8_t found[3] = {0};
+  uint8_t found[3] = {0}, near[3] = {1, 1, 1};
   uint64_t changed[1] = {0};
-  ct_quiet quiet = {found, changed};
+  ct_quiet quiet = {.batch = found, .near = near, .changed = changed};
   double u[3 * 39], values[192] = {0.0};
   for (int i = 0; i < 3 * 39; i++) u[i] = i < 9 ? 7.0 : 0.1 * (i % 3 + 1);
   tap_ok(ct_quiet_prepare(&part) == CT_OK && part.range_first[1] == 1 && part.ranges[0].first == 3 && part.ranges[0].last == 38, "a batch of a row has one range of nodes");
@@ -258,6 +385,7 @@ static void batches(void)
   for (int i = 9; i < 3 * 39; i++) u[i] = INFINITY;
   skipped(&quiet, &part, u);
   tap_ok(!skipped(&quiet, &part, u), "what is not finite is never quiet");
+  sleeping_batches(&quiet, &part);
   ct_release(part.range_first);
   ct_release(part.ranges);
   ct_mesh_free(m);
@@ -480,6 +608,9 @@ int main(void)
   restarts();
   copied_zeros();
   batches();
+  lattice_bits();
+  many_steps();
+  long_ring();
   front();
   return tap_done();
 }

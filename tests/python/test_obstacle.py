@@ -1,6 +1,7 @@
 """Scenes with obstacles and friction: closed forms, ledgers, restart, and what is refused."""
 
 import tomllib
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -122,3 +123,23 @@ def test_refusals(change, key, reason):
     with pytest.raises(SceneError) as error:
         ct.Scene(data)
     assert error.value.key == key and reason in str(error.value)
+
+
+@pytest.mark.parametrize("enforcement, beta, fraction, told", [
+    ("penalty", 10, 0.9, True), ("penalty", 10, 0.3, False), ("penalty", 1, 0.9, False),
+    ("bipenalty", 10, 0.5, True), ("bipenalty", 1, 0.9, False), ("energy_controlled", 1e4, 0.9, False), ("lagrange", 4, 0.9, False)])
+def test_chatter_is_foretold(enforcement, beta, fraction, told):
+    """What is warned of gains more than 1 % of energy, what is not gains less."""
+    data = changed("bar_on_a_wall", time={"end": 1.5, "fraction": fraction}, output={"every": 1})
+    epsilon = beta * 900 / 0.1
+    for key, value in (("beta", beta), ("epsilon", epsilon)):
+        data["obstacle"][0].pop("beta", None)
+        data["obstacle"][0].pop("epsilon", None)
+        data["obstacle"][0] |= {"enforcement": enforcement, key: value}
+        scene = ct.Scene(data)
+        assert ("is known to feed energy" in scene.explain()) == told
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            total = scene.run(progress=False, output=False).energy["total"]
+        assert any("bar.x_min" in str(w.message) and enforcement in str(w.message) for w in caught) == told
+        assert (total.max() / total[0] - 1 > 0.01) == told

@@ -39,6 +39,10 @@ class BlowupError(Error, ArithmeticError):
     """The state stopped being finite in mid-run."""
 
 
+class EnergyError(Error, ArithmeticError):
+    """Energy has appeared from nothing in mid-run."""
+
+
 CLASSES = {
     lib.CT_INVALID: ArgumentError,
     lib.CT_ERROR_ARGUMENT: ArgumentError,
@@ -47,6 +51,7 @@ CLASSES = {
     lib.CT_ERROR_UNSUPPORTED: NotBuiltIn,
     lib.CT_ERROR_FILE: FileError,
     lib.CT_ERROR_BLOWUP: BlowupError,
+    lib.CT_ERROR_ENERGY: EnergyError,
 }
 
 

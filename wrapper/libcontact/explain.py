@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from . import effects
+from .chatter import chatter
 from .parts import Contact, Parts
 from .plan import Cost, predict, table
 from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, penetrations, speeds
@@ -79,7 +80,7 @@ def _facts(problem: Problem) -> dict[str, Any]:
             "updates": problem.step_count * sum(b["elements"] for b in bodies),
             "threads": problem.threads,
         },
-        "warnings": [warning for part in (*bodies, *contacts) for warning in part["warnings"]],
+        "warnings": [warning for part in (*bodies, *contacts) for warning in part["warnings"]] + chatter(problem),
     }
 
 

@@ -17,11 +17,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from ._core import ffi, lib
+from .chatter import ChatterWarning, chatter
 from .errors import NotBuiltIn, check, new_error
 from .mesh import view
 from .plan import measured
 from .problem import Problem, contact_points, new_state, penetrations
-from .run import ENERGY, MOMENTUM, BodyState, Run, RunError, State, energy_dtype
+from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_dtype
 from .schema import SceneError, is_number
 
 DEFAULT_RECORDS = 100
@@ -79,13 +80,14 @@ class Loop:
     def __init__(self, problem: Problem, scene_text: str):
         self.problem, self.scene_text = problem, scene_text
         self.state = new_state(problem)
-        self.good: Any = None
+        self.guard: Any = None
         self.output: Any = None
         self.path: Path | None = None
         self.steps: list[int] = []
         self.energy: list[np.ndarray] = []
         self.momentum: list[np.ndarray] = []
         self.interrupted = False
+        self.watch: Any = None
         self.seconds = self.output_seconds = 0.0
 
     # What is written.
@@ -125,33 +127,62 @@ class Loop:
         with contextlib.suppress(RunError):
             self.close()
 
+    def fail(self, error: RunError) -> None:
+        """After a fault: record the last good state if it is newer than the last record, close the file, and tell how to go on."""
+        good = None if self.guard is None else lib.ct_watch_good(self.guard)
+        if good is not None and self.steps and good.step > self.steps[-1]:
+            with contextlib.suppress(RunError):
+                self._write_record(good)
+        path = self.path if self.output is not None and self.steps else None
+        self.abandon()
+        error.time, error.step, error.checkpoint = self.state.time, self.state.step, path
+        error.run = self.result(failed=True)
+        if good is not None:
+            error.args = (f"{error}. {self._stable_note(good)}{self._how_to_go_on(good, path)}",)
+
+    def _stable_note(self, good: Any) -> str:
+        """Whether the step of the run is above the stable one of the last good state."""
+        stable = ffi.new("ct_stable_step *")
+        if lib.ct_stable(self.problem.pointer, good, stable, ffi.NULL) != lib.CT_OK or self.problem.dt <= stable.dt * (1.0 + 1e-9):
+            return ""
+        return f"The stable step had come down to {stable.dt:.6g}, and the run's is {self.problem.dt:.6g}: take a smaller one. "
+
+    def _how_to_go_on(self, good: Any, path: Path | None) -> str:
+        at = f"The last good state, t = {good.time:.6g} (step {good.step}), is "
+        if path is None:
+            return at + "run.state of this error; without a results file nothing can be restarted"
+        return at + f'in "{path}"; scene.run(restart="{path}", output="...") goes on from it'
+
     def record(self) -> None:
         """One row of each table, and one step of the file."""
         begin = clock.perf_counter()
         self._record()
+        if self.watch is not None:
+            self.watch(self.result(records=1))
         self.output_seconds += clock.perf_counter() - begin
 
     def _record(self) -> None:
+        self._call(lib.ct_watch_look, self.guard, self.state)
+        self._write_record(self.state)
+
+    def _write_record(self, state: Any) -> None:
         energy, momentum = ffi.new("ct_energy *"), ffi.new("ct_momentum *")
         problem = self.problem.pointer
-        self._call(lib.ct_energy_of, problem, self.state, energy)
+        self._call(lib.ct_energy_of, problem, state, energy)
         rows = []
         for body in range(len(self.problem.bodies)):
-            self._call(lib.ct_momentum_of, problem, self.state, body, momentum)
+            self._call(lib.ct_momentum_of, problem, state, body, momentum)
             rows.append(np.frombuffer(ffi.buffer(momentum), C_MOMENTUM).astype(MOMENTUM))
-        energies = self._energies(np.frombuffer(ffi.buffer(energy), ENERGY))
+        energies = self._energies(state, np.frombuffer(ffi.buffer(energy), ENERGY))
         if not np.isfinite(energies.view(np.float64)).all():
-            raise RunError(f"the energy stopped being finite by t = {self.state.time:g} (step {self.state.step})")
+            raise FAULTS[lib.CT_ERROR_BLOWUP](f"the energy stopped being finite by t = {state.time:g} (step {state.step})", code=lib.CT_ERROR_BLOWUP)
         if self.output is not None:
-            self._call(lib.ct_output_append, self.output, problem, self.state)
-        else:
-            self.good = self.good or new_state(self.problem)
-            self._call(lib.ct_state_copy, problem, self.state, self.good)
+            self._call(lib.ct_output_append, self.output, problem, state)
         self.energy.append(energies)
         self.momentum += rows
-        self.steps.append(self.state.step)
+        self.steps.append(state.step)
 
-    def _energies(self, row: np.ndarray) -> np.ndarray:
+    def _energies(self, state: Any, row: np.ndarray) -> np.ndarray:
         """A row of the ledger with the columns of all effects."""
         out = np.zeros(1, energy_dtype(self.problem.effects))
         for name in ENERGY.names:
@@ -159,7 +190,7 @@ class Loop:
         value = ffi.new("double *")
         for k, (name, stores) in enumerate(zip(self.problem.effects, self.problem.stores)):
             if name in out.dtype.names and name not in ENERGY.names:
-                self._call(lib.ct_energy_stored if stores else lib.ct_energy_work, self.problem.pointer, self.state, k, value)
+                self._call(lib.ct_energy_stored if stores else lib.ct_energy_work, self.problem.pointer, state, k, value)
                 out[name] += value[0]
         return out
 
@@ -171,6 +202,7 @@ class Loop:
         if self.state.step > last:
             raise SceneError(f"the restart stands at step {self.state.step}, after the last step {last}", "restart", self.problem.file)
         begin = clock.perf_counter()
+        self.start_guard()
         with _progress(progress, self.state.step, last) as tell, _ctrl_c() as stop:
             self.record()
             while self.state.step < last and not stop and not self._at_rest():
@@ -183,6 +215,15 @@ class Loop:
             warnings.warn(NotAtRest(f"the run ends at t = {self.state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
                                     f"until_static = {self.problem.parts.time.until_static:g}"), stacklevel=4)
         self.seconds = clock.perf_counter() - begin
+
+    def start_guard(self) -> None:
+        """Watch the state from here on; what is wrong with it already is an error of the input."""
+        options, out, error = ffi.new("ct_watch_options *", lib.ct_watch_options_default()), ffi.new("ct_watch **"), new_error()
+        time = self.problem.parts.time
+        options.every, options.energy_limit, options.stable = time.look_every, time.energy_limit, self.problem.stable.dt
+        if lib.ct_watch_create(self.problem.pointer, self.state, options, out, error) != lib.CT_OK:
+            raise SceneError(_text(error), "", self.problem.file)
+        self.guard = ffi.gc(out[0], lambda watch, free=lib.ct_watch_free, problem=self.problem: free(watch))
 
     def _unrest(self) -> float:
         value = ffi.new("double *")
@@ -215,47 +256,58 @@ class Loop:
         while self.state.step < target and not stop:
             count = min(chunk, target - self.state.step)
             begin = clock.perf_counter()
-            self._call(lib.ct_step_many, self.problem.pointer, self.state, count)
+            self._call(lib.ct_watch_steps, self.guard, self.state, count)
             took = clock.perf_counter() - begin
             tell(count)
             chunk = int(min(max(chunk * 2, 1) if took < CHUNK_SECONDS / 2 else max(1, count * CHUNK_SECONDS / took), 10**6))
 
     def _call(self, function: Any, *arguments: Any) -> None:
-        """Call the C library in the middle of a run; what it refuses is a RunError with the body's name."""
+        """Call the C library in the middle of a run; what it refuses is a RunError of its kind, with the body's name."""
         error = new_error()
-        if function(*arguments, error) != lib.CT_OK:
-            names = list(self.problem.bodies)
-            text = _text(error)
-            named = 0 <= error.body < len(names) and names[error.body] not in text
-            raise RunError(f'body "{names[error.body]}": {text}' if named else text)
+        status = function(*arguments, error)
+        if status == lib.CT_OK:
+            return
+        names = list(self.problem.bodies)
+        text, known = _text(error), 0 <= error.body < len(names)
+        place = {key: int(value) if value >= 0 else None for key, value in (("body", error.body), ("element", error.element), ("point", error.point))}
+        fault = FAULTS.get(status, RunError)(f'body "{names[error.body]}": {text}' if known and names[error.body] not in text else text, code=status, **place)
+        fault.body_name = names[error.body] if known else None
+        raise fault
 
     # What comes out.
 
-    def result(self, failed: bool = False) -> Run:
-        """The run so far; after a failure with the last state that was recorded."""
+    def result(self, failed: bool = False, records: int = 0) -> Run:
+        """The run so far, or its last records; after a failure with the last state that was recorded."""
         problem = self.problem
-        state = self._last_good() if failed else self._state(self.state)
+        energy, momentum = self.energy[-records:], self.momentum[-records * len(problem.bodies):]
+        state = self._last_good() if failed else self._state(self.state, self.state)
         return Run(
-            bodies=list(problem.bodies), units=problem.parts.units, steps=self.steps,
-            energy=np.concatenate(self.energy or [np.empty(0, energy_dtype(problem.effects))]), momentum=np.concatenate(self.momentum or [np.empty(0, MOMENTUM)]),
+            bodies=list(problem.bodies), units=problem.parts.units, steps=self.steps[-records:],
+            energy=np.concatenate(energy or [np.empty(0, energy_dtype(problem.effects))]), momentum=np.concatenate(momentum or [np.empty(0, MOMENTUM)]),
             state=state, path=self.path, scene=self.scene_text, interrupted=self.interrupted, seconds=self.seconds,
             costs=measured(problem, self.state, self.output_seconds), writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state),
-            penetration=[] if failed else penetrations(problem, self.state))
+            impulse={} if failed else self._impulses(), dt=problem.dt,
+            penetration=[] if failed or records else penetrations(problem, self.state))
+
+    def _impulses(self) -> dict[str, np.ndarray]:
+        """The impulse of each effect but the solid on all bodies together, effects of one name added up."""
+        out: dict[str, np.ndarray] = {}
+        for k, name in enumerate(self.problem.effects[1:], start=1):
+            impulse = np.zeros(3)
+            self._call(lib.ct_energy_impulse, self.problem.pointer, self.state, k, ffi.from_buffer("double[3]", impulse))
+            out[name] = out.get(name, 0.0) + impulse
+        return out
 
     def _last_good(self) -> State | None:
-        if self.good is not None and self.steps:
-            return self._state(self.good)
-        if self.path is not None and self.path.exists():
-            with contextlib.suppress(ValueError, OSError):
-                return Run.load(self.path).state
-        return None
+        return None if self.guard is None else self._state(lib.ct_watch_good(self.guard), self.guard)
 
-    def _state(self, state: Any) -> State:
+    def _state(self, state: Any, owner: Any) -> State:
+        """A state for people; ``owner`` is what keeps its memory alive."""
         problem, error = self.problem, new_error()
         velocity = np.empty((problem.pointer.node_count, 3))
         check(lib.ct_state_velocity(problem.pointer, state, ffi.from_buffer("double[]", velocity), error), error)
         velocity.flags.writeable = False
-        displacement = view(state.displacement, velocity.shape, np.float64, (state, problem))
+        displacement = view(state.displacement, velocity.shape, np.float64, (owner, problem))
         bodies = {body.name: BodyState(body.name, body.mesh, body.material, displacement[body.nodes], velocity[body.nodes])
                   for body in problem.bodies.values()}
         return State(state.time, state.step, bodies)
@@ -279,11 +331,14 @@ class Loop:
         write_tables(path, run.steps, run.energy, run.momentum)
 
 
-def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, until: Any, output: Any) -> Run:
+def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, until: Any, output: Any, watch: Any = None) -> Run:
     """Run a problem. Errors of the input are SceneErrors, before the first step; what fails later is a RunError with the run so far."""
     last_step(problem, until)
     schedule(problem)
+    for sentence in chatter(problem):
+        warnings.warn(ChatterWarning(sentence), stacklevel=3)
     loop = Loop(problem, scene_text)
+    loop.watch = watch
     if restart is not None:
         loop.restart(restart)
     if output is not None:
@@ -291,8 +346,7 @@ def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, u
     try:
         loop.run(until, progress)
     except RunError as error:
-        loop.abandon()
-        error.run = loop.result(failed=True)
+        loop.fail(error)
         raise
     except BaseException:
         loop.abandon()

@@ -121,7 +121,8 @@ class Support:
 class Time:
     """
     End and step of the run: ``end``, or ``end_over`` = (length, value) for end = value length / c₁; ``step`` = ("courant", 0.125). With ``until_static`` the run
-    ends as soon as it is that near to rest and all histories are over.
+    ends as soon as it is that near to rest and all histories are over. The run fails when a share of ``energy_limit`` appears from nothing; it is looked at after every
+    ``look_every`` steps.
     """
 
     end: float | None
@@ -129,6 +130,8 @@ class Time:
     step: tuple[str, float]
     integrator: str
     until_static: float | None = None
+    energy_limit: float = 1.0
+    look_every: int = 1024
 
 
 @dataclass(frozen=True)
@@ -412,8 +415,10 @@ def _time(table: Table) -> Time:
     value = table.number(step, above=0.0)
     integrator = table.choice("integrator", INTEGRATORS, INTEGRATORS[0])
     until_static = table.number("until_static", None, least=1e-12)
+    energy_limit = table.number("energy_limit", Time.energy_limit, above=0.0)
+    look_every = table.integer("look_every", Time.look_every, least=1, most=2**53)
     table.done()
-    return Time(end, end_over, (step, value), integrator, until_static)
+    return Time(end, end_over, (step, value), integrator, until_static, energy_limit, look_every)
 
 
 def _output(table: Table) -> Output:

@@ -143,6 +143,7 @@ def _record_seconds(problem: Problem, state: Any) -> float:
 
     loop = Loop(problem, "")
     loop.state = state
+    loop.start_guard()
     with tempfile.TemporaryDirectory() as folder, contextlib.suppress(OSError):
         if problem.parts.output.file is not None and hasattr(lib, "ct_output_create"):
             loop.open(Path(folder) / "trial.vtkhdf")

@@ -80,7 +80,8 @@ class Problem:
     """A built problem and all that keeps it alive. Everything that does not move during a run is here."""
 
     def __init__(self, parts: scene_parts.Parts, file: str | None = None, threads: int | None = None,
-                 own: Sequence[Any] = ()):
+                 own: Sequence[Any] = (), dt: float | None = None):
+        """``dt``: the step to the last bit, as a run had it that is continued; None: as the scene says."""
         self.parts, self.file = parts, file
         self.threads = parts.threads if threads is None else threads
         self._check_size()
@@ -96,7 +97,7 @@ class Problem:
                 self._add_support(i, support)
         self.kept: list[Any] = []
         self._add_effects(own)
-        self._build()
+        self._build(dt)
         self.bodies = {name: self._built_body(i, name) for i, name in enumerate(parts.bodies)}
         self.contacts = [self._built_contact(i, contact) for i, contact in enumerate(parts.contacts)]
         self.effects = [ffi.string(self.pointer.effects[i].name).decode() for i in range(self.pointer.effect_count)]
@@ -271,12 +272,12 @@ class Problem:
             ffi.gc(effect, None)  # the scene takes it over, whatever it answers
             self._call(lib.ct_scene_add_effect, self._scene, effect, key=key)
 
-    def _build(self) -> None:
-        name, value = self.parts.time.step
+    def _build(self, dt: float | None) -> None:
+        name, value = self.parts.time.step if dt is None else ("dt", dt)
         end = self.end
         if not (math.isfinite(end) and end > 0.0):
             raise SceneError(f"the end of the run is {end:g}", "time", self.file)
-        time = ffi.new("ct_scene_time *", {"end": end, name: value, "threads": self.threads, "clock": ffi.addressof(lib, "wall_clock")})
+        time = ffi.new("ct_scene_time *", {"end": end, name: value, "keep_dt": dt is not None, "threads": self.threads, "clock": ffi.addressof(lib, "wall_clock")})
         problem, count, self.stable = ffi.new("const ct_problem **"), ffi.new("int64_t *"), ffi.new("ct_stable_step *")
         error = new_error()
         status = lib.ct_scene_build(self._scene, time, problem, count, self.stable, error)
@@ -412,9 +413,12 @@ def penetrations(problem: Problem, state: Any) -> list[dict[str, dict[str, Any]]
 
 
 def new_state(problem: Problem) -> Any:
-    """A state of the problem at t = 0."""
+    """A state of the problem at t = 0; where that has numbers that are none, the scene is at fault."""
     out, error = ffi.new("ct_state **"), new_error()
-    check(lib.ct_state_create(problem.pointer, out, error), error)
+    try:
+        check(lib.ct_state_create(problem.pointer, out, error), error)
+    except Error as reason:
+        raise SceneError(str(reason), "", problem.file) from None
     # Freeing a state asks the problem's effects, so the state keeps the problem alive.
     return ffi.gc(out[0], lambda state, free=lib.ct_state_free, problem=problem: free(state))
 

@@ -29,6 +29,9 @@ def load(path: Path, record: int = -1) -> Run:
         raise ValueError(f'can\'t read "{path}": {error}') from None
     except KeyError as error:
         raise ValueError(f'"{path}" is no run of libcontact: {error.args[0]}') from None
+    except (ArithmeticError, AttributeError, LookupError, MemoryError, RuntimeError, TypeError, ValueError) as error:
+        # What a damaged file says may be of any type and size.
+        raise error if str(path) in str(error) else ValueError(f'"{path}" is damaged: {error or type(error).__name__}') from None
 
 
 def _read(path: Path, file: Any, record: int) -> Run:
@@ -44,7 +47,8 @@ def _read(path: Path, file: Any, record: int) -> Run:
     scene = _text(own["scene"][()]) if "scene" in own else ""
     steps, energy, momentum = _tables(own, count, len(names))
     state = State(float(vtk["Steps/Values"][record]), int(own["step"][record]), _bodies(vtk, bodies, names, record))
-    return Run(bodies=names, units=_units(scene), steps=steps, energy=energy, momentum=momentum, state=state, path=path, scene=scene)
+    return Run(bodies=names, units=_units(scene), steps=steps, energy=energy, momentum=momentum, state=state, path=path, scene=scene,
+               dt=float(own.attrs["dt"]))
 
 
 def _tables(own: Any, count: int, bodies: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

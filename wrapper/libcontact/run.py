@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ._core import ffi, lib
-from .errors import Error, check, new_error
+from .errors import BlowupError, EnergyError, Error, GeometryError, StepError, check, new_error
 from .mesh import Mesh
 from .parts import Material
 from .problem import c_material
@@ -39,11 +39,40 @@ def energy_dtype(effects: Sequence[str]) -> np.dtype:
 
 
 class RunError(Error, RuntimeError):
-    """A run that failed in the middle. ``run`` holds what was recorded before, with the last good state; None if there is none."""
+    """
+    A run that failed in the middle. ``run`` holds what was recorded before, with the last good state; None if there is none. ``time`` and ``step`` tell when it was
+    noticed, ``body`` (a number, its name is ``body_name``), ``element`` and ``node`` where; each is None where the fault has no such place. ``checkpoint`` is the results
+    file that holds the last good state, for ``Scene.run(restart=...)``, or None.
+    """
 
-    def __init__(self, message: str, run: Run | None = None):
-        super().__init__(message)
+    def __init__(self, message: str, run: Run | None = None, *, code: int | None = None, body: int | None = None, element: int | None = None, point: int | None = None):
+        super().__init__(message, code, body, element, point)
         self.run = run
+        # The point of an inverted element is one of Gauss's.
+        self.node = None if code == lib.CT_ERROR_GEOMETRY else point
+        self.time: float | None = None
+        self.step: int | None = None
+        self.body_name: str | None = None
+        self.checkpoint: Path | None = None
+
+
+class InvertedElement(RunError, GeometryError):
+    """An element was turned inside out; ``element`` is its number in the body."""
+
+
+class NotFinite(RunError, BlowupError):
+    """The motion, a force or the energy stopped being a finite number."""
+
+
+class StepTooLarge(RunError, StepError):
+    """The solid has become too stiff for the time step."""
+
+
+class EnergyBlowup(RunError, EnergyError):
+    """More energy appeared from nothing than ``time.energy_limit`` allows."""
+
+
+FAULTS = {lib.CT_ERROR_GEOMETRY: InvertedElement, lib.CT_ERROR_BLOWUP: NotFinite, lib.CT_ERROR_STEP: StepTooLarge, lib.CT_ERROR_ENERGY: EnergyBlowup}
 
 
 class BodyState:
@@ -147,7 +176,7 @@ class State(Mapping):
 
 class Run:
     """
-    What a run recorded. ``time`` (records,) and ``steps`` (records,); ``energy``, a structured array with the fields time, kinetic, strain,
+    What a run recorded. ``dt`` is its time step; ``time`` (records,) and ``steps`` (records,); ``energy``, a structured array with the fields time, kinetic, strain,
     contact, external, total, balance, and one of the name of each further effect (the energy that it stores, or the work that it did if it stores
     none), a row a record; ``momentum``, with time, body (number in ``bodies``), p, L,
     contact_impulse, support_impulse, a row a record and body. ``state`` is the last recorded state. ``contact`` has for each contact of
@@ -156,20 +185,24 @@ class Run:
     contact a dict of the places "points", "corners" and "edges" (of all faces; a surface in contact with itself has "points" only), and for each place the numbers of those
     ``inside`` and ``buried`` (inside, but not in contact as they never came from outside), and depth ``deepest``, ``surface``, ``face`` and ``position`` of the deepest. ``costs`` are the seconds of each
     effect by name, of the "time loop" around them and of the "output"; ``Scene.costs`` puts them beside what was predicted.
+    ``impulse`` is what each effect has given to all bodies together since t = 0 (3,), by name: their sum is the change of momentum. It is empty for a run that was
+    read from a file.
     """
 
     def __init__(self, *, bodies: list[str], units: Units | None, steps: Any, energy: np.ndarray, momentum: np.ndarray,
                  state: State | None, path: Path | None = None, scene: str = "", interrupted: bool = False, seconds: float = 0.0,
                  costs: Mapping[str, float] | None = None, writer: Any = None, contact: Sequence[np.ndarray] = (),
+                 impulse: Mapping[str, np.ndarray] | None = None, dt: float | None = None,
                  penetration: Sequence[dict[str, dict[str, Any]]] = ()):
         self.bodies, self.units, self.state = bodies, units, state
         self.steps = np.asarray(steps, np.int64)
         self.energy, self.momentum = energy, momentum
         self.path, self.scene = path, scene
-        self.interrupted, self.seconds = interrupted, seconds
+        self.interrupted, self.seconds, self.dt = interrupted, seconds, dt
         self.contact = list(contact)
         self.penetration = list(penetration)
         self.costs = dict(costs or {})
+        self.impulse = dict(impulse or {})
         self._writer = writer
 
     @property

@@ -23,8 +23,9 @@ from .problem import Problem
 from .run import ENERGY, IN_ENERGY, Run
 from .schema import SceneError, describe, suggestion
 
-# What may differ between a scene and the one whose run it continues.
+# What may differ between a scene and the one whose run it continues: whole tables, and keys of [time].
 FREE_ON_RESTART = ("title", "output", "run", "units")
+FREE_TIME_ON_RESTART = ("end", "end_c1t_over", "until_static", "energy_limit", "look_every")
 
 
 class Scene:
@@ -154,10 +155,14 @@ class Scene:
         return self
 
     def set_time(self, *, end: float | None = None, end_c1t_over: Any = None, courant: float | None = None,
-                 fraction: float | None = None, dt: float | None = None, integrator: str | None = None, until_static: float | None = None) -> Scene:
-        """Give the end of the run and exactly one of ``courant``, ``fraction`` and ``dt``; ``until_static`` ends it earlier, at rest (chapter "Damping")."""
+                 fraction: float | None = None, dt: float | None = None, integrator: str | None = None, until_static: float | None = None,
+                 energy_limit: float | None = None, look_every: int | None = None) -> Scene:
+        """
+        Give the end of the run and exactly one of ``courant``, ``fraction`` and ``dt``; ``until_static`` ends it earlier, at rest (chapter "Damping"). The run is
+        looked at after every ``look_every`` steps and fails when a share of ``energy_limit`` has appeared from nothing (chapter "Faults").
+        """
         return self._set("time", end=end, end_c1t_over=end_c1t_over, courant=courant, fraction=fraction, dt=dt, integrator=integrator,
-                         until_static=until_static)
+                         until_static=until_static, energy_limit=energy_limit, look_every=look_every)
 
     def set_output(self, file: Any = None, *, fields: Any = None, every: int | None = None, times: Any = None) -> Scene:
         """Name the results file, its fields, and when to record: ``every`` n steps, or at the steps nearest to ``times``."""
@@ -198,13 +203,14 @@ class Scene:
         return "\n".join(table(self.costs(run), self._built(None).stable.dt))
 
     def run(self, progress: bool | str = True, restart: str | Path | None = None, until: float | None = None,
-            output: str | Path | bool | None = None, threads: int | None = None) -> Run:
+            output: str | Path | bool | None = None, threads: int | None = None, watch: Callable[[Run], object] | None = None) -> Run:
         """
         Compute the scene.
 
         ``progress`` shows a bar where stderr is a terminal ("always": everywhere). ``restart`` continues from the newest record
-        of a results file with the same bits. ``until`` ends earlier without changing the step. ``output`` names another file than the scene does;
+        of a results file with the same bits and the same step, also to a later end than the file's scene had. ``until`` ends earlier without changing the step. ``output`` names another file than the scene does;
         False writes none. The first Ctrl-C ends the run after a last record, and the Run says ``interrupted``.
+        ``watch`` is called at every record with a Run of this record alone (copy the arrays that you want to keep).
         What is wrong with the input is a SceneError before the first step; what fails later is a RunError.
         """
         if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or not 1 <= threads <= 1024):
@@ -213,9 +219,9 @@ class Scene:
         path = parts.output.file if output is None else (output or None)
         if path is not None:
             self._check_output(path, restart)
-        if restart is not None:
-            self._check_restart(restart)
-        return execute(self._built(threads), self.toml(arrays=False), progress=progress, restart=restart, until=until, output=path)
+        dt = None if restart is None else self._check_restart(restart)
+        return execute(self._built(threads, dt), self.toml(arrays=False), progress=progress, restart=restart, until=until, output=path,
+                       watch=watch)
 
     def _whole(self) -> scene_parts.Parts:
         """The parts of a scene that is complete; else the error that says what is missing."""
@@ -223,10 +229,12 @@ class Scene:
             self._parts = scene_parts.read(self._data, self.file)
         return self._parts
 
-    def _built(self, threads: int | None) -> Problem:
-        """The C problem, kept as long as nothing changes."""
+    def _built(self, threads: int | None, dt: float | None = None) -> Problem:
+        """The C problem, kept as long as nothing changes; ``dt`` is the step of a run that is continued."""
         parts = self._whole()
         wanted = parts.threads if threads is None else threads
+        if dt is not None:
+            return Problem(parts, self.file, wanted, self._own, dt)
         if self._problem is None or self._problem.threads != wanted:
             self._problem = Problem(parts, self.file, wanted, self._own)
         return self._problem
@@ -265,18 +273,22 @@ class Scene:
             return "is there already and is no results file; name another one, or remove it"
         return None
 
-    def _check_restart(self, path: Any) -> None:
-        """Refuse to continue the run of another scene."""
+    def _check_restart(self, path: Any) -> float | None:
+        """Refuse to continue the run of another scene; the step that the run had."""
         try:
-            before = tomllib.loads(Run.load(path).scene)
+            run = Run.load(path)
+            before = tomllib.loads(run.scene)
         except NotBuiltIn:
-            return  # without h5py the C library's own comparison of bodies, effects, step and nodes has to do
+            return None  # without h5py the C library's own comparison of bodies, effects, step and nodes has to do
         except (ValueError, TypeError) as error:
             raise SceneError(str(error), "restart", self.file) from None
         now = tomllib.loads(self.toml(arrays=False))
+        for scene in (before, now):
+            scene["time"] = {key: value for key, value in scene.get("time", {}).items() if key not in FREE_TIME_ON_RESTART}
         for key in dict.fromkeys([*before, *now]):
             if key not in FREE_ON_RESTART and before.get(key) != now.get(key):
                 raise SceneError(f'"{path}" comes from another scene: [{key}] differs', "restart", self.file)
+        return run.dt
 
     def __repr__(self) -> str:
         return f"<Scene {self._parts.title!r}: {', '.join(self._parts.bodies) or 'no bodies yet'}>"

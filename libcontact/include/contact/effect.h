@@ -53,6 +53,11 @@ typedef struct ct_view {
    * force as it stands, :eq:`still-node`.
    */
   uint64_t *still;
+  /**
+   * Null, except for the first effect in the midst of ct_step_many: then a bit a node as in ``still``, set for nodes that since the last call were only moved on
+   * with the velocity that they had and have.
+   */
+  const uint64_t *drifted;
   /** Scratch space of the effect that this one `reads`, as its `force` has left it for the same time; null without one. */
   const void *read;
   /** What the effect has listed in `constrain` for the same time, with the forces that solve all constraints together; in `force` only. */
@@ -102,6 +107,11 @@ typedef struct ct_effect {
    * `memory` holds of the last step's force must go into `list`, and `force` must write the present one into `next_memory`. Null: the effect has none.
    */
   ct_status (*constrain)(const struct ct_effect *effect, const ct_view *view, ct_constraint *list, int64_t *count, ct_error *error);
+  /**
+   * Where an effect takes some degrees of freedom along a path, whatever the forces: write their way until the next step, and NaN for the others,
+   * shape (node_count, 3) [length]. Constraints reckon with it. Null: it takes none.
+   */
+  ct_status (*path)(const struct ct_effect *effect, const ct_view *view, double *way, ct_error *error);
   /** Write the force on the effect's nodes, shape (node_count, 3) [force]. */
   ct_status (*force)(const struct ct_effect *effect, const ct_view *view, double *force, ct_error *error);
   /** Stored energy for the same view, after `force` was called with it [energy]. */

@@ -66,7 +66,8 @@ CT_API void ct_mesh_free(ct_mesh *mesh);
 
 /**
  * Refuse node numbers out of range, coordinates that are not finite, and elements whose Jacobian determinant is not
- * positive at a Gauss point (``CT_ERROR_GEOMETRY``; `error` names the element and the Gauss point).
+ * positive at a Gauss point, or, for hex8, negative at a corner (``CT_ERROR_GEOMETRY``; `error` names the first such element and
+ * its Gauss point, and its text counts them).
  */
 CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 
@@ -77,7 +78,7 @@ CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 CT_API double ct_mesh_shortest_edge(const ct_mesh *mesh);
 
 /**
- * Faces of the mesh that belong to one element only and lie in the plane ``x[axis] = value`` within 1e-9 of the
+ * Faces of a mesh, one that `ct_mesh_check` accepts, that belong to one element only and lie in the plane ``x[axis] = value`` within 1e-9 of the
  * mesh's size. `faces` gets (count, 4 or 8) node numbers, counter-clockwise from outside, and `owners` (count) the elements;
  * either may be null. The return value is the count (call once with nulls to learn it).
  */

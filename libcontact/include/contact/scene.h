@@ -60,6 +60,8 @@ typedef struct ct_scene_time {
   double fraction;
   /** Δt itself [time]. */
   double dt;
+  /** Not zero: `dt` is kept to the last bit, and the run ends with the first step that is not before `end`. A run that is continued needs the Δt that it had. */
+  int keep_dt;
   /** Threads, >= 1. */
   int threads;
   /** Null, or the clock [seconds] that the problem gets. */

@@ -41,7 +41,9 @@ typedef enum ct_status {
   /** a file can't be opened, written or read */
   CT_ERROR_FILE = 10,
   /** the state has stopped being finite in mid-run */
-  CT_ERROR_BLOWUP = 11
+  CT_ERROR_BLOWUP = 11,
+  /** energy has appeared from nothing in mid-run */
+  CT_ERROR_ENERGY = 12
 } ct_status;
 
 /**

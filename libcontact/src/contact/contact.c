@@ -3,6 +3,7 @@
 #include <contact/sum.h>
 
 #include "../error.h"
+#include "../lanes.h"
 #include "../memory.h"
 #include "../vector.h"
 #include "contact_internal.h"
@@ -52,7 +53,8 @@ static double motion(const ct_side *side)
   for (int64_t n = 0; n < side->search->node_count; n++) {
     double d[3];
     for (int c = 0; c < 3; c++) d[c] = side->search->x[3 * n + c] - side->x_built[3 * n + c];
-    top = fmax(top, ct_vector_dot(d, d));
+    double square = ct_vector_dot(d, d);
+    if (square > top) top = square;
   }
   return sqrt(top);
 }
@@ -222,23 +224,69 @@ ct_status ct_contact_create_self(const ct_surface *surface, const ct_contact_opt
   return create(both, 1, options, out, error);
 }
 
+/* Sums at the nodes of one face, before they come to those of the surface: three components a node. */
+typedef struct heap {
+  int32_t face; /* -1: nothing is in it */
+  double coarse[24], fine[24];
+} heap;
+
+/* Bring what a heap holds to the nodes of its face, and begin with another face. */
+static void bring(ct_side *side, heap *sums, int32_t next)
+{
+  const ct_search *search = side->search;
+  for (int a = 0; sums->face >= 0 && a < search->per; a++) {
+    int64_t node = 3 * (int64_t)search->faces[(int64_t)sums->face * search->per + a];
+    for (int c = 0; c < 3; c++) {
+      side->force[node + c] += sums->coarse[3 * a + c];
+      side->force_fine[node + c] += sums->fine[3 * a + c];
+    }
+  }
+  *sums = (heap){.face = next};
+}
+
+/* Add a force at a point to the sums of `count` components. */
+static inline void pile(const ct_grid *grid, int count, const double N[8], const double force[3], heap *sums)
+{
+  double x[24];
+  for (int a = 0; 3 * a < count; a++)
+    for (int c = 0; c < 3; c++) x[3 * a + c] = N[a] * force[c];
+#pragma omp simd
+  for (int i = 0; i < count; i++) ct_grid_add(grid, x[i], &sums->coarse[i], &sums->fine[i]);
+}
+
+/* Add a force at a point of `face` to its heap. The grid makes all sums exact, so it does not matter that they are made by parts. */
+static inline void push(const ct_grid *grid, ct_side *side, int32_t face, const double N[8], const double force[3], heap *sums)
+{
+  if (face != sums->face) bring(side, sums, face);
+  if (side->search->per > 4) pile(grid, 24, N, force, sums);
+  else pile(grid, 12, N, force, sums);
+}
+
 /* Add the forces of one side's points to the nodes of both sides, in sums that do not depend on their order (eq:contact-force). */
+CT_CLONES
 static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
 {
-  for (int64_t i = 0; i < ct_side_point_count(side); i++) {
-    const ct_gauss_point *point = &side->points[i];
-    if (!ct_point_presses(point)) continue;
-    const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
-    ct_side_push(grid, side->search, i / side->rule.count, side->N[i % side->rule.count], point->force, side->force, side->force_fine);
-    ct_side_push(grid, other->search, point->other, point->N, back, other->force, other->force_fine);
-  }
+  heap own = {.face = -1}, theirs = {.face = -1};
+  const ct_gauss_point *point = side->points;
+  for (int32_t face = 0; face < side->search->face_count; face++)
+    for (int q = 0; q < side->rule.count; q++, point++) {
+      if (!ct_point_presses(point)) continue;
+      const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
+      push(grid, side, face, side->N[q], point->force, &own);
+      push(grid, other, point->other, point->N, back, &theirs);
+    }
+  bring(side, &own, -1);
+  bring(other, &theirs, -1);
 }
 
 static double largest_force(const ct_side *side)
 {
   double top = 0.0;
   for (int64_t i = 0; i < ct_side_point_count(side); i++)
-    for (int c = 0; c < 3; c++) top = fmax(top, fabs(side->points[i].force[c]));
+    for (int c = 0; c < 3; c++) {
+      double size = fabs(side->points[i].force[c]);
+      if (size > top) top = size;
+    }
   return top;
 }
 

@@ -3,6 +3,9 @@
 
 #include "../vector.h"
 
+#include <contact/batch.h>
+
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -110,9 +113,10 @@ static int is_far(const double own[3], const double last[3], const double normal
 /* Unit normal of a point's own face. */
 static int own_normal(const pass *p, int32_t face, int q, double own[3])
 {
-  ct_face mine;
-  ct_search_face(p->side->search, face, &mine);
-  return ct_segment_normal(&mine, p->side->rule.xi[q], own) == CT_OK;
+  ct_side_area(p->side, face, q, own);
+  double length = sqrt(ct_vector_dot(own, own));
+  for (int c = 0; c < 3; c++) own[c] /= length;
+  return length > 0.0;
 }
 
 /* Unit normal, now, of the other side where a point was in the last step. Answers 0 when it was nowhere. */
@@ -155,17 +159,24 @@ static int above_border(const ct_projection *foot, const double d[3])
   return ct_vector_dot(d, d) - along * along <= 1e-12 * ct_vector_dot(d, d);
 }
 
-/* Gap vector d = ȳ - y and the signed gap of a point over the face it has found (eq:gap), and what it says of the point. */
+/* Gap vector d = ȳ - y and the signed gap of a point over a place of a face (eq:gap), whose normal is known. `origin` was subtracted from y. */
+static void gap_over(const pass *p, int32_t target, const double xi[2], const double origin[3], const double y[3], ct_gauss_point *point)
+{
+  double foot[3];
+  ct_segment_shape(p->other->search->kind, xi, point->N);
+  ct_side_interpolate(p->other, target, point->N, origin, foot);
+  for (int c = 0; c < 3; c++) point->d[c] = foot[c] - y[c];
+  double distance = sqrt(ct_vector_dot(point->d, point->d));
+  point->gap = ct_vector_dot(point->d, point->normal) > 0.0 ? -distance : distance;
+}
+
+/* The gap of a point over the face it has found, and what it says of the point. */
 static verdict measure(const pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
 {
-  double foot[3], own[3], last[3], *normal = point->normal;
+  double own[3], last[3], *normal = point->normal;
   int within = ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal);
-  ct_segment_shape(p->other->search->kind, best->foot.xi, point->N);
-  ct_side_interpolate(p->other, best->face, point->N, best->origin, foot);
-  for (int c = 0; c < 3; c++) point->d[c] = foot[c] - best->y[c];
+  gap_over(p, best->face, best->foot.xi, best->origin, best->y, point);
   if (!within && !(p->side->on_edges && above_border(&best->foot, point->d))) return BEYOND;
-  double distance = sqrt(ct_vector_dot(point->d, point->d));
-  point->gap = ct_vector_dot(point->d, normal) > 0.0 ? -distance : distance;
   int held = point->history == CT_POINT_INSIDE && !p->self;
   if (point->gap >= 0.0 && !held) return OUTSIDE;
   // -- Far sides: what looks away from where the point was, or the same way as a point that comes in (eq:far-side)
@@ -173,6 +184,21 @@ static verdict measure(const pass *p, int32_t face, int q, const nearest *best, 
   if (last_normal(p, point, last) && is_far(own, last, normal)) return FAR;
   if (held) return point->gap >= 0.0 ? OUTSIDE : INSIDE;
   return looks_across(own, normal) ? INSIDE : FAR;
+}
+
+/* Write what has become of a point, and its force. */
+static void close_point(const pass *p, int64_t number, verdict found, int32_t target, const double xi[2])
+{
+  ct_gauss_point *point = &p->side->points[number];
+  int met = found == INSIDE || found == OUTSIDE;
+  // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
+  int inside = met && point->gap < 0.0;
+  double stiff = inside ? 0.5 * p->epsilon * p->side->weight[number] : 0.0;
+  for (int c = 0; c < 3; c++) point->force[c] = inside ? stiff * point->d[c] : 0.0;
+  point->history = found == INSIDE ? CT_POINT_INSIDE : found == OUTSIDE ? CT_POINT_OUTSIDE : found == FAR ? CT_POINT_BURIED : CT_POINT_NEW;
+  point->other = met ? target : -1;
+  if (!met) point->gap = NAN;
+  else memcpy(point->xi, xi, sizeof point->xi);
 }
 
 /* Whether the way from a point to its foot, `d`, first enters through another face, one that the point is outside of: then the foot is on the far
@@ -274,25 +300,117 @@ static void search_point(const pass *p, int32_t face, int q)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
   int64_t number = (int64_t)face * p->side->rule.count + q;
-  ct_gauss_point *point = &p->side->points[number];
   nearest best;
   double y[3];
   position(p->side, face, q, zero, y);
   find_nearest(p, face, q, y, 0, &best);
-  verdict found = judge(p, face, q, y, &best, point);
+  verdict found = judge(p, face, q, y, &best, &p->side->points[number]);
+  close_point(p, number, found, best.face, best.foot.xi);
+}
 
-  // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
-  point->history = found == INSIDE ? CT_POINT_INSIDE : found == OUTSIDE ? CT_POINT_OUTSIDE : found == FAR ? CT_POINT_BURIED : CT_POINT_NEW;
-  memset(point->force, 0, sizeof point->force);
-  if (found != INSIDE && found != OUTSIDE) {
-    point->other = -1;
-    point->gap = NAN;
-    return;
+/* Eight points side by side, as ct_project_batch takes them, each with the face of the last step. */
+typedef struct block {
+  double nodes[8 * 3 * 8], points[3 * 8], start[2 * 8];
+  double origin[8][3]; /* what was subtracted of the positions and of the nodes */
+} block;
+
+/* Whether some face but the last one may be nearer to a point than `distance`; with rounding of its position y, so a little too often rather than not. */
+static int rivals(const pass *p, int32_t face, int32_t last, const double y[3], double distance)
+{
+  const ct_side *side = p->side;
+  double reach = distance < p->depth ? distance : p->depth, rounding = 16.0 * DBL_EPSILON * ((fabs(y[0]) + fabs(y[1])) + (fabs(y[2]) + reach));
+  double square = (reach + rounding) * (reach + rounding);
+  for (int32_t i = side->candidate_first[face]; i < side->candidate_first[face + 1]; i++)
+    if (side->candidates[i] != last && ct_bounds_square(&p->other->search->boxes[side->candidates[i]], y) <= square) return 1;
+  return 0;
+}
+
+/* Load a point into a lane. Answers 0 when it has no last face. */
+static int load_lane(const pass *p, int32_t face, int q, int lane, block *b)
+{
+  const ct_gauss_point *point = &p->side->points[(int64_t)face * p->side->rule.count + q];
+  const ct_search *search = p->other->search;
+  double *origin = b->origin[lane], y[3];
+  if (point->other < 0) return 0;
+  middle(&search->boxes[point->other], origin);
+  position(p->side, face, q, origin, y);
+  for (int c = 0; c < 3; c++) b->points[8 * c + lane] = y[c];
+  for (int a = 0; a < 2; a++) b->start[8 * a + lane] = point->xi[a];
+  const int32_t *node = &search->faces[(int64_t)point->other * search->per];
+  for (int a = 0; a < search->per; a++)
+    for (int c = 0; c < 3; c++) b->nodes[8 * (3 * a + c) + lane] = search->x[3 * (int64_t)node[a] + c] - origin[c];
+  return 1;
+}
+
+/* Fill a lane that is not needed with another one. */
+static void repeat_lane(block *b, int from, int lane)
+{
+  for (int k = 0; k < 24; k++) b->nodes[8 * k + lane] = b->nodes[8 * k + from];
+  for (int c = 0; c < 3; c++) b->points[8 * c + lane] = b->points[8 * c + from];
+  for (int a = 0; a < 2; a++) b->start[8 * a + lane] = b->start[8 * a + from];
+}
+
+/* Where a lane's point is. */
+typedef struct place {
+  int32_t face;
+  int q;
+} place;
+
+/* Settle the point of a lane if its foot is inside its last face, no deeper than allowed, with no other face as near. */
+static int settle_lane(const pass *p, place at, const block *b, int lane, const ct_batch_feet *feet)
+{
+  int64_t number = (int64_t)at.face * p->side->rule.count + at.q;
+  ct_gauss_point *point = &p->side->points[number];
+  ct_status status = (ct_status)feet->status[lane];
+  double xi[2] = {feet->xi[lane], feet->xi[8 + lane]}, inside = 1.0 - p->project.tolerance, local[3], y[3];
+  int32_t target = point->other;
+  if (status != CT_OK && status != CT_NOT_CERTIFIED && status != CT_ITERATION_LIMIT) return 0;
+  for (int c = 0; c < 3; c++) {
+    local[c] = b->points[8 * c + lane];
+    y[c] = local[c] + b->origin[lane][c];
   }
-  point->other = best.face;
-  memcpy(point->xi, best.foot.xi, sizeof point->xi);
-  if (point->gap < 0.0)
-    for (int c = 0; c < 3; c++) point->force[c] = 0.5 * p->epsilon * p->side->weight[number] * point->d[c];
+  if (!(fabs(xi[0]) < inside && fabs(xi[1]) < inside && feet->distance[lane] < p->depth) || rivals(p, at.face, target, y, feet->distance[lane])) return 0;
+  for (int c = 0; c < 3; c++) point->normal[c] = feet->normal[8 * c + lane];
+  gap_over(p, target, xi, b->origin[lane], local, point);
+  // A point that comes in has to look at the face, or the search must say what it is in.
+  double own[3];
+  if (point->gap < 0.0 && point->history != CT_POINT_INSIDE && !(own_normal(p, at.face, at.q, own) && looks_across(own, point->normal))) return 0;
+  close_point(p, number, point->gap < 0.0 ? INSIDE : OUTSIDE, target, xi);
+  return 1;
+}
+
+/* Project eight points at most on the faces of the last step, side by side, and settle those for which the search would find the same
+ * (eq:warm-lanes). Answers with a bit for each. */
+static unsigned settle_block(const pass *p, const place at[8], int count)
+{
+  block b;
+  double xi[16], distance[8], normal[24];
+  int32_t status[8];
+  unsigned warm = 0, settled = 0;
+  int some = 0;
+  for (int lane = 0; lane < count; lane++)
+    if (load_lane(p, at[lane].face, at[lane].q, lane, &b)) warm |= 1u << lane, some = lane;
+  if (warm == 0) return 0;
+  for (int lane = 0; lane < 8; lane++)
+    if (!(warm >> lane & 1)) repeat_lane(&b, some, lane);
+  const ct_batch_feet feet = {.xi = xi, .distance = distance, .normal = normal, .status = status};
+  if (ct_project_batch(p->other->search->kind, 8, b.nodes, b.points, b.start, &p->project, &feet) != CT_OK) return 0;
+  for (int lane = 0; lane < count; lane++)
+    if (warm >> lane & 1 && settle_lane(p, at[lane], &b, lane, &feet)) settled |= 1u << lane;
+  return settled;
+}
+
+/* Search for the points first ... first + count - 1, eight at most. */
+static void search_block(const pass *p, int lanes, int64_t first, int count)
+{
+  place at[8] = {{(int32_t)(first / p->side->rule.count), (int)(first % p->side->rule.count)}};
+  for (int i = 1; i < count; i++) {
+    int full = at[i - 1].q + 1 == p->side->rule.count;
+    at[i] = (place){at[i - 1].face + full, full ? 0 : at[i - 1].q + 1};
+  }
+  unsigned settled = lanes ? settle_block(p, at, count) : 0;
+  for (int i = 0; i < count; i++)
+    if (!(settled >> i & 1)) search_point(p, at[i].face, at[i].q);
 }
 
 void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double listed, int first)
@@ -300,9 +418,11 @@ void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_option
   pass p = {side, other, ct_project_options_default(), options->epsilon, depth, listed, side == other, first};
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
+  // A surface with itself judges feet by more than their distance, and other methods have no lanes.
+  int lanes = !p.self && options->method == CT_ROBUST && (other->search->kind == CT_Q4 || other->search->kind == CT_Q8);
+  int64_t count = ct_side_point_count(side);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(options->threads) schedule(static) if (options->threads > 1)
 #endif
-  for (int32_t f = 0; f < side->search->face_count; f++)
-    for (int q = 0; q < side->rule.count; q++) search_point(&p, f, q);
+  for (int64_t i = 0; i < count; i += 8) search_block(&p, lanes, i, i + 8 < count ? 8 : (int)(count - i));
 }

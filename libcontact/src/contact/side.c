@@ -3,6 +3,7 @@
 
 #include "../error.h"
 #include "../memory.h"
+#include "../vector.h"
 
 #include <math.h>
 #include <string.h>
@@ -34,7 +35,10 @@ static ct_status allocate(ct_side *side)
 /* Weights w J_ref of the Gauss points (eq:contact-potential). */
 static ct_status weigh(ct_side *side, int body, ct_error *error)
 {
-  for (int q = 0; q < side->rule.count; q++) ct_segment_shape(side->search->kind, side->rule.xi[q], side->N[q]);
+  for (int q = 0; q < side->rule.count; q++) {
+    ct_segment_shape(side->search->kind, side->rule.xi[q], side->N[q]);
+    ct_segment_gradient(side->search->kind, side->rule.xi[q], side->dN[q]);
+  }
   for (int32_t f = 0; f < side->search->face_count; f++) {
     ct_face face;
     ct_search_face(side->search, f, &face);
@@ -71,13 +75,22 @@ ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, int o
   return CT_OK;
 }
 
+/* Σ_a w_a (x_a - origin) over `per` nodes. Written to be compiled for a `per` that is known. */
+static inline void sum_nodes(int per, const int32_t *node, const double *x, const double *weight, int stride, const double origin[3], double out[3])
+{
+  double t[3][8] = {{0.0}};
+  for (int a = 0; a < per; a++)
+    for (int c = 0; c < 3; c++) t[c][a] = weight[stride * a] * (x[3 * (int64_t)node[a] + c] - origin[c]);
+  for (int c = 0; c < 3; c++) out[c] = ct_side_sum(per, t[c]);
+}
+
 static void interpolate(const ct_search *search, const double *x, int32_t face, const double N[8], const double origin[3], double out[3])
 {
   const int32_t *node = &search->faces[(int64_t)face * search->per];
-  for (int c = 0; c < 3; c++) {
-    double t[8] = {0.0};
-    for (int a = 0; a < search->per; a++) t[a] = N[a] * (x[3 * (int64_t)node[a] + c] - origin[c]);
-    out[c] = ct_side_sum(search->per, t);
+  switch (search->per) {
+  case 4: sum_nodes(4, node, x, N, 1, origin, out); break;
+  case 8: sum_nodes(8, node, x, N, 1, origin, out); break;
+  default: sum_nodes(search->per, node, x, N, 1, origin, out);
   }
 }
 
@@ -89,4 +102,18 @@ void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], c
 void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3])
 {
   interpolate(side->search, side->reference, face, N, origin, out);
+}
+
+void ct_side_area(const ct_side *side, int32_t face, int q, double normal[3])
+{
+  static const double zero[3] = {0.0, 0.0, 0.0};
+  const ct_search *search = side->search;
+  const int32_t *node = &search->faces[(int64_t)face * search->per];
+  double tangent[2][3];
+  for (int i = 0; i < 2; i++) {
+    const double *weight = &side->dN[q][0][i];
+    if (search->per == 4) sum_nodes(4, node, search->x, weight, 2, zero, tangent[i]);
+    else sum_nodes(search->per, node, search->x, weight, 2, zero, tangent[i]);
+  }
+  ct_vector_cross(tangent[0], tangent[1], normal);
 }

@@ -33,6 +33,7 @@ typedef struct ct_side {
   ct_rule rule;
   int on_edges;       /* whether the rule has points on edges and corners */
   double N[27][8];    /* shape functions at the Gauss points */
+  double dN[27][8][2]; /* and their derivatives */
   double *weight;     /* w J_ref, shape (face_count, rule.count) */
   double *x_built;    /* coordinates at the last listing of candidates, shape (node_count, 3) */
   int32_t *candidate_first, *candidates; /* faces of the other side that may come near each face, until the next listing */
@@ -62,6 +63,9 @@ void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], c
 
 /* The same with reference coordinates, of a surface in contact with itself. */
 void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3]);
+
+/* Normal of a face at its Gauss point q, of the length of the area element there. */
+void ct_side_area(const ct_side *side, int32_t face, int q, double normal[3]);
 
 /* Add a force at a point of a face to the face's nodes, into sums that do not depend on their order (eq:contact-force). */
 static inline void ct_side_push(const ct_grid *grid, const ct_search *search, int64_t face, const double N[8],

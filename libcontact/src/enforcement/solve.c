@@ -5,13 +5,15 @@
 
 #include "../contact/side.h"
 #include "../error.h"
+#include "../lanes.h"
 #include "../memory.h"
 #include "../workspace.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { MOST_ITERATIONS = 500, FACE_NODES = 8 };
+/* Vectors at nodes have a fourth component, 0, so that they fill a register. */
+enum { MOST_ITERATIONS = 500, FACE_NODES = 8, WIDE = 4 };
 
 /* The iteration ends when no force changes by more than this part of the largest. */
 static const double TOLERANCE = 1e-10;
@@ -20,7 +22,7 @@ void ct_solver_free(const ct_problem *problem, ct_solver *s)
 {
   if (s == NULL) return;
   for (int32_t k = 0; s->place != NULL && k < problem->effect_count; k++) ct_release(s->place[k]);
-  void *blocks[] = {s->list, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->fine, s->active, s->slot, s->free, s->bound, s->guess, s->force, s->terms, s};
+  void *blocks[] = {s->list, s->sizes, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->past, s->entries, s->active, s->slot, s->free, s->bound, s->guess, s->force, s->terms, s->path, s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
 }
 
@@ -34,19 +36,23 @@ static ct_status number_nodes(const ct_problem *problem, ct_solver *s)
     for (int32_t i = 0; effect->constrain != NULL && i < effect->node_count; i++) number[ct_effect_node(effect, i)] = 1;
   }
   for (int32_t n = 0; n < problem->node_count; n++) s->node_count += number[n];
+  int32_t longest = 0;
   ct_status status = (s->nodes = ct_allocate((size_t)s->node_count, sizeof *s->nodes)) != NULL ? CT_OK : CT_ERROR_MEMORY;
   for (int32_t n = 0, next = 0; status == CT_OK && n < problem->node_count; n++)
     if (number[n]) {
       s->nodes[next] = n;
       number[n] = next++;
-    }
+    } else
+      number[n] = -1;
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    if (effect->constrain == NULL) continue;
+    if (effect->constrain == NULL && effect->path == NULL) continue;
+    if (effect->path != NULL && effect->node_count > longest) longest = effect->node_count;
     s->place[k] = ct_allocate((size_t)effect->node_count, sizeof *s->place[k]);
     if (s->place[k] == NULL) status = CT_ERROR_MEMORY;
     for (int32_t i = 0; status == CT_OK && i < effect->node_count; i++) s->place[k][i] = number[ct_effect_node(effect, i)];
   }
+  if (status == CT_OK && longest > 0 && (s->path = ct_allocate((size_t)longest, 3 * sizeof *s->path)) == NULL) status = CT_ERROR_MEMORY;
   ct_release(number);
   return status;
 }
@@ -63,18 +69,20 @@ ct_status ct_solver_create(const ct_problem *problem, ct_solver **out)
   size_t rows = (size_t)room;
   s->room = room;
   s->list = ct_allocate(rows, sizeof *s->list);
+  s->sizes = ct_allocate(rows, sizeof *s->sizes);
   s->first = ct_allocate((size_t)problem->effect_count + 1, sizeof *s->first);
   s->place = ct_allocate((size_t)problem->effect_count, sizeof *s->place);
-  if (!s->list || !s->first || !s->place || number_nodes(problem, s) != CT_OK) return CT_ERROR_MEMORY;
-  double **per_dof[] = {&s->way, &s->mobility, &s->push, &s->fine}, **per_row[] = {&s->free, &s->bound, &s->guess, &s->force};
+  if (!s->list || !s->sizes || !s->first || !s->place || number_nodes(problem, s) != CT_OK) return CT_ERROR_MEMORY;
+  double **per_dof[] = {&s->way, &s->mobility, &s->push, &s->past}, **per_row[] = {&s->free, &s->bound, &s->guess, &s->force};
   for (size_t i = 0; i < sizeof per_dof / sizeof per_dof[0]; i++)
-    if ((*per_dof[i] = ct_allocate((size_t)s->node_count, 3 * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
+    if ((*per_dof[i] = ct_allocate((size_t)s->node_count, WIDE * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
   for (size_t i = 0; i < sizeof per_row / sizeof per_row[0]; i++)
     if ((*per_row[i] = ct_allocate(rows, sizeof(double))) == NULL) return CT_ERROR_MEMORY;
+  s->entries = ct_allocate((size_t)s->node_count, sizeof *s->entries);
   s->terms = ct_allocate(2 * rows, sizeof *s->terms);
   s->active = ct_allocate(rows, sizeof *s->active);
   s->slot = ct_allocate(rows, 2 * FACE_NODES * sizeof *s->slot);
-  return s->terms && s->active && s->slot ? CT_OK : CT_ERROR_MEMORY;
+  return s->entries && s->terms && s->active && s->slot ? CT_OK : CT_ERROR_MEMORY;
 }
 
 /* Let every effect list what may press. */
@@ -96,35 +104,64 @@ static ct_status list_constraints(const ct_problem *problem, ct_state *state, ct
   return CT_OK;
 }
 
-/* Way of each node until t_{n+1} without the constraints, how far a force moves it, and (in `fine`) its way since t_{n-1} (eq:constraint-problem). */
+/* Way of each node until t_{n+1} without the constraints, how far a force moves it, and its way since t_{n-1} (eq:constraint-problem). */
 static void predict(const ct_problem *problem, const ct_state *state, ct_solver *s)
 {
   // The first step is half a kick and a whole drift (eq:leapfrog-start).
   double dt = problem->dt, kick = state->workspace->starting ? 0.5 * dt : dt;
   for (int32_t i = 0; i < s->node_count; i++)
     for (int64_t c = 0; c < 3; c++) {
-      int64_t own = 3 * (int64_t)i + c, dof = 3 * (int64_t)s->nodes[i] + c;
+      int64_t own = WIDE * (int64_t)i + c, dof = 3 * (int64_t)s->nodes[i] + c;
       s->way[own] = dt * ct_kick(state->velocity[dof], kick, problem->inverse_mass[dof], state->workspace->total[dof]);
       s->mobility[own] = dt * kick * problem->inverse_mass[dof];
-      s->fine[own] = dt * state->velocity[dof];
+      s->past[own] = dt * state->velocity[dof];
     }
 }
 
-/* Σ_a b_a n·x_a for a constraint whose nodes stand at `slot` of x. */
-static double along(const ct_constraint *c, const int32_t *slot, const double *x)
+/* Degrees of freedom that follow a path: no force moves them. */
+static ct_status follow_paths(const ct_problem *problem, const ct_state *state, ct_solver *s, ct_error *error)
 {
-  double side[2];
-  for (int f = 0; f < 2; f++) {
-    double t[FACE_NODES] = {0.0};
-    int32_t count = f == 0 ? c->own : c->other;
-    for (int32_t i = 0; i < count; i++) {
-      int32_t a = f * FACE_NODES + i;
-      const double *at = &x[3 * (int64_t)slot[a]];
-      t[i] = c->b[a] * ((c->normal[0] * at[0] + c->normal[1] * at[1]) + c->normal[2] * at[2]);
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (effect->path == NULL) continue;
+    ct_view view = ct_workspace_view(problem, state, k);
+    ct_status status = effect->path(effect, &view, s->path, error);
+    if (status != CT_OK) return status;
+    for (int64_t d = 0; d < 3 * (int64_t)effect->node_count; d++) {
+      int32_t place = s->place[k][d / 3];
+      if (place < 0 || isnan(s->path[d])) continue;
+      s->way[WIDE * (int64_t)place + d % 3] = s->path[d];
+      s->mobility[WIDE * (int64_t)place + d % 3] = 0.0;
     }
-    side[f] = ct_side_sum(count, t);
   }
-  return side[0] + side[1];
+  return CT_OK;
+}
+
+/* Σ_a b_a x_a over the nodes of one face, paired so that a flipped face gives the same bits (ct_side_sum, four components side by side). */
+static inline void sum_face(int32_t count, const int32_t *slot, const double *b, const double *x, double out[WIDE])
+{
+  double t[FACE_NODES][WIDE];
+  for (int32_t a = 0; a < count; a++) {
+    const double *at = &x[WIDE * (int64_t)slot[a]];
+#pragma omp simd
+    for (int i = 0; i < WIDE; i++) t[a][i] = b[a] * at[i];
+  }
+  if (count == 3 || count == 6)
+    for (int i = 0; i < WIDE; i++) t[count == 3 ? 3 : 6][i] = t[count == 3 ? 3 : 7][i] = 0.0;
+#pragma omp simd
+  for (int i = 0; i < WIDE; i++) out[i] = (t[0][i] + t[1][i]) + (t[2][i] + t[3][i]);
+  if (count <= 4) return;
+#pragma omp simd
+  for (int i = 0; i < WIDE; i++) out[i] += (t[4][i] + t[6][i]) + (t[5][i] + t[7][i]);
+}
+
+/* Σ_a b_a n·x_a for a constraint whose nodes stand at `slot` of x. */
+static inline double along(const ct_constraint *c, const int32_t *slot, const double *x)
+{
+  double own[WIDE], other[WIDE] = {0.0};
+  sum_face(c->own, slot, c->b, x, own);
+  if (c->other > 0) sum_face(c->other, slot + FACE_NODES, c->b + FACE_NODES, x, other);
+  return (c->normal[0] * (own[0] + other[0]) + c->normal[1] * (own[1] + other[1])) + c->normal[2] * (own[2] + other[2]);
 }
 
 /* Gaps of the steps before and after without the constraints. Those that the motions of this step cannot close are left out (eq:near-constraints). */
@@ -137,7 +174,7 @@ static void choose_active(const ct_problem *problem, ct_solver *s)
       int32_t *slot = &s->slot[2 * FACE_NODES * j];
       for (int32_t a = 0; a < c->own; a++) slot[a] = s->place[k][c->node[a]];
       for (int32_t a = FACE_NODES; a < FACE_NODES + c->other; a++) slot[a] = s->place[k][c->node[a]];
-      c->before = c->gap - (along(c, slot, s->fine) + c->moved);
+      c->before = c->gap - (along(c, slot, s->past) + c->moved);
       c->after = c->gap + (along(c, slot, s->way) + c->moved);
       most = fmax(most, fmax(fabs(c->after - c->gap), -c->gap));
     }
@@ -150,46 +187,79 @@ static void choose_active(const ct_problem *problem, ct_solver *s)
   }
 }
 
-/* A way to add up what the constraints do to nodes, in sums that do not depend on their order: `push` becomes Σ_j b_a n values_j, sizes instead of signs if `sizes`. */
-static int add_up(ct_solver *s, const double *values, int sizes)
+/* Add b_a times a vector to the sums at the nodes of one face, as multiples of the spacing of the coarse grid: these sums are exact in any order (eq:order-free-sum). */
+static inline void add_face(const ct_grid *grid, int32_t count, const int32_t *slot, const double *b, const double v[WIDE], double *push)
+{
+  for (int32_t a = 0; a < count; a++) {
+    double *sum = &push[WIDE * (int64_t)slot[a]];
+#pragma omp simd
+    for (int i = 0; i < WIDE; i++) sum[i] += (b[a] * v[i] + grid->coarse) - grid->coarse;
+  }
+}
+
+CT_CLONES
+static void add_rows(const ct_grid *grid, int64_t count, const ct_constraint *list, const int64_t *active, const int32_t *slot, const double *values, double *restrict push)
+{
+  for (int64_t r = 0; r < count; r++) {
+    const ct_constraint *c = &list[active[r]];
+    const int32_t *at = &slot[2 * FACE_NODES * active[r]];
+    const double v[WIDE] = {values[r] * c->normal[0], values[r] * c->normal[1], values[r] * c->normal[2], 0.0};
+    if (values[r] == 0.0) continue;
+    add_face(grid, c->own, at, c->b, v, push);
+    add_face(grid, c->other, at + FACE_NODES, c->b + FACE_NODES, v, push);
+  }
+}
+
+/* What forces of the constraints do to nodes, in sums that do not depend on their order: `push` becomes the way A Gᵀ values. */
+static int add_up(ct_solver *s, const ct_constraint *list, const double *values)
 {
   ct_grid grid;
   double top = 0.0;
-  size_t size = 3 * (size_t)s->node_count * sizeof(double);
+  size_t size = WIDE * (size_t)s->node_count * sizeof(double);
   for (int64_t r = 0; r < s->count; r++) top = fmax(top, fabs(values[r]));
   memset(s->push, 0, size);
-  memset(s->fine, 0, size);
   // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
   if (top == 0.0) return 1;
-  if (!ct_grid_init(&grid, 2.0 * top, 2 * FACE_NODES * s->count)) return 0;
+  if (!ct_grid_init(&grid, 2.0 * top, s->crowd)) return 0;
+  add_rows(&grid, s->count, list, s->active, s->slot, values, s->push);
+  for (int64_t d = 0; d < WIDE * (int64_t)s->node_count; d++) s->push[d] *= s->mobility[d];
+  return 1;
+}
+
+/* The largest number of constraints that act on one node. */
+static void count_crowd(ct_solver *s)
+{
+  memset(s->entries, 0, (size_t)s->node_count * sizeof *s->entries);
+  s->crowd = 0;
   for (int64_t r = 0; r < s->count; r++) {
     const ct_constraint *c = &s->list[s->active[r]];
     const int32_t *slot = &s->slot[2 * FACE_NODES * s->active[r]];
-    if (values[r] == 0.0) continue;
-    for (int32_t a = 0; a < FACE_NODES + c->other; a = a + 1 == c->own ? FACE_NODES : a + 1)
-      for (int64_t i = 0; i < 3; i++) {
-        double x = c->b[a] * (values[r] * c->normal[i]);
-        ct_grid_add(&grid, sizes ? fabs(x) : x, &s->push[3 * (int64_t)slot[a] + i], &s->fine[3 * (int64_t)slot[a] + i]);
-      }
+    for (int32_t a = 0; a < c->own; a++) s->entries[slot[a]]++;
+    for (int32_t a = FACE_NODES; a < FACE_NODES + c->other; a++) s->entries[slot[a]]++;
   }
-  for (int64_t d = 0; d < 3 * (int64_t)s->node_count; d++) s->push[d] = s->mobility[d] * (s->push[d] + s->fine[d]);
-  return 1;
+  for (int32_t n = 0; n < s->node_count; n++) s->crowd = s->entries[n] > s->crowd ? s->entries[n] : s->crowd;
 }
 
 /* Σ_k |W_jk| for each row of W = G (mobility) Gᵀ, or more (eq:constraint-bound). */
 static int bound_rows(ct_solver *s)
 {
-  for (int64_t r = 0; r < s->count; r++) s->guess[r] = 1.0;
-  if (!add_up(s, s->guess, 1)) return 0;
   for (int64_t r = 0; r < s->count; r++) {
-    const ct_constraint *c = &s->list[s->active[r]];
-    const int32_t *slot = &s->slot[2 * FACE_NODES * s->active[r]];
-    ct_constraint size = *c;
-    for (int32_t a = 0; a < 2 * FACE_NODES; a++) size.b[a] = fabs(c->b[a]);
-    for (int i = 0; i < 3; i++) size.normal[i] = fabs(c->normal[i]);
-    s->bound[r] = along(&size, slot, s->push);
+    ct_constraint *size = &s->sizes[s->active[r]];
+    *size = s->list[s->active[r]];
+    for (int32_t a = 0; a < 2 * FACE_NODES; a++) size->b[a] = fabs(size->b[a]);
+    for (int i = 0; i < 3; i++) size->normal[i] = fabs(size->normal[i]);
+    s->guess[r] = 1.0;
   }
+  if (!add_up(s, s->sizes, s->guess)) return 0;
+  for (int64_t r = 0; r < s->count; r++) s->bound[r] = along(&s->sizes[s->active[r]], &s->slot[2 * FACE_NODES * s->active[r]], s->push);
   return 1;
+}
+
+/* Gaps of the active constraints at t_{n+1} with the way in `push`. */
+CT_CLONES
+static void find_gaps(int64_t count, const ct_constraint *list, const int64_t *active, const int32_t *slot, const double *free, const double *push, double *gap)
+{
+  for (int64_t r = 0; r < count; r++) gap[r] = free[r] + along(&list[active[r]], &slot[2 * FACE_NODES * active[r]], push);
 }
 
 /* One round: the force of each constraint as if the others stayed as guessed and its own row of W were diagonal. Answers the largest change over the largest
@@ -197,10 +267,9 @@ static int bound_rows(ct_solver *s)
 static double improve(ct_solver *s, double *next)
 {
   double change = 0.0, top = 0.0;
+  find_gaps(s->count, s->list, s->active, s->slot, s->free, s->push, s->terms);
   for (int64_t r = 0; r < s->count; r++) {
-    const ct_constraint *c = &s->list[s->active[r]];
-    double gap = s->free[r] + along(c, &s->slot[2 * FACE_NODES * s->active[r]], s->push);
-    next[r] = ct_enforcement_solve(c, gap - s->bound[r] * s->guess[r], s->bound[r]);
+    next[r] = ct_enforcement_solve(&s->list[s->active[r]], s->terms[r] - s->bound[r] * s->guess[r], s->bound[r]);
     change = fmax(change, fabs(next[r] - s->guess[r]));
     top = fmax(top, fmax(fabs(next[r]), fabs(s->guess[r])));
   }
@@ -228,7 +297,7 @@ static int iterate(ct_solver *s)
   for (int64_t r = 0; r < s->count; r++) s->guess[r] = s->force[r] = s->list[s->active[r]].force;
   s->converged = 0;
   for (s->iterations = 0; s->iterations < MOST_ITERATIONS && !s->converged; s->iterations++) {
-    if (!add_up(s, s->guess, 0)) return 0;
+    if (!add_up(s, s->list, s->guess)) return 0;
     double change = improve(s, next);
     s->converged = change <= TOLERANCE;
     // Forces that hold already stay as they are: a start that is made twice gives the same bits.
@@ -245,7 +314,7 @@ static int iterate(ct_solver *s)
 static int hand_out(const ct_problem *problem, ct_solver *s)
 {
   for (int64_t j = 0; j < s->first[problem->effect_count]; j++) s->list[j].force = 0.0;
-  if (!add_up(s, s->force, 0)) return 0;
+  if (!add_up(s, s->list, s->force)) return 0;
   for (int64_t r = 0; r < s->count; r++) s->list[s->active[r]].force = s->force[r];
   for (int64_t j = 0; j < s->first[problem->effect_count]; j++) s->list[j].after += along(&s->list[j], &s->slot[2 * FACE_NODES * j], s->push);
   return 1;
@@ -258,7 +327,10 @@ ct_status ct_solver_solve(const ct_problem *problem, ct_state *state, ct_error *
   if (status != CT_OK || s->first[problem->effect_count] == 0) return status;
   double begin = problem->clock == NULL ? 0.0 : problem->clock();
   predict(problem, state, s);
+  status = follow_paths(problem, state, s, error);
+  if (status != CT_OK) return status;
   choose_active(problem, s);
+  count_crowd(s);
   s->iterations = 0;
   s->converged = 1;
   if (!bound_rows(s) || !iterate(s) || !hand_out(problem, s))

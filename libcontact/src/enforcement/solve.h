@@ -7,18 +7,23 @@
 typedef struct ct_solver {
   int64_t room;           /* most constraints of all effects */
   ct_constraint *list;    /* those of one effect after those of another */
+  ct_constraint *sizes;   /* the same with sizes in the place of directions and factors */
   int64_t *first;         /* of each effect in `list`, shape (effect_count + 1) */
-  int32_t **place;        /* of each effect with constraints: the place of each of its nodes among the solver's */
+  int32_t **place;        /* of each effect with constraints or a path: the place of each of its nodes among the solver's, or -1 */
   int32_t node_count;     /* nodes on which constraints can act, ascending */
   int32_t *nodes;
-  double *way;            /* u_{n+1} - u_n without the constraints, shape (node_count, 3) */
+  double *way;            /* u_{n+1} - u_n without the constraints, shape (node_count, 4) with a zero as fourth */
   double *mobility;       /* how far a force moves a degree of freedom until t_{n+1}, likewise */
-  double *push, *fine;    /* sums of forces, likewise, and then in `push` the way that they add */
+  double *past;           /* u_n - u_{n-1}, likewise */
+  int32_t *entries;       /* how many constraints act on each node */
+  int32_t crowd;          /* the largest of these numbers */
+  double *push;           /* sums of forces, likewise, and then the way that they add */
   int64_t count;          /* constraints that are near enough to press */
   int64_t *active;        /* their numbers in `list` */
   int32_t *slot;          /* places of their nodes, shape (room, 16) */
   double *free, *bound;   /* their gaps at t_{n+1} without the constraints, and bounds of the rows of W */
   double *guess, *force;  /* from where the next round starts, and the forces that the last one gave */
+  double *path;           /* ways of one effect's nodes; null when no effect takes any along a path */
   double *terms;          /* two numbers each */
   int iterations;         /* of the last solution */
   int converged;          /* whether it met the tolerance */

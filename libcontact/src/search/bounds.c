@@ -6,12 +6,7 @@
 #include <float.h>
 #include <math.h>
 
-double ct_bounds_distance(const ct_bounds *box, const double point[3])
-{
-  double d[3];
-  for (int c = 0; c < 3; c++) d[c] = fmax(fmax(box->low[c] - point[c], point[c] - box->high[c]), 0.0);
-  return sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]);
-}
+double ct_bounds_distance(const ct_bounds *box, const double point[3]) { return sqrt(ct_bounds_square(box, point)); }
 
 void ct_bounds_join(ct_bounds *box, const ct_bounds *other)
 {

@@ -77,6 +77,7 @@ static void free_scratch(void *scratch)
   ct_release(s->values);
   ct_release(s->energies);
   ct_release(s->quiet.batch);
+  ct_release(s->quiet.near);
   ct_release(s->quiet.changed);
   ct_release(s);
 }
@@ -92,9 +93,10 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   if (s != NULL && solid->quiet) {
     size_t words = (size_t)ct_bits_words(solid->node_count);
     s->quiet.batch = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.batch);
+    s->quiet.near = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.near);
     s->quiet.changed = ct_allocate(words, sizeof *s->quiet.changed);
   }
-  if (s == NULL || s->values == NULL || s->energies == NULL || (solid->quiet && !(s->quiet.batch && s->quiet.changed))) {
+  if (s == NULL || s->values == NULL || s->energies == NULL || (solid->quiet && !(s->quiet.batch && s->quiet.near && s->quiet.changed))) {
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
   }
@@ -119,15 +121,21 @@ typedef struct part_call {
 } part_call;
 
 /* Find which batches are quiet, and mark the nodes of the others. */
-static void find_quiet(const part_call *call, int threads)
+static void find_quiet(const part_call *call, const ct_view *view, int32_t node_count)
 {
   const ct_solid_part *part = call->part;
+  const double *velocity = view->drifted != NULL ? view->velocity : NULL;
+  int threads = view->threads;
   (void)threads;
+  if (view->drifted != NULL) ct_quiet_near(call->quiet, part, view->drifted, node_count, 0);
+  else memset(&call->quiet->near[part->first_batch], 1, (size_t)part->batch_count);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
-  for (int32_t b = 0; b < part->batch_count; b++) ct_quiet_find(call->quiet, part, b, call->displacement);
+  for (int32_t b = 0; b < part->batch_count; b++) ct_quiet_find(call->quiet, part, b, call->displacement, velocity);
   ct_quiet_mark(call->quiet, part);
+  // Of the batches that are skipped, those matter whose nodes are summed.
+  ct_quiet_near(call->quiet, part, call->quiet->changed, node_count, 1);
 }
 
 /* Compute those of the batches first ... last - 1 that are not quiet. */
@@ -138,8 +146,10 @@ static void call_batches(const part_call *call, int32_t first, int32_t last)
   ct_solid_batches *batches = call->plane ? ct_plane_batches : part->batches;
   int32_t begin = first;
   for (int32_t b = first; call->quiet != NULL && b < last; b++) {
-    if (call->quiet->batch[part->first_batch + b] != CT_BATCH_QUIET) continue;
-    if (call->plane)
+    if (call->quiet->batch[part->first_batch + b] < CT_BATCH_QUIET) continue;
+    if (!call->quiet->near[part->first_batch + b]) {
+      // Nobody reads its forces.
+    } else if (call->plane)
       memset(&call->values[96 * (int64_t)b], 0, 96 * sizeof(double));
     else if (part->cells[0] > 0)
       ct_lattice_zeros(part, b, call->values);
@@ -245,6 +255,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
   const solid_data *solid = effect->data;
   solid_scratch *scratch = view->scratch;
   ct_status status = CT_OK;
+  scratch->quiet.call = (scratch->quiet.call + 1) % 8;
   // Begin with no node changed; where nothing stands from before, all are to be summed.
   if (solid->quiet) memset(scratch->quiet.changed, view->still == NULL ? 0xff : 0, (size_t)ct_bits_words(solid->node_count) * sizeof(uint64_t));
   for (int32_t i = 0; i < solid->part_count; i++) {
@@ -254,7 +265,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     call.plane = part->plane != NULL && ct_plane_holds(part->plane, view->displacement + 3 * (int64_t)part->first_node);
     if (call.plane) call.values += part->plane_value;
     if (solid->quiet && !part->savings.quiet) ct_bits_put(scratch->quiet.changed, part->first_node, part->first_node + part->mesh->node_count, 1);
-    if (call.quiet != NULL) find_quiet(&call, view->threads);
+    if (call.quiet != NULL) find_quiet(&call, view, solid->node_count);
     if (part->cells[0] > 0 && !call.plane) {
       ring_force_threads(&call, view->threads);
       continue;

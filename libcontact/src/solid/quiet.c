@@ -70,26 +70,76 @@ ct_status ct_quiet_prepare(ct_solid_part *part)
   return CT_OK;
 }
 
-/* Whether all nodes of a batch have the same displacement, to the last bit, and a finite one (eq:quiet-batch). */
-static int moved_alike(const ct_solid_part *part, int32_t b, const double *displacement)
+/* 64 bits from bit n on, of a table of `words` words; zeros follow. */
+static inline uint64_t bits_from(const uint64_t *bits, int64_t words, int64_t n)
 {
-  ct_node_range room[CT_MOST_RANGES];
-  int32_t count;
-  const ct_node_range *range = ranges_of(part, b, room, &count);
-  const double *u = &displacement[3 * (int64_t)range->first];
+  int64_t word = n / 64;
+  int shift = (int)(n % 64);
+  uint64_t low = word < words ? bits[word] >> shift : 0;
+  return shift == 0 || word + 1 >= words ? low : low | bits[word + 1] << (64 - shift);
+}
+
+/* The same for a lattice, where rows of elements lie between four rows of nodes: all batches of a row at once. */
+static void lattice_near(uint8_t *near, const ct_solid_part *part, const uint64_t *bits, int64_t words, uint64_t flip)
+{
+  enum { AT_ONCE = 48 };
+  int32_t nx = part->cells[0], row = nx + 1, layer = row * (part->cells[1] + 1);
+  memset(near, 0, (size_t)part->batch_count);
+  for (int32_t r = 0; r < part->cells[1] * part->cells[2]; r++) {
+    int64_t first = part->first_node + row * (int64_t)(r % part->cells[1]) + layer * (int64_t)(r / part->cells[1]);
+    for (int32_t i = 0; i < nx; i += AT_ONCE) {
+      int32_t count = nx - i < AT_ONCE ? nx - i : AT_ONCE, e = nx * r + i;
+      uint64_t found = 0;
+      for (int k = 0; k < 4; k++) found |= bits_from(bits, words, first + i + (k & 1) * row + (k >> 1) * layer) ^ flip;
+      // Bit i of an element is that of the nodes before or after it.
+      found = ((found | found >> 1) & ct_bits_span(0, count)) << (e % 8);
+      for (uint8_t *batch = &near[e / 8]; found != 0; batch++, found >>= 8) *batch |= (found & 0xff) != 0;
+    }
+  }
+}
+
+void ct_quiet_near(ct_quiet *quiet, const ct_solid_part *part, const uint64_t *bits, int32_t node_count, int value)
+{
+  uint8_t *near = &quiet->near[part->first_batch];
+  if (part->cells[0] > 0) {
+    lattice_near(near, part, bits, ct_bits_words(node_count), value ? 0 : ~(uint64_t)0);
+    return;
+  }
+  for (int32_t b = 0; b < part->batch_count; b++) {
+    near[b] = 0;
+    for (int32_t i = part->range_first[b]; !near[b] && i < part->range_first[b + 1]; i++) {
+      const ct_node_range *range = &part->ranges[i];
+      near[b] = ct_bits_next(bits, range->first, range->last + 1, value) <= range->last;
+    }
+  }
+}
+
+/* Whether all nodes of some ranges have the same three numbers, to the last bit, and finite ones. */
+static int alike(const ct_node_range *range, int32_t count, const double *values)
+{
+  const double *u = &values[3 * (int64_t)range->first];
   for (const ct_node_range *r = range; r < range + count; r++)
     // A range is compared with itself, shifted by a node.
-    if (memcmp(&displacement[3 * (int64_t)r->first], u, 3 * sizeof *u) != 0 ||
-        memcmp(&displacement[3 * (int64_t)r->first], &displacement[3 * (int64_t)r->first + 3], 3 * (size_t)(r->last - r->first) * sizeof *u) != 0)
+    if (memcmp(&values[3 * (int64_t)r->first], u, 3 * sizeof *u) != 0 ||
+        memcmp(&values[3 * (int64_t)r->first], &values[3 * (int64_t)r->first + 3], 3 * (size_t)(r->last - r->first) * sizeof *u) != 0)
       return 0;
   return isfinite(u[0]) && isfinite(u[1]) && isfinite(u[2]);
 }
 
-void ct_quiet_find(ct_quiet *quiet, const ct_solid_part *part, int32_t b, const double *displacement)
+void ct_quiet_find(ct_quiet *quiet, const ct_solid_part *part, int32_t b, const double *displacement, const double *velocity)
 {
   uint8_t *found = &quiet->batch[part->first_batch + b];
-  int alike = moved_alike(part, b, displacement);
-  *found = (uint8_t)(!alike ? CT_BATCH_MOVING : *found == CT_BATCH_MOVING ? CT_BATCH_FRESH : CT_BATCH_QUIET);
+  if (*found == CT_BATCH_ASLEEP && !quiet->near[part->first_batch + b]) return;
+  if (*found == CT_BATCH_MOVING && (b + quiet->call) % 8 != 0) return;
+  ct_node_range room[CT_MOST_RANGES];
+  int32_t count;
+  const ct_node_range *range = ranges_of(part, b, room, &count);
+  if (!alike(range, count, displacement))
+    *found = CT_BATCH_MOVING;
+  else if (*found < CT_BATCH_FRESH)
+    *found = CT_BATCH_FRESH;
+  else
+    *found = (uint8_t)(velocity != NULL && alike(range, count, velocity) ? CT_BATCH_ASLEEP : CT_BATCH_QUIET);
 }
 
 void ct_quiet_confirm(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last, double *values)
@@ -97,6 +147,7 @@ void ct_quiet_confirm(ct_quiet *quiet, const ct_solid_part *part, int32_t first,
   int per = ct_brick_node_count(part->mesh->kind);
   for (int32_t b = first; b < last; b++) {
     uint8_t *found = &quiet->batch[part->first_batch + b];
+    if (*found != CT_BATCH_FRESH) continue;
     int64_t stride;
     const double *v = ct_batch_values(part, values, b, &stride);
     for (int i = 0; *found == CT_BATCH_FRESH && i < 3 * per * 8; i++)
@@ -104,13 +155,32 @@ void ct_quiet_confirm(ct_quiet *quiet, const ct_solid_part *part, int32_t first,
   }
 }
 
+/* Mark the nodes of the elements first ... last - 1 of a lattice: four rows for each row of elements. */
+static void lattice_mark(uint64_t *changed, const ct_solid_part *part, int32_t first, int32_t last)
+{
+  int32_t nx = part->cells[0], row = nx + 1, layer = row * (part->cells[1] + 1);
+  for (int32_t e = first, end; e < last; e = end) {
+    int32_t i = e % nx, r = e / nx, node = part->first_node + i + row * (r % part->cells[1]) + layer * (r / part->cells[1]);
+    end = e + nx - i < last ? e + nx - i : last;
+    for (int k = 0; k < 4; k++) {
+      int32_t begin = node + (k & 1) * row + (k >> 1) * layer;
+      ct_bits_put(changed, begin, begin + end - e + 1, 1);
+    }
+  }
+}
+
 void ct_quiet_mark(ct_quiet *quiet, const ct_solid_part *part)
 {
-  for (int32_t b = 0; b < part->batch_count; b++) {
-    ct_node_range room[CT_MOST_RANGES];
-    int32_t count;
-    if (quiet->batch[part->first_batch + b] == CT_BATCH_QUIET) continue;
-    const ct_node_range *range = ranges_of(part, b, room, &count);
-    for (int32_t i = 0; i < count; i++) ct_bits_put(quiet->changed, range[i].first, range[i].last + 1, 1);
+  const uint8_t *found = &quiet->batch[part->first_batch];
+  for (int32_t b = 0, end; b < part->batch_count; b = end) {
+    end = b + 1;
+    if (found[b] >= CT_BATCH_QUIET) continue;
+    if (part->cells[0] > 0) {
+      while (end < part->batch_count && found[end] < CT_BATCH_QUIET) end++;
+      lattice_mark(quiet->changed, part, 8 * b, 8 * end < part->mesh->element_count ? 8 * end : part->mesh->element_count);
+      continue;
+    }
+    for (int32_t i = part->range_first[b]; i < part->range_first[b + 1]; i++)
+      ct_bits_put(quiet->changed, part->ranges[i].first, part->ranges[i].last + 1, 1);
   }
 }

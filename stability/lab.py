@@ -1,0 +1,148 @@
+"""What every case of the stability laboratory is judged by."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+import libcontact as ct
+
+UNITS = {"length": "m", "mass": "kg", "time": "s"}
+DEFAULT = "energy_controlled"
+# Energy may grow by this share of the case's scale, momentum drift by that of the largest momentum.
+ENERGY, MOMENTUM = 0.01, 1e-12
+
+
+@dataclass
+class Row:
+    """One run of a case. Lengths are over the shortest edge h, energy over ``scale``."""
+
+    case: str
+    enforcement: str
+    beta: float | None
+    courant: float
+    fraction: float
+    steps: int
+    energy: float
+    lost: float
+    points: float
+    nodes: float
+    momentum: float
+    verdict: str
+    integrator: str = "central_difference"
+    scale: str = "start"
+    note: str = ""
+    expected: str = "passes"
+    seconds: float = 0.0
+    curve: dict[str, list[float]] = field(default_factory=dict)
+
+    @property
+    def good(self) -> bool:
+        return self.verdict == "passes"
+
+    def data(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+@dataclass
+class Watch:
+    """What is seen at the records of a run: the deepest point and node so far, and whatever a case measures."""
+
+    h: float
+    depth: Callable[[ct.Run], float] | None = None
+    measure: Callable[[ct.Run], dict[str, float]] | None = None
+    points: float = 0.0
+    nodes: float = 0.0
+    curve: dict[str, list[float]] = field(default_factory=dict)
+
+    def __call__(self, run: ct.Run) -> None:
+        gaps = [points["gap"][np.isfinite(points["gap"])] for points in run.contact]
+        self.points = max([self.points, *(float(-gap.min()) / self.h for gap in gaps if gap.size)])
+        if self.depth is not None:
+            self.nodes = max(self.nodes, self.depth(run) / self.h)
+        if self.measure is not None:
+            for name, value in self.measure(run).items():
+                self.curve.setdefault(name, []).append(float(value))
+
+
+def scene(title: str) -> ct.Scene:
+    return ct.Scene(title=title, units=UNITS)
+
+
+def material(made: ct.Scene, name: str = "soft", young: float = 1e4, poisson: float = 0.3, density: float = 1.0, law: str = "linear") -> None:
+    made.add_material(name, young=young, poisson=poisson, density=density, **({} if law == "linear" else {"law": law}))
+
+
+def enforced(enforcement: str, beta: float | None) -> dict[str, Any]:
+    """Keys of a contact or an obstacle."""
+    return {"enforcement": enforcement, **({} if beta is None else {"beta": beta})}
+
+
+def judge(case: str, made: ct.Scene, *, enforcement: str, beta: float | None, depth: Callable[[ct.Run], float] | None = None, scale: float | None = None,
+          scale_name: str = "start", momentum: float = MOMENTUM, bound: float = 0.5, whole: Callable[[ct.Run, Watch], str] | None = None,
+          measure: Callable[[ct.Run], dict[str, float]] | None = None, expected: str = "passes", note: str = "") -> Row:
+    """
+    Run a scene and judge it: energy, momentum, penetration of points and nodes (``bound``, in h), and what the case itself asks for: ``whole`` answers "" or
+    what is wrong.
+    """
+    begin = time.perf_counter()
+    data = made.explain().data
+    h = min(body["shortest_edge"] for body in data["bodies"])
+    watch = Watch(h, depth, measure)
+    facts = data["time"]
+    row = Row(case, enforcement, beta, facts["courant"], facts["dt"] / facts["stable_without_contact"], facts["steps"], np.nan, np.nan, np.nan, np.nan, np.nan, "", scale=scale_name,
+              note=note, expected=expected, integrator=facts["integrator"])
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            run = made.run(progress=False, output=False, watch=watch)
+    except ct.Error as error:
+        row.verdict, row.note, row.seconds = type(error).__name__, str(error), time.perf_counter() - begin
+        return row
+    total = run.energy["total"]
+    unit = max(abs(total[0]), np.abs(run.energy["external"]).max(), scale or 0.0, 1e-300)
+    row.energy, row.lost = float((total - total[0]).max() / unit), float((total[0] - total[-1]) / unit)
+    row.momentum = drift(run)
+    row.points, row.nodes, row.curve = watch.points, watch.nodes, watch.curve
+    row.verdict = verdict(row, momentum, bound) or (whole(run, watch) if whole else "") or "passes"
+    row.seconds = time.perf_counter() - begin
+    return row
+
+
+def drift(run: ct.Run) -> float:
+    """Change of momentum that no impulse accounts for, over the largest momentum or impulse."""
+    first, last = (np.array([rows["p"][i] for rows in (run.body_momentum(name) for name in run.bodies)]) for i in (0, -1))
+    given = sum((impulse for impulse in run.impulse.values()), np.zeros(3))
+    unit = max([np.abs(first).max(), np.abs(last).max(), *(np.abs(impulse).max() for impulse in run.impulse.values()), 1e-300])
+    return float(np.abs(last.sum(0) - first.sum(0) - given).max() / unit)
+
+
+def verdict(row: Row, momentum: float, bound: float) -> str:
+    """What is wrong with a row by the rules that hold for all, or ""."""
+    if not np.isfinite([row.energy, row.momentum, row.points, row.nodes]).all():
+        return "not finite"
+    if row.energy > ENERGY:
+        return f"energy grows by {100 * row.energy:.3g} %"
+    if row.momentum > momentum:
+        return f"momentum drifts by {row.momentum:.1e}"
+    if max(row.points, row.nodes) > bound:
+        return f"penetration {max(row.points, row.nodes):.2g} h"
+    return ""
+
+
+HEAD = ("case", "enforcement", "integrator", "beta", "Courant", "of limit", "steps", "energy", "lost", "points/h", "nodes/h", "momentum", "s", "verdict")
+
+
+def line(row: Row) -> str:
+    beta = "" if row.beta is None else f"{row.beta:g}"
+    return (f"{row.case:<34.34} {row.enforcement:<17} {row.integrator:<18} {beta:>7} {row.courant:7.3f} {row.fraction:8.3f} {row.steps:8d} {row.energy:9.1e} {row.lost:9.1e} "
+            f"{row.points:8.1e} {row.nodes:8.1e} {row.momentum:8.1e} {row.seconds:6.1f}  {row.verdict}" + (f" ({row.note})" if row.note else ""))
+
+
+def head() -> str:
+    return (f"{HEAD[0]:<34} {HEAD[1]:<17} {HEAD[2]:<18} {HEAD[3]:>7} {HEAD[4]:>7} {HEAD[5]:>8} {HEAD[6]:>8} {HEAD[7]:>9} {HEAD[8]:>9} {HEAD[9]:>8} {HEAD[10]:>8} {HEAD[11]:>8} {HEAD[12]:>6}  {HEAD[13]}")

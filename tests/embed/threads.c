@@ -1,0 +1,92 @@
+/* A host with threads of its own: each has a state of the one problem, and a watch over it; all must end with the same bits. For `make threads`. */
+#include <contact.h>
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { THREADS = 4, STEPS = 60 };
+
+typedef struct job {
+  const ct_problem *problem;
+  ct_state *state;
+  ct_status status;
+  ct_error error;
+} job;
+
+static void *work(void *argument)
+{
+  job *j = argument;
+  ct_watch *watch = NULL;
+  ct_watch_options options = ct_watch_options_default();
+  ct_energy energy;
+  options.every = 8;
+  j->status = ct_state_create(j->problem, &j->state, &j->error);
+  if (j->status == CT_OK) j->status = ct_watch_create(j->problem, j->state, &options, &watch, &j->error);
+  if (j->status == CT_OK) j->status = ct_watch_steps(watch, j->state, STEPS, &j->error);
+  if (j->status == CT_OK) j->status = ct_energy_of(j->problem, j->state, &energy, &j->error);
+  ct_watch_free(watch);
+  return NULL;
+}
+
+static void need(ct_status status, const ct_error *error)
+{
+  if (status == CT_OK) return;
+  fprintf(stderr, "%s: %s\n", ct_status_name(status), error->text);
+  exit(1);
+}
+
+/* Two blocks of large deformation that collide with friction, under a certain enforcement. */
+static ct_scene *make(ct_enforcement enforcement, const ct_problem **problem)
+{
+  static const ct_material soft = {2.0, 0.3, 1.0, CT_NEO_HOOKEAN};
+  ct_scene *scene = NULL;
+  ct_error e;
+  int32_t faces[2][8 * 6 * 8];
+  ct_scene_contact contact = {.body_a = 0, .body_b = 1, .beta = 1.0, .options = ct_contact_options_default(), .friction = 0.3};
+  contact.options.enforcement = enforcement;
+  need(ct_scene_create(&scene, &e), &e);
+  for (int b = 0; b < 2; b++) {
+    ct_box box = {{b == 0 ? -1.0 : 0.002, 0.1 * b, 0.0}, {1.0, 1.0, 1.0}, {2, 2, 2}};
+    double velocity[3] = {b == 0 ? 0.1 : -0.1, 0.01, 0.0};
+    ct_mesh *mesh = NULL;
+    need(ct_mesh_create_box(CT_HEX8, &box, &mesh, &e), &e);
+    *(b == 0 ? &contact.face_count_a : &contact.face_count_b) = ct_mesh_plane_faces(mesh, 0, b == 0 ? 0.0 : 0.002, faces[b], NULL);
+    need(ct_scene_add_body(scene, b == 0 ? "left" : "right", mesh, &soft, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, velocity, NULL, &e), &e);
+    ct_mesh_free(mesh);
+  }
+  contact.faces_a = faces[0], contact.faces_b = faces[1];
+  need(ct_scene_add_contact(scene, &contact, &e), &e);
+  ct_scene_time time = {.end = 10.0, .fraction = 0.5, .threads = 1};
+  ct_stable_step stable;
+  int64_t steps;
+  need(ct_scene_build(scene, &time, problem, &steps, &stable, &e), &e);
+  return scene;
+}
+
+int main(void)
+{
+  int wrong = 0;
+  for (int enforcement = CT_ENFORCE_PENALTY; enforcement <= CT_ENFORCE_LAGRANGE; enforcement++) {
+    const ct_problem *problem = NULL;
+    ct_scene *scene = make((ct_enforcement)enforcement, &problem);
+    job jobs[THREADS];
+    pthread_t threads[THREADS];
+    memset(jobs, 0, sizeof jobs);
+    for (int i = 0; i < THREADS; i++) {
+      jobs[i].problem = problem;
+      if (pthread_create(&threads[i], NULL, work, &jobs[i]) != 0) return 1;
+    }
+    for (int i = 0; i < THREADS; i++) pthread_join(threads[i], NULL);
+    for (int i = 0; i < THREADS; i++) {
+      need(jobs[i].status, &jobs[i].error);
+      size_t bytes = 3 * (size_t)problem->node_count * sizeof(double);
+      wrong += memcmp(jobs[i].state->displacement, jobs[0].state->displacement, bytes) != 0 || memcmp(jobs[i].state->velocity, jobs[0].state->velocity, bytes) != 0;
+    }
+    for (int i = 0; i < THREADS; i++) ct_state_free(jobs[i].state);
+    ct_scene_free(scene);
+    printf("%s: %d threads, %d steps each: %s\n", ct_enforcement_name((ct_enforcement)enforcement), THREADS, STEPS, wrong ? "OTHER BITS" : "the same bits");
+  }
+  return wrong != 0;
+}

@@ -1,0 +1,212 @@
+"""Faults in mid-run: each is an exception of its own that names time, body and place; the last good state is kept, on disk if there is a file, and goes on."""
+
+import math
+import tomllib
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+from libcontact import loop
+from libcontact._core import lib
+from libcontact.run import Run, RunError, State
+
+UNITS = {"length": "m", "mass": "kg", "time": "s"}
+needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
+with_and_without_file = pytest.mark.parametrize("with_file", [False, pytest.param(True, marks=needs_hdf5)])
+
+
+def bars(law="linear", **time):
+    """A bar that is held at x = 0 and pulled at x = 10, and one beside it at rest; ν = 0, c = 1."""
+    scene = ct.Scene(title="bars", units=UNITS)
+    scene.add_material("rubber", young=2.0, poisson=0.0, density=2.0, law=law)
+    for name, y in (("other", 5.0), ("bar", 0.0)):
+        scene.add_body(name, material="rubber", box={"origin": [0, y, 0], "size": [10, 1, 1], "cells": [10, 1, 1]})
+    scene.add_support("bar.x_min", fix=["x"]).add_support("bar.x_max", fix=["x"], velocity=[0.02, 0, 0])
+    return scene.set_time(**{"end": 400.0, "courant": 0.9, "look_every": 4, **time})
+
+
+class Twisted:
+    """The C library, with something done to the motion before the steps that begin at step 40."""
+
+    def __init__(self, twist):
+        self.twist, self.done = twist, False
+
+    def __getattr__(self, name):
+        return getattr(lib, name)
+
+    def ct_watch_steps(self, watch, state, count, error):
+        if state.step < 40:
+            return lib.ct_watch_steps(watch, state, min(count, 40 - state.step), error) if count <= 40 - state.step else self.split(watch, state, count, error)
+        if not self.done:
+            self.done = True
+            self.twist(state)
+        return lib.ct_watch_steps(watch, state, count, error)
+
+    def split(self, watch, state, count, error):
+        first = 40 - state.step
+        return lib.ct_watch_steps(watch, state, first, error) or self.ct_watch_steps(watch, state, count - first, error)
+
+
+def not_finite(state):
+    state.velocity[200] = math.nan
+
+
+def inside_out(state):
+    for node in range(44, 88):
+        state.velocity[3 * node] += 100.0 * (-1) ** node
+
+
+def faster(state):
+    for i in range(3 * 44, 3 * 88):
+        state.velocity[i] *= 30.0 if state.problem.inverse_mass[i] > 0.0 else 1.0
+
+
+def failing(scene, kind, tmp_path, with_file, **how):
+    """The error of a run, which names its file exactly if it has one."""
+    path = tmp_path / "run.vtkhdf"
+    with pytest.raises(kind) as caught:
+        scene.run(progress=False, output=path if with_file else False, **how)
+    error = caught.value
+    assert isinstance(error, (RunError, ct.Error)) and error.time == pytest.approx(error.step * error.run.dt)
+    assert error.checkpoint == (path if with_file else None)
+    assert (str(path) in str(error)) == with_file and "last good state" in str(error)
+    good = error.run.state
+    assert isinstance(good, State) and good.step <= error.step
+    assert all(np.isfinite(good[body].displacement).all() and np.isfinite(good[body].velocity).all() for body in good)
+    return error
+
+
+def goes_on(scene, error, tmp_path, until):
+    """The file of a fault opens, holds the last good state, and goes on to the same bits as a run in which nothing happened."""
+    loaded = Run.load(error.checkpoint)
+    assert loaded.state.step == error.run.state.step == loaded.steps[-1] == error.run.steps[-1]
+    rest = scene.run(progress=False, restart=error.checkpoint, output=tmp_path / "rest.vtkhdf", until=until)
+    straight = scene.run(progress=False, output=False, until=until)
+    assert rest.state.step == straight.state.step
+    for body in straight.state:
+        assert rest.state[body].displacement.tobytes() == straight.state[body].displacement.tobytes()
+        assert rest.state[body].velocity.tobytes() == straight.state[body].velocity.tobytes()
+
+
+@with_and_without_file
+@pytest.mark.parametrize(("twist", "law", "kind", "also"), [
+    (not_finite, "linear", ct.NotFinite, ct.BlowupError), (inside_out, "neo_hookean", ct.InvertedElement, ct.GeometryError),
+    (faster, "linear", ct.EnergyBlowup, ct.EnergyError)])
+def test_a_fault_has_a_name_and_the_run_goes_on_from_before_it(twist, law, kind, also, with_file, tmp_path, monkeypatch):
+    scene = bars(law)
+    with monkeypatch.context() as patch:
+        patch.setattr(loop, "lib", Twisted(twist))
+        error = failing(scene, kind, tmp_path, with_file, until=100.0)
+    assert isinstance(error, also) and isinstance(error, RunError) and error.body_name == "bar" and error.body == 1
+    assert 40 < error.step <= 104 and error.run.state.step == 40
+    assert (error.element is not None) == (kind is ct.InvertedElement) == (error.node is None)
+    if with_file:
+        goes_on(scene, error, tmp_path, 100.0)
+
+
+@with_and_without_file
+def test_a_solid_that_stiffens_ends_the_run(with_file, tmp_path):
+    """
+    The pulled end sends a wave through the bar; St. Venant-Kirchhoff's tangent is E (3 λ² - 1) / 2, so that Courant number 0.9 of the start is too much
+    from a stretch of λ² = (2 / 0.9² + 1) / 3 on, which is 1.075 (a little more with held ends).
+    """
+    scene = bars("st_venant_kirchhoff")
+    error = failing(scene, ct.StepTooLarge, tmp_path, with_file)
+    assert isinstance(error, ct.StepError) and error.body_name == "bar" and 0 <= error.element < 10
+    good = error.run.state["bar"]
+    x = np.unique(np.round(good.positions[:, 0], 9))
+    assert len(x) == 11 and 1.07 < np.diff(x).max() < 1.15
+    assert 0 <= error.step - good_step(error) <= 4
+    assert "take a smaller one" in str(error)
+    if with_file:
+        goes_on(scene, error, tmp_path, good_step(error) * error.run.dt)
+
+
+def good_step(error):
+    return error.run.state.step
+
+
+def test_the_watch_changes_no_bit():
+    runs = [bars("neo_hookean", look_every=n).run(progress=False, output=False, until=60.0) for n in (1, 10**6)]
+    assert all(runs[0].state[b].displacement.tobytes() == runs[1].state[b].displacement.tobytes() for b in runs[0].state)
+
+
+@pytest.mark.parametrize(("key", "value"), [("energy_limit", 0.0), ("energy_limit", -1.0), ("look_every", 0), ("look_every", 2.5), ("energy_limit", "much")])
+def test_bad_keys_of_the_watch_are_refused(key, value):
+    with pytest.raises(ct.SceneError, match=key):
+        bars(**{key: value})
+
+
+# Distorted meshes.
+
+
+def distorted(amount, seed):
+    """A block of unit cubes with its inner nodes moved at random by up to ``amount`` in each direction."""
+    n, rng = 5, np.random.default_rng(seed)
+    grid = np.stack(np.meshgrid(*[np.arange(n + 1.0)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    inner = ((grid > 0) & (grid < n)).all(1)
+    grid[inner] += rng.uniform(-amount, amount, (inner.sum(), 3))
+    number = lambda i, j, k: (i * (n + 1) + j) * (n + 1) + k
+    cells = [[number(i + a, j + b, k + c) for c in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))] for i in range(n) for j in range(n) for k in range(n)]
+    return grid, np.array(cells, np.int32)
+
+
+def worst_determinants(nodes, cells):
+    """Smallest Jacobian determinant at the corners of each element, from the definition of the trilinear map."""
+    signs = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
+    out = np.full(len(cells), np.inf)
+    for xi in signs:
+        factor = 1 + signs * xi
+        gradient = np.stack([signs[:, i] * np.prod(np.delete(factor, i, 1), 1) / 8 for i in range(3)], 1)
+        out = np.minimum(out, np.linalg.det(np.einsum("eac,ai->eci", nodes[cells], gradient)))
+    return out
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_mesh_distorted_a_little_runs_and_one_distorted_much_is_refused_by_name(seed):
+    def scene(amount):
+        nodes, cells = distorted(amount, seed)
+        out = ct.Scene(title="distorted", units=UNITS)
+        out.add_material("soft", young=2.0, poisson=0.3, density=1.0)
+        return out.add_body("block", material="soft", nodes=nodes, elements=cells, velocity=[0.1, 0.0, 0.0]).set_time(end=1.0, fraction=0.9), worst_determinants(nodes, cells)
+
+    good, det = scene(0.2)
+    assert (det > 0).all() and good.run(progress=False, output=False).state.time == pytest.approx(1.0)
+    bad, det = scene(0.45)
+    inverted = np.flatnonzero(det <= 0)
+    assert len(inverted)
+    with pytest.raises(ct.SceneError, match=f'"block".*element {inverted[0]} is inverted') as caught:
+        bad.explain()
+    if len(inverted) > 1:
+        assert f"{len(inverted)} elements are bad" in str(caught.value) and all(f"{e}" in str(caught.value) for e in inverted[:8])
+
+
+# Going on beyond the end.
+
+
+@needs_hdf5
+def test_a_run_that_has_ended_goes_on_to_a_later_end_with_the_same_bits(tmp_path):
+    """The first run ends between two steps that a longer one would take; the longer one keeps its step to the last bit, also when it is continued once more."""
+    first = bars("neo_hookean", end=20.3, courant=0.77).run(progress=False, output=tmp_path / "a.vtkhdf")
+    longer = bars("neo_hookean", end=33.7, courant=0.77)
+    half = longer.run(progress=False, restart=tmp_path / "a.vtkhdf", output=tmp_path / "b.vtkhdf", until=27.0)
+    whole = longer.run(progress=False, restart=tmp_path / "b.vtkhdf", output=tmp_path / "c.vtkhdf")
+    assert first.dt == half.dt == whole.dt != longer.run(progress=False, output=False, until=0.1).dt
+    assert 33.7 <= whole.state.time < 33.7 + first.dt
+    # The same step, given as a number that a whole number of steps hits, without a stop.
+    straight = bars("neo_hookean", end=whole.state.step * first.dt, courant=None, dt=first.dt)
+    if straight._built(None).dt == first.dt:
+        end = straight.run(progress=False, output=False)
+        assert end.state.step == whole.state.step and end.state["bar"].displacement.tobytes() == whole.state["bar"].displacement.tobytes()
+    saved = tomllib.loads(Run.load(tmp_path / "c.vtkhdf").scene)
+    assert saved["time"]["end"] == 33.7
+
+
+@needs_hdf5
+def test_another_step_or_material_is_still_another_scene(tmp_path):
+    bars(end=5.0).run(progress=False, output=tmp_path / "a.vtkhdf")
+    with pytest.raises(ct.SceneError, match=r"\[time\] differs"):
+        bars(end=9.0, courant=0.5).run(progress=False, restart=tmp_path / "a.vtkhdf", output=False)
+    with pytest.raises(ct.SceneError, match=r"\[material\] differs"):
+        bars("neo_hookean", end=9.0).run(progress=False, restart=tmp_path / "a.vtkhdf", output=False)

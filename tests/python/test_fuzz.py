@@ -1,0 +1,15 @@
+"""A few of the scenes and files that ``make fuzz`` changes at random."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "fuzz"))
+fuzz_scenes = pytest.importorskip("fuzz_scenes")
+
+
+def test_scenes_and_files_changed_at_random_are_refused_or_run(tmp_path):
+    counts = fuzz_scenes.campaign(0.0, 1, tmp_path, rounds=2)
+    assert counts["refused"] > 200 and counts["run"] > 50
+    assert counts.get("file refused", 40) >= 10
