@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from ._core import ffi, lib
 from .errors import Error, check, new_error
 from .mesh import KINDS, WIDTH, Mesh, read_vtkhdf
 from .projection import METHODS
-from .surfaces import ENFORCEMENTS
+from .surfaces import ENFORCEMENTS, INITIAL, RULES
 from .schema import SceneError, float_array, index_array
 
 LUMPING = {None: lib.CT_LUMP_DEFAULT, "row_sum": lib.CT_LUMP_ROW_SUM, "hrz": lib.CT_LUMP_HRZ}
@@ -242,6 +242,9 @@ class Problem:
         new.options.threads = self.threads
         new.options.enforcement = ENFORCEMENTS[contact.enforcement]
         new.options.dissipation = contact.dissipation
+        new.options.points = RULES[contact.points]
+        new.options.initial = INITIAL[contact.initial_penetration]
+        new.options.removal = contact.removal_time
         if contact.tolerance is not None:
             new.options.tolerance = contact.tolerance
         if contact.depth is not None:
@@ -381,18 +384,38 @@ def _together(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(both[np.sort(places)])
 
 
-def contact_points(problem: Problem, state: Any) -> list[np.ndarray]:
-    """The Gauss points of each contact of the problem in a state (``ct_state *``)."""
-    out = []
+def _contacts(problem: Problem, state: Any) -> Iterator[Any]:
+    """The contacts of the problem (``const ct_contact *``) in a state (``ct_state *``)."""
     for k, name in enumerate(problem.effects):
         if name == "contact":
             error = new_error()
             contact = lib.ct_state_contact(problem.pointer, state, k, error)
             if contact == ffi.NULL:
                 check(error.code, error)
-            points = np.zeros(lib.ct_contact_point_count(contact), POINT)
-            check(lib.ct_contact_points(contact, ffi.cast("ct_contact_point *", points.ctypes.data)))
-            out.append(points)
+            yield contact
+
+
+def contact_points(problem: Problem, state: Any) -> list[np.ndarray]:
+    """The points of each contact of the problem in a state (``ct_state *``)."""
+    out = []
+    for contact in _contacts(problem, state):
+        points = np.zeros(lib.ct_contact_point_count(contact), POINT)
+        check(lib.ct_contact_points(contact, ffi.cast("ct_contact_point *", points.ctypes.data)))
+        out.append(points)
+    return out
+
+
+def penetrations(problem: Problem, state: Any) -> list[dict[str, dict[str, Any]]]:
+    """How far the surfaces of each contact are inside each other in a state (``ct_state *``); see ``Run.penetration``."""
+    out: list[dict[str, dict[str, Any]]] = []
+    for built, contact in zip(problem.contacts, _contacts(problem, state)):
+        places = {"points": lib.CT_AT_POINTS} if built.with_itself else {"points": lib.CT_AT_POINTS, "corners": lib.CT_AT_CORNERS, "edges": lib.CT_AT_EDGES}
+        found, table = ffi.new("ct_penetration *"), {}
+        for place, at in places.items():
+            check(lib.ct_contact_penetration(contact, at, found))
+            table[place] = {"inside": found.inside, "buried": found.buried, "deepest": found.deepest,
+                            "surface": built.surfaces[found.side] if found.side >= 0 else None, "face": found.face, "position": tuple(found.position)}
+        out.append(table)
     return out
 
 
