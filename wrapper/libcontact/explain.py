@@ -10,7 +10,7 @@ from . import effects
 from .chatter import chatter
 from .parts import Contact, Parts
 from .plan import Cost, predict, table
-from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, speeds
+from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, penetrations, speeds
 from .surfaces import DEFAULT_BETA
 from .units import Units
 
@@ -57,7 +57,7 @@ def _facts(problem: Problem) -> dict[str, Any]:
     used = list(dict.fromkeys(problem.effects))
     bodies = [_body(problem, body) for body in problem.bodies.values()]
     gaps = _initial_gaps(problem)
-    contacts = [_contact(built, given, gap) for built, given, gap in zip(problem.contacts, parts.contacts, gaps)]
+    contacts = [_contact(*row) for row in zip(problem.contacts, parts.contacts, gaps, _initial_penetration(problem))]
     return {
         "title": parts.title,
         "file": problem.file,
@@ -136,16 +136,28 @@ def _initial_gaps(problem: Problem) -> list[float | None]:
     return [float(gap.min()) if gap.size else None for gap in gaps]
 
 
-def _contact(built: BuiltContact, given: Contact, gap: float | None) -> dict[str, Any]:
+def _initial_penetration(problem: Problem) -> list[dict[str, Any]]:
+    """What is inside at t = 0, of each contact, at its points."""
+    return [found["points"] for found in penetrations(problem, new_state(problem))] if problem.contacts else []
+
+
+def _contact(built: BuiltContact, given: Contact, gap: float | None, found: dict[str, Any]) -> dict[str, Any]:
     warnings = []
-    if gap is not None and gap < 0.0:
-        warnings.append(f"contact {_who(built.surfaces)}: the surfaces overlap by {-gap:.3g} at the start; "
-                        "the penalty pushes them apart, which puts energy into the bodies")
+    fate = {"push": "the penalty pushes them apart, which puts energy into the bodies", "keep": "their gaps count from where they are",
+            "remove": f"they are parted in {given.removal_time:g}"}
+    if found["deepest"] > 0.0:
+        where = ", ".join(f"{x:.4g}" for x in found["position"])
+        warnings.append(f"contact {_who(built.surfaces)}: the surfaces overlap by {found['deepest']:.3g} at the start, at {found['inside'] - found['buried']} "
+                        f"points, most at ({where}) on {found['surface']}; {fate.get(given.initial_penetration)}")
+    if found["buried"]:
+        warnings.append(f"contact {_who(built.surfaces)}: {found['buried']} points are deep beneath the other surface at the start, or on its far side; they are in no "
+                        "contact before they have been outside")
     return {
         "surfaces": list(built.surfaces), "with_itself": built.with_itself, "faces": list(built.faces), "gauss_points": list(built.points),
         "epsilon": built.epsilon, "beta": given.beta, "penalty_is_default": not given.penalty_given,
         "enforcement": given.enforcement, "dissipation": given.dissipation, "friction": given.friction, "tangent": given.tangent or 1.0,
-        "method": given.method, "tolerance": given.tolerance, "depth": given.depth, "initial_gap": gap, "warnings": warnings,
+        "method": given.method, "tolerance": given.tolerance, "depth": given.depth, "points": given.points,
+        "initial_penetration": given.initial_penetration, "removal_time": given.removal_time, "penetration": found, "initial_gap": gap, "warnings": warnings,
     }
 
 
@@ -217,7 +229,7 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
     else:
         origin = f"beta = {contact['beta']:g}" if contact["beta"] is not None else "given"
     return [
-        f"  contact {_who(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} Gauss points",
+        f"  contact {_who(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} {'Gauss' if contact['points'] == 'gauss' else 'Lobatto'} points",
         f"    penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin}), closest points by {contact['method']}",
         f"    enforced by {contact['enforcement']}" + (f", dissipation {contact['dissipation']:g}" if contact["enforcement"] == "energy_controlled" else ""),
         *([f"    friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"] if contact["friction"] else []),

@@ -21,7 +21,7 @@ from .chatter import ChatterWarning, chatter
 from .errors import NotBuiltIn, check, new_error
 from .mesh import view
 from .plan import measured
-from .problem import Problem, contact_points, new_state
+from .problem import Problem, contact_points, new_state, penetrations
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_dtype
 from .schema import SceneError, is_number
 
@@ -286,7 +286,8 @@ class Loop:
             energy=np.concatenate(energy or [np.empty(0, energy_dtype(problem.effects))]), momentum=np.concatenate(momentum or [np.empty(0, MOMENTUM)]),
             state=state, path=self.path, scene=self.scene_text, interrupted=self.interrupted, seconds=self.seconds,
             costs=measured(problem, self.state, self.output_seconds), writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state),
-            impulse={} if failed else self._impulses(), dt=problem.dt)
+            impulse={} if failed else self._impulses(), dt=problem.dt,
+            penetration=[] if failed or records else penetrations(problem, self.state))
 
     def _impulses(self) -> dict[str, np.ndarray]:
         """The impulse of each effect but the solid on all bodies together, effects of one name added up."""
