@@ -22,10 +22,10 @@ EFFECTS = {
     "support": "no [[support]]: nothing holds the bodies",
     **{effects.name_of(module): module.WITHOUT for module in effects.MODULES},
 }
-ASSUMPTIONS = (
-    "contact by a penalty, so surfaces overlap by pressure / epsilon",
-    "surfaces meet only where a [[contact]] names them; a body passes through itself unless one names two surfaces of it, or one twice",
-)
+PENALTY = "contact by a penalty, so surfaces overlap by pressure / epsilon"
+NAMED = "surfaces meet only where a [[contact]] names them; a body passes through itself unless one names two surfaces of it, or one twice"
+RELAXED = "dynamic relaxation: the way to rest is not the true motion, only the end is"
+DEAD = "loads keep the direction and size that they have on the undeformed surface"
 RINGING = "no damping and no artificial viscosity: the ringing behind a steep front is the mesh's own"
 LAWS = {
     "linear": "small strains and rotations, linear isotropic elasticity",
@@ -90,8 +90,17 @@ def _assumptions(parts: Parts) -> list[str]:
     for body in parts.bodies.values():
         bodies.setdefault(parts.materials[body.material].law, []).append(body.name)
     laws = [LAWS[law] + (f" ({', '.join(names)})" if len(bodies) > 1 else "") for law, names in bodies.items()]
-    ringing = [] if {"damping", "viscosity"} & {effect.name for effect in parts.effects} else [RINGING]
-    return [*laws, *([STIFFENS] if set(bodies) != {"linear"} else []), *ASSUMPTIONS, *ringing]
+    added = {effect.name for effect in parts.effects}
+    pressed = [*parts.contacts, *(effect.given for effect in parts.effects if effect.name == "obstacle")]
+    holds = (
+        (set(bodies) != {"linear"}, STIFFENS),
+        (any(given.enforcement != "lagrange" for given in pressed), PENALTY),
+        (True, NAMED),
+        (any(effect.name == "load" and not effect.given.following for effect in parts.effects), DEAD),
+        (any(effect.name == "damping" and effect.given.rate is None for effect in parts.effects), RELAXED),
+        (not {"damping", "viscosity"} & added, RINGING),
+    )
+    return [*laws, *(sentence for true, sentence in holds if true)]
 
 
 def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from . import effects
+from . import conflicts, effects
 from .projection import METHODS
 from .schema import SceneError, Table, describe, float_array, index_array, suggestion
 from .surfaces import DEFAULT_BETA, INITIAL, RULES, read_enforcement, split_face
@@ -185,7 +185,9 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     scene.done()
     if whole and not bodies:
         raise SceneError("there is no [[body]]; a scene needs at least one", "body", file)
-    return Parts(title, units, materials, bodies, contacts, supports, added, time, output, threads, savings)
+    parts = Parts(title, units, materials, bodies, contacts, supports, added, time, output, threads, savings)
+    conflicts.refuse(parts, file)
+    return parts
 
 
 def _named(tables: list[Table], reader: Any) -> dict[str, Any]:
