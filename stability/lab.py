@@ -102,7 +102,7 @@ def judge(case: str, made: ct.Scene, *, enforcement: str, beta: float | None, de
             warnings.simplefilter("ignore")
             run = made.run(progress=False, output=False, watch=watch)
     except ct.Error as error:
-        row.verdict, row.note, row.seconds = type(error).__name__, str(error), time.perf_counter() - begin
+        row.verdict, row.note, row.seconds = type(error).__name__, str(error).split(";")[0], time.perf_counter() - begin
         return row
     total = run.energy["total"]
     unit = max(abs(total[0]), np.abs(run.energy["external"]).max(), scale or 0.0, 1e-300)

@@ -40,6 +40,10 @@ class NotAtRest(UserWarning):
     """A run that should end at rest has come to its end before."""
 
 
+class NotSettled(UserWarning):
+    """In some steps the contact forces, which are found by iteration, did not reach their tolerance."""
+
+
 def schedule(problem: Problem) -> tuple[int, list[int] | None]:
     """Recording interval in steps, and the steps of ``times`` (nearest to each) when the scene names times."""
     output = problem.parts.output
@@ -214,6 +218,9 @@ class Loop:
         if self.problem.parts.time.until_static is not None and last == self.problem.step_count and not stop and not self._at_rest():
             warnings.warn(NotAtRest(f"the run ends at t = {self.state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
                                     f"until_static = {self.problem.parts.time.until_static:g}"), stacklevel=4)
+        if self.state.unsettled:
+            warnings.warn(NotSettled(f"the contact forces did not settle to their tolerance in {self.state.unsettled} of {self.state.step} steps; a smaller step helps, or a "
+                                     "smaller beta"), stacklevel=4)
         self.seconds = clock.perf_counter() - begin
 
     def start_guard(self) -> None:
