@@ -354,6 +354,48 @@ static void is_central(ct_integrator integrator)
   ct_scene_free(d.scene);
 }
 
+/* A bar on a rigid wall with the explicit penalty, beta = 1, at 0.9 of the true limit of bar and penalty: the error of the force while the wave runs. */
+static void bar_on_wall(ct_scheme scheme, double least, double most)
+{
+  ct_material stuff = {900.0, 0.0, 1.0, CT_LINEAR};
+  ct_mesh *bar = box_mesh(CT_HEX8, 5, 0, 0, 10, 0.5, 0.5, 100, 1, 1);
+  ct_scene *scene = new_scene();
+  add_body(scene, "bar", bar, &stuff, CT_KERNEL_AUTO, -10, 0, 0);
+  int32_t faces[8];
+  int64_t steps;
+  ct_stable_step stable;
+  ct_error e;
+  ct_effect *effect;
+  const ct_problem *joined;
+  need(ct_scene_join(scene, &joined, &e), &e);
+  ct_obstacle wall = {.shape = CT_OBSTACLE_PLANE, .axis = {1, 0, 0}, .epsilon = 900.0 / 0.1, .enforcement = CT_ENFORCE_PENALTY, .kind = CT_Q4,
+                      .face_count = ct_mesh_plane_faces(bar, 0, 5.0, faces, NULL), .faces = faces};
+  need(ct_obstacle_create_effect(&wall, joined, &effect, &e), &e);
+  need(ct_scene_add_effect(scene, effect, &e), &e);
+  ct_problem q = *build(scene, (ct_scene_time){.end = 1.4, .fraction = 0.5, .threads = 1, .integrator = ct_integrator_default(scheme)}, &steps, &stable);
+  // Omega of a bar with a penalty of one element's stiffness at its end (eq:step-bar with half of it), c = 30, h = 0.1.
+  q.dt = 0.9 * ct_integrator_limit(&q.integrator) / (300.0 * sqrt(2.0 + 2.0 * sqrt(2.0)));
+  ct_state *state = new_state(&q);
+  double *force = numbers(3 * q.node_count), sum = 0.0, start = energy_of(&q, state).kinetic;
+  int count = 0;
+  while (state->time < 1.4) {
+    advance(&q, state, 1);
+    if (state->time < 0.55 || state->time > 1.12) continue;
+    need(ct_state_force(&q, state, 1, force, &e), &e);
+    double pressure = 0.0;
+    for (int n = 0; n < bar->node_count; n++) pressure += force[3 * n] / 0.25;
+    sum += (pressure / 300.0 - 1.0) * (pressure / 300.0 - 1.0);
+    count++;
+  }
+  double rms = sqrt(sum / count), kept = energy_of(&q, state).total / start;
+  tap_ok(rms > least && rms < most, "%s: bar on a wall, force %.4f %% rms, energy kept %.4f", ct_scheme_name(scheme), 100.0 * rms, kept);
+  tap_ok(kept < 1.001, "%s: bar on a wall, no energy from nothing", ct_scheme_name(scheme));
+  free(force);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(bar);
+}
+
 static void refusals(void)
 {
   const ct_integrator bad[] = {{(ct_scheme)7, 0.0}, {(ct_scheme)-1, 0.0}, {CT_CENTRAL_DIFFERENCE, 1.0}, {CT_CHUNG_LEE, 0.99}, {CT_CHUNG_LEE, 1.04}, {CT_NOH_BATHE, 0.49},
@@ -430,6 +472,10 @@ int main(void)
     }
   is_central((ct_integrator){CT_CHUNG_LEE, 1.0});
   is_central((ct_integrator){CT_TCHAMWA_WIELGOSZ, 1.0});
+  bar_on_wall(CT_CENTRAL_DIFFERENCE, 0.15, 0.2);
+  bar_on_wall(CT_CHUNG_LEE, 0.0001, 0.0005);
+  bar_on_wall(CT_NOH_BATHE, 0.0001, 0.0005);
+  bar_on_wall(CT_TCHAMWA_WIELGOSZ, 0.003, 0.004);
   within_a_step();
   refusals();
   return tap_done();
