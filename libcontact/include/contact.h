@@ -22,6 +22,7 @@ extern "C" {
 #include <contact/solid.h>
 #include <contact/contact.h>
 #include <contact/support.h>
+#include <contact/integrator.h>
 #include <contact/step.h>
 #include <contact/viscosity.h>
 #include <contact/energy.h>

@@ -92,13 +92,13 @@ static ct_status relaxation_force(const ct_effect *effect, const ct_view *view, 
   const damping_data *data = effect->data;
   (void)error;
   // While the start is made the velocity is the one of t = 0, and nothing is damped yet.
-  double a = view->dt == 0.0 ? 0.0 : 0.5 * relaxation_rate(effect, view) * view->dt;
+  double a = view->dt == 0.0 ? 0.0 : 0.5 * relaxation_rate(effect, view) * view->kick;
   for (int32_t i = 0; i < effect->node_count; i++)
     for (int k = 0; k < 3; k++) {
       int64_t dof = 3 * (int64_t)data->nodes[i] + k;
       double m = data->mass[data->nodes[i]], v = view->velocity[dof];
       // -- -α m (v_{n-1/2} + v_{n+1/2}) / 2, solved for the velocity after the step (eq:relaxation-force)
-      force[3 * (int64_t)i + k] = a == 0.0 || data->inverse_mass[dof] == 0.0 ? 0.0 : -a * (2.0 * m * v / view->dt + view->total[dof]) / (1.0 + a);
+      force[3 * (int64_t)i + k] = a == 0.0 || data->inverse_mass[dof] == 0.0 ? 0.0 : -a * (2.0 * m * v / view->kick + view->total[dof]) / (1.0 + a);
     }
   return CT_OK;
 }

@@ -7,10 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-/* v_{n+1/2} of one degree of freedom. */
+/* v_{n+1/2} of one degree of freedom: as far beyond v_n as v_{n-1/2} is behind (eq:stage-velocity). */
 static double velocity_after(const ct_problem *problem, const ct_state *state, int64_t dof)
 {
-  return ct_kick(state->velocity[dof], problem->dt, problem->inverse_mass[dof], state->workspace->total[dof]);
+  return ct_kick(state->velocity[dof], 2.0 * ct_integrator_share(&problem->integrator) * problem->dt, problem->inverse_mass[dof], state->workspace->total[dof]);
 }
 
 /* ½ v_{n-1/2} · M v_{n+1/2} (eq:discrete-energy). */
@@ -30,7 +30,7 @@ static ct_status check_effect(const ct_problem *problem, const ct_state *state, 
 {
   if (problem == NULL || state == NULL || out == NULL || effect < 0 || effect >= problem->effect_count)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "energy: null argument or no effect %d", (int)effect);
-  return CT_OK;
+  return ct_stage_check(state, error);
 }
 
 ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t k, double *work, ct_error *error)
@@ -41,14 +41,14 @@ ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t k, 
   const ct_effect *effect = problem->effects[k];
   const double *past = effect->reaction ? state->impulse + ct_state_impulse_start(problem, k) : state->work + ct_state_work_start(problem, k);
   const double *force = ct_workspace_force_of(problem, state, k);
-  double *terms = state->workspace->terms;
+  double *terms = state->workspace->terms, share = ct_integrator_share(&problem->integrator);
   for (int32_t i = 0; i < effect->node_count; i++) {
     const double *v = &state->velocity[3 * (int64_t)ct_effect_node(effect, i)];
     double t[3];
-    // -- Δt / 2 (Σ f (v⁻ + v⁺) + f_n v_{n-1/2}); a reaction's velocity is constant (eq:work-balance)
+    // -- Δt / 2 (Σ f (v⁻ + v⁺) + f_n v_{n-1/2}); a reaction's velocity is constant (eq:work-balance, eq:stage-work)
     for (int c = 0; c < 3; c++) {
       double f = force[3 * (int64_t)i + c], sum = past[3 * (int64_t)i + c];
-      t[c] = effect->reaction ? 2.0 * (sum + 0.5 * f) * v[c] : sum + f * v[c];
+      t[c] = effect->reaction ? 2.0 * (sum + share * f) * v[c] : sum + 2.0 * share * f * v[c];
     }
     terms[i] = (t[0] + t[1]) + t[2];
   }
@@ -154,7 +154,7 @@ static void add_impulse(const ct_problem *problem, ct_state *state, int32_t k, i
     for (int32_t i = 0; i < effect->node_count; i++) {
       int32_t node = ct_effect_node(effect, i);
       if (node < first || node >= last) continue;
-      state->workspace->terms[count++] = past[3 * (int64_t)i + c] + 0.5 * force[3 * (int64_t)i + c];
+      state->workspace->terms[count++] = past[3 * (int64_t)i + c] + ct_integrator_share(&problem->integrator) * force[3 * (int64_t)i + c];
     }
     impulse[c] += problem->dt * ct_sum(state->workspace->terms, count);
   }

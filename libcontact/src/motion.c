@@ -23,13 +23,13 @@ static void free_data(void *data)
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
 }
 
-/* The force that takes one component to where it has to be at the end of the step. */
-static double force_to(double target, double u, double v, double mass, double others, double dt)
+/* The force that takes one component to where it has to be at the next evaluation, with the velocity `v` before the kick and what is `carried` on. */
+static double force_to(double target, double u, double v, double carried, double mass, double others, const ct_view *view)
 {
   // While the start is made nothing has been prescribed yet: the node keeps its velocity.
-  if (dt == 0.0) return -others;
-  // -- r = m (v_{n+1/2} - v_{n-1/2}) / Δt - Σ f with v_{n+1/2} = (s(t_{n+1}) - u_n) / Δt (eq:motion-force)
-  return mass * (((target - u) / dt - v) / dt) - others;
+  if (view->dt == 0.0) return -others;
+  // -- r = m (v_{n+1/2} - v_{n-1/2}) / Δt - Σ f with v_{n+1/2} = (s(t_{n+1}) - u_n) / Δt (eq:motion-force, eq:stage-motion)
+  return mass * (((target - u) / view->dt - v - carried) / view->push) - others;
 }
 
 static ct_status motion_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
@@ -49,7 +49,8 @@ static ct_status motion_force(const ct_effect *effect, const ct_view *view, doub
       const ct_motion *motion = &data->motions[holder - 1];
       if (holder != known) factor = ct_history_value(&motion->history, next);
       known = holder;
-      force[own] = force_to(factor * motion->displacement[c], view->displacement[dof], view->velocity[dof], data->mass[data->nodes[i]], view->total[dof], view->dt);
+      double carried = view->past == NULL ? 0.0 : view->carry * view->past[dof];
+      force[own] = force_to(factor * motion->displacement[c], view->displacement[dof], view->velocity[dof], carried, data->mass[data->nodes[i]], view->total[dof], view);
     }
   return CT_OK;
 }

@@ -34,6 +34,17 @@ int64_t ct_state_memory_start(const ct_problem *problem, int32_t k)
   return start;
 }
 
+double *ct_stage_past(const ct_problem *problem, const ct_state *state)
+{
+  return problem->integrator.scheme == CT_CHUNG_LEE ? state->memory + ct_state_memory_start(problem, problem->effect_count) : state->workspace->past;
+}
+
+ct_status ct_stage_check(const ct_state *state, ct_error *error)
+{
+  if (state->workspace->stage == 0) return CT_OK;
+  return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the state stands within step %lld, whose second stage failed", (long long)state->step);
+}
+
 /* Whether the effect that effect `k` reads stands before it. */
 static int reads_earlier(const ct_problem *problem, int32_t k)
 {
@@ -61,7 +72,7 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s reads one that does not stand before it", p->effects[k]->name);
   if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1 || p->threads > CT_MOST_THREADS)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: a step of %g with %d threads", p->dt, p->threads);
-  return CT_OK;
+  return ct_integrator_check(&p->integrator, error);
 }
 
 static void workspace_free(const ct_problem *problem, ct_workspace *w)
@@ -72,7 +83,7 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
     if (w->force != NULL) ct_release(w->force[k]);
     if (w->scratch != NULL && w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
   }
-  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->terms, w->room, w->still, w->drifted};
+  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->terms, w->room, w->still, w->drifted, w->past};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_release(w);
 }
@@ -117,6 +128,8 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   if (!w->total || !w->terms || !w->still || !w->drifted || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK ||
       ct_solver_create(problem, &w->solver) != CT_OK)
     return CT_ERROR_MEMORY;
+  ct_scheme scheme = problem->integrator.scheme;
+  if ((scheme == CT_NOH_BATHE || scheme == CT_TCHAMWA_WIELGOSZ) && (w->past = ct_allocate(n, 3 * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
   // Forces of one effect need room of their own only where `total` holds those of several.
   int several = w->touched_count > 0;
   for (int32_t k = 0; k < problem->effect_count; k++) several = several || problem->effects[k]->reaction;
@@ -156,7 +169,7 @@ static ct_status state_allocate(const ct_problem *problem, ct_state **out, ct_er
   s->node_count = problem->node_count;
   s->work_count = ct_state_work_start(problem, problem->effect_count);
   s->impulse_count = ct_state_impulse_start(problem, problem->effect_count);
-  s->memory_count = ct_state_memory_start(problem, problem->effect_count);
+  s->memory_count = ct_state_memory_start(problem, problem->effect_count) + (problem->integrator.scheme == CT_CHUNG_LEE ? 3 * (int64_t)n : 0);
   s->displacement = ct_allocate(n, 3 * sizeof(double));
   s->velocity = ct_allocate(n, 3 * sizeof(double));
   s->work = ct_allocate((size_t)s->work_count, sizeof(double));
@@ -167,11 +180,14 @@ static ct_status state_allocate(const ct_problem *problem, ct_state **out, ct_er
   return workspace_create(problem, &s->workspace, error);
 }
 
-/* Half a step back from t = 0 (eq:leapfrog-start). */
+/* Half a step back from t = 0 (eq:leapfrog-start, eq:stage-start). */
 static void step_back(const ct_problem *problem, ct_state *state)
 {
-  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
-    state->velocity[d] = ct_kick(problem->initial_velocity[d], -0.5 * problem->dt, problem->inverse_mass[d], state->workspace->total[d]);
+  double back = -ct_integrator_share(&problem->integrator) * problem->dt, *past = ct_stage_past(problem, state);
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
+    state->velocity[d] = ct_kick(problem->initial_velocity[d], back, problem->inverse_mass[d], state->workspace->total[d]);
+    if (past != NULL) past[d] = problem->inverse_mass[d] * state->workspace->total[d];
+  }
   // A force that goes with velocity has seen another one so far; a restart from here would see this one.
   for (int32_t k = 0; k < problem->effect_count; k++)
     if (problem->effects[k]->damping != NULL || problem->effects[k]->last || problem->effects[k]->constrain != NULL) state->workspace->forces_at = -1;
@@ -190,6 +206,7 @@ static void step_back(const ct_problem *problem, ct_state *state)
 /* Ledgers that count only the half of the first forces that comes after t = 0 (eq:leapfrog-start). */
 static void start_ledgers(const ct_problem *problem, ct_state *state)
 {
+  double share = ct_integrator_share(&problem->integrator);
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     const double *force = ct_workspace_force_of(problem, state, k);
@@ -197,8 +214,8 @@ static void start_ledgers(const ct_problem *problem, ct_state *state)
     for (int64_t i = 0; i < effect->node_count; i++)
       for (int64_t c = 0; c < 3; c++) {
         double f = force[3 * i + c];
-        if (!effect->reaction) work[3 * i + c] = -f * state->velocity[3 * (int64_t)ct_effect_node(effect, (int32_t)i) + c];
-        if (k > 0) impulse[3 * i + c] = -0.5 * f;
+        if (!effect->reaction) work[3 * i + c] = -2.0 * share * f * state->velocity[3 * (int64_t)ct_effect_node(effect, (int32_t)i) + c];
+        if (k > 0) impulse[3 * i + c] = -share * f;
       }
   }
 }
@@ -249,8 +266,29 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   to->time = from->time;
   to->kinetic_start = from->kinetic_start;
   to->workspace->forces_at = -1;
+  to->workspace->stage = 0;
   to->workspace->kept = to->workspace->watched = 0;
   return CT_OK;
+}
+
+void ct_integrator_predict(const ct_problem *problem, const ct_state *state, int32_t count, const int32_t *nodes, int stride, double *way, double *mobility)
+{
+  ct_stage stage = ct_stage_now(problem, state);
+  const double *past = ct_stage_past(problem, state);
+  double push = stage.push;
+  // -- At the start the acceleration before is that of t = 0, and the velocity has its share of it already (eq:stage-start)
+  if (state->workspace->starting) {
+    push = stage.push + stage.carry - ct_integrator_share(&problem->integrator) * problem->dt;
+    past = NULL;
+  }
+  for (int32_t i = 0; i < count; i++)
+    for (int64_t c = 0; c < 3; c++) {
+      int64_t own = stride * (int64_t)i + c, dof = 3 * (int64_t)nodes[i] + c;
+      double velocity = ct_kick(state->velocity[dof], push, problem->inverse_mass[dof], state->workspace->total[dof]);
+      if (past != NULL) velocity += stage.carry * past[dof];
+      way[own] = stage.drift * velocity;
+      mobility[own] = stage.drift * push * problem->inverse_mass[dof];
+    }
 }
 
 /* Scratch space of the effect that effect `k` reads. */
@@ -265,10 +303,12 @@ static const void *scratch_read(const ct_problem *problem, const ct_state *state
 ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k)
 {
   int64_t memory = ct_state_memory_start(problem, k);
+  ct_stage stage = state->workspace->starting ? (ct_stage){0.0, 0.0, 0.0, 0.0} : ct_stage_now(problem, state);
   return (ct_view){.time = state->time, .threads = problem->threads, .reference = problem->reference,
                    .displacement = state->displacement, .velocity = state->velocity, .memory = state->memory + memory,
                    .next_memory = state->workspace->next_memory + memory, .scratch = state->workspace->scratch[k],
-                   .read = scratch_read(problem, state, k), .dt = state->workspace->starting ? 0.0 : problem->dt, .total = state->workspace->total};
+                   .read = scratch_read(problem, state, k), .dt = stage.drift, .kick = stage.kick, .push = stage.push,
+                   .carry = stage.carry, .past = ct_stage_past(problem, state), .total = state->workspace->total};
 }
 
 const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k)

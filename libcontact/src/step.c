@@ -34,15 +34,35 @@ static void drift(int64_t first, int64_t last, double dt, const double *restrict
   for (int64_t d = first; d < last; d++) displacement[d] += dt * velocity[d];
 }
 
-/* Move the nodes first ... last - 1. */
-static void advance_nodes(const ct_problem *problem, ct_state *state, int32_t first, int32_t last)
+/* The same for integrators whose drift is not the velocity after the kick; the times of the stage are τΔt, cΔt, rΔt, lΔt. */
+CT_CLONES
+static void advance_stage(int64_t first, int64_t last, const ct_stage *stage, double share, const double *restrict inverse_mass, const double *restrict force,
+                          double *restrict past, double *restrict displacement, double *restrict velocity, double *restrict work)
+{
+  const double tau = stage->drift, c = stage->kick, r = stage->push, l = stage->carry;
+#pragma omp simd
+  for (int64_t d = first; d < last; d++) {
+    // -- v⁺ = v + c Δt a, u⁺ = u + τ Δt (v + r Δt a + l Δt a⁻) with a = f / m (eq:stage)
+    double before = velocity[d], after = ct_kick(before, c, inverse_mass[d], force[d]);
+    velocity[d] = after;
+    displacement[d] += tau * (ct_kick(before, r, inverse_mass[d], force[d]) + l * past[d]);
+    past[d] = inverse_mass[d] * force[d];
+    work[d] += share * force[d] * (before + after);
+  }
+}
+
+/* Move the nodes first ... last - 1 by the stage, whose kick is `share` of the step. */
+static void advance_nodes(const ct_problem *problem, ct_state *state, const ct_stage *stage, double share, int32_t first, int32_t last)
 {
   const ct_workspace *w = state->workspace;
+  double *past = ct_stage_past(problem, state);
   for (int32_t n = first, end; n < last; n = end) {
     int still = ct_bits_get(w->still, n);
     end = ct_bits_next(w->still, n, last, !still);
     if (still)
-      drift(3 * (int64_t)n, 3 * (int64_t)end, problem->dt, state->velocity, state->displacement);
+      drift(3 * (int64_t)n, 3 * (int64_t)end, stage->drift, state->velocity, state->displacement);
+    else if (past != NULL)
+      advance_stage(3 * (int64_t)n, 3 * (int64_t)end, stage, share, problem->inverse_mass, w->total, past, state->displacement, state->velocity, state->work);
     else
       advance(3 * (int64_t)n, 3 * (int64_t)end, problem->dt, problem->inverse_mass, w->total, state->displacement, state->velocity, state->work);
   }
@@ -59,23 +79,23 @@ static void keep_touched(ct_state *state)
   }
 }
 
-/* After the step: the first effect's work at nodes with several effects is that of its own force (eq:work-balance). */
-static void correct_touched(ct_state *state)
+/* After the step: the first effect's work at nodes with several effects is that of its own force (eq:work-balance, eq:stage-work). */
+static void correct_touched(ct_state *state, double share)
 {
   ct_workspace *w = state->workspace;
   for (int32_t i = 0; i < w->touched_count; i++)
     for (int c = 0; c < 3; c++) {
       int64_t dof = 3 * (int64_t)w->touched[i] + c, own = 3 * (int64_t)i + c;
-      state->work[dof] = w->touched_work[own] + w->touched_first[own] * (w->touched_velocity[own] + state->velocity[dof]);
+      state->work[dof] = w->touched_work[own] + share * w->touched_first[own] * (w->touched_velocity[own] + state->velocity[dof]);
     }
 }
 
 /* Take the forces on held degrees of freedom from an impulse. */
 CT_CLONES
-static void react(int64_t count, const double *restrict inverse_mass, const double *restrict force, double *restrict impulse)
+static void react(int64_t count, double share, const double *restrict inverse_mass, const double *restrict force, double *restrict impulse)
 {
 #pragma omp simd
-  for (int64_t d = 0; d < count; d++) impulse[d] -= inverse_mass[d] == 0.0 ? force[d] : 0.0;
+  for (int64_t d = 0; d < count; d++) impulse[d] -= inverse_mass[d] == 0.0 ? share * force[d] : 0.0;
 }
 
 /* How many of the nodes i, i + 1, ... of an effect have numbers that follow each other. They ascend, so the last one tells. */
@@ -93,7 +113,7 @@ static int32_t run_of(const ct_effect *effect, int32_t i)
 }
 
 /* The impulse of a reaction: minus all other forces on the degrees of freedom that it holds (eq:impulse-balance). */
-static void count_reaction(const ct_problem *problem, const ct_workspace *w, const ct_effect *effect, double *impulse)
+static void count_reaction(const ct_problem *problem, const ct_workspace *w, const ct_effect *effect, double share, double *impulse)
 {
   for (int32_t i = 0, run; i < effect->node_count; i += run) {
     int32_t first = ct_effect_node(effect, i);
@@ -102,19 +122,19 @@ static void count_reaction(const ct_problem *problem, const ct_workspace *w, con
       n = ct_bits_next(w->still, n, first + run, 0);
       end = ct_bits_next(w->still, n, first + run, 1);
       int64_t dof = 3 * (int64_t)n;
-      react(3 * (int64_t)(end - n), &problem->inverse_mass[dof], &w->total[dof], &impulse[3 * (int64_t)(i + n - first)]);
+      react(3 * (int64_t)(end - n), share, &problem->inverse_mass[dof], &w->total[dof], &impulse[3 * (int64_t)(i + n - first)]);
     }
   }
 }
 
-/* Work and impulse of the effects beside the first (eq:work-balance, eq:impulse-balance). */
-static void count_work(const ct_problem *problem, ct_state *state)
+/* Work and impulse of the effects beside the first (eq:work-balance, eq:impulse-balance), of a stage whose kick is `share` of the step (eq:stage-work). */
+static void count_work(const ct_problem *problem, ct_state *state, double share)
 {
   ct_workspace *w = state->workspace;
   for (int32_t k = 1; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     double *impulse = state->impulse + ct_state_impulse_start(problem, k), *work = state->work + ct_state_work_start(problem, k);
-    if (effect->reaction) count_reaction(problem, w, effect, impulse);
+    if (effect->reaction) count_reaction(problem, w, effect, share, impulse);
     for (int32_t i = 0, at = 0; !effect->reaction && i < effect->node_count; i++) {
       int32_t node = ct_effect_node(effect, i);
       const double *after = &state->velocity[3 * (int64_t)node];
@@ -122,15 +142,16 @@ static void count_work(const ct_problem *problem, ct_state *state)
       while (w->touched[at] < node) at++;
       const double *before = &w->touched_velocity[3 * (int64_t)at], *force = &w->force[k][3 * (int64_t)i];
       for (int64_t c = 0; c < 3; c++) {
-        work[3 * (int64_t)i + c] += force[c] * (before[c] + after[c]);
-        impulse[3 * (int64_t)i + c] += force[c];
+        double f = share * force[c];
+        work[3 * (int64_t)i + c] += f * (before[c] + after[c]);
+        impulse[3 * (int64_t)i + c] += f;
       }
     }
   }
 }
 
-/* Take a step. Forces that stood already may be older than the last change of the state by its host. */
-static ct_status take_step(const ct_problem *problem, ct_state *state, ct_error *error)
+/* Take one stage of a step. Forces that stood already may be older than the last change of the state by its host. */
+static ct_status take_stage(const ct_problem *problem, ct_state *state, const ct_stage *shares, ct_error *error)
 {
   ct_workspace *w = state->workspace;
   int made = w->forces_at != state->step;
@@ -140,18 +161,37 @@ static ct_status take_step(const ct_problem *problem, ct_state *state, ct_error 
   int32_t count = problem->node_count;
   double begin = problem->clock == NULL ? 0.0 : problem->clock();
   keep_touched(state);
+  ct_stage stage = ct_stage_now(problem, state);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(problem->threads) schedule(static) if (problem->threads > 1)
 #endif
   for (int32_t n = 0; n < count; n += NODES_AT_ONCE)
-    advance_nodes(problem, state, n, count - n > NODES_AT_ONCE ? n + NODES_AT_ONCE : count);
-  correct_touched(state);
-  count_work(problem, state);
-  memcpy(state->memory, w->next_memory, (size_t)state->memory_count * sizeof(double));
-  state->step++;
-  state->time = (double)state->step * problem->dt;
+    advance_nodes(problem, state, &stage, shares->kick, n, count - n > NODES_AT_ONCE ? n + NODES_AT_ONCE : count);
+  correct_touched(state, shares->kick);
+  count_work(problem, state, shares->kick);
+  memcpy(state->memory, w->next_memory, (size_t)ct_state_memory_start(problem, problem->effect_count) * sizeof(double));
+  state->time += stage.drift;
+  w->forces_at = -1;
   w->watched = made;
   if (problem->clock != NULL) state->effect_seconds[problem->effect_count] += problem->clock() - begin;
+  return CT_OK;
+}
+
+/* Take a step: its stages one after another (eq:stage). */
+static ct_status take_step(const ct_problem *problem, ct_state *state, ct_error *error)
+{
+  ct_workspace *w = state->workspace;
+  ct_stage stages[2];
+  int count = ct_integrator_stages(&problem->integrator, stages);
+  ct_status status = ct_stage_check(state, error);
+  for (int i = 0; status == CT_OK && i < count; i++) {
+    w->stage = i;
+    status = take_stage(problem, state, &stages[i], error);
+  }
+  if (status != CT_OK) return status;
+  w->stage = 0;
+  state->step++;
+  state->time = (double)state->step * problem->dt;
   return CT_OK;
 }
 
@@ -199,7 +239,8 @@ ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "stable step: null argument or no effect %d", (int)k);
   const ct_effect *effect = problem->effects[k];
   *omega_squared = *rate = 0.0;
-  ct_status status = ct_workspace_forces(problem, state, error);
+  ct_status status = ct_stage_check(state, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   ct_view view = ct_workspace_view(problem, state, k);
   if (effect->frequency != NULL) status = effect->frequency(effect, &view, omega_squared, error);
@@ -236,13 +277,6 @@ static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds *
   return status;
 }
 
-/* Largest stable step; without damping 2 / ω (eq:damped-step-bound). */
-static double step_of(const bounds *b)
-{
-  if (b->rate == 0.0) return 2.0 / sqrt(b->omega_squared);
-  return 4.0 / (b->rate + sqrt(b->rate * b->rate + 4.0 * b->omega_squared));
-}
-
 ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *out, ct_error *error)
 {
   bounds all, without;
@@ -252,8 +286,8 @@ ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *
   if (status == CT_OK) status = sum_bounds(problem, state == NULL ? own : state, &all, &without, error);
   ct_state_free(own);
   if (status != CT_OK) return status;
-  out->dt = step_of(&all);
-  out->dt_without_contact = step_of(&without);
+  out->dt = ct_integrator_step(&problem->integrator, all.omega_squared, all.rate);
+  out->dt_without_contact = ct_integrator_step(&problem->integrator, without.omega_squared, without.rate);
   out->dt_courant = INFINITY;
   for (int32_t i = 0; i < problem->body_count; i++) {
     double c1, c2;

@@ -169,7 +169,7 @@ static ct_status look_at_step(ct_watch *w, ct_state *state, ct_error *error)
   const ct_problem *problem = w->problem;
   if (w->mode == NULL) return CT_OK;
   ct_status status = iterate(w, state, error);
-  double limit = w->options.omega_limit, omega = sqrt(fmax(w->omega_squared, 0.0));
+  double limit = 0.5 * w->options.omega_limit * ct_integrator_limit(&problem->integrator), omega = sqrt(fmax(w->omega_squared, 0.0));
   if (status != CT_OK || !(omega * problem->dt > limit * (1.0 + 1e-4))) return status;
   (void)product(w, w->moved, w->moved, 1);
   int32_t node = largest_node(w->terms, problem->node_count), body = body_of(problem, node), own = node - problem->bodies[body].first_node;

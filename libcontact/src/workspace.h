@@ -8,6 +8,7 @@ typedef struct ct_workspace {
   int64_t forces_at;  /* the step whose forces stand below, or -1 */
   int starting;       /* v_{-1/2} is not known yet */
   int kept;           /* whether `total` holds forces of this state's last step, and the first effect may leave some as they stand */
+  int stage;          /* of the step, 0 or 1: the next one whose forces are made */
   int watched;        /* whether the state was moved by one step since the forces were made, and by nothing else */
   uint64_t *still;    /* a bit a node: the total force is zero, to the sign as in the last step (eq:still-node) */
   uint64_t *drifted;  /* `still` of the step before */
@@ -19,6 +20,7 @@ typedef struct ct_workspace {
   int32_t *touched;
   double *touched_first; /* force of the first effect there, shape (touched_count, 3) */
   double *touched_velocity, *touched_work; /* v_{n-1/2} and the first effect's work there, before the step */
+  double *past;          /* acceleration of the evaluation before, shape (node_count, 3), where the state does not keep it; or null */
   double *terms;         /* room for sums, one number a node */
   struct ct_solver *solver; /* of the constraints; null without any */
   double *room;          /* room for the forces of one effect, shape (node_count, 3); null when the first one is alone */
@@ -30,10 +32,29 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
 /* Name the first node whose motion is out of the range of numbers (CT_ERROR_BLOWUP). */
 ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error);
 
+/* The present stage as times: τΔt, cΔt, rΔt, lΔt (eq:stage). */
+static inline ct_stage ct_stage_now(const ct_problem *problem, const ct_state *state)
+{
+  ct_stage stages[2];
+  ct_integrator_stages(&problem->integrator, stages);
+  ct_stage s = stages[state->workspace->stage];
+  return (ct_stage){s.drift * problem->dt, s.kick * problem->dt, s.push * problem->dt, s.carry * problem->dt};
+}
+
+/* Acceleration of the evaluation before, shape (node_count, 3); null for an integrator without any use for it. */
+double *ct_stage_past(const ct_problem *problem, const ct_state *state);
+
+/* Way of nodes until the next evaluation with the forces in `total`, shape (node_count, 3), and how far one more unit of force moves each component (eq:stage). Three numbers a
+ * node, `stride` apart. At the start, before v_{-1/2} is known, the velocity is the one of t = 0 (eq:stage-start). */
+void ct_integrator_predict(const ct_problem *problem, const ct_state *state, int32_t count, const int32_t *nodes, int stride, double *way, double *mobility);
+
+/* Fails for a state whose last step ended after its first stage. */
+ct_status ct_stage_check(const ct_state *state, ct_error *error);
+
 /* What effect `k` is shown of a state. */
 ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k);
 
-/* v_{n+1/2} of one degree of freedom, given the forces (eq:leapfrog). */
+/* Velocity of one degree of freedom after a kick of this time (eq:leapfrog, eq:stage). */
 static inline double ct_kick(double v, double dt, double inverse_mass, double force) { return v + dt * inverse_mass * force; }
 
 /* Forces of effect `k` on its own nodes, shape (node_count, 3), after ct_workspace_forces; reactions are minus the total on held

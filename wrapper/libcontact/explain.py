@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from . import effects
+from ._core import ffi, lib
 from .chatter import chatter
 from .parts import Contact, Parts
 from .plan import Cost, predict, table
@@ -170,11 +171,17 @@ def _contact(built: BuiltContact, given: Contact, gap: float | None, found: dict
     }
 
 
+def _integrator(problem: Problem) -> Any:
+    """The integrator of the problem, for the library's calls."""
+    return ffi.addressof(problem.pointer, "integrator")
+
+
 def _time(problem: Problem) -> dict[str, Any]:
     stable, (asked, value) = problem.stable, problem.parts.time.step
     by_contact = stable.dt < 0.999 * stable.dt_without_contact
     return {
-        "integrator": problem.parts.time.integrator, "end": problem.end, "asked": {asked: value},
+        "integrator": problem.parts.time.integrator, "integrator_parameter": problem.parts.time.parameter, "evaluations_per_step": lib.ct_integrator_stages(_integrator(problem), ffi.new("ct_stage[2]")),
+        "integrator_limit": lib.ct_integrator_limit(_integrator(problem)), "end": problem.end, "asked": {asked: value},
         "dt": problem.dt, "steps": problem.step_count,
         "stable": stable.dt, "stable_without_contact": stable.dt_without_contact, "dt_courant": stable.dt_courant,
         "courant": problem.dt / stable.dt_courant if stable.dt_courant > 0.0 else math.inf, "fraction": problem.dt / stable.dt,
@@ -246,12 +253,18 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
     ]
 
 
+def _integrator_line(time: dict[str, Any]) -> str:
+    name = time["integrator"]
+    return name if name == "central_difference" else f"{name} ({time['integrator_parameter']:.6g})"
+
+
 def _time_lines(time: dict[str, Any], units: Units) -> list[str]:
     (asked, value), = time["asked"].items()
     t = units.time
     return [
-        f"  {time['integrator']} to t = {time['end']:.6g} {t} in {time['steps']} steps of {time['dt']:.6g} {t} "
+        f"  {_integrator_line(time)} to t = {time['end']:.6g} {t} in {time['steps']} steps of {time['dt']:.6g} {t} "
         + f"(asked: {asked} = {value:g})",
+        f"  limit of the integrator: omega dt = {time['integrator_limit']:.5g}, {time['evaluations_per_step']} evaluation(s) of the forces a step",
         f"  stable step {time['stable']:.6g} {t} with contact, {time['stable_without_contact']:.6g} {t} without; "
         + f"limited by {time['limited_by']}",
         f"  Courant number c1 dt / h = {time['courant']:.4g}, fraction of the stable step = {time['fraction']:.4g}",

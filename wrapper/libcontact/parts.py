@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from . import conflicts, effects
+from ._core import ffi, lib
+from .errors import new_error
 from .projection import METHODS
 from .schema import SceneError, Table, describe, float_array, index_array, suggestion
 from .surfaces import DEFAULT_BETA, INITIAL, RULES, read_enforcement, split_face
@@ -20,7 +22,7 @@ KERNELS = ("auto", "general", "box", "plane")
 INTEGRATIONS = ("full", "reduced")
 FIELDS = ("displacement", "velocity", "stress")
 SAVINGS = ("quiet", "plane_strain", "congruent", "distant")
-INTEGRATORS = ("central_difference",)
+INTEGRATORS = ("central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz")
 
 
 @dataclass(frozen=True)
@@ -129,6 +131,7 @@ class Time:
     end_over: tuple[float, float] | None
     step: tuple[str, float]
     integrator: str
+    parameter: float
     until_static: float | None = None
     energy_limit: float = 1.0
     look_every: int = 1024
@@ -416,11 +419,22 @@ def _time(table: Table) -> Time:
     step = table.one_of("courant", "fraction", "dt")
     value = table.number(step, above=0.0)
     integrator = table.choice("integrator", INTEGRATORS, INTEGRATORS[0])
+    parameter = _integrator_parameter(table, INTEGRATORS.index(integrator))
     until_static = table.number("until_static", None, least=1e-12)
     energy_limit = table.number("energy_limit", Time.energy_limit, above=0.0)
     look_every = table.integer("look_every", Time.look_every, least=1, most=2**53)
     table.done()
-    return Time(end, end_over, (step, value), integrator, until_static, energy_limit, look_every)
+    return Time(end, end_over, (step, value), integrator, parameter, until_static, energy_limit, look_every)
+
+
+def _integrator_parameter(table: Table, scheme: int) -> float:
+    """The one number of an integrator, checked by the library."""
+    usual = lib.ct_integrator_default(scheme).parameter
+    value = table.number("integrator_parameter", usual)
+    error = new_error()
+    if lib.ct_integrator_check(ffi.new("ct_integrator *", {"scheme": scheme, "parameter": value}), error) != lib.CT_OK:
+        raise table.error("integrator_parameter", ffi.string(error.text).decode())
+    return float(value)
 
 
 def _output(table: Table) -> Output:

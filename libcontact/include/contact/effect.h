@@ -35,11 +35,19 @@ typedef struct ct_view {
   const double *reference;
   /** Displacement u_n [length], shape (node_count, 3). */
   const double *displacement;
-  /** Δt [time]; 0 while the start is made, before v_{-1/2} is known, and while no step is chosen yet. */
+  /** Time until the next evaluation of the forces [time], Δt for most integrators; 0 while the start is made, before v_{-1/2} is known, and while no step is chosen yet. */
   double dt;
+  /** Velocity after the kick: `velocity` + `kick` times the sum of all forces over the mass [time], :eq:`stage`; Δt for most integrators, 0 with `dt`. */
+  double kick;
+  /** The displacement goes on by `dt` times (`velocity` + `push` times the sum of all forces over the mass + `carry` times `past`) [time], :eq:`stage`; 0 with `dt`. */
+  double push;
+  /** See `push` [time]; 0 where `past` is null. */
+  double carry;
+  /** Acceleration of the evaluation before [length / time²], shape (node_count, 3), for integrators that carry it on; or null. */
+  const double *past;
   /** Sum of the forces of the effects that stand before this one in the problem's list [force], shape (node_count, 3); in `force` only. */
   const double *total;
-  /** Velocity half a step back, v_{n-1/2} [length / time], shape (node_count, 3). */
+  /** Velocity half a step back, v_{n-1/2} [length / time], before the kick, shape (node_count, 3). */
   const double *velocity;
   /** What the effect remembers from step n - 1 (memory_count doubles). */
   const double *memory;

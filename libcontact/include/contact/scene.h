@@ -66,6 +66,8 @@ typedef struct ct_scene_time {
   int threads;
   /** Null, or the clock [seconds] that the problem gets. */
   double (*clock)(void);
+  /** The method of the time steps; all bytes zero: central difference. */
+  ct_integrator integrator;
 } ct_scene_time;
 
 /** An empty scene. */

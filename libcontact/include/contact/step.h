@@ -2,6 +2,7 @@
 #define CONTACT_STEP_H
 
 #include <contact/effect.h>
+#include <contact/integrator.h>
 #include <contact/material.h>
 #include <contact/mesh.h>
 
@@ -49,6 +50,8 @@ typedef struct ct_problem {
   int threads;
   /** Null, or a clock [seconds] with which the time loop measures what each effect costs (`effect_seconds` of the state); results do not depend on it. */
   double (*clock)(void);
+  /** The method of the time steps; all bytes zero: central difference. */
+  ct_integrator integrator;
 } ct_problem;
 
 /**
@@ -66,13 +69,13 @@ typedef struct ct_state {
   int32_t node_count;
   /** u_n [length], shape (node_count, 3); written by `ct_step`. */
   double *displacement;
-  /** v_{n-1/2} [length / time], shape (node_count, 3); written by `ct_step`. */
+  /** v_{n-1/2} [length / time], the velocity before the kick, :eq:`stage`, shape (node_count, 3); written by `ct_step`. */
   double *velocity;
   /** Doubles in `work`. */
   int64_t work_count;
   /**
    * For each effect in turn that is no reaction, at each of its nodes and components: the sum over the past steps of f_j · (v_{j-1/2} + v_{j+1/2}),
-   * its work divided by Δt / 2, :eq:`work-balance`.
+   * its work divided by Δt / 2, :eq:`work-balance`; with the weights of the stages, :eq:`stage-work`.
    */
   double *work;
   /** Doubles in `impulse`. */
@@ -83,7 +86,7 @@ typedef struct ct_state {
   double kinetic_start;
   /** Doubles in `memory`. */
   int64_t memory_count;
-  /** Memory of the effects, one after another. */
+  /** Memory of the effects, one after another; then, for Chung and Lee, the acceleration at t_{n-1}, shape (node_count, 3) [length / time²], :eq:`chung-lee-drift`. */
   double *memory;
   /**
    * Seconds spent in the forces of each effect so far, and after them in the rest of the time loop, shape (effect_count + 1); zero without the problem's
@@ -101,7 +104,7 @@ typedef struct ct_state {
 
 /** The stable step that is reported, and what it is made of. */
 typedef struct ct_stable_step {
-  /** Largest stable Δt with all effects [time]: 2 / sqrt(Σ ω²), :eq:`step-bound`, or with damping :eq:`damped-step-bound`. */
+  /** Largest stable Δt with all effects [time]: 2 / sqrt(Σ ω²), :eq:`step-bound`, or with damping and other integrators :eq:`integrator-damped-bound`. */
   double dt;
   /** The same without contacts, obstacles and their friction [time]. */
   double dt_without_contact;
@@ -118,7 +121,10 @@ CT_API ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, 
 /** Free a state; null is allowed. The problem must outlive its states. */
 CT_API void ct_state_free(ct_state *state);
 
-/** One step of the central difference method in leapfrog form, :eq:`leapfrog`. */
+/**
+ * One step of the problem's integrator, :eq:`stage`; the central difference method is :eq:`leapfrog`. When the forces of a second stage fail, the state stands within a step: then
+ * every call but `ct_state_copy` into it and `ct_state_free` answers ``CT_ERROR_ARGUMENT``.
+ */
 CT_API ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error);
 
 /** `count` steps; ends early with ``CT_ERROR_BLOWUP`` (body, node and time in `error`) when the state stops being finite. */

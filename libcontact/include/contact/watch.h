@@ -9,7 +9,7 @@ typedef struct ct_watch_options {
   int64_t every;
   /** Energy that may appear from nothing over the energy that should be there, :eq:`energy-appears`, > 0; infinite: energy is not watched. */
   double energy_limit;
-  /** Largest ω Δt of the motion of the solid alone, :eq:`step-quotient`, > 0: 2 for central differences; infinite: stiffening is not watched. */
+  /** Largest ω Δt of the motion of the solid alone, :eq:`step-quotient`, > 0, as for central differences: 2 is the limit of every integrator; infinite: stiffening is not watched. */
   double omega_limit;
   /** The stable step at the start [time], where the caller knows it; 0: it is asked when the watch is made. */
   double stable;

@@ -107,15 +107,13 @@ static ct_status list_constraints(const ct_problem *problem, ct_state *state, ct
 /* Way of each node until t_{n+1} without the constraints, how far a force moves it, and its way since t_{n-1} (eq:constraint-problem). */
 static void predict(const ct_problem *problem, const ct_state *state, ct_solver *s)
 {
-  // The first step is half a kick and a whole drift (eq:leapfrog-start).
-  double dt = problem->dt, kick = state->workspace->starting ? 0.5 * dt : dt;
+  // The last evaluation was in the other stage, where there are two.
+  ct_stage stages[2];
+  int count = ct_integrator_stages(&problem->integrator, stages);
+  double before = stages[count - 1 - state->workspace->stage].drift * problem->dt;
+  ct_integrator_predict(problem, state, s->node_count, s->nodes, WIDE, s->way, s->mobility);
   for (int32_t i = 0; i < s->node_count; i++)
-    for (int64_t c = 0; c < 3; c++) {
-      int64_t own = WIDE * (int64_t)i + c, dof = 3 * (int64_t)s->nodes[i] + c;
-      s->way[own] = dt * ct_kick(state->velocity[dof], kick, problem->inverse_mass[dof], state->workspace->total[dof]);
-      s->mobility[own] = dt * kick * problem->inverse_mass[dof];
-      s->past[own] = dt * state->velocity[dof];
-    }
+    for (int64_t c = 0; c < 3; c++) s->past[WIDE * (int64_t)i + c] = before * state->velocity[3 * (int64_t)s->nodes[i] + c];
 }
 
 /* Degrees of freedom that follow a path: no force moves them. */

@@ -163,6 +163,7 @@ int64_t ct_layout_bytes(const ct_output *output, const ct_problem *problem, cons
 /* -- identity.c: what a file says about its problem -- */
 
 enum { CT_LAYOUT = 1 };
+ct_status ct_identity_write_integrator(const ct_integrator *integrator, hid_t group, const char *path, ct_error *error);
 ct_status ct_identity_write(const ct_output *output, const ct_problem *problem, hid_t group, ct_error *error);
 /* ``CT_ERROR_FILE`` that names the first difference. `group` is /libcontact. */
 ct_status ct_identity_compare(hid_t group, const ct_problem *problem, const char *path, ct_error *error);

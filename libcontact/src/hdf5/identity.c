@@ -132,7 +132,30 @@ ct_status ct_identity_write(const ct_output *o, const ct_problem *problem, hid_t
   return status;
 }
 
+ct_status ct_identity_write_integrator(const ct_integrator *integrator, hid_t group, const char *path, ct_error *error)
+{
+  const int64_t scheme = (int64_t)integrator->scheme;
+  ct_status status = ct_hdf5_write_attribute(group, "integrator", H5T_NATIVE_INT64, 0, &scheme, path, NULL, error);
+  if (status == CT_OK) status = ct_hdf5_write_attribute(group, "integrator_parameter", H5T_NATIVE_DOUBLE, 0, &integrator->parameter, path, NULL, error);
+  return status;
+}
+
 /* -- Compare -- */
+
+/* A file without the attributes is older than the choice of integrators. */
+static ct_status compare_integrator(hid_t group, const ct_integrator *is, const char *path, ct_error *error)
+{
+  int64_t scheme = CT_CENTRAL_DIFFERENCE;
+  double parameter = 0.0;
+  ct_status status = CT_OK;
+  if (H5Aexists(group, "integrator") > 0) {
+    status = ct_hdf5_read_attribute(group, "integrator", H5T_NATIVE_INT64, &scheme, path, error);
+    if (status == CT_OK) status = ct_hdf5_read_attribute(group, "integrator_parameter", H5T_NATIVE_DOUBLE, &parameter, path, error);
+  }
+  if (status != CT_OK || (scheme == (int64_t)is->scheme && parameter == is->parameter)) return status;
+  return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file was written with the integrator %ld and parameter %.17g, the problem has %s with %.17g",
+                 ct_disk_short(path), (long)scheme, parameter, ct_scheme_name(is->scheme), is->parameter);
+}
 
 static ct_status other_body(const body_row *was, const body_row *is, int32_t b, const char *path, ct_error *error)
 {
@@ -213,6 +236,7 @@ ct_status ct_identity_compare(hid_t group, const ct_problem *problem, const char
                             ct_disk_short(path), (long)layout, CT_LAYOUT);
   if (status == CT_OK) status = compare_bodies(group, problem, path, error);
   if (status == CT_OK) status = compare_effects(group, problem, path, error);
+  if (status == CT_OK) status = compare_integrator(group, &problem->integrator, path, error);
   if (status == CT_OK) status = ct_hdf5_read_attribute(group, "dt", H5T_NATIVE_DOUBLE, &dt, path, error);
   if (status == CT_OK && dt != problem->dt)
     status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file was written with the time step %.17g, the problem has %.17g",

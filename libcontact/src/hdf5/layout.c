@@ -229,6 +229,7 @@ static ct_status create_own(ct_output *o, const ct_problem *problem, const ct_ou
   ct_status status = ct_hdf5_create_group(o->file, "libcontact", o->path, &group, error);
   if (status == CT_OK) status = ct_hdf5_write_attribute(group, "layout", H5T_NATIVE_INT64, 0, &layout, o->path, NULL, error);
   if (status == CT_OK) status = ct_hdf5_write_attribute(group, "dt", H5T_NATIVE_DOUBLE, 0, &problem->dt, o->path, NULL, error);
+  if (status == CT_OK) status = ct_identity_write_integrator(&problem->integrator, group, o->path, error);
   if (status == CT_OK) status = ct_hdf5_write_label(group, "version", ct_version(), o->path, error);
   if (status == CT_OK && options->scene != NULL) status = ct_hdf5_write_text(group, "scene", options->scene, o->path, error);
   if (status == CT_OK) status = ct_identity_write(o, problem, group, error);
