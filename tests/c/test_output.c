@@ -137,7 +137,7 @@ static rig *rig_create(int curved, int with_probe)
   r->probe = probe;
   r->effects[0] = r->solid;
   r->effects[1] = &r->probe;
-  ct_problem problem = {nodes, 2, r->body, r->reference, r->mass, r->inverse_mass, r->velocity, with_probe ? 2 : 1, r->effects, 0.02, 1, NULL, {CT_CENTRAL_DIFFERENCE, 0.0}};
+  ct_problem problem = {nodes, 2, r->body, r->reference, r->mass, r->inverse_mass, r->velocity, with_probe ? 2 : 1, r->effects, 0.02, 1, NULL, {CT_CENTRAL_DIFFERENCE, 0.0}, 0};
   r->problem = problem;
   return r;
 }
