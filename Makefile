@@ -304,7 +304,7 @@ threads: $(BUILD)/tsan/host_threads
 MEMCHECK ?= mesh mass solid solid_large solid_reduced step contact friction scene watch obstacle energy search api_fuzz
 memory: $(MEMCHECK:%=$(BUILD)/tests/test_%)
 	@for t in $(MEMCHECK); do echo "  valgrind test_$$t"; \
-	  valgrind -q --leak-check=full --error-exitcode=99 $(BUILD)/tests/test_$$t > $(BUILD)/tests/memory.txt || { cat $(BUILD)/tests/memory.txt; exit 1; }; done
+	  valgrind -q --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --error-exitcode=99 $(BUILD)/tests/test_$$t > $(BUILD)/tests/memory.txt || { cat $(BUILD)/tests/memory.txt; exit 1; }; done
 
 # -- The rest -----------------------------------------------------------------------------------------------------------------------
 info:

@@ -15,6 +15,7 @@ import matplotlib  # noqa: E402
 matplotlib.use("Agg")
 
 import libcontact as ct  # noqa: E402
+import effects  # noqa: E402
 import off_is_free  # noqa: E402
 import penalty  # noqa: E402
 import plates  # noqa: E402
@@ -39,7 +40,7 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     where = machine()
     print("\n".join(f"{key}: {value}" for key, value in where.items()), flush=True)
-    for bench in (plates, penalty, projection, search, savings, off_is_free):
+    for bench in (plates, penalty, projection, search, effects, savings, off_is_free):
         result = bench.measure()
         print("\n" + bench.report(result), flush=True)
         (folder / f"{bench.__name__}.json").write_text(json.dumps({"machine": where, "result": result}, indent=1, default=str))

@@ -102,16 +102,23 @@ def judge(case: str, made: ct.Scene, *, enforcement: str, beta: float | None, de
             warnings.simplefilter("ignore")
             run = made.run(progress=False, output=False, watch=watch)
     except ct.Error as error:
-        row.verdict, row.note, row.seconds = type(error).__name__, str(error), time.perf_counter() - begin
+        row.verdict, row.note, row.seconds = type(error).__name__, str(error).split(";")[0], time.perf_counter() - begin
+        if getattr(error, "run", None) is not None and len(error.run.energy):
+            weigh(row, error.run, scale)
         return row
-    total = run.energy["total"]
-    unit = max(abs(total[0]), np.abs(run.energy["external"]).max(), scale or 0.0, 1e-300)
-    row.energy, row.lost = float((total - total[0]).max() / unit), float((total[0] - total[-1]) / unit)
+    weigh(row, run, scale)
     row.momentum = drift(run)
     row.points, row.nodes, row.curve = watch.points, watch.nodes, watch.curve
     row.verdict = verdict(row, momentum, bound) or (whole(run, watch) if whole else "") or "passes"
     row.seconds = time.perf_counter() - begin
     return row
+
+
+def weigh(row: Row, run: ct.Run, scale: float | None) -> None:
+    """How far the total of the ledger rose above its start, and what was lost in the end."""
+    total = run.energy["total"]
+    unit = max(abs(total[0]), np.abs(run.energy["external"]).max(), scale or 0.0, 1e-300)
+    row.energy, row.lost = float((total - total[0]).max() / unit), float((total[0] - total[-1]) / unit)
 
 
 def drift(run: ct.Run) -> float:

@@ -1,9 +1,13 @@
-"""``make stability``: every case, one table, pictures. ``run.py FOLDER [--short] [CASE ...]``; Ctrl-C keeps what is done."""
+"""
+``make stability``: every case, one table, pictures. ``run.py FOLDER [--short] [--book] [CASE ...]``; Ctrl-C keeps what is done. ``--book`` also writes what the chapter
+"Stability" shows, into ``docs/stability``.
+"""
 
 from __future__ import annotations
 
 import csv
 import json
+import math
 import os
 import sys
 from pathlib import Path
@@ -14,6 +18,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import cases  # noqa: E402
 import lab  # noqa: E402
+
+
+BOOK = Path(__file__).resolve().parents[1] / "docs" / "stability"
+# Cases that are one line of the summary.
+GROUPS = {"cube dropped on its face": "cube dropped", "cube dropped on its edge": "cube dropped", "cube dropped on its corner": "cube dropped",
+          "last bit as given": "last bit of the input changed", "rounding to nearest": "rounding modes", "rounding down": "rounding modes", "rounding up": "rounding modes",
+          "rounding to zero": "rounding modes", **{f"length {length} m": "sizes 1e-9 ... 1e6 m" for length in ("1", "1e-09", "1e-06", "0.001", "1000", "1e+06")}}
 
 
 def collect(names: list[str], short: bool) -> list[lab.Row]:
@@ -47,8 +58,39 @@ def write(rows: list[lab.Row], folder: Path) -> None:
         table.writerows([[row.data()[name] for name in names] for row in rows])
 
 
+def summarise(rows: list[lab.Row]) -> list[dict[str, str]]:
+    """One line for all rows of a case with one enforcement: the worst of each figure."""
+    groups: dict[tuple[str, str], list[lab.Row]] = {}
+    for row in rows:
+        groups.setdefault((GROUPS.get(row.case.split(",")[0], row.case.split(",")[0]), row.enforcement), []).append(row)
+    out = []
+    for (case, enforcement), own in groups.items():
+        whole = [row for row in own if math.isfinite(row.energy)]
+        betas = sorted({row.beta for row in own if row.beta is not None})
+        fractions = sorted({round(row.fraction, 2) for row in own if math.isfinite(row.fraction)})
+        worst = {}
+        for key in ("energy", "points", "nodes", "momentum"):
+            values = [getattr(row, key) for row in whole if math.isfinite(getattr(row, key))]
+            worst[key] = f"{max(values):.1e}" if values else ""
+        out.append({"case": case, "enforcement": enforcement.replace("_", "-"), "beta": _range(betas), "step": _range(fractions), "energy grows by": worst["energy"],
+                    "points / h": worst["points"], "nodes / h": worst["nodes"], "momentum": worst["momentum"], "passes": f"{sum(row.good for row in own)} of {len(own)}"})
+    return out
+
+
+def _range(values: list[float]) -> str:
+    return "" if not values else f"{values[0]:g}" if len(values) == 1 else f"{values[0]:g} ... {values[-1]:g}"
+
+
+def write_summary(rows: list[lab.Row], folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / "summary.csv").open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, list(summarise(rows)[0]))
+        table.writeheader()
+        table.writerows(summarise(rows))
+
+
 def main() -> int:
-    arguments = [argument for argument in sys.argv[1:] if argument != "--short"]
+    arguments = [argument for argument in sys.argv[1:] if not argument.startswith("--")]
     folder, names = Path(arguments[0]), arguments[1:]
     known = [case.__name__ for case in cases.CASES]
     if unknown := [name for name in names if name not in known]:
@@ -60,6 +102,10 @@ def main() -> int:
         import pictures
 
         pictures.draw(rows, folder)
+        write_summary(rows, folder)
+        if "--book" in sys.argv:
+            pictures.draw(rows, BOOK)
+            write_summary(rows, BOOK)
     odd = surprises(rows)
     default = [row for row in rows if row.enforcement == lab.DEFAULT]
     print(f"\n{len(rows)} rows; the default enforcement passes {sum(row.good for row in default)} of {len(default)}; {len(odd)} rows end otherwise than expected")

@@ -118,6 +118,29 @@ ct_status ct_rule_face(ct_face_kind kind, int points, ct_rule *rule)
   return CT_ERROR_ARGUMENT;
 }
 
+ct_status ct_rule_lobatto(ct_face_kind kind, ct_rule *rule)
+{
+  static const double place[3] = {-1.0, 0.0, 1.0}, weight[3] = {1.0 / 3.0, 4.0 / 3.0, 1.0 / 3.0};
+  if (rule == NULL) return CT_ERROR_ARGUMENT;
+  rule->count = 0;
+  if (ct_face_node_count(kind) == 0) return CT_ERROR_ARGUMENT;
+  // -- Corners, middles of edges, centre (eq:quadrature-lobatto)
+  if (kind == CT_T3 || kind == CT_T6) {
+    add_orbit(rule, 0.0, 1.0 / 40);
+    add_orbit(rule, 0.5, 1.0 / 15);
+    add_centroid(rule, 9.0 / 40);
+    return CT_OK;
+  }
+  for (int q = 0; q < 9; q++) {
+    rule->xi[q][0] = place[q % 3];
+    rule->xi[q][1] = place[q / 3];
+    rule->xi[q][2] = 0.0;
+    rule->weight[q] = weight[q % 3] * weight[q / 3];
+  }
+  rule->count = 9;
+  return CT_OK;
+}
+
 ct_status ct_rule_brick(ct_brick_kind kind, ct_rule *rule)
 {
   if (rule == NULL) return CT_ERROR_ARGUMENT;

@@ -90,20 +90,6 @@ static void correct_touched(ct_state *state, double share)
     }
 }
 
-/* Velocity before the step at a node on which an effect beside the first acts. */
-static const double *velocity_before(const ct_workspace *w, int32_t node)
-{
-  int32_t low = 0, high = w->touched_count - 1;
-  while (low < high) {
-    int32_t middle = (low + high) / 2;
-    if (w->touched[middle] < node)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return &w->touched_velocity[3 * (int64_t)low];
-}
-
 /* Take the forces on held degrees of freedom from an impulse. */
 CT_CLONES
 static void react(int64_t count, double share, const double *restrict inverse_mass, const double *restrict force, double *restrict impulse)
@@ -149,10 +135,12 @@ static void count_work(const ct_problem *problem, ct_state *state, double share)
     const ct_effect *effect = problem->effects[k];
     double *impulse = state->impulse + ct_state_impulse_start(problem, k), *work = state->work + ct_state_work_start(problem, k);
     if (effect->reaction) count_reaction(problem, w, effect, share, impulse);
-    for (int32_t i = 0; !effect->reaction && i < effect->node_count; i++) {
+    for (int32_t i = 0, at = 0; !effect->reaction && i < effect->node_count; i++) {
       int32_t node = ct_effect_node(effect, i);
       const double *after = &state->velocity[3 * (int64_t)node];
-      const double *before = velocity_before(w, node), *force = &w->force[k][3 * (int64_t)i];
+      // Both lists ascend, so a walk finds the velocity before the step.
+      while (w->touched[at] < node) at++;
+      const double *before = &w->touched_velocity[3 * (int64_t)at], *force = &w->force[k][3 * (int64_t)i];
       for (int64_t c = 0; c < 3; c++) {
         double f = share * force[c];
         work[3 * (int64_t)i + c] += f * (before[c] + after[c]);

@@ -500,7 +500,8 @@ static void bulge(void)
   int32_t faces[16], nodes = m->node_count, count = ct_mesh_plane_faces(m, 0, 1.0, faces, NULL);
   double *X = numbers(6 * nodes), *x = numbers(6 * nodes);
   for (int n = 0; n < nodes; n++)
-    for (int c = 0; c < 3; c++) X[3 * n + c] = m->nodes[3 * n + c], X[3 * (nodes + n) + c] = (c == 0 ? 12.0 : 1.0) - m->nodes[3 * n + c];
+    for (int c = 0; c < 3; c++)
+      X[3 * n + c] = m->nodes[3 * n + c], X[3 * (nodes + n) + c] = c == 2 ? m->nodes[3 * n + c] : (c == 0 ? 12.0 : 1.0) - m->nodes[3 * n + c];
   ct_surface a = {CT_Q8, 2 * nodes, count, faces, X}, b = a;
   int32_t turned[8];
   for (int i = 0; i < 8; i++) turned[i] = faces[i] + nodes;

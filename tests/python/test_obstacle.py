@@ -130,7 +130,7 @@ def test_refusals(change, key, reason):
     ("bipenalty", 10, 0.5, True), ("bipenalty", 1, 0.9, False), ("energy_controlled", 1e4, 0.9, False), ("lagrange", 4, 0.9, False)])
 def test_chatter_is_foretold(enforcement, beta, fraction, told):
     """What is warned of gains more than 1 % of energy, what is not gains less."""
-    data = changed("bar_on_a_wall", time={"end": 1.5, "fraction": fraction}, output={"every": 1})
+    data = changed("bar_on_a_wall", time={"end": 1.5, "fraction": fraction, "energy_limit": 1e6}, output={"every": 1})
     epsilon = beta * 900 / 0.1
     for key, value in (("beta", beta), ("epsilon", epsilon)):
         data["obstacle"][0].pop("beta", None)

@@ -89,3 +89,16 @@ def test_explain_tells_the_savings():
     assert "quiet, plane_strain, congruent, distant" in str(scene().explain())
     assert scene(["distant"]).explain().data["savings"] == ["distant"]
     assert "none, by the scene's own wish" in str(scene([]).explain())
+
+
+def test_a_lattice_is_refused_for_lack_of_memory_only_where_tables_would_not_fit(monkeypatch):
+    block = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [10, 10, 10]}
+    body = lambda **other: [{"name": "block", "box": block, "material": "steel", **other}]
+    one = {"contact": [], "support": []}
+    nodes, elements = 11**3, 10**3
+    # With tables an element has its 8 node numbers twice and 24 forces, without them its numbers and one energy.
+    monkeypatch.setattr("libcontact.problem._physical_memory", lambda: 256 * nodes + 150 * elements)
+    scene(body=body(), **one).explain()
+    for savings, other in (([], {}), (None, {"kernel": "general"})):
+        with pytest.raises(SceneError, match="GB, this machine has"):
+            scene(savings, body=body(**other), **one).explain()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,8 +19,12 @@ MOST_ELEMENTS = 2_000_000
 
 @dataclass(frozen=True, eq=False)
 class Touch:
-    """One contact: the earliest ``time`` at which its surfaces can meet (infinite: never), and the ``shift`` (3,) of ``body`` that brings them together."""
+    """
+    One contact or obstacle, number ``contact`` of those named ``name``: the earliest ``time`` at which its surfaces can meet (infinite: never), and the ``shift`` (3,) of
+    ``body`` that brings them together.
+    """
 
+    name: str
     contact: int
     body: str
     time: float
@@ -27,12 +32,12 @@ class Touch:
 
 
 def first_touch(problem: Problem) -> list[Touch]:
-    """For each contact when the boxes of its surfaces meet, the bodies moving as they began and with their gravity."""
-    out = []
+    """For each contact when the boxes of its surfaces meet, and for each obstacle when the surface does, the bodies moving as they began and with their gravity."""
+    out = [_obstacle(problem, i, added.given) for i, added in enumerate(added for added in problem.parts.effects if added.name == "obstacle")]
     for i, contact in enumerate(problem.parts.contacts):
         (a, _), (b, _) = contact.surfaces
         if contact.with_itself:
-            out.append(Touch(i, b, 0.0, np.zeros(3)))
+            out.append(Touch("contact", i, b, 0.0, np.zeros(3)))
             continue
         boxes = []
         for body, faces in zip((a, b), problem.faces[i]):
@@ -42,14 +47,37 @@ def first_touch(problem: Problem) -> list[Touch]:
         axis = int(np.argmax(gaps))
         gap, side = float(gaps[axis]), 1.0 if boxes[1][0][axis] > boxes[0][1][axis] else -1.0
         if gap <= 0.0:
-            out.append(Touch(i, b, 0.0, np.zeros(3)))
+            out.append(Touch("contact", i, b, 0.0, np.zeros(3)))
             continue
         speed = side * (problem.parts.bodies[a].velocity[axis] - problem.parts.bodies[b].velocity[axis])
         pull = side * (_gravity(problem, a)[axis] - _gravity(problem, b)[axis])
         shift = np.zeros(3)
         shift[axis] = -side * gap
-        out.append(Touch(i, b, _fall(gap, speed, pull), shift))
+        out.append(Touch("contact", i, b, _fall(gap, speed, pull), shift))
     return out
+
+
+def _obstacle(problem: Problem, number: int, given: Any) -> Touch:
+    """When the nearest node of an obstacle's surface comes to it; one that is moved by a history is taken as touched from the start."""
+    body, face = given.surface
+    mesh = problem.bodies[body].mesh
+    points = mesh.nodes[mesh.face_nodes(face)]
+    r = points - np.array(given.point)
+    if given.shape == "plane":
+        normals = np.broadcast_to(np.array(given.axis) / np.linalg.norm(given.axis), r.shape)
+        gaps = (r * normals).sum(axis=1)
+    else:
+        axis = np.array(given.axis) / np.linalg.norm(given.axis)
+        away = r if given.shape == "sphere" else r - np.outer(r @ axis, axis)
+        distance = np.linalg.norm(away, axis=1)
+        gaps, normals = distance - given.radius, away / np.maximum(distance, np.finfo(float).tiny)[:, None]
+    nearest = int(np.argmin(gaps))
+    gap, normal = float(gaps[nearest]), normals[nearest]
+    if gap <= 0.0:
+        return Touch("obstacle", number, body, 0.0, np.zeros(3))
+    speed = -float((np.array(problem.parts.bodies[body].velocity) - np.array(given.velocity)) @ normal)
+    time = 0.0 if given.history[0] else _fall(gap, speed, -float(_gravity(problem, body) @ normal))
+    return Touch("obstacle", number, body, time, -gap * normal)
 
 
 def _gravity(problem: Problem, body: str) -> np.ndarray:
@@ -97,17 +125,17 @@ def _starts(problem: Problem, touch: list[Touch]) -> np.ndarray:
         own = velocity[body.nodes]
         common = np.median(own, axis=0)
         starts[body.nodes][np.any(own != common, axis=1)] = 0.0
-    contacts = 0
+    times = {(move.name, move.contact): move.time for move in touch}
+    met = dict.fromkeys(("contact", "obstacle"), 0)
     for k, name in enumerate(problem.effects):
         effect = pointer.effects[k]
         if k == 0 or effect.reaction or effect.node_count == 0:
-            contacts += name == "contact"
             continue
         nodes = slice(None) if effect.nodes == ffi.NULL else np.frombuffer(ffi.buffer(effect.nodes, 4 * effect.node_count), np.int32)
         begin = 0.0
-        if name == "contact":
-            begin = touch[contacts].time / problem.dt
-            contacts += 1
+        if name in met:
+            begin = times[name, met[name]] / problem.dt
+            met[name] += 1
         starts[nodes] = np.minimum(starts[nodes], begin)
     return starts
 

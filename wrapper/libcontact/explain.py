@@ -11,7 +11,7 @@ from ._core import ffi, lib
 from .chatter import chatter
 from .parts import Contact, Parts
 from .plan import Cost, predict, table
-from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, speeds
+from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, penetrations, speeds
 from .surfaces import DEFAULT_BETA
 from .units import Units
 
@@ -23,10 +23,10 @@ EFFECTS = {
     "support": "no [[support]]: nothing holds the bodies",
     **{effects.name_of(module): module.WITHOUT for module in effects.MODULES},
 }
-ASSUMPTIONS = (
-    "contact by a penalty, so surfaces overlap by pressure / epsilon",
-    "surfaces meet only where a [[contact]] names them; a body passes through itself unless one names two surfaces of it, or one twice",
-)
+PENALTY = "contact by a penalty, so surfaces overlap by pressure / epsilon"
+NAMED = "surfaces meet only where a [[contact]] names them; a body passes through itself unless one names two surfaces of it, or one twice"
+RELAXED = "dynamic relaxation: the way to rest is not the true motion, only the end is"
+DEAD = "loads keep the direction and size that they have on the undeformed surface"
 RINGING = "no damping and no artificial viscosity: the ringing behind a steep front is the mesh's own"
 LAWS = {
     "linear": "small strains and rotations, linear isotropic elasticity",
@@ -58,7 +58,7 @@ def _facts(problem: Problem) -> dict[str, Any]:
     used = list(dict.fromkeys(problem.effects))
     bodies = [_body(problem, body) for body in problem.bodies.values()]
     gaps = _initial_gaps(problem)
-    contacts = [_contact(built, given, gap) for built, given, gap in zip(problem.contacts, parts.contacts, gaps)]
+    contacts = [_contact(*row) for row in zip(problem.contacts, parts.contacts, gaps, _initial_penetration(problem))]
     return {
         "title": parts.title,
         "file": problem.file,
@@ -91,8 +91,17 @@ def _assumptions(parts: Parts) -> list[str]:
     for body in parts.bodies.values():
         bodies.setdefault(parts.materials[body.material].law, []).append(body.name)
     laws = [LAWS[law] + (f" ({', '.join(names)})" if len(bodies) > 1 else "") for law, names in bodies.items()]
-    ringing = [] if {"damping", "viscosity"} & {effect.name for effect in parts.effects} else [RINGING]
-    return [*laws, *([STIFFENS] if set(bodies) != {"linear"} else []), *ASSUMPTIONS, *ringing]
+    added = {effect.name for effect in parts.effects}
+    pressed = [*parts.contacts, *(effect.given for effect in parts.effects if effect.name == "obstacle")]
+    holds = (
+        (set(bodies) != {"linear"}, STIFFENS),
+        (any(given.enforcement != "lagrange" for given in pressed), PENALTY),
+        (True, NAMED),
+        (any(effect.name == "load" and not effect.given.following for effect in parts.effects), DEAD),
+        (any(effect.name == "damping" and effect.given.rate is None for effect in parts.effects), RELAXED),
+        (not {"damping", "viscosity"} & added, RINGING),
+    )
+    return [*laws, *(sentence for true, sentence in holds if true)]
 
 
 def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
@@ -137,16 +146,28 @@ def _initial_gaps(problem: Problem) -> list[float | None]:
     return [float(gap.min()) if gap.size else None for gap in gaps]
 
 
-def _contact(built: BuiltContact, given: Contact, gap: float | None) -> dict[str, Any]:
+def _initial_penetration(problem: Problem) -> list[dict[str, Any]]:
+    """What is inside at t = 0, of each contact, at its points."""
+    return [found["points"] for found in penetrations(problem, new_state(problem))] if problem.contacts else []
+
+
+def _contact(built: BuiltContact, given: Contact, gap: float | None, found: dict[str, Any]) -> dict[str, Any]:
     warnings = []
-    if gap is not None and gap < 0.0:
-        warnings.append(f"contact {_who(built.surfaces)}: the surfaces overlap by {-gap:.3g} at the start; "
-                        "the penalty pushes them apart, which puts energy into the bodies")
+    fate = {"push": "the penalty pushes them apart, which puts energy into the bodies", "keep": "their gaps count from where they are",
+            "remove": f"they are parted in {given.removal_time:g}"}
+    if found["deepest"] > 0.0:
+        where = ", ".join(f"{x:.4g}" for x in found["position"])
+        warnings.append(f"contact {_who(built.surfaces)}: the surfaces overlap by {found['deepest']:.3g} at the start, at {found['inside'] - found['buried']} "
+                        f"points, most at ({where}) on {found['surface']}; {fate.get(given.initial_penetration)}")
+    if found["buried"]:
+        warnings.append(f"contact {_who(built.surfaces)}: {found['buried']} points are deep beneath the other surface at the start, or on its far side; they are in no "
+                        "contact before they have been outside")
     return {
         "surfaces": list(built.surfaces), "with_itself": built.with_itself, "faces": list(built.faces), "gauss_points": list(built.points),
         "epsilon": built.epsilon, "beta": given.beta, "penalty_is_default": not given.penalty_given,
         "enforcement": given.enforcement, "dissipation": given.dissipation, "friction": given.friction, "tangent": given.tangent or 1.0,
-        "method": given.method, "tolerance": given.tolerance, "depth": given.depth, "initial_gap": gap, "warnings": warnings,
+        "method": given.method, "tolerance": given.tolerance, "depth": given.depth, "points": given.points,
+        "initial_penetration": given.initial_penetration, "removal_time": given.removal_time, "penetration": found, "initial_gap": gap, "warnings": warnings,
     }
 
 
@@ -225,7 +246,7 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
     else:
         origin = f"beta = {contact['beta']:g}" if contact["beta"] is not None else "given"
     return [
-        f"  contact {_who(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} Gauss points",
+        f"  contact {_who(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} {'Gauss' if contact['points'] == 'gauss' else 'Lobatto'} points",
         f"    penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin}), closest points by {contact['method']}",
         f"    enforced by {contact['enforcement']}" + (f", dissipation {contact['dissipation']:g}" if contact["enforcement"] == "energy_controlled" else ""),
         *([f"    friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"] if contact["friction"] else []),

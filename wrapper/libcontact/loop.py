@@ -21,7 +21,7 @@ from .chatter import ChatterWarning, chatter
 from .errors import NotBuiltIn, check, new_error
 from .mesh import view
 from .plan import measured
-from .problem import Problem, contact_points, new_state
+from .problem import Problem, contact_points, new_state, penetrations
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_dtype
 from .schema import SceneError, is_number
 
@@ -38,6 +38,10 @@ class OutputWarning(UserWarning):
 
 class NotAtRest(UserWarning):
     """A run that should end at rest has come to its end before."""
+
+
+class NotSettled(UserWarning):
+    """In some steps the contact forces, which are found by iteration, did not reach their tolerance."""
 
 
 def schedule(problem: Problem) -> tuple[int, list[int] | None]:
@@ -214,6 +218,9 @@ class Loop:
         if self.problem.parts.time.until_static is not None and last == self.problem.step_count and not stop and not self._at_rest():
             warnings.warn(NotAtRest(f"the run ends at t = {self.state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
                                     f"until_static = {self.problem.parts.time.until_static:g}"), stacklevel=4)
+        if self.state.unsettled:
+            warnings.warn(NotSettled(f"the contact forces did not settle to their tolerance in {self.state.unsettled} of {self.state.step} steps; a smaller step helps, or a "
+                                     "smaller beta"), stacklevel=4)
         self.seconds = clock.perf_counter() - begin
 
     def start_guard(self) -> None:
@@ -286,7 +293,8 @@ class Loop:
             energy=np.concatenate(energy or [np.empty(0, energy_dtype(problem.effects))]), momentum=np.concatenate(momentum or [np.empty(0, MOMENTUM)]),
             state=state, path=self.path, scene=self.scene_text, interrupted=self.interrupted, seconds=self.seconds,
             costs=measured(problem, self.state, self.output_seconds), writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state),
-            impulse={} if failed else self._impulses(), dt=problem.dt)
+            impulse={} if failed else self._impulses(), dt=problem.dt,
+            penetration=[] if failed or records else penetrations(problem, self.state))
 
     def _impulses(self) -> dict[str, np.ndarray]:
         """The impulse of each effect but the solid on all bodies together, effects of one name added up."""

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from . import effects
+from . import conflicts, effects
 from ._core import ffi, lib
 from .errors import new_error
 from .projection import METHODS
 from .schema import SceneError, Table, describe, float_array, index_array, suggestion
-from .surfaces import DEFAULT_BETA, read_enforcement, split_face
+from .surfaces import DEFAULT_BETA, INITIAL, RULES, read_enforcement, split_face
 from .units import BASES, Units
 
 ELEMENTS = ("hex8", "hex20")
@@ -99,6 +99,9 @@ class Contact:
     tangent: float
     enforcement: str
     dissipation: float
+    points: str = "gauss"
+    initial_penetration: str = "push"
+    removal_time: float = 0.0
 
     @property
     def with_itself(self) -> bool:
@@ -187,7 +190,9 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     scene.done()
     if whole and not bodies:
         raise SceneError("there is no [[body]]; a scene needs at least one", "body", file)
-    return Parts(title, units, materials, bodies, contacts, supports, added, time, output, threads, savings)
+    parts = Parts(title, units, materials, bodies, contacts, supports, added, time, output, threads, savings)
+    conflicts.refuse(parts, file)
+    return parts
 
 
 def _named(tables: list[Table], reader: Any) -> dict[str, Any]:
@@ -349,9 +354,14 @@ def _contact(table: Table, bodies: dict[str, Body]) -> Contact:
         friction=table.number("friction", 0.0, least=0.0),
         tangent=table.number("tangent", 0.0, above=0.0),
         **dict(zip(("enforcement", "dissipation"), read_enforcement(table))),
+        points=table.choice("points", RULES, "gauss"),
+        initial_penetration=table.choice("initial_penetration", INITIAL, "push"),
+        removal_time=table.number("removal_time", 0.0, above=0.0),
     )
     if contact.tangent and not contact.friction:
         raise table.error("tangent", 'belongs to friction; give "friction" too')
+    if (contact.initial_penetration == "remove") != (contact.removal_time > 0.0):
+        raise table.error("removal_time", 'and initial_penetration = "remove" belong together; give both or none')
     table.done()
     return contact
 

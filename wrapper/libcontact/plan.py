@@ -64,7 +64,7 @@ def predict(problem: Problem, records: int) -> list[Cost]:
     touch = first_touch(problem)
     out = []
     for name, part in parts.items():
-        active = active_share(problem, touch) if name == "solid" else _contact_share(problem, touch) if name == "contact" else 1.0
+        active = active_share(problem, touch) if name == "solid" else _touch_share(problem, touch, name) if name in ("contact", "obstacle") else 1.0
         count = records if name == OUTPUT else steps
         out.append(Cost(name, seconds_a_step=seconds[name], active=active, predicted=seconds[name] * active * count, **part))
     return out
@@ -112,8 +112,12 @@ def _prepare(problem: Problem, state: Any) -> None:
     count = problem.pointer.node_count
     u = np.frombuffer(ffi.buffer(state.displacement, 24 * count), np.float64).reshape(-1, 3)
     edge = min(body.mesh.shortest_edge for body in problem.bodies.values())
+    moved = set()
     for move in first_touch(problem):
-        u[problem.bodies[move.body].nodes] += move.shift
+        # A body that several things wait for can be brought to one of them only.
+        if move.body not in moved and move.shift.any():
+            u[problem.bodies[move.body].nodes] += move.shift
+            moved.add(move.body)
     u += SHAKE * edge * np.random.default_rng(1).uniform(-1.0, 1.0, u.shape)
 
 
@@ -158,10 +162,9 @@ def _record_seconds(problem: Problem, state: Any) -> float:
     return math.nan
 
 
-def _contact_share(problem: Problem, touch: list[Any]) -> float:
-    """Share of the run after the first possible touch, the mean over the contacts."""
-    times = {move.contact: move.time for move in touch}
-    shares = [max(0.0, 1.0 - times.get(i, 0.0) / problem.end) for i in range(len(problem.contacts))]
+def _touch_share(problem: Problem, touch: list[Any], name: str) -> float:
+    """Share of the run after the first possible touch, the mean over the contacts or over the obstacles."""
+    shares = [max(0.0, 1.0 - move.time / problem.end) for move in touch if move.name == name]
     return sum(shares) / len(shares) if shares else 1.0
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from ._core import ffi, lib
 from .errors import Error, check, new_error
 from .mesh import KINDS, WIDTH, Mesh, read_vtkhdf
 from .projection import METHODS
-from .surfaces import ENFORCEMENTS
+from .surfaces import ENFORCEMENTS, INITIAL, RULES
 from .schema import SceneError, float_array, index_array
 
 LUMPING = {None: lib.CT_LUMP_DEFAULT, "row_sum": lib.CT_LUMP_ROW_SUM, "hrz": lib.CT_LUMP_HRZ}
@@ -68,12 +68,13 @@ def c_material(material: scene_parts.Material) -> Any:
                                      "law": LAW[material.law]})
 
 
-def memory_estimate(nodes: int, elements: int, width: int) -> int:
+def memory_estimate(nodes: int, elements: int, width: int, lattice: bool = False) -> int:
     """
     Bytes that a run needs, about: 32 numbers a node (coordinates, masses, displacement, velocity, forces, ledger), and the
-    node numbers of the elements, twice, with the forces of their nodes on the way to the sum.
+    node numbers of the elements, twice, with the forces of their nodes on the way to the sum. A ``lattice`` of congruent elements
+    needs their numbers once, and one energy for each.
     """
-    return nodes * 32 * 8 + elements * width * (2 * 4 + 3 * 8)
+    return nodes * 32 * 8 + elements * (width * 4 + 8 if lattice else width * (2 * 4 + 3 * 8))
 
 
 class Problem:
@@ -154,10 +155,16 @@ class Problem:
             if body.box is not None or body.ring is not None:
                 x, y, z = (body.box or body.ring).cells
                 nodes = (x + 1) * (y + 1) * (z + 1) * (4 if body.element == "hex20" else 1)
-                need += memory_estimate(nodes, x * y * z, WIDTH[body.element])
+                need += memory_estimate(nodes, x * y * z, WIDTH[body.element], self._is_lattice(body))
             if need > _physical_memory():
                 reason = f"the run needs about {need / 1e9:.3g} GB, this machine has {_physical_memory() / 1e9:.3g} GB"
                 raise SceneError(reason, f"body[{i}].{'box' if body.box else 'ring'}.cells", self.file)
+
+    def _is_lattice(self, body: scene_parts.Body) -> bool:
+        """Whether nothing is stored of the elements of a body, :eq:`lattice-ring`."""
+        if body.box is None or body.element != "hex8" or body.integration != "full" or body.kernel not in ("auto", "box", "plane"):
+            return False
+        return "congruent" in self.parts.savings and self.parts.materials[body.material].law == "linear" and body.box.cells[0] >= 8
 
     def _mesh(self, i: int, body: scene_parts.Body) -> Mesh:
         key = f"body[{i}]." + ("box" if body.box else "ring" if body.ring else "mesh" if body.mesh else "elements")
@@ -235,6 +242,9 @@ class Problem:
         new.options.threads = self.threads
         new.options.enforcement = ENFORCEMENTS[contact.enforcement]
         new.options.dissipation = contact.dissipation
+        new.options.points = RULES[contact.points]
+        new.options.initial = INITIAL[contact.initial_penetration]
+        new.options.removal = contact.removal_time
         if contact.tolerance is not None:
             new.options.tolerance = contact.tolerance
         if contact.depth is not None:
@@ -376,18 +386,38 @@ def _together(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(both[np.sort(places)])
 
 
-def contact_points(problem: Problem, state: Any) -> list[np.ndarray]:
-    """The Gauss points of each contact of the problem in a state (``ct_state *``)."""
-    out = []
+def _contacts(problem: Problem, state: Any) -> Iterator[Any]:
+    """The contacts of the problem (``const ct_contact *``) in a state (``ct_state *``)."""
     for k, name in enumerate(problem.effects):
         if name == "contact":
             error = new_error()
             contact = lib.ct_state_contact(problem.pointer, state, k, error)
             if contact == ffi.NULL:
                 check(error.code, error)
-            points = np.zeros(lib.ct_contact_point_count(contact), POINT)
-            check(lib.ct_contact_points(contact, ffi.cast("ct_contact_point *", points.ctypes.data)))
-            out.append(points)
+            yield contact
+
+
+def contact_points(problem: Problem, state: Any) -> list[np.ndarray]:
+    """The points of each contact of the problem in a state (``ct_state *``)."""
+    out = []
+    for contact in _contacts(problem, state):
+        points = np.zeros(lib.ct_contact_point_count(contact), POINT)
+        check(lib.ct_contact_points(contact, ffi.cast("ct_contact_point *", points.ctypes.data)))
+        out.append(points)
+    return out
+
+
+def penetrations(problem: Problem, state: Any) -> list[dict[str, dict[str, Any]]]:
+    """How far the surfaces of each contact are inside each other in a state (``ct_state *``); see ``Run.penetration``."""
+    out: list[dict[str, dict[str, Any]]] = []
+    for built, contact in zip(problem.contacts, _contacts(problem, state)):
+        places = {"points": lib.CT_AT_POINTS} if built.with_itself else {"points": lib.CT_AT_POINTS, "corners": lib.CT_AT_CORNERS, "edges": lib.CT_AT_EDGES}
+        found, table = ffi.new("ct_penetration *"), {}
+        for place, at in places.items():
+            check(lib.ct_contact_penetration(contact, at, found))
+            table[place] = {"inside": found.inside, "buried": found.buried, "deepest": found.deepest,
+                            "surface": built.surfaces[found.side] if found.side >= 0 else None, "face": found.face, "position": tuple(found.position)}
+        out.append(table)
     return out
 
 

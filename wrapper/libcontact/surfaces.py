@@ -14,6 +14,9 @@ DEFAULT_BETA = 4.0
 ENFORCEMENTS = {"energy_controlled": lib.CT_ENFORCE_ENERGY_CONTROLLED, "penalty": lib.CT_ENFORCE_PENALTY,
                 "bipenalty": lib.CT_ENFORCE_BIPENALTY, "lagrange": lib.CT_ENFORCE_LAGRANGE}
 DEFAULT_ENFORCEMENT, DEFAULT_DISSIPATION = "energy_controlled", 0.1
+# Where a contact has its points, and what it does with those that are inside at the start (chapter "Contact").
+RULES = {"gauss": lib.CT_POINTS_GAUSS, "lobatto": lib.CT_POINTS_LOBATTO}
+INITIAL = {"push": lib.CT_INITIAL_PUSH, "refuse": lib.CT_INITIAL_REFUSE, "keep": lib.CT_INITIAL_KEEP, "remove": lib.CT_INITIAL_REMOVE}
 FACES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "outer")
 
 

@@ -6,6 +6,26 @@
 #include <contact/search.h>
 #include <contact/segment.h>
 
+/** Where on its faces a contact has points, :eq:`unseen`. */
+typedef enum ct_contact_rule {
+  /** Gauss points, which lie 0.21 h and more inside the face. */
+  CT_POINTS_GAUSS,
+  /** Points at corners, middles of edges and centres, `ct_rule_lobatto`: no corner can enter a face unseen. */
+  CT_POINTS_LOBATTO
+} ct_contact_rule;
+
+/** What a contact as an effect does with points that are inside at the start, :eq:`initial-shift`. */
+typedef enum ct_initial {
+  /** Push them out at once, which puts the energy of the penalty into the bodies. */
+  CT_INITIAL_PUSH,
+  /** End with CT_ERROR_GEOMETRY, which tells how many there are, and the place and depth of the deepest. */
+  CT_INITIAL_REFUSE,
+  /** Count the gap of each of them from where it starts, until it has opened. */
+  CT_INITIAL_KEEP,
+  /** As CT_INITIAL_KEEP, but the start gap fades to nothing in the time `removal`; the ledger books its work as external. */
+  CT_INITIAL_REMOVE
+} ct_initial;
+
 /** Choices of a contact. Start from `ct_contact_options_default`. */
 typedef struct ct_contact_options {
   /** Penalty ε [stress / length], > 0; see `ct_contact_penalty`. */
@@ -14,7 +34,10 @@ typedef struct ct_contact_options {
   ct_method method;
   /** Tolerance of the search in half-widths of a face. */
   double tolerance;
-  /** A point deeper than this under a face [length] is not in contact with it; 0: the largest face size of the two surfaces. */
+  /**
+   * A point that is deeper than this under a face [length] when it is first seen is not in contact with it, :eq:`point-history`; one that came in from outside is, at any
+   * depth. 0: the largest face size of the two surfaces.
+   */
   double depth;
   /** Threads; results do not depend on it. */
   int threads;
@@ -24,6 +47,12 @@ typedef struct ct_contact_options {
   ct_enforcement enforcement;
   /** Share of the stiffness that acts at the end of the step, 0 ... 1, :eq:`energy-controlled`; for the energy-controlled penalty. */
   double dissipation;
+  /** Where the points are; Gauss points. */
+  ct_contact_rule points;
+  /** What becomes of points that are inside at the start; CT_INITIAL_PUSH. Only the effect heeds it, a host's ct_contact_update does not. */
+  ct_initial initial;
+  /** Time in which CT_INITIAL_REMOVE parts the surfaces [time], > 0 with it. */
+  double removal;
 } ct_contact_options;
 
 /**
@@ -99,7 +128,7 @@ typedef struct ct_contact_point {
   double closest[3];
   /** Parameters of ȳ on the other face. */
   double xi[2];
-  /** Signed distance g [length], negative inside; NaN when `other` is -1. */
+  /** Signed distance g [length], negative inside, less the start gap that is kept; NaN when `other` is -1. */
   double gap;
   /** Traction [stress]: ε⟨-g⟩, or that of the enforcement. */
   double pressure;
@@ -112,6 +141,38 @@ CT_API int64_t ct_contact_point_count(const ct_contact *contact);
 
 /** The points of the last update, `points` of shape (ct_contact_point_count). */
 CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points);
+
+/** Places where penetration is looked for. */
+typedef enum ct_penetration_at {
+  /** The points of the contact. */
+  CT_AT_POINTS,
+  /** The corners of all faces. */
+  CT_AT_CORNERS,
+  /** The middles of the edges of all faces. */
+  CT_AT_EDGES
+} ct_penetration_at;
+
+/** How far two surfaces are inside each other; everything is written by `ct_contact_penetration`. */
+typedef struct ct_penetration {
+  /** Number of places inside; a corner or an edge counts once for each face. */
+  int64_t inside;
+  /** Of them, points that are inside without being in contact, as they did not come in from outside, :eq:`point-history`; 0 at corners and edges. */
+  int64_t buried;
+  /** Depth of the deepest place that is not buried [length]; 0 when there is none. */
+  double deepest;
+  /** 0 or 1: the surface that the deepest place belongs to; -1 when there is none. */
+  int32_t side;
+  /** Its face; -1 when there is none. */
+  int32_t face;
+  /** Its position [length]; NaN when there is none. */
+  double position[3];
+} ct_penetration;
+
+/**
+ * Penetration at the coordinates of the last update, at the contact's points, or at corners or edges, which a contact with Gauss points does not look at.
+ * ``CT_ERROR_UNSUPPORTED``: corners or edges of a surface in contact with itself.
+ */
+CT_API ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at, ct_penetration *out);
 
 /** Free a contact; null is allowed. */
 CT_API void ct_contact_free(ct_contact *contact);

@@ -31,6 +31,12 @@ CT_API ct_status ct_gauss_legendre(int n, double *x, double *w);
  */
 CT_API ct_status ct_rule_face(ct_face_kind kind, int points, ct_rule *rule);
 
+/**
+ * Rule for a face with points at its corners, at the middles of its edges and at its centre, :eq:`quadrature-lobatto`: 3 x 3 points of Lobatto on a
+ * quadrilateral, 7 points on a triangle, all weights positive, exact for degree 3. CT_ERROR_ARGUMENT for an unknown kind or a null pointer.
+ */
+CT_API ct_status ct_rule_lobatto(ct_face_kind kind, ct_rule *rule);
+
 /** Rule for the full integration of a brick: 2 x 2 x 2 for hex8, 3 x 3 x 3 for hex20. Errors as in ct_rule_face. */
 CT_API ct_status ct_rule_brick(ct_brick_kind kind, ct_rule *rule);
 

@@ -95,6 +95,11 @@ typedef struct ct_state {
    * clock. Not part of a restart; written by `ct_step`.
    */
   double *effect_seconds;
+  /**
+   * Steps in which the forces of the constraints, :eq:`constraint-problem`, did not settle to 1e-10 of the largest within 500 rounds, so far; the last of them is used
+   * then. Not part of a restart; written by `ct_step`.
+   */
+  int64_t unsettled;
   /** Forces and scratch space of the current step; not part of a restart. */
   struct ct_workspace *workspace;
 } ct_state;

@@ -35,6 +35,10 @@ static ct_status check_options(const ct_contact_options *options, ct_error *erro
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: a tolerance of %g", options->tolerance);
   if (!(options->depth >= 0.0) || !isfinite(options->depth) || options->threads < 1 || options->threads > CT_MOST_THREADS)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: depth %g, %d threads", options->depth, options->threads);
+  if (options->initial < CT_INITIAL_PUSH || options->initial > CT_INITIAL_REMOVE || (options->initial == CT_INITIAL_REMOVE && !(options->removal > 0.0)))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: initial penetration %d with removal in %g", (int)options->initial, options->removal);
+  if (options->points != CT_POINTS_GAUSS && options->points != CT_POINTS_LOBATTO)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no rule of points %d", (int)options->points);
   if (ct_method_name(options->method) == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no search method %d", (int)options->method);
   if (ct_enforcement_name(options->enforcement) == NULL || !(options->dissipation >= 0.0 && options->dissipation <= 1.0))
@@ -127,24 +131,36 @@ static void measure_clear(ct_contact *contact)
  * that of a quadratic one seven times as far (eq:contact-clear). */
 static int still_distant(const ct_contact *contact)
 {
-  if (!contact->built || contact->clear == 0.0) return 0;
+  if (!contact->built || !contact->begun || contact->clear == 0.0) return 0;
   const ct_side *a = &contact->side[0], *b = &contact->side[contact->sides - 1];
   double part = a->search->per > a->search->edges || b->search->per > b->search->edges ? 0.125 : 0.9;
   return motion(a) + motion(b) <= part * contact->clear;
+}
+
+/* How deep the deepest point was that was in contact in the last update. */
+static double deepest(const ct_contact *contact)
+{
+  double depth = 0.0;
+  for (int s = 0; s < contact->sides; s++)
+    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++)
+      if (contact->side[s].points[i].history == CT_POINT_INSIDE) depth = fmax(depth, -(contact->side[s].points[i].gap + contact->side[s].points[i].shift));
+  return depth;
 }
 
 /* Refit trees and list candidates when the surfaces have moved by a part of the skin (eq:skin). */
 static ct_status refresh_candidates(ct_contact *contact, ct_error *error)
 {
   ct_side *a = &contact->side[0], *b = &contact->side[contact->sides - 1];
-  if (contact->built && motion(a) + motion(b) <= 0.25 * contact->skin) return CT_OK;
+  double deep = deepest(contact);
+  if (contact->built && contact->begun && deep <= contact->listed && motion(a) + motion(b) <= 0.25 * contact->skin) return CT_OK;
+  contact->listed = fmax(contact->depth, 1.5 * deep);
   for (int s = 0; s < contact->sides; s++) {
     ct_side *side = &contact->side[s];
     ct_search_refit(side->search);
     memcpy(side->x_built, side->search->x, 3 * (size_t)side->search->node_count * sizeof *side->search->x);
   }
-  ct_status status = list_candidates(a, b, contact->depth + contact->skin, error);
-  if (status == CT_OK && a != b) status = list_candidates(b, a, contact->depth + contact->skin, error);
+  ct_status status = list_candidates(a, b, contact->listed + contact->skin, error);
+  if (status == CT_OK && a != b) status = list_candidates(b, a, contact->listed + contact->skin, error);
   contact->built = status == CT_OK;
   if (contact->built) measure_clear(contact);
   return status;
@@ -171,7 +187,7 @@ static ct_status create(const ct_surface *const surface[2], int sides, const ct_
   contact->options = *options;
   contact->one_array = surface[0]->reference == surface[1]->reference;
   for (int s = 0; s < sides && status == CT_OK; s++) {
-    status = ct_side_init(&contact->side[s], surface[s], s, error);
+    status = ct_side_init(&contact->side[s], surface[s], s, options->points == CT_POINTS_LOBATTO, error);
     if (status != CT_OK) break;
     contact->sides = s + 1;
     size = fmax(size, contact->side[s].search->size);
@@ -187,6 +203,7 @@ static ct_status create(const ct_surface *const surface[2], int sides, const ct_
     ct_contact_free(contact);
     return status;
   }
+  ct_passage_init(contact);
   *out = contact;
   return CT_OK;
 }
@@ -302,14 +319,19 @@ ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double
   if (still_distant(contact)) {
     // No point has a face, as in the last call; a host may have set some since then, from an older state.
     for (int s = 0; s < contact->sides; s++)
-      for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++) contact->side[s].points[i].other = -1;
+      for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++) {
+        ct_gauss_point *point = &contact->side[s].points[i];
+        point->other = -1;
+        if (point->history != CT_POINT_BURIED) point->history = CT_POINT_NEW;
+      }
     return CT_OK;
   }
   for (int s = 0; s < contact->sides; s++) ct_search_box(contact->side[s].search);
   status = refresh_candidates(contact, error);
   if (status != CT_OK) return status;
   for (int s = 0; s < contact->sides; s++)
-    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, contact->depth);
+    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, contact->depth, contact->listed, !contact->begun);
+  contact->begun = 1;
   return CT_OK;
 }
 
@@ -335,10 +357,13 @@ double ct_contact_energy(const ct_contact *contact)
 {
   if (contact == NULL) return NAN;
   int64_t count = 0;
-  // -- Π = Σ ½ · ½ ε g² w J over the points inside, = ½ force · d (eq:contact-potential)
+  // -- Π = Σ ½ · ½ ε g² w J over the points inside, = ½ force · d, with d no longer than the gap is deep (eq:contact-potential)
   for (int s = 0; s < contact->sides; s++)
-    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++)
-      contact->terms[count++] = 0.5 * ct_vector_dot(contact->side[s].points[i].force, contact->side[s].points[i].d);
+    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++) {
+      const ct_gauss_point *point = &contact->side[s].points[i];
+      double energy = 0.5 * ct_vector_dot(point->force, point->d);
+      contact->terms[count++] = point->shift < 0.0 ? energy * (point->gap / (point->gap + point->shift)) : energy;
+    }
   return ct_sum(contact->terms, count);
 }
 

@@ -5,7 +5,10 @@
 
 struct ct_contact {
   ct_contact_options options;
-  double depth; /* deepest point that is in contact */
+  double depth; /* a new point is in contact down to here */
+  double listed; /* candidates are complete to this distance, at least the depth */
+  double room;  /* the surfaces may come nearer by this in a step (eq:passage) */
+  int begun;    /* whether the points have a history */
   double skin;  /* how far beyond the depth candidates are listed */
   int built;    /* whether the candidate lists exist */
   double clear; /* not 0: when they were made, no two faces were nearer than the depth plus this (eq:contact-clear) */
@@ -18,6 +21,11 @@ struct ct_contact {
 /* Gaps of all points at given coordinates, with the forces of the explicit penalty; and nodal forces from those of the points. */
 ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double *xb, ct_error *error);
 ct_status ct_contact_collect(ct_contact *contact, ct_error *error);
+
+/* Find how far two surfaces may come nearer in a step; and refuse a step of length `dt` to `time` that may have brought them nearer than that, with
+ * velocities in the numbering of `nodes` (eq:passage). */
+void ct_passage_init(ct_contact *contact);
+ct_status ct_passage_check(const ct_contact *contact, const int32_t *nodes, const double *velocity, double dt, double time, ct_error *error);
 
 /* Bound of ω² of a contact effect's points as springs, whatever the enforcement. */
 ct_status ct_contact_spring_frequency(const ct_effect *effect, const void *scratch, double *omega_squared, ct_error *error);

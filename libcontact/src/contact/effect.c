@@ -5,6 +5,7 @@
 #include "../error.h"
 #include "../memory.h"
 #include "contact_internal.h"
+#include "initial.h"
 #include "press.h"
 
 #include <math.h>
@@ -26,6 +27,7 @@ typedef struct contact_scratch {
   ct_contact *contact;
   double *x;
   double held; /* energy of the constraints */
+  double work; /* of start gaps that fade */
 } contact_scratch;
 
 static void free_data(void *data)
@@ -67,21 +69,27 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_OK;
 }
 
-/* A point's memory: number of its other face plus one (0: none), the parameters there, and where a step's gaps give the force this force. */
+/* A point's memory: number of its other face plus one, negative while it is in contact, or 0: none, or BURIED; the parameters there; and where a step's
+ * gaps give the force this force. After the points: whether there was a step before. */
 enum { OTHER = 0, XI = 1, FORCE = 3 };
+static const double BURIED = -4294967296.0;
 
 static int is_penalty(const contact_data *data) { return data->options.enforcement == CT_ENFORCE_PENALTY; }
-static int stride(const contact_data *data) { return is_penalty(data) ? FORCE : FORCE + 1; }
+/* Where the memory of start gaps begins, of each point; and how far apart the memory of two points is. */
+static int shifts_at(const contact_data *data) { return is_penalty(data) ? FORCE : FORCE + 1; }
+static int stride(const contact_data *data) { return shifts_at(data) + (ct_initial_shifts(&data->options) ? CT_INITIAL_POINT : 0); }
 
 static void recall(ct_contact *contact, const double *memory, int size)
 {
   for (int s = 0; s < contact->sides; s++)
     for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += size) {
       ct_gauss_point *point = &contact->side[s].points[i];
-      double last = (double)contact->side[contact->sides - 1 - s].search->face_count;
-      point->other = memory[OTHER] >= 1.0 && memory[OTHER] <= last ? (int32_t)memory[OTHER] - 1 : -1;
+      double last = (double)contact->side[contact->sides - 1 - s].search->face_count, number = fabs(memory[OTHER]);
+      point->other = number >= 1.0 && number <= last ? (int32_t)number - 1 : -1;
+      point->history = memory[OTHER] == BURIED ? CT_POINT_BURIED : point->other < 0 ? CT_POINT_NEW : memory[OTHER] < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
       memcpy(point->xi, &memory[XI], sizeof point->xi);
     }
+  contact->begun = memory[0] != 0.0;
 }
 
 static void remember(const ct_contact *contact, double *memory, int size)
@@ -89,9 +97,28 @@ static void remember(const ct_contact *contact, double *memory, int size)
   for (int s = 0; s < contact->sides; s++)
     for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += size) {
       const ct_gauss_point *point = &contact->side[s].points[i];
-      memory[OTHER] = (double)point->other + 1.0;
+      double number = (double)point->other + 1.0;
+      memory[OTHER] = point->history == CT_POINT_BURIED ? BURIED : point->history == CT_POINT_INSIDE ? -number : number;
       memcpy(&memory[XI], point->xi, sizeof point->xi);
     }
+  memory[0] = 1.0;
+}
+
+static ct_initial_view initial_view(const contact_data *data, const ct_view *view, const ct_contact *contact)
+{
+  int64_t size = stride(data) * ct_contact_point_count(contact);
+  return (ct_initial_view){view->time, view->dt, view->memory[size] == 0.0, stride(data), view->memory + shifts_at(data), view->memory + size + 1,
+                           view->next_memory + shifts_at(data), view->next_memory + size + 1};
+}
+
+/* What is inside at the start. */
+static ct_status treat_initial(const contact_data *data, const ct_view *view, ct_contact *contact, ct_error *error)
+{
+  if (data->options.initial == CT_INITIAL_REFUSE && view->memory[stride(data) * ct_contact_point_count(contact)] == 0.0) return ct_initial_refuse(contact, error);
+  if (!ct_initial_shifts(&data->options)) return CT_OK;
+  ct_initial_view shown = initial_view(data, view, contact);
+  ct_initial_shift(contact, &shown);
+  return CT_OK;
 }
 
 /* Gaps of the points at the time of the view. */
@@ -108,6 +135,9 @@ static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error 
   recall(s->contact, view->memory, stride(data));
   ct_status status = ct_contact_measure(s->contact, s->x, s->x, error);
   if (status != CT_OK && error != NULL && error->point >= 0) error->point = effect->nodes[error->point];
+  if (status == CT_OK && view->dt > 0.0 && view->time > 0.0)
+    status = ct_passage_check(s->contact, effect->nodes, view->velocity, view->dt, view->time, error);
+  if (status == CT_OK) status = treat_initial(data, view, s->contact, error);
   if (status == CT_OK) remember(s->contact, view->next_memory, stride(data));
   return status;
 }
@@ -153,6 +183,10 @@ static ct_status contact_force(const ct_effect *effect, const ct_view *view, dou
   contact_scratch *s = view->scratch;
   ct_status status = is_penalty(data) ? measure(effect, view, error) : CT_OK;
   if (status == CT_OK && !is_penalty(data)) take_constraints(data, view, s);
+  if (status == CT_OK && ct_initial_shifts(&data->options)) {
+    ct_initial_view shown = initial_view(data, view, s->contact);
+    s->work = ct_initial_work(s->contact, &shown);
+  }
   if (status == CT_OK) status = ct_contact_collect(s->contact, error);
   if (status != CT_OK) return status;
   memset(force, 0, 3 * (size_t)effect->node_count * sizeof *force);
@@ -164,6 +198,14 @@ static ct_status contact_energy(const ct_effect *effect, const ct_view *view, do
   const contact_scratch *s = view->scratch;
   (void)error;
   *energy = is_penalty(effect->data) ? ct_contact_energy(s->contact) : s->held;
+  return CT_OK;
+}
+
+static ct_status contact_external(const ct_effect *effect, const ct_view *view, double *work, ct_error *error)
+{
+  (void)effect;
+  (void)error;
+  *work = ((const contact_scratch *)view->scratch)->work;
   return CT_OK;
 }
 
@@ -246,7 +288,8 @@ ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, con
     return status;
   }
   int64_t points = ct_contact_point_count(((contact_scratch *)trial)->contact);
-  effect->memory_count = stride(data) * points;
+  effect->memory_count = stride(data) * points + 1 + (ct_initial_shifts(options) ? CT_INITIAL_END : 0);
+  if (options->initial == CT_INITIAL_REMOVE) effect->external = contact_external;
   if (!is_penalty(data)) {
     effect->constrain = contact_constrain;
     effect->constraint_count = points;

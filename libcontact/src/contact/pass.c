@@ -15,8 +15,13 @@ typedef struct nearest {
   double distance;
   ct_projection foot;
   double origin[3], y[3]; /* the middle of the face's box, and the point relative to it */
-  double own[3];          /* unit normal at the point, of a surface with itself */
+  double own[3];          /* unit normal at the point, of a surface with itself and where `same_side` is set */
+  int same_side;          /* whether far sides are left out: faces that look away from `last` */
+  double last[3];         /* unit normal of the other side where the point was in the last step */
 } nearest;
+
+/* Where a point is, seen from the place that it has found: nothing near, beyond the border, outside, inside, inside beneath a far side. */
+typedef enum verdict { NOWHERE, BEYOND, OUTSIDE, INSIDE, FAR } verdict;
 
 /* What one pass needs everywhere. */
 typedef struct pass {
@@ -24,7 +29,9 @@ typedef struct pass {
   const ct_side *other;
   ct_project_options project;
   double epsilon, depth;
-  int self; /* whether the other side is the same surface */
+  double listed; /* candidates are complete to this distance */
+  int self;  /* whether the other side is the same surface */
+  int first; /* whether no point has a history yet */
 } pass;
 
 /* Position of a Gauss point, relative to `origin`. */
@@ -89,12 +96,53 @@ static int project(const pass *p, int32_t face, int q, int32_t target, const dou
   return (status == CT_OK || status == CT_NOT_CERTIFIED || status == CT_ITERATION_LIMIT) && foot->where != CT_OUTSIDE;
 }
 
+/* Whether a surface with the normal `normal` (of any length) looks at one with the unit normal `own`, or across; not the same way (eq:far-side). */
+static int looks_across(const double own[3], const double normal[3])
+{
+  return ct_vector_dot(own, normal) < 0.5 * sqrt(ct_vector_dot(normal, normal));
+}
+
+/* Whether a place with the normal `normal` (of any length) is on the far side, seen from where a point was, with the unit normal `last` (eq:far-side):
+ * it looks away from that, or the same way as the point, and is not the side where the point was. */
+static int is_far(const double own[3], const double last[3], const double normal[3])
+{
+  double along = ct_vector_dot(last, normal), half = 0.5 * sqrt(ct_vector_dot(normal, normal));
+  return along < -half || (along < half && !looks_across(own, normal));
+}
+
+/* Unit normal of a point's own face. */
+static int own_normal(const pass *p, int32_t face, int q, double own[3])
+{
+  ct_side_area(p->side, face, q, own);
+  double length = sqrt(ct_vector_dot(own, own));
+  for (int c = 0; c < 3; c++) own[c] /= length;
+  return length > 0.0;
+}
+
+/* Unit normal, now, of the other side where a point was in the last step. Answers 0 when it was nowhere. */
+static int last_normal(const pass *p, const ct_gauss_point *point, double normal[3])
+{
+  ct_face face;
+  if (p->self || point->other < 0) return 0;
+  ct_search_face(p->other->search, point->other, &face);
+  return ct_segment_normal(&face, point->xi, normal) == CT_OK;
+}
+
+/* Whether a foot is on the far side of where the point was. */
+static int is_foot_far(const pass *p, const nearest *best, int32_t target, const ct_projection *foot)
+{
+  double normal[3];
+  (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
+  return is_far(best->own, best->last, normal);
+}
+
 /* Try one face of the other side and keep the answer if it is the nearest. */
 static void try_face(const pass *p, int32_t face, int q, int32_t target, const double *start, nearest *best)
 {
   ct_projection foot;
   double origin[3], y[3];
   if (!project(p, face, q, target, start, origin, y, &foot) || (p->self && !may_push(p, face, q, best->own, y, target, &foot))) return;
+  if (best->same_side && is_foot_far(p, best, target, &foot)) return;
   if (foot.distance < best->distance || (foot.distance == best->distance && target < best->face)) {
     best->face = target;
     best->distance = foot.distance;
@@ -104,29 +152,50 @@ static void try_face(const pass *p, int32_t face, int q, int32_t target, const d
   }
 }
 
-/* Gap vector d = ȳ - y and the signed gap of a point over a place of a face (eq:gap); its normal is known. `origin` was subtracted from the position y.
- * Returns 0 when the two surfaces do not face each other. */
-static int measure(const pass *p, int32_t face, int q, int32_t target, const double xi[2], const double origin[3], const double y[3], ct_gauss_point *point)
+/* On the border of an open surface: whether the point is above the face and not beyond it, to rounding; for points that lie on edges themselves. */
+static int above_border(const ct_projection *foot, const double d[3])
 {
-  double foot[3], own[3];
+  double along = ct_vector_dot(d, foot->normal);
+  return ct_vector_dot(d, d) - along * along <= 1e-12 * ct_vector_dot(d, d);
+}
+
+/* Gap vector d = ȳ - y and the signed gap of a point over a place of a face (eq:gap), whose normal is known. `origin` was subtracted from y. */
+static void gap_over(const pass *p, int32_t target, const double xi[2], const double origin[3], const double y[3], ct_gauss_point *point)
+{
+  double foot[3];
   ct_segment_shape(p->other->search->kind, xi, point->N);
   ct_side_interpolate(p->other, target, point->N, origin, foot);
   for (int c = 0; c < 3; c++) point->d[c] = foot[c] - y[c];
   double distance = sqrt(ct_vector_dot(point->d, point->d));
   point->gap = ct_vector_dot(point->d, point->normal) > 0.0 ? -distance : distance;
-  if (point->gap >= 0.0) return 1;
-  ct_side_area(p->side, face, q, own);
-  return ct_vector_dot(own, point->normal) < 0.0 && point->gap >= -p->depth;
 }
 
-/* Write what a point has met, and its force; `met` 0: nothing. */
-static void close_point(const pass *p, int64_t number, int met, int32_t target, const double xi[2])
+/* The gap of a point over the face it has found, and what it says of the point. */
+static verdict measure(const pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
+{
+  double own[3], last[3], *normal = point->normal;
+  int within = ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal);
+  gap_over(p, best->face, best->foot.xi, best->origin, best->y, point);
+  if (!within && !(p->side->on_edges && above_border(&best->foot, point->d))) return BEYOND;
+  int held = point->history == CT_POINT_INSIDE && !p->self;
+  if (point->gap >= 0.0 && !held) return OUTSIDE;
+  // -- Far sides: what looks away from where the point was, or the same way as a point that comes in (eq:far-side)
+  if (!own_normal(p, face, q, own)) return FAR;
+  if (last_normal(p, point, last) && is_far(own, last, normal)) return FAR;
+  if (held) return point->gap >= 0.0 ? OUTSIDE : INSIDE;
+  return looks_across(own, normal) ? INSIDE : FAR;
+}
+
+/* Write what has become of a point, and its force. */
+static void close_point(const pass *p, int64_t number, verdict found, int32_t target, const double xi[2])
 {
   ct_gauss_point *point = &p->side->points[number];
+  int met = found == INSIDE || found == OUTSIDE;
   // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
   int inside = met && point->gap < 0.0;
   double stiff = inside ? 0.5 * p->epsilon * p->side->weight[number] : 0.0;
   for (int c = 0; c < 3; c++) point->force[c] = inside ? stiff * point->d[c] : 0.0;
+  point->history = found == INSIDE ? CT_POINT_INSIDE : found == OUTSIDE ? CT_POINT_OUTSIDE : found == FAR ? CT_POINT_BURIED : CT_POINT_NEW;
   point->other = met ? target : -1;
   if (!met) point->gap = NAN;
   else memcpy(point->xi, xi, sizeof point->xi);
@@ -145,55 +214,98 @@ static int enters(const pass *p, int32_t face, int q, int32_t target, const doub
          ct_search_is_minimum(p->other->search, target, foot.where, foot.index, foot.xi, way);
 }
 
-/* Begin with nothing found; a surface in contact with itself needs its own normal first. Answers 0 when there is none. */
-static int begin(const pass *p, int32_t face, int q, nearest *best)
+/* Begin with nothing found; a surface in contact with itself needs its own normal first, a search on one side that of the last step too. Answers 0
+ * when there is none. */
+static int begin(const pass *p, int32_t face, int q, int same_side, nearest *best)
 {
-  ct_face mine;
-  *best = (nearest){.face = INT32_MAX, .distance = INFINITY};
-  if (!p->self) return 1;
-  ct_search_face(p->side->search, face, &mine);
-  return ct_segment_normal(&mine, p->side->rule.xi[q], best->own) == CT_OK;
+  *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .same_side = same_side};
+  if (!p->self && !same_side) return 1;
+  if (same_side && !last_normal(p, &p->side->points[(int64_t)face * p->side->rule.count + q], best->last)) return 0;
+  return own_normal(p, face, q, best->own);
 }
 
-/* Give a point the face that it has found, if any. `y`: its position. */
-static void settle(const pass *p, int32_t face, int q, const double y[3], const nearest *best)
+/* The nearest face of a point, or the nearest that is on no far side. A point that is in contact looks as far as it takes, but not on its own
+ * surface (eq:held). */
+static void find_nearest(const pass *p, int32_t face, int q, const double y[3], int same_side, nearest *best)
 {
-  const ct_side *side = p->side;
-  const ct_search *search = p->other->search;
-  int64_t number = (int64_t)face * side->rule.count + q;
-  ct_gauss_point *point = &side->points[number];
-  // On the border of a surface there is no contact.
-  int met = best->face != INT32_MAX && ct_search_normal(search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, point->normal) &&
-            measure(p, face, q, best->face, best->foot.xi, best->origin, best->y, point);
-  // -- A surface with itself: no other face is on the way to the foot (eq:self-way)
-  for (int32_t i = side->candidate_first[face]; p->self && met && point->gap < 0.0 && i < side->candidate_first[face + 1]; i++) {
+  const ct_side *side = p->side, *other = p->other;
+  const ct_gauss_point *point = &side->points[(int64_t)face * side->rule.count + q];
+  int held = point->history == CT_POINT_INSIDE && !p->self;
+  double most = held ? HUGE_VAL : p->depth;
+  if (!begin(p, face, q, same_side, best)) return;
+
+  // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)
+  int32_t warm = point->other;
+  if (warm >= 0 && ct_bounds_distance(&other->search->boxes[warm], y) <= most) try_face(p, face, q, warm, point->xi, best);
+  for (int32_t i = side->candidate_first[face]; i < side->candidate_first[face + 1]; i++) {
     int32_t target = side->candidates[i];
-    if (target != best->face && ct_bounds_distance(&search->boxes[target], y) <= best->distance) met = !enters(p, face, q, target, point->d);
+    double reach = best->distance < most ? best->distance : most;
+    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= reach) try_face(p, face, q, target, NULL, best);
   }
-  close_point(p, number, met, best->face, best->foot.xi);
+  // -- Deeper than the lists reach: try all faces (eq:held)
+  for (int32_t target = 0; held && best->distance > p->listed && target < other->search->face_count; target++)
+    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= best->distance) try_face(p, face, q, target, NULL, best);
+}
+
+/* Whether the point was in contact, or outside over a face that it looks at, in the last step. */
+static int came_in(const pass *p, int32_t face, int q, const ct_gauss_point *point)
+{
+  double own[3], last[3];
+  if (point->history == CT_POINT_INSIDE) return 1;
+  return last_normal(p, point, last) && own_normal(p, face, q, own) && looks_across(own, last);
+}
+
+/* The nearest place is a far side. A point that came in by another side belongs to that one still, unless it has left the body (eq:held). */
+static verdict judge_far(const pass *p, int32_t face, int q, const double y[3], nearest *best, ct_gauss_point *point)
+{
+  int has_left = point->gap >= 0.0;
+  if (p->self || !came_in(p, face, q, point)) return FAR;
+  find_nearest(p, face, q, y, 1, best);
+  if (best->face == INT32_MAX || measure(p, face, q, best, point) != INSIDE) return has_left ? NOWHERE : FAR;
+  double along = ct_vector_dot(point->d, best->foot.normal);
+  return has_left && along * along < 0.5 * ct_vector_dot(point->d, point->d) ? NOWHERE : INSIDE;
+}
+
+/* Whether a point with nothing near lies deep in the other body, at the very first look (eq:point-history). */
+static int is_buried(const pass *p, const double y[3])
+{
+  ct_nearest foot;
+  double normal[3];
+  if (p->self || !p->first) return 0;
+  ct_search_point(p->other->search, y, -1, HUGE_VAL, p->project.tolerance, NULL, NULL, &foot);
+  return foot.face >= 0 && foot.signed_distance < 0.0 &&
+         ct_search_normal(p->other->search, foot.face, foot.where, foot.index, foot.xi, foot.normal, normal);
+}
+
+/* What the place that a point has found and its history say together (eq:point-history). */
+static verdict judge(const pass *p, int32_t face, int q, const double y[3], nearest *best, ct_gauss_point *point)
+{
+  int buried = point->history == CT_POINT_BURIED;
+  if (best->face == INT32_MAX) return buried || is_buried(p, y) ? FAR : NOWHERE;
+  verdict found = measure(p, face, q, best, point);
+  if (found == FAR) found = judge_far(p, face, q, y, best, point);
+  if (found == INSIDE && (p->self || point->history != CT_POINT_INSIDE) && (buried || point->gap < -p->depth)) found = FAR;
+  if (found == FAR && p->self) return NOWHERE;
+  if (found == BEYOND && buried) return FAR;
+  // -- A surface with itself: no other face is on the way to the foot (eq:self-way)
+  for (int32_t i = p->side->candidate_first[face]; p->self && found == INSIDE && i < p->side->candidate_first[face + 1]; i++) {
+    int32_t target = p->side->candidates[i];
+    if (target != best->face && ct_bounds_distance(&p->other->search->boxes[target], y) <= best->distance && enters(p, face, q, target, point->d))
+      return NOWHERE;
+  }
+  return found;
 }
 
 static void search_point(const pass *p, int32_t face, int q)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
-  const ct_side *side = p->side, *other = p->other;
-  int64_t number = (int64_t)face * side->rule.count + q;
-  ct_gauss_point *point = &p->side->points[number];
+  int64_t number = (int64_t)face * p->side->rule.count + q;
   nearest best;
   double y[3];
-  int able = begin(p, face, q, &best);
-  position(side, face, q, zero, y);
-
-  // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)
-  int32_t warm = point->other;
-  if (able && warm >= 0 && ct_bounds_distance(&other->search->boxes[warm], y) <= p->depth) try_face(p, face, q, warm, point->xi, &best);
-  for (int32_t i = side->candidate_first[face]; able && i < side->candidate_first[face + 1]; i++) {
-    int32_t target = side->candidates[i];
-    double reach = best.distance < p->depth ? best.distance : p->depth;
-    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= reach) try_face(p, face, q, target, NULL, &best);
-  }
-
-  settle(p, face, q, y, &best);
+  position(p->side, face, q, zero, y);
+  find_nearest(p, face, q, y, 0, &best);
+  verdict found = judge(p, face, q, y, &best, &p->side->points[number]);
+  close_point(p, number, found, best.face, best.foot.xi);
 }
 
 /* Eight points side by side, as ct_project_batch takes them, each with the face of the last step. */
@@ -259,8 +371,11 @@ static int settle_lane(const pass *p, place at, const block *b, int lane, const 
   }
   if (!(fabs(xi[0]) < inside && fabs(xi[1]) < inside && feet->distance[lane] < p->depth) || rivals(p, at.face, target, y, feet->distance[lane])) return 0;
   for (int c = 0; c < 3; c++) point->normal[c] = feet->normal[8 * c + lane];
-  int met = measure(p, at.face, at.q, target, xi, b->origin[lane], local, point);
-  close_point(p, number, met, target, xi);
+  gap_over(p, target, xi, b->origin[lane], local, point);
+  // A point that comes in has to look at the face, or the search must say what it is in.
+  double own[3];
+  if (point->gap < 0.0 && point->history != CT_POINT_INSIDE && !(own_normal(p, at.face, at.q, own) && looks_across(own, point->normal))) return 0;
+  close_point(p, number, point->gap < 0.0 ? INSIDE : OUTSIDE, target, xi);
   return 1;
 }
 
@@ -298,9 +413,9 @@ static void search_block(const pass *p, int lanes, int64_t first, int count)
     if (!(settled >> i & 1)) search_point(p, at[i].face, at[i].q);
 }
 
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth)
+void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double listed, int first)
 {
-  pass p = {side, other, ct_project_options_default(), options->epsilon, depth, side == other};
+  pass p = {side, other, ct_project_options_default(), options->epsilon, depth, listed, side == other, first};
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
   // A surface with itself judges feet by more than their distance, and other methods have no lanes.
@@ -309,5 +424,5 @@ void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_option
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(options->threads) schedule(static) if (options->threads > 1)
 #endif
-  for (int64_t first = 0; first < count; first += 8) search_block(&p, lanes, first, first + 8 < count ? 8 : (int)(count - first));
+  for (int64_t i = 0; i < count; i += 8) search_block(&p, lanes, i, i + 8 < count ? 8 : (int)(count - i));
 }

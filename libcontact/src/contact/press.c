@@ -9,7 +9,7 @@
 /* Direction in which a point is pushed: the way to its foot, or where the two are in one place the normal there. Answers 0 where there is none. */
 static int direction(const ct_press *p, const ct_gauss_point *point, double n[3])
 {
-  double length = sqrt(ct_vector_dot(point->d, point->d)), sign = point->gap < 0.0 ? 1.0 : -1.0;
+  double length = sqrt(ct_vector_dot(point->d, point->d)), sign = point->gap + point->shift < 0.0 ? 1.0 : -1.0;
   if (length > 1e-12 * p->side->search->size) {
     for (int c = 0; c < 3; c++) n[c] = sign * point->d[c] / length;
     return 1;
@@ -42,7 +42,7 @@ static int list_point(const ct_press *p, int64_t i, const double moved[3], ct_co
     c->b[8 + a] = -point->N[a];
   }
   c->gap = point->gap;
-  c->moved = -ct_vector_dot(c->normal, moved);
+  c->moved = -ct_vector_dot(c->normal, moved) - point->closing;
   c->force = p->last[(int64_t)p->stride * i];
   return 1;
 }

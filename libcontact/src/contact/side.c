@@ -56,12 +56,13 @@ static ct_status weigh(ct_side *side, int body, ct_error *error)
   return CT_OK;
 }
 
-ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, ct_error *error)
+ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, int on_edges, ct_error *error)
 {
   memset(side, 0, sizeof *side);
   ct_status status = ct_search_init(surface, body, &side->search, error);
   if (status != CT_OK) return status;
-  ct_rule_face(surface->kind, 0, &side->rule);
+  side->on_edges = on_edges;
+  (void)(on_edges ? ct_rule_lobatto(surface->kind, &side->rule) : ct_rule_face(surface->kind, 0, &side->rule));
   status = allocate(side) == CT_OK ? weigh(side, body, error) : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact surface");
   if (status != CT_OK) {
     ct_side_clear(side);

@@ -7,14 +7,20 @@
 #include "../grid.h"
 #include "../search/search_internal.h"
 
+/* What is known of a point from the last update (eq:point-history): nothing; outside, over `other`; in contact with `other`; inside, but not in contact. */
+enum { CT_POINT_NEW, CT_POINT_OUTSIDE, CT_POINT_INSIDE, CT_POINT_BURIED };
+
 /* One Gauss point of a side, as the last update left it. */
 typedef struct ct_gauss_point {
   int32_t other;  /* face of the other side, or -1 */
+  int32_t history; /* CT_POINT_NEW, ... */
   double xi[2];   /* parameters of the closest point there */
   double d[3];    /* ȳ - y */
   double gap;     /* signed distance; NaN without `other` */
   double normal[3]; /* outward normal of the other side at the foot, of any length */
   double N[8];    /* shape functions of the other face at xi */
+  double shift;    /* start gap that `gap` counts from, 0 or negative (eq:initial-shift) */
+  double closing;  /* by how much the shift grows until the next step */
   double force[3]; /* ½ ε w J d where the gap is negative, else 0; or what the enforcement makes of the gap */
 } ct_gauss_point;
 
@@ -25,6 +31,7 @@ static inline int ct_point_presses(const ct_gauss_point *point) { return point->
 typedef struct ct_side {
   ct_search *search;
   ct_rule rule;
+  int on_edges;       /* whether the rule has points on edges and corners */
   double N[27][8];    /* shape functions at the Gauss points */
   double dN[27][8][2]; /* and their derivatives */
   double *weight;     /* w J_ref, shape (face_count, rule.count) */
@@ -37,7 +44,8 @@ typedef struct ct_side {
   double *force, *force_fine; /* nodal forces: coarse and fine sums, shape (node_count, 3) */
 } ct_side;
 
-ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, ct_error *error);
+/* Points by the Gauss rule, or with `on_edges` by one that has points at corners and on edges too. */
+ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, int on_edges, ct_error *error);
 void ct_side_clear(ct_side *side);
 
 /* Number of Gauss points. */
@@ -69,7 +77,8 @@ static inline void ct_side_push(const ct_grid *grid, const ct_search *search, in
   }
 }
 
-/* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). */
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth);
+/* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). A new point is in contact down to `depth`; the
+ * candidates are complete to the distance `listed`; `first`: no point has a history yet. */
+void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double listed, int first);
 
 #endif

@@ -149,9 +149,7 @@ static void call_batches(const part_call *call, int32_t first, int32_t last)
     if (call->quiet->batch[part->first_batch + b] < CT_BATCH_QUIET) continue;
     if (!call->quiet->near[part->first_batch + b]) {
       // Nobody reads its forces.
-    } else if (call->plane)
-      memset(&call->values[96 * (int64_t)b], 0, 96 * sizeof(double));
-    else if (part->cells[0] > 0)
+    } else if (part->cells[0] > 0)
       ct_lattice_zeros(part, b, call->values);
     else if (part->plane != NULL) // what stands there may be older than the plane
       memset(&call->values[192 * (int64_t)b], 0, 192 * sizeof(double));
@@ -167,7 +165,7 @@ static void part_gather(const part_call *call, int32_t first, int32_t last)
 {
   const ct_solid_part *part = call->part;
   if (call->plane)
-    ct_plane_gather(part->plane, call->values, first, last, call->f);
+    ct_plane_gather(part, call->values, first, last, call->f);
   else if (part->cells[0] > 0)
     ct_lattice_gather(part, call->values, first, last, call->f);
   else
@@ -263,8 +261,12 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     part_call call = {part, view->displacement, scratch->values + part->first_value, force + 3 * (int64_t)part->first_node,
                       part->savings.quiet ? &scratch->quiet : NULL, 0};
     call.plane = part->plane != NULL && ct_plane_holds(part->plane, view->displacement + 3 * (int64_t)part->first_node);
-    if (call.plane) call.values += part->plane_value;
-    if (solid->quiet && !part->savings.quiet) ct_bits_put(scratch->quiet.changed, part->first_node, part->first_node + part->mesh->node_count, 1);
+    if (call.plane) {
+      // The kernel of a plane costs less than to look what is quiet.
+      call.values += part->plane_value;
+      call.quiet = NULL;
+    }
+    if (solid->quiet && call.quiet == NULL) ct_bits_put(scratch->quiet.changed, part->first_node, part->first_node + part->mesh->node_count, 1);
     if (call.quiet != NULL) find_quiet(&call, view, solid->node_count);
     if (part->cells[0] > 0 && !call.plane) {
       ring_force_threads(&call, view->threads);
@@ -442,6 +444,9 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_block *block,
   if (!(part->hourglass > 0.0) || !isfinite(part->hourglass))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the hourglass coefficient must be positive, not %g", part->hourglass);
   part->kernel = asked == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
+  int32_t cells[3];
+  int lattice = part->savings.congruent && (part->kernel == CT_KERNEL_BOX || part->kernel == CT_KERNEL_PLANE) && ct_lattice_find(part->mesh, cells);
+  if (lattice) memcpy(part->cells, cells, sizeof cells);
   ct_status status = choose_plane(part, block, box, error);
   for (size_t k = 0; part->batches == NULL && k < sizeof KERNELS / sizeof KERNELS[0]; k++) {
     const struct kernel_row *row = &KERNELS[k];
@@ -477,7 +482,7 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   part->batch_count = (part->mesh->element_count + 7) / 8;
   ct_status status = choose_kernel(part, block, error);
   if (status != CT_OK) return status;
-  if (part->savings.congruent && (part->kernel == CT_KERNEL_BOX || part->kernel == CT_KERNEL_PLANE) && ct_lattice_find(part->mesh, part->cells)) {
+  if (part->cells[0] > 0) {
     part->rings = block->threads < 1 ? 1 : block->threads < CT_MOST_RINGS ? block->threads : CT_MOST_RINGS;
     part->value_count = ct_lattice_prepare(part);
     return part->plane == NULL || prepare_ready(part) == CT_OK ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");

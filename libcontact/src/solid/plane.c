@@ -35,6 +35,8 @@ static int enter_elements(const ct_mesh *mesh, ct_plane *plane)
   corners(plane, local);
   for (int32_t n = 0; n < mesh->node_count; n++) plane->twin[n] = -1;
   for (int64_t i = 0; i < 4 * (int64_t)mesh->node_count; i++) plane->place[i] = zero;
+  plane->batch_step = 96;
+  plane->row_step = 8;
   plane->value_count = zero + 24;
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < 4; k++) {
@@ -77,6 +79,19 @@ static ct_status enter_runs(const ct_mesh *mesh, ct_plane *plane)
   return CT_OK;
 }
 
+/* A lattice needs no places: in rows of its elements they follow from the numbers of its nodes. */
+static void drop_places(const ct_solid_part *part, ct_plane *plane)
+{
+  ct_release(plane->twin);
+  ct_release(plane->place);
+  ct_release(plane->upper);
+  plane->twin = plane->place = NULL;
+  plane->upper = NULL;
+  plane->batch_step = 8;
+  plane->row_step = 8 * (int64_t)part->batch_count + 8; // rows would fight for the same place in the cache
+  plane->value_count = 12 * plane->row_step;
+}
+
 ct_status ct_plane_create(const ct_solid_part *part, int axis, ct_plane **out)
 {
   const ct_mesh *mesh = part->mesh;
@@ -96,6 +111,7 @@ ct_status ct_plane_create(const ct_solid_part *part, int axis, ct_plane **out)
   ct_status status = plane->batch_nodes && plane->twin && plane->place && plane->upper ? CT_OK : CT_ERROR_MEMORY;
   int fits = status == CT_OK && enter_elements(mesh, plane);
   if (fits) status = enter_runs(mesh, plane);
+  if (fits && status == CT_OK && part->cells[0] > 0) drop_places(part, plane);
   if (fits && status == CT_OK)
     *out = plane;
   else
@@ -205,22 +221,67 @@ void ct_plane_batches(const ct_solid_part *part, int32_t first, int32_t last, co
       spread(plane->axis, F, f[0]);
       spread(plane->axis, G, f[1]);
       hold(plane->axis, H, f[2]);
-      double *to = &values[96 * (int64_t)b + lane];
+      double *to = &values[plane->batch_step * b + lane];
       for (int k = 0; k < 4; k++)
-        for (int i = 0; i < 3; i++) *(ct_lanes *)(void *)&to[8 * (3 * k + component[i])] = f[i][k];
+        for (int i = 0; i < 3; i++) *(ct_lanes *)(void *)&to[plane->row_step * (3 * k + component[i])] = f[i][k];
     }
 }
 
-void ct_plane_gather(const ct_plane *plane, const double *values, int32_t first, int32_t last, double *sums)
+/* Sum four runs of forces that lie side by side; `step`: from one component to the next. */
+CT_CLONES
+static void gather_run(const double *const v[4], const int64_t step[4], const double sign[3], int32_t count, double *f)
 {
+  for (int c = 0; c < 3; c++) {
+    const double *a = v[0] + c * step[0], *b = v[1] + c * step[1], *d = v[2] + c * step[2], *e = v[3] + c * step[3], s = sign[c];
+#pragma omp simd
+    for (int32_t n = 0; n < count; n++) f[3 * n + c] = s * ((a[n] + b[n]) + (d[n] + e[n]));
+  }
+}
+
+/* Where the four elements around a node have their force on it, the i-th node of row r; answers for how many nodes along x this goes on. */
+static int32_t quadrants(const ct_solid_part *part, const double *values, int32_t i, int32_t r, int32_t count, const double *v[4], int64_t step[4])
+{
+  enum { ZEROS = 64 };
+  static const double zeros[ZEROS] = {0.0};
+  int32_t nx = part->cells[0], rows = part->mesh->element_count / nx;
+  int32_t inside = i > 0 && i < nx ? nx - i : 1, run = count < inside ? count : inside;
+  for (int o = 0; o < 4; o++) {
+    int32_t along = i - 1 + (o & 1), row = r - 1 + (o >> 1);
+    int there = along >= 0 && along < nx && row >= 0 && row < rows;
+    v[o] = there ? values + 3 * (3 - o) * part->plane->row_step + along + (int64_t)nx * row : zeros;
+    step[o] = there ? part->plane->row_step : 0;
+  }
+  return run < ZEROS ? run : ZEROS;
+}
+
+/* The gather of a lattice, in runs of nodes along x. */
+static void gather_lattice(const ct_solid_part *part, const double *values, int32_t first, int32_t last, const double apart[2][3], double *sums)
+{
+  int32_t row = part->cells[0] + 1, rows = part->cells[1] + 1;
+  for (int32_t n = first, run; n < last; n += run) {
+    const double *v[4];
+    int64_t step[4];
+    int32_t line = n / row, upper = part->plane->axis == 1 ? line % 2 : line / rows, r = part->plane->axis == 1 ? line / 2 : line % rows;
+    run = quadrants(part, values, n % row, r, last - n, v, step);
+    gather_run(v, step, apart[upper], run, &sums[3 * (int64_t)n]);
+  }
+}
+
+void ct_plane_gather(const ct_solid_part *part, const double *values, int32_t first, int32_t last, double *sums)
+{
+  const ct_plane *plane = part->plane;
   const int32_t *twins = plane->twin, *places = plane->place;
   const int8_t *upper = plane->upper;
   double apart[2][3] = {{1.0, 1.0, 1.0}, {1.0, 1.0, 1.0}};
+  // -- The upper layer is pulled as the lower one, but apart from it (eq:plane-force)
   apart[1][plane->axis] = -1.0;
+  if (part->cells[0] > 0) {
+    gather_lattice(part, values, first, last, (const double(*)[3])apart, sums);
+    return;
+  }
   for (int32_t n = first; n < last; n++) {
     const double *sign = apart[upper[n]];
     double *restrict f = &sums[3 * (int64_t)n];
-    // -- The upper layer is pulled as the lower one, but apart from it (eq:plane-force)
     if (twins[n] >= first && twins[n] < n) {
       const double *g = &sums[3 * (int64_t)twins[n]];
       sign = apart[1];

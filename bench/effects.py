@@ -1,0 +1,88 @@
+"""
+What each effect costs, alone and together, predicted before the run and measured in it: the plate impact and three other scenes. Predictions are medians and measurements
+minima of repeated runs.
+"""
+
+from __future__ import annotations
+
+import statistics
+import tomllib
+import warnings
+from pathlib import Path
+
+import libcontact as ct
+
+SCENES = Path(__file__).parent.parent / "tutorials" / "scenes"
+REPEATS = 3
+
+
+def everything() -> ct.Scene:
+    """A block that lies on a floor with all that can act on it, and another one that falls on it."""
+    scene = ct.Scene(title="everything", units={"length": "m", "mass": "kg", "time": "s"})
+    scene.add_material("stone", young=1e7, poisson=0.25, density=1000)
+    scene.add_body("block", material="stone", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [20, 20, 20]}, velocity=[0.2, 0, 0])
+    scene.add_body("lid", material="stone", box={"origin": [0.2, 0.2, 1.0], "size": [0.6, 0.6, 0.3], "cells": [12, 12, 6]}, velocity=[0, 0, -1])
+    scene.add_contact("block.z_max", "lid.z_min", friction=0.2)
+    scene.add("obstacle", surface="block.z_min", plane={"point": [0, 0, 0], "normal": [0, 0, 1]}, friction=0.3)
+    scene.add("gravity", acceleration=[0, 0, -10]).add("damping", rate=1.0).add("viscosity", linear=0.06, quadratic=1.2)
+    scene.add("load", surface="lid.z_max", pressure=1e3).add("absorb", surface="block.x_max")
+    return scene.set_time(end=0.05, fraction=0.9).set_output(every=100)
+
+
+def scenes() -> dict[str, ct.Scene]:
+    made = {}
+    for name in ("plates", "block_on_an_incline", "hertz"):
+        data = tomllib.loads((SCENES / f"{name}.toml").read_text(encoding="utf-8"))
+        data.get("output", {}).pop("file", None)
+        made[name] = ct.Scene(data)
+    return made | {"everything": everything()}
+
+
+def measure() -> dict:
+    result = {}
+    for name, scene in scenes().items():
+        predicted, measured, steps = [], [], 0
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            for _ in range(REPEATS):
+                run = scene.run(progress=False, output=False)
+                costs = scene.costs(run)
+                predicted.append({cost.name: cost.predicted for cost in costs})
+                measured.append({cost.name: cost.measured for cost in costs})
+                steps = int(run.steps[-1])
+        result[name] = {"steps": steps, "parts": {part: {"predicted": statistics.median(row[part] for row in predicted), "measured": min(row[part] for row in measured)}
+                                                  for part in predicted[0]}}
+        parts = result[name]["parts"].values()
+        result[name]["together"] = {key: sum(part[key] for part in parts) for key in ("predicted", "measured")}
+    return result
+
+
+def report(result: dict) -> str:
+    lines = [f"{'scene':<22}{'part':<14}{'predicted':>12}{'measured':>12}{'ratio':>8}{'of the run':>12}"]
+    for scene, row in result.items():
+        whole = row["together"]["measured"]
+        for part, cost in [*row["parts"].items(), ("together", row["together"])]:
+            ratio = cost["predicted"] / cost["measured"] if cost["measured"] else float("nan")
+            lines.append(f"{scene:<22}{part:<14}{1e3 * cost['predicted']:>9.3g} ms{1e3 * cost['measured']:>9.3g} ms{ratio:>8.2f}{cost['measured'] / whole:>12.1%}")
+            scene = ""
+    return "\n".join(lines)
+
+
+def draw(result: dict, path: Path) -> None:
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(1, len(result), figsize=(3.3 * len(result), 3.6), constrained_layout=True)
+    for axis, (scene, row) in zip(axes, result.items()):
+        bottom = {"predicted": 0.0, "measured": 0.0}
+        for part, cost in row["parts"].items():
+            axis.bar(list(bottom), [1e3 * cost[key] for key in bottom], bottom=[1e3 * value for value in bottom.values()], label=part)
+            bottom = {key: bottom[key] + cost[key] for key in bottom}
+        axis.set_title(f"{scene.replace('_', ' ')}\n{row['steps']} steps", fontsize=9)
+        axis.legend(frameon=False, fontsize=7)
+    axes[0].set_ylabel("ms")
+    figure.savefig(path, dpi=150)
+    plt.close(figure)
+
+
+if __name__ == "__main__":
+    print(report(measure()))

@@ -1,0 +1,118 @@
+/* No surface may pass through another one within a step. */
+#include <contact/contact.h>
+
+#include "../error.h"
+#include "../vector.h"
+#include "contact_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A face whose other side is looked for: its middle and unit normal. */
+typedef struct skin {
+  const ct_search *search;
+  double middle[3], normal[3];
+} skin;
+
+static int middle_of(const ct_search *search, int32_t face, double middle[3], double normal[3])
+{
+  static const double square[2] = {0.0, 0.0}, triangle[2] = {1.0 / 3.0, 1.0 / 3.0};
+  const double *xi = search->kind == CT_T3 || search->kind == CT_T6 ? triangle : square;
+  ct_face nodes;
+  ct_search_face(search, face, &nodes);
+  ct_segment_point(&nodes, xi, middle);
+  return ct_segment_normal(&nodes, xi, normal) == CT_OK;
+}
+
+/* A face that is not beneath, or does not look the other way, is no far side. */
+static int is_no_far_side(void *user, int32_t face)
+{
+  const skin *s = user;
+  double middle[3], normal[3], down[3];
+  if (!middle_of(s->search, face, middle, normal)) return 1;
+  for (int c = 0; c < 3; c++) down[c] = middle[c] - s->middle[c];
+  return !(ct_vector_dot(down, s->normal) < 0.0) || !(ct_vector_dot(normal, s->normal) < -0.5);
+}
+
+/* Smallest distance of the middle of a face from a far side beneath it, where that is less than `most` (eq:passage). */
+static double thickness(ct_search *search, double most)
+{
+  double thin = most;
+  ct_search_box(search);
+  ct_search_refit(search);
+  for (int32_t f = 0; f < search->face_count; f++) {
+    skin s = {.search = search};
+    ct_nearest foot;
+    if (!middle_of(search, f, s.middle, s.normal)) continue;
+    ct_search_point(search, s.middle, -1, thin * thin, ct_search_options_default().tolerance, is_no_far_side, &s, &foot);
+    if (foot.face >= 0) thin = fmin(thin, foot.distance);
+  }
+  return thin;
+}
+
+void ct_passage_init(ct_contact *contact)
+{
+  contact->room = contact->depth;
+  // -- A step may bring the surfaces nearer by three quarters of a body's thickness, or by the depth (eq:passage)
+  for (int s = 0; s < contact->sides; s++) contact->room = fmin(contact->room, 0.75 * thickness(contact->side[s].search, 2.0 * contact->depth));
+}
+
+/* Box of what `values` has at the nodes of a surface; `nodes` numbers them in `values`, or null. */
+static void box_of(const ct_search *search, const int32_t *nodes, const double *values, ct_bounds *box)
+{
+  for (int c = 0; c < 3; c++) box->low[c] = INFINITY, box->high[c] = -INFINITY;
+  for (int32_t n = 0; n < search->node_count; n++) {
+    const double *v = &values[3 * (int64_t)(nodes != NULL ? nodes[search->nodes[n]] : n)];
+    for (int c = 0; c < 3; c++) {
+      box->low[c] = v[c] < box->low[c] ? v[c] : box->low[c];
+      box->high[c] = v[c] > box->high[c] ? v[c] : box->high[c];
+    }
+  }
+}
+
+/* Largest distance of a point of one box from a point of the other, and the smallest. */
+static double farthest(const ct_bounds *a, const ct_bounds *b)
+{
+  double d[3];
+  for (int c = 0; c < 3; c++) d[c] = fmax(a->high[c] - b->low[c], b->high[c] - a->low[c]);
+  return sqrt(ct_vector_dot(d, d));
+}
+
+static double closest(const ct_bounds *a, const ct_bounds *b)
+{
+  double d[3];
+  for (int c = 0; c < 3; c++) d[c] = fmax(fmax(a->low[c] - b->high[c], b->low[c] - a->high[c]), 0.0);
+  return sqrt(ct_vector_dot(d, d));
+}
+
+/* A face with the node that is farthest from what the other surface does on the mean. */
+static int32_t fastest(const ct_search *search, const int32_t *nodes, const double *velocity, const ct_bounds *other)
+{
+  int32_t face = 0;
+  double top = -1.0;
+  for (int64_t i = 0; i < (int64_t)search->face_count * search->per; i++) {
+    double v[3];
+    for (int c = 0; c < 3; c++) v[c] = velocity[3 * (int64_t)nodes[search->nodes[search->faces[i]]] + c] - 0.5 * (other->low[c] + other->high[c]);
+    if (!(ct_vector_dot(v, v) > top)) continue;
+    top = ct_vector_dot(v, v);
+    face = (int32_t)(i / search->per);
+  }
+  return face;
+}
+
+ct_status ct_passage_check(const ct_contact *contact, const int32_t *nodes, const double *velocity, double dt, double time, ct_error *error)
+{
+  ct_bounds speed[2], place[2];
+  const ct_search *search[2] = {contact->side[0].search, contact->side[contact->sides - 1].search};
+  for (int s = 0; s < 2; s++) box_of(search[s], nodes, velocity, &speed[s]);
+  double way = dt * farthest(&speed[0], &speed[1]);
+  if (!(way > contact->room)) return CT_OK;
+  // -- Where the surfaces are farther apart than that, no harm is done
+  for (int s = 0; s < 2; s++) box_of(search[s], NULL, search[s]->x, &place[s]);
+  if (closest(&place[0], &place[1]) > way + contact->depth) return CT_OK;
+  int32_t face[2] = {fastest(search[0], nodes, velocity, &speed[1]), fastest(search[1], nodes, velocity, &speed[0])};
+  return ct_fail(error, CT_ERROR_STEP, (ct_place){-1, -1, nodes[search[0]->nodes[search[0]->faces[(int64_t)face[0] * search[0]->per]]]},
+                 "contact: in the step to t = %g its surfaces (face %d of the first, %d of the second) may have come nearer by %g and passed through each other; "
+                 "not more than %g is safe. Take a smaller step",
+                 time, (int)face[0], (int)face[1], way, contact->room);
+}

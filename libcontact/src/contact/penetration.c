@@ -1,0 +1,122 @@
+/* How far two surfaces are inside each other. */
+#include <contact/contact.h>
+
+#include "../vector.h"
+#include "contact_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A place of one surface, and what it is looked for on. */
+typedef struct seeker {
+  const ct_search *search;
+  double own[3]; /* unit normal at the place */
+} seeker;
+
+/* Parameters of the middle of a face. */
+static const double *middle(ct_face_kind kind)
+{
+  static const double square[2] = {0.0, 0.0}, triangle[2] = {1.0 / 3.0, 1.0 / 3.0};
+  return kind == CT_T3 || kind == CT_T6 ? triangle : square;
+}
+
+/* Faces that look the same way as the place are far sides (eq:far-side). */
+static int looks_away(void *user, int32_t face)
+{
+  const seeker *s = user;
+  ct_face nodes;
+  double normal[3];
+  ct_search_face(s->search, face, &nodes);
+  return ct_segment_normal(&nodes, middle(s->search->kind), normal) != CT_OK || !(ct_vector_dot(s->own, normal) < 0.5);
+}
+
+/* Depth of a place of a side under the other one; negative or NaN where it is not inside. */
+static double depth_at(const ct_side *side, const ct_side *other, int32_t face, const double xi[2], double y[3])
+{
+  static const double zero[3] = {0.0, 0.0, 0.0};
+  double N[8], normal[3];
+  seeker s = {.search = other->search};
+  ct_face mine;
+  ct_nearest foot;
+  ct_segment_shape(side->search->kind, xi, N);
+  ct_side_interpolate(side, face, N, zero, y);
+  ct_search_face(side->search, face, &mine);
+  if (ct_segment_normal(&mine, xi, s.own) != CT_OK) return NAN;
+  // The nearest face says whether the place is inside at all; if it is a far side, the nearest other one says how deep.
+  for (int k = 0; k < 2; k++) {
+    ct_search_point(other->search, y, -1, HUGE_VAL, ct_search_options_default().tolerance, k == 0 ? NULL : looks_away, &s, &foot);
+    if (foot.face < 0 || !(foot.signed_distance < 0.0)) return NAN;
+    if (ct_vector_dot(s.own, foot.normal) < 0.5) break;
+  }
+  if (!ct_search_normal(other->search, foot.face, foot.where, foot.index, foot.xi, foot.normal, normal)) return NAN;
+  return -foot.signed_distance;
+}
+
+static void take(ct_penetration *out, double depth, int32_t side, int32_t face, const double y[3])
+{
+  out->inside++;
+  if (!(depth > out->deepest)) return;
+  out->deepest = depth;
+  out->side = side;
+  out->face = face;
+  memcpy(out->position, y, sizeof out->position);
+}
+
+/* At the contact's points. */
+static void at_points(const ct_contact *contact, ct_penetration *out)
+{
+  static const double zero[3] = {0.0, 0.0, 0.0};
+  for (int s = 0; s < contact->sides; s++) {
+    const ct_side *side = &contact->side[s];
+    for (int64_t i = 0; i < ct_side_point_count(side); i++) {
+      int32_t face = (int32_t)(i / side->rule.count);
+      double y[3];
+      out->buried += side->points[i].history == CT_POINT_BURIED;
+      out->inside += side->points[i].history == CT_POINT_BURIED;
+      if (side->points[i].other < 0 || !(side->points[i].gap + side->points[i].shift < 0.0)) continue;
+      ct_side_interpolate(side, face, side->N[i % side->rule.count], zero, y);
+      take(out, -(side->points[i].gap + side->points[i].shift), s, face, y);
+    }
+  }
+}
+
+/* Of how many edges of its face a point of the Lobatto rule is: 2 at a corner, 1 on an edge, 0 at the centre. */
+static int edges_at(ct_face_kind kind, const double xi[2])
+{
+  if (kind == CT_T3 || kind == CT_T6) return (xi[0] == 0.0) + (xi[1] == 0.0) + (xi[0] + xi[1] == 1.0);
+  return (fabs(xi[0]) == 1.0) + (fabs(xi[1]) == 1.0);
+}
+
+/* At corners or on edges: `edges` is 2 or 1. What is deeper than any point in contact and than the depth is the far side of something. */
+static void at_edges(const ct_contact *contact, int edges, double limit, ct_penetration *out)
+{
+  ct_rule rule;
+  for (int s = 0; s < contact->sides; s++) {
+    const ct_side *side = &contact->side[s], *other = &contact->side[contact->sides - 1 - s];
+    (void)ct_rule_lobatto(side->search->kind, &rule);
+    for (int32_t face = 0; face < side->search->face_count; face++)
+      for (int q = 0; q < rule.count; q++) {
+        double y[3];
+        if (edges_at(side->search->kind, rule.xi[q]) != edges) continue;
+        double depth = depth_at(side, other, face, rule.xi[q], y);
+        if (depth > 0.0 && depth <= limit) take(out, depth, s, face, y);
+      }
+  }
+}
+
+ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at, ct_penetration *out)
+{
+  if (contact == NULL || out == NULL || (at != CT_AT_POINTS && at != CT_AT_CORNERS && at != CT_AT_EDGES)) return CT_ERROR_ARGUMENT;
+  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}};
+  if (at != CT_AT_POINTS && contact->sides == 1) return CT_ERROR_UNSUPPORTED;
+  at_points(contact, out);
+  if (at == CT_AT_POINTS) return CT_OK;
+  double limit = fmax(contact->depth, 2.0 * out->deepest);
+  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}};
+  for (int s = 0; s < contact->sides; s++) {
+    ct_search_box(contact->side[s].search);
+    ct_search_refit(contact->side[s].search);
+  }
+  at_edges(contact, at == CT_AT_CORNERS ? 2 : 1, limit, out);
+  return CT_OK;
+}
