@@ -470,6 +470,7 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   p->threads = 1;
   p->clock = NULL;
   p->integrator = time->integrator;
+  p->assembled = time->assembled;
   p->dt = DBL_MIN; // any step will do to ask for the stable one, if half of it changes no velocity
   if (status == CT_OK) status = ct_stable(p, NULL, stable, error);
   if (status == CT_OK) status = asked_step(time, stable, &dt, error);

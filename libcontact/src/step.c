@@ -245,6 +245,13 @@ ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
   ct_view view = ct_workspace_view(problem, state, k);
   if (effect->frequency != NULL) status = effect->frequency(effect, &view, omega_squared, error);
   if (status == CT_OK && effect->damping != NULL) status = effect->damping(effect, &view, rate, error);
+  // -- The bound of the elements may be far above the whole (eq:assembled-bound)
+  if (status == CT_OK && k == 0 && problem->assembled) {
+    double whole = INFINITY;
+    status = ct_stable_assembled(problem, state, &whole, error);
+    if (status == CT_ERROR_UNSUPPORTED) status = CT_OK;
+    *omega_squared = fmin(*omega_squared, whole);
+  }
   return status;
 }
 

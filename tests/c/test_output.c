@@ -137,7 +137,7 @@ static rig *rig_create(int curved, int with_probe)
   r->probe = probe;
   r->effects[0] = r->solid;
   r->effects[1] = &r->probe;
-  ct_problem problem = {nodes, 2, r->body, r->reference, r->mass, r->inverse_mass, r->velocity, with_probe ? 2 : 1, r->effects, 0.02, 1, NULL, {CT_CENTRAL_DIFFERENCE, 0.0}};
+  ct_problem problem = {nodes, 2, r->body, r->reference, r->mass, r->inverse_mass, r->velocity, with_probe ? 2 : 1, r->effects, 0.02, 1, NULL, {CT_CENTRAL_DIFFERENCE, 0.0}, 0};
   r->problem = problem;
   return r;
 }
@@ -669,6 +669,9 @@ static void test_other_problem(void)
   r->problem.dt = 0.03;
   refuse_restart(r, path, CT_ERROR_FILE, "the time step");
   r->problem.dt = 0.02;
+  r->problem.integrator = (ct_integrator){CT_TCHAMWA_WIELGOSZ, 0.9};
+  refuse_restart(r, path, CT_ERROR_FILE, "the integrator");
+  r->problem.integrator = (ct_integrator){CT_CENTRAL_DIFFERENCE, 0.0};
   r->body[1].material.density = 3;
   refuse_restart(r, path, CT_ERROR_FILE, "body 1 'right' (in the file 'right') has another density");
   r->body[1].material.density = 2;

@@ -178,6 +178,7 @@ def _integrator(problem: Problem) -> Any:
 
 def _time(problem: Problem) -> dict[str, Any]:
     stable, (asked, value) = problem.stable, problem.parts.time.step
+    bodies = "elements" if problem.parts.time.stable_step == "elements" else "the assembled bodies"
     by_contact = stable.dt < 0.999 * stable.dt_without_contact
     return {
         "integrator": problem.parts.time.integrator, "integrator_parameter": problem.parts.time.parameter, "evaluations_per_step": lib.ct_integrator_stages(_integrator(problem), ffi.new("ct_stage[2]")),
@@ -185,7 +186,7 @@ def _time(problem: Problem) -> dict[str, Any]:
         "dt": problem.dt, "steps": problem.step_count,
         "stable": stable.dt, "stable_without_contact": stable.dt_without_contact, "dt_courant": stable.dt_courant,
         "courant": problem.dt / stable.dt_courant if stable.dt_courant > 0.0 else math.inf, "fraction": problem.dt / stable.dt,
-        "limited_by": "elements and contact together" if by_contact else "elements",
+        "limited_by": bodies + (" and contact together" if by_contact else ""),
     }
 
 

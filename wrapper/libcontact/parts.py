@@ -22,6 +22,7 @@ KERNELS = ("auto", "general", "box", "plane")
 INTEGRATIONS = ("full", "reduced")
 FIELDS = ("displacement", "velocity", "stress")
 SAVINGS = ("quiet", "plane_strain", "congruent", "distant")
+STABLE_STEPS = ("elements", "assembled")
 INTEGRATORS = ("central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz")
 
 
@@ -132,6 +133,7 @@ class Time:
     step: tuple[str, float]
     integrator: str
     parameter: float
+    stable_step: str = STABLE_STEPS[0]
     until_static: float | None = None
     energy_limit: float = 1.0
     look_every: int = 1024
@@ -420,11 +422,12 @@ def _time(table: Table) -> Time:
     value = table.number(step, above=0.0)
     integrator = table.choice("integrator", INTEGRATORS, INTEGRATORS[0])
     parameter = _integrator_parameter(table, INTEGRATORS.index(integrator))
+    stable_step = table.choice("stable_step", STABLE_STEPS, STABLE_STEPS[0])
     until_static = table.number("until_static", None, least=1e-12)
     energy_limit = table.number("energy_limit", Time.energy_limit, above=0.0)
     look_every = table.integer("look_every", Time.look_every, least=1, most=2**53)
     table.done()
-    return Time(end, end_over, (step, value), integrator, parameter, until_static, energy_limit, look_every)
+    return Time(end, end_over, (step, value), integrator, parameter, stable_step, until_static, energy_limit, look_every)
 
 
 def _integrator_parameter(table: Table, scheme: int) -> float:

@@ -285,8 +285,8 @@ class Problem:
         if not (math.isfinite(end) and end > 0.0):
             raise SceneError(f"the end of the run is {end:g}", "time", self.file)
         integrator = (scene_parts.INTEGRATORS.index(self.parts.time.integrator), self.parts.time.parameter)
-        time = ffi.new("ct_scene_time *", {"end": end, name: value, "keep_dt": dt is not None, "integrator": integrator, "threads": self.threads,
-                                           "clock": ffi.addressof(lib, "wall_clock")})
+        time = ffi.new("ct_scene_time *", {"end": end, name: value, "keep_dt": dt is not None, "integrator": integrator,
+                                           "assembled": self.parts.time.stable_step == "assembled", "threads": self.threads, "clock": ffi.addressof(lib, "wall_clock")})
         problem, count, self.stable = ffi.new("const ct_problem **"), ffi.new("int64_t *"), ffi.new("ct_stable_step *")
         error = new_error()
         status = lib.ct_scene_build(self._scene, time, problem, count, self.stable, error)

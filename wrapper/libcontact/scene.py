@@ -155,14 +155,15 @@ class Scene:
         return self
 
     def set_time(self, *, end: float | None = None, end_c1t_over: Any = None, courant: float | None = None,
-                 fraction: float | None = None, dt: float | None = None, integrator: str | None = None, integrator_parameter: float | None = None, until_static: float | None = None,
+                 fraction: float | None = None, dt: float | None = None, integrator: str | None = None, integrator_parameter: float | None = None,
+                 stable_step: str | None = None, until_static: float | None = None,
                  energy_limit: float | None = None, look_every: int | None = None) -> Scene:
         """
         Give the end of the run and exactly one of ``courant``, ``fraction`` and ``dt``; ``integrator`` is "central_difference", "chung_lee", "noh_bathe" or
-        "tchamwa_wielgosz" with its one ``integrator_parameter`` (chapter "Integrator"); ``until_static`` ends it earlier, at rest (chapter "Damping"). The run is
+        "tchamwa_wielgosz" with its one ``integrator_parameter``, and ``stable_step`` "elements" or "assembled" how its limit is found (chapter "Integrator"); ``until_static`` ends it earlier, at rest (chapter "Damping"). The run is
         looked at after every ``look_every`` steps and fails when a share of ``energy_limit`` has appeared from nothing (chapter "Faults").
         """
-        return self._set("time", end=end, end_c1t_over=end_c1t_over, courant=courant, fraction=fraction, dt=dt, integrator=integrator, integrator_parameter=integrator_parameter,
+        return self._set("time", end=end, end_c1t_over=end_c1t_over, courant=courant, fraction=fraction, dt=dt, integrator=integrator, integrator_parameter=integrator_parameter, stable_step=stable_step,
                          until_static=until_static, energy_limit=energy_limit, look_every=look_every)
 
     def set_output(self, file: Any = None, *, fields: Any = None, every: int | None = None, times: Any = None) -> Scene:

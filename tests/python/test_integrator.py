@@ -1,0 +1,138 @@
+"""Integrators in scenes: keys and their refusals, what explain says, energies of the bar on a wall, restarts, savings, and the stable step from both sides."""
+
+import importlib
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+
+INTEGRATORS = ("central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz")
+LIMITS = {"central_difference": 2.0, "chung_lee": 2 / np.sqrt(4 * 28 / 27 - 3), "noh_bathe": 2 / np.sqrt(0.46 * 0.62), "tchamwa_wielgosz": 2 / np.sqrt(4 / 1.9 - 1)}
+UNITS = {"length": "m", "mass": "kg", "time": "s"}
+
+
+def plates(integrator: str, **keys) -> ct.Scene:
+    """Two thick plates that meet, in plane strain, with quiet regions for a while; the right one is pushed at its far end too."""
+    made = ct.Scene(title="plates", units=UNITS)
+    made.add_material("soft", young=1e4, poisson=0.3, density=1.0)
+    for name, x, speed in (("left", -1.0, 1.0), ("right", 0.0, -1.0)):
+        made.add_body(name, material="soft", velocity=[speed, 0, 0], box={"origin": [x, 0, 0], "size": [1, 0.1, 0.8], "cells": [10, 1, 8]})
+        for face in ("y_min", "y_max"):
+            made.add_support(f"{name}.{face}", fix=["y"])
+        made.add_support(f"{name}.z_min", fix=["z"])
+    made.add_contact("left.x_max", "right.x_min")
+    return made.set_time(**{"end": 0.02, "fraction": 0.9, "integrator": integrator, **keys}).set_output(every=4)
+
+
+def run(made: ct.Scene, **keys) -> ct.Run:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return made.run(progress=False, **keys)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_explain_tells_limit_and_evaluations(integrator):
+    made = plates(integrator)
+    said = made.explain()
+    time = said.data["time"]
+    assert time["integrator"] == integrator and integrator in said
+    assert time["integrator_limit"] == pytest.approx(LIMITS[integrator], rel=1e-12)
+    assert time["evaluations_per_step"] == (2 if integrator == "noh_bathe" else 1)
+    central = plates("central_difference").explain().data["time"]
+    assert time["stable"] / central["stable"] == pytest.approx(LIMITS[integrator] / 2.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("integrator, stages", [("central_difference", 1), ("noh_bathe", 2)])
+def test_a_step_of_noh_and_bathe_calls_each_force_twice(integrator, stages):
+    """So the trial steps of a plan hold both calls. Counted, by an effect of our own."""
+    made, times = plates(integrator), []
+    count = made.explain().data["time"]["steps"]
+    made.add_effect("probe", "left", "z_max", lambda view: times.append(view.time) or np.zeros_like(view.displacement))
+    run(made, output=False)
+    later = [time for time in times if time > 0.0]
+    assert stages * count - stages <= len(set(later)) <= stages * count + 1
+
+
+@pytest.mark.parametrize("keys, key", [({"integrator": "newmark"}, "time.integrator"), ({"integrator": "noh_bathe", "integrator_parameter": 0.7}, "time.integrator_parameter"),
+                                       ({"integrator": "chung_lee", "integrator_parameter": 0.5}, "time.integrator_parameter"),
+                                       ({"integrator": "tchamwa_wielgosz", "integrator_parameter": 1.5}, "time.integrator_parameter"),
+                                       ({"integrator": "central_difference", "integrator_parameter": 0.5}, "time.integrator_parameter"),
+                                       ({"stable_step": "guess"}, "time.stable_step")])
+def test_refusals_name_the_key(keys, key):
+    with pytest.raises(ct.SceneError, match=key.replace(".", r"\.")):
+        plates(**{"integrator": "central_difference", **keys})
+
+
+def test_a_step_above_the_limit_of_the_integrator_is_refused():
+    limit = plates("central_difference").explain().data["time"]["stable"]
+    with pytest.raises(ct.Error, match="above the stable step"):
+        run(plates("tchamwa_wielgosz", fraction=None, dt=0.99 * limit), output=False)
+    run(plates("noh_bathe", fraction=None, dt=1.8 * limit), output=False)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_the_ledger_closes_and_restarts_give_the_same_bits(integrator, tmp_path):
+    made = plates(integrator)
+    whole = run(made.set_output(file=str(tmp_path / "whole.vtkhdf"), every=4))
+    scale = whole.energy["kinetic"][0]
+    assert np.abs(whole.energy["balance"]).max() < 1e-12 * scale
+    assert whole.energy["contact"].max() > 1e-3 * scale
+    assert whole.energy["total"].max() < 1.001 * whole.energy["total"][0]
+    made.set_output(file=str(tmp_path / "part.vtkhdf"), every=4)
+    run(made, until=0.5 * whole.time[-1])
+    rest = run(made, restart=tmp_path / "part.vtkhdf", output=tmp_path / "rest.vtkhdf")
+    for name in ("left", "right"):
+        assert np.array_equal(whole.state[name].displacement, rest.state[name].displacement)
+        assert np.array_equal(whole.state[name].velocity, rest.state[name].velocity)
+    assert whole.energy[-1] == rest.energy[-1]
+
+
+def test_a_restart_with_another_integrator_is_refused(tmp_path):
+    made = plates("central_difference").set_output(file=str(tmp_path / "run.vtkhdf"), every=4)
+    run(made)
+    other = plates("tchamwa_wielgosz", integrator_parameter=1.0).set_output(file=str(tmp_path / "run.vtkhdf"), every=4)
+    with pytest.raises(ct.Error, match="comes from another scene"):
+        run(other, restart=tmp_path / "run.vtkhdf", output=False)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_savings_and_threads_change_no_bit(integrator):
+    bare = ct.Scene({**plates(integrator).data, "run": {"savings": []}})
+    runs = [run(plates(integrator), output=False), run(bare, output=False), run(plates(integrator), output=False, threads=2)]
+    for other in runs[1:]:
+        for name in ("left", "right"):
+            assert np.array_equal(runs[0].state[name].displacement, other.state[name].displacement)
+        assert np.array_equal(runs[0].energy, other.energy)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("beta", [1.0, 1e2, 1e4])
+def test_the_default_enforcement_makes_no_energy_with_any_integrator(integrator, beta):
+    """Bar on a wall, 100 elements, 0.9 of the limit: the total is never above its start by 1 %, the force is right to 0.1 %, the impulse to 1.5 %."""
+    made = ct.Scene(title="bar", units=UNITS)
+    made.add_material("soft", young=900.0, poisson=0.0, density=1.0)
+    made.add_body("bar", material="soft", box={"origin": [0, 0, 5], "size": [0.1, 0.1, 10], "cells": [1, 1, 100]}, velocity=[0, 0, -10])
+    made.add("obstacle", surface="bar.z_min", plane={"point": [0, 0, 0], "normal": [0, 0, 1]}, beta=beta)
+    made.set_time(end=1.4, fraction=0.9, integrator=integrator).set_output(every=1, fields=[])
+    done = run(made, output=False)
+    total, p = done.energy["total"], done.momentum["p"][:, 2]
+    assert total.max() < 1.01 * total[0] and 0.95 * total[0] < total[-1] <= total[0]
+    held = (done.time > 0.6) & (done.time < 1.1)
+    assert abs(np.polyfit(done.time[held], p[held], 1)[0] / (300.0 * 0.01) - 1.0) < 1e-3
+    assert abs((p[-1] - p[0]) / (300.0 * 0.01 * 2 / 3) - 1.0) < 1.5e-2
+
+
+def test_the_stable_step_is_safe_and_sharp():
+    """The short form of stability/steps.py: 10 000 steps at 0.999 of the reported step stay bounded, 1.02 of the true one does not."""
+    sys.path.insert(0, str(Path(__file__).parents[2] / "stability"))
+    try:
+        steps = importlib.import_module("steps")
+    finally:
+        sys.path.pop(0)
+    rows = [*steps.rows(("cubes", "distorted by 0.2 h"), ("hex8",), 10_000), *steps.rows(("graded",), ("hex20",), 2_000)]
+    assert len(rows) == 12 and [steps.line(row) for row in rows if not row.good] == []
+    assert all(row.sharpness > 0.9 for row in rows)
