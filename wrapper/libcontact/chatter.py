@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ._core import lib
 from .problem import Problem
 
 # Measured on the bar on a wall, over ways to meet the wall: within these limits its energy grows by less than 1 %. (β, largest fraction of the stable step)
-PENALTY = ((4.0, 0.4), (30.0, 0.25))
+# Integrators that damp single elements bear a stiffer penalty.
+PENALTY, DAMPED_PENALTY = ((4.0, 0.4), (30.0, 0.25)), ((50.0, 0.4),)
 BIPENALTY_BETA, BIPENALTY_PRODUCT = 3.0, 1.5
 
 
@@ -40,7 +42,9 @@ def _enforced(problem: Problem) -> Iterator[tuple[str, str, float]]:
 def _warn(who: str, enforcement: str, beta: float, problem: Problem) -> str:
     stable = problem.stable.dt if enforcement == "penalty" else problem.stable.dt_without_contact
     fraction = problem.dt / stable
-    stiff = {"penalty": any(beta >= least and fraction > most for least, most in PENALTY),
+    own = problem.pointer.integrator
+    damped = own.scheme != lib.CT_CENTRAL_DIFFERENCE and own.parameter == lib.ct_integrator_default(own.scheme).parameter
+    stiff = {"penalty": any(beta >= least and fraction > most for least, most in (DAMPED_PENALTY if damped else PENALTY)),
              "bipenalty": beta >= BIPENALTY_BETA and beta * fraction > BIPENALTY_PRODUCT}
     if not stiff.get(enforcement, False):
         return ""
