@@ -3,8 +3,8 @@
 
 #include <contact/sum.h>
 
-#include "../contact/side.h"
 #include "../error.h"
+#include "../grid.h"
 #include "../lanes.h"
 #include "../memory.h"
 #include "../workspace.h"
