@@ -66,7 +66,7 @@ int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages)
 
 double ct_integrator_share(const ct_integrator *integrator) { return integrator->scheme == CT_NOH_BATHE ? 0.5 * integrator->parameter : 0.5; }
 
-/* (2 / Ω)², where 2 - √(0) ... of the leapfrog is 1 (eq:integrator-limits). */
+/* (2 / Ω)² at the limit: 1 for the leapfrog (eq:integrator-limits). */
 static double stiffening(const ct_integrator *integrator)
 {
   const double value = integrator->parameter;
