@@ -606,3 +606,10 @@ def test_masked_nodes_are_refused():
     nodes[3, 1] = np.ma.masked
     with pytest.raises(ct.SceneError, match="masked"):
         ct.Scene(cube(nodes)).explain()
+
+
+@pytest.mark.parametrize("path", sorted(SCENES.glob("*.toml")), ids=lambda path: path.stem)
+def test_a_scene_of_the_tutorials_is_short_and_explained(path):
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 40
+    assert ct.Scene.load(path).explain().data["bodies"]
+    assert f'"{path.stem}"' in (SCENES.parent / "05_scenes.py").read_text(encoding="utf-8") or path.stem == "plates_reference"
