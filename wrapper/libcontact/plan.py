@@ -118,7 +118,11 @@ def _prepare(problem: Problem, state: Any) -> None:
         if move.body not in moved and move.shift.any():
             u[problem.bodies[move.body].nodes] += move.shift
             moved.add(move.body)
-    u += SHAKE * edge * np.random.default_rng(1).uniform(-1.0, 1.0, u.shape)
+    shake = SHAKE * edge * np.random.default_rng(1).uniform(-1.0, 1.0, u.shape)
+    for body in problem.bodies.values():
+        # A layer in plane strain would leave its plane, and its kernel leaves nothing out.
+        if body.kernel != "plane":
+            u[body.nodes] += shake[body.nodes]
 
 
 def _trial(problem: Problem, state: Any) -> dict[str, float]:
