@@ -181,7 +181,7 @@ assert abs(pressure[steady].mean() / P - 1) < 0.01 and off < 0.02 * L
 # -------------
 # ``bouncing_bar.toml``: the same bar falls on the floor. It leaves the floor with a wave in it, so the second bounce is not
 # like the first: at :math:`16 L / c` the bar is at rest where it began :cite:p:`Doyen2011`. What it is compared with comes from
-# characteristics: :math:`\ddot u = c^2 u'' - g` in flight is solved without any error by :math:`u_i^{n+1} = u_{i-1}^n + u_{i+1}^n -
+# characteristics: :math:`\ddot u = c^2 u'' - g` in flight is solved without error by :math:`u_i^{n+1} = u_{i-1}^n + u_{i+1}^n -
 # u_i^{n-1} - g \Delta t^2` if :math:`c \Delta t = \Delta x`, and the lower end stays on the floor as long as it would go below.
 # Odd and even steps of this scheme do not know of each other, and differ by up to a cell, 11 mm, once the floor has been met.
 
