@@ -1,5 +1,5 @@
 """
-What each effect costs, alone and together, predicted before the run and measured in it: the plate impact and three other scenes. Predictions are medians and measurements
+What each effect costs, alone and together, predicted before the run and measured in it: the plate impact, three other scenes, and one with everything. Predictions are medians and measurements
 minima of repeated runs.
 """
 
@@ -31,7 +31,7 @@ def everything() -> ct.Scene:
 
 def scenes() -> dict[str, ct.Scene]:
     made = {}
-    for name in ("plates", "block_on_an_incline", "hertz"):
+    for name in ("plates", "block_on_an_incline", "hertz", "bar_on_a_wall"):
         data = tomllib.loads((SCENES / f"{name}.toml").read_text(encoding="utf-8"))
         data.get("output", {}).pop("file", None)
         made[name] = ct.Scene(data)
