@@ -214,14 +214,8 @@ static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view
 /* Forces of the constraints on the points, and into the memory; the energy that they hold. */
 static void take_constraints(const ct_view *view, ct_obstacle_points *s)
 {
-  double *memory = &view->next_memory[MEMORY];
   ct_press_apply(&s->side, 0, view->constraints, view->constraint_count);
-  memset(memory, 0, (size_t)ct_side_point_count(&s->side) * sizeof *memory);
-  for (int64_t j = 0; j < view->constraint_count; j++) {
-    memory[view->constraints[j].point] = view->constraints[j].force;
-    s->terms[j] = ct_enforcement_energy(&view->constraints[j]);
-  }
-  s->held = ct_sum(s->terms, view->constraint_count);
+  s->held = ct_press_remember(view->constraints, view->constraint_count, ct_side_point_count(&s->side), &view->next_memory[MEMORY], 1, s->terms);
 }
 
 static int is_penalty(const ct_effect *effect) { return ((const obstacle_data *)effect->data)->given.enforcement == CT_ENFORCE_PENALTY; }

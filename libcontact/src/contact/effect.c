@@ -1,6 +1,5 @@
 /* The contact as an effect of a problem. */
 #include <contact/contact.h>
-#include <contact/sum.h>
 
 #include "../error.h"
 #include "../memory.h"
@@ -164,17 +163,12 @@ static ct_status contact_constrain(const ct_effect *effect, const ct_view *view,
 static void take_constraints(const contact_data *data, const ct_view *view, contact_scratch *scratch)
 {
   ct_contact *contact = scratch->contact;
-  int64_t first = 0, points = ct_contact_point_count(contact);
+  int64_t first = 0;
   for (int s = 0; s < contact->sides; s++) {
     ct_press_apply(&contact->side[s], first, view->constraints, view->constraint_count);
     first += ct_side_point_count(&contact->side[s]);
   }
-  for (int64_t i = 0; i < points; i++) view->next_memory[stride(data) * i + FORCE] = 0.0;
-  for (int64_t j = 0; j < view->constraint_count; j++) {
-    view->next_memory[stride(data) * view->constraints[j].point + FORCE] = view->constraints[j].force;
-    contact->terms[j] = ct_enforcement_energy(&view->constraints[j]);
-  }
-  scratch->held = ct_sum(contact->terms, view->constraint_count);
+  scratch->held = ct_press_remember(view->constraints, view->constraint_count, ct_contact_point_count(contact), &view->next_memory[FORCE], stride(data), contact->terms);
 }
 
 static ct_status contact_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)

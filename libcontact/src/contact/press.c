@@ -1,6 +1,8 @@
 /* Points of a surface as constraints, whose forces depend on the gaps of the coming step. */
 #include "press.h"
 
+#include <contact/sum.h>
+
 #include "../vector.h"
 
 #include <math.h>
@@ -64,4 +66,14 @@ void ct_press_apply(ct_side *side, int64_t first, const ct_constraint *list, int
     if (i < 0 || i >= points) continue;
     for (int c = 0; c < 3; c++) side->points[i].force[c] = list[j].force * list[j].normal[c];
   }
+}
+
+double ct_press_remember(const ct_constraint *list, int64_t count, int64_t points, double *memory, int stride, double *terms)
+{
+  for (int64_t i = 0; i < points; i++) memory[stride * i] = 0.0;
+  for (int64_t j = 0; j < count; j++) {
+    memory[stride * list[j].point] = list[j].force;
+    terms[j] = ct_enforcement_energy(&list[j]);
+  }
+  return ct_sum(terms, count);
 }
