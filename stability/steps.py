@@ -21,6 +21,7 @@ from libcontact.problem import Problem, new_state
 
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
 MESHES = ("cubes", "flat bricks", "nearly incompressible", "graded", "distorted by 0.1 h", "distorted by 0.2 h")
+REGULAR = MESHES[:3]
 EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
 BELOW, ABOVE, BLOWN = 0.999, 1.02, 1e3
 
@@ -28,7 +29,7 @@ BELOW, ABOVE, BLOWN = 0.999, 1.02, 1e3
 @dataclass
 class Row:
     """One mesh with one integrator: the reported and the true stable step, and the growth of the velocity below the one and above the other.
-    ``elements`` is what the bound by elements reports, ``reported`` that of the assembled bodies."""
+    ``elements`` is what the bound by elements and blocks of them reports, the default; ``reported`` that of the assembled bodies, which is never below it."""
 
     element: str
     mesh: str
@@ -45,7 +46,8 @@ class Row:
 
     @property
     def good(self) -> bool:
-        return self.sharpness <= 1.0 + 1e-6 and self.elements <= self.reported and self.below < BLOWN < self.above and self.sharpness >= 0.9
+        sharp = self.sharpness >= 0.9 and (self.mesh not in REGULAR or self.elements >= 0.9 * self.true)
+        return sharp and self.sharpness <= 1.0 + 1e-6 and self.elements <= self.reported and self.below < BLOWN < self.above
 
 
 def block(element: str, mesh: str) -> tuple[np.ndarray, np.ndarray]:
@@ -127,7 +129,7 @@ def rows(meshes: Sequence[str] = MESHES, elements: Sequence[str] = ("hex8", "hex
                 yield Row(element, mesh, integrator, elements_alone, reported, true, growth(problem, BELOW * reported, steps), growth(problem, ABOVE * true, 5000))
 
 
-HEAD = "element  mesh                   integrator          elements/true  reported/true   0.999 reported   1.02 true"
+HEAD = "element  mesh                   integrator          default/true   assembled/true  0.999 reported   1.02 true"
 
 
 def line(row: Row) -> str:

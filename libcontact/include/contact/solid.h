@@ -81,7 +81,7 @@ typedef struct ct_solid_block {
   int threads;
   /** Coefficient κ of the hourglass control for CT_KERNEL_REDUCED, :eq:`hourglass-stiffness`; 0: the default. */
   double hourglass;
-  /** 1 where a support holds all nodes of the body in this direction at velocity 0: one layer of boxes is then in plane strain. */
+  /** 1 where a support holds all nodes of the body in this direction at velocity 0: one layer of boxes is then in plane strain, and such motions do not bound the step. */
   int held[3];
 } ct_solid_block;
 

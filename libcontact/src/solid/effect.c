@@ -7,6 +7,7 @@
 #include "../error.h"
 #include "../memory.h"
 #include "../tree.h"
+#include "blocks.h"
 #include "lattice.h"
 #include "plane.h"
 #include "quiet.h"
@@ -328,45 +329,6 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
   return CT_OK;
 }
 
-/* Whether two elements are translations of each other, to 1e-12 of their size: they then have one eigenvalue. */
-static int same_shape(int per, double x[20][3], double y[20][3])
-{
-  double size = 0.0, difference = 0.0;
-  for (int a = 1; a < per; a++)
-    for (int c = 0; c < 3; c++) {
-      size = fmax(size, fabs(x[a][c] - x[0][c]));
-      difference = fmax(difference, fabs((x[a][c] - x[0][c]) - (y[a][c] - y[0][c])));
-    }
-  return difference <= 1e-12 * size;
-}
-
-/* Largest eigenvalue of the elements of one part; a box has one element's worth. */
-static ct_status part_frequency(const ct_solid_part *part, double *omega_squared, ct_error *error)
-{
-  const ct_mesh *mesh = part->mesh;
-  int per = ct_brick_node_count(mesh->kind);
-  int32_t count = part->kernel == CT_KERNEL_BOX || part->kernel == CT_KERNEL_PLANE ? 1 : mesh->element_count;
-  double last[20][3] = {{0.0}};
-  *omega_squared = 0.0;
-  for (int32_t e = 0; e < count; e++) {
-    double x[20][3], m[20], w;
-    ct_solid_load_element(mesh, e, mesh->nodes, x);
-    if (e > 0 && same_shape(per, x, last)) continue;
-    memcpy(last, x, sizeof last);
-    ct_status status = ct_mass_element(mesh->kind, &x[0][0], part->material.density, part->lumping, m, error);
-    if (status == CT_OK && part->mean != NULL)
-      status = ct_solid_reduced_frequency(&x[0][0], &part->material, part->hourglass, m, &w, error);
-    else if (status == CT_OK)
-      status = ct_solid_element_frequency(mesh->kind, &x[0][0], &part->material, m, &w, error);
-    if (status != CT_OK) {
-      if (error != NULL) error->element = e;
-      return status;
-    }
-    if (w > *omega_squared) *omega_squared = w;
-  }
-  return CT_OK;
-}
-
 static ct_status solid_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
 {
   const solid_data *solid = effect->data;
@@ -511,7 +473,7 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
     if (status == CT_OK && blocks[i].first_node != next_node)
       status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the body begins at node %d, not %d", (int)blocks[i].first_node, (int)next_node);
     if (status == CT_OK) status = prepare_part(part, &blocks[i], error);
-    if (status == CT_OK) status = part_frequency(part, &part->omega_squared, error);
+    if (status == CT_OK) status = ct_solid_part_frequency(part, blocks[i].held, &part->omega_squared, error);
     if (status != CT_OK) {
       if (error != NULL) error->body = i;
       return status;

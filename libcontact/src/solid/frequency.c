@@ -39,9 +39,8 @@ static void add_tangent(double A[SIZE][SIZE], int per, double g[20][3], const ct
     }
 }
 
-/* The lower half of the stiffness; the tangent's at a displacement unless that is null. */
-static ct_status stiffness(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
-                           double A[SIZE][SIZE], ct_error *error)
+ct_status ct_element_stiffness(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
+                               double A[SIZE][SIZE], ct_error *error)
 {
   int per = ct_brick_node_count(kind);
   double x[20][3], u[20][3], G[3][3], lambda, mu;
@@ -110,16 +109,20 @@ static int all_below(int n, const double *diagonal, const double *side, double x
   return pivot < 0.0;
 }
 
-ct_status ct_largest_eigenvalue(int per, const double *mass, double A[SIZE][SIZE], double *omega_squared, ct_error *error)
+void ct_spread_mass(int per, const double *mass, const int held[3], double spread[SIZE])
+{
+  for (int i = 0; i < 3 * per; i++) spread[i] = held != NULL && held[i % 3] ? INFINITY : mass[i / 3];
+}
+
+ct_status ct_largest_eigenvalue(int n, const double *mass, double A[SIZE][SIZE], double *omega_squared, ct_error *error)
 {
   double diagonal[SIZE], side[SIZE];
-  int n = 3 * per;
-  for (int a = 0; a < per; a++)
-    if (!(mass[a] > 0.0))
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, a}, "node %d of the element has mass %g", a, mass[a]);
+  for (int i = 0; i < n; i++)
+    if (!(mass[i] > 0.0))
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, i / 3}, "node %d of the element has mass %g", i / 3, mass[i]);
   // -- Scale by the masses, A = M^-1/2 K M^-1/2 (eq:element-bound)
-  for (int i = 0; i < 3 * per; i++)
-    for (int j = 0; j <= i; j++) A[j][i] = A[i][j] = A[i][j] / (sqrt(mass[i / 3]) * sqrt(mass[j / 3]));
+  for (int i = 0; i < n; i++)
+    for (int j = 0; j <= i; j++) A[j][i] = A[i][j] = A[i][j] / (sqrt(mass[i]) * sqrt(mass[j]));
   tridiagonal(n, A, diagonal, side);
 
   // -- Halve the interval of Gershgorin's bound; its upper end stays above all eigenvalues (eq:element-bound)
@@ -144,9 +147,11 @@ ct_status ct_largest_eigenvalue(int per, const double *mass, double A[SIZE][SIZE
 static ct_status element_eigenvalue(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
                                     const double *mass, double *omega_squared, ct_error *error)
 {
-  double A[SIZE][SIZE];
-  ct_status status = stiffness(kind, nodes, displacement, material, A, error);
-  return status == CT_OK ? ct_largest_eigenvalue(ct_brick_node_count(kind), mass, A, omega_squared, error) : status;
+  double A[SIZE][SIZE], m[SIZE];
+  int per = ct_brick_node_count(kind);
+  ct_spread_mass(per, mass, NULL, m);
+  ct_status status = ct_element_stiffness(kind, nodes, displacement, material, A, error);
+  return status == CT_OK ? ct_largest_eigenvalue(3 * per, m, A, omega_squared, error) : status;
 }
 
 ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes, const ct_material *material,

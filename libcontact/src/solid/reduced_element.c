@@ -105,20 +105,29 @@ ct_status ct_solid_reduced_force(const double *nodes, const double *displacement
   return CT_OK;
 }
 
-ct_status ct_solid_reduced_frequency(const double *nodes, const ct_material *material, double hourglass, const double *mass,
-                                     double *omega_squared, ct_error *error)
+ct_status ct_reduced_stiffness(const double *nodes, const ct_material *material, double hourglass, double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], ct_error *error)
 {
   reduced_element r;
-  double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE] = {{0.0}}, lambda, mu;
-  if (mass == NULL || omega_squared == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: null argument");
+  double lambda, mu;
   ct_status status = open_element(nodes, material, hourglass, &r, error);
   if (status != CT_OK) return status;
   ct_material_lame(material, &lambda, &mu);
+  memset(A, 0, sizeof(double) * CT_ELEMENT_SIZE * CT_ELEMENT_SIZE);
   for (int a = 0; a < 8; a++)
     for (int b = 0; b <= a; b++) {
       ct_add_stiffness(A, a, b, r.B[a], r.B[b], lambda * r.V, mu * r.V);
       for (int i = 0; i < 3; i++)
         for (int k = 0; k < 4; k++) A[3 * a + i][3 * b + i] += r.c * r.gamma[k][a] * r.gamma[k][b];
     }
-  return ct_largest_eigenvalue(8, mass, A, omega_squared, error);
+  return CT_OK;
+}
+
+ct_status ct_solid_reduced_frequency(const double *nodes, const ct_material *material, double hourglass, const double *mass,
+                                     double *omega_squared, ct_error *error)
+{
+  double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], m[CT_ELEMENT_SIZE];
+  if (mass == NULL || omega_squared == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: null argument");
+  ct_spread_mass(8, mass, NULL, m);
+  ct_status status = ct_reduced_stiffness(nodes, material, hourglass, A, error);
+  return status == CT_OK ? ct_largest_eigenvalue(24, m, A, omega_squared, error) : status;
 }

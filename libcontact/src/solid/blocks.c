@@ -1,0 +1,183 @@
+/* The largest frequency of a body: by its elements, and in a box of equal bricks by blocks of two and three of them a side. */
+#include "blocks.h"
+#include "element.h"
+
+#include "../error.h"
+#include "../memory.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SIZE = CT_ELEMENT_SIZE, DOFS = 24 };
+
+/* Where the nodes of a hex8 stand. */
+static const int CORNER[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+
+/* Cells along x, y, z of a body that is one box of equal hex8 bricks, in whatever order its nodes and elements are; cells[0] = 0: it is not. */
+static ct_status find_cells(const ct_mesh *mesh, int32_t cells[3], ct_error *error)
+{
+  double edge[3], low[3], high[3], elements = 1.0, nodes = 1.0;
+  cells[0] = 0;
+  if (!ct_solid_is_box(mesh, edge)) return CT_OK;
+  ct_mesh_bounds(mesh, low, high);
+  for (int d = 0; d < 3; d++) {
+    double count = floor((high[d] - low[d]) / edge[d] + 0.5);
+    elements *= count;
+    nodes *= count + 1.0;
+  }
+  if (elements != mesh->element_count || nodes != mesh->node_count) return CT_OK;
+  // -- As many elements as cells: the box is full unless two of them share a cell
+  int32_t n[3];
+  char *taken = ct_allocate((size_t)mesh->element_count, 1);
+  if (taken == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the stable step");
+  for (int d = 0; d < 3; d++) n[d] = (int32_t)floor((high[d] - low[d]) / edge[d] + 0.5);
+  int full = 1;
+  for (int32_t e = 0; full && e < mesh->element_count; e++) {
+    const double *x = &mesh->nodes[3 * (size_t)mesh->elements[8 * (size_t)e]];
+    int64_t i[3];
+    for (int d = 0; d < 3; d++) i[d] = (int64_t)floor((x[d] - low[d]) / edge[d] + 0.5);
+    char *cell = &taken[i[0] + n[0] * (i[1] + n[1] * i[2])];
+    full = !*cell;
+    *cell = 1;
+  }
+  ct_release(taken);
+  if (full) memcpy(cells, n, sizeof n);
+  return CT_OK;
+}
+
+/* A block, and the motions of it that are even (1) or odd (-1) about its three middle planes. */
+typedef struct block {
+  int size[3], parity[3];
+  const int *held;
+} block;
+
+/* The degree of freedom of the block's corner with which component c of a node moves, and its sign; -1: it does not move (eq:block-fold). */
+static int fold(const block *b, const int node[3], int c, double *sign)
+{
+  int at = 0;
+  *sign = 1.0;
+  for (int d = 0; d < 3; d++) {
+    // A plane turns round what points across it.
+    int image = d == c ? -b->parity[d] : b->parity[d], mirrored = b->size[d] - node[d];
+    if (node[d] == mirrored && image < 0) return -1;
+    if (node[d] > mirrored) *sign *= image;
+    at = 2 * at + (node[d] < mirrored ? node[d] : mirrored);
+  }
+  return b->held[c] ? -1 : 3 * at + c;
+}
+
+/* Add an element, which stands for `images` alike, to the stiffness and the masses of the corner. */
+static void add_element(const block *b, const int cell[3], double images, double K[SIZE][SIZE], const double *mass, double A[SIZE][SIZE], double m[SIZE])
+{
+  int dof[DOFS];
+  double sign[DOFS];
+  for (int i = 0; i < DOFS; i++) {
+    int node[3];
+    for (int d = 0; d < 3; d++) node[d] = cell[d] + CORNER[i / 3][d];
+    dof[i] = fold(b, node, i % 3, &sign[i]);
+    if (dof[i] >= 0) m[dof[i]] += images * mass[i / 3];
+  }
+  for (int i = 0; i < DOFS; i++)
+    for (int j = 0; j < DOFS; j++)
+      if (dof[i] >= 0 && dof[j] >= 0) A[dof[i]][dof[j]] += images * sign[i] * sign[j] * (i >= j ? K[i][j] : K[j][i]);
+}
+
+/* Largest eigenvalue of the motions of one parity. */
+static ct_status parity_frequency(const block *b, double K[SIZE][SIZE], const double *mass, double *omega_squared, ct_error *error)
+{
+  double A[SIZE][SIZE] = {{0.0}}, m[SIZE] = {0.0};
+  int cell[3], count = 0;
+  // -- The elements of one corner; one in the middle is its own image (eq:block-fold)
+  for (cell[2] = 0; 2 * cell[2] < b->size[2]; cell[2]++)
+    for (cell[1] = 0; 2 * cell[1] < b->size[1]; cell[1]++)
+      for (cell[0] = 0; 2 * cell[0] < b->size[0]; cell[0]++) {
+        double images = 1.0;
+        for (int d = 0; d < 3; d++)
+          if (2 * cell[d] + 1 < b->size[d]) images *= 2.0;
+        add_element(b, cell, images, K, mass, A, m);
+      }
+  // -- Leave out what does not move
+  int kept[DOFS];
+  for (int i = 0; i < DOFS; i++) {
+    if (m[i] == 0.0) continue;
+    kept[count] = i;
+    m[count] = m[i];
+    for (int j = 0; j <= count; j++) A[count][j] = A[i][kept[j]];
+    count++;
+  }
+  *omega_squared = 0.0;
+  return count > 0 ? ct_largest_eigenvalue(count, m, A, omega_squared, error) : CT_OK;
+}
+
+/* Sizes of the blocks that make up a row of cells: twos or threes alone where they fit, else both. */
+static void sizes_of(int32_t cells, int *first, int *last)
+{
+  *first = cells == 1 ? 1 : cells % 2 == 0 || cells % 3 != 0 ? 2 : 3;
+  *last = cells == 1 ? 1 : cells % 2 == 0 ? 2 : 3;
+}
+
+/* Bound of the largest eigenvalue of M⁻¹K of a box of so many cells from the lower half of K of one element and the masses of its nodes (eq:block-bound). */
+static ct_status blocks_frequency(const int32_t cells[3], const int held[3], double K[SIZE][SIZE], const double *mass, double *omega_squared, ct_error *error)
+{
+  int first[3], last[3];
+  block b = {.held = held};
+  *omega_squared = 0.0;
+  for (int d = 0; d < 3; d++) sizes_of(cells[d], &first[d], &last[d]);
+  // -- The fastest motion of all blocks, of each parity on its own (eq:block-bound)
+  for (b.size[0] = first[0]; b.size[0] <= last[0]; b.size[0]++)
+    for (b.size[1] = first[1]; b.size[1] <= last[1]; b.size[1]++)
+      for (b.size[2] = first[2]; b.size[2] <= last[2]; b.size[2]++)
+        for (int k = 0; k < 8; k++) {
+          double w;
+          for (int d = 0; d < 3; d++) b.parity[d] = k >> d & 1 ? -1 : 1;
+          ct_status status = parity_frequency(&b, K, mass, &w, error);
+          if (status != CT_OK) return status;
+          *omega_squared = fmax(*omega_squared, w);
+        }
+  return CT_OK;
+}
+
+/* Whether two elements are translations of each other, to 1e-12 of their size: they then have one eigenvalue. */
+static int same_shape(int per, double x[20][3], double y[20][3])
+{
+  double size = 0.0, difference = 0.0;
+  for (int a = 1; a < per; a++)
+    for (int c = 0; c < 3; c++) {
+      size = fmax(size, fabs(x[a][c] - x[0][c]));
+      difference = fmax(difference, fabs((x[a][c] - x[0][c]) - (y[a][c] - y[0][c])));
+    }
+  return difference <= 1e-12 * size;
+}
+
+/* Lower half of the stiffness of one element, and the masses of its nodes. */
+static ct_status element_matrices(const ct_solid_part *part, double x[20][3], double A[SIZE][SIZE], double m[20], ct_error *error)
+{
+  const ct_material *material = &part->material;
+  ct_status status = ct_mass_element(part->mesh->kind, &x[0][0], material->density, part->lumping, m, error);
+  if (status != CT_OK) return status;
+  return part->mean != NULL ? ct_reduced_stiffness(&x[0][0], material, part->hourglass, A, error)
+                            : ct_element_stiffness(part->mesh->kind, &x[0][0], NULL, material, A, error);
+}
+
+ct_status ct_solid_part_frequency(const ct_solid_part *part, const int held[3], double *omega_squared, ct_error *error)
+{
+  const ct_mesh *mesh = part->mesh;
+  int per = ct_brick_node_count(mesh->kind);
+  int32_t cells[3] = {0, 0, 0};
+  double last[20][3] = {{0.0}}, A[SIZE][SIZE], m[20], spread[SIZE];
+  *omega_squared = 0.0;
+  ct_status status = part->energies == NULL ? find_cells(mesh, cells, error) : CT_OK;
+  for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
+    double x[20][3], w;
+    ct_solid_load_element(mesh, e, mesh->nodes, x);
+    if (e > 0 && same_shape(per, x, last)) continue;
+    memcpy(last, x, sizeof last);
+    status = element_matrices(part, x, A, m, error);
+    if (status == CT_OK && cells[0] > 0) return blocks_frequency(cells, held, A, m, omega_squared, error);
+    ct_spread_mass(per, m, held, spread);
+    if (status == CT_OK) status = ct_largest_eigenvalue(3 * per, spread, A, &w, error);
+    if (status == CT_OK) *omega_squared = fmax(*omega_squared, w);
+    else if (error != NULL) error->element = e;
+  }
+  return status;
+}
