@@ -1,6 +1,8 @@
 /* The laws that make a force of the gaps of one point. */
 #include <contact/enforcement.h>
 
+#include "law.h"
+
 #include <math.h>
 #include <stddef.h>
 
@@ -26,17 +28,14 @@ double ct_enforcement_force(const ct_constraint *c, double after)
   return NAN;
 }
 
-/* λ = -k (a g + h g_{n+1}) with g_{n+1} = free + W λ. */
-static double line(double k, double a, double g, double h, double free, double W) { return -k * (a * g + h * free) / (1.0 + k * h * W); }
-
 double ct_enforcement_solve(const ct_constraint *c, double free, double W)
 {
-  const double k = c->stiffness, s = c->dissipation, g = c->gap, m = 0.5 * (1.0 - s);
+  const double k = c->stiffness, g = c->gap;
   switch (c->enforcement) {
   case CT_ENFORCE_PENALTY: return k * fmax(-g, 0.0);
   case CT_ENFORCE_ENERGY_CONTROLLED:
     // -- The largest of the answers with one part, the other, and both (eq:enforcement-solution)
-    return fmax(fmax(0.0, line(k, m, g, m, free, W)), fmax(line(k, 0.0, g, s, free, W), line(k, m, g, m + s, free, W)));
+    return ct_law_controlled(k, c->dissipation, g, free, W);
   case CT_ENFORCE_BIPENALTY: return g < 0.0 ? fmax(-0.25 * k * ((free + c->before) + 2.0 * g) / (1.0 + 0.25 * k * W), 0.0) : 0.0;
   case CT_ENFORCE_LAGRANGE: return W > 0.0 ? fmax(-free / W, 0.0) : 0.0;
   }

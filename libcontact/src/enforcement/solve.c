@@ -1,5 +1,6 @@
 /* The forces of all constraints of a step, found together. */
 #include "solve.h"
+#include "law.h"
 
 #include <contact/sum.h>
 
@@ -22,7 +23,7 @@ void ct_solver_free(const ct_problem *problem, ct_solver *s)
 {
   if (s == NULL) return;
   for (int32_t k = 0; s->place != NULL && k < problem->effect_count; k++) ct_release(s->place[k]);
-  void *blocks[] = {s->list, s->sizes, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->past, s->entries, s->active, s->slot, s->free, s->bound, s->guess, s->force, s->terms, s->path, s};
+  void *blocks[] = {s->list, s->sizes, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->past, s->entries, s->active, s->slot, s->law, s->free, s->bound, s->guess, s->force, s->terms, s->path, s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
 }
 
@@ -80,9 +81,10 @@ ct_status ct_solver_create(const ct_problem *problem, ct_solver **out)
     if ((*per_row[i] = ct_allocate(rows, sizeof(double))) == NULL) return CT_ERROR_MEMORY;
   s->entries = ct_allocate((size_t)s->node_count, sizeof *s->entries);
   s->terms = ct_allocate(2 * rows, sizeof *s->terms);
+  s->law = ct_allocate(3 * rows, sizeof *s->law);
   s->active = ct_allocate(rows, sizeof *s->active);
   s->slot = ct_allocate(rows, 2 * FACE_NODES * sizeof *s->slot);
-  return s->entries && s->terms && s->active && s->slot ? CT_OK : CT_ERROR_MEMORY;
+  return s->entries && s->terms && s->law && s->active && s->slot ? CT_OK : CT_ERROR_MEMORY;
 }
 
 /* Let every effect list what may press. */
@@ -177,22 +179,34 @@ static void choose_active(const ct_problem *problem, ct_solver *s)
       most = fmax(most, fmax(fabs(c->after - c->gap), -c->gap));
     }
   s->count = 0;
+  s->controlled = 1;
   for (int64_t j = 0; j < s->first[problem->effect_count]; j++) {
     const ct_constraint *c = &s->list[j];
     if (!(fmin(c->gap, c->after) <= 2.0 * most)) continue;
+    s->controlled = s->controlled && c->enforcement == CT_ENFORCE_ENERGY_CONTROLLED;
+    s->law[s->count] = c->stiffness;
+    s->law[s->room + s->count] = c->dissipation;
+    s->law[2 * s->room + s->count] = c->gap;
     s->free[s->count] = c->after;
     s->active[s->count++] = j;
   }
 }
 
 /* Add b_a times a vector to the sums at the nodes of one face, as multiples of the spacing of the coarse grid: these sums are exact in any order (eq:order-free-sum). */
-static inline void add_face(const ct_grid *grid, int32_t count, const int32_t *slot, const double *b, const double v[WIDE], double *push)
+static inline void add_nodes(const ct_grid *grid, int32_t count, const int32_t *slot, const double *b, const double v[WIDE], double *push)
 {
   for (int32_t a = 0; a < count; a++) {
     double *sum = &push[WIDE * (int64_t)slot[a]];
 #pragma omp simd
     for (int i = 0; i < WIDE; i++) sum[i] += (b[a] * v[i] + grid->coarse) - grid->coarse;
   }
+}
+
+/* The same; with four nodes, as most faces have, the loop is unrolled. */
+static inline void add_face(const ct_grid *grid, int32_t count, const int32_t *slot, const double *b, const double v[WIDE], double *push)
+{
+  if (count == 4) add_nodes(grid, 4, slot, b, v, push);
+  else add_nodes(grid, count, slot, b, v, push);
 }
 
 CT_CLONES
@@ -214,7 +228,7 @@ static int add_up(ct_solver *s, const ct_constraint *list, const double *values)
   ct_grid grid;
   double top = 0.0;
   size_t size = WIDE * (size_t)s->node_count * sizeof(double);
-  for (int64_t r = 0; r < s->count; r++) top = fmax(top, fabs(values[r]));
+  for (int64_t r = 0; r < s->count; r++) top = ct_law_larger(top, fabs(values[r]));
   memset(s->push, 0, size);
   // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
   if (top == 0.0) return 1;
@@ -253,23 +267,51 @@ static int bound_rows(ct_solver *s)
   return 1;
 }
 
+/* The same between two faces of four nodes each, as most are: the numbers stay in registers. */
+static inline double along_quadrilaterals(const ct_constraint *c, const int32_t *slot, const double *x)
+{
+  double own[WIDE], other[WIDE];
+  const double *p[4], *q[4], *b = c->b, *d = c->b + FACE_NODES;
+  for (int a = 0; a < 4; a++) p[a] = &x[WIDE * (int64_t)slot[a]], q[a] = &x[WIDE * (int64_t)slot[FACE_NODES + a]];
+#pragma omp simd
+  for (int i = 0; i < WIDE; i++) own[i] = (b[0] * p[0][i] + b[1] * p[1][i]) + (b[2] * p[2][i] + b[3] * p[3][i]);
+#pragma omp simd
+  for (int i = 0; i < WIDE; i++) other[i] = (d[0] * q[0][i] + d[1] * q[1][i]) + (d[2] * q[2][i] + d[3] * q[3][i]);
+  return (c->normal[0] * (own[0] + other[0]) + c->normal[1] * (own[1] + other[1])) + c->normal[2] * (own[2] + other[2]);
+}
+
 /* Gaps of the active constraints at t_{n+1} with the way in `push`. */
 CT_CLONES
 static void find_gaps(int64_t count, const ct_constraint *list, const int64_t *active, const int32_t *slot, const double *free, const double *push, double *gap)
 {
-  for (int64_t r = 0; r < count; r++) gap[r] = free[r] + along(&list[active[r]], &slot[2 * FACE_NODES * active[r]], push);
+  for (int64_t r = 0; r < count; r++) {
+    const ct_constraint *c = &list[active[r]];
+    const int32_t *at = &slot[2 * FACE_NODES * active[r]];
+    gap[r] = free[r] + (c->own == 4 && c->other == 4 ? along_quadrilaterals(c, at, push) : along(c, at, push));
+  }
+}
+
+/* Forces of constraints that are all energy-controlled, several side by side: ct_enforcement_solve of each. */
+CT_CLONES
+static void solve_controlled(int64_t count, const double *k, const double *s, const double *g, const double *gap, const double *bound, const double *guess, double *next)
+{
+#pragma omp simd
+  for (int64_t r = 0; r < count; r++) next[r] = ct_law_controlled(k[r], s[r], g[r], gap[r] - bound[r] * guess[r], bound[r]);
 }
 
 /* One round: the force of each constraint as if the others stayed as guessed and its own row of W were diagonal. Answers the largest change over the largest
  * force (eq:constraint-iteration). */
 static double improve(ct_solver *s, double *next)
 {
-  double change = 0.0, top = 0.0;
-  find_gaps(s->count, s->list, s->active, s->slot, s->free, s->push, s->terms);
+  double change = 0.0, top = 0.0, *gap = s->terms;
+  find_gaps(s->count, s->list, s->active, s->slot, s->free, s->push, gap);
+  if (s->controlled)
+    solve_controlled(s->count, s->law, s->law + s->room, s->law + 2 * s->room, gap, s->bound, s->guess, next);
+  else
+    for (int64_t r = 0; r < s->count; r++) next[r] = ct_enforcement_solve(&s->list[s->active[r]], gap[r] - s->bound[r] * s->guess[r], s->bound[r]);
   for (int64_t r = 0; r < s->count; r++) {
-    next[r] = ct_enforcement_solve(&s->list[s->active[r]], s->terms[r] - s->bound[r] * s->guess[r], s->bound[r]);
-    change = fmax(change, fabs(next[r] - s->guess[r]));
-    top = fmax(top, fmax(fabs(next[r]), fabs(s->guess[r])));
+    change = ct_law_larger(change, fabs(next[r] - s->guess[r]));
+    top = ct_law_larger(top, ct_law_larger(fabs(next[r]), fabs(s->guess[r])));
   }
   return top > 0.0 ? change / top : 0.0;
 }

@@ -21,6 +21,8 @@ typedef struct ct_solver {
   int64_t count;          /* constraints that are near enough to press */
   int64_t *active;        /* their numbers in `list` */
   int32_t *slot;          /* places of their nodes, shape (room, 16) */
+  int controlled;         /* whether all of them are energy-controlled */
+  double *law;            /* then: their stiffness, dissipation and gap, shape (3, room) */
   double *free, *bound;   /* their gaps at t_{n+1} without the constraints, and bounds of the rows of W */
   double *guess, *force;  /* from where the next round starts, and the forces that the last one gave */
   double *path;           /* ways of one effect's nodes; null when no effect takes any along a path */
