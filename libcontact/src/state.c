@@ -168,7 +168,7 @@ static ct_status state_allocate(const ct_problem *problem, ct_state **out, ct_er
   s->problem = problem;
   s->node_count = problem->node_count;
   s->work_count = ct_state_work_start(problem, problem->effect_count);
-  s->impulse_count = ct_state_impulse_start(problem, problem->effect_count);
+  s->impulse_count = 2 * ct_state_impulse_start(problem, problem->effect_count);
   s->memory_count = ct_state_memory_start(problem, problem->effect_count) + (problem->integrator.scheme == CT_CHUNG_LEE ? 3 * (int64_t)n : 0);
   s->displacement = ct_allocate(n, 3 * sizeof(double));
   s->velocity = ct_allocate(n, 3 * sizeof(double));

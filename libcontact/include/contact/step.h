@@ -82,7 +82,10 @@ typedef struct ct_state {
   double *work;
   /** Doubles in `impulse`. */
   int64_t impulse_count;
-  /** For each effect but the first, likewise: the sum of f_j, its impulse divided by Δt, :eq:`impulse-balance`. */
+  /**
+   * For each effect but the first, likewise: the sum of f_j, its impulse divided by Δt, :eq:`impulse-balance`. In two parts, :eq:`impulse-parts`: what came since the step number
+   * was a multiple of 256, and in a second half of the same shape what had come by then.
+   */
   double *impulse;
   /** Kinetic energy at t = 0 [energy]. */
   double kinetic_start;
