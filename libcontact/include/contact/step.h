@@ -123,6 +123,13 @@ CT_API ct_status ct_state_create(const ct_problem *problem, ct_state **state, ct
 /** Copy what a restart needs. Both states must belong to the same problem. */
 CT_API ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_state *to, ct_error *error);
 
+/**
+ * Go on with a smaller step: make `to`, a state of `problem`, from a state of a problem that is the same but for its Δt, which is a whole number of times that of `problem`.
+ * Displacement, velocity at t_n, work and impulse stay what they are, :eq:`step-change`; with the same Δt it is a copy. ``CT_ERROR_ARGUMENT``: the problems differ, or Δt is no such
+ * part. After an error `to` may hold anything that `ct_state_copy` can overwrite.
+ */
+CT_API ct_status ct_state_refine(const ct_problem *problem, ct_state *from, ct_state *to, ct_error *error);
+
 /** Free a state; null is allowed. The problem must outlive its states. */
 CT_API void ct_state_free(ct_state *state);
 
