@@ -256,6 +256,9 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   if (problem == NULL || from == NULL || to == NULL || from->node_count != to->node_count || from->work_count != to->work_count ||
       from->impulse_count != to->impulse_count || from->memory_count != to->memory_count)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "state: the two states are of different problems");
+  // One that was read from a file has no workspace, and stands between two steps.
+  ct_status status = from->workspace == NULL ? CT_OK : ct_stage_check(from, error);
+  if (status != CT_OK) return status;
   size_t n = 3 * (size_t)problem->node_count;
   memcpy(to->displacement, from->displacement, n * sizeof(double));
   memcpy(to->velocity, from->velocity, n * sizeof(double));

@@ -120,7 +120,7 @@ typedef struct ct_stable_step {
 /** A state at t = 0 with zero displacement; evaluates the first forces. */
 CT_API ct_status ct_state_create(const ct_problem *problem, ct_state **state, ct_error *error);
 
-/** Copy what a restart needs. Both states must belong to the same problem. */
+/** Copy what a restart needs. Both states must belong to the same problem. ``CT_ERROR_ARGUMENT``: they don't, or `from` stands within a step. */
 CT_API ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_state *to, ct_error *error);
 
 /**
@@ -135,7 +135,7 @@ CT_API void ct_state_free(ct_state *state);
 
 /**
  * One step of the problem's integrator, :eq:`stage`; the central difference method is :eq:`leapfrog`. When the forces of a second stage fail, the state stands within a step: then
- * every call but `ct_state_copy` into it and `ct_state_free` answers ``CT_ERROR_ARGUMENT``.
+ * every call but `ct_state_copy` into it and `ct_state_free` answers ``CT_ERROR_ARGUMENT``; also one that copies from it.
  */
 CT_API ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error);
 
