@@ -469,6 +469,22 @@ static void copy(play *p)
   demand(one == other && memcmp(from->displacement, to->displacement, 3 * (size_t)to->node_count * sizeof(double)) == 0, "a copy goes on to the same bits");
 }
 
+/* Go on with a part of the step. */
+static void refine(play *p, ct_state *from)
+{
+  dice *d = p->d;
+  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_problem fine = *p->problem;
+  ct_state *to = NULL;
+  fine.dt /= d->wild ? between(d, 0.5, 4.0) : 1 + below(d, 4);
+  if (TRY(ct_state_create(&fine, &to, &e)) == CT_OK) {
+    ct_status status = TRY(ct_state_refine(&fine, from, to, &e));
+    if (status == CT_OK) demand(memcmp(from->displacement, to->displacement, 3 * (size_t)to->node_count * sizeof(double)) == 0, "a smaller step moves nothing");
+    if (status == CT_OK) (void)TRY(ct_step_many(&fine, to, 2, &e));
+  }
+  ct_state_free(to);
+}
+
 #if defined(FUZZ_HDF5) && defined(FUZZ_MAIN)
 /* Write a state, read it into another one, sometimes with bytes of the file changed before. */
 static void files(play *p, ct_state *s)
@@ -526,7 +542,7 @@ static void play_on(play *p)
   case 7: look_at_contact(p, p->state[i]); break;
   case 8: stresses(p, p->state[i]); break;
   case 9: watch(p, p->state[i]); break;
-  case 10: copy(p); break;
+  case 10: chance(d, 3) ? refine(p, p->state[i]) : copy(p); break;
   default:
 #if defined(FUZZ_HDF5) && defined(FUZZ_MAIN)
     if (chance(d, 6)) files(p, p->state[i]);
