@@ -40,15 +40,15 @@ ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t k, 
   if (status != CT_OK) return status;
   const ct_effect *effect = problem->effects[k];
   const double *past = effect->reaction ? state->impulse + ct_state_impulse_start(problem, k) : state->work + ct_state_work_start(problem, k);
-  const double *force = ct_workspace_force_of(problem, state, k);
+  const double *force = ct_workspace_force_of(problem, state, k), *earlier = effect->reaction ? past + state->impulse_count / 2 : NULL;
   double *terms = state->workspace->terms, share = ct_integrator_share(&problem->integrator);
   for (int32_t i = 0; i < effect->node_count; i++) {
     const double *v = &state->velocity[3 * (int64_t)ct_effect_node(effect, i)];
     double t[3];
     // -- Δt / 2 (Σ f (v⁻ + v⁺) + f_n v_{n-1/2}); a reaction's velocity is constant (eq:work-balance, eq:stage-work)
     for (int c = 0; c < 3; c++) {
-      double f = force[3 * (int64_t)i + c], sum = past[3 * (int64_t)i + c];
-      t[c] = effect->reaction ? 2.0 * (sum + share * f) * v[c] : sum + 2.0 * share * f * v[c];
+      int64_t d = 3 * (int64_t)i + c;
+      t[c] = effect->reaction ? 2.0 * (earlier[d] + (past[d] + share * force[d])) * v[c] : past[d] + 2.0 * share * force[d] * v[c];
     }
     terms[i] = (t[0] + t[1]) + t[2];
   }
@@ -148,13 +148,15 @@ ct_status ct_energy_unrest(const ct_problem *problem, ct_state *state, double *u
 static void add_impulse(const ct_problem *problem, ct_state *state, int32_t k, int32_t first, int32_t last, double impulse[3])
 {
   const ct_effect *effect = problem->effects[k];
-  const double *past = state->impulse + ct_state_impulse_start(problem, k), *force = ct_workspace_force_of(problem, state, k);
+  const double *past = state->impulse + ct_state_impulse_start(problem, k), *earlier = past + state->impulse_count / 2;
+  const double *force = ct_workspace_force_of(problem, state, k), share = ct_integrator_share(&problem->integrator);
   for (int c = 0; c < 3; c++) {
     int64_t count = 0;
     for (int32_t i = 0; i < effect->node_count; i++) {
       int32_t node = ct_effect_node(effect, i);
       if (node < first || node >= last) continue;
-      state->workspace->terms[count++] = past[3 * (int64_t)i + c] + ct_integrator_share(&problem->integrator) * force[3 * (int64_t)i + c];
+      int64_t d = 3 * (int64_t)i + c;
+      state->workspace->terms[count++] = earlier[d] + (past[d] + share * force[d]);
     }
     impulse[c] += problem->dt * ct_sum(state->workspace->terms, count);
   }

@@ -168,7 +168,7 @@ static ct_status state_allocate(const ct_problem *problem, ct_state **out, ct_er
   s->problem = problem;
   s->node_count = problem->node_count;
   s->work_count = ct_state_work_start(problem, problem->effect_count);
-  s->impulse_count = ct_state_impulse_start(problem, problem->effect_count);
+  s->impulse_count = 2 * ct_state_impulse_start(problem, problem->effect_count);
   s->memory_count = ct_state_memory_start(problem, problem->effect_count) + (problem->integrator.scheme == CT_CHUNG_LEE ? 3 * (int64_t)n : 0);
   s->displacement = ct_allocate(n, 3 * sizeof(double));
   s->velocity = ct_allocate(n, 3 * sizeof(double));
@@ -256,6 +256,9 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   if (problem == NULL || from == NULL || to == NULL || from->node_count != to->node_count || from->work_count != to->work_count ||
       from->impulse_count != to->impulse_count || from->memory_count != to->memory_count)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "state: the two states are of different problems");
+  // One that was read from a file has no workspace, and stands between two steps.
+  ct_status status = from->workspace == NULL ? CT_OK : ct_stage_check(from, error);
+  if (status != CT_OK) return status;
   size_t n = 3 * (size_t)problem->node_count;
   memcpy(to->displacement, from->displacement, n * sizeof(double));
   memcpy(to->velocity, from->velocity, n * sizeof(double));

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { NODES_AT_ONCE = 1024, STEPS_BETWEEN_CHECKS = 64 };
+enum { NODES_AT_ONCE = 1024, STEPS_BETWEEN_CHECKS = 64, STEPS_BETWEEN_FOLDS = 256 };
 
 /* Kick and drift the degrees of freedom first ... last - 1, and count the work of the first effect. */
 CT_CLONES
@@ -150,6 +150,16 @@ static void count_work(const ct_problem *problem, ct_state *state, double share)
   }
 }
 
+/* Put the impulses since the last fold to those before, so that few numbers are added to a large one (eq:impulse-parts). */
+static void fold_impulses(ct_state *state)
+{
+  int64_t count = state->impulse_count / 2;
+  for (int64_t i = 0; i < count; i++) {
+    state->impulse[count + i] += state->impulse[i];
+    state->impulse[i] = 0.0;
+  }
+}
+
 /* Take one stage of a step. Forces that stood already may be older than the last change of the state by its host. */
 static ct_status take_stage(const ct_problem *problem, ct_state *state, const ct_stage *shares, ct_error *error)
 {
@@ -192,6 +202,7 @@ static ct_status take_step(const ct_problem *problem, ct_state *state, ct_error 
   w->stage = 0;
   state->step++;
   state->time = (double)state->step * problem->dt;
+  if (state->step % STEPS_BETWEEN_FOLDS == 0) fold_impulses(state);
   return CT_OK;
 }
 

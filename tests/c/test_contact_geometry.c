@@ -350,6 +350,79 @@ static void sliding(ct_face_kind kind)
   }
 }
 
+/* Area of the points of a patch of nx x ny unit faces at x0, y0 that lie over the rectangle from `low` to `high`. */
+static double area_over(int nx, int ny, double x0, double y0, const double low[2], const double high[2])
+{
+  const double at[2] = {0.5 * (1.0 - 1.0 / sqrt(3.0)), 0.5 * (1.0 + 1.0 / sqrt(3.0))};
+  double area = 0.0;
+  for (int i = 0; i < 2 * nx; i++)
+    for (int j = 0; j < 2 * ny; j++) {
+      double x = x0 + i / 2 + at[i % 2], y = y0 + j / 2 + at[j % 2];
+      area += x > low[0] && x < high[0] && y > low[1] && y < high[1] ? 0.25 : 0.0;
+    }
+  return area;
+}
+
+/* An open patch slides off another one at a depth, and back on: each point counts in full while it is over the other surface, and not at all beyond the border, whichever
+ * way it goes (eq:border-jump). So energy and force change by the columns of points that the two borders pass. */
+static void open_border(void)
+{
+  const double delta = 0.05, y0 = 0.513;
+  patch a = new_patch(CT_Q4, 4, 2, 0, 0, 4, 2, 1), b = new_patch(CT_Q4, 1, 1, 0, y0, 1, 1, 0);
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  double fa[3 * 45], fb[3 * 9], off = 0.0, along = 0.0, jump = 0.0, last = NAN;
+  for (int i = 0; i <= 240; i++) {
+    double x0 = 2.5031 + 0.0151 * (i <= 120 ? i : 240 - i), low_b[2] = {x0, y0}, high_b[2] = {x0 + 1.0, y0 + 1.0}, low_a[2] = {0, 0}, high_a[2] = {4, 2};
+    double area = area_over(4, 2, 0, 0, low_b, high_b) + area_over(1, 1, x0, y0, low_a, high_a), energy;
+    for (int n = 0; n < 9; n++) b.x[3 * n] = x0 + 0.5 * (n % 3), b.x[3 * n + 2] = -delta;
+    update(contact, &a, &b);
+    forces(contact, &a, &b, fa, fb);
+    energy = ct_contact_energy(contact);
+    off = worst(worst(off, energy / (0.25 * EPSILON * delta * delta) - area), total(fb, 9, 2) / (0.5 * EPSILON * delta) - area);
+    along = worst(worst(along, total(fb, 9, 0)), total(fb, 9, 1));
+    jump = worst(jump, i == 0 ? 0.0 : energy - last);
+    last = energy;
+  }
+  jump /= 0.25 * EPSILON * delta * delta;
+  tap_ok(off < 1e-12 && along < 1e-13, "sliding off an open border and back: energy and force are those of the points over the other surface (off by %.2g), none along it (%.2g)", off, along);
+  tap_ok(jump > 0.49 && jump < 1.01, "at an open border energy jumps by a column of points, %.3g of epsilon delta^2 / 4", jump);
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* Largest change of the energy in a step of a block that slides off a plate at a depth, both closed, in parts of the largest energy. */
+static double slide_off(double step, double *left)
+{
+  const double low_a[3] = {0, 0, -1}, size_a[3] = {4, 2, 1}, low_b[3] = {2.5031, 0.513, -0.05}, size_b[3] = {1, 1, 1};
+  const int cells_a[3] = {4, 2, 1}, cells_b[3] = {1, 1, 1};
+  patch a = new_box(low_a, size_a, cells_a), b = new_box(low_b, size_b, cells_b);
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  double jump = 0.0, top = 0.0, last = NAN;
+  int steps = (int)(1.8 / step + 0.5);
+  for (int i = 0; i <= steps; i++) {
+    update(contact, &a, &b);
+    double energy = ct_contact_energy(contact);
+    top = fmax(top, energy);
+    jump = worst(jump, i == 0 ? 0.0 : energy - last);
+    last = energy;
+    shift(&b, step, 0, 0);
+  }
+  *left = last;
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+  return jump / top;
+}
+
+/* The same with closed surfaces: the points go to the sides, and the energy is continuous. */
+static void closed_border(void)
+{
+  double left[2], coarse = slide_off(0.002, &left[0]), fine = slide_off(0.001, &left[1]);
+  tap_ok(fine > 0.0 && fine < 0.55 * coarse && coarse < 0.1 && left[0] == 0.0 && left[1] == 0.0,
+         "sliding off with closed surfaces: energy changes by %.2g of itself in a step of 0.002 h, %.2g in 0.001 h, to none", coarse, fine);
+}
+
 /* Flat meshes that do not match: resultant and momentum exact, the error of single nodal forces as of the line analogue. */
 static void ratios(void)
 {
@@ -399,6 +472,8 @@ int main(void)
   corners_and_edges();
   sliding(CT_Q4);
   sliding(CT_T3);
+  open_border();
+  closed_border();
   ratios();
   return tap_done();
 }

@@ -495,6 +495,7 @@ static void within_a_step(void)
   when = 3.3 * p->dt;
   tap_ok(ct_step(p, state, &e) == CT_INVALID, "a second stage fails, and so does its step");
   tap_ok(ct_step(p, state, &e) == CT_ERROR_ARGUMENT && ct_energy_of(p, state, &energy, &e) == CT_ERROR_ARGUMENT, "the state within the step is refused: %s", e.text);
+  tap_ok(ct_state_copy(p, state, good, &e) == CT_ERROR_ARGUMENT && good->step == 3 && good->time == 3.0 * p->dt, "nor can it be copied, and the other state stays: %s", e.text);
   when = INFINITY;
   need(ct_state_copy(p, good, state, &e), &e);
   advance(p, state, 2);

@@ -11,6 +11,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -783,6 +784,18 @@ static void test_same_bytes(void)
   rig_free(r);
 }
 
+/* A folder for the files of the test: in TMPDIR if that is set, else beside the program, in the build folder. */
+static int make_folder(char *program)
+{
+  char *slash = strrchr(program, '/'), *parent = getenv("TMPDIR"), full[PATH_MAX];
+  if (slash != NULL) *slash = 0;
+  if (parent == NULL) parent = slash != NULL ? program : ".";
+  // The full path, as links to files must hold it.
+  if (realpath(parent, full) != NULL && snprintf(folder, sizeof folder, "%s/libcontact-output-XXXXXX", full) < (int)sizeof folder && mkdtemp(folder) != NULL) return 1;
+  printf("Bail out! no folder in %s for the files of the test: %s\n", parent, errno != 0 ? strerror(errno) : "its name is too long");
+  return 0;
+}
+
 int main(int argc, char **argv)
 {
   if (argc == 4 && strcmp(argv[1], "--write") == 0) {
@@ -791,9 +804,7 @@ int main(int argc, char **argv)
     rig_free(r);
     return 0;
   }
-  const char *temporary = getenv("TMPDIR");
-  snprintf(folder, sizeof folder, "%.150s/libcontact-output-XXXXXX", temporary != NULL ? temporary : "/tmp");
-  if (mkdtemp(folder) == NULL) return 1;
+  if (!make_folder(argv[0])) return 1;
   test_contents();
   test_restart_continues();
   test_names();

@@ -157,6 +157,9 @@ static void add_contact(play *p)
   if (chance(d, 6)) c.options.depth = between(d, 0.01, 2.0);
   if (chance(d, 8)) c.options.method = (ct_method)below(d, 13);
   if (chance(d, 8)) c.options.distant = below(d, 2);
+  if (chance(d, 3)) c.options.points = (ct_contact_rule)below(d, 2 + d->wild);
+  if (chance(d, 3)) c.options.initial = (ct_initial)below(d, 4 + d->wild);
+  if (c.options.initial == CT_INITIAL_REMOVE || (d->wild && chance(d, 6))) c.options.removal = between(d, 0.01, 1.0);
   if (chance(d, 3)) c.friction = between(d, 0.0, 0.8);
   if (chance(d, 6)) c.tangent = between(d, 0.0, 2.0);
   if (d->wild && chance(d, 10)) c.body_a = below(d, 9) - 4;
@@ -345,6 +348,10 @@ static void build(play *p)
   *(chance(d, 3) ? &time.courant : chance(d, 6) ? &time.dt : &time.fraction) = value;
   if (d->wild && chance(d, 10)) time.courant = real(d), time.threads = below(d, 4) - 1;
   if (chance(d, 10)) time.keep_dt = 1;
+  if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, 4));
+  if (chance(d, 6)) time.integrator.parameter = between(d, 0.0, 1.1);
+  if (d->wild && chance(d, 10)) time.integrator.scheme = (ct_scheme)(below(d, 7) - 2);
+  if (chance(d, 3)) time.assembled = 1;
   drop_states(p);
   p->problem = NULL;
   if (chance(d, 5)) {
@@ -462,6 +469,22 @@ static void copy(play *p)
   demand(one == other && memcmp(from->displacement, to->displacement, 3 * (size_t)to->node_count * sizeof(double)) == 0, "a copy goes on to the same bits");
 }
 
+/* Go on with a part of the step. */
+static void refine(play *p, ct_state *from)
+{
+  dice *d = p->d;
+  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_problem fine = *p->problem;
+  ct_state *to = NULL;
+  fine.dt /= d->wild ? between(d, 0.5, 4.0) : 1 + below(d, 4);
+  if (TRY(ct_state_create(&fine, &to, &e)) == CT_OK) {
+    ct_status status = TRY(ct_state_refine(&fine, from, to, &e));
+    if (status == CT_OK) demand(memcmp(from->displacement, to->displacement, 3 * (size_t)to->node_count * sizeof(double)) == 0, "a smaller step moves nothing");
+    if (status == CT_OK) (void)TRY(ct_step_many(&fine, to, 2, &e));
+  }
+  ct_state_free(to);
+}
+
 #if defined(FUZZ_HDF5) && defined(FUZZ_MAIN)
 /* Write a state, read it into another one, sometimes with bytes of the file changed before. */
 static void files(play *p, ct_state *s)
@@ -519,7 +542,7 @@ static void play_on(play *p)
   case 7: look_at_contact(p, p->state[i]); break;
   case 8: stresses(p, p->state[i]); break;
   case 9: watch(p, p->state[i]); break;
-  case 10: copy(p); break;
+  case 10: chance(d, 3) ? refine(p, p->state[i]) : copy(p); break;
   default:
 #if defined(FUZZ_HDF5) && defined(FUZZ_MAIN)
     if (chance(d, 6)) files(p, p->state[i]);
@@ -662,6 +685,7 @@ static void play_surfaces(dice *d)
   }
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = between(d, 0.1, 3.0);
+  options.points = (ct_contact_rule)below(d, 2);
   ct_status made = chance(d, 4) ? TRY(ct_contact_create_self(&s[0], &options, &contact, &e)) : TRY(ct_contact_create(&s[0], &s[1], &options, &contact, &e));
   for (int round = below(d, 3); made == CT_OK && round >= 0; round--) {
     double *x[2], *f[2], omega;
@@ -677,7 +701,9 @@ static void play_surfaces(dice *d)
     for (int i = 0; i < whole.mesh[0]->node_count + whole.mesh[1]->node_count; i++) mass[i] = 1.0;
     (void)ct_contact_frequency(contact, mass, mass, &omega);
     (void)ct_contact_stable_step(contact, mass, mass, &omega);
-    d->calls += 4;
+    ct_penetration depth;
+    (void)ct_contact_penetration(contact, (ct_penetration_at)below(d, 3), &depth);
+    d->calls += 5;
   }
 end:
   ct_contact_free(contact);

@@ -23,14 +23,17 @@ from pathlib import Path
 import libcontact as ct
 from libcontact.run import Run, RunError
 
-KEYS = ["x_min", "x_max", "y_min", "z_max", "xyz", "x", "hex8", "hex20", "linear", "neo_hookean", "penalty", "lagrange", "bipenalty", "reduced", "box", "plane", "one", "two", "one.x_max", "two.x_min"]
+KEYS = ["x_min", "x_max", "y_min", "z_max", "xyz", "x", "hex8", "hex20", "linear", "neo_hookean", "penalty", "lagrange", "bipenalty", "reduced", "box", "plane", "one", "two", "one.x_max", "two.x_min",
+        "lobatto", "keep", "remove", "refuse", "chung_lee", "noh_bathe", "tchamwa_wielgosz", "assembled"]
+WRONG = ["beta", "friction", "end", "velocity", "spin", "enforcement", "look_every", "energy_limit", "until_static", "points", "initial_penetration", "removal_time", "dissipation",
+         "integrator", "integrator_parameter", "stable_step"]
 
 
 def good_scene(chance: random.Random) -> dict:
     """A small scene that is right, mostly."""
     pick, size = chance.choice, lambda: [round(chance.uniform(0.5, 1.5), 3) for _ in range(3)]
     bodies = [{"name": name, "material": "soft", "box": {"origin": [x, 0, 0], "size": [1.0, *size()[1:]], "cells": [chance.randint(1, 2) for _ in range(3)]},
-               "velocity": [v, 0, 0]} for name, x, v in (("one", -1.0, 0.1), ("two", 0.0, -0.1))]
+               "velocity": [v, 0, 0]} for name, x, v in (("one", -1.0, 0.1), ("two", pick([0.0, 0.0, -0.02, 0.02]), -0.1))]
     for body in bodies:
         if chance.random() < 0.2:
             body["element"] = "hex20"
@@ -40,14 +43,49 @@ def good_scene(chance: random.Random) -> dict:
              "material": [{"name": "soft", "young": chance.uniform(0.5, 3), "poisson": chance.uniform(0, 0.45), "density": 1.0, "law": pick(["linear", "neo_hookean", "st_venant_kirchhoff"])}],
              "time": {"end": chance.uniform(0.05, 0.5), pick(["fraction", "courant"]): chance.uniform(0.1, 0.5)}}
     if chance.random() < 0.7:
-        scene["contact"] = [{"surfaces": ["one.x_max", "two.x_min"], "beta": chance.uniform(0.5, 4)}]
+        scene["contact"] = [{"surfaces": pick([["one.x_max", "two.x_min"], ["one.outer", "two.outer"]]), "beta": chance.uniform(0.5, 4), **contact_choices(chance)}]
     if chance.random() < 0.4:
         scene["support"] = [{"set": f"one.{pick(['x_min', 'y_min', 'z_max'])}", "fix": [pick("xyz")]}]
     if chance.random() < 0.3:
         scene["gravity"] = {"acceleration": [0, 0, -1.0]}
+    scene["time"] |= time_choices(chance)
     if chance.random() < 0.2:
         scene["output"] = {"every": chance.randint(1, 3), "fields": ["displacement"]}
     return scene
+
+
+def contact_choices(chance: random.Random) -> dict:
+    """Keys that a contact may have, each now and then."""
+    pick, out = chance.choice, {}
+    if chance.random() < 0.5:
+        out["enforcement"] = pick(["penalty", "energy_controlled", "bipenalty", "lagrange"])
+    if out.get("enforcement", "energy_controlled") == "energy_controlled" and chance.random() < 0.3:
+        out["dissipation"] = chance.uniform(0, 1)
+    if chance.random() < 0.3:
+        out["points"] = pick(["gauss", "lobatto"])
+    if chance.random() < 0.4:
+        out["initial_penetration"] = pick(["push", "refuse", "keep", "remove"])
+    if out.get("initial_penetration") == "remove":
+        out["removal_time"] = chance.uniform(0.01, 1)
+    if chance.random() < 0.2:
+        out["friction"] = chance.uniform(0, 1)
+    return out
+
+
+def time_choices(chance: random.Random) -> dict:
+    """Keys of the time table beside the end and the step."""
+    out: dict = {}
+    if chance.random() < 0.5:
+        out["integrator"], low, high = chance.choice([("central_difference", 0, 0), ("chung_lee", 1, 28 / 27), ("noh_bathe", 0.5, 0.58), ("tchamwa_wielgosz", 0, 1)])
+        if out["integrator"] != "central_difference" and chance.random() < 0.5:
+            out["integrator_parameter"] = chance.uniform(low, high)
+    if chance.random() < 0.3:
+        out["stable_step"] = chance.choice(["elements", "assembled"])
+    if chance.random() < 0.3:
+        out["energy_limit"] = 10 ** chance.uniform(-3, 1)
+    if chance.random() < 0.3:
+        out["look_every"] = chance.randint(1, 20)
+    return out
 
 
 def value(chance: random.Random):
@@ -88,7 +126,7 @@ def scene_text(chance: random.Random) -> bytes:
         if change == 0:
             del table[key]
         elif change == 1 and isinstance(table, dict):
-            table[chance.choice(KEYS + ["beta", "friction", "end", "velocity", "spin", "enforcement", "look_every", "energy_limit", "until_static"])] = value(chance)
+            table[chance.choice(KEYS + WRONG)] = value(chance)
         else:
             table[key] = value(chance)
         if not list(places(scene)):

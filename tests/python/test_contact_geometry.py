@@ -98,6 +98,26 @@ def test_penetration_is_reported_at_corners_and_edges():
         assert (found["points"]["inside"] > 0) == (rule == "lobatto")
 
 
+@pytest.mark.parametrize("enforcement", ["penalty", "energy_controlled"])
+def test_a_block_comes_on_from_the_side_at_a_depth(enforcement):
+    """An open border makes energy of the points that come in over it, up to that of all of them (eq:border-jump); closed surfaces make none."""
+    depth, side, h, beta, speed = 0.02, 0.4, 0.1, 1.0, 0.5
+    rise = {}
+    for faces in (("z_max", "z_min"), ("outer", "outer")):
+        scene = ct.Scene(title="from the side", units={"length": "m", "mass": "kg", "time": "s"})
+        scene.add_material("soft", young=E, poisson=0.0, density=RHO)
+        scene.add_body("plate", material="soft", box={"origin": [-1, -0.25, -0.2], "size": [1, 0.5, 0.2], "cells": [10, 5, 2]})
+        scene.add_body("block", material="soft", box={"origin": [0.02, -0.2, -depth], "size": [side] * 3, "cells": [4, 4, 4]}, velocity=[-speed, 0, 0])
+        scene.add_support("plate.z_min", fix=["x", "y", "z"]).add_contact(f"plate.{faces[0]}", f"block.{faces[1]}", beta=beta, enforcement=enforcement)
+        total = scene.set_time(end=0.6, fraction=0.5).set_output(every=1, fields=[]).run(progress=False).energy["total"]
+        rise[faces[0]] = total.max() - total[0]
+    # Both surfaces' points count: those of the block's bottom, and those of the plate under it.
+    bound = 2 * 0.25 * (beta * E / h) * depth**2 * side**2
+    kinetic = 0.5 * RHO * side**3 * speed**2
+    assert 0.02 * kinetic < rise["z_max"] < bound
+    assert rise["outer"] < 2e-3 * kinetic
+
+
 def test_restart_continues_with_the_same_bits(tmp_path):
     """History and start gaps are in the restart: kept overlap, removal half done, thin plates pressed past half their thickness."""
     pytest.importorskip("h5py")

@@ -123,6 +123,32 @@ def test_a_solid_that_stiffens_ends_the_run(with_file, tmp_path):
         goes_on(scene, error, tmp_path, good_step(error) * error.run.dt)
 
 
+@needs_hdf5
+def test_a_run_whose_step_was_too_large_goes_on_with_a_smaller_one(tmp_path):
+    """Beyond the stretch that ended it, with a third of the step; and it agrees with a run that had this step from the start, by the error of the larger step."""
+    error = failing(bars("st_venant_kirchhoff"), ct.StepTooLarge, tmp_path, True)
+    finer, until = bars("st_venant_kirchhoff", courant=0.31), 1.3 * error.time
+    rest = finer.run(progress=False, restart=error.checkpoint, output=tmp_path / "rest.vtkhdf", until=until)
+    assert rest.dt == error.run.dt / 3 and rest.steps[0] == 3 * good_step(error) and rest.time[0] == pytest.approx(error.run.state.time, rel=1e-15)
+    scale = rest.energy["kinetic"].max()
+    assert np.abs(rest.energy["balance"]).max() < 1e-10 * scale
+    assert abs(rest.energy["strain"][0] - error.run.energy["strain"][-1]) < 1e-12 * scale
+    # The file has the new step, and a second run that only goes on has the same bits.
+    loaded = Run.load(tmp_path / "rest.vtkhdf")
+    assert loaded.dt == rest.dt and tomllib.loads(loaded.scene)["time"]["courant"] == 0.31
+    part = finer.run(progress=False, restart=error.checkpoint, output=tmp_path / "part.vtkhdf", until=1.1 * error.time)
+    again = finer.run(progress=False, restart=part.path, output=False, until=until)
+    assert again.state["bar"].displacement.tobytes() == rest.state["bar"].displacement.tobytes()
+    straight = bars("st_venant_kirchhoff", courant=0.3).run(progress=False, output=False, until=until)
+    off = np.abs(rest.state["bar"].displacement - straight.state["bar"].displacement).max() / np.abs(straight.state["bar"].displacement).max()
+    assert off < 0.03
+    # A larger step is no part of the file's, and everything else must be the same.
+    with pytest.raises(ct.SceneError, match="only a smaller one can be taken"):
+        bars("st_venant_kirchhoff", courant=0.5).run(progress=False, restart=tmp_path / "rest.vtkhdf", output=False)
+    with pytest.raises(ct.SceneError, match="another scene"):
+        bars("neo_hookean", courant=0.3).run(progress=False, restart=error.checkpoint, output=False)
+
+
 def good_step(error):
     return error.run.state.step
 
@@ -204,9 +230,9 @@ def test_a_run_that_has_ended_goes_on_to_a_later_end_with_the_same_bits(tmp_path
 
 
 @needs_hdf5
-def test_another_step_or_material_is_still_another_scene(tmp_path):
+def test_another_integrator_or_material_is_still_another_scene(tmp_path):
     bars(end=5.0).run(progress=False, output=tmp_path / "a.vtkhdf")
     with pytest.raises(ct.SceneError, match=r"\[time\] differs"):
-        bars(end=9.0, courant=0.5).run(progress=False, restart=tmp_path / "a.vtkhdf", output=False)
+        bars(end=9.0, integrator="noh_bathe").run(progress=False, restart=tmp_path / "a.vtkhdf", output=False)
     with pytest.raises(ct.SceneError, match=r"\[material\] differs"):
         bars("neo_hookean", end=9.0).run(progress=False, restart=tmp_path / "a.vtkhdf", output=False)

@@ -96,12 +96,15 @@ class Loop:
 
     # What is written.
 
-    def restart(self, path: str | Path) -> None:
-        """Continue from the newest restart record of a file."""
+    def restart(self, path: str | Path, coarse: Problem | None = None) -> None:
+        """Continue from the newest restart record of a file; ``coarse`` is the same problem with the file's step, where that is larger."""
         if not hasattr(lib, "ct_output_restart"):
             raise NotBuiltIn("this build has no HDF5, so it can't read a restart")
-        error = new_error()
-        if lib.ct_output_restart(os.fsencode(path), self.problem.pointer, self.state, error) != lib.CT_OK:
+        error, problem = new_error(), coarse or self.problem
+        state = self.state if coarse is None else new_state(coarse)
+        if lib.ct_output_restart(os.fsencode(path), problem.pointer, state, error) != lib.CT_OK:
+            raise SceneError(_text(error), "restart", self.problem.file)
+        if coarse is not None and lib.ct_state_refine(self.problem.pointer, state, self.state, error) != lib.CT_OK:
             raise SceneError(_text(error), "restart", self.problem.file)
 
     def open(self, path: str | Path) -> None:
@@ -338,7 +341,7 @@ class Loop:
         write_tables(path, run.steps, run.energy, run.momentum)
 
 
-def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, until: Any, output: Any, watch: Any = None) -> Run:
+def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, until: Any, output: Any, watch: Any = None, coarse: Problem | None = None) -> Run:
     """Run a problem. Errors of the input are SceneErrors, before the first step; what fails later is a RunError with the run so far."""
     last_step(problem, until)
     schedule(problem)
@@ -347,7 +350,7 @@ def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, u
     loop = Loop(problem, scene_text)
     loop.watch = watch
     if restart is not None:
-        loop.restart(restart)
+        loop.restart(restart, coarse)
     if output is not None:
         loop.open(output)
     try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import os
 import tomllib
 from collections.abc import Callable
@@ -25,6 +26,7 @@ from .schema import SceneError, describe, suggestion
 
 # What may differ between a scene and the one whose run it continues: whole tables, and keys of [time].
 FREE_ON_RESTART = ("title", "output", "run", "units")
+STEPS = ("courant", "fraction", "dt")
 FREE_TIME_ON_RESTART = ("end", "end_c1t_over", "until_static", "energy_limit", "look_every")
 
 
@@ -210,7 +212,8 @@ class Scene:
         Compute the scene.
 
         ``progress`` shows a bar where stderr is a terminal ("always": everywhere). ``restart`` continues from the newest record
-        of a results file with the same bits and the same step, also to a later end than the file's scene had. ``until`` ends earlier without changing the step. ``output`` names another file than the scene does;
+        of a results file with the same bits and the same step, also to a later end than the file's scene had; or, where this scene asks for a smaller step, with a whole part of the file's.
+        ``until`` ends earlier without changing the step. ``output`` names another file than the scene does;
         False writes none. The first Ctrl-C ends the run after a last record, and the Run says ``interrupted``.
         ``watch`` is called at every record with a Run of this record alone (copy the arrays that you want to keep).
         What is wrong with the input is a SceneError before the first step; what fails later is a RunError.
@@ -221,9 +224,10 @@ class Scene:
         path = parts.output.file if output is None else (output or None)
         if path is not None:
             self._check_output(path, restart)
-        dt = None if restart is None else self._check_restart(restart)
-        return execute(self._built(threads, dt), self.toml(arrays=False), progress=progress, restart=restart, until=until, output=path,
-                       watch=watch)
+        dt, parts = (None, 1) if restart is None else self._check_restart(restart, threads)
+        coarse = None if parts == 1 else self._built(threads, dt)
+        return execute(self._built(threads, dt if dt is None else dt / parts), self.toml(arrays=False), progress=progress, restart=restart, until=until, output=path,
+                       watch=watch, coarse=coarse)
 
     def _whole(self) -> scene_parts.Parts:
         """The parts of a scene that is complete; else the error that says what is missing."""
@@ -275,22 +279,30 @@ class Scene:
             return "is there already and is no results file; name another one, or remove it"
         return None
 
-    def _check_restart(self, path: Any) -> float | None:
-        """Refuse to continue the run of another scene; the step that the run had."""
+    def _check_restart(self, path: Any, threads: int | None) -> tuple[float | None, int]:
+        """Refuse to continue the run of another scene; the step that the run had, and in how many parts this scene divides it."""
         try:
             run = Run.load(path)
             before = tomllib.loads(run.scene)
         except NotBuiltIn:
-            return None  # without h5py the C library's own comparison of bodies, effects, step and nodes has to do
+            return None, 1  # without h5py the C library's own comparison of bodies, effects, step and nodes has to do
         except (ValueError, TypeError) as error:
             raise SceneError(str(error), "restart", self.file) from None
         now = tomllib.loads(self.toml(arrays=False))
+        step = [{key: scene.get("time", {}).get(key) for key in STEPS} for scene in (before, now)]
         for scene in (before, now):
-            scene["time"] = {key: value for key, value in scene.get("time", {}).items() if key not in FREE_TIME_ON_RESTART}
+            scene["time"] = {key: value for key, value in scene.get("time", {}).items() if key not in FREE_TIME_ON_RESTART + STEPS}
         for key in dict.fromkeys([*before, *now]):
             if key not in FREE_ON_RESTART and before.get(key) != now.get(key):
                 raise SceneError(f'"{path}" comes from another scene: [{key}] differs', "restart", self.file)
-        return run.dt
+        return run.dt, 1 if step[0] == step[1] else self._step_parts(path, run.dt, threads)
+
+    def _step_parts(self, path: Any, dt: float, threads: int | None) -> int:
+        """In how many parts the step of a file is divided, so that it is not above the one that this scene asks for."""
+        asked = self._built(threads).dt
+        if asked > dt * (1.0 + 1e-9):
+            raise SceneError(f'"{path}" was written with the step {dt:.6g}; this scene asks for {asked:.6g}, and only a smaller one can be taken', "restart", self.file)
+        return math.ceil(dt / asked * (1.0 - 1e-9))
 
     def __repr__(self) -> str:
         return f"<Scene {self._parts.title!r}: {', '.join(self._parts.bodies) or 'no bodies yet'}>"

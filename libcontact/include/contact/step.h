@@ -82,7 +82,10 @@ typedef struct ct_state {
   double *work;
   /** Doubles in `impulse`. */
   int64_t impulse_count;
-  /** For each effect but the first, likewise: the sum of f_j, its impulse divided by Δt, :eq:`impulse-balance`. */
+  /**
+   * For each effect but the first, likewise: the sum of f_j, its impulse divided by Δt, :eq:`impulse-balance`. In two parts, :eq:`impulse-parts`: what came since the step number
+   * was a multiple of 256, and in a second half of the same shape what had come by then.
+   */
   double *impulse;
   /** Kinetic energy at t = 0 [energy]. */
   double kinetic_start;
@@ -117,15 +120,22 @@ typedef struct ct_stable_step {
 /** A state at t = 0 with zero displacement; evaluates the first forces. */
 CT_API ct_status ct_state_create(const ct_problem *problem, ct_state **state, ct_error *error);
 
-/** Copy what a restart needs. Both states must belong to the same problem. */
+/** Copy what a restart needs. Both states must belong to the same problem. ``CT_ERROR_ARGUMENT``: they don't, or `from` stands within a step. */
 CT_API ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_state *to, ct_error *error);
+
+/**
+ * Go on with a smaller step: make `to`, a state of `problem`, from a state of a problem that is the same but for its Δt, which is a whole number of times that of `problem`.
+ * Displacement, velocity at t_n, work and impulse stay what they are, :eq:`step-change`; with the same Δt it is a copy. ``CT_ERROR_ARGUMENT``: the problems differ, or Δt is no such
+ * part. After an error `to` may hold anything that `ct_state_copy` can overwrite.
+ */
+CT_API ct_status ct_state_refine(const ct_problem *problem, ct_state *from, ct_state *to, ct_error *error);
 
 /** Free a state; null is allowed. The problem must outlive its states. */
 CT_API void ct_state_free(ct_state *state);
 
 /**
  * One step of the problem's integrator, :eq:`stage`; the central difference method is :eq:`leapfrog`. When the forces of a second stage fail, the state stands within a step: then
- * every call but `ct_state_copy` into it and `ct_state_free` answers ``CT_ERROR_ARGUMENT``.
+ * every call but `ct_state_copy` into it and `ct_state_free` answers ``CT_ERROR_ARGUMENT``; also one that copies from it.
  */
 CT_API ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error);
 

@@ -1,0 +1,218 @@
+/* What a contact remembers of its points, step by step by hand: every number that one step leaves to the next goes through the effect's memory here. */
+#include "patches.h"
+
+/* The contact effect of two surfaces of one problem, asked step by step; nothing but its memory goes from one step to the next. */
+typedef struct hand {
+  ct_effect *effect;
+  patch a, b; /* both over the nodes of the problem */
+  int nodes, first_b;
+  double *reference, *mass, *u, *rest, *memory, *next, *force;
+} hand;
+
+/* A patch of the problem with all nodes, from one with its own. */
+static patch joined(const patch *own, int first, int nodes, const double *reference)
+{
+  int entries = own->surface.face_count * ct_face_node_count(own->surface.kind);
+  patch p = {own->surface, integers(entries), NULL};
+  for (int i = 0; i < entries; i++) p.faces[i] = own->faces[i] + first;
+  p.surface.faces = p.faces;
+  p.surface.node_count = nodes;
+  p.surface.reference = reference;
+  return p;
+}
+
+static hand new_hand(const patch *a, const patch *b, const ct_contact_options *options)
+{
+  hand h = {.nodes = a->surface.node_count + b->surface.node_count, .first_b = a->surface.node_count};
+  ct_error e;
+  h.reference = numbers(3 * h.nodes);
+  memcpy(h.reference, a->x, 3 * (size_t)h.first_b * sizeof(double));
+  memcpy(h.reference + 3 * h.first_b, b->x, 3 * (size_t)b->surface.node_count * sizeof(double));
+  h.a = joined(a, 0, h.nodes, h.reference);
+  h.b = joined(b, h.first_b, h.nodes, h.reference);
+  h.mass = numbers(h.nodes), h.u = numbers(3 * h.nodes), h.rest = numbers(3 * h.nodes), h.force = numbers(3 * h.nodes);
+  for (int n = 0; n < h.nodes; n++) h.mass[n] = 1.0;
+  need(ct_contact_create_effect(&h.a.surface, &h.b.surface, options, h.mass, &h.effect, &e), &e);
+  h.memory = numbers(h.effect->memory_count);
+  h.next = numbers(h.effect->memory_count);
+  return h;
+}
+
+static void free_hand(hand *h)
+{
+  ct_effect_free(h->effect);
+  free_patch(&h->a);
+  free_patch(&h->b);
+  double *all[] = {h->reference, h->mass, h->u, h->rest, h->memory, h->next, h->force};
+  for (int i = 0; i < 7; i++) free(all[i]);
+}
+
+/* One step with the second surface lifted by z, with scratch space of its own as after a restart: the force on that surface along z, and the energy. */
+static double take(hand *h, double z, double time, double *energy, double *external)
+{
+  const ct_effect *effect = h->effect;
+  void *scratch = NULL;
+  ct_error e;
+  for (int n = h->first_b; n < h->nodes; n++) h->u[3 * n + 2] = z;
+  need(effect->create_scratch(effect, &scratch, &e), &e);
+  ct_view view = {.time = time, .dt = 0.25, .threads = 1, .reference = h->reference, .displacement = h->u, .velocity = h->rest, .memory = h->memory, .next_memory = h->next, .scratch = scratch};
+  double *own = numbers(3 * effect->node_count), sum = 0.0, *keep = h->memory;
+  need(effect->force(effect, &view, own, &e), &e);
+  need(effect->energy(effect, &view, energy, &e), &e);
+  if (external != NULL) need(effect->external(effect, &view, external, &e), &e);
+  memset(h->force, 0, 3 * (size_t)h->nodes * sizeof(double));
+  for (int i = 0; i < effect->node_count; i++) {
+    for (int c = 0; c < 3; c++) h->force[3 * effect->nodes[i] + c] = own[3 * i + c];
+    if (effect->nodes[i] >= h->first_b) sum += own[3 * i + 2];
+  }
+  effect->free_scratch(scratch);
+  free(own);
+  h->memory = h->next;
+  h->next = keep;
+  return sum;
+}
+
+static hand two_flat_patches(ct_contact_options options)
+{
+  patch a = new_patch(CT_Q4, 2, 2, 0, 0, 2, 2, 1), b = new_patch(CT_Q4, 2, 2, 0, 0, 2, 2, 0);
+  options.epsilon = EPSILON;
+  options.enforcement = CT_ENFORCE_PENALTY;
+  hand h = new_hand(&a, &b, &options);
+  free_patch(&a);
+  free_patch(&b);
+  return h;
+}
+
+/* A gap, and how deep the surfaces are in contact there, counted from the start gap. */
+typedef struct opening {
+  double gap, depth;
+} opening;
+
+/* The start gap of points that open again, as worked out with pencil and paper from eq:initial-shift: it follows the deeper one of the last two gaps, up to zero, and never
+ * goes back. */
+static void start_gap_opens(void)
+{
+  static const opening by_hand[] = {
+    {-0.05, 0.0},            // begins with the start gap -0.05
+    {-0.06, 0.01},           // pressed together by 0.01
+    {-0.05, 0.0},  {-0.03, 0.0},
+    {-0.05, 0.0},            // -0.03 for one step only: the start gap is -0.05 still
+    {-0.06, 0.01}, {-0.03, 0.0}, {-0.025, 0.0}, // opened for two steps: -0.03
+    {-0.04, 0.01}, {0.02, 0.0},
+    {-0.01, 0.0},            // out for one step, and -0.01 is the deeper one of the last two
+    {-0.015, 0.005}, {0.01, 0.0}, {0.02, 0.0}, // out for two steps: none is left
+    {-0.02, 0.02}, {-0.001, 0.001}};
+  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP});
+  double force = 0.0, energy = 0.0, stored;
+  for (size_t i = 0; i < sizeof by_hand / sizeof by_hand[0]; i++) {
+    double d = by_hand[i].depth;
+    force = worst(force, take(&h, by_hand[i].gap, 0.25 * (double)i, &stored, NULL) / (4.0 * EPSILON) - d);
+    energy = worst(energy, stored / (2.0 * EPSILON) - d * d);
+  }
+  tap_ok(force < 1e-15 && energy < 1e-16, "start gaps of points that open again are those of pencil and paper (force off by %.2g, energy by %.2g)", force, energy);
+  // Far away no face is near, and the start gap is gone.
+  free_hand(&h);
+  h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP});
+  static const opening away[] = {{-0.05, 0.0}, {50.0, 0.0}, {50.0, 0.0}, {-0.03, 0.03}};
+  force = 0.0;
+  for (int i = 0; i < 4; i++) force = worst(force, take(&h, away[i].gap, 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - away[i].depth);
+  tap_ok(force < 1e-15, "a start gap is gone once the surfaces were far apart (force off by %.2g)", force);
+  free_hand(&h);
+}
+
+/* A start gap that fades while the point opens: at T / 2 half of it is left, so a point that stands at the start gap is pressed by the other half; where it has opened farther
+ * the start gap follows, divided by what is left of the fade. The work is that of the trapezoid. */
+static void start_gap_fades(void)
+{
+  const double T = 2.0, g0 = -0.04, area = 4.0, half = 0.5, tail = 0.5 * (1.0 - sqrt(0.5)); // φ at T / 2 and 3 T / 4
+  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_REMOVE, .removal = T});
+  double off = 0.0, stored, work, F1 = EPSILON * area * (half * g0 - g0), F2, g2 = -0.01 / half;
+  off = worst(off, take(&h, g0, 0.0, &stored, &work));
+  off = worst(off, work);
+  off = worst(off, take(&h, g0, 0.5 * T, &stored, &work) - F1);
+  off = worst(off, work - 0.5 * F1 * g0 * (half - 1.0));
+  // Twice at -0.01, above φ g0 = -0.02: the start gap becomes -0.01 / φ, and there is no force.
+  double before = work;
+  off = worst(off, take(&h, -0.01, 0.5 * T, &stored, &work));
+  off = worst(off, take(&h, -0.01, 0.5 * T, &stored, &work));
+  off = worst(off, work - before);
+  // It fades on from there.
+  F2 = EPSILON * area * (tail * g2 + 0.01);
+  off = worst(off, take(&h, -0.01, 0.75 * T, &stored, &work) - F2);
+  off = worst(off, work - before - 0.5 * F2 * g2 * (tail - half));
+  tap_ok(off < 1e-13 * EPSILON * area, "a start gap that fades and opens: forces and work of pencil and paper, off by %.2g", off / (EPSILON * area));
+  free_hand(&h);
+}
+
+/* A point is in contact at any depth if it came in from outside, and in no contact if it begins deep. One that was outside and is deeper than the depth at once (which a run
+ * refuses, eq:passage) has no face near: no contact, and a new point afterwards. What tells these apart is the sign in the memory. */
+static void history_in_memory(void)
+{
+  static const double in[] = {0.1, -0.2, -0.5, -0.9, -0.4, -0.1, 0.05, -0.1}, deep[] = {-0.5, -0.2, -0.1, 0.05, -0.1}, leap[] = {0.1, -0.5, -0.1, 0.1, -0.1};
+  static const int count[3] = {8, 5, 5}, pressed[3][8] = {{0, 1, 1, 1, 1, 1, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 1, 0, 1}};
+  static const double *const gaps[3] = {in, deep, leap};
+  static const char *const what[3] = {"comes in from outside", "begins deep", "is outside, and then too deep at once"};
+  for (int k = 0; k < 3; k++) {
+    hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .depth = 0.3});
+    double off = 0.0, stored;
+    for (int i = 0; i < count[k]; i++) off = worst(off, take(&h, gaps[k][i], 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - (pressed[k][i] ? -gaps[k][i] : 0.0));
+    tap_ok(off < 1e-14, "a surface that %s, restarted in every step, has the force of its gap where it is in contact (off by %.2g)", what[k], off);
+    free_hand(&h);
+  }
+}
+
+/* A closed box as a patch. */
+static patch closed_box(const double low[3], const double size[3], int nx, int ny)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, low[0], low[1], low[2], size[0], size[1], size[2], nx, ny, 1);
+  patch p = {{CT_Q4, m->node_count, 0, NULL, NULL}, integers(4 * 6 * m->element_count), numbers(3 * m->node_count)};
+  p.surface.face_count = ct_mesh_outer_faces(m, p.faces, NULL);
+  memcpy(p.x, m->nodes, 3 * (size_t)m->node_count * sizeof *p.x);
+  p.surface.faces = p.faces;
+  p.surface.reference = p.x;
+  ct_mesh_free(m);
+  return p;
+}
+
+/* Thin closed plates pressed into each other: the host's contact keeps its history itself, the effect in its memory, through a restart in every step. Both are one. The host's
+ * energy has a closed form (test_contact_geometry). */
+static void same_as_the_host(void)
+{
+  const double low_a[3] = {0, 0, 0}, size_a[3] = {2, 2, 0.1}, low_b[3] = {0.63, 0.59, 0.1001}, size_b[3] = {0.8, 0.8, 0.1};
+  patch a = closed_box(low_a, size_a, 5, 5), b = closed_box(low_b, size_b, 3, 3);
+  ct_contact_options options = ct_contact_options_default();
+  options.epsilon = EPSILON;
+  options.enforcement = CT_ENFORCE_PENALTY;
+  ct_contact *contact = open_contact(&a, &b, options);
+  hand h = new_hand(&a, &b, &options);
+  double *fa = numbers(3 * a.surface.node_count), *fb = numbers(3 * b.surface.node_count), *z = numbers(b.surface.node_count), stored, deepest = 0.0;
+  int different = 0;
+  for (int n = 0; n < b.surface.node_count; n++) z[n] = b.x[3 * n + 2];
+  for (int i = 0; i <= 120; i++) {
+    double moved = -0.0025 * (i <= 60 ? i : 120 - i);
+    for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = z[n] + moved;
+    update(contact, &a, &b);
+    forces(contact, &a, &b, fa, fb);
+    take(&h, moved, 0.25 * i, &stored, NULL);
+    different += memcmp(fa, h.force, 3 * (size_t)h.first_b * sizeof *fa) != 0 || memcmp(fb, h.force + 3 * h.first_b, 3 * (size_t)(h.nodes - h.first_b) * sizeof *fb) != 0;
+    different += stored != ct_contact_energy(contact);
+    deepest = fmax(deepest, stored);
+  }
+  tap_ok(different == 0 && deepest > 0.0, "thin plates, restarted in every step: forces and energy have the bits of a contact that keeps its history (%d differ)", different);
+  ct_contact_free(contact);
+  free_hand(&h);
+  free_patch(&a);
+  free_patch(&b);
+  free(fa);
+  free(fb);
+  free(z);
+}
+
+int main(void)
+{
+  start_gap_opens();
+  start_gap_fades();
+  history_in_memory();
+  same_as_the_host();
+  return tap_done();
+}

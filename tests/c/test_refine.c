@@ -1,0 +1,201 @@
+/* Going on with a smaller step: nothing that a body has may change by it, and the order of the method stays. */
+#include "bodies.h"
+
+static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
+
+static ct_state *refined(const ct_problem *fine, ct_state *from)
+{
+  ct_state *state = new_state(fine);
+  ct_error e;
+  need(ct_state_refine(fine, from, state, &e), &e);
+  return state;
+}
+
+static ct_problem with_step(const ct_problem *p, double dt)
+{
+  ct_problem q = *p;
+  q.dt = dt;
+  return q;
+}
+
+/* A body falls v t + g t² / 2 exactly, with any steps one after another, and the impulse and work of its weight are m g t and m g (v t + g t² / 2). */
+static void falling(void)
+{
+  static const int parts[4] = {3, 1, 2, 5};
+  const double v = 0.5, g = -2.0;
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1);
+  ct_scene *scene = new_scene();
+  add_body(scene, "body", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, v);
+  add_weight(scene, (weight){.g = {0, 0, g}});
+  int64_t steps;
+  ct_stable_step stable;
+  ct_problem problem[5] = {*build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.8, .threads = 1}, &steps, &stable)};
+  ct_state *state = new_state(&problem[0]);
+  ct_error e;
+  double off = 0.0, mass = SOFT.density, impulse[3], work;
+  for (int k = 0; k < 4; k++) {
+    advance(&problem[k], state, 7 + 300 * (k == 2)); // through a fold of the impulses, too
+    problem[k + 1] = with_step(&problem[k], problem[k].dt / parts[k]);
+    ct_state *next = refined(&problem[k + 1], state);
+    off = worst(off, (next->time - state->time) / state->time);
+    ct_state_free(state);
+    state = next;
+    advance(&problem[k + 1], state, 2);
+    double t = state->time, way = v * t + 0.5 * g * t * t, unit = 1.0 + t * t;
+    for (int n = 0; n < mesh->node_count; n++) off = worst(off, (state->displacement[3 * n + 2] - way) / unit);
+    need(ct_energy_impulse(&problem[k + 1], state, 1, impulse, &e), &e);
+    need(ct_energy_work(&problem[k + 1], state, 1, &work, &e), &e);
+    off = worst(worst(off, (impulse[2] - mass * g * t) / unit), (work - mass * g * way) / unit);
+    off = worst(off, energy_of(&problem[k + 1], state).balance / unit);
+    off = worst(off, (momentum_of(&problem[k + 1], state, 0).p[2] - mass * (v + g * t)) / unit);
+  }
+  tap_ok(off < 1e-13, "a body falls v t + g t^2 / 2 through four changes of the step, with impulse and work of its weight (off by %.2g)", off);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(mesh);
+}
+
+/* Velocity at t = 1 and displacement there of a body that vibrates, with `count` steps of which the second half are divided by `parts`. */
+static void vibrate(const ct_problem *p, int64_t count, int parts, double *u, double *v)
+{
+  ct_problem coarse = with_step(p, 1.0 / (double)count), fine = with_step(&coarse, coarse.dt / parts);
+  ct_state *state = new_state(&coarse);
+  ct_error e;
+  advance(&coarse, state, count / 2);
+  ct_state *rest = refined(&fine, state);
+  advance(&fine, rest, parts * (count / 2));
+  memcpy(u, rest->displacement, 3 * (size_t)p->node_count * sizeof *u);
+  need(ct_state_velocity(&fine, rest, v, &e), &e);
+  ct_state_free(state);
+  ct_state_free(rest);
+}
+
+/* A change of the step keeps the order of the method, also of those that carry on an acceleration. */
+static void order(ct_scheme scheme)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
+  ct_scene *scene = new_scene();
+  distort(m, 0.04);
+  add_body(scene, "body", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
+  int64_t steps;
+  ct_stable_step stable;
+  ct_problem p = *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1, .integrator = ct_integrator_default(scheme)}, &steps, &stable);
+  int n = 3 * p.node_count;
+  double *v0 = numbers(n), *u[2] = {numbers(n), numbers(n)}, *v[2] = {numbers(n), numbers(n)}, error[2][2];
+  for (int i = 0; i < p.node_count; i++) v0[3 * i] = sin(3.0 * p.reference[3 * i]), v0[3 * i + 1] = 0.3 * cos(3.0 * p.reference[3 * i + 1]) + p.reference[3 * i + 2];
+  p.initial_velocity = v0;
+  steps += steps % 2;
+  vibrate(&p, 64 * steps, 1, u[0], v[0]);
+  for (int k = 0; k < 2; k++) {
+    vibrate(&p, (4 * steps) << k, 3, u[1], v[1]);
+    error[0][k] = largest_difference(u[0], u[1], n), error[1][k] = largest_difference(v[0], v[1], n);
+  }
+  double got[2] = {log(error[0][0] / error[0][1]) / log(2.0), log(error[1][0] / error[1][1]) / log(2.0)}, least = scheme == CT_TCHAMWA_WIELGOSZ ? 0.9 : 1.9;
+  tap_ok(got[0] > least && got[1] > least, "%s: a third of the step from half of the way on leaves the order, %.3f and %.3f", ct_scheme_name(scheme), got[0], got[1]);
+  double *all[] = {v0, u[0], u[1], v[0], v[1]};
+  for (int i = 0; i < 5; i++) free(all[i]);
+  ct_scene_free(scene);
+  ct_mesh_free(m);
+}
+
+/* Two bodies that meet askew with friction, a weight with damping, a moving support; what they have and what was done to them. */
+typedef struct books {
+  double momentum[3], impulse[3], work, balance, external, strain;
+} books;
+
+static books read_books(const ct_problem *p, ct_state *state)
+{
+  books b = {.balance = energy_of(p, state).balance, .external = energy_of(p, state).external, .strain = energy_of(p, state).strain};
+  ct_error e;
+  for (int k = 0; k < p->effect_count; k++) {
+    double work, impulse[3] = {0.0, 0.0, 0.0};
+    need(ct_energy_work(p, state, k, &work, &e), &e);
+    b.work += work;
+    if (k > 0) need(ct_energy_impulse(p, state, k, impulse, &e), &e);
+    for (int c = 0; c < 3; c++) b.impulse[c] += impulse[c];
+  }
+  for (int body = 0; body < p->body_count; body++)
+    for (int c = 0; c < 3; c++) b.momentum[c] += momentum_of(p, state, body).p[c];
+  return b;
+}
+
+static void meeting(ct_scheme scheme, ct_enforcement enforcement)
+{
+  ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 3, 2, 3), *b = box_mesh(CT_HEX8, 0, 0.125, 0.25, 1.25, 0.75, 1, 4, 3, 2);
+  ct_scene *scene = new_scene();
+  add_body(scene, "a", a, &SOFT, CT_KERNEL_AUTO, 0.5, 0.0625, -0.125);
+  add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, -0.25, 0, 0.25);
+  ct_contact_options options = ct_contact_options_default();
+  options.enforcement = enforcement;
+  add_contact_with(scene, 0, a, 0.0, 1, b, 0.0, 0, 2.0, options, 0.3, 1.0);
+  add_support(scene, 0, a, 0, -1.0, "y", 0.05);
+  add_weight(scene, (weight){.g = {0.1, 0.2, -0.3}, .damping = 0.2, .pull = 0.5, .period = 0.4});
+  int64_t steps;
+  ct_stable_step stable;
+  ct_problem coarse = *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .threads = 1, .integrator = ct_integrator_default(scheme)}, &steps, &stable);
+  ct_problem fine = with_step(&coarse, coarse.dt / 3.0);
+  ct_state *state = new_state(&coarse);
+  books start = read_books(&coarse, state), before, after, end;
+  double size = energy_of(&coarse, state).kinetic, change = 0.0, closes = 0.0;
+  advance(&coarse, state, 40);
+  state->kinetic_start -= size; // a balance that is off stays off
+  before = read_books(&coarse, state);
+  ct_state *rest = refined(&fine, state);
+  after = read_books(&fine, rest);
+  change = worst(worst(change, after.balance - before.balance), memcmp(rest->displacement, state->displacement, 3 * (size_t)coarse.node_count * sizeof(double)) != 0);
+  change = worst(change, after.strain - before.strain);
+  // Momentum less impulse: contact forces that depend on the coming step change a little, and their impulse with them.
+  for (int c = 0; c < 3; c++) change = worst(change, (after.momentum[c] - after.impulse[c]) - (before.momentum[c] - before.impulse[c]));
+  advance(&fine, rest, 150);
+  end = read_books(&fine, rest);
+  closes = worst(closes, end.balance - size);
+  for (int c = 0; c < 3; c++) closes = worst(closes, (end.momentum[c] - end.impulse[c]) - (start.momentum[c] - start.impulse[c]));
+  tap_ok(change < 1e-13 * size && closes < 1e-12 * size && fabs(after.work - before.work) < 2e-3 * size,
+         "%s, %s: balance and momentum do not notice the change (%.2g) and close after it (%.2g); the work of all effects moves by %.2g", ct_scheme_name(scheme),
+         ct_enforcement_name(enforcement), change / size, closes / size, (after.work - before.work) / size);
+  ct_state_free(state);
+  ct_state_free(rest);
+  ct_scene_free(scene);
+  ct_mesh_free(a);
+  ct_mesh_free(b);
+}
+
+static void refusals(void)
+{
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1);
+  ct_scene *scene = new_scene();
+  add_body(scene, "body", mesh, &SOFT, CT_KERNEL_AUTO, 0.1, 0, 0);
+  int64_t steps;
+  ct_stable_step stable;
+  ct_problem p = *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  ct_problem larger = with_step(&p, 2.0 * p.dt), odd = with_step(&p, p.dt / 1.5), other = with_step(&p, 0.5 * p.dt);
+  other.integrator = ct_integrator_default(CT_CHUNG_LEE);
+  ct_state *state = new_state(&p), *to[3] = {new_state(&larger), new_state(&odd), new_state(&other)}, *same = new_state(&p);
+  ct_error e = {0};
+  const ct_problem *problem[3] = {&larger, &odd, &other};
+  int refused = 0;
+  for (int i = 0; i < 3; i++) refused += ct_state_refine(problem[i], state, to[i], &e) == CT_ERROR_ARGUMENT && e.text[0] != 0;
+  refused += ct_state_refine(&p, state, state, &e) == CT_ERROR_ARGUMENT;
+  refused += ct_state_refine(&p, NULL, same, &e) == CT_ERROR_ARGUMENT && ct_state_refine(&p, state, to[0], NULL) == CT_ERROR_ARGUMENT;
+  tap_ok(refused == 5, "larger steps, odd parts, another integrator, null and another problem's state are refused: %s", e.text);
+  advance(&p, state, 9);
+  need(ct_state_refine(&p, state, same, &e), &e);
+  advance(&p, state, 9);
+  advance(&p, same, 9);
+  tap_ok(memcmp(state->velocity, same->velocity, 3 * (size_t)p.node_count * sizeof(double)) == 0 && state->step == same->step, "with the same step it is a copy");
+  for (int i = 0; i < 3; i++) ct_state_free(to[i]);
+  ct_state_free(state);
+  ct_state_free(same);
+  ct_scene_free(scene);
+  ct_mesh_free(mesh);
+}
+
+int main(void)
+{
+  falling();
+  for (int scheme = 0; scheme < 4; scheme++) order((ct_scheme)scheme);
+  for (int scheme = 0; scheme < 4; scheme++)
+    for (int enforcement = 0; enforcement < 4; enforcement++) meeting((ct_scheme)scheme, (ct_enforcement)enforcement);
+  refusals();
+  return tap_done();
+}
