@@ -78,7 +78,10 @@ static void free_scratch(void *scratch)
   ct_release(s->values);
   ct_release(s->energies);
   ct_release(s->quiet.batch);
-  ct_release(s->quiet.near);
+  ct_release(s->quiet.woken);
+  ct_release(s->quiet.read);
+  ct_release(s->quiet.seen);
+  ct_release(s->quiet.kept);
   ct_release(s->quiet.changed);
   ct_release(s);
 }
@@ -94,10 +97,13 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   if (s != NULL && solid->quiet) {
     size_t words = (size_t)ct_bits_words(solid->node_count);
     s->quiet.batch = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.batch);
-    s->quiet.near = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.near);
+    s->quiet.woken = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.woken);
+    s->quiet.read = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.read);
     s->quiet.changed = ct_allocate(words, sizeof *s->quiet.changed);
+    s->quiet.seen = ct_allocate(words + (size_t)solid->part_count, sizeof *s->quiet.seen);
+    s->quiet.kept = ct_allocate((size_t)solid->part_count, sizeof *s->quiet.kept);
   }
-  if (s == NULL || s->values == NULL || s->energies == NULL || (solid->quiet && !(s->quiet.batch && s->quiet.near && s->quiet.changed))) {
+  if (s == NULL || s->values == NULL || s->energies == NULL || (solid->quiet && !(s->quiet.batch && s->quiet.woken && s->quiet.read && s->quiet.changed && s->quiet.seen && s->quiet.kept))) {
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
   }
@@ -120,22 +126,36 @@ typedef struct part_call {
   ct_quiet *quiet;            /* null: compute every batch, sum every node */
 } part_call;
 
-/* Find which batches are quiet, and mark the nodes of the others. */
-static void find_quiet(const part_call *call, const ct_view *view, int32_t node_count)
+/* Let all nodes of a part be summed. */
+static void sum_all(ct_quiet *quiet, const ct_solid_part *part, int32_t number)
 {
+  ct_bits_put(quiet->changed, part->first_node, part->first_node + part->mesh->node_count, 1);
+  quiet->kept[number] &= (uint8_t)~CT_KEPT_READ;
+}
+
+/* Find which batches of part `number` are quiet, and mark the nodes of the others. */
+static void find_quiet(const part_call *call, int32_t number, const ct_view *view, int32_t node_count)
+{
+  enum { AT_ONCE = 64 };
   const ct_solid_part *part = call->part;
+  ct_quiet *quiet = call->quiet;
   const double *velocity = view->drifted != NULL ? view->velocity : NULL;
-  int threads = view->threads;
+  int threads = view->threads, crossed = 0;
   (void)threads;
-  if (view->drifted != NULL) ct_quiet_near(call->quiet, part, view->drifted, node_count, 0);
-  else memset(&call->quiet->near[part->first_batch], 1, (size_t)part->batch_count);
+  ct_quiet_wake(quiet, part, number, view->drifted, node_count);
 #ifdef _OPENMP
-#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#pragma omp parallel for num_threads(threads) schedule(static) reduction(| : crossed) if (threads > 1)
 #endif
-  for (int32_t b = 0; b < part->batch_count; b++) ct_quiet_find(call->quiet, part, b, call->displacement, velocity);
-  ct_quiet_mark(call->quiet, part);
-  // Of the batches that are skipped, those matter whose nodes are summed.
-  ct_quiet_near(call->quiet, part, call->quiet->changed, node_count, 1);
+  for (int32_t b = 0; b < part->batch_count; b += AT_ONCE)
+    crossed |= ct_quiet_look(quiet, part, b, b + AT_ONCE < part->batch_count ? b + AT_ONCE : part->batch_count, call->displacement, velocity);
+  if (view->still == NULL) {
+    // Nothing stands from before: all nodes are to be summed.
+    sum_all(quiet, part, number);
+    memset(&quiet->read[part->first_batch], 1, (size_t)part->batch_count);
+  } else if (crossed || !(quiet->kept[number] & CT_KEPT_READ)) {
+    ct_quiet_mark(quiet, part, node_count);
+    quiet->kept[number] |= CT_KEPT_READ;
+  }
 }
 
 /* Compute those of the batches first ... last - 1 that are not quiet. */
@@ -146,7 +166,7 @@ static void call_batches(const part_call *call, int32_t first, int32_t last)
   int32_t begin = first;
   for (int32_t b = first; call->quiet != NULL && b < last; b++) {
     if (call->quiet->batch[part->first_batch + b] < CT_BATCH_QUIET) continue;
-    if (!call->quiet->near[part->first_batch + b]) {
+    if (!call->quiet->read[part->first_batch + b]) {
       // Nobody reads its forces.
     } else if (part->cells[0] > 0)
       ct_lattice_zeros(part, b, call->values);
@@ -251,21 +271,19 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
   solid_scratch *scratch = view->scratch;
   ct_status status = CT_OK;
   scratch->quiet.call = (scratch->quiet.call + 1) % 8;
-  // Begin with no node changed; where nothing stands from before, all are to be summed.
-  if (solid->quiet) memset(scratch->quiet.changed, view->still == NULL ? 0xff : 0, (size_t)ct_bits_words(solid->node_count) * sizeof(uint64_t));
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
     part_call call = {part, view->displacement, scratch->values + part->first_value, force + 3 * (int64_t)part->first_node,
                       part->savings.quiet ? &scratch->quiet : NULL};
     const double *u = view->displacement + 3 * (int64_t)part->first_node;
     int plane = part->plane != NULL && ct_plane_holds(part->plane, u);
-    if (solid->quiet && (plane || call.quiet == NULL)) ct_bits_put(scratch->quiet.changed, part->first_node, part->first_node + part->mesh->node_count, 1);
+    if (solid->quiet && (plane || call.quiet == NULL)) sum_all(&scratch->quiet, part, i);
     if (plane) {
       // This kernel costs less than to look what is quiet.
       ct_plane_force(part, u, view->threads, call.values + part->plane_value, call.f);
       continue;
     }
-    if (call.quiet != NULL) find_quiet(&call, view, solid->node_count);
+    if (call.quiet != NULL) find_quiet(&call, i, view, solid->node_count);
     if (part->cells[0] > 0) {
       ring_force_threads(&call, view->threads);
       continue;
