@@ -17,6 +17,13 @@ typedef double ct_lanes;
 
 enum { CT_BATCH = 8, CT_LANES_COUNT = CT_LANES_WIDE ? 8 : 1 };
 
+/* A part of a kernel: compiled for the instruction set of the kernel that calls it. */
+#if defined(__GNUC__)
+#define CT_INLINE static inline __attribute__((always_inline))
+#else
+#define CT_INLINE static inline
+#endif
+
 /* Compile a kernel for several instruction sets; the loader picks the best that the machine has. */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__GLIBC__) && defined(__x86_64__) && !defined(CT_NO_CLONES)
 #define CT_CLONES __attribute__((target_clones("default", "avx2", "avx512f")))

@@ -1,5 +1,6 @@
 #include <contact/segment.h>
 
+#include "shape.h"
 #include "vector.h"
 
 #include <math.h>
@@ -37,18 +38,7 @@ void ct_segment_shape(ct_face_kind kind, const double xi[2], double N[8])
   if (xi == NULL || N == NULL) return;
   fill(N, 8, ct_face_node_count(kind) == 0 ? NAN : 0);
   if (kind == CT_Q4 || kind == CT_Q8) {
-    for (int i = 0; i < 4; i++) {
-      // -- Corners of the quadrilaterals (eq:segment-q4, eq:segment-q8)
-      double x = CORNER[i][0] * xi[0], y = CORNER[i][1] * xi[1];
-      N[i] = 0.25 * ((1 + x) * (1 + y));
-      if (kind == CT_Q4) continue;
-      N[i] *= (x + y) - 1;
-      // -- Mid-side that follows the corner (eq:segment-q8)
-      int along;
-      double r, s;
-      side_axes(i, xi, &along, &r, &s);
-      N[4 + i] = 0.5 * (((1 - r) * (1 + r)) * (1 + s));
-    }
+    ct_shape_quadrilateral(ct_face_node_count(kind), xi[0], xi[1], N, 1);
   } else if (kind == CT_T3 || kind == CT_T6) {
     // -- Area coordinates (eq:segment-triangle)
     double L[3] = {1 - (xi[0] + xi[1]), xi[0], xi[1]};

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { NODES_AT_ONCE = 1024, STEPS_BETWEEN_CHECKS = 64, STEPS_BETWEEN_FOLDS = 256 };
+enum { NODES_AT_ONCE = 256, STEPS_BETWEEN_CHECKS = 64, STEPS_BETWEEN_FOLDS = 256 };
 
 /* Kick and drift the degrees of freedom first ... last - 1, and count the work of the first effect. */
 CT_CLONES
@@ -90,18 +90,28 @@ static void correct_touched(ct_state *state, double share)
     }
 }
 
+/* A number, or +0 where it is not wanted; by its bits, as compilers make a branch of a choice. */
+CT_INLINE double only_where(int wanted, double x)
+{
+  uint64_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  bits &= -(uint64_t)wanted;
+  memcpy(&x, &bits, sizeof x);
+  return x;
+}
+
 /* Take the forces on held degrees of freedom from an impulse. */
 CT_CLONES
 static void react(int64_t count, double share, const double *restrict inverse_mass, const double *restrict force, double *restrict impulse)
 {
 #pragma omp simd
-  for (int64_t d = 0; d < count; d++) impulse[d] -= inverse_mass[d] == 0.0 ? share * force[d] : 0.0;
+  for (int64_t d = 0; d < count; d++) impulse[d] -= only_where(inverse_mass[d] == 0.0, share * force[d]);
 }
 
-/* How many of the nodes i, i + 1, ... of an effect have numbers that follow each other. They ascend, so the last one tells. */
-static int32_t run_of(const ct_effect *effect, int32_t i)
+/* How many of the nodes i, i + 1, ... of an effect, of `left` that are asked for, have numbers that follow each other. They ascend, so the last one tells. */
+static int32_t run_of(const ct_effect *effect, int32_t i, int32_t left)
 {
-  int32_t left = effect->node_count - i, count = 1;
+  int32_t count = 1;
   if (effect->nodes == NULL) return left;
   for (int32_t more = 1; more > 0;) {
     int32_t longer = count + more;
@@ -112,29 +122,52 @@ static int32_t run_of(const ct_effect *effect, int32_t i)
   return count;
 }
 
-/* The impulse of a reaction: minus all other forces on the degrees of freedom that it holds (eq:impulse-balance). */
-static void count_reaction(const ct_problem *problem, const ct_workspace *w, const ct_effect *effect, double share, double *impulse)
+/* The first of an effect's nodes that is `node` or a later one; it has some. */
+static int32_t entry_from(const ct_effect *effect, int32_t node)
 {
-  for (int32_t i = 0, run; i < effect->node_count; i += run) {
+  int32_t first = 0, last = effect->node_count, start = ct_effect_node(effect, 0);
+  // Where the numbers follow each other there is nothing to look for.
+  if (effect->nodes == NULL || effect->nodes[last - 1] - start == last - 1) return node <= start ? 0 : node - start < last ? node - start : last;
+  while (first < last) {
+    int32_t middle = first + (last - first) / 2;
+    if (effect->nodes[middle] < node) first = middle + 1;
+    else last = middle;
+  }
+  return first;
+}
+
+/* The impulse of a reaction at the nodes begin ... end - 1: minus all other forces on the degrees of freedom that it holds (eq:impulse-balance). */
+static void count_reaction(const ct_problem *problem, const ct_workspace *w, const ct_effect *effect, double share, int32_t begin, int32_t end, double *impulse)
+{
+  int32_t stop = entry_from(effect, end);
+  for (int32_t i = entry_from(effect, begin), run; i < stop; i += run) {
     int32_t first = ct_effect_node(effect, i);
-    run = run_of(effect, i);
-    for (int32_t n = first, end; n < first + run; n = end) {
+    run = run_of(effect, i, stop - i);
+    for (int32_t n = first, next; n < first + run; n = next) {
       n = ct_bits_next(w->still, n, first + run, 0);
-      end = ct_bits_next(w->still, n, first + run, 1);
+      next = ct_bits_next(w->still, n, first + run, 1);
       int64_t dof = 3 * (int64_t)n;
-      react(3 * (int64_t)(end - n), share, &problem->inverse_mass[dof], &w->total[dof], &impulse[3 * (int64_t)(i + n - first)]);
+      react(3 * (int64_t)(next - n), share, &problem->inverse_mass[dof], &w->total[dof], &impulse[3 * (int64_t)(i + n - first)]);
     }
   }
 }
 
-/* Work and impulse of the effects beside the first (eq:work-balance, eq:impulse-balance), of a stage whose kick is `share` of the step (eq:stage-work). */
+/* The impulses of all reactions at the nodes begin ... end - 1, whose forces the motion has just read. */
+static void count_reactions(const ct_problem *problem, ct_state *state, double share, int32_t begin, int32_t end)
+{
+  for (int32_t k = 1; k < problem->effect_count; k++)
+    if (problem->effects[k]->reaction && problem->effects[k]->node_count > 0)
+      count_reaction(problem, state->workspace, problem->effects[k], share, begin, end, state->impulse + ct_state_impulse_start(problem, k));
+}
+
+/* Work and impulse of the effects beside the first and the reactions (eq:work-balance, eq:impulse-balance), of a stage whose kick is `share` of the step
+ * (eq:stage-work). */
 static void count_work(const ct_problem *problem, ct_state *state, double share)
 {
   ct_workspace *w = state->workspace;
   for (int32_t k = 1; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     double *impulse = state->impulse + ct_state_impulse_start(problem, k), *work = state->work + ct_state_work_start(problem, k);
-    if (effect->reaction) count_reaction(problem, w, effect, share, impulse);
     for (int32_t i = 0, at = 0; !effect->reaction && i < effect->node_count; i++) {
       int32_t node = ct_effect_node(effect, i);
       const double *after = &state->velocity[3 * (int64_t)node];
@@ -175,8 +208,11 @@ static ct_status take_stage(const ct_problem *problem, ct_state *state, const ct
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(problem->threads) schedule(static) if (problem->threads > 1)
 #endif
-  for (int32_t n = 0; n < count; n += NODES_AT_ONCE)
-    advance_nodes(problem, state, &stage, shares->kick, n, count - n > NODES_AT_ONCE ? n + NODES_AT_ONCE : count);
+  for (int32_t n = 0; n < count; n += NODES_AT_ONCE) {
+    int32_t end = count - n > NODES_AT_ONCE ? n + NODES_AT_ONCE : count;
+    advance_nodes(problem, state, &stage, shares->kick, n, end);
+    count_reactions(problem, state, shares->kick, n, end);
+  }
   correct_touched(state, shares->kick);
   count_work(problem, state, shares->kick);
   memcpy(state->memory, w->next_memory, (size_t)ct_state_memory_start(problem, problem->effect_count) * sizeof(double));

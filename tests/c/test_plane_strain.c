@@ -13,9 +13,9 @@ static ct_mesh *layer(int axis, int along, int across)
   return box_mesh(CT_HEX8, 0.1, -0.3, 0.2, size[0], size[1], size[2], cells[0], cells[1], cells[2]);
 }
 
-static block open_held(const ct_mesh *m, ct_solid_kernel kernel, int axis)
+static block open_held(const ct_mesh *m, ct_solid_kernel kernel, int axis, int threads)
 {
-  ct_solid_block b = {.mesh = m, .material = STEEL, .kernel = kernel};
+  ct_solid_block b = {.mesh = m, .material = STEEL, .kernel = kernel, .threads = threads};
   block solid = {NULL, NULL};
   ct_error e;
   b.held[axis] = 1;
@@ -60,7 +60,7 @@ static void forces(void)
     ct_mesh *m = layer(axis, 19, 23);
     int n = 3 * m->node_count;
     double *u = plane_displacement(m, axis), *f = numbers(n), *g = numbers(n), *h = numbers(n);
-    block plane = open_held(m, CT_KERNEL_AUTO, axis), box = open_held(m, CT_KERNEL_BOX, axis);
+    block plane = open_held(m, CT_KERNEL_AUTO, axis, 1), box = open_held(m, CT_KERNEL_BOX, axis, 1);
     double own = block_force(&plane, u, f), want = block_force(&box, u, g), energy = reference_force(m, &STEEL, u, h);
     tap_ok(kernel_of(plane.effect) == CT_KERNEL_PLANE && kernel_of(box.effect) == CT_KERNEL_BOX, "held along %c: the plane kernel is chosen", "xyz"[axis]);
     tap_ok(unlike(f, g, n) == 0 && own == want, "%c: %d of %d forces differ from the bricks', energies %.17g and %.17g", "xyz"[axis], (int)unlike(f, g, n), n, own, want);
@@ -101,6 +101,55 @@ static void forces(void)
   }
 }
 
+/* More elements than the rings of forces hold, in any order of elements and nodes, by any number of threads. */
+static void rings(void)
+{
+  static const char *const ORDER[] = {"in rows", "elements in any order", "nodes in any order"};
+  for (int order = 0; order < 3; order++)
+    for (int axis = 1; axis < 3; axis++) {
+      ct_mesh *m = layer(axis, 67, 37);
+      int n = 3 * m->node_count;
+      for (int i = m->element_count - 1; order == 1 && i > 0; i--) {
+        int k = pick(i + 1);
+        for (int a = 0; a < 8; a++) {
+          int32_t keep = m->elements[8 * i + a];
+          m->elements[8 * i + a] = m->elements[8 * k + a];
+          m->elements[8 * k + a] = keep;
+        }
+      }
+      int32_t *name = integers(m->node_count);
+      double *at = numbers(n);
+      memcpy(at, m->nodes, (size_t)n * sizeof *at);
+      for (int i = 0; i < m->node_count; i++) name[i] = i;
+      for (int i = m->node_count - 1; order == 2 && i > 0; i--) {
+        int k = pick(i + 1);
+        int32_t keep = name[i];
+        name[i] = name[k];
+        name[k] = keep;
+      }
+      for (int i = 0; i < m->node_count; i++) memcpy(&m->nodes[3 * name[i]], &at[3 * i], 3 * sizeof *at);
+      for (int i = 0; i < 8 * m->element_count; i++) m->elements[i] = name[m->elements[i]];
+      double *u = plane_displacement(m, axis), *f = numbers(n), *g = numbers(n);
+      block plane = open_held(m, CT_KERNEL_PLANE, axis, 3), box = open_held(m, CT_KERNEL_BOX, axis, 1);
+      block_force(&box, u, g);
+      for (int threads = 1; threads < 6; threads += 2) {
+        ct_view view = {.threads = threads, .displacement = u, .scratch = plane.scratch};
+        ct_error e;
+        memset(f, 0, (size_t)n * sizeof *f);
+        need(plane.effect->force(plane.effect, &view, f, &e), &e);
+        tap_ok(unlike(f, g, n) == 0, "held along %c, %s, %d threads: %d of %d forces differ from the bricks'", "xyz"[axis], ORDER[order], threads, (int)unlike(f, g, n), n);
+      }
+      close_block(&plane);
+      close_block(&box);
+      free(name);
+      free(at);
+      free(u);
+      free(f);
+      free(g);
+      ct_mesh_free(m);
+    }
+}
+
 /* The mirror image of a displacement on the same lattice: node n gets that of the node on the other side. */
 static void mirror_field(const int cells[3], int axis, const double *from, double *to)
 {
@@ -119,7 +168,7 @@ static void mirrored(void)
   ct_mesh *m = box_mesh(CT_HEX8, 0.1, -0.3, 0.2, 1.3, 0.07, 1.3, cells[0], cells[1], cells[2]);
   int n = 3 * m->node_count;
   double *u = plane_displacement(m, 1), *v = numbers(n), *f = numbers(n), *g = numbers(n), *image = numbers(n);
-  block plane = open_held(m, CT_KERNEL_PLANE, 1);
+  block plane = open_held(m, CT_KERNEL_PLANE, 1, 1);
   block_force(&plane, u, f);
   for (int axis = 0; axis < 3; axis++) {
     mirror_field(cells, axis, u, v);
@@ -221,7 +270,7 @@ static void choice(void)
   ct_mesh *one = layer(1, 3, 4), *two = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 3, 2, 3), *bent = layer(1, 3, 4);
   ct_error e = {0};
   bent->nodes[0] += 1e-3;
-  block held = open_held(one, CT_KERNEL_AUTO, 1), wrong = open_held(one, CT_KERNEL_AUTO, 0), thick = open_held(two, CT_KERNEL_AUTO, 1), general = open_held(bent, CT_KERNEL_AUTO, 1);
+  block held = open_held(one, CT_KERNEL_AUTO, 1, 1), wrong = open_held(one, CT_KERNEL_AUTO, 0, 1), thick = open_held(two, CT_KERNEL_AUTO, 1, 1), general = open_held(bent, CT_KERNEL_AUTO, 1, 1);
   tap_ok(kernel_of(held.effect) == CT_KERNEL_PLANE, "one layer of boxes held along its thickness is a plane");
   tap_ok(kernel_of(wrong.effect) == CT_KERNEL_BOX, "held another way it is not");
   tap_ok(kernel_of(thick.effect) == CT_KERNEL_BOX, "two layers are not");
@@ -237,7 +286,7 @@ static void choice(void)
     ct_scene_free(scene);
   }
   double cost[2], bytes[2];
-  block box = open_held(one, CT_KERNEL_BOX, 1);
+  block box = open_held(one, CT_KERNEL_BOX, 1, 1);
   ct_solid_block_plan(held.effect, 0, NULL, &cost[0], &bytes[0]);
   ct_solid_block_plan(box.effect, 0, NULL, &cost[1], &bytes[1]);
   tap_ok(cost[1] > 2.0 * cost[0] && bytes[1] > 1.5 * bytes[0], "the plan: %.0f operations and %.0f bytes an element, %.0f and %.0f for bricks", cost[0], bytes[0], cost[1], bytes[1]);
@@ -257,6 +306,7 @@ static void choice(void)
 int main(void)
 {
   forces();
+  rings();
   mirrored();
   runs();
   choice();

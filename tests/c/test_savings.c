@@ -276,7 +276,7 @@ static void copied_zeros(void)
 static int skipped(ct_quiet *quiet, const ct_solid_part *part, const double *u)
 {
   static const double different[3 * 39] = {[20] = 1.0};
-  ct_quiet_find(quiet, part, 0, u, different);
+  ct_quiet_look(quiet, part, 0, 1, u, different);
   return quiet->batch[part->first_batch] == CT_BATCH_QUIET;
 }
 
@@ -284,27 +284,60 @@ static int skipped(ct_quiet *quiet, const ct_solid_part *part, const double *u)
 static void sleeping_batches(ct_quiet *quiet, const ct_solid_part *part)
 {
   double same[3 * 39], u[3 * 39] = {0.0};
-  uint8_t *found = &quiet->batch[part->first_batch], *near = &quiet->near[part->first_batch];
+  uint8_t *found = &quiet->batch[part->first_batch], *woken = &quiet->woken[part->first_batch];
   for (int i = 0; i < 3 * 39; i++) same[i] = i % 3 + 1.0;
   *found = CT_BATCH_UNKNOWN;
-  for (int i = 0; i < 2; i++) ct_quiet_find(quiet, part, 0, u, same);
+  *woken = 1;
+  for (int i = 0; i < 2; i++) ct_quiet_look(quiet, part, 0, 1, u, same);
+  tap_ok(*found == CT_BATCH_QUIET, "one that is woken does not fall asleep again in that call");
+  *found = CT_BATCH_UNKNOWN;
+  *woken = 0;
+  for (int i = 0; i < 2; i++) ct_quiet_look(quiet, part, 0, 1, u, same);
   tap_ok(*found == CT_BATCH_ASLEEP, "nodes with one displacement and one velocity put a batch to sleep");
   same[9] = nextafter(same[9], 0.0);
-  ct_quiet_find(quiet, part, 0, u, same);
+  *found = CT_BATCH_QUIET;
+  ct_quiet_look(quiet, part, 0, 1, u, same);
   tap_ok(*found == CT_BATCH_QUIET, "the last bit of a velocity does not");
   same[9] = 1.0;
-  ct_quiet_find(quiet, part, 0, u, same);
+  ct_quiet_look(quiet, part, 0, 1, u, same);
   u[3 * 38] = 1.0;
-  *near = 0;
-  ct_quiet_find(quiet, part, 0, u, same);
+  ct_quiet_look(quiet, part, 0, 1, u, same);
   tap_ok(*found == CT_BATCH_ASLEEP, "while its nodes drift it is not looked at");
-  *near = 1;
-  ct_quiet_find(quiet, part, 0, u, same);
+  *woken = 1;
+  ct_quiet_look(quiet, part, 0, 1, u, same);
   tap_ok(*found == CT_BATCH_MOVING, "then it is");
   u[3 * 38] = 0.0;
   int calls = 0;
-  for (quiet->call = 1; *found == CT_BATCH_MOVING; quiet->call = (quiet->call + 1) % 8, calls++) ct_quiet_find(quiet, part, 0, u, same);
+  for (quiet->call = 1; *found == CT_BATCH_MOVING; quiet->call = (quiet->call + 1) % 8, calls++) ct_quiet_look(quiet, part, 0, 1, u, same);
   tap_ok(*found == CT_BATCH_FRESH && calls == 8, "one that moves is seen to have stopped in the eighth call");
+}
+
+/* Which of eight batches are looked at together, beside one by one: all of them asleep, all of them moving, or some of each. */
+static void eight_batches(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 64, 1, 1);
+  ct_solid_part part = {.mesh = m, .batch_count = 8};
+  double *u = numbers(3 * m->node_count);
+  int wrong = 0, answers = 0;
+  tap_ok(ct_lattice_find(m, part.cells), "a row of eight batches");
+  for (int trial = 0; trial < 4000; trial++) {
+    uint8_t one[8], all[8], woken[8];
+    int uniform_state = pick(3), crossed = 0;
+    ct_quiet quiet = {.batch = one, .woken = woken, .call = pick(8)};
+    u[3 * pick(m->node_count)] = pick(2);
+    for (int b = 0; b < 8; b++) {
+      one[b] = all[b] = (uint8_t)(uniform_state == 0 ? CT_BATCH_ASLEEP : uniform_state == 1 ? CT_BATCH_MOVING : pick(5));
+      woken[b] = pick(8) == 0;
+    }
+    for (int b = 0; b < 8; b++) crossed |= ct_quiet_look(&quiet, &part, b, b + 1, u, u);
+    quiet.batch = all;
+    int together = ct_quiet_look(&quiet, &part, 0, 8, u, u);
+    wrong += memcmp(one, all, sizeof all) != 0 || together != crossed;
+    answers += crossed;
+  }
+  tap_ok(wrong == 0 && answers > 100, "eight batches are looked at as they would be one by one; %d trials of 4000 began or ended a quiet one", answers);
+  free(u);
+  ct_mesh_free(m);
 }
 
 /* Which batches of a lattice have a node with a bit, and which nodes a range of its batches marks, beside the elements one by one. */
@@ -313,32 +346,47 @@ static void lattice_bits(void)
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 53, 3, 2);
   ct_solid_part part = {.mesh = m, .batch_count = (m->element_count + 7) / 8, .first_batch = 1, .first_node = 5};
   int32_t nodes = part.first_node + m->node_count, wrong = 0;
-  uint8_t found[64], near[64];
-  uint64_t bits[16], changed[16];
-  ct_quiet quiet = {.batch = found, .near = near, .changed = changed};
+  uint8_t found[64], woken[64], read[64], kept[2] = {0};
+  uint64_t bits[16], changed[16], seen[18];
+  ct_quiet quiet = {.batch = found, .woken = woken, .read = read, .changed = changed, .seen = seen, .kept = kept};
   tap_ok(ct_lattice_find(m, part.cells) && part.batch_count < 63 && nodes <= 16 * 64, "a lattice of rows that end within a batch");
-  for (int32_t n = part.first_node; n < nodes; n++)
-    for (int value = 0; value < 2; value++) {
-      memset(bits, value ? 0 : 0xff, sizeof bits);
-      ct_bits_put(bits, n, n + 1, value);
-      ct_quiet_near(&quiet, &part, bits, nodes, value);
-      uint8_t expected[64] = {0};
-      for (int32_t i = 0; i < 8 * m->element_count; i++) expected[1 + i / 64] |= m->elements[i] == n - part.first_node;
-      wrong += memcmp(&expected[1], &near[1], (size_t)part.batch_count) != 0;
-    }
-  tap_ok(wrong == 0, "each node is near the batches of its elements");
+  for (int32_t n = part.first_node; n < nodes; n++) {
+    memset(bits, 0xff, sizeof bits);
+    ct_bits_put(bits, n, n + 1, 0);
+    ct_quiet_wake(&quiet, &part, 1, bits, nodes);
+    uint8_t expected[64] = {0};
+    for (int32_t i = 0; i < 8 * m->element_count; i++) expected[1 + i / 64] |= m->elements[i] == n - part.first_node;
+    wrong += memcmp(&expected[1], &woken[1], (size_t)part.batch_count) != 0;
+  }
+  tap_ok(wrong == 0, "each node that does more than drift wakes the batches of its elements");
+  uint8_t expected = woken[1];
+  woken[1] = (uint8_t)!expected;
+  ct_quiet_wake(&quiet, &part, 1, bits, nodes);
+  tap_ok(woken[1] == !expected, "what stands from the call before is not found again");
+  ct_quiet_wake(&quiet, &part, 1, NULL, nodes);
+  tap_ok(woken[1] && woken[part.batch_count], "without a step before all are woken");
+  ct_quiet_wake(&quiet, &part, 1, bits, nodes);
+  tap_ok(woken[1] == expected, "and found anew after that");
   for (int32_t from = 0; from < part.batch_count; from++) {
-    uint64_t expected[16] = {0};
-    memset(changed, 0, sizeof changed);
+    uint64_t marked[16] = {0};
+    int32_t unread = 0;
+    memset(changed, 0xff, sizeof changed);
     for (int32_t b = 0; b < part.batch_count; b++) {
       found[1 + b] = b >= from && b < from + 9 && b != from + 3 ? CT_BATCH_MOVING : CT_BATCH_ASLEEP;
       for (int32_t i = 64 * b; found[1 + b] == CT_BATCH_MOVING && i < 64 * (b + 1) && i < 8 * m->element_count; i++)
-        ct_bits_put(expected, part.first_node + m->elements[i], part.first_node + m->elements[i] + 1, 1);
+        ct_bits_put(marked, part.first_node + m->elements[i], part.first_node + m->elements[i] + 1, 1);
     }
-    ct_quiet_mark(&quiet, &part);
-    wrong += memcmp(expected, changed, sizeof changed) != 0;
+    ct_quiet_mark(&quiet, &part, nodes);
+    for (int32_t b = 0; b < part.batch_count; b++) {
+      int reads = 0;
+      for (int32_t i = 64 * b; i < 64 * (b + 1) && i < 8 * m->element_count; i++) reads |= ct_bits_get(marked, part.first_node + m->elements[i]);
+      unread += reads != read[1 + b];
+    }
+    ct_bits_put(changed, 0, part.first_node, 0);
+    ct_bits_put(changed, nodes, 16 * 64, 0);
+    wrong += memcmp(marked, changed, sizeof changed) != 0 || unread > 0;
   }
-  tap_ok(wrong == 0, "batches of a lattice mark the nodes of their elements");
+  tap_ok(wrong == 0, "batches of a lattice mark the nodes of their elements, and the batches that have such nodes are found");
   ct_mesh_free(m);
 }
 
@@ -349,9 +397,9 @@ static void batches(void)
   for (int a = 0; a < 8; a++)
     for (int l = 0; l < 8; l++) number[8 * a + l] = m->elements[8 * l + a];
   ct_solid_part part = {.mesh = m, .batch_count = 1, .batch_nodes = number, .first_batch = 2, .first_node = 3};
-  uint8_t found[3] = {0}, near[3] = {1, 1, 1};
+  uint8_t found[3] = {0}, woken[3] = {1, 1, 1}, read[3] = {0};
   uint64_t changed[1] = {0};
-  ct_quiet quiet = {.batch = found, .near = near, .changed = changed};
+  ct_quiet quiet = {.batch = found, .woken = woken, .read = read, .changed = changed};
   double u[3 * 39], values[192] = {0.0};
   for (int i = 0; i < 3 * 39; i++) u[i] = i < 9 ? 7.0 : 0.1 * (i % 3 + 1);
   tap_ok(ct_quiet_prepare(&part) == CT_OK && part.range_first[1] == 1 && part.ranges[0].first == 3 && part.ranges[0].last == 38, "a batch of a row has one range of nodes");
@@ -361,11 +409,11 @@ static void batches(void)
   tap_ok(!skipped(&quiet, &part, u), "one with a force is computed again");
   values[191] = -0.0;
   ct_quiet_confirm(&quiet, &part, 0, 1, values);
-  ct_quiet_mark(&quiet, &part);
+  ct_quiet_mark(&quiet, &part, 39);
   tap_ok(changed[0] == ((1ull << 39) - 1 - 7), "what was computed marks its nodes");
   changed[0] = 0;
   tap_ok(skipped(&quiet, &part, u), "one without is skipped");
-  ct_quiet_mark(&quiet, &part);
+  ct_quiet_mark(&quiet, &part, 39);
   tap_ok(changed[0] == 0, "what was skipped marks none");
   for (int i = 9; i < 3 * 39; i++) u[i] = 1e3 * (i % 3 - 1);
   tap_ok(skipped(&quiet, &part, u), "also elsewhere");
@@ -608,6 +656,7 @@ int main(void)
   restarts();
   copied_zeros();
   batches();
+  eight_batches();
   lattice_bits();
   many_steps();
   long_ring();

@@ -1,11 +1,6 @@
 /* One pass of the contact: the Gauss points of one side against the faces of the other. */
-#include "side.h"
+#include "pass.h"
 
-#include "../vector.h"
-
-#include <contact/batch.h>
-
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -23,17 +18,6 @@ typedef struct nearest {
 /* Where a point is, seen from the place that it has found: nothing near, beyond the border, outside, inside, inside beneath a far side. */
 typedef enum verdict { NOWHERE, BEYOND, OUTSIDE, INSIDE, FAR } verdict;
 
-/* What one pass needs everywhere. */
-typedef struct pass {
-  ct_side *side;
-  const ct_side *other;
-  ct_project_options project;
-  double epsilon, depth;
-  double listed; /* candidates are complete to this distance */
-  int self;  /* whether the other side is the same surface */
-  int first; /* whether no point has a history yet */
-} pass;
-
 /* Position of a Gauss point, relative to `origin`. */
 static void position(const ct_side *side, int32_t face, int q, const double origin[3], double y[3])
 {
@@ -48,7 +32,7 @@ static void middle(const ct_bounds *box, double origin[3])
 
 /* How deep a point of a surface may be under a foot on another part of it: half as deep as it was under that place in the reference shape, if it was
  * under it, for then the foot is on the far side of the body; else as deep as any (eq:self-depth). */
-static double deepest(const pass *p, int32_t face, int q, int32_t target, const double xi[2])
+static double deepest(const ct_pass *p, int32_t face, int q, int32_t target, const double xi[2])
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
   const ct_search *search = p->other->search;
@@ -66,7 +50,7 @@ static double deepest(const pass *p, int32_t face, int q, int32_t target, const 
 /* In a contact of a surface with itself, whether a foot is one to be pushed from: the faces look at each other, no face at the foot is nearer (one
  * that shares a node with the point's own would not have been tried, eq:local-minimum), and the point is not deeper under it than it may be. `own` is
  * the normal at the point. */
-static int may_push(const pass *p, int32_t face, int q, const double own[3], const double y[3], int32_t target, const ct_projection *foot)
+static int may_push(const ct_pass *p, int32_t face, int q, const double own[3], const double y[3], int32_t target, const ct_projection *foot)
 {
   double normal[3], d[3];
   (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
@@ -78,7 +62,7 @@ static int may_push(const pass *p, int32_t face, int q, const double own[3], con
 }
 
 /* Project a point on one face of the other side, both seen from `origin`. Answers 0 when it has no foot there. */
-static int project(const pass *p, int32_t face, int q, int32_t target, const double *start, double origin[3], double y[3], ct_projection *foot)
+static int project(const ct_pass *p, int32_t face, int q, int32_t target, const double *start, double origin[3], double y[3], ct_projection *foot)
 {
   ct_project_options options = p->project;
   ct_face shifted;
@@ -96,31 +80,16 @@ static int project(const pass *p, int32_t face, int q, int32_t target, const dou
   return (status == CT_OK || status == CT_NOT_CERTIFIED || status == CT_ITERATION_LIMIT) && foot->where != CT_OUTSIDE;
 }
 
-/* Whether a surface with the normal `normal` (of any length) looks at one with the unit normal `own`, or across; not the same way (eq:far-side). */
-static int looks_across(const double own[3], const double normal[3])
-{
-  return ct_vector_dot(own, normal) < 0.5 * sqrt(ct_vector_dot(normal, normal));
-}
-
 /* Whether a place with the normal `normal` (of any length) is on the far side, seen from where a point was, with the unit normal `last` (eq:far-side):
  * it looks away from that, or the same way as the point, and is not the side where the point was. */
 static int is_far(const double own[3], const double last[3], const double normal[3])
 {
   double along = ct_vector_dot(last, normal), half = 0.5 * sqrt(ct_vector_dot(normal, normal));
-  return along < -half || (along < half && !looks_across(own, normal));
-}
-
-/* Unit normal of a point's own face. */
-static int own_normal(const pass *p, int32_t face, int q, double own[3])
-{
-  ct_side_area(p->side, face, q, own);
-  double length = sqrt(ct_vector_dot(own, own));
-  for (int c = 0; c < 3; c++) own[c] /= length;
-  return length > 0.0;
+  return along < -half || (along < half && !ct_pass_looks_across(own, normal));
 }
 
 /* Unit normal, now, of the other side where a point was in the last step. Answers 0 when it was nowhere. */
-static int last_normal(const pass *p, const ct_gauss_point *point, double normal[3])
+static int last_normal(const ct_pass *p, const ct_gauss_point *point, double normal[3])
 {
   ct_face face;
   if (p->self || point->other < 0) return 0;
@@ -129,7 +98,7 @@ static int last_normal(const pass *p, const ct_gauss_point *point, double normal
 }
 
 /* Whether a foot is on the far side of where the point was. */
-static int is_foot_far(const pass *p, const nearest *best, int32_t target, const ct_projection *foot)
+static int is_foot_far(const ct_pass *p, const nearest *best, int32_t target, const ct_projection *foot)
 {
   double normal[3];
   (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
@@ -137,7 +106,7 @@ static int is_foot_far(const pass *p, const nearest *best, int32_t target, const
 }
 
 /* Try one face of the other side and keep the answer if it is the nearest. */
-static void try_face(const pass *p, int32_t face, int q, int32_t target, const double *start, nearest *best)
+static void try_face(const ct_pass *p, int32_t face, int q, int32_t target, const double *start, nearest *best)
 {
   ct_projection foot;
   double origin[3], y[3];
@@ -160,7 +129,7 @@ static int above_border(const ct_projection *foot, const double d[3])
 }
 
 /* Gap vector d = ȳ - y and the signed gap of a point over a place of a face (eq:gap), whose normal is known. `origin` was subtracted from y. */
-static void gap_over(const pass *p, int32_t target, const double xi[2], const double origin[3], const double y[3], ct_gauss_point *point)
+static void gap_over(const ct_pass *p, int32_t target, const double xi[2], const double origin[3], const double y[3], ct_gauss_point *point)
 {
   double foot[3];
   ct_segment_shape(p->other->search->kind, xi, point->N);
@@ -171,7 +140,7 @@ static void gap_over(const pass *p, int32_t target, const double xi[2], const do
 }
 
 /* The gap of a point over the face it has found, and what it says of the point. */
-static verdict measure(const pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
+static verdict measure(const ct_pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
 {
   double own[3], last[3], *normal = point->normal;
   int within = ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal);
@@ -180,14 +149,14 @@ static verdict measure(const pass *p, int32_t face, int q, const nearest *best, 
   int held = point->history == CT_POINT_INSIDE && !p->self;
   if (point->gap >= 0.0 && !held) return OUTSIDE;
   // -- Far sides: what looks away from where the point was, or the same way as a point that comes in (eq:far-side)
-  if (!own_normal(p, face, q, own)) return FAR;
+  if (!ct_pass_own_normal(p, face, q, own)) return FAR;
   if (last_normal(p, point, last) && is_far(own, last, normal)) return FAR;
   if (held) return point->gap >= 0.0 ? OUTSIDE : INSIDE;
-  return looks_across(own, normal) ? INSIDE : FAR;
+  return ct_pass_looks_across(own, normal) ? INSIDE : FAR;
 }
 
 /* Write what has become of a point, and its force. */
-static void close_point(const pass *p, int64_t number, verdict found, int32_t target, const double xi[2])
+static void close_point(const ct_pass *p, int64_t number, verdict found, int32_t target, const double xi[2])
 {
   ct_gauss_point *point = &p->side->points[number];
   int met = found == INSIDE || found == OUTSIDE;
@@ -203,7 +172,7 @@ static void close_point(const pass *p, int64_t number, verdict found, int32_t ta
 
 /* Whether the way from a point to its foot, `d`, first enters through another face, one that the point is outside of: then the foot is on the far
  * side of something that the point is not in (eq:self-way). */
-static int enters(const pass *p, int32_t face, int q, int32_t target, const double d[3])
+static int enters(const ct_pass *p, int32_t face, int q, int32_t target, const double d[3])
 {
   ct_projection foot;
   double origin[3], y[3], way[3], normal[3];
@@ -216,17 +185,17 @@ static int enters(const pass *p, int32_t face, int q, int32_t target, const doub
 
 /* Begin with nothing found; a surface in contact with itself needs its own normal first, a search on one side that of the last step too. Answers 0
  * when there is none. */
-static int begin(const pass *p, int32_t face, int q, int same_side, nearest *best)
+static int begin(const ct_pass *p, int32_t face, int q, int same_side, nearest *best)
 {
   *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .same_side = same_side};
   if (!p->self && !same_side) return 1;
   if (same_side && !last_normal(p, &p->side->points[(int64_t)face * p->side->rule.count + q], best->last)) return 0;
-  return own_normal(p, face, q, best->own);
+  return ct_pass_own_normal(p, face, q, best->own);
 }
 
 /* The nearest face of a point, or the nearest that is on no far side. A point that is in contact looks as far as it takes, but not on its own
  * surface (eq:held). */
-static void find_nearest(const pass *p, int32_t face, int q, const double y[3], int same_side, nearest *best)
+static void find_nearest(const ct_pass *p, int32_t face, int q, const double y[3], int same_side, nearest *best)
 {
   const ct_side *side = p->side, *other = p->other;
   const ct_gauss_point *point = &side->points[(int64_t)face * side->rule.count + q];
@@ -248,15 +217,15 @@ static void find_nearest(const pass *p, int32_t face, int q, const double y[3], 
 }
 
 /* Whether the point was in contact, or outside over a face that it looks at, in the last step. */
-static int came_in(const pass *p, int32_t face, int q, const ct_gauss_point *point)
+static int came_in(const ct_pass *p, int32_t face, int q, const ct_gauss_point *point)
 {
   double own[3], last[3];
   if (point->history == CT_POINT_INSIDE) return 1;
-  return last_normal(p, point, last) && own_normal(p, face, q, own) && looks_across(own, last);
+  return last_normal(p, point, last) && ct_pass_own_normal(p, face, q, own) && ct_pass_looks_across(own, last);
 }
 
 /* The nearest place is a far side. A point that came in by another side belongs to that one still, unless it has left the body (eq:held). */
-static verdict judge_far(const pass *p, int32_t face, int q, const double y[3], nearest *best, ct_gauss_point *point)
+static verdict judge_far(const ct_pass *p, int32_t face, int q, const double y[3], nearest *best, ct_gauss_point *point)
 {
   int has_left = point->gap >= 0.0;
   if (p->self || !came_in(p, face, q, point)) return FAR;
@@ -267,7 +236,7 @@ static verdict judge_far(const pass *p, int32_t face, int q, const double y[3], 
 }
 
 /* Whether a point with nothing near lies deep in the other body, at the very first look (eq:point-history). */
-static int is_buried(const pass *p, const double y[3])
+static int is_buried(const ct_pass *p, const double y[3])
 {
   ct_nearest foot;
   double normal[3];
@@ -278,7 +247,7 @@ static int is_buried(const pass *p, const double y[3])
 }
 
 /* What the place that a point has found and its history say together (eq:point-history). */
-static verdict judge(const pass *p, int32_t face, int q, const double y[3], nearest *best, ct_gauss_point *point)
+static verdict judge(const ct_pass *p, int32_t face, int q, const double y[3], nearest *best, ct_gauss_point *point)
 {
   int buried = point->history == CT_POINT_BURIED;
   if (best->face == INT32_MAX) return buried || is_buried(p, y) ? FAR : NOWHERE;
@@ -296,7 +265,7 @@ static verdict judge(const pass *p, int32_t face, int q, const double y[3], near
   return found;
 }
 
-static void search_point(const pass *p, int32_t face, int q)
+static void search_point(const ct_pass *p, int32_t face, int q)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
   int64_t number = (int64_t)face * p->side->rule.count + q;
@@ -308,114 +277,18 @@ static void search_point(const pass *p, int32_t face, int q)
   close_point(p, number, found, best.face, best.foot.xi);
 }
 
-/* Eight points side by side, as ct_project_batch takes them, each with the face of the last step. */
-typedef struct block {
-  double nodes[8 * 3 * 8], points[3 * 8], start[2 * 8];
-  double origin[8][3]; /* what was subtracted of the positions and of the nodes */
-} block;
-
-/* Whether some face but the last one may be nearer to a point than `distance`; with rounding of its position y, so a little too often rather than not. */
-static int rivals(const pass *p, int32_t face, int32_t last, const double y[3], double distance)
-{
-  const ct_side *side = p->side;
-  double reach = distance < p->depth ? distance : p->depth, rounding = 16.0 * DBL_EPSILON * ((fabs(y[0]) + fabs(y[1])) + (fabs(y[2]) + reach));
-  double square = (reach + rounding) * (reach + rounding);
-  for (int32_t i = side->candidate_first[face]; i < side->candidate_first[face + 1]; i++)
-    if (side->candidates[i] != last && ct_bounds_square(&p->other->search->boxes[side->candidates[i]], y) <= square) return 1;
-  return 0;
-}
-
-/* Load a point into a lane. Answers 0 when it has no last face. */
-static int load_lane(const pass *p, int32_t face, int q, int lane, block *b)
-{
-  const ct_gauss_point *point = &p->side->points[(int64_t)face * p->side->rule.count + q];
-  const ct_search *search = p->other->search;
-  double *origin = b->origin[lane], y[3];
-  if (point->other < 0) return 0;
-  middle(&search->boxes[point->other], origin);
-  position(p->side, face, q, origin, y);
-  for (int c = 0; c < 3; c++) b->points[8 * c + lane] = y[c];
-  for (int a = 0; a < 2; a++) b->start[8 * a + lane] = point->xi[a];
-  const int32_t *node = &search->faces[(int64_t)point->other * search->per];
-  for (int a = 0; a < search->per; a++)
-    for (int c = 0; c < 3; c++) b->nodes[8 * (3 * a + c) + lane] = search->x[3 * (int64_t)node[a] + c] - origin[c];
-  return 1;
-}
-
-/* Fill a lane that is not needed with another one. */
-static void repeat_lane(block *b, int from, int lane)
-{
-  for (int k = 0; k < 24; k++) b->nodes[8 * k + lane] = b->nodes[8 * k + from];
-  for (int c = 0; c < 3; c++) b->points[8 * c + lane] = b->points[8 * c + from];
-  for (int a = 0; a < 2; a++) b->start[8 * a + lane] = b->start[8 * a + from];
-}
-
-/* Where a lane's point is. */
-typedef struct place {
-  int32_t face;
-  int q;
-} place;
-
-/* Settle the point of a lane if its foot is inside its last face, no deeper than allowed, with no other face as near. */
-static int settle_lane(const pass *p, place at, const block *b, int lane, const ct_batch_feet *feet)
-{
-  int64_t number = (int64_t)at.face * p->side->rule.count + at.q;
-  ct_gauss_point *point = &p->side->points[number];
-  ct_status status = (ct_status)feet->status[lane];
-  double xi[2] = {feet->xi[lane], feet->xi[8 + lane]}, inside = 1.0 - p->project.tolerance, local[3], y[3];
-  int32_t target = point->other;
-  if (status != CT_OK && status != CT_NOT_CERTIFIED && status != CT_ITERATION_LIMIT) return 0;
-  for (int c = 0; c < 3; c++) {
-    local[c] = b->points[8 * c + lane];
-    y[c] = local[c] + b->origin[lane][c];
-  }
-  if (!(fabs(xi[0]) < inside && fabs(xi[1]) < inside && feet->distance[lane] < p->depth) || rivals(p, at.face, target, y, feet->distance[lane])) return 0;
-  for (int c = 0; c < 3; c++) point->normal[c] = feet->normal[8 * c + lane];
-  gap_over(p, target, xi, b->origin[lane], local, point);
-  // A point that comes in has to look at the face, or the search must say what it is in.
-  double own[3];
-  if (point->gap < 0.0 && point->history != CT_POINT_INSIDE && !(own_normal(p, at.face, at.q, own) && looks_across(own, point->normal))) return 0;
-  close_point(p, number, point->gap < 0.0 ? INSIDE : OUTSIDE, target, xi);
-  return 1;
-}
-
-/* Project eight points at most on the faces of the last step, side by side, and settle those for which the search would find the same
- * (eq:warm-lanes). Answers with a bit for each. */
-static unsigned settle_block(const pass *p, const place at[8], int count)
-{
-  block b;
-  double xi[16], distance[8], normal[24];
-  int32_t status[8];
-  unsigned warm = 0, settled = 0;
-  int some = 0;
-  for (int lane = 0; lane < count; lane++)
-    if (load_lane(p, at[lane].face, at[lane].q, lane, &b)) warm |= 1u << lane, some = lane;
-  if (warm == 0) return 0;
-  for (int lane = 0; lane < 8; lane++)
-    if (!(warm >> lane & 1)) repeat_lane(&b, some, lane);
-  const ct_batch_feet feet = {.xi = xi, .distance = distance, .normal = normal, .status = status};
-  if (ct_project_batch(p->other->search->kind, 8, b.nodes, b.points, b.start, &p->project, &feet) != CT_OK) return 0;
-  for (int lane = 0; lane < count; lane++)
-    if (warm >> lane & 1 && settle_lane(p, at[lane], &b, lane, &feet)) settled |= 1u << lane;
-  return settled;
-}
-
 /* Search for the points first ... first + count - 1, eight at most. */
-static void search_block(const pass *p, int lanes, int64_t first, int count)
+static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
 {
-  place at[8] = {{(int32_t)(first / p->side->rule.count), (int)(first % p->side->rule.count)}};
-  for (int i = 1; i < count; i++) {
-    int full = at[i - 1].q + 1 == p->side->rule.count;
-    at[i] = (place){at[i - 1].face + full, full ? 0 : at[i - 1].q + 1};
-  }
-  unsigned settled = lanes ? settle_block(p, at, count) : 0;
+  unsigned settled = lanes ? ct_pass_warm(p, first, count) : 0;
+  int32_t points = p->side->rule.count;
   for (int i = 0; i < count; i++)
-    if (!(settled >> i & 1)) search_point(p, at[i].face, at[i].q);
+    if (!(settled >> i & 1)) search_point(p, (int32_t)((first + i) / points), (int)((first + i) % points));
 }
 
 void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double listed, int first)
 {
-  pass p = {side, other, ct_project_options_default(), options->epsilon, depth, listed, side == other, first};
+  ct_pass p = {side, other, ct_project_options_default(), options->epsilon, depth, listed, side == other, first};
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
   // A surface with itself judges feet by more than their distance, and other methods have no lanes.
@@ -424,5 +297,5 @@ void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_option
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(options->threads) schedule(static) if (options->threads > 1)
 #endif
-  for (int64_t i = 0; i < count; i += 8) search_block(&p, lanes, i, i + 8 < count ? 8 : (int)(count - i));
+  for (int64_t i = 0; i < count; i += CT_WARM) search_block(&p, lanes, i, count - i < CT_WARM ? (int)(count - i) : CT_WARM);
 }

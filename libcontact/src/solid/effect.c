@@ -78,7 +78,10 @@ static void free_scratch(void *scratch)
   ct_release(s->values);
   ct_release(s->energies);
   ct_release(s->quiet.batch);
-  ct_release(s->quiet.near);
+  ct_release(s->quiet.woken);
+  ct_release(s->quiet.read);
+  ct_release(s->quiet.seen);
+  ct_release(s->quiet.kept);
   ct_release(s->quiet.changed);
   ct_release(s);
 }
@@ -94,10 +97,13 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   if (s != NULL && solid->quiet) {
     size_t words = (size_t)ct_bits_words(solid->node_count);
     s->quiet.batch = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.batch);
-    s->quiet.near = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.near);
+    s->quiet.woken = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.woken);
+    s->quiet.read = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.read);
     s->quiet.changed = ct_allocate(words, sizeof *s->quiet.changed);
+    s->quiet.seen = ct_allocate(words + (size_t)solid->part_count, sizeof *s->quiet.seen);
+    s->quiet.kept = ct_allocate((size_t)solid->part_count, sizeof *s->quiet.kept);
   }
-  if (s == NULL || s->values == NULL || s->energies == NULL || (solid->quiet && !(s->quiet.batch && s->quiet.near && s->quiet.changed))) {
+  if (s == NULL || s->values == NULL || s->energies == NULL || (solid->quiet && !(s->quiet.batch && s->quiet.woken && s->quiet.read && s->quiet.changed && s->quiet.seen && s->quiet.kept))) {
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
   }
@@ -118,25 +124,38 @@ typedef struct part_call {
   const double *displacement; /* of the problem */
   double *values, *f;         /* of the part */
   ct_quiet *quiet;            /* null: compute every batch, sum every node */
-  int plane;                  /* both layers are alike: one stands for both, and `values` are its own */
 } part_call;
 
-/* Find which batches are quiet, and mark the nodes of the others. */
-static void find_quiet(const part_call *call, const ct_view *view, int32_t node_count)
+/* Let all nodes of a part be summed. */
+static void sum_all(ct_quiet *quiet, const ct_solid_part *part, int32_t number)
 {
+  ct_bits_put(quiet->changed, part->first_node, part->first_node + part->mesh->node_count, 1);
+  quiet->kept[number] &= (uint8_t)~CT_KEPT_READ;
+}
+
+/* Find which batches of part `number` are quiet, and mark the nodes of the others. */
+static void find_quiet(const part_call *call, int32_t number, const ct_view *view, int32_t node_count)
+{
+  enum { AT_ONCE = 64 };
   const ct_solid_part *part = call->part;
+  ct_quiet *quiet = call->quiet;
   const double *velocity = view->drifted != NULL ? view->velocity : NULL;
-  int threads = view->threads;
+  int threads = view->threads, crossed = 0;
   (void)threads;
-  if (view->drifted != NULL) ct_quiet_near(call->quiet, part, view->drifted, node_count, 0);
-  else memset(&call->quiet->near[part->first_batch], 1, (size_t)part->batch_count);
+  ct_quiet_wake(quiet, part, number, view->drifted, node_count);
 #ifdef _OPENMP
-#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#pragma omp parallel for num_threads(threads) schedule(static) reduction(| : crossed) if (threads > 1)
 #endif
-  for (int32_t b = 0; b < part->batch_count; b++) ct_quiet_find(call->quiet, part, b, call->displacement, velocity);
-  ct_quiet_mark(call->quiet, part);
-  // Of the batches that are skipped, those matter whose nodes are summed.
-  ct_quiet_near(call->quiet, part, call->quiet->changed, node_count, 1);
+  for (int32_t b = 0; b < part->batch_count; b += AT_ONCE)
+    crossed |= ct_quiet_look(quiet, part, b, b + AT_ONCE < part->batch_count ? b + AT_ONCE : part->batch_count, call->displacement, velocity);
+  if (view->still == NULL) {
+    // Nothing stands from before: all nodes are to be summed.
+    sum_all(quiet, part, number);
+    memset(&quiet->read[part->first_batch], 1, (size_t)part->batch_count);
+  } else if (crossed || !(quiet->kept[number] & CT_KEPT_READ)) {
+    ct_quiet_mark(quiet, part, node_count);
+    quiet->kept[number] |= CT_KEPT_READ;
+  }
 }
 
 /* Compute those of the batches first ... last - 1 that are not quiet. */
@@ -144,20 +163,19 @@ static void call_batches(const part_call *call, int32_t first, int32_t last)
 {
   const ct_solid_part *part = call->part;
   const double *u = call->displacement + 3 * (int64_t)part->first_node;
-  ct_solid_batches *batches = call->plane ? ct_plane_batches : part->batches;
   int32_t begin = first;
   for (int32_t b = first; call->quiet != NULL && b < last; b++) {
     if (call->quiet->batch[part->first_batch + b] < CT_BATCH_QUIET) continue;
-    if (!call->quiet->near[part->first_batch + b]) {
+    if (!call->quiet->read[part->first_batch + b]) {
       // Nobody reads its forces.
     } else if (part->cells[0] > 0)
       ct_lattice_zeros(part, b, call->values);
     else if (part->plane != NULL) // what stands there may be older than the plane
       memset(&call->values[192 * (int64_t)b], 0, 192 * sizeof(double));
-    batches(part, begin, b, u, call->values);
+    part->batches(part, begin, b, u, call->values);
     begin = b + 1;
   }
-  batches(part, begin, last, u, call->values);
+  part->batches(part, begin, last, u, call->values);
   // A body in a ring or a plane has a kernel which gives zeros; and two threads may compute one batch.
   if (call->quiet != NULL && part->cells[0] == 0 && part->plane == NULL) ct_quiet_confirm(call->quiet, part, first, last, call->values);
 }
@@ -165,9 +183,7 @@ static void call_batches(const part_call *call, int32_t first, int32_t last)
 static void part_gather(const part_call *call, int32_t first, int32_t last)
 {
   const ct_solid_part *part = call->part;
-  if (call->plane)
-    ct_plane_gather(part, call->values, first, last, call->f);
-  else if (part->cells[0] > 0)
+  if (part->cells[0] > 0)
     ct_lattice_gather(part, call->values, first, last, call->f);
   else
     ct_assembly_gather(part->assembly, call->values, first, last, call->f);
@@ -195,11 +211,11 @@ static void part_force(const part_call *call)
   int32_t node = 0, block = 0;
   for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK, block++) {
     call_batches(call, b, b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count);
-    if (!call->plane && part->assembly->extra_count > 0) continue;
+    if (part->assembly->extra_count > 0) continue;
     call_gather(call, node, part->ready[block]);
     node = part->ready[block];
   }
-  if (!call->plane) ct_assembly_fold(part->assembly, call->values);
+  ct_assembly_fold(part->assembly, call->values);
   call_gather(call, node, part->mesh->node_count);
 }
 
@@ -243,7 +259,7 @@ static void part_force_threads(const part_call *call, int threads)
   int32_t batches = part->batch_count, nodes = part->mesh->node_count;
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (int32_t b = 0; b < batches; b += CT_BLOCK) call_batches(call, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches);
-  if (!call->plane) ct_assembly_fold(part->assembly, call->values);
+  ct_assembly_fold(part->assembly, call->values);
 #pragma omp parallel for num_threads(threads) schedule(static)
   for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE) call_gather(call, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes);
 }
@@ -255,21 +271,20 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
   solid_scratch *scratch = view->scratch;
   ct_status status = CT_OK;
   scratch->quiet.call = (scratch->quiet.call + 1) % 8;
-  // Begin with no node changed; where nothing stands from before, all are to be summed.
-  if (solid->quiet) memset(scratch->quiet.changed, view->still == NULL ? 0xff : 0, (size_t)ct_bits_words(solid->node_count) * sizeof(uint64_t));
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
     part_call call = {part, view->displacement, scratch->values + part->first_value, force + 3 * (int64_t)part->first_node,
-                      part->savings.quiet ? &scratch->quiet : NULL, 0};
-    call.plane = part->plane != NULL && ct_plane_holds(part->plane, view->displacement + 3 * (int64_t)part->first_node);
-    if (call.plane) {
-      // The kernel of a plane costs less than to look what is quiet.
-      call.values += part->plane_value;
-      call.quiet = NULL;
+                      part->savings.quiet ? &scratch->quiet : NULL};
+    const double *u = view->displacement + 3 * (int64_t)part->first_node;
+    int plane = part->plane != NULL && ct_plane_holds(part->plane, u);
+    if (solid->quiet && (plane || call.quiet == NULL)) sum_all(&scratch->quiet, part, i);
+    if (plane) {
+      // This kernel costs less than to look what is quiet.
+      ct_plane_force(part, u, view->threads, call.values + part->plane_value, call.f);
+      continue;
     }
-    if (solid->quiet && call.quiet == NULL) ct_bits_put(scratch->quiet.changed, part->first_node, part->first_node + part->mesh->node_count, 1);
-    if (call.quiet != NULL) find_quiet(&call, view, solid->node_count);
-    if (part->cells[0] > 0 && !call.plane) {
+    if (call.quiet != NULL) find_quiet(&call, i, view, solid->node_count);
+    if (part->cells[0] > 0) {
       ring_force_threads(&call, view->threads);
       continue;
     }
@@ -279,7 +294,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     else
 #endif
       part_force(&call);
-    if (status == CT_OK && part->energies != NULL) status = ct_solid_check_volume(part, i, view->displacement + 3 * (int64_t)part->first_node, call.values, error);
+    if (status == CT_OK && part->energies != NULL) status = ct_solid_check_volume(part, i, u, call.values, error);
   }
   // -- A node whose elements were all skipped has the same zero force as before (eq:still-node)
   for (int64_t w = 0; solid->quiet && view->still != NULL && w < ct_bits_words(solid->node_count); w++) view->still[w] = ~scratch->quiet.changed[w];
@@ -384,7 +399,7 @@ static ct_status choose_plane(ct_solid_part *part, const ct_solid_block *block, 
 {
   int wanted = block->kernel == CT_KERNEL_PLANE || (block->kernel == CT_KERNEL_AUTO && part->savings.plane_strain);
   for (int axis = 0; wanted && box && part->plane == NULL && axis < 3; axis++)
-    if (block->held[axis] && ct_plane_create(part, axis, &part->plane) != CT_OK) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
+    if (block->held[axis] && ct_plane_create(part, axis, part->rings, &part->plane) != CT_OK) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   if (part->plane != NULL) part->kernel = CT_KERNEL_PLANE;
   if (block->kernel == CT_KERNEL_PLANE && part->plane == NULL)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the plane kernel needs one layer of boxes whose nodes are all held along its thickness");
@@ -442,12 +457,12 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   ct_material_lame(&part->material, &part->lambda, &part->mu);
   part->hourglass = block->hourglass == 0.0 ? ct_solid_hourglass_default() : block->hourglass;
   part->batch_count = (part->mesh->element_count + 7) / 8;
+  part->rings = block->threads < 1 ? 1 : block->threads < CT_MOST_RINGS ? block->threads : CT_MOST_RINGS;
   ct_status status = choose_kernel(part, block, error);
   if (status != CT_OK) return status;
   if (part->cells[0] > 0) {
-    part->rings = block->threads < 1 ? 1 : block->threads < CT_MOST_RINGS ? block->threads : CT_MOST_RINGS;
     part->value_count = ct_lattice_prepare(part);
-    return part->plane == NULL || prepare_ready(part) == CT_OK ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
+    return CT_OK;
   }
   part->batch_nodes = ct_allocate((size_t)part->batch_count * 8 * (size_t)per, sizeof *part->batch_nodes);
   if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK ||
@@ -578,12 +593,12 @@ ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_k
   double elements = part->mesh->element_count, per = ct_brick_node_count(part->mesh->kind);
   if (kernel != NULL) *kernel = part->kernel;
   int plane = part->kernel == CT_KERNEL_PLANE;
-  double nodes = part->mesh->node_count / elements, slots = plane ? 4.0 : 8.0;
+  double nodes = part->mesh->node_count / elements;
   // The gather adds 7 sums a component and node, in a plane 3 for two nodes.
   if (flops != NULL) *flops = part->flops + (plane ? 4.5 : 21.0) * nodes;
   // Node numbers and element forces written once and read once; what is laid down; displacements and forces of the nodes, and the gather's places.
-  // A lattice has no node numbers and no places, and its forces stay in the cache.
+  // A lattice has no node numbers and no places, and its forces stay in the cache; a plane has the numbers of its lower layer.
   double laid_down = part->mean != NULL ? 256.0 : 0.0;
-  if (bytes != NULL) *bytes = part->cells[0] > 0 && !plane ? 48.0 * nodes : 52.0 * (plane ? 4.0 : per) + laid_down + (48.0 + 4.0 * slots) * nodes;
+  if (bytes != NULL) *bytes = plane ? 16.0 + 48.0 * nodes : part->cells[0] > 0 ? 48.0 * nodes : 52.0 * per + laid_down + 80.0 * nodes;
   return CT_OK;
 }

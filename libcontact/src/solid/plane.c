@@ -6,13 +6,13 @@
 #include <math.h>
 #include <string.h>
 
+/* Nodes that lack an element are summed with as many zeros at most. */
+enum { ZEROS = 64 };
+
 void ct_plane_free(ct_plane *plane)
 {
   if (plane == NULL) return;
   ct_release(plane->batch_nodes);
-  ct_release(plane->twin);
-  ct_release(plane->place);
-  ct_release(plane->upper);
   ct_release(plane->runs);
   ct_release(plane);
 }
@@ -27,29 +27,24 @@ static void corners(const ct_plane *plane, int local[2][4])
   }
 }
 
-/* Enter partners and places; answers 0 when a node is in both layers or has two elements in one quadrant. */
-static int enter_elements(const ct_mesh *mesh, ct_plane *plane)
+/* Enter for each node its partner in the other layer and its elements by quadrant, -1 where there is none; of the upper layer, a partner below -1. Answers 0 when a
+ * node is in both layers or has two elements in one quadrant. */
+static int enter_elements(const ct_mesh *mesh, ct_plane *plane, int32_t *twin, int32_t (*around)[4])
 {
   int local[2][4];
-  int32_t zero = (mesh->element_count + 7) / 8 * 96;
   corners(plane, local);
-  for (int32_t n = 0; n < mesh->node_count; n++) plane->twin[n] = -1;
-  for (int64_t i = 0; i < 4 * (int64_t)mesh->node_count; i++) plane->place[i] = zero;
-  plane->batch_step = 96;
-  plane->row_step = 8;
-  plane->value_count = zero + 24;
+  for (int32_t n = 0; n < mesh->node_count; n++) {
+    twin[n] = -1;
+    for (int k = 0; k < 4; k++) around[n][k] = -1;
+  }
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < 4; k++) {
-      int32_t node[2], place = ((e / 8 * 4 + k) * 3) * 8 + e % 8;
-      for (int layer = 0; layer < 2; layer++) node[layer] = mesh->elements[8 * (size_t)e + (size_t)local[layer][k]];
-      for (int layer = 0; layer < 2; layer++) {
-        int32_t n = node[layer], other = node[1 - layer], *slot = &plane->place[4 * (int64_t)n + 3 - k];
-        if (*slot != zero || (plane->twin[n] >= 0 && (plane->twin[n] != other || plane->upper[n] != layer))) return 0;
-        plane->twin[n] = other;
-        plane->upper[n] = (int8_t)layer;
-        *slot = place;
-      }
-      plane->batch_nodes[(e / 8 * 4 + k) * 8 + e % 8] = node[0];
+      int32_t low = mesh->elements[8 * (size_t)e + (size_t)local[0][k]], high = mesh->elements[8 * (size_t)e + (size_t)local[1][k]], *slot = &around[low][3 - k];
+      if (*slot >= 0 || (twin[low] != -1 && twin[low] != high) || (twin[high] != -1 && twin[high] != -2 - low)) return 0;
+      *slot = e;
+      twin[low] = high;
+      twin[high] = -2 - low;
+      plane->batch_nodes[(e / 8 * 4 + k) * 8 + e % 8] = low;
     }
   // The last batch repeats its last element.
   for (int32_t e = mesh->element_count; e % 8 != 0; e++)
@@ -57,77 +52,130 @@ static int enter_elements(const ct_mesh *mesh, ct_plane *plane)
   return 1;
 }
 
+/* Whether a node, its partner and its elements come next in a run. */
+static int goes_on(const ct_plane_run *run, int32_t node, int32_t twin, const int32_t around[4])
+{
+  int32_t i = run->count;
+  int wide = i < ZEROS, alike = node == run->low + i && twin == run->high + i;
+  for (int k = 0; k < 4; k++) alike = alike && (run->element[k] < 0 ? around[k] < 0 && wide : around[k] == run->element[k] + i);
+  return alike;
+}
+
 /* List the runs of the lower layer. */
-static ct_status enter_runs(const ct_mesh *mesh, ct_plane *plane)
+static ct_status enter_runs(const ct_mesh *mesh, ct_plane *plane, const int32_t *twin, int32_t (*around)[4])
 {
   for (int pass = 0; pass < 2; pass++) {
-    int32_t count = 0, next = -1, next_twin = -1;
+    ct_plane_run run = {.count = 0};
+    int32_t count = 0;
     for (int32_t n = 0; n < mesh->node_count; n++) {
-      if (plane->upper[n]) continue;
-      if (n != next || plane->twin[n] != next_twin) {
-        if (pass == 1) memcpy(plane->runs[count], (int32_t[3]){n, plane->twin[n], 0}, sizeof plane->runs[0]);
+      if (twin[n] < 0) continue;
+      if (run.count == 0 || !goes_on(&run, n, twin[n], around[n])) {
+        run = (ct_plane_run){.low = n, .high = twin[n]};
+        memcpy(run.element, around[n], sizeof run.element);
         count++;
       }
-      if (pass == 1) plane->runs[count - 1][2]++;
-      next = n + 1;
-      next_twin = plane->twin[n] + 1;
+      run.count++;
+      if (pass == 1) plane->runs[count - 1] = run;
     }
     plane->run_count = count;
-    if (pass == 0) plane->runs = ct_allocate((size_t)count, sizeof plane->runs[0]);
+    if (pass == 0) plane->runs = ct_allocate((size_t)count, sizeof *plane->runs);
     if (plane->runs == NULL) return CT_ERROR_MEMORY;
   }
   return CT_OK;
 }
 
-/* A lattice needs no places: in rows of its elements they follow from the numbers of its nodes. */
-static void drop_places(const ct_solid_part *part, ct_plane *plane)
+/* First and last element of a run. */
+static void span(const ct_plane_run *run, int32_t *first, int32_t *last)
 {
-  ct_release(plane->twin);
-  ct_release(plane->place);
-  ct_release(plane->upper);
-  plane->twin = plane->place = NULL;
-  plane->upper = NULL;
-  plane->batch_step = 8;
-  plane->row_step = 8 * (int64_t)part->batch_count + 8; // rows would fight for the same place in the cache
-  plane->value_count = 12 * plane->row_step;
+  *first = INT32_MAX;
+  *last = -1;
+  for (int k = 0; k < 4; k++) {
+    if (run->element[k] < 0) continue;
+    if (run->element[k] < *first) *first = run->element[k];
+    if (run->element[k] + run->count - 1 > *last) *last = run->element[k] + run->count - 1;
+  }
 }
 
-ct_status ct_plane_create(const ct_solid_part *part, int axis, ct_plane **out)
+/* A ring that holds what runs still wait for and what is computed at once (eq:lattice-ring). */
+static void size_ring(const ct_solid_part *part, ct_plane *plane)
+{
+  int64_t need = 0, all = 8 * (int64_t)part->batch_count;
+  int32_t top = -1;
+  for (int32_t r = 0; r < plane->run_count; r++) {
+    int32_t first, last;
+    span(&plane->runs[r], &first, &last);
+    top = last > top ? last : top;
+    need = top - first > need ? top - first : need;
+  }
+  need += 8 * (CT_BLOCK + 2);
+  plane->ring = 8;
+  while (plane->ring < (need < all ? need : all)) plane->ring *= 2;
+  plane->stride = plane->ring + 8; // rows of the ring would fight for the same place in the cache
+  plane->value_count = 12 * plane->stride * plane->rings;
+}
+
+ct_status ct_plane_create(const ct_solid_part *part, int axis, int rings, ct_plane **out)
 {
   const ct_mesh *mesh = part->mesh;
   double low[3], high[3];
   *out = NULL;
   ct_mesh_bounds(mesh, low, high);
-  if (high[axis] - low[axis] > 1.5 * part->edge[axis] || part->batch_count > INT32_MAX / 400) return CT_OK;
+  if (high[axis] - low[axis] > 1.5 * part->edge[axis]) return CT_OK;
   ct_plane *plane = ct_allocate(1, sizeof *plane);
   if (plane == NULL) return CT_ERROR_MEMORY;
-  plane->axis = axis;
-  plane->p = axis == 0 ? 1 : 0;
-  plane->q = axis == 2 ? 1 : 2;
+  *plane = (ct_plane){.axis = axis, .p = axis == 0 ? 1 : 0, .q = axis == 2 ? 1 : 2, .rings = rings};
   plane->batch_nodes = ct_allocate((size_t)part->batch_count * 32, sizeof *plane->batch_nodes);
-  plane->twin = ct_allocate((size_t)mesh->node_count, sizeof *plane->twin);
-  plane->place = ct_allocate((size_t)mesh->node_count * 4, sizeof *plane->place);
-  plane->upper = ct_allocate((size_t)mesh->node_count, sizeof *plane->upper);
-  ct_status status = plane->batch_nodes && plane->twin && plane->place && plane->upper ? CT_OK : CT_ERROR_MEMORY;
-  int fits = status == CT_OK && enter_elements(mesh, plane);
-  if (fits) status = enter_runs(mesh, plane);
-  if (fits && status == CT_OK && part->cells[0] > 0) drop_places(part, plane);
-  if (fits && status == CT_OK)
+  int32_t *twin = ct_allocate((size_t)mesh->node_count, sizeof *twin), (*around)[4] = ct_allocate((size_t)mesh->node_count, sizeof *around);
+  ct_status status = plane->batch_nodes && twin && around ? CT_OK : CT_ERROR_MEMORY;
+  int fits = status == CT_OK && enter_elements(mesh, plane, twin, around);
+  if (fits) status = enter_runs(mesh, plane, twin, around);
+  ct_release(twin);
+  ct_release(around);
+  if (fits && status == CT_OK) {
+    size_ring(part, plane);
     *out = plane;
-  else
+  } else {
     ct_plane_free(plane);
+  }
   return status;
+}
+
+CT_INLINE uint64_t bits_of(double x)
+{
+  uint64_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  return bits;
+}
+
+/* Bits that differ between `count` nodes of two layers, and bits of what they have along `axis`, but for a sign of zero. */
+CT_CLONES
+static uint64_t differences(const double *low, const double *high, int32_t count, int axis)
+{
+  enum { AT_ONCE = 24 };
+  uint64_t size[AT_ONCE], found[AT_ONCE] = {0}, all = 0;
+  for (int i = 0; i < AT_ONCE; i++) size[i] = i % 3 == axis ? UINT64_MAX >> 1 : 0;
+  for (int64_t d = 0, last = 3 * (int64_t)count, next; d < last; d = next) {
+    next = d + AT_ONCE < last ? d + AT_ONCE : last;
+    // The last piece overlaps the one before, if there is one.
+    int64_t from = next == last && last >= AT_ONCE ? last - AT_ONCE : d;
+    if (next - from < AT_ONCE) {
+      for (int64_t i = from; i < next; i++) all |= (bits_of(low[i]) ^ bits_of(high[i])) | (bits_of(low[i]) & size[i]);
+      continue;
+    }
+#pragma omp simd
+    for (int i = 0; i < AT_ONCE; i++) found[i] |= (bits_of(low[from + i]) ^ bits_of(high[from + i])) | (bits_of(low[from + i]) & size[i]);
+  }
+  for (int i = 0; i < AT_ONCE; i++) all |= found[i];
+  return all;
 }
 
 int ct_plane_holds(const ct_plane *plane, const double *displacement)
 {
-  for (int32_t i = 0; i < plane->run_count; i++) {
-    const double *low = &displacement[3 * (int64_t)plane->runs[i][0]], *high = &displacement[3 * (int64_t)plane->runs[i][1]];
-    size_t count = (size_t)plane->runs[i][2];
-    int moved = 0;
-    if (memcmp(low, high, 3 * count * sizeof *low) != 0) return 0;
-    for (size_t n = 0; n < count; n++) moved |= low[3 * n + (size_t)plane->axis] != 0.0;
-    if (moved) return 0;
+  for (int32_t r = 0, end; r < plane->run_count; r = end) {
+    // Runs of both layers that follow each other are looked at as one.
+    int32_t low = plane->runs[r].low, high = plane->runs[r].high, count = 0;
+    for (end = r; end < plane->run_count && plane->runs[end].low == low + count && plane->runs[end].high == high + count; end++) count += plane->runs[end].count;
+    if (differences(&displacement[3 * (int64_t)low], &displacement[3 * (int64_t)high], count, plane->axis) != 0) return 0;
   }
   return 1;
 }
@@ -202,8 +250,9 @@ static inline void load(const int32_t *nodes, const double *array, int lane, int
   }
 }
 
+/* Forces of the lower layer by the batches first ... last - 1, into a ring. */
 CT_CLONES
-void ct_plane_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values)
+static void batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values)
 {
   const ct_plane *plane = part->plane;
   const constants c = open_constants(part);
@@ -221,77 +270,75 @@ void ct_plane_batches(const ct_solid_part *part, int32_t first, int32_t last, co
       spread(plane->axis, F, f[0]);
       spread(plane->axis, G, f[1]);
       hold(plane->axis, H, f[2]);
-      double *to = &values[plane->batch_step * b + lane];
+      double *to = &values[(8 * (int64_t)b & (plane->ring - 1)) + lane];
       for (int k = 0; k < 4; k++)
-        for (int i = 0; i < 3; i++) *(ct_lanes *)(void *)&to[plane->row_step * (3 * k + component[i])] = f[i][k];
+        for (int i = 0; i < 3; i++) *(ct_lanes *)(void *)&to[plane->stride * (3 * k + component[i])] = f[i][k];
     }
 }
 
-/* Sum four runs of forces that lie side by side; `step`: from one component to the next. */
+/* Sum four runs of forces that lie side by side, for both layers; `step`: from one component to the next. */
 CT_CLONES
-static void gather_run(const double *const v[4], const int64_t step[4], const double sign[3], int32_t count, double *f)
+static void gather_run(const double *const v[4], const int64_t step[4], const double sign[3], int32_t count, double *restrict low, double *restrict high)
 {
-  for (int c = 0; c < 3; c++) {
-    const double *a = v[0] + c * step[0], *b = v[1] + c * step[1], *d = v[2] + c * step[2], *e = v[3] + c * step[3], s = sign[c];
+  const double *a = v[0], *b = v[1], *d = v[2], *e = v[3];
 #pragma omp simd
-    for (int32_t n = 0; n < count; n++) f[3 * n + c] = s * ((a[n] + b[n]) + (d[n] + e[n]));
-  }
+  for (int32_t n = 0; n < count; n++)
+    for (int c = 0; c < 3; c++) {
+      double f = (a[c * step[0] + n] + b[c * step[1] + n]) + (d[c * step[2] + n] + e[c * step[3] + n]);
+      low[3 * n + c] = f;
+      high[3 * n + c] = sign[c] * f;
+    }
 }
 
-/* Where the four elements around a node have their force on it, the i-th node of row r; answers for how many nodes along x this goes on. */
-static int32_t quadrants(const ct_solid_part *part, const double *values, int32_t i, int32_t r, int32_t count, const double *v[4], int64_t step[4])
+/* Sum at the nodes of a run, in pieces that are whole in the ring. */
+static void gather(const ct_plane *plane, const double *values, const ct_plane_run *run, double *sums)
 {
-  enum { ZEROS = 64 };
   static const double zeros[ZEROS] = {0.0};
-  int32_t nx = part->cells[0], rows = part->mesh->element_count / nx;
-  int32_t inside = i > 0 && i < nx ? nx - i : 1, run = count < inside ? count : inside;
-  for (int o = 0; o < 4; o++) {
-    int32_t along = i - 1 + (o & 1), row = r - 1 + (o >> 1);
-    int there = along >= 0 && along < nx && row >= 0 && row < rows;
-    v[o] = there ? values + 3 * (3 - o) * part->plane->row_step + along + (int64_t)nx * row : zeros;
-    step[o] = there ? part->plane->row_step : 0;
-  }
-  return run < ZEROS ? run : ZEROS;
-}
-
-/* The gather of a lattice, in runs of nodes along x. */
-static void gather_lattice(const ct_solid_part *part, const double *values, int32_t first, int32_t last, const double apart[2][3], double *sums)
-{
-  int32_t row = part->cells[0] + 1, rows = part->cells[1] + 1;
-  for (int32_t n = first, run; n < last; n += run) {
+  double apart[3] = {1.0, 1.0, 1.0};
+  // -- The upper layer is pulled as the lower one, but apart from it (eq:plane-force)
+  apart[plane->axis] = -1.0;
+  for (int32_t i = 0, piece; i < run->count; i += piece) {
     const double *v[4];
     int64_t step[4];
-    int32_t line = n / row, upper = part->plane->axis == 1 ? line % 2 : line / rows, r = part->plane->axis == 1 ? line / 2 : line % rows;
-    run = quadrants(part, values, n % row, r, last - n, v, step);
-    gather_run(v, step, apart[upper], run, &sums[3 * (int64_t)n]);
+    piece = run->count - i;
+    for (int k = 0; k < 4; k++) {
+      int64_t place = run->element[k] < 0 ? 0 : (run->element[k] + i) & (plane->ring - 1);
+      v[k] = run->element[k] < 0 ? zeros : values + 3 * (3 - k) * plane->stride + place;
+      step[k] = run->element[k] < 0 ? 0 : plane->stride;
+      if (piece > plane->ring - place) piece = (int32_t)(plane->ring - place);
+    }
+    gather_run(v, step, apart, piece, &sums[3 * (int64_t)(run->low + i)], &sums[3 * (int64_t)(run->high + i)]);
   }
 }
 
-void ct_plane_gather(const ct_solid_part *part, const double *values, int32_t first, int32_t last, double *sums)
+/* Forces at the nodes of the runs first ... last - 1, each run as soon as its last element is there. */
+static void sum_runs(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values, double *sums)
 {
   const ct_plane *plane = part->plane;
-  const int32_t *twins = plane->twin, *places = plane->place;
-  const int8_t *upper = plane->upper;
-  double apart[2][3] = {{1.0, 1.0, 1.0}, {1.0, 1.0, 1.0}};
-  // -- The upper layer is pulled as the lower one, but apart from it (eq:plane-force)
-  apart[1][plane->axis] = -1.0;
-  if (part->cells[0] > 0) {
-    gather_lattice(part, values, first, last, (const double(*)[3])apart, sums);
-    return;
+  int32_t begin = INT32_MAX, from, to;
+  for (int32_t r = first; r < last; r++) {
+    span(&plane->runs[r], &from, &to);
+    begin = from < begin ? from : begin;
   }
-  for (int32_t n = first; n < last; n++) {
-    const double *sign = apart[upper[n]];
-    double *restrict f = &sums[3 * (int64_t)n];
-    if (twins[n] >= first && twins[n] < n) {
-      const double *g = &sums[3 * (int64_t)twins[n]];
-      sign = apart[1];
-      f[0] = sign[0] * g[0];
-      f[1] = sign[1] * g[1];
-      f[2] = sign[2] * g[2];
-      continue;
+  for (int32_t b = begin / 8, end, r = first; r < last; b = end) {
+    end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
+    batches(part, b, end, displacement, values);
+    for (; r < last; r++) {
+      span(&plane->runs[r], &from, &to);
+      if (to >= 8 * end) break;
+      gather(plane, values, &plane->runs[r], sums);
     }
-    const int32_t *at = &places[4 * (int64_t)n];
-    const double *v0 = &values[at[0]], *v1 = &values[at[1]], *v2 = &values[at[2]], *v3 = &values[at[3]];
-    for (int i = 0; i < 3; i++) f[i] = sign[i] * ((v0[8 * i] + v1[8 * i]) + (v2[8 * i] + v3[8 * i]));
   }
+}
+
+void ct_plane_force(const ct_solid_part *part, const double *displacement, int threads, double *values, double *sums)
+{
+  const ct_plane *plane = part->plane;
+  int64_t runs = plane->run_count;
+  int shares = threads < plane->rings ? threads : plane->rings;
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(shares) schedule(static, 1) if (shares > 1)
+#endif
+  for (int i = 0; i < shares; i++)
+    sum_runs(part, (int32_t)(runs * i / shares), (int32_t)(runs * (i + 1) / shares), displacement, values + 12 * plane->stride * i, sums);
 }

@@ -3,36 +3,37 @@
 
 #include "kernel.h"
 
+/* Nodes of the lower layer whose numbers follow each other, as do those of their partners in the upper layer and of the elements around them. */
+typedef struct ct_plane_run {
+  int32_t low, high, count;
+  /* The first node's elements, quadrants (-,-), (+,-), (-,+), (+,+) in p and q; -1: none, at all nodes of the run. */
+  int32_t element[4];
+} ct_plane_run;
+
 /* One layer of equal boxes in plane strain: the nodes of the lower layer stand for both. */
 typedef struct ct_plane {
   /* The direction that the layer is held in, and the two others, ascending. */
   int axis, p, q;
   /* Nodes of the lower layer, shape (batches, 4, 8 lanes); corners (-,-), (+,-), (-,+), (+,+) in p and q. */
   int32_t *batch_nodes;
-  /* Null where the body is a lattice (`cells` of the part). For each node of the body: its partner in the other layer, and where component 0 of the forces of its four elements stands in the
-   * values, shape (node_count, 4). */
-  int32_t *twin, *place;
-  /* For each node: 0 in the lower layer, 1 in the upper one. */
-  int8_t *upper;
-  /* Runs of nodes of the lower layer whose numbers follow each other, as their partners' do: first node, partner, count. */
-  int32_t (*runs)[3], run_count;
-  /* The elements' values: where a batch begins after the one before, and each of its 12 rows of 8, corner by corner, after the one before. Zeros follow. */
-  int64_t batch_step, row_step, value_count;
+  /* All nodes, by those of the lower layer, ascending. */
+  ct_plane_run *runs;
+  int32_t run_count;
+  /* Each thread has a ring of `ring` elements, a power of two, for their forces: component c at corner k stands 3 k + c strides from the first one. */
+  int rings;
+  int64_t ring, stride, value_count;
 } ct_plane;
 
-/* The plane of a part of boxes, if it is one layer along `axis` and each node has at most one element in each quadrant; else null, with
+/* The plane of a part of boxes, for `rings` threads, if it is one layer along `axis` and each node has at most one element in each quadrant; else null, with
  * CT_OK. CT_ERROR_MEMORY. */
-ct_status ct_plane_create(const ct_solid_part *part, int axis, ct_plane **plane);
+ct_status ct_plane_create(const ct_solid_part *part, int axis, int rings, ct_plane **plane);
 
 void ct_plane_free(ct_plane *plane);
 
 /* Whether the layers have moved alike, to the bit, and not at all along `axis`. */
 int ct_plane_holds(const ct_plane *plane, const double *displacement);
 
-/* Forces of the lower layer by the batches first ... last - 1. */
-void ct_plane_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
-
-/* Sum them at the nodes first ... last - 1 of both layers. */
-void ct_plane_gather(const ct_solid_part *part, const double *values, int32_t first, int32_t last, double *sums);
+/* Forces at all nodes of the part, shape (node_count, 3); `values` is room for the rings. */
+void ct_plane_force(const ct_solid_part *part, const double *displacement, int threads, double *values, double *sums);
 
 #endif

@@ -79,10 +79,11 @@ static inline uint64_t bits_from(const uint64_t *bits, int64_t words, int64_t n)
   return shift == 0 || word + 1 >= words ? low : low | bits[word + 1] << (64 - shift);
 }
 
-/* The same for a lattice, where rows of elements lie between four rows of nodes: all batches of a row at once. */
+/* Find for each batch of a lattice, where rows of elements lie between four rows of nodes, whether one of its nodes has a bit, after a flip of all: all batches of a
+ * row at once. */
 static void lattice_near(uint8_t *near, const ct_solid_part *part, const uint64_t *bits, int64_t words, uint64_t flip)
 {
-  enum { AT_ONCE = 48 };
+  enum { AT_ONCE = 56 };
   int32_t nx = part->cells[0], row = nx + 1, layer = row * (part->cells[1] + 1);
   memset(near, 0, (size_t)part->batch_count);
   for (int32_t r = 0; r < part->cells[1] * part->cells[2]; r++) {
@@ -98,9 +99,9 @@ static void lattice_near(uint8_t *near, const ct_solid_part *part, const uint64_
   }
 }
 
-void ct_quiet_near(ct_quiet *quiet, const ct_solid_part *part, const uint64_t *bits, int32_t node_count, int value)
+/* Find for each batch of a part whether one of its nodes has the bit `value`. */
+static void find_near(uint8_t *near, const ct_solid_part *part, const uint64_t *bits, int32_t node_count, int value)
 {
-  uint8_t *near = &quiet->near[part->first_batch];
   if (part->cells[0] > 0) {
     lattice_near(near, part, bits, ct_bits_words(node_count), value ? 0 : ~(uint64_t)0);
     return;
@@ -114,32 +115,83 @@ void ct_quiet_near(ct_quiet *quiet, const ct_solid_part *part, const uint64_t *b
   }
 }
 
+void ct_quiet_wake(ct_quiet *quiet, const ct_solid_part *part, int32_t number, const uint64_t *drifted, int32_t node_count)
+{
+  int32_t word = part->first_node / 64;
+  uint64_t *seen = &quiet->seen[word + number];
+  size_t size = (size_t)((part->first_node + part->mesh->node_count - 1) / 64 - word + 1) * sizeof *seen;
+  if (drifted == NULL) {
+    memset(&quiet->woken[part->first_batch], 1, (size_t)part->batch_count);
+    quiet->kept[number] &= (uint8_t)~CT_KEPT_WOKEN;
+    return;
+  }
+  // While a wave passes through a batch nothing new wakes.
+  if (quiet->kept[number] & CT_KEPT_WOKEN && memcmp(seen, &drifted[word], size) == 0) return;
+  memcpy(seen, &drifted[word], size);
+  quiet->kept[number] |= CT_KEPT_WOKEN;
+  find_near(&quiet->woken[part->first_batch], part, drifted, node_count, 0);
+}
+
+/* Whether two nodes have the same three numbers, to the last bit. */
+static inline int same(const double *u, const double *v)
+{
+  uint64_t a[3], b[3];
+  memcpy(a, u, sizeof a);
+  memcpy(b, v, sizeof b);
+  return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) == 0;
+}
+
 /* Whether all nodes of some ranges have the same three numbers, to the last bit, and finite ones. */
 static int alike(const ct_node_range *range, int32_t count, const double *values)
 {
   const double *u = &values[3 * (int64_t)range->first];
-  for (const ct_node_range *r = range; r < range + count; r++)
+  for (const ct_node_range *r = range; r < range + count; r++) {
+    const double *v = &values[3 * (int64_t)r->first];
     // A range is compared with itself, shifted by a node.
-    if (memcmp(&values[3 * (int64_t)r->first], u, 3 * sizeof *u) != 0 ||
-        memcmp(&values[3 * (int64_t)r->first], &values[3 * (int64_t)r->first + 3], 3 * (size_t)(r->last - r->first) * sizeof *u) != 0)
-      return 0;
+    if (!same(v, u) || memcmp(v, v + 3, 3 * (size_t)(r->last - r->first) * sizeof *u) != 0) return 0;
+  }
   return isfinite(u[0]) && isfinite(u[1]) && isfinite(u[2]);
 }
 
-void ct_quiet_find(ct_quiet *quiet, const ct_solid_part *part, int32_t b, const double *displacement, const double *velocity)
+/* Look at one batch; answers what it is. */
+static uint8_t look(const ct_quiet *quiet, const ct_solid_part *part, int32_t b, const double *displacement, const double *velocity)
 {
-  uint8_t *found = &quiet->batch[part->first_batch + b];
-  if (*found == CT_BATCH_ASLEEP && !quiet->near[part->first_batch + b]) return;
-  if (*found == CT_BATCH_MOVING && (b + quiet->call) % 8 != 0) return;
+  uint8_t was = quiet->batch[part->first_batch + b];
+  int woken = quiet->woken[part->first_batch + b];
+  if (was == CT_BATCH_ASLEEP && !woken) return was;
+  if (was == CT_BATCH_MOVING && (b + quiet->call) % 8 != 0) return was;
   ct_node_range room[CT_MOST_RANGES];
   int32_t count;
   const ct_node_range *range = ranges_of(part, b, room, &count);
-  if (!alike(range, count, displacement))
-    *found = CT_BATCH_MOVING;
-  else if (*found < CT_BATCH_FRESH)
-    *found = CT_BATCH_FRESH;
-  else
-    *found = (uint8_t)(velocity != NULL && alike(range, count, velocity) ? CT_BATCH_ASLEEP : CT_BATCH_QUIET);
+  if (!alike(range, count, displacement)) return CT_BATCH_MOVING;
+  if (was < CT_BATCH_FRESH) return CT_BATCH_FRESH;
+  // One that is woken has to be looked at in the next call anyway.
+  return velocity != NULL && !woken && alike(range, count, velocity) ? CT_BATCH_ASLEEP : CT_BATCH_QUIET;
+}
+
+int ct_quiet_look(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, const double *velocity)
+{
+  static const uint8_t asleep[8] = {CT_BATCH_ASLEEP, CT_BATCH_ASLEEP, CT_BATCH_ASLEEP, CT_BATCH_ASLEEP, CT_BATCH_ASLEEP, CT_BATCH_ASLEEP, CT_BATCH_ASLEEP, CT_BATCH_ASLEEP};
+  static const uint8_t moving[8] = {CT_BATCH_MOVING, CT_BATCH_MOVING, CT_BATCH_MOVING, CT_BATCH_MOVING, CT_BATCH_MOVING, CT_BATCH_MOVING, CT_BATCH_MOVING, CT_BATCH_MOVING}, none[8] = {0};
+  int crossed = 0;
+  for (int32_t b = first, end; b < last; b = end) {
+    uint8_t *found = &quiet->batch[part->first_batch + b];
+    int32_t from = b;
+    end = b + 8 < last ? b + 8 : last;
+    // Most of them are asleep, or move and are looked at one out of eight.
+    if (end - b == 8 && memcmp(found, asleep, 8) == 0 && memcmp(&quiet->woken[part->first_batch + b], none, 8) == 0) continue;
+    if (end - b == 8 && memcmp(found, moving, 8) == 0) {
+      from = b + (8 - (b + quiet->call) % 8) % 8;
+      end = from + 1;
+    }
+    for (int32_t i = from; i < end; i++) {
+      uint8_t now = look(quiet, part, i, displacement, velocity);
+      crossed |= (now < CT_BATCH_QUIET) != (found[i - b] < CT_BATCH_QUIET);
+      found[i - b] = now;
+    }
+    end = b + 8 < last ? b + 8 : last;
+  }
+  return crossed;
 }
 
 void ct_quiet_confirm(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last, double *values)
@@ -169,7 +221,8 @@ static void lattice_mark(uint64_t *changed, const ct_solid_part *part, int32_t f
   }
 }
 
-void ct_quiet_mark(ct_quiet *quiet, const ct_solid_part *part)
+/* Mark the nodes of the batches that are not quiet. */
+static void mark_nodes(ct_quiet *quiet, const ct_solid_part *part)
 {
   const uint8_t *found = &quiet->batch[part->first_batch];
   for (int32_t b = 0, end; b < part->batch_count; b = end) {
@@ -183,4 +236,12 @@ void ct_quiet_mark(ct_quiet *quiet, const ct_solid_part *part)
     for (int32_t i = part->range_first[b]; i < part->range_first[b + 1]; i++)
       ct_bits_put(quiet->changed, part->ranges[i].first, part->ranges[i].last + 1, 1);
   }
+}
+
+void ct_quiet_mark(ct_quiet *quiet, const ct_solid_part *part, int32_t node_count)
+{
+  ct_bits_put(quiet->changed, part->first_node, part->first_node + part->mesh->node_count, 0);
+  mark_nodes(quiet, part);
+  // Of the batches that are skipped, those matter whose nodes are summed.
+  find_near(&quiet->read[part->first_batch], part, quiet->changed, node_count, 1);
 }

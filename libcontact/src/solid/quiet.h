@@ -23,24 +23,29 @@ enum {
 /* What a state keeps to know which batches are quiet; null pointers where no body leaves anything out. */
 typedef struct ct_quiet {
   uint8_t *batch;    /* of each batch of all parts: what this call finds */
-  uint8_t *near;     /* of each batch: whether one of its nodes has the bit that was last asked for */
+  uint8_t *woken;    /* of each batch: whether one of its nodes did more than drift in the last step */
+  uint8_t *read;     /* of each batch: whether one of its nodes is summed in this call */
   uint64_t *changed; /* a bit a node: whether one of its elements is computed in this call */
+  uint64_t *seen;    /* of each part its words of the drifted nodes that `woken` was made of, part i from word `first_node / 64 + i` on */
+  uint8_t *kept;     /* of each part: whether `changed` and `read`, and twice whether `woken` and `seen`, stand from the call before */
   int32_t call;      /* number of this call, modulo 8 */
 } ct_quiet;
+
+/* Values of `kept`, to be added. */
+enum { CT_KEPT_READ = 1, CT_KEPT_WOKEN = 2 };
 
 /* List the ranges of consecutive nodes of each batch of a part. */
 ct_status ct_quiet_prepare(ct_solid_part *part);
 
-/* Find for each batch of a part whether one of its nodes has the bit `value`; `near` is 1 then, else 0. `bits` are those of the problem, which has
- * `node_count` nodes. */
-void ct_quiet_near(ct_quiet *quiet, const ct_solid_part *part, const uint64_t *bits, int32_t node_count, int value);
+/* Find the batches of part number `number` that are woken; `drifted` are bits of the problem, which has `node_count` nodes, or null: nobody knows. */
+void ct_quiet_wake(ct_quiet *quiet, const ct_solid_part *part, int32_t number, const uint64_t *drifted, int32_t node_count);
 
-/* Find whether a batch is quiet (eq:quiet-batch). `displacement` and `velocity` are those of the problem; without a
- * velocity (null) no batch falls asleep. One that is asleep and not near stays so. */
-void ct_quiet_find(ct_quiet *quiet, const ct_solid_part *part, int32_t b, const double *displacement, const double *velocity);
+/* Find which of the batches first ... last - 1 are quiet (eq:quiet-batch); answers whether one of them is from now on, or no longer. `displacement` and
+ * `velocity` are those of the problem; without a velocity (null) no batch falls asleep. One that is asleep and not woken stays so. */
+int ct_quiet_look(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, const double *velocity);
 
-/* Mark the nodes of all batches of a part that are not quiet. */
-void ct_quiet_mark(ct_quiet *quiet, const ct_solid_part *part);
+/* Mark the nodes of all batches of a part that are not quiet, and the batches that have such nodes. */
+void ct_quiet_mark(ct_quiet *quiet, const ct_solid_part *part, int32_t node_count);
 
 /* After the batches first ... last - 1 were computed: those with any force can't be quiet in the next call. */
 void ct_quiet_confirm(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last, double *values);

@@ -1,0 +1,204 @@
+/* Eight points of a contact side by side, each over the face of the last step. */
+#include "pass.h"
+
+#include "../lanes.h"
+#include "../shape.h"
+
+#include <contact/batch.h>
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Eight points with all that is found of them. Numbers of one kind lie side by side, a lane for each point. */
+typedef struct block {
+  int32_t face[CT_WARM], target[CT_WARM], q[CT_WARM];
+  double origin[3 * CT_WARM];                 /* middle of the face's box: subtracted of the positions and of the nodes */
+  double nodes[24 * CT_WARM];                 /* of the face of the last step, shape (per, 3, lanes) */
+  double points[3 * CT_WARM], start[2 * CT_WARM];
+  double xi[2 * CT_WARM], distance[CT_WARM], normal[3 * CT_WARM];
+  int32_t status[CT_WARM];
+  double N[8 * CT_WARM], d[3 * CT_WARM], gap[CT_WARM]; /* as in ct_gauss_point */
+  int rival[CT_WARM];
+} block;
+
+/* Σ_a N_a x_a of eight faces, shape (per, 3, lanes) of x, in the order of ct_side_sum. */
+CT_INLINE void sum_lanes(int per, const double *N, const double *x, double *out)
+{
+  for (int c = 0; c < 3; c++) {
+    const double *t = &x[CT_WARM * c];
+#pragma omp simd
+    for (int l = 0; l < CT_WARM; l++) {
+      double sum = (N[l] * t[l] + N[8 + l] * t[24 + l]) + (N[16 + l] * t[48 + l] + N[24 + l] * t[72 + l]);
+      if (per == 8) sum += (N[32 + l] * t[96 + l] + N[48 + l] * t[144 + l]) + (N[40 + l] * t[120 + l] + N[56 + l] * t[168 + l]);
+      out[CT_WARM * c + l] = sum;
+    }
+  }
+}
+
+/* Nodes of eight faces, seen from eight origins. */
+CT_INLINE void load_faces(const ct_search *search, int per, const int32_t face[CT_WARM], const double *origin, double *nodes)
+{
+  for (int l = 0; l < CT_WARM; l++) {
+    const int32_t *node = &search->faces[(int64_t)face[l] * per];
+    for (int a = 0; a < per; a++)
+      for (int c = 0; c < 3; c++) nodes[CT_WARM * (3 * a + c) + l] = search->x[3 * (int64_t)node[a] + c];
+  }
+  for (int i = 0; i < 3 * per; i++)
+#pragma omp simd
+    for (int l = 0; l < CT_WARM; l++) nodes[CT_WARM * i + l] -= origin[CT_WARM * (i % 3) + l];
+}
+
+/* Positions of the points and the faces that they were over, both from the middle of the face's box. Inlined with `per` known. */
+CT_INLINE void load(const ct_pass *p, int per, block *b)
+{
+  double own[24 * CT_WARM], N[8 * CT_WARM];
+  for (int l = 0; l < CT_WARM; l++) {
+    const ct_bounds *box = &p->other->search->boxes[b->target[l]];
+    for (int c = 0; c < 3; c++) b->origin[CT_WARM * c + l] = 0.5 * (box->low[c] + box->high[c]);
+    for (int a = 0; a < per; a++) N[CT_WARM * a + l] = p->side->N[b->q[l]][a];
+  }
+  load_faces(p->other->search, per, b->target, b->origin, b->nodes);
+  load_faces(p->side->search, per, b->face, b->origin, own);
+  sum_lanes(per, N, own, b->points);
+}
+
+CT_CLONES
+static void load_block(const ct_pass *p, block *b)
+{
+  if (p->side->search->per == 4) load(p, 4, b);
+  else load(p, 8, b);
+}
+
+/* Gap vectors d = ȳ - y and signed gaps of the points over their feet (eq:gap). Inlined with `per` known. */
+CT_INLINE void gaps(int per, block *b)
+{
+  double foot[3 * CT_WARM];
+#pragma omp simd
+  for (int l = 0; l < CT_WARM; l++) ct_shape_quadrilateral(per, b->xi[l], b->xi[CT_WARM + l], &b->N[l], CT_WARM);
+  sum_lanes(per, b->N, b->nodes, foot);
+#pragma omp simd
+  for (int l = 0; l < CT_WARM; l++) {
+    const double *n = &b->normal[l];
+    double x = foot[l] - b->points[l], y = foot[8 + l] - b->points[8 + l], z = foot[16 + l] - b->points[16 + l], distance = sqrt((x * x + y * y) + z * z);
+    b->gap[l] = (x * n[0] + y * n[8]) + z * n[16] > 0.0 ? -distance : distance;
+    b->d[l] = x, b->d[8 + l] = y, b->d[16 + l] = z;
+  }
+}
+
+/* The positive part of a number, without a branch. */
+CT_INLINE double positive(double x) { return 0.5 * (x + fabs(x)); }
+
+/* How far a coordinate is outside a box: it cannot be on both sides. */
+CT_INLINE double outside(double low, double high, double x) { return positive(low - x) + positive(x - high); }
+
+/* Find the points to which some face but the last one may be nearer than the foot; with rounding of their positions, so a little too often rather than not. */
+CT_INLINE void find_rivals(const ct_pass *p, block *b)
+{
+  double at[3 * CT_WARM], most[CT_WARM];
+#pragma omp simd
+  for (int l = 0; l < CT_WARM; l++) {
+    double x = b->points[l] + b->origin[l], y = b->points[8 + l] + b->origin[8 + l], z = b->points[16 + l] + b->origin[16 + l];
+    double reach = b->distance[l] < p->depth ? b->distance[l] : p->depth;
+    reach += 16.0 * DBL_EPSILON * ((fabs(x) + fabs(y)) + (fabs(z) + reach));
+    most[l] = reach * reach;
+    b->rival[l] = 0;
+    at[l] = x, at[8 + l] = y, at[16 + l] = z;
+  }
+  for (int first = 0, last; first < CT_WARM; first = last) {
+    int32_t face = b->face[first];
+    for (last = first + 1; last < CT_WARM && b->face[last] == face;) last++;
+    for (int32_t i = p->side->candidate_first[face]; i < p->side->candidate_first[face + 1]; i++) {
+      int32_t rival = p->side->candidates[i];
+      const ct_bounds box = p->other->search->boxes[rival];
+      int near[CT_WARM];
+#pragma omp simd
+      for (int l = 0; l < CT_WARM; l++) {
+        double x = outside(box.low[0], box.high[0], at[l]), y = outside(box.low[1], box.high[1], at[8 + l]), z = outside(box.low[2], box.high[2], at[16 + l]);
+        near[l] = (x * x + y * y) + z * z <= most[l];
+      }
+      for (int l = first; l < last; l++) b->rival[l] |= near[l] & (b->target[l] != rival);
+    }
+  }
+}
+
+CT_CLONES
+static void measure_block(const ct_pass *p, block *b)
+{
+  if (p->side->search->per == 4) gaps(4, b);
+  else gaps(8, b);
+  find_rivals(p, b);
+}
+
+/* Whether the foot of a lane is inside its last face, no deeper than allowed, with no other face as near. */
+static int is_settled(const ct_pass *p, const block *b, int l)
+{
+  ct_status status = (ct_status)b->status[l];
+  double inside = 1.0 - p->project.tolerance, own[3], normal[3] = {b->normal[l], b->normal[8 + l], b->normal[16 + l]};
+  if (status != CT_OK && status != CT_NOT_CERTIFIED && status != CT_ITERATION_LIMIT) return 0;
+  if (!(fabs(b->xi[l]) < inside && fabs(b->xi[8 + l]) < inside && b->distance[l] < p->depth) || b->rival[l]) return 0;
+  // A point that comes in has to look at the face, or the search must say what it is in.
+  const ct_gauss_point *point = &p->side->points[(int64_t)b->face[l] * p->side->rule.count + b->q[l]];
+  if (!(b->gap[l] < 0.0) || point->history == CT_POINT_INSIDE) return 1;
+  return ct_pass_own_normal(p, b->face[l], b->q[l], own) && ct_pass_looks_across(own, normal);
+}
+
+/* Write what is found of the point of a lane, and its force. */
+static void write_point(const ct_pass *p, const block *b, int l)
+{
+  int64_t number = (int64_t)b->face[l] * p->side->rule.count + b->q[l];
+  ct_gauss_point *point = &p->side->points[number];
+  // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
+  int inside = b->gap[l] < 0.0;
+  double stiff = inside ? 0.5 * p->epsilon * p->side->weight[number] : 0.0;
+  for (int c = 0; c < 3; c++) {
+    point->d[c] = b->d[8 * c + l];
+    point->normal[c] = b->normal[8 * c + l];
+    point->force[c] = inside ? stiff * b->d[8 * c + l] : 0.0;
+  }
+  for (int a = 0; a < 8; a++) point->N[a] = b->N[8 * a + l];
+  for (int a = 0; a < 2; a++) point->xi[a] = b->xi[8 * a + l];
+  point->gap = b->gap[l];
+  point->history = inside ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
+}
+
+/* Take the points into lanes. Answers with a bit for each that has a face; the others' lanes repeat one that has. */
+static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b)
+{
+  const ct_side *side = p->side;
+  int32_t face = (int32_t)(first / side->rule.count);
+  int q = (int)(first % side->rule.count), some = -1;
+  unsigned warm = 0;
+  for (int l = 0; l < count; l++, q++) {
+    if (q == side->rule.count) q = 0, face++;
+    const ct_gauss_point *point = &side->points[first + l];
+    b->face[l] = face;
+    b->q[l] = q;
+    b->target[l] = point->other;
+    for (int a = 0; a < 2; a++) b->start[8 * a + l] = point->xi[a];
+    if (point->other >= 0) warm |= 1u << l, some = l;
+  }
+  for (int l = 0; l < CT_WARM && some >= 0; l++) {
+    if (warm >> l & 1) continue;
+    b->face[l] = b->face[some], b->q[l] = b->q[some], b->target[l] = b->target[some];
+    for (int a = 0; a < 2; a++) b->start[8 * a + l] = b->start[8 * a + some];
+  }
+  return warm;
+}
+
+unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count)
+{
+  block b;
+  unsigned settled = 0, warm = take_points(p, first, count, &b);
+  if (warm == 0) return 0;
+  load_block(p, &b);
+  const ct_batch_feet feet = {.xi = b.xi, .distance = b.distance, .normal = b.normal, .status = b.status};
+  if (ct_project_batch(p->other->search->kind, CT_WARM, b.nodes, b.points, b.start, &p->project, &feet) != CT_OK) return 0;
+  measure_block(p, &b);
+  for (int l = 0; l < count; l++) {
+    if (!(warm >> l & 1) || !is_settled(p, &b, l)) continue;
+    write_point(p, &b, l);
+    settled |= 1u << l;
+  }
+  return settled;
+}
