@@ -1,6 +1,8 @@
 /* The bound on the step of a box of bricks by blocks of its elements: above the largest eigenvalue of the whole, and near it. */
 #include "blocks.h"
 
+static const ct_material SOFT = {1.0, 0.3, 1.0, CT_LINEAR};
+
 /* The effect of one body with components that are held. */
 static block open_held(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel, const int held[3])
 {
@@ -107,7 +109,6 @@ static void held_components(void)
 /* Any order of nodes and elements is a box all the same, with the same bits; bodies that only look like one have the bound of their elements. */
 static void looks(void)
 {
-  static const ct_material SOFT = {1.0, 0.3, 1.0, CT_LINEAR};
   const int held[3] = {0, 0, 0};
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 4, 4, 4, 4, 4, 4);
   block solid = open_held(m, &SOFT, CT_KERNEL_BOX, held);
@@ -149,11 +150,48 @@ static void looks(void)
   ct_mesh_free(m);
 }
 
+/* A box that is turned has the bound of the box; one whose bricks lean has that of its elements. */
+static void turned(void)
+{
+  const int held[3] = {0, 0, 0}, along[3] = {0, 1, 0};
+  double worst_off = 0.0;
+  ct_mesh *m = box_mesh(CT_HEX8, -0.4, 0.3, 0.2, 2, 3, 1, 5, 4, 3);
+  block solid = open_held(m, &SOFT, CT_KERNEL_AUTO, held);
+  double straight = block_frequency(&solid);
+  close_block(&solid);
+  for (int trial = 0; trial < 20; trial++) {
+    ct_mesh *t = box_mesh(CT_HEX8, -0.4, 0.3, 0.2, 2, 3, 1, 5, 4, 3);
+    double a = uniform(3.0), b = uniform(3.0);
+    for (int n = 0; n < t->node_count; n++) {
+      double *x = &t->nodes[3 * n], p = cos(a) * x[0] - sin(a) * x[1], q = sin(a) * x[0] + cos(a) * x[1];
+      x[0] = cos(b) * p - sin(b) * x[2], x[2] = sin(b) * p + cos(b) * x[2], x[1] = q;
+    }
+    // What is held along y is not held along an edge.
+    solid = open_held(t, &SOFT, CT_KERNEL_AUTO, trial % 2 ? along : held);
+    worst_off = worst(worst_off, block_frequency(&solid) / straight - 1.0);
+    close_block(&solid);
+    ct_mesh_free(t);
+  }
+  tap_ok(worst_off < 1e-10, "20 turned boxes: off by %.2g", worst_off);
+  double lean = 0.0, x[60], mass[20], one;
+  ct_error e;
+  for (int n = 0; n < m->node_count; n++) m->nodes[3 * n] += 1e-3 * m->nodes[3 * n + 1];
+  solid = open_held(m, &SOFT, CT_KERNEL_AUTO, held);
+  lean = block_frequency(&solid);
+  close_block(&solid);
+  take_element(m, 0, m->nodes, x);
+  need(ct_mass_element(CT_HEX8, x, SOFT.density, CT_LUMP_DEFAULT, mass, &e), &e);
+  need(ct_solid_element_frequency(CT_HEX8, x, &SOFT, mass, &one, &e), &e);
+  tap_close(lean / one, 1.0, 1e-11, "bricks that lean have the bound of their elements");
+  ct_mesh_free(m);
+}
+
 int main(void)
 {
   sharpness(CT_KERNEL_AUTO, "box kernel");
   sharpness(CT_KERNEL_REDUCED, "one-point kernel");
   held_components();
   looks();
+  turned();
   return tap_done();
 }

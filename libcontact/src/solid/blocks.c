@@ -10,38 +10,91 @@
 
 enum { SIZE = CT_ELEMENT_SIZE, DOFS = 24 };
 
+/* Elements are alike when their nodes differ by no more than this part of the size of the body. */
+static const double ALIKE = 1e-12;
+
 /* Where the nodes of a hex8 stand. */
 static const int CORNER[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 
-/* Cells along x, y, z of a body that is one box of equal hex8 bricks, in whatever order its nodes and elements are; cells[0] = 0: it is not. */
-static ct_status find_cells(const ct_mesh *mesh, int32_t cells[3], ct_error *error)
+/* A body that is one box of equal hex8 bricks, in whatever order its nodes and elements are. */
+typedef struct box {
+  int32_t cells[3];   /* along its three edges; cells[0] = 0: the body is none */
+  double edge[3];     /* lengths of the bricks' edges */
+  double axis[3][3];  /* their directions */
+  int aligned;        /* whether these are x, y, z */
+} box;
+
+static double dot(const double a[3], const double b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+
+/* Edges of the bricks of a body that is turned, all of them the first one moved; 0 when they are not rectangular, or not alike. */
+static int find_edges(const ct_mesh *mesh, double size, box *b)
 {
-  double edge[3], low[3], high[3], elements = 1.0, nodes = 1.0;
-  cells[0] = 0;
-  if (!ct_solid_is_box(mesh, edge)) return CT_OK;
-  ct_mesh_bounds(mesh, low, high);
+  static const int END[3] = {1, 3, 4};
+  double x[20][3], e[3][3];
+  if (mesh->kind != CT_HEX8) return 0;
+  ct_solid_load_element(mesh, 0, mesh->nodes, x);
   for (int d = 0; d < 3; d++) {
-    double count = floor((high[d] - low[d]) / edge[d] + 0.5);
+    for (int c = 0; c < 3; c++) e[d][c] = x[END[d]][c] - x[0][c];
+    b->edge[d] = sqrt(dot(e[d], e[d]));
+    if (!(b->edge[d] > 0.0)) return 0;
+    for (int c = 0; c < 3; c++) b->axis[d][c] = e[d][c] / b->edge[d];
+    for (int k = 0; k < d; k++)
+      if (!(fabs(dot(b->axis[k], e[d])) <= ALIKE * size)) return 0;
+  }
+  for (int32_t i = 0; i < mesh->element_count; i++) {
+    ct_solid_load_element(mesh, i, mesh->nodes, x);
+    for (int a = 1; a < 8; a++)
+      for (int c = 0; c < 3; c++) {
+        double want = (CORNER[a][0] * e[0][c] + CORNER[a][1] * e[1][c]) + CORNER[a][2] * e[2][c];
+        if (!(fabs((x[a][c] - x[0][c]) - want) <= ALIKE * size)) return 0;
+      }
+  }
+  return 1;
+}
+
+/* Number of the cell at whose first corner a point stands, of a box that begins at `low` along its edges. */
+static int64_t cell_at(const box *b, const double low[3], const double *x)
+{
+  int64_t i[3];
+  for (int d = 0; d < 3; d++) i[d] = (int64_t)floor((dot(b->axis[d], x) - low[d]) / b->edge[d] + 0.5);
+  return i[0] + b->cells[0] * (i[1] + b->cells[1] * i[2]);
+}
+
+/* Whether a body is a full box, and which. */
+static ct_status find_box(const ct_mesh *mesh, box *b, ct_error *error)
+{
+  double low[3], high[3], elements = 1.0, nodes = 1.0;
+  *b = (box){.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .aligned = 1};
+  ct_mesh_bounds(mesh, low, high);
+  double size = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
+  if (!ct_solid_is_box(mesh, b->edge)) {
+    b->aligned = 0;
+    if (!find_edges(mesh, size, b)) return CT_OK;
+  }
+  for (int d = 0; d < 3; d++) {
+    low[d] = INFINITY, high[d] = -INFINITY;
+    for (int32_t n = 0; n < mesh->node_count; n++) {
+      double at = dot(b->axis[d], &mesh->nodes[3 * (size_t)n]);
+      low[d] = fmin(low[d], at);
+      high[d] = fmax(high[d], at);
+    }
+    double count = floor((high[d] - low[d]) / b->edge[d] + 0.5);
     elements *= count;
     nodes *= count + 1.0;
   }
   if (elements != mesh->element_count || nodes != mesh->node_count) return CT_OK;
   // -- As many elements as cells: the box is full unless two of them share a cell
-  int32_t n[3];
   char *taken = ct_allocate((size_t)mesh->element_count, 1);
   if (taken == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the stable step");
-  for (int d = 0; d < 3; d++) n[d] = (int32_t)floor((high[d] - low[d]) / edge[d] + 0.5);
+  for (int d = 0; d < 3; d++) b->cells[d] = (int32_t)floor((high[d] - low[d]) / b->edge[d] + 0.5);
   int full = 1;
   for (int32_t e = 0; full && e < mesh->element_count; e++) {
-    const double *x = &mesh->nodes[3 * (size_t)mesh->elements[8 * (size_t)e]];
-    int64_t i[3];
-    for (int d = 0; d < 3; d++) i[d] = (int64_t)floor((x[d] - low[d]) / edge[d] + 0.5);
-    char *cell = &taken[i[0] + n[0] * (i[1] + n[1] * i[2])];
+    char *cell = &taken[cell_at(b, low, &mesh->nodes[3 * (size_t)mesh->elements[8 * (size_t)e]])];
     full = !*cell;
     *cell = 1;
   }
   ct_release(taken);
-  if (full) memcpy(cells, n, sizeof n);
+  if (!full) b->cells[0] = 0;
   return CT_OK;
 }
 
@@ -146,7 +199,7 @@ static int same_shape(int per, double x[20][3], double y[20][3])
       size = fmax(size, fabs(x[a][c] - x[0][c]));
       difference = fmax(difference, fabs((x[a][c] - x[0][c]) - (y[a][c] - y[0][c])));
     }
-  return difference <= 1e-12 * size;
+  return difference <= ALIKE * size;
 }
 
 /* Lower half of the stiffness of one element, and the masses of its nodes. */
@@ -159,21 +212,35 @@ static ct_status element_matrices(const ct_solid_part *part, double x[20][3], do
                             : ct_element_stiffness(part->mesh->kind, &x[0][0], NULL, material, A, error);
 }
 
+/* The bound by blocks. The material has no direction of its own, so a turned box has the eigenvalues of one along x, y, z. */
+static ct_status box_frequency(const ct_solid_part *part, const box *b, const int held[3], double *omega_squared, ct_error *error)
+{
+  static const int FREE[3] = {0, 0, 0};
+  double x[20][3], A[SIZE][SIZE], m[20];
+  for (int a = 0; a < 8; a++)
+    for (int d = 0; d < 3; d++) x[a][d] = CORNER[a][d] * b->edge[d];
+  ct_status status = element_matrices(part, x, A, m, error);
+  if (status == CT_OK) status = blocks_frequency(b->cells, b->aligned ? held : FREE, A, m, omega_squared, error);
+  // Elements that are alike to 12 digits of the size of the body.
+  *omega_squared *= 1.0 + 1e-9;
+  return status;
+}
+
 ct_status ct_solid_part_frequency(const ct_solid_part *part, const int held[3], double *omega_squared, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
   int per = ct_brick_node_count(mesh->kind);
-  int32_t cells[3] = {0, 0, 0};
   double last[20][3] = {{0.0}}, A[SIZE][SIZE], m[20], spread[SIZE];
+  box b = {.cells = {0}};
   *omega_squared = 0.0;
-  ct_status status = part->energies == NULL ? find_cells(mesh, cells, error) : CT_OK;
+  ct_status status = part->energies == NULL ? find_box(mesh, &b, error) : CT_OK;
+  if (status == CT_OK && b.cells[0] > 0) return box_frequency(part, &b, held, omega_squared, error);
   for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
     double x[20][3], w;
     ct_solid_load_element(mesh, e, mesh->nodes, x);
     if (e > 0 && same_shape(per, x, last)) continue;
     memcpy(last, x, sizeof last);
     status = element_matrices(part, x, A, m, error);
-    if (status == CT_OK && cells[0] > 0) return blocks_frequency(cells, held, A, m, omega_squared, error);
     ct_spread_mass(per, m, held, spread);
     if (status == CT_OK) status = ct_largest_eigenvalue(3 * per, spread, A, &w, error);
     if (status == CT_OK) *omega_squared = fmax(*omega_squared, w);
