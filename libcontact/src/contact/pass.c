@@ -291,8 +291,8 @@ void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_option
   ct_pass p = {side, other, ct_project_options_default(), options->epsilon, depth, listed, side == other, first};
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
-  // A surface with itself judges feet by more than their distance, and other methods have no lanes.
-  int lanes = !p.self && options->method == CT_ROBUST && (other->search->kind == CT_Q4 || other->search->kind == CT_Q8);
+  // A surface with itself judges feet by more than their distance, other methods have no lanes, and lanes take faces of one kind.
+  int lanes = !p.self && options->method == CT_ROBUST && side->search->kind == other->search->kind && (other->search->kind == CT_Q4 || other->search->kind == CT_Q8);
   int64_t count = ct_side_point_count(side);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(options->threads) schedule(static) if (options->threads > 1)

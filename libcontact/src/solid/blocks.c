@@ -221,8 +221,8 @@ static ct_status box_frequency(const ct_solid_part *part, const box *b, const in
     for (int d = 0; d < 3; d++) x[a][d] = CORNER[a][d] * b->edge[d];
   ct_status status = element_matrices(part, x, A, m, error);
   if (status == CT_OK) status = blocks_frequency(b->cells, b->aligned ? held : FREE, A, m, omega_squared, error);
-  // Elements that are alike to 12 digits of the size of the body.
-  *omega_squared *= 1.0 + 1e-9;
+  // Turned bricks are alike to 12 digits of the size of the body only.
+  if (!b->aligned) *omega_squared *= 1.0 + 1e-9;
   return status;
 }
 
