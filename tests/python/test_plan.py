@@ -80,3 +80,20 @@ def test_the_trial_of_a_plan_changes_nothing():
     scene.explain()
     a, b = scene.run(progress=False), fresh.run(progress=False)
     assert a.state["left"].displacement.tobytes() == b.state["left"].displacement.tobytes()
+
+
+def test_operations_of_contact_are_those_of_its_points_and_of_the_rounds_for_their_forces():
+    def contact(**entries):
+        scene = two_bars(gap=0.0, v=(3.0, -2.0), cells=8)
+        data = scene.data
+        data["contact"][0] |= entries
+        return next(cost for cost in ct.Scene(data).costs() if cost.name == "contact")
+
+    # one face on each side, 4 points each
+    explicit, controlled = contact(enforcement="penalty"), contact()
+    assert explicit.flops == 800 * 8
+    rounds = (controlled.flops - 1200 * 8) / (60 + 15 * 8)
+    assert 0.1 * 8 < rounds / (controlled.active or 1.0) < 8 * 500  # of 8 points, in the steps in which they press; the iteration ends after 500
+    assert controlled.bytes > explicit.bytes > 8 * 8
+    apart = next(cost for cost in two_bars(gap=10.0, end=1.0, cells=8).costs() if cost.name == "contact")
+    assert apart.flops == 1200 * 8

@@ -31,6 +31,8 @@ SHAKE = 1e-12
 # Effects that have no force where nothing touches.
 TOUCHING = ("contact", "obstacle", "friction")
 LOOP, OUTPUT = "time loop", "output"
+# The rounds of the iteration for contact forces, a step, each times the constraints in it, stand among the seconds under this name.
+ROUNDS = "rounds"
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,7 @@ def predict(problem: Problem, records: int) -> list[Cost]:
     except (Error, OSError):
         return [Cost(name, **part) for name, part in parts.items()]
     begun = active_share(problem, touch, IDLE_STEPS)
+    _add_rounds(problem, parts, seconds.pop(ROUNDS))
     for name, price in idle.items():
         # What a step costs with no element at work, from the first steps, where some are.
         asleep = (price - begun * seconds[name]) / (1.0 - begun) if begun < 1.0 else seconds[name]
@@ -86,7 +89,7 @@ def predict(problem: Problem, records: int) -> list[Cost]:
 
 def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, float]:
     """Seconds of a run by effect name, from the clock of its state."""
-    out = dict.fromkeys([*problem.effects, LOOP, OUTPUT], 0.0)
+    out = dict.fromkeys([*problem.effects, LOOP, OUTPUT, ROUNDS], 0.0)
     for k, name in enumerate([*problem.effects, LOOP]):
         out[name] += state.effect_seconds[k]
     out[OUTPUT] = output_seconds
@@ -121,6 +124,24 @@ def _parts(problem: Problem, state: Any) -> dict[str, dict[str, Any]]:
     return out
 
 
+def _add_rounds(problem: Problem, parts: dict[str, dict[str, Any]], rounds: float) -> None:
+    """Operations and bytes of the iteration for contact forces, shared out among contacts and obstacles by their points, as the time loop does with the time."""
+    effects = [problem.pointer.effects[k] for k in range(len(problem.effects))]
+    points = sum(effect.constraint_count for effect in effects)
+    for name, effect in zip(problem.effects, effects):
+        if effect.constraint_count:
+            share = rounds * effect.constraint_count / points
+            # A point of a contact moves the nodes of two faces.
+            faces = _face_nodes(problem) * (2 if name == "contact" else 1)
+            parts[name]["flops"] += share * (60.0 + 15.0 * faces)
+            parts[name]["bytes"] += share * (ffi.sizeof("ct_constraint") + 8.0 * 8.0 * faces)
+
+
+def _face_nodes(problem: Problem) -> int:
+    """Nodes of a face, the most of all bodies."""
+    return max(4 if body.mesh.element == "hex8" else 8 for body in problem.bodies.values())
+
+
 def _idle(problem: Problem, state: Any) -> dict[str, float]:
     """Seconds a step of the elements and of the time loop in the first steps of the run, with all that can be left out left out."""
     solid, loop, error, best = 0, len(problem.effects), new_error(), [math.inf, math.inf]
@@ -137,7 +158,7 @@ def _rehearsed(problem: Problem, loop: Any, rehearsal: Rehearsal, interval: int)
     memory = np.frombuffer(ffi.buffer(state.memory, 8 * state.memory_count), np.float64) if state.memory_count else np.empty(0)
     room = _room(problem, loop)
     steps = int(min(MOST_STEPS, max(room / MOST_MOMENTS, FEWEST_STEPS), max(room, LEAST_STEPS)))
-    out = dict.fromkeys([*problem.effects, LOOP, OUTPUT], 0.0)
+    out = dict.fromkeys([*problem.effects, LOOP, OUTPUT, ROUNDS], 0.0)
     for moment in rehearsal.moments(int(min(MOST_MOMENTS, max(1.0, room / steps)))):
         _place(problem, state, moment.displacement, moment.velocity)
         # Nothing is remembered of the state before.
@@ -164,7 +185,7 @@ def _touching(problem: Problem, loop: Any, touch: list[Touch], interval: int) ->
 def _room(problem: Problem, loop: Any) -> float:
     """How many steps the trial may take."""
     seconds = _trial(problem, loop, 1, 1, 2)
-    return TRIAL_SECONDS / sum(seconds[name] for name in seconds if name != OUTPUT)
+    return TRIAL_SECONDS / sum(seconds[name] for name in (*set(problem.effects), LOOP))
 
 
 def _place(problem: Problem, state: Any, displacement: np.ndarray, velocity: np.ndarray | None) -> None:
@@ -191,7 +212,7 @@ def _trial(problem: Problem, loop: Any, interval: int, warm: int, count: int) ->
     loop.start_guard()
     for _ in range(warm):
         check(lib.ct_step(problem.pointer, state, error), error)
-    before = np.array([state.effect_seconds[k] for k in range(len(names))])
+    before, rounds = np.array([state.effect_seconds[k] for k in range(len(names))]), state.constraint_rounds
     for left in range(count, 0, -1):
         # The record that is measured comes as long after another one as in the run.
         if left == min(count, interval):
@@ -203,6 +224,7 @@ def _trial(problem: Problem, loop: Any, interval: int, warm: int, count: int) ->
     out = dict.fromkeys(names, 0.0)
     for name, seconds in zip(names, np.array(rows).T):
         out[name] += float(seconds[seconds <= 4.0 * np.median(seconds)].mean())
+    out[ROUNDS] = (state.constraint_rounds - rounds) / count
     begin = loop.output_seconds
     loop.record()
     out[OUTPUT] = loop.output_seconds - begin
