@@ -98,14 +98,15 @@ def _fall(gap: float, speed: float, pull: float) -> float:
     return 2.0 * gap / (speed + math.sqrt(square))
 
 
-def active_share(problem: Problem, touch: list[Touch], count: int) -> float:
+def active_share(problem: Problem, touch: list[Touch], count: int, begins: np.ndarray | None = None) -> float:
     """
     The share of the elements' work that is left where those are skipped which no force can have reached, the mean over the first ``count`` steps of the run. A force goes one element a
-    step; it begins where surfaces can touch, where a support stops a node, and wherever another effect acts. 1 where nothing is left out, as in a body in plane strain.
+    step; it begins where a support stops a node, and at the nodes of each effect at the step that ``begins`` (effects) says; without it where surfaces can touch, and of other effects
+    at once. 1 where nothing is left out, as in a body in plane strain.
     """
     if "quiet" not in problem.parts.savings or sum(len(body.mesh.elements) for body in problem.bodies.values()) > MOST_ELEMENTS:
         return 1.0
-    starts = _starts(problem, touch)
+    starts = _starts(problem, touch, begins)
     active = total = 0.0
     for body in problem.bodies.values():
         share, work = 1.0, body.flops * len(body.mesh.elements)
@@ -118,7 +119,7 @@ def active_share(problem: Problem, touch: list[Touch], count: int) -> float:
     return active / total
 
 
-def _starts(problem: Problem, touch: list[Touch]) -> np.ndarray:
+def _starts(problem: Problem, touch: list[Touch], begins: np.ndarray | None) -> np.ndarray:
     """The step at which a force can begin at each node of the problem; infinite where none does."""
     pointer = problem.pointer
     count = pointer.node_count
@@ -139,7 +140,7 @@ def _starts(problem: Problem, touch: list[Touch]) -> np.ndarray:
         if name in met:
             begin = times[name, met[name]] / problem.dt
             met[name] += 1
-        starts[nodes] = np.minimum(starts[nodes], begin)
+        starts[nodes] = np.minimum(starts[nodes], begin if begins is None else begins[k])
     return starts
 
 

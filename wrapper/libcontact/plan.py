@@ -64,7 +64,8 @@ def predict(problem: Problem, records: int) -> list[Cost]:
     touch = first_touch(problem)
     rehearsal = rehearse(problem)
     steps = problem.step_count if rehearsal is None else rehearsal.steps
-    active = active_share(problem, touch, steps)
+    begins = None if rehearsal is None else rehearsal.begins()
+    active = active_share(problem, touch, steps, begins)
     try:
         idle = _idle(problem, state) if active < 1.0 else {}
         with _recorder(problem, state) as loop:
@@ -72,7 +73,7 @@ def predict(problem: Problem, records: int) -> list[Cost]:
             seconds = _touching(problem, loop, touch, interval) if rehearsal is None else _rehearsed(problem, loop, rehearsal, interval)
     except (Error, OSError):
         return [Cost(name, **part) for name, part in parts.items()]
-    begun = active_share(problem, touch, IDLE_STEPS)
+    begun = active_share(problem, touch, IDLE_STEPS, begins)
     _add_rounds(problem, parts, seconds.pop(ROUNDS))
     for name, price in idle.items():
         # What a step costs with no element at work, from the first steps, where some are.

@@ -62,6 +62,11 @@ class Rehearsal:
         """The share of the steps in which an effect acts at all."""
         return float(np.mean(self.pressing[:, effect] > 0.0))
 
+    def begins(self) -> np.ndarray:
+        """The step of the run at which each effect acts first; infinite for one that never does."""
+        acts = self.pressing > 0.0
+        return np.where(acts.any(axis=0), acts.argmax(axis=0) / len(acts) * self.steps, math.inf)
+
     def moments(self, count: int) -> Iterator[Moment]:
         """At most ``count`` states that stand for all of the run."""
         looks = len(self.pressing)
