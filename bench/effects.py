@@ -1,7 +1,7 @@
 """
 What each effect costs, alone and together, predicted before the run and measured in it: the plate impact, three other scenes,
-one with everything, and two that the prediction was not tuned on, a bouncing bar and a ring that is thrown against a wall. Predictions and
-measurements are minima of repeated trials and runs, taken in turns.
+one with everything, and two that the prediction was not tuned on, a bouncing bar and a ring that is thrown against a wall.
+Predictions and measurements are minima of repeated trials and runs, taken in turns.
 """
 
 from __future__ import annotations
@@ -62,7 +62,8 @@ def measure() -> dict:
                 predicted.append({cost.name: cost.predicted for cost in costs})
                 measured.append({cost.name: cost.measured for cost in costs})
                 steps = int(run.steps[-1])
-        parts = {part: {"predicted": min(row[part] for row in predicted), "measured": min(row[part] for row in measured)} for part in predicted[0]}
+        parts = {part: {key: min(row[part] for row in rows) for key, rows in (("predicted", predicted), ("measured", measured))}
+                 for part in predicted[0]}
         result[name] = {"steps": steps, "parts": parts}
         parts = result[name]["parts"].values()
         result[name]["together"] = {key: sum(part[key] for part in parts) for key in ("predicted", "measured")}

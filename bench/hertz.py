@@ -1,6 +1,7 @@
 """
-Hertz's contact on finer and finer meshes: a rigid sphere is pressed into a quarter of a large block. Force and contact radius against the closed form, at the approach that the surface
-of the block shows; with the observed order. Prints the table of the chapter "Obstacle". Takes about a minute.
+Hertz's contact on finer and finer meshes: a rigid sphere is pressed into a quarter of a large block. Force and contact radius
+against the closed form, at the approach that the surface of the block shows; with the observed order. Prints the table of the
+chapter "Obstacle". Takes about a minute.
 """
 
 from __future__ import annotations
@@ -41,8 +42,8 @@ def scene(n: int) -> tuple[ct.Scene, np.ndarray]:
         made.add_support(f"block.{axis}_min", fix=axis)
     depth = CONTACT**2 / RADIUS
     ramp = 4.0 * SIZE / math.sqrt(YOUNG / 1e-9)
-    made.add("obstacle", surface="block.z_max", sphere={"centre": [0, 0, RADIUS], "radius": RADIUS}, beta=BETA, travel=[0, 0, -depth],
-             history={"time": [0, ramp], "value": [0, 1]})
+    made.add("obstacle", surface="block.z_max", sphere={"centre": [0, 0, RADIUS], "radius": RADIUS}, beta=BETA,
+             travel=[0, 0, -depth], history={"time": [0, ramp], "value": [0, 1]})
     made.add("damping", relaxation=True)
     data = made.set_time(end=60.0 * ramp, fraction=0.9).set_output(every=100000).data
     data["time"]["until_static"] = 1e-6
@@ -58,12 +59,15 @@ def solve(n: int) -> dict:
     i, j = (np.searchsorted(x, block.nodes[top, k]) for k in range(2))
     u[i, j] = block.displacement[top]
     force, moment = pressed(u, x, BETA * YOUNG / np.diff(x).min())
-    return {"n": n, "elements": (m - 1) ** 3, "steps": int(run.steps[-1]), "force": 4.0 * force, "radius": math.sqrt(2.5 * moment / force),
-            "approach": -u[0, 0, 2] + np.interp(RIM * CONTACT, x, u[:, 0, 2])}
+    return {"n": n, "elements": (m - 1) ** 3, "steps": int(run.steps[-1]), "force": 4.0 * force,
+            "radius": math.sqrt(2.5 * moment / force), "approach": -u[0, 0, 2] + np.interp(RIM * CONTACT, x, u[:, 0, 2])}
 
 
 def pressed(u: np.ndarray, x: np.ndarray, epsilon: float) -> tuple[float, float]:
-    """Force on the surface, and the integral of pressure times distance from the axis squared, at the Gauss points as the library has them."""
+    """
+    Force on the surface, and the integral of pressure times distance from the axis squared, at the Gauss points as the library
+    has them.
+    """
     centre = np.array([0.0, 0.0, RADIUS - CONTACT**2 / RADIUS])
     X = np.zeros_like(u)
     X[..., 0], X[..., 1] = np.meshgrid(x, x, indexing="ij")
@@ -71,8 +75,8 @@ def pressed(u: np.ndarray, x: np.ndarray, epsilon: float) -> tuple[float, float]
     force = moment = 0.0
     for s in GAUSS:
         for t in GAUSS:
-            shape = [(0.25 * (1 + a * s) * (1 + b * t), slice(1, None) if a > 0 else slice(-1), slice(1, None) if b > 0 else slice(-1))
-                     for a in (-1, 1) for b in (-1, 1)]
+            end = {-1: slice(-1), 1: slice(1, None)}
+            shape = [(0.25 * (1 + a * s) * (1 + b * t), end[a], end[b]) for a in (-1, 1) for b in (-1, 1)]
             at, way = (sum(N * field[i, j] for N, i, j in shape) for field in (X, u))
             gap = np.linalg.norm(at + way - centre, axis=2) - RADIUS
             p = epsilon * np.maximum(-gap, 0.0) * weight
@@ -91,7 +95,8 @@ def exact(force: float) -> tuple[float, float]:
 
 def main() -> None:
     rows = [solve(n) for n in MESHES]
-    print(f"{'elements over a':>16}{'elements':>10}{'steps':>7}" + "".join(f"{name:>10}{'error':>9}{'order':>7}" for name in ("force", "radius", "approach")))
+    columns = "".join(f"{name:>10}{'error':>9}{'order':>7}" for name in ("force", "radius", "approach"))
+    print(f"{'elements over a':>16}{'elements':>10}{'steps':>7}" + columns)
     before = None
     for row in rows:
         a, deep = exact(row["force"])

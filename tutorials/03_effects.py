@@ -2,9 +2,10 @@
 A scene pays only for what it calls for
 =======================================
 
-We drop a steel rod on a concrete pad and add one effect at a time: weight, contact, a ground that lets waves go, damping, a force
-of our own. Each step changes the motion in a way that can be said beforehand, and has its price in time, which ``explain`` predicts
-and the run measures. What a scene does not name is not there: no time, no memory, not one bit of the result.
+We drop a steel rod on a concrete pad and add one effect at a time: weight, contact, a ground that lets waves go, damping, a
+force of our own. Each step changes the motion in a way that can be said beforehand, and has its price in time, which
+``explain`` predicts and the run measures. What a scene does not name is not there: no time, no memory, not one bit of the
+result.
 """
 
 # %%
@@ -71,8 +72,9 @@ assert abs(tip(run) - (GAP - V * END - 0.5 * G * END**2)) < 1e-12
 # %%
 # Contact
 # -------
-# Now the rod lands. It begins within the size of a face from the pad, so its points look for their nearest faces in every step, and
-# from the touch on their forces are found, too. Bodies that are farther apart are not searched at all (:doc:`/theory/savings`).
+# Now the rod lands. It begins within the size of a face from the pad, so its points look for their nearest faces in every step,
+# and from the touch on their forces are found, too. Bodies that are farther apart are not searched at all
+# (:doc:`/theory/savings`).
 
 
 def with_contact():
@@ -111,8 +113,8 @@ assert run.energy["damping"][-1] < 0
 # %%
 # One of our own
 # --------------
-# A spring that holds the upper end, written here. It is an effect as any other: a column of the ledger, a share of the stable step,
-# a row in the plan. It takes a part of the speed, and the rod lands more softly.
+# A spring that holds the upper end, written here. It is an effect as any other: a column of the ledger, a share of the stable
+# step, a row in the plan. It takes a part of the speed, and the rod lands more softly.
 
 K = 30.0  # N/mm on each node of the upper end
 data = damped.data
@@ -134,9 +136,9 @@ for name, run in runs.items():
 # What each adds
 # --------------
 # The velocity of the rod tells what an effect does; the bars tell what it costs: above what was measured, below, pale, what was
-# predicted before the run. The absorbing boundary is dear in an unexpected way. Its own force is cheap, but it damps the small mass of
-# edges and corners so strongly that the stable step falls to a third, and then all others are computed three times as often. The column
-# "of the bound" in the table at the end says so.
+# predicted before the run. The absorbing boundary is dear in an unexpected way. Its own force is cheap, but it damps the small
+# mass of edges and corners so strongly that the stable step falls to a third, and then all others are computed three times as
+# often. The column "of the bound" in the table at the end says so.
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(12, 4.8))
 styles = ["-", "--", "-", "--", "-", "-"]
@@ -171,7 +173,7 @@ fig.tight_layout()
 fig.savefig(folder / "effects.png", dpi=150)
 
 # %%
-# The plan of the last scene, beside what was measured. *Work* is the share of the elements that the waves have reached, and of the
-# steps in which the surfaces press; how the prediction is made is told in :doc:`/theory/plan`.
+# The plan of the last scene, beside what was measured. *Work* is the share of the elements that the waves have reached, and of
+# the steps in which the surfaces press; how the prediction is made is told in :doc:`/theory/plan`.
 
 print(held.cost_table(runs["+ a spring"]))

@@ -1,4 +1,6 @@
-"""The rehearsal of a run with larger elements: what it foresees against closed forms, and how it is laid on the meshes of the run."""
+"""
+The rehearsal of a run with larger elements: what it foresees against closed forms, and how it is laid on the meshes of the run.
+"""
 
 import math
 import tomllib
@@ -28,7 +30,8 @@ def rehearsed(scene):
 def block(element="hex8", cells=(8, 8, 8), **entries):
     scene = ct.Scene(units=UNITS)
     scene.add_material("soft", young=1e6, poisson=0.3, density=1000.0, law=entries.pop("law", None))
-    scene.add_body("block", material="soft", element=element, box={"origin": [1, 2, 3], "size": [1, 2, 3], "cells": list(cells)}, **entries)
+    box = {"origin": [1, 2, 3], "size": [1, 2, 3], "cells": list(cells)}
+    scene.add_body("block", material="soft", element=element, box=box, **entries)
     return scene.set_time(end=1.0, fraction=0.5)
 
 
@@ -96,7 +99,8 @@ def test_fields_that_are_linear_are_laid_on_a_box_without_error(cheap, element):
 def test_a_turned_ring_is_laid_as_it_turns(cheap, element):
     scene = ct.Scene(units=UNITS)
     scene.add_material("rubber", young=1e6, poisson=0.3, density=1000.0, law="neo_hookean")
-    scene.add_body("ring", material="rubber", element=element, ring={"centre": [1, 2, 3], "radius": [0.8, 1.0], "width": 0.4, "cells": [2, 48, 2]})
+    ring = {"centre": [1, 2, 3], "radius": [0.8, 1.0], "width": 0.4, "cells": [2, 48, 2]}
+    scene.add_body("ring", material="rubber", element=element, ring=ring)
     problem = scene.set_time(end=5.0, fraction=0.5)._built(None)
     coarse = rehearsal._coarse(problem)
     assert coarse.parts.bodies["ring"].ring.cells[1] < 48
@@ -114,7 +118,8 @@ def test_a_turned_ring_is_laid_as_it_turns(cheap, element):
 
 
 def test_a_run_to_rest_is_planned_with_the_steps_that_it_needs():
-    scene = block(cells=(3, 3, 3)).add("damping", relaxation=True).add("load", surface="block.z_max", pressure=10.0).add_support("block.z_min", fix="xyz")
+    scene = block(cells=(3, 3, 3)).add("damping", relaxation=True)
+    scene.add("load", surface="block.z_max", pressure=10.0).add_support("block.z_min", fix="xyz")
     data = scene.data
     data["time"] = {"end": 20.0, "fraction": 0.5, "until_static": 1e-3}
     scene = ct.Scene(data)
@@ -137,7 +142,12 @@ def test_like_states_are_one_group():
 
 def test_an_effect_of_the_user_is_rehearsed_with_nodes_of_its_own(cheap):
     seen = []
-    scene = block(cells=(40, 4, 4)).add_effect("spring", "block", "x_min", lambda view: seen.append(len(view.displacement)) or -1e3 * view.displacement)
+
+    def spring(view):
+        seen.append(len(view.displacement))
+        return -1e3 * view.displacement
+
+    scene = block(cells=(40, 4, 4)).add_effect("spring", "block", "x_min", spring)
     there = rehearsed(scene)
     assert there.coarse.parts.bodies["block"].box.cells[1] < 4
     seen.clear()

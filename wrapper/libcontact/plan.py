@@ -1,9 +1,10 @@
 """
 The plan of a run: what each effect will cost, predicted from a rehearsal and a trial on this machine, and what it did cost.
 
-What a step costs depends on where the run is: surfaces are far, near, pressing. So the prices are measured with the true scene in states that a rehearsal with larger elements goes
-through, each with the share of the run that it stands for. The trial works on a state of its own, which the run never sees; in it every body is shaken by a trillionth of an
-element, so that none is left out. Elements have a second price, that of being left out, and the share of those that a force can have reached.
+What a step costs depends on where the run is: surfaces are far, near, pressing. So the prices are measured with the true scene
+in states that a rehearsal with larger elements goes through, each with the share of the run that it stands for. The trial works
+on a state of its own, which the run never sees; in it every body is shaken by a trillionth of an element, so that none is left
+out. Elements have a second price, that of being left out, and the share of those that a force can have reached.
 """
 
 from __future__ import annotations
@@ -24,14 +25,16 @@ from .errors import Error, check, new_error
 from .problem import Problem, new_state
 from .rehearsal import Rehearsal, rehearse
 
-# All moments together may take about this time. At each some steps are taken, and those of the second half measured; in a scene of costly steps fewer.
+# All moments together may take about this time. At each some steps are taken, and those of the second half measured; in a scene
+# of costly steps fewer.
 TRIAL_SECONDS, MOST_MOMENTS, MOST_STEPS, FEWEST_STEPS, LEAST_STEPS = 0.5, 10, 48, 20, 4
 IDLE_STEPS = 16
 SHAKE = 1e-12
 # Effects that have no force where nothing touches.
 TOUCHING = ("contact", "obstacle", "friction")
 LOOP, OUTPUT = "time loop", "output"
-# The rounds of the iteration for contact forces, a step, each times the constraints in it, stand among the seconds under this name.
+# The rounds of the iteration for contact forces, a step, each times the constraints in it, stand among the seconds under this
+# name.
 ROUNDS = "rounds"
 
 
@@ -40,9 +43,10 @@ class Cost:
     """
     What one part of a run costs: an effect (all of its name together), the ``"time loop"`` around them, or the ``"output"``.
 
-    ``seconds_a_step`` [s], the mean over the run (of the output: of a record), ``active`` the share of its elements that are computed or of the steps in which its surfaces press,
-    ``predicted`` and ``measured`` [s] over the whole run (None where not known), ``flops`` and ``bytes`` a step (0: not counted), ``nodes`` that it acts on, and its part
-    ``omega_squared`` [1/time²] and ``rate`` [1/time] of the bound on the step.
+    ``seconds_a_step`` [s], the mean over the run (of the output: of a record), ``active`` the share of its elements that are
+    computed or of the steps in which its surfaces press, ``predicted`` and ``measured`` [s] over the whole run (None where not
+    known), ``flops`` and ``bytes`` a step (0: not counted), ``nodes`` that it acts on, and its part ``omega_squared`` [1/time²]
+    and ``rate`` [1/time] of the bound on the step.
     """
 
     name: str
@@ -70,7 +74,10 @@ def predict(problem: Problem, records: int) -> list[Cost]:
         idle = _idle(problem, state) if active < 1.0 else {}
         with _recorder(problem, state) as loop:
             interval = max(1, steps // max(1, records - 1))
-            seconds = _touching(problem, loop, touch, interval) if rehearsal is None else _rehearsed(problem, loop, rehearsal, interval)
+            if rehearsal is None:
+                seconds = _touching(problem, loop, touch, interval)
+            else:
+                seconds = _rehearsed(problem, loop, rehearsal, interval)
     except (Error, OSError):
         return [Cost(name, **part) for name, part in parts.items()]
     begun = active_share(problem, touch, IDLE_STEPS, begins)
@@ -79,12 +86,15 @@ def predict(problem: Problem, records: int) -> list[Cost]:
         # What a step costs with no element at work, from the first steps, where some are.
         asleep = (price - begun * seconds[name]) / (1.0 - begun) if begun < 1.0 else seconds[name]
         seconds[name] = active * seconds[name] + (1.0 - active) * min(max(asleep, 0.0), seconds[name])
-    shares = {name: _touch_share(problem, touch, name) for name in TOUCHING}
-    if rehearsal is not None:
-        shares = {name: max((rehearsal.active(k) for k, other in enumerate(problem.effects) if other == name), default=0.0) for name in TOUCHING}
-    else:
-        seconds.update({name: share * seconds[name] for name, share in shares.items() if name in seconds})
-    return [Cost(name, seconds_a_step=seconds[name], active=(shares | {"solid": active}).get(name, 1.0), predicted=seconds[name] * (records if name == OUTPUT else steps), **part)
+    shares = {"solid": active}
+    for name in set(TOUCHING).intersection(parts):
+        if rehearsal is None:
+            shares[name] = _touch_share(problem, touch, name)
+            seconds[name] *= shares[name]
+        else:
+            shares[name] = max(rehearsal.active(k) for k, other in enumerate(problem.effects) if other == name)
+    counts = {OUTPUT: records}
+    return [Cost(name, seconds_a_step=seconds[name], active=shares.get(name, 1.0), predicted=seconds[name] * counts.get(name, steps), **part)
             for name, part in parts.items()]
 
 
@@ -99,7 +109,7 @@ def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, f
 
 def _is_reaction(problem: Problem, name: str) -> bool:
     """Whether an effect only holds nodes: its work is done by the time loop."""
-    return all(problem.pointer.effects[k].reaction for k, other in enumerate(problem.effects) if other == name) and name in problem.effects
+    return name in problem.effects and all(problem.pointer.effects[k].reaction for k, other in enumerate(problem.effects) if other == name)
 
 
 def _parts(problem: Problem, state: Any) -> dict[str, dict[str, Any]]:
@@ -126,7 +136,10 @@ def _parts(problem: Problem, state: Any) -> dict[str, dict[str, Any]]:
 
 
 def _add_rounds(problem: Problem, parts: dict[str, dict[str, Any]], rounds: float) -> None:
-    """Operations and bytes of the iteration for contact forces, shared out among contacts and obstacles by their points, as the time loop does with the time."""
+    """
+    Operations and bytes of the iteration for contact forces, shared out among contacts and obstacles by their points, as the
+    time loop does with the time.
+    """
     effects = [problem.pointer.effects[k] for k in range(len(problem.effects))]
     points = sum(effect.constraint_count for effect in effects)
     for name, effect in zip(problem.effects, effects):
@@ -144,12 +157,15 @@ def _face_nodes(problem: Problem) -> int:
 
 
 def _idle(problem: Problem, state: Any) -> dict[str, float]:
-    """Seconds a step of the elements and of the time loop in the first steps of the run, with all that can be left out left out."""
+    """
+    Seconds a step of the elements and of the time loop in the first steps of the run, with all that can be left out left out.
+    """
     solid, loop, error, best = 0, len(problem.effects), new_error(), [math.inf, math.inf]
     for _ in range(2):
         before = [state.effect_seconds[k] for k in (solid, loop)]
         check(lib.ct_step_many(problem.pointer, state, IDLE_STEPS // 2, error), error)
-        best = [min(old, 2.0 * (state.effect_seconds[k] - start) / IDLE_STEPS) for old, k, start in zip(best, (solid, loop), before)]
+        seconds = [2.0 * (state.effect_seconds[k] - start) / IDLE_STEPS for k, start in zip((solid, loop), before)]
+        best = [min(pair) for pair in zip(best, seconds)]
     return {"solid": best[0], LOOP: best[1]}
 
 
@@ -171,7 +187,10 @@ def _rehearsed(problem: Problem, loop: Any, rehearsal: Rehearsal, interval: int)
 
 
 def _touching(problem: Problem, loop: Any, touch: list[Touch], interval: int) -> dict[str, float]:
-    """Seconds a step of each effect and of the time loop, and of a record, while all surfaces touch, which are moved together for it."""
+    """
+    Seconds a step of each effect and of the time loop, and of a record, while all surfaces touch, which are moved together for
+    it.
+    """
     u, moved = np.zeros((problem.pointer.node_count, 3)), set()
     for move in touch:
         # A body that several things wait for can be brought to one of them only.
@@ -204,8 +223,9 @@ def _place(problem: Problem, state: Any, displacement: np.ndarray, velocity: np.
 
 def _trial(problem: Problem, loop: Any, interval: int, warm: int, count: int) -> dict[str, float]:
     """
-    Seconds a step of each effect and of the time loop: the mean over ``count`` steps after ``warm`` ones, which wake the caches and the search; and of a record after them,
-    ``interval`` steps after another one. Steps that take four times their median were interrupted by something else and do not count.
+    Seconds a step of each effect and of the time loop: the mean over ``count`` steps after ``warm`` ones, which wake the caches
+    and the search; and of a record after them, ``interval`` steps after another one. Steps that take four times their median
+    were interrupted by something else and do not count.
     """
     names, state = [*problem.effects, LOOP], loop.state
     error, rows = new_error(), []
@@ -263,7 +283,8 @@ def table(costs: list[Cost], stable: float) -> list[str]:
     for cost in costs:
         # How much of 4 / dt² = W + 2 D / dt belongs to the effect.
         share = (cost.omega_squared + 2.0 * cost.rate / stable) / whole
-        line = f"  {cost.name:<14}{cost.nodes or '':>9}{_seconds(cost.seconds_a_step or None):>11}{100 * cost.active:>5.0f} %{_seconds(cost.predicted):>12}"
+        line = f"  {cost.name:<14}{cost.nodes or '':>9}{_seconds(cost.seconds_a_step or None):>11}{100 * cost.active:>5.0f} %"
+        line += f"{_seconds(cost.predicted):>12}"
         line += f"{_seconds(cost.measured):>12}" if told else ""
         line += f"{_count(cost.flops):>10}{_count(cost.bytes):>10}" + (f"{100 * share:>12.1f} %" if share else "")
         lines.append(line.rstrip())

@@ -1,8 +1,9 @@
 """
 A rehearsal of a run: the same scene with larger elements, computed to its end before the run, to know what will happen when.
 
-A plan needs to know what a run will meet: how long surfaces press, how many of their points, whether they part and meet again. That is a matter of bodies and waves, not of small
-elements, so a scene of larger elements tells it at a small part of the cost. Its states, laid on the meshes of the true scene, are those in which the plan measures its prices.
+A plan needs to know what a run will meet: how long surfaces press, how many of their points, whether they part and meet again.
+That is a matter of bodies and waves, not of small elements, so a scene of larger elements tells it at a small part of the cost.
+Its states, laid on the meshes of the true scene, are those in which the plan measures its prices.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from ._core import ffi, lib
 from .errors import Error, check, new_error
 from .problem import Problem, new_state
 
-# What a rehearsal may cost, in updates of an element: so many, or this share of the run's. A face that may press costs as much as some elements.
+# What a rehearsal may cost, in updates of an element: so many, or this share of the run's. A face that may press costs as much
+# as some elements.
 MOST_UPDATES, MOST_SHARE, FACE_UPDATES = 1e6, 0.03, 50
 FRACTION = 0.9
 # How often it is looked at, and how many numbers may be kept of it.
@@ -34,8 +36,8 @@ TIME_WEIGHT = 0.3
 @dataclass(frozen=True, eq=False)
 class Moment:
     """
-    A state of the run as the rehearsal foresees it: the ``step`` of the run, ``displacement`` and ``velocity`` (node_count, 3) on the run's meshes, and the ``share`` of
-    the steps that it stands for.
+    A state of the run as the rehearsal foresees it: the ``step`` of the run, ``displacement`` and ``velocity`` (node_count, 3)
+    on the run's meshes, and the ``share`` of the steps that it stands for.
     """
 
     step: int
@@ -47,8 +49,9 @@ class Moment:
 @dataclass(frozen=True, eq=False)
 class Rehearsal:
     """
-    The ``coarse`` problem's way through the run of ``problem``, looked at after equal parts of its time. ``pressing`` (looks, effects): the share of its nodes on which an effect acted
-    since the look before; ``steps``: those that the run will take, fewer than it may where it ends at rest.
+    The ``coarse`` problem's way through the run of ``problem``, looked at after equal parts of its time. ``pressing`` (looks,
+    effects): the share of its nodes on which an effect acted since the look before; ``steps``: those that the run will take,
+    fewer than it may where it ends at rest.
     """
 
     problem: Problem
@@ -80,7 +83,10 @@ class Rehearsal:
 
 
 def rehearse(problem: Problem) -> Rehearsal | None:
-    """Compute the scene with larger elements; None where that can't be done or is not cheap: a body with a mesh of its own can't be given larger elements."""
+    """
+    Compute the scene with larger elements; None where that can't be done or is not cheap: a body with a mesh of its own can't
+    be given larger elements.
+    """
     try:
         coarse = _coarse(problem)
         return None if coarse is None else _run(problem, coarse)
@@ -105,7 +111,8 @@ def _coarse(problem: Problem) -> Problem | None:
     contacts = tuple(replace(given, beta=None, epsilon=built.epsilon) for given, built in zip(parts.contacts, problem.contacts))
     effects = tuple(replace(added, given=_as_stiff(problem, added)) for added in parts.effects)
     time = replace(parts.time, end=problem.end, end_over=None, step=("fraction", FRACTION))
-    return Problem(replace(parts, bodies=bodies, contacts=contacts, effects=effects, time=time), problem.file, problem.threads, [copy.copy(own) for own in problem.own])
+    larger = replace(parts, bodies=bodies, contacts=contacts, effects=effects, time=time)
+    return Problem(larger, problem.file, problem.threads, [copy.copy(own) for own in problem.own])
 
 
 def _as_stiff(problem: Problem, added: Any) -> Any:
@@ -157,8 +164,11 @@ def _run(problem: Problem, coarse: Problem) -> Rehearsal:
     state, error = new_state(coarse), new_error()
     nodes, last = coarse.pointer.node_count, coarse.step_count
     looks = max(1, min(LOOKS, last, int(MOST_NUMBERS / (6 * nodes))))
-    u, v = (np.frombuffer(ffi.buffer(array, 24 * nodes), np.float64).reshape(-1, 3) for array in (state.displacement, state.velocity))
-    impulse = np.frombuffer(ffi.buffer(state.impulse, 8 * state.impulse_count), np.float64) if state.impulse_count else np.empty(0)
+    rows = lambda array: np.frombuffer(ffi.buffer(array, 24 * nodes), np.float64).reshape(-1, 3)
+    u, v = rows(state.displacement), rows(state.velocity)
+    impulse = np.empty(0)
+    if state.impulse_count:
+        impulse = np.frombuffer(ffi.buffer(state.impulse, 8 * state.impulse_count), np.float64)
     ends = np.cumsum([0] + [3 * coarse.pointer.effects[k].node_count for k in range(1, coarse.pointer.effect_count)])
     pressing, ways, speeds, before = np.zeros((looks, len(coarse.effects))), [], [], impulse.copy()
     for look in range(looks):
@@ -173,7 +183,8 @@ def _run(problem: Problem, coarse: Problem) -> Rehearsal:
         if _at_rest(coarse, state):
             break
     count = len(ways)
-    return Rehearsal(problem, coarse, math.ceil(count / looks * problem.step_count), pressing[:count], np.array(ways), np.array(speeds))
+    steps = math.ceil(count / looks * problem.step_count)
+    return Rehearsal(problem, coarse, steps, pressing[:count], np.array(ways), np.array(speeds))
 
 
 def _at_rest(problem: Problem, state: Any) -> bool:
@@ -186,7 +197,9 @@ def _at_rest(problem: Problem, state: Any) -> bool:
 
 
 def _group(points: np.ndarray, count: int) -> list[tuple[int, int]]:
-    """The rows that stand for groups of like rows, and how many each stands for: Lloyd's iteration from rows far from each other."""
+    """
+    The rows that stand for groups of like rows, and how many each stands for: Lloyd's iteration from rows far from each other.
+    """
     centres = [points.mean(axis=0)]
     for _ in range(count - 1):
         centres.append(points[_squares(points, centres).min(axis=1).argmax()])
@@ -243,7 +256,8 @@ class _Map:
         there = (fine - centre + self._between(left)) @ turn.T + now
         u[self.fine.nodes] = there - fine
         rate = np.linalg.lstsq(_crosses(x - now), (own_v - own_v.mean(axis=0)).ravel(), rcond=None)[0]
-        v[self.fine.nodes] = own_v.mean(axis=0) + np.cross(rate, there - now) + self._between(own_v - own_v.mean(axis=0) - np.cross(rate, x - now))
+        mean = own_v.mean(axis=0)
+        v[self.fine.nodes] = mean + np.cross(rate, there - now) + self._between(own_v - mean - np.cross(rate, x - now))
 
     def _between(self, values: np.ndarray) -> np.ndarray:
         return np.einsum("nk,nkc->nc", self.weights, values[self.numbers])
