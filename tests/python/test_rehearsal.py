@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import libcontact as ct
-from libcontact import rehearsal
+from libcontact import activity, rehearsal
 
 SCENES = Path(__file__).parents[2] / "tutorials" / "scenes"
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
@@ -50,6 +50,22 @@ def test_a_bar_presses_on_a_wall_for_two_passages_of_its_wave(cheap):
     assert seen.active(k) == pytest.approx(20 / 30 / 1.5, abs=0.03)
     looks = np.flatnonzero(seen.pressing[:, k] > 0)
     assert looks[0] / len(seen.pressing) == pytest.approx(0.5 / 1.5, abs=0.01)
+    assert seen.begins()[k] == pytest.approx(0.5 / 1.5 * seen.steps, rel=0.03)
+
+
+def test_elements_at_a_boundary_that_no_wave_has_reached_are_at_rest_in_the_plan(cheap):
+    # the far end absorbs, but in 0.25 of the passage of a wave nothing comes there; a load begins at the other end
+    scene = block(cells=(60, 2, 2)).add("load", surface="block.x_min", pressure=1.0).add("absorb", surface="block.x_max")
+    data = scene.data
+    data["body"][0]["box"]["size"] = [60, 2, 2]
+    c1 = ct.Scene(data).explain().data["bodies"][0]["c1"]
+    data["time"]["end"] = 15.0 / c1
+    problem = ct.Scene(data)._built(None)
+    seen = rehearsal.rehearse(problem)
+    begins = seen.begins()
+    assert begins[problem.effects.index("load")] == 0 and begins[problem.effects.index("absorb")] > 0.5 * seen.steps
+    share, without = (activity.active_share(problem, [], seen.steps, there) for there in (begins, None))
+    assert share < 0.75 * without
 
 
 def test_a_bouncing_bar_is_seen_to_come_back(cheap):
