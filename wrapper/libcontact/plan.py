@@ -29,6 +29,8 @@ from .rehearsal import Rehearsal, rehearse
 # of costly steps fewer.
 TRIAL_SECONDS, MOST_MOMENTS, MOST_STEPS, FEWEST_STEPS, LEAST_STEPS = 0.5, 10, 48, 20, 4
 IDLE_STEPS = 16
+# What takes so many times the median of its like was interrupted by something else and does not count.
+INTERRUPTED = 4.0
 SHAKE = 1e-12
 # Effects that have no force where nothing touches.
 TOUCHING = ("contact", "obstacle", "friction")
@@ -100,7 +102,7 @@ def predict(problem: Problem, records: int) -> list[Cost]:
 
 def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, float]:
     """Seconds of a run by effect name, from the clock of its state."""
-    out = dict.fromkeys([*problem.effects, LOOP, OUTPUT, ROUNDS], 0.0)
+    out, records = dict.fromkeys([*problem.effects, LOOP, ROUNDS], 0.0), []
     for k, name in enumerate([*problem.effects, LOOP]):
         out[name] += state.effect_seconds[k]
     out[OUTPUT] = output_seconds
@@ -175,15 +177,19 @@ def _rehearsed(problem: Problem, loop: Any, rehearsal: Rehearsal, interval: int)
     memory = np.frombuffer(ffi.buffer(state.memory, 8 * state.memory_count), np.float64) if state.memory_count else np.empty(0)
     room = _room(problem, loop)
     steps = int(min(MOST_STEPS, max(room / MOST_MOMENTS, FEWEST_STEPS), max(room, LEAST_STEPS)))
-    out = dict.fromkeys([*problem.effects, LOOP, OUTPUT, ROUNDS], 0.0)
+    out, records = dict.fromkeys([*problem.effects, LOOP, ROUNDS], 0.0), []
     for moment in rehearsal.moments(int(min(MOST_MOMENTS, max(1.0, room / steps)))):
         _place(problem, state, moment.displacement, moment.velocity)
         # Nothing is remembered of the state before.
         memory[:] = 0.0
         state.step, state.time = moment.step, moment.step * problem.dt
-        for name, seconds in _trial(problem, loop, interval, steps // 2, steps - steps // 2).items():
+        trial = _trial(problem, loop, interval, steps // 2, steps - steps // 2)
+        records.append((trial.pop(OUTPUT), moment.share))
+        for name, seconds in trial.items():
             out[name] += moment.share * seconds
-    return out
+    seconds, shares = np.array(records).T
+    whole = seconds <= INTERRUPTED * np.median(seconds)
+    return out | {OUTPUT: float(np.average(seconds[whole], weights=shares[whole]))}
 
 
 def _touching(problem: Problem, loop: Any, touch: list[Touch], interval: int) -> dict[str, float]:
@@ -224,8 +230,7 @@ def _place(problem: Problem, state: Any, displacement: np.ndarray, velocity: np.
 def _trial(problem: Problem, loop: Any, interval: int, warm: int, count: int) -> dict[str, float]:
     """
     Seconds a step of each effect and of the time loop: the mean over ``count`` steps after ``warm`` ones, which wake the caches
-    and the search; and of a record after them, ``interval`` steps after another one. Steps that take four times their median
-    were interrupted by something else and do not count.
+    and the search; and of a record after them, ``interval`` steps after another one. Steps that were interrupted do not count.
     """
     names, state = [*problem.effects, LOOP], loop.state
     error, rows = new_error(), []
@@ -244,7 +249,7 @@ def _trial(problem: Problem, loop: Any, interval: int, warm: int, count: int) ->
         before = now
     out = dict.fromkeys(names, 0.0)
     for name, seconds in zip(names, np.array(rows).T):
-        out[name] += float(seconds[seconds <= 4.0 * np.median(seconds)].mean())
+        out[name] += float(seconds[seconds <= INTERRUPTED * np.median(seconds)].mean())
     out[ROUNDS] = (state.constraint_rounds - rounds) / count
     begin = loop.output_seconds
     loop.record()
