@@ -2,9 +2,10 @@
 A scene pays only for what it calls for
 =======================================
 
-We drop a steel rod on a concrete pad and add one effect at a time: weight, contact, a ground that lets waves go, damping, a force of our own. Each step changes the motion in a
-way that can be said beforehand, and has its price in time, which ``explain`` predicts and the run measures. What a scene does not name is not there: no time, no memory, not one bit
-of the result.
+We drop a steel rod on a concrete pad and add one effect at a time: weight, contact, a ground that lets waves go, damping, a
+force of our own. Each step changes the motion in a way that can be said beforehand, and has its price in time, which
+``explain`` predicts and the run measures. What a scene does not name is not there: no time, no memory, not one bit of the
+result.
 """
 
 # %%
@@ -34,8 +35,10 @@ def base():
     scene = ct.Scene(title="A rod falls on a pad", units={"length": "mm", "mass": "t", "time": "s"})
     scene.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
     scene.add_material("concrete", young=3e4, poisson=0.2, density=2.4e-9)
-    scene.add_body("rod", material="steel", velocity=[0, 0, -V], box={"origin": [-10, -10, GAP], "size": [20, 20, 400], "cells": [2, 2, 40]})
-    scene.add_body("pad", material="concrete", box={"origin": [-50, -50, -100], "size": [100, 100, 100], "cells": [10, 10, 10]})
+    rod = {"origin": [-10, -10, GAP], "size": [20, 20, 400], "cells": [2, 2, 40]}
+    pad = {"origin": [-50, -50, -100], "size": [100, 100, 100], "cells": [10, 10, 10]}
+    scene.add_body("rod", material="steel", velocity=[0, 0, -V], box=rod)
+    scene.add_body("pad", material="concrete", box=pad)
     return scene.set_time(end=END, fraction=0.5).set_output(every=25)
 
 
@@ -49,7 +52,8 @@ runs, plans = {}, {}
 
 
 def compute(name, scene):
-    runs[name] = scene.run(progress=False)
+    """The faster of two runs, as other programs may have been in the way of one; both have the same bits."""
+    runs[name] = min((scene.run(progress=False) for _ in range(2)), key=lambda run: run.seconds)
     plans[name] = scene.costs(runs[name])
     return runs[name]
 
@@ -69,7 +73,9 @@ assert abs(tip(run) - (GAP - V * END - 0.5 * G * END**2)) < 1e-12
 # %%
 # Contact
 # -------
-# Now the rod lands. Before it does, the contact costs nothing: the boxes of both surfaces are too far apart, so nobody searches.
+# Now the rod lands. It begins within the size of a face from the pad, so its points look for their nearest faces in every step,
+# and from the touch on their forces are found, too. Bodies that are farther apart are not searched at all
+# (:doc:`/theory/savings`).
 
 
 def with_contact():
@@ -85,8 +91,8 @@ assert np.max(np.abs(run.energy["total"] - start)) < 0.01 * start
 # %%
 # A ground that lets waves go
 # ---------------------------
-# The pad stands for something larger. Held at its bottom it sends every wave back; an absorbing boundary (:doc:`/theory/absorb`) takes it. Now
-# energy leaves the scene, and the ledger tells how much.
+# The pad stands for something larger. Held at its bottom it sends every wave back; an absorbing boundary (:doc:`/theory/absorb`)
+# takes it. Now energy leaves the scene, and the ledger tells how much.
 
 open_ground = with_contact().data
 open_ground["absorb"] = [{"surface": f"pad.{face}"} for face in ("z_min", "x_min", "x_max", "y_min", "y_max")]
@@ -108,14 +114,17 @@ assert run.energy["damping"][-1] < 0
 # %%
 # One of our own
 # --------------
-# A spring that holds the upper end, written here. It is an effect as any other: a column of the ledger, a share of the stable step, a row in the plan.
+# A spring that holds the upper end, written here. It is an effect as any other: a column of the ledger, a share of the stable
+# step, a row in the plan. It takes a part of the speed, and the rod lands more softly.
 
-K = 500.0  # N/mm on each node of the upper end
+K = 30.0  # N/mm on each node of the upper end
 data = damped.data
 held = ct.Scene(data).add_effect("spring", "rod", "z_max", lambda view: -K * view.displacement,
-                                 energy=lambda view: 0.5 * K * np.sum(view.displacement**2), omega_squared=K / (7.8e-9 * 1000 / 4))
+                                 energy=lambda view: 0.5 * K * np.sum(view.displacement**2),
+                                 omega_squared=K / (7.8e-9 * 1000 / 4))
 run = compute("+ a spring", held)
 assert run.energy["spring"][-1] > 0
+assert run.energy["contact"].max() > 0
 
 # %%
 # In every step the work of all effects is the change of the kinetic energy, to round-off.
@@ -127,25 +136,37 @@ for name, run in runs.items():
 # %%
 # What each adds
 # --------------
-# The velocity of the rod tells what an effect does; the bars tell what it costs.
+# The velocity of the rod tells what an effect does; the bars tell what it costs: above what was measured, below, pale, what was
+# predicted before the run. The absorbing boundary is dear in an unexpected way. Its own force is cheap, but it damps the small
+# mass of edges and corners so strongly that the stable step falls to a third, and then all others are computed three times as
+# often. The column "of the bound" in the table at the end says so. The prediction is for a machine that does nothing else: where
+# other programs take turns with the run, it takes longer than the plan says.
 
-fig, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2))
-colours = plt.get_cmap("viridis")(np.linspace(0, 0.9, len(runs)))
-for (name, run), colour in zip(runs.items(), colours):
+fig, (left, right) = plt.subplots(1, 2, figsize=(12, 4.8))
+styles = ["-", "--", "-", "--", "-", "-"]
+colours = ["0.6", "k", *plt.get_cmap("viridis")(np.linspace(0.15, 0.85, len(runs) - 2))]
+for (name, run), colour, style in zip(runs.items(), colours, styles):
     rod = run.body_momentum("rod")
-    left.plot(1e3 * rod["time"], rod["p"][:, 2] / (7.8e-9 * 20 * 20 * 400) / 1000, color=colour, label=name)
+    left.plot(1e3 * rod["time"], rod["p"][:, 2] / (7.8e-9 * 20 * 20 * 400) / 1000, style, color=colour, label=name)
 left.set(xlabel="time [ms]", ylabel="mean velocity of the rod [m/s]", title="What each effect does")
 left.legend(frameon=False)
+
 parts = list(dict.fromkeys(cost.name for plan in plans.values() for cost in plan))
-bottoms = np.zeros(len(plans))
-for part in parts:
-    heights = np.array([sum(1e3 * cost.measured for cost in plan if cost.name == part) for plan in plans.values()])
-    right.barh(range(len(plans)), heights, left=bottoms, label=part)
-    bottoms += heights
-predicted = [sum(1e3 * cost.predicted for cost in plan) for plan in plans.values()]
-right.plot(predicted, range(len(plans)), "k|", markersize=18, label="predicted")
+for row, (name, plan) in enumerate(plans.items()):
+    for kind, shift, alpha in (("measured", -0.2, 1.0), ("predicted", 0.2, 0.45)):
+        start = 0.0
+        for cost in plan:
+            width = 1e3 * getattr(cost, kind)
+            right.barh(row + shift, width, height=0.38, left=start, color=f"C{parts.index(cost.name)}", alpha=alpha)
+            start += width
+    whole = {kind: sum(getattr(cost, kind) for cost in plan) for kind in ("measured", "predicted")}
+    text = f" {runs[name].steps[-1]} steps, predicted / measured {whole['predicted'] / whole['measured']:.2f}"
+    right.text(1e3 * max(whole.values()), row, text, va="center", fontsize=8)
+for k, part in enumerate(parts):
+    right.barh(0, 0, color=f"C{k}", label=part)
 right.set_yticks(range(len(plans)), plans)
 right.invert_yaxis()
+right.set_xlim(right=1.9 * right.dataLim.x1)
 right.set(xlabel="time of the run [ms]", title="What it costs")
 right.legend(frameon=False, fontsize=8, loc="upper right")
 for ax in (left, right):
@@ -154,6 +175,7 @@ fig.tight_layout()
 fig.savefig(folder / "effects.png", dpi=150)
 
 # %%
-# The plan of the last scene, beside what was measured:
+# The plan of the last scene, beside what was measured. *Work* is the share of the elements that the waves have reached, and of
+# the steps in which the surfaces press; how the prediction is made is told in :doc:`/theory/plan`.
 
 print(held.cost_table(runs["+ a spring"]))

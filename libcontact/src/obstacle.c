@@ -186,7 +186,8 @@ static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error 
   return CT_OK;
 }
 
-/* How far a point may be from the obstacle and yet reach it in this step: the size of a face and twice the way of the fastest node. */
+/* How far a point may be from the obstacle and yet reach it in this step: the size of a face and twice the way of the fastest
+ * node. */
 static double reach_of(const ct_effect *effect, const ct_view *view, const ct_side *side, const double moved[3])
 {
   double top = 0.0;
@@ -197,7 +198,8 @@ static double reach_of(const ct_effect *effect, const ct_view *view, const ct_si
   return side->search->size + 2.0 * (view->dt * sqrt(top) + sqrt(ct_vector_dot(moved, moved)));
 }
 
-static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view, ct_constraint *list, int64_t *count, ct_error *error)
+static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view, ct_constraint *list, int64_t *count,
+                                    ct_error *error)
 {
   const obstacle_data *data = effect->data;
   const ct_obstacle_points *s = view->scratch;
@@ -206,7 +208,8 @@ static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view
   if (status != CT_OK) return status;
   ct_obstacle_motion(&data->given, view->time + view->dt, moved);
   for (int c = 0; c < 3; c++) moved[c] = (data->given.point[c] + moved[c]) - s->place[c];
-  ct_press press = {&s->side, NULL, s->epsilon, data->given.enforcement, data->given.dissipation, reach_of(effect, view, &s->side, moved), 0, &view->memory[MEMORY], 1, 0};
+  double reach = reach_of(effect, view, &s->side, moved);
+  ct_press press = {&s->side, NULL, s->epsilon, data->given.enforcement, data->given.dissipation, reach, 0, &view->memory[MEMORY], 1, 0};
   *count = ct_press_list(&press, moved, list);
   return CT_OK;
 }
@@ -215,10 +218,14 @@ static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view
 static void take_constraints(const ct_view *view, ct_obstacle_points *s)
 {
   ct_press_apply(&s->side, 0, view->constraints, view->constraint_count);
-  s->held = ct_press_remember(view->constraints, view->constraint_count, ct_side_point_count(&s->side), &view->next_memory[MEMORY], 1, s->terms);
+  s->held = ct_press_remember(view->constraints, view->constraint_count, ct_side_point_count(&s->side), &view->next_memory[MEMORY], 1,
+                              s->terms);
 }
 
-static int is_penalty(const ct_effect *effect) { return ((const obstacle_data *)effect->data)->given.enforcement == CT_ENFORCE_PENALTY; }
+static int is_penalty(const ct_effect *effect)
+{
+  return ((const obstacle_data *)effect->data)->given.enforcement == CT_ENFORCE_PENALTY;
+}
 
 static ct_status obstacle_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
 {
@@ -287,7 +294,8 @@ static ct_status check(const ct_obstacle *o, const ct_problem *problem, ct_error
   if (!(o->epsilon > 0.0) || !isfinite(o->epsilon))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the penalty must be positive, not %g", o->epsilon);
   if (ct_enforcement_name(o->enforcement) == NULL || !(o->dissipation >= 0.0 && o->dissipation <= 1.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: enforcement %d with dissipation %g", (int)o->enforcement, o->dissipation);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: enforcement %d with dissipation %g", (int)o->enforcement,
+                   o->dissipation);
   if (o->shape != CT_OBSTACLE_SPHERE && !unit(o->axis, a))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the %s has no length",
                    o->shape == CT_OBSTACLE_PLANE ? "normal" : "axis");
@@ -302,6 +310,16 @@ static ct_status check(const ct_obstacle *o, const ct_problem *problem, ct_error
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, i / per, o->faces[i]}, "obstacle: there is no node %d",
                      (int)o->faces[i]);
   return CT_OK;
+}
+
+/* Operations and bytes of a call with all points pressing, without the rounds in which their forces are found: counted at a
+ * plane (eq:round-flops). */
+static void count_costs(ct_effect *effect, int64_t points)
+{
+  double listed = is_penalty(effect) ? 0.0 : 1.0;
+  effect->flops = (164.0 + 250.0 * listed) * (double)points + (6.0 + 20.0 * listed) * effect->node_count;
+  double bytes = 2.0 * sizeof(ct_gauss_point) + listed * (16.0 + 4.0 * sizeof(ct_constraint));
+  effect->bytes = bytes * (double)points + 250.0 * effect->node_count;
 }
 
 /* Copy what the caller gave, and the masses of the surface's nodes. */
@@ -335,6 +353,7 @@ static ct_status fill(obstacle_data *data, const ct_obstacle *o, const ct_proble
     effect->constraint_count = ct_side_point_count(&ct_obstacle_of_scratch(trial)->side);
     effect->memory_count += effect->constraint_count;
   }
+  count_costs(effect, ct_side_point_count(&ct_obstacle_of_scratch(trial)->side));
   free_scratch(trial);
   return status;
 }

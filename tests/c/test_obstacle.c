@@ -55,6 +55,24 @@ static void end(against *t)
   ct_mesh_free(t->mesh);
 }
 
+/* Operations of a plane obstacle with the explicit penalty, counted by hand on Q4 faces: what each point and each node takes. */
+static void operations(void)
+{
+  enum { NODES = 4, COMPONENTS = 3 };
+  const int place = COMPONENTS * (2 * NODES + NODES - 1), gap = 3 + 2, force = 3 + 2 * 3;
+  const int cut = 7, spread = NODES * COMPONENTS * (1 + cut), reaction = COMPONENTS * cut, node = 2 * COMPONENTS;
+  for (int32_t n = 1; n < 20; n += 9) {
+    against t = begin(box_mesh(CT_HEX8, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, n, n, n), &SOFT, 0.0, 0.0, 0.0);
+    add_obstacle(&t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0.0, 0.0, 1.0}, .epsilon = 900.0}, 2, 0.0, 0.0);
+    finish(&t, 1.0, 0.5);
+    double points = 4.0 * n * n, nodes = (n + 1.0) * (n + 1.0);
+    double counted = (place + gap + force + spread + reaction) * points + node * nodes;
+    tap_ok(fabs(t.problem->effects[1]->flops / counted - 1.0) < 0.1, "%d faces: %g operations, %g by hand", (int)(n * n), t.problem->effects[1]->flops, counted);
+    tap_ok(t.problem->effects[1]->bytes > 8.0 * (COMPONENTS * nodes * 4.0 + points), "and it reads its nodes and writes its points");
+    end(&t);
+  }
+}
+
 static void gaps(void)
 {
   double n[3], p[3] = {3.0, 4.0, 7.0};
@@ -323,6 +341,7 @@ static void refusals(void)
 
 int main(void)
 {
+  operations();
   gaps();
   gradient(CT_HEX8, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0.1, 0.2, 1}}, "plane, Q4");
   gradient(CT_HEX20, (ct_obstacle){.shape = CT_OBSTACLE_SPHERE, .point = {0.1, 0, -0.9}, .radius = 1.0}, "sphere, Q8");

@@ -16,7 +16,8 @@ def two_bars(gap=1.0, v=(3.0, -2.0), cells=40, savings=None, end=2.0):
     scene = ct.Scene(units=UNITS)
     scene.add_material("soft", young=900.0, poisson=0.0, density=1.0)
     for name, x, speed in (("left", -10.0, v[0]), ("right", gap, v[1])):
-        scene.add_body(name, material="soft", box={"origin": [x, 0, 0], "size": [10, 0.5, 0.5], "cells": [cells, 1, 1]}, velocity=[speed, 0, 0])
+        box = {"origin": [x, 0, 0], "size": [10, 0.5, 0.5], "cells": [cells, 1, 1]}
+        scene.add_body(name, material="soft", box=box, velocity=[speed, 0, 0])
     scene.add_contact("left.x_max", "right.x_min").set_time(end=end, fraction=0.9)
     if savings is not None:
         data = scene.data
@@ -80,3 +81,21 @@ def test_the_trial_of_a_plan_changes_nothing():
     scene.explain()
     a, b = scene.run(progress=False), fresh.run(progress=False)
     assert a.state["left"].displacement.tobytes() == b.state["left"].displacement.tobytes()
+
+
+def test_operations_of_contact_are_those_of_its_points_and_of_the_rounds_for_their_forces():
+    def contact(**entries):
+        scene = two_bars(gap=0.0, v=(3.0, -2.0), cells=8)
+        data = scene.data
+        data["contact"][0] |= entries
+        return next(cost for cost in ct.Scene(data).costs() if cost.name == "contact")
+
+    # one face on each side, 4 points each
+    explicit, controlled = contact(enforcement="penalty"), contact()
+    assert explicit.flops == 800 * 8
+    rounds = (controlled.flops - 1200 * 8) / (60 + 15 * 8)
+    # of 8 points, in the steps in which they press; the iteration ends after 500
+    assert 0.0 < controlled.active < 1.0 and 0.1 * 8 < rounds / controlled.active < 8 * 500
+    assert controlled.bytes > explicit.bytes > 8 * 8
+    apart = next(cost for cost in two_bars(gap=10.0, end=1.0, cells=8).costs() if cost.name == "contact")
+    assert apart.flops == 1200 * 8

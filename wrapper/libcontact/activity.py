@@ -1,4 +1,7 @@
-"""When something can happen in a scene: the first possible touch of each contact, and how much of the elements a force can have reached."""
+"""
+When something can happen in a scene: the first possible touch of each contact, and how much of the elements a force can have
+reached.
+"""
 
 from __future__ import annotations
 
@@ -20,8 +23,8 @@ MOST_ELEMENTS = 2_000_000
 @dataclass(frozen=True, eq=False)
 class Touch:
     """
-    One contact or obstacle, number ``contact`` of those named ``name``: the earliest ``time`` at which its surfaces can meet (infinite: never), and the ``shift`` (3,) of
-    ``body`` that brings them together.
+    One contact or obstacle, number ``contact`` of those named ``name``: the earliest ``time`` at which its surfaces can meet
+    (infinite: never), and the ``shift`` (3,) of ``body`` that brings them together.
     """
 
     name: str
@@ -32,8 +35,12 @@ class Touch:
 
 
 def first_touch(problem: Problem) -> list[Touch]:
-    """For each contact when the boxes of its surfaces meet, and for each obstacle when the surface does, the bodies moving as they began and with their gravity."""
-    out = [_obstacle(problem, i, added.given) for i, added in enumerate(added for added in problem.parts.effects if added.name == "obstacle")]
+    """
+    For each contact when the boxes of its surfaces meet, and for each obstacle when the surface does, the bodies moving as they
+    began and with their gravity.
+    """
+    obstacles = [added.given for added in problem.parts.effects if added.name == "obstacle"]
+    out = [_obstacle(problem, i, given) for i, given in enumerate(obstacles)]
     for i, contact in enumerate(problem.parts.contacts):
         (a, _), (b, _) = contact.surfaces
         if contact.with_itself:
@@ -58,7 +65,10 @@ def first_touch(problem: Problem) -> list[Touch]:
 
 
 def _obstacle(problem: Problem, number: int, given: Any) -> Touch:
-    """When the nearest node of an obstacle's surface comes to it; one that is moved by a history is taken as touched from the start."""
+    """
+    When the nearest node of an obstacle's surface comes to it; one that is moved by a history is taken as touched from the
+    start.
+    """
     body, face = given.surface
     mesh = problem.bodies[body].mesh
     points = mesh.nodes[mesh.face_nodes(face)]
@@ -98,24 +108,29 @@ def _fall(gap: float, speed: float, pull: float) -> float:
     return 2.0 * gap / (speed + math.sqrt(square))
 
 
-def active_share(problem: Problem, touch: list[Touch]) -> float:
+def active_share(problem: Problem, touch: list[Touch], count: int, begins: np.ndarray | None = None) -> float:
     """
-    The share of batches of elements that a force can have reached, the mean over the steps of the run. A force goes one element a step; it begins where
-    surfaces can touch, where a support stops a node, and wherever another effect acts. 1 where nothing is left out.
+    The share of the elements' work that is left where those are skipped which no force can have reached, the mean over the
+    first ``count`` steps of the run. A force goes one element a step; it begins where a support stops a node, and at the nodes
+    of each effect at the step that ``begins`` (effects) says; without it where surfaces can touch, and of other effects at
+    once. 1 where nothing is left out, as in a body in plane strain.
     """
     if "quiet" not in problem.parts.savings or sum(len(body.mesh.elements) for body in problem.bodies.values()) > MOST_ELEMENTS:
         return 1.0
-    starts = _starts(problem, touch)
+    starts = _starts(problem, touch, begins)
     active = total = 0.0
     for body in problem.bodies.values():
-        steps = _first_steps(body.mesh.elements, starts[body.nodes])
-        batches = np.minimum.reduceat(steps, np.arange(0, len(steps), BATCH))
-        active += np.maximum(problem.step_count - batches, 0.0).sum() / problem.step_count
-        total += len(batches)
-    return float(active / total)
+        share, work = 1.0, body.flops * len(body.mesh.elements)
+        if body.kernel != "plane":
+            steps = _first_steps(body.mesh.elements, starts[body.nodes])
+            batches = np.minimum.reduceat(steps, np.arange(0, len(steps), BATCH))
+            share = float(np.mean(np.maximum(count - batches, 0.0))) / count
+        active += share * work
+        total += work
+    return active / total
 
 
-def _starts(problem: Problem, touch: list[Touch]) -> np.ndarray:
+def _starts(problem: Problem, touch: list[Touch], begins: np.ndarray | None) -> np.ndarray:
     """The step at which a force can begin at each node of the problem; infinite where none does."""
     pointer = problem.pointer
     count = pointer.node_count
@@ -131,12 +146,13 @@ def _starts(problem: Problem, touch: list[Touch]) -> np.ndarray:
         effect = pointer.effects[k]
         if k == 0 or effect.reaction or effect.node_count == 0:
             continue
-        nodes = slice(None) if effect.nodes == ffi.NULL else np.frombuffer(ffi.buffer(effect.nodes, 4 * effect.node_count), np.int32)
+        everywhere = effect.nodes == ffi.NULL
+        nodes = slice(None) if everywhere else np.frombuffer(ffi.buffer(effect.nodes, 4 * effect.node_count), np.int32)
         begin = 0.0
         if name in met:
             begin = times[name, met[name]] / problem.dt
             met[name] += 1
-        starts[nodes] = np.minimum(starts[nodes], begin)
+        starts[nodes] = np.minimum(starts[nodes], begin if begins is None else begins[k])
     return starts
 
 

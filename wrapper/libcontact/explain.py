@@ -289,4 +289,4 @@ def _cost_lines(cost: dict[str, Any]) -> list[str]:
 def _plan_lines(plan: list[Cost], stable: float) -> list[str]:
     if any(cost.predicted is None for cost in plan):
         return ["  no prediction: a trial of a few steps failed"]
-    return ["  predicted from a trial of a few steps on this machine:", *table(plan, stable)]
+    return ["  predicted from a rehearsal and a trial on this machine; flops and bytes with all at work:", *table(plan, stable)]

@@ -162,11 +162,15 @@ class Loop:
 
     def record(self) -> None:
         """One row of each table, and one step of the file."""
-        begin = clock.perf_counter()
+        begin = clock.perf_counter() - self._effect_seconds()
         self._record()
         if self.watch is not None:
             self.watch(self.result(records=1))
-        self.output_seconds += clock.perf_counter() - begin
+        # The forces that a record asks for are those of the next step, which has them then.
+        self.output_seconds += clock.perf_counter() - self._effect_seconds() - begin
+
+    def _effect_seconds(self) -> float:
+        return math.fsum(self.state.effect_seconds[k] for k in range(len(self.problem.effects) + 1))
 
     def _record(self) -> None:
         self._call(lib.ct_watch_look, self.guard, self.state)

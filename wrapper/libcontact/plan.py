@@ -1,9 +1,10 @@
 """
-The plan of a run: what each effect will cost, predicted from a trial of a few steps on this machine, and what it did cost.
+The plan of a run: what each effect will cost, predicted from a rehearsal and a trial on this machine, and what it did cost.
 
-The trial works on a state of its own, which the run never sees. In it every body is shaken by a trillionth of an element and surfaces that will meet are moved
-together, so that nothing is left out and each effect shows its full price. The prediction is that price times the steps in which the effect
-has work to do: contact from the first possible touch on, elements from when a force can have reached them.
+What a step costs depends on where the run is: surfaces are far, near, pressing. So the prices are measured with the true scene
+in states that a rehearsal with larger elements goes through, each with the share of the run that it stands for. The trial works
+on a state of its own, which the run never sees; in it every body is shaken by a trillionth of an element, so that none is left
+out. Elements have a second price, that of being left out, and the share of those that a force can have reached.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 import contextlib
 import math
 import tempfile
-import time as clock
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,13 +20,24 @@ from typing import Any
 import numpy as np
 
 from ._core import ffi, lib
-from .activity import active_share, first_touch
+from .activity import Touch, active_share, first_touch
 from .errors import Error, check, new_error
 from .problem import Problem, new_state
+from .rehearsal import Rehearsal, rehearse
 
-TRIAL_STEPS, TRIAL_SECONDS = 30, 0.25
+# All moments together may take about this time. At each some steps are taken, and those of the second half measured; in a scene
+# of costly steps fewer.
+TRIAL_SECONDS, MOST_MOMENTS, MOST_STEPS, FEWEST_STEPS, LEAST_STEPS = 0.5, 10, 48, 20, 4
+IDLE_STEPS = 16
+# What takes so many times the median of its like was interrupted by something else and does not count.
+INTERRUPTED = 4.0
 SHAKE = 1e-12
+# Effects that have no force where nothing touches.
+TOUCHING = ("contact", "obstacle", "friction")
 LOOP, OUTPUT = "time loop", "output"
+# The rounds of the iteration for contact forces, a step, each times the constraints in it, stand among the seconds under this
+# name.
+ROUNDS = "rounds"
 
 
 @dataclass(frozen=True)
@@ -33,9 +45,10 @@ class Cost:
     """
     What one part of a run costs: an effect (all of its name together), the ``"time loop"`` around them, or the ``"output"``.
 
-    ``seconds_a_step`` while it has full work [s], ``active`` the share of that work that the run will see, ``predicted`` and ``measured`` [s]
-    over the whole run (None where not known), ``flops`` and ``bytes`` a step (0: not counted), ``nodes`` that it acts on, and
-    its part ``omega_squared`` [1/time²] and ``rate`` [1/time] of the bound on the step.
+    ``seconds_a_step`` [s], the mean over the run (of the output: of a record), ``active`` the share of its elements that are
+    computed or of the steps in which its surfaces press, ``predicted`` and ``measured`` [s] over the whole run (None where not
+    known), ``flops`` and ``bytes`` a step (0: not counted), ``nodes`` that it acts on, and its part ``omega_squared`` [1/time²]
+    and ``rate`` [1/time] of the bound on the step.
     """
 
     name: str
@@ -54,25 +67,42 @@ def predict(problem: Problem, records: int) -> list[Cost]:
     """The costs of a run that records ``records`` times; without predictions where the trial can't be made."""
     state = new_state(problem)
     parts = _parts(problem, state)
-    try:
-        _prepare(problem, state)
-        seconds = _trial(problem, state)
-        seconds[OUTPUT] = _record_seconds(problem, state)
-    except Error:
-        return [Cost(name, **part) for name, part in parts.items()]
-    steps = problem.step_count
     touch = first_touch(problem)
-    out = []
-    for name, part in parts.items():
-        active = active_share(problem, touch) if name == "solid" else _touch_share(problem, touch, name) if name in ("contact", "obstacle") else 1.0
-        count = records if name == OUTPUT else steps
-        out.append(Cost(name, seconds_a_step=seconds[name], active=active, predicted=seconds[name] * active * count, **part))
-    return out
+    rehearsal = rehearse(problem)
+    steps = problem.step_count if rehearsal is None else rehearsal.steps
+    begins = None if rehearsal is None else rehearsal.begins()
+    active = active_share(problem, touch, steps, begins)
+    try:
+        idle = _idle(problem, state) if active < 1.0 else {}
+        with _recorder(problem, state) as loop:
+            interval = max(1, steps // max(1, records - 1))
+            if rehearsal is None:
+                seconds = _touching(problem, loop, touch, interval)
+            else:
+                seconds = _rehearsed(problem, loop, rehearsal, interval)
+    except (Error, OSError):
+        return [Cost(name, **part) for name, part in parts.items()]
+    begun = active_share(problem, touch, IDLE_STEPS, begins)
+    _add_rounds(problem, parts, seconds.pop(ROUNDS))
+    for name, price in idle.items():
+        # What a step costs with no element at work, from the first steps, where some are.
+        asleep = (price - begun * seconds[name]) / (1.0 - begun) if begun < 1.0 else seconds[name]
+        seconds[name] = active * seconds[name] + (1.0 - active) * min(max(asleep, 0.0), seconds[name])
+    shares = {"solid": active}
+    for name in set(TOUCHING).intersection(parts):
+        if rehearsal is None:
+            shares[name] = _touch_share(problem, touch, name)
+            seconds[name] *= shares[name]
+        else:
+            shares[name] = max(rehearsal.active(k) for k, other in enumerate(problem.effects) if other == name)
+    counts = {OUTPUT: records}
+    return [Cost(name, seconds_a_step=seconds[name], active=shares.get(name, 1.0), predicted=seconds[name] * counts.get(name, steps), **part)
+            for name, part in parts.items()]
 
 
 def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, float]:
     """Seconds of a run by effect name, from the clock of its state."""
-    out = dict.fromkeys([*problem.effects, LOOP, OUTPUT], 0.0)
+    out, records = dict.fromkeys([*problem.effects, LOOP, ROUNDS], 0.0), []
     for k, name in enumerate([*problem.effects, LOOP]):
         out[name] += state.effect_seconds[k]
     out[OUTPUT] = output_seconds
@@ -81,7 +111,7 @@ def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, f
 
 def _is_reaction(problem: Problem, name: str) -> bool:
     """Whether an effect only holds nodes: its work is done by the time loop."""
-    return all(problem.pointer.effects[k].reaction for k, other in enumerate(problem.effects) if other == name) and name in problem.effects
+    return name in problem.effects and all(problem.pointer.effects[k].reaction for k, other in enumerate(problem.effects) if other == name)
 
 
 def _parts(problem: Problem, state: Any) -> dict[str, dict[str, Any]]:
@@ -107,63 +137,140 @@ def _parts(problem: Problem, state: Any) -> dict[str, dict[str, Any]]:
     return out
 
 
-def _prepare(problem: Problem, state: Any) -> None:
-    """Shake all nodes a little, and move surfaces that are apart together."""
-    count = problem.pointer.node_count
-    u = np.frombuffer(ffi.buffer(state.displacement, 24 * count), np.float64).reshape(-1, 3)
-    edge = min(body.mesh.shortest_edge for body in problem.bodies.values())
-    moved = set()
-    for move in first_touch(problem):
+def _add_rounds(problem: Problem, parts: dict[str, dict[str, Any]], rounds: float) -> None:
+    """
+    Operations and bytes of the iteration for contact forces, shared out among contacts and obstacles by their points, as the
+    time loop does with the time.
+    """
+    effects = [problem.pointer.effects[k] for k in range(len(problem.effects))]
+    points = sum(effect.constraint_count for effect in effects)
+    for name, effect in zip(problem.effects, effects):
+        if effect.constraint_count:
+            share = rounds * effect.constraint_count / points
+            # A point of a contact moves the nodes of two faces.
+            faces = _face_nodes(problem) * (2 if name == "contact" else 1)
+            parts[name]["flops"] += share * (60.0 + 15.0 * faces)
+            parts[name]["bytes"] += share * (ffi.sizeof("ct_constraint") + 8.0 * 8.0 * faces)
+
+
+def _face_nodes(problem: Problem) -> int:
+    """Nodes of a face, the most of all bodies."""
+    return max(4 if body.mesh.element == "hex8" else 8 for body in problem.bodies.values())
+
+
+def _idle(problem: Problem, state: Any) -> dict[str, float]:
+    """
+    Seconds a step of the elements and of the time loop in the first steps of the run, with all that can be left out left out.
+    """
+    solid, loop, error, best = 0, len(problem.effects), new_error(), [math.inf, math.inf]
+    for _ in range(2):
+        before = [state.effect_seconds[k] for k in (solid, loop)]
+        check(lib.ct_step_many(problem.pointer, state, IDLE_STEPS // 2, error), error)
+        seconds = [2.0 * (state.effect_seconds[k] - start) / IDLE_STEPS for k, start in zip((solid, loop), before)]
+        best = [min(pair) for pair in zip(best, seconds)]
+    return {"solid": best[0], LOOP: best[1]}
+
+
+def _rehearsed(problem: Problem, loop: Any, rehearsal: Rehearsal, interval: int) -> dict[str, float]:
+    """Seconds a step of each effect and of the time loop, and of a record, the means over states that stand for the run."""
+    state = loop.state
+    memory = np.frombuffer(ffi.buffer(state.memory, 8 * state.memory_count), np.float64) if state.memory_count else np.empty(0)
+    room = _room(problem, loop)
+    steps = int(min(MOST_STEPS, max(room / MOST_MOMENTS, FEWEST_STEPS), max(room, LEAST_STEPS)))
+    out, records = dict.fromkeys([*problem.effects, LOOP, ROUNDS], 0.0), []
+    for moment in rehearsal.moments(int(min(MOST_MOMENTS, max(1.0, room / steps)))):
+        _place(problem, state, moment.displacement, moment.velocity)
+        # Nothing is remembered of the state before.
+        memory[:] = 0.0
+        state.step, state.time = moment.step, moment.step * problem.dt
+        trial = _trial(problem, loop, interval, steps // 2, steps - steps // 2)
+        records.append((trial.pop(OUTPUT), moment.share))
+        for name, seconds in trial.items():
+            out[name] += moment.share * seconds
+    seconds, shares = np.array(records).T
+    whole = seconds <= INTERRUPTED * np.median(seconds)
+    return out | {OUTPUT: float(np.average(seconds[whole], weights=shares[whole]))}
+
+
+def _touching(problem: Problem, loop: Any, touch: list[Touch], interval: int) -> dict[str, float]:
+    """
+    Seconds a step of each effect and of the time loop, and of a record, while all surfaces touch, which are moved together for
+    it.
+    """
+    u, moved = np.zeros((problem.pointer.node_count, 3)), set()
+    for move in touch:
         # A body that several things wait for can be brought to one of them only.
         if move.body not in moved and move.shift.any():
             u[problem.bodies[move.body].nodes] += move.shift
             moved.add(move.body)
+    _place(problem, loop.state, u, None)
+    steps = int(min(MOST_STEPS, max(_room(problem, loop), LEAST_STEPS)))
+    return _trial(problem, loop, interval, steps // 2, steps - steps // 2)
+
+
+def _room(problem: Problem, loop: Any) -> float:
+    """How many steps the trial may take."""
+    seconds = _trial(problem, loop, 1, 1, 2)
+    return TRIAL_SECONDS / sum(seconds[name] for name in (*set(problem.effects), LOOP))
+
+
+def _place(problem: Problem, state: Any, displacement: np.ndarray, velocity: np.ndarray | None) -> None:
+    """Put the nodes there and shake them a little, so that no element is left out."""
+    count = problem.pointer.node_count
+    u = np.frombuffer(ffi.buffer(state.displacement, 24 * count), np.float64).reshape(-1, 3)
+    edge = min(body.mesh.shortest_edge for body in problem.bodies.values())
     shake = SHAKE * edge * np.random.default_rng(1).uniform(-1.0, 1.0, u.shape)
     for body in problem.bodies.values():
         # A layer in plane strain would leave its plane, and its kernel leaves nothing out.
-        if body.kernel != "plane":
-            u[body.nodes] += shake[body.nodes]
+        u[body.nodes] = displacement[body.nodes] + (shake[body.nodes] if body.kernel != "plane" else 0.0)
+    if velocity is not None:
+        np.frombuffer(ffi.buffer(state.velocity, 24 * count), np.float64).reshape(-1, 3)[:] = velocity
 
 
-def _trial(problem: Problem, state: Any) -> dict[str, float]:
-    """Seconds a step of each effect and of the time loop: the median over the steps of the trial."""
-    names = [*problem.effects, LOOP]
-    error, begin, rows = new_error(), clock.perf_counter(), []
-    before = np.zeros(len(names))
-    for _ in range(TRIAL_STEPS):
+def _trial(problem: Problem, loop: Any, interval: int, warm: int, count: int) -> dict[str, float]:
+    """
+    Seconds a step of each effect and of the time loop: the mean over ``count`` steps after ``warm`` ones, which wake the caches
+    and the search; and of a record after them, ``interval`` steps after another one. Steps that were interrupted do not count.
+    """
+    names, state = [*problem.effects, LOOP], loop.state
+    error, rows = new_error(), []
+    # The state was put here: what a guard knows of its energy begins anew.
+    loop.start_guard()
+    for _ in range(warm):
+        check(lib.ct_step(problem.pointer, state, error), error)
+    before, rounds = np.array([state.effect_seconds[k] for k in range(len(names))]), state.constraint_rounds
+    for left in range(count, 0, -1):
+        # The record that is measured comes as long after another one as in the run.
+        if left == min(count, interval):
+            loop.record()
         check(lib.ct_step(problem.pointer, state, error), error)
         now = np.array([state.effect_seconds[k] for k in range(len(names))])
         rows.append(now - before)
         before = now
-        if clock.perf_counter() - begin > TRIAL_SECONDS and len(rows) > 2:
-            break
-    # The first steps wake the caches and the search.
-    typical = np.median(rows[min(2, len(rows) - 1):], axis=0)
     out = dict.fromkeys(names, 0.0)
-    for name, seconds in zip(names, typical):
-        out[name] += float(seconds)
+    for name, seconds in zip(names, np.array(rows).T):
+        out[name] += float(seconds[seconds <= INTERRUPTED * np.median(seconds)].mean())
+    out[ROUNDS] = (state.constraint_rounds - rounds) / count
+    begin = loop.output_seconds
+    loop.record()
+    out[OUTPUT] = loop.output_seconds - begin
     return out
 
 
-def _record_seconds(problem: Problem, state: Any) -> float:
-    """Seconds of one record, written to a file that is thrown away."""
+@contextlib.contextmanager
+def _recorder(problem: Problem, state: Any) -> Iterator[Any]:
+    """A loop that records the state, into a file that is thrown away."""
     from .loop import Loop
 
     loop = Loop(problem, "")
     loop.state = state
-    loop.start_guard()
-    with tempfile.TemporaryDirectory() as folder, contextlib.suppress(OSError):
+    with tempfile.TemporaryDirectory() as folder:
         if problem.parts.output.file is not None and hasattr(lib, "ct_output_create"):
             loop.open(Path(folder) / "trial.vtkhdf")
-        times = []
-        for _ in range(3):
-            begin = clock.perf_counter()
-            loop.record()
-            times.append(clock.perf_counter() - begin)
-            check(lib.ct_step(problem.pointer, state, new_error()))
-        loop.abandon()
-        return min(times[1:])
-    return math.nan
+        try:
+            yield loop
+        finally:
+            loop.abandon()
 
 
 def _touch_share(problem: Problem, touch: list[Any], name: str) -> float:
@@ -181,7 +288,8 @@ def table(costs: list[Cost], stable: float) -> list[str]:
     for cost in costs:
         # How much of 4 / dt² = W + 2 D / dt belongs to the effect.
         share = (cost.omega_squared + 2.0 * cost.rate / stable) / whole
-        line = f"  {cost.name:<14}{cost.nodes or '':>9}{_seconds(cost.seconds_a_step or None):>11}{100 * cost.active:>5.0f} %{_seconds(cost.predicted):>12}"
+        line = f"  {cost.name:<14}{cost.nodes or '':>9}{_seconds(cost.seconds_a_step or None):>11}{100 * cost.active:>5.0f} %"
+        line += f"{_seconds(cost.predicted):>12}"
         line += f"{_seconds(cost.measured):>12}" if told else ""
         line += f"{_count(cost.flops):>10}{_count(cost.bytes):>10}" + (f"{100 * share:>12.1f} %" if share else "")
         lines.append(line.rstrip())

@@ -83,7 +83,7 @@ class Problem:
     def __init__(self, parts: scene_parts.Parts, file: str | None = None, threads: int | None = None,
                  own: Sequence[Any] = (), dt: float | None = None):
         """``dt``: the step to the last bit, as a run had it that is continued; None: as the scene says."""
-        self.parts, self.file = parts, file
+        self.parts, self.file, self.own = parts, file, tuple(own)
         self.threads = parts.threads if threads is None else threads
         self._check_size()
         out = ffi.new("ct_scene **")

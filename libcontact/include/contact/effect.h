@@ -97,7 +97,11 @@ typedef struct ct_effect {
   int reaction;
   /** Not zero: the force needs `total` of all others, so only reactions and effects with a larger `last` may stand after the effect in the problem's list. */
   int last;
-  /** Floating-point operations of one call of `force`, about; 0: not told. A plan shows it, nothing depends on it. */
+  /**
+   * Floating-point operations of one call of `force`, about; 0: not told. A plan shows it, nothing depends on it. An effect with
+   * `constrain` counts that call, too, and all its points as pressing, but not the rounds of the iteration, which are
+   * :eq:`round-flops` times `constraint_rounds` of the state.
+   */
   double flops;
   /** Bytes that one call of `force` moves between memory and processor, about; 0: not told. */
   double bytes;

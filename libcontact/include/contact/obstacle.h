@@ -29,7 +29,10 @@ typedef struct ct_obstacle {
   double epsilon;
   /** How gaps give forces. */
   ct_enforcement enforcement;
-  /** Share of the stiffness that acts at the end of the step, 0 ... 1, :eq:`energy-controlled`; for the energy-controlled penalty. */
+  /**
+   * Share of the stiffness that acts at the end of the step, 0 ... 1, :eq:`energy-controlled`; for the energy-controlled
+   * penalty.
+   */
   double dissipation;
   /** Constant velocity [length / time]. */
   double velocity[3];

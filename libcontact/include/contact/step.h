@@ -103,6 +103,11 @@ typedef struct ct_state {
    * then. Not part of a restart; written by `ct_step`.
    */
   int64_t unsettled;
+  /**
+   * Work of the search for the forces of the constraints so far: rounds of :eq:`constraint-iteration` times the constraints that
+   * they went over, summed over the steps. Not part of a restart.
+   */
+  int64_t constraint_rounds;
   /** Forces and scratch space of the current step; not part of a restart. */
   struct ct_workspace *workspace;
 } ct_state;

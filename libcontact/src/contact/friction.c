@@ -420,6 +420,10 @@ ct_status ct_friction_create_effect(const ct_friction *friction, const ct_proble
     ct_effect_free(effect);
     return status;
   }
+  // With all points pressing, counted on two plane surfaces and on a plane.
+  effect->flops = (data->rigid ? 225.0 : 750.0) * (double)data->points;
+  double memory = 16.0 * (data->rigid ? RIGID_MEMORY : MEMORY);
+  effect->bytes = (2.0 * sizeof(slip_point) + sizeof(ct_gauss_point) + memory) * (double)data->points + 250.0 * effect->node_count;
   effect->memory_count = (data->rigid ? RIGID_MEMORY : MEMORY) * data->points + TAIL;
   *out = effect;
   return CT_OK;

@@ -376,6 +376,7 @@ ct_status ct_solver_solve(const ct_problem *problem, ct_state *state, ct_error *
   if (!bound_rows(s) || !iterate(s) || !hand_out(problem, s))
     return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "the contact forces stopped being finite at t = %g", state->time);
   state->unsettled += !s->converged;
+  state->constraint_rounds += s->iterations * s->count;
   // Each effect pays for its part of the list.
   for (int32_t k = 0; problem->clock != NULL && k < problem->effect_count; k++)
     if (problem->effects[k]->constrain != NULL)
