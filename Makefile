@@ -301,7 +301,8 @@ threads: $(BUILD)/tsan/host_threads
 	TSAN_OPTIONS=halt_on_error=1 $<
 
 # The C tests under valgrind; slow. MEMCHECK names some of them.
-MEMCHECK ?= mesh mass solid solid_large solid_reduced step contact friction scene watch obstacle energy search api_fuzz
+MEMCHECK ?= mesh mass solid solid_large solid_reduced plane_strain step refine integrator contact contact_history contact_geometry self_contact enforcement friction scene watch obstacle motion energy search \
+  $(if $(HDF5),output) api_fuzz
 memory: $(MEMCHECK:%=$(BUILD)/tests/test_%)
 	@for t in $(MEMCHECK); do echo "  valgrind test_$$t"; \
 	  valgrind -q --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --error-exitcode=99 $(BUILD)/tests/test_$$t > $(BUILD)/tests/memory.txt || { cat $(BUILD)/tests/memory.txt; exit 1; }; done
