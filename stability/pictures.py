@@ -38,19 +38,24 @@ def verdicts(rows: list):
 
 
 def sweep(rows: list):
-    """Growth of energy over penalty and step, plates."""
+    """What the default enforcement takes from the plates, and how deep they overlap, over penalty and step."""
     own = [row for row in rows if row.case == "plates" and row.enforcement == "energy_controlled"]
     if len({row.fraction for row in own}) < 2:
         return None
-    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), constrained_layout=True)
-    for axis, key, label in zip(axes, ("energy", "points"), ("largest growth of energy", "deepest Gauss point / h")):
-        for fraction in sorted({round(row.fraction, 2) for row in own}):
-            part = sorted((row for row in own if round(row.fraction, 2) == fraction), key=lambda row: row.beta)
-            axis.loglog([row.beta for row in part], [max(getattr(row, key), 1e-17) for row in part], "o-", label=f"{fraction:g} of the limit")
+    figure, (lost, depth) = plt.subplots(1, 2, figsize=(9, 3.6), constrained_layout=True)
+    for fraction in sorted({round(row.fraction, 2) for row in own}):
+        part = sorted((row for row in own if round(row.fraction, 2) == fraction), key=lambda row: row.beta)
+        beta = [row.beta for row in part]
+        lost.semilogx(beta, [100 * row.lost for row in part], "o-", markersize=4, label=f"{fraction:g} of the limit")
+        depth.loglog(beta, [max(row.points, 1e-17) for row in part], "o-", markersize=4)
+    lost.set_ylabel("energy taken away [%]")
+    lost.set_ylim(bottom=0)
+    lost.legend(frameon=False, fontsize=8)
+    depth.set_ylabel("deepest Gauss point / h")
+    for axis in (lost, depth):
         axis.set_xlabel("penalty factor β")
-        axis.set_ylabel(label)
-    axes[0].legend(frameon=False, fontsize=8)
-    figure.suptitle("Plate impact with the energy-controlled penalty: every penalty, every step")
+        axis.spines[["top", "right"]].set_visible(False)
+    figure.suptitle(f"Plate impact, energy-controlled penalty: in no run the energy grows by more than {max(row.energy for row in own):.1g}")
     return figure
 
 
