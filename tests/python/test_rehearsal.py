@@ -88,6 +88,15 @@ def test_what_is_cheap_is_rehearsed_as_it_is():
     assert small.coarse.parts.bodies["block"].box.cells == (3, 3, 3)
 
 
+def test_a_long_run_is_rehearsed_in_a_bounded_time(monkeypatch):
+    problem = block(cells=(20, 20, 20)).set_time(end=1e6, fraction=0.5)._built(None)
+    assert rehearsal.MOST_SHARE * rehearsal._updates(problem, problem.parts.bodies) > 1e8
+    coarse = rehearsal._coarse(problem)
+    assert coarse is None or coarse.step_count * len(coarse.bodies["block"].mesh.elements) < 1e8
+    monkeypatch.setattr(rehearsal, "MOST_EVER", 1e11)
+    assert rehearsal._coarse(problem) is not None
+
+
 def test_what_has_no_lattice_is_not_rehearsed(cheap):
     large = block(cells=(20, 20, 20))._built(None)
     box = rehearsal._coarse(large).parts.bodies["block"].box

@@ -21,9 +21,9 @@ from ._core import ffi, lib
 from .errors import Error, check, new_error
 from .problem import Problem, new_state
 
-# What a rehearsal may cost, in updates of an element: so many, or this share of the run's. A face that may press costs as much
-# as some elements.
-MOST_UPDATES, MOST_SHARE, FACE_UPDATES = 1e6, 0.03, 50
+# What a rehearsal may cost, in updates of an element: so many, or this share of the run's, but never more than some seconds. A
+# face that may press costs as much as some elements.
+MOST_UPDATES, MOST_SHARE, MOST_EVER, FACE_UPDATES = 1e6, 0.03, 1e8, 50
 FRACTION = 0.9
 # How often it is looked at, and how many numbers may be kept of it.
 LOOKS, MOST_NUMBERS = 240, 2e7
@@ -102,7 +102,7 @@ def _coarse(problem: Problem) -> Problem | None:
     parts = problem.parts
     if not all(isinstance(own.given, str) for own in problem.own):
         return None
-    most, times = max(MOST_UPDATES, MOST_SHARE * _updates(problem, parts.bodies)), 1.0
+    most, times = min(max(MOST_UPDATES, MOST_SHARE * _updates(problem, parts.bodies)), MOST_EVER), 1.0
     largest = max((n for body in parts.bodies.values() if _lattice(body) for n in _lattice(body).cells), default=0)
     while _updates(problem, bodies := {name: _larger(body, times) for name, body in parts.bodies.items()}) > most:
         if times > largest:
