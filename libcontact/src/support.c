@@ -4,13 +4,19 @@
 #include "memory.h"
 
 #include <math.h>
+#include <string.h>
 
-/* For each node of the effect and component: whether it is prescribed, and its velocity. */
+/* What a node is held to: for each component whether it is prescribed, and its velocity. */
+typedef struct hold {
+  int fixed[3];
+  double velocity[3];
+} hold;
+
+/* The nodes of the effect, each with its hold. Many nodes share a hold: supports are few. */
 typedef struct support_data {
-  int32_t *nodes;
-  int32_t node_count;
-  int *fixed;
-  double *velocity;
+  int32_t *nodes, *hold_of;
+  int32_t node_count, hold_count;
+  hold *holds;
 } support_data;
 
 static void free_data(void *data)
@@ -18,8 +24,8 @@ static void free_data(void *data)
   support_data *d = data;
   if (d == NULL) return;
   ct_release(d->nodes);
-  ct_release(d->fixed);
-  ct_release(d->velocity);
+  ct_release(d->hold_of);
+  ct_release(d->holds);
   ct_release(d);
 }
 
@@ -56,25 +62,39 @@ static ct_status enter(const ct_support *support, int32_t number, int *fixed, do
   return CT_OK;
 }
 
-/* Keep the rows of nodes with a prescribed component. */
+/* Number of a hold among the last ones of a list; a new one goes to the end. */
+static int32_t number_of(const hold *own, hold *list, int32_t *count)
+{
+  enum { LOOK_BACK = 64 };
+  for (int32_t i = *count - 1; i >= 0 && i >= *count - LOOK_BACK; i--)
+    if (memcmp(&list[i], own, sizeof *own) == 0) return i;
+  list[*count] = *own;
+  return (*count)++;
+}
+
+/* Keep the nodes with a prescribed component. */
 static ct_status compress(support_data *data, int32_t node_count, const int *fixed, const double *velocity)
 {
   int32_t count = 0;
   for (int32_t n = 0; n < node_count; n++) count += fixed[3 * (int64_t)n] || fixed[3 * (int64_t)n + 1] || fixed[3 * (int64_t)n + 2];
   data->nodes = ct_allocate((size_t)count, sizeof *data->nodes);
-  data->fixed = ct_allocate((size_t)count, 3 * sizeof *data->fixed);
-  data->velocity = ct_allocate((size_t)count, 3 * sizeof *data->velocity);
-  if (data->nodes == NULL || data->fixed == NULL || data->velocity == NULL) return CT_ERROR_MEMORY;
-  for (int32_t n = 0; n < node_count; n++) {
+  data->hold_of = ct_allocate((size_t)count, sizeof *data->hold_of);
+  hold *all = ct_allocate((size_t)count, sizeof *all);
+  for (int32_t n = 0; data->nodes != NULL && data->hold_of != NULL && all != NULL && n < node_count; n++) {
     const int *f = &fixed[3 * (int64_t)n];
     if (!f[0] && !f[1] && !f[2]) continue;
-    for (int c = 0; c < 3; c++) {
-      data->fixed[3 * (int64_t)data->node_count + c] = f[c];
-      data->velocity[3 * (int64_t)data->node_count + c] = velocity[3 * (int64_t)n + c];
-    }
+    hold own;
+    memset(&own, 0, sizeof own);
+    memcpy(own.fixed, f, sizeof own.fixed);
+    memcpy(own.velocity, &velocity[3 * (int64_t)n], sizeof own.velocity);
+    data->hold_of[data->node_count] = number_of(&own, all, &data->hold_count);
     data->nodes[data->node_count++] = n;
   }
-  return CT_OK;
+  data->holds = all == NULL ? NULL : ct_allocate((size_t)data->hold_count, sizeof *data->holds);
+  ct_status status = data->nodes != NULL && data->hold_of != NULL && data->holds != NULL ? CT_OK : CT_ERROR_MEMORY;
+  if (status == CT_OK) memcpy(data->holds, all, (size_t)data->hold_count * sizeof *all);
+  ct_release(all);
+  return status;
 }
 
 ct_status ct_support_create_effect(const ct_support *supports, int32_t support_count, int32_t node_count, ct_effect **out, ct_error *error)
@@ -110,11 +130,13 @@ ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double
 {
   if (effect == NULL || effect->free_data != free_data || inverse_mass == NULL || velocity == NULL) return CT_ERROR_ARGUMENT;
   const support_data *data = effect->data;
-  for (int32_t i = 0; i < data->node_count; i++)
+  for (int32_t i = 0; i < data->node_count; i++) {
+    const hold *own = &data->holds[data->hold_of[i]];
     for (int c = 0; c < 3; c++) {
-      if (!data->fixed[3 * (int64_t)i + c]) continue;
+      if (!own->fixed[c]) continue;
       inverse_mass[3 * (int64_t)data->nodes[i] + c] = 0.0;
-      velocity[3 * (int64_t)data->nodes[i] + c] = data->velocity[3 * (int64_t)i + c];
+      velocity[3 * (int64_t)data->nodes[i] + c] = own->velocity[c];
     }
+  }
   return CT_OK;
 }

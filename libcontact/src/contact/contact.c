@@ -230,8 +230,8 @@ typedef struct heap {
   double coarse[24], fine[24];
 } heap;
 
-/* Bring what a heap holds to the nodes of its face, and begin with another face. */
-static void bring(ct_side *side, heap *sums, int32_t next)
+/* Bring what a heap holds to the nodes of its face, and begin with another face. These are inlined with `per` known, 4 or as many as there may be. */
+CT_INLINE void bring(int per, ct_side *side, heap *sums, int32_t next)
 {
   const ct_search *search = side->search;
   for (int a = 0; sums->face >= 0 && a < search->per; a++) {
@@ -241,30 +241,22 @@ static void bring(ct_side *side, heap *sums, int32_t next)
       side->force_fine[node + c] += sums->fine[3 * a + c];
     }
   }
-  *sums = (heap){.face = next};
-}
-
-/* Add a force at a point to the sums of `count` components. */
-static inline void pile(const ct_grid *grid, int count, const double N[8], const double force[3], heap *sums)
-{
-  double x[24];
-  for (int a = 0; 3 * a < count; a++)
-    for (int c = 0; c < 3; c++) x[3 * a + c] = N[a] * force[c];
-#pragma omp simd
-  for (int i = 0; i < count; i++) ct_grid_add(grid, x[i], &sums->coarse[i], &sums->fine[i]);
+  sums->face = next;
+  for (int i = 0; i < 3 * per; i++) sums->coarse[i] = sums->fine[i] = 0.0;
 }
 
 /* Add a force at a point of `face` to its heap. The grid makes all sums exact, so it does not matter that they are made by parts. */
-static inline void push(const ct_grid *grid, ct_side *side, int32_t face, const double N[8], const double force[3], heap *sums)
+CT_INLINE void push(int per, const ct_grid *grid, ct_side *side, int32_t face, const double N[8], const double force[3], heap *sums)
 {
-  if (face != sums->face) bring(side, sums, face);
-  if (side->search->per > 4) pile(grid, 24, N, force, sums);
-  else pile(grid, 12, N, force, sums);
+  double x[24];
+  if (face != sums->face) bring(per, side, sums, face);
+  for (int a = 0; a < per; a++)
+    for (int c = 0; c < 3; c++) x[3 * a + c] = N[a] * force[c];
+#pragma omp simd
+  for (int i = 0; i < 3 * per; i++) ct_grid_add(grid, x[i], &sums->coarse[i], &sums->fine[i]);
 }
 
-/* Add the forces of one side's points to the nodes of both sides, in sums that do not depend on their order (eq:contact-force). */
-CT_CLONES
-static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
+CT_INLINE void spread_faces(int per, const ct_grid *grid, ct_side *side, ct_side *other)
 {
   heap own = {.face = -1}, theirs = {.face = -1};
   const ct_gauss_point *point = side->points;
@@ -272,11 +264,19 @@ static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
     for (int q = 0; q < side->rule.count; q++, point++) {
       if (!ct_point_presses(point)) continue;
       const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
-      push(grid, side, face, side->N[q], point->force, &own);
-      push(grid, other, point->other, point->N, back, &theirs);
+      push(per, grid, side, face, side->N[q], point->force, &own);
+      push(per, grid, other, point->other, point->N, back, &theirs);
     }
-  bring(side, &own, -1);
-  bring(other, &theirs, -1);
+  bring(per, side, &own, -1);
+  bring(per, other, &theirs, -1);
+}
+
+/* Add the forces of one side's points to the nodes of both sides, in sums that do not depend on their order (eq:contact-force). */
+CT_CLONES
+static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
+{
+  if (side->search->per <= 4 && other->search->per <= 4) spread_faces(4, grid, side, other);
+  else spread_faces(8, grid, side, other);
 }
 
 static double largest_force(const ct_side *side)

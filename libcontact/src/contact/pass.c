@@ -265,15 +265,27 @@ static verdict judge(const ct_pass *p, int32_t face, int q, const double y[3], n
   return found;
 }
 
+/* Whether nothing can be near a point: it was over no face, and no face is listed for its own; at the very first look it may be deep inside (eq:point-history). */
+static int is_alone(const ct_pass *p, int32_t face, const ct_gauss_point *point)
+{
+  const int32_t *list = &p->side->candidate_first[face];
+  return list[0] == list[1] && point->other < 0 && point->history != CT_POINT_INSIDE && !p->first;
+}
+
 static void search_point(const ct_pass *p, int32_t face, int q)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
   int64_t number = (int64_t)face * p->side->rule.count + q;
+  ct_gauss_point *point = &p->side->points[number];
   nearest best;
   double y[3];
+  if (is_alone(p, face, point)) {
+    close_point(p, number, point->history == CT_POINT_BURIED ? FAR : NOWHERE, -1, point->xi);
+    return;
+  }
   position(p->side, face, q, zero, y);
   find_nearest(p, face, q, y, 0, &best);
-  verdict found = judge(p, face, q, y, &best, &p->side->points[number]);
+  verdict found = judge(p, face, q, y, &best, point);
   close_point(p, number, found, best.face, best.foot.xi);
 }
 

@@ -82,7 +82,10 @@ static inline void lattice_nodes(const ct_solid_part *part, int32_t b, int32_t n
   int32_t row = part->cells[0] + 1, layer = row * (part->cells[1] + 1), first[8];
   int32_t e = 8 * b, i = e % part->cells[0], j = e / part->cells[0] % part->cells[1], k = e / part->cells[0] / part->cells[1];
   const int32_t corner[8] = {0, 1, row + 1, row, layer, layer + 1, layer + row + 1, layer + row};
-  for (int l = 0; l < 8; l++) {
+  // Mostly all eight are in one row.
+  int whole = i + 8 <= part->cells[0];
+  for (int l = 0; l < 8; l++) first[l] = i + row * j + layer * k + l;
+  for (int l = 0; !whole && l < 8; l++) {
     first[l] = i + row * j + layer * k;
     if (e + l + 1 >= part->mesh->element_count) continue; // the last batch repeats its last element
     i++;

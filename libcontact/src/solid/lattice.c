@@ -75,38 +75,46 @@ static void gather_run(const double *const v[8], const int64_t step[8], int32_t 
   }
 }
 
-/* Where the eight elements around node (i, j, k) have their force on it; answers for how many nodes along x this goes on. */
-static int32_t octants(const ct_solid_part *part, const double *values, const int32_t at[3], int32_t count, const double *v[8], int64_t step[8])
+/* First elements of the four rows of elements around a row of nodes, along the positive η and ζ last; -1: none. */
+static void rows_around(const int32_t cells[3], int32_t line, int64_t row[4])
 {
-  enum { ZEROS = 64 };
+  int32_t j = line % (cells[1] + 1), k = line / (cells[1] + 1);
+  for (int r = 0; r < 4; r++) {
+    int32_t y = j - 1 + (r & 1), z = k - 1 + (r >> 1);
+    row[r] = y >= 0 && y < cells[1] && z >= 0 && z < cells[2] ? cells[0] * (y + (int64_t)cells[1] * z) : -1;
+  }
+}
+
+/* Sum at the i-th node of a row and those after it, `count` at most; answers for how many this was done: rows of forces end at the ends of the ring, and at the ends of a row a
+ * node has fewer elements. */
+static int32_t gather_piece(const ct_solid_part *part, const double *values, const int64_t row[4], int32_t i, int32_t count, double *f)
+{
+  enum { ZEROS = 256 };
   static const double zeros[ZEROS] = {0.0};
   static const int corner[8] = {6, 7, 5, 4, 2, 3, 1, 0}; // local number of the node in the element of each octant
-  const int32_t *cells = part->cells;
-  int64_t e0 = at[0] - 1 + (int64_t)cells[0] * (at[1] - 1 + (int64_t)cells[1] * (at[2] - 1));
-  int32_t inside = at[0] > 0 && at[0] < cells[0] ? cells[0] - at[0] : 1, run = count < inside ? count : inside;
+  const double *v[8];
+  int64_t step[8];
+  int32_t nx = part->cells[0], run = i > 0 && i < nx ? (count < nx - i ? count : nx - i) : 1;
   run = run < ZEROS ? run : ZEROS;
   for (int o = 0; o < 8; o++) {
-    int side[3] = {o & 1, o >> 1 & 1, o >> 2}, there = 1;
-    for (int d = 0; d < 3; d++) there = there && at[d] - 1 + side[d] >= 0 && at[d] - 1 + side[d] < cells[d];
-    v[o] = zeros;
-    step[o] = 0;
-    if (!there) continue;
-    int64_t place = (e0 + side[0] + (int64_t)cells[0] * (side[1] + (int64_t)cells[1] * side[2])) & (part->ring - 1);
-    v[o] = values + 3 * corner[o] * part->stride + place;
-    step[o] = part->stride;
+    int32_t along = i - 1 + (o & 1);
+    int there = row[o >> 1] >= 0 && along >= 0 && along < nx;
+    int64_t place = there ? (row[o >> 1] + along) & (part->ring - 1) : 0;
+    v[o] = there ? values + 3 * corner[o] * part->stride + place : zeros;
+    step[o] = there ? part->stride : 0;
     if (run > part->ring - place) run = (int32_t)(part->ring - place);
   }
+  gather_run(v, step, run, f);
   return run;
 }
 
 void ct_lattice_gather(const ct_solid_part *part, const double *values, int32_t first, int32_t last, double *f)
 {
-  int32_t row = part->cells[0] + 1, rows = part->cells[1] + 1;
-  for (int32_t n = first, run; n < last; n += run) {
-    const double *v[8];
-    int64_t step[8];
-    int32_t at[3] = {n % row, n / row % rows, n / row / rows};
-    run = octants(part, values, at, last - n, v, step);
-    gather_run(v, step, run, &f[3 * (int64_t)n]);
+  int32_t nodes = part->cells[0] + 1, line = first / nodes, i = first - nodes * line;
+  for (int32_t n = first; n < last; line++, i = 0) {
+    int64_t row[4];
+    int32_t end = last - n < nodes - i ? i + last - n : nodes;
+    rows_around(part->cells, line, row);
+    for (int32_t run; i < end; i += run, n += run) run = gather_piece(part, values, row, i, end - i, &f[3 * (int64_t)n]);
   }
 }

@@ -169,18 +169,24 @@ static uint8_t look(const ct_quiet *quiet, const ct_solid_part *part, int32_t b,
   return velocity != NULL && !woken && alike(range, count, velocity) ? CT_BATCH_ASLEEP : CT_BATCH_QUIET;
 }
 
+/* Whether eight bytes are all the same one. */
+static inline int all_are(const uint8_t *eight, uint8_t value)
+{
+  uint64_t bytes;
+  memcpy(&bytes, eight, sizeof bytes);
+  return bytes == value * (UINT64_MAX / 255);
+}
+
 int ct_quiet_look(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, const double *velocity)
 {
-  static const uint8_t asleep[8] = {CT_BATCH_ASLEEP, CT_BATCH_ASLEEP, CT_BATCH_ASLEEP, CT_BATCH_ASLEEP, CT_BATCH_ASLEEP, CT_BATCH_ASLEEP, CT_BATCH_ASLEEP, CT_BATCH_ASLEEP};
-  static const uint8_t moving[8] = {CT_BATCH_MOVING, CT_BATCH_MOVING, CT_BATCH_MOVING, CT_BATCH_MOVING, CT_BATCH_MOVING, CT_BATCH_MOVING, CT_BATCH_MOVING, CT_BATCH_MOVING}, none[8] = {0};
   int crossed = 0;
   for (int32_t b = first, end; b < last; b = end) {
     uint8_t *found = &quiet->batch[part->first_batch + b];
     int32_t from = b;
     end = b + 8 < last ? b + 8 : last;
     // Most of them are asleep, or move and are looked at one out of eight.
-    if (end - b == 8 && memcmp(found, asleep, 8) == 0 && memcmp(&quiet->woken[part->first_batch + b], none, 8) == 0) continue;
-    if (end - b == 8 && memcmp(found, moving, 8) == 0) {
+    if (end - b == 8 && all_are(found, CT_BATCH_ASLEEP) && all_are(&quiet->woken[part->first_batch + b], 0)) continue;
+    if (end - b == 8 && all_are(found, CT_BATCH_MOVING)) {
       from = b + (8 - (b + quiet->call) % 8) % 8;
       end = from + 1;
     }
