@@ -270,6 +270,8 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   to->kinetic_start = from->kinetic_start;
   to->workspace->forces_at = -1;
   to->workspace->stage = 0;
+  // Between two steps the acceleration before counts for nothing, but nothing times what is not finite is not nothing.
+  if (to->workspace->past != NULL) memset(to->workspace->past, 0, n * sizeof(double));
   to->workspace->kept = to->workspace->watched = 0;
   return CT_OK;
 }

@@ -501,6 +501,12 @@ static void within_a_step(void)
   advance(p, state, 2);
   advance(p, good, 2);
   tap_ok(same_state(state, good), "a copy of the last good state goes on");
+  state->velocity[0] = NAN;
+  tap_ok(ct_step_many(p, state, 4, &e) != CT_OK, "a velocity that is no number is refused: %s", e.text);
+  need(ct_state_copy(p, good, state, &e), &e);
+  advance(p, state, 2);
+  advance(p, good, 2);
+  tap_ok(same_state(state, good), "nothing of it is left in a state that is copied into");
   ct_state_free(state);
   ct_state_free(good);
   ct_scene_free(scene);
