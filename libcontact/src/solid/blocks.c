@@ -26,7 +26,7 @@ typedef struct box {
 
 static double dot(const double a[3], const double b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 
-/* Edges of the bricks of a body that is turned, all of them the first one moved; 0 when they are not rectangular, or not alike. */
+/* Edges of the bricks of a body that is turned, all of them the first one moved; 0 when they are not rectangular, or unlike. */
 static int find_edges(const ct_mesh *mesh, double size, box *b)
 {
   static const int END[3] = {1, 3, 4};
@@ -104,7 +104,8 @@ typedef struct block {
   const int *held;
 } block;
 
-/* The degree of freedom of the block's corner with which component c of a node moves, and its sign; -1: it does not move (eq:block-fold). */
+/* The degree of freedom of the block's corner with which component c of a node moves, and its sign; -1: it does not move
+ * (eq:block-fold). */
 static int fold(const block *b, const int node[3], int c, double *sign)
 {
   int at = 0;
@@ -120,7 +121,8 @@ static int fold(const block *b, const int node[3], int c, double *sign)
 }
 
 /* Add an element, which stands for `images` alike, to the stiffness and the masses of the corner. */
-static void add_element(const block *b, const int cell[3], double images, double K[SIZE][SIZE], const double *mass, double A[SIZE][SIZE], double m[SIZE])
+static void add_element(const block *b, const int cell[3], double images, double K[SIZE][SIZE], const double *mass,
+                        double A[SIZE][SIZE], double m[SIZE])
 {
   int dof[DOFS];
   double sign[DOFS];
@@ -136,7 +138,8 @@ static void add_element(const block *b, const int cell[3], double images, double
 }
 
 /* Largest eigenvalue of the motions of one parity. */
-static ct_status parity_frequency(const block *b, double K[SIZE][SIZE], const double *mass, double *omega_squared, ct_error *error)
+static ct_status parity_frequency(const block *b, double K[SIZE][SIZE], const double *mass, double *omega_squared,
+                                  ct_error *error)
 {
   double A[SIZE][SIZE] = {{0.0}}, m[SIZE] = {0.0};
   int cell[3], count = 0;
@@ -169,8 +172,10 @@ static void sizes_of(int32_t cells, int *first, int *last)
   *last = cells == 1 ? 1 : cells % 2 == 0 ? 2 : 3;
 }
 
-/* Bound of the largest eigenvalue of M⁻¹K of a box of so many cells from the lower half of K of one element and the masses of its nodes (eq:block-bound). */
-static ct_status blocks_frequency(const int32_t cells[3], const int held[3], double K[SIZE][SIZE], const double *mass, double *omega_squared, ct_error *error)
+/* Bound of the largest eigenvalue of M⁻¹K of a box of so many cells from the lower half of K of one element and the masses of its
+ * nodes (eq:block-bound). */
+static ct_status blocks_frequency(const int32_t cells[3], const int held[3], double K[SIZE][SIZE], const double *mass,
+                                  double *omega_squared, ct_error *error)
 {
   int first[3], last[3];
   block b = {.held = held};
