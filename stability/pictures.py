@@ -55,7 +55,8 @@ def sweep(rows: list):
     for axis in (lost, depth):
         axis.set_xlabel("penalty factor β")
         axis.spines[["top", "right"]].set_visible(False)
-    figure.suptitle(f"Plate impact, energy-controlled penalty: in no run the energy grows by more than {max(row.energy for row in own):.1g}")
+    most = max(row.energy for row in own)
+    figure.suptitle("Plate impact, energy-controlled penalty: " + (f"energy grows by {most:.1g} at most" if most > 0 else "energy grows in no run"))
     return figure
 
 
