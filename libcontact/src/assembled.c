@@ -4,6 +4,8 @@
 
 #include "error.h"
 #include "memory.h"
+#include "random.h"
+#include "tridiagonal.h"
 #include "workspace.h"
 
 #include <math.h>
@@ -25,11 +27,7 @@ typedef struct lanczos {
 } lanczos;
 
 /* Uniform on (0, 1). */
-static double uniform(uint64_t *seed)
-{
-  *seed ^= *seed << 13, *seed ^= *seed >> 7, *seed ^= *seed << 17;
-  return ((double)(*seed >> 11) + 0.5) / 9007199254740992.0;
-}
+static double uniform(uint64_t *seed) { return (ct_random_bits(seed) + 0.5) / 9007199254740992.0; }
 
 static double dot(lanczos *l, const double *x, const double *y)
 {
@@ -88,25 +86,14 @@ static ct_status recur(lanczos *l, ct_error *error)
   return CT_OK;
 }
 
-/* Whether all eigenvalues of the tridiagonal matrix are below x: all pivots of T - x are negative. */
-static int all_below(const lanczos *l, double x)
-{
-  double pivot = l->diagonal[0] - x;
-  for (int k = 1; k < l->rounds && pivot < 0.0; k++) pivot = l->diagonal[k] - x - l->beside[k - 1] * l->beside[k - 1] / pivot;
-  return pivot < 0.0;
-}
-
 /* Largest eigenvalue of the tridiagonal matrix, from above. */
 static double largest(const lanczos *l)
 {
-  double low = 0.0, high = 0.0;
-  for (int k = 0; k < l->rounds; k++) {
-    low = fmax(low, l->diagonal[k]);
-    high = fmax(high, fabs(l->diagonal[k]) + (k > 0 ? l->beside[k - 1] : 0.0) + (k + 1 < l->rounds ? l->beside[k] : 0.0));
-  }
+  double low = 0.0, high = ct_tridiagonal_reach(l->rounds, l->diagonal, l->beside);
+  for (int k = 0; k < l->rounds; k++) low = fmax(low, l->diagonal[k]);
   for (int i = 0; i < 60; i++) {
     double middle = 0.5 * (low + high);
-    if (all_below(l, middle)) high = middle;
+    if (ct_tridiagonal_all_below(l->rounds, l->diagonal, l->beside, middle)) high = middle;
     else low = middle;
   }
   return high;

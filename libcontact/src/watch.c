@@ -5,6 +5,7 @@
 
 #include "error.h"
 #include "memory.h"
+#include "random.h"
 #include "workspace.h"
 
 #include <math.h>
@@ -106,11 +107,7 @@ static ct_status look_at_energy(ct_watch *w, const ct_state *state, const energi
 }
 
 /* Uniform on (-1, 1), the same for every run. */
-static double noise(uint64_t *seed)
-{
-  *seed ^= *seed << 13, *seed ^= *seed >> 7, *seed ^= *seed << 17;
-  return (double)(*seed >> 11) / 4503599627370496.0 - 1.0;
-}
+static double noise(uint64_t *seed) { return ct_random_bits(seed) / 4503599627370496.0 - 1.0; }
 
 /* Sum over the degrees of freedom of x · y, weighted by the masses or not. */
 static double product(ct_watch *w, const double *x, const double *y, int with_mass)

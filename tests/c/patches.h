@@ -14,6 +14,19 @@ typedef struct patch {
   double *x;
 } patch;
 
+/* A closed box as a surface over nodes of its own. */
+static inline patch new_box(const double low[3], const double size[3], const int cells[3])
+{
+  ct_mesh *m = box_mesh(CT_HEX8, low[0], low[1], low[2], size[0], size[1], size[2], cells[0], cells[1], cells[2]);
+  patch p = {{CT_Q4, m->node_count, 0, NULL, NULL}, integers(4 * 6 * m->element_count), numbers(3 * m->node_count)};
+  p.surface.face_count = ct_mesh_outer_faces(m, p.faces, NULL);
+  memcpy(p.x, m->nodes, 3 * (size_t)m->node_count * sizeof *p.x);
+  p.surface.faces = p.faces;
+  p.surface.reference = p.x;
+  ct_mesh_free(m);
+  return p;
+}
+
 static inline patch new_patch(ct_face_kind kind, int nx, int ny, double x0, double y0, double wx, double wy, int up)
 {
   static const int square[8][2] = {{0, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 0}, {2, 1}, {1, 2}, {0, 1}};

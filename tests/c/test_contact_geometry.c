@@ -59,19 +59,6 @@ static void buried(void)
   free_patch(&b);
 }
 
-/* A closed box as a surface over nodes of its own. */
-static patch new_box(const double low[3], const double size[3], const int cells[3])
-{
-  ct_mesh *m = box_mesh(CT_HEX8, low[0], low[1], low[2], size[0], size[1], size[2], cells[0], cells[1], cells[2]);
-  patch p = {{CT_Q4, m->node_count, 0, NULL, NULL}, integers(4 * 6 * m->element_count), numbers(3 * m->node_count)};
-  p.surface.face_count = ct_mesh_outer_faces(m, p.faces, NULL);
-  memcpy(p.x, m->nodes, 3 * (size_t)m->node_count * sizeof *p.x);
-  p.surface.faces = p.faces;
-  p.surface.reference = p.x;
-  ct_mesh_free(m);
-  return p;
-}
-
 static void shift(patch *p, double x, double y, double z)
 {
   for (int n = 0; n < p->surface.node_count; n++) p->x[3 * n] += x, p->x[3 * n + 1] += y, p->x[3 * n + 2] += z;

@@ -161,25 +161,13 @@ static void history_in_memory(void)
   }
 }
 
-/* A closed box as a patch. */
-static patch closed_box(const double low[3], const double size[3], int nx, int ny)
-{
-  ct_mesh *m = box_mesh(CT_HEX8, low[0], low[1], low[2], size[0], size[1], size[2], nx, ny, 1);
-  patch p = {{CT_Q4, m->node_count, 0, NULL, NULL}, integers(4 * 6 * m->element_count), numbers(3 * m->node_count)};
-  p.surface.face_count = ct_mesh_outer_faces(m, p.faces, NULL);
-  memcpy(p.x, m->nodes, 3 * (size_t)m->node_count * sizeof *p.x);
-  p.surface.faces = p.faces;
-  p.surface.reference = p.x;
-  ct_mesh_free(m);
-  return p;
-}
-
 /* Thin closed plates pressed into each other: the host's contact keeps its history itself, the effect in its memory, through a restart in every step. Both are one. The host's
  * energy has a closed form (test_contact_geometry). */
 static void same_as_the_host(void)
 {
   const double low_a[3] = {0, 0, 0}, size_a[3] = {2, 2, 0.1}, low_b[3] = {0.63, 0.59, 0.1001}, size_b[3] = {0.8, 0.8, 0.1};
-  patch a = closed_box(low_a, size_a, 5, 5), b = closed_box(low_b, size_b, 3, 3);
+  static const int cells_a[3] = {5, 5, 1}, cells_b[3] = {3, 3, 1};
+  patch a = new_box(low_a, size_a, cells_a), b = new_box(low_b, size_b, cells_b);
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = EPSILON;
   options.enforcement = CT_ENFORCE_PENALTY;

@@ -4,6 +4,7 @@
 
 #include "../error.h"
 #include "../memory.h"
+#include "../vector.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,8 +25,6 @@ typedef struct box {
   int aligned;        /* whether these are x, y, z */
 } box;
 
-static double dot(const double a[3], const double b[3]) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
-
 /* Edges of the bricks of a body that is turned, all of them the first one moved; 0 when they are not rectangular, or unlike. */
 static int find_edges(const ct_mesh *mesh, double size, box *b)
 {
@@ -35,11 +34,11 @@ static int find_edges(const ct_mesh *mesh, double size, box *b)
   ct_solid_load_element(mesh, 0, mesh->nodes, x);
   for (int d = 0; d < 3; d++) {
     for (int c = 0; c < 3; c++) e[d][c] = x[END[d]][c] - x[0][c];
-    b->edge[d] = sqrt(dot(e[d], e[d]));
+    b->edge[d] = sqrt(ct_vector_dot(e[d], e[d]));
     if (!(b->edge[d] > 0.0)) return 0;
     for (int c = 0; c < 3; c++) b->axis[d][c] = e[d][c] / b->edge[d];
     for (int k = 0; k < d; k++)
-      if (!(fabs(dot(b->axis[k], e[d])) <= ALIKE * size)) return 0;
+      if (!(fabs(ct_vector_dot(b->axis[k], e[d])) <= ALIKE * size)) return 0;
   }
   for (int32_t i = 0; i < mesh->element_count; i++) {
     ct_solid_load_element(mesh, i, mesh->nodes, x);
@@ -56,7 +55,7 @@ static int find_edges(const ct_mesh *mesh, double size, box *b)
 static int64_t cell_at(const box *b, const double low[3], const double *x)
 {
   int64_t i[3];
-  for (int d = 0; d < 3; d++) i[d] = (int64_t)floor((dot(b->axis[d], x) - low[d]) / b->edge[d] + 0.5);
+  for (int d = 0; d < 3; d++) i[d] = (int64_t)floor((ct_vector_dot(b->axis[d], x) - low[d]) / b->edge[d] + 0.5);
   return i[0] + b->cells[0] * (i[1] + b->cells[1] * i[2]);
 }
 
@@ -74,7 +73,7 @@ static ct_status find_box(const ct_mesh *mesh, box *b, ct_error *error)
   for (int d = 0; d < 3; d++) {
     low[d] = INFINITY, high[d] = -INFINITY;
     for (int32_t n = 0; n < mesh->node_count; n++) {
-      double at = dot(b->axis[d], &mesh->nodes[3 * (size_t)n]);
+      double at = ct_vector_dot(b->axis[d], &mesh->nodes[3 * (size_t)n]);
       low[d] = fmin(low[d], at);
       high[d] = fmax(high[d], at);
     }

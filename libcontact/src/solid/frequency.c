@@ -4,6 +4,7 @@
 
 #include "../error.h"
 #include "../jacobian.h"
+#include "../tridiagonal.h"
 #include "element.h"
 #include "large.h"
 
@@ -98,17 +99,6 @@ static void tridiagonal(int n, double A[SIZE][SIZE], double diagonal[SIZE], doub
   }
 }
 
-/* Whether all eigenvalues of the tridiagonal matrix lie below x: all pivots of T - x are negative (Sturm, eq:sturm). */
-static int all_below(int n, const double *diagonal, const double *side, double x)
-{
-  double pivot = diagonal[0] - x;
-  for (int i = 1; i < n; i++) {
-    if (!(pivot < 0.0)) return 0;
-    pivot = diagonal[i] - x - side[i - 1] * side[i - 1] / pivot;
-  }
-  return pivot < 0.0;
-}
-
 void ct_spread_mass(int per, const double *mass, const int held[3], double spread[SIZE])
 {
   for (int i = 0; i < 3 * per; i++) spread[i] = held != NULL && held[i % 3] ? INFINITY : mass[i / 3];
@@ -126,15 +116,11 @@ ct_status ct_largest_eigenvalue(int n, const double *mass, double A[SIZE][SIZE],
   tridiagonal(n, A, diagonal, side);
 
   // -- Halve the interval of Gershgorin's bound; its upper end stays above all eigenvalues (eq:element-bound)
-  double low = 0.0, high = 0.0;
-  for (int i = 0; i < n; i++) {
-    double row = fabs(diagonal[i]) + fabs(side[i]) + (i > 0 ? fabs(side[i - 1]) : 0.0);
-    high = row > high ? row : high;
-  }
+  double low = 0.0, high = ct_tridiagonal_reach(n, diagonal, side);
   high *= 1.0 + 1e-9;
   for (int k = 0; k < 60 && high - low > 1e-13 * high; k++) {
     double middle = 0.5 * (low + high);
-    if (all_below(n, diagonal, side, middle))
+    if (ct_tridiagonal_all_below(n, diagonal, side, middle))
       high = middle;
     else
       low = middle;
