@@ -116,7 +116,7 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
     return {
         "name": body.name, "material": body.material.name, "law": body.material.law, "element": body.mesh.element,
         "nodes": len(body.mesh.nodes), "elements": len(body.mesh.elements),
-        "kernel": body.kernel, "kernel_why": _why(given.kernel, body), "lumping": lumping,
+        "kernel": body.kernel, "kernel_why": _why(given.kernel, body), "lumping": lumping, "layers": problem.layers(given) if given.box else None,
         "c1": c1, "c2": c2, "c1_si": si, "shortest_edge": body.mesh.shortest_edge,
         "flops_per_update": body.flops, "bytes_per_update": body.bytes, "warnings": warnings,
     }
@@ -226,7 +226,7 @@ def _body_lines(body: dict[str, Any], units: Units) -> list[str]:
         f"  {body['name']}: {body['elements']} {body['element']}, {body['nodes']} nodes, material {body['material']}, "
         + f"shortest edge {body['shortest_edge']:.6g} {units.length}",
         f"    waves: c1 = {body['c1']:.6g} {speed} ({body['c1_si']:.5g} m/s), c2 = {body['c2']:.6g} {speed}",
-        f"    kernel {body['kernel']} ({body['kernel_why']}), mass lumped by {body['lumping']}",
+        f"    kernel {body['kernel']} ({body['kernel_why']}), mass lumped by {body['lumping']}" + (f", numbered layer by layer along {body['layers']}" if body["layers"] else ""),
     ]
 
 

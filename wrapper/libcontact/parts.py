@@ -37,9 +37,12 @@ class Material:
 
 @dataclass(frozen=True)
 class Box:
+    """A box; ``layers`` is the axis that its layers of numbers follow one another along, None: whichever is best."""
+
     origin: tuple[float, float, float]
     size: tuple[float, float, float]
     cells: tuple[int, int, int]
+    layers: str | None = None
 
 
 @dataclass(frozen=True)
@@ -297,8 +300,9 @@ def _box(table: Table) -> Box:
     origin = table.vector("origin", (0.0, 0.0, 0.0))
     size = table.vector("size", above=0.0)
     cells = _cells(table, (1, 1, 1))
+    layers = table.choice("layers", ("x", "y", "z"), None)
     table.done()
-    return Box(origin, size, cells)
+    return Box(origin, size, cells, layers)
 
 
 def _cells(table: Table, least: tuple[int, int, int]) -> tuple[int, int, int]:

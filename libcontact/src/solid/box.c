@@ -81,7 +81,6 @@ static inline void lattice_nodes(const ct_solid_part *part, int32_t b, int32_t n
 {
   int32_t row = part->cells[0] + 1, layer = row * (part->cells[1] + 1), first[8];
   int32_t e = 8 * b, i = e % part->cells[0], j = e / part->cells[0] % part->cells[1], k = e / part->cells[0] / part->cells[1];
-  const int32_t corner[8] = {0, 1, row + 1, row, layer, layer + 1, layer + row + 1, layer + row};
   // Mostly all eight are in one row.
   int whole = i + 8 <= part->cells[0];
   for (int l = 0; l < 8; l++) first[l] = i + row * j + layer * k + l;
@@ -93,7 +92,7 @@ static inline void lattice_nodes(const ct_solid_part *part, int32_t b, int32_t n
     if (j == part->cells[1]) j = 0, k++;
   }
   for (int a = 0; a < 8; a++)
-    for (int l = 0; l < 8; l++) nodes[8 * a + l] = first[l] + corner[a];
+    for (int l = 0; l < 8; l++) nodes[8 * a + l] = first[l] + part->corner[a];
 }
 
 CT_CLONES

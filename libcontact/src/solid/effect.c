@@ -77,12 +77,7 @@ static void free_scratch(void *scratch)
   if (s == NULL) return;
   ct_release(s->values);
   ct_release(s->energies);
-  ct_release(s->quiet.batch);
-  ct_release(s->quiet.woken);
-  ct_release(s->quiet.read);
-  ct_release(s->quiet.seen);
-  ct_release(s->quiet.kept);
-  ct_release(s->quiet.changed);
+  ct_quiet_free(&s->quiet);
   ct_release(s);
 }
 
@@ -94,16 +89,8 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
     s->values = ct_allocate((size_t)solid->value_count, sizeof *s->values);
     s->energies = ct_allocate((size_t)solid->element_count, sizeof *s->energies);
   }
-  if (s != NULL && solid->quiet) {
-    size_t words = (size_t)ct_bits_words(solid->node_count);
-    s->quiet.batch = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.batch);
-    s->quiet.woken = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.woken);
-    s->quiet.read = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.read);
-    s->quiet.changed = ct_allocate(words, sizeof *s->quiet.changed);
-    s->quiet.seen = ct_allocate(words + (size_t)solid->part_count, sizeof *s->quiet.seen);
-    s->quiet.kept = ct_allocate((size_t)solid->part_count, sizeof *s->quiet.kept);
-  }
-  if (s == NULL || s->values == NULL || s->energies == NULL || (solid->quiet && !(s->quiet.batch && s->quiet.woken && s->quiet.read && s->quiet.changed && s->quiet.seen && s->quiet.kept))) {
+  if (s == NULL || s->values == NULL || s->energies == NULL ||
+      (solid->quiet && ct_quiet_create(solid->parts, solid->part_count, solid->batch_count, solid->node_count, &s->quiet) != CT_OK)) {
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
   }
@@ -139,10 +126,17 @@ static void find_quiet(const part_call *call, int32_t number, const ct_view *vie
   enum { AT_ONCE = 64 };
   const ct_solid_part *part = call->part;
   ct_quiet *quiet = call->quiet;
+  if (part->cells[0] > 0) {
+    int64_t b = part->first_batch;
+    ct_leader *leader = view->adrift != NULL && number < view->leader_count ? &view->leaders[number] : NULL;
+    ct_rows_find(&quiet->rows[number], part, view, quiet->call, leader,
+                 &(ct_found){&quiet->batch[b], &quiet->read[b], &quiet->woken[b], quiet->changed, quiet->adrift, node_count});
+    return;
+  }
   const double *velocity = view->drifted != NULL ? view->velocity : NULL;
   int threads = view->threads, crossed = 0;
   (void)threads;
-  ct_quiet_wake(quiet, part, number, view->drifted, node_count);
+  ct_quiet_wake(quiet, part, number, view->drifted);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static) reduction(| : crossed) if (threads > 1)
 #endif
@@ -153,7 +147,7 @@ static void find_quiet(const part_call *call, int32_t number, const ct_view *vie
     sum_all(quiet, part, number);
     memset(&quiet->read[part->first_batch], 1, (size_t)part->batch_count);
   } else if (crossed || !(quiet->kept[number] & CT_KEPT_READ)) {
-    ct_quiet_mark(quiet, part, node_count);
+    ct_quiet_mark(quiet, part);
     quiet->kept[number] |= CT_KEPT_READ;
   }
 }
@@ -165,25 +159,25 @@ static void call_batches(const part_call *call, int32_t first, int32_t last)
   const double *u = call->displacement + 3 * (int64_t)part->first_node;
   int32_t begin = first;
   for (int32_t b = first; call->quiet != NULL && b < last; b++) {
-    if (call->quiet->batch[part->first_batch + b] < CT_BATCH_QUIET) continue;
+    if (ct_quiet_computes(call->quiet, part, b)) continue;
     if (!call->quiet->read[part->first_batch + b]) {
       // Nobody reads its forces.
-    } else if (part->cells[0] > 0)
+    } else if (part->ring > 0)
       ct_lattice_zeros(part, b, call->values);
     else if (part->plane != NULL) // what stands there may be older than the plane
       memset(&call->values[192 * (int64_t)b], 0, 192 * sizeof(double));
-    part->batches(part, begin, b, u, call->values);
+    if (begin < b) part->batches(part, begin, b, u, call->values);
     begin = b + 1;
   }
-  part->batches(part, begin, last, u, call->values);
-  // A body in a ring or a plane has a kernel which gives zeros; and two threads may compute one batch.
+  if (begin < last) part->batches(part, begin, last, u, call->values);
+  // A lattice or a plane has a kernel which gives zeros; and two threads may compute one batch.
   if (call->quiet != NULL && part->cells[0] == 0 && part->plane == NULL) ct_quiet_confirm(call->quiet, part, first, last, call->values);
 }
 
 static void part_gather(const part_call *call, int32_t first, int32_t last)
 {
   const ct_solid_part *part = call->part;
-  if (part->cells[0] > 0)
+  if (part->ring > 0)
     ct_lattice_gather(part, call->values, first, last, call->f);
   else
     ct_assembly_gather(part->assembly, call->values, first, last, call->f);
@@ -276,15 +270,16 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     part_call call = {part, view->displacement, scratch->values + part->first_value, force + 3 * (int64_t)part->first_node,
                       part->savings.quiet ? &scratch->quiet : NULL};
     const double *u = view->displacement + 3 * (int64_t)part->first_node;
-    int plane = part->plane != NULL && ct_plane_holds(part->plane, u);
-    if (solid->quiet && (plane || call.quiet == NULL)) sum_all(&scratch->quiet, part, i);
+    int plane = part->plane != NULL && ct_plane_holds(part, u, solid->quiet && view->adrift != NULL ? scratch->quiet.adrift : NULL);
+    // In a plane this costs less than to find batches that are quiet, but more than to find rows.
+    if (plane && part->cells[0] == 0) call.quiet = NULL;
+    if (solid->quiet && call.quiet == NULL) sum_all(&scratch->quiet, part, i);
+    if (call.quiet != NULL) find_quiet(&call, i, view, solid->node_count);
     if (plane) {
-      // This kernel costs less than to look what is quiet.
-      ct_plane_force(part, u, view->threads, call.values + part->plane_value, call.f);
+      ct_plane_force(part, u, view->threads, call.quiet, call.values + part->plane_value, call.f);
       continue;
     }
-    if (call.quiet != NULL) find_quiet(&call, i, view, solid->node_count);
-    if (part->cells[0] > 0) {
+    if (part->ring > 0) {
       ring_force_threads(&call, view->threads);
       continue;
     }
@@ -296,6 +291,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
       part_force(&call);
     if (status == CT_OK && part->energies != NULL) status = ct_solid_check_volume(part, i, u, call.values, error);
   }
+  for (int64_t w = 0; view->adrift != NULL && solid->quiet && w < ct_bits_words(solid->node_count); w++) view->adrift[w] = scratch->quiet.adrift[w];
   // -- A node whose elements were all skipped has the same zero force as before (eq:still-node)
   for (int64_t w = 0; solid->quiet && view->still != NULL && w < ct_bits_words(solid->node_count); w++) view->still[w] = ~scratch->quiet.changed[w];
   return status;
@@ -331,11 +327,11 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
     const double *u = view->displacement + 3 * (int64_t)part->first_node;
     double *values = scratch->values + part->first_value, batch[8], hourglass[8];
     // The forces of a plane stand elsewhere; those of its bricks are made here.
-    if (part->plane != NULL && part->cells[0] == 0) part->batches(part, 0, part->batch_count, u, values);
+    if (part->plane != NULL && part->ring == 0) part->batches(part, 0, part->batch_count, u, values);
     for (int32_t e = 0; e < part->mesh->element_count; e++) {
       if (part->energies != NULL && e % 8 == 0) part->energies(part, e / 8, u, batch);
       // Forces that went through a ring are made once more.
-      if (part->cells[0] > 0 && e % 8 == 0) part->batches(part, e / 8, e / 8 + 1, u, values);
+      if (part->ring > 0 && e % 8 == 0) part->batches(part, e / 8, e / 8 + 1, u, values);
       if (part->mean != NULL && e % 8 == 0) ct_solid_reduced_energies(part, e / 8, u, batch, hourglass);
       scratch->energies[count++] = part->energies != NULL || part->mean != NULL ? batch[e % 8] : element_energy(part, e, u, values);
     }
@@ -421,9 +417,8 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_block *block,
   if (!(part->hourglass > 0.0) || !isfinite(part->hourglass))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the hourglass coefficient must be positive, not %g", part->hourglass);
   part->kernel = asked == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
-  int32_t cells[3];
-  int lattice = part->savings.congruent && (part->kernel == CT_KERNEL_BOX || part->kernel == CT_KERNEL_PLANE) && ct_lattice_find(part->mesh, cells);
-  if (lattice) memcpy(part->cells, cells, sizeof cells);
+  int boxes = part->kernel == CT_KERNEL_BOX || part->kernel == CT_KERNEL_PLANE;
+  if (boxes && (part->savings.congruent || part->savings.quiet)) ct_lattice_find(part->mesh, part);
   ct_status status = choose_plane(part, block, box, error);
   for (size_t k = 0; part->batches == NULL && k < sizeof KERNELS / sizeof KERNELS[0]; k++) {
     const struct kernel_row *row = &KERNELS[k];
@@ -460,7 +455,7 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   part->rings = block->threads < 1 ? 1 : block->threads < CT_MOST_RINGS ? block->threads : CT_MOST_RINGS;
   ct_status status = choose_kernel(part, block, error);
   if (status != CT_OK) return status;
-  if (part->cells[0] > 0) {
+  if (part->cells[0] > 0 && part->savings.congruent) {
     part->value_count = ct_lattice_prepare(part);
     return CT_OK;
   }
@@ -469,7 +464,7 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
       (part->mesh->kind == CT_HEX20 && prepare_gradients(part) != CT_OK))
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   ct_solid_batch_nodes(part->mesh, part->batch_nodes);
-  if ((part->savings.quiet && ct_quiet_prepare(part) != CT_OK) || (part->kernel == CT_KERNEL_REDUCED && ct_reduced_prepare(part) != CT_OK))
+  if ((part->savings.quiet && part->cells[0] == 0 && ct_quiet_prepare(part) != CT_OK) || (part->kernel == CT_KERNEL_REDUCED && ct_reduced_prepare(part) != CT_OK))
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
   if (status == CT_OK) part->value_count = part->assembly->value_count + (part->energies != NULL ? (part->batch_count + 7) / 8 * 8 : 0);
@@ -576,7 +571,7 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
   if (!reduced) return CT_OK;
   ct_effect *effect = ct_allocate(1, sizeof *effect);
   if (effect == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the hourglass effect");
-  *effect = (ct_effect){.name = "hourglass", .data = solid->data, .create_scratch = hourglass_scratch, .free_scratch = ct_release,
+  *effect = (ct_effect){.name = "hourglass", .local = 1, .data = solid->data, .create_scratch = hourglass_scratch, .free_scratch = ct_release,
                         .force = no_force, .energy = hourglass_energy};
   *out = effect;
   return CT_OK;
@@ -599,6 +594,6 @@ ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_k
   // Node numbers and element forces written once and read once; what is laid down; displacements and forces of the nodes, and the gather's places.
   // A lattice has no node numbers and no places, and its forces stay in the cache; a plane has the numbers of its lower layer.
   double laid_down = part->mean != NULL ? 256.0 : 0.0;
-  if (bytes != NULL) *bytes = plane ? 16.0 + 48.0 * nodes : part->cells[0] > 0 ? 48.0 * nodes : 52.0 * per + laid_down + 80.0 * nodes;
+  if (bytes != NULL) *bytes = plane ? 16.0 + 48.0 * nodes : part->ring > 0 ? 48.0 * nodes : 52.0 * per + laid_down + 80.0 * nodes;
   return CT_OK;
 }

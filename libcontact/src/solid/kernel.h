@@ -10,10 +10,10 @@
 
 struct ct_solid_part;
 
-/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of
- * displacements first, and uses nothing else that changes: where all nodes of a batch have the same displacement, it gives the same bits
- * whatever that is (eq:quiet-force).
- * A kernel for large deformation also writes the smallest J = det F of batch b (and 1) to `values[assembly->value_count + b]`. */
+/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes
+ * differences of displacements first, and uses nothing else that changes: where all nodes of a batch have the same displacement,
+ * it gives the same bits whatever that is (eq:quiet-force). A kernel for large deformation also writes the smallest J = det F of
+ * batch b (and 1) to `values[assembly->value_count + b]`. */
 typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
 
 /* Stored energies of the 8 elements of one batch. */
@@ -37,10 +37,15 @@ typedef struct ct_solid_part {
   double omega_squared;
   /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
   double edge[3];
-  /* Cells of a body whose elements share all that is stored; cells[0] = 0: of none. Then a ring of `ring` elements, a power of two, holds
-   * their forces, those of one component of one node `stride` after those of the one before; each thread has one ring. There are no
-   * batch_nodes, ranges, assembly, ready. */
-  int32_t cells[3], rings;
+  /* Cells of a body of boxes in the order of a lattice, along the axis that rows lie along, the next, and that of the layers;
+   * cells[0] = 0: it is none. These axes, and how far each corner's node number is from that of the first corner. */
+  int32_t cells[3];
+  int axes[3];
+  int32_t corner[8];
+  /* Where such elements share all that is stored, a ring of `ring` elements, a power of two, holds their forces, those of one
+   * component of one node `stride` after those of the one before; each of `rings` threads has one. There are then no batch_nodes,
+   * assembly, ready. 0: there is no ring. */
+  int32_t rings;
   int64_t ring, stride;
   /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */
   int32_t batch_count;
@@ -55,7 +60,8 @@ typedef struct ct_solid_part {
   int32_t *ready;
   /* Where this part's values, and its batches, begin in the scratch of the effect, and how many values it has. */
   int64_t first_value, first_batch, value_count;
-  /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null when quiet batches are not left out. */
+  /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null for a lattice, and when quiet batches are not
+   * left out. */
   int32_t *range_first;
   struct ct_node_range *ranges;
   /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE, and where its values stand behind those of the bricks. */
@@ -108,8 +114,8 @@ static inline void ct_load_lanes(const int32_t *nodes, int per, const double *ar
 /* Where the forces of batch `b` stand: number (3 a + c) of element l at [(3 a + c) * stride + l]. */
 static inline double *ct_batch_values(const ct_solid_part *part, double *values, int32_t b, int64_t *stride)
 {
-  *stride = part->cells[0] > 0 ? part->stride : 8;
-  return part->cells[0] > 0 ? values + (8 * (int64_t)b & (part->ring - 1)) : values + 24 * (int64_t)ct_brick_node_count(part->mesh->kind) * b;
+  *stride = part->ring > 0 ? part->stride : 8;
+  return part->ring > 0 ? values + (8 * (int64_t)b & (part->ring - 1)) : values + 24 * (int64_t)ct_brick_node_count(part->mesh->kind) * b;
 }
 
 /* Write lanes f[component][node] of 8 elements to their place in `values`. */
