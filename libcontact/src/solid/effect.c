@@ -27,6 +27,7 @@ static const struct kernel_row {
 } KERNELS[] = {
   {CT_KERNEL_PLANE, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 75.0},
   {CT_KERNEL_BOX, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 393.0},
+  {CT_KERNEL_BOX, CT_HEX20, CT_LINEAR, ct_solid_box20_batches, NULL, 882.0},
   {CT_KERNEL_REDUCED, CT_HEX8, CT_LINEAR, ct_solid_reduced_batches, NULL, 538.0},
   {CT_KERNEL_GENERAL, CT_HEX8, CT_LINEAR, ct_solid_hex8_batches, NULL, 2154.0},
   {CT_KERNEL_GENERAL, CT_HEX20, CT_LINEAR, ct_solid_hex20_batches, NULL, 37434.0},
@@ -64,6 +65,7 @@ static void free_data(void *data)
     ct_release(solid->parts[i].range_first);
     ct_release(solid->parts[i].ranges);
     ct_release(solid->parts[i].mean);
+    ct_release(solid->parts[i].box20);
     ct_plane_free(solid->parts[i].plane);
     ct_assembly_free(solid->parts[i].assembly);
   }
@@ -398,11 +400,11 @@ static ct_status prepare_ready(ct_solid_part *part)
 static ct_status choose_plane(ct_solid_part *part, const ct_solid_block *block, int box, ct_error *error)
 {
   int wanted = block->kernel == CT_KERNEL_PLANE || (block->kernel == CT_KERNEL_AUTO && part->savings.plane_strain);
-  for (int axis = 0; wanted && box && part->plane == NULL && axis < 3; axis++)
+  for (int axis = 0; wanted && box && part->mesh->kind == CT_HEX8 && part->plane == NULL && axis < 3; axis++)
     if (block->held[axis] && ct_plane_create(part, axis, part->rings, &part->plane) != CT_OK) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   if (part->plane != NULL) part->kernel = CT_KERNEL_PLANE;
   if (block->kernel == CT_KERNEL_PLANE && part->plane == NULL)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the plane kernel needs one layer of boxes whose nodes are all held along its thickness");
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the plane kernel needs one layer of hex8 boxes whose nodes are all held along its thickness");
   return CT_OK;
 }
 
@@ -415,7 +417,7 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_block *block,
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "the box kernel is for small strain; large deformation has the general one");
   if (asked == CT_KERNEL_BOX && !box)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular hex8 elements of one size");
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular elements of one size, with nodes in the middle of straight edges");
   if (asked == CT_KERNEL_REDUCED && (large || part->mesh->kind != CT_HEX8))
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "reduced integration with hourglass control is for hex8 and small strain");
   if (!(part->hourglass > 0.0) || !isfinite(part->hourglass))
@@ -466,7 +468,7 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   }
   part->batch_nodes = ct_allocate((size_t)part->batch_count * 8 * (size_t)per, sizeof *part->batch_nodes);
   if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK ||
-      (part->mesh->kind == CT_HEX20 && prepare_gradients(part) != CT_OK))
+      (part->mesh->kind == CT_HEX20 && (part->kernel == CT_KERNEL_BOX ? ct_box20_prepare(part) : prepare_gradients(part)) != CT_OK))
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   ct_solid_batch_nodes(part->mesh, part->batch_nodes);
   if ((part->savings.quiet && ct_quiet_prepare(part) != CT_OK) || (part->kernel == CT_KERNEL_REDUCED && ct_reduced_prepare(part) != CT_OK))

@@ -48,7 +48,9 @@ typedef struct ct_solid_part {
   /* Coefficient of the hourglass control, and what is laid down for each batch, when the kernel is CT_KERNEL_REDUCED. */
   double hourglass;
   struct ct_reduced_lanes *mean;
-  /* Shape gradients ∂N_a/∂ξ_j and weights at the Gauss points of hex20, shape (27, 20, 3). */
+  /* What the elements share when the kernel is CT_KERNEL_BOX for hex20. */
+  struct ct_box20 *box20;
+  /* Shape gradients ∂N_a/∂ξ_j at the Gauss points of hex20, shape (27, 20, 3); null when the kernel needs none. */
   double (*gradients)[20][3];
   ct_assembly *assembly;
   /* After each block of CT_BLOCK batches: the first node that still waits for an element, shape (blocks). */
@@ -66,10 +68,13 @@ typedef struct ct_solid_part {
 /* Batches that are computed before their nodes are summed, while their forces are still in the cache. */
 enum { CT_BLOCK = 32 };
 
-/* Edge lengths when all elements are rectangular along x, y, z and alike to 1e-12; 0 otherwise. */
+/* Edge lengths when all elements are rectangular along x, y, z, with straight edges and their nodes in the middle, and alike to 1e-12; 0 otherwise. */
 int ct_solid_is_box(const ct_mesh *mesh, double edge[3]);
 
-ct_solid_batches ct_solid_box_batches, ct_solid_hex8_batches, ct_solid_hex20_batches;
+/* Lay down what hex20 boxes of one size share, from the part's edges and its material. */
+ct_status ct_box20_prepare(ct_solid_part *part);
+
+ct_solid_batches ct_solid_box_batches, ct_solid_box20_batches, ct_solid_hex8_batches, ct_solid_hex20_batches;
 ct_solid_batches ct_solid_large_hex8_batches, ct_solid_large_hex20_batches;
 ct_solid_energies ct_solid_large_hex8_energies, ct_solid_large_hex20_energies;
 
