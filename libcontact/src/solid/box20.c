@@ -7,8 +7,8 @@
  * along d + 1, along d + 2, and along both. */
 enum { BEND = CT_MODES, MODES = BEND + 12 };
 
-/* Kinds of terms in which the gradients of two components along each other's axes meet (eq:box20-couplings): constant, linear along one of these two axes or
- * along both, and with that linear or square along the third. */
+/* Kinds of terms in which two components meet (eq:box20-couplings): constant, linear or square along the third axis, linear along one of their own
+ * two, along one and the third, along both, along all three. */
 enum { FLAT, THIRD, THIRD2, ONE, ONE_THIRD, BOTH, ALL, TERMS };
 
 /* What all elements of one shape and material share: the stiffness of each mode of each component with itself, and of the two components beside axis d
@@ -19,7 +19,7 @@ struct ct_box20 {
 
 typedef struct ct_box20 box20;
 
-/* Mean squares of 1, ξ, (2/3) P2 and of their derivatives, and the mean of a derivative times the function before (eq:box20-moments). */
+/* Mean squares of 1, ξ, ξ² - 1/3 and of their derivatives, and the mean of a derivative times the function of one degree less (eq:box20-moments). */
 static const double SQUARE[3] = {1.0, 1.0 / 3.0, 4.0 / 45.0}, SLOPE[3] = {0.0, 1.0, 4.0 / 3.0}, MIXED[2] = {1.0, 2.0 / 3.0};
 
 /* Stiffness of a mode with itself, by its degrees along the axes; G[d] is what the gradient along d is worth (eq:box20-own). */
@@ -89,7 +89,7 @@ CT_INLINE void nodes_to_modes(const ct_lanes u[20], ct_lanes U[MODES])
   bend_modes(EDGE[0], u, &U[BEND]);
   bend_modes(EDGE[1], u, &U[BEND + 4]);
   bend_modes(EDGE[2], u, &U[BEND + 8]);
-  // A square has a mean, which belongs to the mode without it.
+  // -- At the corners the modes with a square are there, too: take them off (eq:box20-amplitudes)
   for (int d = 0; d < 3; d++) {
     int e = (d + 1) % 3, f = (d + 2) % 3;
     U[CT_XI + d] = U[CT_XI + d] - (2.0 / 3.0) * (U[BEND + 4 * e + 2] + U[BEND + 4 * f + 1]);
