@@ -1,5 +1,5 @@
-/* The box kernel of hex20: beside the general one, closed-form forces of a constant strain, work, gradient, translations to the bit, exchanged axes, which
- * bodies it takes. */
+/* The box kernel of hex20: beside the general one, closed-form forces of a constant strain, work, gradient, translations to the
+ * bit, exchanged axes, which bodies it takes. */
 #include "blocks.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -7,7 +7,8 @@ static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
 /* Both kernels at one displacement, for edges of 1 : 2 : 7 in any order and the whole range of materials. */
 static void beside_the_general_kernel(void)
 {
-  static const double edge[6][3] = {{1, 2, 7}, {2, 7, 1}, {7, 1, 2}, {7, 2, 1}, {1, 7, 2}, {2, 1, 7}}, poisson[4] = {0.0, 0.3, 0.49, -0.5};
+  static const double edge[6][3] = {{1, 2, 7}, {2, 7, 1}, {7, 1, 2}, {7, 2, 1}, {1, 7, 2}, {2, 1, 7}};
+  static const double poisson[4] = {0.0, 0.3, 0.49, -0.5};
   for (int p = 0; p < 4; p++) {
     double off = 0.0, energy_off = 0.0, bound_off = 0.0;
     for (int k = 0; k < 6; k++) {
@@ -26,7 +27,8 @@ static void beside_the_general_kernel(void)
       free(g);
       ct_mesh_free(m);
     }
-    tap_ok(off < 1e-13 && energy_off < 1e-13, "nu = %g, edges 1 : 2 : 7: the general kernel's forces to %.2g, its energy to %.2g", poisson[p], off, energy_off);
+    tap_ok(off < 1e-13 && energy_off < 1e-13, "nu = %g, edges 1 : 2 : 7: the general kernel's forces to %.2g, its energy to %.2g",
+           poisson[p], off, energy_off);
     tap_ok(bound_off == 0.0, "nu = %g: the bound of omega^2 is that of the elements", poisson[p]);
   }
 }
@@ -42,8 +44,9 @@ static void constant_strain(void)
   for (int trial = 0; trial < 20; trial++) {
     double G[3][3], sigma[3][3], u[60] = {0}, f[60], want[60] = {0};
     for (int i = 0; i < 9; i++) G[i / 3][i % 3] = uniform(1e-3);
+    double trace = G[0][0] + G[1][1] + G[2][2];
     for (int i = 0; i < 3; i++)
-      for (int j = 0; j < 3; j++) sigma[i][j] = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * (G[0][0] + G[1][1] + G[2][2]) : 0.0);
+      for (int j = 0; j < 3; j++) sigma[i][j] = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * trace : 0.0);
     for (int a = 0; a < 20; a++) {
       double xi[3];
       int n = m->elements[a];
@@ -70,7 +73,8 @@ static double work(const double *f, const double *v, int n)
   return sum;
 }
 
-/* Its stiffness is symmetric and positive, and its force minus the gradient of its energy, which is quadratic: central differences are exact. */
+/* Its stiffness is symmetric and positive, and its force minus the gradient of its energy, which is quadratic: central
+ * differences are exact. */
 static void potential(void)
 {
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 2, 7, 2, 1, 1);
@@ -104,7 +108,8 @@ static void potential(void)
   ct_mesh_free(m);
 }
 
-/* Differences come first: a translation that rounds no displacement (here it takes all 53 bits of one) changes no bit of any force, and alone gives exact zeros. */
+/* Differences come first: a translation that rounds no displacement (here it takes all 53 bits of one) changes no bit of any
+ * force, and alone gives exact zeros. */
 static void translations(void)
 {
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 2, 7, 3, 2, 2);
@@ -115,7 +120,8 @@ static void translations(void)
   block_force(&box, u, f);
   for (int i = 0; i < n; i++) u[i] += (double[]){-6e9, 5e9, 8e9}[i % 3];
   block_force(&box, u, g);
-  tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0 && largest(f, n) > 0.0, "far from home the forces of a deformation have the same bits");
+  tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0 && largest(f, n) > 0.0,
+         "far from home the forces of a deformation have the same bits");
   for (int trial = 0; trial < 6; trial++) {
     double t[3] = {pow(10.0, 60 * trial), -0.0, uniform(1.0)};
     for (int i = 0; i < n; i++) u[i] = t[i % 3];
@@ -129,7 +135,7 @@ static void translations(void)
   ct_mesh_free(m);
 }
 
-/* A body whose axes are exchanged, x to y to z to x, has the exchanged forces, to round-off: no axis is treated in a way of its own. */
+/* A body whose axes are exchanged, x to y to z to x, has the exchanged forces, to round-off: no axis has a way of its own. */
 static void exchanged_axes(void)
 {
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 2, 7, 1, 1, 1), *t = box_mesh(CT_HEX20, 0, 0, 0, 7, 1, 2, 1, 1, 1);
@@ -174,9 +180,13 @@ static void choice(void)
   ct_error e = {0};
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 3, 1, 2, 3, 1, 2);
   tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_LINEAR, 0, &e) == CT_KERNEL_BOX, "equal boxes get the box kernel");
-  tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_LINEAR, 1, &e) == CT_KERNEL_BOX, "one layer that is held, too: the plane kernel is for hex8");
-  tap_ok(kernel_for(m, CT_KERNEL_PLANE, CT_LINEAR, 1, &e) == -1 && strstr(e.text, "hex8") != NULL, "who asks for that is refused: %s", e.text);
-  tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_NEO_HOOKEAN, 0, &e) == CT_KERNEL_GENERAL && kernel_for(m, CT_KERNEL_BOX, CT_NEO_HOOKEAN, 0, &e) == -1, "large deformation has the general one");
+  tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_LINEAR, 1, &e) == CT_KERNEL_BOX,
+         "one layer that is held, too: the plane kernel is for hex8");
+  tap_ok(kernel_for(m, CT_KERNEL_PLANE, CT_LINEAR, 1, &e) == -1 && strstr(e.text, "hex8") != NULL,
+         "who asks for that is refused: %s", e.text);
+  tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_NEO_HOOKEAN, 0, &e) == CT_KERNEL_GENERAL &&
+           kernel_for(m, CT_KERNEL_BOX, CT_NEO_HOOKEAN, 0, &e) == -1,
+         "large deformation has the general one");
   int missed = 0, refused = 0, taken = 0;
   for (int a = 0; a < 20; a++)
     for (int c = 0; c < 3; c++) {
@@ -188,7 +198,8 @@ static void choice(void)
       taken += kernel_for(m, CT_KERNEL_AUTO, CT_LINEAR, 0, &e) == CT_KERNEL_BOX;
       *x = keep;
     }
-  tap_ok(missed == 0 && refused == 60 && taken == 60, "a node that is moved by 1e-9 is seen, corner or not, and one that is rounded is not: %s", e.text);
+  tap_ok(missed == 0 && refused == 60 && taken == 60,
+         "a node that is moved by 1e-9 is seen, corner or not, and one that is rounded is not: %s", e.text);
   ct_ring ring = {{0, 0, 0}, {1.0, 2.0}, 1.0, {1, 8, 1}};
   ct_mesh *round;
   need(ct_mesh_create_ring(CT_HEX20, &ring, &round, &e), &e);

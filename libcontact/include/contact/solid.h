@@ -12,7 +12,10 @@ typedef enum ct_solid_kernel {
   CT_KERNEL_AUTO = 0,
   /** bricks of any shape: Gauss points, 8 elements at a time */
   CT_KERNEL_GENERAL = 1,
-  /** small strain, all rectangular along x, y, z and of one size, hex20 with nodes in the middle of the edges: the integrals in closed form, :eq:`box-force`, :eq:`box20-force` */
+  /**
+   * small strain, all rectangular along x, y, z and of one size, hex20 with nodes in the middle of straight edges: the integrals
+   * in closed form, :eq:`box-force`, :eq:`box20-force`
+   */
   CT_KERNEL_BOX = 2,
   /** one layer of hex8 boxes that is held along its thickness: plane strain, computed in two dimensions, :eq:`plane-force` */
   CT_KERNEL_PLANE = 3,

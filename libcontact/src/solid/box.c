@@ -1,4 +1,4 @@
-/* Bodies whose elements are rectangular and of one size; and the kernel for those of hex8: every integral over the element in closed form. */
+/* Which bodies have rectangular elements of one size, and the kernel for those of hex8: every integral in closed form. */
 #include "kernel.h"
 #include "modes.h"
 

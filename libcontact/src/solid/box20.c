@@ -3,23 +3,24 @@
 #include "kernel.h"
 #include "modes.h"
 
-/* Modes of one component (eq:box20-modes): those of the corners, and for each axis d a square along it, from BEND + 4 d on: alone, times the coordinate
- * along d + 1, along d + 2, and along both. */
+/* Modes of one component (eq:box20-modes): those of the corners, and for each axis d a square along it, from BEND + 4 d on:
+ * alone, times the coordinate along d + 1, along d + 2, and along both. */
 enum { BEND = CT_MODES, MODES = BEND + 12 };
 
-/* Kinds of terms in which two components meet (eq:box20-couplings): constant, linear or square along the third axis, linear along one of their own
- * two, along one and the third, along both, along all three. */
+/* Kinds of terms in which two components meet (eq:box20-couplings): constant, linear or square along the third axis, linear along
+ * one of their own two, along one and the third, along both, along all three. */
 enum { FLAT, THIRD, THIRD2, ONE, ONE_THIRD, BOTH, ALL, TERMS };
 
-/* What all elements of one shape and material share: the stiffness of each mode of each component with itself, and of the two components beside axis d
- * with each other, for Λ and for μ. */
+/* What all elements of one shape and material share: the stiffness of each mode of each component with itself, and of the two
+ * components beside axis d with each other, for Λ and for μ. */
 struct ct_box20 {
   double own[3][MODES], lambda[3][TERMS], mu[3][TERMS];
 };
 
 typedef struct ct_box20 box20;
 
-/* Mean squares of 1, ξ, ξ² - 1/3 and of their derivatives, and the mean of a derivative times the function of one degree less (eq:box20-moments). */
+/* Mean squares of 1, ξ, ξ² - 1/3 and of their derivatives, and the mean of a derivative times the function of one degree less
+ * (eq:box20-moments). */
 static const double SQUARE[3] = {1.0, 1.0 / 3.0, 4.0 / 45.0}, SLOPE[3] = {0.0, 1.0, 4.0 / 3.0}, MIXED[2] = {1.0, 2.0 / 3.0};
 
 /* Stiffness of a mode with itself, by its degrees along the axes; G[d] is what the gradient along d is worth (eq:box20-own). */
@@ -56,7 +57,7 @@ ct_status ct_box20_prepare(ct_solid_part *part)
     for (int d = 0; d < 3; d++) G[d] = (d == i ? part->lambda + 2.0 * part->mu : part->mu) * (volume * (k[d] * k[d]));
     for (int m = 0; m < MODES; m++) B->own[i][m] = own_stiffness(degree[m], G);
   }
-  // -- Two components, by the degrees of the term in which they meet along the axes of both and along the third (eq:box20-couplings)
+  // -- Two components, by the degrees of the term in which they meet: along their axes, and the third (eq:box20-couplings)
   for (int t = 0; t < TERMS; t++) {
     static const int met[TERMS][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 1, 0}, {0, 1, 1}, {1, 1, 0}, {1, 1, 1}};
     double mean = (MIXED[met[t][0]] * MIXED[met[t][1]]) * SQUARE[met[t][2]];
@@ -69,7 +70,7 @@ ct_status ct_box20_prepare(ct_solid_part *part)
   return CT_OK;
 }
 
-/* Its edges along each axis d: two corners and the node between them, in the order (-,-), (+,-), (-,+), (+,+) along d + 1 and d + 2. */
+/* The edges along axis d: two corners and the node between them, in the order (-,-), (+,-), (-,+), (+,+) along d + 1, d + 2. */
 static const int EDGE[3][4][3] = {{{0, 1, 8}, {3, 2, 10}, {4, 5, 12}, {7, 6, 14}},
                                   {{0, 3, 11}, {4, 7, 15}, {1, 2, 9}, {5, 6, 13}},
                                   {{0, 4, 16}, {1, 5, 17}, {3, 7, 19}, {2, 6, 18}}};
@@ -127,12 +128,15 @@ CT_INLINE void modes_to_nodes(ct_lanes F[MODES], ct_lanes f[20])
   for (int a = 0; a < 8; a++) f[a] = f[a] - ((x[a] + y[a]) + z[a]);
 }
 
-/* Modal forces of component i. A mode feels itself and, of each other component, at most the two modes that are one degree lower along one of the two axes
- * and one higher along the other (eq:box20-force). Here x is axis i, and u, v, w are the components along x, y, z. */
+/* Modal forces of component i. A mode feels itself and, of each other component, at most the two modes that are one degree lower
+ * along one of the two axes and one higher along the other (eq:box20-force). Here x is axis i, and u, v, w are the components
+ * along x, y, z. */
 CT_INLINE void modal_forces(const box20 *B, int i, ct_lanes U[3][MODES], ct_lanes F[MODES])
 {
-  const int j = (i + 1) % 3, k = (i + 2) % 3, x = i, y = j, z = k, xy = CT_XI_ETA + i, yz = CT_XI_ETA + j, zx = CT_XI_ETA + k, xyz = CT_XI_ETA_ZETA;
-  const int xx = BEND + 4 * i, xxy = xx + 1, xxz = xx + 2, xxyz = xx + 3, yy = BEND + 4 * j, yyz = yy + 1, yyx = yy + 2, yyzx = yy + 3;
+  const int j = (i + 1) % 3, k = (i + 2) % 3, x = i, y = j, z = k;
+  const int xy = CT_XI_ETA + i, yz = CT_XI_ETA + j, zx = CT_XI_ETA + k, xyz = CT_XI_ETA_ZETA;
+  const int xx = BEND + 4 * i, xxy = xx + 1, xxz = xx + 2, xxyz = xx + 3;
+  const int yy = BEND + 4 * j, yyz = yy + 1, yyx = yy + 2, yyzx = yy + 3;
   const int zz = BEND + 4 * k, zzx = zz + 1, zzy = zz + 2, zzxy = zz + 3;
   const ct_lanes *u = U[i], *v = U[j], *w = U[k];
   const double *K = B->own[i], *Lv = B->lambda[k], *Lw = B->lambda[j], *Mv = B->mu[k], *Mw = B->mu[j];
@@ -142,7 +146,8 @@ CT_INLINE void modal_forces(const box20 *B, int i, ct_lanes U[3][MODES], ct_lane
   F[xy] = (K[xy] * u[xy] + Lv[ONE] * v[yy]) + (Lw[THIRD] * w[yz] + Mv[ONE] * v[xx]);
   F[zx] = (K[zx] * u[zx] + Lw[ONE] * w[zz]) + (Lv[THIRD] * v[yz] + Mw[ONE] * w[xx]);
   F[yz] = K[yz] * u[yz] + (Mv[THIRD] * v[zx] + Mw[THIRD] * w[xy]);
-  F[xyz] = K[xyz] * u[xyz] + ((Lv[ONE_THIRD] * v[yyz] + Mv[ONE_THIRD] * v[xxz]) + (Lw[ONE_THIRD] * w[zzy] + Mw[ONE_THIRD] * w[xxy]));
+  F[xyz] = K[xyz] * u[xyz] +
+           ((Lv[ONE_THIRD] * v[yyz] + Mv[ONE_THIRD] * v[xxz]) + (Lw[ONE_THIRD] * w[zzy] + Mw[ONE_THIRD] * w[xxy]));
   F[xx] = K[xx] * u[xx] + (Lv[ONE] * v[xy] + Lw[ONE] * w[zx]);
   F[xxy] = K[xxy] * u[xxy] + (Lv[BOTH] * v[yyx] + Lw[ONE_THIRD] * w[xyz]);
   F[xxz] = K[xxz] * u[xxz] + (Lv[ONE_THIRD] * v[xyz] + Lw[BOTH] * w[zzx]);

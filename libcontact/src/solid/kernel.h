@@ -10,6 +10,9 @@
 
 struct ct_solid_part;
 
+/* Most families of nodes in a body: corners, and mid-sides along three axes. */
+enum { CT_FAMILIES = 4 };
+
 /* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of
  * displacements first, and uses nothing else that changes: where all nodes of a batch have the same displacement, it gives the same bits
  * whatever that is (eq:quiet-force).
@@ -53,8 +56,10 @@ typedef struct ct_solid_part {
   /* Shape gradients ∂N_a/∂ξ_j at the Gauss points of hex20, shape (27, 20, 3); null when the kernel needs none. */
   double (*gradients)[20][3];
   ct_assembly *assembly;
-  /* After each block of CT_BLOCK batches: the first node that still waits for an element, shape (blocks). */
-  int32_t *ready;
+  /* Families of nodes, numbers family[k] ... family[k + 1] - 1 each. After each block of CT_BLOCK batches: the first node of each
+   * family that still waits for an element, shape (blocks, families). */
+  int families;
+  int32_t family[CT_FAMILIES + 1], *ready;
   /* Where this part's values, and its batches, begin in the scratch of the effect, and how many values it has. */
   int64_t first_value, first_batch, value_count;
   /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null when quiet batches are not left out. */
@@ -68,7 +73,8 @@ typedef struct ct_solid_part {
 /* Batches that are computed before their nodes are summed, while their forces are still in the cache. */
 enum { CT_BLOCK = 32 };
 
-/* Edge lengths when all elements are rectangular along x, y, z, with straight edges and their nodes in the middle, and alike to 1e-12; 0 otherwise. */
+/* Edge lengths when all elements are rectangular along x, y, z, with straight edges and their nodes in the middle, and alike to
+ * 1e-12; 0 otherwise. */
 int ct_solid_is_box(const ct_mesh *mesh, double edge[3]);
 
 /* Lay down what hex20 boxes of one size share, from the part's edges and its material. */
