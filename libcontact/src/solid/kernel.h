@@ -30,6 +30,9 @@ typedef struct ct_solid_part {
   ct_savings savings;
   double lambda, mu;
   int32_t first_node;
+  /* Families of nodes that are summed each in the order of their numbers, family[k] ... family[k + 1] - 1. */
+  int32_t family[CT_FAMILIES + 1];
+  int families;
   ct_solid_kernel kernel;
   ct_solid_batches *batches;
   /* Null where the force is linear: the energy is then half its work. */
@@ -56,10 +59,8 @@ typedef struct ct_solid_part {
   /* Shape gradients ∂N_a/∂ξ_j at the Gauss points of hex20, shape (27, 20, 3); null when the kernel needs none. */
   double (*gradients)[20][3];
   ct_assembly *assembly;
-  /* Families of nodes, numbers family[k] ... family[k + 1] - 1 each. After each block of CT_BLOCK batches: the first node of each
-   * family that still waits for an element, shape (blocks, families). */
-  int families;
-  int32_t family[CT_FAMILIES + 1], *ready;
+  /* After each block of CT_BLOCK batches: the first node of each family that waits for an element, shape (blocks, families). */
+  int32_t *ready;
   /* Where this part's values, and its batches, begin in the scratch of the effect, and how many values it has. */
   int64_t first_value, first_batch, value_count;
   /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null when quiet batches are not left out. */
