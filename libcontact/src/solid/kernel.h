@@ -10,9 +10,6 @@
 
 struct ct_solid_part;
 
-/* Most families of nodes in a body: corners, and mid-sides along three axes. */
-enum { CT_FAMILIES = 4 };
-
 /* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of
  * displacements first, and uses nothing else that changes: where all nodes of a batch have the same displacement, it gives the same bits
  * whatever that is (eq:quiet-force).
@@ -21,6 +18,9 @@ typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, i
 
 /* Stored energies of the 8 elements of one batch. */
 typedef void ct_solid_energies(const struct ct_solid_part *part, int32_t batch, const double *displacement, double energies[8]);
+
+/* Most families of nodes in a body: corners, and mid-sides along three axes. */
+enum { CT_FAMILIES = 4 };
 
 /* One body, prepared for its kernel. Element forces go to `values` in the layout of ct_assembly. */
 typedef struct ct_solid_part {
