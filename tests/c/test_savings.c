@@ -134,6 +134,8 @@ static const form FORMS[] = {
      .enforcement = CT_ENFORCE_ENERGY_CONTROLLED},
     {.name = "turned elements", .turned = 1, .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "hex20", .kind = CT_HEX20, .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
+    {.name = "hex20, general kernel", .kind = CT_HEX20, .kernel = CT_KERNEL_GENERAL,
+     .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "hex20, distorted", .kind = CT_HEX20, .distort = 0.02, .v = {1000, 0}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "St. Venant-Kirchhoff", .law = CT_ST_VENANT_KIRCHHOFF, .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "neo-Hookean, distorted", .law = CT_NEO_HOOKEAN, .distort = 0.1, .v = {1000, 0}, .held = NAN, .beta = 0.5, .steps = 40},

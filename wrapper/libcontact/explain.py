@@ -131,11 +131,10 @@ def _why(asked: str, body: BuiltBody) -> str:
         return "one layer of equal boxes held along its thickness: plane strain, in two dimensions"
     if body.kernel == "box":
         return "all elements are equal boxes along x, y, z: integrals in closed form"
-    if body.mesh.element == "hex20":
-        return "hex20: 3x3x3 Gauss points"
+    points = "3x3x3" if body.mesh.element == "hex20" else "2x2x2"
     if body.material.law != "linear":
-        return "large strain: 2x2x2 Gauss points"
-    return "elements are not equal boxes along x, y, z: 2x2x2 Gauss points"
+        return f"large strain: {points} Gauss points"
+    return f"elements are not equal boxes along x, y, z: {points} Gauss points"
 
 
 def _initial_gaps(problem: Problem) -> list[float | None]:

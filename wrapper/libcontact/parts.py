@@ -255,8 +255,8 @@ def _body(table: Table, materials: dict[str, Material]) -> Body:
         element = "hex8"
     if element == "hex20" and lumping == "row_sum":
         raise table.error("lumping", '"row_sum" gives the corners of hex20 a negative mass; use "hrz"')
-    if element == "hex20" and kernel in ("box", "plane"):
-        raise table.error("kernel", f'"{kernel}" is for hex8; hex20 has the kernel "general"')
+    if element == "hex20" and kernel == "plane":
+        raise table.error("kernel", '"plane" is for hex8; hex20 has the kernels "general" and "box"')
     integration, hourglass = _integration(table, kernel, element)
     large = materials[material].law != "linear"
     if large and integration == "reduced":

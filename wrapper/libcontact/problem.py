@@ -211,7 +211,7 @@ class Problem:
         found = "hex8" if elements.shape[1] == 8 else "hex20"
         if body.element not in (None, found):
             raise SceneError(f'is "{body.element}", but "{path}" holds {found}', f"body[{i}].element", self.file)
-        if found == "hex20" and (body.lumping == "row_sum" or body.kernel in ("box", "plane") or body.integration == "reduced"):
+        if found == "hex20" and (body.lumping == "row_sum" or body.kernel == "plane" or body.integration == "reduced"):
             key = "lumping" if body.lumping == "row_sum" else "integration" if body.integration == "reduced" else "kernel"
             raise SceneError(f'"{getattr(body, key)}" is for hex8, and "{path}" holds hex20', f"body[{i}].{key}", self.file)
         return nodes, elements

@@ -27,6 +27,7 @@ static const struct kernel_row {
 } KERNELS[] = {
   {CT_KERNEL_PLANE, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 75.0},
   {CT_KERNEL_BOX, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 393.0},
+  {CT_KERNEL_BOX, CT_HEX20, CT_LINEAR, ct_solid_box20_batches, NULL, 882.0},
   {CT_KERNEL_REDUCED, CT_HEX8, CT_LINEAR, ct_solid_reduced_batches, NULL, 538.0},
   {CT_KERNEL_GENERAL, CT_HEX8, CT_LINEAR, ct_solid_hex8_batches, NULL, 2154.0},
   {CT_KERNEL_GENERAL, CT_HEX20, CT_LINEAR, ct_solid_hex20_batches, NULL, 37434.0},
@@ -64,6 +65,7 @@ static void free_data(void *data)
     ct_release(solid->parts[i].range_first);
     ct_release(solid->parts[i].ranges);
     ct_release(solid->parts[i].mean);
+    ct_release(solid->parts[i].box20);
     ct_plane_free(solid->parts[i].plane);
     ct_assembly_free(solid->parts[i].assembly);
   }
@@ -202,15 +204,19 @@ static void call_gather(const part_call *call, int32_t first, int32_t last)
 static void part_force(const part_call *call)
 {
   const ct_solid_part *part = call->part;
-  int32_t node = 0, block = 0;
-  for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK, block++) {
+  const int32_t *ready = part->ready;
+  int32_t node[CT_FAMILIES];
+  memcpy(node, part->family, sizeof node);
+  for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK) {
     call_batches(call, b, b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count);
     if (part->assembly->extra_count > 0) continue;
-    call_gather(call, node, part->ready[block]);
-    node = part->ready[block];
+    for (int k = 0; k < part->families; k++, ready++) {
+      call_gather(call, node[k], *ready);
+      node[k] = *ready;
+    }
   }
   ct_assembly_fold(part->assembly, call->values);
-  call_gather(call, node, part->mesh->node_count);
+  for (int k = 0; k < part->families; k++) call_gather(call, node[k], part->family[k + 1]);
 }
 
 /* The same for a range of the nodes of a body whose forces go through a ring: begin with the first element that a node of the range may have. */
@@ -368,24 +374,54 @@ static ct_status prepare_gradients(ct_solid_part *part)
   return CT_OK;
 }
 
-/* Find for each block of batches how many nodes, counted from the first, have all their elements by then. */
+/* Families of nodes whose numbers each follow the elements: corners, and the mid-sides along ξ, η, ζ where these stand apart, one
+ * after another, as ct_mesh_create_box numbers them; else all nodes are one. */
+static void find_families(ct_solid_part *part)
+{
+  const ct_mesh *mesh = part->mesh;
+  int32_t high[CT_FAMILIES] = {-1, -1, -1, -1};
+  int64_t per = ct_brick_node_count(mesh->kind);
+  int apart = mesh->kind == CT_HEX20;
+  for (int k = 0; k < CT_FAMILIES; k++) part->family[k] = mesh->node_count;
+  for (int64_t i = 0; apart && i < per * mesh->element_count; i++) {
+    int32_t n = mesh->elements[i];
+    int a = (int)(i % per), k = a < 8 ? 0 : a < 16 ? 1 + a % 2 : 3;
+    part->family[k] = n < part->family[k] ? n : part->family[k];
+    high[k] = n > high[k] ? n : high[k];
+  }
+  for (int k = 0; k + 1 < CT_FAMILIES; k++) apart = apart && high[k] < part->family[k + 1];
+  part->families = apart ? CT_FAMILIES : 1;
+  part->family[0] = 0;
+  part->family[part->families] = mesh->node_count;
+}
+
+/* What hex20 elements share: the constants of a box, or the gradients at the Gauss points. */
+static ct_status prepare_hex20(ct_solid_part *part)
+{
+  return part->kernel == CT_KERNEL_BOX ? ct_box20_prepare(part) : prepare_gradients(part);
+}
+
+/* Find for each block of batches and each family how many of its nodes, from the first on, have all their elements by then. */
 static ct_status prepare_ready(ct_solid_part *part)
 {
   const ct_mesh *mesh = part->mesh;
-  int32_t blocks = (part->batch_count + CT_BLOCK - 1) / CT_BLOCK, node = 0;
-  size_t per = (size_t)ct_brick_node_count(mesh->kind);
+  int32_t blocks = (part->batch_count + CT_BLOCK - 1) / CT_BLOCK, node[CT_FAMILIES];
+  size_t per = (size_t)ct_brick_node_count(mesh->kind), count = 0;
+  find_families(part);
   int32_t *last = ct_allocate((size_t)mesh->node_count, sizeof *last);
-  part->ready = ct_allocate((size_t)blocks, sizeof *part->ready);
+  part->ready = ct_allocate((size_t)blocks * (size_t)part->families, sizeof *part->ready);
   if (last == NULL || part->ready == NULL) {
     ct_release(last);
     return CT_ERROR_MEMORY;
   }
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (size_t a = 0; a < per; a++) last[mesh->elements[(size_t)e * per + a]] = e;
-  for (int32_t block = 0; block < blocks; block++) {
-    while (node < mesh->node_count && last[node] / (8 * CT_BLOCK) <= block) node++;
-    part->ready[block] = node;
-  }
+  memcpy(node, part->family, sizeof node);
+  for (int32_t block = 0; block < blocks; block++)
+    for (int k = 0; k < part->families; k++) {
+      while (node[k] < part->family[k + 1] && last[node[k]] / (8 * CT_BLOCK) <= block) node[k]++;
+      part->ready[count++] = node[k];
+    }
   ct_release(last);
   return CT_OK;
 }
@@ -394,11 +430,12 @@ static ct_status prepare_ready(ct_solid_part *part)
 static ct_status choose_plane(ct_solid_part *part, const ct_solid_block *block, int box, ct_error *error)
 {
   int wanted = block->kernel == CT_KERNEL_PLANE || (block->kernel == CT_KERNEL_AUTO && part->savings.plane_strain);
-  for (int axis = 0; wanted && box && part->plane == NULL && axis < 3; axis++)
+  for (int axis = 0; wanted && box && part->mesh->kind == CT_HEX8 && part->plane == NULL && axis < 3; axis++)
     if (block->held[axis] && ct_plane_create(part, axis, part->rings, &part->plane) != CT_OK) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   if (part->plane != NULL) part->kernel = CT_KERNEL_PLANE;
   if (block->kernel == CT_KERNEL_PLANE && part->plane == NULL)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the plane kernel needs one layer of boxes whose nodes are all held along its thickness");
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "the plane kernel needs one layer of hex8 boxes whose nodes are all held along its thickness");
   return CT_OK;
 }
 
@@ -411,7 +448,8 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_block *block,
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "the box kernel is for small strain; large deformation has the general one");
   if (asked == CT_KERNEL_BOX && !box)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular hex8 elements of one size");
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "the box kernel needs rectangular elements of one size, with nodes in the middle of straight edges");
   if (asked == CT_KERNEL_REDUCED && (large || part->mesh->kind != CT_HEX8))
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "reduced integration with hourglass control is for hex8 and small strain");
   if (!(part->hourglass > 0.0) || !isfinite(part->hourglass))
@@ -460,8 +498,7 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
     return CT_OK;
   }
   part->batch_nodes = ct_allocate((size_t)part->batch_count * 8 * (size_t)per, sizeof *part->batch_nodes);
-  if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK ||
-      (part->mesh->kind == CT_HEX20 && prepare_gradients(part) != CT_OK))
+  if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK || (part->mesh->kind == CT_HEX20 && prepare_hex20(part) != CT_OK))
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   ct_solid_batch_nodes(part->mesh, part->batch_nodes);
   if ((part->savings.quiet && part->cells[0] == 0 && ct_quiet_prepare(part) != CT_OK) || (part->kernel == CT_KERNEL_REDUCED && ct_reduced_prepare(part) != CT_OK))

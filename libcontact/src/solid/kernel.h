@@ -19,6 +19,9 @@ typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, i
 /* Stored energies of the 8 elements of one batch. */
 typedef void ct_solid_energies(const struct ct_solid_part *part, int32_t batch, const double *displacement, double energies[8]);
 
+/* Most families of nodes in a body: corners, and mid-sides along three axes. */
+enum { CT_FAMILIES = 4 };
+
 /* One body, prepared for its kernel. Element forces go to `values` in the layout of ct_assembly. */
 typedef struct ct_solid_part {
   const ct_mesh *mesh;
@@ -27,6 +30,9 @@ typedef struct ct_solid_part {
   ct_savings savings;
   double lambda, mu;
   int32_t first_node;
+  /* Families of nodes that are summed each in the order of their numbers, family[k] ... family[k + 1] - 1. */
+  int32_t family[CT_FAMILIES + 1];
+  int families;
   ct_solid_kernel kernel;
   ct_solid_batches *batches;
   /* Null where the force is linear: the energy is then half its work. */
@@ -53,10 +59,12 @@ typedef struct ct_solid_part {
   /* Coefficient of the hourglass control, and what is laid down for each batch, when the kernel is CT_KERNEL_REDUCED. */
   double hourglass;
   struct ct_reduced_lanes *mean;
-  /* Shape gradients ∂N_a/∂ξ_j and weights at the Gauss points of hex20, shape (27, 20, 3). */
+  /* What the elements share when the kernel is CT_KERNEL_BOX for hex20. */
+  struct ct_box20 *box20;
+  /* Shape gradients ∂N_a/∂ξ_j at the Gauss points of hex20, shape (27, 20, 3); null when the kernel needs none. */
   double (*gradients)[20][3];
   ct_assembly *assembly;
-  /* After each block of CT_BLOCK batches: the first node that still waits for an element, shape (blocks). */
+  /* After each block of CT_BLOCK batches: the first node of each family that waits for an element, shape (blocks, families). */
   int32_t *ready;
   /* Where this part's values, and its batches, begin in the scratch of the effect, and how many values it has. */
   int64_t first_value, first_batch, value_count;
@@ -72,10 +80,14 @@ typedef struct ct_solid_part {
 /* Batches that are computed before their nodes are summed, while their forces are still in the cache. */
 enum { CT_BLOCK = 32 };
 
-/* Edge lengths when all elements are rectangular along x, y, z and alike to 1e-12; 0 otherwise. */
+/* Edge lengths when all elements are rectangular along x, y, z, with straight edges and their nodes in the middle, and alike to
+ * 1e-12; 0 otherwise. */
 int ct_solid_is_box(const ct_mesh *mesh, double edge[3]);
 
-ct_solid_batches ct_solid_box_batches, ct_solid_hex8_batches, ct_solid_hex20_batches;
+/* Lay down what hex20 boxes of one size share, from the part's edges and its material. */
+ct_status ct_box20_prepare(ct_solid_part *part);
+
+ct_solid_batches ct_solid_box_batches, ct_solid_box20_batches, ct_solid_hex8_batches, ct_solid_hex20_batches;
 ct_solid_batches ct_solid_large_hex8_batches, ct_solid_large_hex20_batches;
 ct_solid_energies ct_solid_large_hex8_energies, ct_solid_large_hex20_energies;
 
