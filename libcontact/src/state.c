@@ -346,6 +346,7 @@ static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t 
   const ct_effect *effect = problem->effects[k];
   ct_view view = ct_workspace_view(problem, state, k);
   if (k == 0 && kept) view.still = w->still;
+  if (k == 0) view.element_updates = state->element_updates;
   if (k == 0 && w->watched) view.drifted = w->drifted;
   if (k == 0 && w->watched && w->local) {
     view.adrift = w->adrift;

@@ -230,6 +230,9 @@ static void nodes_adrift(ct_scheme scheme, const char *name)
     equal &= same(&all, &some) && same(&all, &shy);
   }
   tap_ok(equal, "%s: the same bits after series of 1 to 70 steps", name);
+  int64_t *every = all.state->element_updates, *few = some.state->element_updates, evaluations = every[0] / 1440;
+  tap_ok(every[1] == 0 && every[0] == 1440 * evaluations && few[0] + few[1] == every[0] && few[1] > few[0] / 4,
+         "of %lld forces of elements in %lld evaluations %lld were left out", (long long)every[0], (long long)evaluations, (long long)few[1]);
   tap_ok(some.own.adrift > 1000 && some.own.seen != all.own.seen, "a leader has moved for %lld nodes, whose own displacement was older then", (long long)some.own.adrift);
   tap_ok(shy.own.adrift == 0 && shy.own.seen == all.own.seen, "never beside an effect that may look at all nodes");
   int failed = 0, landed = 0;

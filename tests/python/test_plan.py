@@ -76,6 +76,22 @@ def test_each_effect_has_its_costs_and_its_share_of_the_bound():
     assert "measured" not in scene.cost_table()
 
 
+def test_a_run_counts_which_share_of_its_elements_it_has_computed():
+    assert two_bars(gap=10.0, end=1.0, savings=[]).run(progress=False).computed == 1.0
+    # All elements are computed once, in the first of the two evaluations that the start takes, and never again while they fly.
+    alone = two_bars(gap=10.0, end=1.0)
+    steps = alone.explain().data["time"]["steps"]
+    assert alone.run(progress=False).computed == 1.0 / (steps + 2)
+    # A front that goes one element a step from the contact into bars of 200 elements, in batches of 8: eq. quiet-share.
+    met = two_bars(gap=0.0, cells=200, end=0.3)
+    run = met.run(progress=False)
+    solid = met.costs(run)[0]
+    assert run.computed == solid.done and abs(solid.active - solid.done) < 8 / 200
+    assert abs(solid.done - met.explain().data["time"]["steps"] / (2 * 200)) < 8 / 200
+    assert f"{100 * solid.done:.0f} %" in met.cost_table(run)
+    assert met.costs(run)[1].done is None and met.costs()[0].done is None
+
+
 def test_the_trial_of_a_plan_changes_nothing():
     scene, fresh = two_bars(), two_bars()
     scene.explain()

@@ -20,7 +20,7 @@ from ._core import ffi, lib
 from .chatter import ChatterWarning, chatter
 from .errors import NotBuiltIn, check, new_error
 from .mesh import view
-from .plan import measured
+from .plan import computed_share, measured
 from .problem import Problem, contact_points, new_state, penetrations
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_dtype
 from .schema import SceneError, is_number
@@ -299,7 +299,7 @@ class Loop:
             bodies=list(problem.bodies), units=problem.parts.units, steps=self.steps[-records:],
             energy=np.concatenate(energy or [np.empty(0, energy_dtype(problem.effects))]), momentum=np.concatenate(momentum or [np.empty(0, MOMENTUM)]),
             state=state, path=self.path, scene=self.scene_text, interrupted=self.interrupted, seconds=self.seconds,
-            costs=measured(problem, self.state, self.output_seconds), writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state),
+            costs=measured(problem, self.state, self.output_seconds), computed=computed_share(self.state), writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state),
             impulse={} if failed else self._impulses(), dt=problem.dt,
             penetration=[] if failed or records else penetrations(problem, self.state))
 

@@ -46,8 +46,8 @@ class Cost:
     What one part of a run costs: an effect (all of its name together), the ``"time loop"`` around them, or the ``"output"``.
 
     ``seconds_a_step`` [s], the mean over the run (of the output: of a record), ``active`` the share of its elements that are
-    computed or of the steps in which its surfaces press, ``predicted`` and ``measured`` [s] over the whole run (None where not
-    known), ``flops`` and ``bytes`` a step (0: not counted), ``nodes`` that it acts on, and its part ``omega_squared`` [1/time²]
+    computed or of the steps in which its surfaces press, ``done`` that share of the elements as a run has counted it,
+    ``predicted`` and ``measured`` [s] over the whole run (None where not known), ``flops`` and ``bytes`` a step (0: not counted), ``nodes`` that it acts on, and its part ``omega_squared`` [1/time²]
     and ``rate`` [1/time] of the bound on the step.
     """
 
@@ -55,6 +55,7 @@ class Cost:
     nodes: int = 0
     seconds_a_step: float = 0.0
     active: float = 1.0
+    done: float | None = None
     predicted: float | None = None
     measured: float | None = None
     flops: float = 0.0
@@ -107,6 +108,12 @@ def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, f
         out[name] += state.effect_seconds[k]
     out[OUTPUT] = output_seconds
     return {name: seconds for name, seconds in out.items() if not _is_reaction(problem, name)}
+
+
+def computed_share(state: Any) -> float:
+    """The share of the elements' forces that a state's steps have computed; the others were quiet."""
+    computed, left_out = state.element_updates
+    return computed / max(computed + left_out, 1)
 
 
 def _is_reaction(problem: Problem, name: str) -> bool:
@@ -296,20 +303,23 @@ def _touch_share(problem: Problem, touch: list[Any], name: str) -> float:
 def table(costs: list[Cost], stable: float) -> list[str]:
     """The costs as lines of text; ``stable``: the stable step, of which each effect's bound takes a part."""
     told = any(cost.measured is not None for cost in costs)
-    head = f"  {'':<14}{'nodes':>9}{'a step':>11}{'work':>7}{'predicted':>12}" + (f"{'measured':>12}" if told else "")
+    head = f"  {'':<14}{'nodes':>9}{'a step':>11}{'work':>7}" + (f"{'done':>7}" if told else "")
+    head += f"{'predicted':>12}" + (f"{'measured':>12}" if told else "")
     lines = [head + f"{'flops':>10}{'bytes':>10}{'of the bound':>14}"]
     whole = 4.0 / stable**2
     for cost in costs:
         # How much of 4 / dt² = W + 2 D / dt belongs to the effect.
         share = (cost.omega_squared + 2.0 * cost.rate / stable) / whole
         line = f"  {cost.name:<14}{cost.nodes or '':>9}{_seconds(cost.seconds_a_step or None):>11}{100 * cost.active:>5.0f} %"
+        if told:
+            line += f"{100 * cost.done:>5.0f} %" if cost.done is not None else f"{'':>7}"
         line += f"{_seconds(cost.predicted):>12}"
         line += f"{_seconds(cost.measured):>12}" if told else ""
         line += f"{_count(cost.flops):>10}{_count(cost.bytes):>10}" + (f"{100 * share:>12.1f} %" if share else "")
         lines.append(line.rstrip())
     sums = [math.fsum(values) if None not in values and values else None
             for values in ([cost.predicted for cost in costs], [cost.measured for cost in costs])]
-    lines.append(f"  {'together':<14}{'':>27}{_seconds(sums[0]):>12}" + (f"{_seconds(sums[1]):>12}" if told else ""))
+    lines.append(f"  {'together':<14}{'':>{34 if told else 27}}{_seconds(sums[0]):>12}" + (f"{_seconds(sums[1]):>12}" if told else ""))
     return lines
 
 

@@ -184,14 +184,15 @@ class Run:
     gap (negative inside, NaN where nothing was met), pressure, weight; it is empty for a run that was read from a file. ``penetration`` has for each
     contact a dict of the places "points", "corners" and "edges" (of all faces; a surface in contact with itself has "points" only), and for each place the numbers of those
     ``inside`` and ``buried`` (inside, but not in contact as they never came from outside), and depth ``deepest``, ``surface``, ``face`` and ``position`` of the deepest. ``costs`` are the seconds of each
-    effect by name, of the "time loop" around them and of the "output"; ``Scene.costs`` puts them beside what was predicted.
+    effect by name, of the "time loop" around them and of the "output"; ``Scene.costs`` puts them beside what was predicted. ``computed`` is the share of the elements' forces
+    that were computed, as the others were quiet (None for a run that was read from a file).
     ``impulse`` is what each effect has given to all bodies together since t = 0 (3,), by name: their sum is the change of momentum. It is empty for a run that was
     read from a file.
     """
 
     def __init__(self, *, bodies: list[str], units: Units | None, steps: Any, energy: np.ndarray, momentum: np.ndarray,
                  state: State | None, path: Path | None = None, scene: str = "", interrupted: bool = False, seconds: float = 0.0,
-                 costs: Mapping[str, float] | None = None, writer: Any = None, contact: Sequence[np.ndarray] = (),
+                 costs: Mapping[str, float] | None = None, computed: float | None = None, writer: Any = None, contact: Sequence[np.ndarray] = (),
                  impulse: Mapping[str, np.ndarray] | None = None, dt: float | None = None,
                  penetration: Sequence[dict[str, dict[str, Any]]] = ()):
         self.bodies, self.units, self.state = bodies, units, state
@@ -201,7 +202,7 @@ class Run:
         self.interrupted, self.seconds, self.dt = interrupted, seconds, dt
         self.contact = list(contact)
         self.penetration = list(penetration)
-        self.costs = dict(costs or {})
+        self.costs, self.computed = dict(costs or {}), computed
         self.impulse = dict(impulse or {})
         self._writer = writer
 

@@ -200,7 +200,9 @@ class Scene:
         """
         problem = self._built(None)
         plan = predict(problem, record_count(problem) if run is None else len(run.steps))
-        return plan if run is None else [replace(cost, measured=run.costs.get(cost.name)) for cost in plan]
+        if run is None:
+            return plan
+        return [replace(cost, measured=run.costs.get(cost.name), done=run.computed if cost.name == "solid" else None) for cost in plan]
 
     def cost_table(self, run: Run | None = None) -> str:
         """The costs as a table."""

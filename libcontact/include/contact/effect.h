@@ -101,6 +101,8 @@ typedef struct ct_view {
   ct_leader *leaders;
   /** How many there are. */
   int32_t leader_count;
+  /** Null, or for the first effect two counters: it adds the elements that it computes and those that it leaves out. */
+  int64_t *element_updates;
   /** Scratch space of the effect that this one `reads`, as its `force` has left it for the same time; null without one. */
   const void *read;
   /**

@@ -108,6 +108,11 @@ typedef struct ct_state {
    * they went over, summed over the steps. Not part of a restart.
    */
   int64_t constraint_rounds;
+  /**
+   * Elements whose forces the first effect has computed so far, and those that it has left out as quiet, :eq:`quiet-batch`,
+   * summed over all evaluations. Not part of a restart.
+   */
+  int64_t element_updates[2];
   /** Forces and scratch space of the current step; not part of a restart. */
   struct ct_workspace *workspace;
 } ct_state;

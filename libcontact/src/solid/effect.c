@@ -265,6 +265,21 @@ static void part_force_threads(const part_call *call, int threads)
 }
 #endif
 
+/* Count the elements of part number `number` that a call computes, and those that it leaves out. */
+static void count_updates(const part_call *call, int32_t number, int64_t updates[2])
+{
+  const ct_solid_part *part = call->part;
+  int64_t all = part->mesh->element_count, computed = all;
+  if (call->quiet != NULL && part->cells[0] > 0) computed = call->quiet->rows[number].computed;
+  if (call->quiet != NULL && part->cells[0] == 0) {
+    computed = 0;
+    for (int32_t b = 0; b < part->batch_count; b++) computed += 8 * ct_quiet_computes(call->quiet, part, b);
+  }
+  if (computed > all) computed = all; // the last batch may have fewer than eight
+  updates[0] += computed;
+  updates[1] += all - computed;
+}
+
 static ct_status solid_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
 {
   const solid_data *solid = effect->data;
@@ -281,6 +296,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     if (plane && part->cells[0] == 0) call.quiet = NULL;
     if (solid->quiet && call.quiet == NULL) sum_all(&scratch->quiet, part, i);
     if (call.quiet != NULL) find_quiet(&call, i, view, solid->node_count);
+    if (view->element_updates != NULL) count_updates(&call, i, view->element_updates);
     if (plane) {
       ct_plane_force(part, u, view->threads, call.quiet, call.values + part->plane_value, call.f);
       continue;

@@ -298,6 +298,8 @@ static span find_changed(const look *l, span crossed, const ct_found *found)
       rows->reached[e.own] = elements_near(l, found->changed, 0, &e);
     }
   mark_batches(l, near, rows->reached, 0, found->read);
+  l->rows->computed = 0;
+  for (int32_t b = 0; b < l->part->batch_count; b++) l->rows->computed += 8 * found->computed[b];
   return near;
 }
 

@@ -16,6 +16,7 @@ typedef struct ct_rows {
   uint64_t *reached;    /* one of its nodes is summed in this call */
   uint64_t *alone;      /* it is led and not reached */
   uint64_t *awake;      /* it is in a batch with one that is not alone */
+  int64_t computed;     /* elements in batches that are computed */
   int known;            /* whether a call has looked yet */
   int stands;           /* whether `reached` and ct_found stand from the call before */
   int led_stands;       /* whether that is so for `alone`, `awake` and what is adrift */
