@@ -6,6 +6,7 @@
 #include "enforcement/solve.h"
 #include "error.h"
 #include "memory.h"
+#include "stream.h"
 #include "workspace.h"
 
 #include <float.h>
@@ -83,7 +84,7 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
     if (w->force != NULL) ct_release(w->force[k]);
     if (w->scratch != NULL && w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
   }
-  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->terms, w->room, w->still, w->drifted, w->past};
+  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->still, w->drifted, w->past};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_release(w);
 }
@@ -119,21 +120,16 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   if (w == NULL) return CT_ERROR_MEMORY;
   w->forces_at = -1;
   w->total = ct_allocate(n, 3 * sizeof(double));
-  w->terms = ct_allocate(n, sizeof(double));
   w->still = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->still);
   w->drifted = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->drifted);
   w->force = ct_allocate(effects, sizeof *w->force);
   w->scratch = ct_allocate(effects, sizeof *w->scratch);
   w->next_memory = ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
-  if (!w->total || !w->terms || !w->still || !w->drifted || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK ||
+  if (!w->total || !w->still || !w->drifted || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK ||
       ct_solver_create(problem, &w->solver) != CT_OK)
     return CT_ERROR_MEMORY;
   ct_scheme scheme = problem->integrator.scheme;
   if ((scheme == CT_NOH_BATHE || scheme == CT_TCHAMWA_WIELGOSZ) && (w->past = ct_allocate(n, 3 * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
-  // Forces of one effect need room of their own only where `total` holds those of several.
-  int several = w->touched_count > 0;
-  for (int32_t k = 0; k < problem->effect_count; k++) several = several || problem->effects[k]->reaction;
-  if (several && (w->room = ct_allocate(n, 3 * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (k > 0 && !effect->reaction) {
@@ -209,14 +205,18 @@ static void start_ledgers(const ct_problem *problem, ct_state *state)
   double share = ct_integrator_share(&problem->integrator);
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    const double *force = ct_workspace_force_of(problem, state, k);
-    double *work = state->work + ct_state_work_start(problem, k), *impulse = state->impulse + ct_state_impulse_start(problem, k);
-    for (int64_t i = 0; i < effect->node_count; i++)
-      for (int64_t c = 0; c < 3; c++) {
-        double f = force[3 * i + c];
-        if (!effect->reaction) work[3 * i + c] = -2.0 * share * f * state->velocity[3 * (int64_t)ct_effect_node(effect, (int32_t)i) + c];
-        if (k > 0) impulse[3 * i + c] = -share * f;
-      }
+    double room[3 * CT_PIECE], *work = state->work + ct_state_work_start(problem, k), *impulse = state->impulse + ct_state_impulse_start(problem, k);
+    for (int32_t first = 0, end; first < effect->node_count; first = end) {
+      end = ct_piece_end(first, effect->node_count);
+      const double *force = ct_workspace_force_of(problem, state, k, first, end, room);
+      for (int32_t i = first; i < end; i++)
+        for (int c = 0; c < 3; c++) {
+          int64_t d = 3 * (int64_t)i + c;
+          double f = force[d - 3 * (int64_t)first];
+          if (!effect->reaction) work[d] = -2.0 * share * f * state->velocity[3 * (int64_t)ct_effect_node(effect, i) + c];
+          if (k > 0) impulse[d] = -share * f;
+        }
+    }
   }
 }
 
@@ -316,22 +316,37 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
                    .carry = stage.carry, .past = ct_stage_past(problem, state), .total = state->workspace->total};
 }
 
-const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k)
+/* The first of the touched nodes that is `node` or a later one. */
+static int32_t touched_from(const ct_workspace *w, int32_t node)
+{
+  int32_t first = 0, last = w->touched_count;
+  while (first < last) {
+    int32_t middle = first + (last - first) / 2;
+    if (w->touched[middle] < node) first = middle + 1;
+    else last = middle;
+  }
+  return first;
+}
+
+const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k, int32_t first, int32_t last, double *room)
 {
   const ct_workspace *w = state->workspace;
   const ct_effect *effect = problem->effects[k];
-  if (k > 0 && !effect->reaction) return w->force[k];
-  if (w->room == NULL) return w->total;
-  // The first effect's force stands in `total`, but for the nodes where others were added.
-  if (k == 0) memcpy(w->room, w->total, 3 * (size_t)problem->node_count * sizeof(double));
-  for (int64_t i = 0; k == 0 && i < w->touched_count; i++)
-    memcpy(&w->room[3 * (int64_t)w->touched[i]], &w->touched_first[3 * i], 3 * sizeof(double));
-  for (int64_t i = 0; effect->reaction && i < effect->node_count; i++)
-    for (int64_t c = 0; c < 3; c++) {
-      int64_t dof = 3 * (int64_t)ct_effect_node(effect, (int32_t)i) + c;
-      w->room[3 * i + c] = problem->inverse_mass[dof] == 0.0 ? -w->total[dof] : 0.0;
+  if (k > 0 && !effect->reaction) return &w->force[k][3 * (int64_t)first];
+  if (k == 0) {
+    // The first effect's force stands in `total`, but for the nodes where others were added.
+    int32_t i = touched_from(w, first), end = touched_from(w, last);
+    if (i == end) return &w->total[3 * (int64_t)first];
+    memcpy(room, &w->total[3 * (int64_t)first], 3 * (size_t)(last - first) * sizeof *room);
+    for (; i < end; i++) memcpy(&room[3 * (int64_t)(w->touched[i] - first)], &w->touched_first[3 * (int64_t)i], 3 * sizeof *room);
+    return room;
+  }
+  for (int32_t i = first; i < last; i++)
+    for (int c = 0; c < 3; c++) {
+      int64_t dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
+      room[3 * (int64_t)(i - first) + c] = problem->inverse_mass[dof] == 0.0 ? -w->total[dof] : 0.0;
     }
-  return w->room;
+  return room;
 }
 
 /* Force of one effect, added to the total. */

@@ -1,11 +1,11 @@
 /* Looks at a state between steps: whether it is finite, whether energy has appeared, whether the solid has become too stiff for the step. */
 #include <contact/energy.h>
-#include <contact/sum.h>
 #include <contact/watch.h>
 
 #include "error.h"
 #include "memory.h"
 #include "random.h"
+#include "stream.h"
 #include "workspace.h"
 
 #include <math.h>
@@ -27,7 +27,6 @@ struct ct_watch {
   double edge;          /* shortest edge of all bodies */
   double omega_squared; /* of the last look */
   double *velocity;     /* v_n, shape (node_count, 3) */
-  double *terms;        /* one number a node */
   double *mode;         /* direction of the power iteration, shape (node_count, 3), or null when no body can stiffen */
   double *moved, *force;
   void *scratch; /* of the first effect */
@@ -44,12 +43,18 @@ static int32_t body_of(const ct_problem *problem, int32_t node)
   return body;
 }
 
-/* The node with the largest of some numbers, one a node. */
-static int32_t largest_node(const double *values, int32_t count)
+/* The node with the largest m x · x. */
+static int32_t largest_node(const ct_problem *problem, const double *x)
 {
   int32_t best = 0;
-  for (int32_t n = 1; n < count; n++)
-    if (values[n] > values[best]) best = n;
+  double most = -1.0;
+  for (int32_t n = 0; n < problem->node_count; n++) {
+    const double *own = &x[3 * (int64_t)n];
+    double value = problem->mass[n] * ((own[0] * own[0] + own[1] * own[1]) + own[2] * own[2]);
+    if (!(value > most)) continue;
+    best = n;
+    most = value;
+  }
   return best;
 }
 
@@ -60,16 +65,6 @@ static int64_t element_with(const ct_mesh *mesh, int32_t node)
   for (int64_t i = 0; i < per * mesh->element_count; i++)
     if (mesh->elements[i] == node) return i / per;
   return -1;
-}
-
-/* ½ m v_n² of each node in `terms`; the sum of them. */
-static double kinetic_energy(ct_watch *w)
-{
-  for (int64_t n = 0; n < w->problem->node_count; n++) {
-    const double *v = &w->velocity[3 * n];
-    w->terms[n] = 0.5 * w->problem->mass[n] * ((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
-  }
-  return ct_sum(w->terms, w->problem->node_count);
 }
 
 /* Energies of one look; `elastic` is what bodies and contacts store, `stored` what all effects do. */
@@ -83,7 +78,7 @@ static ct_status measure(ct_watch *w, ct_state *state, energies *e, ct_error *er
   ct_status status = ct_energy_of(w->problem, state, &ledger, error);
   if (status == CT_OK) status = ct_state_velocity(w->problem, state, w->velocity, error);
   if (status != CT_OK) return status;
-  *e = (energies){kinetic_energy(w), ledger.strain + ledger.contact, ledger.total - ledger.kinetic + ledger.external, ledger.external, ledger.total};
+  *e = (energies){0.5 * ct_sum_product(w->problem->node_count, w->problem->mass, w->velocity, w->velocity), ledger.strain + ledger.contact, ledger.total - ledger.kinetic + ledger.external, ledger.external, ledger.total};
   return CT_OK;
 }
 
@@ -100,7 +95,7 @@ static ct_status look_at_energy(ct_watch *w, const ct_state *state, const energi
   // -- A growing oscillation, of which the ledger's total knows nothing (eq:energy-grows)
   double grown = w->swing * e->elastic - expected;
   if (isinf(limit) || !(fmax(appeared, grown) > fmax(limit * expected, least))) return CT_OK;
-  int32_t node = largest_node(w->terms, w->problem->node_count), body = body_of(w->problem, node);
+  int32_t node = largest_node(w->problem, w->velocity), body = body_of(w->problem, node);
   return ct_fail(error, CT_ERROR_ENERGY, (ct_place){body, -1, node - w->problem->bodies[body].first_node},
                  "energy appears: %.3g more than the %.3g that should be there by t = %g (step %lld); most of it moves at body %s, node %d", fmax(appeared, grown), expected,
                  state->time, (long long)state->step, w->problem->bodies[body].name, (int)(node - w->problem->bodies[body].first_node));
@@ -109,24 +104,16 @@ static ct_status look_at_energy(ct_watch *w, const ct_state *state, const energi
 /* Uniform on (-1, 1), the same for every run. */
 static double noise(uint64_t *seed) { return ct_random_bits(seed) / 4503599627370496.0 - 1.0; }
 
-/* Sum over the degrees of freedom of x · y, weighted by the masses or not. */
-static double product(ct_watch *w, const double *x, const double *y, int with_mass)
-{
-  for (int64_t n = 0; n < w->problem->node_count; n++)
-    w->terms[n] = (with_mass ? w->problem->mass[n] : 1.0) * ((x[3 * n] * y[3 * n] + x[3 * n + 1] * y[3 * n + 1]) + x[3 * n + 2] * y[3 * n + 2]);
-  return ct_sum(w->terms, w->problem->node_count);
-}
-
 /* Scale the direction to p · M p = 1, with some noise, so that none is lost; what a support holds does not move. */
 static void normalise(ct_watch *w)
 {
   const ct_problem *problem = w->problem;
-  double norm = sqrt(product(w, w->mode, w->mode, 1)), share = NOISE / sqrt(3.0 * (double)problem->node_count);
+  double norm = sqrt(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode)), share = NOISE / sqrt(3.0 * (double)problem->node_count);
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
     double old = norm > 0.0 ? w->mode[d] / norm : 0.0, root = sqrt(problem->inverse_mass[d]);
     w->mode[d] = problem->inverse_mass[d] > 0.0 ? old + share * root * noise(&w->seed) : 0.0;
   }
-  norm = sqrt(product(w, w->mode, w->mode, 1));
+  norm = sqrt(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode));
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count && norm > 0.0; d++) w->mode[d] /= norm;
 }
 
@@ -147,14 +134,18 @@ static ct_status iterate(ct_watch *w, ct_state *state, ct_error *error)
   view.scratch = w->scratch;
   ct_status status = solid->force(solid, &view, w->force, error);
   if (status != CT_OK) return status;
-  const double *before = ct_workspace_force_of(problem, state, 0);
   // -- ω² = p · K p over p · M p = 1, then p becomes M⁻¹ K p (eq:step-quotient)
-  for (int64_t d = 0; d < count; d++) w->force[d] = (before[d] - w->force[d]) / small;
-  w->omega_squared = product(w, w->mode, w->force, 0);
+  double room[3 * CT_PIECE];
+  for (int32_t first = 0, end; first < problem->node_count; first = end) {
+    end = ct_piece_end(first, problem->node_count);
+    const double *before = ct_workspace_force_of(problem, state, 0, first, end, room);
+    for (int64_t i = 0, d = 3 * (int64_t)first; d < 3 * (int64_t)end; i++, d++) w->force[d] = (before[i] - w->force[d]) / small;
+  }
+  w->omega_squared = ct_sum_product(problem->node_count, NULL, w->mode, w->force);
   memcpy(w->moved, w->mode, (size_t)count * sizeof *w->moved);
   for (int64_t d = 0; d < count; d++) w->mode[d] = problem->inverse_mass[d] * w->force[d];
   // Numbers too large or too small for a quotient say nothing; the next round begins anew.
-  if (!isfinite(w->omega_squared) || !isfinite(product(w, w->mode, w->mode, 1))) {
+  if (!isfinite(w->omega_squared) || !isfinite(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode))) {
     memset(w->mode, 0, (size_t)count * sizeof *w->mode);
     w->omega_squared = 0.0;
   }
@@ -168,8 +159,7 @@ static ct_status look_at_step(ct_watch *w, ct_state *state, ct_error *error)
   ct_status status = iterate(w, state, error);
   double limit = 0.5 * w->options.omega_limit * ct_integrator_limit(&problem->integrator), omega = sqrt(fmax(w->omega_squared, 0.0));
   if (status != CT_OK || !(omega * problem->dt > limit * (1.0 + 1e-4))) return status;
-  (void)product(w, w->moved, w->moved, 1);
-  int32_t node = largest_node(w->terms, problem->node_count), body = body_of(problem, node), own = node - problem->bodies[body].first_node;
+  int32_t node = largest_node(problem, w->moved), body = body_of(problem, node), own = node - problem->bodies[body].first_node;
   int64_t element = element_with(problem->bodies[body].mesh, own);
   return ct_fail(error, CT_ERROR_STEP, (ct_place){body, element, own},
                  "by t = %g (step %lld) the solid is too stiff for the time step %g, which may be %g at most: body %s, element %lld", state->time,
@@ -282,8 +272,7 @@ ct_status ct_watch_create(const ct_problem *problem, ct_state *state, const ct_w
   w->options = *options;
   w->seed = 88172645463325252u;
   w->velocity = ct_allocate((size_t)problem->node_count, 3 * sizeof(double));
-  w->terms = ct_allocate((size_t)problem->node_count, sizeof(double));
-  ct_status status = w->velocity != NULL && w->terms != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
+  ct_status status = w->velocity != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
   if (status == CT_OK) status = prepare(w, state, error);
   if (status != CT_OK) {
     ct_watch_free(w);
@@ -298,7 +287,7 @@ void ct_watch_free(ct_watch *w)
   if (w == NULL) return;
   if (w->scratch != NULL) w->problem->effects[0]->free_scratch(w->scratch);
   ct_state_free(w->good);
-  double *arrays[] = {w->velocity, w->terms, w->mode, w->moved, w->force};
+  double *arrays[] = {w->velocity, w->mode, w->moved, w->force};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) ct_release(arrays[i]);
   ct_release(w);
 }
