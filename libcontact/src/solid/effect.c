@@ -274,7 +274,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     if (solid->quiet && (plane || call.quiet == NULL)) sum_all(&scratch->quiet, part, i);
     if (plane) {
       // This kernel costs less than to look what is quiet.
-      ct_plane_force(part, u, view->threads, call.values + part->plane_value, call.f);
+      ct_plane_force(part, u, view->threads, scratch->values, call.f);
       continue;
     }
     if (call.quiet != NULL) find_quiet(&call, i, view, solid->node_count);
@@ -499,6 +499,22 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   return status;
 }
 
+/* Find where the values of each part begin. What goes through a ring is read before the next part is computed, so all rings are one. */
+static void place_values(solid_data *solid)
+{
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    int64_t bricks = part->cells[0] > 0 ? part->value_count : 0, plane = part->plane != NULL ? part->plane->value_count : 0, ring = bricks > plane ? bricks : plane;
+    solid->value_count = ring > solid->value_count ? ring : solid->value_count;
+  }
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    ct_solid_part *part = &solid->parts[i];
+    if (part->cells[0] > 0) continue;
+    part->first_value = solid->value_count;
+    solid->value_count += part->value_count;
+  }
+}
+
 static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_error *error)
 {
   solid->parts = ct_allocate((size_t)solid->part_count, sizeof *solid->parts);
@@ -516,16 +532,13 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
       if (error != NULL) error->body = i;
       return status;
     }
-    part->first_value = solid->value_count;
-    solid->value_count += part->value_count;
-    part->plane_value = part->value_count;
-    if (part->plane != NULL) solid->value_count += part->plane->value_count;
     part->first_batch = solid->batch_count;
     solid->batch_count += part->batch_count;
     solid->quiet = solid->quiet || part->savings.quiet;
     next_node += part->mesh->node_count;
   }
   solid->node_count = next_node;
+  place_values(solid);
   return CT_OK;
 }
 

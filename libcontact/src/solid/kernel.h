@@ -59,9 +59,8 @@ typedef struct ct_solid_part {
   /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null when quiet batches are not left out. */
   int32_t *range_first;
   struct ct_node_range *ranges;
-  /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE, and where its values stand behind those of the bricks. */
+  /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE; its values stand where the effect's begin. */
   struct ct_plane *plane;
-  int64_t plane_value;
 } ct_solid_part;
 
 /* Batches that are computed before their nodes are summed, while their forces are still in the cache. */
