@@ -221,12 +221,13 @@ ct_status ct_energy_impulse(const ct_problem *problem, ct_state *state, int32_t 
 /* Momenta of the nodes first ... end - 1, those about the origin after the others, side by side for each component. */
 static void momentum_terms(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end, double terms[6][CT_PIECE])
 {
-  double kick = kick_time(problem);
+  double velocity[3 * CT_PIECE];
+  ct_mean_velocity(problem, state, first, end, velocity);
   for (int32_t n = first; n < end; n++) {
-    double m = problem->mass[n], v[3], x[3];
+    double m = problem->mass[n], x[3];
+    const double *v = &velocity[3 * (int64_t)(n - first)];
     for (int c = 0; c < 3; c++) {
       int64_t d = 3 * (int64_t)n + c;
-      v[c] = 0.5 * (state->velocity[d] + velocity_after(problem, state, kick, d));
       x[c] = problem->reference[d] + state->displacement[d];
     }
     for (int c = 0; c < 3; c++) {
@@ -263,13 +264,17 @@ ct_status ct_momentum_of(const ct_problem *problem, ct_state *state, int32_t bod
   return CT_OK;
 }
 
+void ct_mean_velocity(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end, double *velocity)
+{
+  double kick = kick_time(problem);
+  for (int64_t d = 3 * (int64_t)first; d < 3 * (int64_t)end; d++) *velocity++ = 0.5 * (state->velocity[d] + velocity_after(problem, state, kick, d));
+}
+
 ct_status ct_state_velocity(const ct_problem *problem, ct_state *state, double *velocity, ct_error *error)
 {
   ct_status status = check_effect(problem, state, 0, velocity, error);
   if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
-  double kick = status == CT_OK ? kick_time(problem) : 0.0;
-  for (int64_t d = 0; status == CT_OK && d < 3 * (int64_t)problem->node_count; d++)
-    velocity[d] = 0.5 * (state->velocity[d] + velocity_after(problem, state, kick, d));
+  if (status == CT_OK) ct_mean_velocity(problem, state, 0, problem->node_count, velocity);
   return status;
 }
 

@@ -155,11 +155,16 @@ void ct_state_free(ct_state *state)
   ct_release(state);
 }
 
-static ct_status state_allocate(const ct_problem *problem, ct_state **out, ct_error *error)
+static ct_status no_memory(const ct_problem *problem, ct_error *error)
+{
+  return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a state of %d nodes", (int)problem->node_count);
+}
+
+ct_status ct_state_allocate(const ct_problem *problem, ct_state **out, ct_error *error)
 {
   ct_state *s = ct_allocate(1, sizeof *s);
   *out = s;
-  if (s == NULL) return CT_ERROR_MEMORY;
+  if (s == NULL) return no_memory(problem, error);
   size_t n = (size_t)problem->node_count;
   s->problem = problem;
   s->node_count = problem->node_count;
@@ -172,8 +177,17 @@ static ct_status state_allocate(const ct_problem *problem, ct_state **out, ct_er
   s->impulse = ct_allocate((size_t)s->impulse_count, sizeof(double));
   s->memory = ct_allocate((size_t)s->memory_count, sizeof(double));
   s->effect_seconds = ct_allocate((size_t)problem->effect_count + 1, sizeof(double));
-  if (!s->displacement || !s->velocity || !s->work || !s->impulse || !s->memory || !s->effect_seconds) return CT_ERROR_MEMORY;
-  return workspace_create(problem, &s->workspace, error);
+  return s->displacement && s->velocity && s->work && s->impulse && s->memory && s->effect_seconds ? CT_OK : no_memory(problem, error);
+}
+
+ct_status ct_state_equip(ct_state *state, ct_error *error)
+{
+  if (state->workspace != NULL) return CT_OK;
+  ct_status status = workspace_create(state->problem, &state->workspace, error);
+  if (status == CT_OK) return CT_OK;
+  workspace_free(state->problem, state->workspace);
+  state->workspace = NULL;
+  return status == CT_ERROR_MEMORY ? no_memory(state->problem, error) : status;
 }
 
 /* Half a step back from t = 0 (eq:leapfrog-start, eq:stage-start). */
@@ -227,8 +241,8 @@ ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *e
   if (out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "state: null argument");
   ct_status status = check_problem(problem, error);
   if (status != CT_OK) return status;
-  status = state_allocate(problem, &state, error);
-  if (status == CT_ERROR_MEMORY) ct_fail(error, status, CT_NOWHERE, "no memory for a state of %d nodes", (int)problem->node_count);
+  status = ct_state_allocate(problem, &state, error);
+  if (status == CT_OK) status = ct_state_equip(state, error);
   if (status == CT_OK) {
     memcpy(state->velocity, problem->initial_velocity, 3 * (size_t)problem->node_count * sizeof(double));
     state->workspace->starting = 1;
@@ -256,7 +270,7 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   if (problem == NULL || from == NULL || to == NULL || from->node_count != to->node_count || from->work_count != to->work_count ||
       from->impulse_count != to->impulse_count || from->memory_count != to->memory_count)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "state: the two states are of different problems");
-  // One that was read from a file has no workspace, and stands between two steps.
+  // One that was read from a file, or is kept by a watch, has no workspace, and stands between two steps.
   ct_status status = from->workspace == NULL ? CT_OK : ct_stage_check(from, error);
   if (status != CT_OK) return status;
   size_t n = 3 * (size_t)problem->node_count;
@@ -268,6 +282,7 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   to->step = from->step;
   to->time = from->time;
   to->kinetic_start = from->kinetic_start;
+  if (to->workspace == NULL) return CT_OK;
   to->workspace->forces_at = -1;
   to->workspace->stage = 0;
   // Between two steps the acceleration before counts for nothing, but nothing times what is not finite is not nothing.

@@ -32,7 +32,10 @@ void ct_stream_add(ct_stream *sum, const double *terms, int64_t count);
 /* The sum, at the end. */
 double ct_stream_sum(const ct_stream *sum);
 
-/* Sum over the nodes of m x · y, shapes (count) and (count, 3); `mass` null: m = 1. */
+/* m x · y of `count` nodes, shapes (count) and (count, 3); `mass` null: m = 1. */
+void ct_product_terms(int32_t count, const double *mass, const double *x, const double *y, double *terms);
+
+/* The sum of them. */
 double ct_sum_product(int32_t count, const double *mass, const double *x, const double *y);
 
 #endif

@@ -68,6 +68,11 @@ double ct_sum(const double *values, int64_t count)
   return ct_stream_sum(&sum);
 }
 
+void ct_product_terms(int32_t count, const double *mass, const double *x, const double *y, double *terms)
+{
+  for (int32_t n = 0; n < count; n++, x += 3, y += 3) terms[n] = (mass != NULL ? mass[n] : 1.0) * ((x[0] * y[0] + x[1] * y[1]) + x[2] * y[2]);
+}
+
 double ct_sum_product(int32_t count, const double *mass, const double *x, const double *y)
 {
   ct_stream sum = {0};
@@ -75,8 +80,7 @@ double ct_sum_product(int32_t count, const double *mass, const double *x, const 
   while (ct_stream_again(&sum, 1))
     for (int32_t first = 0, end; first < count; first = end) {
       end = ct_piece_end(first, count);
-      for (int64_t n = first; n < end; n++)
-        terms[n - first] = (mass != NULL ? mass[n] : 1.0) * ((x[3 * n] * y[3 * n] + x[3 * n + 1] * y[3 * n + 1]) + x[3 * n + 2] * y[3 * n + 2]);
+      ct_product_terms(end - first, mass != NULL ? mass + first : NULL, x + 3 * (int64_t)first, y + 3 * (int64_t)first, terms);
       ct_stream_add(&sum, terms, end - first);
     }
   return ct_stream_sum(&sum);

@@ -26,7 +26,6 @@ struct ct_watch {
   double swing;         /* 1 - (Δt / stable Δt)² */
   double edge;          /* shortest edge of all bodies */
   double omega_squared; /* of the last look */
-  double *velocity;     /* v_n, shape (node_count, 3) */
   double *mode;         /* direction of the power iteration, shape (node_count, 3), or null when no body can stiffen */
   double *moved, *force;
   void *scratch; /* of the first effect */
@@ -43,17 +42,28 @@ static int32_t body_of(const ct_problem *problem, int32_t node)
   return body;
 }
 
-/* The node with the largest m x · x. */
-static int32_t largest_node(const ct_problem *problem, const double *x)
+/* m x · x at the nodes first ... end - 1; a null x: m v_n · v_n. */
+static void square_terms(const ct_problem *problem, const ct_state *state, const double *x, int32_t first, int32_t end, double *terms)
+{
+  double velocity[3 * CT_PIECE];
+  if (x == NULL) ct_mean_velocity(problem, state, first, end, velocity);
+  const double *own = x == NULL ? velocity : &x[3 * (int64_t)first];
+  ct_product_terms(end - first, &problem->mass[first], own, own, terms);
+}
+
+/* The node with the largest of them. */
+static int32_t largest_node(const ct_problem *problem, const ct_state *state, const double *x)
 {
   int32_t best = 0;
-  double most = -1.0;
-  for (int32_t n = 0; n < problem->node_count; n++) {
-    const double *own = &x[3 * (int64_t)n];
-    double value = problem->mass[n] * ((own[0] * own[0] + own[1] * own[1]) + own[2] * own[2]);
-    if (!(value > most)) continue;
-    best = n;
-    most = value;
+  double most = -1.0, terms[CT_PIECE];
+  for (int32_t first = 0, end; first < problem->node_count; first = end) {
+    end = ct_piece_end(first, problem->node_count);
+    square_terms(problem, state, x, first, end, terms);
+    for (int32_t n = first; n < end; n++)
+      if (terms[n - first] > most) {
+        best = n;
+        most = terms[n - first];
+      }
   }
   return best;
 }
@@ -72,13 +82,21 @@ typedef struct energies {
   double kinetic, elastic, stored, external, total;
 } energies;
 
-static ct_status measure(ct_watch *w, ct_state *state, energies *e, ct_error *error)
+static ct_status measure(const ct_watch *w, ct_state *state, energies *e, ct_error *error)
 {
+  const ct_problem *problem = w->problem;
   ct_energy ledger;
-  ct_status status = ct_energy_of(w->problem, state, &ledger, error);
-  if (status == CT_OK) status = ct_state_velocity(w->problem, state, w->velocity, error);
+  ct_status status = ct_energy_of(problem, state, &ledger, error);
   if (status != CT_OK) return status;
-  *e = (energies){0.5 * ct_sum_product(w->problem->node_count, w->problem->mass, w->velocity, w->velocity), ledger.strain + ledger.contact, ledger.total - ledger.kinetic + ledger.external, ledger.external, ledger.total};
+  ct_stream sum = {0};
+  double terms[CT_PIECE];
+  while (ct_stream_again(&sum, 1))
+    for (int32_t first = 0, end; first < problem->node_count; first = end) {
+      end = ct_piece_end(first, problem->node_count);
+      square_terms(problem, state, NULL, first, end, terms);
+      ct_stream_add(&sum, terms, end - first);
+    }
+  *e = (energies){0.5 * ct_stream_sum(&sum), ledger.strain + ledger.contact, ledger.total - ledger.kinetic + ledger.external, ledger.external, ledger.total};
   return CT_OK;
 }
 
@@ -95,7 +113,7 @@ static ct_status look_at_energy(ct_watch *w, const ct_state *state, const energi
   // -- A growing oscillation, of which the ledger's total knows nothing (eq:energy-grows)
   double grown = w->swing * e->elastic - expected;
   if (isinf(limit) || !(fmax(appeared, grown) > fmax(limit * expected, least))) return CT_OK;
-  int32_t node = largest_node(w->problem, w->velocity), body = body_of(w->problem, node);
+  int32_t node = largest_node(w->problem, state, NULL), body = body_of(w->problem, node);
   return ct_fail(error, CT_ERROR_ENERGY, (ct_place){body, -1, node - w->problem->bodies[body].first_node},
                  "energy appears: %.3g more than the %.3g that should be there by t = %g (step %lld); most of it moves at body %s, node %d", fmax(appeared, grown), expected,
                  state->time, (long long)state->step, w->problem->bodies[body].name, (int)(node - w->problem->bodies[body].first_node));
@@ -159,7 +177,7 @@ static ct_status look_at_step(ct_watch *w, ct_state *state, ct_error *error)
   ct_status status = iterate(w, state, error);
   double limit = 0.5 * w->options.omega_limit * ct_integrator_limit(&problem->integrator), omega = sqrt(fmax(w->omega_squared, 0.0));
   if (status != CT_OK || !(omega * problem->dt > limit * (1.0 + 1e-4))) return status;
-  int32_t node = largest_node(problem, w->moved), body = body_of(problem, node), own = node - problem->bodies[body].first_node;
+  int32_t node = largest_node(problem, state, w->moved), body = body_of(problem, node), own = node - problem->bodies[body].first_node;
   int64_t element = element_with(problem->bodies[body].mesh, own);
   return ct_fail(error, CT_ERROR_STEP, (ct_place){body, element, own},
                  "by t = %g (step %lld) the solid is too stiff for the time step %g, which may be %g at most: body %s, element %lld", state->time,
@@ -240,8 +258,8 @@ static ct_status prepare(ct_watch *w, ct_state *state, ct_error *error)
   ct_stable_step stable = {.dt = w->options.stable};
   energies e;
   int stiffens = 0;
-  ct_status status = ct_state_create(problem, &w->good, error);
-  if (status == CT_OK && stable.dt == 0.0) status = ct_stable(problem, w->good, &stable, error);
+  ct_status status = ct_state_allocate(problem, &w->good, error);
+  if (status == CT_OK && stable.dt == 0.0) status = ct_stable(problem, NULL, &stable, error);
   if (status == CT_OK) status = ct_check_finite(problem, state, error);
   if (status == CT_OK) status = measure(w, state, &e, error);
   if (status != CT_OK) return status;
@@ -271,9 +289,7 @@ ct_status ct_watch_create(const ct_problem *problem, ct_state *state, const ct_w
   w->problem = problem;
   w->options = *options;
   w->seed = 88172645463325252u;
-  w->velocity = ct_allocate((size_t)problem->node_count, 3 * sizeof(double));
-  ct_status status = w->velocity != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
-  if (status == CT_OK) status = prepare(w, state, error);
+  ct_status status = prepare(w, state, error);
   if (status != CT_OK) {
     ct_watch_free(w);
     return status;
@@ -287,11 +303,15 @@ void ct_watch_free(ct_watch *w)
   if (w == NULL) return;
   if (w->scratch != NULL) w->problem->effects[0]->free_scratch(w->scratch);
   ct_state_free(w->good);
-  double *arrays[] = {w->velocity, w->mode, w->moved, w->force};
+  double *arrays[] = {w->mode, w->moved, w->force};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) ct_release(arrays[i]);
   ct_release(w);
 }
 
-ct_state *ct_watch_good(const ct_watch *watch) { return watch == NULL ? NULL : watch->good; }
+ct_state *ct_watch_good(const ct_watch *watch)
+{
+  // Most runs have no fault, and nobody asks for the forces of their good states.
+  return watch == NULL || ct_state_equip(watch->good, NULL) != CT_OK ? NULL : watch->good;
+}
 
 double ct_watch_omega_squared(const ct_watch *watch) { return watch == NULL || watch->mode == NULL ? 0.0 : watch->omega_squared; }
