@@ -313,19 +313,24 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
   ct_problem *problem = &scene->problem;
   for (int32_t i = 0; i < scene->body_count; i++) problem->node_count += scene->parts[i].mesh->node_count;
   size_t n = (size_t)problem->node_count;
-  scene->reference = ct_allocate(n, 3 * sizeof(double));
+  // Masses come first: to lump them takes much room for a while, and less is there yet.
   scene->mass = ct_allocate(n, sizeof(double));
+  if (scene->mass == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for %d nodes", (int)problem->node_count);
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    const ct_body *body = &scene->bodies[i];
+    ct_status status = ct_mass_lumped(body->mesh, body->material.density, scene->parts[i].lumping, &scene->mass[body->first_node], error);
+    if (status != CT_OK && error != NULL) error->body = i;
+    if (status != CT_OK) return status;
+  }
+  scene->reference = ct_allocate(n, 3 * sizeof(double));
   scene->inverse_mass = ct_allocate(n, 3 * sizeof(double));
   scene->velocity = ct_allocate(n, 3 * sizeof(double));
-  if (!scene->reference || !scene->mass || !scene->inverse_mass || !scene->velocity)
+  if (!scene->reference || !scene->inverse_mass || !scene->velocity)
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for %d nodes", (int)problem->node_count);
   for (int32_t i = 0; i < scene->body_count; i++) {
-    const scene_body *part = &scene->parts[i];
-    size_t first = (size_t)scene->bodies[i].first_node, count = (size_t)part->mesh->node_count;
-    memcpy(&scene->reference[3 * first], part->mesh->nodes, 3 * count * sizeof(double));
-    ct_status status = ct_mass_lumped(part->mesh, scene->bodies[i].material.density, part->lumping, &scene->mass[first], error);
-    if (status != CT_OK && error != NULL) error->body = i;
-    if (status == CT_OK) status = start_body(scene, i, error);
+    const ct_mesh *mesh = scene->parts[i].mesh;
+    memcpy(&scene->reference[3 * (size_t)scene->bodies[i].first_node], mesh->nodes, 3 * (size_t)mesh->node_count * sizeof(double));
+    ct_status status = start_body(scene, i, error);
     if (status != CT_OK) return status;
   }
   // From here on the bodies' meshes share the coordinates of the problem.

@@ -258,8 +258,8 @@ static ct_status prepare(ct_watch *w, ct_state *state, ct_error *error)
   ct_stable_step stable = {.dt = w->options.stable};
   energies e;
   int stiffens = 0;
-  ct_status status = ct_state_allocate(problem, &w->good, error);
-  if (status == CT_OK && stable.dt == 0.0) status = ct_stable(problem, NULL, &stable, error);
+  ct_status status = stable.dt == 0.0 ? ct_stable(problem, NULL, &stable, error) : CT_OK;
+  if (status == CT_OK) status = ct_state_allocate(problem, &w->good, error);
   if (status == CT_OK) status = ct_check_finite(problem, state, error);
   if (status == CT_OK) status = measure(w, state, &e, error);
   if (status != CT_OK) return status;
