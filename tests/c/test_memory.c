@@ -171,6 +171,73 @@ static void good_state(void)
   ct_mesh_free(m);
 }
 
+/* A state of nodes that are all displaced and move, whose forces are not made yet. */
+static ct_state *shaken(const ct_problem *problem)
+{
+  ct_state *from = new_state(problem), *state = new_state(problem);
+  ct_error e;
+  advance(problem, from, 1);
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
+    from->displacement[d] += uniform(1e-5);
+    from->velocity[d] += problem->inverse_mass[d] > 0.0 ? uniform(10.0) : 0.0;
+  }
+  need(ct_state_copy(problem, from, state, &e), &e);
+  ct_state_free(from);
+  return state;
+}
+
+/* Sum over the nodes of m x · y in more digits than a double has. */
+static double by_hand(const ct_problem *problem, const double *mass, const double *x, const double *y)
+{
+  long double sum = 0.0L;
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) sum += (mass == NULL ? 1.0L : (long double)mass[d / 3]) * x[d] * y[d];
+  return (double)sum;
+}
+
+static double close_to(double got, double want) { return fabs(got - want) / fabs(want); }
+
+/* Sums and largest values over more nodes than a piece has: potential of the weight, rest, rate of a relaxation. */
+static void many_nodes(const kind *k)
+{
+  ct_mesh *m = box_mesh(k->brick, 0, 0, 0, 1, 0.7, 0.7, 10, 7, 7);
+  ct_scene *scene = scene_of(k, m);
+  int64_t steps, dofs = 3 * (int64_t)m->node_count;
+  ct_stable_step stable;
+  ct_error e;
+  const ct_problem *problem = build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  ct_state *state = shaken(problem);
+  double *total = numbers(dofs), *force = numbers(dofs), acting = 0.0, left = 0.0, stored = 0.0, kinetic = 0.0, unrest = NAN;
+  for (int32_t i = 0; i < problem->effect_count; i++) {
+    double energy = 0.0;
+    need(ct_state_force(problem, state, i, force, &e), &e);
+    need(ct_energy_stored(problem, state, i, &energy, &e), &e);
+    acting = fmax(acting, largest(force, dofs));
+    for (int64_t d = 0; d < dofs; d++) total[d] += force[d];
+    stored += fabs(energy);
+    if (strcmp(problem->effects[i]->name, "gravity") == 0) tap_ok(close_to(energy, -by_hand(problem, NULL, force, state->displacement)) < 1e-14, "the potential is minus weight times way at every node");
+  }
+  for (int64_t d = 0; d < dofs; d++) left = fmax(left, problem->inverse_mass[d] > 0.0 ? fabs(total[d]) : 0.0);
+  kinetic = 0.5 * by_hand(problem, problem->mass, state->velocity, state->velocity);
+  need(ct_energy_unrest(problem, state, &unrest, &e), &e);
+  tap_ok(close_to(unrest, fmax(left / acting, sqrt(kinetic / stored))) < 1e-14, "%s: the unrest is that of all its nodes", k->name);
+  if (k->relaxes) {
+    const double *sample = state->memory + 2;
+    double *way = numbers(dofs), *change = numbers(dofs);
+    need(ct_state_force(problem, state, 0, force, &e), &e);
+    for (int64_t d = 0; d < dofs; d++) way[d] = state->displacement[d] - sample[d], change[d] = sample[dofs + d] - force[d];
+    double omega = sqrt(by_hand(problem, NULL, way, change) / by_hand(problem, problem->mass, way, way));
+    advance(problem, state, 1);
+    tap_ok(close_to(state->memory[0], 2.0 * omega) < 1e-13, "the rate is that of the change at all nodes");
+    free(way);
+    free(change);
+  }
+  free(total);
+  free(force);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(m);
+}
+
 /* One bar, two, and two that meet: the second one brings no ring, and steps and ledger allocate nothing. */
 static void bars(void)
 {
@@ -202,6 +269,7 @@ static void bars(void)
 int main(void)
 {
   for (size_t k = 0; k < sizeof KINDS / sizeof KINDS[0]; k++) budget(&KINDS[k]);
+  for (int k = 0; k < 5; k++) many_nodes(&KINDS[k]);
   good_state();
   bars();
   return tap_done();
