@@ -21,6 +21,7 @@ static double largest(const double *values, int64_t count)
   return odd ? INFINITY : top;
 }
 
+/* Whether one sum needs its terms in the round that begins now: in the first one, and in the second if there is something to add. */
 static int stream_again(ct_stream *s)
 {
   s->round++;
@@ -45,6 +46,7 @@ int ct_stream_again(ct_stream *sums, int count)
 
 void ct_stream_add(ct_stream *s, const double *terms, int64_t count)
 {
+  // -- In the first round only look: the largest number and the count fix the grids
   if (s->round == 1) {
     s->count += count;
     s->top = fmax(s->top, largest(terms, count));
