@@ -219,7 +219,7 @@ static void ring_force(const part_call *call, int32_t first, int32_t last)
   const ct_solid_part *part = call->part;
   int32_t node = first;
   for (int32_t b = ct_lattice_begin(part, first) / 8, end; node < last; b = end) {
-    end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
+    end = b + part->block < part->batch_count ? b + part->block : part->batch_count;
     call_batches(call, b, end);
     int32_t ready = ct_lattice_ready(part, 8 * end);
     ready = ready < last ? ready : last;

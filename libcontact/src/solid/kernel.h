@@ -39,9 +39,9 @@ typedef struct ct_solid_part {
   /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
   double edge[3];
   /* Cells of a body whose elements share all that is stored; cells[0] = 0: of none. Then a ring of `ring` elements, a power of two, holds
-   * their forces, those of one component of one node `stride` after those of the one before; each thread has one ring. There are no
-   * batch_nodes, ranges, assembly, ready. */
-  int32_t cells[3], rings;
+   * their forces, those of one component of one node `stride` after those of the one before; each thread has one ring, and computes
+   * `block` batches at once. There are no batch_nodes, ranges, assembly, ready. */
+  int32_t cells[3], rings, block;
   int64_t ring, stride;
   /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */
   int32_t batch_count;
