@@ -29,7 +29,10 @@ typedef struct lanczos {
 /* Uniform on (0, 1). */
 static double uniform(uint64_t *seed) { return (ct_random_bits(seed) + 0.5) / 9007199254740992.0; }
 
-static double dot(const lanczos *l, const double *x, const double *y) { return ct_sum_product(l->problem->node_count, NULL, x, y); }
+static double dot(const lanczos *l, const double *x, const double *y)
+{
+  return ct_sum_product(l->problem->node_count, NULL, x, y);
+}
 
 /* A direction on the sphere, none more likely than another; what a support holds does not move. */
 static void start(lanczos *l)

@@ -45,7 +45,8 @@ static void node_change(const ct_effect *effect, const ct_view *view, int32_t i,
   int64_t node = data->nodes[i], own = 3 * (int64_t)i;
   double work[3], square[3];
   for (int k = 0; k < 3; k++) {
-    double free = data->inverse_mass[3 * node + k] == 0.0 ? 0.0 : 1.0, du = free * (view->displacement[3 * node + k] - u0[own + k]);
+    double free = data->inverse_mass[3 * node + k] == 0.0 ? 0.0 : 1.0;
+    double du = free * (view->displacement[3 * node + k] - u0[own + k]);
     work[k] = -du * (view->total[3 * node + k] - f0[own + k]);
     square[k] = du * du;
   }

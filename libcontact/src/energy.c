@@ -27,9 +27,9 @@ static double kinetic_energy(const ct_problem *problem, const ct_state *state)
       end = ct_piece_end(first, problem->node_count);
       for (int64_t n = first; n < end; n++) {
         const double *v = &state->velocity[3 * n];
-        terms[n - first] = 0.5 * problem->mass[n] *
-                           ((v[0] * velocity_after(problem, state, kick, 3 * n) + v[1] * velocity_after(problem, state, kick, 3 * n + 1)) +
-                            v[2] * velocity_after(problem, state, kick, 3 * n + 2));
+        double product[3];
+        for (int c = 0; c < 3; c++) product[c] = v[c] * velocity_after(problem, state, kick, 3 * n + c);
+        terms[n - first] = 0.5 * problem->mass[n] * ((product[0] + product[1]) + product[2]);
       }
       ct_stream_add(&sum, terms, end - first);
     }
@@ -157,15 +157,18 @@ ct_status ct_energy_unrest(const ct_problem *problem, ct_state *state, double *u
   if (status != CT_OK) return status;
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
     if (problem->inverse_mass[d] != 0.0) left = fmax(left, fabs(state->workspace->total[d]));
-  // -- The larger of the two shares (eq:unrest); the kinetic energy is that half a step back, never negative, unlike that of the ledger
-  double kinetic = 0.5 * ct_sum_product(problem->node_count, problem->mass, state->velocity, state->velocity), forces = left == 0.0 ? 0.0 : left / acting;
+  // The kinetic energy half a step back is never negative, unlike that of the ledger.
+  double kinetic = 0.5 * ct_sum_product(problem->node_count, problem->mass, state->velocity, state->velocity);
+  // -- The larger of the two shares (eq:unrest)
+  double forces = left == 0.0 ? 0.0 : left / acting;
   *unrest = fmax(forces, kinetic == 0.0 ? 0.0 : sqrt(kinetic / stored));
   return CT_OK;
 }
 
-/* Impulses of one effect over Δt at its nodes i ... end - 1 as far as they are nodes first ... last - 1 of the problem, side by side for
- * each component; answers how many there are. */
-static int64_t impulse_terms(const ct_problem *problem, const ct_state *state, int32_t k, const int32_t range[2], int32_t i, int32_t end, double terms[3][CT_PIECE])
+/* Impulses of one effect over Δt at its nodes i ... end - 1 as far as they are in a range of the problem's nodes, side by side for each
+ * component; answers how many there are. */
+static int64_t impulse_terms(const ct_problem *problem, const ct_state *state, int32_t k, const int32_t range[2], int32_t i, int32_t end,
+                             double terms[3][CT_PIECE])
 {
   const ct_effect *effect = problem->effects[k];
   const double *past = state->impulse + ct_state_impulse_start(problem, k), *earlier = past + state->impulse_count / 2;
@@ -185,9 +188,9 @@ static int64_t impulse_terms(const ct_problem *problem, const ct_state *state, i
 }
 
 /* Add the impulse of one effect on a range of nodes since t = 0 (eq:impulse-balance). */
-static void add_impulse(const ct_problem *problem, const ct_state *state, int32_t k, int32_t first, int32_t last, double impulse[3])
+static void add_impulse(const ct_problem *problem, const ct_state *state, int32_t k, const int32_t range[2], double impulse[3])
 {
-  int32_t nodes = problem->effects[k]->node_count, range[2] = {first, last};
+  int32_t nodes = problem->effects[k]->node_count;
   ct_stream sums[3] = {{0}};
   double terms[3][CT_PIECE];
   while (ct_stream_again(sums, 3))
@@ -200,11 +203,11 @@ static void add_impulse(const ct_problem *problem, const ct_state *state, int32_
 }
 
 /* Impulse of all effects of one name on a range of nodes. */
-static void impulse_of(const ct_problem *problem, const ct_state *state, const char *name, int32_t first, int32_t last, double impulse[3])
+static void impulse_of(const ct_problem *problem, const ct_state *state, const char *name, const int32_t range[2], double impulse[3])
 {
   for (int c = 0; c < 3; c++) impulse[c] = 0.0;
   for (int32_t k = 1; k < problem->effect_count; k++)
-    if (strcmp(problem->effects[k]->name, name) == 0) add_impulse(problem, state, k, first, last, impulse);
+    if (strcmp(problem->effects[k]->name, name) == 0) add_impulse(problem, state, k, range, impulse);
 }
 
 ct_status ct_energy_impulse(const ct_problem *problem, ct_state *state, int32_t k, double impulse[3], ct_error *error)
@@ -214,12 +217,13 @@ ct_status ct_energy_impulse(const ct_problem *problem, ct_state *state, int32_t 
   if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   for (int c = 0; c < 3; c++) impulse[c] = 0.0;
-  add_impulse(problem, state, k, 0, problem->node_count, impulse);
+  add_impulse(problem, state, k, (int32_t[2]){0, problem->node_count}, impulse);
   return CT_OK;
 }
 
 /* Momenta of the nodes first ... end - 1, those about the origin after the others, side by side for each component. */
-static void momentum_terms(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end, double terms[6][CT_PIECE])
+static void momentum_terms(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end,
+                           double terms[6][CT_PIECE])
 {
   double velocity[3 * CT_PIECE];
   ct_mean_velocity(problem, state, first, end, velocity);
@@ -245,12 +249,13 @@ ct_status ct_momentum_of(const ct_problem *problem, ct_state *state, int32_t bod
     status = ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "momentum: there is no body %d", (int)body);
   if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
-  int32_t begin = problem->bodies[body].first_node, last = begin + problem->bodies[body].mesh->node_count;
+  const ct_body *own = &problem->bodies[body];
+  int32_t range[2] = {own->first_node, own->first_node + own->mesh->node_count};
   ct_stream sums[6] = {{0}};
   double terms[6][CT_PIECE];
   while (ct_stream_again(sums, 6))
-    for (int32_t first = begin, end; first < last; first = end) {
-      end = ct_piece_end(first, last);
+    for (int32_t first = range[0], end; first < range[1]; first = end) {
+      end = ct_piece_end(first, range[1]);
       momentum_terms(problem, state, first, end, terms);
       for (int i = 0; i < 6; i++) ct_stream_add(&sums[i], terms[i], end - first);
     }
@@ -259,15 +264,16 @@ ct_status ct_momentum_of(const ct_problem *problem, ct_state *state, int32_t bod
     momentum->p[c] = ct_stream_sum(&sums[c]);
     momentum->L[c] = ct_stream_sum(&sums[3 + c]);
   }
-  impulse_of(problem, state, "contact", begin, last, momentum->contact_impulse);
-  impulse_of(problem, state, "support", begin, last, momentum->support_impulse);
+  impulse_of(problem, state, "contact", range, momentum->contact_impulse);
+  impulse_of(problem, state, "support", range, momentum->support_impulse);
   return CT_OK;
 }
 
 void ct_mean_velocity(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end, double *velocity)
 {
   double kick = kick_time(problem);
-  for (int64_t d = 3 * (int64_t)first; d < 3 * (int64_t)end; d++) *velocity++ = 0.5 * (state->velocity[d] + velocity_after(problem, state, kick, d));
+  for (int64_t d = 3 * (int64_t)first; d < 3 * (int64_t)end; d++)
+    *velocity++ = 0.5 * (state->velocity[d] + velocity_after(problem, state, kick, d));
 }
 
 ct_status ct_state_velocity(const ct_problem *problem, ct_state *state, double *velocity, ct_error *error)
@@ -283,13 +289,14 @@ ct_status ct_state_force(const ct_problem *problem, ct_state *state, int32_t k, 
   ct_status status = check_effect(problem, state, k, force, error);
   if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
-  int32_t count = problem->effects[k]->node_count;
+  const ct_effect *effect = problem->effects[k];
+  int32_t count = effect->node_count;
   double room[3 * CT_PIECE];
   memset(force, 0, 3 * (size_t)problem->node_count * sizeof *force);
   for (int32_t first = 0, end; first < count; first = end) {
     end = ct_piece_end(first, count);
     const double *own = ct_workspace_force_of(problem, state, k, first, end, room);
-    for (int32_t i = first; i < end; i++) memcpy(&force[3 * (int64_t)ct_effect_node(problem->effects[k], i)], &own[3 * (int64_t)(i - first)], 3 * sizeof *force);
+    for (int32_t i = first; i < end; i++, own += 3) memcpy(&force[3 * (int64_t)ct_effect_node(effect, i)], own, 3 * sizeof *force);
   }
   return CT_OK;
 }

@@ -318,7 +318,8 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
   if (scene->mass == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for %d nodes", (int)problem->node_count);
   for (int32_t i = 0; i < scene->body_count; i++) {
     const ct_body *body = &scene->bodies[i];
-    ct_status status = ct_mass_lumped(body->mesh, body->material.density, scene->parts[i].lumping, &scene->mass[body->first_node], error);
+    double *mass = &scene->mass[body->first_node];
+    ct_status status = ct_mass_lumped(body->mesh, body->material.density, scene->parts[i].lumping, mass, error);
     if (status != CT_OK && error != NULL) error->body = i;
     if (status != CT_OK) return status;
   }
@@ -329,7 +330,8 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for %d nodes", (int)problem->node_count);
   for (int32_t i = 0; i < scene->body_count; i++) {
     const ct_mesh *mesh = scene->parts[i].mesh;
-    memcpy(&scene->reference[3 * (size_t)scene->bodies[i].first_node], mesh->nodes, 3 * (size_t)mesh->node_count * sizeof(double));
+    double *own = &scene->reference[3 * (size_t)scene->bodies[i].first_node];
+    memcpy(own, mesh->nodes, 3 * (size_t)mesh->node_count * sizeof *own);
     ct_status status = start_body(scene, i, error);
     if (status != CT_OK) return status;
   }
@@ -443,7 +445,8 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
   for (int32_t i = 0; i < scene->support_count; i++) all += (size_t)scene->supports[i].given.node_count;
   ct_support *supports = ct_allocate((size_t)scene->support_count, sizeof *supports);
   int32_t *nodes = ct_allocate(all, sizeof *nodes);
-  ct_status status = supports != NULL && nodes != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
+  ct_status status = CT_OK;
+  if (supports == NULL || nodes == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
   for (int32_t i = 0; status == CT_OK && i < scene->support_count; i++) {
     const ct_scene_support *from = &scene->supports[i].given;
     write_nodes(&scene->supports[i], &nodes[next]);
@@ -453,7 +456,8 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
     memcpy(supports[i].velocity, from->velocity, sizeof from->velocity);
     next += (size_t)from->node_count;
   }
-  if (status == CT_OK) status = ct_support_create_effect(supports, scene->support_count, scene->problem.node_count, effect, error);
+  if (status == CT_OK)
+    status = ct_support_create_effect(supports, scene->support_count, scene->problem.node_count, effect, error);
   ct_release(nodes);
   ct_release(supports);
   return status == CT_OK ? ct_support_apply(*effect, scene->inverse_mass, scene->velocity) : status;

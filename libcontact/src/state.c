@@ -84,7 +84,8 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
     if (w->force != NULL) ct_release(w->force[k]);
     if (w->scratch != NULL && w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
   }
-  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->still, w->drifted, w->past};
+  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work,
+                    w->still, w->drifted, w->past};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_release(w);
 }
@@ -177,7 +178,8 @@ ct_status ct_state_allocate(const ct_problem *problem, ct_state **out, ct_error 
   s->impulse = ct_allocate((size_t)s->impulse_count, sizeof(double));
   s->memory = ct_allocate((size_t)s->memory_count, sizeof(double));
   s->effect_seconds = ct_allocate((size_t)problem->effect_count + 1, sizeof(double));
-  return s->displacement && s->velocity && s->work && s->impulse && s->memory && s->effect_seconds ? CT_OK : no_memory(problem, error);
+  int whole = s->displacement && s->velocity && s->work && s->impulse && s->memory && s->effect_seconds;
+  return whole ? CT_OK : no_memory(problem, error);
 }
 
 ct_status ct_state_equip(ct_state *state, ct_error *error)
@@ -219,7 +221,8 @@ static void start_ledgers(const ct_problem *problem, ct_state *state)
   double share = ct_integrator_share(&problem->integrator);
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    double room[3 * CT_PIECE], *work = state->work + ct_state_work_start(problem, k), *impulse = state->impulse + ct_state_impulse_start(problem, k);
+    double *work = state->work + ct_state_work_start(problem, k), *impulse = state->impulse + ct_state_impulse_start(problem, k);
+    double room[3 * CT_PIECE];
     for (int32_t first = 0, end; first < effect->node_count; first = end) {
       end = ct_piece_end(first, effect->node_count);
       const double *force = ct_workspace_force_of(problem, state, k, first, end, room);
@@ -343,7 +346,8 @@ static int32_t touched_from(const ct_workspace *w, int32_t node)
   return first;
 }
 
-const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k, int32_t first, int32_t last, double *room)
+const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k, int32_t first, int32_t last,
+                                    double *room)
 {
   const ct_workspace *w = state->workspace;
   const ct_effect *effect = problem->effects[k];

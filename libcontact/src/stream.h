@@ -5,8 +5,8 @@
 
 #include "grid.h"
 
-/* ct_sum of numbers that never stand side by side: they are made twice, in pieces of any size, first to find the largest one and how many
- * there are, then to be added (eq:order-free-sum). Zero it, and
+/* ct_sum of numbers that never stand side by side: they are made twice, in pieces of any size, first to find the largest one and how
+ * many there are, then to be added (eq:order-free-sum). Zero it, and
  *
  *   while (ct_stream_again(&sum, 1))
  *     for each piece: make its terms; ct_stream_add(&sum, terms, count);

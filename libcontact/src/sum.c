@@ -21,7 +21,7 @@ static double largest(const double *values, int64_t count)
   return odd ? INFINITY : top;
 }
 
-/* Whether one sum needs its terms in the round that begins now: in the first one, and in the second if there is something to add. */
+/* Whether one sum needs its terms in the round that begins now: in the first, and in the second if there is something to add. */
 static int stream_again(ct_stream *s)
 {
   s->round++;
@@ -72,7 +72,8 @@ double ct_sum(const double *values, int64_t count)
 
 void ct_product_terms(int32_t count, const double *mass, const double *x, const double *y, double *terms)
 {
-  for (int32_t n = 0; n < count; n++, x += 3, y += 3) terms[n] = (mass != NULL ? mass[n] : 1.0) * ((x[0] * y[0] + x[1] * y[1]) + x[2] * y[2]);
+  for (int32_t n = 0; n < count; n++, x += 3, y += 3)
+    terms[n] = (mass != NULL ? mass[n] : 1.0) * ((x[0] * y[0] + x[1] * y[1]) + x[2] * y[2]);
 }
 
 double ct_sum_product(int32_t count, const double *mass, const double *x, const double *y)

@@ -100,7 +100,8 @@ static ct_status compress(support_data *data, int32_t node_count, const int *fix
   for (int32_t n = 0; whole && n < node_count; n++) {
     if (!hold_at(fixed, velocity, n, &own)) continue;
     int32_t number = number_of(&own, holds, &data->hold_count);
-    if (data->run_count == 0 || runs[data->run_count - 1].hold != number) runs[data->run_count++] = (hold_run){data->node_count, number};
+    if (data->run_count == 0 || runs[data->run_count - 1].hold != number)
+      runs[data->run_count++] = (hold_run){data->node_count, number};
     if (data->nodes != NULL) data->nodes[data->node_count] = n;
     data->node_count++;
   }

@@ -43,7 +43,8 @@ static int32_t body_of(const ct_problem *problem, int32_t node)
 }
 
 /* m x · x at the nodes first ... end - 1; a null x: m v_n · v_n. */
-static void square_terms(const ct_problem *problem, const ct_state *state, const double *x, int32_t first, int32_t end, double *terms)
+static void square_terms(const ct_problem *problem, const ct_state *state, const double *x, int32_t first, int32_t end,
+                         double *terms)
 {
   double velocity[3 * CT_PIECE];
   if (x == NULL) ct_mean_velocity(problem, state, first, end, velocity);
@@ -96,7 +97,8 @@ static ct_status measure(const ct_watch *w, ct_state *state, energies *e, ct_err
       square_terms(problem, state, NULL, first, end, terms);
       ct_stream_add(&sum, terms, end - first);
     }
-  *e = (energies){0.5 * ct_stream_sum(&sum), ledger.strain + ledger.contact, ledger.total - ledger.kinetic + ledger.external, ledger.external, ledger.total};
+  *e = (energies){0.5 * ct_stream_sum(&sum), ledger.strain + ledger.contact, ledger.total - ledger.kinetic + ledger.external,
+                  ledger.external, ledger.total};
   return CT_OK;
 }
 
@@ -126,7 +128,8 @@ static double noise(uint64_t *seed) { return ct_random_bits(seed) / 450359962737
 static void normalise(ct_watch *w)
 {
   const ct_problem *problem = w->problem;
-  double norm = sqrt(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode)), share = NOISE / sqrt(3.0 * (double)problem->node_count);
+  double norm = sqrt(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode));
+  double share = NOISE / sqrt(3.0 * (double)problem->node_count);
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
     double old = norm > 0.0 ? w->mode[d] / norm : 0.0, root = sqrt(problem->inverse_mass[d]);
     w->mode[d] = problem->inverse_mass[d] > 0.0 ? old + share * root * noise(&w->seed) : 0.0;
@@ -177,7 +180,8 @@ static ct_status look_at_step(ct_watch *w, ct_state *state, ct_error *error)
   ct_status status = iterate(w, state, error);
   double limit = 0.5 * w->options.omega_limit * ct_integrator_limit(&problem->integrator), omega = sqrt(fmax(w->omega_squared, 0.0));
   if (status != CT_OK || !(omega * problem->dt > limit * (1.0 + 1e-4))) return status;
-  int32_t node = largest_node(problem, state, w->moved), body = body_of(problem, node), own = node - problem->bodies[body].first_node;
+  int32_t node = largest_node(problem, state, w->moved), body = body_of(problem, node);
+  int32_t own = node - problem->bodies[body].first_node;
   int64_t element = element_with(problem->bodies[body].mesh, own);
   return ct_fail(error, CT_ERROR_STEP, (ct_place){body, element, own},
                  "by t = %g (step %lld) the solid is too stiff for the time step %g, which may be %g at most: body %s, element %lld", state->time,

@@ -24,7 +24,7 @@ typedef struct ct_workspace {
   struct ct_solver *solver; /* of the constraints; null without any */
 } ct_workspace;
 
-/* A state of zeros without a workspace: all that a restart needs, to be copied into and from. The caller frees it also when this fails. */
+/* A state of zeros without a workspace: all that a restart needs, to be copied into and from. It is to be freed also when this fails. */
 ct_status ct_state_allocate(const ct_problem *problem, ct_state **state, ct_error *error);
 
 /* Give a state its workspace, unless it has one; then it can be stepped and asked for its energy. */
@@ -61,9 +61,10 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
 /* Velocity of one degree of freedom after a kick of this time (eq:leapfrog, eq:stage). */
 static inline double ct_kick(double v, double dt, double inverse_mass, double force) { return v + dt * inverse_mass * force; }
 
-/* Forces of effect `k` on its nodes first ... last - 1, shape (last - first, 3), after ct_workspace_forces; reactions are minus the total
- * on held degrees of freedom (eq:reaction). Answers where they stand, which may be in `room`, of 3 (last - first) numbers. */
-const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k, int32_t first, int32_t last, double *room);
+/* Forces of effect `k` on its nodes first ... last - 1, shape (last - first, 3), after ct_workspace_forces; reactions are minus the
+ * total on held degrees of freedom (eq:reaction). Answers where they stand, which may be in `room`, of 3 (last - first) numbers. */
+const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k, int32_t first, int32_t last,
+                                    double *room);
 
 /* v_n at the nodes first ... end - 1, shape (end - first, 3), after ct_workspace_forces. */
 void ct_mean_velocity(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end, double *velocity);

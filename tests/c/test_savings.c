@@ -584,7 +584,8 @@ static void bulge(void)
 static void lattices(void)
 {
   // The ring of the last two has room for half a block beside what nodes wait for.
-  static const int CELLS[][3] = {{1, 1, 1}, {1, 1, 300}, {300, 1, 1}, {1, 300, 1}, {30, 7, 9}, {7, 40, 2}, {100, 1, 13}, {3, 3, 200}, {13, 1, 1}, {1, 9, 70}, {20, 18, 6}, {8, 110, 3}};
+  static const int CELLS[][3] = {{1, 1, 1}, {1, 1, 300}, {300, 1, 1}, {1, 300, 1}, {30, 7, 9}, {7, 40, 2}, {100, 1, 13},
+                                 {3, 3, 200}, {13, 1, 1}, {1, 9, 70}, {20, 18, 6}, {8, 110, 3}};
   ct_error e;
   for (int i = 0; i < (int)(sizeof CELLS / sizeof *CELLS); i++) {
     const int *n = CELLS[i];

@@ -114,7 +114,7 @@ static void order_does_not_matter(void)
   tap_ok(left != right, "the plain sums of such numbers from left and from right differ");
 }
 
-/* Several sums at once over terms that come in pieces, some of them empty, or all zero, or not finite: the bits of ct_sum of all terms. */
+/* Several sums at once over terms that come in pieces, some of them empty, or zero, or not finite: the bits of ct_sum of all terms. */
 static void pieces(void)
 {
   static double v[4][1000];
@@ -140,7 +140,7 @@ static void pieces(void)
       wrong += !same(got, sum) && !(isnan(got) && isnan(sum));
     }
   }
-  tap_ok(wrong == 0 && rounds > 350 && rounds <= 400, "sums of 200 lists that come in pieces, twice: the same bits (%d differ)", wrong);
+  tap_ok(wrong == 0 && rounds > 350 && rounds <= 400, "200 lists that come in pieces, twice: the same bits (%d differ)", wrong);
 }
 
 /* The sum over nodes of m x · y, against the same terms written out. */
@@ -152,7 +152,10 @@ static void products(void)
     for (int i = 0; i < n; i++) m[i] = 1.0 + uniform(0.5);
     for (int i = 0; i < 3 * n; i++) x[i] = uniform(1.0), y[i] = uniform(1.0);
     for (int with = 0; with < 2; with++) {
-      for (int i = 0; i < n; i++) terms[i] = (with ? m[i] : 1.0) * ((x[3 * i] * y[3 * i] + x[3 * i + 1] * y[3 * i + 1]) + x[3 * i + 2] * y[3 * i + 2]);
+      for (int i = 0; i < n; i++) {
+        const double *a = &x[3 * i], *b = &y[3 * i];
+        terms[i] = (with ? m[i] : 1.0) * ((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]);
+      }
       wrong += !same(ct_sum_product(n, with ? m : NULL, x, y), ct_sum(terms, n));
     }
   }

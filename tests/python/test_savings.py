@@ -112,7 +112,8 @@ def test_a_lattice_is_refused_for_lack_of_memory_only_where_tables_would_not_fit
 class Held(ctypes.Structure):
     """What glibc tells of its memory."""
 
-    _fields_ = [(name, ctypes.c_size_t) for name in ("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks", "fordblks", "keepcost")]
+    _fields_ = [(name, ctypes.c_size_t) for name in ("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks",
+                                                     "fordblks", "keepcost")]
 
 
 def held_bytes():
@@ -126,7 +127,7 @@ def held_bytes():
 
 
 BLOCK = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [24, 24, 24]}
-SMALL = {**BLOCK, "cells": [8, 8, 8]}
+RUBBER = {"name": "steel", "young": 2.1e5, "poisson": 0.3, "density": 7.8e-9, "law": "neo_hookean"}
 ALONE = {"contact": [], "support": []}
 
 
@@ -139,12 +140,12 @@ def bodies(box, **other):
     ("tables", [], {**ALONE, "body": bodies(BLOCK)}),
     ("hex20", None, {**ALONE, "body": bodies({**BLOCK, "cells": [12, 12, 12]}, element="hex20")}),
     ("reduced", None, {**ALONE, "body": bodies(BLOCK, integration="reduced")}),
-    ("held", None, {"contact": [], "support": [{"set": "block.x_min", "fix": ["x"]}], "body": bodies({**BLOCK, "cells": [24, 1, 500]}),
-                    "gravity": {"acceleration": [0, 0, -9810.0]}}),
-    ("large", None, {**ALONE, "body": bodies(BLOCK), "material": [{"name": "steel", "young": 2.1e5, "poisson": 0.3, "density": 7.8e-9, "law": "neo_hookean"}]}),
+    ("held", None, {"contact": [], "support": [{"set": "block.x_min", "fix": ["x"]}],
+                    "body": bodies({**BLOCK, "cells": [24, 1, 500]}), "gravity": {"acceleration": [0, 0, -9810.0]}}),
+    ("large", None, {**ALONE, "body": bodies(BLOCK), "material": [RUBBER]}),
     ("chung_lee", None, {**ALONE, "body": bodies(BLOCK), "time": {"end": 5e-7, "fraction": 0.9, "integrator": "chung_lee"}}),
-    ("contact", None, {"support": [], "body": [{"name": "left", "box": {"origin": [-0.26, 0, 0], "size": [0.25, 2, 2], "cells": [8, 50, 50]}, "material": "steel"},
-                                               {"name": "right", "box": {"origin": [0, 0, 0], "size": [0.25, 2, 2], "cells": [8, 50, 50]}, "material": "steel"}]}),
+    ("contact", None, {"support": [], "body": [{"name": name, "box": {"origin": [x, 0, 0], "size": [0.25, 2, 2], "cells": [8, 50, 50]},
+                                                "material": "steel"} for name, x in (("left", -0.26), ("right", 0.0))]}),
 ])
 def test_explain_tells_the_memory_that_a_run_holds(name, savings, changes):
     told = scene(savings, **changes).explain().data["cost"]["memory_bytes"]

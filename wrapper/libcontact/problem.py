@@ -25,7 +25,8 @@ LAW = {"linear": lib.CT_LINEAR, "st_venant_kirchhoff": lib.CT_ST_VENANT_KIRCHHOF
 KERNEL = {"auto": lib.CT_KERNEL_AUTO, "general": lib.CT_KERNEL_GENERAL, "box": lib.CT_KERNEL_BOX,
           "plane": lib.CT_KERNEL_PLANE, "reduced": lib.CT_KERNEL_REDUCED}
 MOST_STEPS = 10**12
-# Bytes of a contact for each of its points: the point itself, its memory, its share of the faces and their search. Of an integrator for each node: accelerations before.
+# Bytes of a contact for each of its points: the point itself, its memory, its share of the faces and their search. Of an integrator for
+# each node: accelerations before.
 POINT_BYTES = 440
 CARRIED = {lib.CT_CHUNG_LEE: 48, lib.CT_NOH_BATHE: 24, lib.CT_TCHAMWA_WIELGOSZ: 24}
 POINT = np.dtype(
@@ -73,15 +74,15 @@ def c_material(material: scene_parts.Material) -> Any:
 
 def memory_estimate(nodes: int, elements: int, width: int, lattice: bool = False) -> int:
     """
-    Bytes that a run of bodies alone holds: 31 numbers a node (10 of the problem: coordinates, masses, first velocity; 12 of the state: displacement, velocity, work,
-    force; 9 of the last good state), the places where it finds its forces, and the node numbers of the elements, twice, with the forces of their nodes on the way to
-    the sum. A ``lattice`` of congruent elements needs their numbers once.
+    Bytes that a run of bodies alone holds: 31 numbers a node (10 of the problem: coordinates, masses, first velocity; 12 of the state:
+    displacement, velocity, work, force; 9 of the last good state), the places where it finds its forces, and the node numbers of the
+    elements, twice, with the forces of their nodes on the way to the sum. A ``lattice`` of congruent elements needs their numbers once.
     """
     return nodes * 31 * 8 + (elements * width * 4 if lattice else nodes * 8 * 4 + elements * width * (2 * 4 + 3 * 8))
 
 
 def memory_of(problem: Problem) -> int:
-    """The same for all that a built problem has, about: what the integrator carries on, what is laid down for a kernel, effects, and contacts with their search."""
+    """The same for all that a built problem has, about: what is laid down for a kernel, the integrator, effects, contacts and their search."""
     total = 0
     for name, body in problem.bodies.items():
         (nodes, elements), width = (len(body.mesh.nodes), len(body.mesh.elements)), WIDTH[body.mesh.element]

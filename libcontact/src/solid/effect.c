@@ -97,7 +97,8 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
     s->quiet.seen = ct_allocate(words + (size_t)solid->part_count, sizeof *s->quiet.seen);
     s->quiet.kept = ct_allocate((size_t)solid->part_count, sizeof *s->quiet.kept);
   }
-  if (s == NULL || s->values == NULL || (solid->quiet && !(s->quiet.batch && s->quiet.woken && s->quiet.read && s->quiet.changed && s->quiet.seen && s->quiet.kept))) {
+  if (s == NULL || s->values == NULL || (solid->quiet && !(s->quiet.batch && s->quiet.woken && s->quiet.read && s->quiet.changed &&
+                                                           s->quiet.seen && s->quiet.kept))) {
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
   }
@@ -318,29 +319,38 @@ CT_INLINE void force_energies(const ct_solid_part *part, int per, int32_t b, con
 }
 
 CT_CLONES
-static void hex8_energies(const ct_solid_part *part, int32_t b, const double *u, double *values, double energies[8]) { force_energies(part, 8, b, u, values, energies); }
+static void hex8_energies(const ct_solid_part *part, int32_t b, const double *u, double *values, double energies[8])
+{
+  force_energies(part, 8, b, u, values, energies);
+}
 
 CT_CLONES
-static void hex20_energies(const ct_solid_part *part, int32_t b, const double *u, double *values, double energies[8]) { force_energies(part, 20, b, u, values, energies); }
+static void hex20_energies(const ct_solid_part *part, int32_t b, const double *u, double *values, double energies[8])
+{
+  force_energies(part, 20, b, u, values, energies);
+}
 
 /* Energies of the elements of the batches first ... last - 1, no more than a block, after begin_energies. */
-static void block_energies(const ct_solid_part *part, int32_t first, int32_t last, const double *u, double *values, double *energies)
+static void block_energies(const ct_solid_part *part, int32_t first, int32_t last, const double *u, double *values,
+                           double *energies)
 {
-  double hourglass[8];
+  double hourglass[8], *kept = &values[part->energy_value];
   // Forces that went through a ring are made once more.
   if (part->cells[0] > 0) part->batches(part, first, last, u, values);
-  if (part->energies != NULL) memcpy(energies, &values[part->energy_value + 8 * (int64_t)first], 8 * (size_t)(last - first) * sizeof *energies);
+  if (part->energies != NULL) memcpy(energies, &kept[8 * (int64_t)first], 8 * (size_t)(last - first) * sizeof *energies);
   for (int32_t b = first; part->energies == NULL && b < last; b++, energies += 8)
     if (part->mean != NULL) ct_solid_reduced_energies(part, b, u, energies, hourglass);
     else if (part->mesh->kind == CT_HEX8) hex8_energies(part, b, u, values, energies);
     else hex20_energies(part, b, u, values, energies);
 }
 
-/* What would cost too much to be made twice: the energies of large deformation. And the forces of the bricks of a plane, whose own stand elsewhere. */
+/* What would cost too much to be made twice: the energies of large deformation. And the forces of the bricks of a plane, whose own stand
+ * elsewhere. */
 static void begin_energies(const ct_solid_part *part, const double *u, double *values)
 {
   if (part->plane != NULL && part->cells[0] == 0) part->batches(part, 0, part->batch_count, u, values);
-  for (int32_t b = 0; part->energies != NULL && b < part->batch_count; b++) part->energies(part, b, u, &values[part->energy_value + 8 * (int64_t)b]);
+  for (int32_t b = 0; part->energies != NULL && b < part->batch_count; b++)
+    part->energies(part, b, u, &values[part->energy_value + 8 * (int64_t)b]);
 }
 
 static ct_status solid_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
@@ -499,13 +509,14 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   return status;
 }
 
-/* Find where the values of each part begin. What goes through a ring is read before the next part is computed, so all rings are one. */
+/* Find where the values of each part begin. What goes through a ring is read before the next part is computed: all rings are one. */
 static void place_values(solid_data *solid)
 {
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
-    int64_t bricks = part->cells[0] > 0 ? part->value_count : 0, plane = part->plane != NULL ? part->plane->value_count : 0, ring = bricks > plane ? bricks : plane;
-    solid->value_count = ring > solid->value_count ? ring : solid->value_count;
+    int64_t bricks = part->cells[0] > 0 ? part->value_count : 0, plane = part->plane != NULL ? part->plane->value_count : 0;
+    if (bricks > solid->value_count) solid->value_count = bricks;
+    if (plane > solid->value_count) solid->value_count = plane;
   }
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];

@@ -13,8 +13,8 @@ struct ct_solid_part;
 /* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of
  * displacements first, and uses nothing else that changes: where all nodes of a batch have the same displacement, it gives the same bits
  * whatever that is (eq:quiet-force).
- * A kernel for large deformation also writes the smallest J = det F of batch b (and 1) to `values[assembly->value_count + b]`; room for the
- * energies of its elements begins at `values[energy_value]`. */
+ * A kernel for large deformation also writes the smallest J = det F of batch b (and 1) to `values[assembly->value_count + b]`; room for
+ * the energies of its elements begins at `values[energy_value]`. */
 typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
 
 /* Stored energies of the 8 elements of one batch. */
@@ -39,8 +39,8 @@ typedef struct ct_solid_part {
   /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
   double edge[3];
   /* Cells of a body whose elements share all that is stored; cells[0] = 0: of none. Then a ring of `ring` elements, a power of two, holds
-   * their forces, those of one component of one node `stride` after those of the one before; each thread has one ring, and computes
-   * `block` batches at once. There are no batch_nodes, ranges, assembly, ready. */
+   * their forces, those of one component of one node `stride` after those of the one before; each thread has one ring, and
+   * computes `block` batches at once. There are no batch_nodes, ranges, assembly, ready. */
   int32_t cells[3], rings, block;
   int64_t ring, stride;
   /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */
@@ -54,7 +54,8 @@ typedef struct ct_solid_part {
   ct_assembly *assembly;
   /* After each block of CT_BLOCK batches: the first node that still waits for an element, shape (blocks). */
   int32_t *ready;
-  /* Where this part's values, and its batches, begin in the scratch of the effect, how many values it has, and after how many of them energies are kept. */
+  /* Where this part's values, and its batches, begin in the scratch of the effect, how many values it has, and after how many of them
+   * energies are kept. */
   int64_t first_value, first_batch, value_count, energy_value;
   /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null when quiet batches are not left out. */
   int32_t *range_first;
