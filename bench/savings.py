@@ -1,23 +1,27 @@
 """
-What each saving saves, beside the same run with it off: time and memory, with the same bits, those of plane strain, too. Five scenes of bench/scene_loop.c; minima of
-interleaved runs.
+What each saving saves, beside the same run with it off: time and memory, with the same bits, those of plane strain, too. Six scenes of bench/scene_loop.c; minima of
+interleaved runs. As a program with --instructions it counts the instructions of the time loop instead (valgrind must be there), which no other process disturbs, and writes the table of
+the book.
 """
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 RUNS = 5
-SCENES = {"plates": "plate impact, 100 x 100, near the stable step", "plates200": "plate impact, 200 x 200", "bar": "bar hit by a bar, 200 x 8 x 8",
-          "block": "block that flies, 40 x 40 x 40", "flight": "bar that flies half its length to a plate"}
+SCENES = {"plates": "plate impact, 100 x 100, near the stable step", "platesz": "the same, numbered along the way of the wave", "plates200": "plate impact, 200 x 200",
+          "bar": "bar hit by a bar, 200 x 8 x 8", "block": "block that flies, 40 x 40 x 40", "flight": "bar that flies half its length to a plate"}
 STEPS = {"block": 50}
-SAVINGS = {"-": "none", "q": "quiet", "c": "congruent", "d": "distant", "qcd": "all three", "p": "plane strain", "cdp": "all but quiet", "qcdp": "all four"}
-PLANE = ("plates", "plates200")
+SAVINGS = {"-": "none", "q": "quiet", "c": "congruent", "d": "distant", "cd": "all three but quiet", "qcd": "all three", "p": "plane strain",
+           "cdp": "all four but quiet", "qcdp": "all four"}
+PLANE = ("plates", "platesz", "plates200")
 
 
 def program(folder: Path) -> Path:
@@ -60,10 +64,13 @@ def report(result: dict) -> str:
         for savings, row in rows.items():
             if savings == "-":
                 continue
+            # What quiet regions alone save, also beside the other savings.
+            without = rows.get(savings.replace("q", "")) if "q" in savings else None
+            beside = f"; {without['seconds'] / row['seconds']:.2f} times faster than without quiet" if without and savings != "q" else ""
             own = (plain["solid"] + plain["rest"]) / (row["solid"] + row["rest"])
             lines.append(f"  {SAVINGS[savings]:>10}: run {plain['seconds'] / row['seconds']:.2f} times faster, elements and nodes {own:.2f} times, "
                          f"memory {plain['bytes'] / row['bytes']:.2f} times less ({row['bytes'] / row['elements']:.0f} bytes an element, "
-                         f"{row['peak'] / row['bytes']:.2f} times that at most while it is built)")
+                         f"{row['peak'] / row['bytes']:.2f} times that at most while it is built){beside}")
     return "\n".join(lines)
 
 
@@ -84,5 +91,34 @@ def draw(result: dict, path: Path) -> None:
     plt.close(figure)
 
 
+# The table of the book: what is compared with what.
+TABLE = ROOT / "docs" / "theory" / "savings.csv"
+RATIOS = {"quiet": ("-", "q"), "quiet beside congruent and distant": ("cd", "qcd"), "distant": ("-", "d"), "all three": ("-", "qcd"), "plane strain": ("-", "p"),
+          "quiet beside the three others": ("cdp", "qcdp"), "all four": ("-", "qcdp")}
+
+
+def count_instructions(loop: Path, scene: str, savings: str) -> float:
+    """Instructions of the time loop of a run."""
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={folder}/out", "--toggle-collect=ct_step_many", str(loop), scene, savings,
+                               str(STEPS.get(scene, 0))], capture_output=True, text=True, check=True)
+    return float(done.stderr.split("Collected : ")[1].split()[0])
+
+
+def write_table(path: Path) -> None:
+    with tempfile.TemporaryDirectory() as folder, path.open("w", newline="") as file:
+        loop, out = program(Path(folder)), csv.writer(file)
+        out.writerow(["scene", *RATIOS, "bytes of the run, congruent"])
+        for scene, title in SCENES.items():
+            names = {name for pair in RATIOS.values() for name in pair if "p" not in name or scene in PLANE}
+            counts = {name: count_instructions(loop, scene, name) for name in names}
+            bytes_held = [run(loop, scene, name)["bytes"] for name in ("-", "c")]
+            cells = [f"{counts[a] / counts[b]:.2f}" if b in counts else "" for a, b in RATIOS.values()]
+            out.writerow([title, *cells, f"{bytes_held[0] / bytes_held[1]:.2f}"])
+
+
 if __name__ == "__main__":
-    print(report(measure()))
+    if sys.argv[1:] == ["--instructions"]:
+        write_table(TABLE)
+    else:
+        print(report(measure()))

@@ -1,5 +1,5 @@
 /* Run one scene with chosen savings and tell steps, seconds, bytes held and at most on the way there, and a hash of the state, as one line of JSON:
- *   scene_loop SCENE SAVINGS STEPS     SCENE: plates, plates200, block, bar, flight; SAVINGS: some of the letters q c d p, or -; STEPS 0: to the end.
+ *   scene_loop SCENE SAVINGS STEPS     SCENE: plates, plates200, platesz, block, bar, flight; SAVINGS: some of the letters q c d p, or -; STEPS 0: to the end.
  * Memory is counted where the linker wraps calloc and free. */
 #define _POSIX_C_SOURCE 200809L
 #include <contact.h>
@@ -103,10 +103,11 @@ static double fill(ct_scene *scene, const char *name)
   double c1, c2;
   ct_material_speeds(&STEEL, &c1, &c2);
   if (strncmp(name, "plates", 6) == 0) {
-    // tutorials/scenes/plates.toml, with a softer penalty, as a run near the stable step wants it.
-    int32_t n = name[6] != 0 ? atoi(name + 6) : 100;
+    // tutorials/scenes/plates.toml, with a softer penalty, as a run near the stable step wants it; numbered in layers along x, across the wave, or along z, with the wave.
+    int32_t n = atoi(name + 6) > 0 ? atoi(name + 6) : 100;
     double h = 2.5 / n;
-    part p[2] = {{{{-2.5, 0, 0}, {2.5, h, 2.5}, {n, 1, n}}, 1000.0}, {{{0, 0, 0}, {2.5, h, 2.5}, {n, 1, n}}, -1000.0}};
+    ct_layers layers = strchr(name, 'z') != NULL ? CT_LAYERS_Z : CT_LAYERS_X;
+    part p[2] = {{{{-2.5, 0, 0}, {2.5, h, 2.5}, {n, 1, n}, layers}, 1000.0}, {{{0, 0, 0}, {2.5, h, 2.5}, {n, 1, n}, layers}, -1000.0}};
     for (int b = 0; b < 2; b++) add_part(scene, &p[b]);
     add_contact(scene, p, 0.5);
     for (int32_t b = 0; b < 2; b++) {
@@ -118,20 +119,20 @@ static double fill(ct_scene *scene, const char *name)
   }
   if (strcmp(name, "block") == 0) {
     // No contact, no support: a block that is hit nowhere flies.
-    part p = {{{0, 0, 0}, {1, 1, 1}, {40, 40, 40}}, 1000.0};
+    part p = {{{0, 0, 0}, {1, 1, 1}, {40, 40, 40}, CT_LAYERS_Z}, 1000.0};
     add_part(scene, &p);
     return 1.0 / c1;
   }
   if (strcmp(name, "bar") == 0) {
     // A bar is hit at its end by another one.
-    part p[2] = {{{{-5, 0, 0}, {5, 0.2, 0.2}, {200, 8, 8}}, 1000.0}, {{{0, 0, 0}, {5, 0.2, 0.2}, {200, 8, 8}}, 0.0}};
+    part p[2] = {{{{-5, 0, 0}, {5, 0.2, 0.2}, {200, 8, 8}, CT_LAYERS_Z}, 1000.0}, {{{0, 0, 0}, {5, 0.2, 0.2}, {200, 8, 8}, CT_LAYERS_Z}, 0.0}};
     for (int b = 0; b < 2; b++) add_part(scene, &p[b]);
     add_contact(scene, p, 0.5);
     return 2.5 / c1;
   }
   if (strcmp(name, "flight") == 0) {
     // A bar flies half its length before it meets a plate.
-    part p[2] = {{{{-15, 0, 0}, {10, 1, 1}, {40, 8, 8}}, 1e6}, {{{0, -2, -2}, {0.5, 5, 5}, {2, 40, 40}}, 0.0}};
+    part p[2] = {{{{-15, 0, 0}, {10, 1, 1}, {40, 8, 8}, CT_LAYERS_Z}, 1e6}, {{{0, -2, -2}, {0.5, 5, 5}, {2, 40, 40}, CT_LAYERS_X}, 0.0}};
     for (int b = 0; b < 2; b++) add_part(scene, &p[b]);
     add_contact(scene, p, 0.5);
     return 5.2 / 1e6;

@@ -42,7 +42,7 @@ static double *numbers(int32_t count) { return calloc((size_t)count, sizeof(doub
 
 int main(int count, char **argument)
 {
-  ct_box box = {{0, 0, 0}, {1, 1, 1}, {16, 16, 16}};
+  ct_box box = {{0, 0, 0}, {1, 1, 1}, {16, 16, 16}, CT_LAYERS_Z};
   ct_mesh *mesh;
   ct_effect *solid;
   ct_state *state;

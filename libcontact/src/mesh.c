@@ -78,14 +78,17 @@ static ct_status box_check(const ct_box *box, ct_error *error)
     if (box->cells[d] < 1 || box->cells[d] > 1000000)
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: %d cells along %c", (int)box->cells[d], "xyz"[d]);
   }
+  if (box->layers != CT_LAYERS_X && box->layers != CT_LAYERS_Y && box->layers != CT_LAYERS_Z)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: unknown order of numbers %d", (int)box->layers);
   return CT_OK;
 }
 
 /* Where a lattice point lies: `shape` is a ct_box or a ct_ring. */
 typedef void place_node(const void *shape, const int32_t at[3], double x[3]);
 
-/* Bricks on a lattice; with `corners[d]` equal to `cells[d]` it closes upon itself along d. */
-static ct_status create_lattice(ct_brick_kind kind, const int32_t cells[3], const int64_t corners[3], place_node *place,
+/* Bricks on a lattice; with `corners[d]` equal to `cells[d]` it closes upon itself along d. Numbers run along axis axes[0] first,
+ * along axes[2] last; `cells` and `corners` are in that order. */
+static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int32_t cells[3], const int64_t corners[3], place_node *place,
                                 const void *shape, ct_mesh **out, ct_error *error)
 {
   int64_t n[3] = {cells[0], cells[1], cells[2]};
@@ -97,7 +100,7 @@ static ct_status create_lattice(ct_brick_kind kind, const int32_t cells[3], cons
 
   size_t next = 0;
   int per = ct_brick_node_count(kind);
-  int32_t cell[3], at[3];
+  int32_t cell[3], at[3], along[3];
   for (cell[2] = 0; cell[2] < cells[2]; cell[2]++)
     for (cell[1] = 0; cell[1] < cells[1]; cell[1]++)
       for (cell[0] = 0; cell[0] < cells[0]; cell[0]++)
@@ -106,13 +109,24 @@ static ct_status create_lattice(ct_brick_kind kind, const int32_t cells[3], cons
           ct_brick_reference(kind, a, xi);
           for (int d = 0; d < 3; d++) {
             int64_t points = corners[d] == n[d] ? 2 * n[d] : 2 * n[d] + 1;
-            at[d] = (int32_t)((2 * cell[d] + 1 + (int32_t)xi[d]) % points);
+            at[d] = (int32_t)((2 * cell[d] + 1 + (int32_t)xi[axes[d]]) % points);
+            along[axes[d]] = at[d];
           }
           int32_t node = lattice_node(cells, corners, at);
           (*out)->elements[next++] = node;
-          place(shape, at, &(*out)->nodes[3 * (size_t)node]);
+          place(shape, along, &(*out)->nodes[3 * (size_t)node]);
         }
   return CT_OK;
+}
+
+void ct_box_axes(const ct_box *box, int axes[3])
+{
+  int last = box->layers == CT_LAYERS_X ? 0 : box->layers == CT_LAYERS_Y ? 1 : 2;
+  int first = last == 0 ? 1 : 0, other = 3 - first - last;
+  int swap = last != 2 && box->cells[other] > box->cells[first];
+  axes[0] = swap ? other : first;
+  axes[1] = swap ? first : other;
+  axes[2] = last;
 }
 
 ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh, ct_error *error)
@@ -121,8 +135,15 @@ ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **me
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: null argument or unknown element");
   ct_status status = box_check(box, error);
   if (status != CT_OK) return status;
-  int64_t corners[3] = {box->cells[0] + 1, box->cells[1] + 1, box->cells[2] + 1};
-  return create_lattice(kind, box->cells, corners, lattice_coordinates, box, mesh, error);
+  int axes[3];
+  int32_t cells[3];
+  int64_t corners[3];
+  ct_box_axes(box, axes);
+  for (int d = 0; d < 3; d++) {
+    cells[d] = box->cells[axes[d]];
+    corners[d] = cells[d] + 1;
+  }
+  return create_lattice(kind, axes, cells, corners, lattice_coordinates, box, mesh, error);
 }
 
 /* Cosine and sine of the angle 2π i / n, folded to the first eighth of the circle so that they mirror exactly (eq:mesh-ring). */
@@ -167,7 +188,7 @@ ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh *
                      along[d], (int)least);
   }
   int64_t corners[3] = {ring->cells[0] + 1, ring->cells[1], ring->cells[2] + 1};
-  return create_lattice(kind, ring->cells, corners, ring_coordinates, ring, mesh, error);
+  return create_lattice(kind, (const int[3]){0, 1, 2}, ring->cells, corners, ring_coordinates, ring, mesh, error);
 }
 
 ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error)

@@ -372,7 +372,7 @@ ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_proble
     ct_release(data);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   }
-  *effect = (ct_effect){.name = "obstacle", .data = data, .memory_count = MEMORY, .create_scratch = create_scratch,
+  *effect = (ct_effect){.name = "obstacle", .local = 1, .data = data, .memory_count = MEMORY, .create_scratch = create_scratch,
                         .free_scratch = free_scratch, .force = obstacle_force, .energy = obstacle_energy,
                         .frequency = obstacle_frequency, .external = obstacle_external,
                         .free_data = free_data};

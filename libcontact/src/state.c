@@ -85,7 +85,7 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
     if (w->scratch != NULL && w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
   }
   void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work,
-                    w->still, w->drifted, w->past};
+                    w->still, w->drifted, w->adrift, w->adrift_before, w->leaders, w->past};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_release(w);
 }
@@ -123,10 +123,16 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   w->total = ct_allocate(n, 3 * sizeof(double));
   w->still = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->still);
   w->drifted = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->drifted);
+  w->adrift = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->adrift);
+  w->adrift_before = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->adrift_before);
+  w->leaders = ct_allocate((size_t)problem->body_count, sizeof *w->leaders);
+  w->local = 1;
+  for (int32_t k = 1; k < problem->effect_count; k++) w->local = w->local && (problem->effects[k]->local || problem->effects[k]->reaction);
   w->force = ct_allocate(effects, sizeof *w->force);
   w->scratch = ct_allocate(effects, sizeof *w->scratch);
   w->next_memory = ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
-  if (!w->total || !w->still || !w->drifted || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK ||
+  if (!w->total || !w->still || !w->drifted || !w->adrift || !w->adrift_before || !w->leaders || !w->force || !w->scratch ||
+      !w->next_memory || list_touched(problem, w) != CT_OK ||
       ct_solver_create(problem, &w->solver) != CT_OK)
     return CT_ERROR_MEMORY;
   ct_scheme scheme = problem->integrator.scheme;
@@ -376,6 +382,11 @@ static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t 
   ct_view view = ct_workspace_view(problem, state, k);
   if (k == 0 && kept) view.still = w->still;
   if (k == 0 && w->watched) view.drifted = w->drifted;
+  if (k == 0 && w->watched && w->local) {
+    view.adrift = w->adrift;
+    view.leaders = w->leaders;
+    view.leader_count = problem->body_count;
+  }
   if (effect->constrain != NULL) {
     view.constraints = w->solver->list + w->solver->first[k];
     view.constraint_count = w->solver->first[k + 1] - w->solver->first[k];
@@ -407,12 +418,15 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
   if (w->forces_at == state->step) return CT_OK;
   w->forces_at = -1;
   int kept = w->kept;
-  uint64_t *before = w->still;
+  uint64_t *before = w->still, *adrift_before = w->adrift;
   w->kept = 0;
   w->watched = w->watched && kept;
   w->still = w->drifted;
   w->drifted = before;
+  w->adrift = w->adrift_before;
+  w->adrift_before = adrift_before;
   memset(w->still, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *w->still);
+  memset(w->adrift, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *w->adrift);
   for (int32_t i = 0; kept && i < w->touched_count; i++)
     memcpy(&w->total[3 * (int64_t)w->touched[i]], &w->touched_first[3 * (int64_t)i], 3 * sizeof(double));
   for (int turn = 0; turn < 4; turn++) {

@@ -59,6 +59,9 @@ static void advance_nodes(const ct_problem *problem, ct_state *state, const ct_s
   for (int32_t n = first, end; n < last; n = end) {
     int still = ct_bits_get(w->still, n);
     end = ct_bits_next(w->still, n, last, !still);
+    int adrift = ct_bits_get(w->adrift, n);
+    if (still) end = ct_bits_next(w->adrift, n, end, !adrift);
+    if (adrift) continue;
     if (still)
       drift(3 * (int64_t)n, 3 * (int64_t)end, stage->drift, state->velocity, state->displacement);
     else if (past != NULL)
@@ -79,7 +82,8 @@ static void keep_touched(ct_state *state)
   }
 }
 
-/* After the step: the first effect's work at nodes with several effects is that of its own force (eq:work-balance, eq:stage-work). */
+/* After the step: the first effect's work at nodes with several effects is that of its own force (eq:work-balance,
+ * eq:stage-work). */
 static void correct_touched(ct_state *state, double share)
 {
   ct_workspace *w = state->workspace;
@@ -108,7 +112,8 @@ static void react(int64_t count, double share, const double *restrict inverse_ma
   for (int64_t d = 0; d < count; d++) impulse[d] -= only_where(inverse_mass[d] == 0.0, share * force[d]);
 }
 
-/* How many of the nodes i, i + 1, ... of an effect, of `left` that are asked for, have numbers that follow each other. They ascend, so the last one tells. */
+/* How many of the nodes i, i + 1, ... of an effect, of `left` that are asked for, have numbers that follow each other. They
+ * ascend, so the last one tells. */
 static int32_t run_of(const ct_effect *effect, int32_t i, int32_t left)
 {
   int32_t count = 1;
@@ -136,7 +141,8 @@ static int32_t entry_from(const ct_effect *effect, int32_t node)
   return first;
 }
 
-/* The impulse of a reaction at the nodes begin ... end - 1: minus all other forces on the degrees of freedom that it holds (eq:impulse-balance). */
+/* The impulse of a reaction at the nodes begin ... end - 1: minus all other forces on the degrees of freedom that it holds
+ * (eq:impulse-balance). */
 static void count_reaction(const ct_problem *problem, const ct_workspace *w, const ct_effect *effect, double share, int32_t begin, int32_t end, double *impulse)
 {
   int32_t stop = entry_from(effect, end);
@@ -160,8 +166,8 @@ static void count_reactions(const ct_problem *problem, ct_state *state, double s
       count_reaction(problem, state->workspace, problem->effects[k], share, begin, end, state->impulse + ct_state_impulse_start(problem, k));
 }
 
-/* Work and impulse of the effects beside the first and the reactions (eq:work-balance, eq:impulse-balance), of a stage whose kick is `share` of the step
- * (eq:stage-work). */
+/* Work and impulse of the effects beside the first and the reactions (eq:work-balance, eq:impulse-balance), of a stage whose kick
+ * is `share` of the step (eq:stage-work). */
 static void count_work(const ct_problem *problem, ct_state *state, double share)
 {
   ct_workspace *w = state->workspace;
@@ -193,6 +199,46 @@ static void fold_impulses(ct_state *state)
   }
 }
 
+/* Give nodes the displacement of their leader whose bit is set in word `i` of a table. */
+static void follow_leader(const ct_workspace *w, int64_t i, uint64_t bits, double *displacement)
+{
+  for (const ct_leader *l = w->leaders; bits != 0; bits &= bits - 1) {
+    int64_t n = 64 * i + ct_bits_low_zeros(bits);
+    while (n < l->first || n >= l->last) l++; // each node that is adrift has one
+    memcpy(&displacement[3 * n], l->displacement, sizeof l->displacement);
+  }
+}
+
+/* Give nodes that are adrift no longer the displacement that their leader has moved to, and move the leaders by the stage
+ * (eq:adrift-node). */
+static void move_leaders(const ct_problem *problem, ct_state *state, const ct_stage *stage)
+{
+  const ct_workspace *w = state->workspace;
+  int64_t words = ct_bits_words(problem->node_count);
+  for (int64_t i = 0; i < words; i++) follow_leader(w, i, w->adrift_before[i] & ~w->adrift[i], state->displacement);
+  for (int32_t i = 0; i < problem->body_count; i++) drift(0, 3, stage->drift, w->leaders[i].velocity, w->leaders[i].displacement);
+}
+
+/* Give all nodes that are adrift their displacement. Those that were so before the last evaluation still are if it has failed;
+ * otherwise they have drifted like the leader by themselves. */
+static void land_all(const ct_problem *problem, ct_state *state)
+{
+  const ct_workspace *w = state->workspace;
+  int64_t words = ct_bits_words(problem->node_count);
+  for (int64_t i = 0; i < words; i++) follow_leader(w, i, w->adrift_before[i] | w->adrift[i], state->displacement);
+}
+
+/* End a series of steps: what stands outside of the time loop is for all to read and to change. */
+static void end_series(const ct_problem *problem, ct_state *state)
+{
+  ct_workspace *w = state->workspace;
+  size_t size = (size_t)ct_bits_words(problem->node_count) * sizeof *w->adrift;
+  land_all(problem, state);
+  memset(w->adrift, 0, size);
+  memset(w->adrift_before, 0, size);
+  w->watched = 0;
+}
+
 /* Take one stage of a step. Forces that stood already may be older than the last change of the state by its host. */
 static ct_status take_stage(const ct_problem *problem, ct_state *state, const ct_stage *shares, ct_error *error)
 {
@@ -205,6 +251,7 @@ static ct_status take_stage(const ct_problem *problem, ct_state *state, const ct
   double begin = problem->clock == NULL ? 0.0 : problem->clock();
   keep_touched(state);
   ct_stage stage = ct_stage_now(problem, state);
+  move_leaders(problem, state, &stage);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(problem->threads) schedule(static) if (problem->threads > 1)
 #endif
@@ -246,7 +293,7 @@ ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
 {
   if (problem == NULL || state == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "step: null argument");
   ct_status status = take_step(problem, state, error);
-  state->workspace->watched = 0;
+  end_series(problem, state);
   return status;
 }
 
@@ -272,11 +319,12 @@ ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count
     status = take_step(problem, state, error);
     // An effect may be the first to meet a number that is not finite (CT_INVALID); the answer is the same as without it.
     if (status == CT_INVALID || (status == CT_OK && (i % STEPS_BETWEEN_CHECKS == 0 || i == count))) {
+      land_all(problem, state);
       ct_status finite = ct_check_finite(problem, state, error);
       if (finite != CT_OK) status = finite;
     }
   }
-  state->workspace->watched = 0;
+  end_series(problem, state);
   return status;
 }
 

@@ -12,6 +12,10 @@ typedef struct ct_workspace {
   int watched;        /* whether the state was moved by one step since the forces were made, and by nothing else */
   uint64_t *still;    /* a bit a node: the total force is zero, to the sign as in the last step (eq:still-node) */
   uint64_t *drifted;  /* `still` of the step before */
+  uint64_t *adrift;   /* a bit a node: its leader moves instead of it (eq:adrift-node) */
+  uint64_t *adrift_before; /* `adrift` of the evaluation before: their displacement is older */
+  ct_leader *leaders; /* of each body */
+  int local;          /* whether all effects but the first read their own nodes only, so that nodes may be adrift */
   double *total;      /* sum of all forces but reactions, shape (node_count, 3) */
   double **force;     /* of each effect: on its own nodes; null for the first one (in `total`) and for reactions */
   void **scratch;     /* of each effect */

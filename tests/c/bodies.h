@@ -58,13 +58,17 @@ static inline void *room(int64_t count, size_t size)
 static inline double *numbers(int64_t count) { return room(count, sizeof(double)); }
 static inline int32_t *integers(int64_t count) { return room(count, sizeof(int32_t)); }
 
-static inline ct_mesh *box_mesh(ct_brick_kind kind, double x, double y, double z, double a, double b, double c, int nx, int ny, int nz)
+static inline ct_mesh *mesh_of(ct_brick_kind kind, ct_box box)
 {
-  ct_box box = {{x, y, z}, {a, b, c}, {nx, ny, nz}};
   ct_error error;
   ct_mesh *mesh = NULL;
   need(ct_mesh_create_box(kind, &box, &mesh, &error), &error);
   return mesh;
+}
+
+static inline ct_mesh *box_mesh(ct_brick_kind kind, double x, double y, double z, double a, double b, double c, int nx, int ny, int nz)
+{
+  return mesh_of(kind, (ct_box){.origin = {x, y, z}, .size = {a, b, c}, .cells = {nx, ny, nz}});
 }
 
 /* Move every node at random, up to `amount` in each direction. */

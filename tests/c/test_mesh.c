@@ -242,7 +242,7 @@ static void ring_refused(ct_ring ring, const char *word, const char *what)
 
 static void box_refused(double size, int cells, double origin, const char *what)
 {
-  ct_box box = {{0, origin, 0}, {1, size, 1}, {1, cells, 1}};
+  ct_box box = {{0, origin, 0}, {1, size, 1}, {1, cells, 1}, CT_LAYERS_Z};
   ct_mesh *m = NULL;
   ct_error e = {0};
   ct_status status = ct_mesh_create_box(CT_HEX8, &box, &m, &e);
@@ -263,7 +263,7 @@ int main(void)
   box_refused(NAN, 1, 0.0, "a height that is NaN");
   box_refused(1.0, 0, 0.0, "no cells");
   box_refused(1.0, 1, INFINITY, "an origin at infinity");
-  ct_box big = {{0, 0, 0}, {1, 1, 1}, {1000000, 1000000, 1000000}}, some = {{0, 0, 0}, {1, 1, 1}, {2000, 2000, 2000}};
+  ct_box big = {{0, 0, 0}, {1, 1, 1}, {1000000, 1000000, 1000000}, CT_LAYERS_Z}, some = {{0, 0, 0}, {1, 1, 1}, {2000, 2000, 2000}, CT_LAYERS_X};
   ct_mesh *m = NULL;
   tap_ok(ct_mesh_create_box(CT_HEX8, &big, &m, NULL) == CT_ERROR_ARGUMENT && ct_mesh_create_box(CT_HEX20, &some, &m, NULL) == CT_ERROR_ARGUMENT,
          "more cells than numbers reach are refused");

@@ -99,7 +99,7 @@ static ct_status probe_force(const ct_effect *effect, const ct_view *view, doubl
 
 static void rig_mesh(rig *r, int curved)
 {
-  const ct_box left = {{-1.5, 0, 0}, {1.5, 1, 1}, {3, 2, 1}}, right = {{0, 0, 0}, {2, 1, 1}, {2, 1, 1}};
+  const ct_box left = {{-1.5, 0, 0}, {1.5, 1, 1}, {3, 2, 1}, CT_LAYERS_Z}, right = {{0, 0, 0}, {2, 1, 1}, {2, 1, 1}, CT_LAYERS_Z};
   ct_error error;
   if (ct_mesh_create_box(CT_HEX8, &left, &r->mesh[0], &error) || ct_mesh_create_box(CT_HEX20, &right, &r->mesh[1], &error)) abort();
   for (int32_t i = 0; i < r->mesh[1]->node_count && curved; i++) {

@@ -134,6 +134,8 @@ static const form FORMS[] = {
      .enforcement = CT_ENFORCE_ENERGY_CONTROLLED},
     {.name = "turned elements", .turned = 1, .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "hex20", .kind = CT_HEX20, .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
+    {.name = "hex20, general kernel", .kind = CT_HEX20, .kernel = CT_KERNEL_GENERAL,
+     .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "hex20, distorted", .kind = CT_HEX20, .distort = 0.02, .v = {1000, 0}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "St. Venant-Kirchhoff", .law = CT_ST_VENANT_KIRCHHOFF, .v = {1000, -1000}, .held = NAN, .beta = 0.5, .steps = 40},
     {.name = "neo-Hookean, distorted", .law = CT_NEO_HOOKEAN, .distort = 0.1, .v = {1000, 0}, .held = NAN, .beta = 0.5, .steps = 40},
@@ -316,10 +318,12 @@ static void sleeping_batches(ct_quiet *quiet, const ct_solid_part *part)
 static void eight_batches(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 64, 1, 1);
-  ct_solid_part part = {.mesh = m, .batch_count = 8};
+  int32_t number[8 * 64];
+  ct_solid_batch_nodes(m, number);
+  ct_solid_part part = {.mesh = m, .batch_count = 8, .batch_nodes = number};
   double *u = numbers(3 * m->node_count);
   int wrong = 0, answers = 0;
-  tap_ok(ct_lattice_find(m, part.cells), "a row of eight batches");
+  tap_ok(ct_quiet_prepare(&part) == CT_OK, "a row of eight batches");
   for (int trial = 0; trial < 4000; trial++) {
     uint8_t one[8], all[8], woken[8];
     int uniform_state = pick(3), crossed = 0;
@@ -336,57 +340,9 @@ static void eight_batches(void)
     answers += crossed;
   }
   tap_ok(wrong == 0 && answers > 100, "eight batches are looked at as they would be one by one; %d trials of 4000 began or ended a quiet one", answers);
+  ct_release(part.range_first);
+  ct_release(part.ranges);
   free(u);
-  ct_mesh_free(m);
-}
-
-/* Which batches of a lattice have a node with a bit, and which nodes a range of its batches marks, beside the elements one by one. */
-static void lattice_bits(void)
-{
-  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 53, 3, 2);
-  ct_solid_part part = {.mesh = m, .batch_count = (m->element_count + 7) / 8, .first_batch = 1, .first_node = 5};
-  int32_t nodes = part.first_node + m->node_count, wrong = 0;
-  uint8_t found[64], woken[64], read[64], kept[2] = {0};
-  uint64_t bits[16], changed[16], seen[18];
-  ct_quiet quiet = {.batch = found, .woken = woken, .read = read, .changed = changed, .seen = seen, .kept = kept};
-  tap_ok(ct_lattice_find(m, part.cells) && part.batch_count < 63 && nodes <= 16 * 64, "a lattice of rows that end within a batch");
-  for (int32_t n = part.first_node; n < nodes; n++) {
-    memset(bits, 0xff, sizeof bits);
-    ct_bits_put(bits, n, n + 1, 0);
-    ct_quiet_wake(&quiet, &part, 1, bits, nodes);
-    uint8_t expected[64] = {0};
-    for (int32_t i = 0; i < 8 * m->element_count; i++) expected[1 + i / 64] |= m->elements[i] == n - part.first_node;
-    wrong += memcmp(&expected[1], &woken[1], (size_t)part.batch_count) != 0;
-  }
-  tap_ok(wrong == 0, "each node that does more than drift wakes the batches of its elements");
-  uint8_t expected = woken[1];
-  woken[1] = (uint8_t)!expected;
-  ct_quiet_wake(&quiet, &part, 1, bits, nodes);
-  tap_ok(woken[1] == !expected, "what stands from the call before is not found again");
-  ct_quiet_wake(&quiet, &part, 1, NULL, nodes);
-  tap_ok(woken[1] && woken[part.batch_count], "without a step before all are woken");
-  ct_quiet_wake(&quiet, &part, 1, bits, nodes);
-  tap_ok(woken[1] == expected, "and found anew after that");
-  for (int32_t from = 0; from < part.batch_count; from++) {
-    uint64_t marked[16] = {0};
-    int32_t unread = 0;
-    memset(changed, 0xff, sizeof changed);
-    for (int32_t b = 0; b < part.batch_count; b++) {
-      found[1 + b] = b >= from && b < from + 9 && b != from + 3 ? CT_BATCH_MOVING : CT_BATCH_ASLEEP;
-      for (int32_t i = 64 * b; found[1 + b] == CT_BATCH_MOVING && i < 64 * (b + 1) && i < 8 * m->element_count; i++)
-        ct_bits_put(marked, part.first_node + m->elements[i], part.first_node + m->elements[i] + 1, 1);
-    }
-    ct_quiet_mark(&quiet, &part, nodes);
-    for (int32_t b = 0; b < part.batch_count; b++) {
-      int reads = 0;
-      for (int32_t i = 64 * b; i < 64 * (b + 1) && i < 8 * m->element_count; i++) reads |= ct_bits_get(marked, part.first_node + m->elements[i]);
-      unread += reads != read[1 + b];
-    }
-    ct_bits_put(changed, 0, part.first_node, 0);
-    ct_bits_put(changed, nodes, 16 * 64, 0);
-    wrong += memcmp(marked, changed, sizeof changed) != 0 || unread > 0;
-  }
-  tap_ok(wrong == 0, "batches of a lattice mark the nodes of their elements, and the batches that have such nodes are found");
   ct_mesh_free(m);
 }
 
@@ -409,11 +365,11 @@ static void batches(void)
   tap_ok(!skipped(&quiet, &part, u), "one with a force is computed again");
   values[191] = -0.0;
   ct_quiet_confirm(&quiet, &part, 0, 1, values);
-  ct_quiet_mark(&quiet, &part, 39);
+  ct_quiet_mark(&quiet, &part);
   tap_ok(changed[0] == ((1ull << 39) - 1 - 7), "what was computed marks its nodes");
   changed[0] = 0;
   tap_ok(skipped(&quiet, &part, u), "one without is skipped");
-  ct_quiet_mark(&quiet, &part, 39);
+  ct_quiet_mark(&quiet, &part);
   tap_ok(changed[0] == 0, "what was skipped marks none");
   for (int i = 9; i < 3 * 39; i++) u[i] = 1e3 * (i % 3 - 1);
   tap_ok(skipped(&quiet, &part, u), "also elsewhere");
@@ -659,7 +615,6 @@ int main(void)
   copied_zeros();
   batches();
   eight_batches();
-  lattice_bits();
   many_steps();
   long_ring();
   front();

@@ -509,6 +509,7 @@ int main(void)
   free_flight(CT_HEX8, CT_KERNEL_BOX, "box kernel");
   free_flight(CT_HEX8, CT_KERNEL_GENERAL, "hex8 kernel");
   free_flight(CT_HEX20, CT_KERNEL_GENERAL, "hex20 kernel");
+  free_flight(CT_HEX20, CT_KERNEL_BOX, "hex20 box kernel");
   vibration(0.1);
   vibration(0.5);
   vibration(0.95);
@@ -521,9 +522,11 @@ int main(void)
   equal_bits(CT_HEX8, CT_KERNEL_BOX, "box kernel");
   equal_bits(CT_HEX8, CT_KERNEL_GENERAL, "hex8 kernel");
   equal_bits(CT_HEX20, CT_KERNEL_GENERAL, "hex20 kernel");
+  equal_bits(CT_HEX20, CT_KERNEL_BOX, "hex20 box kernel");
   symmetric_impact(CT_HEX8, CT_KERNEL_BOX, "box kernel");
   symmetric_impact(CT_HEX8, CT_KERNEL_GENERAL, "hex8 kernel");
   symmetric_impact(CT_HEX20, CT_KERNEL_GENERAL, "hex20 kernel");
+  symmetric_impact(CT_HEX20, CT_KERNEL_BOX, "hex20 box kernel");
   loaded_start();
   blowup(0);
   blowup(1);

@@ -77,6 +77,26 @@ def test_viscosity_takes_the_overshoot_of_a_front_and_its_work_is_in_the_ledger(
     np.testing.assert_allclose(viscous.energy["total"], viscous.energy["total"][0], rtol=1e-10)
 
 
+def test_boxes_of_hex20_share_one_operator():
+    def run(**body):
+        scene = block(element="hex20", velocity=[1000, 0, 0], **body).add_support("block.x_min", fix="x")
+        scene.set_time(end=2e-6, fraction=0.9)
+        return scene.explain().data["bodies"][0], scene.run(progress=False)
+
+    box, general = run(), run(kernel="general")
+    assert box[0]["kernel"] == "box" and "equal boxes" in box[0]["kernel_why"] and general[0]["kernel"] == "general"
+    assert run(kernel="box")[0]["kernel_why"] == "asked for"
+    assert general[0]["flops_per_update"] > 30 * box[0]["flops_per_update"]
+    np.testing.assert_allclose(box[1].dt, general[1].dt, rtol=0)
+    u, v = (r[1].state["block"].displacement for r in (box, general))
+    assert np.abs(u - v).max() < 1e-13 * np.abs(v).max()
+    ring = ct.Scene(units=UNITS).add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
+    ring.add_body("ring", material="steel", element="hex20", ring={"radius": [1, 2], "width": 1, "cells": [1, 8, 1]})
+    ring.set_time(end=1e-7, fraction=0.9)
+    body = ring.explain().data["bodies"][0]
+    assert body["kernel"] == "general" and "not equal boxes" in body["kernel_why"] and "3x3x3" in body["kernel_why"]
+
+
 @pytest.mark.parametrize(
     "body, reason",
     [

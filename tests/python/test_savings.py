@@ -3,6 +3,7 @@
 import ctypes
 import gc
 
+import numpy as np
 import pytest
 
 import libcontact as ct
@@ -88,6 +89,44 @@ def test_an_unknown_saving_is_refused():
         with pytest.raises(SceneError, match=reason.replace("[", r"\[").replace("]", r"\]")) as caught:
             scene(savings)
         assert caught.value.key.startswith("run.savings")
+
+
+def numbered(cells, layers=None, **changes):
+    """The scene with other cells of the left plate, whose layers may be chosen."""
+    data = scene(**changes).data
+    data["body"][0]["box"]["cells"] = cells
+    if layers is not None:
+        data["body"][0]["box"]["layers"] = layers
+    return ct.Scene(data)
+
+
+@pytest.mark.parametrize(("cells", "changes", "layers"), [
+    ([16, 1, 40], {}, "x"),  # the contact is across x, and rows along z get 40 cells
+    ([16, 40, 1], {}, "x"),
+    ([16, 1, 12], {}, "z"),  # rows would be short
+    ([40, 1, 40], {"load": [{"surface": "left.z_max", "pressure": 1.0}]}, "z"),  # pressed across two axes
+    ([40, 1, 40], {"contact": [], "load": [{"surface": "left.y_max", "pressure": 1.0}]}, "y"),
+    ([40, 1, 40], {"contact": [], "obstacle": [{"surface": "left.x_min", "plane": {"point": [-3, 0, 0], "normal": [1, 0, 0]}}]}, "x"),
+    ([40, 1, 40], {"contact": []}, "z"),
+])
+def test_layers_go_from_what_presses_into_the_body(cells, changes, layers):
+    told = [body["layers"] for body in numbered(cells, **changes).explain().data["bodies"]]
+    assert told == [layers, "z"]
+    asked = numbered(cells, "y", **changes).explain()
+    assert asked.data["bodies"][0]["layers"] == "y" and "numbered layer by layer along y" in str(asked)
+
+
+def test_the_order_of_numbers_changes_no_bit_at_any_place():
+    def places(run, name):
+        body = run.state[name]
+        rows = np.hstack([body.nodes, body.displacement, body.velocity])
+        return rows[np.lexsort(body.nodes.T)].tobytes()
+
+    runs = [numbered([16, 1, 33], layers).run(progress=False) for layers in (None, "x", "y", "z")]
+    assert runs[0].state["left"].nodes.tobytes() == runs[1].state["left"].nodes.tobytes() != runs[3].state["left"].nodes.tobytes()
+    for name in ("left", "right"):
+        assert len({places(run, name) for run in runs}) == 1, name
+    assert len({run.energy.tobytes() for run in runs}) == 1
 
 
 def test_explain_tells_the_savings():

@@ -174,6 +174,7 @@ REFUSED = [
     (("body", 0, "box", "cells"), [4, 1, 2.0], "body[0].box.cells[2]", "whole number"),
     (("body", 0, "box", "cells"), [True, 1, 1], "body[0].box.cells[0]", "boolean"),
     (("body", 0, "box", "size"), [1, -1, 1], "body[0].box.size[1]", "above 0"),
+    (("body", 0, "box", "layers"), "w", "body[0].box.layers", "unknown"),
     (("body", 0, "box", "sizes"), [1, 1, 1], "body[0].box.sizes", 'did you mean "size"'),
     (("body", 0), 7, "body[0]", "table"),
     (("body",), {}, "body", "[[body]]"),

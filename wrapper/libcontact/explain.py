@@ -116,7 +116,7 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
     return {
         "name": body.name, "material": body.material.name, "law": body.material.law, "element": body.mesh.element,
         "nodes": len(body.mesh.nodes), "elements": len(body.mesh.elements),
-        "kernel": body.kernel, "kernel_why": _why(given.kernel, body), "lumping": lumping,
+        "kernel": body.kernel, "kernel_why": _why(given.kernel, body), "lumping": lumping, "layers": problem.layers(given) if given.box else None,
         "c1": c1, "c2": c2, "c1_si": si, "shortest_edge": body.mesh.shortest_edge,
         "flops_per_update": body.flops, "bytes_per_update": body.bytes, "warnings": warnings,
     }
@@ -131,11 +131,10 @@ def _why(asked: str, body: BuiltBody) -> str:
         return "one layer of equal boxes held along its thickness: plane strain, in two dimensions"
     if body.kernel == "box":
         return "all elements are equal boxes along x, y, z: integrals in closed form"
-    if body.mesh.element == "hex20":
-        return "hex20: 3x3x3 Gauss points"
+    points = "3x3x3" if body.mesh.element == "hex20" else "2x2x2"
     if body.material.law != "linear":
-        return "large strain: 2x2x2 Gauss points"
-    return "elements are not equal boxes along x, y, z: 2x2x2 Gauss points"
+        return f"large strain: {points} Gauss points"
+    return f"elements are not equal boxes along x, y, z: {points} Gauss points"
 
 
 def _initial_gaps(problem: Problem) -> list[float | None]:
@@ -226,7 +225,7 @@ def _body_lines(body: dict[str, Any], units: Units) -> list[str]:
         f"  {body['name']}: {body['elements']} {body['element']}, {body['nodes']} nodes, material {body['material']}, "
         + f"shortest edge {body['shortest_edge']:.6g} {units.length}",
         f"    waves: c1 = {body['c1']:.6g} {speed} ({body['c1_si']:.5g} m/s), c2 = {body['c2']:.6g} {speed}",
-        f"    kernel {body['kernel']} ({body['kernel_why']}), mass lumped by {body['lumping']}",
+        f"    kernel {body['kernel']} ({body['kernel_why']}), mass lumped by {body['lumping']}" + (f", numbered layer by layer along {body['layers']}" if body["layers"] else ""),
     ]
 
 

@@ -13,6 +13,14 @@ from .errors import NotBuiltIn, check, new_error
 KINDS = {"hex8": lib.CT_HEX8, "hex20": lib.CT_HEX20}
 WIDTH = {"hex8": 8, "hex20": 20}
 VTK_TYPE = {12: "hex8", 25: "hex20"}
+LAYERS = {"x": lib.CT_LAYERS_X, "y": lib.CT_LAYERS_Y, "z": lib.CT_LAYERS_Z}
+
+
+def box_axes(cells: Any, layers: str) -> tuple[int, int, int]:
+    """The axes (0, 1, 2 for x, y, z) of a box in the order of its numbers: rows run along the first, layers follow one another along the last."""
+    axes = ffi.new("int[3]")
+    lib.ct_box_axes(ffi.new("ct_box *", {"cells": list(cells), "layers": LAYERS[layers]}), axes)
+    return axes[0], axes[1], axes[2]
 
 
 def view(pointer: Any, shape: tuple[int, ...], dtype: Any, owner: Any) -> np.ndarray:
@@ -37,9 +45,9 @@ class Mesh:
         self.elements = view(pointer.elements, (pointer.element_count, WIDTH[self.element]), np.int32, keep)
 
     @classmethod
-    def box(cls, element: str, origin: Any, size: Any, cells: Any) -> Mesh:
-        """A rectangular box of bricks, numbered as ``ct_mesh_create_box`` says."""
-        box = ffi.new("ct_box *", {"origin": list(origin), "size": list(size), "cells": list(cells)})
+    def box(cls, element: str, origin: Any, size: Any, cells: Any, layers: str = "z") -> Mesh:
+        """A rectangular box of bricks, numbered as ``ct_mesh_create_box`` says, in layers along ``"x"``, ``"y"`` or ``"z"``."""
+        box = ffi.new("ct_box *", {"origin": list(origin), "size": list(size), "cells": list(cells), "layers": LAYERS[layers]})
         out, error = ffi.new("ct_mesh **"), new_error()
         check(lib.ct_mesh_create_box(KINDS[element], box, out, error), error)
         mesh = cls(out[0])

@@ -37,9 +37,12 @@ class Material:
 
 @dataclass(frozen=True)
 class Box:
+    """A box; ``layers`` is the axis that its layers of numbers follow one another along, None: whichever is best."""
+
     origin: tuple[float, float, float]
     size: tuple[float, float, float]
     cells: tuple[int, int, int]
+    layers: str | None = None
 
 
 @dataclass(frozen=True)
@@ -252,8 +255,8 @@ def _body(table: Table, materials: dict[str, Material]) -> Body:
         element = "hex8"
     if element == "hex20" and lumping == "row_sum":
         raise table.error("lumping", '"row_sum" gives the corners of hex20 a negative mass; use "hrz"')
-    if element == "hex20" and kernel in ("box", "plane"):
-        raise table.error("kernel", f'"{kernel}" is for hex8; hex20 has the kernel "general"')
+    if element == "hex20" and kernel == "plane":
+        raise table.error("kernel", '"plane" is for hex8; hex20 has the kernels "general" and "box"')
     integration, hourglass = _integration(table, kernel, element)
     large = materials[material].law != "linear"
     if large and integration == "reduced":
@@ -297,8 +300,9 @@ def _box(table: Table) -> Box:
     origin = table.vector("origin", (0.0, 0.0, 0.0))
     size = table.vector("size", above=0.0)
     cells = _cells(table, (1, 1, 1))
+    layers = table.choice("layers", ("x", "y", "z"), None)
     table.done()
-    return Box(origin, size, cells)
+    return Box(origin, size, cells, layers)
 
 
 def _cells(table: Table, least: tuple[int, int, int]) -> tuple[int, int, int]:

@@ -221,10 +221,24 @@ def _place(problem: Problem, state: Any, displacement: np.ndarray, velocity: np.
     edge = min(body.mesh.shortest_edge for body in problem.bodies.values())
     shake = SHAKE * edge * np.random.default_rng(1).uniform(-1.0, 1.0, u.shape)
     for body in problem.bodies.values():
-        # A layer in plane strain would leave its plane, and its kernel leaves nothing out.
-        u[body.nodes] = displacement[body.nodes] + (shake[body.nodes] if body.kernel != "plane" else 0.0)
+        u[body.nodes] = displacement[body.nodes]
+        u[body.nodes] += shake[body.nodes] if body.kernel != "plane" else _in_plane(problem, body, shake[body.nodes])
     if velocity is not None:
         np.frombuffer(ffi.buffer(state.velocity, 24 * count), np.float64).reshape(-1, 3)[:] = velocity
+
+
+def _in_plane(problem: Problem, body: Any, shake: np.ndarray) -> np.ndarray:
+    """Numbers (nodes, 3) that move both layers of a body in plane strain alike, and not along its thickness."""
+    held = np.frombuffer(ffi.buffer(problem.pointer.inverse_mass, 24 * problem.pointer.node_count), np.float64).reshape(-1, 3)[body.nodes] == 0.0
+    across = next(k for k in range(3) if held[:, k].all() and len(np.unique(body.mesh.nodes[:, k])) == 2)
+    low = np.flatnonzero(body.mesh.nodes[:, across] == body.mesh.nodes[:, across].min())
+    rest = np.flatnonzero(body.mesh.nodes[:, across] != body.mesh.nodes[:, across].min())
+    place = np.delete(body.mesh.nodes, across, axis=1)
+    out = np.zeros_like(shake)
+    for nodes in (low, rest):
+        out[nodes[np.lexsort(place[nodes].T)]] = shake[low]
+    out[:, across] = 0.0
+    return out
 
 
 def _trial(problem: Problem, loop: Any, interval: int, warm: int, count: int) -> dict[str, float]:

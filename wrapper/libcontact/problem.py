@@ -15,7 +15,7 @@ from . import effects
 from . import parts as scene_parts
 from ._core import ffi, lib
 from .errors import Error, check, new_error
-from .mesh import KINDS, WIDTH, Mesh, read_vtkhdf
+from .mesh import KINDS, WIDTH, Mesh, box_axes, read_vtkhdf
 from .projection import METHODS
 from .surfaces import ENFORCEMENTS, INITIAL, RULES
 from .schema import SceneError, float_array, index_array
@@ -29,6 +29,10 @@ MOST_STEPS = 10**12
 # each node: accelerations before.
 POINT_BYTES = 440
 CARRIED = {lib.CT_CHUNG_LEE: 48, lib.CT_NOH_BATHE: 24, lib.CT_TCHAMWA_WIELGOSZ: 24}
+# Shorter rows are numbered along x: many short pieces cost more than whole layers save.
+SHORTEST_ROW = 32
+# Bodies with shorter rows are not told from others (the library's ct_lattice_find).
+SHORTEST_LATTICE = 8
 POINT = np.dtype(
     [("side", "i4"), ("face", "i4"), ("gauss", "i4"), ("other", "i4"), ("position", "f8", 3), ("closest", "f8", 3), ("xi", "f8", 2),
      ("gap", "f8"), ("pressure", "f8"), ("weight", "f8")],
@@ -188,14 +192,30 @@ class Problem:
         """Whether nothing is stored of the elements of a body, :eq:`lattice-ring`."""
         if body.box is None or body.element != "hex8" or body.integration != "full" or body.kernel not in ("auto", "box", "plane"):
             return False
-        return "congruent" in self.parts.savings and self.parts.materials[body.material].law == "linear" and body.box.cells[0] >= 8
+        row = body.box.cells[box_axes(body.box.cells, self.layers(body))[0]]
+        return "congruent" in self.parts.savings and self.parts.materials[body.material].law == "linear" and row >= SHORTEST_LATTICE
+
+    def layers(self, body: scene_parts.Body) -> str:
+        """
+        The axis that layers of a box follow one another along. Unless the scene says it, it goes from the faces that something presses on into the body, so that a wave comes to layer
+        after layer; ``"z"`` where there are no such faces, or several, or where rows would be short.
+        """
+        if body.box.layers is not None:
+            return body.box.layers
+        pressed = [surface for contact in self.parts.contacts for surface in contact.surfaces]
+        pressed += [added.given.surface for added in self.parts.effects if added.name in ("obstacle", "load")]
+        axes = {face[0] for name, face in pressed if name == body.name}
+        axis = axes.pop() if len(axes) == 1 else "z"
+        if axis not in ("x", "y"):
+            return "z"
+        return axis if body.box.cells[box_axes(body.box.cells, axis)[0]] >= SHORTEST_ROW else "z"
 
     def _mesh(self, i: int, body: scene_parts.Body) -> Mesh:
         key = f"body[{i}]." + ("box" if body.box else "ring" if body.ring else "mesh" if body.mesh else "elements")
         about = f'body "{body.name}": '
         if body.box is not None:
             box = body.box
-            return self._checked(lambda: Mesh.box(body.element, box.origin, box.size, box.cells), key, about)
+            return self._checked(lambda: Mesh.box(body.element, box.origin, box.size, box.cells, self.layers(body)), key, about)
         if body.ring is not None:
             return self._checked(lambda: Mesh.ring(body.element, body.ring), key, about)
         nodes, elements = (body.nodes, body.elements) if body.mesh is None else self._read(i, body)
@@ -215,7 +235,7 @@ class Problem:
         found = "hex8" if elements.shape[1] == 8 else "hex20"
         if body.element not in (None, found):
             raise SceneError(f'is "{body.element}", but "{path}" holds {found}', f"body[{i}].element", self.file)
-        if found == "hex20" and (body.lumping == "row_sum" or body.kernel in ("box", "plane") or body.integration == "reduced"):
+        if found == "hex20" and (body.lumping == "row_sum" or body.kernel == "plane" or body.integration == "reduced"):
             key = "lumping" if body.lumping == "row_sum" else "integration" if body.integration == "reduced" else "kernel"
             raise SceneError(f'"{getattr(body, key)}" is for hex8, and "{path}" holds hex20', f"body[{i}].{key}", self.file)
         return nodes, elements

@@ -19,6 +19,7 @@ import numpy as np
 from . import parts as scene_parts
 from ._core import ffi, lib
 from .errors import Error, check, new_error
+from .mesh import box_axes
 from .problem import Problem, new_state
 
 # What a rehearsal may cost, in updates of an element: so many, or this share of the run's, but never more than some seconds. A
@@ -235,11 +236,12 @@ class _Map:
         low = np.clip(np.floor(place), 0, cells - 1)
         part = place - low
         corners = cells + 1 if larger.box else cells + [1, 0, 1]
+        first, second, third = box_axes(cells, coarse.layers(larger)) if larger.box else (0, 1, 2)
         self.numbers, self.weights = np.empty((len(place), 8), np.int64), np.empty((len(place), 8))
         for k in range(8):
             bits = np.array([k & 1, k >> 1 & 1, k >> 2])
-            i, j, l = ((low + bits).astype(np.int64) % corners).T
-            self.numbers[:, k] = i + corners[0] * (j + corners[1] * l)
+            at = ((low + bits).astype(np.int64) % corners).T
+            self.numbers[:, k] = at[first] + corners[first] * (at[second] + corners[second] * at[third])
             self.weights[:, k] = np.where(bits == 1, part, 1.0 - part).prod(axis=1)
 
     def __call__(self, displacement: np.ndarray, velocity: np.ndarray, u: np.ndarray, v: np.ndarray) -> None:

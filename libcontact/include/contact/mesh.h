@@ -21,6 +21,18 @@ typedef struct ct_mesh {
   int32_t *elements;
 } ct_mesh;
 
+/** Which way the numbers of a box run: layer by layer along one axis, and in a layer row by row. */
+typedef enum ct_layers {
+  /** Layers follow one another along z, and in them rows along y: element (i, j, k) has number i + cells[0] (j + cells[1] k). */
+  CT_LAYERS_Z,
+  /**
+   * Layers follow one another along x. In them rows lie along that axis, y or z, that has more cells (y, if both have as many).
+   */
+  CT_LAYERS_X,
+  /** Layers follow one another along y; rows likewise lie along x or z. */
+  CT_LAYERS_Y
+} ct_layers;
+
 /** A rectangular box of bricks. */
 typedef struct ct_box {
   /** Corner with the smallest coordinates [length]. */
@@ -29,12 +41,23 @@ typedef struct ct_box {
   double size[3];
   /** Elements along x, y, z, >= 1. */
   int32_t cells[3];
+  /**
+   * How they are numbered. No result depends on it, but a wave that runs across the layers leaves whole layers quiet,
+   * :doc:`/theory/savings`.
+   */
+  ct_layers layers;
 } ct_box;
 
 /**
- * Mesh a box with bricks: element (i, j, k) has number i + cells[0] (j + cells[1] k), and ξ, η, ζ run along x, y, z.
- * Node coordinates are ((n - i) a + i b) / n between the ends a and b, so that mirrored boxes have exactly
- * mirrored nodes. Corner nodes come first, row by row; mid-side nodes of hex20 follow (along x, then y, then z).
+ * The axes of a box in the order of its numbers: rows run along the first, and layers follow one another along the last; 0, 1, 2
+ * for x, y, z.
+ */
+CT_API void ct_box_axes(const ct_box *box, int axes[3]);
+
+/**
+ * Mesh a box with bricks, numbered as its `layers` say; ξ, η, ζ run along x, y, z. Node coordinates are ((n - i) a + i b) / n
+ * between the ends a and b, so that mirrored boxes have exactly mirrored nodes. Corner nodes come first, row by row; mid-side
+ * nodes of hex20 follow: those on edges along the rows, then along the second, then along the third of `ct_box_axes`.
  */
 CT_API ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh, ct_error *error);
 
@@ -72,15 +95,15 @@ CT_API void ct_mesh_free(ct_mesh *mesh);
 CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 
 /**
- * Shortest edge between corner nodes of any element [length]: the h of the Courant number and of the penalty. Edges that a wedge has
- * collapsed to a point (below 1e-9 of the element's longest) do not count. NaN for a null mesh.
+ * Shortest edge between corner nodes of any element [length]: the h of the Courant number and of the penalty. Edges that a wedge
+ * has collapsed to a point (below 1e-9 of the element's longest) do not count. NaN for a null mesh.
  */
 CT_API double ct_mesh_shortest_edge(const ct_mesh *mesh);
 
 /**
- * Faces of a mesh, one that `ct_mesh_check` accepts, that belong to one element only and lie in the plane ``x[axis] = value`` within 1e-9 of the
- * mesh's size. `faces` gets (count, 4 or 8) node numbers, counter-clockwise from outside, and `owners` (count) the elements;
- * either may be null. The return value is the count (call once with nulls to learn it).
+ * Faces of a mesh, one that `ct_mesh_check` accepts, that belong to one element only and lie in the plane ``x[axis] = value``
+ * within 1e-9 of the mesh's size. `faces` gets (count, 4 or 8) node numbers, counter-clockwise from outside, and `owners` (count)
+ * the elements; either may be null. The return value is the count (call once with nulls to learn it).
  */
 CT_API int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t *faces, int32_t *owners);
 

@@ -12,9 +12,12 @@ typedef enum ct_solid_kernel {
   CT_KERNEL_AUTO = 0,
   /** bricks of any shape: Gauss points, 8 elements at a time */
   CT_KERNEL_GENERAL = 1,
-  /** hex8, all rectangular along x, y, z and of one size: the integrals in closed form */
+  /**
+   * small strain, all rectangular along x, y, z and of one size, hex20 with nodes in the middle of straight edges: the integrals
+   * in closed form, :eq:`box-force`, :eq:`box20-force`
+   */
   CT_KERNEL_BOX = 2,
-  /** one layer of boxes that is held along its thickness: plane strain, computed in two dimensions, :eq:`plane-force` */
+  /** one layer of hex8 boxes that is held along its thickness: plane strain, computed in two dimensions, :eq:`plane-force` */
   CT_KERNEL_PLANE = 3,
   /** hex8 of any shape with one point and hourglass control, :eq:`reduced-force`; never chosen unasked */
   CT_KERNEL_REDUCED = 4

@@ -30,7 +30,6 @@ static int find_edges(const ct_mesh *mesh, double size, box *b)
 {
   static const int END[3] = {1, 3, 4};
   double x[20][3], e[3][3];
-  if (mesh->kind != CT_HEX8) return 0;
   ct_solid_load_element(mesh, 0, mesh->nodes, x);
   for (int d = 0; d < 3; d++) {
     for (int c = 0; c < 3; c++) e[d][c] = x[END[d]][c] - x[0][c];
@@ -66,6 +65,7 @@ static ct_status find_box(const ct_mesh *mesh, box *b, ct_error *error)
   *b = (box){.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .aligned = 1};
   ct_mesh_bounds(mesh, low, high);
   double size = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
+  if (mesh->kind != CT_HEX8) return CT_OK;
   if (!ct_solid_is_box(mesh, b->edge)) {
     b->aligned = 0;
     if (!find_edges(mesh, size, b)) return CT_OK;

@@ -1,4 +1,4 @@
-/* The kernel for rectangular hex8 elements of one size: every integral over the element in closed form. */
+/* Which bodies have rectangular elements of one size, and the kernel for those of hex8: every integral in closed form. */
 #include "kernel.h"
 #include "modes.h"
 
@@ -6,9 +6,8 @@
 
 int ct_solid_is_box(const ct_mesh *mesh, double edge[3])
 {
-  static const double sign[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-  double low[3], high[3];
-  if (mesh->kind != CT_HEX8) return 0;
+  double low[3], high[3], place[20][3];
+  int per = ct_brick_node_count(mesh->kind);
   ct_mesh_bounds(mesh, low, high);
   for (int d = 0; d < 3; d++) {
     // The size of the body over a whole number of cells: the same bits for a mirrored body.
@@ -17,13 +16,17 @@ int ct_solid_is_box(const ct_mesh *mesh, double edge[3])
     if (!(cell > 0.0)) return 0;
     edge[d] = (high[d] - low[d]) / floor((high[d] - low[d]) / cell + 0.5);
   }
+  for (int a = 0; a < per; a++) {
+    ct_brick_reference(mesh->kind, a, place[a]);
+    for (int d = 0; d < 3; d++) place[a][d] = 0.5 * (place[a][d] + 1.0) * edge[d];
+  }
   double size = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
   for (int32_t e = 0; e < mesh->element_count; e++)
-    for (int a = 0; a < 8; a++)
+    for (int a = 0; a < per; a++)
       for (size_t d = 0; d < 3; d++) {
-        const int32_t *n = &mesh->elements[8 * (size_t)e];
+        const int32_t *n = &mesh->elements[(size_t)per * (size_t)e];
         double x = mesh->nodes[3 * (size_t)n[a] + d] - mesh->nodes[3 * (size_t)n[0] + d];
-        if (!(fabs(x - sign[a][d] * edge[d]) <= 1e-12 * size)) return 0;
+        if (!(fabs(x - place[a][d]) <= 1e-12 * size)) return 0;
       }
   return 1;
 }
@@ -81,7 +84,6 @@ static inline void lattice_nodes(const ct_solid_part *part, int32_t b, int32_t n
 {
   int32_t row = part->cells[0] + 1, layer = row * (part->cells[1] + 1), first[8];
   int32_t e = 8 * b, i = e % part->cells[0], j = e / part->cells[0] % part->cells[1], k = e / part->cells[0] / part->cells[1];
-  const int32_t corner[8] = {0, 1, row + 1, row, layer, layer + 1, layer + row + 1, layer + row};
   // Mostly all eight are in one row.
   int whole = i + 8 <= part->cells[0];
   for (int l = 0; l < 8; l++) first[l] = i + row * j + layer * k + l;
@@ -93,7 +95,7 @@ static inline void lattice_nodes(const ct_solid_part *part, int32_t b, int32_t n
     if (j == part->cells[1]) j = 0, k++;
   }
   for (int a = 0; a < 8; a++)
-    for (int l = 0; l < 8; l++) nodes[8 * a + l] = first[l] + corner[a];
+    for (int l = 0; l < 8; l++) nodes[8 * a + l] = first[l] + part->corner[a];
 }
 
 CT_CLONES

@@ -27,6 +27,7 @@ static const struct kernel_row {
 } KERNELS[] = {
   {CT_KERNEL_PLANE, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 75.0},
   {CT_KERNEL_BOX, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 393.0},
+  {CT_KERNEL_BOX, CT_HEX20, CT_LINEAR, ct_solid_box20_batches, NULL, 882.0},
   {CT_KERNEL_REDUCED, CT_HEX8, CT_LINEAR, ct_solid_reduced_batches, NULL, 538.0},
   {CT_KERNEL_GENERAL, CT_HEX8, CT_LINEAR, ct_solid_hex8_batches, NULL, 2154.0},
   {CT_KERNEL_GENERAL, CT_HEX20, CT_LINEAR, ct_solid_hex20_batches, NULL, 37434.0},
@@ -62,6 +63,7 @@ static void free_data(void *data)
     ct_release(solid->parts[i].range_first);
     ct_release(solid->parts[i].ranges);
     ct_release(solid->parts[i].mean);
+    ct_release(solid->parts[i].box20);
     ct_plane_free(solid->parts[i].plane);
     ct_assembly_free(solid->parts[i].assembly);
   }
@@ -74,12 +76,7 @@ static void free_scratch(void *scratch)
   solid_scratch *s = scratch;
   if (s == NULL) return;
   ct_release(s->values);
-  ct_release(s->quiet.batch);
-  ct_release(s->quiet.woken);
-  ct_release(s->quiet.read);
-  ct_release(s->quiet.seen);
-  ct_release(s->quiet.kept);
-  ct_release(s->quiet.changed);
+  ct_quiet_free(&s->quiet);
   ct_release(s);
 }
 
@@ -88,17 +85,8 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   const solid_data *solid = effect->data;
   solid_scratch *s = ct_allocate(1, sizeof *s);
   if (s != NULL) s->values = ct_allocate((size_t)solid->value_count, sizeof *s->values);
-  if (s != NULL && solid->quiet) {
-    size_t words = (size_t)ct_bits_words(solid->node_count);
-    s->quiet.batch = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.batch);
-    s->quiet.woken = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.woken);
-    s->quiet.read = ct_allocate((size_t)solid->batch_count, sizeof *s->quiet.read);
-    s->quiet.changed = ct_allocate(words, sizeof *s->quiet.changed);
-    s->quiet.seen = ct_allocate(words + (size_t)solid->part_count, sizeof *s->quiet.seen);
-    s->quiet.kept = ct_allocate((size_t)solid->part_count, sizeof *s->quiet.kept);
-  }
-  if (s == NULL || s->values == NULL || (solid->quiet && !(s->quiet.batch && s->quiet.woken && s->quiet.read && s->quiet.changed &&
-                                                           s->quiet.seen && s->quiet.kept))) {
+  if (s == NULL || s->values == NULL ||
+      (solid->quiet && ct_quiet_create(solid->parts, solid->part_count, solid->batch_count, solid->node_count, &s->quiet) != CT_OK)) {
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
   }
@@ -134,10 +122,17 @@ static void find_quiet(const part_call *call, int32_t number, const ct_view *vie
   enum { AT_ONCE = 64 };
   const ct_solid_part *part = call->part;
   ct_quiet *quiet = call->quiet;
+  if (part->cells[0] > 0) {
+    int64_t b = part->first_batch;
+    ct_leader *leader = view->adrift != NULL && number < view->leader_count ? &view->leaders[number] : NULL;
+    ct_rows_find(&quiet->rows[number], part, view, quiet->call, leader,
+                 &(ct_found){&quiet->batch[b], &quiet->read[b], &quiet->woken[b], quiet->changed, quiet->adrift, node_count});
+    return;
+  }
   const double *velocity = view->drifted != NULL ? view->velocity : NULL;
   int threads = view->threads, crossed = 0;
   (void)threads;
-  ct_quiet_wake(quiet, part, number, view->drifted, node_count);
+  ct_quiet_wake(quiet, part, number, view->drifted);
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(threads) schedule(static) reduction(| : crossed) if (threads > 1)
 #endif
@@ -148,7 +143,7 @@ static void find_quiet(const part_call *call, int32_t number, const ct_view *vie
     sum_all(quiet, part, number);
     memset(&quiet->read[part->first_batch], 1, (size_t)part->batch_count);
   } else if (crossed || !(quiet->kept[number] & CT_KEPT_READ)) {
-    ct_quiet_mark(quiet, part, node_count);
+    ct_quiet_mark(quiet, part);
     quiet->kept[number] |= CT_KEPT_READ;
   }
 }
@@ -160,25 +155,25 @@ static void call_batches(const part_call *call, int32_t first, int32_t last)
   const double *u = call->displacement + 3 * (int64_t)part->first_node;
   int32_t begin = first;
   for (int32_t b = first; call->quiet != NULL && b < last; b++) {
-    if (call->quiet->batch[part->first_batch + b] < CT_BATCH_QUIET) continue;
+    if (ct_quiet_computes(call->quiet, part, b)) continue;
     if (!call->quiet->read[part->first_batch + b]) {
       // Nobody reads its forces.
-    } else if (part->cells[0] > 0)
+    } else if (part->ring > 0)
       ct_lattice_zeros(part, b, call->values);
     else if (part->plane != NULL) // what stands there may be older than the plane
       memset(&call->values[192 * (int64_t)b], 0, 192 * sizeof(double));
-    part->batches(part, begin, b, u, call->values);
+    if (begin < b) part->batches(part, begin, b, u, call->values);
     begin = b + 1;
   }
-  part->batches(part, begin, last, u, call->values);
-  // A body in a ring or a plane has a kernel which gives zeros; and two threads may compute one batch.
+  if (begin < last) part->batches(part, begin, last, u, call->values);
+  // A lattice or a plane has a kernel which gives zeros; and two threads may compute one batch.
   if (call->quiet != NULL && part->cells[0] == 0 && part->plane == NULL) ct_quiet_confirm(call->quiet, part, first, last, call->values);
 }
 
 static void part_gather(const part_call *call, int32_t first, int32_t last)
 {
   const ct_solid_part *part = call->part;
-  if (part->cells[0] > 0)
+  if (part->ring > 0)
     ct_lattice_gather(part, call->values, first, last, call->f);
   else
     ct_assembly_gather(part->assembly, call->values, first, last, call->f);
@@ -203,15 +198,19 @@ static void call_gather(const part_call *call, int32_t first, int32_t last)
 static void part_force(const part_call *call)
 {
   const ct_solid_part *part = call->part;
-  int32_t node = 0, block = 0;
-  for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK, block++) {
+  const int32_t *ready = part->ready;
+  int32_t node[CT_FAMILIES];
+  memcpy(node, part->family, sizeof node);
+  for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK) {
     call_batches(call, b, b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count);
     if (part->assembly->extra_count > 0) continue;
-    call_gather(call, node, part->ready[block]);
-    node = part->ready[block];
+    for (int k = 0; k < part->families; k++, ready++) {
+      call_gather(call, node[k], *ready);
+      node[k] = *ready;
+    }
   }
   ct_assembly_fold(part->assembly, call->values);
-  call_gather(call, node, part->mesh->node_count);
+  for (int k = 0; k < part->families; k++) call_gather(call, node[k], part->family[k + 1]);
 }
 
 /* The same for a range of the nodes of a body whose forces go through a ring: begin with the first element that a node of the range may have. */
@@ -271,15 +270,16 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     part_call call = {part, view->displacement, scratch->values + part->first_value, force + 3 * (int64_t)part->first_node,
                       part->savings.quiet ? &scratch->quiet : NULL};
     const double *u = view->displacement + 3 * (int64_t)part->first_node;
-    int plane = part->plane != NULL && ct_plane_holds(part->plane, u);
-    if (solid->quiet && (plane || call.quiet == NULL)) sum_all(&scratch->quiet, part, i);
+    int plane = part->plane != NULL && ct_plane_holds(part, u, solid->quiet && view->adrift != NULL ? scratch->quiet.adrift : NULL);
+    // In a plane this costs less than to find batches that are quiet, but more than to find rows.
+    if (plane && part->cells[0] == 0) call.quiet = NULL;
+    if (solid->quiet && call.quiet == NULL) sum_all(&scratch->quiet, part, i);
+    if (call.quiet != NULL) find_quiet(&call, i, view, solid->node_count);
     if (plane) {
-      // This kernel costs less than to look what is quiet.
-      ct_plane_force(part, u, view->threads, scratch->values, call.f);
+      ct_plane_force(part, u, view->threads, call.quiet, scratch->values, call.f);
       continue;
     }
-    if (call.quiet != NULL) find_quiet(&call, i, view, solid->node_count);
-    if (part->cells[0] > 0) {
+    if (part->ring > 0) {
       ring_force_threads(&call, view->threads);
       continue;
     }
@@ -291,6 +291,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
       part_force(&call);
     if (status == CT_OK && part->energies != NULL) status = ct_solid_check_volume(part, i, u, call.values, error);
   }
+  for (int64_t w = 0; view->adrift != NULL && solid->quiet && w < ct_bits_words(solid->node_count); w++) view->adrift[w] = scratch->quiet.adrift[w];
   // -- A node whose elements were all skipped has the same zero force as before (eq:still-node)
   for (int64_t w = 0; solid->quiet && view->still != NULL && w < ct_bits_words(solid->node_count); w++) view->still[w] = ~scratch->quiet.changed[w];
   return status;
@@ -336,7 +337,7 @@ static void block_energies(const ct_solid_part *part, int32_t first, int32_t las
 {
   double hourglass[8], *kept = &values[part->energy_value];
   // Forces that went through a ring are made once more.
-  if (part->cells[0] > 0) part->batches(part, first, last, u, values);
+  if (part->ring > 0) part->batches(part, first, last, u, values);
   if (part->energies != NULL) memcpy(energies, &kept[8 * (int64_t)first], 8 * (size_t)(last - first) * sizeof *energies);
   for (int32_t b = first; part->energies == NULL && b < last; b++, energies += 8)
     if (part->mean != NULL) ct_solid_reduced_energies(part, b, u, energies, hourglass);
@@ -348,7 +349,7 @@ static void block_energies(const ct_solid_part *part, int32_t first, int32_t las
  * elsewhere. */
 static void begin_energies(const ct_solid_part *part, const double *u, double *values)
 {
-  if (part->plane != NULL && part->cells[0] == 0) part->batches(part, 0, part->batch_count, u, values);
+  if (part->plane != NULL && part->ring == 0) part->batches(part, 0, part->batch_count, u, values);
   for (int32_t b = 0; part->energies != NULL && b < part->batch_count; b++)
     part->energies(part, b, u, &values[part->energy_value + 8 * (int64_t)b]);
 }
@@ -403,24 +404,54 @@ static ct_status prepare_gradients(ct_solid_part *part)
   return CT_OK;
 }
 
-/* Find for each block of batches how many nodes, counted from the first, have all their elements by then. */
+/* Families of nodes whose numbers each follow the elements: corners, and the mid-sides along ξ, η, ζ where these stand apart, one
+ * after another, as ct_mesh_create_box numbers them; else all nodes are one. */
+static void find_families(ct_solid_part *part)
+{
+  const ct_mesh *mesh = part->mesh;
+  int32_t high[CT_FAMILIES] = {-1, -1, -1, -1};
+  int64_t per = ct_brick_node_count(mesh->kind);
+  int apart = mesh->kind == CT_HEX20;
+  for (int k = 0; k < CT_FAMILIES; k++) part->family[k] = mesh->node_count;
+  for (int64_t i = 0; apart && i < per * mesh->element_count; i++) {
+    int32_t n = mesh->elements[i];
+    int a = (int)(i % per), k = a < 8 ? 0 : a < 16 ? 1 + a % 2 : 3;
+    part->family[k] = n < part->family[k] ? n : part->family[k];
+    high[k] = n > high[k] ? n : high[k];
+  }
+  for (int k = 0; k + 1 < CT_FAMILIES; k++) apart = apart && high[k] < part->family[k + 1];
+  part->families = apart ? CT_FAMILIES : 1;
+  part->family[0] = 0;
+  part->family[part->families] = mesh->node_count;
+}
+
+/* What hex20 elements share: the constants of a box, or the gradients at the Gauss points. */
+static ct_status prepare_hex20(ct_solid_part *part)
+{
+  return part->kernel == CT_KERNEL_BOX ? ct_box20_prepare(part) : prepare_gradients(part);
+}
+
+/* Find for each block of batches and each family how many of its nodes, from the first on, have all their elements by then. */
 static ct_status prepare_ready(ct_solid_part *part)
 {
   const ct_mesh *mesh = part->mesh;
-  int32_t blocks = (part->batch_count + CT_BLOCK - 1) / CT_BLOCK, node = 0;
-  size_t per = (size_t)ct_brick_node_count(mesh->kind);
+  int32_t blocks = (part->batch_count + CT_BLOCK - 1) / CT_BLOCK, node[CT_FAMILIES];
+  size_t per = (size_t)ct_brick_node_count(mesh->kind), count = 0;
+  find_families(part);
   int32_t *last = ct_allocate((size_t)mesh->node_count, sizeof *last);
-  part->ready = ct_allocate((size_t)blocks, sizeof *part->ready);
+  part->ready = ct_allocate((size_t)blocks * (size_t)part->families, sizeof *part->ready);
   if (last == NULL || part->ready == NULL) {
     ct_release(last);
     return CT_ERROR_MEMORY;
   }
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (size_t a = 0; a < per; a++) last[mesh->elements[(size_t)e * per + a]] = e;
-  for (int32_t block = 0; block < blocks; block++) {
-    while (node < mesh->node_count && last[node] / (8 * CT_BLOCK) <= block) node++;
-    part->ready[block] = node;
-  }
+  memcpy(node, part->family, sizeof node);
+  for (int32_t block = 0; block < blocks; block++)
+    for (int k = 0; k < part->families; k++) {
+      while (node[k] < part->family[k + 1] && last[node[k]] / (8 * CT_BLOCK) <= block) node[k]++;
+      part->ready[count++] = node[k];
+    }
   ct_release(last);
   return CT_OK;
 }
@@ -429,11 +460,12 @@ static ct_status prepare_ready(ct_solid_part *part)
 static ct_status choose_plane(ct_solid_part *part, const ct_solid_block *block, int box, ct_error *error)
 {
   int wanted = block->kernel == CT_KERNEL_PLANE || (block->kernel == CT_KERNEL_AUTO && part->savings.plane_strain);
-  for (int axis = 0; wanted && box && part->plane == NULL && axis < 3; axis++)
+  for (int axis = 0; wanted && box && part->mesh->kind == CT_HEX8 && part->plane == NULL && axis < 3; axis++)
     if (block->held[axis] && ct_plane_create(part, axis, part->rings, &part->plane) != CT_OK) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   if (part->plane != NULL) part->kernel = CT_KERNEL_PLANE;
   if (block->kernel == CT_KERNEL_PLANE && part->plane == NULL)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the plane kernel needs one layer of boxes whose nodes are all held along its thickness");
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "the plane kernel needs one layer of hex8 boxes whose nodes are all held along its thickness");
   return CT_OK;
 }
 
@@ -446,15 +478,15 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_block *block,
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "the box kernel is for small strain; large deformation has the general one");
   if (asked == CT_KERNEL_BOX && !box)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "the box kernel needs rectangular hex8 elements of one size");
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "the box kernel needs rectangular elements of one size, with nodes in the middle of straight edges");
   if (asked == CT_KERNEL_REDUCED && (large || part->mesh->kind != CT_HEX8))
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "reduced integration with hourglass control is for hex8 and small strain");
   if (!(part->hourglass > 0.0) || !isfinite(part->hourglass))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the hourglass coefficient must be positive, not %g", part->hourglass);
   part->kernel = asked == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
-  int32_t cells[3];
-  int lattice = part->savings.congruent && (part->kernel == CT_KERNEL_BOX || part->kernel == CT_KERNEL_PLANE) && ct_lattice_find(part->mesh, cells);
-  if (lattice) memcpy(part->cells, cells, sizeof cells);
+  int boxes = part->kernel == CT_KERNEL_BOX || part->kernel == CT_KERNEL_PLANE;
+  if (boxes && (part->savings.congruent || part->savings.quiet)) ct_lattice_find(part->mesh, part);
   ct_status status = choose_plane(part, block, box, error);
   for (size_t k = 0; part->batches == NULL && k < sizeof KERNELS / sizeof KERNELS[0]; k++) {
     const struct kernel_row *row = &KERNELS[k];
@@ -491,16 +523,15 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   part->rings = block->threads < 1 ? 1 : block->threads < CT_MOST_RINGS ? block->threads : CT_MOST_RINGS;
   ct_status status = choose_kernel(part, block, error);
   if (status != CT_OK) return status;
-  if (part->cells[0] > 0) {
+  if (part->cells[0] > 0 && part->savings.congruent) {
     part->value_count = ct_lattice_prepare(part);
     return CT_OK;
   }
   part->batch_nodes = ct_allocate((size_t)part->batch_count * 8 * (size_t)per, sizeof *part->batch_nodes);
-  if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK ||
-      (part->mesh->kind == CT_HEX20 && prepare_gradients(part) != CT_OK))
+  if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK || (part->mesh->kind == CT_HEX20 && prepare_hex20(part) != CT_OK))
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   ct_solid_batch_nodes(part->mesh, part->batch_nodes);
-  if ((part->savings.quiet && ct_quiet_prepare(part) != CT_OK) || (part->kernel == CT_KERNEL_REDUCED && ct_reduced_prepare(part) != CT_OK))
+  if ((part->savings.quiet && part->cells[0] == 0 && ct_quiet_prepare(part) != CT_OK) || (part->kernel == CT_KERNEL_REDUCED && ct_reduced_prepare(part) != CT_OK))
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
   if (status != CT_OK) return status;
@@ -514,13 +545,13 @@ static void place_values(solid_data *solid)
 {
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
-    int64_t bricks = part->cells[0] > 0 ? part->value_count : 0, plane = part->plane != NULL ? part->plane->value_count : 0;
+    int64_t bricks = part->ring > 0 ? part->value_count : 0, plane = part->plane != NULL ? part->plane->value_count : 0;
     if (bricks > solid->value_count) solid->value_count = bricks;
     if (plane > solid->value_count) solid->value_count = plane;
   }
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];
-    if (part->cells[0] > 0) continue;
+    if (part->ring > 0) continue;
     part->first_value = solid->value_count;
     solid->value_count += part->value_count;
   }
@@ -616,7 +647,7 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
   if (!reduced) return CT_OK;
   ct_effect *effect = ct_allocate(1, sizeof *effect);
   if (effect == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the hourglass effect");
-  *effect = (ct_effect){.name = "hourglass", .data = solid->data, .force = no_force, .energy = hourglass_energy};
+  *effect = (ct_effect){.name = "hourglass", .local = 1, .data = solid->data, .force = no_force, .energy = hourglass_energy};
   *out = effect;
   return CT_OK;
 }
@@ -638,6 +669,6 @@ ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_k
   // Node numbers and element forces written once and read once; what is laid down; displacements and forces of the nodes, and the gather's places.
   // A lattice has no node numbers and no places, and its forces stay in the cache; a plane has the numbers of its lower layer.
   double laid_down = part->mean != NULL ? 256.0 : 0.0;
-  if (bytes != NULL) *bytes = plane ? 16.0 + 48.0 * nodes : part->cells[0] > 0 ? 48.0 * nodes : 52.0 * per + laid_down + 80.0 * nodes;
+  if (bytes != NULL) *bytes = plane ? 16.0 + 48.0 * nodes : part->ring > 0 ? 48.0 * nodes : 52.0 * per + laid_down + 80.0 * nodes;
   return CT_OK;
 }

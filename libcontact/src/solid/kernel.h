@@ -10,15 +10,17 @@
 
 struct ct_solid_part;
 
-/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes differences of
- * displacements first, and uses nothing else that changes: where all nodes of a batch have the same displacement, it gives the same bits
- * whatever that is (eq:quiet-force).
- * A kernel for large deformation also writes the smallest J = det F of batch b (and 1) to `values[assembly->value_count + b]`; room for
- * the energies of its elements begins at `values[energy_value]`. */
+/* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes
+ * differences of displacements first, and uses nothing else that changes: where all nodes of a batch have the same displacement,
+ * it gives the same bits whatever that is (eq:quiet-force). A kernel for large deformation also writes the smallest J = det F of
+ * batch b (and 1) to `values[assembly->value_count + b]`; room for the energies of its elements begins at `values[energy_value]`. */
 typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
 
 /* Stored energies of the 8 elements of one batch. */
 typedef void ct_solid_energies(const struct ct_solid_part *part, int32_t batch, const double *displacement, double energies[8]);
+
+/* Most families of nodes in a body: corners, and mid-sides along three axes. */
+enum { CT_FAMILIES = 4 };
 
 /* One body, prepared for its kernel. Element forces go to `values` in the layout of ct_assembly. */
 typedef struct ct_solid_part {
@@ -28,6 +30,9 @@ typedef struct ct_solid_part {
   ct_savings savings;
   double lambda, mu;
   int32_t first_node;
+  /* Families of nodes that are summed each in the order of their numbers, family[k] ... family[k + 1] - 1. */
+  int32_t family[CT_FAMILIES + 1];
+  int families;
   ct_solid_kernel kernel;
   ct_solid_batches *batches;
   /* Null where the force is linear: the energy is then half its work. */
@@ -38,10 +43,15 @@ typedef struct ct_solid_part {
   double omega_squared;
   /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
   double edge[3];
-  /* Cells of a body whose elements share all that is stored; cells[0] = 0: of none. Then a ring of `ring` elements, a power of two, holds
-   * their forces, those of one component of one node `stride` after those of the one before; each thread has one ring, and
-   * computes `block` batches at once. There are no batch_nodes, ranges, assembly, ready. */
-  int32_t cells[3], rings, block;
+  /* Cells of a body of boxes in the order of a lattice, along the axis that rows lie along, the next, and that of the layers;
+   * cells[0] = 0: it is none. These axes, and how far each corner's node number is from that of the first corner. */
+  int32_t cells[3];
+  int axes[3];
+  int32_t corner[8];
+  /* Where such elements share all that is stored, a ring of `ring` elements, a power of two, holds their forces, those of one
+   * component of one node `stride` after those of the one before; each of `rings` threads has one, and computes `block` batches at
+   * once. There are then no batch_nodes, assembly, ready. 0: there is no ring. */
+  int32_t rings, block;
   int64_t ring, stride;
   /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */
   int32_t batch_count;
@@ -49,15 +59,18 @@ typedef struct ct_solid_part {
   /* Coefficient of the hourglass control, and what is laid down for each batch, when the kernel is CT_KERNEL_REDUCED. */
   double hourglass;
   struct ct_reduced_lanes *mean;
-  /* Shape gradients ∂N_a/∂ξ_j and weights at the Gauss points of hex20, shape (27, 20, 3). */
+  /* What the elements share when the kernel is CT_KERNEL_BOX for hex20. */
+  struct ct_box20 *box20;
+  /* Shape gradients ∂N_a/∂ξ_j at the Gauss points of hex20, shape (27, 20, 3); null when the kernel needs none. */
   double (*gradients)[20][3];
   ct_assembly *assembly;
-  /* After each block of CT_BLOCK batches: the first node that still waits for an element, shape (blocks). */
+  /* After each block of CT_BLOCK batches: the first node of each family that waits for an element, shape (blocks, families). */
   int32_t *ready;
-  /* Where this part's values, and its batches, begin in the scratch of the effect, how many values it has, and after how many of them
-   * energies are kept. */
+  /* Where this part's values, and its batches, begin in the scratch of the effect, how many values it has, and after how many of
+   * them energies are kept. */
   int64_t first_value, first_batch, value_count, energy_value;
-  /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null when quiet batches are not left out. */
+  /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null for a lattice, and when quiet batches are not
+   * left out. */
   int32_t *range_first;
   struct ct_node_range *ranges;
   /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE; its values stand where the effect's begin. */
@@ -67,10 +80,14 @@ typedef struct ct_solid_part {
 /* Batches that are computed before their nodes are summed, while their forces are still in the cache. */
 enum { CT_BLOCK = 32 };
 
-/* Edge lengths when all elements are rectangular along x, y, z and alike to 1e-12; 0 otherwise. */
+/* Edge lengths when all elements are rectangular along x, y, z, with straight edges and their nodes in the middle, and alike to
+ * 1e-12; 0 otherwise. */
 int ct_solid_is_box(const ct_mesh *mesh, double edge[3]);
 
-ct_solid_batches ct_solid_box_batches, ct_solid_hex8_batches, ct_solid_hex20_batches;
+/* Lay down what hex20 boxes of one size share, from the part's edges and its material. */
+ct_status ct_box20_prepare(ct_solid_part *part);
+
+ct_solid_batches ct_solid_box_batches, ct_solid_box20_batches, ct_solid_hex8_batches, ct_solid_hex20_batches;
 ct_solid_batches ct_solid_large_hex8_batches, ct_solid_large_hex20_batches;
 ct_solid_energies ct_solid_large_hex8_energies, ct_solid_large_hex20_energies;
 
@@ -109,8 +126,8 @@ static inline void ct_load_lanes(const int32_t *nodes, int per, const double *ar
 /* Where the forces of batch `b` stand: number (3 a + c) of element l at [(3 a + c) * stride + l]. */
 static inline double *ct_batch_values(const ct_solid_part *part, double *values, int32_t b, int64_t *stride)
 {
-  *stride = part->cells[0] > 0 ? part->stride : 8;
-  return part->cells[0] > 0 ? values + (8 * (int64_t)b & (part->ring - 1)) : values + 24 * (int64_t)ct_brick_node_count(part->mesh->kind) * b;
+  *stride = part->ring > 0 ? part->stride : 8;
+  return part->ring > 0 ? values + (8 * (int64_t)b & (part->ring - 1)) : values + 24 * (int64_t)ct_brick_node_count(part->mesh->kind) * b;
 }
 
 /* Write lanes f[component][node] of 8 elements to their place in `values`. */

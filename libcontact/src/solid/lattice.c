@@ -3,26 +3,44 @@
 
 #include <string.h>
 
-/* Number of the node at the corner (-,-,-) of an element. */
+/* Number of the first corner of an element. */
 static int32_t first_corner(const int32_t cells[3], int32_t e)
 {
   int32_t i = e % cells[0], j = e / cells[0] % cells[1], k = e / cells[0] / cells[1];
   return i + (cells[0] + 1) * (j + (cells[1] + 1) * k);
 }
 
-int ct_lattice_find(const ct_mesh *mesh, int32_t cells[3])
+/* Steps from the first corner of an element to corner `a`. */
+static int32_t corner_at(const int32_t step[3], int a)
+{
+  double xi[3];
+  ct_brick_reference(CT_HEX8, a, xi);
+  return (xi[0] > 0.0 ? step[0] : 0) + (xi[1] > 0.0 ? step[1] : 0) + (xi[2] > 0.0 ? step[2] : 0);
+}
+
+int ct_lattice_find(const ct_mesh *mesh, ct_solid_part *part)
 {
   const int32_t *n = mesh->elements;
   if (mesh->kind != CT_HEX8 || n[0] != 0) return 0;
-  // The first element tells the length of a row and of a layer of nodes.
-  int32_t row = n[3], layer = n[4];
-  if (row < 1 + CT_SHORTEST_ROW || layer < 2 * row || layer % row != 0 || mesh->node_count % layer != 0) return 0;
-  cells[0] = row - 1, cells[1] = layer / row - 1, cells[2] = mesh->node_count / layer - 1;
+  // The first element tells how far nodes are apart along each axis; the smallest step is along a row, the largest leads to the
+  // next layer.
+  const int32_t step[3] = {n[1], n[3], n[4]};
+  int axes[3] = {0, 1, 2};
+  for (int i = 0; i < 3; i++) {
+    int low = i % 2, swap = step[axes[low]] > step[axes[low + 1]], keep = axes[low];
+    axes[low] = swap ? axes[low + 1] : keep;
+    axes[low + 1] = swap ? keep : axes[low + 1];
+  }
+  int32_t row = step[axes[1]], layer = step[axes[2]];
+  if (step[axes[0]] != 1 || row < 1 + CT_SHORTEST_ROW || layer < 2 * row || layer % row != 0 || mesh->node_count % layer != 0) return 0;
+  const int32_t cells[3] = {row - 1, layer / row - 1, mesh->node_count / layer - 1};
   if (cells[2] < 1 || (int64_t)cells[0] * cells[1] * cells[2] != mesh->element_count) return 0;
-  const int32_t corner[8] = {0, 1, row + 1, row, layer, layer + 1, layer + row + 1, layer + row};
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int a = 0; a < 8; a++)
-      if (n[8 * (int64_t)e + a] != first_corner(cells, e) + corner[a]) return 0;
+      if (n[8 * (int64_t)e + a] != first_corner(cells, e) + corner_at(step, a)) return 0;
+  memcpy(part->cells, cells, sizeof cells);
+  memcpy(part->axes, axes, sizeof axes);
+  memcpy(part->corner, n, sizeof part->corner);
   return 1;
 }
 
@@ -77,7 +95,8 @@ static void gather_run(const double *const v[8], const int64_t step[8], int32_t 
   }
 }
 
-/* First elements of the four rows of elements around a row of nodes, along the positive η and ζ last; -1: none. */
+/* First elements of the four rows of elements around a row of nodes, the positive way along the second and the third axis last;
+ * -1: none. */
 static void rows_around(const int32_t cells[3], int32_t line, int64_t row[4])
 {
   int32_t j = line % (cells[1] + 1), k = line / (cells[1] + 1);
@@ -87,8 +106,8 @@ static void rows_around(const int32_t cells[3], int32_t line, int64_t row[4])
   }
 }
 
-/* Sum at the i-th node of a row and those after it, `count` at most; answers for how many this was done: rows of forces end at the ends of the ring, and at the ends of a row a
- * node has fewer elements. */
+/* Sum at the i-th node of a row and those after it, `count` at most; answers for how many this was done: rows of forces end at
+ * the ends of the ring, and at the ends of a row a node has fewer elements. */
 static int32_t gather_piece(const ct_solid_part *part, const double *values, const int64_t row[4], int32_t i, int32_t count, double *f)
 {
   enum { ZEROS = 256 };
@@ -99,9 +118,10 @@ static int32_t gather_piece(const ct_solid_part *part, const double *values, con
   int32_t nx = part->cells[0], run = i > 0 && i < nx ? (count < nx - i ? count : nx - i) : 1;
   run = run < ZEROS ? run : ZEROS;
   for (int o = 0; o < 8; o++) {
-    int32_t along = i - 1 + (o & 1);
-    int there = row[o >> 1] >= 0 && along >= 0 && along < nx;
-    int64_t place = there ? (row[o >> 1] + along) & (part->ring - 1) : 0;
+    int32_t along = i - 1 + (o >> part->axes[0] & 1);
+    int64_t begin = row[(o >> part->axes[1] & 1) + 2 * (o >> part->axes[2] & 1)];
+    int there = begin >= 0 && along >= 0 && along < nx;
+    int64_t place = there ? (begin + along) & (part->ring - 1) : 0;
     v[o] = there ? values + 3 * corner[o] * part->stride + place : zeros;
     step[o] = there ? part->stride : 0;
     if (run > part->ring - place) run = (int32_t)(part->ring - place);

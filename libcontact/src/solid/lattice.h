@@ -9,11 +9,11 @@
 /* Threads that have a ring each; more of them share. */
 enum { CT_MOST_RINGS = 64 };
 
-/* Cells along x below which tables are faster than sums row by row. */
+/* Cells along a row below which tables are faster than sums row by row. */
 enum { CT_SHORTEST_ROW = 8 };
 
-/* Cells along x, y, z when the mesh is numbered so and has rows that are long enough; answers 0 otherwise. */
-int ct_lattice_find(const ct_mesh *mesh, int32_t cells[3]);
+/* Write cells, axes and corners of a part whose mesh is numbered so and has rows that are long enough; answers 0, and writes no cells, otherwise. */
+int ct_lattice_find(const ct_mesh *mesh, ct_solid_part *part);
 
 /* Choose the size of its rings; answers how many doubles of the scratch they take. */
 int64_t ct_lattice_prepare(ct_solid_part *part);

@@ -1,7 +1,9 @@
 /* The kernel for one layer of equal boxes in plane strain: that of the box, with all that vanishes left out. */
 #include "plane.h"
 
+#include "../bits.h"
 #include "../memory.h"
+#include "quiet.h"
 
 #include <math.h>
 #include <string.h>
@@ -27,8 +29,8 @@ static void corners(const ct_plane *plane, int local[2][4])
   }
 }
 
-/* Enter for each node its partner in the other layer and its elements by quadrant, -1 where there is none; of the upper layer, a partner below -1. Answers 0 when a
- * node is in both layers or has two elements in one quadrant. */
+/* Enter for each node its partner in the other layer and its elements by quadrant, -1 where there is none; of the upper layer, a
+ * partner below -1. Answers 0 when a node is in both layers or has two elements in one quadrant. */
 static int enter_elements(const ct_mesh *mesh, ct_plane *plane, int32_t *twin, int32_t (*around)[4])
 {
   int local[2][4];
@@ -169,18 +171,26 @@ static uint64_t differences(const double *low, const double *high, int32_t count
   return all;
 }
 
-int ct_plane_holds(const ct_plane *plane, const double *displacement)
+int ct_plane_holds(const ct_solid_part *part, const double *displacement, const uint64_t *adrift)
 {
+  const ct_plane *plane = part->plane;
   for (int32_t r = 0, end; r < plane->run_count; r = end) {
     // Runs of both layers that follow each other are looked at as one.
-    int32_t low = plane->runs[r].low, high = plane->runs[r].high, count = 0;
-    for (end = r; end < plane->run_count && plane->runs[end].low == low + count && plane->runs[end].high == high + count; end++) count += plane->runs[end].count;
-    if (differences(&displacement[3 * (int64_t)low], &displacement[3 * (int64_t)high], count, plane->axis) != 0) return 0;
+    int32_t low = plane->runs[r].low, apart = plane->runs[r].high - low, count = 0;
+    for (end = r; end < plane->run_count && plane->runs[end].low == low + count && plane->runs[end].high == low + count + apart; end++) count += plane->runs[end].count;
+    int32_t first = part->first_node + low, last = first + count;
+    for (int32_t n = first, next; n < last; n = next) {
+      if (adrift != NULL) n = ct_bits_next(adrift, n, last, 0);
+      next = adrift == NULL ? last : ct_bits_next(adrift, n, last, 1);
+      const double *u = &displacement[3 * (int64_t)(n - part->first_node)];
+      if (differences(u, u + 3 * (int64_t)apart, next - n, plane->axis) != 0) return 0;
+    }
   }
   return 1;
 }
 
-/* What stays the same for all elements: 1 / (4 edge) and V / (4 edge) times the mean squares 1, 1/3, along p, q and the held axis. */
+/* What stays the same for all elements: 1 / (4 edge) and V / (4 edge) times the mean squares 1, 1/3, along p, q and the held
+ * axis. */
 typedef struct constants {
   double k[2], K1[3], K3[3], lambda, mu, stiff;
 } constants;
@@ -211,7 +221,8 @@ static inline slope slopes(const ct_lanes u[4], const double k[2])
   return (slope){k[0] * (2.0 * (low + high)), k[1] * (2.0 * ((u[2] - u[0]) + (u[3] - u[1]))), k[0] * both, k[1] * both};
 }
 
-/* Nodal forces of one component in the plane from its modal forces F along p, q and pq (eq:plane-force). The order of the sums is that of the brick. */
+/* Nodal forces of one component in the plane from its modal forces F along p, q and pq (eq:plane-force). The order of the sums is
+ * that of the brick. */
 static inline void spread(int axis, const ct_lanes F[3], ct_lanes f[4])
 {
   for (int k = 0; k < 2; k++) {
@@ -290,17 +301,17 @@ static void gather_run(const double *const v[4], const int64_t step[4], const do
     }
 }
 
-/* Sum at the nodes of a run, in pieces that are whole in the ring. */
-static void gather(const ct_plane *plane, const double *values, const ct_plane_run *run, double *sums)
+/* Sum at the nodes first ... last - 1 of a run, in pieces that are whole in the ring. */
+static void gather(const ct_plane *plane, const double *values, const ct_plane_run *run, int32_t first, int32_t last, double *sums)
 {
   static const double zeros[ZEROS] = {0.0};
   double apart[3] = {1.0, 1.0, 1.0};
   // -- The upper layer is pulled as the lower one, but apart from it (eq:plane-force)
   apart[plane->axis] = -1.0;
-  for (int32_t i = 0, piece; i < run->count; i += piece) {
+  for (int32_t i = first, piece; i < last; i += piece) {
     const double *v[4];
     int64_t step[4];
-    piece = run->count - i;
+    piece = last - i;
     for (int k = 0; k < 4; k++) {
       int64_t place = run->element[k] < 0 ? 0 : (run->element[k] + i) & (plane->ring - 1);
       v[k] = run->element[k] < 0 ? zeros : values + 3 * (3 - k) * plane->stride + place;
@@ -311,8 +322,34 @@ static void gather(const ct_plane *plane, const double *values, const ct_plane_r
   }
 }
 
+/* Compute those of the batches first ... last - 1 that are not quiet; the others get zeros where somebody reads them. */
+static void call_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, const ct_quiet *quiet, double *values)
+{
+  const ct_plane *plane = part->plane;
+  int32_t begin = first;
+  for (int32_t b = first; quiet != NULL && b < last; b++) {
+    if (ct_quiet_computes(quiet, part, b)) continue;
+    double *to = &values[8 * (int64_t)b & (plane->ring - 1)];
+    for (int i = 0; quiet->read[part->first_batch + b] && i < 12; i++) memset(&to[plane->stride * i], 0, 8 * sizeof *to);
+    if (begin < b) batches(part, begin, b, displacement, values);
+    begin = b + 1;
+  }
+  if (begin < last) batches(part, begin, last, displacement, values);
+}
+
+/* Sum at those nodes of a run that have an element which was computed. */
+static void call_gather(const ct_solid_part *part, const double *values, const ct_plane_run *run, const ct_quiet *quiet, double *sums)
+{
+  int32_t low = part->first_node + run->low;
+  for (int32_t n = low, end; n < low + run->count; n = end) {
+    n = quiet == NULL ? n : ct_bits_next(quiet->changed, n, low + run->count, 1);
+    end = quiet == NULL ? low + run->count : ct_bits_next(quiet->changed, n, low + run->count, 0);
+    gather(part->plane, values, run, n - low, end - low, sums);
+  }
+}
+
 /* Forces at the nodes of the runs first ... last - 1, each run as soon as its last element is there. */
-static void sum_runs(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values, double *sums)
+static void sum_runs(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, const ct_quiet *quiet, double *values, double *sums)
 {
   const ct_plane *plane = part->plane;
   int32_t begin = INT32_MAX, from, to;
@@ -322,16 +359,16 @@ static void sum_runs(const ct_solid_part *part, int32_t first, int32_t last, con
   }
   for (int32_t b = begin / 8, end, r = first; r < last; b = end) {
     end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
-    batches(part, b, end, displacement, values);
+    call_batches(part, b, end, displacement, quiet, values);
     for (; r < last; r++) {
       span(&plane->runs[r], &from, &to);
       if (to >= 8 * end) break;
-      gather(plane, values, &plane->runs[r], sums);
+      call_gather(part, values, &plane->runs[r], quiet, sums);
     }
   }
 }
 
-void ct_plane_force(const ct_solid_part *part, const double *displacement, int threads, double *values, double *sums)
+void ct_plane_force(const ct_solid_part *part, const double *displacement, int threads, const ct_quiet *quiet, double *values, double *sums)
 {
   const ct_plane *plane = part->plane;
   int64_t runs = plane->run_count;
@@ -340,5 +377,5 @@ void ct_plane_force(const ct_solid_part *part, const double *displacement, int t
 #pragma omp parallel for num_threads(shares) schedule(static, 1) if (shares > 1)
 #endif
   for (int i = 0; i < shares; i++)
-    sum_runs(part, (int32_t)(runs * i / shares), (int32_t)(runs * (i + 1) / shares), displacement, values + 12 * plane->stride * i, sums);
+    sum_runs(part, (int32_t)(runs * i / shares), (int32_t)(runs * (i + 1) / shares), displacement, quiet, values + 12 * plane->stride * i, sums);
 }

@@ -1,4 +1,4 @@
-/* Quiet regions: batches whose nodes have moved alike have no force and are not computed. */
+/* Quiet regions of bodies that are no lattice: batches whose nodes have moved alike have no force and are not computed. */
 #include "quiet.h"
 
 #include "../bits.h"
@@ -7,6 +7,31 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+ct_status ct_quiet_create(const ct_solid_part *parts, int32_t part_count, int64_t batch_count, int32_t node_count, ct_quiet *quiet)
+{
+  size_t words = (size_t)ct_bits_words(node_count), batches = (size_t)batch_count + 9; // rows mark nine at once
+  quiet->part_count = part_count;
+  quiet->rows = ct_allocate((size_t)part_count, sizeof *quiet->rows);
+  quiet->batch = ct_allocate(batches, sizeof *quiet->batch);
+  quiet->woken = ct_allocate(batches, sizeof *quiet->woken);
+  quiet->read = ct_allocate(batches, sizeof *quiet->read);
+  quiet->changed = ct_allocate(words, sizeof *quiet->changed);
+  quiet->adrift = ct_allocate(words, sizeof *quiet->adrift);
+  quiet->seen = ct_allocate(words + (size_t)part_count, sizeof *quiet->seen);
+  quiet->kept = ct_allocate((size_t)part_count, sizeof *quiet->kept);
+  if (!quiet->rows || !quiet->batch || !quiet->woken || !quiet->read || !quiet->changed || !quiet->adrift || !quiet->seen || !quiet->kept) return CT_ERROR_MEMORY;
+  for (int32_t i = 0; i < part_count; i++)
+    if (parts[i].savings.quiet && parts[i].cells[0] > 0 && ct_rows_create(&parts[i], &quiet->rows[i]) != CT_OK) return CT_ERROR_MEMORY;
+  return CT_OK;
+}
+
+void ct_quiet_free(ct_quiet *quiet)
+{
+  void *blocks[] = {quiet->batch, quiet->woken, quiet->read, quiet->changed, quiet->adrift, quiet->seen, quiet->kept, quiet->rows};
+  for (int32_t i = 0; quiet->rows != NULL && i < quiet->part_count; i++) ct_rows_free(&quiet->rows[i]);
+  for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) ct_release(blocks[i]);
+}
 
 static int compare_numbers(const void *a, const void *b)
 {
@@ -31,34 +56,6 @@ static int32_t batch_ranges(const ct_solid_part *part, int32_t b, ct_node_range 
   return count;
 }
 
-/* The same of a body in the order of a lattice, without a table: four rows for each row of elements. Rows may be there twice. */
-static int32_t lattice_ranges(const ct_solid_part *part, int32_t b, ct_node_range *range)
-{
-  int32_t row = part->cells[0] + 1, layer = row * (part->cells[1] + 1), count = 0;
-  int32_t last = 8 * b + 8 < part->mesh->element_count ? 8 * b + 8 : part->mesh->element_count;
-  for (int32_t e = 8 * b, end; e < last; e = end) {
-    int32_t i = e % part->cells[0], j = e / part->cells[0] % part->cells[1], k = e / part->cells[0] / part->cells[1];
-    int32_t first = part->first_node + i + row * j + layer * k;
-    end = e + part->cells[0] - i < last ? e + part->cells[0] - i : last;
-    for (int r = 0; r < 4; r++) {
-      int32_t begin = first + (r & 1) * row + (r >> 1) * layer;
-      range[count++] = (ct_node_range){begin, begin + end - e};
-    }
-  }
-  return count;
-}
-
-/* The ranges of a batch, from the part's table or made in `room`. */
-static const ct_node_range *ranges_of(const ct_solid_part *part, int32_t b, ct_node_range room[CT_MOST_RANGES], int32_t *count)
-{
-  if (part->cells[0] > 0) {
-    *count = lattice_ranges(part, b, room);
-    return room;
-  }
-  *count = part->range_first[b + 1] - part->range_first[b];
-  return &part->ranges[part->range_first[b]];
-}
-
 ct_status ct_quiet_prepare(ct_solid_part *part)
 {
   part->range_first = ct_allocate((size_t)part->batch_count + 1, sizeof *part->range_first);
@@ -70,42 +67,9 @@ ct_status ct_quiet_prepare(ct_solid_part *part)
   return CT_OK;
 }
 
-/* 64 bits from bit n on, of a table of `words` words; zeros follow. */
-static inline uint64_t bits_from(const uint64_t *bits, int64_t words, int64_t n)
-{
-  int64_t word = n / 64;
-  int shift = (int)(n % 64);
-  uint64_t low = word < words ? bits[word] >> shift : 0;
-  return shift == 0 || word + 1 >= words ? low : low | bits[word + 1] << (64 - shift);
-}
-
-/* Find for each batch of a lattice, where rows of elements lie between four rows of nodes, whether one of its nodes has a bit, after a flip of all: all batches of a
- * row at once. */
-static void lattice_near(uint8_t *near, const ct_solid_part *part, const uint64_t *bits, int64_t words, uint64_t flip)
-{
-  enum { AT_ONCE = 56 };
-  int32_t nx = part->cells[0], row = nx + 1, layer = row * (part->cells[1] + 1);
-  memset(near, 0, (size_t)part->batch_count);
-  for (int32_t r = 0; r < part->cells[1] * part->cells[2]; r++) {
-    int64_t first = part->first_node + row * (int64_t)(r % part->cells[1]) + layer * (int64_t)(r / part->cells[1]);
-    for (int32_t i = 0; i < nx; i += AT_ONCE) {
-      int32_t count = nx - i < AT_ONCE ? nx - i : AT_ONCE, e = nx * r + i;
-      uint64_t found = 0;
-      for (int k = 0; k < 4; k++) found |= bits_from(bits, words, first + i + (k & 1) * row + (k >> 1) * layer) ^ flip;
-      // Bit i of an element is that of the nodes before or after it.
-      found = ((found | found >> 1) & ct_bits_span(0, count)) << (e % 8);
-      for (uint8_t *batch = &near[e / 8]; found != 0; batch++, found >>= 8) *batch |= (found & 0xff) != 0;
-    }
-  }
-}
-
 /* Find for each batch of a part whether one of its nodes has the bit `value`. */
-static void find_near(uint8_t *near, const ct_solid_part *part, const uint64_t *bits, int32_t node_count, int value)
+static void find_near(uint8_t *near, const ct_solid_part *part, const uint64_t *bits, int value)
 {
-  if (part->cells[0] > 0) {
-    lattice_near(near, part, bits, ct_bits_words(node_count), value ? 0 : ~(uint64_t)0);
-    return;
-  }
   for (int32_t b = 0; b < part->batch_count; b++) {
     near[b] = 0;
     for (int32_t i = part->range_first[b]; !near[b] && i < part->range_first[b + 1]; i++) {
@@ -115,7 +79,7 @@ static void find_near(uint8_t *near, const ct_solid_part *part, const uint64_t *
   }
 }
 
-void ct_quiet_wake(ct_quiet *quiet, const ct_solid_part *part, int32_t number, const uint64_t *drifted, int32_t node_count)
+void ct_quiet_wake(ct_quiet *quiet, const ct_solid_part *part, int32_t number, const uint64_t *drifted)
 {
   int32_t word = part->first_node / 64;
   uint64_t *seen = &quiet->seen[word + number];
@@ -129,7 +93,7 @@ void ct_quiet_wake(ct_quiet *quiet, const ct_solid_part *part, int32_t number, c
   if (quiet->kept[number] & CT_KEPT_WOKEN && memcmp(seen, &drifted[word], size) == 0) return;
   memcpy(seen, &drifted[word], size);
   quiet->kept[number] |= CT_KEPT_WOKEN;
-  find_near(&quiet->woken[part->first_batch], part, drifted, node_count, 0);
+  find_near(&quiet->woken[part->first_batch], part, drifted, 0);
 }
 
 /* Whether two nodes have the same three numbers, to the last bit. */
@@ -160,9 +124,8 @@ static uint8_t look(const ct_quiet *quiet, const ct_solid_part *part, int32_t b,
   int woken = quiet->woken[part->first_batch + b];
   if (was == CT_BATCH_ASLEEP && !woken) return was;
   if (was == CT_BATCH_MOVING && (b + quiet->call) % 8 != 0) return was;
-  ct_node_range room[CT_MOST_RANGES];
-  int32_t count;
-  const ct_node_range *range = ranges_of(part, b, room, &count);
+  const ct_node_range *range = &part->ranges[part->range_first[b]];
+  int32_t count = part->range_first[b + 1] - part->range_first[b];
   if (!alike(range, count, displacement)) return CT_BATCH_MOVING;
   if (was < CT_BATCH_FRESH) return CT_BATCH_FRESH;
   // One that is woken has to be looked at in the next call anyway.
@@ -213,41 +176,19 @@ void ct_quiet_confirm(ct_quiet *quiet, const ct_solid_part *part, int32_t first,
   }
 }
 
-/* Mark the nodes of the elements first ... last - 1 of a lattice: four rows for each row of elements. */
-static void lattice_mark(uint64_t *changed, const ct_solid_part *part, int32_t first, int32_t last)
-{
-  int32_t nx = part->cells[0], row = nx + 1, layer = row * (part->cells[1] + 1);
-  for (int32_t e = first, end; e < last; e = end) {
-    int32_t i = e % nx, r = e / nx, node = part->first_node + i + row * (r % part->cells[1]) + layer * (r / part->cells[1]);
-    end = e + nx - i < last ? e + nx - i : last;
-    for (int k = 0; k < 4; k++) {
-      int32_t begin = node + (k & 1) * row + (k >> 1) * layer;
-      ct_bits_put(changed, begin, begin + end - e + 1, 1);
-    }
-  }
-}
-
 /* Mark the nodes of the batches that are not quiet. */
 static void mark_nodes(ct_quiet *quiet, const ct_solid_part *part)
 {
   const uint8_t *found = &quiet->batch[part->first_batch];
-  for (int32_t b = 0, end; b < part->batch_count; b = end) {
-    end = b + 1;
-    if (found[b] >= CT_BATCH_QUIET) continue;
-    if (part->cells[0] > 0) {
-      while (end < part->batch_count && found[end] < CT_BATCH_QUIET) end++;
-      lattice_mark(quiet->changed, part, 8 * b, 8 * end < part->mesh->element_count ? 8 * end : part->mesh->element_count);
-      continue;
-    }
-    for (int32_t i = part->range_first[b]; i < part->range_first[b + 1]; i++)
+  for (int32_t b = 0; b < part->batch_count; b++)
+    for (int32_t i = part->range_first[b]; found[b] < CT_BATCH_QUIET && i < part->range_first[b + 1]; i++)
       ct_bits_put(quiet->changed, part->ranges[i].first, part->ranges[i].last + 1, 1);
-  }
 }
 
-void ct_quiet_mark(ct_quiet *quiet, const ct_solid_part *part, int32_t node_count)
+void ct_quiet_mark(ct_quiet *quiet, const ct_solid_part *part)
 {
   ct_bits_put(quiet->changed, part->first_node, part->first_node + part->mesh->node_count, 0);
   mark_nodes(quiet, part);
   // Of the batches that are skipped, those matter whose nodes are summed.
-  find_near(&quiet->read[part->first_batch], part, quiet->changed, node_count, 1);
+  find_near(&quiet->read[part->first_batch], part, quiet->changed, 1);
 }
