@@ -21,16 +21,14 @@ static double velocity_after(const ct_problem *problem, const ct_state *state, d
 static double kinetic_energy(const ct_problem *problem, const ct_state *state)
 {
   ct_stream sum = {0};
-  double terms[CT_PIECE], kick = kick_time(problem);
+  double product[3 * CT_PIECE], terms[CT_PIECE], kick = kick_time(problem);
   while (ct_stream_again(&sum, 1))
     for (int32_t first = 0, end; first < problem->node_count; first = end) {
       end = ct_piece_end(first, problem->node_count);
-      for (int64_t n = first; n < end; n++) {
-        const double *v = &state->velocity[3 * n];
-        double product[3];
-        for (int c = 0; c < 3; c++) product[c] = v[c] * velocity_after(problem, state, kick, 3 * n + c);
-        terms[n - first] = 0.5 * problem->mass[n] * ((product[0] + product[1]) + product[2]);
-      }
+      for (int64_t i = 0, d = 3 * (int64_t)first; d < 3 * (int64_t)end; i++, d++)
+        product[i] = state->velocity[d] * velocity_after(problem, state, kick, d);
+      for (int32_t n = first, i = 0; n < end; n++, i += 3)
+        terms[n - first] = 0.5 * problem->mass[n] * ((product[i] + product[i + 1]) + product[i + 2]);
       ct_stream_add(&sum, terms, end - first);
     }
   return ct_stream_sum(&sum);
@@ -47,20 +45,20 @@ static ct_status check_effect(const ct_problem *problem, const ct_state *state, 
 static void work_terms(const ct_problem *problem, const ct_state *state, int32_t k, int32_t first, int32_t end, double *terms)
 {
   const ct_effect *effect = problem->effects[k];
+  int64_t start = 3 * (int64_t)first, count = 3 * (int64_t)(end - first);
   const double *past = effect->reaction ? state->impulse + ct_state_impulse_start(problem, k) : state->work + ct_state_work_start(problem, k);
-  const double *earlier = effect->reaction ? past + state->impulse_count / 2 : NULL;
-  double room[3 * CT_PIECE], share = ct_integrator_share(&problem->integrator);
-  const double *force = ct_workspace_force_of(problem, state, k, first, end, room);
-  for (int32_t i = first; i < end; i++) {
-    const double *v = &state->velocity[3 * (int64_t)ct_effect_node(effect, i)], *f = &force[3 * (int64_t)(i - first)];
-    double t[3];
-    // -- Δt / 2 (Σ f (v⁻ + v⁺) + f_n v_{n-1/2}); a reaction's velocity is constant (eq:work-balance, eq:stage-work)
-    for (int c = 0; c < 3; c++) {
-      int64_t d = 3 * (int64_t)i + c;
-      t[c] = effect->reaction ? 2.0 * (earlier[d] + (past[d] + share * f[c])) * v[c] : past[d] + 2.0 * share * f[c] * v[c];
-    }
-    terms[i - first] = (t[0] + t[1]) + t[2];
-  }
+  const double *earlier = effect->reaction ? past + state->impulse_count / 2 : past;
+  double room[3 * CT_PIECE], velocity[3 * CT_PIECE], t[3 * CT_PIECE], share = ct_integrator_share(&problem->integrator);
+  const double *force = ct_workspace_force_of(problem, state, k, first, end, room), *v = &state->velocity[start];
+  for (int32_t i = first; effect->nodes != NULL && i < end; i++)
+    memcpy(&velocity[3 * (i - first)], &state->velocity[3 * (int64_t)effect->nodes[i]], 3 * sizeof *velocity);
+  if (effect->nodes != NULL) v = velocity;
+  // -- Δt / 2 (Σ f (v⁻ + v⁺) + f_n v_{n-1/2}); a reaction's velocity is constant (eq:work-balance, eq:stage-work)
+  if (effect->reaction)
+    for (int64_t d = 0; d < count; d++) t[d] = 2.0 * (earlier[start + d] + (past[start + d] + share * force[d])) * v[d];
+  else
+    for (int64_t d = 0; d < count; d++) t[d] = past[start + d] + 2.0 * share * force[d] * v[d];
+  for (int32_t i = 0; i < end - first; i++) terms[i] = (t[3 * i] + t[3 * i + 1]) + t[3 * i + 2];
 }
 
 ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t k, double *work, ct_error *error)
