@@ -28,7 +28,7 @@ from .rehearsal import Rehearsal, rehearse
 # All moments together may take about this time. At each some steps are taken, and those of the second half measured; in a scene
 # of costly steps fewer.
 TRIAL_SECONDS, MOST_MOMENTS, MOST_STEPS, FEWEST_STEPS, LEAST_STEPS = 0.5, 10, 48, 20, 4
-IDLE_STEPS = 16
+IDLE_STEPS = 32
 # What takes so many times the median of its like was interrupted by something else and does not count.
 INTERRUPTED = 4.0
 SHAKE = 1e-12
