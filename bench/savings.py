@@ -69,7 +69,8 @@ def report(result: dict) -> str:
             beside = f"; {without['seconds'] / row['seconds']:.2f} times faster than without quiet" if without and savings != "q" else ""
             own = (plain["solid"] + plain["rest"]) / (row["solid"] + row["rest"])
             lines.append(f"  {SAVINGS[savings]:>10}: run {plain['seconds'] / row['seconds']:.2f} times faster, elements and nodes {own:.2f} times, "
-                         f"memory {plain['bytes'] / row['bytes']:.2f} times less ({row['bytes'] / row['elements']:.0f} bytes an element){beside}")
+                         f"memory {plain['bytes'] / row['bytes']:.2f} times less ({row['bytes'] / row['elements']:.0f} bytes an element, "
+                         f"{row['peak'] / row['bytes']:.2f} times that at most while it is built){beside}")
     return "\n".join(lines)
 
 

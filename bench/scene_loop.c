@@ -1,4 +1,4 @@
-/* Run one scene with chosen savings and tell steps, seconds, bytes and a hash of the state, as one line of JSON:
+/* Run one scene with chosen savings and tell steps, seconds, bytes held and at most on the way there, and a hash of the state, as one line of JSON:
  *   scene_loop SCENE SAVINGS STEPS     SCENE: plates, plates200, platesz, block, bar, flight; SAVINGS: some of the letters q c d p, or -; STEPS 0: to the end.
  * Memory is counted where the linker wraps calloc and free. */
 #define _POSIX_C_SOURCE 200809L
@@ -165,7 +165,7 @@ int main(int count, char **argument)
   if (atoi(argument[3]) > 0) steps = atoi(argument[3]);
   int64_t elements = 0;
   for (int32_t b = 0; b < problem->body_count; b++) elements += problem->bodies[b].mesh->element_count;
-  size_t held = bytes_now;
+  size_t held = bytes_now, peak = bytes_peak;
   double start = seconds();
   need(ct_step_many(problem, state, steps, &error));
   double loop = seconds() - start;
@@ -176,8 +176,8 @@ int main(int count, char **argument)
   h = hash(h, state->impulse, 8 * (size_t)state->impulse_count);
   h = hash(h, state->memory, 8 * (size_t)state->memory_count);
   printf("{\"elements\": %lld, \"nodes\": %d, \"steps\": %lld, \"courant\": %.6g, \"seconds\": %.6g, \"solid\": %.6g, \"contact\": %.6g, \"rest\": %.6g, "
-         "\"bytes\": %zu, \"hash\": \"%016llx\"}\n", (long long)elements, (int)problem->node_count, (long long)steps, problem->dt / stable.dt_courant, loop,
-         state->effect_seconds[0], problem->effect_count > 1 ? state->effect_seconds[1] : 0.0, state->effect_seconds[problem->effect_count], held,
+         "\"bytes\": %zu, \"peak\": %zu, \"hash\": \"%016llx\"}\n", (long long)elements, (int)problem->node_count, (long long)steps, problem->dt / stable.dt_courant, loop,
+         state->effect_seconds[0], problem->effect_count > 1 ? state->effect_seconds[1] : 0.0, state->effect_seconds[problem->effect_count], held, peak,
          (unsigned long long)h);
   ct_state_free(state);
   ct_scene_free(scene);

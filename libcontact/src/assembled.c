@@ -1,10 +1,10 @@
 /* The largest frequency of the bodies as they are assembled: Lanczos' method with a bound on how far it may be below. */
 #include <contact/step.h>
-#include <contact/sum.h>
 
 #include "error.h"
 #include "memory.h"
 #include "random.h"
+#include "stream.h"
 #include "tridiagonal.h"
 #include "workspace.h"
 
@@ -20,7 +20,7 @@ typedef struct lanczos {
   const ct_problem *problem;
   ct_view view;
   double scale;                           /* largest displacement that is tried */
-  double *now, *before, *next, *u, *force, *terms;
+  double *now, *before, *next, *u, *force;
   double *diagonal, *beside;
   int rounds;
   uint64_t seed;
@@ -29,10 +29,9 @@ typedef struct lanczos {
 /* Uniform on (0, 1). */
 static double uniform(uint64_t *seed) { return (ct_random_bits(seed) + 0.5) / 9007199254740992.0; }
 
-static double dot(lanczos *l, const double *x, const double *y)
+static double dot(const lanczos *l, const double *x, const double *y)
 {
-  for (int64_t n = 0; n < l->problem->node_count; n++) l->terms[n] = (x[3 * n] * y[3 * n] + x[3 * n + 1] * y[3 * n + 1]) + x[3 * n + 2] * y[3 * n + 2];
-  return ct_sum(l->terms, l->problem->node_count);
+  return ct_sum_product(l->problem->node_count, NULL, x, y);
 }
 
 /* A direction on the sphere, none more likely than another; what a support holds does not move. */
@@ -120,10 +119,9 @@ ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double
   ct_status status = CT_OK;
   for (int i = 0; i < 5; i++)
     if ((room[i] = *vectors[i] = ct_allocate(n, sizeof(double))) == NULL) status = CT_ERROR_MEMORY;
-  l.terms = ct_allocate((size_t)problem->node_count, sizeof(double));
   l.diagonal = ct_allocate(2 * (size_t)l.rounds, sizeof(double));
   void *scratch = NULL;
-  if (status != CT_OK || l.terms == NULL || l.diagonal == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the stable step");
+  if (status != CT_OK || l.diagonal == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the stable step");
   else if (solid->create_scratch != NULL) status = solid->create_scratch(solid, &scratch, error);
   for (int32_t i = 0; i < problem->body_count; i++) edge = fmin(edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
   if (status == CT_OK) {
@@ -135,7 +133,6 @@ ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double
   }
   if (status == CT_OK) *omega_squared = largest(&l) / (1.0 - MARGIN);
   for (int i = 0; i < 5; i++) ct_release(room[i]);
-  ct_release(l.terms);
   ct_release(l.diagonal);
   if (scratch != NULL) solid->free_scratch(scratch);
   return status;

@@ -1,10 +1,10 @@
 /* Damping in proportion to mass. */
 #include <contact/damping.h>
-#include <contact/sum.h>
 
 #include "effect_internal.h"
 #include "error.h"
 #include "memory.h"
+#include "stream.h"
 
 #include <math.h>
 #include <string.h>
@@ -37,30 +37,36 @@ static ct_status damping_force(const ct_effect *effect, const ct_view *view, dou
 /* What relaxation remembers: its rate, the steps since the sample (0: there is none yet), and the sample's displacements and forces on the effect's nodes. */
 enum { RATE, AGE, SAMPLE };
 
-static ct_status create_terms(const ct_effect *effect, void **scratch, ct_error *error)
+/* At one node, what the change since the sample says: -Δu · Δf and Δu · M Δu. */
+static void node_change(const ct_effect *effect, const ct_view *view, int32_t i, double *stiff, double *mass)
 {
-  *scratch = ct_allocate(2 * (size_t)effect->node_count, sizeof(double));
-  return *scratch != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "damping: no memory");
+  const damping_data *data = effect->data;
+  const double *u0 = view->memory + SAMPLE, *f0 = u0 + 3 * (int64_t)effect->node_count;
+  int64_t node = data->nodes[i], own = 3 * (int64_t)i;
+  double work[3], square[3];
+  for (int k = 0; k < 3; k++) {
+    double free = data->inverse_mass[3 * node + k] == 0.0 ? 0.0 : 1.0;
+    double du = free * (view->displacement[3 * node + k] - u0[own + k]);
+    work[k] = -du * (view->total[3 * node + k] - f0[own + k]);
+    square[k] = du * du;
+  }
+  *stiff = (work[0] + work[1]) + work[2];
+  *mass = data->mass[node] * ((square[0] + square[1]) + square[2]);
 }
 
 /* ω² that the change since the sample shows: -Δu · Δf / Δu · M Δu, or 0 where it shows none. */
 static double rayleigh(const ct_effect *effect, const ct_view *view)
 {
-  const damping_data *data = effect->data;
-  const double *u0 = view->memory + SAMPLE, *f0 = u0 + 3 * (int64_t)effect->node_count;
-  double *stiff = view->scratch, *mass = stiff + effect->node_count;
-  for (int32_t i = 0; i < effect->node_count; i++) {
-    int64_t node = data->nodes[i], own = 3 * (int64_t)i;
-    double work[3], square[3];
-    for (int k = 0; k < 3; k++) {
-      double free = data->inverse_mass[3 * node + k] == 0.0 ? 0.0 : 1.0, du = free * (view->displacement[3 * node + k] - u0[own + k]);
-      work[k] = -du * (view->total[3 * node + k] - f0[own + k]);
-      square[k] = du * du;
+  double stiff[CT_PIECE], mass[CT_PIECE];
+  ct_stream sums[2] = {{0}};
+  while (ct_stream_again(sums, 2))
+    for (int32_t first = 0, end; first < effect->node_count; first = end) {
+      end = ct_piece_end(first, effect->node_count);
+      for (int32_t i = first; i < end; i++) node_change(effect, view, i, &stiff[i - first], &mass[i - first]);
+      ct_stream_add(&sums[0], stiff, end - first);
+      ct_stream_add(&sums[1], mass, end - first);
     }
-    stiff[i] = (work[0] + work[1]) + work[2];
-    mass[i] = data->mass[node] * ((square[0] + square[1]) + square[2]);
-  }
-  double top = ct_sum(stiff, effect->node_count), bottom = ct_sum(mass, effect->node_count);
+  double top = ct_stream_sum(&sums[0]), bottom = ct_stream_sum(&sums[1]);
   return top > 0.0 && bottom > 0.0 && isfinite(top / bottom) ? top / bottom : 0.0;
 }
 
@@ -128,8 +134,6 @@ ct_status ct_damping_create_effect(const ct_damping *damping, const ct_problem *
   if (damping->relaxation) {
     filled.memory_count = SAMPLE + 6 * (int64_t)count;
     filled.last = 1;
-    filled.create_scratch = create_terms;
-    filled.free_scratch = ct_release;
     filled.force = relaxation_force;
     filled.damping = NULL;
   }

@@ -1,10 +1,10 @@
 /* Weight: a force m g at every node. */
 #include <contact/gravity.h>
-#include <contact/sum.h>
 
 #include "effect_internal.h"
 #include "error.h"
 #include "memory.h"
+#include "stream.h"
 
 #include <math.h>
 
@@ -18,13 +18,6 @@ static void free_data(void *data)
 {
   ct_release(((gravity_data *)data)->nodes);
   ct_release(data);
-}
-
-/* Room for one term a node. */
-static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
-{
-  *scratch = ct_allocate((size_t)effect->node_count, sizeof(double));
-  return *scratch != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "gravity: no memory");
 }
 
 static ct_status gravity_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
@@ -43,14 +36,20 @@ static ct_status gravity_energy(const ct_effect *effect, const ct_view *view, do
 {
   const gravity_data *data = effect->data;
   const double *g = data->acceleration;
-  double *terms = view->scratch;
+  double terms[CT_PIECE];
+  ct_stream sum = {0};
   (void)error;
-  for (int32_t i = 0; i < effect->node_count; i++) {
-    const double *u = &view->displacement[3 * (int64_t)data->nodes[i]];
-    // -- Potential, zero at the reference position (eq:gravity-potential)
-    terms[i] = -data->mass[data->nodes[i]] * ((g[0] * u[0] + g[1] * u[1]) + g[2] * u[2]);
-  }
-  *energy = ct_sum(terms, effect->node_count);
+  while (ct_stream_again(&sum, 1))
+    for (int32_t first = 0, end; first < effect->node_count; first = end) {
+      end = ct_piece_end(first, effect->node_count);
+      for (int32_t i = first; i < end; i++) {
+        const double *u = &view->displacement[3 * (int64_t)data->nodes[i]];
+        // -- Potential, zero at the reference position (eq:gravity-potential)
+        terms[i - first] = -data->mass[data->nodes[i]] * ((g[0] * u[0] + g[1] * u[1]) + g[2] * u[2]);
+      }
+      ct_stream_add(&sum, terms, end - first);
+    }
+  *energy = ct_stream_sum(&sum);
   return CT_OK;
 }
 
@@ -65,8 +64,8 @@ ct_status ct_gravity_create_effect(const ct_gravity *gravity, const ct_problem *
   ct_status status = ct_effect_body_nodes(problem, gravity->bodies, gravity->body_count, "gravity", &data->nodes, &count, error);
   for (int c = 0; c < 3; c++) data->acceleration[c] = gravity->acceleration[c];
   data->mass = problem->mass;
-  ct_effect filled = {.name = "gravity", .local = 1, .data = data, .nodes = data->nodes, .node_count = count, .flops = 3.0 * count, .bytes = 36.0 * count,
-                      .create_scratch = create_scratch, .free_scratch = ct_release, .force = gravity_force, .energy = gravity_energy, .free_data = free_data};
+  ct_effect filled = {.name = "gravity", .local = 1, .data = data, .nodes = data->nodes, .node_count = count, .flops = 3.0 * count,
+                      .bytes = 36.0 * count, .force = gravity_force, .energy = gravity_energy, .free_data = free_data};
   if (status == CT_OK) status = ct_effect_create(&filled, effect, error);
   if (status != CT_OK) free_data(data);
   return status;

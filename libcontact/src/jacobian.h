@@ -10,10 +10,10 @@ static inline void ct_reference_gradient(int count, double (*dN)[3], double (*x)
   for (int i = 0; i < 3; i++) {
     double t[20];
     for (int a = 0; a < 8; a++) t[a] = x[a][i];
-    double middle = ct_tree_corners(t) / 8.0; // Σ ∂N_a = 0: a common translation drops out exactly
+    double middle = ct_tree_corners(t, 1) / 8.0; // Σ ∂N_a = 0: a common translation drops out exactly
     for (int j = 0; j < 3; j++) {
       for (int a = 0; a < count; a++) t[a] = dN[a][j] * (x[a][i] - middle);
-      J[i][j] = ct_tree_nodes(count, t);
+      J[i][j] = ct_tree_nodes(count, t, 1);
     }
   }
 }

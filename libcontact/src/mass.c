@@ -47,7 +47,7 @@ ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double densit
   if (!(total > 0.0)) return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE, "mass: the element has mass %g", total);
 
   // -- Scale the diagonal to the element's mass (eq:hrz)
-  double trace = ct_tree_nodes(per, diagonal);
+  double trace = ct_tree_nodes(per, diagonal, 1);
   for (int a = 0; a < per; a++) mass[a] = lumping == CT_LUMP_ROW_SUM ? row[a] : diagonal[a] * (total / trace);
   return CT_OK;
 }

@@ -89,7 +89,7 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   ct_surface surface = {data->given.kind, data->node_count, data->given.face_count, data->faces, data->reference};
   ct_status status = ct_side_init(&s->side, &surface, 0, 0, error);
   s->epsilon = data->given.epsilon;
-  if (status == CT_OK) s->terms = ct_allocate((size_t)ct_side_point_count(&s->side), 3 * sizeof *s->terms);
+  if (status == CT_OK) s->terms = ct_allocate((size_t)ct_side_point_count(&s->side), sizeof *s->terms);
   if (status == CT_OK && s->terms == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   if (status != CT_OK) {
     free_scratch(s);

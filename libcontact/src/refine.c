@@ -3,6 +3,7 @@
 #include <contact/step.h>
 
 #include "error.h"
+#include "stream.h"
 #include "workspace.h"
 
 #include <math.h>
@@ -30,17 +31,21 @@ static void move_ledgers(const ct_problem *problem, const ct_state *from, ct_sta
   double share = ct_integrator_share(&problem->integrator), r = (double)parts;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    const double *force = ct_workspace_force_of(from->problem, from, k);
+    double room[3 * CT_PIECE];
     double *work = to->work + ct_state_work_start(problem, k), *impulse = to->impulse + ct_state_impulse_start(problem, k), *earlier = impulse + to->impulse_count / 2;
-    for (int64_t i = 0; i < effect->node_count; i++)
-      for (int64_t c = 0; c < 3; c++) {
-        int64_t d = 3 * i + c, dof = 3 * (int64_t)ct_effect_node(effect, (int32_t)i) + c;
-        double f = share * force[d];
-        if (!effect->reaction) work[d] = r * (work[d] + 2.0 * f * from->velocity[dof]) - 2.0 * f * to->velocity[dof];
-        if (k == 0) continue;
-        impulse[d] = r * (impulse[d] + f) - f;
-        earlier[d] *= r;
-      }
+    for (int32_t first = 0, end; first < effect->node_count; first = end) {
+      end = ct_piece_end(first, effect->node_count);
+      const double *force = ct_workspace_force_of(from->problem, from, k, first, end, room);
+      for (int32_t i = first; i < end; i++)
+        for (int c = 0; c < 3; c++) {
+          int64_t d = 3 * (int64_t)i + c, dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
+          double f = share * force[d - 3 * (int64_t)first];
+          if (!effect->reaction) work[d] = r * (work[d] + 2.0 * f * from->velocity[dof]) - 2.0 * f * to->velocity[dof];
+          if (k == 0) continue;
+          impulse[d] = r * (impulse[d] + f) - f;
+          earlier[d] *= r;
+        }
+    }
   }
 }
 

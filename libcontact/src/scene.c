@@ -27,12 +27,23 @@ typedef struct scene_contact {
   double epsilon;
 } scene_contact;
 
+/* Nodes of the problem: first, first + step, ... Those of a face of a lattice are few runs. */
+typedef struct node_run {
+  int32_t first, step, count;
+} node_run;
+
+typedef struct scene_support {
+  ct_scene_support given; /* without its nodes */
+  node_run *runs;
+  int32_t run_count;
+} scene_support;
+
 struct ct_scene {
   int32_t body_count, contact_count, support_count;
   ct_body *bodies;
   scene_body *parts;
   scene_contact *contacts;
-  ct_scene_support *supports; /* their arrays are ours */
+  scene_support *supports;
   ct_effect **added;          /* beside solid, contacts and supports */
   int32_t added_count;
   ct_savings savings;
@@ -117,7 +128,7 @@ void ct_scene_free(ct_scene *scene)
     ct_release(scene->contacts[i].faces[0]);
     ct_release(scene->contacts[i].faces[1]);
   }
-  for (int32_t i = 0; i < scene->support_count; i++) ct_release((void *)(uintptr_t)scene->supports[i].nodes);
+  for (int32_t i = 0; i < scene->support_count; i++) ct_release(scene->supports[i].runs);
   ct_release(scene->bodies);
   ct_release(scene->parts);
   ct_release(scene->contacts);
@@ -245,6 +256,24 @@ ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact,
   return CT_OK;
 }
 
+/* Write the nodes of a support as runs, `shift` added; answers how many. Null `runs`: only count. */
+static int32_t list_runs(const ct_scene_support *support, int32_t shift, node_run *runs)
+{
+  int32_t count = 0;
+  node_run run = {0, 0, 0};
+  for (int32_t i = 0; i < support->node_count; i++) {
+    int32_t node = support->nodes[i] + shift;
+    if (run.count == 1) run.step = node - run.first;
+    if (run.count == 0 || node != run.first + (int64_t)run.step * run.count) {
+      run = (node_run){node, 0, 0};
+      count++;
+    }
+    run.count++;
+    if (runs != NULL) runs[count - 1] = run;
+  }
+  return count;
+}
+
 ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support, ct_error *error)
 {
   if (scene == NULL || support == NULL || support->nodes == NULL || support->node_count < 1)
@@ -252,15 +281,15 @@ ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support,
   ct_status status = check_body(scene, support->body, "support", error);
   if (status == CT_OK) status = check_nodes(scene, support->body, support->nodes, support->node_count, 0, "support", error);
   if (status != CT_OK) return status;
-  int32_t *nodes = ct_duplicate(support->nodes, (size_t)support->node_count * sizeof *nodes);
-  if (nodes == NULL || !grow((void **)&scene->supports, scene->support_count, sizeof *scene->supports)) {
-    ct_release(nodes);
+  int32_t runs = list_runs(support, 0, NULL);
+  scene_support entry = {.given = *support, .runs = ct_allocate((size_t)runs, sizeof *entry.runs), .run_count = runs};
+  if (entry.runs == NULL || !grow((void **)&scene->supports, scene->support_count, sizeof *scene->supports)) {
+    ct_release(entry.runs);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a support");
   }
-  for (int32_t i = 0; i < support->node_count; i++) nodes[i] += scene->bodies[support->body].first_node;
-  scene->supports[scene->support_count] = *support;
-  scene->supports[scene->support_count].nodes = nodes;
-  scene->support_count++;
+  list_runs(support, scene->bodies[support->body].first_node, entry.runs);
+  entry.given.nodes = NULL;
+  scene->supports[scene->support_count++] = entry;
   return CT_OK;
 }
 
@@ -284,19 +313,26 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
   ct_problem *problem = &scene->problem;
   for (int32_t i = 0; i < scene->body_count; i++) problem->node_count += scene->parts[i].mesh->node_count;
   size_t n = (size_t)problem->node_count;
-  scene->reference = ct_allocate(n, 3 * sizeof(double));
+  // Masses come first: to lump them takes much room for a while, and less is there yet.
   scene->mass = ct_allocate(n, sizeof(double));
+  if (scene->mass == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for %d nodes", (int)problem->node_count);
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    const ct_body *body = &scene->bodies[i];
+    double *mass = &scene->mass[body->first_node];
+    ct_status status = ct_mass_lumped(body->mesh, body->material.density, scene->parts[i].lumping, mass, error);
+    if (status != CT_OK && error != NULL) error->body = i;
+    if (status != CT_OK) return status;
+  }
+  scene->reference = ct_allocate(n, 3 * sizeof(double));
   scene->inverse_mass = ct_allocate(n, 3 * sizeof(double));
   scene->velocity = ct_allocate(n, 3 * sizeof(double));
-  if (!scene->reference || !scene->mass || !scene->inverse_mass || !scene->velocity)
+  if (!scene->reference || !scene->inverse_mass || !scene->velocity)
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for %d nodes", (int)problem->node_count);
   for (int32_t i = 0; i < scene->body_count; i++) {
-    const scene_body *part = &scene->parts[i];
-    size_t first = (size_t)scene->bodies[i].first_node, count = (size_t)part->mesh->node_count;
-    memcpy(&scene->reference[3 * first], part->mesh->nodes, 3 * count * sizeof(double));
-    ct_status status = ct_mass_lumped(part->mesh, scene->bodies[i].material.density, part->lumping, &scene->mass[first], error);
-    if (status != CT_OK && error != NULL) error->body = i;
-    if (status == CT_OK) status = start_body(scene, i, error);
+    const ct_mesh *mesh = scene->parts[i].mesh;
+    double *own = &scene->reference[3 * (size_t)scene->bodies[i].first_node];
+    memcpy(own, mesh->nodes, 3 * (size_t)mesh->node_count * sizeof *own);
+    ct_status status = start_body(scene, i, error);
     if (status != CT_OK) return status;
   }
   // From here on the bodies' meshes share the coordinates of the problem.
@@ -396,18 +432,33 @@ static ct_status make_contact(ct_scene *scene, int32_t number, ct_effect **effec
   return status;
 }
 
+/* The nodes of a support, one after another. */
+static void write_nodes(const scene_support *support, int32_t *nodes)
+{
+  for (int32_t r = 0; r < support->run_count; r++)
+    for (int32_t i = 0; i < support->runs[r].count; i++) *nodes++ = support->runs[r].first + support->runs[r].step * i;
+}
+
 static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *error)
 {
+  size_t all = 0, next = 0;
+  for (int32_t i = 0; i < scene->support_count; i++) all += (size_t)scene->supports[i].given.node_count;
   ct_support *supports = ct_allocate((size_t)scene->support_count, sizeof *supports);
-  if (supports == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
-  for (int32_t i = 0; i < scene->support_count; i++) {
-    const ct_scene_support *from = &scene->supports[i];
-    supports[i].nodes = from->nodes;
+  int32_t *nodes = ct_allocate(all, sizeof *nodes);
+  ct_status status = CT_OK;
+  if (supports == NULL || nodes == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
+  for (int32_t i = 0; status == CT_OK && i < scene->support_count; i++) {
+    const ct_scene_support *from = &scene->supports[i].given;
+    write_nodes(&scene->supports[i], &nodes[next]);
+    supports[i].nodes = &nodes[next];
     supports[i].node_count = from->node_count;
     memcpy(supports[i].fixed, from->fixed, sizeof from->fixed);
     memcpy(supports[i].velocity, from->velocity, sizeof from->velocity);
+    next += (size_t)from->node_count;
   }
-  ct_status status = ct_support_create_effect(supports, scene->support_count, scene->problem.node_count, effect, error);
+  if (status == CT_OK)
+    status = ct_support_create_effect(supports, scene->support_count, scene->problem.node_count, effect, error);
+  ct_release(nodes);
   ct_release(supports);
   return status == CT_OK ? ct_support_apply(*effect, scene->inverse_mass, scene->velocity) : status;
 }

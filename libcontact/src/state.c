@@ -6,6 +6,7 @@
 #include "enforcement/solve.h"
 #include "error.h"
 #include "memory.h"
+#include "stream.h"
 #include "workspace.h"
 
 #include <float.h>
@@ -83,7 +84,8 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
     if (w->force != NULL) ct_release(w->force[k]);
     if (w->scratch != NULL && w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
   }
-  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work, w->terms, w->room, w->still, w->drifted, w->adrift, w->adrift_before, w->leaders, w->past};
+  void *blocks[] = {w->total, w->force, w->scratch, w->next_memory, w->touched, w->touched_first, w->touched_velocity, w->touched_work,
+                    w->still, w->drifted, w->adrift, w->adrift_before, w->leaders, w->past};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_release(w);
 }
@@ -119,7 +121,6 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   if (w == NULL) return CT_ERROR_MEMORY;
   w->forces_at = -1;
   w->total = ct_allocate(n, 3 * sizeof(double));
-  w->terms = ct_allocate(n, sizeof(double));
   w->still = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->still);
   w->drifted = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->drifted);
   w->adrift = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->adrift);
@@ -130,15 +131,12 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   w->force = ct_allocate(effects, sizeof *w->force);
   w->scratch = ct_allocate(effects, sizeof *w->scratch);
   w->next_memory = ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
-  if (!w->total || !w->terms || !w->still || !w->drifted || !w->adrift || !w->adrift_before || !w->leaders || !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK ||
+  if (!w->total || !w->still || !w->drifted || !w->adrift || !w->adrift_before || !w->leaders || !w->force || !w->scratch ||
+      !w->next_memory || list_touched(problem, w) != CT_OK ||
       ct_solver_create(problem, &w->solver) != CT_OK)
     return CT_ERROR_MEMORY;
   ct_scheme scheme = problem->integrator.scheme;
   if ((scheme == CT_NOH_BATHE || scheme == CT_TCHAMWA_WIELGOSZ) && (w->past = ct_allocate(n, 3 * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
-  // Forces of one effect need room of their own only where `total` holds those of several.
-  int several = w->touched_count > 0;
-  for (int32_t k = 0; k < problem->effect_count; k++) several = several || problem->effects[k]->reaction;
-  if (several && (w->room = ct_allocate(n, 3 * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (k > 0 && !effect->reaction) {
@@ -164,11 +162,16 @@ void ct_state_free(ct_state *state)
   ct_release(state);
 }
 
-static ct_status state_allocate(const ct_problem *problem, ct_state **out, ct_error *error)
+static ct_status no_memory(const ct_problem *problem, ct_error *error)
+{
+  return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a state of %d nodes", (int)problem->node_count);
+}
+
+ct_status ct_state_allocate(const ct_problem *problem, ct_state **out, ct_error *error)
 {
   ct_state *s = ct_allocate(1, sizeof *s);
   *out = s;
-  if (s == NULL) return CT_ERROR_MEMORY;
+  if (s == NULL) return no_memory(problem, error);
   size_t n = (size_t)problem->node_count;
   s->problem = problem;
   s->node_count = problem->node_count;
@@ -181,8 +184,18 @@ static ct_status state_allocate(const ct_problem *problem, ct_state **out, ct_er
   s->impulse = ct_allocate((size_t)s->impulse_count, sizeof(double));
   s->memory = ct_allocate((size_t)s->memory_count, sizeof(double));
   s->effect_seconds = ct_allocate((size_t)problem->effect_count + 1, sizeof(double));
-  if (!s->displacement || !s->velocity || !s->work || !s->impulse || !s->memory || !s->effect_seconds) return CT_ERROR_MEMORY;
-  return workspace_create(problem, &s->workspace, error);
+  int whole = s->displacement && s->velocity && s->work && s->impulse && s->memory && s->effect_seconds;
+  return whole ? CT_OK : no_memory(problem, error);
+}
+
+ct_status ct_state_equip(ct_state *state, ct_error *error)
+{
+  if (state->workspace != NULL) return CT_OK;
+  ct_status status = workspace_create(state->problem, &state->workspace, error);
+  if (status == CT_OK) return CT_OK;
+  workspace_free(state->problem, state->workspace);
+  state->workspace = NULL;
+  return status == CT_ERROR_MEMORY ? no_memory(state->problem, error) : status;
 }
 
 /* Half a step back from t = 0 (eq:leapfrog-start, eq:stage-start). */
@@ -214,14 +227,19 @@ static void start_ledgers(const ct_problem *problem, ct_state *state)
   double share = ct_integrator_share(&problem->integrator);
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    const double *force = ct_workspace_force_of(problem, state, k);
     double *work = state->work + ct_state_work_start(problem, k), *impulse = state->impulse + ct_state_impulse_start(problem, k);
-    for (int64_t i = 0; i < effect->node_count; i++)
-      for (int64_t c = 0; c < 3; c++) {
-        double f = force[3 * i + c];
-        if (!effect->reaction) work[3 * i + c] = -2.0 * share * f * state->velocity[3 * (int64_t)ct_effect_node(effect, (int32_t)i) + c];
-        if (k > 0) impulse[3 * i + c] = -share * f;
-      }
+    double room[3 * CT_PIECE];
+    for (int32_t first = 0, end; first < effect->node_count; first = end) {
+      end = ct_piece_end(first, effect->node_count);
+      const double *force = ct_workspace_force_of(problem, state, k, first, end, room);
+      for (int32_t i = first; i < end; i++)
+        for (int c = 0; c < 3; c++) {
+          int64_t d = 3 * (int64_t)i + c;
+          double f = force[d - 3 * (int64_t)first];
+          if (!effect->reaction) work[d] = -2.0 * share * f * state->velocity[3 * (int64_t)ct_effect_node(effect, i) + c];
+          if (k > 0) impulse[d] = -share * f;
+        }
+    }
   }
 }
 
@@ -232,8 +250,8 @@ ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *e
   if (out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "state: null argument");
   ct_status status = check_problem(problem, error);
   if (status != CT_OK) return status;
-  status = state_allocate(problem, &state, error);
-  if (status == CT_ERROR_MEMORY) ct_fail(error, status, CT_NOWHERE, "no memory for a state of %d nodes", (int)problem->node_count);
+  status = ct_state_allocate(problem, &state, error);
+  if (status == CT_OK) status = ct_state_equip(state, error);
   if (status == CT_OK) {
     memcpy(state->velocity, problem->initial_velocity, 3 * (size_t)problem->node_count * sizeof(double));
     state->workspace->starting = 1;
@@ -261,7 +279,7 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   if (problem == NULL || from == NULL || to == NULL || from->node_count != to->node_count || from->work_count != to->work_count ||
       from->impulse_count != to->impulse_count || from->memory_count != to->memory_count)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "state: the two states are of different problems");
-  // One that was read from a file has no workspace, and stands between two steps.
+  // One that was read from a file, or is kept by a watch, has no workspace, and stands between two steps.
   ct_status status = from->workspace == NULL ? CT_OK : ct_stage_check(from, error);
   if (status != CT_OK) return status;
   size_t n = 3 * (size_t)problem->node_count;
@@ -273,6 +291,7 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   to->step = from->step;
   to->time = from->time;
   to->kinetic_start = from->kinetic_start;
+  if (to->workspace == NULL) return CT_OK;
   to->workspace->forces_at = -1;
   to->workspace->stage = 0;
   // Between two steps the acceleration before counts for nothing, but nothing times what is not finite is not nothing.
@@ -321,22 +340,38 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
                    .carry = stage.carry, .past = ct_stage_past(problem, state), .total = state->workspace->total};
 }
 
-const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k)
+/* The first of the touched nodes that is `node` or a later one. */
+static int32_t touched_from(const ct_workspace *w, int32_t node)
+{
+  int32_t first = 0, last = w->touched_count;
+  while (first < last) {
+    int32_t middle = first + (last - first) / 2;
+    if (w->touched[middle] < node) first = middle + 1;
+    else last = middle;
+  }
+  return first;
+}
+
+const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k, int32_t first, int32_t last,
+                                    double *room)
 {
   const ct_workspace *w = state->workspace;
   const ct_effect *effect = problem->effects[k];
-  if (k > 0 && !effect->reaction) return w->force[k];
-  if (w->room == NULL) return w->total;
-  // The first effect's force stands in `total`, but for the nodes where others were added.
-  if (k == 0) memcpy(w->room, w->total, 3 * (size_t)problem->node_count * sizeof(double));
-  for (int64_t i = 0; k == 0 && i < w->touched_count; i++)
-    memcpy(&w->room[3 * (int64_t)w->touched[i]], &w->touched_first[3 * i], 3 * sizeof(double));
-  for (int64_t i = 0; effect->reaction && i < effect->node_count; i++)
-    for (int64_t c = 0; c < 3; c++) {
-      int64_t dof = 3 * (int64_t)ct_effect_node(effect, (int32_t)i) + c;
-      w->room[3 * i + c] = problem->inverse_mass[dof] == 0.0 ? -w->total[dof] : 0.0;
+  if (k > 0 && !effect->reaction) return &w->force[k][3 * (int64_t)first];
+  if (k == 0) {
+    // The first effect's force stands in `total`, but for the nodes where others were added.
+    int32_t i = touched_from(w, first), end = touched_from(w, last);
+    if (i == end) return &w->total[3 * (int64_t)first];
+    memcpy(room, &w->total[3 * (int64_t)first], 3 * (size_t)(last - first) * sizeof *room);
+    for (; i < end; i++) memcpy(&room[3 * (int64_t)(w->touched[i] - first)], &w->touched_first[3 * (int64_t)i], 3 * sizeof *room);
+    return room;
+  }
+  for (int32_t i = first; i < last; i++)
+    for (int c = 0; c < 3; c++) {
+      int64_t dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
+      room[3 * (int64_t)(i - first) + c] = problem->inverse_mass[dof] == 0.0 ? -w->total[dof] : 0.0;
     }
-  return w->room;
+  return room;
 }
 
 /* Force of one effect, added to the total. */

@@ -12,11 +12,17 @@ typedef struct hold {
   double velocity[3];
 } hold;
 
-/* The nodes of the effect, each with its hold. Many nodes share a hold: supports are few. */
+/* From the i-th node of the effect on, the nodes have a hold. */
+typedef struct hold_run {
+  int32_t i, hold;
+} hold_run;
+
+/* The nodes of the effect (null: all), and runs of equal holds. Many nodes share a hold: supports are few. */
 typedef struct support_data {
-  int32_t *nodes, *hold_of;
-  int32_t node_count, hold_count;
+  int32_t *nodes;
+  int32_t node_count, hold_count, run_count;
   hold *holds;
+  hold_run *runs;
 } support_data;
 
 static void free_data(void *data)
@@ -24,8 +30,8 @@ static void free_data(void *data)
   support_data *d = data;
   if (d == NULL) return;
   ct_release(d->nodes);
-  ct_release(d->hold_of);
   ct_release(d->holds);
+  ct_release(d->runs);
   ct_release(d);
 }
 
@@ -72,29 +78,38 @@ static int32_t number_of(const hold *own, hold *list, int32_t *count)
   return (*count)++;
 }
 
-/* Keep the nodes with a prescribed component. */
+/* Which of the components of node `n` are prescribed, and how; answers whether any is. */
+static int hold_at(const int *fixed, const double *velocity, int32_t n, hold *own)
+{
+  memset(own, 0, sizeof *own);
+  memcpy(own->fixed, &fixed[3 * (int64_t)n], sizeof own->fixed);
+  memcpy(own->velocity, &velocity[3 * (int64_t)n], sizeof own->velocity);
+  return own->fixed[0] || own->fixed[1] || own->fixed[2];
+}
+
+/* Keep the nodes with a prescribed component; first in room for as many holds and runs as there are nodes. */
 static ct_status compress(support_data *data, int32_t node_count, const int *fixed, const double *velocity)
 {
+  hold own;
   int32_t count = 0;
-  for (int32_t n = 0; n < node_count; n++) count += fixed[3 * (int64_t)n] || fixed[3 * (int64_t)n + 1] || fixed[3 * (int64_t)n + 2];
-  data->nodes = ct_allocate((size_t)count, sizeof *data->nodes);
-  data->hold_of = ct_allocate((size_t)count, sizeof *data->hold_of);
-  hold *all = ct_allocate((size_t)count, sizeof *all);
-  for (int32_t n = 0; data->nodes != NULL && data->hold_of != NULL && all != NULL && n < node_count; n++) {
-    const int *f = &fixed[3 * (int64_t)n];
-    if (!f[0] && !f[1] && !f[2]) continue;
-    hold own;
-    memset(&own, 0, sizeof own);
-    memcpy(own.fixed, f, sizeof own.fixed);
-    memcpy(own.velocity, &velocity[3 * (int64_t)n], sizeof own.velocity);
-    data->hold_of[data->node_count] = number_of(&own, all, &data->hold_count);
-    data->nodes[data->node_count++] = n;
+  for (int32_t n = 0; n < node_count; n++) count += hold_at(fixed, velocity, n, &own);
+  hold *holds = ct_allocate((size_t)count, sizeof *holds);
+  hold_run *runs = ct_allocate((size_t)count, sizeof *runs);
+  if (count < node_count) data->nodes = ct_allocate((size_t)count, sizeof *data->nodes);
+  int whole = holds != NULL && runs != NULL && (count == node_count || data->nodes != NULL);
+  for (int32_t n = 0; whole && n < node_count; n++) {
+    if (!hold_at(fixed, velocity, n, &own)) continue;
+    int32_t number = number_of(&own, holds, &data->hold_count);
+    if (data->run_count == 0 || runs[data->run_count - 1].hold != number)
+      runs[data->run_count++] = (hold_run){data->node_count, number};
+    if (data->nodes != NULL) data->nodes[data->node_count] = n;
+    data->node_count++;
   }
-  data->holds = all == NULL ? NULL : ct_allocate((size_t)data->hold_count, sizeof *data->holds);
-  ct_status status = data->nodes != NULL && data->hold_of != NULL && data->holds != NULL ? CT_OK : CT_ERROR_MEMORY;
-  if (status == CT_OK) memcpy(data->holds, all, (size_t)data->hold_count * sizeof *all);
-  ct_release(all);
-  return status;
+  if (whole) data->holds = ct_duplicate(holds, (size_t)data->hold_count * sizeof *holds);
+  if (whole) data->runs = ct_duplicate(runs, (size_t)data->run_count * sizeof *runs);
+  ct_release(holds);
+  ct_release(runs);
+  return data->holds != NULL && data->runs != NULL ? CT_OK : CT_ERROR_MEMORY;
 }
 
 ct_status ct_support_create_effect(const ct_support *supports, int32_t support_count, int32_t node_count, ct_effect **out, ct_error *error)
@@ -130,12 +145,14 @@ ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double
 {
   if (effect == NULL || effect->free_data != free_data || inverse_mass == NULL || velocity == NULL) return CT_ERROR_ARGUMENT;
   const support_data *data = effect->data;
-  for (int32_t i = 0; i < data->node_count; i++) {
-    const hold *own = &data->holds[data->hold_of[i]];
+  for (int32_t i = 0, r = 0; i < data->node_count; i++) {
+    if (r + 1 < data->run_count && data->runs[r + 1].i == i) r++;
+    const hold *own = &data->holds[data->runs[r].hold];
     for (int c = 0; c < 3; c++) {
       if (!own->fixed[c]) continue;
-      inverse_mass[3 * (int64_t)data->nodes[i] + c] = 0.0;
-      velocity[3 * (int64_t)data->nodes[i] + c] = own->velocity[c];
+      int64_t dof = 3 * (int64_t)(data->nodes == NULL ? i : data->nodes[i]) + c;
+      inverse_mass[dof] = 0.0;
+      velocity[dof] = own->velocity[c];
     }
   }
   return CT_OK;

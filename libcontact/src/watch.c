@@ -1,11 +1,11 @@
 /* Looks at a state between steps: whether it is finite, whether energy has appeared, whether the solid has become too stiff for the step. */
 #include <contact/energy.h>
-#include <contact/sum.h>
 #include <contact/watch.h>
 
 #include "error.h"
 #include "memory.h"
 #include "random.h"
+#include "stream.h"
 #include "workspace.h"
 
 #include <math.h>
@@ -26,8 +26,6 @@ struct ct_watch {
   double swing;         /* 1 - (Δt / stable Δt)² */
   double edge;          /* shortest edge of all bodies */
   double omega_squared; /* of the last look */
-  double *velocity;     /* v_n, shape (node_count, 3) */
-  double *terms;        /* one number a node */
   double *mode;         /* direction of the power iteration, shape (node_count, 3), or null when no body can stiffen */
   double *moved, *force;
   void *scratch; /* of the first effect */
@@ -44,12 +42,30 @@ static int32_t body_of(const ct_problem *problem, int32_t node)
   return body;
 }
 
-/* The node with the largest of some numbers, one a node. */
-static int32_t largest_node(const double *values, int32_t count)
+/* m x · x at the nodes first ... end - 1; a null x: m v_n · v_n. */
+static void square_terms(const ct_problem *problem, const ct_state *state, const double *x, int32_t first, int32_t end,
+                         double *terms)
+{
+  double velocity[3 * CT_PIECE];
+  if (x == NULL) ct_mean_velocity(problem, state, first, end, velocity);
+  const double *own = x == NULL ? velocity : &x[3 * (int64_t)first];
+  ct_product_terms(end - first, &problem->mass[first], own, own, terms);
+}
+
+/* The node with the largest of them. */
+static int32_t largest_node(const ct_problem *problem, const ct_state *state, const double *x)
 {
   int32_t best = 0;
-  for (int32_t n = 1; n < count; n++)
-    if (values[n] > values[best]) best = n;
+  double most = -1.0, terms[CT_PIECE];
+  for (int32_t first = 0, end; first < problem->node_count; first = end) {
+    end = ct_piece_end(first, problem->node_count);
+    square_terms(problem, state, x, first, end, terms);
+    for (int32_t n = first; n < end; n++)
+      if (terms[n - first] > most) {
+        best = n;
+        most = terms[n - first];
+      }
+  }
   return best;
 }
 
@@ -62,28 +78,27 @@ static int64_t element_with(const ct_mesh *mesh, int32_t node)
   return -1;
 }
 
-/* ½ m v_n² of each node in `terms`; the sum of them. */
-static double kinetic_energy(ct_watch *w)
-{
-  for (int64_t n = 0; n < w->problem->node_count; n++) {
-    const double *v = &w->velocity[3 * n];
-    w->terms[n] = 0.5 * w->problem->mass[n] * ((v[0] * v[0] + v[1] * v[1]) + v[2] * v[2]);
-  }
-  return ct_sum(w->terms, w->problem->node_count);
-}
-
 /* Energies of one look; `elastic` is what bodies and contacts store, `stored` what all effects do. */
 typedef struct energies {
   double kinetic, elastic, stored, external, total;
 } energies;
 
-static ct_status measure(ct_watch *w, ct_state *state, energies *e, ct_error *error)
+static ct_status measure(const ct_watch *w, ct_state *state, energies *e, ct_error *error)
 {
+  const ct_problem *problem = w->problem;
   ct_energy ledger;
-  ct_status status = ct_energy_of(w->problem, state, &ledger, error);
-  if (status == CT_OK) status = ct_state_velocity(w->problem, state, w->velocity, error);
+  ct_status status = ct_energy_of(problem, state, &ledger, error);
   if (status != CT_OK) return status;
-  *e = (energies){kinetic_energy(w), ledger.strain + ledger.contact, ledger.total - ledger.kinetic + ledger.external, ledger.external, ledger.total};
+  ct_stream sum = {0};
+  double terms[CT_PIECE];
+  while (ct_stream_again(&sum, 1))
+    for (int32_t first = 0, end; first < problem->node_count; first = end) {
+      end = ct_piece_end(first, problem->node_count);
+      square_terms(problem, state, NULL, first, end, terms);
+      ct_stream_add(&sum, terms, end - first);
+    }
+  *e = (energies){0.5 * ct_stream_sum(&sum), ledger.strain + ledger.contact, ledger.total - ledger.kinetic + ledger.external,
+                  ledger.external, ledger.total};
   return CT_OK;
 }
 
@@ -100,7 +115,7 @@ static ct_status look_at_energy(ct_watch *w, const ct_state *state, const energi
   // -- A growing oscillation, of which the ledger's total knows nothing (eq:energy-grows)
   double grown = w->swing * e->elastic - expected;
   if (isinf(limit) || !(fmax(appeared, grown) > fmax(limit * expected, least))) return CT_OK;
-  int32_t node = largest_node(w->terms, w->problem->node_count), body = body_of(w->problem, node);
+  int32_t node = largest_node(w->problem, state, NULL), body = body_of(w->problem, node);
   return ct_fail(error, CT_ERROR_ENERGY, (ct_place){body, -1, node - w->problem->bodies[body].first_node},
                  "energy appears: %.3g more than the %.3g that should be there by t = %g (step %lld); most of it moves at body %s, node %d", fmax(appeared, grown), expected,
                  state->time, (long long)state->step, w->problem->bodies[body].name, (int)(node - w->problem->bodies[body].first_node));
@@ -109,24 +124,17 @@ static ct_status look_at_energy(ct_watch *w, const ct_state *state, const energi
 /* Uniform on (-1, 1), the same for every run. */
 static double noise(uint64_t *seed) { return ct_random_bits(seed) / 4503599627370496.0 - 1.0; }
 
-/* Sum over the degrees of freedom of x · y, weighted by the masses or not. */
-static double product(ct_watch *w, const double *x, const double *y, int with_mass)
-{
-  for (int64_t n = 0; n < w->problem->node_count; n++)
-    w->terms[n] = (with_mass ? w->problem->mass[n] : 1.0) * ((x[3 * n] * y[3 * n] + x[3 * n + 1] * y[3 * n + 1]) + x[3 * n + 2] * y[3 * n + 2]);
-  return ct_sum(w->terms, w->problem->node_count);
-}
-
 /* Scale the direction to p · M p = 1, with some noise, so that none is lost; what a support holds does not move. */
 static void normalise(ct_watch *w)
 {
   const ct_problem *problem = w->problem;
-  double norm = sqrt(product(w, w->mode, w->mode, 1)), share = NOISE / sqrt(3.0 * (double)problem->node_count);
+  double norm = sqrt(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode));
+  double share = NOISE / sqrt(3.0 * (double)problem->node_count);
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
     double old = norm > 0.0 ? w->mode[d] / norm : 0.0, root = sqrt(problem->inverse_mass[d]);
     w->mode[d] = problem->inverse_mass[d] > 0.0 ? old + share * root * noise(&w->seed) : 0.0;
   }
-  norm = sqrt(product(w, w->mode, w->mode, 1));
+  norm = sqrt(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode));
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count && norm > 0.0; d++) w->mode[d] /= norm;
 }
 
@@ -147,14 +155,18 @@ static ct_status iterate(ct_watch *w, ct_state *state, ct_error *error)
   view.scratch = w->scratch;
   ct_status status = solid->force(solid, &view, w->force, error);
   if (status != CT_OK) return status;
-  const double *before = ct_workspace_force_of(problem, state, 0);
   // -- ω² = p · K p over p · M p = 1, then p becomes M⁻¹ K p (eq:step-quotient)
-  for (int64_t d = 0; d < count; d++) w->force[d] = (before[d] - w->force[d]) / small;
-  w->omega_squared = product(w, w->mode, w->force, 0);
+  double room[3 * CT_PIECE];
+  for (int32_t first = 0, end; first < problem->node_count; first = end) {
+    end = ct_piece_end(first, problem->node_count);
+    const double *before = ct_workspace_force_of(problem, state, 0, first, end, room);
+    for (int64_t i = 0, d = 3 * (int64_t)first; d < 3 * (int64_t)end; i++, d++) w->force[d] = (before[i] - w->force[d]) / small;
+  }
+  w->omega_squared = ct_sum_product(problem->node_count, NULL, w->mode, w->force);
   memcpy(w->moved, w->mode, (size_t)count * sizeof *w->moved);
   for (int64_t d = 0; d < count; d++) w->mode[d] = problem->inverse_mass[d] * w->force[d];
   // Numbers too large or too small for a quotient say nothing; the next round begins anew.
-  if (!isfinite(w->omega_squared) || !isfinite(product(w, w->mode, w->mode, 1))) {
+  if (!isfinite(w->omega_squared) || !isfinite(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode))) {
     memset(w->mode, 0, (size_t)count * sizeof *w->mode);
     w->omega_squared = 0.0;
   }
@@ -168,8 +180,8 @@ static ct_status look_at_step(ct_watch *w, ct_state *state, ct_error *error)
   ct_status status = iterate(w, state, error);
   double limit = 0.5 * w->options.omega_limit * ct_integrator_limit(&problem->integrator), omega = sqrt(fmax(w->omega_squared, 0.0));
   if (status != CT_OK || !(omega * problem->dt > limit * (1.0 + 1e-4))) return status;
-  (void)product(w, w->moved, w->moved, 1);
-  int32_t node = largest_node(w->terms, problem->node_count), body = body_of(problem, node), own = node - problem->bodies[body].first_node;
+  int32_t node = largest_node(problem, state, w->moved), body = body_of(problem, node);
+  int32_t own = node - problem->bodies[body].first_node;
   int64_t element = element_with(problem->bodies[body].mesh, own);
   return ct_fail(error, CT_ERROR_STEP, (ct_place){body, element, own},
                  "by t = %g (step %lld) the solid is too stiff for the time step %g, which may be %g at most: body %s, element %lld", state->time,
@@ -250,8 +262,8 @@ static ct_status prepare(ct_watch *w, ct_state *state, ct_error *error)
   ct_stable_step stable = {.dt = w->options.stable};
   energies e;
   int stiffens = 0;
-  ct_status status = ct_state_create(problem, &w->good, error);
-  if (status == CT_OK && stable.dt == 0.0) status = ct_stable(problem, w->good, &stable, error);
+  ct_status status = stable.dt == 0.0 ? ct_stable(problem, NULL, &stable, error) : CT_OK;
+  if (status == CT_OK) status = ct_state_allocate(problem, &w->good, error);
   if (status == CT_OK) status = ct_check_finite(problem, state, error);
   if (status == CT_OK) status = measure(w, state, &e, error);
   if (status != CT_OK) return status;
@@ -281,10 +293,7 @@ ct_status ct_watch_create(const ct_problem *problem, ct_state *state, const ct_w
   w->problem = problem;
   w->options = *options;
   w->seed = 88172645463325252u;
-  w->velocity = ct_allocate((size_t)problem->node_count, 3 * sizeof(double));
-  w->terms = ct_allocate((size_t)problem->node_count, sizeof(double));
-  ct_status status = w->velocity != NULL && w->terms != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
-  if (status == CT_OK) status = prepare(w, state, error);
+  ct_status status = prepare(w, state, error);
   if (status != CT_OK) {
     ct_watch_free(w);
     return status;
@@ -298,11 +307,15 @@ void ct_watch_free(ct_watch *w)
   if (w == NULL) return;
   if (w->scratch != NULL) w->problem->effects[0]->free_scratch(w->scratch);
   ct_state_free(w->good);
-  double *arrays[] = {w->velocity, w->terms, w->mode, w->moved, w->force};
+  double *arrays[] = {w->mode, w->moved, w->force};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) ct_release(arrays[i]);
   ct_release(w);
 }
 
-ct_state *ct_watch_good(const ct_watch *watch) { return watch == NULL ? NULL : watch->good; }
+ct_state *ct_watch_good(const ct_watch *watch)
+{
+  // Most runs have no fault, and nobody asks for the forces of their good states.
+  return watch == NULL || ct_state_equip(watch->good, NULL) != CT_OK ? NULL : watch->good;
+}
 
 double ct_watch_omega_squared(const ct_watch *watch) { return watch == NULL || watch->mode == NULL ? 0.0 : watch->omega_squared; }

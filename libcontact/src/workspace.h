@@ -25,10 +25,14 @@ typedef struct ct_workspace {
   double *touched_first; /* force of the first effect there, shape (touched_count, 3) */
   double *touched_velocity, *touched_work; /* v_{n-1/2} and the first effect's work there, before the step */
   double *past;          /* acceleration of the evaluation before, shape (node_count, 3), where the state does not keep it; or null */
-  double *terms;         /* room for sums, one number a node */
   struct ct_solver *solver; /* of the constraints; null without any */
-  double *room;          /* room for the forces of one effect, shape (node_count, 3); null when the first one is alone */
 } ct_workspace;
+
+/* A state of zeros without a workspace: all that a restart needs, to be copied into and from. It is to be freed also when this fails. */
+ct_status ct_state_allocate(const ct_problem *problem, ct_state **state, ct_error *error);
+
+/* Give a state its workspace, unless it has one; then it can be stepped and asked for its energy. */
+ct_status ct_state_equip(ct_state *state, ct_error *error);
 
 /* Make the forces at the state's time, unless they stand already. */
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error);
@@ -61,9 +65,13 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
 /* Velocity of one degree of freedom after a kick of this time (eq:leapfrog, eq:stage). */
 static inline double ct_kick(double v, double dt, double inverse_mass, double force) { return v + dt * inverse_mass * force; }
 
-/* Forces of effect `k` on its own nodes, shape (node_count, 3), after ct_workspace_forces; reactions are minus the total on held
- * degrees of freedom (eq:reaction). The array is good until the next call. */
-const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k);
+/* Forces of effect `k` on its nodes first ... last - 1, shape (last - first, 3), after ct_workspace_forces; reactions are minus the
+ * total on held degrees of freedom (eq:reaction). Answers where they stand, which may be in `room`, of 3 (last - first) numbers. */
+const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k, int32_t first, int32_t last,
+                                    double *room);
+
+/* v_n at the nodes first ... end - 1, shape (end - first, 3), after ct_workspace_forces. */
+void ct_mean_velocity(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end, double *velocity);
 
 /* Node of the problem that is the i-th of an effect. */
 static inline int32_t ct_effect_node(const ct_effect *effect, int32_t i) { return effect->nodes == NULL ? i : effect->nodes[i]; }

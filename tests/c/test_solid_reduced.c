@@ -9,13 +9,10 @@ static double hourglass_energy(const block *solid, const double *u)
 {
   ct_effect *effect = NULL;
   ct_error e;
-  void *scratch = NULL;
   double energy = NAN;
   need(ct_solid_create_hourglass(solid->effect, &effect, &e), &e);
-  need(effect->create_scratch(effect, &scratch, &e), &e);
-  ct_view view = {.threads = 1, .displacement = u, .scratch = scratch};
+  ct_view view = {.threads = 1, .displacement = u};
   need(effect->energy(effect, &view, &energy, &e), &e);
-  effect->free_scratch(scratch);
   ct_effect_free(effect);
   return energy;
 }

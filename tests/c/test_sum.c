@@ -1,6 +1,7 @@
 /* Sums against exact integers and against an exact expansion; the same bits in any order. */
 #include <contact/sum.h>
 
+#include "../../libcontact/src/stream.h"
 #include "bodies.h"
 
 #include <float.h>
@@ -113,6 +114,54 @@ static void order_does_not_matter(void)
   tap_ok(left != right, "the plain sums of such numbers from left and from right differ");
 }
 
+/* Several sums at once over terms that come in pieces, some of them empty, or zero, or not finite: the bits of ct_sum of all terms. */
+static void pieces(void)
+{
+  static double v[4][1000];
+  int wrong = 0, rounds = 0;
+  for (int trial = 0; trial < 200; trial++) {
+    int n = pick(1000);
+    for (int i = 0; i < n; i++) {
+      v[0][i] = ldexp(uniform(1.0), pick(120) - 60);
+      v[1][i] = -0.0;
+      v[2][i] = ldexp(uniform(1.0), pick(2 + trial) - trial);
+      v[3][i] = i == n / 2 ? (trial % 2 ? NAN : INFINITY) : v[0][i];
+    }
+    ct_stream sums[4] = {{0}};
+    while (ct_stream_again(sums, 4)) {
+      rounds++;
+      for (int first = 0, end; first < n; first = end) {
+        end = first + pick(n - first + 1);
+        for (int k = 0; k < 4; k++) ct_stream_add(&sums[k], &v[k][first], end - first);
+      }
+    }
+    for (int k = 0; k < 4; k++) {
+      double sum = ct_sum(v[k], n), got = ct_stream_sum(&sums[k]);
+      wrong += !same(got, sum) && !(isnan(got) && isnan(sum));
+    }
+  }
+  tap_ok(wrong == 0 && rounds > 350 && rounds <= 400, "200 lists that come in pieces, twice: the same bits (%d differ)", wrong);
+}
+
+/* The sum over nodes of m x · y, against the same terms written out. */
+static void products(void)
+{
+  static double m[700], x[2100], y[2100], terms[700];
+  int wrong = 0;
+  for (int n = 0; n <= 700; n += 70) {
+    for (int i = 0; i < n; i++) m[i] = 1.0 + uniform(0.5);
+    for (int i = 0; i < 3 * n; i++) x[i] = uniform(1.0), y[i] = uniform(1.0);
+    for (int with = 0; with < 2; with++) {
+      for (int i = 0; i < n; i++) {
+        const double *a = &x[3 * i], *b = &y[3 * i];
+        terms[i] = (with ? m[i] : 1.0) * ((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]);
+      }
+      wrong += !same(ct_sum_product(n, with ? m : NULL, x, y), ct_sum(terms, n));
+    }
+  }
+  tap_ok(wrong == 0, "m x . y summed over nodes: the bits of the sum of its terms (%d differ)", wrong);
+}
+
 static void special_cases(void)
 {
   double cancel[3] = {1e16, 1.0, -1e16}, bad[3] = {1.0, NAN, 2.0}, endless[3] = {1.0, INFINITY, -INFINITY};
@@ -134,6 +183,8 @@ int main(void)
   integers_are_exact();
   error_bound();
   order_does_not_matter();
+  pieces();
+  products();
   special_cases();
   return tap_done();
 }

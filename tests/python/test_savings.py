@@ -1,11 +1,16 @@
 """Savings of a scene: the same bits with and without each, in tables, states and files, and after a restart; refusals."""
 
+import ctypes
+import gc
+
 import numpy as np
 import pytest
 
 import libcontact as ct
-from libcontact._core import lib
+from libcontact._core import ffi, lib
+from libcontact.errors import check, new_error
 from libcontact.parts import SAVINGS
+from libcontact.problem import new_state
 from libcontact.schema import SceneError
 
 needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
@@ -135,9 +140,60 @@ def test_a_lattice_is_refused_for_lack_of_memory_only_where_tables_would_not_fit
     body = lambda **other: [{"name": "block", "box": block, "material": "steel", **other}]
     one = {"contact": [], "support": []}
     nodes, elements = 11**3, 10**3
-    # With tables an element has its 8 node numbers twice and 24 forces, without them its numbers and one energy.
+    # With tables an element has its 8 node numbers twice and 24 forces, without them its numbers.
     monkeypatch.setattr("libcontact.problem._physical_memory", lambda: 256 * nodes + 150 * elements)
     scene(body=body(), **one).explain()
     for savings, other in (([], {}), (None, {"kernel": "general"})):
         with pytest.raises(SceneError, match="GB, this machine has"):
             scene(savings, body=body(**other), **one).explain()
+
+
+class Held(ctypes.Structure):
+    """What glibc tells of its memory."""
+
+    _fields_ = [(name, ctypes.c_size_t) for name in ("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks",
+                                                     "fordblks", "keepcost")]
+
+
+def held_bytes():
+    libc = ctypes.CDLL(None)
+    if not hasattr(libc, "mallinfo2"):
+        pytest.skip("this libc does not tell what it has given out")
+    libc.mallinfo2.restype = Held
+    gc.collect()
+    told = libc.mallinfo2()
+    return told.hblkhd + told.uordblks
+
+
+BLOCK = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [24, 24, 24]}
+RUBBER = {"name": "steel", "young": 2.1e5, "poisson": 0.3, "density": 7.8e-9, "law": "neo_hookean"}
+ALONE = {"contact": [], "support": []}
+
+
+def bodies(box, **other):
+    return [{"name": "block", "box": box, "material": "steel", **other}]
+
+
+@pytest.mark.parametrize(("name", "savings", "changes"), [
+    ("lattice", None, {**ALONE, "body": bodies(BLOCK)}),
+    ("tables", [], {**ALONE, "body": bodies(BLOCK)}),
+    ("hex20", None, {**ALONE, "body": bodies({**BLOCK, "cells": [12, 12, 12]}, element="hex20")}),
+    ("reduced", None, {**ALONE, "body": bodies(BLOCK, integration="reduced")}),
+    ("held", None, {"contact": [], "support": [{"set": "block.x_min", "fix": ["x"]}],
+                    "body": bodies({**BLOCK, "cells": [24, 1, 500]}), "gravity": {"acceleration": [0, 0, -9810.0]}}),
+    ("large", None, {**ALONE, "body": bodies(BLOCK), "material": [RUBBER]}),
+    ("chung_lee", None, {**ALONE, "body": bodies(BLOCK), "time": {"end": 5e-7, "fraction": 0.9, "integrator": "chung_lee"}}),
+    ("contact", None, {"support": [], "body": [{"name": name, "box": {"origin": [x, 0, 0], "size": [0.25, 2, 2], "cells": [8, 50, 50]},
+                                                "material": "steel"} for name, x in (("left", -0.26), ("right", 0.0))]}),
+])
+def test_explain_tells_the_memory_that_a_run_holds(name, savings, changes):
+    told = scene(savings, **changes).explain().data["cost"]["memory_bytes"]
+    before = held_bytes()
+    problem = scene(savings, **changes)._built(None, None)
+    state = new_state(problem)
+    options, watch = ffi.new("ct_watch_options *", lib.ct_watch_options_default()), ffi.new("ct_watch **")
+    options.stable = problem.stable.dt
+    check(lib.ct_watch_create(problem.pointer, state, options, watch, new_error()))
+    held = held_bytes() - before
+    lib.ct_watch_free(watch[0])
+    assert told == pytest.approx(held, rel=0.06), f"{name}: {held} bytes, told {told}: {told / held:.3f}"

@@ -11,7 +11,7 @@ from ._core import ffi, lib
 from .chatter import chatter
 from .parts import Contact, Parts
 from .plan import Cost, predict, table
-from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_estimate, new_state, penetrations, speeds
+from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_of, new_state, penetrations, speeds
 from .surfaces import DEFAULT_BETA
 from .units import Units
 
@@ -75,7 +75,7 @@ def _facts(problem: Problem) -> dict[str, Any]:
         "added": [{"name": added.name, "key": added.key, "text": added.module.describe(added.given, parts.units)} for added in parts.effects],
         "time": _time(problem),
         "cost": {
-            "memory_bytes": sum(memory_estimate(b["nodes"], b["elements"], 8 if b["element"] == "hex8" else 20) for b in bodies),
+            "memory_bytes": memory_of(problem),
             "flops_per_step": sum(b["elements"] * b["flops_per_update"] for b in bodies),
             "bytes_per_step": sum(b["elements"] * b["bytes_per_update"] for b in bodies),
             "updates": problem.step_count * sum(b["elements"] for b in bodies),

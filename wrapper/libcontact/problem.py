@@ -25,6 +25,10 @@ LAW = {"linear": lib.CT_LINEAR, "st_venant_kirchhoff": lib.CT_ST_VENANT_KIRCHHOF
 KERNEL = {"auto": lib.CT_KERNEL_AUTO, "general": lib.CT_KERNEL_GENERAL, "box": lib.CT_KERNEL_BOX,
           "plane": lib.CT_KERNEL_PLANE, "reduced": lib.CT_KERNEL_REDUCED}
 MOST_STEPS = 10**12
+# Bytes of a contact for each of its points: the point itself, its memory, its share of the faces and their search. Of an integrator for
+# each node: accelerations before.
+POINT_BYTES = 440
+CARRIED = {lib.CT_CHUNG_LEE: 48, lib.CT_NOH_BATHE: 24, lib.CT_TCHAMWA_WIELGOSZ: 24}
 # Shorter rows are numbered along x: many short pieces cost more than whole layers save.
 SHORTEST_ROW = 32
 # Bodies with shorter rows are not told from others (the library's ct_lattice_find).
@@ -74,11 +78,31 @@ def c_material(material: scene_parts.Material) -> Any:
 
 def memory_estimate(nodes: int, elements: int, width: int, lattice: bool = False) -> int:
     """
-    Bytes that a run needs, about: 32 numbers a node (coordinates, masses, displacement, velocity, forces, ledger), and the
-    node numbers of the elements, twice, with the forces of their nodes on the way to the sum. A ``lattice`` of congruent elements
-    needs their numbers once, and one energy for each.
+    Bytes that a run of bodies alone holds: 31 numbers a node (10 of the problem: coordinates, masses, first velocity; 12 of the state:
+    displacement, velocity, work, force; 9 of the last good state), the places where it finds its forces, and the node numbers of the
+    elements, twice, with the forces of their nodes on the way to the sum. A ``lattice`` of congruent elements needs their numbers once.
     """
-    return nodes * 32 * 8 + elements * (width * 4 + 8 if lattice else width * (2 * 4 + 3 * 8))
+    return nodes * 31 * 8 + (elements * width * 4 if lattice else nodes * 8 * 4 + elements * width * (2 * 4 + 3 * 8))
+
+
+def memory_of(problem: Problem) -> int:
+    """The same for all that a built problem has, about: what is laid down for a kernel, the integrator, effects, contacts and their search."""
+    total = 0
+    for name, body in problem.bodies.items():
+        (nodes, elements), width = (len(body.mesh.nodes), len(body.mesh.elements)), WIDTH[body.mesh.element]
+        total += memory_estimate(nodes, elements, width, problem._is_lattice(problem.parts.bodies[name]))
+        total += elements * 256 if body.kernel == "reduced" else 0
+        # Of a body that may stiffen its frequency is watched: a direction, and a force with room of its own.
+        total += nodes * 72 + elements * (24 * width + 18) if body.material.law != "linear" else 0
+        total += nodes * CARRIED.get(problem.pointer.integrator.scheme, 0)
+    for k in range(1, problem.pointer.effect_count):
+        effect = problem.pointer.effects[k]
+        # Impulse in two parts, of the state and the good one; of a force also its work, itself, and what it is put right with.
+        total += effect.node_count * (96 if effect.reaction else 96 + 48 + 24 + 76) + 24 * effect.memory_count
+        total += 0 if effect.nodes == ffi.NULL else 4 * effect.node_count
+        # The solver keeps a constraint twice, and 18 numbers to find its force.
+        total += effect.constraint_count * (2 * ffi.sizeof("ct_constraint") + 18 * 8) if effect.constrain != ffi.NULL else 0
+    return total + POINT_BYTES * sum(sum(contact.points) for contact in problem.contacts)
 
 
 class Problem:

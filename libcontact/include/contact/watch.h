@@ -40,7 +40,7 @@ CT_API ct_status ct_watch_steps(ct_watch *watch, ct_state *state, int64_t count,
 /** Look at once, at any step; with CT_OK the state is the last good one. Errors as above. */
 CT_API ct_status ct_watch_look(ct_watch *watch, ct_state *state, ct_error *error);
 
-/** The last good state, which belongs to the watch; the next look changes it. Null for a null watch. */
+/** The last good state, which belongs to the watch; the next look changes it. Null for a null watch, or without memory for its forces. */
 CT_API ct_state *ct_watch_good(const ct_watch *watch);
 
 /** Largest ω² of the solid that the watch has found in its last look [1 / time²], a lower bound of the true one; 0 where no body can stiffen. */

@@ -195,7 +195,7 @@ static ct_status create(const ct_surface *const surface[2], int sides, const ct_
   if (status == CT_OK) {
     contact->depth = options->depth > 0.0 ? options->depth : size;
     contact->skin = 0.5 * size;
-    contact->terms = ct_allocate((size_t)ct_contact_point_count(contact), 3 * sizeof *contact->terms);
+    contact->terms = ct_allocate((size_t)ct_contact_point_count(contact), sizeof *contact->terms);
     if (contact->terms == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   }
   if (status == CT_OK && sides == 1) status = keep_reference(&contact->side[0], error);

@@ -1,11 +1,11 @@
 /* The solid effect: internal forces of all bodies. */
 #include <contact/quadrature.h>
 #include <contact/solid.h>
-#include <contact/sum.h>
 
 #include "../bits.h"
 #include "../error.h"
 #include "../memory.h"
+#include "../stream.h"
 #include "../tree.h"
 #include "blocks.h"
 #include "lattice.h"
@@ -41,16 +41,14 @@ typedef struct solid_data {
   int32_t part_count;
   ct_solid_part *parts;
   int64_t value_count;
-  int64_t element_count;
   int64_t batch_count;
   int32_t node_count;
   int quiet; /* whether some part leaves out its quiet batches */
 } solid_data;
 
-/* Element forces of all parts, room for one energy an element, and what is known of quiet batches. */
+/* Element forces of all parts, and what is known of quiet batches. */
 typedef struct solid_scratch {
   double *values;
-  double *energies;
   ct_quiet quiet;
 } solid_scratch;
 
@@ -78,7 +76,6 @@ static void free_scratch(void *scratch)
   solid_scratch *s = scratch;
   if (s == NULL) return;
   ct_release(s->values);
-  ct_release(s->energies);
   ct_quiet_free(&s->quiet);
   ct_release(s);
 }
@@ -87,11 +84,8 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
 {
   const solid_data *solid = effect->data;
   solid_scratch *s = ct_allocate(1, sizeof *s);
-  if (s != NULL) {
-    s->values = ct_allocate((size_t)solid->value_count, sizeof *s->values);
-    s->energies = ct_allocate((size_t)solid->element_count, sizeof *s->energies);
-  }
-  if (s == NULL || s->values == NULL || s->energies == NULL ||
+  if (s != NULL) s->values = ct_allocate((size_t)solid->value_count, sizeof *s->values);
+  if (s == NULL || s->values == NULL ||
       (solid->quiet && ct_quiet_create(solid->parts, solid->part_count, solid->batch_count, solid->node_count, &s->quiet) != CT_OK)) {
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
@@ -225,7 +219,7 @@ static void ring_force(const part_call *call, int32_t first, int32_t last)
   const ct_solid_part *part = call->part;
   int32_t node = first;
   for (int32_t b = ct_lattice_begin(part, first) / 8, end; node < last; b = end) {
-    end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
+    end = b + part->block < part->batch_count ? b + part->block : part->batch_count;
     call_batches(call, b, end);
     int32_t ready = ct_lattice_ready(part, 8 * end);
     ready = ready < last ? ready : last;
@@ -298,7 +292,7 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     if (call.quiet != NULL) find_quiet(&call, i, view, solid->node_count);
     if (view->element_updates != NULL) count_updates(&call, i, view->element_updates);
     if (plane) {
-      ct_plane_force(part, u, view->threads, call.quiet, call.values + part->plane_value, call.f);
+      ct_plane_force(part, u, view->threads, call.quiet, scratch->values, call.f);
       continue;
     }
     if (part->ring > 0) {
@@ -319,46 +313,82 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
   return status;
 }
 
-/* Energy of one element, -½ f · (u - mean of u): the force is linear in u and blind to a translation. */
-static double element_energy(const ct_solid_part *part, int32_t e, const double *u, double *values)
+/* Energies of the elements of a batch, -½ f · (u - mean of u): the force is linear in u and blind to a translation. */
+CT_INLINE void force_energies(const ct_solid_part *part, int per, int32_t b, const double *u, double *values, double energies[8])
 {
-  int per = ct_brick_node_count(part->mesh->kind);
-  int64_t stride;
-  const double *f = ct_batch_values(part, values, e / 8, &stride) + e % 8;
-  const int32_t *node = &part->mesh->elements[(size_t)e * (size_t)per];
-  double work[3];
-  for (int c = 0; c < 3; c++) {
-    double t[20];
-    for (int a = 0; a < 8; a++) t[a] = u[3 * (int64_t)node[a] + c];
-    double mean = ct_tree_corners(t) / 8.0;
+  int64_t stride, last = part->mesh->element_count - 1;
+  const double *f = ct_batch_values(part, values, b, &stride);
+  double t[3][20][8], mean[8], work[3][8];
+  for (int64_t l = 0, e = 8 * (int64_t)b; l < 8; l++, e += e < last)
     for (int a = 0; a < per; a++)
-      t[a] = f[(3 * a + c) * stride] * (u[3 * (int64_t)node[a] + c] - mean);
-    work[c] = ct_tree_nodes(per, t);
+      for (int c = 0; c < 3; c++) t[c][a][l] = u[3 * (int64_t)part->mesh->elements[per * e + a] + c];
+  for (int c = 0; c < 3; c++) {
+#pragma omp simd
+    for (int l = 0; l < 8; l++) mean[l] = ct_tree_corners(&t[c][0][l], 8) / 8.0;
+    for (int a = 0; a < per; a++)
+#pragma omp simd
+      for (int l = 0; l < 8; l++) t[c][a][l] = f[(3 * a + c) * stride + l] * (t[c][a][l] - mean[l]);
+#pragma omp simd
+    for (int l = 0; l < 8; l++) work[c][l] = ct_tree_nodes(per, &t[c][0][l], 8);
   }
-  return -0.5 * ((work[0] + work[1]) + work[2]);
+#pragma omp simd
+  for (int l = 0; l < 8; l++) energies[l] = -0.5 * ((work[0][l] + work[1][l]) + work[2][l]);
+}
+
+CT_CLONES
+static void hex8_energies(const ct_solid_part *part, int32_t b, const double *u, double *values, double energies[8])
+{
+  force_energies(part, 8, b, u, values, energies);
+}
+
+CT_CLONES
+static void hex20_energies(const ct_solid_part *part, int32_t b, const double *u, double *values, double energies[8])
+{
+  force_energies(part, 20, b, u, values, energies);
+}
+
+/* Energies of the elements of the batches first ... last - 1, no more than a block, after begin_energies. */
+static void block_energies(const ct_solid_part *part, int32_t first, int32_t last, const double *u, double *values,
+                           double *energies)
+{
+  double hourglass[8], *kept = &values[part->energy_value];
+  // Forces that went through a ring are made once more.
+  if (part->ring > 0) part->batches(part, first, last, u, values);
+  if (part->energies != NULL) memcpy(energies, &kept[8 * (int64_t)first], 8 * (size_t)(last - first) * sizeof *energies);
+  for (int32_t b = first; part->energies == NULL && b < last; b++, energies += 8)
+    if (part->mean != NULL) ct_solid_reduced_energies(part, b, u, energies, hourglass);
+    else if (part->mesh->kind == CT_HEX8) hex8_energies(part, b, u, values, energies);
+    else hex20_energies(part, b, u, values, energies);
+}
+
+/* What would cost too much to be made twice: the energies of large deformation. And the forces of the bricks of a plane, whose own stand
+ * elsewhere. */
+static void begin_energies(const ct_solid_part *part, const double *u, double *values)
+{
+  if (part->plane != NULL && part->ring == 0) part->batches(part, 0, part->batch_count, u, values);
+  for (int32_t b = 0; part->energies != NULL && b < part->batch_count; b++)
+    part->energies(part, b, u, &values[part->energy_value + 8 * (int64_t)b]);
 }
 
 static ct_status solid_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
 {
   const solid_data *solid = effect->data;
-  const solid_scratch *scratch = view->scratch;
-  int64_t count = 0;
+  double terms[8 * CT_BLOCK];
+  ct_stream sum = {0};
   (void)error;
-  for (int32_t i = 0; i < solid->part_count; i++) {
-    const ct_solid_part *part = &solid->parts[i];
-    const double *u = view->displacement + 3 * (int64_t)part->first_node;
-    double *values = scratch->values + part->first_value, batch[8], hourglass[8];
-    // The forces of a plane stand elsewhere; those of its bricks are made here.
-    if (part->plane != NULL && part->ring == 0) part->batches(part, 0, part->batch_count, u, values);
-    for (int32_t e = 0; e < part->mesh->element_count; e++) {
-      if (part->energies != NULL && e % 8 == 0) part->energies(part, e / 8, u, batch);
-      // Forces that went through a ring are made once more.
-      if (part->ring > 0 && e % 8 == 0) part->batches(part, e / 8, e / 8 + 1, u, values);
-      if (part->mean != NULL && e % 8 == 0) ct_solid_reduced_energies(part, e / 8, u, batch, hourglass);
-      scratch->energies[count++] = part->energies != NULL || part->mean != NULL ? batch[e % 8] : element_energy(part, e, u, values);
+  while (ct_stream_again(&sum, 1))
+    for (int32_t i = 0; i < solid->part_count; i++) {
+      const ct_solid_part *part = &solid->parts[i];
+      const double *u = view->displacement + 3 * (int64_t)part->first_node;
+      double *values = ((const solid_scratch *)view->scratch)->values + part->first_value;
+      if (sum.round == 1) begin_energies(part, u, values);
+      for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK) {
+        int32_t end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
+        block_energies(part, b, end, u, values, terms);
+        ct_stream_add(&sum, terms, (8 * end < part->mesh->element_count ? 8 * end : part->mesh->element_count) - 8 * b);
+      }
     }
-  }
-  *energy = ct_sum(scratch->energies, count);
+  *energy = ct_stream_sum(&sum);
   return CT_OK;
 }
 
@@ -520,8 +550,27 @@ static ct_status prepare_part(ct_solid_part *part, const ct_solid_block *block, 
   if ((part->savings.quiet && part->cells[0] == 0 && ct_quiet_prepare(part) != CT_OK) || (part->kernel == CT_KERNEL_REDUCED && ct_reduced_prepare(part) != CT_OK))
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
-  if (status == CT_OK) part->value_count = part->assembly->value_count + (part->energies != NULL ? (part->batch_count + 7) / 8 * 8 : 0);
+  if (status != CT_OK) return status;
+  part->energy_value = part->assembly->value_count + (part->batch_count + 7) / 8 * 8;
+  part->value_count = part->energies != NULL ? part->energy_value + 8 * (int64_t)part->batch_count : part->assembly->value_count;
   return status;
+}
+
+/* Find where the values of each part begin. What goes through a ring is read before the next part is computed: all rings are one. */
+static void place_values(solid_data *solid)
+{
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    int64_t bricks = part->ring > 0 ? part->value_count : 0, plane = part->plane != NULL ? part->plane->value_count : 0;
+    if (bricks > solid->value_count) solid->value_count = bricks;
+    if (plane > solid->value_count) solid->value_count = plane;
+  }
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    ct_solid_part *part = &solid->parts[i];
+    if (part->ring > 0) continue;
+    part->first_value = solid->value_count;
+    solid->value_count += part->value_count;
+  }
 }
 
 static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_error *error)
@@ -541,17 +590,13 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
       if (error != NULL) error->body = i;
       return status;
     }
-    part->first_value = solid->value_count;
-    solid->value_count += part->value_count;
-    part->plane_value = part->value_count;
-    if (part->plane != NULL) solid->value_count += part->plane->value_count;
-    solid->element_count += part->mesh->element_count;
     part->first_batch = solid->batch_count;
     solid->batch_count += part->batch_count;
     solid->quiet = solid->quiet || part->savings.quiet;
     next_node += part->mesh->node_count;
   }
   solid->node_count = next_node;
+  place_values(solid);
   return CT_OK;
 }
 
@@ -583,25 +628,19 @@ ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_cou
 static ct_status hourglass_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
 {
   const solid_data *solid = effect->data;
-  double *energies = view->scratch;
-  int64_t count = 0;
+  ct_stream sum = {0};
   (void)error;
-  for (int32_t i = 0; i < solid->part_count; i++) {
-    const ct_solid_part *part = &solid->parts[i];
-    double strain[8], hourglass[8];
-    for (int32_t e = 0; part->mean != NULL && e < part->mesh->element_count; e++) {
-      if (e % 8 == 0) ct_solid_reduced_energies(part, e / 8, view->displacement + 3 * (int64_t)part->first_node, strain, hourglass);
-      energies[count++] = hourglass[e % 8];
+  while (ct_stream_again(&sum, 1))
+    for (int32_t i = 0; i < solid->part_count; i++) {
+      const ct_solid_part *part = &solid->parts[i];
+      double strain[8], hourglass[8];
+      for (int32_t b = 0; part->mean != NULL && b < part->batch_count; b++) {
+        ct_solid_reduced_energies(part, b, view->displacement + 3 * (int64_t)part->first_node, strain, hourglass);
+        ct_stream_add(&sum, hourglass, part->mesh->element_count - 8 * b < 8 ? part->mesh->element_count - 8 * b : 8);
+      }
     }
-  }
-  *energy = ct_sum(energies, count);
+  *energy = ct_stream_sum(&sum);
   return CT_OK;
-}
-
-static ct_status hourglass_scratch(const ct_effect *effect, void **scratch, ct_error *error)
-{
-  *scratch = ct_allocate((size_t)((const solid_data *)effect->data)->element_count, sizeof(double));
-  return *scratch != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the hourglass energies");
 }
 
 static ct_status no_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
@@ -624,8 +663,7 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
   if (!reduced) return CT_OK;
   ct_effect *effect = ct_allocate(1, sizeof *effect);
   if (effect == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the hourglass effect");
-  *effect = (ct_effect){.name = "hourglass", .local = 1, .data = solid->data, .create_scratch = hourglass_scratch, .free_scratch = ct_release,
-                        .force = no_force, .energy = hourglass_energy};
+  *effect = (ct_effect){.name = "hourglass", .local = 1, .data = solid->data, .force = no_force, .energy = hourglass_energy};
   *out = effect;
   return CT_OK;
 }

@@ -13,7 +13,7 @@ struct ct_solid_part;
 /* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes
  * differences of displacements first, and uses nothing else that changes: where all nodes of a batch have the same displacement,
  * it gives the same bits whatever that is (eq:quiet-force). A kernel for large deformation also writes the smallest J = det F of
- * batch b (and 1) to `values[assembly->value_count + b]`. */
+ * batch b (and 1) to `values[assembly->value_count + b]`; room for the energies of its elements begins at `values[energy_value]`. */
 typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
 
 /* Stored energies of the 8 elements of one batch. */
@@ -49,9 +49,9 @@ typedef struct ct_solid_part {
   int axes[3];
   int32_t corner[8];
   /* Where such elements share all that is stored, a ring of `ring` elements, a power of two, holds their forces, those of one
-   * component of one node `stride` after those of the one before; each of `rings` threads has one. There are then no batch_nodes,
-   * assembly, ready. 0: there is no ring. */
-  int32_t rings;
+   * component of one node `stride` after those of the one before; each of `rings` threads has one, and computes `block` batches at
+   * once. There are then no batch_nodes, assembly, ready. 0: there is no ring. */
+  int32_t rings, block;
   int64_t ring, stride;
   /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */
   int32_t batch_count;
@@ -66,15 +66,15 @@ typedef struct ct_solid_part {
   ct_assembly *assembly;
   /* After each block of CT_BLOCK batches: the first node of each family that waits for an element, shape (blocks, families). */
   int32_t *ready;
-  /* Where this part's values, and its batches, begin in the scratch of the effect, and how many values it has. */
-  int64_t first_value, first_batch, value_count;
+  /* Where this part's values, and its batches, begin in the scratch of the effect, how many values it has, and after how many of
+   * them energies are kept. */
+  int64_t first_value, first_batch, value_count, energy_value;
   /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null for a lattice, and when quiet batches are not
    * left out. */
   int32_t *range_first;
   struct ct_node_range *ranges;
-  /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE, and where its values stand behind those of the bricks. */
+  /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE; its values stand where the effect's begin. */
   struct ct_plane *plane;
-  int64_t plane_value;
 } ct_solid_part;
 
 /* Batches that are computed before their nodes are summed, while their forces are still in the cache. */

@@ -49,10 +49,12 @@ static int64_t history(const ct_solid_part *part) { return 1 + part->cells[0] + 
 
 int64_t ct_lattice_prepare(ct_solid_part *part)
 {
-  // -- A power of two that holds what nodes still wait for and what is computed at once (eq:lattice-ring)
-  int64_t need = history(part) + 8 * CT_BLOCK, all = 8 * (int64_t)part->batch_count;
+  // -- A power of two that holds what nodes still wait for and what is computed at once, half a block at least (eq:lattice-ring)
+  int64_t need = history(part) + 8 * (CT_BLOCK / 2), all = 8 * (int64_t)part->batch_count;
   part->ring = 8;
   while (part->ring < (need < all ? need : all)) part->ring *= 2;
+  int64_t room = (part->ring - history(part)) / 8;
+  part->block = part->ring >= all || room > CT_BLOCK ? CT_BLOCK : (int32_t)room;
   part->stride = part->ring + 8; // rows of the ring would fight for the same place in the cache
   return 24 * part->stride * part->rings;
 }

@@ -55,7 +55,7 @@ static ct_status open_element(const double *nodes, const ct_material *material, 
   for (int j = 0; j < 3; j++) {
     double t[8];
     for (int a = 0; a < 8; a++) t[a] = x[a][j];
-    middle[j] = ct_tree_corners(t) / 8.0;
+    middle[j] = ct_tree_corners(t, 1) / 8.0;
   }
 
   // -- Make the hourglass vectors blind to linear displacements (eq:hourglass-vector)

@@ -1,0 +1,285 @@
+/* What a run holds, byte by byte: all memory of the library goes through ct_allocate, and here that counts. */
+#include <stdlib.h>
+
+static size_t held_bytes, peak_bytes;
+static long calls;
+
+/* The size stands before the block. */
+enum { HEADER = 64 };
+
+static void *counting_calloc(size_t count, size_t size)
+{
+  char *raw = calloc(1, count * size + HEADER);
+  if (raw == NULL) return NULL;
+  *(size_t *)(void *)raw = count * size;
+  held_bytes += count * size;
+  if (held_bytes > peak_bytes) peak_bytes = held_bytes;
+  calls++;
+  return raw + HEADER;
+}
+
+static void counting_free(void *memory)
+{
+  char *raw = (char *)memory - HEADER;
+  held_bytes -= *(size_t *)(void *)raw;
+  free(raw);
+}
+
+#define calloc counting_calloc
+#define free counting_free
+#include "../../libcontact/src/memory.c"
+#undef calloc
+#undef free
+
+#include "../../libcontact/src/solid/kernel.h"
+#include "../../libcontact/src/solid/reduced.h"
+#include "bodies.h"
+
+#include <contact/damping.h>
+#include <contact/gravity.h>
+#include <contact/watch.h>
+
+static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR}, RUBBER = {2.1e5, 0.3, 7.8e-9, CT_NEO_HOOKEAN};
+static const ct_savings NONE = {0, 0, 0, 0};
+
+/* A block of 16 x 24 x 24 cells that flies, and what it has beside. */
+typedef struct kind {
+  const char *name;
+  ct_brick_kind brick;
+  const ct_material *material;
+  ct_solid_kernel kernel;
+  int lattice;          /* nothing is stored of an element */
+  int held, watched, falls, relaxes;
+  double node, element; /* bytes of each that are expected beside `held`, ... */
+} kind;
+
+/* Numbers a node: of the problem 10 (X, m, 1/m, v_0), of the state 12 (u, v, work, force). */
+enum { NODE = 22 * 8 };
+
+static const kind KINDS[] = {
+  {"a lattice", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 0, 0, 0, NODE, 32},
+  {"a lattice whose nodes are all held along y", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 1, 0, 0, 0, NODE + 6 * 8, 32},
+  {"a lattice with a watch", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 1, 0, 0, NODE + 9 * 8, 32},
+  {"a lattice with gravity: 21 numbers and two node numbers more", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 0, 1, 0, NODE + 21 * 8 + 2 * 4, 32},
+  {"a lattice that comes to rest: two samples more", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 0, 0, 1, NODE + 33 * 8 + 2 * 4, 32},
+  {"tables: numbers twice, places of forces, forces", CT_HEX8, &STEEL, CT_KERNEL_BOX, 0, 0, 0, 0, 0, NODE + 32, 2 * 32 + 192},
+  {"hex20", CT_HEX20, &STEEL, CT_KERNEL_GENERAL, 0, 0, 0, 0, 0, NODE + 32, 2 * 80 + 480},
+  {"reduced integration: what is laid down", CT_HEX8, &STEEL, CT_KERNEL_REDUCED, 0, 0, 0, 0, 0, NODE + 32, 2 * 32 + 192 + 256},
+  {"large deformation: smallest J, energies", CT_HEX8, &RUBBER, CT_KERNEL_GENERAL, 0, 0, 0, 0, 0, NODE + 32, 2 * 32 + 192 + 9},
+  {"large deformation with a watch: mode, moved, force, and scratch space of its own", CT_HEX8, &RUBBER, CT_KERNEL_GENERAL, 0, 0, 1, 0,
+   0, NODE + 18 * 8 + 32, 2 * 32 + 2 * (192 + 9)},
+};
+
+static ct_scene *scene_of(const kind *k, const ct_mesh *mesh)
+{
+  ct_scene *scene = new_scene();
+  ct_savings savings = NONE;
+  const ct_problem *joined;
+  ct_effect *effect;
+  ct_error e;
+  savings.congruent = k->lattice;
+  need(ct_scene_set_savings(scene, &savings, &e), &e);
+  add_body(scene, "block", mesh, k->material, k->kernel, 1, 0, 0);
+  if (k->held) add_support(scene, 0, mesh, -1, 0.0, "y", 0.0);
+  need(ct_scene_join(scene, &joined, &e), &e);
+  if (k->falls) {
+    need(ct_gravity_create_effect(&(ct_gravity){.acceleration = {0, 0, -9810}}, joined, &effect, &e), &e);
+    need(ct_scene_add_effect(scene, effect, &e), &e);
+  }
+  if (k->relaxes) {
+    need(ct_damping_create_effect(&(ct_damping){.relaxation = 1}, joined, &effect, &e), &e);
+    need(ct_scene_add_effect(scene, effect, &e), &e);
+  }
+  return scene;
+}
+
+/* Ask for all that a record asks for. */
+static void ask(const ct_problem *problem, ct_state *state, ct_watch *watch)
+{
+  ct_error e;
+  double unrest;
+  energy_of(problem, state);
+  momentum_of(problem, state, 0);
+  need(ct_energy_unrest(problem, state, &unrest, &e), &e);
+  if (watch != NULL) need(ct_watch_look(watch, state, &e), &e);
+}
+
+/* Build, step, ask; nothing is allocated after the start, and no more is held than what is written above. */
+static void budget(const kind *k)
+{
+  size_t before = held_bytes;
+  ct_mesh *m = box_mesh(k->brick, 0, 0, 0, 1, 1.5, 1.5, 16, 24, 24);
+  ct_scene *scene = scene_of(k, m);
+  double nodes = m->node_count, elements = m->element_count;
+  ct_mesh_free(m);
+  int64_t steps;
+  ct_stable_step stable;
+  ct_error e;
+  ct_watch *watch = NULL;
+  const ct_problem *problem = build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  ct_state *state = new_state(problem);
+  ct_watch_options options = ct_watch_options_default();
+  options.every = 2;
+  options.stable = stable.dt;
+  if (k->watched) need(ct_watch_create(problem, state, &options, &watch, &e), &e);
+
+  // Per node some bits; a ring of 1 + 16 + 16 * 24 elements and what is computed at once, a power of two; and what does not grow.
+  double held = (double)(held_bytes - before), want = k->node * nodes + k->element * elements, ring = k->lattice ? 1032 * 192 : 0;
+  double peak = (double)(peak_bytes - before) / held;
+  tap_ok(held <= want + ring + 0.5 * nodes + 40000 && held >= want, "%s: %.1f bytes a node, expected %.1f", k->name, held / nodes,
+         (want + ring) / nodes);
+  tap_ok(peak <= 1.05, "%s: at most %.3f times as much while it was built", k->name, peak);
+
+  long calls_before = calls;
+  if (watch != NULL) need(ct_watch_steps(watch, state, 4, &e), &e);
+  else advance(problem, state, 4);
+  ask(problem, state, watch);
+  tap_ok(calls == calls_before, "%s: neither steps nor the ledger allocate (%ld calls)", k->name, calls - calls_before);
+  ct_watch_free(watch);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  tap_ok(held_bytes == before, "%s: all is given back", k->name);
+  peak_bytes = held_bytes;
+}
+
+/* The good state of a watch gets its forces when somebody asks for it, and not before. */
+static void good_state(void)
+{
+  const kind *k = &KINDS[2];
+  ct_mesh *m = box_mesh(k->brick, 0, 0, 0, 1, 1.5, 1.5, 16, 24, 24);
+  ct_scene *scene = scene_of(k, m);
+  int64_t steps;
+  ct_stable_step stable;
+  ct_error e;
+  ct_watch *watch = NULL;
+  const ct_problem *problem = build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  ct_state *state = new_state(problem);
+  ct_watch_options options = ct_watch_options_default();
+  need(ct_watch_create(problem, state, &options, &watch, &e), &e);
+  advance(problem, state, 3);
+  need(ct_watch_look(watch, state, &e), &e);
+  size_t before = held_bytes;
+  ct_state *good = ct_watch_good(watch);
+  size_t asked = held_bytes;
+  ct_energy a = energy_of(problem, state), b = energy_of(problem, good);
+  tap_ok(asked - before > 24 * (size_t)m->node_count && ct_watch_good(watch) == good && held_bytes == asked,
+         "a good state gets room for its forces once");
+  tap_ok(memcmp(&a, &b, sizeof a) == 0, "and has the ledger of the state that was good");
+  advance(problem, state, 2);
+  need(ct_watch_look(watch, state, &e), &e);
+  a = energy_of(problem, state), b = energy_of(problem, good);
+  tap_ok(memcmp(&a, &b, sizeof a) == 0, "also after the next look");
+  ct_watch_free(watch);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(m);
+}
+
+/* A state of nodes that are all displaced and move, whose forces are not made yet. */
+static ct_state *shaken(const ct_problem *problem)
+{
+  ct_state *from = new_state(problem), *state = new_state(problem);
+  ct_error e;
+  advance(problem, from, 1);
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
+    from->displacement[d] += uniform(1e-5);
+    from->velocity[d] += problem->inverse_mass[d] > 0.0 ? uniform(10.0) : 0.0;
+  }
+  need(ct_state_copy(problem, from, state, &e), &e);
+  ct_state_free(from);
+  return state;
+}
+
+/* Sum over the nodes of m x · y in more digits than a double has. */
+static double by_hand(const ct_problem *problem, const double *mass, const double *x, const double *y)
+{
+  long double sum = 0.0L;
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
+    sum += (mass == NULL ? 1.0L : (long double)mass[d / 3]) * x[d] * y[d];
+  return (double)sum;
+}
+
+static double close_to(double got, double want) { return fabs(got - want) / fabs(want); }
+
+/* Sums and largest values over more nodes than a piece has: potential of the weight, rest, rate of a relaxation. */
+static void many_nodes(const kind *k)
+{
+  ct_mesh *m = box_mesh(k->brick, 0, 0, 0, 1, 0.7, 0.7, 10, 7, 7);
+  ct_scene *scene = scene_of(k, m);
+  int64_t steps, dofs = 3 * (int64_t)m->node_count;
+  ct_stable_step stable;
+  ct_error e;
+  const ct_problem *problem = build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  ct_state *state = shaken(problem);
+  double *total = numbers(dofs), *force = numbers(dofs), acting = 0.0, left = 0.0, stored = 0.0, kinetic = 0.0, unrest = NAN;
+  for (int32_t i = 0; i < problem->effect_count; i++) {
+    double energy = 0.0;
+    need(ct_state_force(problem, state, i, force, &e), &e);
+    need(ct_energy_stored(problem, state, i, &energy, &e), &e);
+    acting = fmax(acting, largest(force, dofs));
+    for (int64_t d = 0; d < dofs; d++) total[d] += force[d];
+    stored += fabs(energy);
+    if (strcmp(problem->effects[i]->name, "gravity") == 0)
+      tap_ok(close_to(energy, -by_hand(problem, NULL, force, state->displacement)) < 1e-14, "the potential is minus weight times way");
+  }
+  for (int64_t d = 0; d < dofs; d++) left = fmax(left, problem->inverse_mass[d] > 0.0 ? fabs(total[d]) : 0.0);
+  kinetic = 0.5 * by_hand(problem, problem->mass, state->velocity, state->velocity);
+  need(ct_energy_unrest(problem, state, &unrest, &e), &e);
+  double want = fmax(left / acting, sqrt(kinetic / stored));
+  tap_ok(close_to(unrest, want) < 1e-14, "%s: the unrest is that of all its nodes", k->name);
+  if (k->relaxes) {
+    const double *sample = state->memory + 2;
+    double *way = numbers(dofs), *change = numbers(dofs);
+    need(ct_state_force(problem, state, 0, force, &e), &e);
+    for (int64_t d = 0; d < dofs; d++) way[d] = state->displacement[d] - sample[d], change[d] = sample[dofs + d] - force[d];
+    double omega = sqrt(by_hand(problem, NULL, way, change) / by_hand(problem, problem->mass, way, way));
+    advance(problem, state, 1);
+    tap_ok(close_to(state->memory[0], 2.0 * omega) < 1e-13, "the rate is that of the change at all nodes");
+    free(way);
+    free(change);
+  }
+  free(total);
+  free(force);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(m);
+}
+
+/* One bar, two, and two that meet: the second one brings no ring, and steps and ledger allocate nothing. */
+static void bars(void)
+{
+  ct_mesh *m[2] = {box_mesh(CT_HEX8, -2, 0, 0, 2, 0.6, 0.6, 20, 6, 6), box_mesh(CT_HEX8, 0.001, 0, 0, 2, 0.6, 0.6, 20, 6, 6)};
+  size_t held[3], before = held_bytes;
+  for (int i = 0; i < 3; i++) {
+    ct_scene *scene = new_scene();
+    for (int b = 0; b < (i == 0 ? 1 : 2); b++) add_body(scene, "bar", m[b], &STEEL, CT_KERNEL_BOX, b == 0 ? 1e3 : -1e3, 0, 0);
+    if (i == 2) add_contact(scene, 0, m[0], 0.0, 1, m[1], 0.001, 0, 0.5);
+    int64_t steps;
+    ct_stable_step stable;
+    const ct_problem *problem = build(scene, (ct_scene_time){.end = 2e-6, .fraction = 0.9, .threads = 1}, &steps, &stable);
+    ct_state *state = new_state(problem);
+    held[i] = held_bytes - before;
+    long calls_before = calls;
+    advance(problem, state, steps);
+    ask(problem, state, NULL);
+    tap_ok(calls == calls_before, "%s: %ld allocations in %d steps and after", i == 0 ? "a bar" : i == 1 ? "two bars" : "two that meet",
+           calls - calls_before, (int)steps);
+    if (i == 2) tap_ok(momentum_of(problem, state, 0).contact_impulse[0] < 0.0, "they have met");
+    ct_state_free(state);
+    ct_scene_free(scene);
+  }
+  // 1 + 20 + 120 elements wait for their nodes and 256 are computed at once, in a ring of 512.
+  double alone = (double)held[0] - (512 + 8) * 192;
+  tap_ok(fabs((double)(held[1] - held[0]) - alone) <= 0.02 * alone, "a second bar brings %zu bytes to %zu, and no ring",
+         held[1] - held[0], held[0]);
+  for (int b = 0; b < 2; b++) ct_mesh_free(m[b]);
+}
+
+int main(void)
+{
+  for (size_t k = 0; k < sizeof KINDS / sizeof KINDS[0]; k++) budget(&KINDS[k]);
+  for (int k = 0; k < 5; k++) many_nodes(&KINDS[k]);
+  good_state();
+  bars();
+  return tap_done();
+}
