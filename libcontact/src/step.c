@@ -65,7 +65,8 @@ static void advance_stage(int64_t first, int64_t last, const ct_stage *stage, do
 }
 
 /* Move the nodes first ... last - 1 by the stage, whose kick is `share` of the step; `fresh`: for the first time in a series. */
-static void advance_nodes(const ct_problem *problem, ct_state *state, const ct_stage *stage, double share, int fresh, int32_t first, int32_t last)
+static void advance_nodes(const ct_problem *problem, ct_state *state, const ct_stage *stage, double share, int fresh, int32_t first,
+                          int32_t last)
 {
   const ct_workspace *w = state->workspace;
   double *past = ct_stage_past(problem, state);
