@@ -163,7 +163,8 @@ static void add_body(run *r, dice *d, variant *v, int number)
     for (int c = 1; c < 3 && matches; c++) box.cells[c] = before->cells[c], box.size[c] = before->size[c],
         box.origin[c] = before->origin[c];
     int most = kind == CT_HEX8 ? 280 : 24;
-    while (matches && box.cells[0] > 1 && box.cells[0] * box.cells[1] * box.cells[2] > most) box.cells[0] = (box.cells[0] + 1) / 2;
+    while (matches && box.cells[0] > 1 && box.cells[0] * box.cells[1] * box.cells[2] > most)
+      box.cells[0] = (box.cells[0] + 1) / 2;
     b->box = box;
     tell("  box %d x %d x %d layers %d\n", (int)box.cells[0], (int)box.cells[1], (int)box.cells[2], (int)box.layers);
     if (v->turned) box.layers = (ct_layers)(((int)box.layers + 1 + below(&v->d, 2)) % 3);
@@ -840,8 +841,8 @@ int main(int count, char **argument)
   }
   alarm(0);
   printf("seeds %llu to %llu: scenes %lld runs %lld pairs built %lld of them renumbered %lld (%lld pieces with contact) "
-         "failures %lld steps %lld\n", first, now_seed - 1, total_scenes, total_runs, total_built, total_orders, total_apart, total_failures,
-         total_steps);
+         "failures %lld steps %lld\n", first, now_seed - 1, total_scenes, total_runs, total_built, total_orders,
+         total_apart, total_failures, total_steps);
   return 0;
 }
 #endif
