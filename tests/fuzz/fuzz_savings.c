@@ -595,7 +595,7 @@ static void meddle(run *r, dice d)
 
 /* -- Beside one another -- */
 
-static _Noreturn void differ(const run *a, const char *what, int64_t i)
+static void differ(const run *a, const char *what, int64_t i)
 {
   fprintf(stderr, "broken promise: %s, entry %lld, step %lld\n", what, (long long)i, (long long)a->state->step);
   abort();
