@@ -56,6 +56,7 @@ typedef struct run {
   int plain;      /* boxes in flight, on few nodes of which something acts: most of them are adrift */
   int contacts;   /* how many there are */
   int ties;       /* whether points may be equally near to faces that are not neighbours, of which the lower number wins */
+  int spoilt;     /* whether a host has made a number that is not finite */
   int stale;      /* whether a host has changed the state while forces stood, which the next step then uses */
   void *rooms[MOST_ROOMS];
   int room_count;
@@ -564,7 +565,7 @@ static void take_steps(run *r, variant *v, int64_t count)
     int how = below(&v->d, 4);
     // A look at the end would leave forces standing, before a host changes the state.
     int watched = how == 1 && !r->own.pending && !stale && part < left;
-    r->status = how == 0 && part == 1 ? ct_step(r->problem, r->state, &r->error)
+    r->status = how == 0 && part == 1 && !r->spoilt ? ct_step(r->problem, r->state, &r->error)
                 : watched ? watched_steps(r, part, 1 + below(&v->d, 9)) : ct_step_many(r->problem, r->state, part, &r->error);
     r->own.armed = 0;
   }
@@ -575,10 +576,11 @@ static void take_steps(run *r, variant *v, int64_t count)
 /* What a host may do to a state. The dice are the same in all runs. */
 static void meddle(run *r, dice d)
 {
-  int how = below(&d, 6), number = below(&d, r->body_count), axis = below(&d, 3);
+  int how = chance(&d, 24) ? 6 : below(&d, 6), number = below(&d, r->body_count), axis = below(&d, 3);
   uint64_t salt = salt_of(&d), few = 1 + roll(&d) % 60u;
   double amount = 0.01 * real(&d);
   const ct_mesh *plain = r->bodies[number].plain;
+  int32_t worst = how == 6 ? some_node(r, number, salt) - r->problem->bodies[number].first_node : -1;
   for (int32_t n = 0; n < plain->node_count; n++) {
     const double *x = &plain->nodes[3 * n];
     int64_t dof = 3 * ((int64_t)r->problem->bodies[number].first_node + n);
@@ -589,6 +591,7 @@ static void meddle(run *r, dice d)
     if (how == 2) u[0] = u[1] = u[2] = w[1] = w[2] = 0.0, w[0] = amount; // all alike again
     if (how == 3 && chosen) w[axis] = -0.0;
     if (how == 4) u[axis] += 1.0;
+    if (how == 6 && n == worst) (amount > 0.0 ? u : w)[axis] = fabs(amount) > 0.005 ? NAN : INFINITY, r->spoilt = 1;
     if (how == 5 && chosen) w[axis] = nextafter(w[axis], 1.0); // which rounding may hide in the displacement
   }
 }
@@ -677,7 +680,7 @@ static void compare_ledgers(run *a, run *b)
 static int recover(run *a, run *b, dice *d, int turned)
 {
   ct_error e;
-  if (a->status == CT_ERROR_BLOWUP || b->status == CT_ERROR_BLOWUP) {
+  if (a->status == CT_ERROR_BLOWUP || b->status == CT_ERROR_BLOWUP || a->spoilt) {
     demand(a->status != CT_OK && b->status != CT_OK, "both blow up");
     return 0;
   }
@@ -762,6 +765,7 @@ static void beside(dice scene, variant one, variant other)
         take_steps(&a, &one, steps);
         take_steps(&b, &other, steps);
       }
+      demand(!a.spoilt || a.status != CT_OK, "what is not finite is found");
       if (a.status != CT_OK || b.status != CT_OK) {
         tell("  %s | %s\n", a.status ? a.error.text : "", b.status ? b.error.text : "");
         if (!recover(&a, &b, &d, other.turned)) break;
