@@ -71,7 +71,7 @@ help:
 	@echo "make install prefix=  headers, libraries and pkg-config files (DESTDIR works too)"
 	@echo "make wheel            the Python package, in build/wheel"
 	@echo "make info             what was found on this machine"
-	@echo "make fuzz             random calls, scenes, files and faces, for FUZZ_SECONDS (60); counts add up in build/fuzz"
+	@echo "make fuzz             random calls, scenes, savings, files and faces, for FUZZ_SECONDS (60); counts add up in build/fuzz"
 	@echo "make kill             KILLS (100) runs killed while they write; each file must open and go on"
 	@echo "make threads          states stepped by several threads, under the thread sanitizer"
 	@echo "make memory           C tests under valgrind"
@@ -274,11 +274,15 @@ $(BUILD)/fuzz/random_project: tests/fuzz/fuzz_project.c $(BUILD)/asan/libcontact
 $(BUILD)/fuzz/random_api: tests/fuzz/fuzz_api.c tests/fuzz/dice.h $(BUILD)/asan/libcontact.a
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) -D_GNU_SOURCE -DFUZZ_MAIN=1 $(if $(HDF5),-DFUZZ_HDF5=1 $(HDF5_FLAGS)) $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
+# Likewise the target of what may be left out.
+$(BUILD)/fuzz/random_savings: tests/fuzz/fuzz_savings.c tests/fuzz/dice.h $(BUILD)/asan/libcontact.a
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) -D_GNU_SOURCE -DFUZZ_MAIN=1 $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
 fuzz: setup
 	@+$(MAKE) --no-print-directory _fuzz
-_fuzz: $(if $(filter _fuzz,$(MAKECMDGOALS)),$(BUILD)/fuzz/$(if $(FUZZ_CC),libfuzzer_project,random_project)) $(if $(SANITIZERS),$(BUILD)/fuzz/random_api) $(VENV)/.wrapper $(VENV)/.test
+_fuzz: $(if $(filter _fuzz,$(MAKECMDGOALS)),$(BUILD)/fuzz/$(if $(FUZZ_CC),libfuzzer_project,random_project)) $(if $(SANITIZERS),$(BUILD)/fuzz/random_api $(BUILD)/fuzz/random_savings) $(VENV)/.wrapper $(VENV)/.test
 	@mkdir -p $(BUILD)/fuzz/corpus
-	$(VENV)/bin/python tests/fuzz/run_fuzz.py $(FUZZ_SECONDS) $(BUILD)/fuzz $(if $(SANITIZERS),$(BUILD)/fuzz/random_api)
+	$(VENV)/bin/python tests/fuzz/run_fuzz.py $(FUZZ_SECONDS) $(BUILD)/fuzz $(if $(SANITIZERS),$(BUILD)/fuzz/random_api $(BUILD)/fuzz/random_savings)
 	$< $(if $(FUZZ_CC),-max_total_time=$(FUZZ_SECONDS) -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus,1000000)
 
 # Runs that are killed while they write.

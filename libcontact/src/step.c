@@ -34,6 +34,19 @@ static void drift(int64_t first, int64_t last, double dt, const double *restrict
   for (int64_t d = first; d < last; d++) displacement[d] += dt * velocity[d];
 }
 
+/* Whether one of some numbers is -0. */
+CT_CLONES
+static int has_minus_zero(int64_t first, int64_t last, const double *restrict values)
+{
+  uint64_t found = 0;
+  for (int64_t d = first; d < last; d++) {
+    uint64_t bits;
+    memcpy(&bits, &values[d], sizeof bits);
+    found |= bits == (uint64_t)1 << 63;
+  }
+  return found != 0;
+}
+
 /* The same for integrators whose drift is not the velocity after the kick; the times of the stage are τΔt, cΔt, rΔt, lΔt. */
 CT_CLONES
 static void advance_stage(int64_t first, int64_t last, const ct_stage *stage, double share, const double *restrict inverse_mass, const double *restrict force,
@@ -51,8 +64,9 @@ static void advance_stage(int64_t first, int64_t last, const ct_stage *stage, do
   }
 }
 
-/* Move the nodes first ... last - 1 by the stage, whose kick is `share` of the step. */
-static void advance_nodes(const ct_problem *problem, ct_state *state, const ct_stage *stage, double share, int32_t first, int32_t last)
+/* Move the nodes first ... last - 1 by the stage, whose kick is `share` of the step; `fresh`: for the first time in a series. */
+static void advance_nodes(const ct_problem *problem, ct_state *state, const ct_stage *stage, double share, int fresh, int32_t first,
+                          int32_t last)
 {
   const ct_workspace *w = state->workspace;
   double *past = ct_stage_past(problem, state);
@@ -62,7 +76,8 @@ static void advance_nodes(const ct_problem *problem, ct_state *state, const ct_s
     int adrift = ct_bits_get(w->adrift, n);
     if (still) end = ct_bits_next(w->adrift, n, end, !adrift);
     if (adrift) continue;
-    if (still)
+    // Before a series a host may have made a velocity -0, which a force of +0 turns into +0.
+    if (still && !(fresh && has_minus_zero(3 * (int64_t)n, 3 * (int64_t)end, state->velocity)))
       drift(3 * (int64_t)n, 3 * (int64_t)end, stage->drift, state->velocity, state->displacement);
     else if (past != NULL)
       advance_stage(3 * (int64_t)n, 3 * (int64_t)end, stage, share, problem->inverse_mass, w->total, past, state->displacement, state->velocity, state->work);
@@ -245,6 +260,7 @@ static ct_status take_stage(const ct_problem *problem, ct_state *state, const ct
   ct_workspace *w = state->workspace;
   int made = w->forces_at != state->step;
   ct_status status = ct_workspace_forces(problem, state, error);
+  int fresh = !w->watched;
   w->watched = 0;
   if (status != CT_OK) return status;
   int32_t count = problem->node_count;
@@ -257,7 +273,7 @@ static ct_status take_stage(const ct_problem *problem, ct_state *state, const ct
 #endif
   for (int32_t n = 0; n < count; n += NODES_AT_ONCE) {
     int32_t end = count - n > NODES_AT_ONCE ? n + NODES_AT_ONCE : count;
-    advance_nodes(problem, state, &stage, shares->kick, n, end);
+    advance_nodes(problem, state, &stage, shares->kick, fresh, n, end);
     count_reactions(problem, state, shares->kick, n, end);
   }
   correct_touched(state, shares->kick);

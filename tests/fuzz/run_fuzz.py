@@ -1,6 +1,6 @@
 """
-The fuzz campaign: ``run_fuzz.py SECONDS FOLDER [PROGRAM]``, used by ``make fuzz``. The time is shared by random calls of the whole C library (PROGRAM, with sanitizers) and
-random scenes and results files. Seeds go on where the last campaign ended, counts add up in ``FOLDER/counts.json``; each part prints its seeds, and a failure the seed that shows it.
+The fuzz campaign: ``run_fuzz.py SECONDS FOLDER [PROGRAM SAVINGS]``, used by ``make fuzz``. The time is shared by random calls of the whole C library (PROGRAM, with sanitizers),
+random scenes with and without savings (SAVINGS, likewise), and random scenes and results files. Seeds go on where the last campaign ended, counts add up in ``FOLDER/counts.json``; each part prints its seeds, and a failure the seed that shows it.
 """
 
 from __future__ import annotations
@@ -18,18 +18,28 @@ BATCH = 60.0
 SUPPRESSED = "leak:libhdf5\n"
 
 
-def api(program: str, seconds: float, seed: int, folder: Path) -> dict:
-    """Random calls for so long; with files in every other batch."""
+def run(program: str, seconds: float, seed: int, folder: Path, more: list[str], counted: dict[str, str]) -> dict:
+    """Run a program with sanitizers for so long; `counted`: names of counts that it prints, and what they are called here."""
     suppressions = folder / "suppressions"
     suppressions.write_text(SUPPRESSED)
     environment = {**os.environ, "OMP_NUM_THREADS": "1", "ASAN_OPTIONS": "detect_leaks=1:abort_on_error=1", "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1:abort_on_error=1",
                    "LSAN_OPTIONS": f"suppressions={suppressions}:print_suppressions=0"}
-    done = subprocess.run([program, str(seconds), str(seed), str(folder) if seed % 2 else ""], capture_output=True, text=True, errors="replace", env=environment)
+    done = subprocess.run([program, str(seconds), str(seed), *more], capture_output=True, text=True, errors="replace", env=environment)
     if done.returncode:
         raise SystemExit(f"{program} ended with {done.returncode}\n{done.stderr[-6000:]}")
     print(done.stdout.strip(), flush=True)
-    found = re.search(r"to (\d+): inputs (\d+) calls (\d+) scenes (\d+) built (\d+) steps (\d+)", done.stdout)
-    return dict(zip(("next seed", "inputs", "calls", "C scenes", "C scenes built", "C steps"), map(int, found.groups())))
+    return {name: int(re.search(rf"{word} (\d+)", done.stdout).group(1)) for word, name in counted.items()}
+
+
+def api(program: str, seconds: float, seed: int, folder: Path) -> dict:
+    """Random calls for so long; with files in every other batch."""
+    counted = {"to": "next seed", "inputs": "inputs", "calls": "calls", "scenes": "C scenes", "built": "C scenes built", "steps": "C steps"}
+    return run(program, seconds, seed, folder, [str(folder) if seed % 2 else ""], counted)
+
+
+def savings(program: str, seconds: float, seed: int, folder: Path) -> dict:
+    counted = {"to": "next seed", "scenes": "scenes", "built": "pairs of runs", "renumbered": "numbered otherwise", "failures": "errors on the way", "steps": "steps"}
+    return run(program, seconds, seed, folder, [], counted)
 
 
 def scenes(seconds: float, seed: int, folder: Path) -> dict:
@@ -42,18 +52,20 @@ def scenes(seconds: float, seed: int, folder: Path) -> dict:
 
 def main() -> None:
     seconds, folder = float(sys.argv[1]), Path(sys.argv[2])
-    program = sys.argv[3] if len(sys.argv) > 3 else None
+    programs = sys.argv[3:]
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "counts.json"
     counts = json.loads(file.read_text()) if file.exists() else {}
     left = seconds
     while left > 0:
         part = min(left, BATCH)
-        for name, call in (("api", (lambda s, n: api(program, s, n, folder)) if program else None), ("scenes", lambda s, n: scenes(s, n, folder))):
-            if call is None:
-                continue
+        calls = {"scenes": lambda s, n: scenes(s, n, folder)}
+        if programs:
+            calls["api"] = lambda s, n: api(programs[0], s, n, folder)
+            calls["savings"] = lambda s, n: savings(programs[1], s, n, folder)
+        for name, call in calls.items():
             total = counts.setdefault(name, {"next seed": 1})
-            told = call(part / 2, total["next seed"])
+            told = call(part / len(calls), total["next seed"])
             total["next seed"] = told.pop("next seed") + 1
             for key, n in told.items():
                 total[key] = total.get(key, 0) + n

@@ -42,8 +42,8 @@ typedef struct ct_box {
   /** Elements along x, y, z, >= 1. */
   int32_t cells[3];
   /**
-   * How they are numbered. No result depends on it, but a wave that runs across the layers leaves whole layers quiet,
-   * :doc:`/theory/savings`.
+   * How they are numbered. No result depends on it, except where a point of contact is equally near to several faces; but a wave
+   * that runs across the layers leaves whole layers quiet, :doc:`/theory/savings`.
    */
   ct_layers layers;
 } ct_box;

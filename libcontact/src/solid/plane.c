@@ -287,7 +287,8 @@ static void batches(const ct_solid_part *part, int32_t first, int32_t last, cons
     }
 }
 
-/* Sum four runs of forces that lie side by side, for both layers; `step`: from one component to the next. */
+/* Sum four runs of forces that lie side by side, for both layers; `step`: from one component to the next. A sum that is zero has
+ * no minus, as that of the bricks, which begins with the zeros of the side where no element is, and as that of quiet elements. */
 CT_CLONES
 static void gather_run(const double *const v[4], const int64_t step[4], const double sign[3], int32_t count, double *restrict low, double *restrict high)
 {
@@ -296,8 +297,8 @@ static void gather_run(const double *const v[4], const int64_t step[4], const do
   for (int32_t n = 0; n < count; n++)
     for (int c = 0; c < 3; c++) {
       double f = (a[c * step[0] + n] + b[c * step[1] + n]) + (d[c * step[2] + n] + e[c * step[3] + n]);
-      low[3 * n + c] = f;
-      high[3 * n + c] = sign[c] * f;
+      low[3 * n + c] = f + 0.0;
+      high[3 * n + c] = sign[c] * f + 0.0;
     }
 }
 
