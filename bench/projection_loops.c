@@ -1,6 +1,6 @@
-/* Loops over many pairs of a face and a point, one for each library, that differ in the call they time and in nothing else: the same f and
- * gradient, the same pairs, the same clock. Built as a shared library by projection.py, with GSL where it is there; NLopt comes as a table of its
- * functions, found by Python in the wheel. Each loop answers the seconds that it took. */
+/* Loops over many pairs of a face and a point, one for each library, that differ in the call they time and in nothing else: the
+ * same f and gradient, the same pairs, the same clock. Built as a shared library by projection.py, with GSL where it is there;
+ * NLopt comes as a table of its functions, found by Python in the wheel. Each loop answers the seconds that it took. */
 #define _POSIX_C_SOURCE 199309L
 #include <contact.h>
 

@@ -106,15 +106,17 @@ def count_instructions(loop: Path, scene: str, savings: str) -> float:
 
 
 def write_table(path: Path) -> None:
-    with tempfile.TemporaryDirectory() as folder, path.open("w", newline="") as file:
-        loop, out = program(Path(folder)), csv.writer(file)
-        out.writerow(["scene", *RATIOS, "bytes of the run, congruent"])
+    rows = [["scene", *RATIOS, "bytes of the run, congruent"]]
+    with tempfile.TemporaryDirectory() as folder:
+        loop = program(Path(folder))
         for scene, title in SCENES.items():
             names = {name for pair in RATIOS.values() for name in pair if "p" not in name or scene in PLANE}
             counts = {name: count_instructions(loop, scene, name) for name in names}
             bytes_held = [run(loop, scene, name)["bytes"] for name in ("-", "c")]
             cells = [f"{counts[a] / counts[b]:.2f}" if b in counts else "" for a, b in RATIOS.values()]
-            out.writerow([title, *cells, f"{bytes_held[0] / bytes_held[1]:.2f}"])
+            rows.append([title, *cells, f"{bytes_held[0] / bytes_held[1]:.2f}"])
+    with path.open("w", newline="") as file:
+        csv.writer(file).writerows(rows)
 
 
 if __name__ == "__main__":

@@ -103,7 +103,8 @@ static double fill(ct_scene *scene, const char *name)
   double c1, c2;
   ct_material_speeds(&STEEL, &c1, &c2);
   if (strncmp(name, "plates", 6) == 0) {
-    // tutorials/scenes/plates.toml, with a softer penalty, as a run near the stable step wants it; numbered in layers along x, across the wave, or along z, with the wave.
+    // tutorials/scenes/plates.toml, with a softer penalty, as a run near the stable step wants it; numbered in layers along x,
+    // across the wave, or along z, with the wave.
     int32_t n = atoi(name + 6) > 0 ? atoi(name + 6) : 100;
     double h = 2.5 / n;
     ct_layers layers = strchr(name, 'z') != NULL ? CT_LAYERS_Z : CT_LAYERS_X;

@@ -1,4 +1,5 @@
-/* A block that flies and rings, filled by hand as a host would: no scene, no contact, no support. Prints steps, bytes and a hash, as one line of JSON. */
+/* A block that flies and rings, filled by hand as a host would: no scene, no contact, no support. Prints steps, bytes and a hash,
+ * as one line of JSON. */
 #include <contact/mass.h>
 #include <contact/mesh.h>
 #include <contact/solid.h>

@@ -34,7 +34,8 @@ static ct_status damping_force(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
-/* What relaxation remembers: its rate, the steps since the sample (0: there is none yet), and the sample's displacements and forces on the effect's nodes. */
+/* What relaxation remembers: its rate, the steps since the sample (0: there is none yet), and the sample's displacements and
+ * forces on the effect's nodes. */
 enum { RATE, AGE, SAMPLE };
 
 /* At one node, what the change since the sample says: -Δu · Δf and Δu · M Δu. */

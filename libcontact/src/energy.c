@@ -163,8 +163,8 @@ ct_status ct_energy_unrest(const ct_problem *problem, ct_state *state, double *u
   return CT_OK;
 }
 
-/* Impulses of one effect over Δt at its nodes i ... end - 1 as far as they are in a range of the problem's nodes, side by side for each
- * component; answers how many there are. */
+/* Impulses of one effect over Δt at its nodes i ... end - 1 as far as they are in a range of the problem's nodes, side by side
+ * for each component; answers how many there are. */
 static int64_t impulse_terms(const ct_problem *problem, const ct_state *state, int32_t k, const int32_t range[2], int32_t i, int32_t end,
                              double terms[3][CT_PIECE])
 {

@@ -19,8 +19,8 @@ typedef struct ct_facets {
   double N[25][8], dN[25][8][2];
 } ct_facets;
 
-/* Copy and check the faces: they exist, their nodes are those of a problem with so many nodes, and each has an area at every Gauss point. `name` begins
- * the words of an error. */
+/* Copy and check the faces: they exist, their nodes are those of a problem with so many nodes, and each has an area at every
+ * Gauss point. `name` begins the words of an error. */
 ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t *faces, int32_t node_count, const double *reference, const char *name,
                            ct_facets **out, ct_error *error);
 
@@ -29,7 +29,8 @@ void ct_facets_free(ct_facets *facets);
 /* Coordinates of the nodes of a face, x + u (`u` may be null). */
 void ct_facets_face(const ct_facets *facets, int32_t face, const double *x, const double *u, ct_face *out);
 
-/* Sum values, shape (face_count, per, 3), at the nodes: sums, shape (node_count, 3), in an order that does not matter. `terms` has room for `most` numbers. */
+/* Sum values, shape (face_count, per, 3), at the nodes: sums, shape (node_count, 3), in an order that does not matter. `terms`
+ * has room for `most` numbers. */
 void ct_facets_sum(const ct_facets *facets, const double *values, double *terms, double *sums);
 
 #endif

@@ -4,8 +4,8 @@
 /* Any header of libc: it defines __GLIBC__, without which the kernels would silently be compiled for the oldest machine alone. */
 #include <stdint.h>
 
-/* Eight numbers that are computed side by side, one for each element of a batch. Arithmetic on a ct_lanes is arithmetic on
- * each lane, rounded as one double is; so every instruction set gives the same bits. gcc and clang know the type; other compilers get
+/* Eight numbers that are computed side by side, one for each element of a batch. Arithmetic on a ct_lanes is arithmetic on each
+ * lane, rounded as one double is; so every instruction set gives the same bits. gcc and clang know the type; other compilers get
  * one lane at a time. */
 #if defined(__GNUC__)
 typedef double ct_lanes __attribute__((vector_size(64), may_alias));

@@ -23,7 +23,8 @@ static void free_data(void *data)
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
 }
 
-/* The force that takes one component to where it has to be at the next evaluation, with the velocity `v` before the kick and what is `carried` on. */
+/* The force that takes one component to where it has to be at the next evaluation, with the velocity `v` before the kick and what
+ * is `carried` on. */
 static double force_to(double target, double u, double v, double carried, double mass, double others, const ct_view *view)
 {
   // While the start is made nothing has been prescribed yet: the node keeps its velocity.

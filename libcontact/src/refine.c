@@ -8,7 +8,8 @@
 
 #include <math.h>
 
-/* In how many parts the step of a problem is divided by that of another one that is the same otherwise, as far as can be seen; 0 when it is not. */
+/* In how many parts the step of a problem is divided by that of another one that is the same otherwise, as far as can be seen; 0
+ * when it is not. */
 static int64_t parts_of(const ct_problem *coarse, const ct_problem *fine)
 {
   double parts = floor(coarse->dt / fine->dt + 0.5);

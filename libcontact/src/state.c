@@ -405,7 +405,8 @@ static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t 
   return CT_OK;
 }
 
-/* When the force of an effect is asked for: 0 at first; 1 after the constraints are solved; 2 what reads it; 3 what needs all others. */
+/* When the force of an effect is asked for: 0 at first; 1 after the constraints are solved; 2 what reads it; 3 what needs all
+ * others. */
 static int turn_of(const ct_effect *effect)
 {
   if (effect->last > 0) return 3;

@@ -125,7 +125,8 @@ static ct_status viscous_force(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
-/* Bound of the eigenvalues of M⁻¹C, where the quadratic part counts with the tangent at the fastest closing of the state (eq:viscous-bound). */
+/* Bound of the eigenvalues of M⁻¹C, where the quadratic part counts with the tangent at the fastest closing of the state
+ * (eq:viscous-bound). */
 static ct_status viscous_damping(const ct_effect *effect, const ct_view *view, double *rate, ct_error *error)
 {
   const viscous_data *d = effect->data;
@@ -149,7 +150,8 @@ static ct_status viscous_damping(const ct_effect *effect, const ct_view *view, d
   return CT_OK;
 }
 
-/* Largest l / V Σ b² / m, where each element has the part of its nodes' masses that its volume has of their elements' (eq:viscous-bound). */
+/* Largest l / V Σ b² / m, where each element has the part of its nodes' masses that its volume has of their elements'
+ * (eq:viscous-bound). */
 static ct_status bound_body(viscous_body *body, const double *mass, ct_error *error)
 {
   const ct_mesh *mesh = body->mesh;
@@ -276,7 +278,8 @@ ct_status ct_viscosity_create_effect(const ct_viscosity *options, const ct_probl
   *effect = (ct_effect){.name = "viscosity", .local = 1, .data = d, .nodes = d->nodes, .node_count = node_count, .create_scratch = create_scratch,
                         .free_scratch = ct_release, .force = viscous_force, .damping = viscous_damping, .free_data = free_data};
   for (int32_t i = 0; i < d->body_count; i++) {
-    // Operations counted in the kernel and the sums at the nodes; node numbers, what is laid down, forces written and read, nodes.
+    // Operations counted in the kernel and the sums at the nodes; node numbers, what is laid down, forces written and read,
+    // nodes.
     effect->flops += 247.0 * d->bodies[i].mesh->element_count + 21.0 * d->bodies[i].mesh->node_count;
     effect->bytes += (32.0 + 160.0 + 384.0) * d->bodies[i].mesh->element_count + 80.0 * d->bodies[i].mesh->node_count;
   }

@@ -1,4 +1,5 @@
-/* Looks at a state between steps: whether it is finite, whether energy has appeared, whether the solid has become too stiff for the step. */
+/* Looks at a state between steps: whether it is finite, whether energy has appeared, whether the solid has become too stiff for
+ * the step. */
 #include <contact/energy.h>
 #include <contact/watch.h>
 

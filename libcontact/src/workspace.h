@@ -28,7 +28,8 @@ typedef struct ct_workspace {
   struct ct_solver *solver; /* of the constraints; null without any */
 } ct_workspace;
 
-/* A state of zeros without a workspace: all that a restart needs, to be copied into and from. It is to be freed also when this fails. */
+/* A state of zeros without a workspace: all that a restart needs, to be copied into and from. It is to be freed also when this
+ * fails. */
 ct_status ct_state_allocate(const ct_problem *problem, ct_state **state, ct_error *error);
 
 /* Give a state its workspace, unless it has one; then it can be stepped and asked for its energy. */
@@ -52,8 +53,9 @@ static inline ct_stage ct_stage_now(const ct_problem *problem, const ct_state *s
 /* Acceleration of the evaluation before, shape (node_count, 3); null for an integrator without any use for it. */
 double *ct_stage_past(const ct_problem *problem, const ct_state *state);
 
-/* Way of nodes until the next evaluation with the forces in `total`, shape (node_count, 3), and how far one more unit of force moves each component (eq:stage). Three numbers a
- * node, `stride` apart. At the start, before v_{-1/2} is known, the velocity is the one of t = 0 (eq:stage-start). */
+/* Way of nodes until the next evaluation with the forces in `total`, shape (node_count, 3), and how far one more unit of force
+ * moves each component (eq:stage). Three numbers a node, `stride` apart. At the start, before v_{-1/2} is known, the velocity is
+ * the one of t = 0 (eq:stage-start). */
 void ct_integrator_predict(const ct_problem *problem, const ct_state *state, int32_t count, const int32_t *nodes, int stride, double *way, double *mobility);
 
 /* Fails for a state whose last step ended after its first stage. */
@@ -65,8 +67,9 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
 /* Velocity of one degree of freedom after a kick of this time (eq:leapfrog, eq:stage). */
 static inline double ct_kick(double v, double dt, double inverse_mass, double force) { return v + dt * inverse_mass * force; }
 
-/* Forces of effect `k` on its nodes first ... last - 1, shape (last - first, 3), after ct_workspace_forces; reactions are minus the
- * total on held degrees of freedom (eq:reaction). Answers where they stand, which may be in `room`, of 3 (last - first) numbers. */
+/* Forces of effect `k` on its nodes first ... last - 1, shape (last - first, 3), after ct_workspace_forces; reactions are minus
+ * the total on held degrees of freedom (eq:reaction). Answers where they stand, which may be in `room`, of 3 (last - first)
+ * numbers. */
 const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k, int32_t first, int32_t last,
                                     double *room);
 

@@ -1,4 +1,5 @@
-/* What several tests share: random numbers, meshes that are distorted, turned or mirrored, forces of a whole problem, eigenvalues. */
+/* What several tests share: random numbers, meshes that are distorted, turned or mirrored, forces of a whole problem,
+ * eigenvalues. */
 #ifndef BODIES_H
 #define BODIES_H
 
@@ -122,7 +123,8 @@ static inline void turn_elements(ct_mesh *mesh)
   }
 }
 
-/* The mirror image in the plane x[axis] = 0: node n is the image of node n, and the reference axis is flipped, so elements stay valid. */
+/* The mirror image in the plane x[axis] = 0: node n is the image of node n, and the reference axis is flipped, so elements stay
+ * valid. */
 static inline ct_mesh *mirror_mesh(const ct_mesh *mesh, int axis)
 {
   ct_mesh *image = NULL;
@@ -294,7 +296,8 @@ static inline void add_support(ct_scene *scene, int32_t body, const ct_mesh *mes
   free(nodes);
 }
 
-/* Contact between the faces of two bodies in the planes x[axis] = at_a and at_b, with options (`beta` and `faces` count, not `epsilon`) and friction. */
+/* Contact between the faces of two bodies in the planes x[axis] = at_a and at_b, with options (`beta` and `faces` count, not
+ * `epsilon`) and friction. */
 static inline ct_status add_contact_with(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
                                          double at_b, int axis, double beta, ct_contact_options options, double friction, double tangent)
 {
@@ -334,8 +337,8 @@ static inline ct_scene *new_scene(void)
   return scene;
 }
 
-/* A weight m (g - c v) on all nodes from `first` on, as an effect of our own, plus a pull along x that swells and fades as sin² over a
- * period. */
+/* A weight m (g - c v) on all nodes from `first` on, as an effect of our own, plus a pull along x that swells and fades as sin²
+ * over a period. */
 typedef struct weight {
   const ct_problem *problem;
   int32_t first;

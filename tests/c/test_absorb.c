@@ -22,7 +22,8 @@ static void add_faces(ct_scene *scene, const ct_mesh *mesh, double x, const ct_l
   free(faces);
 }
 
-/* Send a smooth pulse down a column, held so that it is a plane P wave (axis 0) or S wave (axis 2), and see what is left when it has met the other end. */
+/* Send a smooth pulse down a column, held so that it is a plane P wave (axis 0) or S wave (axis 2), and see what is left when it
+ * has met the other end. */
 static void pulse(ct_brick_kind kind, int axis, const char *name)
 {
   ct_mesh *mesh = box_mesh(kind, 0, 0, 0, 10, 0.1, 0.1, kind == CT_HEX8 ? 100 : 50, 1, 1);

@@ -1,5 +1,5 @@
-/* Bricks against interpolation conditions, finite differences and the geometry of the cube. Node numbering against VTK itself is in
- * tests/python/test_projection.py. */
+/* Bricks against interpolation conditions, finite differences and the geometry of the cube. Node numbering against VTK itself is
+ * in tests/python/test_projection.py. */
 #include <contact/brick.h>
 
 #include "tap.h"
@@ -73,7 +73,8 @@ static void sides(ct_brick_kind kind)
   }
 }
 
-/* Mirroring the brick in an axis maps each side to a side whose nodes are those of the mirrored brick, with xi_1 (or xi_2) flipped. */
+/* Mirroring the brick in an axis maps each side to a side whose nodes are those of the mirrored brick, with xi_1 (or xi_2)
+ * flipped. */
 static void mirrored_sides(ct_brick_kind kind)
 {
   static const int FLIP1[8] = {1, 0, 3, 2, 4, 7, 6, 5}, FLIP2[8] = {3, 2, 1, 0, 6, 5, 4, 7};

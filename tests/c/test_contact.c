@@ -139,7 +139,8 @@ static void one_q8(void)
   free_patch(&b);
 }
 
-/* The gap from far apart to far inside, in units of the face; at a first look there is no contact beyond the depth (the face's diagonal). */
+/* The gap from far apart to far inside, in units of the face; at a first look there is no contact beyond the depth (the face's
+ * diagonal). */
 static void gap_sweep(double h)
 {
   static const double size[14] = {10, 3, 1.5, 1.41, 1, 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 0};
@@ -383,7 +384,8 @@ static void sharp_bound(void)
   free_patch(&b);
 }
 
-/* Points that see an edge between two faces at exactly the same distance: the bound must use one face and its own shape functions. */
+/* Points that see an edge between two faces at exactly the same distance: the bound must use one face and its own shape
+ * functions. */
 static void bound_on_ties(void)
 {
   patch a = new_patch(CT_Q4, 4, 1, -2, -0.5, 4, 1, 1), b = new_patch(CT_Q4, 1, 1, -0.5, -0.5, 1, 1, 0), swapped = new_patch(CT_Q4, 4, 1, -2, -0.5, 4, 1, 1);
@@ -558,7 +560,8 @@ static ct_contact_point *all_points(const patch *a, const patch *b, ct_contact_o
   return point;
 }
 
-/* Newton and the simplex know no borders, so they may miss a foot on an edge between two faces; every other point they find alike. */
+/* Newton and the simplex know no borders, so they may miss a foot on an edge between two faces; every other point they find
+ * alike. */
 static void methods(ct_face_kind kind)
 {
   patch a, b;
@@ -589,8 +592,8 @@ static void methods(ct_face_kind kind)
   free_patch(&b);
 }
 
-/* A face between a floor and a ceiling of one surface: as it rises, its points go from the floor to the ceiling, each when that is nearer, though their feet on the floor stay
- * inside it. The same for a face that slides from one cell to the next. */
+/* A face between a floor and a ceiling of one surface: as it rises, its points go from the floor to the ceiling, each when that
+ * is nearer, though their feet on the floor stay inside it. The same for a face that slides from one cell to the next. */
 static void between(ct_face_kind kind)
 {
   patch a = new_patch(kind, 3, 1, 0, 0, 3, 1, 1), b = new_patch(kind, 1, 1, 0.1, 0.1, 0.8, 0.8, 1);
@@ -758,8 +761,8 @@ static void refusals(void)
   free_patch(&b);
 }
 
-/* Two surfaces of one array of nodes that share an edge, an open book: a node of both gets the sum of both rows (eq:contact-bound), here put together
- * once more from the points of an update. */
+/* Two surfaces of one array of nodes that share an edge, an open book: a node of both gets the sum of both rows
+ * (eq:contact-bound), here put together once more from the points of an update. */
 static void shared_nodes(void)
 {
   double x[18] = {0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0.5, 0, 0.8, 0.5, 1, 0.8}, mass[6] = {0.1, 0.1, 1, 1, 1, 1}, copy[18], row[6] = {0}, want = 0, got[2], zero[18] = {0};

@@ -1,4 +1,5 @@
-/* Hard geometry of contact: history of a point, thin plates, corners and edges, folds, sliding over borders, meshes that do not match. */
+/* Hard geometry of contact: history of a point, thin plates, corners and edges, folds, sliding over borders, meshes that do not
+ * match. */
 #include "patches.h"
 
 #include <contact/quadrature.h>
@@ -8,7 +9,8 @@ static void lift(patch *p, double z)
   for (int n = 0; n < p->surface.node_count; n++) p->x[3 * n + 2] = z;
 }
 
-/* A patch that is pressed through another one, to five times the depth, in small steps: force and energy of the gap all the way, and back. */
+/* A patch that is pressed through another one, to five times the depth, in small steps: force and energy of the gap all the way,
+ * and back. */
 static void held(ct_face_kind kind)
 {
   patch a = new_patch(kind, 2, 2, 0, 0, 2, 2, 1), b = new_patch(kind, 2, 2, 0, 0, 2, 2, 0);
@@ -36,7 +38,8 @@ static void held(ct_face_kind kind)
   free_patch(&b);
 }
 
-/* Points that are deeper than the depth at the first look are in no contact, not when they come nearer either, but once they have been outside. */
+/* Points that are deeper than the depth at the first look are in no contact, not when they come nearer either, but once they have
+ * been outside. */
 static void buried(void)
 {
   static const double z[7] = {-1.0, -0.5, -0.2, -0.01, 0.01, -0.01, -0.2};
@@ -64,7 +67,8 @@ static void shift(patch *p, double x, double y, double z)
   for (int n = 0; n < p->surface.node_count; n++) p->x[3 * n] += x, p->x[3 * n + 1] += y, p->x[3 * n + 2] += z;
 }
 
-/* Depth of a point under the surface of a box that may only be left by its lower or upper side (`way` -1 or 1) or by the sides around. */
+/* Depth of a point under the surface of a box that may only be left by its lower or upper side (`way` -1 or 1) or by the sides
+ * around. */
 static double depth_in(const double p[3], const double low[3], const double high[3], int way)
 {
   double depth = way > 0 ? high[2] - p[2] : p[2] - low[2];
@@ -72,8 +76,9 @@ static double depth_in(const double p[3], const double low[3], const double high
   return depth;
 }
 
-/* A thin closed plate is pressed through a larger one, to 1.6 thicknesses: each point belongs to the side by which it came in, or to the side faces around
- * when these are nearer. Up to one thickness the energy has a closed form; beyond, points have come out below, and still they are pushed back. */
+/* A thin closed plate is pressed through a larger one, to 1.6 thicknesses: each point belongs to the side by which it came in, or
+ * to the side faces around when these are nearer. Up to one thickness the energy has a closed form; beyond, points have come out
+ * below, and still they are pushed back. */
 static void thin_plates(void)
 {
   const double t = 0.1, low_a[3] = {0, 0, 0}, size_a[3] = {2, 2, 0.1}, low_b[3] = {0.63, 0.59, 0.1001}, size_b[3] = {0.8, 0.8, 0.1};
@@ -123,7 +128,8 @@ static ct_contact_options with_points(ct_contact_rule rule)
 
 static int triangular(ct_face_kind kind) { return kind == CT_T3 || kind == CT_T6; }
 
-/* Lobatto's rule: its points are the corners, middles of edges and the centre, all weights are positive, and it is exact to degree 3. */
+/* Lobatto's rule: its points are the corners, middles of edges and the centre, all weights are positive, and it is exact to
+ * degree 3. */
 static void lobatto(ct_face_kind kind)
 {
   ct_rule rule;
@@ -145,7 +151,8 @@ static void lobatto(ct_face_kind kind)
   tap_ok(off < 1e-15 && low > 0.0 && corners == (three ? 3 : 4), "%s: Lobatto's rule has all corners, positive weights, and degree 3 (off by %.2g)", KIND[kind], off);
 }
 
-/* Matching flat meshes with points at nodes: uniform pressure, so nodal forces eps delta ∫N exactly, also at the border of the open surfaces. */
+/* Matching flat meshes with points at nodes: uniform pressure, so nodal forces eps delta ∫N exactly, also at the border of the
+ * open surfaces. */
 static void patch_test(ct_face_kind kind)
 {
   const double delta = 0.01;
@@ -233,8 +240,8 @@ static void turn(patch *p, double R[3][3])
   }
 }
 
-/* Height of the lowest of the highest places: how deep `top` may go into `base` before any point of the contact is inside, by bisection; and the deepest
- * corner then. */
+/* Height of the lowest of the highest places: how deep `top` may go into `base` before any point of the contact is inside, by
+ * bisection; and the deepest corner then. */
 static double unseen(const patch *base, const patch *top, ct_contact_rule rule, double high, double low)
 {
   patch moved = *top;
@@ -254,8 +261,8 @@ static double unseen(const patch *base, const patch *top, ct_contact_rule rule, 
   return high;
 }
 
-/* A cube of one face a side on a floor of faces of the same size, in random orientations: how deep its lowest corner is before a point sees it. And two
- * cubes that meet edge on edge. */
+/* A cube of one face a side on a floor of faces of the same size, in random orientations: how deep its lowest corner is before a
+ * point sees it. And two cubes that meet edge on edge. */
 static void corners_and_edges(void)
 {
   const double floor_low[3] = {-4, -4, -1}, floor_size[3] = {8, 8, 1}, cube_low[3] = {-0.5, -0.5, -0.5}, cube_size[3] = {1, 1, 1};
@@ -290,8 +297,8 @@ static void corners_and_edges(void)
   free_patch(&base);
 }
 
-/* A smooth bowl, one quadratic face, that slides over the borders of 20 faces of a base with the profile z(x) = -sign x² / 2 R between its nodes: the largest change of the force in a
- * step of the slide, as a part of the force. */
+/* A smooth bowl, one quadratic face, that slides over the borders of 20 faces of a base with the profile z(x) = -sign x² / 2 R
+ * between its nodes: the largest change of the force in a step of the slide, as a part of the force. */
 static double slide(ct_face_kind kind, double bend, double step)
 {
   patch base = new_patch(kind, 24, 4, 0, -2, 24, 4, 1), bowl = new_patch(CT_Q8, 1, 1, -1.5, -1.5, 3, 3, 0);
@@ -325,8 +332,8 @@ static double slide(ct_face_kind kind, double bend, double step)
   return jump / size;
 }
 
-/* On a flat base the force changes with the slide alone: half the step, half the change. On one with folds a point that changes faces changes its direction
- * by the angle of the fold, so the total never jumps by more than that. */
+/* On a flat base the force changes with the slide alone: half the step, half the change. On one with folds a point that changes
+ * faces changes its direction by the angle of the fold, so the total never jumps by more than that. */
 static void sliding(ct_face_kind kind)
 {
   double coarse = slide(kind, 0.0, 0.02), fine = slide(kind, 0.0, 0.01);
@@ -350,8 +357,9 @@ static double area_over(int nx, int ny, double x0, double y0, const double low[2
   return area;
 }
 
-/* An open patch slides off another one at a depth, and back on: each point counts in full while it is over the other surface, and not at all beyond the border, whichever
- * way it goes (eq:border-jump). So energy and force change by the columns of points that the two borders pass. */
+/* An open patch slides off another one at a depth, and back on: each point counts in full while it is over the other surface, and
+ * not at all beyond the border, whichever way it goes (eq:border-jump). So energy and force change by the columns of points that
+ * the two borders pass. */
 static void open_border(void)
 {
   const double delta = 0.05, y0 = 0.513;
@@ -378,7 +386,8 @@ static void open_border(void)
   free_patch(&b);
 }
 
-/* Largest change of the energy in a step of a block that slides off a plate at a depth, both closed, in parts of the largest energy. */
+/* Largest change of the energy in a step of a block that slides off a plate at a depth, both closed, in parts of the largest
+ * energy. */
 static double slide_off(double step, double *left)
 {
   const double low_a[3] = {0, 0, -1}, size_a[3] = {4, 2, 1}, low_b[3] = {2.5031, 0.513, -0.05}, size_b[3] = {1, 1, 1};

@@ -1,7 +1,9 @@
-/* What a contact remembers of its points, step by step by hand: every number that one step leaves to the next goes through the effect's memory here. */
+/* What a contact remembers of its points, step by step by hand: every number that one step leaves to the next goes through the
+ * effect's memory here. */
 #include "patches.h"
 
-/* The contact effect of two surfaces of one problem, asked step by step; nothing but its memory goes from one step to the next. */
+/* The contact effect of two surfaces of one problem, asked step by step; nothing but its memory goes from one step to the next.
+ * */
 typedef struct hand {
   ct_effect *effect;
   patch a, b; /* both over the nodes of the problem */
@@ -47,7 +49,8 @@ static void free_hand(hand *h)
   for (int i = 0; i < 7; i++) free(all[i]);
 }
 
-/* One step with the second surface lifted by z, with scratch space of its own as after a restart: the force on that surface along z, and the energy. */
+/* One step with the second surface lifted by z, with scratch space of its own as after a restart: the force on that surface along
+ * z, and the energy. */
 static double take(hand *h, double z, double time, double *energy, double *external)
 {
   const ct_effect *effect = h->effect;
@@ -88,8 +91,8 @@ typedef struct opening {
   double gap, depth;
 } opening;
 
-/* The start gap of points that open again, as worked out with pencil and paper from eq:initial-shift: it follows the deeper one of the last two gaps, up to zero, and never
- * goes back. */
+/* The start gap of points that open again, as worked out with pencil and paper from eq:initial-shift: it follows the deeper one
+ * of the last two gaps, up to zero, and never goes back. */
 static void start_gap_opens(void)
 {
   static const opening by_hand[] = {
@@ -120,8 +123,9 @@ static void start_gap_opens(void)
   free_hand(&h);
 }
 
-/* A start gap that fades while the point opens: at T / 2 half of it is left, so a point that stands at the start gap is pressed by the other half; where it has opened farther
- * the start gap follows, divided by what is left of the fade. The work is that of the trapezoid. */
+/* A start gap that fades while the point opens: at T / 2 half of it is left, so a point that stands at the start gap is pressed
+ * by the other half; where it has opened farther the start gap follows, divided by what is left of the fade. The work is that of
+ * the trapezoid. */
 static void start_gap_fades(void)
 {
   const double T = 2.0, g0 = -0.04, area = 4.0, half = 0.5, tail = 0.5 * (1.0 - sqrt(0.5)); // φ at T / 2 and 3 T / 4
@@ -144,8 +148,9 @@ static void start_gap_fades(void)
   free_hand(&h);
 }
 
-/* A point is in contact at any depth if it came in from outside, and in no contact if it begins deep. One that was outside and is deeper than the depth at once (which a run
- * refuses, eq:passage) has no face near: no contact, and a new point afterwards. What tells these apart is the sign in the memory. */
+/* A point is in contact at any depth if it came in from outside, and in no contact if it begins deep. One that was outside and is
+ * deeper than the depth at once (which a run refuses, eq:passage) has no face near: no contact, and a new point afterwards. What
+ * tells these apart is the sign in the memory. */
 static void history_in_memory(void)
 {
   static const double in[] = {0.1, -0.2, -0.5, -0.9, -0.4, -0.1, 0.05, -0.1}, deep[] = {-0.5, -0.2, -0.1, 0.05, -0.1}, leap[] = {0.1, -0.5, -0.1, 0.1, -0.1};
@@ -161,8 +166,8 @@ static void history_in_memory(void)
   }
 }
 
-/* Thin closed plates pressed into each other: the host's contact keeps its history itself, the effect in its memory, through a restart in every step. Both are one. The host's
- * energy has a closed form (test_contact_geometry). */
+/* Thin closed plates pressed into each other: the host's contact keeps its history itself, the effect in its memory, through a
+ * restart in every step. Both are one. The host's energy has a closed form (test_contact_geometry). */
 static void same_as_the_host(void)
 {
   const double low_a[3] = {0, 0, 0}, size_a[3] = {2, 2, 0.1}, low_b[3] = {0.63, 0.59, 0.1001}, size_b[3] = {0.8, 0.8, 0.1};

@@ -47,7 +47,8 @@ static void decay(void)
   ct_mesh_free(mesh);
 }
 
-/* A bar that hangs on one end comes to rest with u(x) = rho g (L x - x² / 2) / E, which linear elements have exactly at their nodes. */
+/* A bar that hangs on one end comes to rest with u(x) = rho g (L x - x² / 2) / E, which linear elements have exactly at their
+ * nodes. */
 static void relaxation(void)
 {
   static const ct_material bar = {.young = 900.0, .poisson = 0.0, .density = 1.0};
@@ -90,7 +91,8 @@ static void relaxation(void)
   tap_ok(unrest <= 1e-9 && state->step < 600, "relaxation comes to rest in %d steps, 4 L / c is %.1f steps", (int)state->step, 40.0 / 30.0 / problem->dt);
   tap_ok(off < 1e-8, "in the static solution, off by %.2g of %.2g", off, 500.0 / 900.0);
   tap_ok(balance < 1e-12, "the work balance closes (%.2g)", balance);
-  // The weight does the work 2 E_strain, and the motion began with the discrete kinetic energy of -dt/2 and dt/2, which is below 0.
+  // The weight does the work 2 E_strain, and the motion began with the discrete kinetic energy of -dt/2 and dt/2, which is below
+  // 0.
   tap_close((work + first.kinetic) / energy.strain, -1.0, 1e-8, "damping has taken half the work of the weight, the other half is strain (%g)", energy.strain);
   while (other->step < state->step) advance(problem, other, 1);
   tap_ok(memcmp(other->displacement, state->displacement, 3 * (size_t)problem->node_count * sizeof(double)) == 0, "a restart has the same bits");

@@ -143,7 +143,8 @@ static void flying_block(void)
   ct_state *state = new_state(p);
   advance(p, state, steps);
   ct_momentum now = momentum_of(p, state, 0);
-  // Mass 1; at t = 1 the centre is at (1.5, 2.5, 4) + (3, -1, 2) = (4.5, 1.5, 6): L = X x v = (1.5*2 + 6*1, 6*3 - 4.5*2, -4.5 - 4.5).
+  // Mass 1; at t = 1 the centre is at (1.5, 2.5, 4) + (3, -1, 2) = (4.5, 1.5, 6): L = X x v = (1.5*2 + 6*1, 6*3 - 4.5*2, -4.5 -
+  // 4.5).
   const double L[3] = {9.0, 9.0, -9.0}, v[3] = {3, -1, 2};
   double off = worst(largest_difference(now.p, v, 3), largest_difference(now.L, L, 3));
   tap_ok(off < 1e-13 && now.body == 0 && fabs(now.time - 1.0) < 1e-15, "a flying block of mass 1: p = v, L = X x v, off by %.2g", off);
@@ -195,8 +196,9 @@ static void discrete_kinetic(void)
   ct_mesh_free(box);
 }
 
-/* A block hangs on its base for 2 · 10⁵ steps. The impulse of its weight is m g t, that of the base the rest of its momentum: to 10⁻¹⁴ of the whole, where a plain running sum is off
- * by 10⁻¹²; and a copy within a block of steps goes on with the same bits. */
+/* A block hangs on its base for 2 · 10⁵ steps. The impulse of its weight is m g t, that of the base the rest of its momentum: to
+ * 10⁻¹⁴ of the whole, where a plain running sum is off by 10⁻¹²; and a copy within a block of steps goes on with the same bits.
+ * */
 static void many_impulses(void)
 {
   static const int64_t at[] = {1000, 25600, 25601, 102399, 200000};

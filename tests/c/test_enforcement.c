@@ -1,4 +1,5 @@
-/* Enforcements: one point against a bisection of its law, many points against a dense solution, the energy that never grows, momentum, and bits. */
+/* Enforcements: one point against a bisection of its law, many points against a dense solution, the energy that never grows,
+ * momentum, and bits. */
 #include "../../libcontact/src/enforcement/solve.h"
 #include "../../libcontact/src/workspace.h"
 #include "bodies.h"
@@ -127,7 +128,8 @@ static void energy_never_grows(void)
   close_bar(&p);
 }
 
-/* A bar that touches the wall at the start, or has gone into it: the first force is found twice, and both times it is the same. */
+/* A bar that touches the wall at the start, or has gone into it: the first force is found twice, and both times it is the same.
+ * */
 static void start_in_touch(void)
 {
   for (int e = 0; e < 3; e++)

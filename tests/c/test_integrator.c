@@ -1,4 +1,5 @@
-/* Integrators against the algorithms as their authors write them, closed forms of their amplification, orders, ledgers, and equal bits. */
+/* Integrators against the algorithms as their authors write them, closed forms of their amplification, orders, ledgers, and equal
+ * bits. */
 #include "bodies.h"
 
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
@@ -215,7 +216,8 @@ static void free_fall(ct_scheme scheme)
   ct_mesh_free(m);
 }
 
-/* Two cubes that touch and run against each other: the forces of the first moment must be those of the way that is then gone, and the velocity the given one. */
+/* Two cubes that touch and run against each other: the forces of the first moment must be those of the way that is then gone, and
+ * the velocity the given one. */
 static void pressed_start(ct_scheme scheme, ct_enforcement enforcement)
 {
   ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 1, 1, 1), *b = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
@@ -407,7 +409,8 @@ static void is_central(ct_integrator integrator)
   ct_scene_free(d.scene);
 }
 
-/* A bar on a rigid wall with the explicit penalty, beta = 1, at 0.9 of the true limit of bar and penalty: the error of the force while the wave runs. */
+/* A bar on a rigid wall with the explicit penalty, beta = 1, at 0.9 of the true limit of bar and penalty: the error of the force
+ * while the wave runs. */
 static void bar_on_wall(ct_scheme scheme, double least, double most)
 {
   ct_material stuff = {900.0, 0.0, 1.0, CT_LINEAR};

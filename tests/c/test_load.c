@@ -64,7 +64,8 @@ static void resultants(ct_brick_kind kind, const char *name)
   ct_mesh_free(mesh);
 }
 
-/* A pressure that follows, all around a body: no force and no moment, however the body is deformed; and the bound of its stiffness is one. */
+/* A pressure that follows, all around a body: no force and no moment, however the body is deformed; and the bound of its
+ * stiffness is one. */
 static void closed_surface(ct_brick_kind kind, const char *name)
 {
   ct_mesh *mesh = box_mesh(kind, 0, 0, 0, 1, 1, 1, 2, 2, 2);
@@ -101,7 +102,8 @@ static void closed_surface(ct_brick_kind kind, const char *name)
   ct_mesh_free(mesh);
 }
 
-/* A bar that is pulled at its end from t = 0 on: behind the front the stress is the traction, and the end moves with traction / (rho c). */
+/* A bar that is pulled at its end from t = 0 on: behind the front the stress is the traction, and the end moves with traction /
+ * (rho c). */
 static void step_load(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 10, 0.1, 0.1, 100, 1, 1);

@@ -54,7 +54,8 @@ static int64_t unlike(const double *f, const double *g, int64_t n)
   return count;
 }
 
-/* In a layer that flies no force is -0, which would change a velocity of -0 otherwise than the +0 of bricks and of what is skipped. */
+/* In a layer that flies no force is -0, which would change a velocity of -0 otherwise than the +0 of bricks and of what is
+ * skipped. */
 static void zeros(void)
 {
   for (int axis = 0; axis < 3; axis++) {

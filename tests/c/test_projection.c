@@ -49,7 +49,8 @@ static ct_face random_face(ct_face_kind kind, double amount)
   return face;
 }
 
-/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its foot below, while g is under the radii of curvature. */
+/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its foot below, while g is under the radii of curvature.
+ * */
 static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
 {
   double error[3] = {0, 0, 0}, gap[3] = {0, 0, 0}, normal = 0;
@@ -234,7 +235,8 @@ static void brute_force(ct_face_kind kind)
   tap_close(slope, 0, 1e-12, "%s: nor any direction into the face", NAME[kind]);
 }
 
-/* Faces z = p x^2 + q y^2 + r x y, so strongly bent that several valleys lie on them: the samples alone miss the lowest on some 1 in 100. */
+/* Faces z = p x^2 + q y^2 + r x y, so strongly bent that several valleys lie on them: the samples alone miss the lowest on some 1
+ * in 100. */
 static void folded_faces(ct_face_kind kind)
 {
   const int cells = 60;
@@ -424,9 +426,9 @@ static void simplex_floor(void)
   tap_ok(ct_project(&face, near, &options, &out) == CT_ITERATION_LIMIT && out.iterations == 10, "simplex respects its budget");
 }
 
-/* The foot is the centroid of the first simplex, so all three values are equal: by hand, the first image is not lower and the second
- * highest vertex is reflected too (3 + 2 calls). No vertex may be the centre of fewer than 4 iterations before each of the 34 halvings down to
- * 1e-10, and before the end. */
+/* The foot is the centroid of the first simplex, so all three values are equal: by hand, the first image is not lower and the
+ * second highest vertex is reflected too (3 + 2 calls). No vertex may be the centre of fewer than 4 iterations before each of the
+ * 34 halvings down to 1e-10, and before the end. */
 static void simplex_steps_by_hand(void)
 {
   ct_face face = {CT_Q4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}};

@@ -157,7 +157,8 @@ static void many_feet(void)
   tap_ok(out.certified && out.distance == 0, "nothing is closer than zero");
 }
 
-/* A Q8 or T6 face through points of a sphere, or of a cylinder, with the point near its centre: f is nearly the same everywhere. */
+/* A Q8 or T6 face through points of a sphere, or of a cylinder, with the point near its centre: f is nearly the same everywhere.
+ * */
 static ct_face around(ct_face_kind kind, int sphere, double radius, double aside, double point[3])
 {
   ct_face face = parabolic_face(kind, 0, 0);
@@ -205,7 +206,8 @@ static void near_the_surface(void)
   tap_ok(evaluations <= robust + 440, "nearly all by one look (%ld looks of certified, %ld of robust)", evaluations, robust);
 }
 
-/* A foot that is wrong by `shift`: if that is nevertheless called proven, it must be as near as the true one within half the tolerance. */
+/* A foot that is wrong by `shift`: if that is nevertheless called proven, it must be as near as the true one within half the
+ * tolerance. */
 static void attack(const ct_face *face, const double point[3], double shift, int *proven, int *lies)
 {
   ct_project_options options = ct_project_options_default();

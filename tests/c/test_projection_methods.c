@@ -62,9 +62,9 @@ static path walk(int method, const ct_face *face, const double point[3], const d
 
 static double off(const path *p, int i) { return fmax(fabs(p->xi[i][0]), fabs(p->xi[i][1])); }
 
-/* At the top of z = (p x^2 + q y^2) / 2 the curvatures are p and q, and a point at height g is projected there. To first order least squares leaves
- * g times the curvature of each error; the sphere k = curvature in the direction of the point leaves an error too unless p = q; Newton and the
- * torus have an error of second order. */
+/* At the top of z = (p x^2 + q y^2) / 2 the curvatures are p and q, and a point at height g is projected there. To first order
+ * least squares leaves g times the curvature of each error; the sphere k = curvature in the direction of the point leaves an
+ * error too unless p = q; Newton and the torus have an error of second order. */
 static void orders(void)
 {
   double g = 0.4, point[3] = {0, 0, 0.4}, start[2] = {0.2, 0}, diagonal[2] = {0.15, 0.1};
@@ -89,7 +89,8 @@ static void orders(void)
   tap_ok(falls, "bfgs goes downhill only");
 }
 
-/* On a plane f is a parabola with round contours if the tangents are orthogonal and as long: then each of these needs one step. */
+/* On a plane f is a parabola with round contours if the tangents are orthogonal and as long: then each of these needs one step.
+ * */
 static void one_step(void)
 {
   ct_face flat = parabolic_face(CT_T3, 0, 0);
@@ -104,7 +105,8 @@ static void one_step(void)
   }
 }
 
-/* Steepest descent with exact steps on the parabola f = x^2 + c y^2 from the worst start shrinks the error by (c - 1) / (c + 1) a step. */
+/* Steepest descent with exact steps on the parabola f = x^2 + c y^2 from the worst start shrinks the error by (c - 1) / (c + 1) a
+ * step. */
 static void zigzag(void)
 {
   double c = 9, start[2] = {0.9, 0.1}, point[3] = {0, 0, 0};
@@ -159,7 +161,8 @@ static void nelder_mead_by_hand(void)
   tap_close(fmax(fabs(p.xi[1][0]), fabs(p.xi[1][1] - sqrt(3) / 12)), 0, 1e-14, "and contracts about a near one");
 }
 
-/* Rosenbrock-like valleys want the expansion and the contraction; a quadratic function of two variables is no trouble for either simplex. */
+/* Rosenbrock-like valleys want the expansion and the contraction; a quadratic function of two variables is no trouble for either
+ * simplex. */
 static void nelder_mead_changes_its_form(void)
 {
   ct_face narrow = parabolic_face(CT_Q8, 0, 0);

@@ -18,7 +18,8 @@ static ct_problem with_step(const ct_problem *p, double dt)
   return q;
 }
 
-/* A body falls v t + g t² / 2 exactly, with any steps one after another, and the impulse and work of its weight are m g t and m g (v t + g t² / 2). */
+/* A body falls v t + g t² / 2 exactly, with any steps one after another, and the impulse and work of its weight are m g t and m g
+ * (v t + g t² / 2). */
 static void falling(void)
 {
   static const int parts[4] = {3, 1, 2, 5};
@@ -55,7 +56,8 @@ static void falling(void)
   ct_mesh_free(mesh);
 }
 
-/* Velocity at t = 1 and displacement there of a body that vibrates, with `count` steps of which the second half are divided by `parts`. */
+/* Velocity at t = 1 and displacement there of a body that vibrates, with `count` steps of which the second half are divided by
+ * `parts`. */
 static void vibrate(const ct_problem *p, int64_t count, int parts, double *u, double *v)
 {
   ct_problem coarse = with_step(p, 1.0 / (double)count), fine = with_step(&coarse, coarse.dt / parts);

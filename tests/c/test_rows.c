@@ -1,4 +1,5 @@
-/* Quiet regions in a lattice: what rows of bits say is what the elements say one by one; nodes that are adrift, and the order of numbers, change no bit. */
+/* Quiet regions in a lattice: what rows of bits say is what the elements say one by one; nodes that are adrift, and the order of
+ * numbers, change no bit. */
 #include "../../libcontact/src/bits.h"
 #include "../../libcontact/src/memory.h"
 #include "../../libcontact/src/solid/lattice.h"
@@ -142,7 +143,8 @@ static void rows_beside_elements(int nx, int ny, int nz, ct_layers layers, int f
   ct_mesh_free(m.mesh);
 }
 
-/* An effect that pushes a few nodes and looks at all: it keeps a hash of all displacements that it sees, and counts the nodes that are adrift then. */
+/* An effect that pushes a few nodes and looks at all: it keeps a hash of all displacements that it sees, and counts the nodes
+ * that are adrift then. */
 typedef struct witness {
   const ct_problem *problem;
   ct_state *state;

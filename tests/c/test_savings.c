@@ -173,8 +173,8 @@ static void same_bits(ct_savings savings, const char *what)
   }
 }
 
-/* Move a node at the far end of the second bar by hand, or push it, when the forces are asked for next by a step, or by the ledger, or were so just before; or turn
- * zeros of its velocity into -0. */
+/* Move a node at the far end of the second bar by hand, or push it, when the forces are asked for next by a step, or by the
+ * ledger, or were so just before; or turn zeros of its velocity into -0. */
 static void meddle(run *r, int how)
 {
   int64_t d = 3 * (int64_t)r->problem->node_count - 3;
@@ -210,7 +210,8 @@ static void many_steps(void)
   }
 }
 
-/* A body whose ring holds a tenth of its elements, pushed at a few nodes: what stands in the ring of a batch that is skipped is not taken for its own. */
+/* A body whose ring holds a tenth of its elements, pushed at a few nodes: what stands in the ring of a batch that is skipped is
+ * not taken for its own. */
 static void long_ring(void)
 {
   static const int32_t NODES[4] = {8, 3000, 3001, 5800};
@@ -238,7 +239,8 @@ static void long_ring(void)
   for (int k = 0; k < 2; k++) close_run(&r[k]);
 }
 
-/* A state that is copied in the middle of a run goes on with the same bits: into a new state, into one that was before and one that was behind. */
+/* A state that is copied in the middle of a run goes on with the same bits: into a new state, into one that was before and one
+ * that was behind. */
 static void restarts(void)
 {
   ct_error e;
@@ -284,7 +286,8 @@ static int skipped(ct_quiet *quiet, const ct_solid_part *part, const double *u)
   return quiet->batch[part->first_batch] == CT_BATCH_QUIET;
 }
 
-/* One whose nodes have one velocity is not looked at until one of its nodes does more than drift; one that moves is looked at every eighth call. */
+/* One whose nodes have one velocity is not looked at until one of its nodes does more than drift; one that moves is looked at
+ * every eighth call. */
 static void sleeping_batches(ct_quiet *quiet, const ct_solid_part *part)
 {
   double same[3 * 39], u[3 * 39] = {0.0};
@@ -397,7 +400,8 @@ static void batches(void)
   ct_mesh_free(m);
 }
 
-/* No node is still before anything is known of it, and each is once the front has not come yet: the front moves at most an element a step. */
+/* No node is still before anything is known of it, and each is once the front has not come yet: the front moves at most an
+ * element a step. */
 static void front(void)
 {
   form f = FORMS[1];
@@ -538,7 +542,8 @@ static void bulge(void)
   ct_mesh_free(m);
 }
 
-/* Force and energy of a box, many cells long or thin, for random displacements that are alike in parts of it: tables or none, any number of threads. */
+/* Force and energy of a box, many cells long or thin, for random displacements that are alike in parts of it: tables or none, any
+ * number of threads. */
 static void lattices(void)
 {
   // The ring of the last two has room for half a block beside what nodes wait for.

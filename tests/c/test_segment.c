@@ -40,7 +40,8 @@ static void interpolation_conditions(ct_face_kind kind)
   tap_ok(padding == 0, "%s: entries beyond the nodes are 0", NAME[kind]);
 }
 
-/* Central differences have no truncation error here: along one axis the N_i are at most quadratic, so any step will do and 1/2 is exact. */
+/* Central differences have no truncation error here: along one axis the N_i are at most quadratic, so any step will do and 1/2 is
+ * exact. */
 static void derivatives(ct_face_kind kind)
 {
   const double h = 0.5;

@@ -57,7 +57,8 @@ static void free_fold(fold *p)
   free(p->x);
 }
 
-/* Press the end of the upper layer through the lower one, to z = -0.1 of where it was; shift it by `slide`, warp both at random. */
+/* Press the end of the upper layer through the lower one, to z = -0.1 of where it was; shift it by `slide`, warp both at random.
+ * */
 static void press(fold *p, double slide, double noise)
 {
   for (int n = 0; n < p->surface.node_count; n++) {
@@ -139,8 +140,8 @@ static void folded(ct_face_kind kind)
   free_fold(&p);
 }
 
-/* The layers as two surfaces of their own must say the same, as the bend between them touches nothing; also where a small depth leaves the lists of
- * the reference shape empty. */
+/* The layers as two surfaces of their own must say the same, as the bend between them touches nothing; also where a small depth
+ * leaves the lists of the reference shape empty. */
 static void like_two(ct_face_kind kind)
 {
   fold p = new_fold(kind);
@@ -168,7 +169,8 @@ static void like_two(ct_face_kind kind)
   free_fold(&p);
 }
 
-/* The bound on the step against the largest eigenvalue of the contact's own stiffness, by power iteration over differences of forces. */
+/* The bound on the step against the largest eigenvalue of the contact's own stiffness, by power iteration over differences of
+ * forces. */
 static void bound(ct_face_kind kind)
 {
   fold p = new_fold(kind);
@@ -206,7 +208,8 @@ static void bound(ct_face_kind kind)
   free_fold(&p);
 }
 
-/* A layer that travels over the other one: the forces at the end are the bits of a contact that was made for the end alone, on any number of threads. */
+/* A layer that travels over the other one: the forces at the end are the bits of a contact that was made for the end alone, on
+ * any number of threads. */
 static void history(ct_face_kind kind)
 {
   fold p = new_fold(kind);
@@ -282,7 +285,8 @@ static void jaws(const ct_mesh *m, double angle, double *x)
   }
 }
 
-/* Jaws that open touch nothing, although the end of one comes to look at the underside of the other, through the other (eq:self-way). */
+/* Jaws that open touch nothing, although the end of one comes to look at the underside of the other, through the other
+ * (eq:self-way). */
 static void open_jaws(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 0.2, 1, 18, 2, 2);

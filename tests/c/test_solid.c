@@ -167,8 +167,8 @@ static void kernels(void)
   kernel_against_reference(three, CT_KERNEL_BOX, "box kernel, a block of cells");
 }
 
-/* A mesh of many batches: nodes are summed while elements are still being computed, so each must wait for its last one. The scratch
- * holds the forces of another displacement before, and elements stand in their own order or in any. */
+/* A mesh of many batches: nodes are summed while elements are still being computed, so each must wait for its last one. The
+ * scratch holds the forces of another displacement before, and elements stand in their own order or in any. */
 static void large_mesh(ct_brick_kind kind, ct_solid_kernel kernel, int shuffled, const char *name)
 {
   ct_mesh *m = kind == CT_HEX8 ? box_mesh(kind, 0, 0, 0, 12, 10, 11, 12, 10, 11) : box_mesh(kind, 0, 0, 0, 9, 8, 8, 9, 8, 8);

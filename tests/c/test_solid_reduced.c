@@ -1,4 +1,5 @@
-/* Reduced hex8: the kernel against the readable form, patch test, hourglass modes, bending against beam theory, bound on the step. */
+/* Reduced hex8: the kernel against the readable form, patch test, hourglass modes, bending against beam theory, bound on the
+ * step. */
 #include "blocks.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -187,7 +188,8 @@ static void modes(void)
   ct_mesh_free(m);
 }
 
-/* Uniform curvature of a beam with n cubes through its height, no Poisson effect: the energy over that of the beam is 1 - (1 - κ) / n². */
+/* Uniform curvature of a beam with n cubes through its height, no Poisson effect: the energy over that of the beam is 1 - (1 - κ)
+ * / n². */
 static void curvature(void)
 {
   ct_material m = {1.0, 0.0, 1.0, CT_LINEAR};

@@ -14,7 +14,8 @@ static block open_held(const ct_mesh *m, const ct_material *material, ct_solid_k
   return solid;
 }
 
-/* Rayleigh's quotient of the whole after many rounds of the power method: what is found is below the largest eigenvalue, and in the end it is that. */
+/* Rayleigh's quotient of the whole after many rounds of the power method: what is found is below the largest eigenvalue, and in
+ * the end it is that. */
 static double whole(const ct_mesh *m, const ct_material *material, const block *solid, const int held[3])
 {
   int n = 3 * m->node_count;
@@ -106,7 +107,8 @@ static void held_components(void)
   ct_mesh_free(m);
 }
 
-/* Any order of nodes and elements is a box all the same, with the same bits; bodies that only look like one have the bound of their elements. */
+/* Any order of nodes and elements is a box all the same, with the same bits; bodies that only look like one have the bound of
+ * their elements. */
 static void looks(void)
 {
   const int held[3] = {0, 0, 0};

@@ -1,4 +1,5 @@
-/* The leapfrog against closed forms: free flight, a vibration, the order, the limit of stability, bars that collide; and equal bits. */
+/* The leapfrog against closed forms: free flight, a vibration, the order, the limit of stability, bars that collide; and equal
+ * bits. */
 #include "bodies.h"
 
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
@@ -50,7 +51,8 @@ static void free_flight(ct_brick_kind kind, ct_solid_kernel kernel, const char *
   ct_mesh_free(other);
 }
 
-/* The dilatation of a cube has omega^2 = 12 K / (rho h^2); the leapfrog makes of it q_n = dt v0 sin(n phi) / sin(phi), phi = 2 asin(omega dt / 2). */
+/* The dilatation of a cube has omega^2 = 12 K / (rho h^2); the leapfrog makes of it q_n = dt v0 sin(n phi) / sin(phi), phi = 2
+ * asin(omega dt / 2). */
 static void vibration(double fraction)
 {
   const double h = 0.5, bulk = SOFT.young / (3.0 * (1.0 - 2.0 * SOFT.poisson)), omega = sqrt(12.0 * bulk / (SOFT.density * h * h));
@@ -380,7 +382,8 @@ static void symmetric_impact(ct_brick_kind kind, ct_solid_kernel kernel, const c
   ct_mesh_free(right);
 }
 
-/* Bodies that overlap at t = 0 have a force there: the first half kick goes back from the given velocity, and the ledger knows. */
+/* Bodies that overlap at t = 0 have a force there: the first half kick goes back from the given velocity, and the ledger knows.
+ * */
 static void loaded_start(void)
 {
   ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2), *right = box_mesh(CT_HEX8, -0.03125, 0, 0, 1, 1, 1, 2, 2, 2);

@@ -114,7 +114,8 @@ static void order_does_not_matter(void)
   tap_ok(left != right, "the plain sums of such numbers from left and from right differ");
 }
 
-/* Several sums at once over terms that come in pieces, some of them empty, or zero, or not finite: the bits of ct_sum of all terms. */
+/* Several sums at once over terms that come in pieces, some of them empty, or zero, or not finite: the bits of ct_sum of all
+ * terms. */
 static void pieces(void)
 {
   static double v[4][1000];

@@ -1,4 +1,5 @@
-/* Bulk viscosity: closed form of a uniform compression, the kernel against the readable form, a chain of springs and dashpots, the bound. */
+/* Bulk viscosity: closed form of a uniform compression, the kernel against the readable form, a chain of springs and dashpots,
+ * the bound. */
 #include "blocks.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -37,7 +38,8 @@ static ct_effect *make(ct_scene *scene, const ct_mesh *m, const ct_material *mat
   return effect;
 }
 
-/* v = -D x / 3 on a distorted mesh of cubes: no force inside, and outside that of the pressure, which closed form gives for a cube. */
+/* v = -D x / 3 on a distorted mesh of cubes: no force inside, and outside that of the pressure, which closed form gives for a
+ * cube. */
 static void uniform_compression(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 2, 2, 2, 4, 4, 4);
@@ -131,7 +133,8 @@ static void kernel(void)
   ct_mesh_free(m);
 }
 
-/* Largest eigenvalue of M⁻¹C about a strong compression, where the force is smooth, by power iteration; C from differences of forces. */
+/* Largest eigenvalue of M⁻¹C about a strong compression, where the force is smooth, by power iteration; C from differences of
+ * forces. */
 static void bound(void)
 {
   for (int part = 0; part < 2; part++) {
@@ -174,7 +177,8 @@ static void bound(void)
 
 enum { CELLS = 200 };
 
-/* A rod of CELLS cubes of edge 1, held on its sides, that runs against a fixed end at speed `v0`; stresses at time `end`, and the work of the viscosity. */
+/* A rod of CELLS cubes of edge 1, held on its sides, that runs against a fixed end at speed `v0`; stresses at time `end`, and the
+ * work of the viscosity. */
 static double rod(double linear, double quadratic, double courant, double v0, double end, double stress[CELLS], double *balance, double *dt)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, CELLS, 1, 1, CELLS, 1, 1);

@@ -1,4 +1,5 @@
-/* Faults of a run: each is named with time, body and element or node before the numbers are lost, the last good state is kept, and nothing else changes. */
+/* Faults of a run: each is named with time, body and element or node before the numbers are lost, the last good state is kept,
+ * and nothing else changes. */
 #include "bodies.h"
 
 static const double PI = 3.14159265358979323846;
@@ -63,8 +64,9 @@ static void same_bits(void)
   ct_mesh_free(right);
 }
 
-/* A bar of St. Venant-Kirchhoff's material, ν = 0, is stretched evenly: P'(λ) = E (3 λ² - 1) / 2, and the largest frequency of ten
- * elements between held ends is 2 c / h sin(9 π / 20): Courant number f of the start is too much from λ² = (2 / (f sin)² + 1) / 3 on. */
+/* A bar of St. Venant-Kirchhoff's material, ν = 0, is stretched evenly: P'(λ) = E (3 λ² - 1) / 2, and the largest frequency of
+ * ten elements between held ends is 2 c / h sin(9 π / 20): Courant number f of the start is too much from λ² = (2 / (f sin)² + 1)
+ * / 3 on. */
 static void stiffening(void)
 {
   static const ct_material bar = {2.0, 0.0, 2.0, CT_ST_VENANT_KIRCHHOFF};

@@ -139,8 +139,8 @@ int main(void)
   /* Chain with lumped masses: h / c = h. With the contact: 1 / dt² = 1 / dt_contact² + 1 / dt_host². */
   dt_host = left.h;
   dt = 0.5 / sqrt(1.0 / (dt_contact * dt_contact) + 1.0 / (dt_host * dt_host));
-  /* One pair of end nodes: k = 1 / (4 h), m = h / 8 each, so ω² = 2 k / m = 4 / h² and dt = h. The bound of both together is h / √2, below
-   * the true limit sqrt(2 / (1 + √5)) h = 0.786 h. */
+  /* One pair of end nodes: k = 1 / (4 h), m = h / 8 each, so ω² = 2 k / m = 4 / h² and dt = h. The bound of both together is h /
+   * √2, below the true limit sqrt(2 / (1 + √5)) h = 0.786 h. */
   tap_close(dt_contact / left.h, 1.0, 1e-12, "stable step of the contact of two end layers at beta = 1");
   before = energy(&left) + energy(&right);
   tap_ok(loop(&left, &right, contact, dt, 25.0, &w), "the host's time loop");

@@ -1,4 +1,5 @@
-/* A host with threads of its own: each has a state of the one problem, and a watch over it; all must end with the same bits. For `make threads`. */
+/* A host with threads of its own: each has a state of the one problem, and a watch over it; all must end with the same bits. For
+ * `make threads`. */
 #include <contact.h>
 
 #include <pthread.h>

@@ -35,29 +35,39 @@ typedef struct ct_contact_options {
   /** Tolerance of the search in half-widths of a face. */
   double tolerance;
   /**
-   * A point that is deeper than this under a face [length] when it is first seen is not in contact with it, :eq:`point-history`; one that came in from outside is, at any
-   * depth. 0: the largest face size of the two surfaces.
+   * A point that is deeper than this under a face [length] when it is first seen is not in contact with it, :eq:`point-history`;
+   * one that came in from outside is, at any depth. 0: the largest face size of the two surfaces.
    */
   double depth;
   /** Threads; results do not depend on it. */
   int threads;
-  /** Not 0: no search while the surfaces are too far from each other to touch, :eq:`contact-clear`; results do not depend on it. */
+  /**
+   * Not 0: no search while the surfaces are too far from each other to touch, :eq:`contact-clear`; results do not depend on it.
+   */
   int distant;
-  /** How the contact effect of a problem makes forces of gaps; `ct_contact_update`, which knows of no step, is always the explicit penalty. */
+  /**
+   * How the contact effect of a problem makes forces of gaps; `ct_contact_update`, which knows of no step, is always the explicit
+   * penalty.
+   */
   ct_enforcement enforcement;
-  /** Share of the stiffness that acts at the end of the step, 0 ... 1, :eq:`energy-controlled`; for the energy-controlled penalty. */
+  /**
+   * Share of the stiffness that acts at the end of the step, 0 ... 1, :eq:`energy-controlled`; for the energy-controlled penalty.
+   */
   double dissipation;
   /** Where the points are; Gauss points. */
   ct_contact_rule points;
-  /** What becomes of points that are inside at the start; CT_INITIAL_PUSH. Only the effect heeds it, a host's ct_contact_update does not. */
+  /**
+   * What becomes of points that are inside at the start; CT_INITIAL_PUSH. Only the effect heeds it, a host's ct_contact_update
+   * does not.
+   */
   ct_initial initial;
   /** Time in which CT_INITIAL_REMOVE parts the surfaces [time], > 0 with it. */
   double removal;
 } ct_contact_options;
 
 /**
- * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, no search between distant surfaces, energy-controlled penalty with dissipation 0.1.
- * ``epsilon`` is 0 and must be set.
+ * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, no search between distant surfaces, energy-controlled penalty
+ * with dissipation 0.1. ``epsilon`` is 0 and must be set.
  */
 CT_API ct_contact_options ct_contact_options_default(void);
 
@@ -76,16 +86,16 @@ CT_API ct_status ct_contact_create(const ct_surface *a, const ct_surface *b, con
                                    ct_contact **out, ct_error *error);
 
 /**
- * Prepare the contact of a surface with itself: a fold, two layers, the ends of a C. Every point looks for the nearest face that shares no node
- * with its own and looks the other way; of points under it only those are in contact that are less deep than half the body's thickness there in the
- * reference shape, :eq:`self-depth`. The reference shape must not pass through itself. In the calls below, what belongs to surface b is neither
- * read nor written then and may be null. Errors as of ct_contact_create.
+ * Prepare the contact of a surface with itself: a fold, two layers, the ends of a C. Every point looks for the nearest face that
+ * shares no node with its own and looks the other way; of points under it only those are in contact that are less deep than half
+ * the body's thickness there in the reference shape, :eq:`self-depth`. The reference shape must not pass through itself. In the
+ * calls below, what belongs to surface b is neither read nor written then and may be null. Errors as of ct_contact_create.
  */
 CT_API ct_status ct_contact_create_self(const ct_surface *surface, const ct_contact_options *options, ct_contact **out, ct_error *error);
 
 /**
- * Find who meets whom at the current coordinates `xa`, `xb` [length], shapes (node_count of a surface, 3), and compute forces and energy.
- * ``CT_INVALID``: a coordinate is not finite (`error` names body and node); forces are then those of the last good call.
+ * Find who meets whom at the current coordinates `xa`, `xb` [length], shapes (node_count of a surface, 3), and compute forces and
+ * energy. ``CT_INVALID``: a coordinate is not finite (`error` names body and node); forces are then those of the last good call.
  */
 CT_API ct_status ct_contact_update(ct_contact *contact, const double *xa, const double *xb, ct_error *error);
 
@@ -100,8 +110,9 @@ CT_API ct_status ct_contact_resultant(const ct_contact *contact, double force_a[
                                       double moment_b[3]);
 
 /**
- * Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active at its nearest face, :eq:`contact-bound`.
- * If both surfaces were given with one array of reference coordinates, a node of both gets the sum of its two rows.
+ * Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active at its nearest face,
+ * :eq:`contact-bound`. If both surfaces were given with one array of reference coordinates, a node of both gets the sum of its
+ * two rows.
  */
 CT_API ct_status ct_contact_frequency(const ct_contact *contact, const double *mass_a, const double *mass_b,
                                       double *omega_squared);
@@ -156,7 +167,10 @@ typedef enum ct_penetration_at {
 typedef struct ct_penetration {
   /** Number of places inside; a corner or an edge counts once for each face. */
   int64_t inside;
-  /** Of them, points that are inside without being in contact, as they did not come in from outside, :eq:`point-history`; 0 at corners and edges. */
+  /**
+   * Of them, points that are inside without being in contact, as they did not come in from outside, :eq:`point-history`; 0 at
+   * corners and edges.
+   */
   int64_t buried;
   /** Depth of the deepest place that is not buried [length]; 0 when there is none. */
   double deepest;
@@ -169,8 +183,8 @@ typedef struct ct_penetration {
 } ct_penetration;
 
 /**
- * Penetration at the coordinates of the last update, at the contact's points, or at corners or edges, which a contact with Gauss points does not look at.
- * ``CT_ERROR_UNSUPPORTED``: corners or edges of a surface in contact with itself.
+ * Penetration at the coordinates of the last update, at the contact's points, or at corners or edges, which a contact with Gauss
+ * points does not look at. ``CT_ERROR_UNSUPPORTED``: corners or edges of a surface in contact with itself.
  */
 CT_API ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at, ct_penetration *out);
 
@@ -178,8 +192,8 @@ CT_API ct_status ct_contact_penetration(const ct_contact *contact, ct_penetratio
 CT_API void ct_contact_free(ct_contact *contact);
 
 /**
- * The contact effect of two surfaces of one problem, whose nodes are numbered as the problem's; if `a` and `b` are the same pointer, of the surface with itself.
- * `nodal_mass` (node_count of the problem) is copied for the stable step.
+ * The contact effect of two surfaces of one problem, whose nodes are numbered as the problem's; if `a` and `b` are the same
+ * pointer, of the surface with itself. `nodal_mass` (node_count of the problem) is copied for the stable step.
  */
 CT_API ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, const ct_contact_options *options,
                                           const double *nodal_mass, ct_effect **effect, ct_error *error);

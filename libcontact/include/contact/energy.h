@@ -50,8 +50,9 @@ CT_API ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int3
 CT_API ct_status ct_energy_stored(const ct_problem *problem, ct_state *state, int32_t effect, double *energy, ct_error *error);
 
 /**
- * How far the state is from rest, :eq:`unrest`: the larger of the largest nodal force that is not balanced over the largest nodal force of any effect, and the root of the
- * kinetic over the stored energy. 0 where nothing moves and no force acts, infinite where something moves and nothing is stored.
+ * How far the state is from rest, :eq:`unrest`: the larger of the largest nodal force that is not balanced over the largest nodal
+ * force of any effect, and the root of the kinetic over the stored energy. 0 where nothing moves and no force acts, infinite
+ * where something moves and nothing is stored.
  */
 CT_API ct_status ct_energy_unrest(const ct_problem *problem, ct_state *state, double *unrest, ct_error *error);
 

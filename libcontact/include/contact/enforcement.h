@@ -7,11 +7,17 @@
 typedef enum ct_enforcement {
   /** Explicit penalty k⟨-g_n⟩, :eq:`contact-penalty`. It limits the step, and can feed energy into the bodies. */
   CT_ENFORCE_PENALTY,
-  /** Penalty at the gaps of the coming step, which can only take energy away, :eq:`energy-controlled`. Leaves the stable step as it is. */
+  /**
+   * Penalty at the gaps of the coming step, which can only take energy away, :eq:`energy-controlled`. Leaves the stable step as
+   * it is.
+   */
   CT_ENFORCE_ENERGY_CONTROLLED,
   /** Penalty on gap and acceleration of the gap in a ratio that leaves the stable step as it is, :eq:`bipenalty`. */
   CT_ENFORCE_BIPENALTY,
-  /** Forward increment Lagrange multipliers: no gap of the coming step is negative, :eq:`forward-increment`. Leaves the stable step as it is. */
+  /**
+   * Forward increment Lagrange multipliers: no gap of the coming step is negative, :eq:`forward-increment`. Leaves the stable
+   * step as it is.
+   */
   CT_ENFORCE_LAGRANGE
 } ct_enforcement;
 
@@ -19,8 +25,8 @@ typedef enum ct_enforcement {
 CT_API const char *ct_enforcement_name(ct_enforcement enforcement);
 
 /**
- * One point that may press in a step, as an effect lists it. The gap is g = Σ_a b_a n·x_a + what does not move with nodes, and a force λ of the point
- * puts λ b_a n on node a, :eq:`constraint-force`.
+ * One point that may press in a step, as an effect lists it. The gap is g = Σ_a b_a n·x_a + what does not move with nodes, and a
+ * force λ of the point puts λ b_a n on node a, :eq:`constraint-force`.
  */
 typedef struct ct_constraint {
   /** How the force follows from the gaps. */
@@ -53,16 +59,21 @@ typedef struct ct_constraint {
   double force;
 } ct_constraint;
 
-/** Force λ that the law of a constraint asks for if the next gap is `after` [force]. Lagrange multipliers follow no such law: NaN. */
+/**
+ * Force λ that the law of a constraint asks for if the next gap is `after` [force]. Lagrange multipliers follow no such law: NaN.
+ */
 CT_API double ct_enforcement_force(const ct_constraint *constraint, double after);
 
 /**
- * Force λ of a constraint that is alone: g_{n+1} = `free` + `mobility` λ, with the gap `free` [length] that comes without it and `mobility` [length / force], and
- * the law holds for this gap, :eq:`enforcement-solution`.
+ * Force λ of a constraint that is alone: g_{n+1} = `free` + `mobility` λ, with the gap `free` [length] that comes without it and
+ * `mobility` [length / force], and the law holds for this gap, :eq:`enforcement-solution`.
  */
 CT_API double ct_enforcement_solve(const ct_constraint *constraint, double free, double mobility);
 
-/** Energy that the constraint holds at t_n [energy], so that the sum with what the bodies hold never grows, :eq:`controlled-energy`. */
+/**
+ * Energy that the constraint holds at t_n [energy], so that the sum with what the bodies hold never grows,
+ * :eq:`controlled-energy`.
+ */
 CT_API double ct_enforcement_energy(const ct_constraint *constraint);
 
 #endif

@@ -13,7 +13,10 @@ typedef struct ct_gravity {
   int32_t body_count;
 } ct_gravity;
 
-/** The effect "gravity": f = m g at each node, with the potential :eq:`gravity-potential`. The problem is a joined one, see `ct_scene_join`. */
+/**
+ * The effect "gravity": f = m g at each node, with the potential :eq:`gravity-potential`. The problem is a joined one, see
+ * `ct_scene_join`.
+ */
 CT_API ct_status ct_gravity_create_effect(const ct_gravity *gravity, const ct_problem *problem, ct_effect **effect, ct_error *error);
 
 #endif

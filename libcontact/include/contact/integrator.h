@@ -53,7 +53,10 @@ CT_API double ct_integrator_share(const ct_integrator *integrator);
 /** Largest stable Ω = ω Δt of an oscillator without damping, :eq:`integrator-limits`. */
 CT_API double ct_integrator_limit(const ct_integrator *integrator);
 
-/** Largest stable Δt [time] for the sums `omega_squared` of ω² [1 / time²] and `rate` of the damping rates [1 / time], :eq:`integrator-damped-bound`. */
+/**
+ * Largest stable Δt [time] for the sums `omega_squared` of ω² [1 / time²] and `rate` of the damping rates [1 / time],
+ * :eq:`integrator-damped-bound`.
+ */
 CT_API double ct_integrator_step(const ct_integrator *integrator, double omega_squared, double rate);
 
 #endif

@@ -24,8 +24,9 @@ typedef struct ct_load {
 } ct_load;
 
 /**
- * The effect "load", :eq:`load-force`. It stores nothing; its work stands in the ledger. Arrays are copied. The problem is a joined one, see `ct_scene_join`.
- * ``CT_ERROR_ARGUMENT``, ``CT_INVALID``, ``CT_ERROR_GEOMETRY``: what is missing, not finite, or a face without area, named by its number.
+ * The effect "load", :eq:`load-force`. It stores nothing; its work stands in the ledger. Arrays are copied. The problem is a
+ * joined one, see `ct_scene_join`. ``CT_ERROR_ARGUMENT``, ``CT_INVALID``, ``CT_ERROR_GEOMETRY``: what is missing, not finite, or
+ * a face without area, named by its number.
  */
 CT_API ct_status ct_load_create_effect(const ct_load *load, const ct_problem *problem, ct_effect **effect, ct_error *error);
 

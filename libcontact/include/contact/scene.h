@@ -26,7 +26,9 @@ typedef struct ct_scene_contact {
   const int32_t *faces_a;
   /** Likewise of the second body. */
   const int32_t *faces_b;
-  /** Penalty factor β of ε = β E / h, with the smaller E and the shortest edge of the two bodies; or 0 and `options.epsilon` > 0. */
+  /**
+   * Penalty factor β of ε = β E / h, with the smaller E and the shortest edge of the two bodies; or 0 and `options.epsilon` > 0.
+   */
   double beta;
   /** Search, depth; `epsilon` when `beta` is 0. */
   ct_contact_options options;
@@ -60,7 +62,10 @@ typedef struct ct_scene_time {
   double fraction;
   /** Δt itself [time]. */
   double dt;
-  /** Not zero: `dt` is kept to the last bit, and the run ends with the first step that is not before `end`. A run that is continued needs the Δt that it had. */
+  /**
+   * Not zero: `dt` is kept to the last bit, and the run ends with the first step that is not before `end`. A run that is
+   * continued needs the Δt that it had.
+   */
   int keep_dt;
   /** Threads, >= 1. */
   int threads;
@@ -68,7 +73,9 @@ typedef struct ct_scene_time {
   double (*clock)(void);
   /** The method of the time steps; all bytes zero: central difference. */
   ct_integrator integrator;
-  /** Not zero: linear bodies are bounded by `ct_stable_assembled` where that allows a larger step; it costs some 70 forces once. */
+  /**
+   * Not zero: linear bodies are bounded by `ct_stable_assembled` where that allows a larger step; it costs some 70 forces once.
+   */
   int assembled;
 } ct_scene_time;
 
@@ -87,7 +94,10 @@ CT_API ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_m
  */
 CT_API ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *velocity, ct_error *error);
 
-/** The coefficient κ of the hourglass control of a body with CT_KERNEL_REDUCED, :eq:`hourglass-stiffness`, > 0; the default if this is not called. */
+/**
+ * The coefficient κ of the hourglass control of a body with CT_KERNEL_REDUCED, :eq:`hourglass-stiffness`, > 0; the default if
+ * this is not called.
+ */
 CT_API ct_status ct_scene_set_hourglass(ct_scene *scene, int32_t body, double coefficient, ct_error *error);
 
 /** Add a contact; its arrays are copied. */
@@ -97,15 +107,19 @@ CT_API ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *c
 CT_API ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support, ct_error *error);
 
 /**
- * Number the nodes of all bodies one after another. `*problem` then has its bodies, reference coordinates, masses and initial velocities, but no effects
- * yet: what the library's `ct_..._create_effect` calls need. No body can be added after it. The problem lives as long as the scene.
+ * Number the nodes of all bodies one after another. `*problem` then has its bodies, reference coordinates, masses and initial
+ * velocities, but no effects yet: what the library's `ct_..._create_effect` calls need. No body can be added after it. The
+ * problem lives as long as the scene.
  */
 CT_API ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_error *error);
 
 /** What may be left out when the scene is computed, from its next build on; all of it if this is not called. */
 CT_API ct_status ct_scene_set_savings(ct_scene *scene, const ct_savings *savings, ct_error *error);
 
-/** Add an effect that was made for the joined problem, the library's or the caller's own. The scene takes it over, also when the call fails, and frees it. */
+/**
+ * Add an effect that was made for the joined problem, the library's or the caller's own. The scene takes it over, also when the
+ * call fails, and frees it.
+ */
 CT_API ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *error);
 
 /**
@@ -117,8 +131,9 @@ CT_API ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, cons
                                 ct_stable_step *stable, ct_error *error);
 
 /**
- * The contact of an effect at the state's time, for `ct_contact_points` and `ct_contact_resultant`: who touches whom, gaps and pressures.
- * It lives as long as the state, and the next step changes it. Null, with `error` filled, for an effect that is no contact.
+ * The contact of an effect at the state's time, for `ct_contact_points` and `ct_contact_resultant`: who touches whom, gaps and
+ * pressures. It lives as long as the state, and the next step changes it. Null, with `error` filled, for an effect that is no
+ * contact.
  */
 CT_API const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state, int32_t effect, ct_error *error);
 

@@ -17,7 +17,10 @@ typedef struct ct_surface {
   int32_t face_count;
   /** Node numbers, counter-clockwise from outside, shape (face_count, nodes of a face). */
   const int32_t *faces;
-  /** Reference coordinates [length], shape (node_count, 3): the shape that a search begins with; they give a contact the weights w J_ref of its Gauss points. */
+  /**
+   * Reference coordinates [length], shape (node_count, 3): the shape that a search begins with; they give a contact the weights w
+   * J_ref of its Gauss points.
+   */
   const double *reference;
 } ct_surface;
 
@@ -25,15 +28,16 @@ typedef struct ct_surface {
 typedef struct ct_search ct_search;
 
 /**
- * Prepare a surface for queries. Its arrays are copied.
- * ``CT_ERROR_ARGUMENT``: empty surface, unknown kind, node number out of range; ``CT_INVALID``: a coordinate is not finite or beyond
- * 1e70; ``CT_ERROR_GEOMETRY``: a face without area (`error` names the face).
+ * Prepare a surface for queries. Its arrays are copied. ``CT_ERROR_ARGUMENT``: empty surface, unknown kind, node number out of
+ * range; ``CT_INVALID``: a coordinate is not finite or beyond 1e70; ``CT_ERROR_GEOMETRY``: a face without area (`error` names the
+ * face).
  */
 CT_API ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error *error);
 
 /**
- * Move the nodes to `x` [length], shape (node_count, 3). The tree is refitted, or built anew when it has become poor, :eq:`tree-cost`; answers do not
- * depend on which. ``CT_INVALID``: a coordinate is not finite or beyond 1e70 (`error` names the node); nothing has moved then.
+ * Move the nodes to `x` [length], shape (node_count, 3). The tree is refitted, or built anew when it has become poor,
+ * :eq:`tree-cost`; answers do not depend on which. ``CT_INVALID``: a coordinate is not finite or beyond 1e70 (`error` names the
+ * node); nothing has moved then.
  */
 CT_API ct_status ct_search_move(ct_search *search, const double *x, ct_error *error);
 
@@ -45,7 +49,10 @@ CT_API double ct_search_cost(const ct_search *search);
 
 /** The nearest place of a surface; everything is written by ct_search_nearest. */
 typedef struct ct_nearest {
-  /** As of ct_project for the face: CT_OK or CT_NOT_CERTIFIED. CT_INVALID: the point is not finite or beyond 1e70, or no face has an answer; then all floating-point members are NaN. */
+  /**
+   * As of ct_project for the face: CT_OK or CT_NOT_CERTIFIED. CT_INVALID: the point is not finite or beyond 1e70, or no face has
+   * an answer; then all floating-point members are NaN.
+   */
   ct_status status;
   /** Number of the face, of equally near ones the first; -1 with CT_INVALID. */
   int32_t face;
@@ -77,10 +84,11 @@ typedef struct ct_search_options {
 CT_API ct_search_options ct_search_options_default(void);
 
 /**
- * Nearest face of the surface for each of ``count`` points, shape (count, 3), into ``out[count]``. Null ``options`` are the defaults. ``start`` is null, or
- * has a face for each point, shape (count), that is probably near (that of the last step, say); -1 means none. Without it each point begins with
- * the face of the point before it. Points that follow each other closely and good starts save time; no bit of the answer depends on them.
- * ``CT_ERROR_ARGUMENT``: null pointer, impossible option, a start that is no face; then nothing is written. Else CT_OK; see the status of each point.
+ * Nearest face of the surface for each of ``count`` points, shape (count, 3), into ``out[count]``. Null ``options`` are the
+ * defaults. ``start`` is null, or has a face for each point, shape (count), that is probably near (that of the last step, say);
+ * -1 means none. Without it each point begins with the face of the point before it. Points that follow each other closely and
+ * good starts save time; no bit of the answer depends on them. ``CT_ERROR_ARGUMENT``: null pointer, impossible option, a start
+ * that is no face; then nothing is written. Else CT_OK; see the status of each point.
  */
 CT_API ct_status ct_search_nearest(const ct_search *search, size_t count, const double *points, const int32_t *start, const ct_search_options *options,
                                    ct_nearest *out);

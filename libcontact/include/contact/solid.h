@@ -52,9 +52,10 @@ CT_API ct_status ct_solid_element_tangent_frequency(ct_brick_kind kind, const do
                                                     ct_error *error);
 
 /**
- * Force of one hex8 element with one point and hourglass control, the readable form, :eq:`reduced-force`. `nodes`, `displacement` and `force` have
- * shape (8, 3); `hourglass` > 0 is the coefficient κ of :eq:`hourglass-stiffness`. `energy` (may be null) gets the energies of the mean strain and of the
- * hourglass control, :eq:`reduced-energy`. ``CT_ERROR_UNSUPPORTED`` for a law of large deformation.
+ * Force of one hex8 element with one point and hourglass control, the readable form, :eq:`reduced-force`. `nodes`, `displacement`
+ * and `force` have shape (8, 3); `hourglass` > 0 is the coefficient κ of :eq:`hourglass-stiffness`. `energy` (may be null) gets
+ * the energies of the mean strain and of the hourglass control, :eq:`reduced-energy`. ``CT_ERROR_UNSUPPORTED`` for a law of large
+ * deformation.
  */
 CT_API ct_status ct_solid_reduced_force(const double *nodes, const double *displacement, const ct_material *material, double hourglass,
                                         double *force, double energy[2], ct_error *error);
@@ -84,7 +85,10 @@ typedef struct ct_solid_block {
   int threads;
   /** Coefficient κ of the hourglass control for CT_KERNEL_REDUCED, :eq:`hourglass-stiffness`; 0: the default. */
   double hourglass;
-  /** 1 where a support holds all nodes of the body in this direction at velocity 0: one layer of boxes is then in plane strain, and such motions do not bound the step. */
+  /**
+   * 1 where a support holds all nodes of the body in this direction at velocity 0: one layer of boxes is then in plane strain,
+   * and such motions do not bound the step.
+   */
   int held[3];
 } ct_solid_block;
 
@@ -97,8 +101,9 @@ typedef struct ct_solid_block {
 CT_API ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_count, ct_effect **effect, ct_error *error);
 
 /**
- * The effect "hourglass" of a solid effect with blocks of CT_KERNEL_REDUCED: it has no force of its own (the solid effect's holds it), and its stored energy is
- * that of the hourglass control, which the energy of the solid effect leaves out. Null, with CT_OK, when no block is of that kind. The solid effect must outlive it.
+ * The effect "hourglass" of a solid effect with blocks of CT_KERNEL_REDUCED: it has no force of its own (the solid effect's holds
+ * it), and its stored energy is that of the hourglass control, which the energy of the solid effect leaves out. Null, with CT_OK,
+ * when no block is of that kind. The solid effect must outlive it.
  */
 CT_API ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **effect, ct_error *error);
 

@@ -48,11 +48,16 @@ typedef struct ct_problem {
   double dt;
   /** Threads, >= 1; results do not depend on it. */
   int threads;
-  /** Null, or a clock [seconds] with which the time loop measures what each effect costs (`effect_seconds` of the state); results do not depend on it. */
+  /**
+   * Null, or a clock [seconds] with which the time loop measures what each effect costs (`effect_seconds` of the state); results
+   * do not depend on it.
+   */
   double (*clock)(void);
   /** The method of the time steps; all bytes zero: central difference. */
   ct_integrator integrator;
-  /** Not zero: linear bodies are bounded by `ct_stable_assembled` where that allows a larger step; it costs some 70 forces once. */
+  /**
+   * Not zero: linear bodies are bounded by `ct_stable_assembled` where that allows a larger step; it costs some 70 forces once.
+   */
   int assembled;
 } ct_problem;
 
@@ -76,31 +81,35 @@ typedef struct ct_state {
   /** Doubles in `work`. */
   int64_t work_count;
   /**
-   * For each effect in turn that is no reaction, at each of its nodes and components: the sum over the past steps of f_j · (v_{j-1/2} + v_{j+1/2}),
-   * its work divided by Δt / 2, :eq:`work-balance`; with the weights of the stages, :eq:`stage-work`.
+   * For each effect in turn that is no reaction, at each of its nodes and components: the sum over the past steps of f_j ·
+   * (v_{j-1/2} + v_{j+1/2}), its work divided by Δt / 2, :eq:`work-balance`; with the weights of the stages, :eq:`stage-work`.
    */
   double *work;
   /** Doubles in `impulse`. */
   int64_t impulse_count;
   /**
-   * For each effect but the first, likewise: the sum of f_j, its impulse divided by Δt, :eq:`impulse-balance`. In two parts, :eq:`impulse-parts`: what came since the step number
-   * was a multiple of 256, and in a second half of the same shape what had come by then.
+   * For each effect but the first, likewise: the sum of f_j, its impulse divided by Δt, :eq:`impulse-balance`. In two parts,
+   * :eq:`impulse-parts`: what came since the step number was a multiple of 256, and in a second half of the same shape what had
+   * come by then.
    */
   double *impulse;
   /** Kinetic energy at t = 0 [energy]. */
   double kinetic_start;
   /** Doubles in `memory`. */
   int64_t memory_count;
-  /** Memory of the effects, one after another; then, for Chung and Lee, the acceleration at t_{n-1}, shape (node_count, 3) [length / time²], :eq:`chung-lee-drift`. */
+  /**
+   * Memory of the effects, one after another; then, for Chung and Lee, the acceleration at t_{n-1}, shape (node_count, 3) [length
+   * / time²], :eq:`chung-lee-drift`.
+   */
   double *memory;
   /**
-   * Seconds spent in the forces of each effect so far, and after them in the rest of the time loop, shape (effect_count + 1); zero without the problem's
-   * clock. Not part of a restart; written by `ct_step`.
+   * Seconds spent in the forces of each effect so far, and after them in the rest of the time loop, shape (effect_count + 1);
+   * zero without the problem's clock. Not part of a restart; written by `ct_step`.
    */
   double *effect_seconds;
   /**
-   * Steps in which the forces of the constraints, :eq:`constraint-problem`, did not settle to 1e-10 of the largest within 500 rounds, so far; the last of them is used
-   * then. Not part of a restart; written by `ct_step`.
+   * Steps in which the forces of the constraints, :eq:`constraint-problem`, did not settle to 1e-10 of the largest within 500
+   * rounds, so far; the last of them is used then. Not part of a restart; written by `ct_step`.
    */
   int64_t unsettled;
   /**
@@ -119,7 +128,10 @@ typedef struct ct_state {
 
 /** The stable step that is reported, and what it is made of. */
 typedef struct ct_stable_step {
-  /** Largest stable Δt with all effects [time]: 2 / sqrt(Σ ω²), :eq:`step-bound`, or with damping and other integrators :eq:`integrator-damped-bound`. */
+  /**
+   * Largest stable Δt with all effects [time]: 2 / sqrt(Σ ω²), :eq:`step-bound`, or with damping and other integrators
+   * :eq:`integrator-damped-bound`.
+   */
   double dt;
   /** The same without contacts, obstacles and their friction [time]. */
   double dt_without_contact;
@@ -130,13 +142,17 @@ typedef struct ct_stable_step {
 /** A state at t = 0 with zero displacement; evaluates the first forces. */
 CT_API ct_status ct_state_create(const ct_problem *problem, ct_state **state, ct_error *error);
 
-/** Copy what a restart needs. Both states must belong to the same problem. ``CT_ERROR_ARGUMENT``: they don't, or `from` stands within a step. */
+/**
+ * Copy what a restart needs. Both states must belong to the same problem. ``CT_ERROR_ARGUMENT``: they don't, or `from` stands
+ * within a step.
+ */
 CT_API ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_state *to, ct_error *error);
 
 /**
- * Go on with a smaller step: make `to`, a state of `problem`, from a state of a problem that is the same but for its Δt, which is a whole number of times that of `problem`.
- * Displacement, velocity at t_n, work and impulse stay what they are, :eq:`step-change`; with the same Δt it is a copy. ``CT_ERROR_ARGUMENT``: the problems differ, or Δt is no such
- * part. After an error `to` may hold anything that `ct_state_copy` can overwrite.
+ * Go on with a smaller step: make `to`, a state of `problem`, from a state of a problem that is the same but for its Δt, which is
+ * a whole number of times that of `problem`. Displacement, velocity at t_n, work and impulse stay what they are,
+ * :eq:`step-change`; with the same Δt it is a copy. ``CT_ERROR_ARGUMENT``: the problems differ, or Δt is no such part. After an
+ * error `to` may hold anything that `ct_state_copy` can overwrite.
  */
 CT_API ct_status ct_state_refine(const ct_problem *problem, ct_state *from, ct_state *to, ct_error *error);
 
@@ -144,8 +160,9 @@ CT_API ct_status ct_state_refine(const ct_problem *problem, ct_state *from, ct_s
 CT_API void ct_state_free(ct_state *state);
 
 /**
- * One step of the problem's integrator, :eq:`stage`; the central difference method is :eq:`leapfrog`. When the forces of a second stage fail, the state stands within a step: then
- * every call but `ct_state_copy` into it and `ct_state_free` answers ``CT_ERROR_ARGUMENT``; also one that copies from it.
+ * One step of the problem's integrator, :eq:`stage`; the central difference method is :eq:`leapfrog`. When the forces of a second
+ * stage fail, the state stands within a step: then every call but `ct_state_copy` into it and `ct_state_free` answers
+ * ``CT_ERROR_ARGUMENT``; also one that copies from it.
  */
 CT_API ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error);
 
@@ -153,14 +170,15 @@ CT_API ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *e
 CT_API ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count, ct_error *error);
 
 /**
- * What one effect adds to the bound of the step in this state: ω² [1 / time²] and the rate of its damping [1 / time], :eq:`damped-step-bound`; 0 where it
- * says nothing.
+ * What one effect adds to the bound of the step in this state: ω² [1 / time²] and the rate of its damping [1 / time],
+ * :eq:`damped-step-bound`; 0 where it says nothing.
  */
 CT_API ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t effect, double *omega_squared, double *rate, ct_error *error);
 
 /**
- * Upper bound of the largest ω² of all bodies together, held as they are [1 / time²], :eq:`assembled-bound`: Lanczos' method from a random start, which is the same in every call, with a
- * margin of 6 %; for one start in 10¹² it is too low. ``CT_ERROR_UNSUPPORTED``: a body is not linear.
+ * Upper bound of the largest ω² of all bodies together, held as they are [1 / time²], :eq:`assembled-bound`: Lanczos' method from
+ * a random start, which is the same in every call, with a margin of 6 %; for one start in 10¹² it is too low.
+ * ``CT_ERROR_UNSUPPORTED``: a body is not linear.
  */
 CT_API ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double *omega_squared, ct_error *error);
 

@@ -16,9 +16,9 @@ typedef struct ct_support {
 } ct_support;
 
 /**
- * The effect of all supports together: it keeps the reaction impulse at each of its nodes. Its prescribed degrees of freedom must have
- * `inverse_mass` 0 and the prescribed initial velocity, which `ct_support_apply` sets. A degree of freedom that two
- * supports give different velocities is ``CT_ERROR_ARGUMENT``.
+ * The effect of all supports together: it keeps the reaction impulse at each of its nodes. Its prescribed degrees of freedom must
+ * have `inverse_mass` 0 and the prescribed initial velocity, which `ct_support_apply` sets. A degree of freedom that two supports
+ * give different velocities is ``CT_ERROR_ARGUMENT``.
  */
 CT_API ct_status ct_support_create_effect(const ct_support *supports, int32_t support_count, int32_t node_count,
                                           ct_effect **effect, ct_error *error);

@@ -59,7 +59,8 @@ static double motion(const ct_side *side)
   return sqrt(top);
 }
 
-/* Leave out of a list of faces those that share a node with `face`, itself among them; answers how many stay (eq:self-adjacent). */
+/* Leave out of a list of faces those that share a node with `face`, itself among them; answers how many stay (eq:self-adjacent).
+ * */
 static int32_t drop_adjacent(const ct_side *side, int32_t face, int32_t *list, int32_t count)
 {
   int32_t kept = 0;
@@ -116,7 +117,8 @@ static int anything_within(const ct_side *side, const ct_side *other, double rea
   return 0;
 }
 
-/* Find how far the surfaces are from touching: what is free beyond the depth, twice the skin, four times, ... while nothing is there. */
+/* Find how far the surfaces are from touching: what is free beyond the depth, twice the skin, four times, ... while nothing is
+ * there. */
 static void measure_clear(ct_contact *contact)
 {
   enum { DOUBLINGS = 40 };
@@ -127,8 +129,8 @@ static void measure_clear(ct_contact *contact)
   for (int i = 0; i < DOUBLINGS && !anything_within(a, b, contact->depth + 2.0 * contact->clear); i++) contact->clear *= 2.0;
 }
 
-/* Whether no point can have come into the depth of a face since the lists were made: the box of a linear face moves at most as far as its nodes,
- * that of a quadratic one seven times as far (eq:contact-clear). */
+/* Whether no point can have come into the depth of a face since the lists were made: the box of a linear face moves at most as
+ * far as its nodes, that of a quadratic one seven times as far (eq:contact-clear). */
 static int still_distant(const ct_contact *contact)
 {
   if (!contact->built || !contact->begun || contact->clear == 0.0) return 0;
@@ -230,7 +232,8 @@ typedef struct heap {
   double coarse[24], fine[24];
 } heap;
 
-/* Bring what a heap holds to the nodes of its face, and begin with another face. These are inlined with `per` known, 4 or as many as there may be. */
+/* Bring what a heap holds to the nodes of its face, and begin with another face. These are inlined with `per` known, 4 or as many
+ * as there may be. */
 CT_INLINE void bring(int per, ct_side *side, heap *sums, int32_t next)
 {
   const ct_search *search = side->search;
@@ -245,7 +248,8 @@ CT_INLINE void bring(int per, ct_side *side, heap *sums, int32_t next)
   for (int i = 0; i < 3 * per; i++) sums->coarse[i] = sums->fine[i] = 0.0;
 }
 
-/* Add a force at a point of `face` to its heap. The grid makes all sums exact, so it does not matter that they are made by parts. */
+/* Add a force at a point of `face` to its heap. The grid makes all sums exact, so it does not matter that they are made by parts.
+ * */
 CT_INLINE void push(int per, const ct_grid *grid, ct_side *side, int32_t face, const double N[8], const double force[3], heap *sums)
 {
   double x[24];
@@ -271,7 +275,8 @@ CT_INLINE void spread_faces(int per, const ct_grid *grid, ct_side *side, ct_side
   bring(per, other, &theirs, -1);
 }
 
-/* Add the forces of one side's points to the nodes of both sides, in sums that do not depend on their order (eq:contact-force). */
+/* Add the forces of one side's points to the nodes of both sides, in sums that do not depend on their order (eq:contact-force).
+ * */
 CT_CLONES
 static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
 {

@@ -22,8 +22,8 @@ struct ct_contact {
 ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double *xb, ct_error *error);
 ct_status ct_contact_collect(ct_contact *contact, ct_error *error);
 
-/* Find how far two surfaces may come nearer in a step; and refuse a step of length `dt` to `time` that may have brought them nearer than that, with
- * velocities in the numbering of `nodes` (eq:passage). */
+/* Find how far two surfaces may come nearer in a step; and refuse a step of length `dt` to `time` that may have brought them
+ * nearer than that, with velocities in the numbering of `nodes` (eq:passage). */
 void ct_passage_init(ct_contact *contact);
 ct_status ct_passage_check(const ct_contact *contact, const int32_t *nodes, const double *velocity, double dt, double time, ct_error *error);
 

@@ -68,8 +68,8 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_OK;
 }
 
-/* A point's memory: number of its other face plus one, negative while it is in contact, or 0: none, or BURIED; the parameters there; and where a step's
- * gaps give the force this force. After the points: whether there was a step before. */
+/* A point's memory: number of its other face plus one, negative while it is in contact, or 0: none, or BURIED; the parameters
+ * there; and where a step's gaps give the force this force. After the points: whether there was a step before. */
 enum { OTHER = 0, XI = 1, FORCE = 3 };
 static const double BURIED = -4294967296.0;
 

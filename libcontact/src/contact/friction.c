@@ -136,7 +136,8 @@ static void make_tangential(const double d[3], double v[3])
   for (int c = 0; c < 3; c++) v[c] -= along * d[c];
 }
 
-/* Traction of a point whose trial slip is known; `k` is the normal stiffness, and the normal force k times the depth below the foot. */
+/* Traction of a point whose trial slip is known; `k` is the normal stiffness, and the normal force k times the depth below the
+ * foot. */
 static void rub(const friction_data *data, double k, const double normal[3], slip_point *p)
 {
   double limit = data->mu / data->rho * (sqrt(ct_vector_dot(normal, normal)) / k);

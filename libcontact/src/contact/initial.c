@@ -9,7 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Doubles of memory of a point: the start gap, the gap and the force of the last step; and behind all points: the time of the last step and the work. */
+/* Doubles of memory of a point: the start gap, the gap and the force of the last step; and behind all points: the time of the
+ * last step and the work. */
 enum { START = 0, GAP = 1, PRESSED = 2, TIME = 0, WORK = 1 };
 
 int ct_initial_shifts(const ct_contact_options *options) { return options->initial == CT_INITIAL_KEEP || options->initial == CT_INITIAL_REMOVE; }
@@ -32,7 +33,8 @@ ct_status ct_initial_refuse(const ct_contact *contact, ct_error *error)
                  (long)found.buried, contact->depth);
 }
 
-/* The start gap of a point: that of the first step; never deeper than where the point has come out to, and 0 once it was outside (eq:initial-shift). */
+/* The start gap of a point: that of the first step; never deeper than where the point has come out to, and 0 once it was outside
+ * (eq:initial-shift). */
 static double start_gap(const ct_gauss_point *point, const double *memory, double share, int first)
 {
   if (point->other < 0 || share == 0.0) return 0.0;

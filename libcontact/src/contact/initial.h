@@ -6,8 +6,8 @@
 /* Doubles of memory that a contact which shifts its gaps needs, a point and behind all points. */
 enum { CT_INITIAL_POINT = 3, CT_INITIAL_END = 2 };
 
-/* What the shifts are shown: the time t_n and Δt, whether this is the first step, the memory of the first point and how far apart those of two points are,
- * and what stands behind all points; to read and to write. */
+/* What the shifts are shown: the time t_n and Δt, whether this is the first step, the memory of the first point and how far apart
+ * those of two points are, and what stands behind all points; to read and to write. */
 typedef struct ct_initial_view {
   double time, dt;
   int first;

@@ -15,7 +15,8 @@ typedef struct nearest {
   double last[3];         /* unit normal of the other side where the point was in the last step */
 } nearest;
 
-/* Where a point is, seen from the place that it has found: nothing near, beyond the border, outside, inside, inside beneath a far side. */
+/* Where a point is, seen from the place that it has found: nothing near, beyond the border, outside, inside, inside beneath a far
+ * side. */
 typedef enum verdict { NOWHERE, BEYOND, OUTSIDE, INSIDE, FAR } verdict;
 
 /* Position of a Gauss point, relative to `origin`. */
@@ -24,14 +25,15 @@ static void position(const ct_side *side, int32_t face, int q, const double orig
   ct_side_interpolate(side, face, side->N[q], origin, y);
 }
 
-/* Middle of a face's box: subtracted from the face and the point before they meet, so that far from the origin no digits are lost. */
+/* Middle of a face's box: subtracted from the face and the point before they meet, so that far from the origin no digits are
+ * lost. */
 static void middle(const ct_bounds *box, double origin[3])
 {
   for (int c = 0; c < 3; c++) origin[c] = 0.5 * (box->low[c] + box->high[c]);
 }
 
-/* How deep a point of a surface may be under a foot on another part of it: half as deep as it was under that place in the reference shape, if it was
- * under it, for then the foot is on the far side of the body; else as deep as any (eq:self-depth). */
+/* How deep a point of a surface may be under a foot on another part of it: half as deep as it was under that place in the
+ * reference shape, if it was under it, for then the foot is on the far side of the body; else as deep as any (eq:self-depth). */
 static double deepest(const ct_pass *p, int32_t face, int q, int32_t target, const double xi[2])
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
@@ -47,9 +49,9 @@ static double deepest(const ct_pass *p, int32_t face, int q, int32_t target, con
   return fmin(p->depth, 0.5 * sqrt(ct_vector_dot(d, d)));
 }
 
-/* In a contact of a surface with itself, whether a foot is one to be pushed from: the faces look at each other, no face at the foot is nearer (one
- * that shares a node with the point's own would not have been tried, eq:local-minimum), and the point is not deeper under it than it may be. `own` is
- * the normal at the point. */
+/* In a contact of a surface with itself, whether a foot is one to be pushed from: the faces look at each other, no face at the
+ * foot is nearer (one that shares a node with the point's own would not have been tried, eq:local-minimum), and the point is not
+ * deeper under it than it may be. `own` is the normal at the point. */
 static int may_push(const ct_pass *p, int32_t face, int q, const double own[3], const double y[3], int32_t target, const ct_projection *foot)
 {
   double normal[3], d[3];
@@ -80,8 +82,8 @@ static int project(const ct_pass *p, int32_t face, int q, int32_t target, const 
   return (status == CT_OK || status == CT_NOT_CERTIFIED || status == CT_ITERATION_LIMIT) && foot->where != CT_OUTSIDE;
 }
 
-/* Whether a place with the normal `normal` (of any length) is on the far side, seen from where a point was, with the unit normal `last` (eq:far-side):
- * it looks away from that, or the same way as the point, and is not the side where the point was. */
+/* Whether a place with the normal `normal` (of any length) is on the far side, seen from where a point was, with the unit normal
+ * `last` (eq:far-side): it looks away from that, or the same way as the point, and is not the side where the point was. */
 static int is_far(const double own[3], const double last[3], const double normal[3])
 {
   double along = ct_vector_dot(last, normal), half = 0.5 * sqrt(ct_vector_dot(normal, normal));
@@ -121,14 +123,16 @@ static void try_face(const ct_pass *p, int32_t face, int q, int32_t target, cons
   }
 }
 
-/* On the border of an open surface: whether the point is above the face and not beyond it, to rounding; for points that lie on edges themselves. */
+/* On the border of an open surface: whether the point is above the face and not beyond it, to rounding; for points that lie on
+ * edges themselves. */
 static int above_border(const ct_projection *foot, const double d[3])
 {
   double along = ct_vector_dot(d, foot->normal);
   return ct_vector_dot(d, d) - along * along <= 1e-12 * ct_vector_dot(d, d);
 }
 
-/* Gap vector d = ȳ - y and the signed gap of a point over a place of a face (eq:gap), whose normal is known. `origin` was subtracted from y. */
+/* Gap vector d = ȳ - y and the signed gap of a point over a place of a face (eq:gap), whose normal is known. `origin` was
+ * subtracted from y. */
 static void gap_over(const ct_pass *p, int32_t target, const double xi[2], const double origin[3], const double y[3], ct_gauss_point *point)
 {
   double foot[3];
@@ -170,8 +174,8 @@ static void close_point(const ct_pass *p, int64_t number, verdict found, int32_t
   else memcpy(point->xi, xi, sizeof point->xi);
 }
 
-/* Whether the way from a point to its foot, `d`, first enters through another face, one that the point is outside of: then the foot is on the far
- * side of something that the point is not in (eq:self-way). */
+/* Whether the way from a point to its foot, `d`, first enters through another face, one that the point is outside of: then the
+ * foot is on the far side of something that the point is not in (eq:self-way). */
 static int enters(const ct_pass *p, int32_t face, int q, int32_t target, const double d[3])
 {
   ct_projection foot;
@@ -183,8 +187,8 @@ static int enters(const ct_pass *p, int32_t face, int q, int32_t target, const d
          ct_search_is_minimum(p->other->search, target, foot.where, foot.index, foot.xi, way);
 }
 
-/* Begin with nothing found; a surface in contact with itself needs its own normal first, a search on one side that of the last step too. Answers 0
- * when there is none. */
+/* Begin with nothing found; a surface in contact with itself needs its own normal first, a search on one side that of the last
+ * step too. Answers 0 when there is none. */
 static int begin(const ct_pass *p, int32_t face, int q, int same_side, nearest *best)
 {
   *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .same_side = same_side};
@@ -193,8 +197,8 @@ static int begin(const ct_pass *p, int32_t face, int q, int same_side, nearest *
   return ct_pass_own_normal(p, face, q, best->own);
 }
 
-/* The nearest face of a point, or the nearest that is on no far side. A point that is in contact looks as far as it takes, but not on its own
- * surface (eq:held). */
+/* The nearest face of a point, or the nearest that is on no far side. A point that is in contact looks as far as it takes, but
+ * not on its own surface (eq:held). */
 static void find_nearest(const ct_pass *p, int32_t face, int q, const double y[3], int same_side, nearest *best)
 {
   const ct_side *side = p->side, *other = p->other;
@@ -224,7 +228,8 @@ static int came_in(const ct_pass *p, int32_t face, int q, const ct_gauss_point *
   return last_normal(p, point, last) && ct_pass_own_normal(p, face, q, own) && ct_pass_looks_across(own, last);
 }
 
-/* The nearest place is a far side. A point that came in by another side belongs to that one still, unless it has left the body (eq:held). */
+/* The nearest place is a far side. A point that came in by another side belongs to that one still, unless it has left the body
+ * (eq:held). */
 static verdict judge_far(const ct_pass *p, int32_t face, int q, const double y[3], nearest *best, ct_gauss_point *point)
 {
   int has_left = point->gap >= 0.0;
@@ -265,7 +270,8 @@ static verdict judge(const ct_pass *p, int32_t face, int q, const double y[3], n
   return found;
 }
 
-/* Whether nothing can be near a point: it was over no face, and no face is listed for its own; at the very first look it may be deep inside (eq:point-history). */
+/* Whether nothing can be near a point: it was over no face, and no face is listed for its own; at the very first look it may be
+ * deep inside (eq:point-history). */
 static int is_alone(const ct_pass *p, int32_t face, const ct_gauss_point *point)
 {
   const int32_t *list = &p->side->candidate_first[face];

@@ -87,7 +87,8 @@ static int edges_at(ct_face_kind kind, const double xi[2])
   return (fabs(xi[0]) == 1.0) + (fabs(xi[1]) == 1.0);
 }
 
-/* At corners or on edges: `edges` is 2 or 1. What is deeper than any point in contact and than the depth is the far side of something. */
+/* At corners or on edges: `edges` is 2 or 1. What is deeper than any point in contact and than the depth is the far side of
+ * something. */
 static void at_edges(const ct_contact *contact, int edges, double limit, ct_penetration *out)
 {
   ct_rule rule;

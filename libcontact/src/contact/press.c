@@ -8,7 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Direction in which a point is pushed: the way to its foot, or where the two are in one place the normal there. Answers 0 where there is none. */
+/* Direction in which a point is pushed: the way to its foot, or where the two are in one place the normal there. Answers 0 where
+ * there is none. */
 static int direction(const ct_press *p, const ct_gauss_point *point, double n[3])
 {
   double length = sqrt(ct_vector_dot(point->d, point->d)), sign = point->gap + point->shift < 0.0 ? 1.0 : -1.0;

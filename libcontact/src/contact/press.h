@@ -22,7 +22,8 @@ int64_t ct_press_list(const ct_press *press, const double moved[3], ct_constrain
 /* The forces that the constraints of an effect have found, onto the points of a side, those `first` ... of the effect. */
 void ct_press_apply(ct_side *side, int64_t first, const ct_constraint *list, int64_t count);
 
-/* Forces of solved constraints into the memory of the effect's `points` points, `stride` doubles apart; answers the energy that they hold. `terms` is room for a number each. */
+/* Forces of solved constraints into the memory of the effect's `points` points, `stride` doubles apart; answers the energy that
+ * they hold. `terms` is room for a number each. */
 double ct_press_remember(const ct_constraint *list, int64_t count, int64_t points, double *memory, int stride, double *terms);
 
 #endif

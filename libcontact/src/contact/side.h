@@ -7,7 +7,8 @@
 #include "../grid.h"
 #include "../search/search_internal.h"
 
-/* What is known of a point from the last update (eq:point-history): nothing; outside, over `other`; in contact with `other`; inside, but not in contact. */
+/* What is known of a point from the last update (eq:point-history): nothing; outside, over `other`; in contact with `other`;
+ * inside, but not in contact. */
 enum { CT_POINT_NEW, CT_POINT_OUTSIDE, CT_POINT_INSIDE, CT_POINT_BURIED };
 
 /* One Gauss point of a side, as the last update left it. */
@@ -77,8 +78,8 @@ static inline void ct_side_push(const ct_grid *grid, const ct_search *search, in
   }
 }
 
-/* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). A new point is in contact down to `depth`; the
- * candidates are complete to the distance `listed`; `first`: no point has a history yet. */
+/* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). A new point is in contact down
+ * to `depth`; the candidates are complete to the distance `listed`; `first`: no point has a history yet. */
 void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double listed, int first);
 
 #endif

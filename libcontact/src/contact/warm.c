@@ -92,7 +92,8 @@ CT_INLINE double positive(double x) { return 0.5 * (x + fabs(x)); }
 /* How far a coordinate is outside a box: it cannot be on both sides. */
 CT_INLINE double outside(double low, double high, double x) { return positive(low - x) + positive(x - high); }
 
-/* Find the points to which some face but the last one may be nearer than the foot; with rounding of their positions, so a little too often rather than not. */
+/* Find the points to which some face but the last one may be nearer than the foot; with rounding of their positions, so a little
+ * too often rather than not. */
 CT_INLINE void find_rivals(const ct_pass *p, block *b)
 {
   double at[3 * CT_WARM], most[CT_WARM];

@@ -106,7 +106,8 @@ static ct_status list_constraints(const ct_problem *problem, ct_state *state, ct
   return CT_OK;
 }
 
-/* Way of each node until t_{n+1} without the constraints, how far a force moves it, and its way since t_{n-1} (eq:constraint-problem). */
+/* Way of each node until t_{n+1} without the constraints, how far a force moves it, and its way since t_{n-1}
+ * (eq:constraint-problem). */
 static void predict(const ct_problem *problem, const ct_state *state, ct_solver *s)
 {
   // The last evaluation was in the other stage, where there are two.
@@ -137,7 +138,8 @@ static ct_status follow_paths(const ct_problem *problem, const ct_state *state, 
   return CT_OK;
 }
 
-/* Σ_a b_a x_a over the nodes of one face, paired so that a flipped face gives the same bits (ct_side_sum, four components side by side). */
+/* Σ_a b_a x_a over the nodes of one face, paired so that a flipped face gives the same bits (ct_side_sum, four components side by
+ * side). */
 static inline void sum_face(int32_t count, const int32_t *slot, const double *b, const double *x, double out[WIDE])
 {
   double t[FACE_NODES][WIDE];
@@ -164,7 +166,8 @@ static inline double along(const ct_constraint *c, const int32_t *slot, const do
   return (c->normal[0] * (own[0] + other[0]) + c->normal[1] * (own[1] + other[1])) + c->normal[2] * (own[2] + other[2]);
 }
 
-/* Gaps of the steps before and after without the constraints. Those that the motions of this step cannot close are left out (eq:near-constraints). */
+/* Gaps of the steps before and after without the constraints. Those that the motions of this step cannot close are left out
+ * (eq:near-constraints). */
 static void choose_active(const ct_problem *problem, ct_solver *s)
 {
   double most = 0.0;
@@ -192,7 +195,8 @@ static void choose_active(const ct_problem *problem, ct_solver *s)
   }
 }
 
-/* Add b_a times a vector to the sums at the nodes of one face, as multiples of the spacing of the coarse grid: these sums are exact in any order (eq:order-free-sum). */
+/* Add b_a times a vector to the sums at the nodes of one face, as multiples of the spacing of the coarse grid: these sums are
+ * exact in any order (eq:order-free-sum). */
 static inline void add_nodes(const ct_grid *grid, int32_t count, const int32_t *slot, const double *b, const double v[WIDE], double *push)
 {
   for (int32_t a = 0; a < count; a++) {
@@ -299,8 +303,8 @@ static void solve_controlled(int64_t count, const double *k, const double *s, co
   for (int64_t r = 0; r < count; r++) next[r] = ct_law_controlled(k[r], s[r], g[r], gap[r] - bound[r] * guess[r], bound[r]);
 }
 
-/* One round: the force of each constraint as if the others stayed as guessed and its own row of W were diagonal. Answers the largest change over the largest
- * force (eq:constraint-iteration). */
+/* One round: the force of each constraint as if the others stayed as guessed and its own row of W were diagonal. Answers the
+ * largest change over the largest force (eq:constraint-iteration). */
 static double improve(ct_solver *s, double *next)
 {
   double change = 0.0, top = 0.0, *gap = s->terms;
@@ -316,7 +320,8 @@ static double improve(ct_solver *s, double *next)
   return top > 0.0 ? change / top : 0.0;
 }
 
-/* Go on from beyond the new forces, farther each time, until that leads uphill (eq:constraint-momentum). `next` becomes the forces. */
+/* Go on from beyond the new forces, farther each time, until that leads uphill (eq:constraint-momentum). `next` becomes the
+ * forces. */
 static double extrapolate(ct_solver *s, const double *next, double pace)
 {
   for (int64_t r = 0; r < s->count; r++) s->terms[r] = s->bound[r] * (s->guess[r] - next[r]) * (next[r] - s->force[r]);

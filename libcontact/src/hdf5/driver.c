@@ -15,9 +15,9 @@
 #endif
 
 /*
- * A file driver for HDF5 whose writes never fail. HDF5 can't close a file any more once one of its writes has failed: it keeps what it
- * could not write, and crashes when the process ends (seen with 1.10.8). So the first failure is kept in ct_disk, from then on nothing
- * is written, and HDF5 is told that all is well. Whoever writes looks at ct_disk.error after each flush.
+ * A file driver for HDF5 whose writes never fail. HDF5 can't close a file any more once one of its writes has failed: it keeps
+ * what it could not write, and crashes when the process ends (seen with 1.10.8). So the first failure is kept in ct_disk, from
+ * then on nothing is written, and HDF5 is told that all is well. Whoever writes looks at ct_disk.error after each flush.
  */
 
 typedef struct driver_file {

@@ -6,7 +6,8 @@
 enum { VTK_HEXAHEDRON = 12, VTK_QUADRATIC_HEXAHEDRON = 25 };
 
 /* The files are of the second superblock and their growing datasets of the extensible-array kind: nothing that is already in the
- * file moves when a step is appended, and no flag in it says that a writer was there (docs/theory/output.rst, "Killed in mid-run"). */
+ * file moves when a step is appended, and no flag in it says that a writer was there (docs/theory/output.rst, "Killed in
+ * mid-run"). */
 hid_t ct_layout_open_access(void)
 {
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);

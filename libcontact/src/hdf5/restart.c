@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The record is kept twice, in the groups restart/a and restart/b, written in turn. Both are datasets of fixed size that stand in the
- * file from the start, so that a write changes no byte but their own; the seal tells whether all of them have arrived. */
+/* The record is kept twice, in the groups restart/a and restart/b, written in turn. Both are datasets of fixed size that stand in
+ * the file from the start, so that a write changes no byte but their own; the seal tells whether all of them have arrived. */
 static const char *const SLOT[2] = {"a", "b"};
 
 static void restart_parts(const ct_state *state, ct_part parts[CT_PART_COUNT])

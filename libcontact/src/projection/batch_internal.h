@@ -12,8 +12,8 @@
 #define CT_BATCH_KERNELS 0
 #endif
 
-/* One block of quadrilaterals. The reference coordinates go to xi, shape (2, 8), the rest to the feet. Answers a bit for each lane that is left to
- * ct_project, and 256 times that bit for each whose foot needs a proof that nothing is closer. */
+/* One block of quadrilaterals. The reference coordinates go to xi, shape (2, 8), the rest to the feet. Answers a bit for each
+ * lane that is left to ct_project, and 256 times that bit for each whose foot needs a proof that nothing is closer. */
 typedef unsigned ct_batch_kernel(ct_face_kind kind, const double *nodes, const double *points, const double *start,
                                  const ct_project_options *options, double xi[16], const ct_batch_feet *feet, size_t block);
 

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-/* Pieces of the face that a proof may look at, at first and if need be; how often something closer may turn up; and from when on a way down that is found
- * when there is no proof is no reason any more to look no longer. */
+/* Pieces of the face that a proof may look at, at first and if need be; how often something closer may turn up; and from when on
+ * a way down that is found when there is no proof is no reason any more to look no longer. */
 enum { FIRST = 500, BUDGET = 20000, RESTARTS = 20, WALKS = 2 };
 
 /* The face in units of about its own size, where that is needed to keep products of its lengths within the range of numbers. */

@@ -9,8 +9,9 @@
 /* As fmax, for numbers, without a call. */
 static inline double most(double a, double b) { return b > a ? b : a; }
 
-/* Coefficients of the patch from its nodes v and the point p, coordinate by coordinate. Only c[0] knows the point; the others are made of differences
- * between nodes, so that neither a far origin nor a far point costs them digits. Each is a tree that flips map onto itself up to its sign. */
+/* Coefficients of the patch from its nodes v and the point p, coordinate by coordinate. Only c[0] knows the point; the others are
+ * made of differences between nodes, so that neither a far origin nor a far point costs them digits. Each is a tree that flips
+ * map onto itself up to its sign. */
 static inline void quadrilateral(const double v[8][4], const double p[4], double c[8][4])
 {
   for (int k = 0; k < 4; k++) {

@@ -5,8 +5,8 @@
 
 #include "../vector.h"
 
-/* The polynomial of a face and its derivatives, in a form to be built into the functions that need them often. The loops run over three
- * coordinates and a zero, so that they fill vectors. */
+/* The polynomial of a face and its derivatives, in a form to be built into the functions that need them often. The loops run over
+ * three coordinates and a zero, so that they fill vectors. */
 
 /* d at xi, with a zero that fills the vector; answers f = d.d. */
 static inline double ct_polynomial_value(const ct_patch *patch, const double xi[2], double d[4])

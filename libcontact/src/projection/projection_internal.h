@@ -49,7 +49,8 @@ void ct_patch_curves(const ct_patch *patch, const double xi[2], double t11[4], d
 /* How much rounding may change a value f: d is known to the rounding of the largest length in it. */
 double ct_patch_noise(const ct_patch *patch, double f);
 
-/* Unit normal at xi along y,1 x y,2; at a collapsed corner that of the points just inside. Answers 0, with NaN, when there is none. */
+/* Unit normal at xi along y,1 x y,2; at a collapsed corner that of the points just inside. Answers 0, with NaN, when there is
+ * none. */
 int ct_patch_normal(const ct_patch *patch, const double xi[2], double n[3]);
 
 /* Interior, edge, vertex or outside, each within `slack` (in xi), with the number of the edge or corner. */
@@ -73,8 +74,8 @@ void ct_iterate_start(const ct_patch *patch, const ct_project_options *options, 
 /* Take the step s. Answers 0 when it leads so far out that no iterate comes back, or is not finite. */
 int ct_iterate_step(double xi[2], const double s[2]);
 
-/* Are the steps so small, and shrinking so fast, that all which would follow make up less than the tolerance? `before` is the size of the
- * last step and becomes that of s. */
+/* Are the steps so small, and shrinking so fast, that all which would follow make up less than the tolerance? `before` is the
+ * size of the last step and becomes that of s. */
 int ct_iterate_done(const double s[2], double tolerance, double *before);
 
 /* The honest end of a method without bounds, at an iterate that has been looked at: is it a minimum, within the tolerance? */
@@ -89,8 +90,8 @@ ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *optio
 /* A lower point on the way along s: all of the step or a part. Answers 0 when there is none. */
 int ct_line_search(const ct_patch *patch, const ct_iterate *at, const double s[2], ct_iterate *next, ct_foot *foot);
 
-/* The face to second order about a point y: an orthonormal frame e1, e2, n; tangents t1 = (stretch[0], 0), t2 = (stretch[2], stretch[1]) in it;
- * curvatures k11, k22, k12; and the given point as seen from y. */
+/* The face to second order about a point y: an orthonormal frame e1, e2, n; tangents t1 = (stretch[0], 0), t2 = (stretch[2],
+ * stretch[1]) in it; curvatures k11, k22, k12; and the given point as seen from y. */
 typedef struct ct_local {
   double stretch[3], k[3], p[3];
 } ct_local;
@@ -101,11 +102,12 @@ int ct_local_at(const ct_patch *patch, const double xi[2], const double d[3], ct
 /* The step of xi that moves by w = (w1, w2) in the tangent plane. */
 void ct_local_step(const ct_local *local, const double w[2], double s[2]);
 
-/* Is it easily shown that no point of the face is closer than xi, cutting the face into four `depth` times at most? Mirrored faces give the same
- * answer. */
+/* Is it easily shown that no point of the face is closer than xi, cutting the face into four `depth` times at most? Mirrored
+ * faces give the same answer. */
 int ct_proof_at_sight(const ct_patch *patch, const double xi[2], int depth, ct_foot *count);
 
-/* Unit vector q across a valley of f, where f with the Hessian (f,11  f,22  f,12) is most curved, and the curvatures across and along. */
+/* Unit vector q across a valley of f, where f with the Hessian (f,11 f,22 f,12) is most curved, and the curvatures across and
+ * along. */
 void ct_principal(const double H[3], double q[2], double curvature[2]);
 
 /* Descend along the floor of a narrow valley of f from xi, which becomes the end. Answers 0 when f did not fall. */
@@ -114,15 +116,17 @@ int ct_follow_valley(const ct_patch *patch, double xi[2], ct_foot *foot);
 /* How the search for a proof has ended. */
 typedef enum ct_outcome { CT_PROVEN, CT_CLOSER, CT_GAVE_UP } ct_outcome;
 
-/* Try to prove that no point of the face is closer than xi by more than the tolerance, looking at no more than `budget` pieces of the face.
- * After CT_CLOSER xi is a point that is. */
+/* Try to prove that no point of the face is closer than xi by more than the tolerance, looking at no more than `budget` pieces of
+ * the face. After CT_CLOSER xi is a point that is. */
 ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, double xi[2], ct_foot *count);
 
-/* Where the line through the given point meets the face, nearest to the point; the way along the direction. CT_NO_CONVERGENCE when it misses. */
+/* Where the line through the given point meets the face, nearest to the point; the way along the direction. CT_NO_CONVERGENCE
+ * when it misses. */
 ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double tolerance, double xi[2], double *distance, int *looks);
 
-/* The methods. They read tolerance, use_start, start, iteration_limit and trace of the options, and add to the counts of the foot, which
- * the caller sets to zero. A contact kernel calls ct_patch_init, one of these with the last xi as start, and ct_patch_normal. */
+/* The methods. They read tolerance, use_start, start, iteration_limit and trace of the options, and add to the counts of the
+ * foot, which the caller sets to zero. A contact kernel calls ct_patch_init, one of these with the last xi as start, and
+ * ct_patch_normal. */
 ct_project_method ct_project_simplex, ct_project_nelder_mead, ct_project_newton, ct_project_least_squares, ct_project_steepest_descent;
 ct_project_method ct_project_broyden, ct_project_bfgs, ct_project_robust, ct_project_certified, ct_project_simplex_newton;
 ct_project_method ct_project_sphere, ct_project_torus;

@@ -11,8 +11,8 @@ static const double SMALLEST = 1e-290;
 static inline double least(double a, double b) { return b < a ? b : a; }
 static inline double most(double a, double b) { return b > a ? b : a; }
 
-/* A piece of the reference face: a rectangle about its centre, with half-widths that may be zero; or a triangle of the face's form about its
- * centroid, with a third of its legs, negative when it is turned by half a turn. */
+/* A piece of the reference face: a rectangle about its centre, with half-widths that may be zero; or a triangle of the face's
+ * form about its centroid, with a third of its legs, negative when it is turned by half a turn. */
 typedef struct cell {
   double centre[2], half[2];
 } cell;
@@ -143,7 +143,8 @@ typedef struct slack {
   double loss, g[2];
 } slack;
 
-/* Add what one part of the linear term does over the cell: a share lambda of the direction e, which helps where it is positive. */
+/* Add what one part of the linear term does over the cell: a share lambda of the direction e, which helps where it is positive.
+ * */
 static void linear_share(const proof *p, const cell *c, const base *foot, double lambda, const double e[2], form *m, slack *rest)
 {
   double low, high, g[2] = {lambda * e[0], lambda * e[1]};
@@ -277,8 +278,8 @@ static int is_inside(const cell *c)
 
 typedef enum slope { OPEN, EMPTY, REDUCED } slope;
 
-/* Does f rise or fall throughout the cell along one axis? Then only the part on the boundary of the face, if there is one, can hold the closest point.
- * Answers EMPTY when no part is left; REDUCED when the cell has become a piece of the boundary. */
+/* Does f rise or fall throughout the cell along one axis? Then only the part on the boundary of the face, if there is one, can
+ * hold the closest point. Answers EMPTY when no part is left; REDUCED when the cell has become a piece of the boundary. */
 static slope slope_in_cell(const proof *p, const base *b, cell *c)
 {
   const double *t = p->tangent, *h = p->curve;
@@ -311,7 +312,8 @@ static slope slope_in_cell(const proof *p, const base *b, cell *c)
   return reduced ? REDUCED : OPEN;
 }
 
-/* Bounds over the face, and what must be shown of a foot at this distance. Answers 0 when rounding leaves nothing to show it with. */
+/* Bounds over the face, and what must be shown of a foot at this distance. Answers 0 when rounding leaves nothing to show it
+ * with. */
 static int proof_about(proof *p, const ct_patch *patch, double tolerance, double distance)
 {
   double n[8], all = 0;
@@ -337,7 +339,8 @@ static cell whole_face(int triangular)
   return whole;
 }
 
-/* Is a cell done, after `depth` cuts at most? All parts are looked at whatever the others show, so that a mirror changes nothing. */
+/* Is a cell done, after `depth` cuts at most? All parts are looked at whatever the others show, so that a mirror changes nothing.
+ * */
 static int proven_after_cuts(const proof *p, const base *foot, cell c, int depth, ct_foot *count)
 {
   if (proven_from_foot(p, foot, &c)) return 1;
@@ -363,8 +366,9 @@ int ct_proof_at_sight(const ct_patch *patch, const double xi[2], int depth, ct_f
   return !(p.target > 0) || proven_after_cuts(&p, &foot, whole_face(p.triangular), depth, count);
 }
 
-/* What a long thin face looks like from the foot: u = e.d along it, with e across d at the foot, and the rest v = d - u e. As f = u^2 + v^2, no point of a
- * cell is closer where |u| alone, or |v| alone, is too large; and |v| changes little although u changes fast (eq:certified-narrow). */
+/* What a long thin face looks like from the foot: u = e.d along it, with e across d at the foot, and the rest v = d - u e. As f =
+ * u^2 + v^2, no point of a cell is closer where |u| alone, or |v| alone, is too large; and |v| changes little although u changes
+ * fast (eq:certified-narrow). */
 typedef struct narrow {
   ct_patch along, across; /* u, in the first coordinate, and v */
   proof proof;            /* of v */

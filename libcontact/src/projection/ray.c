@@ -33,7 +33,8 @@ static void look_across(const sight *s, const double xi[2], double G[2], double 
   }
 }
 
-/* Two unit vectors across the direction, and bounds of the second derivatives along them. Answers 0 for a direction without length. */
+/* Two unit vectors across the direction, and bounds of the second derivatives along them. Answers 0 for a direction without
+ * length. */
 static int sight_along(sight *s, const double direction[3])
 {
   double most = 0, check = 0, e[3], n[3] = {0, 0, 0};

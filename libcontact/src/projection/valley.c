@@ -1,5 +1,5 @@
-/* The way along the floor of a narrow valley of f, where the descent of the robust search creeps: a long thin face has one, a thousand or a million times
- * steeper across than along, and not straight. */
+/* The way along the floor of a narrow valley of f, where the descent of the robust search creeps: a long thin face has one, a
+ * thousand or a million times steeper across than along, and not straight. */
 #include "projection_internal.h"
 
 #include <float.h>

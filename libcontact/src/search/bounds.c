@@ -16,7 +16,8 @@ void ct_bounds_join(ct_bounds *box, const ct_bounds *other)
   }
 }
 
-/* Coordinate `c` of the Bernstein control points of a face: corners, one on each mid-side, one in the middle of a Q8. Answers how many. */
+/* Coordinate `c` of the Bernstein control points of a face: corners, one on each mid-side, one in the middle of a Q8. Answers how
+ * many. */
 static int control_points(const ct_face *face, int c, double b[9])
 {
   int per = ct_face_node_count(face->kind), corners = per == 4 || per == 8 ? 4 : 3;

@@ -11,7 +11,8 @@
 
 enum { WIDTH = 4, STACK = 128 };
 
-/* Boxes of the children side by side, for vector lanes. A child >= 0 is a node that stands later in the array, a child < 0 the item ~child. */
+/* Boxes of the children side by side, for vector lanes. A child >= 0 is a node that stands later in the array, a child < 0 the
+ * item ~child. */
 typedef struct node {
   float low[3][WIDTH], high[3][WIDTH];
   int32_t child[WIDTH];
@@ -103,7 +104,8 @@ static void split(entry *list, int32_t count, int32_t rank, int axis)
   }
 }
 
-/* Cut a range in two at the median along the longest axis of its middles, so that the first part fills its leaves; answers where. */
+/* Cut a range in two at the median along the longest axis of its middles, so that the first part fills its leaves; answers where.
+ * */
 static int32_t halve(entry *list, int32_t count)
 {
   double low[3], high[3];
@@ -311,8 +313,8 @@ int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, co
   return found;
 }
 
-/* A child that waits to be looked at, behind four times the square of its distance; so those that wait are ordered as whole numbers are, for the bits of
- * floats that are not negative are. */
+/* A child that waits to be looked at, behind four times the square of its distance; so those that wait are ordered as whole
+ * numbers are, for the bits of floats that are not negative are. */
 typedef uint64_t waiting;
 
 static inline waiting wait(float square, int32_t child)
@@ -337,8 +339,8 @@ static inline void order(waiting *near, waiting *far)
   *far = a < b ? b : a;
 }
 
-/* Put the children within the limit on the stack, the nearest on top; answers the new height. Without branches, as no processor can guess them: all
- * four are sorted and written, and each stays only if it counts. */
+/* Put the children within the limit on the stack, the nearest on top; answers the new height. Without branches, as no processor
+ * can guess them: all four are sorted and written, and each stays only if it counts. */
 static inline int push(const node *n, const float square[WIDTH], waiting limit, waiting *stack, int depth)
 {
   waiting w[WIDTH];
@@ -355,8 +357,8 @@ static inline int push(const node *n, const float square[WIDTH], waiting limit, 
   return depth;
 }
 
-/* Four times the squared distances of a point from the boxes of a node (eq:box-distance); t + |t| is twice the positive part of t, and
- * needs no branch. */
+/* Four times the squared distances of a point from the boxes of a node (eq:box-distance); t + |t| is twice the positive part of
+ * t, and needs no branch. */
 static inline void squares(const node *n, const float point[3], float square[WIDTH])
 {
 #pragma omp simd
@@ -368,8 +370,8 @@ static inline void squares(const node *n, const float point[3], float square[WID
   }
 }
 
-/* The last that need not wait in vain: four times the known square in the tree's units, with room for the roundings of four products; at most 1e37,
- * which no box reaches. */
+/* The last that need not wait in vain: four times the known square in the tree's units, with room for the roundings of four
+ * products; at most 1e37, which no box reaches. */
 static inline waiting limit_of(const ct_box_tree *tree, double square)
 {
   double limit = 4.0 * square * (tree->scale * tree->scale) * (1.0 + 1e-5);

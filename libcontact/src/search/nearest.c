@@ -145,7 +145,8 @@ ct_search_options ct_search_options_default(void) { return (ct_search_options){.
 /* Points that are asked one after the other by one thread. */
 enum { BLOCK = 1024 };
 
-/* Square of the distance of a point from the foot of another: the nearest face is no farther. With room for the rounding of coordinates. */
+/* Square of the distance of a point from the foot of another: the nearest face is no farther. With room for the rounding of
+ * coordinates. */
 static double bound_from(const double point[3], const ct_nearest *last)
 {
   double square = 0.0, largest = 0.0;

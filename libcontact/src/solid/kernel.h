@@ -13,7 +13,8 @@ struct ct_solid_part;
 /* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes
  * differences of displacements first, and uses nothing else that changes: where all nodes of a batch have the same displacement,
  * it gives the same bits whatever that is (eq:quiet-force). A kernel for large deformation also writes the smallest J = det F of
- * batch b (and 1) to `values[assembly->value_count + b]`; room for the energies of its elements begins at `values[energy_value]`. */
+ * batch b (and 1) to `values[assembly->value_count + b]`; room for the energies of its elements begins at `values[energy_value]`.
+ * */
 typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
 
 /* Stored energies of the 8 elements of one batch. */
@@ -49,8 +50,8 @@ typedef struct ct_solid_part {
   int axes[3];
   int32_t corner[8];
   /* Where such elements share all that is stored, a ring of `ring` elements, a power of two, holds their forces, those of one
-   * component of one node `stride` after those of the one before; each of `rings` threads has one, and computes `block` batches at
-   * once. There are then no batch_nodes, assembly, ready. 0: there is no ring. */
+   * component of one node `stride` after those of the one before; each of `rings` threads has one, and computes `block` batches
+   * at once. There are then no batch_nodes, assembly, ready. 0: there is no ring. */
   int32_t rings, block;
   int64_t ring, stride;
   /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last element. */

@@ -3,8 +3,9 @@
 
 #include "kernel.h"
 
-/* A body of equal boxes whose elements and nodes are numbered as ct_mesh_create_box does needs no table: the nodes of an element, and the
- * elements at a node, follow from their numbers. Element forces stand in a ring that the nodes follow closely (eq:lattice-ring). */
+/* A body of equal boxes whose elements and nodes are numbered as ct_mesh_create_box does needs no table: the nodes of an element,
+ * and the elements at a node, follow from their numbers. Element forces stand in a ring that the nodes follow closely
+ * (eq:lattice-ring). */
 
 /* Threads that have a ring each; more of them share. */
 enum { CT_MOST_RINGS = 64 };
@@ -12,7 +13,8 @@ enum { CT_MOST_RINGS = 64 };
 /* Cells along a row below which tables are faster than sums row by row. */
 enum { CT_SHORTEST_ROW = 8 };
 
-/* Write cells, axes and corners of a part whose mesh is numbered so and has rows that are long enough; answers 0, and writes no cells, otherwise. */
+/* Write cells, axes and corners of a part whose mesh is numbered so and has rows that are long enough; answers 0, and writes no
+ * cells, otherwise. */
 int ct_lattice_find(const ct_mesh *mesh, ct_solid_part *part);
 
 /* Choose the size of its rings; answers how many doubles of the scratch they take. */

@@ -3,8 +3,8 @@
 
 #include "../lanes.h"
 
-/* The stress of one Gauss point as it works on the reference gradients, P[i][j] = det J σ_ik ∂ξ_j/∂x_k, from the reference gradients J of
- * the coordinates and H of the displacements (eq:reference-stress). */
+/* The stress of one Gauss point as it works on the reference gradients, P[i][j] = det J σ_ik ∂ξ_j/∂x_k, from the reference
+ * gradients J of the coordinates and H of the displacements (eq:reference-stress). */
 static inline void ct_point_stress(ct_lanes J[3][3], ct_lanes H[3][3], double lambda, double mu, ct_lanes P[3][3])
 {
   ct_lanes C[3][3], D[3][3], s[3][3];

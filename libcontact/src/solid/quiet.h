@@ -34,7 +34,8 @@ typedef struct ct_quiet {
 /* Values of `kept`, to be added. */
 enum { CT_KEPT_READ = 1, CT_KEPT_WOKEN = 2 };
 
-/* Room for what is known of the parts, which have `batch_count` batches and `node_count` nodes; CT_ERROR_MEMORY, what is there is to be freed then, too. */
+/* Room for what is known of the parts, which have `batch_count` batches and `node_count` nodes; CT_ERROR_MEMORY, what is there is
+ * to be freed then, too. */
 ct_status ct_quiet_create(const ct_solid_part *parts, int32_t part_count, int64_t batch_count, int32_t node_count, ct_quiet *quiet);
 
 /* Null pointers are allowed. */
@@ -53,8 +54,9 @@ ct_status ct_quiet_prepare(ct_solid_part *part);
 /* Find the batches of part number `number` that are woken; `drifted` are bits of the problem, or null: nobody knows. */
 void ct_quiet_wake(ct_quiet *quiet, const ct_solid_part *part, int32_t number, const uint64_t *drifted);
 
-/* Find which of the batches first ... last - 1 are quiet (eq:quiet-batch); answers whether one of them is from now on, or no longer. `displacement` and
- * `velocity` are those of the problem; without a velocity (null) no batch falls asleep. One that is asleep and not woken stays so. */
+/* Find which of the batches first ... last - 1 are quiet (eq:quiet-batch); answers whether one of them is from now on, or no
+ * longer. `displacement` and `velocity` are those of the problem; without a velocity (null) no batch falls asleep. One that is
+ * asleep and not woken stays so. */
 int ct_quiet_look(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, const double *velocity);
 
 /* Mark the nodes of all batches of a part that are not quiet, and the batches that have such nodes. */

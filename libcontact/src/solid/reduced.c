@@ -5,8 +5,8 @@
 
 enum { HOURGLASS = 4, FIRST_HOURGLASS = CT_XI_ETA };
 
-/* What is laid down for the 8 elements of a batch: β[j][m] = b[j][m] / V, the hourglass modes X[j][k] of the coordinates, the volume and the
- * stiffness c of the hourglass modes. */
+/* What is laid down for the 8 elements of a batch: β[j][m] = b[j][m] / V, the hourglass modes X[j][k] of the coordinates, the
+ * volume and the stiffness c of the hourglass modes. */
 struct ct_reduced_lanes {
   ct_lanes beta[3][CT_MEAN_MODES], X[3][HOURGLASS], V, c;
 };
@@ -46,8 +46,8 @@ ct_status ct_reduced_prepare(ct_solid_part *part)
   return CT_OK;
 }
 
-/* From one component of the displacements of the eight nodes: its mean gradient, and the hourglass amplitudes with what the mean gradient
- * explains taken off. */
+/* From one component of the displacements of the eight nodes: its mean gradient, and the hourglass amplitudes with what the mean
+ * gradient explains taken off. */
 static inline void gradient_and_hourglass(const reduced_lanes *r, const ct_lanes u[8], ct_lanes G[3], ct_lanes q[HOURGLASS])
 {
   ct_lanes U[CT_MODES];
