@@ -44,24 +44,28 @@ void ct_part_find_quiet(const ct_part_call *call, int32_t number, const ct_view 
   }
 }
 
+/* Let the forces of a batch that is left out be the zeros that they are, where they do not stand from before. */
+static void give_zeros(const ct_solid_part *part, int32_t b, double *values)
+{
+  if (part->ring > 0)
+    ct_lattice_zeros(part, b, values);
+  else if (part->plane != NULL) // what stands there may be older than the plane
+    memset(&values[192 * (int64_t)b], 0, 192 * sizeof(double));
+}
+
 /* Compute those of the batches first ... last - 1 that are not quiet. */
 static void call_batches(const ct_part_call *call, int32_t first, int32_t last)
 {
   const ct_solid_part *part = call->part;
   const double *u = call->displacement + 3 * (int64_t)part->first_node;
-  int32_t begin = first;
-  for (int32_t b = first; call->quiet != NULL && b < last; b++) {
-    if (ct_quiet_computes(call->quiet, part, b)) continue;
-    if (!call->quiet->read[part->first_batch + b]) {
-      // Nobody reads its forces.
-    } else if (part->ring > 0)
-      ct_lattice_zeros(part, b, call->values);
-    else if (part->plane != NULL) // what stands there may be older than the plane
-      memset(&call->values[192 * (int64_t)b], 0, 192 * sizeof(double));
-    if (begin < b) part->batches(part, begin, b, u, call->values);
-    begin = b + 1;
+  for (int32_t b = first, end; b < last; b = end) {
+    end = ct_quiet_run(call->quiet, part, b, last);
+    if (call->quiet == NULL || ct_quiet_computes(call->quiet, part, b))
+      part->batches(part, b, end, u, call->values);
+    else
+      for (int32_t i = b; i < end; i++)
+        if (call->quiet->read[part->first_batch + i]) give_zeros(part, i, call->values);
   }
-  if (begin < last) part->batches(part, begin, last, u, call->values);
   // A lattice or a plane has a kernel which gives zeros; and two threads may compute one batch.
   if (call->quiet != NULL && part->cells[0] == 0 && part->plane == NULL) ct_quiet_confirm(call->quiet, part, first, last, call->values);
 }

@@ -35,12 +35,14 @@ int ct_lattice_find(const ct_mesh *mesh, ct_solid_part *part)
   if (step[axes[0]] != 1 || row < 1 + CT_SHORTEST_ROW || layer < 2 * row || layer % row != 0 || mesh->node_count % layer != 0) return 0;
   const int32_t cells[3] = {row - 1, layer / row - 1, mesh->node_count / layer - 1};
   if (cells[2] < 1 || (int64_t)cells[0] * cells[1] * cells[2] != mesh->element_count) return 0;
+  int32_t corner[8];
+  for (int a = 0; a < 8; a++) corner[a] = corner_at(step, a);
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int a = 0; a < 8; a++)
-      if (n[8 * (int64_t)e + a] != first_corner(cells, e) + corner_at(step, a)) return 0;
+      if (n[8 * (int64_t)e + a] != first_corner(cells, e) + corner[a]) return 0;
   memcpy(part->cells, cells, sizeof cells);
   memcpy(part->axes, axes, sizeof axes);
-  memcpy(part->corner, n, sizeof part->corner);
+  memcpy(part->corner, corner, sizeof corner);
   return 1;
 }
 

@@ -327,15 +327,17 @@ static void gather(const ct_plane *plane, const double *values, const ct_plane_r
 static void call_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, const ct_quiet *quiet, double *values)
 {
   const ct_plane *plane = part->plane;
-  int32_t begin = first;
-  for (int32_t b = first; quiet != NULL && b < last; b++) {
-    if (ct_quiet_computes(quiet, part, b)) continue;
-    double *to = &values[8 * (int64_t)b & (plane->ring - 1)];
-    for (int i = 0; quiet->read[part->first_batch + b] && i < 12; i++) memset(&to[plane->stride * i], 0, 8 * sizeof *to);
-    if (begin < b) batches(part, begin, b, displacement, values);
-    begin = b + 1;
+  for (int32_t b = first, end; b < last; b = end) {
+    end = ct_quiet_run(quiet, part, b, last);
+    if (quiet == NULL || ct_quiet_computes(quiet, part, b)) {
+      batches(part, b, end, displacement, values);
+      continue;
+    }
+    for (int32_t i = b; i < end; i++) {
+      double *to = &values[8 * (int64_t)i & (plane->ring - 1)];
+      for (int k = 0; quiet->read[part->first_batch + i] && k < 12; k++) memset(&to[plane->stride * k], 0, 8 * sizeof *to);
+    }
   }
-  if (begin < last) batches(part, begin, last, displacement, values);
 }
 
 /* Sum at those nodes of a run that have an element which was computed. */

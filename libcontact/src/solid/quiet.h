@@ -48,6 +48,15 @@ static inline int ct_quiet_computes(const ct_quiet *quiet, const ct_solid_part *
   return part->cells[0] > 0 ? found != 0 : found < CT_BATCH_QUIET;
 }
 
+/* The end of the batches from b on, and before `last`, that are computed as b is, or left out as b is; null: all are computed. */
+static inline int32_t ct_quiet_run(const ct_quiet *quiet, const ct_solid_part *part, int32_t b, int32_t last)
+{
+  if (quiet == NULL) return last;
+  int32_t end = b + 1;
+  for (int first = ct_quiet_computes(quiet, part, b); end < last && ct_quiet_computes(quiet, part, end) == first;) end++;
+  return end;
+}
+
 /* List the ranges of consecutive nodes of each batch of a part. */
 ct_status ct_quiet_prepare(ct_solid_part *part);
 

@@ -17,15 +17,14 @@ ct_status ct_rows_create(const ct_solid_part *part, ct_rows *rows)
   rows->asleep = ct_allocate(size, sizeof *rows->asleep);
   rows->led = ct_allocate(size, sizeof *rows->led);
   rows->reached = ct_allocate(size, sizeof *rows->reached);
-  rows->alone = ct_allocate(size, sizeof *rows->alone);
   rows->awake = ct_allocate(size, sizeof *rows->awake);
-  int all = rows->moving && rows->fresh && rows->asleep && rows->led && rows->reached && rows->alone && rows->awake;
+  int all = rows->moving && rows->fresh && rows->asleep && rows->led && rows->reached && rows->awake;
   return all ? CT_OK : CT_ERROR_MEMORY;
 }
 
 void ct_rows_free(ct_rows *rows)
 {
-  uint64_t *blocks[] = {rows->moving, rows->fresh, rows->asleep, rows->led, rows->reached, rows->alone, rows->awake};
+  uint64_t *blocks[] = {rows->moving, rows->fresh, rows->asleep, rows->led, rows->reached, rows->awake};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) ct_release(blocks[i]);
 }
 
@@ -33,7 +32,7 @@ void ct_rows_free(ct_rows *rows)
 typedef struct look {
   ct_rows *rows;
   const ct_solid_part *part;
-  int32_t row, layer;             /* nodes from one row to the next along y, and along z */
+  int32_t row, layer;             /* nodes from one row to the next, and from one layer to the next */
   int64_t bit_words;              /* of a table of nodes */
   const uint64_t *drifted;        /* null: nobody knows */
   const double *displacement, *velocity; /* of the problem; without a velocity (null) nothing falls asleep */
@@ -176,18 +175,16 @@ static inline uint64_t in_batches(const uint8_t *batch, const word *e)
   return (marks >> shift | rest << 1 << (63 - shift)) & e->all;
 }
 
-/* Mark the batches of some rows that have one of some elements, or of the others, after `flip`. A batch may end in the next row.
- * */
-static void mark_batches(const look *l, span s, const uint64_t *elements, uint64_t flip, uint8_t *batch)
+/* Mark the batches of some rows that have one of some elements. A batch may end in the next row. */
+static void mark_batches(const look *l, span s, const uint64_t *elements, uint8_t *batch)
 {
   int32_t nx = l->part->cells[0], first = s.first * nx / 8, end = ((s.last + 1) * nx + 7) / 8;
   memset(&batch[first], 0, (size_t)(end - first));
   s = widened(l, s, 1);
   for (int32_t r = s.first; r <= s.last; r++)
     for (int32_t w = 0; w < l->rows->words; w++) {
-      int32_t left = nx - 64 * w;
-      uint64_t own = elements[r * (int64_t)l->rows->words + w] ^ flip;
-      mark_word(own & ct_bits_span(0, left < 64 ? left : 64), nx * r + 64 * w, batch);
+      word e = word_of(l, r, w);
+      mark_word(elements[e.own], e.first, batch);
     }
 }
 
@@ -290,14 +287,14 @@ static span find_changed(const look *l, span crossed, const ct_found *found)
 {
   const ct_rows *rows = l->rows;
   spread_to_nodes(l, crossed, rows->moving, 0, found->changed);
-  mark_batches(l, crossed, rows->moving, 0, found->computed);
+  mark_batches(l, crossed, rows->moving, found->computed);
   span near = widened(l, crossed, l->part->cells[1] + 1);
   for (int32_t r = near.first; r <= near.last; r++)
     for (int32_t w = 0; w < rows->words; w++) {
       word e = word_of(l, r, w);
       rows->reached[e.own] = elements_near(l, found->changed, 0, &e);
     }
-  mark_batches(l, near, rows->reached, 0, found->read);
+  mark_batches(l, near, rows->reached, found->read);
   l->rows->computed = 0;
   for (int32_t b = 0; b < l->part->batch_count; b++) l->rows->computed += 8 * found->computed[b];
   return near;
@@ -308,17 +305,21 @@ static span find_changed(const look *l, span crossed, const ct_found *found)
 static void find_adrift(const look *l, span changed, const ct_found *found)
 {
   const ct_rows *rows = l->rows;
-  int64_t words = rows->words;
-  for (int64_t i = changed.first * words; i < (changed.last + 1) * words; i++) rows->alone[i] = rows->led[i] & ~rows->reached[i];
-  mark_batches(l, changed, rows->alone, ~(uint64_t)0, found->awake);
-  changed = widened(l, changed, 1);
-  for (int32_t r = changed.first; r <= changed.last; r++)
+  // Batches may end in the rows before and after.
+  span around = widened(l, changed, 1);
+  for (int32_t r = around.first; r <= around.last; r++)
+    for (int32_t w = 0; w < rows->words; w++) {
+      word e = word_of(l, r, w);
+      rows->awake[e.own] = e.all & (~rows->led[e.own] | rows->reached[e.own]);
+    }
+  mark_batches(l, changed, rows->awake, found->awake);
+  for (int32_t r = around.first; r <= around.last; r++)
     for (int32_t w = 0; w < rows->words; w++) {
       word e = word_of(l, r, w);
       rows->awake[e.own] = in_batches(found->awake, &e);
     }
   // -- A node is adrift if none of its elements is in a batch that may be read (eq:adrift-node)
-  spread_to_nodes(l, changed, rows->awake, ~(uint64_t)0, found->adrift);
+  spread_to_nodes(l, around, rows->awake, ~(uint64_t)0, found->adrift);
 }
 
 /* Look at all rows; answers in which of them it has changed what is computed, and what is led. */

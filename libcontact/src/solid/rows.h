@@ -14,12 +14,11 @@ typedef struct ct_rows {
   uint64_t *asleep;     /* not computed, and its nodes have one velocity (eq:quiet-asleep) */
   uint64_t *led;        /* of those: displacement and velocity are the leader's */
   uint64_t *reached;    /* one of its nodes is summed in this call */
-  uint64_t *alone;      /* it is led and not reached */
-  uint64_t *awake;      /* it is in a batch with one that is not alone */
+  uint64_t *awake;      /* it is in a batch with one that is not led, or is reached */
   int64_t computed;     /* elements in batches that are computed */
   int known;            /* whether a call has looked yet */
   int stands;           /* whether `reached` and ct_found stand from the call before */
-  int led_stands;       /* whether that is so for `alone`, `awake` and what is adrift */
+  int led_stands;       /* whether that is so for `awake` and what is adrift */
   int leading;          /* whether there is a leader */
 } ct_rows;
 
