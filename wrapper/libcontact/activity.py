@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from ._core import ffi
-from .mesh import box_axes
-from .problem import SHORTEST_LATTICE, Problem
+from .problem import Problem
 
 # Elements that are quiet together (the library's batch).
 BATCH = 8
@@ -122,19 +121,13 @@ def active_share(problem: Problem, touch: list[Touch], count: int, begins: np.nd
     active = total = 0.0
     for name, body in problem.bodies.items():
         share, work = 1.0, body.flops * len(body.mesh.elements)
-        if body.kernel != "plane" or _has_rows(problem, name):
+        if body.kernel != "plane" or problem.has_rows(problem.parts.bodies[name]):
             steps = _first_steps(body.mesh.elements, starts[body.nodes])
             batches = np.minimum.reduceat(steps, np.arange(0, len(steps), BATCH))
             share = float(np.mean(np.maximum(count - batches, 0.0))) / count
         active += share * work
         total += work
     return active / total
-
-
-def _has_rows(problem: Problem, name: str) -> bool:
-    """Whether a body in plane strain is a box whose rows are long enough for its quiet elements to be found."""
-    given = problem.parts.bodies[name]
-    return given.box is not None and given.box.cells[box_axes(given.box.cells, problem.layers(given))[0]] >= SHORTEST_LATTICE
 
 
 def _starts(problem: Problem, touch: list[Touch], begins: np.ndarray | None) -> np.ndarray:

@@ -23,6 +23,11 @@ def box_axes(cells: Any, layers: str) -> tuple[int, int, int]:
     return axes[0], axes[1], axes[2]
 
 
+def row_length(box: Any, layers: str) -> int:
+    """Cells along a row of a box (with ``cells``), numbered in these layers."""
+    return box.cells[box_axes(box.cells, layers)[0]]
+
+
 def view(pointer: Any, shape: tuple[int, ...], dtype: Any, owner: Any) -> np.ndarray:
     """A read-only numpy view of C memory; the view keeps ``owner`` alive, and ``owner`` keeps the memory."""
     size = int(np.prod(shape)) * np.dtype(dtype).itemsize

@@ -238,11 +238,11 @@ def _in_plane(problem: Problem, body: Any, shake: np.ndarray) -> np.ndarray:
     """Numbers (nodes, 3) that move both layers of a body in plane strain alike, and not along its thickness."""
     held = np.frombuffer(ffi.buffer(problem.pointer.inverse_mass, 24 * problem.pointer.node_count), np.float64).reshape(-1, 3)[body.nodes] == 0.0
     across = next(k for k in range(3) if held[:, k].all() and len(np.unique(body.mesh.nodes[:, k])) == 2)
-    low = np.flatnonzero(body.mesh.nodes[:, across] == body.mesh.nodes[:, across].min())
-    rest = np.flatnonzero(body.mesh.nodes[:, across] != body.mesh.nodes[:, across].min())
+    below = body.mesh.nodes[:, across] == body.mesh.nodes[:, across].min()
+    low, high = np.flatnonzero(below), np.flatnonzero(~below)
     place = np.delete(body.mesh.nodes, across, axis=1)
     out = np.zeros_like(shake)
-    for nodes in (low, rest):
+    for nodes in (low, high):
         out[nodes[np.lexsort(place[nodes].T)]] = shake[low]
     out[:, across] = 0.0
     return out
@@ -272,16 +272,20 @@ def _trial(problem: Problem, loop: Any, interval: int, warm: int, count: int) ->
     for name, seconds in zip(names, np.array(rows).T):
         out[name] += float(seconds[seconds <= INTERRUPTED * np.median(seconds)].mean())
     out[ROUNDS] = (state.constraint_rounds - rounds) / count
-    records = []
-    for _ in range(2 if interval <= count else 1):
-        begin = loop.output_seconds
-        loop.record()
-        records.append(loop.output_seconds - begin)
-        for _ in range(interval if interval <= count else 0):
+    out[OUTPUT] = _record(loop)
+    if interval <= count:
+        # Where records come often, as in the run, each is made with what the one before has left in the caches.
+        for _ in range(interval):
             check(lib.ct_step(problem.pointer, state, error), error)
-    # Where records come often, as in the run, each is made with what the one before has left in the caches.
-    out[OUTPUT] = records[-1]
+        out[OUTPUT] = _record(loop)
     return out
+
+
+def _record(loop: Any) -> float:
+    """Seconds of a record."""
+    begin = loop.output_seconds
+    loop.record()
+    return loop.output_seconds - begin
 
 
 @contextlib.contextmanager

@@ -15,7 +15,7 @@ from . import effects
 from . import parts as scene_parts
 from ._core import ffi, lib
 from .errors import Error, check, new_error
-from .mesh import KINDS, WIDTH, Mesh, box_axes, read_vtkhdf
+from .mesh import KINDS, WIDTH, Mesh, read_vtkhdf, row_length
 from .projection import METHODS
 from .surfaces import ENFORCEMENTS, INITIAL, RULES
 from .schema import SceneError, float_array, index_array
@@ -192,8 +192,12 @@ class Problem:
         """Whether nothing is stored of the elements of a body, :eq:`lattice-ring`."""
         if body.box is None or body.element != "hex8" or body.integration != "full" or body.kernel not in ("auto", "box", "plane"):
             return False
-        row = body.box.cells[box_axes(body.box.cells, self.layers(body))[0]]
-        return "congruent" in self.parts.savings and self.parts.materials[body.material].law == "linear" and row >= SHORTEST_LATTICE
+        linear = self.parts.materials[body.material].law == "linear"
+        return "congruent" in self.parts.savings and linear and self.has_rows(body)
+
+    def has_rows(self, body: scene_parts.Body) -> bool:
+        """Whether a body is a box whose rows are long enough to be taken for those of a lattice."""
+        return body.box is not None and row_length(body.box, self.layers(body)) >= SHORTEST_LATTICE
 
     def layers(self, body: scene_parts.Body) -> str:
         """
@@ -208,7 +212,7 @@ class Problem:
         axis = axes.pop() if len(axes) == 1 else "z"
         if axis not in ("x", "y"):
             return "z"
-        return axis if body.box.cells[box_axes(body.box.cells, axis)[0]] >= SHORTEST_ROW else "z"
+        return axis if row_length(body.box, axis) >= SHORTEST_ROW else "z"
 
     def _mesh(self, i: int, body: scene_parts.Body) -> Mesh:
         key = f"body[{i}]." + ("box" if body.box else "ring" if body.ring else "mesh" if body.mesh else "elements")
