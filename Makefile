@@ -271,11 +271,11 @@ $(BUILD)/fuzz/random_project: tests/fuzz/fuzz_project.c $(BUILD)/asan/libcontact
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) -DFUZZ_MAIN=1 $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
 # The target of the whole library: its own program, with the library under the sanitizers.
-$(BUILD)/fuzz/random_api: tests/fuzz/fuzz_api.c tests/fuzz/dice.h $(BUILD)/asan/libcontact.a
+$(BUILD)/fuzz/random_api: tests/fuzz/fuzz_api.c tests/fuzz/dice.h tests/fuzz/seeds.h $(BUILD)/asan/libcontact.a
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) -D_GNU_SOURCE -DFUZZ_MAIN=1 $(if $(HDF5),-DFUZZ_HDF5=1 $(HDF5_FLAGS)) $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
 # Likewise the target of what may be left out.
-$(BUILD)/fuzz/random_savings: tests/fuzz/fuzz_savings.c tests/fuzz/dice.h $(BUILD)/asan/libcontact.a
+$(BUILD)/fuzz/random_savings: tests/fuzz/fuzz_savings.c tests/fuzz/dice.h tests/fuzz/seeds.h $(BUILD)/asan/libcontact.a
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) -D_GNU_SOURCE -DFUZZ_MAIN=1 $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
 fuzz: setup

@@ -1,5 +1,5 @@
-/* Batches against ct_project, pair by pair and bit for bit, with every kernel that this machine runs, and against closed forms.
- * */
+/* Batches against ct_project, pair by pair and bit for bit, with every kernel that this machine runs, and against closed
+ * forms. */
 #include <contact.h>
 
 #include "../../libcontact/src/projection/batch_internal.h"

@@ -2,8 +2,8 @@
  * effect's memory here. */
 #include "patches.h"
 
-/* The contact effect of two surfaces of one problem, asked step by step; nothing but its memory goes from one step to the next.
- * */
+/* The contact effect of two surfaces of one problem, asked step by step; nothing but its memory goes from one step to the
+ * next. */
 typedef struct hand {
   ct_effect *effect;
   patch a, b; /* both over the nodes of the problem */

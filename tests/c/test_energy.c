@@ -197,8 +197,8 @@ static void discrete_kinetic(void)
 }
 
 /* A block hangs on its base for 2 · 10⁵ steps. The impulse of its weight is m g t, that of the base the rest of its momentum: to
- * 10⁻¹⁴ of the whole, where a plain running sum is off by 10⁻¹²; and a copy within a block of steps goes on with the same bits.
- * */
+ * 10⁻¹⁴ of the whole, where a plain running sum is off by 10⁻¹²; and a copy within a block of steps goes on with the same
+ * bits. */
 static void many_impulses(void)
 {
   static const int64_t at[] = {1000, 25600, 25601, 102399, 200000};

@@ -128,8 +128,8 @@ static void energy_never_grows(void)
   close_bar(&p);
 }
 
-/* A bar that touches the wall at the start, or has gone into it: the first force is found twice, and both times it is the same.
- * */
+/* A bar that touches the wall at the start, or has gone into it: the first force is found twice, and both times it is the
+ * same. */
 static void start_in_touch(void)
 {
   for (int e = 0; e < 3; e++)

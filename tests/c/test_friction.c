@@ -195,8 +195,8 @@ static void momentum(ct_brick_kind kind, const char *name)
   ct_mesh_free(a), ct_mesh_free(b), ct_mesh_free(flat);
 }
 
-/* Two blocks that are pressed together, as a problem whose forces can be asked for at any displacement, with what they remember.
- * */
+/* Two blocks that are pressed together, as a problem whose forces can be asked for at any displacement, with what they
+ * remember. */
 typedef struct pressed {
   ct_mesh *a, *b;
   ct_scene *scene;

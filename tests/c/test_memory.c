@@ -104,19 +104,27 @@ static void ask(const ct_problem *problem, ct_state *state, ct_watch *watch)
   if (watch != NULL) need(ct_watch_look(watch, state, &e), &e);
 }
 
+/* The block of a kind of scene. */
+static ct_mesh *block_of(const kind *k) { return box_mesh(k->brick, 0, 0, 0, 1, 1.5, 1.5, 16, 24, 24); }
+
+static const ct_problem *problem_of(ct_scene *scene, ct_stable_step *stable)
+{
+  int64_t steps;
+  return build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.5, .threads = 1}, &steps, stable);
+}
+
 /* Build, step, ask; nothing is allocated after the start, and no more is held than what is written above. */
 static void budget(const kind *k)
 {
   size_t before = held_bytes;
-  ct_mesh *m = box_mesh(k->brick, 0, 0, 0, 1, 1.5, 1.5, 16, 24, 24);
+  ct_mesh *m = block_of(k);
   ct_scene *scene = scene_of(k, m);
   double nodes = m->node_count, elements = m->element_count;
   ct_mesh_free(m);
-  int64_t steps;
   ct_stable_step stable;
   ct_error e;
   ct_watch *watch = NULL;
-  const ct_problem *problem = build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *problem = problem_of(scene, &stable);
   ct_state *state = new_state(problem);
   ct_watch_options options = ct_watch_options_default();
   options.every = 2;
@@ -146,13 +154,12 @@ static void budget(const kind *k)
 static void good_state(void)
 {
   const kind *k = &KINDS[2];
-  ct_mesh *m = box_mesh(k->brick, 0, 0, 0, 1, 1.5, 1.5, 16, 24, 24);
+  ct_mesh *m = block_of(k);
   ct_scene *scene = scene_of(k, m);
-  int64_t steps;
   ct_stable_step stable;
   ct_error e;
   ct_watch *watch = NULL;
-  const ct_problem *problem = build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *problem = problem_of(scene, &stable);
   ct_state *state = new_state(problem);
   ct_watch_options options = ct_watch_options_default();
   need(ct_watch_create(problem, state, &options, &watch, &e), &e);
@@ -206,10 +213,10 @@ static void many_nodes(const kind *k)
 {
   ct_mesh *m = box_mesh(k->brick, 0, 0, 0, 1, 0.7, 0.7, 10, 7, 7);
   ct_scene *scene = scene_of(k, m);
-  int64_t steps, dofs = 3 * (int64_t)m->node_count;
+  int64_t dofs = 3 * (int64_t)m->node_count;
   ct_stable_step stable;
   ct_error e;
-  const ct_problem *problem = build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *problem = problem_of(scene, &stable);
   ct_state *state = shaken(problem);
   double *total = numbers(dofs), *force = numbers(dofs), acting = 0.0, left = 0.0, stored = 0.0, kinetic = 0.0, unrest = NAN;
   for (int32_t i = 0; i < problem->effect_count; i++) {

@@ -464,8 +464,8 @@ static int descriptor_count(void)
   return open_ones;
 }
 
-/* A child whose disk is full from write number `from` on: 0 when all went as it should, another number that tells what did not.
- * */
+/* A child whose disk is full from write number `from` on: 0 when all went as it should, another number that tells what did
+ * not. */
 static int full_disk_child(const rig *r, const char *path, long from, const char *errors)
 {
   int said = open(errors, O_RDWR | O_CREAT | O_TRUNC, 0666);

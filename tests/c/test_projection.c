@@ -49,8 +49,8 @@ static ct_face random_face(ct_face_kind kind, double amount)
   return face;
 }
 
-/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its foot below, while g is under the radii of curvature.
- * */
+/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its foot below, while g is under the radii of
+ * curvature. */
 static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
 {
   double error[3] = {0, 0, 0}, gap[3] = {0, 0, 0}, normal = 0;

@@ -157,8 +157,8 @@ static void many_feet(void)
   tap_ok(out.certified && out.distance == 0, "nothing is closer than zero");
 }
 
-/* A Q8 or T6 face through points of a sphere, or of a cylinder, with the point near its centre: f is nearly the same everywhere.
- * */
+/* A Q8 or T6 face through points of a sphere, or of a cylinder, with the point near its centre: f is nearly the same
+ * everywhere. */
 static ct_face around(ct_face_kind kind, int sphere, double radius, double aside, double point[3])
 {
   ct_face face = parabolic_face(kind, 0, 0);

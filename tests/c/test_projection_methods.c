@@ -89,8 +89,8 @@ static void orders(void)
   tap_ok(falls, "bfgs goes downhill only");
 }
 
-/* On a plane f is a parabola with round contours if the tangents are orthogonal and as long: then each of these needs one step.
- * */
+/* On a plane f is a parabola with round contours if the tangents are orthogonal and as long: then each of these needs one
+ * step. */
 static void one_step(void)
 {
   ct_face flat = parabolic_face(CT_T3, 0, 0);

@@ -384,8 +384,8 @@ static void own_effects(void)
   tap_ok(freed == 2, "the scene frees it once");
 }
 
-/* One step factor: how far a spring with a dashpot swings after 20000 steps of `factor` times the bound of eq. damped-step-bound.
- * */
+/* One step factor: how far a spring with a dashpot swings after 20000 steps of `factor` times the bound of eq.
+ * damped-step-bound. */
 static double swing(double factor, double w, double d)
 {
   static const int32_t nodes[8] = {0, 1, 2, 3, 4, 5, 6, 7};

@@ -1,5 +1,5 @@
-/* The search: its tree of boxes, its boxes of faces, its nearest faces, against looking at everything and against closed forms.
- * */
+/* The search: its tree of boxes, its boxes of faces, its nearest faces, against looking at everything and against closed
+ * forms. */
 #include "../../libcontact/src/search/search_internal.h"
 #include "bodies.h"
 

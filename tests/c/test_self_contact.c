@@ -57,8 +57,8 @@ static void free_fold(fold *p)
   free(p->x);
 }
 
-/* Press the end of the upper layer through the lower one, to z = -0.1 of where it was; shift it by `slide`, warp both at random.
- * */
+/* Press the end of the upper layer through the lower one, to z = -0.1 of where it was; shift it by `slide`, warp both at
+ * random. */
 static void press(fold *p, double slide, double noise)
 {
   for (int n = 0; n < p->surface.node_count; n++) {

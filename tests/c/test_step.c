@@ -382,8 +382,8 @@ static void symmetric_impact(ct_brick_kind kind, ct_solid_kernel kernel, const c
   ct_mesh_free(right);
 }
 
-/* Bodies that overlap at t = 0 have a force there: the first half kick goes back from the given velocity, and the ledger knows.
- * */
+/* Bodies that overlap at t = 0 have a force there: the first half kick goes back from the given velocity, and the ledger
+ * knows. */
 static void loaded_start(void)
 {
   ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2), *right = box_mesh(CT_HEX8, -0.03125, 0, 0, 1, 1, 1, 2, 2, 2);

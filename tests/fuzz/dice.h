@@ -25,6 +25,13 @@ static inline void demand(int ok, const char *what)
   abort();
 }
 
+/* Bits that have little to do with each other, also from numbers that follow each other. */
+static inline uint64_t stirred(uint64_t x)
+{
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
+  return (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+}
+
 static inline dice dice_open(const uint8_t *data, size_t size)
 {
   dice d = {data, size, 88172645463325252u, 0, 0};

@@ -729,42 +729,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 }
 
 #ifdef FUZZ_MAIN
-#include <signal.h>
-#include <time.h>
-#include <unistd.h>
-
-static unsigned long long now_seed;
-
-/* Tell the seed of an input that takes longer than a minute or breaks a promise. */
-static void tell(int number)
-{
-  char text[96];
-  int length = snprintf(text, sizeof text, "%s at seed %llu\n", number == SIGALRM ? "broken promise: an input ends," : "ended by a signal", now_seed);
-  if (write(2, text, (size_t)length) < 0) _exit(99);
-  _exit(98);
-}
+#include "seeds.h"
 
 /* Inputs of consecutive seeds; prints the counts, or the seed of the input that failed. */
 int main(int count, char **argument)
 {
-  double seconds = count > 1 ? atof(argument[1]) : 10.0;
   unsigned long long first = count > 2 ? strtoull(argument[2], NULL, 10) : 1;
-  long long inputs = 0, most = count > 4 ? atoll(argument[4]) : -1;
-  time_t begin = time(NULL);
   folder = count > 3 && argument[3][0] != 0 ? argument[3] : NULL;
-  signal(SIGALRM, tell);
-  signal(SIGABRT, tell);
-  for (now_seed = first; most < 0 ? difftime(time(NULL), begin) < seconds : inputs < most; now_seed++, inputs++) {
-    uint8_t bytes[8];
-    uint64_t mixed = (now_seed + 1) * 0x9E3779B97F4A7C15u;
-    mixed = (mixed ^ (mixed >> 30)) * 0xBF58476D1CE4E5B9u;
-    mixed = (mixed ^ (mixed >> 27)) * 0x94D049BB133111EBu;
-    memcpy(bytes, &mixed, sizeof bytes);
-    alarm(60);
-    LLVMFuzzerTestOneInput(bytes, sizeof bytes);
-  }
-  alarm(0);
-  printf("seeds %llu to %llu: inputs %lld calls %lld scenes %lld built %lld steps %lld\n", first, now_seed - 1, inputs, total_calls, total_scenes, total_built, total_steps);
+  long long inputs = run_seeds(count > 1 ? atof(argument[1]) : 10.0, first, count > 4 ? atoll(argument[4]) : -1);
+  printf("seeds %llu to %llu: inputs %lld calls %lld scenes %lld built %lld steps %lld\n", first, now_seed - 1, inputs, total_calls,
+         total_scenes, total_built, total_steps);
   return 0;
 }
 #endif

@@ -78,8 +78,7 @@ static void tell(const char *format, ...)
 
 static uint64_t mixed(uint64_t x)
 {
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
+  x = stirred(x);
   return x ^ (x >> 31);
 }
 
@@ -810,40 +809,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 }
 
 #ifdef FUZZ_MAIN
-#include <signal.h>
-#include <time.h>
-#include <unistd.h>
-
-static unsigned long long now_seed;
-
-/* Tell the seed of an input that takes longer than a minute or breaks a promise. */
-static void tell_seed(int number)
-{
-  char text[96];
-  const char *what = number == SIGALRM ? "broken promise: an input ends," : "ended by a signal";
-  int length = snprintf(text, sizeof text, "%s at seed %llu\n", what, now_seed);
-  if (write(2, text, (size_t)length) < 0) _exit(99);
-  _exit(98);
-}
+#include "seeds.h"
 
 /* Inputs of consecutive seeds; prints the counts, or the seed of the input that failed. A single input is told. */
 int main(int count, char **argument)
 {
-  double seconds = count > 1 ? atof(argument[1]) : 10.0;
   unsigned long long first = count > 2 ? strtoull(argument[2], NULL, 10) : 1;
-  long long inputs = 0, most = count > 3 ? atoll(argument[3]) : -1;
-  time_t begin = time(NULL);
+  long long most = count > 3 ? atoll(argument[3]) : -1;
   verbose = most == 1;
-  signal(SIGALRM, tell_seed);
-  signal(SIGABRT, tell_seed);
-  for (now_seed = first; most < 0 ? difftime(time(NULL), begin) < seconds : inputs < most; now_seed++, inputs++) {
-    uint8_t bytes[8];
-    uint64_t seed = mixed((now_seed + 1) * 0x9E3779B97F4A7C15u);
-    memcpy(bytes, &seed, sizeof bytes);
-    alarm(60);
-    LLVMFuzzerTestOneInput(bytes, sizeof bytes);
-  }
-  alarm(0);
+  run_seeds(count > 1 ? atof(argument[1]) : 10.0, first, most);
   printf("seeds %llu to %llu: scenes %lld runs %lld pairs built %lld of them renumbered %lld (%lld pieces with contact) "
          "failures %lld steps %lld\n", first, now_seed - 1, total_scenes, total_runs, total_built, total_orders,
          total_apart, total_failures, total_steps);
