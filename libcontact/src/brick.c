@@ -28,8 +28,8 @@ void ct_brick_reference(ct_brick_kind kind, int node, double xi[3])
   for (int a = 0; a < 3; a++) xi[a] = known ? NODE[node][a] : NAN;
 }
 
-/* The factors of node i: 1 + xi_a x_a along the axes where the node has a sign, (1 - x_a)(1 + x_a) along the axis of a mid-edge.
- * */
+/* The factors of node i: 1 + xi_a x_a along the axes where the node has a sign, (1 - x_a)(1 + x_a) along the axis of a
+ * mid-edge. */
 static void factors(int i, const double xi[3], double f[3], double df[3])
 {
   for (int a = 0; a < 3; a++) {

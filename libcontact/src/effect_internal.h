@@ -3,8 +3,8 @@
 
 #include <contact/step.h>
 
-/* Numbers of the nodes of some bodies of a problem, ascending, or of all bodies when `bodies` is null. The caller releases them.
- * */
+/* Numbers of the nodes of some bodies of a problem, ascending, or of all bodies when `bodies` is null. The caller releases
+ * them. */
 ct_status ct_effect_body_nodes(const ct_problem *problem, const int32_t *bodies, int32_t body_count, const char *name, int32_t **nodes, int32_t *node_count,
                                ct_error *error);
 

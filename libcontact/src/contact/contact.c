@@ -59,8 +59,8 @@ static double motion(const ct_side *side)
   return sqrt(top);
 }
 
-/* Leave out of a list of faces those that share a node with `face`, itself among them; answers how many stay (eq:self-adjacent).
- * */
+/* Leave out of a list of faces those that share a node with `face`, itself among them; answers how many stay
+ * (eq:self-adjacent). */
 static int32_t drop_adjacent(const ct_side *side, int32_t face, int32_t *list, int32_t count)
 {
   int32_t kept = 0;
@@ -248,8 +248,8 @@ CT_INLINE void bring(int per, ct_side *side, heap *sums, int32_t next)
   for (int i = 0; i < 3 * per; i++) sums->coarse[i] = sums->fine[i] = 0.0;
 }
 
-/* Add a force at a point of `face` to its heap. The grid makes all sums exact, so it does not matter that they are made by parts.
- * */
+/* Add a force at a point of `face` to its heap. The grid makes all sums exact, so it does not matter that they are made by
+ * parts. */
 CT_INLINE void push(int per, const ct_grid *grid, ct_side *side, int32_t face, const double N[8], const double force[3], heap *sums)
 {
   double x[24];
@@ -275,8 +275,8 @@ CT_INLINE void spread_faces(int per, const ct_grid *grid, ct_side *side, ct_side
   bring(per, other, &theirs, -1);
 }
 
-/* Add the forces of one side's points to the nodes of both sides, in sums that do not depend on their order (eq:contact-force).
- * */
+/* Add the forces of one side's points to the nodes of both sides, in sums that do not depend on their order
+ * (eq:contact-force). */
 CT_CLONES
 static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
 {

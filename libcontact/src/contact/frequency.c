@@ -51,8 +51,8 @@ static void add_rows(const ct_side *side, const ct_side *other, double epsilon, 
   }
 }
 
-/* Two surfaces over one array of nodes: a node of both has one row, the sum of what each pass found. Both lists of nodes ascend.
- * */
+/* Two surfaces over one array of nodes: a node of both has one row, the sum of what each pass found. Both lists of nodes
+ * ascend. */
 static void join_rows(const ct_side *a, const ct_side *b, double *rows_a, double *rows_b)
 {
   for (int32_t i = 0, j = 0; i < a->search->node_count && j < b->search->node_count;) {

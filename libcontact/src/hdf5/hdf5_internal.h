@@ -110,8 +110,8 @@ ct_status ct_hdf5_create_array(hid_t parent, const char *name, hid_t type, int r
 ct_status ct_hdf5_write_array(hid_t parent, const char *name, hid_t type, int rank, const hsize_t *dims, const void *data,
                               const char *path, ct_error *error);
 ct_status ct_hdf5_write_text(hid_t parent, const char *name, const char *text, const char *path, ct_error *error);
-/* An attribute with `count` values, or one value without an axis when `count` is 0. `attribute` may be null: then it is closed.
- * */
+/* An attribute with `count` values, or one value without an axis when `count` is 0. `attribute` may be null: then it is
+ * closed. */
 ct_status ct_hdf5_write_attribute(hid_t parent, const char *name, hid_t type, hsize_t count, const void *data, const char *path,
                                   hid_t *attribute, ct_error *error);
 /* The same as a text of plain ASCII. */

@@ -143,8 +143,8 @@ typedef struct slack {
   double loss, g[2];
 } slack;
 
-/* Add what one part of the linear term does over the cell: a share lambda of the direction e, which helps where it is positive.
- * */
+/* Add what one part of the linear term does over the cell: a share lambda of the direction e, which helps where it is
+ * positive. */
 static void linear_share(const proof *p, const cell *c, const base *foot, double lambda, const double e[2], form *m, slack *rest)
 {
   double low, high, g[2] = {lambda * e[0], lambda * e[1]};
@@ -339,8 +339,8 @@ static cell whole_face(int triangular)
   return whole;
 }
 
-/* Is a cell done, after `depth` cuts at most? All parts are looked at whatever the others show, so that a mirror changes nothing.
- * */
+/* Is a cell done, after `depth` cuts at most? All parts are looked at whatever the others show, so that a mirror changes
+ * nothing. */
 static int proven_after_cuts(const proof *p, const base *foot, cell c, int depth, ct_foot *count)
 {
   if (proven_from_foot(p, foot, &c)) return 1;

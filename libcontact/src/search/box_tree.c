@@ -104,8 +104,8 @@ static void split(entry *list, int32_t count, int32_t rank, int axis)
   }
 }
 
-/* Cut a range in two at the median along the longest axis of its middles, so that the first part fills its leaves; answers where.
- * */
+/* Cut a range in two at the median along the longest axis of its middles, so that the first part fills its leaves; answers
+ * where. */
 static int32_t halve(entry *list, int32_t count)
 {
   double low[3], high[3];

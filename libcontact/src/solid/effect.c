@@ -196,8 +196,8 @@ static ct_status solid_frequency(const ct_effect *effect, const ct_view *view, d
   return CT_OK;
 }
 
-/* Find where the values of each part begin. What goes through a ring is read before the next part is computed: all rings are one.
- * */
+/* Find where the values of each part begin. What goes through a ring is read before the next part is computed: all rings are
+ * one. */
 static void place_values(solid_data *solid)
 {
   for (int32_t i = 0; i < solid->part_count; i++) {

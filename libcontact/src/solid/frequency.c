@@ -71,8 +71,8 @@ ct_status ct_element_stiffness(ct_brick_kind kind, const double *nodes, const do
   return CT_OK;
 }
 
-/* Householder's reflections turn the symmetric A into the tridiagonal matrix of `diagonal` and `side` with the same eigenvalues.
- * */
+/* Householder's reflections turn the symmetric A into the tridiagonal matrix of `diagonal` and `side` with the same
+ * eigenvalues. */
 static void tridiagonal(int n, double A[SIZE][SIZE], double diagonal[SIZE], double side[SIZE])
 {
   for (int k = 0; k < n - 2; k++) {

@@ -13,8 +13,8 @@ struct ct_solid_part;
 /* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the body. A kernel takes
  * differences of displacements first, and uses nothing else that changes: where all nodes of a batch have the same displacement,
  * it gives the same bits whatever that is (eq:quiet-force). A kernel for large deformation also writes the smallest J = det F of
- * batch b (and 1) to `values[assembly->value_count + b]`; room for the energies of its elements begins at `values[energy_value]`.
- * */
+ * batch b (and 1) to `values[assembly->value_count + b]`; room for the energies of its elements begins at
+ * `values[energy_value]`. */
 typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
 
 /* Stored energies of the 8 elements of one batch. */
