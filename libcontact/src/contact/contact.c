@@ -318,8 +318,8 @@ ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double
 {
   if (contact == NULL || xa == NULL || (xb == NULL && contact->sides == 2))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
-  ct_status status = ct_search_place(contact->side[0].search, xa, 0, error);
-  if (status == CT_OK && contact->sides == 2) status = ct_search_place(contact->side[1].search, xb, 1, error);
+  ct_status status = ct_side_place(&contact->side[0], xa, 0, error);
+  if (status == CT_OK && contact->sides == 2) status = ct_side_place(&contact->side[1], xb, 1, error);
   if (status != CT_OK) return status;
   if (still_distant(contact)) {
     // No point has a face, as in the last call; a host may have set some since then, from an older state.
@@ -327,6 +327,7 @@ ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double
       for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++) {
         ct_gauss_point *point = &contact->side[s].points[i];
         point->other = -1;
+        point->known = NAN;
         if (point->history != CT_POINT_BURIED) point->history = CT_POINT_NEW;
       }
     return CT_OK;

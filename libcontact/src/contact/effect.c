@@ -69,8 +69,9 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
 }
 
 /* A point's memory: number of its other face plus one, negative while it is in contact, or 0: none, or BURIED; the parameters
- * there; and where a step's gaps give the force this force. After the points: whether there was a step before. */
-enum { OTHER = 0, XI = 1, FORCE = 3 };
+ * there; the signed distance, NaN where none is known; and where a step's gaps give the force this force. After the points:
+ * whether there was a step before; what start gaps need; and the coordinates of the effect's nodes, shape (node_count, 3). */
+enum { OTHER = 0, XI = 1, KNOWN = 3, FORCE = 4 };
 static const double BURIED = -4294967296.0;
 
 static int is_penalty(const contact_data *data) { return data->options.enforcement == CT_ENFORCE_PENALTY; }
@@ -78,8 +79,15 @@ static int is_penalty(const contact_data *data) { return data->options.enforceme
 static int shifts_at(const contact_data *data) { return is_penalty(data) ? FORCE : FORCE + 1; }
 static int stride(const contact_data *data) { return shifts_at(data) + (ct_initial_shifts(&data->options) ? CT_INITIAL_POINT : 0); }
 
+/* Where the memory of the nodes' coordinates begins. */
+static int64_t places_at(const contact_data *data, const ct_contact *contact)
+{
+  return stride(data) * ct_contact_point_count(contact) + 1 + (ct_initial_shifts(&data->options) ? CT_INITIAL_END : 0);
+}
+
 static void recall(ct_contact *contact, const double *memory, int size)
 {
+  contact->begun = memory[size * ct_contact_point_count(contact)] != 0.0;
   for (int s = 0; s < contact->sides; s++)
     for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += size) {
       ct_gauss_point *point = &contact->side[s].points[i];
@@ -87,8 +95,8 @@ static void recall(ct_contact *contact, const double *memory, int size)
       point->other = number >= 1.0 && number <= last ? (int32_t)number - 1 : -1;
       point->history = memory[OTHER] == BURIED ? CT_POINT_BURIED : point->other < 0 ? CT_POINT_NEW : memory[OTHER] < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
       memcpy(point->xi, &memory[XI], sizeof point->xi);
+      point->known = contact->begun ? memory[KNOWN] : NAN;
     }
-  contact->begun = memory[0] != 0.0;
 }
 
 static void remember(const ct_contact *contact, double *memory, int size)
@@ -99,6 +107,7 @@ static void remember(const ct_contact *contact, double *memory, int size)
       double number = (double)point->other + 1.0;
       memory[OTHER] = point->history == CT_POINT_BURIED ? BURIED : point->history == CT_POINT_INSIDE ? -number : number;
       memcpy(&memory[XI], point->xi, sizeof point->xi);
+      memory[KNOWN] = point->known;
     }
   memory[0] = 1.0;
 }
@@ -132,7 +141,13 @@ static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error 
     }
   s->contact->options.threads = view->threads;
   recall(s->contact, view->memory, stride(data));
-  ct_status status = ct_contact_measure(s->contact, s->x, s->x, error);
+  // -- Nodes move from where the last step saw them, and at the first look from the reference shape (eq:gap-bound)
+  const int64_t places = places_at(data, s->contact);
+  const double *last = s->contact->begun ? view->memory + places : data->reference;
+  ct_status status = CT_OK;
+  for (int i = 0; i < s->contact->sides && status == CT_OK; i++) status = ct_search_place(s->contact->side[i].search, last, i, error);
+  if (status == CT_OK) status = ct_contact_measure(s->contact, s->x, s->x, error);
+  memcpy(view->next_memory + places, s->x, 3 * (size_t)effect->node_count * sizeof *s->x);
   if (status != CT_OK && error != NULL && error->point >= 0) error->point = effect->nodes[error->point];
   if (status == CT_OK && view->dt > 0.0 && view->time > 0.0)
     status = ct_passage_check(s->contact, effect->nodes, view->velocity, view->dt, view->time, error);
@@ -292,7 +307,7 @@ ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, con
     return status;
   }
   int64_t points = ct_contact_point_count(((contact_scratch *)trial)->contact);
-  effect->memory_count = stride(data) * points + 1 + (ct_initial_shifts(options) ? CT_INITIAL_END : 0);
+  effect->memory_count = places_at(data, ((contact_scratch *)trial)->contact) + 3 * (int64_t)effect->node_count;
   count_costs(effect, data, points);
   if (options->initial == CT_INITIAL_REMOVE) effect->external = contact_external;
   if (!is_penalty(data)) {

@@ -34,19 +34,61 @@ static void middle(const ct_bounds *box, double origin[3])
 
 /* How deep a point of a surface may be under a foot on another part of it: half as deep as it was under that place in the
  * reference shape, if it was under it, for then the foot is on the far side of the body; else as deep as any (eq:self-depth). */
-static double deepest(const ct_pass *p, int32_t face, int q, int32_t target, const double xi[2])
+static double deepest(const ct_pass *p, int32_t face, int q, int32_t target, const ct_projection *foot)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
-  const ct_search *search = p->other->search;
-  double N[8], X[3], d[3], normal[3];
-  ct_face reference = {.kind = search->kind};
-  ct_segment_shape(search->kind, xi, N);
+  double N[8], X[3], d[3], own[3], normal[3];
+  ct_face reference;
+  ct_segment_shape(p->reference.kind, foot->xi, N);
   ct_side_interpolate_reference(p->side, face, p->side->N[q], zero, X);
   ct_side_interpolate_reference(p->other, target, N, X, d);
-  for (int a = 0; a < search->per; a++)
-    memcpy(reference.node[a], &p->other->reference[3 * (int64_t)search->faces[(int64_t)target * search->per + a]], sizeof reference.node[a]);
-  if (ct_segment_normal(&reference, xi, normal) != CT_OK || !(ct_vector_dot(d, normal) > 0.0)) return p->depth;
-  return fmin(p->depth, 0.5 * sqrt(ct_vector_dot(d, d)));
+  ct_search_face(&p->reference, target, &reference);
+  if (ct_segment_normal(&reference, foot->xi, own) != CT_OK) return p->depth;
+  // -- On an edge or a corner, beneath all faces there (eq:pseudo-normal)
+  (void)ct_search_normal(&p->reference, target, foot->where, foot->index, foot->xi, own, normal);
+  return ct_vector_dot(d, normal) > 0.0 ? fmin(p->depth, 0.5 * sqrt(ct_vector_dot(d, d))) : p->depth;
+}
+
+/* Bound of what the motion since the last update can have changed of the distance between a point and a place of a face
+ * (eq:gap-bound). */
+static double motion_over(const ct_pass *p, int32_t face, int q, int32_t target)
+{
+  const ct_search *search = p->other->search;
+  const double most = search->per > search->edges ? 3.0 : 1.0;
+  double own[3], top = 0.0;
+  ct_side_moved(p->side, face, p->side->N[q], own);
+  for (int a = 0; a < search->per; a++) {
+    const double *theirs = &p->other->moved[3 * (int64_t)search->faces[(int64_t)target * search->per + a]];
+    const double d[3] = {own[0] - theirs[0], own[1] - theirs[1], own[2] - theirs[2]};
+    top = fmax(top, ct_vector_dot(d, d));
+  }
+  return most * sqrt(top) + 1e-12 * search->size;
+}
+
+/* The same for the face found and for the one that the point was over before. */
+static double motion_of(const ct_pass *p, int32_t face, int q, int32_t target)
+{
+  int32_t last = p->side->points[(int64_t)face * p->side->rule.count + q].other;
+  double motion = motion_over(p, face, q, target);
+  return last < 0 || last == target ? motion : fmax(motion, motion_over(p, face, q, last));
+}
+
+/* Unit normal, now, of the other side where a point was in the last step. Answers 0 when it was nowhere. */
+static int last_normal(const ct_pass *p, const ct_gauss_point *point, double normal[3])
+{
+  ct_face face;
+  if (point->other < 0) return 0;
+  ct_search_face(p->other->search, point->other, &face);
+  return ct_segment_normal(&face, point->xi, normal) == CT_OK;
+}
+
+/* Whether a place with the normal `normal` (of any length) looks at a point with the normal `own`, or looks across and the same
+ * way as the place where the point was in the last step (eq:self-adjacent). */
+static int looks_at(const ct_pass *p, const ct_gauss_point *point, const double own[3], const double normal[3])
+{
+  double last[3], length = sqrt(ct_vector_dot(normal, normal)), along = ct_vector_dot(own, normal);
+  if (along < -0.25 * length) return 1;
+  return along < 0.5 * length && last_normal(p, point, last) && ct_vector_dot(last, normal) > 0.5 * length;
 }
 
 /* In a contact of a surface with itself, whether a foot is one to be pushed from: the faces look at each other, no face at the
@@ -57,10 +99,13 @@ static int may_push(const ct_pass *p, int32_t face, int q, const double own[3], 
   double normal[3], d[3];
   (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
   for (int c = 0; c < 3; c++) d[c] = foot->point[c] - y[c];
-  // -- The sides of an edge look across, not at each other, however the body bends (eq:self-adjacent)
-  if (!(ct_vector_dot(own, normal) < -0.25 * sqrt(ct_vector_dot(normal, normal)))) return 0;
-  if (!ct_search_is_minimum(p->other->search, target, foot->where, foot->index, foot->xi, d)) return 0;
-  return !(ct_vector_dot(d, normal) > 0.0) || foot->distance <= deepest(p, face, q, target, foot->xi);
+  if (!ct_pass_looks_across(own, normal) || !ct_search_is_minimum(p->other->search, target, foot->where, foot->index, foot->xi, d)) return 0;
+  if (!(ct_vector_dot(d, normal) > 0.0)) return 1;
+  const ct_gauss_point *point = &p->side->points[(int64_t)face * p->side->rule.count + q];
+  if (!looks_at(p, point, own, normal)) return 0;
+  // -- No deeper than it was and than the motion since then can have brought it (eq:gap-bound)
+  double known = point->known, came = (known < 0.0 ? -known : 0.0) + motion_of(p, face, q, target);
+  return foot->distance <= fmin(came, deepest(p, face, q, target, foot));
 }
 
 /* Project a point on one face of the other side, both seen from `origin`. Answers 0 when it has no foot there. */
@@ -88,15 +133,6 @@ static int is_far(const double own[3], const double last[3], const double normal
 {
   double along = ct_vector_dot(last, normal), half = 0.5 * sqrt(ct_vector_dot(normal, normal));
   return along < -half || (along < half && !ct_pass_looks_across(own, normal));
-}
-
-/* Unit normal, now, of the other side where a point was in the last step. Answers 0 when it was nowhere. */
-static int last_normal(const ct_pass *p, const ct_gauss_point *point, double normal[3])
-{
-  ct_face face;
-  if (p->self || point->other < 0) return 0;
-  ct_search_face(p->other->search, point->other, &face);
-  return ct_segment_normal(&face, point->xi, normal) == CT_OK;
 }
 
 /* Whether a foot is on the far side of where the point was. */
@@ -143,18 +179,27 @@ static void gap_over(const ct_pass *p, int32_t target, const double xi[2], const
   point->gap = ct_vector_dot(point->d, point->normal) > 0.0 ? -distance : distance;
 }
 
+/* The side of the surface that a point is on cannot change while the motion is smaller than its distance (eq:gap-bound). */
+static void keep_side(const ct_pass *p, int32_t face, int q, int32_t target, ct_gauss_point *point)
+{
+  if (isnan(point->known) || fabs(point->gap - point->known) <= fabs(point->gap + point->known)) return;
+  double motion = motion_of(p, face, q, target);
+  if (fabs(point->gap - point->known) > motion && fabs(point->gap + point->known) <= motion) point->gap = -point->gap;
+}
+
 /* The gap of a point over the face it has found, and what it says of the point. */
 static verdict measure(const ct_pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
 {
   double own[3], last[3], *normal = point->normal;
   int within = ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal);
   gap_over(p, best->face, best->foot.xi, best->origin, best->y, point);
+  keep_side(p, face, q, best->face, point);
   if (!within && !(p->side->on_edges && above_border(&best->foot, point->d))) return BEYOND;
   int held = point->history == CT_POINT_INSIDE && !p->self;
   if (point->gap >= 0.0 && !held) return OUTSIDE;
   // -- Far sides: what looks away from where the point was, or the same way as a point that comes in (eq:far-side)
   if (!ct_pass_own_normal(p, face, q, own)) return FAR;
-  if (last_normal(p, point, last) && is_far(own, last, normal)) return FAR;
+  if (!p->self && last_normal(p, point, last) && is_far(own, last, normal)) return FAR;
   if (held) return point->gap >= 0.0 ? OUTSIDE : INSIDE;
   return ct_pass_looks_across(own, normal) ? INSIDE : FAR;
 }
@@ -170,6 +215,7 @@ static void close_point(const ct_pass *p, int64_t number, verdict found, int32_t
   for (int c = 0; c < 3; c++) point->force[c] = inside ? stiff * point->d[c] : 0.0;
   point->history = found == INSIDE ? CT_POINT_INSIDE : found == OUTSIDE ? CT_POINT_OUTSIDE : found == FAR ? CT_POINT_BURIED : CT_POINT_NEW;
   point->other = met ? target : -1;
+  point->known = target < 0 || (p->self && !met && found != BEYOND) ? NAN : point->gap;
   if (!met) point->gap = NAN;
   else memcpy(point->xi, xi, sizeof point->xi);
 }
@@ -292,7 +338,7 @@ static void search_point(const ct_pass *p, int32_t face, int q)
   position(p->side, face, q, zero, y);
   find_nearest(p, face, q, y, 0, &best);
   verdict found = judge(p, face, q, y, &best, point);
-  close_point(p, number, found, best.face, best.foot.xi);
+  close_point(p, number, found, best.face == INT32_MAX ? -1 : best.face, best.foot.xi);
 }
 
 /* Search for the points first ... first + count - 1, eight at most. */
@@ -306,7 +352,8 @@ static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
 
 void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double listed, int first)
 {
-  ct_pass p = {side, other, ct_project_options_default(), options->epsilon, depth, listed, side == other, first};
+  ct_pass p = {side, other, ct_project_options_default(), options->epsilon, depth, listed, side == other, first, *other->search};
+  p.reference.x = other->reference;
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
   // A surface with itself judges feet by more than their distance, other methods have no lanes, and lanes take faces of one kind.

@@ -14,6 +14,7 @@ typedef struct ct_pass {
   double listed; /* candidates are complete to this distance */
   int self;  /* whether the other side is the same surface */
   int first; /* whether no point has a history yet */
+  ct_search reference; /* the other side in its reference shape, of a surface with itself */
 } ct_pass;
 
 /* Points that are settled at once. */

@@ -10,7 +10,7 @@
 
 void ct_side_clear(ct_side *side)
 {
-  void *blocks[] = {side->weight, side->x_built, side->candidate_first, side->candidates, side->points, side->reference, side->force, side->force_fine};
+  void *blocks[] = {side->weight, side->x_built, side->moved, side->candidate_first, side->candidates, side->points, side->reference, side->force, side->force_fine};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_search_free(side->search);
   memset(side, 0, sizeof *side);
@@ -27,9 +27,10 @@ static ct_status allocate(ct_side *side)
   side->candidates = ct_allocate(faces, sizeof *side->candidates);
   side->points = ct_allocate(points, sizeof *side->points);
   side->x_built = ct_allocate(3 * nodes, sizeof *side->x_built);
+  side->moved = ct_allocate(3 * nodes, sizeof *side->moved);
   side->force = ct_allocate(3 * nodes, sizeof *side->force);
   side->force_fine = ct_allocate(3 * nodes, sizeof *side->force_fine);
-  return side->weight && side->candidate_first && side->candidates && side->points && side->x_built && side->force && side->force_fine ? CT_OK : CT_ERROR_MEMORY;
+  return side->weight && side->candidate_first && side->candidates && side->points && side->x_built && side->moved && side->force && side->force_fine ? CT_OK : CT_ERROR_MEMORY;
 }
 
 /* Weights w J_ref of the Gauss points (eq:contact-potential). */
@@ -70,7 +71,7 @@ ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, int o
   }
   for (int64_t i = 0; i < ct_side_point_count(side); i++) {
     side->points[i].other = -1;
-    side->points[i].gap = NAN;
+    side->points[i].gap = side->points[i].known = NAN;
   }
   return CT_OK;
 }
@@ -102,6 +103,21 @@ void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], c
 void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3])
 {
   interpolate(side->search, side->reference, face, N, origin, out);
+}
+
+ct_status ct_side_place(ct_side *side, const double *host, int body, ct_error *error)
+{
+  const size_t entries = 3 * (size_t)side->search->node_count;
+  memcpy(side->moved, side->search->x, entries * sizeof *side->moved);
+  ct_status status = ct_search_place(side->search, host, body, error);
+  for (size_t i = 0; i < entries; i++) side->moved[i] = side->search->x[i] - side->moved[i];
+  return status;
+}
+
+void ct_side_moved(const ct_side *side, int32_t face, const double N[8], double out[3])
+{
+  static const double zero[3] = {0.0, 0.0, 0.0};
+  interpolate(side->search, side->moved, face, N, zero, out);
 }
 
 void ct_side_area(const ct_side *side, int32_t face, int q, double normal[3])

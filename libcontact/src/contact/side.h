@@ -18,6 +18,7 @@ typedef struct ct_gauss_point {
   double xi[2];   /* parameters of the closest point there */
   double d[3];    /* ȳ - y */
   double gap;     /* signed distance; NaN without `other` */
+  double known;   /* signed distance from the nearest place as the last update found it, with or without contact; NaN: none was near */
   double normal[3]; /* outward normal of the other side at the foot, of any length */
   double N[8];    /* shape functions of the other face at xi */
   double shift;    /* start gap that `gap` counts from, 0 or negative (eq:initial-shift) */
@@ -37,6 +38,7 @@ typedef struct ct_side {
   double dN[27][8][2]; /* and their derivatives */
   double *weight;     /* w J_ref, shape (face_count, rule.count) */
   double *x_built;    /* coordinates at the last listing of candidates, shape (node_count, 3) */
+  double *moved;      /* how far the nodes have moved since the last update, shape (node_count, 3) */
   int32_t *candidate_first, *candidates; /* faces of the other side that may come near each face, until the next listing */
   int32_t candidate_room;
   double *reference;  /* of a surface in contact with itself: its reference coordinates, shape (node_count, 3); else null */
@@ -64,6 +66,12 @@ void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], c
 
 /* The same with reference coordinates, of a surface in contact with itself. */
 void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3]);
+
+/* Move the surface to the host's coordinates, and note how far its nodes have moved. CT_INVALID as ct_search_place. */
+ct_status ct_side_place(ct_side *side, const double *host, int body, ct_error *error);
+
+/* How far a place of a face has moved since the last update. */
+void ct_side_moved(const ct_side *side, int32_t face, const double N[8], double out[3]);
 
 /* Normal of a face at its Gauss point q, of the length of the area element there. */
 void ct_side_area(const ct_side *side, int32_t face, int q, double normal[3]);
