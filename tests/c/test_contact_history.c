@@ -201,11 +201,44 @@ static void same_as_the_host(void)
   free(z);
 }
 
+/* A point stands off the corner of a quadratic brick while nodes on the edges there move until the faces are turned inside out.
+ * The point is not inside for that (eq:gap-bound). */
+static void corner_turned_inside_out(void)
+{
+  enum { STEPS = 80 };
+  double lowest = HUGE_VAL, energy = 0.0, x[60], corners[12] = {1.2, 1.15, 1.3, 1.2, 1.25, 1.3, 1.3, 1.25, 1.3, 1.3, 1.15, 1.3};
+  int32_t outer[48], square[4] = {0, 1, 2, 3};
+  ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  ct_surface brick = {CT_Q8, 20, ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes}, square_patch = {CT_Q4, 4, 1, square, corners};
+  for (int edges = 1; edges < 8; edges++) {
+    ct_contact *contact = NULL;
+    ct_contact_options options = ct_contact_options_default();
+    ct_contact_point point[4 + 6 * 9];
+    ct_error e;
+    options.epsilon = 1.0;
+    need(ct_contact_create(&square_patch, &brick, &options, &contact, &e), &e);
+    for (int step = 0; step <= STEPS; step++) {
+      memcpy(x, m->nodes, sizeof x);
+      // The middle of an edge along axis c at the corner (1, 1, 1) moves towards the corner, and the edge folds over.
+      for (int i = 0; i < 60; i++)
+        if (edges >> i % 3 & 1 && m->nodes[i] == 0.5 && m->nodes[i - i % 3 + (i % 3 + 1) % 3] == 1.0 && m->nodes[i - i % 3 + (i % 3 + 2) % 3] == 1.0) x[i] += 0.5 * step / STEPS;
+      need(ct_contact_update(contact, corners, x, &e), &e);
+      ct_contact_points(contact, point);
+      for (int i = 0; i < 4; i++) lowest = fmin(lowest, point[i].gap);
+      energy = fmax(energy, ct_contact_energy(contact));
+    }
+    ct_contact_free(contact);
+  }
+  tap_ok(lowest > 0.3 && energy == 0.0, "a point off a corner that is turned inside out stays outside: gap %g, energy %g", lowest, energy);
+  ct_mesh_free(m);
+}
+
 int main(void)
 {
   start_gap_opens();
   start_gap_fades();
   history_in_memory();
   same_as_the_host();
+  corner_turned_inside_out();
   return tap_done();
 }

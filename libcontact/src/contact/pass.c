@@ -103,7 +103,7 @@ static int may_push(const ct_pass *p, int32_t face, int q, const double own[3], 
   if (!(ct_vector_dot(d, normal) > 0.0)) return 1;
   const ct_gauss_point *point = &p->side->points[(int64_t)face * p->side->rule.count + q];
   if (!looks_at(p, point, own, normal)) return 0;
-  // -- No deeper than it was and than the motion since then can have brought it (eq:gap-bound)
+  // -- No deeper than it was and than the motion since then can have brought it (eq:self-history)
   double known = point->known, came = (known < 0.0 ? -known : 0.0) + motion_of(p, face, q, target);
   return foot->distance <= fmin(came, deepest(p, face, q, target, foot));
 }
@@ -220,19 +220,6 @@ static void close_point(const ct_pass *p, int64_t number, verdict found, int32_t
   else memcpy(point->xi, xi, sizeof point->xi);
 }
 
-/* Whether the way from a point to its foot, `d`, first enters through another face, one that the point is outside of: then the
- * foot is on the far side of something that the point is not in (eq:self-way). */
-static int enters(const ct_pass *p, int32_t face, int q, int32_t target, const double d[3])
-{
-  ct_projection foot;
-  double origin[3], y[3], way[3], normal[3];
-  if (!project(p, face, q, target, NULL, origin, y, &foot)) return 0;
-  for (int c = 0; c < 3; c++) way[c] = foot.point[c] - y[c];
-  (void)ct_search_normal(p->other->search, target, foot.where, foot.index, foot.xi, foot.normal, normal);
-  return ct_vector_dot(way, normal) < 0.0 && ct_vector_dot(d, way) >= ct_vector_dot(way, way) &&
-         ct_search_is_minimum(p->other->search, target, foot.where, foot.index, foot.xi, way);
-}
-
 /* Begin with nothing found; a surface in contact with itself needs its own normal first, a search on one side that of the last
  * step too. Answers 0 when there is none. */
 static int begin(const ct_pass *p, int32_t face, int q, int same_side, nearest *best)
@@ -307,12 +294,6 @@ static verdict judge(const ct_pass *p, int32_t face, int q, const double y[3], n
   if (found == INSIDE && (p->self || point->history != CT_POINT_INSIDE) && (buried || point->gap < -p->depth)) found = FAR;
   if (found == FAR && p->self) return NOWHERE;
   if (found == BEYOND && buried) return FAR;
-  // -- A surface with itself: no other face is on the way to the foot (eq:self-way)
-  for (int32_t i = p->side->candidate_first[face]; p->self && found == INSIDE && i < p->side->candidate_first[face + 1]; i++) {
-    int32_t target = p->side->candidates[i];
-    if (target != best->face && ct_bounds_distance(&p->other->search->boxes[target], y) <= best->distance && enters(p, face, q, target, point->d))
-      return NOWHERE;
-  }
   return found;
 }
 
