@@ -13,9 +13,11 @@ from typing import Any
 import numpy as np
 
 import libcontact as ct
+import rest
 from dissipation import bar as measured_bar
 from lab import DEFAULT, Row, enforced, judge, material, scene
 from libcontact.mesh import Mesh
+from shapes import random_rotation
 
 FLOOR = {"point": [0, 0, 0], "normal": [0, 0, 1]}
 
@@ -228,13 +230,6 @@ def turned_cube(rotation: np.ndarray, cells: int = 3, gap: float = 0.02) -> tupl
     mesh = Mesh.box("hex8", (-0.5, -0.5, -0.5), (1, 1, 1), (cells, cells, cells))
     nodes = np.asarray(mesh.nodes) @ rotation.T
     return nodes + [0, 0, gap - nodes[:, 2].min()], np.array(mesh.elements)
-
-
-def random_rotation(random: np.random.Generator) -> np.ndarray:
-    q = random.normal(size=4)
-    w, x, y, z = q / np.linalg.norm(q)
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
 
 
 def from_to(direction: np.ndarray) -> np.ndarray:
@@ -458,4 +453,4 @@ def resting(short: bool) -> Iterator[Row]:
 
 
 CASES = [bar_on_a_wall, bar_with_each_integrator, bouncing_bar, two_bars, plate_impact, contact_and_reference, unlike_meshes, dropped_cube, spinning_ring, crossing_rings,
-         sliding_block, thin_plates, distorted_mesh, aspect_ratio, sizes, last_bit, rounding_modes, vibration, resting]
+         sliding_block, thin_plates, distorted_mesh, aspect_ratio, sizes, last_bit, rounding_modes, vibration, resting, *rest.CASES]

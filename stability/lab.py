@@ -83,6 +83,16 @@ def enforced(enforcement: str, beta: float | None) -> dict[str, Any]:
     return {"enforcement": enforcement, **({} if beta is None else {"beta": beta})}
 
 
+def shortest_edge(made: ct.Scene) -> float:
+    return min(body.mesh.shortest_edge for body in made._built(None).bodies.values())
+
+
+def set_steps(made: ct.Scene, steps: int, fraction: float, records: int) -> ct.Scene:
+    """Let a scene take so many steps of a fraction of the stable one, with about ``records`` records."""
+    dt = made.set_time(end=1.0, fraction=fraction)._built(None).dt
+    return made.set_time(end=steps * dt, dt=dt).set_output(every=max(steps // records, 1), fields=[])
+
+
 def judge(case: str, made: ct.Scene, *, enforcement: str, beta: float | None, depth: Callable[[ct.Run], float] | None = None, scale: float | None = None,
           scale_name: str = "start", momentum: float = MOMENTUM, bound: float = 0.5, whole: Callable[[ct.Run, Watch], str] | None = None,
           measure: Callable[[ct.Run], dict[str, float]] | None = None, expected: str = "passes", note: str = "") -> Row:
@@ -91,18 +101,17 @@ def judge(case: str, made: ct.Scene, *, enforcement: str, beta: float | None, de
     what is wrong.
     """
     begin = time.perf_counter()
-    data = made.explain().data
-    h = min(body["shortest_edge"] for body in data["bodies"])
-    watch = Watch(h, depth, measure)
-    facts = data["time"]
-    row = Row(case, enforcement, beta, facts["courant"], facts["dt"] / facts["stable_without_contact"], facts["steps"], np.nan, np.nan, np.nan, np.nan, np.nan, "", scale=scale_name,
-              note=note, expected=expected, integrator=facts["integrator"])
+    problem = made._built(None)
+    stable = problem.stable
+    watch = Watch(shortest_edge(made), depth, measure)
+    row = Row(case, enforcement, beta, problem.dt / stable.dt_courant if stable.dt_courant > 0 else np.inf, problem.dt / stable.dt_without_contact, problem.step_count, np.nan, np.nan,
+              np.nan, np.nan, np.nan, "", scale=scale_name, note=note, expected=expected, integrator=problem.parts.time.integrator)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             run = made.run(progress=False, output=False, watch=watch)
     except ct.Error as error:
-        row.verdict, row.note, row.seconds = type(error).__name__, str(error).split(";")[0], time.perf_counter() - begin
+        row.verdict, row.note, row.seconds, row.curve = type(error).__name__, str(error).split(";")[0], time.perf_counter() - begin, watch.curve
         if getattr(error, "run", None) is not None and len(error.run.energy):
             weigh(row, error.run, scale)
         return row

@@ -1,0 +1,66 @@
+"""
+Which points are inside a body, found without the library: by the solid angle that the skin fills as seen from a point, 4π times the number of times that the body
+covers it (Van Oosterom and Strackee 1983).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+# The faces of a brick, counter-clockwise from outside, by VTK's corners, and the nodes on their edges.
+FACES = np.array([(0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7)])
+MIDDLES = np.array([(16, 15, 19, 11), (9, 18, 13, 17), (8, 17, 12, 16), (19, 14, 18, 10), (11, 10, 9, 8), (12, 13, 14, 15)])
+
+
+def skin(elements: np.ndarray) -> np.ndarray:
+    """Outer faces (m, 4) of hex8 or (m, 8) of hex20: those that only one element has."""
+    columns = FACES if elements.shape[1] == 8 else np.hstack([FACES, MIDDLES])
+    faces = elements[:, columns].reshape(-1, columns.shape[1])
+    _, first, count = np.unique(np.sort(faces[:, :4], axis=1), axis=0, return_index=True, return_counts=True)
+    return faces[first[count == 1]]
+
+
+def triangles(x: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Triangles (n, 3, 3) of the faces of a skin about the middle of each, with the nodes at ``x``."""
+    p = x[faces]
+    if faces.shape[1] == 8:
+        p, middle = p[:, [0, 4, 1, 5, 2, 6, 3, 7]], 0.5 * p[:, 4:].sum(1) - 0.25 * p[:, :4].sum(1)
+    else:
+        middle = p.mean(1)
+    following = np.roll(p, -1, axis=1)
+    return np.stack([p, following, np.broadcast_to(middle[:, None], p.shape)], 2).reshape(-1, 3, 3)
+
+
+def covered(points: np.ndarray, skin_triangles: np.ndarray) -> np.ndarray:
+    """How many times the body within a closed skin covers each point (n,): 0 outside, 1 inside, 2 where it overlaps itself."""
+    out = np.empty(len(points))
+    for first in range(0, len(points), 256):
+        a, b, c = (skin_triangles[None, :, k] - points[first:first + 256, None] for k in range(3))
+        la, lb, lc = (np.sqrt((v * v).sum(-1)) for v in (a, b, c))
+        triple = (a * np.cross(b, c)).sum(-1)
+        other = la * lb * lc + (a * b).sum(-1) * lc + (b * c).sum(-1) * la + (c * a).sum(-1) * lb
+        out[first:first + 256] = np.arctan2(triple, other).sum(1) / (2 * np.pi)
+    return out
+
+
+def normals(x: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The corners of a skin, and the unit mean of the normals of their faces."""
+    p = x[faces[:, :4]]
+    area = np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1])
+    total = np.zeros_like(x)
+    for k in range(4):
+        np.add.at(total, faces[:, k], area)
+    numbers = np.unique(faces[:, :4])
+    return numbers, total[numbers] / np.linalg.norm(total[numbers], axis=1, keepdims=True)
+
+
+def twice(x: np.ndarray, elements: np.ndarray, depth: float) -> int:
+    """How many corners of the skin of one body are more than ``depth`` inside another part of it; ``depth`` is less than its thickness."""
+    faces = skin(elements)
+    numbers, normal = normals(x, faces)
+    return int((covered(x[numbers] - depth * normal, triangles(x, faces)) > 1.5).sum())
+
+
+def within(points: np.ndarray, x: np.ndarray, elements: np.ndarray) -> np.ndarray:
+    """Which points are inside a body."""
+    return covered(points, triangles(x, skin(elements))) > 0.5

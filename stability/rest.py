@@ -1,0 +1,98 @@
+"""Bodies at rest that must stay at rest: concave shapes in contact with themselves, blocks that touch in any orientation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+import libcontact as ct
+import shapes
+from lab import DEFAULT, Row, judge, material, scene, set_steps, shortest_edge
+
+YOUNG = 1e4
+# What counts as nothing: energy over E V, and displacement over the shortest edge.
+NO_ENERGY, NO_MOTION = 1e-24, 1e-10
+
+
+def still(run: ct.Run) -> dict[str, float]:
+    """What must be zero in a body at rest: its energy of every kind, and how far its nodes have moved."""
+    row = run.energy[-1]
+    moved = max(float(np.abs(body.displacement).max()) for body in run.state.values())
+    return {"energy": float(max(abs(row["kinetic"]), abs(row["strain"]), abs(row["contact"]), abs(row["total"]))), "moved": moved}
+
+
+def at_rest(made: ct.Scene, case: str, volume: float, steps: int, **more: str) -> Row:
+    """Run a scene in which nothing may happen for so many steps."""
+    h = shortest_edge(set_steps(made, steps, 0.9, 50))
+
+    def nothing(run: ct.Run, watch) -> str:
+        energy, moved = max(watch.curve["energy"]) / (YOUNG * volume), max(watch.curve["moved"]) / h
+        return "" if energy <= NO_ENERGY and moved <= NO_MOTION else f"energy {energy:.1e} E V at rest, nodes move by {moved:.1e} h"
+
+    row = judge(case, made, enforcement=DEFAULT, beta=4.0, measure=still, whole=nothing, scale=YOUNG * volume, scale_name="E V", momentum=math.inf, **more)
+    if row.curve:
+        row.note = (f"energy {max(row.curve['energy']) / (YOUNG * volume):.0e} E V, moved {max(row.curve['moved']) / h:.0e} h" + (f"; {row.note}" if row.note else ""))
+    # What is left of momentum is round-off, of no scale of its own.
+    row.momentum, row.curve = 0.0, {}
+    return row
+
+
+def concave(bricks: shapes.Bricks, points: str) -> ct.Scene:
+    """One body whose surface may meet itself."""
+    made = scene("at rest")
+    material(made, young=YOUNG)
+    made.add_body("body", nodes=bricks[0], elements=bricks[1], element="hex8" if bricks[1].shape[1] == 8 else "hex20", material="soft")
+    return made.add_contact("body.outer", "body.outer", points=points)
+
+
+def concave_meshes(name: str, parts: int, element: str, amount: float, count: int) -> list[shapes.Bricks]:
+    """One regular mesh of a shape, or ``count`` of them with nodes moved by ``amount`` of an edge and turned at random."""
+    out = []
+    for seed in range(count if amount else 1):
+        random = np.random.default_rng([seed, parts, int(10 * amount), *name.encode()])
+        bricks = shapes.cubes(shapes.CONCAVE[name], parts)
+        if amount:
+            bricks = shapes.turned(shapes.moved(bricks, amount / parts, random), shapes.random_rotation(random))
+        out.append(bricks if element == "hex8" else shapes.with_edges(bricks))
+    return out
+
+
+def accepted(made: ct.Scene) -> bool:
+    """Whether the library takes the mesh of a scene."""
+    try:
+        made.set_time(end=1.0, fraction=0.9)._built(None)
+    except ct.SceneError as error:
+        if "element" not in str(error):
+            raise
+        return False
+    return True
+
+
+def concave_at_rest(short: bool) -> Iterator[Row]:
+    """
+    Eight concave shapes of cubes, undeformed: whatever the mesh and the rule, no point of them is inside, so there is no energy and nothing moves. Meshes that the library refuses
+    (elements turned inside out by moving nodes) are counted.
+    """
+    for name in shapes.CONCAVE:
+        sizes = [("hex8", 1, 3), ("hex8", 2, 1), ("hex8", 3, 1), ("hex20", 1, 1)]
+        for element, parts, count in ([sizes[0], sizes[3]] if name in ("L", "corner") else sizes[:1]) if short else sizes:
+            for amount in (0.0, 0.1, 0.2, 0.3):
+                for points in ("gauss", "lobatto"):
+                    yield from concave_rows(name, element, parts, amount, points, 20 if short else 1000 if parts == 1 else 200, 1 if short else count)
+
+
+def concave_rows(name: str, element: str, parts: int, amount: float, points: str, steps: int, count: int) -> Iterator[Row]:
+    """A row for each accepted mesh of a shape; the last one says how many were refused."""
+    scenes = [concave(bricks, points) for bricks in concave_meshes(name, parts, element, amount, count)]
+    taken = [made for made in scenes if accepted(made)]
+    refused = len(scenes) - len(taken)
+    case = f"concave, {name} {element}/{parts} {amount:g} h {points}"
+    for made in taken:
+        yield at_rest(made, case, len(shapes.CONCAVE[name]), steps, note=f"{refused} of {len(scenes)} meshes refused" if refused else "")
+    if not taken:
+        yield Row(case, DEFAULT, 4.0, *([math.nan] * 2), 0, *([math.nan] * 5), "passes", note=f"all {refused} meshes refused", scale="E V")
+
+
+CASES = [concave_at_rest]

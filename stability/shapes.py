@@ -1,0 +1,110 @@
+"""Meshes of the stability laboratory: shapes of cubes, strips, coils, balls, wedges; moved, turned, and with nodes on their edges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+# VTK's corners of a brick, and the corners of each of its edges.
+CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
+EDGES = np.array([(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)])
+# Each of these has an edge or a corner that points inwards.
+CONCAVE: dict[str, list[tuple[int, int, int]]] = {
+    "L": [(i, 0, 0) for i in range(4)] + [(0, j, 0) for j in range(1, 4)],
+    "T": [(i, 2, 0) for i in range(5)] + [(2, 0, 0), (2, 1, 0)],
+    "stairs": [(i, j, 0) for i in range(3) for j in range(3 - i)],
+    "U": [(i, 0, 0) for i in range(3)] + [(i, j, 0) for i in (0, 2) for j in (1, 2)],
+    "plus": [(1, 1, 0), (0, 1, 0), (2, 1, 0), (1, 0, 0), (1, 2, 0)],
+    "ring": [(i, j, 0) for i in range(3) for j in range(3) if (i, j) != (1, 1)],
+    "Z": [(0, 0, 0), (1, 0, 0), (1, 1, 0), (2, 1, 0)],
+    "corner": [(i, j, k) for i in range(2) for j in range(2) for k in range(2) if (i, j, k) != (1, 1, 1)],
+}
+
+Bricks = tuple[np.ndarray, np.ndarray]
+
+
+def joined(corners: np.ndarray) -> Bricks:
+    """Nodes and elements of bricks given by the coordinates of their corners (cells, 8, 3), on a lattice of integers."""
+    nodes, numbers = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    return nodes.astype(float), numbers.reshape(len(corners), 8).astype(np.int32)
+
+
+def cubes(cells: Sequence[tuple[int, int, int]], parts: int = 1) -> Bricks:
+    """Unit cubes at these places, each of ``parts`` elements along an edge."""
+    inner = np.stack(np.meshgrid(*[np.arange(parts)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    places = (parts * np.array(cells)[:, None] + inner).reshape(-1, 3)
+    nodes, elements = joined(places[:, None] + CORNERS)
+    return nodes / parts, elements
+
+
+def grid(size: Sequence[float], cells: Sequence[int]) -> Bricks:
+    """A box from the origin."""
+    places = np.stack(np.meshgrid(*[np.arange(n) for n in cells], indexing="ij"), -1).reshape(-1, 3)
+    nodes, elements = joined(places[:, None] + CORNERS)
+    return nodes * np.array(size) / np.array(cells), elements
+
+
+def moved(bricks: Bricks, amount: float, random: np.random.Generator) -> Bricks:
+    """Every node moved at random by up to ``amount`` along each axis."""
+    nodes, elements = bricks
+    return nodes + random.uniform(-amount, amount, nodes.shape), elements
+
+
+def with_edges(bricks: Bricks, onto: Callable[[np.ndarray], np.ndarray] = lambda middle: middle) -> Bricks:
+    """hex20 of hex8: a node in the middle of every edge, taken by ``onto`` to where it belongs."""
+    nodes, elements = bricks
+    pairs = np.sort(elements[:, EDGES], axis=2)
+    edges, numbers = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
+    more = numbers.reshape(len(elements), 12) + len(nodes)
+    return np.concatenate([nodes, onto(nodes[edges].mean(1))]), np.hstack([elements, more]).astype(np.int32)
+
+
+def turned(bricks: Bricks, rotation: np.ndarray) -> Bricks:
+    return bricks[0] @ rotation.T, bricks[1]
+
+
+def random_rotation(random: np.random.Generator) -> np.ndarray:
+    q = random.normal(size=4)
+    w, x, y, z = q / np.linalg.norm(q)
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+
+
+# Strips: a box (length, width, thickness) bent along a curve in the plane of x and z.
+
+def bent(cells: Sequence[int], width: float, thickness: float, curve: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) -> Bricks:
+    """A strip about the middle line ``curve(s)``, 0 <= s <= 1, which answers points and unit normals (n, 2), in the plane of x and z."""
+    (s, y, off), elements = (lambda mesh: (mesh[0].T, mesh[1]))(grid((1.0, width, 1.0), cells))
+    point, normal = curve(s)
+    place = point + thickness * (off - 0.5)[:, None] * normal
+    return np.stack([place[:, 0], y, place[:, 1]], -1), elements
+
+
+def hairpin(leg: float, thickness: float, gap: float, cells: Sequence[int], width: float) -> Bricks:
+    """A U: two legs along x, the first below the other, and half a ring between them at the larger x."""
+    radius = 0.5 * (thickness + gap)
+    whole = 2 * leg + np.pi * radius
+
+    def curve(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        along = whole * s
+        angle = np.clip((along - leg) / radius, 0.0, np.pi)
+        x = np.where(along < leg, along, np.where(along > whole - leg, whole - along, leg))
+        normal = np.stack([-np.sin(angle), np.cos(angle)], -1)
+        return np.stack([x, np.zeros_like(x)], -1) - radius * normal, normal
+
+    return bent(cells, width, thickness, curve)
+
+
+def spiral(inner: float, pitch: float, turns: float, thickness: float, cells: Sequence[int], width: float) -> Bricks:
+    """A strip wound about y: the radius of its middle line grows from ``inner`` by ``pitch`` a turn."""
+    def curve(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        # Equal elements: the square of the radius grows as the length does.
+        outer = inner + pitch * turns
+        radius = np.sqrt(inner**2 + s * (outer**2 - inner**2))
+        angle = 2 * np.pi * (radius - inner) / pitch
+        out = np.stack([np.cos(angle), np.sin(angle)], -1)
+        normal = np.stack([-out[:, 0], -out[:, 1]], -1)
+        return radius[:, None] * out, normal
+
+    return bent(cells, width, thickness, curve)
