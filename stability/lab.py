@@ -94,7 +94,7 @@ def set_steps(made: ct.Scene, steps: int, fraction: float, records: int) -> ct.S
 
 
 def judge(case: str, made: ct.Scene, *, enforcement: str, beta: float | None, depth: Callable[[ct.Run], float] | None = None, scale: float | None = None,
-          scale_name: str = "start", momentum: float = MOMENTUM, bound: float = 0.5, whole: Callable[[ct.Run, Watch], str] | None = None,
+          scale_name: str = "start", momentum: float = MOMENTUM, momentum_scale: float = 0.0, bound: float = 0.5, whole: Callable[[ct.Run, Watch], str] | None = None,
           measure: Callable[[ct.Run], dict[str, float]] | None = None, expected: str = "passes", note: str = "") -> Row:
     """
     Run a scene and judge it: energy, momentum, penetration of points and nodes (``bound``, in h), and what the case itself asks for: ``whole`` answers "" or
@@ -116,7 +116,7 @@ def judge(case: str, made: ct.Scene, *, enforcement: str, beta: float | None, de
             weigh(row, error.run, scale)
         return row
     weigh(row, run, scale)
-    row.momentum = drift(run)
+    row.momentum = drift(run, momentum_scale)
     row.points, row.nodes, row.curve = watch.points, watch.nodes, watch.curve
     row.verdict = verdict(row, momentum, bound) or (whole(run, watch) if whole else "") or "passes"
     row.seconds = time.perf_counter() - begin
@@ -130,11 +130,11 @@ def weigh(row: Row, run: ct.Run, scale: float | None) -> None:
     row.energy, row.lost = float((total - total[0]).max() / unit), float((total[0] - total[-1]) / unit)
 
 
-def drift(run: ct.Run) -> float:
-    """Change of momentum that no impulse accounts for, over the largest momentum or impulse."""
+def drift(run: ct.Run, scale: float) -> float:
+    """Change of momentum that no impulse accounts for, over the largest momentum or impulse, or a scale of the case where forces cancel each other."""
     first, last = (np.array([rows["p"][i] for rows in (run.body_momentum(name) for name in run.bodies)]) for i in (0, -1))
     given = sum((impulse for impulse in run.impulse.values()), np.zeros(3))
-    unit = max([np.abs(first).max(), np.abs(last).max(), *(np.abs(impulse).max() for impulse in run.impulse.values()), 1e-300])
+    unit = max([scale, np.abs(first).max(), np.abs(last).max(), *(np.abs(impulse).max() for impulse in run.impulse.values()), 1e-300])
     return float(np.abs(last.sum(0) - first.sum(0) - given).max() / unit)
 
 

@@ -11,7 +11,8 @@ import libcontact as ct
 import shapes
 from lab import DEFAULT, Row, judge, material, scene, set_steps, shortest_edge
 
-YOUNG = 1e4
+# Density 1.
+YOUNG, C = 1e4, 1e2
 # What counts as nothing: energy over E V, and displacement over the shortest edge.
 NO_ENERGY, NO_MOTION = 1e-24, 1e-10
 
@@ -31,11 +32,10 @@ def at_rest(made: ct.Scene, case: str, volume: float, steps: int, **more: str) -
         energy, moved = max(watch.curve["energy"]) / (YOUNG * volume), max(watch.curve["moved"]) / h
         return "" if energy <= NO_ENERGY and moved <= NO_MOTION else f"energy {energy:.1e} E V at rest, nodes move by {moved:.1e} h"
 
-    row = judge(case, made, enforcement=DEFAULT, beta=4.0, measure=still, whole=nothing, scale=YOUNG * volume, scale_name="E V", momentum=math.inf, **more)
+    row = judge(case, made, enforcement=DEFAULT, beta=4.0, measure=still, whole=nothing, scale=YOUNG * volume, scale_name="E V", momentum_scale=volume * C, **more)
     if row.curve:
         row.note = (f"energy {max(row.curve['energy']) / (YOUNG * volume):.0e} E V, moved {max(row.curve['moved']) / h:.0e} h" + (f"; {row.note}" if row.note else ""))
-    # What is left of momentum is round-off, of no scale of its own.
-    row.momentum, row.curve = 0.0, {}
+    row.curve = {}
     return row
 
 

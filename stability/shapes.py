@@ -96,6 +96,14 @@ def hairpin(leg: float, thickness: float, gap: float, cells: Sequence[int], widt
     return bent(cells, width, thickness, curve)
 
 
+def fork(legs: int, through: int, gap: int, base: int, wide: int, h: float) -> Bricks:
+    """A U with corners: two legs along x of ``through`` elements, ``gap`` elements apart, on a base of ``base`` elements at the smaller x; elements are cubes of edge h."""
+    high = 2 * through + gap
+    cells = [(i, j, k) for i in range(-base, legs) for j in range(wide) for k in range(high) if i < 0 or not through <= k < through + gap]
+    nodes, elements = cubes(cells)
+    return nodes * h, elements
+
+
 def spiral(inner: float, pitch: float, turns: float, thickness: float, cells: Sequence[int], width: float) -> Bricks:
     """A strip wound about y: the radius of its middle line grows from ``inner`` by ``pitch`` a turn."""
     def curve(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

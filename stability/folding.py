@@ -1,0 +1,119 @@
+"""Bodies that are pressed onto themselves: a folding strip, a rolled one, a coil, a crushed ring."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import inside
+import libcontact as ct
+import shapes
+from lab import DEFAULT, Row, judge, material, scene, shortest_edge
+
+YOUNG, DENSITY, C = 1e5, 1000.0, 10.0
+# Energy from nothing, as a share of the work put in; how deep a node may be inside another part of the body, in the shortest edge.
+GROWTH, DEEP = 0.002, 0.25
+FRACTIONS = (0.3, 0.6, 0.9)
+
+
+def smooth(end: float, points: int = 33) -> dict[str, list[float]]:
+    """A history from 0 to 1 that starts and ends without a slope."""
+    s = np.linspace(0.0, 1.0, points)
+    return {"time": list(s * end), "value": list(s * s * (3 - 2 * s))}
+
+
+@dataclass
+class Fold:
+    """What a body in contact with itself must keep in every step: its energy, and that no part of it is inside another part."""
+
+    body: str
+    depth: float
+    twice: int = 0
+    records: int = 0
+
+    def __call__(self, run: ct.Run) -> dict[str, float]:
+        if self.records % 8 == 0:
+            self.look(run)
+        self.records += 1
+        return {"total": float(run.energy["total"][-1]), "work": float(run.energy["external"][-1])}
+
+    def look(self, run: ct.Run) -> None:
+        """Count by solid angles, which takes far longer than a step."""
+        state = run.state[self.body]
+        self.twice = max(self.twice, inside.twice(state.positions, state.elements, self.depth))
+
+    def verdict(self, run: ct.Run, watch: Any) -> str:
+        self.look(run)
+        growth, _ = growths(watch.curve)
+        return "; ".join([f"energy grows by {100 * growth:.3g} % of the work"] * (growth > GROWTH) + [f"{self.twice} nodes are inside another part"] * (self.twice > 0))
+
+
+def growths(curve: dict[str, list[float]]) -> tuple[float, float]:
+    """How far the total rose above its start, and above its lowest value before, over the work put in (where bodies move at the start, over their energy)."""
+    total, work = np.array(curve["total"]), np.array(curve["work"])
+    unit = max(np.abs(work).max(), abs(total[0]), 1e-300)
+    return float((total - total[0]).max() / unit), float((total - np.minimum.accumulate(total)).max() / unit)
+
+
+def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
+    """Run a scene of one body with every step recorded, and judge it."""
+    made.set_time(end=end, fraction=fraction).set_output(every=1, fields=[])
+    body, = made._built(None).bodies.values()
+    fold = Fold(body.name, DEEP * shortest_edge(made))
+    mass = DENSITY * float(np.prod(np.ptp(body.mesh.nodes, axis=0)))
+    row = judge(case, made, enforcement=DEFAULT, beta=4.0, measure=fold, whole=fold.verdict, scale_name="work", momentum_scale=mass * C)
+    if row.curve:
+        growth, late = growths(row.curve)
+        row.note = f"growth {100 * growth:.2g} % of the work, {100 * late:.2g} % above an earlier total, {fold.twice} nodes inside" + (f"; {row.note}" if row.note else "")
+    row.curve = {}
+    return row
+
+
+def soft(title: str, bricks: shapes.Bricks) -> ct.Scene:
+    """A soft body that may meet itself."""
+    made = scene(title)
+    material(made, young=YOUNG, density=DENSITY, law="neo_hookean")
+    made.add_body("body", nodes=bricks[0], elements=bricks[1], material="soft")
+    return made.add_contact("body.outer", "body.outer")
+
+
+def led(bricks: shapes.Bricks, way: float, time: float) -> tuple[ct.Scene, float]:
+    """The sides at the smallest and the largest z are led towards each other, each by ``way``."""
+    made = soft("folding", bricks)
+    for side, sign in (("z_min", 1.0), ("z_max", -1.0)):
+        made.add_support(f"body.{side}", fix="z", travel=[0, 0, sign * way], history=smooth(time))
+    return made, 1.3 * time
+
+
+def loaded(bricks: shapes.Bricks, traction: float, time: float) -> tuple[ct.Scene, float]:
+    """The sides at the smallest and the largest z are loaded towards each other, with a share ``traction`` of E."""
+    made = soft("folding", bricks)
+    for side, sign in (("z_min", 1.0), ("z_max", -1.0)):
+        made.add("load", surface=f"body.{side}", traction=[0, 0, sign * traction * YOUNG], history=smooth(time))
+    return made, 1.5 * time
+
+
+def strips() -> list[tuple[str, shapes.Bricks, Any, float, float]]:
+    """Name, mesh, drive and its two numbers: a bend that is round, and one with corners, whose legs close from the ends to the root."""
+    thin, middle, thick = (shapes.hairpin(0.6, t, gap, cells, 0.2) for t, gap, cells in ((0.05, 0.05, (24, 2, 1)), (0.1, 0.08, (18, 2, 2)), (0.2, 0.1, (16, 2, 3))))
+    one, wide, two = shapes.fork(8, 1, 1, 1, 1, 0.05), shapes.fork(8, 1, 2, 1, 1, 0.05), shapes.fork(8, 2, 2, 1, 2, 0.05)
+    return [("corners 1", one, loaded, 0.3, 0.1), ("corners 2", two, loaded, 0.3, 0.1), ("wide gap", wide, loaded, 0.3, 0.1),
+            ("corners 1 slow", one, loaded, 0.1, 0.2), ("corners 2 slow", two, loaded, 0.1, 0.2), ("wide gap slow", wide, loaded, 0.1, 0.2),
+            ("corners 1 led", one, led, 0.03, 0.03), ("corners 2 led", two, led, 0.06, 0.06), ("wide gap led", wide, led, 0.055, 0.055),
+            ("round 1", thin, loaded, 0.1, 0.1), ("round 2", middle, loaded, 0.1, 0.1), ("round 3", thick, loaded, 0.1, 0.1),
+            ("round 1 led", thin, led, 0.04, 0.04), ("round 2 led", middle, led, 0.07, 0.07), ("round 3 led", thick, led, 0.11, 0.11)]
+
+
+def folding_strip(short: bool) -> Iterator[Row]:
+    """A U of neo-Hookean hex8 whose legs are pushed together until they are in contact over their length, and pressed."""
+    chosen = strips()
+    for name, bricks, drive, *values in [chosen[0], chosen[2], chosen[10]] if short else chosen:
+        for fraction in (0.6,) if short else FRACTIONS:
+            made, end = drive(bricks, *values)
+            yield folded(f"folding strip, {name}", made, fraction, end)
+
+
+CASES = [folding_strip]
