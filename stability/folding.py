@@ -14,8 +14,11 @@ import shapes
 from lab import DEFAULT, Row, judge, material, scene, shortest_edge
 
 YOUNG, DENSITY, C = 1e5, 1000.0, 10.0
-# Energy from nothing, as a share of the work put in; how deep a node may be inside another part of the body, in the shortest edge.
-GROWTH, DEEP = 0.002, 0.25
+# Energy from nothing, as a share of the work put in; how deep a node may be inside another part of the body, in the shortest edge: no Gauss point
+# sees a corner that is less than 0.3 deep (chapter "Obstacle").
+GROWTH, DEEP = 0.002, 0.5
+# The energies of a leapfrog rise and fall a little where strain is large; what rises by more after a loss is growth, too.
+LATE = 0.01
 FRACTIONS = (0.3, 0.6, 0.9)
 
 
@@ -47,8 +50,12 @@ class Fold:
 
     def verdict(self, run: ct.Run, watch: Any) -> str:
         self.look(run)
-        growth, _ = growths(watch.curve)
-        return "; ".join([f"energy grows by {100 * growth:.3g} % of the work"] * (growth > GROWTH) + [f"{self.twice} nodes are inside another part"] * (self.twice > 0))
+        return self.wrong(watch.curve)
+
+    def wrong(self, curve: dict[str, list[float]]) -> str:
+        growth, late = growths(curve)
+        return "; ".join([f"energy grows by {100 * growth:.3g} % of the work"] * (growth > GROWTH) + [f"energy grows by {100 * late:.3g} % of the work after a loss"] * (late > LATE)
+                         + [f"{self.twice} nodes are inside another part"] * (self.twice > 0))
 
 
 def growths(curve: dict[str, list[float]]) -> tuple[float, float]:
@@ -65,6 +72,9 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
     fold = Fold(body.name, DEEP * shortest_edge(made))
     mass = DENSITY * float(np.prod(np.ptp(body.mesh.nodes, axis=0)))
     row = judge(case, made, enforcement=DEFAULT, beta=4.0, measure=fold, whole=fold.verdict, scale_name="work", momentum_scale=mass * C)
+    if row.verdict == "StepTooLarge" and "too stiff" in row.note:
+        # The solid, and not the contact, wants a smaller step: the library need not accept this one.
+        row.verdict = fold.wrong(row.curve) or "passes"
     if row.curve:
         growth, late = growths(row.curve)
         row.note = f"growth {100 * growth:.2g} % of the work, {100 * late:.2g} % above an earlier total, {fold.twice} nodes inside" + (f"; {row.note}" if row.note else "")
@@ -116,4 +126,57 @@ def folding_strip(short: bool) -> Iterator[Row]:
             yield folded(f"folding strip, {name}", made, fraction, end)
 
 
-CASES = [folding_strip]
+
+def pressed(bricks: shapes.Bricks, way: float, time: float) -> tuple[ct.Scene, float]:
+    """Two planes, above and below, come towards each other, each by ``way``."""
+    made = soft("pressed", bricks)
+    low, high = bricks[0][:, 2].min(), bricks[0][:, 2].max()
+    for height, sign in ((low, 1.0), (high, -1.0)):
+        made.add("obstacle", surface="body.outer", plane={"point": [0, 0, height], "normal": [0, 0, sign]}, travel=[0, 0, sign * way], history=smooth(time))
+    return made, 1.3 * time
+
+
+def rolled_strip(short: bool) -> Iterator[Row]:
+    """A strip wound up loosely, of two and a half turns, is pressed flat: its layers meet all along, and turn around sharp bends."""
+    rolls = [("loose", shapes.spiral(0.25, 0.12, 2.5, 0.05, (64, 1, 1), 0.05), 0.4, 0.4), ("tight", shapes.spiral(0.25, 0.08, 2.5, 0.05, (80, 1, 1), 0.05), 0.25, 0.25),
+             ("two through", shapes.spiral(0.3, 0.16, 1.5, 0.1, (60, 1, 2), 0.05), 0.35, 0.35)]
+    for name, bricks, way, time in rolls[:1] if short else rolls:
+        for fraction in (0.6,) if short else FRACTIONS:
+            made, end = pressed(bricks, way, time)
+            yield folded(f"rolled strip, {name}", made, fraction, end)
+
+
+def crushed_ring(short: bool) -> Iterator[Row]:
+    """A ring between two planes, until its inner walls meet and are pressed onto each other."""
+    rings = [("thin", 1, 40, 0.05, 0.1), ("two through", 2, 48, 0.08, 0.1), ("thick", 2, 32, 0.15, 0.1), ("fast", 1, 40, 0.05, 0.3)]
+    for name, through, around, thickness, speed in rings[1:2] if short else rings:
+        for fraction in (0.6,) if short else FRACTIONS:
+            bricks = shapes.ring(0.4, thickness, (around, 1, through), 0.06)
+            # The planes end at nine tenths of two thicknesses.
+            way = 0.4 + 0.5 * thickness - 0.9 * thickness
+            made, end = pressed(bricks, way, way / (speed * C))
+            yield folded(f"crushed ring, {name}", made, fraction, end)
+
+
+def coil(short: bool) -> Iterator[Row]:
+    """
+    A spiral strip turns about its axis while its outer end is held: one way it winds up until its turns lie on each other, the other way it unwinds and strikes back. The energy is that of its
+    first motion.
+    """
+    coils = [("tightened", 1.0), ("let loose", -1.0)]
+    for name, sign in coils[:1] if short else coils:
+        for fraction in (0.6,) if short else FRACTIONS:
+            made, end = wound(shapes.coil(0.2, 0.12, 2, 0.05, (72, 1, 1), 0.05), sign * 6.0)
+            yield folded(f"coil, {name}", made, fraction, 0.3 if short else end)
+
+
+def wound(bricks: shapes.Bricks, rate: float) -> tuple[ct.Scene, float]:
+    """A coil with a straight outer end along x, which is held, and a spin about y."""
+    made = scene("coil")
+    material(made, young=YOUNG, density=DENSITY, law="neo_hookean")
+    made.add_body("body", nodes=bricks[0], elements=bricks[1], material="soft", spin={"axis": [0, 1, 0], "rate": rate, "centre": [0, 0, 0]})
+    made.add_contact("body.outer", "body.outer").add_support("body.x_max", fix="xyz")
+    return made, 1.0
+
+
+CASES = [folding_strip, rolled_strip, coil, crushed_ring]

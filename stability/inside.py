@@ -43,22 +43,19 @@ def covered(points: np.ndarray, skin_triangles: np.ndarray) -> np.ndarray:
     return out
 
 
-def normals(x: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The corners of a skin, and the unit mean of the normals of their faces."""
-    p = x[faces[:, :4]]
-    area = np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1])
-    total = np.zeros_like(x)
-    for k in range(4):
-        np.add.at(total, faces[:, k], area)
-    numbers = np.unique(faces[:, :4])
-    return numbers, total[numbers] / np.linalg.norm(total[numbers], axis=1, keepdims=True)
-
-
 def twice(x: np.ndarray, elements: np.ndarray, depth: float) -> int:
-    """How many corners of the skin of one body are more than ``depth`` inside another part of it; ``depth`` is less than its thickness."""
+    """
+    How many corners of the skin of one body are more than ``depth`` inside another part of it: a point so far from the corner, towards the centre of an element, is then
+    covered twice, for each element of the corner. ``depth`` is less than half an element.
+    """
     faces = skin(elements)
-    numbers, normal = normals(x, faces)
-    return int((covered(x[numbers] - depth * normal, triangles(x, faces)) > 1.5).sum())
+    on_skin = np.isin(elements[:, :8], faces[:, :4])
+    owner, place = np.nonzero(on_skin)
+    corner = elements[owner, place]
+    way = x[elements[owner, :8]].mean(1) - x[corner]
+    points = x[corner] + depth * way / np.linalg.norm(way, axis=1, keepdims=True)
+    free = covered(points, triangles(x, faces)) < 1.5
+    return int(len(np.unique(corner)) - len(np.unique(corner[free])))
 
 
 def within(points: np.ndarray, x: np.ndarray, elements: np.ndarray) -> np.ndarray:

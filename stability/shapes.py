@@ -38,13 +38,6 @@ def cubes(cells: Sequence[tuple[int, int, int]], parts: int = 1) -> Bricks:
     return nodes / parts, elements
 
 
-def grid(size: Sequence[float], cells: Sequence[int]) -> Bricks:
-    """A box from the origin."""
-    places = np.stack(np.meshgrid(*[np.arange(n) for n in cells], indexing="ij"), -1).reshape(-1, 3)
-    nodes, elements = joined(places[:, None] + CORNERS)
-    return nodes * np.array(size) / np.array(cells), elements
-
-
 def moved(bricks: Bricks, amount: float, random: np.random.Generator) -> Bricks:
     """Every node moved at random by up to ``amount`` along each axis."""
     nodes, elements = bricks
@@ -73,12 +66,19 @@ def random_rotation(random: np.random.Generator) -> np.ndarray:
 
 # Strips: a box (length, width, thickness) bent along a curve in the plane of x and z.
 
-def bent(cells: Sequence[int], width: float, thickness: float, curve: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]) -> Bricks:
-    """A strip about the middle line ``curve(s)``, 0 <= s <= 1, which answers points and unit normals (n, 2), in the plane of x and z."""
-    (s, y, off), elements = (lambda mesh: (mesh[0].T, mesh[1]))(grid((1.0, width, 1.0), cells))
+def bent(cells: Sequence[int], width: float, thickness: float, curve: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], closed: bool = False) -> Bricks:
+    """
+    A strip about the middle line ``curve(s)``, 0 <= s <= 1, which answers points and unit normals (n, 2), in the plane of x and z. The line of a ``closed`` one ends where
+    it starts.
+    """
+    places = np.stack(np.meshgrid(*[np.arange(n) for n in cells], indexing="ij"), -1).reshape(-1, 1, 3) + CORNERS
+    if closed:
+        places[..., 0] %= cells[0]
+    lattice, elements = joined(places)
+    s, y, off = (lattice / np.array(cells)).T
     point, normal = curve(s)
     place = point + thickness * (off - 0.5)[:, None] * normal
-    return np.stack([place[:, 0], y, place[:, 1]], -1), elements
+    return np.stack([place[:, 0], width * y, place[:, 1]], -1), elements
 
 
 def hairpin(leg: float, thickness: float, gap: float, cells: Sequence[int], width: float) -> Bricks:
@@ -116,3 +116,28 @@ def spiral(inner: float, pitch: float, turns: float, thickness: float, cells: Se
         return radius[:, None] * out, normal
 
     return bent(cells, width, thickness, curve)
+
+
+def coil(inner: float, pitch: float, turns: int, thickness: float, cells: Sequence[int], width: float) -> Bricks:
+    """A strip wound about y, whose outer end leaves the coil along x, at its lowest point."""
+    outer = inner + pitch * turns
+    wound, straight = 0.5 * (outer**2 - inner**2) * 2 * np.pi / pitch, 1.3 * outer
+
+    def curve(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        along = s * (wound + straight)
+        radius = np.sqrt(inner**2 + np.minimum(along / wound, 1.0) * (outer**2 - inner**2))
+        # The winding ends at the angle of -90 degrees.
+        angle = 2 * np.pi * (radius - outer) / pitch - 0.5 * np.pi
+        out = np.stack([np.cos(angle), np.sin(angle)], -1)
+        return radius[:, None] * out + np.maximum(along - wound, 0.0)[:, None] * np.array([1.0, 0.0]), -out
+
+    return bent(cells, width, thickness, curve)
+
+
+def ring(radius: float, thickness: float, cells: Sequence[int], width: float) -> Bricks:
+    """A closed ring about y with this middle radius."""
+    def curve(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        out = np.stack([np.cos(2 * np.pi * s), np.sin(2 * np.pi * s)], -1)
+        return radius * out, -out
+
+    return bent(cells, width, thickness, curve, closed=True)
