@@ -120,7 +120,7 @@ def strips() -> list[tuple[str, shapes.Bricks, Any, float, float]]:
 def folding_strip(short: bool) -> Iterator[Row]:
     """A U of neo-Hookean hex8 whose legs are pushed together until they are in contact over their length, and pressed."""
     chosen = strips()
-    for name, bricks, drive, *values in [chosen[0], chosen[2], chosen[10]] if short else chosen:
+    for name, bricks, drive, *values in [chosen[0], chosen[5], chosen[6], chosen[13]] if short else chosen:
         for fraction in (0.6,) if short else FRACTIONS:
             made, end = drive(bricks, *values)
             yield folded(f"folding strip, {name}", made, fraction, end)
@@ -141,7 +141,7 @@ def rolled_strip(short: bool) -> Iterator[Row]:
     rolls = [("loose", shapes.spiral(0.25, 0.12, 2.5, 0.05, (64, 1, 1), 0.05), 0.4, 0.4), ("tight", shapes.spiral(0.25, 0.08, 2.5, 0.05, (80, 1, 1), 0.05), 0.25, 0.25),
              ("two through", shapes.spiral(0.3, 0.16, 1.5, 0.1, (60, 1, 2), 0.05), 0.35, 0.35)]
     for name, bricks, way, time in rolls[:1] if short else rolls:
-        for fraction in (0.6,) if short else FRACTIONS:
+        for fraction in (0.9,) if short else FRACTIONS:
             made, end = pressed(bricks, way, time)
             yield folded(f"rolled strip, {name}", made, fraction, end)
 
@@ -149,7 +149,7 @@ def rolled_strip(short: bool) -> Iterator[Row]:
 def crushed_ring(short: bool) -> Iterator[Row]:
     """A ring between two planes, until its inner walls meet and are pressed onto each other."""
     rings = [("thin", 1, 40, 0.05, 0.1), ("two through", 2, 48, 0.08, 0.1), ("thick", 2, 32, 0.15, 0.1), ("fast", 1, 40, 0.05, 0.3)]
-    for name, through, around, thickness, speed in rings[1:2] if short else rings:
+    for name, through, around, thickness, speed in rings[:1] if short else rings:
         for fraction in (0.6,) if short else FRACTIONS:
             bricks = shapes.ring(0.4, thickness, (around, 1, through), 0.06)
             # The planes end at nine tenths of two thicknesses.
@@ -165,9 +165,9 @@ def coil(short: bool) -> Iterator[Row]:
     """
     coils = [("tightened", 1.0), ("let loose", -1.0)]
     for name, sign in coils[:1] if short else coils:
-        for fraction in (0.6,) if short else FRACTIONS:
+        for fraction in (0.9,) if short else FRACTIONS:
             made, end = wound(shapes.coil(0.2, 0.12, 2, 0.05, (72, 1, 1), 0.05), sign * 6.0)
-            yield folded(f"coil, {name}", made, fraction, 0.3 if short else end)
+            yield folded(f"coil, {name}", made, fraction, 0.4 if short else end)
 
 
 def wound(bricks: shapes.Bricks, rate: float) -> tuple[ct.Scene, float]:

@@ -95,4 +95,57 @@ def concave_rows(name: str, element: str, parts: int, amount: float, points: str
         yield Row(case, DEFAULT, 4.0, *([math.nan] * 2), 0, *([math.nan] * 5), "passes", note=f"all {refused} meshes refused", scale="E V")
 
 
-CASES = [concave_at_rest]
+
+def later(end: float) -> dict[str, list[float]]:
+    """A history that is zero for the first half of a run."""
+    return {"time": [0.0, 0.5 * end, end], "value": [0.0, 0.0, 1.0]}
+
+
+def turned_box(random: np.random.Generator, scale: float, rotation: np.ndarray, place: np.ndarray) -> tuple[shapes.Bricks, np.ndarray]:
+    """A box of random size on the plane through ``place`` across the third column of ``rotation``; with the size."""
+    size = random.uniform(0.5, 1.5, 3) * scale
+    nodes, elements = shapes.box(size, random.integers(1, 4, 3))
+    return ((nodes + [0, 0, 0.5 * size[2]]) @ rotation.T + place, elements), size
+
+
+def rest_scene(seed: int) -> tuple[str, ct.Scene, float]:
+    """
+    Two blocks on each other with coincident faces and a load that comes later, or a block on an inclined plane under gravity, anyhow in space, and of a size and stiffness at random; with
+    an energy of the problem.
+    """
+    random = np.random.default_rng([7, seed])
+    made, rotation, scale, young = scene("at rest"), shapes.random_rotation(random), 10 ** random.uniform(-3, 3), 10 ** random.uniform(3, 11)
+    place = random.uniform(-3, 3, 3) * scale
+    material(made, young=young, density=1000.0)
+    bricks, size = turned_box(random, scale, rotation, place)
+    element = "hex8" if random.random() < 0.7 else "hex20"
+    bodies = {"b": bricks}
+    if seed % 2:
+        below, depth = turned_box(random, scale, rotation, place)
+        bodies["a"] = below[0] - depth[2] * rotation[:, 2], below[1]
+    for name, body in bodies.items():
+        nodes, elements = body if element == "hex8" else shapes.with_edges(body)
+        made.add_body(name, nodes=nodes, elements=elements, element=element, material="soft")
+    end, energy = 4 * scale / np.sqrt(young / 1000), young * float(np.prod(size))
+    if seed % 2:
+        made.add_contact("a.outer", "b.outer")
+    else:
+        made.add("obstacle", surface="b.outer", plane={"point": list(place), "normal": list(rotation[:, 2])}, **({"friction": 0.5} if random.random() < 0.5 else {}))
+    if seed % 4 == 2:
+        gravity = 10 ** random.uniform(-12, -3) * young / (1000 * scale)
+        made.add("gravity", acceleration=[0, 0, -gravity * np.sign(rotation[2, 2])])
+    else:
+        made.add("load", surface="b.outer", traction=list(-1e-3 * young * rotation[:, 2]), history=later(end))
+    return f"{'blocks on each other' if seed % 2 else 'block on an inclined plane'}, {element}", made.set_time(end=end, fraction=0.9), energy
+
+
+def anyhow_at_rest(short: bool) -> Iterator[Row]:
+    """200 scenes that begin at rest, in random orientations: what round-off does to them is no alarm."""
+    for seed in range(12 if short else 200):
+        case, made, scale = rest_scene(seed)
+        mass = sum(1000 * np.prod(np.ptp(body.mesh.nodes, axis=0)) for body in made._built(None).bodies.values())
+        speed = math.sqrt(made._data["material"][0]["young"] / 1000)
+        yield judge(f"at rest, {case}", made.set_output(every=1, fields=[]), enforcement=DEFAULT, beta=4.0, scale=scale, scale_name="E V", momentum_scale=mass * speed)
+
+
+CASES = [concave_at_rest, anyhow_at_rest]

@@ -141,3 +141,38 @@ def ring(radius: float, thickness: float, cells: Sequence[int], width: float) ->
         return radius * out, -out
 
     return bent(cells, width, thickness, curve, closed=True)
+
+
+# Bodies of about the size 1 about the origin, for impacts at random.
+
+def box(size: Sequence[float], cells: Sequence[int]) -> Bricks:
+    places = np.stack(np.meshgrid(*[np.arange(n) for n in cells], indexing="ij"), -1).reshape(-1, 1, 3) + CORNERS
+    lattice, elements = joined(places)
+    return (lattice / np.array(cells) - 0.5) * np.array(size), elements
+
+
+def rounded(x: np.ndarray, share: float = 0.6) -> np.ndarray:
+    """A cube about the origin, its surface taken towards a sphere. A whole sphere would make the edges of the cube flat, and bricks there collapse."""
+    length = np.linalg.norm(x, axis=1, keepdims=True)
+    onto = x * np.abs(x).max(1, keepdims=True) / np.where(length > 0, length, 1.0)
+    return (1 - share) * x + share * onto
+
+
+def tapered(x: np.ndarray) -> np.ndarray:
+    """A box about the origin becomes a wedge."""
+    return x * np.stack([1 - 0.8 * (x[:, 2] / np.ptp(x[:, 2]) + 0.5), np.ones(len(x)), np.ones(len(x))], -1)
+
+
+def any_body(kind: str, element: str, random: np.random.Generator) -> Bricks:
+    """A box, a box with moved nodes, a ball or a wedge, of random size, mesh and orientation."""
+    cells = random.integers(2, 4 if element == "hex8" else 3, 3)
+    bricks = box(random.uniform(0.6, 1.2, 3), cells)
+    h = float((np.ptp(bricks[0], axis=0) / cells).min())
+    if element == "hex20":
+        bricks = with_edges(bricks)
+    if kind == "moved":
+        # Edges of hex20 are bent by that.
+        bricks = moved(bricks, (0.15 if element == "hex8" else 0.06) * h, random)
+    nodes, elements = bricks
+    nodes = {"ball": rounded, "wedge": tapered}.get(kind, lambda x: x)(nodes)
+    return turned((nodes, elements), random_rotation(random))
