@@ -14,6 +14,7 @@ import numpy as np
 
 import folding
 import libcontact as ct
+import nested
 import pairs
 import rest
 from dissipation import bar as measured_bar
@@ -455,4 +456,4 @@ def resting(short: bool) -> Iterator[Row]:
 
 
 CASES = [bar_on_a_wall, bar_with_each_integrator, bouncing_bar, two_bars, plate_impact, contact_and_reference, unlike_meshes, dropped_cube, spinning_ring, crossing_rings,
-         sliding_block, thin_plates, distorted_mesh, aspect_ratio, sizes, last_bit, rounding_modes, vibration, resting, *rest.CASES, *folding.CASES, *pairs.CASES]
+         sliding_block, thin_plates, distorted_mesh, aspect_ratio, sizes, last_bit, rounding_modes, vibration, resting, *rest.CASES, *folding.CASES, *pairs.CASES, *nested.CASES]
