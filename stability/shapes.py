@@ -163,16 +163,36 @@ def tapered(x: np.ndarray) -> np.ndarray:
     return x * np.stack([1 - 0.8 * (x[:, 2] / np.ptp(x[:, 2]) + 0.5), np.ones(len(x)), np.ones(len(x))], -1)
 
 
-def any_body(kind: str, element: str, random: np.random.Generator) -> Bricks:
-    """A box, a box with moved nodes, a ball or a wedge, of random size, mesh and orientation."""
-    cells = random.integers(2, 4 if element == "hex8" else 3, 3)
-    bricks = box(random.uniform(0.6, 1.2, 3), cells)
-    h = float((np.ptp(bricks[0], axis=0) / cells).min())
-    if element == "hex20":
-        bricks = with_edges(bricks)
-    if kind == "moved":
-        # Edges of hex20 are bent by that.
-        bricks = moved(bricks, (0.15 if element == "hex8" else 0.06) * h, random)
+def least_jacobian(bricks: Bricks, parts: int = 4) -> float:
+    """The smallest det J of hex8 or hex20 at the points of a lattice in each element, corners among them."""
     nodes, elements = bricks
-    nodes = {"ball": rounded, "wedge": tapered}.get(kind, lambda x: x)(nodes)
-    return turned((nodes, elements), random_rotation(random))
+    at = np.linspace(-1, 1, parts + 1)
+    xi = np.stack(np.meshgrid(at, at, at, indexing="ij"), -1).reshape(-1, 1, 3)
+    own = 2.0 * CORNERS - 1.0
+    t = 1 + own * xi
+    slope = np.stack([own[:, k] * np.delete(t, k, 2).prod(2) / 8 for k in range(3)], -1)
+    if elements.shape[1] == 20:
+        # Serendipity: N = (1 + x)(1 + y)(1 + z)(x + y + z - 2) / 8 at corners and (1 - x^2)(1 + y)(1 + z) / 4 on edges, with the signs of the node.
+        slope = slope * ((own * xi).sum(2) - 2)[..., None] + own * (t.prod(2) / 8)[..., None]
+        middle = 0.5 * (own[EDGES[:, 0]] + own[EDGES[:, 1]])
+        factor = np.where(middle == 0, 1 - xi**2, 1 + middle * xi)
+        change = np.where(middle == 0, -2 * xi, middle + 0 * xi)
+        slope = np.concatenate([slope, np.stack([change[..., k] * np.delete(factor, k, 2).prod(2) / 4 for k in range(3)], -1)], axis=1)
+    return float(np.linalg.det(np.einsum("gnk,enj->egjk", slope, nodes[elements])).min())
+
+
+def any_body(kind: str, element: str, random: np.random.Generator) -> Bricks:
+    """A box, a box with moved nodes, a ball or a wedge, of random size, mesh and orientation, and with no element turned inside out anywhere."""
+    while True:
+        cells = random.integers(2, 4, 3) if element == "hex8" else random.integers(1, 3, 3)
+        bricks = box(random.uniform(0.6, 1.2, 3), cells)
+        h = float((np.ptp(bricks[0], axis=0) / cells).min())
+        if element == "hex20":
+            bricks = with_edges(bricks)
+        if kind == "moved":
+            # Edges of hex20 are bent by that.
+            bricks = moved(bricks, (0.15 if element == "hex8" else 0.1) * h, random)
+        nodes, elements = bricks
+        nodes = {"ball": rounded, "wedge": tapered}.get(kind, lambda x: x)(nodes)
+        if least_jacobian((nodes, elements)) > 0:
+            return turned((nodes, elements), random_rotation(random))
