@@ -16,6 +16,8 @@ from lab import DEFAULT, Row, judge, material, scene
 KINDS = ("box", "moved", "ball", "wedge")
 # Energy from nothing, as a share of that at the start.
 GROWTH = 0.002
+# How deep a point is to be told for its sign to count, in the shortest edge: triangles cut curved faces by less.
+FALSE = 0.1
 # The largest sum of |N| on a face: a point of it moves by at most so many times the motion of its nodes. Four nodes: 1. Eight: 3 in the middle, -1/4 at corners, 1/2 at sides.
 REACH = {"hex8": 1.0, "hex20": 3.0}
 
@@ -35,6 +37,7 @@ class Gaps:
     open: int = 0
     farthest: float = 0.0
     inside: int = 0
+    false: int = 0
     records: int = 0
 
     def __call__(self, run: ct.Run) -> dict[str, float]:
@@ -44,6 +47,7 @@ class Gaps:
         self.before = points.copy(), {name: x.copy() for name, x in nodes.items()}
         if self.records % 16 == 0:
             self.look(run)
+            self.check_signs(run, points)
         self.records += 1
         return {}
 
@@ -68,13 +72,21 @@ class Gaps:
             centres = a.positions[a.elements[:, :8]].mean(1)
             self.inside = max(self.inside, int(inside.within(centres, b.positions, b.elements).sum()))
 
+    def check_signs(self, run: ct.Run, points: np.ndarray) -> None:
+        """Count points that are told to be inside by more than ``FALSE`` edges, and are outside."""
+        for side, name in enumerate(self.bodies):
+            other = run.state[self.bodies[1 - side]]
+            told = (points["side"] == side) & (points["gap"] < -FALSE * other.mesh.shortest_edge)
+            if told.any():
+                self.false = max(self.false, int((~inside.within(points["position"][told], other.positions, other.elements)).sum()))
+
     def verdict(self, run: ct.Run, watch: Any) -> str:
         self.look(run)
         return self.wrong()
 
     def wrong(self) -> str:
         return "; ".join([f"{self.jumps} gaps jump, by up to {self.farthest:.3g} times what can be, {self.flips} with a change of sign"] * (self.jumps > 0)
-                         + [f"{self.inside} elements are inside the other body"] * (self.inside > 0))
+                         + [f"{self.false} points outside are told to be inside"] * (self.false > 0) + [f"{self.inside} elements are inside the other body"] * (self.inside > 0))
 
 
 def pair(seed: int) -> tuple[str, ct.Scene]:
@@ -102,7 +114,7 @@ def pair(seed: int) -> tuple[str, ct.Scene]:
 
 def body_pairs(short: bool) -> Iterator[Row]:
     """200 pairs: boxes, distorted ones, balls and wedges of hex8 and hex20, turned at random, with stiffnesses of 1 to 10000 and speeds up to a fifth of that of waves."""
-    for seed in range(6 if short else 200):
+    for seed in ((0, 1, 2, 4, 125, 134) if short else range(200)):
         name, made = pair(seed)
         gaps = Gaps()
         row = judge(f"pair of bodies, {seed}", made, enforcement=DEFAULT, beta=4.0, measure=gaps, whole=gaps.verdict, bound=np.inf)
@@ -110,7 +122,7 @@ def body_pairs(short: bool) -> Iterator[Row]:
             row.verdict = gaps.wrong() or "passes"
         if row.good and row.energy > GROWTH:
             row.verdict = f"energy grows by {100 * row.energy:.3g} %"
-        row.note, row.curve = name + f"; {gaps.jumps} jumps, {gaps.flips} flips, {gaps.open} of open gaps" + (f"; {row.note}" if row.note else ""), {}
+        row.note, row.curve = name + f"; {gaps.jumps} jumps, {gaps.flips} flips, {gaps.open} of open gaps, {gaps.false} false" + (f"; {row.note}" if row.note else ""), {}
         yield row
 
 
