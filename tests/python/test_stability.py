@@ -12,8 +12,10 @@ LABORATORY = Path(__file__).parents[2] / "stability"
 sys.path.insert(0, str(LABORATORY))
 try:
     import cases
+    import inside
     import lab
     import run as laboratory
+    import shapes
 finally:
     sys.path.remove(str(LABORATORY))
 
@@ -30,6 +32,26 @@ def test_the_judge_sees_what_is_wrong():
     assert lab.verdict(lab.Row(**good), 1e-12, 0.5) == ""
     for key, value, word in (("energy", 0.011, "energy"), ("momentum", 2e-12, "momentum"), ("nodes", 0.6, "penetration"), ("points", 0.6, "penetration"), ("energy", np.nan, "finite")):
         assert word in lab.verdict(lab.Row(**good | {key: value}), 1e-12, 0.5)
+
+
+def test_solid_angles_tell_who_is_inside():
+    """Points about a hollow of a concave body, and a hairpin whose legs are moved into each other by three quarters of their thickness, or only until they touch."""
+    for bricks in (shapes.cubes(shapes.CONCAVE["U"]), shapes.with_edges(shapes.cubes(shapes.CONCAVE["U"], 2))):
+        points = np.array([[1.5, 0.5, 0.5], [1.5, 1.5, 0.5], [0.5, 2.9, 0.5], [0.5, 3.1, 0.5]])
+        assert list(inside.within(points, *bricks)) == [True, False, True, False]
+    nodes, elements = shapes.hairpin(0.6, 0.1, 0.08, (18, 2, 2), 0.2)
+    for way, corners in ((0.08, False), (0.155, True)):
+        moved = nodes - [0, 0, way] * (nodes[:, 2:] > 0)
+        assert (inside.twice(moved, elements, 0.02) > 10) == corners
+
+
+def test_the_smallest_jacobian_of_a_brick():
+    """A box has that of its sides; a corner that is moved onto the opposite diagonal plane has none."""
+    for bricks in (shapes.box((1, 2, 3), (2, 1, 1)), shapes.with_edges(shapes.box((1, 2, 3), (2, 1, 1)))):
+        assert shapes.least_jacobian(bricks) == pytest.approx(0.5 * 2 * 3 / 8, rel=1e-12)
+    nodes, elements = shapes.box((1, 1, 1), (1, 1, 1))
+    corner = np.flatnonzero((nodes == 0.5).all(1))
+    assert shapes.least_jacobian((np.where(np.arange(8)[:, None] == corner, 1 / 6, nodes), elements)) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_the_table_is_written(tmp_path, capsys):
