@@ -11,12 +11,12 @@ import numpy as np
 import inside
 import libcontact as ct
 import shapes
-from lab import DEFAULT, Row, judge, material, scene, shortest_edge
+from lab import DEFAULT, Row, judge, material, scene
 
 YOUNG, DENSITY, C = 1e5, 1000.0, 10.0
-# Energy from nothing, as a share of the work put in; how deep a node may be inside another part of the body, in the shortest edge: no Gauss point
-# sees a corner that is less than 0.3 deep (chapter "Obstacle").
-GROWTH, DEEP = 0.002, 0.5
+# Energy from nothing, as a share of the work put in; how far on the way to the centre of its element a corner may be inside another part of the body: 0.4 of an element, of which no
+# Gauss point sees the first 0.3 (chapter "Contact").
+GROWTH, DEEP = 0.002, 0.8
 # The energies of a leapfrog rise and fall a little where strain is large; what rises by more after a loss is growth, too.
 LATE = 0.01
 FRACTIONS = (0.3, 0.6, 0.9)
@@ -33,7 +33,6 @@ class Fold:
     """What a body in contact with itself must keep in every step: its energy, and that no part of it is inside another part."""
 
     body: str
-    depth: float
     twice: int = 0
     records: int = 0
 
@@ -46,7 +45,7 @@ class Fold:
     def look(self, run: ct.Run) -> None:
         """Count by solid angles, which takes far longer than a step."""
         state = run.state[self.body]
-        self.twice = max(self.twice, inside.twice(state.positions, state.elements, self.depth))
+        self.twice = max(self.twice, inside.twice(state.positions, state.elements, DEEP))
 
     def verdict(self, run: ct.Run, watch: Any) -> str:
         self.look(run)
@@ -69,7 +68,7 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
     """Run a scene of one body with every step recorded, and judge it."""
     made.set_time(end=end, fraction=fraction).set_output(every=1, fields=[])
     body, = made._built(None).bodies.values()
-    fold = Fold(body.name, DEEP * shortest_edge(made))
+    fold = Fold(body.name)
     mass = DENSITY * float(np.prod(np.ptp(body.mesh.nodes, axis=0)))
     row = judge(case, made, enforcement=DEFAULT, beta=4.0, measure=fold, whole=fold.verdict, scale_name="work", momentum_scale=mass * C)
     if row.verdict == "StepTooLarge" and "too stiff" in row.note:

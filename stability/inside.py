@@ -43,18 +43,17 @@ def covered(points: np.ndarray, skin_triangles: np.ndarray) -> np.ndarray:
     return out
 
 
-def twice(x: np.ndarray, elements: np.ndarray, depth: float) -> int:
+def twice(x: np.ndarray, elements: np.ndarray, share: float) -> int:
     """
-    How many corners of the skin of one body are more than ``depth`` inside another part of it: a point so far from the corner, towards the centre of an element, is then
-    covered twice, for each element of the corner. ``depth`` is less than half an element.
+    How many corners of the skin of one body are inside another part of it by more than a ``share`` of the way to the centres of their elements: the point so far on the way is
+    then covered twice, for each element of the corner.
     """
     faces = skin(elements)
     on_skin = np.isin(elements[:, :8], faces[:, :4])
     owner, place = np.nonzero(on_skin)
     corner = elements[owner, place]
     way = x[elements[owner, :8]].mean(1) - x[corner]
-    points = x[corner] + depth * way / np.linalg.norm(way, axis=1, keepdims=True)
-    free = covered(points, triangles(x, faces)) < 1.5
+    free = covered(x[corner] + share * way, triangles(x, faces)) < 1.5
     return int(len(np.unique(corner)) - len(np.unique(corner[free])))
 
 
