@@ -49,6 +49,10 @@ static double deepest(const ct_pass *p, int32_t face, int q, int32_t target, con
   return ct_vector_dot(d, normal) > 0.0 ? fmin(p->depth, 0.5 * sqrt(ct_vector_dot(d, d))) : p->depth;
 }
 
+/* A method that compares distances places the closest point to the root of the rounding, as a part of a face, and the gap of
+ * a point that touches is off by as much. */
+static const double CLOSEST_POINT_ERROR = 1e-6;
+
 /* Bound of what the motion since the last update can have changed of the distance between a point and a place of a face
  * (eq:gap-bound). */
 static double motion_over(const ct_pass *p, int32_t face, int q, int32_t target)
@@ -62,7 +66,7 @@ static double motion_over(const ct_pass *p, int32_t face, int q, int32_t target)
     const double d[3] = {own[0] - theirs[0], own[1] - theirs[1], own[2] - theirs[2]};
     top = fmax(top, ct_vector_dot(d, d));
   }
-  return most * sqrt(top) + 1e-12 * search->size;
+  return most * sqrt(top) + CLOSEST_POINT_ERROR * search->size;
 }
 
 /* The same for the face found and for the one that the point was over before. */
@@ -187,6 +191,15 @@ static void keep_side(const ct_pass *p, int32_t face, int q, int32_t target, ct_
   if (fabs(point->gap - point->known) > motion && fabs(point->gap + point->known) <= motion) point->gap = -point->gap;
 }
 
+/* Whether a point in contact with a place that it looks at comes to another one that is as near, so that its gap does not leap
+ * (eq:gap-bound), and that does not look away from the first: then it is handed over, whichever way the place looks (eq:far-side). */
+static int is_handed_over(const ct_pass *p, int32_t face, int q, int32_t target, const double own[3], const double last[3], const ct_gauss_point *point)
+{
+  const double *normal = point->normal;
+  if (point->history != CT_POINT_INSIDE || isnan(point->known) || !(ct_vector_dot(own, last) < -0.25)) return 0;
+  return ct_vector_dot(last, normal) >= -0.5 * sqrt(ct_vector_dot(normal, normal)) && fabs(point->gap - point->known) <= motion_of(p, face, q, target);
+}
+
 /* The gap of a point over the face it has found, and what it says of the point. */
 static verdict measure(const ct_pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
 {
@@ -199,7 +212,7 @@ static verdict measure(const ct_pass *p, int32_t face, int q, const nearest *bes
   if (point->gap >= 0.0 && !held) return OUTSIDE;
   // -- Far sides: what looks away from where the point was, or the same way as a point that comes in (eq:far-side)
   if (!ct_pass_own_normal(p, face, q, own)) return FAR;
-  if (!p->self && last_normal(p, point, last) && is_far(own, last, normal)) return FAR;
+  if (!p->self && last_normal(p, point, last) && is_far(own, last, normal) && !is_handed_over(p, face, q, best->face, own, last, point)) return FAR;
   if (held) return point->gap >= 0.0 ? OUTSIDE : INSIDE;
   return ct_pass_looks_across(own, normal) ? INSIDE : FAR;
 }
