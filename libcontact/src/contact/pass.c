@@ -206,7 +206,7 @@ static verdict measure(const ct_pass *p, int32_t face, int q, const nearest *bes
   double own[3], last[3], *normal = point->normal;
   int within = ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal);
   gap_over(p, best->face, best->foot.xi, best->origin, best->y, point);
-  keep_side(p, face, q, best->face, point);
+  if (within) keep_side(p, face, q, best->face, point);
   if (!within && !(p->side->on_edges && above_border(&best->foot, point->d))) return BEYOND;
   int held = point->history == CT_POINT_INSIDE && !p->self;
   if (point->gap >= 0.0 && !held) return OUTSIDE;
@@ -215,6 +215,15 @@ static verdict measure(const ct_pass *p, int32_t face, int q, const nearest *bes
   if (!p->self && last_normal(p, point, last) && is_far(own, last, normal) && !is_handed_over(p, face, q, best->face, own, last, point)) return FAR;
   if (held) return point->gap >= 0.0 ? OUTSIDE : INSIDE;
   return ct_pass_looks_across(own, normal) ? INSIDE : FAR;
+}
+
+/* The gap that the next update may go by: beyond a border there are no sides, so a point of a surface with itself may come in from
+ * there at any depth, and the side of another point is not known; nor is that of a point under a place that was not taken. */
+static double known_gap(const ct_pass *p, verdict found, int32_t target, const ct_gauss_point *point)
+{
+  if (target < 0) return NAN;
+  if (found == BEYOND) return p->self ? -fabs(point->gap) : NAN;
+  return p->self && found != INSIDE && found != OUTSIDE ? NAN : point->gap;
 }
 
 /* Write what has become of a point, and its force. */
@@ -228,7 +237,7 @@ static void close_point(const ct_pass *p, int64_t number, verdict found, int32_t
   for (int c = 0; c < 3; c++) point->force[c] = inside ? stiff * point->d[c] : 0.0;
   point->history = found == INSIDE ? CT_POINT_INSIDE : found == OUTSIDE ? CT_POINT_OUTSIDE : found == FAR ? CT_POINT_BURIED : CT_POINT_NEW;
   point->other = met ? target : -1;
-  point->known = target < 0 || (p->self && !met && found != BEYOND) ? NAN : point->gap;
+  point->known = known_gap(p, found, target, point);
   if (!met) point->gap = NAN;
   else memcpy(point->xi, xi, sizeof point->xi);
 }
