@@ -6,6 +6,8 @@
 #include <contact/search.h>
 #include <contact/segment.h>
 
+CT_BEGIN_DECLS
+
 /** Where on its faces a contact has points, :eq:`unseen`. */
 typedef enum ct_contact_rule {
   /** Gauss points, which lie 0.21 h and more inside the face. */
@@ -197,5 +199,7 @@ CT_API void ct_contact_free(ct_contact *contact);
  */
 CT_API ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, const ct_contact_options *options,
                                           const double *nodal_mass, ct_effect **effect, ct_error *error);
+
+CT_END_DECLS
 
 #endif

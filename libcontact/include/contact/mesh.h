@@ -4,6 +4,8 @@
 #include <contact/brick.h>
 #include <contact/status.h>
 
+CT_BEGIN_DECLS
+
 /**
  * Nodes and bricks of one body. The struct only points: the `ct_mesh_create_...` calls
  * allocate what they point to, and `ct_mesh_free` gives it back. A host may also fill one by hand.
@@ -115,5 +117,7 @@ CT_API int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t 
 
 /** Smallest and largest coordinates of the nodes [length]; infinite, the wrong way round, for a null mesh. */
 CT_API void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3]);
+
+CT_END_DECLS
 
 #endif

@@ -6,9 +6,7 @@
 #include <contact/energy.h>
 #include <contact/step.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+CT_BEGIN_DECLS
 
 /** A results file that is being written; opaque, as it holds HDF5 handles. Used by one thread at a time. */
 typedef struct ct_output ct_output;
@@ -55,8 +53,6 @@ CT_API ct_status ct_output_close(ct_output *output, ct_error *error);
  */
 CT_API ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_state *state, ct_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+CT_END_DECLS
 
 #endif
