@@ -436,8 +436,8 @@ def _together(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 def _contacts(problem: Problem, state: Any) -> Iterator[Any]:
     """The contacts of the problem (``const ct_contact *``) in a state (``ct_state *``)."""
-    for k, name in enumerate(problem.effects):
-        if name == "contact":
+    for k in range(len(problem.effects)):
+        if problem.pointer.effects[k].kind == lib.CT_EFFECT_CONTACT:
             error = new_error()
             contact = lib.ct_state_contact(problem.pointer, state, k, error)
             if contact == ffi.NULL:
