@@ -145,7 +145,8 @@ class Scene:
         Add an effect of your own, a Python function. ``force(view)`` answers the forces (n, 3) on ``nodes`` of a body: numbers, or a face such as ``"x_max"``; ``view`` has
         ``time``, ``reference``, ``displacement`` and ``velocity`` of these nodes (``effects.own.View``). ``energy(view)`` is what it stores; without it its work counts as from outside. Tell the
         largest ω² [1/time²] of a stiffness (k / m of a spring on a node), and the largest c / m [1/time] of a dashpot as ``rate``, so that the stable step knows them.
-        The ledger has a column ``name``. What the function raises ends the run with a RunError.
+        The ledger has a column ``name``. What the function raises ends the run with a RunError that names
+        the effect; SystemExit, KeyboardInterrupt and their like go on through ``run``. Forces and energies must be real numbers, integers or floats; others are refused.
 
         >>> scene.add_effect("spring", "bar", "x_max", lambda view: -k * view.displacement, energy=lambda view: k / 2 * np.sum(view.displacement**2), omega_squared=k / m)
         """
