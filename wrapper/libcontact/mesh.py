@@ -105,10 +105,11 @@ class Mesh:
             axis, value = self._plane(face)
             ask = lambda faces, owners: lib.ct_mesh_plane_faces(self.pointer, axis, value, faces, owners)
         count = ask(ffi.NULL, ffi.NULL)
+        check(-min(count, 0))
         faces = np.empty((count, 4 if self.element == "hex8" else 8), np.int32)
         owners = np.empty(count, np.int32)
         if count:
-            ask(ffi.from_buffer("int32_t[]", faces), ffi.from_buffer("int32_t[]", owners))
+            check(-min(ask(ffi.from_buffer("int32_t[]", faces), ffi.from_buffer("int32_t[]", owners)), 0))
         return faces, owners
 
     def face_nodes(self, face: str) -> np.ndarray:
