@@ -126,6 +126,7 @@ def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
     assert done.returncode == 0, done.stderr
     wheel = next(tmp_path.glob("*.whl"))
     assert "-abi3-" in wheel.name
+    assert "libcontact/py.typed" in zipfile.ZipFile(wheel).namelist()
     zipfile.ZipFile(wheel).extractall(tmp_path / "installed")
     use = ("import libcontact as ct; assert ct.__file__.startswith(%r); f = ct.project('Q4', [[-1,-1,0],[1,-1,0],[1,1,0],[-1,1,0]], [[0,0,2]]); "
            "print(f.distance[0], ct.has('hdf5'), ct.has('gsl'))" % str(tmp_path))

@@ -83,6 +83,9 @@ class Mesh:
         check(lib.ct_mesh_create_copy(source, out, error), error)
         return cls(out[0])
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Mesh.copy, (np.ascontiguousarray(self.nodes), np.ascontiguousarray(self.elements))
+
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Smallest and largest coordinates of the nodes."""

@@ -57,6 +57,28 @@ class Scene:
         self._parts = scene_parts.read(data, self.file, whole)
         self._data = _plain(data)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What a pickle of the scene holds: its tables, and the Python functions of its effects by name, as pickle has it."""
+        for own in self._own:
+            own.check_pickle()
+        return {"data": self._data, "file": None if self.file is None else os.path.abspath(self.file), "own": self._own}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.file, self._data, self._own, self._problem = state["file"], state["data"], state["own"], None
+        self._parts = scene_parts.read(self._data, self.file, whole=False)
+
+    def __copy__(self) -> Scene:
+        return self._copied(copy.copy)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
+        return self._copied(lambda own: copy.deepcopy(own, memo))
+
+    def _copied(self, of: Callable[[Own], Own]) -> Scene:
+        """Another scene with the same tables, which share nothing that either can change, and with effects that are copied by ``of``."""
+        new = object.__new__(type(self))
+        new.__setstate__({"file": self.file, "data": self.data, "own": [of(own) for own in self._own]})
+        return new
+
     @property
     def data(self) -> dict[str, Any]:
         """A copy of the scene's tables, to be changed at will and made into another ``Scene(data)``."""

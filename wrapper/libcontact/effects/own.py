@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -61,6 +62,15 @@ class Own:
         self.force, self.energy, self.omega_squared, self.rate = force, energy, float(omega_squared), float(rate)
         self.nodes = np.empty(0, np.int32)
         self.count = 0
+
+    def check_pickle(self) -> None:
+        """Refuse a function that pickle can't find again."""
+        for what, function in (("force", self.force), ("energy", self.energy)):
+            try:
+                pickle.dumps(function)
+            except Exception as reason:
+                raise pickle.PicklingError(f'effect "{self.name}": its {what} can\'t be pickled ({reason}); a function at the top of a module can, one within another '
+                                           "function and a lambda can't") from None
 
     def ask(self, function: Callable[[View], Any], view: Any) -> Any:
         """What a function of the user answers to the C library's view."""
