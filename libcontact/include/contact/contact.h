@@ -101,7 +101,10 @@ CT_API ct_status ct_contact_create_self(const ct_surface *surface, const ct_cont
  */
 CT_API ct_status ct_contact_update(ct_contact *contact, const double *xa, const double *xb, ct_error *error);
 
-/** Add the contact forces of the last update to `fa`, `fb` [force], shapes (node_count, 3). */
+/**
+ * Add the contact forces of the last update to `fa`, `fb` [force], shapes (node_count, 3). This and all calls below that take a
+ * const contact only read it: several threads may ask one contact at once.
+ */
 CT_API ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb);
 
 /** Potential Π of the last update [energy], :eq:`contact-potential`. */
