@@ -53,7 +53,7 @@ CORE_OBJECTS := $(call object,$(BUILD)/obj,$(CORE_SOURCES))
 ADDON_ARCHIVES := $(foreach a,$(ADDONS),$(BUILD)/lib/libcontact-$(a).a)
 ARCHIVES := $(BUILD)/lib/libcontact.a $(ADDON_ARCHIVES)
 SHARED := $(ARCHIVES:.a=.so)
-WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py) setup.py pyproject.toml
+WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py) wrapper/libcontact/py.typed setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
 .PHONY: help all lib install wheel figures test docs bench stability check-c fuzz kill threads memory info clean setup

@@ -40,12 +40,11 @@ def in_order(headers):
 
 
 def declarations(header):
-    """The text of a header without comments, preprocessor lines, C++ blocks and the export word."""
+    """The text of a header without comments, preprocessor lines, the words around C declarations in C++ and the export word."""
     text = (INCLUDE / header).read_text(encoding="utf-8")
     text = re.sub(r"/\*.*?\*/|//[^\n]*", "", text, flags=re.S)
-    text = re.sub(r"^#ifdef __cplusplus.*?^#endif", "", text, flags=re.S | re.M)
     text = re.sub(r"^#.*$", "", text, flags=re.M)
-    return text.replace("CT_API ", "")
+    return re.sub(r"\bCT_(API|BEGIN_DECLS|END_DECLS)\b", "", text)
 
 
 def pkg_config(option, packages):

@@ -2,10 +2,6 @@
 #ifndef CONTACT_H
 #define CONTACT_H
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 #include <contact/status.h>
 #include <contact/sum.h>
 #include <contact/quadrature.h>
@@ -37,9 +33,5 @@ extern "C" {
 #include <contact/friction.h>
 #include <contact/scene.h>
 #include <contact/exact.h>
-
-#ifdef __cplusplus
-}
-#endif
 
 #endif

@@ -10,7 +10,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <string.h>
 
 /* The answer may be too small by more than the margin with this probability over the random starts. */
 static const double MARGIN = 0.06, DOUBT = 1e-12, SMALL = 1e-6;
@@ -103,7 +102,7 @@ static int all_linear(const ct_problem *problem)
 {
   for (int32_t i = 0; i < problem->body_count; i++)
     if (problem->bodies[i].material.law != CT_LINEAR) return 0;
-  return strcmp(problem->effects[0]->name, "solid") == 0;
+  return problem->effects[0]->kind == CT_EFFECT_SOLID;
 }
 
 ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double *omega_squared, ct_error *error)

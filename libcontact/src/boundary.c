@@ -70,14 +70,25 @@ static double plane_tolerance(const ct_mesh *mesh)
   return 1e-9 * size;
 }
 
+/* Whether there is a mesh and its elements have nodes. */
+static int is_whole(const ct_mesh *mesh)
+{
+  int64_t entries = (int64_t)mesh->element_count * ct_brick_node_count(mesh->kind);
+  if (entries < 1 || mesh->nodes == NULL || mesh->elements == NULL) return 0;
+  for (int64_t i = 0; i < entries; i++)
+    if (mesh->elements[i] < 0 || mesh->elements[i] >= mesh->node_count) return 0;
+  return 1;
+}
+
 /* Copy the outer faces whose nodes all lie within `tolerance` of x[axis] = value; axis -1 takes all. */
 static int32_t collect(const ct_mesh *mesh, int axis, double value, double tolerance, int32_t *faces, int32_t *owners)
 {
   int32_t sides_count = 0, count = 0;
   size_t per = (size_t)ct_brick_node_count(mesh->kind);
   size_t per_face = mesh->kind == CT_HEX8 ? 4 : 8;
+  if (!is_whole(mesh)) return -CT_ERROR_ARGUMENT;
   side *sides = outer_sides(mesh, &sides_count);
-  if (sides == NULL) return 0;
+  if (sides == NULL) return -CT_ERROR_MEMORY;
   for (int32_t i = 0; i < sides_count; i++) {
     int local[8], inside = 1;
     int32_t node[8];
@@ -97,13 +108,14 @@ static int32_t collect(const ct_mesh *mesh, int axis, double value, double toler
 
 int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t *faces, int32_t *owners)
 {
-  if (mesh == NULL || axis < 0 || axis > 2) return 0;
+  if (mesh == NULL) return -CT_ERROR_ARGUMENT;
+  if (axis < 0 || axis > 2) return 0;
   return collect(mesh, axis, value, plane_tolerance(mesh), faces, owners);
 }
 
 int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t *owners)
 {
-  return mesh == NULL ? 0 : collect(mesh, -1, 0.0, 0.0, faces, owners);
+  return mesh == NULL ? -CT_ERROR_ARGUMENT : collect(mesh, -1, 0.0, 0.0, faces, owners);
 }
 
 int32_t ct_mesh_plane_nodes(const ct_mesh *mesh, int axis, double value, int32_t *nodes)

@@ -6,7 +6,7 @@
 
 ct_savings ct_savings_default(void) { return (ct_savings){.quiet = 1, .plane_strain = 1, .congruent = 1, .distant = 1}; }
 
-ct_status ct_effect_create(const ct_effect *filled, ct_effect **effect, ct_error *error)
+ct_status ct_effect_copy(const ct_effect *filled, ct_effect **effect, ct_error *error)
 {
   if (filled == NULL || effect == NULL || filled->name == NULL || filled->node_count < 0 || filled->memory_count < 0)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect: null argument, no name or negative counts");
@@ -22,6 +22,13 @@ ct_status ct_effect_create(const ct_effect *filled, ct_effect **effect, ct_error
   if (*effect == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for effect %s", filled->name);
   **effect = *filled;
   return CT_OK;
+}
+
+ct_status ct_effect_create(const ct_effect *filled, ct_effect **effect, ct_error *error)
+{
+  if (filled != NULL && filled->kind != CT_EFFECT_USER)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect: its kind is %d, one of the library's own, which only the library can make", (int)filled->kind);
+  return ct_effect_copy(filled, effect, error);
 }
 
 void ct_effect_free(ct_effect *effect)

@@ -116,8 +116,8 @@ ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *en
     stored_total += stored;
     if (effect->energy == NULL) e.external += work;
     if (status == CT_OK && effect->external != NULL) status = add_external(problem, state, k, &e.external, error);
-    if (strcmp(effect->name, "solid") == 0) e.strain += stored;
-    if (strcmp(effect->name, "contact") == 0) e.contact += stored;
+    if (effect->kind == CT_EFFECT_SOLID) e.strain += stored;
+    if (effect->kind == CT_EFFECT_CONTACT) e.contact += stored;
   }
   e.total = e.kinetic + stored_total - e.external;
   e.balance = e.kinetic - state->kinetic_start - work_total;
@@ -200,12 +200,11 @@ static void add_impulse(const ct_problem *problem, const ct_state *state, int32_
   for (int c = 0; c < 3; c++) impulse[c] += problem->dt * ct_stream_sum(&sums[c]);
 }
 
-/* Impulse of all effects of one name on a range of nodes. */
-static void impulse_of(const ct_problem *problem, const ct_state *state, const char *name, const int32_t range[2], double impulse[3])
+/* Add the impulse of all effects of one kind on a range of nodes. */
+static void add_impulses(const ct_problem *problem, const ct_state *state, ct_effect_kind kind, const int32_t range[2], double impulse[3])
 {
-  for (int c = 0; c < 3; c++) impulse[c] = 0.0;
   for (int32_t k = 1; k < problem->effect_count; k++)
-    if (strcmp(problem->effects[k]->name, name) == 0) add_impulse(problem, state, k, range, impulse);
+    if (problem->effects[k]->kind == kind) add_impulse(problem, state, k, range, impulse);
 }
 
 ct_status ct_energy_impulse(const ct_problem *problem, ct_state *state, int32_t k, double impulse[3], ct_error *error)
@@ -262,8 +261,9 @@ ct_status ct_momentum_of(const ct_problem *problem, ct_state *state, int32_t bod
     momentum->p[c] = ct_stream_sum(&sums[c]);
     momentum->L[c] = ct_stream_sum(&sums[3 + c]);
   }
-  impulse_of(problem, state, "contact", range, momentum->contact_impulse);
-  impulse_of(problem, state, "support", range, momentum->support_impulse);
+  add_impulses(problem, state, CT_EFFECT_CONTACT, range, momentum->contact_impulse);
+  add_impulses(problem, state, CT_EFFECT_SUPPORT, range, momentum->support_impulse);
+  add_impulses(problem, state, CT_EFFECT_MOTION, range, momentum->support_impulse);
   return CT_OK;
 }
 

@@ -2,6 +2,18 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
+
+/* Write the text from byte `start` on. What is too long ends with three dots, and not within a character of several bytes. */
+static void write_text(ct_error *error, size_t start, const char *format, va_list arguments)
+{
+  size_t room = sizeof error->text - start, end = sizeof error->text - sizeof "...";
+  int length = vsnprintf(error->text + start, room, format, arguments);
+  if (length < 0) error->text[start] = 0;
+  if (length < 0 || (size_t)length < room) return;
+  while (end > 0 && ((unsigned char)error->text[end] & 0xC0) == 0x80) end--;
+  memcpy(error->text + end, "...", sizeof "...");
+}
 
 ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *format, ...)
 {
@@ -12,8 +24,16 @@ ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *f
     error->point = where.point;
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(error->text, sizeof error->text, format, arguments);
+    write_text(error, 0, format, arguments);
     va_end(arguments);
   }
   return code;
+}
+
+void ct_error_add(ct_error *error, const char *format, ...)
+{
+  va_list arguments;
+  va_start(arguments, format);
+  write_text(error, strlen(error->text), format, arguments);
+  va_end(arguments);
 }

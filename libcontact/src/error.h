@@ -20,4 +20,10 @@ __attribute__((format(printf, 4, 5)))
 #endif
 ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *format, ...);
 
+/* Write on at the end of an error's text. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void ct_error_add(ct_error *error, const char *format, ...);
+
 #endif

@@ -256,7 +256,6 @@ static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t
 /* After the first bad element: say how many there are, and the numbers of some. */
 static void count_bad(const ct_mesh *mesh, const ct_rule *rule, int32_t first, ct_error *error)
 {
-  size_t length = strlen(error->text);
   char list[80] = "";
   int32_t count = 1;
   for (int32_t e = first + 1; e < mesh->element_count; e++) {
@@ -264,8 +263,7 @@ static void count_bad(const ct_mesh *mesh, const ct_rule *rule, int32_t first, c
     size_t used = strlen(list);
     if (++count <= 8) snprintf(list + used, sizeof list - used, " %d", (int)e);
   }
-  if (count > 1 && length < sizeof error->text)
-    snprintf(error->text + length, sizeof error->text - length, "; %d elements are bad, also%s%s", (int)count, list, count > 8 ? " ..." : "");
+  if (count > 1) ct_error_add(error, "; %d elements are bad, also%s%s", (int)count, list, count > 8 ? " ..." : "");
 }
 
 ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)

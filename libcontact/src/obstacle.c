@@ -372,7 +372,7 @@ ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_proble
     ct_release(data);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   }
-  *effect = (ct_effect){.name = "obstacle", .local = 1, .data = data, .memory_count = MEMORY, .create_scratch = create_scratch,
+  *effect = (ct_effect){.kind = CT_EFFECT_OBSTACLE, .name = "obstacle", .local = 1, .data = data, .memory_count = MEMORY, .create_scratch = create_scratch,
                         .free_scratch = free_scratch, .force = obstacle_force, .energy = obstacle_energy,
                         .frequency = obstacle_frequency, .external = obstacle_external,
                         .free_data = free_data};
@@ -391,7 +391,7 @@ ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32
                                ct_error *error)
 {
   if (problem == NULL || state == NULL || force == NULL || work == NULL || effect < 0 || effect >= problem->effect_count ||
-      strcmp(problem->effects[effect]->name, "obstacle") != 0)
+      problem->effects[effect]->kind != CT_EFFECT_OBSTACLE)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no obstacle", (int)effect);
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;

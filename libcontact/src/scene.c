@@ -369,6 +369,8 @@ ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *erro
                                                             : effect->nodes[effect->node_count - 1] >= scene->problem.node_count))
     status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %s: its nodes are not those of the %d of the problem", effect->name,
                      (int)scene->problem.node_count);
+  else if (is_added(scene, effect))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %s: the scene has it already", effect->name);
   else if (!grow((void **)&scene->added, scene->added_count, sizeof(ct_effect *)))
     status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an effect");
   if (status != CT_OK) {
@@ -541,7 +543,7 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
 const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state, int32_t effect, ct_error *error)
 {
   if (problem == NULL || state == NULL || effect < 0 || effect >= problem->effect_count ||
-      strcmp(problem->effects[effect]->name, "contact") != 0) {
+      problem->effects[effect]->kind != CT_EFFECT_CONTACT) {
     ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no contact", (int)effect);
     return NULL;
   }

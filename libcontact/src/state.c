@@ -7,6 +7,7 @@
 #include "error.h"
 #include "memory.h"
 #include "stream.h"
+#include "threads.h"
 #include "workspace.h"
 
 #include <float.h>
@@ -333,7 +334,7 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
 {
   int64_t memory = ct_state_memory_start(problem, k);
   ct_stage stage = state->workspace->starting ? (ct_stage){0.0, 0.0, 0.0, 0.0} : ct_stage_now(problem, state);
-  return (ct_view){.time = state->time, .threads = problem->threads, .reference = problem->reference,
+  return (ct_view){.time = state->time, .threads = ct_threads(problem->threads), .reference = problem->reference,
                    .displacement = state->displacement, .velocity = state->velocity, .memory = state->memory + memory,
                    .next_memory = state->workspace->next_memory + memory, .scratch = state->workspace->scratch[k],
                    .read = scratch_read(problem, state, k), .dt = stage.drift, .kick = stage.kick, .push = stage.push,

@@ -3,6 +3,7 @@
 #include "bits.h"
 #include "error.h"
 #include "lanes.h"
+#include "threads.h"
 #include "vector.h"
 #include "workspace.h"
 
@@ -269,7 +270,8 @@ static ct_status take_stage(const ct_problem *problem, ct_state *state, const ct
   ct_stage stage = ct_stage_now(problem, state);
   move_leaders(problem, state, &stage);
 #ifdef _OPENMP
-#pragma omp parallel for num_threads(problem->threads) schedule(static) if (problem->threads > 1)
+  int threads = ct_threads(problem->threads);
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int32_t n = 0; n < count; n += NODES_AT_ONCE) {
     int32_t end = count - n > NODES_AT_ONCE ? n + NODES_AT_ONCE : count;
@@ -371,10 +373,10 @@ typedef struct bounds {
   double omega_squared, rate;
 } bounds;
 
-/* Whether an effect of this name is there only where something touches. */
-static int is_contact(const char *name)
+/* Whether an effect of this kind acts only where something touches. */
+static int is_contact(ct_effect_kind kind)
 {
-  return strcmp(name, "contact") == 0 || strcmp(name, "friction") == 0 || strcmp(name, "obstacle") == 0;
+  return kind == CT_EFFECT_CONTACT || kind == CT_EFFECT_FRICTION || kind == CT_EFFECT_OBSTACLE;
 }
 
 /* Ask all effects, once with and once without the contacts. */
@@ -388,7 +390,7 @@ static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds *
     if (status != CT_OK) return status;
     all->omega_squared += own.omega_squared;
     all->rate += own.rate;
-    if (is_contact(problem->effects[k]->name)) continue;
+    if (is_contact(problem->effects[k]->kind)) continue;
     without_contact->omega_squared += own.omega_squared;
     without_contact->rate += own.rate;
   }

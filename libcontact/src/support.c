@@ -135,7 +135,7 @@ ct_status ct_support_create_effect(const ct_support *supports, int32_t support_c
     ct_release(effect);
     return status;
   }
-  *effect = (ct_effect){.name = "support", .data = data, .nodes = data->nodes, .node_count = data->node_count, .reaction = 1,
+  *effect = (ct_effect){.kind = CT_EFFECT_SUPPORT, .name = "support", .data = data, .nodes = data->nodes, .node_count = data->node_count, .reaction = 1,
                         .free_data = free_data};
   *out = effect;
   return CT_OK;
@@ -143,7 +143,7 @@ ct_status ct_support_create_effect(const ct_support *supports, int32_t support_c
 
 ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double *velocity)
 {
-  if (effect == NULL || effect->free_data != free_data || inverse_mass == NULL || velocity == NULL) return CT_ERROR_ARGUMENT;
+  if (effect == NULL || effect->kind != CT_EFFECT_SUPPORT || inverse_mass == NULL || velocity == NULL) return CT_ERROR_ARGUMENT;
   const support_data *data = effect->data;
   for (int32_t i = 0, r = 0; i < data->node_count; i++) {
     if (r + 1 < data->run_count && data->runs[r + 1].i == i) r++;

@@ -10,7 +10,6 @@
 #include "workspace.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 /* Rounds of the power iteration when a watch is made, and the share of noise that keeps every direction alive in it. */
@@ -219,12 +218,11 @@ static ct_status complete(const ct_problem *problem, const ct_state *state, ct_s
   if (status == CT_OK || error == NULL || strstr(error->text, "(step ") != NULL) return status;
   memcpy(text, error->text, sizeof text);
   int named = error->body >= 0 && error->body < problem->body_count;
-  int length = snprintf(error->text, sizeof error->text, "at t = %g (step %lld)%s%s", state->time, (long long)state->step, named ? ", body \"" : "",
-                        named ? problem->bodies[error->body].name : "");
-  if (named && length > 0 && length < (int)sizeof error->text) length += snprintf(error->text + length, sizeof error->text - (size_t)length, "\"");
-  if (error->element >= 0 && length > 0 && length < (int)sizeof error->text)
-    length += snprintf(error->text + length, sizeof error->text - (size_t)length, ", element %lld", (long long)error->element);
-  if (length > 0 && length < (int)sizeof error->text) snprintf(error->text + length, sizeof error->text - (size_t)length, ": %.160s", text);
+  const char *name = named ? problem->bodies[error->body].name : "", *quote = named ? "\"" : "";
+  ct_fail(error, error->code, (ct_place){error->body, error->element, error->point}, "at t = %g (step %lld)%s%s%s%s", state->time, (long long)state->step,
+          named ? ", body " : "", quote, name, quote);
+  if (error->element >= 0) ct_error_add(error, ", element %lld", (long long)error->element);
+  ct_error_add(error, ": %s", text);
   return status;
 }
 

@@ -2,13 +2,14 @@
 #include <stdlib.h>
 
 static size_t held_bytes, peak_bytes;
-static long calls;
+static long calls, last_call = -1; /* the last that is given memory; -1: all are */
 
 /* The size stands before the block. */
 enum { HEADER = 64 };
 
 static void *counting_calloc(size_t count, size_t size)
 {
+  if (last_call >= 0 && calls >= last_call) return NULL;
   char *raw = calloc(1, count * size + HEADER);
   if (raw == NULL) return NULL;
   *(size_t *)(void *)raw = count * size;
@@ -282,8 +283,28 @@ static void bars(void)
   for (int b = 0; b < 2; b++) ct_mesh_free(m[b]);
 }
 
+/* Counts of faces tell a lack of memory, and a mesh that is none, from a surface without faces. */
+static void no_room(void)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
+  int32_t faces[96], owners[24], wrong[2] = {-1, m->node_count};
+  last_call = calls;
+  tap_ok(ct_mesh_outer_faces(m, faces, owners) == -CT_ERROR_MEMORY && ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == -CT_ERROR_MEMORY, "no memory for the faces of a mesh: told, and not as none");
+  last_call = -1;
+  tap_ok(ct_mesh_outer_faces(m, faces, owners) == 24 && ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == 4, "and with memory they are there");
+  for (int i = 0; i < 2; i++) {
+    int32_t keep = m->elements[9];
+    m->elements[9] = wrong[i];
+    tap_ok(ct_mesh_outer_faces(m, faces, owners) == -CT_ERROR_ARGUMENT && ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == -CT_ERROR_ARGUMENT, "an element with node %d is refused", (int)wrong[i]);
+    m->elements[9] = keep;
+  }
+  tap_ok(ct_mesh_outer_faces(NULL, faces, owners) == -CT_ERROR_ARGUMENT && ct_mesh_plane_faces(&(ct_mesh){0}, 0, 0.0, NULL, NULL) == -CT_ERROR_ARGUMENT, "no mesh, an empty one");
+  ct_mesh_free(m);
+}
+
 int main(void)
 {
+  no_room();
   for (size_t k = 0; k < sizeof KINDS / sizeof KINDS[0]; k++) budget(&KINDS[k]);
   for (int k = 0; k < 5; k++) many_nodes(&KINDS[k]);
   good_state();

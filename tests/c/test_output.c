@@ -621,6 +621,78 @@ static void test_names(void)
   rig_free(r);
 }
 
+/* A process that writes `steps` steps to a file and then waits, until it is killed. */
+static pid_t start_writer(const rig *r, const char *path, int steps)
+{
+  int ready[2];
+  char sign = 0;
+  if (pipe(ready) != 0) abort();
+  pid_t child = fork();
+  if (child == 0) {
+    ct_output *output = must_create(r, path);
+    ct_state *state = state_create(r);
+    ct_error error;
+    for (int k = 0; k < steps; k++) {
+      pose(r, state, k);
+      if (ct_output_append(output, &r->problem, state, &error)) _exit(1);
+    }
+    if (write(ready[1], &sign, 1) != 1) _exit(1);
+    for (;;) pause();
+  }
+  close(ready[1]);
+  if (child < 0 || read(ready[0], &sign, 1) != 1) abort();
+  close(ready[0]);
+  return child;
+}
+
+/* One writer a file, in this process and in others, under the name that the file has before its first step and under its own. */
+static void test_one_writer(void)
+{
+  rig *r = rig_create(0, 0);
+  const char *path = in_folder("writer.vtkhdf"), *part = in_folder("writer.vtkhdf.part");
+  ct_error error;
+  ct_state *state = state_create(r);
+  char reason[400];
+  snprintf(reason, sizeof reason, "%s: can't write the file: another run is writing it", path);
+  ct_output *first = must_create(r, path);
+  refuse_create(r, path, CT_ERROR_FILE, reason);
+  for (int k = 0; k < 2; k++) {
+    pose(r, state, k);
+    tap_ok(ct_output_append(first, &r->problem, state, &error) == CT_OK, "the first run goes on");
+    refuse_create(r, path, CT_ERROR_FILE, reason);
+    tap_ok(check_steps(r, path) == k + 1 && access(part, F_OK) != 0, "and its file can be read while it is written");
+  }
+  tap_ok(ct_output_close(first, &error) == CT_OK && check_steps(r, path) == 2, "the first run has all its steps");
+  for (int steps = 0; steps < 3; steps += 2) {
+    pid_t writer = start_writer(r, path, steps);
+    refuse_create(r, path, CT_ERROR_FILE, reason);
+    kill(writer, SIGKILL);
+    waitpid(writer, NULL, 0);
+    tap_ok((access(part, F_OK) == 0) == (steps == 0), "a killed run leaves what it had");
+    write_file(r, path, 1);
+    tap_ok(check_steps(r, path) == 1 && access(part, F_OK) != 0, "and blocks no other");
+  }
+  ct_state_free(state);
+  rig_free(r);
+}
+
+/* What bears the name of the part already is replaced; a link there leads nowhere. */
+static void test_part_is_a_link(void)
+{
+  rig *r = rig_create(0, 0);
+  const char *path = in_folder("linked.vtkhdf"), *part = in_folder("linked.vtkhdf.part"), *other = in_folder("other.txt");
+  struct stat found;
+  for (int hard = 0; hard < 3; hard++) {
+    FILE *text = fopen(other, "w");
+    if (text == NULL || fputs("precious", text) < 0 || fclose(text) != 0) abort();
+    if ((hard == 0 && symlink(other, part) != 0) || (hard == 1 && link(other, part) != 0) || (hard == 2 && mkfifo(part, 0666) != 0)) abort();
+    write_file(r, path, 2);
+    tap_ok(stat(other, &found) == 0 && found.st_size == 8 && check_steps(r, path) == 2 && lstat(path, &found) == 0 && S_ISREG(found.st_mode),
+           "a %s in the way is replaced and not followed", hard == 0 ? "symbolic link" : hard == 1 ? "link" : "pipe");
+  }
+  rig_free(r);
+}
+
 static void test_wrong_state(void)
 {
   rig *r = rig_create(0, 1), *other = rig_create(0, 0);
@@ -810,6 +882,8 @@ int main(int argc, char **argv)
   test_contents();
   test_restart_continues();
   test_names();
+  test_one_writer();
+  test_part_is_a_link();
   test_bad_paths();
   test_wrong_state();
   test_other_problem();

@@ -4,6 +4,30 @@
 
 #include <ctype.h>
 
+/* A text of every length around the room for it: whole where it fits, else cut between characters and ended by three dots. */
+static void lengthy_text(void)
+{
+  ct_error error;
+  enum { ROOM = sizeof error.text };
+  char text[ROOM + 16], *dots;
+  int whole = 1, marked = 1, placed = 1;
+  for (int from = 0; from < 2; from++)
+    for (size_t length = ROOM - 8; length < ROOM + 8; length++) {
+      for (size_t i = 0; i < length; i++) text[i] = i % 2 == 0 ? (char)0xCE : (char)0xB5; /* epsilon, in two bytes */
+      if (length % 2 == 1) text[length - 1] = 'x';
+      text[length] = '\0';
+      ct_fail(&error, CT_ERROR_FILE, CT_NOWHERE, "%.*s", from == 0 ? (int)length : 6, text);
+      if (from == 1) ct_error_add(&error, "%s", text + 6);
+      placed &= error.body == -1 && error.element == -1 && error.point == -1;
+      dots = strstr(error.text, "...");
+      if (length < ROOM) whole &= strcmp(error.text, text) == 0;
+      else marked &= dots != NULL && dots[3] == '\0' && (dots - error.text) % 2 == 0 && memcmp(error.text, text, (size_t)(dots - error.text)) == 0;
+    }
+  tap_ok(placed, "no place is -1");
+  tap_ok(whole, "a text that fits is whole, written at once or in two parts");
+  tap_ok(marked, "a longer one is cut between two characters and ends with three dots");
+}
+
 int main(void)
 {
   int distinct = 1, filled = 1;
@@ -31,12 +55,7 @@ int main(void)
   tap_ok(status == CT_ERROR_STEP && error.code == CT_ERROR_STEP && error.body == 1 && error.element == 2 && error.point == 3 &&
              strcmp(error.text, "number 4") == 0,
          "an error carries code, place and text");
-  char lengthy[1000];
-  memset(lengthy, 'x', sizeof lengthy - 1);
-  lengthy[sizeof lengthy - 1] = '\0';
-  ct_fail(&error, CT_ERROR_FILE, CT_NOWHERE, "%s", lengthy);
-  tap_ok(strlen(error.text) == sizeof error.text - 1 && error.body == -1 && error.element == -1 && error.point == -1,
-         "a text too long is cut and ended, and no place is -1");
+  lengthy_text();
   tap_ok(ct_fail(NULL, CT_ERROR_MEMORY, CT_NOWHERE, "nobody reads this") == CT_ERROR_MEMORY, "an error without a reader still has its code");
 
   ct_material steel = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};

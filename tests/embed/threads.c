@@ -1,5 +1,5 @@
-/* A host with threads of its own: each has a state of the one problem, and a watch over it; all must end with the same bits. For
- * `make threads`. */
+/* A host with threads of its own: each has a state of the one problem, and a watch over it; all must end with the same bits. Then
+ * all ask one const contact at once. For `make threads`. */
 #include <contact.h>
 
 #include <pthread.h>
@@ -28,6 +28,25 @@ static void *work(void *argument)
   if (j->status == CT_OK) j->status = ct_watch_steps(watch, j->state, STEPS, &j->error);
   if (j->status == CT_OK) j->status = ct_energy_of(j->problem, j->state, &energy, &j->error);
   ct_watch_free(watch);
+  return NULL;
+}
+
+/* What all threads ask of one contact. */
+typedef struct question {
+  const ct_contact *contact;
+  const double *mass;
+  ct_status status;
+  double answer[3];
+} question;
+
+static void *ask(void *argument)
+{
+  question *q = argument;
+  ct_penetration corners;
+  q->answer[0] = ct_contact_energy(q->contact);
+  q->status = ct_contact_frequency(q->contact, q->mass, q->mass, &q->answer[1]);
+  if (q->status == CT_OK) q->status = ct_contact_penetration(q->contact, CT_AT_CORNERS, &corners);
+  if (q->status == CT_OK) q->answer[2] = corners.deepest;
   return NULL;
 }
 
@@ -66,6 +85,28 @@ static ct_scene *make(ct_enforcement enforcement, const ct_problem **problem)
   return scene;
 }
 
+/* Ask the contact of a state from all threads; whether an answer differs. */
+static int ask_together(const ct_problem *problem, ct_state *state)
+{
+  question asked[THREADS];
+  pthread_t threads[THREADS];
+  ct_error error;
+  int32_t k = 0;
+  int wrong = 0;
+  while (k + 1 < problem->effect_count && problem->effects[k]->kind != CT_EFFECT_CONTACT) k++;
+  const ct_contact *contact = ct_state_contact(problem, state, k, &error);
+  need(contact == NULL ? CT_ERROR_ARGUMENT : CT_OK, &error);
+  memset(asked, 0, sizeof asked);
+  for (int i = 0; i < THREADS; i++) {
+    asked[i].contact = contact;
+    asked[i].mass = problem->mass;
+    if (pthread_create(&threads[i], NULL, ask, &asked[i]) != 0) exit(1);
+  }
+  for (int i = 0; i < THREADS; i++) pthread_join(threads[i], NULL);
+  for (int i = 0; i < THREADS; i++) wrong += asked[i].status != CT_OK || memcmp(asked[i].answer, asked[0].answer, sizeof asked[0].answer) != 0;
+  return wrong;
+}
+
 int main(void)
 {
   int wrong = 0;
@@ -85,6 +126,7 @@ int main(void)
       size_t bytes = 3 * (size_t)problem->node_count * sizeof(double);
       wrong += memcmp(jobs[i].state->displacement, jobs[0].state->displacement, bytes) != 0 || memcmp(jobs[i].state->velocity, jobs[0].state->velocity, bytes) != 0;
     }
+    wrong += ask_together(problem, jobs[0].state);
     for (int i = 0; i < THREADS; i++) ct_state_free(jobs[i].state);
     ct_scene_free(scene);
     printf("%s: %d threads, %d steps each: %s\n", ct_enforcement_name((ct_enforcement)enforcement), THREADS, STEPS, wrong ? "OTHER BITS" : "the same bits");

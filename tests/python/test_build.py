@@ -19,6 +19,7 @@ BUILD = Path(os.environ.get("LIBCONTACT_BUILD", ROOT / "build"))
 LIBRARIES = BUILD / "lib"
 STAGE = BUILD / "stage"
 CC = shlex.split(os.environ.get("CC", "cc"))
+CXX = shlex.split(os.environ.get("CXX", "c++"))
 PKG_CONFIG = os.environ.get("PKG_CONFIG", "pkg-config")
 INCLUDE = ROOT / "libcontact" / "include"
 ADDON = {"hdf5": "output.h", "gsl": "exact_series.h"}
@@ -47,6 +48,41 @@ def test_every_header_compiles_alone(tmp_path):
         done = subprocess.run([*CC, "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{INCLUDE}", "-fsyntax-only", str(source)],
                               capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.skipif(shutil.which(CXX[0]) is None or not LIBRARIES.is_dir(), reason="no C++ compiler or no built libraries")
+def test_every_header_alone_links_from_cxx(tmp_path):
+    """A C++ program of one file a header, which includes this header alone and takes the address of each of its functions."""
+    left_out = {header for part, header in ADDON.items() if not (LIBRARIES / f"libcontact-{part}.so").exists()}
+    calls = []
+    for header in sorted((INCLUDE / "contact").glob("*.h")):
+        names = re.findall(r"^CT_API [^;]*?\b(ct_\w+)\(", header.read_text(), re.M)
+        if header.name in left_out:
+            continue
+        addresses = ", ".join(f"reinterpret_cast<void *>(&{name})" for name in names)
+        (tmp_path / f"{header.stem}.cc").write_text(f"#include <contact/{header.name}>\n\nint count_{header.stem}()\n{{\n  void *volatile known[] = {{{addresses}, nullptr}};\n"
+                                                    "  int count = 0;\n  while (known[count] != nullptr) count++;\n  return count;\n}\n")
+        calls.append((f"count_{header.stem}()", len(names)))
+    declared = "".join(f"int {call.removesuffix('()')}();\n" for call, _ in calls)
+    (tmp_path / "all_of_them.cc").write_text(declared + f"int main() {{ return {' + '.join(call for call, _ in calls)} == {sum(count for _, count in calls)} ? 0 : 1; }}\n")
+    libraries = [str(path) for path in sorted(LIBRARIES.glob("*.so"))]
+    done = subprocess.run([*CXX, "-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{INCLUDE}", *map(str, sorted(tmp_path.glob("*.cc"))), *libraries,
+                           f"-Wl,-rpath,{LIBRARIES.resolve()}", "-o", str(tmp_path / "all")], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert subprocess.run([str(tmp_path / "all")]).returncode == 0
+
+
+# What a system's own headers may bring in behind the standard ones: on macOS <stdlib.h> includes <sys/wait.h>.
+SYSTEM = ("sys/wait", "sys/stat", "sys/socket", "sys/time", "sys/mman", "unistd", "fcntl", "signal", "poll", "pthread", "sched", "time", "wchar", "strings")
+
+
+@pytest.mark.skipif(shutil.which(CC[0]) is None or sys.platform == "win32", reason="no C compiler, or no POSIX")
+def test_no_name_of_the_core_is_one_of_the_systems():
+    """Every source of the core compiles with the headers of POSIX before it, and all that they declare."""
+    sources = [str(path) for path in sorted((ROOT / "libcontact" / "src").rglob("*.c")) if path.parent.name not in ADDON]
+    ahead = [word for name in SYSTEM for word in ("-include", f"{name}.h")]
+    done = subprocess.run([*CC, "-w", "-std=gnu99", "-D_GNU_SOURCE", f"-I{INCLUDE}", *ahead, "-fsyntax-only", *sources], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 USES = {
@@ -90,6 +126,7 @@ def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
     assert done.returncode == 0, done.stderr
     wheel = next(tmp_path.glob("*.whl"))
     assert "-abi3-" in wheel.name
+    assert "libcontact/py.typed" in zipfile.ZipFile(wheel).namelist()
     zipfile.ZipFile(wheel).extractall(tmp_path / "installed")
     use = ("import libcontact as ct; assert ct.__file__.startswith(%r); f = ct.project('Q4', [[-1,-1,0],[1,-1,0],[1,1,0],[-1,1,0]], [[0,0,2]]); "
            "print(f.distance[0], ct.has('hdf5'), ct.has('gsl'))" % str(tmp_path))

@@ -1,5 +1,7 @@
 """Hard cases of contact in scenes: overlap at the start, surfaces that would pass through each other, points on edges and corners."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -71,6 +73,17 @@ def test_a_step_through_a_body_is_refused():
     scene = blocks(-0.5, 40 * C, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.02, fraction=0.9)
     with pytest.raises(ct.RunError, match=r"in the step to t = .* its surfaces \(face \d+ of the first, \d+ of the second\) may have come nearer"):
         scene.run(progress=False)
+
+
+def test_the_text_of_a_fault_between_two_records_is_whole():
+    """The same plate, which is sped up until it would go through: time and step come before the sentence, and how to go on behind it."""
+    scene = blocks(-0.5, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.2, fraction=0.9).set_output(every=10**6)
+    scene.add("gravity", acceleration=[-300, 0, 0], bodies=["right"])
+    with pytest.raises(ct.RunError) as refused:
+        scene.run(progress=False)
+    whole = (r"at t = \S+ \(step \d+\): contact: in the step .* have come nearer by \S+ and passed through each other; not more than \S+ is safe\. Take a smaller step\. "
+             r"The last good state, t = 0 \(step 0\), is run\.state of this error; .*")
+    assert re.fullmatch(whole, str(refused.value)), str(refused.value)
 
 
 def test_a_fast_body_that_is_far_away_is_not_refused():

@@ -152,11 +152,72 @@ def test_what_the_function_raises_ends_the_run_and_names_the_effect():
     assert 0 < failed.value.run.time[-1] <= 0.051
 
 
-@pytest.mark.parametrize("answer, words", [(np.zeros((3, 3)), "shape"), (np.full((2, 3), np.nan), "not finite"), ("text", "could not convert")])
+@pytest.mark.parametrize("answer, words", [(np.zeros((3, 3)), "shape"), (np.full((2, 3), np.nan), "not finite"), ("text", "real numbers"),
+                                           (np.full((2, 3), 1 + 2j), "complex128"), (np.zeros((2, 3), np.complex64), "complex64"), ([["1.0"] * 3] * 2, "real numbers"),
+                                           (np.zeros((2, 3), object), "object"), (np.zeros((2, 3), bool), "bool"), (None, "object")])
 def test_an_impossible_force_is_refused(answer, words):
     scene = bar().add_effect("mine", "bar", [0, 3], lambda view: answer).set_time(end=1, fraction=0.9)
-    with pytest.raises(ct.Error, match=words):
+    with pytest.raises(ct.Error, match=f"effect mine: .*{words}"):
         scene.run(progress=False)
+
+
+@pytest.mark.parametrize("answer, words", [(1j, "complex128"), (np.complex64(1), "complex64"), ("1", "real numbers"), ([1.0, 2.0], "shape"), (None, "object")])
+def test_an_impossible_energy_is_refused(answer, words):
+    scene = bar().add_effect("mine", "bar", [0, 3], lambda view: np.zeros((2, 3)), energy=lambda view: answer).set_time(end=1, fraction=0.9)
+    with pytest.raises(ct.Error, match=f"effect mine: .*{words}"):
+        scene.run(progress=False)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.int8, np.uint64, np.longdouble])
+def test_a_force_may_be_of_any_real_numbers(kind):
+    """The same numbers, which each of the types can hold, give the same bits."""
+    def pushed(kind):
+        force = np.array([[1, 2, 3], [4, 0, 64]], kind)
+        return bar().add_effect("mine", "bar", [0, 3], lambda view: force).set_time(end=0.01, fraction=0.9).run(progress=False)
+
+    np.testing.assert_array_equal(pushed(kind).state["bar"].displacement, pushed(np.float64).state["bar"].displacement)
+
+
+@pytest.mark.parametrize("reason", [SystemExit(7), KeyboardInterrupt(), GeneratorExit()], ids=lambda reason: type(reason).__name__)
+@pytest.mark.parametrize("when", [-1.0, 0.05])
+@pytest.mark.parametrize("function", ["force", "energy"])
+def test_what_ends_a_program_ends_it_from_within_a_function(reason, when, function, tmp_path, capfd):
+    """At the first call and in the middle of a run; the file stays as it was recorded."""
+    def leave(view):
+        if view.time > when:
+            raise reason
+
+    def force(view):
+        if function == "force":
+            leave(view)
+        return np.zeros_like(view.displacement)
+
+    def energy(view):
+        if function == "energy":
+            leave(view)
+        return 0.0
+
+    path = tmp_path / "run.vtkhdf"
+    scene = bar(velocity=[1, 0, 0]).add_effect("mine", "bar", [0, 3], force, energy=energy).set_time(end=1, fraction=0.9).set_output(every=1)
+    with pytest.raises(type(reason)) as left:
+        scene.run(progress=False, output=path if ct.has("hdf5") else False)
+    assert left.value is reason
+    assert "cffi" not in capfd.readouterr().err
+    if ct.has("hdf5") and when > 0:
+        pytest.importorskip("h5py")
+        assert 0 < ct.Run.load(path).time[-1] <= 0.06
+    # Nothing of it is left for the next run.
+    with pytest.raises(ct.SceneError, match="output.file"):
+        bar().set_time(end=0.01, fraction=0.9).run(progress=False, output=tmp_path / "none" / "run.vtkhdf")
+
+
+def test_a_long_text_of_an_exception_is_cut_between_characters():
+    def force(view):
+        raise ValueError("ε" * 5000)
+
+    with pytest.raises(ct.Error, match=r"effect mine: ValueError: ε+\.\.\.") as failed:
+        bar().add_effect("mine", "bar", [0, 3], force).set_time(end=1, fraction=0.9).run(progress=False)
+    assert "\ufffd" not in str(failed.value)
 
 
 def test_the_view_is_that_of_the_nodes_and_cannot_be_written():

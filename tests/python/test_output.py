@@ -8,6 +8,8 @@ import subprocess
 import numpy as np
 import pytest
 
+import libcontact as ct
+
 h5py = pytest.importorskip("h5py")
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -50,6 +52,27 @@ def write_results(folder):
 def results(tmp_path_factory):
     with h5py.File(write_results(tmp_path_factory.mktemp("output"))) as file:
         yield file
+
+
+def test_a_second_run_is_kept_from_the_file_of_the_first(tmp_path):
+    """While the first one runs, also when its file is read in between; the first ends with all its records, and the next may write."""
+    def scene():
+        made = ct.Scene(title="bar", units={"length": "mm", "mass": "t", "time": "s"}).add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
+        made.add_body("bar", material="steel", element="hex8", box={"origin": [0, 0, 0], "size": [2, 1, 1], "cells": [2, 1, 1]}, velocity=[1, 0, 0])
+        return made.set_time(end=1e-6, fraction=0.5).set_output(path, every=1)
+
+    def watch(record):
+        refused.append(pytest.raises(ct.SceneError, scene().run, progress=False))
+        if path.exists():
+            read.append(len(ct.Run.load(path).steps))
+
+    path, refused, read = tmp_path / "run.vtkhdf", [], []
+    run = scene().run(progress=False, watch=watch)
+    assert len(refused) == len(run.steps) and read == list(range(1, len(run.steps) + 1))
+    assert all(f"{path}: can't write the file: another run is writing it" in str(one.value) and "output.file" in str(one.value) for one in refused)
+    assert len(ct.Run.load(path).steps) == len(run.steps)
+    scene().run(progress=False)
+    assert [file.name for file in tmp_path.iterdir()] == [path.name]
 
 
 def displacement(points, step):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import Any
 
 from ._core import ffi, lib
@@ -55,6 +56,29 @@ CLASSES = {
 }
 
 
+class _Held(threading.local):
+    """What a Python function that C has called raised, on its way through C: it goes on when C has returned."""
+
+    reason: BaseException | None = None
+
+
+held = _Held()
+
+
+def raise_held() -> None:
+    """Where C has returned because a Python function raised SystemExit, KeyboardInterrupt or what else is no ``Exception``: raise it on."""
+    reason, held.reason = held.reason, None
+    if reason is not None:
+        raise reason
+
+
+def text_of(status: int, error: Any = None) -> str:
+    """What an error of C says, unless a Python function wants to end the program."""
+    raise_held()
+    text = ffi.string(error.text).decode(errors="replace") if error is not None else ""
+    return text or ffi.string(lib.ct_status_name(status)).decode()
+
+
 def new_error() -> Any:
     """A ``ct_error *`` for one call."""
     error = ffi.new("ct_error *")
@@ -66,8 +90,7 @@ def check(status: int, error: Any = None) -> None:
     """Raise what a status other than CT_OK says, with the detail in ``error`` (a ``ct_error *``) where there is one."""
     if status == lib.CT_OK:
         return
-    text = ffi.string(error.text).decode(errors="replace") if error is not None else ""
-    text = text or ffi.string(lib.ct_status_name(status)).decode()
+    text = text_of(status, error)
     if status == lib.CT_ERROR_MEMORY:
         raise MemoryError(text)
     place = [] if error is None else [None if i < 0 else int(i) for i in (error.body, error.element, error.point)]

@@ -18,7 +18,7 @@ import numpy as np
 
 from ._core import ffi, lib
 from .chatter import ChatterWarning, chatter
-from .errors import NotBuiltIn, check, new_error
+from .errors import NotBuiltIn, check, new_error, raise_held, text_of
 from .mesh import view
 from .plan import computed_share, measured
 from .problem import Problem, contact_points, new_state, penetrations
@@ -103,9 +103,9 @@ class Loop:
         error, problem = new_error(), coarse or self.problem
         state = self.state if coarse is None else new_state(coarse)
         if lib.ct_output_restart(os.fsencode(path), problem.pointer, state, error) != lib.CT_OK:
-            raise SceneError(_text(error), "restart", self.problem.file)
+            raise SceneError(text_of(error.code, error), "restart", self.problem.file)
         if coarse is not None and lib.ct_state_refine(self.problem.pointer, state, self.state, error) != lib.CT_OK:
-            raise SceneError(_text(error), "restart", self.problem.file)
+            raise SceneError(text_of(error.code, error), "restart", self.problem.file)
 
     def open(self, path: str | Path) -> None:
         """Create the results file; without HDF5 say so and go on in memory."""
@@ -118,7 +118,7 @@ class Loop:
         options.scene = text
         out, error = ffi.new("ct_output **"), new_error()
         if lib.ct_output_create(os.fsencode(path), self.problem.pointer, options, out, error) != lib.CT_OK:
-            raise SceneError(_text(error), "output.file", self.problem.file)
+            raise SceneError(text_of(error.code, error), "output.file", self.problem.file)
         self.output, self.path = out[0], Path(path).absolute()
 
     def close(self) -> None:
@@ -127,7 +127,7 @@ class Loop:
         output, self.output = self.output, None
         error = new_error()
         if lib.ct_output_close(output, error) != lib.CT_OK:
-            raise RunError(_text(error))
+            raise RunError(text_of(error.code, error))
 
     def abandon(self) -> None:
         """Close the file after a failure; what was written before stays readable."""
@@ -150,7 +150,10 @@ class Loop:
     def _stable_note(self, good: Any) -> str:
         """Whether the step of the run is above the stable one of the last good state."""
         stable = ffi.new("ct_stable_step *")
-        if lib.ct_stable(self.problem.pointer, good, stable, ffi.NULL) != lib.CT_OK or self.problem.dt <= stable.dt * (1.0 + 1e-9):
+        if lib.ct_stable(self.problem.pointer, good, stable, ffi.NULL) != lib.CT_OK:
+            raise_held()
+            return ""
+        if self.problem.dt <= stable.dt * (1.0 + 1e-9):
             return ""
         return f"The stable step had come down to {stable.dt:.6g}, and the run's is {self.problem.dt:.6g}: take a smaller one. "
 
@@ -236,7 +239,7 @@ class Loop:
         time = self.problem.parts.time
         options.every, options.energy_limit, options.stable = time.look_every, time.energy_limit, self.problem.stable.dt
         if lib.ct_watch_create(self.problem.pointer, self.state, options, out, error) != lib.CT_OK:
-            raise SceneError(_text(error), "", self.problem.file)
+            raise SceneError(text_of(error.code, error), "", self.problem.file)
         self.guard = ffi.gc(out[0], lambda watch, free=lib.ct_watch_free, problem=self.problem: free(watch))
 
     def _unrest(self) -> float:
@@ -282,7 +285,7 @@ class Loop:
         if status == lib.CT_OK:
             return
         names = list(self.problem.bodies)
-        text, known = _text(error), 0 <= error.body < len(names)
+        text, known = text_of(error.code, error), 0 <= error.body < len(names)
         place = {key: int(value) if value >= 0 else None for key, value in (("body", error.body), ("element", error.element), ("point", error.point))}
         fault = FAULTS.get(status, RunError)(f'body "{names[error.body]}": {text}' if known and names[error.body] not in text else text, code=status, **place)
         fault.body_name = names[error.body] if known else None
@@ -341,7 +344,7 @@ class Loop:
         output, self.output, self.path = self.output, None, None
         closed = lib.ct_output_close(output, error if written == lib.CT_OK else new_error())
         if written != lib.CT_OK or closed != lib.CT_OK:
-            raise OSError(_text(error))
+            raise OSError(text_of(error.code, error))
         write_tables(path, run.steps, run.energy, run.momentum)
 
 
@@ -360,7 +363,10 @@ def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, u
     try:
         loop.run(until, progress)
     except RunError as error:
-        loop.fail(error)
+        try:
+            loop.fail(error)
+        finally:
+            loop.abandon()
         raise
     except BaseException:
         loop.abandon()
@@ -371,10 +377,6 @@ def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, u
         error.run = loop.result()
         raise
     return loop.result()
-
-
-def _text(error: Any) -> str:
-    return ffi.string(error.text).decode(errors="replace") or ffi.string(lib.ct_status_name(error.code)).decode()
 
 
 @contextlib.contextmanager

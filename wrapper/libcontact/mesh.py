@@ -83,6 +83,9 @@ class Mesh:
         check(lib.ct_mesh_create_copy(source, out, error), error)
         return cls(out[0])
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Mesh.copy, (np.ascontiguousarray(self.nodes), np.ascontiguousarray(self.elements))
+
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Smallest and largest coordinates of the nodes."""
@@ -105,10 +108,11 @@ class Mesh:
             axis, value = self._plane(face)
             ask = lambda faces, owners: lib.ct_mesh_plane_faces(self.pointer, axis, value, faces, owners)
         count = ask(ffi.NULL, ffi.NULL)
+        check(-min(count, 0))
         faces = np.empty((count, 4 if self.element == "hex8" else 8), np.int32)
         owners = np.empty(count, np.int32)
         if count:
-            ask(ffi.from_buffer("int32_t[]", faces), ffi.from_buffer("int32_t[]", owners))
+            check(-min(ask(ffi.from_buffer("int32_t[]", faces), ffi.from_buffer("int32_t[]", owners)), 0))
         return faces, owners
 
     def face_nodes(self, face: str) -> np.ndarray:

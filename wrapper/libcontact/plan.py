@@ -155,7 +155,7 @@ def _add_rounds(problem: Problem, parts: dict[str, dict[str, Any]], rounds: floa
         if effect.constraint_count:
             share = rounds * effect.constraint_count / points
             # A point of a contact moves the nodes of two faces.
-            faces = _face_nodes(problem) * (2 if name == "contact" else 1)
+            faces = _face_nodes(problem) * (2 if effect.kind == lib.CT_EFFECT_CONTACT else 1)
             parts[name]["flops"] += share * (60.0 + 15.0 * faces)
             parts[name]["bytes"] += share * (ffi.sizeof("ct_constraint") + 8.0 * 8.0 * faces)
 

@@ -14,7 +14,7 @@ import numpy as np
 from . import effects
 from . import parts as scene_parts
 from ._core import ffi, lib
-from .errors import Error, check, new_error
+from .errors import Error, check, new_error, text_of
 from .mesh import KINDS, WIDTH, Mesh, read_vtkhdf, row_length
 from .projection import METHODS
 from .surfaces import ENFORCEMENTS, INITIAL, RULES
@@ -164,7 +164,7 @@ class Problem:
             raise self._refusal(status, error, key, about)
 
     def _refusal(self, status: int, error: Any, key: str, about: str = "") -> SceneError:
-        text = ffi.string(error.text).decode(errors="replace") or ffi.string(lib.ct_status_name(status)).decode()
+        text = text_of(status, error)
         names = list(self.parts.bodies)
         part = text.partition(":")[0].partition(" ")[0]
         if not key and part in ("contact", "support", "time"):
@@ -436,8 +436,8 @@ def _together(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 def _contacts(problem: Problem, state: Any) -> Iterator[Any]:
     """The contacts of the problem (``const ct_contact *``) in a state (``ct_state *``)."""
-    for k, name in enumerate(problem.effects):
-        if name == "contact":
+    for k in range(len(problem.effects)):
+        if problem.pointer.effects[k].kind == lib.CT_EFFECT_CONTACT:
             error = new_error()
             contact = lib.ct_state_contact(problem.pointer, state, k, error)
             if contact == ffi.NULL:

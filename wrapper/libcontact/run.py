@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -84,6 +85,12 @@ class BodyState:
     def __init__(self, name: str, mesh: Mesh, material: Material | None, displacement: Any, velocity: Any, stress: Any = None):
         self.name, self.mesh, self.material = name, mesh, material
         self._displacement, self._velocity, self._stress = displacement, velocity, stress
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        for values in (self._displacement, self._velocity, self._stress):
+            if values is not None:
+                values.flags.writeable = False
 
     def _recorded(self, field: str, values: Any) -> np.ndarray:
         if values is None:
@@ -187,7 +194,8 @@ class Run:
     effect by name, of the "time loop" around them and of the "output"; ``Scene.costs`` puts them beside what was predicted. ``computed`` is the share of the elements' forces
     that were computed, as the others were quiet (None for a run that was read from a file).
     ``impulse`` is what each effect has given to all bodies together since t = 0 (3,), by name: their sum is the change of momentum. It is empty for a run that was
-    read from a file.
+    read from a file. A run can be copied and pickled with its tables and its state. What goes on as a pickle of a run without a file can't be saved as a results file
+    any more, as that holds more of the state than the run does.
     """
 
     def __init__(self, *, bodies: list[str], units: Units | None, steps: Any, energy: np.ndarray, momentum: np.ndarray,
@@ -205,6 +213,19 @@ class Run:
         self.costs, self.computed = dict(costs or {}), computed
         self.impulse = dict(impulse or {})
         self._writer = writer
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_writer": None}
+
+    def __copy__(self) -> Run:
+        new = object.__new__(type(self))
+        new.__dict__.update(self.__dict__)
+        return new
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Run:
+        new = memo[id(self)] = object.__new__(type(self))
+        new.__dict__.update(copy.deepcopy(self.__getstate__(), memo), _writer=self._writer)
+        return new
 
     @property
     def time(self) -> np.ndarray:

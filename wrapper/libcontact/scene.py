@@ -57,6 +57,28 @@ class Scene:
         self._parts = scene_parts.read(data, self.file, whole)
         self._data = _plain(data)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What a pickle of the scene holds: its tables, and the Python functions of its effects by name, as pickle has it."""
+        for own in self._own:
+            own.check_pickle()
+        return {"data": self._data, "file": None if self.file is None else os.path.abspath(self.file), "own": self._own}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.file, self._data, self._own, self._problem = state["file"], state["data"], state["own"], None
+        self._parts = scene_parts.read(self._data, self.file, whole=False)
+
+    def __copy__(self) -> Scene:
+        return self._copied(copy.copy)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
+        return self._copied(lambda own: copy.deepcopy(own, memo))
+
+    def _copied(self, of: Callable[[Own], Own]) -> Scene:
+        """Another scene with the same tables, which share nothing that either can change, and with effects that are copied by ``of``."""
+        new = object.__new__(type(self))
+        new.__setstate__({"file": self.file, "data": self.data, "own": [of(own) for own in self._own]})
+        return new
+
     @property
     def data(self) -> dict[str, Any]:
         """A copy of the scene's tables, to be changed at will and made into another ``Scene(data)``."""
@@ -145,7 +167,8 @@ class Scene:
         Add an effect of your own, a Python function. ``force(view)`` answers the forces (n, 3) on ``nodes`` of a body: numbers, or a face such as ``"x_max"``; ``view`` has
         ``time``, ``reference``, ``displacement`` and ``velocity`` of these nodes (``effects.own.View``). ``energy(view)`` is what it stores; without it its work counts as from outside. Tell the
         largest ω² [1/time²] of a stiffness (k / m of a spring on a node), and the largest c / m [1/time] of a dashpot as ``rate``, so that the stable step knows them.
-        The ledger has a column ``name``. What the function raises ends the run with a RunError.
+        The ledger has a column ``name``. What the function raises ends the run with a RunError that names
+        the effect; SystemExit, KeyboardInterrupt and their like go on through ``run``. Forces and energies must be real numbers, integers or floats; others are refused.
 
         >>> scene.add_effect("spring", "bar", "x_max", lambda view: -k * view.displacement, energy=lambda view: k / 2 * np.sum(view.displacement**2), omega_squared=k / m)
         """

@@ -21,6 +21,9 @@ class SceneError(Error, ValueError):
         self.file, self.key, self.reason = file, key, reason
         super().__init__(": ".join(part for part in (file or "scene", key, reason) if part))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.reason, self.key, self.file)
+
 
 def suggestion(word: str, known: Iterable[str]) -> str:
     """``; did you mean "steel"?`` when a known name is near, else the list of all known names."""

@@ -4,6 +4,8 @@
 #include <contact/segment.h>
 #include <contact/step.h>
 
+CT_BEGIN_DECLS
+
 /** Faces through which waves leave the body instead of being reflected. */
 typedef struct ct_absorb {
   /** What the faces are. */
@@ -20,5 +22,7 @@ typedef struct ct_absorb {
  * `ct_scene_join`. ``CT_ERROR_ARGUMENT``: faces of several bodies.
  */
 CT_API ct_status ct_absorb_create_effect(const ct_absorb *absorb, const ct_problem *problem, ct_effect **effect, ct_error *error);
+
+CT_END_DECLS
 
 #endif

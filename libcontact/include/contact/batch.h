@@ -3,6 +3,8 @@
 
 #include <contact/projection.h>
 
+CT_BEGIN_DECLS
+
 /**
  * Where ct_project_batch writes the feet of a batch; arrays in lanes, of ct_batch_blocks(count) blocks. A null pointer is not
  * written. A pair that ct_project answers with CT_INVALID has NaN here too.
@@ -44,5 +46,7 @@ CT_API void ct_batch_gather(size_t count, int per, const double *rows, const int
  */
 CT_API ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes, const double *points, const double *start,
                                   const ct_project_options *options, const ct_batch_feet *feet);
+
+CT_END_DECLS
 
 #endif

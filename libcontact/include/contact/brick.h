@@ -3,6 +3,8 @@
 
 #include <contact/segment.h>
 
+CT_BEGIN_DECLS
+
 /**
  * Kind of a brick element on -1 <= xi_1, xi_2, xi_3 <= 1, nodes in the order of VTK: the corners (-,-,-), (+,-,-), (+,+,-),
  * (-,+,-), then the same four at xi_3 = +1; for hex20 then the middles of the 4 bottom edges, of the 4 top edges and of the 4
@@ -43,5 +45,7 @@ CT_API void ct_brick_gradient(ct_brick_kind kind, const double xi[3], double dN[
  * has mirrored faces. ``nodes`` entries beyond the node count of the face, and all for an impossible side, are -1.
  */
 CT_API void ct_brick_face(ct_brick_kind kind, int side, int nodes[8]);
+
+CT_END_DECLS
 
 #endif

@@ -6,6 +6,8 @@
 #include <contact/search.h>
 #include <contact/segment.h>
 
+CT_BEGIN_DECLS
+
 /** Where on its faces a contact has points, :eq:`unseen`. */
 typedef enum ct_contact_rule {
   /** Gauss points, which lie 0.21 h and more inside the face. */
@@ -99,7 +101,10 @@ CT_API ct_status ct_contact_create_self(const ct_surface *surface, const ct_cont
  */
 CT_API ct_status ct_contact_update(ct_contact *contact, const double *xa, const double *xb, ct_error *error);
 
-/** Add the contact forces of the last update to `fa`, `fb` [force], shapes (node_count, 3). */
+/**
+ * Add the contact forces of the last update to `fa`, `fb` [force], shapes (node_count, 3). This and all calls below that take a
+ * const contact only read it: several threads may ask one contact at once.
+ */
 CT_API ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb);
 
 /** Potential Π of the last update [energy], :eq:`contact-potential`. */
@@ -197,5 +202,7 @@ CT_API void ct_contact_free(ct_contact *contact);
  */
 CT_API ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, const ct_contact_options *options,
                                           const double *nodal_mass, ct_effect **effect, ct_error *error);
+
+CT_END_DECLS
 
 #endif

@@ -3,6 +3,8 @@
 
 #include <contact/step.h>
 
+CT_BEGIN_DECLS
+
 /** Damping in proportion to mass, or dynamic relaxation. */
 typedef struct ct_damping {
   /** Rate α >= 0 [1 / time]: a free velocity decays by exp(-α t), :eq:`damping-decay`. */
@@ -24,5 +26,7 @@ typedef struct ct_damping {
  * behind all effects but motions and supports. The problem is a joined one, see `ct_scene_join`.
  */
 CT_API ct_status ct_damping_create_effect(const ct_damping *damping, const ct_problem *problem, ct_effect **effect, ct_error *error);
+
+CT_END_DECLS
 
 #endif

@@ -4,6 +4,8 @@
 #include <contact/enforcement.h>
 #include <contact/status.h>
 
+CT_BEGIN_DECLS
+
 /**
  * Work that may be left out where leaving it out changes no result, :doc:`/theory/savings`; each 1 (may be) or 0. A scene begins
  * with `ct_savings_default`; turning one off is good for measuring what it saves, and for nothing else.
@@ -115,12 +117,46 @@ typedef struct ct_view {
 } ct_view;
 
 /**
+ * What an effect is, and so what its `data`, memory and scratch space hold. The library decides by the kind and never by the name.
+ */
+typedef enum ct_effect_kind {
+  /** of a host's own */
+  CT_EFFECT_USER = 0,
+  /** internal forces of all bodies: `ct_solid_create_effect` */
+  CT_EFFECT_SOLID = 1,
+  /** energy of the hourglass control: `ct_solid_create_hourglass` */
+  CT_EFFECT_HOURGLASS = 2,
+  /** contact of two surfaces, or of one with itself: `ct_contact_create_effect` */
+  CT_EFFECT_CONTACT = 3,
+  /** `ct_friction_create_effect` */
+  CT_EFFECT_FRICTION = 4,
+  /** `ct_obstacle_create_effect` */
+  CT_EFFECT_OBSTACLE = 5,
+  /** prescribed constant velocities: `ct_support_create_effect` */
+  CT_EFFECT_SUPPORT = 6,
+  /** prescribed paths, "support" by name as well: `ct_motion_create_effect` */
+  CT_EFFECT_MOTION = 7,
+  /** `ct_load_create_effect` */
+  CT_EFFECT_LOAD = 8,
+  /** `ct_gravity_create_effect` */
+  CT_EFFECT_GRAVITY = 9,
+  /** `ct_damping_create_effect` */
+  CT_EFFECT_DAMPING = 10,
+  /** `ct_viscosity_create_effect` */
+  CT_EFFECT_VISCOSITY = 11,
+  /** `ct_absorb_create_effect` */
+  CT_EFFECT_ABSORB = 12
+} ct_effect_kind;
+
+/**
  * One physical effect: a force on some nodes, its energy, and its bound on the time step.
  * The time loop runs over the effects that a problem lists and over nothing else. A null function pointer means
  * that the effect has nothing to say there.
  */
 typedef struct ct_effect {
-  /** "solid", "contact", ... and a column of the ledger. */
+  /** What the effect is; a host leaves it at ``CT_EFFECT_USER``. */
+  ct_effect_kind kind;
+  /** A label, which names a column of the ledger; nothing is decided by it. */
   const char *name;
   /** What the effect's functions need, fixed once the problem is made; `free_data` gives it back. */
   void *data;
@@ -199,11 +235,14 @@ typedef struct ct_effect {
 /**
  * An effect of the caller's own: a copy of a filled `ct_effect` that `ct_scene_add_effect` can take over and `ct_effect_free`
  * frees. `nodes` and `data` stay the caller's until `free_data` is called, once. ``CT_ERROR_ARGUMENT``: no name, nodes not
- * ascending, a force missing or beside `reaction`.
+ * ascending, a force missing or beside `reaction`, a kind of the library's own (as in a copy of one of its effects: both would
+ * free the same data).
  */
 CT_API ct_status ct_effect_create(const ct_effect *filled, ct_effect **effect, ct_error *error);
 
 /** Free an effect made by `ct_effect_create` or one of the library's `ct_..._create_effect` calls. */
 CT_API void ct_effect_free(ct_effect *effect);
+
+CT_END_DECLS
 
 #endif

@@ -3,6 +3,8 @@
 
 #include <contact/step.h>
 
+CT_BEGIN_DECLS
+
 /**
  * Energy of all bodies at t_n, in the discrete form that the leapfrog scheme conserves, :eq:`discrete-energy`,
  * and what each effect has done, :eq:`work-balance`. All [energy].
@@ -71,5 +73,7 @@ CT_API ct_status ct_state_velocity(const ct_problem *problem, ct_state *state, d
 
 /** Force of one effect at t_n on the problem's nodes [force], shape (node_count, 3); zero where it does not act. */
 CT_API ct_status ct_state_force(const ct_problem *problem, ct_state *state, int32_t effect, double *force, ct_error *error);
+
+CT_END_DECLS
 
 #endif

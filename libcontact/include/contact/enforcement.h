@@ -3,6 +3,8 @@
 
 #include <contact/status.h>
 
+CT_BEGIN_DECLS
+
 /** How contact keeps two bodies apart: which gap gives the force of a point in step n, :doc:`/theory/enforcement`. */
 typedef enum ct_enforcement {
   /** Explicit penalty k⟨-g_n⟩, :eq:`contact-penalty`. It limits the step, and can feed energy into the bodies. */
@@ -75,5 +77,7 @@ CT_API double ct_enforcement_solve(const ct_constraint *constraint, double free,
  * :eq:`controlled-energy`.
  */
 CT_API double ct_enforcement_energy(const ct_constraint *constraint);
+
+CT_END_DECLS
 
 #endif

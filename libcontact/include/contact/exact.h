@@ -3,6 +3,8 @@
 
 #include <contact/status.h>
 
+CT_BEGIN_DECLS
+
 /**
  * The fields of the impact of two thick plates at one point, in the numbers of :eq:`exact-units`:
  * stresses times c1/(Lambda v0), velocities over v0.
@@ -51,5 +53,7 @@ CT_API ct_status ct_exact_plates(double x, double z, double t, double nu, double
  */
 CT_API ct_status ct_exact_plates_array(size_t n, const double *x, const double *z, const double *t, double nu,
                                        double length, double *fields, size_t *bad, ct_error *error);
+
+CT_END_DECLS
 
 #endif

@@ -3,6 +3,8 @@
 
 #include <contact/status.h>
 
+CT_BEGIN_DECLS
+
 /**
  * The modes of one Poisson's ratio and number of branches on a grid of wave numbers: what all points share.
  * Opaque; read only once made, so that threads may share it.
@@ -43,5 +45,7 @@ CT_API void ct_exact_series_free(ct_exact_series *series);
  */
 CT_API ct_status ct_exact_plates_series(size_t n, const double *x, const double *z, const double *t, double nu,
                                         size_t branches, double *fields, size_t *bad, ct_error *error);
+
+CT_END_DECLS
 
 #endif

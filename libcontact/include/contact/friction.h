@@ -3,6 +3,8 @@
 
 #include <contact/step.h>
 
+CT_BEGIN_DECLS
+
 /** Coulomb friction with stick on the points of a contact or of an obstacle. */
 typedef struct ct_friction {
   /**
@@ -36,5 +38,7 @@ CT_API ct_status ct_friction_create_effect(const ct_friction *friction, const ct
  */
 CT_API ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t effect, double *held, double *dissipated,
                                     ct_error *error);
+
+CT_END_DECLS
 
 #endif

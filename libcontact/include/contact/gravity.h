@@ -3,6 +3,8 @@
 
 #include <contact/step.h>
 
+CT_BEGIN_DECLS
+
 /** A uniform acceleration of bodies. */
 typedef struct ct_gravity {
   /** Acceleration [length / time²]. */
@@ -18,5 +20,7 @@ typedef struct ct_gravity {
  * `ct_scene_join`.
  */
 CT_API ct_status ct_gravity_create_effect(const ct_gravity *gravity, const ct_problem *problem, ct_effect **effect, ct_error *error);
+
+CT_END_DECLS
 
 #endif

@@ -3,6 +3,8 @@
 
 #include <contact/status.h>
 
+CT_BEGIN_DECLS
+
 /** A factor that changes with time: a line through given points, :eq:`history`; constant before the first and after the last. */
 typedef struct ct_history {
   /** Number of points; 0: the factor is 1 at all times. */
@@ -21,5 +23,7 @@ CT_API ct_status ct_history_check(const ct_history *history, ct_error *error);
 
 /** The factor at a time, :eq:`history`. */
 CT_API double ct_history_value(const ct_history *history, double time);
+
+CT_END_DECLS
 
 #endif

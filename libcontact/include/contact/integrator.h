@@ -3,6 +3,8 @@
 
 #include <contact/status.h>
 
+CT_BEGIN_DECLS
+
 /** Explicit methods that take a problem from one moment to the next, :doc:`/theory/integrator`. */
 typedef enum ct_scheme {
   /** Central difference in leapfrog form, :eq:`leapfrog`; no parameter (0). */
@@ -58,5 +60,7 @@ CT_API double ct_integrator_limit(const ct_integrator *integrator);
  * :eq:`integrator-damped-bound`.
  */
 CT_API double ct_integrator_step(const ct_integrator *integrator, double omega_squared, double rate);
+
+CT_END_DECLS
 
 #endif

@@ -5,6 +5,8 @@
 #include <contact/segment.h>
 #include <contact/step.h>
 
+CT_BEGIN_DECLS
+
 /** A traction and a pressure on faces, with a history in time. */
 typedef struct ct_load {
   /** What the faces are. */
@@ -29,5 +31,7 @@ typedef struct ct_load {
  * a face without area, named by its number.
  */
 CT_API ct_status ct_load_create_effect(const ct_load *load, const ct_problem *problem, ct_effect **effect, ct_error *error);
+
+CT_END_DECLS
 
 #endif

@@ -3,6 +3,8 @@
 
 #include <contact/mesh.h>
 
+CT_BEGIN_DECLS
+
 /** How the consistent mass matrix is made diagonal. */
 typedef enum ct_lumping {
   /** row sum for hex8, HRZ for hex20 */
@@ -22,5 +24,7 @@ CT_API ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double
 
 /** Lumped mass of a whole mesh at its nodes, `mass` of shape (node_count) [mass]. */
 CT_API ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping, double *mass, ct_error *error);
+
+CT_END_DECLS
 
 #endif

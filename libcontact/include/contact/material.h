@@ -3,6 +3,8 @@
 
 #include <contact/status.h>
 
+CT_BEGIN_DECLS
+
 /** How stress follows from deformation; all three laws agree with Hooke's where strain and rotation are small. */
 typedef enum ct_law {
   /** small strain and small rotation, :eq:`hooke` */
@@ -33,5 +35,7 @@ CT_API void ct_material_speeds(const ct_material *material, double *c1, double *
 
 /** Refuse impossible constants: ``CT_ERROR_ARGUMENT`` with the constant's name and value in `error`. */
 CT_API ct_status ct_material_check(const ct_material *material, ct_error *error);
+
+CT_END_DECLS
 
 #endif

@@ -4,6 +4,8 @@
 #include <contact/brick.h>
 #include <contact/status.h>
 
+CT_BEGIN_DECLS
+
 /**
  * Nodes and bricks of one body. The struct only points: the `ct_mesh_create_...` calls
  * allocate what they point to, and `ct_mesh_free` gives it back. A host may also fill one by hand.
@@ -103,17 +105,20 @@ CT_API double ct_mesh_shortest_edge(const ct_mesh *mesh);
 /**
  * Faces of a mesh, one that `ct_mesh_check` accepts, that belong to one element only and lie in the plane ``x[axis] = value``
  * within 1e-9 of the mesh's size. `faces` gets (count, 4 or 8) node numbers, counter-clockwise from outside, and `owners` (count)
- * the elements; either may be null. The return value is the count (call once with nulls to learn it).
+ * the elements; either may be null. The return value is the count (call once with nulls to learn it), or a `ct_status` as a negative
+ * number: ``-CT_ERROR_MEMORY``, or ``-CT_ERROR_ARGUMENT`` for no mesh, no elements, or a node number out of range. It is 0 for an `axis` that is not 0, 1 or 2.
  */
 CT_API int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t *faces, int32_t *owners);
 
 /** Nodes in the plane ``x[axis] = value`` within 1e-9 of the mesh's size, in ascending order; returns their count. */
 CT_API int32_t ct_mesh_plane_nodes(const ct_mesh *mesh, int axis, double value, int32_t *nodes);
 
-/** All faces of the mesh that belong to one element only, as `ct_mesh_plane_faces` gives them. */
+/** All faces of the mesh that belong to one element only, as `ct_mesh_plane_faces` gives them, with the same return values. */
 CT_API int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t *owners);
 
 /** Smallest and largest coordinates of the nodes [length]; infinite, the wrong way round, for a null mesh. */
 CT_API void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3]);
+
+CT_END_DECLS
 
 #endif

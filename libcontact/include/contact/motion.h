@@ -4,6 +4,8 @@
 #include <contact/history.h>
 #include <contact/step.h>
 
+CT_BEGIN_DECLS
+
 /** Components of a set of nodes whose displacement follows a history. */
 typedef struct ct_motion {
   /** Node numbers of the problem, shape (node_count). */
@@ -26,5 +28,7 @@ typedef struct ct_motion {
  * finite.
  */
 CT_API ct_status ct_motion_create_effect(const ct_motion *motions, int32_t motion_count, const ct_problem *problem, ct_effect **effect, ct_error *error);
+
+CT_END_DECLS
 
 #endif

@@ -5,6 +5,8 @@
 #include <contact/segment.h>
 #include <contact/step.h>
 
+CT_BEGIN_DECLS
+
 /** Shape of a rigid obstacle. */
 typedef enum ct_obstacle_shape {
   /** half-space behind a plane; any depth below the plane is inside */
@@ -71,5 +73,7 @@ CT_API ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct
  */
 CT_API ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect, double force[3], double *work,
                                       ct_error *error);
+
+CT_END_DECLS
 
 #endif

@@ -6,9 +6,7 @@
 #include <contact/energy.h>
 #include <contact/step.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+CT_BEGIN_DECLS
 
 /** A results file that is being written; opaque, as it holds HDF5 handles. Used by one thread at a time. */
 typedef struct ct_output ct_output;
@@ -26,7 +24,9 @@ typedef struct ct_output_options {
 /**
  * Create a transient VTKHDF file (UnstructuredGrid, static points) for the problem. Until the first step is written the file is
  * called `path` with ``.part`` behind it; then it takes the place of an older file called `path`, so that a run that fails at
- * once takes nothing away. Errors: ``CT_ERROR_FILE`` with the path and the system's reason, ``CT_ERROR_MEMORY``,
+ * once takes nothing away. The file is locked until it is closed: a second output to `path` is refused, in this process or
+ * another, while what a killed run has left blocks nobody. A link at the name with ``.part`` is replaced, not followed. Errors:
+ * ``CT_ERROR_FILE`` with the path and the system's reason, or since another run writes the file; ``CT_ERROR_MEMORY``,
  * ``CT_ERROR_ARGUMENT`` for a problem without bodies or with bodies that do not follow one another, ``CT_ERROR_UNSUPPORTED`` when
  * another HDF5 is loaded than the one compiled against. `*output` is null after an error.
  */
@@ -55,8 +55,6 @@ CT_API ct_status ct_output_close(ct_output *output, ct_error *error);
  */
 CT_API ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_state *state, ct_error *error);
 
-#ifdef __cplusplus
-}
-#endif
+CT_END_DECLS
 
 #endif

@@ -3,6 +3,8 @@
 
 #include <contact/segment.h>
 
+CT_BEGIN_DECLS
+
 /** How the closest point is looked for. */
 typedef enum ct_method {
   /** the paper's search: a regular simplex that is only reflected and halved; unconstrained */
@@ -180,5 +182,7 @@ CT_API ct_status ct_project_ray(const ct_face *face, const double point[3], cons
  * looked at, else the first error.
  */
 CT_API ct_status ct_project_rays(const ct_face *face, size_t count, const double *points, const double *directions, double tolerance, ct_ray_hit *out);
+
+CT_END_DECLS
 
 #endif

@@ -4,6 +4,8 @@
 #include <contact/brick.h>
 #include <contact/segment.h>
 
+CT_BEGIN_DECLS
+
 /**
  * A quadrature rule on the reference face or brick, :eq:`quadrature-rule`. Points of quadrilaterals and bricks run with xi_1
  * fastest, then xi_2, then xi_3, each ascending, so that point p and its mirror image are easy to pair.
@@ -40,5 +42,7 @@ CT_API ct_status ct_rule_lobatto(ct_face_kind kind, ct_rule *rule);
 
 /** Rule for the full integration of a brick: 2 x 2 x 2 for hex8, 3 x 3 x 3 for hex20. Errors as in ct_rule_face. */
 CT_API ct_status ct_rule_brick(ct_brick_kind kind, ct_rule *rule);
+
+CT_END_DECLS
 
 #endif

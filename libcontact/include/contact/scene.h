@@ -9,6 +9,8 @@
 #include <contact/step.h>
 #include <contact/support.h>
 
+CT_BEGIN_DECLS
+
 /** A scene is filled piece by piece and then built into a problem; opaque, as it owns copies of all it was given. */
 typedef struct ct_scene ct_scene;
 
@@ -118,7 +120,8 @@ CT_API ct_status ct_scene_set_savings(ct_scene *scene, const ct_savings *savings
 
 /**
  * Add an effect that was made for the joined problem, the library's or the caller's own. The scene takes it over, also when the
- * call fails, and frees it.
+ * call fails, and frees it. ``CT_ERROR_ARGUMENT``: the bodies are not joined, a node is out of range, the scene has this effect
+ * already.
  */
 CT_API ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *error);
 
@@ -142,5 +145,7 @@ CT_API ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact
 
 /** Free a scene and the problem that it built; null is allowed. States of the problem are freed before. */
 CT_API void ct_scene_free(ct_scene *scene);
+
+CT_END_DECLS
 
 #endif

@@ -4,6 +4,8 @@
 #include <contact/projection.h>
 #include <contact/segment.h>
 
+CT_BEGIN_DECLS
+
 /**
  * A surface: faces over somebody's nodes. Node numbers refer to the arrays of coordinates, forces and masses
  * that the host passes to the calls of a search or a contact; they may be the nodes of a whole mesh.
@@ -95,5 +97,7 @@ CT_API ct_status ct_search_nearest(const ct_search *search, size_t count, const 
 
 /** Free a search; null is allowed. */
 CT_API void ct_search_free(ct_search *search);
+
+CT_END_DECLS
 
 #endif

@@ -3,6 +3,8 @@
 
 #include <contact/status.h>
 
+CT_BEGIN_DECLS
+
 /**
  * Kind of a contact face. Quadrilaterals live on -1 <= xi_1, xi_2 <= 1 with the corners (-1,-1), (1,-1), (1,1), (-1,1) and,
  * for Q8, the mid-sides (0,-1), (1,0), (0,1), (-1,0). Triangles live on xi_1, xi_2 >= 0, xi_1 + xi_2 <= 1 with the corners
@@ -56,5 +58,7 @@ CT_API ct_status ct_segment_normal(const ct_face *face, const double xi[2], doub
 
 /** The area element J = ``|t_1 x t_2|`` [length^2] of :eq:`segment-area`; NaN for a null pointer or unknown kind. */
 CT_API double ct_segment_area_element(const ct_face *face, const double xi[2]);
+
+CT_END_DECLS
 
 #endif

@@ -6,6 +6,8 @@
 #include <contact/material.h>
 #include <contact/mesh.h>
 
+CT_BEGIN_DECLS
+
 /** The kernel that computes a block of elements. */
 typedef enum ct_solid_kernel {
   /** the cheapest one that fits */
@@ -116,5 +118,7 @@ CT_API ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_
  */
 CT_API ct_status ct_solid_stress(const ct_mesh *mesh, const ct_material *material, const double *displacement,
                                  double *stress, ct_error *error);
+
+CT_END_DECLS
 
 #endif

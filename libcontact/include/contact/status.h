@@ -13,6 +13,17 @@
 #endif
 #endif
 
+/* Every public header stands between these two, so that a C++ program links whichever headers it includes. */
+#ifdef __cplusplus
+#define CT_BEGIN_DECLS extern "C" {
+#define CT_END_DECLS }
+#else
+#define CT_BEGIN_DECLS
+#define CT_END_DECLS
+#endif
+
+CT_BEGIN_DECLS
+
 /**
  * How a call ended. Zero is success; 1 to 4 are also the verdicts on one projection
  * (the same numbers as ``libcontact.Status`` in Python); the rest are errors.
@@ -59,8 +70,8 @@ typedef struct ct_error {
   int64_t element;
   /** Node, Gauss point or row, likewise. */
   int64_t point;
-  /** One sentence for a person, ended by a zero byte. */
-  char text[256];
+  /** One sentence for a person in UTF-8, ended by a zero byte; "..." at its end stands for what was longer still. */
+  char text[1024];
 } ct_error;
 
 /** A short name for a status, for example ``"inverted or collapsed element"``; never null. */
@@ -71,5 +82,7 @@ CT_API const char *ct_version(void);
 
 /** Not zero when the library was compiled with OpenMP; without it, any number of threads means one. */
 CT_API int ct_has_openmp(void);
+
+CT_END_DECLS
 
 #endif

@@ -6,6 +6,8 @@
 #include <contact/material.h>
 #include <contact/mesh.h>
 
+CT_BEGIN_DECLS
+
 /** One body of a problem. */
 typedef struct ct_body {
   /** A name for people, ended by a zero byte. */
@@ -187,5 +189,7 @@ CT_API ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state,
  * An upper bound of ω² of each element plus the bound of the contact points, so never above the true limit of the linear problem.
  */
 CT_API ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *out, ct_error *error);
+
+CT_END_DECLS
 
 #endif

@@ -3,6 +3,8 @@
 
 #include <contact/effect.h>
 
+CT_BEGIN_DECLS
+
 /** Components of a set of nodes that keep a constant velocity: 0 for a fixed end or a plane of symmetry. */
 typedef struct ct_support {
   /** Node numbers of the problem, shape (node_count). */
@@ -25,5 +27,7 @@ CT_API ct_status ct_support_create_effect(const ct_support *supports, int32_t su
 
 /** Write zero inverse masses and the prescribed velocities, shapes (node_count of the problem, 3). */
 CT_API ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double *velocity);
+
+CT_END_DECLS
 
 #endif

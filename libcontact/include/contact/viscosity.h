@@ -4,6 +4,8 @@
 #include <contact/effect.h>
 #include <contact/step.h>
 
+CT_BEGIN_DECLS
+
 /**
  * Bulk viscosity: a pressure against compression that spreads a front over a few elements, :eq:`bulk-viscosity`. It takes energy
  * out of the bodies, which the ledger shows as the (negative) work of the effect "viscosity".
@@ -32,5 +34,7 @@ CT_API ct_status ct_viscosity_create_effect(const ct_viscosity *options, const c
  */
 CT_API ct_status ct_viscosity_element(const double *nodes, const double *velocity, double density, double c1, double linear, double quadratic,
                                       double *pressure, double *force, ct_error *error);
+
+CT_END_DECLS
 
 #endif

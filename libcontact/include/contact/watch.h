@@ -3,6 +3,8 @@
 
 #include <contact/step.h>
 
+CT_BEGIN_DECLS
+
 /** What a watch looks for, and how often. */
 typedef struct ct_watch_options {
   /** Steps between two looks, >= 1: the state is looked at whenever its number of steps is a multiple of this. */
@@ -58,5 +60,7 @@ CT_API ct_state *ct_watch_good(const ct_watch *watch);
  * can stiffen.
  */
 CT_API double ct_watch_omega_squared(const ct_watch *watch);
+
+CT_END_DECLS
 
 #endif

@@ -5,6 +5,7 @@
 #include "../error.h"
 #include "../lanes.h"
 #include "../memory.h"
+#include "../stream.h"
 #include "../vector.h"
 #include "contact_internal.h"
 
@@ -362,15 +363,20 @@ ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb
 double ct_contact_energy(const ct_contact *contact)
 {
   if (contact == NULL) return NAN;
-  int64_t count = 0;
+  ct_stream sum = {0};
+  double terms[27];
   // -- Π = Σ ½ · ½ ε g² w J over the points inside, = ½ force · d, with d no longer than the gap is deep (eq:contact-potential)
-  for (int s = 0; s < contact->sides; s++)
-    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++) {
-      const ct_gauss_point *point = &contact->side[s].points[i];
-      double energy = 0.5 * ct_vector_dot(point->force, point->d);
-      contact->terms[count++] = point->shift < 0.0 ? energy * (point->gap / (point->gap + point->shift)) : energy;
-    }
-  return ct_sum(contact->terms, count);
+  while (ct_stream_again(&sum, 1))
+    for (int s = 0; s < contact->sides; s++)
+      for (int32_t face = 0; face < contact->side[s].search->face_count; face++) {
+        const ct_gauss_point *point = &contact->side[s].points[(int64_t)face * contact->side[s].rule.count];
+        for (int q = 0; q < contact->side[s].rule.count; q++, point++) {
+          double energy = 0.5 * ct_vector_dot(point->force, point->d);
+          terms[q] = point->shift < 0.0 ? energy * (point->gap / (point->gap + point->shift)) : energy;
+        }
+        ct_stream_add(&sum, terms, contact->side[s].rule.count);
+      }
+  return ct_stream_sum(&sum);
 }
 
 ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], double moment_a[3], double force_b[3], double moment_b[3])

@@ -15,7 +15,7 @@ struct ct_contact {
   int sides;    /* 2, or 1 for the contact of a surface with itself */
   int one_array; /* whether the nodes of both sides are numbered in one array of the host */
   ct_side side[2];
-  double *terms; /* room for sums, one number a point */
+  double *terms; /* room for sums of calls that may write, one number a point */
 };
 
 /* Gaps of all points at given coordinates, with the forces of the explicit penalty; and nodal forces from those of the points. */

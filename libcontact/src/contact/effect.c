@@ -296,7 +296,7 @@ ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, con
   }
   data->options = *options;
   data->sides = a == b ? 1 : 2;
-  *effect = (ct_effect){.name = "contact", .local = 1, .data = data, .create_scratch = create_scratch, .free_scratch = free_scratch,
+  *effect = (ct_effect){.kind = CT_EFFECT_CONTACT, .name = "contact", .local = 1, .data = data, .create_scratch = create_scratch, .free_scratch = free_scratch,
                         .force = contact_force, .energy = contact_energy, .frequency = contact_frequency, .free_data = free_data};
   void *trial = NULL;
   ct_status status = renumber(data, surface, nodal_mass, &effect->node_count, error);

@@ -19,7 +19,7 @@ static int is_adjacent(void *user, int32_t face)
 }
 
 /* Face and shape functions that a point would press on: those of the last update, or of the nearest face. */
-static int32_t partner(const ct_side *side, const ct_side *other, int64_t i, double N[8])
+static int32_t partner(const ct_side *side, const ct_side *other, const ct_search *now, int64_t i, double N[8])
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
   if (side->points[i].other >= 0) {
@@ -28,21 +28,20 @@ static int32_t partner(const ct_side *side, const ct_side *other, int64_t i, dou
   }
   double y[3];
   ct_nearest nearest;
-  neighbourhood near = {other->search, (int32_t)(i / side->rule.count)};
+  neighbourhood near = {now, (int32_t)(i / side->rule.count)};
   ct_side_interpolate(side, near.face, side->N[i % side->rule.count], zero, y);
-  ct_search_point(other->search, y, -1, HUGE_VAL, ct_search_options_default().tolerance, side == other ? is_adjacent : NULL, &near,
-                  &nearest);
+  ct_search_point(now, y, -1, HUGE_VAL, ct_search_options_default().tolerance, side == other ? is_adjacent : NULL, &near, &nearest);
   if (nearest.face >= 0) ct_segment_shape(other->search->kind, nearest.xi, N);
   return nearest.face;
 }
 
 /* Row sums Σ_gp k |b_i| Σ_j |b_j| of the penalty stiffness of one pass (eq:contact-bound). */
-static void add_rows(const ct_side *side, const ct_side *other, double epsilon, double *rows, double *other_rows)
+static void add_rows(const ct_side *side, const ct_side *other, const ct_search *now, double epsilon, double *rows, double *other_rows)
 {
   for (int64_t i = 0; i < ct_side_point_count(side); i++) {
     double N[8], k = 0.5 * epsilon * side->weight[i], sum = 0.0;
     const double *own = side->N[i % side->rule.count];
-    int32_t face = partner(side, other, i, N);
+    int32_t face = partner(side, other, now, i, N);
     if (face < 0) continue;
     for (int a = 0; a < side->search->per; a++) sum += fabs(own[a]);
     for (int a = 0; a < other->search->per; a++) sum += fabs(N[a]);
@@ -77,22 +76,24 @@ ct_status ct_contact_frequency(const ct_contact *contact, const double *mass_a, 
     for (int32_t n = 0; n < contact->side[s].search->node_count; n++)
       if (!((s == 0 ? mass_a : mass_b)[contact->side[s].search->nodes[n]] > 0.0)) return CT_ERROR_ARGUMENT;
   double *rows[2] = {NULL, NULL};
+  ct_search *now[2] = {NULL, NULL};
   ct_status status = CT_OK;
   for (int s = 0; s < contact->sides; s++) {
     rows[s] = ct_allocate((size_t)contact->side[s].search->node_count, sizeof *rows[s]);
     if (rows[s] == NULL) status = CT_ERROR_MEMORY;
     // Trees of the current shape, so that the call also works before the first update.
-    ct_search_box(contact->side[s].search);
-    ct_search_refit(contact->side[s].search);
+    if (status == CT_OK) status = ct_search_look(contact->side[s].search, &now[s]);
   }
   *omega_squared = 0.0;
   for (int s = 0, t = contact->sides - 1; s < contact->sides && status == CT_OK; s++, t--)
-    add_rows(&contact->side[s], &contact->side[t], contact->options.epsilon, rows[s], rows[t]);
+    add_rows(&contact->side[s], &contact->side[t], now[t], contact->options.epsilon, rows[s], rows[t]);
   if (status == CT_OK && contact->sides == 2 && contact->one_array) join_rows(&contact->side[0], &contact->side[1], rows[0], rows[1]);
   for (int s = 0; s < contact->sides && status == CT_OK; s++)
     *omega_squared = fmax(*omega_squared, largest_row(&contact->side[s], rows[s], s == 0 ? mass_a : mass_b));
-  ct_release(rows[0]);
-  ct_release(rows[1]);
+  for (int s = 0; s < 2; s++) {
+    ct_release(rows[s]);
+    ct_search_leave(now[s]);
+  }
   return status;
 }
 

@@ -387,7 +387,7 @@ static ct_status count(friction_data *data, ct_error *error)
 static ct_status check(const ct_friction *f, const ct_problem *problem, ct_error *error)
 {
   if (f == NULL || problem == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "friction: null argument");
-  if (f->on == NULL || (strcmp(f->on->name, "contact") != 0 && strcmp(f->on->name, "obstacle") != 0))
+  if (f->on == NULL || (f->on->kind != CT_EFFECT_CONTACT && f->on->kind != CT_EFFECT_OBSTACLE))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "friction: needs a contact or an obstacle, for there is no friction without a pressure");
   if (!(f->coefficient > 0.0) || !isfinite(f->coefficient))
@@ -411,8 +411,8 @@ ct_status ct_friction_create_effect(const ct_friction *friction, const ct_proble
   }
   *data = (friction_data){.on = friction->on, .mu = friction->coefficient,
                           .rho = friction->tangent > 0.0 ? friction->tangent : 1.0,
-                          .rigid = strcmp(friction->on->name, "obstacle") == 0};
-  *effect = (ct_effect){.name = "friction", .local = 1, .data = data, .nodes = friction->on->nodes, .node_count = friction->on->node_count,
+                          .rigid = friction->on->kind == CT_EFFECT_OBSTACLE};
+  *effect = (ct_effect){.kind = CT_EFFECT_FRICTION, .name = "friction", .local = 1, .data = data, .nodes = friction->on->nodes, .node_count = friction->on->node_count,
                         .reads = friction->on, .create_scratch = create_scratch, .free_scratch = free_scratch,
                         .force = friction_force, .frequency = friction_frequency,
                         .free_data = ct_release};
@@ -434,7 +434,7 @@ ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t
                              ct_error *error)
 {
   if (problem == NULL || state == NULL || held == NULL || dissipated == NULL || k < 0 || k >= problem->effect_count ||
-      strcmp(problem->effects[k]->name, "friction") != 0)
+      problem->effects[k]->kind != CT_EFFECT_FRICTION)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no friction", (int)k);
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;

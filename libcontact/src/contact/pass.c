@@ -1,6 +1,8 @@
 /* One pass of the contact: the Gauss points of one side against the faces of the other. */
 #include "pass.h"
 
+#include "../threads.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -363,7 +365,8 @@ void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_option
   int lanes = !p.self && options->method == CT_ROBUST && side->search->kind == other->search->kind && (other->search->kind == CT_Q4 || other->search->kind == CT_Q8);
   int64_t count = ct_side_point_count(side);
 #ifdef _OPENMP
-#pragma omp parallel for num_threads(options->threads) schedule(static) if (options->threads > 1)
+  int threads = ct_threads(options->threads);
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int64_t i = 0; i < count; i += CT_WARM) search_block(&p, lanes, i, count - i < CT_WARM ? (int)(count - i) : CT_WARM);
 }

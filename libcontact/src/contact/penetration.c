@@ -31,11 +31,11 @@ static int looks_away(void *user, int32_t face)
 }
 
 /* Depth of a place of a side under the other one; negative or NaN where it is not inside. */
-static double depth_at(const ct_side *side, const ct_side *other, int32_t face, const double xi[2], double y[3])
+static double depth_at(const ct_side *side, const ct_search *other, int32_t face, const double xi[2], double y[3])
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
   double N[8], normal[3];
-  seeker s = {.search = other->search};
+  seeker s = {.search = other};
   ct_face mine;
   ct_nearest foot;
   ct_segment_shape(side->search->kind, xi, N);
@@ -44,11 +44,11 @@ static double depth_at(const ct_side *side, const ct_side *other, int32_t face, 
   if (ct_segment_normal(&mine, xi, s.own) != CT_OK) return NAN;
   // The nearest face says whether the place is inside at all; if it is a far side, the nearest other one says how deep.
   for (int k = 0; k < 2; k++) {
-    ct_search_point(other->search, y, -1, HUGE_VAL, ct_search_options_default().tolerance, k == 0 ? NULL : looks_away, &s, &foot);
+    ct_search_point(other, y, -1, HUGE_VAL, ct_search_options_default().tolerance, k == 0 ? NULL : looks_away, &s, &foot);
     if (foot.face < 0 || !(foot.signed_distance < 0.0)) return NAN;
     if (ct_vector_dot(s.own, foot.normal) < 0.5) break;
   }
-  if (!ct_search_normal(other->search, foot.face, foot.where, foot.index, foot.xi, foot.normal, normal)) return NAN;
+  if (!ct_search_normal(other, foot.face, foot.where, foot.index, foot.xi, foot.normal, normal)) return NAN;
   return -foot.signed_distance;
 }
 
@@ -89,17 +89,17 @@ static int edges_at(ct_face_kind kind, const double xi[2])
 
 /* At corners or on edges: `edges` is 2 or 1. What is deeper than any point in contact and than the depth is the far side of
  * something. */
-static void at_edges(const ct_contact *contact, int edges, double limit, ct_penetration *out)
+static void at_edges(const ct_contact *contact, ct_search *const now[2], int edges, double limit, ct_penetration *out)
 {
   ct_rule rule;
   for (int s = 0; s < contact->sides; s++) {
-    const ct_side *side = &contact->side[s], *other = &contact->side[contact->sides - 1 - s];
+    const ct_side *side = &contact->side[s];
     (void)ct_rule_lobatto(side->search->kind, &rule);
     for (int32_t face = 0; face < side->search->face_count; face++)
       for (int q = 0; q < rule.count; q++) {
         double y[3];
         if (edges_at(side->search->kind, rule.xi[q]) != edges) continue;
-        double depth = depth_at(side, other, face, rule.xi[q], y);
+        double depth = depth_at(side, now[contact->sides - 1 - s], face, rule.xi[q], y);
         if (depth > 0.0 && depth <= limit) take(out, depth, s, face, y);
       }
   }
@@ -114,10 +114,11 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
   if (at == CT_AT_POINTS) return CT_OK;
   double limit = fmax(contact->depth, 2.0 * out->deepest);
   *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}};
-  for (int s = 0; s < contact->sides; s++) {
-    ct_search_box(contact->side[s].search);
-    ct_search_refit(contact->side[s].search);
-  }
-  at_edges(contact, at == CT_AT_CORNERS ? 2 : 1, limit, out);
-  return CT_OK;
+  ct_search *now[2] = {NULL, NULL};
+  ct_status status = CT_OK;
+  for (int s = 0; status == CT_OK && s < contact->sides; s++) status = ct_search_look(contact->side[s].search, &now[s]);
+  if (status == CT_OK) at_edges(contact, now, at == CT_AT_CORNERS ? 2 : 1, limit, out);
+  ct_search_leave(now[0]);
+  ct_search_leave(now[1]);
+  return status;
 }

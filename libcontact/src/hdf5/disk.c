@@ -11,17 +11,19 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { LONGEST_PATH_SHOWN = 120 };
+enum { LONGEST_PATH_SHOWN = 400 };
 
 const char *ct_disk_short(const char *path)
 {
   size_t length = strlen(path);
-  return length > LONGEST_PATH_SHOWN ? path + (length - LONGEST_PATH_SHOWN) : path;
+  if (length <= LONGEST_PATH_SHOWN) return path;
+  const char *end = path + (length - LONGEST_PATH_SHOWN), *folder = strchr(end, '/');
+  return folder != NULL ? folder : end;
 }
 
 static ct_status system_fail(ct_error *error, const char *path, const char *what, int number)
 {
-  char reason[80];
+  char reason[200];
   if (strerror_r(number, reason, sizeof reason) != 0) snprintf(reason, sizeof reason, "error %d", number);
   return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't %s: %s", ct_disk_short(path), what, reason);
 }
@@ -74,14 +76,17 @@ static int reserve(int descriptor, off_t start, int64_t bytes)
   return 0;
 }
 
-ct_status ct_disk_try(const char *part, int64_t bytes, const char *path, ct_error *error)
+ct_status ct_disk_open(ct_disk *disk, const char *part, int64_t bytes, const char *path, ct_error *error)
 {
-  int descriptor = open(part, O_RDWR | O_CREAT, 0666);
-  if (descriptor < 0) return system_fail(error, path, "write the file", errno);
-  int result = reserve(descriptor, 0, bytes);
-  close(descriptor);
-  if (result == 0) return CT_OK;
-  unlink(part);
+  int result = ct_lock_create(part, &disk->locked);
+  // -- Whoever has the lock of the new file may ask who has that of the old one: a run that has given the file its final name
+  int busy = result == EAGAIN || (result == 0 && !ct_lock_is_free(path));
+  if (result == 0 && !busy) result = reserve(disk->locked, 0, bytes);
+  if (result == 0 && !busy) return CT_OK;
+  if (disk->locked >= 0) unlink(part);
+  ct_lock_release(disk->locked);
+  disk->locked = -1;
+  if (busy) return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't write the file: another run is writing it", ct_disk_short(path));
   return system_fail(error, path, "write the file", result);
 }
 

@@ -5,6 +5,8 @@
 
 /* -- Errors -- */
 
+enum { LONGEST_REASON = 200 };
+
 /* Keeps the innermost text of the stack, and better one that quotes the system. */
 static herr_t keep_reason(unsigned level, const H5E_error2_t *entry, void *data)
 {
@@ -14,16 +16,16 @@ static herr_t keep_reason(unsigned level, const H5E_error2_t *entry, void *data)
   const char *start = strstr(entry->desc, QUOTE);
   if (start != NULL) {
     start += sizeof QUOTE - 1;
-    snprintf(reason, 96, "%.*s", (int)strcspn(start, "'"), start);
+    snprintf(reason, LONGEST_REASON, "%.*s", (int)strcspn(start, "'"), start);
     return 1;
   }
-  if (level == 0) snprintf(reason, 96, "%s", entry->desc);
+  if (level == 0) snprintf(reason, LONGEST_REASON, "%s", entry->desc);
   return 0;
 }
 
 ct_status ct_hdf5_fail(ct_error *error, const char *path, const char *what)
 {
-  char reason[96] = "HDF5 gives no reason";
+  char reason[LONGEST_REASON] = "HDF5 gives no reason";
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_reason, reason);
   return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't %s: %s", ct_disk_short(path), what, reason);
 }

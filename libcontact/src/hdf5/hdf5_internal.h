@@ -70,7 +70,9 @@ typedef struct ct_part {
 
 /* The file as the system knows it. */
 typedef struct ct_disk {
-  /* -1 when it is closed. */
+  /* The file of an output with its lock, from before HDF5 opens it until after it has closed it; -1 without one. */
+  int locked;
+  /* What HDF5 has open; -1 when it is closed. */
   int descriptor;
   /* The number of the first error that a write has met, 0 when all is well. */
   int error;
@@ -135,8 +137,8 @@ hid_t ct_hdf5_effect_type(void);
 ct_status ct_disk_names(const char *path, char **target, char **part, ct_error *error);
 /* Refuse what can't be read, with the system's reason. */
 ct_status ct_disk_check_readable(const char *path, ct_error *error);
-/* Make the file `part` and see whether the disk has room for `bytes` bytes. */
-ct_status ct_disk_try(const char *part, int64_t bytes, const char *path, ct_error *error);
+/* Make the file `part`, lock it, and see whether the disk has room for `bytes` bytes. */
+ct_status ct_disk_open(ct_disk *disk, const char *part, int64_t bytes, const char *path, ct_error *error);
 /* Ask the system for `bytes` bytes beyond the end of the file, so that a full disk is met before anything is written. */
 ct_status ct_disk_reserve(const ct_disk *disk, hid_t file, int64_t bytes, const char *path, ct_error *error);
 /* Give back what was reserved and not used. */
@@ -145,13 +147,23 @@ void ct_disk_trim(const ct_disk *disk, hid_t file);
 ct_status ct_disk_check(const ct_disk *disk, const char *path, const char *what, ct_error *error);
 ct_status ct_disk_rename(const char *from, const char *to, ct_error *error);
 void ct_disk_remove(const char *path);
-/* The end of a path that is too long for a message. */
+/* A path, or the end of one that is too long for a message, from the beginning of a folder on. */
 const char *ct_disk_short(const char *path);
+
+/* -- lock.c: one writer for a file -- */
+
+/* Make the file `part` anew and lock it, in place of one that nobody writes any more. 0, EAGAIN when somebody writes it, or the
+ * number of the system's error. */
+int ct_lock_create(const char *part, int *descriptor);
+/* Whether nobody writes a file that may be there. */
+int ct_lock_is_free(const char *path);
+void ct_lock_release(int descriptor);
 
 /* -- driver.c: a way for HDF5 to the disk on which writes never fail -- */
 
 hid_t ct_driver_register(void);
-/* Files that are opened with `access` go through the driver; `disk` must live until they are closed. */
+/* A file that is opened with `access` goes through the driver, where it is the locked one of `disk`, whatever its name; `disk` must
+ * live until it is closed. */
 herr_t ct_driver_use(hid_t access, hid_t driver, ct_disk *disk);
 
 /* -- layout.c: the file without its steps -- */

@@ -104,6 +104,7 @@ static ct_status destroy(ct_output *o, ct_error *error)
   if (!o->broken && !good) status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't close the file", ct_disk_short(o->path));
   if (!o->broken && status == CT_OK) status = ct_disk_check(&o->disk, o->path, "close the file", error);
   if (o->made && !o->renamed) ct_disk_remove(o->part_path);
+  ct_lock_release(o->disk.locked);
   free(o->now.velocity);
   free(o->now.stress);
   free(o->now.bodies);
@@ -120,14 +121,14 @@ static ct_status create(const char *path, const ct_problem *problem, const ct_ou
 {
   ct_output *o = calloc(1, sizeof *o);
   if (o == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an output");
-  o->disk.descriptor = -1;
+  o->disk.descriptor = o->disk.locked = -1;
   o->driver = o->file = o->step_count = o->energy_type = o->momentum_type = o->effect_type = o->seal_type = -1;
   for (int i = 0; i <= CT_PART_COUNT; i++) o->slot[0][i] = o->slot[1][i] = -1;
   count(o, problem);
   ct_status status = create_record(o, options, error);
   if (status == CT_OK) status = ct_disk_names(path, &o->path, &o->part_path, error);
   int64_t bytes = ct_layout_bytes(o, problem, options) + MARGIN;
-  if (status == CT_OK) status = ct_disk_try(o->part_path, bytes, o->path, error);
+  if (status == CT_OK) status = ct_disk_open(&o->disk, o->part_path, bytes, o->path, error);
   o->made = status == CT_OK;
   if (status == CT_OK) status = open_file(o, error);
   if (status == CT_OK) status = ct_disk_reserve(&o->disk, o->file, bytes, o->path, error);

@@ -317,7 +317,7 @@ int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, co
  * numbers are, for the bits of floats that are not negative are. */
 typedef uint64_t waiting;
 
-static inline waiting wait(float square, int32_t child)
+static inline waiting wait_of(float square, int32_t child)
 {
   uint32_t bits;
   memcpy(&bits, &square, sizeof bits);
@@ -344,7 +344,7 @@ static inline void order(waiting *near, waiting *far)
 static inline int push(const node *n, const float square[WIDTH], waiting limit, waiting *stack, int depth)
 {
   waiting w[WIDTH];
-  for (int k = 0; k < WIDTH; k++) w[k] = wait(square[k], n->child[k]);
+  for (int k = 0; k < WIDTH; k++) w[k] = wait_of(square[k], n->child[k]);
   order(&w[0], &w[1]);
   order(&w[2], &w[3]);
   order(&w[0], &w[2]);
@@ -375,7 +375,7 @@ static inline void squares(const node *n, const float point[3], float square[WID
 static inline waiting limit_of(const ct_box_tree *tree, double square)
 {
   double limit = 4.0 * square * (tree->scale * tree->scale) * (1.0 + 1e-5);
-  return wait((float)(limit < 1e37 ? limit : 1e37), -1);
+  return wait_of((float)(limit < 1e37 ? limit : 1e37), -1);
 }
 
 /* Four times the square of a lower bound, a little lower rather than higher. */
@@ -392,7 +392,7 @@ void ct_box_tree_visit(const ct_box_tree *tree, const double point[3], double sq
   float p[3], d[WIDTH];
   waiting limit = limit_of(tree, square);
   for (int c = 0; c < 3; c++) p[c] = scaled(tree, point[c], c);
-  if (tree->count > 0) stack[depth++] = wait(0.0f, 0);
+  if (tree->count > 0) stack[depth++] = wait_of(0.0f, 0);
   while (depth > 0) {
     // -- Leave out every box that is farther than the best item (eq:box-distance)
     waiting next = stack[--depth];
@@ -405,7 +405,7 @@ void ct_box_tree_visit(const ct_box_tree *tree, const double point[3], double sq
     const node *n = &tree->nodes[child];
     squares(n, p, d);
     for (int k = 0; bound != NULL && k < n->count; k++)
-      if (n->child[k] < 0 && wait(d[k], 0) <= limit) d[k] = bound_of(tree, bound(user, ~n->child[k]));
+      if (n->child[k] < 0 && wait_of(d[k], 0) <= limit) d[k] = bound_of(tree, bound(user, ~n->child[k]));
     depth = push(n, d, limit, stack, depth);
   }
 }

@@ -2,6 +2,7 @@
 #include "search_internal.h"
 
 #include "../projection/projection_internal.h"
+#include "../threads.h"
 #include "../vector.h"
 
 #include <float.h>
@@ -181,7 +182,8 @@ ct_status ct_search_nearest(const ct_search *search, size_t count, const double 
     if (start[i] < -1 || start[i] >= search->face_count) return CT_ERROR_ARGUMENT;
   int64_t blocks = (int64_t)((count + BLOCK - 1) / BLOCK);
 #ifdef _OPENMP
-#pragma omp parallel for num_threads(own.threads) schedule(dynamic) if (own.threads > 1)
+  int threads = ct_threads(own.threads);
+#pragma omp parallel for num_threads(threads) schedule(dynamic) if (threads > 1)
 #endif
   for (int64_t b = 0; b < blocks; b++) {
     size_t first = (size_t)b * BLOCK, last = first + BLOCK < count ? first + BLOCK : count;

@@ -178,6 +178,34 @@ void ct_search_refit(ct_search *search)
   ct_box_tree_refit(search->tree, search->boxes);
 }
 
+void ct_search_leave(ct_search *now)
+{
+  if (now == NULL) return;
+  ct_release(now->boxes);
+  ct_release(now->oriented);
+  ct_box_tree_free(now->tree);
+  ct_release(now);
+}
+
+ct_status ct_search_look(const ct_search *search, ct_search **out)
+{
+  ct_search *now = ct_allocate(1, sizeof *now);
+  if (now == NULL) return CT_ERROR_MEMORY;
+  *now = *search;
+  now->tree = NULL;
+  now->boxes = ct_allocate((size_t)now->face_count, sizeof *now->boxes);
+  now->oriented = search->oriented == NULL ? NULL : ct_allocate((size_t)now->face_count, sizeof *now->oriented);
+  int roomy = now->boxes != NULL && (now->oriented != NULL) == (search->oriented != NULL);
+  if (!roomy || ct_box_tree_create(now->face_count, &now->tree, NULL) != CT_OK) {
+    ct_search_leave(now);
+    return CT_ERROR_MEMORY;
+  }
+  ct_search_box(now);
+  ct_search_refit(now);
+  *out = now;
+  return CT_OK;
+}
+
 void ct_search_face(const ct_search *search, int32_t face, ct_face *out)
 {
   out->kind = search->kind;

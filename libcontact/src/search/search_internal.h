@@ -39,6 +39,11 @@ ct_status ct_search_set(ct_search *search, const double *host, int body, ct_erro
 /* Bring the tree up to date with the boxes. */
 void ct_search_refit(ct_search *search);
 
+/* A surface as it is now, with boxes and a tree of its own for these coordinates; all else belongs to `search`, which is only
+ * read. So a call may search a surface that is const to it. Freed with ct_search_leave. */
+ct_status ct_search_look(const ct_search *search, ct_search **now);
+void ct_search_leave(ct_search *now);
+
 /* Current coordinates of a face, as ct_project wants them. */
 void ct_search_face(const ct_search *search, int32_t face, ct_face *out);
 

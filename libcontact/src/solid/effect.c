@@ -253,7 +253,7 @@ ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_cou
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the solid effect");
   }
   solid->part_count = block_count;
-  *effect = (ct_effect){.name = "solid", .data = solid, .create_scratch = create_scratch, .free_scratch = free_scratch,
+  *effect = (ct_effect){.kind = CT_EFFECT_SOLID, .name = "solid", .data = solid, .create_scratch = create_scratch, .free_scratch = free_scratch,
                         .force = solid_force, .energy = solid_energy, .frequency = solid_frequency, .free_data = free_data};
   ct_status status = prepare(solid, blocks, error);
   if (status != CT_OK) {
@@ -295,7 +295,7 @@ static ct_status no_force(const ct_effect *effect, const ct_view *view, double *
 
 ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_error *error)
 {
-  if (solid == NULL || solid->force != solid_force || out == NULL)
+  if (solid == NULL || solid->kind != CT_EFFECT_SOLID || out == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "hourglass: null argument or no solid effect");
   const solid_data *data = solid->data;
   int reduced = 0;
@@ -304,7 +304,7 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
   if (!reduced) return CT_OK;
   ct_effect *effect = ct_allocate(1, sizeof *effect);
   if (effect == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the hourglass effect");
-  *effect = (ct_effect){.name = "hourglass", .local = 1, .data = solid->data, .force = no_force, .energy = hourglass_energy};
+  *effect = (ct_effect){.kind = CT_EFFECT_HOURGLASS, .name = "hourglass", .local = 1, .data = solid->data, .force = no_force, .energy = hourglass_energy};
   *out = effect;
   return CT_OK;
 }
@@ -313,7 +313,7 @@ double ct_solid_hourglass_default(void) { return 1.0; }
 
 ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel, double *flops, double *bytes)
 {
-  if (effect == NULL || effect->force != solid_force || block < 0) return CT_ERROR_ARGUMENT;
+  if (effect == NULL || effect->kind != CT_EFFECT_SOLID || block < 0) return CT_ERROR_ARGUMENT;
   const solid_data *solid = effect->data;
   if (block >= solid->part_count) return CT_ERROR_ARGUMENT;
   const ct_solid_part *part = &solid->parts[block];

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from .._core import ffi, lib
-from ..errors import check, new_error
+from ..errors import check, held, new_error
 from ..schema import SceneError, describe, is_number
 
 
@@ -62,6 +63,15 @@ class Own:
         self.nodes = np.empty(0, np.int32)
         self.count = 0
 
+    def check_pickle(self) -> None:
+        """Refuse a function that pickle can't find again."""
+        for what, function in (("force", self.force), ("energy", self.energy)):
+            try:
+                pickle.dumps(function)
+            except Exception as reason:
+                raise pickle.PicklingError(f'effect "{self.name}": its {what} can\'t be pickled ({reason}); a function at the top of a module can, one within another '
+                                           "function and a lambda can't") from None
+
     def ask(self, function: Callable[[View], Any], view: Any) -> Any:
         """What a function of the user answers to the C library's view."""
         seen = View(view, self.nodes, self.count)
@@ -100,23 +110,39 @@ class Own:
 
 
 def _answer(effect: Any, error: Any, compute: Callable[[Own], None]) -> int:
-    """Run a function of the user; what it raises becomes an error of the C library."""
+    """Run a function of the user; an exception becomes an error of the C library, and what should end the program goes on through it."""
     own = ffi.from_handle(effect.data)
     try:
         compute(own)
-    except Exception as reason:  # whatever the user's function raises
+    except BaseException as reason:  # whatever the user's function raises
+        if not isinstance(reason, Exception):
+            held.reason = reason
         if error != ffi.NULL:
             error.code, error.body, error.element, error.point = lib.CT_INVALID, -1, -1, -1
-            text = f"effect {own.name}: {type(reason).__name__}: {reason}".encode()[: ffi.sizeof(error.text) - 1]
+            text = _cut(f"effect {own.name}: {type(reason).__name__}: {reason}", ffi.sizeof(error.text) - 1)
             ffi.memmove(error.text, text + b"\0", len(text) + 1)
         return lib.CT_INVALID
     return lib.CT_OK
 
 
+def _cut(text: str, room: int) -> bytes:
+    """A text in UTF-8 that fits into ``room`` bytes; three dots stand for what does not."""
+    whole = text.replace("\0", " ").encode(errors="replace")
+    return whole if len(whole) <= room else whole[: room - 3].decode(errors="ignore").encode() + b"..."
+
+
+def _real(value: Any, what: str) -> np.ndarray:
+    """Numbers of the user as float64. What would lose a part on the way there, as complex numbers do, or is no number, is refused."""
+    numbers = np.asarray(value)
+    if numbers.dtype.kind not in "fiu":
+        raise TypeError(f"the {what} is of type {numbers.dtype}; it must be of real numbers")
+    return numbers.astype(np.float64, copy=False)
+
+
 @ffi.def_extern(error=lib.CT_INVALID)
 def own_force(effect: Any, view: Any, force: Any, error: Any) -> int:
     def compute(own: Own) -> None:
-        rows = np.asarray(own.ask(own.force, view), dtype=np.float64)
+        rows = _real(own.ask(own.force, view), "force")
         if rows.shape != (len(own.nodes), 3):
             raise ValueError(f"the force has shape {rows.shape}; it must be ({len(own.nodes)}, 3)")
         if not np.isfinite(rows).all():
@@ -129,7 +155,10 @@ def own_force(effect: Any, view: Any, force: Any, error: Any) -> int:
 @ffi.def_extern(error=lib.CT_INVALID)
 def own_energy(effect: Any, view: Any, energy: Any, error: Any) -> int:
     def compute(own: Own) -> None:
-        energy[0] = float(own.ask(own.energy, view))
+        value = _real(own.ask(own.energy, view), "energy")
+        if value.size != 1:
+            raise ValueError(f"the energy has shape {value.shape}; it must be one number")
+        energy[0] = value.item()
 
     return _answer(effect, error, compute)
 

@@ -1,0 +1,26 @@
+#include "threads.h"
+
+#if defined(_OPENMP) && !defined(_WIN32)
+
+#include <unistd.h>
+
+int ct_threads(int wanted)
+{
+  // The process in which OpenMP's threads were begun; the only variable that belongs to no caller, as these threads do.
+  static long begun;
+  if (wanted <= 1) return wanted;
+  long own = (long)getpid(), process;
+#pragma omp atomic read
+  process = begun;
+  if (process == own) return wanted;
+  if (process != 0) return 1;
+#pragma omp atomic write
+  begun = own;
+  return wanted;
+}
+
+#else
+
+int ct_threads(int wanted) { return wanted; }
+
+#endif

@@ -1,0 +1,61 @@
+"""A process that is forked off after a run with several threads: OpenMP's threads are not there, and its runs end all the same."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+from libcontact._core import lib
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a system without fork")
+
+PROGRAM = """
+import multiprocessing, os, sys
+import numpy as np
+import libcontact as ct
+sys.path.insert(0, {folder!r})
+from test_fork import scene, nearest
+
+before, points, run = scene(), nearest(2), scene().run(progress=False, threads=2)
+
+def compute(_):
+    again = [before.run(progress=False, threads=2), scene().run(progress=False, threads=2)]
+    return all(np.array_equal(other.energy, run.energy) for other in again) and np.array_equal(nearest(2), points)
+
+before.run(progress=False, threads=2)
+child = os.fork()
+if child == 0:
+    os._exit(0 if compute(0) else 1)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+with multiprocessing.get_context("fork").Pool(2) as pool:
+    print(pool.map(compute, range(3)))
+print(compute(0))
+"""
+
+
+def scene():
+    made = ct.Scene(title="two blocks", units={"length": "mm", "mass": "t", "time": "s"})
+    made.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
+    for name, x, velocity in (("left", -1.0, 1000.0), ("right", 0.0, 0.0)):
+        made.add_body(name, material="steel", element="hex8", box={"origin": [x, 0, 0], "size": [1, 1, 1], "cells": [4, 4, 4]}, velocity=[velocity, 0, 0])
+    made.add_contact("left.x_max", "right.x_min", friction=0.3)
+    return made.set_time(end=1e-7, fraction=0.5)
+
+
+def nearest(threads):
+    """Distances of many points from a face, sought by several threads."""
+    nodes = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.2]], float)
+    points = np.random.default_rng(1).uniform(-1, 1, (500, 3))
+    return ct.nearest("Q4", nodes, [[0, 1, 2, 3]], points, threads=threads).distance
+
+
+@pytest.mark.skipif(not lib.ct_has_openmp(), reason="built without OpenMP")
+def test_a_forked_child_runs(tmp_path):
+    program = tmp_path / "forks.py"
+    program.write_text(PROGRAM.format(folder=os.path.dirname(__file__)))
+    # A child that waits for threads which are not there waits for ever; the limit is far above what is needed.
+    done = subprocess.run([sys.executable, "-W", "ignore", str(program)], capture_output=True, text=True, timeout=60)
+    assert done.stdout.split("\n")[:3] == ["0", "[True, True, True]", "True"], done.stderr
