@@ -64,10 +64,12 @@ ct_status ct_state_refine(const ct_problem *problem, ct_state *from, ct_state *t
   to->step = parts * from->step;
   to->time = (double)to->step * problem->dt;
   move_velocities(problem, from, to);
-  move_ledgers(problem, from, to, parts);
   // -- The kinetic energy of the scheme depends on the step; the balance goes on from what it was (eq:step-change)
   to->kinetic_start = 0.0;
-  status = ct_energy_of(problem, to, &after, error);
+  if (from->step > 0) move_ledgers(problem, from, to, parts);
+  else status = ct_workspace_forces(problem, to, error);
+  if (status == CT_OK && from->step == 0) ct_state_start_ledgers(problem, to);
+  if (status == CT_OK) status = ct_energy_of(problem, to, &after, error);
   if (status == CT_OK) to->kinetic_start = after.balance - before.balance;
   return status;
 }
