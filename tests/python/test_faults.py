@@ -212,7 +212,7 @@ def test_growth_names_the_contact_that_makes_it(where):
         scene.add("obstacle", surface="bar.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]}, **stiff)
     else:
         scene.add_body("twin", material="m", box=bar(-10.05), velocity=[10, 0, 0]).add_contact("bar.x_min", "twin.x_max", **stiff)
-    told = grown(scene.set_time(end=0.9, fraction=0.9, look_every=4))
+    told = grown(scene.set_time(end=0.5, fraction=0.7, look_every=4))
     assert len(told) == 1
     assert told[0].message.who == {"obstacle": "obstacle at bar.x_min", "contact": "contact bar.x_min with twin.x_max"}[where]
     assert "energy_controlled" in str(told[0].message)
