@@ -1,6 +1,7 @@
 #include <contact/energy.h>
 #include <contact/sum.h>
 
+#include "bits.h"
 #include "error.h"
 #include "stream.h"
 #include "workspace.h"
@@ -17,16 +18,24 @@ static double velocity_after(const ct_problem *problem, const ct_state *state, d
   return ct_kick(state->velocity[dof], kick, problem->inverse_mass[dof], state->workspace->total[dof]);
 }
 
+/* v_{n-1/2} v_{n+1/2} of one degree of freedom; where a force begins at t = 0, v_0² (eq:energy-start). */
+static double velocity_product(const ct_problem *problem, const ct_state *state, const uint64_t *begun, double kick, int64_t dof)
+{
+  double before = state->velocity[dof], after = velocity_after(problem, state, kick, dof), middle = 0.5 * (before + after);
+  return begun != NULL && ct_bits_get(begun, (int32_t)(dof / 3)) ? middle * middle : before * after;
+}
+
 /* ½ v_{n-1/2} · M v_{n+1/2} (eq:discrete-energy). */
 static double kinetic_energy(const ct_problem *problem, const ct_state *state)
 {
+  const uint64_t *begun = ct_workspace_begun(state);
   ct_stream sum = {0};
   double product[3 * CT_PIECE], terms[CT_PIECE], kick = kick_time(problem);
   while (ct_stream_again(&sum, 1))
     for (int32_t first = 0, end; first < problem->node_count; first = end) {
       end = ct_piece_end(first, problem->node_count);
       for (int64_t i = 0, d = 3 * (int64_t)first; d < 3 * (int64_t)end; i++, d++)
-        product[i] = state->velocity[d] * velocity_after(problem, state, kick, d);
+        product[i] = velocity_product(problem, state, begun, kick, d);
       for (int32_t n = first, i = 0; n < end; n++, i += 3)
         terms[n - first] = 0.5 * problem->mass[n] * ((product[i] + product[i + 1]) + product[i + 2]);
       ct_stream_add(&sum, terms, end - first);
@@ -66,6 +75,9 @@ ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t k, 
   ct_status status = check_effect(problem, state, k, work, error);
   if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
+  // -- By t = 0 nothing has done work (eq:work-start)
+  *work = 0.0;
+  if (state->step == 0) return CT_OK;
   ct_stream sum = {0};
   double terms[CT_PIECE];
   int32_t count = problem->effects[k]->node_count;

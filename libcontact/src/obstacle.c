@@ -22,8 +22,9 @@ typedef struct obstacle_data {
   int32_t node_count;
 } obstacle_data;
 
-/* Doubles of memory: whether there was a step before, place, reaction, work. */
-enum { BEGUN = 0, PLACE = 1, REACTION = 4, WORK = 7, MEMORY = 8 };
+/* Doubles of memory: whether there was a step before, place, reaction, work, what the constraints stored in the middle of the last
+ * step. Then the force of each constraint. */
+enum { BEGUN = 0, PLACE = 1, REACTION = 4, WORK = 7, STORED = 8, MEMORY = 9 };
 
 /* Signed distance and normal of a point given relative to the obstacle's place; `a` is the axis, of length 1. */
 static double gap_of(const ct_obstacle *o, const double a[3], const double r[3], double n[3])
@@ -218,8 +219,8 @@ static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view
 static void take_constraints(const ct_view *view, ct_obstacle_points *s)
 {
   ct_press_apply(&s->side, 0, view->constraints, view->constraint_count);
-  s->held = ct_press_remember(view->constraints, view->constraint_count, ct_side_point_count(&s->side), &view->next_memory[MEMORY], 1,
-                              s->terms);
+  ct_press_remember(view->constraints, view->constraint_count, ct_side_point_count(&s->side), &view->next_memory[MEMORY], 1);
+  s->held = ct_press_energy(view->constraints, view->constraint_count, view->time, view->memory[STORED], &view->next_memory[STORED], s->terms);
 }
 
 static int is_penalty(const ct_effect *effect)

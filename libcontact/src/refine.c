@@ -50,6 +50,18 @@ static void move_ledgers(const ct_problem *problem, const ct_state *from, ct_sta
   }
 }
 
+/* The ledgers of the smaller step; at t = 0 they begin with its own first kick (eq:work-start). */
+static ct_status carry_ledgers(const ct_problem *problem, const ct_state *from, ct_state *to, int64_t parts, ct_error *error)
+{
+  if (from->step > 0) {
+    move_ledgers(problem, from, to, parts);
+    return CT_OK;
+  }
+  ct_status status = ct_workspace_forces(problem, to, error);
+  if (status == CT_OK) ct_state_start_ledgers(problem, to);
+  return status;
+}
+
 ct_status ct_state_refine(const ct_problem *problem, ct_state *from, ct_state *to, ct_error *error)
 {
   ct_energy before, after;
@@ -64,10 +76,10 @@ ct_status ct_state_refine(const ct_problem *problem, ct_state *from, ct_state *t
   to->step = parts * from->step;
   to->time = (double)to->step * problem->dt;
   move_velocities(problem, from, to);
-  move_ledgers(problem, from, to, parts);
   // -- The kinetic energy of the scheme depends on the step; the balance goes on from what it was (eq:step-change)
   to->kinetic_start = 0.0;
-  status = ct_energy_of(problem, to, &after, error);
+  status = carry_ledgers(problem, from, to, parts, error);
+  if (status == CT_OK) status = ct_energy_of(problem, to, &after, error);
   if (status == CT_OK) to->kinetic_start = after.balance - before.balance;
   return status;
 }

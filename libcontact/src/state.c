@@ -222,10 +222,23 @@ static void step_back(const ct_problem *problem, ct_state *state)
   state->workspace->starting = problem->dt <= DBL_MIN;
 }
 
-/* Ledgers that count only the half of the first forces that comes after t = 0 (eq:leapfrog-start). */
-static void start_ledgers(const ct_problem *problem, ct_state *state)
+const uint64_t *ct_workspace_begun(const ct_state *state)
+{
+  return state->step > 0 || state->workspace->solver == NULL ? NULL : state->workspace->solver->begun;
+}
+
+/* The velocity whose product with a force is what the work up to t = 0 must be short of (eq:work-start). */
+static double start_velocity(const ct_problem *problem, const ct_state *state, const uint64_t *begun, int64_t dof)
+{
+  double kick = ct_integrator_share(&problem->integrator) * problem->dt;
+  int begins = begun != NULL && ct_bits_get(begun, (int32_t)(dof / 3));
+  return begins ? ct_kick(state->velocity[dof], 0.5 * kick, problem->inverse_mass[dof], state->workspace->total[dof]) : state->velocity[dof];
+}
+
+void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
 {
   double share = ct_integrator_share(&problem->integrator);
+  const uint64_t *begun = ct_workspace_begun(state);
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     double *work = state->work + ct_state_work_start(problem, k), *impulse = state->impulse + ct_state_impulse_start(problem, k);
@@ -237,7 +250,7 @@ static void start_ledgers(const ct_problem *problem, ct_state *state)
         for (int c = 0; c < 3; c++) {
           int64_t d = 3 * (int64_t)i + c;
           double f = force[d - 3 * (int64_t)first];
-          if (!effect->reaction) work[d] = -2.0 * share * f * state->velocity[3 * (int64_t)ct_effect_node(effect, i) + c];
+          if (!effect->reaction) work[d] = -2.0 * share * f * start_velocity(problem, state, begun, 3 * (int64_t)ct_effect_node(effect, i) + c);
           if (k > 0) impulse[d] = -share * f;
         }
     }
@@ -263,7 +276,7 @@ ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *e
     status = ct_workspace_forces(problem, state, error);
   }
   if (status == CT_OK) {
-    start_ledgers(problem, state);
+    ct_state_start_ledgers(problem, state);
     status = ct_energy_of(problem, state, &energy, error);
   }
   if (status != CT_OK) {

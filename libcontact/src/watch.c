@@ -1,6 +1,7 @@
 /* Looks at a state between steps: whether it is finite, whether energy has appeared, whether the solid has become too stiff for
  * the step. */
 #include <contact/energy.h>
+#include <contact/sum.h>
 #include <contact/watch.h>
 
 #include "error.h"
@@ -9,6 +10,7 @@
 #include "stream.h"
 #include "workspace.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -21,6 +23,9 @@ struct ct_watch {
   ct_watch_options options;
   ct_state *good;
   double start;         /* the ledger's total at the start */
+  double *gave;         /* what each effect that stores energy had given to the ledger's total by then */
+  double floor;         /* energy that round-off can make (eq:energy-floor) */
+  ct_growth growth;
   double largest;       /* largest kinetic, stored or external energy of the good states */
   double expected;      /* largest energy of motion and strain that the good states should have had */
   double swing;         /* 1 - (Δt / stable Δt)² */
@@ -32,7 +37,7 @@ struct ct_watch {
   uint64_t seed;
 };
 
-ct_watch_options ct_watch_options_default(void) { return (ct_watch_options){.every = 1024, .energy_limit = 1.0, .omega_limit = 2.0}; }
+ct_watch_options ct_watch_options_default(void) { return (ct_watch_options){.every = 1024, .energy_limit = 1.0, .omega_limit = 2.0, .growth_limit = 0.01}; }
 
 /* The body of a node of the problem. */
 static int32_t body_of(const ct_problem *problem, int32_t node)
@@ -107,10 +112,65 @@ static double expected_of(const ct_watch *w, const energies *e) { return w->star
 
 static double scale_of(const energies *e) { return fmax(e->kinetic, fmax(fabs(e->stored), fabs(e->external))); }
 
+/* Energy that round-off can make: a part ε of what the material could hold, which is Σ m c₁² (eq:energy-floor). */
+static double floor_of(const ct_problem *problem)
+{
+  double sum = 0.0;
+  for (int32_t b = 0; b < problem->body_count; b++) {
+    const ct_body *body = &problem->bodies[b];
+    double c1, c2, mass = ct_sum(&problem->mass[body->first_node], body->mesh->node_count);
+    ct_material_speeds(&body->material, &c1, &c2);
+    sum += mass * c1 * c1;
+  }
+  return DBL_EPSILON * sum;
+}
+
+/* What an effect has given to the ledger's total since t = 0: its work and what it stores, less what came through it from outside
+ * (eq:energy-growth). */
+static ct_status given_by(const ct_problem *problem, ct_state *state, int32_t k, double *gave, ct_error *error)
+{
+  const ct_effect *effect = problem->effects[k];
+  double work = 0.0, stored = 0.0, external = 0.0;
+  *gave = 0.0;
+  if (effect->energy == NULL) return CT_OK;
+  ct_view view = ct_workspace_view(problem, state, k);
+  ct_status status = ct_energy_work(problem, state, k, &work, error);
+  if (status == CT_OK) status = ct_energy_stored(problem, state, k, &stored, error);
+  if (status == CT_OK && effect->external != NULL) status = effect->external(effect, &view, &external, error);
+  *gave = (work + stored) - external;
+  return status;
+}
+
+/* Energy that motion and strain should have had at most, up to now (eq:energy-appears). */
+static double most_expected(const ct_watch *w, const energies *e) { return fmax(fmax(expected_of(w, e), w->expected), 0.0); }
+
+/* Below this energy nothing is told. */
+static double least_of(const ct_watch *w, const energies *e) { return fmax(w->floor, 1e-9 * fmax(w->largest, scale_of(e))); }
+
+/* Take down the first growth above the limit of what is told (eq:energy-growth). */
+static ct_status note_growth(ct_watch *w, ct_state *state, const energies *e, ct_error *error)
+{
+  double appeared = e->total - w->start, expected = most_expected(w, e), most = -INFINITY;
+  ct_growth found = {.time = state->time, .step = state->step, .share = expected > 0.0 ? appeared / expected : INFINITY};
+  if (w->growth.share > 0.0 || !(appeared > fmax(w->options.growth_limit * expected, least_of(w, e)))) return CT_OK;
+  for (int32_t k = 0; k < w->problem->effect_count; k++) {
+    double gave;
+    ct_status status = given_by(w->problem, state, k, &gave, error);
+    if (status != CT_OK) return status;
+    if (gave - w->gave[k] > most) {
+      most = gave - w->gave[k];
+      found.effect = k;
+    }
+  }
+  found.body = body_of(w->problem, largest_node(w->problem, state, NULL));
+  w->growth = found;
+  return CT_OK;
+}
+
 static ct_status look_at_energy(ct_watch *w, const ct_state *state, const energies *e, ct_error *error)
 {
   // -- What motion and strain should have at most, and what they have too much (eq:energy-appears)
-  double limit = w->options.energy_limit, expected = fmax(fmax(expected_of(w, e), w->expected), 0.0), least = 1e-9 * fmax(w->largest, scale_of(e));
+  double limit = w->options.energy_limit, expected = most_expected(w, e), least = least_of(w, e);
   double appeared = e->total - w->start;
   // -- A growing oscillation, of which the ledger's total knows nothing (eq:energy-grows)
   double grown = w->swing * e->elastic - expected;
@@ -204,6 +264,7 @@ ct_status ct_watch_look(ct_watch *watch, ct_state *state, ct_error *error)
   if (status == CT_OK) status = measure(watch, state, &e, error);
   if (status == CT_OK) status = look_at_energy(watch, state, &e, error);
   if (status == CT_OK) status = look_at_step(watch, state, error);
+  if (status == CT_OK) status = note_growth(watch, state, &e, error);
   if (status == CT_OK) status = ct_state_copy(watch->problem, state, watch->good, error);
   if (status != CT_OK) return status;
   watch->largest = fmax(watch->largest, scale_of(&e));
@@ -267,6 +328,7 @@ static ct_status prepare(ct_watch *w, ct_state *state, ct_error *error)
   if (status == CT_OK) status = measure(w, state, &e, error);
   if (status != CT_OK) return status;
   w->start = e.total;
+  w->floor = floor_of(problem);
   w->largest = scale_of(&e);
   w->expected = expected_of(w, &e);
   w->swing = fmax(1.0 - problem->dt * problem->dt / (stable.dt * stable.dt), 0.02);
@@ -275,6 +337,9 @@ static ct_status prepare(ct_watch *w, ct_state *state, ct_error *error)
     stiffens |= problem->bodies[i].material.law != CT_LINEAR;
     w->edge = fmin(w->edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
   }
+  if ((w->gave = ct_allocate((size_t)problem->effect_count, sizeof *w->gave)) == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
+  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) status = given_by(problem, state, k, &w->gave[k], error);
+  if (status != CT_OK) return status;
   // -- A linear solid keeps its stiffness, and is not asked again
   if (stiffens && !isinf(w->options.omega_limit)) status = prepare_iteration(w, state, error);
   return status == CT_OK ? ct_state_copy(problem, state, w->good, error) : status;
@@ -284,9 +349,10 @@ ct_status ct_watch_create(const ct_problem *problem, ct_state *state, const ct_w
 {
   if (problem == NULL || state == NULL || options == NULL || out == NULL || state->problem != problem)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "watch: null argument, or a state of another problem");
-  if (options->every < 1 || !(options->energy_limit > 0.0) || !(options->omega_limit > 0.0) || !(options->stable >= 0.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "watch: every %lld steps, energy limit %g, ω Δt up to %g, stable step %g", (long long)options->every,
-                   options->energy_limit, options->omega_limit, options->stable);
+  if (options->every < 1 || !(options->energy_limit > 0.0) || !(options->omega_limit > 0.0) || !(options->stable >= 0.0) ||
+      !(options->growth_limit >= 0.0))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "watch: every %lld steps, energy limit %g, ω Δt up to %g, stable step %g, growth told from %g", (long long)options->every,
+                   options->energy_limit, options->omega_limit, options->stable, options->growth_limit);
   ct_watch *w = ct_allocate(1, sizeof *w);
   if (w == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
   w->problem = problem;
@@ -306,7 +372,7 @@ void ct_watch_free(ct_watch *w)
   if (w == NULL) return;
   if (w->scratch != NULL) w->problem->effects[0]->free_scratch(w->scratch);
   ct_state_free(w->good);
-  double *arrays[] = {w->mode, w->moved, w->force};
+  double *arrays[] = {w->mode, w->moved, w->force, w->gave};
   for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) ct_release(arrays[i]);
   ct_release(w);
 }
@@ -316,5 +382,7 @@ ct_state *ct_watch_good(const ct_watch *watch)
   // Most runs have no fault, and nobody asks for the forces of their good states.
   return watch == NULL || ct_state_equip(watch->good, NULL) != CT_OK ? NULL : watch->good;
 }
+
+ct_growth ct_watch_growth(const ct_watch *watch) { return watch == NULL ? (ct_growth){0} : watch->growth; }
 
 double ct_watch_omega_squared(const ct_watch *watch) { return watch == NULL || watch->mode == NULL ? 0.0 : watch->omega_squared; }

@@ -73,6 +73,14 @@ static inline double ct_kick(double v, double dt, double inverse_mass, double fo
 const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k, int32_t first, int32_t last,
                                     double *room);
 
+/* Work and impulses that count only the part of the first forces that comes after t = 0 (eq:leapfrog-start), from the forces that
+ * stand. */
+void ct_state_start_ledgers(const ct_problem *problem, ct_state *state);
+
+/* A bit a node at t = 0: the force of a constraint begins there, and with it all others (eq:energy-start); null later on, and
+ * without constraints. */
+const uint64_t *ct_workspace_begun(const ct_state *state);
+
 /* v_n at the nodes first ... end - 1, shape (end - first, 3), after ct_workspace_forces. */
 void ct_mean_velocity(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end, double *velocity);
 

@@ -185,6 +185,110 @@ static void pump(double limit, int stores)
   ct_mesh_free(m);
 }
 
+/* The same force on some nodes, which takes from t = 10 on what it gave before and more. */
+static ct_status pump_and_brake(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+{
+  const double *c = effect->data;
+  (void)error;
+  for (int i = 0; i < 3 * effect->node_count; i++) force[i] = (view->time < 10.0 ? c[0] : -3.0 * c[0]) * c[1] * view->velocity[3 * effect->nodes[0] + i];
+  return CT_OK;
+}
+
+/* Growth that is below the limit of a fault, and gone at the end, is told: how much, when, where from. `unit` is the unit of
+ * energy. */
+static void told(int stores, double unit)
+{
+  double c[2] = {0.01, unit * SOFT.density / 8.0}, when = log(1.01) / (2.0 * c[0]);
+  ct_material soft = SOFT;
+  soft.young *= unit, soft.density *= unit;
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  ct_scene *scene = new_scene();
+  add_body(scene, "still", m, &soft, CT_KERNEL_AUTO, 0, 0, 0);
+  add_body(scene, "flying", m, &soft, CT_KERNEL_AUTO, 1.0, 0, 0);
+  int32_t nodes[8];
+  for (int i = 0; i < 8; i++) nodes[i] = 8 + i;
+  ct_effect filled = {.name = "pump", .data = c, .nodes = nodes, .node_count = 8, .force = pump_and_brake, .energy = stores ? pump_energy : NULL}, *effect = NULL;
+  const ct_problem *joined = NULL;
+  ct_error e = {0};
+  need(ct_scene_join(scene, &joined, &e), &e);
+  need(ct_effect_create(&filled, &effect, &e), &e);
+  need(ct_scene_add_effect(scene, effect, &e), &e);
+  int64_t steps;
+  ct_stable_step stable;
+  const ct_problem *p = build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
+  ct_state *state = new_state(p);
+  ct_watch *watch = new_watch(p, state, every(2));
+  ct_status status = ct_watch_steps(watch, state, 2, &e);
+  int silent = ct_watch_growth(watch).share == 0.0;
+  if (status == CT_OK) status = ct_watch_steps(watch, state, steps - 2, &e);
+  ct_growth found = ct_watch_growth(watch);
+  double left = energy_of(p, state).kinetic / (0.5 * unit * SOFT.density);
+  if (stores)
+    tap_ok(status == CT_OK && silent && left < 0.9 && found.share > 0.01 && found.share < 0.02 && found.time > when && found.time < when + 2.5 * p->dt && found.effect == 1 && found.body == 1 &&
+               found.step > 0,
+           "unit %g: %.4f from nothing at t = %.4g, in theory %.4g, by effect %d on body %d; %.2f left at the end", unit, found.share, found.time, when, (int)found.effect, (int)found.body, left);
+  else
+    tap_ok(status == CT_OK && found.share == 0.0, "unit %g: the same work by a force from outside is no growth", unit);
+  ct_watch_free(watch);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(m);
+}
+
+/* A rotation at random, about a place at random. */
+static void turn_mesh(ct_mesh *mesh, const double q[4], const double by[3])
+{
+  double w = q[0], x = q[1], y = q[2], z = q[3];
+  double R[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)};
+  for (int n = 0; n < mesh->node_count; n++) {
+    double *X = &mesh->nodes[3 * n], old[3] = {X[0], X[1], X[2]};
+    for (int c = 0; c < 3; c++) X[c] = by[c] + ((R[3 * c] * old[0] + R[3 * c + 1] * old[1]) + R[3 * c + 2] * old[2]);
+  }
+}
+
+/* Two blocks at rest whose faces touch, in any position: what round-off leaves between them is no energy. */
+static void at_rest(void)
+{
+  int alarms = 0, told_of = 0;
+  double most = 0.0;
+  char text[512] = "";
+  for (int i = 0; i < 40; i++) {
+    double q[4], by[3], length = 0.0;
+    for (int c = 0; c < 4; c++) q[c] = uniform(1.0), length += q[c] * q[c];
+    for (int c = 0; c < 4; c++) q[c] /= sqrt(length);
+    for (int c = 0; c < 3; c++) by[c] = uniform(3.0);
+    ct_mesh *lower = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2), *upper = box_mesh(CT_HEX8, 0, 0, 1, 1, 1, 1, 2, 2, 2);
+    ct_scene *scene = new_scene();
+    int32_t *faces[2] = {integers(400), integers(400)}, count[2] = {ct_mesh_plane_faces(lower, 2, 1.0, faces[0], NULL), ct_mesh_plane_faces(upper, 2, 1.0, faces[1], NULL)};
+    turn_mesh(lower, q, by);
+    turn_mesh(upper, q, by);
+    add_body(scene, "lower", lower, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
+    add_body(scene, "upper", upper, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
+    ct_scene_contact contact = {.body_a = 0, .body_b = 1, .face_count_a = count[0], .face_count_b = count[1], .faces_a = faces[0], .faces_b = faces[1], .beta = 4.0,
+                                .options = ct_contact_options_default()};
+    if (i % 4 == 1) contact.options.enforcement = CT_ENFORCE_LAGRANGE;
+    if (i % 4 == 2) contact.options.enforcement = CT_ENFORCE_PENALTY;
+    ct_error e = {0};
+    need(ct_scene_add_contact(scene, &contact, &e), &e);
+    int64_t steps;
+    ct_stable_step stable;
+    const ct_problem *p = build(scene, (ct_scene_time){.end = 10.0, .fraction = 0.8, .threads = 1}, &steps, &stable);
+    ct_state *state = new_state(p);
+    ct_watch *watch = new_watch(p, state, every(1));
+    if (ct_watch_steps(watch, state, steps, &e) != CT_OK && alarms++ == 0) snprintf(text, sizeof text, ": %s", e.text);
+    told_of += ct_watch_growth(watch).share > 0.0;
+    most = worst(most, energy_of(p, state).total);
+    ct_watch_free(watch);
+    ct_state_free(state);
+    ct_scene_free(scene);
+    ct_mesh_free(lower);
+    ct_mesh_free(upper);
+    free(faces[0]);
+    free(faces[1]);
+  }
+  tap_ok(alarms == 0 && told_of == 0 && most < 1e-26, "two blocks at rest in 40 positions, energies up to %.1e: %d alarms, growth told %d times%s", most, alarms, told_of, text);
+}
+
 /* An element that is turned inside out, and a number that is none, in mid-run. */
 static void named(int bad)
 {
@@ -232,15 +336,15 @@ static void refusals(void)
   const ct_problem *p = build(scene, HALF, &steps, &stable);
   ct_state *state = new_state(p);
   ct_watch *watch = NULL;
-  ct_watch_options good = ct_watch_options_default(), bad[4] = {good, good, good, good};
+  ct_watch_options good = ct_watch_options_default(), bad[5] = {good, good, good, good, good};
   ct_error e;
-  bad[0].every = 0, bad[1].energy_limit = NAN, bad[2].omega_limit = 0.0, bad[3].stable = -1.0;
+  bad[0].every = 0, bad[1].energy_limit = NAN, bad[2].omega_limit = 0.0, bad[3].stable = -1.0, bad[4].growth_limit = -0.1;
   int refused = 0;
-  for (int i = 0; i < 4; i++) refused += ct_watch_create(p, state, &bad[i], &watch, &e) == CT_ERROR_ARGUMENT;
-  tap_ok(refused == 4 && watch == NULL, "options out of range are refused");
+  for (int i = 0; i < 5; i++) refused += ct_watch_create(p, state, &bad[i], &watch, &e) == CT_ERROR_ARGUMENT;
+  tap_ok(refused == 5 && watch == NULL, "options out of range are refused");
   tap_ok(ct_watch_create(p, NULL, &good, &watch, &e) == CT_ERROR_ARGUMENT && ct_watch_create(NULL, state, &good, &watch, NULL) == CT_ERROR_ARGUMENT &&
              ct_watch_steps(NULL, state, 1, &e) == CT_ERROR_ARGUMENT && ct_watch_look(NULL, state, &e) == CT_ERROR_ARGUMENT && ct_watch_good(NULL) == NULL &&
-             ct_watch_omega_squared(NULL) == 0.0,
+             ct_watch_omega_squared(NULL) == 0.0 && ct_watch_growth(NULL).share == 0.0,
          "and so is nothing at all");
   ct_watch_free(NULL);
   ct_state_free(state);
@@ -258,6 +362,11 @@ int main(void)
   pump(0.1, 1);
   pump(0.5, 1);
   pump(0.1, 0);
+  told(1, 1.0);
+  told(1, 1e-12);
+  told(1, 1e12);
+  told(0, 1.0);
+  at_rest();
   named(0);
   named(1);
   refusals();

@@ -2,13 +2,15 @@
 
 import math
 import tomllib
+import warnings
 
 import numpy as np
 import pytest
 
 import libcontact as ct
 from libcontact import loop
-from libcontact._core import lib
+from libcontact._core import ffi, lib
+from libcontact.mesh import Mesh
 from libcontact.run import Run, RunError, State
 
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
@@ -162,6 +164,122 @@ def test_the_watch_changes_no_bit():
 def test_bad_keys_of_the_watch_are_refused(key, value):
     with pytest.raises(ct.SceneError, match=key):
         bars(**{key: value})
+
+
+# Growth that is no fault.
+
+
+def flying(force, stores=True):
+    """A block that flies freely, and a force of the user's own on all its nodes."""
+    scene = ct.Scene(title="flying", units=UNITS)
+    scene.add_material("soft", young=2.0, poisson=0.3, density=1.5)
+    scene.add_body("block", material="soft", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]}, velocity=[1, 0, 0])
+    scene.add_effect("pump", "block", list(range(8)), force, energy=(lambda view: 0.0) if stores else None)
+    return scene.set_time(end=20.0, fraction=0.2, look_every=2)
+
+
+def pump(view):
+    """A force c m v, which lets the kinetic energy grow as exp(2 c t), and from t = 5 on takes more than it gave."""
+    return (0.01 if view.time < 5.0 else -0.05) * 1.5 / 8.0 * view.velocity
+
+
+def grown(scene, **how):
+    """The warnings of growth of a run, which ends well."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        scene.run(progress=False, output=False, **how)
+    return [warning for warning in told if issubclass(warning.category, ct.EnergyGrowth)]
+
+
+def test_growth_is_told_once_though_it_is_gone_at_the_end():
+    told = grown(flying(pump))
+    assert len(told) == 1 and told[0].filename == __file__
+    warning = told[0].message
+    when = math.log(1.01) / 0.02
+    assert 0.01 < warning.share < 0.02 and when < warning.time < when + 1.0 and warning.who == 'effect "pump"'
+    assert f"t = {warning.time:.6g}" in str(warning) and "smaller step" in str(warning)
+    assert not grown(flying(pump, stores=False))
+
+
+@pytest.mark.parametrize("where", ["obstacle", "contact"])
+def test_growth_names_the_contact_that_makes_it(where):
+    """An explicit penalty, stiff for its step, feeds energy into a bar that flies against a wall or against its twin."""
+    bar = lambda x: {"origin": [x, 0, 0], "size": [10, 0.2, 0.2], "cells": [50, 1, 1]}
+    scene = ct.Scene(title="bars", units=UNITS)
+    scene.add_material("m", young=900.0, poisson=0.0, density=1.0).add_body("bar", material="m", box=bar(0.05), velocity=[-10, 0, 0])
+    stiff = {"beta": 10, "enforcement": "penalty"}
+    if where == "obstacle":
+        scene.add("obstacle", surface="bar.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]}, **stiff)
+    else:
+        scene.add_body("twin", material="m", box=bar(-10.05), velocity=[10, 0, 0]).add_contact("bar.x_min", "twin.x_max", **stiff)
+    told = grown(scene.set_time(end=0.5, fraction=0.7, look_every=4))
+    assert len(told) == 1
+    assert told[0].message.who == {"obstacle": "obstacle at bar.x_min", "contact": "contact bar.x_min with twin.x_max"}[where]
+    assert "energy_controlled" in str(told[0].message)
+
+
+def test_growth_of_a_solid_names_the_body(monkeypatch):
+    growth = ffi.new("ct_growth *", {"share": 0.02, "time": 3.0, "step": 7, "effect": 0, "body": 1})
+
+    class Told(Twisted):
+        def ct_watch_growth(self, watch):
+            return growth[0]
+
+    monkeypatch.setattr(loop, "lib", Told(lambda state: None))
+    told = grown(bars(), until=20.0)
+    assert len(told) == 1 and told[0].message.who == 'body "bar"' and "2 % more energy" in str(told[0].message) and "t = 3 (step 7)" in str(told[0].message)
+
+
+def test_what_comes_in_from_outside_is_no_growth():
+    """A moving ball, a moving support, a load that is switched on, weight, friction and dampers."""
+    scene = ct.Scene(title="outside", units=UNITS)
+    scene.add_material("m", young=100.0, poisson=0.3, density=1.0)
+    scene.add_body("floor", material="m", box={"origin": [-1, -1, -1], "size": [3, 3, 1], "cells": [4, 4, 2]})
+    scene.add_body("block", material="m", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]})
+    scene.add_contact("floor.z_max", "block.z_min", friction=0.3).add_support("floor.z_min", fix="xyz", velocity=[0.1, 0, 0])
+    scene.add("obstacle", surface="block.z_max", sphere={"centre": [0.5, 0.5, 3.0], "radius": 2.0}, travel=[0, 0, -0.05], history={"time": [0, 0.5, 0.6, 1], "value": [0, 1, 1, 0]})
+    scene.add("load", surface="block.x_min", pressure=1.0, history={"time": [0, 0.2, 0.3, 2], "value": [0, 0, 1, 1]})
+    scene.add("gravity", acceleration=[0, 0, -5.0])
+    assert not grown(scene.set_time(end=1.0, fraction=0.8, look_every=1))
+
+
+# Rest.
+
+
+def turned(seed):
+    """A random rotation."""
+    q, r = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    q *= np.sign(np.diag(r))
+    return q * np.linalg.det(q)
+
+
+@pytest.mark.parametrize("what", ["later load", "plane", "fixed body"])
+def test_rest_is_no_fault_whatever_its_orientation(what):
+    """Two blocks whose faces touch, or one on an inclined plane or on a block that is held, with next to no weight: what round-off leaves is no energy. Each alarm is an error."""
+    for seed in range(8):
+        axes, place = turned(seed), np.random.default_rng(seed).uniform(-3, 3, 3)
+        scene = ct.Scene(title="rest", units=UNITS)
+        scene.add_material("m", young=2e5 if seed % 2 else 1.0, poisson=0.3, density=1e-8 if seed % 2 else 1.0)
+        duration = math.sqrt(1e-8 / 2e5) if seed % 2 else 1.0
+        for name, z in (("lower", 0.0), ("upper", 1.0)):
+            mesh = Mesh.box("hex8", (0, 0, z), (1, 1, 1), (2, 2, 2))
+            if name == "upper" or what != "plane":
+                scene.add_body(name, material="m", nodes=mesh.nodes @ axes.T + place, elements=mesh.elements)
+        if what == "plane":
+            scene.add("obstacle", surface="upper.outer", plane={"point": (place + axes[:, 2]).tolist(), "normal": axes[:, 2].tolist()})
+        else:
+            scene.add_contact("lower.outer", "upper.outer")
+        if what == "fixed body":
+            scene.add_support("lower.outer", fix="xyz")
+        if what == "later load":
+            scene.add("load", surface="upper.outer", pressure=1e-3 * (2e5 if seed % 2 else 1.0), history={"time": [0, duration, 2 * duration], "value": [0, 0, 1]})
+        else:
+            small = 1e-12 / duration**2
+            scene.add("gravity", acceleration=(small * (0.1 * axes[:, 0] - axes[:, 2])).tolist(), bodies=["upper"])
+        scene.set_time(end=1.5 * duration, fraction=0.8).set_output(every=1)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            scene.run(progress=False, output=False)
 
 
 # Distorted meshes.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from ._core import lib
 from .problem import Problem
@@ -22,6 +23,16 @@ def chatter(problem: Problem) -> list[str]:
     return [sentence for who, enforcement, beta in _enforced(problem) if (sentence := _warn(who, enforcement, beta, problem))]
 
 
+def contact_name(contact: Any) -> str:
+    """A contact by its surfaces."""
+    return "contact " + " with ".join(".".join(surface) for surface in contact.surfaces)
+
+
+def obstacle_name(obstacle: Any) -> str:
+    """An obstacle by the surface that it stands before."""
+    return "obstacle at " + ".".join(obstacle.given.surface)
+
+
 def _enforced(problem: Problem) -> Iterator[tuple[str, str, float]]:
     """Name, enforcement and β of every contact and obstacle."""
     bodies = problem.bodies
@@ -33,10 +44,10 @@ def _enforced(problem: Problem) -> Iterator[tuple[str, str, float]]:
 
     for contact in problem.parts.contacts:
         names = [body for body, _ in contact.surfaces]
-        yield "contact " + " with ".join(".".join(surface) for surface in contact.surfaces), contact.enforcement, factor(contact, names)
+        yield contact_name(contact), contact.enforcement, factor(contact, names)
     for effect in problem.parts.effects:
         if effect.name == "obstacle":
-            yield "obstacle at " + ".".join(effect.given.surface), effect.given.enforcement, factor(effect.given, effect.given.surface[:1])
+            yield obstacle_name(effect), effect.given.enforcement, factor(effect.given, effect.given.surface[:1])
 
 
 def _warn(who: str, enforcement: str, beta: float, problem: Problem) -> str:

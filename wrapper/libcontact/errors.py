@@ -44,6 +44,14 @@ class EnergyError(Error, ArithmeticError):
     """Energy has appeared from nothing in mid-run."""
 
 
+class EnergyGrowth(UserWarning):
+    """More than 1 % of energy has appeared from nothing in mid-run, by ``time``; ``share`` is how much, ``who`` the effect or body that it came from. The run goes on."""
+
+    def __init__(self, text: str, share: float, time: float, who: str):
+        super().__init__(text)
+        self.share, self.time, self.who = share, time, who
+
+
 CLASSES = {
     lib.CT_INVALID: ArgumentError,
     lib.CT_ERROR_ARGUMENT: ArgumentError,

@@ -17,8 +17,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ._core import ffi, lib
-from .chatter import ChatterWarning, chatter
-from .errors import NotBuiltIn, check, new_error, raise_held, text_of
+from .chatter import ChatterWarning, chatter, contact_name, obstacle_name
+from .errors import EnergyGrowth, NotBuiltIn, check, new_error, raise_held, text_of
 from .mesh import view
 from .plan import computed_share, measured
 from .problem import Problem, contact_points, new_state, penetrations
@@ -90,7 +90,7 @@ class Loop:
         self.steps: list[int] = []
         self.energy: list[np.ndarray] = []
         self.momentum: list[np.ndarray] = []
-        self.interrupted = False
+        self.interrupted = self.growth_told = False
         self.watch: Any = None
         self.seconds = self.output_seconds = 0.0
 
@@ -224,6 +224,7 @@ class Loop:
                 self._advance(min(due, self._next_look()), tell, stop)
                 if self.state.step > self.steps[-1] and (self.state.step == due or stop or self._at_rest()):
                     self.record()
+                self._tell_growth()
         self.interrupted = bool(stop) and self.state.step < last
         if self.problem.parts.time.until_static is not None and last == self.problem.step_count and not stop and not self._at_rest():
             warnings.warn(NotAtRest(f"the run ends at t = {self.state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
@@ -241,6 +242,37 @@ class Loop:
         if lib.ct_watch_create(self.problem.pointer, self.state, options, out, error) != lib.CT_OK:
             raise SceneError(text_of(error.code, error), "", self.problem.file)
         self.guard = ffi.gc(out[0], lambda watch, free=lib.ct_watch_free, problem=self.problem: free(watch))
+
+    def _tell_growth(self) -> None:
+        """Warn once when energy has appeared, :eq:`energy-growth`."""
+        growth = lib.ct_watch_growth(self.guard)
+        if self.growth_told or not growth.share > 0.0:
+            return
+        self.growth_told = True
+        who, advice = self._grower(growth)
+        much = f"{100.0 * growth.share:.3g} % more energy than there should be" if math.isfinite(growth.share) else "energy where there should be none"
+        text = f"there is {much} by t = {growth.time:.6g} (step {growth.step}), most of it from {who}: {advice}"
+        warnings.warn(EnergyGrowth(text, growth.share, growth.time, who), stacklevel=5)
+
+    def _grower(self, growth: Any) -> tuple[str, str]:
+        """What the energy of a growth came from, and what can be done."""
+        problem, effect = self.problem, growth.effect
+        name = problem.effects[effect]
+        nth = problem.effects[:effect].count(name)
+        step = "take a smaller step (time.fraction)"
+        if name == "solid":
+            return f'body "{list(problem.bodies)[growth.body]}"', f'{step}; a body that turns needs the law "neo_hookean" or "st_venant_kirchhoff"'
+        if name not in ("contact", "obstacle"):
+            return f'effect "{name}"', f"{step}, and compare what it stores with the work of its force"
+        if name == "contact":
+            given = contact = problem.parts.contacts[nth]
+            who = contact_name(contact)
+        else:
+            obstacle = [added for added in problem.parts.effects if added.name == "obstacle"][nth]
+            given, who = obstacle.given, obstacle_name(obstacle)
+        if given.enforcement in ("penalty", "bipenalty"):
+            return who, f'{step}, a smaller beta, or enforcement = "energy_controlled"'
+        return who, f"points have come to lie inside without passing the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta"
 
     def _unrest(self) -> float:
         value = ffi.new("double *")

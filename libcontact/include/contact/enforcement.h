@@ -74,7 +74,7 @@ CT_API double ct_enforcement_solve(const ct_constraint *constraint, double free,
 
 /**
  * Energy that the constraint holds at t_n [energy], so that the sum with what the bodies hold never grows,
- * :eq:`controlled-energy`.
+ * :eq:`controlled-energy`. What it stored in the last step is computed from `before`, as if it had met the same nodes then.
  */
 CT_API double ct_enforcement_energy(const ct_constraint *constraint);
 

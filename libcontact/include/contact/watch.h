@@ -21,9 +21,14 @@ typedef struct ct_watch_options {
   double omega_limit;
   /** The stable step at the start [time], where the caller knows it; 0: it is asked when the watch is made. */
   double stable;
+  /**
+   * Energy that may appear over the energy that should be there before `ct_watch_growth` tells it, :eq:`energy-growth`, >= 0; the
+   * run goes on.
+   */
+  double growth_limit;
 } ct_watch_options;
 
-/** Every 1024 steps; as much energy again as should be there; ω Δt up to 2. */
+/** Every 1024 steps; as much energy again as should be there; ω Δt up to 2; growth is told from 1 % on. */
 CT_API ct_watch_options ct_watch_options_default(void);
 
 /** Looks at one state while it is stepped, and keeps a copy of the last state that was good; opaque. */
@@ -54,6 +59,23 @@ CT_API ct_status ct_watch_look(ct_watch *watch, ct_state *state, ct_error *error
  * forces.
  */
 CT_API ct_state *ct_watch_good(const ct_watch *watch);
+
+/** Energy that has appeared from nothing in mid-run, as the first look saw it that found more than `growth_limit`. */
+typedef struct ct_growth {
+  /** Energy that has appeared over the energy that should be there, :eq:`energy-growth`; 0 as long as no look has found too much. */
+  double share;
+  /** Time of the look [time]. */
+  double time;
+  /** Its number of steps. */
+  int64_t step;
+  /** Number of the effect of the problem whose work and store have grown most. */
+  int32_t effect;
+  /** The body with the node of the largest kinetic energy. */
+  int32_t body;
+} ct_growth;
+
+/** What has grown since the watch was made; zeros for a null watch, or as long as nothing has. */
+CT_API ct_growth ct_watch_growth(const ct_watch *watch);
 
 /**
  * Largest ω² of the solid that the watch has found in its last look [1 / time²], a lower bound of the true one; 0 where no body

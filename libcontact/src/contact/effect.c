@@ -70,24 +70,28 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
 
 /* A point's memory: number of its other face plus one, negative while it is in contact, or 0: none, or BURIED; the parameters
  * there; the signed distance, NaN where none is known; and where a step's gaps give the force this force. After the points:
- * whether there was a step before; what start gaps need; and the coordinates of the effect's nodes, shape (node_count, 3). */
+ * whether there was a step before, and what all constraints stored in the middle of that step; what start gaps need; and the
+ * coordinates of the effect's nodes, shape (node_count, 3). */
 enum { OTHER = 0, XI = 1, KNOWN = 3, FORCE = 4 };
+enum { BEGUN = 0, STORED = 1, TAIL = 2 };
 static const double BURIED = -4294967296.0;
 
 static int is_penalty(const contact_data *data) { return data->options.enforcement == CT_ENFORCE_PENALTY; }
 /* Where the memory of start gaps begins, of each point; and how far apart the memory of two points is. */
 static int shifts_at(const contact_data *data) { return is_penalty(data) ? FORCE : FORCE + 1; }
 static int stride(const contact_data *data) { return shifts_at(data) + (ct_initial_shifts(&data->options) ? CT_INITIAL_POINT : 0); }
+/* Where the memory after the points begins. */
+static int64_t tail_at(const contact_data *data, const ct_contact *contact) { return stride(data) * ct_contact_point_count(contact); }
 
 /* Where the memory of the nodes' coordinates begins. */
 static int64_t places_at(const contact_data *data, const ct_contact *contact)
 {
-  return stride(data) * ct_contact_point_count(contact) + 1 + (ct_initial_shifts(&data->options) ? CT_INITIAL_END : 0);
+  return tail_at(data, contact) + TAIL + (ct_initial_shifts(&data->options) ? CT_INITIAL_END : 0);
 }
 
 static void recall(ct_contact *contact, const double *memory, int size)
 {
-  contact->begun = memory[size * ct_contact_point_count(contact)] != 0.0;
+  contact->begun = memory[size * ct_contact_point_count(contact) + BEGUN] != 0.0;
   for (int s = 0; s < contact->sides; s++)
     for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += size) {
       ct_gauss_point *point = &contact->side[s].points[i];
@@ -109,20 +113,20 @@ static void remember(const ct_contact *contact, double *memory, int size)
       memcpy(&memory[XI], point->xi, sizeof point->xi);
       memory[KNOWN] = point->known;
     }
-  memory[0] = 1.0;
+  memory[BEGUN] = 1.0;
 }
 
 static ct_initial_view initial_view(const contact_data *data, const ct_view *view, const ct_contact *contact)
 {
-  int64_t size = stride(data) * ct_contact_point_count(contact);
-  return (ct_initial_view){view->time, view->dt, view->memory[size] == 0.0, stride(data), view->memory + shifts_at(data), view->memory + size + 1,
-                           view->next_memory + shifts_at(data), view->next_memory + size + 1};
+  int64_t tail = tail_at(data, contact);
+  return (ct_initial_view){view->time, view->dt, view->memory[tail + BEGUN] == 0.0, stride(data), view->memory + shifts_at(data), view->memory + tail + TAIL,
+                           view->next_memory + shifts_at(data), view->next_memory + tail + TAIL};
 }
 
 /* What is inside at the start. */
 static ct_status treat_initial(const contact_data *data, const ct_view *view, ct_contact *contact, ct_error *error)
 {
-  if (data->options.initial == CT_INITIAL_REFUSE && view->memory[stride(data) * ct_contact_point_count(contact)] == 0.0) return ct_initial_refuse(contact, error);
+  if (data->options.initial == CT_INITIAL_REFUSE && view->memory[tail_at(data, contact) + BEGUN] == 0.0) return ct_initial_refuse(contact, error);
   if (!ct_initial_shifts(&data->options)) return CT_OK;
   ct_initial_view shown = initial_view(data, view, contact);
   ct_initial_shift(contact, &shown);
@@ -183,7 +187,9 @@ static void take_constraints(const contact_data *data, const ct_view *view, cont
     ct_press_apply(&contact->side[s], first, view->constraints, view->constraint_count);
     first += ct_side_point_count(&contact->side[s]);
   }
-  scratch->held = ct_press_remember(view->constraints, view->constraint_count, ct_contact_point_count(contact), &view->next_memory[FORCE], stride(data), contact->terms);
+  int64_t stored = tail_at(data, contact) + STORED;
+  ct_press_remember(view->constraints, view->constraint_count, ct_contact_point_count(contact), &view->next_memory[FORCE], stride(data));
+  scratch->held = ct_press_energy(view->constraints, view->constraint_count, view->time, view->memory[stored], &view->next_memory[stored], contact->terms);
 }
 
 static ct_status contact_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)

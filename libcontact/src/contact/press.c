@@ -3,6 +3,7 @@
 
 #include <contact/sum.h>
 
+#include "../enforcement/law.h"
 #include "../vector.h"
 
 #include <math.h>
@@ -69,12 +70,27 @@ void ct_press_apply(ct_side *side, int64_t first, const ct_constraint *list, int
   }
 }
 
-double ct_press_remember(const ct_constraint *list, int64_t count, int64_t points, double *memory, int stride, double *terms)
+void ct_press_remember(const ct_constraint *list, int64_t count, int64_t points, double *memory, int stride)
 {
   for (int64_t i = 0; i < points; i++) memory[stride * i] = 0.0;
+  for (int64_t j = 0; j < count; j++) memory[stride * list[j].point] = list[j].force;
+}
+
+/* Σ of one part of the energy over all constraints. */
+static double sum_energy(const ct_constraint *list, int64_t count, double (*part)(const ct_constraint *c), double *terms)
+{
+  int64_t some = 0;
   for (int64_t j = 0; j < count; j++) {
-    memory[stride * list[j].point] = list[j].force;
-    terms[j] = ct_enforcement_energy(&list[j]);
+    terms[some] = part(&list[j]);
+    some += terms[some] != 0.0;
   }
-  return ct_sum(terms, count);
+  return ct_sum(terms, some);
+}
+
+double ct_press_energy(const ct_constraint *list, int64_t count, double time, double before, double *after, double *terms)
+{
+  *after = sum_energy(list, count, ct_law_stored, terms);
+  if (time == 0.0) return sum_energy(list, count, ct_law_start, terms);
+  // -- What was stored in the step before belongs to the partners of then, so it is not computed again (eq:controlled-energy)
+  return 0.5 * (before + *after) + sum_energy(list, count, ct_law_lag, terms);
 }

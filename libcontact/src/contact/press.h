@@ -22,8 +22,12 @@ int64_t ct_press_list(const ct_press *press, const double moved[3], ct_constrain
 /* The forces that the constraints of an effect have found, onto the points of a side, those `first` ... of the effect. */
 void ct_press_apply(ct_side *side, int64_t first, const ct_constraint *list, int64_t count);
 
-/* Forces of solved constraints into the memory of the effect's `points` points, `stride` doubles apart; answers the energy that
- * they hold. `terms` is room for a number each. */
-double ct_press_remember(const ct_constraint *list, int64_t count, int64_t points, double *memory, int stride, double *terms);
+/* Forces of solved constraints into the memory of the effect's `points` points, `stride` doubles apart. */
+void ct_press_remember(const ct_constraint *list, int64_t count, int64_t points, double *memory, int stride);
+
+/* Energy that the solved constraints of an effect hold at t_n (eq:controlled-energy, eq:energy-start): `before` is what all of them
+ * stored in the middle of the last step, which the effect remembers, and `*after` becomes what they store in the middle of the
+ * coming one. `terms` is room for a number each. */
+double ct_press_energy(const ct_constraint *list, int64_t count, double time, double before, double *after, double *terms);
 
 #endif

@@ -45,24 +45,40 @@ double ct_enforcement_solve(const ct_constraint *c, double free, double W)
 /* ½ k ⟨-g⟩². */
 static double stored(double k, double g) { return g < 0.0 ? 0.5 * k * g * g : 0.0; }
 
-/* (1 - s) Π at the middle of a step plus s times the mean of both its ends. */
+/* What the law stores in the middle of a step between two gaps; that of the bipenalty holds on both sides of 0 while the point is
+ * inside. */
 static double stored_between(const ct_constraint *c, double g0, double g1)
 {
-  const double k = c->stiffness, s = c->dissipation;
-  return (1.0 - s) * stored(k, 0.5 * (g0 + g1)) + 0.5 * s * (stored(k, g0) + stored(k, g1));
+  const double k = c->stiffness, s = c->dissipation, middle = 0.5 * (g0 + g1);
+  switch (c->enforcement) {
+  case CT_ENFORCE_PENALTY: return stored(k, c->gap);
+  case CT_ENFORCE_ENERGY_CONTROLLED:
+    // -- (1 - s) Π at the middle plus s times the mean of both ends (eq:controlled-energy)
+    return (1.0 - s) * stored(k, middle) + 0.5 * s * (stored(k, g0) + stored(k, g1));
+  case CT_ENFORCE_BIPENALTY: return c->gap < 0.0 ? 0.5 * k * middle * middle : 0.0;
+  case CT_ENFORCE_LAGRANGE: break;
+  }
+  return 0.0;
+}
+
+double ct_law_stored(const ct_constraint *c) { return stored_between(c, c->gap, c->after); }
+
+double ct_law_lag(const ct_constraint *c)
+{
+  return c->enforcement == CT_ENFORCE_PENALTY ? 0.0 : 0.25 * c->force * ((c->after + c->before) - 2.0 * c->gap);
 }
 
 double ct_enforcement_energy(const ct_constraint *c)
 {
-  if (c->enforcement == CT_ENFORCE_PENALTY) return stored(c->stiffness, c->gap);
   // -- Mean of the two half steps around t_n, and what the leapfrog's energy lacks there (eq:controlled-energy)
-  const double bend = (c->after + c->before) - 2.0 * c->gap;
-  double held = 0.0;
-  if (c->enforcement == CT_ENFORCE_ENERGY_CONTROLLED)
-    held = 0.5 * (stored_between(c, c->before, c->gap) + stored_between(c, c->gap, c->after));
-  if (c->enforcement == CT_ENFORCE_BIPENALTY && c->gap < 0.0) {
-    const double m0 = 0.5 * (c->before + c->gap), m1 = 0.5 * (c->gap + c->after);
-    held = 0.25 * c->stiffness * (m0 * m0 + m1 * m1);
-  }
-  return held + 0.25 * c->force * bend;
+  return 0.5 * (stored_between(c, c->before, c->gap) + ct_law_stored(c)) + ct_law_lag(c);
+}
+
+int ct_law_begins(const ct_constraint *c) { return c->enforcement == CT_ENFORCE_ENERGY_CONTROLLED || c->enforcement == CT_ENFORCE_LAGRANGE; }
+
+double ct_law_start(const ct_constraint *c)
+{
+  // -- What the gap itself stores, before the force has acted (eq:energy-start)
+  if (!ct_law_begins(c)) return ct_enforcement_energy(c);
+  return c->enforcement == CT_ENFORCE_ENERGY_CONTROLLED ? stored(c->stiffness, c->gap) : 0.0;
 }

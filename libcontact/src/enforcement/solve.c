@@ -4,6 +4,7 @@
 
 #include <contact/sum.h>
 
+#include "../bits.h"
 #include "../error.h"
 #include "../grid.h"
 #include "../lanes.h"
@@ -23,7 +24,7 @@ void ct_solver_free(const ct_problem *problem, ct_solver *s)
 {
   if (s == NULL) return;
   for (int32_t k = 0; s->place != NULL && k < problem->effect_count; k++) ct_release(s->place[k]);
-  void *blocks[] = {s->list, s->sizes, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->past, s->entries, s->active, s->slot, s->law, s->free, s->bound, s->guess, s->force, s->terms, s->path, s};
+  void *blocks[] = {s->list, s->sizes, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->past, s->entries, s->active, s->slot, s->law, s->free, s->bound, s->guess, s->force, s->terms, s->path, s->begun, s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
 }
 
@@ -82,9 +83,10 @@ ct_status ct_solver_create(const ct_problem *problem, ct_solver **out)
   s->entries = ct_allocate((size_t)s->node_count, sizeof *s->entries);
   s->terms = ct_allocate(2 * rows, sizeof *s->terms);
   s->law = ct_allocate(3 * rows, sizeof *s->law);
+  s->begun = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *s->begun);
   s->active = ct_allocate(rows, sizeof *s->active);
   s->slot = ct_allocate(rows, 2 * FACE_NODES * sizeof *s->slot);
-  return s->entries && s->terms && s->law && s->active && s->slot ? CT_OK : CT_ERROR_MEMORY;
+  return s->entries && s->terms && s->law && s->begun && s->active && s->slot ? CT_OK : CT_ERROR_MEMORY;
 }
 
 /* Let every effect list what may press. */
@@ -365,10 +367,22 @@ static int hand_out(const ct_problem *problem, ct_solver *s)
   return 1;
 }
 
+/* Mark the nodes on which forces begin at t = 0 (eq:energy-start). */
+static void mark_start(ct_solver *s)
+{
+  for (int64_t r = 0; r < s->count; r++) {
+    const ct_constraint *c = &s->list[s->active[r]];
+    const int32_t *slot = &s->slot[2 * FACE_NODES * s->active[r]];
+    for (int32_t a = 0; c->force > 0.0 && ct_law_begins(c) && a < FACE_NODES + c->other; a++)
+      if (a < c->own || a >= FACE_NODES) ct_bits_put(s->begun, s->nodes[slot[a]], s->nodes[slot[a]] + 1, 1);
+  }
+}
+
 ct_status ct_solver_solve(const ct_problem *problem, ct_state *state, ct_error *error)
 {
   ct_solver *s = state->workspace->solver;
   ct_status status = list_constraints(problem, state, s, error);
+  if (state->step == 0) memset(s->begun, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *s->begun);
   if (status != CT_OK || s->first[problem->effect_count] == 0) return status;
   double begin = problem->clock == NULL ? 0.0 : problem->clock();
   predict(problem, state, s);
@@ -380,6 +394,7 @@ ct_status ct_solver_solve(const ct_problem *problem, ct_state *state, ct_error *
   s->converged = 1;
   if (!bound_rows(s) || !iterate(s) || !hand_out(problem, s))
     return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "the contact forces stopped being finite at t = %g", state->time);
+  if (state->step == 0) mark_start(s);
   state->unsettled += !s->converged;
   state->constraint_rounds += s->iterations * s->count;
   // Each effect pays for its part of the list.

@@ -27,6 +27,7 @@ typedef struct ct_solver {
   double *guess, *force;  /* from where the next round starts, and the forces that the last one gave */
   double *path;           /* ways of one effect's nodes; null when no effect takes any along a path */
   double *terms;          /* two numbers each */
+  uint64_t *begun;        /* a bit a node of the problem: a force of a constraint begins there at t = 0 (eq:energy-start) */
   int iterations;         /* of the last solution */
   int converged;          /* whether it met the tolerance */
 } ct_solver;
