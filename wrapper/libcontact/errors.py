@@ -43,6 +43,10 @@ class EnergyError(Error, ArithmeticError):
     """Energy has appeared from nothing in mid-run."""
 
 
+class OverlapWarning(UserWarning):
+    """Surfaces in contact overlap at the start of a run, and the scene says nothing of it."""
+
+
 CLASSES = {
     lib.CT_INVALID: ArgumentError,
     lib.CT_ERROR_ARGUMENT: ArgumentError,
