@@ -59,41 +59,44 @@ static int is_facing(const ct_side *side, int64_t i)
   return -ct_vector_dot(own, n) >= least * sqrt(ct_vector_dot(n, n)) && ct_vector_dot(own, d) >= least * sqrt(ct_vector_dot(d, d));
 }
 
+/* How far the distance of a point that rests is off from one step to the next, as its closest point comes from another
+ * iteration. */
+static double unsure(const ct_side *side) { return 16.0 * DBL_EPSILON * side->search->size; }
+
 /* Start gap of a point over another face, from its distance on the undeformed shape (eq:initial-adjust). */
-static double first_gap(const ct_contact *contact, const ct_side *side, int64_t i)
+static double first_gap(const ct_contact_options *options, double rounding, const ct_side *side, int64_t i)
 {
-  const ct_contact_options *options = &contact->options;
   double gap = side->points[i].gap;
+  if (fabs(gap) <= rounding) return gap;
   if (fabs(gap) > options->adjust) return gap < 0.0 && keeps(options) ? gap : 0.0;
   return gap < 0.0 || is_facing(side, i) ? gap : 0.0;
 }
 
 /* Start gap of a point after the first step: it changes only where the point has no force and no energy, open in this step and the
  * one before (eq:initial-shift). */
-static double later_gap(const ct_contact_options *options, const double *memory, double gap, double share)
+static double later_gap(const ct_contact_options *options, const ct_side *side, const double *memory, double gap, double share)
 {
   double s = memory[START], open = fmin(gap, memory[GAP]) - options->adjust;
-  if (s == 0.0 || !(open > s * share)) return s;
+  if (s == 0.0 || !(open > s * share + unsure(side))) return s;
   return s < 0.0 ? fmin(open, 0.0) / share : 0.0;
 }
 
-/* Count the gap of a point from its start gap, and its penalty force with it (eq:initial-shift). The closest point comes from
- * another iteration in each step, so where nothing has moved the gap is the start gap to rounding: then it is 0. */
+/* Count the gap of a point from its start gap, and its penalty force with it (eq:initial-shift). Where nothing has moved it is 0. */
 static void count_from_start(const ct_contact *contact, const ct_side *side, int64_t i, ct_gauss_point *point)
 {
   double n[3], k = 0.5 * contact->options.epsilon * side->weight[i];
   point->gap -= point->shift;
-  if (fabs(point->gap) <= 16.0 * DBL_EPSILON * side->search->size) point->gap = 0.0;
+  if (fabs(point->gap) <= unsure(side)) point->gap = 0.0;
   int pressed = point->gap < 0.0 && ct_side_direction(side, point, n);
   for (int c = 0; c < 3; c++) point->force[c] = pressed ? -k * point->gap * n[c] : 0.0;
 }
 
 void ct_initial_begin(const ct_contact *contact, const ct_initial_view *view)
 {
-  double *next = view->next;
+  double *next = view->next, rounding = ct_contact_rounding(contact);
   for (int s = 0; s < contact->sides; s++)
     for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, next += view->stride)
-      next[START] = contact->side[s].points[i].other < 0 ? 0.0 : first_gap(contact, &contact->side[s], i);
+      next[START] = contact->side[s].points[i].other < 0 ? 0.0 : first_gap(&contact->options, rounding, &contact->side[s], i);
 }
 
 void ct_initial_shift(ct_contact *contact, const ct_initial_view *view)
@@ -106,12 +109,12 @@ void ct_initial_shift(ct_contact *contact, const ct_initial_view *view)
     for (int64_t i = 0; i < ct_side_point_count(side); i++, memory += view->stride, next += view->stride) {
       ct_gauss_point *point = &side->points[i];
       double start = 0.0, gap = point->other < 0 ? 0.0 : point->gap;
-      if (point->other >= 0 && share > 0.0) start = view->first ? next[START] : later_gap(&contact->options, memory, gap, share);
+      if (point->other >= 0 && share > 0.0) start = view->first ? next[START] : later_gap(&contact->options, side, memory, gap, share);
       next[START] = start;
       next[GAP] = gap;
       point->shift = start * share;
       point->closing = start * (next_share - share);
-      if (point->shift != 0.0) count_from_start(contact, side, i, point);
+      if (point->shift != 0.0 || fabs(point->gap) <= unsure(side)) count_from_start(contact, side, i, point);
     }
   }
 }

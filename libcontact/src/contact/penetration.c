@@ -107,16 +107,21 @@ static void at_edges(const ct_contact *contact, int edges, double limit, ct_pene
   }
 }
 
+double ct_contact_rounding(const ct_contact *contact)
+{
+  double far = 0.0;
+  for (int s = 0; s < contact->sides; s++) {
+    const ct_search *search = contact->side[s].search;
+    for (int64_t i = 0; i < 3 * (int64_t)search->node_count; i++) far = fmax(far, fabs(search->x[i]));
+  }
+  return 64.0 * DBL_EPSILON * far;
+}
+
 /* Depth up to which surfaces only touch: that of the rounding of coordinates, and a part of a face in 10⁹. */
 static double touching(const ct_contact *contact)
 {
-  double size = 0.0, far = 0.0;
-  for (int s = 0; s < contact->sides; s++) {
-    const ct_search *search = contact->side[s].search;
-    size = fmax(size, search->size);
-    for (int64_t i = 0; i < 3 * (int64_t)search->node_count; i++) far = fmax(far, fabs(search->x[i]));
-  }
-  return fmax(1e-9 * size, 64.0 * DBL_EPSILON * far);
+  double size = fmax(contact->side[0].search->size, contact->side[contact->sides - 1].search->size);
+  return fmax(1e-9 * size, ct_contact_rounding(contact));
 }
 
 ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at, ct_penetration *out)
