@@ -73,7 +73,7 @@ static double first_gap(const ct_contact_options *options, double rounding, cons
 }
 
 /* Start gap of a point after the first step: it changes only where the point has no force and no energy, open in this step and the
- * one before (eq:initial-shift). */
+ * one before (eq:initial-release). */
 static double later_gap(const ct_contact_options *options, const ct_side *side, const double *memory, double gap, double share)
 {
   double s = memory[START], open = fmin(gap, memory[GAP]) - options->adjust;
