@@ -115,7 +115,7 @@ static void remember(const ct_contact *contact, double *memory, int size)
 static ct_initial_view initial_view(const contact_data *data, const ct_view *view, const ct_contact *contact)
 {
   int64_t size = stride(data) * ct_contact_point_count(contact);
-  return (ct_initial_view){view->time, view->dt, view->memory[size] == 0.0, stride(data), view->memory + shifts_at(data), view->memory + size + 1,
+  return (ct_initial_view){view->time, view->dt, view->memory[size] == 0.0, stride(data), view->memory + shifts_at(data), view->memory + KNOWN, view->memory + size + 1,
                            view->next_memory + shifts_at(data), view->next_memory + size + 1};
 }
 

@@ -11,9 +11,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Doubles of memory of a point: the start gap, the gap of the last step and, where start gaps fade, the force of the last step;
- * then behind all points: the time of the last step and the work. */
-enum { START = 0, GAP = 1, PRESSED = 2, TIME = 0, WORK = 1 };
+/* Doubles of memory of a point: the start gap and, where start gaps fade, the force of the last step; then behind all points: the
+ * time of the last step and the work. */
+enum { START = 0, PRESSED = 1, TIME = 0, WORK = 1 };
 
 /* Cosine of the largest angle between the normals of two surfaces that face each other, and between these and the gap. */
 static const double FACING = 0.70710678118654752;
@@ -25,7 +25,7 @@ static int fades(const ct_contact_options *options) { return options->initial ==
 int ct_initial_point_memory(const ct_contact_options *options)
 {
   if (!keeps(options) && options->adjust == 0.0) return 0;
-  return fades(options) ? 3 : 2;
+  return fades(options) ? 2 : 1;
 }
 
 int ct_initial_end_memory(const ct_contact_options *options) { return fades(options) ? 2 : 0; }
@@ -74,9 +74,9 @@ static double first_gap(const ct_contact_options *options, double rounding, cons
 
 /* Start gap of a point after the first step: it changes only where the point has no force and no energy, open in this step and the
  * one before (eq:initial-release). */
-static double later_gap(const ct_contact_options *options, const ct_side *side, const double *memory, double gap, double share)
+static double later_gap(const ct_contact_options *options, const ct_side *side, double s, double last, double gap, double share)
 {
-  double s = memory[START], open = fmin(gap, memory[GAP]) - options->adjust;
+  double open = fmin(gap, last) - options->adjust;
   if (s == 0.0 || !(open > s * share + unsure(side))) return s;
   return s < 0.0 ? fmin(open, 0.0) / share : 0.0;
 }
@@ -102,16 +102,15 @@ void ct_initial_begin(const ct_contact *contact, const ct_initial_view *view)
 void ct_initial_shift(ct_contact *contact, const ct_initial_view *view)
 {
   double share = left(&contact->options, view->time), next_share = left(&contact->options, view->time + view->dt);
-  const double *memory = view->memory;
+  const double *memory = view->memory, *known = view->known;
   double *next = view->next;
   for (int s = 0; s < contact->sides; s++) {
     const ct_side *side = &contact->side[s];
-    for (int64_t i = 0; i < ct_side_point_count(side); i++, memory += view->stride, next += view->stride) {
+    for (int64_t i = 0; i < ct_side_point_count(side); i++, memory += view->stride, known += view->stride, next += view->stride) {
       ct_gauss_point *point = &side->points[i];
-      double start = 0.0, gap = point->other < 0 ? 0.0 : point->gap;
-      if (point->other >= 0 && share > 0.0) start = view->first ? next[START] : later_gap(&contact->options, side, memory, gap, share);
+      double start = 0.0;
+      if (point->other >= 0 && share > 0.0) start = view->first ? next[START] : later_gap(&contact->options, side, memory[START], *known, point->gap, share);
       next[START] = start;
-      next[GAP] = gap;
       point->shift = start * share;
       point->closing = start * (next_share - share);
       if (point->shift != 0.0 || fabs(point->gap) <= unsure(side)) count_from_start(contact, side, i, point);

@@ -4,12 +4,13 @@
 #include <contact/contact.h>
 
 /* What the start gaps are shown: the time t_n and Δt, whether this is the first step, the memory of the first point and how far
- * apart those of two points are, and what stands behind all points; to read and to write. */
+ * apart those of two points are, the signed distance of the first point in the last step, and what stands behind all points; to
+ * read and to write. */
 typedef struct ct_initial_view {
   double time, dt;
   int first;
   int stride;
-  const double *memory, *memory_end;
+  const double *memory, *known, *memory_end;
   double *next, *next_end;
 } ct_initial_view;
 
