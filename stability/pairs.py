@@ -41,10 +41,11 @@ class Gaps:
     records: int = 0
 
     def __call__(self, run: ct.Run) -> dict[str, float]:
-        points, nodes = run.contact[0], {name: run.state[name].positions for name in self.bodies}
+        points, nodes = run.contact[0].copy(), {name: run.state[name].positions for name in self.bodies}
+        points["gap"] += points["start_gap"]  # the true distance
         if self.before is not None:
             self.compare(run, points, nodes)
-        self.before = points.copy(), {name: x.copy() for name, x in nodes.items()}
+        self.before = points, {name: x.copy() for name, x in nodes.items()}
         if self.records % 16 == 0:
             self.look(run)
             self.check_signs(run, points)

@@ -313,12 +313,13 @@ static inline ct_status add_contact_with(ct_scene *scene, int32_t a, const ct_me
   return status;
 }
 
-/* The same with the explicit penalty and friction. */
+/* The same with the explicit penalty and friction; what overlaps at the start is pushed, as a load. */
 static inline ct_status add_rough_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
                                           double at_b, int axis, double beta, double friction, double tangent)
 {
   ct_contact_options options = ct_contact_options_default();
   options.enforcement = CT_ENFORCE_PENALTY;
+  options.initial = CT_INITIAL_PUSH;
   return add_contact_with(scene, a, mesh_a, at_a, b, mesh_b, at_b, axis, beta, options, friction, tangent);
 }
 

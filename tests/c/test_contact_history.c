@@ -8,6 +8,7 @@ typedef struct hand {
   ct_effect *effect;
   patch a, b; /* both over the nodes of the problem */
   int nodes, first_b;
+  double start; /* place of the second surface at the start: its displacement counts from there */
   double *reference, *mass, *u, *rest, *memory, *next, *force;
 } hand;
 
@@ -49,14 +50,14 @@ static void free_hand(hand *h)
   for (int i = 0; i < 7; i++) free(all[i]);
 }
 
-/* One step with the second surface lifted by z, with scratch space of its own as after a restart: the force on that surface along
+/* One step with the second surface at the height z, with scratch space of its own as after a restart: the force on that surface along
  * z, and the energy. */
 static double take(hand *h, double z, double time, double *energy, double *external)
 {
   const ct_effect *effect = h->effect;
   void *scratch = NULL;
   ct_error e;
-  for (int n = h->first_b; n < h->nodes; n++) h->u[3 * n + 2] = z;
+  for (int n = h->first_b; n < h->nodes; n++) h->u[3 * n + 2] = z - h->start;
   need(effect->create_scratch(effect, &scratch, &e), &e);
   ct_view view = {.time = time, .dt = 0.25, .threads = 1, .reference = h->reference, .displacement = h->u, .velocity = h->rest, .memory = h->memory, .next_memory = h->next, .scratch = scratch};
   double *own = numbers(3 * effect->node_count), sum = 0.0, *keep = h->memory;
@@ -75,12 +76,15 @@ static double take(hand *h, double z, double time, double *energy, double *exter
   return sum;
 }
 
-static hand two_flat_patches(ct_contact_options options)
+/* Two squares with one gap everywhere, `start` at the start. */
+static hand two_flat_patches(ct_contact_options options, double start)
 {
   patch a = new_patch(CT_Q4, 2, 2, 0, 0, 2, 2, 1), b = new_patch(CT_Q4, 2, 2, 0, 0, 2, 2, 0);
+  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] += start;
   options.epsilon = EPSILON;
   options.enforcement = CT_ENFORCE_PENALTY;
   hand h = new_hand(&a, &b, &options);
+  h.start = start;
   free_patch(&a);
   free_patch(&b);
   return h;
@@ -105,7 +109,7 @@ static void start_gap_opens(void)
     {-0.01, 0.0},            // out for one step, and -0.01 is the deeper one of the last two
     {-0.015, 0.005}, {0.01, 0.0}, {0.02, 0.0}, // out for two steps: none is left
     {-0.02, 0.02}, {-0.001, 0.001}};
-  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP});
+  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP}, -0.05);
   double force = 0.0, energy = 0.0, stored;
   for (size_t i = 0; i < sizeof by_hand / sizeof by_hand[0]; i++) {
     double d = by_hand[i].depth;
@@ -115,12 +119,122 @@ static void start_gap_opens(void)
   tap_ok(force < 1e-15 && energy < 1e-16, "start gaps of points that open again are those of pencil and paper (force off by %.2g, energy by %.2g)", force, energy);
   // Far away no face is near, and the start gap is gone.
   free_hand(&h);
-  h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP});
+  h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP}, -0.05);
   static const opening away[] = {{-0.05, 0.0}, {50.0, 0.0}, {50.0, 0.0}, {-0.03, 0.03}};
   force = 0.0;
   for (int i = 0; i < 4; i++) force = worst(force, take(&h, away[i].gap, 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - away[i].depth);
   tap_ok(force < 1e-15, "a start gap is gone once the surfaces were far apart (force off by %.2g)", force);
   free_hand(&h);
+}
+
+/* Gaps of one step after another, and the depths that are expected of them. */
+typedef struct course {
+  const char *what;
+  double adjust;
+  ct_initial initial;
+  int count;
+  opening step[12];
+} course;
+
+/* Gaps and overlaps within the distance `adjust` are taken as touching, as worked out with pencil and paper from eq:initial-adjust:
+ * the start gap stays until the point has opened by more than this for two steps. */
+static void start_gaps_are_adjusted(void)
+{
+  static const course courses[] = {
+    {"a gap within the distance", 0.05, CT_INITIAL_KEEP, 11,
+     {{0.03, 0.0}, {0.02, 0.01}, {-0.01, 0.04}, {0.07, 0.0}, {0.07, 0.0}, {0.025, 0.005}, {0.09, 0.0}, {0.02, 0.01}, // opened too little, or for one step
+      {0.09, 0.0}, {0.085, 0.0}, {0.02, 0.0}}},                                                                      // opened by 0.055: gone
+    {"an overlap within the distance", 0.05, CT_INITIAL_PUSH, 11,
+     {{-0.03, 0.0}, {-0.04, 0.01}, {0.015, 0.0}, {0.015, 0.0}, {-0.035, 0.005}, // opened by less than the distance
+      {0.03, 0.0}, {0.03, 0.0}, {-0.03, 0.01},                                  // by more: the start gap follows 0.05 behind, to -0.02
+      {0.06, 0.0}, {0.06, 0.0}, {-0.01, 0.01}}},
+    {"a gap beyond the distance", 0.05, CT_INITIAL_KEEP, 3, {{0.06, 0.0}, {0.04, 0.0}, {-0.01, 0.01}}},
+    {"an overlap beyond the distance, pushed", 0.05, CT_INITIAL_PUSH, 2, {{-0.06, 0.06}, {-0.05, 0.05}}},
+    {"an overlap beyond the distance, kept", 0.05, CT_INITIAL_KEEP, 3, {{-0.08, 0.0}, {-0.09, 0.01}, {-0.06, 0.0}}},
+    {"no distance: a gap", 0.0, CT_INITIAL_KEEP, 3, {{0.03, 0.0}, {0.02, 0.0}, {-0.01, 0.01}}}};
+  for (size_t k = 0; k < sizeof courses / sizeof courses[0]; k++) {
+    const course *c = &courses[k];
+    hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = c->initial, .adjust = c->adjust}, c->step[0].gap);
+    double force = 0.0, energy = 0.0, stored;
+    for (int i = 0; i < c->count; i++) {
+      double d = c->step[i].depth;
+      force = worst(force, take(&h, c->step[i].gap, 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - d);
+      energy = worst(energy, stored / (2.0 * EPSILON) - d * d);
+    }
+    tap_ok(force < 1e-15 && energy < 1e-16, "%s: forces and energy of pencil and paper (force off by %.2g, energy by %.2g)", c->what, force, energy);
+    free_hand(&h);
+  }
+}
+
+/* Energy and forces of a contact at the displacement `u`, from the memory of the last step, which stays. */
+static double evaluate(hand *h, double *force)
+{
+  const ct_effect *effect = h->effect;
+  void *scratch = NULL;
+  ct_error e;
+  double energy, *own = numbers(3 * effect->node_count);
+  need(effect->create_scratch(effect, &scratch, &e), &e);
+  ct_view view = {.time = 1.0, .threads = 1, .reference = h->reference, .displacement = h->u, .velocity = h->rest, .memory = h->memory, .next_memory = h->next, .scratch = scratch};
+  need(effect->force(effect, &view, own, &e), &e);
+  need(effect->energy(effect, &view, &energy, &e), &e);
+  memset(force, 0, 3 * (size_t)h->nodes * sizeof *force);
+  for (int i = 0; i < effect->node_count; i++) memcpy(&force[3 * effect->nodes[i]], &own[3 * i], 3 * sizeof *own);
+  effect->free_scratch(scratch);
+  free(own);
+  return energy;
+}
+
+/* Two warped patches on unlike meshes that overlap here and gape there, and are adjusted; then pressed together. */
+static hand two_warped_patches(ct_face_kind kind)
+{
+  patch a = new_patch(kind, 3, 3, 0, 0, 2, 2, 1), b = new_patch(kind, 4, 2, 0.13, 0.11, 1.7, 1.7, 0);
+  for (int n = 0; n < a.surface.node_count; n++) a.x[3 * n + 2] = 0.03 * sin(4.0 * a.x[3 * n]) * cos(3.0 * a.x[3 * n + 1]);
+  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = 0.03 * cos(5.0 * b.x[3 * n] + 1.0);
+  ct_contact_options options = ct_contact_options_default();
+  options.epsilon = EPSILON;
+  options.enforcement = CT_ENFORCE_PENALTY;
+  options.adjust = 0.2;
+  hand h = new_hand(&a, &b, &options);
+  free_patch(&a);
+  free_patch(&b);
+  return h;
+}
+
+/* With start gaps of both signs: no force at the start, then minus the gradient of one potential, and both momenta. */
+static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
+{
+  hand h = two_warped_patches(kind);
+  double *f = numbers(3 * h.nodes), *other = numbers(3 * h.nodes), stored, size = 0.0, off = 0.0, sum[3] = {0}, moment[3] = {0};
+  double begin = fabs(take(&h, 0.0, 0.0, &stored, NULL));
+  for (int i = 0; i < 3 * h.nodes; i++) begin = worst(begin, h.force[i]);
+  tap_ok(begin == 0.0 && stored == 0.0, "%s: surfaces that overlap and gape, adjusted, begin without any force or energy", name);
+  for (int n = 0; n < h.nodes; n++) {
+    double w = n < h.first_b ? 0.0 : -0.01;
+    for (int c = 0; c < 3; c++) h.u[3 * n + c] = 0.001 * sin(7.0 * n + 2.0 * c) + (c == 2 ? w : 0.5 * w);
+  }
+  stored = evaluate(&h, f);
+  for (int i = 0; i < 3 * h.nodes; i++) {
+    const double step = 1e-6;
+    double *u = &h.u[i], keep = *u;
+    size = fmax(size, fabs(f[i]));
+    *u = keep + step;
+    double up = evaluate(&h, other);
+    *u = keep - step;
+    off = worst(off, f[i] + (up - evaluate(&h, other)) / (2.0 * step));
+    *u = keep;
+  }
+  tap_ok(stored > 0.0 && off < 2e-5 * size, "%s: with start gaps of both signs forces are minus the gradient of the energy (off by %.2g)", name, off / size);
+  for (int n = 0; n < h.nodes; n++)
+    for (int c = 0; c < 3; c++) {
+      int p = (c + 1) % 3, q = (c + 2) % 3;
+      sum[c] += f[3 * n + c];
+      moment[c] += (h.reference[3 * n + p] + h.u[3 * n + p]) * f[3 * n + q] - (h.reference[3 * n + q] + h.u[3 * n + q]) * f[3 * n + p];
+    }
+  double lost = worst(worst(sum[0], sum[1]), sum[2]), turned = worst(worst(moment[0], moment[1]), moment[2]);
+  tap_ok(lost < 1e-13 * size && turned < 1e-13 * size, "%s: with start gaps no momentum is made, linear or angular (%.2g, %.2g)", name, lost / size, turned / size);
+  free_hand(&h);
+  free(f);
+  free(other);
 }
 
 /* A start gap that fades while the point opens: at T / 2 half of it is left, so a point that stands at the start gap is pressed
@@ -129,7 +243,7 @@ static void start_gap_opens(void)
 static void start_gap_fades(void)
 {
   const double T = 2.0, g0 = -0.04, area = 4.0, half = 0.5, tail = 0.5 * (1.0 - sqrt(0.5)); // φ at T / 2 and 3 T / 4
-  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_REMOVE, .removal = T});
+  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_REMOVE, .removal = T}, g0);
   double off = 0.0, stored, work, F1 = EPSILON * area * (half * g0 - g0), F2, g2 = -0.01 / half;
   off = worst(off, take(&h, g0, 0.0, &stored, &work));
   off = worst(off, work);
@@ -158,7 +272,7 @@ static void history_in_memory(void)
   static const double *const gaps[3] = {in, deep, leap};
   static const char *const what[3] = {"comes in from outside", "begins deep", "is outside, and then too deep at once"};
   for (int k = 0; k < 3; k++) {
-    hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .depth = 0.3});
+    hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .depth = 0.3}, gaps[k][0]);
     double off = 0.0, stored;
     for (int i = 0; i < count[k]; i++) off = worst(off, take(&h, gaps[k][i], 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - (pressed[k][i] ? -gaps[k][i] : 0.0));
     tap_ok(off < 1e-14, "a surface that %s, restarted in every step, has the force of its gap where it is in contact (off by %.2g)", what[k], off);
@@ -236,6 +350,10 @@ static void corner_turned_inside_out(void)
 int main(void)
 {
   start_gap_opens();
+  start_gaps_are_adjusted();
+  start_gaps_have_a_potential(CT_Q4, "Q4");
+  start_gaps_have_a_potential(CT_Q8, "Q8");
+  start_gaps_have_a_potential(CT_T3, "T3");
   start_gap_fades();
   history_in_memory();
   same_as_the_host();

@@ -165,6 +165,7 @@ static void momentum(ct_brick_kind kind, const char *name)
                               .face_count_b = ct_mesh_plane_faces(b, 2, -0.02, fb, NULL), .faces_b = fb, .beta = 1.0,
                               .options = ct_contact_options_default(), .friction = 0.5};
   contact.options.enforcement = CT_ENFORCE_PENALTY;
+  contact.options.initial = CT_INITIAL_PUSH;
   ct_error error;
   need(ct_scene_add_contact(scene, &contact, &error), &error);
   int64_t steps;

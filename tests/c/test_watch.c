@@ -251,7 +251,7 @@ static void at_rest(void)
 {
   int alarms = 0, told_of = 0;
   double most = 0.0;
-  char text[512] = "";
+  char text[1100] = "";
   for (int i = 0; i < 40; i++) {
     double q[4], by[3], length = 0.0;
     for (int c = 0; c < 4; c++) q[c] = uniform(1.0), length += q[c] * q[c];

@@ -159,6 +159,7 @@ static void add_contact(play *p)
   if (chance(d, 8)) c.options.distant = below(d, 2);
   if (chance(d, 3)) c.options.points = (ct_contact_rule)below(d, 2 + d->wild);
   if (chance(d, 3)) c.options.initial = (ct_initial)below(d, 4 + d->wild);
+  if (chance(d, 5)) c.options.adjust = between(d, 0.0, 0.3);
   if (c.options.initial == CT_INITIAL_REMOVE || (d->wild && chance(d, 6))) c.options.removal = between(d, 0.01, 1.0);
   if (chance(d, 3)) c.friction = between(d, 0.0, 0.8);
   if (chance(d, 6)) c.tangent = between(d, 0.0, 2.0);

@@ -220,7 +220,8 @@ static void add_contact(run *r, dice *d)
                             .options = ct_contact_options_default()};
   if (chance(d, 2)) c.options.enforcement = (ct_enforcement)below(d, 4);
   if (chance(d, 3)) c.options.points = CT_POINTS_LOBATTO;
-  if (chance(d, 5)) c.options.initial = chance(d, 2) ? CT_INITIAL_KEEP : CT_INITIAL_REMOVE;
+  if (chance(d, 5)) c.options.initial = chance(d, 2) ? CT_INITIAL_PUSH : CT_INITIAL_REMOVE;
+  if (chance(d, 5)) c.options.adjust = 0.05;
   c.options.removal = c.options.initial == CT_INITIAL_REMOVE ? 3.0 : 0.0;
   c.options.distant = 1;
   if (chance(d, 3)) c.friction = between(d, 0.05, 0.6);

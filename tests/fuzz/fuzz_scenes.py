@@ -25,7 +25,7 @@ from libcontact.run import Run, RunError
 
 KEYS = ["x_min", "x_max", "y_min", "z_max", "xyz", "x", "hex8", "hex20", "linear", "neo_hookean", "penalty", "lagrange", "bipenalty", "reduced", "box", "plane", "one", "two", "one.x_max", "two.x_min",
         "lobatto", "keep", "remove", "refuse", "chung_lee", "noh_bathe", "tchamwa_wielgosz", "assembled"]
-WRONG = ["beta", "friction", "end", "velocity", "spin", "enforcement", "look_every", "energy_limit", "until_static", "points", "initial_penetration", "removal_time", "dissipation",
+WRONG = ["beta", "friction", "end", "velocity", "spin", "enforcement", "look_every", "energy_limit", "until_static", "points", "initial_penetration", "removal_time", "adjust", "dissipation",
          "integrator", "integrator_parameter", "stable_step"]
 
 
@@ -69,6 +69,8 @@ def contact_choices(chance: random.Random) -> dict:
         out["removal_time"] = chance.uniform(0.01, 1)
     if chance.random() < 0.2:
         out["friction"] = chance.uniform(0, 1)
+    if chance.random() < 0.2:
+        out["adjust"] = chance.uniform(0, 0.3)
     return out
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from . import exact
     from .chatter import ChatterWarning
-    from .errors import ArgumentError, BlowupError, EnergyError, EnergyGrowth, Error, FileError, GeometryError, NotBuiltIn, StepError
+    from .errors import ArgumentError, BlowupError, EnergyError, EnergyGrowth, Error, FileError, GeometryError, NotBuiltIn, OverlapWarning, StepError
     from .projection import Projection, RayHits, Status, face_points, project, project_path, project_ray
     from .run import EnergyBlowup, InvertedElement, NotFinite, Run, RunError, StepTooLarge
     from .scene import Scene
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from .search import Nearest, Surface, nearest
 
 __all__ = ["ArgumentError", "BlowupError", "ChatterWarning", "EnergyBlowup", "EnergyError", "EnergyGrowth", "Error", "FileError", "GeometryError", "InvertedElement", "Nearest", "NotBuiltIn",
-           "NotFinite", "Projection", "RayHits", "Run", "RunError", "Scene", "SceneError", "Status", "StepError", "StepTooLarge", "Surface", "exact",
+           "NotFinite", "OverlapWarning", "Projection", "RayHits", "Run", "RunError", "Scene", "SceneError", "Status", "StepError", "StepTooLarge", "Surface", "exact",
            "face_points", "has", "nearest", "project", "project_path", "project_ray"]
 
 # Where each name lives.
 _HOME = {
     "ChatterWarning": "chatter",
-    **dict.fromkeys(("ArgumentError", "BlowupError", "EnergyError", "EnergyGrowth", "Error", "FileError", "GeometryError", "NotBuiltIn", "StepError"), "errors"),
+    **dict.fromkeys(("ArgumentError", "BlowupError", "EnergyError", "EnergyGrowth", "Error", "FileError", "GeometryError", "NotBuiltIn", "OverlapWarning", "StepError"), "errors"),
     **dict.fromkeys(("Projection", "RayHits", "Status", "face_points", "project", "project_path", "project_ray"), "projection"),
     **dict.fromkeys(("EnergyBlowup", "InvertedElement", "NotFinite", "Run", "RunError", "StepTooLarge"), "run"),
     **dict.fromkeys(("Nearest", "Surface", "nearest"), "search"),

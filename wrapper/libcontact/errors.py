@@ -52,6 +52,10 @@ class EnergyGrowth(UserWarning):
         self.share, self.time, self.who = share, time, who
 
 
+class OverlapWarning(UserWarning):
+    """Surfaces in contact overlap at the start of a run, and the scene says nothing of it."""
+
+
 CLASSES = {
     lib.CT_INVALID: ArgumentError,
     lib.CT_ERROR_ARGUMENT: ArgumentError,

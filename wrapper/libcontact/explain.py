@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 from . import effects
 from ._core import ffi, lib
 from .chatter import chatter
+from .overlap import sentence, who
 from .parts import Contact, Parts
 from .plan import Cost, predict, table
 from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_of, new_state, penetrations, speeds
@@ -141,7 +141,7 @@ def _initial_gaps(problem: Problem) -> list[float | None]:
     """The smallest gap of each contact at t = 0; None where no point is near the other surface."""
     if not problem.contacts:
         return []
-    gaps = [points["gap"][points["other"] >= 0] for points in contact_points(problem, new_state(problem))]
+    gaps = [(points["gap"] + points["start_gap"])[points["other"] >= 0] for points in contact_points(problem, new_state(problem))]
     return [float(gap.min()) if gap.size else None for gap in gaps]
 
 
@@ -152,21 +152,17 @@ def _initial_penetration(problem: Problem) -> list[dict[str, Any]]:
 
 def _contact(built: BuiltContact, given: Contact, gap: float | None, found: dict[str, Any]) -> dict[str, Any]:
     warnings = []
-    fate = {"push": "the penalty pushes them apart, which puts energy into the bodies", "keep": "their gaps count from where they are",
-            "remove": f"they are parted in {given.removal_time:g}"}
-    if found["deepest"] > 0.0:
-        where = ", ".join(f"{x:.4g}" for x in found["position"])
-        warnings.append(f"contact {_who(built.surfaces)}: the surfaces overlap by {found['deepest']:.3g} at the start, at {found['inside'] - found['buried']} "
-                        f"points, most at ({where}) on {found['surface']}; {fate.get(given.initial_penetration)}")
+    if overlap := sentence(built, given, found):
+        warnings.append(overlap)
     if found["buried"]:
-        warnings.append(f"contact {_who(built.surfaces)}: {found['buried']} points are deep beneath the other surface at the start, or on its far side; they are in no "
+        warnings.append(f"contact {who(built.surfaces)}: {found['buried']} points are deep beneath the other surface at the start, or on its far side; they are in no "
                         "contact before they have been outside")
     return {
         "surfaces": list(built.surfaces), "with_itself": built.with_itself, "faces": list(built.faces), "gauss_points": list(built.points),
         "epsilon": built.epsilon, "beta": given.beta, "penalty_is_default": not given.penalty_given,
         "enforcement": given.enforcement, "dissipation": given.dissipation, "friction": given.friction, "tangent": given.tangent or 1.0,
         "method": given.method, "tolerance": given.tolerance, "depth": given.depth, "points": given.points,
-        "initial_penetration": given.initial_penetration, "removal_time": given.removal_time, "penetration": found, "initial_gap": gap, "warnings": warnings,
+        "adjust": given.adjust, "initial_penetration": given.initial_penetration, "removal_time": given.removal_time, "penetration": found, "initial_gap": gap, "warnings": warnings,
     }
 
 
@@ -229,10 +225,6 @@ def _body_lines(body: dict[str, Any], units: Units) -> list[str]:
     ]
 
 
-def _who(surfaces: Sequence[str]) -> str:
-    return f"{surfaces[0]} with " + ("itself" if surfaces[0] == surfaces[1] else surfaces[1])
-
-
 def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
     if contact["with_itself"]:
         how = f"{contact['faces'][0]} faces of one body, each against all that share no node with it"
@@ -245,11 +237,12 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
     else:
         origin = f"beta = {contact['beta']:g}" if contact["beta"] is not None else "given"
     return [
-        f"  contact {_who(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} {'Gauss' if contact['points'] == 'gauss' else 'Lobatto'} points",
+        f"  contact {who(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} {'Gauss' if contact['points'] == 'gauss' else 'Lobatto'} points",
         f"    penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin}), closest points by {contact['method']}",
         f"    enforced by {contact['enforcement']}" + (f", dissipation {contact['dissipation']:g}" if contact["enforcement"] == "energy_controlled" else ""),
         *([f"    friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"] if contact["friction"] else []),
         "    at the start " + (nobody if contact["initial_gap"] is None else f"the smallest gap is {contact['initial_gap']:.4g} {units.length}"),
+        *([f"    gaps and overlaps at the start up to {contact['adjust']:g} {units.length} are taken as touching"] if contact["adjust"] else []),
     ]
 
 

@@ -18,8 +18,9 @@ import numpy as np
 
 from ._core import ffi, lib
 from .chatter import ChatterWarning, chatter, contact_name, obstacle_name
-from .errors import EnergyGrowth, NotBuiltIn, check, new_error, raise_held, text_of
+from .errors import EnergyGrowth, NotBuiltIn, OverlapWarning, check, new_error, raise_held, text_of
 from .mesh import view
+from .overlap import overlaps
 from .plan import computed_share, measured
 from .problem import Problem, contact_points, new_state, penetrations
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_dtype
@@ -217,6 +218,8 @@ class Loop:
             raise SceneError(f"the restart stands at step {self.state.step}, after the last step {last}", "restart", self.problem.file)
         begin = clock.perf_counter()
         self.start_guard()
+        for sentence in overlaps(self.problem, self.state) if self.state.step == 0 else ():
+            warnings.warn(OverlapWarning(sentence), stacklevel=4)
         with _progress(progress, self.state.step, last) as tell, _ctrl_c() as stop:
             self.record()
             while self.state.step < last and not stop and not self._at_rest():

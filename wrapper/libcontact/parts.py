@@ -103,8 +103,9 @@ class Contact:
     enforcement: str
     dissipation: float
     points: str = "gauss"
-    initial_penetration: str = "push"
+    initial_penetration: str = "keep"
     removal_time: float = 0.0
+    adjust: float = 0.0
 
     @property
     def with_itself(self) -> bool:
@@ -359,8 +360,9 @@ def _contact(table: Table, bodies: dict[str, Body]) -> Contact:
         tangent=table.number("tangent", 0.0, above=0.0),
         **dict(zip(("enforcement", "dissipation"), read_enforcement(table))),
         points=table.choice("points", RULES, "gauss"),
-        initial_penetration=table.choice("initial_penetration", INITIAL, "push"),
+        initial_penetration=table.choice("initial_penetration", INITIAL, "keep"),
         removal_time=table.number("removal_time", 0.0, above=0.0),
+        adjust=table.number("adjust", 0.0, least=0.0),
     )
     if contact.tangent and not contact.friction:
         raise table.error("tangent", 'belongs to friction; give "friction" too')

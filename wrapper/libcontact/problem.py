@@ -35,7 +35,7 @@ SHORTEST_ROW = 32
 SHORTEST_LATTICE = 8
 POINT = np.dtype(
     [("side", "i4"), ("face", "i4"), ("gauss", "i4"), ("other", "i4"), ("position", "f8", 3), ("closest", "f8", 3), ("xi", "f8", 2),
-     ("gap", "f8"), ("pressure", "f8"), ("weight", "f8")],
+     ("gap", "f8"), ("pressure", "f8"), ("weight", "f8"), ("start_gap", "f8")],
     align=True,
 )
 
@@ -293,6 +293,7 @@ class Problem:
         new.options.points = RULES[contact.points]
         new.options.initial = INITIAL[contact.initial_penetration]
         new.options.removal = contact.removal_time
+        new.options.adjust = contact.adjust
         if contact.tolerance is not None:
             new.options.tolerance = contact.tolerance
         if contact.depth is not None:
@@ -464,7 +465,7 @@ def penetrations(problem: Problem, state: Any) -> list[dict[str, dict[str, Any]]
         for place, at in places.items():
             check(lib.ct_contact_penetration(contact, at, found))
             table[place] = {"inside": found.inside, "buried": found.buried, "deepest": found.deepest,
-                            "surface": built.surfaces[found.side] if found.side >= 0 else None, "face": found.face, "position": tuple(found.position)}
+                            "surface": built.surfaces[found.side] if found.side >= 0 else None, "face": found.face, "position": tuple(found.position), "touching": found.touching}
         out.append(table)
     return out
 

@@ -188,9 +188,9 @@ class Run:
     none), a row a record; ``momentum``, with time, body (number in ``bodies``), p, L,
     contact_impulse, support_impulse, a row a record and body. ``state`` is the last recorded state. ``contact`` has for each contact of
     the scene the Gauss points of both surfaces in that state: side, face, gauss, other (the face that was met, or -1), position, closest, xi,
-    gap (negative inside, NaN where nothing was met), pressure, weight; it is empty for a run that was read from a file. ``penetration`` has for each
+    gap (what the contact law sees: negative in contact, NaN where nothing was met), pressure, weight, start_gap (what ``gap`` counts from; the true distance is ``gap + start_gap``); it is empty for a run that was read from a file. ``penetration`` has for each
     contact a dict of the places "points", "corners" and "edges" (of all faces; a surface in contact with itself has "points" only), and for each place the numbers of those
-    ``inside`` and ``buried`` (inside, but not in contact as they never came from outside), and depth ``deepest``, ``surface``, ``face`` and ``position`` of the deepest. ``costs`` are the seconds of each
+    ``inside`` and ``buried`` (inside, but not in contact as they never came from outside), and depth ``deepest``, ``surface``, ``face`` and ``position`` of the deepest, by true distances; up to the depth ``touching`` surfaces only touch. ``costs`` are the seconds of each
     effect by name, of the "time loop" around them and of the "output"; ``Scene.costs`` puts them beside what was predicted. ``computed`` is the share of the elements' forces
     that were computed, as the others were quiet (None for a run that was read from a file).
     ``impulse`` is what each effect has given to all bodies together since t = 0 (3,), by name: their sum is the change of momentum. It is empty for a run that was

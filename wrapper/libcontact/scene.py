@@ -134,14 +134,15 @@ class Scene:
     def add_contact(self, a: str, b: str, *, beta: float | None = None, epsilon: float | None = None, method: str | None = None,
                     tolerance: float | None = None, depth: float | None = None, friction: float | None = None,
                     tangent: float | None = None, enforcement: str | None = None, dissipation: float | None = None,
-                    points: str | None = None, initial_penetration: str | None = None, removal_time: float | None = None) -> Scene:
+                    points: str | None = None, initial_penetration: str | None = None, removal_time: float | None = None, adjust: float | None = None) -> Scene:
         """
         Add the contact of two surfaces such as ``"left.x_max"`` and ``"right.x_min"``; beta is 4 if no penalty is given. A surface that is named
-        twice, or two of one body, can meet itself: ``scene.add_contact("ring.outer", "ring.outer")``.
+        twice, or two of one body, can meet itself: ``scene.add_contact("ring.outer", "ring.outer")``. ``adjust`` is the distance within which gaps and
+        overlaps at the start are taken as touching.
         """
         return self._add("contact", surfaces=[a, b], beta=beta, epsilon=epsilon, method=method, tolerance=tolerance, depth=depth,
                          friction=friction, tangent=tangent, enforcement=enforcement, dissipation=dissipation, points=points,
-                         initial_penetration=initial_penetration, removal_time=removal_time)
+                         initial_penetration=initial_penetration, removal_time=removal_time, adjust=adjust)
 
     def add_support(self, set: str, *, fix: Any, velocity: Any = None, travel: Any = None, history: Any = None) -> Scene:
         """

@@ -16,15 +16,18 @@ typedef enum ct_contact_rule {
   CT_POINTS_LOBATTO
 } ct_contact_rule;
 
-/** What a contact as an effect does with points that are inside at the start, :eq:`initial-shift`. */
+/** What a contact as an effect does with points that are inside at the start, deeper than `adjust`, :eq:`initial-shift`. */
 typedef enum ct_initial {
   /** Push them out at once, which puts the energy of the penalty into the bodies. */
   CT_INITIAL_PUSH,
-  /** End with CT_ERROR_GEOMETRY, which tells how many there are, and the place and depth of the deepest. */
+  /**
+   * End with CT_ERROR_GEOMETRY if a point is deeper than `adjust` and than the rounding of the coordinates; the error reports how
+   * many there are, and the place and depth of the deepest.
+   */
   CT_INITIAL_REFUSE,
-  /** Count the gap of each of them from where it starts, until it has opened. */
+  /** Count the gap of each of them from where it starts, until it has opened. Nothing is pushed, so no energy is added. */
   CT_INITIAL_KEEP,
-  /** As CT_INITIAL_KEEP, but the start gap fades to nothing in the time `removal`; the ledger books its work as external. */
+  /** As CT_INITIAL_KEEP, but start gaps fade to nothing in the time `removal`; the ledger books their work as external. */
   CT_INITIAL_REMOVE
 } ct_initial;
 
@@ -59,17 +62,22 @@ typedef struct ct_contact_options {
   /** Where the points are; Gauss points. */
   ct_contact_rule points;
   /**
-   * What becomes of points that are inside at the start; CT_INITIAL_PUSH. Only the effect heeds it, a host's ct_contact_update
-   * does not.
+   * What becomes of points that are inside at the start; CT_INITIAL_KEEP by default. Only the effect heeds `initial` and `adjust`,
+   * a host's ct_contact_update does not.
    */
   ct_initial initial;
   /** Time in which CT_INITIAL_REMOVE parts the surfaces [time], > 0 with it. */
   double removal;
+  /**
+   * Distance within which gaps and overlaps at the start are taken as touching [length], >= 0 and at most the depth: the gap of
+   * such a point counts from where it starts, :eq:`initial-adjust`. 0, the default: no gap is closed.
+   */
+  double adjust;
 } ct_contact_options;
 
 /**
  * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, no search between distant surfaces, energy-controlled penalty
- * with dissipation 0.1. ``epsilon`` is 0 and must be set.
+ * with dissipation 0.1, overlaps at the start kept. ``epsilon`` is 0 and must be set.
  */
 CT_API ct_contact_options ct_contact_options_default(void);
 
@@ -144,12 +152,20 @@ typedef struct ct_contact_point {
   double closest[3];
   /** Parameters of ȳ on the other face. */
   double xi[2];
-  /** Signed distance g [length], negative inside, less the start gap that is kept; NaN when `other` is -1. */
+  /**
+   * Gap that the contact law sees [length], negative where the point is in contact: the signed distance less `start_gap`; NaN when
+   * `other` is -1.
+   */
   double gap;
   /** Traction [stress]: ε⟨-g⟩, or that of the enforcement. */
   double pressure;
   /** Weight w J_ref [area]. */
   double weight;
+  /**
+   * Start gap [length] that `gap` counts from, :eq:`initial-shift`: negative for an overlap that is kept, positive for a gap that
+   * was adjusted, else 0. The signed distance of the point from the other surface is `gap` + `start_gap`.
+   */
+  double start_gap;
 } ct_contact_point;
 
 /** Number of Gauss points of both surfaces, those of a first. */
@@ -168,7 +184,7 @@ typedef enum ct_penetration_at {
   CT_AT_EDGES
 } ct_penetration_at;
 
-/** How far two surfaces are inside each other; everything is written by `ct_contact_penetration`. */
+/** How far two surfaces are inside each other, by true distances, whatever start gaps there are; everything is written by `ct_contact_penetration`. */
 typedef struct ct_penetration {
   /** Number of places inside; a corner or an edge counts once for each face. */
   int64_t inside;
@@ -185,6 +201,8 @@ typedef struct ct_penetration {
   int32_t face;
   /** Its position [length]; NaN when there is none. */
   double position[3];
+  /** Depth [length] up to which two surfaces only touch: 1e-9 of the largest face, or the rounding of their coordinates if that is more. */
+  double touching;
 } ct_penetration;
 
 /**

@@ -15,7 +15,8 @@
 ct_contact_options ct_contact_options_default(void)
 {
   return (ct_contact_options){.epsilon = 0.0, .method = CT_ROBUST, .tolerance = 1e-10, .depth = 0.0, .threads = 1, .distant = 1,
-                              .enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = 0.1};
+                              .enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = 0.1,
+                              .initial = CT_INITIAL_KEEP};
 }
 
 double ct_contact_penalty(double beta, double young, double h) { return beta * young / h; }
@@ -38,6 +39,8 @@ static ct_status check_options(const ct_contact_options *options, ct_error *erro
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: depth %g, %d threads", options->depth, options->threads);
   if (options->initial < CT_INITIAL_PUSH || options->initial > CT_INITIAL_REMOVE || (options->initial == CT_INITIAL_REMOVE && !(options->removal > 0.0)))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: initial penetration %d with removal in %g", (int)options->initial, options->removal);
+  if (!(options->adjust >= 0.0) || !isfinite(options->adjust))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: gaps and overlaps up to %g to be adjusted", options->adjust);
   if (options->points != CT_POINTS_GAUSS && options->points != CT_POINTS_LOBATTO)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no rule of points %d", (int)options->points);
   if (ct_method_name(options->method) == NULL)
@@ -146,7 +149,7 @@ static double deepest(const ct_contact *contact)
   double depth = 0.0;
   for (int s = 0; s < contact->sides; s++)
     for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++)
-      if (contact->side[s].points[i].history == CT_POINT_INSIDE) depth = fmax(depth, -(contact->side[s].points[i].gap + contact->side[s].points[i].shift));
+      if (contact->side[s].points[i].history == CT_POINT_INSIDE) depth = fmax(depth, -ct_point_distance(&contact->side[s].points[i]));
   return depth;
 }
 
@@ -198,6 +201,10 @@ static ct_status create(const ct_surface *const surface[2], int sides, const ct_
   if (status == CT_OK) {
     contact->depth = options->depth > 0.0 ? options->depth : size;
     contact->skin = 0.5 * size;
+    if (options->adjust > contact->depth)
+      status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: surfaces are searched for each other up to the depth %g only, so adjust = %g is too much", contact->depth, options->adjust);
+  }
+  if (status == CT_OK) {
     contact->terms = ct_allocate((size_t)ct_contact_point_count(contact), sizeof *contact->terms);
     if (contact->terms == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   }
@@ -365,14 +372,14 @@ double ct_contact_energy(const ct_contact *contact)
   if (contact == NULL) return NAN;
   ct_stream sum = {0};
   double terms[27];
-  // -- Π = Σ ½ · ½ ε g² w J over the points inside, = ½ force · d, with d no longer than the gap is deep (eq:contact-potential)
+  // -- Π = Σ ½ · ½ ε g² w J over the points inside, = ½ force · d; or ½ |force| times the depth under a start gap (eq:contact-potential)
   while (ct_stream_again(&sum, 1))
     for (int s = 0; s < contact->sides; s++)
       for (int32_t face = 0; face < contact->side[s].search->face_count; face++) {
         const ct_gauss_point *point = &contact->side[s].points[(int64_t)face * contact->side[s].rule.count];
         for (int q = 0; q < contact->side[s].rule.count; q++, point++) {
-          double energy = 0.5 * ct_vector_dot(point->force, point->d);
-          terms[q] = point->shift < 0.0 ? energy * (point->gap / (point->gap + point->shift)) : energy;
+          const double *f = point->force;
+          terms[q] = point->shift == 0.0 ? 0.5 * ct_vector_dot(f, point->d) : -0.5 * sqrt(ct_vector_dot(f, f)) * point->gap;
         }
         ct_stream_add(&sum, terms, contact->side[s].rule.count);
       }
@@ -406,13 +413,6 @@ int64_t ct_contact_point_count(const ct_contact *contact)
   return count;
 }
 
-/* Traction of a point, positive where it pushes. */
-static double pressure_of(const ct_gauss_point *point, double area)
-{
-  double size = sqrt(ct_vector_dot(point->force, point->force)) / area;
-  return (point->gap < 0.0) == (ct_vector_dot(point->force, point->d) >= 0.0) ? size : -size;
-}
-
 ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
@@ -423,9 +423,10 @@ ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points)
       const ct_gauss_point *from = &side->points[i];
       int met = from->other >= 0;
       *points = (ct_contact_point){.side = s, .face = (int32_t)(i / side->rule.count), .gauss = (int32_t)(i % side->rule.count),
-                                   .other = from->other, .gap = from->gap, .weight = side->weight[i]};
+                                   .other = from->other, .gap = from->gap, .weight = side->weight[i], .start_gap = met ? from->shift : 0.0};
       ct_side_interpolate(side, points->face, side->N[points->gauss], zero, points->position);
-      points->pressure = pressure_of(from, 0.5 * side->weight[i]);
+      // No law pulls, so the pressure is the size of the force.
+      points->pressure = sqrt(ct_vector_dot(from->force, from->force)) / (0.5 * side->weight[i]);
       for (int c = 0; c < 3; c++) points->closest[c] = met ? points->position[c] + from->d[c] : NAN;
       for (int c = 0; c < 2; c++) points->xi[c] = met ? from->xi[c] : NAN;
     }

@@ -22,6 +22,9 @@ struct ct_contact {
 ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double *xb, ct_error *error);
 ct_status ct_contact_collect(ct_contact *contact, ct_error *error);
 
+/* How far the gap of two surfaces may be off because their coordinates are rounded. */
+double ct_contact_rounding(const ct_contact *contact);
+
 /* Find how far two surfaces may come nearer in a step; and refuse a step of length `dt` to `time` that may have brought them
  * nearer than that, with velocities in the numbering of `nodes` (eq:passage). */
 void ct_passage_init(ct_contact *contact);

@@ -79,14 +79,14 @@ static const double BURIED = -4294967296.0;
 static int is_penalty(const contact_data *data) { return data->options.enforcement == CT_ENFORCE_PENALTY; }
 /* Where the memory of start gaps begins, of each point; and how far apart the memory of two points is. */
 static int shifts_at(const contact_data *data) { return is_penalty(data) ? FORCE : FORCE + 1; }
-static int stride(const contact_data *data) { return shifts_at(data) + (ct_initial_shifts(&data->options) ? CT_INITIAL_POINT : 0); }
+static int stride(const contact_data *data) { return shifts_at(data) + ct_initial_point_memory(&data->options); }
 /* Where the memory after the points begins. */
 static int64_t tail_at(const contact_data *data, const ct_contact *contact) { return stride(data) * ct_contact_point_count(contact); }
 
 /* Where the memory of the nodes' coordinates begins. */
 static int64_t places_at(const contact_data *data, const ct_contact *contact)
 {
-  return tail_at(data, contact) + TAIL + (ct_initial_shifts(&data->options) ? CT_INITIAL_END : 0);
+  return tail_at(data, contact) + TAIL + ct_initial_end_memory(&data->options);
 }
 
 static void recall(ct_contact *contact, const double *memory, int size)
@@ -119,29 +119,19 @@ static void remember(const ct_contact *contact, double *memory, int size)
 static ct_initial_view initial_view(const contact_data *data, const ct_view *view, const ct_contact *contact)
 {
   int64_t tail = tail_at(data, contact);
-  return (ct_initial_view){view->time, view->dt, view->memory[tail + BEGUN] == 0.0, stride(data), view->memory + shifts_at(data), view->memory + tail + TAIL,
+  return (ct_initial_view){view->time, view->dt, view->memory[tail + BEGUN] == 0.0, stride(data), view->memory + shifts_at(data), view->memory + KNOWN, view->memory + tail + TAIL,
                            view->next_memory + shifts_at(data), view->next_memory + tail + TAIL};
 }
 
-/* What is inside at the start. */
-static ct_status treat_initial(const contact_data *data, const ct_view *view, ct_contact *contact, ct_error *error)
-{
-  if (data->options.initial == CT_INITIAL_REFUSE && view->memory[tail_at(data, contact) + BEGUN] == 0.0) return ct_initial_refuse(contact, error);
-  if (!ct_initial_shifts(&data->options)) return CT_OK;
-  ct_initial_view shown = initial_view(data, view, contact);
-  ct_initial_shift(contact, &shown);
-  return CT_OK;
-}
-
-/* Gaps of the points at the time of the view. */
-static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error *error)
+/* True distances of the points at the current coordinates, or with the displacement null on the undeformed shape. */
+static ct_status look(const ct_effect *effect, const ct_view *view, const double *displacement, ct_error *error)
 {
   const contact_data *data = effect->data;
   contact_scratch *s = view->scratch;
   for (int32_t i = 0; i < effect->node_count; i++)
     for (int c = 0; c < 3; c++) {
       int64_t dof = 3 * (int64_t)effect->nodes[i] + c;
-      s->x[3 * (int64_t)i + c] = view->reference[dof] + view->displacement[dof];
+      s->x[3 * (int64_t)i + c] = view->reference[dof] + (displacement != NULL ? displacement[dof] : 0.0);
     }
   s->contact->options.threads = view->threads;
   recall(s->contact, view->memory, stride(data));
@@ -153,10 +143,26 @@ static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error 
   if (status == CT_OK) status = ct_contact_measure(s->contact, s->x, s->x, error);
   memcpy(view->next_memory + places, s->x, 3 * (size_t)effect->node_count * sizeof *s->x);
   if (status != CT_OK && error != NULL && error->point >= 0) error->point = effect->nodes[error->point];
+  return status;
+}
+
+/* Gaps of the points at the time of the view, counted from their start gaps. */
+static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error *error)
+{
+  const contact_data *data = effect->data;
+  ct_contact *contact = ((const contact_scratch *)view->scratch)->contact;
+  ct_initial_view shown = initial_view(data, view, contact);
+  int shifts = ct_initial_point_memory(&data->options) > 0;
+  ct_status status = CT_OK;
+  // -- Start gaps are those of the undeformed shape (eq:initial-adjust)
+  if (shown.first && shifts) status = look(effect, view, NULL, error);
+  if (status == CT_OK && shown.first && shifts) ct_initial_begin(contact, &shown);
+  if (status == CT_OK) status = look(effect, view, view->displacement, error);
   if (status == CT_OK && view->dt > 0.0 && view->time > 0.0)
-    status = ct_passage_check(s->contact, effect->nodes, view->velocity, view->dt, view->time, error);
-  if (status == CT_OK) status = treat_initial(data, view, s->contact, error);
-  if (status == CT_OK) remember(s->contact, view->next_memory, stride(data));
+    status = ct_passage_check(contact, effect->nodes, view->velocity, view->dt, view->time, error);
+  if (status == CT_OK && shifts) ct_initial_shift(contact, &shown);
+  if (status == CT_OK && shown.first && data->options.initial == CT_INITIAL_REFUSE) status = ct_initial_refuse(contact, error);
+  if (status == CT_OK) remember(contact, view->next_memory, stride(data));
   return status;
 }
 
@@ -198,7 +204,7 @@ static ct_status contact_force(const ct_effect *effect, const ct_view *view, dou
   contact_scratch *s = view->scratch;
   ct_status status = is_penalty(data) ? measure(effect, view, error) : CT_OK;
   if (status == CT_OK && !is_penalty(data)) take_constraints(data, view, s);
-  if (status == CT_OK && ct_initial_shifts(&data->options)) {
+  if (status == CT_OK && ct_initial_end_memory(&data->options) > 0) {
     ct_initial_view shown = initial_view(data, view, s->contact);
     s->work = ct_initial_work(s->contact, &shown);
   }

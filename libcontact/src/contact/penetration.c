@@ -4,6 +4,7 @@
 #include "../vector.h"
 #include "contact_internal.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -73,9 +74,10 @@ static void at_points(const ct_contact *contact, ct_penetration *out)
       double y[3];
       out->buried += side->points[i].history == CT_POINT_BURIED;
       out->inside += side->points[i].history == CT_POINT_BURIED;
-      if (side->points[i].other < 0 || !(side->points[i].gap + side->points[i].shift < 0.0)) continue;
+      double distance = ct_point_distance(&side->points[i]);
+      if (side->points[i].other < 0 || !(distance < 0.0)) continue;
       ct_side_interpolate(side, face, side->N[i % side->rule.count], zero, y);
-      take(out, -(side->points[i].gap + side->points[i].shift), s, face, y);
+      take(out, -distance, s, face, y);
     }
   }
 }
@@ -105,15 +107,32 @@ static void at_edges(const ct_contact *contact, ct_search *const now[2], int edg
   }
 }
 
+double ct_contact_rounding(const ct_contact *contact)
+{
+  double far = 0.0;
+  for (int s = 0; s < contact->sides; s++) {
+    const ct_search *search = contact->side[s].search;
+    for (int64_t i = 0; i < 3 * (int64_t)search->node_count; i++) far = fmax(far, fabs(search->x[i]));
+  }
+  return 64.0 * DBL_EPSILON * far;
+}
+
+/* Depth up to which surfaces only touch: that of the rounding of coordinates, and a part of a face in 10⁹. */
+static double touching(const ct_contact *contact)
+{
+  double size = fmax(contact->side[0].search->size, contact->side[contact->sides - 1].search->size);
+  return fmax(1e-9 * size, ct_contact_rounding(contact));
+}
+
 ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at, ct_penetration *out)
 {
   if (contact == NULL || out == NULL || (at != CT_AT_POINTS && at != CT_AT_CORNERS && at != CT_AT_EDGES)) return CT_ERROR_ARGUMENT;
-  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}};
+  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, touching(contact)};
   if (at != CT_AT_POINTS && contact->sides == 1) return CT_ERROR_UNSUPPORTED;
   at_points(contact, out);
   if (at == CT_AT_POINTS) return CT_OK;
   double limit = fmax(contact->depth, 2.0 * out->deepest);
-  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}};
+  *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, out->touching};
   ct_search *now[2] = {NULL, NULL};
   ct_status status = CT_OK;
   for (int s = 0; status == CT_OK && s < contact->sides; s++) status = ct_search_look(contact->side[s].search, &now[s]);

@@ -9,27 +9,12 @@
 #include <math.h>
 #include <string.h>
 
-/* Direction in which a point is pushed: the way to its foot, or where the two are in one place the normal there. Answers 0 where
- * there is none. */
-static int direction(const ct_press *p, const ct_gauss_point *point, double n[3])
-{
-  double length = sqrt(ct_vector_dot(point->d, point->d)), sign = point->gap + point->shift < 0.0 ? 1.0 : -1.0;
-  if (length > 1e-12 * p->side->search->size) {
-    for (int c = 0; c < 3; c++) n[c] = sign * point->d[c] / length;
-    return 1;
-  }
-  memcpy(n, point->normal, sizeof point->normal);
-  length = sqrt(ct_vector_dot(n, n));
-  for (int c = 0; c < 3; c++) n[c] /= length;
-  return length > 0.0;
-}
-
 /* One point: λ b_a n on node a, with b = N on the point's own face and -N̄ on the other (eq:constraint-force). */
 static int list_point(const ct_press *p, int64_t i, const double moved[3], ct_constraint *c)
 {
   const ct_gauss_point *point = &p->side->points[i];
   const int32_t *faces[2] = {&p->side->search->faces[i / p->side->rule.count * p->side->search->per], NULL};
-  if (!(point->gap <= p->reach) || !direction(p, point, c->normal)) return 0;
+  if (!(point->gap <= p->reach) || !ct_side_direction(p->side, point, c->normal)) return 0;
   c->enforcement = p->enforcement;
   c->dissipation = p->dissipation;
   c->stiffness = p->epsilon * p->side->weight[i];

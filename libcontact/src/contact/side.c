@@ -120,6 +120,19 @@ void ct_side_moved(const ct_side *side, int32_t face, const double N[8], double 
   interpolate(side->search, side->moved, face, N, zero, out);
 }
 
+int ct_side_direction(const ct_side *side, const ct_gauss_point *point, double n[3])
+{
+  double length = sqrt(ct_vector_dot(point->d, point->d)), sign = ct_point_distance(point) < 0.0 ? 1.0 : -1.0;
+  if (length > 1e-12 * side->search->size) {
+    for (int c = 0; c < 3; c++) n[c] = sign * point->d[c] / length;
+    return 1;
+  }
+  memcpy(n, point->normal, sizeof point->normal);
+  length = sqrt(ct_vector_dot(n, n));
+  for (int c = 0; c < 3; c++) n[c] /= length;
+  return length > 0.0;
+}
+
 void ct_side_area(const ct_side *side, int32_t face, int q, double normal[3])
 {
   static const double zero[3] = {0.0, 0.0, 0.0};

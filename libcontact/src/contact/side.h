@@ -21,13 +21,16 @@ typedef struct ct_gauss_point {
   double known;   /* signed distance from the nearest place as the last update found it, with or without contact; NaN: none was near */
   double normal[3]; /* outward normal of the other side at the foot, of any length */
   double N[8];    /* shape functions of the other face at xi */
-  double shift;    /* start gap that `gap` counts from, 0 or negative (eq:initial-shift) */
+  double shift;    /* start gap that `gap` counts from, of either sign (eq:initial-shift) */
   double closing;  /* by how much the shift grows until the next step */
   double force[3]; /* ½ ε w J d where the gap is negative, else 0; or what the enforcement makes of the gap */
 } ct_gauss_point;
 
 /* Whether a point has a force. */
 static inline int ct_point_presses(const ct_gauss_point *point) { return point->force[0] != 0.0 || point->force[1] != 0.0 || point->force[2] != 0.0; }
+
+/* Signed distance of a point from the other side, whatever its gap counts from. */
+static inline double ct_point_distance(const ct_gauss_point *point) { return point->gap + point->shift; }
 
 /* One surface of a contact: its shape and tree, its weights, its points and forces. */
 typedef struct ct_side {
@@ -75,6 +78,10 @@ void ct_side_moved(const ct_side *side, int32_t face, const double N[8], double 
 
 /* Normal of a face at its Gauss point q, of the length of the area element there. */
 void ct_side_area(const ct_side *side, int32_t face, int q, double normal[3]);
+
+/* Unit direction in which a point is pushed: along the line to its closest point, or where the two coincide the normal there.
+ * Returns 0 where there is none. */
+int ct_side_direction(const ct_side *side, const ct_gauss_point *point, double n[3]);
 
 /* Add a force at a point of a face to the face's nodes, into sums that do not depend on their order (eq:contact-force). */
 static inline void ct_side_push(const ct_grid *grid, const ct_search *search, int64_t face, const double N[8],
