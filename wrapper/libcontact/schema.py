@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import difflib
 import math
+import os
+import stat
+from pathlib import Path
 from typing import Any
 from collections.abc import Iterable
 
@@ -20,6 +23,15 @@ class SceneError(Error, ValueError):
     def __init__(self, reason: str, key: str = "", file: str | None = None):
         self.file, self.key, self.reason = file, key, reason
         super().__init__(": ".join(part for part in (file or "scene", key, reason) if part))
+
+
+def check_file(path: str | Path, most: float = math.inf) -> None:
+    """Refuse, with a ValueError that names it, a file that is none (a device or a pipe may never end) or that has more than ``most`` bytes."""
+    found = os.stat(path)
+    if not stat.S_ISREG(found.st_mode):
+        raise ValueError(f'"{path}" is ' + ("a folder" if stat.S_ISDIR(found.st_mode) else "no regular file but a device, a pipe or the like"))
+    if found.st_size > most:
+        raise ValueError(f'"{path}" has {found.st_size / 1e6:.6g} MB; at most {most / 1e6:g} MB are read')
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
