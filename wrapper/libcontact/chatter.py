@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ._core import lib
+from .errors import ChatterWarning
 from .problem import Problem
 
 # Measured on the bar on a wall, over ways to meet the wall: within these limits its energy grows by less than 1 %. (β, largest fraction of the stable step)
@@ -13,17 +14,15 @@ PENALTY, DAMPED_PENALTY = ((4.0, 0.4), (30.0, 0.25)), ((50.0, 0.4),)
 BIPENALTY_BETA, BIPENALTY_PRODUCT = 3.0, 1.5
 
 
-class ChatterWarning(UserWarning):
-    """A penalty is so stiff for the step that points which come and go with every step feed energy into the bodies."""
+def chatter(problem: Problem) -> Iterator[ChatterWarning]:
+    """A warning for each contact and obstacle whose enforcement, penalty and step are known to make energy."""
+    for key, who, enforcement, beta in _enforced(problem):
+        if sentence := _warn(who, enforcement, beta, problem):
+            yield ChatterWarning(sentence, key)
 
 
-def chatter(problem: Problem) -> list[str]:
-    """A sentence for each contact and obstacle whose enforcement, penalty and step are known to make energy."""
-    return [sentence for who, enforcement, beta in _enforced(problem) if (sentence := _warn(who, enforcement, beta, problem))]
-
-
-def _enforced(problem: Problem) -> Iterator[tuple[str, str, float]]:
-    """Name, enforcement and β of every contact and obstacle."""
+def _enforced(problem: Problem) -> Iterator[tuple[str, str, str, float]]:
+    """Key, name, enforcement and β of every contact and obstacle."""
     bodies = problem.bodies
 
     def factor(given, names) -> float:
@@ -31,12 +30,12 @@ def _enforced(problem: Problem) -> Iterator[tuple[str, str, float]]:
             return given.beta
         return given.epsilon * min(bodies[name].mesh.shortest_edge for name in names) / min(bodies[name].material.young for name in names)
 
-    for contact in problem.parts.contacts:
+    for i, contact in enumerate(problem.parts.contacts):
         names = [body for body, _ in contact.surfaces]
-        yield "contact " + " with ".join(".".join(surface) for surface in contact.surfaces), contact.enforcement, factor(contact, names)
+        yield f"contact[{i}]", " with ".join(".".join(surface) for surface in contact.surfaces), contact.enforcement, factor(contact, names)
     for effect in problem.parts.effects:
         if effect.name == "obstacle":
-            yield "obstacle at " + ".".join(effect.given.surface), effect.given.enforcement, factor(effect.given, effect.given.surface[:1])
+            yield effect.key, ".".join(effect.given.surface), effect.given.enforcement, factor(effect.given, effect.given.surface[:1])
 
 
 def _warn(who: str, enforcement: str, beta: float, problem: Problem) -> str:
