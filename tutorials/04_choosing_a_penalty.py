@@ -225,7 +225,7 @@ def worst(enforcement, beta, fraction):
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         runs = [bar(enforcement, beta, landing, every=10, fraction=fraction).run(progress=False) for landing in landings]
-    return max(growth(run) for run in runs), any(warning.category is ct.ChatterWarning for warning in told)
+    return max(growth(run) for run in runs), any(one.category is ct.ChatterWarning for one in told)
 
 
 cells = [[worst("penalty", beta, f) for f in parts] for beta in betas]

@@ -43,13 +43,47 @@ static side side_of(const ct_mesh *mesh, int32_t element, int number)
   return s;
 }
 
-/* All sides that occur once, by element and side; `*count` of them, or null without memory. */
-static side *outer_sides(const ct_mesh *mesh, int32_t *count)
+/* The faces that are asked for: those within `tolerance` of x[axis] = value; axis -1: all. */
+typedef struct plane {
+  int axis;
+  double value, tolerance;
+} plane;
+
+/* Whether all nodes of a side lie in the plane; writes their numbers, shape (4 or 8). */
+static int is_in(const ct_mesh *mesh, int32_t element, int number, const plane *in, int32_t node[8])
 {
-  size_t total = 6 * (size_t)mesh->element_count, kept = 0;
-  side *sides = ct_allocate(total, sizeof *sides);
+  int local[8], inside = 1, per_face = mesh->kind == CT_HEX8 ? 4 : 8;
+  size_t per = (size_t)ct_brick_node_count(mesh->kind);
+  ct_brick_face(mesh->kind, number, local);
+  for (int a = 0; a < per_face; a++) {
+    node[a] = mesh->elements[(size_t)element * per + (size_t)local[a]];
+    if (in->axis >= 0) inside &= fabs(mesh->nodes[3 * (size_t)node[a] + (size_t)in->axis] - in->value) <= in->tolerance;
+  }
+  return inside;
+}
+
+/* Write the sides in the plane, of inner faces both; answers how many. Null `sides`: only count. */
+static size_t list_sides(const ct_mesh *mesh, const plane *in, side *sides)
+{
+  size_t count = 0;
+  int32_t node[8];
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (int number = 0; number < 6; number++) {
+      if (!is_in(mesh, e, number, in, node)) continue;
+      if (sides != NULL) sides[count] = side_of(mesh, e, number);
+      count++;
+    }
+  return count;
+}
+
+/* The sides in the plane that occur once, by element and side; `*count` of them, or null without memory. Both sides of an inner face are in a plane,
+ * or none is. */
+static side *outer_sides(const ct_mesh *mesh, const plane *in, int32_t *count)
+{
+  size_t total = list_sides(mesh, in, NULL), kept = 0;
+  side *sides = ct_allocate(total + 1, sizeof *sides);
   if (sides == NULL) return NULL;
-  for (size_t i = 0; i < total; i++) sides[i] = side_of(mesh, (int32_t)(i / 6), (int)(i % 6));
+  list_sides(mesh, in, sides);
   qsort(sides, total, sizeof *sides, compare_corners);
   for (size_t i = 0; i < total;) {
     size_t next = i + 1;
@@ -80,27 +114,19 @@ static int is_whole(const ct_mesh *mesh)
   return 1;
 }
 
-/* Copy the outer faces whose nodes all lie within `tolerance` of x[axis] = value; axis -1 takes all. */
-static int32_t collect(const ct_mesh *mesh, int axis, double value, double tolerance, int32_t *faces, int32_t *owners)
+/* Copy the outer faces in the plane. */
+static int32_t collect(const ct_mesh *mesh, plane in, int32_t *faces, int32_t *owners)
 {
-  int32_t sides_count = 0, count = 0;
-  size_t per = (size_t)ct_brick_node_count(mesh->kind);
+  int32_t count = 0;
   size_t per_face = mesh->kind == CT_HEX8 ? 4 : 8;
   if (!is_whole(mesh)) return -CT_ERROR_ARGUMENT;
-  side *sides = outer_sides(mesh, &sides_count);
+  side *sides = outer_sides(mesh, &in, &count);
   if (sides == NULL) return -CT_ERROR_MEMORY;
-  for (int32_t i = 0; i < sides_count; i++) {
-    int local[8], inside = 1;
+  for (int32_t i = 0; i < count; i++) {
     int32_t node[8];
-    ct_brick_face(mesh->kind, sides[i].side, local);
-    for (size_t a = 0; a < per_face; a++) {
-      node[a] = mesh->elements[(size_t)sides[i].element * per + (size_t)local[a]];
-      if (axis >= 0) inside &= fabs(mesh->nodes[3 * (size_t)node[a] + (size_t)axis] - value) <= tolerance;
-    }
-    if (!inside) continue;
-    if (faces != NULL) memcpy(&faces[(size_t)count * per_face], node, per_face * sizeof *faces);
-    if (owners != NULL) owners[count] = sides[i].element;
-    count++;
+    is_in(mesh, sides[i].element, sides[i].side, &in, node);
+    if (faces != NULL) memcpy(&faces[(size_t)i * per_face], node, per_face * sizeof *faces);
+    if (owners != NULL) owners[i] = sides[i].element;
   }
   ct_release(sides);
   return count;
@@ -108,14 +134,14 @@ static int32_t collect(const ct_mesh *mesh, int axis, double value, double toler
 
 int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t *faces, int32_t *owners)
 {
-  if (mesh == NULL) return -CT_ERROR_ARGUMENT;
+  if (mesh == NULL || mesh->nodes == NULL) return -CT_ERROR_ARGUMENT;
   if (axis < 0 || axis > 2) return 0;
-  return collect(mesh, axis, value, plane_tolerance(mesh), faces, owners);
+  return collect(mesh, (plane){axis, value, plane_tolerance(mesh)}, faces, owners);
 }
 
 int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t *owners)
 {
-  return mesh == NULL ? -CT_ERROR_ARGUMENT : collect(mesh, -1, 0.0, 0.0, faces, owners);
+  return mesh == NULL ? -CT_ERROR_ARGUMENT : collect(mesh, (plane){-1, 0.0, 0.0}, faces, owners);
 }
 
 int32_t ct_mesh_plane_nodes(const ct_mesh *mesh, int axis, double value, int32_t *nodes)

@@ -229,6 +229,19 @@ static double relative_determinant(ct_brick_kind kind, double nodes[20][3], cons
   return scale > 0.0 ? *det / scale : *det;
 }
 
+int ct_mesh_upright_box(double nodes[8][3], double *volume)
+{
+  const double *low = nodes[0], *high = nodes[6];
+  for (int a = 0; a < 8; a++) {
+    int at[3] = {a % 4 == 1 || a % 4 == 2, a % 4 >= 2, a >= 4};
+    for (int d = 0; d < 3; d++)
+      if (nodes[a][d] != (at[d] ? high[d] : low[d])) return 0;
+  }
+  double edge[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+  *volume = edge[0] * edge[1] * edge[2];
+  return edge[0] > 0.0 && edge[1] > 0.0 && edge[2] > 0.0 && isnormal(*volume * *volume);
+}
+
 static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t element, ct_error *error)
 {
   int per = ct_brick_node_count(mesh->kind);
@@ -237,6 +250,7 @@ static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t
   ct_status status = ct_mesh_element_nodes(mesh, element, number, error);
   if (status != CT_OK) return status;
   for (int a = 0; a < per; a++) memcpy(nodes[a], &mesh->nodes[3 * (size_t)number[a]], sizeof nodes[a]);
+  if (mesh->kind == CT_HEX8 && ct_mesh_upright_box(nodes, &det)) return CT_OK;
   for (int q = 0; q < rule->count; q++) {
     double relative = relative_determinant(mesh->kind, nodes, rule->xi[q], &det);
     if (!(relative > 1e-12))

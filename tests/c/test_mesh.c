@@ -122,6 +122,33 @@ static void faces(ct_brick_kind kind)
 }
 
 /* Faces and their outward side survive any turning of the elements' own axes. */
+/* The faces in a plane are those of all outer faces that lie in it, in the same order; inner faces in it do not count. */
+static void faces_in_planes(ct_brick_kind kind)
+{
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 3, 4, 5, 3, 4, 5);
+  int per = kind == CT_HEX8 ? 4 : 8, off = 0;
+  int32_t count = ct_mesh_outer_faces(m, NULL, NULL), *all = integers(per * count), *owner = integers(count), *some = integers(per * count), *its = integers(count);
+  ct_mesh_outer_faces(m, all, owner);
+  for (int axis = 0; axis < 3; axis++)
+    for (int at = 0; at <= 5; at++) {
+      int32_t found = ct_mesh_plane_faces(m, axis, at, some, its), next = 0;
+      for (int32_t f = 0; f < count; f++) {
+        int inside = 1;
+        for (int a = 0; a < per; a++) inside &= m->nodes[3 * all[f * per + a] + axis] == (double)at;
+        if (!inside) continue;
+        off += next >= found || its[next] != owner[f] || memcmp(&some[next * per], &all[f * per], (size_t)per * sizeof *some) != 0;
+        next++;
+      }
+      off += next != found || found != (at == 0 || at == 3 + axis ? 60 / (3 + axis) : 0);
+    }
+  tap_ok(off == 0, "%s: faces in each plane of a lattice are the outer ones in it (%d are not)", KIND[kind], off);
+  free(all);
+  free(owner);
+  free(some);
+  free(its);
+  ct_mesh_free(m);
+}
+
 static void turned_faces(void)
 {
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 3, 3, 3);
@@ -255,6 +282,7 @@ int main(void)
     box_counts((ct_brick_kind)kind);
     mirrored_boxes((ct_brick_kind)kind);
     faces((ct_brick_kind)kind);
+    faces_in_planes((ct_brick_kind)kind);
     refusals((ct_brick_kind)kind);
   }
   turned_faces();

@@ -109,6 +109,22 @@ def test_bad_input_is_one_line_and_exit_code_2(scene, arguments, words, capsys):
     assert not out and words in err and "Traceback" not in err and err.startswith("error: ")
 
 
+def test_what_may_never_end_is_not_read(scene, capsys):
+    """Devices, pipes and files that are too large, as scenes and as meshes: an error that names them, before anything is read (4 GB would be there for it)."""
+    resource = pytest.importorskip("resource")
+    os.mkfifo("pipe.toml")
+    with open("large.toml", "wb") as file:
+        file.truncate(300_000_000)
+    text = Path(scene).read_text()
+    box = next(line for line in text.splitlines() if line.startswith("box ="))
+    Path("mesh.toml").write_text(text.replace(box, 'mesh = "pipe.toml"'))
+    for path, words in (("/dev/zero", "no regular file"), ("pipe.toml", "no regular file"), ("large.toml", "300 MB; at most 256 MB"), ("mesh.toml", "pipe.toml")):
+        done = subprocess.run([sys.executable, "-m", "libcontact", "explain", path], capture_output=True, text=True, timeout=60,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30)))
+        assert done.returncode == 2 and words in done.stderr and path in done.stderr and len(done.stderr.splitlines()) == 1
+    assert main(["plot", "pipe.toml"]) == 2 and "no regular file" in capsys.readouterr().err
+
+
 def test_a_run_that_fails_has_exit_code_3(scene, capsys, monkeypatch):
     def fail(*_):
         raise RunError("the motion stopped being finite")

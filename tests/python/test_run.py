@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import libcontact as ct
-from libcontact import loop
+from libcontact import loop, warned
 from libcontact._core import lib
 from libcontact.mesh import Mesh
 from libcontact.parts import Material
@@ -349,8 +349,9 @@ def test_without_hdf5_the_run_says_so_and_stays_in_memory(tmp_path, monkeypatch)
                 raise AttributeError(name)
             return getattr(lib, name)
 
-    monkeypatch.setattr(loop, "lib", Without())
-    with pytest.warns(loop.OutputWarning, match="no HDF5"):
+    for module in (loop, warned):
+        monkeypatch.setattr(module, "lib", Without())
+    with pytest.warns(ct.OutputWarning, match="no HDF5"):
         run = plates().run(until=1e-8, output=tmp_path / "a.vtkhdf")
     assert run.path is None and run.steps[-1] > 0 and not list(tmp_path.iterdir())
 

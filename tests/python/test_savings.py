@@ -141,7 +141,7 @@ def test_a_lattice_is_refused_for_lack_of_memory_only_where_tables_would_not_fit
     one = {"contact": [], "support": []}
     nodes, elements = 11**3, 10**3
     # With tables an element has its 8 node numbers twice and 24 forces, without them its numbers.
-    monkeypatch.setattr("libcontact.problem._physical_memory", lambda: 256 * nodes + 150 * elements)
+    monkeypatch.setattr("libcontact.problem.physical_memory", lambda: 256 * nodes + 150 * elements)
     scene(body=body(), **one).explain()
     for savings, other in (([], {}), (None, {"kernel": "general"})):
         with pytest.raises(SceneError, match="GB, this machine has"):

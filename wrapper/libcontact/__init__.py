@@ -14,22 +14,24 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from . import exact
-    from .chatter import ChatterWarning
-    from .errors import ArgumentError, BlowupError, EnergyError, EnergyGrowth, Error, FileError, GeometryError, NotBuiltIn, OverlapWarning, StepError
+    from .errors import (ArgumentError, BlowupError, ChatterWarning, EnergyError, EnergyGrowth, Error, FileError, GeometryError, InsideOutWarning, NeverMeetWarning, NotAtRest,
+                         NotBuiltIn, NotSettled, OutputWarning, OverlapWarning, RotationWarning, SamePlaceWarning, SceneWarning, StepError, ThinWarning, UnitsWarning)
     from .projection import Projection, RayHits, Status, face_points, project, project_path, project_ray
     from .run import EnergyBlowup, InvertedElement, NotFinite, Run, RunError, StepTooLarge
     from .scene import Scene
     from .schema import SceneError
     from .search import Nearest, Surface, nearest
 
-__all__ = ["ArgumentError", "BlowupError", "ChatterWarning", "EnergyBlowup", "EnergyError", "EnergyGrowth", "Error", "FileError", "GeometryError", "InvertedElement", "Nearest", "NotBuiltIn",
-           "NotFinite", "OverlapWarning", "Projection", "RayHits", "Run", "RunError", "Scene", "SceneError", "Status", "StepError", "StepTooLarge", "Surface", "exact",
-           "face_points", "has", "nearest", "project", "project_path", "project_ray"]
+__all__ = ["ArgumentError", "BlowupError", "ChatterWarning", "EnergyBlowup", "EnergyError", "EnergyGrowth", "Error", "FileError", "GeometryError", "InsideOutWarning", "InvertedElement",
+           "Nearest", "NeverMeetWarning", "NotAtRest", "NotBuiltIn", "NotFinite", "NotSettled", "OutputWarning", "OverlapWarning", "Projection", "RayHits",
+           "RotationWarning", "Run", "RunError", "SamePlaceWarning", "Scene", "SceneError", "SceneWarning", "Status", "StepError", "StepTooLarge", "Surface",
+           "ThinWarning", "UnitsWarning", "exact", "face_points", "has", "nearest", "project", "project_path", "project_ray"]
 
 # Where each name lives.
 _HOME = {
-    "ChatterWarning": "chatter",
-    **dict.fromkeys(("ArgumentError", "BlowupError", "EnergyError", "EnergyGrowth", "Error", "FileError", "GeometryError", "NotBuiltIn", "OverlapWarning", "StepError"), "errors"),
+    **dict.fromkeys(("ArgumentError", "BlowupError", "ChatterWarning", "EnergyError", "EnergyGrowth", "Error", "FileError", "GeometryError", "InsideOutWarning", "NeverMeetWarning",
+                     "NotAtRest", "NotBuiltIn", "NotSettled", "OutputWarning", "OverlapWarning", "RotationWarning", "SamePlaceWarning", "SceneWarning", "StepError",
+                     "ThinWarning", "UnitsWarning"), "errors"),
     **dict.fromkeys(("Projection", "RayHits", "Status", "face_points", "project", "project_path", "project_ray"), "projection"),
     **dict.fromkeys(("EnergyBlowup", "InvertedElement", "NotFinite", "Run", "RunError", "StepTooLarge"), "run"),
     **dict.fromkeys(("Nearest", "Surface", "nearest"), "search"),

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from ._core import lib
+from .errors import ChatterWarning
 from .problem import Problem
 
 # Measured on the bar on a wall, over ways to meet the wall: within these limits its energy grows by less than 1 %. (β, largest fraction of the stable step)
@@ -14,27 +15,26 @@ PENALTY, DAMPED_PENALTY = ((4.0, 0.4), (30.0, 0.25)), ((50.0, 0.4),)
 BIPENALTY_BETA, BIPENALTY_PRODUCT = 3.0, 1.5
 
 
-class ChatterWarning(UserWarning):
-    """A penalty is so stiff for the step that points which come and go with every step feed energy into the bodies."""
+def chatter(problem: Problem) -> Iterator[ChatterWarning]:
+    """A warning for each contact and obstacle whose enforcement, penalty and step are known to make energy."""
+    for key, who, enforcement, beta in _enforced(problem):
+        if sentence := _warn(who, enforcement, beta, problem):
+            yield ChatterWarning(sentence, key)
 
 
-def chatter(problem: Problem) -> list[str]:
-    """A sentence for each contact and obstacle whose enforcement, penalty and step are known to make energy."""
-    return [sentence for who, enforcement, beta in _enforced(problem) if (sentence := _warn(who, enforcement, beta, problem))]
-
-
-def contact_name(contact: Any) -> str:
-    """A contact by its surfaces."""
-    return "contact " + " with ".join(".".join(surface) for surface in contact.surfaces)
+def pair_name(surfaces: Sequence[str | tuple[str, str]]) -> str:
+    """Two surfaces in a sentence, each ``"body.face"`` or a body and a face."""
+    first, second = (surface if isinstance(surface, str) else ".".join(surface) for surface in surfaces)
+    return f"{first} with " + ("itself" if first == second else second)
 
 
 def obstacle_name(obstacle: Any) -> str:
     """An obstacle by the surface that it stands before."""
-    return "obstacle at " + ".".join(obstacle.given.surface)
+    return ".".join(obstacle.given.surface)
 
 
-def _enforced(problem: Problem) -> Iterator[tuple[str, str, float]]:
-    """Name, enforcement and β of every contact and obstacle."""
+def _enforced(problem: Problem) -> Iterator[tuple[str, str, str, float]]:
+    """Key, name, enforcement and β of every contact and obstacle."""
     bodies = problem.bodies
 
     def factor(given, names) -> float:
@@ -42,12 +42,12 @@ def _enforced(problem: Problem) -> Iterator[tuple[str, str, float]]:
             return given.beta
         return given.epsilon * min(bodies[name].mesh.shortest_edge for name in names) / min(bodies[name].material.young for name in names)
 
-    for contact in problem.parts.contacts:
+    for i, contact in enumerate(problem.parts.contacts):
         names = [body for body, _ in contact.surfaces]
-        yield contact_name(contact), contact.enforcement, factor(contact, names)
+        yield f"contact[{i}]", pair_name(contact.surfaces), contact.enforcement, factor(contact, names)
     for effect in problem.parts.effects:
         if effect.name == "obstacle":
-            yield obstacle_name(effect), effect.given.enforcement, factor(effect.given, effect.given.surface[:1])
+            yield effect.key, obstacle_name(effect), effect.given.enforcement, factor(effect.given, effect.given.surface[:1])
 
 
 def _warn(who: str, enforcement: str, beta: float, problem: Problem) -> str:

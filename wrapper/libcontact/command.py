@@ -21,7 +21,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except SystemExit as end:
         return int(end.code or 0)
     with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *rest, **more: _say(f"note: {message}")
+        warnings.showwarning = lambda message, *rest, **more: _say(f"warning: {message}", "yellow")
         return _guarded(options)
 
 
@@ -103,6 +103,9 @@ def _run(options: argparse.Namespace) -> int:
     from .scene import Scene
 
     scene = Scene.load(options.scene)
+    if options.output == "":
+        raise BadInput("the name of the output is empty")
+    named = options.output or scene.data.get("output", {}).get("file")
     run = scene.run(progress=not options.quiet, restart=options.restart, until=options.until, output=options.output,
                     threads=options.threads)
     if not options.quiet:
@@ -111,6 +114,9 @@ def _run(options: argparse.Namespace) -> int:
         kept = f'; {len(run.steps)} records are kept in "{run.path}"' if run.path else ""
         _say(f"interrupted at t = {run.state.time:.6g}{kept}")
         return INTERRUPTED
+    if named and (run.path is None or not run.path.exists()):
+        _say(f'the results file "{named}" was not written', "red")
+        return RUN_FAILED
     return OK
 
 

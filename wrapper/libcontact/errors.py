@@ -1,8 +1,13 @@
-"""Errors of the C library as exceptions: the class says what kind, the text is C's, and body, element and point say where."""
+"""
+Errors of the C library as exceptions: the class says what kind, the text is C's, and body, element and point say where. Warnings
+of the package: the class says what kind, the text names the key of the scene, what was found and what to do.
+"""
 
 from __future__ import annotations
 
+import sys
 import threading
+import warnings
 from typing import Any
 
 from ._core import ffi, lib
@@ -44,16 +49,75 @@ class EnergyError(Error, ArithmeticError):
     """Energy has appeared from nothing in mid-run."""
 
 
-class EnergyGrowth(UserWarning):
+class SceneWarning(UserWarning):
+    """
+    Something in a scene or a run that is probably not meant. ``key`` is the key of the scene that it belongs to, such as ``contact[0]``
+    ("" for the whole scene). The text names the key, says what was found, and ends with what to do.
+    """
+
+    def __init__(self, text: str, key: str = ""):
+        super().__init__(f"{key}: {text}" if key else text)
+        self.key = key
+
+
+class UnitsWarning(SceneWarning):
+    """A wave speed that no material has: Young's modulus, density and units do not belong together."""
+
+
+class InsideOutWarning(SceneWarning):
+    """The two surfaces of a contact, or an obstacle and its surface, face away from each other."""
+
+
+class SamePlaceWarning(SceneWarning):
+    """Two bodies fill the same space."""
+
+
+class OverlapWarning(SceneWarning):
+    """Surfaces of a contact overlap at the start."""
+
+
+class NeverMeetWarning(SceneWarning):
+    """The surfaces of a contact cannot come together before the run ends."""
+
+
+class ThinWarning(SceneWarning):
+    """An impact on a body with about one element behind the surface loses a large part of its energy."""
+
+
+class ChatterWarning(SceneWarning):
+    """A penalty is so stiff for the step that points which come and go with every step feed energy into the bodies."""
+
+
+class RotationWarning(SceneWarning):
+    """A body with the small-strain law has turned so far that its rotation counts as strain."""
+
+
+class OutputWarning(SceneWarning):
+    """A run goes on without something that was asked for, for example a file in a build without HDF5."""
+
+
+class EnergyGrowth(SceneWarning):
     """More than 1 % of energy has appeared from nothing in mid-run, by ``time``; ``share`` is how much, ``who`` the effect or body that it came from. The run goes on."""
 
-    def __init__(self, text: str, share: float, time: float, who: str):
-        super().__init__(text)
+    def __init__(self, text: str, key: str, share: float, time: float, who: str):
+        super().__init__(text, key)
         self.share, self.time, self.who = share, time, who
 
 
-class OverlapWarning(UserWarning):
-    """Surfaces in contact overlap at the start of a run, and the scene says nothing of it."""
+class NotAtRest(SceneWarning):
+    """A run that should end at rest has come to its end before."""
+
+
+class NotSettled(SceneWarning):
+    """In some steps the contact forces, which are found by iteration, did not reach their tolerance."""
+
+
+def tell(warning: SceneWarning) -> None:
+    """Issue a warning through Python's ``warnings``, at the line outside the package that made the call."""
+    level, frame = 1, sys._getframe()
+    while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(warning, stacklevel=level)
 
 
 CLASSES = {

@@ -7,13 +7,14 @@ from typing import Any
 
 from . import effects
 from ._core import ffi, lib
-from .chatter import chatter
-from .overlap import sentence, who
+from .chatter import pair_name
+from .errors import SceneWarning
 from .parts import Contact, Parts
 from .plan import Cost, predict, table
-from .problem import BuiltBody, BuiltContact, Problem, contact_points, memory_of, new_state, penetrations, speeds
+from .problem import BuiltBody, BuiltContact, Problem, memory_of, speeds
 from .surfaces import DEFAULT_BETA
 from .units import Units
+from .warned import at_start, known
 
 # Effects of the library, with what a scene that leaves them out goes without.
 EFFECTS = {
@@ -34,31 +35,36 @@ LAWS = {
     "neo_hookean": "any rotation and large strain by the compressible neo-Hookean law",
 }
 STIFFENS = "the stable step is that of the undeformed bodies; a body that is strained much can need a smaller one"
-SLOW, FAST = 100.0, 20000.0
 
 
 class Explanation(str):
-    """The text of ``Scene.explain``, with the same facts as a dictionary in ``data``."""
+    """The text of ``Scene.explain``, with the same facts as a dictionary in ``data``; ``warnings`` are the objects that a run of the scene issues at its start."""
 
     data: dict[str, Any]
+    warnings: list[SceneWarning]
 
 
 def explain(problem: Problem, every: int, records: int) -> Explanation:
     """Explain a built problem that is recorded at ``records`` steps (about every ``every`` steps)."""
-    data = _facts(problem)
+    gaps, found = at_start(problem)
+    warnings = known(problem, problem.parts.output.file, found)
+    data = _facts(problem, gaps, found, warnings)
     data["plan"] = predict(problem, records)
+    data["time"]["limited_by"] = _limited_by(problem, data["plan"])
     data["output"] = {"file": problem.parts.output.file, "fields": list(problem.parts.output.fields), "every": every, "records": records}
     text = Explanation("\n".join(_lines(data, problem.parts.units)))
-    text.data = data
+    text.data, text.warnings = data, warnings
     return text
 
 
-def _facts(problem: Problem) -> dict[str, Any]:
+def _facts(problem: Problem, gaps: list[float | None], found: list[dict[str, Any]], warnings: list[SceneWarning]) -> dict[str, Any]:
     parts = problem.parts
     used = list(dict.fromkeys(problem.effects))
     bodies = [_body(problem, body) for body in problem.bodies.values()]
-    gaps = _initial_gaps(problem)
-    contacts = [_contact(*row) for row in zip(problem.contacts, parts.contacts, gaps, _initial_penetration(problem))]
+    contacts = [_contact(*row) for row in zip(problem.contacts, parts.contacts, gaps, found)]
+    for name, rows in (("body", bodies), ("contact", contacts)):
+        for i, row in enumerate(rows):
+            row["warnings"] = [str(warning) for warning in warnings if warning.key == f"{name}[{i}]"]
     return {
         "title": parts.title,
         "file": problem.file,
@@ -81,7 +87,7 @@ def _facts(problem: Problem) -> dict[str, Any]:
             "updates": problem.step_count * sum(b["elements"] for b in bodies),
             "threads": problem.threads,
         },
-        "warnings": [warning for part in (*bodies, *contacts) for warning in part["warnings"]] + chatter(problem),
+        "warnings": [str(warning) for warning in warnings],
     }
 
 
@@ -109,16 +115,12 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
     c1, c2 = speeds(body.material)
     si = c1 * problem.parts.units.factor("velocity")
     lumping = given.lumping or ("row_sum" if body.mesh.element == "hex8" else "hrz")
-    warnings = []
-    if not SLOW <= si <= FAST:
-        warnings.append(f'material "{body.material.name}": c1 = {si:.4g} m/s is outside {SLOW:g} ... {FAST:g} m/s; '
-                        "are young, density and [units] consistent?")
     return {
         "name": body.name, "material": body.material.name, "law": body.material.law, "element": body.mesh.element,
         "nodes": len(body.mesh.nodes), "elements": len(body.mesh.elements),
         "kernel": body.kernel, "kernel_why": _why(given.kernel, body), "lumping": lumping, "layers": problem.layers(given) if given.box else None,
         "c1": c1, "c2": c2, "c1_si": si, "shortest_edge": body.mesh.shortest_edge,
-        "flops_per_update": body.flops, "bytes_per_update": body.bytes, "warnings": warnings,
+        "flops_per_update": body.flops, "bytes_per_update": body.bytes,
     }
 
 
@@ -137,32 +139,13 @@ def _why(asked: str, body: BuiltBody) -> str:
     return f"elements are not equal boxes along x, y, z: {points} Gauss points"
 
 
-def _initial_gaps(problem: Problem) -> list[float | None]:
-    """The smallest gap of each contact at t = 0; None where no point is near the other surface."""
-    if not problem.contacts:
-        return []
-    gaps = [(points["gap"] + points["start_gap"])[points["other"] >= 0] for points in contact_points(problem, new_state(problem))]
-    return [float(gap.min()) if gap.size else None for gap in gaps]
-
-
-def _initial_penetration(problem: Problem) -> list[dict[str, Any]]:
-    """What is inside at t = 0, of each contact, at its points."""
-    return [found["points"] for found in penetrations(problem, new_state(problem))] if problem.contacts else []
-
-
 def _contact(built: BuiltContact, given: Contact, gap: float | None, found: dict[str, Any]) -> dict[str, Any]:
-    warnings = []
-    if overlap := sentence(built, given, found):
-        warnings.append(overlap)
-    if found["buried"]:
-        warnings.append(f"contact {who(built.surfaces)}: {found['buried']} points are deep beneath the other surface at the start, or on its far side; they are in no "
-                        "contact before they have been outside")
     return {
         "surfaces": list(built.surfaces), "with_itself": built.with_itself, "faces": list(built.faces), "gauss_points": list(built.points),
         "epsilon": built.epsilon, "beta": given.beta, "penalty_is_default": not given.penalty_given,
         "enforcement": given.enforcement, "dissipation": given.dissipation, "friction": given.friction, "tangent": given.tangent or 1.0,
         "method": given.method, "tolerance": given.tolerance, "depth": given.depth, "points": given.points,
-        "adjust": given.adjust, "initial_penetration": given.initial_penetration, "removal_time": given.removal_time, "penetration": found, "initial_gap": gap, "warnings": warnings,
+        "adjust": given.adjust, "initial_penetration": given.initial_penetration, "removal_time": given.removal_time, "penetration": found, "initial_gap": gap,
     }
 
 
@@ -173,16 +156,21 @@ def _integrator(problem: Problem) -> Any:
 
 def _time(problem: Problem) -> dict[str, Any]:
     stable, (asked, value) = problem.stable, problem.parts.time.step
-    bodies = "elements" if problem.parts.time.stable_step == "elements" else "the assembled bodies"
-    by_contact = stable.dt < 0.999 * stable.dt_without_contact
     return {
         "integrator": problem.parts.time.integrator, "integrator_parameter": problem.parts.time.parameter, "evaluations_per_step": lib.ct_integrator_stages(_integrator(problem), ffi.new("ct_stage[2]")),
         "integrator_limit": lib.ct_integrator_limit(_integrator(problem)), "end": problem.end, "asked": {asked: value},
         "dt": problem.dt, "steps": problem.step_count,
         "stable": stable.dt, "stable_without_contact": stable.dt_without_contact, "dt_courant": stable.dt_courant,
         "courant": problem.dt / stable.dt_courant if stable.dt_courant > 0.0 else math.inf, "fraction": problem.dt / stable.dt,
-        "limited_by": bodies + (" and contact together" if by_contact else ""),
     }
+
+
+def _limited_by(problem: Problem, plan: list[Cost]) -> str:
+    """The effects that bound the stable step, :eq:`plan-share`, that with the largest share first; those with less than 1 % are left out."""
+    bodies = "elements" if problem.parts.time.stable_step == "elements" else "the assembled bodies"
+    share = {bodies if cost.name == "solid" else cost.name: cost.omega_squared + 2.0 * cost.rate / problem.stable.dt for cost in plan}
+    large = [name for name in sorted(share, key=share.get, reverse=True) if share[name] > 0.01 * sum(share.values())]
+    return " and ".join(large) + (" together" if len(large) > 1 else "") if large else "nothing"
 
 
 def _lines(data: dict[str, Any], units: Units) -> list[str]:
@@ -237,7 +225,7 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
     else:
         origin = f"beta = {contact['beta']:g}" if contact["beta"] is not None else "given"
     return [
-        f"  contact {who(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} {'Gauss' if contact['points'] == 'gauss' else 'Lobatto'} points",
+        f"  contact {pair_name(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} {'Gauss' if contact['points'] == 'gauss' else 'Lobatto'} points",
         f"    penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin}), closest points by {contact['method']}",
         f"    enforced by {contact['enforcement']}" + (f", dissipation {contact['dissipation']:g}" if contact["enforcement"] == "energy_controlled" else ""),
         *([f"    friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"] if contact["friction"] else []),

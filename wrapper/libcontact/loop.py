@@ -9,7 +9,6 @@ import signal
 import sys
 import threading
 import time as clock
-import warnings
 from pathlib import Path
 from typing import Any
 from collections.abc import Iterator
@@ -17,32 +16,20 @@ from collections.abc import Iterator
 import numpy as np
 
 from ._core import ffi, lib
-from .chatter import ChatterWarning, chatter, contact_name, obstacle_name
-from .errors import EnergyGrowth, NotBuiltIn, OverlapWarning, check, new_error, raise_held, text_of
+from .chatter import obstacle_name, pair_name
+from .errors import EnergyGrowth, NotAtRest, NotBuiltIn, NotSettled, check, new_error, raise_held, tell, text_of
 from .mesh import view
-from .overlap import overlaps
 from .plan import computed_share, measured
 from .problem import Problem, contact_points, new_state, penetrations
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_dtype
 from .schema import SceneError, is_number
+from .warned import known, turned
 
 DEFAULT_RECORDS = 100
 CHUNK_SECONDS = 0.1
 LOOK_STEPS = 20
 # The same rows with the padding of the C struct.
 C_MOMENTUM = np.dtype(MOMENTUM.descr, align=True)
-
-
-class OutputWarning(UserWarning):
-    """A run goes on without something that was asked for, for example a file in a build without HDF5."""
-
-
-class NotAtRest(UserWarning):
-    """A run that should end at rest has come to its end before."""
-
-
-class NotSettled(UserWarning):
-    """In some steps the contact forces, which are found by iteration, did not reach their tolerance."""
 
 
 def schedule(problem: Problem) -> tuple[int, list[int] | None]:
@@ -91,7 +78,8 @@ class Loop:
         self.steps: list[int] = []
         self.energy: list[np.ndarray] = []
         self.momentum: list[np.ndarray] = []
-        self.interrupted = self.growth_told = False
+        self.interrupted = False
+        self.told: set[str] = set()
         self.watch: Any = None
         self.seconds = self.output_seconds = 0.0
 
@@ -109,9 +97,8 @@ class Loop:
             raise SceneError(text_of(error.code, error), "restart", self.problem.file)
 
     def open(self, path: str | Path) -> None:
-        """Create the results file; without HDF5 say so and go on in memory."""
+        """Create the results file; without HDF5, of which ``known`` warns, the results stay in memory."""
         if not hasattr(lib, "ct_output_create"):
-            warnings.warn(OutputWarning(f'this build has no HDF5: "{path}" is not written, the results stay in memory'), stacklevel=4)
             return
         fields = self.problem.parts.output.fields
         text = ffi.new("char[]", self.scene_text.encode())
@@ -218,23 +205,20 @@ class Loop:
             raise SceneError(f"the restart stands at step {self.state.step}, after the last step {last}", "restart", self.problem.file)
         begin = clock.perf_counter()
         self.start_guard()
-        for sentence in overlaps(self.problem, self.state) if self.state.step == 0 else ():
-            warnings.warn(OverlapWarning(sentence), stacklevel=4)
-        with _progress(progress, self.state.step, last) as tell, _ctrl_c() as stop:
-            self.record()
+        with _progress(progress, self.state.step, last) as advanced, _ctrl_c() as stop:
+            self._record_and_look()
             while self.state.step < last and not stop and not self._at_rest():
                 due = min(self._next_record(), last)
-                self._advance(min(due, self._next_look()), tell, stop)
+                self._advance(min(due, self._next_look()), advanced, stop)
                 if self.state.step > self.steps[-1] and (self.state.step == due or stop or self._at_rest()):
-                    self.record()
+                    self._record_and_look()
                 self._tell_growth()
         self.interrupted = bool(stop) and self.state.step < last
         if self.problem.parts.time.until_static is not None and last == self.problem.step_count and not stop and not self._at_rest():
-            warnings.warn(NotAtRest(f"the run ends at t = {self.state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
-                                    f"until_static = {self.problem.parts.time.until_static:g}"), stacklevel=4)
+            tell(NotAtRest(f"the run ends at t = {self.state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
+                           f"until_static = {self.problem.parts.time.until_static:g}; a later end helps, or more [damping]", "time.until_static"))
         if self.state.unsettled:
-            warnings.warn(NotSettled(f"the contact forces did not settle to their tolerance in {self.state.unsettled} of {self.state.step} steps; a smaller step helps, or a "
-                                     "smaller beta"), stacklevel=4)
+            tell(NotSettled(f"the contact forces did not settle to their tolerance in {self.state.unsettled} of {self.state.step} steps; a smaller step helps, or a smaller beta"))
         self.seconds = clock.perf_counter() - begin
 
     def start_guard(self) -> None:
@@ -249,33 +233,41 @@ class Loop:
     def _tell_growth(self) -> None:
         """Warn once when energy has appeared, :eq:`energy-growth`."""
         growth = lib.ct_watch_growth(self.guard)
-        if self.growth_told or not growth.share > 0.0:
+        if "growth" in self.told or not growth.share > 0.0:
             return
-        self.growth_told = True
-        who, advice = self._grower(growth)
+        self.told.add("growth")
+        who, key, advice = self._grower(growth)
         much = f"{100.0 * growth.share:.3g} % more energy than there should be" if math.isfinite(growth.share) else "energy where there should be none"
         text = f"there is {much} by t = {growth.time:.6g} (step {growth.step}), most of it from {who}: {advice}"
-        warnings.warn(EnergyGrowth(text, growth.share, growth.time, who), stacklevel=5)
+        tell(EnergyGrowth(text, key, growth.share, growth.time, who))
 
-    def _grower(self, growth: Any) -> tuple[str, str]:
-        """What the energy of a growth came from, and what can be done."""
+    def _grower(self, growth: Any) -> tuple[str, str, str]:
+        """What the energy of a growth came from, its key in the scene, and what can be done."""
         problem, effect = self.problem, growth.effect
         name = problem.effects[effect]
         nth = problem.effects[:effect].count(name)
         step = "take a smaller step (time.fraction)"
         if name == "solid":
-            return f'body "{list(problem.bodies)[growth.body]}"', f'{step}; a body that turns needs the law "neo_hookean" or "st_venant_kirchhoff"'
+            return f'body "{list(problem.bodies)[growth.body]}"', f"body[{growth.body}]", f'{step}; a body that turns needs the law "neo_hookean" or "st_venant_kirchhoff"'
         if name not in ("contact", "obstacle"):
-            return f'effect "{name}"', f"{step}, and compare what it stores with the work of its force"
+            return f'effect "{name}"', "", f"{step}, and compare what it stores with the work of its force"
         if name == "contact":
-            given = contact = problem.parts.contacts[nth]
-            who = contact_name(contact)
+            given = problem.parts.contacts[nth]
+            who, key = f"contact {pair_name(given.surfaces)}", f"contact[{nth}]"
         else:
             obstacle = [added for added in problem.parts.effects if added.name == "obstacle"][nth]
-            given, who = obstacle.given, obstacle_name(obstacle)
+            given, who, key = obstacle.given, f"obstacle at {obstacle_name(obstacle)}", obstacle.key
         if given.enforcement in ("penalty", "bipenalty"):
-            return who, f'{step}, a smaller beta, or enforcement = "energy_controlled"'
-        return who, f"points have come to lie inside without passing the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta"
+            return who, key, f'{step}, a smaller beta, or enforcement = "energy_controlled"'
+        return who, key, f"points have come to lie inside without passing the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta"
+
+    def _record_and_look(self) -> None:
+        """A record, and a warning for each body that has turned too far for its law; one for each body is enough."""
+        self.record()
+        for warning in turned(self.problem, self.state):
+            if warning.key not in self.told:
+                self.told.add(warning.key)
+                tell(warning)
 
     def _unrest(self) -> float:
         value = ffi.new("double *")
@@ -302,7 +294,7 @@ class Loop:
             return next((step for step in steps if step > now), self.problem.step_count)
         return (now // every + 1) * every
 
-    def _advance(self, target: int, tell: Any, stop: list) -> None:
+    def _advance(self, target: int, advanced: Any, stop: list) -> None:
         """Steps to ``target`` in chunks of about a tenth of a second, so that Ctrl-C and the progress bar get their turn."""
         chunk = 1
         while self.state.step < target and not stop:
@@ -310,7 +302,7 @@ class Loop:
             begin = clock.perf_counter()
             self._call(lib.ct_watch_steps, self.guard, self.state, count)
             took = clock.perf_counter() - begin
-            tell(count)
+            advanced(count)
             chunk = int(min(max(chunk * 2, 1) if took < CHUNK_SECONDS / 2 else max(1, count * CHUNK_SECONDS / took), 10**6))
 
     def _call(self, function: Any, *arguments: Any) -> None:
@@ -387,8 +379,8 @@ def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, u
     """Run a problem. Errors of the input are SceneErrors, before the first step; what fails later is a RunError with the run so far."""
     last_step(problem, until)
     schedule(problem)
-    for sentence in chatter(problem):
-        warnings.warn(ChatterWarning(sentence), stacklevel=3)
+    for warning in known(problem, output):
+        tell(warning)
     loop = Loop(problem, scene_text)
     loop.watch = watch
     if restart is not None:

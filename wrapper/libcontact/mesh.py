@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import os
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +12,7 @@ import numpy as np
 
 from ._core import ffi, lib
 from .errors import NotBuiltIn, check, new_error
+from .schema import check_file
 
 KINDS = {"hex8": lib.CT_HEX8, "hex20": lib.CT_HEX20}
 WIDTH = {"hex8": 8, "hex20": 20}
@@ -86,12 +90,12 @@ class Mesh:
     def __reduce__(self) -> tuple[Any, ...]:
         return Mesh.copy, (np.ascontiguousarray(self.nodes), np.ascontiguousarray(self.elements))
 
-    @property
+    @cached_property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Smallest and largest coordinates of the nodes."""
         return self.nodes.min(axis=0), self.nodes.max(axis=0)
 
-    @property
+    @cached_property
     def shortest_edge(self) -> float:
         return lib.ct_mesh_shortest_edge(self.pointer)
 
@@ -180,6 +184,12 @@ class Mesh:
         return None
 
 
+def rotation(X: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """The rotation (3, 3) that takes X nearest to x, both about their means."""
+    left, _, right = np.linalg.svd((x - x.mean(axis=0)).T @ (X - X.mean(axis=0)))
+    return left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
+
+
 def _shape(kind: int, xi: np.ndarray) -> np.ndarray:
     out = np.empty(20)
     lib.ct_brick_shape(kind, ffi.from_buffer("double[]", np.ascontiguousarray(xi, np.float64)), ffi.from_buffer("double[]", out))
@@ -202,6 +212,7 @@ def read_vtkhdf(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     """
     h5py = need_h5py()
     try:
+        check_file(path)
         file = h5py.File(path, "r")
     except OSError as error:
         reason = "no such file" if not Path(path).exists() else str(error)
@@ -218,6 +229,9 @@ def read_vtkhdf(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
         gone = [name for name in wanted if not isinstance(group.get(name), h5py.Dataset)]
         if gone:
             raise ValueError(f'"{path}" lacks VTKHDF/{gone[0]}')
+        size = sum(group[name].nbytes for name in wanted)
+        if size > physical_memory():
+            raise ValueError(f'"{path}" holds a mesh of {size / 1e9:.3g} GB, and this machine has {physical_memory() / 1e9:.3g} GB')
         return _grid(path, {name: group[name][()] for name in wanted}, "Steps" in group)
 
 
@@ -234,3 +248,11 @@ def _grid(path: str | Path, grid: dict[str, np.ndarray], transient: bool) -> tup
     if len(grid["Connectivity"]) < cells * width or len(grid["Points"]) < points:
         raise ValueError(f'"{path}" is cut short')
     return grid["Points"][:points], grid["Connectivity"][: cells * width].reshape(cells, width)
+
+
+def physical_memory() -> float:
+    """Bytes of this machine; infinite if it does not tell."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, ValueError, OSError):
+        return math.inf

@@ -23,12 +23,14 @@ from ._core import ffi, lib
 from .activity import Touch, active_share, first_touch
 from .errors import Error, check, new_error
 from .problem import Problem, new_state
-from .rehearsal import Rehearsal, rehearse
+from .rehearsal import Rehearsal, element_count, rehearse, with_larger_elements
 
 # All moments together may take about this time. At each some steps are taken, and those of the second half measured; in a scene
 # of costly steps fewer.
 TRIAL_SECONDS, MOST_MOMENTS, MOST_STEPS, FEWEST_STEPS, LEAST_STEPS = 0.5, 10, 48, 20, 4
 IDLE_STEPS = 32
+# A problem of more elements has its trial with larger ones.
+MOST_ELEMENTS = 100_000
 # What takes so many times the median of its like was interrupted by something else and does not count.
 INTERRUPTED = 4.0
 SHAKE = 1e-12
@@ -66,39 +68,78 @@ class Cost:
 
 def predict(problem: Problem, records: int) -> list[Cost]:
     """The costs of a run that records ``records`` times; without predictions where the trial can't be made."""
+    parts = _parts(problem)
+    try:
+        small = _smaller(problem)
+        prices = _prices(small, records)
+    except (Error, OSError):
+        return [Cost(name, **part) for name, part in parts.items()]
+    # What a part costs goes with the nodes that it acts on.
+    sizes, smaller = _sizes(problem), _sizes(small)
+    ratio = {name: sizes[name] / smaller[name] if smaller[name] else 1.0 for name in sizes}
+    seconds, rounds = {name: price * ratio[name] for name, price in prices.seconds.items()}, prices.rounds * ratio[ROUNDS]
+    _add_rounds(problem, parts, rounds)
+    counts = {OUTPUT: records}
+    steps = round(prices.steps * problem.step_count / small.step_count)
+    return [Cost(name, seconds_a_step=seconds[name], active=prices.active.get(name, 1.0), predicted=seconds[name] * counts.get(name, steps), **part)
+            for name, part in parts.items()]
+
+
+@dataclass(frozen=True, eq=False)
+class _Prices:
+    """What a trial found: ``seconds`` a step of each part (of the output: a record), the share in which each is ``active``, the ``steps`` of the run, and the ``rounds`` a step."""
+
+    seconds: dict[str, float]
+    active: dict[str, float]
+    steps: int
+    rounds: float
+
+
+def _smaller(problem: Problem) -> Problem:
+    """The problem that the trial is made with: a very large one with larger elements, if it can have them, as prices then go with the size."""
+    if element_count(problem, problem.parts.bodies) <= MOST_ELEMENTS:
+        return problem
+    fraction = min(problem.dt / problem.stable.dt, 1.0)
+    return with_larger_elements(problem, lambda bodies: element_count(problem, bodies), MOST_ELEMENTS, fraction) or problem
+
+
+def _sizes(problem: Problem) -> dict[str, int]:
+    """Nodes that each part acts on, and the constraints of all that press."""
+    effects = [problem.pointer.effects[k] for k in range(len(problem.effects))]
+    out = dict.fromkeys(problem.effects, 0)
+    for name, effect in zip(problem.effects, effects):
+        out[name] += effect.node_count
+    return out | {LOOP: problem.pointer.node_count, OUTPUT: problem.pointer.node_count, ROUNDS: sum(effect.constraint_count for effect in effects)}
+
+
+def _prices(problem: Problem, records: int) -> _Prices:
+    """Prices of a problem, from a trial."""
     state = new_state(problem)
-    parts = _parts(problem, state)
     touch = first_touch(problem)
     rehearsal = rehearse(problem)
     steps = problem.step_count if rehearsal is None else rehearsal.steps
     begins = None if rehearsal is None else rehearsal.begins()
     active = active_share(problem, touch, steps, begins)
-    try:
-        idle = _idle(problem, state) if active < 1.0 else {}
-        with _recorder(problem, state) as loop:
-            interval = max(1, steps // max(1, records - 1))
-            if rehearsal is None:
-                seconds = _touching(problem, loop, touch, interval)
-            else:
-                seconds = _rehearsed(problem, loop, rehearsal, interval)
-    except (Error, OSError):
-        return [Cost(name, **part) for name, part in parts.items()]
+    idle = _idle(problem, state) if active < 1.0 else {}
+    with _recorder(problem, state) as loop:
+        interval = max(1, steps // max(1, records - 1))
+        if rehearsal is None:
+            seconds = _touching(problem, loop, touch, interval)
+        else:
+            seconds = _rehearsed(problem, loop, rehearsal, interval)
     begun = active_share(problem, touch, IDLE_STEPS, begins)
-    _add_rounds(problem, parts, seconds.pop(ROUNDS))
     for name, price in idle.items():
         # What a step costs with no element at work, from the first steps, where some are.
         asleep = (price - begun * seconds[name]) / (1.0 - begun) if begun < 1.0 else seconds[name]
         seconds[name] = active * seconds[name] + (1.0 - active) * min(max(asleep, 0.0), seconds[name])
     shares = {"solid": active}
-    for name in set(TOUCHING).intersection(parts):
+    for name in set(TOUCHING).intersection(problem.effects):
         if rehearsal is None:
             shares[name] = _touch_share(problem, touch, name)
             seconds[name] *= shares[name]
         else:
             shares[name] = max(rehearsal.active(k) for k, other in enumerate(problem.effects) if other == name)
-    counts = {OUTPUT: records}
-    return [Cost(name, seconds_a_step=seconds[name], active=shares.get(name, 1.0), predicted=seconds[name] * counts.get(name, steps), **part)
-            for name, part in parts.items()]
+    return _Prices(seconds, shares, steps, seconds.pop(ROUNDS))
 
 
 def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, float]:
@@ -121,8 +162,9 @@ def _is_reaction(problem: Problem, name: str) -> bool:
     return name in problem.effects and all(problem.pointer.effects[k].reaction for k, other in enumerate(problem.effects) if other == name)
 
 
-def _parts(problem: Problem, state: Any) -> dict[str, dict[str, Any]]:
+def _parts(problem: Problem) -> dict[str, dict[str, Any]]:
     """What is known of each effect without a trial."""
+    state = new_state(problem)
     out: dict[str, dict[str, Any]] = {}
     omega_squared, rate, error = ffi.new("double *"), ffi.new("double *"), new_error()
     for k, name in enumerate(problem.effects):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,7 @@ from . import effects
 from . import parts as scene_parts
 from ._core import ffi, lib
 from .errors import Error, check, new_error, text_of
-from .mesh import KINDS, WIDTH, Mesh, read_vtkhdf, row_length
+from .mesh import KINDS, WIDTH, Mesh, physical_memory, read_vtkhdf, row_length
 from .projection import METHODS
 from .surfaces import ENFORCEMENTS, INITIAL, RULES
 from .schema import SceneError, float_array, index_array
@@ -184,8 +183,8 @@ class Problem:
                 x, y, z = (body.box or body.ring).cells
                 nodes = (x + 1) * (y + 1) * (z + 1) * (4 if body.element == "hex20" else 1)
                 need += memory_estimate(nodes, x * y * z, WIDTH[body.element], self._is_lattice(body))
-            if need > _physical_memory():
-                reason = f"the run needs about {need / 1e9:.3g} GB, this machine has {_physical_memory() / 1e9:.3g} GB"
+            if need > physical_memory():
+                reason = f"the run needs about {need / 1e9:.3g} GB, this machine has {physical_memory() / 1e9:.3g} GB"
                 raise SceneError(reason, f"body[{i}].{'box' if body.box else 'ring'}.cells", self.file)
 
     def _is_lattice(self, body: scene_parts.Body) -> bool:
@@ -488,10 +487,3 @@ def _spinning(body: scene_parts.Body, mesh: Mesh) -> np.ndarray:
     axis = np.array(body.spin.axis)
     omega = body.spin.rate / math.hypot(*axis) * axis
     return np.ascontiguousarray(np.array(body.velocity) + np.cross(omega, mesh.nodes - centre))
-
-
-def _physical_memory() -> float:
-    try:
-        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    except (AttributeError, ValueError, OSError):
-        return math.inf

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,7 +19,7 @@ import numpy as np
 from . import parts as scene_parts
 from ._core import ffi, lib
 from .errors import Error, check, new_error
-from .mesh import box_axes
+from .mesh import box_axes, rotation
 from .problem import Problem, new_state
 
 # What a rehearsal may cost, in updates of an element: so many, or this share of the run's, but never more than some seconds. A
@@ -100,18 +100,26 @@ def rehearse(problem: Problem) -> Rehearsal | None:
 
 def _coarse(problem: Problem) -> Problem | None:
     """The scene with elements as little larger as is cheap enough."""
+    most = min(max(MOST_UPDATES, MOST_SHARE * _updates(problem, problem.parts.bodies)), MOST_EVER)
+    return with_larger_elements(problem, lambda bodies: _updates(problem, bodies), most, FRACTION)
+
+
+def with_larger_elements(problem: Problem, cost: Callable[[dict[str, scene_parts.Body]], float], most: float, fraction: float) -> Problem | None:
+    """
+    The scene with elements as little larger as makes the ``cost`` of its bodies no more than ``most``, at a ``fraction`` of its stable step; None where that
+    can't be done, as bodies have meshes of their own.
+    """
     parts = problem.parts
     if not all(isinstance(own.given, str) for own in problem.own):
         return None
-    most, times = min(max(MOST_UPDATES, MOST_SHARE * _updates(problem, parts.bodies)), MOST_EVER), 1.0
-    largest = max((n for body in parts.bodies.values() if _lattice(body) for n in _lattice(body).cells), default=0)
-    while _updates(problem, bodies := {name: _larger(body, times) for name, body in parts.bodies.items()}) > most:
+    largest, times = max((n for body in parts.bodies.values() if _lattice(body) for n in _lattice(body).cells), default=0), 1.0
+    while cost(bodies := {name: _larger(body, times) for name, body in parts.bodies.items()}) > most:
         if times > largest:
             return None
         times *= 1.25
     contacts = tuple(replace(given, beta=None, epsilon=built.epsilon) for given, built in zip(parts.contacts, problem.contacts))
     effects = tuple(replace(added, given=_as_stiff(problem, added)) for added in parts.effects)
-    time = replace(parts.time, end=problem.end, end_over=None, step=("fraction", FRACTION))
+    time = replace(parts.time, end=problem.end, end_over=None, step=("fraction", fraction))
     larger = replace(parts, bodies=bodies, contacts=contacts, effects=effects, time=time)
     return Problem(larger, problem.file, problem.threads, [copy.copy(own) for own in problem.own])
 
@@ -127,6 +135,11 @@ def _as_stiff(problem: Problem, added: Any) -> Any:
 
 def _lattice(body: scene_parts.Body) -> scene_parts.Box | scene_parts.Ring | None:
     return body.box or body.ring
+
+
+def element_count(problem: Problem, bodies: dict[str, scene_parts.Body]) -> int:
+    """The elements of bodies, those with meshes of their own as the problem has them."""
+    return sum(math.prod(_lattice(body).cells) if _lattice(body) else len(problem.bodies[name].mesh.elements) for name, body in bodies.items())
 
 
 def _larger(body: scene_parts.Body, times: float) -> scene_parts.Body:
@@ -253,7 +266,7 @@ class _Map:
         # What a large rotation does is not linear along an arc; what is left beside it is small.
         X, fine = self.coarse.mesh.nodes, self.fine.mesh.nodes
         x = X + own_u
-        turn, centre, now = _rotation(X, x), X.mean(axis=0), x.mean(axis=0)
+        turn, centre, now = rotation(X, x), X.mean(axis=0), x.mean(axis=0)
         left = (x - now) @ turn - (X - centre)
         there = (fine - centre + self._between(left)) @ turn.T + now
         u[self.fine.nodes] = there - fine
@@ -276,12 +289,6 @@ def _ring_places(nodes: np.ndarray, ring: scene_parts.Ring) -> np.ndarray:
     along = (np.hypot(r[:, 0], r[:, 1]) - ring.radius[0]) / (ring.radius[1] - ring.radius[0])
     around = np.arctan2(r[:, 1], r[:, 0]) / (2.0 * math.pi) % 1.0
     return np.column_stack([along, around, r[:, 2] / ring.width + 0.5]) * ring.cells
-
-
-def _rotation(X: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """The rotation (3, 3) that takes X nearest to x, both about their means."""
-    left, _, right = np.linalg.svd((x - x.mean(axis=0)).T @ (X - X.mean(axis=0)))
-    return left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
 
 
 def _crosses(r: np.ndarray) -> np.ndarray:

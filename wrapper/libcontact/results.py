@@ -11,6 +11,7 @@ import numpy as np
 from .mesh import WIDTH, Mesh, need_h5py
 from .parts import LAWS, Material
 from .run import ENERGY, MOMENTUM, BodyState, Run, State, energy_dtype
+from .schema import check_file
 from .units import BASES, Units
 
 LAYOUT = 1
@@ -23,6 +24,7 @@ def load(path: Path, record: int = -1) -> Run:
     try:
         if not path.exists():
             raise ValueError(f'can\'t read "{path}": no such file')
+        check_file(path)
         with h5py.File(path, "r") as file:
             return _read(path, file, record)
     except OSError as error:

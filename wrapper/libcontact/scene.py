@@ -22,10 +22,12 @@ from .loop import execute, record_count, schedule
 from .plan import Cost, predict, table
 from .problem import Problem
 from .run import ENERGY, IN_ENERGY, Run
-from .schema import SceneError, describe, suggestion
+from .schema import SceneError, check_file, describe, suggestion
 
 # What may differ between a scene and the one whose run it continues: whole tables, and keys of [time].
 FREE_ON_RESTART = ("title", "output", "run", "units")
+# The largest scene file that is read.
+MOST_BYTES = 256e6
 STEPS = ("courant", "fraction", "dt")
 FREE_TIME_ON_RESTART = ("end", "end_c1t_over", "until_static", "energy_limit", "look_every")
 
@@ -86,9 +88,10 @@ class Scene:
 
     @classmethod
     def load(cls, path: str | Path) -> Scene:
-        """Read a scene file (TOML, UTF-8)."""
+        """Read a scene file (TOML, UTF-8) of at most 256 MB; larger meshes belong into a file of their own."""
         path = str(path)
         try:
+            check_file(path, MOST_BYTES)
             text = Path(path).read_bytes().decode("utf-8")
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)

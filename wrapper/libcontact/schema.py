@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import difflib
 import math
+import os
+import stat
+from pathlib import Path
 from typing import Any
 from collections.abc import Iterable
 
@@ -23,6 +26,15 @@ class SceneError(Error, ValueError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.reason, self.key, self.file)
+
+
+def check_file(path: str | Path, most: float = math.inf) -> None:
+    """Refuse, with a ValueError that names it, a file that is none (a device or a pipe may never end) or that has more than ``most`` bytes."""
+    found = os.stat(path)
+    if not stat.S_ISREG(found.st_mode):
+        raise ValueError(f'"{path}" is ' + ("a folder" if stat.S_ISDIR(found.st_mode) else "no regular file but a device, a pipe or the like"))
+    if found.st_size > most:
+        raise ValueError(f'"{path}" has {found.st_size / 1e6:.6g} MB; at most {most / 1e6:g} MB are read')
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from .._core import ffi, lib
 from ..schema import Table
 from ..surfaces import DEFAULT_BETA, ENFORCEMENTS, read_enforcement, split_face
@@ -39,6 +41,16 @@ class Obstacle:
     tangent: float
     enforcement: str
     dissipation: float
+
+    def gaps(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Gaps (n,) of points (n, 3) to the obstacle at the start, negative inside it, and its normals (n, 3) there."""
+        r = points - np.array(self.point)
+        axis = np.array(self.axis) / np.linalg.norm(self.axis)
+        if self.shape == "plane":
+            return r @ axis, np.broadcast_to(axis, r.shape)
+        away = r if self.shape == "sphere" else r - np.outer(r @ axis, axis)
+        distance = np.linalg.norm(away, axis=1)
+        return distance - self.radius, away / np.maximum(distance, np.finfo(float).tiny)[:, None]
 
 
 def read(table: Table, known: Known) -> Obstacle:
