@@ -44,23 +44,18 @@ static int edge_normal(const ct_search *search, int32_t face, int e, const doubl
   return 1;
 }
 
-/* Direction in which the edge from corner k of a face to its corner `to` leaves corner k: the tangent there. Where the tangent
- * vanishes, as with a mid-side node at the quarter point, a quadratic edge leaves along its chord (eq:edge-direction). */
-static void edge_direction(const ct_search *search, int32_t face, int k, int to, double along[3])
+/* Direction in which the edge from corner k of a face to the corner after or before it leaves corner k: the tangent there. Where the
+ * tangent vanishes, as with a mid-side node at the quarter point, a quadratic edge leaves along its chord (eq:edge-direction). */
+static void edge_direction(const ct_search *search, int32_t face, int k, int backwards, double along[3])
 {
-  ct_face f;
-  double at[2], end[2], t1[3], t2[3], corner[3], chord[3];
-  ct_search_face(search, face, &f);
-  memcpy(corner, f.node[k], sizeof corner);
-  for (int a = 0; a < search->per; a++)
-    for (int c = 0; c < 3; c++) f.node[a][c] -= corner[c]; // far from the origin no digits are lost
-  edge_point(search->edges, k, -1.0, at);
-  edge_point(search->edges, to, -1.0, end);
-  ct_segment_tangents(&f, at, t1, t2);
-  for (int c = 0; c < 3; c++) {
-    chord[c] = f.node[to][c];
-    along[c] = (end[0] - at[0]) * t1[c] + (end[1] - at[1]) * t2[c];
-  }
+  const int32_t *nodes = &search->faces[(int64_t)face * search->per];
+  int before = (k + search->edges - 1) % search->edges;
+  const double *first = &search->x[3 * (int64_t)nodes[k]], *last = &search->x[3 * (int64_t)nodes[backwards ? before : (k + 1) % search->edges]];
+  double chord[3];
+  for (int c = 0; c < 3; c++) along[c] = chord[c] = last[c] - first[c];
+  if (search->per == search->edges) return;
+  const double *middle = &search->x[3 * (int64_t)nodes[search->edges + (backwards ? before : k)]];
+  for (int c = 0; c < 3; c++) along[c] = 4.0 * (middle[c] - first[c]) - chord[c];
   // -- A tangent that is zero to rounding has no direction of its own (eq:edge-direction)
   if (!(ct_vector_dot(along, along) > 1e-18 * ct_vector_dot(chord, chord))) memcpy(along, chord, sizeof chord);
 }
@@ -69,10 +64,10 @@ static void edge_direction(const ct_search *search, int32_t face, int k, int to,
  * face adds nothing at a corner where one of its edges has collapsed. */
 static int add_corner(const ct_search *search, int32_t face, int k, double normal[3])
 {
-  int next = (k + 1) % search->edges, before = (k + search->edges - 1) % search->edges;
+  int before = (k + search->edges - 1) % search->edges;
   double u[3], v[3], w[3], n[3];
-  edge_direction(search, face, k, next, u);
-  edge_direction(search, face, k, before, v);
+  edge_direction(search, face, k, 0, u);
+  edge_direction(search, face, k, 1, v);
   ct_vector_cross(u, v, w);
   // -- Weigh the normal by the angle of the face at the corner (eq:pseudo-normal)
   double angle = atan2(sqrt(ct_vector_dot(w, w)), ct_vector_dot(u, v));
@@ -134,8 +129,8 @@ int ct_search_is_minimum(const ct_search *search, int32_t face, ct_where where, 
   for (int32_t i = search->ring_first[node]; i < search->ring_first[node + 1]; i++)
     for (int k = 0; k < search->edges; k++) {
       if (search->faces[(int64_t)search->ring[i] * search->per + k] != node) continue;
-      for (int way = 1; way < search->edges; way += search->edges - 2) {
-        edge_direction(search, search->ring[i], k, (k + way) % search->edges, v);
+      for (int backwards = 0; backwards < 2; backwards++) {
+        edge_direction(search, search->ring[i], k, backwards, v);
         if (!grows(d, v)) return 0;
       }
     }
