@@ -353,7 +353,7 @@ ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double
   status = refresh_candidates(contact, error);
   if (status != CT_OK) return status;
   for (int s = 0; s < contact->sides; s++)
-    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, look_depth(contact), !contact->begun);
+    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, look_depth(contact), contact->depth, !contact->begun);
   contact->begun = 1;
   return CT_OK;
 }

@@ -46,10 +46,10 @@ static double deepest(const ct_pass *p, int32_t face, int q, int32_t target, con
   ct_side_interpolate_reference(p->side, face, p->side->N[q], zero, X);
   ct_side_interpolate_reference(p->other, target, N, X, d);
   ct_search_face(&p->reference, target, &reference);
-  if (ct_segment_normal(&reference, foot->xi, own) != CT_OK) return p->depth;
+  if (ct_segment_normal(&reference, foot->xi, own) != CT_OK) return p->deep;
   // -- On an edge or a corner, beneath all faces there (eq:pseudo-normal)
   (void)ct_search_normal(&p->reference, target, foot->where, foot->index, foot->xi, own, normal);
-  return ct_vector_dot(d, normal) > 0.0 ? fmin(p->depth, 0.5 * sqrt(ct_vector_dot(d, d))) : p->depth;
+  return ct_vector_dot(d, normal) > 0.0 ? fmin(p->deep, 0.5 * sqrt(ct_vector_dot(d, d))) : p->deep;
 }
 
 /* A method that compares distances places the closest point to the root of the rounding, as a part of a face, and the gap of
@@ -262,7 +262,7 @@ static void find_nearest(const ct_pass *p, int32_t face, int q, const double y[3
   const ct_side *side = p->side, *other = p->other;
   const ct_gauss_point *point = &side->points[(int64_t)face * side->rule.count + q];
   int held = point->history == CT_POINT_INSIDE && !p->self;
-  double most = held ? HUGE_VAL : p->depth;
+  double most = held ? HUGE_VAL : point->history == CT_POINT_INSIDE ? side->listed[face] : p->depth; // on its own surface as far as the lists are complete
   if (!begin(p, face, q, same_side, most, best)) return;
 
   // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)
@@ -316,7 +316,7 @@ static verdict judge(const ct_pass *p, int32_t face, int q, const double y[3], n
   if (best->face == INT32_MAX) return buried || is_buried(p, y) ? FAR : NOWHERE;
   verdict found = measure(p, face, q, best, point);
   if (found == FAR) found = judge_far(p, face, q, y, best, point);
-  if (found == INSIDE && (p->self || point->history != CT_POINT_INSIDE) && (buried || point->gap < -p->depth)) found = FAR;
+  if (found == INSIDE && (p->self || point->history != CT_POINT_INSIDE) && (buried || point->gap < -(p->self ? p->deep : p->depth))) found = FAR;
   if (found == FAR && p->self) return NOWHERE;
   if (found == BEYOND && buried) return FAR;
   return found;
@@ -356,9 +356,9 @@ static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
     if (!(settled >> i & 1)) search_point(p, (int32_t)((first + i) / points), (int)((first + i) % points));
 }
 
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, int first)
+void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double deep, int first)
 {
-  ct_pass p = {side, other, ct_project_options_default(), options->epsilon, depth, side == other, first, *other->search};
+  ct_pass p = {side, other, ct_project_options_default(), options->epsilon, depth, deep, side == other, first, *other->search};
   p.reference.x = other->reference;
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;

@@ -88,7 +88,8 @@ static inline void ct_side_push(const ct_grid *grid, const ct_search *search, in
 }
 
 /* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). Points look as far as `depth`, and
- * a new one is in contact down to there; `first`: no point has a history yet. */
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, int first);
+ * a new one is in contact down to there; one of a surface with itself is in contact down to `deep`; `first`: no point
+ * has a history yet. */
+void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double deep, int first);
 
 #endif
