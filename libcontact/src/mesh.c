@@ -216,17 +216,15 @@ ct_status ct_mesh_element_nodes(const ct_mesh *mesh, int32_t element, int32_t *n
   return CT_OK;
 }
 
-/* Jacobian determinant of an element at a point over the product of its edge vectors there, which is 1 for a box. */
-static double relative_determinant(ct_brick_kind kind, double nodes[20][3], const double xi[3], double *det)
+/* Jacobian of an element at a point, and the squares of its columns: half the edges of the brick that the element looks like from
+ * there. Answers its determinant. */
+static double jacobian(ct_brick_kind kind, double nodes[20][3], const double xi[3], double square[3])
 {
   double dN[20][3], J[3][3], C[3][3];
   ct_brick_gradient(kind, xi, dN);
   ct_reference_gradient(ct_brick_node_count(kind), dN, nodes, J);
-  *det = ct_cofactors(J, C);
-  double scale = sqrt((J[0][0] * J[0][0] + J[1][0] * J[1][0] + J[2][0] * J[2][0]) *
-                      (J[0][1] * J[0][1] + J[1][1] * J[1][1] + J[2][1] * J[2][1]) *
-                      (J[0][2] * J[0][2] + J[1][2] * J[1][2] + J[2][2] * J[2][2]));
-  return scale > 0.0 ? *det / scale : *det;
+  for (int d = 0; d < 3; d++) square[d] = J[0][d] * J[0][d] + J[1][d] * J[1][d] + J[2][d] * J[2][d];
+  return ct_cofactors(J, C);
 }
 
 int ct_mesh_upright_box(double nodes[8][3], double *volume)
@@ -242,29 +240,49 @@ int ct_mesh_upright_box(double nodes[8][3], double *volume)
   return edge[0] > 0.0 && edge[1] > 0.0 && edge[2] > 0.0 && isnormal(*volume * *volume);
 }
 
-static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t element, ct_error *error)
+/* At Gauss points: the determinant over the product of the edges there, which is 1 for a box (eq:jacobian-points). */
+static ct_status check_gauss(ct_brick_kind kind, double nodes[20][3], const ct_rule *rule, int32_t element, ct_error *error)
 {
-  int per = ct_brick_node_count(mesh->kind);
-  int32_t number[20];
-  double nodes[20][3], det, corner[3];
-  ct_status status = ct_mesh_element_nodes(mesh, element, number, error);
-  if (status != CT_OK) return status;
-  for (int a = 0; a < per; a++) memcpy(nodes[a], &mesh->nodes[3 * (size_t)number[a]], sizeof nodes[a]);
-  if (mesh->kind == CT_HEX8 && ct_mesh_upright_box(nodes, &det)) return CT_OK;
   for (int q = 0; q < rule->count; q++) {
-    double relative = relative_determinant(mesh->kind, nodes, rule->xi[q], &det);
+    double square[3], det = jacobian(kind, nodes, rule->xi[q], square), scale = sqrt(square[0] * square[1] * square[2]);
+    double relative = scale > 0.0 ? det / scale : det;
     if (!(relative > 1e-12))
       return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, element, q}, "element %d is %s: Jacobian determinant %g at Gauss point %d", (int)element,
                      relative < -1e-12 ? "inverted" : "collapsed", det, q);
   }
-  // At a corner nothing is integrated and an edge may have collapsed, but a straight element must not be inside out there.
-  for (int a = 0; a < 8 && mesh->kind == CT_HEX8; a++) {
-    ct_brick_reference(mesh->kind, a, corner);
-    if (!(relative_determinant(mesh->kind, nodes, corner, &det) >= -1e-9))
-      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, element, -1}, "element %d is inverted: Jacobian determinant %g at its corner %d (node %d)", (int)element, det, a,
-                     (int)number[a]);
+  return CT_OK;
+}
+
+/* At nodes, where nothing is integrated: the determinant over the product of the edges at the centre. It may be zero only where an
+ * edge has collapsed to a point, or leaves its node with a tangent of zero (eq:jacobian-nodes). */
+static ct_status check_nodes(ct_brick_kind kind, double nodes[20][3], const int32_t *number, int32_t element, ct_error *error)
+{
+  static const double centre[3] = {0.0, 0.0, 0.0};
+  double size[3], square[3], xi[3];
+  (void)jacobian(kind, nodes, centre, size);
+  double small = 1e-9 * sqrt(size[0] * size[1] * size[2]);
+  for (int a = 0; a < ct_brick_node_count(kind); a++) {
+    ct_brick_reference(kind, a, xi);
+    double det = jacobian(kind, nodes, xi, square);
+    int vanishes = 0;
+    for (int d = 0; d < 3; d++) vanishes |= square[d] <= 1e-18 * size[d];
+    if (det > small || (vanishes && det >= -small)) continue;
+    return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, element, -1}, "element %d is %s at its %s %d (node %d): Jacobian determinant %g, where it must be positive", (int)element,
+                   det < -small ? "inverted" : "collapsed", a < 8 ? "corner" : "mid-side node", a, (int)number[a], det);
   }
   return CT_OK;
+}
+
+static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t element, ct_error *error)
+{
+  int32_t number[20];
+  double nodes[20][3], volume;
+  ct_status status = ct_mesh_element_nodes(mesh, element, number, error);
+  if (status != CT_OK) return status;
+  for (int a = 0; a < ct_brick_node_count(mesh->kind); a++) memcpy(nodes[a], &mesh->nodes[3 * (size_t)number[a]], sizeof nodes[a]);
+  if (mesh->kind == CT_HEX8 && ct_mesh_upright_box(nodes, &volume)) return CT_OK;
+  status = check_gauss(mesh->kind, nodes, rule, element, error);
+  return status == CT_OK ? check_nodes(mesh->kind, nodes, number, element, error) : status;
 }
 
 /* After the first bad element: say how many there are, and the numbers of some. */

@@ -2,6 +2,8 @@
  * match. */
 #include "patches.h"
 
+#include "../../libcontact/src/contact/contact_internal.h"
+
 #include <contact/quadrature.h>
 
 static void lift(patch *p, double z)
@@ -455,8 +457,92 @@ static void ratios(void)
   }
 }
 
+/* Faces listed as candidates, of a face on the mean. */
+static double listed(const ct_contact *contact)
+{
+  double count = 0.0, faces = 0.0;
+  for (int s = 0; s < contact->sides; s++) {
+    const ct_search *search = contact->side[s].search;
+    count += contact->side[s].candidate_first[search->face_count];
+    faces += search->face_count;
+  }
+  return count / faces;
+}
+
+/* A ring of long faces in contact with itself: each face looks at those around it, not at the whole ring. */
+static void local_search(void)
+{
+  ct_ring shape = {{0, 0, 0}, {40, 50}, 60, {2, 48, 2}};
+  ct_mesh *m = NULL;
+  ct_error e;
+  need(ct_mesh_create_ring(CT_HEX8, &shape, &m, &e), &e);
+  int count = ct_mesh_outer_faces(m, NULL, NULL);
+  int32_t *faces = integers(4 * count);
+  ct_mesh_outer_faces(m, faces, NULL);
+  ct_surface surface = {CT_Q4, m->node_count, count, faces, m->nodes};
+  ct_contact_options options = ct_contact_options_default();
+  options.epsilon = 1.0;
+  ct_contact *contact = NULL;
+  need(ct_contact_create_self(&surface, &options, &contact, &e), &e);
+  need(ct_contact_update(contact, m->nodes, NULL, &e), &e);
+  need(ct_contact_update(contact, m->nodes, NULL, &e), &e);
+  tap_ok(count == 384 && listed(contact) < 20.0, "a ring of %d faces: %.1f are candidates of a face", count, listed(contact));
+  ct_contact_free(contact);
+  free(faces);
+  ct_mesh_free(m);
+}
+
+/* Steps as large as the tunnelling check allows: every point has a partner before it comes in, though the search is local. */
+static void seen_before_it_comes_in(void)
+{
+  ct_mesh *below = box_mesh(CT_HEX8, 0, 0, -6, 60, 12, 6, 3, 12, 2), *above = box_mesh(CT_HEX8, 7, 3, 0, 40, 6, 6, 2, 6, 2);
+  ct_mesh *mesh[2] = {below, above};
+  ct_surface surface[2];
+  int32_t *faces[2];
+  ct_error e;
+  for (int s = 0; s < 2; s++) {
+    int count = ct_mesh_outer_faces(mesh[s], NULL, NULL);
+    faces[s] = integers(4 * count);
+    ct_mesh_outer_faces(mesh[s], faces[s], NULL);
+    surface[s] = (ct_surface){CT_Q4, mesh[s]->node_count, count, faces[s], mesh[s]->nodes};
+  }
+  ct_contact_options options = ct_contact_options_default();
+  options.epsilon = 1.0;
+  ct_contact *contact = NULL;
+  need(ct_contact_create(&surface[0], &surface[1], &options, &contact, &e), &e);
+  double *x = numbers(3 * above->node_count), height = 20.25 + 0.3 * contact->room;
+  int64_t count = ct_contact_point_count(contact);
+  ct_contact_point *now = room(count, sizeof *now), *before = room(count, sizeof *before);
+  int wrong = 0, inside = 0, unseen = 0;
+  for (; height > -1.2; height -= contact->room) {
+    for (int n = 0; n < above->node_count; n++)
+      for (int c = 0; c < 3; c++) x[3 * n + c] = above->nodes[3 * n + c] + (c == 2 ? height : 0.0);
+    need(ct_contact_update(contact, below->nodes, x, &e), &e);
+    ct_contact_points(contact, now);
+    for (int64_t i = 0; i < count; i++) {
+      int facing = fabs(now[i].position[2] - (now[i].side == 1 ? height : 0.0)) < 1e-9 && now[i].position[0] > 7.5 && now[i].position[0] < 46.5 && now[i].position[1] > 3.5 && now[i].position[1] < 8.5;
+      if (!facing || height >= 0.0) continue;
+      inside++;
+      unseen += before[i].other < 0;
+      wrong += fabs(now[i].gap - height) > 1e-12;
+    }
+    memcpy(before, now, (size_t)count * sizeof *now);
+  }
+  tap_ok(inside > 50 && unseen == 0 && wrong == 0, "steps of %g, as large as allowed: %d points came in, %d of them unseen, %d with a wrong gap", contact->room, inside, unseen, wrong);
+  ct_contact_free(contact);
+  for (int s = 0; s < 2; s++) {
+    free(faces[s]);
+    ct_mesh_free(mesh[s]);
+  }
+  free(x);
+  free(now);
+  free(before);
+}
+
 int main(void)
 {
+  local_search();
+  seen_before_it_comes_in();
   for (int kind = 0; kind < 4; kind++) {
     held((ct_face_kind)kind);
     lobatto((ct_face_kind)kind);

@@ -217,6 +217,92 @@ static void refusals(ct_brick_kind kind)
   ct_mesh_free(m);
 }
 
+/* Put nodes `from` in the place of node `to`. */
+static void join(ct_mesh *m, int to, int count, const int *from)
+{
+  for (int i = 0; i < count; i++) memcpy(&m->nodes[3 * m->elements[from[i]]], &m->nodes[3 * m->elements[to]], 3 * sizeof *m->nodes);
+}
+
+static void accepted(ct_mesh *m, const char *what)
+{
+  ct_error e = {0};
+  tap_ok(ct_mesh_check(m, &e) == CT_OK, "%s %s is accepted%s%s", KIND[m->kind], what, e.code == CT_OK ? "" : ": ", e.text);
+}
+
+/* Bricks that are degenerate at a corner: wedges, pyramids and quarter points are used, flat and reversed corners are faults. */
+static void corners(ct_brick_kind kind)
+{
+  static const int WEDGE[2][3] = {{2, 9, 9}, {6, 13, 13}}, PYRAMID[7] = {5, 6, 7, 12, 13, 14, 15};
+  ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  double *keep = numbers(3 * m->node_count), *six = &m->nodes[3 * m->elements[6]];
+  size_t size = 3 * (size_t)m->node_count * sizeof *keep;
+  memcpy(keep, m->nodes, size);
+
+  join(m, 1, kind == CT_HEX20 ? 3 : 1, WEDGE[0]);
+  join(m, 5, kind == CT_HEX20 ? 3 : 1, WEDGE[1]);
+  if (kind == CT_HEX20) join(m, 17, 1, (const int[1]){18});
+  accepted(m, "with two collapsed edges, a wedge,");
+  memcpy(m->nodes, keep, size);
+
+  join(m, 4, kind == CT_HEX20 ? 7 : 3, PYRAMID);
+  accepted(m, "with a collapsed side, a pyramid,");
+  memcpy(m->nodes, keep, size);
+
+  // Corner 6 at (1, 1, 1) in the plane of its three neighbours, and beyond it. Mid-side nodes follow.
+  for (int beyond = 0; beyond < 2; beyond++) {
+    double at = beyond ? 0.6 : 2.0 / 3.0;
+    for (int c = 0; c < 3; c++) six[c] = at;
+    for (int i = 0; kind == CT_HEX20 && i < 3; i++) {
+      static const int MIDDLE[3] = {13, 14, 18}, END[3] = {5, 7, 2};
+      for (int c = 0; c < 3; c++) m->nodes[3 * m->elements[MIDDLE[i]] + c] = 0.5 * (at + m->nodes[3 * m->elements[END[i]] + c]);
+    }
+    refused(m, CT_ERROR_GEOMETRY, 0, -1, beyond ? "inverted at its corner 6" : "collapsed at its corner 6", beyond ? "a corner that is inside out" : "a flat corner");
+  }
+  memcpy(m->nodes, keep, size);
+
+  // A mid-side node at the quarter point, and beyond it.
+  double *middle = kind == CT_HEX20 ? &m->nodes[3 * m->elements[18]] : NULL;
+  if (middle != NULL) {
+    middle[2] = 0.75;
+    accepted(m, "with a mid-side node at the quarter point");
+    middle[2] = 0.8;
+    refused(m, CT_ERROR_GEOMETRY, 0, -1, "inverted at its corner 6", "a mid-side node beyond the quarter point");
+  }
+  free(keep);
+  ct_mesh_free(m);
+}
+
+/* Smallest determinant of a brick on a lattice of n³ points. */
+static double least_determinant(const ct_mesh *m, int n)
+{
+  double least = INFINITY;
+  for (int i = 0; i < n * n * n; i++) {
+    double xi[3] = {2.0 * (i % n) / (n - 1) - 1.0, 2.0 * (i / n % n) / (n - 1) - 1.0, 2.0 * (i / n / n) / (n - 1) - 1.0}, dN[20][3], J[3][3] = {{0}};
+    ct_brick_gradient(m->kind, xi, dN);
+    for (int a = 0; a < ct_brick_node_count(m->kind); a++)
+      for (int d = 0; d < 3; d++)
+        for (int c = 0; c < 3; c++) J[d][c] += dN[a][d] * m->nodes[3 * m->elements[a] + c];
+    double det = J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) - J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) + J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]);
+    least = fmin(least, det);
+  }
+  return least;
+}
+
+/* Bricks with all nodes moved at random by up to 0.15 edges: all regular ones pass, and nearly no others. */
+static void random_bricks(ct_brick_kind kind)
+{
+  enum { COUNT = 400 };
+  int regular = 0, passed = 0, lost = 0, missed = 0;
+  for (int k = 0; k < COUNT; k++) {
+    ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+    distort(m, kind == CT_HEX20 ? 0.15 : 0.3);
+    int good = least_determinant(m, 9) > 0.0, pass = ct_mesh_check(m, NULL) == CT_OK;
+    regular += good, passed += pass, lost += good && !pass, missed += pass && !good;
+    ct_mesh_free(m);
+  }
+  tap_ok(lost == 0 && missed < 0.03 * passed, "%s: of %d random bricks %d are regular, %d pass; %d of them are inverted between the nodes", KIND[kind], COUNT, regular, passed, missed);
+}
+
 /* Number of the node that stands exactly at (x, y, z), or -1. */
 static int node_at(const ct_mesh *m, double x, double y, double z)
 {
@@ -284,6 +370,8 @@ int main(void)
     faces((ct_brick_kind)kind);
     faces_in_planes((ct_brick_kind)kind);
     refusals((ct_brick_kind)kind);
+    corners((ct_brick_kind)kind);
+    random_bricks((ct_brick_kind)kind);
   }
   turned_faces();
   box_refused(0.0, 1, 0.0, "no height");

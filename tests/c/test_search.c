@@ -408,6 +408,141 @@ static void spike(void)
   ct_search_free(search);
 }
 
+/* The skin of a brick of 20 nodes, as 6 Q8 faces or as 12 T6 faces with a node more in the middle of each side. */
+typedef struct skin {
+  double x[26][3];
+  int32_t faces[72];
+  ct_surface surface;
+} skin;
+
+static void skin_make(skin *s, ct_face_kind kind, double corners, double middles)
+{
+  static const int T[2][6] = {{0, 1, 2, 4, 5, 8}, {0, 2, 3, 8, 6, 7}};
+  int next = 0, triangular = kind == CT_T6;
+  for (int a = 0; a < 20; a++) {
+    ct_brick_reference(CT_HEX20, a, s->x[a]);
+    for (int c = 0; c < 3; c++) s->x[a][c] += uniform(a < 8 ? corners : middles);
+  }
+  for (int side = 0; side < 6; side++) {
+    int node[9];
+    ct_face face = {.kind = CT_Q8};
+    ct_brick_face(CT_HEX20, side, node);
+    node[8] = 20 + side;
+    for (int a = 0; a < 8; a++) memcpy(face.node[a], s->x[node[a]], sizeof face.node[a]);
+    ct_segment_point(&face, (double[2]){0.0, 0.0}, s->x[node[8]]);
+    for (int t = 0; t < (triangular ? 2 : 1); t++)
+      for (int a = 0; a < (triangular ? 6 : 8); a++) s->faces[next++] = node[triangular ? T[t][a] : a];
+  }
+  s->surface = (ct_surface){kind, 26, triangular ? 12 : 6, s->faces, s->x[0]};
+}
+
+static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Whether the brick is far from being turned inside out anywhere, so that its skin does not cross itself. */
+static int is_regular(const skin *s)
+{
+  for (int i = 0; i < 125; i++) {
+    double xi[3] = {0.5 * (i % 5) - 1.0, 0.5 * (i / 5 % 5) - 1.0, 0.5 * (i / 25) - 1.0}, dN[20][3], J[3][3] = {{0}}, lengths = 1.0;
+    ct_brick_gradient(CT_HEX20, xi, dN);
+    for (int a = 0; a < 20; a++)
+      for (int d = 0; d < 3; d++)
+        for (int c = 0; c < 3; c++) J[d][c] += dN[a][d] * s->x[a][c];
+    for (int d = 0; d < 3; d++) lengths *= sqrt(J[d][0] * J[d][0] + J[d][1] * J[d][1] + J[d][2] * J[d][2]);
+    double det = J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) - J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) + J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]);
+    if (!(det > 0.15 * lengths)) return 0;
+  }
+  // Two triangles of one side must not be folded onto each other.
+  for (int f = 0; s->surface.kind == CT_T6 && f < 12; f += 2)
+    for (int i = 0; i <= 8; i++) {
+      double n[2][3], xi[2][2] = {{0.0, i / 8.0}, {i / 8.0, 0.0}};
+      for (int t = 0; t < 2; t++) {
+        ct_face face = {.kind = CT_T6};
+        for (int a = 0; a < 6; a++) memcpy(face.node[a], s->x[s->faces[6 * (f + t) + a]], sizeof face.node[a]);
+        if (ct_segment_normal(&face, xi[t], n[t]) != CT_OK) return 0;
+      }
+      if (!(dot3(n[0], n[1]) > 0.0)) return 0;
+    }
+  return 1;
+}
+
+/* Solid angle of a triangle seen from the origin. */
+static double solid_angle(const double a[3], const double b[3], const double c[3])
+{
+  double u = sqrt(dot3(a, a)), v = sqrt(dot3(b, b)), w = sqrt(dot3(c, c));
+  double volume = a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  return 2.0 * atan2(volume, u * v * w + dot3(a, b) * w + dot3(b, c) * u + dot3(c, a) * v);
+}
+
+/* How often a surface, cut into small triangles, winds around a point: 1 inside, 0 outside. */
+static double winding(const ct_surface *s, const double point[3])
+{
+  enum { CUTS = 24 };
+  double angle = 0.0;
+  for (int f = 0; f < s->face_count; f++) {
+    static double y[CUTS + 1][CUTS + 1][3];
+    int per = ct_face_node_count(s->kind), triangular = s->kind == CT_T6;
+    ct_face face = {.kind = s->kind};
+    for (int a = 0; a < per; a++)
+      for (int c = 0; c < 3; c++) face.node[a][c] = s->reference[3 * s->faces[f * per + a] + c] - point[c];
+    for (int i = 0; i <= CUTS; i++)
+      for (int j = 0; j <= CUTS - (triangular ? i : 0); j++) {
+        double u = (double)i / CUTS, v = (double)j / CUTS, xi[2] = {triangular ? u : 2.0 * u - 1.0, triangular ? v : 2.0 * v - 1.0};
+        ct_segment_point(&face, xi, y[i][j]);
+      }
+    for (int i = 0; i < CUTS; i++)
+      for (int j = 0; j < CUTS - (triangular ? i : 0); j++) {
+        angle += solid_angle(y[i][j], y[i + 1][j], y[i][j + 1]);
+        if (!triangular || i + j + 1 < CUTS) angle += solid_angle(y[i + 1][j], y[i + 1][j + 1], y[i][j + 1]);
+      }
+  }
+  return angle / (4.0 * 3.14159265358979323846);
+}
+
+/* Closed curved surfaces: next to corners the tangents, not the chords, say what is inside. */
+static void curved_corners(ct_face_kind kind, double middles)
+{
+  int wrong = 0, corners = 0, asked = 0;
+  for (int trial = 0; trial < 160; trial++) {
+    skin s;
+    skin_make(&s, kind, 0.1, middles);
+    if (!is_regular(&s)) continue;
+    ct_search *search = search_of(&s.surface);
+    for (int i = 0; i < 12; i++) {
+      const double *corner = s.x[pick(8)];
+      double point[3], reach = 0.02 + fabs(uniform(0.2));
+      ct_nearest got;
+      for (int c = 0; c < 3; c++) point[c] = corner[c] + uniform(reach);
+      ct_search_nearest(search, 1, point, NULL, NULL, &got);
+      if (got.distance < 4e-3) continue; // the sag of the small triangles
+      asked++;
+      corners += got.where == CT_VERTEX;
+      wrong += (winding(&s.surface, point) > 0.5) != (got.signed_distance < 0.0);
+    }
+    ct_search_free(search);
+  }
+  tap_ok(wrong == 0 && corners > 100, "bricks of %s faces with bent edges: %d of %d points near corners have the wrong sign (%d feet are corners)",
+         kind == CT_Q8 ? "Q8" : "T6", wrong, asked, corners);
+}
+
+/* Mid-side nodes at the quarter points: all tangents at the corner vanish, and its normal is still that of the cube. */
+static void quarter_point_corner(ct_face_kind kind)
+{
+  static const int MIDDLE[3] = {13, 14, 18}; // of the edges at node 6
+  skin s;
+  ct_nearest got;
+  const double point[3] = {1.3, 1.2, 1.1};
+  skin_make(&s, kind, 0.0, 0.0);
+  for (int m = 0; m < 3; m++)
+    for (int c = 0; c < 3; c++) s.x[MIDDLE[m]][c] = 0.5 * (1.0 + s.x[MIDDLE[m]][c]);
+  ct_search *search = search_of(&s.surface);
+  ct_search_nearest(search, 1, point, NULL, NULL, &got);
+  double off = 0.0;
+  for (int c = 0; c < 3; c++) off = worst(off, got.normal[c] - 1.0 / sqrt(3.0));
+  tap_ok(got.where == CT_VERTEX && got.signed_distance > 0.0, "%s: a corner of quarter points is found", kind == CT_Q8 ? "Q8" : "T6");
+  tap_close(off, 0.0, 1e-14, "%s: its normal is that of the cube", kind == CT_Q8 ? "Q8" : "T6");
+  ct_search_free(search);
+}
+
 /* A sphere of Q8 faces, refined: distances converge to those of the sphere. */
 static double sphere_error(int n)
 {
@@ -596,6 +731,10 @@ int main(void)
   cube(CT_Q4);
   spike();
   sphere();
+  curved_corners(CT_Q8, 0.28);
+  curved_corners(CT_T6, 0.22);
+  quarter_point_corner(CT_Q8);
+  quarter_point_corner(CT_T6);
   triangles();
   repeated();
   rebuilding();

@@ -461,8 +461,8 @@ static void made_in_each_other(ct_face_kind kind)
   memcpy(p.reference, pressed, size);
   ct_contact *contact = open_self(&p.surface);
   double before = energy_at(contact, pressed), after = 0.0, parted = energy_at(contact, apart);
-  for (int step = 0; step <= 40; step++) {
-    for (int i = 0; i < 3 * p.surface.node_count; i++) p.x[i] = apart[i] + step / 40.0 * (pressed[i] - apart[i]);
+  for (int step = 0; step <= 400; step++) {
+    for (int i = 0; i < 3 * p.surface.node_count; i++) p.x[i] = apart[i] + step / 400.0 * (pressed[i] - apart[i]);
     after = fmax(after, energy_at(contact, p.x));
   }
   tap_ok(before == 0.0 && parted == 0.0 && after > 0.01, "%s strip made in itself: energy %g, apart %g, and up to %g when its layers come together again", KIND[kind], before, parted, after);

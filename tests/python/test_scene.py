@@ -312,6 +312,17 @@ def test_inverted_and_collapsed_elements_are_named():
     assert 'body "cube"' in error.reason and "element 0" in error.reason and "collapsed" in error.reason
 
 
+def test_a_mid_side_node_beyond_the_quarter_point_is_refused():
+    ends = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+    nodes = np.vstack([CUBE] + [0.5 * (CUBE[[a]] + CUBE[[b]]) for a, b in ends])
+    number = np.arange(20)[None]
+    nodes[18] = [1, 1, 0.75]  # at the quarter point seen from node 6: used for cracks
+    assert ct.Scene(cube(nodes, number)).explain()
+    nodes[18] = [1, 1, 0.8]
+    error = refused(cube(nodes, number), run=True)
+    assert 'body "cube"' in error.reason and "element 0 is inverted at its corner 6 (node 6)" in error.reason
+
+
 def test_a_node_without_element_is_refused():
     error = refused(cube(np.vstack([CUBE, [[9, 9, 9]]])), run=True)
     assert "node 8 belongs to no element" in error.reason

@@ -40,8 +40,10 @@ typedef struct ct_contact_options {
   /** Tolerance of the search in half-widths of a face. */
   double tolerance;
   /**
-   * A point that is deeper than this under a face [length] when it is first seen is not in contact with it, :eq:`point-history`;
-   * one that came in from outside is, at any depth. 0: the largest face size of the two surfaces.
+   * How far points look for the other surface [length]. A point that is deeper than this under a face when it is first seen is not
+   * in contact with it, :eq:`point-history`; one that came in from outside is, at any depth. 0: at t = 0, and in the first update of two
+   * surfaces, the largest face size, afterwards the width of the narrowest face or 3/4 of the thinnest place,
+   * :eq:`contact-near`.
    */
   double depth;
   /** Threads; results do not depend on it. */

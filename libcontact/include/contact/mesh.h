@@ -91,8 +91,9 @@ CT_API void ct_mesh_free(ct_mesh *mesh);
 
 /**
  * Refuse node numbers out of range, coordinates that are not finite, and elements whose Jacobian determinant is not
- * positive at a Gauss point, or, for hex8, negative at a corner (``CT_ERROR_GEOMETRY``; `error` names the first such element and
- * its Gauss point, and its text counts them).
+ * positive at a Gauss point or at a node of the element (``CT_ERROR_GEOMETRY``; `error` names the first such element, its Gauss
+ * point, or in the text its corner or mid-side node, and its text counts all such elements). At a node the determinant may be zero
+ * where an edge has collapsed or a mid-side node is at the quarter point, :eq:`jacobian-nodes`.
  */
 CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 

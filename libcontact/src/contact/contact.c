@@ -83,12 +83,12 @@ static ct_bounds grown(const ct_bounds *box, double reach)
   return larger;
 }
 
-/* List for each face of `side` the faces of `other` within `reach`. */
-static ct_status list_candidates(ct_side *side, const ct_side *other, double reach, ct_error *error)
+/* List for each face of `side` the faces of `other` within the distance to which its list is to be complete, and the skin. */
+static ct_status list_candidates(ct_side *side, const ct_side *other, double skin, ct_error *error)
 {
   int32_t count = 0;
   for (int32_t f = 0; f < side->search->face_count; f++) {
-    ct_bounds box = grown(&side->search->boxes[f], reach);
+    ct_bounds box = grown(&side->search->boxes[f], side->listed[f] + skin);
     side->candidate_first[f] = count;
     int32_t found = ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box, side->candidates + count, side->candidate_room - count);
     if (found > side->candidate_room - count) {
@@ -130,7 +130,7 @@ static void measure_clear(ct_contact *contact)
   contact->clear = 0.0;
   if (!contact->options.distant || a->candidate_first[a->search->face_count] + b->candidate_first[b->search->face_count] > 0) return;
   contact->clear = contact->skin;
-  for (int i = 0; i < DOUBLINGS && !anything_within(a, b, contact->depth + 2.0 * contact->clear); i++) contact->clear *= 2.0;
+  for (int i = 0; i < DOUBLINGS && !anything_within(a, b, contact->near + 2.0 * contact->clear); i++) contact->clear *= 2.0;
 }
 
 /* Whether no point can have come into the depth of a face since the lists were made: the box of a linear face moves at most as
@@ -143,31 +143,49 @@ static int still_distant(const ct_contact *contact)
   return motion(a) + motion(b) <= part * contact->clear;
 }
 
-/* How deep the deepest point was that was in contact in the last update. */
-static double deepest(const ct_contact *contact)
+/* How deep a point was that was in contact in the last update, else 0. */
+static double depth_of(const ct_gauss_point *point) { return point->history == CT_POINT_INSIDE ? -point->known : 0.0; }
+
+/* Whether the lists reach as deep as every point that was in contact in the last update can have come since, a step of `near`
+ * deeper (eq:passage). */
+static int reaches_deepest(const ct_side *side, double near)
 {
-  double depth = 0.0;
-  for (int s = 0; s < contact->sides; s++)
-    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++)
-      if (contact->side[s].points[i].history == CT_POINT_INSIDE) depth = fmax(depth, -ct_point_distance(&contact->side[s].points[i]));
-  return depth;
+  for (int64_t i = 0; i < ct_side_point_count(side); i++)
+    if (depth_of(&side->points[i]) > 0.0 && depth_of(&side->points[i]) + near > side->listed[i / side->rule.count]) return 0;
+  return 1;
+}
+
+/* How far the list of each face has to reach: as far as points look, and deeper than its own points in contact can come soon. */
+static void set_reach(ct_side *side, double depth, double near)
+{
+  for (int32_t f = 0; f < side->search->face_count; f++) side->listed[f] = depth;
+  for (int64_t i = 0; i < ct_side_point_count(side); i++) {
+    double *listed = &side->listed[i / side->rule.count], deep = depth_of(&side->points[i]);
+    if (deep > 0.0) *listed = fmax(*listed, 1.5 * (deep + near));
+  }
+}
+
+/* How far points look now. At the start nobody knows how deep two surfaces begin in each other, or how far apart they are; afterwards
+ * a point that comes in has been near before (eq:contact-near). */
+static double look_depth(const ct_contact *contact)
+{
+  return contact->start || (!contact->begun && contact->sides == 2) ? contact->depth : contact->near;
 }
 
 /* Refit trees and list candidates when the surfaces have moved by a part of the skin (eq:skin). */
 static ct_status refresh_candidates(ct_contact *contact, ct_error *error)
 {
   ct_side *a = &contact->side[0], *b = &contact->side[contact->sides - 1];
-  double deep = deepest(contact);
-  if (contact->built && contact->begun && deep <= contact->listed && motion(a) + motion(b) <= 0.25 * contact->skin) return CT_OK;
-  contact->listed = fmax(contact->depth, 1.5 * deep);
+  if (contact->built && contact->begun && reaches_deepest(a, contact->near) && reaches_deepest(b, contact->near) && motion(a) + motion(b) <= 0.25 * contact->skin) return CT_OK;
   for (int s = 0; s < contact->sides; s++) {
     ct_side *side = &contact->side[s];
     ct_search_refit(side->search);
     memcpy(side->x_built, side->search->x, 3 * (size_t)side->search->node_count * sizeof *side->search->x);
+    set_reach(side, look_depth(contact), contact->near);
   }
-  ct_status status = list_candidates(a, b, contact->listed + contact->skin, error);
-  if (status == CT_OK && a != b) status = list_candidates(b, a, contact->listed + contact->skin, error);
-  contact->built = status == CT_OK;
+  ct_status status = list_candidates(a, b, contact->skin, error);
+  if (status == CT_OK && a != b) status = list_candidates(b, a, contact->skin, error);
+  contact->built = status == CT_OK && contact->begun && !contact->start;
   if (contact->built) measure_clear(contact);
   return status;
 }
@@ -200,7 +218,6 @@ static ct_status create(const ct_surface *const surface[2], int sides, const ct_
   }
   if (status == CT_OK) {
     contact->depth = options->depth > 0.0 ? options->depth : size;
-    contact->skin = 0.5 * size;
     if (options->adjust > contact->depth)
       status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: surfaces are searched for each other up to the depth %g only, so adjust = %g is too much", contact->depth, options->adjust);
   }
@@ -344,7 +361,7 @@ ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double
   status = refresh_candidates(contact, error);
   if (status != CT_OK) return status;
   for (int s = 0; s < contact->sides; s++)
-    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, contact->depth, contact->listed, !contact->begun);
+    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, look_depth(contact), contact->depth, !contact->begun);
   contact->begun = 1;
   return CT_OK;
 }

@@ -5,13 +5,14 @@
 
 struct ct_contact {
   ct_contact_options options;
-  double depth; /* a new point is in contact down to here */
-  double listed; /* candidates are complete to this distance, at least the depth */
+  double depth; /* at the start points look as far, and are in contact down to here */
+  double near;  /* how far points look afterwards (eq:contact-near) */
   double room;  /* the surfaces may come nearer by this in a step (eq:passage) */
   int begun;    /* whether the points have a history */
-  double skin;  /* how far beyond the depth candidates are listed */
-  int built;    /* whether the candidate lists exist */
-  double clear; /* not 0: when they were made, no two faces were nearer than the depth plus this (eq:contact-clear) */
+  int start;    /* whether this is t = 0 of a scene */
+  double skin;  /* how far beyond that candidates are listed */
+  int built;    /* whether the candidate lists exist; those of the start are not kept */
+  double clear; /* not 0: when they were made, no two faces were nearer than what points look plus this (eq:contact-clear) */
   int sides;    /* 2, or 1 for the contact of a surface with itself */
   int one_array; /* whether the nodes of both sides are numbered in one array of the host */
   ct_side side[2];

@@ -134,6 +134,7 @@ static ct_status look(const ct_effect *effect, const ct_view *view, const double
       s->x[3 * (int64_t)i + c] = view->reference[dof] + (displacement != NULL ? displacement[dof] : 0.0);
     }
   s->contact->options.threads = view->threads;
+  s->contact->start = !(view->time > 0.0);
   recall(s->contact, view->memory, stride(data));
   // -- Nodes move from where the last step saw them, and at the first look from the reference shape (eq:gap-bound)
   const int64_t places = places_at(data, s->contact);

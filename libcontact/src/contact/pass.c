@@ -11,6 +11,7 @@ typedef struct nearest {
   int32_t face;
   double distance;
   ct_projection foot;
+  double most;            /* how far it looks */
   double origin[3], y[3]; /* the middle of the face's box, and the point relative to it */
   double own[3];          /* unit normal at the point, of a surface with itself and where `same_side` is set */
   int same_side;          /* whether far sides are left out: faces that look away from `last` */
@@ -45,10 +46,10 @@ static double deepest(const ct_pass *p, int32_t face, int q, int32_t target, con
   ct_side_interpolate_reference(p->side, face, p->side->N[q], zero, X);
   ct_side_interpolate_reference(p->other, target, N, X, d);
   ct_search_face(&p->reference, target, &reference);
-  if (ct_segment_normal(&reference, foot->xi, own) != CT_OK) return p->depth;
+  if (ct_segment_normal(&reference, foot->xi, own) != CT_OK) return p->deep;
   // -- On an edge or a corner, beneath all faces there (eq:pseudo-normal)
   (void)ct_search_normal(&p->reference, target, foot->where, foot->index, foot->xi, own, normal);
-  return ct_vector_dot(d, normal) > 0.0 ? fmin(p->depth, 0.5 * sqrt(ct_vector_dot(d, d))) : p->depth;
+  return ct_vector_dot(d, normal) > 0.0 ? fmin(p->deep, 0.5 * sqrt(ct_vector_dot(d, d))) : p->deep;
 }
 
 /* A method that compares distances places the closest point to the root of the rounding, as a part of a face, and the gap of
@@ -154,7 +155,7 @@ static void try_face(const ct_pass *p, int32_t face, int q, int32_t target, cons
 {
   ct_projection foot;
   double origin[3], y[3];
-  if (!project(p, face, q, target, start, origin, y, &foot) || (p->self && !may_push(p, face, q, best->own, y, target, &foot))) return;
+  if (!project(p, face, q, target, start, origin, y, &foot) || foot.distance > best->most || (p->self && !may_push(p, face, q, best->own, y, target, &foot))) return;
   if (best->same_side && is_foot_far(p, best, target, &foot)) return;
   if (foot.distance < best->distance || (foot.distance == best->distance && target < best->face)) {
     best->face = target;
@@ -246,9 +247,9 @@ static void close_point(const ct_pass *p, int64_t number, verdict found, int32_t
 
 /* Begin with nothing found; a surface in contact with itself needs its own normal first, a search on one side that of the last
  * step too. Answers 0 when there is none. */
-static int begin(const ct_pass *p, int32_t face, int q, int same_side, nearest *best)
+static int begin(const ct_pass *p, int32_t face, int q, int same_side, double most, nearest *best)
 {
-  *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .same_side = same_side};
+  *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .most = most, .same_side = same_side};
   if (!p->self && !same_side) return 1;
   if (same_side && !last_normal(p, &p->side->points[(int64_t)face * p->side->rule.count + q], best->last)) return 0;
   return ct_pass_own_normal(p, face, q, best->own);
@@ -261,8 +262,8 @@ static void find_nearest(const ct_pass *p, int32_t face, int q, const double y[3
   const ct_side *side = p->side, *other = p->other;
   const ct_gauss_point *point = &side->points[(int64_t)face * side->rule.count + q];
   int held = point->history == CT_POINT_INSIDE && !p->self;
-  double most = held ? HUGE_VAL : p->depth;
-  if (!begin(p, face, q, same_side, best)) return;
+  double most = held ? HUGE_VAL : point->history == CT_POINT_INSIDE ? p->depth - point->known : p->depth;
+  if (!begin(p, face, q, same_side, most, best)) return;
 
   // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)
   int32_t warm = point->other;
@@ -273,7 +274,7 @@ static void find_nearest(const ct_pass *p, int32_t face, int q, const double y[3
     if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= reach) try_face(p, face, q, target, NULL, best);
   }
   // -- Deeper than the lists reach: try all faces (eq:held)
-  for (int32_t target = 0; held && best->distance > p->listed && target < other->search->face_count; target++)
+  for (int32_t target = 0; held && best->distance > side->listed[face] && target < other->search->face_count; target++)
     if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= best->distance) try_face(p, face, q, target, NULL, best);
 }
 
@@ -315,7 +316,7 @@ static verdict judge(const ct_pass *p, int32_t face, int q, const double y[3], n
   if (best->face == INT32_MAX) return buried || is_buried(p, y) ? FAR : NOWHERE;
   verdict found = measure(p, face, q, best, point);
   if (found == FAR) found = judge_far(p, face, q, y, best, point);
-  if (found == INSIDE && (p->self || point->history != CT_POINT_INSIDE) && (buried || point->gap < -p->depth)) found = FAR;
+  if (found == INSIDE && (p->self || point->history != CT_POINT_INSIDE) && (buried || point->gap < -(p->self ? p->deep : p->depth))) found = FAR;
   if (found == FAR && p->self) return NOWHERE;
   if (found == BEYOND && buried) return FAR;
   return found;
@@ -355,9 +356,9 @@ static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
     if (!(settled >> i & 1)) search_point(p, (int32_t)((first + i) / points), (int)((first + i) % points));
 }
 
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double listed, int first)
+void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double deep, int first)
 {
-  ct_pass p = {side, other, ct_project_options_default(), options->epsilon, depth, listed, side == other, first, *other->search};
+  ct_pass p = {side, other, ct_project_options_default(), options->epsilon, depth, deep, side == other, first, *other->search};
   p.reference.x = other->reference;
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;

@@ -11,7 +11,7 @@ typedef struct ct_pass {
   const ct_side *other;
   ct_project_options project;
   double epsilon, depth;
-  double listed; /* candidates are complete to this distance */
+  double deep; /* how deep a point of a surface with itself may be in contact */
   int self;  /* whether the other side is the same surface */
   int first; /* whether no point has a history yet */
   ct_search reference; /* the other side in its reference shape, of a surface with itself */

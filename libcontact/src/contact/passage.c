@@ -50,11 +50,41 @@ static double thickness(ct_search *search, double most)
   return thin;
 }
 
+/* Width of a face: its area over its longest edge, for a triangle its least height (eq:contact-near). */
+static double width_of(const ct_search *search, int32_t face)
+{
+  static const double middle[2][2] = {{0.0, 0.0}, {1.0 / 3.0, 1.0 / 3.0}};
+  ct_face nodes;
+  double longest = 0.0;
+  ct_search_face(search, face, &nodes);
+  for (int e = 0; e < search->edges; e++) {
+    const double *a = nodes.node[e], *b = nodes.node[(e + 1) % search->edges];
+    double along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    longest = fmax(longest, sqrt(ct_vector_dot(along, along)));
+  }
+  double J = ct_segment_area_element(&nodes, middle[search->edges == 3]);
+  return (search->edges == 4 ? 4.0 : 1.0) * J / longest;
+}
+
 void ct_passage_init(ct_contact *contact)
 {
+  int given = contact->options.depth > 0.0;
+  double sum = 0.0, count = 0.0;
   contact->room = contact->depth;
-  // -- A step may bring the surfaces nearer by three quarters of a body's thickness, or by the depth (eq:passage)
-  for (int s = 0; s < contact->sides; s++) contact->room = fmin(contact->room, 0.75 * thickness(contact->side[s].search, 2.0 * contact->depth));
+  for (int s = 0; s < contact->sides; s++) {
+    const ct_search *search = contact->side[s].search;
+    for (int32_t f = 0; f < search->face_count; f++, count++) {
+      double width = width_of(search, f);
+      if (!given) contact->room = fmin(contact->room, width);
+      sum += log(width);
+    }
+  }
+  // -- Three quarters of a body's thickness, if that is less (eq:contact-near, eq:passage)
+  for (int s = 0; s < contact->sides; s++) contact->room = fmin(contact->room, 0.75 * thickness(contact->side[s].search, contact->room / 0.75));
+  // Gaps that are closed at the start are seen until they have opened by as much again (eq:initial-adjust).
+  contact->near = given ? contact->depth : fmax(contact->room, 2.0 * contact->options.adjust);
+  // -- Half of a mean width, which a few faces that are much narrower or wider hardly change (eq:skin-mean)
+  contact->skin = 0.5 * exp(sum / count);
 }
 
 /* Box of what `values` has at the nodes of a surface; `nodes` numbers them in `values`, or null. */

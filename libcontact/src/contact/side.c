@@ -10,7 +10,7 @@
 
 void ct_side_clear(ct_side *side)
 {
-  void *blocks[] = {side->weight, side->x_built, side->moved, side->candidate_first, side->candidates, side->points, side->reference, side->force, side->force_fine};
+  void *blocks[] = {side->weight, side->listed, side->x_built, side->moved, side->candidate_first, side->candidates, side->points, side->reference, side->force, side->force_fine};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_search_free(side->search);
   memset(side, 0, sizeof *side);
@@ -22,6 +22,7 @@ static ct_status allocate(ct_side *side)
 {
   size_t faces = (size_t)side->search->face_count, points = (size_t)ct_side_point_count(side), nodes = (size_t)side->search->node_count;
   side->weight = ct_allocate(points, sizeof *side->weight);
+  side->listed = ct_allocate(faces, sizeof *side->listed);
   side->candidate_first = ct_allocate(faces + 1, sizeof *side->candidate_first);
   side->candidate_room = side->search->face_count;
   side->candidates = ct_allocate(faces, sizeof *side->candidates);
@@ -30,7 +31,7 @@ static ct_status allocate(ct_side *side)
   side->moved = ct_allocate(3 * nodes, sizeof *side->moved);
   side->force = ct_allocate(3 * nodes, sizeof *side->force);
   side->force_fine = ct_allocate(3 * nodes, sizeof *side->force_fine);
-  return side->weight && side->candidate_first && side->candidates && side->points && side->x_built && side->moved && side->force && side->force_fine ? CT_OK : CT_ERROR_MEMORY;
+  return side->weight && side->listed && side->candidate_first && side->candidates && side->points && side->x_built && side->moved && side->force && side->force_fine ? CT_OK : CT_ERROR_MEMORY;
 }
 
 /* Weights w J_ref of the Gauss points (eq:contact-potential). */

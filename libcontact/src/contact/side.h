@@ -40,6 +40,7 @@ typedef struct ct_side {
   double N[27][8];    /* shape functions at the Gauss points */
   double dN[27][8][2]; /* and their derivatives */
   double *weight;     /* w J_ref, shape (face_count, rule.count) */
+  double *listed;     /* the candidates of a face are complete to this distance, shape (face_count) (eq:skin) */
   double *x_built;    /* coordinates at the last listing of candidates, shape (node_count, 3) */
   double *moved;      /* how far the nodes have moved since the last update, shape (node_count, 3) */
   int32_t *candidate_first, *candidates; /* faces of the other side that may come near each face, until the next listing */
@@ -93,8 +94,9 @@ static inline void ct_side_push(const ct_grid *grid, const ct_search *search, in
   }
 }
 
-/* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). A new point is in contact down
- * to `depth`; the candidates are complete to the distance `listed`; `first`: no point has a history yet. */
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double listed, int first);
+/* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). Points look as far as `depth`, and
+ * a new one is in contact down to there; one of a surface with itself is in contact down to `deep`; `first`: no point
+ * has a history yet. */
+void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double deep, int first);
 
 #endif

@@ -14,15 +14,6 @@ static void edge_point(int edges, int e, double s, double xi[2])
   for (int i = 0; i < 2; i++) xi[i] = 0.5 * ((1.0 - s) * corner[e][i] + (1.0 + s) * corner[(e + 1) % edges][i]);
 }
 
-static void add_normal(const ct_search *search, int32_t face, const double xi[2], double weight, double sum[3])
-{
-  ct_face f;
-  double n[3];
-  ct_search_face(search, face, &f);
-  if (ct_segment_normal(&f, xi, n) != CT_OK) return;
-  for (int c = 0; c < 3; c++) sum[c] += weight * n[c];
-}
-
 /* The neighbour across edge `e` of a face, and its parameters at a point of that edge; -1 at the border. */
 static int32_t across(const ct_search *search, int32_t face, int e, const double foot[2], double xi[2])
 {
@@ -43,27 +34,45 @@ static int32_t across(const ct_search *search, int32_t face, int e, const double
 /* On edge `e` of a face: add the neighbour's normal at the same point; 0 at the border. */
 static int edge_normal(const ct_search *search, int32_t face, int e, const double foot[2], double normal[3])
 {
-  double xi[2];
+  ct_face neighbour;
+  double xi[2], theirs[3];
   int32_t other = across(search, face, e, foot, xi);
   if (other < 0) return 0;
-  add_normal(search, other, xi, 1.0, normal);
+  ct_search_face(search, other, &neighbour);
+  if (ct_segment_normal(&neighbour, xi, theirs) == CT_OK)
+    for (int c = 0; c < 3; c++) normal[c] += theirs[c];
   return 1;
 }
 
-/* Add to `normal` that of a face at its corner k, weighted by the angle there; 0 when an edge at the corner is on the border. */
-static int add_corner(const ct_search *search, int32_t face, int k, double normal[3])
+/* Direction in which the edge from corner k of a face to the corner after or before it leaves corner k: the tangent there. Where the
+ * tangent vanishes, as with a mid-side node at the quarter point, a quadratic edge leaves along its chord (eq:edge-direction). */
+static void edge_direction(const ct_search *search, int32_t face, int k, int backwards, double along[3])
 {
   const int32_t *nodes = &search->faces[(int64_t)face * search->per];
   int before = (k + search->edges - 1) % search->edges;
-  double u[3], v[3], w[3], xi[2];
-  for (int c = 0; c < 3; c++) {
-    u[c] = search->x[3 * (int64_t)nodes[(k + 1) % search->edges] + c] - search->x[3 * (int64_t)nodes[k] + c];
-    v[c] = search->x[3 * (int64_t)nodes[before] + c] - search->x[3 * (int64_t)nodes[k] + c];
-  }
+  const double *first = &search->x[3 * (int64_t)nodes[k]], *last = &search->x[3 * (int64_t)nodes[backwards ? before : (k + 1) % search->edges]];
+  double chord[3];
+  for (int c = 0; c < 3; c++) along[c] = chord[c] = last[c] - first[c];
+  if (search->per == search->edges) return;
+  const double *middle = &search->x[3 * (int64_t)nodes[search->edges + (backwards ? before : k)]];
+  for (int c = 0; c < 3; c++) along[c] = 4.0 * (middle[c] - first[c]) - chord[c];
+  // -- A tangent that is zero to rounding has no direction of its own (eq:edge-direction)
+  if (!(ct_vector_dot(along, along) > 1e-18 * ct_vector_dot(chord, chord))) memcpy(along, chord, sizeof chord);
+}
+
+/* Add to `normal` that of a face at its corner k, weighted by the angle there; 0 when an edge at the corner is on the border. A
+ * face adds nothing at a corner where one of its edges has collapsed. */
+static int add_corner(const ct_search *search, int32_t face, int k, double normal[3])
+{
+  int before = (k + search->edges - 1) % search->edges;
+  double u[3], v[3], w[3], n[3];
+  edge_direction(search, face, k, 0, u);
+  edge_direction(search, face, k, 1, v);
   ct_vector_cross(u, v, w);
-  edge_point(search->edges, k, -1.0, xi);
   // -- Weigh the normal by the angle of the face at the corner (eq:pseudo-normal)
-  add_normal(search, face, xi, atan2(sqrt(ct_vector_dot(w, w)), ct_vector_dot(u, v)), normal);
+  double angle = atan2(sqrt(ct_vector_dot(w, w)), ct_vector_dot(u, v));
+  if (ct_vector_unit_normal(u, v, n))
+    for (int c = 0; c < 3; c++) normal[c] += angle * n[c];
   return search->neighbour[(int64_t)face * search->edges + k] >= 0 && search->neighbour[(int64_t)face * search->edges + before] >= 0;
 }
 
@@ -89,35 +98,40 @@ int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int 
   return where == CT_INTERIOR;
 }
 
-/* Whether the distance grows, to rounding, from the place xi of a face towards its place `to`. */
-static int grows(const ct_search *search, int32_t face, const double xi[2], const double to[2], const double d[3])
+/* Whether the distance grows, to rounding, along `v` from a foot that `d` points to. */
+static int grows(const double d[3], const double v[3])
 {
-  ct_face f;
-  double t1[3], t2[3], v[3];
-  ct_search_face(search, face, &f);
-  ct_segment_tangents(&f, xi, t1, t2);
-  for (int c = 0; c < 3; c++) v[c] = (to[0] - xi[0]) * t1[c] + (to[1] - xi[1]) * t2[c];
   // -- Slope of the squared distance (eq:local-minimum)
   return ct_vector_dot(d, v) >= -1e-6 * sqrt(ct_vector_dot(d, d) * ct_vector_dot(v, v));
 }
 
+/* Direction from the place xi on an edge of a face to its middle. */
+static void inwards(const ct_search *search, int32_t face, const double xi[2], double v[3])
+{
+  double t1[3], t2[3], centre = search->edges == 4 ? 0.0 : 1.0 / 3.0;
+  ct_face f;
+  ct_search_face(search, face, &f);
+  ct_segment_tangents(&f, xi, t1, t2);
+  for (int c = 0; c < 3; c++) v[c] = (centre - xi[0]) * t1[c] + (centre - xi[1]) * t2[c];
+}
+
 int ct_search_is_minimum(const ct_search *search, int32_t face, ct_where where, int index, const double xi[2], const double d[3])
 {
-  double at[2], to[2], centre = search->edges == 4 ? 0.0 : 1.0 / 3.0;
-  const double middle[2] = {centre, centre};
+  double at[2], v[3];
   if (where == CT_EDGE) {
     int32_t other = across(search, face, index, xi, at);
-    return other < 0 || grows(search, other, at, middle, d);
+    if (other < 0) return 1;
+    inwards(search, other, at, v);
+    return grows(d, v);
   }
   if (where != CT_VERTEX) return 1;
   int32_t node = search->faces[(int64_t)face * search->per + index];
   for (int32_t i = search->ring_first[node]; i < search->ring_first[node + 1]; i++)
     for (int k = 0; k < search->edges; k++) {
       if (search->faces[(int64_t)search->ring[i] * search->per + k] != node) continue;
-      edge_point(search->edges, k, -1.0, at);
-      for (int way = 1; way < search->edges; way += search->edges - 2) {
-        edge_point(search->edges, (k + way) % search->edges, -1.0, to);
-        if (!grows(search, search->ring[i], at, to, d)) return 0;
+      for (int backwards = 0; backwards < 2; backwards++) {
+        edge_direction(search, search->ring[i], k, backwards, v);
+        if (!grows(d, v)) return 0;
       }
     }
   return 1;
