@@ -25,7 +25,6 @@ import numpy as np
 
 import libcontact as ct
 
-here = Path(__file__).parent if "__file__" in globals() else Path.cwd()
 folder = Path(os.environ.get("LIBCONTACT_FIGURES", "."))
 folder.mkdir(parents=True, exist_ok=True)
 
@@ -343,9 +342,9 @@ choices = {
 }
 
 
-def plates(file, enforcement, beta, step):
+def plates(name, enforcement, beta, step):
     """The plates' scene, or their reference (which has no contact), with another contact and step."""
-    data = ct.Scene.load(here / "scenes" / file).data
+    data = ct.Scene.load(ct.example(name)).data
     for contact in data.get("contact", []):
         contact["enforcement"] = enforcement
         contact["beta"] = beta or 1
@@ -364,14 +363,14 @@ def front(run):
     return body.stress[row[np.argsort(x[row])], 0] * np.sqrt((lame + 2.1e5 / 1.3) / 7.8e-9) / (lame * 1000.0)
 
 
-scenes = {name: plates("plates.toml", *choice) for name, choice in choices.items()}
+scenes = {name: plates("plates", *choice) for name, choice in choices.items()}
 seconds = fastest(scenes.values(), repeats=2)
 differences = {}
 print(f"\n{'':<28}{'steps':>6}{'time':>7}{'difference':>12}{'energy after':>14}")
 for (name, scene), time in zip(scenes.items(), seconds):
     run = scene.run(progress=False, output=False)
     same_step = {"dt": run.time[-1] / run.steps[-1]}
-    reference = plates("plates_reference.toml", None, None, same_step).run(progress=False, output=False)
+    reference = plates("plates_reference", None, None, same_step).run(progress=False, output=False)
     assert run.steps[-1] == reference.steps[-1]
     differences[name] = np.mean(np.abs(front(run) - front(reference))) * 3 / 7
     total = run.energy["total"]

@@ -22,13 +22,12 @@ from matplotlib.collections import PolyCollection
 
 import libcontact as ct
 
-here = Path(__file__).parent if "__file__" in globals() else Path.cwd()
 folder = Path(os.environ.get("LIBCONTACT_FIGURES", "."))
 folder.mkdir(parents=True, exist_ok=True)
 
 
 def load(name):
-    return ct.Scene.load(here / "scenes" / f"{name}.toml")
+    return ct.Scene.load(ct.example(name))
 
 
 def run(scene, **options):

@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from .errors import ArgumentError, BlowupError, EnergyError, Error, FileError, GeometryError, NotBuiltIn, StepError
     from .projection import Projection, RayHits, Status, face_points, project, project_path, project_ray
     from .run import EnergyBlowup, InvertedElement, NotFinite, Run, RunError, StepTooLarge
-    from .scene import Scene
+    from .scene import Scene, example
     from .schema import SceneError
     from .search import Nearest, Surface, nearest
 
 __all__ = ["ArgumentError", "BlowupError", "ChatterWarning", "EnergyBlowup", "EnergyError", "Error", "FileError", "GeometryError", "InvertedElement", "Nearest", "NotBuiltIn",
            "NotFinite", "Projection", "RayHits", "Run", "RunError", "Scene", "SceneError", "Status", "StepError", "StepTooLarge", "Surface", "exact",
-           "face_points", "has", "nearest", "project", "project_path", "project_ray"]
+           "example", "face_points", "has", "nearest", "project", "project_path", "project_ray"]
 
 # Where each name lives.
 _HOME = {
@@ -33,7 +33,7 @@ _HOME = {
     **dict.fromkeys(("Projection", "RayHits", "Status", "face_points", "project", "project_path", "project_ray"), "projection"),
     **dict.fromkeys(("EnergyBlowup", "InvertedElement", "NotFinite", "Run", "RunError", "StepTooLarge"), "run"),
     **dict.fromkeys(("Nearest", "Surface", "nearest"), "search"),
-    "Scene": "scene",
+    **dict.fromkeys(("Scene", "example"), "scene"),
     "SceneError": "schema",
 }
 

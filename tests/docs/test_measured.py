@@ -1,0 +1,66 @@
+"""Numbers in the text: the role reads them from a file and fails the build for unknown ones; the file holds what the library computes today."""
+
+import json
+import math
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "docs"))
+sys.path.insert(0, str(ROOT / "docs" / "_ext"))
+
+import measure  # noqa: E402
+
+FILE = json.loads(measure.FILE.read_text())
+ROLE = re.compile(r":measured:`([\w.]+):([^`]+)`")
+PAGES = {page: page.read_text() for page in (ROOT / "docs").rglob("*.rst") if "tutorials" not in page.parts}
+
+
+def test_pages_and_file_name_the_same_numbers():
+    """No page asks for a number that the file lacks (the build would fail, too), and the file has none that no page shows."""
+    asked = {name for text in PAGES.values() for name, _ in ROLE.findall(text)}
+    held = {f"{group}.{key}" for group, numbers in FILE.items() for key in numbers}
+    assert asked and asked == held
+
+
+@pytest.mark.parametrize("name", sorted(set(measure.MEASUREMENTS) - measure.SLOW))
+def test_the_file_holds_what_is_computed(name, monkeypatch):
+    """To a per mille, so that a digit which depends on the machine does not matter; and none that is round-off."""
+    monkeypatch.chdir(ROOT)
+    found = measure.rounded(measure.MEASUREMENTS[name]())
+    assert found.keys() == FILE[name].keys()
+    assert {key: value for key, value in found.items() if not math.isclose(value, FILE[name][key], rel_tol=1e-3, abs_tol=1e-9)} == {}
+
+
+# The role, on books of one page.
+
+
+def build(tmp_path, text, numbers='{"bar": {"length": 0.61803, "tiny": 1.2e-05, "fall": -46.957}}'):
+    (tmp_path / "conf.py").write_text(f"import sys\nsys.path.insert(0, {str(ROOT / 'docs' / '_ext')!r})\nextensions = ['measured']\n")
+    (tmp_path / "index.rst").write_text(f"Page\n====\n\n{text}\n")
+    (tmp_path / "measured.json").write_text(numbers)
+    pytest.importorskip("sphinx")
+    done = subprocess.run([sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "text", ".", "out"], cwd=tmp_path, capture_output=True, text=True)
+    return done, (tmp_path / "out" / "index.txt").read_text() if (tmp_path / "out" / "index.txt").exists() else ""
+
+
+def test_role_writes_the_number_in_its_format(tmp_path):
+    done, page = build(tmp_path, "It is :measured:`bar.length:.3f`, :measured:`bar.length:.1%`, :measured:`bar.tiny:.1e`, :measured:`bar.fall:.2f`.")
+    assert done.returncode == 0, done.stderr
+    assert "It is 0.618, 61.8\N{NO-BREAK SPACE}%, 1.2·10⁻⁵, −46.96." in page
+
+
+@pytest.mark.parametrize("role, reason", [("bar.width:.3f", "has no number bar.width"), ("foo.length:.3f", "has no number foo.length"),
+                                          ("bar:.3f", "has no number bar"), ("bar.length:.3q", "format")])
+def test_build_fails_for_what_is_not_there(tmp_path, role, reason):
+    done, _ = build(tmp_path, f"It is :measured:`{role}`.")
+    assert done.returncode != 0 and reason in done.stderr and "index.rst:4" in done.stderr
+
+
+def test_build_fails_without_the_file(tmp_path):
+    done, _ = build(tmp_path, "It is :measured:`bar.length:.3f`.", numbers="{}")
+    assert done.returncode != 0 and "has no number bar.length" in done.stderr
