@@ -36,6 +36,15 @@ def test_the_file_holds_what_is_computed(name, monkeypatch):
     assert {key: value for key, value in found.items() if not math.isclose(value, FILE[name][key], rel_tol=1e-3, abs_tol=1e-9)} == {}
 
 
+def test_closed_forms():
+    """Measured numbers beside the formulas that their pages derive."""
+    courant = {Q1: 1 / (3 * Q1 + math.sqrt(9 * Q1**2 + 1)) for Q1 in (0.0, 0.06, 0.5)}
+    assert [FILE["viscosity"][name] for name in ("courant_0", "courant_006", "courant_05")] == pytest.approx(list(courant.values()), rel=1e-4)
+    assert FILE["absorb"]["open"] == pytest.approx((math.sqrt(5) - 1) / 2, rel=1e-4) and FILE["absorb"]["closed"] == pytest.approx(1, rel=1e-4)
+    assert FILE["first_run"]["plateau"] == pytest.approx(FILE["first_run"]["exact"], rel=2e-3)
+    assert [FILE["one_blow"][name] for name in ("entry_3", "entry_9")] == pytest.approx([2 / 3 * 0.3**2, 2 / 3 * 0.9**2], rel=1e-4)
+
+
 # The role, on books of one page.
 
 
