@@ -45,6 +45,13 @@ def test_closed_forms():
     assert [FILE["one_blow"][name] for name in ("entry_3", "entry_9")] == pytest.approx([2 / 3 * 0.3**2, 2 / 3 * 0.9**2], rel=1e-4)
 
 
+def test_growth_depends_on_the_landing():
+    """Two landings of the many that the slow measurements take lie within the range that the page gives, far from each other."""
+    found = sorted(one["most"] for one in measure.explicit_bar(10.0, landings=2))
+    assert FILE["integrator"]["leapfrog_least"] <= found[0] < 1.5 and 3 < found[1] <= FILE["integrator"]["leapfrog_most"]
+    assert FILE["integrator"]["leapfrog_growth"] == pytest.approx(FILE["integrator"]["leapfrog_most"] - 1, rel=1e-4)
+
+
 # The role, on books of one page.
 
 
