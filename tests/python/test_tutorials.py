@@ -2,6 +2,7 @@
 
 import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -20,7 +21,7 @@ SCRIPTS = sorted((ROOT / "tutorials").glob("[0-9][0-9]_*.py"))
 def run(script, folder):
     alone = shutil.copy(script, folder)
     return subprocess.run([sys.executable, alone], cwd=folder, capture_output=True, text=True,
-                          env={**os.environ, "MPLBACKEND": "Agg", "LIBCONTACT_FIGURES": str(folder)})
+                          env={**os.environ, "MPLBACKEND": "Agg", "LIBCONTACT_FIGURES": str(folder), "LIBCONTACT_TIMES": "no"})
 
 
 def test_what_tutorials_import_comes_with_the_extra():
@@ -54,6 +55,7 @@ def figures(tmp_path_factory):
     folder = tmp_path_factory.mktemp("figures")
     done = run(SCRIPTS[0], folder)
     assert done.returncode == 0, done.stdout + done.stderr
+    (folder / "printed.txt").write_text(done.stdout)
     return folder
 
 
@@ -65,6 +67,13 @@ def read(path):
 def test_plate_impact_writes_its_files(figures):
     wanted = {"fig3.png", "fig4.png", "fig5.png", "fig4.csv", "fig5.csv"} | ({"plates.vtkhdf"} if ct.has("hdf5") else set())
     assert wanted <= {path.name for path in figures.iterdir()}
+
+
+def test_plate_impact_prints_nothing_of_the_machine_for_the_book(figures):
+    """With LIBCONTACT_TIMES=no, as the book is built: no seconds and no folder."""
+    printed = (figures / "printed.txt").read_text()
+    assert "bit for bit: True" in printed
+    assert not re.search(r"seconds|time: |\d s\b;|\d (?:ms|us)\b|site-packages|" + re.escape(str(ROOT)), printed)
 
 
 def test_fig4_table(figures):
