@@ -1,6 +1,6 @@
 # Every command of the project; `make help` lists them. There is no configure step: what the machine has is asked here.
 #
-# make figures | test | docs | bench set up what is missing first (wrapper/bootstrap.sh), then call make again, so that the second
+# make figures | test | docs | measured | bench set up what is missing first (wrapper/bootstrap.sh), then call make again, so that the second
 # make sees what the first one installed. BOOTSTRAP=no never installs system packages. WITHOUT="gsl hdf5" builds as if they were not there.
 
 CC ?= cc
@@ -21,7 +21,7 @@ BOOTSTRAP ?= yes
 override prefix := $(abspath $(prefix))
 
 # Commands that set up the same build/ follow each other, under -j too; the makes that they call may run in parallel.
-ifneq ($(filter figures test docs bench stability wheel check-c fuzz kill clean,$(MAKECMDGOALS)),)
+ifneq ($(filter figures test docs measured bench stability wheel check-c fuzz kill clean,$(MAKECMDGOALS)),)
 .NOTPARALLEL:
 endif
 
@@ -53,11 +53,11 @@ CORE_OBJECTS := $(call object,$(BUILD)/obj,$(CORE_SOURCES))
 ADDON_ARCHIVES := $(foreach a,$(ADDONS),$(BUILD)/lib/libcontact-$(a).a)
 ARCHIVES := $(BUILD)/lib/libcontact.a $(ADDON_ARCHIVES)
 SHARED := $(ARCHIVES:.a=.so)
-WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py) wrapper/libcontact/py.typed setup.py pyproject.toml
+WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml) wrapper/libcontact/py.typed setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all lib install wheel figures test docs bench stability check-c fuzz kill threads memory info clean setup
-.PHONY: _figures _test _docs _bench _stability _wheel _check-c _fuzz _kill
+.PHONY: help all lib install wheel figures test docs measured bench stability check-c fuzz kill threads memory info clean setup
+.PHONY: _figures _test _docs _measured _bench _stability _wheel _check-c _fuzz _kill
 .DELETE_ON_ERROR:
 
 help:
@@ -65,6 +65,7 @@ help:
 	@echo "make test             every test; the last line counts them"
 	@echo "make check-c          the C tests alone, without a Python environment"
 	@echo "make docs             the book, in build/docs/html"
+	@echo "make measured         the numbers that the book quotes, computed anew into docs/measured.json"
 	@echo "make bench            measured tables and pictures, in build/bench"
 	@echo "make stability        hard cases, each with its verdict, in build/stability"
 	@echo "make lib              the C libraries, in build/lib"
@@ -158,7 +159,7 @@ $(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
 	@rm -rf $(SETUPTOOLS_LEFT)
 	$(Q)touch $@
 
-figures test docs bench stability wheel: setup
+figures test docs measured bench stability wheel: setup
 	@+$(MAKE) --no-print-directory _$@
 check-c:
 	@+$(MAKE) --no-print-directory _$@
@@ -172,6 +173,10 @@ _figures: $(VENV)/.wrapper
 _docs: $(VENV)/.wrapper $(VENV)/.docs
 	MPLBACKEND=Agg $(VENV)/bin/python -m sphinx -W --keep-going -n -q -b html docs $(BUILD)/docs/html
 	@echo "written: $(BUILD)/docs/html/index.html"
+
+_measured: $(VENV)/.wrapper
+	$(VENV)/bin/python docs/measure.py
+	@echo "written: docs/measured.json"
 
 _bench: $(VENV)/.wrapper $(VENV)/.bench
 	$(VENV)/bin/python bench/run.py $(BUILD)/bench

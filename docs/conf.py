@@ -17,6 +17,7 @@ DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
 # What tutorials write goes beside the book, not into the sources.
 os.environ.setdefault("LIBCONTACT_FIGURES", str(ROOT / "build" / "docs" / "figures"))
+os.environ.setdefault("LIBCONTACT_TIMES", "no")  # how long this machine took is of no use to readers
 RUN_TUTORIALS = os.environ.get("LIBCONTACT_GALLERY", "1") != "0"
 
 sys.path.insert(0, str(DOCS / "_ext"))
@@ -29,6 +30,7 @@ extensions = [
     "weave",  # quotes C functions and fragments, checks equation labels
     "codepages",  # each C file as a page, for the links from listings and from the API
     "methodtable",  # measures the methods of projection side by side
+    "measured",  # numbers in the text come from measured.json
     "cnames",  # `ct_name` in comments becomes a link; no public function without a page
     "hawkmoth",
     "sphinx.ext.autodoc",
@@ -98,9 +100,13 @@ sphinx_gallery_conf = {
     "examples_dirs": "../tutorials",
     "gallery_dirs": "tutorials",
     "filename_pattern": r"/\d\d_",
+    "within_subsection_order": "FileNameSortKey",
     "plot_gallery": RUN_TUTORIALS,
     "abort_on_example_error": True,
+    # Nothing on a page is of the machine that built it, or of Python: no times, no "<matplotlib.lines.Line2D object at 0x...>".
     "write_computation_times": False,
+    "min_reported_time": float("inf"),
+    "capture_repr": (),
     "show_memory": False,
     "remove_config_comments": True,
     "download_all_examples": False,

@@ -24,13 +24,13 @@ import numpy as np
 
 import libcontact as ct
 
-here = Path(__file__).parent if "__file__" in globals() else Path.cwd()
-scenes = here / "scenes"
 folder = Path(os.environ.get("LIBCONTACT_FIGURES", "."))
 folder.mkdir(parents=True, exist_ok=True)
+TIMES = os.environ.get("LIBCONTACT_TIMES", "yes") != "no"  # print also how long each run takes, and what else belongs to this machine
 
-scene = ct.Scene.load(scenes / "plates.toml")
-print(scene.explain())
+scene = ct.Scene.load(ct.example("plates"))
+explanation = scene.explain()
+print(explanation if TIMES else explanation[explanation.index("Bodies") : explanation.index("Cost")].rstrip())
 
 # %%
 # Two runs
@@ -48,7 +48,7 @@ def run(scene, **options):
 
 results = folder / "plates.vtkhdf" if ct.has("hdf5") else False
 contact, contact_seconds = run(scene, output=results)
-reference, reference_seconds = run(ct.Scene.load(scenes / "plates_reference.toml"), output=False)
+reference, reference_seconds = run(ct.Scene.load(ct.example("plates_reference")), output=False)
 if not results:
     print("plates.vtkhdf is left out: this build has no HDF5")
 
@@ -229,8 +229,9 @@ updates = 20000 * int(contact.steps[-1])
 print(f"contact against reference, mean |difference| on Fig. 4's line: {100 * difference:.3f} % of the plateau 7/3")
 print(f"left plate is the mirror image of the right one, bit for bit: {same}")
 print(f"energy: contact run within {drift:.1e}, reference run within {reference_drift:.1e}; work balance within {balance:.1e}")
-print(f"time: contact {contact_seconds:.2f} s ({updates / contact_seconds / 1e6:.1f} million element updates a second), "
-      f"reference {reference_seconds:.2f} s, one core, recording included")
+if TIMES:
+    print(f"time: contact {contact_seconds:.2f} s ({updates / contact_seconds / 1e6:.1f} million element updates per second), "
+          f"reference {reference_seconds:.2f} s, one core, recording included")
 
 assert difference < 0.01
 assert same
@@ -250,7 +251,7 @@ asymmetry = {
     "displacement": np.max(np.abs(moved["displacement"][0] - moved["displacement"][1])) / np.max(np.abs(right.displacement)),
 }
 change = np.max(np.abs(right.stress[:, 0] - contact.state["right"].stress[:, 0])) / np.max(np.abs(right.stress[:, 0]))
-print(f"simplex search: {simplex_seconds:.2f} s; largest difference between the plates: "
+print("simplex search: " + (f"{simplex_seconds:.2f} s; " if TIMES else "") + "largest difference between the plates: "
       + ", ".join(f"{name} {value:.1e}" for name, value in asymmetry.items()) + f"; of σx from the run above {change:.1e} (all over the peak)")
 assert asymmetry["σx"] < 1e-9 and asymmetry["displacement"] < 1e-7 and change < 1e-9
 
@@ -260,9 +261,9 @@ assert asymmetry["σx"] < 1e-9 and asymmetry["displacement"] < 1e-7 and change <
 # subtract each curve's own value near z = 0 to see the lateral waves alone.
 
 
-def refined(path, n):
+def refined(name, n):
     """The scene with n x n bricks a plate."""
-    data = ct.Scene.load(path).data
+    data = ct.Scene.load(ct.example(name)).data
     for body in data["body"]:
         body["box"]["cells"] = [n, 1, n]
         body["box"]["size"][1] = d / n
@@ -280,15 +281,15 @@ def errors(body):
 
 meshes = [25, 50, 100, 200]
 table = {}
-print(f"\n{'h':>7} {'run':>10} {'Fig. 4':>8} {'order':>6} {'Fig. 5':>8} {'order':>6} {'seconds':>8}")
-for name, path in (("reference", "plates_reference.toml"), ("contact", "plates.toml")):
+print(f"\n{'h':>7} {'run':>10} {'Fig. 4':>8} {'order':>6} {'Fig. 5':>8} {'order':>6}" + (f" {'seconds':>8}" if TIMES else ""))
+for name, example in (("reference", "plates_reference"), ("contact", "plates")):
     table[name] = []
     for n in meshes:
-        result, seconds = run(refined(scenes / path, n), output=False, progress=False)
+        result, seconds = run(refined(example, n), output=False, progress=False)
         table[name].append(errors(result.state["right"]))
         orders = np.log2(np.divide(table[name][-2], table[name][-1])) if n > meshes[0] else (np.nan, np.nan)
         e4, e5 = table[name][-1]
-        print(f"{'d/' + str(n):>7} {name:>10} {e4:8.4f} {orders[0]:6.2f} {e5:8.4f} {orders[1]:6.2f} {seconds:8.2f}")
+        print(f"{'d/' + str(n):>7} {name:>10} {e4:8.4f} {orders[0]:6.2f} {e5:8.4f} {orders[1]:6.2f}" + (f" {seconds:8.2f}" if TIMES else ""))
 
 for name, rows in table.items():
     slope4, slope5 = (-np.polyfit(np.log2(meshes), np.log2(np.array(rows)[:, i]), 1)[0] for i in (0, 1))

@@ -3,7 +3,7 @@ The closest point of a distorted face
 =====================================
 
 Contact begins with a question about one point and one face: where on the face is the point's nearest neighbour? On a flat face the answer is one
-linear solve. On a bent one it is a search, and searches go astray. Here we bend a face over a cylinder, as the benchmark of the paper :cite:p:`Gabriel2012` does, hang a
+linear solve. On a bent one it is a search, and searches go astray. Here we bend a face over a cylinder, after the benchmark of :cite:t:`Gabriel2010`, hang a
 point under the arch, and watch each method of :doc:`/theory/projection` find the foot, or another one, or none. Then we ask what a digit costs, and
 meet a floor that no search by values can pass.
 
@@ -13,8 +13,8 @@ What you see here is tested: each claim ends in an ``assert``.
 # %%
 # The face
 # --------
-# A square with eight nodes, sheared, laid over a cylinder of radius 1 and twisted a little. It stands in for the segment that the paper cuts from
-# two plates bent over a cylinder. Under the arch, near the axis, all points of the face are nearly equally far: both flanks have a foot.
+# A square with eight nodes, sheared, laid over a cylinder of radius 1 and twisted a little. It stands in for the distorted segment of the benchmark, which
+# :cite:t:`Gabriel2010` take from two plates that :cite:t:`Gabriel2004` bend over a cylinder. Under the arch, near the axis, all points of the face are nearly equally far: both flanks have a foot.
 
 import os
 from pathlib import Path

@@ -139,8 +139,9 @@ for name, run in runs.items():
 # The velocity of the rod tells what an effect does; the bars tell what it costs: above what was measured, below, pale, what was
 # predicted before the run. The absorbing boundary is dear in an unexpected way. Its own force is cheap, but it damps the small
 # mass of edges and corners so strongly that the stable step falls to a third, and then all others are computed three times as
-# often. The column "of the bound" in the table at the end says so. The prediction is for a machine that does nothing else: where
-# other programs take turns with the run, it takes longer than the plan says.
+# often. The column "of the bound" in the table at the end says so. All times are those of
+# the machine that ran this script. The prediction is for a machine that does nothing else: where other programs take turns with
+# the run, it takes longer than the plan says.
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(12, 4.8))
 styles = ["-", "--", "-", "--", "-", "-"]

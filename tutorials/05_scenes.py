@@ -2,7 +2,7 @@
 A scene, a picture
 ==================
 
-The folder ``tutorials/scenes`` has eight scenes. Each is a text of at most 40 lines, and for each there is something that can
+The folder ``tutorials/scenes`` has eight scenes, which also come with the package (``ct.example("hertz")``). Each is a text of at most 40 lines, and for each there is something that can
 be worked out by hand. Here we run them all, look at them, and put the hand's result beside the computed one. Take them as a
 start for scenes of your own (:doc:`/theory/scene`).
 """
@@ -22,13 +22,12 @@ from matplotlib.collections import PolyCollection
 
 import libcontact as ct
 
-here = Path(__file__).parent if "__file__" in globals() else Path.cwd()
 folder = Path(os.environ.get("LIBCONTACT_FIGURES", "."))
 folder.mkdir(parents=True, exist_ok=True)
 
 
 def load(name):
-    return ct.Scene.load(here / "scenes" / f"{name}.toml")
+    return ct.Scene.load(ct.example(name))
 
 
 def run(scene, **options):

@@ -53,6 +53,25 @@ static void one_point(void)
          "names, and none for other numbers");
 }
 
+/* While contact lasts the law is a spring at the gap of now and a dashpot (eq:controlled-dashpot): one mass in an open well, and the loss of its total in each step
+ * (eq:controlled-loss). The total at t_n is the mean of two half steps, so from one to the next it falls by the mean of two losses. */
+static void dashpot(double s)
+{
+  const double dt = 0.5, m = 2.0, k = 0.05, dashpot = 0.5 * (1.0 + s) * k * dt;
+  ct_constraint c = {.enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .stiffness = k, .dissipation = s};
+  double before = -1.0, g = -1.01, law = 0.0, off = 0.0, total = 0.0, loss = 0.0, lost = 0.0;
+  for (int n = 0; n < 12; n++) {
+    double v = (g - before) / dt, W = dt * dt / m, force = ct_enforcement_solve(&(ct_constraint){.enforcement = c.enforcement, .stiffness = k, .dissipation = s, .gap = g}, g + dt * v, W);
+    double after = g + dt * v + W * force, rate = (after - before) / (2.0 * dt), now = dashpot * dt * rate * rate;
+    c.before = before, c.gap = g, c.after = after, c.force = force;
+    double held = 0.5 * m * v * (after - g) / dt + ct_enforcement_energy(&c);
+    law = worst(law, (force + k * g + dashpot * (after - g) / dt) / k);
+    if (n > 0) off = worst(off, (held - total + 0.5 * (loss + now)) / k), lost += total - held;
+    total = held, loss = now, before = g, g = after;
+  }
+  tap_ok(g < 0.0 && law < 1e-14 && off < 1e-14 && lost > 1e-4 * total, "s = %g: in lasting contact the law is a spring and a dashpot, off by %.1e; it takes %.2g of the energy, off by %.1e", s, law, lost / total, off);
+}
+
 /* A bar of hex8 that flies against a wall, on the Doyen data. */
 typedef struct bar {
   ct_mesh *mesh;
@@ -561,6 +580,7 @@ static void refused(void)
 int main(void)
 {
   one_point();
+  for (int i = 0; i < 3; i++) dashpot(0.5 * i);
   energy_never_grows();
   start_in_touch();
   conservation();

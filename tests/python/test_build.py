@@ -113,7 +113,7 @@ def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
     pytest.importorskip("setuptools")
     tree = tmp_path / "tree"
     tree.mkdir()
-    for name in ("libcontact", "wrapper"):
+    for name in ("libcontact", "wrapper", "tutorials/scenes"):
         shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("*.egg-info", "__pycache__", "*.so"))
     for name in ("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, tree)

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
                          NotBuiltIn, NotSettled, OutputWarning, OverlapWarning, RotationWarning, SamePlaceWarning, SceneWarning, StepError, ThinWarning, UnitsWarning)
     from .projection import Projection, RayHits, Status, face_points, project, project_path, project_ray
     from .run import EnergyBlowup, InvertedElement, NotFinite, Run, RunError, StepTooLarge
-    from .scene import Scene
+    from .scene import Scene, example
     from .schema import SceneError
     from .search import Nearest, Surface, nearest
 
 __all__ = ["ArgumentError", "BlowupError", "ChatterWarning", "EnergyBlowup", "EnergyError", "EnergyGrowth", "Error", "FileError", "GeometryError", "InsideOutWarning", "InvertedElement",
            "Nearest", "NeverMeetWarning", "NotAtRest", "NotBuiltIn", "NotFinite", "NotSettled", "OutputWarning", "OverlapWarning", "Projection", "RayHits",
            "RotationWarning", "Run", "RunError", "SamePlaceWarning", "Scene", "SceneError", "SceneWarning", "Status", "StepError", "StepTooLarge", "Surface",
-           "ThinWarning", "UnitsWarning", "exact", "face_points", "has", "nearest", "project", "project_path", "project_ray"]
+           "ThinWarning", "UnitsWarning", "exact", "example", "face_points", "has", "nearest", "project", "project_path", "project_ray"]
 
 # Where each name lives.
 _HOME = {
@@ -35,7 +35,7 @@ _HOME = {
     **dict.fromkeys(("Projection", "RayHits", "Status", "face_points", "project", "project_path", "project_ray"), "projection"),
     **dict.fromkeys(("EnergyBlowup", "InvertedElement", "NotFinite", "Run", "RunError", "StepTooLarge"), "run"),
     **dict.fromkeys(("Nearest", "Surface", "nearest"), "search"),
-    "Scene": "scene",
+    **dict.fromkeys(("Scene", "example"), "scene"),
     "SceneError": "schema",
 }
 

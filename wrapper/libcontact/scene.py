@@ -32,6 +32,19 @@ STEPS = ("courant", "fraction", "dt")
 FREE_TIME_ON_RESTART = ("end", "end_c1t_over", "until_static", "energy_limit", "look_every")
 
 
+def example(name: str) -> Path:
+    """
+    File of a scene that comes with the package: "plates", "hertz" and the others of the tutorials (``tutorials/scenes`` in the repository).
+
+    >>> scene = Scene.load(example("plates"))
+    """
+    folder = Path(__file__).parent / "scenes"
+    names = sorted(path.stem for path in folder.glob("*.toml"))
+    if name not in names:
+        raise ValueError(f'there is no example "{name}"; the examples are {", ".join(names)}')
+    return folder / f"{name}.toml"
+
+
 class Scene:
     """
     A scene: units, materials, bodies, effects, time and output, with the keys of the scene file (docs: "The scene file").

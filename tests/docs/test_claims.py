@@ -1,0 +1,88 @@
+"""What the book says of itself and of the code, and the files that it names."""
+
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+sys.path.insert(0, str(DOCS / "_ext"))
+from csource import Source  # noqa: E402
+
+PAGES = {page.relative_to(ROOT).as_posix(): page.read_text() for page in [*DOCS.rglob("*.rst"), ROOT / "README.md"] if page.parent.name != "tutorials"}
+HEADERS = {header.name: header.read_text() for header in (ROOT / "libcontact" / "include" / "contact").glob("*.h")}
+PATH = re.compile(r"(?:``|:file:`)((?:tests|libcontact|wrapper|docs|bench|stability|tutorials)/[\w./-]+)`")
+
+
+def test_named_files_exist():
+    named = [(page, path) for page, text in PAGES.items() for path in PATH.findall(text)]
+    assert len(named) > 80
+    assert [(page, path) for page, path in named if not (ROOT / path).exists()] == []
+
+
+def chapters():
+    """Names of the chapters of the theory in their order, with their texts."""
+    names = re.findall(r"^   (\w+)$", (DOCS / "theory" / "index.rst").read_text(), re.M)
+    return {name: PAGES[f"docs/theory/{name}.rst"] for name in names}
+
+
+def equations_without_code():
+    defined = {label for text in PAGES.values() for label in re.findall(r"^\s+:label: (\S+)$", text, re.M)}
+    sources = [path for path in (ROOT / "libcontact").rglob("*") if path.suffix in (".c", ".h")]
+    named = {label for path in sources for label, _, _ in Source(path.read_text()).labels()}
+    return defined - named
+
+
+def references_ahead():
+    order = list(chapters())
+    home = {label: name for name, text in chapters().items() for label in re.findall(r"^\s+:label: (\S+)$", text, re.M)}
+    return [(name, label) for name, text in chapters().items() for label in re.findall(r":eq:`([^`<]+)`", text)
+            if label in home and order.index(home[label]) > order.index(name)]
+
+
+def members_that_show_others():
+    return [name for name in ("total", "read", "constraints") if re.search(rf"\*{name};", HEADERS["effect.h"])]
+
+
+def has_no_allocator():
+    return not any("allocator" in text for text in HEADERS.values())
+
+
+# A claim that was found false, and what shows it. Where the second is empty, the claim may come back.
+FALSE = {
+    r"every equation beside": equations_without_code,
+    r"needs only those before": references_ahead,
+    r"no link can rot": equations_without_code,
+    r"does not (?:see|know) (?:the )?other": members_that_show_others,
+    r"arrays, allocator": has_no_allocator,
+}
+
+
+@pytest.mark.parametrize("claim", FALSE)
+def test_claims_that_were_false_are_gone(claim):
+    assert FALSE[claim]()
+    assert [page for page, text in PAGES.items() if re.search(claim, " ".join(text.split()))] == []
+
+
+# Advice that holds for the explicit penalty alone says so, in its own paragraph.
+EXPLICIT = {"docs/theory/contact.rst": (r"\\beta \\le 1", r"\\beta` between 3 and 5", r"\\beta \\ge 5", r"stiffer system needs a smaller step", r"\*\*Too stiff\*\*"),
+            "docs/theory/step.rst": (r"which margin is wise", r":eq:`contact-bound`\. ?|:eq:`contact-bound`;", r"with the .*penalty :math:`k = \\beta EA/h`")}
+
+
+@pytest.mark.parametrize("page, advice", [(page, advice) for page, all_of_it in EXPLICIT.items() for advice in all_of_it])
+def test_advice_on_penalty_and_step_has_its_scope(page, advice):
+    found = [paragraph for paragraph in PAGES[page].split("\n\n") if re.search(advice, paragraph)]
+    assert found and all("explicit penalty" in paragraph for paragraph in found)
+
+
+def test_contact_advises_stresses_of_elements_on_unlike_meshes():
+    text = " ".join(PAGES["docs/theory/contact.rst"].split())
+    assert "report tractions at Gauss points" not in text and "unlike_meshes.8_11_4_point" in text
+
+
+def test_benchmark_of_the_bent_face_is_credited():
+    """The benchmark is of 2004 (the plates) and 2010 (the comparison), not of 2012."""
+    text = (ROOT / "tutorials" / "02_closest_point.py").read_text()
+    assert {"Gabriel2004", "Gabriel2010"} <= set(re.findall(r":cite:[tp]:`(\w+)`", text)) and "Gabriel2012" not in text
