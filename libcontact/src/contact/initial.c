@@ -63,10 +63,18 @@ static int is_facing(const ct_side *side, int64_t i)
  * iteration. */
 static double unsure(const ct_side *side) { return 16.0 * DBL_EPSILON * side->search->size; }
 
+/* Distance of a point that touches, along the normal: the error of its closest point is across. */
+static double touching_gap(const ct_side *side, const ct_gauss_point *point)
+{
+  double length = sqrt(ct_vector_dot(point->normal, point->normal));
+  if (fabs(point->gap) > CT_CLOSEST_POINT_ERROR * side->search->size || !(length > 0.0)) return point->gap;
+  return -ct_vector_dot(point->d, point->normal) / length;
+}
+
 /* Start gap of a point over another face, from its distance on the undeformed shape (eq:initial-adjust). */
 static double first_gap(const ct_contact_options *options, double rounding, const ct_side *side, int64_t i)
 {
-  double gap = side->points[i].gap;
+  double gap = touching_gap(side, &side->points[i]);
   if (fabs(gap) <= rounding) return gap;
   if (fabs(gap) > options->adjust) return gap < 0.0 && keeps(options) ? gap : 0.0;
   return gap < 0.0 || is_facing(side, i) ? gap : 0.0;

@@ -52,10 +52,6 @@ static double deepest(const ct_pass *p, int32_t face, int q, int32_t target, con
   return ct_vector_dot(d, normal) > 0.0 ? fmin(p->deep, 0.5 * sqrt(ct_vector_dot(d, d))) : p->deep;
 }
 
-/* A method that compares distances places the closest point to the root of the rounding, as a part of a face, and the gap of
- * a point that touches is off by as much. */
-static const double CLOSEST_POINT_ERROR = 1e-6;
-
 /* Bound of what the motion since the last update can have changed of the distance between a point and a place of a face
  * (eq:gap-bound). */
 static double motion_over(const ct_pass *p, int32_t face, int q, int32_t target)
@@ -69,7 +65,7 @@ static double motion_over(const ct_pass *p, int32_t face, int q, int32_t target)
     const double d[3] = {own[0] - theirs[0], own[1] - theirs[1], own[2] - theirs[2]};
     top = fmax(top, ct_vector_dot(d, d));
   }
-  return most * sqrt(top) + CLOSEST_POINT_ERROR * search->size;
+  return most * sqrt(top) + CT_CLOSEST_POINT_ERROR * search->size;
 }
 
 /* The same for the face found and for the one that the point was over before. */

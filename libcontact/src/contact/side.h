@@ -7,6 +7,10 @@
 #include "../grid.h"
 #include "../search/search_internal.h"
 
+/* A method that compares distances places the closest point to the root of the rounding, as a part of a face, and the gap of
+ * a point that touches is off by as much. */
+static const double CT_CLOSEST_POINT_ERROR = 1e-6;
+
 /* What is known of a point from the last update (eq:point-history): nothing; outside, over `other`; in contact with `other`;
  * inside, but not in contact. */
 enum { CT_POINT_NEW, CT_POINT_OUTSIDE, CT_POINT_INSIDE, CT_POINT_BURIED };
