@@ -72,26 +72,35 @@ static inline ct_mesh *box_mesh(ct_brick_kind kind, double x, double y, double z
   return mesh_of(kind, (ct_box){.origin = {x, y, z}, .size = {a, b, c}, .cells = {nx, ny, nz}});
 }
 
-/* Move every node at random, up to `amount` in each direction. */
-static inline void distort(ct_mesh *mesh, double amount)
-{
-  for (int i = 0; i < 3 * mesh->node_count; i++) mesh->nodes[i] += uniform(amount);
-}
-
-/* The same, but nodes on the outside of a box stay. */
-static inline void distort_inside(ct_mesh *mesh, double amount)
+/* Move every node at random, up to `amount` in each direction; with `inside` those on the outside of a box stay. */
+static inline void shake(ct_mesh *mesh, double amount, int inside)
 {
   double low[3], high[3];
   ct_mesh_bounds(mesh, low, high);
   for (int n = 0; n < mesh->node_count; n++) {
-    int inside = 1;
-    for (int c = 0; c < 3; c++) {
+    int moves = 1;
+    for (int c = 0; c < 3 && inside; c++) {
       double x = mesh->nodes[3 * n + c], margin = 1e-6 * (high[c] - low[c]);
-      inside &= x > low[c] + margin && x < high[c] - margin;
+      moves &= x > low[c] + margin && x < high[c] - margin;
     }
-    for (int c = 0; inside && c < 3; c++) mesh->nodes[3 * n + c] += uniform(amount);
+    for (int c = 0; moves && c < 3; c++) mesh->nodes[3 * n + c] += uniform(amount);
   }
 }
+
+/* The same, by less and less until no element is inverted. */
+static inline void shake_regular(ct_mesh *mesh, double amount, int inside)
+{
+  size_t size = 3 * (size_t)mesh->node_count * sizeof(double);
+  double *straight = room(1, size);
+  memcpy(straight, mesh->nodes, size);
+  for (shake(mesh, amount, inside); ct_mesh_check(mesh, NULL) != CT_OK; shake(mesh, amount *= 0.8, inside)) memcpy(mesh->nodes, straight, size);
+  free(straight);
+}
+
+static inline void distort(ct_mesh *mesh, double amount) { shake_regular(mesh, amount, 0); }
+
+/* Nodes on the outside of a box stay. */
+static inline void distort_inside(ct_mesh *mesh, double amount) { shake_regular(mesh, amount, 1); }
 
 /* Local node of a brick at the given reference coordinates. */
 static inline int local_node(ct_brick_kind kind, const double xi[3])

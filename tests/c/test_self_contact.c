@@ -426,7 +426,7 @@ static void concave(ct_brick_kind kind, int shape, ct_contact_rule points)
     ct_contact_options options = ct_contact_options_default();
     ct_error e;
     carve(m, shape, shape == 2 ? 4 : 1);
-    distort(m, 0.1 * (trial % 4));
+    shake(m, 0.1 * (trial % 4), 0);
     int32_t *outer = integers(8 * 6 * m->element_count);
     ct_surface skin = {ct_brick_face_kind(kind), m->node_count, ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes};
     double *x = numbers(3 * m->node_count);
