@@ -25,7 +25,7 @@ class Touch:
     """
     One contact or obstacle, number ``contact`` of those named ``name``: the earliest ``time`` at which its surfaces can meet
     (infinite: never), and the ``shift`` (3,) of ``body`` that brings them together. ``normal`` (3,) points from the first surface to what it
-    meets, along which they close with the speed ``closing`` when they meet (0: they don't).
+    meets. Along ``normal`` the two close with the speed ``closing`` when they meet (0: they don't).
     """
 
     name: str

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Iterator
 
 from ._core import lib
 from .errors import ChatterWarning
 from .problem import Problem
+from .surfaces import obstacle_name, pair_name
 
 # Measured on the bar on a wall, over ways to meet the wall: within these limits its energy grows by less than 1 %. (β, largest fraction of the stable step)
 # Integrators that damp single elements bear a stiffer penalty.
@@ -20,17 +20,6 @@ def chatter(problem: Problem) -> Iterator[ChatterWarning]:
     for key, who, enforcement, beta in _enforced(problem):
         if sentence := _warn(who, enforcement, beta, problem):
             yield ChatterWarning(sentence, key)
-
-
-def pair_name(surfaces: Sequence[str | tuple[str, str]]) -> str:
-    """Two surfaces in a sentence, each ``"body.face"`` or a body and a face."""
-    first, second = (surface if isinstance(surface, str) else ".".join(surface) for surface in surfaces)
-    return f"{first} with " + ("itself" if first == second else second)
-
-
-def obstacle_name(obstacle: Any) -> str:
-    """An obstacle by the surface that it stands before."""
-    return ".".join(obstacle.given.surface)
 
 
 def _enforced(problem: Problem) -> Iterator[tuple[str, str, str, float]]:

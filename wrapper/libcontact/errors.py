@@ -109,7 +109,7 @@ class NotAtRest(SceneWarning):
 
 
 class NotSettled(SceneWarning):
-    """In some steps the contact forces, which are found by iteration, did not reach their tolerance."""
+    """In some steps the contact forces, which are found by iteration, did not converge."""
 
 
 def tell(warning: SceneWarning) -> None:

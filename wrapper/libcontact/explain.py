@@ -7,12 +7,11 @@ from typing import Any
 
 from . import effects
 from ._core import ffi, lib
-from .chatter import pair_name
 from .errors import SceneWarning
 from .parts import Contact, Parts
 from .plan import Cost, predict, table
 from .problem import BuiltBody, BuiltContact, Problem, memory_of, speeds
-from .surfaces import DEFAULT_BETA
+from .surfaces import DEFAULT_BETA, pair_name
 from .units import Units
 from .warned import at_start, known
 

@@ -16,13 +16,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from ._core import ffi, lib
-from .chatter import obstacle_name, pair_name
 from .errors import EnergyGrowth, NotAtRest, NotBuiltIn, NotSettled, check, new_error, raise_held, tell, text_of
 from .mesh import view
 from .plan import computed_share, measured
 from .problem import Problem, contact_points, new_state, penetrations
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_dtype
 from .schema import SceneError, is_number
+from .surfaces import obstacle_name, pair_name
 from .warned import known, turned
 
 DEFAULT_RECORDS = 100
@@ -312,10 +312,10 @@ class Loop:
         if status == lib.CT_OK:
             return
         names = list(self.problem.bodies)
-        text, known = text_of(error.code, error), 0 <= error.body < len(names)
+        text, named = text_of(error.code, error), 0 <= error.body < len(names)
         place = {key: int(value) if value >= 0 else None for key, value in (("body", error.body), ("element", error.element), ("point", error.point))}
-        fault = FAULTS.get(status, RunError)(f'body "{names[error.body]}": {text}' if known and names[error.body] not in text else text, code=status, **place)
-        fault.body_name = names[error.body] if known else None
+        fault = FAULTS.get(status, RunError)(f'body "{names[error.body]}": {text}' if named and names[error.body] not in text else text, code=status, **place)
+        fault.body_name = names[error.body] if named else None
         raise fault
 
     # What comes out.

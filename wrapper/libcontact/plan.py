@@ -144,7 +144,7 @@ def _prices(problem: Problem, records: int) -> _Prices:
 
 def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, float]:
     """Seconds of a run by effect name, from the clock of its state."""
-    out, records = dict.fromkeys([*problem.effects, LOOP, ROUNDS], 0.0), []
+    out = dict.fromkeys([*problem.effects, LOOP, ROUNDS], 0.0)
     for k, name in enumerate([*problem.effects, LOOP]):
         out[name] += state.effect_seconds[k]
     out[OUTPUT] = output_seconds

@@ -1,8 +1,8 @@
-"""Names of the surfaces of a body in a scene, such as ``"left.x_max"``."""
+"""Names of the surfaces of a body in a scene, such as ``"left.x_max"``, of contacts and of obstacles."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from ._core import lib
@@ -43,3 +43,14 @@ def split_face(table: Table, key: str, value: Any, bodies: Iterable[str]) -> tup
     if face not in FACES:
         raise table.error(key, f'"{value}": body "{body}" has no face "{face}"' + suggestion(face, FACES))
     return body, face
+
+
+def pair_name(surfaces: Sequence[str | tuple[str, str]]) -> str:
+    """Two surfaces in a sentence, each ``"body.face"`` or a body and a face."""
+    first, second = (surface if isinstance(surface, str) else ".".join(surface) for surface in surfaces)
+    return f"{first} with " + ("itself" if first == second else second)
+
+
+def obstacle_name(obstacle: Any) -> str:
+    """An obstacle by the surface that it stands before."""
+    return ".".join(obstacle.given.surface)

@@ -1,5 +1,5 @@
 """
-What is known of a scene before its first step and is probably not meant, and what is seen on the way. Each is one warning object (``libcontact.errors``):
+What is known of a scene before its first step and is probably not meant, and what a run shows later. Each is one warning object (``libcontact.errors``):
 ``explain`` prints those of ``known``, a run issues them (chapter "Warnings").
 """
 
@@ -14,11 +14,12 @@ import numpy as np
 
 from ._core import ffi, lib
 from .activity import Touch, first_touch, gravity_on, surface_box
-from .chatter import chatter, pair_name
+from .chatter import chatter
 from .errors import InsideOutWarning, NeverMeetWarning, OutputWarning, OverlapWarning, RotationWarning, SamePlaceWarning, SceneWarning, ThinWarning, UnitsWarning
 from .mesh import Mesh, rotation
 from .parts import Contact
 from .problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
+from .surfaces import obstacle_name, pair_name
 
 # Wave speeds [m/s] between which every solid lies, with much room on both sides.
 SLOW, FAST = 1.0, 30000.0
@@ -42,7 +43,7 @@ def known(problem: Problem, output: Any, found: Sequence[dict[str, Any]] | None 
         _, found = at_start(problem)
     away = list(_inside_out(problem))
     follow = [*_overlaps(problem, found), *_never_meet(problem), *_thin(problem)]
-    keys = {warning.key for warning in away}  # what follows from that is not told again
+    keys = {warning.key for warning in away}  # no second warning of what follows from the first
     return [*_units(problem), *_file(output), *away, *_same_place(problem), *(warning for warning in follow if warning.key not in keys), *chatter(problem)]
 
 
@@ -129,7 +130,7 @@ def _inside_out(problem: Problem) -> Iterator[InsideOutWarning]:
     for effect in problem.parts.effects:
         if effect.name == "obstacle" and _behind(problem, effect.given):
             how = "behind the plane; turn its normal round" if effect.given.shape == "plane" else f"inside the {effect.given.shape}; move it, or make the radius smaller"
-            yield InsideOutWarning(f'{".".join(effect.given.surface)} lies {how}', effect.key)
+            yield InsideOutWarning(f"{obstacle_name(effect)} lies {how}", effect.key)
 
 
 def _away(problem: Problem, i: int, contact: Contact) -> str:
