@@ -120,7 +120,8 @@ ct_status ct_absorb_create_effect(const ct_absorb *absorb, const ct_problem *pro
     status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "absorb: no memory");
   if (status == CT_OK) {
     int32_t count = data->facets->node_count;
-    ct_effect filled = {.kind = CT_EFFECT_ABSORB, .name = "absorb", .local = 1, .data = data, .nodes = data->facets->nodes, .node_count = count, .flops = 18.0 * count,
+    ct_effect filled = {.kind = CT_EFFECT_ABSORB, .name = "absorb", .local = 1, .data = data, .nodes = data->facets->nodes,
+                        .node_count = count, .flops = 18.0 * count,
                         .bytes = 96.0 * count, .force = absorb_force, .damping = absorb_rate, .free_data = free_data};
     status = ct_effect_copy(&filled, effect, error);
   }

@@ -76,8 +76,8 @@ static size_t list_sides(const ct_mesh *mesh, const plane *in, side *sides)
   return count;
 }
 
-/* The sides in the plane that occur once, by element and side; `*count` of them, or null without memory. Both sides of an inner face are in a plane,
- * or none is. */
+/* The sides in the plane that occur once, by element and side; `*count` of them, or null without memory. Both sides of an
+ * inner face are in a plane, or none is. */
 static side *outer_sides(const ct_mesh *mesh, const plane *in, int32_t *count)
 {
   size_t total = list_sides(mesh, in, NULL), kept = 0;

@@ -130,7 +130,8 @@ ct_status ct_damping_create_effect(const ct_damping *damping, const ct_problem *
   data->rate = damping->rate;
   data->mass = problem->mass;
   data->inverse_mass = problem->inverse_mass;
-  ct_effect filled = {.kind = CT_EFFECT_DAMPING, .name = "damping", .local = 1, .data = data, .nodes = data->nodes, .node_count = count, .flops = 4.0 * count, .bytes = 60.0 * count,
+  ct_effect filled = {.kind = CT_EFFECT_DAMPING, .name = "damping", .local = 1, .data = data, .nodes = data->nodes,
+                      .node_count = count, .flops = 4.0 * count, .bytes = 60.0 * count,
                       .force = damping_force, .damping = damping_rate, .free_data = free_data};
   if (damping->relaxation) {
     filled.memory_count = SAMPLE + 6 * (int64_t)count;

@@ -27,7 +27,8 @@ ct_status ct_effect_copy(const ct_effect *filled, ct_effect **effect, ct_error *
 ct_status ct_effect_create(const ct_effect *filled, ct_effect **effect, ct_error *error)
 {
   if (filled != NULL && filled->kind != CT_EFFECT_USER)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect: its kind is %d, one of the library's own, which only the library can make", (int)filled->kind);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "effect: its kind is %d, one of the library's own, which only the library can make", (int)filled->kind);
   return ct_effect_copy(filled, effect, error);
 }
 

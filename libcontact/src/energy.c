@@ -213,7 +213,8 @@ static void add_impulse(const ct_problem *problem, const ct_state *state, int32_
 }
 
 /* Add the impulse of all effects of one kind on a range of nodes. */
-static void add_impulses(const ct_problem *problem, const ct_state *state, ct_effect_kind kind, const int32_t range[2], double impulse[3])
+static void add_impulses(const ct_problem *problem, const ct_state *state, ct_effect_kind kind, const int32_t range[2],
+                         double impulse[3])
 {
   for (int32_t k = 1; k < problem->effect_count; k++)
     if (problem->effects[k]->kind == kind) add_impulse(problem, state, k, range, impulse);

@@ -64,7 +64,8 @@ ct_status ct_gravity_create_effect(const ct_gravity *gravity, const ct_problem *
   ct_status status = ct_effect_body_nodes(problem, gravity->bodies, gravity->body_count, "gravity", &data->nodes, &count, error);
   for (int c = 0; c < 3; c++) data->acceleration[c] = gravity->acceleration[c];
   data->mass = problem->mass;
-  ct_effect filled = {.kind = CT_EFFECT_GRAVITY, .name = "gravity", .local = 1, .data = data, .nodes = data->nodes, .node_count = count, .flops = 3.0 * count,
+  ct_effect filled = {.kind = CT_EFFECT_GRAVITY, .name = "gravity", .local = 1, .data = data, .nodes = data->nodes,
+                      .node_count = count, .flops = 3.0 * count,
                       .bytes = 36.0 * count, .force = gravity_force, .energy = gravity_energy, .free_data = free_data};
   if (status == CT_OK) status = ct_effect_copy(&filled, effect, error);
   if (status != CT_OK) free_data(data);

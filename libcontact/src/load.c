@@ -176,7 +176,8 @@ ct_status ct_load_create_effect(const ct_load *load, const ct_problem *problem, 
   if (status == CT_OK) {
     int32_t count = data->facets->node_count;
     double points = load->following ? (double)load->face_count * data->facets->rule.count : 0.0;
-    ct_effect filled = {.kind = CT_EFFECT_LOAD, .name = "load", .local = 1, .data = data, .nodes = data->facets->nodes, .node_count = count, .flops = 6.0 * count + 130.0 * points,
+    ct_effect filled = {.kind = CT_EFFECT_LOAD, .name = "load", .local = 1, .data = data, .nodes = data->facets->nodes,
+                        .node_count = count, .flops = 6.0 * count + 130.0 * points,
                         .bytes = 48.0 * count, .create_scratch = create_scratch, .free_scratch = free_scratch, .force = load_force,
                         .frequency = load_frequency, .free_data = free_data};
     status = ct_effect_copy(&filled, effect, error);

@@ -27,7 +27,8 @@ static ct_status tabulate(ct_brick_kind kind, shapes *out)
   return status;
 }
 
-/* det J at a point. In a box along x, y, z what stands off the diagonal of J is exactly 0, as the sums mirror, and need not be summed. */
+/* det J at a point. In a box along x, y, z what stands off the diagonal of J is exactly 0, as the sums mirror, and need not be
+ * summed. */
 static double determinant(shapes *at, int q, double nodes[20][3], int is_box)
 {
   double J[3][3], C[3][3], t[20];

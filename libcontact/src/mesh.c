@@ -253,8 +253,8 @@ static ct_status check_gauss(ct_brick_kind kind, double nodes[20][3], const ct_r
   return CT_OK;
 }
 
-/* At nodes, where nothing is integrated: the determinant over the product of the edges at the centre. It may be zero only where an
- * edge has collapsed to a point, or leaves its node with a tangent of zero (eq:jacobian-nodes). */
+/* At nodes, where nothing is integrated: the determinant over the product of the edges at the centre. It may be zero only
+ * where an edge has collapsed to a point, or leaves its node with a tangent of zero (eq:jacobian-nodes). */
 static ct_status check_nodes(ct_brick_kind kind, double nodes[20][3], const int32_t *number, int32_t element, ct_error *error)
 {
   static const double centre[3] = {0.0, 0.0, 0.0};
@@ -267,7 +267,8 @@ static ct_status check_nodes(ct_brick_kind kind, double nodes[20][3], const int3
     int vanishes = 0;
     for (int d = 0; d < 3; d++) vanishes |= square[d] <= 1e-18 * size[d];
     if (det > small || (vanishes && det >= -small)) continue;
-    return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, element, -1}, "element %d is %s at its %s %d (node %d): Jacobian determinant %g, where it must be positive", (int)element,
+    return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, element, -1},
+                   "element %d is %s at its %s %d (node %d): Jacobian determinant %g, where it must be positive", (int)element,
                    det < -small ? "inverted" : "collapsed", a < 8 ? "corner" : "mid-side node", a, (int)number[a], det);
   }
   return CT_OK;
@@ -279,7 +280,8 @@ static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t
   double nodes[20][3], volume;
   ct_status status = ct_mesh_element_nodes(mesh, element, number, error);
   if (status != CT_OK) return status;
-  for (int a = 0; a < ct_brick_node_count(mesh->kind); a++) memcpy(nodes[a], &mesh->nodes[3 * (size_t)number[a]], sizeof nodes[a]);
+  for (int a = 0; a < ct_brick_node_count(mesh->kind); a++)
+    memcpy(nodes[a], &mesh->nodes[3 * (size_t)number[a]], sizeof nodes[a]);
   if (mesh->kind == CT_HEX8 && ct_mesh_upright_box(nodes, &volume)) return CT_OK;
   status = check_gauss(mesh->kind, nodes, rule, element, error);
   return status == CT_OK ? check_nodes(mesh->kind, nodes, number, element, error) : status;

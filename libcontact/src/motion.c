@@ -159,7 +159,8 @@ ct_status ct_motion_create_effect(const ct_motion *motions, int32_t count, const
   if (status == CT_OK) {
     data->mass = problem->mass;
     data->inverse_mass = problem->inverse_mass;
-    ct_effect filled = {.kind = CT_EFFECT_MOTION, .name = "support", .data = data, .nodes = data->nodes, .node_count = data->node_count, .last = 2, .local = 1, .flops = 18.0 * data->node_count,
+    ct_effect filled = {.kind = CT_EFFECT_MOTION, .name = "support", .data = data, .nodes = data->nodes,
+                        .node_count = data->node_count, .last = 2, .local = 1, .flops = 18.0 * data->node_count,
                         .bytes = 130.0 * data->node_count, .force = motion_force, .path = motion_path, .free_data = free_data};
     status = ct_effect_copy(&filled, effect, error);
   }

@@ -22,8 +22,8 @@ typedef struct obstacle_data {
   int32_t node_count;
 } obstacle_data;
 
-/* Doubles of memory: whether there was a step before, place, reaction, work, what the constraints stored in the middle of the last
- * step. Then the force of each constraint. */
+/* Doubles of memory: whether there was a step before, place, reaction, work, what the constraints stored in the middle of the
+ * last step. Then the force of each constraint. */
 enum { BEGUN = 0, PLACE = 1, REACTION = 4, WORK = 7, STORED = 8, MEMORY = 9 };
 
 /* Signed distance and normal of a point given relative to the obstacle's place; `a` is the axis, of length 1. */
@@ -220,7 +220,8 @@ static void take_constraints(const ct_view *view, ct_obstacle_points *s)
 {
   ct_press_apply(&s->side, 0, view->constraints, view->constraint_count);
   ct_press_remember(view->constraints, view->constraint_count, ct_side_point_count(&s->side), &view->next_memory[MEMORY], 1);
-  s->held = ct_press_energy(view->constraints, view->constraint_count, view->time, view->memory[STORED], &view->next_memory[STORED], s->terms);
+  s->held = ct_press_energy(view->constraints, view->constraint_count, view->time, view->memory[STORED],
+                            &view->next_memory[STORED], s->terms);
 }
 
 static int is_penalty(const ct_effect *effect)
@@ -373,7 +374,8 @@ ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_proble
     ct_release(data);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   }
-  *effect = (ct_effect){.kind = CT_EFFECT_OBSTACLE, .name = "obstacle", .local = 1, .data = data, .memory_count = MEMORY, .create_scratch = create_scratch,
+  *effect = (ct_effect){.kind = CT_EFFECT_OBSTACLE, .name = "obstacle", .local = 1, .data = data, .memory_count = MEMORY,
+                        .create_scratch = create_scratch,
                         .free_scratch = free_scratch, .force = obstacle_force, .energy = obstacle_energy,
                         .frequency = obstacle_frequency, .external = obstacle_external,
                         .free_data = free_data};

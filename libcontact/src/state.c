@@ -231,8 +231,8 @@ const uint64_t *ct_workspace_begun(const ct_state *state)
 static double start_velocity(const ct_problem *problem, const ct_state *state, const uint64_t *begun, int64_t dof)
 {
   double kick = ct_integrator_share(&problem->integrator) * problem->dt;
-  int begins = begun != NULL && ct_bits_get(begun, (int32_t)(dof / 3));
-  return begins ? ct_kick(state->velocity[dof], 0.5 * kick, problem->inverse_mass[dof], state->workspace->total[dof]) : state->velocity[dof];
+  if (begun == NULL || !ct_bits_get(begun, (int32_t)(dof / 3))) return state->velocity[dof];
+  return ct_kick(state->velocity[dof], 0.5 * kick, problem->inverse_mass[dof], state->workspace->total[dof]);
 }
 
 void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
@@ -250,7 +250,8 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
         for (int c = 0; c < 3; c++) {
           int64_t d = 3 * (int64_t)i + c;
           double f = force[d - 3 * (int64_t)first];
-          if (!effect->reaction) work[d] = -2.0 * share * f * start_velocity(problem, state, begun, 3 * (int64_t)ct_effect_node(effect, i) + c);
+          if (!effect->reaction)
+            work[d] = -2.0 * share * f * start_velocity(problem, state, begun, 3 * (int64_t)ct_effect_node(effect, i) + c);
           if (k > 0) impulse[d] = -share * f;
         }
     }

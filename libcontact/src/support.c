@@ -135,7 +135,8 @@ ct_status ct_support_create_effect(const ct_support *supports, int32_t support_c
     ct_release(effect);
     return status;
   }
-  *effect = (ct_effect){.kind = CT_EFFECT_SUPPORT, .name = "support", .data = data, .nodes = data->nodes, .node_count = data->node_count, .reaction = 1,
+  *effect = (ct_effect){.kind = CT_EFFECT_SUPPORT, .name = "support", .data = data, .nodes = data->nodes,
+                        .node_count = data->node_count, .reaction = 1,
                         .free_data = free_data};
   *out = effect;
   return CT_OK;

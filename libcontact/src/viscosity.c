@@ -275,7 +275,8 @@ ct_status ct_viscosity_create_effect(const ct_viscosity *options, const ct_probl
     ct_release(effect);
     return status;
   }
-  *effect = (ct_effect){.kind = CT_EFFECT_VISCOSITY, .name = "viscosity", .local = 1, .data = d, .nodes = d->nodes, .node_count = node_count, .create_scratch = create_scratch,
+  *effect = (ct_effect){.kind = CT_EFFECT_VISCOSITY, .name = "viscosity", .local = 1, .data = d, .nodes = d->nodes,
+                        .node_count = node_count, .create_scratch = create_scratch,
                         .free_scratch = ct_release, .force = viscous_force, .damping = viscous_damping, .free_data = free_data};
   for (int32_t i = 0; i < d->body_count; i++) {
     // Operations counted in the kernel and the sums at the nodes; node numbers, what is laid down, forces written and read,

@@ -37,7 +37,10 @@ struct ct_watch {
   uint64_t seed;
 };
 
-ct_watch_options ct_watch_options_default(void) { return (ct_watch_options){.every = 1024, .energy_limit = 1.0, .omega_limit = 2.0, .growth_limit = 0.01}; }
+ct_watch_options ct_watch_options_default(void)
+{
+  return (ct_watch_options){.every = 1024, .energy_limit = 1.0, .omega_limit = 2.0, .growth_limit = 0.01};
+}
 
 /* The body of a node of the problem. */
 static int32_t body_of(const ct_problem *problem, int32_t node)
@@ -144,10 +147,10 @@ static ct_status given_by(const ct_problem *problem, ct_state *state, int32_t k,
 /* Energy that motion and strain should have had at most, up to now (eq:energy-appears). */
 static double most_expected(const ct_watch *w, const energies *e) { return fmax(fmax(expected_of(w, e), w->expected), 0.0); }
 
-/* Below this energy nothing is told. */
+/* Below this energy nothing is reported. */
 static double least_of(const ct_watch *w, const energies *e) { return fmax(w->floor, 1e-9 * fmax(w->largest, scale_of(e))); }
 
-/* Take down the first growth above the limit of what is told (eq:energy-growth). */
+/* Store the first growth above the limit from which on it is reported (eq:energy-growth). */
 static ct_status note_growth(ct_watch *w, ct_state *state, const energies *e, ct_error *error)
 {
   double appeared = e->total - w->start, expected = most_expected(w, e), most = -INFINITY;
@@ -280,8 +283,8 @@ static ct_status complete(const ct_problem *problem, const ct_state *state, ct_s
   memcpy(text, error->text, sizeof text);
   int named = error->body >= 0 && error->body < problem->body_count;
   const char *name = named ? problem->bodies[error->body].name : "", *quote = named ? "\"" : "";
-  ct_fail(error, error->code, (ct_place){error->body, error->element, error->point}, "at t = %g (step %lld)%s%s%s%s", state->time, (long long)state->step,
-          named ? ", body " : "", quote, name, quote);
+  ct_fail(error, error->code, (ct_place){error->body, error->element, error->point}, "at t = %g (step %lld)%s%s%s%s", state->time,
+          (long long)state->step, named ? ", body " : "", quote, name, quote);
   if (error->element >= 0) ct_error_add(error, ", element %lld", (long long)error->element);
   ct_error_add(error, ": %s", text);
   return status;
@@ -337,7 +340,8 @@ static ct_status prepare(ct_watch *w, ct_state *state, ct_error *error)
     stiffens |= problem->bodies[i].material.law != CT_LINEAR;
     w->edge = fmin(w->edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
   }
-  if ((w->gave = ct_allocate((size_t)problem->effect_count, sizeof *w->gave)) == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
+  if ((w->gave = ct_allocate((size_t)problem->effect_count, sizeof *w->gave)) == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) status = given_by(problem, state, k, &w->gave[k], error);
   if (status != CT_OK) return status;
   // -- A linear solid keeps its stiffness, and is not asked again
@@ -351,8 +355,10 @@ ct_status ct_watch_create(const ct_problem *problem, ct_state *state, const ct_w
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "watch: null argument, or a state of another problem");
   if (options->every < 1 || !(options->energy_limit > 0.0) || !(options->omega_limit > 0.0) || !(options->stable >= 0.0) ||
       !(options->growth_limit >= 0.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "watch: every %lld steps, energy limit %g, ω Δt up to %g, stable step %g, growth told from %g", (long long)options->every,
-                   options->energy_limit, options->omega_limit, options->stable, options->growth_limit);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "watch: every %lld steps, energy limit %g, ω Δt up to %g, stable step %g, growth reported from %g",
+                   (long long)options->every, options->energy_limit, options->omega_limit, options->stable,
+                   options->growth_limit);
   ct_watch *w = ct_allocate(1, sizeof *w);
   if (w == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
   w->problem = problem;

@@ -40,10 +40,10 @@ typedef struct ct_contact_options {
   /** Tolerance of the search in half-widths of a face. */
   double tolerance;
   /**
-   * How far points look for the other surface [length]. A point that is deeper than this under a face when it is first seen is not
-   * in contact with it, :eq:`point-history`; one that came in from outside is, at any depth. 0: at t = 0, and in the first update of two
-   * surfaces, the largest face size, afterwards the width of the narrowest face or 3/4 of the thinnest place,
-   * :eq:`contact-near`.
+   * How far points look for the other surface [length]. A point that is deeper than this under a face when it is first seen is
+   * not in contact with it, :eq:`point-history`; one that came in from outside is, at any depth. With 0 points look as far as the
+   * largest face size at t = 0 and in the first update of two surfaces, and afterwards as far as the width of the narrowest face
+   * or 3/4 of the thinnest place, but at least twice `adjust`, :eq:`contact-near`.
    */
   double depth;
   /** Threads; results do not depend on it. */
@@ -64,8 +64,8 @@ typedef struct ct_contact_options {
   /** Where the points are; Gauss points. */
   ct_contact_rule points;
   /**
-   * What becomes of points that are inside at the start; CT_INITIAL_KEEP by default. Only the effect heeds `initial` and `adjust`,
-   * a host's ct_contact_update does not.
+   * What becomes of points that are inside at the start; CT_INITIAL_KEEP by default. Only the effect heeds `initial` and
+   * `adjust`, a host's ct_contact_update does not.
    */
   ct_initial initial;
   /** Time in which CT_INITIAL_REMOVE parts the surfaces [time], > 0 with it. */
@@ -99,9 +99,11 @@ CT_API ct_status ct_contact_create(const ct_surface *a, const ct_surface *b, con
 
 /**
  * Prepare the contact of a surface with itself: a fold, two layers, the ends of a C. Every point looks for the nearest face that
- * shares no node with its own and looks the other way; of points under it only those are in contact that are less deep than half
- * the body's thickness there in the reference shape, :eq:`self-depth`. The reference shape must not pass through itself. In the
- * calls below, what belongs to surface b is neither read nor written then and may be null. Errors as of ct_contact_create.
+ * shares no node with its own and does not look the same way, :eq:`self-adjacent`. A point under this face is in contact if it is
+ * less deep than half the body's thickness there in the reference shape, :eq:`self-depth`, and no deeper than its motion since
+ * the last update can have brought it, :eq:`self-history`. Parts that overlap in the reference shape meet only after they have
+ * come apart. In the calls below, what belongs to surface b is neither read nor written then and may be null. Errors as of
+ * ct_contact_create.
  */
 CT_API ct_status ct_contact_create_self(const ct_surface *surface, const ct_contact_options *options, ct_contact **out, ct_error *error);
 
@@ -155,8 +157,8 @@ typedef struct ct_contact_point {
   /** Parameters of ȳ on the other face. */
   double xi[2];
   /**
-   * Gap that the contact law sees [length], negative where the point is in contact: the signed distance less `start_gap`; NaN when
-   * `other` is -1.
+   * Gap that the contact law sees [length], negative where the point is in contact: the signed distance less `start_gap`; NaN
+   * when `other` is -1.
    */
   double gap;
   /** Traction [stress]: ε⟨-g⟩, or that of the enforcement. */
@@ -186,7 +188,10 @@ typedef enum ct_penetration_at {
   CT_AT_EDGES
 } ct_penetration_at;
 
-/** How far two surfaces are inside each other, by true distances, whatever start gaps there are; everything is written by `ct_contact_penetration`. */
+/**
+ * How far two surfaces are inside each other, by true distances, whatever start gaps there are; everything is written by
+ * `ct_contact_penetration`.
+ */
 typedef struct ct_penetration {
   /** Number of places inside; a corner or an edge counts once for each face. */
   int64_t inside;
@@ -203,7 +208,10 @@ typedef struct ct_penetration {
   int32_t face;
   /** Its position [length]; NaN when there is none. */
   double position[3];
-  /** Depth [length] up to which two surfaces only touch: 1e-9 of the largest face, or the rounding of their coordinates if that is more. */
+  /**
+   * Depth [length] up to which two surfaces only touch: 1e-9 of the largest face, or the rounding of their coordinates if that is
+   * more.
+   */
   double touching;
 } ct_penetration;
 

@@ -117,10 +117,11 @@ typedef struct ct_view {
 } ct_view;
 
 /**
- * What an effect is, and so what its `data`, memory and scratch space hold. The library decides by the kind and never by the name.
+ * What an effect is, and so what its `data`, memory and scratch space hold. The library decides by the kind and never by the
+ * name.
  */
 typedef enum ct_effect_kind {
-  /** of a host's own */
+  /** an effect of a host */
   CT_EFFECT_USER = 0,
   /** internal forces of all bodies: `ct_solid_create_effect` */
   CT_EFFECT_SOLID = 1,
@@ -134,7 +135,7 @@ typedef enum ct_effect_kind {
   CT_EFFECT_OBSTACLE = 5,
   /** prescribed constant velocities: `ct_support_create_effect` */
   CT_EFFECT_SUPPORT = 6,
-  /** prescribed paths, "support" by name as well: `ct_motion_create_effect` */
+  /** prescribed paths, whose name is "support", too: `ct_motion_create_effect` */
   CT_EFFECT_MOTION = 7,
   /** `ct_load_create_effect` */
   CT_EFFECT_LOAD = 8,
@@ -150,13 +151,12 @@ typedef enum ct_effect_kind {
 
 /**
  * One physical effect: a force on some nodes, its energy, and its bound on the time step.
- * The time loop runs over the effects that a problem lists and over nothing else. A null function pointer means
- * that the effect has nothing to say there.
+ * The time loop runs over the effects that a problem lists and over nothing else. Callbacks that do not apply are null.
  */
 typedef struct ct_effect {
   /** What the effect is; a host leaves it at ``CT_EFFECT_USER``. */
   ct_effect_kind kind;
-  /** A label, which names a column of the ledger; nothing is decided by it. */
+  /** A label, which names a column of the ledger; the library decides nothing by it. */
   const char *name;
   /** What the effect's functions need, fixed once the problem is made; `free_data` gives it back. */
   void *data;

@@ -90,10 +90,10 @@ CT_API ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_e
 CT_API void ct_mesh_free(ct_mesh *mesh);
 
 /**
- * Refuse node numbers out of range, coordinates that are not finite, and elements whose Jacobian determinant is not
- * positive at a Gauss point or at a node of the element (``CT_ERROR_GEOMETRY``; `error` names the first such element, its Gauss
- * point, or in the text its corner or mid-side node, and its text counts all such elements). At a node the determinant may be zero
- * where an edge has collapsed or a mid-side node is at the quarter point, :eq:`jacobian-nodes`.
+ * Refuse node numbers out of range, coordinates that are not finite, and elements whose Jacobian determinant is not positive at a
+ * Gauss point or at a node of the element (``CT_ERROR_GEOMETRY``; `error` names the first such element, its Gauss point, or in
+ * the text its corner or mid-side node, and its text counts all such elements). At a node the determinant may be zero where an
+ * edge has collapsed or a mid-side node is at the quarter point, :eq:`jacobian-nodes`.
  */
 CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 
@@ -106,8 +106,9 @@ CT_API double ct_mesh_shortest_edge(const ct_mesh *mesh);
 /**
  * Faces of a mesh, one that `ct_mesh_check` accepts, that belong to one element only and lie in the plane ``x[axis] = value``
  * within 1e-9 of the mesh's size. `faces` gets (count, 4 or 8) node numbers, counter-clockwise from outside, and `owners` (count)
- * the elements; either may be null. The return value is the count (call once with nulls to learn it), or a `ct_status` as a negative
- * number: ``-CT_ERROR_MEMORY``, or ``-CT_ERROR_ARGUMENT`` for no mesh, no elements, or a node number out of range. It is 0 for an `axis` that is not 0, 1 or 2.
+ * the elements; either may be null. The return value is the count (call once with nulls to learn it), or a `ct_status` as a
+ * negative number: ``-CT_ERROR_MEMORY``, or ``-CT_ERROR_ARGUMENT`` for no mesh, no elements, or a node number out of range. It is
+ * 0 for an `axis` that is not 0, 1 or 2.
  */
 CT_API int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t *faces, int32_t *owners);
 

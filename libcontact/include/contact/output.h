@@ -26,7 +26,7 @@ typedef struct ct_output_options {
  * called `path` with ``.part`` behind it; then it takes the place of an older file called `path`, so that a run that fails at
  * once takes nothing away. The file is locked until it is closed: a second output to `path` is refused, in this process or
  * another, while what a killed run has left blocks nobody. A link at the name with ``.part`` is replaced, not followed. Errors:
- * ``CT_ERROR_FILE`` with the path and the system's reason, or since another run writes the file; ``CT_ERROR_MEMORY``,
+ * ``CT_ERROR_FILE`` with the path and the system's reason, or because another run writes the file; ``CT_ERROR_MEMORY``,
  * ``CT_ERROR_ARGUMENT`` for a problem without bodies or with bodies that do not follow one another, ``CT_ERROR_UNSUPPORTED`` when
  * another HDF5 is loaded than the one compiled against. `*output` is null after an error.
  */

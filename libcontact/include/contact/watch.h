@@ -22,13 +22,13 @@ typedef struct ct_watch_options {
   /** The stable step at the start [time], where the caller knows it; 0: it is asked when the watch is made. */
   double stable;
   /**
-   * Energy that may appear over the energy that should be there before `ct_watch_growth` tells it, :eq:`energy-growth`, >= 0; the
-   * run goes on.
+   * Spurious energy over the energy that should be there, from which on `ct_watch_growth` reports it, :eq:`energy-growth`, >= 0;
+   * the run goes on.
    */
   double growth_limit;
 } ct_watch_options;
 
-/** Every 1024 steps; as much energy again as should be there; ω Δt up to 2; growth is told from 1 % on. */
+/** Every 1024 steps; as much energy again as should be there; ω Δt up to 2; growth is reported from 1 % on. */
 CT_API ct_watch_options ct_watch_options_default(void);
 
 /** Looks at one state while it is stepped, and keeps a copy of the last state that was good; opaque. */
@@ -60,9 +60,9 @@ CT_API ct_status ct_watch_look(ct_watch *watch, ct_state *state, ct_error *error
  */
 CT_API ct_state *ct_watch_good(const ct_watch *watch);
 
-/** Energy that has appeared from nothing in mid-run, as the first look saw it that found more than `growth_limit`. */
+/** Spurious energy growth, as it was at the first look that found more than `growth_limit`. */
 typedef struct ct_growth {
-  /** Energy that has appeared over the energy that should be there, :eq:`energy-growth`; 0 as long as no look has found too much. */
+  /** Spurious energy over the energy that should be there, :eq:`energy-growth`; 0 as long as no look has found too much. */
   double share;
   /** Time of the look [time]. */
   double time;
@@ -74,7 +74,7 @@ typedef struct ct_growth {
   int32_t body;
 } ct_growth;
 
-/** What has grown since the watch was made; zeros for a null watch, or as long as nothing has. */
+/** The growth that was found since the watch was made; zeros for a null watch, or as long as no look has found too much. */
 CT_API ct_growth ct_watch_growth(const ct_watch *watch);
 
 /**

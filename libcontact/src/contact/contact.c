@@ -165,8 +165,8 @@ static void set_reach(ct_side *side, double depth, double near)
   }
 }
 
-/* How far points look now. At the start nobody knows how deep two surfaces begin in each other, or how far apart they are; afterwards
- * a point that comes in has been near before (eq:contact-near). */
+/* How far points look now. At the start nobody knows how deep two surfaces begin in each other, or how far apart they are;
+ * afterwards a point that comes in has been near before (eq:contact-near). */
 static double look_depth(const ct_contact *contact)
 {
   return contact->start || (!contact->begun && contact->sides == 2) ? contact->depth : contact->near;
@@ -176,7 +176,9 @@ static double look_depth(const ct_contact *contact)
 static ct_status refresh_candidates(ct_contact *contact, ct_error *error)
 {
   ct_side *a = &contact->side[0], *b = &contact->side[contact->sides - 1];
-  if (contact->built && contact->begun && reaches_deepest(a, contact->near) && reaches_deepest(b, contact->near) && motion(a) + motion(b) <= 0.25 * contact->skin) return CT_OK;
+  if (contact->built && contact->begun && reaches_deepest(a, contact->near) && reaches_deepest(b, contact->near) &&
+      motion(a) + motion(b) <= 0.25 * contact->skin)
+    return CT_OK;
   for (int s = 0; s < contact->sides; s++) {
     ct_side *side = &contact->side[s];
     ct_search_refit(side->search);
@@ -219,7 +221,9 @@ static ct_status create(const ct_surface *const surface[2], int sides, const ct_
   if (status == CT_OK) {
     contact->depth = options->depth > 0.0 ? options->depth : size;
     if (options->adjust > contact->depth)
-      status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: surfaces are searched for each other up to the depth %g only, so adjust = %g is too much", contact->depth, options->adjust);
+      status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                       "contact: surfaces are searched for each other up to the depth %g only, so adjust = %g is too much",
+                       contact->depth, options->adjust);
   }
   if (status == CT_OK) {
     contact->terms = ct_allocate((size_t)ct_contact_point_count(contact), sizeof *contact->terms);
@@ -361,7 +365,8 @@ ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double
   status = refresh_candidates(contact, error);
   if (status != CT_OK) return status;
   for (int s = 0; s < contact->sides; s++)
-    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, look_depth(contact), contact->depth, !contact->begun);
+    ct_pass_search(&contact->side[s], &contact->side[contact->sides - 1 - s], &contact->options, look_depth(contact),
+                   contact->depth, !contact->begun);
   contact->begun = 1;
   return CT_OK;
 }
@@ -389,7 +394,7 @@ double ct_contact_energy(const ct_contact *contact)
   if (contact == NULL) return NAN;
   ct_stream sum = {0};
   double terms[27];
-  // -- Π = Σ ½ · ½ ε g² w J over the points inside, = ½ force · d; or ½ |force| times the depth under a start gap (eq:contact-potential)
+  // -- Π = Σ ½ · ½ ε g² w J over the points inside, = ½ force · d; with a start gap -½ |force| g (eq:contact-potential)
   while (ct_stream_again(&sum, 1))
     for (int s = 0; s < contact->sides; s++)
       for (int32_t face = 0; face < contact->side[s].search->face_count; face++) {
@@ -440,7 +445,8 @@ ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points)
       const ct_gauss_point *from = &side->points[i];
       int met = from->other >= 0;
       *points = (ct_contact_point){.side = s, .face = (int32_t)(i / side->rule.count), .gauss = (int32_t)(i % side->rule.count),
-                                   .other = from->other, .gap = from->gap, .weight = side->weight[i], .start_gap = met ? from->shift : 0.0};
+                                   .other = from->other, .gap = from->gap, .weight = side->weight[i],
+                                   .start_gap = met ? from->shift : 0.0};
       ct_side_interpolate(side, points->face, side->N[points->gauss], zero, points->position);
       // No law pulls, so the pressure is the size of the force.
       points->pressure = sqrt(ct_vector_dot(from->force, from->force)) / (0.5 * side->weight[i]);

@@ -81,7 +81,10 @@ static int is_penalty(const contact_data *data) { return data->options.enforceme
 static int shifts_at(const contact_data *data) { return is_penalty(data) ? FORCE : FORCE + 1; }
 static int stride(const contact_data *data) { return shifts_at(data) + ct_initial_point_memory(&data->options); }
 /* Where the memory after the points begins. */
-static int64_t tail_at(const contact_data *data, const ct_contact *contact) { return stride(data) * ct_contact_point_count(contact); }
+static int64_t tail_at(const contact_data *data, const ct_contact *contact)
+{
+  return stride(data) * ct_contact_point_count(contact);
+}
 
 /* Where the memory of the nodes' coordinates begins. */
 static int64_t places_at(const contact_data *data, const ct_contact *contact)
@@ -119,7 +122,8 @@ static void remember(const ct_contact *contact, double *memory, int size)
 static ct_initial_view initial_view(const contact_data *data, const ct_view *view, const ct_contact *contact)
 {
   int64_t tail = tail_at(data, contact);
-  return (ct_initial_view){view->time, view->dt, view->memory[tail + BEGUN] == 0.0, stride(data), view->memory + shifts_at(data), view->memory + KNOWN, view->memory + tail + TAIL,
+  return (ct_initial_view){view->time, view->dt, view->memory[tail + BEGUN] == 0.0, stride(data), view->memory + shifts_at(data),
+                           view->memory + KNOWN, view->memory + tail + TAIL,
                            view->next_memory + shifts_at(data), view->next_memory + tail + TAIL};
 }
 
@@ -140,7 +144,8 @@ static ct_status look(const ct_effect *effect, const ct_view *view, const double
   const int64_t places = places_at(data, s->contact);
   const double *last = s->contact->begun ? view->memory + places : data->reference;
   ct_status status = CT_OK;
-  for (int i = 0; i < s->contact->sides && status == CT_OK; i++) status = ct_search_place(s->contact->side[i].search, last, i, error);
+  for (int i = 0; i < s->contact->sides && status == CT_OK; i++)
+    status = ct_search_place(s->contact->side[i].search, last, i, error);
   if (status == CT_OK) status = ct_contact_measure(s->contact, s->x, s->x, error);
   memcpy(view->next_memory + places, s->x, 3 * (size_t)effect->node_count * sizeof *s->x);
   if (status != CT_OK && error != NULL && error->point >= 0) error->point = effect->nodes[error->point];
@@ -195,8 +200,10 @@ static void take_constraints(const contact_data *data, const ct_view *view, cont
     first += ct_side_point_count(&contact->side[s]);
   }
   int64_t stored = tail_at(data, contact) + STORED;
-  ct_press_remember(view->constraints, view->constraint_count, ct_contact_point_count(contact), &view->next_memory[FORCE], stride(data));
-  scratch->held = ct_press_energy(view->constraints, view->constraint_count, view->time, view->memory[stored], &view->next_memory[stored], contact->terms);
+  ct_press_remember(view->constraints, view->constraint_count, ct_contact_point_count(contact), &view->next_memory[FORCE],
+                    stride(data));
+  scratch->held = ct_press_energy(view->constraints, view->constraint_count, view->time, view->memory[stored],
+                                  &view->next_memory[stored], contact->terms);
 }
 
 static ct_status contact_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
@@ -309,7 +316,8 @@ ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, con
   }
   data->options = *options;
   data->sides = a == b ? 1 : 2;
-  *effect = (ct_effect){.kind = CT_EFFECT_CONTACT, .name = "contact", .local = 1, .data = data, .create_scratch = create_scratch, .free_scratch = free_scratch,
+  *effect = (ct_effect){.kind = CT_EFFECT_CONTACT, .name = "contact", .local = 1, .data = data, .create_scratch = create_scratch,
+                        .free_scratch = free_scratch,
                         .force = contact_force, .energy = contact_energy, .frequency = contact_frequency, .free_data = free_data};
   void *trial = NULL;
   ct_status status = renumber(data, surface, nodal_mass, &effect->node_count, error);

@@ -30,13 +30,15 @@ static int32_t partner(const ct_side *side, const ct_side *other, const ct_searc
   ct_nearest nearest;
   neighbourhood near = {now, (int32_t)(i / side->rule.count)};
   ct_side_interpolate(side, near.face, side->N[i % side->rule.count], zero, y);
-  ct_search_point(now, y, -1, HUGE_VAL, ct_search_options_default().tolerance, side == other ? is_adjacent : NULL, &near, &nearest);
+  ct_search_point(now, y, -1, HUGE_VAL, ct_search_options_default().tolerance, side == other ? is_adjacent : NULL, &near,
+                  &nearest);
   if (nearest.face >= 0) ct_segment_shape(other->search->kind, nearest.xi, N);
   return nearest.face;
 }
 
 /* Row sums Σ_gp k |b_i| Σ_j |b_j| of the penalty stiffness of one pass (eq:contact-bound). */
-static void add_rows(const ct_side *side, const ct_side *other, const ct_search *now, double epsilon, double *rows, double *other_rows)
+static void add_rows(const ct_side *side, const ct_side *other, const ct_search *now, double epsilon, double *rows,
+                     double *other_rows)
 {
   for (int64_t i = 0; i < ct_side_point_count(side); i++) {
     double N[8], k = 0.5 * epsilon * side->weight[i], sum = 0.0;

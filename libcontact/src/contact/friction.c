@@ -412,7 +412,8 @@ ct_status ct_friction_create_effect(const ct_friction *friction, const ct_proble
   *data = (friction_data){.on = friction->on, .mu = friction->coefficient,
                           .rho = friction->tangent > 0.0 ? friction->tangent : 1.0,
                           .rigid = friction->on->kind == CT_EFFECT_OBSTACLE};
-  *effect = (ct_effect){.kind = CT_EFFECT_FRICTION, .name = "friction", .local = 1, .data = data, .nodes = friction->on->nodes, .node_count = friction->on->node_count,
+  *effect = (ct_effect){.kind = CT_EFFECT_FRICTION, .name = "friction", .local = 1, .data = data, .nodes = friction->on->nodes,
+                        .node_count = friction->on->node_count,
                         .reads = friction->on, .create_scratch = create_scratch, .free_scratch = free_scratch,
                         .force = friction_force, .frequency = friction_frequency,
                         .free_data = ct_release};

@@ -18,7 +18,10 @@ enum { START = 0, PRESSED = 1, TIME = 0, WORK = 1 };
 /* Cosine of the largest angle between the normals of two surfaces that face each other, and between these and the gap. */
 static const double FACING = 0.70710678118654752;
 
-static int keeps(const ct_contact_options *options) { return options->initial == CT_INITIAL_KEEP || options->initial == CT_INITIAL_REMOVE; }
+static int keeps(const ct_contact_options *options)
+{
+  return options->initial == CT_INITIAL_KEEP || options->initial == CT_INITIAL_REMOVE;
+}
 
 static int fades(const ct_contact_options *options) { return options->initial == CT_INITIAL_REMOVE; }
 
@@ -56,7 +59,8 @@ static int is_facing(const ct_side *side, int64_t i)
   double own[3];
   ct_side_area(side, (int32_t)(i / side->rule.count), (int)(i % side->rule.count), own);
   double least = FACING * sqrt(ct_vector_dot(own, own));
-  return -ct_vector_dot(own, n) >= least * sqrt(ct_vector_dot(n, n)) && ct_vector_dot(own, d) >= least * sqrt(ct_vector_dot(d, d));
+  return -ct_vector_dot(own, n) >= least * sqrt(ct_vector_dot(n, n)) &&
+         ct_vector_dot(own, d) >= least * sqrt(ct_vector_dot(d, d));
 }
 
 /* How far the distance of a point that rests is off from one step to the next, as its closest point comes from another
@@ -80,8 +84,8 @@ static double first_gap(const ct_contact_options *options, double rounding, cons
   return gap < 0.0 || is_facing(side, i) ? gap : 0.0;
 }
 
-/* Start gap of a point after the first step: it changes only where the point has no force and no energy, open in this step and the
- * one before (eq:initial-release). */
+/* Start gap of a point after the first step: it changes only where the point has no force and no energy, open in this step and
+ * the one before (eq:initial-release). */
 static double later_gap(const ct_contact_options *options, const ct_side *side, double s, double last, double gap, double share)
 {
   double open = fmin(gap, last) - options->adjust;
@@ -89,7 +93,8 @@ static double later_gap(const ct_contact_options *options, const ct_side *side, 
   return s < 0.0 ? fmin(open, 0.0) / share : 0.0;
 }
 
-/* Count the gap of a point from its start gap, and its penalty force with it (eq:initial-shift). Where nothing has moved it is 0. */
+/* Count the gap of a point from its start gap, and its penalty force with it (eq:initial-shift). At
+ * rest it is 0. */
 static void count_from_start(const ct_contact *contact, const ct_side *side, int64_t i, ct_gauss_point *point)
 {
   double n[3], k = 0.5 * contact->options.epsilon * side->weight[i];
@@ -117,7 +122,8 @@ void ct_initial_shift(ct_contact *contact, const ct_initial_view *view)
     for (int64_t i = 0; i < ct_side_point_count(side); i++, memory += view->stride, known += view->stride, next += view->stride) {
       ct_gauss_point *point = &side->points[i];
       double start = 0.0;
-      if (point->other >= 0 && share > 0.0) start = view->first ? next[START] : later_gap(&contact->options, side, memory[START], *known, point->gap, share);
+      if (point->other >= 0 && share > 0.0)
+        start = view->first ? next[START] : later_gap(&contact->options, side, memory[START], *known, point->gap, share);
       next[START] = start;
       point->shift = start * share;
       point->closing = start * (next_share - share);

@@ -102,7 +102,8 @@ static int may_push(const ct_pass *p, int32_t face, int q, const double own[3], 
   double normal[3], d[3];
   (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
   for (int c = 0; c < 3; c++) d[c] = foot->point[c] - y[c];
-  if (!ct_pass_looks_across(own, normal) || !ct_search_is_minimum(p->other->search, target, foot->where, foot->index, foot->xi, d)) return 0;
+  if (!ct_pass_looks_across(own, normal)) return 0;
+  if (!ct_search_is_minimum(p->other->search, target, foot->where, foot->index, foot->xi, d)) return 0;
   if (!(ct_vector_dot(d, normal) > 0.0)) return 1;
   const ct_gauss_point *point = &p->side->points[(int64_t)face * p->side->rule.count + q];
   if (!looks_at(p, point, own, normal)) return 0;
@@ -151,7 +152,9 @@ static void try_face(const ct_pass *p, int32_t face, int q, int32_t target, cons
 {
   ct_projection foot;
   double origin[3], y[3];
-  if (!project(p, face, q, target, start, origin, y, &foot) || foot.distance > best->most || (p->self && !may_push(p, face, q, best->own, y, target, &foot))) return;
+  if (!project(p, face, q, target, start, origin, y, &foot) || foot.distance > best->most ||
+      (p->self && !may_push(p, face, q, best->own, y, target, &foot)))
+    return;
   if (best->same_side && is_foot_far(p, best, target, &foot)) return;
   if (foot.distance < best->distance || (foot.distance == best->distance && target < best->face)) {
     best->face = target;
@@ -191,12 +194,15 @@ static void keep_side(const ct_pass *p, int32_t face, int q, int32_t target, ct_
 }
 
 /* Whether a point in contact with a place that it looks at comes to another one that is as near, so that its gap does not leap
- * (eq:gap-bound), and that does not look away from the first: then it is handed over, whichever way the place looks (eq:far-side). */
-static int is_handed_over(const ct_pass *p, int32_t face, int q, int32_t target, const double own[3], const double last[3], const ct_gauss_point *point)
+ * (eq:gap-bound), and that does not look away from the first: then it is handed over, whichever way the place looks
+ * (eq:far-side). */
+static int is_handed_over(const ct_pass *p, int32_t face, int q, int32_t target, const double own[3], const double last[3],
+                          const ct_gauss_point *point)
 {
   const double *normal = point->normal;
   if (point->history != CT_POINT_INSIDE || isnan(point->known) || !(ct_vector_dot(own, last) < -0.25)) return 0;
-  return ct_vector_dot(last, normal) >= -0.5 * sqrt(ct_vector_dot(normal, normal)) && fabs(point->gap - point->known) <= motion_of(p, face, q, target);
+  return ct_vector_dot(last, normal) >= -0.5 * sqrt(ct_vector_dot(normal, normal)) &&
+         fabs(point->gap - point->known) <= motion_of(p, face, q, target);
 }
 
 /* The gap of a point over the face it has found, and what it says of the point. */
@@ -211,13 +217,16 @@ static verdict measure(const ct_pass *p, int32_t face, int q, const nearest *bes
   if (point->gap >= 0.0 && !held) return OUTSIDE;
   // -- Far sides: what looks away from where the point was, or the same way as a point that comes in (eq:far-side)
   if (!ct_pass_own_normal(p, face, q, own)) return FAR;
-  if (!p->self && last_normal(p, point, last) && is_far(own, last, normal) && !is_handed_over(p, face, q, best->face, own, last, point)) return FAR;
+  if (!p->self && last_normal(p, point, last) && is_far(own, last, normal) &&
+      !is_handed_over(p, face, q, best->face, own, last, point))
+    return FAR;
   if (held) return point->gap >= 0.0 ? OUTSIDE : INSIDE;
   return ct_pass_looks_across(own, normal) ? INSIDE : FAR;
 }
 
-/* The gap that the next update may go by: beyond a border there are no sides, so a point of a surface with itself may come in from
- * there at any depth, and the side of another point is not known; nor is that of a point under a place that was not taken. */
+/* The gap that the next update may go by: beyond a border there are no sides, so a point of a surface with itself may come in
+ * from there at any depth, and the side of another point is not known; nor is that of a point under a place that was not
+ * taken. */
 static double known_gap(const ct_pass *p, verdict found, int32_t target, const ct_gauss_point *point)
 {
   if (target < 0) return NAN;
@@ -312,7 +321,9 @@ static verdict judge(const ct_pass *p, int32_t face, int q, const double y[3], n
   if (best->face == INT32_MAX) return buried || is_buried(p, y) ? FAR : NOWHERE;
   verdict found = measure(p, face, q, best, point);
   if (found == FAR) found = judge_far(p, face, q, y, best, point);
-  if (found == INSIDE && (p->self || point->history != CT_POINT_INSIDE) && (buried || point->gap < -(p->self ? p->deep : p->depth))) found = FAR;
+  if (found == INSIDE && (p->self || point->history != CT_POINT_INSIDE) &&
+      (buried || point->gap < -(p->self ? p->deep : p->depth)))
+    found = FAR;
   if (found == FAR && p->self) return NOWHERE;
   if (found == BEYOND && buried) return FAR;
   return found;

@@ -80,7 +80,8 @@ void ct_passage_init(ct_contact *contact)
     }
   }
   // -- Three quarters of a body's thickness, if that is less (eq:contact-near, eq:passage)
-  for (int s = 0; s < contact->sides; s++) contact->room = fmin(contact->room, 0.75 * thickness(contact->side[s].search, contact->room / 0.75));
+  for (int s = 0; s < contact->sides; s++)
+    contact->room = fmin(contact->room, 0.75 * thickness(contact->side[s].search, contact->room / 0.75));
   // Gaps that are closed at the start are seen until they have opened by as much again (eq:initial-adjust).
   contact->near = given ? contact->depth : fmax(contact->room, 2.0 * contact->options.adjust);
   // -- Half of a mean width, which a few faces that are much narrower or wider hardly change (eq:skin-mean)

@@ -25,9 +25,9 @@ void ct_press_apply(ct_side *side, int64_t first, const ct_constraint *list, int
 /* Forces of solved constraints into the memory of the effect's `points` points, `stride` doubles apart. */
 void ct_press_remember(const ct_constraint *list, int64_t count, int64_t points, double *memory, int stride);
 
-/* Energy that the solved constraints of an effect hold at t_n (eq:controlled-energy, eq:energy-start): `before` is what all of them
- * stored in the middle of the last step, which the effect remembers, and `*after` becomes what they store in the middle of the
- * coming one. `terms` is room for a number each. */
+/* Energy that the solved constraints of an effect hold at t_n (eq:controlled-energy, eq:energy-start): `before` is what all of
+ * them stored in the middle of the last step, which the effect remembers, and `*after` becomes what they store in the middle
+ * of the coming one. `terms` is room for a number each. */
 double ct_press_energy(const ct_constraint *list, int64_t count, double time, double before, double *after, double *terms);
 
 #endif

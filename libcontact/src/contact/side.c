@@ -10,7 +10,8 @@
 
 void ct_side_clear(ct_side *side)
 {
-  void *blocks[] = {side->weight, side->listed, side->x_built, side->moved, side->candidate_first, side->candidates, side->points, side->reference, side->force, side->force_fine};
+  void *blocks[] = {side->weight, side->listed, side->x_built, side->moved, side->candidate_first, side->candidates, side->points,
+                    side->reference, side->force, side->force_fine};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_search_free(side->search);
   memset(side, 0, sizeof *side);
@@ -31,7 +32,9 @@ static ct_status allocate(ct_side *side)
   side->moved = ct_allocate(3 * nodes, sizeof *side->moved);
   side->force = ct_allocate(3 * nodes, sizeof *side->force);
   side->force_fine = ct_allocate(3 * nodes, sizeof *side->force_fine);
-  return side->weight && side->listed && side->candidate_first && side->candidates && side->points && side->x_built && side->moved && side->force && side->force_fine ? CT_OK : CT_ERROR_MEMORY;
+  int whole = side->weight && side->listed && side->candidate_first && side->candidates && side->points && side->x_built &&
+              side->moved && side->force && side->force_fine;
+  return whole ? CT_OK : CT_ERROR_MEMORY;
 }
 
 /* Weights w J_ref of the Gauss points (eq:contact-potential). */

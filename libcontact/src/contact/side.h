@@ -21,8 +21,8 @@ typedef struct ct_gauss_point {
   int32_t history; /* CT_POINT_NEW, ... */
   double xi[2];   /* parameters of the closest point there */
   double d[3];    /* ȳ - y */
-  double gap;     /* signed distance; NaN without `other` */
-  double known;   /* signed distance from the nearest place as the last update found it, with or without contact; NaN: none was near */
+  double gap;     /* signed distance less `shift`; NaN without `other` */
+  double known;   /* signed distance at the last update from the nearest place, in contact or not; NaN: none was near */
   double normal[3]; /* outward normal of the other side at the foot, of any length */
   double N[8];    /* shape functions of the other face at xi */
   double shift;    /* start gap that `gap` counts from, of either sign (eq:initial-shift) */
@@ -98,9 +98,9 @@ static inline void ct_side_push(const ct_grid *grid, const ct_search *search, in
   }
 }
 
-/* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). Points look as far as `depth`, and
- * a new one is in contact down to there; one of a surface with itself is in contact down to `deep`; `first`: no point
- * has a history yet. */
+/* Find the closest points of all points of `side` on `other` and their forces (eq:contact-force). Points look as far as
+ * `depth`, and a new one is in contact down to there; one of a surface with itself is in contact down to `deep`; `first`: no
+ * point has a history yet. */
 void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double deep, int first);
 
 #endif

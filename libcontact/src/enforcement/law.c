@@ -74,7 +74,10 @@ double ct_enforcement_energy(const ct_constraint *c)
   return 0.5 * (stored_between(c, c->before, c->gap) + ct_law_stored(c)) + ct_law_lag(c);
 }
 
-int ct_law_begins(const ct_constraint *c) { return c->enforcement == CT_ENFORCE_ENERGY_CONTROLLED || c->enforcement == CT_ENFORCE_LAGRANGE; }
+int ct_law_begins(const ct_constraint *c)
+{
+  return c->enforcement == CT_ENFORCE_ENERGY_CONTROLLED || c->enforcement == CT_ENFORCE_LAGRANGE;
+}
 
 double ct_law_start(const ct_constraint *c)
 {

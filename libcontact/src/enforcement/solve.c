@@ -24,7 +24,8 @@ void ct_solver_free(const ct_problem *problem, ct_solver *s)
 {
   if (s == NULL) return;
   for (int32_t k = 0; s->place != NULL && k < problem->effect_count; k++) ct_release(s->place[k]);
-  void *blocks[] = {s->list, s->sizes, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->past, s->entries, s->active, s->slot, s->law, s->free, s->bound, s->guess, s->force, s->terms, s->path, s->begun, s};
+  void *blocks[] = {s->list, s->sizes, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->past, s->entries, s->active,
+                    s->slot, s->law, s->free, s->bound, s->guess, s->force, s->terms, s->path, s->begun, s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
 }
 

@@ -86,7 +86,8 @@ ct_status ct_disk_open(ct_disk *disk, const char *part, int64_t bytes, const cha
   if (disk->locked >= 0) unlink(part);
   ct_lock_release(disk->locked);
   disk->locked = -1;
-  if (busy) return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't write the file: another run is writing it", ct_disk_short(path));
+  if (busy)
+    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't write the file: another run is writing it", ct_disk_short(path));
   return system_fail(error, path, "write the file", result);
 }
 

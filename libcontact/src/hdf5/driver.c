@@ -40,7 +40,8 @@ static H5FD_t *driver_open(const char *name, unsigned flags, hid_t access, haddr
   (void)name, (void)limit;
   if (info == NULL) return NULL;
   int descriptor = dup(info->disk->locked);
-  if (descriptor >= 0 && (flags & H5F_ACC_TRUNC) && ftruncate(descriptor, 0) != 0 && info->disk->error == 0) info->disk->error = errno;
+  if (descriptor >= 0 && (flags & H5F_ACC_TRUNC) && ftruncate(descriptor, 0) != 0 && info->disk->error == 0)
+    info->disk->error = errno;
   if (descriptor < 0 && info->disk->error == 0) info->disk->error = errno;
   driver_file *file = descriptor >= 0 ? calloc(1, sizeof *file) : NULL;
   if (file == NULL || fstat(descriptor, &found) != 0) {

@@ -162,8 +162,8 @@ void ct_lock_release(int descriptor);
 /* -- driver.c: a way for HDF5 to the disk on which writes never fail -- */
 
 hid_t ct_driver_register(void);
-/* A file that is opened with `access` goes through the driver, where it is the locked one of `disk`, whatever its name; `disk` must
- * live until it is closed. */
+/* A file that is opened with `access` goes through the driver, where it is the locked one of `disk`, whatever its name; `disk`
+ * must live until it is closed. */
 herr_t ct_driver_use(hid_t access, hid_t driver, ct_disk *disk);
 
 /* -- layout.c: the file without its steps -- */

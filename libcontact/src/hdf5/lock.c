@@ -40,7 +40,8 @@ static int bears(int descriptor, const char *name)
   return fstat(descriptor, &one) == 0 && lstat(name, &two) == 0 && one.st_dev == two.st_dev && one.st_ino == two.st_ino;
 }
 
-/* Remove what a run that is no more has left, or a link that would lead elsewhere. 0, EAGAIN when the run is alive, or why not. */
+/* Remove a file that a run which has ended left behind, or a link. Returns 0, EAGAIN while the run is alive, or the number of the
+ * system's error. */
 static int clear(const char *part)
 {
   int descriptor = open(part, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC), result = errno;

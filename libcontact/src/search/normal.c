@@ -44,13 +44,15 @@ static int edge_normal(const ct_search *search, int32_t face, int e, const doubl
   return 1;
 }
 
-/* Direction in which the edge from corner k of a face to the corner after or before it leaves corner k: the tangent there. Where the
- * tangent vanishes, as with a mid-side node at the quarter point, a quadratic edge leaves along its chord (eq:edge-direction). */
+/* Direction in which the edge from corner k of a face to the corner after or before it leaves corner k: the tangent there.
+ * Where the tangent vanishes, as with a mid-side node at the quarter point, a quadratic edge leaves along its chord
+ * (eq:edge-direction). */
 static void edge_direction(const ct_search *search, int32_t face, int k, int backwards, double along[3])
 {
   const int32_t *nodes = &search->faces[(int64_t)face * search->per];
   int before = (k + search->edges - 1) % search->edges;
-  const double *first = &search->x[3 * (int64_t)nodes[k]], *last = &search->x[3 * (int64_t)nodes[backwards ? before : (k + 1) % search->edges]];
+  const double *first = &search->x[3 * (int64_t)nodes[k]];
+  const double *last = &search->x[3 * (int64_t)nodes[backwards ? before : (k + 1) % search->edges]];
   double chord[3];
   for (int c = 0; c < 3; c++) along[c] = chord[c] = last[c] - first[c];
   if (search->per == search->edges) return;

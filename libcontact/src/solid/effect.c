@@ -253,7 +253,8 @@ ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_cou
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the solid effect");
   }
   solid->part_count = block_count;
-  *effect = (ct_effect){.kind = CT_EFFECT_SOLID, .name = "solid", .data = solid, .create_scratch = create_scratch, .free_scratch = free_scratch,
+  *effect = (ct_effect){.kind = CT_EFFECT_SOLID, .name = "solid", .data = solid, .create_scratch = create_scratch,
+                        .free_scratch = free_scratch,
                         .force = solid_force, .energy = solid_energy, .frequency = solid_frequency, .free_data = free_data};
   ct_status status = prepare(solid, blocks, error);
   if (status != CT_OK) {
@@ -304,7 +305,8 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
   if (!reduced) return CT_OK;
   ct_effect *effect = ct_allocate(1, sizeof *effect);
   if (effect == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the hourglass effect");
-  *effect = (ct_effect){.kind = CT_EFFECT_HOURGLASS, .name = "hourglass", .local = 1, .data = solid->data, .force = no_force, .energy = hourglass_energy};
+  *effect = (ct_effect){.kind = CT_EFFECT_HOURGLASS, .name = "hourglass", .local = 1, .data = solid->data, .force = no_force,
+                        .energy = hourglass_energy};
   *out = effect;
   return CT_OK;
 }
