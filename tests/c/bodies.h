@@ -22,6 +22,22 @@ static inline double uniform(double a)
 /* One of 0 ... n - 1. */
 static inline int pick(int n) { return (int)floor(0.5 * (uniform(1.0) + 1.0) * n); }
 
+/* A random rotation, by a unit quaternion. */
+static inline void random_rotation(double R[3][3])
+{
+  double q[4], n = 0.0;
+  do {
+    n = 0.0;
+    for (int i = 0; i < 4; i++) q[i] = uniform(1.0), n += q[i] * q[i];
+  } while (n > 1.0 || n < 0.1);
+  for (int i = 0; i < 4; i++) q[i] /= sqrt(n);
+  double w = q[0], x = q[1], y = q[2], z = q[3];
+  double rows[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                       {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                       {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
+  memcpy(R, rows, sizeof rows);
+}
+
 static inline double worst(double so_far, double error) { return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far; }
 
 static inline double largest(const double *v, int64_t n)
@@ -93,8 +109,22 @@ static inline void shake_regular(ct_mesh *mesh, double amount, int inside)
   size_t size = 3 * (size_t)mesh->node_count * sizeof(double);
   double *straight = room(1, size);
   memcpy(straight, mesh->nodes, size);
-  for (shake(mesh, amount, inside); ct_mesh_check(mesh, NULL) != CT_OK; shake(mesh, amount *= 0.8, inside)) memcpy(mesh->nodes, straight, size);
+  for (shake(mesh, amount, inside); ct_mesh_check(mesh, NULL) != CT_OK; shake(mesh, amount *= 0.8, inside))
+    memcpy(mesh->nodes, straight, size);
   free(straight);
+}
+
+/* Determinant of the Jacobian of a brick with the nodes `x` at a place, computed without the library's own; J[d] is its column d. */
+static inline double brick_determinant(ct_brick_kind kind, double (*x)[3], const double xi[3], double J[3][3])
+{
+  double dN[20][3];
+  ct_brick_gradient(kind, xi, dN);
+  memset(J, 0, 9 * sizeof J[0][0]);
+  for (int a = 0; a < ct_brick_node_count(kind); a++)
+    for (int d = 0; d < 3; d++)
+      for (int c = 0; c < 3; c++) J[d][c] += dN[a][d] * x[a][c];
+  return J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) - J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
+         J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]);
 }
 
 static inline void distort(ct_mesh *mesh, double amount) { shake_regular(mesh, amount, 0); }
@@ -376,17 +406,25 @@ static inline ct_status weight_damping(const ct_effect *effect, const ct_view *v
   return CT_OK;
 }
 
+/* Add an effect of the test's own to a scene. */
+static inline void add_effect(ct_scene *scene, const ct_effect *filled)
+{
+  const ct_problem *joined = NULL;
+  ct_effect *effect = NULL;
+  ct_error error;
+  need(ct_scene_join(scene, &joined, &error), &error);
+  need(ct_effect_create(filled, &effect, &error), &error);
+  need(ct_scene_add_effect(scene, effect, &error), &error);
+}
+
 static inline void add_weight(ct_scene *scene, weight w)
 {
   weight *own = room(1, sizeof *own);
   ct_error error;
-  ct_effect *effect = NULL;
   *own = w;
   need(ct_scene_join(scene, &own->problem, &error), &error);
-  ct_effect filled = {.name = "weight", .data = own, .free_data = free, .node_count = own->problem->node_count,
-                      .force = weight_force, .damping = weight_damping};
-  need(ct_effect_create(&filled, &effect, &error), &error);
-  need(ct_scene_add_effect(scene, effect, &error), &error);
+  add_effect(scene, &(ct_effect){.name = "weight", .data = own, .free_data = free, .node_count = own->problem->node_count,
+                                 .force = weight_force, .damping = weight_damping});
 }
 
 static inline const ct_problem *build(ct_scene *scene, ct_scene_time time, int64_t *steps, ct_stable_step *stable)

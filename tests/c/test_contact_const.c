@@ -56,7 +56,8 @@ static void ask(const ct_contact *contact, const double *mass, double got[4])
 int main(void)
 {
   for (int kind = 0; kind < 4; kind++) {
-    patch a = new_patch((ct_face_kind)kind, 5, 4, 0.0, 0.0, 1.0, 1.0, 1), b = new_patch((ct_face_kind)kind, 3, 3, 0.0, 0.0, 1.0, 1.0, 0);
+    patch a = new_patch((ct_face_kind)kind, 5, 4, 0.0, 0.0, 1.0, 1.0, 1),
+        b = new_patch((ct_face_kind)kind, 3, 3, 0.0, 0.0, 1.0, 1.0, 0);
     double mass[256], got[4], again[4];
     for (int i = 0; i < 256; i++) mass[i] = 1.0;
     ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());

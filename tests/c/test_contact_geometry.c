@@ -218,22 +218,6 @@ static void lobatto_gradient(ct_face_kind kind)
   free_patch(&b);
 }
 
-/* A random rotation, by a unit quaternion. */
-static void rotation(double R[3][3])
-{
-  double q[4], n = 0.0;
-  do {
-    n = 0.0;
-    for (int i = 0; i < 4; i++) q[i] = uniform(1.0), n += q[i] * q[i];
-  } while (n > 1.0 || n < 0.1);
-  for (int i = 0; i < 4; i++) q[i] /= sqrt(n);
-  double w = q[0], x = q[1], y = q[2], z = q[3];
-  double rows[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
-                       {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
-                       {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
-  memcpy(R, rows, sizeof rows);
-}
-
 static void turn(patch *p, double R[3][3])
 {
   for (int n = 0; n < p->surface.node_count; n++) {
@@ -274,7 +258,7 @@ static void corners_and_edges(void)
   for (int k = 0; k < 24; k++) {
     patch cube = new_box(cube_low, cube_size, one);
     double R[3][3], lowest = 0.0;
-    rotation(R);
+    random_rotation(R);
     turn(&cube, R);
     shift(&cube, uniform(0.5), uniform(0.5), 0.0);
     for (int n = 0; n < cube.surface.node_count; n++) lowest = fmin(lowest, cube.x[3 * n + 2]);
@@ -520,7 +504,8 @@ static void seen_before_it_comes_in(void)
     need(ct_contact_update(contact, below->nodes, x, &e), &e);
     ct_contact_points(contact, now);
     for (int64_t i = 0; i < count; i++) {
-      int facing = fabs(now[i].position[2] - (now[i].side == 1 ? height : 0.0)) < 1e-9 && now[i].position[0] > 7.5 && now[i].position[0] < 46.5 && now[i].position[1] > 3.5 && now[i].position[1] < 8.5;
+      int facing = fabs(now[i].position[2] - (now[i].side == 1 ? height : 0.0)) < 1e-9 && now[i].position[0] > 7.5 &&
+          now[i].position[0] < 46.5 && now[i].position[1] > 3.5 && now[i].position[1] < 8.5;
       if (!facing || height >= 0.0) continue;
       inside++;
       unseen += before[i].other < 0;
@@ -528,7 +513,9 @@ static void seen_before_it_comes_in(void)
     }
     memcpy(before, now, (size_t)count * sizeof *now);
   }
-  tap_ok(inside > 50 && unseen == 0 && wrong == 0, "steps of %g, as large as allowed: %d points came in, %d of them unseen, %d with a wrong gap", contact->room, inside, unseen, wrong);
+  tap_ok(inside > 50 && unseen == 0 && wrong == 0,
+         "steps of %g, as large as allowed: %d points came in, %d of them unseen, %d with a wrong gap", contact->room, inside,
+         unseen, wrong);
   ct_contact_free(contact);
   for (int s = 0; s < 2; s++) {
     free(faces[s]);

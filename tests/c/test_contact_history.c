@@ -50,8 +50,8 @@ static void free_hand(hand *h)
   for (int i = 0; i < 7; i++) free(all[i]);
 }
 
-/* One step with the second surface at the height z, with scratch space of its own as after a restart: the force on that surface along
- * z, and the energy. */
+/* One step with the second surface at the height z, with scratch space of its own as after a restart: the force on that
+ * surface along z, and the energy. */
 static double take(hand *h, double z, double time, double *energy, double *external)
 {
   const ct_effect *effect = h->effect;
@@ -109,7 +109,8 @@ static void start_gap_opens(void)
     {-0.01, 0.0},            // out for one step, and -0.01 is the deeper one of the last two
     {-0.015, 0.005}, {0.01, 0.0}, {0.02, 0.0}, // out for two steps: none is left
     {-0.02, 0.02}, {-0.001, 0.001}};
-  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP}, -0.05);
+  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1,
+                                                 .initial = CT_INITIAL_KEEP}, -0.05);
   double force = 0.0, energy = 0.0, stored;
   for (size_t i = 0; i < sizeof by_hand / sizeof by_hand[0]; i++) {
     double d = by_hand[i].depth;
@@ -119,7 +120,8 @@ static void start_gap_opens(void)
   tap_ok(force < 1e-15 && energy < 1e-16, "start gaps of points that open again are those of pencil and paper (force off by %.2g, energy by %.2g)", force, energy);
   // Far away no face is near, and the start gap is gone.
   free_hand(&h);
-  h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP}, -0.05);
+  h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP},
+                       -0.05);
   static const opening away[] = {{-0.05, 0.0}, {50.0, 0.0}, {50.0, 0.0}, {-0.03, 0.03}};
   force = 0.0;
   for (int i = 0; i < 4; i++) force = worst(force, take(&h, away[i].gap, 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - away[i].depth);
@@ -136,8 +138,8 @@ typedef struct course {
   opening step[12];
 } course;
 
-/* Gaps and overlaps within the distance `adjust` are taken as touching, as worked out with pencil and paper from eq:initial-adjust:
- * the start gap stays until the point has opened by more than this for two steps. */
+/* Gaps and overlaps within the distance `adjust` are taken as touching, as worked out with pencil and paper from
+ * eq:initial-adjust: the start gap stays until the point has opened by more than this for two steps. */
 static void start_gaps_are_adjusted(void)
 {
   static const course courses[] = {
@@ -154,14 +156,16 @@ static void start_gaps_are_adjusted(void)
     {"no distance: a gap", 0.0, CT_INITIAL_KEEP, 3, {{0.03, 0.0}, {0.02, 0.0}, {-0.01, 0.01}}}};
   for (size_t k = 0; k < sizeof courses / sizeof courses[0]; k++) {
     const course *c = &courses[k];
-    hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = c->initial, .adjust = c->adjust}, c->step[0].gap);
+    hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = c->initial,
+                                                   .adjust = c->adjust}, c->step[0].gap);
     double force = 0.0, energy = 0.0, stored;
     for (int i = 0; i < c->count; i++) {
       double d = c->step[i].depth;
       force = worst(force, take(&h, c->step[i].gap, 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - d);
       energy = worst(energy, stored / (2.0 * EPSILON) - d * d);
     }
-    tap_ok(force < 1e-15 && energy < 1e-16, "%s: forces and energy of pencil and paper (force off by %.2g, energy by %.2g)", c->what, force, energy);
+    tap_ok(force < 1e-15 && energy < 1e-16, "%s: forces and energy of pencil and paper (force off by %.2g, energy by %.2g)",
+           c->what, force, energy);
     free_hand(&h);
   }
 }
@@ -174,7 +178,8 @@ static double evaluate(hand *h, double *force)
   ct_error e;
   double energy, *own = numbers(3 * effect->node_count);
   need(effect->create_scratch(effect, &scratch, &e), &e);
-  ct_view view = {.time = 1.0, .threads = 1, .reference = h->reference, .displacement = h->u, .velocity = h->rest, .memory = h->memory, .next_memory = h->next, .scratch = scratch};
+  ct_view view = {.time = 1.0, .threads = 1, .reference = h->reference, .displacement = h->u, .velocity = h->rest,
+                  .memory = h->memory, .next_memory = h->next, .scratch = scratch};
   need(effect->force(effect, &view, own, &e), &e);
   need(effect->energy(effect, &view, &energy, &e), &e);
   memset(force, 0, 3 * (size_t)h->nodes * sizeof *force);
@@ -223,7 +228,8 @@ static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
     off = worst(off, f[i] + (up - evaluate(&h, other)) / (2.0 * step));
     *u = keep;
   }
-  tap_ok(stored > 0.0 && off < 2e-5 * size, "%s: with start gaps of both signs forces are minus the gradient of the energy (off by %.2g)", name, off / size);
+  tap_ok(stored > 0.0 && off < 2e-5 * size,
+         "%s: with start gaps of both signs forces are minus the gradient of the energy (off by %.2g)", name, off / size);
   for (int n = 0; n < h.nodes; n++)
     for (int c = 0; c < 3; c++) {
       int p = (c + 1) % 3, q = (c + 2) % 3;
@@ -231,7 +237,8 @@ static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
       moment[c] += (h.reference[3 * n + p] + h.u[3 * n + p]) * f[3 * n + q] - (h.reference[3 * n + q] + h.u[3 * n + q]) * f[3 * n + p];
     }
   double lost = worst(worst(sum[0], sum[1]), sum[2]), turned = worst(worst(moment[0], moment[1]), moment[2]);
-  tap_ok(lost < 1e-13 * size && turned < 1e-13 * size, "%s: with start gaps no momentum is made, linear or angular (%.2g, %.2g)", name, lost / size, turned / size);
+  tap_ok(lost < 1e-13 * size && turned < 1e-13 * size, "%s: with start gaps no momentum is made, linear or angular (%.2g, %.2g)",
+         name, lost / size, turned / size);
   free_hand(&h);
   free(f);
   free(other);
@@ -243,7 +250,8 @@ static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
 static void start_gap_fades(void)
 {
   const double T = 2.0, g0 = -0.04, area = 4.0, half = 0.5, tail = 0.5 * (1.0 - sqrt(0.5)); // φ at T / 2 and 3 T / 4
-  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_REMOVE, .removal = T}, g0);
+  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1,
+                                                 .initial = CT_INITIAL_REMOVE, .removal = T}, g0);
   double off = 0.0, stored, work, F1 = EPSILON * area * (half * g0 - g0), F2, g2 = -0.01 / half;
   off = worst(off, take(&h, g0, 0.0, &stored, &work));
   off = worst(off, work);
@@ -272,7 +280,8 @@ static void history_in_memory(void)
   static const double *const gaps[3] = {in, deep, leap};
   static const char *const what[3] = {"comes in from outside", "begins deep", "is outside, and then too deep at once"};
   for (int k = 0; k < 3; k++) {
-    hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .depth = 0.3}, gaps[k][0]);
+    hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .depth = 0.3},
+                              gaps[k][0]);
     double off = 0.0, stored;
     for (int i = 0; i < count[k]; i++) off = worst(off, take(&h, gaps[k][i], 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - (pressed[k][i] ? -gaps[k][i] : 0.0));
     tap_ok(off < 1e-14, "a surface that %s, restarted in every step, has the force of its gap where it is in contact (off by %.2g)", what[k], off);
@@ -323,7 +332,8 @@ static void corner_turned_inside_out(void)
   double lowest = HUGE_VAL, energy = 0.0, x[60], corners[12] = {1.2, 1.15, 1.3, 1.2, 1.25, 1.3, 1.3, 1.25, 1.3, 1.3, 1.15, 1.3};
   int32_t outer[48], square[4] = {0, 1, 2, 3};
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
-  ct_surface brick = {CT_Q8, 20, ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes}, square_patch = {CT_Q4, 4, 1, square, corners};
+  ct_surface brick = {CT_Q8, 20, ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes},
+      square_patch = {CT_Q4, 4, 1, square, corners};
   for (int edges = 1; edges < 8; edges++) {
     ct_contact *contact = NULL;
     ct_contact_options options = ct_contact_options_default();
@@ -335,7 +345,9 @@ static void corner_turned_inside_out(void)
       memcpy(x, m->nodes, sizeof x);
       // The middle of an edge along axis c at the corner (1, 1, 1) moves towards the corner, and the edge folds over.
       for (int i = 0; i < 60; i++)
-        if (edges >> i % 3 & 1 && m->nodes[i] == 0.5 && m->nodes[i - i % 3 + (i % 3 + 1) % 3] == 1.0 && m->nodes[i - i % 3 + (i % 3 + 2) % 3] == 1.0) x[i] += 0.5 * step / STEPS;
+        if (edges >> i % 3 & 1 && m->nodes[i] == 0.5 && m->nodes[i - i % 3 + (i % 3 + 1) % 3] == 1.0 &&
+            m->nodes[i - i % 3 + (i % 3 + 2) % 3] == 1.0)
+          x[i] += 0.5 * step / STEPS;
       need(ct_contact_update(contact, corners, x, &e), &e);
       ct_contact_points(contact, point);
       for (int i = 0; i < 4; i++) lowest = fmin(lowest, point[i].gap);
@@ -343,7 +355,8 @@ static void corner_turned_inside_out(void)
     }
     ct_contact_free(contact);
   }
-  tap_ok(lowest > 0.3 && energy == 0.0, "a point off a corner that is turned inside out stays outside: gap %g, energy %g", lowest, energy);
+  tap_ok(lowest > 0.3 && energy == 0.0, "a point off a corner that is turned inside out stays outside: gap %g, energy %g", lowest,
+         energy);
   ct_mesh_free(m);
 }
 

@@ -36,7 +36,8 @@ static void named(const char *name)
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
-  ct_effect filled = {.name = name, .data = &k, .nodes = nodes, .node_count = 2, .force = spring_force, .energy = spring_energy}, *effect = NULL, *friction = NULL;
+  ct_effect filled = {.name = name, .data = &k, .nodes = nodes, .node_count = 2, .force = spring_force, .energy = spring_energy},
+      *effect = NULL, *friction = NULL;
   const ct_problem *joined = NULL;
   ct_error e;
   int64_t steps;
@@ -44,7 +45,8 @@ static void named(const char *name)
   need(ct_scene_join(scene, &joined, &e), &e);
   need(ct_effect_create(&filled, &effect, &e), &e);
   ct_friction rub = {.on = effect, .coefficient = 0.3};
-  tap_ok(ct_friction_create_effect(&rub, joined, &friction, &e) == CT_ERROR_ARGUMENT && friction == NULL, "a host's effect \"%s\" has no points that rub: %s", name, e.text);
+  tap_ok(ct_friction_create_effect(&rub, joined, &friction, &e) == CT_ERROR_ARGUMENT && friction == NULL,
+         "a host's effect \"%s\" has no points that rub: %s", name, e.text);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   ct_state *state = new_state(build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable));
   const ct_problem *problem = state->problem;
@@ -52,8 +54,10 @@ static void named(const char *name)
   ct_energy energy = energy_of(problem, state);
   ct_momentum momentum = momentum_of(problem, state, 0);
   need(ct_energy_stored(problem, state, 1, &stored, &e), &e);
-  tap_ok(stored > 0.0 && energy.contact == 0.0 && momentum.contact_impulse[0] == 0.0 && momentum.support_impulse[0] == 0.0, "\"%s\": its energy is in the total, not in the contacts'", name);
-  tap_ok(ct_state_contact(problem, state, 1, &e) == NULL && e.code == CT_ERROR_ARGUMENT && ct_obstacle_reaction(problem, state, 1, force, &held, &e) == CT_ERROR_ARGUMENT &&
+  tap_ok(stored > 0.0 && energy.contact == 0.0 && momentum.contact_impulse[0] == 0.0 && momentum.support_impulse[0] == 0.0,
+         "\"%s\": its energy is in the total, not in the contacts'", name);
+  tap_ok(ct_state_contact(problem, state, 1, &e) == NULL && e.code == CT_ERROR_ARGUMENT &&
+         ct_obstacle_reaction(problem, state, 1, force, &held, &e) == CT_ERROR_ARGUMENT &&
              ct_friction_energy(problem, state, 1, &held, &lost, &e) == CT_ERROR_ARGUMENT,
          "\"%s\": no contact, no obstacle and no friction", name);
   ct_state_free(state);
@@ -72,7 +76,8 @@ static void copied(void)
   ct_error e;
   need(ct_scene_join(scene, &joined, &e), &e);
   need(ct_gravity_create_effect(&(ct_gravity){.acceleration = {0, 0, -9.81}}, joined, &gravity, &e), &e);
-  tap_ok(ct_effect_create(gravity, &copy, &e) == CT_ERROR_ARGUMENT && copy == NULL, "a copy of an effect of the library is refused: %s", e.text);
+  tap_ok(ct_effect_create(gravity, &copy, &e) == CT_ERROR_ARGUMENT && copy == NULL,
+         "a copy of an effect of the library is refused: %s", e.text);
   need(ct_scene_add_effect(scene, gravity, &e), &e);
   tap_ok(ct_scene_add_effect(scene, gravity, &e) == CT_ERROR_ARGUMENT, "and so is one that the scene has already: %s", e.text);
   ct_scene_free(scene);
@@ -91,16 +96,12 @@ int main(void)
   ct_scene *scene = new_scene();
   add_body(scene, "block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
   ct_effect filled = {.name = "spring", .data = &k, .nodes = nodes, .node_count = 8, .force = spring_force, .energy = spring_energy, .frequency = spring_frequency};
-  const ct_problem *joined = NULL;
-  ct_effect *effect = NULL;
   ct_error e;
   int64_t steps;
   ct_stable_step free_step, stable;
   ct_scene_time run = {.end = 3.0, .fraction = 0.5, .threads = 1};
   build(scene, run, &steps, &free_step);
-  need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_effect_create(&filled, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  add_effect(scene, &filled);
   const ct_problem *problem = build(scene, run, &steps, &stable);
   tap_close(4.0 / (stable.dt * stable.dt) - 4.0 / (free_step.dt * free_step.dt), 4.0, 1e-6 / (stable.dt * stable.dt), "its frequency counts in the stable step");
   ct_state *state = new_state(problem);

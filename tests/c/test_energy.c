@@ -101,8 +101,8 @@ static void contact_run(double beta, double courant, double fraction, double dri
   ct_mesh_free(left);
 }
 
-/* A problem that begins in touch: two rods or plates that fly at each other, or a rod at a wall; `lap` is how far they lie in each
- * other. */
+/* A problem that begins in touch: two rods or plates that fly at each other, or a rod at a wall; `lap` is how far they lie in
+ * each other. */
 typedef struct touching {
   ct_mesh *mesh[2];
   ct_scene *scene;
@@ -115,7 +115,8 @@ static touching open_touching(ct_brick_kind kind, int plate, ct_enforcement enfo
 {
   double width = plate ? 1.0 : 0.25, beta = 4.0, edge = 0.25, v = 1000.0;
   int across = plate ? 4 : 1;
-  touching t = {{box_mesh(kind, -1, 0, 0, 1, 0.25, width, 4, 1, across), box_mesh(kind, -lap, 0, 0, 1, 0.25, width, 4, 1, across)}, new_scene(), NULL, 0.0, 0.0};
+  touching t = {{box_mesh(kind, -1, 0, 0, 1, 0.25, width, 4, 1, across),
+                 box_mesh(kind, -lap, 0, 0, 1, 0.25, width, 4, 1, across)}, new_scene(), NULL, 0.0, 0.0};
   ct_contact_options options = ct_contact_options_default();
   options.enforcement = enforcement;
   options.initial = lap > 0.0 ? CT_INITIAL_PUSH : options.initial;
@@ -123,7 +124,8 @@ static touching open_touching(ct_brick_kind kind, int plate, ct_enforcement enfo
   add_contact_with(t.scene, 0, t.mesh[0], 0.0, 1, t.mesh[1], -lap, 0, beta, options, 0.0, 0.0);
   int64_t steps;
   ct_stable_step stable;
-  t.problem = build(t.scene, (ct_scene_time){.end = 1e-6, .fraction = 0.8, .threads = 1, .integrator = ct_integrator_default(scheme)}, &steps, &stable);
+  t.problem = build(t.scene, (ct_scene_time){.end = 1e-6, .fraction = 0.8, .threads = 1,
+                                             .integrator = ct_integrator_default(scheme)}, &steps, &stable);
   for (int n = 0; n < t.problem->node_count; n++) t.moving += 0.5 * t.problem->mass[n] * v * v;
   // Half the penalty at the points of each side, whose weights sum to the area.
   t.stored = 0.5 * beta * STEEL.young / edge * lap * lap * 0.25 * width;
@@ -160,15 +162,18 @@ static void first_row(void)
         ct_state_free(state);
         close_touching(&t);
       }
-      tap_ok(kinetic < 1e-12 && total < 1e-12 && work == 0.0 && balance < 1e-13, "first row, %s of %s that touch, %s, four integrators: kinetic energy off by %.1e, total by %.1e, balance then %.1e",
-             k / 2 ? "plates" : "rods", k % 2 ? "hex20" : "hex8", ct_enforcement_name((ct_enforcement)e), kinetic, total, balance);
+      tap_ok(kinetic < 1e-12 && total < 1e-12 && work == 0.0 && balance < 1e-13,
+             "first row, %s of %s that touch, %s, four integrators: kinetic energy off by %.1e, total by %.1e, balance then %.1e",
+             k / 2 ? "plates" : "rods", k % 2 ? "hex20" : "hex8", ct_enforcement_name((ct_enforcement)e), kinetic, total,
+             balance);
     }
   for (int e = 1; e < 4; e += 2) {
     touching t = open_touching(CT_HEX8, 0, (ct_enforcement)e, CT_CENTRAL_DIFFERENCE, 1e-4);
     ct_state *state = new_state(t.problem);
     ct_energy first = energy_of(t.problem, state);
     double stored = e == CT_ENFORCE_LAGRANGE ? 0.0 : t.stored;
-    tap_ok(fabs(first.kinetic / t.moving - 1.0) < 1e-12 && fabs(first.contact - stored) < 1e-12 * t.moving && t.stored > 0.1 * t.moving, "rods that overlap, %s: m v^2 / 2, and %.3g of it in the contact, as computed by hand",
+    tap_ok(fabs(first.kinetic / t.moving - 1.0) < 1e-12 && fabs(first.contact - stored) < 1e-12 * t.moving &&
+           t.stored > 0.1 * t.moving, "rods that overlap, %s: m v^2 / 2, and %.3g of it in the contact, as computed by hand",
            ct_enforcement_name((ct_enforcement)e), first.contact / t.moving);
     ct_state_free(state);
     close_touching(&t);
@@ -190,7 +195,8 @@ static void refined_start(void)
       balance = worst(balance, energy_of(&fine, state).balance / t.moving);
       advance(&fine, state, 1);
     }
-    tap_ok(balance < 1e-13, "a start that goes on with a third of its step, %s: work balance %.1e", ct_enforcement_name((ct_enforcement)e), balance);
+    tap_ok(balance < 1e-13, "a start that goes on with a third of its step, %s: work balance %.1e",
+           ct_enforcement_name((ct_enforcement)e), balance);
     ct_state_free(start);
     ct_state_free(state);
     close_touching(&t);
@@ -209,7 +215,8 @@ static void pressed_at_rest(void)
     ct_effect *effect = NULL;
     add_body(scene, "block", m, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
     need(ct_scene_join(scene, &joined, &error), &error);
-    ct_obstacle o = {.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 4.0 * STEEL.young * 3.0, .enforcement = k ? CT_ENFORCE_LAGRANGE : CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = 0.1,
+    ct_obstacle o = {.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 4.0 * STEEL.young * 3.0,
+                     .enforcement = k ? CT_ENFORCE_LAGRANGE : CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = 0.1,
                      .kind = CT_Q4, .face_count = ct_mesh_plane_faces(m, 2, 0.0, faces, NULL), .faces = faces};
     need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
     need(ct_scene_add_effect(scene, effect, &error), &error);
@@ -229,7 +236,8 @@ static void pressed_at_rest(void)
       top = fmax(top, fabs(now.kinetic));
     }
     // The forces are those of the law to the tolerance of the iteration, 1e-10.
-    tap_ok(rise < 1e-11 * top, "a block at rest on a plane under its weight, %s: the total rises by %.1e of the kinetic energy at most", k ? "lagrange" : "energy_controlled", rise / top);
+    tap_ok(rise < 1e-11 * top, "a block at rest on a plane under its weight, %s: the total rises by %.1e of the kinetic energy at most",
+           k ? "lagrange" : "energy_controlled", rise / top);
     ct_state_free(state);
     ct_scene_free(scene);
     ct_mesh_free(m);

@@ -53,15 +53,17 @@ static void one_point(void)
          "names, and none for other numbers");
 }
 
-/* While contact lasts the law is a spring at the gap of now and a dashpot (eq:controlled-dashpot): one mass in an open well, and the loss of its total in each step
- * (eq:controlled-loss). The total at t_n is the mean of two half steps, so from one to the next it falls by the mean of two losses. */
+/* While contact lasts the law is a spring at the gap of now and a dashpot (eq:controlled-dashpot): one mass in an open well,
+ * and the loss of its total in each step (eq:controlled-loss). The total at t_n is the mean of two half steps, so from one to
+ * the next it falls by the mean of two losses. */
 static void dashpot(double s)
 {
   const double dt = 0.5, m = 2.0, k = 0.05, dashpot = 0.5 * (1.0 + s) * k * dt;
   ct_constraint c = {.enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .stiffness = k, .dissipation = s};
   double before = -1.0, g = -1.01, law = 0.0, off = 0.0, total = 0.0, loss = 0.0, lost = 0.0;
   for (int n = 0; n < 12; n++) {
-    double v = (g - before) / dt, W = dt * dt / m, force = ct_enforcement_solve(&(ct_constraint){.enforcement = c.enforcement, .stiffness = k, .dissipation = s, .gap = g}, g + dt * v, W);
+    const ct_constraint here = {.enforcement = c.enforcement, .stiffness = k, .dissipation = s, .gap = g};
+    double v = (g - before) / dt, W = dt * dt / m, force = ct_enforcement_solve(&here, g + dt * v, W);
     double after = g + dt * v + W * force, rate = (after - before) / (2.0 * dt), now = dashpot * dt * rate * rate;
     c.before = before, c.gap = g, c.after = after, c.force = force;
     double held = 0.5 * m * v * (after - g) / dt + ct_enforcement_energy(&c);
@@ -69,7 +71,9 @@ static void dashpot(double s)
     if (n > 0) off = worst(off, (held - total + 0.5 * (loss + now)) / k), lost += total - held;
     total = held, loss = now, before = g, g = after;
   }
-  tap_ok(g < 0.0 && law < 1e-14 && off < 1e-14 && lost > 1e-4 * total, "s = %g: in lasting contact the law is a spring and a dashpot, off by %.1e; it takes %.2g of the energy, off by %.1e", s, law, lost / total, off);
+  tap_ok(g < 0.0 && law < 1e-14 && off < 1e-14 && lost > 1e-4 * total,
+         "s = %g: in lasting contact the law is a spring and a dashpot, off by %.1e; it takes %.2g of the energy, off by %.1e", s,
+         law, lost / total, off);
 }
 
 /* A bar of hex8 that flies against a wall, on the Doyen data. */
@@ -347,7 +351,8 @@ static double stored_between_steps(const ct_solver *s, int32_t effects)
   double sum = 0.0;
   for (int64_t j = 0; j < s->first[effects]; j++) {
     const ct_constraint *c = &s->list[j];
-    double share = c->dissipation, middle = fmin(0.5 * (c->gap + c->after), 0.0), here = fmin(c->gap, 0.0), next = fmin(c->after, 0.0);
+    double share = c->dissipation, middle = fmin(0.5 * (c->gap + c->after), 0.0), here = fmin(c->gap, 0.0),
+        next = fmin(c->after, 0.0);
     sum += 0.5 * c->stiffness * ((1.0 - share) * middle * middle + 0.5 * share * (here * here + next * next));
   }
   return sum;
@@ -379,7 +384,8 @@ static ct_scene *folded_scene(ct_brick_kind kind, ct_contact_options options)
   double *v = numbers(3 * (int64_t)m->node_count), middle = 0.11, arc = middle * 3.14159265358979324;
   ct_error error;
   for (int n = 0; n < m->node_count; n++) {
-    double *x = &m->nodes[3 * n], s = (2.0 + arc) * x[0], angle = fmin(fmax((s - 1.0) / middle, 0.0), arc / middle), radius = middle - 0.2 * (x[2] - 0.5);
+    double *x = &m->nodes[3 * n], s = (2.0 + arc) * x[0], angle = fmin(fmax((s - 1.0) / middle, 0.0), arc / middle),
+        radius = middle - 0.2 * (x[2] - 0.5);
     x[0] = (s < 1.0 ? s : s > 1.0 + arc ? 2.0 + arc - s : 1.0) + radius * sin(angle);
     x[2] = -radius * cos(angle);
     double share = x[2] > 0.0 ? 1.0 - fmin(fmax(x[0], 0.0), 1.0) : 0.0;
@@ -388,7 +394,8 @@ static ct_scene *folded_scene(ct_brick_kind kind, ct_contact_options options)
   add_body(scene, "strip", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   need(ct_scene_set_velocity(scene, 0, v, &error), &error);
   int32_t count = ct_mesh_outer_faces(m, faces, NULL);
-  ct_scene_contact contact = {.face_count_a = count, .face_count_b = count, .faces_a = faces, .faces_b = faces, .beta = 4.0, .options = options};
+  ct_scene_contact contact = {.face_count_a = count, .face_count_b = count, .faces_a = faces, .faces_b = faces, .beta = 4.0,
+                              .options = options};
   need(ct_scene_add_contact(scene, &contact, &error), &error);
   ct_mesh_free(m);
   free(faces);
@@ -402,23 +409,28 @@ static ct_scene *sliding_scene(const ct_brick_kind kind[2], int ground, double d
   ct_scene *scene = new_scene();
   double length = ground == EDGE ? 1.2 : 3.0;
   int cells = ground == EDGE ? 3 : 7;
-  ct_mesh *flat = box_mesh(kind[0], 0, 0, -1, length, 1, 1, cells, 3, 3), *low = box_mesh(kind[0], 0, 0, -1, length, 1, 1, cells, 3, 3), *up = box_mesh(kind[1], 0.1, 0.05, 0, 1, 0.9, 1, 3, 2, 3);
-  int32_t *below = integers(4000), *above = integers(4000), count[2] = {ct_mesh_plane_faces(flat, 2, 0.0, below, NULL), ct_mesh_plane_faces(up, 2, 0.0, above, NULL)};
+  ct_mesh *flat = box_mesh(kind[0], 0, 0, -1, length, 1, 1, cells, 3, 3),
+      *low = box_mesh(kind[0], 0, 0, -1, length, 1, 1, cells, 3, 3), *up = box_mesh(kind[1], 0.1, 0.05, 0, 1, 0.9, 1, 3, 2, 3);
+  int32_t *below = integers(4000), *above = integers(4000), count[2] = {ct_mesh_plane_faces(flat, 2, 0.0, below, NULL),
+                                                                        ct_mesh_plane_faces(up, 2, 0.0, above, NULL)};
   if (ground == EDGE) count[0] = ct_mesh_outer_faces(low, below, NULL), count[1] = ct_mesh_outer_faces(up, above, NULL);
   ct_error error;
-  for (int n = 0; ground == WAVES && n < low->node_count; n++) low->nodes[3 * n + 2] += 0.03 * (1.0 + low->nodes[3 * n + 2]) * (cos(5.0 * low->nodes[3 * n]) - 1.0);
+  for (int n = 0; ground == WAVES && n < low->node_count; n++)
+    low->nodes[3 * n + 2] += 0.03 * (1.0 + low->nodes[3 * n + 2]) * (cos(5.0 * low->nodes[3 * n]) - 1.0);
   ct_contact_options options = options_of(CT_ENFORCE_ENERGY_CONTROLLED);
   options.dissipation = dissipation;
   add_body(scene, "up", up, &SOFT, CT_KERNEL_AUTO, 9.0, 0, -1.5);
   if (ground != BALL) {
     add_body(scene, "low", low, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-    ct_scene_contact contact = {.body_a = 0, .body_b = 1, .face_count_a = count[1], .face_count_b = count[0], .faces_a = above, .faces_b = below, .beta = 4.0, .options = options};
+    ct_scene_contact contact = {.body_a = 0, .body_b = 1, .face_count_a = count[1], .face_count_b = count[0], .faces_a = above,
+                                .faces_b = below, .beta = 4.0, .options = options};
     need(ct_scene_add_contact(scene, &contact, &error), &error);
   } else {
     const ct_problem *joined;
     ct_effect *effect = NULL;
     need(ct_scene_join(scene, &joined, &error), &error);
-    ct_obstacle o = {.shape = CT_OBSTACLE_SPHERE, .point = {0.9, 0.5, -2.0}, .radius = 2.0, .epsilon = 4.0 * SOFT.young * 3.0, .enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = dissipation,
+    ct_obstacle o = {.shape = CT_OBSTACLE_SPHERE, .point = {0.9, 0.5, -2.0}, .radius = 2.0, .epsilon = 4.0 * SOFT.young * 3.0,
+                     .enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = dissipation,
                      .kind = kind[1] == CT_HEX20 ? CT_Q8 : CT_Q4, .face_count = count[1], .faces = above};
     need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
     need(ct_scene_add_effect(scene, effect, &error), &error);
@@ -430,9 +442,9 @@ static ct_scene *sliding_scene(const ct_brick_kind kind[2], int ground, double d
   return scene;
 }
 
-/* The total of the ledger is the mean of what bodies and points have half a step before and after, each of them computed here, from
- * displacements, velocities, forces of the solid and gaps. So what a point stores is told once and the same to both steps that it
- * belongs to, whatever the point meets. */
+/* The total of the ledger is the mean of what bodies and points have half a step before and after, each of them computed here,
+ * from displacements, velocities, forces of the solid and gaps. So what a point stores is told once and the same to both steps
+ * that it belongs to, whatever the point meets. */
 static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], int ground, double dissipation)
 {
   ct_contact_options options = options_of(CT_ENFORCE_ENERGY_CONTROLLED);
@@ -445,7 +457,8 @@ static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], in
   const ct_solver *s = state->workspace->solver;
   int64_t n = 3 * (int64_t)p->node_count;
   int32_t *partner = integers(s->room);
-  double *u = numbers(n), *f = numbers(n), before = energy_of(p, state).total, scale = before, last = before, off = 0.0, most = 0.0;
+  double *u = numbers(n), *f = numbers(n), before = energy_of(p, state).total, scale = before, last = before, off = 0.0,
+      most = 0.0;
   double stored = stored_between_steps(s, p->effect_count), half = before;
   int changed = changed_partners(s, p->effect_count, partner), same_bits = 1;
   ct_error error;
@@ -466,8 +479,9 @@ static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], in
     changed += changed_partners(s, p->effect_count, partner);
     memcpy(u, state->displacement, (size_t)n * sizeof *u);
   }
-  tap_ok(off < 1e-13 && same_bits && most > 1e-4 && (ground == BALL || changed > 3), "%s, dissipation %g, %d steps, %d points on another face, up to %.1e stored: the total is the mean of two half steps, off by %.1e", name, dissipation,
-         (int)steps, changed, most, off);
+  tap_ok(off < 1e-13 && same_bits && most > 1e-4 && (ground == BALL || changed > 3),
+         "%s, dissipation %g, %d steps, %d points on another face, up to %.1e stored: the total is the mean of two half steps, "
+         "off by %.1e", name, dissipation, (int)steps, changed, most, off);
   ct_state_free(state);
   ct_state_free(copy);
   ct_scene_free(scene);

@@ -289,16 +289,22 @@ static void no_room(void)
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
   int32_t faces[96], owners[24], wrong[2] = {-1, m->node_count};
   last_call = calls;
-  tap_ok(ct_mesh_outer_faces(m, faces, owners) == -CT_ERROR_MEMORY && ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == -CT_ERROR_MEMORY, "no memory for the faces of a mesh: told, and not as none");
+  tap_ok(ct_mesh_outer_faces(m, faces, owners) == -CT_ERROR_MEMORY &&
+         ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == -CT_ERROR_MEMORY,
+         "no memory for the faces of a mesh: told, and not as none");
   last_call = -1;
-  tap_ok(ct_mesh_outer_faces(m, faces, owners) == 24 && ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == 4, "and with memory they are there");
+  tap_ok(ct_mesh_outer_faces(m, faces, owners) == 24 && ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == 4,
+         "and with memory they are there");
   for (int i = 0; i < 2; i++) {
     int32_t keep = m->elements[9];
     m->elements[9] = wrong[i];
-    tap_ok(ct_mesh_outer_faces(m, faces, owners) == -CT_ERROR_ARGUMENT && ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == -CT_ERROR_ARGUMENT, "an element with node %d is refused", (int)wrong[i]);
+    tap_ok(ct_mesh_outer_faces(m, faces, owners) == -CT_ERROR_ARGUMENT &&
+           ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == -CT_ERROR_ARGUMENT, "an element with node %d is refused",
+           (int)wrong[i]);
     m->elements[9] = keep;
   }
-  tap_ok(ct_mesh_outer_faces(NULL, faces, owners) == -CT_ERROR_ARGUMENT && ct_mesh_plane_faces(&(ct_mesh){0}, 0, 0.0, NULL, NULL) == -CT_ERROR_ARGUMENT, "no mesh, an empty one");
+  tap_ok(ct_mesh_outer_faces(NULL, faces, owners) == -CT_ERROR_ARGUMENT &&
+         ct_mesh_plane_faces(&(ct_mesh){0}, 0, 0.0, NULL, NULL) == -CT_ERROR_ARGUMENT, "no mesh, an empty one");
   ct_mesh_free(m);
 }
 

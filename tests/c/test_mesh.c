@@ -127,7 +127,8 @@ static void faces_in_planes(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 3, 4, 5, 3, 4, 5);
   int per = kind == CT_HEX8 ? 4 : 8, off = 0;
-  int32_t count = ct_mesh_outer_faces(m, NULL, NULL), *all = integers(per * count), *owner = integers(count), *some = integers(per * count), *its = integers(count);
+  int32_t count = ct_mesh_outer_faces(m, NULL, NULL), *all = integers(per * count), *owner = integers(count),
+      *some = integers(per * count), *its = integers(count);
   ct_mesh_outer_faces(m, all, owner);
   for (int axis = 0; axis < 3; axis++)
     for (int at = 0; at <= 5; at++) {
@@ -136,7 +137,8 @@ static void faces_in_planes(ct_brick_kind kind)
         int inside = 1;
         for (int a = 0; a < per; a++) inside &= m->nodes[3 * all[f * per + a] + axis] == (double)at;
         if (!inside) continue;
-        off += next >= found || its[next] != owner[f] || memcmp(&some[next * per], &all[f * per], (size_t)per * sizeof *some) != 0;
+        off += next >= found || its[next] != owner[f] || memcmp(&some[next * per], &all[f * per],
+                                                                (size_t)per * sizeof *some) != 0;
         next++;
       }
       off += next != found || found != (at == 0 || at == 3 + axis ? 60 / (3 + axis) : 0);
@@ -220,7 +222,8 @@ static void refusals(ct_brick_kind kind)
 /* Put nodes `from` in the place of node `to`. */
 static void join(ct_mesh *m, int to, int count, const int *from)
 {
-  for (int i = 0; i < count; i++) memcpy(&m->nodes[3 * m->elements[from[i]]], &m->nodes[3 * m->elements[to]], 3 * sizeof *m->nodes);
+  for (int i = 0; i < count; i++)
+    memcpy(&m->nodes[3 * m->elements[from[i]]], &m->nodes[3 * m->elements[to]], 3 * sizeof *m->nodes);
 }
 
 static void accepted(ct_mesh *m, const char *what)
@@ -256,7 +259,8 @@ static void corners(ct_brick_kind kind)
       static const int MIDDLE[3] = {13, 14, 18}, END[3] = {5, 7, 2};
       for (int c = 0; c < 3; c++) m->nodes[3 * m->elements[MIDDLE[i]] + c] = 0.5 * (at + m->nodes[3 * m->elements[END[i]] + c]);
     }
-    refused(m, CT_ERROR_GEOMETRY, 0, -1, beyond ? "inverted at its corner 6" : "collapsed at its corner 6", beyond ? "a corner that is inside out" : "a flat corner");
+    refused(m, CT_ERROR_GEOMETRY, 0, -1, beyond ? "inverted at its corner 6" : "collapsed at its corner 6",
+            beyond ? "a corner that is inside out" : "a flat corner");
   }
   memcpy(m->nodes, keep, size);
 
@@ -275,15 +279,11 @@ static void corners(ct_brick_kind kind)
 /* Smallest determinant of a brick on a lattice of n³ points. */
 static double least_determinant(const ct_mesh *m, int n)
 {
-  double least = INFINITY;
+  double least = INFINITY, x[20][3], J[3][3];
+  for (int a = 0; a < ct_brick_node_count(m->kind); a++) memcpy(x[a], &m->nodes[3 * m->elements[a]], sizeof x[a]);
   for (int i = 0; i < n * n * n; i++) {
-    double xi[3] = {2.0 * (i % n) / (n - 1) - 1.0, 2.0 * (i / n % n) / (n - 1) - 1.0, 2.0 * (i / n / n) / (n - 1) - 1.0}, dN[20][3], J[3][3] = {{0}};
-    ct_brick_gradient(m->kind, xi, dN);
-    for (int a = 0; a < ct_brick_node_count(m->kind); a++)
-      for (int d = 0; d < 3; d++)
-        for (int c = 0; c < 3; c++) J[d][c] += dN[a][d] * m->nodes[3 * m->elements[a] + c];
-    double det = J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) - J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) + J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]);
-    least = fmin(least, det);
+    double xi[3] = {2.0 * (i % n) / (n - 1) - 1.0, 2.0 * (i / n % n) / (n - 1) - 1.0, 2.0 * (i / n / n) / (n - 1) - 1.0};
+    least = fmin(least, brick_determinant(m->kind, x, xi, J));
   }
   return least;
 }
@@ -300,7 +300,9 @@ static void random_bricks(ct_brick_kind kind)
     regular += good, passed += pass, lost += good && !pass, missed += pass && !good;
     ct_mesh_free(m);
   }
-  tap_ok(lost == 0 && missed < 0.03 * passed, "%s: of %d random bricks %d are regular, %d pass; %d of them are inverted between the nodes", KIND[kind], COUNT, regular, passed, missed);
+  tap_ok(lost == 0 && missed < 0.03 * passed,
+         "%s: of %d random bricks %d are regular, %d pass; %d of them are inverted between the nodes", KIND[kind], COUNT, regular,
+         passed, missed);
 }
 
 /* Number of the node that stands exactly at (x, y, z), or -1. */

@@ -685,9 +685,12 @@ static void test_part_is_a_link(void)
   for (int hard = 0; hard < 3; hard++) {
     FILE *text = fopen(other, "w");
     if (text == NULL || fputs("precious", text) < 0 || fclose(text) != 0) abort();
-    if ((hard == 0 && symlink(other, part) != 0) || (hard == 1 && link(other, part) != 0) || (hard == 2 && mkfifo(part, 0666) != 0)) abort();
+    if ((hard == 0 && symlink(other, part) != 0) || (hard == 1 && link(other, part) != 0) ||
+        (hard == 2 && mkfifo(part, 0666) != 0))
+      abort();
     write_file(r, path, 2);
-    tap_ok(stat(other, &found) == 0 && found.st_size == 8 && check_steps(r, path) == 2 && lstat(path, &found) == 0 && S_ISREG(found.st_mode),
+    tap_ok(stat(other, &found) == 0 && found.st_size == 8 && check_steps(r, path) == 2 && lstat(path, &found) == 0 &&
+           S_ISREG(found.st_mode),
            "a %s in the way is replaced and not followed", hard == 0 ? "symbolic link" : hard == 1 ? "link" : "pipe");
   }
   rig_free(r);

@@ -439,16 +439,12 @@ static void skin_make(skin *s, ct_face_kind kind, double corners, double middles
 static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* Whether the brick is far from being turned inside out anywhere, so that its skin does not cross itself. */
-static int is_regular(const skin *s)
+static int is_regular(skin *s)
 {
   for (int i = 0; i < 125; i++) {
-    double xi[3] = {0.5 * (i % 5) - 1.0, 0.5 * (i / 5 % 5) - 1.0, 0.5 * (i / 25) - 1.0}, dN[20][3], J[3][3] = {{0}}, lengths = 1.0;
-    ct_brick_gradient(CT_HEX20, xi, dN);
-    for (int a = 0; a < 20; a++)
-      for (int d = 0; d < 3; d++)
-        for (int c = 0; c < 3; c++) J[d][c] += dN[a][d] * s->x[a][c];
+    double xi[3] = {0.5 * (i % 5) - 1.0, 0.5 * (i / 5 % 5) - 1.0, 0.5 * (i / 25) - 1.0}, J[3][3], lengths = 1.0;
+    double det = brick_determinant(CT_HEX20, s->x, xi, J);
     for (int d = 0; d < 3; d++) lengths *= sqrt(J[d][0] * J[d][0] + J[d][1] * J[d][1] + J[d][2] * J[d][2]);
-    double det = J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) - J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) + J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]);
     if (!(det > 0.15 * lengths)) return 0;
   }
   // Two triangles of one side must not be folded onto each other.
@@ -486,7 +482,8 @@ static double winding(const ct_surface *s, const double point[3])
       for (int c = 0; c < 3; c++) face.node[a][c] = s->reference[3 * s->faces[f * per + a] + c] - point[c];
     for (int i = 0; i <= CUTS; i++)
       for (int j = 0; j <= CUTS - (triangular ? i : 0); j++) {
-        double u = (double)i / CUTS, v = (double)j / CUTS, xi[2] = {triangular ? u : 2.0 * u - 1.0, triangular ? v : 2.0 * v - 1.0};
+        double u = (double)i / CUTS, v = (double)j / CUTS, xi[2] = {triangular ? u : 2.0 * u - 1.0,
+                                                                    triangular ? v : 2.0 * v - 1.0};
         ct_segment_point(&face, xi, y[i][j]);
       }
     for (int i = 0; i < CUTS; i++)
@@ -520,7 +517,8 @@ static void curved_corners(ct_face_kind kind, double middles)
     }
     ct_search_free(search);
   }
-  tap_ok(wrong == 0 && corners > 100, "bricks of %s faces with bent edges: %d of %d points near corners have the wrong sign (%d feet are corners)",
+  tap_ok(wrong == 0 && corners > 100,
+         "bricks of %s faces with bent edges: %d of %d points near corners have the wrong sign (%d feet are corners)",
          kind == CT_Q8 ? "Q8" : "T6", wrong, asked, corners);
 }
 
@@ -538,7 +536,8 @@ static void quarter_point_corner(ct_face_kind kind)
   ct_search_nearest(search, 1, point, NULL, NULL, &got);
   double off = 0.0;
   for (int c = 0; c < 3; c++) off = worst(off, got.normal[c] - 1.0 / sqrt(3.0));
-  tap_ok(got.where == CT_VERTEX && got.signed_distance > 0.0, "%s: a corner of quarter points is found", kind == CT_Q8 ? "Q8" : "T6");
+  tap_ok(got.where == CT_VERTEX && got.signed_distance > 0.0, "%s: a corner of quarter points is found",
+         kind == CT_Q8 ? "Q8" : "T6");
   tap_close(off, 0.0, 1e-14, "%s: its normal is that of the cube", kind == CT_Q8 ? "Q8" : "T6");
   ct_search_free(search);
 }

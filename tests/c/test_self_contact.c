@@ -411,7 +411,8 @@ static void carve(ct_mesh *m, int shape, int layers)
 {
   int per = ct_brick_node_count(m->kind), kept = 0;
   for (int e = 0; e < m->element_count; e++)
-    if (in_shape(shape, e % 4, e / 4 % 4, layers == 1 ? 0 : e / 16)) memmove(&m->elements[per * kept++], &m->elements[per * e], (size_t)per * sizeof *m->elements);
+    if (in_shape(shape, e % 4, e / 4 % 4, layers == 1 ? 0 : e / 16))
+      memmove(&m->elements[per * kept++], &m->elements[per * e], (size_t)per * sizeof *m->elements);
   m->element_count = kept;
 }
 
@@ -444,7 +445,8 @@ static void concave(ct_brick_kind kind, int shape, ct_contact_rule points)
     ct_mesh_free(m);
   }
   // A motion of 1e-5 at most, relative to a point, three times that with quadratic faces, on an area below 100.
-  tap_ok(at_rest == 0.0 && shaken <= 100.0 * EPSILON * 1e-8, "%s, concave shape %d, rule %d: energy %g at rest, %g when its nodes are shaken", KIND[ct_brick_face_kind(kind)], shape,
+  tap_ok(at_rest == 0.0 && shaken <= 100.0 * EPSILON * 1e-8,
+         "%s, concave shape %d, rule %d: energy %g at rest, %g when its nodes are shaken", KIND[ct_brick_face_kind(kind)], shape,
          (int)points, at_rest, shaken);
 }
 
@@ -465,7 +467,9 @@ static void made_in_each_other(ct_face_kind kind)
     for (int i = 0; i < 3 * p.surface.node_count; i++) p.x[i] = apart[i] + step / 400.0 * (pressed[i] - apart[i]);
     after = fmax(after, energy_at(contact, p.x));
   }
-  tap_ok(before == 0.0 && parted == 0.0 && after > 0.01, "%s strip made in itself: energy %g, apart %g, and up to %g when its layers come together again", KIND[kind], before, parted, after);
+  tap_ok(before == 0.0 && parted == 0.0 && after > 0.01,
+         "%s strip made in itself: energy %g, apart %g, and up to %g when its layers come together again", KIND[kind], before,
+         parted, after);
   ct_contact_free(contact);
   free(apart);
   free(pressed);

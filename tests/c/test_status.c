@@ -21,7 +21,8 @@ static void lengthy_text(void)
       placed &= error.body == -1 && error.element == -1 && error.point == -1;
       dots = strstr(error.text, "...");
       if (length < ROOM) whole &= strcmp(error.text, text) == 0;
-      else marked &= dots != NULL && dots[3] == '\0' && (dots - error.text) % 2 == 0 && memcmp(error.text, text, (size_t)(dots - error.text)) == 0;
+      else marked &= dots != NULL && dots[3] == '\0' && (dots - error.text) % 2 == 0 &&
+          memcmp(error.text, text, (size_t)(dots - error.text)) == 0;
     }
   tap_ok(placed, "no place is -1");
   tap_ok(whole, "a text that fits is whole, written at once or in two parts");

@@ -160,12 +160,9 @@ static void pump(double limit, int stores)
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "flying", m, &SOFT, CT_KERNEL_AUTO, 1.0, 0, 0);
-  ct_effect filled = {.name = "pump", .data = c, .node_count = 8, .force = pump_force, .energy = stores ? pump_energy : NULL}, *effect = NULL;
-  const ct_problem *joined = NULL;
+  ct_effect filled = {.name = "pump", .data = c, .node_count = 8, .force = pump_force, .energy = stores ? pump_energy : NULL};
   ct_error e = {0};
-  need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_effect_create(&filled, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  add_effect(scene, &filled);
   int64_t steps;
   ct_stable_step stable;
   const ct_problem *p = build(scene, (ct_scene_time){.end = 100.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
@@ -190,7 +187,8 @@ static ct_status pump_and_brake(const ct_effect *effect, const ct_view *view, do
 {
   const double *c = effect->data;
   (void)error;
-  for (int i = 0; i < 3 * effect->node_count; i++) force[i] = (view->time < 10.0 ? c[0] : -3.0 * c[0]) * c[1] * view->velocity[3 * effect->nodes[0] + i];
+  for (int i = 0; i < 3 * effect->node_count; i++)
+    force[i] = (view->time < 10.0 ? c[0] : -3.0 * c[0]) * c[1] * view->velocity[3 * effect->nodes[0] + i];
   return CT_OK;
 }
 
@@ -207,12 +205,10 @@ static void told(int stores, double unit)
   add_body(scene, "flying", m, &soft, CT_KERNEL_AUTO, 1.0, 0, 0);
   int32_t nodes[8];
   for (int i = 0; i < 8; i++) nodes[i] = 8 + i;
-  ct_effect filled = {.name = "pump", .data = c, .nodes = nodes, .node_count = 8, .force = pump_and_brake, .energy = stores ? pump_energy : NULL}, *effect = NULL;
-  const ct_problem *joined = NULL;
+  ct_effect filled = {.name = "pump", .data = c, .nodes = nodes, .node_count = 8, .force = pump_and_brake,
+                      .energy = stores ? pump_energy : NULL};
   ct_error e = {0};
-  need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_effect_create(&filled, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  add_effect(scene, &filled);
   int64_t steps;
   ct_stable_step stable;
   const ct_problem *p = build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
@@ -224,9 +220,11 @@ static void told(int stores, double unit)
   ct_growth found = ct_watch_growth(watch);
   double left = energy_of(p, state).kinetic / (0.5 * unit * SOFT.density);
   if (stores)
-    tap_ok(status == CT_OK && silent && left < 0.9 && found.share > 0.01 && found.share < 0.02 && found.time > when && found.time < when + 2.5 * p->dt && found.effect == 1 && found.body == 1 &&
+    tap_ok(status == CT_OK && silent && left < 0.9 && found.share > 0.01 && found.share < 0.02 && found.time > when &&
+           found.time < when + 2.5 * p->dt && found.effect == 1 && found.body == 1 &&
                found.step > 0,
-           "unit %g: %.4f from nothing at t = %.4g, in theory %.4g, by effect %d on body %d; %.2f left at the end", unit, found.share, found.time, when, (int)found.effect, (int)found.body, left);
+           "unit %g: %.4f from nothing at t = %.4g, in theory %.4g, by effect %d on body %d; %.2f left at the end", unit,
+           found.share, found.time, when, (int)found.effect, (int)found.body, left);
   else
     tap_ok(status == CT_OK && found.share == 0.0, "unit %g: the same work by a force from outside is no growth", unit);
   ct_watch_free(watch);
@@ -235,14 +233,12 @@ static void told(int stores, double unit)
   ct_mesh_free(m);
 }
 
-/* A rotation at random, about a place at random. */
-static void turn_mesh(ct_mesh *mesh, const double q[4], const double by[3])
+/* Turn a mesh about the origin, and move it. */
+static void turn_mesh(ct_mesh *mesh, double R[3][3], const double by[3])
 {
-  double w = q[0], x = q[1], y = q[2], z = q[3];
-  double R[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)};
   for (int n = 0; n < mesh->node_count; n++) {
     double *X = &mesh->nodes[3 * n], old[3] = {X[0], X[1], X[2]};
-    for (int c = 0; c < 3; c++) X[c] = by[c] + ((R[3 * c] * old[0] + R[3 * c + 1] * old[1]) + R[3 * c + 2] * old[2]);
+    for (int c = 0; c < 3; c++) X[c] = by[c] + ((R[c][0] * old[0] + R[c][1] * old[1]) + R[c][2] * old[2]);
   }
 }
 
@@ -253,18 +249,19 @@ static void at_rest(void)
   double most = 0.0;
   char text[1100] = "";
   for (int i = 0; i < 40; i++) {
-    double q[4], by[3], length = 0.0;
-    for (int c = 0; c < 4; c++) q[c] = uniform(1.0), length += q[c] * q[c];
-    for (int c = 0; c < 4; c++) q[c] /= sqrt(length);
+    double R[3][3], by[3];
+    random_rotation(R);
     for (int c = 0; c < 3; c++) by[c] = uniform(3.0);
     ct_mesh *lower = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2), *upper = box_mesh(CT_HEX8, 0, 0, 1, 1, 1, 1, 2, 2, 2);
     ct_scene *scene = new_scene();
-    int32_t *faces[2] = {integers(400), integers(400)}, count[2] = {ct_mesh_plane_faces(lower, 2, 1.0, faces[0], NULL), ct_mesh_plane_faces(upper, 2, 1.0, faces[1], NULL)};
-    turn_mesh(lower, q, by);
-    turn_mesh(upper, q, by);
+    int32_t *faces[2] = {integers(400), integers(400)}, count[2] = {ct_mesh_plane_faces(lower, 2, 1.0, faces[0], NULL),
+                                                                    ct_mesh_plane_faces(upper, 2, 1.0, faces[1], NULL)};
+    turn_mesh(lower, R, by);
+    turn_mesh(upper, R, by);
     add_body(scene, "lower", lower, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
     add_body(scene, "upper", upper, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-    ct_scene_contact contact = {.body_a = 0, .body_b = 1, .face_count_a = count[0], .face_count_b = count[1], .faces_a = faces[0], .faces_b = faces[1], .beta = 4.0,
+    ct_scene_contact contact = {.body_a = 0, .body_b = 1, .face_count_a = count[0], .face_count_b = count[1], .faces_a = faces[0],
+                                .faces_b = faces[1], .beta = 4.0,
                                 .options = ct_contact_options_default()};
     if (i % 4 == 1) contact.options.enforcement = CT_ENFORCE_LAGRANGE;
     if (i % 4 == 2) contact.options.enforcement = CT_ENFORCE_PENALTY;
@@ -286,7 +283,9 @@ static void at_rest(void)
     free(faces[0]);
     free(faces[1]);
   }
-  tap_ok(alarms == 0 && told_of == 0 && most < 1e-26, "two blocks at rest in 40 positions, energies up to %.1e: %d alarms, growth told %d times%s", most, alarms, told_of, text);
+  tap_ok(alarms == 0 && told_of == 0 && most < 1e-26,
+         "two blocks at rest in 40 positions, energies up to %.1e: %d alarms, growth told %d times%s", most, alarms, told_of,
+         text);
 }
 
 /* An element that is turned inside out, and a number that is none, in mid-run. */

@@ -103,7 +103,8 @@ static int ask_together(const ct_problem *problem, ct_state *state)
     if (pthread_create(&threads[i], NULL, ask, &asked[i]) != 0) exit(1);
   }
   for (int i = 0; i < THREADS; i++) pthread_join(threads[i], NULL);
-  for (int i = 0; i < THREADS; i++) wrong += asked[i].status != CT_OK || memcmp(asked[i].answer, asked[0].answer, sizeof asked[0].answer) != 0;
+  for (int i = 0; i < THREADS; i++)
+    wrong += asked[i].status != CT_OK || memcmp(asked[i].answer, asked[0].answer, sizeof asked[0].answer) != 0;
   return wrong;
 }
 

@@ -539,7 +539,8 @@ static void change_state(run *r, dice *d)
 static ct_status watched_steps(run *r, int64_t count, int64_t every)
 {
   ct_watch *watch = NULL;
-  ct_watch_options options = {.every = every, .energy_limit = INFINITY, .omega_limit = INFINITY, .stable = r->problem->dt, .growth_limit = INFINITY};
+  ct_watch_options options = {.every = every, .energy_limit = INFINITY, .omega_limit = INFINITY, .stable = r->problem->dt,
+                              .growth_limit = INFINITY};
   ct_status status = ct_watch_create(r->problem, r->state, &options, &watch, &r->error);
   if (status == CT_OK) status = ct_watch_steps(watch, r->state, count, &r->error);
   ct_watch_free(watch);
