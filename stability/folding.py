@@ -125,7 +125,6 @@ def folding_strip(short: bool) -> Iterator[Row]:
             yield folded(f"folding strip, {name}", made, fraction, end)
 
 
-
 def pressed(bricks: shapes.Bricks, way: float, time: float) -> tuple[ct.Scene, float]:
     """Two planes, above and below, come towards each other, each by ``way``."""
     made = soft("pressed", bricks)

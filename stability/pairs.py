@@ -16,7 +16,7 @@ from lab import DEFAULT, Row, judge, material, scene
 KINDS = ("box", "moved", "ball", "wedge")
 # Energy from nothing, as a share of that at the start.
 GROWTH = 0.002
-# How deep a point is to be told for its sign to count, in the shortest edge: triangles cut curved faces by less.
+# How deep a point must be reported for its sign to count, in the shortest edge: triangles cut curved faces by less.
 FALSE = 0.1
 # The largest sum of |N| on a face: a point of it moves by at most so many times the motion of its nodes. Four nodes: 1. Eight: 3 in the middle, -1/4 at corners, 1/2 at sides.
 REACH = {"hex8": 1.0, "hex20": 3.0}
@@ -74,7 +74,7 @@ class Gaps:
             self.inside = max(self.inside, int(inside.within(centres, b.positions, b.elements).sum()))
 
     def check_signs(self, run: ct.Run, points: np.ndarray) -> None:
-        """Count points that are told to be inside by more than ``FALSE`` edges, and are outside."""
+        """Count points that are reported inside by more than ``FALSE`` edges, and are outside."""
         for side, name in enumerate(self.bodies):
             other = run.state[self.bodies[1 - side]]
             told = (points["side"] == side) & (points["gap"] < -FALSE * other.mesh.shortest_edge)
@@ -87,7 +87,7 @@ class Gaps:
 
     def wrong(self) -> str:
         return "; ".join([f"{self.jumps} gaps jump, by up to {self.farthest:.3g} times what can be, {self.flips} with a change of sign"] * (self.jumps > 0)
-                         + [f"{self.false} points outside are told to be inside"] * (self.false > 0) + [f"{self.inside} elements are inside the other body"] * (self.inside > 0))
+                         + [f"{self.false} points outside are reported inside"] * (self.false > 0) + [f"{self.inside} elements are inside the other body"] * (self.inside > 0))
 
 
 def pair(seed: int) -> tuple[str, ct.Scene]:

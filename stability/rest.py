@@ -30,7 +30,7 @@ def at_rest(made: ct.Scene, case: str, volume: float, steps: int, **more: str) -
 
     def nothing(run: ct.Run, watch) -> str:
         if found := sum(contact["points"]["inside"] for contact in run.penetration):
-            return f"{found} points are told to be inside"
+            return f"{found} points are reported inside"
         energy, moved = max(watch.curve["energy"]) / (YOUNG * volume), max(watch.curve["moved"]) / h
         return "" if energy <= NO_ENERGY and moved <= NO_MOTION else f"energy {energy:.1e} E V at rest, nodes move by {moved:.1e} h"
 
@@ -98,7 +98,6 @@ def concave_rows(name: str, element: str, parts: int, amount: float, points: str
         yield Row(case, DEFAULT, 4.0, *([math.nan] * 2), 0, *([math.nan] * 5), "passes", note=f"all {refused} meshes refused", scale="E V")
 
 
-
 def later(end: float) -> dict[str, list[float]]:
     """A history that is zero for the first half of a run."""
     return {"time": [0.0, 0.5 * end, end], "value": [0.0, 0.0, 1.0]}
@@ -113,7 +112,7 @@ def turned_box(random: np.random.Generator, scale: float, rotation: np.ndarray, 
 
 def rest_scene(seed: int) -> tuple[str, ct.Scene, float]:
     """
-    Two blocks on each other with coincident faces and a load that comes later, or a block on an inclined plane under gravity, anyhow in space, and of a size and stiffness at random; with
+    Two blocks on each other with coincident faces and a load that comes later, or a block on an inclined plane under gravity, of random orientation, size and stiffness; with
     an energy of the problem.
     """
     random = np.random.default_rng([7, seed])

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import libcontact as ct
-from libcontact import loop, warned
+from builds import leave_out_hdf5
+from libcontact import loop
 from libcontact._core import lib
 from libcontact.mesh import Mesh
 from libcontact.parts import Material
@@ -343,14 +344,7 @@ def test_a_device_is_no_results_file(tmp_path):
 
 
 def test_without_hdf5_the_run_says_so_and_stays_in_memory(tmp_path, monkeypatch):
-    class Without:
-        def __getattr__(self, name):
-            if name.startswith("ct_output"):
-                raise AttributeError(name)
-            return getattr(lib, name)
-
-    for module in (loop, warned):
-        monkeypatch.setattr(module, "lib", Without())
+    leave_out_hdf5(monkeypatch)
     with pytest.warns(ct.OutputWarning, match="no HDF5"):
         run = plates().run(until=1e-8, output=tmp_path / "a.vtkhdf")
     assert run.path is None and run.steps[-1] > 0 and not list(tmp_path.iterdir())

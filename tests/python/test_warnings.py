@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import libcontact as ct
-from libcontact import command, loop, warned
-from libcontact._core import lib
+from builds import leave_out_hdf5
+from libcontact import command, warned
 from libcontact.mesh import Mesh
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -233,15 +233,6 @@ def test_chatter_has_its_key():
     assert kinds(drop(enforcement="penalty", beta=20.0).set_time(end=0.003, fraction=0.9)) == [(ct.ChatterWarning, "obstacle[0]")]
 
 
-class Without:
-    """The C library of a build without HDF5."""
-
-    def __getattr__(self, name):
-        if name.startswith("ct_output"):
-            raise AttributeError(name)
-        return getattr(lib, name)
-
-
 def write(tmp_path, scene, **output):
     scene.set_output(**output).save(tmp_path / "scene.toml")
     return str(tmp_path / "scene.toml")
@@ -249,8 +240,7 @@ def write(tmp_path, scene, **output):
 
 def test_a_results_file_that_is_not_written_is_no_success(tmp_path, monkeypatch, capsys):
     """A build without HDF5 computes, says that the file is not there, and the command fails; without a file it does not."""
-    monkeypatch.setattr(loop, "lib", Without())
-    monkeypatch.setattr(warned, "lib", Without())
+    leave_out_hdf5(monkeypatch)
     assert command.main(["run", write(tmp_path, pair(), file=str(tmp_path / "run.vtkhdf")), "--quiet"]) == command.RUN_FAILED
     lines = capsys.readouterr().err.splitlines()
     assert sum("no HDF5" in line for line in lines) == 1 and lines[0].startswith("warning: output.file") and "not written" in lines[-1]

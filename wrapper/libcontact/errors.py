@@ -112,7 +112,7 @@ class NotSettled(SceneWarning):
     """In some steps the contact forces, which are found by iteration, did not converge."""
 
 
-def tell(warning: SceneWarning) -> None:
+def issue(warning: SceneWarning) -> None:
     """Issue a warning through Python's ``warnings``, at the line outside the package that made the call."""
     level, frame = 1, sys._getframe()
     while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:

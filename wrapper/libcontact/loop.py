@@ -16,7 +16,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ._core import ffi, lib
-from .errors import EnergyGrowth, NotAtRest, NotBuiltIn, NotSettled, check, new_error, raise_held, tell, text_of
+from .errors import EnergyGrowth, NotAtRest, NotBuiltIn, NotSettled, check, issue, new_error, raise_held, text_of
 from .mesh import view
 from .plan import computed_share, measured
 from .problem import Problem, contact_points, new_state, penetrations
@@ -79,7 +79,7 @@ class Loop:
         self.energy: list[np.ndarray] = []
         self.momentum: list[np.ndarray] = []
         self.interrupted = False
-        self.told: set[str] = set()
+        self.issued: set[str] = set()
         self.watch: Any = None
         self.seconds = self.output_seconds = 0.0
 
@@ -212,13 +212,13 @@ class Loop:
                 self._advance(min(due, self._next_look()), advanced, stop)
                 if self.state.step > self.steps[-1] and (self.state.step == due or stop or self._at_rest()):
                     self._record_and_look()
-                self._tell_growth()
+                self._warn_of_growth()
         self.interrupted = bool(stop) and self.state.step < last
         if self.problem.parts.time.until_static is not None and last == self.problem.step_count and not stop and not self._at_rest():
-            tell(NotAtRest(f"the run ends at t = {self.state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
+            issue(NotAtRest(f"the run ends at t = {self.state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
                            f"until_static = {self.problem.parts.time.until_static:g}; a later end helps, or more [damping]", "time.until_static"))
         if self.state.unsettled:
-            tell(NotSettled(f"the contact forces did not settle to their tolerance in {self.state.unsettled} of {self.state.step} steps; a smaller step helps, or a smaller beta"))
+            issue(NotSettled(f"the contact forces did not settle to their tolerance in {self.state.unsettled} of {self.state.step} steps; a smaller step helps, or a smaller beta"))
         self.seconds = clock.perf_counter() - begin
 
     def start_guard(self) -> None:
@@ -230,16 +230,16 @@ class Loop:
             raise SceneError(text_of(error.code, error), "", self.problem.file)
         self.guard = ffi.gc(out[0], lambda watch, free=lib.ct_watch_free, problem=self.problem: free(watch))
 
-    def _tell_growth(self) -> None:
+    def _warn_of_growth(self) -> None:
         """Warn once when energy has appeared, :eq:`energy-growth`."""
         growth = lib.ct_watch_growth(self.guard)
-        if "growth" in self.told or not growth.share > 0.0:
+        if "growth" in self.issued or not growth.share > 0.0:
             return
-        self.told.add("growth")
+        self.issued.add("growth")
         who, key, advice = self._grower(growth)
         much = f"{100.0 * growth.share:.3g} % more energy than there should be" if math.isfinite(growth.share) else "energy where there should be none"
         text = f"there is {much} by t = {growth.time:.6g} (step {growth.step}), most of it from {who}: {advice}"
-        tell(EnergyGrowth(text, key, growth.share, growth.time, who))
+        issue(EnergyGrowth(text, key, growth.share, growth.time, who))
 
     def _grower(self, growth: Any) -> tuple[str, str, str]:
         """What the energy of a growth came from, its key in the scene, and what can be done."""
@@ -265,9 +265,9 @@ class Loop:
         """A record, and a warning for each body that has turned too far for its law; one for each body is enough."""
         self.record()
         for warning in turned(self.problem, self.state):
-            if warning.key not in self.told:
-                self.told.add(warning.key)
-                tell(warning)
+            if warning.key not in self.issued:
+                self.issued.add(warning.key)
+                issue(warning)
 
     def _unrest(self) -> float:
         value = ffi.new("double *")
@@ -380,7 +380,7 @@ def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, u
     last_step(problem, until)
     schedule(problem)
     for warning in known(problem, output):
-        tell(warning)
+        issue(warning)
     loop = Loop(problem, scene_text)
     loop.watch = watch
     if restart is not None:

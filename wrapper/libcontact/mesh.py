@@ -251,7 +251,7 @@ def _grid(path: str | Path, grid: dict[str, np.ndarray], transient: bool) -> tup
 
 
 def physical_memory() -> float:
-    """Bytes of this machine; infinite if it does not tell."""
+    """Bytes of memory of this machine; infinite where the system does not report them."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):

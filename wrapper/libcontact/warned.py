@@ -25,7 +25,7 @@ from .surfaces import obstacle_name, pair_name
 SLOW, FAST = 1.0, 30000.0
 # Two bodies are in one place if this share of the smaller one is inside the other; so many of its element centres are tried.
 SHARED, TRIED = 0.5, 64
-# A rotation θ is a strain of θ²/2 to the small-strain law (eq:turned); so many nodes tell it.
+# A rotation θ is a strain of θ²/2 to the small-strain law (eq:turned); it is found from so many nodes.
 TURNED, TURN_NODES = 0.04, 2000
 # Share of the energy of an impact that the nodes which hit first may hold (eq:thin-loss): 1/(2n) for n equal elements.
 THIN = 0.3
@@ -198,7 +198,7 @@ def _shared(problem: Problem, a: BuiltBody, b: BuiltBody) -> float:
 def _never_meet(problem: Problem) -> Iterator[NeverMeetWarning]:
     """
     Contacts whose surfaces can't come together. Only bodies count that nothing acts on but a gravity that they fall in freely: they keep their
-    velocity, and the boxes around their surfaces tell when they touch. A body that may be hit counts no more.
+    velocity, and the boxes around the bodies give the earliest time of a touch. A body that may be hit counts no more.
     """
     acted_on = _acted_on(problem)
     touches = {touch.contact: touch for touch in first_touch(problem) if touch.name == "contact"}
