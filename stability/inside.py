@@ -20,15 +20,21 @@ def skin(elements: np.ndarray) -> np.ndarray:
     return faces[first[count == 1]]
 
 
-def triangles(x: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Triangles (n, 3, 3) of the faces of a skin about the middle of each, with the nodes at ``x``."""
-    p = x[faces]
-    if faces.shape[1] == 8:
-        p, middle = p[:, [0, 4, 1, 5, 2, 6, 3, 7]], 0.5 * p[:, 4:].sum(1) - 0.25 * p[:, :4].sum(1)
-    else:
-        middle = p.mean(1)
-    following = np.roll(p, -1, axis=1)
-    return np.stack([p, following, np.broadcast_to(middle[:, None], p.shape)], 2).reshape(-1, 3, 3)
+def shape(count: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Shape functions of a face with four or eight nodes at the parameters a, b, shape (..., count)."""
+    corners = [(-1, -1), (1, -1), (1, 1), (-1, 1)]
+    N = [0.25 * (1 + i * a) * (1 + j * b) * (1 if count == 4 else i * a + j * b - 1) for i, j in corners]
+    if count == 8:
+        N += [0.5 * (1 - a * a) * (1 + j * b) if i == 0 else 0.5 * (1 + i * a) * (1 - b * b) for i, j in ((0, -1), (1, 0), (0, 1), (-1, 0))]
+    return np.stack(N, -1)
+
+
+def triangles(x: np.ndarray, faces: np.ndarray, parts: int = 2) -> np.ndarray:
+    """Triangles (n, 3, 3) of the faces of a skin, each cut into ``parts`` by ``parts`` pieces, with the nodes at ``x``."""
+    line = np.linspace(-1, 1, parts + 1)
+    p = np.einsum("abk,fkc->fabc", shape(faces.shape[1], *np.meshgrid(line, line, indexing="ij")), x[faces])
+    one, two, three, four = p[:, :-1, :-1], p[:, 1:, :-1], p[:, 1:, 1:], p[:, :-1, 1:]
+    return np.concatenate([np.stack([one, two, three], -2).reshape(-1, 3, 3), np.stack([one, three, four], -2).reshape(-1, 3, 3)])
 
 
 def covered(points: np.ndarray, skin_triangles: np.ndarray) -> np.ndarray:
@@ -58,5 +64,5 @@ def twice(x: np.ndarray, elements: np.ndarray, share: float) -> int:
 
 
 def within(points: np.ndarray, x: np.ndarray, elements: np.ndarray) -> np.ndarray:
-    """Which points are inside a body."""
-    return covered(points, triangles(x, skin(elements))) > 0.5
+    """Which points are inside a body. Its faces are warped, so that two triangles a face would put a point near the skin on the wrong side."""
+    return covered(points, triangles(x, skin(elements), 8)) > 0.5
