@@ -707,6 +707,62 @@ static void refused(const ct_surface *a, const ct_surface *b, const ct_contact_o
          "%s: refused, %s", what, e.text);
 }
 
+/* Two unit squares that look at each other, the lower one at z = 0 and the upper one at 0.1: outside, and over each other
+ * exactly. The energy, both passes and where the gap g is negative, is half of ε g² with an area of 1. */
+static ct_contact *two_squares(ct_face_kind kind, int distant, patch *a, patch *b)
+{
+  ct_contact_options options = ct_contact_options_default();
+  options.distant = distant;
+  *a = new_patch(kind, 1, 1, 0, 0, 1, 1, 1), *b = new_patch(kind, 1, 1, 0, 0, 1, 1, 0);
+  for (int n = 0; n < b->surface.node_count; n++) b->x[3 * n + 2] = 0.1;
+  ct_contact *contact = open_contact(a, b, options);
+  update(contact, a, b);
+  return contact;
+}
+
+/* A call that is refused leaves no trace: what moves counts from the last good call, whichever surface was refused. */
+static void after_a_refusal(void)
+{
+  for (int bad = 0; bad < 2; bad++) {
+    patch a, b;
+    ct_contact *contact = two_squares(CT_T3, 1, &a, &b);
+    ct_error e;
+    int node = (bad ? b : a).faces[0];
+    double *x[2] = {a.x, b.x}, keep = x[bad][3 * node];
+    for (int n = 0; n < 9; n++) x[1 - bad][3 * n + 2] += bad ? 0.2 : -0.2;
+    x[bad][3 * node] = NAN;
+    ct_status status = ct_contact_update(contact, a.x, b.x, &e);
+    x[bad][3 * node] = keep;
+    update(contact, &a, &b);
+    double energy = ct_contact_energy(contact), want = 0.5 * EPSILON * 0.01;
+    tap_ok(status == CT_INVALID && fabs(energy - want) < 1e-12 * want, "after a NaN of surface %d surfaces that came in press: energy %g of %g", bad, energy, want);
+    ct_contact_free(contact);
+    free_patch(&a);
+    free_patch(&b);
+  }
+}
+
+/* A point in contact that a jump takes deeper than lists reach stays in contact there, as "distant" as its face is. */
+static void jump_while_in_contact(void)
+{
+  static const double by_hand[] = {-0.05, -20.0, -20.0, -20.1, -0.05, 0.05};
+  for (int distant = 0; distant < 2; distant++) {
+    patch a, b;
+    ct_contact *contact = two_squares(CT_Q4, distant, &a, &b);
+    double off = 0.0;
+    for (size_t i = 0; i < sizeof by_hand / sizeof by_hand[0]; i++) {
+      for (int n = 0; n < 9; n++) b.x[3 * n + 2] = by_hand[i];
+      update(contact, &a, &b);
+      double depth = fmax(-by_hand[i], 0.0), want = 0.5 * EPSILON * depth * depth;
+      off = worst(off, (ct_contact_energy(contact) - want) / (want > 0.0 ? want : 1.0));
+    }
+    tap_ok(off < 1e-12, "a jump to twenty widths deep and back, distant = %d: energy of the gap, off by %.2g", distant, off);
+    ct_contact_free(contact);
+    free_patch(&a);
+    free_patch(&b);
+  }
+}
+
 static void refusals(void)
 {
   patch a, b;
@@ -845,6 +901,8 @@ int main(void)
   between(CT_Q8);
   tie();
   not_finite();
+  after_a_refusal();
+  jump_while_in_contact();
   refusals();
   return tap_done();
 }

@@ -109,7 +109,7 @@ CT_API ct_status ct_contact_create_self(const ct_surface *surface, const ct_cont
 
 /**
  * Find who meets whom at the current coordinates `xa`, `xb` [length], shapes (node_count of a surface, 3), and compute forces and
- * energy. ``CT_INVALID``: a coordinate is not finite (`error` names body and node); forces are then those of the last good call.
+ * energy. ``CT_INVALID``: a coordinate is not finite (`error` names body and node); all is then as the last good call left it.
  */
 CT_API ct_status ct_contact_update(ct_contact *contact, const double *xa, const double *xb, ct_error *error);
 

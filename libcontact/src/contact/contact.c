@@ -133,14 +133,22 @@ static void measure_clear(ct_contact *contact)
   for (int i = 0; i < DOUBLINGS && !anything_within(a, b, contact->near + 2.0 * contact->clear); i++) contact->clear *= 2.0;
 }
 
-/* Whether no point can have come into the depth of a face since the lists were made: the box of a linear face moves at most as
- * far as its nodes, that of a quadratic one seven times as far (eq:contact-clear). */
+/* Whether a point was in contact in the last update: however deep it is, it is not given up (eq:held). */
+static int holds(const ct_side *side)
+{
+  for (int64_t i = 0; i < ct_side_point_count(side); i++)
+    if (side->points[i].history == CT_POINT_INSIDE) return 1;
+  return 0;
+}
+
+/* Whether no point is in contact or can have come into the depth of a face since the lists were made: the box of a linear face moves
+ * at most as far as its nodes, that of a quadratic one seven times as far (eq:contact-clear). */
 static int still_distant(const ct_contact *contact)
 {
   if (!contact->built || !contact->begun || contact->clear == 0.0) return 0;
   const ct_side *a = &contact->side[0], *b = &contact->side[contact->sides - 1];
   double part = a->search->per > a->search->edges || b->search->per > b->search->edges ? 0.125 : 0.9;
-  return motion(a) + motion(b) <= part * contact->clear;
+  return motion(a) + motion(b) <= part * contact->clear && !holds(a) && !holds(b);
 }
 
 /* How deep a point was that was in contact in the last update, else 0. */
@@ -347,9 +355,12 @@ ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double
 {
   if (contact == NULL || xa == NULL || (xb == NULL && contact->sides == 2))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
-  ct_status status = ct_side_place(&contact->side[0], xa, 0, error);
-  if (status == CT_OK && contact->sides == 2) status = ct_side_place(&contact->side[1], xb, 1, error);
+  const double *x[2] = {xa, xb};
+  ct_status status = CT_OK;
+  // Nothing moves before all is good: after a refusal, what moves counts from the last good call still.
+  for (int s = 0; s < contact->sides && status == CT_OK; s++) status = ct_search_check(contact->side[s].search, x[s], s, error);
   if (status != CT_OK) return status;
+  for (int s = 0; s < contact->sides; s++) ct_side_place(&contact->side[s], x[s]);
   if (still_distant(contact)) {
     // No point has a face, as in the last call; a host may have set some since then, from an older state.
     for (int s = 0; s < contact->sides; s++)

@@ -144,8 +144,10 @@ static ct_status look(const ct_effect *effect, const ct_view *view, const double
   const int64_t places = places_at(data, s->contact);
   const double *last = s->contact->begun ? view->memory + places : data->reference;
   ct_status status = CT_OK;
-  for (int i = 0; i < s->contact->sides && status == CT_OK; i++)
-    status = ct_search_place(s->contact->side[i].search, last, i, error);
+  for (int i = 0; i < s->contact->sides && status == CT_OK; i++) {
+    status = ct_search_check(s->contact->side[i].search, last, i, error);
+    if (status == CT_OK) ct_search_place(s->contact->side[i].search, last);
+  }
   if (status == CT_OK) status = ct_contact_measure(s->contact, s->x, s->x, error);
   memcpy(view->next_memory + places, s->x, 3 * (size_t)effect->node_count * sizeof *s->x);
   if (status != CT_OK && error != NULL && error->point >= 0) error->point = effect->nodes[error->point];

@@ -109,13 +109,12 @@ void ct_side_interpolate_reference(const ct_side *side, int32_t face, const doub
   interpolate(side->search, side->reference, face, N, origin, out);
 }
 
-ct_status ct_side_place(ct_side *side, const double *host, int body, ct_error *error)
+void ct_side_place(ct_side *side, const double *host)
 {
   const size_t entries = 3 * (size_t)side->search->node_count;
   memcpy(side->moved, side->search->x, entries * sizeof *side->moved);
-  ct_status status = ct_search_place(side->search, host, body, error);
+  ct_search_place(side->search, host);
   for (size_t i = 0; i < entries; i++) side->moved[i] = side->search->x[i] - side->moved[i];
-  return status;
 }
 
 void ct_side_moved(const ct_side *side, int32_t face, const double N[8], double out[3])

@@ -75,8 +75,8 @@ void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], c
 /* The same with reference coordinates, of a surface in contact with itself. */
 void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3]);
 
-/* Move the surface to the host's coordinates, and note how far its nodes have moved. CT_INVALID as ct_search_place. */
-ct_status ct_side_place(ct_side *side, const double *host, int body, ct_error *error);
+/* Move the surface to the host's coordinates, which are good, and note how far its nodes have moved. */
+void ct_side_place(ct_side *side, const double *host);
 
 /* How far a place of a face has moved since the last update. */
 void ct_side_moved(const ct_side *side, int32_t face, const double N[8], double out[3]);

@@ -140,16 +140,20 @@ ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, c
   return status;
 }
 
-ct_status ct_search_place(ct_search *search, const double *host, int body, ct_error *error)
+ct_status ct_search_check(const ct_search *search, const double *host, int body, ct_error *error)
 {
   for (int32_t n = 0; n < search->node_count; n++)
     for (int c = 0; c < 3; c++)
       if (!(fabs(host[3 * (int64_t)search->nodes[n] + c]) <= CT_LARGEST_LENGTH))
         return ct_fail(error, CT_INVALID, (ct_place){body, -1, search->nodes[n]}, "coordinate %c of node %d of surface %d is not finite, or beyond %g",
                        "xyz"[c], (int)search->nodes[n], body, CT_LARGEST_LENGTH);
+  return CT_OK;
+}
+
+void ct_search_place(ct_search *search, const double *host)
+{
   for (int32_t n = 0; n < search->node_count; n++)
     memcpy(&search->x[3 * (int64_t)n], &host[3 * (int64_t)search->nodes[n]], 3 * sizeof *search->x);
-  return CT_OK;
 }
 
 void ct_search_box(ct_search *search)
@@ -163,9 +167,11 @@ void ct_search_box(ct_search *search)
 
 ct_status ct_search_set(ct_search *search, const double *host, int body, ct_error *error)
 {
-  ct_status status = ct_search_place(search, host, body, error);
-  if (status == CT_OK) ct_search_box(search);
-  return status;
+  ct_status status = ct_search_check(search, host, body, error);
+  if (status != CT_OK) return status;
+  ct_search_place(search, host);
+  ct_search_box(search);
+  return CT_OK;
 }
 
 void ct_search_refit(ct_search *search)

@@ -27,8 +27,11 @@ struct ct_search {
 /* As ct_search_create, for surface number `body` of a host. The tree is not made yet. */
 ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, ct_error *error);
 
-/* Copy the host's coordinates. CT_INVALID when a coordinate is not finite or beyond 1e70. */
-ct_status ct_search_place(ct_search *search, const double *host, int body, ct_error *error);
+/* CT_INVALID when one of the host's coordinates is not finite or beyond 1e70. */
+ct_status ct_search_check(const ct_search *search, const double *host, int body, ct_error *error);
+
+/* Copy the host's coordinates, which are good. */
+void ct_search_place(ct_search *search, const double *host);
 
 /* Find the boxes of the faces at these coordinates. */
 void ct_search_box(ct_search *search);
