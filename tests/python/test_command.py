@@ -134,6 +134,16 @@ def test_a_run_that_fails_has_exit_code_3(scene, capsys, monkeypatch):
     assert "the run failed: " in capsys.readouterr().err
 
 
+def test_a_warning_that_python_makes_an_error_is_one_line_and_exit_code_3(scene):
+    """Before the first step, as with units that are not meant, and so without a file."""
+    Path(scene).write_text(Path(scene).read_text().replace("young = 2.1e5", "young = 1e-9"))
+    for flag, code in (("error", 3), ("default", 0)):
+        done = subprocess.run([sys.executable, "-W", flag, "-m", "libcontact", "run", scene, "--quiet", "--until", "1e-9"], capture_output=True, text=True, timeout=60)
+        told = [line for line in done.stderr.splitlines() if "c1 = " in line]
+        assert done.returncode == code and len(told) == 1 and "Traceback" not in done.stderr
+        assert ("the run failed" in told[0]) == (code == 3)
+
+
 def test_ctrl_c_has_exit_code_130_and_keeps_the_file(scene):
     Path(scene).write_text(Path(scene).read_text().replace("end_c1t_over = { length = 2.5, value = 0.56 }", "end = 1.0"))
     # A shell starts background jobs with Ctrl-C switched off, and children inherit that: switch it on again.

@@ -27,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _guarded(options: argparse.Namespace) -> int:
     """The command itself, with what may go wrong turned into messages and exit codes; Ctrl-C among its imports is left to the caller."""
-    from .errors import Error, NotBuiltIn
+    from .errors import Error, NotBuiltIn, SceneWarning
     from .run import RunError
     from .schema import SceneError
 
@@ -53,6 +53,9 @@ def _guarded(options: argparse.Namespace) -> int:
     except OSError as error:
         _say(f"error: {error.strerror or error}", "red")
         return BAD_INPUT
+    except SceneWarning as warning:  # Python was told to end at a warning
+        _say(f"the run failed: {warning}", "red")
+        return RUN_FAILED
 
 
 class BadInput(ValueError):
