@@ -526,6 +526,31 @@ static void seen_before_it_comes_in(void)
   free(before);
 }
 
+/* Two blocks of one outline press on each other and slide by little, so that points of side walls come to stand beside the other
+ * block: what is asked twice at one place has one answer. */
+static void asked_twice(void)
+{
+  const double low_a[3] = {0, 0, 0}, low_b[3] = {0, 0, 1.0 - 2e-3}, size[3] = {1, 1, 1};
+  const int cells[3] = {2, 2, 1};
+  double off = 0.0;
+  int touched = 0;
+  for (int trial = 0; trial < 20; trial++) {
+    patch a = new_box(low_a, size, cells), b = new_box(low_b, size, cells);
+    ct_contact *contact = open_contact(&a, &b, with_points(CT_POINTS_LOBATTO));
+    for (int step = 0; step < 40; step++) {
+      shift(&b, uniform(2e-3), uniform(2e-3), uniform(1e-3));
+      update(contact, &a, &b);
+      double energy = ct_contact_energy(contact);
+      update(contact, &a, &b);
+      if (energy > 0.0) off = worst(off, ct_contact_energy(contact) / energy - 1.0), touched++;
+    }
+    ct_contact_free(contact);
+    free_patch(&a);
+    free_patch(&b);
+  }
+  tap_ok(touched > 200 && off < 1e-9, "asked twice, a contact gives the same energy (%d times, off by %.2g at most)", touched, off);
+}
+
 int main(void)
 {
   local_search();
@@ -544,5 +569,6 @@ int main(void)
   open_border();
   closed_border();
   ratios();
+  asked_twice();
   return tap_done();
 }

@@ -185,10 +185,19 @@ static void gap_over(const ct_pass *p, int32_t target, const double xi[2], const
   point->gap = ct_vector_dot(point->d, point->normal) > 0.0 ? -distance : distance;
 }
 
+/* Whether the gap of the last update and the one over the place found are distances from the same side: a point in contact may
+ * have been held under a side that is not the nearest (eq:held). */
+static int is_same_side(const ct_pass *p, const ct_gauss_point *point)
+{
+  double last[3];
+  if (point->history != CT_POINT_INSIDE) return 1;
+  return last_normal(p, point, last) && ct_vector_dot(last, point->normal) > 0.5 * sqrt(ct_vector_dot(point->normal, point->normal));
+}
+
 /* The side of the surface that a point is on cannot change while the motion is smaller than its distance (eq:gap-bound). */
 static void keep_side(const ct_pass *p, int32_t face, int q, int32_t target, ct_gauss_point *point)
 {
-  if (isnan(point->known) || fabs(point->gap - point->known) <= fabs(point->gap + point->known)) return;
+  if (isnan(point->known) || fabs(point->gap - point->known) <= fabs(point->gap + point->known) || !is_same_side(p, point)) return;
   double motion = motion_of(p, face, q, target);
   if (fabs(point->gap - point->known) > motion && fabs(point->gap + point->known) <= motion) point->gap = -point->gap;
 }
