@@ -112,6 +112,8 @@ def judge(case: str, made: ct.Scene, *, enforcement: str, beta: float | None, de
             run = made.run(progress=False, output=False, watch=watch)
     except ct.Error as error:
         row.verdict, row.note, row.seconds, row.curve = type(error).__name__, str(error).split(";")[0], time.perf_counter() - begin, watch.curve
+        # The step that was accepted at the start is none for the body as it is now.
+        row.note += "; the solid has become too stiff for the step" if "The stable step had come down" in str(error) else ""
         if getattr(error, "run", None) is not None and len(error.run.energy):
             weigh(row, error.run, scale)
         return row
