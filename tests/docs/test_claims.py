@@ -16,10 +16,14 @@ HEADERS = {header.name: header.read_text() for header in (ROOT / "libcontact" / 
 PATH = re.compile(r"(?:``|:file:`)((?:tests|libcontact|wrapper|docs|bench|stability|tutorials)/[\w./-]+)`")
 
 
+# Folders that a build of the book makes, and that a fresh clone does not have.
+MADE = {line.rstrip("/") for line in (ROOT / ".gitignore").read_text().splitlines() if line.startswith("docs/")}
+
+
 def test_named_files_exist():
     named = [(page, path) for page, text in PAGES.items() for path in PATH.findall(text)]
     assert len(named) > 80
-    assert [(page, path) for page, path in named if not (ROOT / path).exists()] == []
+    assert [(page, path) for page, path in named if not (ROOT / path).exists() and path.rstrip("/") not in MADE] == []
 
 
 def chapters():
