@@ -56,7 +56,7 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml) wrapper/libcontact/py.typed setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all lib install wheel figures test docs measured bench stability check-c fuzz kill threads memory info clean setup
+.PHONY: help all format lib install wheel figures test docs measured bench stability check-c fuzz kill threads memory info clean setup
 .PHONY: _figures _test _docs _measured _bench _stability _wheel _check-c _fuzz _kill
 .DELETE_ON_ERROR:
 
@@ -76,6 +76,7 @@ help:
 	@echo "make kill             KILLS (100) runs killed while they write; each file must open and go on"
 	@echo "make threads          states stepped by several threads, under the thread sanitizer"
 	@echo "make memory           C tests under valgrind"
+	@echo "make format           the layout of all C and Python sources"
 	@echo "make clean            away with build/"
 	@echo "BOOTSTRAP=no never installs system packages; WITHOUT=\"gsl hdf5 openmp\" leaves parts out; V=1 shows the commands."
 
@@ -315,6 +316,12 @@ MEMCHECK ?= mesh mass solid solid_large solid_reduced plane_strain step refine i
 memory: $(MEMCHECK:%=$(BUILD)/tests/test_%)
 	@for t in $(MEMCHECK); do echo "  valgrind test_$$t"; \
 	  valgrind -q --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --error-exitcode=99 $(BUILD)/tests/test_$$t > $(BUILD)/tests/memory.txt || { cat $(BUILD)/tests/memory.txt; exit 1; }; done
+
+# -- Layout: .clang-format and pyproject.toml say how -------------------------------------------------------------------------------
+format: $(VENV)/.test
+	$(VENV)/bin/clang-format -i $$(git ls-files '*.c' '*.h')
+	$(VENV)/bin/ruff check -q --fix .
+	$(VENV)/bin/ruff format -q .
 
 # -- The rest -----------------------------------------------------------------------------------------------------------------------
 info:

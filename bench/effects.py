@@ -25,8 +25,15 @@ def everything() -> ct.Scene:
     scene.add_body("block", material="stone", box=block, velocity=[0.2, 0, 0])
     scene.add_body("lid", material="stone", box=lid, velocity=[0, 0, -1])
     scene.add_contact("block.z_max", "lid.z_min", friction=0.2)
-    scene.add("obstacle", surface="block.z_min", plane={"point": [0, 0, 0], "normal": [0, 0, 1]}, friction=0.3)
-    scene.add("gravity", acceleration=[0, 0, -10]).add("damping", rate=1.0).add("viscosity", linear=0.06, quadratic=1.2)
+    scene.add(
+        "obstacle",
+        surface="block.z_min",
+        plane={"point": [0, 0, 0], "normal": [0, 0, 1]},
+        friction=0.3,
+    )
+    scene.add("gravity", acceleration=[0, 0, -10]).add("damping", rate=1.0).add(
+        "viscosity", linear=0.06, quadratic=1.2
+    )
     scene.add("load", surface="lid.z_max", pressure=1e3).add("absorb", surface="block.x_max")
     return scene.set_time(end=0.05, fraction=0.9).set_output(every=100)
 
@@ -35,9 +42,19 @@ def ring_on_a_wall() -> ct.Scene:
     """A soft ring that turns and flies against a rough wall, sticks, is flattened and flies back."""
     scene = ct.Scene(title="ring on a wall", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("rubber", young=1e6, poisson=0.3, density=1000, law="neo_hookean")
-    scene.add_body("ring", material="rubber", ring={"centre": [0, 0, 0], "radius": [0.8, 1.0], "width": 0.2, "cells": [4, 96, 3]},
-                   velocity=[-4, 0, 0], spin={"axis": [0, 0, 1], "rate": 3.0})
-    scene.add("obstacle", surface="ring.outer", plane={"point": [-1.05, 0, 0], "normal": [1, 0, 0]}, friction=0.3)
+    scene.add_body(
+        "ring",
+        material="rubber",
+        ring={"centre": [0, 0, 0], "radius": [0.8, 1.0], "width": 0.2, "cells": [4, 96, 3]},
+        velocity=[-4, 0, 0],
+        spin={"axis": [0, 0, 1], "rate": 3.0},
+    )
+    scene.add(
+        "obstacle",
+        surface="ring.outer",
+        plane={"point": [-1.05, 0, 0], "normal": [1, 0, 0]},
+        friction=0.3,
+    )
     return scene.set_time(end=0.3, fraction=0.8).set_output(every=100)
 
 
@@ -62,22 +79,33 @@ def measure() -> dict:
                 predicted.append({cost.name: cost.predicted for cost in costs})
                 measured.append({cost.name: cost.measured for cost in costs})
                 steps = int(run.steps[-1])
-        parts = {part: {key: min(row[part] for row in rows) for key, rows in (("predicted", predicted), ("measured", measured))}
-                 for part in predicted[0]}
+        parts = {
+            part: {
+                key: min(row[part] for row in rows)
+                for key, rows in (("predicted", predicted), ("measured", measured))
+            }
+            for part in predicted[0]
+        }
         result[name] = {"steps": steps, "parts": parts}
         parts = result[name]["parts"].values()
-        result[name]["together"] = {key: sum(part[key] for part in parts) for key in ("predicted", "measured")}
+        result[name]["together"] = {
+            key: sum(part[key] for part in parts) for key in ("predicted", "measured")
+        }
     return result
 
 
 def report(result: dict) -> str:
-    lines = [f"{'scene':<22}{'part':<14}{'predicted':>12}{'measured':>12}{'ratio':>8}{'of the run':>12}"]
+    lines = [
+        f"{'scene':<22}{'part':<14}{'predicted':>12}{'measured':>12}{'ratio':>8}{'of the run':>12}"
+    ]
     for scene, row in result.items():
         whole = row["together"]["measured"]
         for part, cost in [*row["parts"].items(), ("together", row["together"])]:
             ratio = cost["predicted"] / cost["measured"] if cost["measured"] else float("nan")
             times = f"{1e3 * cost['predicted']:>9.3g} ms{1e3 * cost['measured']:>9.3g} ms"
-            lines.append(f"{scene:<22}{part:<14}{times}{ratio:>8.2f}{cost['measured'] / whole:>12.1%}")
+            lines.append(
+                f"{scene:<22}{part:<14}{times}{ratio:>8.2f}{cost['measured'] / whole:>12.1%}"
+            )
             scene = ""
     return "\n".join(lines)
 
@@ -85,20 +113,32 @@ def report(result: dict) -> str:
 def draw(result: dict, path: Path) -> None:
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(2, (len(result) + 2) // 2, figsize=(13, 6.5), constrained_layout=True)
+    figure, axes = plt.subplots(
+        2, (len(result) + 2) // 2, figsize=(13, 6.5), constrained_layout=True
+    )
     names = list(dict.fromkeys(part for row in result.values() for part in row["parts"]))
     colours = dict(zip(names, plt.get_cmap("tab20").colors))
     for axis, (scene, row) in zip(axes.flat, result.items()):
         bottom = {"predicted": 0.0, "measured": 0.0}
         for part, cost in row["parts"].items():
             heights = [1e3 * cost[key] for key in bottom]
-            axis.bar(list(bottom), heights, bottom=[1e3 * value for value in bottom.values()], color=colours[part])
+            axis.bar(
+                list(bottom),
+                heights,
+                bottom=[1e3 * value for value in bottom.values()],
+                color=colours[part],
+            )
             bottom = {key: bottom[key] + cost[key] for key in bottom}
         axis.set_title(f"{scene.replace('_', ' ')}, {row['steps']} steps", fontsize=9)
         axis.set_ylabel("ms")
-    for axis in axes.flat[len(result):]:
+    for axis in axes.flat[len(result) :]:
         axis.axis("off")
-    axes.flat[-1].legend([plt.Rectangle((0, 0), 1, 1, color=colours[name]) for name in names], names, frameon=False, loc="center")
+    axes.flat[-1].legend(
+        [plt.Rectangle((0, 0), 1, 1, color=colours[name]) for name in names],
+        names,
+        frameon=False,
+        loc="center",
+    )
     figure.savefig(path, dpi=150)
     plt.close(figure)
 

@@ -32,7 +32,11 @@ def ordinary(count: int, seed: int = 7):
     """Curved Q8 faces, points above or below them, and their feet by construction: nodes (m, 8, 3), points (m, 3), xi (m, 2), gaps (m,)."""
     rng = np.random.default_rng(seed)
     nodes = np.empty((count, 8, 3))
-    points, xi, gaps = np.empty((count, 3)), rng.uniform(-0.9, 0.9, (count, 2)), rng.uniform(-0.3, 0.3, count)
+    points, xi, gaps = (
+        np.empty((count, 3)),
+        rng.uniform(-0.9, 0.9, (count, 2)),
+        rng.uniform(-0.3, 0.3, count),
+    )
     for i in range(count):
         nodes[i] = corpus.curved(rng, "Q8", 0.4, 0.05)
         y, n = foot(nodes[i], xi[i])
@@ -53,7 +57,10 @@ def foot(nodes, xi):
 
 def right(cases, distance, outside):
     """Which answers to the cases of the corpus are right? A search that does not know the edges may say "outside" where the minimum is not inside."""
-    truth, size = np.array([c["distance"] for c in cases]), np.array([corpus.face_size(c["nodes"]) for c in cases])
+    truth, size = (
+        np.array([c["distance"] for c in cases]),
+        np.array([corpus.face_size(c["nodes"]) for c in cases]),
+    )
     inside = np.array([c["margin"] for c in cases]) > MARGIN
     return (np.abs(distance - truth) <= RIGHT * np.maximum(truth, size)) | (~inside & outside)
 
@@ -61,8 +68,14 @@ def right(cases, distance, outside):
 def side_by_side(ct, method):
     """One method of ``ct`` (libcontact): median evaluations on ordinary faces to 1e-10, and the share of the corpus where it is right."""
     nodes, points, _, _ = ordinary(400)
-    calls = [ct.project("Q8", own, [point], method).evaluations[0] for own, point in zip(nodes, points)]
+    calls = [
+        ct.project("Q8", own, [point], method).evaluations[0] for own, point in zip(nodes, points)
+    ]
     cases = corpus.load()
     answers = [ct.project(c["kind"], c["nodes"], [c["point"]], method) for c in cases]
-    good = right(cases, np.array([a.distance[0] for a in answers]), np.array([a.where[0] == "outside" for a in answers]))
+    good = right(
+        cases,
+        np.array([a.distance[0] for a in answers]),
+        np.array([a.where[0] == "outside" for a in answers]),
+    )
     return float(np.median(calls)), float(np.mean(good)), len(cases)

@@ -9,13 +9,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from libcontact.mesh import Mesh
 
 import libcontact as ct
-from libcontact.mesh import Mesh
 
 BETA = 40.0
 YOUNG, POISSON, RADIUS, CONTACT = 1000.0, 0.3, 160.0, 1.0
-SIZE, RIM = 20.0, 3.0  # half the width of the block and where its surface is looked at, in contact radii
+SIZE, RIM = (
+    20.0,
+    3.0,
+)  # half the width of the block and where its surface is looked at, in contact radii
 MESHES = (2, 3, 4, 6)  # elements over the contact radius
 MODULUS = YOUNG / (1.0 - POISSON**2)
 GAUSS = np.array([-1.0, 1.0]) / math.sqrt(3.0)
@@ -42,8 +45,14 @@ def scene(n: int) -> tuple[ct.Scene, np.ndarray]:
         made.add_support(f"block.{axis}_min", fix=axis)
     depth = CONTACT**2 / RADIUS
     ramp = 4.0 * SIZE / math.sqrt(YOUNG / 1e-9)
-    made.add("obstacle", surface="block.z_max", sphere={"centre": [0, 0, RADIUS], "radius": RADIUS}, beta=BETA,
-             travel=[0, 0, -depth], history={"time": [0, ramp], "value": [0, 1]})
+    made.add(
+        "obstacle",
+        surface="block.z_max",
+        sphere={"centre": [0, 0, RADIUS], "radius": RADIUS},
+        beta=BETA,
+        travel=[0, 0, -depth],
+        history={"time": [0, ramp], "value": [0, 1]},
+    )
     made.add("damping", relaxation=True)
     data = made.set_time(end=60.0 * ramp, fraction=0.9).set_output(every=100000).data
     data["time"]["until_static"] = 1e-6
@@ -59,8 +68,14 @@ def solve(n: int) -> dict:
     i, j = (np.searchsorted(x, block.nodes[top, k]) for k in range(2))
     u[i, j] = block.displacement[top]
     force, moment = pressed(u, x, BETA * YOUNG / np.diff(x).min())
-    return {"n": n, "elements": (m - 1) ** 3, "steps": int(run.steps[-1]), "force": 4.0 * force,
-            "radius": math.sqrt(2.5 * moment / force), "approach": -u[0, 0, 2] + np.interp(RIM * CONTACT, x, u[:, 0, 2])}
+    return {
+        "n": n,
+        "elements": (m - 1) ** 3,
+        "steps": int(run.steps[-1]),
+        "force": 4.0 * force,
+        "radius": math.sqrt(2.5 * moment / force),
+        "approach": -u[0, 0, 2] + np.interp(RIM * CONTACT, x, u[:, 0, 2]),
+    }
 
 
 def pressed(u: np.ndarray, x: np.ndarray, epsilon: float) -> tuple[float, float]:
@@ -76,7 +91,9 @@ def pressed(u: np.ndarray, x: np.ndarray, epsilon: float) -> tuple[float, float]
     for s in GAUSS:
         for t in GAUSS:
             end = {-1: slice(-1), 1: slice(1, None)}
-            shape = [(0.25 * (1 + a * s) * (1 + b * t), end[a], end[b]) for a in (-1, 1) for b in (-1, 1)]
+            shape = [
+                (0.25 * (1 + a * s) * (1 + b * t), end[a], end[b]) for a in (-1, 1) for b in (-1, 1)
+            ]
             at, way = (sum(N * field[i, j] for N, i, j in shape) for field in (X, u))
             gap = np.linalg.norm(at + way - centre, axis=2) - RADIUS
             p = epsilon * np.maximum(-gap, 0.0) * weight
@@ -89,13 +106,17 @@ def exact(force: float) -> tuple[float, float]:
     """Contact radius, and how much deeper the middle of the surface is than the rim, at a force."""
     a = (0.75 * force * RADIUS / MODULUS) ** (1 / 3)
     r = RIM * CONTACT
-    rim = ((2 * a**2 - r**2) * math.asin(a / r) + r * a * math.sqrt(1 - (a / r) ** 2)) / (math.pi * RADIUS)
+    rim = ((2 * a**2 - r**2) * math.asin(a / r) + r * a * math.sqrt(1 - (a / r) ** 2)) / (
+        math.pi * RADIUS
+    )
     return a, a**2 / RADIUS - rim
 
 
 def main() -> None:
     rows = [solve(n) for n in MESHES]
-    columns = "".join(f"{name:>10}{'error':>9}{'order':>7}" for name in ("force", "radius", "approach"))
+    columns = "".join(
+        f"{name:>10}{'error':>9}{'order':>7}" for name in ("force", "radius", "approach")
+    )
     print(f"{'elements over a':>16}{'elements':>10}{'steps':>7}" + columns)
     before = None
     for row in rows:
@@ -105,7 +126,11 @@ def main() -> None:
         errors = [value / true - 1.0 for value, true in pairs]
         line = f"{row['n']:>16}{row['elements']:>10}{row['steps']:>7}"
         for k, (value, _) in enumerate(pairs):
-            order = "" if before is None else f"{math.log(abs(before[1][k] / errors[k])) / math.log(row['n'] / before[0]):.1f}"
+            order = (
+                ""
+                if before is None
+                else f"{math.log(abs(before[1][k] / errors[k])) / math.log(row['n'] / before[0]):.1f}"
+            )
             line += f"{value:>10.5g}{errors[k]:>9.2%}{order:>7}"
         print(line)
         before = row["n"], errors

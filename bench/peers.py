@@ -27,20 +27,40 @@ def mesh():
     kk, ii = (a.ravel() for a in np.meshgrid(np.arange(N), np.arange(N), indexing="ij"))
     first = ii + 2 * (N + 1) * kk
     row, layer = N + 1, 2 * (N + 1)
-    elements = first[:, None] + np.array([0, 1, 1 + row, row, layer, layer + 1, layer + 1 + row, layer + row])
+    elements = first[:, None] + np.array(
+        [0, 1, 1 + row, row, layer, layer + 1, layer + 1 + row, layer + row]
+    )
     return nodes, elements
 
 
 def stiffness():
     """Stiffness of one cube of edge H, 2 x 2 x 2 Gauss points."""
-    corner = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
+    corner = np.array(
+        [
+            [-1, -1, -1],
+            [1, -1, -1],
+            [1, 1, -1],
+            [-1, 1, -1],
+            [-1, -1, 1],
+            [1, -1, 1],
+            [1, 1, 1],
+            [-1, 1, 1],
+        ]
+    )
     C = np.zeros((6, 6))
     C[:3, :3] = LAMBDA
     C[range(6), range(6)] += [2 * MU] * 3 + [MU] * 3
     K = np.zeros((24, 24))
     for point in corner / np.sqrt(3):
         terms = 1 + corner * point
-        dN = np.stack([corner[:, a] * np.delete(terms, a, axis=1).prod(axis=1) / 8 for a in range(3)], axis=1) * 2 / H
+        dN = (
+            np.stack(
+                [corner[:, a] * np.delete(terms, a, axis=1).prod(axis=1) / 8 for a in range(3)],
+                axis=1,
+            )
+            * 2
+            / H
+        )
         B = np.zeros((6, 24))
         for a in range(3):
             B[a, a::3] = dN[:, a]
@@ -58,7 +78,9 @@ def run_scipy(steps):
     dofs = (3 * elements[:, :, None] + np.arange(3)).reshape(len(elements), 24)
     K = stiffness()
     rows, columns = np.repeat(dofs, 24, axis=1).ravel(), np.tile(dofs, (1, 24)).ravel()
-    matrix = sparse.csr_matrix((np.tile(K.ravel(), len(elements)), (rows, columns)), shape=(nodes.size, nodes.size))
+    matrix = sparse.csr_matrix(
+        (np.tile(K.ravel(), len(elements)), (rows, columns)), shape=(nodes.size, nodes.size)
+    )
     mass = np.bincount(elements.ravel(), minlength=len(nodes)) * RHO * H**3 / 8
     held = np.stack([nodes[:, 0] == 0, np.ones(len(nodes), bool), nodes[:, 2] == 0], axis=1).ravel()
     scale = np.where(held, 0.0, DT / np.repeat(mass, 3))
@@ -81,7 +103,9 @@ def write_msh(path):
         file.write(f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{len(nodes)}\n")
         file.writelines(f"{i} {x:.17g} {y:.17g} {z:.17g}\n" for i, (x, y, z) in enumerate(nodes, 1))
         file.write(f"$EndNodes\n$Elements\n{len(elements)}\n")
-        file.writelines(f"{i} 5 2 1 1 {' '.join(map(str, row + 1))}\n" for i, row in enumerate(elements, 1))
+        file.writelines(
+            f"{i} 5 2 1 1 {' '.join(map(str, row + 1))}\n" for i, row in enumerate(elements, 1)
+        )
         file.write("$EndElements\n")
 
 
@@ -92,7 +116,9 @@ def run_akantu(steps):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder)
         write_msh(path / "plate.msh")
-        (path / "material.dat").write_text(f"material elastic [\n name = steel\n rho = {RHO}\n E = {YOUNG}\n nu = {NU}\n]\n")
+        (path / "material.dat").write_text(
+            f"material elastic [\n name = steel\n rho = {RHO}\n E = {YOUNG}\n nu = {NU}\n]\n"
+        )
         akantu.parseInput(str(path / "material.dat"))
         plate = akantu.Mesh(3)
         plate.read(str(path / "plate.msh"))
@@ -114,4 +140,13 @@ def run_akantu(steps):
 if __name__ == "__main__":
     steps = int(sys.argv[2])
     seconds, check = {"scipy": run_scipy, "akantu": run_akantu}[sys.argv[1]](steps)
-    print(json.dumps({"code": sys.argv[1], "steps": steps, "us_per_update": 1e6 * seconds / steps / N**2, "check": check}))
+    print(
+        json.dumps(
+            {
+                "code": sys.argv[1],
+                "steps": steps,
+                "us_per_update": 1e6 * seconds / steps / N**2,
+                "check": check,
+            }
+        )
+    )

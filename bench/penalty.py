@@ -24,7 +24,9 @@ def line(run: ct.Run) -> np.ndarray:
 
 
 def measure() -> list[dict]:
-    reference = line(ct.Scene.load(SCENES / "plates_reference.toml").run(progress=False, output=False))
+    reference = line(
+        ct.Scene.load(SCENES / "plates_reference.toml").run(progress=False, output=False)
+    )
     rows = []
     for beta in BETAS:
         data = ct.Scene.load(SCENES / "plates.toml").data
@@ -34,20 +36,26 @@ def measure() -> list[dict]:
         run = scene.run(progress=False, output=False)
         total = run.energy["total"]
         stable = scene.explain().data["time"]
-        rows.append({
-            "beta": beta,
-            "difference_percent": 100 * float(np.mean(np.abs(line(run) - reference))) / PLATEAU,
-            "energy_deviation": float(np.max(np.abs(total / total[0] - 1))),
-            "stable_courant": stable["stable"] / stable["dt_courant"],
-        })
+        rows.append(
+            {
+                "beta": beta,
+                "difference_percent": 100 * float(np.mean(np.abs(line(run) - reference))) / PLATEAU,
+                "energy_deviation": float(np.max(np.abs(total / total[0] - 1))),
+                "stable_courant": stable["stable"] / stable["dt_courant"],
+            }
+        )
     return rows
 
 
 def report(rows: list[dict]) -> str:
-    lines = ["β of the penalty β E / h: mean |contact - reference| on Fig. 4's line, energy, stable Courant number (run at 0.125)",
-             f"{'β':>6} {'difference':>11} {'energy':>9} {'stable':>7}"]
+    lines = [
+        "β of the penalty β E / h: mean |contact - reference| on Fig. 4's line, energy, stable Courant number (run at 0.125)",
+        f"{'β':>6} {'difference':>11} {'energy':>9} {'stable':>7}",
+    ]
     for row in rows:
-        lines.append(f"{row['beta']:6g} {row['difference_percent']:9.2f} % {row['energy_deviation']:9.1e} {row['stable_courant']:7.3f}")
+        lines.append(
+            f"{row['beta']:6g} {row['difference_percent']:9.2f} % {row['energy_deviation']:9.1e} {row['stable_courant']:7.3f}"
+        )
     return "\n".join(lines)
 
 
@@ -55,10 +63,18 @@ def draw(rows: list[dict], path: Path) -> None:
     import matplotlib.pyplot as plt
 
     fig, axes = plt.subplots(1, 3, figsize=(11, 3.2), layout="constrained")
-    keys = [("difference_percent", "mean difference from the reference [%]", "log"), ("energy_deviation", "largest deviation of the energy", "log"),
-            ("stable_courant", "stable Courant number", "linear")]
+    keys = [
+        ("difference_percent", "mean difference from the reference [%]", "log"),
+        ("energy_deviation", "largest deviation of the energy", "log"),
+        ("stable_courant", "stable Courant number", "linear"),
+    ]
     for ax, (key, label, scale) in zip(axes, keys):
-        ax.plot([row["beta"] for row in rows], [max(row[key], 1e-16) for row in rows], "o-", color="tab:red")
+        ax.plot(
+            [row["beta"] for row in rows],
+            [max(row[key], 1e-16) for row in rows],
+            "o-",
+            color="tab:red",
+        )
         ax.set(xscale="log", yscale=scale, xlabel="β", ylabel=label)
         ax.grid(alpha=0.3)
     fig.savefig(path, dpi=150)

@@ -47,15 +47,26 @@ def roofline() -> dict[str, float]:
         start = time.perf_counter()
         a @ a
         products.append(time.perf_counter() - start)
-    return {"copy_GB_per_s": 2 * 8 * array.size / min(copies) / 1e9, "matrix_product_Gflop_per_s": 2e9 / min(products) / 1e9}
+    return {
+        "copy_GB_per_s": 2 * 8 * array.size / min(copies) / 1e9,
+        "matrix_product_Gflop_per_s": 2e9 / min(products) / 1e9,
+    }
 
 
 def peer(code: str, steps: int) -> dict | None:
     """The same plate in another code, in a process of its own; None where it is not installed."""
     # A large block that malloc keeps: without it Akantu gives its arrays back to the system in every step and takes twice as long.
-    keep = {"MALLOC_MMAP_THRESHOLD_": str(2**30), "MALLOC_TRIM_THRESHOLD_": str(2**30), "MALLOC_TOP_PAD_": str(2**28)}
-    done = subprocess.run([sys.executable, str(HERE / "peers.py"), code, str(steps)], env={**os.environ, **keep, "OMP_NUM_THREADS": "1"},
-                          capture_output=True, text=True)
+    keep = {
+        "MALLOC_MMAP_THRESHOLD_": str(2**30),
+        "MALLOC_TRIM_THRESHOLD_": str(2**30),
+        "MALLOC_TOP_PAD_": str(2**28),
+    }
+    done = subprocess.run(
+        [sys.executable, str(HERE / "peers.py"), code, str(steps)],
+        env={**os.environ, **keep, "OMP_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+    )
     return json.loads(done.stdout.splitlines()[-1]) if done.returncode == 0 else None
 
 
@@ -83,16 +94,24 @@ def measure() -> dict:
         "updates_per_s": 2 * ELEMENTS * steps / median(with_contact),
         "us_per_update": 1e6 * median(with_contact) / (2 * ELEMENTS * steps),
         "us_per_update_one_plate": 1e6 * median(plate) / (ELEMENTS * steps),
-        "contact_us_per_pair_and_step": 1e6 * median(a - b for a, b in zip(with_contact, free)) / (steps * PAIRS),
+        "contact_us_per_pair_and_step": 1e6
+        * median(a - b for a, b in zip(with_contact, free))
+        / (steps * PAIRS),
         "roofline": roofline(),
         "plan": contact_scene.explain().data,
         "peers": {},
     }
     for code, rows in (("scipy", scipy), ("akantu", akantu)):
         if all(rows):
-            ratios = [row["us_per_update"] / (1e6 * own / (ELEMENTS * steps)) for row, own in zip(rows, plate)]
-            result["peers"][code] = {"us_per_update": median(row["us_per_update"] for row in rows), "times_ours": median(ratios),
-                                     "times_ours_range": [min(ratios), max(ratios)]}
+            ratios = [
+                row["us_per_update"] / (1e6 * own / (ELEMENTS * steps))
+                for row, own in zip(rows, plate)
+            ]
+            result["peers"][code] = {
+                "us_per_update": median(row["us_per_update"] for row in rows),
+                "times_ours": median(ratios),
+                "times_ours_range": [min(ratios), max(ratios)],
+            }
     return result
 
 
@@ -105,12 +124,16 @@ def report(result: dict) -> str:
     ]
     for code, row in result["peers"].items():
         low, high = row["times_ours_range"]
-        lines.append(f"  {code}: {row['us_per_update']:.3f} µs an update, {row['times_ours']:.1f} times ours ({low:.1f} to {high:.1f} in {RUNS} pairs)")
+        lines.append(
+            f"  {code}: {row['us_per_update']:.3f} µs an update, {row['times_ours']:.1f} times ours ({low:.1f} to {high:.1f} in {RUNS} pairs)"
+        )
     for code in ("scipy", "akantu"):
         if code not in result["peers"]:
             lines.append(f"  {code}: not installed here")
     roof = result["roofline"]
-    lines.append(f"roofline: one core copies {roof['copy_GB_per_s']:.1f} GB/s, a product of matrices runs at {roof['matrix_product_Gflop_per_s']:.0f} Gflop/s")
+    lines.append(
+        f"roofline: one core copies {roof['copy_GB_per_s']:.1f} GB/s, a product of matrices runs at {roof['matrix_product_Gflop_per_s']:.0f} Gflop/s"
+    )
     return "\n".join(lines)
 
 
@@ -118,11 +141,18 @@ def draw(result: dict, path: Path) -> None:
     import matplotlib.pyplot as plt
 
     names = ["libcontact", *result["peers"]]
-    values = [result["us_per_update_one_plate"], *(row["us_per_update"] for row in result["peers"].values())]
+    values = [
+        result["us_per_update_one_plate"],
+        *(row["us_per_update"] for row in result["peers"].values()),
+    ]
     fig, ax = plt.subplots(figsize=(7, 1.2 + 0.5 * len(names)), layout="constrained")
     bars = ax.barh(names, values, color=["tab:red"] + ["tab:gray"] * (len(names) - 1))
     ax.bar_label(bars, [f"{v:.3f} µs ({v / values[0]:.0f} x)" for v in values], padding=4)
-    ax.set(xscale="log", xlabel="µs an element update, one core (one plate of 10 000 hex8, no contact)", xlim=(values[0] / 2, max(values) * 6))
+    ax.set(
+        xscale="log",
+        xlabel="µs an element update, one core (one plate of 10 000 hex8, no contact)",
+        xlim=(values[0] / 2, max(values) * 6),
+    )
     ax.invert_yaxis()
     fig.savefig(path, dpi=150)
     plt.close(fig)

@@ -13,23 +13,35 @@ import tempfile
 import time
 from pathlib import Path
 
-import numpy as np
-
 import faces
-import libcontact as ct
+import numpy as np
 from faces import MARGIN, RIGHT, corpus
-from libcontact import plot_projection
 from libcontact._core import ffi, lib
 from libcontact.projection import METHODS
+
+from libcontact import plot_projection
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent
 TOLERANCES = [10.0**-k for k in range(2, 15)]
 ORDINARY, HARD_EVERY, ROUNDS = 400, 2, 7
 FACE = np.dtype([("kind", np.int32), ("fill", np.int32), ("node", np.float64, (8, 3))])
-NLOPT = {"NLopt SLSQP": "LD_SLSQP", "NLopt BOBYQA": "LN_BOBYQA", "NLopt NELDERMEAD": "LN_NELDERMEAD"}
-NLOPT_CALLS = ("create", "destroy", "set_min_objective", "set_lower_bounds", "set_upper_bounds", "set_xtol_abs1", "set_maxeval", "set_initial_step1",
-               "optimize")
+NLOPT = {
+    "NLopt SLSQP": "LD_SLSQP",
+    "NLopt BOBYQA": "LN_BOBYQA",
+    "NLopt NELDERMEAD": "LN_NELDERMEAD",
+}
+NLOPT_CALLS = (
+    "create",
+    "destroy",
+    "set_min_objective",
+    "set_lower_bounds",
+    "set_upper_bounds",
+    "set_xtol_abs1",
+    "set_maxeval",
+    "set_initial_step1",
+    "optimize",
+)
 GSL = {"GSL nmsimplex2": "bench_gsl_nmsimplex2", "GSL bfgs2": "bench_gsl_bfgs2"}
 SCIPY = {"SciPy SLSQP": "SLSQP", "SciPy Nelder-Mead": "Nelder-Mead"}
 CLOSED = ("robust", "certified")  # methods that know the edges of the face
@@ -38,8 +50,16 @@ CLOSED = ("robust", "certified")  # methods that know the edges of the face
 class Pairs(ctypes.Structure):
     """``pairs`` of projection_loops.c, and the arrays it points to."""
 
-    _fields_ = [("count", ctypes.c_int64), ("face", ctypes.c_void_p), ("point", ctypes.c_void_p), ("tolerance", ctypes.c_double),
-                ("xi", ctypes.c_void_p), ("distance", ctypes.c_void_p), ("evaluations", ctypes.c_void_p), ("status", ctypes.c_void_p)]
+    _fields_ = [
+        ("count", ctypes.c_int64),
+        ("face", ctypes.c_void_p),
+        ("point", ctypes.c_void_p),
+        ("tolerance", ctypes.c_double),
+        ("xi", ctypes.c_void_p),
+        ("distance", ctypes.c_void_p),
+        ("evaluations", ctypes.c_void_p),
+        ("status", ctypes.c_void_p),
+    ]
 
     def __init__(self, kinds, nodes, points):
         m = len(points)
@@ -48,19 +68,44 @@ class Pairs(ctypes.Structure):
         self.points = np.ascontiguousarray(points)
         self.feet, self.distances = np.full((m, 2), np.nan), np.full(m, np.nan)
         self.calls, self.states = np.zeros(m, np.int32), np.zeros(m, np.int32)
-        super().__init__(m, *(a.ctypes.data for a in (self.table, self.points)), 1e-10,
-                         *(a.ctypes.data for a in (self.feet, self.distances, self.calls, self.states)))
+        super().__init__(
+            m,
+            *(a.ctypes.data for a in (self.table, self.points)),
+            1e-10,
+            *(a.ctypes.data for a in (self.feet, self.distances, self.calls, self.states)),
+        )
 
 
 # -- The loops ------------------------------------------------------------------------------------------------------
 def build(folder: Path) -> ctypes.CDLL:
     """projection_loops.c as a shared library with the archive of the build, and with GSL where it is there."""
     target = folder / "loops.so"
-    command = [os.environ.get("CC", "cc"), "-O3", "-std=c99", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared", "-fvisibility=hidden",
-               f"-I{ROOT / 'libcontact' / 'include'}", str(HERE / "projection_loops.c"), str(ROOT / "build" / "lib" / "libcontact.a"), "-o", str(target)]
-    gsl = subprocess.run(["pkg-config", "--cflags", "--libs", "gsl"], capture_output=True, text=True)
+    command = [
+        os.environ.get("CC", "cc"),
+        "-O3",
+        "-std=c99",
+        "-ffp-contract=off",
+        "-fno-math-errno",
+        "-fPIC",
+        "-shared",
+        "-fvisibility=hidden",
+        f"-I{ROOT / 'libcontact' / 'include'}",
+        str(HERE / "projection_loops.c"),
+        str(ROOT / "build" / "lib" / "libcontact.a"),
+        "-o",
+        str(target),
+    ]
+    gsl = subprocess.run(
+        ["pkg-config", "--cflags", "--libs", "gsl"], capture_output=True, text=True
+    )
     for extra in (["-DHAVE_GSL", *gsl.stdout.split()] if gsl.returncode == 0 else None, []):
-        if extra is not None and subprocess.run([*command, *extra, "-lm", "-fopenmp"], capture_output=True).returncode == 0:
+        if (
+            extra is not None
+            and subprocess.run(
+                [*command, *extra, "-lm", "-fopenmp"], capture_output=True
+            ).returncode
+            == 0
+        ):
             break
     loops = ctypes.CDLL(str(target))
     for name in ("bench_ours", "bench_warm", "bench_batch", "bench_nlopt", *GSL.values()):
@@ -75,7 +120,9 @@ def nlopt_table():
         import nlopt
 
         own = ctypes.CDLL(nlopt._nlopt.__file__)
-        return (ctypes.c_void_p * len(NLOPT_CALLS))(*(ctypes.cast(own["nlopt_" + name], ctypes.c_void_p) for name in NLOPT_CALLS)), nlopt
+        return (ctypes.c_void_p * len(NLOPT_CALLS))(
+            *(ctypes.cast(own["nlopt_" + name], ctypes.c_void_p) for name in NLOPT_CALLS)
+        ), nlopt
     except (ImportError, AttributeError, OSError):
         return None
 
@@ -99,7 +146,12 @@ def solvers(loops) -> dict:
     if found is not None:
         table, nlopt = found
         for name, constant in NLOPT.items():
-            add(name, lambda pairs, n=getattr(nlopt, constant): loops.bench_nlopt(ctypes.byref(pairs), table, n))
+            add(
+                name,
+                lambda pairs, n=getattr(nlopt, constant): loops.bench_nlopt(
+                    ctypes.byref(pairs), table, n
+                ),
+            )
     for name, function in GSL.items():
         if hasattr(loops, function):
             add(name, lambda pairs, f=function: getattr(loops, f)(ctypes.byref(pairs)))
@@ -112,7 +164,9 @@ def scipy_run(nodes, points, tolerance, method):
 
     powers = np.array(corpus.POWERS["Q8"])
     i, j = powers.T
-    inverse = np.linalg.inv(np.array([[x**a * y**b for a, b in powers] for x, y in corpus.QUADRILATERAL]))
+    inverse = np.linalg.inv(
+        np.array([[x**a * y**b for a, b in powers] for x, y in corpus.QUADRILATERAL])
+    )
     feet, calls = np.empty((len(points), 2)), np.empty(len(points))
     start = time.perf_counter()
     for k, (own, point) in enumerate(zip(nodes, points)):
@@ -122,8 +176,18 @@ def scipy_run(nodes, points, tolerance, method):
             d = (xi[0] ** i * xi[1] ** j) @ c
             return d @ d
 
-        options = {"ftol": max(tolerance**2, 1e-15)} if method == "SLSQP" else {"xatol": tolerance, "fatol": max(tolerance**2, 1e-15)}
-        end = minimize(f, (0.0, 0.0), method=method, bounds=[(-1, 1), (-1, 1)], options={"maxiter": 2000, **options})
+        options = (
+            {"ftol": max(tolerance**2, 1e-15)}
+            if method == "SLSQP"
+            else {"xatol": tolerance, "fatol": max(tolerance**2, 1e-15)}
+        )
+        end = minimize(
+            f,
+            (0.0, 0.0),
+            method=method,
+            bounds=[(-1, 1), (-1, 1)],
+            options={"maxiter": 2000, **options},
+        )
         feet[k], calls[k] = end.x, end.nfev
     return time.perf_counter() - start, feet, calls
 
@@ -134,9 +198,16 @@ def work_and_precision(run, pairs, xi, distance, size) -> list[dict]:
     rows = []
     for tolerance in TOLERANCES:
         seconds = min(run(pairs, tolerance) for _ in range(2))
-        error = np.nan_to_num(np.abs(pairs.distances - distance) / np.maximum(distance, size), nan=np.inf)
-        row = {"tolerance": tolerance, "evaluations": float(np.mean(pairs.calls)), "ns": 1e9 * seconds / len(distance),
-               "distance_error": float(np.median(error)), "wrong": float(np.mean(error > RIGHT))}
+        error = np.nan_to_num(
+            np.abs(pairs.distances - distance) / np.maximum(distance, size), nan=np.inf
+        )
+        row = {
+            "tolerance": tolerance,
+            "evaluations": float(np.mean(pairs.calls)),
+            "ns": 1e9 * seconds / len(distance),
+            "distance_error": float(np.median(error)),
+            "wrong": float(np.mean(error > RIGHT)),
+        }
         if xi is not None:
             row["xi_error"] = float(np.median(np.max(np.abs(pairs.feet - xi), axis=1)))
         rows.append(row)
@@ -146,7 +217,11 @@ def work_and_precision(run, pairs, xi, distance, size) -> list[dict]:
 def is_outside(pairs, tolerance):
     x, y = pairs.feet.T
     quadrilateral = np.maximum(np.abs(x), np.abs(y)) > 1 + tolerance
-    return np.where(pairs.table["kind"] < 2, quadrilateral, (np.minimum(x, y) < -tolerance) | (x + y > 1 + tolerance))
+    return np.where(
+        pairs.table["kind"] < 2,
+        quadrilateral,
+        (np.minimum(x, y) < -tolerance) | (x + y > 1 + tolerance),
+    )
 
 
 def success(run, closed, pairs, cases) -> np.ndarray:
@@ -159,21 +234,52 @@ def speeds(loops, run) -> dict:
     """Seconds in turn, so that a machine that slows down slows all of them. The least of the rounds is the least disturbed one; ratios are to robust."""
     nodes, points, _, _ = faces.ordinary(2048, seed=11)
     pairs = Pairs(lib.CT_Q8, nodes, points)
-    tolerances = {"simplex": 1e-10, "certified": 1e-10, "newton": 1e-10, "NLopt SLSQP": 1e-10, "GSL bfgs2": 1e-8, "GSL nmsimplex2": 1e-8}
-    times = {name: [] for name in ["robust", *(name for name in tolerances if name in run), "batch", "robust warm", "batch warm"]}
+    tolerances = {
+        "simplex": 1e-10,
+        "certified": 1e-10,
+        "newton": 1e-10,
+        "NLopt SLSQP": 1e-10,
+        "GSL bfgs2": 1e-8,
+        "GSL nmsimplex2": 1e-8,
+    }
+    times = {
+        name: []
+        for name in [
+            "robust",
+            *(name for name in tolerances if name in run),
+            "batch",
+            "robust warm",
+            "batch warm",
+        ]
+    }
     lanes, point_lanes, feet, arrays = batch_of(nodes, points)
     start = None
     for _ in range(ROUNDS):
         for name in times:
             if name == "batch":
-                own = loops.bench_batch(lib.CT_Q8, ctypes.c_int64(len(points)), lanes, point_lanes, None, ctypes.c_double(1e-10), feet)
+                own = loops.bench_batch(
+                    lib.CT_Q8,
+                    ctypes.c_int64(len(points)),
+                    lanes,
+                    point_lanes,
+                    None,
+                    ctypes.c_double(1e-10),
+                    feet,
+                )
                 start = arrays[0] + 0.01
             elif name == "robust warm":
                 pairs.feet[:] = start.transpose(0, 2, 1).reshape(-1, 2)
                 own = loops.bench_warm(ctypes.byref(pairs))
             elif name == "batch warm":
-                own = loops.bench_batch(lib.CT_Q8, ctypes.c_int64(len(points)), lanes, point_lanes, ctypes.c_void_p(start.ctypes.data),
-                                        ctypes.c_double(1e-10), feet)
+                own = loops.bench_batch(
+                    lib.CT_Q8,
+                    ctypes.c_int64(len(points)),
+                    lanes,
+                    point_lanes,
+                    ctypes.c_void_p(start.ctypes.data),
+                    ctypes.c_double(1e-10),
+                    feet,
+                )
             else:
                 own = run[name](pairs, tolerances.get(name, 1e-10))
             times[name].append(own)
@@ -181,8 +287,12 @@ def speeds(loops, run) -> dict:
     for name, row in times.items():
         own = times["robust warm" if "warm" in name else "robust"]
         ratios = [a / b for a, b in zip(row, own)]
-        table[name] = {"tolerance": tolerances.get(name, 1e-10), "ns": 1e9 * min(row) / len(points), "times_robust": min(row) / min(own),
-                       "range": [min(ratios), max(ratios)]}
+        table[name] = {
+            "tolerance": tolerances.get(name, 1e-10),
+            "ns": 1e9 * min(row) / len(points),
+            "times_robust": min(row) / min(own),
+            "range": [min(ratios), max(ratios)],
+        }
     return table
 
 
@@ -192,11 +302,27 @@ def batch_of(nodes, points):
     blocks = -(-m // 8)
     lanes, point_lanes = np.empty((blocks, 8, 3, 8)), np.empty((blocks, 3, 8))
     for per, rows, out in ((8, nodes, lanes), (1, points, point_lanes)):
-        lib.ct_batch_gather(m, per, ffi.from_buffer("double[]", np.ascontiguousarray(rows)), ffi.NULL, ffi.from_buffer("double[]", out))
-    arrays = [np.zeros((blocks, 2, 8)), *(np.zeros((blocks, 8)) for _ in range(2)), np.zeros((blocks, 3, 8)), *(np.zeros((blocks, 8), np.int32) for _ in range(2))]
+        lib.ct_batch_gather(
+            m,
+            per,
+            ffi.from_buffer("double[]", np.ascontiguousarray(rows)),
+            ffi.NULL,
+            ffi.from_buffer("double[]", out),
+        )
+    arrays = [
+        np.zeros((blocks, 2, 8)),
+        *(np.zeros((blocks, 8)) for _ in range(2)),
+        np.zeros((blocks, 3, 8)),
+        *(np.zeros((blocks, 8), np.int32) for _ in range(2)),
+    ]
     feet = (ctypes.c_void_p * 6)(*(a.ctypes.data for a in arrays))
     arrays += [lanes, point_lanes]
-    return ctypes.c_void_p(lanes.ctypes.data), ctypes.c_void_p(point_lanes.ctypes.data), feet, arrays
+    return (
+        ctypes.c_void_p(lanes.ctypes.data),
+        ctypes.c_void_p(point_lanes.ctypes.data),
+        feet,
+        arrays,
+    )
 
 
 def measure() -> dict:
@@ -207,14 +333,26 @@ def measure() -> dict:
         sizes = np.array([corpus.face_size(own) for own in nodes])
         ordinary = Pairs(lib.CT_Q8, nodes, points)
         cases = corpus.load()
-        hard = [c for c in cases if c["category"] != "ordinary" and c["margin"] > MARGIN][::HARD_EVERY]
-        result = {"ordinary": {}, "hard": {}, "success": {}, "categories": sorted({c["category"] for c in cases}), "cases": len(cases)}
+        hard = [c for c in cases if c["category"] != "ordinary" and c["margin"] > MARGIN][
+            ::HARD_EVERY
+        ]
+        result = {
+            "ordinary": {},
+            "hard": {},
+            "success": {},
+            "categories": sorted({c["category"] for c in cases}),
+            "cases": len(cases),
+        }
         for name, own in run.items():
             result["ordinary"][name] = work_and_precision(own, ordinary, xi, gaps, sizes)
             result["hard"][name] = work_and_precision(own, pairs_of(hard), None, *truths(hard))
             right = success(own, name in CLOSED, pairs_of(cases), cases)
-            result["success"][name] = {category: float(np.mean([r for r, c in zip(right, cases) if c["category"] == category]))
-                                       for category in result["categories"]} | {"all": float(np.mean(right))}
+            result["success"][name] = {
+                category: float(
+                    np.mean([r for r, c in zip(right, cases) if c["category"] == category])
+                )
+                for category in result["categories"]
+            } | {"all": float(np.mean(right))}
         result["scipy"] = scipy_rows(nodes[:40], points[:40], xi[:40])
         result["speeds"] = speeds(loops, run)
         del loops
@@ -226,11 +364,15 @@ def pairs_of(cases) -> Pairs:
     nodes = np.zeros((len(cases), 8, 3))
     for row, case in zip(nodes, cases):
         row[: len(case["nodes"])] = case["nodes"]
-    return Pairs([corpus.KINDS.index(c["kind"]) for c in cases], nodes, np.array([c["point"] for c in cases]))
+    return Pairs(
+        [corpus.KINDS.index(c["kind"]) for c in cases], nodes, np.array([c["point"] for c in cases])
+    )
 
 
 def truths(cases):
-    return np.array([c["distance"] for c in cases]), np.array([corpus.face_size(c["nodes"]) for c in cases])
+    return np.array([c["distance"] for c in cases]), np.array(
+        [corpus.face_size(c["nodes"]) for c in cases]
+    )
 
 
 def scipy_rows(nodes, points, xi) -> dict:
@@ -243,33 +385,54 @@ def scipy_rows(nodes, points, xi) -> dict:
         rows[name] = []
         for tolerance in TOLERANCES[::4]:
             seconds, feet, calls = scipy_run(nodes, points, tolerance, method)
-            rows[name].append({"tolerance": tolerance, "evaluations": float(np.mean(calls)), "ns": 1e9 * seconds / len(points),
-                               "xi_error": float(np.median(np.max(np.abs(feet - xi), axis=1)))})
+            rows[name].append(
+                {
+                    "tolerance": tolerance,
+                    "evaluations": float(np.mean(calls)),
+                    "ns": 1e9 * seconds / len(points),
+                    "xi_error": float(np.median(np.max(np.abs(feet - xi), axis=1))),
+                }
+            )
     return rows
 
 
 # -- Tables and pictures ----------------------------------------------------------------------------------------------------
 def report(result: dict) -> str:
-    lines = [f"closest points on {ORDINARY} ordinary Q8 faces, tolerance 1e-10 (feet known by construction; errors are medians):",
-             f"  {'':18} {'evaluations':>11} {'ns':>9} {'error in xi':>12} {'in distance':>12}"]
+    lines = [
+        f"closest points on {ORDINARY} ordinary Q8 faces, tolerance 1e-10 (feet known by construction; errors are medians):",
+        f"  {'':18} {'evaluations':>11} {'ns':>9} {'error in xi':>12} {'in distance':>12}",
+    ]
     for name, rows in result["ordinary"].items():
         row = rows[TOLERANCES.index(1e-10)]
-        lines.append(f"  {name:18} {row['evaluations']:11.1f} {row['ns']:9.0f} {row['xi_error']:12.1e} {row['distance_error']:12.1e}")
+        lines.append(
+            f"  {name:18} {row['evaluations']:11.1f} {row['ns']:9.0f} {row['xi_error']:12.1e} {row['distance_error']:12.1e}"
+        )
     for name, rows in result["scipy"].items():
         row = next(r for r in rows if r["tolerance"] == 1e-10)
-        lines.append(f"  {name:18} {row['evaluations']:11.1f} {row['ns']:9.0f} {row['xi_error']:12.1e}   (called from Python, 40 faces)")
-    lines.append("speed on 2048 ordinary Q8 faces from node coordinates, times robust at 1e-10 (warm: times robust warm), least and "
-                 f"range of {ROUNDS} rounds in turn:")
+        lines.append(
+            f"  {name:18} {row['evaluations']:11.1f} {row['ns']:9.0f} {row['xi_error']:12.1e}   (called from Python, 40 faces)"
+        )
+    lines.append(
+        "speed on 2048 ordinary Q8 faces from node coordinates, times robust at 1e-10 (warm: times robust warm), least and "
+        f"range of {ROUNDS} rounds in turn:"
+    )
     for name, row in result["speeds"].items():
         low, high = row["range"]
-        lines.append(f"  {name:18} at {row['tolerance']:.0e} {row['ns']:9.0f} ns  {row['times_robust']:7.2f}  ({low:.2f} to {high:.2f})")
+        lines.append(
+            f"  {name:18} at {row['tolerance']:.0e} {row['ns']:9.0f} ns  {row['times_robust']:7.2f}  ({low:.2f} to {high:.2f})"
+        )
     names = list(result["success"])
-    lines.append(f"answers right to {RIGHT:.0e} in % of {result['cases']} hard cases (free searches may say \"outside\" where the minimum is not inside;")
+    lines.append(
+        f'answers right to {RIGHT:.0e} in % of {result["cases"]} hard cases (free searches may say "outside" where the minimum is not inside;'
+    )
     lines.append("NLopt has the box about the reference face):")
     lines += [f"  {chr(97 + i)}  {name}" for i, name in enumerate(names)]
     lines.append("  " + " " * 20 + "".join(f"{chr(97 + i):>6}" for i in range(len(names))))
     for category in [*result["categories"], "all"]:
-        lines.append(f"  {category:20}" + "".join(f"{100 * result['success'][name][category]:6.1f}" for name in names))
+        lines.append(
+            f"  {category:20}"
+            + "".join(f"{100 * result['success'][name][category]:6.1f}" for name in names)
+        )
     lines += [f"  {name}: not installed here" for name in result["missing"]]
     return "\n".join(lines)
 
@@ -288,13 +451,29 @@ def draw(result: dict, path: Path) -> None:
     colour = colours(result["ordinary"])
     for row, (which, error) in zip(axes, (("ordinary", "xi_error"), ("hard", "wrong"))):
         for name, table in result[which].items():
-            style = {"color": colour[name], "marker": ".", "ls": "-" if name in METHODS else "--", "label": name}
+            style = {
+                "color": colour[name],
+                "marker": ".",
+                "ls": "-" if name in METHODS else "--",
+                "label": name,
+            }
             value = np.maximum([r[error] for r in table], 1e-17 if error == "xi_error" else 1e-3)
             row[0].loglog([r["evaluations"] for r in table], value, **style)
             row[1].loglog([r["ns"] for r in table], value, **style)
-            row[2].loglog([r["tolerance"] for r in table], np.maximum([r["distance_error"] for r in table], 1e-17), **style)
-        words = {"xi_error": "median error in ξ", "wrong": "share of distances wrong by more than 1e-6 (1e-3: none)"}[error]
-        row[0].set(xlabel="evaluations of f", ylabel=words, title={"ordinary": "ordinary faces", "hard": "hard faces, foot inside"}[which])
+            row[2].loglog(
+                [r["tolerance"] for r in table],
+                np.maximum([r["distance_error"] for r in table], 1e-17),
+                **style,
+            )
+        words = {
+            "xi_error": "median error in ξ",
+            "wrong": "share of distances wrong by more than 1e-6 (1e-3: none)",
+        }[error]
+        row[0].set(
+            xlabel="evaluations of f",
+            ylabel=words,
+            title={"ordinary": "ordinary faces", "hard": "hard faces, foot inside"}[which],
+        )
         row[1].set(xlabel="ns", ylabel=words)
         row[2].set(xlabel="tolerance", ylabel="median error in distance")
     axes[0, 2].legend(fontsize=7, ncols=2)
@@ -311,7 +490,9 @@ def draw_paths(path: Path) -> None:
         evaluations = plot_projection.draw_path(ax, "Q8", nodes, point, name, (-0.6, 0.7))
         ax.set_title(f"{name}: {evaluations} evaluations", fontsize=10)
     plot_projection.legend_of_ends(fig)
-    fig.suptitle("The benchmark face: iterates from ξ = (-0.6, 0.7), lines of equal distance; the star is the closest point")
+    fig.suptitle(
+        "The benchmark face: iterates from ξ = (-0.6, 0.7), lines of equal distance; the star is the closest point"
+    )
     fig.savefig(path, dpi=130)
 
 
@@ -322,7 +503,9 @@ def draw_starts(path: Path) -> None:
         share = plot_projection.draw_starts(ax, "Q8", nodes, point, name, cells=121)
         ax.set_title(f"{name}: right from {100 * share:.0f} %", fontsize=10)
     plot_projection.legend_of_ends(fig)
-    fig.suptitle("The benchmark face: where a search ends, by its start; the star is the closest point")
+    fig.suptitle(
+        "The benchmark face: where a search ends, by its start; the star is the closest point"
+    )
     fig.savefig(path, dpi=130)
 
 
@@ -331,7 +514,9 @@ def panels():
     import matplotlib.pyplot as plt
 
     rows = -(-len(METHODS) // 4)
-    fig, axes = plt.subplots(rows, 4, figsize=(13, 3.35 * rows + 0.6), layout="constrained", squeeze=False)
-    for ax in axes.flat[len(METHODS):]:
+    fig, axes = plt.subplots(
+        rows, 4, figsize=(13, 3.35 * rows + 0.6), layout="constrained", squeeze=False
+    )
+    for ax in axes.flat[len(METHODS) :]:
         ax.axis("off")
     return fig, axes

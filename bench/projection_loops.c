@@ -1,6 +1,7 @@
-/* Loops over many pairs of a face and a point, one for each library, that differ in the call they time and in nothing else: the
- * same f and gradient, the same pairs, the same clock. Built as a shared library by projection.py, with GSL where it is there;
- * NLopt comes as a table of its functions, found by Python in the wheel. Each loop answers the seconds that it took. */
+/* Loops over many pairs of a face and a point, one for each library, that differ in the call they
+ * time and in nothing else: the same f and gradient, the same pairs, the same clock. Built as a
+ * shared library by projection.py, with GSL where it is there; NLopt comes as a table of its
+ * functions, found by Python in the wheel. Each loop answers the seconds that it took. */
 #define _POSIX_C_SOURCE 199309L
 #include <contact.h>
 
@@ -24,7 +25,8 @@ typedef struct pairs {
   int32_t *evaluations, *status;
 } pairs;
 
-/* What f is asked of. The minimisers see f in units of the face size, so that their tolerances mean the same on every face. */
+/* What f is asked of. The minimisers see f in units of the face size, so that their tolerances mean
+ * the same on every face. */
 typedef struct context {
   ct_patch patch;
   double scale;
@@ -38,12 +40,15 @@ static double seconds(void)
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static double dot(const double *a, const double *b)
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 /* f, and its gradient when g is not null. */
 static double f_and_gradient(context *at, const double *xi, double *g)
 {
-  const double(*c)[4] = at->patch.c;
+  const double (*c)[4] = at->patch.c;
   double x = xi[0], y = xi[1], d[3];
   double f = at->scale * ct_patch_value(&at->patch, xi, d);
   at->evaluations++;
@@ -74,7 +79,8 @@ static int prepare(const pairs *p, int64_t i, context *at, double xi[2])
   xi[0] = xi[1] = ct_patch_centre(p->face[i].kind);
   p->xi[2 * i] = p->xi[2 * i + 1] = p->distance[i] = NAN;
   p->status[i] = CT_INVALID;
-  if (ct_patch_init(&at->patch, p->face[i].kind, p->face[i].node, p->point + 3 * i) != CT_OK) return 0;
+  if (ct_patch_init(&at->patch, p->face[i].kind, p->face[i].node, p->point + 3 * i) != CT_OK)
+    return 0;
   at->scale = 1 / (at->patch.size * at->patch.size);
   return 1;
 }
@@ -111,7 +117,8 @@ EXPORT double bench_warm(const pairs *p)
   return seconds() - start;
 }
 
-EXPORT double bench_batch(int kind, int64_t count, const double *nodes, const double *points, const double *start, double tolerance, ct_batch_feet *feet)
+EXPORT double bench_batch(int kind, int64_t count, const double *nodes, const double *points,
+                          const double *start, double tolerance, ct_batch_feet *feet)
 {
   ct_project_options options = ct_project_options_default();
   options.tolerance = tolerance;
@@ -149,7 +156,8 @@ EXPORT double bench_nlopt(const pairs *p, const nlopt_table *nlopt, int algorith
   nlopt->set_maxeval(solver, 2000);
   double start = seconds();
   for (int64_t i = 0; i < p->count; i++) {
-    double xi[2], f, low = p->face[i].kind < CT_T3 ? -1 : 0, lower[2] = {low, low}, upper[2] = {1, 1};
+    double xi[2], f, low = p->face[i].kind < CT_T3 ? -1 : 0, lower[2] = {low, low},
+                     upper[2] = {1, 1};
     if (!prepare(p, i, &at, xi)) continue;
     nlopt->set_lower_bounds(solver, lower);
     nlopt->set_upper_bounds(solver, upper);
@@ -164,14 +172,21 @@ EXPORT double bench_nlopt(const pairs *p, const nlopt_table *nlopt, int algorith
 
 #ifdef HAVE_GSL
 static double gsl_f(const gsl_vector *x, void *at) { return f_and_gradient(at, x->data, NULL); }
-static void gsl_df(const gsl_vector *x, void *at, gsl_vector *g) { f_and_gradient(at, x->data, g->data); }
-static void gsl_fdf(const gsl_vector *x, void *at, double *f, gsl_vector *g) { *f = f_and_gradient(at, x->data, g->data); }
+static void gsl_df(const gsl_vector *x, void *at, gsl_vector *g)
+{
+  f_and_gradient(at, x->data, g->data);
+}
+static void gsl_fdf(const gsl_vector *x, void *at, double *f, gsl_vector *g)
+{
+  *f = f_and_gradient(at, x->data, g->data);
+}
 
 EXPORT double bench_gsl_nmsimplex2(const pairs *p)
 {
   context at;
   gsl_multimin_function f = {gsl_f, 2, &at};
-  gsl_multimin_fminimizer *solver = gsl_multimin_fminimizer_alloc(gsl_multimin_fminimizer_nmsimplex2, 2);
+  gsl_multimin_fminimizer *solver =
+      gsl_multimin_fminimizer_alloc(gsl_multimin_fminimizer_nmsimplex2, 2);
   gsl_vector *x = gsl_vector_alloc(2), *step = gsl_vector_alloc(2);
   double start = seconds();
   for (int64_t i = 0; i < p->count; i++) {
@@ -182,9 +197,11 @@ EXPORT double bench_gsl_nmsimplex2(const pairs *p)
     gsl_multimin_fminimizer_set(solver, &f, x, step);
     for (int k = 0; k < 1000 && end == GSL_CONTINUE; k++) {
       end = gsl_multimin_fminimizer_iterate(solver);
-      if (end == GSL_SUCCESS) end = gsl_multimin_test_size(gsl_multimin_fminimizer_size(solver), p->tolerance * width);
+      if (end == GSL_SUCCESS)
+        end = gsl_multimin_test_size(gsl_multimin_fminimizer_size(solver), p->tolerance * width);
     }
-    keep(p, i, &at, gsl_multimin_fminimizer_x(solver)->data, end == GSL_SUCCESS ? CT_OK : CT_NO_CONVERGENCE);
+    keep(p, i, &at, gsl_multimin_fminimizer_x(solver)->data,
+         end == GSL_SUCCESS ? CT_OK : CT_NO_CONVERGENCE);
   }
   double taken = seconds() - start;
   gsl_multimin_fminimizer_free(solver);
@@ -197,7 +214,8 @@ EXPORT double bench_gsl_bfgs2(const pairs *p)
 {
   context at;
   gsl_multimin_function_fdf f = {gsl_f, gsl_df, gsl_fdf, 2, &at};
-  gsl_multimin_fdfminimizer *solver = gsl_multimin_fdfminimizer_alloc(gsl_multimin_fdfminimizer_vector_bfgs2, 2);
+  gsl_multimin_fdfminimizer *solver =
+      gsl_multimin_fdfminimizer_alloc(gsl_multimin_fdfminimizer_vector_bfgs2, 2);
   gsl_vector *x = gsl_vector_alloc(2);
   double start = seconds();
   for (int64_t i = 0; i < p->count; i++) {
@@ -207,9 +225,11 @@ EXPORT double bench_gsl_bfgs2(const pairs *p)
     gsl_multimin_fdfminimizer_set(solver, &f, x, 0.1 * width, 0.1);
     for (int k = 0; k < 200 && end == GSL_CONTINUE; k++) {
       end = gsl_multimin_fdfminimizer_iterate(solver);
-      if (end == GSL_SUCCESS) end = gsl_multimin_test_gradient(gsl_multimin_fdfminimizer_gradient(solver), p->tolerance);
+      if (end == GSL_SUCCESS)
+        end = gsl_multimin_test_gradient(gsl_multimin_fdfminimizer_gradient(solver), p->tolerance);
     }
-    keep(p, i, &at, gsl_multimin_fdfminimizer_x(solver)->data, end == GSL_SUCCESS ? CT_OK : CT_NO_CONVERGENCE);
+    keep(p, i, &at, gsl_multimin_fdfminimizer_x(solver)->data,
+         end == GSL_SUCCESS ? CT_OK : CT_NO_CONVERGENCE);
   }
   double taken = seconds() - start;
   gsl_multimin_fdfminimizer_free(solver);

@@ -14,7 +14,6 @@ import matplotlib  # noqa: E402
 
 matplotlib.use("Agg")
 
-import libcontact as ct  # noqa: E402
 import effects  # noqa: E402
 import off_is_free  # noqa: E402
 import penalty  # noqa: E402
@@ -23,16 +22,29 @@ import projection  # noqa: E402
 import savings  # noqa: E402
 import search  # noqa: E402
 
+import libcontact as ct  # noqa: E402
+
 
 def machine() -> dict:
     """Where the figures come from."""
     try:
-        cpu = next(line.split(":", 1)[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name"))
+        cpu = next(
+            line.split(":", 1)[1].strip()
+            for line in Path("/proc/cpuinfo").read_text().splitlines()
+            if line.startswith("model name")
+        )
     except (OSError, StopIteration):
         cpu = platform.processor()
-    compiler = subprocess.run([os.environ.get("CC", "cc"), "--version"], capture_output=True, text=True).stdout.splitlines()
-    return {"cpu": cpu, "system": platform.platform(), "compiler": compiler[0] if compiler else "", "python": platform.python_version(),
-            "libcontact": ct.__version__}
+    compiler = subprocess.run(
+        [os.environ.get("CC", "cc"), "--version"], capture_output=True, text=True
+    ).stdout.splitlines()
+    return {
+        "cpu": cpu,
+        "system": platform.platform(),
+        "compiler": compiler[0] if compiler else "",
+        "python": platform.python_version(),
+        "libcontact": ct.__version__,
+    }
 
 
 def main() -> None:
@@ -43,7 +55,9 @@ def main() -> None:
     for bench in (plates, penalty, projection, search, effects, savings, off_is_free):
         result = bench.measure()
         print("\n" + bench.report(result), flush=True)
-        (folder / f"{bench.__name__}.json").write_text(json.dumps({"machine": where, "result": result}, indent=1, default=str))
+        (folder / f"{bench.__name__}.json").write_text(
+            json.dumps({"machine": where, "result": result}, indent=1, default=str)
+        )
         if hasattr(bench, "draw"):
             bench.draw(result, folder / f"{bench.__name__}.png")
 

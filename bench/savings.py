@@ -16,23 +16,58 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 RUNS = 5
-SCENES = {"plates": "plate impact, 100 x 100, near the stable step", "platesz": "the same, numbered along the way of the wave", "plates200": "plate impact, 200 x 200",
-          "bar": "bar hit by a bar, 200 x 8 x 8", "block": "block that flies, 40 x 40 x 40", "flight": "bar that flies half its length to a plate"}
+SCENES = {
+    "plates": "plate impact, 100 x 100, near the stable step",
+    "platesz": "the same, numbered along the way of the wave",
+    "plates200": "plate impact, 200 x 200",
+    "bar": "bar hit by a bar, 200 x 8 x 8",
+    "block": "block that flies, 40 x 40 x 40",
+    "flight": "bar that flies half its length to a plate",
+}
 STEPS = {"block": 50}
-SAVINGS = {"-": "none", "q": "quiet", "c": "congruent", "d": "distant", "cd": "all three but quiet", "qcd": "all three", "p": "plane strain",
-           "cdp": "all four but quiet", "qcdp": "all four"}
+SAVINGS = {
+    "-": "none",
+    "q": "quiet",
+    "c": "congruent",
+    "d": "distant",
+    "cd": "all three but quiet",
+    "qcd": "all three",
+    "p": "plane strain",
+    "cdp": "all four but quiet",
+    "qcdp": "all four",
+}
 PLANE = ("plates", "platesz", "plates200")
 
 
 def program(folder: Path) -> Path:
     out = folder / "scene_loop"
-    subprocess.run([os.environ.get("CC", "cc"), "-O2", "-std=c99", f"-I{ROOT / 'libcontact' / 'include'}", str(ROOT / "bench" / "scene_loop.c"), "-o", str(out),
-                    str(ROOT / "build" / "lib" / "libcontact.a"), "-fopenmp", "-lm", "-Wl,--wrap=calloc", "-Wl,--wrap=free"], check=True)
+    subprocess.run(
+        [
+            os.environ.get("CC", "cc"),
+            "-O2",
+            "-std=c99",
+            f"-I{ROOT / 'libcontact' / 'include'}",
+            str(ROOT / "bench" / "scene_loop.c"),
+            "-o",
+            str(out),
+            str(ROOT / "build" / "lib" / "libcontact.a"),
+            "-fopenmp",
+            "-lm",
+            "-Wl,--wrap=calloc",
+            "-Wl,--wrap=free",
+        ],
+        check=True,
+    )
     return out
 
 
 def run(loop: Path, scene: str, savings: str) -> dict:
-    done = subprocess.run([str(loop), scene, savings, str(STEPS.get(scene, 0))], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [str(loop), scene, savings, str(STEPS.get(scene, 0))],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     return json.loads(done.stdout)
 
 
@@ -51,26 +86,38 @@ def measure() -> dict:
                     assert best is None or best["hash"] == told["hash"], (scene, savings)
                     result[scene][savings] = told
     for scene, rows in result.items():
-        assert len({row["hash"] for row in rows.values()}) == 1, f"{scene}: a saving has changed a bit"
+        assert len({row["hash"] for row in rows.values()}) == 1, (
+            f"{scene}: a saving has changed a bit"
+        )
     return result
 
 
 def report(result: dict) -> str:
-    lines = ["What the savings save (all results have the same bits); contact and the rest of the time loop as parts of the run without savings"]
+    lines = [
+        "What the savings save (all results have the same bits); contact and the rest of the time loop as parts of the run without savings"
+    ]
     for scene, rows in result.items():
         plain = rows["-"]
-        lines.append(f"{SCENES[scene]}: {plain['elements']} elements, {plain['steps']} steps at Courant number {plain['courant']:.3f}, "
-                     f"{1e3 * plain['seconds']:.4g} ms, {plain['bytes'] / plain['elements']:.0f} bytes an element, contact {plain['contact'] / plain['seconds']:.0%}")
+        lines.append(
+            f"{SCENES[scene]}: {plain['elements']} elements, {plain['steps']} steps at Courant number {plain['courant']:.3f}, "
+            f"{1e3 * plain['seconds']:.4g} ms, {plain['bytes'] / plain['elements']:.0f} bytes an element, contact {plain['contact'] / plain['seconds']:.0%}"
+        )
         for savings, row in rows.items():
             if savings == "-":
                 continue
             # What quiet regions alone save, also beside the other savings.
             without = rows.get(savings.replace("q", "")) if "q" in savings else None
-            beside = f"; {without['seconds'] / row['seconds']:.2f} times faster than without quiet" if without and savings != "q" else ""
+            beside = (
+                f"; {without['seconds'] / row['seconds']:.2f} times faster than without quiet"
+                if without and savings != "q"
+                else ""
+            )
             own = (plain["solid"] + plain["rest"]) / (row["solid"] + row["rest"])
-            lines.append(f"  {SAVINGS[savings]:>10}: run {plain['seconds'] / row['seconds']:.2f} times faster, elements and nodes {own:.2f} times, "
-                         f"memory {plain['bytes'] / row['bytes']:.2f} times less ({row['bytes'] / row['elements']:.0f} bytes an element, "
-                         f"{row['peak'] / row['bytes']:.2f} times that at most while it is built){beside}")
+            lines.append(
+                f"  {SAVINGS[savings]:>10}: run {plain['seconds'] / row['seconds']:.2f} times faster, elements and nodes {own:.2f} times, "
+                f"memory {plain['bytes'] / row['bytes']:.2f} times less ({row['bytes'] / row['elements']:.0f} bytes an element, "
+                f"{row['peak'] / row['bytes']:.2f} times that at most while it is built){beside}"
+            )
     return "\n".join(lines)
 
 
@@ -82,7 +129,12 @@ def draw(result: dict, path: Path) -> None:
     for axis, key, label in zip(axes, ("seconds", "bytes"), ("times faster", "times less memory")):
         for k, savings in enumerate(names):
             ratios = [rows["-"][key] / rows[savings][key] for rows in result.values()]
-            axis.bar([i + 0.2 * (k - 1.5) for i in range(len(ratios))], ratios, 0.18, label=SAVINGS[savings])
+            axis.bar(
+                [i + 0.2 * (k - 1.5) for i in range(len(ratios))],
+                ratios,
+                0.18,
+                label=SAVINGS[savings],
+            )
         axis.axhline(1.0, color="black", linewidth=0.8)
         axis.set_xticks(range(len(result)), list(result))
         axis.set_ylabel(label)
@@ -93,15 +145,35 @@ def draw(result: dict, path: Path) -> None:
 
 # The table of the book: what is compared with what.
 TABLE = ROOT / "docs" / "theory" / "savings.csv"
-RATIOS = {"quiet": ("-", "q"), "quiet beside congruent and distant": ("cd", "qcd"), "distant": ("-", "d"), "all three": ("-", "qcd"), "plane strain": ("-", "p"),
-          "quiet beside the three others": ("cdp", "qcdp"), "all four": ("-", "qcdp")}
+RATIOS = {
+    "quiet": ("-", "q"),
+    "quiet beside congruent and distant": ("cd", "qcd"),
+    "distant": ("-", "d"),
+    "all three": ("-", "qcd"),
+    "plane strain": ("-", "p"),
+    "quiet beside the three others": ("cdp", "qcdp"),
+    "all four": ("-", "qcdp"),
+}
 
 
 def count_instructions(loop: Path, scene: str, savings: str) -> float:
     """Instructions of the time loop of a run."""
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={folder}/out", "--toggle-collect=ct_step_many", str(loop), scene, savings,
-                               str(STEPS.get(scene, 0))], capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            [
+                "valgrind",
+                "--tool=callgrind",
+                f"--callgrind-out-file={folder}/out",
+                "--toggle-collect=ct_step_many",
+                str(loop),
+                scene,
+                savings,
+                str(STEPS.get(scene, 0)),
+            ],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
     return float(done.stderr.split("Collected : ")[1].split()[0])
 
 
@@ -110,10 +182,17 @@ def write_table(path: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         loop = program(Path(folder))
         for scene, title in SCENES.items():
-            names = {name for pair in RATIOS.values() for name in pair if "p" not in name or scene in PLANE}
+            names = {
+                name
+                for pair in RATIOS.values()
+                for name in pair
+                if "p" not in name or scene in PLANE
+            }
             counts = {name: count_instructions(loop, scene, name) for name in names}
             bytes_held = [run(loop, scene, name)["bytes"] for name in ("-", "c")]
-            cells = [f"{counts[a] / counts[b]:.2f}" if b in counts else "" for a, b in RATIOS.values()]
+            cells = [
+                f"{counts[a] / counts[b]:.2f}" if b in counts else "" for a, b in RATIOS.values()
+            ]
             rows.append([title, *cells, f"{bytes_held[0] / bytes_held[1]:.2f}"])
     with path.open("w", newline="") as file:
         csv.writer(file).writerows(rows)

@@ -1,6 +1,7 @@
-/* Run one scene with chosen savings and tell steps, seconds, bytes held and at most on the way there, and a hash of the state, as one line of JSON:
- *   scene_loop SCENE SAVINGS STEPS     SCENE: plates, plates200, platesz, block, bar, flight; SAVINGS: some of the letters q c d p, or -; STEPS 0: to the end.
- * Memory is counted where the linker wraps calloc and free. */
+/* Run one scene with chosen savings and tell steps, seconds, bytes held and at most on the way
+ * there, and a hash of the state, as one line of JSON: scene_loop SCENE SAVINGS STEPS     SCENE:
+ * plates, plates200, platesz, block, bar, flight; SAVINGS: some of the letters q c d p, or -; STEPS
+ * 0: to the end. Memory is counted where the linker wraps calloc and free. */
 #define _POSIX_C_SOURCE 200809L
 #include <contact.h>
 
@@ -59,7 +60,8 @@ static void add_part(ct_scene *scene, const part *p)
 {
   ct_mesh *mesh;
   need(ct_mesh_create_box(CT_HEX8, &p->box, &mesh, &error));
-  need(ct_scene_add_body(scene, "body", mesh, &STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, (double[3]){p->speed, 0, 0}, NULL, &error));
+  need(ct_scene_add_body(scene, "body", mesh, &STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO,
+                         (double[3]){p->speed, 0, 0}, NULL, &error));
   ct_mesh_free(mesh);
 }
 
@@ -89,9 +91,13 @@ static void add_support(ct_scene *scene, int32_t body, const part *p, int axis, 
 {
   ct_mesh *mesh;
   need(ct_mesh_create_box(CT_HEX8, &p->box, &mesh, &error));
-  int32_t count = ct_mesh_plane_nodes(mesh, axis, at, NULL), *nodes = malloc((size_t)count * sizeof *nodes);
+  int32_t count = ct_mesh_plane_nodes(mesh, axis, at, NULL),
+          *nodes = malloc((size_t)count * sizeof *nodes);
   ct_mesh_plane_nodes(mesh, axis, at, nodes);
-  ct_scene_support support = {.body = body, .nodes = nodes, .node_count = count, .fixed = {axis == 0, axis == 1, axis == 2}};
+  ct_scene_support support = {.body = body,
+                              .nodes = nodes,
+                              .node_count = count,
+                              .fixed = {axis == 0, axis == 1, axis == 2}};
   need(ct_scene_add_support(scene, &support, &error));
   free(nodes);
   ct_mesh_free(mesh);
@@ -103,12 +109,13 @@ static double fill(ct_scene *scene, const char *name)
   double c1, c2;
   ct_material_speeds(&STEEL, &c1, &c2);
   if (strncmp(name, "plates", 6) == 0) {
-    // tutorials/scenes/plates.toml, with a softer penalty, as a run near the stable step wants it; numbered in layers along x,
-    // across the wave, or along z, with the wave.
+    // tutorials/scenes/plates.toml, with a softer penalty, as a run near the stable step wants it;
+    // numbered in layers along x, across the wave, or along z, with the wave.
     int32_t n = atoi(name + 6) > 0 ? atoi(name + 6) : 100;
     double h = 2.5 / n;
     ct_layers layers = strchr(name, 'z') != NULL ? CT_LAYERS_Z : CT_LAYERS_X;
-    part p[2] = {{{{-2.5, 0, 0}, {2.5, h, 2.5}, {n, 1, n}, layers}, 1000.0}, {{{0, 0, 0}, {2.5, h, 2.5}, {n, 1, n}, layers}, -1000.0}};
+    part p[2] = {{{{-2.5, 0, 0}, {2.5, h, 2.5}, {n, 1, n}, layers}, 1000.0},
+                 {{{0, 0, 0}, {2.5, h, 2.5}, {n, 1, n}, layers}, -1000.0}};
     for (int b = 0; b < 2; b++) add_part(scene, &p[b]);
     add_contact(scene, p, 0.5);
     for (int32_t b = 0; b < 2; b++) {
@@ -126,14 +133,16 @@ static double fill(ct_scene *scene, const char *name)
   }
   if (strcmp(name, "bar") == 0) {
     // A bar is hit at its end by another one.
-    part p[2] = {{{{-5, 0, 0}, {5, 0.2, 0.2}, {200, 8, 8}, CT_LAYERS_Z}, 1000.0}, {{{0, 0, 0}, {5, 0.2, 0.2}, {200, 8, 8}, CT_LAYERS_Z}, 0.0}};
+    part p[2] = {{{{-5, 0, 0}, {5, 0.2, 0.2}, {200, 8, 8}, CT_LAYERS_Z}, 1000.0},
+                 {{{0, 0, 0}, {5, 0.2, 0.2}, {200, 8, 8}, CT_LAYERS_Z}, 0.0}};
     for (int b = 0; b < 2; b++) add_part(scene, &p[b]);
     add_contact(scene, p, 0.5);
     return 2.5 / c1;
   }
   if (strcmp(name, "flight") == 0) {
     // A bar flies half its length before it meets a plate.
-    part p[2] = {{{{-15, 0, 0}, {10, 1, 1}, {40, 8, 8}, CT_LAYERS_Z}, 1e6}, {{{0, -2, -2}, {0.5, 5, 5}, {2, 40, 40}, CT_LAYERS_X}, 0.0}};
+    part p[2] = {{{{-15, 0, 0}, {10, 1, 1}, {40, 8, 8}, CT_LAYERS_Z}, 1e6},
+                 {{{0, -2, -2}, {0.5, 5, 5}, {2, 40, 40}, CT_LAYERS_X}, 0.0}};
     for (int b = 0; b < 2; b++) add_part(scene, &p[b]);
     add_contact(scene, p, 0.5);
     return 5.2 / 1e6;
@@ -153,8 +162,11 @@ int main(int count, char **argument)
   if (count != 4) return 2;
   ct_scene *scene;
   need(ct_scene_create(&scene, &error));
-  ct_scene_time time = {.end = fill(scene, argument[1]), .fraction = 0.99, .threads = 1, .clock = seconds};
-  ct_savings savings = {.quiet = strchr(argument[2], 'q') != NULL, .congruent = strchr(argument[2], 'c') != NULL, .distant = strchr(argument[2], 'd') != NULL,
+  ct_scene_time time = {
+      .end = fill(scene, argument[1]), .fraction = 0.99, .threads = 1, .clock = seconds};
+  ct_savings savings = {.quiet = strchr(argument[2], 'q') != NULL,
+                        .congruent = strchr(argument[2], 'c') != NULL,
+                        .distant = strchr(argument[2], 'd') != NULL,
                         .plane_strain = strchr(argument[2], 'p') != NULL};
   const ct_problem *problem;
   int64_t steps;
@@ -165,7 +177,8 @@ int main(int count, char **argument)
   need(ct_state_create(problem, &state, &error));
   if (atoi(argument[3]) > 0) steps = atoi(argument[3]);
   int64_t elements = 0;
-  for (int32_t b = 0; b < problem->body_count; b++) elements += problem->bodies[b].mesh->element_count;
+  for (int32_t b = 0; b < problem->body_count; b++)
+    elements += problem->bodies[b].mesh->element_count;
   size_t held = bytes_now, peak = bytes_peak;
   double start = seconds();
   need(ct_step_many(problem, state, steps, &error));
@@ -176,10 +189,13 @@ int main(int count, char **argument)
   h = hash(h, state->work, 8 * (size_t)state->work_count);
   h = hash(h, state->impulse, 8 * (size_t)state->impulse_count);
   h = hash(h, state->memory, 8 * (size_t)state->memory_count);
-  printf("{\"elements\": %lld, \"nodes\": %d, \"steps\": %lld, \"courant\": %.6g, \"seconds\": %.6g, \"solid\": %.6g, \"contact\": %.6g, \"rest\": %.6g, "
-         "\"bytes\": %zu, \"peak\": %zu, \"hash\": \"%016llx\"}\n", (long long)elements, (int)problem->node_count, (long long)steps, problem->dt / stable.dt_courant, loop,
-         state->effect_seconds[0], problem->effect_count > 1 ? state->effect_seconds[1] : 0.0, state->effect_seconds[problem->effect_count], held, peak,
-         (unsigned long long)h);
+  printf("{\"elements\": %lld, \"nodes\": %d, \"steps\": %lld, \"courant\": %.6g, \"seconds\": "
+         "%.6g, \"solid\": %.6g, \"contact\": %.6g, \"rest\": %.6g, "
+         "\"bytes\": %zu, \"peak\": %zu, \"hash\": \"%016llx\"}\n",
+         (long long)elements, (int)problem->node_count, (long long)steps,
+         problem->dt / stable.dt_courant, loop, state->effect_seconds[0],
+         problem->effect_count > 1 ? state->effect_seconds[1] : 0.0,
+         state->effect_seconds[problem->effect_count], held, peak, (unsigned long long)h);
   ct_state_free(state);
   ct_scene_free(scene);
   return 0;

@@ -12,13 +12,18 @@ import libcontact as ct
 
 RUNS = 7
 POINTS = 100_000
-TRIANGLES, QUADRILATERALS = 224, 317  # cells a side: 2 * 224^2 triangles, 317^2 Q8 faces, both about 10^5
+TRIANGLES, QUADRILATERALS = (
+    224,
+    317,
+)  # cells a side: 2 * 224^2 triangles, 317^2 Q8 faces, both about 10^5
 
 
 def bumpy_torus(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Points of a closed surface with bumps."""
     r = 0.8 + 0.1 * np.sin(3 * u) * np.cos(5 * v)
-    return np.stack([(2 + r * np.cos(v)) * np.cos(u), (2 + r * np.cos(v)) * np.sin(u), r * np.sin(v)], -1)
+    return np.stack(
+        [(2 + r * np.cos(v)) * np.cos(u), (2 + r * np.cos(v)) * np.sin(u), r * np.sin(v)], -1
+    )
 
 
 def triangles(n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -44,7 +49,9 @@ def quadrilaterals(n: int) -> tuple[np.ndarray, np.ndarray]:
 
 def morton_order(points: np.ndarray) -> np.ndarray:
     """Points along the curve that visits the cells of a 1024^3 grid by interleaved digits."""
-    cell = ((points - points.min(0)) / (np.ptp(points, axis=0).max() * (1 + 1e-12)) * 1024).astype(np.int64)
+    cell = ((points - points.min(0)) / (np.ptp(points, axis=0).max() * (1 + 1e-12)) * 1024).astype(
+        np.int64
+    )
     for shift, mask in ((16, 0x30000FF), (8, 0x300F00F), (4, 0x30C30C3), (2, 0x9249249)):
         cell = (cell | cell << shift) & mask
     return points[np.argsort(cell[:, 0] | cell[:, 1] << 1 | cell[:, 2] << 2)]
@@ -80,52 +87,95 @@ def measure() -> dict:
     flat, curved, points = triangles(TRIANGLES), quadrilaterals(QUADRILATERALS), cloud()
     surfaces = {"T3": ct.Surface("T3", *flat), "Q8": ct.Surface("Q8", *curved)}
     peer = libigl_tree(*flat)
-    rows: dict[str, list[float]] = {key: [] for key in ("T3", "Q8", "T3 build", "Q8 build", "T3 refit", "Q8 refit", "libigl", "libigl build")}
+    rows: dict[str, list[float]] = {
+        key: []
+        for key in (
+            "T3",
+            "Q8",
+            "T3 build",
+            "Q8 build",
+            "T3 refit",
+            "Q8 refit",
+            "libigl",
+            "libigl build",
+        )
+    }
     answers = {}
     for _ in range(RUNS):
         for kind, (nodes, faces) in (("T3", flat), ("Q8", curved)):
             seconds, answers[kind] = timed(lambda: surfaces[kind].nearest(points))
             rows[kind].append(1e6 * seconds / POINTS)
-            rows[f"{kind} build"].append(1e9 * timed(lambda: ct.Surface(kind, nodes, faces))[0] / len(faces))
-            rows[f"{kind} refit"].append(1e9 * timed(lambda: surfaces[kind].move(nodes))[0] / len(faces))
+            rows[f"{kind} build"].append(
+                1e9 * timed(lambda: ct.Surface(kind, nodes, faces))[0] / len(faces)
+            )
+            rows[f"{kind} refit"].append(
+                1e9 * timed(lambda: surfaces[kind].move(nodes))[0] / len(faces)
+            )
         if peer is not None:
             long = flat[1].astype(np.int64)
             seconds, answers["libigl"] = timed(lambda: peer.squared_distance(flat[0], long, points))
             rows["libigl"].append(1e6 * seconds / POINTS)
             rows["libigl build"].append(1e9 * timed(lambda: libigl_tree(*flat))[0] / len(flat[1]))
-    result = {"faces": {"T3": len(flat[1]), "Q8": len(curved[1])}, "points": POINTS,
-              "median": {key: statistics.median(row) for key, row in rows.items() if row}}
+    result = {
+        "faces": {"T3": len(flat[1]), "Q8": len(curved[1])},
+        "points": POINTS,
+        "median": {key: statistics.median(row) for key, row in rows.items() if row},
+    }
     if peer is not None:
-        ratios = {kind: sorted(theirs / ours for theirs, ours in zip(rows["libigl"], rows[kind])) for kind in ("T3", "Q8")}
-        result["times_faster_than_libigl"] = {kind: {"median": statistics.median(row), "range": [row[0], row[-1]]} for kind, row in ratios.items()}
-        result["largest_difference"] = float(np.abs(answers["T3"].distance - np.sqrt(answers["libigl"][0])).max())
+        ratios = {
+            kind: sorted(theirs / ours for theirs, ours in zip(rows["libigl"], rows[kind]))
+            for kind in ("T3", "Q8")
+        }
+        result["times_faster_than_libigl"] = {
+            kind: {"median": statistics.median(row), "range": [row[0], row[-1]]}
+            for kind, row in ratios.items()
+        }
+        result["largest_difference"] = float(
+            np.abs(answers["T3"].distance - np.sqrt(answers["libigl"][0])).max()
+        )
     return result
 
 
 def report(result: dict) -> str:
     median = result["median"]
-    lines = [f"nearest face for {result['points']} points near a surface, in Morton order, one thread, CPU time:"]
+    lines = [
+        f"nearest face for {result['points']} points near a surface, in Morton order, one thread, CPU time:"
+    ]
     for kind in ("T3", "Q8"):
-        lines.append(f"  {result['faces'][kind]} {kind} faces: {median[kind]:.3f} µs a point; build {median[kind + ' build']:.0f} ns a face, "
-                     f"refit {median[kind + ' refit']:.0f} ns a face")
+        lines.append(
+            f"  {result['faces'][kind]} {kind} faces: {median[kind]:.3f} µs a point; build {median[kind + ' build']:.0f} ns a face, "
+            f"refit {median[kind + ' refit']:.0f} ns a face"
+        )
     if "libigl" not in median:
         lines.append("  libigl: not installed here")
         return "\n".join(lines)
-    lines.append(f"  libigl, {result['faces']['T3']} triangles: {median['libigl']:.3f} µs a point; build {median['libigl build']:.0f} ns a face; "
-                 f"distances differ by {result['largest_difference']:.1g} at most")
+    lines.append(
+        f"  libigl, {result['faces']['T3']} triangles: {median['libigl']:.3f} µs a point; build {median['libigl build']:.0f} ns a face; "
+        f"distances differ by {result['largest_difference']:.1g} at most"
+    )
     for kind, row in result["times_faster_than_libigl"].items():
-        lines.append(f"  {kind}: {row['median']:.2f} times as fast as libigl on triangles ({row['range'][0]:.2f} to {row['range'][1]:.2f} in {RUNS} pairs)")
+        lines.append(
+            f"  {kind}: {row['median']:.2f} times as fast as libigl on triangles ({row['range'][0]:.2f} to {row['range'][1]:.2f} in {RUNS} pairs)"
+        )
     return "\n".join(lines)
 
 
 def draw(result: dict, path: Path) -> None:
     import matplotlib.pyplot as plt
 
-    names = {"T3": "libcontact, triangles", "Q8": "libcontact, Q8 faces", "libigl": "libigl, triangles"}
+    names = {
+        "T3": "libcontact, triangles",
+        "Q8": "libcontact, Q8 faces",
+        "libigl": "libigl, triangles",
+    }
     keys = [key for key in names if key in result["median"]]
     values = [result["median"][key] for key in keys]
     fig, ax = plt.subplots(figsize=(7, 1.2 + 0.5 * len(keys)), layout="constrained")
-    bars = ax.barh([names[key] for key in keys], values, color=["tab:gray" if key == "libigl" else "tab:red" for key in keys])
+    bars = ax.barh(
+        [names[key] for key in keys],
+        values,
+        color=["tab:gray" if key == "libigl" else "tab:red" for key in keys],
+    )
     ax.bar_label(bars, [f"{value:.2f} µs" for value in values], padding=4)
     ax.set(xlabel="µs of CPU time a point, one thread (10$^5$ faces)", xlim=(0, 1.25 * max(values)))
     ax.invert_yaxis()

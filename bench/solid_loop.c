@@ -1,5 +1,5 @@
-/* A block that flies and rings, filled by hand as a host would: no scene, no contact, no support. Prints steps, bytes and a hash,
- * as one line of JSON. */
+/* A block that flies and rings, filled by hand as a host would: no scene, no contact, no support.
+ * Prints steps, bytes and a hash, as one line of JSON. */
 #include <contact/mass.h>
 #include <contact/mesh.h>
 #include <contact/solid.h>
@@ -48,7 +48,9 @@ int main(int count, char **argument)
   ct_effect *solid;
   ct_state *state;
   need(ct_mesh_create_box(CT_HEX8, &box, &mesh, &error));
-  ct_body body = {.name = "block", .mesh = mesh, .material = {.young = 2.1e5, .poisson = 0.3, .density = 7.8e-9}};
+  ct_body body = {.name = "block",
+                  .mesh = mesh,
+                  .material = {.young = 2.1e5, .poisson = 0.3, .density = 7.8e-9}};
   ct_solid_block block = {.mesh = mesh, .material = body.material};
   int32_t n = mesh->node_count, steps = count > 1 ? atoi(argument[1]) : 10;
   double *mass = numbers(n), *inverse = numbers(3 * n), *velocity = numbers(3 * n);
@@ -59,15 +61,25 @@ int main(int count, char **argument)
     velocity[d] = d % 3 == 0 ? 1000.0 * (mesh->nodes[d] - 0.5) + 300.0 : 0.0;
   }
   const ct_effect *const effects[1] = {solid};
-  ct_problem problem = {.node_count = n, .body_count = 1, .bodies = &body, .reference = mesh->nodes, .mass = mass, .inverse_mass = inverse,
-                        .initial_velocity = velocity, .effect_count = 1, .effects = effects, .dt = 5e-9, .threads = 1};
+  ct_problem problem = {.node_count = n,
+                        .body_count = 1,
+                        .bodies = &body,
+                        .reference = mesh->nodes,
+                        .mass = mass,
+                        .inverse_mass = inverse,
+                        .initial_velocity = velocity,
+                        .effect_count = 1,
+                        .effects = effects,
+                        .dt = 5e-9,
+                        .threads = 1};
   need(ct_state_create(&problem, &state, &error));
   size_t held = bytes_now;
   need(ct_step_many(&problem, state, steps, &error));
   uint64_t h = 14695981039346656037ull;
   const unsigned char *byte = (const unsigned char *)state->displacement;
   for (size_t i = 0; i < 24 * (size_t)n; i++) h = (h ^ byte[i]) * 1099511628211ull;
-  printf("{\"steps\": %d, \"bytes\": %zu, \"hash\": \"%016llx\"}\n", (int)steps, held, (unsigned long long)h);
+  printf("{\"steps\": %d, \"bytes\": %zu, \"hash\": \"%016llx\"}\n", (int)steps, held,
+         (unsigned long long)h);
   ct_state_free(state);
   ct_effect_free(solid);
   ct_mesh_free(mesh);

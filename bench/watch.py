@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import time
 
-import libcontact as ct
 from libcontact._core import ffi, lib
 from libcontact.errors import check, new_error
 from libcontact.problem import new_state
+
+import libcontact as ct
 
 STEPS, ROUNDS = 2048, 3
 
@@ -18,18 +19,32 @@ def scene(law: str, element: str) -> ct.Scene:
     out.add_material("soft", young=2.0, poisson=0.3, density=1.0, law=law)
     cells = [16, 16, 16] if element == "hex8" else [8, 8, 8]
     for name, x, v in (("left", -1.0, 0.05), ("right", 0.01, -0.05)):
-        out.add_body(name, material="soft", box={"origin": [x, 0, 0], "size": [1, 1, 1], "cells": cells}, element=element, velocity=[v, 0, 0])
+        out.add_body(
+            name,
+            material="soft",
+            box={"origin": [x, 0, 0], "size": [1, 1, 1], "cells": cells},
+            element=element,
+            velocity=[v, 0, 0],
+        )
     return out.add_contact("left.x_max", "right.x_min", beta=1).set_time(end=20.0, fraction=0.5)
 
 
 def seconds(problem, every: int | None) -> float:
     state, error = new_state(problem), new_error()
     if every is not None:
-        options, out = ffi.new("ct_watch_options *", lib.ct_watch_options_default()), ffi.new("ct_watch **")
+        options, out = (
+            ffi.new("ct_watch_options *", lib.ct_watch_options_default()),
+            ffi.new("ct_watch **"),
+        )
         options.every = every
         check(lib.ct_watch_create(problem.pointer, state, options, out, error), error)
     begin = time.perf_counter()
-    check(lib.ct_step_many(problem.pointer, state, STEPS, error) if every is None else lib.ct_watch_steps(out[0], state, STEPS, error), error)
+    check(
+        lib.ct_step_many(problem.pointer, state, STEPS, error)
+        if every is None
+        else lib.ct_watch_steps(out[0], state, STEPS, error),
+        error,
+    )
     took = time.perf_counter() - begin
     if every is not None:
         lib.ct_watch_free(out[0])
@@ -47,7 +62,12 @@ def measure() -> dict:
 
 
 def report(result: dict) -> str:
-    return "\n".join(["What the watch costs, of the time of the steps:", *(f"  {name}: {share:+.2%}" for name, share in result.items())])
+    return "\n".join(
+        [
+            "What the watch costs, of the time of the steps:",
+            *(f"  {name}: {share:+.2%}" for name, share in result.items()),
+        ]
+    )
 
 
 if __name__ == "__main__":

@@ -17,7 +17,9 @@ DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
 # What tutorials write goes beside the book, not into the sources.
 os.environ.setdefault("LIBCONTACT_FIGURES", str(ROOT / "build" / "docs" / "figures"))
-os.environ.setdefault("LIBCONTACT_TIMES", "no")  # how long this machine took is of no use to readers
+os.environ.setdefault(
+    "LIBCONTACT_TIMES", "no"
+)  # how long this machine took is of no use to readers
 RUN_TUTORIALS = os.environ.get("LIBCONTACT_GALLERY", "1") != "0"
 
 sys.path.insert(0, str(DOCS / "_ext"))
@@ -56,8 +58,14 @@ nitpick_ignore = [
 ]
 nitpick_ignore_regex = [
     # Types of Python and numpy in signatures: their pages are on the net, and the book is built without it.
-    (r"py:.*", r"(numpy|np|pathlib|os|collections|typing|types|enum)\..*|Any|Iterable|Callable|Path|ndarray|ArrayLike"),
-    (r"py:.*", r"(int|float|str|bool|bytes|dict|list|tuple|object|None|optional|IntEnum|ValueError|RuntimeError)"),
+    (
+        r"py:.*",
+        r"(numpy|np|pathlib|os|collections|typing|types|enum)\..*|Any|Iterable|Callable|Path|ndarray|ArrayLike",
+    ),
+    (
+        r"py:.*",
+        r"(int|float|str|bool|bytes|dict|list|tuple|object|None|optional|IntEnum|ValueError|RuntimeError)",
+    ),
 ]
 
 # -- Numbers of figures, listings and equations -------------------------------------------------------------------
@@ -89,7 +97,9 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
 package = importlib.util.find_spec("libcontact")
-if not RUN_TUTORIALS and (package is None or package.origin is None):  # no origin: the folder of the C library, not the package
+if not RUN_TUTORIALS and (
+    package is None or package.origin is None
+):  # no origin: the folder of the C library, not the package
     exclude_patterns.append("api/python.rst")
     suppress_warnings = ["toc.excluded"]
 

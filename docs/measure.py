@@ -38,8 +38,9 @@ def measurement(function: Callable[[], Numbers]) -> Callable[[], Numbers]:
 
 def scene_of(young: float = 1.0, poisson: float = 0.0, density: float = 1.0) -> ct.Scene:
     """A scene in m, kg and s with one material, "elastic", and no body yet."""
-    return ct.Scene(title="measured", units={"length": "m", "mass": "kg", "time": "s"}).add_material(
-        "elastic", young=young, poisson=poisson, density=density)
+    return ct.Scene(
+        title="measured", units={"length": "m", "mass": "kg", "time": "s"}
+    ).add_material("elastic", young=young, poisson=poisson, density=density)
 
 
 def stable_step(scene: ct.Scene) -> float:
@@ -54,11 +55,24 @@ def stable_step(scene: ct.Scene) -> float:
 def first_run() -> Numbers:
     """The program of the page: the plateau behind the plane wave, its closed form -ρ c₁ v₀, and the lowest stress on the line [MPa]."""
     program: dict[str, Any] = {}
-    exec(compile((DOCS / "start" / "first_run.py").read_text().replace("progress=True", "progress=False, output=False"), "first_run.py", "exec"),
-         {"print": lambda *_: None}, program)
+    exec(
+        compile(
+            (DOCS / "start" / "first_run.py")
+            .read_text()
+            .replace("progress=True", "progress=False, output=False"),
+            "first_run.py",
+            "exec",
+        ),
+        {"print": lambda *_: None},
+        program,
+    )
     E, nu, rho = 2.1e5, 0.3, 7.8e-9
     c1 = np.sqrt(E * (1 - nu) / ((1 + nu) * (1 - 2 * nu) * rho))
-    return {"plateau": program["plateau"], "exact": -rho * c1 * 1000.0, "lowest": program["stress"].min()}
+    return {
+        "plateau": program["plateau"],
+        "exact": -rho * c1 * 1000.0,
+        "lowest": program["stress"].min(),
+    }
 
 
 # -- Absorbing boundary --------------------------------------------------------------------------------------------------
@@ -67,7 +81,15 @@ def first_run() -> Numbers:
 @measurement
 def absorb() -> Numbers:
     """Stable Courant number of a column of cubes with ν = 0, closed and with an absorbing end; energy that comes back of a P and an S pulse."""
-    column = scene_of().add_body("column", material="elastic", box={"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [10, 1, 1]}).set_time(end=1.0, fraction=0.5)
+    column = (
+        scene_of()
+        .add_body(
+            "column",
+            material="elastic",
+            box={"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [10, 1, 1]},
+        )
+        .set_time(end=1.0, fraction=0.5)
+    )
     closed = stable_step(column)
     open_end = stable_step(column.add("absorb", surface="column.x_max"))
     return {"closed": closed, "open": open_end, "p": pulse_left("x"), "s": pulse_left("z")}
@@ -82,13 +104,25 @@ def hold_sides(scene: ct.Scene, body: str, fix: str) -> None:
 def pulse_left(axis: str) -> float:
     """Share of the energy of a smooth pulse, four units long, that an absorbing end of a column of 100 hex8 sends back."""
     E, nu, rho = 900.0, 0.25, 2.0
-    speed = np.sqrt(E * (1 - nu) / ((1 + nu) * (1 - 2 * nu) * rho)) if axis == "x" else np.sqrt(E / (2 * (1 + nu) * rho))
-    scene = scene_of(E, nu, rho).add_body("column", material="elastic", box={"origin": [0, 0, 0], "size": [10, 0.1, 0.1], "cells": [100, 1, 1]})
+    speed = (
+        np.sqrt(E * (1 - nu) / ((1 + nu) * (1 - 2 * nu) * rho))
+        if axis == "x"
+        else np.sqrt(E / (2 * (1 + nu) * rho))
+    )
+    scene = scene_of(E, nu, rho).add_body(
+        "column",
+        material="elastic",
+        box={"origin": [0, 0, 0], "size": [10, 0.1, 0.1], "cells": [100, 1, 1]},
+    )
     hold_sides(scene, "column", "yz" if axis == "x" else "xy")
     t = np.linspace(0, 4 / speed, 41)
     history = {"time": t.tolist(), "value": (np.sin(np.pi * np.arange(41) / 40) ** 2).tolist()}
-    scene.add("load", surface="column.x_min", traction=[float(a == axis) for a in "xyz"], history=history)
-    scene.add("absorb", surface="column.x_max").set_time(end=16 / speed, fraction=0.9).set_output(times=[6 / speed, 16 / speed], fields=[])
+    scene.add(
+        "load", surface="column.x_min", traction=[float(a == axis) for a in "xyz"], history=history
+    )
+    scene.add("absorb", surface="column.x_max").set_time(end=16 / speed, fraction=0.9).set_output(
+        times=[6 / speed, 16 / speed], fields=[]
+    )
     energy = scene.run(progress=False).energy
     held = energy["kinetic"] + energy["strain"]
     return held[-1] / held[np.searchsorted(energy["time"], 5.9 / speed)]
@@ -96,12 +130,22 @@ def pulse_left(axis: str) -> float:
 
 # -- Bulk viscosity ------------------------------------------------------------------------------------------------------
 
-SHOCKS = {"none": (0, 0, 0.05), "soft": (0.06, 0, 0.05), "both": (0.06, 1.2, 0.05), "middle": (0.2, 0, 0.05), "hard": (0.5, 0, 0.05),
-          "quadratic": (0, 1.2, 0.05), "strong": (0, 2, 0.05), "slow": (0, 1.2, 0.0005)}
+SHOCKS = {
+    "none": (0, 0, 0.05),
+    "soft": (0.06, 0, 0.05),
+    "both": (0.06, 1.2, 0.05),
+    "middle": (0.2, 0, 0.05),
+    "hard": (0.5, 0, 0.05),
+    "quadratic": (0, 1.2, 0.05),
+    "strong": (0, 2, 0.05),
+    "slow": (0, 1.2, 0.0005),
+}
 
 
 def viscous(scene: ct.Scene, linear: float, quadratic: float) -> ct.Scene:
-    return scene.add("viscosity", linear=linear, quadratic=quadratic) if linear or quadratic else scene
+    return (
+        scene.add("viscosity", linear=linear, quadratic=quadratic) if linear or quadratic else scene
+    )
 
 
 @measurement
@@ -109,7 +153,11 @@ def viscosity() -> Numbers:
     """Stable Courant numbers of a cube with ν = 0 and linear viscosity; overshoot and width of the front in a rod of 200 cubes, for SHOCKS."""
     found = {}
     for name, linear in (("courant_0", 0.0), ("courant_006", 0.06), ("courant_05", 0.5)):
-        cube = scene_of().add_body("cube", material="elastic", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]})
+        cube = scene_of().add_body(
+            "cube",
+            material="elastic",
+            box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]},
+        )
         found[name] = stable_step(viscous(cube, linear, 0.0).set_time(end=1.0, fraction=0.5))
     for name, (linear, quadratic, v0) in SHOCKS.items():
         found[f"{name}_overshoot"], found[f"{name}_width"] = shock(linear, quadratic, v0)
@@ -119,9 +167,18 @@ def viscosity() -> Numbers:
 def shock(linear: float, quadratic: float, v0: float) -> tuple[float, float]:
     """A rod of unit cubes, c = ρ = 1, meets a wall with v0; the front has run 120 cubes. Overshoot of the stress -v0, and its way from 90 % to 10 % [cubes]."""
     box = {"origin": [0, 0, 0], "size": [200, 1, 1], "cells": [200, 1, 1]}
-    scene = scene_of().add_body("rod", material="elastic", velocity=[-v0, 0, 0], box=box).add_support("rod.x_min", fix="x")
+    scene = (
+        scene_of()
+        .add_body("rod", material="elastic", velocity=[-v0, 0, 0], box=box)
+        .add_support("rod.x_min", fix="x")
+    )
     hold_sides(scene, "rod", "yz")
-    run = viscous(scene, linear, quadratic).set_time(end=120.0, courant=0.2).set_output(every=10**6).run(progress=False)
+    run = (
+        viscous(scene, linear, quadratic)
+        .set_time(end=120.0, courant=0.2)
+        .set_output(every=10**6)
+        .run(progress=False)
+    )
     body = run.state["rod"]
     order = np.argsort(body.centres[:, 0])
     x, stress = body.centres[order, 0], -body.stress[order, 0] / v0
@@ -135,7 +192,9 @@ def shock(linear: float, quadratic: float, v0: float) -> tuple[float, float]:
 # -- Integrators and the explicit penalty ----------------------------------------------------------------------------------
 
 
-def explicit_bar(beta: float, fraction: float = 0.9, landings: int = 5, **step: Any) -> list[Numbers]:
+def explicit_bar(
+    beta: float, fraction: float = 0.9, landings: int = 5, **step: Any
+) -> list[Numbers]:
     """
     The bar on a wall with the explicit penalty, for landings that divide the step into equal parts: largest and last energy over the first, root mean square
     error of the pressure amid the contact (from the energy of the spring), and largest pressure, both over the exact one.
@@ -143,16 +202,35 @@ def explicit_bar(beta: float, fraction: float = 0.9, landings: int = 5, **step: 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ct.ChatterWarning)
         dt = dissipation.thrown("penalty", beta, fraction=fraction, end=0.1, **step).dt
-        runs = [dissipation.thrown("penalty", beta, part / landings * dt / (0.9 * dissipation.H / dissipation.C), fraction=fraction, **step)
-                for part in range(landings)]
+        runs = [
+            dissipation.thrown(
+                "penalty",
+                beta,
+                part / landings * dt / (0.9 * dissipation.H / dissipation.C),
+                fraction=fraction,
+                **step,
+            )
+            for part in range(landings)
+        ]
     found = []
     for part, run in enumerate(runs):
         total = run.energy["total"] / run.energy["total"][0]
         stiffness = beta * dissipation.YOUNG / dissipation.H
-        pressure = np.sqrt(2 * stiffness * np.maximum(run.energy["obstacle"], 0)) / dissipation.H / dissipation.PRESSURE
+        pressure = (
+            np.sqrt(2 * stiffness * np.maximum(run.energy["obstacle"], 0))
+            / dissipation.H
+            / dissipation.PRESSURE
+        )
         time = run.time - part / landings * dt
         held = (time > 0.55) & (time < 1.12)
-        found.append({"most": total.max(), "last": total[-1], "rms": np.sqrt(np.mean((pressure[held] - 1) ** 2)), "peak": pressure.max()})
+        found.append(
+            {
+                "most": total.max(),
+                "last": total[-1],
+                "rms": np.sqrt(np.mean((pressure[held] - 1) ** 2)),
+                "peak": pressure.max(),
+            }
+        )
     return found
 
 
@@ -160,8 +238,12 @@ def most(found: list[Numbers], name: str) -> float:
     return max(one[name] for one in found)
 
 
-INTEGRATORS = {"leapfrog": {}, "chung_lee": {"integrator": "chung_lee"}, "noh_bathe": {"integrator": "noh_bathe"},
-               "tchamwa_wielgosz": {"integrator": "tchamwa_wielgosz"}}
+INTEGRATORS = {
+    "leapfrog": {},
+    "chung_lee": {"integrator": "chung_lee"},
+    "noh_bathe": {"integrator": "noh_bathe"},
+    "tchamwa_wielgosz": {"integrator": "tchamwa_wielgosz"},
+}
 
 
 @measurement
@@ -169,8 +251,15 @@ def integrator() -> Numbers:
     """The bar on a wall at 0.9 of the reported step: β = 1, error of the force and loss, worst of 5 landings; β = 10, growth of the energy over 20 landings."""
     found = {}
     for name, step in INTEGRATORS.items():
-        soft, stiff = explicit_bar(1.0, **step), [one["most"] for one in explicit_bar(10.0, landings=20, **step)]
-        found |= {f"{name}_rms": most(soft, "rms"), f"{name}_loss": 1 - min(one["last"] for one in soft), f"{name}_growth": max(stiff) - 1}
+        soft, stiff = (
+            explicit_bar(1.0, **step),
+            [one["most"] for one in explicit_bar(10.0, landings=20, **step)],
+        )
+        found |= {
+            f"{name}_rms": most(soft, "rms"),
+            f"{name}_loss": 1 - min(one["last"] for one in soft),
+            f"{name}_growth": max(stiff) - 1,
+        }
         if name == "leapfrog":
             found |= {"leapfrog_least": min(stiff), "leapfrog_most": max(stiff)}
     return found
@@ -179,7 +268,10 @@ def integrator() -> Numbers:
 @measurement
 def explicit() -> Numbers:
     """The bar on a wall with the leapfrog, worst of 5 landings: change of the energy at 0.9 and 0.5 of the reported step; largest pressure at 0.1."""
-    found = {f"peak_{name}": most(explicit_bar(beta, 0.1, landings=1), "peak") for name, beta in (("05", 0.5), ("1", 1.0), ("5", 5.0), ("10", 10.0))}
+    found = {
+        f"peak_{name}": most(explicit_bar(beta, 0.1, landings=1), "peak")
+        for name, beta in (("05", 0.5), ("1", 1.0), ("5", 5.0), ("10", 10.0))
+    }
     for name, betas in (("soft", (0.5, 1.0)), ("five", (5.0,)), ("ten", (10.0,))):
         found[f"{name}_limit"] = max(most(explicit_bar(beta, 0.9), "last") for beta in betas) - 1
         if name != "soft":
@@ -217,8 +309,17 @@ def one_blow() -> Numbers:
 
 # -- The energy-controlled penalty ------------------------------------------------------------------------------------------
 
-SHARES = {"0_4": (0.0, 4.0), "0_100": (0.0, 100.0), "0_1e4": (0.0, 1e4), "01_4": (0.1, 4.0), "01_100": (0.1, 100.0), "01_1e4": (0.1, 1e4),
-          "05_4": (0.5, 4.0), "1_4": (1.0, 4.0), "lagrange": (None, 4.0)}
+SHARES = {
+    "0_4": (0.0, 4.0),
+    "0_100": (0.0, 100.0),
+    "0_1e4": (0.0, 1e4),
+    "01_4": (0.1, 4.0),
+    "01_100": (0.1, 100.0),
+    "01_1e4": (0.1, 1e4),
+    "05_4": (0.5, 4.0),
+    "1_4": (1.0, 4.0),
+    "lagrange": (None, 4.0),
+}
 
 
 @measurement
@@ -226,8 +327,13 @@ def shares() -> Numbers:
     """The bar on a wall at 0.9 of the limit, worst of 5 landings (stability/dissipation.py): error of force and impulse, steps of the release, energy lost."""
     found = {}
     for name, (share, beta) in SHARES.items():
-        values = dissipation.worst("lagrange" if share is None else "energy_controlled", share, beta)
-        found |= {f"{name}_{what}": value for what, value in zip(("force", "impulse", "release", "lost"), values)}
+        values = dissipation.worst(
+            "lagrange" if share is None else "energy_controlled", share, beta
+        )
+        found |= {
+            f"{name}_{what}": value
+            for what, value in zip(("force", "impulse", "release", "lost"), values)
+        }
     return found | {"explicit_force": dissipation.worst("penalty", None, 1.0)[0]}
 
 
@@ -241,11 +347,23 @@ def pressed(n: int, m: int, beta: float) -> tuple[float, float, float]:
     """
     scene = scene_of(young=1000.0)
     for name, z, cells in (("lower", -0.5, n), ("upper", 0.0, m)):
-        scene.add_body(name, material="elastic", box={"origin": [0, 0, z], "size": [1, 1, 0.5], "cells": [cells, cells, max(cells // 2, 1)]})
+        scene.add_body(
+            name,
+            material="elastic",
+            box={
+                "origin": [0, 0, z],
+                "size": [1, 1, 0.5],
+                "cells": [cells, cells, max(cells // 2, 1)],
+            },
+        )
         scene.add_support(f"{name}.x_min", fix="x").add_support(f"{name}.y_min", fix="y")
     scene.add_support("lower.z_min", fix="z").add_contact("lower.z_max", "upper.z_min", beta=beta)
     scene.add("load", surface="upper.z_max", pressure=1.0).add("damping", relaxation=True)
-    run = scene.set_time(end=20.0, fraction=0.9, until_static=1e-6).set_output(every=10**6).run(progress=False)
+    run = (
+        scene.set_time(end=20.0, fraction=0.9, until_static=1e-6)
+        .set_output(every=10**6)
+        .run(progress=False)
+    )
     pressure = run.contact[0]["pressure"]
     stress = np.concatenate([run.state[name].stress[:, 2] for name in ("lower", "upper")])
     return pressure.max(), pressure.min(), np.abs(stress + 1).max()
@@ -258,7 +376,10 @@ def unlike_meshes() -> Numbers:
     for name, n, m in (("8_11", 8, 11), ("2_14", 2, 14)):
         for beta in (4, 100):
             high, low, stress = pressed(n, m, beta)
-            found |= {f"{name}_{beta}_point": max(high - 1, 1 - low), f"{name}_{beta}_stress": stress}
+            found |= {
+                f"{name}_{beta}_point": max(high - 1, 1 - low),
+                f"{name}_{beta}_stress": stress,
+            }
     return found
 
 
@@ -275,10 +396,16 @@ def nodal_forces() -> Numbers:
         worst = []
         for own, other in ((n, m), (m, n)):
             exact = np.r_[0.5, np.ones(own - 1), 0.5] / own
-            points = ((np.arange(other) + 0.5)[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3)).ravel() / other
+            points = (
+                (np.arange(other) + 0.5)[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3)
+            ).ravel() / other
             # Half of the force comes from the own points, without error; half is sampled at the points of the other side.
             worst.append(np.max(np.abs(hat(points, own).sum(axis=1) / (2 * other) / exact - 1)) / 2)
-        found |= {f"{name}_coarse": worst[0], f"{name}_fine": worst[1]} if n * 2 < m else {name: max(worst)}
+        found |= (
+            {f"{name}_coarse": worst[0], f"{name}_fine": worst[1]}
+            if n * 2 < m
+            else {name: max(worst)}
+        )
     return found
 
 

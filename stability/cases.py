@@ -10,17 +10,17 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
-
 import folding
-import libcontact as ct
 import nested
+import numpy as np
 import pairs
 import rest
 from dissipation import bar as measured_bar
 from lab import DEFAULT, Row, enforced, judge, material, scene
 from libcontact.mesh import Mesh
 from shapes import random_rotation
+
+import libcontact as ct
 
 FLOOR = {"point": [0, 0, 0], "normal": [0, 0, 1]}
 
@@ -32,28 +32,47 @@ def lowest(body: str, axis: int = 2):
 
 def overlap(a: str, b: str, face_a: str, face_b: str):
     """How far nodes of one surface are inside the other one, either way; far sides of a body do not count."""
+
     def depth(run: ct.Run) -> float:
         most = 0.0
         for (one, face), (two, other) in (((a, face_a), (b, face_b)), ((b, face_b), (a, face_a))):
             mesh = run.state[two].mesh
             faces, _ = mesh.faces(other)
             points = run.state[one].positions[run.state[one].mesh.face_nodes(face)]
-            near = ct.nearest("Q4" if mesh.element == "hex8" else "Q8", run.state[two].positions, faces, points)
+            near = ct.nearest(
+                "Q4" if mesh.element == "hex8" else "Q8", run.state[two].positions, faces, points
+            )
             inside = np.asarray(near.signed_distance)
             # Beyond the border of a surface nothing is inside it: the way to the foot is then not along the normal.
             along = np.abs(((points - near.point) * near.normal).sum(1)) > 0.999 * near.distance
-            most = max([most, *(-inside[along & (inside < 0) & (inside > -0.9 * mesh.shortest_edge)])])
+            most = max(
+                [most, *(-inside[along & (inside < 0) & (inside > -0.9 * mesh.shortest_edge)])]
+            )
         return float(most)
+
     return depth
 
 
 # Bars.
 
-def wall(enforcement: str, beta: float | None, fraction: float, n: int, integrator: str | None = None, **more: Any) -> Row:
+
+def wall(
+    enforcement: str,
+    beta: float | None,
+    fraction: float,
+    n: int,
+    integrator: str | None = None,
+    **more: Any,
+) -> Row:
     """A bar of n elements that flies against a wall."""
     made = scene("bar on a wall")
     material(made, young=900, poisson=0)
-    made.add_body("bar", box={"origin": [0, 0, 5], "size": [10 / n, 10 / n, 10], "cells": [1, 1, n]}, material="soft", velocity=[0, 0, -10])
+    made.add_body(
+        "bar",
+        box={"origin": [0, 0, 5], "size": [10 / n, 10 / n, 10], "cells": [1, 1, n]},
+        material="soft",
+        velocity=[0, 0, -10],
+    )
     made.add("obstacle", surface="bar.z_min", plane=FLOOR, **enforced(enforcement, beta))
     made.set_time(end=1.4, fraction=fraction, integrator=integrator).set_output(every=1, fields=[])
     name = "bar on a wall" if integrator is None else "bar on a wall, other integrators"
@@ -69,11 +88,18 @@ def bar_on_a_wall(short: bool) -> Iterator[Row]:
             if beta == 4.0 and fraction == 0.9 and not short:
                 force, impulse, release, lost = measured_bar(DEFAULT, None, beta, 0.0)
                 row.note = f"force {100 * force:.3f} % rms, impulse {100 * impulse:.2f} %, release {release:.1f} steps, energy lost {100 * lost:.2f} %"
-                if row.good and not (force < 1e-3 and impulse < 5e-3 and release <= 2 and lost <= 1 / (2 * n) + 1e-3):
+                if row.good and not (
+                    force < 1e-3 and impulse < 5e-3 and release <= 2 and lost <= 1 / (2 * n) + 1e-3
+                ):
                     row.verdict = "less accurate than asked"
             yield row
     yield wall("lagrange", None, 0.9, n)
-    for enforcement, beta in (("penalty", 1.0), ("penalty", 10.0), ("bipenalty", 1.0), ("bipenalty", 10.0)):
+    for enforcement, beta in (
+        ("penalty", 1.0),
+        ("penalty", 10.0),
+        ("bipenalty", 1.0),
+        ("bipenalty", 10.0),
+    ):
         yield wall(enforcement, beta, 0.9, n, expected="energy" if beta > 1 else "passes")
 
 
@@ -82,21 +108,42 @@ def bar_with_each_integrator(short: bool) -> Iterator[Row]:
     n = 50 if short else 100
     for integrator in ("chung_lee", "noh_bathe", "tchamwa_wielgosz"):
         few = ((DEFAULT, 4.0), ("penalty", 1.0))
-        for enforcement, beta in few if short else (*few, (DEFAULT, 1.0), (DEFAULT, 1e4), ("penalty", 10.0), ("lagrange", None)):
+        for enforcement, beta in (
+            few
+            if short
+            else (*few, (DEFAULT, 1.0), (DEFAULT, 1e4), ("penalty", 10.0), ("lagrange", None))
+        ):
             for fraction in (0.9,) if short or enforcement != DEFAULT else (0.5, 0.9, 0.99):
-                yield wall(enforcement, beta, fraction, n, integrator, bound=math.inf if enforcement == "penalty" else 0.5)
+                yield wall(
+                    enforcement,
+                    beta,
+                    fraction,
+                    n,
+                    integrator,
+                    bound=math.inf if enforcement == "penalty" else 0.5,
+                )
 
 
-def bouncing(n: int, impacts: int, enforcement: str, beta: float | None, fraction: float = 0.9) -> tuple[Row, np.ndarray]:
+def bouncing(
+    n: int, impacts: int, enforcement: str, beta: float | None, fraction: float = 0.9
+) -> tuple[Row, np.ndarray]:
     """A bar that falls on a floor again and again, and by how much each impact is late, in periods of 16 L / c."""
     length, c, g = 10.0, 30.0, 10.0
     made = scene("bouncing bar")
     material(made, young=900, poisson=0)
     h = length / n
-    made.add_body("bar", box={"origin": [0, 0, 5], "size": [h, h, length], "cells": [1, 1, n]}, material="soft")
-    made.add("obstacle", surface="bar.z_min", plane=FLOOR, **enforced(enforcement, beta)).add("gravity", acceleration=[0, 0, -g])
+    made.add_body(
+        "bar",
+        box={"origin": [0, 0, 5], "size": [h, h, length], "cells": [1, 1, n]},
+        material="soft",
+    )
+    made.add("obstacle", surface="bar.z_min", plane=FLOOR, **enforced(enforcement, beta)).add(
+        "gravity", acceleration=[0, 0, -g]
+    )
     between, contact = 8 * length / c, 2 * length / c
-    made.set_time(end=1 + impacts * between - 0.5 * (between - contact), fraction=fraction).set_output(every=2, fields=[])
+    made.set_time(
+        end=1 + impacts * between - 0.5 * (between - contact), fraction=fraction
+    ).set_output(every=2, fields=[])
     weight = length * h * h
     push: list[float] = []
     times: list[float] = []
@@ -106,12 +153,27 @@ def bouncing(n: int, impacts: int, enforcement: str, beta: float | None, fractio
         times.append(run.state.time)
         return {}
 
-    row = judge("bouncing bar, 30 impacts" if impacts == 30 else f"bouncing bar, {impacts} impacts", made, enforcement=enforcement, beta=beta, depth=lowest("bar"), measure=look,
-                scale=weight * g * 5, scale_name="m g 5", bound=math.inf if beta is not None and beta < 1 else 1.5, note=f"{n} elements")
+    row = judge(
+        "bouncing bar, 30 impacts" if impacts == 30 else f"bouncing bar, {impacts} impacts",
+        made,
+        enforcement=enforcement,
+        beta=beta,
+        depth=lowest("bar"),
+        measure=look,
+        scale=weight * g * 5,
+        scale_name="m g 5",
+        bound=math.inf if beta is not None and beta < 1 else 1.5,
+        note=f"{n} elements",
+    )
     time, pushed = np.array(times), np.diff(push, prepend=0.0) > 1e-6 * weight * g * (1 / c)
     starts = time[pushed & ~_before(pushed, time, contact)]
     exact = 1 + between * np.arange(impacts)
-    late = np.array([(starts[np.abs(starts - t).argmin()] - t) / (16 * length / c) if len(starts) else np.nan for t in exact])
+    late = np.array(
+        [
+            (starts[np.abs(starts - t).argmin()] - t) / (16 * length / c) if len(starts) else np.nan
+            for t in exact
+        ]
+    )
     return row, late
 
 
@@ -133,14 +195,30 @@ def bouncing_bar(short: bool) -> Iterator[Row]:
     impacts = 4 if short else 30
     ways = [(DEFAULT, 4.0, 0.99), ("bipenalty", 1.0, 0.99)]
     for n in (40,) if short else (50, 100, 200, 400):
-        for enforcement, beta, fraction in ways if n < 400 else [*ways, (DEFAULT, 4.0, 0.9), ("lagrange", None, 0.99), ("penalty", 0.5, 0.9)]:
+        for enforcement, beta, fraction in (
+            ways
+            if n < 400
+            else [*ways, (DEFAULT, 4.0, 0.9), ("lagrange", None, 0.99), ("penalty", 0.5, 0.9)]
+        ):
             row, late = bouncing(n, impacts, enforcement, beta, fraction)
             # On coarse meshes the vibration of thirty impacts makes the points of a bipenalty chatter.
-            row.expected = "energy" if enforcement == "bipenalty" and n < 400 and impacts > 4 else "passes"
+            row.expected = (
+                "energy" if enforcement == "bipenalty" and n < 400 and impacts > 4 else "passes"
+            )
             shown = [i for i in (0, 1, 3, 9, 29) if i < impacts]
             row.note += "; late by " + ", ".join(f"{100 * late[i]:+.2f} % ({i + 1})" for i in shown)
-            row.curve = {"impact": list(range(1, impacts + 1)), "late": [float(value) for value in late]}
-            if row.good and n == 400 and not (np.abs(late[:4]).max() < 5e-3 and (enforcement != "bipenalty" or abs(late[9]) < 1e-2)):
+            row.curve = {
+                "impact": list(range(1, impacts + 1)),
+                "late": [float(value) for value in late],
+            }
+            if (
+                row.good
+                and n == 400
+                and not (
+                    np.abs(late[:4]).max() < 5e-3
+                    and (enforcement != "bipenalty" or abs(late[9]) < 1e-2)
+                )
+            ):
                 row.verdict = "later than asked"
             yield row
 
@@ -152,27 +230,68 @@ def two_bars(short: bool) -> Iterator[Row]:
             made = scene("two bars")
             for k, young in enumerate((1.0, stiff)):
                 material(made, f"m{k}", young, 0.0)
-                made.add_body("ab"[k], material=f"m{k}", velocity=[0.1 - 0.2 * k, 0, 0], box={"origin": [-10 + 10 * k, 0, 0], "size": [10, 0.2, 0.2], "cells": [50, 1, 1]})
+                made.add_body(
+                    "ab"[k],
+                    material=f"m{k}",
+                    velocity=[0.1 - 0.2 * k, 0, 0],
+                    box={
+                        "origin": [-10 + 10 * k, 0, 0],
+                        "size": [10, 0.2, 0.2],
+                        "cells": [50, 1, 1],
+                    },
+                )
             made.add_contact("a.x_max", "b.x_min", **enforced(enforcement, beta))
             made.set_time(end=24 if stiff == 1 else 3, fraction=0.9).set_output(every=4, fields=[])
-            yield judge(f"two bars, {name}", made, enforcement=enforcement, beta=beta, depth=overlap("a", "b", "x_max", "x_min"))
+            yield judge(
+                f"two bars, {name}",
+                made,
+                enforcement=enforcement,
+                beta=beta,
+                depth=overlap("a", "b", "x_max", "x_min"),
+            )
 
 
 # Plates.
 
-def plates(cells: int, enforcement: str, beta: float | None, fraction: float | None, courant: float | None = None, right: tuple[int, int] | None = None, **more: Any) -> Row:
+
+def plates(
+    cells: int,
+    enforcement: str,
+    beta: float | None,
+    fraction: float | None,
+    courant: float | None = None,
+    right: tuple[int, int] | None = None,
+    **more: Any,
+) -> Row:
     made = scene("plates")
     material(made, young=2.1e11, poisson=0.3, density=7800)
     size, h = 2.5e-3, 2.5e-3 / cells
     for k, name in enumerate(("left", "right")):
         nx, nz = (cells, cells) if k == 0 or right is None else right
-        made.add_body(name, material="soft", velocity=[1 - 2 * k, 0, 0], box={"origin": [-size + size * k, 0, 0], "size": [size, h, size], "cells": [nx, 1, nz]})
-        made.add_support(f"{name}.z_min", fix="z").add_support(f"{name}.y_min", fix="y").add_support(f"{name}.y_max", fix="y")
+        made.add_body(
+            name,
+            material="soft",
+            velocity=[1 - 2 * k, 0, 0],
+            box={"origin": [-size + size * k, 0, 0], "size": [size, h, size], "cells": [nx, 1, nz]},
+        )
+        made.add_support(f"{name}.z_min", fix="z").add_support(
+            f"{name}.y_min", fix="y"
+        ).add_support(f"{name}.y_max", fix="y")
     made.add_contact("left.x_max", "right.x_min", **enforced(enforcement, beta))
-    made.set_time(end_c1t_over={"length": size, "value": 2.6 if cells < 80 else 0.56}, **({"courant": courant} if courant else {"fraction": fraction}))
+    made.set_time(
+        end_c1t_over={"length": size, "value": 2.6 if cells < 80 else 0.56},
+        **({"courant": courant} if courant else {"fraction": fraction}),
+    )
     made.set_output(every=5, fields=[])
     name = "plates" if right is None else f"plates, {cells} to {right[1]} faces"
-    return judge(name, made, enforcement=enforcement, beta=beta, depth=overlap("left", "right", "x_max", "x_min"), **more)
+    return judge(
+        name,
+        made,
+        enforcement=enforcement,
+        beta=beta,
+        depth=overlap("left", "right", "x_max", "x_min"),
+        **more,
+    )
 
 
 def plate_impact(short: bool) -> Iterator[Row]:
@@ -182,7 +301,12 @@ def plate_impact(short: bool) -> Iterator[Row]:
         for fraction in (0.9,) if short else (0.1, 0.3, 0.5, 0.7, 0.9, 0.99):
             # A penalty of a hundredth of the elements' stiffness is no wall: what it overlaps is its own choice.
             yield plates(cells, DEFAULT, beta, fraction, bound=math.inf if beta < 1 else 0.5)
-    for enforcement, beta, expected in (("lagrange", None, "passes"), ("penalty", 1.0, "passes"), ("penalty", 100.0, "energy"), ("bipenalty", 100.0, "energy")):
+    for enforcement, beta, expected in (
+        ("lagrange", None, "passes"),
+        ("penalty", 1.0, "passes"),
+        ("penalty", 100.0, "energy"),
+        ("bipenalty", 100.0, "energy"),
+    ):
         yield plates(cells, enforcement, beta, 0.9, expected=expected)
 
 
@@ -198,25 +322,37 @@ def contact_and_reference(short: bool) -> Iterator[Row]:
 
     def run(name: str, time: dict[str, Any], **contact: Any) -> tuple[ct.Scene, np.ndarray]:
         import tomllib
+
         data = tomllib.loads((scenes / name).read_text(encoding="utf-8"))
         data["time"] = {"end_c1t_over": data["time"]["end_c1t_over"], **time}
         if contact:
             data["contact"][0] = {"surfaces": data["contact"][0]["surfaces"], **contact}
         data["output"] = {"every": 1000}
         made = ct.Scene(data)
-        return made, made.run(progress=False, output=False).line("stress_xx", [0.0125, 0, 0.0125], [2.4875, 0, 0.0125], 100)[1]
+        return made, made.run(progress=False, output=False).line(
+            "stress_xx", [0.0125, 0, 0.0125], [2.4875, 0, 0.0125], 100
+        )[1]
 
     if short:
         return
     found = {}
-    for enforcement, beta, time in (("penalty", 4.0, {"courant": 0.125}), (DEFAULT, 4.0, {"fraction": 0.95}), (DEFAULT, 10.0, {"fraction": 0.95}),
-                                    ("lagrange", 4.0, {"fraction": 0.95})):
+    for enforcement, beta, time in (
+        ("penalty", 4.0, {"courant": 0.125}),
+        (DEFAULT, 4.0, {"fraction": 0.95}),
+        (DEFAULT, 10.0, {"fraction": 0.95}),
+        ("lagrange", 4.0, {"fraction": 0.95}),
+    ):
         _, reference = run("plates_reference.toml", time)
         made, stress = run("plates.toml", time, enforcement=enforcement, beta=beta)
         found[enforcement] = float(np.abs(stress - reference).mean() / np.abs(reference).max())
         row = judge("plates, contact and reference", made, enforcement=enforcement, beta=beta)
         row.note = f"mean difference of stress {100 * found[enforcement]:.2g} % of its largest"
-        if row.good and enforcement == DEFAULT and beta == 10.0 and found[enforcement] > found["penalty"]:
+        if (
+            row.good
+            and enforcement == DEFAULT
+            and beta == 10.0
+            and found[enforcement] > found["penalty"]
+        ):
             row.verdict = "farther from the reference than the penalty at Courant number 0.125"
         yield row
 
@@ -229,7 +365,10 @@ def unlike_meshes(short: bool) -> Iterator[Row]:
 
 # Corners, edges, rings.
 
-def turned_cube(rotation: np.ndarray, cells: int = 3, gap: float = 0.02) -> tuple[np.ndarray, np.ndarray]:
+
+def turned_cube(
+    rotation: np.ndarray, cells: int = 3, gap: float = 0.02
+) -> tuple[np.ndarray, np.ndarray]:
     mesh = Mesh.box("hex8", (-0.5, -0.5, -0.5), (1, 1, 1), (cells, cells, cells))
     nodes = np.asarray(mesh.nodes) @ rotation.T
     return nodes + [0, 0, gap - nodes[:, 2].min()], np.array(mesh.elements)
@@ -249,23 +388,49 @@ def from_to(direction: np.ndarray) -> np.ndarray:
 def dropped_cube(short: bool) -> Iterator[Row]:
     """A soft cube on its face, edge, corner, and any which way."""
     random = np.random.default_rng(5)
-    ways = [("face", from_to(np.array([0, 0, -1.0]))), ("edge", from_to(np.array([1.0, 0, -1]))), ("corner", from_to(np.array([1.0, 1, 1])))]
+    ways = [
+        ("face", from_to(np.array([0, 0, -1.0]))),
+        ("edge", from_to(np.array([1.0, 0, -1]))),
+        ("corner", from_to(np.array([1.0, 1, 1]))),
+    ]
     ways += [(f"way {i + 1}", random_rotation(random)) for i in range(2 if short else 50)]
     for enforcement, beta in ((DEFAULT, 4.0),) if short else ((DEFAULT, 4.0), ("lagrange", None)):
         for name, rotation in ways if enforcement == DEFAULT else ways[:3]:
             nodes, elements = turned_cube(rotation)
             made = scene("cube")
             material(made, young=1e4, poisson=0.3, law="neo_hookean")
-            made.add_body("cube", nodes=nodes, elements=elements, material="soft", velocity=[0, 0, -5])
+            made.add_body(
+                "cube", nodes=nodes, elements=elements, material="soft", velocity=[0, 0, -5]
+            )
             made.add("obstacle", surface="cube.outer", plane=FLOOR, **enforced(enforcement, beta))
             made.set_time(end=0.08, fraction=0.7).set_output(every=2, fields=[])
             # Gauss points sit 0.21 h inside their face: a corner enters by up to that before any of them does.
-            yield judge(f"cube dropped on its {name}" if not name.startswith("way") else f"cube dropped, {name}", made, enforcement=enforcement, beta=beta, depth=lowest("cube"))
+            yield judge(
+                f"cube dropped on its {name}"
+                if not name.startswith("way")
+                else f"cube dropped, {name}",
+                made,
+                enforcement=enforcement,
+                beta=beta,
+                depth=lowest("cube"),
+            )
 
 
-def ring(made: ct.Scene, name: str, centre: list[float], cells: list[int], velocity: list[float], spin: float = 0.0) -> None:
-    made.add_body(name, ring={"centre": centre, "radius": [0.9, 1.0], "width": 0.2, "cells": cells}, material="soft", velocity=velocity,
-                  **({"spin": {"axis": [0, 0, 1], "rate": spin}} if spin else {}))
+def ring(
+    made: ct.Scene,
+    name: str,
+    centre: list[float],
+    cells: list[int],
+    velocity: list[float],
+    spin: float = 0.0,
+) -> None:
+    made.add_body(
+        name,
+        ring={"centre": centre, "radius": [0.9, 1.0], "width": 0.2, "cells": cells},
+        material="soft",
+        velocity=velocity,
+        **({"spin": {"axis": [0, 0, 1], "rate": spin}} if spin else {}),
+    )
 
 
 def spinning_ring(short: bool) -> Iterator[Row]:
@@ -274,9 +439,20 @@ def spinning_ring(short: bool) -> Iterator[Row]:
         made = scene("ring")
         material(made, young=1e4, poisson=0.3, law="neo_hookean")
         ring(made, "ring", [1.1, 0, 0], cells, [-10, 0, 0], 10.0)
-        made.add("obstacle", surface="ring.outer", plane={"point": [0, 0, 0], "normal": [1, 0, 0]}, **enforced(enforcement, beta))
+        made.add(
+            "obstacle",
+            surface="ring.outer",
+            plane={"point": [0, 0, 0], "normal": [1, 0, 0]},
+            **enforced(enforcement, beta),
+        )
         made.set_time(end=0.1 if short else 0.3, fraction=0.7).set_output(every=4, fields=[])
-        yield judge("spinning ring against a wall", made, enforcement=enforcement, beta=beta, depth=lowest("ring", 0))
+        yield judge(
+            "spinning ring against a wall",
+            made,
+            enforcement=enforcement,
+            beta=beta,
+            depth=lowest("ring", 0),
+        )
 
 
 def crossing_rings(short: bool) -> Iterator[Row]:
@@ -289,10 +465,17 @@ def crossing_rings(short: bool) -> Iterator[Row]:
         ring(made, "b", [1.05, 0.3, 0], cells, [-10, 0, 0])
         made.add_contact("a.outer", "b.outer", **enforced(enforcement, beta))
         made.set_time(end=0.08 if short else 0.2, fraction=0.6).set_output(every=4, fields=[])
-        yield judge("two rings that cross", made, enforcement=enforcement, beta=beta, depth=overlap("a", "b", "outer", "outer"))
+        yield judge(
+            "two rings that cross",
+            made,
+            enforcement=enforcement,
+            beta=beta,
+            depth=overlap("a", "b", "outer", "outer"),
+        )
 
 
 # Surfaces that slide, and thin ones.
+
 
 def sliding_block(short: bool) -> Iterator[Row]:
     """A block slides over the borders of 20 faces, pressed on by its weight; the force must not jump there."""
@@ -301,8 +484,21 @@ def sliding_block(short: bool) -> Iterator[Row]:
         made = scene("sliding block")
         material(made, young=1e3, poisson=0.3)
         length = 0.1 * (borders + 8)
-        made.add_body("slab", material="soft", box={"origin": [0, -0.25, -0.2], "size": [length, 0.5, 0.2], "cells": [borders + 8, 5, 2]})
-        made.add_body("block", material="soft", box={"origin": [0.13, -0.14, 0], "size": [0.3, 0.28, 0.2], "cells": [4, 4, 2]}, velocity=[1, 0, 0])
+        made.add_body(
+            "slab",
+            material="soft",
+            box={
+                "origin": [0, -0.25, -0.2],
+                "size": [length, 0.5, 0.2],
+                "cells": [borders + 8, 5, 2],
+            },
+        )
+        made.add_body(
+            "block",
+            material="soft",
+            box={"origin": [0.13, -0.14, 0], "size": [0.3, 0.28, 0.2], "cells": [4, 4, 2]},
+            velocity=[1, 0, 0],
+        )
         made.add_support("slab.z_min", fix="xyz").add("gravity", acceleration=[0, 0, -10])
         made.add_contact("slab.z_max", "block.z_min", **enforced(enforcement, beta))
         made.set_time(end=0.1 * borders, fraction=0.8).set_output(every=5, fields=[])
@@ -310,10 +506,22 @@ def sliding_block(short: bool) -> Iterator[Row]:
 
         def far(run: ct.Run, watch: Any) -> str:
             way = run.state["block"].displacement[:, 0].mean()
-            return "" if abs(way - 0.1 * borders) < 0.02 * borders * 0.1 else f"slid {way:.3f} of {0.1 * borders:.1f}"
+            return (
+                ""
+                if abs(way - 0.1 * borders) < 0.02 * borders * 0.1
+                else f"slid {way:.3f} of {0.1 * borders:.1f}"
+            )
 
-        yield judge(f"block slides over {borders} borders", made, enforcement=enforcement, beta=beta, depth=overlap("slab", "block", "z_max", "z_min"), whole=far, scale=weight * 0.2,
-                    scale_name="m g 0.2")
+        yield judge(
+            f"block slides over {borders} borders",
+            made,
+            enforcement=enforcement,
+            beta=beta,
+            depth=overlap("slab", "block", "z_max", "z_min"),
+            whole=far,
+            scale=weight * 0.2,
+            scale_name="m g 0.2",
+        )
 
 
 def thin_plates(short: bool) -> Iterator[Row]:
@@ -322,32 +530,68 @@ def thin_plates(short: bool) -> Iterator[Row]:
         made = scene("thin plates")
         material(made, young=1e5, poisson=0.3)
         for k, name in enumerate("ab"):
-            made.add_body(name, material="soft", velocity=[0, 0, 3 - 6 * k], box={"origin": [0.03 * k, 0.02 * k, 0.021 * k], "size": [1, 1, 0.02], "cells": [10, 10, 1]})
+            made.add_body(
+                name,
+                material="soft",
+                velocity=[0, 0, 3 - 6 * k],
+                box={
+                    "origin": [0.03 * k, 0.02 * k, 0.021 * k],
+                    "size": [1, 1, 0.02],
+                    "cells": [10, 10, 1],
+                },
+            )
         made.add_contact("a.outer", "b.outer", **enforced(enforcement, beta))
         made.set_time(end=0.006 if short else 0.02, fraction=0.8).set_output(every=5, fields=[])
 
         def apart(run: ct.Run, watch: Any) -> str:
             a, b = (run.state[name].positions[:, 2].mean() for name in "ab")
-            return "" if b - a > 0.015 else f"the plates are {b - a:.3g} apart: one has passed through the other"
+            return (
+                ""
+                if b - a > 0.015
+                else f"the plates are {b - a:.3g} apart: one has passed through the other"
+            )
 
-        yield judge("thin plate on thin plate", made, enforcement=enforcement, beta=beta, depth=overlap("a", "b", "z_max", "z_min"), whole=apart)
+        yield judge(
+            "thin plate on thin plate",
+            made,
+            enforcement=enforcement,
+            beta=beta,
+            depth=overlap("a", "b", "z_max", "z_min"),
+            whole=apart,
+        )
 
 
 # Meshes, materials, sizes.
 
-def two_blocks(nodes: list[np.ndarray], elements: list[np.ndarray], enforcement: str, beta: float | None, length: float = 1.0) -> ct.Scene:
+
+def two_blocks(
+    nodes: list[np.ndarray],
+    elements: list[np.ndarray],
+    enforcement: str,
+    beta: float | None,
+    length: float = 1.0,
+) -> ct.Scene:
     """Two blocks that meet. Speeds go with ``length``, so that all times stay: stiffness goes with its square."""
     made = scene("blocks")
     material(made, young=1e4 * length**2)
     for k in range(2):
-        made.add_body("ab"[k], nodes=nodes[k] * length, elements=elements[k], material="soft", velocity=[3 * length - 6 * length * k, 0, 0])
+        made.add_body(
+            "ab"[k],
+            nodes=nodes[k] * length,
+            elements=elements[k],
+            material="soft",
+            velocity=[3 * length - 6 * length * k, 0, 0],
+        )
     made.add_contact("a.x_max", "b.x_min", **enforced(enforcement, beta))
     made.set_time(end=0.06, fraction=0.9).set_output(every=5, fields=[])
     return made
 
 
 def block_pair(cells: int = 4, stretch: float = 1.0) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    meshes = [Mesh.box("hex8", (-1.0005 + 1.001 * k, 0, 0), (1, 1, stretch), (cells, cells, cells)) for k in range(2)]
+    meshes = [
+        Mesh.box("hex8", (-1.0005 + 1.001 * k, 0, 0), (1, 1, stretch), (cells, cells, cells))
+        for k in range(2)
+    ]
     return [np.array(mesh.nodes) for mesh in meshes], [np.array(mesh.elements) for mesh in meshes]
 
 
@@ -359,12 +603,29 @@ def distorted_mesh(short: bool) -> Iterator[Row]:
         for x in nodes:
             inner = ((x > x.min(0) + 1e-9) & (x < x.max(0) - 1e-9)).all(1)
             x[inner] += random.uniform(-amount / 6, amount / 6, (inner.sum(), 3))
-        for enforcement, beta in ((DEFAULT, 4.0), ("lagrange", None)) if amount < 0.4 else ((DEFAULT, 4.0),):
+        for enforcement, beta in (
+            ((DEFAULT, 4.0), ("lagrange", None)) if amount < 0.4 else ((DEFAULT, 4.0),)
+        ):
             try:
-                row = judge(f"mesh distorted by {amount} h", two_blocks(nodes, elements, enforcement, beta), enforcement=enforcement, beta=beta, depth=overlap("a", "b", "x_max", "x_min"))
+                row = judge(
+                    f"mesh distorted by {amount} h",
+                    two_blocks(nodes, elements, enforcement, beta),
+                    enforcement=enforcement,
+                    beta=beta,
+                    depth=overlap("a", "b", "x_max", "x_min"),
+                )
             except (ct.Error, ct.SceneError) as error:
                 refused = wanted != "passes" and "element" in str(error)
-                row = Row(f"mesh distorted by {amount} h", enforcement, beta, *([math.nan] * 2), 0, *([math.nan] * 5), "passes" if refused else type(error).__name__, note="refused: " + str(error))
+                row = Row(
+                    f"mesh distorted by {amount} h",
+                    enforcement,
+                    beta,
+                    *([math.nan] * 2),
+                    0,
+                    *([math.nan] * 5),
+                    "passes" if refused else type(error).__name__,
+                    note="refused: " + str(error),
+                )
             else:
                 if wanted != "passes":
                     row.verdict = "an inverted element was not refused"
@@ -374,7 +635,13 @@ def distorted_mesh(short: bool) -> Iterator[Row]:
 def aspect_ratio(short: bool) -> Iterator[Row]:
     nodes, elements = block_pair(3, 1e3)
     for enforcement, beta in ((DEFAULT, 4.0), ("lagrange", None)):
-        yield judge("aspect ratio 1000", two_blocks(nodes, elements, enforcement, beta), enforcement=enforcement, beta=beta, depth=overlap("a", "b", "x_max", "x_min"))
+        yield judge(
+            "aspect ratio 1000",
+            two_blocks(nodes, elements, enforcement, beta),
+            enforcement=enforcement,
+            beta=beta,
+            depth=overlap("a", "b", "x_max", "x_min"),
+        )
 
 
 def sizes(short: bool) -> Iterator[Row]:
@@ -382,8 +649,16 @@ def sizes(short: bool) -> Iterator[Row]:
     nodes, elements = block_pair()
     first = None
     for length in (1.0, 1e-9, 1e6) if short else (1.0, 1e-9, 1e-6, 1e-3, 1e3, 1e6):
-        row = judge(f"length {length:g} m", two_blocks(nodes, elements, DEFAULT, 4.0, length), enforcement=DEFAULT, beta=4.0, depth=overlap("a", "b", "x_max", "x_min"),
-                    measure=lambda run, length=length: {"v": float(run.state["b"].velocity[:, 0].mean() / length)})
+        row = judge(
+            f"length {length:g} m",
+            two_blocks(nodes, elements, DEFAULT, 4.0, length),
+            enforcement=DEFAULT,
+            beta=4.0,
+            depth=overlap("a", "b", "x_max", "x_min"),
+            measure=lambda run, length=length: {
+                "v": float(run.state["b"].velocity[:, 0].mean() / length)
+            },
+        )
         velocity = row.curve["v"][-1] if row.curve else math.nan
         first = velocity if first is None else first
         row.note = f"rebound differs by {abs(velocity / first - 1):.1e}"
@@ -398,9 +673,20 @@ def last_bit(short: bool) -> Iterator[Row]:
     nodes, elements = block_pair()
     answers = []
     for k in range(2 if short else 5):
-        changed = [x if k == 0 else np.nextafter(x, np.where(random.random(x.shape) < 0.5, -np.inf, np.inf)) for x in nodes]
-        row = judge("last bit of the input changed" if k else "last bit as given", two_blocks(changed, elements, DEFAULT, 4.0), enforcement=DEFAULT, beta=4.0,
-                    depth=overlap("a", "b", "x_max", "x_min"), measure=lambda run: {"v": float(np.abs(run.state["b"].velocity).mean())})
+        changed = [
+            x
+            if k == 0
+            else np.nextafter(x, np.where(random.random(x.shape) < 0.5, -np.inf, np.inf))
+            for x in nodes
+        ]
+        row = judge(
+            "last bit of the input changed" if k else "last bit as given",
+            two_blocks(changed, elements, DEFAULT, 4.0),
+            enforcement=DEFAULT,
+            beta=4.0,
+            depth=overlap("a", "b", "x_max", "x_min"),
+            measure=lambda run: {"v": float(np.abs(run.state["b"].velocity).mean())},
+        )
         answers.append(row.curve["v"][-1] if row.curve else math.nan)
         row.note = f"answer differs by {abs(answers[-1] / answers[0] - 1):.1e}"
         if row.good and not abs(answers[-1] / answers[0] - 1) < 1e-9:
@@ -419,7 +705,13 @@ def rounding_modes(short: bool) -> Iterator[Row]:
         if libm.fesetround(mode) != 0:
             return
         try:
-            row = judge(f"rounding {name}", made, enforcement=DEFAULT, beta=4.0, momentum=1e-12 if mode == 0 else 4 * steps * 2.0**-53)
+            row = judge(
+                f"rounding {name}",
+                made,
+                enforcement=DEFAULT,
+                beta=4.0,
+                momentum=1e-12 if mode == 0 else 4 * steps * 2.0**-53,
+            )
         finally:
             libm.fesetround(old)
         yield row
@@ -427,14 +719,19 @@ def rounding_modes(short: bool) -> Iterator[Row]:
 
 # Long runs.
 
+
 def vibration(short: bool) -> Iterator[Row]:
     """One body that vibrates for a million steps."""
     steps = 10**4 if short else 10**6
     made = scene("vibration")
     material(made)
     mesh = Mesh.box("hex8", (0, 0, 0), (1, 1, 1), (1, 1, 1))
-    made.add_body("block", nodes=np.array(mesh.nodes), elements=np.array(mesh.elements), material="soft")
-    made.add("load", surface="block.x_max", traction=[10.0, 3.0, 1.0]).add_support("block.x_min", fix="xyz")
+    made.add_body(
+        "block", nodes=np.array(mesh.nodes), elements=np.array(mesh.elements), material="soft"
+    )
+    made.add("load", surface="block.x_max", traction=[10.0, 3.0, 1.0]).add_support(
+        "block.x_min", fix="xyz"
+    )
     dt = 0.9 * made.set_time(end=1.0, fraction=0.9).explain().data["time"]["stable"]
     made.set_time(end=steps * dt, dt=dt).set_output(every=steps // 100, fields=[])
     yield judge(f"{steps} steps of one vibrating body", made, enforcement="none", beta=None)
@@ -446,14 +743,55 @@ def resting(short: bool) -> Iterator[Row]:
     for enforcement, beta in ((DEFAULT, 4.0), ("lagrange", None), ("penalty", 1.0)):
         made = scene("rest")
         material(made)
-        made.add_body("block", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]}, material="soft")
-        made.add("gravity", acceleration=[0, 0, -10]).add("obstacle", surface="block.z_min", plane=FLOOR, **enforced(enforcement, beta))
+        made.add_body(
+            "block",
+            box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]},
+            material="soft",
+        )
+        made.add("gravity", acceleration=[0, 0, -10]).add(
+            "obstacle", surface="block.z_min", plane=FLOOR, **enforced(enforcement, beta)
+        )
         made.set_time(end=1.0, fraction=0.9)
         dt = made.explain().data["time"]["dt"]
         made.set_time(end=steps * dt, dt=dt).set_output(every=steps // 100, fields=[])
-        yield judge(f"{steps} steps of resting contact", made, enforcement=enforcement, beta=beta, depth=lowest("block"), scale=10 * 0.005, scale_name="m g u",
-                    whole=lambda run, watch: "" if abs(run.state["block"].displacement[:, 2].max()) < 0.02 else "the block has left")
+        yield judge(
+            f"{steps} steps of resting contact",
+            made,
+            enforcement=enforcement,
+            beta=beta,
+            depth=lowest("block"),
+            scale=10 * 0.005,
+            scale_name="m g u",
+            whole=lambda run, watch: (
+                ""
+                if abs(run.state["block"].displacement[:, 2].max()) < 0.02
+                else "the block has left"
+            ),
+        )
 
 
-CASES = [bar_on_a_wall, bar_with_each_integrator, bouncing_bar, two_bars, plate_impact, contact_and_reference, unlike_meshes, dropped_cube, spinning_ring, crossing_rings,
-         sliding_block, thin_plates, distorted_mesh, aspect_ratio, sizes, last_bit, rounding_modes, vibration, resting, *rest.CASES, *folding.CASES, *pairs.CASES, *nested.CASES]
+CASES = [
+    bar_on_a_wall,
+    bar_with_each_integrator,
+    bouncing_bar,
+    two_bars,
+    plate_impact,
+    contact_and_reference,
+    unlike_meshes,
+    dropped_cube,
+    spinning_ring,
+    crossing_rings,
+    sliding_block,
+    thin_plates,
+    distorted_mesh,
+    aspect_ratio,
+    sizes,
+    last_bit,
+    rounding_modes,
+    vibration,
+    resting,
+    *rest.CASES,
+    *folding.CASES,
+    *pairs.CASES,
+    *nested.CASES,
+]

@@ -11,13 +11,22 @@ import numpy as np
 
 import libcontact as ct
 
-CASES = [("energy_controlled", s, beta) for s in (0.0, 0.1, 0.5, 1.0) for beta in (4.0, 100.0, 1e4)] + [("lagrange", None, 4.0), ("penalty", None, 1.0)]
+CASES = [
+    ("energy_controlled", s, beta) for s in (0.0, 0.1, 0.5, 1.0) for beta in (4.0, 100.0, 1e4)
+] + [("lagrange", None, 4.0), ("penalty", None, 1.0)]
 LANDINGS = (0, 0.2, 0.4, 0.6, 0.8)
 YOUNG, LENGTH, SPEED, ELEMENTS = 900.0, 10.0, 10.0, 100
 H, C, PRESSURE, DURATION = LENGTH / ELEMENTS, 30.0, 300.0, 2 * 10.0 / 30.0
 
 
-def thrown(enforcement: str, beta: float, landing: float = 0.0, dissipation: float | None = None, end: float = 1.4, **step: Any) -> ct.Run:
+def thrown(
+    enforcement: str,
+    beta: float,
+    landing: float = 0.0,
+    dissipation: float | None = None,
+    end: float = 1.4,
+    **step: Any,
+) -> ct.Run:
     """
     The bar of Doyen, Ern and Piperno thrown at a rigid wall, every step recorded. ``landing`` is where between two steps it meets the wall; ``step`` are
     entries of [time]. The limit of the energy is raised, as some of these runs are meant to pass it.
@@ -25,9 +34,21 @@ def thrown(enforcement: str, beta: float, landing: float = 0.0, dissipation: flo
     scene = ct.Scene(title="bar", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("bar", young=YOUNG, poisson=0.0, density=1.0)
     gap = 5.0 + landing * 0.9 * H / C * SPEED
-    scene.add_body("bar", material="bar", velocity=[-SPEED, 0, 0], box={"origin": [gap, 0, 0], "size": [LENGTH, H, H], "cells": [ELEMENTS, 1, 1]})
+    scene.add_body(
+        "bar",
+        material="bar",
+        velocity=[-SPEED, 0, 0],
+        box={"origin": [gap, 0, 0], "size": [LENGTH, H, H], "cells": [ELEMENTS, 1, 1]},
+    )
     share = {} if dissipation is None else {"dissipation": dissipation}
-    scene.add("obstacle", surface="bar.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]}, beta=beta, enforcement=enforcement, **share)
+    scene.add(
+        "obstacle",
+        surface="bar.x_min",
+        plane={"point": [0, 0, 0], "normal": [1, 0, 0]},
+        beta=beta,
+        enforcement=enforcement,
+        **share,
+    )
     scene.set_time(end=end, energy_limit=100, **step)
     return scene.set_output(every=1, fields=[]).run(progress=False)
 
@@ -42,7 +63,9 @@ def wall_pressure(run: ct.Run) -> np.ndarray:
     return np.diff(half) / (run.time[1] - run.time[0]) / H**2
 
 
-def bar(enforcement: str, dissipation: float | None, beta: float, landing: float, fraction: float = 0.9) -> tuple[float, float, float, float]:
+def bar(
+    enforcement: str, dissipation: float | None, beta: float, landing: float, fraction: float = 0.9
+) -> tuple[float, float, float, float]:
     """Root mean square error of the force over 0.1 ... 0.6 after the impact, error of the impulse, steps of the release after its time, energy lost."""
     step = {"fraction": fraction} if enforcement == "penalty" else {"dt": fraction * H / C}
     run = thrown(enforcement, beta, landing, dissipation, **step)
@@ -50,8 +73,12 @@ def bar(enforcement: str, dissipation: float | None, beta: float, landing: float
     begin = 0.5 + landing * 0.9 * H / C
     held = (time >= begin + 0.1) & (time <= begin + 0.6)
     pushed = time[np.abs(force) > 1e-9 * PRESSURE]
-    return (float(np.sqrt(np.mean((force[held] / PRESSURE - 1) ** 2))), abs((p[-1] - p[0]) / H**2 / (PRESSURE * DURATION) - 1),
-            abs(pushed[-1] - begin - DURATION) / (time[1] - time[0]), 1 - run.energy["total"][-1] / run.energy["total"][0])
+    return (
+        float(np.sqrt(np.mean((force[held] / PRESSURE - 1) ** 2))),
+        abs((p[-1] - p[0]) / H**2 / (PRESSURE * DURATION) - 1),
+        abs(pushed[-1] - begin - DURATION) / (time[1] - time[0]),
+        1 - run.energy["total"][-1] / run.energy["total"][0],
+    )
 
 
 def worst(enforcement: str, dissipation: float | None, beta: float) -> np.ndarray:
@@ -64,7 +91,9 @@ def main() -> None:
     for enforcement, dissipation, beta in CASES:
         force, impulse, release, lost = worst(enforcement, dissipation, beta)
         share = "     " if dissipation is None else f"{dissipation:5.1f}"
-        print(f"{enforcement:<20} {share} {beta:8g}  {100 * force:8.3f} %  {100 * impulse:6.2f} %  {release:8.1f}  {100 * lost:10.2f} %")
+        print(
+            f"{enforcement:<20} {share} {beta:8g}  {100 * force:8.3f} %  {100 * impulse:6.2f} %  {release:8.1f}  {100 * lost:10.2f} %"
+        )
 
 
 if __name__ == "__main__":

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 import inside
-import libcontact as ct
+import numpy as np
 import shapes
 from lab import DEFAULT, Row, judge, material, scene
+
+import libcontact as ct
 
 YOUNG, DENSITY, C = 1e5, 1000.0, 10.0
 # Energy from nothing, as a share of the work put in; how far on the way to the centre of its element a corner may be inside another part of the body: 0.4 of an element, of which no
@@ -53,30 +53,47 @@ class Fold:
 
     def wrong(self, curve: dict[str, list[float]]) -> str:
         growth, late = growths(curve)
-        return "; ".join([f"energy grows by {100 * growth:.3g} % of the work"] * (growth > GROWTH) + [f"energy grows by {100 * late:.3g} % of the work after a loss"] * (late > LATE)
-                         + [f"{self.twice} nodes are inside another part"] * (self.twice > 0))
+        return "; ".join(
+            [f"energy grows by {100 * growth:.3g} % of the work"] * (growth > GROWTH)
+            + [f"energy grows by {100 * late:.3g} % of the work after a loss"] * (late > LATE)
+            + [f"{self.twice} nodes are inside another part"] * (self.twice > 0)
+        )
 
 
 def growths(curve: dict[str, list[float]]) -> tuple[float, float]:
     """How far the total rose above its start, and above its lowest value before, over the work put in (where bodies move at the start, over their energy)."""
     total, work = np.array(curve["total"]), np.array(curve["work"])
     unit = max(np.abs(work).max(), abs(total[0]), 1e-300)
-    return float((total - total[0]).max() / unit), float((total - np.minimum.accumulate(total)).max() / unit)
+    return float((total - total[0]).max() / unit), float(
+        (total - np.minimum.accumulate(total)).max() / unit
+    )
 
 
 def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
     """Run a scene of one body with every step recorded, and judge it."""
     made.set_time(end=end, fraction=fraction).set_output(every=1, fields=[])
-    body, = made._built(None).bodies.values()
+    (body,) = made._built(None).bodies.values()
     fold = Fold(body.name)
     mass = DENSITY * float(np.prod(np.ptp(body.mesh.nodes, axis=0)))
-    row = judge(case, made, enforcement=DEFAULT, beta=4.0, measure=fold, whole=fold.verdict, scale_name="work", momentum_scale=mass * C)
+    row = judge(
+        case,
+        made,
+        enforcement=DEFAULT,
+        beta=4.0,
+        measure=fold,
+        whole=fold.verdict,
+        scale_name="work",
+        momentum_scale=mass * C,
+    )
     if row.verdict == "StepTooLarge" and "too stiff" in row.note:
         # The solid, and not the contact, wants a smaller step: the library need not accept this one.
         row.verdict = fold.wrong(row.curve) or "passes"
     if row.curve:
         growth, late = growths(row.curve)
-        row.note = f"growth {100 * growth:.2g} % of the work, {100 * late:.2g} % above an earlier total, {fold.twice} nodes inside" + (f"; {row.note}" if row.note else "")
+        row.note = (
+            f"growth {100 * growth:.2g} % of the work, {100 * late:.2g} % above an earlier total, {fold.twice} nodes inside"
+            + (f"; {row.note}" if row.note else "")
+        )
     row.curve = {}
     return row
 
@@ -101,25 +118,55 @@ def loaded(bricks: shapes.Bricks, traction: float, time: float) -> tuple[ct.Scen
     """The sides at the smallest and the largest z are loaded towards each other, with a share ``traction`` of E."""
     made = soft("folding", bricks)
     for side, sign in (("z_min", 1.0), ("z_max", -1.0)):
-        made.add("load", surface=f"body.{side}", traction=[0, 0, sign * traction * YOUNG], history=smooth(time))
+        made.add(
+            "load",
+            surface=f"body.{side}",
+            traction=[0, 0, sign * traction * YOUNG],
+            history=smooth(time),
+        )
     return made, 1.5 * time
 
 
 def strips() -> list[tuple[str, shapes.Bricks, Any, float, float]]:
     """Name, mesh, drive and its two numbers: a bend that is round, and one with corners, whose legs close from the ends to the root."""
-    thin, middle, thick = (shapes.hairpin(0.6, t, gap, cells, 0.2) for t, gap, cells in ((0.05, 0.05, (24, 2, 1)), (0.1, 0.08, (18, 2, 2)), (0.2, 0.1, (16, 2, 3))))
-    one, wide, two = shapes.fork(8, 1, 1, 1, 1, 0.05), shapes.fork(8, 1, 2, 1, 1, 0.05), shapes.fork(8, 2, 2, 1, 2, 0.05)
-    return [("corners 1", one, loaded, 0.3, 0.1), ("corners 2", two, loaded, 0.3, 0.1), ("wide gap", wide, loaded, 0.3, 0.1),
-            ("corners 1 slow", one, loaded, 0.1, 0.2), ("corners 2 slow", two, loaded, 0.1, 0.2), ("wide gap slow", wide, loaded, 0.1, 0.2),
-            ("corners 1 led", one, led, 0.03, 0.03), ("corners 2 led", two, led, 0.06, 0.06), ("wide gap led", wide, led, 0.055, 0.055),
-            ("round 1", thin, loaded, 0.1, 0.1), ("round 2", middle, loaded, 0.1, 0.1), ("round 3", thick, loaded, 0.1, 0.1),
-            ("round 1 led", thin, led, 0.04, 0.04), ("round 2 led", middle, led, 0.07, 0.07), ("round 3 led", thick, led, 0.11, 0.11)]
+    thin, middle, thick = (
+        shapes.hairpin(0.6, t, gap, cells, 0.2)
+        for t, gap, cells in (
+            (0.05, 0.05, (24, 2, 1)),
+            (0.1, 0.08, (18, 2, 2)),
+            (0.2, 0.1, (16, 2, 3)),
+        )
+    )
+    one, wide, two = (
+        shapes.fork(8, 1, 1, 1, 1, 0.05),
+        shapes.fork(8, 1, 2, 1, 1, 0.05),
+        shapes.fork(8, 2, 2, 1, 2, 0.05),
+    )
+    return [
+        ("corners 1", one, loaded, 0.3, 0.1),
+        ("corners 2", two, loaded, 0.3, 0.1),
+        ("wide gap", wide, loaded, 0.3, 0.1),
+        ("corners 1 slow", one, loaded, 0.1, 0.2),
+        ("corners 2 slow", two, loaded, 0.1, 0.2),
+        ("wide gap slow", wide, loaded, 0.1, 0.2),
+        ("corners 1 led", one, led, 0.03, 0.03),
+        ("corners 2 led", two, led, 0.06, 0.06),
+        ("wide gap led", wide, led, 0.055, 0.055),
+        ("round 1", thin, loaded, 0.1, 0.1),
+        ("round 2", middle, loaded, 0.1, 0.1),
+        ("round 3", thick, loaded, 0.1, 0.1),
+        ("round 1 led", thin, led, 0.04, 0.04),
+        ("round 2 led", middle, led, 0.07, 0.07),
+        ("round 3 led", thick, led, 0.11, 0.11),
+    ]
 
 
 def folding_strip(short: bool) -> Iterator[Row]:
     """A U of neo-Hookean hex8 whose legs are pushed together until they are in contact over their length, and pressed."""
     chosen = strips()
-    for name, bricks, drive, *values in [chosen[0], chosen[5], chosen[6], chosen[13]] if short else chosen:
+    for name, bricks, drive, *values in (
+        [chosen[0], chosen[5], chosen[6], chosen[13]] if short else chosen
+    ):
         for fraction in (0.6,) if short else FRACTIONS:
             made, end = drive(bricks, *values)
             yield folded(f"folding strip, {name}", made, fraction, end)
@@ -130,14 +177,23 @@ def pressed(bricks: shapes.Bricks, way: float, time: float) -> tuple[ct.Scene, f
     made = soft("pressed", bricks)
     low, high = bricks[0][:, 2].min(), bricks[0][:, 2].max()
     for height, sign in ((low, 1.0), (high, -1.0)):
-        made.add("obstacle", surface="body.outer", plane={"point": [0, 0, height], "normal": [0, 0, sign]}, travel=[0, 0, sign * way], history=smooth(time))
+        made.add(
+            "obstacle",
+            surface="body.outer",
+            plane={"point": [0, 0, height], "normal": [0, 0, sign]},
+            travel=[0, 0, sign * way],
+            history=smooth(time),
+        )
     return made, 1.3 * time
 
 
 def rolled_strip(short: bool) -> Iterator[Row]:
     """A strip wound up loosely, of two and a half turns, is pressed flat: its layers meet all along, and turn around sharp bends."""
-    rolls = [("loose", shapes.spiral(0.25, 0.12, 2.5, 0.05, (64, 1, 1), 0.05), 0.4, 0.4), ("tight", shapes.spiral(0.25, 0.08, 2.5, 0.05, (80, 1, 1), 0.05), 0.25, 0.25),
-             ("two through", shapes.spiral(0.3, 0.16, 1.5, 0.1, (60, 1, 2), 0.05), 0.35, 0.35)]
+    rolls = [
+        ("loose", shapes.spiral(0.25, 0.12, 2.5, 0.05, (64, 1, 1), 0.05), 0.4, 0.4),
+        ("tight", shapes.spiral(0.25, 0.08, 2.5, 0.05, (80, 1, 1), 0.05), 0.25, 0.25),
+        ("two through", shapes.spiral(0.3, 0.16, 1.5, 0.1, (60, 1, 2), 0.05), 0.35, 0.35),
+    ]
     for name, bricks, way, time in rolls[:1] if short else rolls:
         for fraction in (0.9,) if short else FRACTIONS:
             made, end = pressed(bricks, way, time)
@@ -146,7 +202,12 @@ def rolled_strip(short: bool) -> Iterator[Row]:
 
 def crushed_ring(short: bool) -> Iterator[Row]:
     """A ring between two planes, until its inner walls meet and are pressed onto each other."""
-    rings = [("thin", 1, 40, 0.05, 0.1), ("two through", 2, 48, 0.08, 0.1), ("thick", 2, 32, 0.15, 0.1), ("fast", 1, 40, 0.05, 0.3)]
+    rings = [
+        ("thin", 1, 40, 0.05, 0.1),
+        ("two through", 2, 48, 0.08, 0.1),
+        ("thick", 2, 32, 0.15, 0.1),
+        ("fast", 1, 40, 0.05, 0.3),
+    ]
     for name, through, around, thickness, speed in rings[:1] if short else rings:
         for fraction in (0.6,) if short else FRACTIONS:
             bricks = shapes.ring(0.4, thickness, (around, 1, through), 0.06)
@@ -172,7 +233,13 @@ def wound(bricks: shapes.Bricks, rate: float) -> tuple[ct.Scene, float]:
     """A coil with a straight outer end along x, which is held, and a spin about y."""
     made = scene("coil")
     material(made, young=YOUNG, density=DENSITY, law="neo_hookean")
-    made.add_body("body", nodes=bricks[0], elements=bricks[1], material="soft", spin={"axis": [0, 1, 0], "rate": rate, "centre": [0, 0, 0]})
+    made.add_body(
+        "body",
+        nodes=bricks[0],
+        elements=bricks[1],
+        material="soft",
+        spin={"axis": [0, 1, 0], "rate": rate, "centre": [0, 0, 0]},
+    )
     made.add_contact("body.outer", "body.outer").add_support("body.x_max", fix="xyz")
     return made, 1.0
 

@@ -16,9 +16,9 @@ import time
 from pathlib import Path
 
 import numpy as np
+from libcontact.run import Run
 
 import libcontact as ct
-from libcontact.run import Run
 
 STEPS = 300
 
@@ -28,7 +28,12 @@ def scene() -> ct.Scene:
     out = ct.Scene(title="two blocks", units={"length": "m", "mass": "kg", "time": "s"})
     out.add_material("soft", young=2.0, poisson=0.3, density=1.0, law="neo_hookean")
     for name, x, v in (("left", -1.0, 0.1), ("right", 0.01, -0.1)):
-        out.add_body(name, material="soft", box={"origin": [x, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]}, velocity=[v, 0.01 * v, 0])
+        out.add_body(
+            name,
+            material="soft",
+            box={"origin": [x, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]},
+            velocity=[v, 0.01 * v, 0],
+        )
     out.add_contact("left.x_max", "right.x_min", beta=1, friction=0.3)
     return out.set_time(end=STEPS * 0.02, dt=0.02).set_output(every=1)
 
@@ -54,7 +59,10 @@ def killed(path: Path, wait: float) -> bool:
 
 def same(a: Run, b: Run) -> bool:
     return a.state.step == b.state.step and all(
-        a.state[name].displacement.tobytes() == b.state[name].displacement.tobytes() and a.state[name].velocity.tobytes() == b.state[name].velocity.tobytes() for name in b.state)
+        a.state[name].displacement.tobytes() == b.state[name].displacement.tobytes()
+        and a.state[name].velocity.tobytes() == b.state[name].velocity.tobytes()
+        for name in b.state
+    )
 
 
 def verdict(path: Path, whole: Run) -> str:
@@ -88,7 +96,11 @@ def kill_campaign(kills: int, seed: int = 1, folder: Path | None = None) -> dict
         took = time.perf_counter() - begin
         for file in Path(name).iterdir():
             assert file == path, f"a run that has ended leaves {file.name}"
-        while counts.get("good", 0) + sum(n for told, n in counts.items() if told not in ("good", "late", "early")) < kills:
+        while (
+            counts.get("good", 0)
+            + sum(n for told, n in counts.items() if told not in ("good", "late", "early"))
+            < kills
+        ):
             for file in Path(name).iterdir():
                 file.unlink()
             told = verdict(path, whole) if killed(path, chance.uniform(0.0, took)) else "late"
@@ -99,7 +111,9 @@ def kill_campaign(kills: int, seed: int = 1, folder: Path | None = None) -> dict
 
 
 def main() -> int:
-    kills, seed = (int(x) for x in (*sys.argv[1:], *("100", str(int(time.time())))[len(sys.argv) - 1:]))
+    kills, seed = (
+        int(x) for x in (*sys.argv[1:], *("100", str(int(time.time())))[len(sys.argv) - 1 :])
+    )
     np.seterr(all="raise")
     counts = kill_campaign(kills, seed)
     print(f"{kills} runs killed while they wrote (seed {seed}): {counts}")

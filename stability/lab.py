@@ -74,8 +74,21 @@ def scene(title: str) -> ct.Scene:
     return ct.Scene(title=title, units=UNITS)
 
 
-def material(made: ct.Scene, name: str = "soft", young: float = 1e4, poisson: float = 0.3, density: float = 1.0, law: str = "linear") -> None:
-    made.add_material(name, young=young, poisson=poisson, density=density, **({} if law == "linear" else {"law": law}))
+def material(
+    made: ct.Scene,
+    name: str = "soft",
+    young: float = 1e4,
+    poisson: float = 0.3,
+    density: float = 1.0,
+    law: str = "linear",
+) -> None:
+    made.add_material(
+        name,
+        young=young,
+        poisson=poisson,
+        density=density,
+        **({} if law == "linear" else {"law": law}),
+    )
 
 
 def enforced(enforcement: str, beta: float | None) -> dict[str, Any]:
@@ -90,12 +103,28 @@ def shortest_edge(made: ct.Scene) -> float:
 def set_steps(made: ct.Scene, steps: int, fraction: float, records: int) -> ct.Scene:
     """Let a scene take so many steps of a fraction of the stable one, with about ``records`` records."""
     dt = made.set_time(end=1.0, fraction=fraction)._built(None).dt
-    return made.set_time(end=steps * dt, dt=dt).set_output(every=max(steps // records, 1), fields=[])
+    return made.set_time(end=steps * dt, dt=dt).set_output(
+        every=max(steps // records, 1), fields=[]
+    )
 
 
-def judge(case: str, made: ct.Scene, *, enforcement: str, beta: float | None, depth: Callable[[ct.Run], float] | None = None, scale: float | None = None,
-          scale_name: str = "start", momentum: float = MOMENTUM, momentum_scale: float = 0.0, bound: float = 0.5, whole: Callable[[ct.Run, Watch], str] | None = None,
-          measure: Callable[[ct.Run], dict[str, float]] | None = None, expected: str = "passes", note: str = "") -> Row:
+def judge(
+    case: str,
+    made: ct.Scene,
+    *,
+    enforcement: str,
+    beta: float | None,
+    depth: Callable[[ct.Run], float] | None = None,
+    scale: float | None = None,
+    scale_name: str = "start",
+    momentum: float = MOMENTUM,
+    momentum_scale: float = 0.0,
+    bound: float = 0.5,
+    whole: Callable[[ct.Run, Watch], str] | None = None,
+    measure: Callable[[ct.Run], dict[str, float]] | None = None,
+    expected: str = "passes",
+    note: str = "",
+) -> Row:
     """
     Run a scene and judge it: energy, momentum, penetration of points and nodes (``bound``, in h), and what the case itself asks for: ``whole`` answers "" or
     what is wrong.
@@ -104,16 +133,41 @@ def judge(case: str, made: ct.Scene, *, enforcement: str, beta: float | None, de
     problem = made._built(None)
     stable = problem.stable
     watch = Watch(shortest_edge(made), depth, measure)
-    row = Row(case, enforcement, beta, problem.dt / stable.dt_courant if stable.dt_courant > 0 else np.inf, problem.dt / stable.dt_without_contact, problem.step_count, np.nan, np.nan,
-              np.nan, np.nan, np.nan, "", scale=scale_name, note=note, expected=expected, integrator=problem.parts.time.integrator)
+    row = Row(
+        case,
+        enforcement,
+        beta,
+        problem.dt / stable.dt_courant if stable.dt_courant > 0 else np.inf,
+        problem.dt / stable.dt_without_contact,
+        problem.step_count,
+        np.nan,
+        np.nan,
+        np.nan,
+        np.nan,
+        np.nan,
+        "",
+        scale=scale_name,
+        note=note,
+        expected=expected,
+        integrator=problem.parts.time.integrator,
+    )
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             run = made.run(progress=False, output=False, watch=watch)
     except ct.Error as error:
-        row.verdict, row.note, row.seconds, row.curve = type(error).__name__, str(error).split(";")[0], time.perf_counter() - begin, watch.curve
+        row.verdict, row.note, row.seconds, row.curve = (
+            type(error).__name__,
+            str(error).split(";")[0],
+            time.perf_counter() - begin,
+            watch.curve,
+        )
         # The step that was accepted at the start is none for the body as it is now.
-        row.note += "; the solid has become too stiff for the step" if "The stable step had come down" in str(error) else ""
+        row.note += (
+            "; the solid has become too stiff for the step"
+            if "The stable step had come down" in str(error)
+            else ""
+        )
         if getattr(error, "run", None) is not None and len(error.run.energy):
             weigh(row, error.run, scale)
         return row
@@ -129,14 +183,28 @@ def weigh(row: Row, run: ct.Run, scale: float | None) -> None:
     """How far the total of the ledger rose above its start, and what was lost in the end."""
     total = run.energy["total"]
     unit = max(abs(total[0]), np.abs(run.energy["external"]).max(), scale or 0.0, 1e-300)
-    row.energy, row.lost = float((total - total[0]).max() / unit), float((total[0] - total[-1]) / unit)
+    row.energy, row.lost = (
+        float((total - total[0]).max() / unit),
+        float((total[0] - total[-1]) / unit),
+    )
 
 
 def drift(run: ct.Run, scale: float) -> float:
     """Change of momentum that no impulse accounts for, over the largest momentum or impulse, or a scale of the case where forces cancel each other."""
-    first, last = (np.array([rows["p"][i] for rows in (run.body_momentum(name) for name in run.bodies)]) for i in (0, -1))
+    first, last = (
+        np.array([rows["p"][i] for rows in (run.body_momentum(name) for name in run.bodies)])
+        for i in (0, -1)
+    )
     given = sum((impulse for impulse in run.impulse.values()), np.zeros(3))
-    unit = max([scale, np.abs(first).max(), np.abs(last).max(), *(np.abs(impulse).max() for impulse in run.impulse.values()), 1e-300])
+    unit = max(
+        [
+            scale,
+            np.abs(first).max(),
+            np.abs(last).max(),
+            *(np.abs(impulse).max() for impulse in run.impulse.values()),
+            1e-300,
+        ]
+    )
     return float(np.abs(last.sum(0) - first.sum(0) - given).max() / unit)
 
 
@@ -153,14 +221,32 @@ def verdict(row: Row, momentum: float, bound: float) -> str:
     return ""
 
 
-HEAD = ("case", "enforcement", "integrator", "beta", "Courant", "of limit", "steps", "energy", "lost", "points/h", "nodes/h", "momentum", "s", "verdict")
+HEAD = (
+    "case",
+    "enforcement",
+    "integrator",
+    "beta",
+    "Courant",
+    "of limit",
+    "steps",
+    "energy",
+    "lost",
+    "points/h",
+    "nodes/h",
+    "momentum",
+    "s",
+    "verdict",
+)
 
 
 def line(row: Row) -> str:
     beta = "" if row.beta is None else f"{row.beta:g}"
-    return (f"{row.case:<34.34} {row.enforcement:<17} {row.integrator:<18} {beta:>7} {row.courant:7.3f} {row.fraction:8.3f} {row.steps:8d} {row.energy:9.1e} {row.lost:9.1e} "
-            f"{row.points:8.1e} {row.nodes:8.1e} {row.momentum:8.1e} {row.seconds:6.1f}  {row.verdict}" + (f" ({row.note})" if row.note else ""))
+    return (
+        f"{row.case:<34.34} {row.enforcement:<17} {row.integrator:<18} {beta:>7} {row.courant:7.3f} {row.fraction:8.3f} {row.steps:8d} {row.energy:9.1e} {row.lost:9.1e} "
+        f"{row.points:8.1e} {row.nodes:8.1e} {row.momentum:8.1e} {row.seconds:6.1f}  {row.verdict}"
+        + (f" ({row.note})" if row.note else "")
+    )
 
 
 def head() -> str:
-    return (f"{HEAD[0]:<34} {HEAD[1]:<17} {HEAD[2]:<18} {HEAD[3]:>7} {HEAD[4]:>7} {HEAD[5]:>8} {HEAD[6]:>8} {HEAD[7]:>9} {HEAD[8]:>9} {HEAD[9]:>8} {HEAD[10]:>8} {HEAD[11]:>8} {HEAD[12]:>6}  {HEAD[13]}")
+    return f"{HEAD[0]:<34} {HEAD[1]:<17} {HEAD[2]:<18} {HEAD[3]:>7} {HEAD[4]:>7} {HEAD[5]:>8} {HEAD[6]:>8} {HEAD[7]:>9} {HEAD[8]:>9} {HEAD[9]:>8} {HEAD[10]:>8} {HEAD[11]:>8} {HEAD[12]:>6}  {HEAD[13]}"

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-
-import libcontact as ct
 import shapes
 from lab import DEFAULT, Row, judge, material, scene
+
+import libcontact as ct
 
 YOUNG, RADIUS, THICK, WIDTH = 1e4, 1.0, 0.2, 0.2
 PRESSURE = 1e-3 * YOUNG
@@ -19,6 +19,7 @@ NO_ENERGY, PRESSURES = 1e-24, 0.01
 
 def shell(inner: float, around: int, element: str) -> shapes.Bricks:
     """A quarter of a ring about y between two radii, its nodes on circles."""
+
     def curve(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         # From z to x, so that the strip's normal points outwards.
         out = np.stack([np.sin(0.5 * np.pi * s), np.cos(0.5 * np.pi * s)], -1)
@@ -55,7 +56,9 @@ def shells(inner: int, outer: int, element: str, adjust: float) -> ct.Scene:
     meshes = shell(RADIUS, inner, element), shell(RADIUS + THICK, outer, element)
     for name, bricks in zip(("inner", "outer"), meshes):
         made.add_body(name, nodes=bricks[0], elements=bricks[1], element=element, material="soft")
-        made.add_support(f"{name}.x_min", fix="x").add_support(f"{name}.z_min", fix="z").add_support(f"{name}.y_min", fix="y").add_support(f"{name}.y_max", fix="y")
+        made.add_support(f"{name}.x_min", fix="x").add_support(
+            f"{name}.z_min", fix="z"
+        ).add_support(f"{name}.y_min", fix="y").add_support(f"{name}.y_max", fix="y")
     return made.add_contact("inner.outer", "outer.outer", **({"adjust": adjust} if adjust else {}))
 
 
@@ -63,8 +66,13 @@ def mean_pressure(run: ct.Run) -> float:
     """The force between the shells, as both sides have it, over twice the area between them."""
     points = run.contact[0]
     # Ends and sides of the shells meet nobody.
-    middle = np.abs(np.hypot(points["position"][:, 0], points["position"][:, 2]) - RADIUS - THICK) < 0.3 * THICK
-    return float((points["pressure"] * points["weight"])[middle].sum() / (np.pi * (RADIUS + THICK) * WIDTH))
+    middle = (
+        np.abs(np.hypot(points["position"][:, 0], points["position"][:, 2]) - RADIUS - THICK)
+        < 0.3 * THICK
+    )
+    return float(
+        (points["pressure"] * points["weight"])[middle].sum() / (np.pi * (RADIUS + THICK) * WIDTH)
+    )
 
 
 def at_rest_under_pressure(inner: int, outer: int, element: str, adjust: float) -> ct.Scene:
@@ -74,18 +82,30 @@ def at_rest_under_pressure(inner: int, outer: int, element: str, adjust: float) 
     # Four times as long as a wave of speed 100 takes for the length 1.
     rise = 0.04
     made.add_effect("pressure", "inner", nodes, lambda view: force * min(view.time / rise, 1.0))
-    return made.add("damping", relaxation=True).set_time(end=3.0, fraction=0.9, until_static=1e-5).set_output(every=20, fields=[])
+    return (
+        made.add("damping", relaxation=True)
+        .set_time(end=3.0, fraction=0.9, until_static=1e-5)
+        .set_output(every=20, fields=[])
+    )
 
 
 def nested_shells(short: bool) -> Iterator[Row]:
     """Shells with 4:5, 8:11 and 3:4 (hex20) elements to a quarter: adjusted, they start without energy and have the mean pressure of matching meshes."""
-    for inner, outer, element in ((4, 5, "hex8"),) if short else ((4, 5, "hex8"), (8, 11, "hex8"), (3, 4, "hex20"), (5, 4, "hex8"), (4, 3, "hex20")):
+    for inner, outer, element in (
+        ((4, 5, "hex8"),)
+        if short
+        else ((4, 5, "hex8"), (8, 11, "hex8"), (3, 4, "hex20"), (5, 4, "hex8"), (4, 3, "hex20"))
+    ):
         coarse = min(inner, outer)
         # A little more than the sag of a facet of the coarser mesh.
         adjust = 1.2 * (RADIUS + THICK) * (1 - math.cos(math.pi / (4 * coarse)))
         matching: dict[str, float] = {}
         for a, b, distance in ((coarse, coarse, 0.0), (inner, outer, adjust)):
-            yield shell_row(f"nested shells, {a}:{b} {element}", at_rest_under_pressure(a, b, element, distance), matching)
+            yield shell_row(
+                f"nested shells, {a}:{b} {element}",
+                at_rest_under_pressure(a, b, element, distance),
+                matching,
+            )
 
 
 def shell_row(case: str, made: ct.Scene, matching: dict[str, float]) -> Row:
@@ -103,11 +123,28 @@ def shell_row(case: str, made: ct.Scene, matching: dict[str, float]) -> Row:
         wanted = matching.setdefault("pressure", pressure)
         if first[0] > NO_ENERGY * YOUNG * volume:
             return f"starts with {first[0] / (YOUNG * volume):.1e} E V"
-        return "" if abs(pressure / wanted - 1) < PRESSURES else f"mean pressure {pressure / wanted:.4f} of that of matching meshes"
+        return (
+            ""
+            if abs(pressure / wanted - 1) < PRESSURES
+            else f"mean pressure {pressure / wanted:.4f} of that of matching meshes"
+        )
 
-    row = judge(case, made, enforcement=DEFAULT, beta=4.0, measure=measure, whole=whole, scale=YOUNG * volume, scale_name="E V", momentum=np.inf)
+    row = judge(
+        case,
+        made,
+        enforcement=DEFAULT,
+        beta=4.0,
+        measure=measure,
+        whole=whole,
+        scale=YOUNG * volume,
+        scale_name="E V",
+        momentum=np.inf,
+    )
     if row.curve:
-        row.note = f"starts with {first[0] / (YOUNG * volume):.0e} E V, mean pressure {row.curve['pressure'][-1] / PRESSURE:.5f} of that inside" + (f"; {row.note}" if row.note else "")
+        row.note = (
+            f"starts with {first[0] / (YOUNG * volume):.0e} E V, mean pressure {row.curve['pressure'][-1] / PRESSURE:.5f} of that inside"
+            + (f"; {row.note}" if row.note else "")
+        )
     row.curve = {}
     return row
 

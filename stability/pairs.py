@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 import inside
-import libcontact as ct
+import numpy as np
 import shapes
 from lab import DEFAULT, Row, judge, material, scene
+
+import libcontact as ct
 
 KINDS = ("box", "moved", "ball", "wedge")
 # Energy from nothing, as a share of that at the start.
@@ -41,7 +41,10 @@ class Gaps:
     records: int = 0
 
     def __call__(self, run: ct.Run) -> dict[str, float]:
-        points, nodes = run.contact[0].copy(), {name: run.state[name].positions for name in self.bodies}
+        points, nodes = (
+            run.contact[0].copy(),
+            {name: run.state[name].positions for name in self.bodies},
+        )
         points["gap"] += points["start_gap"]  # the true distance
         if self.before is not None:
             self.compare(run, points, nodes)
@@ -54,10 +57,23 @@ class Gaps:
 
     def compare(self, run: ct.Run, points: np.ndarray, nodes: dict[str, np.ndarray]) -> None:
         old, old_nodes = self.before
-        reach = np.array([REACH[run.state[name].mesh.element] * np.linalg.norm(nodes[name] - old_nodes[name], axis=1).max() for name in self.bodies])
-        bound = np.linalg.norm(points["position"] - old["position"], axis=1) + reach[1 - points["side"]] + 1e-9 * np.ptp(nodes["a"], axis=0).max()
+        reach = np.array(
+            [
+                REACH[run.state[name].mesh.element]
+                * np.linalg.norm(nodes[name] - old_nodes[name], axis=1).max()
+                for name in self.bodies
+            ]
+        )
+        bound = (
+            np.linalg.norm(points["position"] - old["position"], axis=1)
+            + reach[1 - points["side"]]
+            + 1e-9 * np.ptp(nodes["a"], axis=0).max()
+        )
         # Without a partner: at least on the surface.
-        now, then = (np.where(np.isnan(gap) & (other < 0), 0.0, gap) for gap, other in ((points["gap"], old["gap"]), (old["gap"], points["gap"])))
+        now, then = (
+            np.where(np.isnan(gap) & (other < 0), 0.0, gap)
+            for gap, other in ((points["gap"], old["gap"]), (old["gap"], points["gap"]))
+        )
         with np.errstate(invalid="ignore"):
             change = np.abs(now - then)
             beyond, closed = change > bound, np.minimum(now, then) < 0
@@ -71,7 +87,9 @@ class Gaps:
         for one, two in (self.bodies, self.bodies[::-1]):
             a, b = run.state[one], run.state[two]
             centres = a.positions[a.elements[:, :8]].mean(1)
-            self.inside = max(self.inside, int(inside.within(centres, b.positions, b.elements).sum()))
+            self.inside = max(
+                self.inside, int(inside.within(centres, b.positions, b.elements).sum())
+            )
 
     def check_signs(self, run: ct.Run, points: np.ndarray) -> None:
         """Count points that are reported inside by more than ``FALSE`` edges, and are outside."""
@@ -79,15 +97,30 @@ class Gaps:
             other = run.state[self.bodies[1 - side]]
             told = (points["side"] == side) & (points["gap"] < -FALSE * other.mesh.shortest_edge)
             if told.any():
-                self.false = max(self.false, int((~inside.within(points["position"][told], other.positions, other.elements)).sum()))
+                self.false = max(
+                    self.false,
+                    int(
+                        (
+                            ~inside.within(
+                                points["position"][told], other.positions, other.elements
+                            )
+                        ).sum()
+                    ),
+                )
 
     def verdict(self, run: ct.Run, watch: Any) -> str:
         self.look(run)
         return self.wrong()
 
     def wrong(self) -> str:
-        return "; ".join([f"{self.jumps} gaps jump, by up to {self.farthest:.3g} times what can be, {self.flips} with a change of sign"] * (self.jumps > 0)
-                         + [f"{self.false} points outside are reported inside"] * (self.false > 0) + [f"{self.inside} elements are inside the other body"] * (self.inside > 0))
+        return "; ".join(
+            [
+                f"{self.jumps} gaps jump, by up to {self.farthest:.3g} times what can be, {self.flips} with a change of sign"
+            ]
+            * (self.jumps > 0)
+            + [f"{self.false} points outside are reported inside"] * (self.false > 0)
+            + [f"{self.inside} elements are inside the other body"] * (self.inside > 0)
+        )
 
 
 def pair(seed: int) -> tuple[str, ct.Scene]:
@@ -105,25 +138,61 @@ def pair(seed: int) -> tuple[str, ct.Scene]:
     speed, across = random.uniform(0.02, 0.2) * 1.16, 0.3 * random.normal(size=3)
     velocity = speed * (way + across - (across @ way) * way) / np.sqrt(1 + across @ across)
     for k, name in enumerate("ab"):
-        material(made, f"m{k}", 1.0 if k else ratio, 0.3, 1.0 if k else max(1.0, np.sqrt(ratio / 10)), "neo_hookean")
+        material(
+            made,
+            f"m{k}",
+            1.0 if k else ratio,
+            0.3,
+            1.0 if k else max(1.0, np.sqrt(ratio / 10)),
+            "neo_hookean",
+        )
         axis = random.normal(size=3)
-        made.add_body(name, nodes=bricks[k][0], elements=bricks[k][1], element=str(elements[k]), material=f"m{k}", velocity=list((0.5 - k) * velocity),
-                      spin={"axis": list(axis), "rate": random.uniform(0, 0.2), "centre": list(bricks[k][0].mean(0))})
-    made.add_contact("a.outer", "b.outer").set_time(end=2.0 + 0.05 / speed, fraction=random.choice([0.3, 0.6, 0.9]))
-    return f"{kinds[0]} {elements[0]}, {kinds[1]} {elements[1]}, stiffness {ratio:.3g}, speed {speed / 1.16:.2g} c1", made.set_output(every=1, fields=[])
+        made.add_body(
+            name,
+            nodes=bricks[k][0],
+            elements=bricks[k][1],
+            element=str(elements[k]),
+            material=f"m{k}",
+            velocity=list((0.5 - k) * velocity),
+            spin={
+                "axis": list(axis),
+                "rate": random.uniform(0, 0.2),
+                "centre": list(bricks[k][0].mean(0)),
+            },
+        )
+    made.add_contact("a.outer", "b.outer").set_time(
+        end=2.0 + 0.05 / speed, fraction=random.choice([0.3, 0.6, 0.9])
+    )
+    return (
+        f"{kinds[0]} {elements[0]}, {kinds[1]} {elements[1]}, stiffness {ratio:.3g}, speed {speed / 1.16:.2g} c1",
+        made.set_output(every=1, fields=[]),
+    )
 
 
 def body_pairs(short: bool) -> Iterator[Row]:
     """200 pairs: boxes, distorted ones, balls and wedges of hex8 and hex20, turned at random, with stiffnesses of 1 to 10000 and speeds up to a fifth of that of waves."""
-    for seed in ((0, 1, 2, 4, 125, 134) if short else range(200)):
+    for seed in (0, 1, 2, 4, 125, 134) if short else range(200):
         name, made = pair(seed)
         gaps = Gaps()
-        row = judge(f"pair of bodies, {seed}", made, enforcement=DEFAULT, beta=4.0, measure=gaps, whole=gaps.verdict, bound=np.inf)
+        row = judge(
+            f"pair of bodies, {seed}",
+            made,
+            enforcement=DEFAULT,
+            beta=4.0,
+            measure=gaps,
+            whole=gaps.verdict,
+            bound=np.inf,
+        )
         if row.verdict == "StepTooLarge" and "too stiff" in row.note:
             row.verdict = gaps.wrong() or "passes"
         if row.good and row.energy > GROWTH:
             row.verdict = f"energy grows by {100 * row.energy:.3g} %"
-        row.note, row.curve = name + f"; {gaps.jumps} jumps, {gaps.flips} flips, {gaps.open} of open gaps, {gaps.false} false" + (f"; {row.note}" if row.note else ""), {}
+        row.note, row.curve = (
+            name
+            + f"; {gaps.jumps} jumps, {gaps.flips} flips, {gaps.open} of open gaps, {gaps.false} false"
+            + (f"; {row.note}" if row.note else ""),
+            {},
+        )
         yield row
 
 

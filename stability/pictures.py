@@ -28,7 +28,12 @@ def verdicts(rows: list):
     for k, name in enumerate(names):
         own = [row for row in rows if row.enforcement == name and np.isfinite(row.energy)]
         spread = k + 0.6 * (np.arange(len(own)) / max(len(own), 1) - 0.5)
-        axis.scatter(spread, [max(row.energy, 1e-17) for row in own], s=14, c=["tab:green" if row.good else "tab:red" for row in own])
+        axis.scatter(
+            spread,
+            [max(row.energy, 1e-17) for row in own],
+            s=14,
+            c=["tab:green" if row.good else "tab:red" for row in own],
+        )
     axis.axhline(0.01, color="black", linewidth=0.8)
     axis.set_yscale("log")
     axis.set_xticks(range(len(names)), [name.replace("_", " ") for name in names])
@@ -44,9 +49,17 @@ def sweep(rows: list):
         return None
     figure, (lost, depth) = plt.subplots(1, 2, figsize=(9, 3.6), constrained_layout=True)
     for fraction in sorted({round(row.fraction, 2) for row in own}):
-        part = sorted((row for row in own if round(row.fraction, 2) == fraction), key=lambda row: row.beta)
+        part = sorted(
+            (row for row in own if round(row.fraction, 2) == fraction), key=lambda row: row.beta
+        )
         beta = [row.beta for row in part]
-        lost.semilogx(beta, [100 * row.lost for row in part], "o-", markersize=4, label=f"{fraction:g} of the limit")
+        lost.semilogx(
+            beta,
+            [100 * row.lost for row in part],
+            "o-",
+            markersize=4,
+            label=f"{fraction:g} of the limit",
+        )
         depth.loglog(beta, [max(row.points, 1e-17) for row in part], "o-", markersize=4)
     lost.set_ylabel("energy taken away [%]")
     lost.set_ylim(bottom=0)
@@ -56,7 +69,10 @@ def sweep(rows: list):
         axis.set_xlabel("penalty factor β")
         axis.spines[["top", "right"]].set_visible(False)
     most = max(row.energy for row in own)
-    figure.suptitle("Plate impact, energy-controlled penalty: " + (f"energy grows by {most:.1g} at most" if most > 0 else "energy grows in no run"))
+    figure.suptitle(
+        "Plate impact, energy-controlled penalty: "
+        + (f"energy grows by {most:.1g} at most" if most > 0 else "energy grows in no run")
+    )
     return figure
 
 
@@ -67,7 +83,12 @@ def bouncing(rows: list):
         return None
     figure, axis = plt.subplots(figsize=(7, 3.8), constrained_layout=True)
     for row in own:
-        axis.plot(row.curve["impact"], 100 * np.array(row.curve["late"]), ".-", label=f"{row.enforcement.replace('_', ' ')}, {row.note.split(';')[0]}")
+        axis.plot(
+            row.curve["impact"],
+            100 * np.array(row.curve["late"]),
+            ".-",
+            label=f"{row.enforcement.replace('_', ' ')}, {row.note.split(';')[0]}",
+        )
     axis.axhline(0, color="black", linewidth=0.8)
     axis.set_xlabel("impact")
     axis.set_ylabel("late, % of a period")

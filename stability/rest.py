@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-
-import libcontact as ct
 import shapes
 from lab import DEFAULT, Row, judge, material, scene, set_steps, shortest_edge
+
+import libcontact as ct
 
 # Density 1.
 YOUNG, C = 1e4, 1e2
@@ -21,7 +21,12 @@ def still(run: ct.Run) -> dict[str, float]:
     """What must be zero in a body at rest: its energy of every kind, and how far its nodes have moved."""
     row = run.energy[-1]
     moved = max(float(np.abs(body.displacement).max()) for body in run.state.values())
-    return {"energy": float(max(abs(row["kinetic"]), abs(row["strain"]), abs(row["contact"]), abs(row["total"]))), "moved": moved}
+    return {
+        "energy": float(
+            max(abs(row["kinetic"]), abs(row["strain"]), abs(row["contact"]), abs(row["total"]))
+        ),
+        "moved": moved,
+    }
 
 
 def at_rest(made: ct.Scene, case: str, volume: float, steps: int, **more: str) -> Row:
@@ -32,11 +37,29 @@ def at_rest(made: ct.Scene, case: str, volume: float, steps: int, **more: str) -
         if found := sum(contact["points"]["inside"] for contact in run.penetration):
             return f"{found} points are reported inside"
         energy, moved = max(watch.curve["energy"]) / (YOUNG * volume), max(watch.curve["moved"]) / h
-        return "" if energy <= NO_ENERGY and moved <= NO_MOTION else f"energy {energy:.1e} E V at rest, nodes move by {moved:.1e} h"
+        return (
+            ""
+            if energy <= NO_ENERGY and moved <= NO_MOTION
+            else f"energy {energy:.1e} E V at rest, nodes move by {moved:.1e} h"
+        )
 
-    row = judge(case, made, enforcement=DEFAULT, beta=4.0, measure=still, whole=nothing, scale=YOUNG * volume, scale_name="E V", momentum_scale=volume * C, **more)
+    row = judge(
+        case,
+        made,
+        enforcement=DEFAULT,
+        beta=4.0,
+        measure=still,
+        whole=nothing,
+        scale=YOUNG * volume,
+        scale_name="E V",
+        momentum_scale=volume * C,
+        **more,
+    )
     if row.curve:
-        row.note = (f"energy {max(row.curve['energy']) / (YOUNG * volume):.0e} E V, moved {max(row.curve['moved']) / h:.0e} h" + (f"; {row.note}" if row.note else ""))
+        row.note = (
+            f"energy {max(row.curve['energy']) / (YOUNG * volume):.0e} E V, moved {max(row.curve['moved']) / h:.0e} h"
+            + (f"; {row.note}" if row.note else "")
+        )
     row.curve = {}
     return row
 
@@ -45,19 +68,29 @@ def concave(bricks: shapes.Bricks, points: str) -> ct.Scene:
     """One body whose surface may meet itself."""
     made = scene("at rest")
     material(made, young=YOUNG)
-    made.add_body("body", nodes=bricks[0], elements=bricks[1], element="hex8" if bricks[1].shape[1] == 8 else "hex20", material="soft")
+    made.add_body(
+        "body",
+        nodes=bricks[0],
+        elements=bricks[1],
+        element="hex8" if bricks[1].shape[1] == 8 else "hex20",
+        material="soft",
+    )
     # An overlap that the library takes for real is to show: in its energy.
     return made.add_contact("body.outer", "body.outer", points=points, initial_penetration="push")
 
 
-def concave_meshes(name: str, parts: int, element: str, amount: float, count: int) -> list[shapes.Bricks]:
+def concave_meshes(
+    name: str, parts: int, element: str, amount: float, count: int
+) -> list[shapes.Bricks]:
     """One regular mesh of a shape, or ``count`` of them with nodes moved by ``amount`` of an edge and turned at random."""
     out = []
     for seed in range(count if amount else 1):
         random = np.random.default_rng([seed, parts, int(10 * amount), *name.encode()])
         bricks = shapes.cubes(shapes.CONCAVE[name], parts)
         if amount:
-            bricks = shapes.turned(shapes.moved(bricks, amount / parts, random), shapes.random_rotation(random))
+            bricks = shapes.turned(
+                shapes.moved(bricks, amount / parts, random), shapes.random_rotation(random)
+            )
         out.append(bricks if element == "hex8" else shapes.with_edges(bricks))
     return out
 
@@ -80,22 +113,52 @@ def concave_at_rest(short: bool) -> Iterator[Row]:
     """
     for name in shapes.CONCAVE:
         sizes = [("hex8", 1, 3), ("hex8", 2, 1), ("hex8", 3, 1), ("hex20", 1, 1)]
-        for element, parts, count in ([sizes[0], sizes[3]] if name in ("L", "corner") else sizes[:1]) if short else sizes:
+        for element, parts, count in (
+            ([sizes[0], sizes[3]] if name in ("L", "corner") else sizes[:1]) if short else sizes
+        ):
             for amount in (0.0, 0.1, 0.2, 0.3):
                 for points in ("gauss", "lobatto"):
-                    yield from concave_rows(name, element, parts, amount, points, 20 if short else 1000 if parts == 1 else 200, 1 if short else count)
+                    yield from concave_rows(
+                        name,
+                        element,
+                        parts,
+                        amount,
+                        points,
+                        20 if short else 1000 if parts == 1 else 200,
+                        1 if short else count,
+                    )
 
 
-def concave_rows(name: str, element: str, parts: int, amount: float, points: str, steps: int, count: int) -> Iterator[Row]:
+def concave_rows(
+    name: str, element: str, parts: int, amount: float, points: str, steps: int, count: int
+) -> Iterator[Row]:
     """A row for each accepted mesh of a shape; the last one says how many were refused."""
-    scenes = [concave(bricks, points) for bricks in concave_meshes(name, parts, element, amount, count)]
+    scenes = [
+        concave(bricks, points) for bricks in concave_meshes(name, parts, element, amount, count)
+    ]
     taken = [made for made in scenes if accepted(made)]
     refused = len(scenes) - len(taken)
     case = f"concave, {name} {element}/{parts} {amount:g} h {points}"
     for made in taken:
-        yield at_rest(made, case, len(shapes.CONCAVE[name]), steps, note=f"{refused} of {len(scenes)} meshes refused" if refused else "")
+        yield at_rest(
+            made,
+            case,
+            len(shapes.CONCAVE[name]),
+            steps,
+            note=f"{refused} of {len(scenes)} meshes refused" if refused else "",
+        )
     if not taken:
-        yield Row(case, DEFAULT, 4.0, *([math.nan] * 2), 0, *([math.nan] * 5), "passes", note=f"all {refused} meshes refused", scale="E V")
+        yield Row(
+            case,
+            DEFAULT,
+            4.0,
+            *([math.nan] * 2),
+            0,
+            *([math.nan] * 5),
+            "passes",
+            note=f"all {refused} meshes refused",
+            scale="E V",
+        )
 
 
 def later(end: float) -> dict[str, list[float]]:
@@ -103,7 +166,9 @@ def later(end: float) -> dict[str, list[float]]:
     return {"time": [0.0, 0.5 * end, end], "value": [0.0, 0.0, 1.0]}
 
 
-def turned_box(random: np.random.Generator, scale: float, rotation: np.ndarray, place: np.ndarray) -> tuple[shapes.Bricks, np.ndarray]:
+def turned_box(
+    random: np.random.Generator, scale: float, rotation: np.ndarray, place: np.ndarray
+) -> tuple[shapes.Bricks, np.ndarray]:
     """A box of random size on the plane through ``place`` across the third column of ``rotation``; with the size."""
     size = random.uniform(0.5, 1.5, 3) * scale
     nodes, elements = shapes.box(size, random.integers(1, 4, 3))
@@ -116,7 +181,12 @@ def rest_scene(seed: int) -> tuple[str, ct.Scene, float]:
     an energy of the problem.
     """
     random = np.random.default_rng([7, seed])
-    made, rotation, scale, young = scene("at rest"), shapes.random_rotation(random), 10 ** random.uniform(-3, 3), 10 ** random.uniform(3, 11)
+    made, rotation, scale, young = (
+        scene("at rest"),
+        shapes.random_rotation(random),
+        10 ** random.uniform(-3, 3),
+        10 ** random.uniform(3, 11),
+    )
     place = random.uniform(-3, 3, 3) * scale
     material(made, young=young, density=1000.0)
     bricks, size = turned_box(random, scale, rotation, place)
@@ -132,22 +202,47 @@ def rest_scene(seed: int) -> tuple[str, ct.Scene, float]:
     if seed % 2:
         made.add_contact("a.outer", "b.outer")
     else:
-        made.add("obstacle", surface="b.outer", plane={"point": list(place), "normal": list(rotation[:, 2])}, **({"friction": 0.5} if random.random() < 0.5 else {}))
+        made.add(
+            "obstacle",
+            surface="b.outer",
+            plane={"point": list(place), "normal": list(rotation[:, 2])},
+            **({"friction": 0.5} if random.random() < 0.5 else {}),
+        )
     if seed % 4 == 2:
         gravity = 10 ** random.uniform(-12, -3) * young / (1000 * scale)
         made.add("gravity", acceleration=[0, 0, -gravity * np.sign(rotation[2, 2])])
     else:
-        made.add("load", surface="b.outer", traction=list(-1e-3 * young * rotation[:, 2]), history=later(end))
-    return f"{'blocks on each other' if seed % 2 else 'block on an inclined plane'}, {element}", made.set_time(end=end, fraction=0.9), energy
+        made.add(
+            "load",
+            surface="b.outer",
+            traction=list(-1e-3 * young * rotation[:, 2]),
+            history=later(end),
+        )
+    return (
+        f"{'blocks on each other' if seed % 2 else 'block on an inclined plane'}, {element}",
+        made.set_time(end=end, fraction=0.9),
+        energy,
+    )
 
 
 def anyhow_at_rest(short: bool) -> Iterator[Row]:
     """200 scenes that begin at rest, in random orientations: what round-off does to them is no alarm."""
     for seed in range(12 if short else 200):
         case, made, scale = rest_scene(seed)
-        mass = sum(1000 * np.prod(np.ptp(body.mesh.nodes, axis=0)) for body in made._built(None).bodies.values())
+        mass = sum(
+            1000 * np.prod(np.ptp(body.mesh.nodes, axis=0))
+            for body in made._built(None).bodies.values()
+        )
         speed = math.sqrt(made._data["material"][0]["young"] / 1000)
-        yield judge(f"at rest, {case}", made.set_output(every=1, fields=[]), enforcement=DEFAULT, beta=4.0, scale=scale, scale_name="E V", momentum_scale=mass * speed)
+        yield judge(
+            f"at rest, {case}",
+            made.set_output(every=1, fields=[]),
+            enforcement=DEFAULT,
+            beta=4.0,
+            scale=scale,
+            scale_name="E V",
+            momentum_scale=mass * speed,
+        )
 
 
 CASES = [concave_at_rest, anyhow_at_rest]

@@ -19,12 +19,23 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import cases  # noqa: E402
 import lab  # noqa: E402
 
-
 BOOK = Path(__file__).resolve().parents[1] / "docs" / "stability"
 # Cases that are one line of the summary.
-GROUPS = {"bar on a wall, other integrators": "bar on a wall, other integrators", "cube dropped on its face": "cube dropped", "cube dropped on its edge": "cube dropped", "cube dropped on its corner": "cube dropped",
-          "last bit as given": "last bit of the input changed", "rounding to nearest": "rounding modes", "rounding down": "rounding modes", "rounding up": "rounding modes",
-          "rounding to zero": "rounding modes", **{f"length {length} m": "sizes 1e-9 ... 1e6 m" for length in ("1", "1e-09", "1e-06", "0.001", "1000", "1e+06")}}
+GROUPS = {
+    "bar on a wall, other integrators": "bar on a wall, other integrators",
+    "cube dropped on its face": "cube dropped",
+    "cube dropped on its edge": "cube dropped",
+    "cube dropped on its corner": "cube dropped",
+    "last bit as given": "last bit of the input changed",
+    "rounding to nearest": "rounding modes",
+    "rounding down": "rounding modes",
+    "rounding up": "rounding modes",
+    "rounding to zero": "rounding modes",
+    **{
+        f"length {length} m": "sizes 1e-9 ... 1e6 m"
+        for length in ("1", "1e-09", "1e-06", "0.001", "1000", "1e+06")
+    },
+}
 
 
 def collect(names: list[str], short: bool) -> list[lab.Row]:
@@ -62,7 +73,13 @@ def summarise(rows: list[lab.Row]) -> list[dict[str, str]]:
     """One line for all rows of a case with one enforcement: the worst of each figure."""
     groups: dict[tuple[str, str], list[lab.Row]] = {}
     for row in rows:
-        groups.setdefault((GROUPS.get(row.case, GROUPS.get(row.case.split(",")[0], row.case.split(",")[0])), row.enforcement), []).append(row)
+        groups.setdefault(
+            (
+                GROUPS.get(row.case, GROUPS.get(row.case.split(",")[0], row.case.split(",")[0])),
+                row.enforcement,
+            ),
+            [],
+        ).append(row)
     out = []
     for (case, enforcement), own in groups.items():
         whole = [row for row in own if math.isfinite(row.energy)]
@@ -72,13 +89,30 @@ def summarise(rows: list[lab.Row]) -> list[dict[str, str]]:
         for key in ("energy", "points", "nodes", "momentum"):
             values = [getattr(row, key) for row in whole if math.isfinite(getattr(row, key))]
             worst[key] = f"{max(values):.1e}" if values else ""
-        out.append({"case": case, "enforcement": enforcement.replace("_", "-"), "beta": _range(betas), "step": _range(fractions), "energy grows by": worst["energy"],
-                    "points / h": worst["points"], "nodes / h": worst["nodes"], "momentum": worst["momentum"], "passes": f"{sum(row.good for row in own)} of {len(own)}"})
+        out.append(
+            {
+                "case": case,
+                "enforcement": enforcement.replace("_", "-"),
+                "beta": _range(betas),
+                "step": _range(fractions),
+                "energy grows by": worst["energy"],
+                "points / h": worst["points"],
+                "nodes / h": worst["nodes"],
+                "momentum": worst["momentum"],
+                "passes": f"{sum(row.good for row in own)} of {len(own)}",
+            }
+        )
     return out
 
 
 def _range(values: list[float]) -> str:
-    return "" if not values else f"{values[0]:g}" if len(values) == 1 else f"{values[0]:g} ... {values[-1]:g}"
+    return (
+        ""
+        if not values
+        else f"{values[0]:g}"
+        if len(values) == 1
+        else f"{values[0]:g} ... {values[-1]:g}"
+    )
 
 
 def write_summary(rows: list[lab.Row], folder: Path) -> None:
@@ -108,7 +142,9 @@ def main() -> int:
             write_summary(rows, BOOK)
     odd = surprises(rows)
     default = [row for row in rows if row.enforcement == lab.DEFAULT]
-    print(f"\n{len(rows)} rows; the default enforcement passes {sum(row.good for row in default)} of {len(default)}; {len(odd)} rows end otherwise than expected")
+    print(
+        f"\n{len(rows)} rows; the default enforcement passes {sum(row.good for row in default)} of {len(default)}; {len(odd)} rows end otherwise than expected"
+    )
     for row in odd:
         print("  " + lab.line(row))
     return 1 if odd else 0

@@ -7,8 +7,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 # VTK's corners of a brick, and the corners of each of its edges.
-CORNERS = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
-EDGES = np.array([(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)])
+CORNERS = np.array(
+    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+)
+EDGES = np.array(
+    [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+)
 # Each of these has an edge or a corner that points inwards.
 CONCAVE: dict[str, list[tuple[int, int, int]]] = {
     "L": [(i, 0, 0) for i in range(4)] + [(0, j, 0) for j in range(1, 4)],
@@ -18,7 +22,9 @@ CONCAVE: dict[str, list[tuple[int, int, int]]] = {
     "plus": [(1, 1, 0), (0, 1, 0), (2, 1, 0), (1, 0, 0), (1, 2, 0)],
     "ring": [(i, j, 0) for i in range(3) for j in range(3) if (i, j) != (1, 1)],
     "Z": [(0, 0, 0), (1, 0, 0), (1, 1, 0), (2, 1, 0)],
-    "corner": [(i, j, k) for i in range(2) for j in range(2) for k in range(2) if (i, j, k) != (1, 1, 1)],
+    "corner": [
+        (i, j, k) for i in range(2) for j in range(2) for k in range(2) if (i, j, k) != (1, 1, 1)
+    ],
 }
 
 Bricks = tuple[np.ndarray, np.ndarray]
@@ -44,13 +50,17 @@ def moved(bricks: Bricks, amount: float, random: np.random.Generator) -> Bricks:
     return nodes + random.uniform(-amount, amount, nodes.shape), elements
 
 
-def with_edges(bricks: Bricks, onto: Callable[[np.ndarray], np.ndarray] = lambda middle: middle) -> Bricks:
+def with_edges(
+    bricks: Bricks, onto: Callable[[np.ndarray], np.ndarray] = lambda middle: middle
+) -> Bricks:
     """hex20 of hex8: a node in the middle of every edge, taken by ``onto`` to where it belongs."""
     nodes, elements = bricks
     pairs = np.sort(elements[:, EDGES], axis=2)
     edges, numbers = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
     more = numbers.reshape(len(elements), 12) + len(nodes)
-    return np.concatenate([nodes, onto(nodes[edges].mean(1))]), np.hstack([elements, more]).astype(np.int32)
+    return np.concatenate([nodes, onto(nodes[edges].mean(1))]), np.hstack([elements, more]).astype(
+        np.int32
+    )
 
 
 def turned(bricks: Bricks, rotation: np.ndarray) -> Bricks:
@@ -60,18 +70,33 @@ def turned(bricks: Bricks, rotation: np.ndarray) -> Bricks:
 def random_rotation(random: np.random.Generator) -> np.ndarray:
     q = random.normal(size=4)
     w, x, y, z = q / np.linalg.norm(q)
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 # Strips: a box (length, width, thickness) bent along a curve in the plane of x and z.
 
-def bent(cells: Sequence[int], width: float, thickness: float, curve: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], closed: bool = False) -> Bricks:
+
+def bent(
+    cells: Sequence[int],
+    width: float,
+    thickness: float,
+    curve: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+    closed: bool = False,
+) -> Bricks:
     """
     A strip about the middle line ``curve(s)``, 0 <= s <= 1, which answers points and unit normals (n, 2), in the plane of x and z. The line of a ``closed`` one ends where
     it starts.
     """
-    places = np.stack(np.meshgrid(*[np.arange(n) for n in cells], indexing="ij"), -1).reshape(-1, 1, 3) + CORNERS
+    places = (
+        np.stack(np.meshgrid(*[np.arange(n) for n in cells], indexing="ij"), -1).reshape(-1, 1, 3)
+        + CORNERS
+    )
     if closed:
         places[..., 0] %= cells[0]
     lattice, elements = joined(places)
@@ -99,13 +124,22 @@ def hairpin(leg: float, thickness: float, gap: float, cells: Sequence[int], widt
 def fork(legs: int, through: int, gap: int, base: int, wide: int, h: float) -> Bricks:
     """A U with corners: two legs along x of ``through`` elements, ``gap`` elements apart, on a base of ``base`` elements at the smaller x; elements are cubes of edge h."""
     high = 2 * through + gap
-    cells = [(i, j, k) for i in range(-base, legs) for j in range(wide) for k in range(high) if i < 0 or not through <= k < through + gap]
+    cells = [
+        (i, j, k)
+        for i in range(-base, legs)
+        for j in range(wide)
+        for k in range(high)
+        if i < 0 or not through <= k < through + gap
+    ]
     nodes, elements = cubes(cells)
     return nodes * h, elements
 
 
-def spiral(inner: float, pitch: float, turns: float, thickness: float, cells: Sequence[int], width: float) -> Bricks:
+def spiral(
+    inner: float, pitch: float, turns: float, thickness: float, cells: Sequence[int], width: float
+) -> Bricks:
     """A strip wound about y: the radius of its middle line grows from ``inner`` by ``pitch`` a turn."""
+
     def curve(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         # Equal elements: the square of the radius grows as the length does.
         outer = inner + pitch * turns
@@ -118,7 +152,9 @@ def spiral(inner: float, pitch: float, turns: float, thickness: float, cells: Se
     return bent(cells, width, thickness, curve)
 
 
-def coil(inner: float, pitch: float, turns: int, thickness: float, cells: Sequence[int], width: float) -> Bricks:
+def coil(
+    inner: float, pitch: float, turns: int, thickness: float, cells: Sequence[int], width: float
+) -> Bricks:
     """A strip wound about y, whose outer end leaves the coil along x, at its lowest point."""
     outer = inner + pitch * turns
     wound, straight = 0.5 * (outer**2 - inner**2) * 2 * np.pi / pitch, 1.3 * outer
@@ -129,13 +165,16 @@ def coil(inner: float, pitch: float, turns: int, thickness: float, cells: Sequen
         # The winding ends at the angle of -90 degrees.
         angle = 2 * np.pi * (radius - outer) / pitch - 0.5 * np.pi
         out = np.stack([np.cos(angle), np.sin(angle)], -1)
-        return radius[:, None] * out + np.maximum(along - wound, 0.0)[:, None] * np.array([1.0, 0.0]), -out
+        return radius[:, None] * out + np.maximum(along - wound, 0.0)[:, None] * np.array(
+            [1.0, 0.0]
+        ), -out
 
     return bent(cells, width, thickness, curve)
 
 
 def ring(radius: float, thickness: float, cells: Sequence[int], width: float) -> Bricks:
     """A closed ring about y with this middle radius."""
+
     def curve(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         out = np.stack([np.cos(2 * np.pi * s), np.sin(2 * np.pi * s)], -1)
         return radius * out, -out
@@ -145,8 +184,12 @@ def ring(radius: float, thickness: float, cells: Sequence[int], width: float) ->
 
 # Bodies of about the size 1 about the origin, for impacts at random.
 
+
 def box(size: Sequence[float], cells: Sequence[int]) -> Bricks:
-    places = np.stack(np.meshgrid(*[np.arange(n) for n in cells], indexing="ij"), -1).reshape(-1, 1, 3) + CORNERS
+    places = (
+        np.stack(np.meshgrid(*[np.arange(n) for n in cells], indexing="ij"), -1).reshape(-1, 1, 3)
+        + CORNERS
+    )
     lattice, elements = joined(places)
     return (lattice / np.array(cells) - 0.5) * np.array(size), elements
 
@@ -160,7 +203,9 @@ def rounded(x: np.ndarray, share: float = 0.6) -> np.ndarray:
 
 def tapered(x: np.ndarray) -> np.ndarray:
     """A box about the origin becomes a wedge."""
-    return x * np.stack([1 - 0.8 * (x[:, 2] / np.ptp(x[:, 2]) + 0.5), np.ones(len(x)), np.ones(len(x))], -1)
+    return x * np.stack(
+        [1 - 0.8 * (x[:, 2] / np.ptp(x[:, 2]) + 0.5), np.ones(len(x)), np.ones(len(x))], -1
+    )
 
 
 def least_jacobian(bricks: Bricks, parts: int = 4) -> float:
@@ -177,7 +222,15 @@ def least_jacobian(bricks: Bricks, parts: int = 4) -> float:
         middle = 0.5 * (own[EDGES[:, 0]] + own[EDGES[:, 1]])
         factor = np.where(middle == 0, 1 - xi**2, 1 + middle * xi)
         change = np.where(middle == 0, -2 * xi, middle + 0 * xi)
-        slope = np.concatenate([slope, np.stack([change[..., k] * np.delete(factor, k, 2).prod(2) / 4 for k in range(3)], -1)], axis=1)
+        slope = np.concatenate(
+            [
+                slope,
+                np.stack(
+                    [change[..., k] * np.delete(factor, k, 2).prod(2) / 4 for k in range(3)], -1
+                ),
+            ],
+            axis=1,
+        )
     return float(np.linalg.det(np.einsum("gnk,enj->egjk", slope, nodes[elements])).min())
 
 

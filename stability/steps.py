@@ -11,18 +11,38 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-
-import libcontact as ct
 from libcontact._core import ffi, lib
 from libcontact.errors import Error, check, new_error
 from libcontact.mesh import Mesh
 from libcontact.parts import INTEGRATORS
 from libcontact.problem import Problem, new_state
 
+import libcontact as ct
+
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
-MESHES = ("cubes", "flat bricks", "nearly incompressible", "graded", "distorted by 0.1 h", "distorted by 0.2 h")
+MESHES = (
+    "cubes",
+    "flat bricks",
+    "nearly incompressible",
+    "graded",
+    "distorted by 0.1 h",
+    "distorted by 0.2 h",
+)
 REGULAR = MESHES[:3]
-EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
+EDGES = (
+    (0, 1),
+    (1, 2),
+    (2, 3),
+    (3, 0),
+    (4, 5),
+    (5, 6),
+    (6, 7),
+    (7, 4),
+    (0, 4),
+    (1, 5),
+    (2, 6),
+    (3, 7),
+)
 BELOW, ABOVE, BLOWN = 0.999, 1.02, 1e3
 
 
@@ -46,14 +66,23 @@ class Row:
 
     @property
     def good(self) -> bool:
-        sharp = self.sharpness >= 0.9 and (self.mesh not in REGULAR or self.elements >= 0.9 * self.true)
-        return sharp and self.sharpness <= 1.0 + 1e-6 and self.elements <= self.reported and self.below < BLOWN < self.above
+        sharp = self.sharpness >= 0.9 and (
+            self.mesh not in REGULAR or self.elements >= 0.9 * self.true
+        )
+        return (
+            sharp
+            and self.sharpness <= 1.0 + 1e-6
+            and self.elements <= self.reported
+            and self.below < BLOWN < self.above
+        )
 
 
 def block(element: str, mesh: str) -> tuple[np.ndarray, np.ndarray]:
     """Nodes and elements of a small block."""
     cells = 4 if element == "hex8" else 3
-    made = Mesh.box(element, [0, 0, 0], [1.0, 1.0, 0.2 if mesh == "flat bricks" else 1.0], [cells] * 3)
+    made = Mesh.box(
+        element, [0, 0, 0], [1.0, 1.0, 0.2 if mesh == "flat bricks" else 1.0], [cells] * 3
+    )
     nodes, elements = np.array(made.nodes), np.array(made.elements)
     if mesh == "graded":
         nodes[:, 0] = np.expm1(1.5 * nodes[:, 0]) / np.expm1(1.5)
@@ -72,9 +101,13 @@ def block(element: str, mesh: str) -> tuple[np.ndarray, np.ndarray]:
 def problem_of(element: str, mesh: str, integrator: str, stable_step: str = "assembled") -> Problem:
     nodes, elements = block(element, mesh)
     made = ct.Scene(title="block", units=UNITS)
-    made.add_material("soft", young=1e8, poisson=0.49 if mesh == "nearly incompressible" else 0.3, density=1.0)
+    made.add_material(
+        "soft", young=1e8, poisson=0.49 if mesh == "nearly incompressible" else 0.3, density=1.0
+    )
     made.add_body("block", nodes=nodes, elements=elements, element=element, material="soft")
-    return made.set_time(end=1.0, fraction=0.5, integrator=integrator, stable_step=stable_step)._built(None)
+    return made.set_time(
+        end=1.0, fraction=0.5, integrator=integrator, stable_step=stable_step
+    )._built(None)
 
 
 def array(pointer: Any, count: int) -> np.ndarray:
@@ -90,10 +123,17 @@ def largest_omega(problem: Problem) -> float:
     for d in range(count):
         u[d] = 1.0
         check(lib.ct_state_copy(problem.pointer, one, other, error), error)
-        check(lib.ct_state_force(problem.pointer, other, 0, ffi.cast("double *", force.ctypes.data), error), error)
+        check(
+            lib.ct_state_force(
+                problem.pointer, other, 0, ffi.cast("double *", force.ctypes.data), error
+            ),
+            error,
+        )
         stiffness[d] = -force
         u[d] = 0.0
-    return float(np.sqrt(np.linalg.eigvalsh(root[:, None] * (0.5 * (stiffness + stiffness.T)) * root)[-1]))
+    return float(
+        np.sqrt(np.linalg.eigvalsh(root[:, None] * (0.5 * (stiffness + stiffness.T)) * root)[-1])
+    )
 
 
 def growth(problem: Problem, dt: float, steps: int) -> float:
@@ -118,22 +158,40 @@ def growth(problem: Problem, dt: float, steps: int) -> float:
     return top
 
 
-def rows(meshes: Sequence[str] = MESHES, elements: Sequence[str] = ("hex8", "hex20"), steps: int = 100_000) -> Iterator[Row]:
+def rows(
+    meshes: Sequence[str] = MESHES,
+    elements: Sequence[str] = ("hex8", "hex20"),
+    steps: int = 100_000,
+) -> Iterator[Row]:
     for element in elements:
         for mesh in meshes:
             omega = largest_omega(problem_of(element, mesh, INTEGRATORS[0]))
             for integrator in INTEGRATORS:
                 problem = problem_of(element, mesh, integrator)
-                reported, true = problem.stable.dt, lib.ct_integrator_limit(ffi.addressof(problem.pointer, "integrator")) / omega
+                reported, true = (
+                    problem.stable.dt,
+                    lib.ct_integrator_limit(ffi.addressof(problem.pointer, "integrator")) / omega,
+                )
                 elements_alone = problem_of(element, mesh, integrator, "elements").stable.dt
-                yield Row(element, mesh, integrator, elements_alone, reported, true, growth(problem, BELOW * reported, steps), growth(problem, ABOVE * true, 5000))
+                yield Row(
+                    element,
+                    mesh,
+                    integrator,
+                    elements_alone,
+                    reported,
+                    true,
+                    growth(problem, BELOW * reported, steps),
+                    growth(problem, ABOVE * true, 5000),
+                )
 
 
 HEAD = "element  mesh                   integrator          default/true   assembled/true  0.999 reported   1.02 true"
 
 
 def line(row: Row) -> str:
-    return (f"{row.element:<8} {row.mesh:<22} {row.integrator:<18} {row.elements / row.true:13.4f} {row.sharpness:14.4f} {row.below:16.3g} {min(row.above, 1e99):11.2g}  {'' if row.good else 'FAILS'}").rstrip()
+    return (
+        f"{row.element:<8} {row.mesh:<22} {row.integrator:<18} {row.elements / row.true:13.4f} {row.sharpness:14.4f} {row.below:16.3g} {min(row.above, 1e99):11.2g}  {'' if row.good else 'FAILS'}"
+    ).rstrip()
 
 
 def main() -> int:

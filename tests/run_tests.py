@@ -39,13 +39,28 @@ class Count:
 def run_program(program: str) -> tuple[str, int, str, float]:
     """One test program: its name, exit code, output and seconds."""
     start = time.perf_counter()
-    environment = {**os.environ, "ASAN_OPTIONS": "detect_leaks=1", "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1"}
+    environment = {
+        **os.environ,
+        "ASAN_OPTIONS": "detect_leaks=1",
+        "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1",
+    }
     try:
-        done = subprocess.run([program], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", timeout=SECONDS,
-                              env=environment, stdin=subprocess.DEVNULL)
+        done = subprocess.run(
+            [program],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            timeout=SECONDS,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+        )
         code, output = done.returncode, done.stdout
     except subprocess.TimeoutExpired as late:
-        code, output = -signal.SIGKILL, f"{(late.stdout or b'').decode(errors='replace')}\nended after {SECONDS} s"
+        code, output = (
+            -signal.SIGKILL,
+            f"{(late.stdout or b'').decode(errors='replace')}\nended after {SECONDS} s",
+        )
     except OSError as error:
         code, output = 127, str(error)
     return Path(program).name, code, output, time.perf_counter() - start
@@ -53,7 +68,9 @@ def run_program(program: str) -> tuple[str, int, str, float]:
 
 def how_it_ended(code: int) -> str:
     try:
-        return f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
+        return (
+            f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
+        )
     except ValueError:
         return f"was ended by signal {-code}"
 
@@ -78,7 +95,9 @@ def count_tap(count: Count, name: str, code: int, output: str) -> None:
     if code != (1 if failed else 0):
         count.fail(f"{name}: {how_it_ended(code)} after {total} tests")
     elif not plan or int(plan[-1]) != total:
-        count.fail(f"{name}: printed {total} tests and {f'planned {plan[-1]}' if plan else 'no plan'}")
+        count.fail(
+            f"{name}: printed {total} tests and {f'planned {plan[-1]}' if plan else 'no plan'}"
+        )
 
 
 def run_programs(programs: list[str], count: Count) -> None:
@@ -87,11 +106,16 @@ def run_programs(programs: list[str], count: Count) -> None:
         for name, code, output, seconds in pool.map(run_program, programs):
             before = count.failed
             count_tap(count, name, code, output)
-            print(f"{'FAILED' if count.failed > before else 'ok':6} {name} ({seconds:.1f} s)", flush=True)
+            print(
+                f"{'FAILED' if count.failed > before else 'ok':6} {name} ({seconds:.1f} s)",
+                flush=True,
+            )
             if count.failed > before:
                 lines = [line for line in output.splitlines() if not line.startswith("ok ")]
             else:
-                lines = [line for line in output.splitlines() if TAP.match(line) and "# SKIP" in line]
+                lines = [
+                    line for line in output.splitlines() if TAP.match(line) and "# SKIP" in line
+                ]
             if lines:
                 print("    " + "\n    ".join(lines)[-SHOWN:], flush=True)
 
@@ -100,9 +124,27 @@ def run_pytest(build: Path, count: Count) -> None:
     """pytest over tests/python and tests/docs, counted from its report."""
     report = build / "tests" / "pytest.xml"
     report.unlink(missing_ok=True)
-    command = [sys.executable, "-m", "pytest", "-q", "-n", str(os.cpu_count() or 1), "--dist", "loadfile", f"--junitxml={report}",
-               "-p", "no:cacheprovider", "tests/python", "tests/docs"]
-    environment = {**os.environ, "MPLBACKEND": "Agg", "LIBCONTACT_BUILD": str(build.resolve()), "OMP_WAIT_POLICY": "passive"}
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-n",
+        str(os.cpu_count() or 1),
+        "--dist",
+        "loadfile",
+        f"--junitxml={report}",
+        "-p",
+        "no:cacheprovider",
+        "tests/python",
+        "tests/docs",
+    ]
+    environment = {
+        **os.environ,
+        "MPLBACKEND": "Agg",
+        "LIBCONTACT_BUILD": str(build.resolve()),
+        "OMP_WAIT_POLICY": "passive",
+    }
     before = count.failed
     try:
         code = subprocess.run(command, cwd=ROOT, env=environment, timeout=PYTEST_SECONDS).returncode

@@ -26,11 +26,17 @@ import libcontact as ct
 
 folder = Path(os.environ.get("LIBCONTACT_FIGURES", "."))
 folder.mkdir(parents=True, exist_ok=True)
-TIMES = os.environ.get("LIBCONTACT_TIMES", "yes") != "no"  # print also how long each run takes, and what else belongs to this machine
+TIMES = (
+    os.environ.get("LIBCONTACT_TIMES", "yes") != "no"
+)  # print also how long each run takes, and what else belongs to this machine
 
 scene = ct.Scene.load(ct.example("plates"))
 explanation = scene.explain()
-print(explanation if TIMES else explanation[explanation.index("Bodies") : explanation.index("Cost")].rstrip())
+print(
+    explanation
+    if TIMES
+    else explanation[explanation.index("Bodies") : explanation.index("Cost")].rstrip()
+)
 
 # %%
 # Two runs
@@ -106,7 +112,12 @@ fine = np.linspace(-1, 1, 2001)
 ax.plot(fine, exact_fig4(fine), "k", lw=1.2, label="exact")
 ax.plot(fig4["x_over_d"], fig4["reference"], color="tab:blue", lw=1.2, label="reference (symmetry)")
 ax.plot(fig4["x_over_d"], fig4["contact"], color="tab:red", lw=1.2, ls="--", label="contact")
-ax.set(xlabel="x/d", ylabel=r"$\sigma_x^* = \sigma_x c_1 / \Lambda v_0$", xlim=(-1, 1), title="Fig. 4: longitudinal stress along x at z/d = 0, c$_1$t/d = 0.56")
+ax.set(
+    xlabel="x/d",
+    ylabel=r"$\sigma_x^* = \sigma_x c_1 / \Lambda v_0$",
+    xlim=(-1, 1),
+    title="Fig. 4: longitudinal stress along x at z/d = 0, c$_1$t/d = 0.56",
+)
 ax.legend(loc="upper center")
 ax.grid(alpha=0.3)
 fig.savefig(folder / "fig4.png", dpi=150)
@@ -132,7 +143,12 @@ def exact_fig5(z):
 
 
 z, sz_contact = fig5_line(contact.state["right"])
-fig5 = {"z_over_d": z, "contact": sz_contact, "reference": fig5_line(reference.state["right"])[1], "exact": exact_fig5(z)}
+fig5 = {
+    "z_over_d": z,
+    "contact": sz_contact,
+    "reference": fig5_line(reference.state["right"])[1],
+    "exact": exact_fig5(z),
+}
 try:
     fig5["series"] = ct.exact.plates_series(np.full_like(z, 0.4), z, T, NU, branches=300)[0].sigma_z
 except ct.NotBuiltIn:
@@ -146,7 +162,12 @@ if ct.has("gsl"):
     ax.plot(z, fig5["series"], color="tab:green", lw=1, label="series, 300 branches")
 ax.plot(z, fig5["reference"], color="tab:blue", lw=1.2, label="reference (symmetry)")
 ax.plot(z, fig5["contact"], color="tab:red", lw=1.2, ls="--", label="contact")
-ax.set(xlabel="z/d", ylabel=r"$\sigma_z^* = \sigma_z c_1 / \Lambda v_0$", xlim=(0, 1), title="Fig. 5: transversal stress along z at x/d = 0.4, c$_1$t/d = 0.56")
+ax.set(
+    xlabel="z/d",
+    ylabel=r"$\sigma_z^* = \sigma_z c_1 / \Lambda v_0$",
+    xlim=(0, 1),
+    title="Fig. 5: transversal stress along z at x/d = 0.4, c$_1$t/d = 0.56",
+)
 ax.legend(loc="upper left")
 ax.grid(alpha=0.3)
 fig.savefig(folder / "fig5.png", dpi=150)
@@ -163,7 +184,9 @@ for name in ("left", "right"):
     shape = (len(np.unique(zc.round(9))), len(np.unique(x.round(9))))
     X, Z, S = (a.reshape(shape) for a in (x, zc, stress[:, 2]))
     for mirror in (1, -1):
-        image = ax.pcolormesh(X, mirror * Z, S, cmap="RdBu_r", vmin=-1.5, vmax=1.5, shading="nearest", rasterized=True)
+        image = ax.pcolormesh(
+            X, mirror * Z, S, cmap="RdBu_r", vmin=-1.5, vmax=1.5, shading="nearest", rasterized=True
+        )
 fig.colorbar(image, ax=ax, label=r"$\sigma_z^* = \sigma_z c_1 / \Lambda v_0$", shrink=0.8)
 styles = {
     "plane_p": ("k", "-", "plane P"),
@@ -178,10 +201,33 @@ for kind, curves in ct.exact.fronts(T, NU).items():
         for side in (1, -1):
             first = i == 0 and side == 1
             if kind == "rayleigh":
-                ax.plot(side * curve[:, 0], curve[:, 1], style, color=colour, ms=7, mec="k", clip_on=False, label=label if first else None)
+                ax.plot(
+                    side * curve[:, 0],
+                    curve[:, 1],
+                    style,
+                    color=colour,
+                    ms=7,
+                    mec="k",
+                    clip_on=False,
+                    label=label if first else None,
+                )
             else:
-                ax.plot(side * curve[:, 0], curve[:, 1], style, color=colour, lw=1.2, label=label if first else None)
-ax.set(xlabel="x/d", ylabel="z/d", xlim=(-1, 1), ylim=(-1, 1), aspect="equal", title="Fig. 3: wave fronts at c$_1$t/d = 0.56")
+                ax.plot(
+                    side * curve[:, 0],
+                    curve[:, 1],
+                    style,
+                    color=colour,
+                    lw=1.2,
+                    label=label if first else None,
+                )
+ax.set(
+    xlabel="x/d",
+    ylabel="z/d",
+    xlim=(-1, 1),
+    ylim=(-1, 1),
+    aspect="equal",
+    title="Fig. 3: wave fronts at c$_1$t/d = 0.56",
+)
 ax.legend(loc="upper center", ncols=5, fontsize=8, bbox_to_anchor=(0.5, -0.08), frameon=False)
 fig.savefig(folder / "fig3.png", dpi=150)
 
@@ -189,7 +235,14 @@ fig.savefig(folder / "fig3.png", dpi=150)
 # The curves as tables, for those who would rather compare numbers than pictures.
 
 for name, columns in (("fig4.csv", fig4), ("fig5.csv", fig5)):
-    np.savetxt(folder / name, np.column_stack(list(columns.values())), fmt="%.17g", delimiter=",", header=",".join(columns), comments="")
+    np.savetxt(
+        folder / name,
+        np.column_stack(list(columns.values())),
+        fmt="%.17g",
+        delimiter=",",
+        header=",".join(columns),
+        comments="",
+    )
 
 # %%
 # How good is it?
@@ -226,12 +279,18 @@ reference_drift = np.max(np.abs(reference_total / reference_total[0] - 1))
 balance = np.max(np.abs(contact.energy["balance"])) / total[0]
 
 updates = 20000 * int(contact.steps[-1])
-print(f"contact against reference, mean |difference| on Fig. 4's line: {100 * difference:.3f} % of the plateau 7/3")
+print(
+    f"contact against reference, mean |difference| on Fig. 4's line: {100 * difference:.3f} % of the plateau 7/3"
+)
 print(f"left plate is the mirror image of the right one, bit for bit: {same}")
-print(f"energy: contact run within {drift:.1e}, reference run within {reference_drift:.1e}; work balance within {balance:.1e}")
+print(
+    f"energy: contact run within {drift:.1e}, reference run within {reference_drift:.1e}; work balance within {balance:.1e}"
+)
 if TIMES:
-    print(f"time: contact {contact_seconds:.2f} s ({updates / contact_seconds / 1e6:.1f} million element updates per second), "
-          f"reference {reference_seconds:.2f} s, one core, recording included")
+    print(
+        f"time: contact {contact_seconds:.2f} s ({updates / contact_seconds / 1e6:.1f} million element updates per second), "
+        f"reference {reference_seconds:.2f} s, one core, recording included"
+    )
 
 assert difference < 0.01
 assert same
@@ -247,12 +306,21 @@ simplex, simplex_seconds = run(ct.Scene(data), output=False)
 right = simplex.state["right"]
 moved = pairs(simplex.state["left"], right)
 asymmetry = {
-    "σx": np.max(np.abs(moved["stress"][0][:, 0] - moved["stress"][1][:, 0])) / np.max(np.abs(right.stress[:, 0])),
-    "displacement": np.max(np.abs(moved["displacement"][0] - moved["displacement"][1])) / np.max(np.abs(right.displacement)),
+    "σx": np.max(np.abs(moved["stress"][0][:, 0] - moved["stress"][1][:, 0]))
+    / np.max(np.abs(right.stress[:, 0])),
+    "displacement": np.max(np.abs(moved["displacement"][0] - moved["displacement"][1]))
+    / np.max(np.abs(right.displacement)),
 }
-change = np.max(np.abs(right.stress[:, 0] - contact.state["right"].stress[:, 0])) / np.max(np.abs(right.stress[:, 0]))
-print("simplex search: " + (f"{simplex_seconds:.2f} s; " if TIMES else "") + "largest difference between the plates: "
-      + ", ".join(f"{name} {value:.1e}" for name, value in asymmetry.items()) + f"; of σx from the run above {change:.1e} (all over the peak)")
+change = np.max(np.abs(right.stress[:, 0] - contact.state["right"].stress[:, 0])) / np.max(
+    np.abs(right.stress[:, 0])
+)
+print(
+    "simplex search: "
+    + (f"{simplex_seconds:.2f} s; " if TIMES else "")
+    + "largest difference between the plates: "
+    + ", ".join(f"{name} {value:.1e}" for name, value in asymmetry.items())
+    + f"; of σx from the run above {change:.1e} (all over the peak)"
+)
 assert asymmetry["σx"] < 1e-9 and asymmetry["displacement"] < 1e-7 and change < 1e-9
 
 # %%
@@ -281,21 +349,35 @@ def errors(body):
 
 meshes = [25, 50, 100, 200]
 table = {}
-print(f"\n{'h':>7} {'run':>10} {'Fig. 4':>8} {'order':>6} {'Fig. 5':>8} {'order':>6}" + (f" {'seconds':>8}" if TIMES else ""))
+print(
+    f"\n{'h':>7} {'run':>10} {'Fig. 4':>8} {'order':>6} {'Fig. 5':>8} {'order':>6}"
+    + (f" {'seconds':>8}" if TIMES else "")
+)
 for name, example in (("reference", "plates_reference"), ("contact", "plates")):
     table[name] = []
     for n in meshes:
         result, seconds = run(refined(example, n), output=False, progress=False)
         table[name].append(errors(result.state["right"]))
-        orders = np.log2(np.divide(table[name][-2], table[name][-1])) if n > meshes[0] else (np.nan, np.nan)
+        orders = (
+            np.log2(np.divide(table[name][-2], table[name][-1]))
+            if n > meshes[0]
+            else (np.nan, np.nan)
+        )
         e4, e5 = table[name][-1]
-        print(f"{'d/' + str(n):>7} {name:>10} {e4:8.4f} {orders[0]:6.2f} {e5:8.4f} {orders[1]:6.2f}" + (f" {seconds:8.2f}" if TIMES else ""))
+        print(
+            f"{'d/' + str(n):>7} {name:>10} {e4:8.4f} {orders[0]:6.2f} {e5:8.4f} {orders[1]:6.2f}"
+            + (f" {seconds:8.2f}" if TIMES else "")
+        )
 
 for name, rows in table.items():
-    slope4, slope5 = (-np.polyfit(np.log2(meshes), np.log2(np.array(rows)[:, i]), 1)[0] for i in (0, 1))
+    slope4, slope5 = (
+        -np.polyfit(np.log2(meshes), np.log2(np.array(rows)[:, i]), 1)[0] for i in (0, 1)
+    )
     print(f"{name}: order {slope4:.2f} on Fig. 4's line, {slope5:.2f} on Fig. 5's line")
     assert 0.4 < slope4 < 0.65
     assert slope5 > 0.5
 
 if ct.has("gsl"):
-    print(f"series with 300 branches against the closed form on Fig. 5's line: mean difference {np.mean(np.abs(fig5['series'] - fig5['exact'])):.4f}")
+    print(
+        f"series with 300 branches against the closed form on Fig. 5's line: mean difference {np.mean(np.abs(fig5['series'] - fig5['exact'])):.4f}"
+    )

@@ -21,16 +21,19 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from libcontact.plot_projection import draw_path, draw_starts, legend_of_ends
+from libcontact.projection import METHODS
 
 import libcontact as ct
 from libcontact import Status
-from libcontact.plot_projection import draw_path, draw_starts, legend_of_ends
-from libcontact.projection import METHODS
 
 folder = Path(os.environ.get("LIBCONTACT_FIGURES", "."))
 folder.mkdir(parents=True, exist_ok=True)
 
-square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0]], float) * [1.1, 1.0]
+square = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0]], float) * [
+    1.1,
+    1.0,
+]
 s, t = square[:, 0] + 0.35 * square[:, 1], square[:, 1] + 0.1 * square.prod(axis=1)
 nodes = np.column_stack([np.sin(s), t, np.cos(s) + 0.15 * square.prod(axis=1)])
 point = np.array([0.1, 0.1, -0.1])
@@ -38,8 +41,16 @@ point = np.array([0.1, 0.1, -0.1])
 
 def face(x, y):
     """Points of the face at the reference coordinates (x, y), which may be arrays, from the shape functions of a Q8 face (see :doc:`/theory/segment`)."""
-    corners = [(1 + a * x) * (1 + b * y) * (a * x + b * y - 1) / 4 for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-    sides = [(1 - x * x) * (1 - y) / 2, (1 + x) * (1 - y * y) / 2, (1 - x * x) * (1 + y) / 2, (1 - x) * (1 - y * y) / 2]
+    corners = [
+        (1 + a * x) * (1 + b * y) * (a * x + b * y - 1) / 4
+        for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    ]
+    sides = [
+        (1 - x * x) * (1 - y) / 2,
+        (1 + x) * (1 - y * y) / 2,
+        (1 - x * x) * (1 + y) / 2,
+        (1 - x) * (1 - y * y) / 2,
+    ]
     return sum(np.multiply.outer(N, node) for N, node in zip(corners + sides, nodes))
 
 
@@ -49,7 +60,9 @@ def distance(x, y):
 
 best = ct.project("Q8", nodes, [point], tolerance=1e-14)
 foot = best.xi[0]
-print(f"the closest point: ξ = ({foot[0]:.6f}, {foot[1]:.6f}), distance {best.distance[0]:.6f}, {best.where[0]}")
+print(
+    f"the closest point: ξ = ({foot[0]:.6f}, {foot[1]:.6f}), distance {best.distance[0]:.6f}, {best.where[0]}"
+)
 
 # %%
 # Is that true? Look everywhere, on a fine grid: no point of the face is closer, and the grid's best is next to the foot.
@@ -69,7 +82,9 @@ ax.set(title="the face, the point, its closest point", xlabel="x", ylabel="y", z
 ax = fig.add_subplot(1, 2, 2)
 lines = ax.contour(x, y, grid, 30, cmap="viridis", linewidths=0.8)
 ax.plot(*foot, "*", color="tab:red", ms=12)
-ax.set(title="distance as a function of ξ: two valleys", xlabel="ξ$_1$", ylabel="ξ$_2$", aspect="equal")
+ax.set(
+    title="distance as a function of ξ: two valleys", xlabel="ξ$_1$", ylabel="ξ$_2$", aspect="equal"
+)
 fig.colorbar(lines, ax=ax, shrink=0.8)
 fig.savefig(folder / "closest_point_face.png", dpi=120)
 
@@ -79,11 +94,14 @@ fig.savefig(folder / "closest_point_face.png", dpi=120)
 # Most methods walk from a start. We let each begin at every point of a grid, inside the face and around it, and colour the start by what is found: the closest point (green),
 # another point of the face (orange), a point beyond the edges (blue), or nothing (grey).
 
+
 def panels():
     """A figure with axes for every method."""
     rows = -(-len(METHODS) // 4)
-    fig, axes = plt.subplots(rows, 4, figsize=(12, 3.2 * rows + 0.6), layout="constrained", squeeze=False)
-    for ax in axes.flat[len(METHODS):]:
+    fig, axes = plt.subplots(
+        rows, 4, figsize=(12, 3.2 * rows + 0.6), layout="constrained", squeeze=False
+    )
+    for ax in axes.flat[len(METHODS) :]:
         ax.axis("off")
     return fig, axes
 
@@ -100,9 +118,14 @@ fig.savefig(folder / "closest_point_starts.png", dpi=120)
 x, y = np.meshgrid(*2 * [np.linspace(-1.5, 1.5, 61)])
 starts = np.stack([x, y], axis=-1).reshape(-1, 2)
 copies = np.broadcast_to(point, (len(starts), 3))
-runs = {name: ct.project("Q8", nodes, copies, method=name, tolerance=1e-8, start=starts) for name in METHODS}
+runs = {
+    name: ct.project("Q8", nodes, copies, method=name, tolerance=1e-8, start=starts)
+    for name in METHODS
+}
 for name in METHODS:
-    print(f"{name:17} finds the closest point from {100 * share[name]:3.0f} % of the starts, {np.mean(runs[name].evaluations):6.1f} evaluations of f")
+    print(
+        f"{name:17} finds the closest point from {100 * share[name]:3.0f} % of the starts, {np.mean(runs[name].evaluations):6.1f} evaluations of f"
+    )
 
 # %%
 # Newton's method knows only that the gradient vanishes. It does so at the top of the ridge between the valleys as well, so Newton often ends there, says that this is
@@ -118,7 +141,12 @@ print("and certified has proved that no point of the face is closer")
 refused = runs["newton"].status >= Status.NO_CONVERGENCE
 ends = runs["newton"].xi[~refused]
 assert np.mean(refused) > 0.1
-for shift in (1e-3, 0), (-1e-3, 0), (0, 1e-3), (0, -1e-3):  # what it does call a foot is the bottom of a valley
+for shift in (
+    (1e-3, 0),
+    (-1e-3, 0),
+    (0, 1e-3),
+    (0, -1e-3),
+):  # what it does call a foot is the bottom of a valley
     assert np.all(distance(*(ends + shift).T) > distance(*ends.T))
 
 # %%
@@ -130,7 +158,9 @@ for ax, name in zip(axes.flat, METHODS):
     calls[name] = draw_path(ax, "Q8", nodes, point, name, start=(-0.6, 0.7))
     ax.set_title(f"{name}: {calls[name]} evaluations", fontsize=10)
 legend_of_ends(fig)
-fig.suptitle("iterates from ξ = (-0.6, 0.7), lines of equal distance; the star is the closest point")
+fig.suptitle(
+    "iterates from ξ = (-0.6, 0.7), lines of equal distance; the star is the closest point"
+)
 fig.savefig(folder / "closest_point_paths.png", dpi=120)
 assert calls["newton"] < calls["simplex"]
 
@@ -152,20 +182,29 @@ def step_off(xi, gap):
 known = np.array([0.31, -0.24])
 gap = 0.2
 easy = step_off(known, gap)
-reference = ct.project("Q8", nodes, [easy], tolerance=1e-15).xi[0]  # the step along the normal is good to nine digits, this one to sixteen
+reference = ct.project("Q8", nodes, [easy], tolerance=1e-15).xi[
+    0
+]  # the step along the normal is good to nine digits, this one to sixteen
 assert np.abs(reference - known).max() < 1e-8
 
 tolerances = 10.0 ** -np.arange(2, 15)
 work, error = {}, {}
 for name in METHODS:
-    table = [ct.project("Q8", nodes, [easy], method=name, tolerance=tolerance) for tolerance in tolerances]
+    table = [
+        ct.project("Q8", nodes, [easy], method=name, tolerance=tolerance)
+        for tolerance in tolerances
+    ]
     work[name] = np.array([row.evaluations[0] for row in table])
     error[name] = np.array([np.abs(row.xi[0] - reference).max() for row in table])
 
 fig, ax = plt.subplots(figsize=(8, 5), layout="constrained")
 for name, style in zip(METHODS, plt.get_cmap("tab20").colors):
     ax.loglog(work[name], np.maximum(error[name], 1e-17), ".-", color=style, label=name)
-ax.set(xlabel="evaluations of f", ylabel="error in ξ", title="work and precision, tolerance 1e-2 … 1e-14")
+ax.set(
+    xlabel="evaluations of f",
+    ylabel="error in ξ",
+    title="work and precision, tolerance 1e-2 … 1e-14",
+)
 ax.grid(alpha=0.3)
 ax.legend(fontsize=8)
 fig.savefig(folder / "closest_point_work.png", dpi=120)
@@ -205,13 +244,19 @@ fig, ax = plt.subplots(figsize=(7, 4.5), layout="constrained")
 for name, values in floor.items():
     ax.loglog(gaps, np.maximum(values, 1e-17), "o-", label=name)
 ax.loglog(gaps, np.sqrt(np.finfo(float).eps * gaps), "k--", lw=1, label="√(ε gap)")
-ax.set(xlabel="gap (face size 1)", ylabel="error in ξ at tolerance 1e-14", title="how well ξ can be known")
+ax.set(
+    xlabel="gap (face size 1)",
+    ylabel="error in ξ at tolerance 1e-14",
+    title="how well ξ can be known",
+)
 ax.grid(alpha=0.3)
 ax.legend()
 fig.savefig(folder / "closest_point_floor.png", dpi=120)
 
 slope = np.polyfit(np.log10(gaps), np.log10(floor["simplex"]), 1)[0]
-print(f"the simplex's floor at a gap of {gaps[0]}: {floor['simplex'][0]:.0e}; it falls with the power {slope:.2f} of the gap")
+print(
+    f"the simplex's floor at a gap of {gaps[0]}: {floor['simplex'][0]:.0e}; it falls with the power {slope:.2f} of the gap"
+)
 assert 0.4 < slope < 0.7
 assert np.all(np.abs(np.log10(floor["simplex"] / np.sqrt(np.finfo(float).eps * gaps))) < 1.3)
 assert np.all(floor["robust"] < 1e-13)
@@ -220,6 +265,10 @@ assert np.all(floor["robust"] < 1e-13)
 # Does it matter? For the gap itself, no: it is wrong by :math:`\tfrac12 \lambda \delta^2 / 2 g_n`, second order in δ, which is rounding. The direction of the force and the place
 # where it acts are first order in δ. Eight digits are enough there for most purposes; what a contact code feels is the price.
 
-last = [ct.project("Q8", nodes, [easy], method=name, tolerance=1e-14) for name in ("simplex", "robust")]
-print(f"distance by the simplex and by robust differ by {abs(last[0].distance[0] - last[1].distance[0]):.0e}")
+last = [
+    ct.project("Q8", nodes, [easy], method=name, tolerance=1e-14) for name in ("simplex", "robust")
+]
+print(
+    f"distance by the simplex and by robust differ by {abs(last[0].distance[0] - last[1].distance[0]):.0e}"
+)
 assert abs(last[0].distance[0] - last[1].distance[0]) < 1e-14

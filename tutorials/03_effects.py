@@ -59,7 +59,9 @@ def compute(name, scene):
 
 
 run = compute("bodies", base())
-assert abs(tip(run) - (GAP - V * END)) < 1e-12  # through the pad: nobody said that bodies can't pass through each other
+assert (
+    abs(tip(run) - (GAP - V * END)) < 1e-12
+)  # through the pad: nobody said that bodies can't pass through each other
 assert run.energy["strain"].max() < 1e-20
 
 # %%
@@ -95,7 +97,9 @@ assert np.max(np.abs(run.energy["total"] - start)) < 0.01 * start
 # takes it. Now energy leaves the scene, and the ledger tells how much.
 
 open_ground = with_contact().data
-open_ground["absorb"] = [{"surface": f"pad.{face}"} for face in ("z_min", "x_min", "x_max", "y_min", "y_max")]
+open_ground["absorb"] = [
+    {"surface": f"pad.{face}"} for face in ("z_min", "x_min", "x_max", "y_min", "y_max")
+]
 del open_ground["support"]
 run = compute("+ absorb", ct.Scene(open_ground))
 left = -run.energy["absorb"][-1]
@@ -119,9 +123,14 @@ assert run.energy["damping"][-1] < 0
 
 K = 30.0  # N/mm on each node of the upper end
 data = damped.data
-held = ct.Scene(data).add_effect("spring", "rod", "z_max", lambda view: -K * view.displacement,
-                                 energy=lambda view: 0.5 * K * np.sum(view.displacement**2),
-                                 omega_squared=K / (7.8e-9 * 1000 / 4))
+held = ct.Scene(data).add_effect(
+    "spring",
+    "rod",
+    "z_max",
+    lambda view: -K * view.displacement,
+    energy=lambda view: 0.5 * K * np.sum(view.displacement**2),
+    omega_squared=K / (7.8e-9 * 1000 / 4),
+)
 run = compute("+ a spring", held)
 assert run.energy["spring"][-1] > 0
 assert run.energy["contact"].max() > 0
@@ -148,7 +157,13 @@ styles = ["-", "--", "-", "--", "-", "-"]
 colours = ["0.6", "k", *plt.get_cmap("viridis")(np.linspace(0.15, 0.85, len(runs) - 2))]
 for (name, run), colour, style in zip(runs.items(), colours, styles):
     rod = run.body_momentum("rod")
-    left.plot(1e3 * rod["time"], rod["p"][:, 2] / (7.8e-9 * 20 * 20 * 400) / 1000, style, color=colour, label=name)
+    left.plot(
+        1e3 * rod["time"],
+        rod["p"][:, 2] / (7.8e-9 * 20 * 20 * 400) / 1000,
+        style,
+        color=colour,
+        label=name,
+    )
 left.set(xlabel="time [ms]", ylabel="mean velocity of the rod [m/s]", title="What each effect does")
 left.legend(frameon=False)
 
@@ -158,7 +173,14 @@ for row, (name, plan) in enumerate(plans.items()):
         start = 0.0
         for cost in plan:
             width = 1e3 * getattr(cost, kind)
-            right.barh(row + shift, width, height=0.38, left=start, color=f"C{parts.index(cost.name)}", alpha=alpha)
+            right.barh(
+                row + shift,
+                width,
+                height=0.38,
+                left=start,
+                color=f"C{parts.index(cost.name)}",
+                alpha=alpha,
+            )
             start += width
     whole = {kind: sum(getattr(cost, kind) for cost in plan) for kind in ("measured", "predicted")}
     text = f" {runs[name].steps[-1]} steps, predicted / measured {whole['predicted'] / whole['measured']:.2f}"

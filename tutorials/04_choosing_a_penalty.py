@@ -44,7 +44,9 @@ def bar(enforcement, beta, landing=0.0, every=1, until=1.5, **step):
     scene.add_body("bar", material="bar", velocity=[-SPEED, 0, 0], box=box)
     wall = {"point": [0, 0, 0], "normal": [1, 0, 0]}
     scene.add("obstacle", surface="bar.x_min", plane=wall, beta=beta, enforcement=enforcement)
-    return scene.set_time(end=until, energy_limit=100, **step).set_output(every=every, fields=["displacement"])
+    return scene.set_time(end=until, energy_limit=100, **step).set_output(
+        every=every, fields=["displacement"]
+    )
 
 
 def wall_pressure(run):
@@ -82,7 +84,9 @@ try:
     bar("penalty", 10, fraction=0.9).set_time(end=1.5, fraction=0.9).run(progress=False)
 except ct.EnergyBlowup as fault:
     print("error:", fault)
-    assert 0.5 < fault.time < 1.2 and fault.run.energy["total"].max() < 2.1 * stiff.energy["total"][0]
+    assert (
+        0.5 < fault.time < 1.2 and fault.run.energy["total"].max() < 2.1 * stiff.energy["total"][0]
+    )
 else:
     raise AssertionError("nobody noticed")
 
@@ -90,16 +94,31 @@ fig, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
 for run, colour, label in ((stiff, "tab:red", r"$\beta = 10$"), (soft, "tab:blue", r"$\beta = 1$")):
     left.plot(run.time, run.energy["total"] / run.energy["total"][0], color=colour, label=label)
     right.plot(run.time, wall_pressure(run), color=colour, lw=1, label=label)
-right.plot([0.4, BEGIN, BEGIN, END, END, 1.3], np.array([0, 0, 1, 1, 0, 0]) * PRESSURE, "k", lw=1.2, label="exact")
-left.set(xlabel="time [s]", ylabel="energy / energy at the start", ylim=(0, None), title="Energy out of nothing")
-right.set(xlabel="time [s]", ylabel="pressure on the wall [Pa]", xlim=(0.4, 1.3), title="A hail of blows")
+right.plot(
+    [0.4, BEGIN, BEGIN, END, END, 1.3],
+    np.array([0, 0, 1, 1, 0, 0]) * PRESSURE,
+    "k",
+    lw=1.2,
+    label="exact",
+)
+left.set(
+    xlabel="time [s]",
+    ylabel="energy / energy at the start",
+    ylim=(0, None),
+    title="Energy out of nothing",
+)
+right.set(
+    xlabel="time [s]", ylabel="pressure on the wall [Pa]", xlim=(0.4, 1.3), title="A hail of blows"
+)
 for ax in (left, right):
     ax.legend(frameon=False)
     ax.spines[["top", "right"]].set_visible(False)
 fig.savefig(folder / "penalty_growth.png", dpi=150)
 
-print(f"energy after the impact, of that before: beta = 1: {soft.energy['total'][-1] / soft.energy['total'][0]:.4f}, "
-      f"beta = 10: {stiff.energy['total'][-1] / stiff.energy['total'][0]:.2f}")
+print(
+    f"energy after the impact, of that before: beta = 1: {soft.energy['total'][-1] / soft.energy['total'][0]:.4f}, "
+    f"beta = 10: {stiff.energy['total'][-1] / stiff.energy['total'][0]:.2f}"
+)
 assert abs(growth(soft)) < 0.01
 assert growth(stiff) > 1
 assert wall_pressure(stiff).max() > 5 * PRESSURE
@@ -153,9 +172,20 @@ energies = {f: rebound(f, phi, penalty) for f in fractions}
 fig, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
 for f, colour in zip(fractions, ("tab:blue", "tab:orange", "tab:red")):
     left.plot(phi, energies[f], color=colour, label=f"penalty, f = {f}")
-left.plot(phi, rebound(0.9, phi, energy_controlled), color="tab:green", ls="--", label="energy-controlled, f = 0.9")
+left.plot(
+    phi,
+    rebound(0.9, phi, energy_controlled),
+    color="tab:green",
+    ls="--",
+    label="energy-controlled, f = 0.9",
+)
 left.axhline(1, color="k", lw=0.8)
-left.set(xlabel=r"landing $\varphi$ between two steps", ylabel="energy after one blow / before", title="One blow", ylim=(0, None))
+left.set(
+    xlabel=r"landing $\varphi$ between two steps",
+    ylabel="energy after one blow / before",
+    title="One blow",
+    ylim=(0, None),
+)
 left.legend(frameon=False)
 
 # %%
@@ -180,7 +210,9 @@ def gain_and_loss(fraction, landing):
 
 for f in fractions:
     gain, loss = gain_and_loss(f, phi)
-    print(f"f = {f}: an impact gains {gain.mean():.4f} on exit and loses {loss.mean():.4f} on entry, averaged over the landings")
+    print(
+        f"f = {f}: an impact gains {gain.mean():.4f} on exit and loses {loss.mean():.4f} on entry, averaged over the landings"
+    )
     assert np.allclose(energies[f], 1 + gain - loss, atol=1e-12)
     assert gain.mean() > loss.mean() and abs(loss.mean() - 2 * f**2 / 3) < 1e-6
 
@@ -223,7 +255,11 @@ for f, colour in zip(fractions, ("tab:blue", "tab:orange", "tab:red")):
     walks = np.cumsum(np.log10(table[rng.integers(len(phi), size=(200, 20))]), axis=0)
     right.plot(blows, np.vstack([np.zeros(20), walks]), color=colour, lw=0.6)
     right.plot(blows, blows * np.mean(np.log10(table)), color=colour, lw=2, label=f"f = {f}")
-right.set(xlabel="blow", ylabel="log10 of the energy", title="Many blows: 20 masses, and their mean by the integral")
+right.set(
+    xlabel="blow",
+    ylabel="log10 of the energy",
+    title="Many blows: 20 masses, and their mean by the integral",
+)
 right.legend(frameon=False)
 for ax in (left, right):
     ax.spines[["top", "right"]].set_visible(False)
@@ -249,7 +285,10 @@ def worst(enforcement, beta, fraction):
     """The largest growth of energy over the landings, and whether the library foretold it."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
-        runs = [bar(enforcement, beta, landing, every=10, fraction=fraction).run(progress=False) for landing in landings]
+        runs = [
+            bar(enforcement, beta, landing, every=10, fraction=fraction).run(progress=False)
+            for landing in landings
+        ]
     return max(growth(run) for run in runs), any(one.category is ct.ChatterWarning for one in told)
 
 
@@ -257,7 +296,9 @@ cells = [[worst("penalty", beta, f) for f in parts] for beta in betas]
 grown, warned = (np.array([[cell[i] for cell in row] for row in cells]) for i in (0, 1))
 
 fig, ax = plt.subplots(figsize=(7.5, 4.8), layout="constrained")
-image = ax.imshow(np.log10(np.maximum(grown, 1e-4)), origin="lower", aspect="auto", cmap="YlOrRd", vmin=-4, vmax=1)
+image = ax.imshow(
+    np.log10(np.maximum(grown, 1e-4)), origin="lower", aspect="auto", cmap="YlOrRd", vmin=-4, vmax=1
+)
 rows, columns = np.nonzero(warned)
 ax.plot(columns, rows, "k.", ms=4)
 for i, j in np.ndindex(grown.shape):
@@ -311,13 +352,26 @@ def depth(enforcement, beta, step):
 
 def fastest(scenes, repeats=15):
     """Least seconds of each scene, run in turns."""
-    return np.min([[scene.run(progress=False, output=False).seconds for scene in scenes] for _ in range(repeats)], axis=0)
+    return np.min(
+        [
+            [scene.run(progress=False, output=False).seconds for scene in scenes]
+            for _ in range(repeats)
+        ],
+        axis=0,
+    )
 
 
-seconds = fastest([bar(enforcement, beta, every=10**9, **step) for enforcement, beta, step in cures.values()])
-runs = {name: bar(enforcement, beta, **step).run(progress=False) for name, (enforcement, beta, step) in cures.items()}
+seconds = fastest(
+    [bar(enforcement, beta, every=10**9, **step) for enforcement, beta, step in cures.values()]
+)
+runs = {
+    name: bar(enforcement, beta, **step).run(progress=False)
+    for name, (enforcement, beta, step) in cures.items()
+}
 results = {}
-print(f"{'':<28}{'steps':>6}{'time':>7}{'energy, most':>14}{'after':>9}{'force rms':>11}{'peak':>7}{'depth / h':>11}")
+print(
+    f"{'':<28}{'steps':>6}{'time':>7}{'energy, most':>14}{'after':>9}{'force rms':>11}{'peak':>7}{'depth / h':>11}"
+)
 for (name, run), time in zip(runs.items(), seconds):
     pressure = wall_pressure(run)
     held = (run.time > 0.6) & (run.time < 1.1)
@@ -325,11 +379,15 @@ for (name, run), time in zip(runs.items(), seconds):
     rms = np.sqrt(np.mean((pressure[held] / PRESSURE - 1) ** 2))
     peak, deep = pressure.max() / PRESSURE, depth(*cures[name]) / H
     results[name] = {"most": total.max(), "after": total[-1], "rms": rms, "depth": deep}
-    print(f"{name:<28}{run.steps[-1]:6}{time / seconds[0]:7.2f}{total.max():14.4f}{total[-1]:9.4f}{100 * rms:9.2f} %{peak:7.2f}"
-          f"{deep:11.1e}")
+    print(
+        f"{name:<28}{run.steps[-1]:6}{time / seconds[0]:7.2f}{total.max():14.4f}{total[-1]:9.4f}{100 * rms:9.2f} %{peak:7.2f}"
+        f"{deep:11.1e}"
+    )
 
 fig, axes = plt.subplots(3, 2, figsize=(11, 7.5), sharex=True, sharey=True, layout="constrained")
-for ax, (name, run) in zip(axes.T.flat, [item for item in runs.items() if item[0] != "penalty 10, 0.9"]):
+for ax, (name, run) in zip(
+    axes.T.flat, [item for item in runs.items() if item[0] != "penalty 10, 0.9"]
+):
     ax.plot([0.45, BEGIN, BEGIN, END, END, 1.25], [0, 0, 1, 1, 0, 0], "k", lw=1)
     ax.plot(run.time, wall_pressure(run) / PRESSURE, color="tab:red", lw=1)
     ax.set_title(name, fontsize=10)
@@ -390,7 +448,11 @@ def front(run):
     x, z = body.centres[:, 0], body.centres[:, 2]
     row = np.flatnonzero(z < 1.5 * z.min())
     lame = 2.1e5 * 0.3 / (1.3 * 0.4)
-    return body.stress[row[np.argsort(x[row])], 0] * np.sqrt((lame + 2.1e5 / 1.3) / 7.8e-9) / (lame * 1000.0)
+    return (
+        body.stress[row[np.argsort(x[row])], 0]
+        * np.sqrt((lame + 2.1e5 / 1.3) / 7.8e-9)
+        / (lame * 1000.0)
+    )
 
 
 scenes = {name: plates("plates", *choice) for name, choice in choices.items()}
@@ -404,7 +466,9 @@ for (name, scene), time in zip(scenes.items(), seconds):
     assert run.steps[-1] == reference.steps[-1]
     differences[name] = np.mean(np.abs(front(run) - front(reference))) * 3 / 7
     total = run.energy["total"]
-    print(f"{name:<28}{run.steps[-1]:6}{time / seconds[0]:7.2f}{100 * differences[name]:10.3f} %{total[-1] / total[0]:14.4f}")
+    print(
+        f"{name:<28}{run.steps[-1]:6}{time / seconds[0]:7.2f}{100 * differences[name]:10.3f} %{total[-1] / total[0]:14.4f}"
+    )
     if name == "penalty 4, 0.9":
         assert growth(run) > 0.05  # it heats, as the warning said
     else:
@@ -413,13 +477,31 @@ for (name, scene), time in zip(scenes.items(), seconds):
 fig, ax = plt.subplots(figsize=(7.5, 4.2), layout="constrained")
 for (name, difference), time in zip(differences.items(), seconds):
     floor = max(100 * difference, 1e-3)
-    ax.plot(time / seconds[0], floor, "o", color="tab:green" if name.startswith(("energy", "Lagrange")) else "tab:blue")
+    ax.plot(
+        time / seconds[0],
+        floor,
+        "o",
+        color="tab:green" if name.startswith(("energy", "Lagrange")) else "tab:blue",
+    )
     left_of = name == "penalty 1, 0.9"
     shift = (-7 if left_of else 7, -6 if name == "penalty 4, 0.9" else 0)
-    ax.annotate(name, (time / seconds[0], floor), xytext=shift, textcoords="offset points", va="center",
-                ha="right" if left_of else "left", fontsize=8)
-ax.set(yscale="log", xlabel="time of the run / that of the paper's choice", ylabel="off the reference [% of the plateau]",
-       xlim=(-0.1, 1.45), ylim=(5e-4, 30), title="Price and worth (multipliers: round-off, drawn at 0.001 %)")
+    ax.annotate(
+        name,
+        (time / seconds[0], floor),
+        xytext=shift,
+        textcoords="offset points",
+        va="center",
+        ha="right" if left_of else "left",
+        fontsize=8,
+    )
+ax.set(
+    yscale="log",
+    xlabel="time of the run / that of the paper's choice",
+    ylabel="off the reference [% of the plateau]",
+    xlim=(-0.1, 1.45),
+    ylim=(5e-4, 30),
+    title="Price and worth (multipliers: round-off, drawn at 0.001 %)",
+)
 ax.spines[["top", "right"]].set_visible(False)
 fig.savefig(folder / "penalty_price.png", dpi=150)
 

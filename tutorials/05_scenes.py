@@ -56,7 +56,9 @@ def face_corners(body, face, scale=1.0):
 def draw(ax, body, face, values, axes, norm, scale=1.0, mirror=(1, 1), cmap="RdBu_r", lw=0.3):
     """Draw a face of a body seen along the third axis, in the colours of the values of its elements."""
     corners, owners = face_corners(body, face, scale)
-    patches = PolyCollection(corners[:, :, axes] * mirror, array=values[owners], cmap=cmap, edgecolors="k", linewidths=lw)
+    patches = PolyCollection(
+        corners[:, :, axes] * mirror, array=values[owners], cmap=cmap, edgecolors="k", linewidths=lw
+    )
     patches.set_clim(*norm)
     ax.add_collection(patches)
     ax.set_aspect("equal")
@@ -81,19 +83,33 @@ fig, ax = plt.subplots(figsize=(7.5, 7), layout="constrained")
 for body in plates.state.values():
     for up in (1, -1):
         norm = (-1.15 * pressed, 1.15 * pressed)
-        image = draw(ax, body, "y_min", body.stress[:, 0], [0, 2], norm, scale=1500, mirror=(1, up), lw=0.05)
+        image = draw(
+            ax, body, "y_min", body.stress[:, 0], [0, 2], norm, scale=1500, mirror=(1, up), lw=0.05
+        )
 for side in (1, -1):
     place = side * (front - 1500 * V0 * plates.time[-1])
-    ax.plot([place] * 2, [-1.1 * D, 1.1 * D], "k--", lw=1, label="plane front, $c_1 t$" if side == 1 else None)
+    ax.plot(
+        [place] * 2,
+        [-1.1 * D, 1.1 * D],
+        "k--",
+        lw=1,
+        label="plane front, $c_1 t$" if side == 1 else None,
+    )
 ax.autoscale_view()
 fig.colorbar(image, ax=ax, label=r"$\sigma_x$ [MPa]", shrink=0.8)
-ax.set(xlabel="x [mm]", ylabel="z [mm]", title=f"Plates after {1e6 * plates.time[-1]:.2f} µs, displacements x 1500")
+ax.set(
+    xlabel="x [mm]",
+    ylabel="z [mm]",
+    title=f"Plates after {1e6 * plates.time[-1]:.2f} µs, displacements x 1500",
+)
 ax.legend(loc="upper right")
 fig.savefig(folder / "scene_plates.png", dpi=150)
 
 right = plates.state["right"]
 inside = (right.centres[:, 0] < 0.5 * front) & (right.centres[:, 2] < 0.2 * D)
-print(f"plates: pressure behind the front {-right.stress[inside, 0].mean():.2f} MPa, rho c1 v0 = {pressed:.2f} MPa")
+print(
+    f"plates: pressure behind the front {-right.stress[inside, 0].mean():.2f} MPa, rho c1 v0 = {pressed:.2f} MPa"
+)
 assert abs(-right.stress[inside, 0].mean() / pressed - 1) < 0.01
 
 # %%
@@ -117,7 +133,9 @@ def along(film, axis):
     order = np.argsort(elements[:, axis])
     starts = [np.flatnonzero(nodes[:, axis] == value)[0] for value in np.unique(nodes[:, axis])]
     bars = [state["bar"] for state in film]
-    return np.array([bar.positions[starts, axis] for bar in bars]), np.array([bar.stress[order, axis] for bar in bars])
+    return np.array([bar.positions[starts, axis] for bar in bars]), np.array(
+        [bar.stress[order, axis] for bar in bars]
+    )
 
 
 def rows(film):
@@ -134,7 +152,9 @@ def cells(places):
 def force(run, body, area, axis, weight=0.0):
     """Middles of the times between records, and the pressure of the obstacle: change of momentum less weight and supports."""
     m, t = run.body_momentum(body), run.time
-    return (t[1:] + t[:-1]) / 2, (np.diff(m["p"][:, axis] - m["support_impulse"][:, axis]) / np.diff(t) + weight) / area
+    return (t[1:] + t[:-1]) / 2, (
+        np.diff(m["p"][:, axis] - m["support_impulse"][:, axis]) / np.diff(t) + weight
+    ) / area
 
 
 def exact_end(t):
@@ -159,20 +179,36 @@ left.plot(exact_end(fine), fine, "k--", lw=1.2, label="closed form: ends")
 left.plot(exact_far_end(fine), fine, "k--", lw=1.2)
 left.axvline(0, color="0.4", lw=4)
 fig.colorbar(image, ax=left, label="stress [Pa]")
-left.set(xlabel="x [m]", ylabel="t [s]", xlim=(-0.5, 15.5), ylim=(0, 1.5), title="Where the bar is, and its stress")
+left.set(
+    xlabel="x [m]",
+    ylabel="t [s]",
+    xlim=(-0.5, 15.5),
+    ylim=(0, 1.5),
+    title="Where the bar is, and its stress",
+)
 left.legend(loc="lower left")
 middle, pressure = force(records, "bar", 0.01, 0)
 right.plot(middle, pressure, color="tab:red", lw=1.2, label="computed")
 off = 0.5 + 2 * L / C
-right.plot([0, 0.5, 0.5, off, off, 1.5], [0, 0, P, P, 0, 0], "k--", lw=1.2, label=r"closed form, $\rho c v$")
-right.set(xlabel="t [s]", ylabel="pressure on the wall [Pa]", xlim=(0, 1.5), title="The push of the wall")
+right.plot(
+    [0, 0.5, 0.5, off, off, 1.5],
+    [0, 0, P, P, 0, 0],
+    "k--",
+    lw=1.2,
+    label=r"closed form, $\rho c v$",
+)
+right.set(
+    xlabel="t [s]", ylabel="pressure on the wall [Pa]", xlim=(0, 1.5), title="The push of the wall"
+)
 right.grid(alpha=0.3)
 right.legend()
 fig.savefig(folder / "scene_bar_on_a_wall.png", dpi=150)
 
 steady = (middle > 0.6) & (middle < 1.1)
 off = max(np.abs(places[:, 0] - exact_end(t)).max(), np.abs(places[:, -1] - exact_far_end(t)).max())
-print(f"bar: mean pressure {pressure[steady].mean():.2f} Pa (300), ends within {100 * off / L:.2f} % of the length")
+print(
+    f"bar: mean pressure {pressure[steady].mean():.2f} Pa (300), ends within {100 * off / L:.2f} % of the length"
+)
 assert abs(pressure[steady].mean() / P - 1) < 0.01 and off < 0.02 * L
 
 # %%
@@ -206,7 +242,9 @@ film = states(bouncing, np.linspace(0, period, 161)[1:])
 records = run(bouncing)
 places, stress = along(film, 2)
 t, borders = rows(film)
-fig, (above, below) = plt.subplots(2, 1, figsize=(9, 7.5), height_ratios=[2, 1], sharex=True, layout="constrained")
+fig, (above, below) = plt.subplots(
+    2, 1, figsize=(9, 7.5), height_ratios=[2, 1], sharex=True, layout="constrained"
+)
 Z = cells(places)
 T = np.broadcast_to(borders[:, None], Z.shape)
 image = above.pcolormesh(T, Z, stress, cmap="RdBu_r", vmin=-500, vmax=500, rasterized=True)
@@ -219,7 +257,12 @@ above.legend(loc="upper right")
 middle, pressure = force(records, "bar", 0.01, 2, weight=1.0)
 below.plot(middle, pressure, color="tab:red", lw=1)
 for start in (1, 11 / 3):
-    below.axvspan(start, start + 2 * L / C, color="0.85", label=r"contact of the closed form" if start == 1 else None)
+    below.axvspan(
+        start,
+        start + 2 * L / C,
+        color="0.85",
+        label=r"contact of the closed form" if start == 1 else None,
+    )
 below.set(xlabel="t [s]", ylabel="pressure on the floor [Pa]", xlim=(0, period))
 below.grid(alpha=0.3)
 below.legend(loc="upper center")
@@ -227,8 +270,10 @@ fig.savefig(folder / "scene_bouncing_bar.png", dpi=150)
 
 exact = np.array([np.interp(t, t_exact, ends[:, i]) for i in (0, 1)]).T
 off = np.abs(places[:, [0, -1]] - exact).max()
-print(f"bouncing bar: characteristics end at {ends[-1, 0]:.3f} m (5), the run at {places[-1, 0]:.3f} m; "
-      f"ends within {100 * off / L:.2f} % of the length")
+print(
+    f"bouncing bar: characteristics end at {ends[-1, 0]:.3f} m (5), the run at {places[-1, 0]:.3f} m; "
+    f"ends within {100 * off / L:.2f} % of the length"
+)
 assert abs(ends[-1, 0] - 5) < 1.01 * L / 900 and off < 0.05 * L
 
 # %%
@@ -243,16 +288,29 @@ slope = np.arctan2(3, 4)
 turn = np.array([[np.cos(slope), -np.sin(slope)], [np.sin(slope), np.cos(slope)]])
 film = states(incline, [0.0, 1.0])
 records = run(incline)
-fig, (left, right) = plt.subplots(1, 2, figsize=(11, 4.4), width_ratios=[1.3, 1], layout="constrained")
+fig, (left, right) = plt.subplots(
+    1, 2, figsize=(11, 4.4), width_ratios=[1.3, 1], layout="constrained"
+)
 for state in film:
     body = state["block"]
     corners, owners = face_corners(body, "y_min")
-    image = PolyCollection(corners[:, :, [0, 2]] @ turn, array=body.stress[owners, 2], cmap="viridis", edgecolors="k",
-                           linewidths=0.4)
+    image = PolyCollection(
+        corners[:, :, [0, 2]] @ turn,
+        array=body.stress[owners, 2],
+        cmap="viridis",
+        edgecolors="k",
+        linewidths=0.4,
+    )
     image.set_clim(-3000, 0)
     left.add_collection(image)
     corner = turn.T @ [body.positions[:, 0].min(), 0.36]
-    left.text(*corner, f"t = {state.time:.1f} s", rotation=-np.degrees(slope), rotation_mode="anchor", fontsize=9)
+    left.text(
+        *corner,
+        f"t = {state.time:.1f} s",
+        rotation=-np.degrees(slope),
+        rotation_mode="anchor",
+        fontsize=9,
+    )
 ground = turn.T @ np.array([[-0.3, 3.4], [0, 0]])
 left.plot(*ground, "k", lw=2)
 fig.colorbar(image, ax=left, label=r"$\sigma_z$ across the slope [Pa]")
@@ -262,7 +320,13 @@ v = records.body_momentum("block")["p"][:, 0] / mass
 right.plot(records.time, 6 * records.time, color="0.6", ls=":", label="without friction, 6 t")
 right.plot(records.time, 3.6 * records.time, "k--", lw=1.2, label="closed form, 3.6 t")
 right.plot(records.time, v, color="tab:red", lw=1.2, label="computed")
-right.set(xlabel="t [s]", ylabel="velocity down the slope [m/s]", xlim=(0, 1), ylim=(0, None), title="Friction takes its share")
+right.set(
+    xlabel="t [s]",
+    ylabel="velocity down the slope [m/s]",
+    xlim=(0, 1),
+    ylim=(0, None),
+    title="Friction takes its share",
+)
 right.grid(alpha=0.3)
 right.legend()
 fig.savefig(folder / "scene_block_on_an_incline.png", dpi=150)
@@ -272,7 +336,9 @@ fig.savefig(folder / "scene_block_on_an_incline.png", dpi=150)
 # friction follows the push of the slope. Whatever that push is, friction is 0.3 of it, so :math:`p_x + 0.3 p_z = 3.6\\,m t`.
 
 p = records.body_momentum("block")["p"][-1]
-print(f"block: velocity after 1 s {v[-1]:.3f} m/s (3.6); (p_x + 0.3 p_z) / m {(p[0] + 0.3 * p[2]) / mass:.3f} m/s")
+print(
+    f"block: velocity after 1 s {v[-1]:.3f} m/s (3.6); (p_x + 0.3 p_z) / m {(p[0] + 0.3 * p[2]) / mass:.3f} m/s"
+)
 assert abs((p[0] + 0.3 * p[2]) / (3.6 * mass) - 1) < 5e-3
 
 # %%
@@ -290,12 +356,24 @@ p0 = 2 * STAR / np.pi * np.sqrt(DEPTH / R)
 block = hertz.state["block"]
 fig = plt.figure(figsize=(11, 6), layout="constrained")
 parts = fig.add_gridspec(2, 2, width_ratios=[1.25, 1])
-left, upper, lower = fig.add_subplot(parts[:, 0]), fig.add_subplot(parts[0, 1]), fig.add_subplot(parts[1, 1])
+left, upper, lower = (
+    fig.add_subplot(parts[:, 0]),
+    fig.add_subplot(parts[0, 1]),
+    fig.add_subplot(parts[1, 1]),
+)
 for side in (1, -1):
-    image = draw(left, block, "y_min", block.stress[:, 2], [0, 2], (-p0, 0), mirror=(side, 1), cmap="magma")
+    image = draw(
+        left, block, "y_min", block.stress[:, 2], [0, 2], (-p0, 0), mirror=(side, 1), cmap="magma"
+    )
 angle = np.linspace(-0.75, 0.75, 200)
 left.fill_between(R * np.sin(angle), R - DEPTH - R * np.cos(angle), 0.9, color="0.75", lw=0)
-left.set(xlim=(-2.5, 2.5), ylim=(-3, 0.9), xlabel="x [mm]", ylabel="z [mm]", title="Cut through the middle, true displacements")
+left.set(
+    xlim=(-2.5, 2.5),
+    ylim=(-3, 0.9),
+    xlabel="x [mm]",
+    ylabel="z [mm]",
+    title="Cut through the middle, true displacements",
+)
 fig.colorbar(image, ax=left, label=r"$\sigma_z$ [MPa]", location="bottom", shrink=0.8)
 middle, push = force(hertz, "block", -1, 2)
 depth = DEPTH * np.minimum(middle / 4e-5, 1)
@@ -303,13 +381,32 @@ pressing = middle < 4e-5
 upper.plot(depth[pressing], 4 * push[pressing], color="tab:red", lw=1.2, label="computed")
 fine = np.linspace(0, DEPTH, 200)
 upper.plot(fine, 4 / 3 * STAR * np.sqrt(R) * fine**1.5, "k--", lw=1.2, label="Hertz")
-upper.set(xlabel="depth [mm]", ylabel="force [N]", xlim=(0, DEPTH), ylim=(0, None), title="Force against depth")
+upper.set(
+    xlabel="depth [mm]",
+    ylabel="force [N]",
+    xlim=(0, DEPTH),
+    ylim=(0, None),
+    title="Force against depth",
+)
 column = np.flatnonzero((block.centres[:, 0] < 0.2) & (block.centres[:, 1] < 0.2))
 column = column[np.argsort(block.centres[column, 2])]
 z = np.linspace(-4, 0, 400)
-lower.plot(-block.centres[column, 2], block.stress[column, 2], "o-", color="tab:red", ms=4, lw=1, label="computed")
+lower.plot(
+    -block.centres[column, 2],
+    block.stress[column, 2],
+    "o-",
+    color="tab:red",
+    ms=4,
+    lw=1,
+    label="computed",
+)
 lower.plot(-z, -p0 / (1 + (z / a) ** 2), "k--", lw=1.2, label="Hertz, half-space")
-lower.set(xlabel="depth below the middle [mm]", ylabel=r"$\sigma_z$ [MPa]", xlim=(0, 4), title="Stress under the middle")
+lower.set(
+    xlabel="depth below the middle [mm]",
+    ylabel=r"$\sigma_z$ [MPa]",
+    xlim=(0, 4),
+    title="Stress under the middle",
+)
 for ax in (upper, lower):
     ax.grid(alpha=0.3)
     ax.legend()
@@ -357,7 +454,9 @@ t = np.array([state.time for state in film])
 nodes = film[0]["ring"].nodes
 radius = np.hypot(*nodes[:, :2].T)
 core = np.abs(radius - RADIUS) < 1e-9
-stretch = np.array([np.hypot(*state["ring"].positions[core, :2].T).mean() for state in film]) / RADIUS
+stretch = (
+    np.array([np.hypot(*state["ring"].positions[core, :2].T).mean() for state in film]) / RADIUS
+)
 t_thin, s_thin = thin_ring(6.3e-3, 2000)
 
 
@@ -378,13 +477,21 @@ for i, k in enumerate(shown):
     dot = body.positions[np.argmin(np.abs(nodes - [0.105, 0, 0.005]).sum(axis=1))]
     ax.plot(*dot[:2], "o", color="tab:red", ms=6)
     ax.add_patch(plt.Circle((0, 0), RADIUS, fill=False, ls=":", color="0.4"))
-    ax.set(xlim=(-0.14, 0.14), ylim=(-0.14, 0.14), xticks=[], yticks=[], title=f"t = {1e3 * t[k]:.1f} ms")
+    ax.set(
+        xlim=(-0.14, 0.14),
+        ylim=(-0.14, 0.14),
+        xticks=[],
+        yticks=[],
+        title=f"t = {1e3 * t[k]:.1f} ms",
+    )
 fig.colorbar(image, ax=fig.axes, label="hoop stress [MPa]", shrink=0.8)
 ax = fig.add_subplot(parts[1, :])
 ax.plot(1e3 * t_thin, s_thin, "k--", lw=1.2, label="thin ring")
 ax.plot(1e3 * t, stretch, "o-", color="tab:red", ms=3, lw=1, label="computed")
 ax.plot(1e3 * t[shown], stretch[shown], "o", mfc="none", mec="k", ms=10, label="pictures above")
-ax.set(xlabel="t [ms]", ylabel="radius / radius at the start", xlim=(0, 6.3), title="The ring breathes")
+ax.set(
+    xlabel="t [ms]", ylabel="radius / radius at the start", xlim=(0, 6.3), title="The ring breathes"
+)
 ax.grid(alpha=0.3)
 ax.legend(loc="upper right")
 fig.savefig(folder / "scene_spinning_ring.png", dpi=150)
@@ -431,9 +538,23 @@ left.plot(centres[:, 0], by_hand, "k--", lw=1.2, label="theory of beams, $Mz/I$"
 left.set(xlabel="x [mm]", ylabel=r"$\sigma_x$ [MPa]", title="Stress in the upper row of elements")
 left.legend()
 energy = beam_run.energy
-right.semilogy(1e3 * energy["time"], np.maximum(energy["kinetic"], 1e-12), color="tab:blue", lw=1.2, label="kinetic")
-right.semilogy(1e3 * energy["time"], np.maximum(energy["strain"], 1e-12), color="tab:orange", lw=1.2, label="strain")
-right.axhline(LOAD * bending(LONG) / 2, color="k", ls="--", lw=1.2, label="half the load times deflection")
+right.semilogy(
+    1e3 * energy["time"],
+    np.maximum(energy["kinetic"], 1e-12),
+    color="tab:blue",
+    lw=1.2,
+    label="kinetic",
+)
+right.semilogy(
+    1e3 * energy["time"],
+    np.maximum(energy["strain"], 1e-12),
+    color="tab:orange",
+    lw=1.2,
+    label="strain",
+)
+right.axhline(
+    LOAD * bending(LONG) / 2, color="k", ls="--", lw=1.2, label="half the load times deflection"
+)
 right.set(xlabel="t [ms]", ylabel="energy [mJ]", title="The way to rest")
 right.legend()
 for ax in (left, right):

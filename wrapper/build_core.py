@@ -16,12 +16,22 @@ import cffi
 LIBRARY = Path("libcontact")
 INCLUDE = LIBRARY / "include"
 ADDON_HEADERS = {"gsl": "contact/exact_series.h", "hdf5": "contact/output.h"}
-FLAGS = ["-O3", "-std=c99", "-D_POSIX_C_SOURCE=199309L", "-ffp-contract=off", "-fno-math-errno", "-fvisibility=hidden", "-fopenmp-simd"]
+FLAGS = [
+    "-O3",
+    "-std=c99",
+    "-D_POSIX_C_SOURCE=199309L",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-fvisibility=hidden",
+    "-fopenmp-simd",
+]
 
 
 def included(header):
     """The headers of the library that a header includes, in order."""
-    return re.findall(r"^#include <(contact/\w+\.h)>", (INCLUDE / header).read_text(encoding="utf-8"), re.M)
+    return re.findall(
+        r"^#include <(contact/\w+\.h)>", (INCLUDE / header).read_text(encoding="utf-8"), re.M
+    )
 
 
 def in_order(headers):
@@ -66,7 +76,11 @@ if prebuilt:
 else:
     addons = []
     headers = in_order(included("contact.h"))
-    sources = sorted(str(path) for path in (LIBRARY / "src").rglob("*.c") if path.parent.name not in ADDON_HEADERS)
+    sources = sorted(
+        str(path)
+        for path in (LIBRARY / "src").rglob("*.c")
+        if path.parent.name not in ADDON_HEADERS
+    )
     objects = []
 
 # The clock that tells what each effect costs: wall time in seconds.
@@ -98,11 +112,17 @@ ffi = cffi.FFI()
 ffi.cdef("\n".join(map(declarations, headers)) + "\nstatic double wall_clock(void);" + OWN)
 ffi.set_source(
     "libcontact._core",
-    "\n".join(f"#include <{header}>" for header in ["contact.h", *(ADDON_HEADERS[name] for name in addons)]) + CLOCK,
+    "\n".join(
+        f"#include <{header}>"
+        for header in ["contact.h", *(ADDON_HEADERS[name] for name in addons)]
+    )
+    + CLOCK,
     sources=sources,
     include_dirs=[str(INCLUDE)],
     extra_objects=objects,
-    extra_compile_args=[] if sys.platform == "win32" else FLAGS + pkg_config("--cflags", packages if prebuilt else []),
+    extra_compile_args=[]
+    if sys.platform == "win32"
+    else FLAGS + pkg_config("--cflags", packages if prebuilt else []),
     extra_link_args=openmp + pkg_config("--libs", packages if prebuilt else []),
     libraries=["m"] if sys.platform != "win32" else [],
 )

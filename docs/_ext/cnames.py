@@ -25,8 +25,15 @@ class NameRole(SphinxRole):
         code = nodes.literal(self.rawtext, self.text, classes=["c"])
         if not re.fullmatch(r"(ct_|CT_)\w+", self.text):
             return [code], []
-        link = addnodes.pending_xref(self.rawtext, code, refdomain="c", reftype="identifier", reftarget=self.text,
-                                     refdoc=self.env.docname, refexplicit=True)
+        link = addnodes.pending_xref(
+            self.rawtext,
+            code,
+            refdomain="c",
+            reftype="identifier",
+            reftarget=self.text,
+            refdoc=self.env.docname,
+            refexplicit=True,
+        )
         self.set_source_info(link)
         return [link], []
 
@@ -38,12 +45,19 @@ def check_manual(app, env):
     for header in sorted(root.rglob("*.h")):
         source = Source(header.read_text(encoding="utf-8"))
         for match in re.finditer(r"/\*\*<", source.text):
-            logger.warning("a comment must stand before what it describes, not after", type="cnames",
-                           location=f"{header.relative_to(root)}:{source.line(match.start())}")
+            logger.warning(
+                "a comment must stand before what it describes, not after",
+                type="cnames",
+                location=f"{header.relative_to(root)}:{source.line(match.start())}",
+            )
         for match in re.finditer(r"\bCT_API\b[^;{}]*?\b(ct_\w+)\s*\(", source.code):
             if match[1] not in documented:
-                logger.warning("the manual lacks %s: has it a /** comment */, and its header an API page?", match[1],
-                               location=f"{header.relative_to(root)}:{source.line(match.start(1))}", type="cnames")
+                logger.warning(
+                    "the manual lacks %s: has it a /** comment */, and its header an API page?",
+                    match[1],
+                    location=f"{header.relative_to(root)}:{source.line(match.start(1))}",
+                    type="cnames",
+                )
 
 
 def setup(app):

@@ -19,12 +19,18 @@ def pages(app):
             quoted.setdefault(path, set()).add(docname)
     for path in source_files(app.config, app.env):
         text = (source_root(app.config, app.env) / path).read_text(encoding="utf-8")
-        listing = app.builder.highlighter.highlight_block(text, "c", linenos="inline", lineanchors="line", anchorlinenos=True)
+        listing = app.builder.highlighter.highlight_block(
+            text, "c", linenos="inline", lineanchors="line", anchorlinenos=True
+        )
         links = ", ".join(
             f'<a href="{app.builder.get_relative_uri(code_page(path), docname)}">{escape(app.env.titles[docname].astext())}</a>'
             for docname in sorted(quoted.get(path, ()))
         )
-        body = f"<h1>{escape(path)}</h1>\n" + (f"<p>Explained in: {links}</p>\n" if links else "") + listing
+        body = (
+            f"<h1>{escape(path)}</h1>\n"
+            + (f"<p>Explained in: {links}</p>\n" if links else "")
+            + listing
+        )
         yield code_page(path), {"title": path, "body": body}, "page.html"
 
 

@@ -121,7 +121,9 @@ class Source:
         """First line of the comments directly above a function."""
         first = span.first
         for comment in reversed(self.comments):
-            alone = not self.text[self.text.rfind("\n", 0, comment.start()) + 1 : comment.start()].strip()
+            alone = not self.text[
+                self.text.rfind("\n", 0, comment.start()) + 1 : comment.start()
+            ].strip()
             if comment["comment"] and alone and self.line(comment.end()) == first - 1:
                 first = self.line(comment.start())
         return first
@@ -141,7 +143,9 @@ def _function_name(head: str) -> str | None:
 
 def _only(found: list[Span], what: str) -> Span:
     if len(found) > 1:
-        raise WeaveError(f"{what} is ambiguous: it stands at lines {', '.join(str(f.first) for f in found)}")
+        raise WeaveError(
+            f"{what} is ambiguous: it stands at lines {', '.join(str(f.first) for f in found)}"
+        )
     if not found:
         raise WeaveError(f"has no {what}")
     return found[0]

@@ -23,7 +23,9 @@ SPACE = "\N{NO-BREAK SPACE}"
 def typeset(value: float, form: str) -> str:
     """The number as the book prints it: a true minus, a space before %, powers of ten raised."""
     text = format(value, form).replace("%", f"{SPACE}%")
-    text = re.sub(r"e([+-])0*(\d+)", lambda m: f"·10{(m[1].replace('+', '') + m[2]).translate(RAISED)}", text)
+    text = re.sub(
+        r"e([+-])0*(\d+)", lambda m: f"·10{(m[1].replace('+', '') + m[2]).translate(RAISED)}", text
+    )
     return text.replace("-", "−")
 
 
@@ -36,10 +38,18 @@ class Measured(SphinxRole):
         try:
             text = typeset(json.loads(path.read_text(encoding="utf-8"))[group][key], form)
         except (OSError, KeyError):
-            logger.warning("measured: %s has no number %s (make measured)", path.name, name, location=self.get_location(), type="measured")
+            logger.warning(
+                "measured: %s has no number %s (make measured)",
+                path.name,
+                name,
+                location=self.get_location(),
+                type="measured",
+            )
             text = "?"
         except ValueError as error:
-            logger.warning("measured: %s: %s", self.text, error, location=self.get_location(), type="measured")
+            logger.warning(
+                "measured: %s: %s", self.text, error, location=self.get_location(), type="measured"
+            )
             text = "?"
         return [nodes.inline(self.rawtext, text, classes=["measured"])], []
 

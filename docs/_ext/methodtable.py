@@ -19,13 +19,16 @@ def measure() -> tuple[list[tuple[str, float, float]], int]:
     sys.path.insert(0, str(ROOT / "bench"))
     try:
         import faces
-        import libcontact
         from libcontact.projection import METHODS
+
+        import libcontact
 
         found = {name: faces.side_by_side(libcontact, name) for name in METHODS}
     finally:
         sys.path.remove(str(ROOT / "bench"))
-    return [(name, calls, share) for name, (calls, share, _) in found.items()], next(iter(found.values()))[2]
+    return [(name, calls, share) for name, (calls, share, _) in found.items()], next(
+        iter(found.values())
+    )[2]
 
 
 class MethodTable(SphinxDirective):
@@ -35,13 +38,22 @@ class MethodTable(SphinxDirective):
         try:
             rows, cases = measure()
         except ImportError as error:
-            return self.parse_text_to_nodes(f"(This book was built without the Python package, so its table is missing here: {error}.)\n")
+            return self.parse_text_to_nodes(
+                f"(This book was built without the Python package, so its table is missing here: {error}.)\n"
+            )
         import libcontact._core
 
         self.env.note_dependency(libcontact._core.__file__)
-        text = [".. list-table:: Median evaluations on ordinary curved Q8 faces to :math:`10^{-10}`, and how many of "
-                f"{cases} hard cases are answered right", "   :header-rows: 1", "   :widths: 40 30 30", "",
-                "   * - method", "     - evaluations", "     - right"]
+        text = [
+            ".. list-table:: Median evaluations on ordinary curved Q8 faces to :math:`10^{-10}`, and how many of "
+            f"{cases} hard cases are answered right",
+            "   :header-rows: 1",
+            "   :widths: 40 30 30",
+            "",
+            "   * - method",
+            "     - evaluations",
+            "     - right",
+        ]
         for name, calls, share in rows:
             percent = "100 %" if share == 1.0 else f"{100 * min(share, 0.9999):.2f} %"
             text += [f"   * - ``{name}``", f"     - {calls:g}", f"     - {percent}"]

@@ -43,8 +43,16 @@ def code_page(path: str) -> str:
 def code_reference(docname: str, path: str, line: int) -> addnodes.pending_xref:
     """A link to a line of a source file, for ``resolve_code``."""
     text = f"{path}:{line}"
-    return addnodes.pending_xref("", nodes.literal(text, text), refdomain="", reftype="weave-code", reftarget=path,
-                                 refdoc=docname, line=line, refexplicit=True)
+    return addnodes.pending_xref(
+        "",
+        nodes.literal(text, text),
+        refdomain="",
+        reftype="weave-code",
+        reftarget=path,
+        refdoc=docname,
+        line=line,
+        refexplicit=True,
+    )
 
 
 class Weave(SphinxDirective):
@@ -77,11 +85,23 @@ class Weave(SphinxDirective):
         listing["highlight_args"] = {"linenostart": first}
         caption = nodes.caption("", "", code_reference(self.env.docname, path, first))
         caption += nodes.Text(f" {span.name}" if quoted else f" {span.name}()")
-        for i, label in enumerate(dict.fromkeys(label for label, _, _ in source.labels(first, span.last))):
+        for i, label in enumerate(
+            dict.fromkeys(label for label, _, _ in source.labels(first, span.last))
+        ):
             caption += nodes.Text(", " if i else ": ")
-            caption += addnodes.pending_xref("", nodes.literal(label, label), refdomain="math", reftype="eq", reftarget=label,
-                                             refdoc=self.env.docname, refexplicit=False, refwarn=True)
-        wrapper = nodes.container("", caption, listing, literal_block=True, classes=["literal-block-wrapper", "weave"])
+            caption += addnodes.pending_xref(
+                "",
+                nodes.literal(label, label),
+                refdomain="math",
+                reftype="eq",
+                reftarget=label,
+                refdoc=self.env.docname,
+                refexplicit=False,
+                refwarn=True,
+            )
+        wrapper = nodes.container(
+            "", caption, listing, literal_block=True, classes=["literal-block-wrapper", "weave"]
+        )
         self.set_source_info(listing)
         self.set_source_info(caption)
         for node in caption.findall(addnodes.pending_xref):
@@ -96,7 +116,12 @@ def source_root(config, env) -> Path:
 def source_files(config, env) -> list[str]:
     """All C files under ``weave_sources``, relative to the root of the repository."""
     root = source_root(config, env)
-    files = [f for folder in config.weave_sources for f in (root / folder).rglob("*") if f.suffix in (".c", ".h")]
+    files = [
+        f
+        for folder in config.weave_sources
+        for f in (root / folder).rglob("*")
+        if f.suffix in (".c", ".h")
+    ]
     return sorted(f.relative_to(root).as_posix() for f in files)
 
 
@@ -113,7 +138,11 @@ def scan_labels(app, env, added, changed, removed):
             continue
         for label, line, role in source.labels():
             env.weave_labels.setdefault(label, []).append((path, line, role))
-    moved = {label for label in {*before, *env.weave_labels} if before.get(label) != env.weave_labels.get(label)}
+    moved = {
+        label
+        for label in {*before, *env.weave_labels}
+        if before.get(label) != env.weave_labels.get(label)
+    }
     equations = env.get_domain("math").equations
     return sorted({equations[label][0] for label in moved if label in equations} & env.found_docs)
 
@@ -125,18 +154,30 @@ def check_labels(app, env):
         if label not in equations:
             where = [f"{path}:{line}" for path, line, _ in places]
             also = f" (named also at {', '.join(where[1:])})" if where[1:] else ""
-            logger.warning("weave: no page defines the equation %s%s", label, also, location=where[0], type="weave")
+            logger.warning(
+                "weave: no page defines the equation %s%s",
+                label,
+                also,
+                location=where[0],
+                type="weave",
+            )
 
 
 def add_computed_in(app, doctree, docname):
     """Write below each equation where the code computes it: the headings and comments that name it, not the manual's."""
     for block in list(doctree.findall(nodes.math_block)):
-        places = [(path, line) for path, line, role in app.env.weave_labels.get(block.get("label"), []) if not role]
+        places = [
+            (path, line)
+            for path, line, role in app.env.weave_labels.get(block.get("label"), [])
+            if not role
+        ]
         if places and app.builder.format == "html":
             paragraph = nodes.paragraph("", "computed in ", classes=["weave-computed"])
             for i, (path, line) in enumerate(places):
                 paragraph += nodes.Text(", " if i else "")
-                paragraph += _link(app, docname, path, line, nodes.literal("", f"{Path(path).name}:{line}"))
+                paragraph += _link(
+                    app, docname, path, line, nodes.literal("", f"{Path(path).name}:{line}")
+                )
             block.parent.insert(block.parent.index(block) + 1, paragraph)
 
 
@@ -173,4 +214,9 @@ def setup(app):
     app.connect("env-check-consistency", check_labels)
     app.connect("missing-reference", resolve_code)
     app.connect("doctree-resolved", add_computed_in)
-    return {"version": "1", "env_version": 1, "parallel_read_safe": True, "parallel_write_safe": True}
+    return {
+        "version": "1",
+        "env_version": 1,
+        "parallel_read_safe": True,
+        "parallel_write_safe": True,
+    }

@@ -1,5 +1,6 @@
-import libcontact as ct
 import numpy as np
+
+import libcontact as ct
 
 scene = ct.Scene.load("tutorials/scenes/plates.toml")
 print(scene.explain())  # what will be computed, what will not, and why

@@ -1,4 +1,5 @@
-/* libcontact: explicit finite-element contact-impact. One include for everything that needs libc and libm only. */
+/* libcontact: explicit finite-element contact-impact. One include for everything that needs libc
+ * and libm only. */
 #ifndef CONTACT_H
 #define CONTACT_H
 

@@ -1,4 +1,5 @@
-/* The largest frequency of the bodies as they are assembled: Lanczos' method with a bound on how far it may be below. */
+/* The largest frequency of the bodies as they are assembled: Lanczos' method with a bound on how
+ * far it may be below. */
 #include <contact/step.h>
 
 #include "error.h"
@@ -11,14 +12,15 @@
 #include <math.h>
 #include <stdint.h>
 
-/* The answer may be too small by more than the margin with this probability over the random starts. */
+/* The answer may be too small by more than the margin with this probability over the random starts.
+ */
 static const double MARGIN = 0.06, DOUBT = 1e-12, SMALL = 1e-6;
 
 /* Vectors of one number a degree of freedom, and the tridiagonal matrix. */
 typedef struct lanczos {
   const ct_problem *problem;
   ct_view view;
-  double scale;                           /* largest displacement that is tried */
+  double scale; /* largest displacement that is tried */
   double *now, *before, *next, *u, *force;
   double *diagonal, *beside;
   int rounds;
@@ -52,15 +54,18 @@ static ct_status apply(lanczos *l, ct_error *error)
   const double *inverse_mass = l->problem->inverse_mass;
   int64_t count = 3 * (int64_t)l->problem->node_count;
   double top = 0.0;
-  for (int64_t d = 0; d < count; d++) top = fmax(top, fabs(l->u[d] = sqrt(inverse_mass[d]) * l->now[d]));
+  for (int64_t d = 0; d < count; d++)
+    top = fmax(top, fabs(l->u[d] = sqrt(inverse_mass[d]) * l->now[d]));
   double scale = top > 0.0 ? l->scale / top : 0.0;
   for (int64_t d = 0; d < count; d++) l->u[d] *= scale;
   ct_status status = solid->force(solid, &l->view, l->force, error);
-  for (int64_t d = 0; d < count; d++) l->next[d] = scale > 0.0 ? -sqrt(inverse_mass[d]) * (l->force[d] / scale) : 0.0;
+  for (int64_t d = 0; d < count; d++)
+    l->next[d] = scale > 0.0 ? -sqrt(inverse_mass[d]) * (l->force[d] / scale) : 0.0;
   return status;
 }
 
-/* Rounds of Lanczos' recurrence; `rounds` becomes the number that were made (eq:assembled-rounds). */
+/* Rounds of Lanczos' recurrence; `rounds` becomes the number that were made (eq:assembled-rounds).
+ */
 static ct_status recur(lanczos *l, ct_error *error)
 {
   int64_t count = 3 * (int64_t)l->problem->node_count;
@@ -69,9 +74,12 @@ static ct_status recur(lanczos *l, ct_error *error)
     ct_status status = apply(l, error);
     if (status != CT_OK) return status;
     double a = l->diagonal[k] = dot(l, l->now, l->next), b = k > 0 ? l->beside[k - 1] : 0.0;
-    for (int64_t d = 0; d < count; d++) l->next[d] = (l->next[d] - a * l->now[d]) - b * l->before[d];
+    for (int64_t d = 0; d < count; d++)
+      l->next[d] = (l->next[d] - a * l->now[d]) - b * l->before[d];
     double length = l->beside[k] = sqrt(dot(l, l->next, l->next));
-    if (!isfinite(length)) return ct_fail(error, CT_INVALID, CT_NOWHERE, "stable step: the stiffness of the bodies is not finite");
+    if (!isfinite(length))
+      return ct_fail(error, CT_INVALID, CT_NOWHERE,
+                     "stable step: the stiffness of the bodies is not finite");
     // Nothing is left: the eigenvalues so far are exact.
     if (!(length > 1e-12 * fabs(a))) {
       l->rounds = k + 1;
@@ -105,24 +113,32 @@ static int all_linear(const ct_problem *problem)
   return problem->effects[0]->kind == CT_EFFECT_SOLID;
 }
 
-ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double *omega_squared, ct_error *error)
+ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double *omega_squared,
+                              ct_error *error)
 {
-  if (problem == NULL || state == NULL || omega_squared == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "stable step: null argument");
-  if (!all_linear(problem)) return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "stable step: the assembled bound is for linear solids");
+  if (problem == NULL || state == NULL || omega_squared == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "stable step: null argument");
+  if (!all_linear(problem))
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "stable step: the assembled bound is for linear solids");
   const ct_effect *solid = problem->effects[0];
   size_t n = 3 * (size_t)problem->node_count;
-  lanczos l = {.problem = problem, .view = ct_workspace_view(problem, state, 0), .seed = 88172645463325252u};
+  lanczos l = {
+      .problem = problem, .view = ct_workspace_view(problem, state, 0), .seed = 88172645463325252u};
   // -- As many rounds as the margin asks for (eq:assembled-rounds)
   l.rounds = (int)ceil(0.5 * (log(1.648 * sqrt((double)n) / DOUBT) / sqrt(MARGIN) + 1.0));
-  double **vectors[] = {&l.now, &l.before, &l.next, &l.u, &l.force}, *room[5] = {NULL}, edge = INFINITY;
+  double **vectors[] = {&l.now, &l.before, &l.next, &l.u, &l.force}, *room[5] = {NULL},
+         edge = INFINITY;
   ct_status status = CT_OK;
   for (int i = 0; i < 5; i++)
     if ((room[i] = *vectors[i] = ct_allocate(n, sizeof(double))) == NULL) status = CT_ERROR_MEMORY;
   l.diagonal = ct_allocate(2 * (size_t)l.rounds, sizeof(double));
   void *scratch = NULL;
-  if (status != CT_OK || l.diagonal == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the stable step");
+  if (status != CT_OK || l.diagonal == NULL)
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the stable step");
   else if (solid->create_scratch != NULL) status = solid->create_scratch(solid, &scratch, error);
-  for (int32_t i = 0; i < problem->body_count; i++) edge = fmin(edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
+  for (int32_t i = 0; i < problem->body_count; i++)
+    edge = fmin(edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
   if (status == CT_OK) {
     l.beside = l.diagonal + l.rounds;
     l.scale = SMALL * edge;

@@ -4,7 +4,6 @@
 #include "memory.h"
 #include "mesh_internal.h"
 
-
 void ct_assembly_free(ct_assembly *assembly)
 {
   if (assembly == NULL) return;
@@ -14,7 +13,8 @@ void ct_assembly_free(ct_assembly *assembly)
   ct_release(assembly);
 }
 
-/* The octant around local node `a` in which the element lies: bit 0 is set when it lies on the side of positive ξ. */
+/* The octant around local node `a` in which the element lies: bit 0 is set when it lies on the side
+ * of positive ξ. */
 static int octant(ct_brick_kind kind, int a)
 {
   double xi[3];
@@ -31,8 +31,8 @@ static void add_extra(ct_assembly *assembly, int32_t to, int32_t from)
   assembly->extra_count++;
 }
 
-/* Enter every element into its slots. A slot that is taken moves to a cell; what the cell sums is counted, and listed when
- * there is a list. */
+/* Enter every element into its slots. A slot that is taken moves to a cell; what the cell sums is
+ * counted, and listed when there is a list. */
 static void fill_places(const ct_mesh *mesh, ct_assembly *assembly)
 {
   int per = ct_brick_node_count(mesh->kind), slot[20], width = 8 * assembly->components;
@@ -50,7 +50,8 @@ static void fill_places(const ct_mesh *mesh, ct_assembly *assembly)
         continue;
       }
       if (*entry < zero) {
-        int32_t cell = first_cell + (int32_t)(assembly->cell_count / 8) * width + (int32_t)(assembly->cell_count % 8);
+        int32_t cell = first_cell + (int32_t)(assembly->cell_count / 8) * width +
+                       (int32_t)(assembly->cell_count % 8);
         assembly->cell_count++;
         add_extra(assembly, cell, *entry);
         *entry = cell;
@@ -60,18 +61,24 @@ static void fill_places(const ct_mesh *mesh, ct_assembly *assembly)
   assembly->value_count = first_cell + (assembly->cell_count + 7) / 8 * width;
 }
 
-ct_status ct_assembly_create(const ct_mesh *mesh, int components, ct_assembly **out, ct_error *error)
+ct_status ct_assembly_create(const ct_mesh *mesh, int components, ct_assembly **out,
+                             ct_error *error)
 {
   int per = ct_brick_node_count(mesh->kind);
   int32_t number[20];
-  ct_status status = per > 0 ? CT_OK : ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "mesh: unknown kind of element");
-  for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) status = ct_mesh_element_nodes(mesh, e, number, error);
+  ct_status status =
+      per > 0 ? CT_OK
+              : ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "mesh: unknown kind of element");
+  for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++)
+    status = ct_mesh_element_nodes(mesh, e, number, error);
   if (status != CT_OK) return status;
   int64_t values = ((int64_t)mesh->element_count + 7) / 8 * 8 * per * components;
   if (values > INT32_MAX / 4)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "a mesh of %d elements is too large", (int)mesh->element_count);
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "a mesh of %d elements is too large",
+                   (int)mesh->element_count);
   ct_assembly *assembly = ct_allocate(1, sizeof *assembly);
-  if (assembly == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the assembly");
+  if (assembly == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the assembly");
   assembly->node_count = mesh->node_count;
   assembly->components = components;
   assembly->element_values = values;
@@ -97,7 +104,8 @@ void ct_assembly_fold(const ct_assembly *assembly, double *values)
       values[assembly->extra_to[i] + 8 * c] += values[assembly->extra_from[i] + 8 * c];
 }
 
-void ct_assembly_gather(const ct_assembly *assembly, const double *values, int32_t first, int32_t last, double *sums)
+void ct_assembly_gather(const ct_assembly *assembly, const double *values, int32_t first,
+                        int32_t last, double *sums)
 {
   int components = assembly->components;
   for (int32_t i = first; i < last; i++) {
@@ -105,7 +113,8 @@ void ct_assembly_gather(const ct_assembly *assembly, const double *values, int32
     // -- Pair the octants along ξ, then η, then ζ (eq:tree-sum)
     for (int c = 0; c < components; c++) {
       const double *v = &values[8 * c];
-      sums[components * (int64_t)i + c] = ((v[p[0]] + v[p[1]]) + (v[p[2]] + v[p[3]])) + ((v[p[4]] + v[p[5]]) + (v[p[6]] + v[p[7]]));
+      sums[components * (int64_t)i + c] =
+          ((v[p[0]] + v[p[1]]) + (v[p[2]] + v[p[3]])) + ((v[p[4]] + v[p[5]]) + (v[p[6]] + v[p[7]]));
     }
   }
 }

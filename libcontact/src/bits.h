@@ -7,10 +7,16 @@
 
 static inline int64_t ct_bits_words(int64_t count) { return (count + 63) / 64; }
 
-static inline int ct_bits_get(const uint64_t *bits, int32_t n) { return (int)(bits[n / 64] >> (n % 64) & 1u); }
+static inline int ct_bits_get(const uint64_t *bits, int32_t n)
+{
+  return (int)(bits[n / 64] >> (n % 64) & 1u);
+}
 
 /* Bits first ... last - 1 of one word, counted from its lowest; 0 <= first < last <= 64. */
-static inline uint64_t ct_bits_span(int first, int last) { return (~(uint64_t)0 << first) & (~(uint64_t)0 >> (64 - last)); }
+static inline uint64_t ct_bits_span(int first, int last)
+{
+  return (~(uint64_t)0 << first) & (~(uint64_t)0 >> (64 - last));
+}
 
 /* Set or clear the bits first ... last - 1. */
 static inline void ct_bits_put(uint64_t *bits, int32_t first, int32_t last, int value)

@@ -57,7 +57,9 @@ static int is_in(const ct_mesh *mesh, int32_t element, int number, const plane *
   ct_brick_face(mesh->kind, number, local);
   for (int a = 0; a < per_face; a++) {
     node[a] = mesh->elements[(size_t)element * per + (size_t)local[a]];
-    if (in->axis >= 0) inside &= fabs(mesh->nodes[3 * (size_t)node[a] + (size_t)in->axis] - in->value) <= in->tolerance;
+    if (in->axis >= 0)
+      inside &=
+          fabs(mesh->nodes[3 * (size_t)node[a] + (size_t)in->axis] - in->value) <= in->tolerance;
   }
   return inside;
 }
@@ -76,8 +78,8 @@ static size_t list_sides(const ct_mesh *mesh, const plane *in, side *sides)
   return count;
 }
 
-/* The sides in the plane that occur once, by element and side; `*count` of them, or null without memory. Both sides of an
- * inner face are in a plane, or none is. */
+/* The sides in the plane that occur once, by element and side; `*count` of them, or null without
+ * memory. Both sides of an inner face are in a plane, or none is. */
 static side *outer_sides(const ct_mesh *mesh, const plane *in, int32_t *count)
 {
   size_t total = list_sides(mesh, in, NULL), kept = 0;
@@ -132,7 +134,8 @@ static int32_t collect(const ct_mesh *mesh, plane in, int32_t *faces, int32_t *o
   return count;
 }
 
-int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t *faces, int32_t *owners)
+int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t *faces,
+                            int32_t *owners)
 {
   if (mesh == NULL || mesh->nodes == NULL) return -CT_ERROR_ARGUMENT;
   if (axis < 0 || axis > 2) return 0;

@@ -3,18 +3,21 @@
 #include <math.h>
 
 static const signed char NODE[20][3] = {
-    {-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}, {0, -1, -1}, {1, 0, -1},
-    {0, 1, -1},   {-1, 0, -1}, {0, -1, 1}, {1, 0, 1},   {0, 1, 1},   {-1, 0, 1}, {-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    {-1, -1, -1}, {1, -1, -1}, {1, 1, -1},  {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1},
+    {-1, 1, 1},   {0, -1, -1}, {1, 0, -1},  {0, 1, -1},  {-1, 0, -1}, {0, -1, 1}, {1, 0, 1},
+    {0, 1, 1},    {-1, 0, 1},  {-1, -1, 0}, {1, -1, 0},  {1, 1, 0},   {-1, 1, 0}};
 
-static const signed char SIDE[6][8] = {
-    {3, 0, 4, 7, 11, 16, 15, 19}, {1, 2, 6, 5, 9, 18, 13, 17},  {0, 1, 5, 4, 8, 17, 12, 16},
-    {2, 3, 7, 6, 10, 19, 14, 18}, {1, 0, 3, 2, 8, 11, 10, 9}, {4, 5, 6, 7, 12, 13, 14, 15}};
+static const signed char SIDE[6][8] = {{3, 0, 4, 7, 11, 16, 15, 19}, {1, 2, 6, 5, 9, 18, 13, 17},
+                                       {0, 1, 5, 4, 8, 17, 12, 16},  {2, 3, 7, 6, 10, 19, 14, 18},
+                                       {1, 0, 3, 2, 8, 11, 10, 9},   {4, 5, 6, 7, 12, 13, 14, 15}};
 
 int ct_brick_node_count(ct_brick_kind kind)
 {
   switch (kind) {
-  case CT_HEX8: return 8;
-  case CT_HEX20: return 20;
+  case CT_HEX8:
+    return 8;
+  case CT_HEX20:
+    return 20;
   }
   return 0;
 }
@@ -28,8 +31,8 @@ void ct_brick_reference(ct_brick_kind kind, int node, double xi[3])
   for (int a = 0; a < 3; a++) xi[a] = known ? NODE[node][a] : NAN;
 }
 
-/* The factors of node i: 1 + xi_a x_a along the axes where the node has a sign, (1 - x_a)(1 + x_a) along the axis of a
- * mid-edge. */
+/* The factors of node i: 1 + xi_a x_a along the axes where the node has a sign, (1 - x_a)(1 + x_a)
+ * along the axis of a mid-edge. */
 static void factors(int i, const double xi[3], double f[3], double df[3])
 {
   for (int a = 0; a < 3; a++) {

@@ -21,7 +21,8 @@ static void free_data(void *data)
   ct_release(data);
 }
 
-static ct_status damping_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status damping_force(const ct_effect *effect, const ct_view *view, double *force,
+                               ct_error *error)
 {
   const damping_data *data = effect->data;
   (void)error;
@@ -34,12 +35,13 @@ static ct_status damping_force(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
-/* What relaxation remembers: its rate, the steps since the sample (0: there is none yet), and the sample's displacements and
- * forces on the effect's nodes. */
+/* What relaxation remembers: its rate, the steps since the sample (0: there is none yet), and the
+ * sample's displacements and forces on the effect's nodes. */
 enum { RATE, AGE, SAMPLE };
 
 /* At one node, what the change since the sample says: -Δu · Δf and Δu · M Δu. */
-static void node_change(const ct_effect *effect, const ct_view *view, int32_t i, double *stiff, double *mass)
+static void node_change(const ct_effect *effect, const ct_view *view, int32_t i, double *stiff,
+                        double *mass)
 {
   const damping_data *data = effect->data;
   const double *u0 = view->memory + SAMPLE, *f0 = u0 + 3 * (int64_t)effect->node_count;
@@ -63,7 +65,8 @@ static double rayleigh(const ct_effect *effect, const ct_view *view)
   while (ct_stream_again(sums, 2))
     for (int32_t first = 0, end; first < effect->node_count; first = end) {
       end = ct_piece_end(first, effect->node_count);
-      for (int32_t i = first; i < end; i++) node_change(effect, view, i, &stiff[i - first], &mass[i - first]);
+      for (int32_t i = first; i < end; i++)
+        node_change(effect, view, i, &stiff[i - first], &mass[i - first]);
       ct_stream_add(&sums[0], stiff, end - first);
       ct_stream_add(&sums[1], mass, end - first);
     }
@@ -94,7 +97,8 @@ static double relaxation_rate(const ct_effect *effect, const ct_view *view)
   return rate;
 }
 
-static ct_status relaxation_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status relaxation_force(const ct_effect *effect, const ct_view *view, double *force,
+                                  ct_error *error)
 {
   const damping_data *data = effect->data;
   (void)error;
@@ -104,35 +108,54 @@ static ct_status relaxation_force(const ct_effect *effect, const ct_view *view, 
     for (int k = 0; k < 3; k++) {
       int64_t dof = 3 * (int64_t)data->nodes[i] + k;
       double m = data->mass[data->nodes[i]], v = view->velocity[dof];
-      // -- -α m (v_{n-1/2} + v_{n+1/2}) / 2, solved for the velocity after the step (eq:relaxation-force)
-      force[3 * (int64_t)i + k] = a == 0.0 || data->inverse_mass[dof] == 0.0 ? 0.0 : -a * (2.0 * m * v / view->kick + view->total[dof]) / (1.0 + a);
+      // -- -α m (v_{n-1/2} + v_{n+1/2}) / 2, solved for the velocity after the step
+      // (eq:relaxation-force)
+      force[3 * (int64_t)i + k] =
+          a == 0.0 || data->inverse_mass[dof] == 0.0
+              ? 0.0
+              : -a * (2.0 * m * v / view->kick + view->total[dof]) / (1.0 + a);
     }
   return CT_OK;
 }
 
-static ct_status damping_rate(const ct_effect *effect, const ct_view *view, double *rate, ct_error *error)
+static ct_status damping_rate(const ct_effect *effect, const ct_view *view, double *rate,
+                              ct_error *error)
 {
   (void)view, (void)error;
   *rate = ((const damping_data *)effect->data)->rate;
   return CT_OK;
 }
 
-ct_status ct_damping_create_effect(const ct_damping *damping, const ct_problem *problem, ct_effect **effect, ct_error *error)
+ct_status ct_damping_create_effect(const ct_damping *damping, const ct_problem *problem,
+                                   ct_effect **effect, ct_error *error)
 {
-  if (damping == NULL || problem == NULL || effect == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "damping: null argument");
-  if (!(damping->rate >= 0.0) || !isfinite(damping->rate)) return ct_fail(error, CT_INVALID, CT_NOWHERE, "damping: the rate is %g", damping->rate);
+  if (damping == NULL || problem == NULL || effect == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "damping: null argument");
+  if (!(damping->rate >= 0.0) || !isfinite(damping->rate))
+    return ct_fail(error, CT_INVALID, CT_NOWHERE, "damping: the rate is %g", damping->rate);
   if (damping->relaxation && damping->rate != 0.0)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "damping: relaxation chooses by itself, and a rate of %g is given too", damping->rate);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "damping: relaxation chooses by itself, and a rate of %g is given too",
+                   damping->rate);
   damping_data *data = ct_allocate(1, sizeof *data);
   if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "damping: no memory");
   int32_t count = 0;
-  ct_status status = ct_effect_body_nodes(problem, damping->bodies, damping->body_count, "damping", &data->nodes, &count, error);
+  ct_status status = ct_effect_body_nodes(problem, damping->bodies, damping->body_count, "damping",
+                                          &data->nodes, &count, error);
   data->rate = damping->rate;
   data->mass = problem->mass;
   data->inverse_mass = problem->inverse_mass;
-  ct_effect filled = {.kind = CT_EFFECT_DAMPING, .name = "damping", .local = 1, .data = data, .nodes = data->nodes,
-                      .node_count = count, .flops = 4.0 * count, .bytes = 60.0 * count,
-                      .force = damping_force, .damping = damping_rate, .free_data = free_data};
+  ct_effect filled = {.kind = CT_EFFECT_DAMPING,
+                      .name = "damping",
+                      .local = 1,
+                      .data = data,
+                      .nodes = data->nodes,
+                      .node_count = count,
+                      .flops = 4.0 * count,
+                      .bytes = 60.0 * count,
+                      .force = damping_force,
+                      .damping = damping_rate,
+                      .free_data = free_data};
   if (damping->relaxation) {
     filled.memory_count = SAMPLE + 6 * (int64_t)count;
     filled.last = 1;

@@ -1,9 +1,9 @@
 /* Closed form of the impact of two thick plates (docs/theory/exact.rst).
  *
- * d = c1 = density = v0 = 1, stresses over Lambda. kappa = c1/c2, kappa2 = kappa^2, epsilon = kappa^2 - 2 = Lambda/mu.
- * p is the slowness along the face, q = p^2, gamma1 = sqrt(1 - q), gamma2 = sqrt(kappa^2 - q). All of them are elliptic
- * functions of one variable u with modulus 1/kappa: p = sn u, gamma1 = cn u, gamma2 = kappa dn u; K and iK' are the
- * quarter periods and W = u - K. */
+ * d = c1 = density = v0 = 1, stresses over Lambda. kappa = c1/c2, kappa2 = kappa^2, epsilon =
+ * kappa^2 - 2 = Lambda/mu. p is the slowness along the face, q = p^2, gamma1 = sqrt(1 - q), gamma2
+ * = sqrt(kappa^2 - q). All of them are elliptic functions of one variable u with modulus 1/kappa: p
+ * = sn u, gamma1 = cn u, gamma2 = kappa dn u; K and iK' are the quarter periods and W = u - K. */
 #include <contact/exact.h>
 
 #include "error.h"
@@ -29,28 +29,29 @@ typedef struct ct_torus {
 
 /* A pole u = a of the integrands; they are even or odd, so that -a is one too. */
 typedef struct ct_pole {
-  ct_complex angle, sine, cosine;     /* pi (a - K)/4K, its sine and cosine */
-  ct_complex unit[4];                 /* 1/theta of the four logarithms at the middle of the quarter */
-  ct_complex residue[WAVES][FIELDS];  /* of F dp/du at u = a */
+  ct_complex angle, sine, cosine; /* pi (a - K)/4K, its sine and cosine */
+  ct_complex unit[4];             /* 1/theta of the four logarithms at the middle of the quarter */
+  ct_complex residue[WAVES][FIELDS]; /* of F dp/du at u = a */
 } ct_pole;
 
 /* What depends on Poisson's ratio alone. */
 typedef struct ct_plates {
   double nu, kappa, kappa2, epsilon, c_r;
-  double modulus1;          /* sqrt(1 - 1/kappa^2) */
-  double k, k1, scale;      /* the quarter periods K, K'; pi/4K */
-  double nome, root_nome;   /* exp(-pi K'/K) and its root */
-  int poles;                /* the last is u = K, a pole of the dilatational wave alone */
-  ct_complex w_r;           /* W of the Rayleigh pole */
+  double modulus1;        /* sqrt(1 - 1/kappa^2) */
+  double k, k1, scale;    /* the quarter periods K, K'; pi/4K */
+  double nome, root_nome; /* exp(-pi K'/K) and its root */
+  int poles;              /* the last is u = K, a pole of the dilatational wave alone */
+  ct_complex w_r;         /* W of the Rayleigh pole */
   ct_pole pole[POLES_MAX];
-  double infinity[FIELDS];  /* size of F at p = infinity; the shear wave has the opposite */
+  double infinity[FIELDS]; /* size of F at p = infinity; the shear wave has the opposite */
   ct_complex slope[WAVES][FIELDS];
   double origin[WAVES][FIELDS]; /* Im of the primitive at p = 0 */
 } ct_plates;
 
 static ct_complex square(ct_complex a) { return a * a; }
 
-/* Carlson's R_F of (a^2, b^2, c^2) by duplication; the roots are given because their signs choose the sheet. */
+/* Carlson's R_F of (a^2, b^2, c^2) by duplication; the roots are given because their signs choose
+ * the sheet. */
 static ct_complex carlson_rf(ct_complex a, ct_complex b, ct_complex c)
 {
   ct_complex x = square(a), y = square(b), z = square(c);
@@ -66,7 +67,8 @@ static ct_complex carlson_rf(ct_complex a, ct_complex b, ct_complex c)
     a = csqrt(x), b = csqrt(y), c = csqrt(z);
     spread *= 0.25, scale *= 0.25;
   }
-  const ct_complex dx = scale * (mean0 - x0) / mean, dy = scale * (mean0 - y0) / mean, dz = -(dx + dy);
+  const ct_complex dx = scale * (mean0 - x0) / mean, dy = scale * (mean0 - y0) / mean,
+                   dz = -(dx + dy);
   const ct_complex e2 = dx * dy - dz * dz, e3 = dx * dy * dz;
   return (1.0 + e2 * (-0.1 + e2 / 24.0 - 3.0 * e3 / 44.0) + e3 / 14.0) / csqrt(mean);
 }
@@ -81,15 +83,17 @@ static ct_complex torus_w(const ct_plates *e, ct_complex p, ct_complex gamma1, c
 static void thetas(double q, ct_complex sine, ct_complex *theta1, ct_complex *theta4)
 {
   const double q2 = q * q, q4 = q2 * q2, q6 = q4 * q2, q8 = q4 * q4;
-  const ct_complex c2 = 1.0 - 2.0 * square(sine), c4 = 2.0 * square(c2) - 1.0, c6 = c2 * (2.0 * c4 - 1.0);
+  const ct_complex c2 = 1.0 - 2.0 * square(sine), c4 = 2.0 * square(c2) - 1.0,
+                   c6 = c2 * (2.0 * c4 - 1.0);
   const ct_complex c8 = 2.0 * square(c4) - 1.0;
   const ct_complex d1 = 1.0 + 2.0 * c2, d2 = d1 + 2.0 * c4, d3 = d2 + 2.0 * c6;
   *theta1 = sine * (1.0 - q2 * d1 + q6 * d2 - q6 * q6 * d3);
   *theta4 = 1.0 - 2.0 * (q * c2 - q4 * c4 + q8 * q * c6 - q8 * q8 * c8);
 }
 
-/* The four logarithms of a pole, combined for the fields that are even or odd in u and keep or turn their sign under
- * u -> u + 2iK' (eq:exact-primitive); `unit` holds the reciprocal values that fix the branch. */
+/* The four logarithms of a pole, combined for the fields that are even or odd in u and keep or turn
+ * their sign under u -> u + 2iK' (eq:exact-primitive); `unit` holds the reciprocal values that fix
+ * the branch. */
 typedef struct ct_logs {
   ct_complex even, odd, even_turned, odd_turned;
 } ct_logs;
@@ -106,7 +110,8 @@ static ct_angle angle_of(const ct_plates *e, ct_complex w)
 }
 
 /* theta1 and theta4 of u - a and of u + a. */
-static void pole_thetas(const ct_plates *e, const ct_pole *a, const ct_angle *u, ct_complex theta[4])
+static void pole_thetas(const ct_plates *e, const ct_pole *a, const ct_angle *u,
+                        ct_complex theta[4])
 {
   const ct_complex sine = u->sine, cosine = u->cosine, near = u->angle - a->angle;
   const ct_complex sine_near = cabs(near) < 0.05 ? csin(near) : sine * a->cosine - cosine * a->sine;
@@ -124,8 +129,10 @@ static ct_logs pole_logs(const ct_plates *e, const ct_pole *a, const ct_angle *u
   return (ct_logs){keep1 - keep2, keep1 + keep2, turn1 - turn2, turn1 + turn2};
 }
 
-/* theta3(pi u/4K) of the root of the nome and its logarithmic derivative in u, given sin and cos of pi W/4K. */
-static void theta3(const ct_plates *e, ct_complex sine, ct_complex cosine, ct_complex *value, ct_complex *slope)
+/* theta3(pi u/4K) of the root of the nome and its logarithmic derivative in u, given sin and cos of
+ * pi W/4K. */
+static void theta3(const ct_plates *e, ct_complex sine, ct_complex cosine, ct_complex *value,
+                   ct_complex *slope)
 {
   const ct_complex c = -2.0 * sine * cosine, s = 1.0 - 2.0 * square(sine);
   ct_complex c0 = 1.0, s0 = 0.0, c1 = c, s1 = s, sum = 1.0, derivative = 0.0;
@@ -142,7 +149,8 @@ static void theta3(const ct_plates *e, ct_complex sine, ct_complex cosine, ct_co
   *slope = e->scale * derivative / sum;
 }
 
-/* Im of the primitives of the five integrands of one wave, without the part that is linear in p at infinity. */
+/* Im of the primitives of the five integrands of one wave, without the part that is linear in p at
+ * infinity. */
 static void primitives(const ct_plates *e, int wave, const ct_torus *point, double out[FIELDS])
 {
   // -- Sum the logarithms of the poles (eq:exact-primitive)
@@ -164,15 +172,18 @@ static void primitives(const ct_plates *e, int wave, const ct_torus *point, doub
   ct_complex value, slope;
   theta3(e, angle.sine, angle.cosine, &value, &slope);
   const ct_complex u = point->w + e->k;
-  for (int f = SX; f <= SY; f++) sum[f] += e->slope[wave][f] * u + sign * e->infinity[f] * e->kappa * slope;
+  for (int f = SX; f <= SY; f++)
+    sum[f] += e->slope[wave][f] * u + sign * e->infinity[f] * e->kappa * slope;
   sum[SXY] += e->infinity[SXY] * (e->kappa2 - 1.0) / (g1 + g2);
   sum[VX] += sign * e->infinity[VX] * (clog(value) - clog(g1 + g2));
   sum[VY] += sign * e->infinity[VY] * 0.5 * I * (clog(point->p + I * g1) + clog(point->p + I * g2));
   for (int f = 0; f < FIELDS; f++) out[f] = cimag(sum[f]) - e->origin[wave][f];
 }
 
-/* Numerators N of F dp/du = N/R (eq:exact-kernels); the pole factor 1/gamma1 of the dilatational wave is kept. */
-static void numerators(const ct_plates *e, ct_complex p, ct_complex g1, ct_complex g2, ct_complex n[WAVES][FIELDS])
+/* Numerators N of F dp/du = N/R (eq:exact-kernels); the pole factor 1/gamma1 of the dilatational
+ * wave is kept. */
+static void numerators(const ct_plates *e, ct_complex p, ct_complex g1, ct_complex g2,
+                       ct_complex n[WAVES][FIELDS])
 {
   const ct_complex q = p * p, a = e->epsilon + 2.0 * square(g1), g = 2.0 / e->kappa * g2 / g1;
   const double h = 2.0 / e->kappa;
@@ -196,7 +207,8 @@ static ct_complex rayleigh_slope(const ct_plates *e, ct_complex p, ct_complex g1
 }
 
 /* Enter a pole at W = b with the weight `weight` on the numerators there. */
-static void pole_add(ct_plates *e, ct_complex p, ct_complex g1, ct_complex g2, ct_complex b, ct_complex weight)
+static void pole_add(ct_plates *e, ct_complex p, ct_complex g1, ct_complex g2, ct_complex b,
+                     ct_complex weight)
 {
   ct_pole *a = &e->pole[e->poles++];
   a->angle = e->scale * b;
@@ -207,7 +219,8 @@ static void pole_add(ct_plates *e, ct_complex p, ct_complex g1, ct_complex g2, c
     for (int f = 0; f < FIELDS; f++) a->residue[w][f] *= weight;
 }
 
-/* Speed of the Rayleigh wave over c2, squared: the root in (0, 1) of the cubic (eq:exact-rayleigh-cubic). */
+/* Speed of the Rayleigh wave over c2, squared: the root in (0, 1) of the cubic
+ * (eq:exact-rayleigh-cubic). */
 static double rayleigh_root(double kappa2)
 {
   const double b = 24.0 - 16.0 / kappa2, c = 16.0 - 16.0 / kappa2;
@@ -224,7 +237,8 @@ static double rayleigh_root(double kappa2)
   return x;
 }
 
-/* gamma1 at a zero of R on the sheet where gamma1 has the other sign, from its approximate value. */
+/* gamma1 at a zero of R on the sheet where gamma1 has the other sign, from its approximate value.
+ */
 static ct_complex polish_sheet(const ct_plates *e, ct_complex g)
 {
   for (int i = 0; i < 4; i++) {
@@ -236,7 +250,8 @@ static ct_complex polish_sheet(const ct_plates *e, ct_complex g)
   return g;
 }
 
-/* Poles on the sheet where gamma1 has the other sign, a = 2K - sn^-1(p): given gamma1 there with its sign turned. */
+/* Poles on the sheet where gamma1 has the other sign, a = 2K - sn^-1(p): given gamma1 there with
+ * its sign turned. */
 static void other_sheet_add(ct_plates *e, ct_complex g, ct_complex weight)
 {
   const ct_complex p = csqrt((1.0 - g) * (1.0 + g)), g2 = csqrt(e->kappa2 - 1.0 + g * g);
@@ -264,7 +279,8 @@ static void plates_poles(ct_plates *e)
   // -- The two zeros on the other sheet
   const double half = 4.0 - 0.5 * x, product = 16.0 * (1.0 - 1.0 / e->kappa2) / x;
   const ct_complex root = csqrt(half * half - product);
-  const ct_complex ga = csqrt(1.0 - e->kappa2 / (half + root)), gb = csqrt(1.0 - e->kappa2 / (half - root));
+  const ct_complex ga = csqrt(1.0 - e->kappa2 / (half + root)),
+                   gb = csqrt(1.0 - e->kappa2 / (half - root));
   const double apart = cabs(ga - gb);
   if (apart > 0.05) {
     other_sheet_add(e, polish_sheet(e, ga), 0.0);
@@ -289,11 +305,13 @@ static ct_complex theta_slope(const ct_plates *e, ct_complex z)
 {
   ct_complex sum = ccos(z) / csin(z);
   double power = e->nome;
-  for (int n = 1; n <= 26; n++, power *= e->nome) sum += 4.0 * power / (1.0 - power) * csin(2.0 * n * z);
+  for (int n = 1; n <= 26; n++, power *= e->nome)
+    sum += 4.0 * power / (1.0 - power) * csin(2.0 * n * z);
   return sum;
 }
 
-/* The linear terms that make the derivative at p = 0 right, and the values there (eq:exact-alpha). */
+/* The linear terms that make the derivative at p = 0 right, and the values there (eq:exact-alpha).
+ */
 static void plates_origin(ct_plates *e)
 {
   // -- Slope of theta3 at u = 0, doubled
@@ -311,7 +329,8 @@ static void plates_origin(ct_plates *e)
   for (int wave = 0; wave < WAVES; wave++)
     for (int f = SX; f <= SY; f++) {
       const double at_infinity = wave == WAVE_P ? e->infinity[f] : -e->infinity[f];
-      e->slope[wave][f] = n[wave][f] / (e->kappa2 * e->kappa2) - at_infinity * (e->kappa * bend + 1.0);
+      e->slope[wave][f] =
+          n[wave][f] / (e->kappa2 * e->kappa2) - at_infinity * (e->kappa * bend + 1.0);
     }
   for (int j = 0; j < e->poles; j++) {
     const ct_pole *a = &e->pole[j];
@@ -378,7 +397,8 @@ static ct_complex gamma_root(double c, ct_complex gamma, double other)
   return cimag(root) > 0.0 ? conj(root) : root;
 }
 
-/* One Cagniard point: x/r, y/r, t/r, and (t^2 - c^2 r^2)/r^2 with c the slowness of the wave (1 or kappa). */
+/* One Cagniard point: x/r, y/r, t/r, and (t^2 - c^2 r^2)/r^2 with c the slowness of the wave (1 or
+ * kappa). */
 typedef struct ct_cagniard {
   double cosine, sine, time, square;
 } ct_cagniard;
@@ -408,7 +428,8 @@ static ct_torus cagniard_point(const ct_plates *e, int wave, const ct_cagniard *
   return point;
 }
 
-/* On the face itself p is real, both waves have the same point, and the fronts are met from behind (eq:exact-logarithm). */
+/* On the face itself p is real, both waves have the same point, and the fronts are met from behind
+ * (eq:exact-logarithm). */
 static void face_point(const ct_plates *e, ct_torus *point)
 {
   const double p = creal(point->p), p_r = 1.0 / e->c_r;
@@ -438,7 +459,8 @@ static void face_waves(const ct_plates *e, double x, double y, double t, double 
   double linear_x = -c.cosine * sqrt(c.square), linear_y = c.sine * sqrt(c.square);
   // -- The shear wave, from the head wave on (eq:exact-head)
   int shear = cs.square >= 0.0;
-  if (!shear && c.cosine * e->kappa > 1.0) shear = c.cosine * c.time - c.sine * sqrt(-cs.square) >= 1.0;
+  if (!shear && c.cosine * e->kappa > 1.0)
+    shear = c.cosine * c.time - c.sine * sqrt(-cs.square) >= 1.0;
   if (shear) {
     const ct_torus s = c.sine == 0.0 ? p : cagniard_point(e, WAVE_S, &cs);
     primitives(e, WAVE_S, &s, part);
@@ -458,7 +480,8 @@ static void face_waves(const ct_plates *e, double x, double y, double t, double 
   out[SXY] = -out[SXY];
 }
 
-/* Why a point is outside the validity of the closed form; null when it is inside (eq:exact-validity). */
+/* Why a point is outside the validity of the closed form; null when it is inside
+ * (eq:exact-validity). */
 static const char *refusal(double x, double z, double t, double length)
 {
   if (isnan(x) || isnan(z) || isnan(t)) return "a coordinate is not a number";
@@ -471,7 +494,8 @@ static const char *refusal(double x, double z, double t, double length)
   return NULL;
 }
 
-/* v_y on the face itself at x = c_R t: infinite, with the sign of the residue (eq:exact-logarithm). */
+/* v_y on the face itself at x = c_R t: infinite, with the sign of the residue (eq:exact-logarithm).
+ */
 static double rayleigh_infinity(const ct_plates *e)
 {
   const ct_pole *a = &e->pole[0];
@@ -503,7 +527,8 @@ ct_status ct_exact_speeds(double nu, double *c2, double *c_r)
   return CT_OK;
 }
 
-ct_status ct_exact_plates(double x, double z, double t, double nu, double length, ct_exact_field *out)
+ct_status ct_exact_plates(double x, double z, double t, double nu, double length,
+                          ct_exact_field *out)
 {
   if (out == NULL || !(nu > 0.0 && nu <= 0.49) || !(length > 0.0)) return CT_ERROR_ARGUMENT;
   if (refusal(x, z, t, length) != NULL) return CT_ERROR_ARGUMENT;
@@ -513,14 +538,16 @@ ct_status ct_exact_plates(double x, double z, double t, double nu, double length
   return CT_OK;
 }
 
-ct_status ct_exact_plates_array(size_t n, const double *x, const double *z, const double *t, double nu, double length,
-                                double *fields, size_t *bad, ct_error *error)
+ct_status ct_exact_plates_array(size_t n, const double *x, const double *z, const double *t,
+                                double nu, double length, double *fields, size_t *bad,
+                                ct_error *error)
 {
   if (bad != NULL) *bad = n;
   if (n > 0 && (x == NULL || z == NULL || t == NULL || fields == NULL))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "x, z, t or fields is a null pointer");
   if (!(nu > 0.0 && nu <= 0.49))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
   if (!(length > 0.0))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "length = %g, must be positive", length);
   for (size_t i = 0; i < n; i++) {

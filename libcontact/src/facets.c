@@ -17,7 +17,8 @@ void ct_facets_free(ct_facets *facets)
   ct_release(facets);
 }
 
-void ct_facets_face(const ct_facets *facets, int32_t face, const double *x, const double *u, ct_face *out)
+void ct_facets_face(const ct_facets *facets, int32_t face, const double *x, const double *u,
+                    ct_face *out)
 {
   out->kind = facets->kind;
   for (int a = 0; a < facets->per; a++)
@@ -27,18 +28,21 @@ void ct_facets_face(const ct_facets *facets, int32_t face, const double *x, cons
     }
 }
 
-static ct_status check_faces(const ct_facets *facets, int32_t node_count, const double *reference, const char *name, ct_error *error)
+static ct_status check_faces(const ct_facets *facets, int32_t node_count, const double *reference,
+                             const char *name, ct_error *error)
 {
   for (int64_t i = 0; i < (int64_t)facets->face_count * facets->per; i++)
     if (facets->faces[i] < 0 || facets->faces[i] >= node_count)
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, i / facets->per, facets->faces[i]}, "%s: face %d names node %d, there are nodes 0 to %d",
-                     name, (int)(i / facets->per), (int)facets->faces[i], (int)node_count - 1);
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, i / facets->per, facets->faces[i]},
+                     "%s: face %d names node %d, there are nodes 0 to %d", name,
+                     (int)(i / facets->per), (int)facets->faces[i], (int)node_count - 1);
   for (int32_t f = 0; f < facets->face_count; f++) {
     ct_face face;
     ct_facets_face(facets, f, reference, NULL, &face);
     for (int q = 0; q < facets->rule.count; q++)
       if (!(ct_segment_area_element(&face, facets->rule.xi[q]) > 0.0))
-        return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, f, q}, "%s: face %d has no area at Gauss point %d", name, (int)f, q);
+        return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, f, q},
+                       "%s: face %d has no area at Gauss point %d", name, (int)f, q);
   }
   return CT_OK;
 }
@@ -66,17 +70,20 @@ static ct_status list_nodes(ct_facets *facets, int32_t node_count)
       facets->most = facets->first[n + 2] > facets->most ? facets->first[n + 2] : facets->most;
       facets->first[n + 2] += facets->first[n + 1];
     }
-    for (int64_t i = 0; i < entries; i++) facets->place[facets->first[number[facets->faces[i]] + 1]++] = (int32_t)i;
+    for (int64_t i = 0; i < entries; i++)
+      facets->place[facets->first[number[facets->faces[i]] + 1]++] = (int32_t)i;
   }
   ct_release(number);
   return facets->nodes != NULL && facets->first != NULL ? CT_OK : CT_ERROR_MEMORY;
 }
 
-ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t *faces, int32_t node_count, const double *reference, const char *name,
+ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t *faces,
+                           int32_t node_count, const double *reference, const char *name,
                            ct_facets **out, ct_error *error)
 {
   int per = ct_face_node_count(kind);
-  if (faces == NULL || face_count < 1 || per == 0) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s: the surface has no faces", name);
+  if (faces == NULL || face_count < 1 || per == 0)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s: the surface has no faces", name);
   ct_facets *facets = ct_allocate(1, sizeof *facets);
   size_t entries = (size_t)face_count * (size_t)per;
   ct_status status = CT_ERROR_MEMORY;
@@ -105,7 +112,8 @@ void ct_facets_sum(const ct_facets *facets, const double *values, double *terms,
   for (int32_t i = 0; i < facets->node_count; i++)
     for (int c = 0; c < 3; c++) {
       int32_t count = facets->first[i + 1] - facets->first[i];
-      for (int32_t k = 0; k < count; k++) terms[k] = values[3 * (int64_t)facets->place[facets->first[i] + k] + c];
+      for (int32_t k = 0; k < count; k++)
+        terms[k] = values[3 * (int64_t)facets->place[facets->first[i] + k] + c];
       sums[3 * (int64_t)i + c] = ct_sum(terms, count);
     }
 }

@@ -20,7 +20,8 @@ static void free_data(void *data)
   ct_release(data);
 }
 
-static ct_status gravity_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status gravity_force(const ct_effect *effect, const ct_view *view, double *force,
+                               ct_error *error)
 {
   const gravity_data *data = effect->data;
   (void)view, (void)error;
@@ -32,7 +33,8 @@ static ct_status gravity_force(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
-static ct_status gravity_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
+static ct_status gravity_energy(const ct_effect *effect, const ct_view *view, double *energy,
+                                ct_error *error)
 {
   const gravity_data *data = effect->data;
   const double *g = data->acceleration;
@@ -45,7 +47,8 @@ static ct_status gravity_energy(const ct_effect *effect, const ct_view *view, do
       for (int32_t i = first; i < end; i++) {
         const double *u = &view->displacement[3 * (int64_t)data->nodes[i]];
         // -- Potential, zero at the reference position (eq:gravity-potential)
-        terms[i - first] = -data->mass[data->nodes[i]] * ((g[0] * u[0] + g[1] * u[1]) + g[2] * u[2]);
+        terms[i - first] =
+            -data->mass[data->nodes[i]] * ((g[0] * u[0] + g[1] * u[1]) + g[2] * u[2]);
       }
       ct_stream_add(&sum, terms, end - first);
     }
@@ -53,20 +56,33 @@ static ct_status gravity_energy(const ct_effect *effect, const ct_view *view, do
   return CT_OK;
 }
 
-ct_status ct_gravity_create_effect(const ct_gravity *gravity, const ct_problem *problem, ct_effect **effect, ct_error *error)
+ct_status ct_gravity_create_effect(const ct_gravity *gravity, const ct_problem *problem,
+                                   ct_effect **effect, ct_error *error)
 {
-  if (gravity == NULL || problem == NULL || effect == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "gravity: null argument");
+  if (gravity == NULL || problem == NULL || effect == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "gravity: null argument");
   for (int c = 0; c < 3; c++)
-    if (!isfinite(gravity->acceleration[c])) return ct_fail(error, CT_INVALID, CT_NOWHERE, "gravity: acceleration %c is not finite", "xyz"[c]);
+    if (!isfinite(gravity->acceleration[c]))
+      return ct_fail(error, CT_INVALID, CT_NOWHERE, "gravity: acceleration %c is not finite",
+                     "xyz"[c]);
   gravity_data *data = ct_allocate(1, sizeof *data);
   if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "gravity: no memory");
   int32_t count = 0;
-  ct_status status = ct_effect_body_nodes(problem, gravity->bodies, gravity->body_count, "gravity", &data->nodes, &count, error);
+  ct_status status = ct_effect_body_nodes(problem, gravity->bodies, gravity->body_count, "gravity",
+                                          &data->nodes, &count, error);
   for (int c = 0; c < 3; c++) data->acceleration[c] = gravity->acceleration[c];
   data->mass = problem->mass;
-  ct_effect filled = {.kind = CT_EFFECT_GRAVITY, .name = "gravity", .local = 1, .data = data, .nodes = data->nodes,
-                      .node_count = count, .flops = 3.0 * count,
-                      .bytes = 36.0 * count, .force = gravity_force, .energy = gravity_energy, .free_data = free_data};
+  ct_effect filled = {.kind = CT_EFFECT_GRAVITY,
+                      .name = "gravity",
+                      .local = 1,
+                      .data = data,
+                      .nodes = data->nodes,
+                      .node_count = count,
+                      .flops = 3.0 * count,
+                      .bytes = 36.0 * count,
+                      .force = gravity_force,
+                      .energy = gravity_energy,
+                      .free_data = free_data};
   if (status == CT_OK) status = ct_effect_copy(&filled, effect, error);
   if (status != CT_OK) free_data(data);
   return status;

@@ -4,8 +4,9 @@
 #include <math.h>
 #include <stdint.h>
 
-/* Two grids for sums that do not depend on the order of their terms (eq:order-free-sum): each term is cut into a multiple of the
- * coarse spacing and a multiple of the fine one, and both sums are exact for up to `count` terms of at most `top`. */
+/* Two grids for sums that do not depend on the order of their terms (eq:order-free-sum): each term
+ * is cut into a multiple of the coarse spacing and a multiple of the fine one, and both sums are
+ * exact for up to `count` terms of at most `top`. */
 typedef struct ct_grid {
   double coarse, fine;
 } ct_grid;

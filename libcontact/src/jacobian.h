@@ -3,14 +3,16 @@
 
 #include "tree.h"
 
-/* J[i][j] = Σ_a x_i,a ∂N_a/∂ξ_j over the 8 or 20 nodes of a brick: the Jacobian of the map when `x` are coordinates, the
- * displacement gradient in the reference directions when `x` are displacements (eq:jacobian). */
+/* J[i][j] = Σ_a x_i,a ∂N_a/∂ξ_j over the 8 or 20 nodes of a brick: the Jacobian of the map when `x`
+ * are coordinates, the displacement gradient in the reference directions when `x` are displacements
+ * (eq:jacobian). */
 static inline void ct_reference_gradient(int count, double (*dN)[3], double (*x)[3], double J[3][3])
 {
   for (int i = 0; i < 3; i++) {
     double t[20];
     for (int a = 0; a < 8; a++) t[a] = x[a][i];
-    double middle = ct_tree_corners(t, 1) / 8.0; // Σ ∂N_a = 0: a common translation drops out exactly
+    double middle =
+        ct_tree_corners(t, 1) / 8.0; // Σ ∂N_a = 0: a common translation drops out exactly
     for (int j = 0; j < 3; j++) {
       for (int a = 0; a < count; a++) t[a] = dN[a][j] * (x[a][i] - middle);
       J[i][j] = ct_tree_nodes(count, t, 1);

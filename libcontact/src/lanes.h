@@ -1,12 +1,13 @@
 #ifndef CT_SRC_LANES_H
 #define CT_SRC_LANES_H
 
-/* Any header of libc: it defines __GLIBC__, without which the kernels would silently be compiled for the oldest machine alone. */
+/* Any header of libc: it defines __GLIBC__, without which the kernels would silently be compiled
+ * for the oldest machine alone. */
 #include <stdint.h>
 
-/* Eight numbers that are computed side by side, one for each element of a batch. Arithmetic on a ct_lanes is arithmetic on each
- * lane, rounded as one double is; so every instruction set gives the same bits. gcc and clang know the type; other compilers get
- * one lane at a time. */
+/* Eight numbers that are computed side by side, one for each element of a batch. Arithmetic on a
+ * ct_lanes is arithmetic on each lane, rounded as one double is; so every instruction set gives the
+ * same bits. gcc and clang know the type; other compilers get one lane at a time. */
 #if defined(__GNUC__)
 typedef double ct_lanes __attribute__((vector_size(64), may_alias));
 #define CT_LANES_WIDE 1
@@ -25,7 +26,8 @@ enum { CT_BATCH = 8, CT_LANES_COUNT = CT_LANES_WIDE ? 8 : 1 };
 #endif
 
 /* Compile a kernel for several instruction sets; the loader picks the best that the machine has. */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__GLIBC__) && defined(__x86_64__) && !defined(CT_NO_CLONES)
+#if defined(__GNUC__) && !defined(__clang__) && defined(__GLIBC__) && defined(__x86_64__) && \
+    !defined(CT_NO_CLONES)
 #define CT_CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
 #define CT_CLONES

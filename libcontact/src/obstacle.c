@@ -22,11 +22,12 @@ typedef struct obstacle_data {
   int32_t node_count;
 } obstacle_data;
 
-/* Doubles of memory: whether there was a step before, place, reaction, work, what the constraints stored in the middle of the
- * last step. Then the force of each constraint. */
+/* Doubles of memory: whether there was a step before, place, reaction, work, what the constraints
+ * stored in the middle of the last step. Then the force of each constraint. */
 enum { BEGUN = 0, PLACE = 1, REACTION = 4, WORK = 7, STORED = 8, MEMORY = 9 };
 
-/* Signed distance and normal of a point given relative to the obstacle's place; `a` is the axis, of length 1. */
+/* Signed distance and normal of a point given relative to the obstacle's place; `a` is the axis, of
+ * length 1. */
 static double gap_of(const ct_obstacle *o, const double a[3], const double r[3], double n[3])
 {
   double along = o->shape == CT_OBSTACLE_SPHERE ? 0.0 : ct_vector_dot(r, a), from[3];
@@ -61,7 +62,8 @@ void ct_obstacle_motion(const ct_obstacle *obstacle, double time, double motion[
 {
   // -- Velocity and history (eq:obstacle-motion)
   double factor = obstacle->history.count > 0 ? ct_history_value(&obstacle->history, time) : 0.0;
-  for (int c = 0; c < 3; c++) motion[c] = time * obstacle->velocity[c] + factor * obstacle->travel[c];
+  for (int c = 0; c < 3; c++)
+    motion[c] = time * obstacle->velocity[c] + factor * obstacle->travel[c];
 }
 
 static void free_data(void *data)
@@ -87,11 +89,14 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   const obstacle_data *data = effect->data;
   ct_obstacle_points *s = ct_allocate(1, sizeof *s);
   if (s == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
-  ct_surface surface = {data->given.kind, data->node_count, data->given.face_count, data->faces, data->reference};
+  ct_surface surface = {data->given.kind, data->node_count, data->given.face_count, data->faces,
+                        data->reference};
   ct_status status = ct_side_init(&s->side, &surface, 0, 0, error);
   s->epsilon = data->given.epsilon;
-  if (status == CT_OK) s->terms = ct_allocate((size_t)ct_side_point_count(&s->side), sizeof *s->terms);
-  if (status == CT_OK && s->terms == NULL) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
+  if (status == CT_OK)
+    s->terms = ct_allocate((size_t)ct_side_point_count(&s->side), sizeof *s->terms);
+  if (status == CT_OK && s->terms == NULL)
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   if (status != CT_OK) {
     free_scratch(s);
     return status;
@@ -118,15 +123,16 @@ static void meet(const ct_obstacle *o, ct_obstacle_points *s, int32_t face, int 
 }
 
 /* Current coordinates of the surface's nodes. */
-static ct_status place_nodes(const ct_effect *effect, const ct_view *view, ct_side *side, ct_error *error)
+static ct_status place_nodes(const ct_effect *effect, const ct_view *view, ct_side *side,
+                             ct_error *error)
 {
   for (int64_t i = 0; i < effect->node_count; i++)
     for (int64_t c = 0; c < 3; c++) {
       int64_t dof = 3 * (int64_t)effect->nodes[i] + c;
       side->search->x[3 * i + c] = view->reference[dof] + view->displacement[dof];
       if (!isfinite(side->search->x[3 * i + c]))
-        return ct_fail(error, CT_INVALID, (ct_place){-1, -1, effect->nodes[i]}, "obstacle: node %d is not at a finite place",
-                       (int)effect->nodes[i]);
+        return ct_fail(error, CT_INVALID, (ct_place){-1, -1, effect->nodes[i]},
+                       "obstacle: node %d is not at a finite place", (int)effect->nodes[i]);
     }
   return CT_OK;
 }
@@ -143,7 +149,8 @@ static ct_status gather(ct_obstacle_points *s, double *force, ct_error *error)
   memset(side->force_fine, 0, count * sizeof *force);
   for (int64_t i = 0; i < points; i++) {
     if (isnan(side->points[i].d[0]))
-      return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE, "obstacle: a point of the surface stands in its centre");
+      return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
+                     "obstacle: a point of the surface stands in its centre");
     for (int c = 0; c < 3; c++) top = fmax(top, fabs(side->points[i].force[c]));
   }
   // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
@@ -151,8 +158,8 @@ static ct_status gather(ct_obstacle_points *s, double *force, ct_error *error)
     return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "obstacle: a force of %g", top);
   for (int64_t i = 0; top > 0.0 && i < points; i++)
     if (ct_point_presses(&side->points[i]))
-      ct_side_push(&grid, side->search, i / side->rule.count, side->N[i % side->rule.count], side->points[i].force, side->force,
-                   side->force_fine);
+      ct_side_push(&grid, side->search, i / side->rule.count, side->N[i % side->rule.count],
+                   side->points[i].force, side->force, side->force_fine);
   for (size_t d = 0; d < count; d++) force[d] = side->force[d] + side->force_fine[d];
   return CT_OK;
 }
@@ -165,7 +172,8 @@ static void count_motion(ct_obstacle_points *s, const double *memory, double *ne
   for (int c = 0; c < 3; c++) {
     for (int64_t i = 0; i < points; i++) s->terms[i] = -s->side.points[i].force[c];
     s->reaction[c] = ct_sum(s->terms, points);
-    if (memory[BEGUN] != 0.0) s->work -= 0.5 * (s->reaction[c] + memory[REACTION + c]) * (s->place[c] - memory[PLACE + c]);
+    if (memory[BEGUN] != 0.0)
+      s->work -= 0.5 * (s->reaction[c] + memory[REACTION + c]) * (s->place[c] - memory[PLACE + c]);
   }
   next[BEGUN] = 1.0;
   memcpy(&next[PLACE], s->place, sizeof s->place);
@@ -187,9 +195,10 @@ static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error 
   return CT_OK;
 }
 
-/* How far a point may be from the obstacle and yet reach it in this step: the size of a face and twice the way of the fastest
- * node. */
-static double reach_of(const ct_effect *effect, const ct_view *view, const ct_side *side, const double moved[3])
+/* How far a point may be from the obstacle and yet reach it in this step: the size of a face and
+ * twice the way of the fastest node. */
+static double reach_of(const ct_effect *effect, const ct_view *view, const ct_side *side,
+                       const double moved[3])
 {
   double top = 0.0;
   for (int64_t i = 0; i < effect->node_count; i++) {
@@ -199,8 +208,8 @@ static double reach_of(const ct_effect *effect, const ct_view *view, const ct_si
   return side->search->size + 2.0 * (view->dt * sqrt(top) + sqrt(ct_vector_dot(moved, moved)));
 }
 
-static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view, ct_constraint *list, int64_t *count,
-                                    ct_error *error)
+static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view,
+                                    ct_constraint *list, int64_t *count, ct_error *error)
 {
   const obstacle_data *data = effect->data;
   const ct_obstacle_points *s = view->scratch;
@@ -210,7 +219,16 @@ static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view
   ct_obstacle_motion(&data->given, view->time + view->dt, moved);
   for (int c = 0; c < 3; c++) moved[c] = (data->given.point[c] + moved[c]) - s->place[c];
   double reach = reach_of(effect, view, &s->side, moved);
-  ct_press press = {&s->side, NULL, s->epsilon, data->given.enforcement, data->given.dissipation, reach, 0, &view->memory[MEMORY], 1, 0};
+  ct_press press = {&s->side,
+                    NULL,
+                    s->epsilon,
+                    data->given.enforcement,
+                    data->given.dissipation,
+                    reach,
+                    0,
+                    &view->memory[MEMORY],
+                    1,
+                    0};
   *count = ct_press_list(&press, moved, list);
   return CT_OK;
 }
@@ -219,9 +237,10 @@ static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view
 static void take_constraints(const ct_view *view, ct_obstacle_points *s)
 {
   ct_press_apply(&s->side, 0, view->constraints, view->constraint_count);
-  ct_press_remember(view->constraints, view->constraint_count, ct_side_point_count(&s->side), &view->next_memory[MEMORY], 1);
-  s->held = ct_press_energy(view->constraints, view->constraint_count, view->time, view->memory[STORED],
-                            &view->next_memory[STORED], s->terms);
+  ct_press_remember(view->constraints, view->constraint_count, ct_side_point_count(&s->side),
+                    &view->next_memory[MEMORY], 1);
+  s->held = ct_press_energy(view->constraints, view->constraint_count, view->time,
+                            view->memory[STORED], &view->next_memory[STORED], s->terms);
 }
 
 static int is_penalty(const ct_effect *effect)
@@ -229,7 +248,8 @@ static int is_penalty(const ct_effect *effect)
   return ((const obstacle_data *)effect->data)->given.enforcement == CT_ENFORCE_PENALTY;
 }
 
-static ct_status obstacle_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status obstacle_force(const ct_effect *effect, const ct_view *view, double *force,
+                                ct_error *error)
 {
   ct_obstacle_points *s = view->scratch;
   ct_status status = is_penalty(effect) ? measure(effect, view, error) : CT_OK;
@@ -239,18 +259,21 @@ static ct_status obstacle_force(const ct_effect *effect, const ct_view *view, do
   return status;
 }
 
-static ct_status obstacle_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
+static ct_status obstacle_energy(const ct_effect *effect, const ct_view *view, double *energy,
+                                 ct_error *error)
 {
   ct_obstacle_points *s = view->scratch;
   int64_t points = ct_side_point_count(&s->side);
   (void)error;
   // -- Π = Σ ½ ε g² w J over the points inside, = ½ force · d (eq:obstacle-potential)
-  for (int64_t i = 0; i < points; i++) s->terms[i] = 0.5 * ct_vector_dot(s->side.points[i].force, s->side.points[i].d);
+  for (int64_t i = 0; i < points; i++)
+    s->terms[i] = 0.5 * ct_vector_dot(s->side.points[i].force, s->side.points[i].d);
   *energy = is_penalty(effect) ? ct_sum(s->terms, points) : s->held;
   return CT_OK;
 }
 
-static ct_status obstacle_external(const ct_effect *effect, const ct_view *view, double *work, ct_error *error)
+static ct_status obstacle_external(const ct_effect *effect, const ct_view *view, double *work,
+                                   ct_error *error)
 {
   (void)effect;
   (void)error;
@@ -259,7 +282,8 @@ static ct_status obstacle_external(const ct_effect *effect, const ct_view *view,
 }
 
 /* Largest row sum of the penalty's stiffness, every point taken as inside (eq:obstacle-bound). */
-ct_status ct_obstacle_spring_frequency(const ct_effect *effect, const void *scratch, double *omega_squared, ct_error *error)
+ct_status ct_obstacle_spring_frequency(const ct_effect *effect, const void *scratch,
+                                       double *omega_squared, ct_error *error)
 {
   const obstacle_data *data = effect->data;
   ct_side *side = &((ct_obstacle_points *)(uintptr_t)scratch)->side;
@@ -275,59 +299,75 @@ ct_status ct_obstacle_spring_frequency(const ct_effect *effect, const void *scra
       rows[node[a]] += data->given.epsilon * side->weight[i] * sum * fabs(N[a]);
   }
   *omega_squared = 0.0;
-  for (int32_t i = 0; i < effect->node_count; i++) *omega_squared = fmax(*omega_squared, rows[i] / data->mass[i]);
+  for (int32_t i = 0; i < effect->node_count; i++)
+    *omega_squared = fmax(*omega_squared, rows[i] / data->mass[i]);
   return CT_OK;
 }
 
-static ct_status obstacle_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
+static ct_status obstacle_frequency(const ct_effect *effect, const ct_view *view,
+                                    double *omega_squared, ct_error *error)
 {
   // -- Other enforcements leave the step as it is (eq:controlled-energy)
-  return is_penalty(effect) ? ct_obstacle_spring_frequency(effect, view->scratch, omega_squared, error) : CT_OK;
+  return is_penalty(effect)
+             ? ct_obstacle_spring_frequency(effect, view->scratch, omega_squared, error)
+             : CT_OK;
 }
 
 static ct_status check(const ct_obstacle *o, const ct_problem *problem, ct_error *error)
 {
   double a[3];
   int per = ct_face_node_count(o->kind), finite = 1;
-  for (int c = 0; c < 3; c++) finite = finite && isfinite(o->point[c]) && isfinite(o->velocity[c]) && isfinite(o->travel[c]);
-  if (!finite) return ct_fail(error, CT_INVALID, CT_NOWHERE, "obstacle: its point, velocity or travel is not finite");
+  for (int c = 0; c < 3; c++)
+    finite = finite && isfinite(o->point[c]) && isfinite(o->velocity[c]) && isfinite(o->travel[c]);
+  if (!finite)
+    return ct_fail(error, CT_INVALID, CT_NOWHERE,
+                   "obstacle: its point, velocity or travel is not finite");
   if ((int)o->shape < CT_OBSTACLE_PLANE || (int)o->shape > CT_OBSTACLE_CYLINDER)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: there is no shape %d", (int)o->shape);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: there is no shape %d",
+                   (int)o->shape);
   if (!(o->epsilon > 0.0) || !isfinite(o->epsilon))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the penalty must be positive, not %g", o->epsilon);
-  if (ct_enforcement_name(o->enforcement) == NULL || !(o->dissipation >= 0.0 && o->dissipation <= 1.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: enforcement %d with dissipation %g", (int)o->enforcement,
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "obstacle: the penalty must be positive, not %g", o->epsilon);
+  if (ct_enforcement_name(o->enforcement) == NULL ||
+      !(o->dissipation >= 0.0 && o->dissipation <= 1.0))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "obstacle: enforcement %d with dissipation %g", (int)o->enforcement,
                    o->dissipation);
   if (o->shape != CT_OBSTACLE_SPHERE && !unit(o->axis, a))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the %s has no length",
                    o->shape == CT_OBSTACLE_PLANE ? "normal" : "axis");
   if (o->shape != CT_OBSTACLE_PLANE && (!(o->radius > 0.0) || !isfinite(o->radius)))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the radius must be positive, not %g", o->radius);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "obstacle: the radius must be positive, not %g", o->radius);
   if (o->history.count == 0 && (o->travel[0] != 0.0 || o->travel[1] != 0.0 || o->travel[2] != 0.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: it has a way to travel, but no history says when");
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "obstacle: it has a way to travel, but no history says when");
   if (per == 0 || o->face_count < 1 || o->faces == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the surface has no faces");
   for (int64_t i = 0; i < (int64_t)o->face_count * per; i++)
     if (o->faces[i] < 0 || o->faces[i] >= problem->node_count)
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, i / per, o->faces[i]}, "obstacle: there is no node %d",
-                     (int)o->faces[i]);
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, i / per, o->faces[i]},
+                     "obstacle: there is no node %d", (int)o->faces[i]);
   return CT_OK;
 }
 
-/* Operations and bytes of a call with all points pressing, without the rounds in which their forces are found: counted at a
- * plane (eq:round-flops). */
+/* Operations and bytes of a call with all points pressing, without the rounds in which their forces
+ * are found: counted at a plane (eq:round-flops). */
 static void count_costs(ct_effect *effect, int64_t points)
 {
   double listed = is_penalty(effect) ? 0.0 : 1.0;
-  effect->flops = (164.0 + 250.0 * listed) * (double)points + (6.0 + 20.0 * listed) * effect->node_count;
+  effect->flops =
+      (164.0 + 250.0 * listed) * (double)points + (6.0 + 20.0 * listed) * effect->node_count;
   double bytes = 2.0 * sizeof(ct_gauss_point) + listed * (16.0 + 4.0 * sizeof(ct_constraint));
   effect->bytes = bytes * (double)points + 250.0 * effect->node_count;
 }
 
 /* Copy what the caller gave, and the masses of the surface's nodes. */
-static ct_status fill(obstacle_data *data, const ct_obstacle *o, const ct_problem *problem, ct_effect *effect, ct_error *error)
+static ct_status fill(obstacle_data *data, const ct_obstacle *o, const ct_problem *problem,
+                      ct_effect *effect, ct_error *error)
 {
-  size_t entries = (size_t)o->face_count * (size_t)ct_face_node_count(o->kind), points = (size_t)o->history.count;
+  size_t entries = (size_t)o->face_count * (size_t)ct_face_node_count(o->kind),
+         points = (size_t)o->history.count;
   void *trial = NULL;
   data->given = *o;
   if (o->shape != CT_OBSTACLE_SPHERE) (void)unit(o->axis, data->given.axis);
@@ -348,8 +388,10 @@ static ct_status fill(obstacle_data *data, const ct_obstacle *o, const ct_proble
   data->nodes = ct_duplicate(search->nodes, (size_t)search->node_count * sizeof *search->nodes);
   data->mass = ct_allocate((size_t)search->node_count, sizeof *data->mass);
   effect->nodes = data->nodes;
-  if (!data->nodes || !data->mass) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
-  for (int32_t i = 0; status == CT_OK && i < effect->node_count; i++) data->mass[i] = problem->mass[data->nodes[i]];
+  if (!data->nodes || !data->mass)
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
+  for (int32_t i = 0; status == CT_OK && i < effect->node_count; i++)
+    data->mass[i] = problem->mass[data->nodes[i]];
   if (o->enforcement != CT_ENFORCE_PENALTY) {
     effect->constrain = obstacle_constrain;
     effect->constraint_count = ct_side_point_count(&ct_obstacle_of_scratch(trial)->side);
@@ -360,7 +402,8 @@ static ct_status fill(obstacle_data *data, const ct_obstacle *o, const ct_proble
   return status;
 }
 
-ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_problem *problem, ct_effect **out, ct_error *error)
+ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_problem *problem,
+                                    ct_effect **out, ct_error *error)
 {
   if (obstacle == NULL || problem == NULL || out == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: null argument");
@@ -374,10 +417,17 @@ ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_proble
     ct_release(data);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   }
-  *effect = (ct_effect){.kind = CT_EFFECT_OBSTACLE, .name = "obstacle", .local = 1, .data = data, .memory_count = MEMORY,
+  *effect = (ct_effect){.kind = CT_EFFECT_OBSTACLE,
+                        .name = "obstacle",
+                        .local = 1,
+                        .data = data,
+                        .memory_count = MEMORY,
                         .create_scratch = create_scratch,
-                        .free_scratch = free_scratch, .force = obstacle_force, .energy = obstacle_energy,
-                        .frequency = obstacle_frequency, .external = obstacle_external,
+                        .free_scratch = free_scratch,
+                        .force = obstacle_force,
+                        .energy = obstacle_energy,
+                        .frequency = obstacle_frequency,
+                        .external = obstacle_external,
                         .free_data = free_data};
   status = fill(data, obstacle, problem, effect, error);
   if (status != CT_OK) {
@@ -390,11 +440,11 @@ ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_proble
 
 const ct_obstacle_points *ct_obstacle_of_scratch(const void *scratch) { return scratch; }
 
-ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect, double force[3], double *work,
-                               ct_error *error)
+ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect,
+                               double force[3], double *work, ct_error *error)
 {
-  if (problem == NULL || state == NULL || force == NULL || work == NULL || effect < 0 || effect >= problem->effect_count ||
-      problem->effects[effect]->kind != CT_EFFECT_OBSTACLE)
+  if (problem == NULL || state == NULL || force == NULL || work == NULL || effect < 0 ||
+      effect >= problem->effect_count || problem->effects[effect]->kind != CT_EFFECT_OBSTACLE)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no obstacle", (int)effect);
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;

@@ -49,13 +49,15 @@ ct_project_options ct_project_options_default(void)
   return options;
 }
 
-void ct_project_function(const ct_face *face, const double point[3], const double xi[2], double *f, double g[2], double H[3])
+void ct_project_function(const ct_face *face, const double point[3], const double xi[2], double *f,
+                         double g[2], double H[3])
 {
   if (face == NULL || point == NULL || xi == NULL) return;
   ct_patch patch;
   double value = NAN, slope[2] = {NAN, NAN}, curvature[3] = {NAN, NAN, NAN}, d[3];
   // -- Value, gradient and Hessian (eq:projection-f, eq:projection-gradient, eq:projection-hessian)
-  if (ct_patch_init(&patch, face->kind, face->node, point) == CT_OK) value = ct_patch_derivatives(&patch, xi, d, slope, curvature);
+  if (ct_patch_init(&patch, face->kind, face->node, point) == CT_OK)
+    value = ct_patch_derivatives(&patch, xi, d, slope, curvature);
   if (f != NULL) *f = value;
   for (int a = 0; a < 2 && g != NULL; a++) g[a] = slope[a];
   for (int i = 0; i < 3 && H != NULL; i++) H[i] = curvature[i];
@@ -64,7 +66,8 @@ void ct_project_function(const ct_face *face, const double point[3], const doubl
 /* Everything that has no answer. */
 static ct_status nothing(ct_projection *out, ct_status status)
 {
-  ct_projection none = {status, CT_OUTSIDE, -1, 0, 0, 0, {NAN, NAN}, {NAN, NAN, NAN}, NAN, NAN, {NAN, NAN, NAN}};
+  ct_projection none = {status, CT_OUTSIDE,     -1, 0, 0, 0, {NAN, NAN}, {NAN, NAN, NAN}, NAN,
+                        NAN,    {NAN, NAN, NAN}};
   *out = none;
   return status;
 }
@@ -72,28 +75,36 @@ static ct_status nothing(ct_projection *out, ct_status status)
 /* Is there a method for these options, and are they possible? */
 static ct_status check_options(const ct_project_options *options)
 {
-  if (ct_method_name(options->method) == NULL || options->iteration_limit < 0) return CT_ERROR_ARGUMENT;
+  if (ct_method_name(options->method) == NULL || options->iteration_limit < 0)
+    return CT_ERROR_ARGUMENT;
   if (!(options->tolerance > 0 && options->tolerance < HUGE_VAL)) return CT_ERROR_ARGUMENT;
-  if (options->use_start && !(fabs(options->start[0]) < HUGE_VAL && fabs(options->start[1]) < HUGE_VAL)) return CT_ERROR_ARGUMENT;
+  if (options->use_start &&
+      !(fabs(options->start[0]) < HUGE_VAL && fabs(options->start[1]) < HUGE_VAL))
+    return CT_ERROR_ARGUMENT;
   return CT_OK;
 }
 
-ct_status ct_project(const ct_face *face, const double point[3], const ct_project_options *options, ct_projection *out)
+ct_status ct_project(const ct_face *face, const double point[3], const ct_project_options *options,
+                     ct_projection *out)
 {
   if (out == NULL) return CT_ERROR_ARGUMENT;
   ct_project_options defaults = ct_project_options_default();
   if (options == NULL) options = &defaults;
-  if (face == NULL || point == NULL || ct_face_node_count(face->kind) == 0) return nothing(out, CT_ERROR_ARGUMENT);
+  if (face == NULL || point == NULL || ct_face_node_count(face->kind) == 0)
+    return nothing(out, CT_ERROR_ARGUMENT);
   ct_status status = check_options(options);
   if (status != CT_OK) return nothing(out, status);
   ct_patch patch;
-  if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK) return nothing(out, CT_INVALID);
+  if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK)
+    return nothing(out, CT_INVALID);
   ct_foot foot = {{0, 0}, {0, 0, 0}, 0, 0, 0};
   out->status = METHOD[options->method].project(&patch, options, &foot);
   // -- Neither without a normal nor beyond the range of numbers is there an answer
   double f = ct_vector_dot(foot.d, foot.d);
-  if (!(f < HUGE_VAL) || !ct_patch_normal(&patch, foot.xi, out->normal)) return nothing(out, CT_INVALID);
-  out->where = ct_patch_where(face->kind, foot.xi, options->tolerance * ct_patch_half_width(face->kind), &out->index);
+  if (!(f < HUGE_VAL) || !ct_patch_normal(&patch, foot.xi, out->normal))
+    return nothing(out, CT_INVALID);
+  out->where = ct_patch_where(face->kind, foot.xi,
+                              options->tolerance * ct_patch_half_width(face->kind), &out->index);
   out->evaluations = foot.evaluations;
   out->iterations = foot.iterations;
   out->certified = foot.certified;
@@ -105,7 +116,8 @@ ct_status ct_project(const ct_face *face, const double point[3], const ct_projec
   return out->status;
 }
 
-ct_status ct_project_points(const ct_face *face, size_t count, const double *points, const ct_project_options *options, const double *start,
+ct_status ct_project_points(const ct_face *face, size_t count, const double *points,
+                            const ct_project_options *options, const double *start,
                             ct_projection *out)
 {
   if (count == 0) return CT_OK;
@@ -113,7 +125,8 @@ ct_status ct_project_points(const ct_face *face, size_t count, const double *poi
   ct_project_options own = options != NULL ? *options : ct_project_options_default();
   ct_status first = CT_OK;
   for (size_t i = 0; i < count; i++) {
-    if (start != NULL) own.use_start = 1, own.start[0] = start[2 * i], own.start[1] = start[2 * i + 1];
+    if (start != NULL)
+      own.use_start = 1, own.start[0] = start[2 * i], own.start[1] = start[2 * i + 1];
     ct_status status = ct_project(face, points + 3 * i, &own, &out[i]);
     if (first == CT_OK && status >= CT_ERROR_ARGUMENT) first = status;
   }
@@ -122,31 +135,40 @@ ct_status ct_project_points(const ct_face *face, size_t count, const double *poi
 
 static ct_status no_hit(ct_ray_hit *out, ct_status status, int evaluations)
 {
-  ct_ray_hit none = {status, CT_OUTSIDE, -1, evaluations, {NAN, NAN}, {NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}};
+  ct_ray_hit none = {status,     CT_OUTSIDE,      -1,  evaluations,
+                     {NAN, NAN}, {NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}};
   *out = none;
   return status;
 }
 
-ct_status ct_project_ray(const ct_face *face, const double point[3], const double direction[3], double tolerance, ct_ray_hit *out)
+ct_status ct_project_ray(const ct_face *face, const double point[3], const double direction[3],
+                         double tolerance, ct_ray_hit *out)
 {
   if (out == NULL) return CT_ERROR_ARGUMENT;
-  if (face == NULL || point == NULL || direction == NULL || ct_face_node_count(face->kind) == 0) return no_hit(out, CT_ERROR_ARGUMENT, 0);
+  if (face == NULL || point == NULL || direction == NULL || ct_face_node_count(face->kind) == 0)
+    return no_hit(out, CT_ERROR_ARGUMENT, 0);
   if (!(tolerance > 0 && tolerance < 1)) return no_hit(out, CT_ERROR_ARGUMENT, 0);
   ct_patch patch;
-  if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK) return no_hit(out, CT_INVALID, 0);
+  if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK)
+    return no_hit(out, CT_INVALID, 0);
   double d[3];
   out->evaluations = 0;
   // -- Meet the face (eq:ray-hit)
-  out->status = ct_patch_ray(&patch, direction, tolerance, out->xi, &out->distance, &out->evaluations);
-  if (out->status != CT_OK && out->status != CT_NOT_CERTIFIED) return no_hit(out, out->status, out->evaluations);
-  if (!ct_patch_normal(&patch, out->xi, out->normal)) return no_hit(out, CT_INVALID, out->evaluations);
-  out->where = ct_patch_where(face->kind, out->xi, tolerance * ct_patch_half_width(face->kind), &out->index);
+  out->status =
+      ct_patch_ray(&patch, direction, tolerance, out->xi, &out->distance, &out->evaluations);
+  if (out->status != CT_OK && out->status != CT_NOT_CERTIFIED)
+    return no_hit(out, out->status, out->evaluations);
+  if (!ct_patch_normal(&patch, out->xi, out->normal))
+    return no_hit(out, CT_INVALID, out->evaluations);
+  out->where =
+      ct_patch_where(face->kind, out->xi, tolerance * ct_patch_half_width(face->kind), &out->index);
   ct_patch_value(&patch, out->xi, d);
   for (int k = 0; k < 3; k++) out->point[k] = point[k] + d[k];
   return out->status;
 }
 
-ct_status ct_project_rays(const ct_face *face, size_t count, const double *points, const double *directions, double tolerance, ct_ray_hit *out)
+ct_status ct_project_rays(const ct_face *face, size_t count, const double *points,
+                          const double *directions, double tolerance, ct_ray_hit *out)
 {
   if (count == 0) return CT_OK;
   if (points == NULL || directions == NULL || out == NULL) return CT_ERROR_ARGUMENT;

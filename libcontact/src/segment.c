@@ -5,17 +5,22 @@
 
 #include <math.h>
 
-/* Signs of the reference coordinates of the corners, and of the one coordinate that a mid-side has. */
+/* Signs of the reference coordinates of the corners, and of the one coordinate that a mid-side has.
+ */
 static const double CORNER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
 static const double SIDE[4] = {-1, 1, 1, -1};
 
 int ct_face_node_count(ct_face_kind kind)
 {
   switch (kind) {
-  case CT_Q4: return 4;
-  case CT_Q8: return 8;
-  case CT_T3: return 3;
-  case CT_T6: return 6;
+  case CT_Q4:
+    return 4;
+  case CT_Q8:
+    return 8;
+  case CT_T3:
+    return 3;
+  case CT_T6:
+    return 6;
   }
   return 0;
 }
@@ -25,7 +30,8 @@ static void fill(double *values, int count, double value)
   for (int i = 0; i < count; i++) values[i] = value;
 }
 
-/* Mid-side i (0 to 3) of a Q8 runs along xi_1 when i is even: `r` is the coordinate along it, `s` the one across. */
+/* Mid-side i (0 to 3) of a Q8 runs along xi_1 when i is even: `r` is the coordinate along it, `s`
+ * the one across. */
 static void side_axes(int i, const double xi[2], int *along, double *r, double *s)
 {
   *along = i % 2;
@@ -98,14 +104,16 @@ void ct_segment_hessian(ct_face_kind kind, const double xi[2], double ddN[8][3])
       ddN[4 + i][2] = -r * SIDE[i];
     }
   } else if (kind == CT_T6) {
-    static const double constant[6][3] = {{4, 4, 4}, {4, 0, 0}, {0, 4, 0}, {-8, 0, -4}, {0, 0, 4}, {0, -8, -4}};
+    static const double constant[6][3] = {{4, 4, 4},   {4, 0, 0}, {0, 4, 0},
+                                          {-8, 0, -4}, {0, 0, 4}, {0, -8, -4}};
     for (int i = 0; i < 6; i++)
       for (int a = 0; a < 3; a++) ddN[i][a] = constant[i][a];
   }
 }
 
-/* Sum over the nodes of weight times coordinate, in the tree that a flip of xi_1 or xi_2 (of quadrilaterals) and an exchange
- * of xi_1 and xi_2 (of triangles) maps onto itself, so that a mirrored face gives the mirrored bits. */
+/* Sum over the nodes of weight times coordinate, in the tree that a flip of xi_1 or xi_2 (of
+ * quadrilaterals) and an exchange of xi_1 and xi_2 (of triangles) maps onto itself, so that a
+ * mirrored face gives the mirrored bits. */
 static void node_sum(const ct_face *face, const double *weight, int stride, double sum[3])
 {
   for (int k = 0; k < 3; k++) {
@@ -114,11 +122,20 @@ static void node_sum(const ct_face *face, const double *weight, int stride, doub
     for (int i = 0; i < count; i++) v[i] = weight[i * stride] * face->node[i][k];
     // -- Pair the nodes (eq:segment-tree)
     switch (face->kind) {
-    case CT_Q4: sum[k] = (v[0] + v[1]) + (v[2] + v[3]); break;
-    case CT_Q8: sum[k] = ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[6]) + (v[5] + v[7])); break;
-    case CT_T3: sum[k] = v[0] + (v[1] + v[2]); break;
-    case CT_T6: sum[k] = (v[0] + (v[1] + v[2])) + (v[4] + (v[3] + v[5])); break;
-    default: sum[k] = NAN;
+    case CT_Q4:
+      sum[k] = (v[0] + v[1]) + (v[2] + v[3]);
+      break;
+    case CT_Q8:
+      sum[k] = ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[6]) + (v[5] + v[7]));
+      break;
+    case CT_T3:
+      sum[k] = v[0] + (v[1] + v[2]);
+      break;
+    case CT_T6:
+      sum[k] = (v[0] + (v[1] + v[2])) + (v[4] + (v[3] + v[5]));
+      break;
+    default:
+      sum[k] = NAN;
     }
   }
 }

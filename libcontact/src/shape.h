@@ -3,8 +3,9 @@
 
 #include "lanes.h"
 
-/* Shape functions of a quadrilateral of `per` (4 or 8) nodes, each `stride` numbers after the one before; those beyond `per` are
- * 0 (eq:segment-q4, eq:segment-q8). For a `per` that is known and lanes side by side the compiler makes lanes of it. */
+/* Shape functions of a quadrilateral of `per` (4 or 8) nodes, each `stride` numbers after the one
+ * before; those beyond `per` are 0 (eq:segment-q4, eq:segment-q8). For a `per` that is known and
+ * lanes side by side the compiler makes lanes of it. */
 CT_INLINE void ct_shape_quadrilateral(int per, double xi, double eta, double *N, int stride)
 {
   static const double CORNER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};

@@ -5,8 +5,9 @@
 
 #include "grid.h"
 
-/* ct_sum of numbers that never stand side by side: they are made twice, in pieces of any size, first to find the largest one and how
- * many there are, then to be added (eq:order-free-sum). Zero it, and
+/* ct_sum of numbers that never stand side by side: they are made twice, in pieces of any size,
+ * first to find the largest one and how many there are, then to be added (eq:order-free-sum). Zero
+ * it, and
  *
  *   while (ct_stream_again(&sum, 1))
  *     for each piece: make its terms; ct_stream_add(&sum, terms, count);
@@ -19,9 +20,13 @@ typedef struct ct_stream {
   ct_grid grid;
 } ct_stream;
 
-/* Terms that are made at once, and the end of the piece that begins at `first` of terms that end at `last`. */
+/* Terms that are made at once, and the end of the piece that begins at `first` of terms that end at
+ * `last`. */
 enum { CT_PIECE = 256 };
-static inline int32_t ct_piece_end(int32_t first, int32_t last) { return last - first < CT_PIECE ? last : first + CT_PIECE; }
+static inline int32_t ct_piece_end(int32_t first, int32_t last)
+{
+  return last - first < CT_PIECE ? last : first + CT_PIECE;
+}
 
 /* Whether the terms of one of some sums, which go together, must be made once more. */
 int ct_stream_again(ct_stream *sums, int count);
@@ -33,7 +38,8 @@ void ct_stream_add(ct_stream *sum, const double *terms, int64_t count);
 double ct_stream_sum(const ct_stream *sum);
 
 /* m x · y of `count` nodes, shapes (count) and (count, 3); `mass` null: m = 1. */
-void ct_product_terms(int32_t count, const double *mass, const double *x, const double *y, double *terms);
+void ct_product_terms(int32_t count, const double *mass, const double *x, const double *y,
+                      double *terms);
 
 /* The sum of them. */
 double ct_sum_product(int32_t count, const double *mass, const double *x, const double *y);

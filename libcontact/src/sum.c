@@ -21,7 +21,8 @@ static double largest(const double *values, int64_t count)
   return odd ? INFINITY : top;
 }
 
-/* Whether one sum needs its terms in the round that begins now: in the first, and in the second if there is something to add. */
+/* Whether one sum needs its terms in the round that begins now: in the first, and in the second if
+ * there is something to add. */
 static int stream_again(ct_stream *s)
 {
   s->round++;
@@ -70,7 +71,8 @@ double ct_sum(const double *values, int64_t count)
   return ct_stream_sum(&sum);
 }
 
-void ct_product_terms(int32_t count, const double *mass, const double *x, const double *y, double *terms)
+void ct_product_terms(int32_t count, const double *mass, const double *x, const double *y,
+                      double *terms)
 {
   for (int32_t n = 0; n < count; n++, x += 3, y += 3)
     terms[n] = (mass != NULL ? mass[n] : 1.0) * ((x[0] * y[0] + x[1] * y[1]) + x[2] * y[2]);
@@ -83,7 +85,8 @@ double ct_sum_product(int32_t count, const double *mass, const double *x, const 
   while (ct_stream_again(&sum, 1))
     for (int32_t first = 0, end; first < count; first = end) {
       end = ct_piece_end(first, count);
-      ct_product_terms(end - first, mass != NULL ? mass + first : NULL, x + 3 * (int64_t)first, y + 3 * (int64_t)first, terms);
+      ct_product_terms(end - first, mass != NULL ? mass + first : NULL, x + 3 * (int64_t)first,
+                       y + 3 * (int64_t)first, terms);
       ct_stream_add(&sum, terms, end - first);
     }
   return ct_stream_sum(&sum);

@@ -17,7 +17,8 @@ typedef struct hold_run {
   int32_t i, hold;
 } hold_run;
 
-/* The nodes of the effect (null: all), and runs of equal holds. Many nodes share a hold: supports are few. */
+/* The nodes of the effect (null: all), and runs of equal holds. Many nodes share a hold: supports
+ * are few. */
 typedef struct support_data {
   int32_t *nodes;
   int32_t node_count, hold_count, run_count;
@@ -35,24 +36,29 @@ static void free_data(void *data)
   ct_release(d);
 }
 
-static ct_status check_support(const ct_support *support, int32_t number, int32_t node_count, ct_error *error)
+static ct_status check_support(const ct_support *support, int32_t number, int32_t node_count,
+                               ct_error *error)
 {
   if (support->nodes == NULL || support->node_count < 1)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "support %d has no nodes", (int)number);
   if (!support->fixed[0] && !support->fixed[1] && !support->fixed[2])
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "support %d holds no component", (int)number);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "support %d holds no component",
+                   (int)number);
   for (int c = 0; c < 3; c++)
     if (support->fixed[c] && !isfinite(support->velocity[c]))
-      return ct_fail(error, CT_INVALID, CT_NOWHERE, "support %d: velocity %c is not finite", (int)number, "xyz"[c]);
+      return ct_fail(error, CT_INVALID, CT_NOWHERE, "support %d: velocity %c is not finite",
+                     (int)number, "xyz"[c]);
   for (int32_t i = 0; i < support->node_count; i++)
     if (support->nodes[i] < 0 || support->nodes[i] >= node_count)
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, support->nodes[i]}, "support %d names node %d, there are nodes 0 to %d",
-                     (int)number, (int)support->nodes[i], (int)node_count - 1);
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, support->nodes[i]},
+                     "support %d names node %d, there are nodes 0 to %d", (int)number,
+                     (int)support->nodes[i], (int)node_count - 1);
   return CT_OK;
 }
 
 /* Enter one support into tables over all nodes of the problem. */
-static ct_status enter(const ct_support *support, int32_t number, int *fixed, double *velocity, ct_error *error)
+static ct_status enter(const ct_support *support, int32_t number, int *fixed, double *velocity,
+                       ct_error *error)
 {
   for (int32_t i = 0; i < support->node_count; i++)
     for (int c = 0; c < 3; c++) {
@@ -60,8 +66,8 @@ static ct_status enter(const ct_support *support, int32_t number, int *fixed, do
       if (!support->fixed[c]) continue;
       if (fixed[dof] && velocity[dof] != support->velocity[c])
         return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, support->nodes[i]},
-                       "support %d: %c of node %d has the velocity %g already, not %g", (int)number, "xyz"[c],
-                       (int)support->nodes[i], velocity[dof], support->velocity[c]);
+                       "support %d: %c of node %d has the velocity %g already, not %g", (int)number,
+                       "xyz"[c], (int)support->nodes[i], velocity[dof], support->velocity[c]);
       fixed[dof] = 1;
       velocity[dof] = support->velocity[c];
     }
@@ -87,8 +93,10 @@ static int hold_at(const int *fixed, const double *velocity, int32_t n, hold *ow
   return own->fixed[0] || own->fixed[1] || own->fixed[2];
 }
 
-/* Keep the nodes with a prescribed component; first in room for as many holds and runs as there are nodes. */
-static ct_status compress(support_data *data, int32_t node_count, const int *fixed, const double *velocity)
+/* Keep the nodes with a prescribed component; first in room for as many holds and runs as there are
+ * nodes. */
+static ct_status compress(support_data *data, int32_t node_count, const int *fixed,
+                          const double *velocity)
 {
   hold own;
   int32_t count = 0;
@@ -112,7 +120,8 @@ static ct_status compress(support_data *data, int32_t node_count, const int *fix
   return data->holds != NULL && data->runs != NULL ? CT_OK : CT_ERROR_MEMORY;
 }
 
-ct_status ct_support_create_effect(const ct_support *supports, int32_t support_count, int32_t node_count, ct_effect **out, ct_error *error)
+ct_status ct_support_create_effect(const ct_support *supports, int32_t support_count,
+                                   int32_t node_count, ct_effect **out, ct_error *error)
 {
   if (supports == NULL || support_count < 1 || node_count < 1 || out == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "support: nothing to hold");
@@ -121,7 +130,8 @@ ct_status ct_support_create_effect(const ct_support *supports, int32_t support_c
   int *fixed = ct_allocate((size_t)node_count, 3 * sizeof *fixed);
   double *velocity = ct_allocate((size_t)node_count, 3 * sizeof *velocity);
   ct_status status = CT_OK;
-  if (!effect || !data || !fixed || !velocity) status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
+  if (!effect || !data || !fixed || !velocity)
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
   for (int32_t i = 0; status == CT_OK && i < support_count; i++) {
     status = check_support(&supports[i], i, node_count, error);
     if (status == CT_OK) status = enter(&supports[i], i, fixed, velocity, error);
@@ -135,8 +145,12 @@ ct_status ct_support_create_effect(const ct_support *supports, int32_t support_c
     ct_release(effect);
     return status;
   }
-  *effect = (ct_effect){.kind = CT_EFFECT_SUPPORT, .name = "support", .data = data, .nodes = data->nodes,
-                        .node_count = data->node_count, .reaction = 1,
+  *effect = (ct_effect){.kind = CT_EFFECT_SUPPORT,
+                        .name = "support",
+                        .data = data,
+                        .nodes = data->nodes,
+                        .node_count = data->node_count,
+                        .reaction = 1,
                         .free_data = free_data};
   *out = effect;
   return CT_OK;
@@ -144,7 +158,9 @@ ct_status ct_support_create_effect(const ct_support *supports, int32_t support_c
 
 ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double *velocity)
 {
-  if (effect == NULL || effect->kind != CT_EFFECT_SUPPORT || inverse_mass == NULL || velocity == NULL) return CT_ERROR_ARGUMENT;
+  if (effect == NULL || effect->kind != CT_EFFECT_SUPPORT || inverse_mass == NULL ||
+      velocity == NULL)
+    return CT_ERROR_ARGUMENT;
   const support_data *data = effect->data;
   for (int32_t i = 0, r = 0; i < data->node_count; i++) {
     if (r + 1 < data->run_count && data->runs[r + 1].i == i) r++;

@@ -3,20 +3,24 @@
 
 #include <math.h>
 
-/* Gershgorin's bound of the eigenvalues of a symmetric tridiagonal matrix, given by its diagonal (n) and what stands beside it (n
+/* Gershgorin's bound of the eigenvalues of a symmetric tridiagonal matrix, given by its diagonal
+ * (n) and what stands beside it (n
  * - 1). */
 static inline double ct_tridiagonal_reach(int n, const double *diagonal, const double *side)
 {
   double reach = 0.0;
   for (int i = 0; i < n; i++) {
-    double row = fabs(diagonal[i]) + (i + 1 < n ? fabs(side[i]) : 0.0) + (i > 0 ? fabs(side[i - 1]) : 0.0);
+    double row =
+        fabs(diagonal[i]) + (i + 1 < n ? fabs(side[i]) : 0.0) + (i > 0 ? fabs(side[i - 1]) : 0.0);
     reach = row > reach ? row : reach;
   }
   return reach;
 }
 
-/* Whether all eigenvalues of the tridiagonal matrix lie below x: all pivots of T - x are negative (Sturm, eq:sturm). */
-static inline int ct_tridiagonal_all_below(int n, const double *diagonal, const double *side, double x)
+/* Whether all eigenvalues of the tridiagonal matrix lie below x: all pivots of T - x are negative
+ * (Sturm, eq:sturm). */
+static inline int ct_tridiagonal_all_below(int n, const double *diagonal, const double *side,
+                                           double x)
 {
   double pivot = diagonal[0] - x;
   for (int i = 1; i < n; i++) {

@@ -52,14 +52,17 @@ static void free_data(void *data)
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
   *scratch = ct_allocate((size_t)((const viscous_data *)effect->data)->value_count, sizeof(double));
-  return *scratch != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscous forces");
+  return *scratch != NULL
+             ? CT_OK
+             : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscous forces");
 }
 
 /* l = √(3/2) / g from the mean gradients per volume; the edge of a cube (eq:element-length). */
 static double length_of(double g2) { return sqrt(1.5 / g2); }
 
-ct_status ct_viscosity_element(const double *nodes, const double *velocity, double density, double c1, double linear, double quadratic,
-                               double *pressure, double *force, ct_error *error)
+ct_status ct_viscosity_element(const double *nodes, const double *velocity, double density,
+                               double c1, double linear, double quadratic, double *pressure,
+                               double *force, ct_error *error)
 {
   double v[20][3], B[20][3], G[3][3], V, g2;
   if (nodes == NULL || velocity == NULL || pressure == NULL || force == NULL)
@@ -71,7 +74,8 @@ ct_status ct_viscosity_element(const double *nodes, const double *velocity, doub
   ct_reference_gradient(8, B, v, G);
   double D = (G[0][0] + G[1][1]) + G[2][2], l = length_of(g2);
   // -- A pressure against compression only (eq:bulk-viscosity)
-  double rate = D < 0.0 ? -D : 0.0, q = density * (l * rate) * (linear * c1 + quadratic * quadratic * (l * rate));
+  double rate = D < 0.0 ? -D : 0.0,
+         q = density * (l * rate) * (linear * c1 + quadratic * quadratic * (l * rate));
   // -- It pushes the nodes apart (eq:viscous-force)
   for (int a = 0; a < 8; a++)
     for (int j = 0; j < 3; j++) force[3 * a + j] = q * V * B[a][j];
@@ -81,7 +85,8 @@ ct_status ct_viscosity_element(const double *nodes, const double *velocity, doub
 
 /* Forces of all elements of one body. */
 CT_CLONES
-static void body_batches(const viscous_body *body, const double *velocity, double linear, double quadratic, double *values)
+static void body_batches(const viscous_body *body, const double *velocity, double linear,
+                         double quadratic, double *values)
 {
   double slow = body->density * linear * body->c1, fast = body->density * quadratic * quadratic;
   for (int32_t b = 0; b < body->batch_count; b++)
@@ -109,14 +114,16 @@ static void body_batches(const viscous_body *body, const double *velocity, doubl
     }
 }
 
-static ct_status viscous_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status viscous_force(const ct_effect *effect, const ct_view *view, double *force,
+                               ct_error *error)
 {
   const viscous_data *d = effect->data;
   double *values = view->scratch;
   (void)error;
   for (int32_t i = 0; i < d->body_count; i++) {
     const viscous_body *body = &d->bodies[i];
-    body_batches(body, view->velocity + 3 * (int64_t)body->first_node, d->linear, d->quadratic, values);
+    body_batches(body, view->velocity + 3 * (int64_t)body->first_node, d->linear, d->quadratic,
+                 values);
     ct_assembly_fold(body->assembly, values);
     ct_assembly_gather(body->assembly, values, 0, body->mesh->node_count, force);
     force += 3 * (int64_t)body->mesh->node_count;
@@ -125,9 +132,10 @@ static ct_status viscous_force(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
-/* Bound of the eigenvalues of M⁻¹C, where the quadratic part counts with the tangent at the fastest closing of the state
- * (eq:viscous-bound). */
-static ct_status viscous_damping(const ct_effect *effect, const ct_view *view, double *rate, ct_error *error)
+/* Bound of the eigenvalues of M⁻¹C, where the quadratic part counts with the tangent at the fastest
+ * closing of the state (eq:viscous-bound). */
+static ct_status viscous_damping(const ct_effect *effect, const ct_view *view, double *rate,
+                                 ct_error *error)
 {
   const viscous_data *d = effect->data;
   double span2 = 0.0;
@@ -150,13 +158,14 @@ static ct_status viscous_damping(const ct_effect *effect, const ct_view *view, d
   return CT_OK;
 }
 
-/* Largest l / V Σ b² / m, where each element has the part of its nodes' masses that its volume has of their elements'
- * (eq:viscous-bound). */
+/* Largest l / V Σ b² / m, where each element has the part of its nodes' masses that its volume has
+ * of their elements' (eq:viscous-bound). */
 static ct_status bound_body(viscous_body *body, const double *mass, ct_error *error)
 {
   const ct_mesh *mesh = body->mesh;
   double *around = ct_allocate((size_t)mesh->node_count, sizeof *around), B[20][3], x[20][3], V, g2;
-  if (around == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  if (around == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
   ct_status status = CT_OK;
   for (int pass = 0; pass < 2; pass++)
     for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
@@ -166,7 +175,9 @@ static ct_status bound_body(viscous_body *body, const double *mass, ct_error *er
       status = ct_element_mean_gradients(&x[0][0], B, &V, &g2, error);
       for (int a = 0; status == CT_OK && a < 8; a++) {
         if (pass == 0) around[node[a]] += V;
-        if (pass == 1) sum += (B[a][0] * B[a][0] + B[a][1] * B[a][1] + B[a][2] * B[a][2]) * (around[node[a]] / mass[node[a]]);
+        if (pass == 1)
+          sum += (B[a][0] * B[a][0] + B[a][1] * B[a][1] + B[a][2] * B[a][2]) *
+                 (around[node[a]] / mass[node[a]]);
       }
       // The volumes are left over: V² of b = V B, 1 / V of the force, 1 / V of the mass.
       if (status == CT_OK && pass == 1) body->most = fmax(body->most, length_of(g2) * sum);
@@ -195,19 +206,23 @@ static void lay_down(const viscous_body *body)
     }
 }
 
-static ct_status prepare_body(viscous_body *body, const ct_body *from, const double *mass, ct_error *error)
+static ct_status prepare_body(viscous_body *body, const ct_body *from, const double *mass,
+                              ct_error *error)
 {
   double c2;
   if (from->mesh->kind != CT_HEX8)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "viscosity: body %s is of hex20; bulk viscosity is for hex8", from->name);
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "viscosity: body %s is of hex20; bulk viscosity is for hex8", from->name);
   body->mesh = from->mesh;
   body->first_node = from->first_node;
   body->density = from->material.density;
   ct_material_speeds(&from->material, &body->c1, &c2);
   body->batch_count = (body->mesh->element_count + 7) / 8;
   body->batch_nodes = ct_allocate((size_t)body->batch_count * 64, sizeof *body->batch_nodes);
-  body->lanes = ct_allocate((size_t)body->batch_count * (CT_BATCH / CT_LANES_COUNT), sizeof *body->lanes);
-  if (body->batch_nodes == NULL || body->lanes == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  body->lanes =
+      ct_allocate((size_t)body->batch_count * (CT_BATCH / CT_LANES_COUNT), sizeof *body->lanes);
+  if (body->batch_nodes == NULL || body->lanes == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
   ct_status status = ct_mesh_check(body->mesh, error);
   if (status == CT_OK) status = ct_assembly_create(body->mesh, 3, &body->assembly, error);
   if (status != CT_OK) return status;
@@ -216,25 +231,35 @@ static ct_status prepare_body(viscous_body *body, const ct_body *from, const dou
   return bound_body(body, mass + body->first_node, error);
 }
 
-static ct_status check(const ct_viscosity *options, const ct_problem *problem, ct_effect **effect, ct_error *error)
+static ct_status check(const ct_viscosity *options, const ct_problem *problem, ct_effect **effect,
+                       ct_error *error)
 {
-  if (options == NULL || problem == NULL || effect == NULL || (options->bodies != NULL && options->body_count < 1))
+  if (options == NULL || problem == NULL || effect == NULL ||
+      (options->bodies != NULL && options->body_count < 1))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "viscosity: null argument or no bodies");
-  if (!(options->linear >= 0.0 && options->quadratic >= 0.0 && options->linear + options->quadratic > 0.0) || !isfinite(options->linear + options->quadratic))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "viscosity: the coefficients must not be negative, and one positive, not %g and %g",
-                   options->linear, options->quadratic);
+  if (!(options->linear >= 0.0 && options->quadratic >= 0.0 &&
+        options->linear + options->quadratic > 0.0) ||
+      !isfinite(options->linear + options->quadratic))
+    return ct_fail(
+        error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+        "viscosity: the coefficients must not be negative, and one positive, not %g and %g",
+        options->linear, options->quadratic);
   for (int32_t i = 0; options->bodies != NULL && i < options->body_count; i++) {
     int32_t body = options->bodies[i];
     if (body < 0 || body >= problem->body_count)
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "viscosity: there is no body %d", (int)body);
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
+                     "viscosity: there is no body %d", (int)body);
     for (int32_t k = 0; k < i; k++)
-      if (options->bodies[k] == body) return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "viscosity: body %d is named twice", (int)body);
+      if (options->bodies[k] == body)
+        return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
+                       "viscosity: body %d is named twice", (int)body);
   }
   return CT_OK;
 }
 
 /* The bodies in the order of their nodes. */
-static ct_status prepare(viscous_data *d, const ct_viscosity *options, const ct_problem *problem, int32_t *node_count, ct_error *error)
+static ct_status prepare(viscous_data *d, const ct_viscosity *options, const ct_problem *problem,
+                         int32_t *node_count, ct_error *error)
 {
   int32_t next = 0;
   d->linear = options->linear;
@@ -242,7 +267,8 @@ static ct_status prepare(viscous_data *d, const ct_viscosity *options, const ct_
   d->body_count = options->bodies == NULL ? problem->body_count : options->body_count;
   d->bodies = ct_allocate((size_t)d->body_count, sizeof *d->bodies);
   d->nodes = ct_allocate((size_t)problem->node_count, sizeof *d->nodes);
-  if (d->bodies == NULL || d->nodes == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  if (d->bodies == NULL || d->nodes == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
   for (int32_t i = 0; i < problem->body_count; i++) {
     int named = options->bodies == NULL;
     for (int32_t k = 0; !named && k < options->body_count; k++) named = options->bodies[k] == i;
@@ -253,13 +279,15 @@ static ct_status prepare(viscous_data *d, const ct_viscosity *options, const ct_
       if (error != NULL) error->body = i;
       return status;
     }
-    for (int32_t n = 0; n < body->mesh->node_count; n++) d->nodes[(*node_count)++] = body->first_node + n;
+    for (int32_t n = 0; n < body->mesh->node_count; n++)
+      d->nodes[(*node_count)++] = body->first_node + n;
     d->value_count += body->assembly->value_count;
   }
   return CT_OK;
 }
 
-ct_status ct_viscosity_create_effect(const ct_viscosity *options, const ct_problem *problem, ct_effect **out, ct_error *error)
+ct_status ct_viscosity_create_effect(const ct_viscosity *options, const ct_problem *problem,
+                                     ct_effect **out, ct_error *error)
 {
   ct_status status = check(options, problem, out, error);
   if (status != CT_OK) return status;
@@ -268,21 +296,30 @@ ct_status ct_viscosity_create_effect(const ct_viscosity *options, const ct_probl
   int32_t node_count = 0;
   if (effect == NULL || d == NULL)
     status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
-  else
-    status = prepare(d, options, problem, &node_count, error);
+  else status = prepare(d, options, problem, &node_count, error);
   if (status != CT_OK) {
     free_data(d);
     ct_release(effect);
     return status;
   }
-  *effect = (ct_effect){.kind = CT_EFFECT_VISCOSITY, .name = "viscosity", .local = 1, .data = d, .nodes = d->nodes,
-                        .node_count = node_count, .create_scratch = create_scratch,
-                        .free_scratch = ct_release, .force = viscous_force, .damping = viscous_damping, .free_data = free_data};
+  *effect = (ct_effect){.kind = CT_EFFECT_VISCOSITY,
+                        .name = "viscosity",
+                        .local = 1,
+                        .data = d,
+                        .nodes = d->nodes,
+                        .node_count = node_count,
+                        .create_scratch = create_scratch,
+                        .free_scratch = ct_release,
+                        .force = viscous_force,
+                        .damping = viscous_damping,
+                        .free_data = free_data};
   for (int32_t i = 0; i < d->body_count; i++) {
-    // Operations counted in the kernel and the sums at the nodes; node numbers, what is laid down, forces written and read,
-    // nodes.
-    effect->flops += 247.0 * d->bodies[i].mesh->element_count + 21.0 * d->bodies[i].mesh->node_count;
-    effect->bytes += (32.0 + 160.0 + 384.0) * d->bodies[i].mesh->element_count + 80.0 * d->bodies[i].mesh->node_count;
+    // Operations counted in the kernel and the sums at the nodes; node numbers, what is laid down,
+    // forces written and read, nodes.
+    effect->flops +=
+        247.0 * d->bodies[i].mesh->element_count + 21.0 * d->bodies[i].mesh->node_count;
+    effect->bytes += (32.0 + 160.0 + 384.0) * d->bodies[i].mesh->element_count +
+                     80.0 * d->bodies[i].mesh->node_count;
   }
   *out = effect;
   return CT_OK;

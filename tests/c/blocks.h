@@ -10,7 +10,8 @@ typedef struct block {
   void *scratch;
 } block;
 
-static inline block open_block(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel)
+static inline block open_block(const ct_mesh *m, const ct_material *material,
+                               ct_solid_kernel kernel)
 {
   ct_solid_block b = {.mesh = m, .material = *material, .kernel = kernel};
   block solid = {NULL, NULL};
@@ -54,7 +55,8 @@ static inline double *random_displacement(const ct_mesh *m, double amount)
 }
 
 /* Forces and energy of all elements by the readable form, added up node by node. */
-static inline double reference_force(const ct_mesh *m, const ct_material *material, const double *u, double *f)
+static inline double reference_force(const ct_mesh *m, const ct_material *material, const double *u,
+                                     double *f)
 {
   int per = ct_brick_node_count(m->kind);
   double total = 0.0;

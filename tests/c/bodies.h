@@ -1,5 +1,5 @@
-/* What several tests share: random numbers, meshes that are distorted, turned or mirrored, forces of a whole problem,
- * eigenvalues. */
+/* What several tests share: random numbers, meshes that are distorted, turned or mirrored, forces
+ * of a whole problem, eigenvalues. */
 #ifndef BODIES_H
 #define BODIES_H
 
@@ -15,7 +15,8 @@ static unsigned long long bodies_seed = 88172645463325252ull;
 /* Uniform on (-a, a). */
 static inline double uniform(double a)
 {
-  bodies_seed ^= bodies_seed << 13, bodies_seed ^= bodies_seed >> 7, bodies_seed ^= bodies_seed << 17;
+  bodies_seed ^= bodies_seed << 13, bodies_seed ^= bodies_seed >> 7,
+      bodies_seed ^= bodies_seed << 17;
   return a * (2 * ((double)(bodies_seed >> 11) / 9007199254740992.0) - 1);
 }
 
@@ -38,7 +39,10 @@ static inline void random_rotation(double R[3][3])
   memcpy(R, rows, sizeof rows);
 }
 
-static inline double worst(double so_far, double error) { return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far; }
+static inline double worst(double so_far, double error)
+{
+  return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far;
+}
 
 static inline double largest(const double *v, int64_t n)
 {
@@ -83,12 +87,14 @@ static inline ct_mesh *mesh_of(ct_brick_kind kind, ct_box box)
   return mesh;
 }
 
-static inline ct_mesh *box_mesh(ct_brick_kind kind, double x, double y, double z, double a, double b, double c, int nx, int ny, int nz)
+static inline ct_mesh *box_mesh(ct_brick_kind kind, double x, double y, double z, double a,
+                                double b, double c, int nx, int ny, int nz)
 {
   return mesh_of(kind, (ct_box){.origin = {x, y, z}, .size = {a, b, c}, .cells = {nx, ny, nz}});
 }
 
-/* Move every node at random, up to `amount` in each direction; with `inside` those on the outside of a box stay. */
+/* Move every node at random, up to `amount` in each direction; with `inside` those on the outside
+ * of a box stay. */
 static inline void shake(ct_mesh *mesh, double amount, int inside)
 {
   double low[3], high[3];
@@ -109,13 +115,16 @@ static inline void shake_regular(ct_mesh *mesh, double amount, int inside)
   size_t size = 3 * (size_t)mesh->node_count * sizeof(double);
   double *straight = room(1, size);
   memcpy(straight, mesh->nodes, size);
-  for (shake(mesh, amount, inside); ct_mesh_check(mesh, NULL) != CT_OK; shake(mesh, amount *= 0.8, inside))
+  for (shake(mesh, amount, inside); ct_mesh_check(mesh, NULL) != CT_OK;
+       shake(mesh, amount *= 0.8, inside))
     memcpy(mesh->nodes, straight, size);
   free(straight);
 }
 
-/* Determinant of the Jacobian of a brick with the nodes `x` at a place, computed without the library's own; J[d] is its column d. */
-static inline double brick_determinant(ct_brick_kind kind, double (*x)[3], const double xi[3], double J[3][3])
+/* Determinant of the Jacobian of a brick with the nodes `x` at a place, computed without the
+ * library's own; J[d] is its column d. */
+static inline double brick_determinant(ct_brick_kind kind, double (*x)[3], const double xi[3],
+                                       double J[3][3])
 {
   double dN[20][3];
   ct_brick_gradient(kind, xi, dN);
@@ -123,7 +132,8 @@ static inline double brick_determinant(ct_brick_kind kind, double (*x)[3], const
   for (int a = 0; a < ct_brick_node_count(kind); a++)
     for (int d = 0; d < 3; d++)
       for (int c = 0; c < 3; c++) J[d][c] += dN[a][d] * x[a][c];
-  return J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) - J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
+  return J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) -
+         J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
          J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]);
 }
 
@@ -143,14 +153,16 @@ static inline int local_node(ct_brick_kind kind, const double xi[3])
   return -1;
 }
 
-/* Let the reference axes of each element point along other edges: one of the 24 rotations of a cube, at random. */
+/* Let the reference axes of each element point along other edges: one of the 24 rotations of a
+ * cube, at random. */
 static inline void turn_elements(ct_mesh *mesh)
 {
   static const int axes[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
   int per = ct_brick_node_count(mesh->kind);
   for (int e = 0; e < mesh->element_count; e++) {
     int32_t old[20];
-    int order = pick(6), first = pick(2) ? 1 : -1, second = pick(2) ? 1 : -1, third = first * second * (order < 3 ? 1 : -1);
+    int order = pick(6), first = pick(2) ? 1 : -1, second = pick(2) ? 1 : -1,
+        third = first * second * (order < 3 ? 1 : -1);
     int sign[3] = {first, second, third};
     memcpy(old, &mesh->elements[e * per], (size_t)per * sizeof *old);
     for (int a = 0; a < per; a++) {
@@ -162,15 +174,16 @@ static inline void turn_elements(ct_mesh *mesh)
   }
 }
 
-/* The mirror image in the plane x[axis] = 0: node n is the image of node n, and the reference axis is flipped, so elements stay
- * valid. */
+/* The mirror image in the plane x[axis] = 0: node n is the image of node n, and the reference axis
+ * is flipped, so elements stay valid. */
 static inline ct_mesh *mirror_mesh(const ct_mesh *mesh, int axis)
 {
   ct_mesh *image = NULL;
   ct_error error;
   int per = ct_brick_node_count(mesh->kind);
   need(ct_mesh_create_copy(mesh, &image, &error), &error);
-  for (int n = 0; n < mesh->node_count; n++) image->nodes[3 * n + axis] = -mesh->nodes[3 * n + axis];
+  for (int n = 0; n < mesh->node_count; n++)
+    image->nodes[3 * n + axis] = -mesh->nodes[3 * n + axis];
   for (int e = 0; e < mesh->element_count; e++)
     for (int a = 0; a < per; a++) {
       double at[3];
@@ -193,7 +206,8 @@ static inline int64_t mirror_faults(const double *v, const double *w, int64_t no
 static inline void take_element(const ct_mesh *mesh, int e, const double *from, double to[60])
 {
   int per = ct_brick_node_count(mesh->kind);
-  for (int a = 0; a < per; a++) memcpy(&to[3 * a], &from[3 * mesh->elements[e * per + a]], 3 * sizeof(double));
+  for (int a = 0; a < per; a++)
+    memcpy(&to[3 * a], &from[3 * mesh->elements[e * per + a]], 3 * sizeof(double));
 }
 
 /* Forces of all effects of a problem at any displacement, apart from any state. */
@@ -205,12 +219,14 @@ typedef struct probe {
 
 static inline probe probe_open(const ct_problem *problem)
 {
-  probe p = {problem, room(problem->effect_count, sizeof(void *)), NULL, NULL, numbers(3 * (int64_t)problem->node_count)};
+  probe p = {problem, room(problem->effect_count, sizeof(void *)), NULL, NULL,
+             numbers(3 * (int64_t)problem->node_count)};
   int64_t memory = 0;
   ct_error error;
   for (int k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    if (effect->create_scratch != NULL) need(effect->create_scratch(effect, &p.scratch[k], &error), &error);
+    if (effect->create_scratch != NULL)
+      need(effect->create_scratch(effect, &p.scratch[k], &error), &error);
     memory += effect->memory_count;
   }
   p.memory = numbers(memory);
@@ -237,26 +253,36 @@ static inline void probe_force(probe *p, const double *u, double *sum)
   for (int k = 0; k < p->problem->effect_count; k++) {
     const ct_effect *effect = p->problem->effects[k];
     if (effect->reaction) continue;
-    ct_view view = {.threads = 1, .reference = p->problem->reference, .displacement = u, .velocity = u, .memory = p->memory + memory,
-                    .next_memory = p->next + memory, .scratch = p->scratch[k]};
+    ct_view view = {.threads = 1,
+                    .reference = p->problem->reference,
+                    .displacement = u,
+                    .velocity = u,
+                    .memory = p->memory + memory,
+                    .next_memory = p->next + memory,
+                    .scratch = p->scratch[k]};
     for (int j = 0; j < k; j++)
       if (p->problem->effects[j] == effect->reads) view.read = p->scratch[j];
     need(effect->force(effect, &view, p->force, &error), &error);
     for (int i = 0; i < effect->node_count; i++)
-      for (int c = 0; c < 3; c++) sum[3 * (effect->nodes == NULL ? i : effect->nodes[i]) + c] += p->force[3 * i + c];
+      for (int c = 0; c < 3; c++)
+        sum[3 * (effect->nodes == NULL ? i : effect->nodes[i]) + c] += p->force[3 * i + c];
     memory += effect->memory_count;
   }
 }
 
-/* Largest eigenvalue of M⁻¹K about the displacement u0, by power iteration with the Rayleigh quotient (a lower bound of it at any
- * time). K is the difference of forces over a displacement of size `small`; `component` 0 ... 2 looks at that direction only. */
-static inline double true_frequency(const ct_problem *problem, const double *u0, double small, int component, int iterations)
+/* Largest eigenvalue of M⁻¹K about the displacement u0, by power iteration with the Rayleigh
+ * quotient (a lower bound of it at any time). K is the difference of forces over a displacement of
+ * size `small`; `component` 0 ... 2 looks at that direction only. */
+static inline double true_frequency(const ct_problem *problem, const double *u0, double small,
+                                    int component, int iterations)
 {
   int64_t n = 3 * (int64_t)problem->node_count;
   double *v = numbers(n), *u = numbers(n), *f0 = numbers(n), *f = numbers(n), quotient = 0.0;
   probe p = probe_open(problem);
   probe_force(&p, u0, f0);
-  for (int64_t i = 0; i < n; i++) v[i] = problem->inverse_mass[i] > 0.0 && (component < 0 || i % 3 == component) ? uniform(1.0) : 0.0;
+  for (int64_t i = 0; i < n; i++)
+    v[i] = problem->inverse_mass[i] > 0.0 && (component < 0 || i % 3 == component) ? uniform(1.0)
+                                                                                   : 0.0;
   for (int k = 0; k < iterations; k++) {
     double top = largest(v, n), work = 0.0, mass = 0.0;
     for (int64_t i = 0; i < n; i++) u[i] = u0[i] + (v[i] *= 1.0 / top) * small;
@@ -290,7 +316,8 @@ static inline double jacobi_largest(int n, double *A)
       for (int q = p + 1; q < n; q++) {
         if (A[p * n + q] == 0.0) continue;
         double theta = (A[q * n + q] - A[p * n + p]) / (2.0 * A[p * n + q]);
-        double t = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(theta * theta + 1.0)), c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+        double t = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(theta * theta + 1.0)),
+               c = 1.0 / sqrt(t * t + 1.0), s = t * c;
         for (int k = 0; k < n; k++) {
           double a = A[k * n + p], b = A[k * n + q];
           A[k * n + p] = c * a - s * b;
@@ -309,18 +336,23 @@ static inline double jacobi_largest(int n, double *A)
 }
 
 /* Add a body to a scene, which copies the mesh. */
-static inline int32_t add_body(ct_scene *scene, const char *name, const ct_mesh *mesh, const ct_material *material, ct_solid_kernel kernel,
-                               double vx, double vy, double vz)
+static inline int32_t add_body(ct_scene *scene, const char *name, const ct_mesh *mesh,
+                               const ct_material *material, ct_solid_kernel kernel, double vx,
+                               double vy, double vz)
 {
   double velocity[3] = {vx, vy, vz};
   int32_t body = -1;
   ct_error error;
-  need(ct_scene_add_body(scene, name, mesh, material, CT_LUMP_DEFAULT, kernel, velocity, &body, &error), &error);
+  need(ct_scene_add_body(scene, name, mesh, material, CT_LUMP_DEFAULT, kernel, velocity, &body,
+                         &error),
+       &error);
   return body;
 }
 
-/* Hold the components in `which` ("x", "xyz", ...) of a body's nodes in a plane; `axis` -1: of all its nodes. */
-static inline void add_support(ct_scene *scene, int32_t body, const ct_mesh *mesh, int axis, double value, const char *which, double velocity)
+/* Hold the components in `which` ("x", "xyz", ...) of a body's nodes in a plane; `axis` -1: of all
+ * its nodes. */
+static inline void add_support(ct_scene *scene, int32_t body, const ct_mesh *mesh, int axis,
+                               double value, const char *which, double velocity)
 {
   int32_t *nodes = integers(mesh->node_count), count = mesh->node_count;
   for (int32_t i = 0; i < count; i++) nodes[i] = i;
@@ -335,15 +367,25 @@ static inline void add_support(ct_scene *scene, int32_t body, const ct_mesh *mes
   free(nodes);
 }
 
-/* Contact between the faces of two bodies in the planes x[axis] = at_a and at_b, with options (`beta` and `faces` count, not
- * `epsilon`) and friction. */
-static inline ct_status add_contact_with(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
-                                         double at_b, int axis, double beta, ct_contact_options options, double friction, double tangent)
+/* Contact between the faces of two bodies in the planes x[axis] = at_a and at_b, with options
+ * (`beta` and `faces` count, not `epsilon`) and friction. */
+static inline ct_status add_contact_with(ct_scene *scene, int32_t a, const ct_mesh *mesh_a,
+                                         double at_a, int32_t b, const ct_mesh *mesh_b, double at_b,
+                                         int axis, double beta, ct_contact_options options,
+                                         double friction, double tangent)
 {
-  int32_t *fa = integers(8 * 6 * mesh_a->element_count), *fb = integers(8 * 6 * mesh_b->element_count);
-  ct_scene_contact contact = {.body_a = a, .body_b = b, .face_count_a = ct_mesh_plane_faces(mesh_a, axis, at_a, fa, NULL),
-                              .face_count_b = ct_mesh_plane_faces(mesh_b, axis, at_b, fb, NULL), .faces_a = fa, .faces_b = fb,
-                              .beta = beta, .options = options, .friction = friction, .tangent = tangent};
+  int32_t *fa = integers(8 * 6 * mesh_a->element_count),
+          *fb = integers(8 * 6 * mesh_b->element_count);
+  ct_scene_contact contact = {.body_a = a,
+                              .body_b = b,
+                              .face_count_a = ct_mesh_plane_faces(mesh_a, axis, at_a, fa, NULL),
+                              .face_count_b = ct_mesh_plane_faces(mesh_b, axis, at_b, fb, NULL),
+                              .faces_a = fa,
+                              .faces_b = fb,
+                              .beta = beta,
+                              .options = options,
+                              .friction = friction,
+                              .tangent = tangent};
   ct_error error;
   ct_status status = ct_scene_add_contact(scene, &contact, &error);
   need(status, &error);
@@ -352,19 +394,24 @@ static inline ct_status add_contact_with(ct_scene *scene, int32_t a, const ct_me
   return status;
 }
 
-/* The same with the explicit penalty and friction; what overlaps at the start is pushed, as a load. */
-static inline ct_status add_rough_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
-                                          double at_b, int axis, double beta, double friction, double tangent)
+/* The same with the explicit penalty and friction; what overlaps at the start is pushed, as a load.
+ */
+static inline ct_status add_rough_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a,
+                                          double at_a, int32_t b, const ct_mesh *mesh_b,
+                                          double at_b, int axis, double beta, double friction,
+                                          double tangent)
 {
   ct_contact_options options = ct_contact_options_default();
   options.enforcement = CT_ENFORCE_PENALTY;
   options.initial = CT_INITIAL_PUSH;
-  return add_contact_with(scene, a, mesh_a, at_a, b, mesh_b, at_b, axis, beta, options, friction, tangent);
+  return add_contact_with(scene, a, mesh_a, at_a, b, mesh_b, at_b, axis, beta, options, friction,
+                          tangent);
 }
 
 /* The same without friction. */
-static inline ct_status add_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a, int32_t b, const ct_mesh *mesh_b,
-                                    double at_b, int axis, double beta)
+static inline ct_status add_contact(ct_scene *scene, int32_t a, const ct_mesh *mesh_a, double at_a,
+                                    int32_t b, const ct_mesh *mesh_b, double at_b, int axis,
+                                    double beta)
 {
   return add_rough_contact(scene, a, mesh_a, at_a, b, mesh_b, at_b, axis, beta, 0.0, 0.0);
 }
@@ -377,28 +424,35 @@ static inline ct_scene *new_scene(void)
   return scene;
 }
 
-/* A weight m (g - c v) on all nodes from `first` on, as an effect of our own, plus a pull along x that swells and fades as sin²
- * over a period. */
+/* A weight m (g - c v) on all nodes from `first` on, as an effect of our own, plus a pull along x
+ * that swells and fades as sin² over a period. */
 typedef struct weight {
   const ct_problem *problem;
   int32_t first;
   double g[3], damping, pull, period;
 } weight;
 
-static inline ct_status weight_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static inline ct_status weight_force(const ct_effect *effect, const ct_view *view, double *force,
+                                     ct_error *error)
 {
   const weight *w = effect->data;
-  double s = w->period > 0.0 && view->time < w->period ? sin(3.14159265358979323846 * view->time / w->period) : 0.0;
+  double s = w->period > 0.0 && view->time < w->period
+                 ? sin(3.14159265358979323846 * view->time / w->period)
+                 : 0.0;
   (void)error;
   for (int32_t n = 0; n < effect->node_count; n++)
     for (int c = 0; c < 3; c++) {
       double pull = c == 0 ? w->pull * s * s : 0.0;
-      force[3 * n + c] = n < w->first ? 0.0 : w->problem->mass[n] * (w->g[c] - w->damping * view->velocity[3 * n + c] + pull);
+      force[3 * n + c] =
+          n < w->first
+              ? 0.0
+              : w->problem->mass[n] * (w->g[c] - w->damping * view->velocity[3 * n + c] + pull);
     }
   return CT_OK;
 }
 
-static inline ct_status weight_damping(const ct_effect *effect, const ct_view *view, double *rate, ct_error *error)
+static inline ct_status weight_damping(const ct_effect *effect, const ct_view *view, double *rate,
+                                       ct_error *error)
 {
   (void)view;
   (void)error;
@@ -423,11 +477,16 @@ static inline void add_weight(ct_scene *scene, weight w)
   ct_error error;
   *own = w;
   need(ct_scene_join(scene, &own->problem, &error), &error);
-  add_effect(scene, &(ct_effect){.name = "weight", .data = own, .free_data = free, .node_count = own->problem->node_count,
-                                 .force = weight_force, .damping = weight_damping});
+  add_effect(scene, &(ct_effect){.name = "weight",
+                                 .data = own,
+                                 .free_data = free,
+                                 .node_count = own->problem->node_count,
+                                 .force = weight_force,
+                                 .damping = weight_damping});
 }
 
-static inline const ct_problem *build(ct_scene *scene, ct_scene_time time, int64_t *steps, ct_stable_step *stable)
+static inline const ct_problem *build(ct_scene *scene, ct_scene_time time, int64_t *steps,
+                                      ct_stable_step *stable)
 {
   const ct_problem *problem = NULL;
   ct_error error;

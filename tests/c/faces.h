@@ -17,12 +17,16 @@ static inline double uniform(double a)
   return a * (2 * ((double)(face_seed >> 11) / 9007199254740992.0) - 1);
 }
 
-static inline double worst(double so_far, double error) { return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far; }
+static inline double worst(double so_far, double error)
+{
+  return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far;
+}
 static inline int triangular(ct_face_kind kind) { return kind == CT_T3 || kind == CT_T6; }
 
 static inline const double *reference(ct_face_kind kind, int i)
 {
-  static const double quadrilateral[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}};
+  static const double quadrilateral[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1},
+                                             {0, -1},  {1, 0},  {0, 1}, {-1, 0}};
   static const double triangle[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
   return triangular(kind) ? triangle[i] : quadrilateral[i];
 }
@@ -52,13 +56,15 @@ static inline ct_face parabolic_face(ct_face_kind kind, double p, double q)
   ct_face face = {kind, {{0}}};
   for (int i = 0; i < ct_face_node_count(kind); i++) {
     const double *x = reference(kind, i);
-    face.node[i][0] = x[0], face.node[i][1] = x[1], face.node[i][2] = 0.5 * (p * x[0] * x[0] + q * x[1] * x[1]);
+    face.node[i][0] = x[0], face.node[i][1] = x[1],
+    face.node[i][2] = 0.5 * (p * x[0] * x[0] + q * x[1] * x[1]);
   }
   return face;
 }
 
 /* The point at the height g above the foot xi of a parabolic face, and the normal there. */
-static inline void parabolic_point(double p, double q, const double xi[2], double g, double point[3], double n[3])
+static inline void parabolic_point(double p, double q, const double xi[2], double g,
+                                   double point[3], double n[3])
 {
   double length = sqrt(1 + p * p * xi[0] * xi[0] + q * q * xi[1] * xi[1]);
   n[0] = -p * xi[0] / length, n[1] = -q * xi[1] / length, n[2] = 1 / length;

@@ -33,7 +33,8 @@ static inline int tap_close(double got, double want, double tol, const char *for
 {
   char detail[160];
   int ok = fabs(got - want) <= tol;
-  snprintf(detail, sizeof detail, " (got %.17g, want %.17g, off %.3g, allowed %.3g)", got, want, fabs(got - want), tol);
+  snprintf(detail, sizeof detail, " (got %.17g, want %.17g, off %.3g, allowed %.3g)", got, want,
+           fabs(got - want), tol);
   va_list arguments;
   va_start(arguments, format);
   tap_line(ok, detail, format, arguments);

@@ -8,7 +8,8 @@ static void add_faces(ct_scene *scene, const ct_mesh *mesh, double x, const ct_l
   const ct_problem *joined = NULL;
   ct_effect *effect = NULL;
   ct_error e = {0};
-  int32_t *faces = integers(8 * 6 * mesh->element_count), count = ct_mesh_plane_faces(mesh, 0, x, faces, NULL);
+  int32_t *faces = integers(8 * 6 * mesh->element_count),
+          count = ct_mesh_plane_faces(mesh, 0, x, faces, NULL);
   need(ct_scene_join(scene, &joined, &e), &e);
   if (load != NULL) {
     ct_load own = *load;
@@ -22,8 +23,8 @@ static void add_faces(ct_scene *scene, const ct_mesh *mesh, double x, const ct_l
   free(faces);
 }
 
-/* Send a smooth pulse down a column, held so that it is a plane P wave (axis 0) or S wave (axis 2), and see what is left when it
- * has met the other end. */
+/* Send a smooth pulse down a column, held so that it is a plane P wave (axis 0) or S wave (axis 2),
+ * and see what is left when it has met the other end. */
 static void pulse(ct_brick_kind kind, int axis, const char *name)
 {
   ct_mesh *mesh = box_mesh(kind, 0, 0, 0, 10, 0.1, 0.1, kind == CT_HEX8 ? 100 : 50, 1, 1);
@@ -33,14 +34,16 @@ static void pulse(ct_brick_kind kind, int axis, const char *name)
   double c[2], time[41], value[41];
   ct_material_speeds(&ROCK, &c[0], &c[1]);
   double speed = c[axis != 0], width = 4.0 / speed;
-  for (int i = 0; i <= 40; i++) time[i] = width * i / 40, value[i] = pow(sin(3.14159265358979 * i / 40), 2);
+  for (int i = 0; i <= 40; i++)
+    time[i] = width * i / 40, value[i] = pow(sin(3.14159265358979 * i / 40), 2);
   ct_load push = {.history = {41, time, value}};
   push.traction[axis] = 1.0;
   add_faces(scene, mesh, 0.0, &push);
   add_faces(scene, mesh, 10.0, NULL);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *problem = build(scene, (ct_scene_time){.end = 16.0 / speed, .fraction = 0.9, .threads = 1}, &steps, &stable);
+  const ct_problem *problem = build(
+      scene, (ct_scene_time){.end = 16.0 / speed, .fraction = 0.9, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(problem);
   advance(problem, state, (int64_t)(6.0 / speed / problem->dt));
   ct_energy before = energy_of(problem, state);
@@ -50,12 +53,14 @@ static void pulse(ct_brick_kind kind, int axis, const char *name)
   ct_error e = {0};
   tap_ok(share < 0.01 && share >= 0.0, "%s: %.2g of the energy comes back", name, share);
   need(ct_energy_work(problem, state, 2, &work, &e), &e);
-  tap_close(work / -(before.kinetic + before.strain), 1.0, 0.01, "%s: the dashpots took the rest", name);
+  tap_close(work / -(before.kinetic + before.strain), 1.0, 0.01, "%s: the dashpots took the rest",
+            name);
   tap_close(after.balance / before.kinetic, 0.0, 1e-12, "%s: the work balance closes", name);
   double rate = 0.0, unused;
   need(ct_stable_share(problem, state, 2, &unused, &rate, &e), &e);
   // The end nodes of a linear column have half an element of mass: rho c A / (rho A h / 2).
-  if (kind == CT_HEX8) tap_close(rate / (2 * c[0] / 0.1), 1.0, 1e-12, "%s: the rate is that of the end nodes", name);
+  if (kind == CT_HEX8)
+    tap_close(rate / (2 * c[0] / 0.1), 1.0, 1e-12, "%s: the rate is that of the end nodes", name);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(mesh);
@@ -73,9 +78,11 @@ static void refusals(void)
   add_body(scene, "two", mesh, &ROCK, CT_KERNEL_AUTO, 0, 0, 0);
   need(ct_scene_join(scene, &joined, &e), &e);
   ct_absorb bad = {CT_Q4, 2, both};
-  tap_ok(ct_absorb_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT, "faces of two bodies: %s", e.text);
+  tap_ok(ct_absorb_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT,
+         "faces of two bodies: %s", e.text);
   bad.face_count = 0;
-  tap_ok(ct_absorb_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL, "no faces: %s", e.text);
+  tap_ok(ct_absorb_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
+         "no faces: %s", e.text);
   ct_scene_free(scene);
   ct_mesh_free(mesh);
 }

@@ -9,7 +9,8 @@ int main(void)
     uint64_t mixed = (i + 1) * 0x9E3779B97F4A7C15u;
     LLVMFuzzerTestOneInput((const uint8_t *)&mixed, sizeof mixed);
   }
-  tap_ok(total_calls > 10000 && total_built > 100 && total_steps > 500, "%lld calls, %lld scenes built of %lld, %lld steps: no promise broken", total_calls, total_built, total_scenes,
-         total_steps);
+  tap_ok(total_calls > 10000 && total_built > 100 && total_steps > 500,
+         "%lld calls, %lld scenes built of %lld, %lld steps: no promise broken", total_calls,
+         total_built, total_scenes, total_steps);
   return tap_done();
 }

@@ -1,5 +1,5 @@
-/* Batches against ct_project, pair by pair and bit for bit, with every kernel that this machine runs, and against closed
- * forms. */
+/* Batches against ct_project, pair by pair and bit for bit, with every kernel that this machine
+ * runs, and against closed forms. */
 #include <contact.h>
 
 #include "../../libcontact/src/projection/batch_internal.h"
@@ -11,7 +11,8 @@
 enum { PAIRS = 403, BLOCKS = 51, NAN_PAIR = 17, FLAT_PAIR = 18, HUGE_PAIR = 19 };
 
 static const char *NAME[4] = {"Q4", "Q8", "T3", "T6"};
-static const double QUADRILATERAL[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}};
+static const double QUADRILATERAL[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1},
+                                           {0, -1},  {1, 0},  {0, 1}, {-1, 0}};
 static const double TRIANGLE[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
 
 static unsigned long long seed = 88172645463325252ull;
@@ -35,11 +36,13 @@ typedef struct batch {
 
 static ct_batch_feet feet_of(batch *b)
 {
-  ct_batch_feet feet = {b->xi, b->distance, b->signed_distance, b->normal, b->status, b->evaluations};
+  ct_batch_feet feet = {b->xi,     b->distance, b->signed_distance,
+                        b->normal, b->status,   b->evaluations};
   return feet;
 }
 
-/* Faces from plain to folded, points from on the face to far away, and three pairs that are broken. */
+/* Faces from plain to folded, points from on the face to far away, and three pairs that are broken.
+ */
 static void fill(batch *b, ct_face_kind kind, double distortion)
 {
   int triangular = kind == CT_T3 || kind == CT_T6;
@@ -49,7 +52,8 @@ static void fill(batch *b, ct_face_kind kind, double distortion)
     double *row = b->rows + 3 * b->per * p, reach = p % 5 == 0 ? 20 : 1.2;
     for (int i = 0; i < b->per; i++) {
       const double *x = triangular ? TRIANGLE[i] : QUADRILATERAL[i];
-      for (int k = 0; k < 3; k++) row[3 * i + k] = (k < 2 ? x[k] : 0.2 * x[0] * x[0]) + uniform(distortion);
+      for (int k = 0; k < 3; k++)
+        row[3 * i + k] = (k < 2 ? x[k] : 0.2 * x[0] * x[0]) + uniform(distortion);
       if (p == FLAT_PAIR) row[3 * i] = row[3 * i + 1] = row[3 * i + 2] = 1;
     }
     for (int k = 0; k < 3; k++) b->point[3 * p + k] = uniform(reach);
@@ -60,10 +64,14 @@ static void fill(batch *b, ct_face_kind kind, double distortion)
   ct_batch_gather(PAIRS, 1, b->point, NULL, b->points);
 }
 
-static int same_bits(double a, double b) { return memcmp(&a, &b, sizeof a) == 0 || (isnan(a) && isnan(b)) || (a == 0 && b == 0); }
+static int same_bits(double a, double b)
+{
+  return memcmp(&a, &b, sizeof a) == 0 || (isnan(a) && isnan(b)) || (a == 0 && b == 0);
+}
 
 /* What ct_project says of pair p. */
-static ct_projection alone(const batch *b, int p, const double *start, const ct_project_options *options)
+static ct_projection alone(const batch *b, int p, const double *start,
+                           const ct_project_options *options)
 {
   ct_face face = {b->kind, {{0}}};
   ct_project_options own = *options;
@@ -75,17 +83,21 @@ static ct_projection alone(const batch *b, int p, const double *start, const ct_
   return out;
 }
 
-/* Number of pairs that differ from ct_project in any bit of the answer; a pair in `left` was left to it. */
-static int differing(const batch *b, const double *start, const ct_project_options *options, const unsigned *left)
+/* Number of pairs that differ from ct_project in any bit of the answer; a pair in `left` was left
+ * to it. */
+static int differing(const batch *b, const double *start, const ct_project_options *options,
+                     const unsigned *left)
 {
   int count = 0;
   for (int p = 0; p < PAIRS; p++) {
     if (left != NULL && left[p / 8] >> p % 8 & 1) continue;
     ct_projection out = alone(b, p, start, options);
     int same = b->status[p] == (int32_t)out.status && b->evaluations[p] == out.evaluations;
-    same &= same_bits(b->distance[p], out.distance) && same_bits(b->signed_distance[p], out.signed_distance);
+    same &= same_bits(b->distance[p], out.distance) &&
+            same_bits(b->signed_distance[p], out.signed_distance);
     for (int a = 0; a < 2; a++) same &= same_bits(b->xi[16 * (p / 8) + 8 * a + p % 8], out.xi[a]);
-    for (int k = 0; k < 3; k++) same &= same_bits(b->normal[24 * (p / 8) + 8 * k + p % 8], out.normal[k]);
+    for (int k = 0; k < 3; k++)
+      same &= same_bits(b->normal[24 * (p / 8) + 8 * k + p % 8], out.normal[k]);
     count += !same;
   }
   return count;
@@ -97,22 +109,28 @@ static void batches_agree_with_single_pairs(batch *b, ct_face_kind kind, double 
   fill(b, kind, distortion);
   ct_batch_feet feet = feet_of(b);
   ct_status status = ct_project_batch(kind, PAIRS, b->nodes, b->points, NULL, NULL, &feet);
-  tap_ok(status == CT_OK && differing(b, NULL, &options, NULL) == 0, "%s, distortion %g: cold, each pair has the bits of ct_project", NAME[kind], distortion);
-  int invalid = b->status[NAN_PAIR] == CT_INVALID && b->status[FLAT_PAIR] == CT_INVALID && b->status[HUGE_PAIR] == CT_INVALID;
-  tap_ok(invalid && isnan(b->xi[16 * (NAN_PAIR / 8) + NAN_PAIR % 8]), "%s: NaN, a face of no size and 1e200 are reported for their pair alone", NAME[kind]);
+  tap_ok(status == CT_OK && differing(b, NULL, &options, NULL) == 0,
+         "%s, distortion %g: cold, each pair has the bits of ct_project", NAME[kind], distortion);
+  int invalid = b->status[NAN_PAIR] == CT_INVALID && b->status[FLAT_PAIR] == CT_INVALID &&
+                b->status[HUGE_PAIR] == CT_INVALID;
+  tap_ok(invalid && isnan(b->xi[16 * (NAN_PAIR / 8) + NAN_PAIR % 8]),
+         "%s: NaN, a face of no size and 1e200 are reported for their pair alone", NAME[kind]);
   for (int i = 0; i < BLOCKS * 16; i++) b->start[i] = isnan(b->xi[i]) ? 0 : b->xi[i] + uniform(0.1);
   b->start[3] = NAN, b->start[12] = HUGE_VAL;
   status = ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, NULL, &feet);
-  tap_ok(status == CT_OK && differing(b, b->start, &options, NULL) == 0, "%s, distortion %g: warm, too", NAME[kind], distortion);
+  tap_ok(status == CT_OK && differing(b, b->start, &options, NULL) == 0,
+         "%s, distortion %g: warm, too", NAME[kind], distortion);
   options.tolerance = 1e-3;
   options.iteration_limit = 2;
   ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, &options, &feet);
-  tap_ok(differing(b, b->start, &options, NULL) == 0, "%s: tolerance and iteration limit are those of the options", NAME[kind]);
+  tap_ok(differing(b, b->start, &options, NULL) == 0,
+         "%s: tolerance and iteration limit are those of the options", NAME[kind]);
 }
 
 #if CT_BATCH_KERNELS
 /* Each kernel by itself: the same bits where it is sure, and few lanes left to others. */
-static void kernel_agrees(batch *b, ct_face_kind kind, ct_batch_kernel *kernel, int runs, const char *name)
+static void kernel_agrees(batch *b, ct_face_kind kind, ct_batch_kernel *kernel, int runs,
+                          const char *name)
 {
   if (!runs) {
     tap_skip("this machine has no %s", name);
@@ -124,13 +142,18 @@ static void kernel_agrees(batch *b, ct_face_kind kind, ct_batch_kernel *kernel, 
   fill(b, kind, 0.1);
   ct_batch_feet feet = feet_of(b);
   for (size_t block = 0; block < BLOCKS; block++) {
-    left[block] = kernel(kind, b->nodes + 24 * (size_t)b->per * block, b->points + 24 * block, NULL, &options, b->xi + 16 * block, &feet, block);
-    for (int l = 0; l < 8; l++) count += left[block] >> l & 1, doubtful += left[block] >> l >> 8 & 1;
+    left[block] = kernel(kind, b->nodes + 24 * (size_t)b->per * block, b->points + 24 * block, NULL,
+                         &options, b->xi + 16 * block, &feet, block);
+    for (int l = 0; l < 8; l++)
+      count += left[block] >> l & 1, doubtful += left[block] >> l >> 8 & 1;
     left[block] |= left[block] >> 8;
   }
-  tap_ok(differing(b, NULL, &options, left) == 0, "%s, kernel for %s: the bits of ct_project", NAME[kind], name);
-  tap_ok(count < PAIRS / 20, "%s, kernel for %s: %d of %d lanes are left to ct_project", NAME[kind], name, count, PAIRS);
-  tap_ok(doubtful < PAIRS / 5, "%s, kernel for %s: %d lanes need a proof", NAME[kind], name, doubtful);
+  tap_ok(differing(b, NULL, &options, left) == 0, "%s, kernel for %s: the bits of ct_project",
+         NAME[kind], name);
+  tap_ok(count < PAIRS / 20, "%s, kernel for %s: %d of %d lanes are left to ct_project", NAME[kind],
+         name, count, PAIRS);
+  tap_ok(doubtful < PAIRS / 5, "%s, kernel for %s: %d lanes need a proof", NAME[kind], name,
+         doubtful);
 }
 #endif
 
@@ -143,9 +166,11 @@ static void feet_on_a_parabolic_cylinder(batch *b)
     double x = uniform(0.95), y = uniform(0.95), g = uniform(0.4), length = sqrt(1 + x * x);
     for (int i = 0; i < 8; i++) {
       double *node = b->rows + 24 * p + 3 * i;
-      node[0] = QUADRILATERAL[i][0], node[1] = QUADRILATERAL[i][1], node[2] = 0.5 * node[0] * node[0];
+      node[0] = QUADRILATERAL[i][0], node[1] = QUADRILATERAL[i][1],
+      node[2] = 0.5 * node[0] * node[0];
     }
-    b->point[3 * p] = x - g * x / length, b->point[3 * p + 1] = y, b->point[3 * p + 2] = 0.5 * x * x + g / length;
+    b->point[3 * p] = x - g * x / length, b->point[3 * p + 1] = y,
+                 b->point[3 * p + 2] = 0.5 * x * x + g / length;
     want[p][0] = x, want[p][1] = y, want[p][2] = g;
   }
   ct_batch_gather(PAIRS, 8, b->rows, NULL, b->nodes);
@@ -153,7 +178,8 @@ static void feet_on_a_parabolic_cylinder(batch *b)
   ct_batch_feet feet = feet_of(b);
   ct_project_batch(CT_Q8, PAIRS, b->nodes, b->points, NULL, NULL, &feet);
   for (int p = 0; p < PAIRS; p++) {
-    for (int a = 0; a < 2; a++) error = fmax(error, fabs(b->xi[16 * (p / 8) + 8 * a + p % 8] - want[p][a]));
+    for (int a = 0; a < 2; a++)
+      error = fmax(error, fabs(b->xi[16 * (p / 8) + 8 * a + p % 8] - want[p][a]));
     error = fmax(error, fabs(b->signed_distance[p] - want[p][2]));
   }
   tap_close(error, 0, 1e-14, "points stepped off a parabolic cylinder come back to their feet");
@@ -170,9 +196,12 @@ static void gather_takes_numbers(void)
   ct_batch_gather(9, 2, &rows[0][0], number, lanes);
   for (int p = 0; p < 16; p++)
     for (int i = 0; i < 2; i++)
-      for (int k = 0; k < 3; k++) good &= lanes[((p / 8 * 2 + i) * 3 + k) * 8 + p % 8] == 10 * number[2 * (p < 9 ? p : 8) + i] + k;
+      for (int k = 0; k < 3; k++)
+        good &= lanes[((p / 8 * 2 + i) * 3 + k) * 8 + p % 8] ==
+                10 * number[2 * (p < 9 ? p : 8) + i] + k;
   tap_ok(good, "gather puts numbered rows into lanes and fills the last block with its last pair");
-  tap_ok(ct_batch_blocks(0) == 0 && ct_batch_blocks(8) == 1 && ct_batch_blocks(9) == 2, "blocks of eight");
+  tap_ok(ct_batch_blocks(0) == 0 && ct_batch_blocks(8) == 1 && ct_batch_blocks(9) == 2,
+         "blocks of eight");
 }
 
 static void impossible_arguments(batch *b)
@@ -181,14 +210,17 @@ static void impossible_arguments(batch *b)
   ct_batch_feet feet = feet_of(b), none = {NULL, NULL, NULL, NULL, NULL, NULL};
   fill(b, CT_Q8, 0.6);
   b->status[0] = -7;
-  int good = ct_project_batch((ct_face_kind)9, 8, b->nodes, b->points, NULL, NULL, &feet) == CT_ERROR_ARGUMENT;
+  int good = ct_project_batch((ct_face_kind)9, 8, b->nodes, b->points, NULL, NULL, &feet) ==
+             CT_ERROR_ARGUMENT;
   good &= ct_project_batch(CT_Q8, 8, NULL, b->points, NULL, NULL, &feet) == CT_ERROR_ARGUMENT;
   good &= ct_project_batch(CT_Q8, 8, b->nodes, NULL, NULL, NULL, &feet) == CT_ERROR_ARGUMENT;
   good &= ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, NULL, NULL) == CT_ERROR_ARGUMENT;
   options.tolerance = 0;
-  good &= ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &feet) == CT_ERROR_ARGUMENT;
+  good &=
+      ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &feet) == CT_ERROR_ARGUMENT;
   options.tolerance = 1e-10, options.iteration_limit = -1;
-  good &= ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &feet) == CT_ERROR_ARGUMENT;
+  good &=
+      ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &feet) == CT_ERROR_ARGUMENT;
   tap_ok(good && b->status[0] == -7, "impossible arguments are refused, and nothing is written");
   good = ct_project_batch(CT_Q8, 0, NULL, NULL, NULL, NULL, &feet) == CT_OK;
   good &= ct_project_batch(CT_Q8, PAIRS, b->nodes, b->points, NULL, NULL, &none) == CT_OK;
@@ -205,8 +237,10 @@ int main(void)
   }
 #if CT_BATCH_KERNELS
   for (int kind = 0; kind < 2; kind++) {
-    kernel_agrees(b, (ct_face_kind)kind, ct_batch_quadrilaterals_4, __builtin_cpu_supports("avx2") != 0, "AVX2");
-    kernel_agrees(b, (ct_face_kind)kind, ct_batch_quadrilaterals_8, __builtin_cpu_supports("avx512f") != 0, "AVX-512");
+    kernel_agrees(b, (ct_face_kind)kind, ct_batch_quadrilaterals_4,
+                  __builtin_cpu_supports("avx2") != 0, "AVX2");
+    kernel_agrees(b, (ct_face_kind)kind, ct_batch_quadrilaterals_8,
+                  __builtin_cpu_supports("avx512f") != 0, "AVX-512");
   }
 #endif
   feet_on_a_parabolic_cylinder(b);

@@ -1,13 +1,17 @@
-/* Bricks against interpolation conditions, finite differences and the geometry of the cube. Node numbering against VTK itself is
- * in tests/python/test_projection.py. */
+/* Bricks against interpolation conditions, finite differences and the geometry of the cube. Node
+ * numbering against VTK itself is in tests/python/test_projection.py. */
 #include <contact/brick.h>
 
 #include "tap.h"
 
 static const char *NAME[2] = {"hex8", "hex20"};
-static const double PROBE[4][3] = {{0.125, 0.25, -0.5}, {-0.625, 0.75, 0.375}, {1, -1, 1}, {0.3, -0.1, 0.7}};
+static const double PROBE[4][3] = {
+    {0.125, 0.25, -0.5}, {-0.625, 0.75, 0.375}, {1, -1, 1}, {0.3, -0.1, 0.7}};
 
-static double worst(double so_far, double error) { return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far; }
+static double worst(double so_far, double error)
+{
+  return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far;
+}
 
 static void interpolation_conditions(ct_brick_kind kind)
 {
@@ -36,7 +40,8 @@ static void interpolation_conditions(ct_brick_kind kind)
   tap_close(linear, 0, 2e-15, "%s: the N_i reproduce the coordinates", NAME[kind]);
 }
 
-/* Along one axis the N_i are at most quadratic: central differences with a step of 1/2 have no truncation error. */
+/* Along one axis the N_i are at most quadratic: central differences with a step of 1/2 have no
+ * truncation error. */
 static void derivatives(ct_brick_kind kind)
 {
   double error = 0;
@@ -45,7 +50,8 @@ static void derivatives(ct_brick_kind kind)
     ct_brick_gradient(kind, PROBE[p], dN);
     for (int a = 0; a < 3; a++) {
       double up[3], down[3], N1[20], N0[20];
-      for (int b = 0; b < 3; b++) up[b] = PROBE[p][b] + 0.5 * (a == b), down[b] = PROBE[p][b] - 0.5 * (a == b);
+      for (int b = 0; b < 3; b++)
+        up[b] = PROBE[p][b] + 0.5 * (a == b), down[b] = PROBE[p][b] - 0.5 * (a == b);
       ct_brick_shape(kind, up, N1);
       ct_brick_shape(kind, down, N0);
       for (int i = 0; i < 20; i++) error = worst(error, N1[i] - N0[i] - dN[i][a]);
@@ -54,7 +60,8 @@ static void derivatives(ct_brick_kind kind)
   tap_close(error, 0, 4e-15, "%s: derivatives against differences", NAME[kind]);
 }
 
-/* The face's own interpolation of the brick's nodes runs over the right side, with its normal outwards. */
+/* The face's own interpolation of the brick's nodes runs over the right side, with its normal
+ * outwards. */
 static void sides(ct_brick_kind kind)
 {
   for (int side = 0; side < 6; side++) {
@@ -65,16 +72,19 @@ static void sides(ct_brick_kind kind)
     for (int i = 0; i < count; i++) ct_brick_reference(kind, nodes[i], face.node[i]);
     ct_segment_point(&face, xi, y);
     ct_segment_normal(&face, xi, n);
-    tap_ok(y[axis] == sign && n[axis] == sign, "%s: side %d lies where its name says, normal outwards", NAME[kind], side);
+    tap_ok(y[axis] == sign && n[axis] == sign,
+           "%s: side %d lies where its name says, normal outwards", NAME[kind], side);
     double unit = ct_segment_area_element(&face, xi);
-    tap_close(unit, 1, 1e-15, "%s: side %d has its mid-sides between its corners", NAME[kind], side);
-    tap_ok(y[axis == 2 ? 1 : 2] == -0.5, "%s: side %d has the second axis that all have", NAME[kind], side);
+    tap_close(unit, 1, 1e-15, "%s: side %d has its mid-sides between its corners", NAME[kind],
+              side);
+    tap_ok(y[axis == 2 ? 1 : 2] == -0.5, "%s: side %d has the second axis that all have",
+           NAME[kind], side);
     tap_ok(count == 8 || nodes[4] == -1, "%s: side %d has no further nodes", NAME[kind], side);
   }
 }
 
-/* Mirroring the brick in an axis maps each side to a side whose nodes are those of the mirrored brick, with xi_1 (or xi_2)
- * flipped. */
+/* Mirroring the brick in an axis maps each side to a side whose nodes are those of the mirrored
+ * brick, with xi_1 (or xi_2) flipped. */
 static void mirrored_sides(ct_brick_kind kind)
 {
   static const int FLIP1[8] = {1, 0, 3, 2, 4, 7, 6, 5}, FLIP2[8] = {3, 2, 1, 0, 6, 5, 4, 7};
@@ -102,7 +112,8 @@ static void bad_input(void)
   double N[20], xi[3] = {0, 0, 0};
   int nodes[8];
   ct_brick_shape((ct_brick_kind)5, xi, N);
-  tap_ok(ct_brick_node_count((ct_brick_kind)5) == 0 && isnan(N[19]), "an unknown kind has no nodes and no numbers");
+  tap_ok(ct_brick_node_count((ct_brick_kind)5) == 0 && isnan(N[19]),
+         "an unknown kind has no nodes and no numbers");
   ct_brick_reference(CT_HEX8, 8, xi);
   tap_ok(isnan(xi[0]), "hex8 has no node 8");
   ct_brick_face(CT_HEX8, 6, nodes);

@@ -1,9 +1,11 @@
-/* Contact of two surfaces: forces against the energy, conservation, closed forms, folds and borders, the bound on the step. */
+/* Contact of two surfaces: forces against the energy, conservation, closed forms, folds and
+ * borders, the bound on the step. */
 #include "patches.h"
 
 #include <float.h>
 
-/* Two warped patches that do not match, the upper one turned by 0.3, tilted and partly inside the lower one. */
+/* Two warped patches that do not match, the upper one turned by 0.3, tilted and partly inside the
+ * lower one. */
 static void warped_pair(ct_face_kind ka, ct_face_kind kb, patch *a, patch *b)
 {
   *a = new_patch(ka, 3, 2, -1, -1, 2, 2, 1);
@@ -27,7 +29,8 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
   patch a, b;
   warped_pair(ka, kb, &a, &b);
   ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-  double *fa = numbers(3 * a.surface.node_count), *fb = numbers(3 * b.surface.node_count), off = 0.0, top, h = 1e-6;
+  double *fa = numbers(3 * a.surface.node_count), *fb = numbers(3 * b.surface.node_count),
+         off = 0.0, top, h = 1e-6;
   update(contact, &a, &b);
   forces(contact, &a, &b, fa, fb);
   int64_t points = ct_contact_point_count(contact);
@@ -50,7 +53,9 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
       off = worst(off, (s == 0 ? fa : fb)[i] + (up - down) / (2.0 * h));
     }
   }
-  tap_ok(off < 1e-6 * top && pressed[0] > 3 && pressed[1] > 3, "%s on %s, warped (%d and %d points inside): force is minus the gradient of the energy, off by %.2g",
+  tap_ok(off < 1e-6 * top && pressed[0] > 3 && pressed[1] > 3,
+         "%s on %s, warped (%d and %d points inside): force is minus the gradient of the energy, "
+         "off by %.2g",
          KIND[kb], KIND[ka], pressed[0], pressed[1], off / top);
 
   // Linear and angular momentum: the forces of both sides and their moments cancel.
@@ -61,13 +66,16 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
     for (int n = 0; n < p->surface.node_count; n++)
       for (int c = 0; c < 3; c++) {
         sum[c] += f[3 * n + c];
-        moment[c] += p->x[3 * n + (c + 1) % 3] * f[3 * n + (c + 2) % 3] - p->x[3 * n + (c + 2) % 3] * f[3 * n + (c + 1) % 3];
+        moment[c] += p->x[3 * n + (c + 1) % 3] * f[3 * n + (c + 2) % 3] -
+                     p->x[3 * n + (c + 2) % 3] * f[3 * n + (c + 1) % 3];
         size += fabs(f[3 * n + c]);
         arm = worst(arm, p->x[3 * n + c]);
       }
   }
-  tap_ok(largest(sum, 3) < 1e-13 * size, "%s on %s: linear momentum, %.2g of the forces", KIND[kb], KIND[ka], largest(sum, 3) / size);
-  tap_ok(largest(moment, 3) < 1e-13 * size * arm, "%s on %s: angular momentum, %.2g", KIND[kb], KIND[ka], largest(moment, 3) / (size * arm));
+  tap_ok(largest(sum, 3) < 1e-13 * size, "%s on %s: linear momentum, %.2g of the forces", KIND[kb],
+         KIND[ka], largest(sum, 3) / size);
+  tap_ok(largest(moment, 3) < 1e-13 * size * arm, "%s on %s: angular momentum, %.2g", KIND[kb],
+         KIND[ka], largest(moment, 3) / (size * arm));
   update(contact, &a, &b);
   ct_contact_resultant(contact, fx[0], mx[0], fx[1], mx[1]);
   for (int c = 0; c < 3; c++) {
@@ -75,7 +83,9 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
     resultant = worst(resultant, fx[1][c] - total(fb, b.surface.node_count, c));
     resultant = worst(resultant, mx[0][c] + mx[1][c]);
   }
-  tap_ok(resultant < 1e-13 * size, "%s on %s: the resultants are those of the nodal forces, off by %.2g", KIND[kb], KIND[ka], resultant / size);
+  tap_ok(resultant < 1e-13 * size,
+         "%s on %s: the resultants are those of the nodal forces, off by %.2g", KIND[kb], KIND[ka],
+         resultant / size);
   ct_contact_free(contact);
   free(point);
   free(fa);
@@ -84,34 +94,49 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
   free_patch(&b);
 }
 
-/* Two squares of area 0.75, pressed into each other by delta: force eps delta A, energy eps delta^2 A / 2, on any meshes. */
+/* Two squares of area 0.75, pressed into each other by delta: force eps delta A, energy eps delta^2
+ * A / 2, on any meshes. */
 static void flat_overlap(ct_face_kind ka, ct_face_kind kb, int na, int nb)
 {
   patch a = new_patch(ka, na, na, 0, 0, 1, 0.75, 1), b = new_patch(kb, nb, nb, 0, 0, 1, 0.75, 0);
-  double delta = 0.01, *fa = numbers(3 * a.surface.node_count), *fb = numbers(3 * b.surface.node_count);
+  double delta = 0.01, *fa = numbers(3 * a.surface.node_count),
+         *fb = numbers(3 * b.surface.node_count);
   for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = -delta;
   ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
   update(contact, &a, &b);
   forces(contact, &a, &b, fa, fb);
   double want = EPSILON * delta * 0.75, nodal = 0.0;
-  tap_ok(fabs(total(fa, a.surface.node_count, 2) / want + 1.0) < 1e-13 && fabs(total(fb, b.surface.node_count, 2) / want - 1.0) < 1e-13,
-         "%s %d on %s %d, flat: total force eps delta A, off by %.2g", KIND[kb], nb, KIND[ka], na, fabs(total(fb, b.surface.node_count, 2) / want - 1.0));
-  tap_close(ct_contact_energy(contact) / (0.5 * want * delta), 1.0, 1e-13, "%s %d on %s %d, flat: energy eps delta^2 A / 2", KIND[kb], nb, KIND[ka], na);
+  tap_ok(fabs(total(fa, a.surface.node_count, 2) / want + 1.0) < 1e-13 &&
+             fabs(total(fb, b.surface.node_count, 2) / want - 1.0) < 1e-13,
+         "%s %d on %s %d, flat: total force eps delta A, off by %.2g", KIND[kb], nb, KIND[ka], na,
+         fabs(total(fb, b.surface.node_count, 2) / want - 1.0));
+  tap_close(ct_contact_energy(contact) / (0.5 * want * delta), 1.0, 1e-13,
+            "%s %d on %s %d, flat: energy eps delta^2 A / 2", KIND[kb], nb, KIND[ka], na);
 
-  // Nodal forces of a uniform pressure are the integrals of the shape functions; matching meshes give them exactly.
+  // Nodal forces of a uniform pressure are the integrals of the shape functions; matching meshes
+  // give them exactly.
   double *uniform_force = numbers(a.surface.node_count);
   for (int f = 0; f < a.surface.face_count; f++) {
-    static const double share[4][8] = {{0.25, 0.25, 0.25, 0.25}, {-1.0 / 12, -1.0 / 12, -1.0 / 12, -1.0 / 12, 1.0 / 3, 1.0 / 3, 1.0 / 3, 1.0 / 3},
-                                       {1.0 / 3, 1.0 / 3, 1.0 / 3}, {0, 0, 0, 1.0 / 3, 1.0 / 3, 1.0 / 3}};
+    static const double share[4][8] = {
+        {0.25, 0.25, 0.25, 0.25},
+        {-1.0 / 12, -1.0 / 12, -1.0 / 12, -1.0 / 12, 1.0 / 3, 1.0 / 3, 1.0 / 3, 1.0 / 3},
+        {1.0 / 3, 1.0 / 3, 1.0 / 3},
+        {0, 0, 0, 1.0 / 3, 1.0 / 3, 1.0 / 3}};
     int per = ct_face_node_count(ka);
-    for (int i = 0; i < per; i++) uniform_force[a.faces[f * per + i]] -= want / a.surface.face_count * share[ka][i];
+    for (int i = 0; i < per; i++)
+      uniform_force[a.faces[f * per + i]] -= want / a.surface.face_count * share[ka][i];
   }
-  for (int n = 0; n < a.surface.node_count; n++) nodal = worst(nodal, fa[3 * n + 2] - uniform_force[n]);
+  for (int n = 0; n < a.surface.node_count; n++)
+    nodal = worst(nodal, fa[3 * n + 2] - uniform_force[n]);
   nodal /= largest(uniform_force, a.surface.node_count);
   if (ka == kb && na == nb)
-    tap_ok(nodal < 1e-13, "%s, matching meshes: nodal forces of a uniform pressure, off by %.2g", KIND[ka], nodal);
+    tap_ok(nodal < 1e-13, "%s, matching meshes: nodal forces of a uniform pressure, off by %.2g",
+           KIND[ka], nodal);
   else
-    tap_ok(nodal < 10.0, "%s %d on %s %d, unlike meshes: the patch test as it is, worst nodal force off by %.2g of the largest", KIND[kb], nb, KIND[ka], na, nodal);
+    tap_ok(nodal < 10.0,
+           "%s %d on %s %d, unlike meshes: the patch test as it is, worst nodal force off by %.2g "
+           "of the largest",
+           KIND[kb], nb, KIND[ka], na, nodal);
   ct_contact_free(contact);
   free(uniform_force);
   free(fa);
@@ -131,20 +156,24 @@ static void one_q8(void)
   forces(contact, &a, &b, fa, fb);
   for (int i = 0; i < 8; i++) {
     double want = EPSILON * 0.25 * 2.0 * (i < 4 ? -1.0 / 12.0 : 1.0 / 3.0);
-    off = worst(worst(off, fa[3 * a.faces[i] + 2] / want + 1.0), fb[3 * b.faces[i] + 2] / want - 1.0);
+    off =
+        worst(worst(off, fa[3 * a.faces[i] + 2] / want + 1.0), fb[3 * b.faces[i] + 2] / want - 1.0);
   }
-  tap_ok(off < 1e-13, "uniform pressure on a Q8 face: -1/12 at corners, 1/3 at mid-sides, off by %.2g", off);
+  tap_ok(off < 1e-13,
+         "uniform pressure on a Q8 face: -1/12 at corners, 1/3 at mid-sides, off by %.2g", off);
   ct_contact_free(contact);
   free_patch(&a);
   free_patch(&b);
 }
 
-/* The gap from far apart to far inside, in units of the face; at a first look there is no contact beyond the depth (the face's
- * diagonal). */
+/* The gap from far apart to far inside, in units of the face; at a first look there is no contact
+ * beyond the depth (the face's diagonal). */
 static void gap_sweep(double h)
 {
-  static const double size[14] = {10, 3, 1.5, 1.41, 1, 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 0};
-  patch a = new_patch(CT_Q4, 2, 2, 0, 0, 2 * h, 2 * h, 1), b = new_patch(CT_Q4, 2, 2, 0, 0, 2 * h, 2 * h, 0);
+  static const double size[14] = {10,   3,    1.5,  1.41, 1,     0.1,   1e-2,
+                                  1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 0};
+  patch a = new_patch(CT_Q4, 2, 2, 0, 0, 2 * h, 2 * h, 1),
+        b = new_patch(CT_Q4, 2, 2, 0, 0, 2 * h, 2 * h, 0);
   ct_contact_point point[32];
   int wrong_pair = 0, wrong_force = 0;
   double gap = 0.0, energy = 0.0, *fa = numbers(75), *fb = numbers(75);
@@ -160,37 +189,50 @@ static void gap_sweep(double h)
       wrong_pair += (point[k].other >= 0) != near || isnan(point[k].gap) == near;
       if (near) gap = worst(gap, fabs(g) > 0.0 ? point[k].gap / g - 1.0 : point[k].gap);
     }
-    energy = worst(energy, pressed ? ct_contact_energy(contact) / (0.5 * EPSILON * g * g * A) - 1.0 : ct_contact_energy(contact));
+    energy = worst(energy, pressed ? ct_contact_energy(contact) / (0.5 * EPSILON * g * g * A) - 1.0
+                                   : ct_contact_energy(contact));
     double want = pressed ? -EPSILON * g * A : 0.0, got = total(fb, 25, 2);
-    wrong_force += pressed ? !(fabs(got / want - 1.0) < 1e-12) : !(largest(fa, 75) == 0.0 && largest(fb, 75) == 0.0);
+    wrong_force += pressed ? !(fabs(got / want - 1.0) < 1e-12)
+                           : !(largest(fa, 75) == 0.0 && largest(fb, 75) == 0.0);
     ct_contact_free(contact);
   }
-  tap_ok(wrong_pair == 0, "gap from -10 to 10 faces of %g: points have a partner within the depth and only there (%d wrong)", h, wrong_pair);
+  tap_ok(wrong_pair == 0,
+         "gap from -10 to 10 faces of %g: points have a partner within the depth and only there "
+         "(%d wrong)",
+         h, wrong_pair);
   tap_ok(gap < 1e-12, "the gap of each point is the given one, off by %.2g", gap);
-  tap_ok(energy < 1e-12 && wrong_force == 0, "energy and force are those of the gap, exactly none when apart (off by %.2g, %d wrong)", energy, wrong_force);
+  tap_ok(energy < 1e-12 && wrong_force == 0,
+         "energy and force are those of the gap, exactly none when apart (off by %.2g, %d wrong)",
+         energy, wrong_force);
   free(fa);
   free(fb);
   free_patch(&a);
   free_patch(&b);
 }
 
-/* A plate of thickness 0.1, closed all around, and a patch that presses on its top: the plate's far side must stay out of it. */
+/* A plate of thickness 0.1, closed all around, and a patch that presses on its top: the plate's far
+ * side must stay out of it. */
 static void far_side(double inside)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 0.1, 4, 4, 1);
   int32_t *outer = integers(4 * 6 * m->element_count);
-  patch a = {{CT_Q4, m->node_count, ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes}, NULL, m->nodes};
+  patch a = {
+      {CT_Q4, m->node_count, ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes}, NULL, m->nodes};
   patch b = new_patch(CT_Q4, 2, 2, 0.3, 0.3, 0.4, 0.4, 0);
   for (int n = 0; n < 25; n++) b.x[3 * n + 2] = 0.1 - inside;
   ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
-  double *fa = numbers(3 * m->node_count), fb[75], bottom = 0.0, slave = EPSILON * inside * 0.16 * 0.5;
+  double *fa = numbers(3 * m->node_count), fb[75], bottom = 0.0,
+         slave = EPSILON * inside * 0.16 * 0.5;
   update(contact, &a, &b);
   forces(contact, &a, &b, fa, fb);
   for (int n = 0; n < m->node_count; n++)
     if (m->nodes[3 * n + 2] == 0.0) bottom = worst(bottom, largest(&fa[3 * n], 3));
-  // The patch's own points give half of eps g A; the plate's points above the patch, the other half, depend on where they lie.
-  tap_ok(bottom == 0.0 && total(fb, 25, 2) >= slave * (1.0 - 1e-12), "a patch %g inside the top of a closed plate: no force on its bottom, %.3g >= %.3g upwards", inside,
-         total(fb, 25, 2), slave);
+  // The patch's own points give half of eps g A; the plate's points above the patch, the other
+  // half, depend on where they lie.
+  tap_ok(
+      bottom == 0.0 && total(fb, 25, 2) >= slave * (1.0 - 1e-12),
+      "a patch %g inside the top of a closed plate: no force on its bottom, %.3g >= %.3g upwards",
+      inside, total(fb, 25, 2), slave);
 
   // From below, facing up: the bottom is pressed and the top is left alone.
   patch up = new_patch(CT_Q4, 2, 2, 0.3, 0.3, 0.4, 0.4, 1);
@@ -201,15 +243,18 @@ static void far_side(double inside)
   forces(below, &a, &up, fa, fb);
   for (int n = 0; n < m->node_count; n++)
     if (m->nodes[3 * n + 2] != 0.0) top = worst(top, largest(&fa[3 * n], 3));
-  tap_ok(top == 0.0 && total(fb, 25, 2) <= -slave * (1.0 - 1e-12), "the same from below: no force on its top");
+  tap_ok(top == 0.0 && total(fb, 25, 2) <= -slave * (1.0 - 1e-12),
+         "the same from below: no force on its top");
 
-  // Above the top and facing up, back to back with the plate: both normals agree, so there is nothing to press on.
+  // Above the top and facing up, back to back with the plate: both normals agree, so there is
+  // nothing to press on.
   for (int n = 0; n < 25; n++) up.x[3 * n + 2] = 0.1 - inside;
   update(below, &a, &up);
   ct_contact_point *point = room(ct_contact_point_count(below), sizeof *point);
   int same_way = 0;
   ct_contact_points(below, point);
-  for (int i = 0; i < ct_contact_point_count(below); i++) same_way += point[i].pressure > 0.0 && point[i].side == 1 && point[i].closest[2] > 0.05;
+  for (int i = 0; i < ct_contact_point_count(below); i++)
+    same_way += point[i].pressure > 0.0 && point[i].side == 1 && point[i].closest[2] > 0.05;
   tap_ok(same_way == 0, "a patch that faces the same way as the top is not pressed by the top");
   free(point);
   ct_contact_free(below);
@@ -236,30 +281,39 @@ static void border(void)
     double x = point[i].position[0], y = point[i].position[1];
     int over = point[i].side == 1 ? x < 1.0 && y > 0.0 : x > 0.37 && y < 0.59;
     in += over;
-    wrong += over ? !(fabs(point[i].gap + 0.01) < 1e-15) : point[i].other != -1 || point[i].pressure != 0.0;
+    wrong += over ? !(fabs(point[i].gap + 0.01) < 1e-15)
+                  : point[i].other != -1 || point[i].pressure != 0.0;
   }
-  tap_ok(wrong == 0 && in > 20 && in < count, "%d of %d points lie over the other surface: they meet it, the others do not (%d wrong)", in, (int)count, wrong);
+  tap_ok(wrong == 0 && in > 20 && in < count,
+         "%d of %d points lie over the other surface: they meet it, the others do not (%d wrong)",
+         in, (int)count, wrong);
   free(point);
   ct_contact_free(contact);
   free_patch(&a);
   free_patch(&b);
 }
 
-/* Distance of a point from z = z0 + c (|x| + q |y|), four quarter planes: the foot on each, or on its two edges. */
+/* Distance of a point from z = z0 + c (|x| + q |y|), four quarter planes: the foot on each, or on
+ * its two edges. */
 static double roof_distance(double z0, double c, double q, const double p[3], double foot[3])
 {
   double best = INFINITY;
   for (int k = 0; k < 4; k++) {
-    double sx = k & 1 ? 1 : -1, sy = k & 2 ? 1 : -1, y[3] = {p[0], p[1], p[2] - z0}, n[3] = {-sx * c, -sy * c * q, 1.0};
-    double height = (n[0] * y[0] + n[1] * y[1] + n[2] * y[2]) / (n[0] * n[0] + n[1] * n[1] + 1.0), at[3][3];
+    double sx = k & 1 ? 1 : -1, sy = k & 2 ? 1 : -1, y[3] = {p[0], p[1], p[2] - z0},
+           n[3] = {-sx * c, -sy * c * q, 1.0};
+    double height = (n[0] * y[0] + n[1] * y[1] + n[2] * y[2]) / (n[0] * n[0] + n[1] * n[1] + 1.0),
+           at[3][3];
     const double edge[2][3] = {{sx, 0, c}, {0, sy, c * q}};
     for (int i = 0; i < 3; i++) at[0][i] = y[i] - height * n[i];
     for (int j = 0; j < 2; j++) {
-      double t = (edge[j][0] * y[0] + edge[j][1] * y[1] + edge[j][2] * y[2]) / (edge[j][0] * edge[j][0] + edge[j][1] * edge[j][1] + edge[j][2] * edge[j][2]);
+      double t = (edge[j][0] * y[0] + edge[j][1] * y[1] + edge[j][2] * y[2]) /
+                 (edge[j][0] * edge[j][0] + edge[j][1] * edge[j][1] + edge[j][2] * edge[j][2]);
       for (int i = 0; i < 3; i++) at[1 + j][i] = fmax(t, 0.0) * edge[j][i];
     }
     for (int j = 0; j < 3; j++) {
-      double d = sqrt((at[j][0] - y[0]) * (at[j][0] - y[0]) + (at[j][1] - y[1]) * (at[j][1] - y[1]) + (at[j][2] - y[2]) * (at[j][2] - y[2]));
+      double d =
+          sqrt((at[j][0] - y[0]) * (at[j][0] - y[0]) + (at[j][1] - y[1]) * (at[j][1] - y[1]) +
+               (at[j][2] - y[2]) * (at[j][2] - y[2]));
       if (j == 0 && (sx * at[0][0] < 0.0 || sy * at[0][1] < 0.0)) continue;
       if (d >= best) continue;
       best = d;
@@ -269,13 +323,17 @@ static double roof_distance(double z0, double c, double q, const double p[3], do
   return best;
 }
 
-/* Two folded surfaces, z = c (|x| + q |y|) below and z = z0 + C (|x| + q |y|) above: every point that is inside the other body
- * must meet it once, at the distance of the exact surface, whether its foot lies on a face, an edge or the corner. */
+/* Two folded surfaces, z = c (|x| + q |y|) below and z = z0 + C (|x| + q |y|) above: every point
+ * that is inside the other body must meet it once, at the distance of the exact surface, whether
+ * its foot lies on a face, an edge or the corner. */
 static void fold(double c, double C, double z0, double q, const char *what)
 {
-  patch a = new_patch(CT_Q4, 8, 8, -1, -1, 2, 2, 1), b = new_patch(CT_Q4, 10, 6, -0.6, -0.6, 1.2, 1.2, 0);
-  for (int n = 0; n < a.surface.node_count; n++) a.x[3 * n + 2] = c * (fabs(a.x[3 * n]) + q * fabs(a.x[3 * n + 1]));
-  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = z0 + C * (fabs(b.x[3 * n]) + q * fabs(b.x[3 * n + 1]));
+  patch a = new_patch(CT_Q4, 8, 8, -1, -1, 2, 2, 1),
+        b = new_patch(CT_Q4, 10, 6, -0.6, -0.6, 1.2, 1.2, 0);
+  for (int n = 0; n < a.surface.node_count; n++)
+    a.x[3 * n + 2] = c * (fabs(a.x[3 * n]) + q * fabs(a.x[3 * n + 1]));
+  for (int n = 0; n < b.surface.node_count; n++)
+    b.x[3 * n + 2] = z0 + C * (fabs(b.x[3 * n]) + q * fabs(b.x[3 * n + 1]));
   ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
   update(contact, &a, &b);
   int64_t count = ct_contact_point_count(contact);
@@ -287,7 +345,8 @@ static void fold(double c, double C, double z0, double q, const char *what)
     const double *p = point[i].position;
     double r = fabs(p[0]) + q * fabs(p[1]), foot[3] = {0};
     int above = point[i].side == 1, in = above ? p[2] < c * r : p[2] > z0 + C * r;
-    double d = above ? roof_distance(0.0, c, q, p, foot) : roof_distance(z0, C, q, p, foot), edge = above ? 1.0 : 0.6;
+    double d = above ? roof_distance(0.0, c, q, p, foot) : roof_distance(z0, C, q, p, foot),
+           edge = above ? 1.0 : 0.6;
     if (fabs(foot[0]) > edge - 1e-9 || fabs(foot[1]) > edge - 1e-9) in = 0; // beyond the border
     if (!in) {
       invented += point[i].pressure != 0.0;
@@ -299,16 +358,20 @@ static void fold(double c, double C, double z0, double q, const char *what)
     off = worst(off, point[i].gap + d);
     energy += 0.25 * EPSILON * d * d * point[i].weight;
   }
-  tap_ok(lost == 0 && invented == 0 && inside > 10 && off < 1e-9, "%s: %d points inside, %d with the foot on an edge or corner, %d lost, %d invented, gap off by %.2g", what, inside,
-         on_edge, lost, invented, off);
-  tap_close(ct_contact_energy(contact) / energy, 1.0, 1e-9, "%s: the energy counts each of them once", what);
+  tap_ok(lost == 0 && invented == 0 && inside > 10 && off < 1e-9,
+         "%s: %d points inside, %d with the foot on an edge or corner, %d lost, %d invented, gap "
+         "off by %.2g",
+         what, inside, on_edge, lost, invented, off);
+  tap_close(ct_contact_energy(contact) / energy, 1.0, 1e-9,
+            "%s: the energy counts each of them once", what);
   free(point);
   ct_contact_free(contact);
   free_patch(&a);
   free_patch(&b);
 }
 
-/* The bound of the contact's omega^2 against the largest eigenvalue of its own stiffness, by differences of forces. */
+/* The bound of the contact's omega^2 against the largest eigenvalue of its own stiffness, by
+ * differences of forces. */
 static void frequency_bound(ct_face_kind ka, ct_face_kind kb)
 {
   patch a, b;
@@ -316,7 +379,8 @@ static void frequency_bound(ct_face_kind ka, ct_face_kind kb)
   for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] -= 0.1; // all points active
   ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
   int na = a.surface.node_count, n = na + b.surface.node_count, dofs = 3 * n;
-  double *K = numbers((int64_t)dofs * dofs), *mass = numbers(n), *up = numbers(dofs), *down = numbers(dofs), h = 1e-6, bound;
+  double *K = numbers((int64_t)dofs * dofs), *mass = numbers(n), *up = numbers(dofs),
+         *down = numbers(dofs), h = 1e-6, bound;
   for (int i = 0; i < n; i++) mass[i] = exp(uniform(1.0));
   for (int j = 0; j < dofs; j++) {
     double *x = j < 3 * na ? &a.x[j] : &b.x[j - 3 * na], keep = *x;
@@ -332,8 +396,10 @@ static void frequency_bound(ct_face_kind ka, ct_face_kind kb)
   update(contact, &a, &b);
   double skew = 0.0, top = largest(K, (int64_t)dofs * dofs);
   for (int i = 0; i < dofs; i++)
-    for (int j = 0; j < dofs; j++) skew = worst(skew, K[(int64_t)i * dofs + j] - K[(int64_t)j * dofs + i]);
-  // Power iteration on M^-1 K + bound, whose largest eigenvalue belongs to the largest positive one of M^-1 K.
+    for (int j = 0; j < dofs; j++)
+      skew = worst(skew, K[(int64_t)i * dofs + j] - K[(int64_t)j * dofs + i]);
+  // Power iteration on M^-1 K + bound, whose largest eigenvalue belongs to the largest positive one
+  // of M^-1 K.
   ct_status status = ct_contact_frequency(contact, mass, mass + na, &bound);
   double value = 0.0, *v = numbers(dofs), *w = numbers(dofs);
   for (int i = 0; i < dofs; i++) v[i] = uniform(1.0);
@@ -342,16 +408,19 @@ static void frequency_bound(ct_face_kind ka, ct_face_kind kb)
     for (int i = 0; i < dofs; i++) v[i] /= size;
     for (int i = 0; i < dofs; i++) {
       w[i] = 0.0;
-      for (int j = 0; j < dofs; j++) w[i] += 0.5 * (K[(int64_t)i * dofs + j] + K[(int64_t)j * dofs + i]) * v[j];
+      for (int j = 0; j < dofs; j++)
+        w[i] += 0.5 * (K[(int64_t)i * dofs + j] + K[(int64_t)j * dofs + i]) * v[j];
       work += v[i] * w[i];
       kinetic += mass[i / 3] * v[i] * v[i];
     }
     for (int i = 0; i < dofs; i++) v[i] = w[i] / mass[i / 3] + bound * v[i];
     value = work / kinetic;
   }
-  tap_ok(skew < 1e-4 * top, "%s on %s: the stiffness is symmetric, off by %.2g", KIND[kb], KIND[ka], skew / top);
-  tap_ok(status == CT_OK && bound >= value * (1.0 - 1e-6) && bound < 10.0 * value, "%s on %s: bound of omega^2 is %.3f of the true largest eigenvalue", KIND[kb],
-         KIND[ka], bound / value);
+  tap_ok(skew < 1e-4 * top, "%s on %s: the stiffness is symmetric, off by %.2g", KIND[kb], KIND[ka],
+         skew / top);
+  tap_ok(status == CT_OK && bound >= value * (1.0 - 1e-6) && bound < 10.0 * value,
+         "%s on %s: bound of omega^2 is %.3f of the true largest eigenvalue", KIND[kb], KIND[ka],
+         bound / value);
   ct_contact_free(contact);
   free(K);
   free(mass);
@@ -363,7 +432,8 @@ static void frequency_bound(ct_face_kind ka, ct_face_kind kb)
   free_patch(&b);
 }
 
-/* Two equal Q4 squares: the uniform mode is the highest, omega^2 = eps A / 2 m, and the bound is sharp, near or far apart. */
+/* Two equal Q4 squares: the uniform mode is the highest, omega^2 = eps A / 2 m, and the bound is
+ * sharp, near or far apart. */
 static void sharp_bound(void)
 {
   patch a = new_patch(CT_Q4, 1, 1, 0, 0, 1, 1, 1), b = new_patch(CT_Q4, 1, 1, 0, 0, 1, 1, 0);
@@ -371,24 +441,31 @@ static void sharp_bound(void)
   for (int n = 0; n < 9; n++) b.x[3 * n + 2] = 0.125;
   ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
   ct_status status = ct_contact_frequency(contact, mass, mass, &bound);
-  tap_ok(status == CT_OK && fabs(bound / (EPSILON / 4.0) - 1.0) < 1e-13, "two squares before the first update: omega^2 = eps A / 2 m");
+  tap_ok(status == CT_OK && fabs(bound / (EPSILON / 4.0) - 1.0) < 1e-13,
+         "two squares before the first update: omega^2 = eps A / 2 m");
   for (int n = 0; n < 9; n++) b.x[3 * n + 2] = 50.0;
   update(contact, &a, &b);
   status = ct_contact_frequency(contact, mass, mass, &bound);
-  tap_ok(status == CT_OK && fabs(bound / (EPSILON / 4.0) - 1.0) < 1e-13, "fifty faces apart: the same bound");
-  tap_ok(ct_contact_stable_step(contact, mass, mass, &dt) == CT_OK && fabs(dt * sqrt(bound) - 2.0) < 1e-13, "the stable step is 2 / omega");
+  tap_ok(status == CT_OK && fabs(bound / (EPSILON / 4.0) - 1.0) < 1e-13,
+         "fifty faces apart: the same bound");
+  tap_ok(ct_contact_stable_step(contact, mass, mass, &dt) == CT_OK &&
+             fabs(dt * sqrt(bound) - 2.0) < 1e-13,
+         "the stable step is 2 / omega");
   mass[0] = 0.0;
-  tap_ok(ct_contact_frequency(contact, mass, mass, &bound) == CT_ERROR_ARGUMENT, "a node without mass is refused");
+  tap_ok(ct_contact_frequency(contact, mass, mass, &bound) == CT_ERROR_ARGUMENT,
+         "a node without mass is refused");
   ct_contact_free(contact);
   free_patch(&a);
   free_patch(&b);
 }
 
-/* Points that see an edge between two faces at exactly the same distance: the bound must use one face and its own shape
- * functions. */
+/* Points that see an edge between two faces at exactly the same distance: the bound must use one
+ * face and its own shape functions. */
 static void bound_on_ties(void)
 {
-  patch a = new_patch(CT_Q4, 4, 1, -2, -0.5, 4, 1, 1), b = new_patch(CT_Q4, 1, 1, -0.5, -0.5, 1, 1, 0), swapped = new_patch(CT_Q4, 4, 1, -2, -0.5, 4, 1, 1);
+  patch a = new_patch(CT_Q4, 4, 1, -2, -0.5, 4, 1, 1),
+        b = new_patch(CT_Q4, 1, 1, -0.5, -0.5, 1, 1, 0),
+        swapped = new_patch(CT_Q4, 4, 1, -2, -0.5, 4, 1, 1);
   int32_t order[4] = {0, 2, 1, 3};
   double mass_a[27], mass_b[9], bound[2];
   for (int n = 0; n < 9; n++) {
@@ -398,40 +475,53 @@ static void bound_on_ties(void)
     b.x[3 * n + 2] = 0.6 + x;
     mass_b[n] = 1.0;
   }
-  for (int n = 0; n < 27; n++) mass_a[n] = a.x[3 * n] < -1.5 || a.x[3 * n] > 1.5 || fabs(a.x[3 * n]) < 0.1 ? 1.0 : 1e-4;
-  for (int f = 0; f < 4; f++) memcpy(&swapped.faces[4 * f], &a.faces[4 * order[f]], 4 * sizeof(int32_t));
+  for (int n = 0; n < 27; n++)
+    mass_a[n] = a.x[3 * n] < -1.5 || a.x[3 * n] > 1.5 || fabs(a.x[3 * n]) < 0.1 ? 1.0 : 1e-4;
+  for (int f = 0; f < 4; f++)
+    memcpy(&swapped.faces[4 * f], &a.faces[4 * order[f]], 4 * sizeof(int32_t));
   for (int k = 0; k < 2; k++) {
     ct_contact *contact = open_contact(k == 0 ? &a : &swapped, &b, ct_contact_options_default());
     ct_error e = {0};
     need(ct_contact_frequency(contact, mass_a, mass_b, &bound[k]), &e);
     ct_contact_free(contact);
   }
-  tap_close(bound[1] / bound[0], 1.0, 1e-12, "points over an edge between two faces: the bound does not depend on the order of the faces");
+  tap_close(
+      bound[1] / bound[0], 1.0, 1e-12,
+      "points over an edge between two faces: the bound does not depend on the order of the faces");
   free_patch(&a);
   free_patch(&b);
   free_patch(&swapped);
 }
 
-/* Critical Courant number of two equal bars, and of a bar on a wall, with the penalty beta E A / h. */
+/* Critical Courant number of two equal bars, and of a bar on a wall, with the penalty beta E A / h.
+ */
 static void bars(double beta, int wall)
 {
   const double h = 0.5;
   ct_material m = {4.0, 0.0, 1.0, CT_LINEAR};
   ct_scene *scene = new_scene();
-  ct_mesh *left = box_mesh(CT_HEX8, -20 * h, 0, 0, 20 * h, 2, 2, 20, 1, 1), *right = box_mesh(CT_HEX8, 0, 0, 0, 20 * h, 2, 2, 20, 1, 1);
-  int32_t a = add_body(scene, "left", left, &m, CT_KERNEL_AUTO, 0, 0, 0), b = add_body(scene, "right", right, &m, CT_KERNEL_AUTO, 0, 0, 0);
+  ct_mesh *left = box_mesh(CT_HEX8, -20 * h, 0, 0, 20 * h, 2, 2, 20, 1, 1),
+          *right = box_mesh(CT_HEX8, 0, 0, 0, 20 * h, 2, 2, 20, 1, 1);
+  int32_t a = add_body(scene, "left", left, &m, CT_KERNEL_AUTO, 0, 0, 0),
+          b = add_body(scene, "right", right, &m, CT_KERNEL_AUTO, 0, 0, 0);
   add_contact(scene, a, left, 0.0, b, right, 0.0, 0, beta);
   if (wall) add_support(scene, b, right, -1, 0.0, "xyz", 0.0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 1.0, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 1.0, .threads = 1}, &steps, &stable);
   double *u = numbers(3 * p->node_count);
-  for (int n = 0; n < p->node_count; n++) u[3 * n] = n < p->node_count / 2 ? 1e-3 : 0.0; // pressed, so that the springs act
-  double omega = sqrt(true_frequency(p, u, 1e-6, 0, 3000)), courant = 2.0 / omega / stable.dt_courant;
+  for (int n = 0; n < p->node_count; n++)
+    u[3 * n] = n < p->node_count / 2 ? 1e-3 : 0.0; // pressed, so that the springs act
+  double omega = sqrt(true_frequency(p, u, 1e-6, 0, 3000)),
+         courant = 2.0 / omega / stable.dt_courant;
   double b2 = wall ? beta * beta : 4.0 * beta * beta, want = sqrt(2.0 / (1.0 + sqrt(1.0 + b2)));
-  tap_close(courant, want, 1e-4 * want, "%s, beta = %g: critical Courant number", wall ? "bar on a wall" : "two equal bars", beta);
-  tap_close(stable.dt / stable.dt_courant, 1.0 / sqrt(1.0 + beta), 1e-9, "%s, beta = %g: reported 1 / sqrt(1 + beta), %.3f of the true one",
-            wall ? "bar on a wall" : "two equal bars", beta, stable.dt / stable.dt_courant / courant);
+  tap_close(courant, want, 1e-4 * want, "%s, beta = %g: critical Courant number",
+            wall ? "bar on a wall" : "two equal bars", beta);
+  tap_close(stable.dt / stable.dt_courant, 1.0 / sqrt(1.0 + beta), 1e-9,
+            "%s, beta = %g: reported 1 / sqrt(1 + beta), %.3f of the true one",
+            wall ? "bar on a wall" : "two equal bars", beta,
+            stable.dt / stable.dt_courant / courant);
   tap_ok(stable.dt <= 2.0 / omega, "the reported step is below the true limit");
   free(u);
   ct_mesh_free(left);
@@ -439,7 +529,8 @@ static void bars(double beta, int wall)
   ct_scene_free(scene);
 }
 
-/* A million faces from the origin the forces are the same to 1e-9: coordinates are multiples of 2^-30, so the shift is exact. */
+/* A million faces from the origin the forces are the same to 1e-9: coordinates are multiples of
+ * 2^-30, so the shift is exact. */
 static void translation(ct_face_kind kind)
 {
   patch a, b;
@@ -449,7 +540,8 @@ static void translation(ct_face_kind kind)
     for (int s = 0; s < 2; s++) {
       patch *p = s == 0 ? &a : &b;
       f[k][s] = numbers(3 * p->surface.node_count);
-      for (int i = 0; i < 3 * p->surface.node_count; i++) p->x[i] = k == 0 ? floor(p->x[i] * 1073741824.0) / 1073741824.0 : p->x[i] + shift[i % 3];
+      for (int i = 0; i < 3 * p->surface.node_count; i++)
+        p->x[i] = k == 0 ? floor(p->x[i] * 1073741824.0) / 1073741824.0 : p->x[i] + shift[i % 3];
     }
     ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
     update(contact, &a, &b);
@@ -462,7 +554,8 @@ static void translation(ct_face_kind kind)
     off = worst(off, largest_difference(f[0][s], f[1][s], n));
     top = worst(top, largest(f[0][s], n));
   }
-  tap_ok(off < 1e-9 * top && fabs(energy[1] / energy[0] - 1.0) < 1e-9 && top > 0.0, "%s, moved by a million faces: forces off by %.2g", KIND[kind], off / top);
+  tap_ok(off < 1e-9 * top && fabs(energy[1] / energy[0] - 1.0) < 1e-9 && top > 0.0,
+         "%s, moved by a million faces: forces off by %.2g", KIND[kind], off / top);
   for (int k = 0; k < 4; k++) free(f[k / 2][k % 2]);
   free_patch(&a);
   free_patch(&b);
@@ -488,23 +581,27 @@ static void symmetries(ct_face_kind kind)
   int na = 3 * a.surface.node_count, nb = 3 * b.surface.node_count, faults = 0;
   ct_contact_options options = ct_contact_options_default();
   double *f = all_forces(&a, &b, options), *g = all_forces(&b, &a, options);
-  tap_ok(memcmp(f, g + nb, (size_t)na * sizeof *f) == 0 && memcmp(f + na, g, (size_t)nb * sizeof *f) == 0 && f[na + nb] == g[na + nb],
+  tap_ok(memcmp(f, g + nb, (size_t)na * sizeof *f) == 0 &&
+             memcmp(f + na, g, (size_t)nb * sizeof *f) == 0 && f[na + nb] == g[na + nb],
          "%s: the surfaces swapped, the same bits", KIND[kind]);
   free(g);
 
   options.threads = 2;
   g = all_forces(&a, &b, options);
-  tap_ok(memcmp(f, g, (size_t)(na + nb + 1) * sizeof *f) == 0, "%s: two threads, the same bits", KIND[kind]);
+  tap_ok(memcmp(f, g, (size_t)(na + nb + 1) * sizeof *f) == 0, "%s: two threads, the same bits",
+         KIND[kind]);
   free(g);
   options.threads = 1;
 
   // Faces in another order: the sums do not depend on it.
   int per = ct_face_node_count(kind), count = a.surface.face_count;
   int32_t *order = integers(count * per), *keep = a.faces;
-  for (int i = 0; i < count; i++) memcpy(&order[i * per], &keep[(count - 1 - i) * per], (size_t)per * sizeof *order);
+  for (int i = 0; i < count; i++)
+    memcpy(&order[i * per], &keep[(count - 1 - i) * per], (size_t)per * sizeof *order);
   a.surface.faces = order;
   g = all_forces(&a, &b, options);
-  tap_ok(memcmp(f, g, (size_t)(na + nb + 1) * sizeof *f) == 0, "%s: faces in the opposite order, the same bits", KIND[kind]);
+  tap_ok(memcmp(f, g, (size_t)(na + nb + 1) * sizeof *f) == 0,
+         "%s: faces in the opposite order, the same bits", KIND[kind]);
   a.surface.faces = keep;
   free(order);
   free(g);
@@ -514,12 +611,14 @@ static void symmetries(ct_face_kind kind)
     for (int i = 0; i < na; i++) a.x[i] = ldexp(a.x[i], k);
     for (int i = 0; i < nb; i++) b.x[i] = ldexp(b.x[i], k);
     g = all_forces(&a, &b, options);
-    for (int i = 0; i < na + nb + 1; i++) faults += !(g[i] == ldexp(f[i], i < na + nb ? 3 * k : 4 * k));
+    for (int i = 0; i < na + nb + 1; i++)
+      faults += !(g[i] == ldexp(f[i], i < na + nb ? 3 * k : 4 * k));
     free(g);
     for (int i = 0; i < na; i++) a.x[i] = ldexp(a.x[i], -k);
     for (int i = 0; i < nb; i++) b.x[i] = ldexp(b.x[i], -k);
   }
-  tap_ok(faults == 0, "%s: lengths scaled by 2^-20 and 2^20 scale the bits (%d do not)", KIND[kind], faults);
+  tap_ok(faults == 0, "%s: lengths scaled by 2^-20 and 2^20 scale the bits (%d do not)", KIND[kind],
+         faults);
 
   // Mirrored in x, y, z, with the faces listed the other way round: (xi, eta) -> (-xi, eta).
   static const int back4[8] = {1, 0, 3, 2, 4, 7, 6, 5};
@@ -535,21 +634,25 @@ static void symmetries(ct_face_kind kind)
     }
     for (int axis = 0; axis < 3; axis++) {
       for (int s = 0; s < 2; s++)
-        for (int n = 0; n < (s == 0 ? na : nb) / 3; n++) (s == 0 ? &a : &b)->x[3 * n + axis] *= -1.0;
+        for (int n = 0; n < (s == 0 ? na : nb) / 3; n++)
+          (s == 0 ? &a : &b)->x[3 * n + axis] *= -1.0;
       g = all_forces(&a, &b, options);
       wrong += mirror_faults(f, g, (na + nb) / 3, axis) + !(f[na + nb] == g[na + nb]);
       free(g);
       for (int s = 0; s < 2; s++)
-        for (int n = 0; n < (s == 0 ? na : nb) / 3; n++) (s == 0 ? &a : &b)->x[3 * n + axis] *= -1.0;
+        for (int n = 0; n < (s == 0 ? na : nb) / 3; n++)
+          (s == 0 ? &a : &b)->x[3 * n + axis] *= -1.0;
     }
-    tap_ok(wrong == 0, "%s: mirrored in x, y and z, the mirrored bits (%d are not)", KIND[kind], (int)wrong);
+    tap_ok(wrong == 0, "%s: mirrored in x, y and z, the mirrored bits (%d are not)", KIND[kind],
+           (int)wrong);
   }
   free(f);
   free_patch(&a);
   free_patch(&b);
 }
 
-static ct_contact_point *all_points(const patch *a, const patch *b, ct_contact_options options, int64_t *count)
+static ct_contact_point *all_points(const patch *a, const patch *b, ct_contact_options options,
+                                    int64_t *count)
 {
   ct_contact *contact = open_contact(a, b, options);
   update(contact, a, b);
@@ -560,8 +663,8 @@ static ct_contact_point *all_points(const patch *a, const patch *b, ct_contact_o
   return point;
 }
 
-/* Newton and the simplex know no borders, so they may miss a foot on an edge between two faces; every other point they find
- * alike. */
+/* Newton and the simplex know no borders, so they may miss a foot on an edge between two faces;
+ * every other point they find alike. */
 static void methods(ct_face_kind kind)
 {
   patch a, b;
@@ -576,15 +679,19 @@ static void methods(ct_face_kind kind)
     ct_contact_point *got = all_points(&a, &b, options, &count);
     for (int64_t i = 0; i < count; i++) {
       double r = want[i].xi[0], s = want[i].xi[1];
-      int square = kind == CT_Q4 || kind == CT_Q8, on_edge = want[i].other >= 0 && (square ? fabs(r) > 1 - 1e-6 || fabs(s) > 1 - 1e-6 : r < 1e-6 || s < 1e-6 || r + s > 1 - 1e-6);
+      int square = kind == CT_Q4 || kind == CT_Q8,
+          on_edge = want[i].other >= 0 && (square ? fabs(r) > 1 - 1e-6 || fabs(s) > 1 - 1e-6
+                                                  : r < 1e-6 || s < 1e-6 || r + s > 1 - 1e-6);
       edge += on_edge;
       if (on_edge || want[i].other < 0) continue;
       pressed += want[i].pressure > 0.0;
       differ += got[i].other != want[i].other;
       off = worst(off, got[i].gap - want[i].gap);
     }
-    tap_ok(differ == 0 && off < 1e-11 && pressed > 10, "%s, warped: %s finds the %d pressed points of the robust search, gaps off by %.2g (%d others on edges)", KIND[kind],
-           k == 0 ? "Newton" : "the simplex", pressed, off, edge);
+    tap_ok(differ == 0 && off < 1e-11 && pressed > 10,
+           "%s, warped: %s finds the %d pressed points of the robust search, gaps off by %.2g (%d "
+           "others on edges)",
+           KIND[kind], k == 0 ? "Newton" : "the simplex", pressed, off, edge);
     free(got);
   }
   free(want);
@@ -592,8 +699,9 @@ static void methods(ct_face_kind kind)
   free_patch(&b);
 }
 
-/* A face between a floor and a ceiling of one surface: as it rises, its points go from the floor to the ceiling, each when that
- * is nearer, though their feet on the floor stay inside it. The same for a face that slides from one cell to the next. */
+/* A face between a floor and a ceiling of one surface: as it rises, its points go from the floor to
+ * the ceiling, each when that is nearer, though their feet on the floor stay inside it. The same
+ * for a face that slides from one cell to the next. */
 static void between(ct_face_kind kind)
 {
   patch a = new_patch(kind, 3, 1, 0, 0, 3, 1, 1), b = new_patch(kind, 1, 1, 0.1, 0.1, 0.8, 0.8, 1);
@@ -601,7 +709,8 @@ static void between(ct_face_kind kind)
   memcpy(&a.faces[per], &a.faces[2 * per], (size_t)per * sizeof *a.faces);
   a.surface.face_count = 2;
   for (int n = 0; n < a.surface.node_count; n++)
-    if (a.x[3 * n] > 1.9) a.x[3 * n] = 3.0 - a.x[3 * n], a.x[3 * n + 2] = 0.5 + 0.01 * a.x[3 * n + 1];
+    if (a.x[3 * n] > 1.9)
+      a.x[3 * n] = 3.0 - a.x[3 * n], a.x[3 * n + 2] = 0.5 + 0.01 * a.x[3 * n + 1];
   for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = 0.05 + 0.02 * b.x[3 * n];
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = EPSILON;
@@ -613,14 +722,19 @@ static void between(ct_face_kind kind)
     ct_contact_points(contact, got);
     ct_contact_point *want = all_points(&a, &b, options, &count);
     for (int64_t i = 0; i < count; i++) {
-      wrong += got[i].other != want[i].other || (want[i].other >= 0 && !(fabs(got[i].gap - want[i].gap) < 1e-13 && fabs(got[i].xi[0] - want[i].xi[0]) < 1e-9));
+      wrong += got[i].other != want[i].other ||
+               (want[i].other >= 0 && !(fabs(got[i].gap - want[i].gap) < 1e-13 &&
+                                        fabs(got[i].xi[0] - want[i].xi[0]) < 1e-9));
       floor += got[i].side == 1 && got[i].other == 0;
       ceiling += got[i].side == 1 && got[i].other == 1;
     }
     free(want);
     for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] += 0.01;
   }
-  tap_ok(wrong == 0 && floor > 20 && ceiling > 20, "%s between a floor and a ceiling: nearest to the floor %d times, to the ceiling %d times, %d wrong", KIND[kind], floor, ceiling, wrong);
+  tap_ok(wrong == 0 && floor > 20 && ceiling > 20,
+         "%s between a floor and a ceiling: nearest to the floor %d times, to the ceiling %d "
+         "times, %d wrong",
+         KIND[kind], floor, ceiling, wrong);
   ct_contact_free(contact);
   free_patch(&a);
   free_patch(&b);
@@ -651,10 +765,12 @@ static void history(void)
   free_patch(&b);
 }
 
-/* A point exactly over the edge between two faces belongs to the first of them, wherever it came from. */
+/* A point exactly over the edge between two faces belongs to the first of them, wherever it came
+ * from. */
 static void tie(void)
 {
-  patch a = new_patch(CT_Q4, 2, 1, -1, -1, 2, 2, 1), b = new_patch(CT_Q8, 1, 1, -0.5, -0.5, 1, 1, 0);
+  patch a = new_patch(CT_Q4, 2, 1, -1, -1, 2, 2, 1),
+        b = new_patch(CT_Q8, 1, 1, -0.5, -0.5, 1, 1, 0);
   for (int n = 0; n < 9; n++) b.x[3 * n + 2] = -0.0625;
   ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
   ct_contact_point point[17];
@@ -665,7 +781,8 @@ static void tie(void)
     ct_contact_points(contact, point);
     other[k] = point[8 + 4].other;
   }
-  tap_ok(point[8 + 4].position[0] == 0.0 && other[0] == 1 && other[1] == 0, "a point that comes from face %d to the edge is on face %d", other[0], other[1]);
+  tap_ok(point[8 + 4].position[0] == 0.0 && other[0] == 1 && other[1] == 0,
+         "a point that comes from face %d to the edge is on face %d", other[0], other[1]);
   ct_contact_free(contact);
   free_patch(&a);
   free_patch(&b);
@@ -686,11 +803,15 @@ static void not_finite(void)
   b.x[3 * node + 1] = NAN;
   ct_status status = ct_contact_update(contact, a.x, b.x, &e);
   forces(contact, &a, &b, g, g + na);
-  tap_ok(status == CT_INVALID && e.code == CT_INVALID && e.body == 1 && e.point == node, "a NaN coordinate: %s", e.text);
-  tap_ok(memcmp(f, g, (size_t)(na + nb) * sizeof *f) == 0, "the forces are still those of the last good update");
+  tap_ok(status == CT_INVALID && e.code == CT_INVALID && e.body == 1 && e.point == node,
+         "a NaN coordinate: %s", e.text);
+  tap_ok(memcmp(f, g, (size_t)(na + nb) * sizeof *f) == 0,
+         "the forces are still those of the last good update");
   b.x[3 * node + 1] = keep;
   a.x[3 * a.faces[0]] = -INFINITY;
-  tap_ok(ct_contact_update(contact, a.x, b.x, &e) == CT_INVALID && e.body == 0 && e.point == a.faces[0], "an infinite coordinate: %s", e.text);
+  tap_ok(ct_contact_update(contact, a.x, b.x, &e) == CT_INVALID && e.body == 0 &&
+             e.point == a.faces[0],
+         "an infinite coordinate: %s", e.text);
   ct_contact_free(contact);
   free(f);
   free(g);
@@ -698,17 +819,20 @@ static void not_finite(void)
   free_patch(&b);
 }
 
-static void refused(const ct_surface *a, const ct_surface *b, const ct_contact_options *options, ct_status want, int64_t body, int64_t element, const char *what)
+static void refused(const ct_surface *a, const ct_surface *b, const ct_contact_options *options,
+                    ct_status want, int64_t body, int64_t element, const char *what)
 {
   ct_contact *contact = NULL;
   ct_error e = {0};
   ct_status status = ct_contact_create(a, b, options, &contact, &e);
-  tap_ok(status == want && contact == NULL && e.code == want && (body < 0 || e.body == body) && (element < 0 || e.element == element) && strlen(e.text) > 8,
+  tap_ok(status == want && contact == NULL && e.code == want && (body < 0 || e.body == body) &&
+             (element < 0 || e.element == element) && strlen(e.text) > 8,
          "%s: refused, %s", what, e.text);
 }
 
-/* Two unit squares that look at each other, the lower one at z = 0 and the upper one at 0.1: outside, and over each other
- * exactly. The energy, both passes and where the gap g is negative, is half of ε g² with an area of 1. */
+/* Two unit squares that look at each other, the lower one at z = 0 and the upper one at 0.1:
+ * outside, and over each other exactly. The energy, both passes and where the gap g is negative, is
+ * half of ε g² with an area of 1. */
 static ct_contact *two_squares(ct_face_kind kind, int distant, patch *a, patch *b)
 {
   ct_contact_options options = ct_contact_options_default();
@@ -720,7 +844,8 @@ static ct_contact *two_squares(ct_face_kind kind, int distant, patch *a, patch *
   return contact;
 }
 
-/* A call that is refused leaves no trace: what moves counts from the last good call, whichever surface was refused. */
+/* A call that is refused leaves no trace: what moves counts from the last good call, whichever
+ * surface was refused. */
 static void after_a_refusal(void)
 {
   for (int bad = 0; bad < 2; bad++) {
@@ -735,14 +860,17 @@ static void after_a_refusal(void)
     x[bad][3 * node] = keep;
     update(contact, &a, &b);
     double energy = ct_contact_energy(contact), want = 0.5 * EPSILON * 0.01;
-    tap_ok(status == CT_INVALID && fabs(energy - want) < 1e-12 * want, "after a NaN of surface %d surfaces that came in press: energy %g of %g", bad, energy, want);
+    tap_ok(status == CT_INVALID && fabs(energy - want) < 1e-12 * want,
+           "after a NaN of surface %d surfaces that came in press: energy %g of %g", bad, energy,
+           want);
     ct_contact_free(contact);
     free_patch(&a);
     free_patch(&b);
   }
 }
 
-/* A point in contact that a jump takes deeper than lists reach stays in contact there, as "distant" as its face is. */
+/* A point in contact that a jump takes deeper than lists reach stays in contact there, as "distant"
+ * as its face is. */
 static void jump_while_in_contact(void)
 {
   static const double by_hand[] = {-0.05, -20.0, -20.0, -20.1, -0.05, 0.05};
@@ -756,7 +884,9 @@ static void jump_while_in_contact(void)
       double depth = fmax(-by_hand[i], 0.0), want = 0.5 * EPSILON * depth * depth;
       off = worst(off, (ct_contact_energy(contact) - want) / (want > 0.0 ? want : 1.0));
     }
-    tap_ok(off < 1e-12, "a jump to twenty widths deep and back, distant = %d: energy of the gap, off by %.2g", distant, off);
+    tap_ok(off < 1e-12,
+           "a jump to twenty widths deep and back, distant = %d: energy of the gap, off by %.2g",
+           distant, off);
     ct_contact_free(contact);
     free_patch(&a);
     free_patch(&b);
@@ -772,7 +902,8 @@ static void refusals(void)
   const double penalty[4] = {0.0, -1.0, NAN, INFINITY}, tolerance[4] = {0.0, -1.0, 1.0, NAN};
   for (int i = 0; i < 4; i++) {
     o = good, o.epsilon = penalty[i];
-    refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "a penalty that is not positive");
+    refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1,
+            "a penalty that is not positive");
     o = good, o.tolerance = tolerance[i];
     refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "a tolerance out of range");
   }
@@ -781,7 +912,8 @@ static void refusals(void)
   o = good, o.threads = 0;
   refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "no threads");
   o = good, o.threads = 1025;
-  refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "more threads than are safe to ask for");
+  refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1,
+          "more threads than are safe to ask for");
   o = good, o.method = (ct_method)77;
   refused(&a.surface, &b.surface, &o, CT_ERROR_ARGUMENT, -1, -1, "a method that is none");
   ct_surface s = b.surface;
@@ -793,7 +925,8 @@ static void refusals(void)
   s = b.surface, s.faces = NULL;
   refused(&a.surface, &s, &good, CT_ERROR_ARGUMENT, 1, -1, "no face list");
   refused(NULL, &s, &good, CT_ERROR_ARGUMENT, -1, -1, "no surface");
-  tap_ok(ct_contact_create(&a.surface, &b.surface, NULL, NULL, NULL) == CT_ERROR_ARGUMENT, "no options, nowhere to write, no error: refused");
+  tap_ok(ct_contact_create(&a.surface, &b.surface, NULL, NULL, NULL) == CT_ERROR_ARGUMENT,
+         "no options, nowhere to write, no error: refused");
 
   int32_t keep = b.faces[8 + 3];
   b.faces[8 + 3] = b.surface.node_count;
@@ -805,23 +938,29 @@ static void refusals(void)
   b.x[3 * keep] = NAN;
   refused(&a.surface, &b.surface, &good, CT_INVALID, 1, -1, "a reference coordinate that is NaN");
   b.x[3 * keep] = x;
-  for (int i = 0; i < 8; i++) memcpy(&b.x[3 * b.faces[8 * 2 + i]], &b.x[3 * b.faces[8 * 2]], 3 * sizeof(double));
+  for (int i = 0; i < 8; i++)
+    memcpy(&b.x[3 * b.faces[8 * 2 + i]], &b.x[3 * b.faces[8 * 2]], 3 * sizeof(double));
   refused(&a.surface, &b.surface, &good, CT_ERROR_GEOMETRY, 1, 2, "a face without area");
 
-  tap_ok(ct_contact_update(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT && ct_contact_add_force(NULL, a.x, b.x) == CT_ERROR_ARGUMENT && isnan(ct_contact_energy(NULL)) &&
-             ct_contact_point_count(NULL) == 0 && ct_contact_points(NULL, NULL) == CT_ERROR_ARGUMENT && ct_contact_stable_step(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_contact_update(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT &&
+             ct_contact_add_force(NULL, a.x, b.x) == CT_ERROR_ARGUMENT &&
+             isnan(ct_contact_energy(NULL)) && ct_contact_point_count(NULL) == 0 &&
+             ct_contact_points(NULL, NULL) == CT_ERROR_ARGUMENT &&
+             ct_contact_stable_step(NULL, a.x, b.x, NULL) == CT_ERROR_ARGUMENT,
          "calls without a contact are refused");
   ct_contact_free(NULL);
-  tap_close(ct_contact_penalty(4.0, 2.1e5, 0.025), 3.36e7, 1e-6, "beta = 4, E = 2.1e5, h = 0.025: eps = 3.36e7");
+  tap_close(ct_contact_penalty(4.0, 2.1e5, 0.025), 3.36e7, 1e-6,
+            "beta = 4, E = 2.1e5, h = 0.025: eps = 3.36e7");
   free_patch(&a);
   free_patch(&b);
 }
 
-/* Two surfaces of one array of nodes that share an edge, an open book: a node of both gets the sum of both rows
- * (eq:contact-bound), here put together once more from the points of an update. */
+/* Two surfaces of one array of nodes that share an edge, an open book: a node of both gets the sum
+ * of both rows (eq:contact-bound), here put together once more from the points of an update. */
 static void shared_nodes(void)
 {
-  double x[18] = {0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0.5, 0, 0.8, 0.5, 1, 0.8}, mass[6] = {0.1, 0.1, 1, 1, 1, 1}, copy[18], row[6] = {0}, want = 0, got[2], zero[18] = {0};
+  double x[18] = {0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0.5, 0, 0.8, 0.5, 1, 0.8},
+         mass[6] = {0.1, 0.1, 1, 1, 1, 1}, copy[18], row[6] = {0}, want = 0, got[2], zero[18] = {0};
   int32_t lower[4] = {0, 2, 3, 1}, upper[4] = {0, 1, 5, 4};
   ct_surface a = {CT_Q4, 6, 1, lower, x}, b = {CT_Q4, 6, 1, upper, x};
   const int32_t *faces[2] = {lower, upper};
@@ -865,7 +1004,8 @@ static void shared_nodes(void)
 
 int main(void)
 {
-  static const int pair[7][2] = {{CT_Q4, CT_Q4}, {CT_Q8, CT_Q8}, {CT_T3, CT_T3}, {CT_T6, CT_T6}, {CT_Q4, CT_T6}, {CT_Q8, CT_T3}, {CT_Q8, CT_Q4}};
+  static const int pair[7][2] = {{CT_Q4, CT_Q4}, {CT_Q8, CT_Q8}, {CT_T3, CT_T3}, {CT_T6, CT_T6},
+                                 {CT_Q4, CT_T6}, {CT_Q8, CT_T3}, {CT_Q8, CT_Q4}};
   for (int i = 0; i < 7; i++) force_is_gradient((ct_face_kind)pair[i][0], (ct_face_kind)pair[i][1]);
   for (int k = 0; k < 4; k++) flat_overlap((ct_face_kind)k, (ct_face_kind)k, 3, 3);
   flat_overlap(CT_Q4, CT_Q4, 2, 3);

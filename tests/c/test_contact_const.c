@@ -28,10 +28,13 @@ static seen look(const ct_contact *contact)
 /* Whether nothing has changed; frees both. */
 static int same(const ct_contact *contact, seen *a, seen *b)
 {
-  int equal = memcmp(a->terms, b->terms, (size_t)ct_contact_point_count(contact) * sizeof *a->terms) == 0;
+  int equal =
+      memcmp(a->terms, b->terms, (size_t)ct_contact_point_count(contact) * sizeof *a->terms) == 0;
   for (int i = 0; i < contact->sides; i++) {
-    equal &= a->builds[i] == b->builds[i] && memcmp(&a->cost[i], &b->cost[i], sizeof a->cost[i]) == 0;
-    equal &= memcmp(a->boxes[i], b->boxes[i], (size_t)contact->side[i].search->face_count * sizeof **a->boxes) == 0;
+    equal &=
+        a->builds[i] == b->builds[i] && memcmp(&a->cost[i], &b->cost[i], sizeof a->cost[i]) == 0;
+    equal &= memcmp(a->boxes[i], b->boxes[i],
+                    (size_t)contact->side[i].search->face_count * sizeof **a->boxes) == 0;
     free(a->boxes[i]);
     free(b->boxes[i]);
   }
@@ -57,15 +60,17 @@ int main(void)
 {
   for (int kind = 0; kind < 4; kind++) {
     patch a = new_patch((ct_face_kind)kind, 5, 4, 0.0, 0.0, 1.0, 1.0, 1),
-        b = new_patch((ct_face_kind)kind, 3, 3, 0.0, 0.0, 1.0, 1.0, 0);
+          b = new_patch((ct_face_kind)kind, 3, 3, 0.0, 0.0, 1.0, 1.0, 0);
     double mass[256], got[4], again[4];
     for (int i = 0; i < 256; i++) mass[i] = 1.0;
     ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
     seen before = look(contact);
     ask(contact, mass, got);
     seen after = look(contact);
-    tap_ok(same(contact, &before, &after), "%s: before the first update nothing is written", KIND[kind]);
-    // b moves towards a in steps that make no new lists of candidates, so that the trees are of an older shape than the faces.
+    tap_ok(same(contact, &before, &after), "%s: before the first update nothing is written",
+           KIND[kind]);
+    // b moves towards a in steps that make no new lists of candidates, so that the trees are of an
+    // older shape than the faces.
     for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = 0.01;
     update(contact, &a, &b);
     for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = -0.01;
@@ -78,8 +83,10 @@ int main(void)
     ask(contact, mass, again);
     tap_ok(memcmp(got, again, sizeof got) == 0, "%s: and the same answers come again", KIND[kind]);
     // Two surfaces of stiffness ε with weight ½ each, over the area 1: ½ ε g².
-    tap_close(got[0], 0.5 * EPSILON * 1e-4, 1e-12, "%s: the energy of both surfaces, each with half the stiffness", KIND[kind]);
-    tap_close(got[2], 0.01, 1e-12, "%s: the corners of b are inside by what it was moved", KIND[kind]);
+    tap_close(got[0], 0.5 * EPSILON * 1e-4, 1e-12,
+              "%s: the energy of both surfaces, each with half the stiffness", KIND[kind]);
+    tap_close(got[2], 0.01, 1e-12, "%s: the corners of b are inside by what it was moved",
+              KIND[kind]);
     ct_contact_free(contact);
     free_patch(&a);
     free_patch(&b);

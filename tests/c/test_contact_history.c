@@ -1,9 +1,9 @@
-/* What a contact remembers of its points, step by step by hand: every number that one step leaves to the next goes through the
- * effect's memory here. */
+/* What a contact remembers of its points, step by step by hand: every number that one step leaves
+ * to the next goes through the effect's memory here. */
 #include "patches.h"
 
-/* The contact effect of two surfaces of one problem, asked step by step; nothing but its memory goes from one step to the
- * next. */
+/* The contact effect of two surfaces of one problem, asked step by step; nothing but its memory
+ * goes from one step to the next. */
 typedef struct hand {
   ct_effect *effect;
   patch a, b; /* both over the nodes of the problem */
@@ -26,14 +26,16 @@ static patch joined(const patch *own, int first, int nodes, const double *refere
 
 static hand new_hand(const patch *a, const patch *b, const ct_contact_options *options)
 {
-  hand h = {.nodes = a->surface.node_count + b->surface.node_count, .first_b = a->surface.node_count};
+  hand h = {.nodes = a->surface.node_count + b->surface.node_count,
+            .first_b = a->surface.node_count};
   ct_error e;
   h.reference = numbers(3 * h.nodes);
   memcpy(h.reference, a->x, 3 * (size_t)h.first_b * sizeof(double));
   memcpy(h.reference + 3 * h.first_b, b->x, 3 * (size_t)b->surface.node_count * sizeof(double));
   h.a = joined(a, 0, h.nodes, h.reference);
   h.b = joined(b, h.first_b, h.nodes, h.reference);
-  h.mass = numbers(h.nodes), h.u = numbers(3 * h.nodes), h.rest = numbers(3 * h.nodes), h.force = numbers(3 * h.nodes);
+  h.mass = numbers(h.nodes), h.u = numbers(3 * h.nodes), h.rest = numbers(3 * h.nodes),
+  h.force = numbers(3 * h.nodes);
   for (int n = 0; n < h.nodes; n++) h.mass[n] = 1.0;
   need(ct_contact_create_effect(&h.a.surface, &h.b.surface, options, h.mass, &h.effect, &e), &e);
   h.memory = numbers(h.effect->memory_count);
@@ -50,8 +52,8 @@ static void free_hand(hand *h)
   for (int i = 0; i < 7; i++) free(all[i]);
 }
 
-/* One step with the second surface at the height z, with scratch space of its own as after a restart: the force on that
- * surface along z, and the energy. */
+/* One step with the second surface at the height z, with scratch space of its own as after a
+ * restart: the force on that surface along z, and the energy. */
 static double take(hand *h, double z, double time, double *energy, double *external)
 {
   const ct_effect *effect = h->effect;
@@ -59,7 +61,15 @@ static double take(hand *h, double z, double time, double *energy, double *exter
   ct_error e;
   for (int n = h->first_b; n < h->nodes; n++) h->u[3 * n + 2] = z - h->start;
   need(effect->create_scratch(effect, &scratch, &e), &e);
-  ct_view view = {.time = time, .dt = 0.25, .threads = 1, .reference = h->reference, .displacement = h->u, .velocity = h->rest, .memory = h->memory, .next_memory = h->next, .scratch = scratch};
+  ct_view view = {.time = time,
+                  .dt = 0.25,
+                  .threads = 1,
+                  .reference = h->reference,
+                  .displacement = h->u,
+                  .velocity = h->rest,
+                  .memory = h->memory,
+                  .next_memory = h->next,
+                  .scratch = scratch};
   double *own = numbers(3 * effect->node_count), sum = 0.0, *keep = h->memory;
   need(effect->force(effect, &view, own, &e), &e);
   need(effect->energy(effect, &view, energy, &e), &e);
@@ -95,37 +105,51 @@ typedef struct opening {
   double gap, depth;
 } opening;
 
-/* The start gap of points that open again, as worked out with pencil and paper from eq:initial-shift: it follows the deeper one
- * of the last two gaps, up to zero, and never goes back. */
+/* The start gap of points that open again, as worked out with pencil and paper from
+ * eq:initial-shift: it follows the deeper one of the last two gaps, up to zero, and never goes
+ * back. */
 static void start_gap_opens(void)
 {
   static const opening by_hand[] = {
-    {-0.05, 0.0},            // begins with the start gap -0.05
-    {-0.06, 0.01},           // pressed together by 0.01
-    {-0.05, 0.0},  {-0.03, 0.0},
-    {-0.05, 0.0},            // -0.03 for one step only: the start gap is -0.05 still
-    {-0.06, 0.01}, {-0.03, 0.0}, {-0.025, 0.0}, // opened for two steps: -0.03
-    {-0.04, 0.01}, {0.02, 0.0},
-    {-0.01, 0.0},            // out for one step, and -0.01 is the deeper one of the last two
-    {-0.015, 0.005}, {0.01, 0.0}, {0.02, 0.0}, // out for two steps: none is left
-    {-0.02, 0.02}, {-0.001, 0.001}};
-  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1,
-                                                 .initial = CT_INITIAL_KEEP}, -0.05);
+      {-0.05, 0.0},  // begins with the start gap -0.05
+      {-0.06, 0.01}, // pressed together by 0.01
+      {-0.05, 0.0},    {-0.03, 0.0},
+      {-0.05, 0.0}, // -0.03 for one step only: the start gap is -0.05 still
+      {-0.06, 0.01},   {-0.03, 0.0},
+      {-0.025, 0.0}, // opened for two steps: -0.03
+      {-0.04, 0.01},   {0.02, 0.0},
+      {-0.01, 0.0}, // out for one step, and -0.01 is the deeper one of the last two
+      {-0.015, 0.005}, {0.01, 0.0},
+      {0.02, 0.0}, // out for two steps: none is left
+      {-0.02, 0.02},   {-0.001, 0.001}};
+  hand h = two_flat_patches(
+      (ct_contact_options){
+          .method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP},
+      -0.05);
   double force = 0.0, energy = 0.0, stored;
   for (size_t i = 0; i < sizeof by_hand / sizeof by_hand[0]; i++) {
     double d = by_hand[i].depth;
-    force = worst(force, take(&h, by_hand[i].gap, 0.25 * (double)i, &stored, NULL) / (4.0 * EPSILON) - d);
+    force = worst(force,
+                  take(&h, by_hand[i].gap, 0.25 * (double)i, &stored, NULL) / (4.0 * EPSILON) - d);
     energy = worst(energy, stored / (2.0 * EPSILON) - d * d);
   }
-  tap_ok(force < 1e-15 && energy < 1e-16, "start gaps of points that open again are those of pencil and paper (force off by %.2g, energy by %.2g)", force, energy);
+  tap_ok(force < 1e-15 && energy < 1e-16,
+         "start gaps of points that open again are those of pencil and paper (force off by %.2g, "
+         "energy by %.2g)",
+         force, energy);
   // Far away no face is near, and the start gap is gone.
   free_hand(&h);
-  h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP},
-                       -0.05);
+  h = two_flat_patches(
+      (ct_contact_options){
+          .method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP},
+      -0.05);
   static const opening away[] = {{-0.05, 0.0}, {50.0, 0.0}, {50.0, 0.0}, {-0.03, 0.03}};
   force = 0.0;
-  for (int i = 0; i < 4; i++) force = worst(force, take(&h, away[i].gap, 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - away[i].depth);
-  tap_ok(force < 1e-15, "a start gap is gone once the surfaces were far apart (force off by %.2g)", force);
+  for (int i = 0; i < 4; i++)
+    force = worst(force,
+                  take(&h, away[i].gap, 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - away[i].depth);
+  tap_ok(force < 1e-15, "a start gap is gone once the surfaces were far apart (force off by %.2g)",
+         force);
   free_hand(&h);
 }
 
@@ -138,39 +162,81 @@ typedef struct course {
   opening step[12];
 } course;
 
-/* Gaps and overlaps within the distance `adjust` are taken as touching, as worked out with pencil and paper from
- * eq:initial-adjust: the start gap stays until the point has opened by more than this for two steps. */
+/* Gaps and overlaps within the distance `adjust` are taken as touching, as worked out with pencil
+ * and paper from eq:initial-adjust: the start gap stays until the point has opened by more than
+ * this for two steps. */
 static void start_gaps_are_adjusted(void)
 {
   static const course courses[] = {
-    {"a gap within the distance", 0.05, CT_INITIAL_KEEP, 11,
-     {{0.03, 0.0}, {0.02, 0.01}, {-0.01, 0.04}, {0.07, 0.0}, {0.07, 0.0}, {0.025, 0.005}, {0.09, 0.0}, {0.02, 0.01}, // opened too little, or for one step
-      {0.09, 0.0}, {0.085, 0.0}, {0.02, 0.0}}},                                                                      // opened by 0.055: gone
-    {"an overlap within the distance", 0.05, CT_INITIAL_PUSH, 11,
-     {{-0.03, 0.0}, {-0.04, 0.01}, {0.015, 0.0}, {0.015, 0.0}, {-0.035, 0.005}, // opened by less than the distance
-      {0.03, 0.0}, {0.03, 0.0}, {-0.03, 0.01},                                  // by more: the start gap follows 0.05 behind, to -0.02
-      {0.06, 0.0}, {0.06, 0.0}, {-0.01, 0.01}}},
-    {"a gap beyond the distance", 0.05, CT_INITIAL_KEEP, 3, {{0.06, 0.0}, {0.04, 0.0}, {-0.01, 0.01}}},
-    {"an overlap beyond the distance, pushed", 0.05, CT_INITIAL_PUSH, 2, {{-0.06, 0.06}, {-0.05, 0.05}}},
-    {"an overlap beyond the distance, kept", 0.05, CT_INITIAL_KEEP, 3, {{-0.08, 0.0}, {-0.09, 0.01}, {-0.06, 0.0}}},
-    {"no distance: a gap", 0.0, CT_INITIAL_KEEP, 3, {{0.03, 0.0}, {0.02, 0.0}, {-0.01, 0.01}}}};
+      {"a gap within the distance",
+       0.05,
+       CT_INITIAL_KEEP,
+       11,
+       {{0.03, 0.0},
+        {0.02, 0.01},
+        {-0.01, 0.04},
+        {0.07, 0.0},
+        {0.07, 0.0},
+        {0.025, 0.005},
+        {0.09, 0.0},
+        {0.02, 0.01}, // opened too little, or for one step
+        {0.09, 0.0},
+        {0.085, 0.0},
+        {0.02, 0.0}}}, // opened by 0.055: gone
+      {"an overlap within the distance",
+       0.05,
+       CT_INITIAL_PUSH,
+       11,
+       {{-0.03, 0.0},
+        {-0.04, 0.01},
+        {0.015, 0.0},
+        {0.015, 0.0},
+        {-0.035, 0.005}, // opened by less than the distance
+        {0.03, 0.0},
+        {0.03, 0.0},
+        {-0.03, 0.01}, // by more: the start gap follows 0.05 behind, to -0.02
+        {0.06, 0.0},
+        {0.06, 0.0},
+        {-0.01, 0.01}}},
+      {"a gap beyond the distance",
+       0.05,
+       CT_INITIAL_KEEP,
+       3,
+       {{0.06, 0.0}, {0.04, 0.0}, {-0.01, 0.01}}},
+      {"an overlap beyond the distance, pushed",
+       0.05,
+       CT_INITIAL_PUSH,
+       2,
+       {{-0.06, 0.06}, {-0.05, 0.05}}},
+      {"an overlap beyond the distance, kept",
+       0.05,
+       CT_INITIAL_KEEP,
+       3,
+       {{-0.08, 0.0}, {-0.09, 0.01}, {-0.06, 0.0}}},
+      {"no distance: a gap", 0.0, CT_INITIAL_KEEP, 3, {{0.03, 0.0}, {0.02, 0.0}, {-0.01, 0.01}}}};
   for (size_t k = 0; k < sizeof courses / sizeof courses[0]; k++) {
     const course *c = &courses[k];
-    hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = c->initial,
-                                                   .adjust = c->adjust}, c->step[0].gap);
+    hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST,
+                                                   .tolerance = 1e-10,
+                                                   .threads = 1,
+                                                   .initial = c->initial,
+                                                   .adjust = c->adjust},
+                              c->step[0].gap);
     double force = 0.0, energy = 0.0, stored;
     for (int i = 0; i < c->count; i++) {
       double d = c->step[i].depth;
       force = worst(force, take(&h, c->step[i].gap, 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - d);
       energy = worst(energy, stored / (2.0 * EPSILON) - d * d);
     }
-    tap_ok(force < 1e-15 && energy < 1e-16, "%s: forces and energy of pencil and paper (force off by %.2g, energy by %.2g)",
-           c->what, force, energy);
+    tap_ok(force < 1e-15 && energy < 1e-16,
+           "%s: forces and energy of pencil and paper (force off by %.2g, energy by %.2g)", c->what,
+           force, energy);
     free_hand(&h);
   }
 }
 
-/* Energy and forces of a contact at the displacement `u`, from the memory of the last step, which stays. */
+/* Energy and forces of a contact at the displacement `u`, from the memory of the last step, which
+ * stays. */
 static double evaluate(hand *h, double *force)
 {
   const ct_effect *effect = h->effect;
@@ -178,23 +244,34 @@ static double evaluate(hand *h, double *force)
   ct_error e;
   double energy, *own = numbers(3 * effect->node_count);
   need(effect->create_scratch(effect, &scratch, &e), &e);
-  ct_view view = {.time = 1.0, .threads = 1, .reference = h->reference, .displacement = h->u, .velocity = h->rest,
-                  .memory = h->memory, .next_memory = h->next, .scratch = scratch};
+  ct_view view = {.time = 1.0,
+                  .threads = 1,
+                  .reference = h->reference,
+                  .displacement = h->u,
+                  .velocity = h->rest,
+                  .memory = h->memory,
+                  .next_memory = h->next,
+                  .scratch = scratch};
   need(effect->force(effect, &view, own, &e), &e);
   need(effect->energy(effect, &view, &energy, &e), &e);
   memset(force, 0, 3 * (size_t)h->nodes * sizeof *force);
-  for (int i = 0; i < effect->node_count; i++) memcpy(&force[3 * effect->nodes[i]], &own[3 * i], 3 * sizeof *own);
+  for (int i = 0; i < effect->node_count; i++)
+    memcpy(&force[3 * effect->nodes[i]], &own[3 * i], 3 * sizeof *own);
   effect->free_scratch(scratch);
   free(own);
   return energy;
 }
 
-/* Two warped patches on unlike meshes that overlap here and gape there, and are adjusted; then pressed together. */
+/* Two warped patches on unlike meshes that overlap here and gape there, and are adjusted; then
+ * pressed together. */
 static hand two_warped_patches(ct_face_kind kind)
 {
-  patch a = new_patch(kind, 3, 3, 0, 0, 2, 2, 1), b = new_patch(kind, 4, 2, 0.13, 0.11, 1.7, 1.7, 0);
-  for (int n = 0; n < a.surface.node_count; n++) a.x[3 * n + 2] = 0.03 * sin(4.0 * a.x[3 * n]) * cos(3.0 * a.x[3 * n + 1]);
-  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = 0.03 * cos(5.0 * b.x[3 * n] + 1.0);
+  patch a = new_patch(kind, 3, 3, 0, 0, 2, 2, 1),
+        b = new_patch(kind, 4, 2, 0.13, 0.11, 1.7, 1.7, 0);
+  for (int n = 0; n < a.surface.node_count; n++)
+    a.x[3 * n + 2] = 0.03 * sin(4.0 * a.x[3 * n]) * cos(3.0 * a.x[3 * n + 1]);
+  for (int n = 0; n < b.surface.node_count; n++)
+    b.x[3 * n + 2] = 0.03 * cos(5.0 * b.x[3 * n] + 1.0);
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = EPSILON;
   options.enforcement = CT_ENFORCE_PENALTY;
@@ -205,17 +282,21 @@ static hand two_warped_patches(ct_face_kind kind)
   return h;
 }
 
-/* With start gaps of both signs: no force at the start, then minus the gradient of one potential, and both momenta. */
+/* With start gaps of both signs: no force at the start, then minus the gradient of one potential,
+ * and both momenta. */
 static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
 {
   hand h = two_warped_patches(kind);
-  double *f = numbers(3 * h.nodes), *other = numbers(3 * h.nodes), stored, size = 0.0, off = 0.0, sum[3] = {0}, moment[3] = {0};
+  double *f = numbers(3 * h.nodes), *other = numbers(3 * h.nodes), stored, size = 0.0, off = 0.0,
+         sum[3] = {0}, moment[3] = {0};
   double begin = fabs(take(&h, 0.0, 0.0, &stored, NULL));
   for (int i = 0; i < 3 * h.nodes; i++) begin = worst(begin, h.force[i]);
-  tap_ok(begin == 0.0 && stored == 0.0, "%s: surfaces that overlap and gape, adjusted, begin without any force or energy", name);
+  tap_ok(begin == 0.0 && stored == 0.0,
+         "%s: surfaces that overlap and gape, adjusted, begin without any force or energy", name);
   for (int n = 0; n < h.nodes; n++) {
     double w = n < h.first_b ? 0.0 : -0.01;
-    for (int c = 0; c < 3; c++) h.u[3 * n + c] = 0.001 * sin(7.0 * n + 2.0 * c) + (c == 2 ? w : 0.5 * w);
+    for (int c = 0; c < 3; c++)
+      h.u[3 * n + c] = 0.001 * sin(7.0 * n + 2.0 * c) + (c == 2 ? w : 0.5 * w);
   }
   stored = evaluate(&h, f);
   for (int i = 0; i < 3 * h.nodes; i++) {
@@ -228,30 +309,40 @@ static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
     off = worst(off, f[i] + (up - evaluate(&h, other)) / (2.0 * step));
     *u = keep;
   }
-  tap_ok(stored > 0.0 && off < 2e-5 * size,
-         "%s: with start gaps of both signs forces are minus the gradient of the energy (off by %.2g)", name, off / size);
+  tap_ok(
+      stored > 0.0 && off < 2e-5 * size,
+      "%s: with start gaps of both signs forces are minus the gradient of the energy (off by %.2g)",
+      name, off / size);
   for (int n = 0; n < h.nodes; n++)
     for (int c = 0; c < 3; c++) {
       int p = (c + 1) % 3, q = (c + 2) % 3;
       sum[c] += f[3 * n + c];
-      moment[c] += (h.reference[3 * n + p] + h.u[3 * n + p]) * f[3 * n + q] - (h.reference[3 * n + q] + h.u[3 * n + q]) * f[3 * n + p];
+      moment[c] += (h.reference[3 * n + p] + h.u[3 * n + p]) * f[3 * n + q] -
+                   (h.reference[3 * n + q] + h.u[3 * n + q]) * f[3 * n + p];
     }
-  double lost = worst(worst(sum[0], sum[1]), sum[2]), turned = worst(worst(moment[0], moment[1]), moment[2]);
-  tap_ok(lost < 1e-13 * size && turned < 1e-13 * size, "%s: with start gaps no momentum is made, linear or angular (%.2g, %.2g)",
-         name, lost / size, turned / size);
+  double lost = worst(worst(sum[0], sum[1]), sum[2]),
+         turned = worst(worst(moment[0], moment[1]), moment[2]);
+  tap_ok(lost < 1e-13 * size && turned < 1e-13 * size,
+         "%s: with start gaps no momentum is made, linear or angular (%.2g, %.2g)", name,
+         lost / size, turned / size);
   free_hand(&h);
   free(f);
   free(other);
 }
 
-/* A start gap that fades while the point opens: at T / 2 half of it is left, so a point that stands at the start gap is pressed
- * by the other half; where it has opened farther the start gap follows, divided by what is left of the fade. The work is that of
- * the trapezoid. */
+/* A start gap that fades while the point opens: at T / 2 half of it is left, so a point that stands
+ * at the start gap is pressed by the other half; where it has opened farther the start gap follows,
+ * divided by what is left of the fade. The work is that of the trapezoid. */
 static void start_gap_fades(void)
 {
-  const double T = 2.0, g0 = -0.04, area = 4.0, half = 0.5, tail = 0.5 * (1.0 - sqrt(0.5)); // φ at T / 2 and 3 T / 4
-  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1,
-                                                 .initial = CT_INITIAL_REMOVE, .removal = T}, g0);
+  const double T = 2.0, g0 = -0.04, area = 4.0, half = 0.5,
+               tail = 0.5 * (1.0 - sqrt(0.5)); // φ at T / 2 and 3 T / 4
+  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST,
+                                                 .tolerance = 1e-10,
+                                                 .threads = 1,
+                                                 .initial = CT_INITIAL_REMOVE,
+                                                 .removal = T},
+                            g0);
   double off = 0.0, stored, work, F1 = EPSILON * area * (half * g0 - g0), F2, g2 = -0.01 / half;
   off = worst(off, take(&h, g0, 0.0, &stored, &work));
   off = worst(off, work);
@@ -266,34 +357,49 @@ static void start_gap_fades(void)
   F2 = EPSILON * area * (tail * g2 + 0.01);
   off = worst(off, take(&h, -0.01, 0.75 * T, &stored, &work) - F2);
   off = worst(off, work - before - 0.5 * F2 * g2 * (tail - half));
-  tap_ok(off < 1e-13 * EPSILON * area, "a start gap that fades and opens: forces and work of pencil and paper, off by %.2g", off / (EPSILON * area));
+  tap_ok(off < 1e-13 * EPSILON * area,
+         "a start gap that fades and opens: forces and work of pencil and paper, off by %.2g",
+         off / (EPSILON * area));
   free_hand(&h);
 }
 
-/* A point is in contact at any depth if it came in from outside, and in no contact if it begins deep. One that was outside and is
- * deeper than the depth at once (which a run refuses, eq:passage) has no face near: no contact, and a new point afterwards. What
- * tells these apart is the sign in the memory. */
+/* A point is in contact at any depth if it came in from outside, and in no contact if it begins
+ * deep. One that was outside and is deeper than the depth at once (which a run refuses, eq:passage)
+ * has no face near: no contact, and a new point afterwards. What tells these apart is the sign in
+ * the memory. */
 static void history_in_memory(void)
 {
-  static const double in[] = {0.1, -0.2, -0.5, -0.9, -0.4, -0.1, 0.05, -0.1}, deep[] = {-0.5, -0.2, -0.1, 0.05, -0.1}, leap[] = {0.1, -0.5, -0.1, 0.1, -0.1};
-  static const int count[3] = {8, 5, 5}, pressed[3][8] = {{0, 1, 1, 1, 1, 1, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 1, 0, 1}};
+  static const double in[] = {0.1, -0.2, -0.5, -0.9, -0.4, -0.1, 0.05, -0.1},
+                      deep[] = {-0.5, -0.2, -0.1, 0.05, -0.1},
+                      leap[] = {0.1, -0.5, -0.1, 0.1, -0.1};
+  static const int count[3] = {8, 5, 5},
+                   pressed[3][8] = {{0, 1, 1, 1, 1, 1, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 1, 0, 1}};
   static const double *const gaps[3] = {in, deep, leap};
-  static const char *const what[3] = {"comes in from outside", "begins deep", "is outside, and then too deep at once"};
+  static const char *const what[3] = {"comes in from outside", "begins deep",
+                                      "is outside, and then too deep at once"};
   for (int k = 0; k < 3; k++) {
-    hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .depth = 0.3},
-                              gaps[k][0]);
+    hand h = two_flat_patches(
+        (ct_contact_options){.method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .depth = 0.3},
+        gaps[k][0]);
     double off = 0.0, stored;
-    for (int i = 0; i < count[k]; i++) off = worst(off, take(&h, gaps[k][i], 0.25 * i, &stored, NULL) / (4.0 * EPSILON) - (pressed[k][i] ? -gaps[k][i] : 0.0));
-    tap_ok(off < 1e-14, "a surface that %s, restarted in every step, has the force of its gap where it is in contact (off by %.2g)", what[k], off);
+    for (int i = 0; i < count[k]; i++)
+      off = worst(off, take(&h, gaps[k][i], 0.25 * i, &stored, NULL) / (4.0 * EPSILON) -
+                           (pressed[k][i] ? -gaps[k][i] : 0.0));
+    tap_ok(off < 1e-14,
+           "a surface that %s, restarted in every step, has the force of its gap where it is in "
+           "contact (off by %.2g)",
+           what[k], off);
     free_hand(&h);
   }
 }
 
-/* Thin closed plates pressed into each other: the host's contact keeps its history itself, the effect in its memory, through a
- * restart in every step. Both are one. The host's energy has a closed form (test_contact_geometry). */
+/* Thin closed plates pressed into each other: the host's contact keeps its history itself, the
+ * effect in its memory, through a restart in every step. Both are one. The host's energy has a
+ * closed form (test_contact_geometry). */
 static void same_as_the_host(void)
 {
-  const double low_a[3] = {0, 0, 0}, size_a[3] = {2, 2, 0.1}, low_b[3] = {0.63, 0.59, 0.1001}, size_b[3] = {0.8, 0.8, 0.1};
+  const double low_a[3] = {0, 0, 0}, size_a[3] = {2, 2, 0.1}, low_b[3] = {0.63, 0.59, 0.1001},
+               size_b[3] = {0.8, 0.8, 0.1};
   static const int cells_a[3] = {5, 5, 1}, cells_b[3] = {3, 3, 1};
   patch a = new_box(low_a, size_a, cells_a), b = new_box(low_b, size_b, cells_b);
   ct_contact_options options = ct_contact_options_default();
@@ -301,7 +407,8 @@ static void same_as_the_host(void)
   options.enforcement = CT_ENFORCE_PENALTY;
   ct_contact *contact = open_contact(&a, &b, options);
   hand h = new_hand(&a, &b, &options);
-  double *fa = numbers(3 * a.surface.node_count), *fb = numbers(3 * b.surface.node_count), *z = numbers(b.surface.node_count), stored, deepest = 0.0;
+  double *fa = numbers(3 * a.surface.node_count), *fb = numbers(3 * b.surface.node_count),
+         *z = numbers(b.surface.node_count), stored, deepest = 0.0;
   int different = 0;
   for (int n = 0; n < b.surface.node_count; n++) z[n] = b.x[3 * n + 2];
   for (int i = 0; i <= 120; i++) {
@@ -310,11 +417,16 @@ static void same_as_the_host(void)
     update(contact, &a, &b);
     forces(contact, &a, &b, fa, fb);
     take(&h, moved, 0.25 * i, &stored, NULL);
-    different += memcmp(fa, h.force, 3 * (size_t)h.first_b * sizeof *fa) != 0 || memcmp(fb, h.force + 3 * h.first_b, 3 * (size_t)(h.nodes - h.first_b) * sizeof *fb) != 0;
+    different +=
+        memcmp(fa, h.force, 3 * (size_t)h.first_b * sizeof *fa) != 0 ||
+        memcmp(fb, h.force + 3 * h.first_b, 3 * (size_t)(h.nodes - h.first_b) * sizeof *fb) != 0;
     different += stored != ct_contact_energy(contact);
     deepest = fmax(deepest, stored);
   }
-  tap_ok(different == 0 && deepest > 0.0, "thin plates, restarted in every step: forces and energy have the bits of a contact that keeps its history (%d differ)", different);
+  tap_ok(different == 0 && deepest > 0.0,
+         "thin plates, restarted in every step: forces and energy have the bits of a contact that "
+         "keeps its history (%d differ)",
+         different);
   ct_contact_free(contact);
   free_hand(&h);
   free_patch(&a);
@@ -324,16 +436,17 @@ static void same_as_the_host(void)
   free(z);
 }
 
-/* A point stands off the corner of a quadratic brick while nodes on the edges there move until the faces are turned inside out.
- * The point is not inside for that (eq:gap-bound). */
+/* A point stands off the corner of a quadratic brick while nodes on the edges there move until the
+ * faces are turned inside out. The point is not inside for that (eq:gap-bound). */
 static void corner_turned_inside_out(void)
 {
   enum { STEPS = 80 };
-  double lowest = HUGE_VAL, energy = 0.0, x[60], corners[12] = {1.2, 1.15, 1.3, 1.2, 1.25, 1.3, 1.3, 1.25, 1.3, 1.3, 1.15, 1.3};
+  double lowest = HUGE_VAL, energy = 0.0, x[60],
+         corners[12] = {1.2, 1.15, 1.3, 1.2, 1.25, 1.3, 1.3, 1.25, 1.3, 1.3, 1.15, 1.3};
   int32_t outer[48], square[4] = {0, 1, 2, 3};
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_surface brick = {CT_Q8, 20, ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes},
-      square_patch = {CT_Q4, 4, 1, square, corners};
+             square_patch = {CT_Q4, 4, 1, square, corners};
   for (int edges = 1; edges < 8; edges++) {
     ct_contact *contact = NULL;
     ct_contact_options options = ct_contact_options_default();
@@ -343,9 +456,11 @@ static void corner_turned_inside_out(void)
     need(ct_contact_create(&square_patch, &brick, &options, &contact, &e), &e);
     for (int step = 0; step <= STEPS; step++) {
       memcpy(x, m->nodes, sizeof x);
-      // The middle of an edge along axis c at the corner (1, 1, 1) moves towards the corner, and the edge folds over.
+      // The middle of an edge along axis c at the corner (1, 1, 1) moves towards the corner, and
+      // the edge folds over.
       for (int i = 0; i < 60; i++)
-        if (edges >> i % 3 & 1 && m->nodes[i] == 0.5 && m->nodes[i - i % 3 + (i % 3 + 1) % 3] == 1.0 &&
+        if (edges >> i % 3 & 1 && m->nodes[i] == 0.5 &&
+            m->nodes[i - i % 3 + (i % 3 + 1) % 3] == 1.0 &&
             m->nodes[i - i % 3 + (i % 3 + 2) % 3] == 1.0)
           x[i] += 0.5 * step / STEPS;
       need(ct_contact_update(contact, corners, x, &e), &e);
@@ -355,7 +470,8 @@ static void corner_turned_inside_out(void)
     }
     ct_contact_free(contact);
   }
-  tap_ok(lowest > 0.3 && energy == 0.0, "a point off a corner that is turned inside out stays outside: gap %g, energy %g", lowest,
+  tap_ok(lowest > 0.3 && energy == 0.0,
+         "a point off a corner that is turned inside out stays outside: gap %g, energy %g", lowest,
          energy);
   ct_mesh_free(m);
 }

@@ -19,9 +19,11 @@ static void decay(void)
   ct_damping damping = {.rate = 2.0};
   need(ct_damping_create_effect(&damping, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  const ct_problem *problem = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
   double W = 4.0 / (free_step.dt * free_step.dt);
-  tap_close(stable.dt / (4.0 / (2.0 + sqrt(4.0 + 4.0 * W))), 1.0, 1e-12, "the stable step knows the rate (%g of the undamped one)", stable.dt / free_step.dt);
+  tap_close(stable.dt / (4.0 / (2.0 + sqrt(4.0 + 4.0 * W))), 1.0, 1e-12,
+            "the stable step knows the rate (%g of the undamped one)", stable.dt / free_step.dt);
   ct_state *state = NULL;
   need(ct_state_create(problem, &state, &e), &e);
   // v at -1/2 is chosen so that the mean of both halves is the given velocity.
@@ -39,16 +41,18 @@ static void decay(void)
   tap_close(now.balance / first.kinetic, 0.0, 1e-13, "the work balance closes");
   double work;
   need(ct_energy_work(problem, state, 1, &work, &e), &e);
-  tap_ok(work < 0.0 && fabs(work + first.kinetic - now.kinetic) < 1e-12 * first.kinetic, "the work is the loss of kinetic energy (%g)", work);
+  tap_ok(work < 0.0 && fabs(work + first.kinetic - now.kinetic) < 1e-12 * first.kinetic,
+         "the work is the loss of kinetic energy (%g)", work);
   ct_state_free(state);
   damping.rate = -1.0;
-  tap_ok(ct_damping_create_effect(&damping, joined, &effect, &e) == CT_INVALID, "a negative rate: %s", e.text);
+  tap_ok(ct_damping_create_effect(&damping, joined, &effect, &e) == CT_INVALID,
+         "a negative rate: %s", e.text);
   ct_scene_free(scene);
   ct_mesh_free(mesh);
 }
 
-/* A bar that hangs on one end comes to rest with u(x) = rho g (L x - x² / 2) / E, which linear elements have exactly at their
- * nodes. */
+/* A bar that hangs on one end comes to rest with u(x) = rho g (L x - x² / 2) / E, which linear
+ * elements have exactly at their nodes. */
 static void relaxation(void)
 {
   static const ct_material bar = {.young = 900.0, .poisson = 0.0, .density = 1.0};
@@ -64,13 +68,15 @@ static void relaxation(void)
   need(ct_gravity_create_effect(&gravity, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   ct_damping damping = {.relaxation = 1, .rate = 3.0};
-  tap_ok(ct_damping_create_effect(&damping, joined, &effect, &e) == CT_ERROR_ARGUMENT, "relaxation and a rate: %s", e.text);
+  tap_ok(ct_damping_create_effect(&damping, joined, &effect, &e) == CT_ERROR_ARGUMENT,
+         "relaxation and a rate: %s", e.text);
   damping.rate = 0.0;
   need(ct_damping_create_effect(&damping, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *problem = build(scene, (ct_scene_time){.end = 40.0, .fraction = 0.9, .threads = 1}, &steps, &stable);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 40.0, .fraction = 0.9, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(problem), *other = new_state(problem);
   double unrest = 0.0, work = 0.0, balance = 0.0, off = 0.0;
   need(ct_energy_unrest(problem, state, &unrest, &e), &e);
@@ -88,14 +94,20 @@ static void relaxation(void)
     double x = problem->reference[3 * n];
     off = worst(off, state->displacement[3 * n] - 10.0 * (10.0 * x - 0.5 * x * x) / 900.0);
   }
-  tap_ok(unrest <= 1e-9 && state->step < 600, "relaxation comes to rest in %d steps, 4 L / c is %.1f steps", (int)state->step, 40.0 / 30.0 / problem->dt);
+  tap_ok(unrest <= 1e-9 && state->step < 600,
+         "relaxation comes to rest in %d steps, 4 L / c is %.1f steps", (int)state->step,
+         40.0 / 30.0 / problem->dt);
   tap_ok(off < 1e-8, "in the static solution, off by %.2g of %.2g", off, 500.0 / 900.0);
   tap_ok(balance < 1e-12, "the work balance closes (%.2g)", balance);
-  // The weight does the work 2 E_strain, and the motion began with the discrete kinetic energy of -dt/2 and dt/2, which is below
-  // 0.
-  tap_close((work + first.kinetic) / energy.strain, -1.0, 1e-8, "damping has taken half the work of the weight, the other half is strain (%g)", energy.strain);
+  // The weight does the work 2 E_strain, and the motion began with the discrete kinetic energy of
+  // -dt/2 and dt/2, which is below 0.
+  tap_close((work + first.kinetic) / energy.strain, -1.0, 1e-8,
+            "damping has taken half the work of the weight, the other half is strain (%g)",
+            energy.strain);
   while (other->step < state->step) advance(problem, other, 1);
-  tap_ok(memcmp(other->displacement, state->displacement, 3 * (size_t)problem->node_count * sizeof(double)) == 0, "a restart has the same bits");
+  tap_ok(memcmp(other->displacement, state->displacement,
+                3 * (size_t)problem->node_count * sizeof(double)) == 0,
+         "a restart has the same bits");
   ct_state_free(state);
   ct_state_free(other);
   ct_scene_free(scene);
@@ -113,10 +125,12 @@ static void unrest_of_free_bodies(void)
     ct_stable_step stable;
     double unrest;
     add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, flies, 0, 0);
-    const ct_problem *problem = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+    const ct_problem *problem =
+        build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
     ct_state *state = new_state(problem);
     need(ct_energy_unrest(problem, state, &unrest, &e), &e);
-    tap_ok(flies ? unrest > 1e300 : unrest == 0.0, "a body that %s: unrest %g", flies ? "flies" : "lies there", unrest);
+    tap_ok(flies ? unrest > 1e300 : unrest == 0.0, "a body that %s: unrest %g",
+           flies ? "flies" : "lies there", unrest);
     ct_state_free(state);
     ct_scene_free(scene);
   }

@@ -1,16 +1,21 @@
-/* An effect of the caller's own, filled by hand: a spring at each node of a body, against its closed form. */
+/* An effect of the caller's own, filled by hand: a spring at each node of a body, against its
+ * closed form. */
 #include "bodies.h"
 
 static const ct_material STIFF = {.young = 1e5, .poisson = 0.3, .density = 2.0};
 
-static ct_status spring_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status spring_force(const ct_effect *effect, const ct_view *view, double *force,
+                              ct_error *error)
 {
   (void)error;
-  for (int i = 0; i < 3 * effect->node_count; i++) force[i] = -*(const double *)effect->data * view->displacement[3 * effect->nodes[i / 3] + i % 3];
+  for (int i = 0; i < 3 * effect->node_count; i++)
+    force[i] =
+        -*(const double *)effect->data * view->displacement[3 * effect->nodes[i / 3] + i % 3];
   return CT_OK;
 }
 
-static ct_status spring_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
+static ct_status spring_energy(const ct_effect *effect, const ct_view *view, double *energy,
+                               ct_error *error)
 {
   (void)error;
   *energy = 0.0;
@@ -21,10 +26,12 @@ static ct_status spring_energy(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
-static ct_status spring_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
+static ct_status spring_frequency(const ct_effect *effect, const ct_view *view,
+                                  double *omega_squared, ct_error *error)
 {
   (void)view, (void)error;
-  *omega_squared = *(const double *)effect->data / 0.25; // each node of the block has the mass 2 / 8
+  *omega_squared =
+      *(const double *)effect->data / 0.25; // each node of the block has the mass 2 / 8
   return CT_OK;
 }
 
@@ -36,8 +43,13 @@ static void named(const char *name)
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
-  ct_effect filled = {.name = name, .data = &k, .nodes = nodes, .node_count = 2, .force = spring_force, .energy = spring_energy},
-      *effect = NULL, *friction = NULL;
+  ct_effect filled = {.name = name,
+                      .data = &k,
+                      .nodes = nodes,
+                      .node_count = 2,
+                      .force = spring_force,
+                      .energy = spring_energy},
+            *effect = NULL, *friction = NULL;
   const ct_problem *joined = NULL;
   ct_error e;
   int64_t steps;
@@ -45,19 +57,22 @@ static void named(const char *name)
   need(ct_scene_join(scene, &joined, &e), &e);
   need(ct_effect_create(&filled, &effect, &e), &e);
   ct_friction rub = {.on = effect, .coefficient = 0.3};
-  tap_ok(ct_friction_create_effect(&rub, joined, &friction, &e) == CT_ERROR_ARGUMENT && friction == NULL,
+  tap_ok(ct_friction_create_effect(&rub, joined, &friction, &e) == CT_ERROR_ARGUMENT &&
+             friction == NULL,
          "a host's effect \"%s\" has no points that rub: %s", name, e.text);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  ct_state *state = new_state(build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable));
+  ct_state *state = new_state(
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable));
   const ct_problem *problem = state->problem;
   advance(problem, state, 3);
   ct_energy energy = energy_of(problem, state);
   ct_momentum momentum = momentum_of(problem, state, 0);
   need(ct_energy_stored(problem, state, 1, &stored, &e), &e);
-  tap_ok(stored > 0.0 && energy.contact == 0.0 && momentum.contact_impulse[0] == 0.0 && momentum.support_impulse[0] == 0.0,
+  tap_ok(stored > 0.0 && energy.contact == 0.0 && momentum.contact_impulse[0] == 0.0 &&
+             momentum.support_impulse[0] == 0.0,
          "\"%s\": its energy is in the total, not in the contacts'", name);
   tap_ok(ct_state_contact(problem, state, 1, &e) == NULL && e.code == CT_ERROR_ARGUMENT &&
-         ct_obstacle_reaction(problem, state, 1, force, &held, &e) == CT_ERROR_ARGUMENT &&
+             ct_obstacle_reaction(problem, state, 1, force, &held, &e) == CT_ERROR_ARGUMENT &&
              ct_friction_energy(problem, state, 1, &held, &lost, &e) == CT_ERROR_ARGUMENT,
          "\"%s\": no contact, no obstacle and no friction", name);
   ct_state_free(state);
@@ -75,11 +90,13 @@ static void copied(void)
   ct_effect *gravity = NULL, *copy = NULL;
   ct_error e;
   need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_gravity_create_effect(&(ct_gravity){.acceleration = {0, 0, -9.81}}, joined, &gravity, &e), &e);
+  need(ct_gravity_create_effect(&(ct_gravity){.acceleration = {0, 0, -9.81}}, joined, &gravity, &e),
+       &e);
   tap_ok(ct_effect_create(gravity, &copy, &e) == CT_ERROR_ARGUMENT && copy == NULL,
          "a copy of an effect of the library is refused: %s", e.text);
   need(ct_scene_add_effect(scene, gravity, &e), &e);
-  tap_ok(ct_scene_add_effect(scene, gravity, &e) == CT_ERROR_ARGUMENT, "and so is one that the scene has already: %s", e.text);
+  tap_ok(ct_scene_add_effect(scene, gravity, &e) == CT_ERROR_ARGUMENT,
+         "and so is one that the scene has already: %s", e.text);
   ct_scene_free(scene);
   ct_mesh_free(mesh);
 }
@@ -95,7 +112,13 @@ int main(void)
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
-  ct_effect filled = {.name = "spring", .data = &k, .nodes = nodes, .node_count = 8, .force = spring_force, .energy = spring_energy, .frequency = spring_frequency};
+  ct_effect filled = {.name = "spring",
+                      .data = &k,
+                      .nodes = nodes,
+                      .node_count = 8,
+                      .force = spring_force,
+                      .energy = spring_energy,
+                      .frequency = spring_frequency};
   ct_error e;
   int64_t steps;
   ct_stable_step free_step, stable;
@@ -103,7 +126,8 @@ int main(void)
   build(scene, run, &steps, &free_step);
   add_effect(scene, &filled);
   const ct_problem *problem = build(scene, run, &steps, &stable);
-  tap_close(4.0 / (stable.dt * stable.dt) - 4.0 / (free_step.dt * free_step.dt), 4.0, 1e-6 / (stable.dt * stable.dt), "its frequency counts in the stable step");
+  tap_close(4.0 / (stable.dt * stable.dt) - 4.0 / (free_step.dt * free_step.dt), 4.0,
+            1e-6 / (stable.dt * stable.dt), "its frequency counts in the stable step");
   ct_state *state = new_state(problem);
   ct_energy energy, first = energy_of(problem, state);
   while (state->step < steps) {

@@ -40,7 +40,11 @@ static ledger watch(const ct_problem *p, ct_state *state, int64_t steps, int64_t
     double sum = 0.0, sum_start = 0.0;
     for (int b = 0; b < p->body_count; b++) {
       m[b] = momentum_of(p, state, b);
-      for (int c = 0; c < 3; c++) worst_of.impulse = worst(worst_of.impulse, (m[b].p[c] - start[b].p[c] - m[b].contact_impulse[c] - m[b].support_impulse[c]) / scale);
+      for (int c = 0; c < 3; c++)
+        worst_of.impulse =
+            worst(worst_of.impulse,
+                  (m[b].p[c] - start[b].p[c] - m[b].contact_impulse[c] - m[b].support_impulse[c]) /
+                      scale);
       sum += m[b].p[0], sum_start += start[b].p[0];
     }
     worst_of.momentum = worst(worst_of.momentum, (sum - sum_start) / scale);
@@ -58,18 +62,24 @@ static void reference_run(void)
   add_support(scene, 0, m, 0, 0.0, "x", 0.0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 6e-7, .courant = 0.125, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 6e-7, .courant = 0.125, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
   double kinetic = energy_of(p, state).kinetic, mass = 0.0;
   for (int n = 0; n < p->node_count; n++) mass += m->nodes[3 * n] > 0.0 ? p->mass[n] : 0.0;
-  tap_close(kinetic / (0.5 * mass * 1e6), 1.0, 1e-12, "reference run: kinetic energy of what moves, m v^2 / 2");
+  tap_close(kinetic / (0.5 * mass * 1e6), 1.0, 1e-12,
+            "reference run: kinetic energy of what moves, m v^2 / 2");
   ledger l = watch(p, state, steps / 10 * 10, 10);
-  tap_ok(l.total < 1e-12, "reference run, %d steps: total energy constant to %.2g", (int)steps, l.total);
+  tap_ok(l.total < 1e-12, "reference run, %d steps: total energy constant to %.2g", (int)steps,
+         l.total);
   tap_ok(l.balance < 1e-12, "reference run: work balance %.2g", l.balance);
-  tap_ok(l.solid_work < 1e-12, "reference run: work of the solid is minus its energy, off by %.2g", l.solid_work);
-  tap_ok(l.impulse < 1e-12, "reference run: change of momentum is the support's impulse, off by %.2g", l.impulse);
+  tap_ok(l.solid_work < 1e-12, "reference run: work of the solid is minus its energy, off by %.2g",
+         l.solid_work);
+  tap_ok(l.impulse < 1e-12,
+         "reference run: change of momentum is the support's impulse, off by %.2g", l.impulse);
   ct_momentum now = momentum_of(p, state, 0);
-  tap_ok(now.support_impulse[0] > 0.0 && now.contact_impulse[0] == 0.0, "reference run: the wall pushes back, and there is no contact");
+  tap_ok(now.support_impulse[0] > 0.0 && now.contact_impulse[0] == 0.0,
+         "reference run: the wall pushes back, and there is no contact");
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);
@@ -78,7 +88,8 @@ static void reference_run(void)
 /* Two equal plates. */
 static void contact_run(double beta, double courant, double fraction, double drift)
 {
-  ct_mesh *right = box_mesh(CT_HEX8, 0, 0, 0, 2.5, 0.125, 2.5, 20, 1, 20), *left = box_mesh(CT_HEX8, -2.5, 0, 0, 2.5, 0.125, 2.5, 20, 1, 20);
+  ct_mesh *right = box_mesh(CT_HEX8, 0, 0, 0, 2.5, 0.125, 2.5, 20, 1, 20),
+          *left = box_mesh(CT_HEX8, -2.5, 0, 0, 2.5, 0.125, 2.5, 20, 1, 20);
   ct_scene *scene = new_scene();
   add_body(scene, "right", right, &STEEL, CT_KERNEL_AUTO, -1000, 0, 0);
   add_body(scene, "left", left, &STEEL, CT_KERNEL_AUTO, 1000, 0, 0);
@@ -87,22 +98,28 @@ static void contact_run(double beta, double courant, double fraction, double dri
   add_contact(scene, 1, left, 0.0, 0, right, 0.0, 0, beta);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-6, .courant = courant, .fraction = fraction, .threads = 1}, &steps, &stable);
+  const ct_problem *p = build(
+      scene, (ct_scene_time){.end = 1e-6, .courant = courant, .fraction = fraction, .threads = 1},
+      &steps, &stable);
   ct_state *state = new_state(p);
   ledger l = watch(p, state, steps / 5 * 5, 5);
   char name[80];
-  snprintf(name, sizeof name, "contact run, beta = %g, Courant number %.3f", beta, p->dt / stable.dt_courant);
-  tap_ok(l.total < drift && l.contact > 1e-3, "%s: total energy constant to %.2g, up to %.2g of it in the contact", name, l.total, l.contact);
+  snprintf(name, sizeof name, "contact run, beta = %g, Courant number %.3f", beta,
+           p->dt / stable.dt_courant);
+  tap_ok(l.total < drift && l.contact > 1e-3,
+         "%s: total energy constant to %.2g, up to %.2g of it in the contact", name, l.total,
+         l.contact);
   tap_ok(l.balance < 1e-12, "%s: work balance %.2g", name, l.balance);
-  tap_ok(l.impulse < 1e-12 && l.momentum < 1e-13, "%s: impulse %.2g, total momentum %.2g", name, l.impulse, l.momentum);
+  tap_ok(l.impulse < 1e-12 && l.momentum < 1e-13, "%s: impulse %.2g, total momentum %.2g", name,
+         l.impulse, l.momentum);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(right);
   ct_mesh_free(left);
 }
 
-/* A problem that begins in touch: two rods or plates that fly at each other, or a rod at a wall; `lap` is how far they lie in
- * each other. */
+/* A problem that begins in touch: two rods or plates that fly at each other, or a rod at a wall;
+ * `lap` is how far they lie in each other. */
 typedef struct touching {
   ct_mesh *mesh[2];
   ct_scene *scene;
@@ -111,21 +128,30 @@ typedef struct touching {
   double stored; /* of the overlap: k lap² / 2 of all points */
 } touching;
 
-static touching open_touching(ct_brick_kind kind, int plate, ct_enforcement enforcement, ct_scheme scheme, double lap)
+static touching open_touching(ct_brick_kind kind, int plate, ct_enforcement enforcement,
+                              ct_scheme scheme, double lap)
 {
   double width = plate ? 1.0 : 0.25, beta = 4.0, edge = 0.25, v = 1000.0;
   int across = plate ? 4 : 1;
   touching t = {{box_mesh(kind, -1, 0, 0, 1, 0.25, width, 4, 1, across),
-                 box_mesh(kind, -lap, 0, 0, 1, 0.25, width, 4, 1, across)}, new_scene(), NULL, 0.0, 0.0};
+                 box_mesh(kind, -lap, 0, 0, 1, 0.25, width, 4, 1, across)},
+                new_scene(),
+                NULL,
+                0.0,
+                0.0};
   ct_contact_options options = ct_contact_options_default();
   options.enforcement = enforcement;
   options.initial = lap > 0.0 ? CT_INITIAL_PUSH : options.initial;
-  for (int b = 0; b < 2; b++) add_body(t.scene, b ? "right" : "left", t.mesh[b], &STEEL, CT_KERNEL_AUTO, b ? -v : v, 0, 0);
+  for (int b = 0; b < 2; b++)
+    add_body(t.scene, b ? "right" : "left", t.mesh[b], &STEEL, CT_KERNEL_AUTO, b ? -v : v, 0, 0);
   add_contact_with(t.scene, 0, t.mesh[0], 0.0, 1, t.mesh[1], -lap, 0, beta, options, 0.0, 0.0);
   int64_t steps;
   ct_stable_step stable;
-  t.problem = build(t.scene, (ct_scene_time){.end = 1e-6, .fraction = 0.8, .threads = 1,
-                                             .integrator = ct_integrator_default(scheme)}, &steps, &stable);
+  t.problem = build(
+      t.scene,
+      (ct_scene_time){
+          .end = 1e-6, .fraction = 0.8, .threads = 1, .integrator = ct_integrator_default(scheme)},
+      &steps, &stable);
   for (int n = 0; n < t.problem->node_count; n++) t.moving += 0.5 * t.problem->mass[n] * v * v;
   // Half the penalty at the points of each side, whose weights sum to the area.
   t.stored = 0.5 * beta * STEEL.young / edge * lap * lap * 0.25 * width;
@@ -138,7 +164,8 @@ static void close_touching(touching *t)
   for (int b = 0; b < 2; b++) ct_mesh_free(t->mesh[b]);
 }
 
-/* What is there at t = 0 is the motion of the start and what an overlap stores, whatever the contact does next. */
+/* What is there at t = 0 is the motion of the start and what an overlap stores, whatever the
+ * contact does next. */
 static void first_row(void)
 {
   for (int e = 0; e < 4; e++)
@@ -146,7 +173,8 @@ static void first_row(void)
       double kinetic = 0.0, total = 0.0, balance = 0.0, work = 0.0, own;
       ct_error error;
       for (int scheme = 0; scheme < 4; scheme++) {
-        touching t = open_touching(k % 2 ? CT_HEX20 : CT_HEX8, k / 2, (ct_enforcement)e, (ct_scheme)scheme, 0.0);
+        touching t = open_touching(k % 2 ? CT_HEX20 : CT_HEX8, k / 2, (ct_enforcement)e,
+                                   (ct_scheme)scheme, 0.0);
         ct_state *state = new_state(t.problem);
         ct_energy first = energy_of(t.problem, state);
         kinetic = worst(kinetic, first.kinetic / t.moving - 1.0);
@@ -163,17 +191,19 @@ static void first_row(void)
         close_touching(&t);
       }
       tap_ok(kinetic < 1e-12 && total < 1e-12 && work == 0.0 && balance < 1e-13,
-             "first row, %s of %s that touch, %s, four integrators: kinetic energy off by %.1e, total by %.1e, balance then %.1e",
-             k / 2 ? "plates" : "rods", k % 2 ? "hex20" : "hex8", ct_enforcement_name((ct_enforcement)e), kinetic, total,
-             balance);
+             "first row, %s of %s that touch, %s, four integrators: kinetic energy off by %.1e, "
+             "total by %.1e, balance then %.1e",
+             k / 2 ? "plates" : "rods", k % 2 ? "hex20" : "hex8",
+             ct_enforcement_name((ct_enforcement)e), kinetic, total, balance);
     }
   for (int e = 1; e < 4; e += 2) {
     touching t = open_touching(CT_HEX8, 0, (ct_enforcement)e, CT_CENTRAL_DIFFERENCE, 1e-4);
     ct_state *state = new_state(t.problem);
     ct_energy first = energy_of(t.problem, state);
     double stored = e == CT_ENFORCE_LAGRANGE ? 0.0 : t.stored;
-    tap_ok(fabs(first.kinetic / t.moving - 1.0) < 1e-12 && fabs(first.contact - stored) < 1e-12 * t.moving &&
-           t.stored > 0.1 * t.moving, "rods that overlap, %s: m v^2 / 2, and %.3g of it in the contact, as computed by hand",
+    tap_ok(fabs(first.kinetic / t.moving - 1.0) < 1e-12 &&
+               fabs(first.contact - stored) < 1e-12 * t.moving && t.stored > 0.1 * t.moving,
+           "rods that overlap, %s: m v^2 / 2, and %.3g of it in the contact, as computed by hand",
            ct_enforcement_name((ct_enforcement)e), first.contact / t.moving);
     ct_state_free(state);
     close_touching(&t);
@@ -203,7 +233,8 @@ static void refined_start(void)
   }
 }
 
-/* The same at a wall, at rest, with a weight that presses: the total never rises from its first row on. */
+/* The same at a wall, at rest, with a weight that presses: the total never rises from its first row
+ * on. */
 static void pressed_at_rest(void)
 {
   for (int k = 0; k < 2; k++) {
@@ -215,9 +246,14 @@ static void pressed_at_rest(void)
     ct_effect *effect = NULL;
     add_body(scene, "block", m, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
     need(ct_scene_join(scene, &joined, &error), &error);
-    ct_obstacle o = {.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 4.0 * STEEL.young * 3.0,
-                     .enforcement = k ? CT_ENFORCE_LAGRANGE : CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = 0.1,
-                     .kind = CT_Q4, .face_count = ct_mesh_plane_faces(m, 2, 0.0, faces, NULL), .faces = faces};
+    ct_obstacle o = {.shape = CT_OBSTACLE_PLANE,
+                     .axis = {0, 0, 1},
+                     .epsilon = 4.0 * STEEL.young * 3.0,
+                     .enforcement = k ? CT_ENFORCE_LAGRANGE : CT_ENFORCE_ENERGY_CONTROLLED,
+                     .dissipation = 0.1,
+                     .kind = CT_Q4,
+                     .face_count = ct_mesh_plane_faces(m, 2, 0.0, faces, NULL),
+                     .faces = faces};
     need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
     need(ct_scene_add_effect(scene, effect, &error), &error);
     ct_gravity gravity = {.acceleration = {0, 0, -9810}};
@@ -225,7 +261,8 @@ static void pressed_at_rest(void)
     need(ct_scene_add_effect(scene, effect, &error), &error);
     int64_t steps;
     ct_stable_step stable;
-    const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9, .threads = 1}, &steps, &stable);
+    const ct_problem *p =
+        build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9, .threads = 1}, &steps, &stable);
     ct_state *state = new_state(p);
     double before = energy_of(p, state).total, rise = 0.0, top = 0.0;
     for (int i = 0; i < 60; i++) {
@@ -236,7 +273,9 @@ static void pressed_at_rest(void)
       top = fmax(top, fabs(now.kinetic));
     }
     // The forces are those of the law to the tolerance of the iteration, 1e-10.
-    tap_ok(rise < 1e-11 * top, "a block at rest on a plane under its weight, %s: the total rises by %.1e of the kinetic energy at most",
+    tap_ok(rise < 1e-11 * top,
+           "a block at rest on a plane under its weight, %s: the total rises by %.1e of the "
+           "kinetic energy at most",
            k ? "lagrange" : "energy_controlled", rise / top);
     ct_state_free(state);
     ct_scene_free(scene);
@@ -250,7 +289,8 @@ static void unlike_plates(void)
 {
   ct_material heavy = STEEL;
   heavy.density *= 2.0;
-  ct_mesh *coarse = box_mesh(CT_HEX8, -2.5, 0, 0, 2.5, 0.25, 2.5, 10, 1, 10), *fine = box_mesh(CT_HEX8, 0, 0, 0, 2.5, 0.25, 2.5, 12, 1, 73);
+  ct_mesh *coarse = box_mesh(CT_HEX8, -2.5, 0, 0, 2.5, 0.25, 2.5, 10, 1, 10),
+          *fine = box_mesh(CT_HEX8, 0, 0, 0, 2.5, 0.25, 2.5, 12, 1, 73);
   ct_scene *scene = new_scene();
   add_body(scene, "coarse", coarse, &heavy, CT_KERNEL_AUTO, 700, 0, 0);
   add_body(scene, "fine", fine, &STEEL, CT_KERNEL_AUTO, -1900, 0, 30);
@@ -259,15 +299,24 @@ static void unlike_plates(void)
   add_contact(scene, 0, coarse, 0.0, 1, fine, 0.0, 0, 1.0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 8e-7, .fraction = 0.7, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 8e-7, .fraction = 0.7, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
   ledger l = watch(p, state, steps / 10 * 10, 10);
   ct_momentum a = momentum_of(p, state, 0), b = momentum_of(p, state, 1);
-  tap_ok(l.momentum < 1e-13, "unlike plates, %d steps: total p_x constant to %.2g of sum m |v|", (int)steps, l.momentum);
-  tap_ok(l.impulse < 1e-12, "unlike plates: each change of momentum is contact plus support impulse, off by %.2g", l.impulse);
-  tap_ok(l.balance < 1e-12 && l.total < 0.02, "unlike plates: work balance %.2g, total energy to %.2g", l.balance, l.total);
-  tap_ok(a.contact_impulse[0] < 0.0 && fabs(a.contact_impulse[0] + b.contact_impulse[0]) < 1e-12 * fabs(a.contact_impulse[0]) && fabs(a.contact_impulse[0]) > 0.1 * fabs(a.p[0]),
-         "unlike plates: the contact's impulses are opposite, %.3g and %.3g", a.contact_impulse[0], b.contact_impulse[0]);
+  tap_ok(l.momentum < 1e-13, "unlike plates, %d steps: total p_x constant to %.2g of sum m |v|",
+         (int)steps, l.momentum);
+  tap_ok(l.impulse < 1e-12,
+         "unlike plates: each change of momentum is contact plus support impulse, off by %.2g",
+         l.impulse);
+  tap_ok(l.balance < 1e-12 && l.total < 0.02,
+         "unlike plates: work balance %.2g, total energy to %.2g", l.balance, l.total);
+  tap_ok(a.contact_impulse[0] < 0.0 &&
+             fabs(a.contact_impulse[0] + b.contact_impulse[0]) <
+                 1e-12 * fabs(a.contact_impulse[0]) &&
+             fabs(a.contact_impulse[0]) > 0.1 * fabs(a.p[0]),
+         "unlike plates: the contact's impulses are opposite, %.3g and %.3g", a.contact_impulse[0],
+         b.contact_impulse[0]);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(coarse);
@@ -283,15 +332,17 @@ static void flying_block(void)
   add_body(scene, "block", box, &m, CT_KERNEL_AUTO, 3, -1, 2);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
   advance(p, state, steps);
   ct_momentum now = momentum_of(p, state, 0);
-  // Mass 1; at t = 1 the centre is at (1.5, 2.5, 4) + (3, -1, 2) = (4.5, 1.5, 6): L = X x v = (1.5*2 + 6*1, 6*3 - 4.5*2, -4.5 -
-  // 4.5).
+  // Mass 1; at t = 1 the centre is at (1.5, 2.5, 4) + (3, -1, 2) = (4.5, 1.5, 6): L = X x v =
+  // (1.5*2 + 6*1, 6*3 - 4.5*2, -4.5 - 4.5).
   const double L[3] = {9.0, 9.0, -9.0}, v[3] = {3, -1, 2};
   double off = worst(largest_difference(now.p, v, 3), largest_difference(now.L, L, 3));
-  tap_ok(off < 1e-13 && now.body == 0 && fabs(now.time - 1.0) < 1e-15, "a flying block of mass 1: p = v, L = X x v, off by %.2g", off);
+  tap_ok(off < 1e-13 && now.body == 0 && fabs(now.time - 1.0) < 1e-15,
+         "a flying block of mass 1: p = v, L = X x v, off by %.2g", off);
   tap_close(energy_of(p, state).kinetic, 7.0, 1e-13, "its kinetic energy is 14 / 2");
 
   double *u = numbers(3 * p->node_count), stored = 1.0, work = 1.0;
@@ -303,9 +354,14 @@ static void flying_block(void)
   need(ct_energy_stored(p, state, 0, &stored, &e), &e);
   need(ct_energy_work(p, state, 0, &work, &e), &e);
   tap_ok(stored < 1e-25 && fabs(work) < 1e-13, "nothing is stored and nothing done");
-  tap_ok(ct_momentum_of(p, state, 1, &now, &e) == CT_ERROR_ARGUMENT && ct_momentum_of(p, state, -1, &now, &e) == CT_ERROR_ARGUMENT, "there is no second body: %s", e.text);
-  tap_ok(ct_energy_stored(p, state, 1, &stored, &e) == CT_ERROR_ARGUMENT && ct_state_force(p, state, -1, u, &e) == CT_ERROR_ARGUMENT && ct_energy_work(p, state, 0, NULL, NULL) == CT_ERROR_ARGUMENT &&
-             ct_energy_of(NULL, state, NULL, NULL) == CT_ERROR_ARGUMENT && ct_state_velocity(p, NULL, u, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_momentum_of(p, state, 1, &now, &e) == CT_ERROR_ARGUMENT &&
+             ct_momentum_of(p, state, -1, &now, &e) == CT_ERROR_ARGUMENT,
+         "there is no second body: %s", e.text);
+  tap_ok(ct_energy_stored(p, state, 1, &stored, &e) == CT_ERROR_ARGUMENT &&
+             ct_state_force(p, state, -1, u, &e) == CT_ERROR_ARGUMENT &&
+             ct_energy_work(p, state, 0, NULL, NULL) == CT_ERROR_ARGUMENT &&
+             ct_energy_of(NULL, state, NULL, NULL) == CT_ERROR_ARGUMENT &&
+             ct_state_velocity(p, NULL, u, NULL) == CT_ERROR_ARGUMENT,
          "effects that do not exist and null arguments are refused: %s", e.text);
   free(u);
   ct_state_free(state);
@@ -323,14 +379,16 @@ static void discrete_kinetic(void)
   add_support(scene, 0, box, 0, 0.0, "xyz", 0.0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
   double off = 0.0, *before = numbers(3 * p->node_count);
   for (int k = 0; k < 50; k++) {
     double got = energy_of(p, state).kinetic, want = 0.0;
     memcpy(before, state->velocity, 3 * (size_t)p->node_count * sizeof *before);
     advance(p, state, 1);
-    for (int i = 0; i < 3 * p->node_count; i++) want += 0.5 * p->mass[i / 3] * before[i] * state->velocity[i];
+    for (int i = 0; i < 3 * p->node_count; i++)
+      want += 0.5 * p->mass[i / 3] * before[i] * state->velocity[i];
     off = worst(off, (got - want) / state->kinetic_start);
   }
   tap_ok(off < 1e-13, "kinetic energy is half of v- M v+, off by %.2g", off);
@@ -340,9 +398,9 @@ static void discrete_kinetic(void)
   ct_mesh_free(box);
 }
 
-/* A block hangs on its base for 2 · 10⁵ steps. The impulse of its weight is m g t, that of the base the rest of its momentum: to
- * 10⁻¹⁴ of the whole, where a plain running sum is off by 10⁻¹²; and a copy within a block of steps goes on with the same
- * bits. */
+/* A block hangs on its base for 2 · 10⁵ steps. The impulse of its weight is m g t, that of the base
+ * the rest of its momentum: to 10⁻¹⁴ of the whole, where a plain running sum is off by 10⁻¹²; and a
+ * copy within a block of steps goes on with the same bits. */
 static void many_impulses(void)
 {
   static const int64_t at[] = {1000, 25600, 25601, 102399, 200000};
@@ -356,7 +414,8 @@ static void many_impulses(void)
   int64_t steps;
   ct_stable_step stable;
   ct_error e;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p), *copy = new_state(p);
   double weighed = 0.0, balance = 0.0, mass = 0.0, impulse[3];
   int own = strcmp(p->effects[1]->name, "weight") == 0 ? 1 : 2;
@@ -369,13 +428,19 @@ static void many_impulses(void)
     need(ct_energy_impulse(p, state, own, impulse, &e), &e);
     for (int c = 0; c < 3; c++) {
       weighed = worst(weighed, (impulse[c] - mass * g[c] * t) / unit);
-      balance = worst(balance, (now.p[c] - start.p[c] - impulse[c] - now.support_impulse[c]) / unit);
+      balance =
+          worst(balance, (now.p[c] - start.p[c] - impulse[c] - now.support_impulse[c]) / unit);
     }
     if (i == 0) need(ct_state_copy(p, state, copy, &e), &e);
   }
-  tap_ok(weighed < 4e-14 && balance < 4e-14, "200000 steps: the impulse of a weight is m g t (off by %.2g), the momentum that of weight and base (%.2g)", weighed, balance);
+  tap_ok(weighed < 4e-14 && balance < 4e-14,
+         "200000 steps: the impulse of a weight is m g t (off by %.2g), the momentum that of "
+         "weight and base (%.2g)",
+         weighed, balance);
   advance(p, copy, state->step - copy->step);
-  tap_ok(memcmp(copy->impulse, state->impulse, (size_t)state->impulse_count * sizeof *state->impulse) == 0, "a copy goes on with the same bits of its impulses");
+  tap_ok(memcmp(copy->impulse, state->impulse,
+                (size_t)state->impulse_count * sizeof *state->impulse) == 0,
+         "a copy goes on with the same bits of its impulses");
   ct_state_free(state);
   ct_state_free(copy);
   ct_scene_free(scene);

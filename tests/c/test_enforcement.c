@@ -1,13 +1,15 @@
-/* Enforcements: one point against a bisection of its law, many points against a dense solution, the energy that never grows,
- * momentum, and bits. */
+/* Enforcements: one point against a bisection of its law, many points against a dense solution, the
+ * energy that never grows, momentum, and bits. */
 #include "../../libcontact/src/enforcement/solve.h"
 #include "../../libcontact/src/workspace.h"
 #include "bodies.h"
 
 #include <string.h>
 
-static const ct_material SOFT = {.young = 900.0, .poisson = 0.0, .density = 1.0}, STEEL = {.young = 2.1e5, .poisson = 0.3, .density = 7.8e-9};
-static const ct_enforcement IMPLICIT[] = {CT_ENFORCE_ENERGY_CONTROLLED, CT_ENFORCE_BIPENALTY, CT_ENFORCE_LAGRANGE};
+static const ct_material SOFT = {.young = 900.0, .poisson = 0.0, .density = 1.0},
+                         STEEL = {.young = 2.1e5, .poisson = 0.3, .density = 7.8e-9};
+static const ct_enforcement IMPLICIT[] = {CT_ENFORCE_ENERGY_CONTROLLED, CT_ENFORCE_BIPENALTY,
+                                          CT_ENFORCE_LAGRANGE};
 
 static ct_contact_options options_of(ct_enforcement enforcement)
 {
@@ -22,10 +24,8 @@ static double bisect(const ct_constraint *c, double free, double W)
   double low = 0.0, high = ct_enforcement_force(c, free) + 1e-300;
   for (int i = 0; i < 2000; i++) {
     double middle = 0.5 * (low + high);
-    if (ct_enforcement_force(c, free + W * middle) > middle)
-      low = middle;
-    else
-      high = middle;
+    if (ct_enforcement_force(c, free + W * middle) > middle) low = middle;
+    else high = middle;
   }
   return 0.5 * (low + high);
 }
@@ -35,36 +35,54 @@ static void one_point(void)
   double off = 0.0, law = 0.0;
   int pressed = 0;
   for (int i = 0; i < 20000; i++) {
-    ct_constraint c = {.enforcement = i % 2 ? CT_ENFORCE_ENERGY_CONTROLLED : CT_ENFORCE_BIPENALTY, .stiffness = pow(10.0, uniform(4.0)),
-                       .dissipation = i % 7 == 0 ? 0.0 : i % 11 == 0 ? 1.0 : 0.5 * (1.0 + uniform(1.0)), .gap = uniform(1.0), .before = uniform(1.0)};
-    double free = uniform(1.0), W = pow(10.0, uniform(4.0)), force = ct_enforcement_solve(&c, free, W), want = bisect(&c, free, W);
+    ct_constraint c = {.enforcement = i % 2 ? CT_ENFORCE_ENERGY_CONTROLLED : CT_ENFORCE_BIPENALTY,
+                       .stiffness = pow(10.0, uniform(4.0)),
+                       .dissipation = i % 7 == 0    ? 0.0
+                                      : i % 11 == 0 ? 1.0
+                                                    : 0.5 * (1.0 + uniform(1.0)),
+                       .gap = uniform(1.0),
+                       .before = uniform(1.0)};
+    double free = uniform(1.0), W = pow(10.0, uniform(4.0)),
+           force = ct_enforcement_solve(&c, free, W), want = bisect(&c, free, W);
     off = worst(off, (force - want) / (want + 1e-12));
-    law = worst(law, (ct_enforcement_force(&c, free + W * force) - force) / (c.stiffness * (1.0 + W * force)));
+    law = worst(law, (ct_enforcement_force(&c, free + W * force) - force) /
+                         (c.stiffness * (1.0 + W * force)));
     pressed += force > 0.0;
   }
-  tap_ok(off < 1e-9 && law < 1e-12 && pressed > 5000, "one point: the closed form is the root of the law, off by %.1e (bisection), %.1e (law), %d of 20000 press", off, law, pressed);
+  tap_ok(off < 1e-9 && law < 1e-12 && pressed > 5000,
+         "one point: the closed form is the root of the law, off by %.1e (bisection), %.1e (law), "
+         "%d of 20000 press",
+         off, law, pressed);
   ct_constraint c = {.enforcement = CT_ENFORCE_LAGRANGE, .stiffness = 1.0};
-  tap_ok(ct_enforcement_solve(&c, 0.5, 2.0) == 0.0 && ct_enforcement_solve(&c, -0.5, 2.0) == 0.25 && isnan(ct_enforcement_force(&c, 0.0)),
+  tap_ok(ct_enforcement_solve(&c, 0.5, 2.0) == 0.0 && ct_enforcement_solve(&c, -0.5, 2.0) == 0.25 &&
+             isnan(ct_enforcement_force(&c, 0.0)),
          "a multiplier brings the gap to zero and never pulls");
   c = (ct_constraint){.enforcement = CT_ENFORCE_PENALTY, .stiffness = 3.0, .gap = -0.5};
-  tap_ok(ct_enforcement_solve(&c, 9.0, 2.0) == 1.5 && ct_enforcement_force(&c, 9.0) == 1.5 && ct_enforcement_energy(&c) == 0.375,
+  tap_ok(ct_enforcement_solve(&c, 9.0, 2.0) == 1.5 && ct_enforcement_force(&c, 9.0) == 1.5 &&
+             ct_enforcement_energy(&c) == 0.375,
          "the explicit penalty does not look ahead: k g, and k g^2 / 2");
-  tap_ok(strcmp(ct_enforcement_name(CT_ENFORCE_LAGRANGE), "lagrange") == 0 && ct_enforcement_name((ct_enforcement)4) == NULL && ct_enforcement_name((ct_enforcement)-1) == NULL,
+  tap_ok(strcmp(ct_enforcement_name(CT_ENFORCE_LAGRANGE), "lagrange") == 0 &&
+             ct_enforcement_name((ct_enforcement)4) == NULL &&
+             ct_enforcement_name((ct_enforcement)-1) == NULL,
          "names, and none for other numbers");
 }
 
-/* While contact lasts the law is a spring at the gap of now and a dashpot (eq:controlled-dashpot): one mass in an open well,
- * and the loss of its total in each step (eq:controlled-loss). The total at t_n is the mean of two half steps, so from one to
- * the next it falls by the mean of two losses. */
+/* While contact lasts the law is a spring at the gap of now and a dashpot (eq:controlled-dashpot):
+ * one mass in an open well, and the loss of its total in each step (eq:controlled-loss). The total
+ * at t_n is the mean of two half steps, so from one to the next it falls by the mean of two losses.
+ */
 static void dashpot(double s)
 {
   const double dt = 0.5, m = 2.0, k = 0.05, dashpot = 0.5 * (1.0 + s) * k * dt;
   ct_constraint c = {.enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .stiffness = k, .dissipation = s};
   double before = -1.0, g = -1.01, law = 0.0, off = 0.0, total = 0.0, loss = 0.0, lost = 0.0;
   for (int n = 0; n < 12; n++) {
-    const ct_constraint here = {.enforcement = c.enforcement, .stiffness = k, .dissipation = s, .gap = g};
-    double v = (g - before) / dt, W = dt * dt / m, force = ct_enforcement_solve(&here, g + dt * v, W);
-    double after = g + dt * v + W * force, rate = (after - before) / (2.0 * dt), now = dashpot * dt * rate * rate;
+    const ct_constraint here = {
+        .enforcement = c.enforcement, .stiffness = k, .dissipation = s, .gap = g};
+    double v = (g - before) / dt, W = dt * dt / m,
+           force = ct_enforcement_solve(&here, g + dt * v, W);
+    double after = g + dt * v + W * force, rate = (after - before) / (2.0 * dt),
+           now = dashpot * dt * rate * rate;
     c.before = before, c.gap = g, c.after = after, c.force = force;
     double held = 0.5 * m * v * (after - g) / dt + ct_enforcement_energy(&c);
     law = worst(law, (force + k * g + dashpot * (after - g) / dt) / k);
@@ -72,8 +90,9 @@ static void dashpot(double s)
     total = held, loss = now, before = g, g = after;
   }
   tap_ok(g < 0.0 && law < 1e-14 && off < 1e-14 && lost > 1e-4 * total,
-         "s = %g: in lasting contact the law is a spring and a dashpot, off by %.1e; it takes %.2g of the energy, off by %.1e", s,
-         law, lost / total, off);
+         "s = %g: in lasting contact the law is a spring and a dashpot, off by %.1e; it takes %.2g "
+         "of the energy, off by %.1e",
+         s, law, lost / total, off);
 }
 
 /* A bar of hex8 that flies against a wall, on the Doyen data. */
@@ -86,7 +105,8 @@ typedef struct bar {
   int64_t steps;
 } bar;
 
-static bar open_bar(ct_enforcement enforcement, double dissipation, double beta, double fraction, double place)
+static bar open_bar(ct_enforcement enforcement, double dissipation, double beta, double fraction,
+                    double place)
 {
   bar b = {.mesh = box_mesh(CT_HEX8, place, 0, 0, 10, 0.2, 0.2, 50, 1, 1), .scene = new_scene()};
   ct_error error;
@@ -95,11 +115,18 @@ static bar open_bar(ct_enforcement enforcement, double dissipation, double beta,
   int32_t *faces = integers(400);
   add_body(b.scene, "bar", b.mesh, &SOFT, CT_KERNEL_AUTO, -10, 0, 0);
   need(ct_scene_join(b.scene, &joined, &error), &error);
-  ct_obstacle o = {.shape = CT_OBSTACLE_PLANE, .axis = {1, 0, 0}, .epsilon = beta * 900.0 / 0.2, .enforcement = enforcement, .dissipation = dissipation,
-                   .kind = CT_Q4, .face_count = ct_mesh_plane_faces(b.mesh, 0, place, faces, NULL), .faces = faces};
+  ct_obstacle o = {.shape = CT_OBSTACLE_PLANE,
+                   .axis = {1, 0, 0},
+                   .epsilon = beta * 900.0 / 0.2,
+                   .enforcement = enforcement,
+                   .dissipation = dissipation,
+                   .kind = CT_Q4,
+                   .face_count = ct_mesh_plane_faces(b.mesh, 0, place, faces, NULL),
+                   .faces = faces};
   need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
   need(ct_scene_add_effect(b.scene, effect, &error), &error);
-  b.problem = build(b.scene, (ct_scene_time){.end = 0.9, .fraction = fraction, .threads = 1}, &b.steps, &b.stable);
+  b.problem = build(b.scene, (ct_scene_time){.end = 0.9, .fraction = fraction, .threads = 1},
+                    &b.steps, &b.stable);
   b.state = new_state(b.problem);
   free(faces);
   return b;
@@ -112,7 +139,8 @@ static void close_bar(bar *b)
   ct_mesh_free(b->mesh);
 }
 
-/* The total of the ledger at every step: largest step up over the start, and what is left at the end. */
+/* The total of the ledger at every step: largest step up over the start, and what is left at the
+ * end. */
 static double largest_rise(const ct_problem *problem, ct_state *state, int64_t steps, double *left)
 {
   double start = energy_of(problem, state).total, before = start, rise = 0.0;
@@ -138,26 +166,34 @@ static void energy_never_grows(void)
         least = fmin(least, left);
         close_bar(&b);
       }
-    tap_ok(rise < 2e-14 && least > 0.94, "dissipation %g, beta 0.01 ... 1e4, 0.1 ... 0.999 of the limit: the largest rise of the total in a step is %.1e, at least %.3f stays", SHARE[s], rise, least);
+    tap_ok(rise < 2e-14 && least > 0.94,
+           "dissipation %g, beta 0.01 ... 1e4, 0.1 ... 0.999 of the limit: the largest rise of the "
+           "total in a step is %.1e, at least %.3f stays",
+           SHARE[s], rise, least);
   }
   double left;
-  bar b = open_bar(CT_ENFORCE_LAGRANGE, 0.0, 1.0, 0.9, 0.05), p = open_bar(CT_ENFORCE_PENALTY, 0.0, 100.0, 0.9, 0.05);
+  bar b = open_bar(CT_ENFORCE_LAGRANGE, 0.0, 1.0, 0.9, 0.05),
+      p = open_bar(CT_ENFORCE_PENALTY, 0.0, 100.0, 0.9, 0.05);
   double rise = largest_rise(b.problem, b.state, b.steps, &left);
   tap_ok(rise < 2e-14 && left > 0.98, "Lagrange multipliers: rise %.1e, %.4f stays", rise, left);
-  tap_ok(b.stable.dt == b.stable.dt_without_contact && p.stable.dt < 0.2 * p.stable.dt_without_contact, "multipliers leave the stable step as it is, a stiff explicit penalty shortens it");
+  tap_ok(b.stable.dt == b.stable.dt_without_contact &&
+             p.stable.dt < 0.2 * p.stable.dt_without_contact,
+         "multipliers leave the stable step as it is, a stiff explicit penalty shortens it");
   largest_rise(p.problem, p.state, p.steps, &left);
-  tap_ok(left > 1.1, "and feeds energy into the bar within its own limit: %.2f times what was there", left);
+  tap_ok(left > 1.1,
+         "and feeds energy into the bar within its own limit: %.2f times what was there", left);
   close_bar(&b);
   close_bar(&p);
 }
 
-/* A bar that touches the wall at the start, or has gone into it: the first force is found twice, and both times it is the
- * same. */
+/* A bar that touches the wall at the start, or has gone into it: the first force is found twice,
+ * and both times it is the same. */
 static void start_in_touch(void)
 {
   for (int e = 0; e < 3; e++)
     for (int k = 0; k < 2; k++) {
-      bar b = open_bar(IMPLICIT[e], 0.1, 4.0, 0.9, k ? -0.01 : 0.0), c = open_bar(IMPLICIT[e], 0.1, 4.0, 0.9, k ? -0.01 : 0.0);
+      bar b = open_bar(IMPLICIT[e], 0.1, 4.0, 0.9, k ? -0.01 : 0.0),
+          c = open_bar(IMPLICIT[e], 0.1, 4.0, 0.9, k ? -0.01 : 0.0);
       double start = energy_of(b.problem, b.state).kinetic, balance = 0.0, left;
       ct_error error;
       need(ct_state_copy(b.problem, b.state, c.state, &error), &error);
@@ -166,10 +202,13 @@ static void start_in_touch(void)
         advance(c.problem, c.state, 1);
         balance = worst(balance, energy_of(b.problem, b.state).balance / start);
       }
-      int same = memcmp(b.state->velocity, c.state->velocity, 3 * (size_t)b.problem->node_count * sizeof(double)) == 0;
+      int same = memcmp(b.state->velocity, c.state->velocity,
+                        3 * (size_t)b.problem->node_count * sizeof(double)) == 0;
       double rise = largest_rise(b.problem, b.state, 20, &left);
-      tap_ok(balance < 1e-14 && same && (rise < 1e-14 || IMPLICIT[e] == CT_ENFORCE_BIPENALTY), "%s, %s: work balance %.1e, a copy of the start goes on with the same bits", ct_enforcement_name(IMPLICIT[e]),
-             k ? "overlap at the start" : "touch at the start", balance);
+      tap_ok(balance < 1e-14 && same && (rise < 1e-14 || IMPLICIT[e] == CT_ENFORCE_BIPENALTY),
+             "%s, %s: work balance %.1e, a copy of the start goes on with the same bits",
+             ct_enforcement_name(IMPLICIT[e]), k ? "overlap at the start" : "touch at the start",
+             balance);
       close_bar(&b);
       close_bar(&c);
     }
@@ -183,16 +222,20 @@ typedef struct pair {
   ct_state *state;
 } pair;
 
-static pair open_pair(ct_enforcement enforcement, ct_brick_kind kind, int mirrored, int swapped, int threads, double beta)
+static pair open_pair(ct_enforcement enforcement, ct_brick_kind kind, int mirrored, int swapped,
+                      int threads, double beta)
 {
   pair p = {.scene = new_scene()};
   ct_stable_step stable;
   int64_t steps;
-  ct_mesh *flat[2] = {box_mesh(kind, -1, 0, 0, 1, 1, 1, 2, 3, 3), box_mesh(kind, 1e-4, 0.2, 0.1, 1, 0.9, 1, 2, 2, 2)};
+  ct_mesh *flat[2] = {box_mesh(kind, -1, 0, 0, 1, 1, 1, 2, 3, 3),
+                      box_mesh(kind, 1e-4, 0.2, 0.1, 1, 0.9, 1, 2, 2, 2)};
   unsigned long long seed = bodies_seed;
   for (int b = 0; b < 2; b++) {
-    ct_mesh *m = box_mesh(kind, b ? 1e-4 : -1, b ? 0.2 : 0, b ? 0.1 : 0, 1, b ? 0.9 : 1, 1, 2, 3 - b, 3 - b);
-    for (int n = 0; n < m->node_count; n++) m->nodes[3 * n] += 5e-3 * m->nodes[3 * n + 1] * m->nodes[3 * n + 2];
+    ct_mesh *m =
+        box_mesh(kind, b ? 1e-4 : -1, b ? 0.2 : 0, b ? 0.1 : 0, 1, b ? 0.9 : 1, 1, 2, 3 - b, 3 - b);
+    for (int n = 0; n < m->node_count; n++)
+      m->nodes[3 * n] += 5e-3 * m->nodes[3 * n + 1] * m->nodes[3 * n + 2];
     distort_inside(m, 0.03);
     p.mesh[b] = m;
     ct_mesh **both[] = {&p.mesh[b], &flat[b]};
@@ -203,15 +246,27 @@ static pair open_pair(ct_enforcement enforcement, ct_brick_kind kind, int mirror
     }
   }
   bodies_seed = seed;
-  for (int b = 0; b < 2; b++) add_body(p.scene, b ? "b" : "a", p.mesh[b], &STEEL, CT_KERNEL_AUTO, b ? -2000 : 1000, mirrored ? -100 * b : 100 * b, 0);
+  for (int b = 0; b < 2; b++)
+    add_body(p.scene, b ? "b" : "a", p.mesh[b], &STEEL, CT_KERNEL_AUTO, b ? -2000 : 1000,
+             mirrored ? -100 * b : 100 * b, 0);
   int32_t *faces[2] = {integers(400), integers(400)}, count[2];
-  for (int b = 0; b < 2; b++) count[b] = ct_mesh_plane_faces(flat[b], 0, b ? 1e-4 : 0.0, faces[b], NULL);
+  for (int b = 0; b < 2; b++)
+    count[b] = ct_mesh_plane_faces(flat[b], 0, b ? 1e-4 : 0.0, faces[b], NULL);
   int one = swapped ? 1 : 0, two = 1 - one;
-  ct_scene_contact contact = {.body_a = one, .body_b = two, .face_count_a = count[one], .face_count_b = count[two], .faces_a = faces[one], .faces_b = faces[two],
-                              .beta = beta, .options = options_of(enforcement)};
+  ct_scene_contact contact = {.body_a = one,
+                              .body_b = two,
+                              .face_count_a = count[one],
+                              .face_count_b = count[two],
+                              .faces_a = faces[one],
+                              .faces_b = faces[two],
+                              .beta = beta,
+                              .options = options_of(enforcement)};
   ct_error error;
   need(ct_scene_add_contact(p.scene, &contact, &error), &error);
-  p.problem = build(p.scene, (ct_scene_time){.end = 1.0, .dt = kind == CT_HEX20 ? 1e-8 : 2e-8, .threads = threads}, &steps, &stable);
+  p.problem =
+      build(p.scene,
+            (ct_scene_time){.end = 1.0, .dt = kind == CT_HEX20 ? 1e-8 : 2e-8, .threads = threads},
+            &steps, &stable);
   p.state = new_state(p.problem);
   for (int b = 0; b < 2; b++) {
     ct_mesh_free(flat[b]);
@@ -227,11 +282,13 @@ static void close_pair(pair *p)
   for (int b = 0; b < 2; b++) ct_mesh_free(p->mesh[b]);
 }
 
-/* Largest of the sum of the contact's nodal forces and of their moments, over the largest force (and moment). */
+/* Largest of the sum of the contact's nodal forces and of their moments, over the largest force
+ * (and moment). */
 static double imbalance(const pair *p)
 {
   ct_error error;
-  double *f = numbers(3 * (int64_t)p->problem->node_count), sum[3] = {0}, moment[3] = {0}, top = 1e-300;
+  double *f = numbers(3 * (int64_t)p->problem->node_count), sum[3] = {0}, moment[3] = {0},
+         top = 1e-300;
   need(ct_state_force(p->problem, p->state, 1, f, &error), &error);
   for (int64_t n = 0; n < p->problem->node_count; n++)
     for (int c = 0; c < 3; c++) {
@@ -255,7 +312,8 @@ static void conservation(void)
       for (int i = 0; i < 60; i++) {
         advance(p.problem, p.state, 1);
         ct_energy energy = energy_of(p.problem, p.state);
-        // Multipliers throw points that lie inside at the start out in the first step, with energies far above that of the motion.
+        // Multipliers throw points that lie inside at the start out in the first step, with
+        // energies far above that of the motion.
         top = fmax(top, fabs(energy.kinetic));
         balance = worst(balance, energy.balance);
         off = worst(off, imbalance(&p));
@@ -263,7 +321,9 @@ static void conservation(void)
         pressed += p.state->workspace->solver->count > 0;
       }
       balance /= top;
-      tap_ok(off < 1e-12 && balance < 1e-12 && converged == 60 && p.state->unsettled == 0 && pressed > 10, "%s, %s: forces and moments sum to %.1e, work balance %.1e, %d of 60 steps pressed",
+      tap_ok(off < 1e-12 && balance < 1e-12 && converged == 60 && p.state->unsettled == 0 &&
+                 pressed > 10,
+             "%s, %s: forces and moments sum to %.1e, work balance %.1e, %d of 60 steps pressed",
              ct_enforcement_name(IMPLICIT[e]), kind ? "hex20" : "hex8", off, balance, (int)pressed);
       close_pair(&p);
     }
@@ -275,16 +335,19 @@ static void fill_row(const ct_solver *s, int64_t r, double *row)
   const ct_constraint *c = &s->list[s->active[r]];
   for (int a = 0; a < 16; a++)
     if (a < 8 ? a < c->own : a < 8 + c->other)
-      for (int i = 0; i < 3; i++) row[4 * s->slot[16 * s->active[r] + a] + i] += c->b[a] * c->normal[i];
+      for (int i = 0; i < 3; i++)
+        row[4 * s->slot[16 * s->active[r] + a] + i] += c->b[a] * c->normal[i];
 }
 
-/* The forces of many points against Gauss-Seidel with a dense matrix, from zero, to the last digit. */
+/* The forces of many points against Gauss-Seidel with a dense matrix, from zero, to the last digit.
+ */
 static void many_points(void)
 {
   for (int e = 0; e < 3; e++) {
     pair p = open_pair(IMPLICIT[e], CT_HEX8, 0, 0, 1, 4.0);
     const ct_solver *s = p.state->workspace->solver;
-    for (int i = 0, pressed = 0; i < 40 && pressed < (IMPLICIT[e] == CT_ENFORCE_LAGRANGE ? 1 : 4); i++) {
+    for (int i = 0, pressed = 0; i < 40 && pressed < (IMPLICIT[e] == CT_ENFORCE_LAGRANGE ? 1 : 4);
+         i++) {
       advance(p.problem, p.state, 1);
       (void)energy_of(p.problem, p.state);
       pressed = 0;
@@ -295,7 +358,8 @@ static void many_points(void)
     for (int64_t r = 0; r < n; r++) fill_row(s, r, &G[r * dofs]);
     for (int64_t r = 0; r < n; r++)
       for (int64_t k = 0; k < n; k++)
-        for (int64_t d = 0; d < dofs; d++) W[r * n + k] += G[r * dofs + d] * s->mobility[d] * G[k * dofs + d];
+        for (int64_t d = 0; d < dofs; d++)
+          W[r * n + k] += G[r * dofs + d] * s->mobility[d] * G[k * dofs + d];
     for (int sweep = 0; sweep < 20000; sweep++)
       for (int64_t r = 0; r < n; r++) {
         double gap = s->free[r];
@@ -304,11 +368,14 @@ static void many_points(void)
       }
     for (int64_t d = 0; d < dofs; d++) {
       double want = 0.0, got = 0.0;
-      for (int64_t r = 0; r < n; r++) want += G[r * dofs + d] * force[r], got += G[r * dofs + d] * s->list[s->active[r]].force;
+      for (int64_t r = 0; r < n; r++)
+        want += G[r * dofs + d] * force[r], got += G[r * dofs + d] * s->list[s->active[r]].force;
       top = fmax(top, fabs(want));
       off = worst(off, got - want);
     }
-    tap_ok(n >= 4 && top > 0.0 && off < 1e-8 * top, "%s: forces at the nodes of %d points are those of a dense solution, off by %.1e", ct_enforcement_name(IMPLICIT[e]), (int)n, off / top);
+    tap_ok(n >= 4 && top > 0.0 && off < 1e-8 * top,
+           "%s: forces at the nodes of %d points are those of a dense solution, off by %.1e",
+           ct_enforcement_name(IMPLICIT[e]), (int)n, off / top);
     free(G);
     free(W);
     free(force);
@@ -319,7 +386,8 @@ static void many_points(void)
 static int same(const pair *a, const pair *b)
 {
   size_t size = 3 * (size_t)a->problem->node_count * sizeof(double);
-  return memcmp(a->state->velocity, b->state->velocity, size) == 0 && memcmp(a->state->displacement, b->state->displacement, size) == 0;
+  return memcmp(a->state->velocity, b->state->velocity, size) == 0 &&
+         memcmp(a->state->displacement, b->state->displacement, size) == 0;
 }
 
 static void bits(void)
@@ -327,8 +395,11 @@ static void bits(void)
   for (int e = 0; e < 3; e++)
     for (int kind = 0; kind < 2; kind++) {
       ct_brick_kind brick = kind ? CT_HEX20 : CT_HEX8;
-      pair p = open_pair(IMPLICIT[e], brick, 0, 0, 1, 4.0), threads = open_pair(IMPLICIT[e], brick, 0, 0, 3, 4.0), swapped = open_pair(IMPLICIT[e], brick, 0, 1, 1, 4.0),
-           again = open_pair(IMPLICIT[e], brick, 0, 0, 1, 4.0), mirror = open_pair(IMPLICIT[e], brick, 1, 0, 1, 4.0);
+      pair p = open_pair(IMPLICIT[e], brick, 0, 0, 1, 4.0),
+           threads = open_pair(IMPLICIT[e], brick, 0, 0, 3, 4.0),
+           swapped = open_pair(IMPLICIT[e], brick, 0, 1, 1, 4.0),
+           again = open_pair(IMPLICIT[e], brick, 0, 0, 1, 4.0),
+           mirror = open_pair(IMPLICIT[e], brick, 1, 0, 1, 4.0);
       ct_error error;
       advance(p.problem, p.state, 15);
       need(ct_state_copy(p.problem, p.state, again.state, &error), &error);
@@ -337,28 +408,35 @@ static void bits(void)
       advance(threads.problem, threads.state, 30);
       advance(swapped.problem, swapped.state, 30);
       advance(mirror.problem, mirror.state, 30);
-      int64_t faults = mirror_faults(p.state->velocity, mirror.state->velocity, p.problem->node_count, 1);
-      tap_ok(same(&p, &threads) && same(&p, &again) && same(&p, &swapped) && faults == 0, "%s, %s: the same bits with three threads (%d), after a restart (%d), with the names swapped (%d), mirrored (%d faults)",
-             ct_enforcement_name(IMPLICIT[e]), kind ? "hex20" : "hex8", same(&p, &threads), same(&p, &again), same(&p, &swapped), (int)faults);
+      int64_t faults =
+          mirror_faults(p.state->velocity, mirror.state->velocity, p.problem->node_count, 1);
+      tap_ok(same(&p, &threads) && same(&p, &again) && same(&p, &swapped) && faults == 0,
+             "%s, %s: the same bits with three threads (%d), after a restart (%d), with the names "
+             "swapped (%d), mirrored (%d faults)",
+             ct_enforcement_name(IMPLICIT[e]), kind ? "hex20" : "hex8", same(&p, &threads),
+             same(&p, &again), same(&p, &swapped), (int)faults);
       pair *all[] = {&p, &threads, &swapped, &again, &mirror};
       for (int i = 0; i < 5; i++) close_pair(all[i]);
     }
 }
 
-/* What the points of a state store in the middle of the coming step, by the law as the book writes it. */
+/* What the points of a state store in the middle of the coming step, by the law as the book writes
+ * it. */
 static double stored_between_steps(const ct_solver *s, int32_t effects)
 {
   double sum = 0.0;
   for (int64_t j = 0; j < s->first[effects]; j++) {
     const ct_constraint *c = &s->list[j];
-    double share = c->dissipation, middle = fmin(0.5 * (c->gap + c->after), 0.0), here = fmin(c->gap, 0.0),
-        next = fmin(c->after, 0.0);
-    sum += 0.5 * c->stiffness * ((1.0 - share) * middle * middle + 0.5 * share * (here * here + next * next));
+    double share = c->dissipation, middle = fmin(0.5 * (c->gap + c->after), 0.0),
+           here = fmin(c->gap, 0.0), next = fmin(c->after, 0.0);
+    sum += 0.5 * c->stiffness *
+           ((1.0 - share) * middle * middle + 0.5 * share * (here * here + next * next));
   }
   return sum;
 }
 
-/* How many points meet another face than in the step before; `partner` holds a node of each point's face. */
+/* How many points meet another face than in the step before; `partner` holds a node of each point's
+ * face. */
 static int changed_partners(const ct_solver *s, int32_t effects, int32_t *partner)
 {
   int changed = 0;
@@ -371,21 +449,25 @@ static int changed_partners(const ct_solver *s, int32_t effects, int32_t *partne
   return changed;
 }
 
-/* Where a block slides: on a plane, on waves, on a rigid ball, off an edge. Or the legs of a strip that is folded once meet. */
+/* Where a block slides: on a plane, on waves, on a rigid ball, off an edge. Or the legs of a strip
+ * that is folded once meet. */
 enum { PLANE, WAVES, BALL, EDGE, FOLD };
 
-/* Two legs of the length 1, one above the other, joined by half a ring; the upper one flies at the lower one, along it. */
+/* Two legs of the length 1, one above the other, joined by half a ring; the upper one flies at the
+ * lower one, along it. */
 static ct_scene *folded_scene(ct_brick_kind kind, ct_contact_options options)
 {
   ct_scene *scene = new_scene();
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 0.4, 1, 12, 1, 1);
   int32_t *faces = integers(4000);
   options.depth = 0.05;
-  double *v = numbers(3 * (int64_t)m->node_count), middle = 0.11, arc = middle * 3.14159265358979324;
+  double *v = numbers(3 * (int64_t)m->node_count), middle = 0.11,
+         arc = middle * 3.14159265358979324;
   ct_error error;
   for (int n = 0; n < m->node_count; n++) {
-    double *x = &m->nodes[3 * n], s = (2.0 + arc) * x[0], angle = fmin(fmax((s - 1.0) / middle, 0.0), arc / middle),
-        radius = middle - 0.2 * (x[2] - 0.5);
+    double *x = &m->nodes[3 * n], s = (2.0 + arc) * x[0],
+           angle = fmin(fmax((s - 1.0) / middle, 0.0), arc / middle),
+           radius = middle - 0.2 * (x[2] - 0.5);
     x[0] = (s < 1.0 ? s : s > 1.0 + arc ? 2.0 + arc - s : 1.0) + radius * sin(angle);
     x[2] = -radius * cos(angle);
     double share = x[2] > 0.0 ? 1.0 - fmin(fmax(x[0], 0.0), 1.0) : 0.0;
@@ -394,7 +476,11 @@ static ct_scene *folded_scene(ct_brick_kind kind, ct_contact_options options)
   add_body(scene, "strip", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   need(ct_scene_set_velocity(scene, 0, v, &error), &error);
   int32_t count = ct_mesh_outer_faces(m, faces, NULL);
-  ct_scene_contact contact = {.face_count_a = count, .face_count_b = count, .faces_a = faces, .faces_b = faces, .beta = 4.0,
+  ct_scene_contact contact = {.face_count_a = count,
+                              .face_count_b = count,
+                              .faces_a = faces,
+                              .faces_b = faces,
+                              .beta = 4.0,
                               .options = options};
   need(ct_scene_add_contact(scene, &contact, &error), &error);
   ct_mesh_free(m);
@@ -403,35 +489,53 @@ static ct_scene *folded_scene(ct_brick_kind kind, ct_contact_options options)
   return scene;
 }
 
-/* A block that is thrown onto a longer one and slides along it, plane or wavy, off its edge, or over a rigid ball. */
+/* A block that is thrown onto a longer one and slides along it, plane or wavy, off its edge, or
+ * over a rigid ball. */
 static ct_scene *sliding_scene(const ct_brick_kind kind[2], int ground, double dissipation)
 {
   ct_scene *scene = new_scene();
   double length = ground == EDGE ? 1.2 : 3.0;
   int cells = ground == EDGE ? 3 : 7;
   ct_mesh *flat = box_mesh(kind[0], 0, 0, -1, length, 1, 1, cells, 3, 3),
-      *low = box_mesh(kind[0], 0, 0, -1, length, 1, 1, cells, 3, 3), *up = box_mesh(kind[1], 0.1, 0.05, 0, 1, 0.9, 1, 3, 2, 3);
-  int32_t *below = integers(4000), *above = integers(4000), count[2] = {ct_mesh_plane_faces(flat, 2, 0.0, below, NULL),
-                                                                        ct_mesh_plane_faces(up, 2, 0.0, above, NULL)};
-  if (ground == EDGE) count[0] = ct_mesh_outer_faces(low, below, NULL), count[1] = ct_mesh_outer_faces(up, above, NULL);
+          *low = box_mesh(kind[0], 0, 0, -1, length, 1, 1, cells, 3, 3),
+          *up = box_mesh(kind[1], 0.1, 0.05, 0, 1, 0.9, 1, 3, 2, 3);
+  int32_t *below = integers(4000), *above = integers(4000),
+          count[2] = {ct_mesh_plane_faces(flat, 2, 0.0, below, NULL),
+                      ct_mesh_plane_faces(up, 2, 0.0, above, NULL)};
+  if (ground == EDGE)
+    count[0] = ct_mesh_outer_faces(low, below, NULL),
+    count[1] = ct_mesh_outer_faces(up, above, NULL);
   ct_error error;
   for (int n = 0; ground == WAVES && n < low->node_count; n++)
-    low->nodes[3 * n + 2] += 0.03 * (1.0 + low->nodes[3 * n + 2]) * (cos(5.0 * low->nodes[3 * n]) - 1.0);
+    low->nodes[3 * n + 2] +=
+        0.03 * (1.0 + low->nodes[3 * n + 2]) * (cos(5.0 * low->nodes[3 * n]) - 1.0);
   ct_contact_options options = options_of(CT_ENFORCE_ENERGY_CONTROLLED);
   options.dissipation = dissipation;
   add_body(scene, "up", up, &SOFT, CT_KERNEL_AUTO, 9.0, 0, -1.5);
   if (ground != BALL) {
     add_body(scene, "low", low, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-    ct_scene_contact contact = {.body_a = 0, .body_b = 1, .face_count_a = count[1], .face_count_b = count[0], .faces_a = above,
-                                .faces_b = below, .beta = 4.0, .options = options};
+    ct_scene_contact contact = {.body_a = 0,
+                                .body_b = 1,
+                                .face_count_a = count[1],
+                                .face_count_b = count[0],
+                                .faces_a = above,
+                                .faces_b = below,
+                                .beta = 4.0,
+                                .options = options};
     need(ct_scene_add_contact(scene, &contact, &error), &error);
   } else {
     const ct_problem *joined;
     ct_effect *effect = NULL;
     need(ct_scene_join(scene, &joined, &error), &error);
-    ct_obstacle o = {.shape = CT_OBSTACLE_SPHERE, .point = {0.9, 0.5, -2.0}, .radius = 2.0, .epsilon = 4.0 * SOFT.young * 3.0,
-                     .enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = dissipation,
-                     .kind = kind[1] == CT_HEX20 ? CT_Q8 : CT_Q4, .face_count = count[1], .faces = above};
+    ct_obstacle o = {.shape = CT_OBSTACLE_SPHERE,
+                     .point = {0.9, 0.5, -2.0},
+                     .radius = 2.0,
+                     .epsilon = 4.0 * SOFT.young * 3.0,
+                     .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                     .dissipation = dissipation,
+                     .kind = kind[1] == CT_HEX20 ? CT_Q8 : CT_Q4,
+                     .face_count = count[1],
+                     .faces = above};
     need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
     need(ct_scene_add_effect(scene, effect, &error), &error);
   }
@@ -442,23 +546,27 @@ static ct_scene *sliding_scene(const ct_brick_kind kind[2], int ground, double d
   return scene;
 }
 
-/* The total of the ledger is the mean of what bodies and points have half a step before and after, each of them computed here,
- * from displacements, velocities, forces of the solid and gaps. So what a point stores is told once and the same to both steps
- * that it belongs to, whatever the point meets. */
-static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], int ground, double dissipation)
+/* The total of the ledger is the mean of what bodies and points have half a step before and after,
+ * each of them computed here, from displacements, velocities, forces of the solid and gaps. So what
+ * a point stores is told once and the same to both steps that it belongs to, whatever the point
+ * meets. */
+static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], int ground,
+                               double dissipation)
 {
   ct_contact_options options = options_of(CT_ENFORCE_ENERGY_CONTROLLED);
   options.dissipation = dissipation;
-  ct_scene *scene = ground == FOLD ? folded_scene(kind[0], options) : sliding_scene(kind, ground, dissipation);
+  ct_scene *scene =
+      ground == FOLD ? folded_scene(kind[0], options) : sliding_scene(kind, ground, dissipation);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p), *copy = new_state(p);
   const ct_solver *s = state->workspace->solver;
   int64_t n = 3 * (int64_t)p->node_count;
   int32_t *partner = integers(s->room);
-  double *u = numbers(n), *f = numbers(n), before = energy_of(p, state).total, scale = before, last = before, off = 0.0,
-      most = 0.0;
+  double *u = numbers(n), *f = numbers(n), before = energy_of(p, state).total, scale = before,
+         last = before, off = 0.0, most = 0.0;
   double stored = stored_between_steps(s, p->effect_count), half = before;
   int changed = changed_partners(s, p->effect_count, partner), same_bits = 1;
   ct_error error;
@@ -469,7 +577,8 @@ static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], in
     same_bits &= energy_of(p, copy).total == total;
     need(ct_state_force(p, state, 0, f, &error), &error);
     // ½ v·Mv + ½ u_{n-1}·K u_n, with K u_n = -f_n
-    for (int64_t d = 0; d < n; d++) bodies += 0.5 * p->mass[d / 3] * state->velocity[d] * state->velocity[d] - 0.5 * u[d] * f[d];
+    for (int64_t d = 0; d < n; d++)
+      bodies += 0.5 * p->mass[d / 3] * state->velocity[d] * state->velocity[d] - 0.5 * u[d] * f[d];
     half = bodies + stored;
     if (i > 1) off = worst(off, (last - 0.5 * (before + half)) / scale);
     before = half;
@@ -480,8 +589,10 @@ static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], in
     memcpy(u, state->displacement, (size_t)n * sizeof *u);
   }
   tap_ok(off < 1e-13 && same_bits && most > 1e-4 && (ground == BALL || changed > 3),
-         "%s, dissipation %g, %d steps, %d points on another face, up to %.1e stored: the total is the mean of two half steps, "
-         "off by %.1e", name, dissipation, (int)steps, changed, most, off);
+         "%s, dissipation %g, %d steps, %d points on another face, up to %.1e stored: the total is "
+         "the mean of two half steps, "
+         "off by %.1e",
+         name, dissipation, (int)steps, changed, most, off);
   ct_state_free(state);
   ct_state_free(copy);
   ct_scene_free(scene);
@@ -492,7 +603,8 @@ static void mean_of_half_steps(const char *name, const ct_brick_kind kind[2], in
 
 static void partners_change(void)
 {
-  static const ct_brick_kind linear[2] = {CT_HEX8, CT_HEX8}, quadratic[2] = {CT_HEX20, CT_HEX20}, mixed[2] = {CT_HEX8, CT_HEX20};
+  static const ct_brick_kind linear[2] = {CT_HEX8, CT_HEX8}, quadratic[2] = {CT_HEX20, CT_HEX20},
+                             mixed[2] = {CT_HEX8, CT_HEX20};
   static const double SHARE[] = {0.0, 0.1, 1.0};
   for (int i = 0; i < 3; i++) {
     mean_of_half_steps("hex8 that slides on hex8", linear, PLANE, SHARE[i]);
@@ -508,7 +620,8 @@ static void partners_change(void)
 /* Two equal bars that meet are one bar at a wall, from the first step on. */
 static void a_twin_is_a_wall(void)
 {
-  ct_mesh *left = box_mesh(CT_HEX8, -2, 0, 0, 2, 0.4, 0.4, 10, 2, 2), *right = box_mesh(CT_HEX8, 0, 0, 0, 2, 0.4, 0.4, 10, 2, 2);
+  ct_mesh *left = box_mesh(CT_HEX8, -2, 0, 0, 2, 0.4, 0.4, 10, 2, 2),
+          *right = box_mesh(CT_HEX8, 0, 0, 0, 2, 0.4, 0.4, 10, 2, 2);
   double off[2];
   for (int k = 0; k < 2; k++) {
     ct_scene *two = new_scene(), *one = new_scene();
@@ -516,7 +629,8 @@ static void a_twin_is_a_wall(void)
     int64_t steps;
     add_body(two, "left", left, &SOFT, CT_KERNEL_AUTO, 1, 0, 0);
     add_body(two, "right", right, &SOFT, CT_KERNEL_AUTO, -1, 0, 0);
-    add_contact_with(two, 0, left, 0.0, 1, right, 0.0, 0, 4.0, options_of(k ? CT_ENFORCE_PENALTY : CT_ENFORCE_LAGRANGE), 0.0, 0.0);
+    add_contact_with(two, 0, left, 0.0, 1, right, 0.0, 0, 4.0,
+                     options_of(k ? CT_ENFORCE_PENALTY : CT_ENFORCE_LAGRANGE), 0.0, 0.0);
     add_body(one, "right", right, &SOFT, CT_KERNEL_AUTO, -1, 0, 0);
     add_support(one, 0, right, 0, 0.0, "x", 0.0);
     ct_scene_time time = {.end = 0.1, .dt = 0.9 * 0.2 / 30.0 * (k ? 0.4 : 1.0), .threads = 1};
@@ -524,18 +638,23 @@ static void a_twin_is_a_wall(void)
     ct_state *s = new_state(p), *t = new_state(q);
     advance(p, s, steps);
     advance(q, t, steps);
-    off[k] = largest_difference(s->velocity + 3 * left->node_count, t->velocity, 3 * (int64_t)right->node_count);
+    off[k] = largest_difference(s->velocity + 3 * left->node_count, t->velocity,
+                                3 * (int64_t)right->node_count);
     ct_state_free(s);
     ct_state_free(t);
     ct_scene_free(two);
     ct_scene_free(one);
   }
-  tap_ok(off[0] < 1e-9 && off[1] > 1e-2, "two equal bars with multipliers are a bar at a wall: velocities off by %.1e of 1 (explicit penalty %.2f)", off[0], off[1]);
+  tap_ok(off[0] < 1e-9 && off[1] > 1e-2,
+         "two equal bars with multipliers are a bar at a wall: velocities off by %.1e of 1 "
+         "(explicit penalty %.2f)",
+         off[0], off[1]);
   ct_mesh_free(left);
   ct_mesh_free(right);
 }
 
-/* A block that a path drives into a floor: no force moves it, so each point's gaps are known, and its force is the law's. */
+/* A block that a path drives into a floor: no force moves it, so each point's gaps are known, and
+ * its force is the law's. */
 static void driven(void)
 {
   static const double time[2] = {0.0, 1.0}, value[2] = {0.0, 1.0};
@@ -549,16 +668,27 @@ static void driven(void)
   for (int i = 0; i < 12; i++) nodes[i] = i;
   add_body(scene, "block", m, &SOFT, CT_KERNEL_AUTO, 0, 0, -0.1);
   need(ct_scene_join(scene, &joined, &error), &error);
-  ct_obstacle o = {.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 1e4, .enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = 0.25, .kind = CT_Q4,
-                   .face_count = ct_mesh_plane_faces(m, 2, 0.01, faces, NULL), .faces = faces};
+  ct_obstacle o = {.shape = CT_OBSTACLE_PLANE,
+                   .axis = {0, 0, 1},
+                   .epsilon = 1e4,
+                   .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                   .dissipation = 0.25,
+                   .kind = CT_Q4,
+                   .face_count = ct_mesh_plane_faces(m, 2, 0.01, faces, NULL),
+                   .faces = faces};
   need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
   need(ct_scene_add_effect(scene, effect, &error), &error);
-  ct_motion motion = {.nodes = nodes, .node_count = 12, .fixed = {1, 1, 1}, .displacement = {0, 0, -0.1}, .history = {2, time, value}};
+  ct_motion motion = {.nodes = nodes,
+                      .node_count = 12,
+                      .fixed = {1, 1, 1},
+                      .displacement = {0, 0, -0.1},
+                      .history = {2, time, value}};
   need(ct_motion_create_effect(&motion, 1, joined, &effect, &error), &error);
   need(ct_scene_add_effect(scene, effect, &error), &error);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 0.5, .fraction = 0.9, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 0.5, .fraction = 0.9, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
   for (int64_t n = 0; n + 1 < steps; n++) {
     advance(p, state, 1);
@@ -568,7 +698,8 @@ static void driven(void)
     off = worst(off, force[2] + want);
     top = fmax(top, want);
   }
-  tap_ok(top > 100.0 && off < 1e-11 * top, "a block driven into a floor by a path: the force is the law's, off by %.1e", off / top);
+  tap_ok(top > 100.0 && off < 1e-11 * top,
+         "a block driven into a floor by a path: the force is the law's, off by %.1e", off / top);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);
@@ -584,11 +715,17 @@ static void refused(void)
   ct_contact *contact = NULL;
   options.epsilon = 1.0;
   options.dissipation = 1.5;
-  tap_ok(ct_contact_create(&surface, &surface, &options, &contact, &error) == CT_ERROR_ARGUMENT && strstr(error.text, "dissipation 1.5") != NULL, "refused: %s", error.text);
+  tap_ok(ct_contact_create(&surface, &surface, &options, &contact, &error) == CT_ERROR_ARGUMENT &&
+             strstr(error.text, "dissipation 1.5") != NULL,
+         "refused: %s", error.text);
   options.dissipation = NAN;
-  tap_ok(ct_contact_create(&surface, &surface, &options, &contact, &error) == CT_ERROR_ARGUMENT, "refused: %s", error.text);
-  options = ct_contact_options_default(), options.epsilon = 1.0, options.enforcement = (ct_enforcement)9;
-  tap_ok(ct_contact_create(&surface, &surface, &options, &contact, &error) == CT_ERROR_ARGUMENT && strstr(error.text, "enforcement 9") != NULL, "refused: %s", error.text);
+  tap_ok(ct_contact_create(&surface, &surface, &options, &contact, &error) == CT_ERROR_ARGUMENT,
+         "refused: %s", error.text);
+  options = ct_contact_options_default(), options.epsilon = 1.0,
+  options.enforcement = (ct_enforcement)9;
+  tap_ok(ct_contact_create(&surface, &surface, &options, &contact, &error) == CT_ERROR_ARGUMENT &&
+             strstr(error.text, "enforcement 9") != NULL,
+         "refused: %s", error.text);
 }
 
 int main(void)

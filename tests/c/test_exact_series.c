@@ -1,4 +1,5 @@
-/* The Rayleigh-Lamb series against the closed form, which shares no line with it, and against mode theory. */
+/* The Rayleigh-Lamb series against the closed form, which shares no line with it, and against mode
+ * theory. */
 #include <contact/exact.h>
 #include <contact/exact_series.h>
 
@@ -9,7 +10,8 @@
 
 enum { POINTS = 100, SIGMA_X = 0, SIGMA_Z = 1, TAU = 2 };
 
-/* Mean absolute difference of each field from the closed form on the line of Fig. 5: x = 0.4, t = 0.56. */
+/* Mean absolute difference of each field from the closed form on the line of Fig. 5: x = 0.4, t =
+ * 0.56. */
 static void line_difference(double nu, size_t branches, double mean[5])
 {
   double x[POINTS], z[POINTS], t[POINTS], series[5 * POINTS], closed[5 * POINTS];
@@ -19,7 +21,8 @@ static void line_difference(double nu, size_t branches, double mean[5])
   if (ct_exact_plates_series(POINTS, x, z, t, nu, branches, series, NULL, NULL) != CT_OK) return;
   for (int k = 0; k < 5; k++) {
     mean[k] = 0.0;
-    for (int i = 0; i < POINTS; i++) mean[k] += fabs(series[5 * i + k] - closed[5 * i + k]) / POINTS;
+    for (int i = 0; i < POINTS; i++)
+      mean[k] += fabs(series[5 * i + k] - closed[5 * i + k]) / POINTS;
   }
 }
 
@@ -30,18 +33,21 @@ static void sum_tends_to_the_closed_form(void)
   double mean[3][5];
   for (int i = 0; i < 3; i++) {
     line_difference(0.3, branches[i], mean[i]);
-    tap_close(mean[i][SIGMA_Z], expected[i], 0.1 * expected[i], "sigma_z of %zu branches, mean difference", branches[i]);
+    tap_close(mean[i][SIGMA_Z], expected[i], 0.1 * expected[i],
+              "sigma_z of %zu branches, mean difference", branches[i]);
   }
   for (int k = 0; k < 5; k++)
     tap_ok(mean[1][k] < 0.3 * mean[0][k] && mean[2][k] < 0.25 * mean[1][k],
-           "field %d: %.2e, %.2e, %.2e with 10, 50, 300 branches", k, mean[0][k], mean[1][k], mean[2][k]);
+           "field %d: %.2e, %.2e, %.2e with 10, 50, 300 branches", k, mean[0][k], mean[1][k],
+           mean[2][k]);
   static const double ratios[4] = {0.1, 0.26308, 0.4, 0.45};
   for (int i = 0; i < 4; i++) {
     double few[5], many[5];
     line_difference(ratios[i], 10, few);
     line_difference(ratios[i], 100, many);
     for (int k = 0; k < 5; k++)
-      tap_ok(many[k] < 0.5 * few[k], "nu = %g, field %d: %.2e, %.2e with 10, 100 branches", ratios[i], k, few[k], many[k]);
+      tap_ok(many[k] < 0.5 * few[k], "nu = %g, field %d: %.2e, %.2e with 10, 100 branches",
+             ratios[i], k, few[k], many[k]);
   }
 }
 
@@ -59,7 +65,8 @@ static void partial_sums_keep_the_conditions(void)
     const double t[4] = {0.9, 0.9, 1.9, 0.06 * i};
     double f[20];
     if (ct_exact_series_fields(series, 4, x, z, t, f, NULL, NULL) != CT_OK) traction = INFINITY;
-    for (int k = 0; k < 2; k++) traction = fmax(traction, fmax(fabs(f[5 * k + SIGMA_Z]), fabs(f[5 * k + TAU])));
+    for (int k = 0; k < 2; k++)
+      traction = fmax(traction, fmax(fabs(f[5 * k + SIGMA_Z]), fabs(f[5 * k + TAU])));
     middle = fmax(middle, fmax(fabs(f[10 + TAU]), fabs(f[14])));
     start = fmax(start, fmax(fabs(f[15 + TAU]), fabs(f[18])));
   }
@@ -75,9 +82,11 @@ static void partial_sums_keep_the_conditions(void)
 static void halves_and_grids_agree(void)
 {
   enum { COUNT = 40 };
-  double x[COUNT], up[COUNT], down[COUNT], t[COUNT], f[5 * COUNT], g[5 * COUNT], h[5 * COUNT], exact[5 * COUNT];
+  double x[COUNT], up[COUNT], down[COUNT], t[COUNT], f[5 * COUNT], g[5 * COUNT], h[5 * COUNT],
+      exact[5 * COUNT];
   for (int i = 0; i < COUNT; i++) {
-    x[i] = 0.05 + 0.1 * (i % 4), up[i] = 0.02 * i + 0.01, down[i] = -up[i], t[i] = 0.3 + 0.1 * (i % 3);
+    x[i] = 0.05 + 0.1 * (i % 4), up[i] = 0.02 * i + 0.01, down[i] = -up[i],
+    t[i] = 0.3 + 0.1 * (i % 3);
   }
   ct_exact_series *coarse = NULL, *fine = NULL;
   ct_status status = ct_exact_series_create(0.3, 40, 1.0, &coarse, NULL);
@@ -85,7 +94,8 @@ static void halves_and_grids_agree(void)
   if (status == CT_OK) status = ct_exact_series_fields(coarse, COUNT, x, up, t, f, NULL, NULL);
   if (status == CT_OK) status = ct_exact_series_fields(coarse, COUNT, x, down, t, g, NULL, NULL);
   if (status == CT_OK) status = ct_exact_series_fields(fine, COUNT, x, up, t, h, NULL, NULL);
-  if (status == CT_OK) status = ct_exact_plates_array(COUNT, x, down, t, 0.3, INFINITY, exact, NULL, NULL);
+  if (status == CT_OK)
+    status = ct_exact_plates_array(COUNT, x, down, t, 0.3, INFINITY, exact, NULL, NULL);
   tap_ok(status == CT_OK, "the calls succeed");
   int differ = 0;
   double off = 0.0, odd = 0.0;
@@ -96,20 +106,23 @@ static void halves_and_grids_agree(void)
     if (sign < 0.0) odd += fabs(g[i] - exact[i]) / (2 * COUNT);
   }
   tap_ok(differ == 0, "the same bits at -z");
-  tap_ok(odd < 0.02, "tau and v_z below the middle plane, mean difference from the closed form %.1e", odd);
+  tap_ok(odd < 0.02,
+         "tau and v_z below the middle plane, mean difference from the closed form %.1e", odd);
   tap_ok(off < 5e-4, "panels of 1 and 1/3: %.1e", off);
   ct_exact_series_free(coarse);
   ct_exact_series_free(fine);
 }
 
-/* After both faces have answered many times: behind the front of the slow rod wave a plate comes to rest at x = 0, and the mean
- * force is that of the elementary theory, sigma_x = -rho c_p v0 with c_p the speed of long waves in a plate. */
+/* After both faces have answered many times: behind the front of the slow rod wave a plate comes to
+ * rest at x = 0, and the mean force is that of the elementary theory, sigma_x = -rho c_p v0 with
+ * c_p the speed of long waves in a plate. */
 static void long_time_is_the_rod(void)
 {
   const double nu = 0.3, lambda = nu / (1.0 - nu), mu = (1.0 - 2.0 * nu) / (2.0 * (1.0 - nu));
   const double speed = sqrt(4.0 * mu * (1.0 - mu));
   enum { HEIGHTS = 8, TIMES = 24 };
-  double x[HEIGHTS * TIMES], z[HEIGHTS * TIMES], t[HEIGHTS * TIMES], f[5 * HEIGHTS * TIMES], mean = 0.0;
+  double x[HEIGHTS * TIMES], z[HEIGHTS * TIMES], t[HEIGHTS * TIMES], f[5 * HEIGHTS * TIMES],
+      mean = 0.0;
   for (int i = 0; i < HEIGHTS * TIMES; i++) {
     x[i] = 0.0;
     z[i] = (i % HEIGHTS + 0.5) / HEIGHTS;
@@ -117,8 +130,8 @@ static void long_time_is_the_rod(void)
   }
   const ct_status status = ct_exact_plates_series(HEIGHTS * TIMES, x, z, t, nu, 6, f, NULL, NULL);
   for (int i = 0; i < HEIGHTS * TIMES; i++) mean += f[5 * i + SIGMA_X] * lambda / (HEIGHTS * TIMES);
-  tap_ok(status == CT_OK && fabs(mean + speed) < 0.005 * speed, "mean force at late times %.4f, elementary theory %.4f", mean,
-         -speed);
+  tap_ok(status == CT_OK && fabs(mean + speed) < 0.005 * speed,
+         "mean force at late times %.4f, elementary theory %.4f", mean, -speed);
 }
 
 static void bad_input_is_refused(void)
@@ -127,20 +140,28 @@ static void bad_input_is_refused(void)
   ct_exact_series *series;
   size_t bad;
   double f[10];
-  const double ok[2] = {0.1, 0.1}, wrong[5][3] = {{-1, 0, 0.5}, {0.1, 2, 0.5}, {0.1, 0, -1}, {NAN, 0, 1}, {60, 0, 60}};
+  const double ok[2] = {0.1, 0.1},
+               wrong[5][3] = {{-1, 0, 0.5}, {0.1, 2, 0.5}, {0.1, 0, -1}, {NAN, 0, 1}, {60, 0, 60}};
   for (int i = 0; i < 5; i++) {
     const double x[2] = {0.1, wrong[i][0]}, z[2] = {0.1, wrong[i][1]}, t[2] = {0.1, wrong[i][2]};
-    tap_ok(ct_exact_plates_series(2, x, z, t, 0.3, 3, f, &bad, &error) == CT_ERROR_ARGUMENT && bad == 1 && error.point == 1,
+    tap_ok(ct_exact_plates_series(2, x, z, t, 0.3, 3, f, &bad, &error) == CT_ERROR_ARGUMENT &&
+               bad == 1 && error.point == 1,
            "refused: %s", error.text);
   }
-  tap_ok(ct_exact_plates_series(2, ok, ok, ok, 0.5, 3, f, &bad, &error) == CT_ERROR_ARGUMENT && bad == 2
-             && strstr(error.text, "nu") != NULL, "refused: %s", error.text);
-  tap_ok(ct_exact_plates_series(2, ok, ok, ok, 0.3, 0, f, &bad, &error) == CT_ERROR_ARGUMENT
-             && strstr(error.text, "branches") != NULL, "refused: %s", error.text);
-  tap_ok(ct_exact_series_create(0.3, 3, NAN, &series, &error) == CT_ERROR_ARGUMENT && series == NULL, "refused: %s", error.text);
-  tap_ok(ct_exact_series_create(0.3, 2, 0.5, &series, &error) == CT_OK
-             && ct_exact_series_fields(series, 1, ok, ok, (const double[]){0.6}, f, &bad, &error) == CT_ERROR_ARGUMENT
-             && strstr(error.text, "reach") != NULL, "refused: %s", error.text);
+  tap_ok(ct_exact_plates_series(2, ok, ok, ok, 0.5, 3, f, &bad, &error) == CT_ERROR_ARGUMENT &&
+             bad == 2 && strstr(error.text, "nu") != NULL,
+         "refused: %s", error.text);
+  tap_ok(ct_exact_plates_series(2, ok, ok, ok, 0.3, 0, f, &bad, &error) == CT_ERROR_ARGUMENT &&
+             strstr(error.text, "branches") != NULL,
+         "refused: %s", error.text);
+  tap_ok(ct_exact_series_create(0.3, 3, NAN, &series, &error) == CT_ERROR_ARGUMENT &&
+             series == NULL,
+         "refused: %s", error.text);
+  tap_ok(ct_exact_series_create(0.3, 2, 0.5, &series, &error) == CT_OK &&
+             ct_exact_series_fields(series, 1, ok, ok, (const double[]){0.6}, f, &bad, &error) ==
+                 CT_ERROR_ARGUMENT &&
+             strstr(error.text, "reach") != NULL,
+         "refused: %s", error.text);
   ct_exact_series_free(series);
 }
 

@@ -1,5 +1,5 @@
-/* Friction: the law of one patch, a block on an incline, momentum, rotation, mirror images, work, restarts, the bound on the
- * step. */
+/* Friction: the law of one patch, a block on an incline, momentum, rotation, mirror images, work,
+ * restarts, the bound on the step. */
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 4000.0, .poisson = 0.0, .density = 1.0};
@@ -14,8 +14,8 @@ typedef struct incline {
   int32_t friction; /* number of the friction effect */
 } incline;
 
-static incline new_incline(ct_brick_kind kind, const double g[3], double mu, double rho, double beta, double vx, double pull,
-                           double period, int threads)
+static incline new_incline(ct_brick_kind kind, const double g[3], double mu, double rho,
+                           double beta, double vx, double pull, double period, int threads)
 {
   incline t = {.slab = box_mesh(kind, -1, -1, -0.5, 6, 3, 0.5, 13, 4, 1), .friction = 2};
   double sink = -g[2] / (beta * SOFT.young / (kind == CT_HEX8 ? 1.0 / 3.0 : 0.4)) * 0.4;
@@ -25,10 +25,14 @@ static incline new_incline(ct_brick_kind kind, const double g[3], double mu, dou
   add_body(t.scene, "block", t.block, &SOFT, CT_KERNEL_AUTO, vx, 0, 0);
   add_support(t.scene, 0, t.slab, -1, 0.0, "xyz", 0.0);
   add_rough_contact(t.scene, 0, t.slab, 0.0, 1, t.block, -sink, 2, beta, mu, rho);
-  add_weight(t.scene, (weight){.first = t.slab->node_count, .g = {g[0], g[1], g[2]}, .damping = pull > 0.0 ? 10.0 : 0.0,
-                               .pull = pull, .period = period});
+  add_weight(t.scene, (weight){.first = t.slab->node_count,
+                               .g = {g[0], g[1], g[2]},
+                               .damping = pull > 0.0 ? 10.0 : 0.0,
+                               .pull = pull,
+                               .period = period});
   int64_t steps;
-  t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.4, .threads = threads}, &steps, &t.stable);
+  t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.4, .threads = threads},
+                    &steps, &t.stable);
   t.state = new_state(t.problem);
   return t;
 }
@@ -59,8 +63,10 @@ static double sole(const incline *t, int c)
   double sum = 0.0, area = 0.0, low = t->block->nodes[2];
   for (int32_t n = 0; n < t->block->node_count; n++) {
     const double *X = &t->block->nodes[3 * n];
-    double share = (X[0] == 0.0 || X[0] == 1.0 ? 1.0 : 2.0) * (X[1] == 0.0 || X[1] == 1.0 ? 1.0 : 2.0);
-    if (X[2] == low) sum += share * t->state->displacement[3 * (t->slab->node_count + n) + c], area += share;
+    double share =
+        (X[0] == 0.0 || X[0] == 1.0 ? 1.0 : 2.0) * (X[1] == 0.0 || X[1] == 1.0 ? 1.0 : 2.0);
+    if (X[2] == low)
+      sum += share * t->state->displacement[3 * (t->slab->node_count + n) + c], area += share;
   }
   return sum / area;
 }
@@ -68,14 +74,16 @@ static double sole(const incline *t, int c)
 static void the_return(void)
 {
   double s[3] = {3.0, 0.0, 4.0}, small[3] = {0.3, 0.0, 0.4};
-  tap_close(ct_friction_return(2.0, s), 3.0, 1e-15, "a slip of 5 returns to the limit 2 and slides 3");
-  tap_ok(fabs(s[0] - 1.2) < 1e-15 && s[1] == 0.0 && fabs(s[2] - 1.6) < 1e-15, "its direction stays");
+  tap_close(ct_friction_return(2.0, s), 3.0, 1e-15,
+            "a slip of 5 returns to the limit 2 and slides 3");
+  tap_ok(fabs(s[0] - 1.2) < 1e-15 && s[1] == 0.0 && fabs(s[2] - 1.6) < 1e-15,
+         "its direction stays");
   tap_ok(ct_friction_return(2.0, small) == 0.0 && small[0] == 0.3 && small[2] == 0.4,
          "a slip below the limit sticks and keeps its bits");
 }
 
-/* Below the angle of friction: a pull that swells and fades moves the sole by the elastic slip and no further, and it comes
- * back. */
+/* Below the angle of friction: a pull that swells and fades moves the sole by the elastic slip and
+ * no further, and it comes back. */
 static void sticks(ct_brick_kind kind, const char *name)
 {
   const double g[3] = {0.0, 0.0, -10.0}, beta = 1.0, rho = 0.5;
@@ -87,9 +95,10 @@ static void sticks(ct_brick_kind kind, const char *name)
     if (sole(&t, 0) > slip) slip = sole(&t, 0), overlap = -t.block->nodes[2] - sole(&t, 2);
   }
   need(ct_friction_energy(t.problem, t.state, t.friction, &held, &lost, &error), &error);
-  // Tangential force over normal force is rho times slip over overlap. Lightly damped, so that only the pull moves the block.
-  tap_close(rho * slip / overlap, 0.06, 0.03 * 0.06, "%s, stick: the sole creeps by the elastic slip at the top of the pull",
-            name);
+  // Tangential force over normal force is rho times slip over overlap. Lightly damped, so that only
+  // the pull moves the block.
+  tap_close(rho * slip / overlap, 0.06, 0.03 * 0.06,
+            "%s, stick: the sole creeps by the elastic slip at the top of the pull", name);
   tap_ok(fabs(sole(&t, 0)) < 0.02 * slip && lost == 0.0,
          "%s, stick: it comes back to %.2g of the slip, and nothing is dissipated (%.2g)", name,
          sole(&t, 0) / slip, lost);
@@ -111,16 +120,21 @@ static void slides(ct_brick_kind kind, double tolerance, const char *name)
     ratio = worst(ratio, rub[0] / (mu * normal[2]) + 1.0);
   }
   ct_momentum to = momentum_of(t.problem, t.state, 1);
-  double dt = to.time - from.time, gain = to.p[0] - from.p[0], mass = 0.4, want = mass * dt * (g[0] + mu * g[2]);
+  double dt = to.time - from.time, gain = to.p[0] - from.p[0], mass = 0.4,
+         want = mass * dt * (g[0] + mu * g[2]);
   double way = 0.5 * (from.p[0] + to.p[0]) / mass * dt * 13.0 / 6.0;
-  // Newton's second law along the slope and across it together: the friction is mu times the normal force, also at the borders,
-  // where points change their face
-  // and others come and go. At the ends of the sole the line to the closest point leans a little.
-  tap_close(gain, want - mu * (to.p[2] - from.p[2]), 1e-3 * gain, "%s, slip: momentum grows by m (g sin a - mu N)", name);
-  tap_close(gain / want, 1.0, 0.01, "%s, slip: the acceleration is g (sin a - mu cos a) within the block's own swing", name);
+  // Newton's second law along the slope and across it together: the friction is mu times the normal
+  // force, also at the borders, where points change their face and others come and go. At the ends
+  // of the sole the line to the closest point leans a little.
+  tap_close(gain, want - mu * (to.p[2] - from.p[2]), 1e-3 * gain,
+            "%s, slip: momentum grows by m (g sin a - mu N)", name);
+  tap_close(gain / want, 1.0, 0.01,
+            "%s, slip: the acceleration is g (sin a - mu cos a) within the block's own swing",
+            name);
   tap_ok(ratio < tolerance && way > 1.5,
-         "%s, slip: over %.2g borders of the slab's faces friction is mu times the normal force in every step (%.2g)", name, way,
-             ratio);
+         "%s, slip: over %.2g borders of the slab's faces friction is mu times the normal force in "
+         "every step (%.2g)",
+         name, way, ratio);
   free_incline(&t);
 }
 
@@ -129,7 +143,8 @@ static void ledger(void)
 {
   const double g[3] = {0.0, 0.0, -10.0};
   incline t = new_incline(CT_HEX8, g, 0.4, 1.0, 1.0, 2.0, 0.0, 0.0, 1);
-  double start = energy_of(t.problem, t.state).kinetic, balance = 0.0, held, lost, work, share = 0.0, before = 0.0;
+  double start = energy_of(t.problem, t.state).kinetic, balance = 0.0, held, lost, work,
+         share = 0.0, before = 0.0;
   int falls = 0;
   ct_error error;
   for (int k = 0; k < 40; k++) {
@@ -143,34 +158,46 @@ static void ledger(void)
   }
   tap_ok(balance < 1e-12, "work balance %.2g of the kinetic energy", balance);
   tap_ok(share < 2e-3 && lost > 0.9 * start,
-         "work of friction is minus what is held and dissipated, to %.2g; %.3f of the energy is dissipated", share, lost / start);
+         "work of friction is minus what is held and dissipated, to %.2g; %.3f of the energy is "
+         "dissipated",
+         share, lost / start);
   tap_ok(falls == 0, "what is dissipated never comes back");
-  tap_close(momentum_of(t.problem, t.state, 1).p[0], 0.0, 0.02 * 0.4 * 2.0, "the block has come to rest");
+  tap_close(momentum_of(t.problem, t.state, 1).p[0], 0.0, 0.02 * 0.4 * 2.0,
+            "the block has come to rest");
   free_incline(&t);
 }
 
-/* Two free bodies, one turning and sliding on the other: momentum and moment of momentum of the friction forces. */
+/* Two free bodies, one turning and sliding on the other: momentum and moment of momentum of the
+ * friction forces. */
 static void momentum(ct_brick_kind kind, const char *name)
 {
-  ct_mesh *a = box_mesh(kind, -1, -1, -0.5, 2, 2, 0.5, 3, 3, 1), *b = box_mesh(kind, -0.6, -0.5, -0.02, 1, 1.1, 0.6, 2, 2, 1);
-  for (int n = 0; n < a->node_count; n++) a->nodes[3 * n + 2] += 0.02 * a->nodes[3 * n] * a->nodes[3 * n + 1];
+  ct_mesh *a = box_mesh(kind, -1, -1, -0.5, 2, 2, 0.5, 3, 3, 1),
+          *b = box_mesh(kind, -0.6, -0.5, -0.02, 1, 1.1, 0.6, 2, 2, 1);
+  for (int n = 0; n < a->node_count; n++)
+    a->nodes[3 * n + 2] += 0.02 * a->nodes[3 * n] * a->nodes[3 * n + 1];
   ct_scene *scene = new_scene();
   int32_t *fa = integers(8 * a->element_count), *fb = integers(8 * b->element_count);
   add_body(scene, "a", a, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, 0.7, -0.4, 0);
   // The top of a is warped; its faces have the numbers of the flat one.
   ct_mesh *flat = box_mesh(kind, -1, -1, -0.5, 2, 2, 0.5, 3, 3, 1);
-  ct_scene_contact contact = {.body_a = 0, .body_b = 1, .face_count_a = ct_mesh_plane_faces(flat, 2, 0.0, fa, NULL),
+  ct_scene_contact contact = {.body_a = 0,
+                              .body_b = 1,
+                              .face_count_a = ct_mesh_plane_faces(flat, 2, 0.0, fa, NULL),
                               .faces_a = fa,
-                              .face_count_b = ct_mesh_plane_faces(b, 2, -0.02, fb, NULL), .faces_b = fb, .beta = 1.0,
-                              .options = ct_contact_options_default(), .friction = 0.5};
+                              .face_count_b = ct_mesh_plane_faces(b, 2, -0.02, fb, NULL),
+                              .faces_b = fb,
+                              .beta = 1.0,
+                              .options = ct_contact_options_default(),
+                              .friction = 0.5};
   contact.options.enforcement = CT_ENFORCE_PENALTY;
   contact.options.initial = CT_INITIAL_PUSH;
   ct_error error;
   need(ct_scene_add_contact(scene, &contact, &error), &error);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.3, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.3, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
   double linear = 0.0, angular = 0.0, *f = numbers(3 * (int64_t)p->node_count);
   int met = 0;
@@ -181,12 +208,16 @@ static void momentum(ct_brick_kind kind, const char *name)
     double size = 0.0;
     for (int n = 0; n < p->node_count; n++) {
       double x[3];
-      for (int c = 0; c < 3; c++) x[c] = p->reference[3 * n + c] + state->displacement[3 * n + c], sum[c] += f[3 * n + c],
-          size += fabs(f[3 * n + c]);
-      for (int c = 0; c < 3; c++) moment[c] += x[(c + 1) % 3] * f[3 * n + (c + 2) % 3] - x[(c + 2) % 3] * f[3 * n + (c + 1) % 3];
+      for (int c = 0; c < 3; c++)
+        x[c] = p->reference[3 * n + c] + state->displacement[3 * n + c], sum[c] += f[3 * n + c],
+        size += fabs(f[3 * n + c]);
+      for (int c = 0; c < 3; c++)
+        moment[c] +=
+            x[(c + 1) % 3] * f[3 * n + (c + 2) % 3] - x[(c + 2) % 3] * f[3 * n + (c + 1) % 3];
     }
-    for (int c = 0; c < 3 && size > 0.0; c++) met += c == 0, linear = worst(linear, sum[c] / size),
-        angular = worst(angular, moment[c] / size);
+    for (int c = 0; c < 3 && size > 0.0; c++)
+      met += c == 0, linear = worst(linear, sum[c] / size),
+                     angular = worst(angular, moment[c] / size);
   }
   tap_ok(met > 3 && linear < 1e-14, "%s: friction forces add up to zero (%.2g)", name, linear);
   tap_ok(angular < 1e-14, "%s: and so do their moments (%.2g)", name, angular);
@@ -196,8 +227,8 @@ static void momentum(ct_brick_kind kind, const char *name)
   ct_mesh_free(a), ct_mesh_free(b), ct_mesh_free(flat);
 }
 
-/* Two blocks that are pressed together, as a problem whose forces can be asked for at any displacement, with what they
- * remember. */
+/* Two blocks that are pressed together, as a problem whose forces can be asked for at any
+ * displacement, with what they remember. */
 typedef struct pressed {
   ct_mesh *a, *b;
   ct_scene *scene;
@@ -229,7 +260,8 @@ static pressed new_pressed(double mu, double rho, double skew, int axis)
   add_rough_contact(t.scene, 0, t.a, 0.0, 1, t.b, -0.01, 2, 1.0, mu, rho);
   int64_t steps;
   ct_stable_step stable;
-  t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.3, .threads = 1}, &steps, &stable);
+  t.problem =
+      build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.3, .threads = 1}, &steps, &stable);
   t.p = probe_open(t.problem);
   t.u = numbers(3 * (int64_t)t.problem->node_count);
   t.f = numbers(3 * (int64_t)t.problem->node_count);
@@ -255,7 +287,8 @@ static void free_pressed(pressed *t)
 /* Move the nodes of b by (x, y, 0). */
 static void shift(pressed *t, double x, double y)
 {
-  for (int n = t->a->node_count; n < t->problem->node_count; n++) t->u[3 * n] += x, t->u[3 * n + 1] += y;
+  for (int n = t->a->node_count; n < t->problem->node_count; n++)
+    t->u[3 * n] += x, t->u[3 * n + 1] += y;
 }
 
 static void pull_of(const pressed *t, double sum[3])
@@ -265,8 +298,8 @@ static void pull_of(const pressed *t, double sum[3])
     for (int c = 0; c < 3; c++) sum[c] += t->f[3 * n + c];
 }
 
-/* Rigid blocks by hand: the slope in stick and the plateau in slip. Points of b have no border near; of the points of a some see
- * b, the rest nothing. */
+/* Rigid blocks by hand: the slope in stick and the plateau in slip. Points of b have no border
+ * near; of the points of a some see b, the rest nothing. */
 static void patch_law(void)
 {
   pressed t = new_pressed(0.5, 0.8, 0.0, -1);
@@ -284,7 +317,8 @@ static void patch_law(void)
   tap_ok(fabs(stuck[0]) < 1e-12 * normal, "stick: back at the start the force is zero again");
   for (int i = 0; i < 10; i++) shift(&t, 0.002, 0.0), go(&t);
   pull_of(&t, slip);
-  tap_close(slip[0], -0.5 * normal, 1e-12 * normal, "slip: the force stays at mu times the normal force");
+  tap_close(slip[0], -0.5 * normal, 1e-12 * normal,
+            "slip: the force stays at mu times the normal force");
   for (int i = 0; i < 60; i++) shift(&t, 0.0, 0.001), go(&t);
   pull_of(&t, turned);
   tap_ok(fabs(turned[1] + 0.5 * turned[2]) < 1e-4 * turned[2] && fabs(turned[0]) < 0.01 * turned[2],
@@ -292,7 +326,8 @@ static void patch_law(void)
   free_pressed(&t);
 }
 
-/* What is held turns with the bodies: forces after a rigid rotation in steps are the rotated forces. */
+/* What is held turns with the bodies: forces after a rigid rotation in steps are the rotated
+ * forces. */
 static void rotation(void)
 {
   pressed t = new_pressed(0.5, 0.8, 0.0, -1);
@@ -307,7 +342,10 @@ static void rotation(void)
   memcpy(x0, t.u, 3 * (size_t)count * sizeof *x0);
   for (int i = 0; i < 3 * count; i++) x0[i] += t.problem->reference[i];
   memcpy(f0, t.f, 3 * (size_t)count * sizeof *f0);
-  ct_view view = {.threads = 1, .reference = t.problem->reference, .displacement = t.u, .velocity = t.u,
+  ct_view view = {.threads = 1,
+                  .reference = t.problem->reference,
+                  .displacement = t.u,
+                  .velocity = t.u,
                   .scratch = t.p.scratch[0]};
   need(t.problem->effects[0]->force(t.problem->effects[0], &view, solid, &error), &error);
   for (int i = 0; i < 3 * count; i++) f0[i] -= solid[i], size = fmax(size, fabs(f0[i]));
@@ -326,7 +364,9 @@ static void rotation(void)
       for (int k = 0; k < 3; k++) off = worst(off, t.f[3 * n + k] - solid[3 * n + k] - want[k]);
     }
   }
-  tap_ok(off < 1e-11 * size, "after turns of 0.4 rad each the held friction has turned with the bodies (%.2g)", off / size);
+  tap_ok(off < 1e-11 * size,
+         "after turns of 0.4 rad each the held friction has turned with the bodies (%.2g)",
+         off / size);
   free(x0), free(f0), free(solid);
   free_pressed(&t);
 }
@@ -344,14 +384,15 @@ static void mirrored(void)
       go(&m);
       faults += mirror_faults(t.f, m.f, t.problem->node_count, axis);
     }
-    tap_ok(faults == 0 && largest(t.f, 3 * t.problem->node_count) > 0.0, "mirrored along %c: mirrored bits (%d off)", "xy"[axis],
-           (int)faults);
+    tap_ok(faults == 0 && largest(t.f, 3 * t.problem->node_count) > 0.0,
+           "mirrored along %c: mirrored bits (%d off)", "xy"[axis], (int)faults);
     free_pressed(&t);
     free_pressed(&m);
   }
 }
 
-/* The bound lies above the largest eigenvalue of M⁻¹K of contact and friction in stick, by power iteration. */
+/* The bound lies above the largest eigenvalue of M⁻¹K of contact and friction in stick, by power
+ * iteration. */
 static void bound(double rho)
 {
   pressed t = new_pressed(0.5, rho, 0.0, -1);
@@ -363,7 +404,10 @@ static void bound(double rho)
   double *u0 = numbers(n), *solid = numbers(n), *solid0 = numbers(n);
   ct_error error;
   memcpy(u0, t.u, (size_t)n * sizeof *u0);
-  ct_view view = {.threads = 1, .reference = t.problem->reference, .displacement = t.u, .velocity = t.u,
+  ct_view view = {.threads = 1,
+                  .reference = t.problem->reference,
+                  .displacement = t.u,
+                  .velocity = t.u,
                   .scratch = t.p.scratch[0]};
   need(t.problem->effects[0]->force(t.problem->effects[0], &view, solid0, &error), &error);
   for (int k = 0; k < 60; k++) {
@@ -380,9 +424,11 @@ static void bound(double rho)
     quotient = work / mass;
   }
   ct_state *state = new_state(t.problem);
-  for (int k = 0; k < 2; k++) need(ct_stable_share(t.problem, state, 1 + k, &shares[k], &rate, &error), &error);
+  for (int k = 0; k < 2; k++)
+    need(ct_stable_share(t.problem, state, 1 + k, &shares[k], &rate, &error), &error);
   tap_ok(quotient > 0.3 * shares[1] && quotient <= shares[1],
-         "rho = %g: tangential stiffness %.4g is below the bound %.4g, and not far", rho, quotient, shares[1]);
+         "rho = %g: tangential stiffness %.4g is below the bound %.4g, and not far", rho, quotient,
+         shares[1]);
   ct_state_free(state);
   free(v), free(f0), free(u0), free(solid), free(solid0);
   free_pressed(&t);
@@ -393,7 +439,7 @@ static void same_bits(void)
 {
   const double g[3] = {6.0, 1.0, -8.0};
   incline t = new_incline(CT_HEX8, g, 0.3, 1.0, 1.0, 0.5, 0.0, 0.0, 1),
-      two = new_incline(CT_HEX8, g, 0.3, 1.0, 1.0, 0.5, 0.0, 0.0, 2);
+          two = new_incline(CT_HEX8, g, 0.3, 1.0, 1.0, 0.5, 0.0, 0.0, 2);
   ct_state *other = new_state(t.problem);
   ct_error error;
   advance(t.problem, t.state, 150);
@@ -402,10 +448,12 @@ static void same_bits(void)
   advance(t.problem, other, 150);
   advance(two.problem, two.state, 300);
   size_t bytes = 3 * (size_t)t.problem->node_count * sizeof(double);
-  tap_ok(memcmp(t.state->velocity, other->velocity, bytes) == 0
-         && memcmp(t.state->memory, other->memory, (size_t)other->memory_count * sizeof(double)) == 0,
+  tap_ok(memcmp(t.state->velocity, other->velocity, bytes) == 0 &&
+             memcmp(t.state->memory, other->memory, (size_t)other->memory_count * sizeof(double)) ==
+                 0,
          "a restart continues with the same bits");
-  tap_ok(memcmp(t.state->velocity, two.state->velocity, bytes) == 0, "two threads give the same bits");
+  tap_ok(memcmp(t.state->velocity, two.state->velocity, bytes) == 0,
+         "two threads give the same bits");
   ct_state_free(other);
   free_incline(&t);
   free_incline(&two);
@@ -416,19 +464,23 @@ static void refusals(void)
   pressed t = new_pressed(0.5, 1.0, 0.0, -1);
   ct_effect *effect = NULL;
   ct_error error;
-  ct_friction none = {.coefficient = 0.3}, solid = {.on = t.problem->effects[0], .coefficient = 0.3},
-      negative = {.on = t.problem->effects[1], .coefficient = -0.3};
-  tap_ok(ct_friction_create_effect(&none, t.problem, &effect, &error) == CT_ERROR_ARGUMENT
-         && strstr(error.text, "needs a contact"), "friction without contact: %s", error.text);
-  tap_ok(ct_friction_create_effect(&solid, t.problem, &effect, &error) == CT_ERROR_ARGUMENT, "friction on a solid: %s",
-         error.text);
-  tap_ok(ct_friction_create_effect(&negative, t.problem, &effect, &error) == CT_ERROR_ARGUMENT, "a negative coefficient: %s",
-         error.text);
-  const ct_effect *swapped[3] = {t.problem->effects[0], t.problem->effects[2], t.problem->effects[1]};
+  ct_friction none = {.coefficient = 0.3},
+              solid = {.on = t.problem->effects[0], .coefficient = 0.3},
+              negative = {.on = t.problem->effects[1], .coefficient = -0.3};
+  tap_ok(ct_friction_create_effect(&none, t.problem, &effect, &error) == CT_ERROR_ARGUMENT &&
+             strstr(error.text, "needs a contact"),
+         "friction without contact: %s", error.text);
+  tap_ok(ct_friction_create_effect(&solid, t.problem, &effect, &error) == CT_ERROR_ARGUMENT,
+         "friction on a solid: %s", error.text);
+  tap_ok(ct_friction_create_effect(&negative, t.problem, &effect, &error) == CT_ERROR_ARGUMENT,
+         "a negative coefficient: %s", error.text);
+  const ct_effect *swapped[3] = {t.problem->effects[0], t.problem->effects[2],
+                                 t.problem->effects[1]};
   ct_problem wrong = *t.problem;
   wrong.effects = swapped;
   ct_state *state = NULL;
-  tap_ok(ct_state_create(&wrong, &state, &error) == CT_ERROR_ARGUMENT, "friction before its contact: %s", error.text);
+  tap_ok(ct_state_create(&wrong, &state, &error) == CT_ERROR_ARGUMENT,
+         "friction before its contact: %s", error.text);
   free_pressed(&t);
   pressed smooth = new_pressed(0.0, 0.0, 0.0, -1);
   tap_ok(smooth.problem->effect_count == 2, "without a coefficient there is no effect of friction");

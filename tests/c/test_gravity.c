@@ -16,7 +16,8 @@ static const ct_problem *falling(ct_scene *scene, const ct_gravity *gravity, dou
   return build(scene, (ct_scene_time){.end = end, .fraction = 0.5, .threads = 1}, &steps, &stable);
 }
 
-/* The leapfrog with its half-step start falls exactly half g t^2; the energy of weight and motion is constant. */
+/* The leapfrog with its half-step start falls exactly half g t^2; the energy of weight and motion
+ * is constant. */
 static void free_fall(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 2, 3, 2, 2, 3);
@@ -40,9 +41,11 @@ static void free_fall(void)
   double t = state->time, first = 0.0, other = 0.0;
   int32_t half = problem->node_count / 2;
   for (int32_t n = 0; n < half; n++) {
-    first = worst(first, state->displacement[3 * n + 2] - 5 * t), first = worst(first, state->displacement[3 * n]);
+    first = worst(first, state->displacement[3 * n + 2] - 5 * t),
+    first = worst(first, state->displacement[3 * n]);
     const double *u = &state->displacement[3 * (half + n)];
-    other = worst(other, u[2] - (5 * t - 5 * t * t)), other = worst(other, u[0] - 0.5 * t * t), other = worst(other, u[1]);
+    other = worst(other, u[2] - (5 * t - 5 * t * t)), other = worst(other, u[0] - 0.5 * t * t),
+    other = worst(other, u[1]);
   }
   tap_close(other, 0.0, 1e-12, "a body falls v t + g t^2 / 2 (t = %g)", t);
   tap_close(first, 0.0, 1e-13, "a body that is not listed flies on");
@@ -72,10 +75,13 @@ static void refusals(void)
   ct_gravity bad = {.acceleration = {0.0, NAN, 0.0}};
   tap_ok(ct_gravity_create_effect(&bad, joined, &effect, &e) == CT_INVALID, "NaN: %s", e.text);
   bad = (ct_gravity){.acceleration = {0.0, 1.0, 0.0}, .bodies = &none, .body_count = 1};
-  tap_ok(ct_gravity_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && e.body == 3, "no such body: %s", e.text);
+  tap_ok(ct_gravity_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && e.body == 3,
+         "no such body: %s", e.text);
   bad.body_count = 0;
-  tap_ok(ct_gravity_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no bodies: %s", e.text);
-  tap_ok(ct_gravity_create_effect(NULL, joined, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL, "nothing: %s", e.text);
+  tap_ok(ct_gravity_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no bodies: %s",
+         e.text);
+  tap_ok(ct_gravity_create_effect(NULL, joined, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
+         "nothing: %s", e.text);
   ct_scene_free(scene);
   ct_mesh_free(mesh);
 }

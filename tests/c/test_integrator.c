@@ -1,5 +1,5 @@
-/* Integrators against the algorithms as their authors write them, closed forms of their amplification, orders, ledgers, and equal
- * bits. */
+/* Integrators against the algorithms as their authors write them, closed forms of their
+ * amplification, orders, ledgers, and equal bits. */
 #include "bodies.h"
 
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
@@ -75,17 +75,27 @@ static void limits(void)
   for (int s = 0; s < SCHEMES; s++) {
     ct_integrator usual = ct_integrator_default((ct_scheme)s);
     ct_integrator all[3] = {usual, usual, usual};
-    all[1].parameter = s == CT_CHUNG_LEE ? 1.01 : s == CT_NOH_BATHE ? 0.52 : s == CT_TCHAMWA_WIELGOSZ ? 0.3 : 0.0;
-    all[2].parameter = s == CT_CHUNG_LEE ? 1.0 : s == CT_NOH_BATHE ? 0.58 : s == CT_TCHAMWA_WIELGOSZ ? 0.0 : 0.0;
+    all[1].parameter = s == CT_CHUNG_LEE          ? 1.01
+                       : s == CT_NOH_BATHE        ? 0.52
+                       : s == CT_TCHAMWA_WIELGOSZ ? 0.3
+                                                  : 0.0;
+    all[2].parameter = s == CT_CHUNG_LEE          ? 1.0
+                       : s == CT_NOH_BATHE        ? 0.58
+                       : s == CT_TCHAMWA_WIELGOSZ ? 0.0
+                                                  : 0.0;
     for (int i = 0; i < 3; i++) {
       double top = ct_integrator_limit(&all[i]), highest = 0.0;
-      for (int k = 1; k < 1000; k++) highest = fmax(highest, radius(&all[i], top * top * k * k * 1e-6, 0.0));
-      tap_ok(highest < 1.0 + 1e-9, "%s %.3g: spectral radius below Omega = %.4f is %.10f at most", ct_scheme_name(all[i].scheme), all[i].parameter, top, highest);
+      for (int k = 1; k < 1000; k++)
+        highest = fmax(highest, radius(&all[i], top * top * k * k * 1e-6, 0.0));
+      tap_ok(highest < 1.0 + 1e-9, "%s %.3g: spectral radius below Omega = %.4f is %.10f at most",
+             ct_scheme_name(all[i].scheme), all[i].parameter, top, highest);
       double beyond = radius(&all[i], top * top * 1.002, 0.0);
-      tap_ok(beyond > 1.001, "%s %.3g: spectral radius at 1.001 of the limit is %.4f", ct_scheme_name(all[i].scheme), all[i].parameter, beyond);
+      tap_ok(beyond > 1.001, "%s %.3g: spectral radius at 1.001 of the limit is %.4f",
+             ct_scheme_name(all[i].scheme), all[i].parameter, beyond);
     }
   }
-  tap_close(ct_integrator_limit(&(ct_integrator){CT_NOH_BATHE, 0.54}), 3.745, 5e-4, "Noh and Bathe, p = 0.54: the limit of their paper");
+  tap_close(ct_integrator_limit(&(ct_integrator){CT_NOH_BATHE, 0.54}), 3.745, 5e-4,
+            "Noh and Bathe, p = 0.54: the limit of their paper");
 }
 
 /* Where two roots meet the damping is strongest; there the radius has a closed form. */
@@ -93,12 +103,15 @@ static void bifurcations(void)
 {
   for (int k = 0; k <= 10; k++) {
     double rho = 0.1 * k;
-    tap_close(radius(&(ct_integrator){CT_TCHAMWA_WIELGOSZ, rho}, (1.0 + rho) * (1.0 + rho), 0.0), rho, 1e-5, "Tchamwa and Wielgosz: radius at Omega = 1 + rho");
+    tap_close(radius(&(ct_integrator){CT_TCHAMWA_WIELGOSZ, rho}, (1.0 + rho) * (1.0 + rho), 0.0),
+              rho, 1e-5, "Tchamwa and Wielgosz: radius at Omega = 1 + rho");
   }
   ct_integrator chung = ct_integrator_default(CT_CHUNG_LEE);
-  tap_close(radius(&chung, 27.0 / 8.0, 0.0), 0.5, 3e-3, "Chung and Lee, beta = 28/27: three roots of 1/2 at Omega^2 = 27/8");
+  tap_close(radius(&chung, 27.0 / 8.0, 0.0), 0.5, 3e-3,
+            "Chung and Lee, beta = 28/27: three roots of 1/2 at Omega^2 = 27/8");
   double p = 0.585786437626905, q = 1.0 - p;
-  tap_close(radius(&(ct_integrator){CT_NOH_BATHE, p}, 2.0 / (q * q), 0.0), 0.0, 1e-3, "Noh and Bathe, p = 2 - sqrt 2: both roots vanish at Omega = sqrt 2 / (1 - p)");
+  tap_close(radius(&(ct_integrator){CT_NOH_BATHE, p}, 2.0 / (q * q), 0.0), 0.0, 1e-3,
+            "Noh and Bathe, p = 2 - sqrt 2: both roots vanish at Omega = sqrt 2 / (1 - p)");
 }
 
 /* With damping: any symmetric K and C, commuting or not, at the bound that is reported. */
@@ -111,17 +124,23 @@ static void damped_bounds(void)
       double K[3][3] = {{0.0}}, C[3][3] = {{0.0}};
       // Projections on random directions: their largest eigenvalue is 1.
       for (int m = 0; m < 2; m++) {
-        double d[3] = {uniform(1.0), uniform(1.0), trial % 2 ? uniform(1.0) : 0.0}, length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+        double d[3] = {uniform(1.0), uniform(1.0), trial % 2 ? uniform(1.0) : 0.0},
+               length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
         for (int i = 0; i < 3; i++)
-          for (int j = 0; j < 3; j++) (m == 0 ? K : C)[i][j] = trial % 5 == 0 ? (i == j) - d[i] * d[j] / (length * length) : d[i] * d[j] / (length * length);
+          for (int j = 0; j < 3; j++)
+            (m == 0 ? K : C)[i][j] = trial % 5 == 0 ? (i == j) - d[i] * d[j] / (length * length)
+                                                    : d[i] * d[j] / (length * length);
       }
       double damping = 4.0 * fabs(uniform(1.0)), dt = ct_integrator_step(&g, 1.0, damping);
       for (int i = 0; i < 9; i++) K[i / 3][i % 3] *= dt * dt, C[i / 3][i % 3] *= damping * dt;
       highest = fmax(highest, spectral_radius(amplification(&g, 3, K, C)));
       loosest = fmax(loosest, radius(&g, 1.02 * 1.02 * dt * dt, 1.02 * damping * dt));
     }
-    tap_ok(highest < 1.0 + 1e-6, "%s: with damping the spectral radius at the bound is %.9f at most", ct_scheme_name(g.scheme), highest);
-    tap_ok(loosest > 1.0 + 1e-4, "%s: 2 %% above the bound it is up to %.4f", ct_scheme_name(g.scheme), loosest);
+    tap_ok(highest < 1.0 + 1e-6,
+           "%s: with damping the spectral radius at the bound is %.9f at most",
+           ct_scheme_name(g.scheme), highest);
+    tap_ok(loosest > 1.0 + 1e-4, "%s: 2 %% above the bound it is up to %.4f",
+           ct_scheme_name(g.scheme), loosest);
   }
 }
 
@@ -141,7 +160,8 @@ static point chung_lee(point x, double w, double dt, double beta)
 
 static point noh_bathe(point x, double w, double dt, double p)
 {
-  double q1 = (1.0 - 2.0 * p) / (2.0 * p * (1.0 - p)), q2 = 0.5 - p * q1, q0 = -q1 - q2 + 0.5, s = (1.0 - p) * dt;
+  double q1 = (1.0 - 2.0 * p) / (2.0 * p * (1.0 - p)), q2 = 0.5 - p * q1, q0 = -q1 - q2 + 0.5,
+         s = (1.0 - p) * dt;
   point m = {x.u + p * dt * x.v + 0.5 * p * p * dt * dt * x.a, 0.0, 0.0}, y;
   m.a = -w * m.u;
   m.v = x.v + 0.5 * p * dt * (x.a + m.a);
@@ -160,7 +180,8 @@ static point tchamwa_wielgosz(point x, double w, double dt, double rho)
 /* The dilatation of a cube is an oscillator with omega^2 = 12 K / (rho h^2). */
 static void textbook(ct_scheme scheme, double share)
 {
-  const double h = 0.5, bulk = SOFT.young / (3.0 * (1.0 - 2.0 * SOFT.poisson)), w = 12.0 * bulk / (SOFT.density * h * h);
+  const double h = 0.5, bulk = SOFT.young / (3.0 * (1.0 - 2.0 * SOFT.poisson)),
+               w = 12.0 * bulk / (SOFT.density * h * h);
   ct_mesh *m = box_mesh(CT_HEX8, -h / 2, -h / 2, -h / 2, h, h, h, 1, 1, 1);
   ct_scene *scene = new_scene();
   ct_integrator g = ct_integrator_default(scheme);
@@ -168,8 +189,11 @@ static void textbook(ct_scheme scheme, double share)
   int64_t steps;
   ct_stable_step stable;
   ct_error e;
-  ct_problem q = *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1, .integrator = g}, &steps, &stable);
-  tap_close(stable.dt * sqrt(w), ct_integrator_limit(&g), 1e-9, "%s: the reported step is the limit over omega", ct_scheme_name(scheme));
+  ct_problem q =
+      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1, .integrator = g},
+             &steps, &stable);
+  tap_close(stable.dt * sqrt(w), ct_integrator_limit(&g), 1e-9,
+            "%s: the reported step is the limit over omega", ct_scheme_name(scheme));
   q.initial_velocity = m->nodes;
   q.dt = share * stable.dt;
   ct_state *state = new_state(&q);
@@ -178,20 +202,27 @@ static void textbook(ct_scheme scheme, double share)
   for (int n = 1; n <= 300; n++) {
     advance(&q, state, 1);
     need(ct_state_velocity(&q, state, v, &e), &e);
-    x = scheme == CT_CHUNG_LEE ? chung_lee(x, w, q.dt, g.parameter) : scheme == CT_NOH_BATHE ? noh_bathe(x, w, q.dt, g.parameter) : tchamwa_wielgosz(x, w, q.dt, g.parameter);
+    x = scheme == CT_CHUNG_LEE   ? chung_lee(x, w, q.dt, g.parameter)
+        : scheme == CT_NOH_BATHE ? noh_bathe(x, w, q.dt, g.parameter)
+                                 : tchamwa_wielgosz(x, w, q.dt, g.parameter);
     for (int i = 0; i < 24; i++) off = worst(off, state->displacement[i] - x.u * m->nodes[i]);
-    for (int i = 0; i < 24 && scheme == CT_NOH_BATHE; i++) wrong = worst(wrong, v[i] - x.v * m->nodes[i]);
+    for (int i = 0; i < 24 && scheme == CT_NOH_BATHE; i++)
+      wrong = worst(wrong, v[i] - x.v * m->nodes[i]);
     top = worst(top, x.u * h / 2);
   }
-  tap_ok(off < 1e-11 * top, "%s at %.2f of its limit: 300 steps as its authors write them, off by %.2g", ct_scheme_name(scheme), share, off / top);
-  tap_ok(wrong < 1e-11 * top * sqrt(w), "%s: and so are the velocities, off by %.2g", ct_scheme_name(scheme), wrong);
+  tap_ok(off < 1e-11 * top,
+         "%s at %.2f of its limit: 300 steps as its authors write them, off by %.2g",
+         ct_scheme_name(scheme), share, off / top);
+  tap_ok(wrong < 1e-11 * top * sqrt(w), "%s: and so are the velocities, off by %.2g",
+         ct_scheme_name(scheme), wrong);
   free(v);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);
 }
 
-/* A stone that is thrown: methods of second order have its parabola exactly, from the first step on. */
+/* A stone that is thrown: methods of second order have its parabola exactly, from the first step
+ * on. */
 static void free_fall(ct_scheme scheme)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
@@ -200,7 +231,11 @@ static void free_fall(ct_scheme scheme)
   add_weight(scene, (weight){.g = {0, 0, -3}});
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9, .threads = 1, .integrator = ct_integrator_default(scheme)}, &steps, &stable);
+  const ct_problem *p = build(
+      scene,
+      (ct_scene_time){
+          .end = 1.0, .fraction = 0.9, .threads = 1, .integrator = ct_integrator_default(scheme)},
+      &steps, &stable);
   ct_state *state = new_state(p);
   double off = 0.0, fast = 0.0, v[24];
   ct_error e;
@@ -208,19 +243,24 @@ static void free_fall(ct_scheme scheme)
     advance(p, state, 1);
     need(ct_state_velocity(p, state, v, &e), &e);
     double t = state->time;
-    for (int i = 0; i < 24; i += 3) off = worst(off, state->displacement[i + 2] - (2.0 * t - 1.5 * t * t)), fast = worst(fast, v[i + 2] - (2.0 - 3.0 * t));
+    for (int i = 0; i < 24; i += 3)
+      off = worst(off, state->displacement[i + 2] - (2.0 * t - 1.5 * t * t)),
+      fast = worst(fast, v[i + 2] - (2.0 - 3.0 * t));
   }
-  tap_ok(off < 1e-14 * 20 && fast < 1e-14 * 20, "%s: a thrown stone, place off by %.2g and velocity by %.2g", ct_scheme_name(scheme), off, fast);
+  tap_ok(off < 1e-14 * 20 && fast < 1e-14 * 20,
+         "%s: a thrown stone, place off by %.2g and velocity by %.2g", ct_scheme_name(scheme), off,
+         fast);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);
 }
 
-/* Two cubes that touch and run against each other: the forces of the first moment must be those of the way that is then gone, and
- * the velocity the given one. */
+/* Two cubes that touch and run against each other: the forces of the first moment must be those of
+ * the way that is then gone, and the velocity the given one. */
 static void pressed_start(ct_scheme scheme, ct_enforcement enforcement)
 {
-  ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 1, 1, 1), *b = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 1, 1, 1),
+          *b = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "a", a, &SOFT, CT_KERNEL_AUTO, 0.5, 0, 0);
   add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, -0.5, 0, 0);
@@ -229,14 +269,20 @@ static void pressed_start(ct_scheme scheme, ct_enforcement enforcement)
   add_contact_with(scene, 0, a, 0.0, 1, b, 0.0, 0, 2.0, options, 0.0, 1.0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9, .threads = 1, .integrator = ct_integrator_default(scheme)}, &steps, &stable);
+  const ct_problem *p = build(
+      scene,
+      (ct_scene_time){
+          .end = 1.0, .fraction = 0.9, .threads = 1, .integrator = ct_integrator_default(scheme)},
+      &steps, &stable);
   ct_state *state = new_state(p);
   double *v = numbers(3 * p->node_count), *force = numbers(3 * p->node_count);
   ct_error e;
   need(ct_state_velocity(p, state, v, &e), &e);
   need(ct_state_force(p, state, 1, force, &e), &e);
-  double off = largest_difference(v, p->initial_velocity, 3 * p->node_count), push = largest(force, 3 * p->node_count);
-  tap_ok(off < 1e-8 && push > 0.0, "%s, %s: pressed from the start, velocity off by %.2g", ct_scheme_name(scheme), ct_enforcement_name(enforcement), off);
+  double off = largest_difference(v, p->initial_velocity, 3 * p->node_count),
+         push = largest(force, 3 * p->node_count);
+  tap_ok(off < 1e-8 && push > 0.0, "%s, %s: pressed from the start, velocity off by %.2g",
+         ct_scheme_name(scheme), ct_enforcement_name(enforcement), off);
   free(v);
   free(force);
   ct_state_free(state);
@@ -255,7 +301,8 @@ static void order_of(ct_scheme scheme, double least, double most)
   add_weight(scene, (weight){.g = {0.5, -1.0, 0.25}});
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.6, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.6, .threads = 1}, &steps, &stable);
   int n = 3 * p->node_count;
   double *v0 = numbers(n), *fine = numbers(2 * n), *now = numbers(2 * n), error[2][3];
   for (int i = 0; i < n; i++) v0[i] = sin(2.0 * p->reference[i] + p->reference[3 * (i / 3)]);
@@ -271,13 +318,15 @@ static void order_of(ct_scheme scheme, double least, double most)
     memcpy(now, state->displacement, (size_t)n * sizeof *now);
     need(ct_state_velocity(&q, state, now + n, &e), &e);
     if (k < 0) memcpy(fine, now, 2 * (size_t)n * sizeof *now);
-    for (int i = 0; k >= 0 && i < 2; i++) error[i][k] = largest_difference(now + i * n, fine + i * n, n);
+    for (int i = 0; k >= 0 && i < 2; i++)
+      error[i][k] = largest_difference(now + i * n, fine + i * n, n);
     ct_state_free(state);
   }
   for (int i = 0; i < 2; i++) {
     double order = log(error[i][1] / error[i][2]) / log(2.0);
-    tap_ok(order > least && order < most, "%s: %s has order %.3f in dt (errors %.2g %.2g %.2g)", ct_scheme_name(scheme), i ? "velocity" : "displacement", order, error[i][0],
-           error[i][1], error[i][2]);
+    tap_ok(order > least && order < most, "%s: %s has order %.3f in dt (errors %.2g %.2g %.2g)",
+           ct_scheme_name(scheme), i ? "velocity" : "displacement", order, error[i][0], error[i][1],
+           error[i][2]);
   }
   free(v0);
   free(fine);
@@ -286,17 +335,20 @@ static void order_of(ct_scheme scheme, double least, double most)
   ct_mesh_free(m);
 }
 
-/* -- Two unlike bodies that meet askew, with a weight, damping, a moving support and a prescribed path -- */
+/* -- Two unlike bodies that meet askew, with a weight, damping, a moving support and a prescribed
+ * path -- */
 
 typedef struct meeting {
   ct_scene *scene;
   ct_problem own;
 } meeting;
 
-static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double friction, int threads)
+static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double friction,
+                    int threads)
 {
   meeting c = {new_scene(), {0}};
-  ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 3, 2, 3), *b = box_mesh(CT_HEX8, 0, 0.125, 0.25, 1.25, 0.75, 1, 4, 3, 2);
+  ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 3, 2, 3),
+          *b = box_mesh(CT_HEX8, 0, 0.125, 0.25, 1.25, 0.75, 1, 4, 3, 2);
   bodies_seed = 4711;
   add_body(c.scene, "a", a, &SOFT, CT_KERNEL_AUTO, 0.5, 0.0625, -0.125);
   add_body(c.scene, "b", b, &SOFT, CT_KERNEL_AUTO, -0.25, 0, 0.25);
@@ -316,7 +368,10 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
   need(ct_scene_add_effect(c.scene, effect, &e), &e);
   int64_t steps;
   ct_stable_step stable;
-  c.own = *build(c.scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .threads = threads, .integrator = integrator}, &steps, &stable);
+  c.own = *build(
+      c.scene,
+      (ct_scene_time){.end = 1.0, .fraction = 0.7, .threads = threads, .integrator = integrator},
+      &steps, &stable);
   ct_mesh_free(a);
   ct_mesh_free(b);
   return c;
@@ -325,8 +380,10 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
 static int same_state(const ct_state *x, const ct_state *y)
 {
   size_t n = 3 * (size_t)x->node_count * sizeof(double);
-  return x->step == y->step && x->time == y->time && !memcmp(x->displacement, y->displacement, n) && !memcmp(x->velocity, y->velocity, n) &&
-         !memcmp(x->work, y->work, (size_t)x->work_count * sizeof(double)) && !memcmp(x->impulse, y->impulse, (size_t)x->impulse_count * sizeof(double)) &&
+  return x->step == y->step && x->time == y->time && !memcmp(x->displacement, y->displacement, n) &&
+         !memcmp(x->velocity, y->velocity, n) &&
+         !memcmp(x->work, y->work, (size_t)x->work_count * sizeof(double)) &&
+         !memcmp(x->impulse, y->impulse, (size_t)x->impulse_count * sizeof(double)) &&
          !memcmp(x->memory, y->memory, (size_t)x->memory_count * sizeof(double));
 }
 
@@ -336,7 +393,8 @@ static void ledger(ct_scheme scheme, ct_enforcement enforcement)
   ct_problem *p = &c.own;
   ct_state *state = new_state(p);
   ct_momentum first[2] = {momentum_of(p, state, 0), momentum_of(p, state, 1)};
-  double balance = 0.0, momentum = 0.0, size = energy_of(p, state).kinetic, path = 0.0, touched = 0.0, times[3] = {0.0, 0.3, 1.0}, values[3] = {0.0, 1.0, -0.5};
+  double balance = 0.0, momentum = 0.0, size = energy_of(p, state).kinetic, path = 0.0,
+         touched = 0.0, times[3] = {0.0, 0.3, 1.0}, values[3] = {0.0, 1.0, -0.5};
   int32_t held = p->bodies[1].first_node;
   ct_error e;
   for (int n = 0; n < 100; n++) {
@@ -358,10 +416,14 @@ static void ledger(ct_scheme scheme, ct_enforcement enforcement)
     }
     for (int i = 0; i < 3; i++) momentum = worst(momentum, sum[i] / all);
   }
-  tap_ok(touched > 0.1 * fabs(first[0].p[0]), "%s, %s: the bodies have met", ct_scheme_name(scheme), ct_enforcement_name(enforcement));
-  tap_ok(balance < 1e-12, "%s, %s: work balance %.2g", ct_scheme_name(scheme), ct_enforcement_name(enforcement), balance);
-  tap_ok(momentum < 1e-12, "%s, %s: momentum against impulses %.2g", ct_scheme_name(scheme), ct_enforcement_name(enforcement), momentum);
-  tap_ok(path < 1e-15, "%s, %s: a prescribed path is kept to %.2g", ct_scheme_name(scheme), ct_enforcement_name(enforcement), path);
+  tap_ok(touched > 0.1 * fabs(first[0].p[0]), "%s, %s: the bodies have met", ct_scheme_name(scheme),
+         ct_enforcement_name(enforcement));
+  tap_ok(balance < 1e-12, "%s, %s: work balance %.2g", ct_scheme_name(scheme),
+         ct_enforcement_name(enforcement), balance);
+  tap_ok(momentum < 1e-12, "%s, %s: momentum against impulses %.2g", ct_scheme_name(scheme),
+         ct_enforcement_name(enforcement), momentum);
+  tap_ok(path < 1e-15, "%s, %s: a prescribed path is kept to %.2g", ct_scheme_name(scheme),
+         ct_enforcement_name(enforcement), path);
   ct_state_free(state);
   ct_scene_free(c.scene);
 }
@@ -384,8 +446,10 @@ static void equal_bits(ct_integrator integrator, ct_enforcement enforcement)
     advance(&c.own, copied, 1);
     same &= same_state(straight, copied);
   }
-  tap_ok(same, "%s, %s: restarted after every step, the same bits", ct_scheme_name(integrator.scheme), ct_enforcement_name(enforcement));
-  tap_ok(same_state(straight, threads), "%s, %s: the same bits with two threads", ct_scheme_name(integrator.scheme), ct_enforcement_name(enforcement));
+  tap_ok(same, "%s, %s: restarted after every step, the same bits",
+         ct_scheme_name(integrator.scheme), ct_enforcement_name(enforcement));
+  tap_ok(same_state(straight, threads), "%s, %s: the same bits with two threads",
+         ct_scheme_name(integrator.scheme), ct_enforcement_name(enforcement));
   ct_state_free(straight);
   ct_state_free(copied);
   ct_state_free(threads);
@@ -396,21 +460,26 @@ static void equal_bits(ct_integrator integrator, ct_enforcement enforcement)
 /* β = 1 and ρ∞ = 1 are the central difference method. */
 static void is_central(ct_integrator integrator)
 {
-  meeting c = meet(integrator, CT_ENFORCE_ENERGY_CONTROLLED, 0.3, 1), d = meet((ct_integrator){CT_CENTRAL_DIFFERENCE, 0.0}, CT_ENFORCE_ENERGY_CONTROLLED, 0.3, 1);
+  meeting c = meet(integrator, CT_ENFORCE_ENERGY_CONTROLLED, 0.3, 1),
+          d = meet((ct_integrator){CT_CENTRAL_DIFFERENCE, 0.0}, CT_ENFORCE_ENERGY_CONTROLLED, 0.3,
+                   1);
   ct_state *x = new_state(&c.own), *y = new_state(&d.own);
   advance(&c.own, x, 80);
   advance(&d.own, y, 80);
   size_t n = 3 * (size_t)x->node_count * sizeof(double);
-  tap_ok(c.own.dt == d.own.dt && !memcmp(x->displacement, y->displacement, n) && !memcmp(x->velocity, y->velocity, n) &&
-           energy_of(&c.own, x).balance == energy_of(&d.own, y).balance, "%s %g: the bits of the central difference method", ct_scheme_name(integrator.scheme), integrator.parameter);
+  tap_ok(c.own.dt == d.own.dt && !memcmp(x->displacement, y->displacement, n) &&
+             !memcmp(x->velocity, y->velocity, n) &&
+             energy_of(&c.own, x).balance == energy_of(&d.own, y).balance,
+         "%s %g: the bits of the central difference method", ct_scheme_name(integrator.scheme),
+         integrator.parameter);
   ct_state_free(x);
   ct_state_free(y);
   ct_scene_free(c.scene);
   ct_scene_free(d.scene);
 }
 
-/* A bar on a rigid wall with the explicit penalty, beta = 1, at 0.9 of the true limit of bar and penalty: the error of the force
- * while the wave runs. */
+/* A bar on a rigid wall with the explicit penalty, beta = 1, at 0.9 of the true limit of bar and
+ * penalty: the error of the force while the wave runs. */
 static void bar_on_wall(ct_scheme scheme, double least, double most)
 {
   ct_material stuff = {900.0, 0.0, 1.0, CT_LINEAR};
@@ -424,12 +493,22 @@ static void bar_on_wall(ct_scheme scheme, double least, double most)
   ct_effect *effect;
   const ct_problem *joined;
   need(ct_scene_join(scene, &joined, &e), &e);
-  ct_obstacle wall = {.shape = CT_OBSTACLE_PLANE, .axis = {1, 0, 0}, .epsilon = 900.0 / 0.1, .enforcement = CT_ENFORCE_PENALTY, .kind = CT_Q4,
-                      .face_count = ct_mesh_plane_faces(bar, 0, 5.0, faces, NULL), .faces = faces};
+  ct_obstacle wall = {.shape = CT_OBSTACLE_PLANE,
+                      .axis = {1, 0, 0},
+                      .epsilon = 900.0 / 0.1,
+                      .enforcement = CT_ENFORCE_PENALTY,
+                      .kind = CT_Q4,
+                      .face_count = ct_mesh_plane_faces(bar, 0, 5.0, faces, NULL),
+                      .faces = faces};
   need(ct_obstacle_create_effect(&wall, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  ct_problem q = *build(scene, (ct_scene_time){.end = 1.4, .fraction = 0.5, .threads = 1, .integrator = ct_integrator_default(scheme)}, &steps, &stable);
-  // Omega of a bar with a penalty of one element's stiffness at its end (eq:step-bar with half of it), c = 30, h = 0.1.
+  ct_problem q = *build(
+      scene,
+      (ct_scene_time){
+          .end = 1.4, .fraction = 0.5, .threads = 1, .integrator = ct_integrator_default(scheme)},
+      &steps, &stable);
+  // Omega of a bar with a penalty of one element's stiffness at its end (eq:step-bar with half of
+  // it), c = 30, h = 0.1.
   q.dt = 0.9 * ct_integrator_limit(&q.integrator) / (300.0 * sqrt(2.0 + 2.0 * sqrt(2.0)));
   ct_state *state = new_state(&q);
   double *force = numbers(3 * q.node_count), sum = 0.0, start = energy_of(&q, state).kinetic;
@@ -444,7 +523,8 @@ static void bar_on_wall(ct_scheme scheme, double least, double most)
     count++;
   }
   double rms = sqrt(sum / count), kept = energy_of(&q, state).total / start;
-  tap_ok(rms > least && rms < most, "%s: bar on a wall, force %.4f %% rms, energy kept %.4f", ct_scheme_name(scheme), 100.0 * rms, kept);
+  tap_ok(rms > least && rms < most, "%s: bar on a wall, force %.4f %% rms, energy kept %.4f",
+         ct_scheme_name(scheme), 100.0 * rms, kept);
   tap_ok(kept < 1.001, "%s: bar on a wall, no energy from nothing", ct_scheme_name(scheme));
   free(force);
   ct_state_free(state);
@@ -454,22 +534,29 @@ static void bar_on_wall(ct_scheme scheme, double least, double most)
 
 static void refusals(void)
 {
-  const ct_integrator bad[] = {{(ct_scheme)7, 0.0}, {(ct_scheme)-1, 0.0}, {CT_CENTRAL_DIFFERENCE, 1.0}, {CT_CHUNG_LEE, 0.99}, {CT_CHUNG_LEE, 1.04}, {CT_NOH_BATHE, 0.49},
-                               {CT_NOH_BATHE, 0.6}, {CT_TCHAMWA_WIELGOSZ, -0.1}, {CT_TCHAMWA_WIELGOSZ, 1.1}, {CT_TCHAMWA_WIELGOSZ, NAN}};
+  const ct_integrator bad[] = {{(ct_scheme)7, 0.0},          {(ct_scheme)-1, 0.0},
+                               {CT_CENTRAL_DIFFERENCE, 1.0}, {CT_CHUNG_LEE, 0.99},
+                               {CT_CHUNG_LEE, 1.04},         {CT_NOH_BATHE, 0.49},
+                               {CT_NOH_BATHE, 0.6},          {CT_TCHAMWA_WIELGOSZ, -0.1},
+                               {CT_TCHAMWA_WIELGOSZ, 1.1},   {CT_TCHAMWA_WIELGOSZ, NAN}};
   ct_error e;
   for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
-    tap_ok(ct_integrator_check(&bad[i], &e) == CT_ERROR_ARGUMENT, "scheme %d with %g is refused: %s", (int)bad[i].scheme, bad[i].parameter, e.text);
-  tap_ok(ct_integrator_check(NULL, &e) == CT_ERROR_ARGUMENT && ct_scheme_name((ct_scheme)4) == NULL, "no integrator, no name");
+    tap_ok(ct_integrator_check(&bad[i], &e) == CT_ERROR_ARGUMENT,
+           "scheme %d with %g is refused: %s", (int)bad[i].scheme, bad[i].parameter, e.text);
+  tap_ok(ct_integrator_check(NULL, &e) == CT_ERROR_ARGUMENT && ct_scheme_name((ct_scheme)4) == NULL,
+         "no integrator, no name");
   meeting c = meet(ct_integrator_default(CT_NOH_BATHE), CT_ENFORCE_PENALTY, 0.0, 1);
   ct_problem other = c.own;
   ct_state *state = NULL;
   other.integrator.parameter = 2.0;
-  tap_ok(ct_state_create(&other, &state, &e) == CT_ERROR_ARGUMENT && state == NULL, "no state with a parameter out of range: %s", e.text);
+  tap_ok(ct_state_create(&other, &state, &e) == CT_ERROR_ARGUMENT && state == NULL,
+         "no state with a parameter out of range: %s", e.text);
   ct_scene_free(c.scene);
 }
 
 /* An effect of our own that fails at one time. */
-static ct_status fail_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status fail_force(const ct_effect *effect, const ct_view *view, double *force,
+                            ct_error *error)
 {
   (void)error;
   memset(force, 0, 3 * (size_t)effect->node_count * sizeof *force);
@@ -482,7 +569,11 @@ static void within_a_step(void)
   ct_scene *scene = new_scene();
   add_body(scene, "body", m, &SOFT, CT_KERNEL_AUTO, 1, 0, 0);
   double when = INFINITY;
-  ct_effect filled = {.name = "moody", .data = &when, .node_count = m->node_count, .force = fail_force}, *effect;
+  ct_effect filled = {.name = "moody",
+                      .data = &when,
+                      .node_count = m->node_count,
+                      .force = fail_force},
+            *effect;
   const ct_problem *joined;
   ct_error e;
   ct_energy energy;
@@ -491,21 +582,31 @@ static void within_a_step(void)
   need(ct_scene_add_effect(scene, effect, &e), &e);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1, .integrator = ct_integrator_default(CT_NOH_BATHE)}, &steps, &stable);
+  const ct_problem *p = build(scene,
+                              (ct_scene_time){.end = 1.0,
+                                              .fraction = 0.5,
+                                              .threads = 1,
+                                              .integrator = ct_integrator_default(CT_NOH_BATHE)},
+                              &steps, &stable);
   ct_state *state = new_state(p), *good = new_state(p);
   advance(p, state, 3);
   need(ct_state_copy(p, state, good, &e), &e);
   when = 3.3 * p->dt;
   tap_ok(ct_step(p, state, &e) == CT_INVALID, "a second stage fails, and so does its step");
-  tap_ok(ct_step(p, state, &e) == CT_ERROR_ARGUMENT && ct_energy_of(p, state, &energy, &e) == CT_ERROR_ARGUMENT, "the state within the step is refused: %s", e.text);
-  tap_ok(ct_state_copy(p, state, good, &e) == CT_ERROR_ARGUMENT && good->step == 3 && good->time == 3.0 * p->dt, "nor can it be copied, and the other state stays: %s", e.text);
+  tap_ok(ct_step(p, state, &e) == CT_ERROR_ARGUMENT &&
+             ct_energy_of(p, state, &energy, &e) == CT_ERROR_ARGUMENT,
+         "the state within the step is refused: %s", e.text);
+  tap_ok(ct_state_copy(p, state, good, &e) == CT_ERROR_ARGUMENT && good->step == 3 &&
+             good->time == 3.0 * p->dt,
+         "nor can it be copied, and the other state stays: %s", e.text);
   when = INFINITY;
   need(ct_state_copy(p, good, state, &e), &e);
   advance(p, state, 2);
   advance(p, good, 2);
   tap_ok(same_state(state, good), "a copy of the last good state goes on");
   state->velocity[0] = NAN;
-  tap_ok(ct_step_many(p, state, 4, &e) != CT_OK, "a velocity that is no number is refused: %s", e.text);
+  tap_ok(ct_step_many(p, state, 4, &e) != CT_OK, "a velocity that is no number is refused: %s",
+         e.text);
   need(ct_state_copy(p, good, state, &e), &e);
   advance(p, state, 2);
   advance(p, good, 2);

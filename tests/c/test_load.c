@@ -12,7 +12,8 @@ typedef struct loaded {
   int64_t steps;
 } loaded;
 
-static loaded load_faces(ct_scene *scene, ct_load load, int32_t *faces, int32_t count, double end, double fraction)
+static loaded load_faces(ct_scene *scene, ct_load load, int32_t *faces, int32_t count, double end,
+                         double fraction)
 {
   loaded l = {.scene = scene};
   const ct_problem *joined = NULL;
@@ -22,7 +23,8 @@ static loaded load_faces(ct_scene *scene, ct_load load, int32_t *faces, int32_t 
   load.kind = ct_brick_face_kind(joined->bodies[0].mesh->kind);
   need(ct_load_create_effect(&load, joined, &l.effect, &e), &e);
   need(ct_scene_add_effect(scene, l.effect, &e), &e);
-  l.problem = build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, &l.steps, &l.stable);
+  l.problem = build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1},
+                    &l.steps, &l.stable);
   free(faces);
   return l;
 }
@@ -32,11 +34,17 @@ static double *force_at(const loaded *l, const double *u)
 {
   ct_error e = {0};
   ct_state *state = new_state(l->problem);
-  double *force = numbers(3 * (int64_t)l->problem->node_count), *own = numbers(3 * (int64_t)l->effect->node_count);
-  ct_view view = {.time = 0.0, .threads = 1, .reference = l->problem->reference, .displacement = u != NULL ? u : state->displacement, .velocity = state->velocity};
+  double *force = numbers(3 * (int64_t)l->problem->node_count),
+         *own = numbers(3 * (int64_t)l->effect->node_count);
+  ct_view view = {.time = 0.0,
+                  .threads = 1,
+                  .reference = l->problem->reference,
+                  .displacement = u != NULL ? u : state->displacement,
+                  .velocity = state->velocity};
   need(l->effect->create_scratch(l->effect, &view.scratch, &e), &e);
   need(l->effect->force(l->effect, &view, own, &e), &e);
-  for (int32_t i = 0; i < l->effect->node_count; i++) memcpy(&force[3 * l->effect->nodes[i]], &own[3 * i], 3 * sizeof(double));
+  for (int32_t i = 0; i < l->effect->node_count; i++)
+    memcpy(&force[3 * l->effect->nodes[i]], &own[3 * i], 3 * sizeof(double));
   l->effect->free_scratch(view.scratch);
   ct_state_free(state);
   free(own);
@@ -50,11 +58,14 @@ static void resultants(ct_brick_kind kind, const char *name)
   distort_inside(mesh, 0.1);
   ct_scene *scene = new_scene();
   add_body(scene, "one", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
-  int32_t *faces = integers(8 * 6 * mesh->element_count), count = ct_mesh_plane_faces(mesh, 2, 5.0, faces, NULL);
-  loaded l = load_faces(scene, (ct_load){.traction = {1.0, -2.0, 0.5}, .pressure = 7.0}, faces, count, 1e-3, 0.5);
+  int32_t *faces = integers(8 * 6 * mesh->element_count),
+          count = ct_mesh_plane_faces(mesh, 2, 5.0, faces, NULL);
+  loaded l = load_faces(scene, (ct_load){.traction = {1.0, -2.0, 0.5}, .pressure = 7.0}, faces,
+                        count, 1e-3, 0.5);
   double *f = force_at(&l, NULL), sum[3] = {0.0}, moment = 0.0;
   for (int32_t n = 0; n < l.problem->node_count; n++)
-    for (int c = 0; c < 3; c++) sum[c] += f[3 * n + c], moment += c == 2 ? f[3 * n + 2] * l.problem->reference[3 * n] : 0.0;
+    for (int c = 0; c < 3; c++)
+      sum[c] += f[3 * n + c], moment += c == 2 ? f[3 * n + 2] * l.problem->reference[3 * n] : 0.0;
   tap_close(sum[0], 6.0, 1e-12, "%s: traction x area along x", name);
   tap_close(sum[1], -12.0, 1e-12, "%s: along y", name);
   tap_close(sum[2], 3.0 - 42.0, 1e-12, "%s: along z, less the pressure", name);
@@ -64,14 +75,15 @@ static void resultants(ct_brick_kind kind, const char *name)
   ct_mesh_free(mesh);
 }
 
-/* A pressure that follows, all around a body: no force and no moment, however the body is deformed; and the bound of its
- * stiffness is one. */
+/* A pressure that follows, all around a body: no force and no moment, however the body is deformed;
+ * and the bound of its stiffness is one. */
 static void closed_surface(ct_brick_kind kind, const char *name)
 {
   ct_mesh *mesh = box_mesh(kind, 0, 0, 0, 1, 1, 1, 2, 2, 2);
   ct_scene *scene = new_scene();
   add_body(scene, "one", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
-  int32_t *faces = integers(8 * 6 * mesh->element_count), count = ct_mesh_outer_faces(mesh, faces, NULL);
+  int32_t *faces = integers(8 * 6 * mesh->element_count),
+          count = ct_mesh_outer_faces(mesh, faces, NULL);
   loaded l = load_faces(scene, (ct_load){.pressure = 3.0, .following = 1}, faces, count, 1e-3, 0.5);
   int64_t dofs = 3 * (int64_t)l.problem->node_count;
   double *u = numbers(dofs), force[3] = {0.0}, moment[3] = {0.0}, size = 0.0;
@@ -81,9 +93,11 @@ static void closed_surface(ct_brick_kind kind, const char *name)
     for (int c = 0; c < 3; c++) {
       int p = (c + 1) % 3, q = (c + 2) % 3;
       force[c] += f[3 * n + c], size += fabs(f[3 * n + c]);
-      moment[c] += (l.problem->reference[3 * n + p] + u[3 * n + p]) * f[3 * n + q] - (l.problem->reference[3 * n + q] + u[3 * n + q]) * f[3 * n + p];
+      moment[c] += (l.problem->reference[3 * n + p] + u[3 * n + p]) * f[3 * n + q] -
+                   (l.problem->reference[3 * n + q] + u[3 * n + q]) * f[3 * n + p];
     }
-  tap_close(largest(force, 3) / size, 0.0, 1e-14, "%s: a pressure all around has no resultant", name);
+  tap_close(largest(force, 3) / size, 0.0, 1e-14, "%s: a pressure all around has no resultant",
+            name);
   tap_close(largest(moment, 3) / size, 0.0, 1e-14, "%s: and no moment", name);
   double bound = 0.0, worst_row = 0.0, unused;
   ct_state *state = new_state(l.problem);
@@ -92,24 +106,28 @@ static void closed_surface(ct_brick_kind kind, const char *name)
   for (int trial = 0; trial < 20; trial++) {
     for (int64_t d = 0; d < dofs; d++) u[d] = 1e-6 * (uniform(1.0) > 0 ? 1 : -1);
     double *g = force_at(&l, u), *g0 = force_at(&l, NULL);
-    for (int64_t d = 0; d < dofs; d++) worst_row = fmax(worst_row, fabs(g[d] - g0[d]) / l.problem->mass[d / 3] / (1e-6 * sqrt(3.0)));
+    for (int64_t d = 0; d < dofs; d++)
+      worst_row = fmax(worst_row, fabs(g[d] - g0[d]) / l.problem->mass[d / 3] / (1e-6 * sqrt(3.0)));
     free(g), free(g0);
   }
-  tap_ok(worst_row <= bound && worst_row > 0.05 * bound, "%s: no small motion changes the force by more than the bound (%.3g of it)", name, worst_row / bound);
+  tap_ok(worst_row <= bound && worst_row > 0.05 * bound,
+         "%s: no small motion changes the force by more than the bound (%.3g of it)", name,
+         worst_row / bound);
   ct_state_free(state);
   free(f), free(u);
   ct_scene_free(scene);
   ct_mesh_free(mesh);
 }
 
-/* A bar that is pulled at its end from t = 0 on: behind the front the stress is the traction, and the end moves with traction /
- * (rho c). */
+/* A bar that is pulled at its end from t = 0 on: behind the front the stress is the traction, and
+ * the end moves with traction / (rho c). */
 static void step_load(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 10, 0.1, 0.1, 100, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "bar", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
-  int32_t *faces = integers(8 * 6 * mesh->element_count), count = ct_mesh_plane_faces(mesh, 0, 10.0, faces, NULL);
+  int32_t *faces = integers(8 * 6 * mesh->element_count),
+          count = ct_mesh_plane_faces(mesh, 0, 10.0, faces, NULL);
   double c = 30.0, end = 6.0 / c;
   loaded l = load_faces(scene, (ct_load){.traction = {3.0, 0.0, 0.0}}, faces, count, end, 0.9);
   ct_state *state = new_state(l.problem);
@@ -120,12 +138,14 @@ static void step_load(void)
   ct_error e = {0};
   need(ct_solid_stress(mesh, &BAR, state->displacement, stress, &e), &e);
   for (int i = 55; i < 95; i++) mean += stress[6 * i] / 40.0;
-  tap_close(state->displacement[3 * last] / exact, 1.0, 5e-3, "the loaded end has moved traction / (rho c) t");
+  tap_close(state->displacement[3 * last] / exact, 1.0, 5e-3,
+            "the loaded end has moved traction / (rho c) t");
   tap_close(mean / 3.0, 1.0, 5e-3, "behind the front the stress is the traction");
   tap_ok(fabs(stress[6 * 20]) < 1e-3, "ahead of it there is none (%g)", stress[6 * 20]);
   ct_energy now = energy_of(l.problem, state);
   tap_close(now.balance / now.kinetic, 0.0, 1e-12, "the work balance closes");
-  tap_close((now.total - start.total) / now.kinetic, 0.0, 1e-12, "the bar holds the work of the load and nothing else");
+  tap_close((now.total - start.total) / now.kinetic, 0.0, 1e-12,
+            "the bar holds the work of the load and nothing else");
   free(stress);
   ct_state_free(state);
   ct_scene_free(scene);
@@ -143,13 +163,17 @@ static void refusals(void)
   add_body(scene, "one", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
   need(ct_scene_join(scene, &joined, &e), &e);
   ct_load bad = {.kind = CT_Q4, .face_count = 1, .faces = outside, .pressure = 1.0};
-  tap_ok(ct_load_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && e.element == 0, "a node outside: %s", e.text);
+  tap_ok(ct_load_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && e.element == 0,
+         "a node outside: %s", e.text);
   bad.faces = flat;
-  tap_ok(ct_load_create_effect(&bad, joined, &effect, &e) == CT_ERROR_GEOMETRY && e.element == 0, "a face without area: %s", e.text);
+  tap_ok(ct_load_create_effect(&bad, joined, &effect, &e) == CT_ERROR_GEOMETRY && e.element == 0,
+         "a face without area: %s", e.text);
   bad.faces = good, bad.traction[1] = INFINITY;
-  tap_ok(ct_load_create_effect(&bad, joined, &effect, &e) == CT_INVALID, "an infinite traction: %s", e.text);
+  tap_ok(ct_load_create_effect(&bad, joined, &effect, &e) == CT_INVALID, "an infinite traction: %s",
+         e.text);
   bad.traction[1] = 0.0, bad.face_count = 0;
-  tap_ok(ct_load_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL, "no faces: %s", e.text);
+  tap_ok(ct_load_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
+         "no faces: %s", e.text);
   ct_scene_free(scene);
   ct_mesh_free(mesh);
 }

@@ -20,24 +20,29 @@ static double total(const double *v, int n)
 
 static void total_mass(ct_brick_kind kind, ct_lumping lumping)
 {
-  // Inner nodes move, the box stays, so the volume is 2 * 1 * 1.5; afterwards an affine map multiplies it by its determinant.
+  // Inner nodes move, the box stays, so the volume is 2 * 1 * 1.5; afterwards an affine map
+  // multiplies it by its determinant.
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 2, 1, 1.5, 4, 3, 3);
   distort_inside(m, 0.05);
   double *mass = masses(m, 7.8, lumping), least = INFINITY;
   for (int n = 0; n < m->node_count; n++) least = fmin(least, mass[n]);
-  tap_close(total(mass, m->node_count), 7.8 * 3.0, 1e-12, "%s, lumping %d: mass of a distorted box is rho V", KIND[kind], lumping);
-  tap_ok(least > 0.0, "%s, lumping %d: all masses are positive (least %.3g)", KIND[kind], lumping, least);
+  tap_close(total(mass, m->node_count), 7.8 * 3.0, 1e-12,
+            "%s, lumping %d: mass of a distorted box is rho V", KIND[kind], lumping);
+  tap_ok(least > 0.0, "%s, lumping %d: all masses are positive (least %.3g)", KIND[kind], lumping,
+         least);
   free(mass);
 
   const double A[3][3] = {{1.1, 0.2, -0.3}, {0.1, 0.9, 0.4}, {-0.2, 0.3, 1.3}};
-  double det = 1.1 * (0.9 * 1.3 - 0.4 * 0.3) - 0.2 * (0.1 * 1.3 - 0.4 * -0.2) + -0.3 * (0.1 * 0.3 - 0.9 * -0.2);
+  double det = 1.1 * (0.9 * 1.3 - 0.4 * 0.3) - 0.2 * (0.1 * 1.3 - 0.4 * -0.2) +
+               -0.3 * (0.1 * 0.3 - 0.9 * -0.2);
   for (int n = 0; n < m->node_count; n++) {
     double x[3], *y = &m->nodes[3 * n];
     memcpy(x, y, sizeof x);
     for (int i = 0; i < 3; i++) y[i] = A[i][0] * x[0] + A[i][1] * x[1] + A[i][2] * x[2];
   }
   mass = masses(m, 7.8, lumping);
-  tap_close(total(mass, m->node_count), 7.8 * 3.0 * det, 1e-12, "%s, lumping %d: mass of the sheared box", KIND[kind], lumping);
+  tap_close(total(mass, m->node_count), 7.8 * 3.0 * det, 1e-12,
+            "%s, lumping %d: mass of the sheared box", KIND[kind], lumping);
   free(mass);
   ct_mesh_free(m);
 }
@@ -49,10 +54,14 @@ static void closed_forms(void)
   double *mass = masses(m, 8.0, CT_LUMP_ROW_SUM), off = 0.0;
   for (int n = 0; n < m->node_count; n++) {
     double want = 1.0;
-    for (int c = 0; c < 3; c++) want *= m->nodes[3 * n + c] == 0.0 || m->nodes[3 * n + c] == 2.0 + c ? 1.0 : 2.0;
+    for (int c = 0; c < 3; c++)
+      want *= m->nodes[3 * n + c] == 0.0 || m->nodes[3 * n + c] == 2.0 + c ? 1.0 : 2.0;
     off = worst(off, mass[n] - want);
   }
-  tap_ok(off < 1e-14, "hex8 box: 1, 2, 4, 8 eighths of a cell's mass on corner, edge, face, inside (off by %.2g)", off);
+  tap_ok(
+      off < 1e-14,
+      "hex8 box: 1, 2, 4, 8 eighths of a cell's mass on corner, edge, face, inside (off by %.2g)",
+      off);
   free(mass);
   ct_mesh_free(m);
 
@@ -67,7 +76,8 @@ static void closed_forms(void)
   tap_ok(off < 1e-15, "hex20 cube: 7/248 at corners, 2/31 at mid-sides (off by %.2g)", off);
   need(ct_mass_element(CT_HEX8, x, 1.0, CT_LUMP_ROW_SUM, row, &e), &e);
   need(ct_mass_element(CT_HEX8, x, 1.0, CT_LUMP_HRZ, hrz, &e), &e);
-  tap_ok(largest_difference(row, hrz, 8) < 1e-16 && fabs(row[0] - 0.125) < 1e-16, "hex8 cube: row sum and HRZ agree on 1/8");
+  tap_ok(largest_difference(row, hrz, 8) < 1e-16 && fabs(row[0] - 0.125) < 1e-16,
+         "hex8 cube: row sum and HRZ agree on 1/8");
 
   // A brick whose cross-section grows along x as 1 + x.
   double taper[24];
@@ -79,9 +89,11 @@ static void closed_forms(void)
     taper[3 * a + 2] = 0.5 * xi[2];
   }
   need(ct_mass_element(CT_HEX8, taper, 1.0, CT_LUMP_ROW_SUM, row, &e), &e);
-  // ∫ (1 - x)(1 + x) dx = 2/3 on the thin side, ∫ x (1 + x) dx = 5/6 on the thick one, a quarter at each corner.
+  // ∫ (1 - x)(1 + x) dx = 2/3 on the thin side, ∫ x (1 + x) dx = 5/6 on the thick one, a quarter at
+  // each corner.
   off = 0.0;
-  for (int a = 0; a < 8; a++) off = worst(off, row[a] - (taper[3 * a] == 0.0 ? 1.0 / 6.0 : 5.0 / 24.0));
+  for (int a = 0; a < 8; a++)
+    off = worst(off, row[a] - (taper[3 * a] == 0.0 ? 1.0 / 6.0 : 5.0 / 24.0));
   tap_ok(off < 1e-15, "tapered hex8: row sums 1/6 and 5/24 (off by %.2g)", off);
   ct_mesh_free(cube);
 }
@@ -93,7 +105,8 @@ static void mirrored(ct_brick_kind kind)
     distort(m, 0.03);
     ct_mesh *image = mirror_mesh(m, axis);
     double *mass = masses(m, 1.7, CT_LUMP_DEFAULT), *other = masses(image, 1.7, CT_LUMP_DEFAULT);
-    tap_ok(memcmp(mass, other, (size_t)m->node_count * sizeof *mass) == 0, "%s: mirrored in %c, the same bits", KIND[kind], "xyz"[axis]);
+    tap_ok(memcmp(mass, other, (size_t)m->node_count * sizeof *mass) == 0,
+           "%s: mirrored in %c, the same bits", KIND[kind], "xyz"[axis]);
     free(mass);
     free(other);
     ct_mesh_free(m);
@@ -108,7 +121,8 @@ static void turned(ct_brick_kind kind)
   distort(m, 0.02);
   double *straight = masses(m, 1.7, CT_LUMP_DEFAULT);
   turn_elements(m);
-  double *mass = masses(m, 1.7, CT_LUMP_DEFAULT), off = largest_difference(mass, straight, m->node_count) / largest(straight, m->node_count);
+  double *mass = masses(m, 1.7, CT_LUMP_DEFAULT),
+         off = largest_difference(mass, straight, m->node_count) / largest(straight, m->node_count);
   tap_ok(off < 1e-14, "%s: turned elements have the same masses, off by %.2g", KIND[kind], off);
   free(mass);
   free(straight);
@@ -120,14 +134,20 @@ static void refusals(void)
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 2, 1, 1, 2, 1, 1);
   double *mass = numbers(m->node_count);
   ct_error e = {0};
-  tap_ok(ct_mass_lumped(m, 1.0, CT_LUMP_ROW_SUM, mass, &e) == CT_ERROR_UNSUPPORTED && strstr(e.text, "negative") != NULL, "row sum of hex20 is refused: %s",
-         e.text);
-  tap_ok(ct_mass_lumped(m, -1.0, CT_LUMP_DEFAULT, mass, &e) == CT_ERROR_GEOMETRY && e.element == 0, "a negative density is refused: %s", e.text);
+  tap_ok(ct_mass_lumped(m, 1.0, CT_LUMP_ROW_SUM, mass, &e) == CT_ERROR_UNSUPPORTED &&
+             strstr(e.text, "negative") != NULL,
+         "row sum of hex20 is refused: %s", e.text);
+  tap_ok(ct_mass_lumped(m, -1.0, CT_LUMP_DEFAULT, mass, &e) == CT_ERROR_GEOMETRY && e.element == 0,
+         "a negative density is refused: %s", e.text);
   m->nodes[0] = NAN;
-  tap_ok(ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, mass, &e) != CT_OK, "a NaN in the nodes is refused: %s", e.text);
-  tap_ok(ct_mass_lumped(NULL, 1.0, CT_LUMP_DEFAULT, mass, NULL) == CT_ERROR_ARGUMENT && ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, NULL, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, mass, &e) != CT_OK,
+         "a NaN in the nodes is refused: %s", e.text);
+  tap_ok(ct_mass_lumped(NULL, 1.0, CT_LUMP_DEFAULT, mass, NULL) == CT_ERROR_ARGUMENT &&
+             ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, NULL, NULL) == CT_ERROR_ARGUMENT,
          "null arguments are refused");
-  tap_ok(ct_mass_element((ct_brick_kind)9, m->nodes, 1.0, CT_LUMP_DEFAULT, mass, NULL) == CT_ERROR_ARGUMENT, "an unknown element is refused");
+  tap_ok(ct_mass_element((ct_brick_kind)9, m->nodes, 1.0, CT_LUMP_DEFAULT, mass, NULL) ==
+             CT_ERROR_ARGUMENT,
+         "an unknown element is refused");
   free(mass);
   ct_mesh_free(m);
 }

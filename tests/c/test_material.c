@@ -6,8 +6,8 @@ static void refused(double young, double poisson, double density, const char *wo
   ct_material m = {young, poisson, density, CT_LINEAR};
   ct_error e = {0};
   ct_status status = ct_material_check(&m, &e);
-  tap_ok(status == CT_ERROR_ARGUMENT && e.code == status && strstr(e.text, word) != NULL, "E %g, nu %g, rho %g is refused: %s", young,
-         poisson, density, e.text);
+  tap_ok(status == CT_ERROR_ARGUMENT && e.code == status && strstr(e.text, word) != NULL,
+         "E %g, nu %g, rho %g is refused: %s", young, poisson, density, e.text);
 }
 
 int main(void)
@@ -28,7 +28,10 @@ int main(void)
     ct_material_speeds(&m, &c1, &c2);
     off[0] = worst(off[0], mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu) / m.young - 1.0);
     off[1] = worst(off[1], lambda / (2.0 * (lambda + mu)) - m.poisson);
-    off[2] = worst(off[2], c1 * c1 * m.density / (m.young * (1.0 - m.poisson) / ((1.0 + m.poisson) * (1.0 - 2.0 * m.poisson))) - 1.0);
+    off[2] = worst(off[2], c1 * c1 * m.density /
+                                   (m.young * (1.0 - m.poisson) /
+                                    ((1.0 + m.poisson) * (1.0 - 2.0 * m.poisson))) -
+                               1.0);
     off[3] = worst(off[3], c2 * c2 * 2.0 * (1.0 + m.poisson) * m.density / m.young - 1.0);
   }
   // Near nu = 1/2 and -1 the moduli are quotients of differences: a few digits fewer.
@@ -42,7 +45,8 @@ int main(void)
   tap_ok(c1 == 1.0, "nu = 0, E = rho = 1: c1 = 1, the bar's speed");
 
   tap_ok(ct_material_check(&steel, NULL) == CT_OK, "steel is a material");
-  tap_ok(ct_material_check(NULL, NULL) == CT_ERROR_ARGUMENT, "no material is refused, without a place for the error");
+  tap_ok(ct_material_check(NULL, NULL) == CT_ERROR_ARGUMENT,
+         "no material is refused, without a place for the error");
   refused(0.0, 0.3, 1.0, "Young");
   refused(-1.0, 0.3, 1.0, "Young");
   refused(NAN, 0.3, 1.0, "Young");

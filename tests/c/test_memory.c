@@ -1,4 +1,5 @@
-/* What a run holds, byte by byte: all memory of the library goes through ct_allocate, and here that counts. */
+/* What a run holds, byte by byte: all memory of the library goes through ct_allocate, and here that
+ * counts. */
 #include <stdlib.h>
 
 static size_t held_bytes, peak_bytes;
@@ -40,7 +41,8 @@ static void counting_free(void *memory)
 #include <contact/gravity.h>
 #include <contact/watch.h>
 
-static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR}, RUBBER = {2.1e5, 0.3, 7.8e-9, CT_NEO_HOOKEAN};
+static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR},
+                         RUBBER = {2.1e5, 0.3, 7.8e-9, CT_NEO_HOOKEAN};
 static const ct_savings NONE = {0, 0, 0, 0};
 
 /* A block of 16 x 24 x 24 cells that flies, and what it has beside. */
@@ -49,7 +51,7 @@ typedef struct kind {
   ct_brick_kind brick;
   const ct_material *material;
   ct_solid_kernel kernel;
-  int lattice;          /* nothing is stored of an element */
+  int lattice; /* nothing is stored of an element */
   int held, watched, falls, relaxes;
   double node, element; /* bytes of each that are expected beside `held`, ... */
 } kind;
@@ -58,17 +60,23 @@ typedef struct kind {
 enum { NODE = 22 * 8 };
 
 static const kind KINDS[] = {
-  {"a lattice", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 0, 0, 0, NODE, 32},
-  {"a lattice whose nodes are all held along y", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 1, 0, 0, 0, NODE + 6 * 8, 32},
-  {"a lattice with a watch", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 1, 0, 0, NODE + 9 * 8, 32},
-  {"a lattice with gravity: 21 numbers and two node numbers more", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 0, 1, 0, NODE + 21 * 8 + 2 * 4, 32},
-  {"a lattice that comes to rest: two samples more", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 0, 0, 1, NODE + 33 * 8 + 2 * 4, 32},
-  {"tables: numbers twice, places of forces, forces", CT_HEX8, &STEEL, CT_KERNEL_BOX, 0, 0, 0, 0, 0, NODE + 32, 2 * 32 + 192},
-  {"hex20", CT_HEX20, &STEEL, CT_KERNEL_GENERAL, 0, 0, 0, 0, 0, NODE + 32, 2 * 80 + 480},
-  {"reduced integration: what is laid down", CT_HEX8, &STEEL, CT_KERNEL_REDUCED, 0, 0, 0, 0, 0, NODE + 32, 2 * 32 + 192 + 256},
-  {"large deformation: smallest J, energies", CT_HEX8, &RUBBER, CT_KERNEL_GENERAL, 0, 0, 0, 0, 0, NODE + 32, 2 * 32 + 192 + 9},
-  {"large deformation with a watch: mode, moved, force, and scratch space of its own", CT_HEX8, &RUBBER, CT_KERNEL_GENERAL, 0, 0, 1, 0,
-   0, NODE + 18 * 8 + 32, 2 * 32 + 2 * (192 + 9)},
+    {"a lattice", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 0, 0, 0, NODE, 32},
+    {"a lattice whose nodes are all held along y", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 1, 0, 0, 0,
+     NODE + 6 * 8, 32},
+    {"a lattice with a watch", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 1, 0, 0, NODE + 9 * 8, 32},
+    {"a lattice with gravity: 21 numbers and two node numbers more", CT_HEX8, &STEEL, CT_KERNEL_BOX,
+     1, 0, 0, 1, 0, NODE + 21 * 8 + 2 * 4, 32},
+    {"a lattice that comes to rest: two samples more", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 0, 0,
+     1, NODE + 33 * 8 + 2 * 4, 32},
+    {"tables: numbers twice, places of forces, forces", CT_HEX8, &STEEL, CT_KERNEL_BOX, 0, 0, 0, 0,
+     0, NODE + 32, 2 * 32 + 192},
+    {"hex20", CT_HEX20, &STEEL, CT_KERNEL_GENERAL, 0, 0, 0, 0, 0, NODE + 32, 2 * 80 + 480},
+    {"reduced integration: what is laid down", CT_HEX8, &STEEL, CT_KERNEL_REDUCED, 0, 0, 0, 0, 0,
+     NODE + 32, 2 * 32 + 192 + 256},
+    {"large deformation: smallest J, energies", CT_HEX8, &RUBBER, CT_KERNEL_GENERAL, 0, 0, 0, 0, 0,
+     NODE + 32, 2 * 32 + 192 + 9},
+    {"large deformation with a watch: mode, moved, force, and scratch space of its own", CT_HEX8,
+     &RUBBER, CT_KERNEL_GENERAL, 0, 0, 1, 0, 0, NODE + 18 * 8 + 32, 2 * 32 + 2 * (192 + 9)},
 };
 
 static ct_scene *scene_of(const kind *k, const ct_mesh *mesh)
@@ -84,7 +92,9 @@ static ct_scene *scene_of(const kind *k, const ct_mesh *mesh)
   if (k->held) add_support(scene, 0, mesh, -1, 0.0, "y", 0.0);
   need(ct_scene_join(scene, &joined, &e), &e);
   if (k->falls) {
-    need(ct_gravity_create_effect(&(ct_gravity){.acceleration = {0, 0, -9810}}, joined, &effect, &e), &e);
+    need(
+        ct_gravity_create_effect(&(ct_gravity){.acceleration = {0, 0, -9810}}, joined, &effect, &e),
+        &e);
     need(ct_scene_add_effect(scene, effect, &e), &e);
   }
   if (k->relaxes) {
@@ -106,7 +116,10 @@ static void ask(const ct_problem *problem, ct_state *state, ct_watch *watch)
 }
 
 /* The block of a kind of scene. */
-static ct_mesh *block_of(const kind *k) { return box_mesh(k->brick, 0, 0, 0, 1, 1.5, 1.5, 16, 24, 24); }
+static ct_mesh *block_of(const kind *k)
+{
+  return box_mesh(k->brick, 0, 0, 0, 1, 1.5, 1.5, 16, 24, 24);
+}
 
 static const ct_problem *problem_of(ct_scene *scene, ct_stable_step *stable)
 {
@@ -114,7 +127,8 @@ static const ct_problem *problem_of(ct_scene *scene, ct_stable_step *stable)
   return build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.5, .threads = 1}, &steps, stable);
 }
 
-/* Build, step, ask; nothing is allocated after the start, and no more is held than what is written above. */
+/* Build, step, ask; nothing is allocated after the start, and no more is held than what is written
+ * above. */
 static void budget(const kind *k)
 {
   size_t before = held_bytes;
@@ -132,18 +146,21 @@ static void budget(const kind *k)
   options.stable = stable.dt;
   if (k->watched) need(ct_watch_create(problem, state, &options, &watch, &e), &e);
 
-  // Per node some bits; a ring of 1 + 16 + 16 * 24 elements and what is computed at once, a power of two; and what does not grow.
-  double held = (double)(held_bytes - before), want = k->node * nodes + k->element * elements, ring = k->lattice ? 1032 * 192 : 0;
+  // Per node some bits; a ring of 1 + 16 + 16 * 24 elements and what is computed at once, a power
+  // of two; and what does not grow.
+  double held = (double)(held_bytes - before), want = k->node * nodes + k->element * elements,
+         ring = k->lattice ? 1032 * 192 : 0;
   double peak = (double)(peak_bytes - before) / held;
-  tap_ok(held <= want + ring + 0.5 * nodes + 40000 && held >= want, "%s: %.1f bytes a node, expected %.1f", k->name, held / nodes,
-         (want + ring) / nodes);
+  tap_ok(held <= want + ring + 0.5 * nodes + 40000 && held >= want,
+         "%s: %.1f bytes a node, expected %.1f", k->name, held / nodes, (want + ring) / nodes);
   tap_ok(peak <= 1.05, "%s: at most %.3f times as much while it was built", k->name, peak);
 
   long calls_before = calls;
   if (watch != NULL) need(ct_watch_steps(watch, state, 4, &e), &e);
   else advance(problem, state, 4);
   ask(problem, state, watch);
-  tap_ok(calls == calls_before, "%s: neither steps nor the ledger allocate (%ld calls)", k->name, calls - calls_before);
+  tap_ok(calls == calls_before, "%s: neither steps nor the ledger allocate (%ld calls)", k->name,
+         calls - calls_before);
   ct_watch_free(watch);
   ct_state_free(state);
   ct_scene_free(scene);
@@ -170,7 +187,8 @@ static void good_state(void)
   ct_state *good = ct_watch_good(watch);
   size_t asked = held_bytes;
   ct_energy a = energy_of(problem, state), b = energy_of(problem, good);
-  tap_ok(asked - before > 24 * (size_t)m->node_count && ct_watch_good(watch) == good && held_bytes == asked,
+  tap_ok(asked - before > 24 * (size_t)m->node_count && ct_watch_good(watch) == good &&
+             held_bytes == asked,
          "a good state gets room for its forces once");
   tap_ok(memcmp(&a, &b, sizeof a) == 0, "and has the ledger of the state that was good");
   advance(problem, state, 2);
@@ -199,7 +217,8 @@ static ct_state *shaken(const ct_problem *problem)
 }
 
 /* Sum over the nodes of m x · y in more digits than a double has. */
-static double by_hand(const ct_problem *problem, const double *mass, const double *x, const double *y)
+static double by_hand(const ct_problem *problem, const double *mass, const double *x,
+                      const double *y)
 {
   long double sum = 0.0L;
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
@@ -209,7 +228,8 @@ static double by_hand(const ct_problem *problem, const double *mass, const doubl
 
 static double close_to(double got, double want) { return fabs(got - want) / fabs(want); }
 
-/* Sums and largest values over more nodes than a piece has: potential of the weight, rest, rate of a relaxation. */
+/* Sums and largest values over more nodes than a piece has: potential of the weight, rest, rate of
+ * a relaxation. */
 static void many_nodes(const kind *k)
 {
   ct_mesh *m = box_mesh(k->brick, 0, 0, 0, 1, 0.7, 0.7, 10, 7, 7);
@@ -219,7 +239,8 @@ static void many_nodes(const kind *k)
   ct_error e;
   const ct_problem *problem = problem_of(scene, &stable);
   ct_state *state = shaken(problem);
-  double *total = numbers(dofs), *force = numbers(dofs), acting = 0.0, left = 0.0, stored = 0.0, kinetic = 0.0, unrest = NAN;
+  double *total = numbers(dofs), *force = numbers(dofs), acting = 0.0, left = 0.0, stored = 0.0,
+         kinetic = 0.0, unrest = NAN;
   for (int32_t i = 0; i < problem->effect_count; i++) {
     double energy = 0.0;
     need(ct_state_force(problem, state, i, force, &e), &e);
@@ -228,9 +249,11 @@ static void many_nodes(const kind *k)
     for (int64_t d = 0; d < dofs; d++) total[d] += force[d];
     stored += fabs(energy);
     if (strcmp(problem->effects[i]->name, "gravity") == 0)
-      tap_ok(close_to(energy, -by_hand(problem, NULL, force, state->displacement)) < 1e-14, "the potential is minus weight times way");
+      tap_ok(close_to(energy, -by_hand(problem, NULL, force, state->displacement)) < 1e-14,
+             "the potential is minus weight times way");
   }
-  for (int64_t d = 0; d < dofs; d++) left = fmax(left, problem->inverse_mass[d] > 0.0 ? fabs(total[d]) : 0.0);
+  for (int64_t d = 0; d < dofs; d++)
+    left = fmax(left, problem->inverse_mass[d] > 0.0 ? fabs(total[d]) : 0.0);
   kinetic = 0.5 * by_hand(problem, problem->mass, state->velocity, state->velocity);
   need(ct_energy_unrest(problem, state, &unrest, &e), &e);
   double want = fmax(left / acting, sqrt(kinetic / stored));
@@ -239,10 +262,13 @@ static void many_nodes(const kind *k)
     const double *sample = state->memory + 2;
     double *way = numbers(dofs), *change = numbers(dofs);
     need(ct_state_force(problem, state, 0, force, &e), &e);
-    for (int64_t d = 0; d < dofs; d++) way[d] = state->displacement[d] - sample[d], change[d] = sample[dofs + d] - force[d];
-    double omega = sqrt(by_hand(problem, NULL, way, change) / by_hand(problem, problem->mass, way, way));
+    for (int64_t d = 0; d < dofs; d++)
+      way[d] = state->displacement[d] - sample[d], change[d] = sample[dofs + d] - force[d];
+    double omega =
+        sqrt(by_hand(problem, NULL, way, change) / by_hand(problem, problem->mass, way, way));
     advance(problem, state, 1);
-    tap_ok(close_to(state->memory[0], 2.0 * omega) < 1e-13, "the rate is that of the change at all nodes");
+    tap_ok(close_to(state->memory[0], 2.0 * omega) < 1e-13,
+           "the rate is that of the change at all nodes");
     free(way);
     free(change);
   }
@@ -253,24 +279,31 @@ static void many_nodes(const kind *k)
   ct_mesh_free(m);
 }
 
-/* One bar, two, and two that meet: the second one brings no ring, and steps and ledger allocate nothing. */
+/* One bar, two, and two that meet: the second one brings no ring, and steps and ledger allocate
+ * nothing. */
 static void bars(void)
 {
-  ct_mesh *m[2] = {box_mesh(CT_HEX8, -2, 0, 0, 2, 0.6, 0.6, 20, 6, 6), box_mesh(CT_HEX8, 0.001, 0, 0, 2, 0.6, 0.6, 20, 6, 6)};
+  ct_mesh *m[2] = {box_mesh(CT_HEX8, -2, 0, 0, 2, 0.6, 0.6, 20, 6, 6),
+                   box_mesh(CT_HEX8, 0.001, 0, 0, 2, 0.6, 0.6, 20, 6, 6)};
   size_t held[3], before = held_bytes;
   for (int i = 0; i < 3; i++) {
     ct_scene *scene = new_scene();
-    for (int b = 0; b < (i == 0 ? 1 : 2); b++) add_body(scene, "bar", m[b], &STEEL, CT_KERNEL_BOX, b == 0 ? 1e3 : -1e3, 0, 0);
+    for (int b = 0; b < (i == 0 ? 1 : 2); b++)
+      add_body(scene, "bar", m[b], &STEEL, CT_KERNEL_BOX, b == 0 ? 1e3 : -1e3, 0, 0);
     if (i == 2) add_contact(scene, 0, m[0], 0.0, 1, m[1], 0.001, 0, 0.5);
     int64_t steps;
     ct_stable_step stable;
-    const ct_problem *problem = build(scene, (ct_scene_time){.end = 2e-6, .fraction = 0.9, .threads = 1}, &steps, &stable);
+    const ct_problem *problem =
+        build(scene, (ct_scene_time){.end = 2e-6, .fraction = 0.9, .threads = 1}, &steps, &stable);
     ct_state *state = new_state(problem);
     held[i] = held_bytes - before;
     long calls_before = calls;
     advance(problem, state, steps);
     ask(problem, state, NULL);
-    tap_ok(calls == calls_before, "%s: %ld allocations in %d steps and after", i == 0 ? "a bar" : i == 1 ? "two bars" : "two that meet",
+    tap_ok(calls == calls_before, "%s: %ld allocations in %d steps and after",
+           i == 0   ? "a bar"
+           : i == 1 ? "two bars"
+                    : "two that meet",
            calls - calls_before, (int)steps);
     if (i == 2) tap_ok(momentum_of(problem, state, 0).contact_impulse[0] < 0.0, "they have met");
     ct_state_free(state);
@@ -278,8 +311,8 @@ static void bars(void)
   }
   // 1 + 20 + 120 elements wait for their nodes and 256 are computed at once, in a ring of 512.
   double alone = (double)held[0] - (512 + 8) * 192;
-  tap_ok(fabs((double)(held[1] - held[0]) - alone) <= 0.02 * alone, "a second bar brings %zu bytes to %zu, and no ring",
-         held[1] - held[0], held[0]);
+  tap_ok(fabs((double)(held[1] - held[0]) - alone) <= 0.02 * alone,
+         "a second bar brings %zu bytes to %zu, and no ring", held[1] - held[0], held[0]);
   for (int b = 0; b < 2; b++) ct_mesh_free(m[b]);
 }
 
@@ -290,21 +323,23 @@ static void no_room(void)
   int32_t faces[96], owners[24], wrong[2] = {-1, m->node_count};
   last_call = calls;
   tap_ok(ct_mesh_outer_faces(m, faces, owners) == -CT_ERROR_MEMORY &&
-         ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == -CT_ERROR_MEMORY,
+             ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == -CT_ERROR_MEMORY,
          "no memory for the faces of a mesh: told, and not as none");
   last_call = -1;
-  tap_ok(ct_mesh_outer_faces(m, faces, owners) == 24 && ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == 4,
+  tap_ok(ct_mesh_outer_faces(m, faces, owners) == 24 &&
+             ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == 4,
          "and with memory they are there");
   for (int i = 0; i < 2; i++) {
     int32_t keep = m->elements[9];
     m->elements[9] = wrong[i];
     tap_ok(ct_mesh_outer_faces(m, faces, owners) == -CT_ERROR_ARGUMENT &&
-           ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == -CT_ERROR_ARGUMENT, "an element with node %d is refused",
-           (int)wrong[i]);
+               ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == -CT_ERROR_ARGUMENT,
+           "an element with node %d is refused", (int)wrong[i]);
     m->elements[9] = keep;
   }
   tap_ok(ct_mesh_outer_faces(NULL, faces, owners) == -CT_ERROR_ARGUMENT &&
-         ct_mesh_plane_faces(&(ct_mesh){0}, 0, 0.0, NULL, NULL) == -CT_ERROR_ARGUMENT, "no mesh, an empty one");
+             ct_mesh_plane_faces(&(ct_mesh){0}, 0, 0.0, NULL, NULL) == -CT_ERROR_ARGUMENT,
+         "no mesh, an empty one");
   ct_mesh_free(m);
 }
 

@@ -7,30 +7,36 @@ static void box_counts(ct_brick_kind kind)
 {
   // 3 x 4 x 5 cells: 4 * 5 * 6 corners; 3 * 5 * 6 + 4 * 4 * 6 + 4 * 5 * 5 mid-sides.
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 3, 4, 5, 3, 4, 5);
-  tap_ok(m->node_count == (kind == CT_HEX8 ? 120 : 120 + 90 + 96 + 100) && m->element_count == 60, "%s: 3 x 4 x 5 cells have %d nodes",
-         KIND[kind], m->node_count);
-  int per = ct_brick_node_count(kind), off = 0, unused = 0, *used = room(m->node_count, sizeof *used);
+  tap_ok(m->node_count == (kind == CT_HEX8 ? 120 : 120 + 90 + 96 + 100) && m->element_count == 60,
+         "%s: 3 x 4 x 5 cells have %d nodes", KIND[kind], m->node_count);
+  int per = ct_brick_node_count(kind), off = 0, unused = 0,
+      *used = room(m->node_count, sizeof *used);
   for (int e = 0; e < 60; e++)
     for (int a = 0; a < per; a++) {
       int cell[3] = {e % 3, e / 3 % 4, e / 12};
       double xi[3];
       ct_brick_reference(kind, a, xi);
-      // Edges are 1 long, so node (xi, eta, zeta) of cell (i, j, k) stands at i + (1 + xi) / 2 and so on.
-      for (int c = 0; c < 3; c++) off += m->nodes[3 * m->elements[e * per + a] + c] != cell[c] + 0.5 * (1.0 + xi[c]);
+      // Edges are 1 long, so node (xi, eta, zeta) of cell (i, j, k) stands at i + (1 + xi) / 2 and
+      // so on.
+      for (int c = 0; c < 3; c++)
+        off += m->nodes[3 * m->elements[e * per + a] + c] != cell[c] + 0.5 * (1.0 + xi[c]);
       used[m->elements[e * per + a]]++;
     }
   for (int n = 0; n < m->node_count; n++) unused += used[n] == 0;
-  tap_ok(off == 0, "%s: every node of every element stands where its cell wants it (%d do not)", KIND[kind], off);
+  tap_ok(off == 0, "%s: every node of every element stands where its cell wants it (%d do not)",
+         KIND[kind], off);
   tap_ok(unused == 0, "%s: every node is used", KIND[kind]);
   // Node sharing: each corner of the box is used once, an inner lattice point 8 times.
   int eight = 0, one = 0;
   for (int n = 0; n < 120; n++) eight += used[n] == 8, one += used[n] == 1;
-  tap_ok(one == 8 && eight == 2 * 3 * 4, "%s: 8 corners of one element, 24 inner corners of eight", KIND[kind]);
+  tap_ok(one == 8 && eight == 2 * 3 * 4, "%s: 8 corners of one element, 24 inner corners of eight",
+         KIND[kind]);
   tap_ok(ct_mesh_check(m, NULL) == CT_OK, "%s: the mesh passes its own check", KIND[kind]);
   tap_close(ct_mesh_shortest_edge(m), 1.0, 0.0, "%s: shortest edge", KIND[kind]);
   double low[3], high[3];
   ct_mesh_bounds(m, low, high);
-  tap_ok(low[0] == 0 && low[1] == 0 && low[2] == 0 && high[0] == 3 && high[1] == 4 && high[2] == 5, "%s: bounds", KIND[kind]);
+  tap_ok(low[0] == 0 && low[1] == 0 && low[2] == 0 && high[0] == 3 && high[1] == 4 && high[2] == 5,
+         "%s: bounds", KIND[kind]);
   free(used);
   ct_mesh_free(m);
 }
@@ -41,7 +47,8 @@ static void mirrored_boxes(ct_brick_kind kind)
   for (int trial = 0; trial < 20; trial++) {
     double a = 0.1 + fabs(uniform(3.0)), b = 0.1 + fabs(uniform(3.0)), c = 0.1 + fabs(uniform(3.0));
     int n = 1 + pick(40);
-    ct_mesh *right = box_mesh(kind, 0, 0, 0, a, b, c, n, 2, 3), *left = box_mesh(kind, -a, 0, 0, a, b, c, n, 2, 3);
+    ct_mesh *right = box_mesh(kind, 0, 0, 0, a, b, c, n, 2, 3),
+            *left = box_mesh(kind, -a, 0, 0, a, b, c, n, 2, 3);
     int per = ct_brick_node_count(kind);
     for (int e = 0; e < right->element_count; e++)
       for (int i = 0; i < per; i++) {
@@ -56,21 +63,25 @@ static void mirrored_boxes(ct_brick_kind kind)
     ct_mesh_free(right);
     ct_mesh_free(left);
   }
-  tap_ok(faults == 0, "%s: boxes on [0, a] and [-a, 0] have exactly negated coordinates (%d do not)", KIND[kind], faults);
+  tap_ok(faults == 0,
+         "%s: boxes on [0, a] and [-a, 0] have exactly negated coordinates (%d do not)", KIND[kind],
+         faults);
 }
 
 static double element_volume(const ct_mesh *m, int e)
 {
   // A box: the product of the diagonal between two opposite corners.
   int per = ct_brick_node_count(m->kind);
-  const double *p = &m->nodes[3 * m->elements[e * per]], *q = &m->nodes[3 * m->elements[e * per + 6]];
+  const double *p = &m->nodes[3 * m->elements[e * per]],
+               *q = &m->nodes[3 * m->elements[e * per + 6]];
   return (q[0] - p[0]) * (q[1] - p[1]) * (q[2] - p[2]);
 }
 
 static void faces(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, -1, 2, 5, 3, 1, 2, 3, 2, 4);
-  int per = ct_brick_node_count(kind), per_face = kind == CT_HEX8 ? 4 : 8, want[3] = {2 * 4, 3 * 4, 3 * 2};
+  int per = ct_brick_node_count(kind), per_face = kind == CT_HEX8 ? 4 : 8,
+      want[3] = {2 * 4, 3 * 4, 3 * 2};
   double low[3], high[3], inner[3], area = 0.0, volume = 0.0;
   int outwards = 0, owned = 0, total = 0, counted = 1;
   ct_mesh_bounds(m, low, high);
@@ -86,7 +97,8 @@ static void faces(ct_brick_kind kind)
       int found = 0;
       for (int a = 0; a < per_face; a++) {
         memcpy(shape.node[a], &m->nodes[3 * face[f * per_face + a]], sizeof shape.node[a]);
-        for (int b = 0; b < per; b++) found += m->elements[owner[f] * per + b] == face[f * per_face + a];
+        for (int b = 0; b < per; b++)
+          found += m->elements[owner[f] * per + b] == face[f * per_face + a];
       }
       ct_segment_normal(&shape, centre, n);
       ct_segment_point(&shape, centre, y);
@@ -101,12 +113,15 @@ static void faces(ct_brick_kind kind)
   tap_ok(outwards == total, "%s: all %d normals point out of the box", KIND[kind], total);
   tap_ok(owned == total, "%s: each face's nodes are its owner's", KIND[kind]);
   tap_close(area, 2 * (3 * 1 + 3 * 2 + 1 * 2), 1e-12, "%s: area of the box", KIND[kind]);
-  tap_ok(ct_mesh_outer_faces(m, face, owner) == total && ct_mesh_outer_faces(m, NULL, NULL) == total, "%s: outer faces are those of the six sides",
-         KIND[kind]);
+  tap_ok(ct_mesh_outer_faces(m, face, owner) == total &&
+             ct_mesh_outer_faces(m, NULL, NULL) == total,
+         "%s: outer faces are those of the six sides", KIND[kind]);
   for (int e = 0; e < m->element_count; e++) volume += element_volume(m, e);
   tap_close(volume, 6.0, 1e-12, "%s: volumes of the elements add up", KIND[kind]);
-  tap_ok(ct_mesh_plane_faces(m, 0, 0.0, NULL, NULL) == 0, "%s: a plane of inner faces has no outer ones", KIND[kind]);
-  tap_ok(ct_mesh_plane_faces(m, 0, 17.0, NULL, NULL) == 0 && ct_mesh_plane_faces(m, 3, 0.0, NULL, NULL) == 0 &&
+  tap_ok(ct_mesh_plane_faces(m, 0, 0.0, NULL, NULL) == 0,
+         "%s: a plane of inner faces has no outer ones", KIND[kind]);
+  tap_ok(ct_mesh_plane_faces(m, 0, 17.0, NULL, NULL) == 0 &&
+             ct_mesh_plane_faces(m, 3, 0.0, NULL, NULL) == 0 &&
              ct_mesh_plane_faces(m, -1, 0.0, NULL, NULL) == 0,
          "%s: no faces beyond the box, none on a fourth axis", KIND[kind]);
 
@@ -114,7 +129,8 @@ static void faces(ct_brick_kind kind)
   int count = ct_mesh_plane_nodes(m, 2, 5.0, set), ascending = 1, right = 0;
   for (int i = 1; i < count; i++) ascending &= set[i] > set[i - 1];
   for (int n = 0; n < m->node_count; n++) right += m->nodes[3 * n + 2] == 5.0;
-  tap_ok(count == right && ascending && count == (kind == CT_HEX8 ? 12 : 12 + 9 + 8), "%s: %d nodes in a plane, ascending", KIND[kind], count);
+  tap_ok(count == right && ascending && count == (kind == CT_HEX8 ? 12 : 12 + 9 + 8),
+         "%s: %d nodes in a plane, ascending", KIND[kind], count);
   free(face);
   free(owner);
   free(set);
@@ -122,13 +138,14 @@ static void faces(ct_brick_kind kind)
 }
 
 /* Faces and their outward side survive any turning of the elements' own axes. */
-/* The faces in a plane are those of all outer faces that lie in it, in the same order; inner faces in it do not count. */
+/* The faces in a plane are those of all outer faces that lie in it, in the same order; inner faces
+ * in it do not count. */
 static void faces_in_planes(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 3, 4, 5, 3, 4, 5);
   int per = kind == CT_HEX8 ? 4 : 8, off = 0;
-  int32_t count = ct_mesh_outer_faces(m, NULL, NULL), *all = integers(per * count), *owner = integers(count),
-      *some = integers(per * count), *its = integers(count);
+  int32_t count = ct_mesh_outer_faces(m, NULL, NULL), *all = integers(per * count),
+          *owner = integers(count), *some = integers(per * count), *its = integers(count);
   ct_mesh_outer_faces(m, all, owner);
   for (int axis = 0; axis < 3; axis++)
     for (int at = 0; at <= 5; at++) {
@@ -137,13 +154,14 @@ static void faces_in_planes(ct_brick_kind kind)
         int inside = 1;
         for (int a = 0; a < per; a++) inside &= m->nodes[3 * all[f * per + a] + axis] == (double)at;
         if (!inside) continue;
-        off += next >= found || its[next] != owner[f] || memcmp(&some[next * per], &all[f * per],
-                                                                (size_t)per * sizeof *some) != 0;
+        off += next >= found || its[next] != owner[f] ||
+               memcmp(&some[next * per], &all[f * per], (size_t)per * sizeof *some) != 0;
         next++;
       }
       off += next != found || found != (at == 0 || at == 3 + axis ? 60 / (3 + axis) : 0);
     }
-  tap_ok(off == 0, "%s: faces in each plane of a lattice are the outer ones in it (%d are not)", KIND[kind], off);
+  tap_ok(off == 0, "%s: faces in each plane of a lattice are the outer ones in it (%d are not)",
+         KIND[kind], off);
   free(all);
   free(owner);
   free(some);
@@ -160,21 +178,25 @@ static void turned_faces(void)
   for (int f = 0; f < count; f++) {
     ct_face shape = {CT_Q8, {{0}}};
     double centre[2] = {0, 0}, n[3];
-    for (int a = 0; a < 8; a++) memcpy(shape.node[a], &m->nodes[3 * face[f * 8 + a]], sizeof shape.node[a]);
+    for (int a = 0; a < 8; a++)
+      memcpy(shape.node[a], &m->nodes[3 * face[f * 8 + a]], sizeof shape.node[a]);
     ct_segment_normal(&shape, centre, n);
     good += n[0] > 0.999999;
   }
-  tap_ok(ct_mesh_check(m, NULL) == CT_OK && count == 9 && good == 9, "turned elements: nine faces at x = 1, all outwards");
+  tap_ok(ct_mesh_check(m, NULL) == CT_OK && count == 9 && good == 9,
+         "turned elements: nine faces at x = 1, all outwards");
   free(face);
   ct_mesh_free(m);
 }
 
-static void refused(ct_mesh *m, ct_status want, int64_t element, int64_t point, const char *word, const char *what)
+static void refused(ct_mesh *m, ct_status want, int64_t element, int64_t point, const char *word,
+                    const char *what)
 {
   ct_error e = {0};
   ct_mesh *copy = NULL;
   ct_status status = ct_mesh_check(m, &e);
-  tap_ok(status == want && e.code == want && e.element == element && (point < 0 || e.point == point) && strstr(e.text, word) != NULL,
+  tap_ok(status == want && e.code == want && e.element == element &&
+             (point < 0 || e.point == point) && strstr(e.text, word) != NULL,
          "%s is refused: %s", what, e.text);
   tap_ok(ct_mesh_create_copy(m, &copy, NULL) == want && copy == NULL, "%s is not copied", what);
 }
@@ -193,7 +215,8 @@ static void refusals(ct_brick_kind kind)
   memcpy(three, keep, sizeof(int32_t) * (size_t)per);
 
   for (int a = 0; a < 4; a++) three[a + 4] = keep[a];
-  for (int a = 8; kind == CT_HEX20 && a < 12; a++) three[a + 4] = keep[a], three[a + 8] = keep[a - 8];
+  for (int a = 8; kind == CT_HEX20 && a < 12; a++)
+    three[a + 4] = keep[a], three[a + 8] = keep[a - 8];
   refused(m, CT_ERROR_GEOMETRY, 3, 0, "collapsed", "an element without height");
   memcpy(three, keep, sizeof(int32_t) * (size_t)per);
 
@@ -215,7 +238,9 @@ static void refusals(ct_brick_kind kind)
   tap_ok(ct_mesh_check(m, NULL) == CT_ERROR_ARGUMENT, "an unknown kind of element is refused");
   m->kind = kind;
   m->element_count = 0;
-  tap_ok(ct_mesh_check(m, NULL) == CT_ERROR_ARGUMENT && ct_mesh_check(NULL, NULL) == CT_ERROR_ARGUMENT, "an empty mesh is refused");
+  tap_ok(ct_mesh_check(m, NULL) == CT_ERROR_ARGUMENT &&
+             ct_mesh_check(NULL, NULL) == CT_ERROR_ARGUMENT,
+         "an empty mesh is refused");
   ct_mesh_free(m);
 }
 
@@ -223,16 +248,19 @@ static void refusals(ct_brick_kind kind)
 static void join(ct_mesh *m, int to, int count, const int *from)
 {
   for (int i = 0; i < count; i++)
-    memcpy(&m->nodes[3 * m->elements[from[i]]], &m->nodes[3 * m->elements[to]], 3 * sizeof *m->nodes);
+    memcpy(&m->nodes[3 * m->elements[from[i]]], &m->nodes[3 * m->elements[to]],
+           3 * sizeof *m->nodes);
 }
 
 static void accepted(ct_mesh *m, const char *what)
 {
   ct_error e = {0};
-  tap_ok(ct_mesh_check(m, &e) == CT_OK, "%s %s is accepted%s%s", KIND[m->kind], what, e.code == CT_OK ? "" : ": ", e.text);
+  tap_ok(ct_mesh_check(m, &e) == CT_OK, "%s %s is accepted%s%s", KIND[m->kind], what,
+         e.code == CT_OK ? "" : ": ", e.text);
 }
 
-/* Bricks that are degenerate at a corner: wedges, pyramids and quarter points are used, flat and reversed corners are faults. */
+/* Bricks that are degenerate at a corner: wedges, pyramids and quarter points are used, flat and
+ * reversed corners are faults. */
 static void corners(ct_brick_kind kind)
 {
   static const int WEDGE[2][3] = {{2, 9, 9}, {6, 13, 13}}, PYRAMID[7] = {5, 6, 7, 12, 13, 14, 15};
@@ -251,15 +279,19 @@ static void corners(ct_brick_kind kind)
   accepted(m, "with a collapsed side, a pyramid,");
   memcpy(m->nodes, keep, size);
 
-  // Corner 6 at (1, 1, 1) in the plane of its three neighbours, and beyond it. Mid-side nodes follow.
+  // Corner 6 at (1, 1, 1) in the plane of its three neighbours, and beyond it. Mid-side nodes
+  // follow.
   for (int beyond = 0; beyond < 2; beyond++) {
     double at = beyond ? 0.6 : 2.0 / 3.0;
     for (int c = 0; c < 3; c++) six[c] = at;
     for (int i = 0; kind == CT_HEX20 && i < 3; i++) {
       static const int MIDDLE[3] = {13, 14, 18}, END[3] = {5, 7, 2};
-      for (int c = 0; c < 3; c++) m->nodes[3 * m->elements[MIDDLE[i]] + c] = 0.5 * (at + m->nodes[3 * m->elements[END[i]] + c]);
+      for (int c = 0; c < 3; c++)
+        m->nodes[3 * m->elements[MIDDLE[i]] + c] =
+            0.5 * (at + m->nodes[3 * m->elements[END[i]] + c]);
     }
-    refused(m, CT_ERROR_GEOMETRY, 0, -1, beyond ? "inverted at its corner 6" : "collapsed at its corner 6",
+    refused(m, CT_ERROR_GEOMETRY, 0, -1,
+            beyond ? "inverted at its corner 6" : "collapsed at its corner 6",
             beyond ? "a corner that is inside out" : "a flat corner");
   }
   memcpy(m->nodes, keep, size);
@@ -270,7 +302,8 @@ static void corners(ct_brick_kind kind)
     middle[2] = 0.75;
     accepted(m, "with a mid-side node at the quarter point");
     middle[2] = 0.8;
-    refused(m, CT_ERROR_GEOMETRY, 0, -1, "inverted at its corner 6", "a mid-side node beyond the quarter point");
+    refused(m, CT_ERROR_GEOMETRY, 0, -1, "inverted at its corner 6",
+            "a mid-side node beyond the quarter point");
   }
   free(keep);
   ct_mesh_free(m);
@@ -280,15 +313,18 @@ static void corners(ct_brick_kind kind)
 static double least_determinant(const ct_mesh *m, int n)
 {
   double least = INFINITY, x[20][3], J[3][3];
-  for (int a = 0; a < ct_brick_node_count(m->kind); a++) memcpy(x[a], &m->nodes[3 * m->elements[a]], sizeof x[a]);
+  for (int a = 0; a < ct_brick_node_count(m->kind); a++)
+    memcpy(x[a], &m->nodes[3 * m->elements[a]], sizeof x[a]);
   for (int i = 0; i < n * n * n; i++) {
-    double xi[3] = {2.0 * (i % n) / (n - 1) - 1.0, 2.0 * (i / n % n) / (n - 1) - 1.0, 2.0 * (i / n / n) / (n - 1) - 1.0};
+    double xi[3] = {2.0 * (i % n) / (n - 1) - 1.0, 2.0 * (i / n % n) / (n - 1) - 1.0,
+                    2.0 * (i / n / n) / (n - 1) - 1.0};
     least = fmin(least, brick_determinant(m->kind, x, xi, J));
   }
   return least;
 }
 
-/* Bricks with all nodes moved at random by up to 0.15 edges: all regular ones pass, and nearly no others. */
+/* Bricks with all nodes moved at random by up to 0.15 edges: all regular ones pass, and nearly no
+ * others. */
 static void random_bricks(ct_brick_kind kind)
 {
   enum { COUNT = 400 };
@@ -300,9 +336,10 @@ static void random_bricks(ct_brick_kind kind)
     regular += good, passed += pass, lost += good && !pass, missed += pass && !good;
     ct_mesh_free(m);
   }
-  tap_ok(lost == 0 && missed < 0.03 * passed,
-         "%s: of %d random bricks %d are regular, %d pass; %d of them are inverted between the nodes", KIND[kind], COUNT, regular,
-         passed, missed);
+  tap_ok(
+      lost == 0 && missed < 0.03 * passed,
+      "%s: of %d random bricks %d are regular, %d pass; %d of them are inverted between the nodes",
+      KIND[kind], COUNT, regular, passed, missed);
 }
 
 /* Number of the node that stands exactly at (x, y, z), or -1. */
@@ -313,7 +350,8 @@ static int node_at(const ct_mesh *m, double x, double y, double z)
   return -1;
 }
 
-/* A ring closes upon itself: counts, the volume of a polygon's prism, radii, and exact mirror images of its nodes. */
+/* A ring closes upon itself: counts, the volume of a polygon's prism, radii, and exact mirror
+ * images of its nodes. */
 static void rings(ct_brick_kind kind)
 {
   static const int around[3] = {3, 8, 12};
@@ -325,13 +363,18 @@ static void rings(ct_brick_kind kind)
     ct_error e;
     need(ct_mesh_create_ring(kind, &ring, &m, &e), &e);
     need(ct_mesh_check(m, &e), &e);
-    tap_ok(m->element_count == n[0] * n[1] * n[2] && m->node_count == corners + (kind == CT_HEX20 ? edges : 0) &&
-               ct_mesh_outer_faces(m, NULL, NULL) == 2 * n[1] * (n[0] + n[2]), "ring of %d, kind %d: nodes, elements, outer faces", n[1], (int)kind);
-    double *mass = numbers(m->node_count), volume = 0.0, pi = acos(-1.0), polygon = 0.5 * n[1] * sin(2 * pi / n[1]) * (2.25 * 2.25 - 1.5 * 1.5) * 0.7, off = 0.0;
+    tap_ok(m->element_count == n[0] * n[1] * n[2] &&
+               m->node_count == corners + (kind == CT_HEX20 ? edges : 0) &&
+               ct_mesh_outer_faces(m, NULL, NULL) == 2 * n[1] * (n[0] + n[2]),
+           "ring of %d, kind %d: nodes, elements, outer faces", n[1], (int)kind);
+    double *mass = numbers(m->node_count), volume = 0.0, pi = acos(-1.0),
+           polygon = 0.5 * n[1] * sin(2 * pi / n[1]) * (2.25 * 2.25 - 1.5 * 1.5) * 0.7, off = 0.0;
     need(ct_mass_lumped(m, 1.0, CT_LUMP_DEFAULT, mass, &e), &e);
     for (int i = 0; i < m->node_count; i++) volume += mass[i];
     // Quadratic edges are parabolas, each with two thirds of chord times height beyond the polygon.
-    double segment = kind == CT_HEX8 ? 0.0 : n[1] * 4.0 / 3.0 * sin(pi / n[1]) * (1.0 - cos(pi / n[1])) * (2.25 * 2.25 - 1.5 * 1.5) * 0.7;
+    double segment = kind == CT_HEX8 ? 0.0
+                                     : n[1] * 4.0 / 3.0 * sin(pi / n[1]) * (1.0 - cos(pi / n[1])) *
+                                           (2.25 * 2.25 - 1.5 * 1.5) * 0.7;
     tap_close(volume, polygon + segment, 1e-13, "ring of %d, kind %d: volume", n[1], (int)kind);
     for (int i = 0; i < m->node_count; i++) {
       double *x = &m->nodes[3 * i], r = hypot(x[0], x[1]), layer = (r - 1.5) / 0.75 * 2 * n[0];
@@ -341,7 +384,8 @@ static void rings(ct_brick_kind kind)
       if (n[1] % 2 == 0) faults += node_at(m, -x[0], x[1], x[2]) < 0;
       if (n[1] % 4 == 0) faults += node_at(m, x[1], x[0], x[2]) < 0;
     }
-    tap_ok(off < 1e-13, "ring of %d, kind %d: nodes stand on circles, off by %.2g", n[1], (int)kind, off);
+    tap_ok(off < 1e-13, "ring of %d, kind %d: nodes stand on circles, off by %.2g", n[1], (int)kind,
+           off);
     tap_ok(faults == 0, "ring of %d, kind %d: nodes have exact mirror images", n[1], (int)kind);
     free(mass);
     ct_mesh_free(m);
@@ -352,7 +396,9 @@ static void ring_refused(ct_ring ring, const char *word, const char *what)
 {
   ct_mesh *m = NULL;
   ct_error e = {0};
-  tap_ok(ct_mesh_create_ring(CT_HEX8, &ring, &m, &e) == CT_ERROR_ARGUMENT && m == NULL && strstr(e.text, word) != NULL, "%s is refused: %s", what, e.text);
+  tap_ok(ct_mesh_create_ring(CT_HEX8, &ring, &m, &e) == CT_ERROR_ARGUMENT && m == NULL &&
+             strstr(e.text, word) != NULL,
+         "%s is refused: %s", what, e.text);
 }
 
 static void box_refused(double size, int cells, double origin, const char *what)
@@ -361,7 +407,8 @@ static void box_refused(double size, int cells, double origin, const char *what)
   ct_mesh *m = NULL;
   ct_error e = {0};
   ct_status status = ct_mesh_create_box(CT_HEX8, &box, &m, &e);
-  tap_ok(status == CT_ERROR_ARGUMENT && m == NULL && strstr(e.text, "along y") != NULL, "a box with %s is refused: %s", what, e.text);
+  tap_ok(status == CT_ERROR_ARGUMENT && m == NULL && strstr(e.text, "along y") != NULL,
+         "a box with %s is refused: %s", what, e.text);
 }
 
 int main(void)
@@ -381,11 +428,14 @@ int main(void)
   box_refused(NAN, 1, 0.0, "a height that is NaN");
   box_refused(1.0, 0, 0.0, "no cells");
   box_refused(1.0, 1, INFINITY, "an origin at infinity");
-  ct_box big = {{0, 0, 0}, {1, 1, 1}, {1000000, 1000000, 1000000}, CT_LAYERS_Z}, some = {{0, 0, 0}, {1, 1, 1}, {2000, 2000, 2000}, CT_LAYERS_X};
+  ct_box big = {{0, 0, 0}, {1, 1, 1}, {1000000, 1000000, 1000000}, CT_LAYERS_Z},
+         some = {{0, 0, 0}, {1, 1, 1}, {2000, 2000, 2000}, CT_LAYERS_X};
   ct_mesh *m = NULL;
-  tap_ok(ct_mesh_create_box(CT_HEX8, &big, &m, NULL) == CT_ERROR_ARGUMENT && ct_mesh_create_box(CT_HEX20, &some, &m, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_mesh_create_box(CT_HEX8, &big, &m, NULL) == CT_ERROR_ARGUMENT &&
+             ct_mesh_create_box(CT_HEX20, &some, &m, NULL) == CT_ERROR_ARGUMENT,
          "more cells than numbers reach are refused");
-  tap_ok(ct_mesh_create_box(CT_HEX8, NULL, &m, NULL) == CT_ERROR_ARGUMENT && ct_mesh_create_box((ct_brick_kind)5, &some, &m, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_mesh_create_box(CT_HEX8, NULL, &m, NULL) == CT_ERROR_ARGUMENT &&
+             ct_mesh_create_box((ct_brick_kind)5, &some, &m, NULL) == CT_ERROR_ARGUMENT,
          "no box and an unknown element are refused");
   for (int kind = 0; kind < 2; kind++) rings((ct_brick_kind)kind);
   ring_refused((ct_ring){{0, 0, 0}, {0, 1}, 1, {1, 8, 1}}, "radius", "a ring without a hole");
@@ -398,13 +448,17 @@ int main(void)
   ct_mesh_free(NULL);
   double low[3], high[3];
   ct_mesh_bounds(NULL, low, high);
-  tap_ok(isnan(ct_mesh_shortest_edge(NULL)) && low[0] > high[0], "a null mesh has no edge and no bounds");
+  tap_ok(isnan(ct_mesh_shortest_edge(NULL)) && low[0] > high[0],
+         "a null mesh has no edge and no bounds");
   double corner[3] = {0, 0, 0}, out[8];
   int32_t beyond[8] = {0, 1, 2, 3, 4, 5, 6, 7};
   ct_mesh wrong = {CT_HEX8, 1, 1, corner, beyond};
   ct_material steel = {2.1e11, 0.3, 7800.0, CT_LINEAR};
   ct_error e = {0};
-  tap_ok(ct_mass_lumped(&wrong, 1.0, CT_LUMP_DEFAULT, out, &e) == CT_ERROR_ARGUMENT && e.element == 0, "masses: a node out of range is refused: %s", e.text);
-  tap_ok(ct_solid_stress(&wrong, &steel, corner, out, &e) == CT_ERROR_ARGUMENT && e.element == 0, "stresses: a node out of range is refused: %s", e.text);
+  tap_ok(ct_mass_lumped(&wrong, 1.0, CT_LUMP_DEFAULT, out, &e) == CT_ERROR_ARGUMENT &&
+             e.element == 0,
+         "masses: a node out of range is refused: %s", e.text);
+  tap_ok(ct_solid_stress(&wrong, &steel, corner, out, &e) == CT_ERROR_ARGUMENT && e.element == 0,
+         "stresses: a node out of range is refused: %s", e.text);
   return tap_done();
 }

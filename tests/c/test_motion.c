@@ -1,9 +1,11 @@
 /* Displacements that follow a history, the forces that takes, and what is refused. */
 #include "bodies.h"
 
-static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0}, BAR = {.young = 900.0, .poisson = 0.0, .density = 1.0};
+static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0},
+                         BAR = {.young = 900.0, .poisson = 0.0, .density = 1.0};
 
-static const ct_problem *moved(ct_scene *scene, const ct_motion *motions, int32_t count, double end, double fraction, int64_t *steps)
+static const ct_problem *moved(ct_scene *scene, const ct_motion *motions, int32_t count, double end,
+                               double fraction, int64_t *steps)
 {
   const ct_problem *joined = NULL;
   ct_effect *effect = NULL;
@@ -12,7 +14,8 @@ static const ct_problem *moved(ct_scene *scene, const ct_motion *motions, int32_
   need(ct_scene_join(scene, &joined, &e), &e);
   need(ct_motion_create_effect(motions, count, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  return build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, steps, &stable);
+  return build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, steps,
+               &stable);
 }
 
 /* A distorted block whose base goes there, waits and comes back, while the rest flies. */
@@ -22,43 +25,60 @@ static void there_and_back(ct_brick_kind kind)
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 1, 2, 2, 2, 4);
   distort_inside(m, 0.04);
   ct_scene *scene = new_scene();
-  int32_t body = add_body(scene, "block", m, &SOFT, CT_KERNEL_AUTO, 0.1, -0.2, 0.3), base[64], count = ct_mesh_plane_nodes(m, 2, 0.0, base);
+  int32_t body = add_body(scene, "block", m, &SOFT, CT_KERNEL_AUTO, 0.1, -0.2, 0.3), base[64],
+          count = ct_mesh_plane_nodes(m, 2, 0.0, base);
   add_support(scene, body, m, 2, 0.0, "x", 0.0);
-  ct_motion motion = {.nodes = base, .node_count = count, .fixed = {0, 0, 1}, .displacement = {0, 0, 0.2}, .history = {4, time, value}};
+  ct_motion motion = {.nodes = base,
+                      .node_count = count,
+                      .fixed = {0, 0, 1},
+                      .displacement = {0, 0, 0.2},
+                      .history = {4, time, value}};
   int64_t steps;
   const ct_problem *p = moved(scene, &motion, 1, 1.0, 0.5, &steps);
   ct_state *state = new_state(p), *other = new_state(p);
   ct_error e;
   ct_energy energy, first = energy_of(p, state);
   ct_momentum start = momentum_of(p, state, body), now;
-  double *force = numbers(3 * p->node_count), path = 0.0, work = 0.0, total = 0.0, balance = 0.0, impulse = 0.0, own, scale = 0.0;
+  double *force = numbers(3 * p->node_count), path = 0.0, work = 0.0, total = 0.0, balance = 0.0,
+         impulse = 0.0, own, scale = 0.0;
   for (int64_t n = 0; n < steps; n++) {
     if (n == steps / 2) need(ct_state_copy(p, state, other, &e), &e);
     need(ct_state_force(p, state, 1, force, &e), &e);
     double before[64];
     for (int i = 0; i < count; i++) before[i] = state->velocity[3 * base[i] + 2];
     advance(p, state, 1);
-    // The work of a force at t_n goes over half the way before and half the way after; before t = 0 there is none.
+    // The work of a force at t_n goes over half the way before and half the way after; before t = 0
+    // there is none.
     for (int i = 0; i < count; i++)
-      work += 0.5 * p->dt * force[3 * base[i] + 2] * (state->velocity[3 * base[i] + 2] + (n == 0 ? 0.0 : before[i]));
+      work += 0.5 * p->dt * force[3 * base[i] + 2] *
+              (state->velocity[3 * base[i] + 2] + (n == 0 ? 0.0 : before[i]));
     double at = ct_history_value(&motion.history, state->time) * 0.2;
     for (int i = 0; i < count; i++) path = worst(path, state->displacement[3 * base[i] + 2] - at);
     energy = energy_of(p, state);
     now = momentum_of(p, state, body);
-    for (int c = 0; c < 3; c++) impulse = worst(impulse, now.p[c] - start.p[c] - now.support_impulse[c]);
+    for (int c = 0; c < 3; c++)
+      impulse = worst(impulse, now.p[c] - start.p[c] - now.support_impulse[c]);
     scale = fmax(scale, energy.strain);
     total = worst(total, energy.total - first.total);
     balance = worst(balance, energy.balance);
   }
   need(ct_state_force(p, state, 1, force, &e), &e);
-  for (int i = 0; i < count; i++) work += 0.5 * p->dt * force[3 * base[i] + 2] * state->velocity[3 * base[i] + 2];
+  for (int i = 0; i < count; i++)
+    work += 0.5 * p->dt * force[3 * base[i] + 2] * state->velocity[3 * base[i] + 2];
   need(ct_energy_work(p, state, 1, &own, &e), &e);
   tap_ok(path < 1e-13, "kind %d: the base is where the history has it, off by %.2g", kind, path);
-  tap_close((own - work) / scale, 0.0, 1e-12, "kind %d: the ledger has the work of the reaction on its way", kind);
-  tap_ok(total < 1e-12 * scale && balance < 1e-12 * scale, "kind %d: total energy constant to %.2g, balance %.2g of the strain energy", kind, total / scale, balance / scale);
-  tap_ok(impulse < 1e-11, "kind %d: change of momentum is the impulse of support and motion, off by %.2g", kind, impulse);
+  tap_close((own - work) / scale, 0.0, 1e-12,
+            "kind %d: the ledger has the work of the reaction on its way", kind);
+  tap_ok(total < 1e-12 * scale && balance < 1e-12 * scale,
+         "kind %d: total energy constant to %.2g, balance %.2g of the strain energy", kind,
+         total / scale, balance / scale);
+  tap_ok(impulse < 1e-11,
+         "kind %d: change of momentum is the impulse of support and motion, off by %.2g", kind,
+         impulse);
   while (other->step < state->step) advance(p, other, 1);
-  tap_ok(memcmp(other->displacement, state->displacement, 3 * (size_t)p->node_count * sizeof(double)) == 0, "kind %d: a restart has the same bits", kind);
+  tap_ok(memcmp(other->displacement, state->displacement,
+                3 * (size_t)p->node_count * sizeof(double)) == 0,
+         "kind %d: a restart has the same bits", kind);
   free(force);
   ct_state_free(state);
   ct_state_free(other);
@@ -66,7 +86,8 @@ static void there_and_back(ct_brick_kind kind)
   ct_mesh_free(m);
 }
 
-/* A block that is held everywhere and speeds up: the reaction is its mass times the acceleration. */
+/* A block that is held everywhere and speeds up: the reaction is its mass times the acceleration.
+ */
 static void inertia(void)
 {
   enum { POINTS = 400 };
@@ -77,7 +98,11 @@ static void inertia(void)
   int32_t nodes[27];
   for (int i = 0; i < 27; i++) nodes[i] = i;
   add_body(scene, "block", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-  ct_motion motion = {.nodes = nodes, .node_count = 27, .fixed = {1, 1, 1}, .displacement = {3, -2, 0}, .history = {POINTS, time, value}};
+  ct_motion motion = {.nodes = nodes,
+                      .node_count = 27,
+                      .fixed = {1, 1, 1},
+                      .displacement = {3, -2, 0},
+                      .history = {POINTS, time, value}};
   const ct_problem *joined = NULL, *p = NULL;
   ct_effect *effect = NULL;
   ct_error e;
@@ -99,21 +124,28 @@ static void inertia(void)
   ct_mesh_free(m);
 }
 
-/* The end of a bar at rest is pushed in at the speed V: a wave of the stress -rho c V, and the force A rho c V. */
+/* The end of a bar at rest is pushed in at the speed V: a wave of the stress -rho c V, and the
+ * force A rho c V. */
 static void piston(void)
 {
   static const double time[2] = {0.0, 1.0}, value[2] = {0.0, 1.0};
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 10, 0.1, 0.1, 200, 1, 1);
   ct_scene *scene = new_scene();
   int32_t body = add_body(scene, "bar", m, &BAR, CT_KERNEL_AUTO, 0, 0, 0), end[4];
-  ct_motion motion = {.nodes = end, .node_count = ct_mesh_plane_nodes(m, 0, 0.0, end), .fixed = {1, 0, 0}, .displacement = {0.2, 0, 0}, .history = {2, time, value}};
+  ct_motion motion = {.nodes = end,
+                      .node_count = ct_mesh_plane_nodes(m, 0, 0.0, end),
+                      .fixed = {1, 0, 0},
+                      .displacement = {0.2, 0, 0},
+                      .history = {2, time, value}};
   int64_t steps;
   const ct_problem *p = moved(scene, &motion, 1, 0.2, 0.9, &steps);
   ct_state *state = new_state(p);
   advance(p, state, steps);
   double t = state->time, exact = 30.0 * 0.2 * 0.01 * t;
-  tap_close(momentum_of(p, state, body).support_impulse[0] / exact, 1.0, 0.01, "impulse of a piston: rho c V A t");
-  tap_close(energy_of(p, state).external / (exact * 0.2), 1.0, 0.01, "and its work: the impulse times V");
+  tap_close(momentum_of(p, state, body).support_impulse[0] / exact, 1.0, 0.01,
+            "impulse of a piston: rho c V A t");
+  tap_close(energy_of(p, state).external / (exact * 0.2), 1.0, 0.01,
+            "and its work: the impulse times V");
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);
@@ -130,18 +162,27 @@ static void refusals(void)
   ct_effect *effect = NULL;
   ct_error e;
   need(ct_scene_join(scene, &joined, &e), &e);
-  ct_motion two[2] = {{nodes, 2, {1, 0, 0}, {1, 0, 0}, {2, time, value}}, {more, 2, {1, 1, 0}, {1, 0, 0}, {2, time, value}}};
-  tap_ok(ct_motion_create_effect(two, 2, joined, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "node 1"), "two motions of one component: %s", e.text);
+  ct_motion two[2] = {{nodes, 2, {1, 0, 0}, {1, 0, 0}, {2, time, value}},
+                      {more, 2, {1, 1, 0}, {1, 0, 0}, {2, time, value}}};
+  tap_ok(ct_motion_create_effect(two, 2, joined, &effect, &e) == CT_ERROR_ARGUMENT &&
+             strstr(e.text, "node 1"),
+         "two motions of one component: %s", e.text);
   two[1].nodes = beyond, two[1].node_count = 1;
-  tap_ok(ct_motion_create_effect(two, 2, joined, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "node 8"), "a node number too large: %s", e.text);
+  tap_ok(ct_motion_create_effect(two, 2, joined, &effect, &e) == CT_ERROR_ARGUMENT &&
+             strstr(e.text, "node 8"),
+         "a node number too large: %s", e.text);
   two[0].displacement[0] = NAN;
-  tap_ok(ct_motion_create_effect(two, 1, joined, &effect, &e) == CT_INVALID, "a displacement that is NaN: %s", e.text);
+  tap_ok(ct_motion_create_effect(two, 1, joined, &effect, &e) == CT_INVALID,
+         "a displacement that is NaN: %s", e.text);
   two[0].displacement[0] = 1, two[0].history.count = 0;
-  tap_ok(ct_motion_create_effect(two, 1, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no history: %s", e.text);
+  tap_ok(ct_motion_create_effect(two, 1, joined, &effect, &e) == CT_ERROR_ARGUMENT,
+         "no history: %s", e.text);
   two[0].history.count = 2, two[0].fixed[0] = 0;
-  tap_ok(ct_motion_create_effect(two, 1, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no component: %s", e.text);
+  tap_ok(ct_motion_create_effect(two, 1, joined, &effect, &e) == CT_ERROR_ARGUMENT,
+         "no component: %s", e.text);
   two[0].fixed[0] = 1;
-  tap_ok(ct_motion_create_effect(two, 0, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no motions: %s", e.text);
+  tap_ok(ct_motion_create_effect(two, 0, joined, &effect, &e) == CT_ERROR_ARGUMENT,
+         "no motions: %s", e.text);
   need(ct_motion_create_effect(two, 1, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   int64_t steps;
@@ -150,7 +191,9 @@ static void refusals(void)
   ct_gravity gravity = {.acceleration = {0, 0, -1}};
   need(ct_gravity_create_effect(&gravity, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "gravity"), "another effect after it: %s", e.text);
+  tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_ERROR_ARGUMENT &&
+             strstr(e.text, "gravity"),
+         "another effect after it: %s", e.text);
   ct_scene_free(scene);
   scene = new_scene();
   add_body(scene, "one", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
@@ -158,7 +201,9 @@ static void refusals(void)
   need(ct_scene_join(scene, &joined, &e), &e);
   need(ct_motion_create_effect(two, 1, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "support"), "a support on it: %s", e.text);
+  tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_ERROR_ARGUMENT &&
+             strstr(e.text, "support"),
+         "a support on it: %s", e.text);
   ct_scene_free(scene);
   ct_mesh_free(m);
 }

@@ -1,5 +1,5 @@
-/* Rigid obstacles: gaps against closed forms, forces against the energy, the bar on a wall, impulse, work of motion, depth,
- * friction, Hertz. */
+/* Rigid obstacles: gaps against closed forms, forces against the energy, the bar on a wall,
+ * impulse, work of motion, depth, friction, Hertz. */
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.0, .density = 1.0};
@@ -44,7 +44,8 @@ static void add_obstacle(against *t, ct_obstacle o, int axis, double at, double 
 static void finish(against *t, double end, double fraction)
 {
   int64_t steps;
-  t->problem = build(t->scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, &steps, &t->stable);
+  t->problem = build(t->scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1},
+                     &steps, &t->stable);
   t->state = new_state(t->problem);
 }
 
@@ -55,20 +56,28 @@ static void end(against *t)
   ct_mesh_free(t->mesh);
 }
 
-/* Operations of a plane obstacle with the explicit penalty, counted by hand on Q4 faces: what each point and each node takes. */
+/* Operations of a plane obstacle with the explicit penalty, counted by hand on Q4 faces: what each
+ * point and each node takes. */
 static void operations(void)
 {
   enum { NODES = 4, COMPONENTS = 3 };
   const int place = COMPONENTS * (2 * NODES + NODES - 1), gap = 3 + 2, force = 3 + 2 * 3;
-  const int cut = 7, spread = NODES * COMPONENTS * (1 + cut), reaction = COMPONENTS * cut, node = 2 * COMPONENTS;
+  const int cut = 7, spread = NODES * COMPONENTS * (1 + cut), reaction = COMPONENTS * cut,
+            node = 2 * COMPONENTS;
   for (int32_t n = 1; n < 20; n += 9) {
-    against t = begin(box_mesh(CT_HEX8, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, n, n, n), &SOFT, 0.0, 0.0, 0.0);
-    add_obstacle(&t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0.0, 0.0, 1.0}, .epsilon = 900.0}, 2, 0.0, 0.0);
+    against t =
+        begin(box_mesh(CT_HEX8, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, n, n, n), &SOFT, 0.0, 0.0, 0.0);
+    add_obstacle(
+        &t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0.0, 0.0, 1.0}, .epsilon = 900.0}, 2,
+        0.0, 0.0);
     finish(&t, 1.0, 0.5);
     double points = 4.0 * n * n, nodes = (n + 1.0) * (n + 1.0);
     double counted = (place + gap + force + spread + reaction) * points + node * nodes;
-    tap_ok(fabs(t.problem->effects[1]->flops / counted - 1.0) < 0.1, "%d faces: %g operations, %g by hand", (int)(n * n), t.problem->effects[1]->flops, counted);
-    tap_ok(t.problem->effects[1]->bytes > 8.0 * (COMPONENTS * nodes * 4.0 + points), "and it reads its nodes and writes its points");
+    tap_ok(fabs(t.problem->effects[1]->flops / counted - 1.0) < 0.1,
+           "%d faces: %g operations, %g by hand", (int)(n * n), t.problem->effects[1]->flops,
+           counted);
+    tap_ok(t.problem->effects[1]->bytes > 8.0 * (COMPONENTS * nodes * 4.0 + points),
+           "and it reads its nodes and writes its points");
     end(&t);
   }
 }
@@ -78,21 +87,26 @@ static void gaps(void)
   double n[3], p[3] = {3.0, 4.0, 7.0};
   ct_obstacle plane = {.shape = CT_OBSTACLE_PLANE, .point = {0, 0, 1}, .axis = {0, 0, 2}};
   ct_obstacle ball = {.shape = CT_OBSTACLE_SPHERE, .point = {0, 0, 7}, .radius = 2.0};
-  ct_obstacle pipe = {.shape = CT_OBSTACLE_CYLINDER, .point = {0, 0, 100}, .axis = {0, 0, -3}, .radius = 6.0};
+  ct_obstacle pipe = {
+      .shape = CT_OBSTACLE_CYLINDER, .point = {0, 0, 100}, .axis = {0, 0, -3}, .radius = 6.0};
   tap_ok(ct_obstacle_gap(&plane, p, n) == 6.0 && n[2] == 1.0, "plane: height over it");
   p[2] = -1e6;
-  tap_ok(ct_obstacle_gap(&plane, p, n) == -1e6 - 1.0 && n[2] == 1.0, "plane: a point deep inside is inside");
+  tap_ok(ct_obstacle_gap(&plane, p, n) == -1e6 - 1.0 && n[2] == 1.0,
+         "plane: a point deep inside is inside");
   p[2] = 7.0;
   tap_close(ct_obstacle_gap(&ball, p, n), 3.0, 1e-15, "sphere: outside");
-  tap_ok(fabs(n[0] - 0.6) < 1e-15 && fabs(n[1] - 0.8) < 1e-15 && n[2] == 0.0, "sphere: normal away from the centre");
+  tap_ok(fabs(n[0] - 0.6) < 1e-15 && fabs(n[1] - 0.8) < 1e-15 && n[2] == 0.0,
+         "sphere: normal away from the centre");
   tap_close(ct_obstacle_gap(&pipe, p, n), -1.0, 1e-15, "cylinder: inside, wherever along the axis");
-  tap_ok(fabs(n[0] - 0.6) < 1e-15 && fabs(n[1] - 0.8) < 1e-15 && n[2] == 0.0, "cylinder: normal away from the axis");
+  tap_ok(fabs(n[0] - 0.6) < 1e-15 && fabs(n[1] - 0.8) < 1e-15 && n[2] == 0.0,
+         "cylinder: normal away from the axis");
   double time[2] = {1.0, 2.0}, value[2] = {0.0, 1.0}, m[3];
   ct_obstacle moving = {.velocity = {0, 1, 0}, .travel = {0, 0, 4}, .history = {2, time, value}};
   const double at[5][3] = {{0.0, 0, 0}, {1.0, 1, 0}, {1.5, 1.5, 2}, {2.0, 2, 4}, {9.0, 9, 4}};
   int off = 0;
-  for (int i = 0; i < 5; i++) ct_obstacle_motion(&moving, at[i][0], m), off += m[0] != 0.0 || m[1] != at[i][1]
-      || m[2] != at[i][2];
+  for (int i = 0; i < 5; i++)
+    ct_obstacle_motion(&moving, at[i][0], m),
+        off += m[0] != 0.0 || m[1] != at[i][1] || m[2] != at[i][2];
   tap_ok(off == 0, "motion by a velocity and a history (%d off)", off);
 }
 
@@ -107,35 +121,49 @@ static void gradient(ct_brick_kind kind, ct_obstacle o, const char *name)
   finish(&t, 1.0, 0.5);
   const ct_effect *e = t.problem->effects[1];
   int64_t n = 3 * (int64_t)t.problem->node_count;
-  double *u = numbers(n), *f = numbers(n), *scrap = numbers(n), off = 0.0, memory[8] = {0}, next[8], above, below, h = 1e-6;
+  double *u = numbers(n), *f = numbers(n), *scrap = numbers(n), off = 0.0, memory[8] = {0}, next[8],
+         above, below, h = 1e-6;
   void *scratch;
   ct_error error;
   need(e->create_scratch(e, &scratch, &error), &error);
   for (int64_t i = 0; i < n; i++) u[i] = uniform(0.05);
-  ct_view view = {.threads = 1, .reference = t.problem->reference, .displacement = u, .velocity = u, .memory = memory,
-                  .next_memory = next, .scratch = scratch};
+  ct_view view = {.threads = 1,
+                  .reference = t.problem->reference,
+                  .displacement = u,
+                  .velocity = u,
+                  .memory = memory,
+                  .next_memory = next,
+                  .scratch = scratch};
   need(e->force(e, &view, f, &error), &error);
   double size = largest(f, 3 * e->node_count);
   for (int32_t i = 0; i < 3 * e->node_count; i++) {
     double *at = &u[3 * e->nodes[i / 3] + i % 3], was = *at;
-    *at = was + h, need(e->force(e, &view, scrap, &error), &error), need(e->energy(e, &view, &above, &error), &error);
-    *at = was - h, need(e->force(e, &view, scrap, &error), &error), need(e->energy(e, &view, &below, &error), &error);
+    *at = was + h, need(e->force(e, &view, scrap, &error), &error),
+    need(e->energy(e, &view, &above, &error), &error);
+    *at = was - h, need(e->force(e, &view, scrap, &error), &error),
+    need(e->energy(e, &view, &below, &error), &error);
     *at = was;
     off = worst(off, (above - below) / (2 * h) + f[i]);
   }
-  tap_ok(size > 0.0 && off < 1e-6 * size, "%s: force is minus the gradient of the energy (%.2g)", name, off / size);
+  tap_ok(size > 0.0 && off < 1e-6 * size, "%s: force is minus the gradient of the energy (%.2g)",
+         name, off / size);
   e->free_scratch(scratch);
   free(u), free(f), free(scrap);
   end(&t);
 }
 
-/* E = 900, rho = 1, L = 10, gap 5, v = -10: contact from 0.5 to 1.1667 with the pressure 300, then back with 10. */
+/* E = 900, rho = 1, L = 10, gap 5, v = -10: contact from 0.5 to 1.1667 with the pressure 300, then
+ * back with 10. */
 static void bar(void)
 {
   against t = begin(box_mesh(CT_HEX8, 5, 0, 0, 10, 0.1, 0.1, 100, 1, 1), &SOFT, -10, 0, 0);
-  double area = 0.01, first = 0.0, last = 0.0, force[3], work, middle = 0.0, balance = 0.0, drift = 0.0, count = 0.0;
+  double area = 0.01, first = 0.0, last = 0.0, force[3], work, middle = 0.0, balance = 0.0,
+         drift = 0.0, count = 0.0;
   ct_error error;
-  add_obstacle(&t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {1, 0, 0}, .epsilon = ct_contact_penalty(1.0, 900.0, 0.1)},
+  add_obstacle(&t,
+               (ct_obstacle){.shape = CT_OBSTACLE_PLANE,
+                             .axis = {1, 0, 0},
+                             .epsilon = ct_contact_penalty(1.0, 900.0, 0.1)},
                0, 5.0, 0.0);
   finish(&t, 1.5, 0.4);
   double start = energy_of(t.problem, t.state).total;
@@ -162,13 +190,17 @@ static void bar(void)
   end(&t);
 }
 
-/* A wall that comes with a velocity meets a bar at rest: the same in another frame. Its work is external, and total stays. */
+/* A wall that comes with a velocity meets a bar at rest: the same in another frame. Its work is
+ * external, and total stays. */
 static void moving_wall(int history)
 {
   double times[2] = {0.0, 2.0}, share[2] = {0.0, 1.0}, force[3], work, drift = 0.0, balance = 0.0;
-  ct_obstacle o = {.shape = CT_OBSTACLE_PLANE, .axis = {1, 0, 0}, .epsilon = ct_contact_penalty(1.0, 900.0, 0.2),
+  ct_obstacle o = {.shape = CT_OBSTACLE_PLANE,
+                   .axis = {1, 0, 0},
+                   .epsilon = ct_contact_penalty(1.0, 900.0, 0.2),
                    .velocity = {history ? 0.0 : 10.0, 0, 0},
-                   .travel = {history ? 20.0 : 0.0, 0, 0}, .history = {history ? 2 : 0, times, share}};
+                   .travel = {history ? 20.0 : 0.0, 0, 0},
+                   .history = {history ? 2 : 0, times, share}};
   against t = begin(box_mesh(CT_HEX8, 5, 0, 0, 10, 0.1, 0.1, 50, 1, 1), &SOFT, 0, 0, 0);
   ct_error error;
   add_obstacle(&t, o, 0, 5.0, 0.0);
@@ -181,10 +213,11 @@ static void moving_wall(int history)
   ct_energy e = energy_of(t.problem, t.state);
   need(ct_obstacle_reaction(t.problem, t.state, 1, force, &work, &error), &error);
   // Mass 0.1 leaves with 20: 20 units of energy, and the wall at 10 has given an impulse of 2.
-  tap_close(momentum_of(t.problem, t.state, 0).p[0] / 0.1, 20.0, 0.2, "%s: the bar leaves with twice the wall's velocity",
-            history ? "history" : "velocity");
+  tap_close(momentum_of(t.problem, t.state, 0).p[0] / 0.1, 20.0, 0.2,
+            "%s: the bar leaves with twice the wall's velocity", history ? "history" : "velocity");
   tap_close(work, 20.0, 0.2, "the wall's work is its impulse times its velocity");
-  tap_ok(e.external == work && drift < 0.005 * 20.0, "it is booked as external, and the total stays (%.2g)", drift / 20.0);
+  tap_ok(e.external == work && drift < 0.005 * 20.0,
+         "it is booked as external, and the total stays (%.2g)", drift / 20.0);
   tap_ok(balance < 1e-12 * 20.0, "work balance %.2g", balance / 20.0);
   end(&t);
 }
@@ -195,10 +228,12 @@ static void depth(void)
   against t = begin(box_mesh(CT_HEX8, 0, 0, -50, 1, 1, 1, 1, 1, 1), &SOFT, 0, 0, 0);
   double force[3], work;
   ct_error error;
-  add_obstacle(&t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 2.0}, 2, -50.0, 0.0);
+  add_obstacle(&t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 2.0}, 2,
+               -50.0, 0.0);
   finish(&t, 1.0, 0.5);
   need(ct_obstacle_reaction(t.problem, t.state, 1, force, &work, &error), &error);
-  tap_close(force[2], -100.0, 1e-12, "a sole 50 deep, many blocks below the plane, is pushed with 50 times the penalty");
+  tap_close(force[2], -100.0, 1e-12,
+            "a sole 50 deep, many blocks below the plane, is pushed with 50 times the penalty");
   end(&t);
 }
 
@@ -206,10 +241,15 @@ static void depth(void)
 static void incline(double mu, double vx, int slips)
 {
   const double c = 0.8, s = 0.6, g = 10.0; // tan a = 0.75
-  against t = begin(box_mesh(CT_HEX8, 0, 0, -g * c * 0.3 / 900.0 * 0.25, 1, 1, 0.3, 4, 3, 1), &SOFT, vx, 0, 0);
-  double ratio = 0.0, *f = numbers(3 * 40), *r = numbers(3 * 40), balance = 0.0, top = 0.0, lost = 0.0, held, work;
+  against t = begin(box_mesh(CT_HEX8, 0, 0, -g * c * 0.3 / 900.0 * 0.25, 1, 1, 0.3, 4, 3, 1), &SOFT,
+                    vx, 0, 0);
+  double ratio = 0.0, *f = numbers(3 * 40), *r = numbers(3 * 40), balance = 0.0, top = 0.0,
+         lost = 0.0, held, work;
   ct_error error;
-  add_obstacle(&t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = ct_contact_penalty(1.0, 900.0, 0.25)},
+  add_obstacle(&t,
+               (ct_obstacle){.shape = CT_OBSTACLE_PLANE,
+                             .axis = {0, 0, 1},
+                             .epsilon = ct_contact_penalty(1.0, 900.0, 0.25)},
                2, t.mesh->nodes[2], mu);
   add_weight(t.scene, (weight){.g = {slips ? g * s : 0.1 * g * s, 0.0, -g * c}});
   finish(&t, 1.0, 0.4);
@@ -228,17 +268,23 @@ static void incline(double mu, double vx, int slips)
   ct_momentum to = momentum_of(t.problem, t.state, 0);
   need(ct_friction_energy(t.problem, t.state, 2, &held, &lost, &error), &error);
   need(ct_energy_work(t.problem, t.state, 2, &work, &error), &error);
-  double gain = to.p[0] - from.p[0], mass = 0.3, want = mass * g * (s - mu * c) * (to.time - from.time);
+  double gain = to.p[0] - from.p[0], mass = 0.3,
+         want = mass * g * (s - mu * c) * (to.time - from.time);
   if (slips) {
-    tap_ok(ratio < 1e-12, "incline: friction is mu times the normal force in every step (%.2g)", ratio);
+    tap_ok(ratio < 1e-12, "incline: friction is mu times the normal force in every step (%.2g)",
+           ratio);
     tap_close(gain, want - mu * (to.p[2] - from.p[2]), 1e-12,
               "incline: so momentum along and across the slope go together exactly");
     tap_close(gain, want, 0.01 * want, "incline: the acceleration is g (sin a - mu cos a)");
     tap_ok(lost > 0.0 && fabs(work + held + lost) < 1e-3 * lost,
-           "incline: work of friction is minus what is held and dissipated (%.2g)", (work + held + lost) / lost);
+           "incline: work of friction is minus what is held and dissipated (%.2g)",
+           (work + held + lost) / lost);
   } else
-    tap_ok(lost == 0.0 && top < 3.0 * 0.1 * g * s * 0.3 * 0.25 / 900.0 && fabs(gain) < 0.1 * mass * 0.1 * g * s,
-           "incline: below the angle of friction the block creeps by its elastic slip (%.2g) and no further", top);
+    tap_ok(lost == 0.0 && top < 3.0 * 0.1 * g * s * 0.3 * 0.25 / 900.0 &&
+               fabs(gain) < 0.1 * mass * 0.1 * g * s,
+           "incline: below the angle of friction the block creeps by its elastic slip (%.2g) and "
+           "no further",
+           top);
   tap_ok(balance < 1e-12, "incline: work balance %.2g", balance);
   free(f), free(r);
   end(&t);
@@ -247,28 +293,35 @@ static void incline(double mu, double vx, int slips)
 /* Mirrored scenes have mirrored bits, with friction on a moving sphere. */
 static void mirrored(void)
 {
-  ct_mesh *mesh = box_mesh(CT_HEX8, 0.05, 0.1, 0, 1, 1, 0.5, 3, 3, 1), *image = mirror_mesh(mesh, 0);
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0.05, 0.1, 0, 1, 1, 0.5, 3, 3, 1),
+          *image = mirror_mesh(mesh, 0);
   against t[2] = {begin(mesh, &SOFT, 0.3, 0.1, 0.0), begin(image, &SOFT, -0.3, 0.1, 0.0)};
   for (int k = 0; k < 2; k++) {
     double sign = k == 0 ? 1.0 : -1.0;
-    ct_obstacle o = {.shape = CT_OBSTACLE_SPHERE, .point = {sign * 0.4, 0.6, -1.9}, .radius = 2.0, .epsilon = 500.0,
+    ct_obstacle o = {.shape = CT_OBSTACLE_SPHERE,
+                     .point = {sign * 0.4, 0.6, -1.9},
+                     .radius = 2.0,
+                     .epsilon = 500.0,
                      .velocity = {sign * 0.2, 0.0, 0.5}};
     add_obstacle(&t[k], o, 2, 0.0, 0.4);
     finish(&t[k], 0.5, 0.5);
     advance(t[k].problem, t[k].state, 40);
   }
-  int64_t faults = mirror_faults(t[0].state->velocity, t[1].state->velocity, t[0].problem->node_count, 0);
-  tap_ok(faults == 0 && fabs(t[0].state->velocity[2]) > 0.0, "mirrored: mirrored bits (%d off)", (int)faults);
+  int64_t faults =
+      mirror_faults(t[0].state->velocity, t[1].state->velocity, t[0].problem->node_count, 0);
+  tap_ok(faults == 0 && fabs(t[0].state->velocity[2]) > 0.0, "mirrored: mirrored bits (%d off)",
+         (int)faults);
   end(&t[0]);
   end(&t[1]);
 }
 
-/* Hertz: a rigid sphere is pressed by `approach` into the middle of a quarter of a block that stands for a half-space, and all
- * comes to rest. */
+/* Hertz: a rigid sphere is pressed by `approach` into the middle of a quarter of a block that
+ * stands for a half-space, and all comes to rest. */
 static void hertz(void)
 {
   const ct_material rubber = {.young = 1000.0, .poisson = 0.3, .density = 1.0};
-  const double R = 4.0, depth = 0.1, size = 12.0, a = sqrt(R * depth), modulus = 1000.0 / (1.0 - 0.09);
+  const double R = 4.0, depth = 0.1, size = 12.0, a = sqrt(R * depth),
+               modulus = 1000.0 / (1.0 - 0.09);
   int n = 16;
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, -size, size, size, size, n, n, n);
   // Finer towards the contact: half of the cells within about a fifth of the size.
@@ -282,8 +335,12 @@ static void hertz(void)
   add_support(t.scene, 0, mesh, 2, -size, "z", 0.0);
   double times[2] = {0.0, 0.4}, share[2] = {0.0, 1.0}, force[3], work;
   double h = ct_mesh_shortest_edge(mesh), epsilon = ct_contact_penalty(2.0, 1000.0, h);
-  ct_obstacle o = {.shape = CT_OBSTACLE_SPHERE, .point = {0, 0, R}, .radius = R, .epsilon = epsilon,
-                   .travel = {0, 0, -depth}, .history = {2, times, share}};
+  ct_obstacle o = {.shape = CT_OBSTACLE_SPHERE,
+                   .point = {0, 0, R},
+                   .radius = R,
+                   .epsilon = epsilon,
+                   .travel = {0, 0, -depth},
+                   .history = {2, times, share}};
   add_obstacle(&t, o, 2, 0.0, 0.0);
   add_weight(t.scene, (weight){.damping = 6.0});
   finish(&t, 1.2, 0.9);
@@ -294,12 +351,17 @@ static void hertz(void)
   double got = 4.0 * force[2];
   // The node in the middle tells the pressure by its overlap.
   int32_t middle = 0;
-  while (mesh->nodes[3 * middle] != 0.0 || mesh->nodes[3 * middle + 1] != 0.0 || mesh->nodes[3 * middle + 2] != 0.0) middle++;
+  while (mesh->nodes[3 * middle] != 0.0 || mesh->nodes[3 * middle + 1] != 0.0 ||
+         mesh->nodes[3 * middle + 2] != 0.0)
+    middle++;
   double pressure = epsilon * (t.state->displacement[3 * middle + 2] + depth),
-      peak = 2.0 * modulus / 3.14159265358979323846 * sqrt(depth / R);
-  tap_ok(energy_of(t.problem, t.state).kinetic < 1e-3 * work, "Hertz: all is at rest (kinetic energy %.2g of the work)",
+         peak = 2.0 * modulus / 3.14159265358979323846 * sqrt(depth / R);
+  tap_ok(energy_of(t.problem, t.state).kinetic < 1e-3 * work,
+         "Hertz: all is at rest (kinetic energy %.2g of the work)",
          energy_of(t.problem, t.state).kinetic / work);
-  tap_close(got / want, 1.0, 0.06, "Hertz: force of the closed form for the approach (contact radius %.2g, elements %.2g)", a, h);
+  tap_close(got / want, 1.0, 0.06,
+            "Hertz: force of the closed form for the approach (contact radius %.2g, elements %.2g)",
+            a, h);
   tap_close(pressure / peak, 1.0, 0.08, "Hertz: pressure in the middle");
   end(&t);
 }
@@ -314,7 +376,11 @@ static void refusals(void)
   int32_t faces[4] = {0, 1, 3, 2}, outside[4] = {0, 1, 3, 88};
   double times[2] = {1.0, 0.0}, share[2] = {0.0, 1.0};
   need(ct_scene_join(t.scene, &joined, &error), &error);
-  ct_obstacle good = {.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 1.0, .kind = CT_Q4, .face_count = 1,
+  ct_obstacle good = {.shape = CT_OBSTACLE_PLANE,
+                      .axis = {0, 0, 1},
+                      .epsilon = 1.0,
+                      .kind = CT_Q4,
+                      .face_count = 1,
                       .faces = faces};
   ct_obstacle bad[8] = {good, good, good, good, good, good, good, good};
   bad[0].epsilon = 0.0;
@@ -325,17 +391,20 @@ static void refusals(void)
   bad[5].point[1] = NAN;
   bad[6].axis[0] = NAN;
   bad[7].travel[2] = 1.0;
-  for (int i = 0; i < 8; i++) tap_ok(ct_obstacle_create_effect(&bad[i], joined, &effect, &error) != CT_OK && effect == NULL,
-                                     "refused: %s", error.text);
+  for (int i = 0; i < 8; i++)
+    tap_ok(ct_obstacle_create_effect(&bad[i], joined, &effect, &error) != CT_OK && effect == NULL,
+           "refused: %s", error.text);
   end(&t);
   // The middle of the one face stands in the centre of a sphere, where no direction leads out.
   against inner = begin(box_mesh(CT_HEX20, -0.5, -0.5, 0, 1, 1, 1, 1, 1, 1), &SOFT, 0, 0, 0);
-  add_obstacle(&inner, (ct_obstacle){.shape = CT_OBSTACLE_SPHERE, .radius = 1.0, .epsilon = 1.0}, 2, 0.0, 0.0);
+  add_obstacle(&inner, (ct_obstacle){.shape = CT_OBSTACLE_SPHERE, .radius = 1.0, .epsilon = 1.0}, 2,
+               0.0, 0.0);
   const ct_problem *problem;
   int64_t steps;
   ct_scene_time time = {.end = 1.0, .fraction = 0.5, .threads = 1};
-  tap_ok(ct_scene_build(inner.scene, &time, &problem, &steps, &inner.stable, &error) == CT_ERROR_GEOMETRY, "refused: %s",
-         error.text);
+  tap_ok(ct_scene_build(inner.scene, &time, &problem, &steps, &inner.stable, &error) ==
+             CT_ERROR_GEOMETRY,
+         "refused: %s", error.text);
   end(&inner);
 }
 
@@ -344,8 +413,14 @@ int main(void)
   operations();
   gaps();
   gradient(CT_HEX8, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0.1, 0.2, 1}}, "plane, Q4");
-  gradient(CT_HEX20, (ct_obstacle){.shape = CT_OBSTACLE_SPHERE, .point = {0.1, 0, -0.9}, .radius = 1.0}, "sphere, Q8");
-  gradient(CT_HEX8, (ct_obstacle){.shape = CT_OBSTACLE_CYLINDER, .point = {0, 0.1, -0.95}, .axis = {1, 0.3, 0}, .radius = 1.0},
+  gradient(CT_HEX20,
+           (ct_obstacle){.shape = CT_OBSTACLE_SPHERE, .point = {0.1, 0, -0.9}, .radius = 1.0},
+           "sphere, Q8");
+  gradient(CT_HEX8,
+           (ct_obstacle){.shape = CT_OBSTACLE_CYLINDER,
+                         .point = {0, 0.1, -0.95},
+                         .axis = {1, 0.3, 0},
+                         .radius = 1.0},
            "cylinder, Q4");
   bar();
   moving_wall(0);

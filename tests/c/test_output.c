@@ -1,5 +1,5 @@
-/* Results file and restart. Besides the tests: `test_output --write FILE STEPS` writes a file with known numbers for the Python
- * tests. */
+/* Results file and restart. Besides the tests: `test_output --write FILE STEPS` writes a file with
+ * known numbers for the Python tests. */
 #define _XOPEN_SOURCE 700
 
 #include "tap.h"
@@ -24,9 +24,10 @@
 /* -- The disk, as HDF5 sees it: every write passes through here -- */
 
 static struct {
-  long writes;      /* writes so far */
-  long fail_from;   /* from this write on the disk is full; 0: never */
-  int snapshots;    /* copy the file before each write, and again with the write cut at the first page boundary */
+  long writes;    /* writes so far */
+  long fail_from; /* from this write on the disk is full; 0: never */
+  int snapshots;  /* copy the file before each write, and again with the write cut at the first page
+                     boundary */
   int snapshot_count;
   char folder[256];
 } disk;
@@ -70,7 +71,10 @@ ssize_t pwrite(int file, const void *bytes, size_t size, off_t at)
 }
 
 ssize_t pwrite64(int file, const void *bytes, size_t size, off_t at);
-ssize_t pwrite64(int file, const void *bytes, size_t size, off_t at) { return pwrite(file, bytes, size, at); }
+ssize_t pwrite64(int file, const void *bytes, size_t size, off_t at)
+{
+  return pwrite(file, bytes, size, at);
+}
 
 /* -- A problem filled by hand: a hex8 body, a curved hex20 body, and an effect that remembers -- */
 
@@ -87,7 +91,8 @@ typedef struct rig {
 static const int32_t PROBE_NODES[3] = {1, 5, 7};
 
 /* Springs that harden with the way that their nodes have gone. */
-static ct_status probe_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status probe_force(const ct_effect *effect, const ct_view *view, double *force,
+                             ct_error *error)
 {
   (void)error;
   for (int i = 0; i < 9; i++) {
@@ -100,9 +105,12 @@ static ct_status probe_force(const ct_effect *effect, const ct_view *view, doubl
 
 static void rig_mesh(rig *r, int curved)
 {
-  const ct_box left = {{-1.5, 0, 0}, {1.5, 1, 1}, {3, 2, 1}, CT_LAYERS_Z}, right = {{0, 0, 0}, {2, 1, 1}, {2, 1, 1}, CT_LAYERS_Z};
+  const ct_box left = {{-1.5, 0, 0}, {1.5, 1, 1}, {3, 2, 1}, CT_LAYERS_Z},
+               right = {{0, 0, 0}, {2, 1, 1}, {2, 1, 1}, CT_LAYERS_Z};
   ct_error error;
-  if (ct_mesh_create_box(CT_HEX8, &left, &r->mesh[0], &error) || ct_mesh_create_box(CT_HEX20, &right, &r->mesh[1], &error)) abort();
+  if (ct_mesh_create_box(CT_HEX8, &left, &r->mesh[0], &error) ||
+      ct_mesh_create_box(CT_HEX20, &right, &r->mesh[1], &error))
+    abort();
   for (int32_t i = 0; i < r->mesh[1]->node_count && curved; i++) {
     double *x = r->mesh[1]->nodes + 3 * i;
     x[0] += 0.1 * x[1] * x[1];
@@ -124,22 +132,42 @@ static rig *rig_create(int curved, int with_probe)
   for (int b = 0, first = 0; b < 2; first += r->mesh[b++]->node_count) {
     ct_body body = {"left", r->mesh[b], material, first};
     if (b == 1) strcpy(body.name, "right");
-    ct_solid_block solid = {.mesh = r->mesh[b], .material = material, .first_node = first, .kernel = CT_KERNEL_GENERAL};
+    ct_solid_block solid = {
+        .mesh = r->mesh[b], .material = material, .first_node = first, .kernel = CT_KERNEL_GENERAL};
     r->body[b] = body;
     block[b] = solid;
-    memcpy(r->reference + 3 * first, r->mesh[b]->nodes, 3 * (size_t)r->mesh[b]->node_count * sizeof(double));
-    if (ct_mass_lumped(r->mesh[b], material.density, CT_LUMP_DEFAULT, r->mass + first, &error)) abort();
+    memcpy(r->reference + 3 * first, r->mesh[b]->nodes,
+           3 * (size_t)r->mesh[b]->node_count * sizeof(double));
+    if (ct_mass_lumped(r->mesh[b], material.density, CT_LUMP_DEFAULT, r->mass + first, &error))
+      abort();
   }
   for (int32_t i = 0; i < 3 * nodes; i++) {
     r->inverse_mass[i] = 1 / r->mass[i / 3];
     r->velocity[i] = 0.01 * sin(3 * i + 1);
   }
   if (ct_solid_create_effect(block, 2, &r->solid, &error)) abort();
-  ct_effect probe = {.name = "probe", .nodes = PROBE_NODES, .node_count = 3, .memory_count = 3, .force = probe_force};
+  ct_effect probe = {.name = "probe",
+                     .nodes = PROBE_NODES,
+                     .node_count = 3,
+                     .memory_count = 3,
+                     .force = probe_force};
   r->probe = probe;
   r->effects[0] = r->solid;
   r->effects[1] = &r->probe;
-  ct_problem problem = {nodes, 2, r->body, r->reference, r->mass, r->inverse_mass, r->velocity, with_probe ? 2 : 1, r->effects, 0.02, 1, NULL, {CT_CENTRAL_DIFFERENCE, 0.0}, 0};
+  ct_problem problem = {nodes,
+                        2,
+                        r->body,
+                        r->reference,
+                        r->mass,
+                        r->inverse_mass,
+                        r->velocity,
+                        with_probe ? 2 : 1,
+                        r->effects,
+                        0.02,
+                        1,
+                        NULL,
+                        {CT_CENTRAL_DIFFERENCE, 0.0},
+                        0};
   r->problem = problem;
   return r;
 }
@@ -208,7 +236,8 @@ static double *read_rows(hid_t file, const char *name, hsize_t rows, hsize_t wid
     hsize_t start[2] = {0, 0}, size[2] = {rows, width};
     int rank = width > 0 ? 2 : 1, good = 0;
     hid_t set = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(set);
-    if (H5Sget_simple_extent_ndims(space) == rank && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, size, NULL) >= 0) {
+    if (H5Sget_simple_extent_ndims(space) == rank &&
+        H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, size, NULL) >= 0) {
       hid_t memory = H5Screate_simple(rank, size, NULL);
       values = malloc((size_t)(rows * (width > 0 ? width : 1) + 1) * sizeof *values);
       good = H5Dread(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values) >= 0;
@@ -235,26 +264,32 @@ static long visible_steps(hid_t file)
   return steps;
 }
 
-/* Every visible step of a file written with `pose` is there and right. Returns the number of steps, or -1. */
+/* Every visible step of a file written with `pose` is there and right. Returns the number of steps,
+ * or -1. */
 static long check_steps(const rig *r, const char *path)
 {
   static const struct {
     const char *name;
     int rows, width;
-  } TABLE[] = {{"VTKHDF/Steps/Values", 1, 0},          {"VTKHDF/Steps/PointDataOffsets/displacement", 1, 0},
-               {"VTKHDF/Steps/CellOffsets", 1, 1},     {"VTKHDF/FieldData/kinetic", 1, 0},
-               {"VTKHDF/FieldData/momentum", 1, 3},    {"libcontact/step", 1, 0},
-               {"VTKHDF/CellData/stress", 8, 6},       {"VTKHDF/Steps/FieldDataOffsets/total", 1, 0}};
+  } TABLE[] = {
+      {"VTKHDF/Steps/Values", 1, 0},       {"VTKHDF/Steps/PointDataOffsets/displacement", 1, 0},
+      {"VTKHDF/Steps/CellOffsets", 1, 1},  {"VTKHDF/FieldData/kinetic", 1, 0},
+      {"VTKHDF/FieldData/momentum", 1, 3}, {"libcontact/step", 1, 0},
+      {"VTKHDF/CellData/stress", 8, 6},    {"VTKHDF/Steps/FieldDataOffsets/total", 1, 0}};
   hid_t file;
   if (!open_quietly(path, &file)) return -1;
   long steps = visible_steps(file), good = steps;
   int64_t n = 3 * (int64_t)r->problem.node_count;
-  double *u = steps > 0 ? read_rows(file, "VTKHDF/PointData/displacement", (hsize_t)(steps * n / 3), 3) : NULL;
+  double *u = steps > 0
+                  ? read_rows(file, "VTKHDF/PointData/displacement", (hsize_t)(steps * n / 3), 3)
+                  : NULL;
   if (u == NULL) good = -1;
   for (int64_t i = 0; i < steps * n && good >= 0; i++)
-    if (u[i] != want_displacement(r->reference + i % n / 3 * 3, (int)(i % 3), (int)(i / n))) good = -1;
+    if (u[i] != want_displacement(r->reference + i % n / 3 * 3, (int)(i % 3), (int)(i / n)))
+      good = -1;
   for (size_t t = 0; t < sizeof TABLE / sizeof TABLE[0] && good >= 0; t++) {
-    double *rows = read_rows(file, TABLE[t].name, (hsize_t)(steps * TABLE[t].rows), (hsize_t)TABLE[t].width);
+    double *rows =
+        read_rows(file, TABLE[t].name, (hsize_t)(steps * TABLE[t].rows), (hsize_t)TABLE[t].width);
     if (rows == NULL) good = -1;
     for (long k = 0; k < steps && good >= 0 && t == 0; k++)
       if (rows[k] != 10 * (double)k * r->problem.dt) good = -1;
@@ -324,7 +359,10 @@ static void write_file(const rig *r, const char *path, int steps)
 
 /* -- Tests -- */
 
-static int same_bits(const double *a, const double *b, int64_t count) { return memcmp(a, b, (size_t)count * sizeof *a) == 0; }
+static int same_bits(const double *a, const double *b, int64_t count)
+{
+  return memcmp(a, b, (size_t)count * sizeof *a) == 0;
+}
 
 static void test_restart_continues(void)
 {
@@ -341,15 +379,20 @@ static void test_restart_continues(void)
   good = ct_output_restart(in_folder("restart.vtkhdf"), &r->problem, resumed, &error) == CT_OK;
   tap_ok(good && resumed->step == 15, "the newest record is read (step %ld)", (long)resumed->step);
   good = ct_step_many(&r->problem, resumed, 10, &error) == CT_OK;
-  int64_t n = 3 * (int64_t)r->problem.node_count, w = straight->work_count, i = straight->impulse_count, m = straight->memory_count;
+  int64_t n = 3 * (int64_t)r->problem.node_count, w = straight->work_count,
+          i = straight->impulse_count, m = straight->memory_count;
   tap_ok(m == 3 && straight->memory[0] > 0, "the effect remembers something");
-  tap_ok(good && resumed->step == straight->step && resumed->time == straight->time && resumed->kinetic_start == straight->kinetic_start &&
-             same_bits(resumed->displacement, straight->displacement, n) && same_bits(resumed->velocity, straight->velocity, n) &&
-             same_bits(resumed->work, straight->work, w) && same_bits(resumed->impulse, straight->impulse, i) &&
+  tap_ok(good && resumed->step == straight->step && resumed->time == straight->time &&
+             resumed->kinetic_start == straight->kinetic_start &&
+             same_bits(resumed->displacement, straight->displacement, n) &&
+             same_bits(resumed->velocity, straight->velocity, n) &&
+             same_bits(resumed->work, straight->work, w) &&
+             same_bits(resumed->impulse, straight->impulse, i) &&
              same_bits(resumed->memory, straight->memory, m),
          "stopped, saved and restarted: the same bits as the straight run");
   ct_energy a, b;
-  good = ct_energy_of(&r->problem, straight, &a, &error) == CT_OK && ct_energy_of(&r->problem, resumed, &b, &error) == CT_OK;
+  good = ct_energy_of(&r->problem, straight, &a, &error) == CT_OK &&
+         ct_energy_of(&r->problem, resumed, &b, &error) == CT_OK;
   tap_ok(good && a.total == b.total && a.balance == b.balance, "and the same ledger");
   ct_state_free(straight);
   ct_state_free(stopped);
@@ -363,13 +406,16 @@ static void test_contents(void)
   const char *path = in_folder("contents.vtkhdf");
   ct_error error;
   write_file(r, path, 3);
-  tap_ok(check_steps(r, path) == 3, "3 steps are visible, and every displacement is the one that was set");
+  tap_ok(check_steps(r, path) == 3,
+         "3 steps are visible, and every displacement is the one that was set");
   tap_ok(check_record(r, path, &error) == 2, "the restart record is the newest step");
   hid_t file;
   tap_ok(open_quietly(path, &file), "the file opens");
   double *stress = read_rows(file, "VTKHDF/CellData/stress", 24, 6);
-  double *momentum = read_rows(file, "VTKHDF/FieldData/momentum", 3, 3), *kinetic = read_rows(file, "VTKHDF/FieldData/kinetic", 3, 0);
-  // Hooke's law by hand: E = 2.5, nu = 1/4 give Lambda = mu = 1; the strain is 3e-3 (1, 1, 3, 1, -1/2, 0) in the last step
+  double *momentum = read_rows(file, "VTKHDF/FieldData/momentum", 3, 3),
+         *kinetic = read_rows(file, "VTKHDF/FieldData/kinetic", 3, 0);
+  // Hooke's law by hand: E = 2.5, nu = 1/4 give Lambda = mu = 1; the strain is 3e-3 (1, 1, 3, 1,
+  // -1/2, 0) in the last step
   const double want[6] = {7, 7, 11, 2, -1, 0};
   for (int c = 0; c < 6; c++) {
     double off = 0;
@@ -377,7 +423,8 @@ static void test_contents(void)
     tap_close(off, 0, 1e-15, "stress component %d of the last step", c);
   }
   // Volume 1.5 + 2, density 2, velocity 3 (0.5, 1, 1.5) in the last step
-  for (int a = 0; a < 3; a++) tap_close(momentum[6 + a], 7 * 1.5 * (a + 1), 1e-12, "momentum %d of the last step", a);
+  for (int a = 0; a < 3; a++)
+    tap_close(momentum[6 + a], 7 * 1.5 * (a + 1), 1e-12, "momentum %d of the last step", a);
   tap_close(kinetic[2], 0.5 * 7 * 1.5 * 1.5 * 14, 1e-11, "kinetic energy of the last step");
   free(stress);
   free(momentum);
@@ -388,10 +435,12 @@ static void test_contents(void)
 
 static int interesting(int k)
 {
-  return (k >= 1 && k <= 22) || (k >= 35 && k <= 37) || (k >= 62 && k <= 69) || (k >= 127 && k <= 129) || k == 256 || k == 512 || k == 513;
+  return (k >= 1 && k <= 22) || (k >= 35 && k <= 37) || (k >= 62 && k <= 69) ||
+         (k >= 127 && k <= 129) || k == 256 || k == 512 || k == 513;
 }
 
-/* The file as it is between any two writes of HDF5, and with each write cut at a page boundary, is what a kill leaves behind. */
+/* The file as it is between any two writes of HDF5, and with each write cut at a page boundary, is
+ * what a kill leaves behind. */
 static void test_any_moment(void)
 {
   rig *r = rig_create(0, 1);
@@ -411,15 +460,19 @@ static void test_any_moment(void)
       snprintf(path, sizeof path, "%s/snapshot%d", folder, i);
       long steps = check_steps(r, path), record = check_record(r, path, &error);
       moments++;
-      if (steps != k && steps != k + 1) bad_steps++, printf("# append %d, write %d: steps %ld\n", k, i, steps);
-      if (record != k && record != k - 1) bad_records++, printf("# append %d, write %d: record %ld: %s\n", k, i, record, error.text);
+      if (steps != k && steps != k + 1)
+        bad_steps++, printf("# append %d, write %d: steps %ld\n", k, i, steps);
+      if (record != k && record != k - 1)
+        bad_records++, printf("# append %d, write %d: record %ld: %s\n", k, i, record, error.text);
       remove(path);
     }
   }
   ct_output_close(output, NULL);
-  if (moments == 0) tap_skip("this HDF5 does not write through pwrite, so its writes can't be watched");
+  if (moments == 0)
+    tap_skip("this HDF5 does not write through pwrite, so its writes can't be watched");
   else {
-    tap_ok(bad_records == 0, "a whole restart record at each of %ld moments between writes and inside them", moments);
+    tap_ok(bad_records == 0,
+           "a whole restart record at each of %ld moments between writes and inside them", moments);
     tap_ok(bad_steps == 0, "every step before it readable at each of them");
   }
   ct_state_free(state);
@@ -453,7 +506,8 @@ static void test_kill(void)
     if (steps >= 1 && (record == steps - 1 || record == steps)) good++;
     else printf("# steps %ld, record %ld: %s\n", steps, record, error.text);
   }
-  tap_ok(good == tries, "killed at %d of %d odd moments: the file opens, with a record that fits", good, tries);
+  tap_ok(good == tries, "killed at %d of %d odd moments: the file opens, with a record that fits",
+         good, tries);
   rig_free(r);
 }
 
@@ -464,8 +518,8 @@ static int descriptor_count(void)
   return open_ones;
 }
 
-/* A child whose disk is full from write number `from` on: 0 when all went as it should, another number that tells what did
- * not. */
+/* A child whose disk is full from write number `from` on: 0 when all went as it should, another
+ * number that tells what did not. */
 static int full_disk_child(const rig *r, const char *path, long from, const char *errors)
 {
   int said = open(errors, O_RDWR | O_CREAT | O_TRUNC, 0666);
@@ -482,9 +536,12 @@ static int full_disk_child(const rig *r, const char *path, long from, const char
     status = ct_output_append(output, &r->problem, state, &error);
   }
   failed = status != CT_OK;
-  if (failed && (status != CT_ERROR_FILE || strstr(error.text, "No space left") == NULL || strstr(error.text, "full.vtkhdf") == NULL))
+  if (failed && (status != CT_ERROR_FILE || strstr(error.text, "No space left") == NULL ||
+                 strstr(error.text, "full.vtkhdf") == NULL))
     return 2;
-  if (failed && output != NULL && ct_output_append(output, &r->problem, state, &error) != CT_ERROR_FILE) return 3;
+  if (failed && output != NULL &&
+      ct_output_append(output, &r->problem, state, &error) != CT_ERROR_FILE)
+    return 3;
   status = ct_output_close(output, &error);
   if (failed && output != NULL && status != CT_ERROR_FILE) return 4;
   if (!failed && status != CT_OK) return 5;
@@ -518,10 +575,14 @@ static void test_failing_writes(void)
     tried++;
     finished = WIFEXITED(how) && WEXITSTATUS(how) == 100;
     if (finished || (WIFEXITED(how) && WEXITSTATUS(how) == 0)) good++;
-    else printf("# full from write %ld on: %s %d\n", from, WIFEXITED(how) ? "code" : "signal", WIFEXITED(how) ? WEXITSTATUS(how) : how);
+    else
+      printf("# full from write %ld on: %s %d\n", from, WIFEXITED(how) ? "code" : "signal",
+             WIFEXITED(how) ? WEXITSTATUS(how) : how);
   }
-  tap_ok(finished && good == tried, "disk full at %d of %d writes: told with the reason, closed, nothing left open, nothing printed", good,
-         tried);
+  tap_ok(finished && good == tried,
+         "disk full at %d of %d writes: told with the reason, closed, nothing left open, nothing "
+         "printed",
+         good, tried);
   rig_free(r);
 }
 
@@ -551,18 +612,23 @@ static void test_full_disk(void)
     pose(r, state, k);
     status = ct_output_append(output, &r->problem, state, &error);
   }
-  tap_ok(status == CT_ERROR_FILE && strstr(error.text, "run.vtkhdf") != NULL && strstr(error.text, "No space left") != NULL,
+  tap_ok(status == CT_ERROR_FILE && strstr(error.text, "run.vtkhdf") != NULL &&
+             strstr(error.text, "No space left") != NULL,
          "full disk after %d steps: %s", k - 1, error.text);
-  tap_ok(check_steps(r, path) == k - 1 && check_record(r, path, &error) == k - 2, "all %d steps before are in the file", k - 1);
+  tap_ok(check_steps(r, path) == k - 1 && check_record(r, path, &error) == k - 2,
+         "all %d steps before are in the file", k - 1);
   remove(ballast);
-  tap_ok(ct_output_append(output, &r->problem, state, &error) == CT_OK && ct_output_close(output, &error) == CT_OK,
+  tap_ok(ct_output_append(output, &r->problem, state, &error) == CT_OK &&
+             ct_output_close(output, &error) == CT_OK,
          "once there is room again, the run goes on");
-  tap_ok(check_steps(r, path) == k && check_record(r, path, &error) == k - 1, "and no step is missing");
+  tap_ok(check_steps(r, path) == k && check_record(r, path, &error) == k - 1,
+         "and no step is missing");
   file = fopen(ballast, "w");
   while (file != NULL && fputc('x', file) != EOF && fflush(file) == 0) continue;
   if (file != NULL) fclose(file);
   ct_output *none = NULL;
-  tap_ok(ct_output_create(path, &r->problem, &ALL, &none, &error) == CT_ERROR_FILE && none == NULL, "no room to create: %s", error.text);
+  tap_ok(ct_output_create(path, &r->problem, &ALL, &none, &error) == CT_ERROR_FILE && none == NULL,
+         "no room to create: %s", error.text);
   tap_ok(check_steps(r, path) == k, "the old file is as it was");
   snprintf(command, sizeof command, "umount -l '%s'", mount_point);
   if (system(command) != 0) printf("# %s stays mounted\n", mount_point);
@@ -575,8 +641,9 @@ static void refuse_create(const rig *r, const char *path, ct_status want, const 
   ct_output *output = NULL;
   ct_error error = {CT_OK, 0, 0, 0, ""};
   ct_status status = ct_output_create(path, &r->problem, &ALL, &output, &error);
-  tap_ok(status == want && output == NULL && error.code == want && strstr(error.text, reason) != NULL, "create '%.30s': %s",
-         path == NULL ? "(null)" : path, error.text);
+  tap_ok(status == want && output == NULL && error.code == want &&
+             strstr(error.text, reason) != NULL,
+         "create '%.30s': %s", path == NULL ? "(null)" : path, error.text);
 }
 
 static void test_bad_paths(void)
@@ -590,12 +657,17 @@ static void test_bad_paths(void)
   refuse_create(r, folder, CT_ERROR_FILE, "Is a directory");
   refuse_create(r, "/dev/null", CT_ERROR_FILE, "no ordinary file");
   refuse_create(r, "/no such folder/run.vtkhdf", CT_ERROR_FILE, "No such file or directory");
-  refuse_create(r, "/proc/run.vtkhdf", CT_ERROR_FILE, "/proc/run.vtkhdf: can't write the file: No such file");
+  refuse_create(r, "/proc/run.vtkhdf", CT_ERROR_FILE,
+                "/proc/run.vtkhdf: can't write the file: No such file");
   refuse_create(r, blocked, CT_ERROR_FILE, "Is a directory");
-  tap_ok(access(in_folder("blocked.vtkhdf.part"), F_OK) == 0, "what stood in the way is not removed");
-  tap_ok(ct_output_create(blocked, NULL, &ALL, NULL, NULL) == CT_ERROR_ARGUMENT, "nulls are refused");
-  tap_ok(ct_output_append(NULL, NULL, NULL, NULL) == CT_ERROR_ARGUMENT, "append with nulls is refused");
-  tap_ok(ct_output_restart(NULL, NULL, NULL, NULL) == CT_ERROR_ARGUMENT, "restart with nulls is refused");
+  tap_ok(access(in_folder("blocked.vtkhdf.part"), F_OK) == 0,
+         "what stood in the way is not removed");
+  tap_ok(ct_output_create(blocked, NULL, &ALL, NULL, NULL) == CT_ERROR_ARGUMENT,
+         "nulls are refused");
+  tap_ok(ct_output_append(NULL, NULL, NULL, NULL) == CT_ERROR_ARGUMENT,
+         "append with nulls is refused");
+  tap_ok(ct_output_restart(NULL, NULL, NULL, NULL) == CT_ERROR_ARGUMENT,
+         "restart with nulls is refused");
   tap_ok(ct_output_close(NULL, NULL) == CT_OK, "closing nothing is no error");
   rig_free(r);
 }
@@ -608,7 +680,8 @@ static void test_names(void)
   write_file(r, path, 2);
   ct_output *output = must_create(r, path);
   tap_ok(check_steps(r, path) == 2, "a new run leaves the old file alone until its first step");
-  tap_ok(ct_output_close(output, &error) == CT_OK && check_steps(r, path) == 2 && access(part, F_OK) != 0,
+  tap_ok(ct_output_close(output, &error) == CT_OK && check_steps(r, path) == 2 &&
+             access(part, F_OK) != 0,
          "and for good when it has no step");
   write_file(r, path, 1);
   tap_ok(check_steps(r, path) == 1 && access(part, F_OK) != 0, "a run with a step replaces it");
@@ -645,7 +718,8 @@ static pid_t start_writer(const rig *r, const char *path, int steps)
   return child;
 }
 
-/* One writer a file, in this process and in others, under the name that the file has before its first step and under its own. */
+/* One writer a file, in this process and in others, under the name that the file has before its
+ * first step and under its own. */
 static void test_one_writer(void)
 {
   rig *r = rig_create(0, 0);
@@ -660,9 +734,11 @@ static void test_one_writer(void)
     pose(r, state, k);
     tap_ok(ct_output_append(first, &r->problem, state, &error) == CT_OK, "the first run goes on");
     refuse_create(r, path, CT_ERROR_FILE, reason);
-    tap_ok(check_steps(r, path) == k + 1 && access(part, F_OK) != 0, "and its file can be read while it is written");
+    tap_ok(check_steps(r, path) == k + 1 && access(part, F_OK) != 0,
+           "and its file can be read while it is written");
   }
-  tap_ok(ct_output_close(first, &error) == CT_OK && check_steps(r, path) == 2, "the first run has all its steps");
+  tap_ok(ct_output_close(first, &error) == CT_OK && check_steps(r, path) == 2,
+         "the first run has all its steps");
   for (int steps = 0; steps < 3; steps += 2) {
     pid_t writer = start_writer(r, path, steps);
     refuse_create(r, path, CT_ERROR_FILE, reason);
@@ -680,7 +756,8 @@ static void test_one_writer(void)
 static void test_part_is_a_link(void)
 {
   rig *r = rig_create(0, 0);
-  const char *path = in_folder("linked.vtkhdf"), *part = in_folder("linked.vtkhdf.part"), *other = in_folder("other.txt");
+  const char *path = in_folder("linked.vtkhdf"), *part = in_folder("linked.vtkhdf.part"),
+             *other = in_folder("other.txt");
   struct stat found;
   for (int hard = 0; hard < 3; hard++) {
     FILE *text = fopen(other, "w");
@@ -689,9 +766,12 @@ static void test_part_is_a_link(void)
         (hard == 2 && mkfifo(part, 0666) != 0))
       abort();
     write_file(r, path, 2);
-    tap_ok(stat(other, &found) == 0 && found.st_size == 8 && check_steps(r, path) == 2 && lstat(path, &found) == 0 &&
-           S_ISREG(found.st_mode),
-           "a %s in the way is replaced and not followed", hard == 0 ? "symbolic link" : hard == 1 ? "link" : "pipe");
+    tap_ok(stat(other, &found) == 0 && found.st_size == 8 && check_steps(r, path) == 2 &&
+               lstat(path, &found) == 0 && S_ISREG(found.st_mode),
+           "a %s in the way is replaced and not followed",
+           hard == 0   ? "symbolic link"
+           : hard == 1 ? "link"
+                       : "pipe");
   }
   rig_free(r);
 }
@@ -705,13 +785,17 @@ static void test_wrong_state(void)
   ct_state *state = state_create(r), *foreign = state_create(other);
   pose(r, state, 0);
   tap_ok(ct_output_append(output, &r->problem, state, &error) == CT_OK, "a good step");
-  tap_ok(ct_output_append(output, &other->problem, foreign, &error) == CT_ERROR_ARGUMENT, "another problem: %s", error.text);
-  tap_ok(ct_output_append(output, &r->problem, foreign, &error) == CT_ERROR_ARGUMENT, "another state: %s", error.text);
+  tap_ok(ct_output_append(output, &other->problem, foreign, &error) == CT_ERROR_ARGUMENT,
+         "another problem: %s", error.text);
+  tap_ok(ct_output_append(output, &r->problem, foreign, &error) == CT_ERROR_ARGUMENT,
+         "another state: %s", error.text);
   int32_t node = r->body[1].first_node + 2;
   state->displacement[3 * node + 1] = NAN;
-  tap_ok(ct_output_append(output, &r->problem, state, &error) == CT_ERROR_BLOWUP && error.body == 1 && error.point == node,
+  tap_ok(ct_output_append(output, &r->problem, state, &error) == CT_ERROR_BLOWUP &&
+             error.body == 1 && error.point == node,
          "not finite: %s", error.text);
-  tap_ok(check_record(r, path, &error) == 0, "the last good record stays, readable while the file is open for writing");
+  tap_ok(check_record(r, path, &error) == 0,
+         "the last good record stays, readable while the file is open for writing");
   pose(r, state, 1);
   tap_ok(ct_output_append(output, &r->problem, state, &error) == CT_OK, "and the run may go on");
   ct_output_close(output, NULL);
@@ -727,7 +811,8 @@ static void refuse_restart(const rig *r, const char *path, ct_status want, const
   ct_state *state = state_create(r);
   ct_error error = {CT_OK, 0, 0, 0, ""};
   ct_status status = ct_output_restart(path, &r->problem, state, &error);
-  tap_ok(status == want && strstr(error.text, reason) != NULL && state->step == 0, "restart refused: %s", error.text);
+  tap_ok(status == want && strstr(error.text, reason) != NULL && state->step == 0,
+         "restart refused: %s", error.text);
   ct_state_free(state);
 }
 
@@ -751,7 +836,8 @@ static void test_other_problem(void)
   refuse_restart(r, path, CT_ERROR_FILE, "the integrator");
   r->problem.integrator = (ct_integrator){CT_CENTRAL_DIFFERENCE, 0.0};
   r->body[1].material.density = 3;
-  refuse_restart(r, path, CT_ERROR_FILE, "body 1 'right' (in the file 'right') has another density");
+  refuse_restart(r, path, CT_ERROR_FILE,
+                 "body 1 'right' (in the file 'right') has another density");
   r->body[1].material.density = 2;
   strcpy(r->body[0].name, "anvil");
   refuse_restart(r, path, CT_ERROR_FILE, "has another name");
@@ -799,9 +885,11 @@ static void test_bad_files(void)
   H5Fclose(foreign);
   refuse_restart(r, in_folder("foreign.h5"), CT_ERROR_FILE, "not written by libcontact");
   write_file(r, path, 3);
-  // The memory of step 2 (three times 3.0) and the velocities 4.5 stand in one slot only, but 3.0 and 4.5 in the fields as well
+  // The memory of step 2 (three times 3.0) and the velocities 4.5 stand in one slot only, but 3.0
+  // and 4.5 in the fields as well
   double value = want_velocity(2, 2);
-  tap_ok(spoil(path, &value) > 0 && check_record(r, path, &error) == 1, "a spoilt record: the one before it is taken");
+  tap_ok(spoil(path, &value) > 0 && check_record(r, path, &error) == 1,
+         "a spoilt record: the one before it is taken");
   value = want_velocity(2, 1);
   tap_ok(spoil(path, &value) > 0, "both records spoilt");
   refuse_restart(r, path, CT_ERROR_FILE, "no complete restart record");
@@ -809,9 +897,13 @@ static void test_bad_files(void)
   struct stat found;
   stat(path, &found);
   int refused = 0, tried = 0;
-  for (off_t size = found.st_size - 1; size > 0; size -= size > 2000 ? found.st_size / 61 : 97, tried++)
-    if (truncate(path, size) == 0 && check_record(r, path, &error) < 0 && error.code == CT_ERROR_FILE) refused++;
-  tap_ok(refused == tried, "cut short at %d of %d lengths: refused (%s)", refused, tried, error.text);
+  for (off_t size = found.st_size - 1; size > 0;
+       size -= size > 2000 ? found.st_size / 61 : 97, tried++)
+    if (truncate(path, size) == 0 && check_record(r, path, &error) < 0 &&
+        error.code == CT_ERROR_FILE)
+      refused++;
+  tap_ok(refused == tried, "cut short at %d of %d lengths: refused (%s)", refused, tried,
+         error.text);
   rig_free(r);
 }
 
@@ -822,7 +914,8 @@ static herr_t count_calls(hid_t stack, void *data)
   return 0;
 }
 
-/* The host's way to hear of HDF5's errors is the same after our calls, and our own errors do not reach it. */
+/* The host's way to hear of HDF5's errors is the same after our calls, and our own errors do not
+ * reach it. */
 static void test_error_handler(void)
 {
   rig *r = rig_create(0, 0);
@@ -835,13 +928,15 @@ static void test_error_handler(void)
   refuse_create(r, "/no such folder/run.vtkhdf", CT_ERROR_FILE, "No such file");
   refuse_restart(r, in_folder("text.vtkhdf"), CT_ERROR_FILE, "can't read the file");
   H5Eget_auto2(H5E_DEFAULT, &after, &data);
-  tap_ok(calls == 0 && after == count_calls && data == &calls, "the host's error handler is left as it was, and not called");
+  tap_ok(calls == 0 && after == count_calls && data == &calls,
+         "the host's error handler is left as it was, and not called");
   H5Eset_auto2(H5E_DEFAULT, before, before_data);
   tap_ok(H5Fget_obj_count((hid_t)H5F_OBJ_ALL, H5F_OBJ_ALL) == 0, "no HDF5 object is left open");
   rig_free(r);
 }
 
-/* Two runs write the same bytes; only HDF5 dates its root group (four times 4 bytes and a checksum), asked or not. */
+/* Two runs write the same bytes; only HDF5 dates its root group (four times 4 bytes and a
+ * checksum), asked or not. */
 static void test_same_bytes(void)
 {
   rig *r = rig_create(1, 1);
@@ -857,19 +952,25 @@ static void test_same_bytes(void)
   }
   fclose(one);
   fclose(two);
-  tap_ok(differences <= 20 && beyond == 0, "two runs write the same bytes (%d of the date differ)", differences);
+  tap_ok(differences <= 20 && beyond == 0, "two runs write the same bytes (%d of the date differ)",
+         differences);
   rig_free(r);
 }
 
-/* A folder for the files of the test: in TMPDIR if that is set, else beside the program, in the build folder. */
+/* A folder for the files of the test: in TMPDIR if that is set, else beside the program, in the
+ * build folder. */
 static int make_folder(char *program)
 {
   char *slash = strrchr(program, '/'), *parent = getenv("TMPDIR"), full[PATH_MAX];
   if (slash != NULL) *slash = 0;
   if (parent == NULL) parent = slash != NULL ? program : ".";
   // The full path, as links to files must hold it.
-  if (realpath(parent, full) != NULL && snprintf(folder, sizeof folder, "%s/libcontact-output-XXXXXX", full) < (int)sizeof folder && mkdtemp(folder) != NULL) return 1;
-  printf("Bail out! no folder in %s for the files of the test: %s\n", parent, errno != 0 ? strerror(errno) : "its name is too long");
+  if (realpath(parent, full) != NULL &&
+      snprintf(folder, sizeof folder, "%s/libcontact-output-XXXXXX", full) < (int)sizeof folder &&
+      mkdtemp(folder) != NULL)
+    return 1;
+  printf("Bail out! no folder in %s for the files of the test: %s\n", parent,
+         errno != 0 ? strerror(errno) : "its name is too long");
   return 0;
 }
 

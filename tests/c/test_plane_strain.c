@@ -1,4 +1,5 @@
-/* One layer of boxes in two dimensions: the same numbers as the bricks give, and the bricks where the layers part. */
+/* One layer of boxes in two dimensions: the same numbers as the bricks give, and the bricks where
+ * the layers part. */
 #include "blocks.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -54,8 +55,8 @@ static int64_t unlike(const double *f, const double *g, int64_t n)
   return count;
 }
 
-/* In a layer that flies no force is -0, which would change a velocity of -0 otherwise than the +0 of bricks and of what is
- * skipped. */
+/* In a layer that flies no force is -0, which would change a velocity of -0 otherwise than the +0
+ * of bricks and of what is skipped. */
 static void zeros(void)
 {
   for (int axis = 0; axis < 3; axis++) {
@@ -66,7 +67,8 @@ static void zeros(void)
     for (int i = 0; i < n; i++) u[i] = i % 3 == axis ? 0.0 : 0.7;
     block_force(&plane, u, f);
     for (int i = 0; i < n; i++) minus += f[i] != 0.0 || signbit(f[i]);
-    tap_ok(minus == 0, "held along %c, in flight: %d of %d forces are not +0", "xyz"[axis], minus, n);
+    tap_ok(minus == 0, "held along %c, in flight: %d of %d forces are not +0", "xyz"[axis], minus,
+           n);
     close_block(&plane);
     free(u);
     free(f);
@@ -81,12 +83,18 @@ static void forces(void)
     int n = 3 * m->node_count;
     double *u = plane_displacement(m, axis), *f = numbers(n), *g = numbers(n), *h = numbers(n);
     block plane = open_held(m, CT_KERNEL_AUTO, axis, 1), box = open_held(m, CT_KERNEL_BOX, axis, 1);
-    double own = block_force(&plane, u, f), want = block_force(&box, u, g), energy = reference_force(m, &STEEL, u, h);
-    tap_ok(kernel_of(plane.effect) == CT_KERNEL_PLANE && kernel_of(box.effect) == CT_KERNEL_BOX, "held along %c: the plane kernel is chosen", "xyz"[axis]);
-    tap_ok(unlike(f, g, n) == 0 && own == want, "%c: %d of %d forces differ from the bricks', energies %.17g and %.17g", "xyz"[axis], (int)unlike(f, g, n), n, own, want);
-    tap_ok(largest_difference(f, h, n) < 1e-13 * largest(h, n) && fabs(own / energy - 1.0) < 1e-13, "%c: the readable form, off by %.2g and %.2g", "xyz"[axis],
+    double own = block_force(&plane, u, f), want = block_force(&box, u, g),
+           energy = reference_force(m, &STEEL, u, h);
+    tap_ok(kernel_of(plane.effect) == CT_KERNEL_PLANE && kernel_of(box.effect) == CT_KERNEL_BOX,
+           "held along %c: the plane kernel is chosen", "xyz"[axis]);
+    tap_ok(unlike(f, g, n) == 0 && own == want,
+           "%c: %d of %d forces differ from the bricks', energies %.17g and %.17g", "xyz"[axis],
+           (int)unlike(f, g, n), n, own, want);
+    tap_ok(largest_difference(f, h, n) < 1e-13 * largest(h, n) && fabs(own / energy - 1.0) < 1e-13,
+           "%c: the readable form, off by %.2g and %.2g", "xyz"[axis],
            largest_difference(f, h, n) / largest(h, n), own / energy - 1.0);
-    tap_ok(block_frequency(&plane) == block_frequency(&box), "%c: the same bound on the step", "xyz"[axis]);
+    tap_ok(block_frequency(&plane) == block_frequency(&box), "%c: the same bound on the step",
+           "xyz"[axis]);
     ct_view view = {.threads = 2, .displacement = u, .scratch = plane.scratch};
     ct_error e;
     need(plane.effect->force(plane.effect, &view, h, &e), &e);
@@ -97,16 +105,19 @@ static void forces(void)
       u[3 * 77 + (axis + how) % 3] += 1e-9;
       own = block_force(&plane, u, f);
       want = block_force(&box, u, g);
-      tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0 && own == want, "%c: layers that part are computed as bricks", "xyz"[axis]);
+      tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0 && own == want,
+             "%c: layers that part are computed as bricks", "xyz"[axis]);
       u[3 * 77 + (axis + how) % 3] = keep;
     }
     // Both layers alike, but not at rest along the axis.
     double *w = numbers(n);
     memcpy(w, u, (size_t)n * sizeof *w);
-    for (int k = 0; k < m->node_count; k++) w[3 * k + axis] = 1e-4 * m->nodes[3 * k + (axis + 1) % 3];
+    for (int k = 0; k < m->node_count; k++)
+      w[3 * k + axis] = 1e-4 * m->nodes[3 * k + (axis + 1) % 3];
     own = block_force(&plane, w, f);
     want = block_force(&box, w, g);
-    tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0 && own == want, "%c: so are layers that shear along their thickness", "xyz"[axis]);
+    tap_ok(memcmp(f, g, (size_t)n * sizeof *f) == 0 && own == want,
+           "%c: so are layers that shear along their thickness", "xyz"[axis]);
     free(w);
     own = block_force(&plane, u, f);
     want = block_force(&box, u, g);
@@ -121,7 +132,8 @@ static void forces(void)
   }
 }
 
-/* More elements than the rings of forces hold, in any order of elements and nodes, by any number of threads. */
+/* More elements than the rings of forces hold, in any order of elements and nodes, by any number of
+ * threads. */
 static void rings(void)
 {
   static const char *const ORDER[] = {"in rows", "elements in any order", "nodes in any order"};
@@ -147,17 +159,21 @@ static void rings(void)
         name[i] = name[k];
         name[k] = keep;
       }
-      for (int i = 0; i < m->node_count; i++) memcpy(&m->nodes[3 * name[i]], &at[3 * i], 3 * sizeof *at);
+      for (int i = 0; i < m->node_count; i++)
+        memcpy(&m->nodes[3 * name[i]], &at[3 * i], 3 * sizeof *at);
       for (int i = 0; i < 8 * m->element_count; i++) m->elements[i] = name[m->elements[i]];
       double *u = plane_displacement(m, axis), *f = numbers(n), *g = numbers(n);
-      block plane = open_held(m, CT_KERNEL_PLANE, axis, 3), box = open_held(m, CT_KERNEL_BOX, axis, 1);
+      block plane = open_held(m, CT_KERNEL_PLANE, axis, 3),
+            box = open_held(m, CT_KERNEL_BOX, axis, 1);
       block_force(&box, u, g);
       for (int threads = 1; threads < 6; threads += 2) {
         ct_view view = {.threads = threads, .displacement = u, .scratch = plane.scratch};
         ct_error e;
         memset(f, 0, (size_t)n * sizeof *f);
         need(plane.effect->force(plane.effect, &view, f, &e), &e);
-        tap_ok(unlike(f, g, n) == 0, "held along %c, %s, %d threads: %d of %d forces differ from the bricks'", "xyz"[axis], ORDER[order], threads, (int)unlike(f, g, n), n);
+        tap_ok(unlike(f, g, n) == 0,
+               "held along %c, %s, %d threads: %d of %d forces differ from the bricks'",
+               "xyz"[axis], ORDER[order], threads, (int)unlike(f, g, n), n);
       }
       close_block(&plane);
       close_block(&box);
@@ -170,7 +186,8 @@ static void rings(void)
     }
 }
 
-/* The mirror image of a displacement on the same lattice: node n gets that of the node on the other side. */
+/* The mirror image of a displacement on the same lattice: node n gets that of the node on the other
+ * side. */
 static void mirror_field(const int cells[3], int axis, const double *from, double *to)
 {
   int row = cells[0] + 1, sheet = row * (cells[1] + 1), nodes = sheet * (cells[2] + 1);
@@ -187,7 +204,8 @@ static void mirrored(void)
   static const int cells[3] = {5, 1, 7};
   ct_mesh *m = box_mesh(CT_HEX8, 0.1, -0.3, 0.2, 1.3, 0.07, 1.3, cells[0], cells[1], cells[2]);
   int n = 3 * m->node_count;
-  double *u = plane_displacement(m, 1), *v = numbers(n), *f = numbers(n), *g = numbers(n), *image = numbers(n);
+  double *u = plane_displacement(m, 1), *v = numbers(n), *f = numbers(n), *g = numbers(n),
+         *image = numbers(n);
   block plane = open_held(m, CT_KERNEL_PLANE, 1, 1);
   block_force(&plane, u, f);
   for (int axis = 0; axis < 3; axis++) {
@@ -196,7 +214,8 @@ static void mirrored(void)
     for (int i = 0; i < n; i++) v[i] += 0.0;
     block_force(&plane, v, g);
     mirror_field(cells, axis, f, image);
-    tap_ok(unlike(g, image, n) == 0, "mirrored in %c: %d of %d forces are not the mirrored bits", "xyz"[axis], (int)unlike(g, image, n), n);
+    tap_ok(unlike(g, image, n) == 0, "mirrored in %c: %d of %d forces are not the mirrored bits",
+           "xyz"[axis], (int)unlike(g, image, n), n);
   }
   close_block(&plane);
   ct_mesh_free(m);
@@ -214,7 +233,8 @@ typedef struct plates {
   ct_state *state;
 } plates;
 
-static ct_status push_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status push_force(const ct_effect *effect, const ct_view *view, double *force,
+                            ct_error *error)
 {
   (void)effect;
   (void)error;
@@ -225,20 +245,23 @@ static ct_status push_force(const ct_effect *effect, const ct_view *view, double
 static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
 {
   plates p = {new_scene(), NULL, NULL};
-  ct_mesh *m[2] = {box_mesh(CT_HEX8, -2, 0, 0, 2, 0.05, 0.5, 40, 1, 10), box_mesh(CT_HEX8, 0, 0, 0, 2, 0.05, 0.5, 40, 1, 10)};
+  ct_mesh *m[2] = {box_mesh(CT_HEX8, -2, 0, 0, 2, 0.05, 0.5, 40, 1, 10),
+                   box_mesh(CT_HEX8, 0, 0, 0, 2, 0.05, 0.5, 40, 1, 10)};
   int32_t body[2];
   ct_savings savings = ct_savings_default();
   ct_error e;
   savings.congruent = congruent;
   need(ct_scene_set_savings(p.scene, &savings, &e), &e);
   for (int i = 0; i < 2; i++) {
-    body[i] = add_body(p.scene, i == 0 ? "left" : "right", m[i], &STEEL, kernel, i == 0 ? 1000 : -1000, 0, 0);
+    body[i] = add_body(p.scene, i == 0 ? "left" : "right", m[i], &STEEL, kernel,
+                       i == 0 ? 1000 : -1000, 0, 0);
     add_support(p.scene, body[i], m[i], 2, 0.0, "z", 0.0);
     add_support(p.scene, body[i], m[i], -1, 0.0, "y", 0.0);
   }
   add_contact(p.scene, body[0], m[0], 0.0, body[1], m[1], 0.0, 0, 4.0);
   static const int32_t node[1] = {120};
-  ct_effect *effect = NULL, filled = {.name = "push", .nodes = node, .node_count = 1, .force = push_force};
+  ct_effect *effect = NULL,
+            filled = {.name = "push", .nodes = node, .node_count = 1, .force = push_force};
   const ct_problem *joined;
   need(ct_scene_join(p.scene, &joined, &e), &e);
   if (push) {
@@ -247,7 +270,8 @@ static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
   }
   int64_t steps;
   ct_stable_step stable;
-  p.problem = build(p.scene, (ct_scene_time){.end = 1e-7, .courant = 0.3, .threads = 1}, &steps, &stable);
+  p.problem =
+      build(p.scene, (ct_scene_time){.end = 1e-7, .courant = 0.3, .threads = 1}, &steps, &stable);
   p.state = new_state(p.problem);
   advance(p.problem, p.state, steps);
   ct_mesh_free(m[0]);
@@ -259,22 +283,28 @@ static void runs(void)
 {
   for (int how = 0; how < 4; how++) {
     int push = how % 2, congruent = how / 2;
-    plates a = open_plates(CT_KERNEL_AUTO, push, congruent), b = open_plates(CT_KERNEL_BOX, push, congruent);
+    plates a = open_plates(CT_KERNEL_AUTO, push, congruent),
+           b = open_plates(CT_KERNEL_BOX, push, congruent);
     int64_t n = 3 * (int64_t)a.problem->node_count;
     size_t bytes = (size_t)n * sizeof(double);
     ct_solid_kernel kernel = CT_KERNEL_AUTO;
     ct_solid_block_plan(a.problem->effects[0], 1, &kernel, NULL, NULL);
     ct_energy ea = energy_of(a.problem, a.state), eb = energy_of(b.problem, b.state);
     ct_momentum ma = momentum_of(a.problem, a.state, 1), mb = momentum_of(b.problem, b.state, 1);
-    tap_ok(kernel == CT_KERNEL_PLANE && memcmp(a.state->displacement, b.state->displacement, bytes) == 0 && memcmp(a.state->velocity, b.state->velocity, bytes) == 0,
-           "plates%s%s: displacements and velocities have the bits of the bricks", push ? ", one layer pushed" : "", congruent ? "" : ", nothing shared");
-    tap_ok(memcmp(&ea, &eb, sizeof ea) == 0 && ea.contact + ea.strain > 0.0, "their ledger, too: kinetic %.9g, strain %.9g", ea.kinetic, ea.strain);
+    tap_ok(kernel == CT_KERNEL_PLANE &&
+               memcmp(a.state->displacement, b.state->displacement, bytes) == 0 &&
+               memcmp(a.state->velocity, b.state->velocity, bytes) == 0,
+           "plates%s%s: displacements and velocities have the bits of the bricks",
+           push ? ", one layer pushed" : "", congruent ? "" : ", nothing shared");
+    tap_ok(memcmp(&ea, &eb, sizeof ea) == 0 && ea.contact + ea.strain > 0.0,
+           "their ledger, too: kinetic %.9g, strain %.9g", ea.kinetic, ea.strain);
     tap_ok(memcmp(&ma, &mb, sizeof ma) == 0, "and momentum and impulses of contact and supports");
     double *f = numbers(n), *g = numbers(n);
     ct_error e;
     need(ct_state_force(a.problem, a.state, a.problem->effect_count - 1, f, &e), &e);
     need(ct_state_force(b.problem, b.state, b.problem->effect_count - 1, g, &e), &e);
-    tap_ok(unlike(f, g, n) == 0 && largest(f, n) > 0.0, "reactions of the supports are the same at every node");
+    tap_ok(unlike(f, g, n) == 0 && largest(f, n) > 0.0,
+           "reactions of the supports are the same at every node");
     free(f);
     free(g);
     plates both[2] = {a, b};
@@ -287,11 +317,15 @@ static void runs(void)
 
 static void choice(void)
 {
-  ct_mesh *one = layer(1, 3, 4), *two = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 3, 2, 3), *bent = layer(1, 3, 4);
+  ct_mesh *one = layer(1, 3, 4), *two = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 3, 2, 3),
+          *bent = layer(1, 3, 4);
   ct_error e = {0};
   bent->nodes[0] += 1e-3;
-  block held = open_held(one, CT_KERNEL_AUTO, 1, 1), wrong = open_held(one, CT_KERNEL_AUTO, 0, 1), thick = open_held(two, CT_KERNEL_AUTO, 1, 1), general = open_held(bent, CT_KERNEL_AUTO, 1, 1);
-  tap_ok(kernel_of(held.effect) == CT_KERNEL_PLANE, "one layer of boxes held along its thickness is a plane");
+  block held = open_held(one, CT_KERNEL_AUTO, 1, 1), wrong = open_held(one, CT_KERNEL_AUTO, 0, 1),
+        thick = open_held(two, CT_KERNEL_AUTO, 1, 1),
+        general = open_held(bent, CT_KERNEL_AUTO, 1, 1);
+  tap_ok(kernel_of(held.effect) == CT_KERNEL_PLANE,
+         "one layer of boxes held along its thickness is a plane");
   tap_ok(kernel_of(wrong.effect) == CT_KERNEL_BOX, "held another way it is not");
   tap_ok(kernel_of(thick.effect) == CT_KERNEL_BOX, "two layers are not");
   tap_ok(kernel_of(general.effect) == CT_KERNEL_GENERAL, "elements of any shape are not");
@@ -301,15 +335,20 @@ static void choice(void)
     add_support(scene, body, one, -1, 0.0, "y", moving ? 3.0 : 0.0);
     int64_t steps;
     ct_stable_step stable;
-    const ct_problem *p = build(scene, (ct_scene_time){.end = 1e-7, .fraction = 0.9, .threads = 1}, &steps, &stable);
-    tap_ok(kernel_of(p->effects[0]) == (moving ? CT_KERNEL_BOX : CT_KERNEL_PLANE), "of a scene: held %s", moving ? "and moved, it is computed as bricks" : "at rest, it is a plane");
+    const ct_problem *p =
+        build(scene, (ct_scene_time){.end = 1e-7, .fraction = 0.9, .threads = 1}, &steps, &stable);
+    tap_ok(kernel_of(p->effects[0]) == (moving ? CT_KERNEL_BOX : CT_KERNEL_PLANE),
+           "of a scene: held %s",
+           moving ? "and moved, it is computed as bricks" : "at rest, it is a plane");
     ct_scene_free(scene);
   }
   double cost[2], bytes[2];
   block box = open_held(one, CT_KERNEL_BOX, 1, 1);
   ct_solid_block_plan(held.effect, 0, NULL, &cost[0], &bytes[0]);
   ct_solid_block_plan(box.effect, 0, NULL, &cost[1], &bytes[1]);
-  tap_ok(cost[1] > 2.0 * cost[0] && bytes[1] > 1.5 * bytes[0], "the plan: %.0f operations and %.0f bytes an element, %.0f and %.0f for bricks", cost[0], bytes[0], cost[1], bytes[1]);
+  tap_ok(cost[1] > 2.0 * cost[0] && bytes[1] > 1.5 * bytes[0],
+         "the plan: %.0f operations and %.0f bytes an element, %.0f and %.0f for bricks", cost[0],
+         bytes[0], cost[1], bytes[1]);
   close_block(&held);
   close_block(&wrong);
   close_block(&thick);
@@ -317,7 +356,8 @@ static void choice(void)
   close_block(&box);
   ct_solid_block b = {.mesh = one, .material = STEEL, .kernel = CT_KERNEL_PLANE};
   ct_effect *effect = NULL;
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL, "a plane that is not held is refused: %s", e.text);
+  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL,
+         "a plane that is not held is refused: %s", e.text);
   ct_mesh_free(one);
   ct_mesh_free(two);
   ct_mesh_free(bent);

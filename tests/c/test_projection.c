@@ -1,4 +1,5 @@
-/* Projections against closed forms, optimality conditions, brute force, and mirrored, moved and scaled copies of themselves. */
+/* Projections against closed forms, optimality conditions, brute force, and mirrored, moved and
+ * scaled copies of themselves. */
 #include <contact/projection.h>
 
 #include "tap.h"
@@ -6,7 +7,8 @@
 #include <string.h>
 
 static const char *NAME[4] = {"Q4", "Q8", "T3", "T6"};
-static const double QUADRILATERAL[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}};
+static const double QUADRILATERAL[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1},
+                                           {0, -1},  {1, 0},  {0, 1}, {-1, 0}};
 static const double TRIANGLE[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
 static const ct_method METHOD[3] = {CT_ROBUST, CT_NEWTON, CT_SIMPLEX};
 
@@ -19,9 +21,15 @@ static double uniform(double a)
   return a * (2 * ((double)(seed >> 11) / 9007199254740992.0) - 1);
 }
 
-static double worst(double so_far, double error) { return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far; }
+static double worst(double so_far, double error)
+{
+  return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far;
+}
 static int triangular(ct_face_kind kind) { return kind == CT_T3 || kind == CT_T6; }
-static const double *reference(ct_face_kind kind, int i) { return triangular(kind) ? TRIANGLE[i] : QUADRILATERAL[i]; }
+static const double *reference(ct_face_kind kind, int i)
+{
+  return triangular(kind) ? TRIANGLE[i] : QUADRILATERAL[i];
+}
 
 static ct_project_options with(ct_method method)
 {
@@ -49,8 +57,8 @@ static ct_face random_face(ct_face_kind kind, double amount)
   return face;
 }
 
-/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its foot below, while g is under the radii of
- * curvature. */
+/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its foot below, while g is
+ * under the radii of curvature. */
 static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
 {
   double error[3] = {0, 0, 0}, gap[3] = {0, 0, 0}, normal = 0;
@@ -60,7 +68,8 @@ static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
     double xi[2], point[3], g = uniform(0.3);
     for (int i = 0; i < ct_face_node_count(kind); i++) {
       const double *x = reference(kind, i);
-      face.node[i][0] = x[0], face.node[i][1] = x[1], face.node[i][2] = 0.5 * (p * x[0] * x[0] + q * x[1] * x[1]);
+      face.node[i][0] = x[0], face.node[i][1] = x[1],
+      face.node[i][2] = 0.5 * (p * x[0] * x[0] + q * x[1] * x[1]);
     }
     random_xi(kind, 0.02, xi);
     double length = sqrt(1 + p * p * xi[0] * xi[0] + q * q * xi[1] * xi[1]);
@@ -71,7 +80,8 @@ static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
       ct_project_options options = with(METHOD[m]);
       ct_projection out;
       ct_project(&face, point, &options, &out);
-      status &= out.status == CT_OK || (METHOD[m] == CT_SIMPLEX && out.status == CT_ITERATION_LIMIT);
+      status &=
+          out.status == CT_OK || (METHOD[m] == CT_SIMPLEX && out.status == CT_ITERATION_LIMIT);
       where &= out.where == CT_INTERIOR && out.index == -1;
       for (int a = 0; a < 2; a++) error[m] = worst(error[m], out.xi[a] - xi[a]);
       gap[m] = worst(worst(gap[m], out.signed_distance - g), out.distance - fabs(g));
@@ -84,11 +94,13 @@ static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
   tap_close(error[2], 0, 3e-8, "%s on a %s: simplex finds the foot to its floor", NAME[kind], what);
   tap_close(gap[0], 0, 1e-15, "%s on a %s: robust gives the gap with its sign", NAME[kind], what);
   tap_close(gap[1], 0, 1e-15, "%s on a %s: newton gives the gap with its sign", NAME[kind], what);
-  tap_close(gap[2], 0, 1e-14, "%s on a %s: simplex gives the gap, second order in the foot", NAME[kind], what);
+  tap_close(gap[2], 0, 1e-14, "%s on a %s: simplex gives the gap, second order in the foot",
+            NAME[kind], what);
   tap_close(normal, 0, 1e-14, "%s on a %s: unit normal at the foot", NAME[kind], what);
 }
 
-/* A flat square or right triangle: the closest point is the clamped one. Points swept from deep inside to far outside. */
+/* A flat square or right triangle: the closest point is the clamped one. Points swept from deep
+ * inside to far outside. */
 static void flat_face_edges_and_vertices(ct_face_kind kind)
 {
   static const double SWEEP[9] = {-3, -1.25, -1, -0.5, 0, 0.3, 0.75, 1, 2.5};
@@ -98,8 +110,10 @@ static void flat_face_edges_and_vertices(ct_face_kind kind)
     for (int j = 0; j < 9; j++) {
       ct_face face = {kind, {{0}}};
       for (int k = 0; k < 8; k++)
-        for (int a = 0; a < 2 && k < ct_face_node_count(kind); a++) face.node[k][a] = reference(kind, k)[a];
-      double point[3] = {SWEEP[i], SWEEP[j], 0.5}, x[2] = {fmin(fmax(point[0], -1), 1), fmin(fmax(point[1], -1), 1)};
+        for (int a = 0; a < 2 && k < ct_face_node_count(kind); a++)
+          face.node[k][a] = reference(kind, k)[a];
+      double point[3] = {SWEEP[i], SWEEP[j], 0.5},
+             x[2] = {fmin(fmax(point[0], -1), 1), fmin(fmax(point[1], -1), 1)};
       int edges = (x[0] == -1) + (x[0] == 1) + (x[1] == -1) + (x[1] == 1);
       if (triangular(kind)) {
         double over = 0.5 * (point[0] + point[1] - 1);
@@ -107,7 +121,8 @@ static void flat_face_edges_and_vertices(ct_face_kind kind)
         if (x[0] + x[1] > 1) x[0] = fmin(fmax(point[0] - over, 0), 1), x[1] = 1 - x[0];
         edges = (x[0] == 0) + (x[1] == 0) + (x[0] + x[1] == 1);
       }
-      double distance = sqrt((point[0] - x[0]) * (point[0] - x[0]) + (point[1] - x[1]) * (point[1] - x[1]) + 0.25);
+      double distance = sqrt((point[0] - x[0]) * (point[0] - x[0]) +
+                             (point[1] - x[1]) * (point[1] - x[1]) + 0.25);
       ct_projection out;
       good &= ct_project(&face, point, NULL, &out) == CT_OK && (int)out.where == edges;
       for (int a = 0; a < 2; a++) error = worst(error, out.xi[a] - x[a]);
@@ -127,7 +142,8 @@ static void numbers_of_edges_and_corners(ct_face_kind kind)
   for (int i = 0; i < corners; i++) {
     const double *a = reference(kind, i), *b = reference(kind, (i + 1) % corners);
     double out_of_corner[3] = {a[0] + 2 * (a[0] - centre), a[1] + 2 * (a[1] - centre), 1};
-    double middle[2] = {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])}, direction[2] = {b[1] - a[1], a[0] - b[0]};
+    double middle[2] = {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])},
+           direction[2] = {b[1] - a[1], a[0] - b[0]};
     double out_of_edge[3] = {middle[0] + direction[0], middle[1] + direction[1], 1};
     ct_projection out;
     ct_project(&face, out_of_corner, NULL, &out);
@@ -138,7 +154,9 @@ static void numbers_of_edges_and_corners(ct_face_kind kind)
     ct_project(&face, out_of_edge, &newton, &out);
     good &= out.where == CT_OUTSIDE && out.index == -1 && out.status == CT_OK;
   }
-  tap_ok(good, "%s: edges and corners have the numbers of their nodes, unconstrained feet are outside", NAME[kind]);
+  tap_ok(good,
+         "%s: edges and corners have the numbers of their nodes, unconstrained feet are outside",
+         NAME[kind]);
 }
 
 /* f is a quartic along each axis: the five-point differences below have no truncation error. */
@@ -147,7 +165,8 @@ static void function_derivatives(ct_face_kind kind)
   double first = 0, second = 0;
   for (int trial = 0; trial < 50; trial++) {
     ct_face face = random_face(kind, 0.4);
-    double point[3] = {uniform(1), uniform(1), uniform(1)}, xi[2] = {uniform(1), uniform(1)}, g[2], H[3];
+    double point[3] = {uniform(1), uniform(1), uniform(1)}, xi[2] = {uniform(1), uniform(1)}, g[2],
+           H[3];
     ct_project_function(&face, point, xi, NULL, g, H);
     for (int a = 0; a < 2; a++) {
       double f[5], slope[5][2];
@@ -158,14 +177,18 @@ static void function_derivatives(ct_face_kind kind)
       }
       first = worst(first, (f[0] - 8 * f[1] + 8 * f[3] - f[4]) / 3 - g[a]);
       second = worst(second, (-f[0] + 16 * f[1] - 30 * f[2] + 16 * f[3] - f[4]) / 0.75 - H[a]);
-      second = worst(second, (slope[0][1 - a] - 8 * slope[1][1 - a] + 8 * slope[3][1 - a] - slope[4][1 - a]) / 3 - H[2]);
+      second = worst(
+          second,
+          (slope[0][1 - a] - 8 * slope[1][1 - a] + 8 * slope[3][1 - a] - slope[4][1 - a]) / 3 -
+              H[2]);
     }
   }
   tap_close(first, 0, 1e-12, "%s: gradient of f against differences", NAME[kind]);
   tap_close(second, 0, 1e-11, "%s: Hessian of f against differences", NAME[kind]);
 }
 
-/* Two ways to f: the shape functions here, the polynomial inside the methods (seen through the trace). */
+/* Two ways to f: the shape functions here, the polynomial inside the methods (seen through the
+ * trace). */
 typedef struct watch {
   const ct_face *face;
   const double *point;
@@ -205,7 +228,8 @@ static void trace_shows_f(ct_face_kind kind)
   tap_close(off, 0, 1e-14, "%s: the methods' f is that of the shape functions", NAME[kind]);
 }
 
-/* Brute force: no point of a fine grid on the face is closer, for points and faces of every sort. */
+/* Brute force: no point of a fine grid on the face is closer, for points and faces of every sort.
+ */
 static void brute_force(ct_face_kind kind)
 {
   const int cells = 48;
@@ -226,7 +250,8 @@ static void brute_force(ct_face_kind kind)
     closer = fmax(closer, out.distance - sqrt(lowest));
     /* Inside, the gradient vanishes; on the boundary it must not point inwards. */
     ct_project_function(&face, point, out.xi, NULL, g, NULL);
-    double inward[4] = {-g[0], -g[1], g[0], g[1]}, room[4] = {1 - out.xi[0], 1 - out.xi[1], 1 + out.xi[0], 1 + out.xi[1]};
+    double inward[4] = {-g[0], -g[1], g[0], g[1]},
+           room[4] = {1 - out.xi[0], 1 - out.xi[1], 1 + out.xi[0], 1 + out.xi[1]};
     for (int a = 0; a < 4 && !triangular(kind); a++)
       if (room[a] > 0) slope = fmax(slope, inward[a]);
   }
@@ -235,15 +260,16 @@ static void brute_force(ct_face_kind kind)
   tap_close(slope, 0, 1e-12, "%s: nor any direction into the face", NAME[kind]);
 }
 
-/* Faces z = p x^2 + q y^2 + r x y, so strongly bent that several valleys lie on them: the samples alone miss the lowest on some 1
- * in 100. */
+/* Faces z = p x^2 + q y^2 + r x y, so strongly bent that several valleys lie on them: the samples
+ * alone miss the lowest on some 1 in 100. */
 static void folded_faces(ct_face_kind kind)
 {
   const int cells = 60;
   int missed = 0;
   for (int trial = 0; trial < 400; trial++) {
     ct_face face = {kind, {{0}}};
-    double p = uniform(2), q = uniform(2), r = uniform(1), point[3] = {uniform(2), uniform(2), uniform(2)}, lowest = HUGE_VAL, f;
+    double p = uniform(2), q = uniform(2), r = uniform(1),
+           point[3] = {uniform(2), uniform(2), uniform(2)}, lowest = HUGE_VAL, f;
     ct_projection out;
     for (int i = 0; i < ct_face_node_count(kind); i++) {
       double x = reference(kind, i)[0], y = reference(kind, i)[1];
@@ -260,21 +286,25 @@ static void folded_faces(ct_face_kind kind)
       }
     missed += out.distance > sqrt(lowest) + 1e-12;
   }
-  tap_ok(missed == 0, "%s: robust misses %d of 400 lowest valleys on folded faces", NAME[kind], missed);
+  tap_ok(missed == 0, "%s: robust misses %d of 400 lowest valleys on folded faces", NAME[kind],
+         missed);
 }
 
-/* Caps of a sphere of radius 1.2 to 3 seen from close to its centre: f is nearly flat, and several places compete. */
+/* Caps of a sphere of radius 1.2 to 3 seen from close to its centre: f is nearly flat, and several
+ * places compete. */
 static void centres_of_curvature(ct_face_kind kind)
 {
   const int cells = 60;
   int missed = 0;
   for (int trial = 0; trial < 400; trial++) {
     ct_face face = {kind, {{0}}};
-    double radius = 2.1 + uniform(0.9), point[3] = {uniform(0.01), uniform(0.01), uniform(0.01)}, lowest = HUGE_VAL, f;
+    double radius = 2.1 + uniform(0.9), point[3] = {uniform(0.01), uniform(0.01), uniform(0.01)},
+           lowest = HUGE_VAL, f;
     ct_projection out;
     for (int i = 0; i < ct_face_node_count(kind); i++) {
       double x = 0.5 * reference(kind, i)[0], y = 0.5 * reference(kind, i)[1];
-      face.node[i][0] = x, face.node[i][1] = y, face.node[i][2] = sqrt(radius * radius - x * x - y * y);
+      face.node[i][0] = x, face.node[i][1] = y,
+      face.node[i][2] = sqrt(radius * radius - x * x - y * y);
     }
     ct_project(&face, point, NULL, &out);
     for (int i = 0; i <= cells; i++)
@@ -286,16 +316,20 @@ static void centres_of_curvature(ct_face_kind kind)
       }
     missed += out.distance > sqrt(lowest) * (1 + 1e-12);
   }
-  tap_ok(missed == 0, "%s: robust misses %d of 400 closest points from near a centre of curvature", NAME[kind], missed);
+  tap_ok(missed == 0, "%s: robust misses %d of 400 closest points from near a centre of curvature",
+         NAME[kind], missed);
 }
 
-/* What robust costs: a nearly plane face a few looks, and a loose tolerance never more than a tight one. */
+/* What robust costs: a nearly plane face a few looks, and a loose tolerance never more than a tight
+ * one. */
 static void costs_in_looks(ct_face_kind kind)
 {
   int most = 0, dearer = 0;
   for (int trial = 0; trial < 400; trial++) {
-    ct_face plain = random_face(kind, triangular(kind) ? 0.01 : 0.03), bent = random_face(kind, triangular(kind) ? 0.2 : 0.5);
-    double above[3] = {0.3 + uniform(0.2), 0.3 + uniform(0.2), uniform(0.3)}, point[3] = {uniform(1.5), uniform(1.5), uniform(1)};
+    ct_face plain = random_face(kind, triangular(kind) ? 0.01 : 0.03),
+            bent = random_face(kind, triangular(kind) ? 0.2 : 0.5);
+    double above[3] = {0.3 + uniform(0.2), 0.3 + uniform(0.2), uniform(0.3)},
+           point[3] = {uniform(1.5), uniform(1.5), uniform(1)};
     ct_project_options tight = with(CT_ROBUST), loose = tight;
     ct_projection a, b;
     ct_project(&plain, above, &tight, &a);
@@ -310,22 +344,27 @@ static void costs_in_looks(ct_face_kind kind)
     }
   }
   tap_ok(most <= 5, "%s: a nearly plane face needs %d looks at most", NAME[kind], most);
-  tap_ok(dearer == 0, "%s: a tolerance of 1e-2 costs more than 1e-10 on %d of 800 bent faces", NAME[kind], dearer);
+  tap_ok(dearer == 0, "%s: a tolerance of 1e-2 costs more than 1e-10 on %d of 800 bent faces",
+         NAME[kind], dearer);
 }
 
-static int same_bits(const ct_projection *a, const ct_projection *b, const double xi_sign[2], const double sign[3], double scale, const double shift[3])
+static int same_bits(const ct_projection *a, const ct_projection *b, const double xi_sign[2],
+                     const double sign[3], double scale, const double shift[3])
 {
   int same = a->status == b->status && a->where == b->where && a->evaluations == b->evaluations;
   for (int i = 0; i < 2; i++) same &= b->xi[i] == xi_sign[i] * a->xi[i];
   for (int k = 0; k < 3; k++) same &= b->normal[k] == sign[k] * a->normal[k];
   for (int k = 0; k < 3; k++) same &= shift[k] != 0 || b->point[k] == scale * sign[k] * a->point[k];
-  return same && b->distance == scale * a->distance && b->signed_distance == scale * a->signed_distance;
+  return same && b->distance == scale * a->distance &&
+         b->signed_distance == scale * a->signed_distance;
 }
 
-/* A copy with mirrored axis and flipped xi, and one scaled by a power of two: exact operations on any numbers. */
+/* A copy with mirrored axis and flipped xi, and one scaled by a power of two: exact operations on
+ * any numbers. */
 static void copies_give_the_same_bits(ct_face_kind kind, ct_method method)
 {
-  static const int FLIP1[8] = {1, 0, 3, 2, 4, 7, 6, 5}, FLIP2[8] = {3, 2, 1, 0, 6, 5, 4, 7}, KEEP[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  static const int FLIP1[8] = {1, 0, 3, 2, 4, 7, 6, 5}, FLIP2[8] = {3, 2, 1, 0, 6, 5, 4, 7},
+                   KEEP[8] = {0, 1, 2, 3, 4, 5, 6, 7};
   int mirrored = 1, scaled = 1;
   for (int trial = 0; trial < 300; trial++) {
     ct_face face = random_face(kind, 0.3), copy = face;
@@ -334,7 +373,8 @@ static void copies_give_the_same_bits(ct_face_kind kind, ct_method method)
     ct_project_options options = with(method), flipped = options;
     ct_projection out, twin;
     options.use_start = flipped.use_start = trial % 2;
-    for (int a = 0; a < 2; a++) options.start[a] = flipped.start[a] = triangular(kind) ? 0.25 : uniform(1);
+    for (int a = 0; a < 2; a++)
+      options.start[a] = flipped.start[a] = triangular(kind) ? 0.25 : uniform(1);
     ct_project(&face, point, &options, &out);
     double power = ldexp(1, trial % 61 - 30);
     for (int i = 0; i < 8; i++)
@@ -354,9 +394,11 @@ static void copies_give_the_same_bits(ct_face_kind kind, ct_method method)
     ct_project(&copy, other, &flipped, &twin);
     mirrored &= same_bits(&out, &twin, xi_sign, sign, 1, zero);
   }
-  tap_ok(scaled, "%s %s: a copy scaled by a power of two gives the scaled bits", NAME[kind], ct_method_name(method));
+  tap_ok(scaled, "%s %s: a copy scaled by a power of two gives the scaled bits", NAME[kind],
+         ct_method_name(method));
   if (!triangular(kind) && method != CT_SIMPLEX)
-    tap_ok(mirrored, "%s %s: a mirrored copy gives the mirrored bits", NAME[kind], ct_method_name(method));
+    tap_ok(mirrored, "%s %s: a mirrored copy gives the mirrored bits", NAME[kind],
+           ct_method_name(method));
 }
 
 /* A move is exact where the numbers are short. */
@@ -390,10 +432,13 @@ static void newton_on_linear_triangles(void)
   double error = 0;
   for (int trial = 0; trial < 100; trial++) {
     ct_face face = random_face(CT_T3, 0.3);
-    double point[3] = {uniform(1), uniform(1), uniform(1)}, t[2][3], d[3], A = 0, B = 0, C = 0, u = 0, v = 0;
+    double point[3] = {uniform(1), uniform(1), uniform(1)}, t[2][3], d[3], A = 0, B = 0, C = 0,
+           u = 0, v = 0;
     for (int k = 0; k < 3; k++) {
-      t[0][k] = face.node[1][k] - face.node[0][k], t[1][k] = face.node[2][k] - face.node[0][k], d[k] = point[k] - face.node[0][k];
-      A += t[0][k] * t[0][k], B += t[0][k] * t[1][k], C += t[1][k] * t[1][k], u += t[0][k] * d[k], v += t[1][k] * d[k];
+      t[0][k] = face.node[1][k] - face.node[0][k], t[1][k] = face.node[2][k] - face.node[0][k],
+      d[k] = point[k] - face.node[0][k];
+      A += t[0][k] * t[0][k], B += t[0][k] * t[1][k], C += t[1][k] * t[1][k], u += t[0][k] * d[k],
+          v += t[1][k] * d[k];
     }
     double xi[2] = {(u * C - v * B) / (A * C - B * B), (v * A - u * B) / (A * C - B * B)};
     ct_project_options options = with(CT_NEWTON);
@@ -402,7 +447,8 @@ static void newton_on_linear_triangles(void)
     evaluations = out.evaluations > evaluations ? out.evaluations : evaluations;
     for (int a = 0; a < 2; a++) error = worst(error, (out.xi[a] - xi[a]) / (1 + fabs(xi[a])));
   }
-  tap_ok(evaluations == 2, "T3: newton is there after one step (the second evaluation confirms it)");
+  tap_ok(evaluations == 2,
+         "T3: newton is there after one step (the second evaluation confirms it)");
   tap_close(error, 0, 1e-12, "T3: newton solves the normal equations");
 }
 
@@ -414,21 +460,27 @@ static void simplex_floor(void)
     double point[3] = {0.3125, -0.4, gap};
     ct_projection out;
     ct_project(&face, point, &options, &out);
-    double error = fmax(fabs(out.xi[0] - point[0]), fabs(out.xi[1] - point[1])), floor_ = 4 * sqrt(2.2e-16) * gap;
-    tap_close(error, 0, 1e-10 + floor_, "simplex at the gap %g: error within the tolerance and the floor", gap);
-    tap_ok((out.status == CT_OK) == (floor_ < 1e-10) && out.evaluations < 1000, "simplex at the gap %g: the status tells (%s after %d)", gap,
-           ct_status_name(out.status), out.evaluations);
-    tap_close(out.distance, gap, 4.5e-16 * gap + 1e-20 / gap, "simplex at the gap %g: the distance is right all the same", gap);
+    double error = fmax(fabs(out.xi[0] - point[0]), fabs(out.xi[1] - point[1])),
+           floor_ = 4 * sqrt(2.2e-16) * gap;
+    tap_close(error, 0, 1e-10 + floor_,
+              "simplex at the gap %g: error within the tolerance and the floor", gap);
+    tap_ok((out.status == CT_OK) == (floor_ < 1e-10) && out.evaluations < 1000,
+           "simplex at the gap %g: the status tells (%s after %d)", gap, ct_status_name(out.status),
+           out.evaluations);
+    tap_close(out.distance, gap, 4.5e-16 * gap + 1e-20 / gap,
+              "simplex at the gap %g: the distance is right all the same", gap);
   }
   double near[3] = {0.3, 0.3, 0.1};
   ct_projection out;
   options.iteration_limit = 10;
-  tap_ok(ct_project(&face, near, &options, &out) == CT_ITERATION_LIMIT && out.iterations == 10, "simplex respects its budget");
+  tap_ok(ct_project(&face, near, &options, &out) == CT_ITERATION_LIMIT && out.iterations == 10,
+         "simplex respects its budget");
 }
 
-/* The foot is the centroid of the first simplex, so all three values are equal: by hand, the first image is not lower and the
- * second highest vertex is reflected too (3 + 2 calls). No vertex may be the centre of fewer than 4 iterations before each of the
- * 34 halvings down to 1e-10, and before the end. */
+/* The foot is the centroid of the first simplex, so all three values are equal: by hand, the first
+ * image is not lower and the second highest vertex is reflected too (3 + 2 calls). No vertex may be
+ * the centre of fewer than 4 iterations before each of the 34 halvings down to 1e-10, and before
+ * the end. */
 static void simplex_steps_by_hand(void)
 {
   ct_face face = {CT_Q4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}};
@@ -437,16 +489,18 @@ static void simplex_steps_by_hand(void)
   ct_projection out;
   options.iteration_limit = 1;
   ct_project(&face, point, &options, &out);
-  tap_ok(out.evaluations == 5, "simplex reflects the second highest vertex when the highest does not improve");
+  tap_ok(out.evaluations == 5,
+         "simplex reflects the second highest vertex when the highest does not improve");
   options.iteration_limit = 0;
   ct_project(&face, point, &options, &out);
-  tap_ok(out.status == CT_OK && out.iterations >= 4 * 35 - 1, "simplex halves when a vertex has stayed 4 times (%d iterations)",
-         out.iterations);
+  tap_ok(out.status == CT_OK && out.iterations >= 4 * 35 - 1,
+         "simplex halves when a vertex has stayed 4 times (%d iterations)", out.iterations);
 }
 
 static void hard_cases(void)
 {
-  /* A trough z = x^2 / 2: above the centre of curvature the foot splits into x = +- sqrt(2 (z - 1)). */
+  /* A trough z = x^2 / 2: above the centre of curvature the foot splits into x = +- sqrt(2 (z -
+   * 1)). */
   ct_face trough = {CT_Q8, {{0}}};
   for (int i = 0; i < 8; i++) {
     trough.node[i][0] = QUADRILATERAL[i][0], trough.node[i][1] = QUADRILATERAL[i][1];
@@ -457,23 +511,37 @@ static void hard_cases(void)
   ct_project_options options = with(CT_ROBUST), newton = with(CT_NEWTON);
   tap_ok(ct_project(&trough, above, &options, &out) == CT_OK, "trough: robust leaves the saddle");
   tap_close(fabs(out.xi[0]), 0.5, 1e-14, "trough: to one of the two feet");
-  tap_ok(ct_project(&trough, above, &newton, &out) == CT_NO_CONVERGENCE, "trough: newton ends on the saddle and says so");
+  tap_ok(ct_project(&trough, above, &newton, &out) == CT_NO_CONVERGENCE,
+         "trough: newton ends on the saddle and says so");
   double beside[3] = {0.01, 0.25, 1.125};
   options.use_start = 1, options.start[0] = -0.5, options.start[1] = 0.25;
   ct_project(&trough, beside, &options, &out);
   double left = out.distance;
   options.use_start = 0;
   ct_project(&trough, beside, &options, &out);
-  tap_ok(out.xi[0] > 0.5 && out.distance < left, "trough: from nothing, the lower of two minima is found");
+  tap_ok(out.xi[0] > 0.5 && out.distance < left,
+         "trough: from nothing, the lower of two minima is found");
 
-  /* A corner whose two mid-sides are at their quarter points has no gradient there for any point. */
-  ct_face quarter = {CT_Q8, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {-0.5, -1, 0}, {1, 0, 0}, {0, 1, 0}, {-1, -0.5, 0}}};
+  /* A corner whose two mid-sides are at their quarter points has no gradient there for any point.
+   */
+  ct_face quarter = {CT_Q8,
+                     {{-1, -1, 0},
+                      {1, -1, 0},
+                      {1, 1, 0},
+                      {-1, 1, 0},
+                      {-0.5, -1, 0},
+                      {1, 0, 0},
+                      {0, 1, 0},
+                      {-1, -0.5, 0}}};
   double point[3] = {-0.9, -0.85, 0.5};
   options.use_start = 1, options.start[0] = options.start[1] = -1;
-  tap_ok(ct_project(&quarter, point, &options, &out) == CT_OK, "quarter-point corner: robust leaves it");
-  tap_close(out.distance, 0.5, 1e-15, "quarter-point corner: the gap is found from the corner itself");
+  tap_ok(ct_project(&quarter, point, &options, &out) == CT_OK,
+         "quarter-point corner: robust leaves it");
+  tap_close(out.distance, 0.5, 1e-15,
+            "quarter-point corner: the gap is found from the corner itself");
   double behind[3] = {-2, -2, 0.5};
-  tap_ok(ct_project(&quarter, behind, NULL, &out) == CT_OK && out.where == CT_VERTEX && out.index == 0 && out.normal[2] == 1,
+  tap_ok(ct_project(&quarter, behind, NULL, &out) == CT_OK && out.where == CT_VERTEX &&
+             out.index == 0 && out.normal[2] == 1,
          "quarter-point corner: as a foot it has the normal of its neighbourhood");
 
   /* Two corners in one place. */
@@ -492,8 +560,9 @@ static void hard_cases(void)
   ct_face tilted = {CT_T3, {{0, 0, 0}, {1, 0.3, 0.7}, {-0.2, 1, 0.1}}};
   double far[3] = {-0.67e9 + 0.24, -0.24e9 + 0.39, 1.06e9 + 0.24};
   ct_project(&tilted, far, NULL, &out);
-  tap_ok(out.status == CT_NOT_CERTIFIED && out.evaluations < 50 && isfinite(out.distance), "a point 1e9 faces away ends in %d evaluations: %s",
-         out.evaluations, ct_status_name(out.status));
+  tap_ok(out.status == CT_NOT_CERTIFIED && out.evaluations < 50 && isfinite(out.distance),
+         "a point 1e9 faces away ends in %d evaluations: %s", out.evaluations,
+         ct_status_name(out.status));
 }
 
 static void bad_input(void)
@@ -505,17 +574,23 @@ static void bad_input(void)
   face.node[2][1] = NAN;
   for (int m = 0; m < 3; m++) {
     options.method = METHOD[m];
-    tap_ok(ct_project(&face, point, &options, &out) == CT_INVALID && isnan(out.xi[0]) && isnan(out.distance) && isnan(out.normal[2]),
+    tap_ok(ct_project(&face, point, &options, &out) == CT_INVALID && isnan(out.xi[0]) &&
+               isnan(out.distance) && isnan(out.normal[2]),
            "%s: NaN in a node", ct_method_name(METHOD[m]));
-    tap_ok(ct_project(&good, nan_point, &options, &out) == CT_INVALID && isnan(out.point[0]) && out.status == CT_INVALID, "NaN in the point");
-    tap_ok(ct_project(&good, far, &options, &out) == CT_INVALID && isnan(out.signed_distance), "an infinite point");
+    tap_ok(ct_project(&good, nan_point, &options, &out) == CT_INVALID && isnan(out.point[0]) &&
+               out.status == CT_INVALID,
+           "NaN in the point");
+    tap_ok(ct_project(&good, far, &options, &out) == CT_INVALID && isnan(out.signed_distance),
+           "an infinite point");
   }
   options = ct_project_options_default();
   ct_face dot = {CT_T6, {{0}}}, line = {CT_Q4, {{-1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {-1, 0, 0}}};
   tap_ok(ct_project(&dot, point, NULL, &out) == CT_INVALID, "a face shrunk to a point");
   tap_ok(ct_project(&line, point, NULL, &out) == CT_INVALID, "a face shrunk to a line");
   tap_ok(ct_project(NULL, point, NULL, &out) == CT_ERROR_ARGUMENT && isnan(out.xi[1]), "no face");
-  tap_ok(ct_project(&good, NULL, NULL, &out) == CT_ERROR_ARGUMENT && ct_project(&good, point, NULL, NULL) == CT_ERROR_ARGUMENT, "null pointers");
+  tap_ok(ct_project(&good, NULL, NULL, &out) == CT_ERROR_ARGUMENT &&
+             ct_project(&good, point, NULL, NULL) == CT_ERROR_ARGUMENT,
+         "null pointers");
   face.kind = (ct_face_kind)12;
   tap_ok(ct_project(&face, point, NULL, &out) == CT_ERROR_ARGUMENT, "an unknown kind");
   options.tolerance = 0;
@@ -524,7 +599,9 @@ static void bad_input(void)
   tap_ok(ct_project(&good, point, &options, &out) == CT_ERROR_ARGUMENT, "a tolerance that is NaN");
   options = ct_project_options_default();
   options.method = (ct_method)77;
-  tap_ok(ct_project(&good, point, &options, &out) == CT_ERROR_ARGUMENT && ct_method_name(options.method) == NULL, "an unknown method");
+  tap_ok(ct_project(&good, point, &options, &out) == CT_ERROR_ARGUMENT &&
+             ct_method_name(options.method) == NULL,
+         "an unknown method");
   options.method = CT_ROBUST, options.use_start = 1, options.start[0] = NAN;
   tap_ok(ct_project(&good, point, &options, &out) == CT_ERROR_ARGUMENT, "a start that is NaN");
 }
@@ -534,9 +611,11 @@ static void methods_and_names(void)
   ct_method method = CT_NEWTON;
   int round_trip = 1;
   for (int m = CT_SIMPLEX; m <= CT_TORUS; m++)
-    round_trip &= ct_method_from_name(ct_method_name((ct_method)m), &method) == CT_OK && (int)method == m;
+    round_trip &=
+        ct_method_from_name(ct_method_name((ct_method)m), &method) == CT_OK && (int)method == m;
   tap_ok(round_trip, "names and numbers of the methods");
-  tap_ok(ct_method_from_name("secant", &method) == CT_ERROR_ARGUMENT && method == CT_TORUS, "no method of another name");
+  tap_ok(ct_method_from_name("secant", &method) == CT_ERROR_ARGUMENT && method == CT_TORUS,
+         "no method of another name");
   tap_ok(strcmp(ct_method_name(CT_NELDER_MEAD), "nelder_mead") == 0, "names are those of Python");
 }
 
@@ -550,17 +629,21 @@ static void many_points_are_single_points(void)
     for (int k = 0; k < 3; k++) points[i][k] = uniform(1);
     for (int a = 0; a < 2; a++) start[i][a] = uniform(1);
   }
-  tap_ok(ct_project_points(&face, 20, &points[0][0], NULL, &start[0][0], many) == CT_OK, "20 points in one call");
+  tap_ok(ct_project_points(&face, 20, &points[0][0], NULL, &start[0][0], many) == CT_OK,
+         "20 points in one call");
   for (int i = 0; i < 20; i++) {
     ct_project_options options = ct_project_options_default();
     options.use_start = 1;
     for (int a = 0; a < 2; a++) options.start[a] = start[i][a];
     ct_project(&face, points[i], &options, &one);
-    same &= one.xi[0] == many[i].xi[0] && one.distance == many[i].distance && one.evaluations == many[i].evaluations;
+    same &= one.xi[0] == many[i].xi[0] && one.distance == many[i].distance &&
+            one.evaluations == many[i].evaluations;
   }
   tap_ok(same, "they are what single calls give");
   tap_ok(ct_project_points(&face, 2, NULL, NULL, NULL, many) == CT_ERROR_ARGUMENT, "no points");
-  tap_ok(ct_project_points(NULL, 2, &points[0][0], NULL, NULL, many) == CT_ERROR_ARGUMENT && isnan(many[1].distance), "no face for them");
+  tap_ok(ct_project_points(NULL, 2, &points[0][0], NULL, NULL, many) == CT_ERROR_ARGUMENT &&
+             isnan(many[1].distance),
+         "no face for them");
 }
 
 int main(void)
@@ -580,7 +663,8 @@ int main(void)
     brute_force(kind);
     if (kind == CT_Q8 || kind == CT_T6) folded_faces(kind), centres_of_curvature(kind);
     costs_in_looks(kind);
-    for (int m = 0; m < 3; m++) copies_give_the_same_bits(kind, METHOD[m]), moved_copies_give_the_same_bits(kind, METHOD[m]);
+    for (int m = 0; m < 3; m++)
+      copies_give_the_same_bits(kind, METHOD[m]), moved_copies_give_the_same_bits(kind, METHOD[m]);
   }
   newton_on_linear_triangles();
   simplex_floor();

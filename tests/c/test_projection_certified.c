@@ -9,7 +9,8 @@ typedef struct score {
   int proven, refuted, disagree, evaluations;
 } score;
 
-static void judge(const ct_face *face, const double point[3], int iteration_limit, int cells, score *s)
+static void judge(const ct_face *face, const double point[3], int iteration_limit, int cells,
+                  score *s)
 {
   ct_project_options options = ct_project_options_default();
   options.method = CT_CERTIFIED;
@@ -18,7 +19,8 @@ static void judge(const ct_face *face, const double point[3], int iteration_limi
   ct_project(face, point, &options, &out);
   if (out.status == CT_INVALID) return;
   s->proven += out.certified;
-  s->disagree += (out.status == CT_OK) != (out.certified == 1) || (out.status != CT_OK && out.status != CT_NOT_CERTIFIED);
+  s->disagree += (out.status == CT_OK) != (out.certified == 1) ||
+                 (out.status != CT_OK && out.status != CT_NOT_CERTIFIED);
   s->evaluations = out.evaluations > s->evaluations ? out.evaluations : s->evaluations;
   if (!out.certified) return;
   double lowest = sqrt(lowest_on_grid(face, point, cells)), size = 0;
@@ -29,7 +31,8 @@ static void judge(const ct_face *face, const double point[3], int iteration_limi
 
 static void report(const score *s, int trials, int least, const char *kind, const char *what)
 {
-  tap_ok(s->refuted == 0 && s->disagree == 0, "%s, %s: %d certificates, none is false", kind, what, s->proven);
+  tap_ok(s->refuted == 0 && s->disagree == 0, "%s, %s: %d certificates, none is false", kind, what,
+         s->proven);
   tap_ok(s->proven >= least, "%s, %s: %d of %d certified", kind, what, s->proven, trials);
 }
 
@@ -64,7 +67,8 @@ static void degenerate_faces(void)
 {
   score collapsed = {0, 0, 0, 0}, quarter = collapsed, needle = collapsed;
   for (int trial = 0; trial < 300; trial++) {
-    ct_face face = random_face(CT_Q4, 0.4), crack = random_face(CT_Q8, 0.1), thin = random_face(trial % 2 ? CT_T6 : CT_Q8, 0.1);
+    ct_face face = random_face(CT_Q4, 0.4), crack = random_face(CT_Q8, 0.1),
+            thin = random_face(trial % 2 ? CT_T6 : CT_Q8, 0.1);
     double point[3] = {uniform(1.5), uniform(1.5), uniform(1.5)};
     for (int k = 0; k < 3; k++) {
       face.node[trial % 4][k] = face.node[(trial + 1) % 4][k];
@@ -89,7 +93,8 @@ static double f_at(const ct_face *face, const double point[3], double x, double 
   return f;
 }
 
-/* Lowest f over xi_1 at the given xi_2 = y, or (outer) over xi_2 of that: a grid, and the golden section about its best place. */
+/* Lowest f over xi_1 at the given xi_2 = y, or (outer) over xi_2 of that: a grid, and the golden
+ * section about its best place. */
 static double on_row(const ct_face *face, const double point[3], double x, int outer);
 
 static double golden(const ct_face *face, const double point[3], double y, int outer, int cells)
@@ -103,7 +108,8 @@ static double golden(const ct_face *face, const double point[3], double y, int o
   double a = fmax(place - 2.0 / cells, -1), b = fmin(place + 2.0 / cells, 1);
   for (int i = 0; i < 60; i++) {
     double u = b - part * (b - a), v = a + part * (b - a);
-    double fu = outer ? on_row(face, point, u, 0) : f_at(face, point, u, y), fv = outer ? on_row(face, point, v, 0) : f_at(face, point, v, y);
+    double fu = outer ? on_row(face, point, u, 0) : f_at(face, point, u, y),
+           fv = outer ? on_row(face, point, v, 0) : f_at(face, point, v, y);
     lowest = fmin(lowest, fmin(fu, fv));
     if (fu < fv) b = v;
     else a = u;
@@ -111,7 +117,10 @@ static double golden(const ct_face *face, const double point[3], double y, int o
   return lowest;
 }
 
-static double on_row(const ct_face *face, const double point[3], double x, int outer) { return golden(face, point, x, outer, 32); }
+static double on_row(const ct_face *face, const double point[3], double x, int outer)
+{
+  return golden(face, point, x, outer, 32);
+}
 
 /* Long thin faces: a narrow valley that winds, and a search that is stopped on its way. */
 static void narrow_valleys(void)
@@ -120,7 +129,8 @@ static void narrow_valleys(void)
   int wrong = 0;
   for (int trial = 0; trial < 80; trial++) {
     ct_face face = random_face(trial % 2 ? CT_Q4 : CT_Q8, 0.2);
-    double thin = pow(10, -3 - trial % 4), point[3] = {uniform(0.8), thin * uniform(1), thin * uniform(1)};
+    double thin = pow(10, -3 - trial % 4),
+           point[3] = {uniform(0.8), thin * uniform(1), thin * uniform(1)};
     for (int i = 0; i < 8; i++) face.node[i][1] *= thin, face.node[i][2] *= thin;
     double lowest = sqrt(golden(&face, point, 0, 1, 32));
     for (int limit = 0; limit < 3; limit++) {
@@ -135,10 +145,14 @@ static void narrow_valleys(void)
     }
   }
   report(&s, 80, 78, "Q4 and Q8", "1e3 to 1e6 times as long as wide");
-  tap_ok(wrong <= 1, "the foot lies on the floor of the valley: %d of 80 are farther than a search line by line", wrong);
+  tap_ok(
+      wrong <= 1,
+      "the foot lies on the floor of the valley: %d of 80 are farther than a search line by line",
+      wrong);
 }
 
-/* On a cylinder every height over the axis is as near as every other: a line of feet, and a distance that is certain. */
+/* On a cylinder every height over the axis is as near as every other: a line of feet, and a
+ * distance that is certain. */
 static void many_feet(void)
 {
   ct_face collapsed = {CT_Q4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {1, 1, 0}}};
@@ -146,19 +160,21 @@ static void many_feet(void)
   ct_project_options options = ct_project_options_default();
   options.method = CT_CERTIFIED;
   ct_projection out;
-  tap_ok(ct_project(&collapsed, behind, &options, &out) == CT_OK && out.certified, "the whole of a collapsed edge is the foot, and the distance is proven");
+  tap_ok(ct_project(&collapsed, behind, &options, &out) == CT_OK && out.certified,
+         "the whole of a collapsed edge is the foot, and the distance is proven");
   tap_close(out.distance, 3, 1e-14, "it is the distance from the corner");
   ct_face flat = parabolic_face(CT_T3, 0, 0);
   double above[3] = {0.25, 0.25, 1};
   ct_project(&flat, above, &options, &out);
-  tap_ok(out.certified && out.evaluations < 20, "a plane needs no search (%d evaluations)", out.evaluations);
+  tap_ok(out.certified && out.evaluations < 20, "a plane needs no search (%d evaluations)",
+         out.evaluations);
   double on[3] = {0.25, 0.25, 0};
   ct_project(&flat, on, &options, &out);
   tap_ok(out.certified && out.distance == 0, "nothing is closer than zero");
 }
 
-/* A Q8 or T6 face through points of a sphere, or of a cylinder, with the point near its centre: f is nearly the same
- * everywhere. */
+/* A Q8 or T6 face through points of a sphere, or of a cylinder, with the point near its centre: f
+ * is nearly the same everywhere. */
 static ct_face around(ct_face_kind kind, int sphere, double radius, double aside, double point[3])
 {
   ct_face face = parabolic_face(kind, 0, 0);
@@ -175,20 +191,23 @@ static void centres_of_curvature(void)
   score s = {0, 0, 0, 0};
   for (int trial = 0; trial < 300; trial++) {
     double point[3];
-    ct_face face = around(trial % 2 ? CT_Q8 : CT_T6, trial % 4 < 2, 1.5 + fabs(uniform(2)), pow(10, -1 - trial % 9), point);
+    ct_face face = around(trial % 2 ? CT_Q8 : CT_T6, trial % 4 < 2, 1.5 + fabs(uniform(2)),
+                          pow(10, -1 - trial % 9), point);
     judge(&face, point, 0, 64, &s);
   }
   report(&s, 300, 297, "Q8 and T6", "at the centre of curvature");
 }
 
-/* Near the surface nothing is left of the distance that a bound could give away; a look at the foot must do. */
+/* Near the surface nothing is left of the distance that a bound could give away; a look at the foot
+ * must do. */
 static void near_the_surface(void)
 {
   int certified = 0;
   long evaluations = 0, robust = 0;
   for (int trial = 0; trial < 400; trial++) {
     ct_face face = parabolic_face(CT_Q8, uniform(0.3), uniform(0.3));
-    double xi[2] = {uniform(0.9), uniform(0.9)}, gap = pow(10, -3 - trial % 8), point[3] = {xi[0], xi[1], 0};
+    double xi[2] = {uniform(0.9), uniform(0.9)}, gap = pow(10, -3 - trial % 8),
+           point[3] = {xi[0], xi[1], 0};
     for (int i = 0; i < 8; i++)
       for (int k = 0; k < 2; k++) face.node[i][k] += uniform(0.03);
     ct_project_options options = ct_project_options_default();
@@ -202,20 +221,25 @@ static void near_the_surface(void)
     evaluations += out.evaluations;
     robust += on.evaluations;
   }
-  tap_ok(certified == 400, "%d of 400 points within 1e-3 to 1e-10 of the surface are certified", certified);
-  tap_ok(evaluations <= robust + 440, "nearly all by one look (%ld looks of certified, %ld of robust)", evaluations, robust);
+  tap_ok(certified == 400, "%d of 400 points within 1e-3 to 1e-10 of the surface are certified",
+         certified);
+  tap_ok(evaluations <= robust + 440,
+         "nearly all by one look (%ld looks of certified, %ld of robust)", evaluations, robust);
 }
 
-/* A foot that is wrong by `shift`: if that is nevertheless called proven, it must be as near as the true one within half the
- * tolerance. */
+/* A foot that is wrong by `shift`: if that is nevertheless called proven, it must be as near as the
+ * true one within half the tolerance. */
 static void attack(const ct_face *face, const double point[3], double shift, int *proven, int *lies)
 {
   ct_project_options options = ct_project_options_default();
   options.method = CT_CERTIFIED;
   ct_projection out;
   ct_patch patch;
-  if (ct_project(face, point, &options, &out) != CT_OK || ct_patch_init(&patch, face->kind, face->node, point) != CT_OK) return;
-  double xi[2] = {out.xi[0] + uniform(shift), out.xi[1] + uniform(shift)}, low = triangular(face->kind) ? 0 : -1;
+  if (ct_project(face, point, &options, &out) != CT_OK ||
+      ct_patch_init(&patch, face->kind, face->node, point) != CT_OK)
+    return;
+  double xi[2] = {out.xi[0] + uniform(shift), out.xi[1] + uniform(shift)},
+         low = triangular(face->kind) ? 0 : -1;
   for (int a = 0; a < 2; a++) xi[a] = fmin(fmax(xi[a], low), 1);
   if (triangular(face->kind)) xi[1] = fmin(xi[1], 1 - xi[0]);
   double d[3], wrong = sqrt(ct_patch_value(&patch, xi, d));
@@ -233,7 +257,9 @@ static void attacks(void)
     ct_face face = random_face(kind, 0.3);
     double point[3] = {uniform(1), uniform(1), uniform(1)}, thin = 1, scale = 1;
     if (trial % 6 == 1) face = parabolic_face(kind, uniform(4), uniform(4)), point[0] = 0;
-    if (trial % 6 == 2) face = around(trial % 4 < 2 ? CT_Q8 : CT_T6, trial % 5 < 3, 1.5 + fabs(uniform(2)), pow(10, -1 - trial % 9), point);
+    if (trial % 6 == 2)
+      face = around(trial % 4 < 2 ? CT_Q8 : CT_T6, trial % 5 < 3, 1.5 + fabs(uniform(2)),
+                    pow(10, -1 - trial % 9), point);
     if (trial % 6 == 3) thin = pow(10, uniform(6));
     if (trial % 6 == 4) scale = pow(10, uniform(60));
     if (trial % 6 == 5)
@@ -245,7 +271,10 @@ static void attacks(void)
     }
     attack(&face, point, pow(10, -trial % 13), &proven, &lies);
   }
-  tap_ok(lies == 0 && proven > 300, "3000 feet that are moved by 1 to 1e-12: %d are good enough to be proven, %d of them wrongly", proven, lies);
+  tap_ok(
+      lies == 0 && proven > 300,
+      "3000 feet that are moved by 1 to 1e-12: %d are good enough to be proven, %d of them wrongly",
+      proven, lies);
 }
 
 int main(void)

@@ -1,4 +1,5 @@
-/* Every method on ordinary faces with a closed form, its order of convergence against theory, its honesty, its budget. */
+/* Every method on ordinary faces with a closed form, its order of convergence against theory, its
+ * honesty, its budget. */
 #include "faces.h"
 #include "tap.h"
 
@@ -33,8 +34,10 @@ static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
       gap = worst(worst(gap, out.signed_distance - g), out.distance - fabs(g));
     }
     tap_ok(status, "%s on a %s: %s ends well", FACE_NAME[kind], what, ct_method_name((ct_method)m));
-    tap_close(error, 0, by_values(m) ? 5e-8 : 1e-10, "%s on a %s: %s finds the foot", FACE_NAME[kind], what, ct_method_name((ct_method)m));
-    tap_close(gap, 0, 1e-14, "%s on a %s: %s gives the gap with its sign", FACE_NAME[kind], what, ct_method_name((ct_method)m));
+    tap_close(error, 0, by_values(m) ? 5e-8 : 1e-10, "%s on a %s: %s finds the foot",
+              FACE_NAME[kind], what, ct_method_name((ct_method)m));
+    tap_close(gap, 0, 1e-14, "%s on a %s: %s gives the gap with its sign", FACE_NAME[kind], what,
+              ct_method_name((ct_method)m));
   }
 }
 
@@ -51,37 +54,47 @@ static void record(const double xi[2], double f, void *user)
   p->xi[p->count][0] = xi[0], p->xi[p->count][1] = xi[1], p->f[p->count++] = f;
 }
 
-static path walk(int method, const ct_face *face, const double point[3], const double start[2], ct_projection *out)
+static path walk(int method, const ct_face *face, const double point[3], const double start[2],
+                 ct_projection *out)
 {
   path p = {{{0}}, {0}, 0};
   ct_project_options options = with(method);
-  options.trace = record, options.user = &p, options.use_start = 1, options.start[0] = start[0], options.start[1] = start[1];
+  options.trace = record, options.user = &p, options.use_start = 1, options.start[0] = start[0],
+  options.start[1] = start[1];
   ct_project(face, point, &options, out);
   return p;
 }
 
 static double off(const path *p, int i) { return fmax(fabs(p->xi[i][0]), fabs(p->xi[i][1])); }
 
-/* At the top of z = (p x^2 + q y^2) / 2 the curvatures are p and q, and a point at height g is projected there. To first order
- * least squares leaves g times the curvature of each error; the sphere k = curvature in the direction of the point leaves an
- * error too unless p = q; Newton and the torus have an error of second order. */
+/* At the top of z = (p x^2 + q y^2) / 2 the curvatures are p and q, and a point at height g is
+ * projected there. To first order least squares leaves g times the curvature of each error; the
+ * sphere k = curvature in the direction of the point leaves an error too unless p = q; Newton and
+ * the torus have an error of second order. */
 static void orders(void)
 {
   double g = 0.4, point[3] = {0, 0, 0.4}, start[2] = {0.2, 0}, diagonal[2] = {0.15, 0.1};
   ct_projection out;
-  ct_face cylinder = parabolic_face(CT_Q8, 0.8, 0), cup = parabolic_face(CT_Q8, 0.7, 0.7), saddle = parabolic_face(CT_Q8, 0.9, -0.6);
+  ct_face cylinder = parabolic_face(CT_Q8, 0.8, 0), cup = parabolic_face(CT_Q8, 0.7, 0.7),
+          saddle = parabolic_face(CT_Q8, 0.9, -0.6);
   path p = walk(CT_LEAST_SQUARES, &cylinder, point, start, &out);
-  tap_close(p.xi[6][0] / p.xi[5][0], g * 0.8, 1e-3, "least squares leaves the gap times the curvature of each error");
+  tap_close(p.xi[6][0] / p.xi[5][0], g * 0.8, 1e-3,
+            "least squares leaves the gap times the curvature of each error");
   p = walk(CT_SPHERE, &cup, point, diagonal, &out);
-  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "the sphere is of second order on a cup (%d iterates)", p.count);
+  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1),
+         "the sphere is of second order on a cup (%d iterates)", p.count);
   p = walk(CT_SPHERE, &saddle, point, diagonal, &out);
-  tap_ok(p.count > 10 && off(&p, 6) > 0.02 * off(&p, 5), "but of first order on a saddle (%d iterates)", p.count);
+  tap_ok(p.count > 10 && off(&p, 6) > 0.02 * off(&p, 5),
+         "but of first order on a saddle (%d iterates)", p.count);
   p = walk(CT_TORUS, &saddle, point, diagonal, &out);
-  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "the torus is of second order on a saddle (%d iterates)", p.count);
+  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1),
+         "the torus is of second order on a saddle (%d iterates)", p.count);
   p = walk(CT_NEWTON, &saddle, point, diagonal, &out);
-  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "as is newton (%d iterates)", p.count);
+  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "as is newton (%d iterates)",
+         p.count);
   p = walk(CT_BROYDEN, &saddle, point, diagonal, &out);
-  tap_ok(p.count < 14 && out.status == CT_OK, "broyden needs no more Hessians than one (%d iterates)", p.count);
+  tap_ok(p.count < 14 && out.status == CT_OK,
+         "broyden needs no more Hessians than one (%d iterates)", p.count);
   p = walk(CT_BFGS, &saddle, point, diagonal, &out);
   tap_ok(p.count < 16 && out.status == CT_OK, "bfgs needs none (%d iterates)", p.count);
   int falls = 1;
@@ -89,24 +102,26 @@ static void orders(void)
   tap_ok(falls, "bfgs goes downhill only");
 }
 
-/* On a plane f is a parabola with round contours if the tangents are orthogonal and as long: then each of these needs one
- * step. */
+/* On a plane f is a parabola with round contours if the tangents are orthogonal and as long: then
+ * each of these needs one step. */
 static void one_step(void)
 {
   ct_face flat = parabolic_face(CT_T3, 0, 0);
   double point[3] = {0.4, 0.25, 0.5};
-  static const int METHOD[6] = {CT_NEWTON, CT_LEAST_SQUARES, CT_SPHERE, CT_TORUS, CT_BROYDEN, CT_STEEPEST_DESCENT};
+  static const int METHOD[6] = {CT_NEWTON, CT_LEAST_SQUARES, CT_SPHERE,
+                                CT_TORUS,  CT_BROYDEN,       CT_STEEPEST_DESCENT};
   for (int i = 0; i < 6; i++) {
     ct_project_options options = with(METHOD[i]);
     options.iteration_limit = 1;
     ct_projection out;
     ct_project(&flat, point, &options, &out);
-    tap_close(fmax(fabs(out.xi[0] - 0.4), fabs(out.xi[1] - 0.25)), 0, 1e-15, "T3: %s needs one step", ct_method_name((ct_method)METHOD[i]));
+    tap_close(fmax(fabs(out.xi[0] - 0.4), fabs(out.xi[1] - 0.25)), 0, 1e-15,
+              "T3: %s needs one step", ct_method_name((ct_method)METHOD[i]));
   }
 }
 
-/* Steepest descent with exact steps on the parabola f = x^2 + c y^2 from the worst start shrinks the error by (c - 1) / (c + 1) a
- * step. */
+/* Steepest descent with exact steps on the parabola f = x^2 + c y^2 from the worst start shrinks
+ * the error by (c - 1) / (c + 1) a step. */
 static void zigzag(void)
 {
   double c = 9, start[2] = {0.9, 0.1}, point[3] = {0, 0, 0};
@@ -114,10 +129,12 @@ static void zigzag(void)
   for (int i = 0; i < 4; i++) flat.node[i][1] *= 3;
   ct_projection out;
   path p = walk(CT_STEEPEST_DESCENT, &flat, point, start, &out);
-  tap_close(p.xi[10][0] / p.xi[9][0], (c - 1) / (c + 1), 1e-9, "steepest descent zigzags at the rate of theory");
+  tap_close(p.xi[10][0] / p.xi[9][0], (c - 1) / (c + 1), 1e-9,
+            "steepest descent zigzags at the rate of theory");
 }
 
-/* A sheared net on a saddle, z = r x y: the principal directions are the diagonals and the tangents are not orthogonal. */
+/* A sheared net on a saddle, z = r x y: the principal directions are the diagonals and the tangents
+ * are not orthogonal. */
 static void sheared_and_twisted(void)
 {
   ct_face face = parabolic_face(CT_Q8, 0, 0);
@@ -128,10 +145,12 @@ static void sheared_and_twisted(void)
   }
   ct_projection out;
   path p = walk(CT_SPHERE, &face, point, diagonal, &out);
-  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "the sphere is of second order along a principal direction (%d iterates)", p.count);
+  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1),
+         "the sphere is of second order along a principal direction (%d iterates)", p.count);
   for (int i = 0; i < 8; i++) face.node[i][2] += 0.3 * face.node[i][0] * face.node[i][0];
   p = walk(CT_TORUS, &face, point, start, &out);
-  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1), "the torus in any direction (%d iterates)", p.count);
+  tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1),
+         "the torus in any direction (%d iterates)", p.count);
 }
 
 /* Along the axis of symmetry of a cylinder Broyden's method is the secant rule. */
@@ -142,7 +161,8 @@ static void broyden_is_the_secant_rule(void)
   ct_projection out;
   path p = walk(CT_BROYDEN, &cylinder, point, start, &out);
   for (int i = 1; i < 4; i++) {
-    for (int j = 0; j < 2; j++) ct_project_function(&cylinder, point, p.xi[i - 1 + j], NULL, g[j], NULL);
+    for (int j = 0; j < 2; j++)
+      ct_project_function(&cylinder, point, p.xi[i - 1 + j], NULL, g[j], NULL);
     double next = p.xi[i][0] - g[1][0] * (p.xi[i][0] - p.xi[i - 1][0]) / (g[1][0] - g[0][0]);
     off_rule = worst(off_rule, p.xi[i + 1][0] - next);
   }
@@ -156,17 +176,20 @@ static void nelder_mead_by_hand(void)
   double far[3] = {50, 0, 0}, near[3] = {0, -0.2, 0}, start[2] = {0, 0};
   ct_projection out;
   path p = walk(CT_NELDER_MEAD, &flat, far, start, &out);
-  tap_close(fmax(fabs(p.xi[1][0] - 1.75), fabs(p.xi[1][1] - 7 * sqrt(3) / 12)), 0, 1e-14, "nelder_mead expands towards a far point");
+  tap_close(fmax(fabs(p.xi[1][0] - 1.75), fabs(p.xi[1][1] - 7 * sqrt(3) / 12)), 0, 1e-14,
+            "nelder_mead expands towards a far point");
   p = walk(CT_NELDER_MEAD, &flat, near, start, &out);
-  tap_close(fmax(fabs(p.xi[1][0]), fabs(p.xi[1][1] - sqrt(3) / 12)), 0, 1e-14, "and contracts about a near one");
+  tap_close(fmax(fabs(p.xi[1][0]), fabs(p.xi[1][1] - sqrt(3) / 12)), 0, 1e-14,
+            "and contracts about a near one");
 }
 
-/* Rosenbrock-like valleys want the expansion and the contraction; a quadratic function of two variables is no trouble for either
- * simplex. */
+/* Rosenbrock-like valleys want the expansion and the contraction; a quadratic function of two
+ * variables is no trouble for either simplex. */
 static void nelder_mead_changes_its_form(void)
 {
   ct_face narrow = parabolic_face(CT_Q8, 0, 0);
-  for (int i = 0; i < 8; i++) narrow.node[i][1] = 0.02 * narrow.node[i][1] + 0.3 * narrow.node[i][0] * narrow.node[i][0];
+  for (int i = 0; i < 8; i++)
+    narrow.node[i][1] = 0.02 * narrow.node[i][1] + 0.3 * narrow.node[i][0] * narrow.node[i][0];
   double xi[2] = {0.8, -0.3}, point[3] = {0.8, 0.02 * -0.3 + 0.3 * 0.64, 1e-5};
   ct_projection regular, changing;
   ct_project_options options = with(CT_NELDER_MEAD);
@@ -174,11 +197,13 @@ static void nelder_mead_changes_its_form(void)
   options = with(CT_SIMPLEX);
   ct_project(&narrow, point, &options, &regular);
   double e = fmax(fabs(changing.xi[0] - xi[0]), fabs(changing.xi[1] - xi[1]));
-  tap_close(e, 0, 1e-8, "nelder_mead walks along a narrow bent valley (%d evaluations)", changing.evaluations);
+  tap_close(e, 0, 1e-8, "nelder_mead walks along a narrow bent valley (%d evaluations)",
+            changing.evaluations);
   tap_ok(fabs(regular.xi[0] - xi[0]) > 1e-3, "the regular simplex is halved to nothing there");
 }
 
-/* A trough has a saddle of f above the centre of curvature: whoever ends there must not call it an answer. */
+/* A trough has a saddle of f above the centre of curvature: whoever ends there must not call it an
+ * answer. */
 static void saddles_are_no_answers(void)
 {
   ct_face trough = parabolic_face(CT_Q8, 1, 0);
@@ -188,8 +213,8 @@ static void saddles_are_no_answers(void)
     ct_projection out;
     ct_project(&trough, above, &options, &out);
     int at_foot = fabs(fabs(out.xi[0]) - 0.5) < 1e-6;
-    tap_ok(at_foot || (out.status != CT_OK && out.certified == 0), "trough: %s %s", ct_method_name((ct_method)m),
-           at_foot ? "finds a foot" : "says that it found none");
+    tap_ok(at_foot || (out.status != CT_OK && out.certified == 0), "trough: %s %s",
+           ct_method_name((ct_method)m), at_foot ? "finds a foot" : "says that it found none");
   }
 }
 
@@ -207,7 +232,8 @@ static void budgets_copies_and_bad_input(int m)
     for (int i = 0; i < 24; i++) copy.node[i / 3][i % 3] *= power;
     ct_project(&face, point, &options, &out);
     ct_project(&copy, other, &options, &twin);
-    scaled &= out.status == twin.status && out.xi[0] == twin.xi[0] && out.xi[1] == twin.xi[1] && twin.distance == power * out.distance;
+    scaled &= out.status == twin.status && out.xi[0] == twin.xi[0] && out.xi[1] == twin.xi[1] &&
+              twin.distance == power * out.distance;
     scaled &= out.evaluations == twin.evaluations && out.iterations == twin.iterations;
     ct_project(&face, point, &two, &out);
     sane &= out.distance == out.distance && out.evaluations < 4200;
@@ -218,7 +244,9 @@ static void budgets_copies_and_bad_input(int m)
   ct_face flat = parabolic_face(CT_Q4, 0, 0), line = flat;
   double point[3] = {0, 0.1, 1}, nowhere[3] = {0, NAN, 1};
   for (int i = 0; i < 4; i++) line.node[i][1] = 0;
-  tap_ok(ct_project(&flat, nowhere, &options, &out) == CT_INVALID && isnan(out.xi[0]) && isnan(out.distance) && isnan(out.normal[1]), "%s: NaN in the point", name);
+  tap_ok(ct_project(&flat, nowhere, &options, &out) == CT_INVALID && isnan(out.xi[0]) &&
+             isnan(out.distance) && isnan(out.normal[1]),
+         "%s: NaN in the point", name);
   ct_status status = ct_project(&line, point, &options, &out);
   tap_ok(status == CT_INVALID && isnan(out.distance), "%s: a face shrunk to a line", name);
 }

@@ -1,4 +1,5 @@
-/* Lines and faces against closed forms: planes and parabolic cylinders, hits, misses, edges and lines that touch. */
+/* Lines and faces against closed forms: planes and parabolic cylinders, hits, misses, edges and
+ * lines that touch. */
 #include "faces.h"
 #include "tap.h"
 
@@ -16,9 +17,12 @@ static void parabolic_cylinder(ct_face_kind kind, double p)
   double error = 0, normal = 0;
   int wrong = 0, hits = 0, misses = 0, twice = 0;
   for (int trial = 0; trial < 2000; trial++) {
-    double o[3] = {uniform(1.2), uniform(1.2), uniform(1)}, e[3] = {uniform(1), uniform(1), uniform(1)}, way = HUGE_VAL;
-    double length = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]), u[3] = {e[0] / length, e[1] / length, e[2] / length};
-    double a = 0.5 * p * u[0] * u[0], b = p * o[0] * u[0] - u[2], c = 0.5 * p * o[0] * o[0] - o[2], root = b * b - 4 * a * c;
+    double o[3] = {uniform(1.2), uniform(1.2), uniform(1)},
+           e[3] = {uniform(1), uniform(1), uniform(1)}, way = HUGE_VAL;
+    double length = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]),
+           u[3] = {e[0] / length, e[1] / length, e[2] / length};
+    double a = 0.5 * p * u[0] * u[0], b = p * o[0] * u[0] - u[2], c = 0.5 * p * o[0] * o[0] - o[2],
+           root = b * b - 4 * a * c;
     if (root < 1e-4 || fabs(b) < 1e-2) continue;
     double q = -0.5 * (b + copysign(sqrt(root), b)), lambda[2] = {c / q, a != 0 ? q / a : HUGE_VAL};
     int close = 0, found = 0;
@@ -46,7 +50,9 @@ static void parabolic_cylinder(ct_face_kind kind, double p)
     double n = sqrt(1 + p * p * out.xi[0] * out.xi[0]);
     normal = worst(worst(normal, out.normal[0] + p * out.xi[0] / n), out.normal[2] - 1 / n);
   }
-  tap_ok(wrong == 0 && hits > 80 && misses > 80, "%s, p = %g: %d hits (%d of them twice) and %d misses are told apart", FACE_NAME[kind], p, hits, twice, misses);
+  tap_ok(wrong == 0 && hits > 80 && misses > 80,
+         "%s, p = %g: %d hits (%d of them twice) and %d misses are told apart", FACE_NAME[kind], p,
+         hits, twice, misses);
   tap_close(error, 0, 1e-11, "%s, p = %g: the hits and the ways to them", FACE_NAME[kind], p);
   tap_close(normal, 0, 1e-11, "%s, p = %g: their normals", FACE_NAME[kind], p);
 }
@@ -75,45 +81,71 @@ static void back_along_the_normal(ct_face_kind kind)
 static void edges_and_touches(void)
 {
   ct_face flat = parabolic_face(CT_Q4, 0, 0), cup = parabolic_face(CT_Q8, 1, 0.5);
-  double corner[3] = {1, 1, 2}, edge[3] = {0.25, -1, -0.5}, beside[3] = {1.0001, 0, 1}, down[3] = {0, 0, -8}, up[3] = {0, 0, 1};
+  double corner[3] = {1, 1, 2}, edge[3] = {0.25, -1, -0.5}, beside[3] = {1.0001, 0, 1},
+         down[3] = {0, 0, -8}, up[3] = {0, 0, 1};
   ct_ray_hit out;
-  tap_ok(ct_project_ray(&flat, corner, down, 1e-10, &out) == CT_OK && out.where == CT_VERTEX && out.index == 2, "a corner is hit");
+  tap_ok(ct_project_ray(&flat, corner, down, 1e-10, &out) == CT_OK && out.where == CT_VERTEX &&
+             out.index == 2,
+         "a corner is hit");
   tap_close(out.distance, 2, 1e-15, "after its height");
-  tap_ok(ct_project_ray(&flat, edge, down, 1e-10, &out) == CT_OK && out.where == CT_EDGE && out.index == 0, "an edge is hit");
+  tap_ok(ct_project_ray(&flat, edge, down, 1e-10, &out) == CT_OK && out.where == CT_EDGE &&
+             out.index == 0,
+         "an edge is hit");
   tap_close(out.distance, -0.5, 1e-15, "behind the point");
-  tap_ok(ct_project_ray(&flat, beside, up, 1e-10, &out) == CT_NO_CONVERGENCE && isnan(out.xi[0]), "what passes beside is a miss");
+  tap_ok(ct_project_ray(&flat, beside, up, 1e-10, &out) == CT_NO_CONVERGENCE && isnan(out.xi[0]),
+         "what passes beside is a miss");
   ct_status parallel = ct_project_ray(&flat, up, (double[3]){1, 2, 0}, 1e-10, &out);
-  tap_ok(parallel == CT_NO_CONVERGENCE && out.evaluations < 10, "a line parallel to a plane misses it (%d looks)", out.evaluations);
-  double below[3] = {-0.3, 0.1, 0}, along[3] = {1, 0, 0}, centre[3] = {-0.5, 0, 0}, low[3] = {0, 0, -0.01};
-  tap_ok(ct_project_ray(&flat, below, along, 1e-10, &out) == CT_NOT_CERTIFIED && isfinite(out.distance), "a line in the face is no clear hit");
+  tap_ok(parallel == CT_NO_CONVERGENCE && out.evaluations < 10,
+         "a line parallel to a plane misses it (%d looks)", out.evaluations);
+  double below[3] = {-0.3, 0.1, 0}, along[3] = {1, 0, 0}, centre[3] = {-0.5, 0, 0},
+         low[3] = {0, 0, -0.01};
+  tap_ok(ct_project_ray(&flat, below, along, 1e-10, &out) == CT_NOT_CERTIFIED &&
+             isfinite(out.distance),
+         "a line in the face is no clear hit");
   ct_status touch = ct_project_ray(&cup, centre, along, 1e-10, &out);
-  tap_ok((touch == CT_NOT_CERTIFIED || touch == CT_OK) && fabs(out.xi[0]) < 1e-6, "a line that touches the bottom of a cup: %s", ct_status_name(touch));
-  tap_ok(ct_project_ray(&cup, low, along, 1e-10, &out) == CT_NO_CONVERGENCE, "one that passes below it misses");
+  tap_ok((touch == CT_NOT_CERTIFIED || touch == CT_OK) && fabs(out.xi[0]) < 1e-6,
+         "a line that touches the bottom of a cup: %s", ct_status_name(touch));
+  tap_ok(ct_project_ray(&cup, low, along, 1e-10, &out) == CT_NO_CONVERGENCE,
+         "one that passes below it misses");
 }
 
 static void bad_input(void)
 {
   ct_face flat = parabolic_face(CT_Q4, 0, 0), odd = flat;
-  double point[3] = {0, 0, 1}, up[3] = {0, 0, 1}, none[3] = {0, 0, 0}, nan[3] = {0, NAN, 1}, infinite[3] = {0, INFINITY, 1}, long_[3] = {1e300, 0, -1e308};
+  double point[3] = {0, 0, 1}, up[3] = {0, 0, 1}, none[3] = {0, 0, 0}, nan[3] = {0, NAN, 1},
+         infinite[3] = {0, INFINITY, 1}, long_[3] = {1e300, 0, -1e308};
   ct_ray_hit out;
-  tap_ok(ct_project_ray(&flat, point, none, 1e-10, &out) == CT_INVALID && isnan(out.distance), "a direction without length");
-  tap_ok(ct_project_ray(&flat, point, nan, 1e-10, &out) == CT_INVALID && ct_project_ray(&flat, nan, up, 1e-10, &out) == CT_INVALID, "NaN");
-  tap_ok(ct_project_ray(&flat, point, infinite, 1e-10, &out) == CT_INVALID, "an infinite direction");
-  tap_ok(ct_project_ray(&flat, point, long_, 1e-10, &out) == CT_OK && fabs(out.distance - 1) < 1e-15, "a very long one is one");
+  tap_ok(ct_project_ray(&flat, point, none, 1e-10, &out) == CT_INVALID && isnan(out.distance),
+         "a direction without length");
+  tap_ok(ct_project_ray(&flat, point, nan, 1e-10, &out) == CT_INVALID &&
+             ct_project_ray(&flat, nan, up, 1e-10, &out) == CT_INVALID,
+         "NaN");
+  tap_ok(ct_project_ray(&flat, point, infinite, 1e-10, &out) == CT_INVALID,
+         "an infinite direction");
+  tap_ok(ct_project_ray(&flat, point, long_, 1e-10, &out) == CT_OK &&
+             fabs(out.distance - 1) < 1e-15,
+         "a very long one is one");
   odd.kind = (ct_face_kind)9;
-  tap_ok(ct_project_ray(&odd, point, up, 1e-10, &out) == CT_ERROR_ARGUMENT && ct_project_ray(NULL, point, up, 1e-10, &out) == CT_ERROR_ARGUMENT, "no face");
-  tap_ok(ct_project_ray(&flat, point, up, 0, &out) == CT_ERROR_ARGUMENT && ct_project_ray(&flat, point, up, NAN, &out) == CT_ERROR_ARGUMENT, "no tolerance");
+  tap_ok(ct_project_ray(&odd, point, up, 1e-10, &out) == CT_ERROR_ARGUMENT &&
+             ct_project_ray(NULL, point, up, 1e-10, &out) == CT_ERROR_ARGUMENT,
+         "no face");
+  tap_ok(ct_project_ray(&flat, point, up, 0, &out) == CT_ERROR_ARGUMENT &&
+             ct_project_ray(&flat, point, up, NAN, &out) == CT_ERROR_ARGUMENT,
+         "no tolerance");
   tap_ok(ct_project_ray(&flat, point, up, 1e-10, NULL) == CT_ERROR_ARGUMENT, "nowhere to write");
   double points[6] = {0, 0, 1, 0.5, 0.5, -2}, ups[6] = {0, 0, 1, 0, 0, 1};
   ct_ray_hit two[2];
-  tap_ok(ct_project_rays(&flat, 2, points, ups, 1e-10, two) == CT_OK && two[0].distance == -1 && two[1].distance == 2, "two lines in one call");
+  tap_ok(ct_project_rays(&flat, 2, points, ups, 1e-10, two) == CT_OK && two[0].distance == -1 &&
+             two[1].distance == 2,
+         "two lines in one call");
 }
 
 int main(void)
 {
   for (int k = 0; k < 4; k++) {
     parabolic_cylinder((ct_face_kind)k, 0);
-    if (k == CT_Q8 || k == CT_T6) parabolic_cylinder((ct_face_kind)k, 1.5), parabolic_cylinder((ct_face_kind)k, -0.7);
+    if (k == CT_Q8 || k == CT_T6)
+      parabolic_cylinder((ct_face_kind)k, 1.5), parabolic_cylinder((ct_face_kind)k, -0.7);
     back_along_the_normal((ct_face_kind)k);
   }
   edges_and_touches();

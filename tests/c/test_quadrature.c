@@ -19,7 +19,9 @@ static double triangle(int a, int b)
 static double integrate(const ct_rule *rule, int a, int b, int c)
 {
   double sum = 0;
-  for (int p = 0; p < rule->count; p++) sum += rule->weight[p] * power(rule->xi[p][0], a) * power(rule->xi[p][1], b) * power(rule->xi[p][2], c);
+  for (int p = 0; p < rule->count; p++)
+    sum += rule->weight[p] * power(rule->xi[p][0], a) * power(rule->xi[p][1], b) *
+           power(rule->xi[p][2], c);
   return sum;
 }
 
@@ -42,7 +44,8 @@ static void gauss_legendre(int n)
   /* The remainder for x^(2n): the square of the norm of the monic Legendre polynomial. */
   double factor = 1;
   for (int k = 1; k <= n; k++) factor *= (double)k / (2 * k - 1);
-  tap_close(beyond, 2 * factor * factor / (2 * n + 1), 1e-15, "%d Gauss points have the remainder of theory at degree %d", n, 2 * n);
+  tap_close(beyond, 2 * factor * factor / (2 * n + 1), 1e-15,
+            "%d Gauss points have the remainder of theory at degree %d", n, 2 * n);
   tap_ok(symmetric, "%d Gauss points are exactly antisymmetric", n);
   tap_ok(inside, "%d Gauss points ascend inside the interval with positive weights", n);
 }
@@ -51,12 +54,17 @@ static void quadrilateral_rule(ct_face_kind kind, int points, int n)
 {
   ct_rule rule;
   double error = 0;
-  tap_ok(ct_rule_face(kind, points, &rule) == CT_OK && rule.count == n * n, "%d x %d points of a quadrilateral", n, n);
+  tap_ok(ct_rule_face(kind, points, &rule) == CT_OK && rule.count == n * n,
+         "%d x %d points of a quadrilateral", n, n);
   for (int a = 0; a < 2 * n; a++)
-    for (int b = 0; b < 2 * n; b++) error = fmax(error, fabs(integrate(&rule, a, b, 0) - line(a) * line(b)));
-  tap_close(error, 0, 4e-15, "%d x %d points are exact to degree %d in each direction", n, n, 2 * n - 1);
+    for (int b = 0; b < 2 * n; b++)
+      error = fmax(error, fabs(integrate(&rule, a, b, 0) - line(a) * line(b)));
+  tap_close(error, 0, 4e-15, "%d x %d points are exact to degree %d in each direction", n, n,
+            2 * n - 1);
   int order = 1;
-  for (int p = 0; p < rule.count; p++) order &= p % n == 0 || (rule.xi[p][0] > rule.xi[p - 1][0] && rule.xi[p][1] == rule.xi[p - 1][1]);
+  for (int p = 0; p < rule.count; p++)
+    order &=
+        p % n == 0 || (rule.xi[p][0] > rule.xi[p - 1][0] && rule.xi[p][1] == rule.xi[p - 1][1]);
   tap_ok(order, "%d x %d points run with xi_1 fastest", n, n);
 }
 
@@ -64,7 +72,8 @@ static void triangle_rule(ct_face_kind kind, int points, int count, int degree)
 {
   ct_rule rule;
   double error = 0, beyond = 0;
-  tap_ok(ct_rule_face(kind, points, &rule) == CT_OK && rule.count == count, "%d points of a triangle", count);
+  tap_ok(ct_rule_face(kind, points, &rule) == CT_OK && rule.count == count,
+         "%d points of a triangle", count);
   for (int a = 0; a <= degree + 1; a++)
     for (int b = 0; a + b <= degree + 1; b++) {
       double off = fabs(integrate(&rule, a, b, 0) - triangle(a, b));
@@ -74,7 +83,9 @@ static void triangle_rule(ct_face_kind kind, int points, int count, int degree)
   tap_close(error, 0, 1e-15, "%d points are exact to degree %d", count, degree);
   tap_ok(beyond > 1e-6, "%d points are not exact to degree %d", count, degree + 1);
   int inside = 1;
-  for (int p = 0; p < count; p++) inside &= rule.xi[p][0] > 0 && rule.xi[p][1] > 0 && rule.xi[p][0] + rule.xi[p][1] < 1 && rule.weight[p] > 0;
+  for (int p = 0; p < count; p++)
+    inside &= rule.xi[p][0] > 0 && rule.xi[p][1] > 0 && rule.xi[p][0] + rule.xi[p][1] < 1 &&
+              rule.weight[p] > 0;
   tap_ok(inside, "%d points lie inside with positive weights", count);
 }
 
@@ -82,14 +93,17 @@ static void brick_rule(ct_brick_kind kind, int n)
 {
   ct_rule rule;
   double error = 0;
-  tap_ok(ct_rule_brick(kind, &rule) == CT_OK && rule.count == n * n * n, "%d^3 points of a brick", n);
+  tap_ok(ct_rule_brick(kind, &rule) == CT_OK && rule.count == n * n * n, "%d^3 points of a brick",
+         n);
   for (int a = 0; a < 2 * n; a++)
     for (int b = 0; b < 2 * n; b++)
-      for (int c = 0; c < 2 * n; c++) error = fmax(error, fabs(integrate(&rule, a, b, c) - line(a) * line(b) * line(c)));
+      for (int c = 0; c < 2 * n; c++)
+        error = fmax(error, fabs(integrate(&rule, a, b, c) - line(a) * line(b) * line(c)));
   tap_close(error, 0, 1e-14, "%d^3 points are exact to degree %d in each direction", n, 2 * n - 1);
   int order = 1;
   for (int p = 0; p < rule.count; p++) order &= p < n * n || rule.xi[p][2] > rule.xi[p - n * n][2];
-  tap_ok(order && rule.xi[1][0] > rule.xi[0][0], "%d^3 points run with xi_1 fastest and xi_3 slowest", n);
+  tap_ok(order && rule.xi[1][0] > rule.xi[0][0],
+         "%d^3 points run with xi_1 fastest and xi_3 slowest", n);
 }
 
 int main(void)
@@ -106,11 +120,16 @@ int main(void)
   brick_rule(CT_HEX20, 3);
   double x[10], w[10];
   ct_rule rule;
-  tap_ok(ct_gauss_legendre(0, x, w) == CT_ERROR_ARGUMENT && ct_gauss_legendre(11, x, w) == CT_ERROR_ARGUMENT, "no rule with 0 or 11 points");
+  tap_ok(ct_gauss_legendre(0, x, w) == CT_ERROR_ARGUMENT &&
+             ct_gauss_legendre(11, x, w) == CT_ERROR_ARGUMENT,
+         "no rule with 0 or 11 points");
   tap_ok(ct_gauss_legendre(2, NULL, w) == CT_ERROR_ARGUMENT, "nowhere to put the nodes");
   tap_ok(ct_rule_face(CT_Q4, 6, &rule) == CT_ERROR_ARGUMENT && rule.count == 0, "no 6 x 6 points");
-  tap_ok(ct_rule_face(CT_T6, 4, &rule) == CT_ERROR_ARGUMENT && ct_rule_face((ct_face_kind)7, 0, &rule) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_rule_face(CT_T6, 4, &rule) == CT_ERROR_ARGUMENT &&
+             ct_rule_face((ct_face_kind)7, 0, &rule) == CT_ERROR_ARGUMENT,
          "no triangle with 4 points, no unknown face");
-  tap_ok(ct_rule_brick((ct_brick_kind)7, &rule) == CT_ERROR_ARGUMENT && ct_rule_brick(CT_HEX8, NULL) == CT_ERROR_ARGUMENT, "no unknown brick");
+  tap_ok(ct_rule_brick((ct_brick_kind)7, &rule) == CT_ERROR_ARGUMENT &&
+             ct_rule_brick(CT_HEX8, NULL) == CT_ERROR_ARGUMENT,
+         "no unknown brick");
   return tap_done();
 }

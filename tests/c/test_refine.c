@@ -1,4 +1,5 @@
-/* Going on with a smaller step: nothing that a body has may change by it, and the order of the method stays. */
+/* Going on with a smaller step: nothing that a body has may change by it, and the order of the
+ * method stays. */
 #include "bodies.h"
 
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
@@ -18,8 +19,8 @@ static ct_problem with_step(const ct_problem *p, double dt)
   return q;
 }
 
-/* A body falls v t + g t² / 2 exactly, with any steps one after another, and the impulse and work of its weight are m g t and m g
- * (v t + g t² / 2). */
+/* A body falls v t + g t² / 2 exactly, with any steps one after another, and the impulse and work
+ * of its weight are m g t and m g (v t + g t² / 2). */
 static void falling(void)
 {
   static const int parts[4] = {3, 1, 2, 5};
@@ -30,7 +31,8 @@ static void falling(void)
   add_weight(scene, (weight){.g = {0, 0, g}});
   int64_t steps;
   ct_stable_step stable;
-  ct_problem problem[5] = {*build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.8, .threads = 1}, &steps, &stable)};
+  ct_problem problem[5] = {
+      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.8, .threads = 1}, &steps, &stable)};
   ct_state *state = new_state(&problem[0]);
   ct_error e;
   double off = 0.0, mass = SOFT.density, impulse[3], work;
@@ -43,24 +45,29 @@ static void falling(void)
     state = next;
     advance(&problem[k + 1], state, 2);
     double t = state->time, way = v * t + 0.5 * g * t * t, unit = 1.0 + t * t;
-    for (int n = 0; n < mesh->node_count; n++) off = worst(off, (state->displacement[3 * n + 2] - way) / unit);
+    for (int n = 0; n < mesh->node_count; n++)
+      off = worst(off, (state->displacement[3 * n + 2] - way) / unit);
     need(ct_energy_impulse(&problem[k + 1], state, 1, impulse, &e), &e);
     need(ct_energy_work(&problem[k + 1], state, 1, &work, &e), &e);
     off = worst(worst(off, (impulse[2] - mass * g * t) / unit), (work - mass * g * way) / unit);
     off = worst(off, energy_of(&problem[k + 1], state).balance / unit);
     off = worst(off, (momentum_of(&problem[k + 1], state, 0).p[2] - mass * (v + g * t)) / unit);
   }
-  tap_ok(off < 1e-13, "a body falls v t + g t^2 / 2 through four changes of the step, with impulse and work of its weight (off by %.2g)", off);
+  tap_ok(off < 1e-13,
+         "a body falls v t + g t^2 / 2 through four changes of the step, with impulse and work of "
+         "its weight (off by %.2g)",
+         off);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(mesh);
 }
 
-/* Velocity at t = 1 and displacement there of a body that vibrates, with `count` steps of which the second half are divided by
- * `parts`. */
+/* Velocity at t = 1 and displacement there of a body that vibrates, with `count` steps of which the
+ * second half are divided by `parts`. */
 static void vibrate(const ct_problem *p, int64_t count, int parts, double *u, double *v)
 {
-  ct_problem coarse = with_step(p, 1.0 / (double)count), fine = with_step(&coarse, coarse.dt / parts);
+  ct_problem coarse = with_step(p, 1.0 / (double)count),
+             fine = with_step(&coarse, coarse.dt / parts);
   ct_state *state = new_state(&coarse);
   ct_error e;
   advance(&coarse, state, count / 2);
@@ -72,7 +79,8 @@ static void vibrate(const ct_problem *p, int64_t count, int parts, double *u, do
   ct_state_free(rest);
 }
 
-/* A change of the step keeps the order of the method, also of those that carry on an acceleration. */
+/* A change of the step keeps the order of the method, also of those that carry on an acceleration.
+ */
 static void order(ct_scheme scheme)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
@@ -81,33 +89,48 @@ static void order(ct_scheme scheme)
   add_body(scene, "body", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   int64_t steps;
   ct_stable_step stable;
-  ct_problem p = *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1, .integrator = ct_integrator_default(scheme)}, &steps, &stable);
+  ct_problem p = *build(
+      scene,
+      (ct_scene_time){
+          .end = 1.0, .fraction = 0.5, .threads = 1, .integrator = ct_integrator_default(scheme)},
+      &steps, &stable);
   int n = 3 * p.node_count;
-  double *v0 = numbers(n), *u[2] = {numbers(n), numbers(n)}, *v[2] = {numbers(n), numbers(n)}, error[2][2];
-  for (int i = 0; i < p.node_count; i++) v0[3 * i] = sin(3.0 * p.reference[3 * i]), v0[3 * i + 1] = 0.3 * cos(3.0 * p.reference[3 * i + 1]) + p.reference[3 * i + 2];
+  double *v0 = numbers(n), *u[2] = {numbers(n), numbers(n)}, *v[2] = {numbers(n), numbers(n)},
+         error[2][2];
+  for (int i = 0; i < p.node_count; i++)
+    v0[3 * i] = sin(3.0 * p.reference[3 * i]),
+           v0[3 * i + 1] = 0.3 * cos(3.0 * p.reference[3 * i + 1]) + p.reference[3 * i + 2];
   p.initial_velocity = v0;
   steps += steps % 2;
   vibrate(&p, 64 * steps, 1, u[0], v[0]);
   for (int k = 0; k < 2; k++) {
     vibrate(&p, (4 * steps) << k, 3, u[1], v[1]);
-    error[0][k] = largest_difference(u[0], u[1], n), error[1][k] = largest_difference(v[0], v[1], n);
+    error[0][k] = largest_difference(u[0], u[1], n),
+    error[1][k] = largest_difference(v[0], v[1], n);
   }
-  double got[2] = {log(error[0][0] / error[0][1]) / log(2.0), log(error[1][0] / error[1][1]) / log(2.0)}, least = scheme == CT_TCHAMWA_WIELGOSZ ? 0.9 : 1.9;
-  tap_ok(got[0] > least && got[1] > least, "%s: a third of the step from half of the way on leaves the order, %.3f and %.3f", ct_scheme_name(scheme), got[0], got[1]);
+  double got[2] = {log(error[0][0] / error[0][1]) / log(2.0),
+                   log(error[1][0] / error[1][1]) / log(2.0)},
+         least = scheme == CT_TCHAMWA_WIELGOSZ ? 0.9 : 1.9;
+  tap_ok(got[0] > least && got[1] > least,
+         "%s: a third of the step from half of the way on leaves the order, %.3f and %.3f",
+         ct_scheme_name(scheme), got[0], got[1]);
   double *all[] = {v0, u[0], u[1], v[0], v[1]};
   for (int i = 0; i < 5; i++) free(all[i]);
   ct_scene_free(scene);
   ct_mesh_free(m);
 }
 
-/* Two bodies that meet askew with friction, a weight with damping, a moving support; what they have and what was done to them. */
+/* Two bodies that meet askew with friction, a weight with damping, a moving support; what they have
+ * and what was done to them. */
 typedef struct books {
   double momentum[3], impulse[3], work, balance, external, strain;
 } books;
 
 static books read_books(const ct_problem *p, ct_state *state)
 {
-  books b = {.balance = energy_of(p, state).balance, .external = energy_of(p, state).external, .strain = energy_of(p, state).strain};
+  books b = {.balance = energy_of(p, state).balance,
+             .external = energy_of(p, state).external,
+             .strain = energy_of(p, state).strain};
   ct_error e;
   for (int k = 0; k < p->effect_count; k++) {
     double work, impulse[3] = {0.0, 0.0, 0.0};
@@ -123,7 +146,8 @@ static books read_books(const ct_problem *p, ct_state *state)
 
 static void meeting(ct_scheme scheme, ct_enforcement enforcement)
 {
-  ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 3, 2, 3), *b = box_mesh(CT_HEX8, 0, 0.125, 0.25, 1.25, 0.75, 1, 4, 3, 2);
+  ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 3, 2, 3),
+          *b = box_mesh(CT_HEX8, 0, 0.125, 0.25, 1.25, 0.75, 1, 4, 3, 2);
   ct_scene *scene = new_scene();
   add_body(scene, "a", a, &SOFT, CT_KERNEL_AUTO, 0.5, 0.0625, -0.125);
   add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, -0.25, 0, 0.25);
@@ -134,7 +158,11 @@ static void meeting(ct_scheme scheme, ct_enforcement enforcement)
   add_weight(scene, (weight){.g = {0.1, 0.2, -0.3}, .damping = 0.2, .pull = 0.5, .period = 0.4});
   int64_t steps;
   ct_stable_step stable;
-  ct_problem coarse = *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .threads = 1, .integrator = ct_integrator_default(scheme)}, &steps, &stable);
+  ct_problem coarse = *build(
+      scene,
+      (ct_scene_time){
+          .end = 1.0, .fraction = 0.7, .threads = 1, .integrator = ct_integrator_default(scheme)},
+      &steps, &stable);
   ct_problem fine = with_step(&coarse, coarse.dt / 3.0);
   ct_state *state = new_state(&coarse);
   books start = read_books(&coarse, state), before, after, end;
@@ -144,17 +172,27 @@ static void meeting(ct_scheme scheme, ct_enforcement enforcement)
   before = read_books(&coarse, state);
   ct_state *rest = refined(&fine, state);
   after = read_books(&fine, rest);
-  change = worst(worst(change, after.balance - before.balance), memcmp(rest->displacement, state->displacement, 3 * (size_t)coarse.node_count * sizeof(double)) != 0);
+  change = worst(worst(change, after.balance - before.balance),
+                 memcmp(rest->displacement, state->displacement,
+                        3 * (size_t)coarse.node_count * sizeof(double)) != 0);
   change = worst(change, after.strain - before.strain);
-  // Momentum less impulse: contact forces that depend on the coming step change a little, and their impulse with them.
-  for (int c = 0; c < 3; c++) change = worst(change, (after.momentum[c] - after.impulse[c]) - (before.momentum[c] - before.impulse[c]));
+  // Momentum less impulse: contact forces that depend on the coming step change a little, and their
+  // impulse with them.
+  for (int c = 0; c < 3; c++)
+    change = worst(change, (after.momentum[c] - after.impulse[c]) -
+                               (before.momentum[c] - before.impulse[c]));
   advance(&fine, rest, 150);
   end = read_books(&fine, rest);
   closes = worst(closes, end.balance - size);
-  for (int c = 0; c < 3; c++) closes = worst(closes, (end.momentum[c] - end.impulse[c]) - (start.momentum[c] - start.impulse[c]));
-  tap_ok(change < 1e-13 * size && closes < 1e-12 * size && fabs(after.work - before.work) < 2e-3 * size,
-         "%s, %s: balance and momentum do not notice the change (%.2g) and close after it (%.2g); the work of all effects moves by %.2g", ct_scheme_name(scheme),
-         ct_enforcement_name(enforcement), change / size, closes / size, (after.work - before.work) / size);
+  for (int c = 0; c < 3; c++)
+    closes =
+        worst(closes, (end.momentum[c] - end.impulse[c]) - (start.momentum[c] - start.impulse[c]));
+  tap_ok(change < 1e-13 * size && closes < 1e-12 * size &&
+             fabs(after.work - before.work) < 2e-3 * size,
+         "%s, %s: balance and momentum do not notice the change (%.2g) and close after it (%.2g); "
+         "the work of all effects moves by %.2g",
+         ct_scheme_name(scheme), ct_enforcement_name(enforcement), change / size, closes / size,
+         (after.work - before.work) / size);
   ct_state_free(state);
   ct_state_free(rest);
   ct_scene_free(scene);
@@ -169,22 +207,32 @@ static void refusals(void)
   add_body(scene, "body", mesh, &SOFT, CT_KERNEL_AUTO, 0.1, 0, 0);
   int64_t steps;
   ct_stable_step stable;
-  ct_problem p = *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
-  ct_problem larger = with_step(&p, 2.0 * p.dt), odd = with_step(&p, p.dt / 1.5), other = with_step(&p, 0.5 * p.dt);
+  ct_problem p =
+      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  ct_problem larger = with_step(&p, 2.0 * p.dt), odd = with_step(&p, p.dt / 1.5),
+             other = with_step(&p, 0.5 * p.dt);
   other.integrator = ct_integrator_default(CT_CHUNG_LEE);
-  ct_state *state = new_state(&p), *to[3] = {new_state(&larger), new_state(&odd), new_state(&other)}, *same = new_state(&p);
+  ct_state *state = new_state(&p),
+           *to[3] = {new_state(&larger), new_state(&odd), new_state(&other)}, *same = new_state(&p);
   ct_error e = {0};
   const ct_problem *problem[3] = {&larger, &odd, &other};
   int refused = 0;
-  for (int i = 0; i < 3; i++) refused += ct_state_refine(problem[i], state, to[i], &e) == CT_ERROR_ARGUMENT && e.text[0] != 0;
+  for (int i = 0; i < 3; i++)
+    refused += ct_state_refine(problem[i], state, to[i], &e) == CT_ERROR_ARGUMENT && e.text[0] != 0;
   refused += ct_state_refine(&p, state, state, &e) == CT_ERROR_ARGUMENT;
-  refused += ct_state_refine(&p, NULL, same, &e) == CT_ERROR_ARGUMENT && ct_state_refine(&p, state, to[0], NULL) == CT_ERROR_ARGUMENT;
-  tap_ok(refused == 5, "larger steps, odd parts, another integrator, null and another problem's state are refused: %s", e.text);
+  refused += ct_state_refine(&p, NULL, same, &e) == CT_ERROR_ARGUMENT &&
+             ct_state_refine(&p, state, to[0], NULL) == CT_ERROR_ARGUMENT;
+  tap_ok(refused == 5,
+         "larger steps, odd parts, another integrator, null and another problem's state are "
+         "refused: %s",
+         e.text);
   advance(&p, state, 9);
   need(ct_state_refine(&p, state, same, &e), &e);
   advance(&p, state, 9);
   advance(&p, same, 9);
-  tap_ok(memcmp(state->velocity, same->velocity, 3 * (size_t)p.node_count * sizeof(double)) == 0 && state->step == same->step, "with the same step it is a copy");
+  tap_ok(memcmp(state->velocity, same->velocity, 3 * (size_t)p.node_count * sizeof(double)) == 0 &&
+             state->step == same->step,
+         "with the same step it is a copy");
   for (int i = 0; i < 3; i++) ct_state_free(to[i]);
   ct_state_free(state);
   ct_state_free(same);
@@ -197,7 +245,8 @@ int main(void)
   falling();
   for (int scheme = 0; scheme < 4; scheme++) order((ct_scheme)scheme);
   for (int scheme = 0; scheme < 4; scheme++)
-    for (int enforcement = 0; enforcement < 4; enforcement++) meeting((ct_scheme)scheme, (ct_enforcement)enforcement);
+    for (int enforcement = 0; enforcement < 4; enforcement++)
+      meeting((ct_scheme)scheme, (ct_enforcement)enforcement);
   refusals();
   return tap_done();
 }

@@ -11,7 +11,8 @@ typedef struct plates {
 
 static plates two_plates(double beta)
 {
-  plates p = {new_scene(), box_mesh(CT_HEX8, -1, 0, 0, 1, 0.25, 1, 4, 1, 4), box_mesh(CT_HEX8, 0, 0, 0, 1, 0.25, 1, 4, 1, 4)};
+  plates p = {new_scene(), box_mesh(CT_HEX8, -1, 0, 0, 1, 0.25, 1, 4, 1, 4),
+              box_mesh(CT_HEX8, 0, 0, 0, 1, 0.25, 1, 4, 1, 4)};
   add_body(p.scene, "left", p.left, &STEEL, CT_KERNEL_AUTO, 1000, 0, 0);
   add_body(p.scene, "right", p.right, &STEEL, CT_KERNEL_AUTO, -1000, 0, 0);
   if (beta > 0.0) add_contact(p.scene, 0, p.left, 0.0, 1, p.right, 0.0, 0, beta);
@@ -25,14 +26,16 @@ static void close_plates(plates *p)
   ct_mesh_free(p->right);
 }
 
-static void not_built(ct_scene *scene, ct_scene_time time, ct_status want, const char *word, const char *what)
+static void not_built(ct_scene *scene, ct_scene_time time, ct_status want, const char *word,
+                      const char *what)
 {
   const ct_problem *problem = NULL;
   int64_t steps = -1;
   ct_stable_step stable;
   ct_error e = {0};
   ct_status status = ct_scene_build(scene, &time, &problem, &steps, &stable, &e);
-  tap_ok(status == want && e.code == want && strstr(e.text, word) != NULL && problem == NULL, "%s: refused, %s", what, e.text);
+  tap_ok(status == want && e.code == want && strstr(e.text, word) != NULL && problem == NULL,
+         "%s: refused, %s", what, e.text);
 }
 
 static void times(void)
@@ -44,24 +47,34 @@ static void times(void)
   const ct_problem *problem = build(p.scene, t, &steps, &stable);
   double asked = 0.125 * stable.dt_courant, c1, c2;
   ct_material_speeds(&STEEL, &c1, &c2);
-  tap_close(stable.dt_courant / (0.25 / c1), 1.0, 1e-13, "Courant number 1 is the shortest edge over c1");
-  tap_close((double)steps * problem->dt, 1e-6, 1e-20, "%d steps end where the scene ends", (int)steps);
-  tap_ok(problem->dt <= asked * (1 + 1e-8) && 1e-6 / (double)(steps - 1) > asked, "%d steps are the fewest: dt is %.6f of the asked one", (int)steps, problem->dt / asked);
-  tap_ok(stable.dt < stable.dt_without_contact && stable.dt_without_contact < stable.dt_courant, "the contact lowers the stable step, and it is below Courant number 1");
+  tap_close(stable.dt_courant / (0.25 / c1), 1.0, 1e-13,
+            "Courant number 1 is the shortest edge over c1");
+  tap_close((double)steps * problem->dt, 1e-6, 1e-20, "%d steps end where the scene ends",
+            (int)steps);
+  tap_ok(problem->dt <= asked * (1 + 1e-8) && 1e-6 / (double)(steps - 1) > asked,
+         "%d steps are the fewest: dt is %.6f of the asked one", (int)steps, problem->dt / asked);
+  tap_ok(stable.dt < stable.dt_without_contact && stable.dt_without_contact < stable.dt_courant,
+         "the contact lowers the stable step, and it is below Courant number 1");
   double eps = 0.0;
-  tap_ok(ct_scene_contact_epsilon(p.scene, 0, &eps) == CT_OK && fabs(eps / (4.0 * 2.1e5 / 0.25) - 1.0) < 1e-13, "eps = beta E / h");
-  tap_ok(ct_scene_contact_epsilon(p.scene, 1, &eps) == CT_ERROR_ARGUMENT && ct_scene_contact_epsilon(p.scene, -1, &eps) == CT_ERROR_ARGUMENT, "there is no second contact");
+  tap_ok(ct_scene_contact_epsilon(p.scene, 0, &eps) == CT_OK &&
+             fabs(eps / (4.0 * 2.1e5 / 0.25) - 1.0) < 1e-13,
+         "eps = beta E / h");
+  tap_ok(ct_scene_contact_epsilon(p.scene, 1, &eps) == CT_ERROR_ARGUMENT &&
+             ct_scene_contact_epsilon(p.scene, -1, &eps) == CT_ERROR_ARGUMENT,
+         "there is no second contact");
 
   t.courant = 0.0, t.fraction = 1.0;
   problem = build(p.scene, t, &steps, &stable);
-  tap_ok(problem->dt <= stable.dt && problem->dt > 0.5 * stable.dt, "the whole stable step may be asked for");
+  tap_ok(problem->dt <= stable.dt && problem->dt > 0.5 * stable.dt,
+         "the whole stable step may be asked for");
   t.fraction = 0.0, t.dt = stable.dt / 3.0, t.end = stable.dt / 3.0 * 17.0;
   problem = build(p.scene, t, &steps, &stable);
   tap_ok(steps == 17, "17 times dt are 17 steps, not 18 (%d)", (int)steps);
 
   t = (ct_scene_time){.end = 1e-6, .courant = 0.125, .threads = 1};
   bad = t, bad.courant = 0.99;
-  not_built(p.scene, bad, CT_ERROR_STEP, "above the stable step", "a Courant number above the stable one");
+  not_built(p.scene, bad, CT_ERROR_STEP, "above the stable step",
+            "a Courant number above the stable one");
   bad = t, bad.courant = 0.0, bad.fraction = 1.01;
   not_built(p.scene, bad, CT_ERROR_STEP, "above the stable step", "1.01 of the stable step");
   bad = t, bad.courant = 0.0, bad.dt = INFINITY;
@@ -81,7 +94,8 @@ static void times(void)
   bad = t, bad.courant = 1e-20;
   not_built(p.scene, bad, CT_ERROR_ARGUMENT, "steps", "more steps than can be counted");
   tap_ok(build(p.scene, t, &steps, &stable) != NULL, "after all that the scene still builds");
-  tap_ok(ct_scene_build(NULL, &t, &problem, &steps, &stable, NULL) == CT_ERROR_ARGUMENT && ct_scene_build(p.scene, NULL, &problem, &steps, &stable, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_scene_build(NULL, &t, &problem, &steps, &stable, NULL) == CT_ERROR_ARGUMENT &&
+             ct_scene_build(p.scene, NULL, &problem, &steps, &stable, NULL) == CT_ERROR_ARGUMENT,
          "null arguments are refused");
   close_plates(&p);
 
@@ -91,12 +105,15 @@ static void times(void)
   ct_scene_free(NULL);
 }
 
-static void no_body(const ct_mesh *m, ct_material material, ct_lumping lumping, ct_solid_kernel kernel, double vx, ct_status want, const char *word, const char *what)
+static void no_body(const ct_mesh *m, ct_material material, ct_lumping lumping,
+                    ct_solid_kernel kernel, double vx, ct_status want, const char *word,
+                    const char *what)
 {
   ct_scene *scene = new_scene();
   double velocity[3] = {vx, 0, 0};
   ct_error e = {0};
-  ct_status status = ct_scene_add_body(scene, "plate", m, &material, lumping, kernel, velocity, NULL, &e);
+  ct_status status =
+      ct_scene_add_body(scene, "plate", m, &material, lumping, kernel, velocity, NULL, &e);
   if (status == CT_OK) {
     // What only shows when masses and forces are made.
     const ct_problem *problem = NULL;
@@ -105,49 +122,61 @@ static void no_body(const ct_mesh *m, ct_material material, ct_lumping lumping, 
     ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
     status = ct_scene_build(scene, &t, &problem, &steps, &stable, &e);
   }
-  tap_ok(status == want && e.code == want && e.body == 0 && strstr(e.text, word) != NULL, "%s: refused, %s", what, e.text);
+  tap_ok(status == want && e.code == want && e.body == 0 && strstr(e.text, word) != NULL,
+         "%s: refused, %s", what, e.text);
   ct_scene_free(scene);
 }
 
 static void bodies(void)
 {
-  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1), *q = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 2, 1, 1);
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1),
+          *q = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 2, 1, 1);
   ct_material bad = STEEL;
   bad.density = -7.8e-9;
-  no_body(m, bad, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_ARGUMENT, "density", "a negative density");
+  no_body(m, bad, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_ARGUMENT, "density",
+          "a negative density");
   bad = STEEL, bad.poisson = 0.5;
   no_body(m, bad, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_ARGUMENT, "Poisson", "nu = 1/2");
   bad = STEEL, bad.young = 0.0;
   no_body(m, bad, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_ARGUMENT, "Young", "no stiffness");
-  no_body(m, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, NAN, CT_INVALID, "velocity", "a velocity that is NaN");
-  no_body(q, STEEL, CT_LUMP_ROW_SUM, CT_KERNEL_AUTO, 0, CT_ERROR_UNSUPPORTED, "negative mass", "row sum of hex20");
+  no_body(m, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, NAN, CT_INVALID, "velocity",
+          "a velocity that is NaN");
+  no_body(q, STEEL, CT_LUMP_ROW_SUM, CT_KERNEL_AUTO, 0, CT_ERROR_UNSUPPORTED, "negative mass",
+          "row sum of hex20");
   q->nodes[3 * q->elements[8]] += 1e-3;
-  no_body(q, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_BOX, 0, CT_ERROR_UNSUPPORTED, "box kernel", "the box kernel for a curved edge");
+  no_body(q, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_BOX, 0, CT_ERROR_UNSUPPORTED, "box kernel",
+          "the box kernel for a curved edge");
   double keep = m->nodes[3];
   m->nodes[3] = 0.6 + 2.0;
-  no_body(m, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_GEOMETRY, "element 1 is inverted", "an inverted element");
+  no_body(m, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_GEOMETRY, "element 1 is inverted",
+          "an inverted element");
   m->nodes[3] = NAN;
   no_body(m, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_INVALID, "node 1", "a NaN in the nodes");
   m->nodes[3] = keep;
   m->elements[3] = 900;
-  no_body(m, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_ARGUMENT, "node 900", "a node that does not exist");
+  no_body(m, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_ARGUMENT, "node 900",
+          "a node that does not exist");
   ct_mesh_free(m);
   ct_mesh_free(q);
 
   // A node that no element uses has no mass.
   ct_mesh *loose = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1);
   loose->element_count = 1;
-  no_body(loose, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_GEOMETRY, "no element", "a node without element");
+  no_body(loose, STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, 0, CT_ERROR_GEOMETRY, "no element",
+          "a node without element");
   ct_mesh_free(loose);
 
   ct_scene *scene = new_scene();
   double velocity[3] = {0, 0, 0};
-  tap_ok(ct_scene_add_body(scene, NULL, NULL, &STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, velocity, NULL, NULL) == CT_ERROR_ARGUMENT && ct_scene_create(NULL, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_scene_add_body(scene, NULL, NULL, &STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, velocity,
+                           NULL, NULL) == CT_ERROR_ARGUMENT &&
+             ct_scene_create(NULL, NULL) == CT_ERROR_ARGUMENT,
          "null arguments are refused");
   ct_scene_free(scene);
 }
 
-static void contact_refused(plates *p, ct_scene_contact c, int at_build, ct_status want, const char *word, const char *what)
+static void contact_refused(plates *p, ct_scene_contact c, int at_build, ct_status want,
+                            const char *word, const char *what)
 {
   ct_error e = {0};
   ct_status status = ct_scene_add_contact(p->scene, &c, &e);
@@ -158,18 +187,30 @@ static void contact_refused(plates *p, ct_scene_contact c, int at_build, ct_stat
     ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
     status = ct_scene_build(p->scene, &t, &problem, &steps, &stable, &e);
   }
-  tap_ok(status == want && e.code == want && strstr(e.text, word) != NULL, "%s: refused, %s", what, e.text);
+  tap_ok(status == want && e.code == want && strstr(e.text, word) != NULL, "%s: refused, %s", what,
+         e.text);
 }
 
 static void contacts(void)
 {
   plates p = two_plates(0.0);
   int32_t fa[64], fb[64], wrong[64];
-  ct_scene_contact good = {0, 1, ct_mesh_plane_faces(p.left, 0, 0.0, fa, NULL), ct_mesh_plane_faces(p.right, 0, 0.0, fb, NULL), fa, fb, 4.0, ct_contact_options_default(), 0.0, 0.0}, c;
+  ct_scene_contact good = {0,
+                           1,
+                           ct_mesh_plane_faces(p.left, 0, 0.0, fa, NULL),
+                           ct_mesh_plane_faces(p.right, 0, 0.0, fb, NULL),
+                           fa,
+                           fb,
+                           4.0,
+                           ct_contact_options_default(),
+                           0.0,
+                           0.0},
+                   c;
   c = good, c.options.epsilon = 1.0;
   contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either beta or epsilon", "both beta and epsilon");
   c = good, c.beta = 0.0;
-  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either beta or epsilon", "neither beta nor epsilon");
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either beta or epsilon",
+                  "neither beta nor epsilon");
   c = good, c.beta = -4.0;
   contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either beta or epsilon", "a negative beta");
   c = good, c.beta = NAN;
@@ -215,13 +256,17 @@ static void supports(void)
   ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
   tap_ok(p.right->node_count == 50, "each plate has 50 nodes");
   s = good, s.body = 7;
-  tap_ok(ct_scene_add_support(p.scene, &s, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "no body 7") != NULL, "a body that does not exist: refused, %s", e.text);
+  tap_ok(ct_scene_add_support(p.scene, &s, &e) == CT_ERROR_ARGUMENT &&
+             strstr(e.text, "no body 7") != NULL,
+         "a body that does not exist: refused, %s", e.text);
   s = good, s.node_count = 0;
-  tap_ok(ct_scene_add_support(p.scene, &s, &e) == CT_ERROR_ARGUMENT, "no nodes: refused, %s", e.text);
+  tap_ok(ct_scene_add_support(p.scene, &s, &e) == CT_ERROR_ARGUMENT, "no nodes: refused, %s",
+         e.text);
   for (int k = 0; k < 2; k++) {
     s = good, s.body = k == 0 ? 1 : 0, s.nodes = k == 0 ? negative : beyond, s.node_count = 1;
     ct_status status = ct_scene_add_support(p.scene, &s, &e);
-    tap_ok(status == CT_ERROR_ARGUMENT && strstr(e.text, "node") != NULL, "node %d of a body with nodes 0 to 49: refused, %s", (int)s.nodes[0], e.text);
+    tap_ok(status == CT_ERROR_ARGUMENT && strstr(e.text, "node") != NULL,
+           "node %d of a body with nodes 0 to 49: refused, %s", (int)s.nodes[0], e.text);
     if (status == CT_OK) break;
   }
   close_plates(&p);
@@ -250,7 +295,8 @@ static void built_twice(void)
   build(p.scene, t, &steps, &before);
   for (int k = 0; k < 3; k++) add_contact(p.scene, 0, p.left, 0.0, 1, p.right, 0.0, 0, 4.0);
   const ct_problem *problem = build(p.scene, t, &steps, &after);
-  tap_ok(problem->effect_count == 5 && after.dt < before.dt, "three more contacts after a build: five effects and a smaller stable step");
+  tap_ok(problem->effect_count == 5 && after.dt < before.dt,
+         "three more contacts after a build: five effects and a smaller stable step");
   add_support(p.scene, 0, p.left, 0, -1.0, "xyz", 0.0);
   problem = build(p.scene, t, &steps, &after);
   tap_ok(problem->effect_count == 6 && problem->inverse_mass[0] == 0.0, "and a support after that");
@@ -274,43 +320,58 @@ static void contents(void)
   add_body(p.scene, name, far, &STEEL, CT_KERNEL_AUTO, 1, 2, 3);
   const ct_problem *problem = build(p.scene, t, &steps, &stable);
   double mass = 0.0;
-  int right = problem->node_count == 120 && problem->body_count == 3 && problem->bodies[1].first_node == 50 && problem->bodies[2].first_node == 100;
+  int right = problem->node_count == 120 && problem->body_count == 3 &&
+              problem->bodies[1].first_node == 50 && problem->bodies[2].first_node == 100;
   for (int n = 0; n < 120; n++) {
-    const double *v = &problem->initial_velocity[3 * n], *x = n < 50 ? &p.left->nodes[3 * n] : n < 100 ? &p.right->nodes[3 * (n - 50)] : &far->nodes[3 * (n - 100)];
-    right &= v[0] == (n < 50 ? 1000 : n < 100 ? -1000 : 1) && v[2] == (n < 100 ? 0 : 3) && memcmp(x, &problem->reference[3 * n], 24) == 0;
+    const double *v = &problem->initial_velocity[3 * n], *x = n < 50 ? &p.left->nodes[3 * n]
+                                                              : n < 100
+                                                                  ? &p.right->nodes[3 * (n - 50)]
+                                                                  : &far->nodes[3 * (n - 100)];
+    right &= v[0] == (n < 50    ? 1000
+                      : n < 100 ? -1000
+                                : 1) &&
+             v[2] == (n < 100 ? 0 : 3) && memcmp(x, &problem->reference[3 * n], 24) == 0;
     mass += problem->mass[n];
   }
   tap_ok(right, "nodes, coordinates and velocities of three bodies stand one after another");
   tap_close(mass / (7.8e-9 * (0.25 + 0.25 + 1.0)), 1.0, 1e-13, "their masses add up");
-  tap_ok(strcmp(problem->bodies[0].name, "left") == 0 && strlen(problem->bodies[2].name) == 63, "names are kept, long ones cut");
-  tap_ok(strcmp(problem->effects[0]->name, "solid") == 0 && strcmp(problem->effects[1]->name, "contact") == 0 && problem->effect_count == 2,
+  tap_ok(strcmp(problem->bodies[0].name, "left") == 0 && strlen(problem->bodies[2].name) == 63,
+         "names are kept, long ones cut");
+  tap_ok(strcmp(problem->effects[0]->name, "solid") == 0 &&
+             strcmp(problem->effects[1]->name, "contact") == 0 && problem->effect_count == 2,
          "two effects, and none that was not asked for");
   ct_mesh_free(far);
   close_plates(&p);
 }
 
-/* A spring on all nodes or a dashpot on some, to be an effect of the caller's own: force -c times displacement or velocity. */
+/* A spring on all nodes or a dashpot on some, to be an effect of the caller's own: force -c times
+ * displacement or velocity. */
 typedef struct own_data {
   double c, bound;
   int *freed;
 } own_data;
 
-static ct_status spring_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status spring_force(const ct_effect *effect, const ct_view *view, double *force,
+                              ct_error *error)
 {
   (void)error;
-  for (int d = 0; d < 3 * effect->node_count; d++) force[d] = -((own_data *)effect->data)->c * view->displacement[d];
+  for (int d = 0; d < 3 * effect->node_count; d++)
+    force[d] = -((own_data *)effect->data)->c * view->displacement[d];
   return CT_OK;
 }
 
-static ct_status dashpot_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status dashpot_force(const ct_effect *effect, const ct_view *view, double *force,
+                               ct_error *error)
 {
   (void)error;
   for (int i = 0; i < effect->node_count; i++)
-    for (int c = 0; c < 3; c++) force[3 * i + c] = -((own_data *)effect->data)->c * view->velocity[3 * effect->nodes[i] + c];
+    for (int c = 0; c < 3; c++)
+      force[3 * i + c] = -((own_data *)effect->data)->c * view->velocity[3 * effect->nodes[i] + c];
   return CT_OK;
 }
 
-static ct_status own_bound(const ct_effect *effect, const ct_view *view, double *bound, ct_error *error)
+static ct_status own_bound(const ct_effect *effect, const ct_view *view, double *bound,
+                           ct_error *error)
 {
   (void)view, (void)error;
   *bound = ((own_data *)effect->data)->bound;
@@ -333,7 +394,13 @@ static void own_effects(void)
   static const int32_t nodes[2] = {0, 7}, outside[2] = {0, 100}, unsorted[2] = {7, 7};
   plates p = two_plates(4.0);
   own_data data = {3.0, 5e7, &freed};
-  ct_effect filled = {.name = "dashpot", .data = &data, .nodes = nodes, .node_count = 2, .force = dashpot_force, .damping = own_bound, .free_data = own_freed};
+  ct_effect filled = {.name = "dashpot",
+                      .data = &data,
+                      .nodes = nodes,
+                      .node_count = 2,
+                      .force = dashpot_force,
+                      .damping = own_bound,
+                      .free_data = own_freed};
   ct_effect *effect = NULL;
   ct_error e = {0};
   const ct_problem *joined = NULL;
@@ -342,15 +409,21 @@ static void own_effects(void)
   ct_stable_step without, with;
   build(p.scene, t, &steps, &without);
   need(ct_scene_join(p.scene, &joined, &e), &e);
-  tap_ok(joined->node_count == 100 && joined->mass[0] > 0.0, "a joined scene has its nodes and masses");
-  tap_ok(ct_scene_add_body(p.scene, "late", p.left, &STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, joined->initial_velocity, NULL, &e) == CT_ERROR_ARGUMENT,
+  tap_ok(joined->node_count == 100 && joined->mass[0] > 0.0,
+         "a joined scene has its nodes and masses");
+  tap_ok(ct_scene_add_body(p.scene, "late", p.left, &STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO,
+                           joined->initial_velocity, NULL, &e) == CT_ERROR_ARGUMENT,
          "no body after that: %s", e.text);
   need(ct_effect_create(&filled, &effect, &e), &e);
-  tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_OK, "an effect of the caller's own is taken");
+  tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_OK,
+         "an effect of the caller's own is taken");
   const ct_problem *problem = build(p.scene, t, &steps, &with);
-  tap_ok(problem->effect_count == 3 && strcmp(problem->effects[2]->name, "dashpot") == 0, "it stands behind the contacts");
+  tap_ok(problem->effect_count == 3 && strcmp(problem->effects[2]->name, "dashpot") == 0,
+         "it stands behind the contacts");
   double W = 4.0 / (without.dt * without.dt), D = 5e7;
-  tap_close(with.dt / ((sqrt(D * D + 4 * W) - D) / W), 1.0, 1e-12, "its damping lowers the stable step to the root of 4 - 2 D dt - W dt^2 (%g of it)", with.dt / without.dt);
+  tap_close(with.dt / ((sqrt(D * D + 4 * W) - D) / W), 1.0, 1e-12,
+            "its damping lowers the stable step to the root of 4 - 2 D dt - W dt^2 (%g of it)",
+            with.dt / without.dt);
   ct_state *state = NULL;
   double omega_squared[3], rate[3], sum = 0.0;
   need(ct_state_create(problem, &state, &e), &e);
@@ -359,8 +432,10 @@ static void own_effects(void)
     sum += omega_squared[k];
   }
   tap_close(sum / W, 1.0, 1e-12, "the effects' shares of the bound add up");
-  tap_ok(rate[0] == 0.0 && rate[1] == 0.0 && rate[2] == D && omega_squared[2] == 0.0, "the dashpot alone damps, and has no stiffness");
-  tap_ok(ct_stable_share(problem, state, 3, omega_squared, rate, &e) == CT_ERROR_ARGUMENT, "there is no fourth share: %s", e.text);
+  tap_ok(rate[0] == 0.0 && rate[1] == 0.0 && rate[2] == D && omega_squared[2] == 0.0,
+         "the dashpot alone damps, and has no stiffness");
+  tap_ok(ct_stable_share(problem, state, 3, omega_squared, rate, &e) == CT_ERROR_ARGUMENT,
+         "there is no fourth share: %s", e.text);
   need(ct_step(problem, state, &e), &e);
   tap_ok(state->effect_seconds[0] == 0.0, "without a clock nothing is measured");
   ct_state_free(state);
@@ -370,22 +445,26 @@ static void own_effects(void)
   need(ct_step_many(problem, state, 5, &e), &e);
   int each_once = state->effect_seconds[3] == 5.0;
   for (int k = 0; k < 3; k++) each_once &= state->effect_seconds[k] == 6.0;
-  tap_ok(each_once, "a clock that counts its calls finds 5 in the rest of 5 steps and 6 in each effect, as the first forces are asked twice where one goes with velocity");
+  tap_ok(each_once, "a clock that counts its calls finds 5 in the rest of 5 steps and 6 in each "
+                    "effect, as the first forces are asked twice where one goes with velocity");
   ct_state_free(state);
   tap_ok(freed == 0, "building twice keeps it");
   filled.nodes = outside;
   need(ct_effect_create(&filled, &effect, &e), &e);
-  tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_ERROR_ARGUMENT && freed == 1, "nodes outside: refused and freed, %s", e.text);
+  tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_ERROR_ARGUMENT && freed == 1,
+         "nodes outside: refused and freed, %s", e.text);
   filled.nodes = unsorted;
-  tap_ok(ct_effect_create(&filled, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "ascending"), "nodes not ascending: %s", e.text);
+  tap_ok(ct_effect_create(&filled, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "ascending"),
+         "nodes not ascending: %s", e.text);
   filled.nodes = nodes, filled.force = NULL;
-  tap_ok(ct_effect_create(&filled, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "force"), "no force: %s", e.text);
+  tap_ok(ct_effect_create(&filled, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "force"),
+         "no force: %s", e.text);
   close_plates(&p);
   tap_ok(freed == 2, "the scene frees it once");
 }
 
-/* One step factor: how far a spring with a dashpot swings after 20000 steps of `factor` times the bound of eq.
- * damped-step-bound. */
+/* One step factor: how far a spring with a dashpot swings after 20000 steps of `factor` times the
+ * bound of eq. damped-step-bound. */
 static double swing(double factor, double w, double d)
 {
   static const int32_t nodes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -394,13 +473,31 @@ static double swing(double factor, double w, double d)
   for (int i = 0; i < 8; i++) mass[i] = 2.0;
   for (int i = 0; i < 24; i++) inverse[i] = 0.5;
   own_data spring = {2.0 * w, w, &freed}, dashpot = {2.0 * d, d, &freed};
-  ct_effect one = {.name = "spring", .data = &spring, .node_count = 8, .force = spring_force, .frequency = own_bound};
-  ct_effect two = {.name = "dashpot", .data = &dashpot, .nodes = nodes, .node_count = 8, .force = dashpot_force, .damping = own_bound};
+  ct_effect one = {.name = "spring",
+                   .data = &spring,
+                   .node_count = 8,
+                   .force = spring_force,
+                   .frequency = own_bound};
+  ct_effect two = {.name = "dashpot",
+                   .data = &dashpot,
+                   .nodes = nodes,
+                   .node_count = 8,
+                   .force = dashpot_force,
+                   .damping = own_bound};
   const ct_effect *effects[2] = {&one, &two};
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_body body = {.name = "mass", .mesh = mesh, .material = STEEL};
-  ct_problem problem = {.node_count = 8, .body_count = 1, .bodies = &body, .reference = mesh->nodes, .mass = mass, .inverse_mass = inverse,
-                        .initial_velocity = velocity, .effect_count = 2, .effects = effects, .dt = 1.0, .threads = 1};
+  ct_problem problem = {.node_count = 8,
+                        .body_count = 1,
+                        .bodies = &body,
+                        .reference = mesh->nodes,
+                        .mass = mass,
+                        .inverse_mass = inverse,
+                        .initial_velocity = velocity,
+                        .effect_count = 2,
+                        .effects = effects,
+                        .dt = 1.0,
+                        .threads = 1};
   ct_stable_step stable;
   ct_error e = {0};
   ct_state *state = NULL;
@@ -423,7 +520,9 @@ static void damped_limit(void)
   const double cases[][2] = {{1.0, 0.0}, {1.0, 0.1}, {1.0, 2.0}, {4.0, 30.0}, {1e-6, 1.0}};
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     double w = cases[i][0], d = cases[i][1], below = swing(0.999, w, d), above = swing(1.002, w, d);
-    tap_ok(below < 100.0 && above > 1e20, "spring %g and dashpot %g: bounded at 0.999 of the limit (%.3g), not at 1.002 (%.3g)", w, d, below, above);
+    tap_ok(below < 100.0 && above > 1e20,
+           "spring %g and dashpot %g: bounded at 0.999 of the limit (%.3g), not at 1.002 (%.3g)", w,
+           d, below, above);
   }
 }
 

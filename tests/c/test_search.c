@@ -1,9 +1,11 @@
-/* The search: its tree of boxes, its boxes of faces, its nearest faces, against looking at everything and against closed
- * forms. */
+/* The search: its tree of boxes, its boxes of faces, its nearest faces, against looking at
+ * everything and against closed forms. */
 #include "../../libcontact/src/search/search_internal.h"
 #include "bodies.h"
 
-/* -- The tree ---------------------------------------------------------------------------------------------------------- */
+/* -- The tree
+ * ----------------------------------------------------------------------------------------------------------
+ */
 
 static ct_bounds random_box(double spread, double size, int lattice)
 {
@@ -33,7 +35,10 @@ typedef struct items {
   double best;
 } items;
 
-static double distance(const items *all, int32_t item) { return ct_bounds_distance(&all->boxes[item], all->point) + all->extra[item]; }
+static double distance(const items *all, int32_t item)
+{
+  return ct_bounds_distance(&all->boxes[item], all->point) + all->extra[item];
+}
 
 static double visit(void *user, int32_t item)
 {
@@ -47,8 +52,10 @@ static double visit(void *user, int32_t item)
   return all->best * all->best;
 }
 
-/* Ask the tree for overlaps and nearest items, and compare with all boxes one by one; prints what was asked. */
-static void against_all(const ct_box_tree *tree, const ct_bounds *boxes, double *extra, int count, double spread, int lattice, const char *what)
+/* Ask the tree for overlaps and nearest items, and compare with all boxes one by one; prints what
+ * was asked. */
+static void against_all(const ct_box_tree *tree, const ct_bounds *boxes, double *extra, int count,
+                        double spread, int lattice, const char *what)
 {
   int32_t *found = integers(count);
   int wrong = 0, unlike = 0, asked = 0, queries = 300;
@@ -70,8 +77,11 @@ static void against_all(const ct_box_tree *tree, const ct_bounds *boxes, double 
     for (int i = 0; i < count; i++) visit(&all, i);
     unlike += tried.first != all.first || tried.best != all.best;
   }
-  tap_ok(wrong == 0, "%s: overlaps are those found by looking at all %d boxes, ascending", what, count);
-  tap_ok(unlike == 0, "%s: the nearest is the nearest of all, the first of equals (%.1f of %d looked at)", what, (double)asked / queries, count);
+  tap_ok(wrong == 0, "%s: overlaps are those found by looking at all %d boxes, ascending", what,
+         count);
+  tap_ok(unlike == 0,
+         "%s: the nearest is the nearest of all, the first of equals (%.1f of %d looked at)", what,
+         (double)asked / queries, count);
   free(found);
 }
 
@@ -91,7 +101,10 @@ static void random_boxes(int count, int lattice, const char *what)
   against_all(tree, boxes, extra, count, 50.0, lattice, what);
 
   // Boxes that move a little, are blown up, shrink: the tree follows.
-  static const struct { const char *name; double scale; } MOVE[] = {{"moved", 1.0}, {"1e6 times as large", 1e6}, {"1e-9 times as large", 1e-9}};
+  static const struct {
+    const char *name;
+    double scale;
+  } MOVE[] = {{"moved", 1.0}, {"1e6 times as large", 1e6}, {"1e-9 times as large", 1e-9}};
   for (int m = 0; m < 3; m++) {
     ct_bounds *moved = room(count, sizeof *moved);
     for (int i = 0; i < count; i++)
@@ -102,7 +115,8 @@ static void random_boxes(int count, int lattice, const char *what)
       }
     ct_box_tree_refit(tree, moved);
     snprintf(name, sizeof name, "%s, %s", what, MOVE[m].name);
-    against_all(tree, moved, extra, count, 50.0 * MOVE[m].scale, lattice && MOVE[m].scale >= 1.0, name);
+    against_all(tree, moved, extra, count, 50.0 * MOVE[m].scale, lattice && MOVE[m].scale >= 1.0,
+                name);
     free(moved);
   }
   ct_box_tree_free(tree);
@@ -112,7 +126,8 @@ static void random_boxes(int count, int lattice, const char *what)
 
 static void special_boxes(void)
 {
-  ct_bounds one = {{0, 0, 0}, {1, 1, 1}}, touching = {{1, 1, 1}, {2, 2, 2}}, apart = {{1.0000001, 0, 0}, {2, 1, 1}};
+  ct_bounds one = {{0, 0, 0}, {1, 1, 1}}, touching = {{1, 1, 1}, {2, 2, 2}},
+            apart = {{1.0000001, 0, 0}, {2, 1, 1}};
   double point[3] = {3, 0.5, 0.5}, zero[8] = {0};
   int32_t found[8];
   ct_box_tree *tree = NULL;
@@ -120,8 +135,10 @@ static void special_boxes(void)
   need(ct_box_tree_create(1, &tree, &e), &e);
   ct_box_tree_build(tree, &one);
   items all = {&one, point, zero, 0, -1, INFINITY};
-  tap_ok(ct_box_tree_overlaps(tree, &one, &touching, found, 8) == 1 && found[0] == 0, "boxes that touch overlap");
-  tap_ok(ct_box_tree_overlaps(tree, &one, &apart, found, 8) == 0, "boxes apart do not, by a ten-millionth");
+  tap_ok(ct_box_tree_overlaps(tree, &one, &touching, found, 8) == 1 && found[0] == 0,
+         "boxes that touch overlap");
+  tap_ok(ct_box_tree_overlaps(tree, &one, &apart, found, 8) == 0,
+         "boxes apart do not, by a ten-millionth");
   ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
   tap_ok(all.first == 0 && all.best == 2.0, "a tree of one item: distance 2");
   ct_box_tree_free(tree);
@@ -132,30 +149,36 @@ static void special_boxes(void)
   ct_box_tree_build(tree, same);
   all = (items){same, point, zero, 0, -1, INFINITY};
   ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
-  tap_ok(all.first == 0 && all.asked == 8, "of eight equal items all are looked at and the first is taken");
+  tap_ok(all.first == 0 && all.asked == 8,
+         "of eight equal items all are looked at and the first is taken");
   found[3] = 77;
-  tap_ok(ct_box_tree_overlaps(tree, same, &one, found, 3) == 8 && found[3] == 77, "with room for three, eight are counted and three written");
+  tap_ok(ct_box_tree_overlaps(tree, same, &one, found, 3) == 8 && found[3] == 77,
+         "with room for three, eight are counted and three written");
   ct_box_tree_free(tree);
 
   need(ct_box_tree_create(0, &tree, &e), &e);
   ct_box_tree_build(tree, &one);
   all.asked = 0;
   ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
-  tap_ok(ct_box_tree_overlaps(tree, &one, &one, found, 8) == 0 && all.asked == 0, "an empty tree finds nothing");
+  tap_ok(ct_box_tree_overlaps(tree, &one, &one, found, 8) == 0 && all.asked == 0,
+         "an empty tree finds nothing");
   ct_box_tree_free(tree);
   ct_box_tree_free(NULL);
 
   ct_bounds box = {{-1, -2, -3}, {1, 2, 3}};
   double inside[3] = {0.5, 1, -2}, corner[3] = {4, 6, 3 + 12}, face[3] = {0, -7, 0};
-  tap_ok(ct_bounds_distance(&box, inside) == 0 && ct_bounds_distance(&box, corner) == 13 && ct_bounds_distance(&box, face) == 5,
+  tap_ok(ct_bounds_distance(&box, inside) == 0 && ct_bounds_distance(&box, corner) == 13 &&
+             ct_bounds_distance(&box, face) == 5,
          "distance from a box: 0 inside, 13 = |(3, 4, 12)| off a corner, 5 off a face");
 }
 
-/* -- Boxes of curved faces ---------------------------------------------------------------------------------------------- */
+/* -- Boxes of curved faces
+ * ---------------------------------------------------------------------------------------------- */
 
 static void random_face(ct_face *face, ct_face_kind kind, double bend)
 {
-  static const double corner[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}};
+  static const double corner[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1},
+                                      {0, -1},  {1, 0},  {0, 1}, {-1, 0}};
   static const double triangle[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
   double axes[2][3] = {{1, uniform(0.5), uniform(0.5)}, {uniform(0.5), 1, uniform(0.5)}};
   face->kind = kind;
@@ -166,9 +189,13 @@ static void random_face(ct_face *face, ct_face_kind kind, double bend)
     }
 }
 
-static const struct { ct_face_kind kind; const char *name; } KIND[] = {{CT_Q4, "Q4"}, {CT_Q8, "Q8"}, {CT_T3, "T3"}, {CT_T6, "T6"}};
+static const struct {
+  ct_face_kind kind;
+  const char *name;
+} KIND[] = {{CT_Q4, "Q4"}, {CT_Q8, "Q8"}, {CT_T3, "T3"}, {CT_T6, "T6"}};
 
-/* The boxes of bent faces hold their points; how much larger than the points' own box is the box along the axes. */
+/* The boxes of bent faces hold their points; how much larger than the points' own box is the box
+ * along the axes. */
 static void face_boxes(int k)
 {
   int out = 0, far = 0, wide = 0;
@@ -176,14 +203,16 @@ static void face_boxes(int k)
   for (int trial = 0; trial < 300; trial++) {
     ct_face face;
     random_face(&face, KIND[k].kind, 0.4);
-    ct_bounds box = ct_face_bounds(&face), seen = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    ct_bounds box = ct_face_bounds(&face),
+              seen = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
     ct_oriented oriented;
     ct_oriented_init(&oriented, &face);
     double query[3] = {uniform(3.0), uniform(3.0), uniform(3.0)}, nearest = HUGE_VAL;
     for (int i = 0; i <= 20; i++)
       for (int j = 0; j <= 20; j++) {
         double xi[2] = {0.1 * i - 1.0, 0.1 * j - 1.0}, y[3], square = 0.0;
-        if (KIND[k].kind == CT_T3 || KIND[k].kind == CT_T6) xi[0] = 0.05 * i, xi[1] = 0.05 * j * (1.0 - xi[0]);
+        if (KIND[k].kind == CT_T3 || KIND[k].kind == CT_T6)
+          xi[0] = 0.05 * i, xi[1] = 0.05 * j * (1.0 - xi[0]);
         ct_segment_point(&face, xi, y);
         if (ct_oriented_square(&oriented, y) > 0.0) far++;
         for (int c = 0; c < 3; c++) {
@@ -195,29 +224,54 @@ static void face_boxes(int k)
         nearest = fmin(nearest, square);
       }
     if (ct_oriented_square(&oriented, query) > nearest) wide++;
-    for (int c = 0; c < 3; c++) excess = fmax(excess, (box.high[c] - box.low[c]) / (seen.high[c] - seen.low[c]));
+    for (int c = 0; c < 3; c++)
+      excess = fmax(excess, (box.high[c] - box.low[c]) / (seen.high[c] - seen.low[c]));
   }
-  tap_ok(out == 0, "%s: the box of the control points holds 441 points of each of 300 bent faces (at most %.2f times as wide as they)", KIND[k].name, excess);
-  tap_ok(far == 0 && wide == 0, "%s: the box along the face holds them too, and is never farther from a point than they", KIND[k].name);
+  tap_ok(out == 0,
+         "%s: the box of the control points holds 441 points of each of 300 bent faces (at most "
+         "%.2f times as wide as they)",
+         KIND[k].name, excess);
+  tap_ok(far == 0 && wide == 0,
+         "%s: the box along the face holds them too, and is never farther from a point than they",
+         KIND[k].name);
 }
 
 /* A parabola through (-1, 0), (0, 1), (1, 0) has its control point at 2: the box is known. */
 static void parabola(void)
 {
-  ct_face face = {CT_Q8, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}, {0, -1, 1}, {1, 0, 0}, {0, 1, 1}, {-1, 0, 0}}};
+  ct_face face = {CT_Q8,
+                  {{-1, -1, 0},
+                   {1, -1, 0},
+                   {1, 1, 0},
+                   {-1, 1, 0},
+                   {0, -1, 1},
+                   {1, 0, 0},
+                   {0, 1, 1},
+                   {-1, 0, 0}}};
   ct_bounds box = ct_face_bounds(&face);
-  tap_close(box.high[2], 2.0, 1e-14, "a vault of height 1 is boxed to its control points, at height 2");
+  tap_close(box.high[2], 2.0, 1e-14,
+            "a vault of height 1 is boxed to its control points, at height 2");
   tap_close(box.low[2], 0.0, 1e-14, "and to its feet");
   tap_close(box.high[0], 1.0, 1e-14, "and not wider than its corners");
 
   // z = 3 - x^2 - y^2 has the coefficient 3 + 1 + 1 in the middle.
-  ct_face dome = {CT_Q8, {{-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}, {0, -1, 2}, {1, 0, 2}, {0, 1, 2}, {-1, 0, 2}}};
+  ct_face dome = {CT_Q8,
+                  {{-1, -1, 1},
+                   {1, -1, 1},
+                   {1, 1, 1},
+                   {-1, 1, 1},
+                   {0, -1, 2},
+                   {1, 0, 2},
+                   {0, 1, 2},
+                   {-1, 0, 2}}};
   box = ct_face_bounds(&dome);
   tap_close(box.high[2], 5.0, 1e-13, "a dome is boxed to the control point in its middle");
   tap_close(box.low[2], 1.0, 1e-13, "and to its corners");
 }
 
-/* -- Nearest faces ------------------------------------------------------------------------------------------------------- */
+/* -- Nearest faces
+ * -------------------------------------------------------------------------------------------------------
+ */
 
 /* A grid of n x n cells over [-1, 1]^2, lifted by a wave, of any kind of face. */
 typedef struct patchwork {
@@ -229,8 +283,10 @@ typedef struct patchwork {
 static void patchwork_make(patchwork *p, ct_face_kind kind, int n, double wave)
 {
   static const int Q[8][2] = {{0, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 0}, {2, 1}, {1, 2}, {0, 1}};
-  static const int T[2][6][2] = {{{0, 0}, {2, 0}, {2, 2}, {1, 0}, {2, 1}, {1, 1}}, {{0, 0}, {2, 2}, {0, 2}, {1, 1}, {1, 2}, {0, 1}}};
-  int m = 2 * n + 1, per = ct_face_node_count(kind), triangular = kind == CT_T3 || kind == CT_T6, count = (triangular ? 2 : 1) * n * n, f = 0;
+  static const int T[2][6][2] = {{{0, 0}, {2, 0}, {2, 2}, {1, 0}, {2, 1}, {1, 1}},
+                                 {{0, 0}, {2, 2}, {0, 2}, {1, 1}, {1, 2}, {0, 1}}};
+  int m = 2 * n + 1, per = ct_face_node_count(kind), triangular = kind == CT_T3 || kind == CT_T6,
+      count = (triangular ? 2 : 1) * n * n, f = 0;
   p->x = numbers(3 * m * m);
   p->faces = integers(count * per);
   for (int i = 0; i < m; i++)
@@ -272,7 +328,8 @@ static double by_all(const ct_surface *s, const double *x, const double point[3]
   for (int f = 0; f < s->face_count; f++) {
     ct_face face = {.kind = s->kind};
     ct_projection foot;
-    for (int a = 0; a < per; a++) memcpy(face.node[a], &x[3 * s->faces[f * per + a]], sizeof face.node[a]);
+    for (int a = 0; a < per; a++)
+      memcpy(face.node[a], &x[3 * s->faces[f * per + a]], sizeof face.node[a]);
     ct_project(&face, point, NULL, &foot);
     if (foot.distance < best) best = foot.distance;
   }
@@ -283,11 +340,13 @@ static int same_bits(const ct_nearest *a, const ct_nearest *b, int count)
 {
   int same = 1;
   for (int i = 0; i < count; i++)
-    same &= a[i].status == b[i].status && a[i].face == b[i].face && a[i].where == b[i].where && a[i].index == b[i].index &&
-            memcmp(a[i].xi, b[i].xi, sizeof a[i].xi) == 0 && memcmp(a[i].point, b[i].point, sizeof a[i].point) == 0 &&
-            memcmp(&a[i].distance, &b[i].distance, sizeof a[i].distance) == 0 &&
-            memcmp(&a[i].signed_distance, &b[i].signed_distance, sizeof a[i].signed_distance) == 0 &&
-            memcmp(a[i].normal, b[i].normal, sizeof a[i].normal) == 0;
+    same &=
+        a[i].status == b[i].status && a[i].face == b[i].face && a[i].where == b[i].where &&
+        a[i].index == b[i].index && memcmp(a[i].xi, b[i].xi, sizeof a[i].xi) == 0 &&
+        memcmp(a[i].point, b[i].point, sizeof a[i].point) == 0 &&
+        memcmp(&a[i].distance, &b[i].distance, sizeof a[i].distance) == 0 &&
+        memcmp(&a[i].signed_distance, &b[i].signed_distance, sizeof a[i].signed_distance) == 0 &&
+        memcmp(a[i].normal, b[i].normal, sizeof a[i].normal) == 0;
   return same;
 }
 
@@ -305,7 +364,8 @@ static void nearest_faces(int k)
     for (int c = 0; c < 3; c++) points[3 * i + c] = uniform(c == 2 ? 0.6 : 1.3);
   // Some points exactly on nodes and on edges, where faces tie.
   for (int i = 0; i < 100; i++) memcpy(&points[3 * i], &p.x[3 * p.faces[i]], 3 * sizeof *points);
-  tap_ok(ct_search_nearest(search, CLOUD, points, NULL, NULL, out) == CT_OK, "%s: a cloud of %d points", KIND[k].name, CLOUD);
+  tap_ok(ct_search_nearest(search, CLOUD, points, NULL, NULL, out) == CT_OK,
+         "%s: a cloud of %d points", KIND[k].name, CLOUD);
   for (int i = 0; i < CLOUD; i++) {
     ct_face face;
     double y[3];
@@ -331,7 +391,8 @@ static void nearest_faces(int k)
   need(ct_search_move(search, moved, &e), &e);
   need(ct_search_move(search, p.x, &e), &e);
   ct_search_nearest(search, CLOUD, points, NULL, NULL, again);
-  tap_ok(ct_search_builds(search) > 1 && same_bits(out, again, CLOUD), "%s: after a crumpling and back (%d builds), the same bits", KIND[k].name,
+  tap_ok(ct_search_builds(search) > 1 && same_bits(out, again, CLOUD),
+         "%s: after a crumpling and back (%d builds), the same bits", KIND[k].name,
          (int)ct_search_builds(search));
   free(moved);
   free(points);
@@ -343,8 +404,10 @@ static void nearest_faces(int k)
 }
 
 /* Triangles whose distance and sign are known: the unit cube. */
-static const double CUBE[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-static const int32_t CUBE_Q[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+static const double CUBE[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                  {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+static const int32_t CUBE_Q[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                     {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
 
 static void cube(ct_face_kind kind)
 {
@@ -354,7 +417,8 @@ static void cube(ct_face_kind kind)
     const int32_t *q = CUBE_Q[f], split[2][3] = {{q[0], q[1], q[2]}, {q[0], q[2], q[3]}};
     memcpy(faces[2 * f], split, sizeof split);
   }
-  ct_surface surface = {kind, 8, kind == CT_T3 ? 12 : 6, kind == CT_T3 ? faces[0] : CUBE_Q[0], CUBE[0]};
+  ct_surface surface = {kind, 8, kind == CT_T3 ? 12 : 6, kind == CT_T3 ? faces[0] : CUBE_Q[0],
+                        CUBE[0]};
   ct_search *search = search_of(&surface);
   int signs = 0, found[3] = {0};
   for (int i = 0; i < 4000; i++) {
@@ -372,12 +436,17 @@ static void cube(ct_face_kind kind)
     off = worst(off, got.signed_distance - want);
     signs += (got.signed_distance > 0.0) != (want > 0.0);
     if (got.where != CT_OUTSIDE) found[got.where]++;
-    double length = sqrt(got.normal[0] * got.normal[0] + got.normal[1] * got.normal[1] + got.normal[2] * got.normal[2]);
+    double length = sqrt(got.normal[0] * got.normal[0] + got.normal[1] * got.normal[1] +
+                         got.normal[2] * got.normal[2]);
     normal = fmax(normal, fabs(length - 1.0));
   }
   const char *name = kind == CT_T3 ? "of triangles" : "of Q4 faces";
-  tap_close(off, 0.0, 1e-14, "a cube %s: signed distances in closed form (%d feet inside faces, %d on edges, %d on corners)", name, found[0], found[1], found[2]);
-  tap_ok(signs == 0 && found[1] > 500 && found[2] > 500, "a cube %s: no sign is wrong at its folds", name);
+  tap_close(off, 0.0, 1e-14,
+            "a cube %s: signed distances in closed form (%d feet inside faces, %d on edges, %d on "
+            "corners)",
+            name, found[0], found[1], found[2]);
+  tap_ok(signs == 0 && found[1] > 500 && found[2] > 500, "a cube %s: no sign is wrong at its folds",
+         name);
   tap_close(normal, 0.0, 1e-14, "a cube %s: normals are unit vectors", name);
 
   double off_corner[3] = {2, 2, 2}, off_edge[3] = {0.5, 2, 2};
@@ -385,15 +454,20 @@ static void cube(ct_face_kind kind)
   ct_search_nearest(search, 1, off_corner, NULL, NULL, &a);
   ct_search_nearest(search, 1, off_edge, NULL, NULL, &b);
   // A corner weighs each side of the cube by a right angle, however its triangles cut it.
-  for (int c = 0; c < 3; c++) tap_close(a.normal[c], 1.0 / sqrt(3.0), 1e-14, "a cube %s: the normal at the corner, %c", name, "xyz"[c]);
-  tap_ok(b.normal[0] == 0.0 && fabs(b.normal[1] - sqrt(0.5)) < 1e-15 && b.where == CT_EDGE, "a cube %s: the normal at an edge", name);
+  for (int c = 0; c < 3; c++)
+    tap_close(a.normal[c], 1.0 / sqrt(3.0), 1e-14, "a cube %s: the normal at the corner, %c", name,
+              "xyz"[c]);
+  tap_ok(b.normal[0] == 0.0 && fabs(b.normal[1] - sqrt(0.5)) < 1e-15 && b.where == CT_EDGE,
+         "a cube %s: the normal at an edge", name);
   ct_search_free(search);
 }
 
-/* The classic trap of signs: a spike, where the face that is found first looks away from the point. */
+/* The classic trap of signs: a spike, where the face that is found first looks away from the point.
+ */
 static void spike(void)
 {
-  const double x[5][3] = {{0, 0, 1}, {0.05, 0.05, 0}, {-0.05, 0.05, 0}, {-0.05, -0.05, 0}, {0.05, -0.05, 0}};
+  const double x[5][3] = {
+      {0, 0, 1}, {0.05, 0.05, 0}, {-0.05, 0.05, 0}, {-0.05, -0.05, 0}, {0.05, -0.05, 0}};
   const int32_t faces[6][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}, {1, 3, 2}, {1, 4, 3}};
   ct_surface surface = {CT_T3, 5, 6, faces[0], x[0]};
   ct_search *search = search_of(&surface);
@@ -408,7 +482,8 @@ static void spike(void)
   ct_search_free(search);
 }
 
-/* The skin of a brick of 20 nodes, as 6 Q8 faces or as 12 T6 faces with a node more in the middle of each side. */
+/* The skin of a brick of 20 nodes, as 6 Q8 faces or as 12 T6 faces with a node more in the middle
+ * of each side. */
 typedef struct skin {
   double x[26][3];
   int32_t faces[72];
@@ -431,20 +506,27 @@ static void skin_make(skin *s, ct_face_kind kind, double corners, double middles
     for (int a = 0; a < 8; a++) memcpy(face.node[a], s->x[node[a]], sizeof face.node[a]);
     ct_segment_point(&face, (double[2]){0.0, 0.0}, s->x[node[8]]);
     for (int t = 0; t < (triangular ? 2 : 1); t++)
-      for (int a = 0; a < (triangular ? 6 : 8); a++) s->faces[next++] = node[triangular ? T[t][a] : a];
+      for (int a = 0; a < (triangular ? 6 : 8); a++)
+        s->faces[next++] = node[triangular ? T[t][a] : a];
   }
   s->surface = (ct_surface){kind, 26, triangular ? 12 : 6, s->faces, s->x[0]};
 }
 
-static double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static double dot3(const double a[3], const double b[3])
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
-/* Whether the brick is far from being turned inside out anywhere, so that its skin does not cross itself. */
+/* Whether the brick is far from being turned inside out anywhere, so that its skin does not cross
+ * itself. */
 static int is_regular(skin *s)
 {
   for (int i = 0; i < 125; i++) {
-    double xi[3] = {0.5 * (i % 5) - 1.0, 0.5 * (i / 5 % 5) - 1.0, 0.5 * (i / 25) - 1.0}, J[3][3], lengths = 1.0;
+    double xi[3] = {0.5 * (i % 5) - 1.0, 0.5 * (i / 5 % 5) - 1.0, 0.5 * (i / 25) - 1.0}, J[3][3],
+           lengths = 1.0;
     double det = brick_determinant(CT_HEX20, s->x, xi, J);
-    for (int d = 0; d < 3; d++) lengths *= sqrt(J[d][0] * J[d][0] + J[d][1] * J[d][1] + J[d][2] * J[d][2]);
+    for (int d = 0; d < 3; d++)
+      lengths *= sqrt(J[d][0] * J[d][0] + J[d][1] * J[d][1] + J[d][2] * J[d][2]);
     if (!(det > 0.15 * lengths)) return 0;
   }
   // Two triangles of one side must not be folded onto each other.
@@ -453,7 +535,8 @@ static int is_regular(skin *s)
       double n[2][3], xi[2][2] = {{0.0, i / 8.0}, {i / 8.0, 0.0}};
       for (int t = 0; t < 2; t++) {
         ct_face face = {.kind = CT_T6};
-        for (int a = 0; a < 6; a++) memcpy(face.node[a], s->x[s->faces[6 * (f + t) + a]], sizeof face.node[a]);
+        for (int a = 0; a < 6; a++)
+          memcpy(face.node[a], s->x[s->faces[6 * (f + t) + a]], sizeof face.node[a]);
         if (ct_segment_normal(&face, xi[t], n[t]) != CT_OK) return 0;
       }
       if (!(dot3(n[0], n[1]) > 0.0)) return 0;
@@ -465,7 +548,8 @@ static int is_regular(skin *s)
 static double solid_angle(const double a[3], const double b[3], const double c[3])
 {
   double u = sqrt(dot3(a, a)), v = sqrt(dot3(b, b)), w = sqrt(dot3(c, c));
-  double volume = a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  double volume = a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+                  a[2] * (b[0] * c[1] - b[1] * c[0]);
   return 2.0 * atan2(volume, u * v * w + dot3(a, b) * w + dot3(b, c) * u + dot3(c, a) * v);
 }
 
@@ -479,17 +563,19 @@ static double winding(const ct_surface *s, const double point[3])
     int per = ct_face_node_count(s->kind), triangular = s->kind == CT_T6;
     ct_face face = {.kind = s->kind};
     for (int a = 0; a < per; a++)
-      for (int c = 0; c < 3; c++) face.node[a][c] = s->reference[3 * s->faces[f * per + a] + c] - point[c];
+      for (int c = 0; c < 3; c++)
+        face.node[a][c] = s->reference[3 * s->faces[f * per + a] + c] - point[c];
     for (int i = 0; i <= CUTS; i++)
       for (int j = 0; j <= CUTS - (triangular ? i : 0); j++) {
-        double u = (double)i / CUTS, v = (double)j / CUTS, xi[2] = {triangular ? u : 2.0 * u - 1.0,
-                                                                    triangular ? v : 2.0 * v - 1.0};
+        double u = (double)i / CUTS, v = (double)j / CUTS,
+               xi[2] = {triangular ? u : 2.0 * u - 1.0, triangular ? v : 2.0 * v - 1.0};
         ct_segment_point(&face, xi, y[i][j]);
       }
     for (int i = 0; i < CUTS; i++)
       for (int j = 0; j < CUTS - (triangular ? i : 0); j++) {
         angle += solid_angle(y[i][j], y[i + 1][j], y[i][j + 1]);
-        if (!triangular || i + j + 1 < CUTS) angle += solid_angle(y[i + 1][j], y[i + 1][j + 1], y[i][j + 1]);
+        if (!triangular || i + j + 1 < CUTS)
+          angle += solid_angle(y[i + 1][j], y[i + 1][j + 1], y[i][j + 1]);
       }
   }
   return angle / (4.0 * 3.14159265358979323846);
@@ -518,11 +604,13 @@ static void curved_corners(ct_face_kind kind, double middles)
     ct_search_free(search);
   }
   tap_ok(wrong == 0 && corners > 100,
-         "bricks of %s faces with bent edges: %d of %d points near corners have the wrong sign (%d feet are corners)",
+         "bricks of %s faces with bent edges: %d of %d points near corners have the wrong sign (%d "
+         "feet are corners)",
          kind == CT_Q8 ? "Q8" : "T6", wrong, asked, corners);
 }
 
-/* Mid-side nodes at the quarter points: all tangents at the corner vanish, and its normal is still that of the cube. */
+/* Mid-side nodes at the quarter points: all tangents at the corner vanish, and its normal is still
+ * that of the cube. */
 static void quarter_point_corner(ct_face_kind kind)
 {
   static const int MIDDLE[3] = {13, 14, 18}; // of the edges at node 6
@@ -536,8 +624,8 @@ static void quarter_point_corner(ct_face_kind kind)
   ct_search_nearest(search, 1, point, NULL, NULL, &got);
   double off = 0.0;
   for (int c = 0; c < 3; c++) off = worst(off, got.normal[c] - 1.0 / sqrt(3.0));
-  tap_ok(got.where == CT_VERTEX && got.signed_distance > 0.0, "%s: a corner of quarter points is found",
-         kind == CT_Q8 ? "Q8" : "T6");
+  tap_ok(got.where == CT_VERTEX && got.signed_distance > 0.0,
+         "%s: a corner of quarter points is found", kind == CT_Q8 ? "Q8" : "T6");
   tap_close(off, 0.0, 1e-14, "%s: its normal is that of the cube", kind == CT_Q8 ? "Q8" : "T6");
   ct_search_free(search);
 }
@@ -577,7 +665,10 @@ static double sphere_error(int n)
 static void sphere(void)
 {
   double coarse = sphere_error(4), fine = sphere_error(8);
-  tap_ok(fine < coarse / 7.0, "Q8 faces on a sphere: signed distances from it fall from %.2g to %.2g as faces are halved, order %.1f", coarse, fine, log2(coarse / fine));
+  tap_ok(fine < coarse / 7.0,
+         "Q8 faces on a sphere: signed distances from it fall from %.2g to %.2g as faces are "
+         "halved, order %.1f",
+         coarse, fine, log2(coarse / fine));
 }
 
 /* The closed form of the triangle against the general projection, needles included. */
@@ -606,11 +697,15 @@ static void triangles(void)
     for (int c = 0; c < 3; c++) at = fmax(at, fabs(y[c] - point[c] - d[c]));
     ct_search_free(search);
   }
-  tap_close(off, 0.0, 1e-13, "the distance from a triangle in closed form is that of the general projection, needles of 1e6 included");
+  tap_close(off, 0.0, 1e-13,
+            "the distance from a triangle in closed form is that of the general projection, "
+            "needles of 1e6 included");
   tap_close(at, 0.0, 1e-15, "and its foot is the point at xi");
 }
 
-/* -- What goes wrong ------------------------------------------------------------------------------------------------------- */
+/* -- What goes wrong
+ * -------------------------------------------------------------------------------------------------------
+ */
 
 static ct_status try_create(ct_surface surface, ct_error *e)
 {
@@ -630,20 +725,26 @@ static void refused(void)
   ct_nearest out;
   int32_t start = p.surface.face_count;
   ct_search_options options = ct_search_options_default();
-  tap_ok(ct_search_nearest(NULL, 1, point, NULL, NULL, &out) == CT_ERROR_ARGUMENT && ct_search_nearest(search, 1, NULL, NULL, NULL, &out) == CT_ERROR_ARGUMENT &&
-             ct_search_nearest(search, 1, point, NULL, NULL, NULL) == CT_ERROR_ARGUMENT && ct_search_nearest(search, 0, NULL, NULL, NULL, NULL) == CT_OK,
+  tap_ok(ct_search_nearest(NULL, 1, point, NULL, NULL, &out) == CT_ERROR_ARGUMENT &&
+             ct_search_nearest(search, 1, NULL, NULL, NULL, &out) == CT_ERROR_ARGUMENT &&
+             ct_search_nearest(search, 1, point, NULL, NULL, NULL) == CT_ERROR_ARGUMENT &&
+             ct_search_nearest(search, 0, NULL, NULL, NULL, NULL) == CT_OK,
          "null pointers are refused, no points are fine");
-  tap_ok(ct_search_nearest(search, 1, point, &start, NULL, &out) == CT_ERROR_ARGUMENT, "a start that is no face is refused");
+  tap_ok(ct_search_nearest(search, 1, point, &start, NULL, &out) == CT_ERROR_ARGUMENT,
+         "a start that is no face is refused");
   options.tolerance = 0.0;
-  tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out) == CT_ERROR_ARGUMENT, "a tolerance of 0 is refused");
+  tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out) == CT_ERROR_ARGUMENT,
+         "a tolerance of 0 is refused");
   options = ct_search_options_default();
   options.threads = 0;
-  tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out) == CT_ERROR_ARGUMENT, "no thread is refused");
+  tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out) == CT_ERROR_ARGUMENT,
+         "no thread is refused");
 
   double strange[][3] = {{NAN, 0, 0}, {0, INFINITY, 0}, {0, 0, 1e300}, {1e71, 0, 0}};
   for (int i = 0; i < 4; i++) {
     ct_search_nearest(search, 1, strange[i], NULL, NULL, &out);
-    tap_ok(out.status == CT_INVALID && out.face == -1 && isnan(out.distance) && isnan(out.point[0]), "a point of (%g, %g, %g) gets no answer", strange[i][0], strange[i][1], strange[i][2]);
+    tap_ok(out.status == CT_INVALID && out.face == -1 && isnan(out.distance) && isnan(out.point[0]),
+           "a point of (%g, %g, %g) gets no answer", strange[i][0], strange[i][1], strange[i][2]);
   }
   double far[3] = {3e20, 0, 0};
   ct_search_nearest(search, 1, far, NULL, NULL, &out);
@@ -652,21 +753,36 @@ static void refused(void)
   double *x = numbers(3 * p.surface.node_count);
   memcpy(x, p.x, 3 * (size_t)p.surface.node_count * sizeof *x);
   x[3 * p.faces[1] + 2] = NAN;
-  tap_ok(ct_search_move(search, x, &e) == CT_INVALID && e.point == p.faces[1], "a node moved to NaN is refused and named: %s", e.text);
+  tap_ok(ct_search_move(search, x, &e) == CT_INVALID && e.point == p.faces[1],
+         "a node moved to NaN is refused and named: %s", e.text);
   ct_search_nearest(search, 1, point, NULL, NULL, &out);
   tap_ok(out.status == CT_OK && isfinite(out.distance), "and nothing has moved");
   for (int i = 0; i < 3 * p.surface.node_count; i++) x[i] = 0.25;
   need(ct_search_move(search, x, &e), &e);
   ct_search_nearest(search, 1, point, NULL, NULL, &out);
-  tap_ok(out.status == CT_INVALID, "a surface that has shrunk to a point has no nearest face with a normal");
+  tap_ok(out.status == CT_INVALID,
+         "a surface that has shrunk to a point has no nearest face with a normal");
   ct_search_free(search);
 
-  tap_ok(try_create((ct_surface){CT_T3, 0, 0, p.faces, p.x}, &e) == CT_ERROR_ARGUMENT, "an empty surface is refused: %s", e.text);
-  tap_ok(try_create((ct_surface){(ct_face_kind)9, 3, 1, p.faces, p.x}, &e) == CT_ERROR_ARGUMENT, "an unknown kind is refused");
-  tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 3}, p.x}, &e) == CT_ERROR_ARGUMENT && e.element == 0, "a node that is not there is refused: %s", e.text);
-  tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 1}, p.x}, &e) == CT_ERROR_GEOMETRY && e.element == 0, "a face without area is refused: %s", e.text);
-  tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 2}, (double[]){0, 0, NAN, 1, 0, 0, 0, 1, 0}}, &e) == CT_INVALID, "NaN is refused: %s", e.text);
-  tap_ok(ct_search_create(NULL, NULL, NULL) == CT_ERROR_ARGUMENT && ct_search_builds(NULL) == 0 && isnan(ct_search_cost(NULL)), "null pointers everywhere");
+  tap_ok(try_create((ct_surface){CT_T3, 0, 0, p.faces, p.x}, &e) == CT_ERROR_ARGUMENT,
+         "an empty surface is refused: %s", e.text);
+  tap_ok(try_create((ct_surface){(ct_face_kind)9, 3, 1, p.faces, p.x}, &e) == CT_ERROR_ARGUMENT,
+         "an unknown kind is refused");
+  tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 3}, p.x}, &e) ==
+                 CT_ERROR_ARGUMENT &&
+             e.element == 0,
+         "a node that is not there is refused: %s", e.text);
+  tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 1}, p.x}, &e) ==
+                 CT_ERROR_GEOMETRY &&
+             e.element == 0,
+         "a face without area is refused: %s", e.text);
+  tap_ok(try_create((ct_surface){CT_T3, 3, 1, (int32_t[]){0, 1, 2},
+                                 (double[]){0, 0, NAN, 1, 0, 0, 0, 1, 0}},
+                    &e) == CT_INVALID,
+         "NaN is refused: %s", e.text);
+  tap_ok(ct_search_create(NULL, NULL, NULL) == CT_ERROR_ARGUMENT && ct_search_builds(NULL) == 0 &&
+             isnan(ct_search_cost(NULL)),
+         "null pointers everywhere");
   free(x);
   patchwork_free(&p);
 }
@@ -684,7 +800,8 @@ static void repeated(void)
   int32_t start[2] = {49, 7};
   ct_nearest out[2];
   ct_search_nearest(search, 2, points, start, NULL, out);
-  tap_ok(out[0].face == 0 && out[1].face == 0 && out[0].signed_distance == 2.0 && out[1].signed_distance == -2.0,
+  tap_ok(out[0].face == 0 && out[1].face == 0 && out[0].signed_distance == 2.0 &&
+             out[1].signed_distance == -2.0,
          "of fifty equal faces the first is taken, wherever one starts");
   ct_search_free(search);
 }
@@ -702,13 +819,15 @@ static void rebuilding(void)
       for (int c = 0; c < 3; c++) x[3 * i + c] = (1.0 + 0.01 * step) * p.x[3 * i + c] + 0.3 * step;
     need(ct_search_move(search, x, &e), &e);
   }
-  tap_ok(ct_search_builds(search) == 1 && fabs(ct_search_cost(search) - 1.0) < 0.05, "a surface that flies and grows keeps its tree (cost %.2f)", ct_search_cost(search));
+  tap_ok(ct_search_builds(search) == 1 && fabs(ct_search_cost(search) - 1.0) < 0.05,
+         "a surface that flies and grows keeps its tree (cost %.2f)", ct_search_cost(search));
   for (int i = 0; i < p.surface.node_count; i++) {
     int j = (i * 601) % p.surface.node_count; // every node takes the place of another one
     memcpy(&x[3 * i], &p.x[3 * j], 3 * sizeof *x);
   }
   need(ct_search_move(search, x, &e), &e);
-  tap_ok(ct_search_builds(search) == 2 && ct_search_cost(search) == 1.0, "one whose nodes are shuffled gets a new one");
+  tap_ok(ct_search_builds(search) == 2 && ct_search_cost(search) == 1.0,
+         "one whose nodes are shuffled gets a new one");
   free(x);
   ct_search_free(search);
   patchwork_free(&p);

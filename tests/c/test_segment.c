@@ -1,17 +1,25 @@
-/* Shape functions of the faces against interpolation conditions, finite differences, closed-form surfaces and mirrored faces. */
+/* Shape functions of the faces against interpolation conditions, finite differences, closed-form
+ * surfaces and mirrored faces. */
 #include <contact/segment.h>
 
 #include "tap.h"
 
-
 static const char *NAME[4] = {"Q4", "Q8", "T3", "T6"};
-static const double QUADRILATERAL[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}};
+static const double QUADRILATERAL[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1},
+                                           {0, -1},  {1, 0},  {0, 1}, {-1, 0}};
 static const double TRIANGLE[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
-static const double PROBE[5][2] = {{0.125, 0.25}, {-0.625, 0.75}, {0.875, -0.375}, {-1, 1}, {0.3, 0.1}};
+static const double PROBE[5][2] = {
+    {0.125, 0.25}, {-0.625, 0.75}, {0.875, -0.375}, {-1, 1}, {0.3, 0.1}};
 
-static const double *reference(ct_face_kind kind, int i) { return kind <= CT_Q8 ? QUADRILATERAL[i] : TRIANGLE[i]; }
+static const double *reference(ct_face_kind kind, int i)
+{
+  return kind <= CT_Q8 ? QUADRILATERAL[i] : TRIANGLE[i];
+}
 
-static double worst(double so_far, double error) { return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far; }
+static double worst(double so_far, double error)
+{
+  return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far;
+}
 
 static void interpolation_conditions(ct_face_kind kind)
 {
@@ -40,8 +48,8 @@ static void interpolation_conditions(ct_face_kind kind)
   tap_ok(padding == 0, "%s: entries beyond the nodes are 0", NAME[kind]);
 }
 
-/* Central differences have no truncation error here: along one axis the N_i are at most quadratic, so any step will do and 1/2 is
- * exact. */
+/* Central differences have no truncation error here: along one axis the N_i are at most quadratic,
+ * so any step will do and 1/2 is exact. */
 static void derivatives(ct_face_kind kind)
 {
   const double h = 0.5;
@@ -51,7 +59,8 @@ static void derivatives(ct_face_kind kind)
     ct_segment_gradient(kind, PROBE[p], dN);
     ct_segment_hessian(kind, PROBE[p], ddN);
     for (int a = 0; a < 2; a++) {
-      double up[2] = {PROBE[p][0], PROBE[p][1]}, down[2] = {PROBE[p][0], PROBE[p][1]}, N1[8], N0[8], d1[8][2], d0[8][2];
+      double up[2] = {PROBE[p][0], PROBE[p][1]}, down[2] = {PROBE[p][0], PROBE[p][1]}, N1[8], N0[8],
+             d1[8][2], d0[8][2];
       up[a] += h;
       down[a] -= h;
       ct_segment_shape(kind, up, N1);
@@ -63,7 +72,8 @@ static void derivatives(ct_face_kind kind)
         second = worst(second, (d1[i][a] - d0[i][a]) / (2 * h) - ddN[i][a]);
       }
     }
-    double a1[8][2], a0[8][2], right[2] = {PROBE[p][0] + h, PROBE[p][1]}, left[2] = {PROBE[p][0] - h, PROBE[p][1]};
+    double a1[8][2], a0[8][2], right[2] = {PROBE[p][0] + h, PROBE[p][1]},
+                               left[2] = {PROBE[p][0] - h, PROBE[p][1]};
     ct_segment_gradient(kind, right, a1);
     ct_segment_gradient(kind, left, a0);
     for (int i = 0; i < 8; i++) second = worst(second, (a1[i][1] - a0[i][1]) / (2 * h) - ddN[i][2]);
@@ -72,29 +82,36 @@ static void derivatives(ct_face_kind kind)
   tap_close(second, 0, 4e-15, "%s: second derivatives against differences", NAME[kind]);
 }
 
-/* A surface that the kind can represent, z = polynomial over a sheared base, with its tangents by hand. */
+/* A surface that the kind can represent, z = polynomial over a sheared base, with its tangents by
+ * hand. */
 static void surface(ct_face_kind kind, const double xi[2], double y[3], double t1[3], double t2[3])
 {
-  double r = xi[0], s = xi[1], twist = kind == CT_T3 ? 0 : 1, bend = kind == CT_Q8 || kind == CT_T6 ? 1 : 0;
+  double r = xi[0], s = xi[1], twist = kind == CT_T3 ? 0 : 1,
+         bend = kind == CT_Q8 || kind == CT_T6 ? 1 : 0;
   double q = kind == CT_T3 || kind == CT_Q4 ? 0 : 1, k = kind == CT_Q8 ? 1 : 0;
   if (kind == CT_T6) twist = 1;
   y[0] = 3 + 2 * r + 0.5 * s, y[1] = -1 + 0.25 * r + s;
-  y[2] = 0.5 * r - s + 0.3 * twist * r * s + 0.2 * bend * r * r - 0.4 * q * s * s + k * (0.1 * r * r * s - 0.7 * r * s * s);
-  t1[0] = 2, t1[1] = 0.25, t1[2] = 0.5 + 0.3 * twist * s + 0.4 * bend * r + k * (0.2 * r * s - 0.7 * s * s);
-  t2[0] = 0.5, t2[1] = 1, t2[2] = -1 + 0.3 * twist * r - 0.8 * q * s + k * (0.1 * r * r - 1.4 * r * s);
+  y[2] = 0.5 * r - s + 0.3 * twist * r * s + 0.2 * bend * r * r - 0.4 * q * s * s +
+         k * (0.1 * r * r * s - 0.7 * r * s * s);
+  t1[0] = 2, t1[1] = 0.25,
+  t1[2] = 0.5 + 0.3 * twist * s + 0.4 * bend * r + k * (0.2 * r * s - 0.7 * s * s);
+  t2[0] = 0.5, t2[1] = 1,
+  t2[2] = -1 + 0.3 * twist * r - 0.8 * q * s + k * (0.1 * r * r - 1.4 * r * s);
 }
 
 static void closed_form_surface(ct_face_kind kind)
 {
   ct_face face = {kind, {{0}}};
   double t1[3], t2[3], y[3], place = 0, tangent = 0, normal = 0, area = 0;
-  for (int i = 0; i < ct_face_node_count(kind); i++) surface(kind, reference(kind, i), face.node[i], t1, t2);
+  for (int i = 0; i < ct_face_node_count(kind); i++)
+    surface(kind, reference(kind, i), face.node[i], t1, t2);
   for (int p = 0; p < 5; p++) {
     double want[3], got1[3], got2[3], n[3];
     surface(kind, PROBE[p], want, t1, t2);
     ct_segment_point(&face, PROBE[p], y);
     ct_segment_tangents(&face, PROBE[p], got1, got2);
-    double c[3] = {t1[1] * t2[2] - t1[2] * t2[1], t1[2] * t2[0] - t1[0] * t2[2], t1[0] * t2[1] - t1[1] * t2[0]};
+    double c[3] = {t1[1] * t2[2] - t1[2] * t2[1], t1[2] * t2[0] - t1[0] * t2[2],
+                   t1[0] * t2[1] - t1[1] * t2[0]};
     double J = sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
     tap_ok(ct_segment_normal(&face, PROBE[p], n) == CT_OK, "%s: there is a normal", NAME[kind]);
     for (int k = 0; k < 3; k++) {
@@ -110,16 +127,19 @@ static void closed_form_surface(ct_face_kind kind)
   tap_close(area, 0, 1e-14, "%s: area element of that surface", NAME[kind]);
 }
 
-/* Nodes of the face seen in a mirror: flip of xi_1, flip of xi_2, or (triangles) exchange of xi_1 and xi_2. */
+/* Nodes of the face seen in a mirror: flip of xi_1, flip of xi_2, or (triangles) exchange of xi_1
+ * and xi_2. */
 static void mirrored_bits(ct_face_kind kind)
 {
-  static const int FLIP1[8] = {1, 0, 3, 2, 4, 7, 6, 5}, FLIP2[8] = {3, 2, 1, 0, 6, 5, 4, 7}, SWAP[8] = {0, 2, 1, 5, 4, 3, 6, 7};
+  static const int FLIP1[8] = {1, 0, 3, 2, 4, 7, 6, 5}, FLIP2[8] = {3, 2, 1, 0, 6, 5, 4, 7},
+                   SWAP[8] = {0, 2, 1, 5, 4, 3, 6, 7};
   int triangular = kind >= CT_T3, same = 1;
   unsigned seed = 7;
   for (int trial = 0; trial < 200; trial++) {
     ct_face face = {kind, {{0}}}, mirror = {kind, {{0}}};
     double noise[26];
-    for (int i = 0; i < 26; i++) noise[i] = (double)(seed = seed * 1664525u + 1013904223u) / 4294967296.0 - 0.5;
+    for (int i = 0; i < 26; i++)
+      noise[i] = (double)(seed = seed * 1664525u + 1013904223u) / 4294967296.0 - 0.5;
     int axis = trial % 3, second = (trial / 3) % 2;
     const int *map = triangular ? SWAP : second ? FLIP2 : FLIP1;
     for (int i = 0; i < 8; i++)
@@ -154,7 +174,8 @@ static void bad_input(void)
   ct_segment_point(NULL, xi, n);
   ct_segment_tangents(&point, xi, NULL, n);
   tap_ok(n[0] == 0, "null pointers write nothing");
-  tap_ok(ct_segment_normal(&point, xi, n) == CT_ERROR_GEOMETRY && isnan(n[0]), "a face shrunk to a point has no normal");
+  tap_ok(ct_segment_normal(&point, xi, n) == CT_ERROR_GEOMETRY && isnan(n[0]),
+         "a face shrunk to a point has no normal");
   tap_ok(ct_segment_normal(&unknown, xi, n) == CT_ERROR_ARGUMENT, "an unknown kind has no normal");
   tap_ok(ct_segment_normal(&point, xi, NULL) == CT_ERROR_ARGUMENT, "nowhere to put the normal");
   tap_ok(isnan(ct_segment_area_element(&unknown, xi)), "no area element of an unknown kind");

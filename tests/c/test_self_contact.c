@@ -1,4 +1,5 @@
-/* Contact of a surface with itself: a strip folded upon itself, a ring cut open, closed thin bodies, all that must not touch. */
+/* Contact of a surface with itself: a strip folded upon itself, a ring cut open, closed thin
+ * bodies, all that must not touch. */
 #include "bodies.h"
 
 static const char *KIND[4] = {"Q4", "Q8", "T3", "T6"};
@@ -13,7 +14,8 @@ typedef struct fold {
 
 enum { ALONG = 14, ACROSS = 2 };
 
-/* A hairpin: a layer of length 1 at z = 0, half a circle, a layer of length 1 at z = 0.3, normals inwards. */
+/* A hairpin: a layer of length 1 at z = 0, half a circle, a layer of length 1 at z = 0.3, normals
+ * inwards. */
 static void hairpin(double s, double y, double x[3])
 {
   const double r = 0.15, arc = 3.14159265358979324 * r;
@@ -27,14 +29,21 @@ static void hairpin(double s, double y, double x[3])
 static fold new_fold(ct_face_kind kind)
 {
   static const int square[8][2] = {{0, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 0}, {2, 1}, {1, 2}, {0, 1}};
-  static const int triangle[2][6][2] = {{{0, 0}, {2, 0}, {0, 2}, {1, 0}, {1, 1}, {0, 1}}, {{2, 2}, {0, 2}, {2, 0}, {1, 2}, {1, 1}, {2, 1}}};
-  int three = kind == CT_T3 || kind == CT_T6, per = ct_face_node_count(kind), row = 2 * ALONG + 1, nodes = row * (2 * ACROSS + 1);
+  static const int triangle[2][6][2] = {{{0, 0}, {2, 0}, {0, 2}, {1, 0}, {1, 1}, {0, 1}},
+                                        {{2, 2}, {0, 2}, {2, 0}, {1, 2}, {1, 1}, {2, 1}}};
+  int three = kind == CT_T3 || kind == CT_T6, per = ct_face_node_count(kind), row = 2 * ALONG + 1,
+      nodes = row * (2 * ACROSS + 1);
   int count = ALONG * ACROSS * (three ? 2 : 1), in[2] = {0, 0};
-  fold p = {.faces = integers(count * per), .layer = {integers(count * per), integers(count * per)}, .reference = numbers(3 * nodes), .x = numbers(3 * nodes)};
+  fold p = {.faces = integers(count * per),
+            .layer = {integers(count * per), integers(count * per)},
+            .reference = numbers(3 * nodes),
+            .x = numbers(3 * nodes)};
   for (int n = 0; n < nodes; n++)
-    hairpin((2.0 + 0.15 * 3.14159265358979324) * (n % row) / (2 * ALONG), 0.4 * (n / row) / (2 * ACROSS), &p.reference[3 * n]);
+    hairpin((2.0 + 0.15 * 3.14159265358979324) * (n % row) / (2 * ALONG),
+            0.4 * (n / row) / (2 * ACROSS), &p.reference[3 * n]);
   for (int f = 0; f < count; f++) {
-    int cell = three ? f / 2 : f, i = 2 * (cell % ALONG), j = 2 * (cell / ALONG), side = cell % ALONG < ALONG / 2 ? 0 : 1;
+    int cell = three ? f / 2 : f, i = 2 * (cell % ALONG), j = 2 * (cell / ALONG),
+        side = cell % ALONG < ALONG / 2 ? 0 : 1;
     for (int a = 0; a < per; a++) {
       const int *at = three ? triangle[f % 2][a] : square[a];
       p.faces[f * per + a] = p.layer[side][per * in[side] + a] = i + at[0] + row * (j + at[1]);
@@ -57,8 +66,8 @@ static void free_fold(fold *p)
   free(p->x);
 }
 
-/* Press the end of the upper layer through the lower one, to z = -0.1 of where it was; shift it by `slide`, warp both at
- * random. */
+/* Press the end of the upper layer through the lower one, to z = -0.1 of where it was; shift it by
+ * `slide`, warp both at random. */
 static void press(fold *p, double slide, double noise)
 {
   for (int n = 0; n < p->surface.node_count; n++) {
@@ -94,13 +103,15 @@ static void forces(const ct_contact *contact, int nodes, double *f)
   need(ct_contact_add_force(contact, f, NULL), &e);
 }
 
-/* Forces of a folded strip: minus the gradient of the energy; momentum; no point meets its neighbourhood. */
+/* Forces of a folded strip: minus the gradient of the energy; momentum; no point meets its
+ * neighbourhood. */
 static void folded(ct_face_kind kind)
 {
   fold p = new_fold(kind);
   int nodes = p.surface.node_count, pressed[2] = {0, 0}, across = 0;
   ct_contact *contact = open_self(&p.surface);
-  double *f = numbers(3 * nodes), off = 0.0, h = 1e-6, sum[3] = {0}, moment[3] = {0}, size = 0.0, F[3], M[3];
+  double *f = numbers(3 * nodes), off = 0.0, h = 1e-6, sum[3] = {0}, moment[3] = {0}, size = 0.0,
+         F[3], M[3];
   press(&p, 0.013, 0.01);
   energy_at(contact, p.x);
   forces(contact, nodes, f);
@@ -109,12 +120,16 @@ static void folded(ct_face_kind kind)
   ct_contact_points(contact, point);
   for (int i = 0; i < count; i++) {
     if (!(point[i].pressure > 0.0)) continue;
-    int cells = kind == CT_T3 || kind == CT_T6 ? 2 : 1, mine = point[i].face / cells % ALONG < ALONG / 2, theirs = point[i].other / cells % ALONG < ALONG / 2;
+    int cells = kind == CT_T3 || kind == CT_T6 ? 2 : 1,
+        mine = point[i].face / cells % ALONG < ALONG / 2,
+        theirs = point[i].other / cells % ALONG < ALONG / 2;
     pressed[mine]++;
     across += mine != theirs;
   }
-  tap_ok(pressed[0] > 5 && pressed[1] > 5 && across == pressed[0] + pressed[1], "%s strip: %d points of one layer and %d of the other are pressed, each by the other layer",
-         KIND[kind], pressed[0], pressed[1]);
+  tap_ok(
+      pressed[0] > 5 && pressed[1] > 5 && across == pressed[0] + pressed[1],
+      "%s strip: %d points of one layer and %d of the other are pressed, each by the other layer",
+      KIND[kind], pressed[0], pressed[1]);
   for (int i = 0; i < 3 * nodes; i++) {
     double keep = p.x[i], up;
     p.x[i] = keep + h;
@@ -123,25 +138,31 @@ static void folded(ct_face_kind kind)
     off = worst(off, f[i] + (up - energy_at(contact, p.x)) / (2.0 * h));
     p.x[i] = keep;
   }
-  tap_ok(off < 1e-6 * largest(f, 3 * nodes), "%s strip: force is minus the gradient of the energy, off by %.2g", KIND[kind], off / largest(f, 3 * nodes));
+  tap_ok(off < 1e-6 * largest(f, 3 * nodes),
+         "%s strip: force is minus the gradient of the energy, off by %.2g", KIND[kind],
+         off / largest(f, 3 * nodes));
   for (int n = 0; n < nodes; n++)
     for (int c = 0; c < 3; c++) {
       sum[c] += f[3 * n + c];
-      moment[c] += p.x[3 * n + (c + 1) % 3] * f[3 * n + (c + 2) % 3] - p.x[3 * n + (c + 2) % 3] * f[3 * n + (c + 1) % 3];
+      moment[c] += p.x[3 * n + (c + 1) % 3] * f[3 * n + (c + 2) % 3] -
+                   p.x[3 * n + (c + 2) % 3] * f[3 * n + (c + 1) % 3];
       size += fabs(f[3 * n + c]);
     }
-  tap_ok(largest(sum, 3) < 1e-13 * size && largest(moment, 3) < 1e-13 * size, "%s strip: linear and angular momentum, %.2g and %.2g of the forces", KIND[kind],
+  tap_ok(largest(sum, 3) < 1e-13 * size && largest(moment, 3) < 1e-13 * size,
+         "%s strip: linear and angular momentum, %.2g and %.2g of the forces", KIND[kind],
          largest(sum, 3) / size, largest(moment, 3) / size);
   energy_at(contact, p.x);
-  tap_ok(ct_contact_resultant(contact, F, M, NULL, NULL) == CT_OK && largest(F, 3) < 1e-13 * size && largest(M, 3) < 1e-13 * size, "%s strip: no resultant", KIND[kind]);
+  tap_ok(ct_contact_resultant(contact, F, M, NULL, NULL) == CT_OK && largest(F, 3) < 1e-13 * size &&
+             largest(M, 3) < 1e-13 * size,
+         "%s strip: no resultant", KIND[kind]);
   ct_contact_free(contact);
   free(point);
   free(f);
   free_fold(&p);
 }
 
-/* The layers as two surfaces of their own must say the same, as the bend between them touches nothing; also where a small depth
- * leaves the lists of the reference shape empty. */
+/* The layers as two surfaces of their own must say the same, as the bend between them touches
+ * nothing; also where a small depth leaves the lists of the reference shape empty. */
 static void like_two(ct_face_kind kind)
 {
   fold p = new_fold(kind);
@@ -160,8 +181,11 @@ static void like_two(ct_face_kind kind)
   b = ct_contact_energy(two);
   forces(one, nodes, f);
   need(ct_contact_add_force(two, g, g), &e);
-  tap_ok(a > 0.0 && fabs(a / b - 1.0) < 1e-12, "%s strip: the energy is that of its two layers as two surfaces, off by %.2g", KIND[kind], a / b - 1.0);
-  tap_ok(largest_difference(f, g, 3 * nodes) < 1e-12 * largest(g, 3 * nodes), "%s strip: so are the forces", KIND[kind]);
+  tap_ok(a > 0.0 && fabs(a / b - 1.0) < 1e-12,
+         "%s strip: the energy is that of its two layers as two surfaces, off by %.2g", KIND[kind],
+         a / b - 1.0);
+  tap_ok(largest_difference(f, g, 3 * nodes) < 1e-12 * largest(g, 3 * nodes),
+         "%s strip: so are the forces", KIND[kind]);
   ct_contact_free(one);
   ct_contact_free(two);
   free(f);
@@ -169,14 +193,15 @@ static void like_two(ct_face_kind kind)
   free_fold(&p);
 }
 
-/* The bound on the step against the largest eigenvalue of the contact's own stiffness, by power iteration over differences of
- * forces. */
+/* The bound on the step against the largest eigenvalue of the contact's own stiffness, by power
+ * iteration over differences of forces. */
 static void bound(ct_face_kind kind)
 {
   fold p = new_fold(kind);
   int n = 3 * p.surface.node_count;
   ct_contact *contact = open_self(&p.surface);
-  double *f0 = numbers(n), *f = numbers(n), *v = numbers(n), *mass = numbers(n), *x = numbers(n), quotient = 0.0, square = 0.0, dt = 0.0, h = 1e-7;
+  double *f0 = numbers(n), *f = numbers(n), *v = numbers(n), *mass = numbers(n), *x = numbers(n),
+         quotient = 0.0, square = 0.0, dt = 0.0, h = 1e-7;
   ct_error e = {0};
   press(&p, 0.01, 0.005);
   energy_at(contact, p.x);
@@ -197,7 +222,8 @@ static void bound(ct_face_kind kind)
     }
     quotient = work / kinetic;
   }
-  tap_ok(quotient > 0.05 * square && quotient <= square, "%s strip: the bound %.4g holds the true frequency %.4g", KIND[kind], square, quotient);
+  tap_ok(quotient > 0.05 * square && quotient <= square,
+         "%s strip: the bound %.4g holds the true frequency %.4g", KIND[kind], square, quotient);
   tap_close(dt * sqrt(square), 2.0, 1e-14, "%s strip: the step is that of the bound", KIND[kind]);
   ct_contact_free(contact);
   free(f0);
@@ -208,8 +234,8 @@ static void bound(ct_face_kind kind)
   free_fold(&p);
 }
 
-/* A layer that travels over the straight part of the other one: the forces at the end are the bits of a contact that was made for
- * the end alone, on any number of threads. */
+/* A layer that travels over the straight part of the other one: the forces at the end are the bits
+ * of a contact that was made for the end alone, on any number of threads. */
 static void history(ct_face_kind kind)
 {
   fold p = new_fold(kind);
@@ -230,9 +256,12 @@ static void history(ct_face_kind kind)
   forces(travelled, nodes, f);
   forces(fresh, nodes, g);
   forces(threads, nodes, h);
-  tap_ok(largest(f, 3 * nodes) > 0.0 && largest_difference(f, g, 3 * nodes) <= 1e-13 * largest(g, 3 * nodes), "%s strip: the way there does not show in the forces (%.2g)", KIND[kind],
+  tap_ok(largest(f, 3 * nodes) > 0.0 &&
+             largest_difference(f, g, 3 * nodes) <= 1e-13 * largest(g, 3 * nodes),
+         "%s strip: the way there does not show in the forces (%.2g)", KIND[kind],
          largest_difference(f, g, 3 * nodes) / largest(g, 3 * nodes));
-  tap_ok(memcmp(g, h, 3 * (size_t)nodes * sizeof *g) == 0, "%s strip: the same bits from three threads", KIND[kind]);
+  tap_ok(memcmp(g, h, 3 * (size_t)nodes * sizeof *g) == 0,
+         "%s strip: the same bits from three threads", KIND[kind]);
   ct_contact_free(travelled);
   ct_contact_free(fresh);
   ct_contact_free(threads);
@@ -242,12 +271,14 @@ static void history(ct_face_kind kind)
   free_fold(&p);
 }
 
-/* The skin of a box, closed all around, at a given thickness: squeezed, sheared and bent it must not touch itself. */
+/* The skin of a box, closed all around, at a given thickness: squeezed, sheared and bent it must
+ * not touch itself. */
 static void closed(ct_brick_kind kind, double thickness, int layers)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 2, 1, thickness, 8, 4, layers);
   int32_t *outer = integers(8 * 6 * m->element_count);
-  ct_surface surface = {ct_brick_face_kind(kind), m->node_count, ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes};
+  ct_surface surface = {ct_brick_face_kind(kind), m->node_count,
+                        ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes};
   ct_contact *contact = open_self(&surface);
   double *x = numbers(3 * m->node_count), *f = numbers(3 * m->node_count), top = 0.0, energy = 0.0;
   for (int shape = 0; shape < 4; shape++) {
@@ -262,8 +293,10 @@ static void closed(ct_brick_kind kind, double thickness, int layers)
     forces(contact, m->node_count, f);
     top = worst(top, largest(f, 3 * m->node_count));
   }
-  tap_ok(top == 0.0 && energy == 0.0, "%s skin of a plate of thickness %g in %d layers: as it is, squeezed, sheared and bent, it does not touch itself", KIND[surface.kind],
-         thickness, layers);
+  tap_ok(top == 0.0 && energy == 0.0,
+         "%s skin of a plate of thickness %g in %d layers: as it is, squeezed, sheared and bent, "
+         "it does not touch itself",
+         KIND[surface.kind], thickness, layers);
   ct_contact_free(contact);
   free(x);
   free(f);
@@ -271,29 +304,37 @@ static void closed(ct_brick_kind kind, double thickness, int layers)
   ct_mesh_free(m);
 }
 
-/* A hairpin whose lower jaw opens by `angle`: the body between two legs of length 0.6 and thickness 0.1 that are 0.08 apart. */
+/* A hairpin whose lower jaw opens by `angle`: the body between two legs of length 0.6 and thickness
+ * 0.1 that are 0.08 apart. */
 static void jaws(const ct_mesh *m, double angle, double *x)
 {
   const double leg = 0.6, thick = 0.1, middle = 0.09, arc = middle * 3.14159265358979324;
   for (int n = 0; n < m->node_count; n++) {
     const double *X = &m->nodes[3 * n];
-    double s = (2.0 * leg + arc) * X[0], turn = fmin(fmax((s - leg) / middle, 0.0), 3.14159265358979324), r = middle - thick * (X[2] - 0.5);
-    double a = (s < leg ? s : s > leg + arc ? 2.0 * leg + arc - s : leg) + r * sin(turn) - leg, b = -r * cos(turn), open = angle * fmin(fmax((leg - s) / 0.3, 0.0), 1.0);
+    double s = (2.0 * leg + arc) * X[0],
+           turn = fmin(fmax((s - leg) / middle, 0.0), 3.14159265358979324),
+           r = middle - thick * (X[2] - 0.5);
+    double a = (s < leg         ? s
+                : s > leg + arc ? 2.0 * leg + arc - s
+                                : leg) +
+               r * sin(turn) - leg,
+           b = -r * cos(turn), open = angle * fmin(fmax((leg - s) / 0.3, 0.0), 1.0);
     x[3 * n] = a * cos(open) - b * sin(open);
     x[3 * n + 1] = X[1];
     x[3 * n + 2] = a * sin(open) + b * cos(open);
   }
 }
 
-/* Jaws that open touch nothing, although the end of one comes to look at the underside of the other, through the other
- * (eq:self-history). */
+/* Jaws that open touch nothing, although the end of one comes to look at the underside of the
+ * other, through the other (eq:self-history). */
 static void open_jaws(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 0.2, 1, 18, 2, 2);
   int32_t *outer = integers(8 * 6 * m->element_count);
   double *reference = numbers(3 * m->node_count), *x = numbers(3 * m->node_count), energy = 0.0;
   jaws(m, 0.0, reference);
-  ct_surface skin = {ct_brick_face_kind(kind), m->node_count, ct_mesh_outer_faces(m, outer, NULL), outer, reference};
+  ct_surface skin = {ct_brick_face_kind(kind), m->node_count, ct_mesh_outer_faces(m, outer, NULL),
+                     outer, reference};
   ct_contact *contact = NULL;
   ct_contact_options options = ct_contact_options_default();
   ct_error e;
@@ -314,7 +355,8 @@ static void open_jaws(ct_brick_kind kind)
   ct_mesh_free(m);
 }
 
-/* A bar bent to a ring that is almost closed: the body between angle 0 and `angle`, of thickness 0.2. */
+/* A bar bent to a ring that is almost closed: the body between angle 0 and `angle`, of thickness
+ * 0.2. */
 static void ring(const ct_mesh *m, double angle, double *x)
 {
   for (int n = 0; n < m->node_count; n++) {
@@ -326,18 +368,23 @@ static void ring(const ct_mesh *m, double angle, double *x)
   }
 }
 
-/* A C whose ends are pushed into each other: the ends meet as two surfaces would, and nothing else does. */
+/* A C whose ends are pushed into each other: the ends meet as two surfaces would, and nothing else
+ * does. */
 static void c_shape(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 0.3, 0.2, 40, 3, 2);
-  int32_t *outer = integers(4 * 6 * m->element_count), *first = integers(4 * 100), *last = integers(4 * 100);
-  double *reference = numbers(3 * m->node_count), *x = numbers(3 * m->node_count), *f = numbers(3 * m->node_count), *g = numbers(3 * m->node_count);
+  int32_t *outer = integers(4 * 6 * m->element_count), *first = integers(4 * 100),
+          *last = integers(4 * 100);
+  double *reference = numbers(3 * m->node_count), *x = numbers(3 * m->node_count),
+         *f = numbers(3 * m->node_count), *g = numbers(3 * m->node_count);
   ct_error e;
   ct_contact_options options = ct_contact_options_default();
   ring(m, 6.1, reference);
   ct_surface skin = {CT_Q4, m->node_count, ct_mesh_outer_faces(m, outer, NULL), outer, reference};
-  ct_surface a = {CT_Q4, m->node_count, ct_mesh_plane_faces(m, 0, 0.0, first, NULL), first, reference};
-  ct_surface b = {CT_Q4, m->node_count, ct_mesh_plane_faces(m, 0, 1.0, last, NULL), last, reference};
+  ct_surface a = {CT_Q4, m->node_count, ct_mesh_plane_faces(m, 0, 0.0, first, NULL), first,
+                  reference};
+  ct_surface b = {CT_Q4, m->node_count, ct_mesh_plane_faces(m, 0, 1.0, last, NULL), last,
+                  reference};
   ct_contact *self = open_self(&skin), *pair = NULL;
   options.epsilon = EPSILON;
   need(ct_contact_create(&a, &b, &options, &pair, &e), &e);
@@ -348,8 +395,11 @@ static void c_shape(void)
   forces(self, m->node_count, f);
   need(ct_contact_add_force(pair, g, g), &e);
   double want = ct_contact_energy(pair);
-  tap_ok(want > 0.0 && fabs(got / want - 1.0) < 1e-12, "a C whose ends are pushed into each other has the energy of its two ends, off by %.2g", got / want - 1.0);
-  tap_ok(largest_difference(f, g, 3 * m->node_count) < 1e-12 * largest(g, 3 * m->node_count), "and their forces");
+  tap_ok(want > 0.0 && fabs(got / want - 1.0) < 1e-12,
+         "a C whose ends are pushed into each other has the energy of its two ends, off by %.2g",
+         got / want - 1.0);
+  tap_ok(largest_difference(f, g, 3 * m->node_count) < 1e-12 * largest(g, 3 * m->node_count),
+         "and their forces");
   ct_contact_free(self);
   ct_contact_free(pair);
   free(outer);
@@ -362,7 +412,8 @@ static void c_shape(void)
   ct_mesh_free(m);
 }
 
-/* A scene in which the ends of a C fly at each other: the faces of the skin are given twice, and energy and momentum are kept. */
+/* A scene in which the ends of a C fly at each other: the faces of the skin are given twice, and
+ * energy and momentum are kept. */
 static void scene_of_a_c(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 0.3, 0.2, 40, 2, 2), *bent = NULL;
@@ -375,13 +426,22 @@ static void scene_of_a_c(void)
   double touched = 0.0, balance = 0.0, p = 0.0, size = 0.0;
   need(ct_mesh_create_copy(m, &bent, &e), &e);
   ring(m, 6.25, bent->nodes);
-  int32_t body = add_body(scene, "c", bent, &material, (ct_solid_kernel)0, 0, 0, 0), faces = ct_mesh_outer_faces(bent, outer, NULL);
-  ct_scene_contact contact = {.body_a = body, .body_b = body, .face_count_a = faces, .face_count_b = faces, .faces_a = outer, .faces_b = outer, .beta = 1.0,
+  int32_t body = add_body(scene, "c", bent, &material, (ct_solid_kernel)0, 0, 0, 0),
+          faces = ct_mesh_outer_faces(bent, outer, NULL);
+  ct_scene_contact contact = {.body_a = body,
+                              .body_b = body,
+                              .face_count_a = faces,
+                              .face_count_b = faces,
+                              .faces_a = outer,
+                              .faces_b = outer,
+                              .beta = 1.0,
                               .options = ct_contact_options_default()};
   need(ct_scene_add_contact(scene, &contact, &e), &e);
-  const ct_problem *problem = build(scene, (ct_scene_time){.end = 2e-3, .fraction = 0.4, .threads = 1}, &steps, &stable);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 2e-3, .fraction = 0.4, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(problem);
-  for (int n = 0; n < m->node_count; n++) state->velocity[3 * n + 2] = 40.0 * (m->nodes[3 * n] - 0.5);
+  for (int n = 0; n < m->node_count; n++)
+    state->velocity[3 * n + 2] = 40.0 * (m->nodes[3 * n] - 0.5);
   ct_energy first = energy_of(problem, state), now = first;
   for (int64_t i = 0; i < steps; i += 10) {
     advance(problem, state, 10);
@@ -390,9 +450,13 @@ static void scene_of_a_c(void)
     balance = worst(balance, now.total / first.total - 1.0);
   }
   ct_momentum momentum = momentum_of(problem, state, body);
-  for (int n = 0; n < m->node_count; n++) size += fabs(state->velocity[3 * n + 2]) / problem->inverse_mass[3 * n];
+  for (int n = 0; n < m->node_count; n++)
+    size += fabs(state->velocity[3 * n + 2]) / problem->inverse_mass[3 * n];
   for (int c = 0; c < 3; c++) p = worst(p, momentum.p[c]);
-  tap_ok(touched > 1e-4 && balance < 0.02, "a scene of a C whose ends collide: contact takes %.2g of the energy, the total strays by %.2g", touched, balance);
+  tap_ok(touched > 1e-4 && balance < 0.02,
+         "a scene of a C whose ends collide: contact takes %.2g of the energy, the total strays by "
+         "%.2g",
+         touched, balance);
   tap_close(p / size, 0.0, 1e-10, "and its momentum stays");
   ct_state_free(state);
   ct_scene_free(scene);
@@ -401,7 +465,8 @@ static void scene_of_a_c(void)
   free(outer);
 }
 
-/* Keep the elements of a box that a shape is made of: an L, stairs, or all but one at the last corner. */
+/* Keep the elements of a box that a shape is made of: an L, stairs, or all but one at the last
+ * corner. */
 static int in_shape(int shape, int i, int j, int k)
 {
   return shape == 0 ? i == 0 || j == 0 : shape == 1 ? i + j < 4 : !(i == 3 && j == 3 && k == 3);
@@ -416,8 +481,8 @@ static void carve(ct_mesh *m, int shape, int layers)
   m->element_count = kept;
 }
 
-/* Concave bodies of cubes with nodes moved at random: an undeformed body does not touch itself, and one that moves by little,
- * little (eq:gap-bound). */
+/* Concave bodies of cubes with nodes moved at random: an undeformed body does not touch itself, and
+ * one that moves by little, little (eq:gap-bound). */
 static void concave(ct_brick_kind kind, int shape, ct_contact_rule points)
 {
   double at_rest = 0.0, shaken = 0.0;
@@ -429,7 +494,8 @@ static void concave(ct_brick_kind kind, int shape, ct_contact_rule points)
     carve(m, shape, shape == 2 ? 4 : 1);
     shake(m, 0.1 * (trial % 4), 0);
     int32_t *outer = integers(8 * 6 * m->element_count);
-    ct_surface skin = {ct_brick_face_kind(kind), m->node_count, ct_mesh_outer_faces(m, outer, NULL), outer, m->nodes};
+    ct_surface skin = {ct_brick_face_kind(kind), m->node_count, ct_mesh_outer_faces(m, outer, NULL),
+                       outer, m->nodes};
     double *x = numbers(3 * m->node_count);
     options.epsilon = EPSILON;
     options.points = points;
@@ -444,13 +510,15 @@ static void concave(ct_brick_kind kind, int shape, ct_contact_rule points)
     free(outer);
     ct_mesh_free(m);
   }
-  // A motion of 1e-5 at most, relative to a point, three times that with quadratic faces, on an area below 100.
+  // A motion of 1e-5 at most, relative to a point, three times that with quadratic faces, on an
+  // area below 100.
   tap_ok(at_rest == 0.0 && shaken <= 100.0 * EPSILON * 1e-8,
-         "%s, concave shape %d, rule %d: energy %g at rest, %g when its nodes are shaken", KIND[ct_brick_face_kind(kind)], shape,
-         (int)points, at_rest, shaken);
+         "%s, concave shape %d, rule %d: energy %g at rest, %g when its nodes are shaken",
+         KIND[ct_brick_face_kind(kind)], shape, (int)points, at_rest, shaken);
 }
 
-/* Layers that lie in each other in the reference shape are no contact until they have come apart. */
+/* Layers that lie in each other in the reference shape are no contact until they have come apart.
+ */
 static void made_in_each_other(ct_face_kind kind)
 {
   fold p = new_fold(kind);
@@ -464,12 +532,14 @@ static void made_in_each_other(ct_face_kind kind)
   ct_contact *contact = open_self(&p.surface);
   double before = energy_at(contact, pressed), after = 0.0, parted = energy_at(contact, apart);
   for (int step = 0; step <= 400; step++) {
-    for (int i = 0; i < 3 * p.surface.node_count; i++) p.x[i] = apart[i] + step / 400.0 * (pressed[i] - apart[i]);
+    for (int i = 0; i < 3 * p.surface.node_count; i++)
+      p.x[i] = apart[i] + step / 400.0 * (pressed[i] - apart[i]);
     after = fmax(after, energy_at(contact, p.x));
   }
   tap_ok(before == 0.0 && parted == 0.0 && after > 0.01,
-         "%s strip made in itself: energy %g, apart %g, and up to %g when its layers come together again", KIND[kind], before,
-         parted, after);
+         "%s strip made in itself: energy %g, apart %g, and up to %g when its layers come together "
+         "again",
+         KIND[kind], before, parted, after);
   ct_contact_free(contact);
   free(apart);
   free(pressed);
@@ -483,17 +553,24 @@ static void refusals(void)
   ct_contact *contact = NULL;
   ct_error e;
   double F[3];
-  tap_ok(ct_contact_create_self(NULL, &options, &contact, &e) == CT_ERROR_ARGUMENT && ct_contact_create_self(&p.surface, NULL, &contact, &e) == CT_ERROR_ARGUMENT &&
+  tap_ok(ct_contact_create_self(NULL, &options, &contact, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_create_self(&p.surface, NULL, &contact, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_create_self(&p.surface, &options, NULL, NULL) == CT_ERROR_ARGUMENT,
          "null pointers are refused");
-  tap_ok(ct_contact_create_self(&p.surface, &options, &contact, &e) == CT_ERROR_ARGUMENT, "no penalty: %s", e.text);
+  tap_ok(ct_contact_create_self(&p.surface, &options, &contact, &e) == CT_ERROR_ARGUMENT,
+         "no penalty: %s", e.text);
   p.surface.face_count = 0;
   options.epsilon = 1.0;
-  tap_ok(ct_contact_create_self(&p.surface, &options, &contact, &e) == CT_ERROR_ARGUMENT && contact == NULL, "no faces: %s", e.text);
+  tap_ok(ct_contact_create_self(&p.surface, &options, &contact, &e) == CT_ERROR_ARGUMENT &&
+             contact == NULL,
+         "no faces: %s", e.text);
   p.surface.face_count = 1;
   need(ct_contact_create_self(&p.surface, &options, &contact, &e), &e);
-  tap_ok(energy_at(contact, p.reference) == 0.0 && ct_contact_resultant(contact, F, F, NULL, NULL) == CT_OK, "one face alone touches nothing");
-  tap_ok(ct_contact_frequency(contact, F, NULL, NULL) == CT_ERROR_ARGUMENT, "nowhere to write: refused");
+  tap_ok(energy_at(contact, p.reference) == 0.0 &&
+             ct_contact_resultant(contact, F, F, NULL, NULL) == CT_OK,
+         "one face alone touches nothing");
+  tap_ok(ct_contact_frequency(contact, F, NULL, NULL) == CT_ERROR_ARGUMENT,
+         "nowhere to write: refused");
   ct_contact_free(contact);
   free_fold(&p);
 }
@@ -514,7 +591,8 @@ int main(void)
   closed(CT_HEX20, 0.3, 3);
   open_jaws(CT_HEX8);
   open_jaws(CT_HEX20);
-  for (int i = 0; i < 12; i++) concave(i % 2 ? CT_HEX20 : CT_HEX8, i / 2 % 3, i < 6 ? CT_POINTS_GAUSS : CT_POINTS_LOBATTO);
+  for (int i = 0; i < 12; i++)
+    concave(i % 2 ? CT_HEX20 : CT_HEX8, i / 2 % 3, i < 6 ? CT_POINTS_GAUSS : CT_POINTS_LOBATTO);
   for (int k = 0; k < 4; k++) made_in_each_other((ct_face_kind)k);
   c_shape();
   scene_of_a_c();

@@ -1,21 +1,26 @@
-/* The box kernel of hex20: beside the general one, closed-form forces of a constant strain, work, gradient, translations to the
- * bit, exchanged axes, which bodies it takes. */
+/* The box kernel of hex20: beside the general one, closed-form forces of a constant strain, work,
+ * gradient, translations to the bit, exchanged axes, which bodies it takes. */
 #include "blocks.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
 
-/* Both kernels at one displacement, for edges of 1 : 2 : 7 in any order and the whole range of materials. */
+/* Both kernels at one displacement, for edges of 1 : 2 : 7 in any order and the whole range of
+ * materials. */
 static void beside_the_general_kernel(void)
 {
-  static const double edge[6][3] = {{1, 2, 7}, {2, 7, 1}, {7, 1, 2}, {7, 2, 1}, {1, 7, 2}, {2, 1, 7}};
+  static const double edge[6][3] = {{1, 2, 7}, {2, 7, 1}, {7, 1, 2},
+                                    {7, 2, 1}, {1, 7, 2}, {2, 1, 7}};
   static const double poisson[4] = {0.0, 0.3, 0.49, -0.5};
   for (int p = 0; p < 4; p++) {
     double off = 0.0, energy_off = 0.0, bound_off = 0.0;
     for (int k = 0; k < 6; k++) {
       ct_material material = {2.1e5, poisson[p], 7.8e-9, CT_LINEAR};
-      ct_mesh *m = box_mesh(CT_HEX20, 0.2, -3, 1, 3 * edge[k][0], 4 * edge[k][1], 2 * edge[k][2], 3, 4, 2);
-      block box = open_block(m, &material, CT_KERNEL_BOX), general = open_block(m, &material, CT_KERNEL_GENERAL);
-      double *u = random_displacement(m, 1e-3), *f = numbers(3 * m->node_count), *g = numbers(3 * m->node_count);
+      ct_mesh *m =
+          box_mesh(CT_HEX20, 0.2, -3, 1, 3 * edge[k][0], 4 * edge[k][1], 2 * edge[k][2], 3, 4, 2);
+      block box = open_block(m, &material, CT_KERNEL_BOX),
+            general = open_block(m, &material, CT_KERNEL_GENERAL);
+      double *u = random_displacement(m, 1e-3), *f = numbers(3 * m->node_count),
+             *g = numbers(3 * m->node_count);
       double energy = block_force(&box, u, f), want = block_force(&general, u, g);
       off = worst(off, largest_difference(f, g, 3 * m->node_count) / largest(g, 3 * m->node_count));
       energy_off = worst(energy_off, energy / want - 1.0);
@@ -27,13 +32,15 @@ static void beside_the_general_kernel(void)
       free(g);
       ct_mesh_free(m);
     }
-    tap_ok(off < 1e-13 && energy_off < 1e-13, "nu = %g, edges 1 : 2 : 7: the general kernel's forces to %.2g, its energy to %.2g",
+    tap_ok(off < 1e-13 && energy_off < 1e-13,
+           "nu = %g, edges 1 : 2 : 7: the general kernel's forces to %.2g, its energy to %.2g",
            poisson[p], off, energy_off);
     tap_ok(bound_off == 0.0, "nu = %g: the bound of omega^2 is that of the elements", poisson[p]);
   }
 }
 
-/* A constant strain: a side of area A bears the traction σ n, of which a corner has -1/12 and a middle of an edge 1/3. */
+/* A constant strain: a side of area A bears the traction σ n, of which a corner has -1/12 and a
+ * middle of an edge 1/3. */
 static void constant_strain(void)
 {
   static const double edge[3] = {0.7, 1.1, 0.4};
@@ -46,7 +53,8 @@ static void constant_strain(void)
     for (int i = 0; i < 9; i++) G[i / 3][i % 3] = uniform(1e-3);
     double trace = G[0][0] + G[1][1] + G[2][2];
     for (int i = 0; i < 3; i++)
-      for (int j = 0; j < 3; j++) sigma[i][j] = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * trace : 0.0);
+      for (int j = 0; j < 3; j++)
+        sigma[i][j] = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * trace : 0.0);
     for (int a = 0; a < 20; a++) {
       double xi[3];
       int n = m->elements[a];
@@ -54,7 +62,8 @@ static void constant_strain(void)
       for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
           u[3 * n + i] += G[i][j] * m->nodes[3 * n + j];
-          want[3 * n + i] -= sigma[i][j] * xi[j] * edge[(j + 1) % 3] * edge[(j + 2) % 3] * (a < 8 ? -1.0 / 12.0 : 1.0 / 3.0);
+          want[3 * n + i] -= sigma[i][j] * xi[j] * edge[(j + 1) % 3] * edge[(j + 2) % 3] *
+                             (a < 8 ? -1.0 / 12.0 : 1.0 / 3.0);
         }
     }
     block_force(&box, u, f);
@@ -73,8 +82,8 @@ static double work(const double *f, const double *v, int n)
   return sum;
 }
 
-/* Its stiffness is symmetric and positive, and its force minus the gradient of its energy, which is quadratic: central
- * differences are exact. */
+/* Its stiffness is symmetric and positive, and its force minus the gradient of its energy, which is
+ * quadratic: central differences are exact. */
 static void potential(void)
 {
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 2, 7, 2, 1, 1);
@@ -99,7 +108,8 @@ static void potential(void)
     u[i] = keep;
     off = worst(off, f[i] + (up - down));
   }
-  tap_ok(off < 1e-13 * largest(f, n), "the force is minus the gradient of the energy, off by %.2g", off / largest(f, n));
+  tap_ok(off < 1e-13 * largest(f, n), "the force is minus the gradient of the energy, off by %.2g",
+         off / largest(f, n));
   close_block(&box);
   free(u);
   free(v);
@@ -108,8 +118,8 @@ static void potential(void)
   ct_mesh_free(m);
 }
 
-/* Differences come first: a translation that rounds no displacement (here it takes all 53 bits of one) changes no bit of any
- * force, and alone gives exact zeros. */
+/* Differences come first: a translation that rounds no displacement (here it takes all 53 bits of
+ * one) changes no bit of any force, and alone gives exact zeros. */
 static void translations(void)
 {
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 2, 7, 3, 2, 2);
@@ -135,10 +145,12 @@ static void translations(void)
   ct_mesh_free(m);
 }
 
-/* A body whose axes are exchanged, x to y to z to x, has the exchanged forces, to round-off: no axis has a way of its own. */
+/* A body whose axes are exchanged, x to y to z to x, has the exchanged forces, to round-off: no
+ * axis has a way of its own. */
 static void exchanged_axes(void)
 {
-  ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 2, 7, 1, 1, 1), *t = box_mesh(CT_HEX20, 0, 0, 0, 7, 1, 2, 1, 1, 1);
+  ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 1, 2, 7, 1, 1, 1),
+          *t = box_mesh(CT_HEX20, 0, 0, 0, 7, 1, 2, 1, 1, 1);
   block box = open_block(m, &STEEL, CT_KERNEL_BOX), turned = open_block(t, &STEEL, CT_KERNEL_BOX);
   double u[60], v[60], f[60], g[60], off = 0.0;
   int32_t image[20];
@@ -153,7 +165,8 @@ static void exchanged_axes(void)
   block_force(&box, u, f);
   block_force(&turned, v, g);
   for (int i = 0; i < 60; i++) off = worst(off, f[i] - g[3 * image[i / 3] + (i + 1) % 3]);
-  tap_ok(off < 1e-14 * largest(f, 60), "exchanged axes: exchanged forces, off by %.2g", off / largest(f, 60));
+  tap_ok(off < 1e-14 * largest(f, 60), "exchanged axes: exchanged forces, off by %.2g",
+         off / largest(f, 60));
   close_block(&box);
   close_block(&turned);
   ct_mesh_free(m);
@@ -179,13 +192,14 @@ static void choice(void)
 {
   ct_error e = {0};
   ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0, 3, 1, 2, 3, 1, 2);
-  tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_LINEAR, 0, &e) == CT_KERNEL_BOX, "equal boxes get the box kernel");
+  tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_LINEAR, 0, &e) == CT_KERNEL_BOX,
+         "equal boxes get the box kernel");
   tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_LINEAR, 1, &e) == CT_KERNEL_BOX,
          "one layer that is held, too: the plane kernel is for hex8");
   tap_ok(kernel_for(m, CT_KERNEL_PLANE, CT_LINEAR, 1, &e) == -1 && strstr(e.text, "hex8") != NULL,
          "who asks for that is refused: %s", e.text);
   tap_ok(kernel_for(m, CT_KERNEL_AUTO, CT_NEO_HOOKEAN, 0, &e) == CT_KERNEL_GENERAL &&
-           kernel_for(m, CT_KERNEL_BOX, CT_NEO_HOOKEAN, 0, &e) == -1,
+             kernel_for(m, CT_KERNEL_BOX, CT_NEO_HOOKEAN, 0, &e) == -1,
          "large deformation has the general one");
   int missed = 0, refused = 0, taken = 0;
   for (int a = 0; a < 20; a++)
@@ -199,11 +213,13 @@ static void choice(void)
       *x = keep;
     }
   tap_ok(missed == 0 && refused == 60 && taken == 60,
-         "a node that is moved by 1e-9 is seen, corner or not, and one that is rounded is not: %s", e.text);
+         "a node that is moved by 1e-9 is seen, corner or not, and one that is rounded is not: %s",
+         e.text);
   ct_ring ring = {{0, 0, 0}, {1.0, 2.0}, 1.0, {1, 8, 1}};
   ct_mesh *round;
   need(ct_mesh_create_ring(CT_HEX20, &ring, &round, &e), &e);
-  tap_ok(kernel_for(round, CT_KERNEL_AUTO, CT_LINEAR, 0, &e) == CT_KERNEL_GENERAL, "a ring has the general one");
+  tap_ok(kernel_for(round, CT_KERNEL_AUTO, CT_LINEAR, 0, &e) == CT_KERNEL_GENERAL,
+         "a ring has the general one");
   ct_mesh_free(round);
   ct_mesh_free(m);
 }

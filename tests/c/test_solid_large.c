@@ -1,5 +1,5 @@
-/* Large displacement and rotation: closed forms in wide arithmetic, finite differences, rotations, conservation, mirror
- * images, the tangent's bound. */
+/* Large displacement and rotation: closed forms in wide arithmetic, finite differences, rotations,
+ * conservation, mirror images, the tangent's bound. */
 #include "blocks.h"
 
 static const char *KIND[2] = {"hex8", "hex20"};
@@ -14,19 +14,23 @@ static ct_material soft(ct_law law)
 
 static long double determinant(long double A[3][3])
 {
-  return A[0][0] * (A[1][1] * A[2][2] - A[1][2] * A[2][1]) - A[0][1] * (A[1][0] * A[2][2] - A[1][2] * A[2][0])
-    + A[0][2] * (A[1][0] * A[2][1] - A[1][1] * A[2][0]);
+  return A[0][0] * (A[1][1] * A[2][2] - A[1][2] * A[2][1]) -
+         A[0][1] * (A[1][0] * A[2][2] - A[1][2] * A[2][0]) +
+         A[0][2] * (A[1][0] * A[2][1] - A[1][1] * A[2][0]);
 }
 
-/* Energy density and Cauchy's stress xx yy zz xy yz zx from F as textbooks have them, with the left tensor b = F Fᵀ, in wide
- * arithmetic. */
+/* Energy density and Cauchy's stress xx yy zz xy yz zx from F as textbooks have them, with the left
+ * tensor b = F Fᵀ, in wide arithmetic. */
 static long double textbook(const ct_material *m, double G[3][3], double stress[6])
 {
   double la, mm;
   ct_material_lame(m, &la, &mm);
   long double lambda = la, mu = mm, F[3][3], b[3][3], sigma[3][3], trace = 0.0L, square = 0.0L;
-  for (int i = 0; i < 9; i++) F[i / 3][i % 3] = (long double)G[i / 3][i % 3] + (i % 4 == 0 ? 1.0L : 0.0L);
-  for (int i = 0; i < 9; i++) b[i / 3][i % 3] = F[i / 3][0] * F[i % 3][0] + F[i / 3][1] * F[i % 3][1] + F[i / 3][2] * F[i % 3][2];
+  for (int i = 0; i < 9; i++)
+    F[i / 3][i % 3] = (long double)G[i / 3][i % 3] + (i % 4 == 0 ? 1.0L : 0.0L);
+  for (int i = 0; i < 9; i++)
+    b[i / 3][i % 3] =
+        F[i / 3][0] * F[i % 3][0] + F[i / 3][1] * F[i % 3][1] + F[i / 3][2] * F[i % 3][2];
   long double J = determinant(F), W;
   for (int i = 0; i < 3; i++) trace += b[i][i];
   for (int i = 0; i < 3; i++)
@@ -34,13 +38,15 @@ static long double textbook(const ct_material *m, double G[3][3], double stress[
       long double one = i == j, bb = 0.0L;
       for (int k = 0; k < 3; k++) bb += b[i][k] * b[k][j];
       square += b[i][j] * b[i][j];
-      sigma[i][j] = m->law == CT_NEO_HOOKEAN ? mu / J * (b[i][j] - one) + lambda * (J - 1.0L) * one
-                                             : (0.5L * lambda * (trace - 3.0L) * b[i][j] + mu * (bb - b[i][j])) / J;
+      sigma[i][j] = m->law == CT_NEO_HOOKEAN
+                        ? mu / J * (b[i][j] - one) + lambda * (J - 1.0L) * one
+                        : (0.5L * lambda * (trace - 3.0L) * b[i][j] + mu * (bb - b[i][j])) / J;
     }
   if (m->law == CT_NEO_HOOKEAN)
     W = 0.5L * mu * (trace - 3.0L) - mu * logl(J) + 0.5L * lambda * (J - 1.0L) * (J - 1.0L);
   else
-    W = 0.125L * lambda * (trace - 3.0L) * (trace - 3.0L) + 0.25L * mu * (square - 2.0L * trace + 3.0L);
+    W = 0.125L * lambda * (trace - 3.0L) * (trace - 3.0L) +
+        0.25L * mu * (square - 2.0L * trace + 3.0L);
   for (int k = 0; k < 6; k++) stress[k] = (double)sigma[k % 3][k < 3 ? k : (k + 1) % 3];
   return W;
 }
@@ -71,7 +77,8 @@ static void patch_test(ct_brick_kind kind, ct_law law)
   double G[3][3], want[6], off = 0.0, inner = 0.0, top;
   for (int i = 0; i < 9; i++) G[i / 3][i % 3] = uniform(0.35);
   double density = (double)textbook(&material, G, want);
-  double *u = numbers(3 * m->node_count), *f = numbers(3 * m->node_count), *stress = numbers(6 * m->element_count);
+  double *u = numbers(3 * m->node_count), *f = numbers(3 * m->node_count),
+         *stress = numbers(6 * m->element_count);
   for (int n = 0; n < m->node_count; n++)
     for (int i = 0; i < 3; i++) {
       const double *X = &m->nodes[3 * n];
@@ -79,20 +86,24 @@ static void patch_test(ct_brick_kind kind, ct_law law)
     }
   ct_error e;
   need(ct_solid_stress(m, &material, u, stress, &e), &e);
-  for (int el = 0; el < m->element_count; el++) off = worst(off, largest_difference(&stress[6 * el], want, 6));
-  tap_ok(off < 1e-12 * largest(want, 6), "%s, %s patch: Cauchy's stress off by %.2g", KIND[kind], LAW[law],
-         off / largest(want, 6));
+  for (int el = 0; el < m->element_count; el++)
+    off = worst(off, largest_difference(&stress[6 * el], want, 6));
+  tap_ok(off < 1e-12 * largest(want, 6), "%s, %s patch: Cauchy's stress off by %.2g", KIND[kind],
+         LAW[law], off / largest(want, 6));
 
   block solid = open_block(m, &material, CT_KERNEL_AUTO);
   double energy = block_force(&solid, u, f);
-  int per_face = kind == CT_HEX8 ? 4 : 8, *is_outer = integers(m->node_count), *outer = integers(8 * 6 * m->element_count);
+  int per_face = kind == CT_HEX8 ? 4 : 8, *is_outer = integers(m->node_count),
+      *outer = integers(8 * 6 * m->element_count);
   int faces = ct_mesh_outer_faces(m, outer, NULL);
   for (int i = 0; i < faces * per_face; i++) is_outer[outer[i]] = 1;
   top = largest(f, 3 * m->node_count);
   for (int i = 0; i < 3 * m->node_count; i++)
     if (!is_outer[i / 3]) inner = worst(inner, f[i]);
-  tap_ok(inner < 1e-12 * top, "%s, %s patch: no force at inner nodes, %.2g of the largest", KIND[kind], LAW[law], inner / top);
-  tap_close(energy / (density * volume_of(m)), 1.0, 1e-12, "%s, %s patch: energy", KIND[kind], LAW[law]);
+  tap_ok(inner < 1e-12 * top, "%s, %s patch: no force at inner nodes, %.2g of the largest",
+         KIND[kind], LAW[law], inner / top);
+  tap_close(energy / (density * volume_of(m)), 1.0, 1e-12, "%s, %s patch: energy", KIND[kind],
+            LAW[law]);
   close_block(&solid);
   free(is_outer);
   free(outer);
@@ -120,7 +131,8 @@ static void turned(ct_brick_kind kind, ct_law law)
   ct_mesh *m = distorted(kind, 2);
   ct_material material = soft(law);
   int n = 3 * m->node_count;
-  double *u = random_displacement(m, 0.05), *v = numbers(n), *f = numbers(n), *g = numbers(n), off[2] = {0, 0};
+  double *u = random_displacement(m, 0.05), *v = numbers(n), *f = numbers(n), *g = numbers(n),
+         off[2] = {0, 0};
   block solid = open_block(m, &material, CT_KERNEL_AUTO);
   double energy = block_force(&solid, u, f), top = largest(f, n);
   for (int k = 1; k <= 12; k++) {
@@ -139,8 +151,9 @@ static void turned(ct_brick_kind kind, ct_law law)
         off[1] = worst(off[1], (want - g[3 * a + i]) / top);
       }
   }
-  tap_ok(off[0] < 1e-12 && off[1] < 1e-12, "%s, %s: turned twelve ways, energy changes by %.2g, force by %.2g", KIND[kind],
-         LAW[law], off[0], off[1]);
+  tap_ok(off[0] < 1e-12 && off[1] < 1e-12,
+         "%s, %s: turned twelve ways, energy changes by %.2g, force by %.2g", KIND[kind], LAW[law],
+         off[0], off[1]);
   close_block(&solid);
   free(u);
   free(v);
@@ -149,14 +162,15 @@ static void turned(ct_brick_kind kind, ct_law law)
   ct_mesh_free(m);
 }
 
-/* Force = - gradient of the energy, by central differences of fourth order; tangent = - gradient of the force, by its largest
- * eigenvalue. */
+/* Force = - gradient of the energy, by central differences of fourth order; tangent = - gradient of
+ * the force, by its largest eigenvalue. */
 static void gradients(ct_brick_kind kind, ct_law law)
 {
   int n = 3 * ct_brick_node_count(kind);
   ct_mesh *m = distorted(kind, 1);
   ct_material material = soft(law);
-  double x[60], u[60], f[60], g[4][60], energy[4], *A = numbers(n * n), mass[20], off = 0.0, top = 0.0, w, h = 2e-3;
+  double x[60], u[60], f[60], g[4][60], energy[4], *A = numbers(n * n), mass[20], off = 0.0,
+                                                   top = 0.0, w, h = 2e-3;
   ct_error e;
   take_element(m, 0, m->nodes, x);
   for (int i = 0; i < n; i++) u[i] = uniform(kind == CT_HEX8 ? 0.1 : 0.04);
@@ -172,23 +186,26 @@ static void gradients(ct_brick_kind kind, ct_law law)
     off = worst(off, f[i] + (energy[0] - energy[3] + 8.0 * (energy[2] - energy[1])) / (12.0 * h));
     top = worst(top, f[i]);
     for (int j = 0; j < n; j++)
-      A[j * n + i] = -(g[0][j] - g[3][j] + 8.0 * (g[2][j] - g[1][j])) / (12.0 * h) / sqrt(mass[i / 3] * mass[j / 3]);
+      A[j * n + i] = -(g[0][j] - g[3][j] + 8.0 * (g[2][j] - g[1][j])) / (12.0 * h) /
+                     sqrt(mass[i / 3] * mass[j / 3]);
   }
-  tap_ok(off < 1e-8 * top, "%s, %s: force is minus the gradient of the energy, off by %.2g", KIND[kind], LAW[law], off / top);
+  tap_ok(off < 1e-8 * top, "%s, %s: force is minus the gradient of the energy, off by %.2g",
+         KIND[kind], LAW[law], off / top);
   double skew = 0.0, size = largest(A, n * n);
   for (int i = 0; i < n * n; i++) skew = worst(skew, A[i] - A[i % n * n + i / n]);
-  tap_ok(skew < 1e-7 * size, "%s, %s: the force has a potential, the tangent is symmetric to %.2g", KIND[kind], LAW[law],
-         skew / size);
+  tap_ok(skew < 1e-7 * size, "%s, %s: the force has a potential, the tangent is symmetric to %.2g",
+         KIND[kind], LAW[law], skew / size);
   for (int i = 0; i < n; i++)
     for (int j = 0; j < i; j++) A[j * n + i] = A[i * n + j];
   need(ct_solid_element_tangent_frequency(kind, x, u, &material, mass, &w, &e), &e);
-  tap_close(w / jacobi_largest(n, A), 1.0, 1e-7, "%s, %s: largest eigenvalue of the tangent", KIND[kind], LAW[law]);
+  tap_close(w / jacobi_largest(n, A), 1.0, 1e-7, "%s, %s: largest eigenvalue of the tangent",
+            KIND[kind], LAW[law]);
   free(A);
   ct_mesh_free(m);
 }
 
-/* For small displacements force and energy become the linear ones: the difference falls as the displacement, and no digits are
- * lost on the way. */
+/* For small displacements force and energy become the linear ones: the difference falls as the
+ * displacement, and no digits are lost on the way. */
 static void small_strain(ct_brick_kind kind, ct_law law)
 {
   ct_mesh *m = distorted(kind, 2);
@@ -198,7 +215,8 @@ static void small_strain(ct_brick_kind kind, ct_law law)
   double off[4], energy_off[4], scale[4] = {1e-3, 1e-4, 1e-9, 1e-13};
   for (int i = 0; i < 4; i++) {
     for (int k = 0; k < n; k++) v[k] = scale[i] * u[k];
-    block large = open_block(m, &material, CT_KERNEL_AUTO), small = open_block(m, &linear, CT_KERNEL_GENERAL);
+    block large = open_block(m, &material, CT_KERNEL_AUTO),
+          small = open_block(m, &linear, CT_KERNEL_GENERAL);
     double W = block_force(&large, v, f), want = block_force(&small, v, g);
     off[i] = largest_difference(f, g, n) / largest(g, n);
     energy_off[i] = fabs(W / want - 1.0);
@@ -206,10 +224,11 @@ static void small_strain(ct_brick_kind kind, ct_law law)
     close_block(&small);
   }
   tap_ok(off[0] / off[1] > 8.0 && off[0] / off[1] < 12.0 && off[1] > 1e-7,
-         "%s, %s: ten times smaller, ten times nearer to the linear force (%.3g)", KIND[kind], LAW[law], off[0] / off[1]);
+         "%s, %s: ten times smaller, ten times nearer to the linear force (%.3g)", KIND[kind],
+         LAW[law], off[0] / off[1]);
   tap_ok(off[2] < 1e-7 && energy_off[2] < 1e-7 && off[3] < 5e-11 && energy_off[3] < 5e-11,
-         "%s, %s: tiny displacements, force off by %.2g, energy by %.2g", KIND[kind], LAW[law], off[3],
-         energy_off[3]);
+         "%s, %s: tiny displacements, force off by %.2g, energy by %.2g", KIND[kind], LAW[law],
+         off[3], energy_off[3]);
   free(u);
   free(v);
   free(f);
@@ -217,8 +236,8 @@ static void small_strain(ct_brick_kind kind, ct_law law)
   ct_mesh_free(m);
 }
 
-/* Stretch a along x with free sides: the lateral stretch in closed form leaves no lateral stress, and the end force is the
- * closed one. */
+/* Stretch a along x with free sides: the lateral stretch in closed form leaves no lateral stress,
+ * and the end force is the closed one. */
 static void uniaxial(ct_brick_kind kind, ct_law law)
 {
   static const double stretch[5] = {0.6, 0.9, 1.0 + 1e-6, 1.3, 2.0};
@@ -226,7 +245,8 @@ static void uniaxial(ct_brick_kind kind, ct_law law)
   distort_inside(m, 0.02);
   ct_material material = soft(law);
   double lambda, mu, off[2] = {0, 0};
-  double *u = numbers(3 * m->node_count), *f = numbers(3 * m->node_count), *stress = numbers(6 * m->element_count);
+  double *u = numbers(3 * m->node_count), *f = numbers(3 * m->node_count),
+         *stress = numbers(6 * m->element_count);
   int32_t *end = integers(m->node_count), count = ct_mesh_plane_nodes(m, 0, 2.0, end);
   ct_material_lame(&material, &lambda, &mu);
   block solid = open_block(m, &material, CT_KERNEL_AUTO);
@@ -235,7 +255,8 @@ static void uniaxial(ct_brick_kind kind, ct_law law)
     double a = stretch[k], b, P;
     if (law == CT_NEO_HOOKEAN) {
       // Λ a² s² + (μ - Λ a) s - μ = 0 for s = b²; then P = μ (a - 1/a) + Λ (J - 1) J / a.
-      double p = mu - lambda * a, s = 2.0 * mu / (p + sqrt(p * p + 4.0 * lambda * a * a * mu)), J = a * s;
+      double p = mu - lambda * a, s = 2.0 * mu / (p + sqrt(p * p + 4.0 * lambda * a * a * mu)),
+             J = a * s;
       b = sqrt(s);
       P = mu * (a - 1.0 / a) + lambda * (J - 1.0) * J / a;
     } else {
@@ -244,7 +265,8 @@ static void uniaxial(ct_brick_kind kind, ct_law law)
       b = sqrt(1.0 - 2.0 * material.poisson * E11);
       P = a * material.young * E11;
     }
-    for (int i = 0; i < 3 * m->node_count; i++) u[i] = (i % 3 == 0 ? a - 1.0 : b - 1.0) * m->nodes[i];
+    for (int i = 0; i < 3 * m->node_count; i++)
+      u[i] = (i % 3 == 0 ? a - 1.0 : b - 1.0) * m->nodes[i];
     block_force(&solid, u, f);
     double pull = 0.0;
     for (int i = 0; i < count; i++) pull -= f[3 * end[i]];
@@ -252,12 +274,13 @@ static void uniaxial(ct_brick_kind kind, ct_law law)
     need(ct_solid_stress(m, &material, u, stress, &e), &e);
     for (int el = 0; el < m->element_count; el++) {
       off[0] = worst(off[0], stress[6 * el] / (P / (b * b)) - 1.0);
-      for (int c = 1; c < 6; c++) off[1] = worst(off[1], stress[6 * el + c] / fmax(fabs(P), mu * fabs(a - 1.0)));
+      for (int c = 1; c < 6; c++)
+        off[1] = worst(off[1], stress[6 * el + c] / fmax(fabs(P), mu * fabs(a - 1.0)));
     }
   }
   tap_ok(off[0] < 1e-9 && off[1] < 1e-9,
-         "%s, %s: stretched by 0.6 to 2, end force and stress off by %.2g, lateral stress %.2g", KIND[kind], LAW[law],
-         off[0], off[1]);
+         "%s, %s: stretched by 0.6 to 2, end force and stress off by %.2g, lateral stress %.2g",
+         KIND[kind], LAW[law], off[0], off[1]);
   close_block(&solid);
   free(u);
   free(f);
@@ -278,7 +301,8 @@ static void kernels(ct_brick_kind kind, ct_law law)
     distort(m, kind == CT_HEX8 ? 0.12 : 0.05);
     ct_material material = soft(law);
     int n = 3 * m->node_count;
-    double *u = random_displacement(m, kind == CT_HEX8 ? 0.1 : 0.03), *f = numbers(n), *g = numbers(n);
+    double *u = random_displacement(m, kind == CT_HEX8 ? 0.1 : 0.03), *f = numbers(n),
+           *g = numbers(n);
     block solid = open_block(m, &material, CT_KERNEL_AUTO);
     double energy = block_force(&solid, u, f), want = reference_force(m, &material, u, g);
     off = worst(off, largest_difference(f, g, n) / largest(g, n));
@@ -293,8 +317,9 @@ static void kernels(ct_brick_kind kind, ct_law law)
     free(g);
     ct_mesh_free(m);
   }
-  tap_ok(off < 1e-13 && energy_off < 1e-13, "%s, %s: kernels against the readable form, force off by %.2g, energy by %.2g",
-         KIND[kind], LAW[law], off, energy_off);
+  tap_ok(off < 1e-13 && energy_off < 1e-13,
+         "%s, %s: kernels against the readable form, force off by %.2g, energy by %.2g", KIND[kind],
+         LAW[law], off, energy_off);
   tap_ok(same, "%s, %s: two threads, the same bits", KIND[kind], LAW[law]);
 }
 
@@ -307,7 +332,8 @@ static int64_t mirror_faults_of(ct_mesh *m, ct_law law)
   for (int axis = 0; axis < 3; axis++) {
     ct_mesh *image = mirror_mesh(m, axis);
     for (int i = 0; i < n; i++) v[i] = i % 3 == axis ? -u[i] : u[i];
-    block here = open_block(m, &material, CT_KERNEL_AUTO), there = open_block(image, &material, CT_KERNEL_AUTO);
+    block here = open_block(m, &material, CT_KERNEL_AUTO),
+          there = open_block(image, &material, CT_KERNEL_AUTO);
     double energy = block_force(&here, u, f);
     faults += energy != block_force(&there, v, g);
     faults += mirror_faults(f, g, m->node_count, axis);
@@ -323,15 +349,18 @@ static int64_t mirror_faults_of(ct_mesh *m, ct_law law)
   return faults;
 }
 
-/* One body of many elements, and many of one: a sum over all would hide the last bits of an element's energy. */
+/* One body of many elements, and many of one: a sum over all would hide the last bits of an
+ * element's energy. */
 static void mirrored(ct_brick_kind kind, ct_law law)
 {
   int64_t faults = mirror_faults_of(distorted(kind, 3), law);
   for (int k = 0; k < 20; k++) faults += mirror_faults_of(distorted(kind, 1), law);
-  tap_ok(faults == 0, "%s, %s: mirror images have mirrored bits, %d faults", KIND[kind], LAW[law], (int)faults);
+  tap_ok(faults == 0, "%s, %s: mirror images have mirrored bits, %d faults", KIND[kind], LAW[law],
+         (int)faults);
 }
 
-/* A ring is its own mirror image: mirrored displacements give mirrored forces, to the last bit, also where it closes. */
+/* A ring is its own mirror image: mirrored displacements give mirrored forces, to the last bit,
+ * also where it closes. */
 static void mirrored_ring(ct_brick_kind kind, ct_law law)
 {
   ct_ring ring = {{0, 0, 0}, {1.0, 1.5}, 0.5, {2, 10, 2}};
@@ -349,17 +378,21 @@ static void mirrored_ring(ct_brick_kind kind, ct_law law)
       image[a] = -1;
       for (int b = 0; b < m->node_count; b++) {
         int same = 1;
-        for (int c = 0; c < 3; c++) same &= m->nodes[3 * b + c] == (c == axis ? -m->nodes[3 * a + c] : m->nodes[3 * a + c]);
+        for (int c = 0; c < 3; c++)
+          same &= m->nodes[3 * b + c] == (c == axis ? -m->nodes[3 * a + c] : m->nodes[3 * a + c]);
         if (same) image[a] = b;
       }
       faults += image[a] < 0;
-      for (int c = 0; image[a] >= 0 && c < 3; c++) v[3 * image[a] + c] = c == axis ? -u[3 * a + c] : u[3 * a + c];
+      for (int c = 0; image[a] >= 0 && c < 3; c++)
+        v[3 * image[a] + c] = c == axis ? -u[3 * a + c] : u[3 * a + c];
     }
     block_force(&solid, v, g);
-    for (int i = 0; faults == 0 && i < n; i++) faults += !(g[3 * image[i / 3] + i % 3] == (i % 3 == axis ? -f[i] : f[i]));
+    for (int i = 0; faults == 0 && i < n; i++)
+      faults += !(g[3 * image[i / 3] + i % 3] == (i % 3 == axis ? -f[i] : f[i]));
     free(image);
   }
-  tap_ok(faults == 0, "%s, %s: a ring mirrors its forces to the last bit, %d faults", KIND[kind], LAW[law], faults);
+  tap_ok(faults == 0, "%s, %s: a ring mirrors its forces to the last bit, %d faults", KIND[kind],
+         LAW[law], faults);
   close_block(&solid);
   free(u);
   free(v);
@@ -368,21 +401,25 @@ static void mirrored_ring(ct_brick_kind kind, ct_law law)
   ct_mesh_free(m);
 }
 
-static void add_spinning(ct_scene *scene, const ct_mesh *m, const ct_material *material, double rate)
+static void add_spinning(ct_scene *scene, const ct_mesh *m, const ct_material *material,
+                         double rate)
 {
   int32_t body = add_body(scene, "block", m, material, CT_KERNEL_AUTO, 0, 0, 0);
   double *v = numbers(3 * m->node_count), axis[3] = {0.3 * rate, -0.4 * rate, 1.2 * rate};
   for (int n = 0; n < m->node_count; n++)
     for (int c = 0; c < 3; c++)
-      v[3 * n + c] = axis[(c + 1) % 3] * m->nodes[3 * n + (c + 2) % 3] - axis[(c + 2) % 3] * m->nodes[3 * n + (c + 1) % 3]
-        + 0.05 * sin(3.0 * m->nodes[3 * n + c]);
+      v[3 * n + c] = axis[(c + 1) % 3] * m->nodes[3 * n + (c + 2) % 3] -
+                     axis[(c + 2) % 3] * m->nodes[3 * n + (c + 1) % 3] +
+                     0.05 * sin(3.0 * m->nodes[3 * n + c]);
   ct_error e;
   need(ct_scene_set_velocity(scene, body, v, &e), &e);
   free(v);
 }
 
-/* One run of a free block that spins, stretches and shakes; the width of the band of its energy, over the energy. */
-static double spin(const ct_mesh *m, ct_law law, double end, double fraction, double *drift, double *balance)
+/* One run of a free block that spins, stretches and shakes; the width of the band of its energy,
+ * over the energy. */
+static double spin(const ct_mesh *m, ct_law law, double end, double fraction, double *drift,
+                   double *balance)
 {
   ct_material material = soft(law);
   ct_scene *scene = new_scene();
@@ -390,7 +427,8 @@ static double spin(const ct_mesh *m, ct_law law, double end, double fraction, do
   int64_t steps;
   int records = (int)(8.0 * end);
   ct_stable_step stable;
-  const ct_problem *problem = build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, &steps, &stable);
+  const ct_problem *problem = build(
+      scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(problem);
   ct_momentum start = momentum_of(problem, state, 0);
   double size = sqrt(start.L[0] * start.L[0] + start.L[1] * start.L[1] + start.L[2] * start.L[2]);
@@ -408,27 +446,34 @@ static double spin(const ct_mesh *m, ct_law law, double end, double fraction, do
   return (high - low) / first;
 }
 
-/* The angular momentum stays, the work balance closes, and the energy keeps within a band that falls as the step squared: over
- * the first turn, where runs with different steps move alike, and no wider over ten turns. */
+/* The angular momentum stays, the work balance closes, and the energy keeps within a band that
+ * falls as the step squared: over the first turn, where runs with different steps move alike, and
+ * no wider over ten turns. */
 static void spinning(ct_brick_kind kind, ct_law law)
 {
   double spread[4], drift = 0.0, balance = 0.0;
   ct_mesh *m = kind == CT_HEX8 ? box_mesh(kind, -1, -0.6, -0.4, 2, 1.2, 0.8, 5, 2, 2)
-                                : box_mesh(kind, -1, -0.6, -0.4, 2, 1.2, 0.8, 3, 1, 1);
-  // The spin stretches the block, and the tangent is stiffer then than at the start: keep below half of the first limit.
+                               : box_mesh(kind, -1, -0.6, -0.4, 2, 1.2, 0.8, 3, 1, 1);
+  // The spin stretches the block, and the tangent is stiffer then than at the start: keep below
+  // half of the first limit.
   for (int k = 0; k < 3; k++) spread[k] = spin(m, law, 20.0, 0.4 / (1 << k), &drift, &balance);
   spread[3] = spin(m, law, 200.0, 0.4, &drift, &balance);
   double order[2] = {log2(spread[0] / spread[1]), log2(spread[1] / spread[2])};
-  tap_ok(drift < 1e-12, "%s, %s: a spinning block keeps its angular momentum to %.2g", KIND[kind], LAW[law], drift);
-  tap_ok(balance < 1e-12, "%s, %s: kinetic energy is the work of the forces to %.2g", KIND[kind], LAW[law], balance);
-  tap_ok(order[0] > 1.8 && order[0] < 2.2 && order[1] > 1.9 && order[1] < 2.1 && spread[3] < 3.0 * spread[0],
-         "%s, %s: energy spread %.2g, %.2g, %.2g of itself, order %.3f, %.3f; over ten turns %.2g times the first",
-         KIND[kind], LAW[law], spread[0], spread[1],
-         spread[2], order[0], order[1], spread[3] / spread[0]);
+  tap_ok(drift < 1e-12, "%s, %s: a spinning block keeps its angular momentum to %.2g", KIND[kind],
+         LAW[law], drift);
+  tap_ok(balance < 1e-12, "%s, %s: kinetic energy is the work of the forces to %.2g", KIND[kind],
+         LAW[law], balance);
+  tap_ok(order[0] > 1.8 && order[0] < 2.2 && order[1] > 1.9 && order[1] < 2.1 &&
+             spread[3] < 3.0 * spread[0],
+         "%s, %s: energy spread %.2g, %.2g, %.2g of itself, order %.3f, %.3f; over ten turns %.2g "
+         "times the first",
+         KIND[kind], LAW[law], spread[0], spread[1], spread[2], order[0], order[1],
+         spread[3] / spread[0]);
   ct_mesh_free(m);
 }
 
-/* The bound on ω² at a deformed state against the largest eigenvalue of the assembled tangent by power iteration. */
+/* The bound on ω² at a deformed state against the largest eigenvalue of the assembled tangent by
+ * power iteration. */
 static void tangent_bound(ct_brick_kind kind, ct_law law)
 {
   double least = INFINITY, most = 0.0, stiffer = 0.0;
@@ -438,7 +483,8 @@ static void tangent_bound(ct_brick_kind kind, ct_law law)
   add_body(scene, "block", m, &material, CT_KERNEL_AUTO, 0, 0, 0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *problem = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(problem);
   double omega_squared[2], rate;
   ct_error e;
@@ -449,8 +495,10 @@ static void tangent_bound(ct_brick_kind kind, ct_law law)
     rotation(0.9 * k, Q);
     for (int a = 0; a < m->node_count; a++) {
       double y[3];
-      for (int i = 0; i < 3; i++) y[i] = (i == 0 ? stretch : 1.0) * m->nodes[3 * a + i] + u[3 * a + i];
-      for (int i = 0; i < 3; i++) u[3 * a + i] = Q[i][0] * y[0] + Q[i][1] * y[1] + Q[i][2] * y[2] - m->nodes[3 * a + i];
+      for (int i = 0; i < 3; i++)
+        y[i] = (i == 0 ? stretch : 1.0) * m->nodes[3 * a + i] + u[3 * a + i];
+      for (int i = 0; i < 3; i++)
+        u[3 * a + i] = Q[i][0] * y[0] + Q[i][1] * y[1] + Q[i][2] * y[2] - m->nodes[3 * a + i];
     }
     ct_view view = {.threads = 1, .displacement = u, .scratch = solid.scratch};
     need(solid.effect->frequency(solid.effect, &view, &omega_squared[1], &e), &e);
@@ -459,9 +507,11 @@ static void tangent_bound(ct_brick_kind kind, ct_law law)
     stiffer = fmax(stiffer, omega_squared[1] / omega_squared[0]);
     free(u);
   }
-  tap_ok(least > 1.0 && most < 2.5, "%s, %s: bound over true eigenvalue of the tangent %.3f to %.3f", KIND[kind], LAW[law],
+  tap_ok(least > 1.0 && most < 2.5,
+         "%s, %s: bound over true eigenvalue of the tangent %.3f to %.3f", KIND[kind], LAW[law],
          least, most);
-  tap_ok(stiffer > 1.2, "%s, %s: the tangent becomes stiffer, up to %.3g times", KIND[kind], LAW[law], stiffer);
+  tap_ok(stiffer > 1.2, "%s, %s: the tangent becomes stiffer, up to %.3g times", KIND[kind],
+         LAW[law], stiffer);
   close_block(&solid);
   ct_state_free(state);
   ct_scene_free(scene);
@@ -478,20 +528,22 @@ static void inside_out(ct_brick_kind kind, ct_law law)
   add_body(scene, "second", m, &material, CT_KERNEL_AUTO, 0, 0, 0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *problem = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
   for (int bad = 0; bad < 2; bad++) {
     ct_state *state = new_state(problem);
     ct_error e = {0};
     // Push the middle of the far end through the last element, or let it be no number.
     for (int n = 0; n < m->node_count; n++)
-      if (m->nodes[3 * n] > 20.9) state->displacement[3 * (m->node_count + n)] = bad == 0 ? -1.5 : NAN;
+      if (m->nodes[3 * n] > 20.9)
+        state->displacement[3 * (m->node_count + n)] = bad == 0 ? -1.5 : NAN;
     ct_status status = ct_step_many(problem, state, 2, &e);
     if (bad == 0)
-      tap_ok(status == CT_ERROR_GEOMETRY && e.body == 1 && e.element == 20, "%s, %s: an element inside out is named: %s",
-             KIND[kind], LAW[law], e.text);
+      tap_ok(status == CT_ERROR_GEOMETRY && e.body == 1 && e.element == 20,
+             "%s, %s: an element inside out is named: %s", KIND[kind], LAW[law], e.text);
     else
-      tap_ok(status == CT_ERROR_BLOWUP || status == CT_INVALID, "%s, %s: no number in, no number out: %s", KIND[kind],
-             LAW[law], e.text);
+      tap_ok(status == CT_ERROR_BLOWUP || status == CT_INVALID,
+             "%s, %s: no number in, no number out: %s", KIND[kind], LAW[law], e.text);
     ct_state_free(state);
   }
   ct_scene_free(scene);
@@ -509,18 +561,23 @@ static void refusals(void)
          "the box kernel refuses large deformation: %s", e.text);
   b.material.law = (ct_law)7;
   b.kernel = CT_KERNEL_AUTO;
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "law") != NULL,
+  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT &&
+             strstr(e.text, "law") != NULL,
          "an unknown law is refused: %s", e.text);
   b.material.law = CT_NEO_HOOKEAN;
   take_element(m, 0, m->nodes, x);
   double flipped[24];
   for (int i = 0; i < 24; i++) u[i] = -2.0 * x[i], flipped[i] = -2.0 * m->nodes[i];
-  tap_ok(ct_solid_element_force(CT_HEX8, x, u, &b.material, f, NULL, &e) == CT_ERROR_GEOMETRY && e.point == 0,
+  tap_ok(ct_solid_element_force(CT_HEX8, x, u, &b.material, f, NULL, &e) == CT_ERROR_GEOMETRY &&
+             e.point == 0,
          "a point mirrored through the origin is inside out: %s", e.text);
-  tap_ok(ct_solid_stress(m, &b.material, flipped, f, &e) == CT_ERROR_GEOMETRY && e.element == 0, "and has no stress: %s", e.text);
-  tap_ok(ct_solid_element_tangent_frequency(CT_HEX8, x, u, &b.material, mass, &w, &e) == CT_ERROR_GEOMETRY,
+  tap_ok(ct_solid_stress(m, &b.material, flipped, f, &e) == CT_ERROR_GEOMETRY && e.element == 0,
+         "and has no stress: %s", e.text);
+  tap_ok(ct_solid_element_tangent_frequency(CT_HEX8, x, u, &b.material, mass, &w, &e) ==
+             CT_ERROR_GEOMETRY,
          "nor a tangent: %s", e.text);
-  tap_ok(ct_solid_element_tangent_frequency(CT_HEX8, x, NULL, &b.material, mass, &w, &e) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_solid_element_tangent_frequency(CT_HEX8, x, NULL, &b.material, mass, &w, &e) ==
+             CT_ERROR_ARGUMENT,
          "a tangent needs a displacement");
   double linear[2];
   b.material.law = CT_LINEAR;
@@ -543,15 +600,16 @@ static void velocities(void)
   tap_ok(ct_scene_set_velocity(scene, body, v, &e) == CT_INVALID && e.body == 0 && e.point == 5,
          "a velocity that is no number is refused: %s", e.text);
   v[16] = 16;
-  tap_ok(ct_scene_set_velocity(scene, 1, v, &e) == CT_ERROR_ARGUMENT && ct_scene_set_velocity(scene, body, NULL,
-                                                                                              &e) == CT_ERROR_ARGUMENT, "so is a body that is not there, and no velocity");
+  tap_ok(ct_scene_set_velocity(scene, 1, v, &e) == CT_ERROR_ARGUMENT &&
+             ct_scene_set_velocity(scene, body, NULL, &e) == CT_ERROR_ARGUMENT,
+         "so is a body that is not there, and no velocity");
   need(ct_scene_set_velocity(scene, body, v, &e), &e);
   need(ct_scene_set_velocity(scene, body, v, &e), &e);
   const ct_problem *problem;
   need(ct_scene_join(scene, &problem, &e), &e);
   tap_ok(memcmp(problem->initial_velocity, v, sizeof v) == 0, "each node starts with its velocity");
-  tap_ok(ct_scene_set_velocity(scene, body, v, &e) == CT_ERROR_ARGUMENT, "after the bodies were joined it is too late: %s",
-         e.text);
+  tap_ok(ct_scene_set_velocity(scene, body, v, &e) == CT_ERROR_ARGUMENT,
+         "after the bodies were joined it is too late: %s", e.text);
   ct_scene_free(scene);
   ct_mesh_free(m);
 }

@@ -1,5 +1,5 @@
-/* Reduced hex8: the kernel against the readable form, patch test, hourglass modes, bending against beam theory, bound on the
- * step. */
+/* Reduced hex8: the kernel against the readable form, patch test, hourglass modes, bending against
+ * beam theory, bound on the step. */
 #include "blocks.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -19,7 +19,8 @@ static double hourglass_energy(const block *solid, const double *u)
 }
 
 /* Forces and energies of all elements by the readable form. */
-static void readable(const ct_mesh *m, const ct_material *material, const double *u, double *f, double energy[2])
+static void readable(const ct_mesh *m, const ct_material *material, const double *u, double *f,
+                     double energy[2])
 {
   ct_error e;
   memset(f, 0, 3 * (size_t)m->node_count * sizeof *f);
@@ -47,13 +48,15 @@ static void kernel(void)
     double strain = block_force(&solid, u, f), hourglass = hourglass_energy(&solid, u);
     readable(m, &STEEL, u, g, want);
     double off = largest_difference(f, g, n) / largest(g, n);
-    tap_ok(off < 1e-13, "kernel against the readable form%s: force off by %.2g", turned ? ", turned elements" : "", off);
-    tap_ok(fabs(strain / want[0] - 1.0) < 1e-13 && fabs(hourglass / want[1] - 1.0) < 1e-13, "its energies: off by %.2g and %.2g", strain / want[0] - 1.0,
-           hourglass / want[1] - 1.0);
+    tap_ok(off < 1e-13, "kernel against the readable form%s: force off by %.2g",
+           turned ? ", turned elements" : "", off);
+    tap_ok(fabs(strain / want[0] - 1.0) < 1e-13 && fabs(hourglass / want[1] - 1.0) < 1e-13,
+           "its energies: off by %.2g and %.2g", strain / want[0] - 1.0, hourglass / want[1] - 1.0);
     // The force is linear: energy is half its work.
     double work = 0.0;
     for (int i = 0; i < n; i++) work -= 0.5 * f[i] * u[i];
-    tap_close((strain + hourglass) / work, 1.0, 1e-12, "both energies are half the work of the force");
+    tap_close((strain + hourglass) / work, 1.0, 1e-12,
+              "both energies are half the work of the force");
     ct_view view = {.threads = 2, .displacement = u, .scratch = solid.scratch};
     ct_error e;
     need(solid.effect->force(solid.effect, &view, g, &e), &e);
@@ -84,17 +87,20 @@ static void gradient(void)
     u[i] = at;
     off = worst(off, f[i] + ((energy[1][0] - energy[0][0]) + (energy[1][1] - energy[0][1])) / 2e-4);
   }
-  tap_ok(off < 1e-10 * largest(f, 24), "the force is minus the gradient of both energies, off by %.2g", off / largest(f, 24));
+  tap_ok(off < 1e-10 * largest(f, 24),
+         "the force is minus the gradient of both energies, off by %.2g", off / largest(f, 24));
   ct_mesh_free(m);
 }
 
-/* A linear displacement on a distorted mesh: constant stress, no force inside, no hourglass energy. */
+/* A linear displacement on a distorted mesh: constant stress, no force inside, no hourglass energy.
+ */
 static void patch(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 3, 3, 3);
   distort(m, 0.08);
   turn_elements(m);
-  double G[9], lambda, mu, inner = 0.0, volume = 0.0, density = 0.0, *u = numbers(3 * m->node_count), *f = numbers(3 * m->node_count);
+  double G[9], lambda, mu, inner = 0.0, volume = 0.0, density = 0.0,
+                           *u = numbers(3 * m->node_count), *f = numbers(3 * m->node_count);
   ct_error e;
   for (int i = 0; i < 9; i++) G[i] = uniform(1e-3);
   for (int n = 0; n < m->node_count; n++)
@@ -103,7 +109,9 @@ static void patch(void)
   ct_material_lame(&STEEL, &lambda, &mu);
   double trace = G[0] + G[4] + G[8];
   for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) density += 0.5 * (mu * (G[3 * i + j] + G[3 * j + i]) + (i == j ? lambda * trace : 0.0)) * G[3 * i + j];
+    for (int j = 0; j < 3; j++)
+      density += 0.5 * (mu * (G[3 * i + j] + G[3 * j + i]) + (i == j ? lambda * trace : 0.0)) *
+                 G[3 * i + j];
   for (int el = 0; el < m->element_count; el++) {
     double x[60], mass[8];
     take_element(m, el, m->nodes, x);
@@ -111,16 +119,20 @@ static void patch(void)
     for (int a = 0; a < 8; a++) volume += mass[a];
   }
   block solid = open_block(m, &STEEL, CT_KERNEL_REDUCED);
-  double strain = block_force(&solid, u, f), hourglass = hourglass_energy(&solid, u), top = largest(f, 3 * m->node_count);
+  double strain = block_force(&solid, u, f), hourglass = hourglass_energy(&solid, u),
+         top = largest(f, 3 * m->node_count);
   int32_t *outer = integers(48 * m->element_count), *is_outer = integers(m->node_count);
   int faces = ct_mesh_outer_faces(m, outer, NULL);
   for (int i = 0; i < 4 * faces; i++) is_outer[outer[i]] = 1;
   for (int n = 0; n < m->node_count; n++)
     for (int c = 0; c < 3; c++)
       if (!is_outer[n]) inner = worst(inner, f[3 * n + c]);
-  tap_ok(inner < 1e-13 * top, "patch: no force at inner nodes, at most %.2g of the largest", inner / top);
-  tap_close(strain / (density * volume), 1.0, 1e-12, "patch: the energy is that of the constant strain");
-  tap_ok(hourglass < 1e-24 * strain, "patch: no hourglass energy, %.2g of the strain's", hourglass / strain);
+  tap_ok(inner < 1e-13 * top, "patch: no force at inner nodes, at most %.2g of the largest",
+         inner / top);
+  tap_close(strain / (density * volume), 1.0, 1e-12,
+            "patch: the energy is that of the constant strain");
+  tap_ok(hourglass < 1e-24 * strain, "patch: no hourglass energy, %.2g of the strain's",
+         hourglass / strain);
   close_block(&solid);
   free(u);
   free(f);
@@ -129,7 +141,8 @@ static void patch(void)
   ct_mesh_free(m);
 }
 
-/* Translations and small rotations: no force; and nothing else is free: six zero eigenvalues of the 24. */
+/* Translations and small rotations: no force; and nothing else is free: six zero eigenvalues of
+ * the 24. */
 static void rigid(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
@@ -150,7 +163,10 @@ static void rigid(void)
     if (fabs(A[25 * i]) < 1e-13 * top) zero++;
     else least = fmin(least, A[25 * i]);
   }
-  tap_ok(zero == 6 && least > 1e-3 * top, "six rigid motions and no other mechanism: %d zero eigenvalues, the next is %.3g of the largest", zero, least / top);
+  tap_ok(zero == 6 && least > 1e-3 * top,
+         "six rigid motions and no other mechanism: %d zero eigenvalues, the next is %.3g of the "
+         "largest",
+         zero, least / top);
   double motion = 0.0;
   for (int r = 0; r < 6; r++) {
     for (int a = 0; a < 8; a++)
@@ -165,7 +181,8 @@ static void rigid(void)
   ct_mesh_free(m);
 }
 
-/* The amplitude a of ηζ on a cube of edge h costs (2/3) κ E h a², with κ = 1 what the beam with the linear strain stores. */
+/* The amplitude a of ηζ on a cube of edge h costs (2/3) κ E h a², with κ = 1 what the beam with the
+ * linear strain stores. */
 static void modes(void)
 {
   static const int factor[4][3] = {{1, 1, 0}, {0, 1, 1}, {1, 0, 1}, {1, 1, 1}};
@@ -184,12 +201,15 @@ static void modes(void)
     wrong = worst(wrong, energy[1] / (2.0 / 3.0 * 0.4 * STEEL.young * 0.5 * 1e-6) - 1.0);
     strain = worst(strain, energy[0]);
   }
-  tap_ok(wrong < 1e-13 && strain < 1e-25, "the twelve hourglass modes of a cube cost 2/3 kappa E h a^2, off by %.2g, and strain nothing", wrong);
+  tap_ok(wrong < 1e-13 && strain < 1e-25,
+         "the twelve hourglass modes of a cube cost 2/3 kappa E h a^2, off by %.2g, and strain "
+         "nothing",
+         wrong);
   ct_mesh_free(m);
 }
 
-/* Uniform curvature of a beam with n cubes through its height, no Poisson effect: the energy over that of the beam is 1 - (1 - κ)
- * / n². */
+/* Uniform curvature of a beam with n cubes through its height, no Poisson effect: the energy over
+ * that of the beam is 1 - (1 - κ) / n². */
 static void curvature(void)
 {
   ct_material m = {1.0, 0.0, 1.0, CT_LINEAR};
@@ -207,18 +227,24 @@ static void curvature(void)
     ct_error e;
     need(ct_solid_create_effect(&b, 1, &solid.effect, &e), &e);
     need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
-    double energy = block_force(&solid, u, f) + hourglass_energy(&solid, u), exact = 0.5 * (n * n * n / 12.0) * c * c * 6.0;
+    double energy = block_force(&solid, u, f) + hourglass_energy(&solid, u),
+           exact = 0.5 * (n * n * n / 12.0) * c * c * 6.0;
     off = worst(off, energy / exact - (1.0 - (1.0 - 0.3) / (n * n)));
     close_block(&solid);
     free(u);
     free(f);
     ct_mesh_free(beam);
   }
-  tap_ok(off < 1e-13, "bent beams of 1 to 4 cubes: the energy is 1 - (1 - kappa) / n^2 of the beam's, off by %.2g", off);
+  tap_ok(
+      off < 1e-13,
+      "bent beams of 1 to 4 cubes: the energy is 1 - (1 - kappa) / n^2 of the beam's, off by %.2g",
+      off);
 }
 
-/* The mean displacement at the end of a cantilever that is fixed at x = 0 and pulled up at x = length, by conjugate gradients. */
-static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel, double hourglass, double length, double load)
+/* The mean displacement at the end of a cantilever that is fixed at x = 0 and pulled up at x =
+ * length, by conjugate gradients. */
+static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel,
+                  double hourglass, double length, double load)
 {
   int n = 3 * m->node_count;
   double *u = numbers(n), *r = numbers(n), *d = numbers(n), *q = numbers(n), rr = 0.0, mean = 0.0;
@@ -235,7 +261,8 @@ static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel
     if (fabs(m->nodes[3 * root[i] + 1]) < 1e-9) fixed[3 * root[i] + 1] = 1;
     if (m->nodes[3 * root[i] + 2] == 0.0) fixed[3 * root[i] + 2] = 1;
   }
-  int32_t *faces = integers(48 * m->element_count), count = ct_mesh_plane_faces(m, 0, length, faces, NULL);
+  int32_t *faces = integers(48 * m->element_count),
+          count = ct_mesh_plane_faces(m, 0, length, faces, NULL);
   for (int i = 0; i < 4 * count; i++) r[3 * faces[i] + 1] += load / (4 * count);
   for (int i = 0; i < n; i++) rr += r[i] * r[i], d[i] = r[i];
   double first = rr;
@@ -265,28 +292,38 @@ static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel
   return mean;
 }
 
-/* Length 10, height 1, n cubes through the height, one through the width; the deflection over Timoshenko's. */
+/* Length 10, height 1, n cubes through the height, one through the width; the deflection over
+ * Timoshenko's. */
 static void cantilever(void)
 {
   static const double kappa[3] = {0.1, 0.3, 1.0};
   ct_material m = {1.0, 0.3, 1.0, CT_LINEAR};
-  double shear = m.young / (2.0 * (1.0 + m.poisson)), factor = 10.0 * (1.0 + m.poisson) / (12.0 + 11.0 * m.poisson), worst_off = 0.0, full[3];
+  double shear = m.young / (2.0 * (1.0 + m.poisson)),
+         factor = 10.0 * (1.0 + m.poisson) / (12.0 + 11.0 * m.poisson), worst_off = 0.0, full[3];
   for (int k = 0; k < 3; k++) {
     int n = 1 << k;
-    double h = 1.0 / n, I = h / 12.0, load = 1e-6, exact = load * 1000.0 / (3.0 * m.young * I) + load * 10.0 / (factor * shear * h);
+    double h = 1.0 / n, I = h / 12.0, load = 1e-6,
+           exact = load * 1000.0 / (3.0 * m.young * I) + load * 10.0 / (factor * shear * h);
     ct_mesh *beam = box_mesh(CT_HEX8, 0, -0.5, 0, 10, 1, h, 10 * n, n, 1);
     if (n == 1)
       for (int i = 0; i < beam->node_count; i++) beam->nodes[3 * i + 1] += 0.5;
     full[k] = tip(beam, &m, CT_KERNEL_GENERAL, 0.0, 10.0, load) / exact;
     for (int c = 0; c < 3; c++) {
-      double ratio = tip(beam, &m, CT_KERNEL_REDUCED, kappa[c], 10.0, load) / exact, simple = 1.0 / (1.0 - (1.0 - kappa[c]) / (n * n));
-      printf("# n = %d, kappa = %.1f: deflection %.4f of Timoshenko's (1 / (1 - (1 - kappa) / n^2) = %.4f); full integration %.4f\n", n, kappa[c], ratio, simple, full[k]);
+      double ratio = tip(beam, &m, CT_KERNEL_REDUCED, kappa[c], 10.0, load) / exact,
+             simple = 1.0 / (1.0 - (1.0 - kappa[c]) / (n * n));
+      printf("# n = %d, kappa = %.1f: deflection %.4f of Timoshenko's (1 / (1 - (1 - kappa) / n^2) "
+             "= %.4f); full integration %.4f\n",
+             n, kappa[c], ratio, simple, full[k]);
       worst_off = worst(worst_off, ratio / simple - 1.0);
     }
     ct_mesh_free(beam);
   }
-  tap_ok(worst_off < 0.03, "cantilevers of 1, 2, 4 cubes: the stated error of the coefficient, and at most %.3f beside it", worst_off);
-  tap_ok(fabs(full[0] - 1.0) > 0.25, "full integration is %.3f of the deflection with one element: shear locks it", full[0]);
+  tap_ok(worst_off < 0.03,
+         "cantilevers of 1, 2, 4 cubes: the stated error of the coefficient, and at most %.3f "
+         "beside it",
+         worst_off);
+  tap_ok(fabs(full[0] - 1.0) > 0.25,
+         "full integration is %.3f of the deflection with one element: shear locks it", full[0]);
 }
 
 static void frequencies(void)
@@ -312,13 +349,16 @@ static void frequencies(void)
     high = fmax(high, ratio);
     ct_mesh_free(m);
   }
-  tap_ok(low >= 1.0 - 1e-13 && high < 1.0 + 1e-11, "20 distorted elements: bound over Jacobi's eigenvalue in 1%+.2g ... 1%+.2g", low - 1.0, high - 1.0);
+  tap_ok(low >= 1.0 - 1e-13 && high < 1.0 + 1e-11,
+         "20 distorted elements: bound over Jacobi's eigenvalue in 1%+.2g ... 1%+.2g", low - 1.0,
+         high - 1.0);
 
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 4, 4, 4, 4, 4, 4);
   distort(m, 0.1);
   block solid = open_block(m, &SOFT, CT_KERNEL_REDUCED);
   int n = 3 * m->node_count;
-  double *v = random_displacement(m, 1.0), *f = numbers(n), *mass = numbers(m->node_count), quotient = 0.0, bound = block_frequency(&solid);
+  double *v = random_displacement(m, 1.0), *f = numbers(n), *mass = numbers(m->node_count),
+         quotient = 0.0, bound = block_frequency(&solid);
   ct_error e;
   need(ct_mass_lumped(m, SOFT.density, CT_LUMP_DEFAULT, mass, &e), &e);
   for (int k = 0; k < 400; k++) {
@@ -332,7 +372,8 @@ static void frequencies(void)
     }
     quotient = work / kinetic;
   }
-  tap_ok(bound >= quotient && bound < 2.0 * quotient, "bound of omega^2 is %.4f of the mesh's own", bound / quotient);
+  tap_ok(bound >= quotient && bound < 2.0 * quotient, "bound of omega^2 is %.4f of the mesh's own",
+         bound / quotient);
   close_block(&solid);
   free(v);
   free(f);
@@ -346,13 +387,16 @@ static void mirrored(void)
     ct_mesh *m = box_mesh(CT_HEX8, 0.13, -0.71, 0.37, 1, 1.1, 0.9, 4, 3, 5);
     distort(m, 0.03);
     ct_mesh *image = mirror_mesh(m, axis);
-    block right = open_block(m, &STEEL, CT_KERNEL_REDUCED), left = open_block(image, &STEEL, CT_KERNEL_REDUCED);
+    block right = open_block(m, &STEEL, CT_KERNEL_REDUCED),
+          left = open_block(image, &STEEL, CT_KERNEL_REDUCED);
     int n = 3 * m->node_count;
     double *u = random_displacement(m, 1e-3), *v = numbers(n), *f = numbers(n), *g = numbers(n);
     for (int i = 0; i < n; i++) v[i] = i % 3 == axis ? -u[i] : u[i];
-    int same = block_force(&right, u, f) == block_force(&left, v, g) && hourglass_energy(&right, u) == hourglass_energy(&left, v);
+    int same = block_force(&right, u, f) == block_force(&left, v, g) &&
+               hourglass_energy(&right, u) == hourglass_energy(&left, v);
     int64_t faults = mirror_faults(f, g, m->node_count, axis);
-    tap_ok(faults == 0 && same, "mirrored in %c: %d of %d forces are not the mirrored bits", "xyz"[axis], (int)faults, n);
+    tap_ok(faults == 0 && same, "mirrored in %c: %d of %d forces are not the mirrored bits",
+           "xyz"[axis], (int)faults, n);
     close_block(&right);
     close_block(&left);
     free(u);
@@ -374,11 +418,13 @@ static void ledger(void)
   double *v = random_displacement(m, 1e-3);
   ct_error e;
   need(ct_scene_set_velocity(scene, body, v, &e), &e);
-  tap_ok(ct_scene_set_hourglass(scene, body, -1.0, &e) == CT_ERROR_ARGUMENT, "a negative coefficient is refused: %s", e.text);
+  tap_ok(ct_scene_set_hourglass(scene, body, -1.0, &e) == CT_ERROR_ARGUMENT,
+         "a negative coefficient is refused: %s", e.text);
   need(ct_scene_set_hourglass(scene, body, 0.5, &e), &e);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.9, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.9, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
   double total = energy_of(p, state).total, spread = 0.0, balance = 0.0, most = 0.0, hourglass;
   for (int64_t k = 0; k < steps; k++) {
@@ -389,8 +435,12 @@ static void ledger(void)
     balance = worst(balance, energy.balance / total);
     most = fmax(most, hourglass);
   }
-  tap_ok(p->effect_count == 2 && strcmp(p->effects[1]->name, "hourglass") == 0 && most > 0.01 * total, "the ledger has an hourglass energy, up to %.2g of the whole", most / total);
-  tap_ok(spread < 1e-12 && balance < 1e-12, "energy is conserved to %.2g and the work balance closes to %.2g over %d steps", spread, balance, (int)steps);
+  tap_ok(p->effect_count == 2 && strcmp(p->effects[1]->name, "hourglass") == 0 &&
+             most > 0.01 * total,
+         "the ledger has an hourglass energy, up to %.2g of the whole", most / total);
+  tap_ok(spread < 1e-12 && balance < 1e-12,
+         "energy is conserved to %.2g and the work balance closes to %.2g over %d steps", spread,
+         balance, (int)steps);
   ct_state_free(state);
   ct_scene_free(scene);
   free(v);
@@ -399,32 +449,40 @@ static void ledger(void)
 
 static void refusals(void)
 {
-  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2), *q = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2),
+          *q = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_solid_block b = {.mesh = q, .material = STEEL, .kernel = CT_KERNEL_REDUCED};
   ct_effect *effect = NULL, *hourglass = NULL;
   ct_error e = {0};
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && e.body == 0, "hex20 is refused: %s", e.text);
+  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && e.body == 0,
+         "hex20 is refused: %s", e.text);
   b.mesh = m;
   b.material.law = CT_NEO_HOOKEAN;
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED, "large deformation is refused: %s", e.text);
+  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED,
+         "large deformation is refused: %s", e.text);
   double x[60], u[24] = {0}, f[24];
   take_element(m, 0, m->nodes, x);
-  tap_ok(ct_solid_reduced_force(x, u, &b.material, 0.3, f, NULL, &e) == CT_ERROR_UNSUPPORTED, "of one element, too");
+  tap_ok(ct_solid_reduced_force(x, u, &b.material, 0.3, f, NULL, &e) == CT_ERROR_UNSUPPORTED,
+         "of one element, too");
   b.material = STEEL;
   b.hourglass = -0.1;
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL, "a negative coefficient is refused: %s", e.text);
-  tap_ok(ct_solid_reduced_force(x, u, &STEEL, 0.0, f, NULL, &e) == CT_ERROR_ARGUMENT, "no control at all is refused: %s", e.text);
+  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
+         "a negative coefficient is refused: %s", e.text);
+  tap_ok(ct_solid_reduced_force(x, u, &STEEL, 0.0, f, NULL, &e) == CT_ERROR_ARGUMENT,
+         "no control at all is refused: %s", e.text);
   b.hourglass = 0.0;
   b.kernel = CT_KERNEL_AUTO;
   need(ct_solid_create_effect(&b, 1, &effect, &e), &e);
-  tap_ok(ct_solid_create_hourglass(effect, &hourglass, &e) == CT_OK && hourglass == NULL, "without a reduced body there is no hourglass effect");
+  tap_ok(ct_solid_create_hourglass(effect, &hourglass, &e) == CT_OK && hourglass == NULL,
+         "without a reduced body there is no hourglass effect");
   ct_effect_free(effect);
   for (int c = 0; c < 3; c++) {
     double t = x[c];
     x[c] = x[12 + c];
     x[12 + c] = t;
   }
-  tap_ok(ct_solid_reduced_force(x, u, &STEEL, 0.3, f, NULL, &e) == CT_ERROR_GEOMETRY, "a folded element is refused: %s", e.text);
+  tap_ok(ct_solid_reduced_force(x, u, &STEEL, 0.3, f, NULL, &e) == CT_ERROR_GEOMETRY,
+         "a folded element is refused: %s", e.text);
   ct_mesh_free(m);
   ct_mesh_free(q);
 }
@@ -441,7 +499,8 @@ static void cost(void)
     ct_solid_block_plan(solid.effect, 0, &kernel, &flops[k], &bytes);
     close_block(&solid);
   }
-  tap_ok(flops[0] / flops[1] > 3.5, "full integration takes %.2f times the operations", flops[0] / flops[1]);
+  tap_ok(flops[0] / flops[1] > 3.5, "full integration takes %.2f times the operations",
+         flops[0] / flops[1]);
   ct_mesh_free(m);
 }
 

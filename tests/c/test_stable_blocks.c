@@ -1,12 +1,15 @@
-/* The bound on the step of a box of bricks by blocks of its elements: above the largest eigenvalue of the whole, and near it. */
+/* The bound on the step of a box of bricks by blocks of its elements: above the largest eigenvalue
+ * of the whole, and near it. */
 #include "blocks.h"
 
 static const ct_material SOFT = {1.0, 0.3, 1.0, CT_LINEAR};
 
 /* The effect of one body with components that are held. */
-static block open_held(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel, const int held[3])
+static block open_held(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel,
+                       const int held[3])
 {
-  ct_solid_block b = {.mesh = m, .material = *material, .kernel = kernel, .held = {held[0], held[1], held[2]}};
+  ct_solid_block b = {
+      .mesh = m, .material = *material, .kernel = kernel, .held = {held[0], held[1], held[2]}};
   block solid = {NULL, NULL};
   ct_error e;
   need(ct_solid_create_effect(&b, 1, &solid.effect, &e), &e);
@@ -14,12 +17,14 @@ static block open_held(const ct_mesh *m, const ct_material *material, ct_solid_k
   return solid;
 }
 
-/* Rayleigh's quotient of the whole after many rounds of the power method: what is found is below the largest eigenvalue, and in
- * the end it is that. */
-static double whole(const ct_mesh *m, const ct_material *material, const block *solid, const int held[3])
+/* Rayleigh's quotient of the whole after many rounds of the power method: what is found is below
+ * the largest eigenvalue, and in the end it is that. */
+static double whole(const ct_mesh *m, const ct_material *material, const block *solid,
+                    const int held[3])
 {
   int n = 3 * m->node_count;
-  double *v = random_displacement(m, 1.0), *f = numbers(n), *mass = numbers(m->node_count), quotient = 0.0;
+  double *v = random_displacement(m, 1.0), *f = numbers(n), *mass = numbers(m->node_count),
+         quotient = 0.0;
   ct_error e;
   need(ct_mass_lumped(m, material->density, CT_LUMP_DEFAULT, mass, &e), &e);
   for (int k = 0; k < 1500; k++) {
@@ -45,14 +50,17 @@ static double whole(const ct_mesh *m, const ct_material *material, const block *
 /* Reported over true step of boxes of many sizes and shapes. */
 static void sharpness(ct_solid_kernel kernel, const char *name)
 {
-  static const int CELLS[][3] = {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {4, 4, 4}, {5, 3, 2}, {1, 1, 7}, {6, 1, 1}, {1, 5, 4}, {2, 7, 2}, {3, 1, 9}};
-  static const double EDGE[][3] = {{1, 1, 1}, {1, 2, 3}, {1, 0.2, 0.2}}, POISSON[] = {0.0, 0.3, 0.49};
+  static const int CELLS[][3] = {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}, {4, 4, 4}, {5, 3, 2},
+                                 {1, 1, 7}, {6, 1, 1}, {1, 5, 4}, {2, 7, 2}, {3, 1, 9}};
+  static const double EDGE[][3] = {{1, 1, 1}, {1, 2, 3}, {1, 0.2, 0.2}},
+                      POISSON[] = {0.0, 0.3, 0.49};
   double least = INFINITY, most = 0.0;
   for (size_t k = 0; k < sizeof CELLS / sizeof CELLS[0]; k++)
     for (int s = 0; s < 3; s++) {
       const int *n = CELLS[k], held[3] = {0, 0, 0};
       ct_material material = {1.0, POISSON[(k + (size_t)s) % 3], 1.0, CT_LINEAR};
-      ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, n[0] * EDGE[s][0], n[1] * EDGE[s][1], n[2] * EDGE[s][2], n[0], n[1], n[2]);
+      ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, n[0] * EDGE[s][0], n[1] * EDGE[s][1],
+                            n[2] * EDGE[s][2], n[0], n[1], n[2]);
       block solid = open_held(m, &material, kernel, held);
       double share = sqrt(whole(m, &material, &solid, held) / block_frequency(&solid));
       least = fmin(least, share);
@@ -60,10 +68,12 @@ static void sharpness(ct_solid_kernel kernel, const char *name)
       close_block(&solid);
       ct_mesh_free(m);
     }
-  tap_ok(most <= 1.0 + 1e-12 && least >= 0.9, "%s, 30 boxes: reported over true step between %.4f and %.4f", name, least, most);
+  tap_ok(most <= 1.0 + 1e-12 && least >= 0.9,
+         "%s, 30 boxes: reported over true step between %.4f and %.4f", name, least, most);
 }
 
-/* What supports hold does not bound the step: plates in plane strain, bars in one dimension, a body that can't move at all. */
+/* What supports hold does not bound the step: plates in plane strain, bars in one dimension, a body
+ * that can't move at all. */
 static void held_components(void)
 {
   ct_material material = {1.0, 0.3, 1.0, CT_LINEAR};
@@ -79,7 +89,8 @@ static void held_components(void)
     close_block(&solid);
     ct_mesh_free(m);
   }
-  tap_ok(most <= 1.0 + 1e-12 && least >= 0.97, "plates in plane strain: between %.4f and %.4f", least, most);
+  tap_ok(most <= 1.0 + 1e-12 && least >= 0.97, "plates in plane strain: between %.4f and %.4f",
+         least, most);
 
   // A bar whose sections stay as they are: 2 c1 / h.
   int bar[3] = {0, 1, 1}, all[3] = {1, 1, 1};
@@ -101,14 +112,15 @@ static void held_components(void)
   block unheld = open_held(m, &material, CT_KERNEL_AUTO, none);
   solid = open_held(m, &material, CT_KERNEL_AUTO, bar);
   double share = sqrt(whole(m, &material, &solid, bar) / block_frequency(&solid));
-  tap_ok(block_frequency(&solid) < 0.9 * block_frequency(&unheld) && share <= 1.0, "a distorted one, by its elements, held on its sides: %.4f", share);
+  tap_ok(block_frequency(&solid) < 0.9 * block_frequency(&unheld) && share <= 1.0,
+         "a distorted one, by its elements, held on its sides: %.4f", share);
   close_block(&unheld);
   close_block(&solid);
   ct_mesh_free(m);
 }
 
-/* Any order of nodes and elements is a box all the same, with the same bits; bodies that only look like one have the bound of
- * their elements. */
+/* Any order of nodes and elements is a box all the same, with the same bits; bodies that only look
+ * like one have the bound of their elements. */
 static void looks(void)
 {
   const int held[3] = {0, 0, 0};
@@ -132,13 +144,15 @@ static void looks(void)
     }
   for (int i = 0; i < 8 * m->element_count; i++) m->elements[i] = last - m->elements[i];
   solid = open_held(m, &SOFT, CT_KERNEL_BOX, held);
-  tap_ok(block_frequency(&solid) == box, "a box whose nodes are numbered backward has the same bits");
+  tap_ok(block_frequency(&solid) == box,
+         "a box whose nodes are numbered backward has the same bits");
   close_block(&solid);
 
   // One element taken twice, one left out: as many elements and nodes as before.
   for (int a = 0; a < 8; a++) m->elements[8 * 21 + a] = m->elements[8 * 22 + a];
   solid = open_held(m, &SOFT, CT_KERNEL_BOX, held);
-  tap_close(block_frequency(&solid) / one, 1.0, 1e-11, "a box with a hole has the bound of its elements");
+  tap_close(block_frequency(&solid) / one, 1.0, 1e-11,
+            "a box with a hole has the bound of its elements");
   close_block(&solid);
   ct_mesh_free(m);
 
@@ -165,7 +179,8 @@ static void turned(void)
     ct_mesh *t = box_mesh(CT_HEX8, -0.4, 0.3, 0.2, 2, 3, 1, 5, 4, 3);
     double a = uniform(3.0), b = uniform(3.0);
     for (int n = 0; n < t->node_count; n++) {
-      double *x = &t->nodes[3 * n], p = cos(a) * x[0] - sin(a) * x[1], q = sin(a) * x[0] + cos(a) * x[1];
+      double *x = &t->nodes[3 * n], p = cos(a) * x[0] - sin(a) * x[1],
+             q = sin(a) * x[0] + cos(a) * x[1];
       x[0] = cos(b) * p - sin(b) * x[2], x[2] = sin(b) * p + cos(b) * x[2], x[1] = q;
     }
     // What is held along y is not held along an edge.

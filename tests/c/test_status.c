@@ -4,7 +4,8 @@
 
 #include <ctype.h>
 
-/* A text of every length around the room for it: whole where it fits, else cut between characters and ended by three dots. */
+/* A text of every length around the room for it: whole where it fits, else cut between characters
+ * and ended by three dots. */
 static void lengthy_text(void)
 {
   ct_error error;
@@ -13,7 +14,8 @@ static void lengthy_text(void)
   int whole = 1, marked = 1, placed = 1;
   for (int from = 0; from < 2; from++)
     for (size_t length = ROOM - 8; length < ROOM + 8; length++) {
-      for (size_t i = 0; i < length; i++) text[i] = i % 2 == 0 ? (char)0xCE : (char)0xB5; /* epsilon, in two bytes */
+      for (size_t i = 0; i < length; i++)
+        text[i] = i % 2 == 0 ? (char)0xCE : (char)0xB5; /* epsilon, in two bytes */
       if (length % 2 == 1) text[length - 1] = 'x';
       text[length] = '\0';
       ct_fail(&error, CT_ERROR_FILE, CT_NOWHERE, "%.*s", from == 0 ? (int)length : 6, text);
@@ -21,8 +23,9 @@ static void lengthy_text(void)
       placed &= error.body == -1 && error.element == -1 && error.point == -1;
       dots = strstr(error.text, "...");
       if (length < ROOM) whole &= strcmp(error.text, text) == 0;
-      else marked &= dots != NULL && dots[3] == '\0' && (dots - error.text) % 2 == 0 &&
-          memcmp(error.text, text, (size_t)(dots - error.text)) == 0;
+      else
+        marked &= dots != NULL && dots[3] == '\0' && (dots - error.text) % 2 == 0 &&
+                  memcmp(error.text, text, (size_t)(dots - error.text)) == 0;
     }
   tap_ok(placed, "no place is -1");
   tap_ok(whole, "a text that fits is whole, written at once or in two parts");
@@ -39,7 +42,8 @@ int main(void)
   }
   tap_ok(filled && distinct, "thirteen codes have thirteen names");
   tap_ok(strcmp(ct_status_name(CT_OK), "ok") == 0, "success is ok");
-  tap_ok(strcmp(ct_status_name((ct_status)99), "unknown status") == 0 && strcmp(ct_status_name((ct_status)-1), "unknown status") == 0,
+  tap_ok(strcmp(ct_status_name((ct_status)99), "unknown status") == 0 &&
+             strcmp(ct_status_name((ct_status)-1), "unknown status") == 0,
          "other numbers are unknown");
 
   const char *version = ct_version();
@@ -48,21 +52,24 @@ int main(void)
     dots += *c == '.';
     digits &= *c == '.' || isdigit((unsigned char)*c);
   }
-  tap_ok(dots == 2 && digits && isdigit((unsigned char)version[0]), "the version %s reads major.minor.patch", version);
+  tap_ok(dots == 2 && digits && isdigit((unsigned char)version[0]),
+         "the version %s reads major.minor.patch", version);
 
   ct_error error;
   memset(&error, 7, sizeof error);
   ct_status status = ct_fail(&error, CT_ERROR_STEP, (ct_place){1, 2, 3}, "%s %d", "number", 4);
-  tap_ok(status == CT_ERROR_STEP && error.code == CT_ERROR_STEP && error.body == 1 && error.element == 2 && error.point == 3 &&
-             strcmp(error.text, "number 4") == 0,
+  tap_ok(status == CT_ERROR_STEP && error.code == CT_ERROR_STEP && error.body == 1 &&
+             error.element == 2 && error.point == 3 && strcmp(error.text, "number 4") == 0,
          "an error carries code, place and text");
   lengthy_text();
-  tap_ok(ct_fail(NULL, CT_ERROR_MEMORY, CT_NOWHERE, "nobody reads this") == CT_ERROR_MEMORY, "an error without a reader still has its code");
+  tap_ok(ct_fail(NULL, CT_ERROR_MEMORY, CT_NOWHERE, "nobody reads this") == CT_ERROR_MEMORY,
+         "an error without a reader still has its code");
 
   ct_material steel = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
   memset(&error, 7, sizeof error);
   ct_error before = error;
   ct_status good = ct_material_check(&steel, &error);
-  tap_ok(good == CT_OK && memcmp(&before, &error, sizeof error) == 0, "a call that succeeds leaves the error alone");
+  tap_ok(good == CT_OK && memcmp(&before, &error, sizeof error) == 0,
+         "a call that succeeds leaves the error alone");
   return tap_done();
 }

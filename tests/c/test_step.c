@@ -1,11 +1,12 @@
-/* The leapfrog against closed forms: free flight, a vibration, the order, the limit of stability, bars that collide; and equal
- * bits. */
+/* The leapfrog against closed forms: free flight, a vibration, the order, the limit of stability,
+ * bars that collide; and equal bits. */
 #include "bodies.h"
 
 static const ct_material SOFT = {2.0, 0.3, 1.5, CT_LINEAR};
 static const double PI = 3.14159265358979323846;
 
-static ct_scene *one_body(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel, double vx, double vy, double vz)
+static ct_scene *one_body(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel,
+                          double vx, double vy, double vz)
 {
   ct_scene *scene = new_scene();
   add_body(scene, "body", m, material, kernel, vx, vy, vz);
@@ -23,13 +24,15 @@ static ct_problem changed(const ct_problem *p, double dt, const double *velocity
 
 static void free_flight(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
 {
-  ct_mesh *m = box_mesh(kind, -1, 0, 0, 1, 1, 1, 3, 2, 2), *other = box_mesh(kind, 40, 0, 0, 1, 1, 1, 2, 2, 2);
+  ct_mesh *m = box_mesh(kind, -1, 0, 0, 1, 1, 1, 3, 2, 2),
+          *other = box_mesh(kind, 40, 0, 0, 1, 1, 1, 2, 2, 2);
   ct_scene *scene = one_body(m, &SOFT, kernel, 0.5, -0.25, 1.0);
   add_body(scene, "other", other, &SOFT, kernel, 0.0, 0.0, 0.0);
   add_contact(scene, 0, m, 0.0, 1, other, 40.0, 0, 1.0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
   // dt and the velocity are powers of 2, so n dt v is exact.
   ct_problem q = changed(p, 0x1p-9, NULL);
   ct_state *state = new_state(&q);
@@ -39,29 +42,35 @@ static void free_flight(ct_brick_kind kind, ct_solid_kernel kernel, const char *
     for (int n = 0; n < q.node_count; n++)
       for (int c = 0; c < 3; c++) {
         double v = n < m->node_count ? (c == 0 ? 0.5 : c == 1 ? -0.25 : 1.0) : 0.0;
-        wrong += state->velocity[3 * n + c] != v || state->displacement[3 * n + c] != v * (double)state->step * 0x1p-9;
+        wrong += state->velocity[3 * n + c] != v ||
+                 state->displacement[3 * n + c] != v * (double)state->step * 0x1p-9;
       }
   }
   ct_energy e = energy_of(&q, state);
-  tap_ok(wrong == 0 && state->step == 1000 && state->time == 1000 * 0x1p-9, "%s, free flight: 1000 steps with the exact velocity and path (%d off)", name, wrong);
-  tap_ok(e.strain == 0.0 && e.contact == 0.0 && e.external == 0.0 && e.balance == 0.0, "%s, free flight: no strain energy, no contact, balance exactly 0", name);
+  tap_ok(wrong == 0 && state->step == 1000 && state->time == 1000 * 0x1p-9,
+         "%s, free flight: 1000 steps with the exact velocity and path (%d off)", name, wrong);
+  tap_ok(e.strain == 0.0 && e.contact == 0.0 && e.external == 0.0 && e.balance == 0.0,
+         "%s, free flight: no strain energy, no contact, balance exactly 0", name);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);
   ct_mesh_free(other);
 }
 
-/* The dilatation of a cube has omega^2 = 12 K / (rho h^2); the leapfrog makes of it q_n = dt v0 sin(n phi) / sin(phi), phi = 2
- * asin(omega dt / 2). */
+/* The dilatation of a cube has omega^2 = 12 K / (rho h^2); the leapfrog makes of it q_n = dt v0
+ * sin(n phi) / sin(phi), phi = 2 asin(omega dt / 2). */
 static void vibration(double fraction)
 {
-  const double h = 0.5, bulk = SOFT.young / (3.0 * (1.0 - 2.0 * SOFT.poisson)), omega = sqrt(12.0 * bulk / (SOFT.density * h * h));
+  const double h = 0.5, bulk = SOFT.young / (3.0 * (1.0 - 2.0 * SOFT.poisson)),
+               omega = sqrt(12.0 * bulk / (SOFT.density * h * h));
   ct_mesh *m = box_mesh(CT_HEX8, -h / 2, -h / 2, -h / 2, h, h, h, 1, 1, 1);
   ct_scene *scene = one_body(m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
-  double dt = fraction * 2.0 / omega, phi = 2.0 * asin(0.5 * omega * dt), off = 0.0, top = 0.0, drift = 0.0;
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  double dt = fraction * 2.0 / omega, phi = 2.0 * asin(0.5 * omega * dt), off = 0.0, top = 0.0,
+         drift = 0.0;
   ct_problem q = changed(p, dt, m->nodes);
   ct_state *state = new_state(&q);
   double first = energy_of(&q, state).total;
@@ -72,8 +81,11 @@ static void vibration(double fraction)
     top = worst(top, want * h / 2);
     drift = worst(drift, energy_of(&q, state).total / first - 1.0);
   }
-  tap_ok(off < 1e-10 * top, "vibration of a cube, omega dt = %.2f: 500 steps of the discrete frequency, off by %.2g", omega * dt, off / top);
-  tap_ok(drift < 1e-12, "vibration of a cube, omega dt = %.2f: energy constant to %.2g", omega * dt, drift);
+  tap_ok(off < 1e-10 * top,
+         "vibration of a cube, omega dt = %.2f: 500 steps of the discrete frequency, off by %.2g",
+         omega * dt, off / top);
+  tap_ok(drift < 1e-12, "vibration of a cube, omega dt = %.2f: energy constant to %.2g", omega * dt,
+         drift);
   tap_close(stable.dt * omega, 2.0, 1e-9, "the reported step is 2 / omega");
   ct_state_free(state);
   ct_scene_free(scene);
@@ -99,9 +111,11 @@ static void second_order(ct_brick_kind kind)
   ct_scene *scene = one_body(m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.6, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.6, .threads = 1}, &steps, &stable);
   int n = 3 * p->node_count;
-  double *v0 = smooth_velocity(p), *fine_u = numbers(n), *fine_v = numbers(n), *v = numbers(n), error[2][3];
+  double *v0 = smooth_velocity(p), *fine_u = numbers(n), *fine_v = numbers(n), *v = numbers(n),
+         error[2][3];
   ct_error e;
   for (int k = -1; k < 3; k++) {
     int64_t count = k < 0 ? 64 * steps : steps << k;
@@ -109,14 +123,19 @@ static void second_order(ct_brick_kind kind)
     ct_state *state = new_state(&q);
     advance(&q, state, count);
     need(ct_state_velocity(&q, state, v, &e), &e);
-    if (k < 0) memcpy(fine_u, state->displacement, (size_t)n * sizeof *v), memcpy(fine_v, v, (size_t)n * sizeof *v);
-    else error[0][k] = largest_difference(state->displacement, fine_u, n), error[1][k] = largest_difference(v, fine_v, n);
+    if (k < 0)
+      memcpy(fine_u, state->displacement, (size_t)n * sizeof *v),
+          memcpy(fine_v, v, (size_t)n * sizeof *v);
+    else
+      error[0][k] = largest_difference(state->displacement, fine_u, n),
+      error[1][k] = largest_difference(v, fine_v, n);
     ct_state_free(state);
   }
   for (int i = 0; i < 2; i++) {
     double order = log(error[i][1] / error[i][2]) / log(2.0);
-    tap_ok(order > 1.9 && order < 2.1, "kind %d: %s at t = 1 has order %.3f in dt (errors %.2g %.2g %.2g)", kind, i == 0 ? "displacement" : "velocity", order, error[i][0],
-           error[i][1], error[i][2]);
+    tap_ok(order > 1.9 && order < 2.1,
+           "kind %d: %s at t = 1 has order %.3f in dt (errors %.2g %.2g %.2g)", kind,
+           i == 0 ? "displacement" : "velocity", order, error[i][0], error[i][1], error[i][2]);
   }
   free(v0);
   free(fine_u);
@@ -135,7 +154,8 @@ static double largest_kinetic(const ct_problem *q, int64_t blocks, int64_t steps
     ct_error e;
     ct_status status = ct_step_many(q, state, steps, &e);
     double sum = 0.0;
-    for (int i = 0; i < 3 * q->node_count; i++) sum += q->mass[i / 3] * state->velocity[i] * state->velocity[i];
+    for (int i = 0; i < 3 * q->node_count; i++)
+      sum += q->mass[i / 3] * state->velocity[i] * state->velocity[i];
     top = status == CT_OK ? worst(top, sum) : INFINITY;
   }
   ct_state_free(state);
@@ -149,20 +169,28 @@ static void stability(ct_brick_kind kind)
   ct_scene *scene = one_body(m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.6, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.6, .threads = 1}, &steps, &stable);
   double *v = numbers(3 * p->node_count), *zero = numbers(3 * p->node_count), start = 0.0;
-  for (int i = 0; i < 3 * p->node_count; i++) v[i] = uniform(1.0), start += p->mass[i / 3] * v[i] * v[i];
+  for (int i = 0; i < 3 * p->node_count; i++)
+    v[i] = uniform(1.0), start += p->mass[i / 3] * v[i] * v[i];
   double limit = 2.0 / sqrt(true_frequency(p, zero, 1.0, -1, 4000));
-  tap_ok(stable.dt <= limit && stable.dt > 0.6 * limit, "kind %d: the reported step is %.3f of the true limit", kind, stable.dt / limit);
+  tap_ok(stable.dt <= limit && stable.dt > 0.6 * limit,
+         "kind %d: the reported step is %.3f of the true limit", kind, stable.dt / limit);
   ct_problem q = changed(p, 0.999 * stable.dt, v);
   double top = largest_kinetic(&q, 100, 30);
-  tap_ok(top < 3.0 * start, "kind %d: 3000 steps at 0.999 of the reported step: kinetic energy stays below %.2f of the first", kind, top / start);
+  tap_ok(top < 3.0 * start,
+         "kind %d: 3000 steps at 0.999 of the reported step: kinetic energy stays below %.2f of "
+         "the first",
+         kind, top / start);
   q = changed(p, 0.98 * limit, v);
   top = largest_kinetic(&q, 100, 30);
-  tap_ok(top < 100.0 * start, "kind %d: at 0.98 of the true limit it is bounded too, %.2f", kind, top / start);
+  tap_ok(top < 100.0 * start, "kind %d: at 0.98 of the true limit it is bounded too, %.2f", kind,
+         top / start);
   q = changed(p, 1.02 * limit, v);
   top = largest_kinetic(&q, 100, 30);
-  tap_ok(top > 1e6 * start, "kind %d: at 1.02 of the true limit it grows without bound, %.2g", kind, top / start);
+  tap_ok(top > 1e6 * start, "kind %d: at 1.02 of the true limit it grows without bound, %.2g", kind,
+         top / start);
   free(v);
   free(zero);
   ct_scene_free(scene);
@@ -179,14 +207,18 @@ static double pressure_of(const ct_problem *p, ct_state *state, double area, dou
   return fabs(sum) / area;
 }
 
-/* A body that comes in contact: when it begins and ends, the mean pressure between two times, the velocity at the end. */
-static void bar_run(const char *name, ct_scene *scene, double end, double area, const double want[5], double from, double to)
+/* A body that comes in contact: when it begins and ends, the mean pressure between two times, the
+ * velocity at the end. */
+static void bar_run(const char *name, ct_scene *scene, double end, double area,
+                    const double want[5], double from, double to)
 {
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = end, .courant = 0.4, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = end, .courant = 0.4, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
-  double *force = numbers(3 * p->node_count), first = -1.0, last = -1.0, sum = 0.0, mass = 0.0, start = energy_of(p, state).kinetic;
+  double *force = numbers(3 * p->node_count), first = -1.0, last = -1.0, sum = 0.0, mass = 0.0,
+         start = energy_of(p, state).kinetic;
   int count = 0;
   for (int64_t k = 0; k < steps; k++) {
     advance(p, state, 1);
@@ -200,9 +232,12 @@ static void bar_run(const char *name, ct_scene *scene, double end, double area, 
   double length = want[1] - want[0];
   tap_close(first, want[0], 0.01 * length, "%s: contact begins", name);
   tap_close(last, want[1], 0.02 * length, "%s: contact ends", name);
-  tap_close(sum / count, want[2], 0.01 * want[2], "%s: mean pressure between %g and %g", name, from, to);
-  tap_close(momentum_of(p, state, 0).p[0] / mass, want[3], 0.02 * fabs(want[3]), "%s: velocity after the rebound", name);
-  tap_ok(fabs(e.total / start - 1.0) < 0.02 && fabs(e.balance) < 1e-12 * start, "%s: energy at the end %.4f of the first, work balance %.2g", name, e.total / start,
+  tap_close(sum / count, want[2], 0.01 * want[2], "%s: mean pressure between %g and %g", name, from,
+            to);
+  tap_close(momentum_of(p, state, 0).p[0] / mass, want[3], 0.02 * fabs(want[3]),
+            "%s: velocity after the rebound", name);
+  tap_ok(fabs(e.total / start - 1.0) < 0.02 && fabs(e.balance) < 1e-12 * start,
+         "%s: energy at the end %.4f of the first, work balance %.2g", name, e.total / start,
          e.balance / start);
   ct_state_free(state);
   free(force);
@@ -212,7 +247,8 @@ static void two_bars(void)
 {
   static const double want[5] = {0.0, 20.0, 0.1, -0.1, 0.0};
   ct_material m = {1.0, 0.0, 1.0, CT_LINEAR};
-  ct_mesh *left = box_mesh(CT_HEX8, -10, 0, 0, 10, 0.5, 0.5, 100, 1, 1), *right = box_mesh(CT_HEX8, 0, 0, 0, 10, 0.5, 0.5, 100, 1, 1);
+  ct_mesh *left = box_mesh(CT_HEX8, -10, 0, 0, 10, 0.5, 0.5, 100, 1, 1),
+          *right = box_mesh(CT_HEX8, 0, 0, 0, 10, 0.5, 0.5, 100, 1, 1);
   ct_scene *scene = one_body(left, &m, CT_KERNEL_AUTO, 0.1, 0, 0);
   add_body(scene, "right", right, &m, CT_KERNEL_AUTO, -0.1, 0, 0);
   add_contact(scene, 0, left, 0.0, 1, right, 0.0, 0, 1.0);
@@ -226,7 +262,8 @@ static void bar_on_wall(void)
 {
   static const double want[5] = {0.5, 0.5 + 2.0 * 10.0 / 30.0, 300.0, 10.0, 0.0};
   ct_material m = {900.0, 0.0, 1.0, CT_LINEAR};
-  ct_mesh *bar = box_mesh(CT_HEX8, 5, 0, 0, 10, 0.5, 0.5, 100, 1, 1), *wall = box_mesh(CT_HEX8, -0.2, -0.5, -0.5, 0.2, 1.5, 1.5, 1, 2, 2);
+  ct_mesh *bar = box_mesh(CT_HEX8, 5, 0, 0, 10, 0.5, 0.5, 100, 1, 1),
+          *wall = box_mesh(CT_HEX8, -0.2, -0.5, -0.5, 0.2, 1.5, 1.5, 1, 2, 2);
   ct_scene *scene = one_body(bar, &m, CT_KERNEL_AUTO, -10, 0, 0);
   add_body(scene, "wall", wall, &m, CT_KERNEL_AUTO, 0, 0, 0);
   add_contact(scene, 0, bar, 5.0, 1, wall, 0.0, 0, 1.0);
@@ -237,7 +274,8 @@ static void bar_on_wall(void)
   ct_mesh_free(wall);
 }
 
-/* Two distorted bodies with unlike meshes that collide askew; `axis` 0 ... 2 mirrors everything in that plane, -1 nothing. */
+/* Two distorted bodies with unlike meshes that collide askew; `axis` 0 ... 2 mirrors everything in
+ * that plane, -1 nothing. */
 typedef struct collision {
   ct_scene *scene;
   const ct_problem *problem;
@@ -247,7 +285,9 @@ typedef struct collision {
 static collision collide(ct_brick_kind kind, ct_solid_kernel kernel, int axis, int threads)
 {
   collision c = {new_scene(), NULL, {0}};
-  ct_mesh *flat[2] = {box_mesh(kind, -1, 0, 0, 1, 1, 1, 3, 2, 3), box_mesh(kind, 0, 0.125, 0.25, 1.25, 0.75, 1, 4, 3, 2)}, *shape[2];
+  ct_mesh *flat[2] = {box_mesh(kind, -1, 0, 0, 1, 1, 1, 3, 2, 3),
+                      box_mesh(kind, 0, 0.125, 0.25, 1.25, 0.75, 1, 4, 3, 2)},
+          *shape[2];
   double velocity[2][3] = {{0.5, 0.0625, -0.125}, {-0.25, 0, 0.25}};
   ct_error e;
   bodies_seed = 4711;
@@ -260,13 +300,15 @@ static collision collide(ct_brick_kind kind, ct_solid_kernel kernel, int axis, i
       *m = image;
     }
     if (axis >= 0) velocity[s][axis] = -velocity[s][axis];
-    add_body(c.scene, s == 0 ? "a" : "b", shape[s], &SOFT, kernel, velocity[s][0], velocity[s][1], velocity[s][2]);
+    add_body(c.scene, s == 0 ? "a" : "b", shape[s], &SOFT, kernel, velocity[s][0], velocity[s][1],
+             velocity[s][2]);
   }
   add_contact(c.scene, 0, flat[0], 0.0, 1, flat[1], 0.0, 0, 2.0);
   add_support(c.scene, 0, flat[0], 0, axis == 0 ? 1.0 : -1.0, "y", 0.0);
   int64_t steps;
   ct_stable_step stable;
-  c.problem = build(c.scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  c.problem =
+      build(c.scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
   c.own = *c.problem;
   c.own.dt = floor(stable.dt * 0.7 * 1048576.0) / 1048576.0;
   c.own.threads = threads;
@@ -280,13 +322,16 @@ static collision collide(ct_brick_kind kind, ct_solid_kernel kernel, int axis, i
 static int same_ledger(const ct_problem *p, ct_state *x, const ct_problem *q, ct_state *y)
 {
   ct_energy a = energy_of(p, x), b = energy_of(q, y);
-  int same = a.kinetic == b.kinetic && a.strain == b.strain && a.contact == b.contact && a.external == b.external && a.total == b.total && a.balance == b.balance;
+  int same = a.kinetic == b.kinetic && a.strain == b.strain && a.contact == b.contact &&
+             a.external == b.external && a.total == b.total && a.balance == b.balance;
   for (int body = 0; body < p->body_count; body++) {
     ct_momentum m = momentum_of(p, x, body), n = momentum_of(q, y, body);
     for (int c = 0; c < 3; c++) {
-      // A mirrored vector changes the sign of one component, a mirrored moment that of the two others.
+      // A mirrored vector changes the sign of one component, a mirrored moment that of the two
+      // others.
       same &= fabs(m.p[c]) == fabs(n.p[c]) && fabs(m.L[c]) == fabs(n.L[c]);
-      same &= fabs(m.contact_impulse[c]) == fabs(n.contact_impulse[c]) && fabs(m.support_impulse[c]) == fabs(n.support_impulse[c]);
+      same &= fabs(m.contact_impulse[c]) == fabs(n.contact_impulse[c]) &&
+              fabs(m.support_impulse[c]) == fabs(n.support_impulse[c]);
     }
   }
   return same;
@@ -295,7 +340,8 @@ static int same_ledger(const ct_problem *p, ct_state *x, const ct_problem *q, ct
 static int same_state(const ct_state *x, const ct_state *y)
 {
   return x->step == y->step && x->time == y->time && x->kinetic_start == y->kinetic_start &&
-         memcmp(x->displacement, y->displacement, 3 * (size_t)x->node_count * sizeof(double)) == 0 &&
+         memcmp(x->displacement, y->displacement, 3 * (size_t)x->node_count * sizeof(double)) ==
+             0 &&
          memcmp(x->velocity, y->velocity, 3 * (size_t)x->node_count * sizeof(double)) == 0 &&
          memcmp(x->work, y->work, (size_t)x->work_count * sizeof(double)) == 0 &&
          memcmp(x->impulse, y->impulse, (size_t)x->impulse_count * sizeof(double)) == 0 &&
@@ -307,7 +353,8 @@ enum { RUN = 250, THREADED = 80 };
 static void equal_bits(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
 {
   collision one = collide(kind, kernel, -1, 1), two = collide(kind, kernel, -1, 2);
-  ct_state *whole = new_state(&one.own), *threads = new_state(&two.own), *half = new_state(&one.own), *rest = new_state(&one.own);
+  ct_state *whole = new_state(&one.own), *threads = new_state(&two.own),
+           *half = new_state(&one.own), *rest = new_state(&one.own);
   double pressed = 0.0;
   ct_error e;
   advance(&one.own, half, RUN / 2);
@@ -317,12 +364,16 @@ static void equal_bits(ct_brick_kind kind, ct_solid_kernel kernel, const char *n
   int alike = 0;
   for (int k = 0; k < RUN; k++) {
     advance(&one.own, whole, 1);
-    if (k + 1 == THREADED) alike = same_state(whole, threads) && same_ledger(&one.own, whole, &two.own, threads);
+    if (k + 1 == THREADED)
+      alike = same_state(whole, threads) && same_ledger(&one.own, whole, &two.own, threads);
     if (k % 10 == 0) pressed = worst(pressed, energy_of(&one.own, whole).contact);
   }
   double start = whole->kinetic_start;
-  tap_ok(pressed > 1e-3 * start, "%s: the bodies press on each other (contact energy up to %.3f of the kinetic)", name, pressed / start);
-  tap_ok(same_state(whole, rest), "%s: a run that was copied and continued has the same bits, ledger asked or not", name);
+  tap_ok(pressed > 1e-3 * start,
+         "%s: the bodies press on each other (contact energy up to %.3f of the kinetic)", name,
+         pressed / start);
+  tap_ok(same_state(whole, rest),
+         "%s: a run that was copied and continued has the same bits, ledger asked or not", name);
   tap_ok(same_ledger(&one.own, whole, &one.own, rest), "%s: and so has its ledger", name);
   tap_ok(alike, "%s: two threads have the same bits", name);
   for (int axis = 0; axis < 3; axis++) {
@@ -332,9 +383,12 @@ static void equal_bits(ct_brick_kind kind, ct_solid_kernel kernel, const char *n
     ct_state_free(mirrored);
     mirrored = new_state(&image.own);
     advance(&image.own, mirrored, RUN);
-    int64_t faults = mirror_faults(whole->displacement, mirrored->displacement, whole->node_count, axis) + mirror_faults(whole->velocity, mirrored->velocity, whole->node_count, axis);
-    tap_ok(faults == 0 && same_ledger(&one.own, whole, &image.own, mirrored), "%s: mirrored in %c, the mirrored bits (%d of %d are not)", name, "xyz"[axis], (int)faults,
-           6 * whole->node_count);
+    int64_t faults =
+        mirror_faults(whole->displacement, mirrored->displacement, whole->node_count, axis) +
+        mirror_faults(whole->velocity, mirrored->velocity, whole->node_count, axis);
+    tap_ok(faults == 0 && same_ledger(&one.own, whole, &image.own, mirrored),
+           "%s: mirrored in %c, the mirrored bits (%d of %d are not)", name, "xyz"[axis],
+           (int)faults, 6 * whole->node_count);
     ct_state_free(mirrored);
     ct_scene_free(image.scene);
   }
@@ -361,18 +415,23 @@ static void symmetric_impact(ct_brick_kind kind, ct_solid_kernel kernel, const c
   add_support(scene, 1, flat_left, 2, 0.0, "z", 0.0);
   int64_t steps, faults = 0;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.5, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.5, .fraction = 0.5, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
   double pressed = 0.0;
   int n = right->node_count;
   for (int k = 0; k < 20; k++) {
     advance(p, state, steps / 20);
-    faults += mirror_faults(state->displacement, state->displacement + 3 * n, n, 0) + mirror_faults(state->velocity, state->velocity + 3 * n, n, 0);
+    faults += mirror_faults(state->displacement, state->displacement + 3 * n, n, 0) +
+              mirror_faults(state->velocity, state->velocity + 3 * n, n, 0);
     pressed = worst(pressed, energy_of(p, state).contact);
   }
   ct_momentum a = momentum_of(p, state, 0), b = momentum_of(p, state, 1);
-  tap_ok(faults == 0 && pressed > 0.0, "%s, impact on the mirror image: both halves have the mirrored bits (%d do not)", name, (int)faults);
-  tap_ok(a.p[0] == -b.p[0] && a.p[1] == b.p[1] && a.contact_impulse[0] == -b.contact_impulse[0] && a.L[0] == b.L[0] && a.L[1] == -b.L[1],
+  tap_ok(faults == 0 && pressed > 0.0,
+         "%s, impact on the mirror image: both halves have the mirrored bits (%d do not)", name,
+         (int)faults);
+  tap_ok(a.p[0] == -b.p[0] && a.p[1] == b.p[1] && a.contact_impulse[0] == -b.contact_impulse[0] &&
+             a.L[0] == b.L[0] && a.L[1] == -b.L[1],
          "%s, impact on the mirror image: so have their momenta", name);
   ct_state_free(state);
   ct_scene_free(scene);
@@ -382,20 +441,23 @@ static void symmetric_impact(ct_brick_kind kind, ct_solid_kernel kernel, const c
   ct_mesh_free(right);
 }
 
-/* Bodies that overlap at t = 0 have a force there: the first half kick goes back from the given velocity, and the ledger
- * knows. */
+/* Bodies that overlap at t = 0 have a force there: the first half kick goes back from the given
+ * velocity, and the ledger knows. */
 static void loaded_start(void)
 {
-  ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2), *right = box_mesh(CT_HEX8, -0.03125, 0, 0, 1, 1, 1, 2, 2, 2);
+  ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2),
+          *right = box_mesh(CT_HEX8, -0.03125, 0, 0, 1, 1, 1, 2, 2, 2);
   ct_scene *scene = one_body(left, &SOFT, CT_KERNEL_AUTO, 0.25, 0, 0);
   add_body(scene, "right", right, &SOFT, CT_KERNEL_AUTO, -0.5, 0, 0);
   add_contact(scene, 0, left, 0.0, 1, right, -0.03125, 0, 1.0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 0.5, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 0.5, .fraction = 0.5, .threads = 1}, &steps, &stable);
   // eps = E / h = 4, area 1: the force is 4 * 0.03125, and each face's nodes share it as 1 : 2 : 4.
   ct_state *state = new_state(p);
-  double *f = numbers(3 * p->node_count), *v = numbers(3 * p->node_count), sum = 0.0, kick = 0.0, mean = 0.0, error[2] = {0}, order;
+  double *f = numbers(3 * p->node_count), *v = numbers(3 * p->node_count), sum = 0.0, kick = 0.0,
+         mean = 0.0, error[2] = {0}, order;
   ct_error e;
   need(ct_state_force(p, state, 1, f, &e), &e);
   need(ct_state_velocity(p, state, v, &e), &e);
@@ -406,16 +468,22 @@ static void loaded_start(void)
     mean = worst(mean, v[3 * n] - v0);
   }
   tap_close(sum, -0.125, 1e-14, "bodies that overlap at the start press with eps g A");
-  tap_ok(kick < 1e-15 && mean < 1e-15, "half a step before the start the velocity lacks half a kick (%.2g), at the start it is the given one (%.2g)", kick, mean);
+  tap_ok(kick < 1e-15 && mean < 1e-15,
+         "half a step before the start the velocity lacks half a kick (%.2g), at the start it is "
+         "the given one (%.2g)",
+         kick, mean);
   ct_energy first = energy_of(p, state), now;
   tap_close(first.contact, 0.5 * 4.0 * 0.03125 * 0.03125, 1e-16, "and hold eps g^2 A / 2");
   advance(p, state, steps);
   now = energy_of(p, state);
   ct_momentum a = momentum_of(p, state, 0);
-  tap_ok(fabs(now.balance) < 1e-13 * first.kinetic, "loaded start: work balance %.2g", now.balance / first.kinetic);
-  tap_close(a.p[0] - 0.25 * 1.5, a.contact_impulse[0], 1e-14, "loaded start: change of momentum is the contact's impulse");
+  tap_ok(fabs(now.balance) < 1e-13 * first.kinetic, "loaded start: work balance %.2g",
+         now.balance / first.kinetic);
+  tap_close(a.p[0] - 0.25 * 1.5, a.contact_impulse[0], 1e-14,
+            "loaded start: change of momentum is the contact's impulse");
   ct_state_free(state);
-  // Errors of the displacement at t = 1/16, while all points stay in contact: order 2 only with the half kick.
+  // Errors of the displacement at t = 1/16, while all points stay in contact: order 2 only with the
+  // half kick.
   double *fine = numbers(3 * p->node_count);
   for (int k = 0; k < 3; k++) {
     int64_t count = k == 0 ? 4096 : k == 1 ? 16 : 32;
@@ -427,7 +495,8 @@ static void loaded_start(void)
     ct_state_free(state);
   }
   order = log(error[0] / error[1]) / log(2.0);
-  tap_ok(order > 1.9 && order < 2.1, "loaded start: order %.3f in dt (errors %.2g %.2g)", order, error[0], error[1]);
+  tap_ok(order > 1.9 && order < 2.1, "loaded start: order %.3f in dt (errors %.2g %.2g)", order,
+         error[0], error[1]);
   free(fine);
   free(f);
   free(v);
@@ -439,13 +508,15 @@ static void loaded_start(void)
 /* A step far too long: the run ends with the body, the node and the time, not with NaN. */
 static void blowup(int with_contact)
 {
-  ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2), *right = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
+  ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2),
+          *right = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
   ct_scene *scene = one_body(left, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "right", right, &SOFT, CT_KERNEL_AUTO, with_contact ? -1.0 : 0.0, 0, 0);
   if (with_contact) add_contact(scene, 0, left, 0.0, 1, right, 0.0, 0, 4.0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1.0, .fraction = 1.0, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 1.0, .threads = 1}, &steps, &stable);
   double *v = smooth_velocity(p);
   for (int i = 0; i < 3 * left->node_count; i++) v[i] = 0.0;
   ct_problem q = changed(p, 50.0 * stable.dt_without_contact, v);
@@ -454,8 +525,10 @@ static void blowup(int with_contact)
   ct_status status = ct_step_many(&q, state, 100000, &e);
   // With contact the surfaces come nearer by more than the depth before any number overflows.
   int named = with_contact ? status == CT_ERROR_STEP : status == CT_ERROR_BLOWUP && e.body >= 0;
-  tap_ok(named && e.code == status && e.point >= 0 && e.point < 27 && strstr(e.text, "step") != NULL, "%s: %s (body %d, node %d)",
-         with_contact ? "blow-up with contact" : "blow-up", e.text, (int)e.body, (int)e.point);
+  tap_ok(named && e.code == status && e.point >= 0 && e.point < 27 &&
+             strstr(e.text, "step") != NULL,
+         "%s: %s (body %d, node %d)", with_contact ? "blow-up with contact" : "blow-up", e.text,
+         (int)e.body, (int)e.point);
   if (!with_contact) tap_ok(e.body == 1, "the body that moved is named");
   ct_state_free(state);
   ct_scene_free(scene);
@@ -466,17 +539,23 @@ static void blowup(int with_contact)
 
 static void refusals(void)
 {
-  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1), *two = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1);
-  ct_scene *scene = one_body(m, &SOFT, CT_KERNEL_AUTO, 1, 0, 0), *other = one_body(two, &SOFT, CT_KERNEL_AUTO, 1, 0, 0);
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1),
+          *two = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1);
+  ct_scene *scene = one_body(m, &SOFT, CT_KERNEL_AUTO, 1, 0, 0),
+           *other = one_body(two, &SOFT, CT_KERNEL_AUTO, 1, 0, 0);
   int64_t steps;
   ct_stable_step stable;
   ct_scene_time t = {.end = 1.0, .fraction = 0.5, .threads = 1};
   const ct_problem *p = build(scene, t, &steps, &stable), *q = build(other, t, &steps, &stable);
   ct_state *state = new_state(p), *unlike = new_state(q), *none = NULL;
   ct_error e = {0};
-  tap_ok(ct_state_copy(p, state, unlike, &e) == CT_ERROR_ARGUMENT, "copying to a state of another problem is refused: %s", e.text);
-  tap_ok(ct_step(NULL, state, NULL) == CT_ERROR_ARGUMENT && ct_step(p, NULL, NULL) == CT_ERROR_ARGUMENT && ct_stable(NULL, NULL, &stable, NULL) == CT_ERROR_ARGUMENT &&
-             ct_state_create(p, NULL, NULL) == CT_ERROR_ARGUMENT && ct_state_create(NULL, &none, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_state_copy(p, state, unlike, &e) == CT_ERROR_ARGUMENT,
+         "copying to a state of another problem is refused: %s", e.text);
+  tap_ok(ct_step(NULL, state, NULL) == CT_ERROR_ARGUMENT &&
+             ct_step(p, NULL, NULL) == CT_ERROR_ARGUMENT &&
+             ct_stable(NULL, NULL, &stable, NULL) == CT_ERROR_ARGUMENT &&
+             ct_state_create(p, NULL, NULL) == CT_ERROR_ARGUMENT &&
+             ct_state_create(NULL, &none, NULL) == CT_ERROR_ARGUMENT,
          "null arguments are refused");
   const double step[4] = {0.0, -1.0, NAN, INFINITY};
   int refused = 1;
@@ -487,17 +566,21 @@ static void refusals(void)
   tap_ok(refused, "a step of 0, -1, NaN, infinity is refused: %s", e.text);
   ct_problem bad = *p;
   bad.effects = NULL;
-  tap_ok(ct_state_create(&bad, &none, &e) == CT_ERROR_ARGUMENT, "a problem without effects is refused: %s", e.text);
+  tap_ok(ct_state_create(&bad, &none, &e) == CT_ERROR_ARGUMENT,
+         "a problem without effects is refused: %s", e.text);
   bad = *p, bad.node_count = 4;
-  tap_ok(ct_state_create(&bad, &none, &e) == CT_ERROR_ARGUMENT, "effects for another number of nodes are refused: %s", e.text);
+  tap_ok(ct_state_create(&bad, &none, &e) == CT_ERROR_ARGUMENT,
+         "effects for another number of nodes are refused: %s", e.text);
   bad = *p, bad.threads = 0;
-  tap_ok(ct_state_create(&bad, &none, &e) == CT_ERROR_ARGUMENT && none == NULL, "no threads are refused: %s", e.text);
+  tap_ok(ct_state_create(&bad, &none, &e) == CT_ERROR_ARGUMENT && none == NULL,
+         "no threads are refused: %s", e.text);
 
   ct_stable_step at_start, later;
   need(ct_stable(p, NULL, &at_start, &e), &e);
   advance(p, state, 10);
   need(ct_stable(p, state, &later, &e), &e);
-  tap_ok(memcmp(&at_start, &later, sizeof later) == 0, "a linear body has the same stable step at any time");
+  tap_ok(memcmp(&at_start, &later, sizeof later) == 0,
+         "a linear body has the same stable step at any time");
   ct_state_free(state);
   ct_state_free(unlike);
   ct_state_free(NULL);

@@ -20,7 +20,8 @@ static void shuffle(double *v, int n)
   }
 }
 
-/* Exact sum as a list of numbers that do not overlap (Shewchuk's growing expansion); returns their sum less `guess`. */
+/* Exact sum as a list of numbers that do not overlap (Shewchuk's growing expansion); returns their
+ * sum less `guess`. */
 static double exact_minus(const double *v, int n, double guess)
 {
   static double part[MOST + 1];
@@ -55,13 +56,16 @@ static void integers_are_exact(void)
     int n = 1 + pick(1000), shift = pick(800) - 400;
     int64_t sum = 0;
     for (int i = 0; i < n; i++) {
-      int64_t k = (int64_t)uniform(1125899906842624.0); // below 2^50, so that a thousand fit into 63 bits
+      int64_t k =
+          (int64_t)uniform(1125899906842624.0); // below 2^50, so that a thousand fit into 63 bits
       v[i] = ldexp((double)k, shift);
       sum += k;
     }
     wrong += !same(ct_sum(v, n), ldexp((double)sum, shift));
   }
-  tap_ok(wrong == 0, "300 sums of up to 1000 integers times 2^k: the exact sum, rounded once (%d differ)", wrong);
+  tap_ok(wrong == 0,
+         "300 sums of up to 1000 integers times 2^k: the exact sum, rounded once (%d differ)",
+         wrong);
 }
 
 static void error_bound(void)
@@ -73,20 +77,27 @@ static void error_bound(void)
     double top = 0.0;
     for (int i = 0; i < n; i++) {
       v[i] = ldexp(uniform(1.0), pick(spread));
-      if (i % 2 && trial % 2) v[i] = -v[i - 1] * (1.0 + (pick(3) - 1) * DBL_EPSILON); // strong cancellation
+      if (i % 2 && trial % 2)
+        v[i] = -v[i - 1] * (1.0 + (pick(3) - 1) * DBL_EPSILON); // strong cancellation
       top = worst(top, v[i]);
     }
-    double got = ct_sum(v, n), allowed = ldexp((double)n * n * n, -98) * top + 0.5 * DBL_EPSILON * fabs(got);
+    double got = ct_sum(v, n),
+           allowed = ldexp((double)n * n * n, -98) * top + 0.5 * DBL_EPSILON * fabs(got);
     over = worst(over, exact_minus(v, n, got) / allowed);
   }
-  tap_ok(over <= 1.0, "300 sums with spread exponents and cancellation: error at most %.3g of count^3 2^-98 top + ulp / 2", over);
+  tap_ok(over <= 1.0,
+         "300 sums with spread exponents and cancellation: error at most %.3g of count^3 2^-98 top "
+         "+ ulp / 2",
+         over);
 
-  // Two numbers fix the grid and cancel, a thousand just below half the fine spacing are left and lost: the worst case.
+  // Two numbers fix the grid and cancel, a thousand just below half the fine spacing are left and
+  // lost: the worst case.
   double lost = ldexp(0.99, -78);
   for (int i = 0; i < 1025; i++) v[i] = lost;
   v[0] = 1.0;
   v[1] = -1.0;
-  tap_close(ct_sum(v, 1025), 1023 * lost, 1025.0 * 1025.0 * ldexp(1025.0, -98), "numbers below the fine grid: off by no more than the bound");
+  tap_close(ct_sum(v, 1025), 1023 * lost, 1025.0 * 1025.0 * ldexp(1025.0, -98),
+            "numbers below the fine grid: off by no more than the bound");
 }
 
 static void order_does_not_matter(void)
@@ -114,8 +125,8 @@ static void order_does_not_matter(void)
   tap_ok(left != right, "the plain sums of such numbers from left and from right differ");
 }
 
-/* Several sums at once over terms that come in pieces, some of them empty, or zero, or not finite: the bits of ct_sum of all
- * terms. */
+/* Several sums at once over terms that come in pieces, some of them empty, or zero, or not finite:
+ * the bits of ct_sum of all terms. */
 static void pieces(void)
 {
   static double v[4][1000];
@@ -141,7 +152,8 @@ static void pieces(void)
       wrong += !same(got, sum) && !(isnan(got) && isnan(sum));
     }
   }
-  tap_ok(wrong == 0 && rounds > 350 && rounds <= 400, "200 lists that come in pieces, twice: the same bits (%d differ)", wrong);
+  tap_ok(wrong == 0 && rounds > 350 && rounds <= 400,
+         "200 lists that come in pieces, twice: the same bits (%d differ)", wrong);
 }
 
 /* The sum over nodes of m x · y, against the same terms written out. */
@@ -160,16 +172,19 @@ static void products(void)
       wrong += !same(ct_sum_product(n, with ? m : NULL, x, y), ct_sum(terms, n));
     }
   }
-  tap_ok(wrong == 0, "m x . y summed over nodes: the bits of the sum of its terms (%d differ)", wrong);
+  tap_ok(wrong == 0, "m x . y summed over nodes: the bits of the sum of its terms (%d differ)",
+         wrong);
 }
 
 static void special_cases(void)
 {
-  double cancel[3] = {1e16, 1.0, -1e16}, bad[3] = {1.0, NAN, 2.0}, endless[3] = {1.0, INFINITY, -INFINITY};
+  double cancel[3] = {1e16, 1.0, -1e16}, bad[3] = {1.0, NAN, 2.0},
+         endless[3] = {1.0, INFINITY, -INFINITY};
   double huge[2] = {DBL_MAX, DBL_MAX}, tiny[100], zeros[3] = {0.0, -0.0, 0.0}, one = -0.1;
   tap_ok(ct_sum(cancel, 3) == 1.0, "1e16 + 1 - 1e16 = 1");
   double nothing[3] = {0.0, NAN, 0.0};
-  tap_ok(isnan(ct_sum(bad, 3)) && isnan(ct_sum(nothing, 3)) && isnan(ct_sum(&bad[1], 1)), "a NaN gives NaN, among numbers, among zeros, alone");
+  tap_ok(isnan(ct_sum(bad, 3)) && isnan(ct_sum(nothing, 3)) && isnan(ct_sum(&bad[1], 1)),
+         "a NaN gives NaN, among numbers, among zeros, alone");
   tap_ok(isnan(ct_sum(endless, 3)), "infinities give NaN");
   tap_ok(isnan(ct_sum(huge, 2)), "overflow gives NaN");
   tap_ok(ct_sum(NULL, 0) == 0.0 && ct_sum(cancel, 0) == 0.0, "nothing adds up to 0");

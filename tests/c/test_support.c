@@ -15,7 +15,8 @@ static void moving_base(ct_brick_kind kind)
   add_support(scene, body, m, 2, 0.0, "x", 0.0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
   ct_momentum start = momentum_of(p, state, body), now;
   ct_energy energy, first = energy_of(p, state);
@@ -33,25 +34,34 @@ static void moving_base(ct_brick_kind kind)
       wrong += v[2] != 0.7 || v[0] != 0.0 || u[0] != 0.0;
       path = worst(path, u[2] / (0.7 * t) - 1.0);
     }
-    for (int c = 0; c < 3; c++) impulse = worst(impulse, now.p[c] - start.p[c] - now.support_impulse[c]);
+    for (int c = 0; c < 3; c++)
+      impulse = worst(impulse, now.p[c] - start.p[c] - now.support_impulse[c]);
     total = worst(total, energy.total / first.kinetic - first.total / first.kinetic);
     balance = worst(balance, energy.balance / first.kinetic);
     // All held velocities are 0 or 0.7 along z, so the work is 0.7 times the impulse along z.
     work = worst(work, (energy.external - 0.7 * now.support_impulse[2]) / first.kinetic);
   }
-  tap_ok(wrong == 0, "kind %d: held nodes keep their velocity to the last bit (%d do not)", kind, wrong);
+  tap_ok(wrong == 0, "kind %d: held nodes keep their velocity to the last bit (%d do not)", kind,
+         wrong);
   tap_ok(path < 1e-12, "kind %d: and go v t, off by %.2g", kind, path);
-  tap_ok(impulse < 1e-12 * size, "kind %d: change of momentum is the support's impulse, off by %.2g", kind, impulse / size);
-  tap_ok(fabs(now.support_impulse[1]) < 1e-13 * size && fabs(now.support_impulse[2]) > 0.01 * size, "kind %d: no impulse along y, which is free", kind);
-  tap_ok(work < 1e-12, "kind %d: work of the support is velocity times impulse, off by %.2g", kind, work);
-  tap_ok(total < 1e-12 && balance < 1e-12, "kind %d: total energy constant to %.2g, balance %.2g of the kinetic energy", kind, total, balance);
+  tap_ok(impulse < 1e-12 * size,
+         "kind %d: change of momentum is the support's impulse, off by %.2g", kind, impulse / size);
+  tap_ok(fabs(now.support_impulse[1]) < 1e-13 * size && fabs(now.support_impulse[2]) > 0.01 * size,
+         "kind %d: no impulse along y, which is free", kind);
+  tap_ok(work < 1e-12, "kind %d: work of the support is velocity times impulse, off by %.2g", kind,
+         work);
+  tap_ok(total < 1e-12 && balance < 1e-12,
+         "kind %d: total energy constant to %.2g, balance %.2g of the kinetic energy", kind, total,
+         balance);
 
   double *force = numbers(3 * p->node_count), *solid = numbers(3 * p->node_count), off = 0.0;
   ct_error e;
   need(ct_state_force(p, state, 0, solid, &e), &e);
   need(ct_state_force(p, state, 1, force, &e), &e);
-  for (int i = 0; i < 3 * p->node_count; i++) off = worst(off, p->inverse_mass[i] == 0.0 ? force[i] + solid[i] : force[i]);
-  tap_ok(off == 0.0, "kind %d: the reaction is minus the force on what is held, and nothing else", kind);
+  for (int i = 0; i < 3 * p->node_count; i++)
+    off = worst(off, p->inverse_mass[i] == 0.0 ? force[i] + solid[i] : force[i]);
+  tap_ok(off == 0.0, "kind %d: the reaction is minus the force on what is held, and nothing else",
+         kind);
   free(force);
   free(solid);
   ct_state_free(state);
@@ -59,24 +69,28 @@ static void moving_base(ct_brick_kind kind)
   ct_mesh_free(m);
 }
 
-static void refused(const ct_support *s, int32_t count, ct_status want, const char *word, const char *what)
+static void refused(const ct_support *s, int32_t count, ct_status want, const char *word,
+                    const char *what)
 {
   ct_effect *effect = NULL;
   ct_error e = {0};
   ct_status status = ct_support_create_effect(s, count, 10, &effect, &e);
-  tap_ok(status == want && e.code == want && effect == NULL && strstr(e.text, word) != NULL, "%s: refused, %s", what, e.text);
+  tap_ok(status == want && e.code == want && effect == NULL && strstr(e.text, word) != NULL,
+         "%s: refused, %s", what, e.text);
 }
 
 static void refusals(void)
 {
-  static const int32_t nodes[3] = {2, 5, 9}, more[2] = {5, 6}, beyond[2] = {3, 10}, below[2] = {-1, 3};
+  static const int32_t nodes[3] = {2, 5, 9}, more[2] = {5, 6}, beyond[2] = {3, 10},
+                       below[2] = {-1, 3};
   ct_support s[2] = {{nodes, 3, {1, 0, 0}, {1.0, 0, 0}}, {more, 2, {1, 0, 0}, {2.0, 0, 0}}};
   refused(s, 2, CT_ERROR_ARGUMENT, "node 5", "two velocities for one node");
   s[1].velocity[0] = 1.0;
   ct_effect *effect = NULL;
   ct_error e;
   need(ct_support_create_effect(s, 2, 10, &effect, &e), &e);
-  tap_ok(effect->node_count == 4 && effect->nodes[0] == 2 && effect->nodes[1] == 5 && effect->nodes[2] == 6 && effect->nodes[3] == 9,
+  tap_ok(effect->node_count == 4 && effect->nodes[0] == 2 && effect->nodes[1] == 5 &&
+             effect->nodes[2] == 6 && effect->nodes[3] == 9,
          "the same velocity twice is one support: nodes 2 5 6 9");
   double inverse[30], velocity[30];
   for (int i = 0; i < 30; i++) inverse[i] = 4.0, velocity[i] = 3.0;
@@ -86,7 +100,9 @@ static void refusals(void)
     right &= inverse[i] == (held ? 0.0 : 4.0) && velocity[i] == (held ? 1.0 : 3.0);
   }
   tap_ok(right, "held degrees of freedom get inverse mass 0 and their velocity, the others stay");
-  tap_ok(ct_support_apply(NULL, inverse, velocity) == CT_ERROR_ARGUMENT && ct_support_apply(effect, NULL, velocity) == CT_ERROR_ARGUMENT, "null arguments are refused");
+  tap_ok(ct_support_apply(NULL, inverse, velocity) == CT_ERROR_ARGUMENT &&
+             ct_support_apply(effect, NULL, velocity) == CT_ERROR_ARGUMENT,
+         "null arguments are refused");
   ct_effect_free(effect);
 
   s[0].nodes = beyond, s[0].node_count = 2;
@@ -104,12 +120,14 @@ static void refusals(void)
   refused(NULL, 1, CT_ERROR_ARGUMENT, "nothing", "a null list");
 }
 
-/* Holds that change from node to node, at some nodes or at all; an effect on all nodes lists none. */
+/* Holds that change from node to node, at some nodes or at all; an effect on all nodes lists none.
+ */
 static void holds(void)
 {
   for (int missing = 0; missing < 2; missing++) {
     int32_t nodes[10], single[3][4], count[3] = {0, 0, 0}, all = 0;
-    // Component n % 3 of node n is held at the velocity n / 3; with one node missing, z of all others at 7.
+    // Component n % 3 of node n is held at the velocity n / 3; with one node missing, z of all
+    // others at 7.
     for (int n = 0; n < 10; n++) {
       if (missing && n == 4) continue;
       nodes[all++] = n;
@@ -126,26 +144,31 @@ static void holds(void)
     ct_effect *effect = NULL;
     ct_error e;
     need(ct_support_create_effect(s, supports, 10, &effect, &e), &e);
-    tap_ok(effect->node_count == all && (effect->nodes == NULL) == !missing, "a support on %d of 10 nodes %s", (int)all,
-           missing ? "lists them" : "needs no list");
+    tap_ok(effect->node_count == all && (effect->nodes == NULL) == !missing,
+           "a support on %d of 10 nodes %s", (int)all, missing ? "lists them" : "needs no list");
     double inverse[30], velocity[30];
     for (int i = 0; i < 30; i++) inverse[i] = 4.0, velocity[i] = 3.0;
     int right = ct_support_apply(effect, inverse, velocity) == CT_OK;
     for (int n = 0; n < 10; n++)
       for (int c = 0; c < 3; c++) {
         int there = !missing || n != 4, held = there && (c == 2 || c == n % 3);
-        right &= inverse[3 * n + c] == (held ? 0.0 : 4.0) && velocity[3 * n + c] == (!held ? 3.0 : c == 2 ? 7.0 : n / 3);
+        right &=
+            inverse[3 * n + c] == (held ? 0.0 : 4.0) && velocity[3 * n + c] == (!held    ? 3.0
+                                                                                : c == 2 ? 7.0
+                                                                                         : n / 3);
       }
     tap_ok(right, "and holds each node as it was told");
     ct_effect_free(effect);
   }
 }
 
-/* Nodes of a scene's support in any order, one of them twice, on the second body: the same as one after another. */
+/* Nodes of a scene's support in any order, one of them twice, on the second body: the same as one
+ * after another. */
 static void any_order(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 2, 2, 2, 2, 2, 2);
-  static const int32_t lists[3][7] = {{0, 1, 2, 9, 10, 11, 26}, {26, 11, 9, 0, 10, 2, 1}, {0, 1, 2, 2, 11, 10, 9}};
+  static const int32_t lists[3][7] = {
+      {0, 1, 2, 9, 10, 11, 26}, {26, 11, 9, 0, 10, 2, 1}, {0, 1, 2, 2, 11, 10, 9}};
   double inverse[3][162];
   for (int i = 0; i < 3; i++) {
     ct_scene *scene = new_scene();
@@ -160,14 +183,16 @@ static void any_order(void)
       support.nodes = &lists[0][6], support.node_count = 1;
       need(ct_scene_add_support(scene, &support, &e), &e);
     }
-    const ct_problem *p = build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5, .threads = 1}, &steps, &stable);
+    const ct_problem *p =
+        build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5, .threads = 1}, &steps, &stable);
     memcpy(inverse[i], p->inverse_mass, sizeof inverse[i]);
     ct_scene_free(scene);
   }
   int held = 0, right = 1;
   for (int d = 0; d < 162; d++) held += inverse[0][d] == 0.0;
   for (int k = 0; k < 7; k++) right &= inverse[0][3 * (27 + lists[0][k])] == 0.0;
-  int alike = memcmp(inverse[0], inverse[1], sizeof inverse[0]) == 0 && memcmp(inverse[0], inverse[2], sizeof inverse[0]) == 0;
+  int alike = memcmp(inverse[0], inverse[1], sizeof inverse[0]) == 0 &&
+              memcmp(inverse[0], inverse[2], sizeof inverse[0]) == 0;
   tap_ok(right && held == 7 && alike, "nodes in any order, some twice, are held alike");
   ct_mesh_free(m);
 }

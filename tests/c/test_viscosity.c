@@ -1,5 +1,5 @@
-/* Bulk viscosity: closed form of a uniform compression, the kernel against the readable form, a chain of springs and dashpots,
- * the bound. */
+/* Bulk viscosity: closed form of a uniform compression, the kernel against the readable form, a
+ * chain of springs and dashpots, the bound. */
 #include "blocks.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -26,7 +26,8 @@ static double rate_of(const ct_effect *effect, const double *velocity)
 }
 
 /* A scene of one mesh with viscosity; `effect` is made for its joined problem. */
-static ct_effect *make(ct_scene *scene, const ct_mesh *m, const ct_material *material, double linear, double quadratic)
+static ct_effect *make(ct_scene *scene, const ct_mesh *m, const ct_material *material,
+                       double linear, double quadratic)
 {
   const ct_problem *joined;
   ct_effect *effect = NULL;
@@ -38,8 +39,8 @@ static ct_effect *make(ct_scene *scene, const ct_mesh *m, const ct_material *mat
   return effect;
 }
 
-/* v = -D x / 3 on a distorted mesh of cubes: no force inside, and outside that of the pressure, which closed form gives for a
- * cube. */
+/* v = -D x / 3 on a distorted mesh of cubes: no force inside, and outside that of the pressure,
+ * which closed form gives for a cube. */
 static void uniform_compression(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 2, 2, 2, 4, 4, 4);
@@ -55,10 +56,13 @@ static void uniform_compression(void)
     double *x = &m->nodes[3 * k];
     if (x[0] == 2.0) end += f[3 * k];
     for (int c = 0; c < 3; c++)
-      if (x[0] > 0 && x[0] < 2 && x[1] > 0 && x[1] < 2 && x[2] > 0 && x[2] < 2) inner = worst(inner, f[3 * k + c]);
+      if (x[0] > 0 && x[0] < 2 && x[1] > 0 && x[1] < 2 && x[2] > 0 && x[2] < 2)
+        inner = worst(inner, f[3 * k + c]);
   }
-  tap_close(end / (4.0 * q), 1.0, 1e-12, "cubes compressed at one rate push on their face with rho l D (Q1 c1 + Q2^2 l D)");
-  tap_ok(inner < 1e-13 * largest(f, n), "and on no inner node: %.2g of the largest", inner / largest(f, n));
+  tap_close(end / (4.0 * q), 1.0, 1e-12,
+            "cubes compressed at one rate push on their face with rho l D (Q1 c1 + Q2^2 l D)");
+  tap_ok(inner < 1e-13 * largest(f, n), "and on no inner node: %.2g of the largest",
+         inner / largest(f, n));
   for (int i = 0; i < n; i++) v[i] = -v[i];
   forces(effect, v, f);
   tap_ok(largest(f, n) == 0.0, "expansion is free");
@@ -72,7 +76,8 @@ static void uniform_compression(void)
     memcpy(&v[3 * k], spin, sizeof spin);
   }
   forces(effect, v, f);
-  tap_ok(largest(f, n) < 1e-13 * q, "a rotation makes no force but of rounding, %.2g of the pressure", largest(f, n) / q);
+  tap_ok(largest(f, n) < 1e-13 * q,
+         "a rotation makes no force but of rounding, %.2g of the pressure", largest(f, n) / q);
   ct_effect_free(effect);
   ct_scene_free(scene);
   free(v);
@@ -88,7 +93,8 @@ static void kernel(void)
   ct_scene *scene = new_scene();
   ct_effect *effect = make(scene, m, &STEEL, 0.3, 2.0);
   int n = 3 * m->node_count, pressed = 0;
-  double *v = random_displacement(m, 1e4), *f = numbers(n), *g = numbers(n), c1, c2, work = 0.0, resultant[3] = {0};
+  double *v = random_displacement(m, 1e4), *f = numbers(n), *g = numbers(n), c1, c2, work = 0.0,
+         resultant[3] = {0};
   ct_error e;
   ct_material_speeds(&STEEL, &c1, &c2);
   forces(effect, v, f);
@@ -105,9 +111,12 @@ static void kernel(void)
     work += f[i] * v[i];
     resultant[i % 3] += f[i];
   }
-  tap_ok(pressed > 5 && pressed < m->element_count && largest_difference(f, g, n) < 1e-13 * largest(g, n), "kernel against the readable form: off by %.2g, %d of %d elements pressed",
+  tap_ok(pressed > 5 && pressed < m->element_count &&
+             largest_difference(f, g, n) < 1e-13 * largest(g, n),
+         "kernel against the readable form: off by %.2g, %d of %d elements pressed",
          largest_difference(f, g, n) / largest(g, n), pressed, m->element_count);
-  tap_ok(work < 0.0 && largest(resultant, 3) < 1e-13 * largest(f, n) * n, "it takes energy out, %.3g, and no momentum, %.2g", work, largest(resultant, 3));
+  tap_ok(work < 0.0 && largest(resultant, 3) < 1e-13 * largest(f, n) * n,
+         "it takes energy out, %.3g, and no momentum, %.2g", work, largest(resultant, 3));
   ct_effect_free(effect);
   ct_scene_free(scene);
   for (int axis = 0; axis < 3; axis++) {
@@ -119,7 +128,9 @@ static void kernel(void)
     forces(right, v, f);
     forces(left, w, g);
     int64_t faults = mirror_faults(f, g, m->node_count, axis);
-    tap_ok(faults == 0 && fabs(rate_of(right, v) / rate_of(left, w) - 1.0) < 1e-14, "mirrored in %c: %d of %d forces are not the mirrored bits", "xyz"[axis], (int)faults, n);
+    tap_ok(faults == 0 && fabs(rate_of(right, v) / rate_of(left, w) - 1.0) < 1e-14,
+           "mirrored in %c: %d of %d forces are not the mirrored bits", "xyz"[axis], (int)faults,
+           n);
     free(w);
     ct_effect_free(right);
     ct_effect_free(left);
@@ -133,8 +144,8 @@ static void kernel(void)
   ct_mesh_free(m);
 }
 
-/* Largest eigenvalue of M⁻¹C about a strong compression, where the force is smooth, by power iteration; C from differences of
- * forces. */
+/* Largest eigenvalue of M⁻¹C about a strong compression, where the force is smooth, by power
+ * iteration; C from differences of forces. */
 static void bound(void)
 {
   for (int part = 0; part < 2; part++) {
@@ -143,7 +154,8 @@ static void bound(void)
     ct_scene *scene = new_scene();
     ct_effect *effect = make(scene, m, &ROD, part == 0 ? 0.5 : 0.0, part == 0 ? 0.0 : 0.7);
     int n = 3 * m->node_count;
-    double *v0 = numbers(n), *d = random_displacement(m, 1.0), *v = numbers(n), *f0 = numbers(n), *f = numbers(n), *mass = numbers(m->node_count), quotient = 0.0, small = 1e-5;
+    double *v0 = numbers(n), *d = random_displacement(m, 1.0), *v = numbers(n), *f0 = numbers(n),
+           *f = numbers(n), *mass = numbers(m->node_count), quotient = 0.0, small = 1e-5;
     ct_error e;
     need(ct_mass_lumped(m, ROD.density, CT_LUMP_DEFAULT, mass, &e), &e);
     for (int i = 0; i < n; i++) v0[i] = -m->nodes[i];
@@ -161,8 +173,9 @@ static void bound(void)
       quotient = up / down;
     }
     double rate = rate_of(effect, v0);
-    tap_ok(rate >= quotient && rate < (part == 0 ? 3.0 : 12.0) * quotient, "%s part: the bound of the rate is %.3f of the largest eigenvalue of M^-1 C", part == 0 ? "linear" : "quadratic",
-           rate / quotient);
+    tap_ok(rate >= quotient && rate < (part == 0 ? 3.0 : 12.0) * quotient,
+           "%s part: the bound of the rate is %.3f of the largest eigenvalue of M^-1 C",
+           part == 0 ? "linear" : "quadratic", rate / quotient);
     ct_effect_free(effect);
     ct_scene_free(scene);
     free(v0);
@@ -177,9 +190,10 @@ static void bound(void)
 
 enum { CELLS = 200 };
 
-/* A rod of CELLS cubes of edge 1, held on its sides, that runs against a fixed end at speed `v0`; stresses at time `end`, and the
- * work of the viscosity. */
-static double rod(double linear, double quadratic, double courant, double v0, double end, double stress[CELLS], double *balance, double *dt)
+/* A rod of CELLS cubes of edge 1, held on its sides, that runs against a fixed end at speed `v0`;
+ * stresses at time `end`, and the work of the viscosity. */
+static double rod(double linear, double quadratic, double courant, double v0, double end,
+                  double stress[CELLS], double *balance, double *dt)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, CELLS, 1, 1, CELLS, 1, 1);
   ct_scene *scene = new_scene();
@@ -214,12 +228,15 @@ static double rod(double linear, double quadratic, double courant, double v0, do
   return work;
 }
 
-/* The same rod as a chain of masses: forces of its springs of stiffness 1 and of the viscous pressure. */
-static void chain_force(double linear, double quadratic, const double u[CELLS + 1], const double v[CELLS + 1], double f[CELLS + 1], double viscous[CELLS + 1])
+/* The same rod as a chain of masses: forces of its springs of stiffness 1 and of the viscous
+ * pressure. */
+static void chain_force(double linear, double quadratic, const double u[CELLS + 1],
+                        const double v[CELLS + 1], double f[CELLS + 1], double viscous[CELLS + 1])
 {
   for (int i = 0; i <= CELLS; i++) f[i] = viscous[i] = 0.0;
   for (int i = 0; i < CELLS; i++) {
-    double D = v[i + 1] - v[i], q = D < 0.0 ? -D * (linear - quadratic * quadratic * D) : 0.0, s = u[i + 1] - u[i];
+    double D = v[i + 1] - v[i], q = D < 0.0 ? -D * (linear - quadratic * quadratic * D) : 0.0,
+           s = u[i + 1] - u[i];
     f[i] += s;
     f[i + 1] -= s;
     viscous[i] -= q;
@@ -228,13 +245,15 @@ static void chain_force(double linear, double quadratic, const double u[CELLS + 
 }
 
 /* Its leapfrog, written down by itself: stresses at the end, and the work of the viscosity. */
-static double chain(double linear, double quadratic, double dt, double v0, double end, double stress[CELLS])
+static double chain(double linear, double quadratic, double dt, double v0, double end,
+                    double stress[CELLS])
 {
   double u[CELLS + 1] = {0}, v[CELLS + 1], f[CELLS + 1], viscous[CELLS + 1], work = 0.0;
   int steps = (int)floor(end / dt + 0.5);
   for (int i = 0; i <= CELLS; i++) v[i] = i == 0 ? 0.0 : -v0;
   chain_force(linear, quadratic, u, v, f, viscous);
-  for (int i = 1; i <= CELLS; i++) v[i] -= 0.5 * dt * (f[i] + viscous[i]) / (i == CELLS ? 0.5 : 1.0);
+  for (int i = 1; i <= CELLS; i++)
+    v[i] -= 0.5 * dt * (f[i] + viscous[i]) / (i == CELLS ? 0.5 : 1.0);
   for (int n = 0; n < steps; n++) {
     chain_force(linear, quadratic, u, v, f, viscous);
     for (int i = 1; i <= CELLS; i++) {
@@ -250,19 +269,24 @@ static double chain(double linear, double quadratic, double dt, double v0, doubl
   return work;
 }
 
-/* Behind the front the exact stress is -v0 (ρ c = 1); how far it overshoots, and the distance from 90 % to 10 % of it. */
+/* Behind the front the exact stress is -v0 (ρ c = 1); how far it overshoots, and the distance from
+ * 90 % to 10 % of it. */
 static void shock(double linear, double quadratic, double v0, double *overshoot, double *width)
 {
   static double stress[CELLS], other[CELLS];
   double balance, dt, lowest = 0.0, x90 = 0.0, x10 = 0.0, end = 120.0;
-  double work = rod(linear, quadratic, 0.2, v0, end, stress, &balance, &dt), same = chain(linear, quadratic, dt, v0, end, other);
-  tap_ok(largest_difference(stress, other, CELLS) < 1e-11 * v0, "Q1 = %g, Q2 = %g, v0 = %g: the rod is the chain of springs and dashpots, off by %.2g", linear, quadratic, v0,
-         largest_difference(stress, other, CELLS) / v0);
+  double work = rod(linear, quadratic, 0.2, v0, end, stress, &balance, &dt),
+         same = chain(linear, quadratic, dt, v0, end, other);
+  tap_ok(largest_difference(stress, other, CELLS) < 1e-11 * v0,
+         "Q1 = %g, Q2 = %g, v0 = %g: the rod is the chain of springs and dashpots, off by %.2g",
+         linear, quadratic, v0, largest_difference(stress, other, CELLS) / v0);
   tap_close(work, same, 1e-11 * v0 * v0, "and its viscosity does the work of theirs");
   for (int i = 0; i < CELLS; i++) lowest = fmin(lowest, stress[i]);
   for (int i = 1; i < CELLS; i++) {
-    if (stress[i - 1] < -0.9 * v0 && stress[i] >= -0.9 * v0) x90 = i - 0.5 + (stress[i - 1] + 0.9 * v0) / (stress[i - 1] - stress[i]);
-    if (stress[i - 1] < -0.1 * v0 && stress[i] >= -0.1 * v0) x10 = i - 0.5 + (stress[i - 1] + 0.1 * v0) / (stress[i - 1] - stress[i]);
+    if (stress[i - 1] < -0.9 * v0 && stress[i] >= -0.9 * v0)
+      x90 = i - 0.5 + (stress[i - 1] + 0.9 * v0) / (stress[i - 1] - stress[i]);
+    if (stress[i - 1] < -0.1 * v0 && stress[i] >= -0.1 * v0)
+      x10 = i - 0.5 + (stress[i - 1] + 0.1 * v0) / (stress[i - 1] - stress[i]);
   }
   *overshoot = -lowest / v0 - 1.0;
   *width = x10 - x90;
@@ -271,16 +295,22 @@ static void shock(double linear, double quadratic, double v0, double *overshoot,
 
 static void shocks(void)
 {
-  static const double table[][3] = {{0, 0, 0.05}, {0.06, 0, 0.05}, {0.06, 1.2, 0.05}, {0.2, 0, 0.05}, {0.5, 0, 0.05}, {0, 1.2, 0.05}, {0, 2, 0.05}, {0, 1.2, 0.0005}};
+  static const double table[][3] = {{0, 0, 0.05},   {0.06, 0, 0.05}, {0.06, 1.2, 0.05},
+                                    {0.2, 0, 0.05}, {0.5, 0, 0.05},  {0, 1.2, 0.05},
+                                    {0, 2, 0.05},   {0, 1.2, 0.0005}};
   double overshoot[8], width[8];
   for (int k = 0; k < 8; k++) {
     shock(table[k][0], table[k][1], table[k][2], &overshoot[k], &width[k]);
-    printf("# Q1 = %4g  Q2 = %3g  v0 = %6g c: overshoot %5.1f %%, width %.1f elements\n", table[k][0], table[k][1], table[k][2], 100 * overshoot[k], width[k]);
+    printf("# Q1 = %4g  Q2 = %3g  v0 = %6g c: overshoot %5.1f %%, width %.1f elements\n",
+           table[k][0], table[k][1], table[k][2], 100 * overshoot[k], width[k]);
   }
-  tap_ok(overshoot[0] > overshoot[1] && overshoot[1] > overshoot[3] && overshoot[3] > overshoot[4] && width[4] > width[3] && width[3] > width[0],
+  tap_ok(overshoot[0] > overshoot[1] && overshoot[1] > overshoot[3] &&
+             overshoot[3] > overshoot[4] && width[4] > width[3] && width[3] > width[0],
          "more linear viscosity: less overshoot, a wider front");
-  tap_ok(overshoot[6] < overshoot[5] && overshoot[5] < overshoot[0], "so of the quadratic part, where the speed is not small");
-  tap_close(overshoot[7], overshoot[0], 0.02 * overshoot[0], "which does nothing at a thousandth of the speed of sound");
+  tap_ok(overshoot[6] < overshoot[5] && overshoot[5] < overshoot[0],
+         "so of the quadratic part, where the speed is not small");
+  tap_close(overshoot[7], overshoot[0], 0.02 * overshoot[0],
+            "which does nothing at a thousandth of the speed of sound");
 }
 
 /* At the whole stable step a hard hit stays bounded: viscosity takes energy, never gives it. */
@@ -312,8 +342,11 @@ static void stability(void)
       balance = worst(balance, energy.balance / first);
     }
     need(ct_energy_work(p, state, 1, &work, &e), &e);
-    tap_ok(most < 1.001 * first && work < 0.0 && balance < 1e-12, "Q1 = %g, Q2 = %g at the whole stable step (Courant number %.3f): energy at most %.6f of the first, %.3f taken out, balance %.1g",
-           options.linear, options.quadratic, stable.dt / stable.dt_courant, most / first, -work / first, balance);
+    tap_ok(most < 1.001 * first && work < 0.0 && balance < 1e-12,
+           "Q1 = %g, Q2 = %g at the whole stable step (Courant number %.3f): energy at most %.6f "
+           "of the first, %.3f taken out, balance %.1g",
+           options.linear, options.quadratic, stable.dt / stable.dt_courant, most / first,
+           -work / first, balance);
     ct_state_free(state);
     ct_scene_free(scene);
     ct_mesh_free(m);
@@ -322,7 +355,8 @@ static void stability(void)
 
 static void refusals(void)
 {
-  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1), *q = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1),
+          *q = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "brick", m, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "curved", q, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
@@ -332,20 +366,28 @@ static void refusals(void)
   need(ct_scene_join(scene, &joined, &e), &e);
   static const int32_t first[1] = {0}, twice[2] = {0, 0}, none[1] = {2};
   ct_viscosity options = {.linear = 0.06, .quadratic = 1.2};
-  tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_UNSUPPORTED && e.body == 1, "hex20 is refused: %s", e.text);
+  tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_UNSUPPORTED &&
+             e.body == 1,
+         "hex20 is refused: %s", e.text);
   options.bodies = none, options.body_count = 1;
-  tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_ARGUMENT, "a body that is not there: %s", e.text);
+  tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_ARGUMENT,
+         "a body that is not there: %s", e.text);
   options.bodies = twice, options.body_count = 2;
-  tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_ARGUMENT, "a body twice: %s", e.text);
+  tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_ARGUMENT,
+         "a body twice: %s", e.text);
   options.bodies = first, options.body_count = 1;
   options.linear = -1.0;
-  tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_ARGUMENT, "a negative coefficient: %s", e.text);
+  tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_ARGUMENT,
+         "a negative coefficient: %s", e.text);
   options.linear = options.quadratic = 0.0;
-  tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL, "nothing at all: %s", e.text);
+  tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_ARGUMENT &&
+             effect == NULL,
+         "nothing at all: %s", e.text);
   tap_ok(ct_viscosity_create_effect(NULL, joined, &effect, NULL) == CT_ERROR_ARGUMENT, "null");
   options.linear = 0.06;
   need(ct_viscosity_create_effect(&options, joined, &effect, &e), &e);
-  tap_ok(effect->node_count == 8 && effect->nodes[7] == 7 && effect->energy == NULL, "of one body only: its nodes, and nothing stored");
+  tap_ok(effect->node_count == 8 && effect->nodes[7] == 7 && effect->energy == NULL,
+         "of one body only: its nodes, and nothing stored");
   double x[60], v[24] = {0}, f[24], p;
   take_element(m, 0, m->nodes, x);
   for (int c = 0; c < 3; c++) {
@@ -353,7 +395,8 @@ static void refusals(void)
     x[c] = x[12 + c];
     x[12 + c] = t;
   }
-  tap_ok(ct_viscosity_element(x, v, 1.0, 1.0, 0.1, 0.1, &p, f, &e) == CT_ERROR_GEOMETRY, "a folded element is refused: %s", e.text);
+  tap_ok(ct_viscosity_element(x, v, 1.0, 1.0, 0.1, 0.1, &p, f, &e) == CT_ERROR_GEOMETRY,
+         "a folded element is refused: %s", e.text);
   ct_effect_free(effect);
   ct_scene_free(scene);
   ct_mesh_free(m);

@@ -1,5 +1,5 @@
-/* Faults of a run: each is named with time, body and element or node before the numbers are lost, the last good state is kept,
- * and nothing else changes. */
+/* Faults of a run: each is named with time, body and element or node before the numbers are lost,
+ * the last good state is kept, and nothing else changes. */
 #include "bodies.h"
 
 static const double PI = 3.14159265358979323846;
@@ -32,14 +32,16 @@ static ct_watch_options every(int64_t steps)
 static void same_bits(void)
 {
   static const ct_material large = {2.0, 0.3, 1.5, CT_NEO_HOOKEAN};
-  ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2), *right = box_mesh(CT_HEX8, 0.01, 0, 0, 1, 1, 1, 3, 2, 2);
+  ct_mesh *left = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 2, 2, 2),
+          *right = box_mesh(CT_HEX8, 0.01, 0, 0, 1, 1, 1, 3, 2, 2);
   ct_scene *scene = new_scene();
   add_body(scene, "left", left, &large, CT_KERNEL_AUTO, 0.1, 0, 0);
   add_body(scene, "right", right, &large, CT_KERNEL_AUTO, -0.1, 0, 0);
   add_rough_contact(scene, 0, left, 0.0, 1, right, 0.01, 0, 1.0, 0.3, 0.0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 3.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 3.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
   ct_state *plain = new_state(p), *watched = new_state(p);
   ct_watch *watch = new_watch(p, watched, every(3));
   ct_error e;
@@ -47,15 +49,22 @@ static void same_bits(void)
   ct_status status = ct_watch_steps(watch, watched, steps / 2, &e);
   if (status == CT_OK) status = ct_watch_steps(watch, watched, steps - steps / 2, &e);
   size_t n = 3 * (size_t)p->node_count * sizeof(double);
-  tap_ok(status == CT_OK && watched->step == steps && memcmp(plain->displacement, watched->displacement, n) == 0 && memcmp(plain->velocity, watched->velocity, n) == 0 &&
-             memcmp(plain->memory, watched->memory, (size_t)plain->memory_count * sizeof(double)) == 0 &&
+  tap_ok(status == CT_OK && watched->step == steps &&
+             memcmp(plain->displacement, watched->displacement, n) == 0 &&
+             memcmp(plain->velocity, watched->velocity, n) == 0 &&
+             memcmp(plain->memory, watched->memory, (size_t)plain->memory_count * sizeof(double)) ==
+                 0 &&
              memcmp(plain->work, watched->work, (size_t)plain->work_count * sizeof(double)) == 0,
          "looks change no bit of %d steps", (int)steps);
   const ct_state *good = ct_watch_good(watch);
-  tap_ok(good != NULL && good->step == steps / 3 * 3, "the last good state is that of the last look, step %d", good == NULL ? -1 : (int)good->step);
-  double real = true_frequency(p, good->displacement, 1e-6, -1, 300), found = ct_watch_omega_squared(watch);
+  tap_ok(good != NULL && good->step == steps / 3 * 3,
+         "the last good state is that of the last look, step %d",
+         good == NULL ? -1 : (int)good->step);
+  double real = true_frequency(p, good->displacement, 1e-6, -1, 300),
+         found = ct_watch_omega_squared(watch);
   // Contact stands in the true one; the quotient never exceeds it, and 170 looks bring it near.
-  tap_ok(found <= real * (1.0 + 1e-4) && found > 0.9 * real, "its quotient is %.4f of the largest eigenvalue", found / real);
+  tap_ok(found <= real * (1.0 + 1e-4) && found > 0.9 * real,
+         "its quotient is %.4f of the largest eigenvalue", found / real);
   ct_watch_free(watch);
   ct_state_free(plain);
   ct_state_free(watched);
@@ -64,14 +73,15 @@ static void same_bits(void)
   ct_mesh_free(right);
 }
 
-/* A bar of St. Venant-Kirchhoff's material, ν = 0, is stretched evenly: P'(λ) = E (3 λ² - 1) / 2, and the largest frequency of
- * ten elements between held ends is 2 c / h sin(9 π / 20): Courant number f of the start is too much from λ² = (2 / (f sin)² + 1)
- * / 3 on. */
+/* A bar of St. Venant-Kirchhoff's material, ν = 0, is stretched evenly: P'(λ) = E (3 λ² - 1) / 2,
+ * and the largest frequency of ten elements between held ends is 2 c / h sin(9 π / 20): Courant
+ * number f of the start is too much from λ² = (2 / (f sin)² + 1) / 3 on. */
 static void stiffening(void)
 {
   static const ct_material bar = {2.0, 0.0, 2.0, CT_ST_VENANT_KIRCHHOFF};
   double f = 0.9, rate = 0.0002, critical = sqrt((2.0 / pow(f * sin(0.45 * PI), 2.0) + 1.0) / 3.0);
-  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 10, 1, 1, 10, 1, 1), *other = box_mesh(CT_HEX8, 0, 5, 0, 2, 2, 2, 1, 1, 1);
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 10, 1, 1, 10, 1, 1),
+          *other = box_mesh(CT_HEX8, 0, 5, 0, 2, 2, 2, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "other", other, &bar, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "bar", m, &bar, CT_KERNEL_AUTO, 0, 0, 0);
@@ -84,16 +94,22 @@ static void stiffening(void)
   add_support(scene, 1, m, -1, 0.0, "yz", 0.0);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 1000.0, .courant = f, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1000.0, .courant = f, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
   ct_watch *watch = new_watch(p, state, every(4));
-  tap_close(ct_watch_omega_squared(watch) * 0.25, pow(sin(0.45 * PI), 2.0), 0.1, "12 rounds find the frequency of the start");
+  tap_close(ct_watch_omega_squared(watch) * 0.25, pow(sin(0.45 * PI), 2.0), 0.1,
+            "12 rounds find the frequency of the start");
   ct_status status = ct_watch_steps(watch, state, steps, &e);
   double stretch = 1.0 + rate * state->time;
-  tap_ok(status == CT_ERROR_STEP && e.code == status && e.body == 1 && e.element >= 0 && e.element < 10 && strstr(e.text, "bar") && strstr(e.text, "step "),
+  tap_ok(status == CT_ERROR_STEP && e.code == status && e.body == 1 && e.element >= 0 &&
+             e.element < 10 && strstr(e.text, "bar") && strstr(e.text, "step "),
          "a solid that stiffens ends the run: %s", e.text);
-  tap_ok(stretch > critical && stretch < critical + 0.01, "at the stretch %.5f, in theory %.5f", stretch, critical);
-  tap_ok(finite(p, state) && ct_watch_good(watch)->step < state->step && ct_watch_good(watch)->step >= state->step - 4, "before anything has grown");
+  tap_ok(stretch > critical && stretch < critical + 0.01, "at the stretch %.5f, in theory %.5f",
+         stretch, critical);
+  tap_ok(finite(p, state) && ct_watch_good(watch)->step < state->step &&
+             ct_watch_good(watch)->step >= state->step - 4,
+         "before anything has grown");
   ct_watch_free(watch);
   ct_state_free(state);
   ct_scene_free(scene);
@@ -102,10 +118,12 @@ static void stiffening(void)
   free(v);
 }
 
-/* A step above the limit of a linear body: the total of the ledger stays as it was, the motion explodes. */
+/* A step above the limit of a linear body: the total of the ledger stays as it was, the motion
+ * explodes. */
 static void growth(double over)
 {
-  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2), *still = box_mesh(CT_HEX8, 5, 0, 0, 1, 1, 1, 1, 1, 1);
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2),
+          *still = box_mesh(CT_HEX8, 5, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "still", still, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "moving", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
@@ -125,10 +143,12 @@ static void growth(double over)
   ct_watch *watch = new_watch(&q, state, options);
   ct_status status = ct_watch_steps(watch, state, 20000, &e);
   if (over > 1.0)
-    tap_ok(status == CT_ERROR_ENERGY && e.body == 1 && e.point >= 0 && e.point < m->node_count && finite(&q, state) && finite(&q, ct_watch_good(watch)),
+    tap_ok(status == CT_ERROR_ENERGY && e.body == 1 && e.point >= 0 && e.point < m->node_count &&
+               finite(&q, state) && finite(&q, ct_watch_good(watch)),
            "a step %.4f of the limit: %s", over, e.text);
   else
-    tap_ok(status == CT_OK && state->step == 20000, "a step %.4f of the limit: no word in 20000 steps", over);
+    tap_ok(status == CT_OK && state->step == 20000,
+           "a step %.4f of the limit: no word in 20000 steps", over);
   ct_watch_free(watch);
   ct_state_free(state);
   ct_scene_free(scene);
@@ -139,7 +159,8 @@ static void growth(double over)
 }
 
 /* A force c m v that claims to store energy and stores none: kinetic energy grows as exp(2 c t). */
-static ct_status pump_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status pump_force(const ct_effect *effect, const ct_view *view, double *force,
+                            ct_error *error)
 {
   const double *c = effect->data;
   (void)error;
@@ -147,7 +168,8 @@ static ct_status pump_force(const ct_effect *effect, const ct_view *view, double
   return CT_OK;
 }
 
-static ct_status pump_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
+static ct_status pump_energy(const ct_effect *effect, const ct_view *view, double *energy,
+                             ct_error *error)
 {
   (void)effect, (void)view, (void)error;
   *energy = 0.0;
@@ -160,22 +182,28 @@ static void pump(double limit, int stores)
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "flying", m, &SOFT, CT_KERNEL_AUTO, 1.0, 0, 0);
-  ct_effect filled = {.name = "pump", .data = c, .node_count = 8, .force = pump_force, .energy = stores ? pump_energy : NULL};
+  ct_effect filled = {.name = "pump",
+                      .data = c,
+                      .node_count = 8,
+                      .force = pump_force,
+                      .energy = stores ? pump_energy : NULL};
   ct_error e = {0};
   add_effect(scene, &filled);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 100.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 100.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
   ct_watch_options options = every(2);
   options.energy_limit = limit;
   ct_watch *watch = new_watch(p, state, options);
   ct_status status = ct_watch_steps(watch, state, steps, &e);
   if (stores)
-    tap_ok(status == CT_ERROR_ENERGY && e.body == 0 && state->time > when && state->time < when + 2.5 * p->dt, "a share of %.2f from nothing at t = %.4g, in theory %.4g: %s", limit,
-           state->time, when, e.text);
-  else
-    tap_ok(status == CT_OK, "the same work by a force from outside is no fault");
+    tap_ok(status == CT_ERROR_ENERGY && e.body == 0 && state->time > when &&
+               state->time < when + 2.5 * p->dt,
+           "a share of %.2f from nothing at t = %.4g, in theory %.4g: %s", limit, state->time, when,
+           e.text);
+  else tap_ok(status == CT_OK, "the same work by a force from outside is no fault");
   ct_watch_free(watch);
   ct_state_free(state);
   ct_scene_free(scene);
@@ -183,17 +211,19 @@ static void pump(double limit, int stores)
 }
 
 /* The same force on some nodes, which takes from t = 10 on what it gave before and more. */
-static ct_status pump_and_brake(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status pump_and_brake(const ct_effect *effect, const ct_view *view, double *force,
+                                ct_error *error)
 {
   const double *c = effect->data;
   (void)error;
   for (int i = 0; i < 3 * effect->node_count; i++)
-    force[i] = (view->time < 10.0 ? c[0] : -3.0 * c[0]) * c[1] * view->velocity[3 * effect->nodes[0] + i];
+    force[i] =
+        (view->time < 10.0 ? c[0] : -3.0 * c[0]) * c[1] * view->velocity[3 * effect->nodes[0] + i];
   return CT_OK;
 }
 
-/* Growth that is below the limit of a fault, and gone at the end, is told: how much, when, where from. `unit` is the unit of
- * energy. */
+/* Growth that is below the limit of a fault, and gone at the end, is told: how much, when, where
+ * from. `unit` is the unit of energy. */
 static void told(int stores, double unit)
 {
   double c[2] = {0.01, unit * SOFT.density / 8.0}, when = log(1.01) / (2.0 * c[0]);
@@ -205,13 +235,18 @@ static void told(int stores, double unit)
   add_body(scene, "flying", m, &soft, CT_KERNEL_AUTO, 1.0, 0, 0);
   int32_t nodes[8];
   for (int i = 0; i < 8; i++) nodes[i] = 8 + i;
-  ct_effect filled = {.name = "pump", .data = c, .nodes = nodes, .node_count = 8, .force = pump_and_brake,
+  ct_effect filled = {.name = "pump",
+                      .data = c,
+                      .nodes = nodes,
+                      .node_count = 8,
+                      .force = pump_and_brake,
                       .energy = stores ? pump_energy : NULL};
   ct_error e = {0};
   add_effect(scene, &filled);
   int64_t steps;
   ct_stable_step stable;
-  const ct_problem *p = build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
   ct_watch *watch = new_watch(p, state, every(2));
   ct_status status = ct_watch_steps(watch, state, 2, &e);
@@ -220,13 +255,15 @@ static void told(int stores, double unit)
   ct_growth found = ct_watch_growth(watch);
   double left = energy_of(p, state).kinetic / (0.5 * unit * SOFT.density);
   if (stores)
-    tap_ok(status == CT_OK && silent && left < 0.9 && found.share > 0.01 && found.share < 0.02 && found.time > when &&
-           found.time < when + 2.5 * p->dt && found.effect == 1 && found.body == 1 &&
-               found.step > 0,
-           "unit %g: %.4f from nothing at t = %.4g, in theory %.4g, by effect %d on body %d; %.2f left at the end", unit,
-           found.share, found.time, when, (int)found.effect, (int)found.body, left);
+    tap_ok(status == CT_OK && silent && left < 0.9 && found.share > 0.01 && found.share < 0.02 &&
+               found.time > when && found.time < when + 2.5 * p->dt && found.effect == 1 &&
+               found.body == 1 && found.step > 0,
+           "unit %g: %.4f from nothing at t = %.4g, in theory %.4g, by effect %d on body %d; %.2f "
+           "left at the end",
+           unit, found.share, found.time, when, (int)found.effect, (int)found.body, left);
   else
-    tap_ok(status == CT_OK && found.share == 0.0, "unit %g: the same work by a force from outside is no growth", unit);
+    tap_ok(status == CT_OK && found.share == 0.0,
+           "unit %g: the same work by a force from outside is no growth", unit);
   ct_watch_free(watch);
   ct_state_free(state);
   ct_scene_free(scene);
@@ -238,11 +275,13 @@ static void turn_mesh(ct_mesh *mesh, double R[3][3], const double by[3])
 {
   for (int n = 0; n < mesh->node_count; n++) {
     double *X = &mesh->nodes[3 * n], old[3] = {X[0], X[1], X[2]};
-    for (int c = 0; c < 3; c++) X[c] = by[c] + ((R[c][0] * old[0] + R[c][1] * old[1]) + R[c][2] * old[2]);
+    for (int c = 0; c < 3; c++)
+      X[c] = by[c] + ((R[c][0] * old[0] + R[c][1] * old[1]) + R[c][2] * old[2]);
   }
 }
 
-/* Two blocks at rest whose faces touch, in any position: what round-off leaves between them is no energy. */
+/* Two blocks at rest whose faces touch, in any position: what round-off leaves between them is no
+ * energy. */
 static void at_rest(void)
 {
   int alarms = 0, told_of = 0;
@@ -252,16 +291,23 @@ static void at_rest(void)
     double R[3][3], by[3];
     random_rotation(R);
     for (int c = 0; c < 3; c++) by[c] = uniform(3.0);
-    ct_mesh *lower = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2), *upper = box_mesh(CT_HEX8, 0, 0, 1, 1, 1, 1, 2, 2, 2);
+    ct_mesh *lower = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2),
+            *upper = box_mesh(CT_HEX8, 0, 0, 1, 1, 1, 1, 2, 2, 2);
     ct_scene *scene = new_scene();
-    int32_t *faces[2] = {integers(400), integers(400)}, count[2] = {ct_mesh_plane_faces(lower, 2, 1.0, faces[0], NULL),
-                                                                    ct_mesh_plane_faces(upper, 2, 1.0, faces[1], NULL)};
+    int32_t *faces[2] = {integers(400), integers(400)},
+            count[2] = {ct_mesh_plane_faces(lower, 2, 1.0, faces[0], NULL),
+                        ct_mesh_plane_faces(upper, 2, 1.0, faces[1], NULL)};
     turn_mesh(lower, R, by);
     turn_mesh(upper, R, by);
     add_body(scene, "lower", lower, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
     add_body(scene, "upper", upper, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-    ct_scene_contact contact = {.body_a = 0, .body_b = 1, .face_count_a = count[0], .face_count_b = count[1], .faces_a = faces[0],
-                                .faces_b = faces[1], .beta = 4.0,
+    ct_scene_contact contact = {.body_a = 0,
+                                .body_b = 1,
+                                .face_count_a = count[0],
+                                .face_count_b = count[1],
+                                .faces_a = faces[0],
+                                .faces_b = faces[1],
+                                .beta = 4.0,
                                 .options = ct_contact_options_default()};
     if (i % 4 == 1) contact.options.enforcement = CT_ENFORCE_LAGRANGE;
     if (i % 4 == 2) contact.options.enforcement = CT_ENFORCE_PENALTY;
@@ -269,10 +315,12 @@ static void at_rest(void)
     need(ct_scene_add_contact(scene, &contact, &e), &e);
     int64_t steps;
     ct_stable_step stable;
-    const ct_problem *p = build(scene, (ct_scene_time){.end = 10.0, .fraction = 0.8, .threads = 1}, &steps, &stable);
+    const ct_problem *p =
+        build(scene, (ct_scene_time){.end = 10.0, .fraction = 0.8, .threads = 1}, &steps, &stable);
     ct_state *state = new_state(p);
     ct_watch *watch = new_watch(p, state, every(1));
-    if (ct_watch_steps(watch, state, steps, &e) != CT_OK && alarms++ == 0) snprintf(text, sizeof text, ": %s", e.text);
+    if (ct_watch_steps(watch, state, steps, &e) != CT_OK && alarms++ == 0)
+      snprintf(text, sizeof text, ": %s", e.text);
     told_of += ct_watch_growth(watch).share > 0.0;
     most = worst(most, energy_of(p, state).total);
     ct_watch_free(watch);
@@ -283,9 +331,10 @@ static void at_rest(void)
     free(faces[0]);
     free(faces[1]);
   }
-  tap_ok(alarms == 0 && told_of == 0 && most < 1e-26,
-         "two blocks at rest in 40 positions, energies up to %.1e: %d alarms, growth told %d times%s", most, alarms, told_of,
-         text);
+  tap_ok(
+      alarms == 0 && told_of == 0 && most < 1e-26,
+      "two blocks at rest in 40 positions, energies up to %.1e: %d alarms, growth told %d times%s",
+      most, alarms, told_of, text);
 }
 
 /* An element that is turned inside out, and a number that is none, in mid-run. */
@@ -307,17 +356,23 @@ static void named(int bad)
     if (m->nodes[3 * n] > 3.9) state->velocity[3 * (m->node_count + n)] = bad ? NAN : -1.5 / p->dt;
   ct_status status = ct_watch_steps(watch, state, 4, &e);
   if (bad)
-    tap_ok((status == CT_ERROR_BLOWUP || status == CT_INVALID) && e.body == 1 && e.point >= 0 && strstr(e.text, "second") && strstr(e.text, "(step "), "no number: %s", e.text);
+    tap_ok((status == CT_ERROR_BLOWUP || status == CT_INVALID) && e.body == 1 && e.point >= 0 &&
+               strstr(e.text, "second") && strstr(e.text, "(step "),
+           "no number: %s", e.text);
   else
-    tap_ok(status == CT_ERROR_GEOMETRY && e.body == 1 && e.element == 3 && strstr(e.text, "second") && strstr(e.text, "element 3") && strstr(e.text, "(step "),
+    tap_ok(status == CT_ERROR_GEOMETRY && e.body == 1 && e.element == 3 &&
+               strstr(e.text, "second") && strstr(e.text, "element 3") && strstr(e.text, "(step "),
            "inside out: %s", e.text);
-  tap_ok(ct_watch_good(watch)->step == 4 && finite(p, ct_watch_good(watch)), "the state of step 4 was good");
+  tap_ok(ct_watch_good(watch)->step == 4 && finite(p, ct_watch_good(watch)),
+         "the state of step 4 was good");
   // It goes on from there to the same bits as a run in which nothing happened.
   ct_state *straight = new_state(p);
   need(ct_state_copy(p, ct_watch_good(watch), state, &e), &e);
   advance(p, state, 6);
   advance(p, straight, 10);
-  tap_ok(memcmp(straight->displacement, state->displacement, 3 * (size_t)p->node_count * sizeof(double)) == 0, "and goes on to the same bits");
+  tap_ok(memcmp(straight->displacement, state->displacement,
+                3 * (size_t)p->node_count * sizeof(double)) == 0,
+         "and goes on to the same bits");
   ct_watch_free(watch);
   ct_state_free(straight);
   ct_state_free(state);
@@ -337,12 +392,16 @@ static void refusals(void)
   ct_watch *watch = NULL;
   ct_watch_options good = ct_watch_options_default(), bad[5] = {good, good, good, good, good};
   ct_error e;
-  bad[0].every = 0, bad[1].energy_limit = NAN, bad[2].omega_limit = 0.0, bad[3].stable = -1.0, bad[4].growth_limit = -0.1;
+  bad[0].every = 0, bad[1].energy_limit = NAN, bad[2].omega_limit = 0.0, bad[3].stable = -1.0,
+  bad[4].growth_limit = -0.1;
   int refused = 0;
-  for (int i = 0; i < 5; i++) refused += ct_watch_create(p, state, &bad[i], &watch, &e) == CT_ERROR_ARGUMENT;
+  for (int i = 0; i < 5; i++)
+    refused += ct_watch_create(p, state, &bad[i], &watch, &e) == CT_ERROR_ARGUMENT;
   tap_ok(refused == 5 && watch == NULL, "options out of range are refused");
-  tap_ok(ct_watch_create(p, NULL, &good, &watch, &e) == CT_ERROR_ARGUMENT && ct_watch_create(NULL, state, &good, &watch, NULL) == CT_ERROR_ARGUMENT &&
-             ct_watch_steps(NULL, state, 1, &e) == CT_ERROR_ARGUMENT && ct_watch_look(NULL, state, &e) == CT_ERROR_ARGUMENT && ct_watch_good(NULL) == NULL &&
+  tap_ok(ct_watch_create(p, NULL, &good, &watch, &e) == CT_ERROR_ARGUMENT &&
+             ct_watch_create(NULL, state, &good, &watch, NULL) == CT_ERROR_ARGUMENT &&
+             ct_watch_steps(NULL, state, 1, &e) == CT_ERROR_ARGUMENT &&
+             ct_watch_look(NULL, state, &e) == CT_ERROR_ARGUMENT && ct_watch_good(NULL) == NULL &&
              ct_watch_omega_squared(NULL) == 0.0 && ct_watch_growth(NULL).share == 0.0,
          "and so is nothing at all");
   ct_watch_free(NULL);

@@ -20,7 +20,9 @@ HALVES = {"aspect_1e3", "aspect_1e6", "size_1e_9", "size_1e9", "on_edge", "on_co
 DIGITS = 40
 GRID = 17
 
-QUADRILATERAL = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0]], float)
+QUADRILATERAL = np.array(
+    [[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0]], float
+)
 TRIANGLE = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0], [0.5, 0.5], [0, 0.5]])
 REFERENCE = {"Q4": QUADRILATERAL[:4], "Q8": QUADRILATERAL, "T3": TRIANGLE[:3], "T6": TRIANGLE}
 POWERS = {
@@ -60,7 +62,12 @@ def somewhere(rng, kind, margin=0.0):
 def normal(kind, nodes, xi):
     """The unit normal at xi. The tangents are those of the polynomial: a difference quotient would keep ten digits, and others on another machine."""
     A = np.array([[x**i * y**j for i, j in POWERS[kind]] for x, y in REFERENCE[kind]])
-    along = np.array([[i * xi[0] ** max(i - 1, 0) * xi[1] ** j, j * xi[0] ** i * xi[1] ** max(j - 1, 0)] for i, j in POWERS[kind]])
+    along = np.array(
+        [
+            [i * xi[0] ** max(i - 1, 0) * xi[1] ** j, j * xi[0] ** i * xi[1] ** max(j - 1, 0)]
+            for i, j in POWERS[kind]
+        ]
+    )
     n = np.cross(*(along.T @ np.linalg.solve(A, nodes)))
     return n / np.linalg.norm(n)
 
@@ -70,7 +77,9 @@ def curved(rng, kind, bend, noise):
     nodes = flat(kind)
     p, q, r = rng.uniform(-bend, bend, 3)
     nodes += rng.uniform(-noise, noise, nodes.shape)
-    nodes[:, 2] += 0.5 * (p * nodes[:, 0] ** 2 + q * nodes[:, 1] ** 2) + r * nodes[:, 0] * nodes[:, 1]
+    nodes[:, 2] += (
+        0.5 * (p * nodes[:, 0] ** 2 + q * nodes[:, 1] ** 2) + r * nodes[:, 0] * nodes[:, 1]
+    )
     return nodes
 
 
@@ -119,7 +128,11 @@ def quarter_point_q8(rng):
     nodes = curved(rng, "Q8", 0.3, 0.05)
     fraction = 0.25 if rng.random() < 0.5 else rng.uniform(0.1, 0.25)
     for side, other in ((4, 1), (7, 3)):
-        nodes[side] = nodes[0] + fraction * (nodes[other] - nodes[0]) + rng.choice([0, 0.02]) * rng.normal(size=3)
+        nodes[side] = (
+            nodes[0]
+            + fraction * (nodes[other] - nodes[0])
+            + rng.choice([0, 0.02]) * rng.normal(size=3)
+        )
     target = nodes[0] if rng.random() < 0.4 else at("Q8", nodes, somewhere(rng, "Q8"))
     return "Q8", nodes, target + rng.uniform(-0.3, 0.3, 3)
 
@@ -127,12 +140,17 @@ def quarter_point_q8(rng):
 def on_cylinder(xy, radius, skew):
     """Points of the plane, sheared, laid on a cylinder about the y axis."""
     s = xy[:, 0] + skew * xy[:, 1]
-    return np.column_stack([radius * np.sin(s / radius), xy[:, 1], radius * (np.cos(s / radius) - 1)])
+    return np.column_stack(
+        [radius * np.sin(s / radius), xy[:, 1], radius * (np.cos(s / radius) - 1)]
+    )
 
 
 def cylinder(rng):
     kind = ("Q8", "T6")[rng.integers(2)]
-    nodes = on_cylinder(flat(kind)[:, :2], rng.uniform(0.9, 3), rng.uniform(-0.7, 0.7)) @ rotation(rng).T
+    nodes = (
+        on_cylinder(flat(kind)[:, :2], rng.uniform(0.9, 3), rng.uniform(-0.7, 0.7))
+        @ rotation(rng).T
+    )
     nodes += rng.uniform(-0.03, 0.03, nodes.shape)
     return kind, nodes, near(rng, kind, nodes, 0.5)
 
@@ -189,7 +207,11 @@ def centre_of_curvature(rng):
     if rng.random() < 0.5:
         nodes, centre = on_cylinder(xy, radius, 0), np.array([0, rng.uniform(-0.5, 0.5), -radius])
     else:
-        nodes, centre = np.column_stack([xy, np.sqrt(radius**2 - 0.25 * np.sum(xy**2, axis=1))]) * [0.5, 0.5, 1], np.zeros(3)
+        nodes, centre = (
+            np.column_stack([xy, np.sqrt(radius**2 - 0.25 * np.sum(xy**2, axis=1))])
+            * [0.5, 0.5, 1],
+            np.zeros(3),
+        )
     return kind, nodes, centre + 10 ** rng.uniform(-8, -2) * rng.normal(size=3)
 
 
@@ -200,7 +222,11 @@ def two_lobes(rng):
     steep = rng.uniform(0.8, 2)
     nodes[:, 2] = steep * nodes[:, 0] ** 2
     aside = rng.choice([-1, 1]) * 10 ** rng.uniform(-6, -1)
-    return kind, nodes + rng.choice([0, 0.01]) * rng.normal(size=nodes.shape), np.array([aside, rng.uniform(-0.5, 0.5), rng.uniform(0.7, 2.5) * steep])
+    return (
+        kind,
+        nodes + rng.choice([0, 0.01]) * rng.normal(size=nodes.shape),
+        np.array([aside, rng.uniform(-0.5, 0.5), rng.uniform(0.7, 2.5) * steep]),
+    )
 
 
 def far_away(rng):
@@ -249,9 +275,28 @@ def curved_t6(rng):
     return "T6", nodes, rng.uniform(-1.2, 1.2, 3)
 
 
-CATEGORIES = (ordinary, distorted, warped_q4, collapsed_q4, quarter_point_q8, cylinder, saddle, aspect_1e3, aspect_1e6, size_1e_9, size_1e9,
-              offset_1e6, centre_of_curvature, two_lobes, far_away, on_surface, on_edge, on_corner, needle_triangle,
-              curved_t6)
+CATEGORIES = (
+    ordinary,
+    distorted,
+    warped_q4,
+    collapsed_q4,
+    quarter_point_q8,
+    cylinder,
+    saddle,
+    aspect_1e3,
+    aspect_1e6,
+    size_1e_9,
+    size_1e9,
+    offset_1e6,
+    centre_of_curvature,
+    two_lobes,
+    far_away,
+    on_surface,
+    on_edge,
+    on_corner,
+    needle_triangle,
+    curved_t6,
+)
 
 
 def generate():
@@ -259,15 +304,23 @@ def generate():
     cases = []
     for number, category in enumerate(CATEGORIES):
         rng = np.random.default_rng([2012, number])
-        cases += [(category.__name__, *category(rng)) for _ in range(CASES // 2 if category.__name__ in HALVES else CASES)]
+        cases += [
+            (category.__name__, *category(rng))
+            for _ in range(CASES // 2 if category.__name__ in HALVES else CASES)
+        ]
     return cases
 
 
 # -- The truth ------------------------------------------------------------------------------------------------------
 def coefficients(kind, nodes, point):
     """y(xi) - point as a polynomial: one row of exact fractions for each of POWERS[kind]."""
-    rows = [[Fraction(float(x)) ** i * Fraction(float(y)) ** j for i, j in POWERS[kind]] for x, y in REFERENCE[kind]]
-    right = [[Fraction(float(v)) - Fraction(float(p)) for v, p in zip(node, point)] for node in nodes]
+    rows = [
+        [Fraction(float(x)) ** i * Fraction(float(y)) ** j for i, j in POWERS[kind]]
+        for x, y in REFERENCE[kind]
+    ]
+    right = [
+        [Fraction(float(v)) - Fraction(float(p)) for v, p in zip(node, point)] for node in nodes
+    ]
     n = len(rows)
     for i in range(n):
         pivot = next(r for r in range(i, n) if rows[r][i])
@@ -297,8 +350,14 @@ def derivatives(kind, c, x, y):
     def dot(a, b):
         return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
-    return (dot(d, d), 2 * dot(d, t1), 2 * dot(d, t2), 2 * (dot(t1, t1) + dot(d, t11)), 2 * (dot(t2, t2) + dot(d, t22)),
-            2 * (dot(t1, t2) + dot(d, t12)))
+    return (
+        dot(d, d),
+        2 * dot(d, t1),
+        2 * dot(d, t2),
+        2 * (dot(t1, t1) + dot(d, t11)),
+        2 * (dot(t2, t2) + dot(d, t22)),
+        2 * (dot(t1, t2) + dot(d, t12)),
+    )
 
 
 def newton_step(g1, g2, h11, h22, h12, sqrt):
@@ -306,7 +365,11 @@ def newton_step(g1, g2, h11, h22, h12, sqrt):
     mean, half = (h11 + h22) / 2, (h11 - h22) / 2
     radius = sqrt(half * half + h12 * h12)
     low, high = abs(mean - radius), abs(mean + radius)
-    floor = (low + high) * type(low + high)(1e-25) if isinstance(low, mp.mpf) else (low + high) * 1e-14 + 1e-300
+    floor = (
+        (low + high) * type(low + high)(1e-25)
+        if isinstance(low, mp.mpf)
+        else (low + high) * 1e-14 + 1e-300
+    )
     low, high = low + floor, high + floor
     # |H|⁻¹ g = (a + b (H - mean)) g, which has 1/high along the upper eigenvector and 1/low along the lower one.
     a = (1 / high + 1 / low) / 2
@@ -378,11 +441,18 @@ def edge_ends(kind, c):
         values = []
         for t in (0, Fraction(1, 2), 1):
             x, y = (Fraction(float(u)) + t * Fraction(float(v)) for u, v in zip(corner, step))
-            values.append([sum(row[k] * x**p * y**q for (p, q), row in zip(POWERS[kind], c)) for k in range(3)])
+            values.append(
+                [
+                    sum(row[k] * x**p * y**q for (p, q), row in zip(POWERS[kind], c))
+                    for k in range(3)
+                ]
+            )
         a = values[0]
         e = [2 * (u - 2 * v + w) for u, v, w in zip(*values)]
         b = [w - u - v for u, w, v in zip(values[0], values[2], e)]
-        slope = [sum(u * v for u, v in zip(p, q)) for p, q in ((a, b), (b, b), (b, e), (a, e), (e, e))]
+        slope = [
+            sum(u * v for u, v in zip(p, q)) for p, q in ((a, b), (b, b), (b, e), (a, e), (e, e))
+        ]
         slope = [slope[0], slope[1] + 2 * slope[3], 3 * slope[2], 2 * slope[4]]  # f' / 2
         top = max(map(abs, slope))
         places = [mp.mpf(0), mp.mpf(1)]
@@ -398,7 +468,10 @@ def root_of(slope, t):
     """Newton in many digits, held on 0 <= t <= 1; an end is an answer as well, for f there is f of a point of the face."""
     s = [mp.mpf(v.numerator) / v.denominator for v in slope]
     for _ in range(12):
-        value, first = s[0] + t * (s[1] + t * (s[2] + t * s[3])), s[1] + t * (2 * s[2] + 3 * t * s[3])
+        value, first = (
+            s[0] + t * (s[1] + t * (s[2] + t * s[3])),
+            s[1] + t * (2 * s[2] + 3 * t * s[3]),
+        )
         if first == 0:
             break
         step = value / first
@@ -411,7 +484,9 @@ def root_of(slope, t):
 def truth(kind, nodes, point):
     """The distance, the reference coordinates of the foot, and its distance from the nearest edge in xi."""
     exact = coefficients(kind, nodes, point)
-    scale = Fraction(2) ** int(np.ceil(np.log2(max(abs(float(v)) for row in exact[1:] for v in row))))
+    scale = Fraction(2) ** int(
+        np.ceil(np.log2(max(abs(float(v)) for row in exact[1:] for v in row)))
+    )
     exact = [[v / scale for v in row] for row in exact]
     with mp.workdps(DIGITS):
         many = [[mp.mpf(v.numerator) / v.denominator for v in row] for row in exact]
@@ -421,7 +496,11 @@ def truth(kind, nodes, point):
         limit = (np.sqrt(lowest) + 1e-2 * max(np.sqrt(lowest), 1)) ** 2
         starts = []
         for place, value in zip(xi, f):
-            if value <= limit and len(starts) < 5 and all(np.max(abs(place - other)) > 1e-3 for other in starts):
+            if (
+                value <= limit
+                and len(starts) < 5
+                and all(np.max(abs(place - other)) > 1e-3 for other in starts)
+            ):
                 starts.append(place)
         for start in starts:
             end = follow_down(kind, many, start)
@@ -442,9 +521,18 @@ def load():
     """The stored corpus as a list of dictionaries."""
     with np.load(FILE) as data:
         names, kinds = [str(n) for n in data["names"]], data["kind"]
-        table = {key: data[key] for key in ("category", "nodes", "point", "distance", "xi", "margin")}
-    return [{"category": names[table["category"][i]], "kind": KINDS[kinds[i]], "nodes": table["nodes"][i, : len(REFERENCE[KINDS[kinds[i]]])],
-             **{key: table[key][i] for key in ("point", "distance", "xi", "margin")}} for i in range(len(kinds))]
+        table = {
+            key: data[key] for key in ("category", "nodes", "point", "distance", "xi", "margin")
+        }
+    return [
+        {
+            "category": names[table["category"][i]],
+            "kind": KINDS[kinds[i]],
+            "nodes": table["nodes"][i, : len(REFERENCE[KINDS[kinds[i]]])],
+            **{key: table[key][i] for key in ("point", "distance", "xi", "margin")},
+        }
+        for i in range(len(kinds))
+    ]
 
 
 def main():
@@ -458,9 +546,17 @@ def main():
         if i % 100 == 99:
             print(f"{i + 1} of {len(cases)}", flush=True)
     distance, xi, margin = (np.array(column) for column in zip(*answers))
-    np.savez_compressed(FILE, names=names, category=np.array([names.index(c[0]) for c in cases], np.int8),
-                        kind=np.array([KINDS.index(c[1]) for c in cases], np.int8), nodes=nodes, point=np.array([c[3] for c in cases]),
-                        distance=distance, xi=xi, margin=margin)
+    np.savez_compressed(
+        FILE,
+        names=names,
+        category=np.array([names.index(c[0]) for c in cases], np.int8),
+        kind=np.array([KINDS.index(c[1]) for c in cases], np.int8),
+        nodes=nodes,
+        point=np.array([c[3] for c in cases]),
+        distance=distance,
+        xi=xi,
+        margin=margin,
+    )
 
 
 if __name__ == "__main__":

@@ -20,22 +20,45 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.fixture(scope="module")
 def book(tmp_path_factory):
     folder = tmp_path_factory.mktemp("book")
-    done = subprocess.run([sys.executable, "-m", "sphinx", "-W", "--keep-going", "-n", "-q", "-b", "html", "docs", str(folder)], cwd=ROOT,
-                          capture_output=True, text=True, env={**os.environ, "LIBCONTACT_GALLERY": "0", "MPLBACKEND": "Agg"})
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "sphinx",
+            "-W",
+            "--keep-going",
+            "-n",
+            "-q",
+            "-b",
+            "html",
+            "docs",
+            str(folder),
+        ],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "LIBCONTACT_GALLERY": "0", "MPLBACKEND": "Agg"},
+    )
     assert done.returncode == 0, done.stderr
     return folder
 
 
 def test_every_public_function_has_an_entry(book):
     headers = (ROOT / "libcontact" / "include" / "contact").glob("*.h")
-    names = {name for header in headers for name in re.findall(r"^CT_API [^;]*?\b(ct_\w+)\(", header.read_text(), re.M)}
+    names = {
+        name
+        for header in headers
+        for name in re.findall(r"^CT_API [^;]*?\b(ct_\w+)\(", header.read_text(), re.M)
+    }
     pages = "".join(path.read_text() for path in (book / "api").glob("*.html"))
     assert names and {name for name in names if f'id="c.{name}"' not in pages} == set()
 
 
 def test_nothing_is_fetched_from_outside(book):
     for page in book.rglob("*.html"):
-        assert not re.search(r'<(?:script|link|img)[^>]+(?:src|href)="(?:https?:)?//', page.read_text()), page
+        assert not re.search(
+            r'<(?:script|link|img)[^>]+(?:src|href)="(?:https?:)?//', page.read_text()
+        ), page
 
 
 def test_downloads_are_the_tutorials(book):
@@ -49,8 +72,17 @@ def test_downloads_are_the_tutorials(book):
 
 # How numbers of equations lie beside their formulas, as a browser lays the pages out.
 
-WIDTHS = {390: 844, 768: 1024, 1400: 900}  # a telephone, a tablet, a desk: width and height in pixels
-PAGES = ("brick", "contact", "enforcement", "integrator")  # those with the widest formulas; all pages would take half a minute
+WIDTHS = {
+    390: 844,
+    768: 1024,
+    1400: 900,
+}  # a telephone, a tablet, a desk: width and height in pixels
+PAGES = (
+    "brick",
+    "contact",
+    "enforcement",
+    "integrator",
+)  # those with the widest formulas; all pages would take half a minute
 
 # Of each numbered equation: does the rectangle of its number cut that of its formula, as far as the formula's box shows it? Is the number
 # outside of the window?
@@ -77,18 +109,32 @@ LOOK = """
 @pytest.fixture(scope="module")
 def looks(book):
     """What LOOK finds on PAGES, by width; skipped where there is no browser."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="no playwright (make build/venv/.browser)")
-    browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    playwright = pytest.importorskip(
+        "playwright.sync_api", reason="no playwright (make build/venv/.browser)"
+    )
+    browser = (
+        shutil.which("chromium")
+        or shutil.which("chromium-browser")
+        or shutil.which("google-chrome")
+    )
     if browser is None:
         pytest.skip("no Chromium on this machine")
-    handler = functools.partial(type("Quiet", (SimpleHTTPRequestHandler,), {"log_message": lambda *_: None}), directory=str(book))
+    handler = functools.partial(
+        type("Quiet", (SimpleHTTPRequestHandler,), {"log_message": lambda *_: None}),
+        directory=str(book),
+    )
     found = {width: {} for width in WIDTHS}
-    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server, playwright.sync_playwright() as driver:
+    with (
+        ThreadingHTTPServer(("127.0.0.1", 0), handler) as server,
+        playwright.sync_playwright() as driver,
+    ):
         threading.Thread(target=server.serve_forever, daemon=True).start()
         page = driver.chromium.launch(executable_path=browser, args=["--no-sandbox"]).new_page()
         for name in PAGES:
             page.goto(f"http://127.0.0.1:{server.server_port}/theory/{name}.html")
-            page.wait_for_function("() => window.MathJax && MathJax.startup && MathJax.startup.promise")
+            page.wait_for_function(
+                "() => window.MathJax && MathJax.startup && MathJax.startup.promise"
+            )
             page.evaluate("() => MathJax.startup.promise.then(() => true)")
             for width, height in WIDTHS.items():
                 page.set_viewport_size({"width": width, "height": height})

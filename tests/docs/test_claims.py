@@ -11,19 +11,36 @@ DOCS = ROOT / "docs"
 sys.path.insert(0, str(DOCS / "_ext"))
 from csource import Source  # noqa: E402
 
-PAGES = {page.relative_to(ROOT).as_posix(): page.read_text() for page in [*DOCS.rglob("*.rst"), ROOT / "README.md"] if page.parent.name != "tutorials"}
-HEADERS = {header.name: header.read_text() for header in (ROOT / "libcontact" / "include" / "contact").glob("*.h")}
-PATH = re.compile(r"(?:``|:file:`)((?:tests|libcontact|wrapper|docs|bench|stability|tutorials)/[\w./-]+)`")
+PAGES = {
+    page.relative_to(ROOT).as_posix(): page.read_text()
+    for page in [*DOCS.rglob("*.rst"), ROOT / "README.md"]
+    if page.parent.name != "tutorials"
+}
+HEADERS = {
+    header.name: header.read_text()
+    for header in (ROOT / "libcontact" / "include" / "contact").glob("*.h")
+}
+PATH = re.compile(
+    r"(?:``|:file:`)((?:tests|libcontact|wrapper|docs|bench|stability|tutorials)/[\w./-]+)`"
+)
 
 
 # Folders that a build of the book makes, and that a fresh clone does not have.
-MADE = {line.rstrip("/") for line in (ROOT / ".gitignore").read_text().splitlines() if line.startswith("docs/")}
+MADE = {
+    line.rstrip("/")
+    for line in (ROOT / ".gitignore").read_text().splitlines()
+    if line.startswith("docs/")
+}
 
 
 def test_named_files_exist():
     named = [(page, path) for page, text in PAGES.items() for path in PATH.findall(text)]
     assert len(named) > 80
-    assert [(page, path) for page, path in named if not (ROOT / path).exists() and path.rstrip("/") not in MADE] == []
+    assert [
+        (page, path)
+        for page, path in named
+        if not (ROOT / path).exists() and path.rstrip("/") not in MADE
+    ] == []
 
 
 def chapters():
@@ -33,7 +50,9 @@ def chapters():
 
 
 def equations_without_code():
-    defined = {label for text in PAGES.values() for label in re.findall(r"^\s+:label: (\S+)$", text, re.M)}
+    defined = {
+        label for text in PAGES.values() for label in re.findall(r"^\s+:label: (\S+)$", text, re.M)
+    }
     sources = [path for path in (ROOT / "libcontact").rglob("*") if path.suffix in (".c", ".h")]
     named = {label for path in sources for label, _, _ in Source(path.read_text()).labels()}
     return defined - named
@@ -41,13 +60,25 @@ def equations_without_code():
 
 def references_ahead():
     order = list(chapters())
-    home = {label: name for name, text in chapters().items() for label in re.findall(r"^\s+:label: (\S+)$", text, re.M)}
-    return [(name, label) for name, text in chapters().items() for label in re.findall(r":eq:`([^`<]+)`", text)
-            if label in home and order.index(home[label]) > order.index(name)]
+    home = {
+        label: name
+        for name, text in chapters().items()
+        for label in re.findall(r"^\s+:label: (\S+)$", text, re.M)
+    }
+    return [
+        (name, label)
+        for name, text in chapters().items()
+        for label in re.findall(r":eq:`([^`<]+)`", text)
+        if label in home and order.index(home[label]) > order.index(name)
+    ]
 
 
 def members_that_show_others():
-    return [name for name in ("total", "read", "constraints") if re.search(rf"\*{name};", HEADERS["effect.h"])]
+    return [
+        name
+        for name in ("total", "read", "constraints")
+        if re.search(rf"\*{name};", HEADERS["effect.h"])
+    ]
 
 
 def has_no_allocator():
@@ -71,11 +102,25 @@ def test_claims_that_were_false_are_gone(claim):
 
 
 # Advice that holds for the explicit penalty alone says so, in its own paragraph.
-EXPLICIT = {"docs/theory/contact.rst": (r"\\beta \\le 1", r"\\beta` between 3 and 5", r"\\beta \\ge 5", r"stiffer system needs a smaller step", r"\*\*Too stiff\*\*"),
-            "docs/theory/step.rst": (r"which margin is wise", r":eq:`contact-bound`\. ?|:eq:`contact-bound`;", r"with the .*penalty :math:`k = \\beta EA/h`")}
+EXPLICIT = {
+    "docs/theory/contact.rst": (
+        r"\\beta \\le 1",
+        r"\\beta` between 3 and 5",
+        r"\\beta \\ge 5",
+        r"stiffer system needs a smaller step",
+        r"\*\*Too stiff\*\*",
+    ),
+    "docs/theory/step.rst": (
+        r"which margin is wise",
+        r":eq:`contact-bound`\. ?|:eq:`contact-bound`;",
+        r"with the .*penalty :math:`k = \\beta EA/h`",
+    ),
+}
 
 
-@pytest.mark.parametrize("page, advice", [(page, advice) for page, all_of_it in EXPLICIT.items() for advice in all_of_it])
+@pytest.mark.parametrize(
+    "page, advice", [(page, advice) for page, all_of_it in EXPLICIT.items() for advice in all_of_it]
+)
 def test_advice_on_penalty_and_step_has_its_scope(page, advice):
     found = [paragraph for paragraph in PAGES[page].split("\n\n") if re.search(advice, paragraph)]
     assert found and all("explicit penalty" in paragraph for paragraph in found)
@@ -89,4 +134,6 @@ def test_contact_advises_stresses_of_elements_on_unlike_meshes():
 def test_benchmark_of_the_bent_face_is_credited():
     """The benchmark is of 2004 (the plates) and 2010 (the comparison), not of 2012."""
     text = (ROOT / "tutorials" / "02_closest_point.py").read_text()
-    assert {"Gabriel2004", "Gabriel2010"} <= set(re.findall(r":cite:[tp]:`(\w+)`", text)) and "Gabriel2012" not in text
+    assert {"Gabriel2004", "Gabriel2010"} <= set(
+        re.findall(r":cite:[tp]:`(\w+)`", text)
+    ) and "Gabriel2012" not in text

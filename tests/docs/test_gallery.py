@@ -44,17 +44,28 @@ object()
 @pytest.fixture(scope="module")
 def gallery(tmp_path_factory):
     root = tmp_path_factory.mktemp("gallery")
-    settings = runpy.run_path(str(ROOT / "docs" / "conf.py"))["sphinx_gallery_conf"] | {"plot_gallery": True}
+    settings = runpy.run_path(str(ROOT / "docs" / "conf.py"))["sphinx_gallery_conf"] | {
+        "plot_gallery": True
+    }
     (root / "scripts").mkdir()
     (root / "docs").mkdir()
     (root / "scripts" / "GALLERY_HEADER.rst").write_text("Scripts\n=======\n")
     (root / "scripts" / "01_long.py").write_text(LONG)
     (root / "scripts" / "02_short.py").write_text(SHORT)
-    settings = repr(settings | {"examples_dirs": "../scripts", "gallery_dirs": "scripts"}).replace(": inf", ": float('inf')")
-    (root / "docs" / "conf.py").write_text(f"extensions = ['sphinx_gallery.gen_gallery']\nsphinx_gallery_conf = {settings}\n")
+    settings = repr(settings | {"examples_dirs": "../scripts", "gallery_dirs": "scripts"}).replace(
+        ": inf", ": float('inf')"
+    )
+    (root / "docs" / "conf.py").write_text(
+        f"extensions = ['sphinx_gallery.gen_gallery']\nsphinx_gallery_conf = {settings}\n"
+    )
     (root / "docs" / "index.rst").write_text("Book\n====\n\n.. toctree::\n\n   scripts/index\n")
-    done = subprocess.run([sys.executable, "-m", "sphinx", "-q", "-b", "html", "docs", "out"], cwd=root, capture_output=True, text=True,
-                          env={**os.environ, "MPLBACKEND": "Agg"})
+    done = subprocess.run(
+        [sys.executable, "-m", "sphinx", "-q", "-b", "html", "docs", "out"],
+        cwd=root,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "MPLBACKEND": "Agg"},
+    )
     assert done.returncode == 0, done.stderr
     return root / "out" / "scripts"
 

@@ -16,7 +16,7 @@ sys.path.insert(0, str(EXTENSIONS))
 
 from csource import Source, WeaveError  # noqa: E402
 
-SPRING = r'''
+SPRING = r"""
 #include "spring.h"
 #define BRACES_IN_A_MACRO(x) do { if (x) { \
   (x)++; } while (0)
@@ -60,9 +60,9 @@ double ct_spring_energy(double k, double u)
   // -- Hooke's law (eq:energy)
   return 0.5 * k * u * u;
 }
-'''
+"""
 
-HEADER = '''
+HEADER = """
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -72,7 +72,7 @@ static inline int ct_spring_two(void) { return 2; }
 #ifdef __cplusplus
 }
 #endif
-'''
+"""
 
 PAGE = r"""
 Springs
@@ -95,7 +95,9 @@ Springs
 def book(tmp_path):
     """A function that writes a book with a page and builds it: (exit status, messages, HTML of the page)."""
 
-    def build(page, *options, sources=None, other_page="", extensions=("weave", "codepages"), clean=True):
+    def build(
+        page, *options, sources=None, other_page="", extensions=("weave", "codepages"), clean=True
+    ):
         files = {
             "docs/conf.py": f"import sys; sys.path.insert(0, {str(EXTENSIONS)!r}); extensions = {list(extensions)!r}\n"
             "cnames_headers = '../libcontact'\nhtml_theme = 'basic'\n",
@@ -110,10 +112,28 @@ def book(tmp_path):
             path.parent.mkdir(parents=True, exist_ok=True)
             if not path.exists() or path.read_text(encoding="utf-8") != text:
                 path.write_text(text, encoding="utf-8")
-        command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-n", "-b", "html", *options, "docs", "html"]
-        done = subprocess.run(command + (["-E"] if clean else []), cwd=tmp_path, capture_output=True, text=True)
+        command = [
+            sys.executable,
+            "-m",
+            "sphinx",
+            "-W",
+            "--keep-going",
+            "-n",
+            "-b",
+            "html",
+            *options,
+            "docs",
+            "html",
+        ]
+        done = subprocess.run(
+            command + (["-E"] if clean else []), cwd=tmp_path, capture_output=True, text=True
+        )
         html = tmp_path / "html" / "index.html"
-        return done.returncode, done.stdout + done.stderr, html.read_text(encoding="utf-8") if html.exists() else ""
+        return (
+            done.returncode,
+            done.stdout + done.stderr,
+            html.read_text(encoding="utf-8") if html.exists() else "",
+        )
 
     return build
 
@@ -127,7 +147,11 @@ def plain(html):
 
 
 def test_scanner_finds_functions_among_strings_comments_macros_and_attributes():
-    assert [f.name for f in Source(SPRING).functions] == ["elongation", "ct_spring_force", "ct_spring_energy"]
+    assert [f.name for f in Source(SPRING).functions] == [
+        "elongation",
+        "ct_spring_force",
+        "ct_spring_energy",
+    ]
 
 
 def test_scanner_looks_inside_extern_c():
@@ -137,20 +161,31 @@ def test_scanner_looks_inside_extern_c():
 def test_function_spans_its_true_lines():
     span = Source(SPRING).function("ct_spring_force")
     lines = SPRING.splitlines()
-    assert lines[span.first - 1].startswith("double ct_spring_force") and lines[span.last - 1] == "}"
+    assert (
+        lines[span.first - 1].startswith("double ct_spring_force") and lines[span.last - 1] == "}"
+    )
     assert lines[Source(SPRING).doc_start(span) - 1] == "/* Force of a spring. */"
 
 
 def test_fragment_ends_at_the_next_heading_and_at_its_block():
     source = Source(SPRING)
-    shown = lambda title: [line.strip() for s in [source.fragment(title)] for line in source.lines[s.first - 1 : s.last]]  # noqa: E731
+    shown = lambda title: [
+        line.strip()
+        for s in [source.fragment(title)]
+        for line in source.lines[s.first - 1 : s.last]
+    ]  # noqa: E731
     assert shown("Pull") == ["// -- Pull", "u = u + 0;"]
-    assert shown("ct_spring_force: Hooke's law") == ["// -- Hooke's law (eq:spring, eq:energy)", "double f = -spring->k * u;"]
+    assert shown("ct_spring_force: Hooke's law") == [
+        "// -- Hooke's law (eq:spring, eq:energy)",
+        "double f = -spring->k * u;",
+    ]
     assert shown("Return it") == ["// -- Return it", "return f;"]
 
 
 def test_labels_are_read_from_comments_only():
-    source = Source('const char *s = "eq:not-this"; // eq:this-one and :eq:`that`.\n/* (eq:a, eq:b-2) seq:no */')
+    source = Source(
+        'const char *s = "eq:not-this"; // eq:this-one and :eq:`that`.\n/* (eq:a, eq:b-2) seq:no */'
+    )
     assert [label for label, _, _ in source.labels()] == ["this-one", "that", "a", "b-2"]
 
 
@@ -172,7 +207,9 @@ def test_good_book_builds_with_true_line_numbers_and_links(book):
         .. weave:: libcontact/src/spring.c "ct_spring_energy: Hooke's law"
         """)
     assert status == 0, messages
-    first = next(i for i, line in enumerate(SPRING.splitlines(), 1) if line == "/* Force of a spring. */")
+    first = next(
+        i for i, line in enumerate(SPRING.splitlines(), 1) if line == "/* Force of a spring. */"
+    )
     text = plain(html)
     assert f"libcontact/src/spring.c:{first} ct_spring_force(): (1), (2)" in text
     assert re.search(rf"^ *{first} */\* Force of a spring\. \*/$", text, re.MULTILINE)
@@ -184,15 +221,26 @@ def test_good_book_builds_with_true_line_numbers_and_links(book):
 def test_equation_lists_where_it_is_computed_and_source_page_has_the_anchor(book, tmp_path):
     status, messages, html = book("")
     assert status == 0, messages
-    line = next(i for i, text in enumerate(SPRING.splitlines(), 1) if "eq:spring, eq:energy" in text)
-    assert f'href="_code/libcontact/src/spring.c.html#line-{line}"' in html and "computed in" in html
-    assert f'id="line-{line}"' in (tmp_path / "html/_code/libcontact/src/spring.c.html").read_text(encoding="utf-8")
+    line = next(
+        i for i, text in enumerate(SPRING.splitlines(), 1) if "eq:spring, eq:energy" in text
+    )
+    assert (
+        f'href="_code/libcontact/src/spring.c.html#line-{line}"' in html and "computed in" in html
+    )
+    assert f'id="line-{line}"' in (tmp_path / "html/_code/libcontact/src/spring.c.html").read_text(
+        encoding="utf-8"
+    )
 
 
 def test_parallel_build_and_pages_that_quote(book, tmp_path):
     quote = ".. weave:: libcontact/src/spring.c ct_spring_energy\n"
-    status, messages, _ = book(quote, "-j2", other_page=quote, extensions=("weave", "codepages", "cnames"),
-                               sources={"libcontact/src/spring.h": ""})
+    status, messages, _ = book(
+        quote,
+        "-j2",
+        other_page=quote,
+        extensions=("weave", "codepages", "cnames"),
+        sources={"libcontact/src/spring.h": ""},
+    )
     assert status == 0, messages
     page = plain((tmp_path / "html/_code/libcontact/src/spring.c.html").read_text(encoding="utf-8"))
     assert "Explained in: Springs, Other" in page
@@ -202,11 +250,15 @@ def test_changed_source_is_read_again(book, tmp_path):
     quote = ".. weave:: libcontact/src/spring.c ct_spring_energy\n"
     assert book("", other_page=quote)[0] == 0
     changed = "\n" + SPRING.replace("0.5 *", "0.25 *")
-    status, messages, html = book("", other_page=quote, clean=False, sources={"libcontact/src/spring.c": changed})
+    status, messages, html = book(
+        "", other_page=quote, clean=False, sources={"libcontact/src/spring.c": changed}
+    )
     assert status == 0, messages
     line = next(i for i, text in enumerate(changed.splitlines(), 1) if "(eq:energy)" in text)
     assert f"spring.c:{line}" in plain(html), "the equation's page lists the old line"
-    assert "0.25" in plain((tmp_path / "html/other.html").read_text(encoding="utf-8")), "the quoting page shows the old code"
+    assert "0.25" in plain((tmp_path / "html/other.html").read_text(encoding="utf-8")), (
+        "the quoting page shows the old code"
+    )
 
 
 # -- Broken books
@@ -232,11 +284,20 @@ def test_broken_page_fails(book, page, message):
 
 @pytest.mark.parametrize(
     "text",
-    ["// eq:nowhere\n", "/* the sum (eq:spring, eq:nowhere) */\n", "/** See :eq:`nowhere`. */\n", "#define A 1 /* eq:nowhere */\n"],
+    [
+        "// eq:nowhere\n",
+        "/* the sum (eq:spring, eq:nowhere) */\n",
+        "/** See :eq:`nowhere`. */\n",
+        "#define A 1 /* eq:nowhere */\n",
+    ],
 )
 def test_label_without_equation_fails_in_unquoted_files(book, text):
     status, messages, _ = book("", sources={"libcontact/include/contact/lone.h": "\n" + text})
-    assert status != 0 and "libcontact/include/contact/lone.h:2: WARNING: weave: no page defines the equation nowhere" in messages
+    assert (
+        status != 0
+        and "libcontact/include/contact/lone.h:2: WARNING: weave: no page defines the equation nowhere"
+        in messages
+    )
 
 
 def test_label_of_a_quoted_fragment_without_equation_fails_at_the_page_too(book):
@@ -254,7 +315,10 @@ def test_function_defined_twice_fails(book):
 def test_equation_that_leaves_its_page_fails_on_the_next_build(book, tmp_path):
     assert book("", clean=False)[0] == 0
     page = tmp_path / "docs/index.rst"
-    page.write_text(page.read_text(encoding="utf-8").replace(":label: energy", ":label: moved"), encoding="utf-8")
+    page.write_text(
+        page.read_text(encoding="utf-8").replace(":label: energy", ":label: moved"),
+        encoding="utf-8",
+    )
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-b", "html", "docs", "html"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode != 0 and "no page defines the equation energy" in done.stderr

@@ -1,7 +1,8 @@
 /* A host with its own mesh, arrays and time loop, that takes only the contact from the library.
  *
- * Two equal bars, each a chain of square layers with springs along x between them, meet at v = ±0.1 (L = 10, E = ρ = A = 1). Closed form:
- * they stay in contact for 2 L / c = 20 with the pressure ρ c v = 0.1 and part with exchanged velocities. */
+ * Two equal bars, each a chain of square layers with springs along x between them, meet at v = ±0.1
+ * (L = 10, E = ρ = A = 1). Closed form: they stay in contact for 2 L / c = 20 with the pressure ρ c
+ * v = 0.1 and part with exchanged velocities. */
 #include "tap.h"
 
 #include <contact.h>
@@ -61,7 +62,8 @@ static double momentum(const bar *b)
   return p;
 }
 
-/* Energy in the form that the leapfrog keeps, up to the contact: the springs at x_n, v at n + 1/2. */
+/* Energy in the form that the leapfrog keeps, up to the contact: the springs at x_n, v at n + 1/2.
+ */
 static double energy(const bar *b)
 {
   double e = 0.0;
@@ -112,7 +114,9 @@ static int loop(bar *left, bar *right, ct_contact *contact, double dt, double en
 int main(void)
 {
   static bar left, right;
-  static const int32_t left_face[4] = {4 * LAYERS - 4, 4 * LAYERS - 3, 4 * LAYERS - 2, 4 * LAYERS - 1}, right_face[4] = {3, 2, 1, 0};
+  static const int32_t left_face[4] = {4 * LAYERS - 4, 4 * LAYERS - 3, 4 * LAYERS - 2,
+                                       4 * LAYERS - 1},
+                       right_face[4] = {3, 2, 1, 0};
   ct_surface a, b;
   ct_contact_options options = ct_contact_options_default();
   ct_contact *contact = NULL;
@@ -133,15 +137,19 @@ int main(void)
   options.epsilon = ct_contact_penalty(1.0, 1.0, left.h);
   options.depth = 1.0;
 
-  tap_ok(ct_contact_create(&a, &b, &options, &contact, &error) == CT_OK, "a contact of two surfaces over the host's arrays");
+  tap_ok(ct_contact_create(&a, &b, &options, &contact, &error) == CT_OK,
+         "a contact of two surfaces over the host's arrays");
   if (contact == NULL) return tap_done();
-  tap_ok(ct_contact_stable_step(contact, left.mass, right.mass, &dt_contact) == CT_OK, "its stable step");
-  /* Chain with lumped masses: h / c = h. With the contact: 1 / dt² = 1 / dt_contact² + 1 / dt_host². */
+  tap_ok(ct_contact_stable_step(contact, left.mass, right.mass, &dt_contact) == CT_OK,
+         "its stable step");
+  /* Chain with lumped masses: h / c = h. With the contact: 1 / dt² = 1 / dt_contact² + 1 /
+   * dt_host². */
   dt_host = left.h;
   dt = 0.5 / sqrt(1.0 / (dt_contact * dt_contact) + 1.0 / (dt_host * dt_host));
-  /* One pair of end nodes: k = 1 / (4 h), m = h / 8 each, so ω² = 2 k / m = 4 / h² and dt = h. The bound of both together is h /
-   * √2, below the true limit sqrt(2 / (1 + √5)) h = 0.786 h. */
-  tap_close(dt_contact / left.h, 1.0, 1e-12, "stable step of the contact of two end layers at beta = 1");
+  /* One pair of end nodes: k = 1 / (4 h), m = h / 8 each, so ω² = 2 k / m = 4 / h² and dt = h. The
+   * bound of both together is h / √2, below the true limit sqrt(2 / (1 + √5)) h = 0.786 h. */
+  tap_close(dt_contact / left.h, 1.0, 1e-12,
+            "stable step of the contact of two end layers at beta = 1");
   before = energy(&left) + energy(&right);
   tap_ok(loop(&left, &right, contact, dt, 25.0, &w), "the host's time loop");
   tap_close(w.pressure, 0.1, 0.001, "pressure rho c v");
@@ -153,10 +161,12 @@ int main(void)
   tap_ok(ct_contact_energy(contact) == 0.0, "no energy is left in the contact");
 
   right.x[0][1] = sqrt(-1.0);
-  tap_ok(ct_contact_update(contact, &left.x[0][0], &right.x[0][0], &error) == CT_INVALID && error.body == 1 && error.point == 0,
+  tap_ok(ct_contact_update(contact, &left.x[0][0], &right.x[0][0], &error) == CT_INVALID &&
+             error.body == 1 && error.point == 0,
          "NaN is refused by surface and node: %s", error.text);
   ct_contact_free(contact);
   options.epsilon = -1.0;
-  tap_ok(ct_contact_create(&a, &b, &options, &contact, &error) == CT_ERROR_ARGUMENT, "a negative penalty is refused: %s", error.text);
+  tap_ok(ct_contact_create(&a, &b, &options, &contact, &error) == CT_ERROR_ARGUMENT,
+         "a negative penalty is refused: %s", error.text);
   return tap_done();
 }

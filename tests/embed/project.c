@@ -7,7 +7,8 @@ int main(void)
 {
   /* A quadratic face on the cylinder x² + z² = 1, y from 0 to 1; its nodes lie on the cylinder. */
   double s = sqrt(0.5);
-  double node[8][3] = {{-s, 0, s}, {s, 0, s}, {s, 1, s}, {-s, 1, s}, {0, 0, 1}, {s, 0.5, s}, {0, 1, 1}, {-s, 0.5, s}};
+  double node[8][3] = {{-s, 0, s}, {s, 0, s},   {s, 1, s}, {-s, 1, s},
+                       {0, 0, 1},  {s, 0.5, s}, {0, 1, 1}, {-s, 0.5, s}};
   double point[3] = {0.0, 0.25, 1.5};
   ct_face face;
   ct_projection foot;

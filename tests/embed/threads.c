@@ -1,5 +1,5 @@
-/* A host with threads of its own: each has a state of the one problem, and a watch over it; all must end with the same bits. Then
- * all ask one const contact at once. For `make threads`. */
+/* A host with threads of its own: each has a state of the one problem, and a watch over it; all
+ * must end with the same bits. Then all ask one const contact at once. For `make threads`. */
 #include <contact.h>
 
 #include <pthread.h>
@@ -24,7 +24,8 @@ static void *work(void *argument)
   ct_energy energy;
   options.every = 8;
   j->status = ct_state_create(j->problem, &j->state, &j->error);
-  if (j->status == CT_OK) j->status = ct_watch_create(j->problem, j->state, &options, &watch, &j->error);
+  if (j->status == CT_OK)
+    j->status = ct_watch_create(j->problem, j->state, &options, &watch, &j->error);
   if (j->status == CT_OK) j->status = ct_watch_steps(watch, j->state, STEPS, &j->error);
   if (j->status == CT_OK) j->status = ct_energy_of(j->problem, j->state, &energy, &j->error);
   ct_watch_free(watch);
@@ -64,7 +65,11 @@ static ct_scene *make(ct_enforcement enforcement, const ct_problem **problem)
   ct_scene *scene = NULL;
   ct_error e;
   int32_t faces[2][8 * 6 * 8];
-  ct_scene_contact contact = {.body_a = 0, .body_b = 1, .beta = 1.0, .options = ct_contact_options_default(), .friction = 0.3};
+  ct_scene_contact contact = {.body_a = 0,
+                              .body_b = 1,
+                              .beta = 1.0,
+                              .options = ct_contact_options_default(),
+                              .friction = 0.3};
   contact.options.enforcement = enforcement;
   need(ct_scene_create(&scene, &e), &e);
   for (int b = 0; b < 2; b++) {
@@ -72,8 +77,11 @@ static ct_scene *make(ct_enforcement enforcement, const ct_problem **problem)
     double velocity[3] = {b == 0 ? 0.1 : -0.1, 0.01, 0.0};
     ct_mesh *mesh = NULL;
     need(ct_mesh_create_box(CT_HEX8, &box, &mesh, &e), &e);
-    *(b == 0 ? &contact.face_count_a : &contact.face_count_b) = ct_mesh_plane_faces(mesh, 0, b == 0 ? 0.0 : 0.002, faces[b], NULL);
-    need(ct_scene_add_body(scene, b == 0 ? "left" : "right", mesh, &soft, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, velocity, NULL, &e), &e);
+    *(b == 0 ? &contact.face_count_a : &contact.face_count_b) =
+        ct_mesh_plane_faces(mesh, 0, b == 0 ? 0.0 : 0.002, faces[b], NULL);
+    need(ct_scene_add_body(scene, b == 0 ? "left" : "right", mesh, &soft, CT_LUMP_DEFAULT,
+                           CT_KERNEL_AUTO, velocity, NULL, &e),
+         &e);
     ct_mesh_free(mesh);
   }
   contact.faces_a = faces[0], contact.faces_b = faces[1];
@@ -104,7 +112,8 @@ static int ask_together(const ct_problem *problem, ct_state *state)
   }
   for (int i = 0; i < THREADS; i++) pthread_join(threads[i], NULL);
   for (int i = 0; i < THREADS; i++)
-    wrong += asked[i].status != CT_OK || memcmp(asked[i].answer, asked[0].answer, sizeof asked[0].answer) != 0;
+    wrong += asked[i].status != CT_OK ||
+             memcmp(asked[i].answer, asked[0].answer, sizeof asked[0].answer) != 0;
   return wrong;
 }
 
@@ -125,12 +134,14 @@ int main(void)
     for (int i = 0; i < THREADS; i++) {
       need(jobs[i].status, &jobs[i].error);
       size_t bytes = 3 * (size_t)problem->node_count * sizeof(double);
-      wrong += memcmp(jobs[i].state->displacement, jobs[0].state->displacement, bytes) != 0 || memcmp(jobs[i].state->velocity, jobs[0].state->velocity, bytes) != 0;
+      wrong += memcmp(jobs[i].state->displacement, jobs[0].state->displacement, bytes) != 0 ||
+               memcmp(jobs[i].state->velocity, jobs[0].state->velocity, bytes) != 0;
     }
     wrong += ask_together(problem, jobs[0].state);
     for (int i = 0; i < THREADS; i++) ct_state_free(jobs[i].state);
     ct_scene_free(scene);
-    printf("%s: %d threads, %d steps each: %s\n", ct_enforcement_name((ct_enforcement)enforcement), THREADS, STEPS, wrong ? "OTHER BITS" : "the same bits");
+    printf("%s: %d threads, %d steps each: %s\n", ct_enforcement_name((ct_enforcement)enforcement),
+           THREADS, STEPS, wrong ? "OTHER BITS" : "the same bits");
   }
   return wrong != 0;
 }

@@ -1,4 +1,5 @@
-/* Choices from bytes, and from pseudo-random numbers that the bytes begin when there are no more of them. */
+/* Choices from bytes, and from pseudo-random numbers that the bytes begin when there are no more of
+ * them. */
 #ifndef DICE_H
 #define DICE_H
 
@@ -14,8 +15,8 @@ typedef struct dice {
   const uint8_t *data;
   size_t size;
   uint64_t seed;
-  int wild;    /* whether impossible numbers may come */
-  long calls;  /* entry points of the library that were called */
+  int wild;   /* whether impossible numbers may come */
+  long calls; /* entry points of the library that were called */
 } dice;
 
 static inline void demand(int ok, const char *what)
@@ -56,10 +57,14 @@ static inline int chance(dice *d, int n) { return below(d, n) == 0; }
 /* A number on (-1, 1), rarely an impossible one where those may come. */
 static inline double real(dice *d)
 {
-  static const double strange[] = {0.0, -0.0, 1.0, -1.0, 1e-300, -1e-300, 1e300, -1e300, 4.9e-324, 1.7e308, 1e-9, 1e9};
+  static const double strange[] = {0.0,   -0.0,   1.0,      -1.0,    1e-300, -1e-300,
+                                   1e300, -1e300, 4.9e-324, 1.7e308, 1e-9,   1e9};
   if (d->wild && chance(d, 24)) {
     int k = below(d, 15);
-    return k == 12 ? (double)NAN : k == 13 ? (double)INFINITY : k == 14 ? -(double)INFINITY : strange[k];
+    return k == 12   ? (double)NAN
+           : k == 13 ? (double)INFINITY
+           : k == 14 ? -(double)INFINITY
+                     : strange[k];
   }
   return (double)(roll(d) * 256u + roll(d)) / 32768.0 - 1.0;
 }
@@ -83,8 +88,10 @@ static inline ct_status checked(dice *d, ct_status status, const ct_error *error
 {
   d->calls++;
   demand((int)status >= CT_OK && (int)status <= CT_ERROR_ENERGY, "a status that there is");
-  demand(status == CT_OK || error == NULL || error->code == status, "the error has the code that is returned");
-  demand(error == NULL || memchr(error->text, 0, sizeof error->text) != NULL, "the text of an error ends");
+  demand(status == CT_OK || error == NULL || error->code == status,
+         "the error has the code that is returned");
+  demand(error == NULL || memchr(error->text, 0, sizeof error->text) != NULL,
+         "the text of an error ends");
   demand(status == CT_OK || error == NULL || error->text[0] != 0, "an error has a text");
   return status;
 }

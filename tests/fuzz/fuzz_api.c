@@ -1,7 +1,9 @@
-/* A fuzz target for the whole library: any bytes are a scene of small bodies and a sequence of calls, or calls of the functions below it. It aborts where a
- * promise is broken; memory, leaks and undefined behaviour are the sanitizers' to find.
+/* A fuzz target for the whole library: any bytes are a scene of small bodies and a sequence of
+ * calls, or calls of the functions below it. It aborts where a promise is broken; memory, leaks and
+ * undefined behaviour are the sanitizers' to find.
  *
- * With libFuzzer it is a target; FUZZ_MAIN makes it a program: fuzz_api SECONDS FIRST_SEED [FOLDER [INPUTS]]. */
+ * With libFuzzer it is a target; FUZZ_MAIN makes it a program: fuzz_api SECONDS FIRST_SEED [FOLDER
+ * [INPUTS]]. */
 #include <contact.h>
 #if defined(FUZZ_HDF5) && defined(FUZZ_MAIN)
 #include <contact/output.h>
@@ -52,19 +54,26 @@ static ct_mesh *any_mesh(play *p, int number, int may_be_bad)
   ct_brick_kind kind = (ct_brick_kind)(chance(d, 4) ? CT_HEX20 : CT_HEX8);
   if (d->wild && chance(d, 20)) kind = (ct_brick_kind)(below(d, 5) - 1);
   if (chance(d, 6)) {
-    ct_ring ring = {{between(d, -1, 1), 0.0, 0.0}, {between(d, 0.3, 0.6), between(d, 0.7, 1.2)}, between(d, 0.1, 0.5), {1, 3 + below(d, 4), 1}};
+    ct_ring ring = {{between(d, -1, 1), 0.0, 0.0},
+                    {between(d, 0.3, 0.6), between(d, 0.7, 1.2)},
+                    between(d, 0.1, 0.5),
+                    {1, 3 + below(d, 4), 1}};
     if (d->wild) ring.cells[below(d, 3)] = below(d, 6) - 1;
     if (TRY(ct_mesh_create_ring(kind, &ring, &mesh, &e)) != CT_OK) return NULL;
   } else {
-    ct_box box = {{number * (1.0 + (chance(d, 2) ? 0.0 : 0.01 * real(d))), chance(d, 3) ? 0.3 * real(d) : 0.0, 0.0}, {1.0, 1.0, 1.0},
-                  {1 + below(d, 3), 1 + below(d, 2), 1 + below(d, 2)}, (ct_layers)below(d, d->wild ? 5 : 3)};
+    ct_box box = {{number * (1.0 + (chance(d, 2) ? 0.0 : 0.01 * real(d))),
+                   chance(d, 3) ? 0.3 * real(d) : 0.0, 0.0},
+                  {1.0, 1.0, 1.0},
+                  {1 + below(d, 3), 1 + below(d, 2), 1 + below(d, 2)},
+                  (ct_layers)below(d, d->wild ? 5 : 3)};
     for (int c = 0; c < 3; c++)
       if (chance(d, 4)) box.size[c] = between(d, 0.2, 2.0);
     if (d->wild && chance(d, 8)) box.cells[below(d, 3)] = below(d, 5) - 1;
     if (TRY(ct_mesh_create_box(kind, &box, &mesh, &e)) != CT_OK) return NULL;
   }
   double amount = chance(d, 2) ? 0.0 : 0.25 * between(d, 0.0, 1.0) * ct_mesh_shortest_edge(mesh);
-  for (int i = 0; i < 3 * mesh->node_count && amount != 0.0; i++) mesh->nodes[i] += amount * 0.5 * real(d);
+  for (int i = 0; i < 3 * mesh->node_count && amount != 0.0; i++)
+    mesh->nodes[i] += amount * 0.5 * real(d);
   if (d->wild && chance(d, 20)) mesh->elements[below(d, mesh->element_count)] = below(d, 400) - 100;
   ct_status status = TRY(ct_mesh_check(mesh, &e));
   if (status == CT_OK || (may_be_bad && chance(d, 2))) return mesh;
@@ -74,7 +83,8 @@ static ct_mesh *any_mesh(play *p, int number, int may_be_bad)
 
 static ct_material any_material(dice *d)
 {
-  ct_material m = {between(d, 0.5, 4.0), between(d, 0.0, 0.45), between(d, 0.5, 2.0), (ct_law)below(d, 3)};
+  ct_material m = {between(d, 0.5, 4.0), between(d, 0.0, 0.45), between(d, 0.5, 2.0),
+                   (ct_law)below(d, 3)};
   if (d->wild && chance(d, 10)) m.law = (ct_law)(below(d, 9) - 3);
   return m;
 }
@@ -90,8 +100,14 @@ static void add_body(play *p)
   int32_t number = -1;
   ct_solid_kernel kernel = (ct_solid_kernel)(chance(d, 3) ? below(d, 6) : CT_KERNEL_AUTO);
   ct_lumping lumping = (ct_lumping)(chance(d, 4) ? below(d, 4) : CT_LUMP_DEFAULT);
-  if (p->body_count < MOST_BODIES && TRY(ct_scene_add_body(p->scene, chance(d, 9) ? "a name that is so long that it does not fit into the place that a body has for it" : "body", mesh, &material,
-                                    lumping, kernel, velocity, chance(d, 3) ? NULL : &number, &e)) == CT_OK) {
+  if (p->body_count < MOST_BODIES &&
+      TRY(ct_scene_add_body(
+          p->scene,
+          chance(d, 9)
+              ? "a name that is so long that it does not fit into the place that a body has for it"
+              : "body",
+          mesh, &material, lumping, kernel, velocity, chance(d, 3) ? NULL : &number, &e)) ==
+          CT_OK) {
     demand(number == -1 || number == p->body_count, "bodies are numbered");
     if (chance(d, 4)) {
       double *each = room((size_t)mesh->node_count, 3 * sizeof *each);
@@ -99,14 +115,16 @@ static void add_body(play *p)
       (void)TRY(ct_scene_set_velocity(p->scene, p->body_count, each, &e));
       free(each);
     }
-    if (chance(d, 5)) (void)TRY(ct_scene_set_hourglass(p->scene, p->body_count, between(d, 0.1, 2.0), &e));
+    if (chance(d, 5))
+      (void)TRY(ct_scene_set_hourglass(p->scene, p->body_count, between(d, 0.1, 2.0), &e));
     p->mesh[p->body_count++] = mesh;
     return;
   }
   ct_mesh_free(mesh);
 }
 
-/* Faces of a body in the body's own numbers, and how many; in the problem's numbers with `joined`. */
+/* Faces of a body in the body's own numbers, and how many; in the problem's numbers with `joined`.
+ */
 static int32_t *any_faces(play *p, int body, int joined, int32_t *count, ct_face_kind *kind)
 {
   dice *d = p->d;
@@ -115,9 +133,12 @@ static int32_t *any_faces(play *p, int body, int joined, int32_t *count, ct_face
   double low[3], high[3];
   int axis = below(d, 3), per = ct_face_node_count(ct_brick_face_kind(mesh->kind));
   ct_mesh_bounds(mesh, low, high);
-  *count = chance(d, 3) ? ct_mesh_outer_faces(mesh, faces, NULL) : ct_mesh_plane_faces(mesh, axis, chance(d, 2) ? low[axis] : high[axis], faces, NULL);
+  *count = chance(d, 3) ? ct_mesh_outer_faces(mesh, faces, NULL)
+                        : ct_mesh_plane_faces(mesh, axis, chance(d, 2) ? low[axis] : high[axis],
+                                              faces, NULL);
   *kind = ct_brick_face_kind(mesh->kind);
-  for (int32_t i = 0; joined && i < *count * per; i++) faces[i] += p->joined->bodies[body].first_node;
+  for (int32_t i = 0; joined && i < *count * per; i++)
+    faces[i] += p->joined->bodies[body].first_node;
   if (d->wild && chance(d, 30) && *count > 0) faces[below(d, *count * per)] = below(d, 300) - 50;
   p->d->calls += 3;
   return faces;
@@ -134,8 +155,7 @@ static int32_t *any_nodes(play *p, int body, int joined, int32_t *count)
   if (chance(d, 4)) {
     *count = mesh->node_count;
     for (int32_t i = 0; i < *count; i++) nodes[i] = i;
-  } else
-    *count = ct_mesh_plane_nodes(mesh, axis, chance(d, 2) ? low[axis] : high[axis], nodes);
+  } else *count = ct_mesh_plane_nodes(mesh, axis, chance(d, 2) ? low[axis] : high[axis], nodes);
   for (int32_t i = 0; joined && i < *count; i++) nodes[i] += p->joined->bodies[body].first_node;
   if (d->wild && chance(d, 30) && *count > 0) nodes[below(d, *count)] = below(d, 300) - 50;
   p->d->calls += 2;
@@ -146,7 +166,10 @@ static void add_contact(play *p)
 {
   dice *d = p->d;
   ct_error e = {CT_OK, 0, 0, 0, ""};
-  ct_scene_contact c = {.body_a = below(d, p->body_count), .body_b = below(d, p->body_count), .beta = between(d, 0.1, 5.0), .options = ct_contact_options_default()};
+  ct_scene_contact c = {.body_a = below(d, p->body_count),
+                        .body_b = below(d, p->body_count),
+                        .beta = between(d, 0.1, 5.0),
+                        .options = ct_contact_options_default()};
   ct_face_kind kind;
   c.faces_a = any_faces(p, c.body_a, 0, &c.face_count_a, &kind);
   c.faces_b = any_faces(p, c.body_b, 0, &c.face_count_b, &kind);
@@ -160,7 +183,8 @@ static void add_contact(play *p)
   if (chance(d, 3)) c.options.points = (ct_contact_rule)below(d, 2 + d->wild);
   if (chance(d, 3)) c.options.initial = (ct_initial)below(d, 4 + d->wild);
   if (chance(d, 5)) c.options.adjust = between(d, 0.0, 0.3);
-  if (c.options.initial == CT_INITIAL_REMOVE || (d->wild && chance(d, 6))) c.options.removal = between(d, 0.01, 1.0);
+  if (c.options.initial == CT_INITIAL_REMOVE || (d->wild && chance(d, 6)))
+    c.options.removal = between(d, 0.01, 1.0);
   if (chance(d, 3)) c.friction = between(d, 0.0, 0.8);
   if (chance(d, 6)) c.tangent = between(d, 0.0, 2.0);
   if (d->wild && chance(d, 10)) c.body_a = below(d, 9) - 4;
@@ -204,7 +228,8 @@ typedef struct springs {
   double k, fails;
 } springs;
 
-static ct_status springs_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status springs_force(const ct_effect *effect, const ct_view *view, double *force,
+                               ct_error *error)
 {
   const springs *s = effect->data;
   if (view->time > s->fails) {
@@ -220,7 +245,8 @@ static ct_status springs_force(const ct_effect *effect, const ct_view *view, dou
   return CT_OK;
 }
 
-static ct_status springs_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
+static ct_status springs_energy(const ct_effect *effect, const ct_view *view, double *energy,
+                                ct_error *error)
 {
   (void)effect, (void)view, (void)error;
   *energy = 0.0;
@@ -233,7 +259,11 @@ static ct_effect *own_effect(play *p, int body)
   ct_error e = {CT_OK, 0, 0, 0, ""};
   springs *data = keep(p, 1, sizeof *data);
   *data = (springs){p->joined, between(d, 0.0, 1.0), chance(d, 8) ? between(d, 0.0, 0.5) : 1e300};
-  ct_effect filled = {.name = "springs", .data = data, .node_count = p->joined->node_count, .force = springs_force}, *effect = NULL;
+  ct_effect filled = {.name = "springs",
+                      .data = data,
+                      .node_count = p->joined->node_count,
+                      .force = springs_force},
+            *effect = NULL;
   if (chance(d, 2)) filled.nodes = any_nodes(p, body, 1, &filled.node_count);
   if (chance(d, 3)) filled.memory_count = below(d, 4);
   if (chance(d, 3)) filled.energy = springs_energy;
@@ -253,7 +283,13 @@ static ct_effect *surface_effect(play *p, int body)
   int32_t count, *faces = any_faces(p, body, 1, &count, &kind);
   switch (below(d, 3)) {
   case 0: {
-    ct_load load = {.kind = kind, .face_count = count, .faces = faces, .traction = {real(d), real(d), real(d)}, .pressure = real(d), .following = below(d, 2), .history = any_history(p)};
+    ct_load load = {.kind = kind,
+                    .face_count = count,
+                    .faces = faces,
+                    .traction = {real(d), real(d), real(d)},
+                    .pressure = real(d),
+                    .following = below(d, 2),
+                    .history = any_history(p)};
     (void)TRY(ct_load_create_effect(&load, p->joined, &effect, &e));
     break;
   }
@@ -263,9 +299,16 @@ static ct_effect *surface_effect(play *p, int body)
     break;
   }
   default: {
-    ct_obstacle o = {.shape = (ct_obstacle_shape)below(d, 3 + d->wild), .point = {real(d), real(d), real(d)}, .axis = {real(d), real(d), real(d)}, .radius = between(d, -1.0, 1.0),
-                     .epsilon = between(d, 0.1, 5.0), .enforcement = (ct_enforcement)below(d, 4 + d->wild), .dissipation = chance(d, 2) ? 0.0 : between(d, 0.0, 1.0),
-                     .kind = kind, .face_count = count, .faces = faces};
+    ct_obstacle o = {.shape = (ct_obstacle_shape)below(d, 3 + d->wild),
+                     .point = {real(d), real(d), real(d)},
+                     .axis = {real(d), real(d), real(d)},
+                     .radius = between(d, -1.0, 1.0),
+                     .epsilon = between(d, 0.1, 5.0),
+                     .enforcement = (ct_enforcement)below(d, 4 + d->wild),
+                     .dissipation = chance(d, 2) ? 0.0 : between(d, 0.0, 1.0),
+                     .kind = kind,
+                     .face_count = count,
+                     .faces = faces};
     if (chance(d, 3)) o.velocity[0] = 0.1 * real(d);
     if (chance(d, 3)) o.history = any_history(p), o.travel[1] = 0.1 * real(d);
     if (TRY(ct_obstacle_create_effect(&o, p->joined, &effect, &e)) == CT_OK) {
@@ -306,7 +349,8 @@ static ct_effect *body_effect(play *p, int body)
     ct_motion *motion = keep(p, 1, sizeof *motion);
     motion->nodes = any_nodes(p, body, 1, &motion->node_count);
     motion->history = any_history(p);
-    for (int c = 0; c < 3; c++) motion->fixed[c] = below(d, 2), motion->displacement[c] = 0.1 * real(d);
+    for (int c = 0; c < 3; c++)
+      motion->fixed[c] = below(d, 2), motion->displacement[c] = 0.1 * real(d);
     (void)TRY(ct_motion_create_effect(motion, 1, p->joined, &effect, &e));
   }
   }
@@ -319,12 +363,12 @@ static void add_effect(play *p)
   ct_error e = {CT_OK, 0, 0, 0, ""};
   if (TRY(ct_scene_join(p->scene, &p->joined, &e)) != CT_OK) return;
   int body = below(d, p->body_count);
-  ct_effect *effect = chance(d, 3) ? own_effect(p, body) : chance(d, 2) ? surface_effect(p, body) : body_effect(p, body);
+  ct_effect *effect = chance(d, 3)   ? own_effect(p, body)
+                      : chance(d, 2) ? surface_effect(p, body)
+                                     : body_effect(p, body);
   if (effect == NULL) return;
-  if (chance(d, 12))
-    ct_effect_free(effect);
-  else
-    (void)TRY(ct_scene_add_effect(p->scene, effect, &e));
+  if (chance(d, 12)) ct_effect_free(effect);
+  else (void)TRY(ct_scene_add_effect(p->scene, effect, &e));
 }
 
 /* -- A built problem -- */
@@ -387,19 +431,41 @@ static void ask(play *p, ct_state *s)
   ct_stable_step stable;
   switch (below(d, 12)) {
   case 0:
-    if (TRY(ct_energy_of(q, s, &energy, &e)) == CT_OK) demand(isfinite(energy.total) && isfinite(energy.balance), "energies are numbers");
+    if (TRY(ct_energy_of(q, s, &energy, &e)) == CT_OK)
+      demand(isfinite(energy.total) && isfinite(energy.balance), "energies are numbers");
     break;
-  case 1: (void)TRY(ct_energy_work(q, s, k, number, &e)); break;
-  case 2: (void)TRY(ct_energy_stored(q, s, k, number, &e)); break;
-  case 3: (void)TRY(ct_energy_unrest(q, s, number, &e)); break;
-  case 4: (void)TRY(ct_energy_impulse(q, s, k, number, &e)); break;
-  case 5: (void)TRY(ct_momentum_of(q, s, below(d, q->body_count + (d->wild ? 1 : 0)), &momentum, &e)); break;
-  case 6: (void)TRY(ct_state_velocity(q, s, field, &e)); break;
-  case 7: (void)TRY(ct_state_force(q, s, k, field, &e)); break;
-  case 8: (void)TRY(ct_stable_share(q, s, k, number, number + 1, &e)); break;
-  case 9: (void)TRY(ct_stable(q, chance(d, 2) ? s : NULL, &stable, &e)); break;
-  case 10: (void)TRY(ct_friction_energy(q, s, k, number, number + 1, &e)); break;
-  default: (void)TRY(ct_obstacle_reaction(q, s, k, number, number + 3, &e));
+  case 1:
+    (void)TRY(ct_energy_work(q, s, k, number, &e));
+    break;
+  case 2:
+    (void)TRY(ct_energy_stored(q, s, k, number, &e));
+    break;
+  case 3:
+    (void)TRY(ct_energy_unrest(q, s, number, &e));
+    break;
+  case 4:
+    (void)TRY(ct_energy_impulse(q, s, k, number, &e));
+    break;
+  case 5:
+    (void)TRY(ct_momentum_of(q, s, below(d, q->body_count + (d->wild ? 1 : 0)), &momentum, &e));
+    break;
+  case 6:
+    (void)TRY(ct_state_velocity(q, s, field, &e));
+    break;
+  case 7:
+    (void)TRY(ct_state_force(q, s, k, field, &e));
+    break;
+  case 8:
+    (void)TRY(ct_stable_share(q, s, k, number, number + 1, &e));
+    break;
+  case 9:
+    (void)TRY(ct_stable(q, chance(d, 2) ? s : NULL, &stable, &e));
+    break;
+  case 10:
+    (void)TRY(ct_friction_energy(q, s, k, number, number + 1, &e));
+    break;
+  default:
+    (void)TRY(ct_obstacle_reaction(q, s, k, number, number + 3, &e));
   }
   free(field);
 }
@@ -407,7 +473,8 @@ static void ask(play *p, ct_state *s)
 static void look_at_contact(play *p, ct_state *s)
 {
   ct_error e = {CT_OK, 0, 0, 0, ""};
-  const ct_contact *contact = ct_state_contact(p->problem, s, below(p->d, p->problem->effect_count), &e);
+  const ct_contact *contact =
+      ct_state_contact(p->problem, s, below(p->d, p->problem->effect_count), &e);
   p->d->calls++;
   if (contact == NULL) return;
   int64_t count = ct_contact_point_count(contact);
@@ -424,7 +491,8 @@ static void stresses(play *p, const ct_state *s)
   ct_error e = {CT_OK, 0, 0, 0, ""};
   const ct_body *body = &p->problem->bodies[below(p->d, p->problem->body_count)];
   double *stress = room((size_t)body->mesh->element_count, 6 * sizeof *stress);
-  (void)TRY(ct_solid_stress(body->mesh, &body->material, s->displacement + 3 * (int64_t)body->first_node, stress, &e));
+  (void)TRY(ct_solid_stress(body->mesh, &body->material,
+                            s->displacement + 3 * (int64_t)body->first_node, stress, &e));
   free(stress);
 }
 
@@ -433,11 +501,14 @@ static void step(play *p, ct_state *s)
   dice *d = p->d;
   ct_error e = {CT_OK, 0, 0, 0, ""};
   int count = below(d, 6);
-  if (d->wild && chance(d, 30)) s->velocity[below(d, 3 * s->node_count)] = chance(d, 2) ? (double)NAN : 1e3 * real(d);
+  if (d->wild && chance(d, 30))
+    s->velocity[below(d, 3 * s->node_count)] = chance(d, 2) ? (double)NAN : 1e3 * real(d);
   int64_t before = s->step;
-  ct_status status = TRY(chance(d, 2) ? ct_step(p->problem, s, &e) : ct_step_many(p->problem, s, count, &e));
+  ct_status status =
+      TRY(chance(d, 2) ? ct_step(p->problem, s, &e) : ct_step_many(p->problem, s, count, &e));
   total_steps += s->step - before;
-  if (status == CT_OK && !d->wild) demand(all_finite(s->displacement, 3 * (int64_t)s->node_count), "motions are numbers");
+  if (status == CT_OK && !d->wild)
+    demand(all_finite(s->displacement, 3 * (int64_t)s->node_count), "motions are numbers");
 }
 
 static void watch(play *p, ct_state *s)
@@ -451,8 +522,10 @@ static void watch(play *p, ct_state *s)
     if (d->wild && chance(d, 6)) options.every = 0;
     p->watched = s;
     if (TRY(ct_watch_create(p->problem, s, &options, &p->watch, &e)) != CT_OK) p->watch = NULL;
-  } else if (TRY(chance(d, 3) ? ct_watch_look(p->watch, p->watched, &e) : ct_watch_steps(p->watch, p->watched, below(d, 8), &e)) == CT_OK)
-    demand(isfinite(ct_watch_omega_squared(p->watch)) && ct_watch_good(p->watch) != NULL, "a watch has a good state");
+  } else if (TRY(chance(d, 3) ? ct_watch_look(p->watch, p->watched, &e)
+                              : ct_watch_steps(p->watch, p->watched, below(d, 8), &e)) == CT_OK)
+    demand(isfinite(ct_watch_omega_squared(p->watch)) && ct_watch_good(p->watch) != NULL,
+           "a watch has a good state");
   if (chance(d, 12)) {
     ct_watch_free(p->watch);
     p->watch = NULL;
@@ -465,9 +538,14 @@ static void copy(play *p)
   dice *d = p->d;
   ct_error e = {CT_OK, 0, 0, 0, ""};
   ct_state *from = p->state[below(d, MOST_STATES)], *to = p->state[below(d, MOST_STATES)];
-  if (from == NULL || to == NULL || from == to || TRY(ct_state_copy(p->problem, from, to, &e)) != CT_OK) return;
-  ct_status one = TRY(ct_step_many(p->problem, from, 2, &e)), other = TRY(ct_step_many(p->problem, to, 2, &e));
-  demand(one == other && memcmp(from->displacement, to->displacement, 3 * (size_t)to->node_count * sizeof(double)) == 0, "a copy goes on to the same bits");
+  if (from == NULL || to == NULL || from == to ||
+      TRY(ct_state_copy(p->problem, from, to, &e)) != CT_OK)
+    return;
+  ct_status one = TRY(ct_step_many(p->problem, from, 2, &e)),
+            other = TRY(ct_step_many(p->problem, to, 2, &e));
+  demand(one == other && memcmp(from->displacement, to->displacement,
+                                3 * (size_t)to->node_count * sizeof(double)) == 0,
+         "a copy goes on to the same bits");
 }
 
 /* Go on with a part of the step. */
@@ -480,7 +558,10 @@ static void refine(play *p, ct_state *from)
   fine.dt /= d->wild ? between(d, 0.5, 4.0) : 1 + below(d, 4);
   if (TRY(ct_state_create(&fine, &to, &e)) == CT_OK) {
     ct_status status = TRY(ct_state_refine(&fine, from, to, &e));
-    if (status == CT_OK) demand(memcmp(from->displacement, to->displacement, 3 * (size_t)to->node_count * sizeof(double)) == 0, "a smaller step moves nothing");
+    if (status == CT_OK)
+      demand(memcmp(from->displacement, to->displacement,
+                    3 * (size_t)to->node_count * sizeof(double)) == 0,
+             "a smaller step moves nothing");
     if (status == CT_OK) (void)TRY(ct_step_many(&fine, to, 2, &e));
   }
   ct_state_free(to);
@@ -494,7 +575,8 @@ static void files(play *p, ct_state *s)
   ct_error e = {CT_OK, 0, 0, 0, ""};
   char path[300];
   ct_output *out = NULL;
-  ct_output_options options = {below(d, 2), below(d, 2), below(d, 2), chance(d, 2) ? "a scene" : NULL};
+  ct_output_options options = {below(d, 2), below(d, 2), below(d, 2),
+                               chance(d, 2) ? "a scene" : NULL};
   if (folder == NULL) return;
   snprintf(path, sizeof path, "%s/fuzz.vtkhdf", folder);
   if (TRY(ct_output_create(path, p->problem, &options, &out, &e)) != CT_OK) return;
@@ -510,7 +592,9 @@ static void files(play *p, ct_state *s)
     fseek(file, 0, SEEK_END);
     long size = ftell(file);
     for (int i = below(d, 8); i >= 0; i--) {
-      fseek(file, (long)(roll(d) * 65536u + roll(d) * 256u + roll(d)) % (chance(d, 2) ? 4096 : size), SEEK_SET);
+      fseek(file,
+            (long)(roll(d) * 65536u + roll(d) * 256u + roll(d)) % (chance(d, 2) ? 4096 : size),
+            SEEK_SET);
       fputc((int)roll(d), file);
     }
     fclose(file);
@@ -520,7 +604,9 @@ static void files(play *p, ct_state *s)
     ct_status read = TRY(ct_output_restart(path, p->problem, to, &e));
     // A step whose second stage failed has moved the state, without an end.
     if (!spoilt && written == CT_OK && read == CT_OK && to->step == s->step && to->time == s->time)
-      demand(memcmp(to->displacement, s->displacement, 3 * (size_t)s->node_count * sizeof(double)) == 0, "a restart has the same bits");
+      demand(memcmp(to->displacement, s->displacement,
+                    3 * (size_t)s->node_count * sizeof(double)) == 0,
+             "a restart has the same bits");
     demand(spoilt || written != CT_OK || read == CT_OK, "what was written can be read");
     if (read == CT_OK) (void)TRY(ct_step_many(p->problem, to, 1, &e));
   }
@@ -539,18 +625,35 @@ static void play_on(play *p)
     return;
   }
   switch (below(d, 12)) {
-  case 0: case 1: case 2: case 3: step(p, p->state[i]); break;
-  case 4: case 5: case 6: ask(p, p->state[i]); break;
-  case 7: look_at_contact(p, p->state[i]); break;
-  case 8: stresses(p, p->state[i]); break;
-  case 9: watch(p, p->state[i]); break;
-  case 10: chance(d, 3) ? refine(p, p->state[i]) : copy(p); break;
+  case 0:
+  case 1:
+  case 2:
+  case 3:
+    step(p, p->state[i]);
+    break;
+  case 4:
+  case 5:
+  case 6:
+    ask(p, p->state[i]);
+    break;
+  case 7:
+    look_at_contact(p, p->state[i]);
+    break;
+  case 8:
+    stresses(p, p->state[i]);
+    break;
+  case 9:
+    watch(p, p->state[i]);
+    break;
+  case 10:
+    chance(d, 3) ? refine(p, p->state[i]) : copy(p);
+    break;
   default:
 #if defined(FUZZ_HDF5) && defined(FUZZ_MAIN)
     if (chance(d, 6)) files(p, p->state[i]);
     else
 #endif
-    if (p->state[i] != p->watched || p->watch == NULL) {
+        if (p->state[i] != p->watched || p->watch == NULL) {
       ct_state_free(p->state[i]);
       p->state[i] = NULL;
     }
@@ -596,16 +699,21 @@ static void play_element(dice *d)
   double xi[3] = {real(d), real(d), real(d)};
   ct_brick_shape(kind, xi, N);
   ct_brick_gradient(kind, xi, dN);
-  if (TRY(ct_solid_element_force(kind, &x[0][0], u, &m, force, chance(d, 2) ? energy : NULL, &e)) == CT_OK && !d->wild) demand(all_finite(force, 3 * per), "forces are numbers");
+  if (TRY(ct_solid_element_force(kind, &x[0][0], u, &m, force, chance(d, 2) ? energy : NULL, &e)) ==
+          CT_OK &&
+      !d->wild)
+    demand(all_finite(force, 3 * per), "forces are numbers");
   (void)TRY(ct_solid_element_stress(kind, &x[0][0], u, &m, xi, stress, &e));
   (void)TRY(ct_solid_element_frequency(kind, &x[0][0], &m, mass, &omega, &e));
   (void)TRY(ct_solid_element_tangent_frequency(kind, &x[0][0], u, &m, mass, &omega, &e));
-  (void)TRY(ct_mass_element(kind, &x[0][0], between(d, 0.1, 2.0), (ct_lumping)below(d, 4), mass, &e));
+  (void)TRY(
+      ct_mass_element(kind, &x[0][0], between(d, 0.1, 2.0), (ct_lumping)below(d, 4), mass, &e));
   if (kind == CT_HEX8) {
     double pressure;
     (void)TRY(ct_solid_reduced_force(&x[0][0], u, &m, between(d, 0.1, 2.0), force, energy, &e));
     (void)TRY(ct_solid_reduced_frequency(&x[0][0], &m, between(d, 0.1, 2.0), mass, &omega, &e));
-    (void)TRY(ct_viscosity_element(&x[0][0], u, between(d, 0.1, 2.0), 1.0, 0.1, 1.0, &pressure, force, &e));
+    (void)TRY(ct_viscosity_element(&x[0][0], u, between(d, 0.1, 2.0), 1.0, 0.1, 1.0, &pressure,
+                                   force, &e));
   }
   double nodes[27], weights[27];
   ct_rule rule;
@@ -619,7 +727,8 @@ static void play_faces(dice *d)
 {
   enum { COUNT = 11 };
   ct_face face = {(ct_face_kind)below(d, 4), {{0.0}}};
-  static const double corner[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}};
+  static const double corner[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1},
+                                      {0, -1},  {1, 0},  {0, 1}, {-1, 0}};
   double points[COUNT * 3], start[COUNT * 2], xi[2] = {real(d), real(d)}, f, g[2], H[3], y[3], t[6];
   for (int a = 0; a < 8; a++)
     for (int c = 0; c < 3; c++) face.node[a][c] = (c < 2 ? corner[a][c] : 0.0) + 0.3 * real(d);
@@ -649,9 +758,17 @@ static void play_exact(dice *d)
 {
   ct_exact_field field;
   double c2, c_r;
-  for (int i = 0; i < 4; i++) (void)ct_exact_plates(2.0 * real(d), real(d), between(d, 0.0, 2.0), between(d, 0.05, 0.45), 4.0, &field);
+  for (int i = 0; i < 4; i++)
+    (void)ct_exact_plates(2.0 * real(d), real(d), between(d, 0.0, 2.0), between(d, 0.05, 0.45), 4.0,
+                          &field);
   (void)ct_exact_speeds(between(d, 0.0, 0.49), &c2, &c_r);
-  ct_constraint c = {.enforcement = (ct_enforcement)below(d, 5), .stiffness = between(d, 0.1, 3.0), .dissipation = between(d, 0.0, 1.0), .gap = real(d), .before = real(d), .after = real(d), .force = between(d, 0.0, 1.0)};
+  ct_constraint c = {.enforcement = (ct_enforcement)below(d, 5),
+                     .stiffness = between(d, 0.1, 3.0),
+                     .dissipation = between(d, 0.0, 1.0),
+                     .gap = real(d),
+                     .before = real(d),
+                     .after = real(d),
+                     .force = between(d, 0.0, 1.0)};
   (void)ct_enforcement_force(&c, real(d));
   (void)ct_enforcement_solve(&c, real(d), between(d, 0.01, 1.0));
   (void)ct_enforcement_energy(&c);
@@ -681,14 +798,16 @@ static void play_surfaces(dice *d)
     ct_search_options options = ct_search_options_default();
     for (int i = 0; i < 15; i++) points[i] = 2.0 * real(d);
     (void)ct_search_nearest(search, 5, points, chance(d, 2) ? start : NULL, &options, near);
-    if (TRY(ct_search_move(search, whole.mesh[0]->nodes, &e)) == CT_OK) (void)ct_search_nearest(search, 5, points, NULL, &options, near);
+    if (TRY(ct_search_move(search, whole.mesh[0]->nodes, &e)) == CT_OK)
+      (void)ct_search_nearest(search, 5, points, NULL, &options, near);
     (void)ct_search_builds(search), (void)ct_search_cost(search);
     d->calls += 4;
   }
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = between(d, 0.1, 3.0);
   options.points = (ct_contact_rule)below(d, 2);
-  ct_status made = chance(d, 4) ? TRY(ct_contact_create_self(&s[0], &options, &contact, &e)) : TRY(ct_contact_create(&s[0], &s[1], &options, &contact, &e));
+  ct_status made = chance(d, 4) ? TRY(ct_contact_create_self(&s[0], &options, &contact, &e))
+                                : TRY(ct_contact_create(&s[0], &s[1], &options, &contact, &e));
   for (int round = below(d, 3); made == CT_OK && round >= 0; round--) {
     double *x[2], *f[2], omega;
     for (int b = 0; b < 2; b++) {
@@ -699,7 +818,8 @@ static void play_surfaces(dice *d)
     if (TRY(ct_contact_update(contact, x[0], x[1], &e)) != CT_OK) continue;
     demand(ct_contact_add_force(contact, f[0], f[1]) == CT_OK, "forces of a contact");
     (void)ct_contact_energy(contact);
-    double *mass = keep(p, (size_t)whole.mesh[0]->node_count + (size_t)whole.mesh[1]->node_count, sizeof *mass);
+    double *mass = keep(p, (size_t)whole.mesh[0]->node_count + (size_t)whole.mesh[1]->node_count,
+                        sizeof *mass);
     for (int i = 0; i < whole.mesh[0]->node_count + whole.mesh[1]->node_count; i++) mass[i] = 1.0;
     (void)ct_contact_frequency(contact, mass, mass, &omega);
     (void)ct_contact_stable_step(contact, mass, mass, &omega);
@@ -719,11 +839,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   dice d = dice_open(data, size);
   d.wild = chance(&d, 4);
   switch (below(&d, 8)) {
-  case 0: play_element(&d); break;
-  case 1: play_faces(&d); break;
-  case 2: play_exact(&d); break;
-  case 3: play_surfaces(&d); break;
-  default: play_scene(&d);
+  case 0:
+    play_element(&d);
+    break;
+  case 1:
+    play_faces(&d);
+    break;
+  case 2:
+    play_exact(&d);
+    break;
+  case 3:
+    play_surfaces(&d);
+    break;
+  default:
+    play_scene(&d);
   }
   total_calls += d.calls;
   return 0;
@@ -737,9 +866,10 @@ int main(int count, char **argument)
 {
   unsigned long long first = count > 2 ? strtoull(argument[2], NULL, 10) : 1;
   folder = count > 3 && argument[3][0] != 0 ? argument[3] : NULL;
-  long long inputs = run_seeds(count > 1 ? atof(argument[1]) : 10.0, first, count > 4 ? atoll(argument[4]) : -1);
-  printf("seeds %llu to %llu: inputs %lld calls %lld scenes %lld built %lld steps %lld\n", first, now_seed - 1, inputs, total_calls,
-         total_scenes, total_built, total_steps);
+  long long inputs =
+      run_seeds(count > 1 ? atof(argument[1]) : 10.0, first, count > 4 ? atoll(argument[4]) : -1);
+  printf("seeds %llu to %llu: inputs %lld calls %lld scenes %lld built %lld steps %lld\n", first,
+         now_seed - 1, inputs, total_calls, total_scenes, total_built, total_steps);
   return 0;
 }
 #endif

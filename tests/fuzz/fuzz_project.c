@@ -1,6 +1,8 @@
-/* A fuzz target for every projection: any bytes are a face, a point and options. It aborts where a promise is broken.
+/* A fuzz target for every projection: any bytes are a face, a point and options. It aborts where a
+ * promise is broken.
  *
- * `make fuzz` runs it with libFuzzer if the compiler has it. Else FUZZ_MAIN makes it a program that takes the number of pseudo-random inputs. */
+ * `make fuzz` runs it with libFuzzer if the compiler has it. Else FUZZ_MAIN makes it a program that
+ * takes the number of pseudo-random inputs. */
 #include <contact/projection.h>
 
 #include <math.h>
@@ -36,12 +38,17 @@ static void check_projection(const ct_projection *p, const ct_project_options *o
   int nans = count_nan(all, 10), last = options->method == CT_CERTIFIED ? 120000 : 20000;
   demand(p->status >= CT_OK && p->status <= CT_ERROR_ARGUMENT, "a status of its own");
   demand(nans == 0 || nans == 10, "all numbers or none");
-  demand((p->status != CT_INVALID && p->status != CT_ERROR_ARGUMENT) || nans == 10, "no numbers without an answer");
-  demand((p->status != CT_OK && p->status != CT_NOT_CERTIFIED) || nans == 0, "numbers with an answer");
+  demand((p->status != CT_INVALID && p->status != CT_ERROR_ARGUMENT) || nans == 10,
+         "no numbers without an answer");
+  demand((p->status != CT_OK && p->status != CT_NOT_CERTIFIED) || nans == 0,
+         "numbers with an answer");
   demand(p->evaluations >= 0 && p->evaluations <= last && p->iterations <= last, "bounded work");
-  demand(!p->certified || (options->method == CT_CERTIFIED && p->status == CT_OK), "certificates from certified alone");
+  demand(!p->certified || (options->method == CT_CERTIFIED && p->status == CT_OK),
+         "certificates from certified alone");
   demand(nans > 0 || p->distance >= 0, "a distance that is not negative");
-  demand(nans > 0 || (options->method != CT_ROBUST && options->method != CT_CERTIFIED) || p->where != CT_OUTSIDE, "robust stays on the face");
+  demand(nans > 0 || (options->method != CT_ROBUST && options->method != CT_CERTIFIED) ||
+             p->where != CT_OUTSIDE,
+         "robust stays on the face");
 }
 
 /* Numbers from bytes: a mix of moderate ones, which reach deep, and raw ones. */
@@ -69,8 +76,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   double point[3], direction[3];
   for (int k = 0; k < 3; k++) point[k] = number(&data, &size, raw);
   for (int i = 0; i < 24; i++) face.node[i / 3][i % 3] = number(&data, &size, raw);
-  if (flags & 1) memcpy(face.node[flags / 16 % 4], face.node[(flags / 16 + 1) % 4], sizeof face.node[0]);
-  if (flags & 2) options.use_start = 1, options.start[0] = number(&data, &size, raw), options.start[1] = number(&data, &size, raw);
+  if (flags & 1)
+    memcpy(face.node[flags / 16 % 4], face.node[(flags / 16 + 1) % 4], sizeof face.node[0]);
+  if (flags & 2)
+    options.use_start = 1, options.start[0] = number(&data, &size, raw),
+    options.start[1] = number(&data, &size, raw);
   if (flags & 4) options.tolerance = ldexp(1, -(flags / 8));
   if (flags & 8) options.iteration_limit = flags / 16;
   ct_projection out;
@@ -83,11 +93,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   memset(&hit, 0x7f, sizeof hit);
   status = ct_project_ray(&face, point, direction, 1e-10, &hit);
   demand(status == hit.status && hit.evaluations <= 100000, "a ray ends");
-  demand((status == CT_OK || status == CT_NOT_CERTIFIED) == !isnan(hit.distance), "a ray has a distance if it hits");
+  demand((status == CT_OK || status == CT_NOT_CERTIFIED) == !isnan(hit.distance),
+         "a ray has a distance if it hits");
   return 0;
 }
 
-/* Where there is no fuzzer: pseudo-random bytes; every other input changes only some bytes of the last one. */
+/* Where there is no fuzzer: pseudo-random bytes; every other input changes only some bytes of the
+ * last one. */
 void fuzz_random_inputs(long inputs)
 {
   unsigned long long seed = 88172645463325252ull;

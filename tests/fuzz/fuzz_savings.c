@@ -1,8 +1,9 @@
-/* A fuzz target for what may be left out: any bytes are a scene, which is run with nothing left out by one thread, and beside
- * that with random savings, threads, cuts of the series of steps and copies of states, and with other numbers of its boxes. It
- * aborts where a bit differs.
+/* A fuzz target for what may be left out: any bytes are a scene, which is run with nothing left out
+ * by one thread, and beside that with random savings, threads, cuts of the series of steps and
+ * copies of states, and with other numbers of its boxes. It aborts where a bit differs.
  *
- * With libFuzzer it is a target; FUZZ_MAIN makes it a program: fuzz_savings SECONDS FIRST_SEED [INPUTS]. */
+ * With libFuzzer it is a target; FUZZ_MAIN makes it a program: fuzz_savings SECONDS FIRST_SEED
+ * [INPUTS]. */
 #include <contact.h>
 
 #include "dice.h"
@@ -12,7 +13,8 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* Counts of the campaign. */
-static long long total_scenes, total_built, total_runs, total_steps, total_orders, total_apart, total_failures;
+static long long total_scenes, total_built, total_runs, total_steps, total_orders, total_apart,
+    total_failures;
 static int verbose; /* whether scenes are told */
 
 enum { MOST_BODIES = 3, MOST_ROOMS = 64, MOST_SEGMENTS = 6 };
@@ -31,16 +33,16 @@ typedef struct variant {
 typedef struct own_effect {
   const ct_problem *problem;
   double k, c, push, begin, fail_at;
-  int32_t far;           /* a node that it reads beside its own, or -1 */
-  int armed, pending;    /* whether it may fail now, and whether it has not yet */
+  int32_t far;        /* a node that it reads beside its own, or -1 */
+  int armed, pending; /* whether it may fail now, and whether it has not yet */
 } own_effect;
 
 typedef struct body {
-  ct_mesh *plain, *mesh; /* before nodes were moved, and after */
+  ct_mesh *plain, *mesh;           /* before nodes were moved, and after */
   int32_t *side[2], side_count[2]; /* faces at the lower and the upper end along x */
-  double end;            /* largest x */
-  ct_box box;            /* or no cells */
-  int thin;              /* an axis along which a box has one cell, or -1 */
+  double end;                      /* largest x */
+  ct_box box;                      /* or no cells */
+  int thin;                        /* an axis along which a box has one cell, or -1 */
 } body;
 
 typedef struct run {
@@ -53,11 +55,13 @@ typedef struct run {
   ct_status status;
   ct_error error;
   int32_t *order; /* nodes by body and place */
-  int plain;      /* boxes in flight, on few nodes of which something acts: most of them are adrift */
-  int contacts;   /* how many there are */
-  int ties;       /* whether points may be equally near to faces that are not neighbours, of which the lower number wins */
-  int spoilt;     /* whether a host has made a number that is not finite */
-  int stale;      /* whether a host has changed the state while forces stood, which the next step then uses */
+  int plain;    /* boxes in flight, on few nodes of which something acts: most of them are adrift */
+  int contacts; /* how many there are */
+  int ties;     /* whether points may be equally near to faces that are not neighbours, of which the
+                   lower number wins */
+  int spoilt;   /* whether a host has made a number that is not finite */
+  int stale;    /* whether a host has changed the state while forces stood, which the next step then
+                   uses */
   void *rooms[MOST_ROOMS];
   int room_count;
 } run;
@@ -114,10 +118,14 @@ static ct_box any_box(dice *d, ct_brick_kind kind, double begin, int is_long)
 {
   ct_box box = {{begin, 0.0, 0.0}, {1, 1, 1}, {1, 1, 1}, CT_LAYERS_Z};
   int most = kind == CT_HEX20 ? 24 : 280, axis = below(d, 3), flat = chance(d, 3);
-  box.cells[axis] = (is_long ? 30 : 1) + below(d, chance(d, 3) ? 12 : kind == CT_HEX20 ? 20 : chance(d, 12) ? 140 : 70);
+  box.cells[axis] = (is_long ? 30 : 1) + below(d, chance(d, 3)       ? 12
+                                                  : kind == CT_HEX20 ? 20
+                                                  : chance(d, 12)    ? 140
+                                                                     : 70);
   for (int i = 1; i < 3; i++) {
     int left = most / (box.cells[0] * box.cells[1] * box.cells[2]);
-    if (left > 1 && !(flat && i == 1)) box.cells[(axis + i) % 3] = 1 + below(d, left < 9 ? left : 9);
+    if (left > 1 && !(flat && i == 1))
+      box.cells[(axis + i) % 3] = 1 + below(d, left < 9 ? left : 9);
   }
   double h = chance(d, 2) ? 1.0 : between(d, 0.5, 1.5);
   for (int c = 0; c < 3; c++) {
@@ -135,8 +143,9 @@ static void keep_sides(run *r, body *b, int all)
   ct_mesh_bounds(b->plain, low, high);
   for (int s = 0; s < 2; s++) {
     b->side[s] = keep(r, size, sizeof(int32_t));
-    b->side_count[s] = all ? ct_mesh_outer_faces(b->plain, b->side[s], NULL)
-                           : ct_mesh_plane_faces(b->plain, 0, s ? high[0] : low[0], b->side[s], NULL);
+    b->side_count[s] =
+        all ? ct_mesh_outer_faces(b->plain, b->side[s], NULL)
+            : ct_mesh_plane_faces(b->plain, 0, s ? high[0] : low[0], b->side[s], NULL);
   }
   b->end = high[0];
 }
@@ -152,21 +161,27 @@ static void add_body(run *r, dice *d, variant *v, int number)
   b->thin = -1;
   if (ring) {
     double outer = between(d, 1.0, 3.0);
-    ct_ring shape = {{begin + outer, 0.0, 0.0}, {outer * between(d, 0.4, 0.8), outer}, 1.0, {1 + below(d, 2), 4 + below(d,
-        kind == CT_HEX20 ? 3 : 20), 1 + below(d, kind == CT_HEX20 ? 1 : 2)}};
+    ct_ring shape = {{begin + outer, 0.0, 0.0},
+                     {outer * between(d, 0.4, 0.8), outer},
+                     1.0,
+                     {1 + below(d, 2), 4 + below(d, kind == CT_HEX20 ? 3 : 20),
+                      1 + below(d, kind == CT_HEX20 ? 1 : 2)}};
     demand(ct_mesh_create_ring(kind, &shape, &b->plain, &e) == CT_OK, "a ring");
   } else {
     ct_box box = any_box(d, kind, begin, r->plain);
     // -- Meshes that match the body before, so that corners meet corners
     const ct_box *before = number > 0 ? &r->bodies[number - 1].box : &box;
-    int matches = chance(d, 3) && before->cells[0] > 0 && (kind == CT_HEX8 || before->cells[1] * before->cells[2] < 12);
-    for (int c = 1; c < 3 && matches; c++) box.cells[c] = before->cells[c], box.size[c] = before->size[c],
-        box.origin[c] = before->origin[c];
+    int matches = chance(d, 3) && before->cells[0] > 0 &&
+                  (kind == CT_HEX8 || before->cells[1] * before->cells[2] < 12);
+    for (int c = 1; c < 3 && matches; c++)
+      box.cells[c] = before->cells[c], box.size[c] = before->size[c],
+      box.origin[c] = before->origin[c];
     int most = kind == CT_HEX8 ? 280 : 24;
     while (matches && box.cells[0] > 1 && box.cells[0] * box.cells[1] * box.cells[2] > most)
       box.cells[0] = (box.cells[0] + 1) / 2;
     b->box = box;
-    tell("  box %d x %d x %d layers %d\n", (int)box.cells[0], (int)box.cells[1], (int)box.cells[2], (int)box.layers);
+    tell("  box %d x %d x %d layers %d\n", (int)box.cells[0], (int)box.cells[1], (int)box.cells[2],
+         (int)box.layers);
     if (v->turned) box.layers = (ct_layers)(((int)box.layers + 1 + below(&v->d, 2)) % 3);
     demand(ct_mesh_create_box(kind, &box, &b->plain, &e) == CT_OK, "a box");
     for (int c = 0; c < 3; c++)
@@ -179,22 +194,29 @@ static void add_body(run *r, dice *d, variant *v, int number)
   double most = (kind == CT_HEX20 ? 0.03 : 0.15) * ct_mesh_shortest_edge(b->plain);
   double amount = !r->plain && chance(d, 3) ? between(d, 0.0, most) : 0.0;
   for (int32_t n = 0; n < b->mesh->node_count && amount > 0.0; n++)
-    for (int c = 0; c < 3; c++) b->mesh->nodes[3 * n + c] += amount * number_of_place(&b->plain->nodes[3 * n],
-        salt + (uint64_t)c);
-  ct_material material = {between(d, 0.5, 3.0), chance(d, 5) ? 0.0 : between(d, 0.1, 0.4), between(d, 0.5, 2.0),
+    for (int c = 0; c < 3; c++)
+      b->mesh->nodes[3 * n + c] +=
+          amount * number_of_place(&b->plain->nodes[3 * n], salt + (uint64_t)c);
+  ct_material material = {between(d, 0.5, 3.0), chance(d, 5) ? 0.0 : between(d, 0.1, 0.4),
+                          between(d, 0.5, 2.0),
                           (ct_law)(!r->plain && chance(d, 5) ? 1 + below(d, 2) : 0)};
   double zeros[] = {0.0, -0.0}, velocity[3];
   for (int c = 0; c < 3; c++) velocity[c] = chance(d, 3) ? zeros[below(d, 2)] : 0.08 * real(d);
-  if (chance(d, 3)) velocity[0] = (number % 2 ? -1.0 : 1.0) * between(d, 0.05, 0.4); // at each other
-  ct_solid_kernel kernels[] = {CT_KERNEL_GENERAL, CT_KERNEL_BOX, CT_KERNEL_REDUCED}, kernel = !r->plain && chance(d, 3) ?
-      kernels[below(d, 3)] : CT_KERNEL_AUTO;
-  if (kernel == CT_KERNEL_BOX && (amount > 0.0 || ring || material.law != CT_LINEAR)) kernel = CT_KERNEL_GENERAL;
-  if (kernel == CT_KERNEL_REDUCED && (kind != CT_HEX8 || material.law != CT_LINEAR)) kernel = CT_KERNEL_GENERAL;
+  if (chance(d, 3))
+    velocity[0] = (number % 2 ? -1.0 : 1.0) * between(d, 0.05, 0.4); // at each other
+  ct_solid_kernel kernels[] = {CT_KERNEL_GENERAL, CT_KERNEL_BOX, CT_KERNEL_REDUCED},
+                  kernel = !r->plain && chance(d, 3) ? kernels[below(d, 3)] : CT_KERNEL_AUTO;
+  if (kernel == CT_KERNEL_BOX && (amount > 0.0 || ring || material.law != CT_LINEAR))
+    kernel = CT_KERNEL_GENERAL;
+  if (kernel == CT_KERNEL_REDUCED && (kind != CT_HEX8 || material.law != CT_LINEAR))
+    kernel = CT_KERNEL_GENERAL;
   ct_lumping lumping = chance(d, 5) ? CT_LUMP_HRZ : CT_LUMP_DEFAULT;
-  tell("  body %d: kind %d, %d elements, ring %d, moved %g, law %d, kernel %d, lumping %d, from %g, velocity %g %g %g\n",
-       number, (int)kind, (int)b->mesh->element_count, ring, amount, (int)material.law,
-       (int)kernel, (int)lumping, begin, velocity[0], velocity[1], velocity[2]);
-  r->status = ct_scene_add_body(r->scene, "body", b->mesh, &material, lumping, kernel, velocity, NULL, &r->error);
+  tell("  body %d: kind %d, %d elements, ring %d, moved %g, law %d, kernel %d, lumping %d, from "
+       "%g, velocity %g %g %g\n",
+       number, (int)kind, (int)b->mesh->element_count, ring, amount, (int)material.law, (int)kernel,
+       (int)lumping, begin, velocity[0], velocity[1], velocity[2]);
+  r->status = ct_scene_add_body(r->scene, "body", b->mesh, &material, lumping, kernel, velocity,
+                                NULL, &r->error);
   if (r->status != CT_OK) return;
   r->body_count++;
   if (r->plain || !chance(d, 6)) return;
@@ -203,21 +225,28 @@ static void add_body(run *r, dice *d, variant *v, int number)
   uint64_t few = 1 + roll(d) % 40u;
   for (int32_t n = 0; n < b->mesh->node_count; n++)
     for (int c = 0; c < 3; c++)
-      each[3 * n + c] = velocity[c] + (of_place(&b->plain->nodes[3 * n], salt) % few == 0 ?
-                                       0.02 * number_of_place(&b->plain->nodes[3 * n], salt + 9 + (uint64_t)c) : 0.0);
+      each[3 * n + c] = velocity[c] + (of_place(&b->plain->nodes[3 * n], salt) % few == 0
+                                           ? 0.02 * number_of_place(&b->plain->nodes[3 * n],
+                                                                    salt + 9 + (uint64_t)c)
+                                           : 0.0);
   r->status = ct_scene_set_velocity(r->scene, number, each, &r->error);
   free(each);
 }
 
 static void add_contact(run *r, dice *d)
 {
-  int a = below(d, r->body_count), self = chance(d, 16), b = self ? a : (a + 1) % r->body_count, flip = b < a;
+  int a = below(d, r->body_count), self = chance(d, 16), b = self ? a : (a + 1) % r->body_count,
+      flip = b < a;
   const body *first = &r->bodies[flip ? b : a], *second = &r->bodies[flip ? a : b];
   if (a == b && (!self || first->mesh->kind == CT_HEX20)) return;
-  ct_scene_contact c = {.body_a = flip ? b : a, .body_b = flip ? a : b, .faces_a = first->side[1],
-                        .face_count_a = first->side_count[1], .faces_b = second->side[0],
-                        .face_count_b = second->side_count[0], .beta = between(d, 0.3, 2.0),
-                            .options = ct_contact_options_default()};
+  ct_scene_contact c = {.body_a = flip ? b : a,
+                        .body_b = flip ? a : b,
+                        .faces_a = first->side[1],
+                        .face_count_a = first->side_count[1],
+                        .faces_b = second->side[0],
+                        .face_count_b = second->side_count[0],
+                        .beta = between(d, 0.3, 2.0),
+                        .options = ct_contact_options_default()};
   if (chance(d, 2)) c.options.enforcement = (ct_enforcement)below(d, 4);
   if (chance(d, 3)) c.options.points = CT_POINTS_LOBATTO;
   if (chance(d, 5)) c.options.initial = chance(d, 2) ? CT_INITIAL_PUSH : CT_INITIAL_REMOVE;
@@ -225,8 +254,9 @@ static void add_contact(run *r, dice *d)
   c.options.removal = c.options.initial == CT_INITIAL_REMOVE ? 3.0 : 0.0;
   c.options.distant = 1;
   if (chance(d, 3)) c.friction = between(d, 0.05, 0.6);
-  tell("  contact of %d and %d: enforcement %d, points %d, initial %d, friction %g\n", (int)c.body_a, (int)c.body_b,
-       (int)c.options.enforcement, (int)c.options.points, (int)c.options.initial, c.friction);
+  tell("  contact of %d and %d: enforcement %d, points %d, initial %d, friction %g\n",
+       (int)c.body_a, (int)c.body_b, (int)c.options.enforcement, (int)c.options.points,
+       (int)c.options.initial, c.friction);
   r->contacts++;
   r->ties |= a == b;
   r->status = ct_scene_add_contact(r->scene, &c, &r->error);
@@ -262,14 +292,15 @@ static void add_support(run *r, dice *d)
   s.node_count = held ? r->bodies[s.body].plain->node_count : s.node_count;
   for (int32_t n = 0; held && n < s.node_count; n++) ((int32_t *)s.nodes)[n] = n;
   if (s.node_count == 0) return;
-  tell("  support of %d nodes of %d: %d%d%d at %g %g %g\n", (int)s.node_count, (int)s.body, s.fixed[0], s.fixed[1],
-       s.fixed[2], s.velocity[0], s.velocity[1], s.velocity[2]);
+  tell("  support of %d nodes of %d: %d%d%d at %g %g %g\n", (int)s.node_count, (int)s.body,
+       s.fixed[0], s.fixed[1], s.fixed[2], s.velocity[0], s.velocity[1], s.velocity[2]);
   r->status = ct_scene_add_support(r->scene, &s, &r->error);
 }
 
 /* -- Effects -- */
 
-static ct_status own_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status own_force(const ct_effect *effect, const ct_view *view, double *force,
+                           ct_error *error)
 {
   own_effect *own = effect->data;
   if (own->armed && own->pending && view->time >= own->fail_at) {
@@ -280,24 +311,28 @@ static ct_status own_force(const ct_effect *effect, const ct_view *view, double 
   for (int32_t i = 0; i < effect->node_count; i++) {
     int64_t node = effect->nodes == NULL ? i : effect->nodes[i];
     for (int64_t c = 0; c < 3; c++) {
-      double u = view->displacement[3 * node + c] - (own->far < 0 ? 0.0 : view->displacement[3 * (int64_t)own->far + c]);
+      double u = view->displacement[3 * node + c] -
+                 (own->far < 0 ? 0.0 : view->displacement[3 * (int64_t)own->far + c]);
       double past = effect->memory_count > 0 && c == 0 ? 0.01 * view->memory[i] : 0.0;
       double a = own->push + past - own->k * u - own->c * view->velocity[3 * node + c];
       force[3 * i + c] = view->time < own->begin ? 0.0 : own->problem->mass[node] * a;
     }
-    if (effect->memory_count > 0) view->next_memory[i] = 0.5 * view->memory[i] + view->displacement[3 * node + 1];
+    if (effect->memory_count > 0)
+      view->next_memory[i] = 0.5 * view->memory[i] + view->displacement[3 * node + 1];
   }
   return CT_OK;
 }
 
-static ct_status own_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
+static ct_status own_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared,
+                               ct_error *error)
 {
   (void)view, (void)error;
   *omega_squared = 4.0 * ((const own_effect *)effect->data)->k;
   return CT_OK;
 }
 
-static ct_status own_damping(const ct_effect *effect, const ct_view *view, double *rate, ct_error *error)
+static ct_status own_damping(const ct_effect *effect, const ct_view *view, double *rate,
+                             ct_error *error)
 {
   (void)view, (void)error;
   *rate = ((const own_effect *)effect->data)->c;
@@ -319,18 +354,31 @@ static void add_own(run *r, dice *d, const variant *v)
   int32_t count, number = below(d, r->body_count), *nodes = any_nodes(r, d, number, &count);
   own_effect *own = &r->own;
   double begin = chance(d, 3) ? between(d, 0.0, 5.0) : 0.0;
-  *own = (own_effect){.problem = r->joined, .k = chance(d, 2) ? 0.0 : between(d, 0.0, 0.1),
-                      .c = chance(d, 2) ? 0.0 : between(d, 0.0, 0.1), .push = chance(d, 3) ? 0.0 : 0.01 * real(d), .begin = begin,
-                      .fail_at = between(d, 0.1, 10.0), .far = -1, .pending = chance(d, 2)};
+  *own = (own_effect){.problem = r->joined,
+                      .k = chance(d, 2) ? 0.0 : between(d, 0.0, 0.1),
+                      .c = chance(d, 2) ? 0.0 : between(d, 0.0, 0.1),
+                      .push = chance(d, 3) ? 0.0 : 0.01 * real(d),
+                      .begin = begin,
+                      .fail_at = between(d, 0.1, 10.0),
+                      .far = -1,
+                      .pending = chance(d, 2)};
   uint64_t salt = salt_of(d);
   if (!r->plain && chance(d, 4)) own->far = some_node(r, below(d, r->body_count), salt);
   for (int32_t i = 0; i < count; i++) nodes[i] += r->joined->bodies[number].first_node;
-  ct_effect filled = {.name = "own", .data = own, .nodes = nodes, .node_count = count, .force = own_force,
-                      .frequency = own_frequency, .damping = own_damping, .local = v->local && own->far < 0}, *effect;
+  ct_effect filled = {.name = "own",
+                      .data = own,
+                      .nodes = nodes,
+                      .node_count = count,
+                      .force = own_force,
+                      .frequency = own_frequency,
+                      .damping = own_damping,
+                      .local = v->local && own->far < 0},
+            *effect;
   if (!r->plain && chance(d, 6)) filled.nodes = NULL, filled.node_count = r->joined->node_count;
   if (chance(d, 2)) filled.memory_count = filled.node_count;
-  tell("  an effect of the user on %d nodes: k %g, c %g, push %g, begins %g, far %d, fails %g\n", (int)filled.node_count,
-       own->k, own->c, own->push, own->begin, own->far >= 0, own->pending ? own->fail_at : INFINITY);
+  tell("  an effect of the user on %d nodes: k %g, c %g, push %g, begins %g, far %d, fails %g\n",
+       (int)filled.node_count, own->k, own->c, own->push, own->begin, own->far >= 0,
+       own->pending ? own->fail_at : INFINITY);
   r->status = ct_effect_create(&filled, &effect, &r->error);
   if (r->status == CT_OK) r->status = ct_scene_add_effect(r->scene, effect, &r->error);
 }
@@ -340,7 +388,9 @@ static ct_history any_history(run *r, dice *d)
   int count = 1 + below(d, 3);
   double *time = keep(r, 4, sizeof *time), *value = keep(r, 4, sizeof *value);
   for (int i = 0; i < count; i++) {
-    time[i] = i > 0 ? time[i - 1] + between(d, 0.3, 8.0) : chance(d, 2) ? 0.0 : between(d, 0.0, 5.0);
+    time[i] = i > 0          ? time[i - 1] + between(d, 0.3, 8.0)
+              : chance(d, 2) ? 0.0
+                             : between(d, 0.0, 5.0);
     value[i] = chance(d, 3) ? 0.0 : real(d);
   }
   return (ct_history){count, time, value};
@@ -352,8 +402,10 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
   int what = r->plain ? 3 + below(d, 3) : below(d, 6), side = below(d, 2);
   const body *b = &r->bodies[*number];
   ct_face_kind kind = ct_brick_face_kind(b->mesh->kind);
-  int32_t count = b->side_count[side], per = ct_face_node_count(kind), *faces = keep(r, (size_t)(count * per) + 1, sizeof *faces);
-  for (int32_t i = 0; i < count * per; i++) faces[i] = b->side[side][i] + r->joined->bodies[*number].first_node;
+  int32_t count = b->side_count[side], per = ct_face_node_count(kind),
+          *faces = keep(r, (size_t)(count * per) + 1, sizeof *faces);
+  for (int32_t i = 0; i < count * per; i++)
+    faces[i] = b->side[side][i] + r->joined->bodies[*number].first_node;
   tell("  effect %d on body %d, side %d\n", what, (int)*number, side);
   if (what == 0) {
     ct_gravity gravity = {{0.01 * real(d), 0.01 * real(d), 0.0}, number, 1};
@@ -368,8 +420,13 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
     return ct_viscosity_create_effect(&viscosity, r->joined, effect, &r->error);
   }
   if (what == 3) {
-    ct_load load = {.kind = kind, .face_count = count, .faces = faces, .traction = {0.02 * real(d), 0.01 * real(d), 0.0},
-                    .pressure = 0.02 * real(d), .following = below(d, 2), .history = any_history(r, d)};
+    ct_load load = {.kind = kind,
+                    .face_count = count,
+                    .faces = faces,
+                    .traction = {0.02 * real(d), 0.01 * real(d), 0.0},
+                    .pressure = 0.02 * real(d),
+                    .following = below(d, 2),
+                    .history = any_history(r, d)};
     return ct_load_create_effect(&load, r->joined, effect, &r->error);
   }
   if (what == 4) {
@@ -378,18 +435,29 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
   }
   double sign = side ? 1.0 : -1.0, low[3], high[3];
   ct_mesh_bounds(b->plain, low, high);
-  ct_obstacle o = {.shape = CT_OBSTACLE_PLANE, .point = {(side ? high[0] : low[0]) + sign * 0.02 * (1.0 + real(d)),
-                                                         0.3 * real(d), 0.0}, .axis = {-sign, 0.0, 0.0}, .radius = 5.0,
-                   .epsilon = between(d, 0.1, 1.0), .enforcement = (ct_enforcement)below(d, 4), .dissipation = 0.1,
-                       .kind = kind, .face_count = count, .faces = faces, .velocity = {-sign * 0.05, 0.0, 0.0}};
-  if (chance(d, 3)) o.shape = (ct_obstacle_shape)(1 + below(d, 2)), o.point[0] += 5.0 * sign, o.axis[0] = 0.0, o.axis[2] = 1.0;
+  ct_obstacle o = {
+      .shape = CT_OBSTACLE_PLANE,
+      .point = {(side ? high[0] : low[0]) + sign * 0.02 * (1.0 + real(d)), 0.3 * real(d), 0.0},
+      .axis = {-sign, 0.0, 0.0},
+      .radius = 5.0,
+      .epsilon = between(d, 0.1, 1.0),
+      .enforcement = (ct_enforcement)below(d, 4),
+      .dissipation = 0.1,
+      .kind = kind,
+      .face_count = count,
+      .faces = faces,
+      .velocity = {-sign * 0.05, 0.0, 0.0}};
+  if (chance(d, 3))
+    o.shape = (ct_obstacle_shape)(1 + below(d, 2)), o.point[0] += 5.0 * sign, o.axis[0] = 0.0,
+    o.axis[2] = 1.0;
   if (chance(d, 3)) o.history = any_history(r, d), o.travel[0] = 0.1 * real(d);
   return ct_obstacle_create_effect(&o, r->joined, effect, &r->error);
 }
 
 static void add_effect(run *r, ct_effect *effect)
 {
-  if (r->status == CT_OK && effect != NULL) r->status = ct_scene_add_effect(r->scene, effect, &r->error);
+  if (r->status == CT_OK && effect != NULL)
+    r->status = ct_scene_add_effect(r->scene, effect, &r->error);
 }
 
 static void add_effects(run *r, dice *d, const variant *v)
@@ -414,9 +482,11 @@ static void add_effects(run *r, dice *d, const variant *v)
     ct_motion motion = {.history = any_history(r, d)};
     int number = below(d, r->body_count);
     int32_t *nodes = any_nodes(r, d, number, &motion.node_count);
-    for (int32_t i = 0; i < motion.node_count; i++) nodes[i] += r->joined->bodies[number].first_node;
+    for (int32_t i = 0; i < motion.node_count; i++)
+      nodes[i] += r->joined->bodies[number].first_node;
     motion.nodes = nodes;
-    for (int c = 0; c < 3; c++) motion.fixed[c] = chance(d, 2), motion.displacement[c] = 0.1 * real(d);
+    for (int c = 0; c < 3; c++)
+      motion.fixed[c] = chance(d, 2), motion.displacement[c] = 0.1 * real(d);
     tell("  motion of %d nodes of body %d\n", (int)motion.node_count, number);
     effect = NULL;
     r->status = ct_motion_create_effect(&motion, 1, r->joined, &effect, &r->error);
@@ -440,7 +510,8 @@ static int compare_places(const void *a, const void *b)
   int bm = order_body(m), bn = order_body(n);
   if (bm != bn) return bm < bn ? -1 : 1;
   for (int c = 0; c < 3; c++) {
-    double x = order_problem->reference[3 * (int64_t)m + c], y = order_problem->reference[3 * (int64_t)n + c];
+    double x = order_problem->reference[3 * (int64_t)m + c],
+           y = order_problem->reference[3 * (int64_t)n + c];
     if (x != y) return x < y ? -1 : 1;
   }
   return 0;
@@ -450,19 +521,21 @@ static void build(run *r, dice *d, const variant *v)
 {
   ct_stable_step stable;
   int64_t steps;
-  ct_scene_time time = {.end = between(d, 30.0, 60.0), .fraction = between(d, 0.4, 0.95), .threads = v->threads};
+  ct_scene_time time = {
+      .end = between(d, 30.0, 60.0), .fraction = between(d, 0.4, 0.95), .threads = v->threads};
   if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, 4));
   if (chance(d, 8)) time.assembled = 1;
   int plane = !chance(d, 4);
   ct_savings savings = v->savings;
   savings.plane_strain = plane;
   if (r->status == CT_OK) r->status = ct_scene_set_savings(r->scene, &savings, &r->error);
-  if (r->status == CT_OK) r->status = ct_scene_build(r->scene, &time, &r->problem, &steps, &stable, &r->error);
+  if (r->status == CT_OK)
+    r->status = ct_scene_build(r->scene, &time, &r->problem, &steps, &stable, &r->error);
   if (r->status == CT_OK) r->status = ct_state_create(r->problem, &r->state, &r->error);
   if (r->status == CT_OK) r->status = ct_state_create(r->problem, &r->back, &r->error);
   if (r->status != CT_OK) return;
-  tell("  integrator %d, assembled %d, fraction %g, dt %.17g, plane strain %d\n", (int)time.integrator.scheme, time.assembled,
-       time.fraction, r->problem->dt, plane);
+  tell("  integrator %d, assembled %d, fraction %g, dt %.17g, plane strain %d\n",
+       (int)time.integrator.scheme, time.assembled, time.fraction, r->problem->dt, plane);
   r->order = keep(r, (size_t)r->problem->node_count, sizeof *r->order);
   for (int32_t n = 0; n < r->problem->node_count; n++) r->order[n] = n;
   order_problem = r->problem;
@@ -504,10 +577,19 @@ static void ask(run *r, dice *d)
   ct_momentum momentum;
   double omega, rate, *force;
   switch (below(d, 5)) {
-  case 0: (void)ct_energy_of(r->problem, r->state, &energy, &e); break;
-  case 1: (void)ct_momentum_of(r->problem, r->state, below(d, r->body_count), &momentum, &e); break;
-  case 2: (void)ct_stable_share(r->problem, r->state, below(d, r->problem->effect_count), &omega, &rate, &e); break;
-  case 3: (void)ct_energy_unrest(r->problem, r->state, &rate, &e); break;
+  case 0:
+    (void)ct_energy_of(r->problem, r->state, &energy, &e);
+    break;
+  case 1:
+    (void)ct_momentum_of(r->problem, r->state, below(d, r->body_count), &momentum, &e);
+    break;
+  case 2:
+    (void)ct_stable_share(r->problem, r->state, below(d, r->problem->effect_count), &omega, &rate,
+                          &e);
+    break;
+  case 3:
+    (void)ct_energy_unrest(r->problem, r->state, &rate, &e);
+    break;
   default:
     force = room(3 * (size_t)r->problem->node_count, sizeof *force);
     (void)ct_state_force(r->problem, r->state, below(d, r->problem->effect_count), force, &e);
@@ -539,7 +621,10 @@ static void change_state(run *r, dice *d)
 static ct_status watched_steps(run *r, int64_t count, int64_t every)
 {
   ct_watch *watch = NULL;
-  ct_watch_options options = {.every = every, .energy_limit = INFINITY, .omega_limit = INFINITY, .stable = r->problem->dt,
+  ct_watch_options options = {.every = every,
+                              .energy_limit = INFINITY,
+                              .omega_limit = INFINITY,
+                              .stable = r->problem->dt,
                               .growth_limit = INFINITY};
   ct_status status = ct_watch_create(r->problem, r->state, &options, &watch, &r->error);
   if (status == CT_OK) status = ct_watch_steps(watch, r->state, count, &r->error);
@@ -557,7 +642,8 @@ static void take_steps(run *r, variant *v, int64_t count)
     r->status = ct_step_many(r->problem, r->state, count, &r->error);
   }
   while (r->status == CT_OK && r->state->step < end) {
-    int64_t left = end - r->state->step, part = chance(&v->d, 2) ? left : 1 + below(&v->d, (int)left);
+    int64_t left = end - r->state->step,
+            part = chance(&v->d, 2) ? left : 1 + below(&v->d, (int)left);
     if (!r->own.pending && chance(&v->d, 4)) ask(r, &v->d);
     if (chance(&v->d, 5) && !r->stale) change_state(r, &v->d);
     int stale = r->stale;
@@ -567,7 +653,8 @@ static void take_steps(run *r, variant *v, int64_t count)
     // A look at the end would leave forces standing, before a host changes the state.
     int watched = how == 1 && !r->own.pending && !stale && part < left;
     r->status = how == 0 && part == 1 && !r->spoilt ? ct_step(r->problem, r->state, &r->error)
-                : watched ? watched_steps(r, part, 1 + below(&v->d, 9)) : ct_step_many(r->problem, r->state, part, &r->error);
+                : watched ? watched_steps(r, part, 1 + below(&v->d, 9))
+                          : ct_step_many(r->problem, r->state, part, &r->error);
     r->own.armed = 0;
   }
   r->own.armed = r->stale = 0;
@@ -577,11 +664,13 @@ static void take_steps(run *r, variant *v, int64_t count)
 /* What a host may do to a state. The dice are the same in all runs. */
 static void meddle(run *r, dice d)
 {
-  int how = chance(&d, 24) ? 6 : below(&d, 6), number = below(&d, r->body_count), axis = below(&d, 3);
+  int how = chance(&d, 24) ? 6 : below(&d, 6), number = below(&d, r->body_count),
+      axis = below(&d, 3);
   uint64_t salt = salt_of(&d), few = 1 + roll(&d) % 60u;
   double amount = 0.01 * real(&d);
   const ct_mesh *plain = r->bodies[number].plain;
-  int32_t worst = how == 6 ? some_node(r, number, salt) - r->problem->bodies[number].first_node : -1;
+  int32_t worst =
+      how == 6 ? some_node(r, number, salt) - r->problem->bodies[number].first_node : -1;
   for (int32_t n = 0; n < plain->node_count; n++) {
     const double *x = &plain->nodes[3 * n];
     int64_t dof = 3 * ((int64_t)r->problem->bodies[number].first_node + n);
@@ -592,8 +681,10 @@ static void meddle(run *r, dice d)
     if (how == 2) u[0] = u[1] = u[2] = w[1] = w[2] = 0.0, w[0] = amount; // all alike again
     if (how == 3 && chosen) w[axis] = -0.0;
     if (how == 4) u[axis] += 1.0;
-    if (how == 6 && n == worst) (amount > 0.0 ? u : w)[axis] = fabs(amount) > 0.005 ? NAN : INFINITY, r->spoilt = 1;
-    if (how == 5 && chosen) w[axis] = nextafter(w[axis], 1.0); // which rounding may hide in the displacement
+    if (how == 6 && n == worst)
+      (amount > 0.0 ? u : w)[axis] = fabs(amount) > 0.005 ? NAN : INFINITY, r->spoilt = 1;
+    if (how == 5 && chosen)
+      w[axis] = nextafter(w[axis], 1.0); // which rounding may hide in the displacement
   }
 }
 
@@ -601,24 +692,28 @@ static void meddle(run *r, dice d)
 
 static void differ(const run *a, const char *what, int64_t i)
 {
-  fprintf(stderr, "broken promise: %s, entry %lld, step %lld\n", what, (long long)i, (long long)a->state->step);
+  fprintf(stderr, "broken promise: %s, entry %lld, step %lld\n", what, (long long)i,
+          (long long)a->state->step);
   abort();
 }
 
 /* Arrays with their bits in the order of their numbers, or place by place. */
-static void compare_nodes(const run *a, const run *b, const double *x, const double *y, const char *what)
+static void compare_nodes(const run *a, const run *b, const double *x, const double *y,
+                          const char *what)
 {
   for (int32_t n = 0; n < a->problem->node_count; n++) {
     const double *p = &x[3 * (int64_t)a->order[n]], *q = &y[3 * (int64_t)b->order[n]];
     if (memcmp(p, q, 3 * sizeof *p) == 0) continue;
     const double *X = &a->problem->reference[3 * (int64_t)a->order[n]];
-    fprintf(stderr, "at %g %g %g (node %d and %d): %.17g %.17g %.17g beside %.17g %.17g %.17g\n", X[0], X[1], X[2],
-            (int)a->order[n], (int)b->order[n], p[0], p[1], p[2], q[0], q[1], q[2]);
+    fprintf(stderr, "at %g %g %g (node %d and %d): %.17g %.17g %.17g beside %.17g %.17g %.17g\n",
+            X[0], X[1], X[2], (int)a->order[n], (int)b->order[n], p[0], p[1], p[2], q[0], q[1],
+            q[2]);
     differ(a, what, n);
   }
 }
 
-static void compare_numbers(const run *a, const void *x, const void *y, int64_t count, const char *what)
+static void compare_numbers(const run *a, const void *x, const void *y, int64_t count,
+                            const char *what)
 {
   const double *p = x, *q = y;
   for (int64_t i = 0; i < count; i++) {
@@ -652,15 +747,18 @@ static void compare_ledgers(run *a, run *b)
   ct_error e;
   ct_status status[2];
   double *force[2], work[2], stored[2];
-  for (int i = 0; i < 2; i++) status[i] = ct_energy_of(each[i]->problem, each[i]->state, &energy[i], &e);
+  for (int i = 0; i < 2; i++)
+    status[i] = ct_energy_of(each[i]->problem, each[i]->state, &energy[i], &e);
   if (status[0] != status[1]) differ(a, "whether there is a ledger", status[1]);
   if (status[0] != CT_OK) return;
   for (int i = 0; i < 2; i++) force[i] = room(3 * (size_t)a->problem->node_count, sizeof(double));
   for (int32_t k = 0; k < a->problem->effect_count; k++) {
     for (int i = 0; i < 2; i++) {
       status[i] = ct_state_force(each[i]->problem, each[i]->state, k, force[i], &e);
-      demand(ct_energy_work(each[i]->problem, each[i]->state, k, &work[i], &e) == CT_OK, "work of an effect");
-      demand(ct_energy_stored(each[i]->problem, each[i]->state, k, &stored[i], &e) == CT_OK, "what an effect stores");
+      demand(ct_energy_work(each[i]->problem, each[i]->state, k, &work[i], &e) == CT_OK,
+             "work of an effect");
+      demand(ct_energy_stored(each[i]->problem, each[i]->state, k, &stored[i], &e) == CT_OK,
+             "what an effect stores");
     }
     if (status[0] != status[1]) differ(a, "whether there is a force", k);
     if (status[0] == CT_OK) compare_nodes(a, b, force[0], force[1], a->problem->effects[k]->name);
@@ -670,10 +768,12 @@ static void compare_ledgers(run *a, run *b)
   for (int i = 0; i < 2; i++) free(force[i]);
   compare_numbers(a, &energy[0], &energy[1], sizeof energy[0] / sizeof(double), "energy");
   for (int32_t k = 0; k < a->body_count; k++) {
-    for (int i = 0; i < 2; i++) demand(ct_momentum_of(each[i]->problem, each[i]->state, k, &momentum[i], &e) == CT_OK,
-                                       "momentum");
+    for (int i = 0; i < 2; i++)
+      demand(ct_momentum_of(each[i]->problem, each[i]->state, k, &momentum[i], &e) == CT_OK,
+             "momentum");
     compare_numbers(a, momentum[0].p, momentum[1].p, 6, "momentum");
-    compare_numbers(a, momentum[0].contact_impulse, momentum[1].contact_impulse, 6, "impulses on a body");
+    compare_numbers(a, momentum[0].contact_impulse, momentum[1].contact_impulse, 6,
+                    "impulses on a body");
   }
 }
 
@@ -688,36 +788,41 @@ static int recover(run *a, run *b, dice *d, int turned)
   if (a->status != b->status) differ(a, "errors", b->status);
   compare_states(a, b, turned);
   if (!turned && (a->error.body != b->error.body || a->error.element != b->error.element ||
-                  a->error.point != b->error.point)) differ(a, "places of errors", 0);
+                  a->error.point != b->error.point))
+    differ(a, "places of errors", 0);
   if (a->status != CT_ERROR_UNSUPPORTED) return 0; // it would come again
   total_failures++;
   if (a->problem->integrator.scheme != CT_NOH_BATHE && chance(d, 2)) return 1;
   run *each[2] = {a, b};
-  for (int i = 0; i < 2; i++) demand(ct_state_copy(each[i]->problem, each[i]->back, each[i]->state, &e) == CT_OK,
-                                     "a copy of a good state");
+  for (int i = 0; i < 2; i++)
+    demand(ct_state_copy(each[i]->problem, each[i]->back, each[i]->state, &e) == CT_OK,
+           "a copy of a good state");
   return 1;
 }
 
-/* Whether a point has its foot on an edge or a corner, which several faces share: the lower number wins, and the last bit of the
- * force may tell which one that was. */
+/* Whether a point has its foot on an edge or a corner, which several faces share: the lower number
+ * wins, and the last bit of the force may tell which one that was. */
 static int on_edges(run *r)
 {
   ct_error e;
   int found = 0;
   for (int32_t k = 0; k < r->problem->effect_count && !found; k++) {
-    const ct_contact *contact = strcmp(r->problem->effects[k]->name, "contact") == 0 ? ct_state_contact(r->problem, r->state,
-        k, &e) : NULL;
+    const ct_contact *contact = strcmp(r->problem->effects[k]->name, "contact") == 0
+                                    ? ct_state_contact(r->problem, r->state, k, &e)
+                                    : NULL;
     int64_t count = contact == NULL ? 0 : ct_contact_point_count(contact);
     ct_contact_point *points = room((size_t)count, sizeof *points);
     if (count > 0) demand(ct_contact_points(contact, points) == CT_OK, "the points of a contact");
-    for (int64_t i = 0; i < count; i++) found |= points[i].other >= 0 && (fabs(points[i].xi[0]) >= 1.0 ||
-        fabs(points[i].xi[1]) >= 1.0);
+    for (int64_t i = 0; i < count; i++)
+      found |=
+          points[i].other >= 0 && (fabs(points[i].xi[0]) >= 1.0 || fabs(points[i].xi[1]) >= 1.0);
     free(points);
   }
   return found;
 }
 
-/* Steps of two runs with other numbers, one by one as far as contacts may be compared; 0 where they may not. */
+/* Steps of two runs with other numbers, one by one as far as contacts may be compared; 0 where they
+ * may not. */
 static int take_steps_apart(run *a, run *b, variant *one, variant *other, int64_t steps)
 {
   // Forces stand whenever the points were looked at, in both runs.
@@ -744,19 +849,22 @@ static void beside(dice scene, variant one, variant other)
   open_run(&b, &twin, &other);
   verbose = was;
   if (a.status != b.status) {
-    fprintf(stderr, "%s | %s\n", a.status ? a.error.text : "built", b.status ? b.error.text : "built");
+    fprintf(stderr, "%s | %s\n", a.status ? a.error.text : "built",
+            b.status ? b.error.text : "built");
     demand(0, "both scenes can be built, or none");
   }
   if (a.status != CT_OK) tell("  not built: %s\n", a.error.text);
   // The second stage of a step of Noh and Bathe does not show its points.
-  int shown = !a.ties && (a.contacts == 0 || a.problem == NULL || a.problem->integrator.scheme != CT_NOH_BATHE);
+  int shown = !a.ties && (a.contacts == 0 || a.problem == NULL ||
+                          a.problem->integrator.scheme != CT_NOH_BATHE);
   if (a.status == CT_OK && (shown || !other.turned)) {
     total_built++;
     total_orders += other.turned;
     compare_numbers(&a, &a.problem->dt, &b.problem->dt, 1, "time step");
     for (int i = 1 + below(&d, MOST_SEGMENTS); i > 0; i--) {
       int64_t steps = 1 + below(&d, chance(&d, 3) ? 5 : 40);
-      demand(ct_state_copy(a.problem, a.state, a.back, &e) == CT_OK && ct_state_copy(b.problem, b.state, b.back, &e) == CT_OK,
+      demand(ct_state_copy(a.problem, a.state, a.back, &e) == CT_OK &&
+                 ct_state_copy(b.problem, b.state, b.back, &e) == CT_OK,
              "a copy of a state");
       tell("  %lld steps\n", (long long)steps);
       if (other.turned && a.contacts > 0) {
@@ -779,7 +887,8 @@ static void beside(dice scene, variant one, variant other)
         meddle(&b, d);
         a.stale = b.stale = asked;
       }
-      // Forces that stand are those from before the host changed the state; what is stored may be made of both.
+      // Forces that stand are those from before the host changed the state; what is stored may be
+      // made of both.
       if (!a.own.pending && !a.stale && chance(&d, 4)) compare_ledgers(&a, &b);
     }
   }
@@ -793,18 +902,20 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   scene.seed = mixed(d.seed) | 1;
   total_scenes++;
   for (int i = 0; i < 2; i++) {
-    // What a run chooses comes after what the scene is made of; where bytes are given they are for the scene.
+    // What a run chooses comes after what the scene is made of; where bytes are given they are for
+    // the scene.
     variant all = {.threads = 1, .calm = 1, .d = {.seed = mixed(d.seed + 1) | 1}},
-        some = {.d = {.seed = mixed(d.seed + 2 + (uint64_t)i) | 1}};
+            some = {.d = {.seed = mixed(d.seed + 2 + (uint64_t)i) | 1}};
     dice *own = &some.d;
-    some.savings = (ct_savings){.quiet = !chance(own, 5), .congruent = below(own, 2), .distant = below(own, 2)};
+    some.savings = (ct_savings){
+        .quiet = !chance(own, 5), .congruent = below(own, 2), .distant = below(own, 2)};
     some.threads = chance(own, 3) ? 2 + below(own, 3) : 1;
     some.local = !chance(own, 4);
     some.turned = i;
     some.calm = chance(own, 4);
-    tell("run %d: quiet %d, congruent %d, distant %d, %d threads, local %d, turned %d, calm %d\n", i, some.savings.quiet,
-         some.savings.congruent, some.savings.distant, some.threads, some.local, some.turned,
-         some.calm);
+    tell("run %d: quiet %d, congruent %d, distant %d, %d threads, local %d, turned %d, calm %d\n",
+         i, some.savings.quiet, some.savings.congruent, some.savings.distant, some.threads,
+         some.local, some.turned, some.calm);
     beside(scene, all, some);
   }
   return 0;
@@ -813,16 +924,19 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 #ifdef FUZZ_MAIN
 #include "seeds.h"
 
-/* Inputs of consecutive seeds; prints the counts, or the seed of the input that failed. A single input is told. */
+/* Inputs of consecutive seeds; prints the counts, or the seed of the input that failed. A single
+ * input is told. */
 int main(int count, char **argument)
 {
   unsigned long long first = count > 2 ? strtoull(argument[2], NULL, 10) : 1;
   long long most = count > 3 ? atoll(argument[3]) : -1;
   verbose = most == 1;
   run_seeds(count > 1 ? atof(argument[1]) : 10.0, first, most);
-  printf("seeds %llu to %llu: scenes %lld runs %lld pairs built %lld of them renumbered %lld (%lld pieces with contact) "
-         "failures %lld steps %lld\n", first, now_seed - 1, total_scenes, total_runs, total_built, total_orders,
-         total_apart, total_failures, total_steps);
+  printf("seeds %llu to %llu: scenes %lld runs %lld pairs built %lld of them renumbered %lld (%lld "
+         "pieces with contact) "
+         "failures %lld steps %lld\n",
+         first, now_seed - 1, total_scenes, total_runs, total_built, total_orders, total_apart,
+         total_failures, total_steps);
   return 0;
 }
 #endif

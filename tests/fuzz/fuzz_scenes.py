@@ -20,32 +20,111 @@ import traceback
 import warnings
 from pathlib import Path
 
-import libcontact as ct
 from libcontact.run import Run, RunError
 
-KEYS = ["x_min", "x_max", "y_min", "z_max", "xyz", "x", "hex8", "hex20", "linear", "neo_hookean", "penalty", "lagrange", "bipenalty", "reduced", "box", "plane", "one", "two", "one.x_max", "two.x_min",
-        "lobatto", "keep", "remove", "refuse", "chung_lee", "noh_bathe", "tchamwa_wielgosz", "assembled"]
-WRONG = ["beta", "friction", "end", "velocity", "spin", "enforcement", "look_every", "energy_limit", "until_static", "points", "initial_penetration", "removal_time", "adjust", "dissipation",
-         "integrator", "integrator_parameter", "stable_step"]
+import libcontact as ct
+
+KEYS = [
+    "x_min",
+    "x_max",
+    "y_min",
+    "z_max",
+    "xyz",
+    "x",
+    "hex8",
+    "hex20",
+    "linear",
+    "neo_hookean",
+    "penalty",
+    "lagrange",
+    "bipenalty",
+    "reduced",
+    "box",
+    "plane",
+    "one",
+    "two",
+    "one.x_max",
+    "two.x_min",
+    "lobatto",
+    "keep",
+    "remove",
+    "refuse",
+    "chung_lee",
+    "noh_bathe",
+    "tchamwa_wielgosz",
+    "assembled",
+]
+WRONG = [
+    "beta",
+    "friction",
+    "end",
+    "velocity",
+    "spin",
+    "enforcement",
+    "look_every",
+    "energy_limit",
+    "until_static",
+    "points",
+    "initial_penetration",
+    "removal_time",
+    "adjust",
+    "dissipation",
+    "integrator",
+    "integrator_parameter",
+    "stable_step",
+]
 
 
 def good_scene(chance: random.Random) -> dict:
     """A small scene that is right, mostly."""
     pick, size = chance.choice, lambda: [round(chance.uniform(0.5, 1.5), 3) for _ in range(3)]
-    bodies = [{"name": name, "material": "soft", "box": {"origin": [x, 0, 0], "size": [1.0, *size()[1:]], "cells": [chance.randint(1, 2) for _ in range(3)]},
-               "velocity": [v, 0, 0]} for name, x, v in (("one", -1.0, 0.1), ("two", pick([0.0, 0.0, -0.02, 0.02]), -0.1))]
+    bodies = [
+        {
+            "name": name,
+            "material": "soft",
+            "box": {
+                "origin": [x, 0, 0],
+                "size": [1.0, *size()[1:]],
+                "cells": [chance.randint(1, 2) for _ in range(3)],
+            },
+            "velocity": [v, 0, 0],
+        }
+        for name, x, v in (("one", -1.0, 0.1), ("two", pick([0.0, 0.0, -0.02, 0.02]), -0.1))
+    ]
     for body in bodies:
         if chance.random() < 0.2:
             body["element"] = "hex20"
         if chance.random() < 0.1:
             body["kernel"] = pick(["general", "box", "plane", "auto"])
-    scene = {"units": {"length": "m", "mass": "kg", "time": "s"}, "body": bodies,
-             "material": [{"name": "soft", "young": chance.uniform(0.5, 3), "poisson": chance.uniform(0, 0.45), "density": 1.0, "law": pick(["linear", "neo_hookean", "st_venant_kirchhoff"])}],
-             "time": {"end": chance.uniform(0.05, 0.5), pick(["fraction", "courant"]): chance.uniform(0.1, 0.5)}}
+    scene = {
+        "units": {"length": "m", "mass": "kg", "time": "s"},
+        "body": bodies,
+        "material": [
+            {
+                "name": "soft",
+                "young": chance.uniform(0.5, 3),
+                "poisson": chance.uniform(0, 0.45),
+                "density": 1.0,
+                "law": pick(["linear", "neo_hookean", "st_venant_kirchhoff"]),
+            }
+        ],
+        "time": {
+            "end": chance.uniform(0.05, 0.5),
+            pick(["fraction", "courant"]): chance.uniform(0.1, 0.5),
+        },
+    }
     if chance.random() < 0.7:
-        scene["contact"] = [{"surfaces": pick([["one.x_max", "two.x_min"], ["one.outer", "two.outer"]]), "beta": chance.uniform(0.5, 4), **contact_choices(chance)}]
+        scene["contact"] = [
+            {
+                "surfaces": pick([["one.x_max", "two.x_min"], ["one.outer", "two.outer"]]),
+                "beta": chance.uniform(0.5, 4),
+                **contact_choices(chance),
+            }
+        ]
     if chance.random() < 0.4:
-        scene["support"] = [{"set": f"one.{pick(['x_min', 'y_min', 'z_max'])}", "fix": [pick("xyz")]}]
+        scene["support"] = [
+            {"set": f"one.{pick(['x_min', 'y_min', 'z_max'])}", "fix": [pick("xyz")]}
+        ]
     if chance.random() < 0.3:
         scene["gravity"] = {"acceleration": [0, 0, -1.0]}
     scene["time"] |= time_choices(chance)
@@ -78,7 +157,14 @@ def time_choices(chance: random.Random) -> dict:
     """Keys of the time table beside the end and the step."""
     out: dict = {}
     if chance.random() < 0.5:
-        out["integrator"], low, high = chance.choice([("central_difference", 0, 0), ("chung_lee", 1, 28 / 27), ("noh_bathe", 0.5, 0.58), ("tchamwa_wielgosz", 0, 1)])
+        out["integrator"], low, high = chance.choice(
+            [
+                ("central_difference", 0, 0),
+                ("chung_lee", 1, 28 / 27),
+                ("noh_bathe", 0.5, 0.58),
+                ("tchamwa_wielgosz", 0, 1),
+            ]
+        )
         if out["integrator"] != "central_difference" and chance.random() < 0.5:
             out["integrator_parameter"] = chance.uniform(low, high)
     if chance.random() < 0.3:
@@ -94,7 +180,24 @@ def value(chance: random.Random):
     """Something that may stand in a scene file."""
     kind = chance.randrange(10)
     if kind < 4:
-        return chance.choice([0, 1, -1, 2, 3, 1e-300, 1e300, -1.5, 0.3, float("nan"), float("inf"), 2**63 - 1, -(2**63), 10**9])
+        return chance.choice(
+            [
+                0,
+                1,
+                -1,
+                2,
+                3,
+                1e-300,
+                1e300,
+                -1.5,
+                0.3,
+                float("nan"),
+                float("inf"),
+                2**63 - 1,
+                -(2**63),
+                10**9,
+            ]
+        )
     if kind < 6:
         return chance.choice([*KEYS, "", "é", "a" * 300, "\0".replace("\0", " ")])
     if kind == 6:
@@ -136,7 +239,9 @@ def scene_text(chance: random.Random) -> bytes:
     text = bytearray(tomli_w.dumps(scene).encode())
     for _ in range(chance.choice([0, 0, 0, 1, 3]) if text else 0):
         at = chance.randrange(len(text))
-        text[at: at + chance.randrange(3)] = bytes(chance.randrange(256) for _ in range(chance.randrange(3)))
+        text[at : at + chance.randrange(3)] = bytes(
+            chance.randrange(256) for _ in range(chance.randrange(3))
+        )
         if not text:
             break
     return bytes(text)
@@ -159,7 +264,9 @@ def try_scene(chance: random.Random, path: Path, counts: dict[str, int]) -> None
         assert str(error), "a refusal has a reason"
         kind = "refused"
     except RunError as error:
-        assert error.time is not None and error.run is not None and "last good state" in str(error), "a fault tells where it is"
+        assert (
+            error.time is not None and error.run is not None and "last good state" in str(error)
+        ), "a fault tells where it is"
         kind = "failed"
     counts[kind] = counts.get(kind, 0) + 1
 
@@ -168,15 +275,15 @@ def damaged(chance: random.Random, good: bytes) -> bytes:
     data = bytearray(good)
     kind = chance.randrange(4)
     if kind == 0:
-        del data[chance.randrange(len(data)):]
+        del data[chance.randrange(len(data)) :]
     for _ in range(chance.choice([1, 1, 2, 10, 100])):
         at = chance.randrange(max(1, len(data) if chance.random() < 0.5 else min(len(data), 6000)))
         if kind == 1:
-            data[at: at + 1] = bytes([chance.randrange(256)])
+            data[at : at + 1] = bytes([chance.randrange(256)])
         elif kind == 2:
             length = chance.randrange(64)
             other = chance.randrange(len(data))
-            data[at: at + length] = data[other: other + length]
+            data[at : at + length] = data[other : other + length]
         elif at < len(data):
             data[at] ^= 1 << chance.randrange(8)
     return bytes(data)
@@ -202,10 +309,26 @@ def rebuilt(chance: random.Random, path: Path, good: bytes) -> None:
                 where, key = file, name
             del where[key]
             if chance.random() < 0.6:
-                where[key] = chance.choice([0, -1, 2**40, 1.5, float("nan"), "text", np.zeros(0), np.full((2, 3), np.nan), np.arange(7), np.zeros(3, "i1,f8"), np.full((1, 1, 1), -5)])
+                where[key] = chance.choice(
+                    [
+                        0,
+                        -1,
+                        2**40,
+                        1.5,
+                        float("nan"),
+                        "text",
+                        np.zeros(0),
+                        np.full((2, 3), np.nan),
+                        np.arange(7),
+                        np.zeros(3, "i1,f8"),
+                        np.full((1, 1, 1), -5),
+                    ]
+                )
 
 
-def try_file(chance: random.Random, path: Path, good: bytes, scene: ct.Scene, counts: dict[str, int]) -> None:
+def try_file(
+    chance: random.Random, path: Path, good: bytes, scene: ct.Scene, counts: dict[str, int]
+) -> None:
     if chance.random() < 0.4:
         rebuilt(chance, path, good)
     else:
@@ -250,7 +373,9 @@ def in_child(work, seconds: float) -> tuple[int, str]:
     return os.waitpid(pid, 0)[1], text.decode(errors="replace")
 
 
-def campaign(seconds: float, seed: int, folder: Path | None = None, rounds: int | None = None) -> dict[str, int]:
+def campaign(
+    seconds: float, seed: int, folder: Path | None = None, rounds: int | None = None
+) -> dict[str, int]:
     """Change scenes and files for so long (or for so many rounds of 400 scenes and 20 files); the counts of what came out. A broken promise is an AssertionError that names the seed."""
     warnings.simplefilter("ignore")
     counts: dict[str, int] = {}
@@ -264,6 +389,7 @@ def campaign(seconds: float, seed: int, folder: Path | None = None, rounds: int 
         end, first = time.monotonic() + seconds, seed
         while time.monotonic() < end if rounds is None else seed < first + 2 * rounds:
             for kind, number in (("scenes", 400), ("files", 20)):
+
                 def batch(kind=kind, number=number, seed=seed):
                     chance, told = random.Random(seed), {}
                     for _ in range(number):
@@ -277,7 +403,11 @@ def campaign(seconds: float, seed: int, folder: Path | None = None, rounds: int 
                 if kind == "files" and not good:
                     continue
                 status, text = in_child(batch, 120.0)
-                if os.WIFSIGNALED(status) and kind == "files" and os.WTERMSIG(status) != signal.SIGALRM:
+                if (
+                    os.WIFSIGNALED(status)
+                    and kind == "files"
+                    and os.WTERMSIG(status) != signal.SIGALRM
+                ):
                     counts["ended by HDF5"] = counts.get("ended by HDF5", 0) + 1
                 elif status != 0:
                     raise AssertionError(f"seed {seed - 1}, {kind}: status {status}\n{text}")
@@ -288,4 +418,12 @@ def campaign(seconds: float, seed: int, folder: Path | None = None, rounds: int 
 
 
 if __name__ == "__main__":
-    print(json.dumps(campaign(float(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3]) if len(sys.argv) > 3 else None)))
+    print(
+        json.dumps(
+            campaign(
+                float(sys.argv[1]),
+                int(sys.argv[2]),
+                Path(sys.argv[3]) if len(sys.argv) > 3 else None,
+            )
+        )
+    )

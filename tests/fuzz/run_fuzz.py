@@ -18,32 +18,67 @@ BATCH = 60.0
 SUPPRESSED = "leak:libhdf5\n"
 
 
-def run(program: str, seconds: float, seed: int, folder: Path, more: list[str], counted: dict[str, str]) -> dict:
+def run(
+    program: str, seconds: float, seed: int, folder: Path, more: list[str], counted: dict[str, str]
+) -> dict:
     """Run a program with sanitizers for so long; `counted`: names of counts that it prints, and what they are called here."""
     suppressions = folder / "suppressions"
     suppressions.write_text(SUPPRESSED)
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "ASAN_OPTIONS": "detect_leaks=1:abort_on_error=1", "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1:abort_on_error=1",
-                   "LSAN_OPTIONS": f"suppressions={suppressions}:print_suppressions=0"}
-    done = subprocess.run([program, str(seconds), str(seed), *more], capture_output=True, text=True, errors="replace", env=environment)
+    environment = {
+        **os.environ,
+        "OMP_NUM_THREADS": "1",
+        "ASAN_OPTIONS": "detect_leaks=1:abort_on_error=1",
+        "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1:abort_on_error=1",
+        "LSAN_OPTIONS": f"suppressions={suppressions}:print_suppressions=0",
+    }
+    done = subprocess.run(
+        [program, str(seconds), str(seed), *more],
+        capture_output=True,
+        text=True,
+        errors="replace",
+        env=environment,
+    )
     if done.returncode:
         raise SystemExit(f"{program} ended with {done.returncode}\n{done.stderr[-6000:]}")
     print(done.stdout.strip(), flush=True)
-    return {name: int(re.search(rf"{word} (\d+)", done.stdout).group(1)) for word, name in counted.items()}
+    return {
+        name: int(re.search(rf"{word} (\d+)", done.stdout).group(1))
+        for word, name in counted.items()
+    }
 
 
 def api(program: str, seconds: float, seed: int, folder: Path) -> dict:
     """Random calls for so long; with files in every other batch."""
-    counted = {"to": "next seed", "inputs": "inputs", "calls": "calls", "scenes": "C scenes", "built": "C scenes built", "steps": "C steps"}
+    counted = {
+        "to": "next seed",
+        "inputs": "inputs",
+        "calls": "calls",
+        "scenes": "C scenes",
+        "built": "C scenes built",
+        "steps": "C steps",
+    }
     return run(program, seconds, seed, folder, [str(folder) if seed % 2 else ""], counted)
 
 
 def savings(program: str, seconds: float, seed: int, folder: Path) -> dict:
-    counted = {"to": "next seed", "scenes": "scenes", "built": "pairs of runs", "renumbered": "numbered otherwise", "failures": "errors on the way", "steps": "steps"}
+    counted = {
+        "to": "next seed",
+        "scenes": "scenes",
+        "built": "pairs of runs",
+        "renumbered": "numbered otherwise",
+        "failures": "errors on the way",
+        "steps": "steps",
+    }
     return run(program, seconds, seed, folder, [], counted)
 
 
 def scenes(seconds: float, seed: int, folder: Path) -> dict:
-    done = subprocess.run([sys.executable, str(HERE / "fuzz_scenes.py"), str(seconds), str(seed), str(folder)], capture_output=True, text=True, errors="replace")
+    done = subprocess.run(
+        [sys.executable, str(HERE / "fuzz_scenes.py"), str(seconds), str(seed), str(folder)],
+        capture_output=True,
+        text=True,
+        errors="replace",
+    )
     if done.returncode:
         raise SystemExit(f"fuzz_scenes.py ended with {done.returncode}\n{done.stderr[-6000:]}")
     print(f"seeds from {seed}: {done.stdout.strip()}", flush=True)

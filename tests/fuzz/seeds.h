@@ -1,4 +1,5 @@
-/* Runs the inputs of consecutive seeds, for programs without libFuzzer. Include it after LLVMFuzzerTestOneInput. */
+/* Runs the inputs of consecutive seeds, for programs without libFuzzer. Include it after
+ * LLVMFuzzerTestOneInput. */
 #ifndef SEEDS_H
 #define SEEDS_H
 
@@ -20,14 +21,16 @@ static void tell_seed(int number)
   _exit(98);
 }
 
-/* Inputs from `first` on, `most` of them, or as many as there is time for when that is negative; answers how many. */
+/* Inputs from `first` on, `most` of them, or as many as there is time for when that is negative;
+ * answers how many. */
 static long long run_seeds(double seconds, unsigned long long first, long long most)
 {
   long long inputs = 0;
   time_t begin = time(NULL);
   signal(SIGALRM, tell_seed);
   signal(SIGABRT, tell_seed);
-  for (now_seed = first; most < 0 ? difftime(time(NULL), begin) < seconds : inputs < most; now_seed++, inputs++) {
+  for (now_seed = first; most < 0 ? difftime(time(NULL), begin) < seconds : inputs < most;
+       now_seed++, inputs++) {
     uint8_t bytes[8];
     uint64_t seed = stirred((now_seed + 1) * 0x9E3779B97F4A7C15u);
     memcpy(bytes, &seed, sizeof bytes);

@@ -1,7 +1,8 @@
 """Other builds of the C library, for tests of this one."""
 
-from libcontact import loop, warned
 from libcontact._core import lib
+
+from libcontact import loop, warned
 
 
 class WithoutHdf5:

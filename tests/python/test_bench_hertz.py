@@ -31,5 +31,13 @@ def test_two_elements_over_the_radius_are_within_what_the_book_says():
     a, deep = hertz.exact(row["force"])
     assert row["radius"] == pytest.approx(a, rel=0.06)
     assert row["approach"] == pytest.approx(deep, rel=0.015)
-    whole = 4.0 / 3.0 * hertz.MODULUS * math.sqrt(hertz.RADIUS) * (hertz.CONTACT**2 / hertz.RADIUS) ** 1.5
-    assert 1.032 < row["force"] / whole < 1.09  # the far ends of the block are held, which alone gives 3.2 %
+    whole = (
+        4.0
+        / 3.0
+        * hertz.MODULUS
+        * math.sqrt(hertz.RADIUS)
+        * (hertz.CONTACT**2 / hertz.RADIUS) ** 1.5
+    )
+    assert (
+        1.032 < row["force"] / whole < 1.09
+    )  # the far ends of the block are held, which alone gives 3.2 %

@@ -10,9 +10,9 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from libcontact._core import lib
 
 import libcontact as ct
-from libcontact._core import lib
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ.get("LIBCONTACT_BUILD", ROOT / "build"))
@@ -30,7 +30,9 @@ def test_every_prototype_can_be_called_from_python():
     for header in (INCLUDE / "contact").glob("*.h"):
         names = re.findall(r"^CT_API [^;]*?\b(ct_\w+)\(", header.read_text(), re.M)
         assert names or header.name in ("contact.h",), header
-        assert header.name in left_out or {name for name in names if not hasattr(lib, name)} == set()
+        assert (
+            header.name in left_out or {name for name in names if not hasattr(lib, name)} == set()
+        )
 
 
 def test_the_umbrella_includes_every_core_header():
@@ -45,65 +47,160 @@ def test_every_header_compiles_alone(tmp_path):
     for header in sorted((INCLUDE / "contact").glob("*.h")):
         source = tmp_path / "alone.c"
         source.write_text(f"#include <contact/{header.name}>\nint main(void) {{ return 0; }}\n")
-        done = subprocess.run([*CC, "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{INCLUDE}", "-fsyntax-only", str(source)],
-                              capture_output=True, text=True)
+        done = subprocess.run(
+            [
+                *CC,
+                "-std=c99",
+                "-Wall",
+                "-Wextra",
+                "-Wpedantic",
+                "-Werror",
+                f"-I{INCLUDE}",
+                "-fsyntax-only",
+                str(source),
+            ],
+            capture_output=True,
+            text=True,
+        )
         assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.skipif(shutil.which(CXX[0]) is None or not LIBRARIES.is_dir(), reason="no C++ compiler or no built libraries")
+@pytest.mark.skipif(
+    shutil.which(CXX[0]) is None or not LIBRARIES.is_dir(),
+    reason="no C++ compiler or no built libraries",
+)
 def test_every_header_alone_links_from_cxx(tmp_path):
     """A C++ program of one file a header, which includes this header alone and takes the address of each of its functions."""
-    left_out = {header for part, header in ADDON.items() if not (LIBRARIES / f"libcontact-{part}.so").exists()}
+    left_out = {
+        header
+        for part, header in ADDON.items()
+        if not (LIBRARIES / f"libcontact-{part}.so").exists()
+    }
     calls = []
     for header in sorted((INCLUDE / "contact").glob("*.h")):
         names = re.findall(r"^CT_API [^;]*?\b(ct_\w+)\(", header.read_text(), re.M)
         if header.name in left_out:
             continue
         addresses = ", ".join(f"reinterpret_cast<void *>(&{name})" for name in names)
-        (tmp_path / f"{header.stem}.cc").write_text(f"#include <contact/{header.name}>\n\nint count_{header.stem}()\n{{\n  void *volatile known[] = {{{addresses}, nullptr}};\n"
-                                                    "  int count = 0;\n  while (known[count] != nullptr) count++;\n  return count;\n}\n")
+        (tmp_path / f"{header.stem}.cc").write_text(
+            f"#include <contact/{header.name}>\n\nint count_{header.stem}()\n{{\n  void *volatile known[] = {{{addresses}, nullptr}};\n"
+            "  int count = 0;\n  while (known[count] != nullptr) count++;\n  return count;\n}\n"
+        )
         calls.append((f"count_{header.stem}()", len(names)))
     declared = "".join(f"int {call.removesuffix('()')}();\n" for call, _ in calls)
-    (tmp_path / "all_of_them.cc").write_text(declared + f"int main() {{ return {' + '.join(call for call, _ in calls)} == {sum(count for _, count in calls)} ? 0 : 1; }}\n")
+    (tmp_path / "all_of_them.cc").write_text(
+        declared
+        + f"int main() {{ return {' + '.join(call for call, _ in calls)} == {sum(count for _, count in calls)} ? 0 : 1; }}\n"
+    )
     libraries = [str(path) for path in sorted(LIBRARIES.glob("*.so"))]
-    done = subprocess.run([*CXX, "-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{INCLUDE}", *map(str, sorted(tmp_path.glob("*.cc"))), *libraries,
-                           f"-Wl,-rpath,{LIBRARIES.resolve()}", "-o", str(tmp_path / "all")], capture_output=True, text=True)
+    done = subprocess.run(
+        [
+            *CXX,
+            "-std=c++11",
+            "-Wall",
+            "-Wextra",
+            "-Wpedantic",
+            "-Werror",
+            f"-I{INCLUDE}",
+            *map(str, sorted(tmp_path.glob("*.cc"))),
+            *libraries,
+            f"-Wl,-rpath,{LIBRARIES.resolve()}",
+            "-o",
+            str(tmp_path / "all"),
+        ],
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 0, done.stderr
     assert subprocess.run([str(tmp_path / "all")]).returncode == 0
 
 
 # What a system's own headers may bring in behind the standard ones: on macOS <stdlib.h> includes <sys/wait.h>.
-SYSTEM = ("sys/wait", "sys/stat", "sys/socket", "sys/time", "sys/mman", "unistd", "fcntl", "signal", "poll", "pthread", "sched", "time", "wchar", "strings")
+SYSTEM = (
+    "sys/wait",
+    "sys/stat",
+    "sys/socket",
+    "sys/time",
+    "sys/mman",
+    "unistd",
+    "fcntl",
+    "signal",
+    "poll",
+    "pthread",
+    "sched",
+    "time",
+    "wchar",
+    "strings",
+)
 
 
-@pytest.mark.skipif(shutil.which(CC[0]) is None or sys.platform == "win32", reason="no C compiler, or no POSIX")
+@pytest.mark.skipif(
+    shutil.which(CC[0]) is None or sys.platform == "win32", reason="no C compiler, or no POSIX"
+)
 def test_no_name_of_the_core_is_one_of_the_systems():
     """Every source of the core compiles with the headers of POSIX before it, and all that they declare."""
-    sources = [str(path) for path in sorted((ROOT / "libcontact" / "src").rglob("*.c")) if path.parent.name not in ADDON]
+    sources = [
+        str(path)
+        for path in sorted((ROOT / "libcontact" / "src").rglob("*.c"))
+        if path.parent.name not in ADDON
+    ]
     ahead = [word for name in SYSTEM for word in ("-include", f"{name}.h")]
-    done = subprocess.run([*CC, "-w", "-std=gnu99", "-D_GNU_SOURCE", f"-I{INCLUDE}", *ahead, "-fsyntax-only", *sources], capture_output=True, text=True)
+    done = subprocess.run(
+        [
+            *CC,
+            "-w",
+            "-std=gnu99",
+            "-D_GNU_SOURCE",
+            f"-I{INCLUDE}",
+            *ahead,
+            "-fsyntax-only",
+            *sources,
+        ],
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 0, done.stderr
 
 
 USES = {
     "gsl": "#include <contact/exact_series.h>\n"
-           "int main(void) { double x = 1.0, z = 0.0, t = 0.5, f[5]; size_t bad; ct_error e;\n"
-           "  return ct_exact_plates_series(1, &x, &z, &t, 0.3, 10, f, &bad, &e) != CT_OK || f[0] != f[0]; }\n",
+    "int main(void) { double x = 1.0, z = 0.0, t = 0.5, f[5]; size_t bad; ct_error e;\n"
+    "  return ct_exact_plates_series(1, &x, &z, &t, 0.3, 10, f, &bad, &e) != CT_OK || f[0] != f[0]; }\n",
     "hdf5": "#include <contact/output.h>\n"
-            "int main(void) { ct_error e; return ct_output_close(NULL, &e) != CT_OK; }\n",
+    "int main(void) { ct_error e; return ct_output_close(NULL, &e) != CT_OK; }\n",
 }
 
 
-@pytest.mark.skipif(shutil.which(PKG_CONFIG) is None or not STAGE.is_dir(), reason="no pkg-config or no installed copy")
+@pytest.mark.skipif(
+    shutil.which(PKG_CONFIG) is None or not STAGE.is_dir(),
+    reason="no pkg-config or no installed copy",
+)
 @pytest.mark.parametrize("part", USES)
 def test_an_installed_addon_is_found_by_pkg_config(part, tmp_path):
     if not ct.has(part):
         pytest.skip(f"built without {part}")
     environment = {**os.environ, "PKG_CONFIG_PATH": str(STAGE / "lib" / "pkgconfig")}
-    flags = subprocess.run([PKG_CONFIG, "--cflags", "--libs", f"libcontact-{part}"], check=True, capture_output=True, text=True, env=environment)
+    flags = subprocess.run(
+        [PKG_CONFIG, "--cflags", "--libs", f"libcontact-{part}"],
+        check=True,
+        capture_output=True,
+        text=True,
+        env=environment,
+    )
     source, program = tmp_path / "use.c", tmp_path / "use"
     source.write_text(USES[part])
-    subprocess.run([*CC, "-std=c99", str(source), "-o", str(program), *flags.stdout.split(), f"-Wl,-rpath,{STAGE / 'lib'}"], check=True)
+    subprocess.run(
+        [
+            *CC,
+            "-std=c99",
+            str(source),
+            "-o",
+            str(program),
+            *flags.stdout.split(),
+            f"-Wl,-rpath,{STAGE / 'lib'}",
+        ],
+        check=True,
+    )
     assert subprocess.run([str(program)]).returncode == 0
 
 
@@ -114,24 +211,60 @@ def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
     tree = tmp_path / "tree"
     tree.mkdir()
     for name in ("libcontact", "wrapper", "tutorials/scenes"):
-        shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("*.egg-info", "__pycache__", "*.so"))
+        shutil.copytree(
+            ROOT / name,
+            tree / name,
+            ignore=shutil.ignore_patterns("*.egg-info", "__pycache__", "*.so"),
+        )
     for name in ("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, tree)
-    environment = {name: value for name, value in os.environ.items() if not name.startswith("LIBCONTACT_")}
+    environment = {
+        name: value for name, value in os.environ.items() if not name.startswith("LIBCONTACT_")
+    }
     make = "from setuptools import build_meta as b; import sys; print(b.build_sdist(sys.argv[1]))"
-    done = subprocess.run([sys.executable, "-c", make, str(tmp_path)], cwd=tree, capture_output=True, text=True, env=environment)
+    done = subprocess.run(
+        [sys.executable, "-c", make, str(tmp_path)],
+        cwd=tree,
+        capture_output=True,
+        text=True,
+        env=environment,
+    )
     assert done.returncode == 0, done.stderr
-    done = subprocess.run([sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-index", "--no-build-isolation", "-w", str(tmp_path),
-                           str(next(tmp_path.glob("*.tar.gz")))], cwd=tmp_path, capture_output=True, text=True, env=environment)
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "pip",
+            "wheel",
+            "-q",
+            "--no-deps",
+            "--no-index",
+            "--no-build-isolation",
+            "-w",
+            str(tmp_path),
+            str(next(tmp_path.glob("*.tar.gz"))),
+        ],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env=environment,
+    )
     assert done.returncode == 0, done.stderr
     wheel = next(tmp_path.glob("*.whl"))
     assert "-abi3-" in wheel.name
     assert "libcontact/py.typed" in zipfile.ZipFile(wheel).namelist()
     zipfile.ZipFile(wheel).extractall(tmp_path / "installed")
-    use = ("import libcontact as ct; assert ct.__file__.startswith(%r); f = ct.project('Q4', [[-1,-1,0],[1,-1,0],[1,1,0],[-1,1,0]], [[0,0,2]]); "
-           "print(f.distance[0], ct.has('hdf5'), ct.has('gsl'))" % str(tmp_path))
-    done = subprocess.run([sys.executable, "-c", use], cwd=tmp_path, capture_output=True, text=True,
-                          env={**environment, "PYTHONPATH": str(tmp_path / "installed")})
+    use = (
+        f"import libcontact as ct; assert ct.__file__.startswith({str(tmp_path)!r}); f = ct.project('Q4', [[-1,-1,0],[1,-1,0],[1,1,0],[-1,1,0]], [[0,0,2]]); "
+        "print(f.distance[0], ct.has('hdf5'), ct.has('gsl'))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", use],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env={**environment, "PYTHONPATH": str(tmp_path / "installed")},
+    )
     assert done.stdout == "2.0 False False\n", done.stderr
 
 
@@ -139,32 +272,51 @@ def nm(*arguments):
     return subprocess.run(["nm", *arguments], check=True, capture_output=True, text=True).stdout
 
 
-@pytest.mark.skipif(shutil.which("nm") is None or not LIBRARIES.is_dir(), reason="no nm or no built libraries")
+@pytest.mark.skipif(
+    shutil.which("nm") is None or not LIBRARIES.is_dir(), reason="no nm or no built libraries"
+)
 @pytest.mark.parametrize("library", sorted(LIBRARIES.glob("*.so")), ids=lambda path: path.name)
 def test_shared_libraries_export_ct_only(library):
     names = {line.split()[-1] for line in nm("-D", "--defined-only", str(library)).splitlines()}
     assert names and all(name.startswith("ct_") for name in names)
 
 
-@pytest.mark.skipif(shutil.which("nm") is None or not LIBRARIES.is_dir(), reason="no nm or no built libraries")
+@pytest.mark.skipif(
+    shutil.which("nm") is None or not LIBRARIES.is_dir(), reason="no nm or no built libraries"
+)
 @pytest.mark.parametrize("library", sorted(LIBRARIES.glob("*.a")), ids=lambda path: path.name)
 def test_static_libraries_define_ct_only(library):
-    names = {fields[2] for fields in map(str.split, nm("-g", "--defined-only", str(library)).splitlines()) if len(fields) == 3}
+    names = {
+        fields[2]
+        for fields in map(str.split, nm("-g", "--defined-only", str(library)).splitlines())
+        if len(fields) == 3
+    }
     assert names and all(name.startswith("ct_") for name in names)
 
 
-@pytest.mark.skipif(shutil.which("nm") is None or not LIBRARIES.is_dir(), reason="no nm or no built libraries")
+@pytest.mark.skipif(
+    shutil.which("nm") is None or not LIBRARIES.is_dir(), reason="no nm or no built libraries"
+)
 def test_either_all_kernels_or_none_are_compiled_for_several_machines():
     """A source that meets lanes.h before any header of libc would lose its fast versions without a word."""
-    names = {line.split()[-1] for line in nm(str(LIBRARIES / "libcontact.a")).splitlines() if line.strip()}
+    names = {
+        line.split()[-1]
+        for line in nm(str(LIBRARIES / "libcontact.a")).splitlines()
+        if line.strip()
+    }
     kernels = {name for name in names if re.fullmatch(r"ct_solid_\w+_(batches|energies)", name)}
     cloned = {name.removesuffix(".avx2") for name in names if name.endswith(".avx2")} & kernels
     assert len(kernels) >= 3 and cloned in (set(), kernels)
 
 
-@pytest.mark.skipif(shutil.which("ldd") is None or not (LIBRARIES / "libcontact.so").exists(), reason="no ldd or no shared library")
+@pytest.mark.skipif(
+    shutil.which("ldd") is None or not (LIBRARIES / "libcontact.so").exists(),
+    reason="no ldd or no shared library",
+)
 def test_the_core_needs_libc_and_libm_only():
-    needed = subprocess.run(["ldd", str(LIBRARIES / "libcontact.so")], check=True, capture_output=True, text=True).stdout
+    needed = subprocess.run(
+        ["ldd", str(LIBRARIES / "libcontact.so")], check=True, capture_output=True, text=True
+    ).stdout
     names = {line.split()[0].split("/")[-1] for line in needed.splitlines()}
     allowed = r"linux-vdso\.so.*|libc\.so.*|libm\.so.*|libgomp\.so.*|libpthread\.so.*|libdl\.so.*|ld-linux.*"
     assert {name for name in names if not re.fullmatch(allowed, name)} == set()
@@ -174,5 +326,7 @@ def test_no_call_that_ends_or_prints():
     """Nothing exits, aborts or prints inside the library."""
     banned = re.compile(r"\b(exit|abort|printf|fprintf|puts|perror|assert)\s*\(")
     for source in (ROOT / "libcontact" / "src").rglob("*.c"):
-        code = re.sub(r"/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\])*\"", "", source.read_text(), flags=re.S)
+        code = re.sub(
+            r"/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\])*\"", "", source.read_text(), flags=re.S
+        )
         assert not banned.search(code), source

@@ -8,7 +8,6 @@ import time
 from pathlib import Path
 
 import pytest
-
 from libcontact._core import lib
 from libcontact.command import main
 from libcontact.run import RunError
@@ -34,7 +33,16 @@ def test_version_is_that_of_the_library(capsys):
     assert capsys.readouterr().out == f"libcontact {ffi.string(lib.ct_version()).decode()}\n"
 
 
-@pytest.mark.parametrize("arguments", [[], ["walk"], ["run"], ["run", "a.toml", "--until", "soon"], ["run", "a.toml", "--threads", "x"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["walk"],
+        ["run"],
+        ["run", "a.toml", "--until", "soon"],
+        ["run", "a.toml", "--threads", "x"],
+    ],
+)
 def test_a_wrong_command_line_is_bad_input(arguments, capsys):
     assert main(arguments) == 2
     out, err = capsys.readouterr()
@@ -63,7 +71,10 @@ def test_a_stopped_run_is_continued_to_the_same_end(scene, capsys):
 
     assert main(["run", scene, "-o", "whole.vtkhdf"]) == 0
     assert main(["run", scene, "-o", "first.vtkhdf", "--until", "1e-7"]) == 0
-    assert main(["run", scene, "-o", "rest.vtkhdf", "--restart", "first.vtkhdf", "--threads", "2"]) == 0
+    assert (
+        main(["run", scene, "-o", "rest.vtkhdf", "--restart", "first.vtkhdf", "--threads", "2"])
+        == 0
+    )
     whole, rest = Run.load("whole.vtkhdf"), Run.load("rest.vtkhdf")
     assert whole.state["right"].displacement.tobytes() == rest.state["right"].displacement.tobytes()
     assert Run.load("first.vtkhdf").time[-1] == pytest.approx(1e-7, rel=0.05)
@@ -74,9 +85,14 @@ def test_plot_draws_a_picture(scene, capsys):
     pytest.importorskip("matplotlib")
     assert main(["run", scene, "-o", "out.vtkhdf", "--until", "1e-7", "--quiet"]) == 0
     assert main(["plot", "out.vtkhdf"]) == 0
-    assert main(["plot", "out.vtkhdf", "-o", "v.png", "--field", "velocity_x", "--scale", "10"]) == 0
+    assert (
+        main(["plot", "out.vtkhdf", "-o", "v.png", "--field", "velocity_x", "--scale", "10"]) == 0
+    )
     for name in ("out.png", "v.png"):
-        assert Path(name).read_bytes().startswith(b"\x89PNG") and name in capsys.readouterr().err + name
+        assert (
+            Path(name).read_bytes().startswith(b"\x89PNG")
+            and name in capsys.readouterr().err + name
+        )
     assert main(["plot", "out.vtkhdf", "--field", "stress_xq"]) == 2
     assert "did you mean" in capsys.readouterr().err
     assert main(["plot", "out.vtkhdf", "-o", "none/v.png"]) == 2
@@ -85,24 +101,29 @@ def test_plot_draws_a_picture(scene, capsys):
 @needs_hdf5
 def test_plot_draws_what_there_is(scene, capsys):
     pytest.importorskip("matplotlib")
-    Path(scene).write_text(Path(scene).read_text().replace('["displacement", "velocity", "stress"]', '["stress"]'))
+    Path(scene).write_text(
+        Path(scene).read_text().replace('["displacement", "velocity", "stress"]', '["stress"]')
+    )
     assert main(["run", scene, "-o", "out.vtkhdf", "--until", "1e-7", "--quiet"]) == 0
     assert main(["plot", "out.vtkhdf"]) == 0
     assert main(["plot", "out.vtkhdf", "--field", "velocity_x"]) == 2
     assert "velocity was not recorded" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("arguments, words", [
-    (["run", "none.toml"], "none.toml"),
-    (["explain", "none.toml"], "none.toml"),
-    (["run", "scene.toml", "-o", "none/out.vtkhdf"], "output.file"),
-    (["run", "scene.toml", "--until", "-1"], "until"),
-    (["run", "scene.toml", "--until", "1"], "until"),
-    (["run", "scene.toml", "--threads", "0"], "threads"),
-    (["run", "scene.toml", "--restart", "none.vtkhdf"], "none.vtkhdf"),
-    (["plot", "none.vtkhdf"], "none.vtkhdf"),
-    (["plot", "scene.toml"], "scene.toml"),
-])
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        (["run", "none.toml"], "none.toml"),
+        (["explain", "none.toml"], "none.toml"),
+        (["run", "scene.toml", "-o", "none/out.vtkhdf"], "output.file"),
+        (["run", "scene.toml", "--until", "-1"], "until"),
+        (["run", "scene.toml", "--until", "1"], "until"),
+        (["run", "scene.toml", "--threads", "0"], "threads"),
+        (["run", "scene.toml", "--restart", "none.vtkhdf"], "none.vtkhdf"),
+        (["plot", "none.vtkhdf"], "none.vtkhdf"),
+        (["plot", "scene.toml"], "scene.toml"),
+    ],
+)
 def test_bad_input_is_one_line_and_exit_code_2(scene, arguments, words, capsys):
     assert main(arguments) == 2
     out, err = capsys.readouterr()
@@ -118,10 +139,25 @@ def test_what_may_never_end_is_not_read(scene, capsys):
     text = Path(scene).read_text()
     box = next(line for line in text.splitlines() if line.startswith("box ="))
     Path("mesh.toml").write_text(text.replace(box, 'mesh = "pipe.toml"'))
-    for path, words in (("/dev/zero", "no regular file"), ("pipe.toml", "no regular file"), ("large.toml", "300 MB; at most 256 MB"), ("mesh.toml", "pipe.toml")):
-        done = subprocess.run([sys.executable, "-m", "libcontact", "explain", path], capture_output=True, text=True, timeout=60,
-                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30)))
-        assert done.returncode == 2 and words in done.stderr and path in done.stderr and len(done.stderr.splitlines()) == 1
+    for path, words in (
+        ("/dev/zero", "no regular file"),
+        ("pipe.toml", "no regular file"),
+        ("large.toml", "300 MB; at most 256 MB"),
+        ("mesh.toml", "pipe.toml"),
+    ):
+        done = subprocess.run(
+            [sys.executable, "-m", "libcontact", "explain", path],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30)),
+        )
+        assert (
+            done.returncode == 2
+            and words in done.stderr
+            and path in done.stderr
+            and len(done.stderr.splitlines()) == 1
+        )
     assert main(["plot", "pipe.toml"]) == 2 and "no regular file" in capsys.readouterr().err
 
 
@@ -138,17 +174,41 @@ def test_a_warning_that_python_makes_an_error_is_one_line_and_exit_code_3(scene)
     """Before the first step, as with units that are not meant, and so without a file."""
     Path(scene).write_text(Path(scene).read_text().replace("young = 2.1e5", "young = 1e-9"))
     for flag, code in (("error", 3), ("default", 0)):
-        done = subprocess.run([sys.executable, "-W", flag, "-m", "libcontact", "run", scene, "--quiet", "--until", "1e-9"], capture_output=True, text=True, timeout=60)
+        done = subprocess.run(
+            [
+                sys.executable,
+                "-W",
+                flag,
+                "-m",
+                "libcontact",
+                "run",
+                scene,
+                "--quiet",
+                "--until",
+                "1e-9",
+            ],
+            capture_output=True,
+            text=True,
+            timeout=60,
+        )
         told = [line for line in done.stderr.splitlines() if "c1 = " in line]
         assert done.returncode == code and len(told) == 1 and "Traceback" not in done.stderr
         assert ("the run failed" in told[0]) == (code == 3)
 
 
 def test_ctrl_c_has_exit_code_130_and_keeps_the_file(scene):
-    Path(scene).write_text(Path(scene).read_text().replace("end_c1t_over = { length = 2.5, value = 0.56 }", "end = 1.0"))
+    Path(scene).write_text(
+        Path(scene)
+        .read_text()
+        .replace("end_c1t_over = { length = 2.5, value = 0.56 }", "end = 1.0")
+    )
     # A shell starts background jobs with Ctrl-C switched off, and children inherit that: switch it on again.
-    process = subprocess.Popen([sys.executable, "-m", "libcontact", "run", scene, "-o", "out.vtkhdf"], stderr=subprocess.PIPE, text=True,
-                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+    process = subprocess.Popen(
+        [sys.executable, "-m", "libcontact", "run", scene, "-o", "out.vtkhdf"],
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     if hasattr(lib, "ct_output_create"):
         while process.poll() is None and not os.path.exists("out.vtkhdf"):
             time.sleep(0.05)
@@ -172,14 +232,23 @@ def test_ctrl_c_among_the_imports_has_exit_code_130_and_says_one_word(tmp_path):
     (tmp_path / "numpy.py").write_text("raise KeyboardInterrupt")
     place = {**os.environ, "PYTHONPATH": str(tmp_path)}
     for arguments in (["run", "scene.toml"], ["explain", "scene.toml"]):
-        done = subprocess.run([sys.executable, "-m", "libcontact", *arguments], capture_output=True, text=True, env=place)
+        done = subprocess.run(
+            [sys.executable, "-m", "libcontact", *arguments],
+            capture_output=True,
+            text=True,
+            env=place,
+        )
         assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
 
 
 def test_the_command_of_the_shell_is_that_of_the_package():
     import importlib.metadata
 
-    (command,) = (e for e in importlib.metadata.distribution("libcontact").entry_points if e.group == "console_scripts")
+    (command,) = (
+        e
+        for e in importlib.metadata.distribution("libcontact").entry_points
+        if e.group == "console_scripts"
+    )
     assert command.value == "libcontact.__main__:main"
 
 
@@ -211,5 +280,7 @@ def test_a_full_disk_fails_the_run_and_keeps_what_was_written(scene):
 
 def test_a_closed_pipe_is_no_error(scene):
     command = f"{sys.executable} -m libcontact explain {scene} | head -n 1"
-    done = subprocess.run(["bash", "-c", f"set -o pipefail; {command}"], check=False, capture_output=True, text=True)
+    done = subprocess.run(
+        ["bash", "-c", f"set -o pipefail; {command}"], check=False, capture_output=True, text=True
+    )
     assert "Traceback" not in done.stderr and "BrokenPipe" not in done.stderr

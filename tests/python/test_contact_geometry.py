@@ -11,18 +11,39 @@ E, RHO = 100.0, 1.0
 C = (E / RHO) ** 0.5
 
 
-def blocks(overlap=0.0, speed=0.0, thick=1.0, face=("x_max", "x_min"), cells=(4, 2, 2), end=1.0, fraction=0.5, **contact):
+def blocks(
+    overlap=0.0,
+    speed=0.0,
+    thick=1.0,
+    face=("x_max", "x_min"),
+    cells=(4, 2, 2),
+    end=1.0,
+    fraction=0.5,
+    **contact,
+):
     """Two blocks end to end along x that overlap by a length; the right one comes with a speed."""
     scene = ct.Scene(title="blocks", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("soft", young=E, poisson=0.0, density=RHO)
-    scene.add_body("left", material="soft", box={"origin": [-thick, 0, 0], "size": [thick, 1, 1], "cells": list(cells)})
-    scene.add_body("right", material="soft", box={"origin": [-overlap, 0, 0], "size": [thick, 1, 1], "cells": list(cells)}, velocity=[-speed, 0, 0])
+    scene.add_body(
+        "left",
+        material="soft",
+        box={"origin": [-thick, 0, 0], "size": [thick, 1, 1], "cells": list(cells)},
+    )
+    scene.add_body(
+        "right",
+        material="soft",
+        box={"origin": [-overlap, 0, 0], "size": [thick, 1, 1], "cells": list(cells)},
+        velocity=[-speed, 0, 0],
+    )
     scene.add_contact(f"left.{face[0]}", f"right.{face[1]}", beta=1.0, **contact)
     return scene.set_time(end=end, fraction=fraction).set_output(every=1)
 
 
 def test_overlap_is_refused():
-    with pytest.raises(ct.Error, match=r"32 points of its surfaces are inside at the start, the deepest by 0\.05 at .*face"):
+    with pytest.raises(
+        ct.Error,
+        match=r"32 points of its surfaces are inside at the start, the deepest by 0\.05 at .*face",
+    ):
         blocks(0.05, initial_penetration="refuse").run(progress=False)
     blocks(-0.05, initial_penetration="refuse").run(progress=False)
 
@@ -33,15 +54,21 @@ def test_overlap_is_kept(enforcement):
     run = blocks(0.05, enforcement=enforcement, initial_penetration="keep").run(progress=False)
     assert np.all(run.energy["total"] == 0.0)
     assert not run.state["right"].displacement.any()
-    kept = blocks(0.05, 0.1, end=0.15, enforcement=enforcement, initial_penetration="keep").run(progress=False)
+    kept = blocks(0.05, 0.1, end=0.15, enforcement=enforcement, initial_penetration="keep").run(
+        progress=False
+    )
     touching = blocks(0.0, 0.1, end=0.15, enforcement=enforcement).run(progress=False)
     assert kept.energy["contact"][-1] > 0.0 or enforcement == "lagrange"
-    assert kept.state["right"].displacement == pytest.approx(touching.state["right"].displacement, abs=1e-12)
+    assert kept.state["right"].displacement == pytest.approx(
+        touching.state["right"].displacement, abs=1e-12
+    )
 
 
 def test_a_kept_overlap_is_over_once_it_has_opened():
     """The blocks part and come together again: they meet where their faces touch, not where they began."""
-    run = blocks(0.05, -0.5, end=0.3, enforcement="penalty", initial_penetration="keep").run(progress=False)
+    run = blocks(0.05, -0.5, end=0.3, enforcement="penalty", initial_penetration="keep").run(
+        progress=False
+    )
     assert run.penetration[0]["points"]["inside"] == 0
     assert np.all(run.energy["contact"] == 0.0)
 
@@ -49,8 +76,22 @@ def test_a_kept_overlap_is_over_once_it_has_opened():
 @pytest.mark.parametrize("enforcement", ["penalty", "energy_controlled"])
 def test_overlap_is_removed_gently(enforcement):
     """The start gap fades; its work is in the ledger, which closes; slow removal leaves almost no energy in the bodies."""
-    fast, slow = (blocks(0.01, end=T, fraction=0.2, enforcement=enforcement, initial_penetration="remove", removal_time=T).run(progress=False) for T in (0.4, 3.2))
-    kick = blocks(0.01, end=0.4, fraction=0.2, enforcement=enforcement, initial_penetration="push").run(progress=False).energy["contact"][0]
+    fast, slow = (
+        blocks(
+            0.01,
+            end=T,
+            fraction=0.2,
+            enforcement=enforcement,
+            initial_penetration="remove",
+            removal_time=T,
+        ).run(progress=False)
+        for T in (0.4, 3.2)
+    )
+    kick = (
+        blocks(0.01, end=0.4, fraction=0.2, enforcement=enforcement, initial_penetration="push")
+        .run(progress=False)
+        .energy["contact"][0]
+    )
     for run in (fast, slow):
         # The total is what is stored less the work from outside: it must not rise above its start, 0, and with the plain penalty it keeps to it.
         scale = run.energy["external"].max()
@@ -70,24 +111,41 @@ def test_removal_needs_a_time():
 
 def test_a_step_through_a_body_is_refused():
     """A thin plate flies at another one by more than the thickness in a step."""
-    scene = blocks(-0.5, 40 * C, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.02, fraction=0.9)
-    with pytest.raises(ct.RunError, match=r"in the step to t = .* its surfaces \(face \d+ of the first, \d+ of the second\) may have come nearer"):
+    scene = blocks(
+        -0.5, 40 * C, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.02, fraction=0.9
+    )
+    with pytest.raises(
+        ct.RunError,
+        match=r"in the step to t = .* its surfaces \(face \d+ of the first, \d+ of the second\) may have come nearer",
+    ):
         scene.run(progress=False)
 
 
 def test_the_text_of_a_fault_between_two_records_is_whole():
     """The same plate, which is sped up until it would go through: time and step come before the sentence, and how to go on behind it."""
-    scene = blocks(-0.5, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.2, fraction=0.9).set_output(every=10**6)
+    scene = blocks(
+        -0.5, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.2, fraction=0.9
+    ).set_output(every=10**6)
     scene.add("gravity", acceleration=[-300, 0, 0], bodies=["right"])
     with pytest.raises(ct.RunError) as refused:
         scene.run(progress=False)
-    whole = (r"at t = \S+ \(step \d+\): contact: in the step .* have come nearer by \S+ and passed through each other; not more than \S+ is safe\. Take a smaller step\. "
-             r"The last good state, t = 0 \(step 0\), is run\.state of this error; .*")
+    whole = (
+        r"at t = \S+ \(step \d+\): contact: in the step .* have come nearer by \S+ and passed through each other; not more than \S+ is safe\. Take a smaller step\. "
+        r"The last good state, t = 0 \(step 0\), is run\.state of this error; .*"
+    )
     assert re.fullmatch(whole, str(refused.value)), str(refused.value)
 
 
 def test_a_fast_body_that_is_far_away_is_not_refused():
-    scene = blocks(-50.0, -40 * C, thick=0.02, face=("outer", "outer"), cells=(1, 2, 2), end=0.002, fraction=0.9)
+    scene = blocks(
+        -50.0,
+        -40 * C,
+        thick=0.02,
+        face=("outer", "outer"),
+        cells=(1, 2, 2),
+        end=0.002,
+        fraction=0.9,
+    )
     scene.run(progress=False)
 
 
@@ -96,15 +154,23 @@ def test_penetration_is_reported_at_corners_and_edges():
     for rule in ("gauss", "lobatto"):
         scene = ct.Scene(title="corner", units={"length": "m", "mass": "kg", "time": "s"})
         scene.add_material("soft", young=E, poisson=0.0, density=RHO)
-        scene.add_body("floor", material="soft", box={"origin": [-1, -1, -1], "size": [2, 2, 1], "cells": [4, 4, 2]})
+        scene.add_body(
+            "floor",
+            material="soft",
+            box={"origin": [-1, -1, -1], "size": [2, 2, 1], "cells": [4, 4, 2]},
+        )
         lattice = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
         a, b = np.pi / 4, np.arctan(2**-0.5) - np.pi / 2
-        turn = np.array([[1, 0, 0], [0, np.cos(b), -np.sin(b)], [0, np.sin(b), np.cos(b)]]) @ np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
+        turn = np.array(
+            [[1, 0, 0], [0, np.cos(b), -np.sin(b)], [0, np.sin(b), np.cos(b)]]
+        ) @ np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
         nodes = lattice @ turn.T
         low = np.argmin(nodes[:, 2])
         nodes -= nodes[low] + np.array([0.25, 0.25, 0.05])
         scene.add_body("cube", material="soft", nodes=nodes, elements=[[0, 1, 3, 2, 4, 5, 7, 6]])
-        scene.add_contact("floor.outer", "cube.outer", beta=1.0, points=rule).set_time(end=1e-3, fraction=0.1)
+        scene.add_contact("floor.outer", "cube.outer", beta=1.0, points=rule).set_time(
+            end=1e-3, fraction=0.1
+        )
         found = scene.run(progress=False).penetration[0]
         assert found["corners"]["deepest"] == pytest.approx(0.05, rel=0.02)
         assert found["corners"]["surface"] == "cube.outer"
@@ -119,10 +185,26 @@ def test_a_block_comes_on_from_the_side_at_a_depth(enforcement):
     for faces in (("z_max", "z_min"), ("outer", "outer")):
         scene = ct.Scene(title="from the side", units={"length": "m", "mass": "kg", "time": "s"})
         scene.add_material("soft", young=E, poisson=0.0, density=RHO)
-        scene.add_body("plate", material="soft", box={"origin": [-1, -0.25, -0.2], "size": [1, 0.5, 0.2], "cells": [10, 5, 2]})
-        scene.add_body("block", material="soft", box={"origin": [0.02, -0.2, -depth], "size": [side] * 3, "cells": [4, 4, 4]}, velocity=[-speed, 0, 0])
-        scene.add_support("plate.z_min", fix=["x", "y", "z"]).add_contact(f"plate.{faces[0]}", f"block.{faces[1]}", beta=beta, enforcement=enforcement)
-        total = scene.set_time(end=0.6, fraction=0.5).set_output(every=1, fields=[]).run(progress=False).energy["total"]
+        scene.add_body(
+            "plate",
+            material="soft",
+            box={"origin": [-1, -0.25, -0.2], "size": [1, 0.5, 0.2], "cells": [10, 5, 2]},
+        )
+        scene.add_body(
+            "block",
+            material="soft",
+            box={"origin": [0.02, -0.2, -depth], "size": [side] * 3, "cells": [4, 4, 4]},
+            velocity=[-speed, 0, 0],
+        )
+        scene.add_support("plate.z_min", fix=["x", "y", "z"]).add_contact(
+            f"plate.{faces[0]}", f"block.{faces[1]}", beta=beta, enforcement=enforcement
+        )
+        total = (
+            scene.set_time(end=0.6, fraction=0.5)
+            .set_output(every=1, fields=[])
+            .run(progress=False)
+            .energy["total"]
+        )
         rise[faces[0]] = total.max() - total[0]
     # Both surfaces' points count: those of the block's bottom, and those of the plate under it.
     bound = 2 * 0.25 * (beta * E / h) * depth**2 * side**2
@@ -134,9 +216,17 @@ def test_a_block_comes_on_from_the_side_at_a_depth(enforcement):
 def test_restart_continues_with_the_same_bits(tmp_path):
     """History and start gaps are in the restart: kept overlap, removal half done, thin plates pressed past half their thickness."""
     pytest.importorskip("h5py")
-    for key in ({"initial_penetration": "keep"}, {"initial_penetration": "remove", "removal_time": 0.3}, {}):
-        whole = blocks(0.02, 0.5, thick=0.1, face=("outer", "outer"), end=0.2, enforcement="penalty", **key).run(progress=False)
-        half = blocks(0.02, 0.5, thick=0.1, face=("outer", "outer"), end=0.2, enforcement="penalty", **key)
+    for key in (
+        {"initial_penetration": "keep"},
+        {"initial_penetration": "remove", "removal_time": 0.3},
+        {},
+    ):
+        whole = blocks(
+            0.02, 0.5, thick=0.1, face=("outer", "outer"), end=0.2, enforcement="penalty", **key
+        ).run(progress=False)
+        half = blocks(
+            0.02, 0.5, thick=0.1, face=("outer", "outer"), end=0.2, enforcement="penalty", **key
+        )
         path = tmp_path / f"{len(key)}.vtkhdf"
         half.run(progress=False, output=path, until=0.1)
         rest = half.run(progress=False, output=tmp_path / f"{len(key)}b.vtkhdf", restart=path)

@@ -30,20 +30,44 @@ def scene(own=True):
     """Two bars, one of them a mesh of arrays, that meet on a spring written in Python."""
     made = ct.Scene(title="two bars", units={"length": "mm", "mass": "t", "time": "s"})
     made.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
-    made.add_body("left", material="steel", element="hex8", box={"origin": [-2, 0, 0], "size": [2, 1, 1], "cells": [4, 2, 2]}, velocity=[1000, 0, 0])
+    made.add_body(
+        "left",
+        material="steel",
+        element="hex8",
+        box={"origin": [-2, 0, 0], "size": [2, 1, 1], "cells": [4, 2, 2]},
+        velocity=[1000, 0, 0],
+    )
     nodes = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
     made.add_body("right", material="steel", nodes=nodes, elements=[[0, 1, 3, 2, 4, 5, 7, 6]])
     made.add_contact("left.x_max", "right.x_min")
     made.add("gravity", acceleration=[0, 0, -9810])
     if own:
-        made.add_effect("spring", "right", "x_max", functools.partial(hold, k=100.0), energy=functools.partial(stored, k=100.0), omega_squared=100 / 1e-9)
+        made.add_effect(
+            "spring",
+            "right",
+            "x_max",
+            functools.partial(hold, k=100.0),
+            energy=functools.partial(stored, k=100.0),
+            omega_squared=100 / 1e-9,
+        )
     return made.set_time(end=5e-7, fraction=0.5)
 
 
 def same(a, b):
-    tables = all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("energy", "momentum", "steps"))
-    return tables and a.bodies == b.bodies and a.units == b.units and all(
-        np.array_equal(getattr(a.state[name], field), getattr(b.state[name], field)) for name in a.bodies for field in ("displacement", "velocity", "stress", "nodes", "elements"))
+    tables = all(
+        np.array_equal(getattr(a, name), getattr(b, name))
+        for name in ("energy", "momentum", "steps")
+    )
+    return (
+        tables
+        and a.bodies == b.bodies
+        and a.units == b.units
+        and all(
+            np.array_equal(getattr(a.state[name], field), getattr(b.state[name], field))
+            for name in a.bodies
+            for field in ("displacement", "velocity", "stress", "nodes", "elements")
+        )
+    )
 
 
 @pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
@@ -53,7 +77,11 @@ def test_a_copy_of_a_scene_gives_the_same_bits(way, built):
     if built:
         first.explain()
     second = way(first)
-    assert second.data["title"] == "two bars" and second.toml() == first.toml() and repr(second) == repr(first)
+    assert (
+        second.data["title"] == "two bars"
+        and second.toml() == first.toml()
+        and repr(second) == repr(first)
+    )
     assert same(second.run(progress=False), first.run(progress=False))
 
 
@@ -62,15 +90,27 @@ def test_a_copy_of_a_scene_goes_its_own_way(way):
     first = scene(own=False)
     before = first.toml()
     second = way(first)
-    second.set_time(end=1e-7, fraction=0.25).add_effect("spring", "left", "x_min", functools.partial(hold, k=1.0))
+    second.set_time(end=1e-7, fraction=0.25).add_effect(
+        "spring", "left", "x_min", functools.partial(hold, k=1.0)
+    )
     assert first.toml() == before and second.toml() != before
-    assert "spring" not in first.run(progress=False).energy.dtype.names and "spring" in second.run(progress=False).energy.dtype.names
+    assert (
+        "spring" not in first.run(progress=False).energy.dtype.names
+        and "spring" in second.run(progress=False).energy.dtype.names
+    )
 
 
 def test_a_scene_that_is_not_whole_yet_can_be_copied():
-    first = ct.Scene(title="", units={"length": "mm", "mass": "t", "time": "s"}).add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
+    first = ct.Scene(title="", units={"length": "mm", "mass": "t", "time": "s"}).add_material(
+        "steel", young=2.1e5, poisson=0.3, density=7.8e-9
+    )
     for way in WAYS:
-        second = way(first).add_body("bar", material="steel", element="hex8", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]})
+        second = way(first).add_body(
+            "bar",
+            material="steel",
+            element="hex8",
+            box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]},
+        )
         assert len(second.set_time(end=1e-7, fraction=0.5).run(progress=False).time) > 1
     assert "body" not in first.data
 
@@ -87,9 +127,19 @@ def test_a_copy_of_a_run_has_its_tables_and_its_state(way):
     run = scene().run(progress=False)
     other = way(run)
     assert same(other, run) and repr(other) == repr(run)
-    assert len(other.contact) == 1 and np.array_equal(other.contact[0]["pressure"], run.contact[0]["pressure"]) and other.penetration == run.penetration
-    assert other.impulse.keys() == run.impulse.keys() and other.dt == run.dt and other.costs == run.costs
-    line = [np.array(each.line("stress_xx", [-2, 0.5, 0.5], [1, 0.5, 0.5], 21)) for each in (run, other)]
+    assert (
+        len(other.contact) == 1
+        and np.array_equal(other.contact[0]["pressure"], run.contact[0]["pressure"])
+        and other.penetration == run.penetration
+    )
+    assert (
+        other.impulse.keys() == run.impulse.keys()
+        and other.dt == run.dt
+        and other.costs == run.costs
+    )
+    line = [
+        np.array(each.line("stress_xx", [-2, 0.5, 0.5], [1, 0.5, 0.5], 21)) for each in (run, other)
+    ]
     np.testing.assert_array_equal(*line)
     with pytest.raises(ValueError, match="read-only"):
         other.state["left"].displacement[0, 0] = 1.0
@@ -104,20 +154,32 @@ def test_a_copy_can_be_saved_a_pickle_without_a_file_can_not(tmp_path):
     with pytest.raises(ValueError, match="no file and no state"):
         pickled(run).save(tmp_path / "pickle.vtkhdf")
     written = scene().run(progress=False, output=tmp_path / "run.vtkhdf")
-    assert pickled(written).path == written.path and same(pickled(ct.Run.load(written.path)), ct.Run.load(written.path))
+    assert pickled(written).path == written.path and same(
+        pickled(ct.Run.load(written.path)), ct.Run.load(written.path)
+    )
 
 
 def test_errors_come_through_a_pickle():
     with pytest.raises(ct.SceneError) as refused:
         scene().add_material("steel", young=-1, poisson=0.3, density=1)
     again = pickled(refused.value)
-    assert str(again) == str(refused.value) and (again.key, again.reason, again.file) == (refused.value.key, refused.value.reason, refused.value.file)
+    assert str(again) == str(refused.value) and (again.key, again.reason, again.file) == (
+        refused.value.key,
+        refused.value.reason,
+        refused.value.file,
+    )
 
-    made = scene(own=False).add_effect("late", "right", "x_max", functools.partial(fail, after=3e-7))
+    made = scene(own=False).add_effect(
+        "late", "right", "x_max", functools.partial(fail, after=3e-7)
+    )
     with pytest.raises(ct.RunError) as failed:
         made.run(progress=False)
     again = pickled(failed.value)
-    assert str(again) == str(failed.value) and again.step == failed.value.step and same(again.run, failed.value.run)
+    assert (
+        str(again) == str(failed.value)
+        and again.step == failed.value.step
+        and same(again.run, failed.value.run)
+    )
 
 
 def fail(view, after):

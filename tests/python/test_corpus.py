@@ -29,8 +29,12 @@ def run(method):
             answer = ct.project(case["kind"], case["nodes"], [case["point"]], method=method)
         except NotImplementedError:
             pytest.skip(f"{method} is not in this build")
-        error = (answer.distance[0] - case["distance"]) / max(case["distance"], corpus.face_size(case["nodes"]))
-        found.append((error, answer.evaluations[0], answer.status[0], answer.where[0], answer.certified[0]))
+        error = (answer.distance[0] - case["distance"]) / max(
+            case["distance"], corpus.face_size(case["nodes"])
+        )
+        found.append(
+            (error, answer.evaluations[0], answer.status[0], answer.where[0], answer.certified[0])
+        )
     return [np.array(column) for column in zip(*found)]
 
 
@@ -43,15 +47,21 @@ def test_the_stored_cases_are_those_of_the_generator():
     assert len(cases) == len(CASES) >= 2000
     for (category, kind, nodes, point), stored in zip(cases, CASES):
         assert (category, kind) == (stored["category"], stored["kind"])
-        np.testing.assert_allclose(nodes, stored["nodes"], rtol=1e-12, atol=1e-12 * np.max(np.abs(nodes)))
-        np.testing.assert_allclose(point, stored["point"], rtol=1e-12, atol=1e-12 * np.max(np.abs(point)))
+        np.testing.assert_allclose(
+            nodes, stored["nodes"], rtol=1e-12, atol=1e-12 * np.max(np.abs(nodes))
+        )
+        np.testing.assert_allclose(
+            point, stored["point"], rtol=1e-12, atol=1e-12 * np.max(np.abs(point))
+        )
 
 
 def test_truths_of_a_random_sample_come_out_again():
     for i in np.random.default_rng().choice(len(CASES), 20, replace=False):
         case = CASES[i]
         distance, _, _ = corpus.truth(case["kind"], case["nodes"], case["point"])
-        assert distance == pytest.approx(case["distance"], rel=1e-11, abs=1e-12 * corpus.face_size(case["nodes"])), (i, case["category"])
+        assert distance == pytest.approx(
+            case["distance"], rel=1e-11, abs=1e-12 * corpus.face_size(case["nodes"])
+        ), (i, case["category"])
 
 
 def test_no_fine_sample_of_a_face_is_closer_than_the_truth():
@@ -59,28 +69,42 @@ def test_no_fine_sample_of_a_face_is_closer_than_the_truth():
     for case in CASES[::5]:
         kind = case["kind"]
         u, v = (2 * x - 1, 2 * y - 1) if kind[0] == "Q" else (x[x + y <= 1], y[x + y <= 1])
-        A = np.array([[a**i * b**j for i, j in corpus.POWERS[kind]] for a, b in corpus.REFERENCE[kind]])
-        c = np.linalg.inv(A).astype(np.longdouble).round(10) @ (case["nodes"].astype(np.longdouble) - case["point"])
+        A = np.array(
+            [[a**i * b**j for i, j in corpus.POWERS[kind]] for a, b in corpus.REFERENCE[kind]]
+        )
+        c = np.linalg.inv(A).astype(np.longdouble).round(10) @ (
+            case["nodes"].astype(np.longdouble) - case["point"]
+        )
         d = sum(row * (u**i * v**j)[..., None] for row, (i, j) in zip(c, corpus.POWERS[kind]))
         nearest = np.sqrt(np.min(np.sum(d * d, axis=-1)))
-        assert nearest >= case["distance"] - 1e-15 * max(case["distance"], corpus.face_size(case["nodes"])), case["category"]
+        assert nearest >= case["distance"] - 1e-15 * max(
+            case["distance"], corpus.face_size(case["nodes"])
+        ), case["category"]
 
 
 def test_robust_finds_the_closest_point():
     error, evaluations, _, _, _ = run("robust")
     assert np.min(error) > -1e-12  # nothing is closer than the truth
     wrong = ~(np.abs(error) <= RIGHT)
-    print(f"robust: {100 * np.mean(~wrong):.2f} % right, misses {by_category(wrong)}, median {np.median(evaluations):.0f} evaluations")
+    print(
+        f"robust: {100 * np.mean(~wrong):.2f} % right, misses {by_category(wrong)}, median {np.median(evaluations):.0f} evaluations"
+    )
     assert np.mean(~wrong) >= 0.9984
     for i in np.flatnonzero(wrong):
-        assert CATEGORY[i] in MAY_MISS or CASES[i]["kind"] == "T6" and CATEGORY[i] == "centre_of_curvature", (i, CATEGORY[i], error[i])
+        assert (
+            CATEGORY[i] in MAY_MISS
+            or CASES[i]["kind"] == "T6"
+            and CATEGORY[i] == "centre_of_curvature"
+        ), (i, CATEGORY[i], error[i])
 
 
 def test_certified_is_always_right_and_never_claims_too_much():
     error, _, _, _, certified = run("certified")
     wrong = ~(np.abs(error) <= RIGHT)
-    print(f"certified: {100 * np.mean(~wrong):.2f} % right, {100 * np.mean(~certified):.2f} % without a certificate {by_category(~certified)}, "
-          f"{100 * np.mean(np.abs(error) <= 1e-10):.2f} % at 1e-10")
+    print(
+        f"certified: {100 * np.mean(~wrong):.2f} % right, {100 * np.mean(~certified):.2f} % without a certificate {by_category(~certified)}, "
+        f"{100 * np.mean(np.abs(error) <= 1e-10):.2f} % at 1e-10"
+    )
     assert not np.any(certified & ~(np.abs(error) <= 1e-10))  # what a certificate says
     assert not np.any(wrong), by_category(wrong)
     assert np.mean(np.abs(error) <= 1e-10) >= 0.999
@@ -90,7 +114,9 @@ def test_certified_is_always_right_and_never_claims_too_much():
 def test_the_simplex_of_the_paper_is_right_or_says_outside():
     error, evaluations, _, where, _ = run("simplex")
     right = (np.abs(error) <= RIGHT) | (~INSIDE & (where == "outside"))
-    print(f"simplex: {100 * np.mean(right):.2f} % right, misses {by_category(~right)}, median {np.median(evaluations):.0f} evaluations")
+    print(
+        f"simplex: {100 * np.mean(right):.2f} % right, misses {by_category(~right)}, median {np.median(evaluations):.0f} evaluations"
+    )
     assert np.mean(right) >= 0.95
     assert np.median(evaluations) <= 300
     # It stops early in long narrow valleys, and nearly nowhere else.
@@ -105,4 +131,6 @@ def test_newton_needs_few_looks_and_fails_often():
     assert 0.7 < np.mean(right) < 0.95 and np.median(evaluations) <= 6
     ordinary = CATEGORY == "ordinary"
     assert np.all(right[ordinary])
-    assert np.mean(right[CATEGORY == "two_lobes"]) < 0.5 and np.all(status[(CATEGORY == "two_lobes") & ~right] != ct.Status.OK)
+    assert np.mean(right[CATEGORY == "two_lobes"]) < 0.5 and np.all(
+        status[(CATEGORY == "two_lobes") & ~right] != ct.Status.OK
+    )

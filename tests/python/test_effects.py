@@ -11,34 +11,63 @@ UNITS = {"length": "m", "mass": "kg", "time": "s"}
 def bar(cells=100, length=10.0, width=0.1, **body):
     scene = ct.Scene(units=UNITS)
     scene.add_material("soft", young=900.0, poisson=0.0, density=1.0)
-    return scene.add_body("bar", material="soft", box={"origin": [0, 0, 0], "size": [length, width, width], "cells": [cells, 1, 1]}, **body)
+    return scene.add_body(
+        "bar",
+        material="soft",
+        box={"origin": [0, 0, 0], "size": [length, width, width], "cells": [cells, 1, 1]},
+        **body,
+    )
 
 
 def test_a_thrown_body_rises_and_falls_and_the_ledger_has_its_weight():
-    scene = bar(velocity=[0, 0, 5]).add("gravity", acceleration=[0, 0, -10]).set_time(end=0.2, fraction=0.9)
+    scene = (
+        bar(velocity=[0, 0, 5])
+        .add("gravity", acceleration=[0, 0, -10])
+        .set_time(end=0.2, fraction=0.9)
+    )
     run = scene.run(progress=False)
     t = run.time[-1]
     np.testing.assert_allclose(run.state["bar"].displacement[:, 2], 5 * t - 5 * t**2, rtol=1e-12)
     assert run.energy.dtype.names[-1] == "gravity"
-    np.testing.assert_allclose(run.energy["kinetic"] + run.energy["strain"] + run.energy["gravity"], run.energy["total"], rtol=1e-12)
+    np.testing.assert_allclose(
+        run.energy["kinetic"] + run.energy["strain"] + run.energy["gravity"],
+        run.energy["total"],
+        rtol=1e-12,
+    )
     np.testing.assert_allclose(run.energy["total"], run.energy["total"][0], rtol=1e-12)
 
 
 def test_gravity_of_some_bodies_leaves_the_others():
     scene = bar()
-    scene.add_body("free", material="soft", box={"origin": [0, 1, 0], "size": [1, 1, 1], "cells": [1, 1, 1]})
-    run = scene.add("gravity", acceleration=[0, 0, -10], bodies=["bar"]).set_time(end=0.1, fraction=0.9).run(progress=False)
-    assert not run.state["free"].displacement.any() and run.state["bar"].displacement[:, 2].max() < 0
+    scene.add_body(
+        "free", material="soft", box={"origin": [0, 1, 0], "size": [1, 1, 1], "cells": [1, 1, 1]}
+    )
+    run = (
+        scene.add("gravity", acceleration=[0, 0, -10], bodies=["bar"])
+        .set_time(end=0.1, fraction=0.9)
+        .run(progress=False)
+    )
+    assert (
+        not run.state["free"].displacement.any() and run.state["bar"].displacement[:, 2].max() < 0
+    )
 
 
 def test_a_load_with_a_history_pulls_a_wave_of_its_shape():
     """The stress at x is the traction at the end, delayed by the way over c = 30."""
-    scene = bar(cells=200).add("load", surface="bar.x_max", traction=[2, 0, 0], history={"time": [0, 0.1, 0.2], "value": [0, 1, 0]})
+    scene = bar(cells=200).add(
+        "load",
+        surface="bar.x_max",
+        traction=[2, 0, 0],
+        history={"time": [0, 0.1, 0.2], "value": [0, 1, 0]},
+    )
     run = scene.set_time(end=0.2, fraction=0.9).run(progress=False)
     x, stress = run.line("stress_xx", [4.1, 0.05, 0.05], [9.9, 0.05, 0.05], n=50)
     exact = 2 * np.interp(run.time[-1] - (5.9 - x) / 30, [0, 0.1, 0.2], [0, 1, 0])
     assert np.max(np.abs(stress - exact)) < 0.05
-    assert run.energy["external"][-1] == pytest.approx(run.energy["load"][-1]) and run.energy["load"][-1] > 0
+    assert (
+        run.energy["external"][-1] == pytest.approx(run.energy["load"][-1])
+        and run.energy["load"][-1] > 0
+    )
 
 
 def test_an_absorbing_end_takes_the_wave():
@@ -53,26 +82,42 @@ def test_an_absorbing_end_takes_the_wave():
 
 def test_damping_ends_in_the_static_solution():
     """A bar under its own weight, hung up at one end, comes to rest with the end lower by rho g L^2 / (2 E)."""
-    scene = bar(cells=20).add_support("bar.x_min", fix="xyz").add("gravity", acceleration=[10, 0, 0])
+    scene = (
+        bar(cells=20).add_support("bar.x_min", fix="xyz").add("gravity", acceleration=[10, 0, 0])
+    )
     scene.add("damping", rate=2 * np.pi / 2 * 30 / 10).set_time(end=12, fraction=0.9)
     run = scene.run(progress=False)
-    assert run.state["bar"].displacement[:, 0].max() == pytest.approx(1 * 10 * 100 / (2 * 900), rel=1e-3)
+    assert run.state["bar"].displacement[:, 0].max() == pytest.approx(
+        1 * 10 * 100 / (2 * 900), rel=1e-3
+    )
     assert run.energy["kinetic"][-1] < 1e-12 * run.energy["strain"][-1]
     assert run.energy["damping"][-1] < 0
 
 
 def test_a_restart_has_the_same_bits_with_forces_that_go_with_velocity(tmp_path):
     pytest.importorskip("h5py")
-    scene = bar().add("damping", rate=3).add("gravity", acceleration=[1, 2, 3]).add("absorb", surface="bar.x_max")
-    scene.add("load", surface="bar.x_min", pressure=1.0, following=True).set_time(end=0.1, fraction=0.9)
+    scene = (
+        bar()
+        .add("damping", rate=3)
+        .add("gravity", acceleration=[1, 2, 3])
+        .add("absorb", surface="bar.x_max")
+    )
+    scene.add("load", surface="bar.x_min", pressure=1.0, following=True).set_time(
+        end=0.1, fraction=0.9
+    )
     scene.set_output(tmp_path / "whole.vtkhdf", every=20)
     whole = scene.run(progress=False)
     scene.run(progress=False, until=0.05, output=tmp_path / "half.vtkhdf")
-    rest = scene.run(progress=False, restart=tmp_path / "half.vtkhdf", output=tmp_path / "rest.vtkhdf")
+    rest = scene.run(
+        progress=False, restart=tmp_path / "half.vtkhdf", output=tmp_path / "rest.vtkhdf"
+    )
     assert rest.state["bar"].displacement.tobytes() == whole.state["bar"].displacement.tobytes()
     assert rest.energy[-1].tobytes() == whole.energy[-1].tobytes()
     loaded = ct.Run.load(tmp_path / "whole.vtkhdf")
-    assert loaded.energy.dtype == whole.energy.dtype and loaded.energy.tobytes() == whole.energy.tobytes()
+    assert (
+        loaded.energy.dtype == whole.energy.dtype
+        and loaded.energy.tobytes() == whole.energy.tobytes()
+    )
 
 
 def test_explain_tells_what_is_on_and_what_is_not():
@@ -81,21 +126,40 @@ def test_explain_tells_what_is_on_and_what_is_not():
     assert "gravity" in text.data["effects"] and "gravity" not in text.data["left_out"]
 
 
-@pytest.mark.parametrize("effect, entries, words", [
-    ("gravity", {}, ["gravity.acceleration", "missing"]),
-    ("gravity", {"acceleration": [0, 0]}, ["gravity.acceleration", "3"]),
-    ("gravity", {"acceleration": [0, 0, 1], "bodies": ["baar"]}, ["gravity.bodies[0]", 'did you mean "bar"']),
-    ("gravity", {"acceleration": [0, 0, 1], "bodies": []}, ["gravity.bodies", "empty"]),
-    ("gravity", {"acceleration": [0, 0, 1], "acc": 1}, ["gravity.acc", "unknown key"]),
-    ("damping", {"rate": -1}, ["damping.rate", "at least 0"]),
-    ("load", {"surface": "bar.x_max"}, ["load[0]", "neither a traction nor a pressure"]),
-    ("load", {"surface": "bar.top", "pressure": 1}, ["load[0].surface", "no face"]),
-    ("load", {"surface": "bar.x_max", "traction": [1, 0, 0], "following": True}, ["load[0].following", "only a pressure follows"]),
-    ("load", {"surface": "bar.x_max", "pressure": 1, "history": {"time": [0, 1], "value": [1]}}, ["load[0].history.value", "both need as many"]),
-    ("load", {"surface": "bar.x_max", "pressure": 1, "history": {"time": [1, 0], "value": [1, 1]}}, ["load[0].history.time[1]", "before"]),
-    ("absorb", {"surface": 3}, ["absorb[0].surface", "must be a text"]),
-    ("gravty", {}, ['did you mean "gravity"']),
-])
+@pytest.mark.parametrize(
+    "effect, entries, words",
+    [
+        ("gravity", {}, ["gravity.acceleration", "missing"]),
+        ("gravity", {"acceleration": [0, 0]}, ["gravity.acceleration", "3"]),
+        (
+            "gravity",
+            {"acceleration": [0, 0, 1], "bodies": ["baar"]},
+            ["gravity.bodies[0]", 'did you mean "bar"'],
+        ),
+        ("gravity", {"acceleration": [0, 0, 1], "bodies": []}, ["gravity.bodies", "empty"]),
+        ("gravity", {"acceleration": [0, 0, 1], "acc": 1}, ["gravity.acc", "unknown key"]),
+        ("damping", {"rate": -1}, ["damping.rate", "at least 0"]),
+        ("load", {"surface": "bar.x_max"}, ["load[0]", "neither a traction nor a pressure"]),
+        ("load", {"surface": "bar.top", "pressure": 1}, ["load[0].surface", "no face"]),
+        (
+            "load",
+            {"surface": "bar.x_max", "traction": [1, 0, 0], "following": True},
+            ["load[0].following", "only a pressure follows"],
+        ),
+        (
+            "load",
+            {"surface": "bar.x_max", "pressure": 1, "history": {"time": [0, 1], "value": [1]}},
+            ["load[0].history.value", "both need as many"],
+        ),
+        (
+            "load",
+            {"surface": "bar.x_max", "pressure": 1, "history": {"time": [1, 0], "value": [1, 1]}},
+            ["load[0].history.time[1]", "before"],
+        ),
+        ("absorb", {"surface": 3}, ["absorb[0].surface", "must be a text"]),
+        ("gravty", {}, ['did you mean "gravity"']),
+    ],
+)
 def test_what_cannot_be_is_refused_with_key_and_reason(effect, entries, words):
     with pytest.raises(ct.SceneError) as refused:
         bar().add(effect, **entries)
@@ -119,16 +183,29 @@ def test_a_step_above_the_damped_limit_is_refused():
 
 def spring(scene, k=2.0, **more):
     """A spring from each node of the end to where it began."""
-    return scene.add_effect("spring", "bar", "x_max", lambda view: -k * view.displacement,
-                            energy=lambda view: 0.5 * k * np.sum(view.displacement**2), omega_squared=k / (0.1**3 / 8), **more)
+    return scene.add_effect(
+        "spring",
+        "bar",
+        "x_max",
+        lambda view: -k * view.displacement,
+        energy=lambda view: 0.5 * k * np.sum(view.displacement**2),
+        omega_squared=k / (0.1**3 / 8),
+        **more,
+    )
 
 
 def test_a_spring_written_in_python_turns_a_body_back():
     """A bar (10 x 0.1 x 0.1, mass 0.1) on four springs of k = 2e-3: omega^2 = 8e-3 / 0.1, but for the bar's own stiffness E A / L = 0.9."""
-    scene = spring(bar(velocity=[0.01, 0, 0]), k=2e-3).set_time(end=np.pi / np.sqrt(8e-3 / 0.1), fraction=0.9).set_output(every=1)
+    scene = (
+        spring(bar(velocity=[0.01, 0, 0]), k=2e-3)
+        .set_time(end=np.pi / np.sqrt(8e-3 / 0.1), fraction=0.9)
+        .set_output(every=1)
+    )
     run = scene.run(progress=False)
     assert run.state["bar"].velocity[:, 0].mean() == pytest.approx(-0.01, rel=1e-3)
-    assert run.energy.dtype.names[-1] == "spring" and run.energy["spring"].max() == pytest.approx(run.energy["kinetic"][0], rel=1e-2)
+    assert run.energy.dtype.names[-1] == "spring" and run.energy["spring"].max() == pytest.approx(
+        run.energy["kinetic"][0], rel=1e-2
+    )
     np.testing.assert_allclose(run.energy["total"], run.energy["total"][0], rtol=1e-12)
     assert abs(run.energy["balance"]).max() < 1e-12 * run.energy["kinetic"][0]
 
@@ -152,18 +229,46 @@ def test_what_the_function_raises_ends_the_run_and_names_the_effect():
     assert 0 < failed.value.run.time[-1] <= 0.051
 
 
-@pytest.mark.parametrize("answer, words", [(np.zeros((3, 3)), "shape"), (np.full((2, 3), np.nan), "not finite"), ("text", "real numbers"),
-                                           (np.full((2, 3), 1 + 2j), "complex128"), (np.zeros((2, 3), np.complex64), "complex64"), ([["1.0"] * 3] * 2, "real numbers"),
-                                           (np.zeros((2, 3), object), "object"), (np.zeros((2, 3), bool), "bool"), (None, "object")])
+@pytest.mark.parametrize(
+    "answer, words",
+    [
+        (np.zeros((3, 3)), "shape"),
+        (np.full((2, 3), np.nan), "not finite"),
+        ("text", "real numbers"),
+        (np.full((2, 3), 1 + 2j), "complex128"),
+        (np.zeros((2, 3), np.complex64), "complex64"),
+        ([["1.0"] * 3] * 2, "real numbers"),
+        (np.zeros((2, 3), object), "object"),
+        (np.zeros((2, 3), bool), "bool"),
+        (None, "object"),
+    ],
+)
 def test_an_impossible_force_is_refused(answer, words):
-    scene = bar().add_effect("mine", "bar", [0, 3], lambda view: answer).set_time(end=1, fraction=0.9)
+    scene = (
+        bar().add_effect("mine", "bar", [0, 3], lambda view: answer).set_time(end=1, fraction=0.9)
+    )
     with pytest.raises(ct.Error, match=f"effect mine: .*{words}"):
         scene.run(progress=False)
 
 
-@pytest.mark.parametrize("answer, words", [(1j, "complex128"), (np.complex64(1), "complex64"), ("1", "real numbers"), ([1.0, 2.0], "shape"), (None, "object")])
+@pytest.mark.parametrize(
+    "answer, words",
+    [
+        (1j, "complex128"),
+        (np.complex64(1), "complex64"),
+        ("1", "real numbers"),
+        ([1.0, 2.0], "shape"),
+        (None, "object"),
+    ],
+)
 def test_an_impossible_energy_is_refused(answer, words):
-    scene = bar().add_effect("mine", "bar", [0, 3], lambda view: np.zeros((2, 3)), energy=lambda view: answer).set_time(end=1, fraction=0.9)
+    scene = (
+        bar()
+        .add_effect(
+            "mine", "bar", [0, 3], lambda view: np.zeros((2, 3)), energy=lambda view: answer
+        )
+        .set_time(end=1, fraction=0.9)
+    )
     with pytest.raises(ct.Error, match=f"effect mine: .*{words}"):
         scene.run(progress=False)
 
@@ -171,18 +276,33 @@ def test_an_impossible_energy_is_refused(answer, words):
 @pytest.mark.parametrize("kind", [np.float32, np.int8, np.uint64, np.longdouble])
 def test_a_force_may_be_of_any_real_numbers(kind):
     """The same numbers, which each of the types can hold, give the same bits."""
+
     def pushed(kind):
         force = np.array([[1, 2, 3], [4, 0, 64]], kind)
-        return bar().add_effect("mine", "bar", [0, 3], lambda view: force).set_time(end=0.01, fraction=0.9).run(progress=False)
+        return (
+            bar()
+            .add_effect("mine", "bar", [0, 3], lambda view: force)
+            .set_time(end=0.01, fraction=0.9)
+            .run(progress=False)
+        )
 
-    np.testing.assert_array_equal(pushed(kind).state["bar"].displacement, pushed(np.float64).state["bar"].displacement)
+    np.testing.assert_array_equal(
+        pushed(kind).state["bar"].displacement, pushed(np.float64).state["bar"].displacement
+    )
 
 
-@pytest.mark.parametrize("reason", [SystemExit(7), KeyboardInterrupt(), GeneratorExit()], ids=lambda reason: type(reason).__name__)
+@pytest.mark.parametrize(
+    "reason",
+    [SystemExit(7), KeyboardInterrupt(), GeneratorExit()],
+    ids=lambda reason: type(reason).__name__,
+)
 @pytest.mark.parametrize("when", [-1.0, 0.05])
 @pytest.mark.parametrize("function", ["force", "energy"])
-def test_what_ends_a_program_ends_it_from_within_a_function(reason, when, function, tmp_path, capfd):
+def test_what_ends_a_program_ends_it_from_within_a_function(
+    reason, when, function, tmp_path, capfd
+):
     """At the first call and in the middle of a run; the file stays as it was recorded."""
+
     def leave(view):
         if view.time > when:
             raise reason
@@ -198,7 +318,12 @@ def test_what_ends_a_program_ends_it_from_within_a_function(reason, when, functi
         return 0.0
 
     path = tmp_path / "run.vtkhdf"
-    scene = bar(velocity=[1, 0, 0]).add_effect("mine", "bar", [0, 3], force, energy=energy).set_time(end=1, fraction=0.9).set_output(every=1)
+    scene = (
+        bar(velocity=[1, 0, 0])
+        .add_effect("mine", "bar", [0, 3], force, energy=energy)
+        .set_time(end=1, fraction=0.9)
+        .set_output(every=1)
+    )
     with pytest.raises(type(reason)) as left:
         scene.run(progress=False, output=path if ct.has("hdf5") else False)
     assert left.value is reason
@@ -208,7 +333,9 @@ def test_what_ends_a_program_ends_it_from_within_a_function(reason, when, functi
         assert 0 < ct.Run.load(path).time[-1] <= 0.06
     # Nothing of it is left for the next run.
     with pytest.raises(ct.SceneError, match="output.file"):
-        bar().set_time(end=0.01, fraction=0.9).run(progress=False, output=tmp_path / "none" / "run.vtkhdf")
+        bar().set_time(end=0.01, fraction=0.9).run(
+            progress=False, output=tmp_path / "none" / "run.vtkhdf"
+        )
 
 
 def test_a_long_text_of_an_exception_is_cut_between_characters():
@@ -216,7 +343,9 @@ def test_a_long_text_of_an_exception_is_cut_between_characters():
         raise ValueError("ε" * 5000)
 
     with pytest.raises(ct.Error, match=r"effect mine: ValueError: ε+\.\.\.") as failed:
-        bar().add_effect("mine", "bar", [0, 3], force).set_time(end=1, fraction=0.9).run(progress=False)
+        bar().add_effect("mine", "bar", [0, 3], force).set_time(end=1, fraction=0.9).run(
+            progress=False
+        )
     assert "\ufffd" not in str(failed.value)
 
 
@@ -227,7 +356,12 @@ def test_the_view_is_that_of_the_nodes_and_cannot_be_written():
         seen.append((view, view.reference, view.velocity, view.displacement))
         return np.zeros((2, 3))
 
-    run = bar(velocity=[1, 2, 3]).add_effect("mine", "bar", [5, 0], force).set_time(end=0.01, fraction=0.9).run(progress=False)
+    run = (
+        bar(velocity=[1, 2, 3])
+        .add_effect("mine", "bar", [5, 0], force)
+        .set_time(end=0.01, fraction=0.9)
+        .run(progress=False)
+    )
     view, reference, velocity, displacement = seen[-1]
     np.testing.assert_array_equal(reference, run.state["bar"].nodes[[0, 5]])
     np.testing.assert_allclose(velocity, [[1, 2, 3]] * 2, rtol=1e-12)
@@ -245,6 +379,10 @@ def test_a_function_cannot_be_saved_and_names_are_checked(tmp_path):
         with pytest.raises(ct.SceneError):
             scene.add_effect(name, "bar", "x_max", lambda view: 0)
     with pytest.raises(ct.SceneError, match="no body"):
-        bar().add_effect("mine", "baar", [0], lambda view: 0).set_time(end=1, fraction=0.9).explain()
+        bar().add_effect("mine", "baar", [0], lambda view: 0).set_time(
+            end=1, fraction=0.9
+        ).explain()
     with pytest.raises(ct.SceneError, match="whole numbers"):
-        bar().add_effect("mine", "bar", [10**6], lambda view: 0).set_time(end=1, fraction=0.9).explain()
+        bar().add_effect("mine", "bar", [10**6], lambda view: 0).set_time(
+            end=1, fraction=0.9
+        ).explain()

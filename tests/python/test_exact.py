@@ -29,9 +29,20 @@ def kernels(p, kappa):
     a = kappa**2 - 2 * p**2
     q = 2 / ((1 - p**2) * (a**2 + 4 * p**2 * g1 * g2))
     e = kappa**2 - 2
-    dilatational = [q * a * (e + 2 * p**2), q * a**2, -2 * q * p * g1 * a, e * q * p * a, -e * q * g1 * a]
-    shear = [-4 * q * p**2 * g1 * g2, 4 * q * p**2 * g1 * g2, 2 * q * p * g1 * a, -2 * e * q * p * g1 * g2,
-             -2 * e * q * p**2 * g1]
+    dilatational = [
+        q * a * (e + 2 * p**2),
+        q * a**2,
+        -2 * q * p * g1 * a,
+        e * q * p * a,
+        -e * q * g1 * a,
+    ]
+    shear = [
+        -4 * q * p**2 * g1 * g2,
+        4 * q * p**2 * g1 * g2,
+        2 * q * p * g1 * a,
+        -2 * e * q * p * g1 * g2,
+        -2 * e * q * p**2 * g1,
+    ]
     return dilatational, shear
 
 
@@ -47,13 +58,17 @@ def by_quadrature(x, z, t, nu):
                 continue
             end = (-x * t + 1j * y * mpmath.sqrt(t**2 - slowness**2 * r**2)) / r**2
             for i, sign in enumerate((1, 1, -side, 1, -side)):
-                value = mpmath.quad(lambda p: kernels(p, kappa)[wave][i], [0, 0.5j + 0.3j * abs(end), end])
+                value = mpmath.quad(
+                    lambda p: kernels(p, kappa)[wave][i], [0, 0.5j + 0.3j * abs(end), end]
+                )
                 total[i] += sign * float(mpmath.im(value) / mpmath.pi)
     return np.array(total)
 
 
 @pytest.mark.parametrize("nu", [0.1, 0.26308, 0.3, 0.45])
-@pytest.mark.parametrize("point", [(0.1, 0.7, 0.56), (0.3, -0.2, 1.7), (0.02, 0.99, 0.5), (0.9, 0.3, 0.7)])
+@pytest.mark.parametrize(
+    "point", [(0.1, 0.7, 0.56), (0.3, -0.2, 1.7), (0.02, 0.99, 0.5), (0.9, 0.3, 0.7)]
+)
 def test_closed_form_is_the_integral(point, nu):
     with mpmath.workdps(20):
         want = by_quadrature(*point, nu)
@@ -112,10 +127,17 @@ def test_arrays_broadcast_and_convert():
     assert all(a.shape == (4, 3) for a in (*fields.stress, *fields.velocity))
     for i in range(4):
         for j in range(3):
-            assert np.array_equal(flat(fields)[:, i, j], flat(ct.exact.plates(x[i, 0], z[0, j], 0.5)))
+            assert np.array_equal(
+                flat(fields)[:, i, j], flat(ct.exact.plates(x[i, 0], z[0, j], 0.5))
+            )
     single = np.float32(0.25)
-    assert np.array_equal(flat(ct.exact.plates(single, 0, 0.5)), flat(ct.exact.plates(0.25, 0.0, 0.5)))
-    assert np.ndim(fields.stress.sigma_x) == 2 and np.ndim(ct.exact.plates(0.1, 0.1, 0.1).velocity.v_x) == 0
+    assert np.array_equal(
+        flat(ct.exact.plates(single, 0, 0.5)), flat(ct.exact.plates(0.25, 0.0, 0.5))
+    )
+    assert (
+        np.ndim(fields.stress.sigma_x) == 2
+        and np.ndim(ct.exact.plates(0.1, 0.1, 0.1).velocity.v_x) == 0
+    )
     assert ct.exact.plates([], [], 0.5).stress.tau_xz.shape == (0,)
 
 
@@ -123,12 +145,24 @@ def test_mirror_image_has_the_same_bits():
     rng = np.random.default_rng(4)
     t = rng.uniform(0, 2, 2000)
     x, z = t * rng.uniform(0, 1, 2000), rng.uniform(-1, 1, 2000)
-    assert np.array_equal(flat(ct.exact.plates(x, z, t)), flat(ct.exact.plates(x, -z, t)) * [[1], [1], [-1], [1], [-1]])
+    assert np.array_equal(
+        flat(ct.exact.plates(x, z, t)),
+        flat(ct.exact.plates(x, -z, t)) * [[1], [1], [-1], [1], [-1]],
+    )
 
 
-@pytest.mark.parametrize("wrong, word", [((-0.1, 0, 0.5), "x < 0"), ((0.1, 1.1, 0.5), r"\|z\|"), ((0.1, 0, -1e-9), "t < 0"),
-                                         ((0.1, 0, 2), "t >= 2"), ((np.nan, 0, 1), "number"), ((0.1, 0, np.nan), "number"),
-                                         ((1.8, 0, 0.5), "2 length")])
+@pytest.mark.parametrize(
+    "wrong, word",
+    [
+        ((-0.1, 0, 0.5), "x < 0"),
+        ((0.1, 1.1, 0.5), r"\|z\|"),
+        ((0.1, 0, -1e-9), "t < 0"),
+        ((0.1, 0, 2), "t >= 2"),
+        ((np.nan, 0, 1), "number"),
+        ((0.1, 0, np.nan), "number"),
+        ((1.8, 0, 0.5), "2 length"),
+    ],
+)
 def test_points_outside_validity_are_refused_with_their_index(wrong, word):
     x, z, t = np.array([(0.1, 0.0, 0.5)] * 3 + [wrong] + [(-1, -9, -9)]).T
     with pytest.raises(ValueError, match=f"point 3 .*{word}"):

@@ -6,16 +6,18 @@ import warnings
 
 import numpy as np
 import pytest
-
-import libcontact as ct
-from libcontact import loop
 from libcontact._core import ffi, lib
 from libcontact.mesh import Mesh
 from libcontact.run import Run, RunError, State
 
+import libcontact as ct
+from libcontact import loop
+
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
 needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
-with_and_without_file = pytest.mark.parametrize("with_file", [False, pytest.param(True, marks=needs_hdf5)])
+with_and_without_file = pytest.mark.parametrize(
+    "with_file", [False, pytest.param(True, marks=needs_hdf5)]
+)
 
 
 def bars(law="linear", **time):
@@ -23,8 +25,14 @@ def bars(law="linear", **time):
     scene = ct.Scene(title="bars", units=UNITS)
     scene.add_material("rubber", young=2.0, poisson=0.0, density=2.0, law=law)
     for name, y in (("other", 5.0), ("bar", 0.0)):
-        scene.add_body(name, material="rubber", box={"origin": [0, y, 0], "size": [10, 1, 1], "cells": [10, 1, 1]})
-    scene.add_support("bar.x_min", fix=["x"]).add_support("bar.x_max", fix=["x"], velocity=[0.02, 0, 0])
+        scene.add_body(
+            name,
+            material="rubber",
+            box={"origin": [0, y, 0], "size": [10, 1, 1], "cells": [10, 1, 1]},
+        )
+    scene.add_support("bar.x_min", fix=["x"]).add_support(
+        "bar.x_max", fix=["x"], velocity=[0.02, 0, 0]
+    )
     return scene.set_time(**{"end": 400.0, "courant": 0.9, "look_every": 4, **time})
 
 
@@ -39,7 +47,11 @@ class Twisted:
 
     def ct_watch_steps(self, watch, state, count, error):
         if state.step < 40:
-            return lib.ct_watch_steps(watch, state, min(count, 40 - state.step), error) if count <= 40 - state.step else self.split(watch, state, count, error)
+            return (
+                lib.ct_watch_steps(watch, state, min(count, 40 - state.step), error)
+                if count <= 40 - state.step
+                else self.split(watch, state, count, error)
+            )
         if not self.done:
             self.done = True
             self.twist(state)
@@ -47,7 +59,9 @@ class Twisted:
 
     def split(self, watch, state, count, error):
         first = 40 - state.step
-        return lib.ct_watch_steps(watch, state, first, error) or self.ct_watch_steps(watch, state, count - first, error)
+        return lib.ct_watch_steps(watch, state, first, error) or self.ct_watch_steps(
+            watch, state, count - first, error
+        )
 
 
 def not_finite(state):
@@ -70,12 +84,17 @@ def failing(scene, kind, tmp_path, with_file, **how):
     with pytest.raises(kind) as caught:
         scene.run(progress=False, output=path if with_file else False, **how)
     error = caught.value
-    assert isinstance(error, (RunError, ct.Error)) and error.time == pytest.approx(error.step * error.run.dt)
+    assert isinstance(error, (RunError, ct.Error)) and error.time == pytest.approx(
+        error.step * error.run.dt
+    )
     assert error.checkpoint == (path if with_file else None)
     assert (str(path) in str(error)) == with_file and "last good state" in str(error)
     good = error.run.state
     assert isinstance(good, State) and good.step <= error.step
-    assert all(np.isfinite(good[body].displacement).all() and np.isfinite(good[body].velocity).all() for body in good)
+    assert all(
+        np.isfinite(good[body].displacement).all() and np.isfinite(good[body].velocity).all()
+        for body in good
+    )
     return error
 
 
@@ -83,24 +102,40 @@ def goes_on(scene, error, tmp_path, until):
     """The file of a fault opens, holds the last good state, and goes on to the same bits as a run in which nothing happened."""
     loaded = Run.load(error.checkpoint)
     assert loaded.state.step == error.run.state.step == loaded.steps[-1] == error.run.steps[-1]
-    rest = scene.run(progress=False, restart=error.checkpoint, output=tmp_path / "rest.vtkhdf", until=until)
+    rest = scene.run(
+        progress=False, restart=error.checkpoint, output=tmp_path / "rest.vtkhdf", until=until
+    )
     straight = scene.run(progress=False, output=False, until=until)
     assert rest.state.step == straight.state.step
     for body in straight.state:
-        assert rest.state[body].displacement.tobytes() == straight.state[body].displacement.tobytes()
+        assert (
+            rest.state[body].displacement.tobytes() == straight.state[body].displacement.tobytes()
+        )
         assert rest.state[body].velocity.tobytes() == straight.state[body].velocity.tobytes()
 
 
 @with_and_without_file
-@pytest.mark.parametrize(("twist", "law", "kind", "also"), [
-    (not_finite, "linear", ct.NotFinite, ct.BlowupError), (inside_out, "neo_hookean", ct.InvertedElement, ct.GeometryError),
-    (faster, "linear", ct.EnergyBlowup, ct.EnergyError)])
-def test_a_fault_has_a_name_and_the_run_goes_on_from_before_it(twist, law, kind, also, with_file, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("twist", "law", "kind", "also"),
+    [
+        (not_finite, "linear", ct.NotFinite, ct.BlowupError),
+        (inside_out, "neo_hookean", ct.InvertedElement, ct.GeometryError),
+        (faster, "linear", ct.EnergyBlowup, ct.EnergyError),
+    ],
+)
+def test_a_fault_has_a_name_and_the_run_goes_on_from_before_it(
+    twist, law, kind, also, with_file, tmp_path, monkeypatch
+):
     scene = bars(law)
     with monkeypatch.context() as patch:
         patch.setattr(loop, "lib", Twisted(twist))
         error = failing(scene, kind, tmp_path, with_file, until=100.0)
-    assert isinstance(error, also) and isinstance(error, RunError) and error.body_name == "bar" and error.body == 1
+    assert (
+        isinstance(error, also)
+        and isinstance(error, RunError)
+        and error.body_name == "bar"
+        and error.body == 1
+    )
     assert 40 < error.step <= 104 and error.run.state.step == 40
     assert (error.element is not None) == (kind is ct.InvertedElement) == (error.node is None)
     if with_file:
@@ -130,23 +165,41 @@ def test_a_run_whose_step_was_too_large_goes_on_with_a_smaller_one(tmp_path):
     """Beyond the stretch that ended it, with a third of the step; and it agrees with a run that had this step from the start, by the error of the larger step."""
     error = failing(bars("st_venant_kirchhoff"), ct.StepTooLarge, tmp_path, True)
     finer, until = bars("st_venant_kirchhoff", courant=0.31), 1.3 * error.time
-    rest = finer.run(progress=False, restart=error.checkpoint, output=tmp_path / "rest.vtkhdf", until=until)
-    assert rest.dt == error.run.dt / 3 and rest.steps[0] == 3 * good_step(error) and rest.time[0] == pytest.approx(error.run.state.time, rel=1e-15)
+    rest = finer.run(
+        progress=False, restart=error.checkpoint, output=tmp_path / "rest.vtkhdf", until=until
+    )
+    assert (
+        rest.dt == error.run.dt / 3
+        and rest.steps[0] == 3 * good_step(error)
+        and rest.time[0] == pytest.approx(error.run.state.time, rel=1e-15)
+    )
     scale = rest.energy["kinetic"].max()
     assert np.abs(rest.energy["balance"]).max() < 1e-10 * scale
     assert abs(rest.energy["strain"][0] - error.run.energy["strain"][-1]) < 1e-12 * scale
     # The file has the new step, and a second run that only goes on has the same bits.
     loaded = Run.load(tmp_path / "rest.vtkhdf")
     assert loaded.dt == rest.dt and tomllib.loads(loaded.scene)["time"]["courant"] == 0.31
-    part = finer.run(progress=False, restart=error.checkpoint, output=tmp_path / "part.vtkhdf", until=1.1 * error.time)
+    part = finer.run(
+        progress=False,
+        restart=error.checkpoint,
+        output=tmp_path / "part.vtkhdf",
+        until=1.1 * error.time,
+    )
     again = finer.run(progress=False, restart=part.path, output=False, until=until)
     assert again.state["bar"].displacement.tobytes() == rest.state["bar"].displacement.tobytes()
-    straight = bars("st_venant_kirchhoff", courant=0.3).run(progress=False, output=False, until=until)
-    off = np.abs(rest.state["bar"].displacement - straight.state["bar"].displacement).max() / np.abs(straight.state["bar"].displacement).max()
+    straight = bars("st_venant_kirchhoff", courant=0.3).run(
+        progress=False, output=False, until=until
+    )
+    off = (
+        np.abs(rest.state["bar"].displacement - straight.state["bar"].displacement).max()
+        / np.abs(straight.state["bar"].displacement).max()
+    )
     assert off < 0.03
     # A larger step is no part of the file's, and everything else must be the same.
     with pytest.raises(ct.SceneError, match="only a smaller one can be taken"):
-        bars("st_venant_kirchhoff", courant=0.5).run(progress=False, restart=tmp_path / "rest.vtkhdf", output=False)
+        bars("st_venant_kirchhoff", courant=0.5).run(
+            progress=False, restart=tmp_path / "rest.vtkhdf", output=False
+        )
     with pytest.raises(ct.SceneError, match="another scene"):
         bars("neo_hookean", courant=0.3).run(progress=False, restart=error.checkpoint, output=False)
 
@@ -156,11 +209,26 @@ def good_step(error):
 
 
 def test_the_watch_changes_no_bit():
-    runs = [bars("neo_hookean", look_every=n).run(progress=False, output=False, until=60.0) for n in (1, 10**6)]
-    assert all(runs[0].state[b].displacement.tobytes() == runs[1].state[b].displacement.tobytes() for b in runs[0].state)
+    runs = [
+        bars("neo_hookean", look_every=n).run(progress=False, output=False, until=60.0)
+        for n in (1, 10**6)
+    ]
+    assert all(
+        runs[0].state[b].displacement.tobytes() == runs[1].state[b].displacement.tobytes()
+        for b in runs[0].state
+    )
 
 
-@pytest.mark.parametrize(("key", "value"), [("energy_limit", 0.0), ("energy_limit", -1.0), ("look_every", 0), ("look_every", 2.5), ("energy_limit", "much")])
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("energy_limit", 0.0),
+        ("energy_limit", -1.0),
+        ("look_every", 0),
+        ("look_every", 2.5),
+        ("energy_limit", "much"),
+    ],
+)
 def test_bad_keys_of_the_watch_are_refused(key, value):
     with pytest.raises(ct.SceneError, match=key):
         bars(**{key: value})
@@ -173,8 +241,15 @@ def flying(force, stores=True):
     """A block that flies freely, and a force of the user's own on all its nodes."""
     scene = ct.Scene(title="flying", units=UNITS)
     scene.add_material("soft", young=2.0, poisson=0.3, density=1.5)
-    scene.add_body("block", material="soft", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]}, velocity=[1, 0, 0])
-    scene.add_effect("pump", "block", list(range(8)), force, energy=(lambda view: 0.0) if stores else None)
+    scene.add_body(
+        "block",
+        material="soft",
+        box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]},
+        velocity=[1, 0, 0],
+    )
+    scene.add_effect(
+        "pump", "block", list(range(8)), force, energy=(lambda view: 0.0) if stores else None
+    )
     return scene.set_time(end=20.0, fraction=0.2, look_every=2)
 
 
@@ -196,7 +271,11 @@ def test_growth_is_told_once_though_it_is_gone_at_the_end():
     assert len(told) == 1 and told[0].filename == __file__
     warning = told[0].message
     when = math.log(1.01) / 0.02
-    assert 0.01 < warning.share < 0.02 and when < warning.time < when + 1.0 and warning.who == 'effect "pump"'
+    assert (
+        0.01 < warning.share < 0.02
+        and when < warning.time < when + 1.0
+        and warning.who == 'effect "pump"'
+    )
     assert f"t = {warning.time:.6g}" in str(warning) and "smaller step" in str(warning)
     assert not grown(flying(pump, stores=False))
 
@@ -206,15 +285,29 @@ def test_growth_names_the_contact_that_makes_it(where):
     """An explicit penalty, stiff for its step, feeds energy into a bar that flies against a wall or against its twin."""
     bar = lambda x: {"origin": [x, 0, 0], "size": [10, 0.2, 0.2], "cells": [50, 1, 1]}
     scene = ct.Scene(title="bars", units=UNITS)
-    scene.add_material("m", young=900.0, poisson=0.0, density=1.0).add_body("bar", material="m", box=bar(0.05), velocity=[-10, 0, 0])
+    scene.add_material("m", young=900.0, poisson=0.0, density=1.0).add_body(
+        "bar", material="m", box=bar(0.05), velocity=[-10, 0, 0]
+    )
     stiff = {"beta": 10, "enforcement": "penalty"}
     if where == "obstacle":
-        scene.add("obstacle", surface="bar.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]}, **stiff)
+        scene.add(
+            "obstacle",
+            surface="bar.x_min",
+            plane={"point": [0, 0, 0], "normal": [1, 0, 0]},
+            **stiff,
+        )
     else:
-        scene.add_body("twin", material="m", box=bar(-10.05), velocity=[10, 0, 0]).add_contact("bar.x_min", "twin.x_max", **stiff)
+        scene.add_body("twin", material="m", box=bar(-10.05), velocity=[10, 0, 0]).add_contact(
+            "bar.x_min", "twin.x_max", **stiff
+        )
     told = grown(scene.set_time(end=0.5, fraction=0.7, look_every=4))
     assert len(told) == 1
-    assert told[0].message.who == {"obstacle": "obstacle at bar.x_min", "contact": "contact bar.x_min with twin.x_max"}[where]
+    assert (
+        told[0].message.who
+        == {"obstacle": "obstacle at bar.x_min", "contact": "contact bar.x_min with twin.x_max"}[
+            where
+        ]
+    )
     assert "energy_controlled" in str(told[0].message)
 
 
@@ -227,18 +320,40 @@ def test_growth_of_a_solid_names_the_body(monkeypatch):
 
     monkeypatch.setattr(loop, "lib", Told(lambda state: None))
     told = grown(bars(), until=20.0)
-    assert len(told) == 1 and told[0].message.who == 'body "bar"' and "2 % more energy" in str(told[0].message) and "t = 3 (step 7)" in str(told[0].message)
+    assert (
+        len(told) == 1
+        and told[0].message.who == 'body "bar"'
+        and "2 % more energy" in str(told[0].message)
+        and "t = 3 (step 7)" in str(told[0].message)
+    )
 
 
 def test_what_comes_in_from_outside_is_no_growth():
     """A moving ball, a moving support, a load that is switched on, weight, friction and dampers."""
     scene = ct.Scene(title="outside", units=UNITS)
     scene.add_material("m", young=100.0, poisson=0.3, density=1.0)
-    scene.add_body("floor", material="m", box={"origin": [-1, -1, -1], "size": [3, 3, 1], "cells": [4, 4, 2]})
-    scene.add_body("block", material="m", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]})
-    scene.add_contact("floor.z_max", "block.z_min", friction=0.3).add_support("floor.z_min", fix="xyz", velocity=[0.1, 0, 0])
-    scene.add("obstacle", surface="block.z_max", sphere={"centre": [0.5, 0.5, 3.0], "radius": 2.0}, travel=[0, 0, -0.05], history={"time": [0, 0.5, 0.6, 1], "value": [0, 1, 1, 0]})
-    scene.add("load", surface="block.x_min", pressure=1.0, history={"time": [0, 0.2, 0.3, 2], "value": [0, 0, 1, 1]})
+    scene.add_body(
+        "floor", material="m", box={"origin": [-1, -1, -1], "size": [3, 3, 1], "cells": [4, 4, 2]}
+    )
+    scene.add_body(
+        "block", material="m", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]}
+    )
+    scene.add_contact("floor.z_max", "block.z_min", friction=0.3).add_support(
+        "floor.z_min", fix="xyz", velocity=[0.1, 0, 0]
+    )
+    scene.add(
+        "obstacle",
+        surface="block.z_max",
+        sphere={"centre": [0.5, 0.5, 3.0], "radius": 2.0},
+        travel=[0, 0, -0.05],
+        history={"time": [0, 0.5, 0.6, 1], "value": [0, 1, 1, 0]},
+    )
+    scene.add(
+        "load",
+        surface="block.x_min",
+        pressure=1.0,
+        history={"time": [0, 0.2, 0.3, 2], "value": [0, 0, 1, 1]},
+    )
     scene.add("gravity", acceleration=[0, 0, -5.0])
     assert not grown(scene.set_time(end=1.0, fraction=0.8, look_every=1))
 
@@ -259,23 +374,40 @@ def test_rest_is_no_fault_whatever_its_orientation(what):
     for seed in range(8):
         axes, place = turned(seed), np.random.default_rng(seed).uniform(-3, 3, 3)
         scene = ct.Scene(title="rest", units=UNITS)
-        scene.add_material("m", young=2e5 if seed % 2 else 1.0, poisson=0.3, density=1e-8 if seed % 2 else 1.0)
+        scene.add_material(
+            "m", young=2e5 if seed % 2 else 1.0, poisson=0.3, density=1e-8 if seed % 2 else 1.0
+        )
         duration = math.sqrt(1e-8 / 2e5) if seed % 2 else 1.0
         for name, z in (("lower", 0.0), ("upper", 1.0)):
             mesh = Mesh.box("hex8", (0, 0, z), (1, 1, 1), (2, 2, 2))
             if name == "upper" or what != "plane":
-                scene.add_body(name, material="m", nodes=mesh.nodes @ axes.T + place, elements=mesh.elements)
+                scene.add_body(
+                    name, material="m", nodes=mesh.nodes @ axes.T + place, elements=mesh.elements
+                )
         if what == "plane":
-            scene.add("obstacle", surface="upper.outer", plane={"point": (place + axes[:, 2]).tolist(), "normal": axes[:, 2].tolist()})
+            scene.add(
+                "obstacle",
+                surface="upper.outer",
+                plane={"point": (place + axes[:, 2]).tolist(), "normal": axes[:, 2].tolist()},
+            )
         else:
             scene.add_contact("lower.outer", "upper.outer")
         if what == "fixed body":
             scene.add_support("lower.outer", fix="xyz")
         if what == "later load":
-            scene.add("load", surface="upper.outer", pressure=1e-3 * (2e5 if seed % 2 else 1.0), history={"time": [0, duration, 2 * duration], "value": [0, 0, 1]})
+            scene.add(
+                "load",
+                surface="upper.outer",
+                pressure=1e-3 * (2e5 if seed % 2 else 1.0),
+                history={"time": [0, duration, 2 * duration], "value": [0, 0, 1]},
+            )
         else:
             small = 1e-12 / duration**2
-            scene.add("gravity", acceleration=(small * (0.1 * axes[:, 0] - axes[:, 2])).tolist(), bodies=["upper"])
+            scene.add(
+                "gravity",
+                acceleration=(small * (0.1 * axes[:, 0] - axes[:, 2])).tolist(),
+                bodies=["upper"],
+            )
         scene.set_time(end=1.5 * duration, fraction=0.8).set_output(every=1)
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -293,17 +425,35 @@ def distorted(amount, seed):
     inner = ((grid > 0) & (grid < n)).all(1)
     grid[inner] += rng.uniform(-amount, amount, (inner.sum(), 3))
     number = lambda i, j, k: (i * (n + 1) + j) * (n + 1) + k
-    cells = [[number(i + a, j + b, k + c) for c in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))] for i in range(n) for j in range(n) for k in range(n)]
+    cells = [
+        [number(i + a, j + b, k + c) for c in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        for i in range(n)
+        for j in range(n)
+        for k in range(n)
+    ]
     return grid, np.array(cells, np.int32)
 
 
 def worst_determinants(nodes, cells):
     """Smallest Jacobian determinant at the corners of each element, from the definition of the trilinear map."""
-    signs = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
+    signs = np.array(
+        [
+            [-1, -1, -1],
+            [1, -1, -1],
+            [1, 1, -1],
+            [-1, 1, -1],
+            [-1, -1, 1],
+            [1, -1, 1],
+            [1, 1, 1],
+            [-1, 1, 1],
+        ]
+    )
     out = np.full(len(cells), np.inf)
     for xi in signs:
         factor = 1 + signs * xi
-        gradient = np.stack([signs[:, i] * np.prod(np.delete(factor, i, 1), 1) / 8 for i in range(3)], 1)
+        gradient = np.stack(
+            [signs[:, i] * np.prod(np.delete(factor, i, 1), 1) / 8 for i in range(3)], 1
+        )
         out = np.minimum(out, np.linalg.det(np.einsum("eac,ai->eci", nodes[cells], gradient)))
     return out
 
@@ -314,17 +464,25 @@ def test_a_mesh_distorted_a_little_runs_and_one_distorted_much_is_refused_by_nam
         nodes, cells = distorted(amount, seed)
         out = ct.Scene(title="distorted", units=UNITS)
         out.add_material("soft", young=2.0, poisson=0.3, density=1.0)
-        return out.add_body("block", material="soft", nodes=nodes, elements=cells, velocity=[0.1, 0.0, 0.0]).set_time(end=1.0, fraction=0.9), worst_determinants(nodes, cells)
+        return out.add_body(
+            "block", material="soft", nodes=nodes, elements=cells, velocity=[0.1, 0.0, 0.0]
+        ).set_time(end=1.0, fraction=0.9), worst_determinants(nodes, cells)
 
     good, det = scene(0.2)
-    assert (det > 0).all() and good.run(progress=False, output=False).state.time == pytest.approx(1.0)
+    assert (det > 0).all() and good.run(progress=False, output=False).state.time == pytest.approx(
+        1.0
+    )
     bad, det = scene(0.45)
     inverted = np.flatnonzero(det <= 0)
     assert len(inverted)
-    with pytest.raises(ct.SceneError, match=f'"block".*element {inverted[0]} is inverted') as caught:
+    with pytest.raises(
+        ct.SceneError, match=f'"block".*element {inverted[0]} is inverted'
+    ) as caught:
         bad.explain()
     if len(inverted) > 1:
-        assert f"{len(inverted)} elements are bad" in str(caught.value) and all(f"{e}" in str(caught.value) for e in inverted[:8])
+        assert f"{len(inverted)} elements are bad" in str(caught.value) and all(
+            f"{e}" in str(caught.value) for e in inverted[:8]
+        )
 
 
 # Going on beyond the end.
@@ -333,9 +491,13 @@ def test_a_mesh_distorted_a_little_runs_and_one_distorted_much_is_refused_by_nam
 @needs_hdf5
 def test_a_run_that_has_ended_goes_on_to_a_later_end_with_the_same_bits(tmp_path):
     """The first run ends between two steps that a longer one would take; the longer one keeps its step to the last bit, also when it is continued once more."""
-    first = bars("neo_hookean", end=20.3, courant=0.77).run(progress=False, output=tmp_path / "a.vtkhdf")
+    first = bars("neo_hookean", end=20.3, courant=0.77).run(
+        progress=False, output=tmp_path / "a.vtkhdf"
+    )
     longer = bars("neo_hookean", end=33.7, courant=0.77)
-    half = longer.run(progress=False, restart=tmp_path / "a.vtkhdf", output=tmp_path / "b.vtkhdf", until=27.0)
+    half = longer.run(
+        progress=False, restart=tmp_path / "a.vtkhdf", output=tmp_path / "b.vtkhdf", until=27.0
+    )
     whole = longer.run(progress=False, restart=tmp_path / "b.vtkhdf", output=tmp_path / "c.vtkhdf")
     assert first.dt == half.dt == whole.dt != longer.run(progress=False, output=False, until=0.1).dt
     assert 33.7 <= whole.state.time < 33.7 + first.dt
@@ -343,7 +505,10 @@ def test_a_run_that_has_ended_goes_on_to_a_later_end_with_the_same_bits(tmp_path
     straight = bars("neo_hookean", end=whole.state.step * first.dt, courant=None, dt=first.dt)
     if straight._built(None).dt == first.dt:
         end = straight.run(progress=False, output=False)
-        assert end.state.step == whole.state.step and end.state["bar"].displacement.tobytes() == whole.state["bar"].displacement.tobytes()
+        assert (
+            end.state.step == whole.state.step
+            and end.state["bar"].displacement.tobytes() == whole.state["bar"].displacement.tobytes()
+        )
     saved = tomllib.loads(Run.load(tmp_path / "c.vtkhdf").scene)
     assert saved["time"]["end"] == 33.7
 
@@ -352,6 +517,10 @@ def test_a_run_that_has_ended_goes_on_to_a_later_end_with_the_same_bits(tmp_path
 def test_another_integrator_or_material_is_still_another_scene(tmp_path):
     bars(end=5.0).run(progress=False, output=tmp_path / "a.vtkhdf")
     with pytest.raises(ct.SceneError, match=r"\[time\] differs"):
-        bars(end=9.0, integrator="noh_bathe").run(progress=False, restart=tmp_path / "a.vtkhdf", output=False)
+        bars(end=9.0, integrator="noh_bathe").run(
+            progress=False, restart=tmp_path / "a.vtkhdf", output=False
+        )
     with pytest.raises(ct.SceneError, match=r"\[material\] differs"):
-        bars("neo_hookean", end=9.0).run(progress=False, restart=tmp_path / "a.vtkhdf", output=False)
+        bars("neo_hookean", end=9.0).run(
+            progress=False, restart=tmp_path / "a.vtkhdf", output=False
+        )

@@ -6,9 +6,9 @@ import sys
 
 import numpy as np
 import pytest
+from libcontact._core import lib
 
 import libcontact as ct
-from libcontact._core import lib
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a system without fork")
 
@@ -40,7 +40,13 @@ def scene():
     made = ct.Scene(title="two blocks", units={"length": "mm", "mass": "t", "time": "s"})
     made.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
     for name, x, velocity in (("left", -1.0, 1000.0), ("right", 0.0, 0.0)):
-        made.add_body(name, material="steel", element="hex8", box={"origin": [x, 0, 0], "size": [1, 1, 1], "cells": [4, 4, 4]}, velocity=[velocity, 0, 0])
+        made.add_body(
+            name,
+            material="steel",
+            element="hex8",
+            box={"origin": [x, 0, 0], "size": [1, 1, 1], "cells": [4, 4, 4]},
+            velocity=[velocity, 0, 0],
+        )
     made.add_contact("left.x_max", "right.x_min", friction=0.3)
     return made.set_time(end=1e-7, fraction=0.5)
 
@@ -57,5 +63,7 @@ def test_a_forked_child_runs(tmp_path):
     program = tmp_path / "forks.py"
     program.write_text(PROGRAM.format(folder=os.path.dirname(__file__)))
     # A child that waits for threads which are not there waits for ever; the limit is far above what is needed.
-    done = subprocess.run([sys.executable, "-W", "ignore", str(program)], capture_output=True, text=True, timeout=60)
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", str(program)], capture_output=True, text=True, timeout=60
+    )
     assert done.stdout.split("\n")[:3] == ["0", "[True, True, True]", "True"], done.stderr

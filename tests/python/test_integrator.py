@@ -11,7 +11,12 @@ import pytest
 import libcontact as ct
 
 INTEGRATORS = ("central_difference", "chung_lee", "noh_bathe", "tchamwa_wielgosz")
-LIMITS = {"central_difference": 2.0, "chung_lee": 2 / np.sqrt(4 * 28 / 27 - 3), "noh_bathe": 2 / np.sqrt(0.46 * 0.62), "tchamwa_wielgosz": 2 / np.sqrt(4 / 1.9 - 1)}
+LIMITS = {
+    "central_difference": 2.0,
+    "chung_lee": 2 / np.sqrt(4 * 28 / 27 - 3),
+    "noh_bathe": 2 / np.sqrt(0.46 * 0.62),
+    "tchamwa_wielgosz": 2 / np.sqrt(4 / 1.9 - 1),
+}
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
 
 
@@ -20,12 +25,19 @@ def plates(integrator: str, **keys) -> ct.Scene:
     made = ct.Scene(title="plates", units=UNITS)
     made.add_material("soft", young=1e4, poisson=0.3, density=1.0)
     for name, x, speed in (("left", -1.0, 1.0), ("right", 0.0, -1.0)):
-        made.add_body(name, material="soft", velocity=[speed, 0, 0], box={"origin": [x, 0, 0], "size": [1, 0.1, 0.8], "cells": [10, 1, 8]})
+        made.add_body(
+            name,
+            material="soft",
+            velocity=[speed, 0, 0],
+            box={"origin": [x, 0, 0], "size": [1, 0.1, 0.8], "cells": [10, 1, 8]},
+        )
         for face in ("y_min", "y_max"):
             made.add_support(f"{name}.{face}", fix=["y"])
         made.add_support(f"{name}.z_min", fix=["z"])
     made.add_contact("left.x_max", "right.x_min")
-    return made.set_time(**{"end": 0.02, "fraction": 0.9, "integrator": integrator, **keys}).set_output(every=4)
+    return made.set_time(
+        **{"end": 0.02, "fraction": 0.9, "integrator": integrator, **keys}
+    ).set_output(every=4)
 
 
 def run(made: ct.Scene, **keys) -> ct.Run:
@@ -51,17 +63,34 @@ def test_a_step_of_noh_and_bathe_calls_each_force_twice(integrator, stages):
     """So the trial steps of a plan hold both calls. Counted, by an effect of our own."""
     made, times = plates(integrator), []
     count = made.explain().data["time"]["steps"]
-    made.add_effect("probe", "left", "z_max", lambda view: times.append(view.time) or np.zeros_like(view.displacement))
+    made.add_effect(
+        "probe",
+        "left",
+        "z_max",
+        lambda view: times.append(view.time) or np.zeros_like(view.displacement),
+    )
     run(made, output=False)
     later = [time for time in times if time > 0.0]
     assert stages * count - stages <= len(set(later)) <= stages * count + 1
 
 
-@pytest.mark.parametrize("keys, key", [({"integrator": "newmark"}, "time.integrator"), ({"integrator": "noh_bathe", "integrator_parameter": 0.7}, "time.integrator_parameter"),
-                                       ({"integrator": "chung_lee", "integrator_parameter": 0.5}, "time.integrator_parameter"),
-                                       ({"integrator": "tchamwa_wielgosz", "integrator_parameter": 1.5}, "time.integrator_parameter"),
-                                       ({"integrator": "central_difference", "integrator_parameter": 0.5}, "time.integrator_parameter"),
-                                       ({"stable_step": "guess"}, "time.stable_step")])
+@pytest.mark.parametrize(
+    "keys, key",
+    [
+        ({"integrator": "newmark"}, "time.integrator"),
+        ({"integrator": "noh_bathe", "integrator_parameter": 0.7}, "time.integrator_parameter"),
+        ({"integrator": "chung_lee", "integrator_parameter": 0.5}, "time.integrator_parameter"),
+        (
+            {"integrator": "tchamwa_wielgosz", "integrator_parameter": 1.5},
+            "time.integrator_parameter",
+        ),
+        (
+            {"integrator": "central_difference", "integrator_parameter": 0.5},
+            "time.integrator_parameter",
+        ),
+        ({"stable_step": "guess"}, "time.stable_step"),
+    ],
+)
 def test_refusals_name_the_key(keys, key):
     with pytest.raises(ct.SceneError, match=key.replace(".", r"\.")):
         plates(**{"integrator": "central_difference", **keys})
@@ -94,7 +123,9 @@ def test_the_ledger_closes_and_restarts_give_the_same_bits(integrator, tmp_path)
 def test_a_restart_with_another_integrator_is_refused(tmp_path):
     made = plates("central_difference").set_output(file=str(tmp_path / "run.vtkhdf"), every=4)
     run(made)
-    other = plates("tchamwa_wielgosz", integrator_parameter=1.0).set_output(file=str(tmp_path / "run.vtkhdf"), every=4)
+    other = plates("tchamwa_wielgosz", integrator_parameter=1.0).set_output(
+        file=str(tmp_path / "run.vtkhdf"), every=4
+    )
     with pytest.raises(ct.Error, match="comes from another scene"):
         run(other, restart=tmp_path / "run.vtkhdf", output=False)
 
@@ -102,7 +133,11 @@ def test_a_restart_with_another_integrator_is_refused(tmp_path):
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_savings_and_threads_change_no_bit(integrator):
     bare = ct.Scene({**plates(integrator).data, "run": {"savings": []}})
-    runs = [run(plates(integrator), output=False), run(bare, output=False), run(plates(integrator), output=False, threads=2)]
+    runs = [
+        run(plates(integrator), output=False),
+        run(bare, output=False),
+        run(plates(integrator), output=False, threads=2),
+    ]
     for other in runs[1:]:
         for name in ("left", "right"):
             assert np.array_equal(runs[0].state[name].displacement, other.state[name].displacement)
@@ -115,8 +150,15 @@ def test_the_default_enforcement_makes_no_energy_with_any_integrator(integrator,
     """Bar on a wall, 100 elements, 0.9 of the limit: the total is never above its start by 1 %, the force is right to 0.1 %, the impulse to 1.5 %."""
     made = ct.Scene(title="bar", units=UNITS)
     made.add_material("soft", young=900.0, poisson=0.0, density=1.0)
-    made.add_body("bar", material="soft", box={"origin": [0, 0, 5], "size": [0.1, 0.1, 10], "cells": [1, 1, 100]}, velocity=[0, 0, -10])
-    made.add("obstacle", surface="bar.z_min", plane={"point": [0, 0, 0], "normal": [0, 0, 1]}, beta=beta)
+    made.add_body(
+        "bar",
+        material="soft",
+        box={"origin": [0, 0, 5], "size": [0.1, 0.1, 10], "cells": [1, 1, 100]},
+        velocity=[0, 0, -10],
+    )
+    made.add(
+        "obstacle", surface="bar.z_min", plane={"point": [0, 0, 0], "normal": [0, 0, 1]}, beta=beta
+    )
     made.set_time(end=1.4, fraction=0.9, integrator=integrator).set_output(every=1, fields=[])
     done = run(made, output=False)
     total, p = done.energy["total"], done.momentum["p"][:, 2]
@@ -133,6 +175,9 @@ def test_the_stable_step_is_safe_and_sharp():
         steps = importlib.import_module("steps")
     finally:
         sys.path.pop(0)
-    rows = [*steps.rows(("cubes", "distorted by 0.2 h"), ("hex8",), 10_000), *steps.rows(("graded",), ("hex20",), 2_000)]
+    rows = [
+        *steps.rows(("cubes", "distorted by 0.2 h"), ("hex8",), 10_000),
+        *steps.rows(("graded",), ("hex20",), 2_000),
+    ]
     assert len(rows) == 12 and [steps.line(row) for row in rows if not row.good] == []
     assert all(row.sharpness > 0.9 for row in rows)

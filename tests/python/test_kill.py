@@ -4,7 +4,6 @@ import sys
 from pathlib import Path
 
 import pytest
-
 from libcontact._core import lib
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "stability"))

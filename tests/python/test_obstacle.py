@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-import libcontact as ct
 from libcontact._core import lib
 from libcontact.schema import SceneError
+
+import libcontact as ct
 
 SCENES = Path(__file__).parents[2] / "tutorials" / "scenes"
 needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
@@ -41,7 +41,9 @@ def test_bar_on_a_wall():
     assert np.abs(energy["balance"]).max() < 1e-12 * energy["kinetic"][0]
 
 
-@pytest.mark.parametrize("enforcement, lost", [("penalty", 0.0), ("energy_controlled", 0.01), ("lagrange", 0.02)])
+@pytest.mark.parametrize(
+    "enforcement, lost", [("penalty", 0.0), ("energy_controlled", 0.01), ("lagrange", 0.02)]
+)
 def test_block_on_an_incline(enforcement, lost):
     run = enforced("block_on_an_incline", enforcement)
     last, p = run.energy[-1], run.momentum[-1]["p"]
@@ -68,7 +70,11 @@ def test_hertz(enforcement, lost):
     # radius, a block of six radii.
     force = 4 / 3 * 1000 / (1 - 0.09) * 2.0 * 0.1**1.5
     assert run.energy["external"][-1] == pytest.approx(0.4 * force * 0.1 / 4, rel=0.15)
-    assert -(1e-4 + lost) * run.energy["external"][-1] < run.energy["total"][-1] < 1e-4 * run.energy["external"][-1]
+    assert (
+        -(1e-4 + lost) * run.energy["external"][-1]
+        < run.energy["total"][-1]
+        < 1e-4 * run.energy["external"][-1]
+    )
 
 
 @needs_hdf5
@@ -85,8 +91,15 @@ def test_contact_with_friction_has_its_own_column_and_line():
     data = {
         "units": {"length": "m", "mass": "kg", "time": "s"},
         "material": [{"name": "m", "young": 1e4, "poisson": 0.2, "density": 1.0}],
-        "body": [{"name": "slab", "box": box(-0.3, [2, 1, 0.3]), "material": "m"},
-                 {"name": "block", "box": box(-1e-4, [1, 1, 0.3]), "material": "m", "velocity": [1, 0, -0.1]}],
+        "body": [
+            {"name": "slab", "box": box(-0.3, [2, 1, 0.3]), "material": "m"},
+            {
+                "name": "block",
+                "box": box(-1e-4, [1, 1, 0.3]),
+                "material": "m",
+                "velocity": [1, 0, -0.1],
+            },
+        ],
         "contact": [{"surfaces": ["slab.z_max", "block.z_min"], "friction": 0.4}],
         "time": {"end": 0.02, "fraction": 0.5},
     }
@@ -99,38 +112,63 @@ def test_contact_with_friction_has_its_own_column_and_line():
     assert p[-1, 0, 0] > 1e-3 and np.abs(p.sum(axis=1) - p[0].sum(axis=0)).max() < 1e-13
     del data["contact"][0]["friction"]
     smooth = ct.Scene(data).run(progress=False)
-    assert "friction" not in smooth.energy.dtype.names and np.abs(smooth.momentum["p"].reshape(-1, 2, 3)[-1, 0, 0]) < 1e-4
+    assert (
+        "friction" not in smooth.energy.dtype.names
+        and np.abs(smooth.momentum["p"].reshape(-1, 2, 3)[-1, 0, 0]) < 1e-4
+    )
 
 
-@pytest.mark.parametrize("change, key, reason", [
-    ({"friction": [{"coefficient": 0.3}]}, "friction", "no friction without a pressure"),
-    ({"surface": "block.top"}, "obstacle[0].surface", "no face"),
-    ({"plane": {"point": [0, 0, 0], "normal": [0, 0, 0]}}, "obstacle[0].plane.normal", "zero"),
-    ({"sphere": {"centre": [0, 0, 0], "radius": 1}}, "obstacle[0].sphere", "cannot stand beside"),
-    ({"plane": None}, "obstacle[0]", "exactly one is needed"),
-    ({"travel": [0, 0, 1]}, "obstacle[0].history", "go together"),
-    ({"tangent": 1.0, "friction": 0.0}, "obstacle[0].tangent", "belongs to friction"),
-    ({"friction": -1}, "obstacle[0].friction", "at least 0"),
-    ({"speed": 1}, "obstacle[0].speed", "unknown key"),
-])
+@pytest.mark.parametrize(
+    "change, key, reason",
+    [
+        ({"friction": [{"coefficient": 0.3}]}, "friction", "no friction without a pressure"),
+        ({"surface": "block.top"}, "obstacle[0].surface", "no face"),
+        ({"plane": {"point": [0, 0, 0], "normal": [0, 0, 0]}}, "obstacle[0].plane.normal", "zero"),
+        (
+            {"sphere": {"centre": [0, 0, 0], "radius": 1}},
+            "obstacle[0].sphere",
+            "cannot stand beside",
+        ),
+        ({"plane": None}, "obstacle[0]", "exactly one is needed"),
+        ({"travel": [0, 0, 1]}, "obstacle[0].history", "go together"),
+        ({"tangent": 1.0, "friction": 0.0}, "obstacle[0].tangent", "belongs to friction"),
+        ({"friction": -1}, "obstacle[0].friction", "at least 0"),
+        ({"speed": 1}, "obstacle[0].speed", "unknown key"),
+    ],
+)
 def test_refusals(change, key, reason):
     data = changed("block_on_an_incline")
     if isinstance(change.get("friction"), list):
         data.update(change)
     else:
         data["obstacle"][0].update(change)
-        data["obstacle"][0] = {name: value for name, value in data["obstacle"][0].items() if value is not None}
+        data["obstacle"][0] = {
+            name: value for name, value in data["obstacle"][0].items() if value is not None
+        }
     with pytest.raises(SceneError) as error:
         ct.Scene(data)
     assert error.value.key == key and reason in str(error.value)
 
 
-@pytest.mark.parametrize("enforcement, beta, fraction, told", [
-    ("penalty", 10, 0.9, True), ("penalty", 10, 0.3, False), ("penalty", 1, 0.9, False),
-    ("bipenalty", 10, 0.5, True), ("bipenalty", 1, 0.9, False), ("energy_controlled", 1e4, 0.9, False), ("lagrange", 4, 0.9, False)])
+@pytest.mark.parametrize(
+    "enforcement, beta, fraction, told",
+    [
+        ("penalty", 10, 0.9, True),
+        ("penalty", 10, 0.3, False),
+        ("penalty", 1, 0.9, False),
+        ("bipenalty", 10, 0.5, True),
+        ("bipenalty", 1, 0.9, False),
+        ("energy_controlled", 1e4, 0.9, False),
+        ("lagrange", 4, 0.9, False),
+    ],
+)
 def test_chatter_is_foretold(enforcement, beta, fraction, told):
     """What is warned of gains more than 1 % of energy, what is not gains less."""
-    data = changed("bar_on_a_wall", time={"end": 1.5, "fraction": fraction, "energy_limit": 1e6}, output={"every": 1})
+    data = changed(
+        "bar_on_a_wall",
+        time={"end": 1.5, "fraction": fraction, "energy_limit": 1e6},
+        output={"every": 1},
+    )
     epsilon = beta * 900 / 0.1
     for key, value in (("beta", beta), ("epsilon", epsilon)):
         data["obstacle"][0].pop("beta", None)
@@ -141,5 +179,8 @@ def test_chatter_is_foretold(enforcement, beta, fraction, told):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             total = scene.run(progress=False, output=False).energy["total"]
-        assert any("bar.x_min" in str(w.message) and enforcement in str(w.message) for w in caught) == told
+        assert (
+            any("bar.x_min" in str(w.message) and enforcement in str(w.message) for w in caught)
+            == told
+        )
         assert (total.max() / total[0] - 1 > 0.01) == told

@@ -25,7 +25,9 @@ def writer_program(folder):
     flags = None
     for name in ("hdf5-serial", "hdf5"):
         try:
-            asked = subprocess.run(["pkg-config", "--cflags", "--libs", name], capture_output=True, text=True)
+            asked = subprocess.run(
+                ["pkg-config", "--cflags", "--libs", name], capture_output=True, text=True
+            )
         except FileNotFoundError:
             break
         if asked.returncode == 0:
@@ -36,7 +38,16 @@ def writer_program(folder):
     library = ROOT / "libcontact"
     sources = [path for path in (library / "src").rglob("*.c") if path.parent.name != "gsl"]
     program = folder / "test_output"
-    command = [compiler, "-std=c99", "-ffp-contract=off", "-O1", "-I", library / "include", "-I", ROOT / "tests/c"]
+    command = [
+        compiler,
+        "-std=c99",
+        "-ffp-contract=off",
+        "-O1",
+        "-I",
+        library / "include",
+        "-I",
+        ROOT / "tests/c",
+    ]
     command += [*sources, ROOT / "tests/c/test_output.c", "-o", program, *flags, "-lm"]
     subprocess.run([str(part) for part in command], check=True)
     return program
@@ -56,9 +67,18 @@ def results(tmp_path_factory):
 
 def test_a_second_run_is_kept_from_the_file_of_the_first(tmp_path):
     """While the first one runs, also when its file is read in between; the first ends with all its records, and the next may write."""
+
     def scene():
-        made = ct.Scene(title="bar", units={"length": "mm", "mass": "t", "time": "s"}).add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
-        made.add_body("bar", material="steel", element="hex8", box={"origin": [0, 0, 0], "size": [2, 1, 1], "cells": [2, 1, 1]}, velocity=[1, 0, 0])
+        made = ct.Scene(title="bar", units={"length": "mm", "mass": "t", "time": "s"}).add_material(
+            "steel", young=2.1e5, poisson=0.3, density=7.8e-9
+        )
+        made.add_body(
+            "bar",
+            material="steel",
+            element="hex8",
+            box={"origin": [0, 0, 0], "size": [2, 1, 1], "cells": [2, 1, 1]},
+            velocity=[1, 0, 0],
+        )
         return made.set_time(end=1e-6, fraction=0.5).set_output(path, every=1)
 
     def watch(record):
@@ -69,7 +89,11 @@ def test_a_second_run_is_kept_from_the_file_of_the_first(tmp_path):
     path, refused, read = tmp_path / "run.vtkhdf", [], []
     run = scene().run(progress=False, watch=watch)
     assert len(refused) == len(run.steps) and read == list(range(1, len(run.steps) + 1))
-    assert all(f"{path}: can't write the file: another run is writing it" in str(one.value) and "output.file" in str(one.value) for one in refused)
+    assert all(
+        f"{path}: can't write the file: another run is writing it" in str(one.value)
+        and "output.file" in str(one.value)
+        for one in refused
+    )
     assert len(ct.Run.load(path).steps) == len(run.steps)
     scene().run(progress=False)
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
@@ -98,16 +122,28 @@ def test_grid(results):
     points, cells = 4 * 3 * 2 + 32, 6 + 2
     assert group["NumberOfPoints"][:].tolist() == [points] == [len(group["Points"])]
     assert group["NumberOfCells"][:].tolist() == [cells] == [len(group["Types"])]
-    assert group["NumberOfConnectivityIds"][:].tolist() == [6 * 8 + 2 * 20] == [len(group["Connectivity"])]
+    assert (
+        group["NumberOfConnectivityIds"][:].tolist()
+        == [6 * 8 + 2 * 20]
+        == [len(group["Connectivity"])]
+    )
     assert group["Types"][:].tolist() == [12] * 6 + [25] * 2
     assert np.diff(group["Offsets"][:]).tolist() == [8] * 6 + [20] * 2
     assert group["Types"].dtype == np.uint8 and group["Connectivity"].dtype == np.int64
     connectivity = group["Connectivity"][:]
-    assert connectivity[:48].max() == 23 and connectivity[48:].min() == 24 and connectivity.max() == points - 1
+    assert (
+        connectivity[:48].max() == 23
+        and connectivity[48:].min() == 24
+        and connectivity.max() == points - 1
+    )
     # The first brick of the first body: VTK's order of corners, along x, then back
     corners = group["Points"][:][connectivity[:8]]
-    assert np.allclose(corners[0], [-1.5, 0, 0]) and np.allclose(corners[6] - corners[0], [0.5, 0.5, 1])
-    assert np.allclose(corners[1] - corners[0], [0.5, 0, 0]) and np.allclose(corners[3] - corners[0], [0, 0.5, 0])
+    assert np.allclose(corners[0], [-1.5, 0, 0]) and np.allclose(
+        corners[6] - corners[0], [0.5, 0.5, 1]
+    )
+    assert np.allclose(corners[1] - corners[0], [0.5, 0, 0]) and np.allclose(
+        corners[3] - corners[0], [0, 0.5, 0]
+    )
     assert group["CellData/body"][:].tolist() == [0] * 6 + [1] * 2
 
 
@@ -119,7 +155,9 @@ def test_fields_of_each_step(results):
     stress = np.array([7, 7, 11, 2, -1, 0]) * 1e-3
     for step in range(STEPS):
         rows = slice(*(group["Steps/PointDataOffsets/displacement"][step] + np.array([0, n])))
-        assert np.allclose(group["PointData/displacement"][rows], displacement(points, step), rtol=0, atol=1e-15)
+        assert np.allclose(
+            group["PointData/displacement"][rows], displacement(points, step), rtol=0, atol=1e-15
+        )
         rows = slice(*(group["Steps/CellDataOffsets/stress"][step] + np.array([0, 8])))
         assert np.allclose(group["CellData/stress"][rows], (step + 1) * stress, rtol=0, atol=1e-14)
     assert len(group["PointData/displacement"]) == len(group["PointData/velocity"]) == STEPS * n
@@ -140,7 +178,15 @@ def test_step_tables(results):
 
 def test_ledger(results):
     energy, momentum = results["libcontact/energy"][:], results["libcontact/momentum"][:]
-    assert energy.dtype.names == ("time", "kinetic", "strain", "contact", "external", "total", "balance")
+    assert energy.dtype.names == (
+        "time",
+        "kinetic",
+        "strain",
+        "contact",
+        "external",
+        "total",
+        "balance",
+    )
     assert momentum.dtype.names == ("time", "body", "p", "L", "contact_impulse", "support_impulse")
     factor = np.arange(1, STEPS + 1)
     mass = 2 * np.array([1.5, 2])
@@ -151,25 +197,41 @@ def test_ledger(results):
     assert momentum["body"].tolist() == [0, 1] * STEPS
     for step in range(STEPS):
         for body in range(2):
-            assert np.allclose(momentum["p"][2 * step + body], mass[body] * velocity(step), rtol=1e-13)
+            assert np.allclose(
+                momentum["p"][2 * step + body], mass[body] * velocity(step), rtol=1e-13
+            )
     for name in ("kinetic", "strain", "contact", "external", "total", "balance"):
         assert (results["VTKHDF/FieldData"][name][:] == energy[name]).all()
-    assert np.allclose(results["VTKHDF/FieldData/momentum"], momentum["p"].reshape(STEPS, 2, 3).sum(axis=1))
-    assert np.allclose(results["VTKHDF/FieldData/angular_momentum"], momentum["L"].reshape(STEPS, 2, 3).sum(axis=1))
+    assert np.allclose(
+        results["VTKHDF/FieldData/momentum"], momentum["p"].reshape(STEPS, 2, 3).sum(axis=1)
+    )
+    assert np.allclose(
+        results["VTKHDF/FieldData/angular_momentum"], momentum["L"].reshape(STEPS, 2, 3).sum(axis=1)
+    )
     assert results["libcontact/step"][:].tolist() == [0, 10, 20, 30]
 
 
 def test_what_the_run_was(results):
     group = results["libcontact"]
-    assert group.attrs["layout"] == 1 and group.attrs["dt"] == 0.02 and group.attrs["version"].count(b".") == 2
+    assert (
+        group.attrs["layout"] == 1
+        and group.attrs["dt"] == 0.02
+        and group.attrs["version"].count(b".") == 2
+    )
     assert group["scene"][()].decode() == 'title = "Zwei Platten: α"\n'
     body, effects = group["body"][:], group["effects"][:]
     assert body["name"].tolist() == [b"left", b"right"] and body["kind"].tolist() == [0, 1]
     assert body["first_node"].tolist() == [0, 24] and body["node_count"].tolist() == [24, 32]
     assert body["first_cell"].tolist() == [0, 6] and body["cell_count"].tolist() == [6, 2]
-    assert (body["young"] == 2.5).all() and (body["poisson"] == 0.25).all() and (body["density"] == 2).all()
+    assert (
+        (body["young"] == 2.5).all()
+        and (body["poisson"] == 0.25).all()
+        and (body["density"] == 2).all()
+    )
     assert effects["name"].tolist() == [b"solid"] and effects["node_count"].tolist() == [56]
-    assert group["effect"].shape == (STEPS,) and np.allclose(group["effect"]["energy"], group["energy"]["strain"])
+    assert group["effect"].shape == (STEPS,) and np.allclose(
+        group["effect"]["energy"], group["energy"]["strain"]
+    )
 
 
 def test_restart_records(results):
@@ -180,11 +242,20 @@ def test_restart_records(results):
     for name in "ab":
         slot, seal = slots[name], seals[name]
         step = int(seal["sequence"]) - 1
-        assert seal["row"] == step and seal["step"] == 10 * step and np.isclose(seal["time"], 0.2 * step)
+        assert (
+            seal["row"] == step
+            and seal["step"] == 10 * step
+            and np.isclose(seal["time"], 0.2 * step)
+        )
         assert np.allclose(slot["displacement"], displacement(points, step), rtol=0, atol=1e-15)
         assert np.allclose(slot["velocity"], velocity(step))
-        head = [np.array([seal[key]]) for key in ("sequence", "step", "row", "time", "kinetic_start")]
-        arrays = [slot[key][:].ravel() for key in ("displacement", "velocity", "work", "impulse", "memory")]
+        head = [
+            np.array([seal[key]]) for key in ("sequence", "step", "row", "time", "kinetic_start")
+        ]
+        arrays = [
+            slot[key][:].ravel()
+            for key in ("displacement", "velocity", "work", "impulse", "memory")
+        ]
         words = np.concatenate([part.view(np.uint64) for part in head + arrays])
         assert words.sum() == seal["sum"]
         assert (words * np.arange(1, len(words) + 1, dtype=np.uint64)).sum() == seal["weighted"]

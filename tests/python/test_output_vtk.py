@@ -37,20 +37,34 @@ def test_counts(reader):
 def test_numbers_of_a_step(reader, step):
     grid = grid_of_step(reader, step)
     points = vtk_to_numpy(grid.GetPoints().GetData())
-    assert np.allclose(vtk_to_numpy(grid.GetPointData().GetArray("displacement")), displacement(points, step), rtol=0, atol=1e-15)
+    assert np.allclose(
+        vtk_to_numpy(grid.GetPointData().GetArray("displacement")),
+        displacement(points, step),
+        rtol=0,
+        atol=1e-15,
+    )
     # The recorded velocity is that of t_n: half a step of the forces, which are small here, away from the one that was set
-    half_step = np.abs(vtk_to_numpy(grid.GetPointData().GetArray("velocity")) - velocity(step)).max()
+    half_step = np.abs(
+        vtk_to_numpy(grid.GetPointData().GetArray("velocity")) - velocity(step)
+    ).max()
     assert half_step < 0.01 * (step + 1)
     stress = vtk_to_numpy(grid.GetCellData().GetArray("stress"))
-    assert np.allclose(stress, 1e-3 * (step + 1) * np.array([7, 7, 11, 2, -1, 0]), rtol=0, atol=1e-14)
+    assert np.allclose(
+        stress, 1e-3 * (step + 1) * np.array([7, 7, 11, 2, -1, 0]), rtol=0, atol=1e-14
+    )
     assert vtk_to_numpy(grid.GetCellData().GetArray("body")).tolist() == [0] * 6 + [1] * 2
     field = grid.GetFieldData()
     assert np.allclose(vtk_to_numpy(field.GetArray("momentum")), 7 * velocity(step), rtol=1e-12)
-    assert np.isclose(field.GetArray("kinetic").GetTuple1(0), 0.5 * 7 * 3.5 * (step + 1) ** 2, rtol=1e-12)
+    assert np.isclose(
+        field.GetArray("kinetic").GetTuple1(0), 0.5 * 7 * 3.5 * (step + 1) ** 2, rtol=1e-12
+    )
 
 
 def test_times(reader):
-    assert np.allclose([reader.GetTimeValue() for step in range(STEPS) if grid_of_step(reader, step)], 0.2 * np.arange(STEPS))
+    assert np.allclose(
+        [reader.GetTimeValue() for step in range(STEPS) if grid_of_step(reader, step)],
+        0.2 * np.arange(STEPS),
+    )
 
 
 def test_node_order_of_curved_hex20(reader):
@@ -66,5 +80,8 @@ def test_node_order_of_curved_hex20(reader):
                     brick.EvaluateLocation(number, [r, s, t], point, weights)
                     assert np.allclose(point, [start + r + 0.1 * s * s, s, t], rtol=0, atol=1e-14)
     # ... and an edge along y is bent: its middle is off the chord
-    ends, middle = [grid.GetPoint(grid.GetCell(6).GetPointId(i)) for i in (1, 2)], grid.GetPoint(grid.GetCell(6).GetPointId(9))
+    ends, middle = (
+        [grid.GetPoint(grid.GetCell(6).GetPointId(i)) for i in (1, 2)],
+        grid.GetPoint(grid.GetCell(6).GetPointId(9)),
+    )
     assert np.isclose(np.mean(ends, axis=0)[0] - middle[0], 0.025)

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from libcontact.plan import LOOP, OUTPUT
 
 import libcontact as ct
-from libcontact import activity, plan as planned
-from libcontact.plan import LOOP, OUTPUT
+from libcontact import activity
+from libcontact import plan as planned
 
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
 
@@ -69,7 +70,9 @@ def test_each_effect_has_its_costs_and_its_share_of_the_bound():
     assert all(cost.predicted > 0 and cost.measured > 0 for cost in costs)
     stable = scene.explain().data["time"]["stable"]
     # 4 / dt^2 = W + 2 D / dt, the root that eq. damped-step-bound gives
-    total = sum(cost.omega_squared for cost in costs) + 2 * sum(cost.rate for cost in costs) / stable
+    total = (
+        sum(cost.omega_squared for cost in costs) + 2 * sum(cost.rate for cost in costs) / stable
+    )
     assert total * stable**2 == pytest.approx(4.0, rel=1e-12)
     text = scene.cost_table(run)
     assert "predicted" in text and "measured" in text and "damping" in text
@@ -113,45 +116,83 @@ def test_operations_of_contact_are_those_of_its_points_and_of_the_rounds_for_the
     # of 8 points, in the steps in which they press; the iteration ends after 500
     assert 0.0 < controlled.active < 1.0 and 0.1 * 8 < rounds / controlled.active < 8 * 500
     assert controlled.bytes > explicit.bytes > 8 * 8
-    apart = next(cost for cost in two_bars(gap=10.0, end=1.0, cells=8).costs() if cost.name == "contact")
+    apart = next(
+        cost for cost in two_bars(gap=10.0, end=1.0, cells=8).costs() if cost.name == "contact"
+    )
     assert apart.flops == 1200 * 8
 
 
-@pytest.mark.parametrize("effect, limit", [("none", "elements"), ("absorb", "absorb and elements together"), ("contact", "contact and elements together")])
+@pytest.mark.parametrize(
+    "effect, limit",
+    [
+        ("none", "elements"),
+        ("absorb", "absorb and elements together"),
+        ("contact", "contact and elements together"),
+    ],
+)
 def test_what_limits_the_step(effect, limit):
     """Dashpots on a cube of 4 elements' edge have 2 c1 / (h/2) at their nodes and bound the step; a stiff penalty does, too."""
-    scene = ct.Scene(title="limit", units={"length": "m", "mass": "kg", "time": "s"}).add_material("m", young=1e4, poisson=0.3, density=1.0)
+    scene = ct.Scene(title="limit", units={"length": "m", "mass": "kg", "time": "s"}).add_material(
+        "m", young=1e4, poisson=0.3, density=1.0
+    )
     for k, name in enumerate("ab"):
-        scene.add_body(name, material="m", box={"origin": [1.1 * k, 0, 0], "size": [1, 1, 1], "cells": [4, 4, 4]}, velocity=[1 - k, 0, 0])
+        scene.add_body(
+            name,
+            material="m",
+            box={"origin": [1.1 * k, 0, 0], "size": [1, 1, 1], "cells": [4, 4, 4]},
+            velocity=[1 - k, 0, 0],
+        )
     if effect == "absorb":
         for face in ("x_min", "y_min", "y_max", "z_min", "z_max"):
             scene.add("absorb", surface=f"a.{face}")
     if effect == "contact":
         scene.add_contact("a.x_max", "b.x_min", enforcement="penalty", beta=4)
     text = scene.set_time(end=0.2, fraction=0.9).explain()
-    shares = {cost.name: cost.omega_squared + 2 * cost.rate / text.data["time"]["stable"] for cost in text.data["plan"]}
+    shares = {
+        cost.name: cost.omega_squared + 2 * cost.rate / text.data["time"]["stable"]
+        for cost in text.data["plan"]
+    }
     assert sum(shares.values()) == pytest.approx(4 / text.data["time"]["stable"] ** 2, rel=1e-9)
     assert text.data["time"]["limited_by"] == limit and f"limited by {limit}\n" in text
 
 
 def test_a_large_scene_has_its_trial_with_larger_elements(monkeypatch):
     """All that is no measured time stays; the trial has few elements, whatever the scene has."""
+
     def scene():
         return two_bars().set_output(every=7)
 
     def facts(text):
-        plan = [{key: value for key, value in vars(cost).items() if key not in ("seconds_a_step", "predicted", "active")} for cost in text.data["plan"]]
+        plan = [
+            {
+                key: value
+                for key, value in vars(cost).items()
+                if key not in ("seconds_a_step", "predicted", "active")
+            }
+            for cost in text.data["plan"]
+        ]
         return plan, {key: value for key, value in text.data.items() if key != "plan"}
 
     whole = scene().explain()
     made = []
     prices = planned._prices
-    monkeypatch.setattr(planned, "_prices", lambda problem, records: made.append(sum(len(body.mesh.elements) for body in problem.bodies.values())) or prices(problem, records))
+    monkeypatch.setattr(
+        planned,
+        "_prices",
+        lambda problem, records: (
+            made.append(sum(len(body.mesh.elements) for body in problem.bodies.values()))
+            or prices(problem, records)
+        ),
+    )
     monkeypatch.setattr(planned, "MOST_ELEMENTS", 20)
     small = scene().explain()
     assert made[0] <= 20 < sum(body["elements"] for body in whole.data["bodies"])
     (plan_whole, rest_whole), (plan_small, rest_small) = facts(whole), facts(small)
     assert repr(rest_whole) == repr(rest_small)
     for one, other in zip(plan_whole, plan_small, strict=True):
-        assert {**one, "flops": 0, "bytes": 0} == {**other, "flops": 0, "bytes": 0}  # these two also count the rounds of the iteration
+        assert {**one, "flops": 0, "bytes": 0} == {
+            **other,
+            "flops": 0,
+            "bytes": 0,
+        }  # these two also count the rounds of the iteration
     assert all(cost.predicted > 0.0 for cost in small.data["plan"])

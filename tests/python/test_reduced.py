@@ -11,14 +11,21 @@ UNITS = {"length": "mm", "mass": "t", "time": "s"}
 def block(cells=(4, 3, 3), **body):
     scene = ct.Scene(units=UNITS)
     scene.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
-    return scene.add_body("block", material="steel", box={"size": [4, 3, 3], "cells": list(cells)}, **body)
+    return scene.add_body(
+        "block", material="steel", box={"size": [4, 3, 3], "cells": list(cells)}, **body
+    )
 
 
 def plates(**run):
     scene = ct.Scene(units=UNITS)
     scene.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
     for name, origin, speed in ("left", -0.5, 1000), ("right", 0.0, -1000):
-        scene.add_body(name, material="steel", box={"origin": [origin, 0, 0], "size": [0.5, 0.05, 0.5], "cells": [10, 1, 10]}, velocity=[speed, 0, 0])
+        scene.add_body(
+            name,
+            material="steel",
+            box={"origin": [origin, 0, 0], "size": [0.5, 0.05, 0.5], "cells": [10, 1, 10]},
+            velocity=[speed, 0, 0],
+        )
         scene.add_support(f"{name}.z_min", fix="z")
         scene.add_support(f"{name}.y_min", fix="y").add_support(f"{name}.y_max", fix="y")
     scene.add_contact("left.x_max", "right.x_min")
@@ -46,11 +53,19 @@ def test_no_saving_at_all_gives_the_same_figures():
 
 
 def test_reduced_integration_has_its_hourglass_energy_in_the_ledger():
-    scene = block(integration="reduced", hourglass=0.5, velocity=[0, 0, 1000]).add_support("block.x_min", fix="xyz")
+    scene = block(integration="reduced", hourglass=0.5, velocity=[0, 0, 1000]).add_support(
+        "block.x_min", fix="xyz"
+    )
     run = scene.set_time(end=1e-5, fraction=0.9).run(progress=False)
     energy = run.energy
-    assert "hourglass" in energy.dtype.names and energy["hourglass"].max() > 1e-3 * energy["total"][0]
-    np.testing.assert_allclose(energy["kinetic"] + energy["strain"] + energy["hourglass"] - energy["external"], energy["total"], rtol=1e-12)
+    assert (
+        "hourglass" in energy.dtype.names and energy["hourglass"].max() > 1e-3 * energy["total"][0]
+    )
+    np.testing.assert_allclose(
+        energy["kinetic"] + energy["strain"] + energy["hourglass"] - energy["external"],
+        energy["total"],
+        rtol=1e-12,
+    )
     np.testing.assert_allclose(energy["total"], energy["total"][0], rtol=1e-12)
     assert np.abs(energy["balance"]).max() < 1e-12 * energy["total"][0]
     body = scene.explain().data["bodies"][0]
@@ -61,7 +76,12 @@ def test_viscosity_takes_the_overshoot_of_a_front_and_its_work_is_in_the_ledger(
     def hit(**viscosity):
         scene = ct.Scene(units=UNITS)
         scene.add_material("rod", young=2.1e5, poisson=0.0, density=7.8e-9)
-        scene.add_body("rod", material="rod", box={"size": [10, 0.1, 0.1], "cells": [100, 1, 1]}, velocity=[-1e4, 0, 0])
+        scene.add_body(
+            "rod",
+            material="rod",
+            box={"size": [10, 0.1, 0.1], "cells": [100, 1, 1]},
+            velocity=[-1e4, 0, 0],
+        )
         scene.add_support("rod.x_min", fix="x")
         if viscosity:
             scene.add("viscosity", **viscosity)
@@ -79,22 +99,37 @@ def test_viscosity_takes_the_overshoot_of_a_front_and_its_work_is_in_the_ledger(
 
 def test_boxes_of_hex20_share_one_operator():
     def run(**body):
-        scene = block(element="hex20", velocity=[1000, 0, 0], **body).add_support("block.x_min", fix="x")
+        scene = block(element="hex20", velocity=[1000, 0, 0], **body).add_support(
+            "block.x_min", fix="x"
+        )
         scene.set_time(end=2e-6, fraction=0.9)
         return scene.explain().data["bodies"][0], scene.run(progress=False)
 
     box, general = run(), run(kernel="general")
-    assert box[0]["kernel"] == "box" and "equal boxes" in box[0]["kernel_why"] and general[0]["kernel"] == "general"
+    assert (
+        box[0]["kernel"] == "box"
+        and "equal boxes" in box[0]["kernel_why"]
+        and general[0]["kernel"] == "general"
+    )
     assert run(kernel="box")[0]["kernel_why"] == "asked for"
     assert general[0]["flops_per_update"] > 30 * box[0]["flops_per_update"]
     np.testing.assert_allclose(box[1].dt, general[1].dt, rtol=0)
     u, v = (r[1].state["block"].displacement for r in (box, general))
     assert np.abs(u - v).max() < 1e-13 * np.abs(v).max()
     ring = ct.Scene(units=UNITS).add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
-    ring.add_body("ring", material="steel", element="hex20", ring={"radius": [1, 2], "width": 1, "cells": [1, 8, 1]})
+    ring.add_body(
+        "ring",
+        material="steel",
+        element="hex20",
+        ring={"radius": [1, 2], "width": 1, "cells": [1, 8, 1]},
+    )
     ring.set_time(end=1e-7, fraction=0.9)
     body = ring.explain().data["bodies"][0]
-    assert body["kernel"] == "general" and "not equal boxes" in body["kernel_why"] and "3x3x3" in body["kernel_why"]
+    assert (
+        body["kernel"] == "general"
+        and "not equal boxes" in body["kernel_why"]
+        and "3x3x3" in body["kernel_why"]
+    )
 
 
 @pytest.mark.parametrize(
@@ -117,11 +152,20 @@ def test_large_deformation_is_integrated_in_full():
     scene = ct.Scene(units=UNITS)
     scene.add_material("soft", young=1.0, poisson=0.3, density=1e-9, law="neo_hookean")
     with pytest.raises(ct.SceneError, match=r"body\[0\].integration.*neo_hookean"):
-        scene.add_body("block", material="soft", box={"size": [1, 1, 1], "cells": [2, 2, 2]}, integration="reduced").set_time(end=1e-6, fraction=0.9).explain()
+        scene.add_body(
+            "block",
+            material="soft",
+            box={"size": [1, 1, 1], "cells": [2, 2, 2]},
+            integration="reduced",
+        ).set_time(end=1e-6, fraction=0.9).explain()
 
 
 def test_plane_strain_with_a_load_along_its_thickness_is_refused():
-    scene = block(cells=(4, 1, 3), kernel="plane").add_support("block.y_min", fix="y").add_support("block.y_max", fix="y")
+    scene = (
+        block(cells=(4, 1, 3), kernel="plane")
+        .add_support("block.y_min", fix="y")
+        .add_support("block.y_max", fix="y")
+    )
     scene.set_time(end=1e-6, fraction=0.9)
     assert scene.explain().data["bodies"][0]["kernel"] == "plane"
     with pytest.raises(ct.SceneError, match="gravity.*along y"):
@@ -130,7 +174,14 @@ def test_plane_strain_with_a_load_along_its_thickness_is_refused():
         block(cells=(4, 1, 3), kernel="plane").set_time(end=1e-6, fraction=0.9).explain()
 
 
-@pytest.mark.parametrize("table, reason", [({"linear": -1}, "viscosity.linear"), ({"linear": 0, "quadratic": 0}, "viscosity.linear"), ({"bodies": ["blok"]}, "block")])
+@pytest.mark.parametrize(
+    "table, reason",
+    [
+        ({"linear": -1}, "viscosity.linear"),
+        ({"linear": 0, "quadratic": 0}, "viscosity.linear"),
+        ({"bodies": ["blok"]}, "block"),
+    ],
+)
 def test_viscosity_that_cannot_be_is_refused(table, reason):
     with pytest.raises(ct.SceneError, match=reason):
         block().add("viscosity", **table).set_time(end=1e-6, fraction=0.9).explain()

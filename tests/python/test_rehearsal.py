@@ -55,7 +55,11 @@ def test_a_bar_presses_on_a_wall_for_two_passages_of_its_wave(cheap):
 
 def test_elements_at_a_boundary_that_no_wave_has_reached_are_at_rest_in_the_plan(cheap):
     # the far end absorbs, but in 0.25 of the passage of a wave nothing comes there; a load begins at the other end
-    scene = block(cells=(60, 2, 2)).add("load", surface="block.x_min", pressure=1.0).add("absorb", surface="block.x_max")
+    scene = (
+        block(cells=(60, 2, 2))
+        .add("load", surface="block.x_min", pressure=1.0)
+        .add("absorb", surface="block.x_max")
+    )
     data = scene.data
     data["body"][0]["box"]["size"] = [60, 2, 2]
     c1 = ct.Scene(data).explain().data["bodies"][0]["c1"]
@@ -63,8 +67,13 @@ def test_elements_at_a_boundary_that_no_wave_has_reached_are_at_rest_in_the_plan
     problem = ct.Scene(data)._built(None)
     seen = rehearsal.rehearse(problem)
     begins = seen.begins()
-    assert begins[problem.effects.index("load")] == 0 and begins[problem.effects.index("absorb")] > 0.5 * seen.steps
-    share, without = (activity.active_share(problem, [], seen.steps, there) for there in (begins, None))
+    assert (
+        begins[problem.effects.index("load")] == 0
+        and begins[problem.effects.index("absorb")] > 0.5 * seen.steps
+    )
+    share, without = (
+        activity.active_share(problem, [], seen.steps, there) for there in (begins, None)
+    )
     assert share < 0.75 * without
 
 
@@ -79,7 +88,11 @@ def test_a_bouncing_bar_is_seen_to_come_back(cheap):
     assert pressed[(time < 0.95) | ((time > 1.8) & (time < 3.6)) | (time > 4.5)].mean() < 0.03
     states = list(seen.moments(6))
     assert math.fsum(state.share for state in states) == pytest.approx(1.0)
-    down = math.fsum(state.share for state in states if pressed[round(state.step / seen.steps * len(pressed)) - 1])
+    down = math.fsum(
+        state.share
+        for state in states
+        if pressed[round(state.step / seen.steps * len(pressed)) - 1]
+    )
     assert down == pytest.approx(4 / 3 / 5.3333, abs=0.06)
 
 
@@ -135,7 +148,10 @@ def test_a_turned_ring_is_laid_as_it_turns(cheap, element):
     R = np.eye(3) + math.sin(2.0) * K.T @ np.eye(3) + (1 - math.cos(2.0)) * K.T @ K.T
     X, x = coarse.bodies["ring"].mesh.nodes, problem.bodies["ring"].mesh.nodes
     assert abs(np.linalg.det(R) - 1.0) < 1e-14 and np.abs(R @ R.T - np.eye(3)).max() < 1e-14
-    move = lambda nodes: (nodes @ R.T + [3.0, 0.0, -1.0], np.cross([0.1, -0.2, 0.3], nodes @ R.T) + [1.0, 2.0, 3.0])
+    move = lambda nodes: (
+        nodes @ R.T + [3.0, 0.0, -1.0],
+        np.cross([0.1, -0.2, 0.3], nodes @ R.T) + [1.0, 2.0, 3.0],
+    )
     (now, speed), (there, speed_there) = move(X), move(x)
     u, v = np.empty((2, *x.shape))
     rehearsal._Map(problem, coarse, "ring")(now - X, speed, u, v)
@@ -158,11 +174,18 @@ def test_a_run_to_rest_is_planned_with_the_steps_that_it_needs():
 def test_like_states_are_one_group():
     rng = np.random.default_rng(2)
     centres = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    rows = np.concatenate([centre + 0.01 * rng.standard_normal((count, 2)) for centre, count in zip(centres, (10, 30, 60))])
+    rows = np.concatenate(
+        [
+            centre + 0.01 * rng.standard_normal((count, 2))
+            for centre, count in zip(centres, (10, 30, 60))
+        ]
+    )
     groups = rehearsal._group(rows, 3)
     assert sorted(count for _, count in groups) == [10, 30, 60]
     for look, count in groups:
-        assert {10: 0, 30: 1, 60: 2}[count] == int(np.argmin(((rows[look] - centres) ** 2).sum(axis=1)))
+        assert {10: 0, 30: 1, 60: 2}[count] == int(
+            np.argmin(((rows[look] - centres) ** 2).sum(axis=1))
+        )
     assert len(rehearsal._group(np.zeros((5, 2)), 3)) == 1
 
 
@@ -185,5 +208,9 @@ def test_a_scene_that_stays_dear_with_the_largest_elements_is_not_rehearsed(chea
     many = ct.Scene(units=UNITS)
     many.add_material("soft", young=1e6, poisson=0.3, density=1000.0)
     for i in range(10):
-        many.add_body(f"block{i}", material="soft", box={"origin": [2 * i, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]})
+        many.add_body(
+            f"block{i}",
+            material="soft",
+            box={"origin": [2 * i, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]},
+        )
     assert rehearsed(many.set_time(end=1.0, fraction=0.5)) is None

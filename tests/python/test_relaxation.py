@@ -13,14 +13,30 @@ UNITS = {"length": "mm", "mass": "t", "time": "s"}
 
 def brick_stiffness(size, young, poisson):
     """The matrix (24, 24) of a box element with 2 x 2 x 2 points, corners in VTK's order."""
-    corners = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
+    corners = np.array(
+        [
+            [-1, -1, -1],
+            [1, -1, -1],
+            [1, 1, -1],
+            [-1, 1, -1],
+            [-1, -1, 1],
+            [1, -1, 1],
+            [1, 1, 1],
+            [-1, 1, 1],
+        ]
+    )
     lam, mu = young * poisson / (1 + poisson) / (1 - 2 * poisson), young / 2 / (1 + poisson)
     C = np.diag([2 * mu] * 3 + [mu] * 3)
     C[:3, :3] += lam
     K = np.zeros((24, 24))
     for point in corners / np.sqrt(3):
         one = 1 + corners * point
-        dN = corners * np.stack([one[:, 1] * one[:, 2], one[:, 2] * one[:, 0], one[:, 0] * one[:, 1]], 1) / 8 * (2 / size)
+        dN = (
+            corners
+            * np.stack([one[:, 1] * one[:, 2], one[:, 2] * one[:, 0], one[:, 0] * one[:, 1]], 1)
+            / 8
+            * (2 / size)
+        )
         B = np.zeros((6, 24))
         for row, (a, b) in enumerate([(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)]):
             B[row, a::3] += dN[:, b]
@@ -33,8 +49,12 @@ def brick_stiffness(size, young, poisson):
 def test_a_cantilever_comes_to_rest_in_the_solution_of_its_matrix():
     size, cells = np.array([10.0, 2.0, 3.0]), np.array([10, 2, 3])
     scene = ct.Scene(units=UNITS).add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
-    scene.add_body("beam", material="steel", box={"origin": [0, 0, 0], "size": size, "cells": cells}).add_support("beam.x_min", fix="xyz")
-    scene.add("gravity", acceleration=[0, 0, -1e7]).add("damping", relaxation=True).set_time(end=1e-2, fraction=0.95, until_static=1e-9)
+    scene.add_body(
+        "beam", material="steel", box={"origin": [0, 0, 0], "size": size, "cells": cells}
+    ).add_support("beam.x_min", fix="xyz")
+    scene.add("gravity", acceleration=[0, 0, -1e7]).add("damping", relaxation=True).set_time(
+        end=1e-2, fraction=0.95, until_static=1e-9
+    )
     run = scene.run(progress=False)
     beam = run.state["beam"]
     nodes, elements = beam.mesh.nodes, beam.mesh.elements
@@ -57,42 +77,70 @@ def test_the_cantilever_of_the_tutorials_bends_as_beam_theory_says():
     run = ct.Scene.load(SCENES / "cantilever.toml").run(progress=False, output=False)
     beam = run.state["beam"]
     tip = beam.displacement[beam.mesh.nodes[:, 0] == 100, 2].mean()
-    bending, shear = 1000 * 100**3 / (3 * 2.1e5 * 10**4 / 12), 1000 * 100 / (5 / 6 * 100 * 2.1e5 / 2.6)
+    bending, shear = (
+        1000 * 100**3 / (3 * 2.1e5 * 10**4 / 12),
+        1000 * 100 / (5 / 6 * 100 * 2.1e5 / 2.6),
+    )
     assert run.time[-1] < 0.04
-    assert tip == pytest.approx(-(bending + shear), rel=0.015)  # the clamped end, which cannot widen, makes the beam 1 % stiffer
+    assert tip == pytest.approx(
+        -(bending + shear), rel=0.015
+    )  # the clamped end, which cannot widen, makes the beam 1 % stiffer
 
 
 def pressed(history, **time):
     """A block above another in a smooth box, with a gap of one element; its top goes down by five elements after the gap closes."""
     scene = ct.Scene(units=UNITS).add_material("soft", young=1000, poisson=0.3, density=1e-9)
-    scene.add_body("low", material="soft", box={"origin": [0, 0, 0], "size": [3, 2, 10], "cells": [3, 2, 10]})
-    scene.add_body("high", material="soft", box={"origin": [0, 0, 11], "size": [3, 2, 10], "cells": [3, 2, 10]})
+    scene.add_body(
+        "low", material="soft", box={"origin": [0, 0, 0], "size": [3, 2, 10], "cells": [3, 2, 10]}
+    )
+    scene.add_body(
+        "high", material="soft", box={"origin": [0, 0, 11], "size": [3, 2, 10], "cells": [3, 2, 10]}
+    )
     scene.add_contact("low.z_max", "high.z_min", beta=2)
     for body in ("low", "high"):
         for axis in "xy":
-            scene.add_support(f"{body}.{axis}_min", fix=axis).add_support(f"{body}.{axis}_max", fix=axis)
-    scene.add_support("low.z_min", fix="z").add_support("high.z_max", fix="z", travel=[0, 0, -6], history=history)
-    return scene.add("damping", relaxation=True).set_time(end=2e-2, fraction=0.7, until_static=1e-8, **time).run(progress=False)
+            scene.add_support(f"{body}.{axis}_min", fix=axis).add_support(
+                f"{body}.{axis}_max", fix=axis
+            )
+    scene.add_support("low.z_min", fix="z").add_support(
+        "high.z_max", fix="z", travel=[0, 0, -6], history=history
+    )
+    return (
+        scene.add("damping", relaxation=True)
+        .set_time(end=2e-2, fraction=0.7, until_static=1e-8, **time)
+        .run(progress=False)
+    )
 
 
 def test_one_jump_into_contact_ends_where_fifty_small_ones_end():
     """Elastic bodies remember nothing: 5 elements into contact at once, or in 50 jumps with time to settle between them."""
     steps = np.linspace(0, 1, 51)[1:]
-    small = {"time": np.repeat(np.arange(50) * 1e-4, 2), "value": np.concatenate([[0], np.repeat(steps, 2)])[:100]}
+    small = {
+        "time": np.repeat(np.arange(50) * 1e-4, 2),
+        "value": np.concatenate([[0], np.repeat(steps, 2)])[:100],
+    }
     one, many = pressed({"time": [0], "value": [1]}), pressed(small)
     for body in ("low", "high"):
-        np.testing.assert_allclose(one.state[body].displacement, many.state[body].displacement, atol=1e-6)
+        np.testing.assert_allclose(
+            one.state[body].displacement, many.state[body].displacement, atol=1e-6
+        )
     # 5 mm go into 20 mm that cannot widen, and a little into the penalty beta E / h
     stiff = 1000 * 0.7 / (1.3 * 0.4)
     for run in (one, many):
-        np.testing.assert_allclose(run.contact[0]["pressure"], 5 / (20 / stiff + 1 / 2000), rtol=1e-6)
+        np.testing.assert_allclose(
+            run.contact[0]["pressure"], 5 / (20 / stiff + 1 / 2000), rtol=1e-6
+        )
     assert one.time[-1] < 1e-3 < 49e-4 < many.time[-1]
 
 
 def test_a_support_on_a_path_is_there_in_time_and_in_the_ledger():
     scene = ct.Scene(units=UNITS).add_material("soft", young=1000, poisson=0, density=1e-9)
-    scene.add_body("bar", material="soft", box={"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [200, 1, 1]})
-    scene.add_support("bar.x_min", fix="x", travel=[0.1, 0, 0], history={"time": [0, 4e-6], "value": [0, 1]})
+    scene.add_body(
+        "bar", material="soft", box={"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [200, 1, 1]}
+    )
+    scene.add_support(
+        "bar.x_min", fix="x", travel=[0.1, 0, 0], history={"time": [0, 4e-6], "value": [0, 1]}
+    )
     run = scene.set_time(end=5e-6, fraction=0.9).run(progress=False)
     bar = run.state["bar"]
     np.testing.assert_allclose(bar.displacement[bar.mesh.nodes[:, 0] == 0, 0], 0.1, rtol=1e-13)
@@ -104,24 +152,51 @@ def test_a_support_on_a_path_is_there_in_time_and_in_the_ledger():
 
 def test_a_run_that_does_not_come_to_rest_says_so():
     scene = ct.Scene(units=UNITS).add_material("soft", young=1000, poisson=0, density=1e-9)
-    scene.add_body("bar", material="soft", box={"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [10, 1, 1]}).add_support("bar.x_min", fix="xyz")
+    scene.add_body(
+        "bar", material="soft", box={"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [10, 1, 1]}
+    ).add_support("bar.x_min", fix="xyz")
     scene.add("gravity", acceleration=[1, 0, 0]).set_time(end=1e-4, fraction=0.9, until_static=1e-6)
     with pytest.warns(UserWarning, match="before it comes to rest"):
         scene.run(progress=False)
 
 
-@pytest.mark.parametrize("change, words", [
-    (lambda s: s.add("damping", rate=3, relaxation=True), ["damping", "beside"]),
-    (lambda s: s.add("damping", relaxation=False), ["damping.relaxation", "true"]),
-    (lambda s: s.add("damping"), ["damping", "rate", "relaxation"]),
-    (lambda s: s.add_support("bar.x_min", fix="x", travel=[1, 0, 0]), ["support[0].travel", "history"]),
-    (lambda s: s.add_support("bar.x_min", fix="x", travel=[0, 1, 0], history={"time": [0], "value": [1]}), ["travel[1]", "not in fix"]),
-    (lambda s: s.add_support("bar.x_min", fix="x", velocity=[1, 0, 0], travel=[1, 0, 0], history={"time": [0], "value": [1]}), ["support[0].velocity", "beside"]),
-    (lambda s: s.set_time(end=1, fraction=0.5, until_static=0), ["time.until_static", "at least"]),
-])
+@pytest.mark.parametrize(
+    "change, words",
+    [
+        (lambda s: s.add("damping", rate=3, relaxation=True), ["damping", "beside"]),
+        (lambda s: s.add("damping", relaxation=False), ["damping.relaxation", "true"]),
+        (lambda s: s.add("damping"), ["damping", "rate", "relaxation"]),
+        (
+            lambda s: s.add_support("bar.x_min", fix="x", travel=[1, 0, 0]),
+            ["support[0].travel", "history"],
+        ),
+        (
+            lambda s: s.add_support(
+                "bar.x_min", fix="x", travel=[0, 1, 0], history={"time": [0], "value": [1]}
+            ),
+            ["travel[1]", "not in fix"],
+        ),
+        (
+            lambda s: s.add_support(
+                "bar.x_min",
+                fix="x",
+                velocity=[1, 0, 0],
+                travel=[1, 0, 0],
+                history={"time": [0], "value": [1]},
+            ),
+            ["support[0].velocity", "beside"],
+        ),
+        (
+            lambda s: s.set_time(end=1, fraction=0.5, until_static=0),
+            ["time.until_static", "at least"],
+        ),
+    ],
+)
 def test_what_contradicts_itself_is_refused(change, words):
     scene = ct.Scene(units=UNITS).add_material("soft", young=1000, poisson=0, density=1e-9)
-    scene.add_body("bar", material="soft", box={"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [10, 1, 1]})
+    scene.add_body(
+        "bar", material="soft", box={"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [10, 1, 1]}
+    )
     with pytest.raises(ct.SceneError) as refused:
         change(scene)
     for word in words:
@@ -138,8 +213,12 @@ def test_a_bar_bounces_twice_and_is_back():
     height = run.energy["gravity"] / weight
     touching = run.time[run.energy["obstacle"] > 0]
     first, second = touching[touching < 2.6], touching[touching > 2.6]
-    np.testing.assert_allclose([first[0], first[-1], second[0], second[-1]], [1, 1.6667, 3.6667, 4.3333], atol=0.06)
-    assert np.interp(2.6667, run.time, height) - height[0] == pytest.approx(-2 * 10 * 10**2 / (3 * 900), abs=0.1)
+    np.testing.assert_allclose(
+        [first[0], first[-1], second[0], second[-1]], [1, 1.6667, 3.6667, 4.3333], atol=0.06
+    )
+    assert np.interp(2.6667, run.time, height) - height[0] == pytest.approx(
+        -2 * 10 * 10**2 / (3 * 900), abs=0.1
+    )
     assert height[-1] - height[0] == pytest.approx(0, abs=0.15)
     # Energy never grows; each impact takes the energy of the nodes that meet the floor, half an element of a hundred, and at most a fifth more.
     gain = (run.energy["total"] - run.energy["total"][0]) / (5 * weight)

@@ -9,15 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-import libcontact as ct
 from builds import leave_out_hdf5
-from libcontact import loop
 from libcontact._core import lib
 from libcontact.mesh import Mesh
 from libcontact.parts import Material
 from libcontact.run import BodyState, Run, RunError, State
 from libcontact.schema import SceneError
+
+import libcontact as ct
+from libcontact import loop
 
 needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
 
@@ -38,7 +38,11 @@ def plates(cells=(8, 1, 6), **changes):
             {"name": "right", "box": plate(0.0), "material": "steel", "velocity": [-1000, 0, 0]},
         ],
         "contact": [{"surfaces": ["left.x_max", "right.x_min"], "beta": 4}],
-        "support": [{"set": f"{body}.{face}", "fix": [face[0]]} for body in ("left", "right") for face in ("y_min", "y_max", "z_min")],
+        "support": [
+            {"set": f"{body}.{face}", "fix": [face[0]]}
+            for body in ("left", "right")
+            for face in ("y_min", "y_max", "z_min")
+        ],
         "time": {"end_c1t_over": {"length": 2.0, "value": 0.9}, "courant": 0.125},
         "output": {"every": 7},
     }
@@ -50,15 +54,19 @@ def bar(velocity=(-1000, 0, 0), supports=True, every=10):
     """A plate in uniaxial strain that hits the plane x = 0."""
     box = {"origin": [0, 0, 0], "size": [2.0, 0.05, 0.05], "cells": [40, 1, 1]}
     held = [{"set": "bar.x_min", "fix": ["x"]}]
-    held += [{"set": f"bar.{face}", "fix": [face[0]]} for face in ("y_min", "y_max", "z_min", "z_max")]
-    return ct.Scene({
-        "units": {"length": "mm", "mass": "t", "time": "s"},
-        "material": [{"name": "steel", "young": YOUNG, "poisson": POISSON, "density": DENSITY}],
-        "body": [{"name": "bar", "box": box, "material": "steel", "velocity": list(velocity)}],
-        "support": held if supports else [],
-        "time": {"end_c1t_over": {"length": 2.0, "value": 0.75}, "courant": 0.5},
-        "output": {"every": every},
-    })
+    held += [
+        {"set": f"bar.{face}", "fix": [face[0]]} for face in ("y_min", "y_max", "z_min", "z_max")
+    ]
+    return ct.Scene(
+        {
+            "units": {"length": "mm", "mass": "t", "time": "s"},
+            "material": [{"name": "steel", "young": YOUNG, "poisson": POISSON, "density": DENSITY}],
+            "body": [{"name": "bar", "box": box, "material": "steel", "velocity": list(velocity)}],
+            "support": held if supports else [],
+            "time": {"end_c1t_over": {"length": 2.0, "value": 0.75}, "courant": 0.5},
+            "output": {"every": every},
+        }
+    )
 
 
 def same_state(a, b):
@@ -76,13 +84,22 @@ def same_state(a, b):
 def test_a_free_body_flies_without_stress():
     run = bar(velocity=(300.0, -200.0, 100.0), supports=False).run()
     state, mass = run.state["bar"], DENSITY * 2.0 * 0.05 * 0.05
-    assert np.allclose(state.displacement, np.array([300.0, -200.0, 100.0]) * run.state.time, rtol=1e-12)
+    assert np.allclose(
+        state.displacement, np.array([300.0, -200.0, 100.0]) * run.state.time, rtol=1e-12
+    )
     assert np.abs(state.stress).max() < 1e-9 * DENSITY * C1 * 300.0
-    assert run.energy["kinetic"] == pytest.approx(0.5 * mass * (300**2 + 200**2 + 100**2), rel=1e-12)
-    assert run.momentum["p"][-1] == pytest.approx(mass * np.array([300.0, -200.0, 100.0]), rel=1e-12)
+    assert run.energy["kinetic"] == pytest.approx(
+        0.5 * mass * (300**2 + 200**2 + 100**2), rel=1e-12
+    )
+    assert run.momentum["p"][-1] == pytest.approx(
+        mass * np.array([300.0, -200.0, 100.0]), rel=1e-12
+    )
     # L = p times the lever of the centre of mass, which moves along p.
     lever = np.array([1.0, 0.025, 0.025])
-    assert run.momentum["L"] == pytest.approx(np.tile(np.cross(lever, mass * np.array([300.0, -200.0, 100.0])), (len(run.time), 1)), rel=1e-9)
+    assert run.momentum["L"] == pytest.approx(
+        np.tile(np.cross(lever, mass * np.array([300.0, -200.0, 100.0])), (len(run.time), 1)),
+        rel=1e-9,
+    )
 
 
 def test_a_plate_on_a_wall_gets_the_impulse_of_a_plane_wave():
@@ -114,7 +131,9 @@ def test_a_pulled_end_goes_where_it_is_pulled():
     assert run.state["bar"].displacement[end, 0] == pytest.approx(250.0 * run.state.time, rel=1e-12)
     # Everything that is stored or moves came from the pull.
     last = run.energy[-1]
-    assert last["external"] == pytest.approx(last["kinetic"] - run.energy["kinetic"][0] + last["strain"], rel=1e-9)
+    assert last["external"] == pytest.approx(
+        last["kinetic"] - run.energy["kinetic"][0] + last["strain"], rel=1e-9
+    )
 
 
 def test_plates_that_meet_are_mirror_images_and_keep_momentum():
@@ -129,7 +148,10 @@ def test_plates_that_meet_are_mirror_images_and_keep_momentum():
     for body in ("left", "right"):
         rows = run.body_momentum(body)
         change = rows["p"] - rows["p"][0]
-        assert np.abs(change - rows["contact_impulse"] - rows["support_impulse"]).max() < 1e-12 * np.abs(change).max()
+        assert (
+            np.abs(change - rows["contact_impulse"] - rows["support_impulse"]).max()
+            < 1e-12 * np.abs(change).max()
+        )
 
 
 def test_memory_of_a_run_is_given_back():
@@ -157,9 +179,24 @@ def test_a_row_is_recorded_at_the_start_every_so_often_and_at_the_end():
     count = run.steps[-1]
     assert run.steps.tolist() == sorted({*range(0, count + 1, 7), count})
     assert run.time[0] == 0.0 and run.time[-1] == pytest.approx(0.9 * 2.0 / C1, rel=1e-12)
-    assert run.energy.dtype.names == ("time", "kinetic", "strain", "contact", "external", "total", "balance")
-    assert run.momentum.dtype.names[:4] == ("time", "body", "p", "L") and len(run.momentum) == 2 * len(run.energy)
-    total = run.energy["kinetic"] + run.energy["strain"] + run.energy["contact"] - run.energy["external"]
+    assert run.energy.dtype.names == (
+        "time",
+        "kinetic",
+        "strain",
+        "contact",
+        "external",
+        "total",
+        "balance",
+    )
+    assert run.momentum.dtype.names[:4] == ("time", "body", "p", "L") and len(
+        run.momentum
+    ) == 2 * len(run.energy)
+    total = (
+        run.energy["kinetic"]
+        + run.energy["strain"]
+        + run.energy["contact"]
+        - run.energy["external"]
+    )
     assert np.allclose(total, run.energy["total"], rtol=1e-14)
 
 
@@ -175,7 +212,12 @@ def test_times_are_recorded_at_the_nearest_steps():
 def test_until_ends_at_the_first_step_that_is_not_before_it():
     whole = plates().run()
     dt = whole.time[-1] / whole.steps[-1]
-    for until, step in ((10.2 * dt, 11), (10 * dt, 10), (1e-3 * dt, 1), (whole.time[-1], whole.steps[-1])):
+    for until, step in (
+        (10.2 * dt, 11),
+        (10 * dt, 10),
+        (1e-3 * dt, 1),
+        (whole.time[-1], whole.steps[-1]),
+    ):
         assert plates().run(until=until).steps[-1] == step
     for until in (0, -1.0, math.nan, math.inf, True, "now", 2 * whole.time[-1]):
         with pytest.raises(SceneError, match="until"):
@@ -184,7 +226,11 @@ def test_until_ends_at_the_first_step_that_is_not_before_it():
 
 def test_threads_change_nothing():
     one, two = plates().run(threads=1), plates().run(threads=2)
-    assert same_state(one, two) and one.energy.tobytes() == two.energy.tobytes() and one.momentum.tobytes() == two.momentum.tobytes()
+    assert (
+        same_state(one, two)
+        and one.energy.tobytes() == two.energy.tobytes()
+        and one.momentum.tobytes() == two.momentum.tobytes()
+    )
     for threads in (0, True, 1.0, "2"):
         with pytest.raises(SceneError, match="threads"):
             plates().run(threads=threads)
@@ -213,7 +259,13 @@ def linear_state(element):
     gradient = np.array([[1e-3, 2e-3, 0], [0, -5e-4, 1e-3], [3e-3, 0, 2e-4]])
     strain = (gradient + gradient.T) / 2
     stress = LAMBDA * np.trace(strain) * np.eye(3) + 2 * MU * strain
-    state = BodyState("block", mesh, Material("steel", YOUNG, POISSON, DENSITY), mesh.nodes @ gradient.T, mesh.nodes @ gradient.T * 7)
+    state = BodyState(
+        "block",
+        mesh,
+        Material("steel", YOUNG, POISSON, DENSITY),
+        mesh.nodes @ gradient.T,
+        mesh.nodes @ gradient.T * 7,
+    )
     return state, gradient, stress
 
 
@@ -221,16 +273,30 @@ def linear_state(element):
 def test_a_linear_field_is_sampled_exactly(element):
     state, gradient, stress = linear_state(element)
     energy = np.zeros(1, loop.ENERGY)
-    run = Run(bodies=["block"], units=None, steps=[0], energy=energy, momentum=np.zeros(0, loop.MOMENTUM),
-              state=State(0.0, 0, {"block": state}))
+    run = Run(
+        bodies=["block"],
+        units=None,
+        steps=[0],
+        energy=energy,
+        momentum=np.zeros(0, loop.MOMENTUM),
+        state=State(0.0, 0, {"block": state}),
+    )
     start, end = np.array([0.1, 0.2, 0.3]), np.array([1.7, 0.9, 0.5])
     s, u = run.line("displacement_y", start, end, n=11)
     points = start + np.linspace(0, 1, 11)[:, None] * (end - start)
     assert np.allclose(s, np.linalg.norm(points - start, axis=1), rtol=1e-14)
     assert np.allclose(u, (points @ gradient.T)[:, 1], rtol=1e-12)
-    assert np.allclose(run.line("velocity_z", start, end, n=11)[1], 7 * (points @ gradient.T)[:, 2], rtol=1e-12)
-    assert np.allclose(run.line("velocity_z", end, start, n=11)[1][::-1], run.line("velocity_z", start, end, n=11)[1], rtol=1e-14)
-    for name, value in zip(("xx", "yy", "zz", "xy", "yz", "zx"), stress[[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]]):
+    assert np.allclose(
+        run.line("velocity_z", start, end, n=11)[1], 7 * (points @ gradient.T)[:, 2], rtol=1e-12
+    )
+    assert np.allclose(
+        run.line("velocity_z", end, start, n=11)[1][::-1],
+        run.line("velocity_z", start, end, n=11)[1],
+        rtol=1e-14,
+    )
+    for name, value in zip(
+        ("xx", "yy", "zz", "xy", "yz", "zx"), stress[[0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]]
+    ):
         assert np.allclose(run.line(f"stress_{name}", start, end, n=5)[1], value, rtol=1e-9)
 
 
@@ -238,9 +304,16 @@ def test_lines_outside_are_nan_and_bad_lines_are_refused():
     run = plates().run(until=1e-8)
     s, values = run.line("stress_xx", (-3, 0.1, 0.1), (3, 0.1, 0.1), n=7)
     assert np.isnan(values[[0, 6]]).all() and np.isfinite(values[1:6]).all() and s[-1] == 6.0
-    assert np.isnan(run.line("stress_xx", (-1, 0.1, 0.1), (-0.5, 0.1, 0.1), n=3, body="right")[1]).all()
-    for arguments in (("stress_xq", (0, 0, 0), (1, 0, 0)), ("stress_xx", (0, 0), (1, 0, 0)), ("stress_xx", (0, 0, math.nan), (1, 0, 0)),
-                      ("stress_xx", (0, 0, 0), (1, 0, 0), 0), ("stress_xx", (0, 0, 0), (1, 0, 0), 2.0)):
+    assert np.isnan(
+        run.line("stress_xx", (-1, 0.1, 0.1), (-0.5, 0.1, 0.1), n=3, body="right")[1]
+    ).all()
+    for arguments in (
+        ("stress_xq", (0, 0, 0), (1, 0, 0)),
+        ("stress_xx", (0, 0), (1, 0, 0)),
+        ("stress_xx", (0, 0, math.nan), (1, 0, 0)),
+        ("stress_xx", (0, 0, 0), (1, 0, 0), 0),
+        ("stress_xx", (0, 0, 0), (1, 0, 0), 2.0),
+    ):
         with pytest.raises(ValueError):
             run.line(*arguments)
 
@@ -252,7 +325,11 @@ def test_lines_outside_are_nan_and_bad_lines_are_refused():
 def test_a_run_that_was_saved_is_the_run_that_is_loaded(tmp_path):
     run = plates().run(output=tmp_path / "a.vtkhdf")
     loaded = Run.load(tmp_path / "a.vtkhdf")
-    assert same_state(run, loaded) and loaded.bodies == ["left", "right"] and loaded.units.label("stress") == "MPa"
+    assert (
+        same_state(run, loaded)
+        and loaded.bodies == ["left", "right"]
+        and loaded.units.label("stress") == "MPa"
+    )
     for table in ("energy", "momentum", "steps"):
         assert getattr(run, table).tobytes() == getattr(loaded, table).tobytes()
     run.save(tmp_path / "b.vtkhdf")
@@ -324,10 +401,13 @@ def test_ctrl_c_ends_the_run_and_keeps_what_there_is(with_file, tmp_path):
         assert same_state(run, Run.load(path))
 
 
-@pytest.mark.parametrize("output, reason", [
-    ("none/a.vtkhdf", "no folder"), (".", "is a folder"), (3, "path"), ("ro/a.vtkhdf", "denied"),
-])
-def test_an_output_that_cannot_be_written_is_refused_before_the_run(output, reason, tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    "output, reason",
+    [("none/a.vtkhdf", "no folder"), (".", "is a folder"), (3, "path"), ("ro/a.vtkhdf", "denied")],
+)
+def test_an_output_that_cannot_be_written_is_refused_before_the_run(
+    output, reason, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "ro").mkdir(mode=0o500)
     if reason == "denied" and os.access(tmp_path / "ro", os.W_OK):
@@ -379,7 +459,9 @@ class Poisoned:
 
 
 @pytest.mark.parametrize("with_file", [False, pytest.param(True, marks=needs_hdf5)])
-def test_a_run_that_blows_up_names_the_body_and_keeps_the_last_good_state(with_file, tmp_path, monkeypatch):
+def test_a_run_that_blows_up_names_the_body_and_keeps_the_last_good_state(
+    with_file, tmp_path, monkeypatch
+):
     monkeypatch.setattr(loop, "lib", Poisoned())
     with pytest.raises(RunError, match="bar") as caught:
         bar(every=1).run(output=tmp_path / "up.vtkhdf" if with_file else False)
@@ -408,7 +490,12 @@ def test_contact_points_are_seen():
     scene = ct.Scene(title="blocks", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("soft", young=1.0, poisson=0.0, density=1.0)
     for name, origin, velocity in (("left", -2.0, 0.1), ("right", 0.0, -0.1)):
-        scene.add_body(name, material="soft", box={"origin": [origin, 0, 0], "size": [2, 1, 1], "cells": [8, 2, 2]}, velocity=[velocity, 0, 0])
+        scene.add_body(
+            name,
+            material="soft",
+            box={"origin": [origin, 0, 0], "size": [2, 1, 1], "cells": [8, 2, 2]},
+            velocity=[velocity, 0, 0],
+        )
     scene.add_contact("left.x_max", "right.x_min", beta=1, enforcement="penalty")
     pressures = []
     for end in np.linspace(0.5, 3.5, 13):
@@ -418,7 +505,11 @@ def test_contact_points_are_seen():
         assert np.all(points["gap"] < 0)
         epsilon = scene.explain().data["contacts"][0]["epsilon"]
         np.testing.assert_allclose(points["pressure"], -epsilon * points["gap"], rtol=1e-14)
-        np.testing.assert_allclose(np.linalg.norm(points["closest"] - points["position"], axis=1), -points["gap"], rtol=1e-9)
+        np.testing.assert_allclose(
+            np.linalg.norm(points["closest"] - points["position"], axis=1),
+            -points["gap"],
+            rtol=1e-9,
+        )
         pressures.append(np.average(points["pressure"], weights=points["weight"]))
     # Two equal bars press with rho c v = 0.1 until the waves come back at t = 4; the penalty swings about it.
     assert abs(np.mean(pressures) - 0.1) < 0.01
@@ -428,7 +519,9 @@ def test_a_run_with_proven_projections_meets_the_same_faces():
     """Every step of an impact of two plates with ``certified``: the same contact set and the same bits as with ``robust``."""
     runs = {}
     for method in ("robust", "certified"):
-        data = ct.Scene.load(Path(__file__).parents[2] / "tutorials" / "scenes" / "plates.toml").data
+        data = ct.Scene.load(
+            Path(__file__).parents[2] / "tutorials" / "scenes" / "plates.toml"
+        ).data
         for body in data["body"]:
             body["box"]["cells"] = [20, 1, 20]
         data["contact"][0]["method"] = method

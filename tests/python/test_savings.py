@@ -5,13 +5,13 @@ import gc
 
 import numpy as np
 import pytest
-
-import libcontact as ct
 from libcontact._core import ffi, lib
 from libcontact.errors import check, new_error
 from libcontact.parts import SAVINGS
 from libcontact.problem import new_state
 from libcontact.schema import SceneError
+
+import libcontact as ct
 
 needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
 
@@ -23,11 +23,25 @@ def scene(savings=None, threads=1, **changes):
         "units": {"length": "mm", "mass": "t", "time": "s"},
         "material": [{"name": "steel", "young": 2.1e5, "poisson": 0.3, "density": 7.8e-9}],
         "body": [
-            {"name": "left", "box": plate(-2.02, [16, 1, 12]), "material": "steel", "velocity": [1e5, 0, 0]},
-            {"name": "right", "box": plate(0.0, [10, 2, 7]), "material": "steel", "velocity": [-3e4, 0, 0], "kernel": "general"},
+            {
+                "name": "left",
+                "box": plate(-2.02, [16, 1, 12]),
+                "material": "steel",
+                "velocity": [1e5, 0, 0],
+            },
+            {
+                "name": "right",
+                "box": plate(0.0, [10, 2, 7]),
+                "material": "steel",
+                "velocity": [-3e4, 0, 0],
+                "kernel": "general",
+            },
         ],
         "contact": [{"surfaces": ["left.x_max", "right.x_min"], "beta": 0.5}],
-        "support": [{"set": "left.z_min", "fix": ["z"]}, {"set": "right.x_max", "fix": ["x"], "velocity": [-3e4, 0, 0]}],
+        "support": [
+            {"set": "left.z_min", "fix": ["z"]},
+            {"set": "right.x_max", "fix": ["x"], "velocity": [-3e4, 0, 0]},
+        ],
         "time": {"end": 5e-7, "fraction": 0.99},
         "output": {"every": 7, "fields": ["displacement", "velocity"]},
         "run": {"threads": threads},
@@ -58,7 +72,12 @@ def test_every_saving_leaves_tables_and_states_as_they_are_to_the_last_bit():
 def test_files_and_restarts_have_the_same_bits(tmp_path):
     h5py = pytest.importorskip("h5py")
     runs = {}
-    for name, first, then in (("off", [], None), ("on", None, None), ("on and off", None, []), ("off and on", [], None)):
+    for name, first, then in (
+        ("off", [], None),
+        ("on", None, None),
+        ("on and off", None, []),
+        ("off and on", [], None),
+    ):
         half, whole = tmp_path / f"{name} half.vtkhdf", tmp_path / f"{name}.vtkhdf"
         if name in ("off", "on"):
             runs[name] = scene(first).run(progress=False, output=whole)
@@ -69,24 +88,43 @@ def test_files_and_restarts_have_the_same_bits(tmp_path):
     for name in ("on and off", "off and on"):
         for body in runs["off"].state:
             for field in ("displacement", "velocity"):
-                assert getattr(runs["off"].state[body], field).tobytes() == getattr(runs[name].state[body], field).tobytes()
+                assert (
+                    getattr(runs["off"].state[body], field).tobytes()
+                    == getattr(runs[name].state[body], field).tobytes()
+                )
         assert runs[name].energy[-1].tobytes() == runs["off"].energy[-1].tobytes()
 
     def datasets(path):
         found = {}
         with h5py.File(path) as file:
-            file.visititems(lambda key, item: found.update({key: item[()].tobytes()}) if isinstance(item, h5py.Dataset) and item.dtype != object else None)
+            file.visititems(
+                lambda key, item: (
+                    found.update({key: item[()].tobytes()})
+                    if isinstance(item, h5py.Dataset) and item.dtype != object
+                    else None
+                )
+            )
         return found
 
     off, on = datasets(tmp_path / "off.vtkhdf"), datasets(tmp_path / "on.vtkhdf")
-    assert off.keys() == on.keys() and any("velocity" in key for key in off) and not any("stress" in key for key in off)
+    assert (
+        off.keys() == on.keys()
+        and any("velocity" in key for key in off)
+        and not any("stress" in key for key in off)
+    )
     # Only the text of the scene, which names the savings, may differ, and bytes that nobody has written.
     assert [key for key in off if off[key] != on[key] and "scene" not in key.lower()] == []
 
 
 def test_an_unknown_saving_is_refused():
-    for savings, reason in ((["quite"], 'did you mean "quiet"'), (["quiet", 3], "savings[1]"), ("quiet", "list")):
-        with pytest.raises(SceneError, match=reason.replace("[", r"\[").replace("]", r"\]")) as caught:
+    for savings, reason in (
+        (["quite"], 'did you mean "quiet"'),
+        (["quiet", 3], "savings[1]"),
+        ("quiet", "list"),
+    ):
+        with pytest.raises(
+            SceneError, match=reason.replace("[", r"\[").replace("]", r"\]")
+        ) as caught:
             scene(savings)
         assert caught.value.key.startswith("run.savings")
 
@@ -100,20 +138,38 @@ def numbered(cells, layers=None, **changes):
     return ct.Scene(data)
 
 
-@pytest.mark.parametrize(("cells", "changes", "layers"), [
-    ([16, 1, 40], {}, "x"),  # the contact is across x, and rows along z get 40 cells
-    ([16, 40, 1], {}, "x"),
-    ([16, 1, 12], {}, "z"),  # rows would be short
-    ([40, 1, 40], {"load": [{"surface": "left.z_max", "pressure": 1.0}]}, "z"),  # pressed across two axes
-    ([40, 1, 40], {"contact": [], "load": [{"surface": "left.y_max", "pressure": 1.0}]}, "y"),
-    ([40, 1, 40], {"contact": [], "obstacle": [{"surface": "left.x_min", "plane": {"point": [-3, 0, 0], "normal": [1, 0, 0]}}]}, "x"),
-    ([40, 1, 40], {"contact": []}, "z"),
-])
+@pytest.mark.parametrize(
+    ("cells", "changes", "layers"),
+    [
+        ([16, 1, 40], {}, "x"),  # the contact is across x, and rows along z get 40 cells
+        ([16, 40, 1], {}, "x"),
+        ([16, 1, 12], {}, "z"),  # rows would be short
+        (
+            [40, 1, 40],
+            {"load": [{"surface": "left.z_max", "pressure": 1.0}]},
+            "z",
+        ),  # pressed across two axes
+        ([40, 1, 40], {"contact": [], "load": [{"surface": "left.y_max", "pressure": 1.0}]}, "y"),
+        (
+            [40, 1, 40],
+            {
+                "contact": [],
+                "obstacle": [
+                    {"surface": "left.x_min", "plane": {"point": [-3, 0, 0], "normal": [1, 0, 0]}}
+                ],
+            },
+            "x",
+        ),
+        ([40, 1, 40], {"contact": []}, "z"),
+    ],
+)
 def test_layers_go_from_what_presses_into_the_body(cells, changes, layers):
     told = [body["layers"] for body in numbered(cells, **changes).explain().data["bodies"]]
     assert told == [layers, "z"]
     asked = numbered(cells, "y", **changes).explain()
-    assert asked.data["bodies"][0]["layers"] == "y" and "numbered layer by layer along y" in str(asked)
+    assert asked.data["bodies"][0]["layers"] == "y" and "numbered layer by layer along y" in str(
+        asked
+    )
 
 
 def test_the_order_of_numbers_changes_no_bit_at_any_place():
@@ -123,7 +179,11 @@ def test_the_order_of_numbers_changes_no_bit_at_any_place():
         return rows[np.lexsort(body.nodes.T)].tobytes()
 
     runs = [numbered([16, 1, 33], layers).run(progress=False) for layers in (None, "x", "y", "z")]
-    assert runs[0].state["left"].nodes.tobytes() == runs[1].state["left"].nodes.tobytes() != runs[3].state["left"].nodes.tobytes()
+    assert (
+        runs[0].state["left"].nodes.tobytes()
+        == runs[1].state["left"].nodes.tobytes()
+        != runs[3].state["left"].nodes.tobytes()
+    )
     for name in ("left", "right"):
         assert len({places(run, name) for run in runs}) == 1, name
     assert len({run.energy.tobytes() for run in runs}) == 1
@@ -151,8 +211,21 @@ def test_a_lattice_is_refused_for_lack_of_memory_only_where_tables_would_not_fit
 class Held(ctypes.Structure):
     """What glibc tells of its memory."""
 
-    _fields_ = [(name, ctypes.c_size_t) for name in ("arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks",
-                                                     "fordblks", "keepcost")]
+    _fields_ = [
+        (name, ctypes.c_size_t)
+        for name in (
+            "arena",
+            "ordblks",
+            "smblks",
+            "hblks",
+            "hblkhd",
+            "usmblks",
+            "fsmblks",
+            "uordblks",
+            "fordblks",
+            "keepcost",
+        )
+    ]
 
 
 def held_bytes():
@@ -174,26 +247,67 @@ def bodies(box, **other):
     return [{"name": "block", "box": box, "material": "steel", **other}]
 
 
-@pytest.mark.parametrize(("name", "savings", "changes"), [
-    ("lattice", None, {**ALONE, "body": bodies(BLOCK)}),
-    ("tables", [], {**ALONE, "body": bodies(BLOCK)}),
-    ("hex20", None, {**ALONE, "body": bodies({**BLOCK, "cells": [12, 12, 12]}, element="hex20")}),
-    ("reduced", None, {**ALONE, "body": bodies(BLOCK, integration="reduced")}),
-    ("held", None, {"contact": [], "support": [{"set": "block.x_min", "fix": ["x"]}],
-                    "body": bodies({**BLOCK, "cells": [24, 1, 500]}), "gravity": {"acceleration": [0, 0, -9810.0]}}),
-    ("large", None, {**ALONE, "body": bodies(BLOCK), "material": [RUBBER]}),
-    ("chung_lee", None, {**ALONE, "body": bodies(BLOCK), "time": {"end": 5e-7, "fraction": 0.9, "integrator": "chung_lee"}}),
-    ("contact", None, {"support": [], "body": [{"name": name, "box": {"origin": [x, 0, 0], "size": [0.25, 2, 2], "cells": [8, 50, 50]},
-                                                "material": "steel"} for name, x in (("left", -0.26), ("right", 0.0))]}),
-])
+@pytest.mark.parametrize(
+    ("name", "savings", "changes"),
+    [
+        ("lattice", None, {**ALONE, "body": bodies(BLOCK)}),
+        ("tables", [], {**ALONE, "body": bodies(BLOCK)}),
+        (
+            "hex20",
+            None,
+            {**ALONE, "body": bodies({**BLOCK, "cells": [12, 12, 12]}, element="hex20")},
+        ),
+        ("reduced", None, {**ALONE, "body": bodies(BLOCK, integration="reduced")}),
+        (
+            "held",
+            None,
+            {
+                "contact": [],
+                "support": [{"set": "block.x_min", "fix": ["x"]}],
+                "body": bodies({**BLOCK, "cells": [24, 1, 500]}),
+                "gravity": {"acceleration": [0, 0, -9810.0]},
+            },
+        ),
+        ("large", None, {**ALONE, "body": bodies(BLOCK), "material": [RUBBER]}),
+        (
+            "chung_lee",
+            None,
+            {
+                **ALONE,
+                "body": bodies(BLOCK),
+                "time": {"end": 5e-7, "fraction": 0.9, "integrator": "chung_lee"},
+            },
+        ),
+        (
+            "contact",
+            None,
+            {
+                "support": [],
+                "body": [
+                    {
+                        "name": name,
+                        "box": {"origin": [x, 0, 0], "size": [0.25, 2, 2], "cells": [8, 50, 50]},
+                        "material": "steel",
+                    }
+                    for name, x in (("left", -0.26), ("right", 0.0))
+                ],
+            },
+        ),
+    ],
+)
 def test_explain_tells_the_memory_that_a_run_holds(name, savings, changes):
     told = scene(savings, **changes).explain().data["cost"]["memory_bytes"]
     before = held_bytes()
     problem = scene(savings, **changes)._built(None, None)
     state = new_state(problem)
-    options, watch = ffi.new("ct_watch_options *", lib.ct_watch_options_default()), ffi.new("ct_watch **")
+    options, watch = (
+        ffi.new("ct_watch_options *", lib.ct_watch_options_default()),
+        ffi.new("ct_watch **"),
+    )
     options.stable = problem.stable.dt
     check(lib.ct_watch_create(problem.pointer, state, options, watch, new_error()))
     held = held_bytes() - before
     lib.ct_watch_free(watch[0])
-    assert told == pytest.approx(held, rel=0.06), f"{name}: {held} bytes, told {told}: {told / held:.3f}"
+    assert told == pytest.approx(held, rel=0.06), (
+        f"{name}: {held} bytes, told {told}: {told / held:.3f}"
+    )

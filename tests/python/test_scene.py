@@ -9,14 +9,16 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
-import libcontact as ct
 from libcontact.mesh import Mesh, read_vtkhdf
 from libcontact.schema import SceneError, float_array, index_array
 from libcontact.units import BASES, Units
 
+import libcontact as ct
+
 SCENES = Path(__file__).parents[2] / "tutorials" / "scenes"
-CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+CUBE = np.array(
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float
+)
 
 
 def small(**changes):
@@ -27,8 +29,20 @@ def small(**changes):
         "units": {"length": "mm", "mass": "t", "time": "s"},
         "material": [{"name": "steel", "young": 2.1e5, "poisson": 0.3, "density": 7.8e-9}],
         "body": [
-            {"name": "left", "box": {"origin": [-2.5, 0, 0], **plate}, "element": "hex8", "material": "steel", "velocity": [1000, 0, 0]},
-            {"name": "right", "box": {"origin": [0, 0, 0], **plate}, "element": "hex8", "material": "steel", "velocity": [-1000, 0, 0]},
+            {
+                "name": "left",
+                "box": {"origin": [-2.5, 0, 0], **plate},
+                "element": "hex8",
+                "material": "steel",
+                "velocity": [1000, 0, 0],
+            },
+            {
+                "name": "right",
+                "box": {"origin": [0, 0, 0], **plate},
+                "element": "hex8",
+                "material": "steel",
+                "velocity": [-1000, 0, 0],
+            },
         ],
         "contact": [{"surfaces": ["left.x_max", "right.x_min"], "beta": 4}],
         "support": [{"set": "left.z_min", "fix": ["z"]}, {"set": "right.z_min", "fix": ["z"]}],
@@ -64,15 +78,18 @@ def refused(scene, run=False):
 # Units.
 
 
-@pytest.mark.parametrize("bases, stress, energy", [
-    (("mm", "t", "s"), "MPa", "mJ"),
-    (("m", "kg", "s"), "Pa", "J"),
-    (("mm", "kg", "ms"), "GPa", "J"),
-    (("mm", "g", "ms"), "MPa", "mJ"),
-    (("um", "kg", "s"), "MPa", "kg um^2/s^2"),
-    (("cm", "g", "us"), "g/(cm us^2)", "g cm^2/us^2"),
-    (("in", "slinch", "s"), "slinch/(in s^2)", "slinch in^2/s^2"),
-])
+@pytest.mark.parametrize(
+    "bases, stress, energy",
+    [
+        (("mm", "t", "s"), "MPa", "mJ"),
+        (("m", "kg", "s"), "Pa", "J"),
+        (("mm", "kg", "ms"), "GPa", "J"),
+        (("mm", "g", "ms"), "MPa", "mJ"),
+        (("um", "kg", "s"), "MPa", "kg um^2/s^2"),
+        (("cm", "g", "us"), "g/(cm us^2)", "g cm^2/us^2"),
+        (("in", "slinch", "s"), "slinch/(in s^2)", "slinch in^2/s^2"),
+    ],
+)
 def test_labels_of_derived_units(bases, stress, energy):
     units = Units(*bases)
     assert units.label("stress") == stress
@@ -82,7 +99,9 @@ def test_labels_of_derived_units(bases, stress, energy):
 
 def test_a_slinch_per_square_inch_makes_a_psi():
     # 1 psi = 1 lbf / in^2 = 6894.757293168361 Pa (NIST SP 811).
-    assert Units("in", "slinch", "s").factor("stress") == pytest.approx(6894.757293168361, rel=1e-12)
+    assert Units("in", "slinch", "s").factor("stress") == pytest.approx(
+        6894.757293168361, rel=1e-12
+    )
 
 
 # Reading and writing.
@@ -92,7 +111,9 @@ def test_a_slinch_per_square_inch_makes_a_psi():
 def test_saved_scene_has_the_same_tables(name, tmp_path):
     scene = ct.Scene.load(SCENES / name)
     scene.save(tmp_path / "copy.toml")
-    assert tomllib.loads((tmp_path / "copy.toml").read_text()) == tomllib.loads((SCENES / name).read_text())
+    assert tomllib.loads((tmp_path / "copy.toml").read_text()) == tomllib.loads(
+        (SCENES / name).read_text()
+    )
 
 
 def test_plates_are_those_of_the_paper():
@@ -102,17 +123,25 @@ def test_plates_are_those_of_the_paper():
     c1 = math.sqrt(2.1e11 * 0.7 / (1.3 * 0.4 * 7800.0))
     assert facts["bodies"][0]["c1_si"] == pytest.approx(c1, rel=1e-12)
     assert facts["time"]["end"] == pytest.approx(0.56 * 2.5e-3 / c1, rel=1e-12)
-    assert facts["time"]["courant"] == pytest.approx(0.125, rel=0.01) and facts["time"]["courant"] <= 0.125 * (1 + 1e-12)
+    assert facts["time"]["courant"] == pytest.approx(0.125, rel=0.01) and facts["time"][
+        "courant"
+    ] <= 0.125 * (1 + 1e-12)
     # c1 t / h = 0.56 * 100 cells, in steps of 0.125 cells.
     assert facts["time"]["steps"] in (448, 449)
 
 
 def test_the_scene_that_is_built_piece_by_piece_is_the_one_that_is_read():
-    box = lambda x: {"origin": (x, 0, 0), "size": np.array([2.5, 0.5, 2.5]), "cells": np.array([4, 1, 3])}
+    box = lambda x: {
+        "origin": (x, 0, 0),
+        "size": np.array([2.5, 0.5, 2.5]),
+        "cells": np.array([4, 1, 3]),
+    }
     scene = ct.Scene(title="small plates", units={"length": "mm", "mass": "t", "time": "s"})
     scene.add_material("steel", young=2.1e5, poisson=0.3, density=7.8e-9)
     scene.add_body("left", box=box(-2.5), element="hex8", material="steel", velocity=[1000, 0, 0])
-    scene.add_body("right", box=box(0), element="hex8", material="steel", velocity=np.array([-1000, 0, 0]))
+    scene.add_body(
+        "right", box=box(0), element="hex8", material="steel", velocity=np.array([-1000, 0, 0])
+    )
     scene.add_contact("left.x_max", "right.x_min", beta=4)
     scene.add_support("left.z_min", fix="z").add_support("right.z_min", fix=["z"])
     scene.set_time(end=2e-7, courant=0.125).set_output(fields=["displacement", "stress"], every=5)
@@ -179,8 +208,18 @@ REFUSED = [
     (("body", 0), 7, "body[0]", "table"),
     (("body",), {}, "body", "[[body]]"),
     (("body",), [], "contact[0].surfaces[0]", "no body"),
-    (("contact", 0, "surfaces"), ["left.x_max", "right.x_mni"], "contact[0].surfaces[1]", 'did you mean "x_min"'),
-    (("contact", 0, "surfaces"), ["lfet.x_max", "right.x_min"], "contact[0].surfaces[0]", 'did you mean "left"'),
+    (
+        ("contact", 0, "surfaces"),
+        ["left.x_max", "right.x_mni"],
+        "contact[0].surfaces[1]",
+        'did you mean "x_min"',
+    ),
+    (
+        ("contact", 0, "surfaces"),
+        ["lfet.x_max", "right.x_min"],
+        "contact[0].surfaces[0]",
+        'did you mean "left"',
+    ),
     (("contact", 0, "surfaces"), ["left", "right.x_min"], "contact[0].surfaces[0]", "dot"),
     (("contact", 0, "surfaces"), "left.x_max", "contact[0].surfaces", "list"),
     (("contact", 0, "beta"), 0, "contact[0].beta", "above 0"),
@@ -214,26 +253,40 @@ def test_a_wrong_entry_is_refused_with_key_and_reason(path, value, key, reason):
     assert str(error).startswith(f"scene: {key}: ")
 
 
-@pytest.mark.parametrize("path, key", [
-    (("units",), "units"), (("time",), "time"), (("time", "end"), "time"), (("time", "courant"), "time"),
-    (("material", 0, "density"), "material[0].density"), (("material",), "body[0].material"),
-    (("body", 0, "name"), "body[0].name"), (("body", 0, "box"), "body[0]"), (("body", 0, "box", "cells"), "body[0].box.cells"),
-    (("contact", 0, "surfaces"), "contact[0].surfaces"), (("support", 0, "fix"), "support[0].fix"),
-])
+@pytest.mark.parametrize(
+    "path, key",
+    [
+        (("units",), "units"),
+        (("time",), "time"),
+        (("time", "end"), "time"),
+        (("time", "courant"), "time"),
+        (("material", 0, "density"), "material[0].density"),
+        (("material",), "body[0].material"),
+        (("body", 0, "name"), "body[0].name"),
+        (("body", 0, "box"), "body[0]"),
+        (("body", 0, "box", "cells"), "body[0].box.cells"),
+        (("contact", 0, "surfaces"), "contact[0].surfaces"),
+        (("support", 0, "fix"), "support[0].fix"),
+    ],
+)
 def test_a_missing_entry_is_refused_with_its_key(path, key):
     assert refused(changed(path, drop=True)).key == key
 
 
 def test_the_file_is_named(tmp_path):
     file = tmp_path / "wrong.toml"
-    file.write_text((SCENES / "plates.toml").read_text().replace('material = "steel"', 'material = "stone"'))
+    file.write_text(
+        (SCENES / "plates.toml").read_text().replace('material = "steel"', 'material = "stone"')
+    )
     with pytest.raises(SceneError) as caught:
         ct.Scene.load(file)
     assert caught.value.file == str(file)
     assert str(caught.value).startswith(f"{file}: body[0].material: ")
 
 
-@pytest.mark.parametrize("content", [b"title = ", b"\xff\xfe", b"a = " + b"[" * 100000, b"x = " + b"9" * 5000, b""])
+@pytest.mark.parametrize(
+    "content", [b"title = ", b"\xff\xfe", b"a = " + b"[" * 100000, b"x = " + b"9" * 5000, b""]
+)
 def test_files_that_are_no_scenes_are_refused(content, tmp_path):
     file = tmp_path / "scene.toml"
     file.write_bytes(content)
@@ -272,11 +325,23 @@ def test_strided_arrays_are_taken_by_value():
         assert out.flags.c_contiguous and out.tolist() == CUBE.tolist()
 
 
-@pytest.mark.parametrize("bad, reason", [
-    (CUBE.astype(complex), "complex128"), (CUBE.astype(bool), "bool"), (CUBE.astype(str), "<U"), (CUBE.astype(object), "object"),
-    (CUBE.astype(np.longdouble), "float128"), (CUBE[:, :2], "(8, 2)"), (CUBE[0], "(3,)"), ([[1, 2, 3], [4, 5]], "rectangular"),
-    (np.full((8, 3), 2**53 + 1), "2^53"), ("nodes.csv", "must be an array"), ([], "empty"), (np.empty((0, 3)), "empty"),
-])
+@pytest.mark.parametrize(
+    "bad, reason",
+    [
+        (CUBE.astype(complex), "complex128"),
+        (CUBE.astype(bool), "bool"),
+        (CUBE.astype(str), "<U"),
+        (CUBE.astype(object), "object"),
+        (CUBE.astype(np.longdouble), "float128"),
+        (CUBE[:, :2], "(8, 2)"),
+        (CUBE[0], "(3,)"),
+        ([[1, 2, 3], [4, 5]], "rectangular"),
+        (np.full((8, 3), 2**53 + 1), "2^53"),
+        ("nodes.csv", "must be an array"),
+        ([], "empty"),
+        (np.empty((0, 3)), "empty"),
+    ],
+)
 def test_other_arrays_are_refused(bad, reason):
     error = refused(cube(bad))
     assert error.key == "body[0].nodes" and reason in error.reason
@@ -289,10 +354,16 @@ def test_a_nan_is_refused_with_its_node():
     assert error.key == "body[0].nodes" and "row 5" in error.reason
 
 
-@pytest.mark.parametrize("elements, reason", [
-    (np.arange(8.0)[None], "float64"), (np.arange(1, 9)[None], "outside 0 ... 7"), (np.array([[-1, 1, 2, 3, 4, 5, 6, 7]]), "outside"),
-    (np.arange(6)[None], "8 or 20"), (np.array([[2**40, 1, 2, 3, 4, 5, 6, 7]]), "outside"),
-])
+@pytest.mark.parametrize(
+    "elements, reason",
+    [
+        (np.arange(8.0)[None], "float64"),
+        (np.arange(1, 9)[None], "outside 0 ... 7"),
+        (np.array([[-1, 1, 2, 3, 4, 5, 6, 7]]), "outside"),
+        (np.arange(6)[None], "8 or 20"),
+        (np.array([[2**40, 1, 2, 3, 4, 5, 6, 7]]), "outside"),
+    ],
+)
 def test_impossible_node_numbers_are_refused(elements, reason):
     error = refused(cube(CUBE, elements))
     assert error.key == "body[0].elements" and reason in error.reason
@@ -306,21 +377,43 @@ def test_node_numbers_of_any_whole_type_are_taken():
 def test_inverted_and_collapsed_elements_are_named():
     inside_out = np.array([[4, 5, 6, 7, 0, 1, 2, 3]])
     error = refused(cube(CUBE, inside_out), run=True)
-    assert 'body "cube"' in error.reason and "element 0" in error.reason and "inverted" in error.reason
+    assert (
+        'body "cube"' in error.reason and "element 0" in error.reason and "inverted" in error.reason
+    )
     flat = CUBE * [1, 1, 0]
     error = refused(cube(flat), run=True)
-    assert 'body "cube"' in error.reason and "element 0" in error.reason and "collapsed" in error.reason
+    assert (
+        'body "cube"' in error.reason
+        and "element 0" in error.reason
+        and "collapsed" in error.reason
+    )
 
 
 def test_a_mid_side_node_beyond_the_quarter_point_is_refused():
-    ends = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+    ends = [
+        (0, 1),
+        (1, 2),
+        (2, 3),
+        (3, 0),
+        (4, 5),
+        (5, 6),
+        (6, 7),
+        (7, 4),
+        (0, 4),
+        (1, 5),
+        (2, 6),
+        (3, 7),
+    ]
     nodes = np.vstack([CUBE] + [0.5 * (CUBE[[a]] + CUBE[[b]]) for a, b in ends])
     number = np.arange(20)[None]
     nodes[18] = [1, 1, 0.75]  # at the quarter point seen from node 6: used for cracks
     assert ct.Scene(cube(nodes, number)).explain()
     nodes[18] = [1, 1, 0.8]
     error = refused(cube(nodes, number), run=True)
-    assert 'body "cube"' in error.reason and "element 0 is inverted at its corner 6 (node 6)" in error.reason
+    assert (
+        'body "cube"' in error.reason
+        and "element 0 is inverted at its corner 6 (node 6)" in error.reason
+    )
 
 
 def test_a_node_without_element_is_refused():
@@ -333,14 +426,19 @@ def test_a_face_that_no_element_has_is_refused():
     nodes = CUBE.copy()
     nodes[[1, 2], 0] = 2.0
     scene = cube(nodes)
-    scene["body"].append({**small()["body"][1], "box": {"origin": [2, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]}})
+    scene["body"].append(
+        {**small()["body"][1], "box": {"origin": [2, 0, 0], "size": [1, 1, 1], "cells": [1, 1, 1]}}
+    )
     scene["contact"] = [{"surfaces": ["cube.x_max", "right.x_min"]}]
     error = refused(scene, run=True)
     assert error.key == "contact[0].surfaces[0]" and "no faces" in error.reason
 
 
 def test_what_c_refuses_has_the_key_of_its_table():
-    held = [{"set": "left.x_min", "fix": ["x"]}, {"set": "left.y_min", "fix": ["x"], "velocity": [1, 0, 0]}]
+    held = [
+        {"set": "left.x_min", "fix": ["x"]},
+        {"set": "left.y_min", "fix": ["x"], "velocity": [1, 0, 0]},
+    ]
     error = refused(small(support=held), run=True)
     assert error.key == "support" and "velocity" in error.reason
     skew = cube(CUBE + 0.1 * CUBE[:, [1, 2, 0]])
@@ -358,7 +456,10 @@ def test_a_collapsed_edge_does_not_count_in_the_courant_number():
     facts = ct.Scene(wedge).explain().data["time"]
     # The wedge of a unit cube: its shortest real edge is 1.
     c1 = ct.Scene(wedge).explain().data["bodies"][0]["c1"]
-    assert facts["courant"] == pytest.approx(c1 * facts["dt"], rel=1e-12) and 0 < facts["fraction"] <= 0.5
+    assert (
+        facts["courant"] == pytest.approx(c1 * facts["dt"], rel=1e-12)
+        and 0 < facts["fraction"] <= 0.5
+    )
 
 
 def test_what_does_not_fit_the_machine_is_refused_before_it_is_tried():
@@ -384,16 +485,25 @@ def write_grid(path, nodes, elements, cell_type, **changes):
         group.attrs["Version"] = np.array([2, 2])
         group.attrs["Type"] = np.bytes_("UnstructuredGrid")
         width = elements.shape[1]
-        grid = {"NumberOfPoints": [len(nodes)], "NumberOfCells": [len(elements)], "NumberOfConnectivityIds": [elements.size],
-                "Points": nodes, "Connectivity": elements.ravel(), "Offsets": width * np.arange(len(elements) + 1),
-                "Types": np.full(len(elements), cell_type, np.uint8), **changes}
+        grid = {
+            "NumberOfPoints": [len(nodes)],
+            "NumberOfCells": [len(elements)],
+            "NumberOfConnectivityIds": [elements.size],
+            "Points": nodes,
+            "Connectivity": elements.ravel(),
+            "Offsets": width * np.arange(len(elements) + 1),
+            "Types": np.full(len(elements), cell_type, np.uint8),
+            **changes,
+        }
         for name, values in grid.items():
             group[name] = np.asarray(values)
 
 
 def test_a_mesh_is_read_from_beside_the_scene_file_and_found_from_elsewhere(tmp_path):
     write_grid(tmp_path / "cube.vtkhdf", CUBE.astype("f4"), np.arange(8)[None], 12)
-    table = small(body=[{"name": "cube", "mesh": "cube.vtkhdf", "material": "steel"}], contact=[], support=[])
+    table = small(
+        body=[{"name": "cube", "mesh": "cube.vtkhdf", "material": "steel"}], contact=[], support=[]
+    )
     ct.Scene(table, file=tmp_path / "scene.toml").save(tmp_path / "scene.toml")
     facts = ct.Scene.load(tmp_path / "scene.toml").explain().data["bodies"][0]
     assert (facts["nodes"], facts["elements"], facts["element"]) == (8, 1, "hex8")
@@ -404,13 +514,19 @@ def test_a_mesh_is_read_from_beside_the_scene_file_and_found_from_elsewhere(tmp_
 
 def test_grids_that_are_no_bricks_are_refused(tmp_path):
     path = tmp_path / "grid.vtkhdf"
-    for kind, changes, reason in [(10, {}, "VTK types"), (12, {"Offsets": [0, 7]}, "Offsets"), (12, {"NumberOfPoints": [4, 4]}, "2 parts")]:
+    for kind, changes, reason in [
+        (10, {}, "VTK types"),
+        (12, {"Offsets": [0, 7]}, "Offsets"),
+        (12, {"NumberOfPoints": [4, 4]}, "2 parts"),
+    ]:
         write_grid(path, CUBE, np.arange(8)[None], kind, **changes)
         with pytest.raises(ValueError, match=reason):
             read_vtkhdf(path)
 
 
-@pytest.mark.parametrize("element, count", [("hex8", 3 * 4 * 5), ("hex20", 60 + 2 * 4 * 5 + 3 * 3 * 5 + 3 * 4 * 4)])
+@pytest.mark.parametrize(
+    "element, count", [("hex8", 3 * 4 * 5), ("hex20", 60 + 2 * 4 * 5 + 3 * 3 * 5 + 3 * 4 * 4)]
+)
 def test_a_box_has_the_nodes_and_faces_that_one_counts(element, count):
     mesh = Mesh.box(element, (0, 0, 0), (2, 3, 4), (2, 3, 4))
     assert mesh.nodes.shape == (count, 3) and len(mesh.elements) == 24
@@ -439,10 +555,15 @@ def test_points_are_found_in_distorted_elements(element):
     # Bend a box by a smooth map; the images of the element's own points must be found where they were put.
     box = Mesh.box(element, (-1, -1, -1), (2, 2, 2), (2, 2, 2))
     x, y, z = box.nodes.T
-    mesh = Mesh.copy(np.stack([x + 0.2 * y * z, y + 0.1 * x * x, z + 0.15 * x * y], axis=1), np.array(box.elements))
+    mesh = Mesh.copy(
+        np.stack([x + 0.2 * y * z, y + 0.1 * x * x, z + 0.15 * x * y], axis=1),
+        np.array(box.elements),
+    )
     rng = np.random.default_rng(7)
     put_in, put_xi = rng.integers(0, 8, 40), rng.uniform(-0.99, 0.99, (40, 3))
-    points = np.array([mesh.shape(xi) @ mesh.nodes[mesh.elements[e]] for e, xi in zip(put_in, put_xi)])
+    points = np.array(
+        [mesh.shape(xi) @ mesh.nodes[mesh.elements[e]] for e, xi in zip(put_in, put_xi)]
+    )
     found_in, found_xi = mesh.locate(points)
     assert np.array_equal(found_in, put_in)
     assert np.abs(found_xi - put_xi).max() < 1e-12
@@ -463,7 +584,9 @@ def test_mirrored_meshes_have_mirrored_centres():
 def test_explain_tells_what_was_asked_and_what_is_left_out():
     text = ct.Scene(small(contact=[])).explain()
     assert isinstance(text, str) and "contact: no [[contact]]" in text
-    assert text.data["effects"] == ["solid", "support"] and {"contact", "gravity"} <= set(text.data["left_out"])
+    assert text.data["effects"] == ["solid", "support"] and {"contact", "gravity"} <= set(
+        text.data["left_out"]
+    )
     assert "beta = 4" in ct.Scene(small()).explain()
     default = small(contact=[{"surfaces": ["left.x_max", "right.x_min"]}])
     assert "beta = 4, the default" in ct.Scene(default).explain()
@@ -479,9 +602,17 @@ def test_both_step_numbers_are_told_whichever_was_asked():
     by_courant = ct.Scene(small()).explain().data["time"]
     wanted = by_courant["dt_courant"] * 0.125
     assert by_courant["dt"] == pytest.approx(2e-7 / math.ceil(2e-7 / wanted), rel=1e-12)
-    by_fraction = ct.Scene(small(time={"end": 2e-7, "fraction": by_courant["fraction"] * (1 + 1e-9)})).explain().data["time"]
-    assert by_fraction["steps"] == by_courant["steps"] and by_fraction["courant"] == pytest.approx(by_courant["courant"])
-    assert by_courant["stable"] == by_courant["stable_without_contact"], "the energy-controlled penalty leaves the step as it is"
+    by_fraction = (
+        ct.Scene(small(time={"end": 2e-7, "fraction": by_courant["fraction"] * (1 + 1e-9)}))
+        .explain()
+        .data["time"]
+    )
+    assert by_fraction["steps"] == by_courant["steps"] and by_fraction["courant"] == pytest.approx(
+        by_courant["courant"]
+    )
+    assert by_courant["stable"] == by_courant["stable_without_contact"], (
+        "the energy-controlled penalty leaves the step as it is"
+    )
     data = small()
     data["contact"][0]["enforcement"] = "penalty"
     explicit = ct.Scene(data).explain().data["time"]
@@ -494,7 +625,9 @@ def test_both_step_numbers_are_told_whichever_was_asked():
 def test_a_step_above_the_stable_one_is_refused_with_both_numbers():
     stable = ct.Scene(small()).explain().data["time"]["stable"]
     error = refused(small(time={"end": 2e-7, "dt": 1.5e-7}), run=True)
-    assert error.key == "time.dt" and "1.5e-07" in error.reason and f"{stable:g}"[:4] in error.reason
+    assert (
+        error.key == "time.dt" and "1.5e-07" in error.reason and f"{stable:g}"[:4] in error.reason
+    )
     assert refused(small(time={"end": 2e-7, "fraction": 1.01}), run=True).key == "time.fraction"
     assert refused(small(time={"end": 2e-7, "courant": 5.0}), run=True).key == "time.courant"
 
@@ -508,15 +641,44 @@ def test_inconsistent_units_show_at_once():
 # Whatever comes in: a SceneError or a scene.
 
 values = st.one_of(
-    st.none(), st.booleans(), st.integers(-3, 40), st.integers(min_value=2**31), st.floats(), st.text(max_size=8), st.just([]), st.just({}), st.just("left.x_max"),
+    st.none(),
+    st.booleans(),
+    st.integers(-3, 40),
+    st.integers(min_value=2**31),
+    st.floats(),
+    st.text(max_size=8),
+    st.just([]),
+    st.just({}),
+    st.just("left.x_max"),
     st.lists(st.one_of(st.integers(-2, 30), st.floats(), st.text(max_size=3)), max_size=4),
-    st.sampled_from([1e-300, 1e300, 5e-324, -0.0, 2**31, 2**63, 10**400, [1, 1, 1], ["x"], "hex20", "steel", "cm"]),
+    st.sampled_from(
+        [
+            1e-300,
+            1e300,
+            5e-324,
+            -0.0,
+            2**31,
+            2**63,
+            10**400,
+            [1, 1, 1],
+            ["x"],
+            "hex20",
+            "steel",
+            "cm",
+        ]
+    ),
 )
 
 
 def paths(table, path=()):
     yield path
-    entries = table.items() if isinstance(table, dict) else enumerate(table) if isinstance(table, list) else ()
+    entries = (
+        table.items()
+        if isinstance(table, dict)
+        else enumerate(table)
+        if isinstance(table, list)
+        else ()
+    )
     for key, entry in entries:
         yield from paths(entry, (*path, key))
 
@@ -563,7 +725,9 @@ def blocks(language):
 
 def test_the_python_of_the_page_runs(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    text = (SCENES / "plates.toml").read_text(encoding="utf-8").replace("[100, 1, 100]", "[10, 1, 10]")
+    text = (
+        (SCENES / "plates.toml").read_text(encoding="utf-8").replace("[100, 1, 100]", "[10, 1, 10]")
+    )
     Path("plates.toml").write_text(text.split("[output]")[0], encoding="utf-8")
     names = {}
     for block in blocks("python"):
@@ -586,9 +750,11 @@ def test_the_page_names_every_unit_and_every_key():
     page = PAGE.read_text(encoding="utf-8")
     for names in BASES.values():
         assert [name for name in names if f"``{name}``" not in page] == []
-    keys = ("young poisson density law box ring spin mesh nodes elements element material velocity lumping kernel surfaces beta epsilon method "
-            "tolerance depth set fix end end_c1t_over courant fraction dt integrator output.file output.fields output.every "
-            "output.times run.threads")
+    keys = (
+        "young poisson density law box ring spin mesh nodes elements element material velocity lumping kernel surfaces beta epsilon method "
+        "tolerance depth set fix end end_c1t_over courant fraction dt integrator output.file output.fields output.every "
+        "output.times run.threads"
+    )
     assert [key for key in keys.split() if f"``{key}``" not in page] == []
 
 
@@ -597,7 +763,11 @@ def test_an_overlap_at_the_start_is_told():
     scene = ct.Scene(title="overlap", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("soft", young=1.0, poisson=0.0, density=1.0)
     for name, origin in (("left", -1.0), ("right", -0.1)):
-        scene.add_body(name, material="soft", box={"origin": [origin, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]})
+        scene.add_body(
+            name,
+            material="soft",
+            box={"origin": [origin, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]},
+        )
     scene.add_contact("left.x_max", "right.x_min", beta=1).set_time(end=1.0, fraction=0.5)
     facts = scene.explain().data
     assert facts["contacts"][0]["initial_gap"] == pytest.approx(-0.1, abs=1e-12)
@@ -606,7 +776,9 @@ def test_an_overlap_at_the_start_is_told():
 
 def test_a_scene_file_is_not_overwritten_by_its_results(tmp_path):
     path = tmp_path / "scene.toml"
-    path.write_text((SCENES / "plates_reference.toml").read_text().replace("[100, 1, 100]", "[4, 1, 4]"))
+    path.write_text(
+        (SCENES / "plates_reference.toml").read_text().replace("[100, 1, 100]", "[4, 1, 4]")
+    )
     before = path.read_bytes()
     with pytest.raises(ct.SceneError, match="no results file"):
         ct.Scene.load(path).run(progress=False, output=path)
@@ -624,4 +796,7 @@ def test_masked_nodes_are_refused():
 def test_a_scene_of_the_tutorials_is_short_and_explained(path):
     assert len(path.read_text(encoding="utf-8").splitlines()) <= 40
     assert ct.Scene.load(path).explain().data["bodies"]
-    assert f'"{path.stem}"' in (SCENES.parent / "05_scenes.py").read_text(encoding="utf-8") or path.stem == "plates_reference"
+    assert (
+        f'"{path.stem}"' in (SCENES.parent / "05_scenes.py").read_text(encoding="utf-8")
+        or path.stem == "plates_reference"
+    )

@@ -9,8 +9,12 @@ from hypothesis import strategies as st
 
 import libcontact as ct
 
-CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
-SIDES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+CUBE = np.array(
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float
+)
+SIDES = np.array(
+    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+)
 TRIANGLES = np.concatenate([SIDES[:, [0, 1, 2]], SIDES[:, [0, 2, 3]]])
 
 
@@ -37,16 +41,29 @@ def test_cube(kind, faces):
 def soup(seed, count, kind):
     """Faces that have nothing to do with each other."""
     rng = np.random.default_rng(seed)
-    shape = {"Q4": [[0, 0], [1, 0], [1, 1], [0, 1]], "T3": [[0, 0], [1, 0], [0, 1]], "T6": [[0, 0], [2, 0], [0, 2], [1, 0], [1, 1], [0, 1]],
-             "Q8": [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]]}[kind]
+    shape = {
+        "Q4": [[0, 0], [1, 0], [1, 1], [0, 1]],
+        "T3": [[0, 0], [1, 0], [0, 1]],
+        "T6": [[0, 0], [2, 0], [0, 2], [1, 0], [1, 1], [0, 1]],
+        "Q8": [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]],
+    }[kind]
     flat = np.array(shape, float) / np.max(shape)
     frames = rng.normal(size=(count, 2, 3))
-    nodes = flat @ frames + rng.uniform(-5, 5, (count, 1, 3)) + rng.normal(scale=0.08, size=(count, len(flat), 3))
+    nodes = (
+        flat @ frames
+        + rng.uniform(-5, 5, (count, 1, 3))
+        + rng.normal(scale=0.08, size=(count, len(flat), 3))
+    )
     return nodes.reshape(-1, 3), np.arange(count * len(flat)).reshape(count, -1)
 
 
 @settings(max_examples=40, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 40), kind=st.sampled_from(["Q4", "Q8", "T3", "T6"]), scale=st.sampled_from([1.0, 2.0**-30, 2.0**30]))
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    count=st.integers(1, 40),
+    kind=st.sampled_from(["Q4", "Q8", "T3", "T6"]),
+    scale=st.sampled_from([1.0, 2.0**-30, 2.0**30]),
+)
 def test_brute_force(seed, count, kind, scale):
     nodes, faces = soup(seed, count, kind)
     points = np.random.default_rng(seed + 1).uniform(-6, 6, (60, 3)) * scale
@@ -59,7 +76,12 @@ def test_brute_force(seed, count, kind, scale):
 
 
 def same_bits(a, b):
-    return all(np.array_equal(getattr(a, f.name), getattr(b, f.name), equal_nan=getattr(a, f.name).dtype.kind == "f") for f in dataclasses.fields(a))
+    return all(
+        np.array_equal(
+            getattr(a, f.name), getattr(b, f.name), equal_nan=getattr(a, f.name).dtype.kind == "f"
+        )
+        for f in dataclasses.fields(a)
+    )
 
 
 @settings(max_examples=25, deadline=None)
@@ -123,7 +145,17 @@ def test_refused(kind, nodes, faces, error):
         ct.Surface(kind, nodes, faces)
 
 
-@pytest.mark.parametrize("bad", [{"start": [6]}, {"start": [-2]}, {"start": [0, 0]}, {"tolerance": 0}, {"tolerance": np.inf}, {"threads": 0}])
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"start": [6]},
+        {"start": [-2]},
+        {"start": [0, 0]},
+        {"tolerance": 0},
+        {"tolerance": np.inf},
+        {"threads": 0},
+    ],
+)
 def test_refused_queries(bad):
     with pytest.raises(ValueError):
         ct.Surface("Q4", CUBE, SIDES).nearest([[0, 0, 0]], **bad)

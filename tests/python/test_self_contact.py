@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from libcontact.mesh import Mesh
 
 import libcontact as ct
-from libcontact.mesh import Mesh
 
 LEG, THICK, GAP = 0.6, 0.1, 0.08
 
@@ -31,10 +31,20 @@ def press(surfaces, element="hex8", enforcement="energy_controlled", **changes):
     block = {"origin": [0, -0.05, top + 0.005], "size": [0.2, 0.3, 0.2], "cells": [2, 3, 2]}
     scene = {
         "units": {"length": "m", "mass": "kg", "time": "s"},
-        "material": [{"name": "soft", "young": 1e5, "poisson": 0.3, "density": 1000.0},
-                     {"name": "heavy", "young": 1e6, "poisson": 0.3, "density": 4000.0}],
-        "body": [{"name": "u", "nodes": nodes, "elements": elements, "material": "soft"},
-                 {"name": "block", "box": block, "element": "hex8", "material": "heavy", "velocity": [0, 0, -0.6]}],
+        "material": [
+            {"name": "soft", "young": 1e5, "poisson": 0.3, "density": 1000.0},
+            {"name": "heavy", "young": 1e6, "poisson": 0.3, "density": 4000.0},
+        ],
+        "body": [
+            {"name": "u", "nodes": nodes, "elements": elements, "material": "soft"},
+            {
+                "name": "block",
+                "box": block,
+                "element": "hex8",
+                "material": "heavy",
+                "velocity": [0, 0, -0.6],
+            },
+        ],
         "contact": [{"surfaces": ["block.outer", "u.outer"], "beta": 1}],
         "time": {"end": 0.25, "fraction": 0.5},
         "output": {"every": 20},
@@ -50,10 +60,15 @@ def press(surfaces, element="hex8", enforcement="energy_controlled", **changes):
 def overlap(run):
     """How far the end of the upper leg has gone through the lower one: both undersides and tops, where they face each other."""
     state = run.state["u"]
-    inner = {sign: np.isclose(state.nodes[:, 2], sign * GAP / 2) & (state.nodes[:, 0] < 0.5 * LEG) for sign in (-1, 1)}
+    inner = {
+        sign: np.isclose(state.nodes[:, 2], sign * GAP / 2) & (state.nodes[:, 0] < 0.5 * LEG)
+        for sign in (-1, 1)
+    }
     low, high = (state.positions[inner[sign]] for sign in (-1, 1))
     # Both are nearly straight along x: compare at the places of the upper nodes, column by column in y.
-    return max(float(np.interp(x, *low[np.argsort(low[:, 0])][:, [0, 2]].T) - z) for x, _, z in high)
+    return max(
+        float(np.interp(x, *low[np.argsort(low[:, 0])][:, [0, 2]].T) - z) for x, _, z in high
+    )
 
 
 @pytest.fixture(scope="module", params=["hex8", "hex20"])
@@ -61,7 +76,9 @@ def pressed(request):
     """The deepest moment of the collision: the run that is stopped there, with and without contact of the hairpin with itself."""
     element = request.param
     changes = {"time": {"end": 0.12, "fraction": 0.5}}
-    return press(["u.outer", "u.outer"], element, **changes).run(progress=False), press(None, element, **changes).run(progress=False)
+    return press(["u.outer", "u.outer"], element, **changes).run(progress=False), press(
+        None, element, **changes
+    ).run(progress=False)
 
 
 def test_the_layers_of_a_fold_do_not_pass_through_each_other(pressed):
@@ -74,7 +91,9 @@ def test_the_layers_of_a_fold_do_not_pass_through_each_other(pressed):
     assert np.all(np.abs(pushed["position"][:, 2] - pushed["closest"][:, 2]) < 0.1 * GAP)
 
 
-@pytest.mark.parametrize("enforcement, lost, won", [("penalty", 0.02, 0.02), ("energy_controlled", 0.05, 1e-9)])
+@pytest.mark.parametrize(
+    "enforcement, lost, won", [("penalty", 0.02, 0.02), ("energy_controlled", 0.05, 1e-9)]
+)
 def test_momentum_and_energy_of_a_fold_that_closes_and_opens_again(enforcement, lost, won):
     run = press(["u.outer", "u.outer"], enforcement=enforcement).run(progress=False)
     assert run.energy["contact"].max() > 1e-3 * run.energy["total"][0], "the contact is to matter"
@@ -99,22 +118,41 @@ def test_a_run_that_is_stopped_in_self_contact_goes_on_with_the_same_bits(tmp_pa
     scene = press(["u.outer", "u.outer"], time={"end": 0.12, "fraction": 0.5})
     whole = scene.run(progress=False)
     scene.run(progress=False, until=0.1, output=tmp_path / "first.vtkhdf")
-    rest = scene.run(progress=False, restart=tmp_path / "first.vtkhdf", output=tmp_path / "rest.vtkhdf")
+    rest = scene.run(
+        progress=False, restart=tmp_path / "first.vtkhdf", output=tmp_path / "rest.vtkhdf"
+    )
     assert rest.state["u"].positions.tobytes() == whole.state["u"].positions.tobytes()
 
 
 def plate(surfaces):
     """A thin plate that flies and spins nowhere: it must stay as it is, whatever of it may meet itself."""
-    return ct.Scene({
-        "units": {"length": "m", "mass": "kg", "time": "s"},
-        "material": [{"name": "soft", "young": 1e5, "poisson": 0.3, "density": 1000.0}],
-        "body": [{"name": "p", "box": {"origin": [0, 0, 0], "size": [1, 1, 0.05], "cells": [5, 5, 1]}, "material": "soft", "velocity": [3, 2, 1]}],
-        "contact": [{"surfaces": surfaces}],
-        "time": {"end": 0.01, "fraction": 0.5},
-    })
+    return ct.Scene(
+        {
+            "units": {"length": "m", "mass": "kg", "time": "s"},
+            "material": [{"name": "soft", "young": 1e5, "poisson": 0.3, "density": 1000.0}],
+            "body": [
+                {
+                    "name": "p",
+                    "box": {"origin": [0, 0, 0], "size": [1, 1, 0.05], "cells": [5, 5, 1]},
+                    "material": "soft",
+                    "velocity": [3, 2, 1],
+                }
+            ],
+            "contact": [{"surfaces": surfaces}],
+            "time": {"end": 0.01, "fraction": 0.5},
+        }
+    )
 
 
-@pytest.mark.parametrize("surfaces", [["p.z_min", "p.z_max"], ["p.x_max", "p.z_max"], ["p.outer", "p.z_min"], ["p.y_min", "p.y_min"]])
+@pytest.mark.parametrize(
+    "surfaces",
+    [
+        ["p.z_min", "p.z_max"],
+        ["p.x_max", "p.z_max"],
+        ["p.outer", "p.z_min"],
+        ["p.y_min", "p.y_min"],
+    ],
+)
 def test_the_far_side_of_a_plate_and_its_neighbouring_sides_are_no_contact(surfaces):
     run = plate(surfaces).run(progress=False)
     assert run.energy["contact"].max() == 0.0
@@ -126,11 +164,20 @@ def test_explain_tells_who_meets_itself():
     explained = press(["u.outer", "u.outer"]).explain()
     contact = explained.data["contacts"][1]
     outer = 2 * (18 * 2 + 18 * 2 + 2 * 2)
-    assert contact["with_itself"] and contact["faces"] == [outer] and contact["gauss_points"] == [4 * outer]
-    assert 0.9 * GAP < contact["initial_gap"] <= GAP, "the ring between the legs is a polygon, a little narrower than they"
+    assert (
+        contact["with_itself"]
+        and contact["faces"] == [outer]
+        and contact["gauss_points"] == [4 * outer]
+    )
+    assert 0.9 * GAP < contact["initial_gap"] <= GAP, (
+        "the ring between the legs is a polygon, a little narrower than they"
+    )
     assert f"contact u.outer with itself: {outer} faces of one body" in explained
     two = press(["u.y_min", "u.y_max"]).explain()
-    assert two.data["contacts"][1]["faces"] == [2 * 18 * 2] and "contact u.y_min with u.y_max: 72 faces of one body" in two
+    assert (
+        two.data["contacts"][1]["faces"] == [2 * 18 * 2]
+        and "contact u.y_min with u.y_max: 72 faces of one body" in two
+    )
     assert not two.data["contacts"][0]["with_itself"]
 
 
@@ -138,5 +185,7 @@ def test_a_scene_piece_by_piece():
     scene = ct.Scene(units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("soft", young=1e5, poisson=0.3, density=1000.0)
     nodes, elements = hairpin()
-    scene.add_body("u", material="soft", nodes=nodes, elements=elements).add_contact("u.outer", "u.outer").set_time(end=1e-3, fraction=0.5)
+    scene.add_body("u", material="soft", nodes=nodes, elements=elements).add_contact(
+        "u.outer", "u.outer"
+    ).set_time(end=1e-3, fraction=0.5)
     assert scene.explain().data["contacts"][0]["with_itself"]

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from libcontact.mesh import view
 
 import libcontact as ct
-from libcontact.mesh import view
 
 SCENE = Path(__file__).parents[2] / "tutorials/scenes/spinning_ring.toml"
 
@@ -18,7 +18,9 @@ def uniaxial_energy(stretch, young, poisson):
     p = mu - lam * stretch
     b2 = 2 * mu / (p + math.sqrt(p * p + 4 * lam * stretch**2 * mu))
     volume = stretch * b2
-    return 0.5 * mu * (stretch**2 + 2 * b2 - 3) - mu * math.log(volume) + 0.5 * lam * (volume - 1) ** 2
+    return (
+        0.5 * mu * (stretch**2 + 2 * b2 - 3) - mu * math.log(volume) + 0.5 * lam * (volume - 1) ** 2
+    )
 
 
 def turning_point(young, poisson, rho_v2):
@@ -86,7 +88,9 @@ def test_a_run_restarts_with_the_same_bits_and_refuses_another_law(tmp_path):
 def test_laws_rings_and_spins_are_explained():
     scene = small()
     scene["material"].append({"name": "steel", "young": 2e11, "poisson": 0.3, "density": 7800})
-    scene["body"].append({"name": "block", "box": {"size": [1, 1, 1], "cells": [1, 1, 1]}, "material": "steel"})
+    scene["body"].append(
+        {"name": "block", "box": {"size": [1, 1, 1], "cells": [1, 1, 1]}, "material": "steel"}
+    )
     facts = ct.Scene(scene).explain().data
     assert [body["law"] for body in facts["bodies"]] == ["neo_hookean", "linear"]
     assert [body["kernel"] for body in facts["bodies"]] == ["general", "box"]
@@ -95,16 +99,35 @@ def test_laws_rings_and_spins_are_explained():
     assert any("stable step" in line for line in facts["assumptions"])
 
 
-@pytest.mark.parametrize("change, key, reason", [
-    ({"spin": {"axis": [0, 0, 0], "rate": 1}}, "body[0].spin.axis", "direction"),
-    ({"spin": {"axis": [0, 0, 1]}}, "body[0].spin.rate", "missing"),
-    ({"kernel": "box"}, "body[0].kernel", "small strain"),
-    ({"ring": {"radius": [0.2, 0.1], "width": 1, "cells": [1, 8, 1]}}, "body[0].ring.radius[1]", "above the inner"),
-    ({"ring": {"radius": [0, 0.1], "width": 1, "cells": [1, 8, 1]}}, "body[0].ring.radius[0]", "above 0"),
-    ({"ring": {"radius": [0.1, 0.2], "width": 1, "cells": [1, 2, 1]}}, "body[0].ring.cells[1]", "from 3"),
-    ({"ring": {"radius": [0.1, 0.2], "width": 1, "cells": [10000, 10000, 1000]}}, "body[0].ring.cells", "GB"),
-    ({"box": {"size": [1, 1, 1], "cells": [1, 1, 1]}}, "body[0].ring", "cannot stand beside"),
-])
+@pytest.mark.parametrize(
+    "change, key, reason",
+    [
+        ({"spin": {"axis": [0, 0, 0], "rate": 1}}, "body[0].spin.axis", "direction"),
+        ({"spin": {"axis": [0, 0, 1]}}, "body[0].spin.rate", "missing"),
+        ({"kernel": "box"}, "body[0].kernel", "small strain"),
+        (
+            {"ring": {"radius": [0.2, 0.1], "width": 1, "cells": [1, 8, 1]}},
+            "body[0].ring.radius[1]",
+            "above the inner",
+        ),
+        (
+            {"ring": {"radius": [0, 0.1], "width": 1, "cells": [1, 8, 1]}},
+            "body[0].ring.radius[0]",
+            "above 0",
+        ),
+        (
+            {"ring": {"radius": [0.1, 0.2], "width": 1, "cells": [1, 2, 1]}},
+            "body[0].ring.cells[1]",
+            "from 3",
+        ),
+        (
+            {"ring": {"radius": [0.1, 0.2], "width": 1, "cells": [10000, 10000, 1000]}},
+            "body[0].ring.cells",
+            "GB",
+        ),
+        ({"box": {"size": [1, 1, 1], "cells": [1, 1, 1]}}, "body[0].ring", "cannot stand beside"),
+    ],
+)
 def test_what_is_refused(change, key, reason):
     with pytest.raises(ct.SceneError, match=reason) as caught:
         ct.Scene(small(**change)).run(progress=False, output=False)
@@ -132,7 +155,9 @@ def test_a_spin_is_a_rigid_rotation_and_adds_to_the_velocity():
 
 
 def test_a_body_that_is_turned_inside_out_ends_the_run_with_its_name():
-    scene = small(ring=None, spin=None, box={"size": [1, 1, 1], "cells": [1, 1, 1]}, velocity=[-1e4, 0, 0])
+    scene = small(
+        ring=None, spin=None, box={"size": [1, 1, 1], "cells": [1, 1, 1]}, velocity=[-1e4, 0, 0]
+    )
     scene["support"] = [{"set": "ring.x_min", "fix": ["x"]}]
     scene["time"] = {"end": 0.01, "fraction": 0.9}
     with pytest.raises(ct.Error, match='"ring".*inside out'):

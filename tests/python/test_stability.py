@@ -28,15 +28,37 @@ def test_case(case):
 
 def test_the_judge_sees_what_is_wrong():
     """Rows that are wrong in one thing each."""
-    good = dict(case="", enforcement=lab.DEFAULT, beta=1.0, courant=0.5, fraction=0.5, steps=1, energy=0.0, lost=0.0, points=0.1, nodes=0.1, momentum=0.0, verdict="")
+    good = dict(
+        case="",
+        enforcement=lab.DEFAULT,
+        beta=1.0,
+        courant=0.5,
+        fraction=0.5,
+        steps=1,
+        energy=0.0,
+        lost=0.0,
+        points=0.1,
+        nodes=0.1,
+        momentum=0.0,
+        verdict="",
+    )
     assert lab.verdict(lab.Row(**good), 1e-12, 0.5) == ""
-    for key, value, word in (("energy", 0.011, "energy"), ("momentum", 2e-12, "momentum"), ("nodes", 0.6, "penetration"), ("points", 0.6, "penetration"), ("energy", np.nan, "finite")):
+    for key, value, word in (
+        ("energy", 0.011, "energy"),
+        ("momentum", 2e-12, "momentum"),
+        ("nodes", 0.6, "penetration"),
+        ("points", 0.6, "penetration"),
+        ("energy", np.nan, "finite"),
+    ):
         assert word in lab.verdict(lab.Row(**good | {key: value}), 1e-12, 0.5)
 
 
 def test_solid_angles_tell_who_is_inside():
     """Points about a hollow of a concave body, and a hairpin whose legs are moved into each other by three quarters of their thickness, or only until they touch."""
-    for bricks in (shapes.cubes(shapes.CONCAVE["U"]), shapes.with_edges(shapes.cubes(shapes.CONCAVE["U"], 2))):
+    for bricks in (
+        shapes.cubes(shapes.CONCAVE["U"]),
+        shapes.with_edges(shapes.cubes(shapes.CONCAVE["U"], 2)),
+    ):
         points = np.array([[1.5, 0.5, 0.5], [1.5, 1.5, 0.5], [0.5, 2.9, 0.5], [0.5, 3.1, 0.5]])
         assert list(inside.within(points, *bricks)) == [True, False, True, False]
     nodes, elements = shapes.hairpin(0.6, 0.1, 0.08, (18, 2, 2), 0.2)
@@ -47,29 +69,59 @@ def test_solid_angles_tell_who_is_inside():
 
 def test_the_smallest_jacobian_of_a_brick():
     """A box has that of its sides; a corner that is moved onto the opposite diagonal plane has none."""
-    for bricks in (shapes.box((1, 2, 3), (2, 1, 1)), shapes.with_edges(shapes.box((1, 2, 3), (2, 1, 1)))):
+    for bricks in (
+        shapes.box((1, 2, 3), (2, 1, 1)),
+        shapes.with_edges(shapes.box((1, 2, 3), (2, 1, 1))),
+    ):
         assert shapes.least_jacobian(bricks) == pytest.approx(0.5 * 2 * 3 / 8, rel=1e-12)
     nodes, elements = shapes.box((1, 1, 1), (1, 1, 1))
     corner = np.flatnonzero((nodes == 0.5).all(1))
-    assert shapes.least_jacobian((np.where(np.arange(8)[:, None] == corner, 1 / 6, nodes), elements)) == pytest.approx(0.0, abs=1e-12)
+    assert shapes.least_jacobian(
+        (np.where(np.arange(8)[:, None] == corner, 1 / 6, nodes), elements)
+    ) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_the_table_is_written(tmp_path, capsys):
     rows = laboratory.collect(["rounding_modes"], True)
     laboratory.write(rows, tmp_path)
     assert len(rows) == 4 and "rounding up" in capsys.readouterr().out
-    assert len((tmp_path / "stability.csv").read_text().splitlines()) == 5 and (tmp_path / "stability.json").exists()
+    assert (
+        len((tmp_path / "stability.csv").read_text().splitlines()) == 5
+        and (tmp_path / "stability.json").exists()
+    )
 
 
 def test_watch_sees_every_record_and_impulses_are_the_change_of_momentum():
-    scene = ct.Scene(title="fall", units={"length": "m", "mass": "kg", "time": "s"}).add_material("m", young=1e3, poisson=0.2, density=1.0)
-    scene.add_body("block", box={"origin": [0, 0, 0.01], "size": [1, 1, 1], "cells": [2, 2, 2]}, material="m", velocity=[0.5, 0, -1])
-    scene.add("gravity", acceleration=[0, 0, -10]).add("obstacle", surface="block.z_min", plane={"point": [0, 0, 0], "normal": [0, 0, 1]}, friction=0.3)
+    scene = ct.Scene(title="fall", units={"length": "m", "mass": "kg", "time": "s"}).add_material(
+        "m", young=1e3, poisson=0.2, density=1.0
+    )
+    scene.add_body(
+        "block",
+        box={"origin": [0, 0, 0.01], "size": [1, 1, 1], "cells": [2, 2, 2]},
+        material="m",
+        velocity=[0.5, 0, -1],
+    )
+    scene.add("gravity", acceleration=[0, 0, -10]).add(
+        "obstacle",
+        surface="block.z_min",
+        plane={"point": [0, 0, 0], "normal": [0, 0, 1]},
+        friction=0.3,
+    )
     scene.add_support("block.y_min", fix="y").set_time(end=0.1, fraction=0.5).set_output(every=3)
     seen = []
-    run = scene.run(progress=False, watch=lambda now: seen.append((now.time[-1], now.state["block"].positions[:, 2].min(), len(now.energy))))
+    run = scene.run(
+        progress=False,
+        watch=lambda now: seen.append(
+            (now.time[-1], now.state["block"].positions[:, 2].min(), len(now.energy))
+        ),
+    )
     assert [time for time, _, _ in seen] == list(run.time) and {rows for _, _, rows in seen} == {1}
-    assert seen[0][1] == pytest.approx(0.01) and seen[-1][1] == run.state["block"].positions[:, 2].min()
+    assert (
+        seen[0][1] == pytest.approx(0.01)
+        and seen[-1][1] == run.state["block"].positions[:, 2].min()
+    )
     assert set(run.impulse) == {"gravity", "obstacle", "friction", "support"}
-    np.testing.assert_allclose(sum(run.impulse.values()), run.momentum["p"][-1] - run.momentum["p"][0], atol=1e-13)
+    np.testing.assert_allclose(
+        sum(run.impulse.values()), run.momentum["p"][-1] - run.momentum["p"][0], atol=1e-13
+    )
     assert run.impulse["gravity"][2] == pytest.approx(-10 * 0.1, rel=1e-12)

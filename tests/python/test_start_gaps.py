@@ -8,7 +8,20 @@ import pytest
 
 import libcontact as ct
 
-EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+EDGES = [
+    (0, 1),
+    (1, 2),
+    (2, 3),
+    (3, 0),
+    (4, 5),
+    (5, 6),
+    (6, 7),
+    (7, 4),
+    (0, 4),
+    (1, 5),
+    (2, 6),
+    (3, 7),
+]
 CORNERS = [(0, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 0), (0, 0, 1), (0, 1, 1), (1, 1, 1), (1, 0, 1)]
 INNER, MIDDLE, OUTER, WIDTH = 0.8, 1.0, 1.2, 0.2
 
@@ -27,7 +40,9 @@ def quarter(inner, outer, facets, quadratic):
     chord = 2 * inner * np.sin(np.pi / 4 / facets)
     for f in range(facets):
         corners = [((f + a) * step, b * step, c * step) for a, b, c in CORNERS]
-        middles = [tuple((np.array(corners[p]) + corners[q]) // 2) for p, q in EDGES] if quadratic else []
+        middles = (
+            [tuple((np.array(corners[p]) + corners[q]) // 2) for p, q in EDGES] if quadratic else []
+        )
         elements.append([number[place] for place in corners + middles])
         # A face with mid-sides carries -1/12 of an even pressure at each corner and 1/3 at each mid-side.
         for place in corners + middles:
@@ -50,7 +65,10 @@ def scene_of(name, contact, **bodies):
 def shells(facets_a, facets_b, quadratic=False, turn=None, velocity=(0, 0, 0), **contact):
     """Two nested quarter shells that are meant to touch at the radius 1; the inner one flies."""
     bodies = {}
-    for body, facets, inner, outer in (("a", facets_a, INNER, MIDDLE), ("b", facets_b, MIDDLE, OUTER)):
+    for body, facets, inner, outer in (
+        ("a", facets_a, INNER, MIDDLE),
+        ("b", facets_b, MIDDLE, OUTER),
+    ):
         nodes, elements, _, _ = quarter(inner, outer, facets, quadratic)
         bodies[body] = {"nodes": nodes if turn is None else nodes @ turn.T, "elements": elements}
     bodies["a"]["velocity"] = list(velocity)
@@ -67,13 +85,19 @@ def mean_pressure(facets_a, facets_b, quadratic, **contact):
     outward = nodes[rows] * [1.0, 1.0, 0.0] / INNER
     force = 0.1 * share[:, None] * outward
     scene.add_effect("inside", "a", rows, lambda view: force)
-    scene.add("damping", relaxation=True).set_time(end=400, fraction=0.8, until_static=1e-6).set_output(every=1000, fields=[])
+    scene.add("damping", relaxation=True).set_time(
+        end=400, fraction=0.8, until_static=1e-6
+    ).set_output(every=1000, fields=[])
     run = scene.run(progress=False)
     points = run.contact[0]
-    return (points["pressure"] * points["weight"]).sum() / 2 / (np.pi / 2 * MIDDLE * WIDTH), run.energy["contact"][0]
+    return (points["pressure"] * points["weight"]).sum() / 2 / (
+        np.pi / 2 * MIDDLE * WIDTH
+    ), run.energy["contact"][0]
 
 
-@pytest.mark.parametrize("facets_a, facets_b, quadratic", [(4, 5, False), (8, 11, False), (3, 4, True)])
+@pytest.mark.parametrize(
+    "facets_a, facets_b, quadratic", [(4, 5, False), (8, 11, False), (3, 4, True)]
+)
 def test_shells_of_unlike_meshes_press_as_matching_ones(facets_a, facets_b, quadratic):
     """Adjusted, they start without energy and have the mean pressure of shells with the coarser mesh on both sides; without, the gaps of the facets stay."""
     matching, _ = mean_pressure(facets_a, facets_a, quadratic)
@@ -86,7 +110,9 @@ def test_shells_of_unlike_meshes_press_as_matching_ones(facets_a, facets_b, quad
     assert kept < 0.985 * matching
 
 
-@pytest.mark.parametrize("facets_a, facets_b, quadratic", [(16, 12, False), (12, 16, False), (3, 4, True), (7, 6, True)])
+@pytest.mark.parametrize(
+    "facets_a, facets_b, quadratic", [(16, 12, False), (12, 16, False), (3, 4, True), (7, 6, True)]
+)
 def test_unloaded_rings_stay_at_rest(facets_a, facets_b, quadratic):
     """Whatever the orientation: no energy, not even of rounding, whether gaps are closed or overlaps alone are kept."""
     chance = np.random.default_rng(facets_a)
@@ -95,7 +121,12 @@ def test_unloaded_rings_stay_at_rest(facets_a, facets_b, quadratic):
         turn *= np.linalg.det(turn)
         with warnings.catch_warnings():
             warnings.simplefilter("error" if adjust else "ignore", ct.OverlapWarning)
-            run = shells(facets_a, facets_b, quadratic, turn, adjust=adjust).set_time(end=0.3, fraction=0.8).set_output(every=1, fields=[]).run(progress=False)
+            run = (
+                shells(facets_a, facets_b, quadratic, turn, adjust=adjust)
+                .set_time(end=0.3, fraction=0.8)
+                .set_output(every=1, fields=[])
+                .run(progress=False)
+            )
         start = run.contact[0]["start_gap"]
         assert (start < 0.0).any() and (start > 1e-12).any() == bool(adjust)
         assert not run.energy["total"].any()
@@ -104,6 +135,7 @@ def test_unloaded_rings_stay_at_rest(facets_a, facets_b, quadratic):
 
 def test_an_overlap_is_told():
     """Once, with what to do; not where surfaces touch to rounding, nor where the scene says what the overlap means."""
+
     def told(run):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
@@ -113,8 +145,16 @@ def test_an_overlap_is_told():
     def rings(**contact):
         return shells(16, 12, **contact).set_time(end=0.01, fraction=0.8)
 
-    (kept,), (pushed,) = (told(lambda how=how: rings(**how).run(progress=False)) for how in ({}, {"initial_penetration": "push"}))
-    assert "overlap by 0.00127" in kept and "at 96 points" in kept and "no energy is added" in kept and "adjust = 0.0014" in kept
+    (kept,), (pushed,) = (
+        told(lambda how=how: rings(**how).run(progress=False))
+        for how in ({}, {"initial_penetration": "push"})
+    )
+    assert (
+        "overlap by 0.00127" in kept
+        and "at 96 points" in kept
+        and "no energy is added" in kept
+        and "adjust = 0.0014" in kept
+    )
     assert "adds energy" in pushed
     assert kept in str(rings().explain())
     for quiet in ({"adjust": 0.1}, {"initial_penetration": "remove", "removal_time": 1.0}):
@@ -122,18 +162,41 @@ def test_an_overlap_is_told():
     assert "taken as touching" in str(rings(adjust=0.1).explain())
     # Two cubes that share a face, far from the origin and turned, so that its coordinates are rounded.
     angle = 0.3
-    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    turn = np.array(
+        [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
+    )
     cube = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
     cells = [[0, 4, 6, 2, 1, 5, 7, 3]]
-    apart = {"a": {"nodes": cube @ turn.T + 1000, "elements": cells}, "b": {"nodes": (cube + [1, 0, 0]) @ turn.T + 1000, "elements": cells}}
-    assert told(lambda: scene_of("cubes", {}, **apart).set_time(end=0.1, fraction=0.5).run(progress=False)) == []
+    apart = {
+        "a": {"nodes": cube @ turn.T + 1000, "elements": cells},
+        "b": {"nodes": (cube + [1, 0, 0]) @ turn.T + 1000, "elements": cells},
+    }
+    assert (
+        told(
+            lambda: (
+                scene_of("cubes", {}, **apart).set_time(end=0.1, fraction=0.5).run(progress=False)
+            )
+        )
+        == []
+    )
 
 
 def blocks(gap, speed=0.0, pull=0.0, **contact):
     """A block that stands over a slab with a gap, comes down at a speed and is pulled along it."""
-    scene = scene_of("blocks", contact, a={"box": {"origin": [-1, 0, -1], "size": [4, 1, 1], "cells": [8, 2, 2]}},
-                     b={"box": {"origin": [0, 0, gap], "size": [1, 1, 1], "cells": [3, 3, 3]}, "velocity": [pull, 0, -speed]})
-    return scene.add_support("a.z_min", fix=["x", "y", "z"]).set_time(end=0.12, fraction=0.4).set_output(every=1)
+    scene = scene_of(
+        "blocks",
+        contact,
+        a={"box": {"origin": [-1, 0, -1], "size": [4, 1, 1], "cells": [8, 2, 2]}},
+        b={
+            "box": {"origin": [0, 0, gap], "size": [1, 1, 1], "cells": [3, 3, 3]},
+            "velocity": [pull, 0, -speed],
+        },
+    )
+    return (
+        scene.add_support("a.z_min", fix=["x", "y", "z"])
+        .set_time(end=0.12, fraction=0.4)
+        .set_output(every=1)
+    )
 
 
 @pytest.mark.filterwarnings("ignore")
@@ -145,7 +208,10 @@ def test_a_closed_gap_is_as_good_as_touching(enforcement):
         run = blocks(gap, 0.1, enforcement=enforcement, adjust=0.03).run(progress=False)
         assert run.energy["contact"][0] == pytest.approx(touching.energy["contact"][0], rel=1e-9)
         # The faces tilt a little, which moves closest points by the gap times the tilt.
-        assert run.state["b"].displacement == pytest.approx(touching.state["b"].displacement, abs=1e-3 * np.abs(touching.state["b"].displacement).max())
+        assert run.state["b"].displacement == pytest.approx(
+            touching.state["b"].displacement,
+            abs=1e-3 * np.abs(touching.state["b"].displacement).max(),
+        )
         points = run.contact[0]
         bottom = points[points["start_gap"] != 0.0]
         # The gap that the law sees and the start gap add up to the true distance.
@@ -156,9 +222,14 @@ def test_a_closed_gap_is_as_good_as_touching(enforcement):
 def test_friction_takes_the_pressure_of_closed_gaps():
     """A block slides over a closed gap or overlap: friction has given it mu times the impulse of the pressure, and no momentum to both together."""
     for gap in (0.0, 0.02, -0.02):
-        run = blocks(gap, 0.1, 0.3, adjust=0.03, friction=0.25, enforcement="penalty").run(progress=False)
+        run = blocks(gap, 0.1, 0.3, adjust=0.03, friction=0.25, enforcement="penalty").run(
+            progress=False
+        )
         momentum = run.body_momentum("b")
-        drag, press = momentum["p"][-1][0] - momentum["p"][0][0], momentum["p"][-1][2] - momentum["p"][0][2]
+        drag, press = (
+            momentum["p"][-1][0] - momentum["p"][0][0],
+            momentum["p"][-1][2] - momentum["p"][0][2],
+        )
         assert drag == pytest.approx(-0.25 * press, rel=2e-3)
         assert press > 0.0
         assert run.impulse["friction"] == pytest.approx([0.0, 0.0, 0.0], abs=1e-13)
@@ -170,7 +241,12 @@ def test_only_surfaces_that_face_each_other_are_adjusted():
     near = points[points["start_gap"] != 0.0]
     assert near["start_gap"] == pytest.approx(0.02, abs=1e-12)
     bottom = points[(points["side"] == 1) & (np.abs(points["position"][:, 2] - 0.02) < 1e-9)]
-    under = points[(points["side"] == 0) & (np.abs(points["position"][:, 2]) < 1e-9) & (points["position"][:, 0] > 0) & (points["position"][:, 0] < 1)]
+    under = points[
+        (points["side"] == 0)
+        & (np.abs(points["position"][:, 2]) < 1e-9)
+        & (points["position"][:, 0] > 0)
+        & (points["position"][:, 0] < 1)
+    ]
     assert len(bottom) == 36 and len(near) == len(bottom) + len(under)
 
 
@@ -184,10 +260,14 @@ def test_a_fold_that_gapes_is_closed():
         scene = ct.Scene(title="hairpin", units={"length": "m", "mass": "kg", "time": "s"})
         scene.add_material("soft", young=100.0, poisson=0.3, density=1.0)
         order = [0, 3, 2, 1, 4, 7, 6, 5]
-        scene.add_body("u", material="soft", nodes=nodes, elements=elements.reshape(-1, 8)[:, order])
+        scene.add_body(
+            "u", material="soft", nodes=nodes, elements=elements.reshape(-1, 8)[:, order]
+        )
         scene.add_contact("u.outer", "u.outer", depth=0.2, adjust=adjust)
         tip = np.flatnonzero(nodes[:, 1] == 2.1)
-        scene.add_support("u.y_min", fix=["x", "y", "z"]).add_effect("press", "u", tip, lambda view: np.full((len(tip), 3), [0.0, -0.02, 0.0]))
+        scene.add_support("u.y_min", fix=["x", "y", "z"]).add_effect(
+            "press", "u", tip, lambda view: np.full((len(tip), 3), [0.0, -0.02, 0.0])
+        )
         run = scene.set_time(end=3.0, fraction=0.6).set_output(every=1).run(progress=False)
         points = run.contact[0]
         assert run.energy["contact"][0] == 0.0
@@ -200,16 +280,25 @@ def test_start_gaps_are_in_a_restart_and_do_not_depend_on_threads(tmp_path):
     pytest.importorskip("h5py")
 
     def crossing():
-        return shells(5, 7, velocity=(0.3, 0.2, 0.0), adjust=0.05).set_time(end=0.4, fraction=0.5).set_output(every=5)
+        return (
+            shells(5, 7, velocity=(0.3, 0.2, 0.0), adjust=0.05)
+            .set_time(end=0.4, fraction=0.5)
+            .set_output(every=5)
+        )
 
     whole = crossing().run(progress=False)
     half, many = crossing(), crossing()
     half.run(progress=False, output=tmp_path / "half.vtkhdf", until=0.2)
-    rest = half.run(progress=False, output=tmp_path / "rest.vtkhdf", restart=tmp_path / "half.vtkhdf")
+    rest = half.run(
+        progress=False, output=tmp_path / "rest.vtkhdf", restart=tmp_path / "half.vtkhdf"
+    )
     threads = many.run(progress=False, threads=2)
     assert whole.energy["contact"].max() > 0.0
     for run in (rest, threads):
-        assert all(np.array_equal(run.state[body].displacement, whole.state[body].displacement) for body in "ab")
+        assert all(
+            np.array_equal(run.state[body].displacement, whole.state[body].displacement)
+            for body in "ab"
+        )
 
 
 def test_moving_shells_keep_their_energy():

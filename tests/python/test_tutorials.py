@@ -20,18 +20,34 @@ SCRIPTS = sorted((ROOT / "tutorials").glob("[0-9][0-9]_*.py"))
 
 def run(script, folder):
     alone = shutil.copy(script, folder)
-    return subprocess.run([sys.executable, alone], cwd=folder, capture_output=True, text=True,
-                          env={**os.environ, "MPLBACKEND": "Agg", "LIBCONTACT_FIGURES": str(folder), "LIBCONTACT_TIMES": "no"})
+    return subprocess.run(
+        [sys.executable, alone],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={
+            **os.environ,
+            "MPLBACKEND": "Agg",
+            "LIBCONTACT_FIGURES": str(folder),
+            "LIBCONTACT_TIMES": "no",
+        },
+    )
 
 
 def test_what_tutorials_import_comes_with_the_extra():
     """``pip install libcontact[tutorials]`` brings every package that a tutorial imports."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     wanted = project["dependencies"] + project["optional-dependencies"]["tutorials"]
-    brought = {"libcontact", *sys.stdlib_module_names, *(name.partition(">")[0].replace("-", "_") for name in wanted)}
+    brought = {
+        "libcontact",
+        *sys.stdlib_module_names,
+        *(name.partition(">")[0].replace("-", "_") for name in wanted),
+    }
     for script in SCRIPTS:
         nodes = list(ast.walk(ast.parse(script.read_text())))
-        names = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
+        names = {
+            alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names
+        }
         names |= {node.module for node in nodes if isinstance(node, ast.ImportFrom)}
         assert {name.partition(".")[0] for name in names} <= brought, script.name
 
@@ -44,7 +60,9 @@ def test_examples_are_the_scenes_of_the_repository():
         ct.example("plate")
 
 
-@pytest.mark.parametrize("script", [s for s in SCRIPTS if not s.name.startswith("01")], ids=lambda s: s.stem)
+@pytest.mark.parametrize(
+    "script", [s for s in SCRIPTS if not s.name.startswith("01")], ids=lambda s: s.stem
+)
 def test_tutorial_runs(script, tmp_path):
     done = run(script, tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -65,7 +83,9 @@ def read(path):
 
 
 def test_plate_impact_writes_its_files(figures):
-    wanted = {"fig3.png", "fig4.png", "fig5.png", "fig4.csv", "fig5.csv"} | ({"plates.vtkhdf"} if ct.has("hdf5") else set())
+    wanted = {"fig3.png", "fig4.png", "fig5.png", "fig4.csv", "fig5.csv"} | (
+        {"plates.vtkhdf"} if ct.has("hdf5") else set()
+    )
     assert wanted <= {path.name for path in figures.iterdir()}
 
 
@@ -73,7 +93,9 @@ def test_plate_impact_prints_nothing_of_the_machine_for_the_book(figures):
     """With LIBCONTACT_TIMES=no, as the book is built: no seconds and no folder."""
     printed = (figures / "printed.txt").read_text()
     assert "bit for bit: True" in printed
-    assert not re.search(r"seconds|time: |\d s\b;|\d (?:ms|us)\b|site-packages|" + re.escape(str(ROOT)), printed)
+    assert not re.search(
+        r"seconds|time: |\d s\b;|\d (?:ms|us)\b|site-packages|" + re.escape(str(ROOT)), printed
+    )
 
 
 def test_fig4_table(figures):

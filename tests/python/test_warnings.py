@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builds import leave_out_hdf5
+from libcontact.mesh import Mesh
 
 import libcontact as ct
-from builds import leave_out_hdf5
 from libcontact import command, warned
-from libcontact.mesh import Mesh
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENES = sorted((ROOT / "tutorials" / "scenes").glob("*.toml"))
@@ -27,15 +27,36 @@ def pair(a="a.x_max", b="b.x_min", gap=0.02, speed=5.0, cells=3, end=0.02, aside
     """Two cubes that fly at each other along x."""
     scene = empty()
     for k, name in enumerate("ab"):
-        scene.add_body(name, material="soft", velocity=[speed - 2 * speed * k, 0, 0], box={"origin": [(1 + gap) * k, aside * k, 0], "size": [1, 1, 1], "cells": [cells] * 3})
+        scene.add_body(
+            name,
+            material="soft",
+            velocity=[speed - 2 * speed * k, 0, 0],
+            box={"origin": [(1 + gap) * k, aside * k, 0], "size": [1, 1, 1], "cells": [cells] * 3},
+        )
     return scene.add_contact(a, b, **contact).set_time(end=end, fraction=0.7)
 
 
-def drop(cells=3, gap=0.02, speed=5.0, normal=(0, 0, 1), surface="b.z_min", law="linear", young=1e4, **obstacle):
+def drop(
+    cells=3,
+    gap=0.02,
+    speed=5.0,
+    normal=(0, 0, 1),
+    surface="b.z_min",
+    law="linear",
+    young=1e4,
+    **obstacle,
+):
     """A cube above a plane."""
     scene = empty(law, young)
-    scene.add_body("b", material="soft", velocity=[0, 0, -speed], box={"origin": [0, 0, gap], "size": [1, 1, 1], "cells": [4, 4, cells]})
-    return scene.add("obstacle", surface=surface, plane={"point": [0, 0, 0], "normal": list(normal)}, **obstacle).set_time(end=0.02, fraction=0.7)
+    scene.add_body(
+        "b",
+        material="soft",
+        velocity=[0, 0, -speed],
+        box={"origin": [0, 0, gap], "size": [1, 1, 1], "cells": [4, 4, cells]},
+    )
+    return scene.add(
+        "obstacle", surface=surface, plane={"point": [0, 0, 0], "normal": list(normal)}, **obstacle
+    ).set_time(end=0.02, fraction=0.7)
 
 
 def told(scene, **more):
@@ -43,7 +64,9 @@ def told(scene, **more):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         scene.run(progress=False, **more)
-    assert all(isinstance(one.message, ct.SceneWarning) and one.filename == __file__ for one in caught)
+    assert all(
+        isinstance(one.message, ct.SceneWarning) and one.filename == __file__ for one in caught
+    )
     return [one.message for one in caught]
 
 
@@ -51,7 +74,9 @@ def kinds(scene):
     """Classes and keys that explain knows; a run issues the same, once each, and nothing else."""
     known = scene.explain()
     assert known.data["warnings"] == [str(one) for one in known.warnings]
-    assert ("Warnings" in known) == bool(known.warnings) and all(str(one) in known for one in known.warnings)
+    assert ("Warnings" in known) == bool(known.warnings) and all(
+        str(one) in known for one in known.warnings
+    )
     assert [str(one) for one in told(scene, output=False)] == known.data["warnings"]
     return [(type(one), one.key) for one in known.warnings]
 
@@ -60,31 +85,51 @@ def test_a_sound_scene_is_not_warned_of():
     assert kinds(pair()) == kinds(drop()) == kinds(pair("a.outer", "b.outer")) == []
 
 
-@pytest.mark.parametrize("surfaces, why", [(("a.x_min", "b.x_max"), "look away"), (("a.x_max", "b.x_max"), "same way")])
+@pytest.mark.parametrize(
+    "surfaces, why", [(("a.x_min", "b.x_max"), "look away"), (("a.x_max", "b.x_max"), "same way")]
+)
 def test_surfaces_that_face_away(surfaces, why):
     scene = pair(*surfaces)
-    assert kinds(scene) == [(ct.InsideOutWarning, "contact[0]")] and why in scene.explain() and "name the faces" in scene.explain()
+    assert (
+        kinds(scene) == [(ct.InsideOutWarning, "contact[0]")]
+        and why in scene.explain()
+        and "name the faces" in scene.explain()
+    )
 
 
 def test_a_small_overlap_is_not_inside_out():
-    assert [kind for kind, _ in kinds(pair(gap=-0.01, initial_penetration="keep"))] == [ct.OverlapWarning]
+    assert [kind for kind, _ in kinds(pair(gap=-0.01, initial_penetration="keep"))] == [
+        ct.OverlapWarning
+    ]
 
 
 @pytest.mark.parametrize("surface", ["b.z_min", "b.outer"])
 def test_a_plane_with_its_normal_the_wrong_way_round(surface):
-    assert [(type(one), one.key) for one in drop(normal=(0, 0, -1), surface=surface).explain().warnings] == [(ct.InsideOutWarning, "obstacle[0]")]
+    assert [
+        (type(one), one.key) for one in drop(normal=(0, 0, -1), surface=surface).explain().warnings
+    ] == [(ct.InsideOutWarning, "obstacle[0]")]
     assert drop(surface=surface, gap=-0.01).explain().warnings == []
 
 
 @pytest.mark.parametrize("radius, inside", [(3.0, True), (0.3, False)])
 def test_a_body_in_a_sphere(radius, inside):
     scene = empty()
-    scene.add_body("b", material="soft", ring={"centre": [0, 0, 0], "radius": [0.9, 1.0], "width": 0.2, "cells": [2, 24, 1]})
-    scene.add("obstacle", surface="b.outer", sphere={"centre": [0, 0, 0], "radius": radius}).set_time(end=1e-3, fraction=0.7)
-    assert [type(one) for one in scene.explain().warnings] == ([ct.InsideOutWarning] if inside else [])
+    scene.add_body(
+        "b",
+        material="soft",
+        ring={"centre": [0, 0, 0], "radius": [0.9, 1.0], "width": 0.2, "cells": [2, 24, 1]},
+    )
+    scene.add(
+        "obstacle", surface="b.outer", sphere={"centre": [0, 0, 0], "radius": radius}
+    ).set_time(end=1e-3, fraction=0.7)
+    assert [type(one) for one in scene.explain().warnings] == (
+        [ct.InsideOutWarning] if inside else []
+    )
 
 
-@pytest.mark.parametrize("shift, one_place", [(0.02, True), (0.4, True), (0.6, False), (1.0, False)])
+@pytest.mark.parametrize(
+    "shift, one_place", [(0.02, True), (0.4, True), (0.6, False), (1.0, False)]
+)
 def test_two_boxes_in_one_place(shift, one_place):
     """Cubes share the part 1 - shift of their volume."""
     scene = pair(gap=shift - 1.0)
@@ -96,20 +141,34 @@ def test_rings_in_one_place(radius, one_place):
     """Nested rings have boxes in one place; what counts is what is inside."""
     scene = empty()
     for name, r in (("a", (0.9, 1.0)), ("b", radius)):
-        scene.add_body(name, material="soft", ring={"centre": [0, 0, 0], "radius": list(r), "width": 0.2, "cells": [3, 48, 2]})
+        scene.add_body(
+            name,
+            material="soft",
+            ring={"centre": [0, 0, 0], "radius": list(r), "width": 0.2, "cells": [3, 48, 2]},
+        )
     scene.set_time(end=1e-3, fraction=0.7)
-    assert [type(one) for one in scene.explain().warnings] == ([ct.SamePlaceWarning] if one_place else [])
+    assert [type(one) for one in scene.explain().warnings] == (
+        [ct.SamePlaceWarning] if one_place else []
+    )
 
 
 def test_bodies_that_never_meet():
     never = [(ct.NeverMeetWarning, "contact[0]")]
-    assert kinds(pair(speed=-5.0)) == kinds(pair(speed=0.0)) == kinds(pair(gap=0.5, end=0.049)) == kinds(pair(aside=1.2)) == never
+    assert (
+        kinds(pair(speed=-5.0))
+        == kinds(pair(speed=0.0))
+        == kinds(pair(gap=0.5, end=0.049))
+        == kinds(pair(aside=1.2))
+        == never
+    )
     assert kinds(pair(gap=0.5, end=0.051)) == []
     text = str(pair(gap=0.5, speed=0.0).explain().warnings[0])
     assert "0.5 apart" in text and "nothing moves them" in text and "check velocities" in text
 
 
-@pytest.mark.parametrize("moved", ["load", "support", "path", "gravity", "effect", "hit", "damping"])
+@pytest.mark.parametrize(
+    "moved", ["load", "support", "path", "gravity", "effect", "hit", "damping"]
+)
 def test_bodies_that_something_moves_may_meet(moved):
     """What acts on one of the bodies may bring it to the other; we do not guess where it goes."""
     scene = pair(speed=0.0)
@@ -118,7 +177,9 @@ def test_bodies_that_something_moves_may_meet(moved):
     elif moved == "support":
         scene.add_support("a.x_min", fix="x", velocity=[1, 0, 0])
     elif moved == "path":
-        scene.add_support("a.x_min", fix="x", travel=[0.1, 0, 0], history={"time": [0, 1], "value": [0, 1]})
+        scene.add_support(
+            "a.x_min", fix="x", travel=[0.1, 0, 0], history={"time": [0, 1], "value": [0, 1]}
+        )
     elif moved == "gravity":
         scene.add("gravity", acceleration=[200, 0, 0], bodies=["a"])
     elif moved == "effect":
@@ -126,14 +187,21 @@ def test_bodies_that_something_moves_may_meet(moved):
     elif moved == "damping":
         scene.add("damping", rate=1.0)
     else:
-        scene.add_body("c", material="soft", velocity=[5, 0, 0], box={"origin": [-1.02, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]}).add_contact("c.x_max", "a.x_min")
+        scene.add_body(
+            "c",
+            material="soft",
+            velocity=[5, 0, 0],
+            box={"origin": [-1.02, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]},
+        ).add_contact("c.x_max", "a.x_min")
     assert scene.explain().warnings == []
 
 
 def test_equal_gravity_and_still_supports_move_nothing():
     scene = pair(speed=0.0).add("gravity", acceleration=[200, 0, 0])
     assert kinds(scene) == [(ct.NeverMeetWarning, "contact[0]")]
-    assert kinds(pair(speed=0.0).add_support("a.x_min", fix="xyz")) == [(ct.NeverMeetWarning, "contact[0]")]
+    assert kinds(pair(speed=0.0).add_support("a.x_min", fix="xyz")) == [
+        (ct.NeverMeetWarning, "contact[0]")
+    ]
 
 
 @pytest.mark.parametrize("cells, thin", [(1, True), (2, False), (3, False)])
@@ -146,12 +214,19 @@ def test_one_element_behind_the_surface(made, cells, thin):
 def test_what_a_thin_body_is_said_to_lose_it_loses():
     """With multipliers n elements lose 1/(2 n), plus what is left of the vibration's phase; the warning says 50 % for one."""
     for cells in (1, 2, 4):
-        energy = drop(cells=cells, enforcement="lagrange").set_time(end=0.15, fraction=0.5).run(progress=False, output=False).energy["total"]
+        energy = (
+            drop(cells=cells, enforcement="lagrange")
+            .set_time(end=0.15, fraction=0.5)
+            .run(progress=False, output=False)
+            .energy["total"]
+        )
         assert 1 - energy[-1] / energy[0] == pytest.approx(1 / (2 * cells), rel=0.06)
     assert "50 %" in drop(cells=1).explain()
 
 
-@pytest.mark.parametrize("more", [{"enforcement": "penalty", "beta": 0.3}, {"speed": 0.0}, {"speed": -1.0}])
+@pytest.mark.parametrize(
+    "more", [{"enforcement": "penalty", "beta": 0.3}, {"speed": 0.0}, {"speed": -1.0}]
+)
 def test_without_a_lossy_impact_a_thin_body_is_fine(more):
     assert kinds(drop(cells=1, **more)) == []
     assert pair(cells=1, gap=0.0, **more).explain().warnings == []
@@ -160,16 +235,36 @@ def test_without_a_lossy_impact_a_thin_body_is_fine(more):
 def test_thickness_counts_along_the_impact():
     """One element across it, as in plane strain, or a slab that is held: nothing is lost there."""
     scene = empty()
-    scene.add_body("a", material="soft", velocity=[5, 0, 0], box={"origin": [0, 0, 0], "size": [1, 0.1, 1], "cells": [10, 1, 10]})
-    scene.add_body("b", material="soft", box={"origin": [1.02, 0, 0], "size": [1, 0.1, 1], "cells": [10, 1, 10]})
+    scene.add_body(
+        "a",
+        material="soft",
+        velocity=[5, 0, 0],
+        box={"origin": [0, 0, 0], "size": [1, 0.1, 1], "cells": [10, 1, 10]},
+    )
+    scene.add_body(
+        "b",
+        material="soft",
+        box={"origin": [1.02, 0, 0], "size": [1, 0.1, 1], "cells": [10, 1, 10]},
+    )
     for name in "ab":
         scene.add_support(f"{name}.y_min", fix="y").add_support(f"{name}.y_max", fix="y")
     scene.add_contact("a.outer", "b.outer").set_time(end=0.02, fraction=0.7)
     assert kinds(scene) == []
     slab = empty()
-    slab.add_body("a", material="soft", velocity=[5, 0, 0], box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [8, 4, 4]})
-    slab.add_body("b", material="soft", box={"origin": [1.02, -1, -1], "size": [0.2, 3, 3], "cells": [1, 12, 12]})
-    slab.add_support("b.x_max", fix="x").add_contact("a.x_max", "b.x_min").set_time(end=0.02, fraction=0.7)
+    slab.add_body(
+        "a",
+        material="soft",
+        velocity=[5, 0, 0],
+        box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [8, 4, 4]},
+    )
+    slab.add_body(
+        "b",
+        material="soft",
+        box={"origin": [1.02, -1, -1], "size": [0.2, 3, 3], "cells": [1, 12, 12]},
+    )
+    slab.add_support("b.x_max", fix="x").add_contact("a.x_max", "b.x_min").set_time(
+        end=0.02, fraction=0.7
+    )
     assert kinds(slab) == []
 
 
@@ -177,8 +272,21 @@ def test_thickness_counts_along_the_impact():
 def test_only_the_nodes_before_the_other_surface_hit(width, thin):
     """A cube of one layer hits a free plate of one layer: of a wide plate few nodes are hit, and they are light."""
     scene = empty()
-    scene.add_body("a", material="soft", velocity=[5, 0, 0], box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 4, 4]})
-    scene.add_body("b", material="soft", box={"origin": [1.02, 0.5 - width / 2, 0.5 - width / 2], "size": [0.3, width, width], "cells": [1, round(4 * width), round(4 * width)]})
+    scene.add_body(
+        "a",
+        material="soft",
+        velocity=[5, 0, 0],
+        box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [1, 4, 4]},
+    )
+    scene.add_body(
+        "b",
+        material="soft",
+        box={
+            "origin": [1.02, 0.5 - width / 2, 0.5 - width / 2],
+            "size": [0.3, width, width],
+            "cells": [1, round(4 * width), round(4 * width)],
+        },
+    )
     scene.add_contact("a.x_max", "b.x_min").set_time(end=0.02, fraction=0.7)
     assert (ct.ThinWarning in [kind for kind, _ in kinds(scene)]) == thin
 
@@ -199,13 +307,17 @@ def test_few_nodes_tell_the_rotation_of_many(cells):
     """Nodes that are taken at equal distances may stand in one line of a lattice, about which no rotation is known."""
     X = np.array(Mesh.box("hex8", (0, 0, 0), (1, 1, 1), cells).nodes)
     some = warned._spread(len(X))
-    assert len(some) == warned.TURN_NODES and np.linalg.svd(X[some] - X[some].mean(axis=0))[1][-1] > 0.1 * math.sqrt(len(some))
+    assert len(some) == warned.TURN_NODES and np.linalg.svd(X[some] - X[some].mean(axis=0))[1][
+        -1
+    ] > 0.1 * math.sqrt(len(some))
 
 
 def swung(law, rate):
     """A cube that a pair of tractions turns about z."""
     scene = empty(law)
-    scene.add_body("b", material="soft", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]})
+    scene.add_body(
+        "b", material="soft", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [3, 3, 3]}
+    )
     for face, sign in (("x_min", -1), ("x_max", 1)):
         scene.add("load", surface=f"b.{face}", traction=[0, sign * rate, 0])
     return scene.set_time(end=0.1, fraction=0.7)
@@ -216,21 +328,40 @@ def test_a_linear_body_that_turns():
     few, much = told(swung("linear", 1.0)), told(swung("linear", 2.0))
     assert few == [] and [(type(one), one.key) for one in much] == [(ct.RotationWarning, "body[0]")]
     angle = float(str(much[0]).split(" turned by ")[1].split()[0])
-    assert 0.04 < angle < 0.05 and "st_venant_kirchhoff" in str(much[0]) and "t = 0.0" in str(much[0])
+    assert (
+        0.04 < angle < 0.05 and "st_venant_kirchhoff" in str(much[0]) and "t = 0.0" in str(much[0])
+    )
     assert told(swung("neo_hookean", 2.0)) == []
 
 
-@pytest.mark.parametrize("units, absurd", [(("m", "kg", "s"), False), (("mm", "kg", "s"), True), (("km", "kg", "s"), True), (("m", "kg", "ms"), True), (("mm", "t", "ms"), False)])
+@pytest.mark.parametrize(
+    "units, absurd",
+    [
+        (("m", "kg", "s"), False),
+        (("mm", "kg", "s"), True),
+        (("km", "kg", "s"), True),
+        (("m", "kg", "ms"), True),
+        (("mm", "t", "ms"), False),
+    ],
+)
 def test_units(units, absurd):
     """c1 is 116 in the units of the scene: 116 m/s, 0.116 m/s, 116 km/s, 116 km/s, 116 m/s."""
-    scene = empty(units=units).add_body("b", material="soft", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]}).set_time(end=1e-3, fraction=0.7)
+    scene = (
+        empty(units=units)
+        .add_body(
+            "b", material="soft", box={"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [2, 2, 2]}
+        )
+        .set_time(end=1e-3, fraction=0.7)
+    )
     assert kinds(scene) == ([(ct.UnitsWarning, "body[0]")] if absurd else [])
     if absurd:
         assert "[units]" in scene.explain()
 
 
 def test_chatter_has_its_key():
-    assert kinds(drop(enforcement="penalty", beta=20.0).set_time(end=0.003, fraction=0.9)) == [(ct.ChatterWarning, "obstacle[0]")]
+    assert kinds(drop(enforcement="penalty", beta=20.0).set_time(end=0.003, fraction=0.9)) == [
+        (ct.ChatterWarning, "obstacle[0]")
+    ]
 
 
 def write(tmp_path, scene, **output):
@@ -241,17 +372,30 @@ def write(tmp_path, scene, **output):
 def test_a_results_file_that_is_not_written_is_no_success(tmp_path, monkeypatch, capsys):
     """A build without HDF5 computes, says that the file is not there, and the command fails; without a file it does not."""
     leave_out_hdf5(monkeypatch)
-    assert command.main(["run", write(tmp_path, pair(), file=str(tmp_path / "run.vtkhdf")), "--quiet"]) == command.RUN_FAILED
+    assert (
+        command.main(["run", write(tmp_path, pair(), file=str(tmp_path / "run.vtkhdf")), "--quiet"])
+        == command.RUN_FAILED
+    )
     lines = capsys.readouterr().err.splitlines()
-    assert sum("no HDF5" in line for line in lines) == 1 and lines[0].startswith("warning: output.file") and "not written" in lines[-1]
+    assert (
+        sum("no HDF5" in line for line in lines) == 1
+        and lines[0].startswith("warning: output.file")
+        and "not written" in lines[-1]
+    )
     assert "no HDF5" in pair().set_output(file="run.vtkhdf").explain()
     assert command.main(["run", write(tmp_path, pair()), "--quiet"]) == command.OK
 
 
 def test_an_empty_name_or_a_folder_that_is_closed_is_refused(tmp_path, capsys):
     scene = write(tmp_path, pair())
-    assert command.main(["run", scene, "-o", ""]) == command.BAD_INPUT and "output" in capsys.readouterr().err
-    assert command.main(["run", scene, "-o", str(tmp_path / "none" / "run.vtkhdf")]) == command.BAD_INPUT
+    assert (
+        command.main(["run", scene, "-o", ""]) == command.BAD_INPUT
+        and "output" in capsys.readouterr().err
+    )
+    assert (
+        command.main(["run", scene, "-o", str(tmp_path / "none" / "run.vtkhdf")])
+        == command.BAD_INPUT
+    )
     assert command.main(["run", scene, "-o", str(tmp_path)]) == command.BAD_INPUT
 
 
@@ -259,7 +403,10 @@ def test_the_command_line_says_each_warning_in_one_line(tmp_path, capsys):
     scene = write(tmp_path, pair("a.x_max", "b.x_max"))
     assert command.main(["run", scene, "--quiet"]) == command.OK
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1 and lines[0] == "warning: " + ct.Scene.load(scene).explain().data["warnings"][0]
+    assert (
+        len(lines) == 1
+        and lines[0] == "warning: " + ct.Scene.load(scene).explain().data["warnings"][0]
+    )
     assert command.main(["explain", scene]) == command.OK
     captured = capsys.readouterr()
     assert captured.err == "" and "Warnings\n  contact[0]" in captured.out
@@ -271,7 +418,11 @@ def test_no_tutorial_is_warned_of(path):
 
 
 # What the laboratory does on purpose.
-MEANT = {"thin_plates": {ct.ThinWarning}, "sizes": {ct.UnitsWarning}, "contact_and_reference": set()}
+MEANT = {
+    "thin_plates": {ct.ThinWarning},
+    "sizes": {ct.UnitsWarning},
+    "contact_and_reference": set(),
+}
 
 
 def laboratory():

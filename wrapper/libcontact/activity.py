@@ -46,7 +46,9 @@ def first_touch(problem: Problem) -> list[Touch]:
     out = [_obstacle(problem, i, given) for i, given in enumerate(obstacles)]
     for i, contact in enumerate(problem.parts.contacts):
         if contact.with_itself:
-            out.append(Touch("contact", i, contact.surfaces[1][0], 0.0, np.zeros(3), np.zeros(3), 0.0))
+            out.append(
+                Touch("contact", i, contact.surfaces[1][0], 0.0, np.zeros(3), np.zeros(3), 0.0)
+            )
         else:
             out.append(_pair(problem, i))
     return out
@@ -70,8 +72,13 @@ def _pair(problem: Problem, number: int) -> Touch:
     axis = int(np.argmax(gaps))
     normal = side * (np.arange(3) == axis)
     gap = max(float(gaps[axis]), 0.0)
-    time = max([_fall(float(gaps[k]), float(speed[k]), float(pull[k])) for k in range(3) if gaps[k] > 0.0], default=0.0)
-    return Touch("contact", number, b, time, -gap * normal, normal, _closing(gap, speed[axis], pull[axis]))
+    time = max(
+        [_fall(float(gaps[k]), float(speed[k]), float(pull[k])) for k in range(3) if gaps[k] > 0.0],
+        default=0.0,
+    )
+    return Touch(
+        "contact", number, b, time, -gap * normal, normal, _closing(gap, speed[axis], pull[axis])
+    )
 
 
 def _obstacle(problem: Problem, number: int, given: Any) -> Touch:
@@ -84,7 +91,9 @@ def _obstacle(problem: Problem, number: int, given: Any) -> Touch:
     gaps, normals = given.gaps(mesh.nodes[mesh.face_nodes(face)])
     nearest = int(np.argmin(gaps))
     gap, normal = max(float(gaps[nearest]), 0.0), normals[nearest]
-    speed = -float((np.array(problem.parts.bodies[body].velocity) - np.array(given.velocity)) @ normal)
+    speed = -float(
+        (np.array(problem.parts.bodies[body].velocity) - np.array(given.velocity)) @ normal
+    )
     pull = -float(gravity_on(problem, body) @ normal)
     time = 0.0 if given.history[0] or gap == 0.0 else _fall(gap, speed, pull)
     return Touch("obstacle", number, body, time, -gap * normal, -normal, _closing(gap, speed, pull))
@@ -113,17 +122,26 @@ def _closing(gap: float, speed: float, pull: float) -> float:
     """The speed with which a gap closes when it has closed; 0 if it never does."""
     if gap == 0.0:
         return max(float(speed), 0.0)
-    return math.sqrt(speed * speed + 2.0 * pull * gap) if math.isfinite(_fall(gap, speed, pull)) else 0.0
+    return (
+        math.sqrt(speed * speed + 2.0 * pull * gap)
+        if math.isfinite(_fall(gap, speed, pull))
+        else 0.0
+    )
 
 
-def active_share(problem: Problem, touch: list[Touch], count: int, begins: np.ndarray | None = None) -> float:
+def active_share(
+    problem: Problem, touch: list[Touch], count: int, begins: np.ndarray | None = None
+) -> float:
     """
     The share of the elements' work that is left where those are skipped which no force can have reached, the mean over the
     first ``count`` steps of the run. A force goes one element a step; it begins where a support stops a node, and at the nodes
     of each effect at the step that ``begins`` (effects) says; without it where surfaces can touch, and of other effects at
     once. 1 where nothing is left out, as in a layer in plane strain that is no lattice.
     """
-    if "quiet" not in problem.parts.savings or sum(len(body.mesh.elements) for body in problem.bodies.values()) > MOST_ELEMENTS:
+    if (
+        "quiet" not in problem.parts.savings
+        or sum(len(body.mesh.elements) for body in problem.bodies.values()) > MOST_ELEMENTS
+    ):
         return 1.0
     starts = _starts(problem, touch, begins)
     active = total = 0.0
@@ -143,7 +161,9 @@ def _starts(problem: Problem, touch: list[Touch], begins: np.ndarray | None) -> 
     pointer = problem.pointer
     count = pointer.node_count
     starts = np.full(count, np.inf)
-    velocity = np.frombuffer(ffi.buffer(pointer.initial_velocity, 24 * count), np.float64).reshape(-1, 3)
+    velocity = np.frombuffer(ffi.buffer(pointer.initial_velocity, 24 * count), np.float64).reshape(
+        -1, 3
+    )
     for body in problem.bodies.values():
         own = velocity[body.nodes]
         common = np.median(own, axis=0)
@@ -155,7 +175,11 @@ def _starts(problem: Problem, touch: list[Touch], begins: np.ndarray | None) -> 
         if k == 0 or effect.reaction or effect.node_count == 0:
             continue
         everywhere = effect.nodes == ffi.NULL
-        nodes = slice(None) if everywhere else np.frombuffer(ffi.buffer(effect.nodes, 4 * effect.node_count), np.int32)
+        nodes = (
+            slice(None)
+            if everywhere
+            else np.frombuffer(ffi.buffer(effect.nodes, 4 * effect.node_count), np.int32)
+        )
         begin = 0.0
         if name in met:
             begin = times[name, met[name]] / problem.dt

@@ -29,24 +29,48 @@ def _enforced(problem: Problem) -> Iterator[tuple[str, str, str, float]]:
     def factor(given, names) -> float:
         if given.beta is not None:
             return given.beta
-        return given.epsilon * min(bodies[name].mesh.shortest_edge for name in names) / min(bodies[name].material.young for name in names)
+        return (
+            given.epsilon
+            * min(bodies[name].mesh.shortest_edge for name in names)
+            / min(bodies[name].material.young for name in names)
+        )
 
     for i, contact in enumerate(problem.parts.contacts):
         names = [body for body, _ in contact.surfaces]
-        yield f"contact[{i}]", pair_name(contact.surfaces), contact.enforcement, factor(contact, names)
+        yield (
+            f"contact[{i}]",
+            pair_name(contact.surfaces),
+            contact.enforcement,
+            factor(contact, names),
+        )
     for effect in problem.parts.effects:
         if effect.name == "obstacle":
-            yield effect.key, obstacle_name(effect), effect.given.enforcement, factor(effect.given, effect.given.surface[:1])
+            yield (
+                effect.key,
+                obstacle_name(effect),
+                effect.given.enforcement,
+                factor(effect.given, effect.given.surface[:1]),
+            )
 
 
 def _warn(who: str, enforcement: str, beta: float, problem: Problem) -> str:
     stable = problem.stable.dt if enforcement == "penalty" else problem.stable.dt_without_contact
     fraction = problem.dt / stable
     own = problem.pointer.integrator
-    damped = own.scheme != lib.CT_CENTRAL_DIFFERENCE and own.parameter == lib.ct_integrator_default(own.scheme).parameter
-    stiff = {"penalty": any(beta >= least and fraction > most for least, most in (DAMPED_PENALTY if damped else PENALTY)),
-             "bipenalty": beta >= BIPENALTY_BETA and beta * fraction > BIPENALTY_PRODUCT}
+    damped = (
+        own.scheme != lib.CT_CENTRAL_DIFFERENCE
+        and own.parameter == lib.ct_integrator_default(own.scheme).parameter
+    )
+    stiff = {
+        "penalty": any(
+            beta >= least and fraction > most
+            for least, most in (DAMPED_PENALTY if damped else PENALTY)
+        ),
+        "bipenalty": beta >= BIPENALTY_BETA and beta * fraction > BIPENALTY_PRODUCT,
+    }
     if not stiff.get(enforcement, False):
         return ""
-    return (f'{who}: enforcement = "{enforcement}" with beta = {beta:.3g} at {fraction:.2g} of the stable step is known to feed energy into the bodies; '
-            'take a smaller step, a smaller beta, or enforcement = "energy_controlled"')
+    return (
+        f'{who}: enforcement = "{enforcement}" with beta = {beta:.3g} at {fraction:.2g} of the stable step is known to feed energy into the bodies; '
+        'take a smaller step, a smaller beta, or enforcement = "energy_controlled"'
+    )

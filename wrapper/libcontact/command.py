@@ -7,9 +7,9 @@ import contextlib
 import math
 import sys
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
-from collections.abc import Sequence
 
 OK, BAD_INPUT, RUN_FAILED, INTERRUPTED = 0, 2, 3, 130
 
@@ -42,7 +42,9 @@ def _guarded(options: argparse.Namespace) -> int:
     except RunError as error:
         _say(f"the run failed: {error}", "red")
         if error.run is not None and error.run.path is not None and len(error.run.steps):
-            _say(f'{len(error.run.steps)} records up to t = {error.run.time[-1]:.6g} are kept in "{error.run.path}"')
+            _say(
+                f'{len(error.run.steps)} records up to t = {error.run.time[-1]:.6g} are kept in "{error.run.path}"'
+            )
         return RUN_FAILED
     except (SceneError, NotBuiltIn, BadInput) as error:
         _say(f"error: {error}", "red")
@@ -63,16 +65,28 @@ class BadInput(ValueError):
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="libcontact", description="Explicit finite-element contact-impact.")
+    parser = argparse.ArgumentParser(
+        prog="libcontact", description="Explicit finite-element contact-impact."
+    )
     parser.add_argument("--version", action=_Version, help="print the version and exit")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
 
-    run = commands.add_parser("run", help="compute a scene", description="Compute a scene and write its results file.")
+    run = commands.add_parser(
+        "run", help="compute a scene", description="Compute a scene and write its results file."
+    )
     run.add_argument("scene", metavar="SCENE.toml")
-    run.add_argument("-o", "--output", metavar="FILE", help="results file, instead of the scene's own")
-    run.add_argument("--until", metavar="TIME", type=float, help="end at this time (the step stays the same)")
-    run.add_argument("--threads", metavar="N", type=int, help="threads; results do not depend on them")
-    run.add_argument("--restart", metavar="FILE", help="continue from the newest record of a results file")
+    run.add_argument(
+        "-o", "--output", metavar="FILE", help="results file, instead of the scene's own"
+    )
+    run.add_argument(
+        "--until", metavar="TIME", type=float, help="end at this time (the step stays the same)"
+    )
+    run.add_argument(
+        "--threads", metavar="N", type=int, help="threads; results do not depend on them"
+    )
+    run.add_argument(
+        "--restart", metavar="FILE", help="continue from the newest record of a results file"
+    )
     run.add_argument("--quiet", action="store_true", help="print nothing but errors")
     run.set_defaults(command=_run)
 
@@ -82,9 +96,17 @@ def _parser() -> argparse.ArgumentParser:
 
     plot = commands.add_parser("plot", help="draw a field and the energies of a run")
     plot.add_argument("file", metavar="RUN.vtkhdf")
-    plot.add_argument("-o", "--output", metavar="PNG", help="picture; by default the name of the run with .png")
-    plot.add_argument("--field", default="stress_xx", help="component to draw, such as stress_xx (the default) or velocity_z")
-    plot.add_argument("--scale", type=float, default=1.0, help="magnification of the displacement (default 1)")
+    plot.add_argument(
+        "-o", "--output", metavar="PNG", help="picture; by default the name of the run with .png"
+    )
+    plot.add_argument(
+        "--field",
+        default="stress_xx",
+        help="component to draw, such as stress_xx (the default) or velocity_z",
+    )
+    plot.add_argument(
+        "--scale", type=float, default=1.0, help="magnification of the displacement (default 1)"
+    )
     plot.set_defaults(command=_plot)
     return parser
 
@@ -109,8 +131,13 @@ def _run(options: argparse.Namespace) -> int:
     if options.output == "":
         raise BadInput("the name of the output is empty")
     named = options.output or scene.data.get("output", {}).get("file")
-    run = scene.run(progress=not options.quiet, restart=options.restart, until=options.until, output=options.output,
-                    threads=options.threads)
+    run = scene.run(
+        progress=not options.quiet,
+        restart=options.restart,
+        until=options.until,
+        output=options.output,
+        threads=options.threads,
+    )
     if not options.quiet:
         _report(run)
     if run.interrupted:
@@ -129,9 +156,13 @@ def _report(run: Any) -> None:
     size = max(abs(run.energy["kinetic"]).max(), abs(run.energy["strain"]).max()) or 1.0
     start = run.energy["total"][0]
     unit = run.units.label("energy") if run.units else ""
-    _say(f"{run.steps[-1] - run.steps[0]} steps to t = {last['time']:.6g} in {run.seconds:.3g} s, {len(run.steps)} records")
-    _say(f"energy: kinetic {last['kinetic']:.6g}, strain {last['strain']:.6g}, contact {last['contact']:.6g} {unit}; "
-         f"total changed by {(last['total'] - start) / size:.2e}, work balance {abs(run.energy['balance']).max() / size:.1e} (relative)")
+    _say(
+        f"{run.steps[-1] - run.steps[0]} steps to t = {last['time']:.6g} in {run.seconds:.3g} s, {len(run.steps)} records"
+    )
+    _say(
+        f"energy: kinetic {last['kinetic']:.6g}, strain {last['strain']:.6g}, contact {last['contact']:.6g} {unit}; "
+        f"total changed by {(last['total'] - start) / size:.2e}, work balance {abs(run.energy['balance']).max() / size:.1e} (relative)"
+    )
     if run.path is not None:
         _say(f'results in "{run.path}"')
 

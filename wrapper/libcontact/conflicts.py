@@ -46,7 +46,12 @@ def _absorbing_what_is_held(parts: Parts, file: str | None) -> None:
     for added in parts.effects:
         if added.name != "absorb":
             continue
-        held = {axis for support in parts.supports if (support.body, support.face) == added.given.surface for axis in support.fix}
+        held = {
+            axis
+            for support in parts.supports
+            if (support.body, support.face) == added.given.surface
+            for axis in support.fix
+        }
         if held == {"x", "y", "z"}:
             reason = f'"{".".join(added.given.surface)}" is held along x, y and z by a [[support]]; what does not move absorbs nothing'
             raise SceneError(reason, f"{added.key}.surface", file)

@@ -16,7 +16,14 @@ from ._core import ffi, lib
 class Error(Exception):
     """An error of the library. ``code`` is C's status; ``body``, ``element``, ``point`` are numbers from 0, or None."""
 
-    def __init__(self, text: str, code: int | None = None, body: int | None = None, element: int | None = None, point: int | None = None):
+    def __init__(
+        self,
+        text: str,
+        code: int | None = None,
+        body: int | None = None,
+        element: int | None = None,
+        point: int | None = None,
+    ):
         super().__init__(text)
         self.code, self.body, self.element, self.point = code, body, element, point
 
@@ -115,7 +122,9 @@ class NotSettled(SceneWarning):
 def issue(warning: SceneWarning) -> None:
     """Issue a warning through Python's ``warnings``, at the line outside the package that made the call."""
     level, frame = 1, sys._getframe()
-    while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__:
+    while (
+        frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__
+    ):
         level, frame = level + 1, frame.f_back
     warnings.warn(warning, stacklevel=level)
 
@@ -169,5 +178,9 @@ def check(status: int, error: Any = None) -> None:
     text = text_of(status, error)
     if status == lib.CT_ERROR_MEMORY:
         raise MemoryError(text)
-    place = [] if error is None else [None if i < 0 else int(i) for i in (error.body, error.element, error.point)]
+    place = (
+        []
+        if error is None
+        else [None if i < 0 else int(i) for i in (error.body, error.element, error.point)]
+    )
     raise CLASSES.get(status, Error)(text, int(status), *place)

@@ -75,7 +75,9 @@ def _ask(function, x, z, t, *options):
     status = function(size, *(_pointer(a) for a in points), *options, _pointer(fields), bad, error)
     if status == lib.CT_ERROR_ARGUMENT and bad[0] < size and len(shape) > 1:
         index = tuple(int(i) for i in np.unravel_index(bad[0], shape))
-        raise ArgumentError(f"{ffi.string(error.text).decode()} [index {index}]", status, point=int(bad[0]))
+        raise ArgumentError(
+            f"{ffi.string(error.text).decode()} [index {index}]", status, point=int(bad[0])
+        )
     check(status, error)
     columns = [fields[:, i].copy().reshape(shape)[()] for i in range(5)]
     return Fields(Stress(*columns[:3]), Velocity(*columns[3:]))
@@ -98,7 +100,9 @@ def plates_series(x, z, t, nu=0.3, branches=300):
     same x and t share work. Raises NotBuiltIn when the library was built without GSL.
     """
     if not hasattr(lib, "ct_exact_plates_series"):
-        raise NotBuiltIn("exact.plates_series needs GSL, which this build of libcontact does not have")
+        raise NotBuiltIn(
+            "exact.plates_series needs GSL, which this build of libcontact does not have"
+        )
     branches = operator.index(branches)
     if branches < 1:
         raise ArgumentError(f"branches = {branches}, must be 1 to 1000")

@@ -9,14 +9,24 @@ import signal
 import sys
 import threading
 import time as clock
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
-from collections.abc import Iterator
 
 import numpy as np
 
 from ._core import ffi, lib
-from .errors import EnergyGrowth, NotAtRest, NotBuiltIn, NotSettled, check, issue, new_error, raise_held, text_of
+from .errors import (
+    EnergyGrowth,
+    NotAtRest,
+    NotBuiltIn,
+    NotSettled,
+    check,
+    issue,
+    new_error,
+    raise_held,
+    text_of,
+)
 from .mesh import view
 from .plan import computed_share, measured
 from .problem import Problem, contact_points, new_state, penetrations
@@ -51,7 +61,9 @@ def record_count(problem: Problem) -> int:
 def _step_of(t: float, problem: Problem) -> int:
     step = t / problem.dt
     if not step <= problem.step_count + 0.5:
-        raise SceneError(f"{t:g} is after the end of the run, {problem.end:g}", "output.times", problem.file)
+        raise SceneError(
+            f"{t:g} is after the end of the run, {problem.end:g}", "output.times", problem.file
+        )
     return round(step)
 
 
@@ -62,7 +74,9 @@ def last_step(problem: Problem, until: Any) -> int:
     if not is_number(until) or not until > 0.0:
         raise SceneError(f"is {until!r}; it must be a time above 0", "until", problem.file)
     if until > problem.end * (1.0 + 1e-12):
-        raise SceneError(f"{until:g} is after the end of the run, {problem.end:g}", "until", problem.file)
+        raise SceneError(
+            f"{until:g} is after the end of the run, {problem.end:g}", "until", problem.file
+        )
     return min(max(math.ceil(until / problem.dt * (1.0 - 1e-12)), 1), problem.step_count)
 
 
@@ -93,7 +107,10 @@ class Loop:
         state = self.state if coarse is None else new_state(coarse)
         if lib.ct_output_restart(os.fsencode(path), problem.pointer, state, error) != lib.CT_OK:
             raise SceneError(text_of(error.code, error), "restart", self.problem.file)
-        if coarse is not None and lib.ct_state_refine(self.problem.pointer, state, self.state, error) != lib.CT_OK:
+        if (
+            coarse is not None
+            and lib.ct_state_refine(self.problem.pointer, state, self.state, error) != lib.CT_OK
+        ):
             raise SceneError(text_of(error.code, error), "restart", self.problem.file)
 
     def open(self, path: str | Path) -> None:
@@ -102,10 +119,16 @@ class Loop:
             return
         fields = self.problem.parts.output.fields
         text = ffi.new("char[]", self.scene_text.encode())
-        options = ffi.new("ct_output_options *", {name: name in fields for name in ("displacement", "velocity", "stress")})
+        options = ffi.new(
+            "ct_output_options *",
+            {name: name in fields for name in ("displacement", "velocity", "stress")},
+        )
         options.scene = text
         out, error = ffi.new("ct_output **"), new_error()
-        if lib.ct_output_create(os.fsencode(path), self.problem.pointer, options, out, error) != lib.CT_OK:
+        if (
+            lib.ct_output_create(os.fsencode(path), self.problem.pointer, options, out, error)
+            != lib.CT_OK
+        ):
             raise SceneError(text_of(error.code, error), "output.file", self.problem.file)
         self.output, self.path = out[0], Path(path).absolute()
 
@@ -177,7 +200,10 @@ class Loop:
             rows.append(np.frombuffer(ffi.buffer(momentum), C_MOMENTUM).astype(MOMENTUM))
         energies = self._energies(state, np.frombuffer(ffi.buffer(energy), ENERGY))
         if not np.isfinite(energies.view(np.float64)).all():
-            raise FAULTS[lib.CT_ERROR_BLOWUP](f"the energy stopped being finite by t = {state.time:g} (step {state.step})", code=lib.CT_ERROR_BLOWUP)
+            raise FAULTS[lib.CT_ERROR_BLOWUP](
+                f"the energy stopped being finite by t = {state.time:g} (step {state.step})",
+                code=lib.CT_ERROR_BLOWUP,
+            )
         if self.output is not None:
             self._call(lib.ct_output_append, self.output, problem, state)
         self.energy.append(energies)
@@ -192,7 +218,13 @@ class Loop:
         value = ffi.new("double *")
         for k, (name, stores) in enumerate(zip(self.problem.effects, self.problem.stores)):
             if name in out.dtype.names and name not in ENERGY.names:
-                self._call(lib.ct_energy_stored if stores else lib.ct_energy_work, self.problem.pointer, state, k, value)
+                self._call(
+                    lib.ct_energy_stored if stores else lib.ct_energy_work,
+                    self.problem.pointer,
+                    state,
+                    k,
+                    value,
+                )
                 out[name] += value[0]
         return out
 
@@ -202,7 +234,11 @@ class Loop:
         """Step to the end (or ``until``), recording as the scene says."""
         last = last_step(self.problem, until)
         if self.state.step > last:
-            raise SceneError(f"the restart stands at step {self.state.step}, after the last step {last}", "restart", self.problem.file)
+            raise SceneError(
+                f"the restart stands at step {self.state.step}, after the last step {last}",
+                "restart",
+                self.problem.file,
+            )
         begin = clock.perf_counter()
         self.start_guard()
         with _progress(progress, self.state.step, last) as advanced, _ctrl_c() as stop:
@@ -210,25 +246,51 @@ class Loop:
             while self.state.step < last and not stop and not self._at_rest():
                 due = min(self._next_record(), last)
                 self._advance(min(due, self._next_look()), advanced, stop)
-                if self.state.step > self.steps[-1] and (self.state.step == due or stop or self._at_rest()):
+                if self.state.step > self.steps[-1] and (
+                    self.state.step == due or stop or self._at_rest()
+                ):
                     self._record_and_look()
                 self._warn_of_growth()
         self.interrupted = bool(stop) and self.state.step < last
-        if self.problem.parts.time.until_static is not None and last == self.problem.step_count and not stop and not self._at_rest():
-            issue(NotAtRest(f"the run ends at t = {self.state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
-                           f"until_static = {self.problem.parts.time.until_static:g}; a later end helps, or more [damping]", "time.until_static"))
+        if (
+            self.problem.parts.time.until_static is not None
+            and last == self.problem.step_count
+            and not stop
+            and not self._at_rest()
+        ):
+            issue(
+                NotAtRest(
+                    f"the run ends at t = {self.state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
+                    f"until_static = {self.problem.parts.time.until_static:g}; a later end helps, or more [damping]",
+                    "time.until_static",
+                )
+            )
         if self.state.unsettled:
-            issue(NotSettled(f"the contact forces did not settle to their tolerance in {self.state.unsettled} of {self.state.step} steps; a smaller step helps, or a smaller beta"))
+            issue(
+                NotSettled(
+                    f"the contact forces did not settle to their tolerance in {self.state.unsettled} of {self.state.step} steps; a smaller step helps, or a smaller beta"
+                )
+            )
         self.seconds = clock.perf_counter() - begin
 
     def start_guard(self) -> None:
         """Watch the state from here on; what is wrong with it already is an error of the input."""
-        options, out, error = ffi.new("ct_watch_options *", lib.ct_watch_options_default()), ffi.new("ct_watch **"), new_error()
+        options, out, error = (
+            ffi.new("ct_watch_options *", lib.ct_watch_options_default()),
+            ffi.new("ct_watch **"),
+            new_error(),
+        )
         time = self.problem.parts.time
-        options.every, options.energy_limit, options.stable = time.look_every, time.energy_limit, self.problem.stable.dt
+        options.every, options.energy_limit, options.stable = (
+            time.look_every,
+            time.energy_limit,
+            self.problem.stable.dt,
+        )
         if lib.ct_watch_create(self.problem.pointer, self.state, options, out, error) != lib.CT_OK:
             raise SceneError(text_of(error.code, error), "", self.problem.file)
-        self.guard = ffi.gc(out[0], lambda watch, free=lib.ct_watch_free, problem=self.problem: free(watch))
+        self.guard = ffi.gc(
+            out[0], lambda watch, free=lib.ct_watch_free, problem=self.problem: free(watch)
+        )
 
     def _warn_of_growth(self) -> None:
         """Warn once when energy has appeared, :eq:`energy-growth`."""
@@ -237,7 +299,11 @@ class Loop:
             return
         self.issued.add("growth")
         who, key, advice = self._grower(growth)
-        much = f"{100.0 * growth.share:.3g} % more energy than there should be" if math.isfinite(growth.share) else "energy where there should be none"
+        much = (
+            f"{100.0 * growth.share:.3g} % more energy than there should be"
+            if math.isfinite(growth.share)
+            else "energy where there should be none"
+        )
         text = f"there is {much} by t = {growth.time:.6g} (step {growth.step}), most of it from {who}: {advice}"
         issue(EnergyGrowth(text, key, growth.share, growth.time, who))
 
@@ -248,9 +314,17 @@ class Loop:
         nth = problem.effects[:effect].count(name)
         step = "take a smaller step (time.fraction)"
         if name == "solid":
-            return f'body "{list(problem.bodies)[growth.body]}"', f"body[{growth.body}]", f'{step}; a body that turns needs the law "neo_hookean" or "st_venant_kirchhoff"'
+            return (
+                f'body "{list(problem.bodies)[growth.body]}"',
+                f"body[{growth.body}]",
+                f'{step}; a body that turns needs the law "neo_hookean" or "st_venant_kirchhoff"',
+            )
         if name not in ("contact", "obstacle"):
-            return f'effect "{name}"', "", f"{step}, and compare what it stores with the work of its force"
+            return (
+                f'effect "{name}"',
+                "",
+                f"{step}, and compare what it stores with the work of its force",
+            )
         if name == "contact":
             given = problem.parts.contacts[nth]
             who, key = f"contact {pair_name(given.surfaces)}", f"contact[{nth}]"
@@ -259,7 +333,11 @@ class Loop:
             given, who, key = obstacle.given, f"obstacle at {obstacle_name(obstacle)}", obstacle.key
         if given.enforcement in ("penalty", "bipenalty"):
             return who, key, f'{step}, a smaller beta, or enforcement = "energy_controlled"'
-        return who, key, f"points have come to lie inside without passing the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta"
+        return (
+            who,
+            key,
+            f"points have come to lie inside without passing the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta",
+        )
 
     def _record_and_look(self) -> None:
         """A record, and a warning for each body that has turned too far for its law; one for each body is enough."""
@@ -283,7 +361,12 @@ class Loop:
     def _at_rest(self) -> bool:
         """Whether the run may end here: histories are over and nothing moves."""
         wanted, step = self.problem.parts.time.until_static, self.state.step
-        if wanted is None or step == 0 or step % LOOK_STEPS or self.state.time < self.problem.settled:
+        if (
+            wanted is None
+            or step == 0
+            or step % LOOK_STEPS
+            or self.state.time < self.problem.settled
+        ):
             return False
         return self._unrest() <= wanted
 
@@ -303,7 +386,14 @@ class Loop:
             self._call(lib.ct_watch_steps, self.guard, self.state, count)
             took = clock.perf_counter() - begin
             advanced(count)
-            chunk = int(min(max(chunk * 2, 1) if took < CHUNK_SECONDS / 2 else max(1, count * CHUNK_SECONDS / took), 10**6))
+            chunk = int(
+                min(
+                    max(chunk * 2, 1)
+                    if took < CHUNK_SECONDS / 2
+                    else max(1, count * CHUNK_SECONDS / took),
+                    10**6,
+                )
+            )
 
     def _call(self, function: Any, *arguments: Any) -> None:
         """Call the C library in the middle of a run; what it refuses is a RunError of its kind, with the body's name."""
@@ -313,8 +403,21 @@ class Loop:
             return
         names = list(self.problem.bodies)
         text, named = text_of(error.code, error), 0 <= error.body < len(names)
-        place = {key: int(value) if value >= 0 else None for key, value in (("body", error.body), ("element", error.element), ("point", error.point))}
-        fault = FAULTS.get(status, RunError)(f'body "{names[error.body]}": {text}' if named and names[error.body] not in text else text, code=status, **place)
+        place = {
+            key: int(value) if value >= 0 else None
+            for key, value in (
+                ("body", error.body),
+                ("element", error.element),
+                ("point", error.point),
+            )
+        }
+        fault = FAULTS.get(status, RunError)(
+            f'body "{names[error.body]}": {text}'
+            if named and names[error.body] not in text
+            else text,
+            code=status,
+            **place,
+        )
         fault.body_name = names[error.body] if named else None
         raise fault
 
@@ -323,37 +426,66 @@ class Loop:
     def result(self, failed: bool = False, records: int = 0) -> Run:
         """The run so far, or its last records; after a failure with the last state that was recorded."""
         problem = self.problem
-        energy, momentum = self.energy[-records:], self.momentum[-records * len(problem.bodies):]
+        energy, momentum = self.energy[-records:], self.momentum[-records * len(problem.bodies) :]
         state = self._last_good() if failed else self._state(self.state, self.state)
         return Run(
-            bodies=list(problem.bodies), units=problem.parts.units, steps=self.steps[-records:],
-            energy=np.concatenate(energy or [np.empty(0, energy_dtype(problem.effects))]), momentum=np.concatenate(momentum or [np.empty(0, MOMENTUM)]),
-            state=state, path=self.path, scene=self.scene_text, interrupted=self.interrupted, seconds=self.seconds,
-            costs=measured(problem, self.state, self.output_seconds), computed=computed_share(self.state), writer=None if failed else self._write, contact=[] if failed else contact_points(problem, self.state),
-            impulse={} if failed else self._impulses(), dt=problem.dt,
-            penetration=[] if failed or records else penetrations(problem, self.state))
+            bodies=list(problem.bodies),
+            units=problem.parts.units,
+            steps=self.steps[-records:],
+            energy=np.concatenate(energy or [np.empty(0, energy_dtype(problem.effects))]),
+            momentum=np.concatenate(momentum or [np.empty(0, MOMENTUM)]),
+            state=state,
+            path=self.path,
+            scene=self.scene_text,
+            interrupted=self.interrupted,
+            seconds=self.seconds,
+            costs=measured(problem, self.state, self.output_seconds),
+            computed=computed_share(self.state),
+            writer=None if failed else self._write,
+            contact=[] if failed else contact_points(problem, self.state),
+            impulse={} if failed else self._impulses(),
+            dt=problem.dt,
+            penetration=[] if failed or records else penetrations(problem, self.state),
+        )
 
     def _impulses(self) -> dict[str, np.ndarray]:
         """The impulse of each effect but the solid on all bodies together, effects of one name added up."""
         out: dict[str, np.ndarray] = {}
         for k, name in enumerate(self.problem.effects[1:], start=1):
             impulse = np.zeros(3)
-            self._call(lib.ct_energy_impulse, self.problem.pointer, self.state, k, ffi.from_buffer("double[3]", impulse))
+            self._call(
+                lib.ct_energy_impulse,
+                self.problem.pointer,
+                self.state,
+                k,
+                ffi.from_buffer("double[3]", impulse),
+            )
             out[name] = out.get(name, 0.0) + impulse
         return out
 
     def _last_good(self) -> State | None:
-        return None if self.guard is None else self._state(lib.ct_watch_good(self.guard), self.guard)
+        return (
+            None if self.guard is None else self._state(lib.ct_watch_good(self.guard), self.guard)
+        )
 
     def _state(self, state: Any, owner: Any) -> State:
         """A state for people; ``owner`` is what keeps its memory alive."""
         problem, error = self.problem, new_error()
         velocity = np.empty((problem.pointer.node_count, 3))
-        check(lib.ct_state_velocity(problem.pointer, state, ffi.from_buffer("double[]", velocity), error), error)
+        check(
+            lib.ct_state_velocity(
+                problem.pointer, state, ffi.from_buffer("double[]", velocity), error
+            ),
+            error,
+        )
         velocity.flags.writeable = False
         displacement = view(state.displacement, velocity.shape, np.float64, (owner, problem))
-        bodies = {body.name: BodyState(body.name, body.mesh, body.material, displacement[body.nodes], velocity[body.nodes])
-                  for body in problem.bodies.values()}
+        bodies = {
+            body.name: BodyState(
+                body.name, body.mesh, body.material, displacement[body.nodes], velocity[body.nodes]
+            )
+            for body in problem.bodies.values()
+        }
         return State(state.time, state.step, bodies)
 
     def _write(self, run: Run, path: Path) -> None:
@@ -375,7 +507,17 @@ class Loop:
         write_tables(path, run.steps, run.energy, run.momentum)
 
 
-def execute(problem: Problem, scene_text: str, *, progress: Any, restart: Any, until: Any, output: Any, watch: Any = None, coarse: Problem | None = None) -> Run:
+def execute(
+    problem: Problem,
+    scene_text: str,
+    *,
+    progress: Any,
+    restart: Any,
+    until: Any,
+    output: Any,
+    watch: Any = None,
+    coarse: Problem | None = None,
+) -> Run:
     """Run a problem. Errors of the input are SceneErrors, before the first step; what fails later is a RunError with the run so far."""
     last_step(problem, until)
     schedule(problem)
@@ -428,7 +570,9 @@ def _ctrl_c() -> Iterator[list]:
             raise KeyboardInterrupt
         stop.append(number)
 
-    if threading.current_thread() is not threading.main_thread() or signal.getsignal(signal.SIGINT) in (None, signal.SIG_IGN):
+    if threading.current_thread() is not threading.main_thread() or signal.getsignal(
+        signal.SIGINT
+    ) in (None, signal.SIG_IGN):
         yield stop
         return
     before = signal.signal(signal.SIGINT, handler)

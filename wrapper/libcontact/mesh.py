@@ -51,12 +51,22 @@ class Mesh:
         self.element = next(name for name, kind in KINDS.items() if kind == pointer.kind)
         keep = (self.pointer, owner)
         self.nodes = view(pointer.nodes, (pointer.node_count, 3), np.float64, keep)
-        self.elements = view(pointer.elements, (pointer.element_count, WIDTH[self.element]), np.int32, keep)
+        self.elements = view(
+            pointer.elements, (pointer.element_count, WIDTH[self.element]), np.int32, keep
+        )
 
     @classmethod
     def box(cls, element: str, origin: Any, size: Any, cells: Any, layers: str = "z") -> Mesh:
         """A rectangular box of bricks, numbered as ``ct_mesh_create_box`` says, in layers along ``"x"``, ``"y"`` or ``"z"``."""
-        box = ffi.new("ct_box *", {"origin": list(origin), "size": list(size), "cells": list(cells), "layers": LAYERS[layers]})
+        box = ffi.new(
+            "ct_box *",
+            {
+                "origin": list(origin),
+                "size": list(size),
+                "cells": list(cells),
+                "layers": LAYERS[layers],
+            },
+        )
         out, error = ffi.new("ct_mesh **"), new_error()
         check(lib.ct_mesh_create_box(KINDS[element], box, out, error), error)
         mesh = cls(out[0])
@@ -66,8 +76,15 @@ class Mesh:
     @classmethod
     def ring(cls, element: str, shape: Any) -> Mesh:
         """A ring of bricks, numbered as ``ct_mesh_create_ring`` says; ``shape`` has centre, radius, width and cells."""
-        ring = ffi.new("ct_ring *", {"centre": list(shape.centre), "radius": list(shape.radius), "width": shape.width,
-                                     "cells": list(shape.cells)})
+        ring = ffi.new(
+            "ct_ring *",
+            {
+                "centre": list(shape.centre),
+                "radius": list(shape.radius),
+                "width": shape.width,
+                "cells": list(shape.cells),
+            },
+        )
         out, error = ffi.new("ct_mesh **"), new_error()
         check(lib.ct_mesh_create_ring(KINDS[element], ring, out, error), error)
         mesh = cls(out[0])
@@ -78,9 +95,13 @@ class Mesh:
     def copy(cls, nodes: np.ndarray, elements: np.ndarray) -> Mesh:
         """A checked copy of contiguous float64 ``nodes`` (n, 3) and int32 ``elements`` (cells, 8 or 20)."""
         if nodes.dtype != np.float64 or elements.dtype != np.int32:
-            raise TypeError(f"nodes of {nodes.dtype} and elements of {elements.dtype}; float64 and int32 are needed")
+            raise TypeError(
+                f"nodes of {nodes.dtype} and elements of {elements.dtype}; float64 and int32 are needed"
+            )
         kind = {8: lib.CT_HEX8, 20: lib.CT_HEX20}[elements.shape[1]]
-        source = ffi.new("ct_mesh *", {"kind": kind, "node_count": len(nodes), "element_count": len(elements)})
+        source = ffi.new(
+            "ct_mesh *", {"kind": kind, "node_count": len(nodes), "element_count": len(elements)}
+        )
         source.nodes = ffi.from_buffer("double[]", nodes)
         source.elements = ffi.from_buffer("int32_t[]", elements)
         out, error = ffi.new("ct_mesh **"), new_error()
@@ -110,13 +131,20 @@ class Mesh:
             ask = lambda faces, owners: lib.ct_mesh_outer_faces(self.pointer, faces, owners)
         else:
             axis, value = self._plane(face)
-            ask = lambda faces, owners: lib.ct_mesh_plane_faces(self.pointer, axis, value, faces, owners)
+            ask = lambda faces, owners: lib.ct_mesh_plane_faces(
+                self.pointer, axis, value, faces, owners
+            )
         count = ask(ffi.NULL, ffi.NULL)
         check(-min(count, 0))
         faces = np.empty((count, 4 if self.element == "hex8" else 8), np.int32)
         owners = np.empty(count, np.int32)
         if count:
-            check(-min(ask(ffi.from_buffer("int32_t[]", faces), ffi.from_buffer("int32_t[]", owners)), 0))
+            check(
+                -min(
+                    ask(ffi.from_buffer("int32_t[]", faces), ffi.from_buffer("int32_t[]", owners)),
+                    0,
+                )
+            )
         return faces, owners
 
     def face_nodes(self, face: str) -> np.ndarray:
@@ -135,7 +163,7 @@ class Mesh:
         nodes, so that mirrored meshes have exactly mirrored centres.
         """
         x = (self.nodes if positions is None else positions)[self.elements]
-        eight = lambda i: ((x[:, i] + x[:, i + 2]) + (x[:, i + 1] + x[:, i + 3]))
+        eight = lambda i: (x[:, i] + x[:, i + 2]) + (x[:, i + 1] + x[:, i + 3])
         corners = eight(0) + eight(4)
         if self.element == "hex8":
             return corners / 8.0
@@ -171,7 +199,11 @@ class Mesh:
         slopes = np.empty((20, 3))
         xi = np.zeros(3)
         for _ in range(30):
-            lib.ct_brick_gradient(kind, ffi.from_buffer("double[]", xi), ffi.cast("double(*)[3]", ffi.from_buffer(slopes)))
+            lib.ct_brick_gradient(
+                kind,
+                ffi.from_buffer("double[]", xi),
+                ffi.cast("double(*)[3]", ffi.from_buffer(slopes)),
+            )
             try:
                 change = np.linalg.solve(d.T @ slopes[: len(x)], _shape(kind, xi)[: len(x)] @ d)
             except np.linalg.LinAlgError:
@@ -192,7 +224,11 @@ def rotation(X: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 def _shape(kind: int, xi: np.ndarray) -> np.ndarray:
     out = np.empty(20)
-    lib.ct_brick_shape(kind, ffi.from_buffer("double[]", np.ascontiguousarray(xi, np.float64)), ffi.from_buffer("double[]", out))
+    lib.ct_brick_shape(
+        kind,
+        ffi.from_buffer("double[]", np.ascontiguousarray(xi, np.float64)),
+        ffi.from_buffer("double[]", out),
+    )
     return out
 
 
@@ -231,17 +267,23 @@ def read_vtkhdf(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
             raise ValueError(f'"{path}" lacks VTKHDF/{gone[0]}')
         size = sum(group[name].nbytes for name in wanted)
         if size > physical_memory():
-            raise ValueError(f'"{path}" holds a mesh of {size / 1e9:.3g} GB, and this machine has {physical_memory() / 1e9:.3g} GB')
+            raise ValueError(
+                f'"{path}" holds a mesh of {size / 1e9:.3g} GB, and this machine has {physical_memory() / 1e9:.3g} GB'
+            )
         return _grid(path, {name: group[name][()] for name in wanted}, "Steps" in group)
 
 
-def _grid(path: str | Path, grid: dict[str, np.ndarray], transient: bool) -> tuple[np.ndarray, np.ndarray]:
+def _grid(
+    path: str | Path, grid: dict[str, np.ndarray], transient: bool
+) -> tuple[np.ndarray, np.ndarray]:
     if not transient and len(grid["NumberOfPoints"]) != 1:
         raise ValueError(f'"{path}" has {len(grid["NumberOfPoints"])} parts; one is needed')
     points, cells = int(grid["NumberOfPoints"][0]), int(grid["NumberOfCells"][0])
     kinds = sorted(set(grid["Types"][:cells].tolist()))
     if len(kinds) != 1 or kinds[0] not in VTK_TYPE:
-        raise ValueError(f'"{path}" has cells of the VTK types {kinds}; all must be 12 (hex8) or all 25 (hex20)')
+        raise ValueError(
+            f'"{path}" has cells of the VTK types {kinds}; all must be 12 (hex8) or all 25 (hex20)'
+        )
     width = WIDTH[VTK_TYPE[kinds[0]]]
     if not np.array_equal(grid["Offsets"][: cells + 1], width * np.arange(cells + 1)):
         raise ValueError(f'"{path}": VTKHDF/Offsets does not count {width} nodes a cell')

@@ -194,7 +194,9 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     scene.done()
     if whole and not bodies:
         raise SceneError("there is no [[body]]; a scene needs at least one", "body", file)
-    parts = Parts(title, units, materials, bodies, contacts, supports, added, time, output, threads, savings)
+    parts = Parts(
+        title, units, materials, bodies, contacts, supports, added, time, output, threads, savings
+    )
     conflicts.refuse(parts, file)
     return parts
 
@@ -225,7 +227,10 @@ def _material(table: Table) -> Material:
         law=table.choice("law", LAWS, "linear"),
     )
     if material.poisson >= 0.5:
-        raise table.error("poisson", f"is {material.poisson:g}; it must be below 0.5, where a material stops changing volume")
+        raise table.error(
+            "poisson",
+            f"is {material.poisson:g}; it must be below 0.5, where a material stops changing volume",
+        )
     table.done()
     return material
 
@@ -234,7 +239,9 @@ def _body(table: Table, materials: dict[str, Material]) -> Body:
     name = table.name("name")
     material = table.text("material")
     if material not in materials:
-        raise table.error("material", f'no material is named "{material}"' + suggestion(material, materials))
+        raise table.error(
+            "material", f'no material is named "{material}"' + suggestion(material, materials)
+        )
     element = table.choice("element", ELEMENTS, None)
     velocity = table.vector("velocity", (0.0, 0.0, 0.0))
     lumping = table.choice("lumping", LUMPINGS, None)
@@ -250,25 +257,56 @@ def _body(table: Table, materials: dict[str, Material]) -> Body:
     if elements is not None:
         found = "hex8" if elements.shape[1] == 8 else "hex20"
         if element not in (None, found):
-            raise table.error("element", f'is "{element}", but "elements" has {elements.shape[1]} nodes a row ({found})')
+            raise table.error(
+                "element",
+                f'is "{element}", but "elements" has {elements.shape[1]} nodes a row ({found})',
+            )
         element = found
     if shape in ("box", "ring") and element is None:
         element = "hex8"
     if element == "hex20" and lumping == "row_sum":
-        raise table.error("lumping", '"row_sum" gives the corners of hex20 a negative mass; use "hrz"')
+        raise table.error(
+            "lumping", '"row_sum" gives the corners of hex20 a negative mass; use "hrz"'
+        )
     if element == "hex20" and kernel == "plane":
-        raise table.error("kernel", '"plane" is for hex8; hex20 has the kernels "general" and "box"')
+        raise table.error(
+            "kernel", '"plane" is for hex8; hex20 has the kernels "general" and "box"'
+        )
     integration, hourglass = _integration(table, kernel, element)
     large = materials[material].law != "linear"
     if large and integration == "reduced":
-        raise table.error("integration", f'"reduced" is for small strain; material "{material}" has the law "{materials[material].law}"')
+        raise table.error(
+            "integration",
+            f'"reduced" is for small strain; material "{material}" has the law "{materials[material].law}"',
+        )
     if large and kernel in ("box", "plane"):
-        raise table.error("kernel", f'"{kernel}" is for small strain; material "{material}" has the law "{materials[material].law}"')
+        raise table.error(
+            "kernel",
+            f'"{kernel}" is for small strain; material "{material}" has the law "{materials[material].law}"',
+        )
     if spin is not None and not large:
-        raise table.error("spin", f'turns the body, and the law "linear" of material "{material}" takes a rotation for a strain; '
-                                  'give the material the law "st_venant_kirchhoff" or "neo_hookean"')
+        raise table.error(
+            "spin",
+            f'turns the body, and the law "linear" of material "{material}" takes a rotation for a strain; '
+            'give the material the law "st_venant_kirchhoff" or "neo_hookean"',
+        )
     table.done()
-    return Body(name, material, element, velocity, lumping, kernel, box, mesh, nodes, elements, ring, spin, integration, hourglass)
+    return Body(
+        name,
+        material,
+        element,
+        velocity,
+        lumping,
+        kernel,
+        box,
+        mesh,
+        nodes,
+        elements,
+        ring,
+        spin,
+        integration,
+        hourglass,
+    )
 
 
 def _integration(table: Table, kernel: str, element: str | None) -> tuple[str, float | None]:
@@ -276,25 +314,52 @@ def _integration(table: Table, kernel: str, element: str | None) -> tuple[str, f
     integration = table.choice("integration", INTEGRATIONS, "full")
     hourglass = table.number("hourglass", None, above=0.0)
     if integration == "reduced" and element == "hex20":
-        raise table.error("integration", '"reduced" with hourglass control is for hex8; hex20 is integrated in full')
+        raise table.error(
+            "integration",
+            '"reduced" with hourglass control is for hex8; hex20 is integrated in full',
+        )
     if integration == "reduced" and kernel != "auto":
-        raise table.error("kernel", f'"{kernel}" integrates in full, and the body asks for integration = "reduced"')
+        raise table.error(
+            "kernel",
+            f'"{kernel}" integrates in full, and the body asks for integration = "reduced"',
+        )
     if hourglass is not None and integration == "full":
-        raise table.error("hourglass", 'needs integration = "reduced"; full integration has no hourglass motion to control')
+        raise table.error(
+            "hourglass",
+            'needs integration = "reduced"; full integration has no hourglass motion to control',
+        )
     return integration, hourglass
 
 
-def _no_load_out_of_plane(body: int, bodies: dict[str, Body], supports: tuple[Support, ...], added: tuple[effects.Added, ...], file: str | None) -> None:
+def _no_load_out_of_plane(
+    body: int,
+    bodies: dict[str, Body],
+    supports: tuple[Support, ...],
+    added: tuple[effects.Added, ...],
+    file: str | None,
+) -> None:
     """Refuse a load along the thickness of a body that asks for the kernel of plane strain."""
     name, given = list(bodies.items())[body]
     held = {axis for support in supports if support.body == name for axis in support.fix}
-    thin = [k for k in range(3) if given.box is not None and given.box.cells[k] == 1 and "xyz"[k] in held]
+    thin = [
+        k
+        for k in range(3)
+        if given.box is not None and given.box.cells[k] == 1 and "xyz"[k] in held
+    ]
     for effect in added:
         own = effect.given
-        named = getattr(own, "bodies", ()) is None or name in (getattr(own, "bodies", None) or ()) or name == getattr(own, "surface", ("",))[0]
+        named = (
+            getattr(own, "bodies", ()) is None
+            or name in (getattr(own, "bodies", None) or ())
+            or name == getattr(own, "surface", ("",))[0]
+        )
         vector = getattr(own, "acceleration", getattr(own, "traction", None))
         if named and vector is not None and thin and all(vector[k] != 0.0 for k in thin):
-            raise SceneError(f'acts on "{name}" along {"xyz"[thin[0]]}, the thickness of its plane strain (kernel = "plane"), where nothing may move', effect.key, file)
+            raise SceneError(
+                f'acts on "{name}" along {"xyz"[thin[0]]}, the thickness of its plane strain (kernel = "plane"), where nothing may move',
+                effect.key,
+                file,
+            )
 
 
 def _box(table: Table) -> Box:
@@ -307,14 +372,22 @@ def _box(table: Table) -> Box:
 
 
 def _cells(table: Table, least: tuple[int, int, int]) -> tuple[int, int, int]:
-    return tuple(table.checked_integer(n, f"cells[{i}]", least[i], 2**31 - 1) for i, n in enumerate(table.items("cells", 3)))
+    return tuple(
+        table.checked_integer(n, f"cells[{i}]", least[i], 2**31 - 1)
+        for i, n in enumerate(table.items("cells", 3))
+    )
 
 
 def _ring(table: Table) -> Ring:
     centre = table.vector("centre", (0.0, 0.0, 0.0))
-    inner, outer = (table.checked_number(r, f"radius[{i}]", above=0.0) for i, r in enumerate(table.items("radius", 2)))
+    inner, outer = (
+        table.checked_number(r, f"radius[{i}]", above=0.0)
+        for i, r in enumerate(table.items("radius", 2))
+    )
     if not outer > inner:
-        raise table.error("radius[1]", f"is {outer:g}; the outer radius must be above the inner one, {inner:g}")
+        raise table.error(
+            "radius[1]", f"is {outer:g}; the outer radius must be above the inner one, {inner:g}"
+        )
     width = table.number("width", above=0.0)
     cells = _cells(table, (1, 3, 1))
     table.done()
@@ -346,7 +419,10 @@ def _arrays(table: Table) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _contact(table: Table, bodies: dict[str, Body]) -> Contact:
-    surfaces = tuple(split_face(table, f"surfaces[{i}]", value, bodies) for i, value in enumerate(table.items("surfaces", 2)))
+    surfaces = tuple(
+        split_face(table, f"surfaces[{i}]", value, bodies)
+        for i, value in enumerate(table.items("surfaces", 2))
+    )
     given = table.one_of("beta", "epsilon", required=False)
     contact = Contact(
         surfaces=surfaces,
@@ -367,7 +443,9 @@ def _contact(table: Table, bodies: dict[str, Body]) -> Contact:
     if contact.tangent and not contact.friction:
         raise table.error("tangent", 'belongs to friction; give "friction" too')
     if (contact.initial_penetration == "remove") != (contact.removal_time > 0.0):
-        raise table.error("removal_time", 'and initial_penetration = "remove" belong together; give both or none')
+        raise table.error(
+            "removal_time", 'and initial_penetration = "remove" belong together; give both or none'
+        )
     table.done()
     return contact
 
@@ -397,9 +475,13 @@ def _path(table: Table, fix: list[str]) -> tuple[Any, Any]:
     if not there:
         return (0.0, 0.0, 0.0), ((), ())
     if len(there) == 1:
-        raise table.error(there[0], "stands alone; a path is the travel times a history, and both are needed")
+        raise table.error(
+            there[0], "stands alone; a path is the travel times a history, and both are needed"
+        )
     if table.has("velocity"):
-        raise table.error("velocity", 'cannot stand beside "travel": a support keeps a velocity or follows a path')
+        raise table.error(
+            "velocity", 'cannot stand beside "travel": a support keeps a velocity or follows a path'
+        )
     travel = table.vector("travel")
     for i, axis in enumerate("xyz"):
         if travel[i] != 0.0 and axis not in fix:
@@ -412,7 +494,10 @@ def _savings(table: Table) -> tuple[str, ...]:
     savings = table.items("savings", None, list(SAVINGS))
     for i, saving in enumerate(savings):
         if not isinstance(saving, str) or saving not in SAVINGS:
-            raise table.error(f"savings[{i}]", f"{describe(saving)} is no saving" + suggestion(str(saving), SAVINGS))
+            raise table.error(
+                f"savings[{i}]",
+                f"{describe(saving)} is no saving" + suggestion(str(saving), SAVINGS),
+            )
     return tuple(dict.fromkeys(savings))
 
 
@@ -433,7 +518,17 @@ def _time(table: Table) -> Time:
     energy_limit = table.number("energy_limit", Time.energy_limit, above=0.0)
     look_every = table.integer("look_every", Time.look_every, least=1, most=2**53)
     table.done()
-    return Time(end, end_over, (step, value), integrator, parameter, stable_step, until_static, energy_limit, look_every)
+    return Time(
+        end,
+        end_over,
+        (step, value),
+        integrator,
+        parameter,
+        stable_step,
+        until_static,
+        energy_limit,
+        look_every,
+    )
 
 
 def _integrator_parameter(table: Table, scheme: int) -> float:
@@ -441,7 +536,12 @@ def _integrator_parameter(table: Table, scheme: int) -> float:
     usual = lib.ct_integrator_default(scheme).parameter
     value = table.number("integrator_parameter", usual)
     error = new_error()
-    if lib.ct_integrator_check(ffi.new("ct_integrator *", {"scheme": scheme, "parameter": value}), error) != lib.CT_OK:
+    if (
+        lib.ct_integrator_check(
+            ffi.new("ct_integrator *", {"scheme": scheme, "parameter": value}), error
+        )
+        != lib.CT_OK
+    ):
         raise table.error("integrator_parameter", ffi.string(error.text).decode())
     return float(value)
 
@@ -453,11 +553,16 @@ def _output(table: Table) -> Output:
     fields = table.items("fields", None, list(FIELDS))
     for i, field in enumerate(fields):
         if not isinstance(field, str) or field not in FIELDS:
-            raise table.error(f"fields[{i}]", f"{describe(field)} is no field" + suggestion(str(field), FIELDS))
+            raise table.error(
+                f"fields[{i}]", f"{describe(field)} is no field" + suggestion(str(field), FIELDS)
+            )
     which = table.one_of("every", "times", required=False)
     every = table.integer("every", least=1, most=2**53) if which == "every" else None
     times = None
     if which == "times":
-        times = tuple(table.checked_number(t, f"times[{i}]", least=0.0) for i, t in enumerate(table.items("times")))
+        times = tuple(
+            table.checked_number(t, f"times[{i}]", least=0.0)
+            for i, t in enumerate(table.items("times"))
+        )
     table.done()
     return Output(file, tuple(dict.fromkeys(fields)), every, times)

@@ -77,12 +77,23 @@ def predict(problem: Problem, records: int) -> list[Cost]:
     # What a part costs goes with the nodes that it acts on.
     sizes, smaller = _sizes(problem), _sizes(small)
     ratio = {name: sizes[name] / smaller[name] if smaller[name] else 1.0 for name in sizes}
-    seconds, rounds = {name: price * ratio[name] for name, price in prices.seconds.items()}, prices.rounds * ratio[ROUNDS]
+    seconds, rounds = (
+        {name: price * ratio[name] for name, price in prices.seconds.items()},
+        prices.rounds * ratio[ROUNDS],
+    )
     _add_rounds(problem, parts, rounds)
     counts = {OUTPUT: records}
     steps = round(prices.steps * problem.step_count / small.step_count)
-    return [Cost(name, seconds_a_step=seconds[name], active=prices.active.get(name, 1.0), predicted=seconds[name] * counts.get(name, steps), **part)
-            for name, part in parts.items()]
+    return [
+        Cost(
+            name,
+            seconds_a_step=seconds[name],
+            active=prices.active.get(name, 1.0),
+            predicted=seconds[name] * counts.get(name, steps),
+            **part,
+        )
+        for name, part in parts.items()
+    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +111,12 @@ def _smaller(problem: Problem) -> Problem:
     if element_count(problem, problem.parts.bodies) <= MOST_ELEMENTS:
         return problem
     fraction = min(problem.dt / problem.stable.dt, 1.0)
-    return with_larger_elements(problem, lambda bodies: element_count(problem, bodies), MOST_ELEMENTS, fraction) or problem
+    return (
+        with_larger_elements(
+            problem, lambda bodies: element_count(problem, bodies), MOST_ELEMENTS, fraction
+        )
+        or problem
+    )
 
 
 def _sizes(problem: Problem) -> dict[str, int]:
@@ -109,7 +125,11 @@ def _sizes(problem: Problem) -> dict[str, int]:
     out = dict.fromkeys(problem.effects, 0)
     for name, effect in zip(problem.effects, effects):
         out[name] += effect.node_count
-    return out | {LOOP: problem.pointer.node_count, OUTPUT: problem.pointer.node_count, ROUNDS: sum(effect.constraint_count for effect in effects)}
+    return out | {
+        LOOP: problem.pointer.node_count,
+        OUTPUT: problem.pointer.node_count,
+        ROUNDS: sum(effect.constraint_count for effect in effects),
+    }
 
 
 def _prices(problem: Problem, records: int) -> _Prices:
@@ -131,14 +151,18 @@ def _prices(problem: Problem, records: int) -> _Prices:
     for name, price in idle.items():
         # What a step costs with no element at work, from the first steps, where some are.
         asleep = (price - begun * seconds[name]) / (1.0 - begun) if begun < 1.0 else seconds[name]
-        seconds[name] = active * seconds[name] + (1.0 - active) * min(max(asleep, 0.0), seconds[name])
+        seconds[name] = active * seconds[name] + (1.0 - active) * min(
+            max(asleep, 0.0), seconds[name]
+        )
     shares = {"solid": active}
     for name in set(TOUCHING).intersection(problem.effects):
         if rehearsal is None:
             shares[name] = _touch_share(problem, touch, name)
             seconds[name] *= shares[name]
         else:
-            shares[name] = max(rehearsal.active(k) for k, other in enumerate(problem.effects) if other == name)
+            shares[name] = max(
+                rehearsal.active(k) for k, other in enumerate(problem.effects) if other == name
+            )
     return _Prices(seconds, shares, steps, seconds.pop(ROUNDS))
 
 
@@ -159,7 +183,11 @@ def computed_share(state: Any) -> float:
 
 def _is_reaction(problem: Problem, name: str) -> bool:
     """Whether an effect only holds nodes: its work is done by the time loop."""
-    return name in problem.effects and all(problem.pointer.effects[k].reaction for k, other in enumerate(problem.effects) if other == name)
+    return name in problem.effects and all(
+        problem.pointer.effects[k].reaction
+        for k, other in enumerate(problem.effects)
+        if other == name
+    )
 
 
 def _parts(problem: Problem) -> dict[str, dict[str, Any]]:
@@ -172,9 +200,16 @@ def _parts(problem: Problem) -> dict[str, dict[str, Any]]:
             continue
         effect = problem.pointer.effects[k]
         check(lib.ct_stable_share(problem.pointer, state, k, omega_squared, rate, error), error)
-        part = out.setdefault(name, {"nodes": 0, "flops": 0.0, "bytes": 0.0, "omega_squared": 0.0, "rate": 0.0})
-        for key, value in (("nodes", effect.node_count), ("flops", effect.flops), ("bytes", effect.bytes),
-                           ("omega_squared", omega_squared[0]), ("rate", rate[0])):
+        part = out.setdefault(
+            name, {"nodes": 0, "flops": 0.0, "bytes": 0.0, "omega_squared": 0.0, "rate": 0.0}
+        )
+        for key, value in (
+            ("nodes", effect.node_count),
+            ("flops", effect.flops),
+            ("bytes", effect.bytes),
+            ("omega_squared", omega_squared[0]),
+            ("rate", rate[0]),
+        ):
             part[key] += value
     elements = [(len(body.mesh.elements), body) for body in problem.bodies.values()]
     out["solid"]["flops"] = sum(count * body.flops for count, body in elements)
@@ -215,15 +250,24 @@ def _idle(problem: Problem, state: Any) -> dict[str, float]:
     for _ in range(2):
         before = [state.effect_seconds[k] for k in (solid, loop)]
         check(lib.ct_step_many(problem.pointer, state, IDLE_STEPS // 2, error), error)
-        seconds = [2.0 * (state.effect_seconds[k] - start) / IDLE_STEPS for k, start in zip((solid, loop), before)]
+        seconds = [
+            2.0 * (state.effect_seconds[k] - start) / IDLE_STEPS
+            for k, start in zip((solid, loop), before)
+        ]
         best = [min(pair) for pair in zip(best, seconds)]
     return {"solid": best[0], LOOP: best[1]}
 
 
-def _rehearsed(problem: Problem, loop: Any, rehearsal: Rehearsal, interval: int) -> dict[str, float]:
+def _rehearsed(
+    problem: Problem, loop: Any, rehearsal: Rehearsal, interval: int
+) -> dict[str, float]:
     """Seconds a step of each effect and of the time loop, and of a record, the means over states that stand for the run."""
     state = loop.state
-    memory = np.frombuffer(ffi.buffer(state.memory, 8 * state.memory_count), np.float64) if state.memory_count else np.empty(0)
+    memory = (
+        np.frombuffer(ffi.buffer(state.memory, 8 * state.memory_count), np.float64)
+        if state.memory_count
+        else np.empty(0)
+    )
     room = _room(problem, loop)
     steps = int(min(MOST_STEPS, max(room / MOST_MOMENTS, FEWEST_STEPS), max(room, LEAST_STEPS)))
     out, records = dict.fromkeys([*problem.effects, LOOP, ROUNDS], 0.0), []
@@ -263,7 +307,9 @@ def _room(problem: Problem, loop: Any) -> float:
     return TRIAL_SECONDS / sum(seconds[name] for name in (*set(problem.effects), LOOP))
 
 
-def _place(problem: Problem, state: Any, displacement: np.ndarray, velocity: np.ndarray | None) -> None:
+def _place(
+    problem: Problem, state: Any, displacement: np.ndarray, velocity: np.ndarray | None
+) -> None:
     """Put the nodes there and shake them a little, so that no element is left out."""
     count = problem.pointer.node_count
     u = np.frombuffer(ffi.buffer(state.displacement, 24 * count), np.float64).reshape(-1, 3)
@@ -271,15 +317,28 @@ def _place(problem: Problem, state: Any, displacement: np.ndarray, velocity: np.
     shake = SHAKE * edge * np.random.default_rng(1).uniform(-1.0, 1.0, u.shape)
     for body in problem.bodies.values():
         u[body.nodes] = displacement[body.nodes]
-        u[body.nodes] += shake[body.nodes] if body.kernel != "plane" else _in_plane(problem, body, shake[body.nodes])
+        u[body.nodes] += (
+            shake[body.nodes]
+            if body.kernel != "plane"
+            else _in_plane(problem, body, shake[body.nodes])
+        )
     if velocity is not None:
-        np.frombuffer(ffi.buffer(state.velocity, 24 * count), np.float64).reshape(-1, 3)[:] = velocity
+        np.frombuffer(ffi.buffer(state.velocity, 24 * count), np.float64).reshape(-1, 3)[:] = (
+            velocity
+        )
 
 
 def _in_plane(problem: Problem, body: Any, shake: np.ndarray) -> np.ndarray:
     """Numbers (nodes, 3) that move both layers of a body in plane strain alike, and not along its thickness."""
-    held = np.frombuffer(ffi.buffer(problem.pointer.inverse_mass, 24 * problem.pointer.node_count), np.float64).reshape(-1, 3)[body.nodes] == 0.0
-    across = next(k for k in range(3) if held[:, k].all() and len(np.unique(body.mesh.nodes[:, k])) == 2)
+    held = (
+        np.frombuffer(
+            ffi.buffer(problem.pointer.inverse_mass, 24 * problem.pointer.node_count), np.float64
+        ).reshape(-1, 3)[body.nodes]
+        == 0.0
+    )
+    across = next(
+        k for k in range(3) if held[:, k].all() and len(np.unique(body.mesh.nodes[:, k])) == 2
+    )
     below = body.mesh.nodes[:, across] == body.mesh.nodes[:, across].min()
     low, high = np.flatnonzero(below), np.flatnonzero(~below)
     place = np.delete(body.mesh.nodes, across, axis=1)
@@ -301,7 +360,10 @@ def _trial(problem: Problem, loop: Any, interval: int, warm: int, count: int) ->
     loop.start_guard()
     for _ in range(warm):
         check(lib.ct_step(problem.pointer, state, error), error)
-    before, rounds = np.array([state.effect_seconds[k] for k in range(len(names))]), state.constraint_rounds
+    before, rounds = (
+        np.array([state.effect_seconds[k] for k in range(len(names))]),
+        state.constraint_rounds,
+    )
     for left in range(count, 0, -1):
         # The record that is measured comes as long after another one as in the run.
         if left == min(count, interval):
@@ -367,11 +429,18 @@ def table(costs: list[Cost], stable: float) -> list[str]:
             line += f"{100 * cost.done:>5.0f} %" if cost.done is not None else f"{'':>7}"
         line += f"{_seconds(cost.predicted):>12}"
         line += f"{_seconds(cost.measured):>12}" if told else ""
-        line += f"{_count(cost.flops):>10}{_count(cost.bytes):>10}" + (f"{100 * share:>12.1f} %" if share else "")
+        line += f"{_count(cost.flops):>10}{_count(cost.bytes):>10}" + (
+            f"{100 * share:>12.1f} %" if share else ""
+        )
         lines.append(line.rstrip())
-    sums = [math.fsum(values) if None not in values and values else None
-            for values in ([cost.predicted for cost in costs], [cost.measured for cost in costs])]
-    lines.append(f"  {'together':<14}{'':>{34 if told else 27}}{_seconds(sums[0]):>12}" + (f"{_seconds(sums[1]):>12}" if told else ""))
+    sums = [
+        math.fsum(values) if None not in values and values else None
+        for values in ([cost.predicted for cost in costs], [cost.measured for cost in costs])
+    ]
+    lines.append(
+        f"  {'together':<14}{'':>{34 if told else 27}}{_seconds(sums[0]):>12}"
+        + (f"{_seconds(sums[1]):>12}" if told else "")
+    )
     return lines
 
 

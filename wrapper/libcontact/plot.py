@@ -21,7 +21,9 @@ def picture(run: Run, path: str | Path, field: str = "stress_xx", scale: float =
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    figure, (above, below) = pyplot.subplots(2, 1, figsize=(8, 8), height_ratios=[2, 1], layout="constrained")
+    figure, (above, below) = pyplot.subplots(
+        2, 1, figsize=(8, 8), height_ratios=[2, 1], layout="constrained"
+    )
     try:
         draw_field(above, run, field, scale)
         draw_energies(below, run)
@@ -53,14 +55,27 @@ def draw_field(axes: Any, run: Run, field: str, scale: float = 1.0) -> Any:
         values.append(colours[seen])
         depths.append(_toward(axis) * corners[seen][:, :, axis].mean(axis=1))
     order = np.argsort(np.concatenate(depths), kind="stable")
-    patches = PolyCollection([polygons[i] for i in order], array=np.concatenate(values)[order], cmap="viridis", linewidths=0.4,
-                             edgecolors="face", antialiaseds=False, rasterized=True)
+    patches = PolyCollection(
+        [polygons[i] for i in order],
+        array=np.concatenate(values)[order],
+        cmap="viridis",
+        linewidths=0.4,
+        edgecolors="face",
+        antialiaseds=False,
+        rasterized=True,
+    )
     axes.add_collection(patches)
     axes.autoscale_view()
     axes.set_aspect("equal")
     length, unit = (f" [{run.units.length}]", _unit(run, field)) if run.units else ("", "")
-    axes.set(xlabel="xyz"[across] + length, ylabel="xyz"[up] + length, title=f"{field} at t = {run.state.time:.6g}")
-    axes.figure.colorbar(patches, ax=axes, label=field + unit, location="bottom", aspect=40, shrink=0.8)
+    axes.set(
+        xlabel="xyz"[across] + length,
+        ylabel="xyz"[up] + length,
+        title=f"{field} at t = {run.state.time:.6g}",
+    )
+    axes.figure.colorbar(
+        patches, ax=axes, label=field + unit, location="bottom", aspect=40, shrink=0.8
+    )
     return patches
 
 
@@ -87,15 +102,23 @@ def _normal_along(corners: np.ndarray, axis: int) -> np.ndarray:
 
 
 def _unit(run: Run, field: str) -> str:
-    quantity = {"stress": "stress", "displacement": "length", "velocity": "velocity"}[field.split("_")[0]]
+    quantity = {"stress": "stress", "displacement": "length", "velocity": "velocity"}[
+        field.split("_")[0]
+    ]
     return f" [{run.units.label(quantity)}]"
 
 
 def draw_energies(axes: Any, run: Run) -> None:
     """Kinetic, strain, contact and external energy and their total over time."""
     for name in ("kinetic", "strain", "contact", "external", "total"):
-        axes.plot(run.time, run.energy[name], label=name, linestyle="--" if name == "total" else "-")
-    time, energy = (f" [{run.units.time}]", f" [{run.units.label('energy')}]") if run.units else ("", "")
+        axes.plot(
+            run.time, run.energy[name], label=name, linestyle="--" if name == "total" else "-"
+        )
+    time, energy = (
+        (f" [{run.units.time}]", f" [{run.units.label('energy')}]") if run.units else ("", "")
+    )
     axes.set(xlabel="t" + time, ylabel="energy" + energy)
     axes.grid(alpha=0.3)
-    axes.legend(ncols=5, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False)
+    axes.legend(
+        ncols=5, fontsize="small", loc="lower center", bbox_to_anchor=(0.5, 1.0), frameon=False
+    )

@@ -10,7 +10,15 @@ import numpy as np
 
 from ._core import ffi, lib
 
-__all__ = ["Projection", "RayHits", "Status", "face_points", "project", "project_path", "project_ray"]
+__all__ = [
+    "Projection",
+    "RayHits",
+    "Status",
+    "face_points",
+    "project",
+    "project_path",
+    "project_ray",
+]
 
 
 class Status(IntEnum):
@@ -79,7 +87,9 @@ _FIELDS = {
     "distance": (np.float64, ()),
     "signed_distance": (np.float64, ()),
 }
-_HIT_FIELDS = {name: _FIELDS[name] for name in ("status", "where", "evaluations", "xi", "point", "distance")}
+_HIT_FIELDS = {
+    name: _FIELDS[name] for name in ("status", "where", "evaluations", "xi", "point", "distance")
+}
 _HIT_FIELDS["normal"] = (np.float64, (3,))
 
 
@@ -165,7 +175,12 @@ def project_path(
     if start is not None:
         options.use_start, options.start = 1, list(_start(start, 1)[0])
     rows = np.zeros(1, _ROW)
-    lib.ct_project(face, ffi.from_buffer("double[]", points), options, ffi.cast("ct_projection *", ffi.from_buffer(rows)))
+    lib.ct_project(
+        face,
+        ffi.from_buffer("double[]", points),
+        options,
+        ffi.cast("ct_projection *", ffi.from_buffer(rows)),
+    )
     found = _result(rows)
     return np.array([*iterates, tuple(found.xi[0])]), found
 
@@ -178,11 +193,15 @@ def face_points(kind: str, nodes: Any, xi: Any) -> np.ndarray:
         raise ValueError(f"xi must have shape (..., 2), not {xi.shape}")
     N = np.empty((xi.size // 2, 8))
     for row, at in zip(N, xi.reshape(-1, 2)):
-        lib.ct_segment_shape(_KINDS[kind], ffi.from_buffer("double[]", at), ffi.from_buffer("double[]", row))
+        lib.ct_segment_shape(
+            _KINDS[kind], ffi.from_buffer("double[]", at), ffi.from_buffer("double[]", row)
+        )
     return (N[:, : len(nodes)] @ nodes).reshape(*xi.shape[:-1], 3)
 
 
-def project_ray(kind: str, nodes: Any, points: Any, directions: Any, tolerance: float = 1e-10) -> RayHits:
+def project_ray(
+    kind: str, nodes: Any, points: Any, directions: Any, tolerance: float = 1e-10
+) -> RayHits:
     """Find where the lines through m points along m directions meet one face, each nearest to its point.
 
     :param kind: ``"Q4"``, ``"Q8"``, ``"T3"`` or ``"T6"``.
@@ -197,13 +216,21 @@ def project_ray(kind: str, nodes: Any, points: Any, directions: Any, tolerance: 
     points = _triples("points", points)
     directions = _real("directions", directions)
     if directions.shape not in ((3,), points.shape):
-        raise ValueError(f"directions must have shape (3,) or {points.shape}, not {directions.shape}")
+        raise ValueError(
+            f"directions must have shape (3,) or {points.shape}, not {directions.shape}"
+        )
     directions = np.ascontiguousarray(np.broadcast_to(directions, points.shape))
     if not 0 < float(tolerance) < 1:
         raise ValueError(f"tolerance must be positive and below 1, not {tolerance!r}")
     rows = np.zeros(len(points), _HIT_ROW)
     arrays = [ffi.from_buffer("double[]", points), ffi.from_buffer("double[]", directions)]
-    lib.ct_project_rays(face, len(points), *arrays, float(tolerance), ffi.cast("ct_ray_hit *", ffi.from_buffer(rows)))
+    lib.ct_project_rays(
+        face,
+        len(points),
+        *arrays,
+        float(tolerance),
+        ffi.cast("ct_ray_hit *", ffi.from_buffer(rows)),
+    )
     fields = {name: rows[name].copy() for name in _HIT_FIELDS}
     fields["where"] = _WHERE[rows["where"]]
     return RayHits(**fields)

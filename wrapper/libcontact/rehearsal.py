@@ -104,7 +104,12 @@ def _coarse(problem: Problem) -> Problem | None:
     return with_larger_elements(problem, lambda bodies: _updates(problem, bodies), most, FRACTION)
 
 
-def with_larger_elements(problem: Problem, cost: Callable[[dict[str, scene_parts.Body]], float], most: float, fraction: float) -> Problem | None:
+def with_larger_elements(
+    problem: Problem,
+    cost: Callable[[dict[str, scene_parts.Body]], float],
+    most: float,
+    fraction: float,
+) -> Problem | None:
     """
     The scene with elements as little larger as makes the ``cost`` of its bodies no more than ``most``, at a ``fraction`` of its stable step; None where that
     can't be done, as bodies have meshes of their own.
@@ -112,12 +117,23 @@ def with_larger_elements(problem: Problem, cost: Callable[[dict[str, scene_parts
     parts = problem.parts
     if not all(isinstance(own.given, str) for own in problem.own):
         return None
-    largest, times = max((n for body in parts.bodies.values() if _lattice(body) for n in _lattice(body).cells), default=0), 1.0
-    while cost(bodies := {name: _larger(body, times) for name, body in parts.bodies.items()}) > most:
+    largest, times = (
+        max(
+            (n for body in parts.bodies.values() if _lattice(body) for n in _lattice(body).cells),
+            default=0,
+        ),
+        1.0,
+    )
+    while (
+        cost(bodies := {name: _larger(body, times) for name, body in parts.bodies.items()}) > most
+    ):
         if times > largest:
             return None
         times *= 1.25
-    contacts = tuple(replace(given, beta=None, epsilon=built.epsilon) for given, built in zip(parts.contacts, problem.contacts))
+    contacts = tuple(
+        replace(given, beta=None, epsilon=built.epsilon)
+        for given, built in zip(parts.contacts, problem.contacts)
+    )
     effects = tuple(replace(added, given=_as_stiff(problem, added)) for added in parts.effects)
     time = replace(parts.time, end=problem.end, end_over=None, step=("fraction", fraction))
     larger = replace(parts, bodies=bodies, contacts=contacts, effects=effects, time=time)
@@ -130,7 +146,11 @@ def _as_stiff(problem: Problem, added: Any) -> Any:
     if added.name != "obstacle" or given.epsilon is not None:
         return given
     body = problem.bodies[given.surface[0]]
-    return replace(given, beta=None, epsilon=lib.ct_contact_penalty(given.beta, body.material.young, body.mesh.shortest_edge))
+    return replace(
+        given,
+        beta=None,
+        epsilon=lib.ct_contact_penalty(given.beta, body.material.young, body.mesh.shortest_edge),
+    )
 
 
 def _lattice(body: scene_parts.Body) -> scene_parts.Box | scene_parts.Ring | None:
@@ -139,7 +159,12 @@ def _lattice(body: scene_parts.Body) -> scene_parts.Box | scene_parts.Ring | Non
 
 def element_count(problem: Problem, bodies: dict[str, scene_parts.Body]) -> int:
     """The elements of bodies, those with meshes of their own as the problem has them."""
-    return sum(math.prod(_lattice(body).cells) if _lattice(body) else len(problem.bodies[name].mesh.elements) for name, body in bodies.items())
+    return sum(
+        math.prod(_lattice(body).cells)
+        if _lattice(body)
+        else len(problem.bodies[name].mesh.elements)
+        for name, body in bodies.items()
+    )
 
 
 def _larger(body: scene_parts.Body, times: float) -> scene_parts.Body:
@@ -156,10 +181,16 @@ def _larger(body: scene_parts.Body, times: float) -> scene_parts.Body:
 def _updates(problem: Problem, bodies: dict[str, scene_parts.Body]) -> float:
     """What a run with these bodies costs, about, in updates of an element."""
     pressed = [surface[0] for contact in problem.parts.contacts for surface in contact.surfaces]
-    pressed += [added.given.surface[0] for added in problem.parts.effects if added.name == "obstacle"]
+    pressed += [
+        added.given.surface[0] for added in problem.parts.effects if added.name == "obstacle"
+    ]
     total, shorter = 0.0, 1.0
     for name, body in bodies.items():
-        mesh, now, before = problem.bodies[name].mesh, _lattice(body), _lattice(problem.parts.bodies[name])
+        mesh, now, before = (
+            problem.bodies[name].mesh,
+            _lattice(body),
+            _lattice(problem.parts.bodies[name]),
+        )
         elements, faces = len(mesh.elements), len(mesh.elements) ** (2 / 3)
         if now is not None:
             x, y, z = now.cells
@@ -183,10 +214,18 @@ def _run(problem: Problem, coarse: Problem) -> Rehearsal:
     impulse = np.empty(0)
     if state.impulse_count:
         impulse = np.frombuffer(ffi.buffer(state.impulse, 8 * state.impulse_count), np.float64)
-    ends = np.cumsum([0] + [3 * coarse.pointer.effects[k].node_count for k in range(1, coarse.pointer.effect_count)])
+    ends = np.cumsum(
+        [0]
+        + [3 * coarse.pointer.effects[k].node_count for k in range(1, coarse.pointer.effect_count)]
+    )
     pressing, ways, speeds, before = np.zeros((looks, len(coarse.effects))), [], [], impulse.copy()
     for look in range(looks):
-        check(lib.ct_step_many(coarse.pointer, state, round((look + 1) / looks * last) - state.step, error), error)
+        check(
+            lib.ct_step_many(
+                coarse.pointer, state, round((look + 1) / looks * last) - state.step, error
+            ),
+            error,
+        )
         # An effect has acted on a node when its impulse there is another.
         changed = (impulse != before).reshape(-1, 3).any(axis=1)
         for k, (first, end) in enumerate(zip(ends // 3, ends[1:] // 3), start=1):
@@ -219,10 +258,16 @@ def _group(points: np.ndarray, count: int) -> list[tuple[int, int]]:
         centres.append(points[_squares(points, centres).min(axis=1).argmax()])
     for _ in range(20):
         nearest = _squares(points, centres).argmin(axis=1)
-        centres = [points[nearest == k].mean(axis=0) for k in range(len(centres)) if np.any(nearest == k)]
+        centres = [
+            points[nearest == k].mean(axis=0) for k in range(len(centres)) if np.any(nearest == k)
+        ]
     squares = _squares(points, centres)
     nearest = squares.argmin(axis=1)
-    return [(int(squares[:, k].argmin()), int(np.sum(nearest == k))) for k in range(len(centres)) if np.any(nearest == k)]
+    return [
+        (int(squares[:, k].argmin()), int(np.sum(nearest == k)))
+        for k in range(len(centres))
+        if np.any(nearest == k)
+    ]
 
 
 def _squares(points: np.ndarray, centres: list[np.ndarray]) -> np.ndarray:
@@ -239,12 +284,21 @@ class _Map:
     def __init__(self, problem: Problem, coarse: Problem, name: str):
         self.fine, self.coarse = problem.bodies[name], coarse.bodies[name]
         given, larger = problem.parts.bodies[name], coarse.parts.bodies[name]
-        self.turns = given.ring is not None and problem.parts.materials[given.material].law != "linear"
+        self.turns = (
+            given.ring is not None and problem.parts.materials[given.material].law != "linear"
+        )
         lattice = _lattice(larger)
         if lattice is None or lattice.cells == _lattice(given).cells:
-            self.numbers, self.weights = np.arange(len(self.fine.mesh.nodes))[:, None], np.ones((len(self.fine.mesh.nodes), 1))
+            self.numbers, self.weights = (
+                np.arange(len(self.fine.mesh.nodes))[:, None],
+                np.ones((len(self.fine.mesh.nodes), 1)),
+            )
             return
-        place = _box_places(self.fine.mesh.nodes, lattice) if larger.box else _ring_places(self.fine.mesh.nodes, lattice)
+        place = (
+            _box_places(self.fine.mesh.nodes, lattice)
+            if larger.box
+            else _ring_places(self.fine.mesh.nodes, lattice)
+        )
         cells = np.array(lattice.cells)
         low = np.clip(np.floor(place), 0, cells - 1)
         part = place - low
@@ -254,10 +308,14 @@ class _Map:
         for k in range(8):
             bits = np.array([k & 1, k >> 1 & 1, k >> 2])
             at = ((low + bits).astype(np.int64) % corners).T
-            self.numbers[:, k] = at[first] + corners[first] * (at[second] + corners[second] * at[third])
+            self.numbers[:, k] = at[first] + corners[first] * (
+                at[second] + corners[second] * at[third]
+            )
             self.weights[:, k] = np.where(bits == 1, part, 1.0 - part).prod(axis=1)
 
-    def __call__(self, displacement: np.ndarray, velocity: np.ndarray, u: np.ndarray, v: np.ndarray) -> None:
+    def __call__(
+        self, displacement: np.ndarray, velocity: np.ndarray, u: np.ndarray, v: np.ndarray
+    ) -> None:
         """Write the rows of this body into ``u`` and ``v``."""
         own_u, own_v = displacement[self.coarse.nodes], velocity[self.coarse.nodes]
         if not self.turns:
@@ -270,9 +328,15 @@ class _Map:
         left = (x - now) @ turn - (X - centre)
         there = (fine - centre + self._between(left)) @ turn.T + now
         u[self.fine.nodes] = there - fine
-        rate = np.linalg.lstsq(_crosses(x - now), (own_v - own_v.mean(axis=0)).ravel(), rcond=None)[0]
+        rate = np.linalg.lstsq(_crosses(x - now), (own_v - own_v.mean(axis=0)).ravel(), rcond=None)[
+            0
+        ]
         mean = own_v.mean(axis=0)
-        v[self.fine.nodes] = mean + np.cross(rate, there - now) + self._between(own_v - mean - np.cross(rate, x - now))
+        v[self.fine.nodes] = (
+            mean
+            + np.cross(rate, there - now)
+            + self._between(own_v - mean - np.cross(rate, x - now))
+        )
 
     def _between(self, values: np.ndarray) -> np.ndarray:
         return np.einsum("nk,nkc->nc", self.weights, values[self.numbers])
@@ -294,6 +358,6 @@ def _ring_places(nodes: np.ndarray, ring: scene_parts.Ring) -> np.ndarray:
 def _crosses(r: np.ndarray) -> np.ndarray:
     """The matrix (3 n, 3) that takes a vector ω to ω × r of all rows."""
     out = np.zeros((len(r), 3, 3))
-    for (i, j, k) in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
         out[:, i, j], out[:, i, k] = r[:, k], -r[:, j]
     return out.reshape(-1, 3)

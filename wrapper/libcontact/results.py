@@ -31,9 +31,21 @@ def load(path: Path, record: int = -1) -> Run:
         raise ValueError(f'can\'t read "{path}": {error}') from None
     except KeyError as error:
         raise ValueError(f'"{path}" is no run of libcontact: {error.args[0]}') from None
-    except (ArithmeticError, AttributeError, LookupError, MemoryError, RuntimeError, TypeError, ValueError) as error:
+    except (
+        ArithmeticError,
+        AttributeError,
+        LookupError,
+        MemoryError,
+        RuntimeError,
+        TypeError,
+        ValueError,
+    ) as error:
         # What a damaged file says may be of any type and size.
-        raise error if str(path) in str(error) else ValueError(f'"{path}" is damaged: {error or type(error).__name__}') from None
+        raise (
+            error
+            if str(path) in str(error)
+            else ValueError(f'"{path}" is damaged: {error or type(error).__name__}')
+        ) from None
 
 
 def _read(path: Path, file: Any, record: int) -> Run:
@@ -48,9 +60,22 @@ def _read(path: Path, file: Any, record: int) -> Run:
     names = [_text(row["name"]) for row in bodies]
     scene = _text(own["scene"][()]) if "scene" in own else ""
     steps, energy, momentum = _tables(own, count, len(names))
-    state = State(float(vtk["Steps/Values"][record]), int(own["step"][record]), _bodies(vtk, bodies, names, record))
-    return Run(bodies=names, units=_units(scene), steps=steps, energy=energy, momentum=momentum, state=state, path=path, scene=scene,
-               dt=float(own.attrs["dt"]))
+    state = State(
+        float(vtk["Steps/Values"][record]),
+        int(own["step"][record]),
+        _bodies(vtk, bodies, names, record),
+    )
+    return Run(
+        bodies=names,
+        units=_units(scene),
+        steps=steps,
+        energy=energy,
+        momentum=momentum,
+        state=state,
+        path=path,
+        scene=scene,
+        dt=float(own.attrs["dt"]),
+    )
 
 
 def _tables(own: Any, count: int, bodies: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -60,7 +85,11 @@ def _tables(own: Any, count: int, bodies: int) -> tuple[np.ndarray, np.ndarray, 
     energy = own["energy"][:count]
     if "effects" in own:
         energy = _with_effects(energy, own, count)
-    return own["step"][:count], _columns(energy, energy.dtype), _columns(own["momentum"][: count * bodies], MOMENTUM)
+    return (
+        own["step"][:count],
+        _columns(energy, energy.dtype),
+        _columns(own["momentum"][: count * bodies], MOMENTUM),
+    )
 
 
 def _with_effects(energy: np.ndarray, own: Any, count: int) -> np.ndarray:
@@ -87,18 +116,29 @@ def _columns(rows: np.ndarray, dtype: np.dtype) -> np.ndarray:
 def _bodies(vtk: Any, rows: np.ndarray, names: list[str], record: int) -> dict[str, BodyState]:
     points = vtk["Points"][()]
     connectivity, offsets = vtk["Connectivity"][()], vtk["Offsets"][()]
-    fields = {name: _field(vtk, "PointData", name, record, len(points)) for name in ("displacement", "velocity")}
+    fields = {
+        name: _field(vtk, "PointData", name, record, len(points))
+        for name in ("displacement", "velocity")
+    }
     stress = _field(vtk, "CellData", "stress", record, len(offsets) - 1)
     out = {}
     for name, row in zip(names, rows):
         nodes = slice(int(row["first_node"]), int(row["first_node"]) + int(row["node_count"]))
         cells = slice(int(row["first_cell"]), int(row["first_cell"]) + int(row["cell_count"]))
         width = WIDTH[KIND[row["kind"]]]
-        elements = connectivity[offsets[cells.start] : offsets[cells.stop]].reshape(-1, width) - nodes.start
+        elements = (
+            connectivity[offsets[cells.start] : offsets[cells.stop]].reshape(-1, width)
+            - nodes.start
+        )
         mesh = Mesh.copy(np.ascontiguousarray(points[nodes]), elements.astype(np.int32))
         law = LAWS[int(row["law"])] if "law" in rows.dtype.names else LAWS[0]
-        material = Material("", float(row["young"]), float(row["poisson"]), float(row["density"]), law)
-        cut = [None if fields[field] is None else fields[field][nodes] for field in ("displacement", "velocity")]
+        material = Material(
+            "", float(row["young"]), float(row["poisson"]), float(row["density"]), law
+        )
+        cut = [
+            None if fields[field] is None else fields[field][nodes]
+            for field in ("displacement", "velocity")
+        ]
         out[name] = BodyState(name, mesh, material, *cut, None if stress is None else stress[cells])
     return out
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import copy
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -19,13 +18,30 @@ from .problem import c_material
 from .schema import is_number, suggestion
 from .units import Units
 
-ENERGY = np.dtype([(name, "f8") for name in ("time", "kinetic", "strain", "contact", "external", "total", "balance")])
+ENERGY = np.dtype(
+    [
+        (name, "f8")
+        for name in ("time", "kinetic", "strain", "contact", "external", "total", "balance")
+    ]
+)
 MOMENTUM = np.dtype(
-    [("time", "f8"), ("body", "i4"), ("p", "f8", 3), ("L", "f8", 3), ("contact_impulse", "f8", 3), ("support_impulse", "f8", 3)])
+    [
+        ("time", "f8"),
+        ("body", "i4"),
+        ("p", "f8", 3),
+        ("L", "f8", 3),
+        ("contact_impulse", "f8", 3),
+        ("support_impulse", "f8", 3),
+    ]
+)
 STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 COMPONENTS = {
     **{f"stress_{name}": ("stress", i) for i, name in enumerate(STRESS)},
-    **{f"{field}_{axis}": (field, i) for field in ("displacement", "velocity") for i, axis in enumerate("xyz")},
+    **{
+        f"{field}_{axis}": (field, i)
+        for field in ("displacement", "velocity")
+        for i, axis in enumerate("xyz")
+    },
 }
 
 
@@ -46,7 +62,16 @@ class RunError(Error, RuntimeError):
     file that holds the last good state, for ``Scene.run(restart=...)``, or None.
     """
 
-    def __init__(self, message: str, run: Run | None = None, *, code: int | None = None, body: int | None = None, element: int | None = None, point: int | None = None):
+    def __init__(
+        self,
+        message: str,
+        run: Run | None = None,
+        *,
+        code: int | None = None,
+        body: int | None = None,
+        element: int | None = None,
+        point: int | None = None,
+    ):
         super().__init__(message, code, body, element, point)
         self.run = run
         # The point of an inverted element is one of Gauss's.
@@ -73,7 +98,12 @@ class EnergyBlowup(RunError, EnergyError):
     """More energy appeared from nothing than ``time.energy_limit`` allows."""
 
 
-FAULTS = {lib.CT_ERROR_GEOMETRY: InvertedElement, lib.CT_ERROR_BLOWUP: NotFinite, lib.CT_ERROR_STEP: StepTooLarge, lib.CT_ERROR_ENERGY: EnergyBlowup}
+FAULTS = {
+    lib.CT_ERROR_GEOMETRY: InvertedElement,
+    lib.CT_ERROR_BLOWUP: NotFinite,
+    lib.CT_ERROR_STEP: StepTooLarge,
+    lib.CT_ERROR_ENERGY: EnergyBlowup,
+}
 
 
 class BodyState:
@@ -82,7 +112,15 @@ class BodyState:
     xx yy zz xy yz zx at element centres; all arrays are read-only. A field that a file does not hold is a ValueError.
     """
 
-    def __init__(self, name: str, mesh: Mesh, material: Material | None, displacement: Any, velocity: Any, stress: Any = None):
+    def __init__(
+        self,
+        name: str,
+        mesh: Mesh,
+        material: Material | None,
+        displacement: Any,
+        velocity: Any,
+        stress: Any = None,
+    ):
         self.name, self.mesh, self.material = name, mesh, material
         self._displacement, self._velocity, self._stress = displacement, velocity, stress
 
@@ -94,13 +132,22 @@ class BodyState:
 
     def _recorded(self, field: str, values: Any) -> np.ndarray:
         if values is None:
-            raise ValueError(f'body "{self.name}": {field} was not recorded; name it in [output] fields')
+            raise ValueError(
+                f'body "{self.name}": {field} was not recorded; name it in [output] fields'
+            )
         return values
 
     def holds(self, field: str) -> bool:
         """Whether ``displacement``, ``velocity`` or ``stress`` can be had."""
-        has = {"displacement": self._displacement is not None, "velocity": self._velocity is not None}
-        return has.get(field, self._stress is not None or (self._displacement is not None and self.material is not None))
+        has = {
+            "displacement": self._displacement is not None,
+            "velocity": self._velocity is not None,
+        }
+        return has.get(
+            field,
+            self._stress is not None
+            or (self._displacement is not None and self.material is not None),
+        )
 
     @property
     def nodes(self) -> np.ndarray:
@@ -137,8 +184,16 @@ class BodyState:
                 self._recorded("stress", None)
             self._stress = np.empty((len(self.elements), 6))
             error = new_error()
-            check(lib.ct_solid_stress(self.mesh.pointer, c_material(self.material), _doubles(self._displacement),
-                                      _doubles(self._stress), error), error)
+            check(
+                lib.ct_solid_stress(
+                    self.mesh.pointer,
+                    c_material(self.material),
+                    _doubles(self._displacement),
+                    _doubles(self._stress),
+                    error,
+                ),
+                error,
+            )
             self._stress.flags.writeable = False
         return self._stress
 
@@ -198,11 +253,27 @@ class Run:
     any more, as that holds more of the state than the run does.
     """
 
-    def __init__(self, *, bodies: list[str], units: Units | None, steps: Any, energy: np.ndarray, momentum: np.ndarray,
-                 state: State | None, path: Path | None = None, scene: str = "", interrupted: bool = False, seconds: float = 0.0,
-                 costs: Mapping[str, float] | None = None, computed: float | None = None, writer: Any = None, contact: Sequence[np.ndarray] = (),
-                 impulse: Mapping[str, np.ndarray] | None = None, dt: float | None = None,
-                 penetration: Sequence[dict[str, dict[str, Any]]] = ()):
+    def __init__(
+        self,
+        *,
+        bodies: list[str],
+        units: Units | None,
+        steps: Any,
+        energy: np.ndarray,
+        momentum: np.ndarray,
+        state: State | None,
+        path: Path | None = None,
+        scene: str = "",
+        interrupted: bool = False,
+        seconds: float = 0.0,
+        costs: Mapping[str, float] | None = None,
+        computed: float | None = None,
+        writer: Any = None,
+        contact: Sequence[np.ndarray] = (),
+        impulse: Mapping[str, np.ndarray] | None = None,
+        dt: float | None = None,
+        penetration: Sequence[dict[str, dict[str, Any]]] = (),
+    ):
         self.bodies, self.units, self.state = bodies, units, state
         self.steps = np.asarray(steps, np.int64)
         self.energy, self.momentum = energy, momentum
@@ -238,7 +309,9 @@ class Run:
             raise KeyError(f'no body is named "{name}"' + suggestion(name, self.bodies))
         return self.momentum[self.momentum["body"] == self.bodies.index(name)]
 
-    def line(self, name: str, start: Any, end: Any, n: int = 401, body: str | None = None) -> tuple[np.ndarray, np.ndarray]:
+    def line(
+        self, name: str, start: Any, end: Any, n: int = 401, body: str | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """
         Sample a component at ``n`` points from ``start`` to ``end`` (both included) of the reference configuration, in the last state.
 

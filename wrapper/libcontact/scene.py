@@ -15,8 +15,8 @@ import numpy as np
 
 from . import effects
 from . import parts as scene_parts
-from .errors import NotBuiltIn
 from .effects.own import Own, View
+from .errors import NotBuiltIn
 from .explain import Explanation, explain
 from .loop import execute, record_count, schedule
 from .plan import Cost, predict, table
@@ -57,8 +57,14 @@ class Scene:
     Every piece is checked when it comes in; what is wrong is a SceneError with file, key and reason.
     """
 
-    def __init__(self, data: dict[str, Any] | None = None, *, title: str | None = None, units: dict[str, str] | None = None,
-                 file: str | Path | None = None):
+    def __init__(
+        self,
+        data: dict[str, Any] | None = None,
+        *,
+        title: str | None = None,
+        units: dict[str, str] | None = None,
+        file: str | Path | None = None,
+    ):
         if data is not None and (title is not None or units is not None):
             raise TypeError("give either the whole data or title and units")
         self.file = None if file is None else str(file)
@@ -76,10 +82,19 @@ class Scene:
         """What a pickle of the scene holds: its tables, and the Python functions of its effects by name, as pickle has it."""
         for own in self._own:
             own.check_pickle()
-        return {"data": self._data, "file": None if self.file is None else os.path.abspath(self.file), "own": self._own}
+        return {
+            "data": self._data,
+            "file": None if self.file is None else os.path.abspath(self.file),
+            "own": self._own,
+        }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.file, self._data, self._own, self._problem = state["file"], state["data"], state["own"], None
+        self.file, self._data, self._own, self._problem = (
+            state["file"],
+            state["data"],
+            state["own"],
+            None,
+        )
         self._parts = scene_parts.read(self._data, self.file, whole=False)
 
     def __copy__(self) -> Scene:
@@ -91,7 +106,9 @@ class Scene:
     def _copied(self, of: Callable[[Own], Own]) -> Scene:
         """Another scene with the same tables, which share nothing that either can change, and with effects that are copied by ``of``."""
         new = object.__new__(type(self))
-        new.__setstate__({"file": self.file, "data": self.data, "own": [of(own) for own in self._own]})
+        new.__setstate__(
+            {"file": self.file, "data": self.data, "own": [of(own) for own in self._own]}
+        )
         return new
 
     @property
@@ -121,8 +138,12 @@ class Scene:
         """Write the scene as TOML; arrays of nodes and elements are written out, and paths of meshes count from the new folder."""
         self._whole()
         if self._own:
-            raise SceneError("is a Python function, which a scene file can't hold", self._own[0].name, self.file)
-        old, new = (Path(file).resolve().parent if file else Path.cwd() for file in (self.file, path))
+            raise SceneError(
+                "is a Python function, which a scene file can't hold", self._own[0].name, self.file
+            )
+        old, new = (
+            Path(file).resolve().parent if file else Path.cwd() for file in (self.file, path)
+        )
         data = self.data
         for body in data["body"]:
             if old != new and "mesh" in body and not Path(body["mesh"]).is_absolute():
@@ -135,51 +156,135 @@ class Scene:
 
     # Building step by step.
 
-    def add_material(self, name: str, *, young: float, poisson: float, density: float, law: str | None = None) -> Scene:
+    def add_material(
+        self, name: str, *, young: float, poisson: float, density: float, law: str | None = None
+    ) -> Scene:
         """Add a material; ``law`` is "linear" (small strain, the default), "st_venant_kirchhoff" or "neo_hookean"."""
-        return self._add("material", name=name, young=young, poisson=poisson, density=density, law=law)
+        return self._add(
+            "material", name=name, young=young, poisson=poisson, density=density, law=law
+        )
 
-    def add_body(self, name: str, *, material: str, box: Any = None, ring: Any = None, mesh: Any = None, nodes: Any = None,
-                 elements: Any = None, element: str | None = None, velocity: Any = None, spin: Any = None, lumping: str | None = None, kernel: str | None = None,
-                 integration: str | None = None, hourglass: float | None = None) -> Scene:
+    def add_body(
+        self,
+        name: str,
+        *,
+        material: str,
+        box: Any = None,
+        ring: Any = None,
+        mesh: Any = None,
+        nodes: Any = None,
+        elements: Any = None,
+        element: str | None = None,
+        velocity: Any = None,
+        spin: Any = None,
+        lumping: str | None = None,
+        kernel: str | None = None,
+        integration: str | None = None,
+        hourglass: float | None = None,
+    ) -> Scene:
         """Add a body: a ``box``, a ``ring``, a ``mesh`` file, or ``nodes`` (n, 3) with ``elements`` (cells, 8 or 20); the arrays are copied."""
         mesh = os.fspath(mesh) if isinstance(mesh, os.PathLike) else mesh
-        return self._add("body", name=name, box=box, ring=ring, mesh=mesh, nodes=nodes, elements=elements, element=element, material=material,
-                         velocity=velocity, spin=spin, lumping=lumping, kernel=kernel, integration=integration, hourglass=hourglass)
+        return self._add(
+            "body",
+            name=name,
+            box=box,
+            ring=ring,
+            mesh=mesh,
+            nodes=nodes,
+            elements=elements,
+            element=element,
+            material=material,
+            velocity=velocity,
+            spin=spin,
+            lumping=lumping,
+            kernel=kernel,
+            integration=integration,
+            hourglass=hourglass,
+        )
 
-    def add_contact(self, a: str, b: str, *, beta: float | None = None, epsilon: float | None = None, method: str | None = None,
-                    tolerance: float | None = None, depth: float | None = None, friction: float | None = None,
-                    tangent: float | None = None, enforcement: str | None = None, dissipation: float | None = None,
-                    points: str | None = None, initial_penetration: str | None = None, removal_time: float | None = None, adjust: float | None = None) -> Scene:
+    def add_contact(
+        self,
+        a: str,
+        b: str,
+        *,
+        beta: float | None = None,
+        epsilon: float | None = None,
+        method: str | None = None,
+        tolerance: float | None = None,
+        depth: float | None = None,
+        friction: float | None = None,
+        tangent: float | None = None,
+        enforcement: str | None = None,
+        dissipation: float | None = None,
+        points: str | None = None,
+        initial_penetration: str | None = None,
+        removal_time: float | None = None,
+        adjust: float | None = None,
+    ) -> Scene:
         """
         Add the contact of two surfaces such as ``"left.x_max"`` and ``"right.x_min"``; beta is 4 if no penalty is given. A surface that is named
         twice, or two of one body, can meet itself: ``scene.add_contact("ring.outer", "ring.outer")``. ``adjust`` is the distance within which gaps and
         overlaps at the start are taken as touching.
         """
-        return self._add("contact", surfaces=[a, b], beta=beta, epsilon=epsilon, method=method, tolerance=tolerance, depth=depth,
-                         friction=friction, tangent=tangent, enforcement=enforcement, dissipation=dissipation, points=points,
-                         initial_penetration=initial_penetration, removal_time=removal_time, adjust=adjust)
+        return self._add(
+            "contact",
+            surfaces=[a, b],
+            beta=beta,
+            epsilon=epsilon,
+            method=method,
+            tolerance=tolerance,
+            depth=depth,
+            friction=friction,
+            tangent=tangent,
+            enforcement=enforcement,
+            dissipation=dissipation,
+            points=points,
+            initial_penetration=initial_penetration,
+            removal_time=removal_time,
+            adjust=adjust,
+        )
 
-    def add_support(self, set: str, *, fix: Any, velocity: Any = None, travel: Any = None, history: Any = None) -> Scene:
+    def add_support(
+        self, set: str, *, fix: Any, velocity: Any = None, travel: Any = None, history: Any = None
+    ) -> Scene:
         """
         Prescribe the velocity (0 by default) of the nodes of a face such as ``"right.z_min"``, in the directions ``fix``, or their path: ``travel`` times
         ``history={"time": [...], "value": [...]}``.
         """
-        return self._add("support", set=set, fix=list(fix) if isinstance(fix, (str, tuple)) else fix, velocity=velocity,
-                         travel=travel, history=history)
+        return self._add(
+            "support",
+            set=set,
+            fix=list(fix) if isinstance(fix, (str, tuple)) else fix,
+            velocity=velocity,
+            travel=travel,
+            history=history,
+        )
 
     def add(self, effect: str, **entries: Any) -> Scene:
         """Add an effect of ``libcontact.effects`` with the keys of its table: ``scene.add("gravity", acceleration=[0, 0, -9810])``."""
-        module = next((module for module in effects.MODULES if effects.name_of(module) == effect), None)
+        module = next(
+            (module for module in effects.MODULES if effects.name_of(module) == effect), None
+        )
         if module is None:
             known = [effects.name_of(module) for module in effects.MODULES]
-            raise SceneError(f'no effect is named "{effect}"' + suggestion(effect, known), "", self.file)
+            raise SceneError(
+                f'no effect is named "{effect}"' + suggestion(effect, known), "", self.file
+            )
         if not module.MANY and effect in self._data:
             raise SceneError("stands twice; a scene has it once", effect, self.file)
         return self._add(effect, **entries) if module.MANY else self._set(effect, **entries)
 
-    def add_effect(self, name: str, body: str, nodes: Any, force: Callable[[View], Any], *, energy: Callable[[View], float] | None = None,
-                   omega_squared: float = 0.0, rate: float = 0.0) -> Scene:
+    def add_effect(
+        self,
+        name: str,
+        body: str,
+        nodes: Any,
+        force: Callable[[View], Any],
+        *,
+        energy: Callable[[View], float] | None = None,
+        omega_squared: float = 0.0,
+        rate: float = 0.0,
+    ) -> Scene:
         """
         Add an effect of your own, a Python function. ``force(view)`` answers the forces (n, 3) on ``nodes`` of a body: numbers, or a face such as ``"x_max"``; ``view`` has
         ``time``, ``reference``, ``displacement`` and ``velocity`` of these nodes (``effects.own.View``). ``energy(view)`` is what it stores; without it its work counts as from outside. Tell the
@@ -190,25 +295,54 @@ class Scene:
         >>> scene.add_effect("spring", "bar", "x_max", lambda view: -k * view.displacement, energy=lambda view: k / 2 * np.sum(view.displacement**2), omega_squared=k / m)
         """
         own = Own(name, body, nodes, force, energy, omega_squared, rate)
-        if name in IN_ENERGY or name in ENERGY.names or any(other.name == name for other in self._own):
+        if (
+            name in IN_ENERGY
+            or name in ENERGY.names
+            or any(other.name == name for other in self._own)
+        ):
             raise SceneError("is the name of something else in the ledger", name, self.file)
         self._own.append(own)
         self._problem = None
         return self
 
-    def set_time(self, *, end: float | None = None, end_c1t_over: Any = None, courant: float | None = None,
-                 fraction: float | None = None, dt: float | None = None, integrator: str | None = None, integrator_parameter: float | None = None,
-                 stable_step: str | None = None, until_static: float | None = None,
-                 energy_limit: float | None = None, look_every: int | None = None) -> Scene:
+    def set_time(
+        self,
+        *,
+        end: float | None = None,
+        end_c1t_over: Any = None,
+        courant: float | None = None,
+        fraction: float | None = None,
+        dt: float | None = None,
+        integrator: str | None = None,
+        integrator_parameter: float | None = None,
+        stable_step: str | None = None,
+        until_static: float | None = None,
+        energy_limit: float | None = None,
+        look_every: int | None = None,
+    ) -> Scene:
         """
         Give the end of the run and exactly one of ``courant``, ``fraction`` and ``dt``; ``integrator`` is "central_difference", "chung_lee", "noh_bathe" or
         "tchamwa_wielgosz" with its one ``integrator_parameter``, and ``stable_step`` "elements" or "assembled" how its limit is found (chapter "Integrator"); ``until_static`` ends it earlier, at rest (chapter "Damping"). The run is
         looked at after every ``look_every`` steps and fails when a share of ``energy_limit`` has appeared from nothing (chapter "Faults").
         """
-        return self._set("time", end=end, end_c1t_over=end_c1t_over, courant=courant, fraction=fraction, dt=dt, integrator=integrator, integrator_parameter=integrator_parameter, stable_step=stable_step,
-                         until_static=until_static, energy_limit=energy_limit, look_every=look_every)
+        return self._set(
+            "time",
+            end=end,
+            end_c1t_over=end_c1t_over,
+            courant=courant,
+            fraction=fraction,
+            dt=dt,
+            integrator=integrator,
+            integrator_parameter=integrator_parameter,
+            stable_step=stable_step,
+            until_static=until_static,
+            energy_limit=energy_limit,
+            look_every=look_every,
+        )
 
-    def set_output(self, file: Any = None, *, fields: Any = None, every: int | None = None, times: Any = None) -> Scene:
+    def set_output(
+        self, file: Any = None, *, fields: Any = None, every: int | None = None, times: Any = None
+    ) -> Scene:
         """Name the results file, its fields, and when to record: ``every`` n steps, or at the steps nearest to ``times``."""
         file = os.fspath(file) if isinstance(file, os.PathLike) else file
         return self._set("output", file=file, fields=fields, every=every, times=times)
@@ -218,7 +352,12 @@ class Scene:
         return self._change({**self._data, key: [*self._data.get(key, []), new]})
 
     def _set(self, key: str, **entries: Any) -> Scene:
-        return self._change({**self._data, key: {name: value for name, value in entries.items() if value is not None}})
+        return self._change(
+            {
+                **self._data,
+                key: {name: value for name, value in entries.items() if value is not None},
+            }
+        )
 
     def _change(self, data: dict[str, Any]) -> Scene:
         self._parts = scene_parts.read(data, self.file, whole=False)
@@ -242,14 +381,28 @@ class Scene:
         plan = predict(problem, record_count(problem) if run is None else len(run.steps))
         if run is None:
             return plan
-        return [replace(cost, measured=run.costs.get(cost.name), done=run.computed if cost.name == "solid" else None) for cost in plan]
+        return [
+            replace(
+                cost,
+                measured=run.costs.get(cost.name),
+                done=run.computed if cost.name == "solid" else None,
+            )
+            for cost in plan
+        ]
 
     def cost_table(self, run: Run | None = None) -> str:
         """The costs as a table."""
         return "\n".join(table(self.costs(run), self._built(None).stable.dt))
 
-    def run(self, progress: bool | str = True, restart: str | Path | None = None, until: float | None = None,
-            output: str | Path | bool | None = None, threads: int | None = None, watch: Callable[[Run], object] | None = None) -> Run:
+    def run(
+        self,
+        progress: bool | str = True,
+        restart: str | Path | None = None,
+        until: float | None = None,
+        output: str | Path | bool | None = None,
+        threads: int | None = None,
+        watch: Callable[[Run], object] | None = None,
+    ) -> Run:
         """
         Compute the scene.
 
@@ -260,16 +413,30 @@ class Scene:
         ``watch`` is called at every record with a Run of this record alone (copy the arrays that you want to keep).
         What is wrong with the input is a SceneError before the first step; what fails later is a RunError.
         """
-        if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or not 1 <= threads <= 1024):
-            raise SceneError(f"is {describe(threads)}; it must be a whole number from 1 to 1024", "run.threads", self.file)
+        if threads is not None and (
+            isinstance(threads, bool) or not isinstance(threads, int) or not 1 <= threads <= 1024
+        ):
+            raise SceneError(
+                f"is {describe(threads)}; it must be a whole number from 1 to 1024",
+                "run.threads",
+                self.file,
+            )
         parts = self._whole()
         path = parts.output.file if output is None else (output or None)
         if path is not None:
             self._check_output(path, restart)
         dt, parts = (None, 1) if restart is None else self._check_restart(restart, threads)
         coarse = None if parts == 1 else self._built(threads, dt)
-        return execute(self._built(threads, dt if dt is None else dt / parts), self.toml(arrays=False), progress=progress, restart=restart, until=until, output=path,
-                       watch=watch, coarse=coarse)
+        return execute(
+            self._built(threads, dt if dt is None else dt / parts),
+            self.toml(arrays=False),
+            progress=progress,
+            restart=restart,
+            until=until,
+            output=path,
+            watch=watch,
+            coarse=coarse,
+        )
 
     def _whole(self) -> scene_parts.Parts:
         """The parts of a scene that is complete; else the error that says what is missing."""
@@ -314,7 +481,11 @@ class Scene:
         if restart is not None and Path(restart).exists() and path.samefile(restart):
             return "is the file that the restart is read from; name another one, or its earlier records would be lost"
         for body in self._parts.bodies.values():
-            mesh = None if body.mesh is None else (Path(self.file).parent if self.file else Path()) / body.mesh
+            mesh = (
+                None
+                if body.mesh is None
+                else (Path(self.file).parent if self.file else Path()) / body.mesh
+            )
             if mesh is not None and mesh.exists() and path.samefile(mesh):
                 return f'is the mesh of body "{body.name}"'
         if path.is_file() and path.stat().st_size and _first_bytes(path) != b"\x89HDF":
@@ -327,23 +498,36 @@ class Scene:
             run = Run.load(path)
             before = tomllib.loads(run.scene)
         except NotBuiltIn:
-            return None, 1  # without h5py the C library's own comparison of bodies, effects, step and nodes has to do
+            return (
+                None,
+                1,
+            )  # without h5py the C library's own comparison of bodies, effects, step and nodes has to do
         except (ValueError, TypeError) as error:
             raise SceneError(str(error), "restart", self.file) from None
         now = tomllib.loads(self.toml(arrays=False))
         step = [{key: scene.get("time", {}).get(key) for key in STEPS} for scene in (before, now)]
         for scene in (before, now):
-            scene["time"] = {key: value for key, value in scene.get("time", {}).items() if key not in FREE_TIME_ON_RESTART + STEPS}
+            scene["time"] = {
+                key: value
+                for key, value in scene.get("time", {}).items()
+                if key not in FREE_TIME_ON_RESTART + STEPS
+            }
         for key in dict.fromkeys([*before, *now]):
             if key not in FREE_ON_RESTART and before.get(key) != now.get(key):
-                raise SceneError(f'"{path}" comes from another scene: [{key}] differs', "restart", self.file)
+                raise SceneError(
+                    f'"{path}" comes from another scene: [{key}] differs', "restart", self.file
+                )
         return run.dt, 1 if step[0] == step[1] else self._step_parts(path, run.dt, threads)
 
     def _step_parts(self, path: Any, dt: float, threads: int | None) -> int:
         """In how many parts the step of a file is divided, so that it is not above the one that this scene asks for."""
         asked = self._built(threads).dt
         if asked > dt * (1.0 + 1e-9):
-            raise SceneError(f'"{path}" was written with the step {dt:.6g}; this scene asks for {asked:.6g}, and only a smaller one can be taken', "restart", self.file)
+            raise SceneError(
+                f'"{path}" was written with the step {dt:.6g}; this scene asks for {asked:.6g}, and only a smaller one can be taken',
+                "restart",
+                self.file,
+            )
         return math.ceil(dt / asked * (1.0 - 1e-9))
 
     def __repr__(self) -> str:
@@ -368,7 +552,10 @@ def _first_bytes(path: Path) -> bytes:
 def _plain(value: Any) -> Any:
     """A deep copy in plain Python types (TOML's), with the arrays of nodes and elements kept as arrays of their own."""
     if isinstance(value, dict):
-        return {str(key): np.array(item) if key in ("nodes", "elements") else _plain(item) for key, item in value.items()}
+        return {
+            str(key): np.array(item) if key in ("nodes", "elements") else _plain(item)
+            for key, item in value.items()
+        }
     if isinstance(value, (list, tuple)):
         return [_plain(item) for item in value]
     if isinstance(value, np.ndarray):

@@ -6,9 +6,9 @@ import difflib
 import math
 import os
 import stat
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
-from collections.abc import Iterable
 
 import numpy as np
 
@@ -32,9 +32,18 @@ def check_file(path: str | Path, most: float = math.inf) -> None:
     """Refuse, with a ValueError that names it, a file that is none (a device or a pipe may never end) or that has more than ``most`` bytes."""
     found = os.stat(path)
     if not stat.S_ISREG(found.st_mode):
-        raise ValueError(f'"{path}" is ' + ("a folder" if stat.S_ISDIR(found.st_mode) else "no regular file but a device, a pipe or the like"))
+        raise ValueError(
+            f'"{path}" is '
+            + (
+                "a folder"
+                if stat.S_ISDIR(found.st_mode)
+                else "no regular file but a device, a pipe or the like"
+            )
+        )
     if found.st_size > most:
-        raise ValueError(f'"{path}" has {found.st_size / 1e6:.6g} MB; at most {most / 1e6:g} MB are read')
+        raise ValueError(
+            f'"{path}" has {found.st_size / 1e6:.6g} MB; at most {most / 1e6:g} MB are read'
+        )
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
@@ -67,7 +76,9 @@ def describe(value: Any) -> str:
 
 def is_number(value: Any) -> bool:
     """Whether a value is a real number; booleans and complex numbers are not."""
-    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, (bool, np.bool_))
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(
+        value, (bool, np.bool_)
+    )
 
 
 class Table:
@@ -112,13 +123,17 @@ class Table:
 
     def table(self, key: str, default: Any = REQUIRED) -> Table | None:
         value = self.get(key, default)
-        return None if value is None and default is None else Table(value, self.path(key), self.file)
+        return (
+            None if value is None and default is None else Table(value, self.path(key), self.file)
+        )
 
     def tables(self, key: str) -> list[Table]:
         """An array of tables, ``[[key]]``; none is an empty list."""
         value = self.get(key, [])
         if not isinstance(value, (list, tuple)):
-            raise self.error(key, f"is {describe(value)}; it must be an array of tables, written [[{key}]]")
+            raise self.error(
+                key, f"is {describe(value)}; it must be an array of tables, written [[{key}]]"
+            )
         return [Table(item, f"{self.path(key)}[{i}]", self.file) for i, item in enumerate(value)]
 
     def text(self, key: str, default: Any = REQUIRED) -> Any:
@@ -137,7 +152,9 @@ class Table:
         """A text that can name something: printable, 1 to 63 bytes (the C library keeps 64)."""
         value = self.text(key)
         if not value or not value.isprintable() or value != value.strip():
-            raise self.error(key, f"{value!r} is no name; use printable characters without blanks at the ends")
+            raise self.error(
+                key, f"{value!r} is no name; use printable characters without blanks at the ends"
+            )
         if len(value.encode()) > 63:
             raise self.error(key, f"is {len(value.encode())} bytes long; at most 63 are kept")
         return value
@@ -149,13 +166,22 @@ class Table:
             raise self.error(key, f'"{value}" is unknown' + suggestion(value, known))
         return value
 
-    def number(self, key: str, default: Any = REQUIRED, *, above: float | None = None, least: float | None = None) -> Any:
+    def number(
+        self,
+        key: str,
+        default: Any = REQUIRED,
+        *,
+        above: float | None = None,
+        least: float | None = None,
+    ) -> Any:
         value = self.get(key, default)
         if value is default and default is not REQUIRED:
             return value
         return self.checked_number(value, key, above, least)
 
-    def checked_number(self, value: Any, key: str, above: float | None = None, least: float | None = None) -> float:
+    def checked_number(
+        self, value: Any, key: str, above: float | None = None, least: float | None = None
+    ) -> float:
         if not is_number(value):
             raise self.error(key, f"is {describe(value)}; it must be a number")
         try:
@@ -170,7 +196,9 @@ class Table:
             raise self.error(key, f"is {number:g}; it must be at least {least:g}")
         return number
 
-    def integer(self, key: str, default: Any = REQUIRED, *, least: int = 1, most: int = 2**31 - 1) -> Any:
+    def integer(
+        self, key: str, default: Any = REQUIRED, *, least: int = 1, most: int = 2**31 - 1
+    ) -> Any:
         value = self.get(key, default)
         if value is default and default is not REQUIRED:
             return value
@@ -201,14 +229,18 @@ class Table:
         value = self.items(key, 3, default)
         if value is default and default is not REQUIRED:
             return value
-        return tuple(self.checked_number(item, f"{key}[{i}]", above) for i, item in enumerate(value))
+        return tuple(
+            self.checked_number(item, f"{key}[{i}]", above) for i, item in enumerate(value)
+        )
 
     def one_of(self, *keys: str, required: bool = True) -> str | None:
         """The one key of several alternatives that is there."""
         there = [key for key in keys if self.has(key)]
         listed = ", ".join(f'"{key}"' for key in keys)
         if len(there) > 1:
-            raise self.error(there[1], f"cannot stand beside \"{there[0]}\"; give exactly one of {listed}")
+            raise self.error(
+                there[1], f'cannot stand beside "{there[0]}"; give exactly one of {listed}'
+            )
         if not there and required:
             raise self.error("", f"gives none of {listed}; exactly one is needed")
         return there[0] if there else None
@@ -223,7 +255,9 @@ def float_array(value: Any, width: int) -> np.ndarray:
     """
     array = _rectangular(value)
     if array.dtype.kind not in "fiu" or (array.dtype.kind == "f" and array.dtype.itemsize > 8):
-        raise ValueError(f"holds {array.dtype}; real numbers (float64 or what it holds exactly) are needed")
+        raise ValueError(
+            f"holds {array.dtype}; real numbers (float64 or what it holds exactly) are needed"
+        )
     if array.ndim != 2 or array.shape[1] != width:
         raise ValueError(f"has shape {array.shape}; it must be (n, {width})")
     out = np.ascontiguousarray(array, dtype=np.float64)
@@ -241,10 +275,14 @@ def index_array(value: Any, widths: tuple[int, ...], limit: int) -> np.ndarray:
     if array.dtype.kind not in "iu":
         raise ValueError(f"holds {array.dtype}; whole numbers are needed")
     if array.ndim != 2 or array.shape[1] not in widths:
-        raise ValueError(f"has shape {array.shape}; it must be (n, {' or '.join(map(str, widths))})")
+        raise ValueError(
+            f"has shape {array.shape}; it must be (n, {' or '.join(map(str, widths))})"
+        )
     bad = np.flatnonzero(((array < 0) | (array >= limit)).any(axis=1))
     if bad.size:
-        raise ValueError(f"row {bad[0]} names a node outside 0 ... {limit - 1}: {array[bad[0]].tolist()}")
+        raise ValueError(
+            f"row {bad[0]} names a node outside 0 ... {limit - 1}: {array[bad[0]].tolist()}"
+        )
     return np.ascontiguousarray(array, dtype=np.int32)
 
 

@@ -77,7 +77,10 @@ class Surface:
             raise ValueError(f"kind must be one of {', '.join(_KINDS)}, not {kind!r}")
         nodes = _rows("nodes", nodes)
         faces = _faces(kind, faces)
-        surface = ffi.new("ct_surface *", {"kind": _KINDS[kind], "node_count": len(nodes), "face_count": len(faces)})
+        surface = ffi.new(
+            "ct_surface *",
+            {"kind": _KINDS[kind], "node_count": len(nodes), "face_count": len(faces)},
+        )
         surface.faces = ffi.from_buffer("int32_t[]", faces)
         surface.reference = ffi.from_buffer("double[]", nodes)
         made, error = ffi.new("ct_search **"), new_error()
@@ -104,7 +107,9 @@ class Surface:
         """Cost of a query in the tree as it is over that when it was built."""
         return float(lib.ct_search_cost(self._search))
 
-    def nearest(self, points: Any, start: Any = None, tolerance: float = 1e-10, threads: int = 1) -> Nearest:
+    def nearest(
+        self, points: Any, start: Any = None, tolerance: float = 1e-10, threads: int = 1
+    ) -> Nearest:
         """Find the nearest face to each of m points.
 
         :param points: the points, shape (m, 3).
@@ -116,23 +121,39 @@ class Surface:
         if start is not None:
             start = _whole("start", start)
             if start.shape != (len(points),) or ((start < -1) | (start >= self._faces)).any():
-                raise ValueError(f"start must be a face, 0 to {self._faces - 1}, or -1 for each of {len(points)} points")
-        options = ffi.new("ct_search_options *", {"tolerance": float(tolerance), "threads": int(threads)})
+                raise ValueError(
+                    f"start must be a face, 0 to {self._faces - 1}, or -1 for each of {len(points)} points"
+                )
+        options = ffi.new(
+            "ct_search_options *", {"tolerance": float(tolerance), "threads": int(threads)}
+        )
         if not 0 < options.tolerance < float("inf") or options.threads < 1:
-            raise ValueError(f"tolerance must be positive and finite, threads at least 1, not {tolerance!r} and {threads!r}")
-        fields = {name: np.empty((len(points), *shape), dtype) for name, (dtype, shape) in _FIELDS.items()}
+            raise ValueError(
+                f"tolerance must be positive and finite, threads at least 1, not {tolerance!r} and {threads!r}"
+            )
+        fields = {
+            name: np.empty((len(points), *shape), dtype) for name, (dtype, shape) in _FIELDS.items()
+        }
         rows = np.empty(min(len(points), _CHUNK), _ROW)
         out = ffi.cast("ct_nearest *", ffi.from_buffer(rows))
         for i in range(0, len(points), _CHUNK):
             part = points[i : i + _CHUNK]
-            begin = ffi.NULL if start is None else ffi.from_buffer("int32_t[]", start[i : i + _CHUNK])
-            check(lib.ct_search_nearest(self._search, len(part), ffi.from_buffer("double[]", part), begin, options, out))
+            begin = (
+                ffi.NULL if start is None else ffi.from_buffer("int32_t[]", start[i : i + _CHUNK])
+            )
+            check(
+                lib.ct_search_nearest(
+                    self._search, len(part), ffi.from_buffer("double[]", part), begin, options, out
+                )
+            )
             for name, array in fields.items():
                 array[i : i + _CHUNK] = rows[name][: len(part)]
         return Nearest(**{**fields, "where": _WHERE[fields["where"]]})
 
 
-def nearest(kind: str, nodes: Any, faces: Any, points: Any, tolerance: float = 1e-10, threads: int = 1) -> Nearest:
+def nearest(
+    kind: str, nodes: Any, faces: Any, points: Any, tolerance: float = 1e-10, threads: int = 1
+) -> Nearest:
     """Find the nearest face of a surface to each of m points: a :class:`Surface` that is asked once."""
     return Surface(kind, nodes, faces).nearest(points, tolerance=tolerance, threads=threads)
 
@@ -157,5 +178,7 @@ def _faces(kind: str, faces: Any) -> np.ndarray:
     array = _whole("faces", faces)
     count = lib.ct_face_node_count(_KINDS[kind])
     if array.ndim != 2 or array.shape[1] != count or len(array) == 0:
-        raise ValueError(f"faces of kind {kind} must have shape (f, {count}), f > 0, not {array.shape}")
+        raise ValueError(
+            f"faces of kind {kind} must have shape (f, {count}), f > 0, not {array.shape}"
+        )
     return array

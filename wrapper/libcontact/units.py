@@ -9,12 +9,27 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 LENGTH = {
-    "m": 1.0, "dm": 1e-1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "km": 1e3,
-    "in": 0.0254, "ft": 0.3048,
+    "m": 1.0,
+    "dm": 1e-1,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "µm": 1e-6,
+    "nm": 1e-9,
+    "km": 1e3,
+    "in": 0.0254,
+    "ft": 0.3048,
 }
 MASS = {
-    "kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "Mg": 1e3, "kt": 1e6,
-    "lb": 0.45359237, "slug": 0.45359237 * 9.80665 / 0.3048, "slinch": 0.45359237 * 9.80665 / 0.0254,
+    "kg": 1.0,
+    "g": 1e-3,
+    "mg": 1e-6,
+    "t": 1e3,
+    "Mg": 1e3,
+    "kt": 1e6,
+    "lb": 0.45359237,
+    "slug": 0.45359237 * 9.80665 / 0.3048,
+    "slinch": 0.45359237 * 9.80665 / 0.0254,
 }
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
 
@@ -22,7 +37,10 @@ BASES = {"length": LENGTH, "mass": MASS, "time": TIME}
 
 # Exponents of length, mass and time, and the names that go with an SI factor.
 _NAMED = {
-    "stress": ((-1, 1, -2), {1.0: "Pa", 1e3: "kPa", 1e6: "MPa", 1e9: "GPa", 1e12: "TPa", 1e-1: "dPa"}),
+    "stress": (
+        (-1, 1, -2),
+        {1.0: "Pa", 1e3: "kPa", 1e6: "MPa", 1e9: "GPa", 1e12: "TPa", 1e-1: "dPa"},
+    ),
     "force": ((1, 1, -2), {1e-3: "mN", 1.0: "N", 1e3: "kN", 1e6: "MN"}),
     "energy": ((2, 1, -2), {1e-6: "µJ", 1e-3: "mJ", 1.0: "J", 1e3: "kJ", 1e6: "MJ"}),
     "impulse": ((1, 1, -1), {1.0: "N s", 1e3: "kN s"}),

@@ -15,7 +15,17 @@ import numpy as np
 from ._core import ffi, lib
 from .activity import Touch, first_touch, gravity_on, surface_box
 from .chatter import chatter
-from .errors import InsideOutWarning, NeverMeetWarning, OutputWarning, OverlapWarning, RotationWarning, SamePlaceWarning, SceneWarning, ThinWarning, UnitsWarning
+from .errors import (
+    InsideOutWarning,
+    NeverMeetWarning,
+    OutputWarning,
+    OverlapWarning,
+    RotationWarning,
+    SamePlaceWarning,
+    SceneWarning,
+    ThinWarning,
+    UnitsWarning,
+)
 from .mesh import Mesh, rotation
 from .parts import Contact
 from .problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
@@ -34,7 +44,9 @@ LOSSY = ("energy_controlled", "lagrange")
 HARMLESS = ("gravity", "viscosity")
 
 
-def known(problem: Problem, output: Any, found: Sequence[dict[str, Any]] | None = None) -> list[SceneWarning]:
+def known(
+    problem: Problem, output: Any, found: Sequence[dict[str, Any]] | None = None
+) -> list[SceneWarning]:
     """
     All warnings that are known before the first step of a run which writes to ``output`` (None: no file). ``found``: what is inside at
     the points of each contact at t = 0, if it was asked before.
@@ -44,7 +56,14 @@ def known(problem: Problem, output: Any, found: Sequence[dict[str, Any]] | None 
     away = list(_inside_out(problem))
     follow = [*_overlaps(problem, found), *_never_meet(problem), *_thin(problem)]
     keys = {warning.key for warning in away}  # no second warning of what follows from the first
-    return [*_units(problem), *_file(output), *away, *_same_place(problem), *(warning for warning in follow if warning.key not in keys), *chatter(problem)]
+    return [
+        *_units(problem),
+        *_file(output),
+        *away,
+        *_same_place(problem),
+        *(warning for warning in follow if warning.key not in keys),
+        *chatter(problem),
+    ]
 
 
 def at_start(problem: Problem) -> tuple[list[float | None], list[dict[str, Any]]]:
@@ -52,22 +71,32 @@ def at_start(problem: Problem) -> tuple[list[float | None], list[dict[str, Any]]
     if not problem.contacts:
         return [], []
     state = new_state(problem)
-    gaps = [(points["gap"] + points["start_gap"])[points["other"] >= 0] for points in contact_points(problem, state)]
-    return [float(gap.min()) if gap.size else None for gap in gaps], [found["points"] for found in penetrations(problem, state)]
+    gaps = [
+        (points["gap"] + points["start_gap"])[points["other"] >= 0]
+        for points in contact_points(problem, state)
+    ]
+    return [float(gap.min()) if gap.size else None for gap in gaps], [
+        found["points"] for found in penetrations(problem, state)
+    ]
 
 
 def turned(problem: Problem, state: Any) -> Iterator[RotationWarning]:
     """The bodies with the small-strain law that have turned too far in a state (``ct_state *``)."""
-    u = np.frombuffer(ffi.buffer(state.displacement, 24 * problem.pointer.node_count), np.float64).reshape(-1, 3)
+    u = np.frombuffer(
+        ffi.buffer(state.displacement, 24 * problem.pointer.node_count), np.float64
+    ).reshape(-1, 3)
     for i, body in enumerate(problem.bodies.values()):
         if body.material.law != "linear":
             continue
         some = _spread(len(body.mesh.nodes))
         angle = _angle(body.mesh.nodes[some], u[body.nodes][some])
         if angle > TURNED:
-            yield RotationWarning(f'body "{body.name}" has turned by {angle:.3g} rad ({math.degrees(angle):.3g} degrees) at t = {state.time:.4g}, and the law "linear" takes '
-                                  f'a rotation for a strain, of {0.5 * angle * angle:.2g} here; give material "{body.material.name}" the law "st_venant_kirchhoff" or '
-                                  '"neo_hookean"', f"body[{i}]")
+            yield RotationWarning(
+                f'body "{body.name}" has turned by {angle:.3g} rad ({math.degrees(angle):.3g} degrees) at t = {state.time:.4g}, and the law "linear" takes '
+                f'a rotation for a strain, of {0.5 * angle * angle:.2g} here; give material "{body.material.name}" the law "st_venant_kirchhoff" or '
+                '"neo_hookean"',
+                f"body[{i}]",
+            )
 
 
 def _spread(count: int) -> np.ndarray:
@@ -88,12 +117,18 @@ def _units(problem: Problem) -> Iterator[UnitsWarning]:
     for i, body in enumerate(problem.bodies.values()):
         si = speeds(body.material)[0] * problem.parts.units.factor("velocity")
         if not SLOW <= si <= FAST:
-            yield UnitsWarning(f'material "{body.material.name}": c1 = {si:.4g} m/s is outside {SLOW:g} ... {FAST:g} m/s; are young, density and [units] consistent?', f"body[{i}]")
+            yield UnitsWarning(
+                f'material "{body.material.name}": c1 = {si:.4g} m/s is outside {SLOW:g} ... {FAST:g} m/s; are young, density and [units] consistent?',
+                f"body[{i}]",
+            )
 
 
 def _file(output: Any) -> Iterator[OutputWarning]:
     if output is not None and not hasattr(lib, "ct_output_create"):
-        yield OutputWarning(f'this build has no HDF5: "{output}" is not written, the results stay in memory; build with HDF5 to get the file', "output.file")
+        yield OutputWarning(
+            f'this build has no HDF5: "{output}" is not written, the results stay in memory; build with HDF5 to get the file',
+            "output.file",
+        )
 
 
 # What becomes of an overlap that is neither within ``adjust`` nor removed.
@@ -110,13 +145,25 @@ def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[Ove
         deepest = points["deepest"]
         if deepest > max(points["touching"], given.adjust) and given.initial_penetration in FATE:
             where = ", ".join(f"{x:.4g}" for x in points["position"])
-            advice = "" if given.initial_penetration == "refuse" else (f". If they are meant to touch, give adjust = {1.1 * deepest:.2g} or more, which closes gaps, too; if not, "
-                                                                       "move the bodies or see initial_penetration")
-            yield OverlapWarning(f"{pair_name(given.surfaces)}: the surfaces overlap by {deepest:.3g} at the start, at {points['inside'] - points['buried']} "
-                                 f"points, most at ({where}) on {points['surface']}; {FATE[given.initial_penetration]}{advice}", f"contact[{i}]")
+            advice = (
+                ""
+                if given.initial_penetration == "refuse"
+                else (
+                    f". If they are meant to touch, give adjust = {1.1 * deepest:.2g} or more, which closes gaps, too; if not, "
+                    "move the bodies or see initial_penetration"
+                )
+            )
+            yield OverlapWarning(
+                f"{pair_name(given.surfaces)}: the surfaces overlap by {deepest:.3g} at the start, at {points['inside'] - points['buried']} "
+                f"points, most at ({where}) on {points['surface']}; {FATE[given.initial_penetration]}{advice}",
+                f"contact[{i}]",
+            )
         if points["buried"]:
-            yield OverlapWarning(f"{pair_name(given.surfaces)}: {points['buried']} points are deep beneath the other surface at the start, or on its far side; they are in no "
-                                 "contact before they have been outside", f"contact[{i}]")
+            yield OverlapWarning(
+                f"{pair_name(given.surfaces)}: {points['buried']} points are deep beneath the other surface at the start, or on its far side; they are in no "
+                "contact before they have been outside",
+                f"contact[{i}]",
+            )
 
 
 # Surfaces that face away from each other.
@@ -126,18 +173,30 @@ def _inside_out(problem: Problem) -> Iterator[InsideOutWarning]:
     for i, contact in enumerate(problem.parts.contacts):
         reason = "" if contact.with_itself else _away(problem, i, contact)
         if reason:
-            yield InsideOutWarning(f"{pair_name(contact.surfaces)}: {reason}, so they never press on each other and the bodies pass through; name the faces that look at each other", f"contact[{i}]")
+            yield InsideOutWarning(
+                f"{pair_name(contact.surfaces)}: {reason}, so they never press on each other and the bodies pass through; name the faces that look at each other",
+                f"contact[{i}]",
+            )
     for effect in problem.parts.effects:
         if effect.name == "obstacle" and _behind(problem, effect.given):
-            how = "behind the plane; turn its normal round" if effect.given.shape == "plane" else f"inside the {effect.given.shape}; move it, or make the radius smaller"
+            how = (
+                "behind the plane; turn its normal round"
+                if effect.given.shape == "plane"
+                else f"inside the {effect.given.shape}; move it, or make the radius smaller"
+            )
             yield InsideOutWarning(f"{obstacle_name(effect)} lies {how}", effect.key)
 
 
 def _away(problem: Problem, i: int, contact: Contact) -> str:
     """Why two plane faces can't press on each other; "" if they can, or if a body turns."""
-    if any(face == "outer" or problem.parts.bodies[body].spin is not None for body, face in contact.surfaces):
+    if any(
+        face == "outer" or problem.parts.bodies[body].spin is not None
+        for body, face in contact.surfaces
+    ):
         return ""
-    (first, side), (second, other) = ((face[0], face.endswith("max")) for _, face in contact.surfaces)
+    (first, side), (second, other) = (
+        (face[0], face.endswith("max")) for _, face in contact.surfaces
+    )
     if first != second:
         return ""
     if side == other:
@@ -147,8 +206,15 @@ def _away(problem: Problem, i: int, contact: Contact) -> str:
     across = [k for k in range(3) if k != axis]
     gap = (low_b - high if side else low - high_b)[axis]
     aside = np.any(np.maximum(low, low_b)[across] > np.minimum(high, high_b)[across])
-    largest = max(_largest_face(problem.bodies[body].mesh, faces) for (body, _), faces in zip(contact.surfaces, problem.faces[i]))
-    return "" if aside or gap >= -(contact.depth or largest) else "the surfaces look away from each other"
+    largest = max(
+        _largest_face(problem.bodies[body].mesh, faces)
+        for (body, _), faces in zip(contact.surfaces, problem.faces[i])
+    )
+    return (
+        ""
+        if aside or gap >= -(contact.depth or largest)
+        else "the surfaces look away from each other"
+    )
 
 
 def _largest_face(mesh: Mesh, faces: np.ndarray) -> float:
@@ -162,7 +228,9 @@ def _behind(problem: Problem, given: Any) -> bool:
     mesh = problem.bodies[given.surface[0]].mesh
     if given.shape == "plane":
         return bool(given.gaps(mesh.nodes)[0].mean() < 0.0)
-    return bool(given.gaps(mesh.nodes[mesh.face_nodes(given.surface[1])])[0].max() < -mesh.shortest_edge)
+    return bool(
+        given.gaps(mesh.nodes[mesh.face_nodes(given.surface[1])])[0].max() < -mesh.shortest_edge
+    )
 
 
 # Bodies in one place.
@@ -173,7 +241,10 @@ def _same_place(problem: Problem) -> Iterator[SamePlaceWarning]:
     for a, b in combinations(problem.bodies.values(), 2):
         share = _shared(problem, a, b)
         if share >= SHARED:
-            yield SamePlaceWarning(f'bodies "{a.name}" and "{b.name}" are in one place: about {100 * share:.0f} % of the smaller one is inside the other; move one of them', f"body[{order[b.name]}]")
+            yield SamePlaceWarning(
+                f'bodies "{a.name}" and "{b.name}" are in one place: about {100 * share:.0f} % of the smaller one is inside the other; move one of them',
+                f"body[{order[b.name]}]",
+            )
 
 
 def _shared(problem: Problem, a: BuiltBody, b: BuiltBody) -> float:
@@ -202,7 +273,9 @@ def _never_meet(problem: Problem) -> Iterator[NeverMeetWarning]:
     """
     acted_on = _acted_on(problem)
     touches = {touch.contact: touch for touch in first_touch(problem) if touch.name == "contact"}
-    apart = {i: contact for i, contact in enumerate(problem.parts.contacts) if not contact.with_itself}
+    apart = {
+        i: contact for i, contact in enumerate(problem.parts.contacts) if not contact.with_itself
+    }
     before = -1
     while len(apart) != before:
         before = len(apart)
@@ -212,10 +285,17 @@ def _never_meet(problem: Problem) -> Iterator[NeverMeetWarning]:
                 acted_on |= bodies
                 del apart[i]
     for i, contact in apart.items():
-        when = f"they would touch at t = {touches[i].time:.4g}" if math.isfinite(touches[i].time) else "nothing moves them towards each other"
+        when = (
+            f"they would touch at t = {touches[i].time:.4g}"
+            if math.isfinite(touches[i].time)
+            else "nothing moves them towards each other"
+        )
         gap = float(np.abs(touches[i].shift).max())
-        yield NeverMeetWarning(f"{pair_name(contact.surfaces)}: the surfaces are {gap:.4g} apart and cannot meet before the run ends at t = {problem.end:.4g}, as {when}; check velocities, "
-                               "places and end, or leave the contact out", f"contact[{i}]")
+        yield NeverMeetWarning(
+            f"{pair_name(contact.surfaces)}: the surfaces are {gap:.4g} apart and cannot meet before the run ends at t = {problem.end:.4g}, as {when}; check velocities, "
+            "places and end, or leave the contact out",
+            f"contact[{i}]",
+        )
 
 
 def _acted_on(problem: Problem) -> set[str]:
@@ -225,12 +305,18 @@ def _acted_on(problem: Problem) -> set[str]:
     out |= {contact.surfaces[0][0] for contact in parts.contacts if contact.with_itself}
     for support in parts.supports:
         velocity = parts.bodies[support.body].velocity
-        drives = any(support.velocity["xyz".index(axis)] != velocity["xyz".index(axis)] for axis in support.fix)
+        drives = any(
+            support.velocity["xyz".index(axis)] != velocity["xyz".index(axis)]
+            for axis in support.fix
+        )
         if drives or support.history[0] or gravity_on(problem, support.body).any():
             out.add(support.body)
     for effect in parts.effects:
         if effect.name not in HARMLESS:
-            surface, bodies = getattr(effect.given, "surface", None), getattr(effect.given, "bodies", None)
+            surface, bodies = (
+                getattr(effect.given, "surface", None),
+                getattr(effect.given, "bodies", None),
+            )
             out |= {surface[0]} if surface else set(parts.bodies if bodies is None else bodies)
     return out
 
@@ -243,7 +329,12 @@ def _thin(problem: Problem) -> Iterator[ThinWarning]:
     touches = {(touch.name, touch.contact): touch for touch in first_touch(problem)}
     for i, contact in enumerate(problem.parts.contacts):
         touch = touches["contact", i]
-        if not contact.with_itself and contact.enforcement in LOSSY and touch.closing > 0.0 and touch.time <= problem.end:
+        if (
+            not contact.with_itself
+            and contact.enforcement in LOSSY
+            and touch.closing > 0.0
+            and touch.time <= problem.end
+        ):
             yield from _thin_in(problem, f"contact[{i}]", touch, _first_nodes(problem, i, touch))
     obstacles = [effect for effect in problem.parts.effects if effect.name == "obstacle"]
     for i, effect in enumerate(obstacles):
@@ -252,7 +343,12 @@ def _thin(problem: Problem) -> Iterator[ThinWarning]:
             body = problem.bodies[effect.given.surface[0]]
             nodes = body.mesh.face_nodes(effect.given.surface[1])
             gaps, _ = effect.given.gaps(body.mesh.nodes[nodes])
-            yield from _thin_in(problem, effect.key, touch, {body.name: nodes[gaps <= gaps.min() + 1e-3 * body.mesh.shortest_edge]})
+            yield from _thin_in(
+                problem,
+                effect.key,
+                touch,
+                {body.name: nodes[gaps <= gaps.min() + 1e-3 * body.mesh.shortest_edge]},
+            )
 
 
 def _first_nodes(problem: Problem, i: int, touch: Touch) -> dict[str, np.ndarray]:
@@ -269,24 +365,43 @@ def _first_nodes(problem: Problem, i: int, touch: Touch) -> dict[str, np.ndarray
     return out
 
 
-def _thin_in(problem: Problem, key: str, touch: Touch, first: dict[str, np.ndarray]) -> Iterator[ThinWarning]:
+def _thin_in(
+    problem: Problem, key: str, touch: Touch, first: dict[str, np.ndarray]
+) -> Iterator[ThinWarning]:
     masses = {name: _masses(problem, name, nodes, touch.normal) for name, nodes in first.items()}
     hit, moving = (_reduced([pair[k] for pair in masses.values()]) for k in (0, 1))
     if not math.isfinite(moving) or hit < THIN * moving:
         return
-    name = max(masses, key=lambda name: masses[name][0] / masses[name][1] if math.isfinite(masses[name][0]) else 0.0)
+    name = max(
+        masses,
+        key=lambda name: (
+            masses[name][0] / masses[name][1] if math.isfinite(masses[name][0]) else 0.0
+        ),
+    )
     axis = "xyz"[int(np.argmax(np.abs(touch.normal)))]
-    yield ThinWarning(f'body "{name}" is about one element thick where it hits, along {axis}: the nodes that hit first hold {100 * hit / moving:.0f} % of the energy of the impact, which '
-                      "can be lost; divide it into at least 4 elements along that direction (n equal ones lose up to 1/(2 n))", key)
+    yield ThinWarning(
+        f'body "{name}" is about one element thick where it hits, along {axis}: the nodes that hit first hold {100 * hit / moving:.0f} % of the energy of the impact, which '
+        "can be lost; divide it into at least 4 elements along that direction (n equal ones lose up to 1/(2 n))",
+        key,
+    )
 
 
-def _masses(problem: Problem, name: str, nodes: np.ndarray, normal: np.ndarray) -> tuple[float, float]:
+def _masses(
+    problem: Problem, name: str, nodes: np.ndarray, normal: np.ndarray
+) -> tuple[float, float]:
     """Mass of some nodes of a body and of all of it, along a direction; infinite if nodes are held there."""
     count, first = problem.pointer.node_count, problem.bodies[name].nodes
     axis = int(np.argmax(np.abs(normal)))
     mass = np.frombuffer(ffi.buffer(problem.pointer.mass, 8 * count), np.float64)[first]
-    free = np.frombuffer(ffi.buffer(problem.pointer.inverse_mass, 24 * count), np.float64).reshape(-1, 3)[first, axis] > 0.0
-    return tuple(float(mass[some].sum()) if free[some].all() else math.inf for some in (nodes, slice(None)))
+    free = (
+        np.frombuffer(ffi.buffer(problem.pointer.inverse_mass, 24 * count), np.float64).reshape(
+            -1, 3
+        )[first, axis]
+        > 0.0
+    )
+    return tuple(
+        float(mass[some].sum()) if free[some].all() else math.inf for some in (nodes, slice(None))
+    )
 
 
 def _reduced(masses: list[float]) -> float:

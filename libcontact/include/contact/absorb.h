@@ -17,11 +17,13 @@ typedef struct ct_absorb {
 } ct_absorb;
 
 /**
- * The effect "absorb" of Lysmer and Kuhlemeyer: a traction against the velocity, ρ c₁ along the normal and ρ c₂ across,
- * :eq:`absorb-traction`. It stores nothing; what leaves stands in the ledger as negative work. The problem is a joined one, see
- * `ct_scene_join`. ``CT_ERROR_ARGUMENT``: faces of several bodies.
+ * The effect "absorb" of Lysmer and Kuhlemeyer: a traction against the velocity, ρ c₁ along the
+ * normal and ρ c₂ across, :eq:`absorb-traction`. It stores nothing; what leaves stands in the
+ * ledger as negative work. The problem is a joined one, see `ct_scene_join`. ``CT_ERROR_ARGUMENT``:
+ * faces of several bodies.
  */
-CT_API ct_status ct_absorb_create_effect(const ct_absorb *absorb, const ct_problem *problem, ct_effect **effect, ct_error *error);
+CT_API ct_status ct_absorb_create_effect(const ct_absorb *absorb, const ct_problem *problem,
+                                         ct_effect **effect, ct_error *error);
 
 CT_END_DECLS
 

@@ -31,28 +31,35 @@ typedef struct ct_exact_field {
 CT_API ct_status ct_exact_speeds(double nu, double *c2, double *c_r);
 
 /**
- * Closed form of the longitudinal impact of two thick plates at one point (:eq:`exact-sum`): plane strain, the
- * plate 0 < x < ``length``, -1 < z < 1, that comes at v_x = -v0 and meets its mirror image on x = 0 at t = 0.
+ * Closed form of the longitudinal impact of two thick plates at one point (:eq:`exact-sum`): plane
+ * strain, the plate 0 < x < ``length``, -1 < z < 1, that comes at v_x = -v0 and meets its mirror
+ * image on x = 0 at t = 0.
  *
- * ``x``, ``z`` and ``length`` are in half thicknesses d, ``t`` is in d/c1. ``length`` may be ``INFINITY``. ``nu`` is
- * Poisson's ratio in (0, 0.49]. On a front the answer is the value behind it. The call computes the tables of ``nu``
- * anew; use :c:func:`ct_exact_plates_array` for many points.
+ * ``x``, ``z`` and ``length`` are in half thicknesses d, ``t`` is in d/c1. ``length`` may be
+ * ``INFINITY``. ``nu`` is Poisson's ratio in (0, 0.49]. On a front the answer is the value behind
+ * it. The call computes the tables of ``nu`` anew; use :c:func:`ct_exact_plates_array` for many
+ * points.
  *
- * Errors: ``CT_ERROR_ARGUMENT`` for x < 0, \|z\| > 1, t < 0, t >= 2, t + x >= 2 length, x > length, a NaN, another
+ * Errors: ``CT_ERROR_ARGUMENT`` for x < 0, \|z\| > 1, t < 0, t >= 2, t + x >= 2 length, x > length,
+ * a NaN, another
  * ``nu`` or a null ``out``; then ``out`` is not written.
  */
-CT_API ct_status ct_exact_plates(double x, double z, double t, double nu, double length, ct_exact_field *out);
+CT_API ct_status ct_exact_plates(double x, double z, double t, double nu, double length,
+                                 ct_exact_field *out);
 
 /**
- * The closed form at ``n`` points (:eq:`exact-sum`), the same bits as :c:func:`ct_exact_plates` at each.
+ * The closed form at ``n`` points (:eq:`exact-sum`), the same bits as :c:func:`ct_exact_plates` at
+ * each.
  *
- * ``x``, ``z``, ``t`` have shape (n,); ``fields`` has shape (n, 5), written in the order sigma_x, sigma_z, tau_xz,
- * v_x, v_z. All points are looked at before any is computed: with ``CT_ERROR_ARGUMENT`` nothing is written to
- * ``fields``, ``bad`` (may be null) has the index of the first refused point, or ``n`` when ``nu`` or ``length`` is at
- * fault, and ``error`` names the reason.
+ * ``x``, ``z``, ``t`` have shape (n,); ``fields`` has shape (n, 5), written in the order sigma_x,
+ * sigma_z, tau_xz, v_x, v_z. All points are looked at before any is computed: with
+ * ``CT_ERROR_ARGUMENT`` nothing is written to
+ * ``fields``, ``bad`` (may be null) has the index of the first refused point, or ``n`` when ``nu``
+ * or ``length`` is at fault, and ``error`` names the reason.
  */
-CT_API ct_status ct_exact_plates_array(size_t n, const double *x, const double *z, const double *t, double nu,
-                                       double length, double *fields, size_t *bad, ct_error *error);
+CT_API ct_status ct_exact_plates_array(size_t n, const double *x, const double *z, const double *t,
+                                       double nu, double length, double *fields, size_t *bad,
+                                       ct_error *error);
 
 CT_END_DECLS
 

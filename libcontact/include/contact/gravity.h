@@ -16,10 +16,11 @@ typedef struct ct_gravity {
 } ct_gravity;
 
 /**
- * The effect "gravity": f = m g at each node, with the potential :eq:`gravity-potential`. The problem is a joined one, see
- * `ct_scene_join`.
+ * The effect "gravity": f = m g at each node, with the potential :eq:`gravity-potential`. The
+ * problem is a joined one, see `ct_scene_join`.
  */
-CT_API ct_status ct_gravity_create_effect(const ct_gravity *gravity, const ct_problem *problem, ct_effect **effect, ct_error *error);
+CT_API ct_status ct_gravity_create_effect(const ct_gravity *gravity, const ct_problem *problem,
+                                          ct_effect **effect, ct_error *error);
 
 CT_END_DECLS
 

@@ -11,7 +11,8 @@ typedef enum ct_scheme {
   CT_CENTRAL_DIFFERENCE,
   /** Chung and Lee; parameter β, 1 ... 28/27, :eq:`chung-lee-drift`. */
   CT_CHUNG_LEE,
-  /** Noh and Bathe, two evaluations of the forces in a step; parameter p, 1/2 ... 2 - √2, :eq:`noh-bathe-stages`. */
+  /** Noh and Bathe, two evaluations of the forces in a step; parameter p, 1/2 ... 2 - √2,
+     :eq:`noh-bathe-stages`. */
   CT_NOH_BATHE,
   /** Tchamwa and Wielgosz; parameter ρ∞, 0 ... 1, :eq:`tchamwa-wielgosz-drift`. */
   CT_TCHAMWA_WIELGOSZ
@@ -25,7 +26,8 @@ typedef struct ct_integrator {
   double parameter;
 } ct_integrator;
 
-/** One evaluation of the forces and the motion after it, :eq:`stage`. All numbers are shares of Δt. */
+/** One evaluation of the forces and the motion after it, :eq:`stage`. All numbers are shares of Δt.
+ */
 typedef struct ct_stage {
   /** Time τ until the next evaluation. */
   double drift;
@@ -40,26 +42,30 @@ typedef struct ct_stage {
 /** The method of this scheme with its usual parameter: β = 28/27, p = 0.54, ρ∞ = 0.9. */
 CT_API ct_integrator ct_integrator_default(ct_scheme scheme);
 
-/** Name of a scheme: "central_difference", "chung_lee", "noh_bathe" or "tchamwa_wielgosz"; null for another number. */
+/** Name of a scheme: "central_difference", "chung_lee", "noh_bathe" or "tchamwa_wielgosz"; null for
+ * another number. */
 CT_API const char *ct_scheme_name(ct_scheme scheme);
 
-/** ``CT_ERROR_ARGUMENT`` for an unknown scheme or a parameter out of its range, with the range in `error`. */
+/** ``CT_ERROR_ARGUMENT`` for an unknown scheme or a parameter out of its range, with the range in
+ * `error`. */
 CT_API ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *error);
 
 /** Fill the stages of one step, shape (2); the number of them (1 or 2). */
 CT_API int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages);
 
-/** Share g of Δt by which the force at t_n completes the velocity there, v_n = v + g Δt f_n / m, :eq:`stage-velocity`. */
+/** Share g of Δt by which the force at t_n completes the velocity there, v_n = v + g Δt f_n / m,
+ * :eq:`stage-velocity`. */
 CT_API double ct_integrator_share(const ct_integrator *integrator);
 
 /** Largest stable Ω = ω Δt of an oscillator without damping, :eq:`integrator-limits`. */
 CT_API double ct_integrator_limit(const ct_integrator *integrator);
 
 /**
- * Largest stable Δt [time] for the sums `omega_squared` of ω² [1 / time²] and `rate` of the damping rates [1 / time],
- * :eq:`integrator-damped-bound`.
+ * Largest stable Δt [time] for the sums `omega_squared` of ω² [1 / time²] and `rate` of the damping
+ * rates [1 / time], :eq:`integrator-damped-bound`.
  */
-CT_API double ct_integrator_step(const ct_integrator *integrator, double omega_squared, double rate);
+CT_API double ct_integrator_step(const ct_integrator *integrator, double omega_squared,
+                                 double rate);
 
 CT_END_DECLS
 

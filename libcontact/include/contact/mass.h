@@ -19,11 +19,12 @@ typedef enum ct_lumping {
  * Lumped mass of one element at its nodes, `mass` of shape (8 or 20) [mass].
  * Row sum is refused for hex20 (``CT_ERROR_UNSUPPORTED``): its corners would get negative masses.
  */
-CT_API ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double density, ct_lumping lumping,
-                                 double *mass, ct_error *error);
+CT_API ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double density,
+                                 ct_lumping lumping, double *mass, ct_error *error);
 
 /** Lumped mass of a whole mesh at its nodes, `mass` of shape (node_count) [mass]. */
-CT_API ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping, double *mass, ct_error *error);
+CT_API ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping,
+                                double *mass, ct_error *error);
 
 CT_END_DECLS
 

@@ -5,11 +5,13 @@
 
 CT_BEGIN_DECLS
 
-/** How stress follows from deformation; all three laws agree with Hooke's where strain and rotation are small. */
+/** How stress follows from deformation; all three laws agree with Hooke's where strain and rotation
+ * are small. */
 typedef enum ct_law {
   /** small strain and small rotation, :eq:`hooke` */
   CT_LINEAR = 0,
-  /** St. Venant-Kirchhoff, :eq:`st-venant-kirchhoff`: any rotation, moderate strain; it gives way under strong compression */
+  /** St. Venant-Kirchhoff, :eq:`st-venant-kirchhoff`: any rotation, moderate strain; it gives way
+     under strong compression */
   CT_ST_VENANT_KIRCHHOFF = 1,
   /** compressible neo-Hookean, :eq:`neo-hookean`: any rotation, large strain */
   CT_NEO_HOOKEAN = 2
@@ -30,10 +32,12 @@ typedef struct ct_material {
 /** Lamé's constants Λ and μ [stress], :eq:`lame`. */
 CT_API void ct_material_lame(const ct_material *material, double *lambda, double *mu);
 
-/** Speeds of the dilatation wave c₁ and of the transversal wave c₂ [length / time], :eq:`wave-speeds`. */
+/** Speeds of the dilatation wave c₁ and of the transversal wave c₂ [length / time],
+ * :eq:`wave-speeds`. */
 CT_API void ct_material_speeds(const ct_material *material, double *c1, double *c2);
 
-/** Refuse impossible constants: ``CT_ERROR_ARGUMENT`` with the constant's name and value in `error`. */
+/** Refuse impossible constants: ``CT_ERROR_ARGUMENT`` with the constant's name and value in
+ * `error`. */
 CT_API ct_status ct_material_check(const ct_material *material, ct_error *error);
 
 CT_END_DECLS

@@ -25,10 +25,12 @@ typedef struct ct_mesh {
 
 /** Which way the numbers of a box run: layer by layer along one axis, and in a layer row by row. */
 typedef enum ct_layers {
-  /** Layers follow one another along z, and in them rows along y: element (i, j, k) has number i + cells[0] (j + cells[1] k). */
+  /** Layers follow one another along z, and in them rows along y: element (i, j, k) has number i +
+     cells[0] (j + cells[1] k). */
   CT_LAYERS_Z,
   /**
-   * Layers follow one another along x. In them rows lie along that axis, y or z, that has more cells (y, if both have as many).
+   * Layers follow one another along x. In them rows lie along that axis, y or z, that has more
+   * cells (y, if both have as many).
    */
   CT_LAYERS_X,
   /** Layers follow one another along y; rows likewise lie along x or z. */
@@ -44,24 +46,27 @@ typedef struct ct_box {
   /** Elements along x, y, z, >= 1. */
   int32_t cells[3];
   /**
-   * How they are numbered. No result depends on it, except where a point of contact is equally near to several faces; but a wave
-   * that runs across the layers leaves whole layers quiet, :doc:`/theory/savings`.
+   * How they are numbered. No result depends on it, except where a point of contact is equally near
+   * to several faces; but a wave that runs across the layers leaves whole layers quiet,
+   * :doc:`/theory/savings`.
    */
   ct_layers layers;
 } ct_box;
 
 /**
- * The axes of a box in the order of its numbers: rows run along the first, and layers follow one another along the last; 0, 1, 2
- * for x, y, z.
+ * The axes of a box in the order of its numbers: rows run along the first, and layers follow one
+ * another along the last; 0, 1, 2 for x, y, z.
  */
 CT_API void ct_box_axes(const ct_box *box, int axes[3]);
 
 /**
- * Mesh a box with bricks, numbered as its `layers` say; ξ, η, ζ run along x, y, z. Node coordinates are ((n - i) a + i b) / n
- * between the ends a and b, so that mirrored boxes have exactly mirrored nodes. Corner nodes come first, row by row; mid-side
- * nodes of hex20 follow: those on edges along the rows, then along the second, then along the third of `ct_box_axes`.
+ * Mesh a box with bricks, numbered as its `layers` say; ξ, η, ζ run along x, y, z. Node coordinates
+ * are ((n - i) a + i b) / n between the ends a and b, so that mirrored boxes have exactly mirrored
+ * nodes. Corner nodes come first, row by row; mid-side nodes of hex20 follow: those on edges along
+ * the rows, then along the second, then along the third of `ct_box_axes`.
  */
-CT_API ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh, ct_error *error);
+CT_API ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh,
+                                    ct_error *error);
 
 /** A ring (a tube) about an axis along z. */
 typedef struct ct_ring {
@@ -76,12 +81,15 @@ typedef struct ct_ring {
 } ct_ring;
 
 /**
- * Mesh a ring with bricks: ξ runs outward, η around from x towards y, ζ along z; element (i, j, k) has number i + cells[0] (j
- * + cells[1] k), and node numbers follow `ct_mesh_create_box` with cells[1] nodes around. Mid-side nodes of hex20 lie on the
- * circles. About its centre the ring mirrors exactly: along z and y for every number of cells, along x for an even one, and x
- * with y for one that 4 divides, :eq:`mesh-ring`.
+ * Mesh a ring with bricks: ξ runs outward, η around from x towards y, ζ along z; element (i, j, k)
+ * has number i + cells[0] (j
+ * + cells[1] k), and node numbers follow `ct_mesh_create_box` with cells[1] nodes around. Mid-side
+ * nodes of hex20 lie on the circles. About its centre the ring mirrors exactly: along z and y for
+ * every number of cells, along x for an even one, and x with y for one that 4 divides,
+ * :eq:`mesh-ring`.
  */
-CT_API ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh **mesh, ct_error *error);
+CT_API ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh **mesh,
+                                     ct_error *error);
 
 /** Copy a mesh given by arrays and check it as `ct_mesh_check` does. */
 CT_API ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error);
@@ -90,35 +98,42 @@ CT_API ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_e
 CT_API void ct_mesh_free(ct_mesh *mesh);
 
 /**
- * Refuse node numbers out of range, coordinates that are not finite, and elements whose Jacobian determinant is not positive at a
- * Gauss point or at a node of the element (``CT_ERROR_GEOMETRY``; `error` names the first such element, its Gauss point, or in
- * the text its corner or mid-side node, and its text counts all such elements). At a node the determinant may be zero where an
- * edge has collapsed or a mid-side node is at the quarter point, :eq:`jacobian-nodes`.
+ * Refuse node numbers out of range, coordinates that are not finite, and elements whose Jacobian
+ * determinant is not positive at a Gauss point or at a node of the element (``CT_ERROR_GEOMETRY``;
+ * `error` names the first such element, its Gauss point, or in the text its corner or mid-side
+ * node, and its text counts all such elements). At a node the determinant may be zero where an edge
+ * has collapsed or a mid-side node is at the quarter point, :eq:`jacobian-nodes`.
  */
 CT_API ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error);
 
 /**
- * Shortest edge between corner nodes of any element [length]: the h of the Courant number and of the penalty. Edges that a wedge
- * has collapsed to a point (below 1e-9 of the element's longest) do not count. NaN for a null mesh.
+ * Shortest edge between corner nodes of any element [length]: the h of the Courant number and of
+ * the penalty. Edges that a wedge has collapsed to a point (below 1e-9 of the element's longest) do
+ * not count. NaN for a null mesh.
  */
 CT_API double ct_mesh_shortest_edge(const ct_mesh *mesh);
 
 /**
- * Faces of a mesh, one that `ct_mesh_check` accepts, that belong to one element only and lie in the plane ``x[axis] = value``
- * within 1e-9 of the mesh's size. `faces` gets (count, 4 or 8) node numbers, counter-clockwise from outside, and `owners` (count)
- * the elements; either may be null. The return value is the count (call once with nulls to learn it), or a `ct_status` as a
- * negative number: ``-CT_ERROR_MEMORY``, or ``-CT_ERROR_ARGUMENT`` for no mesh, no elements, or a node number out of range. It is
- * 0 for an `axis` that is not 0, 1 or 2.
+ * Faces of a mesh, one that `ct_mesh_check` accepts, that belong to one element only and lie in the
+ * plane ``x[axis] = value`` within 1e-9 of the mesh's size. `faces` gets (count, 4 or 8) node
+ * numbers, counter-clockwise from outside, and `owners` (count) the elements; either may be null.
+ * The return value is the count (call once with nulls to learn it), or a `ct_status` as a negative
+ * number: ``-CT_ERROR_MEMORY``, or ``-CT_ERROR_ARGUMENT`` for no mesh, no elements, or a node
+ * number out of range. It is 0 for an `axis` that is not 0, 1 or 2.
  */
-CT_API int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t *faces, int32_t *owners);
+CT_API int32_t ct_mesh_plane_faces(const ct_mesh *mesh, int axis, double value, int32_t *faces,
+                                   int32_t *owners);
 
-/** Nodes in the plane ``x[axis] = value`` within 1e-9 of the mesh's size, in ascending order; returns their count. */
+/** Nodes in the plane ``x[axis] = value`` within 1e-9 of the mesh's size, in ascending order;
+ * returns their count. */
 CT_API int32_t ct_mesh_plane_nodes(const ct_mesh *mesh, int axis, double value, int32_t *nodes);
 
-/** All faces of the mesh that belong to one element only, as `ct_mesh_plane_faces` gives them, with the same return values. */
+/** All faces of the mesh that belong to one element only, as `ct_mesh_plane_faces` gives them, with
+ * the same return values. */
 CT_API int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t *owners);
 
-/** Smallest and largest coordinates of the nodes [length]; infinite, the wrong way round, for a null mesh. */
+/** Smallest and largest coordinates of the nodes [length]; infinite, the wrong way round, for a
+ * null mesh. */
 CT_API void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3]);
 
 CT_END_DECLS

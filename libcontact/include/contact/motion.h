@@ -21,13 +21,16 @@ typedef struct ct_motion {
 } ct_motion;
 
 /**
- * The effect "support" of all motions together, :eq:`motion-force`: a force that takes its nodes to their place at t_{n+1},
- * against all other forces and their own inertia. It stores nothing; its work stands in the ledger. Arrays are copied. It must be
- * the last effect of the problem but for supports, as it has to see the forces of all others; so a problem has at most one.
- * ``CT_ERROR_ARGUMENT``: no nodes, a component that two motions, or a motion and a support, hold; ``CT_INVALID``: a number is not
- * finite.
+ * The effect "support" of all motions together, :eq:`motion-force`: a force that takes its nodes to
+ * their place at t_{n+1}, against all other forces and their own inertia. It stores nothing; its
+ * work stands in the ledger. Arrays are copied. It must be the last effect of the problem but for
+ * supports, as it has to see the forces of all others; so a problem has at most one.
+ * ``CT_ERROR_ARGUMENT``: no nodes, a component that two motions, or a motion and a support, hold;
+ * ``CT_INVALID``: a number is not finite.
  */
-CT_API ct_status ct_motion_create_effect(const ct_motion *motions, int32_t motion_count, const ct_problem *problem, ct_effect **effect, ct_error *error);
+CT_API ct_status ct_motion_create_effect(const ct_motion *motions, int32_t motion_count,
+                                         const ct_problem *problem, ct_effect **effect,
+                                         ct_error *error);
 
 CT_END_DECLS
 

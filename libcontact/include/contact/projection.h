@@ -45,24 +45,26 @@ typedef enum ct_where {
   CT_OUTSIDE = 3
 } ct_where;
 
-/** Called with every iterate: its reference coordinates, f there [length^2], and the pointer of the options. */
+/** Called with every iterate: its reference coordinates, f there [length^2], and the pointer of the
+ * options. */
 typedef void (*ct_project_trace)(const double xi[2], double f, void *user);
 
 /** What a caller may choose; start from ct_project_options_default. */
 typedef struct ct_project_options {
   /** The method; CT_ROBUST. */
   ct_method method;
-  /** Bound on the error of xi, in half-widths of the face (1 on quadrilaterals, 1/2 on triangles); 1e-10. Must be positive. */
+  /** Bound on the error of xi, in half-widths of the face (1 on quadrilaterals, 1/2 on triangles);
+   * 1e-10. Must be positive. */
   double tolerance;
   /**
-   * Not zero: begin at ``start`` (the last answer, say). Zero: begin at the centre of the face, and for CT_ROBUST and
-   * CT_CERTIFIED at the best of a few samples.
+   * Not zero: begin at ``start`` (the last answer, say). Zero: begin at the centre of the face, and
+   * for CT_ROBUST and CT_CERTIFIED at the best of a few samples.
    */
   int use_start;
   double start[2];
   /**
-   * Iterations before giving up with CT_ITERATION_LIMIT; 0 takes the limit of the method (simplex, nelder_mead and
-   * steepest_descent 2000, newton, robust and certified 100, the others 200).
+   * Iterations before giving up with CT_ITERATION_LIMIT; 0 takes the limit of the method (simplex,
+   * nelder_mead and steepest_descent 2000, newton, robust and certified 100, the others 200).
    */
   int iteration_limit;
   /** Null, or called with every iterate. */
@@ -74,26 +76,30 @@ typedef struct ct_project_options {
 /** The closest point that was found; everything is written by ct_project. */
 typedef struct ct_projection {
   /**
-   * CT_OK: xi is within the tolerance of a minimum of f (with CT_SIMPLEX: the edge is, which on long thin faces can be far from
-   * it). CT_NOT_CERTIFIED: f is at its minimum as far as double precision shows, yet xi may be off by more than the tolerance (a
-   * far point, a face that is nearly a sphere about the point). CT_ITERATION_LIMIT: the budget is used up, or simplex or
-   * nelder_mead compares nothing but rounding. CT_NO_CONVERGENCE: no minimum was found. CT_INVALID: the input is not finite, the
-   * face has no area or no normal where the method has ended, the start is so far out that f overflows, or a length is not
-   * between 1e-70 and 1e70; then all floating-point members are NaN.
+   * CT_OK: xi is within the tolerance of a minimum of f (with CT_SIMPLEX: the edge is, which on
+   * long thin faces can be far from it). CT_NOT_CERTIFIED: f is at its minimum as far as double
+   * precision shows, yet xi may be off by more than the tolerance (a far point, a face that is
+   * nearly a sphere about the point). CT_ITERATION_LIMIT: the budget is used up, or simplex or
+   * nelder_mead compares nothing but rounding. CT_NO_CONVERGENCE: no minimum was found. CT_INVALID:
+   * the input is not finite, the face has no area or no normal where the method has ended, the
+   * start is so far out that f overflows, or a length is not between 1e-70 and 1e70; then all
+   * floating-point members are NaN.
    */
   ct_status status;
   /** Interior, edge, vertex or outside. */
   ct_where where;
-  /** Number of the edge (edge i joins corners i and i + 1) or of the corner; -1 where there is none. */
+  /** Number of the edge (edge i joins corners i and i + 1) or of the corner; -1 where there is
+   * none. */
   int index;
   /** Calls of f (with or without gradient and Hessian), samples included. */
   int evaluations;
   int iterations;
   /**
-   * Not zero when a proof says that no point of the face is closer by more than half of max(distance, size) times the tolerance,
-   * taken between 1e-12 and 1e-6; size is the largest coefficient of :eq:`projection-patch`, but the constant one. Rounding is
-   * counted. The nodes and the point are taken as exact. Only CT_CERTIFIED sets it, and its CT_OK means this and no more: xi may
-   * be undetermined where many points are as near.
+   * Not zero when a proof says that no point of the face is closer by more than half of
+   * max(distance, size) times the tolerance, taken between 1e-12 and 1e-6; size is the largest
+   * coefficient of :eq:`projection-patch`, but the constant one. Rounding is counted. The nodes and
+   * the point are taken as exact. Only CT_CERTIFIED sets it, and its CT_OK means this and no more:
+   * xi may be undetermined where many points are as near.
    */
   int certified;
   /** Reference coordinates of the foot. */
@@ -108,47 +114,58 @@ typedef struct ct_projection {
   double normal[3];
 } ct_projection;
 
-/** Default options: CT_ROBUST, tolerance 1e-10, no start, the method's own iteration limit, no trace. */
+/** Default options: CT_ROBUST, tolerance 1e-10, no start, the method's own iteration limit, no
+ * trace. */
 CT_API ct_project_options ct_project_options_default(void);
 
-/** Name of a method as in Python, for example ``"nelder_mead"``; null for a value that is no method. */
+/** Name of a method as in Python, for example ``"nelder_mead"``; null for a value that is no
+ * method. */
 CT_API const char *ct_method_name(ct_method method);
 
-/** Method of a name. CT_ERROR_ARGUMENT, with ``method`` untouched, when there is none of that name or a pointer is null. */
+/** Method of a name. CT_ERROR_ARGUMENT, with ``method`` untouched, when there is none of that name
+ * or a pointer is null. */
 CT_API ct_status ct_method_from_name(const char *name, ct_method *method);
 
 /**
- * The function that a projection minimises, :eq:`projection-f`: its value ``f`` [length^2], gradient ``g`` = (f,1 f,2) of
- * :eq:`projection-gradient` and Hessian ``H`` = (f,11 f,22 f,12) of :eq:`projection-hessian` at xi. Each output may be null. NaN
- * comes out where ct_project would answer CT_INVALID.
+ * The function that a projection minimises, :eq:`projection-f`: its value ``f`` [length^2],
+ * gradient ``g`` = (f,1 f,2) of :eq:`projection-gradient` and Hessian ``H`` = (f,11 f,22 f,12) of
+ * :eq:`projection-hessian` at xi. Each output may be null. NaN comes out where ct_project would
+ * answer CT_INVALID.
  */
-CT_API void ct_project_function(const ct_face *face, const double point[3], const double xi[2], double *f, double g[2], double H[3]);
+CT_API void ct_project_function(const ct_face *face, const double point[3], const double xi[2],
+                                double *f, double g[2], double H[3]);
 
 /**
- * Closest point of a face to ``point``, :eq:`projection-minimum`. Null ``options`` are the defaults.
+ * Closest point of a face to ``point``, :eq:`projection-minimum`. Null ``options`` are the
+ * defaults.
  *
- * The answer is ``out->status``, or, with all floating-point members NaN: CT_ERROR_ARGUMENT for a null pointer, an unknown face
- * kind or method, a tolerance that is not positive, a start that is not finite or a negative limit. A mirrored face and point
- * give the mirrored bits with CT_ROBUST and CT_NEWTON, as does a scaling by a power of two.
+ * The answer is ``out->status``, or, with all floating-point members NaN: CT_ERROR_ARGUMENT for a
+ * null pointer, an unknown face kind or method, a tolerance that is not positive, a start that is
+ * not finite or a negative limit. A mirrored face and point give the mirrored bits with CT_ROBUST
+ * and CT_NEWTON, as does a scaling by a power of two.
  */
-CT_API ct_status ct_project(const ct_face *face, const double point[3], const ct_project_options *options, ct_projection *out);
+CT_API ct_status ct_project(const ct_face *face, const double point[3],
+                            const ct_project_options *options, ct_projection *out);
 
 /**
- * Closest point of one face to each of ``count`` points, shape (count, 3), into ``out[count]``. ``start`` is null, or has a start
- * for each point, shape (count, 2), which replaces the start of the options. Answers CT_OK when every point was looked at (see
- * the status of each), else the first error
+ * Closest point of one face to each of ``count`` points, shape (count, 3), into ``out[count]``.
+ * ``start`` is null, or has a start for each point, shape (count, 2), which replaces the start of
+ * the options. Answers CT_OK when every point was looked at (see the status of each), else the
+ * first error
  */
-CT_API ct_status ct_project_points(const ct_face *face, size_t count, const double *points, const ct_project_options *options, const double *start,
+CT_API ct_status ct_project_points(const ct_face *face, size_t count, const double *points,
+                                   const ct_project_options *options, const double *start,
                                    ct_projection *out);
 
 /** Where a line meets a face; everything is written by ct_project_ray. */
 typedef struct ct_ray_hit {
   /**
-   * CT_OK: the line meets the face, and of all such points this is the one nearest to the given point, along the line in either
-   * sense. CT_NO_CONVERGENCE: the line misses the face; that is shown, not guessed. CT_NOT_CERTIFIED: the line touches the face,
-   * or lies in it, and xi is a point where it does. CT_ITERATION_LIMIT: the budget is used up with nothing found. CT_INVALID: as
-   * in ct_projection, or a direction that has no length or is not finite. All but CT_OK and CT_NOT_CERTIFIED come with NaN in all
-   * floating-point members.
+   * CT_OK: the line meets the face, and of all such points this is the one nearest to the given
+   * point, along the line in either sense. CT_NO_CONVERGENCE: the line misses the face; that is
+   * shown, not guessed. CT_NOT_CERTIFIED: the line touches the face, or lies in it, and xi is a
+   * point where it does. CT_ITERATION_LIMIT: the budget is used up with nothing found. CT_INVALID:
+   * as in ct_projection, or a direction that has no length or is not finite. All but CT_OK and
+   * CT_NOT_CERTIFIED come with NaN in all floating-point members.
    */
   ct_status status;
   /** Interior, edge or vertex; outside where there is no hit. */
@@ -161,27 +178,30 @@ typedef struct ct_ray_hit {
   double xi[2];
   /** The hit [length]. */
   double point[3];
-  /** The way from the given point to the hit along the direction [length]; negative behind the point. */
+  /** The way from the given point to the hit along the direction [length]; negative behind the
+   * point. */
   double distance;
   /** Unit normal of the face at the hit. */
   double normal[3];
 } ct_ray_hit;
 
 /**
- * Distance from ``point`` to a face along ``direction``, :eq:`ray-hit`: the gap as it is measured along a normal of the other
- * surface. The direction may have any length. ``tolerance`` is how far beyond the face a hit may lie, in half-widths; 1e-10 is a
- * good choice.
+ * Distance from ``point`` to a face along ``direction``, :eq:`ray-hit`: the gap as it is measured
+ * along a normal of the other surface. The direction may have any length. ``tolerance`` is how far
+ * beyond the face a hit may lie, in half-widths; 1e-10 is a good choice.
  *
- * The answer is ``out->status``, or CT_ERROR_ARGUMENT, with NaN, for a null pointer, an unknown kind, or a tolerance that is not
- * positive and below 1.
+ * The answer is ``out->status``, or CT_ERROR_ARGUMENT, with NaN, for a null pointer, an unknown
+ * kind, or a tolerance that is not positive and below 1.
  */
-CT_API ct_status ct_project_ray(const ct_face *face, const double point[3], const double direction[3], double tolerance, ct_ray_hit *out);
+CT_API ct_status ct_project_ray(const ct_face *face, const double point[3],
+                                const double direction[3], double tolerance, ct_ray_hit *out);
 
 /**
- * The same for ``count`` points and directions, both of shape (count, 3), into ``out[count]``. Answers CT_OK when every line was
- * looked at, else the first error.
+ * The same for ``count`` points and directions, both of shape (count, 3), into ``out[count]``.
+ * Answers CT_OK when every line was looked at, else the first error.
  */
-CT_API ct_status ct_project_rays(const ct_face *face, size_t count, const double *points, const double *directions, double tolerance, ct_ray_hit *out);
+CT_API ct_status ct_project_rays(const ct_face *face, size_t count, const double *points,
+                                 const double *directions, double tolerance, ct_ray_hit *out);
 
 CT_END_DECLS
 

@@ -11,7 +11,8 @@
 
 CT_BEGIN_DECLS
 
-/** A scene is filled piece by piece and then built into a problem; opaque, as it owns copies of all it was given. */
+/** A scene is filled piece by piece and then built into a problem; opaque, as it owns copies of all
+ * it was given. */
 typedef struct ct_scene ct_scene;
 
 /** One contact between two surfaces of two bodies. */
@@ -29,7 +30,8 @@ typedef struct ct_scene_contact {
   /** Likewise of the second body. */
   const int32_t *faces_b;
   /**
-   * Penalty factor β of ε = β E / h, with the smaller E and the shortest edge of the two bodies; or 0 and `options.epsilon` > 0.
+   * Penalty factor β of ε = β E / h, with the smaller E and the shortest edge of the two bodies; or
+   * 0 and `options.epsilon` > 0.
    */
   double beta;
   /** Search, depth; `epsilon` when `beta` is 0. */
@@ -65,8 +67,8 @@ typedef struct ct_scene_time {
   /** Δt itself [time]. */
   double dt;
   /**
-   * Not zero: `dt` is kept to the last bit, and the run ends with the first step that is not before `end`. A run that is
-   * continued needs the Δt that it had.
+   * Not zero: `dt` is kept to the last bit, and the run ends with the first step that is not before
+   * `end`. A run that is continued needs the Δt that it had.
    */
   int keep_dt;
   /** Threads, >= 1. */
@@ -76,7 +78,8 @@ typedef struct ct_scene_time {
   /** The method of the time steps; all bytes zero: central difference. */
   ct_integrator integrator;
   /**
-   * Not zero: linear bodies are bounded by `ct_stable_assembled` where that allows a larger step; it costs some 70 forces once.
+   * Not zero: linear bodies are bounded by `ct_stable_assembled` where that allows a larger step;
+   * it costs some 70 forces once.
    */
   int assembled;
 } ct_scene_time;
@@ -85,65 +88,75 @@ typedef struct ct_scene_time {
 CT_API ct_status ct_scene_create(ct_scene **scene, ct_error *error);
 
 /** Add a body with a copy of the mesh; `*body` gets its number. */
-CT_API ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *mesh, const ct_material *material,
-                                   ct_lumping lumping, ct_solid_kernel kernel, const double velocity[3], int32_t *body,
+CT_API ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *mesh,
+                                   const ct_material *material, ct_lumping lumping,
+                                   ct_solid_kernel kernel, const double velocity[3], int32_t *body,
                                    ct_error *error);
 
 /**
- * Give each node of a body its own velocity at t = 0 [length / time], shape (node_count, 3), in place of the one of
- * `ct_scene_add_body`; the array is copied. Not after `ct_scene_join`. ``CT_INVALID``: a number is not finite (`error` names
- * the node).
+ * Give each node of a body its own velocity at t = 0 [length / time], shape (node_count, 3), in
+ * place of the one of `ct_scene_add_body`; the array is copied. Not after `ct_scene_join`.
+ * ``CT_INVALID``: a number is not finite (`error` names the node).
  */
-CT_API ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *velocity, ct_error *error);
+CT_API ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *velocity,
+                                       ct_error *error);
 
 /**
- * The coefficient κ of the hourglass control of a body with CT_KERNEL_REDUCED, :eq:`hourglass-stiffness`, > 0; the default if
- * this is not called.
+ * The coefficient κ of the hourglass control of a body with CT_KERNEL_REDUCED,
+ * :eq:`hourglass-stiffness`, > 0; the default if this is not called.
  */
-CT_API ct_status ct_scene_set_hourglass(ct_scene *scene, int32_t body, double coefficient, ct_error *error);
+CT_API ct_status ct_scene_set_hourglass(ct_scene *scene, int32_t body, double coefficient,
+                                        ct_error *error);
 
 /** Add a contact; its arrays are copied. */
-CT_API ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error);
+CT_API ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact,
+                                      ct_error *error);
 
 /** Add a support; its nodes are copied. */
-CT_API ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support, ct_error *error);
+CT_API ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support,
+                                      ct_error *error);
 
 /**
- * Number the nodes of all bodies one after another. `*problem` then has its bodies, reference coordinates, masses and initial
- * velocities, but no effects yet: what the library's `ct_..._create_effect` calls need. No body can be added after it. The
- * problem lives as long as the scene.
+ * Number the nodes of all bodies one after another. `*problem` then has its bodies, reference
+ * coordinates, masses and initial velocities, but no effects yet: what the library's
+ * `ct_..._create_effect` calls need. No body can be added after it. The problem lives as long as
+ * the scene.
  */
 CT_API ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_error *error);
 
-/** What may be left out when the scene is computed, from its next build on; all of it if this is not called. */
+/** What may be left out when the scene is computed, from its next build on; all of it if this is
+ * not called. */
 CT_API ct_status ct_scene_set_savings(ct_scene *scene, const ct_savings *savings, ct_error *error);
 
 /**
- * Add an effect that was made for the joined problem, the library's or the caller's own. The scene takes it over, also when the
- * call fails, and frees it. ``CT_ERROR_ARGUMENT``: the bodies are not joined, a node is out of range, the scene has this effect
- * already.
+ * Add an effect that was made for the joined problem, the library's or the caller's own. The scene
+ * takes it over, also when the call fails, and frees it. ``CT_ERROR_ARGUMENT``: the bodies are not
+ * joined, a node is out of range, the scene has this effect already.
  */
 CT_API ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *error);
 
 /**
- * Build the problem: masses, effects, stable step, and the largest Δt not above the asked one that reaches `end` in a whole
- * number of steps (`*step_count`). ``CT_ERROR_STEP`` when the asked Δt is above the stable one. The scene keeps the
- * problem: it lives until `ct_scene_free`.
+ * Build the problem: masses, effects, stable step, and the largest Δt not above the asked one that
+ * reaches `end` in a whole number of steps (`*step_count`). ``CT_ERROR_STEP`` when the asked Δt is
+ * above the stable one. The scene keeps the problem: it lives until `ct_scene_free`.
  */
-CT_API ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_problem **problem, int64_t *step_count,
+CT_API ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time,
+                                const ct_problem **problem, int64_t *step_count,
                                 ct_stable_step *stable, ct_error *error);
 
 /**
- * The contact of an effect at the state's time, for `ct_contact_points` and `ct_contact_resultant`: who touches whom, gaps and
- * pressures. It lives as long as the state, and the next step changes it. Null, with `error` filled, for an effect that is no
- * contact.
+ * The contact of an effect at the state's time, for `ct_contact_points` and `ct_contact_resultant`:
+ * who touches whom, gaps and pressures. It lives as long as the state, and the next step changes
+ * it. Null, with `error` filled, for an effect that is no contact.
  */
-CT_API const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state, int32_t effect, ct_error *error);
+CT_API const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state,
+                                          int32_t effect, ct_error *error);
 
 /** Penalty ε that the contact of this number uses, after `ct_scene_build` [stress / length]. */
 CT_API ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon);
 
-/** Free a scene and the problem that it built; null is allowed. States of the problem are freed before. */
+/** Free a scene and the problem that it built; null is allowed. States of the problem are freed
+ * before. */
 CT_API void ct_scene_free(ct_scene *scene);
 
 CT_END_DECLS

@@ -13,7 +13,8 @@
 #endif
 #endif
 
-/* Every public header stands between these two, so that a C++ program links whichever headers it includes. */
+/* Every public header stands between these two, so that a C++ program links whichever headers it
+ * includes. */
 #ifdef __cplusplus
 #define CT_BEGIN_DECLS extern "C" {
 #define CT_END_DECLS }
@@ -70,7 +71,8 @@ typedef struct ct_error {
   int64_t element;
   /** Node, Gauss point or row, likewise. */
   int64_t point;
-  /** One sentence for a person in UTF-8, ended by a zero byte; "..." at its end stands for what was longer still. */
+  /** One sentence for a person in UTF-8, ended by a zero byte; "..." at its end stands for what was
+   * longer still. */
   char text[1024];
 } ct_error;
 
@@ -80,7 +82,8 @@ CT_API const char *ct_status_name(ct_status status);
 /** Version of the library as ``"major.minor.patch"``. */
 CT_API const char *ct_version(void);
 
-/** Not zero when the library was compiled with OpenMP; without it, any number of threads means one. */
+/** Not zero when the library was compiled with OpenMP; without it, any number of threads means one.
+ */
 CT_API int ct_has_openmp(void);
 
 CT_END_DECLS

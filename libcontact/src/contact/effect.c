@@ -11,7 +11,8 @@
 #include <string.h>
 
 typedef struct contact_data {
-  /* Both surfaces over one list of nodes, those of the effect; reference coordinates and masses of that list. */
+  /* Both surfaces over one list of nodes, those of the effect; reference coordinates and masses of
+   * that list. */
   int sides; /* 1: of a surface with itself */
   ct_surface surface[2];
   int32_t *faces[2];
@@ -56,10 +57,13 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   contact_scratch *s = ct_allocate(1, sizeof *s);
   if (s == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   s->x = ct_allocate((size_t)effect->node_count, 3 * sizeof *s->x);
-  ct_status status = s->x != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  ct_status status =
+      s->x != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   if (status == CT_OK)
-    status = data->sides == 1 ? ct_contact_create_self(&data->surface[0], &data->options, &s->contact, error)
-                              : ct_contact_create(&data->surface[0], &data->surface[1], &data->options, &s->contact, error);
+    status = data->sides == 1
+                 ? ct_contact_create_self(&data->surface[0], &data->options, &s->contact, error)
+                 : ct_contact_create(&data->surface[0], &data->surface[1], &data->options,
+                                     &s->contact, error);
   if (status != CT_OK) {
     free_scratch(s);
     return status;
@@ -68,18 +72,26 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return CT_OK;
 }
 
-/* A point's memory: number of its other face plus one, negative while it is in contact, or 0: none, or BURIED; the parameters
- * there; the signed distance, NaN where none is known; and where a step's gaps give the force this force. After the points:
- * whether there was a step before, and what all constraints stored in the middle of that step; what start gaps need; and the
- * coordinates of the effect's nodes, shape (node_count, 3). */
+/* A point's memory: number of its other face plus one, negative while it is in contact, or 0: none,
+ * or BURIED; the parameters there; the signed distance, NaN where none is known; and where a step's
+ * gaps give the force this force. After the points: whether there was a step before, and what all
+ * constraints stored in the middle of that step; what start gaps need; and the coordinates of the
+ * effect's nodes, shape (node_count, 3). */
 enum { OTHER = 0, XI = 1, KNOWN = 3, FORCE = 4 };
 enum { BEGUN = 0, STORED = 1, TAIL = 2 };
 static const double BURIED = -4294967296.0;
 
-static int is_penalty(const contact_data *data) { return data->options.enforcement == CT_ENFORCE_PENALTY; }
-/* Where the memory of start gaps begins, of each point; and how far apart the memory of two points is. */
+static int is_penalty(const contact_data *data)
+{
+  return data->options.enforcement == CT_ENFORCE_PENALTY;
+}
+/* Where the memory of start gaps begins, of each point; and how far apart the memory of two points
+ * is. */
 static int shifts_at(const contact_data *data) { return is_penalty(data) ? FORCE : FORCE + 1; }
-static int stride(const contact_data *data) { return shifts_at(data) + ct_initial_point_memory(&data->options); }
+static int stride(const contact_data *data)
+{
+  return shifts_at(data) + ct_initial_point_memory(&data->options);
+}
 /* Where the memory after the points begins. */
 static int64_t tail_at(const contact_data *data, const ct_contact *contact)
 {
@@ -98,9 +110,13 @@ static void recall(ct_contact *contact, const double *memory, int size)
   for (int s = 0; s < contact->sides; s++)
     for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += size) {
       ct_gauss_point *point = &contact->side[s].points[i];
-      double last = (double)contact->side[contact->sides - 1 - s].search->face_count, number = fabs(memory[OTHER]);
+      double last = (double)contact->side[contact->sides - 1 - s].search->face_count,
+             number = fabs(memory[OTHER]);
       point->other = number >= 1.0 && number <= last ? (int32_t)number - 1 : -1;
-      point->history = memory[OTHER] == BURIED ? CT_POINT_BURIED : point->other < 0 ? CT_POINT_NEW : memory[OTHER] < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
+      point->history = memory[OTHER] == BURIED ? CT_POINT_BURIED
+                       : point->other < 0      ? CT_POINT_NEW
+                       : memory[OTHER] < 0.0   ? CT_POINT_INSIDE
+                                               : CT_POINT_OUTSIDE;
       memcpy(point->xi, &memory[XI], sizeof point->xi);
       point->known = contact->begun ? memory[KNOWN] : NAN;
     }
@@ -112,35 +128,48 @@ static void remember(const ct_contact *contact, double *memory, int size)
     for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += size) {
       const ct_gauss_point *point = &contact->side[s].points[i];
       double number = (double)point->other + 1.0;
-      memory[OTHER] = point->history == CT_POINT_BURIED ? BURIED : point->history == CT_POINT_INSIDE ? -number : number;
+      memory[OTHER] = point->history == CT_POINT_BURIED   ? BURIED
+                      : point->history == CT_POINT_INSIDE ? -number
+                                                          : number;
       memcpy(&memory[XI], point->xi, sizeof point->xi);
       memory[KNOWN] = point->known;
     }
   memory[BEGUN] = 1.0;
 }
 
-static ct_initial_view initial_view(const contact_data *data, const ct_view *view, const ct_contact *contact)
+static ct_initial_view initial_view(const contact_data *data, const ct_view *view,
+                                    const ct_contact *contact)
 {
   int64_t tail = tail_at(data, contact);
-  return (ct_initial_view){view->time, view->dt, view->memory[tail + BEGUN] == 0.0, stride(data), view->memory + shifts_at(data),
-                           view->memory + KNOWN, view->memory + tail + TAIL,
-                           view->next_memory + shifts_at(data), view->next_memory + tail + TAIL};
+  return (ct_initial_view){view->time,
+                           view->dt,
+                           view->memory[tail + BEGUN] == 0.0,
+                           stride(data),
+                           view->memory + shifts_at(data),
+                           view->memory + KNOWN,
+                           view->memory + tail + TAIL,
+                           view->next_memory + shifts_at(data),
+                           view->next_memory + tail + TAIL};
 }
 
-/* True distances of the points at the current coordinates, or with the displacement null on the undeformed shape. */
-static ct_status look(const ct_effect *effect, const ct_view *view, const double *displacement, ct_error *error)
+/* True distances of the points at the current coordinates, or with the displacement null on the
+ * undeformed shape. */
+static ct_status look(const ct_effect *effect, const ct_view *view, const double *displacement,
+                      ct_error *error)
 {
   const contact_data *data = effect->data;
   contact_scratch *s = view->scratch;
   for (int32_t i = 0; i < effect->node_count; i++)
     for (int c = 0; c < 3; c++) {
       int64_t dof = 3 * (int64_t)effect->nodes[i] + c;
-      s->x[3 * (int64_t)i + c] = view->reference[dof] + (displacement != NULL ? displacement[dof] : 0.0);
+      s->x[3 * (int64_t)i + c] =
+          view->reference[dof] + (displacement != NULL ? displacement[dof] : 0.0);
     }
   s->contact->options.threads = view->threads;
   s->contact->start = !(view->time > 0.0);
   recall(s->contact, view->memory, stride(data));
-  // -- Nodes move from where the last step saw them, and at the first look from the reference shape (eq:gap-bound)
+  // -- Nodes move from where the last step saw them, and at the first look from the reference shape
+  // (eq:gap-bound)
   const int64_t places = places_at(data, s->contact);
   const double *last = s->contact->begun ? view->memory + places : data->reference;
   ct_status status = CT_OK;
@@ -150,7 +179,8 @@ static ct_status look(const ct_effect *effect, const ct_view *view, const double
   }
   if (status == CT_OK) status = ct_contact_measure(s->contact, s->x, s->x, error);
   memcpy(view->next_memory + places, s->x, 3 * (size_t)effect->node_count * sizeof *s->x);
-  if (status != CT_OK && error != NULL && error->point >= 0) error->point = effect->nodes[error->point];
+  if (status != CT_OK && error != NULL && error->point >= 0)
+    error->point = effect->nodes[error->point];
   return status;
 }
 
@@ -169,12 +199,14 @@ static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error 
   if (status == CT_OK && view->dt > 0.0 && view->time > 0.0)
     status = ct_passage_check(contact, effect->nodes, view->velocity, view->dt, view->time, error);
   if (status == CT_OK && shifts) ct_initial_shift(contact, &shown);
-  if (status == CT_OK && shown.first && data->options.initial == CT_INITIAL_REFUSE) status = ct_initial_refuse(contact, error);
+  if (status == CT_OK && shown.first && data->options.initial == CT_INITIAL_REFUSE)
+    status = ct_initial_refuse(contact, error);
   if (status == CT_OK) remember(contact, view->next_memory, stride(data));
   return status;
 }
 
-static ct_status contact_constrain(const ct_effect *effect, const ct_view *view, ct_constraint *list, int64_t *count, ct_error *error)
+static ct_status contact_constrain(const ct_effect *effect, const ct_view *view,
+                                   ct_constraint *list, int64_t *count, ct_error *error)
 {
   static const double at_rest[3] = {0.0, 0.0, 0.0};
   const contact_data *data = effect->data;
@@ -184,8 +216,16 @@ static ct_status contact_constrain(const ct_effect *effect, const ct_view *view,
   int64_t first = 0;
   for (int s = 0; s < contact->sides; s++) {
     const ct_side *side = &contact->side[s];
-    ct_press press = {side, &contact->side[contact->sides - 1 - s], 0.5 * data->options.epsilon, data->options.enforcement, data->options.dissipation, HUGE_VAL, first,
-                      &view->memory[stride(data) * first + FORCE], stride(data), 1};
+    ct_press press = {side,
+                      &contact->side[contact->sides - 1 - s],
+                      0.5 * data->options.epsilon,
+                      data->options.enforcement,
+                      data->options.dissipation,
+                      HUGE_VAL,
+                      first,
+                      &view->memory[stride(data) * first + FORCE],
+                      stride(data),
+                      1};
     *count += ct_press_list(&press, at_rest, &list[*count]);
     first += ct_side_point_count(side);
   }
@@ -193,7 +233,8 @@ static ct_status contact_constrain(const ct_effect *effect, const ct_view *view,
 }
 
 /* Forces of the constraints on the points, and into the memory; the energy that they hold. */
-static void take_constraints(const contact_data *data, const ct_view *view, contact_scratch *scratch)
+static void take_constraints(const contact_data *data, const ct_view *view,
+                             contact_scratch *scratch)
 {
   ct_contact *contact = scratch->contact;
   int64_t first = 0;
@@ -202,13 +243,14 @@ static void take_constraints(const contact_data *data, const ct_view *view, cont
     first += ct_side_point_count(&contact->side[s]);
   }
   int64_t stored = tail_at(data, contact) + STORED;
-  ct_press_remember(view->constraints, view->constraint_count, ct_contact_point_count(contact), &view->next_memory[FORCE],
-                    stride(data));
-  scratch->held = ct_press_energy(view->constraints, view->constraint_count, view->time, view->memory[stored],
-                                  &view->next_memory[stored], contact->terms);
+  ct_press_remember(view->constraints, view->constraint_count, ct_contact_point_count(contact),
+                    &view->next_memory[FORCE], stride(data));
+  scratch->held = ct_press_energy(view->constraints, view->constraint_count, view->time,
+                                  view->memory[stored], &view->next_memory[stored], contact->terms);
 }
 
-static ct_status contact_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status contact_force(const ct_effect *effect, const ct_view *view, double *force,
+                               ct_error *error)
 {
   const contact_data *data = effect->data;
   contact_scratch *s = view->scratch;
@@ -224,7 +266,8 @@ static ct_status contact_force(const ct_effect *effect, const ct_view *view, dou
   return ct_contact_add_force(s->contact, force, force);
 }
 
-static ct_status contact_energy(const ct_effect *effect, const ct_view *view, double *energy, ct_error *error)
+static ct_status contact_energy(const ct_effect *effect, const ct_view *view, double *energy,
+                                ct_error *error)
 {
   const contact_scratch *s = view->scratch;
   (void)error;
@@ -232,7 +275,8 @@ static ct_status contact_energy(const ct_effect *effect, const ct_view *view, do
   return CT_OK;
 }
 
-static ct_status contact_external(const ct_effect *effect, const ct_view *view, double *work, ct_error *error)
+static ct_status contact_external(const ct_effect *effect, const ct_view *view, double *work,
+                                  ct_error *error)
 {
   (void)effect;
   (void)error;
@@ -240,20 +284,27 @@ static ct_status contact_external(const ct_effect *effect, const ct_view *view, 
   return CT_OK;
 }
 
-ct_status ct_contact_spring_frequency(const ct_effect *effect, const void *scratch, double *omega_squared, ct_error *error)
+ct_status ct_contact_spring_frequency(const ct_effect *effect, const void *scratch,
+                                      double *omega_squared, ct_error *error)
 {
   const contact_data *data = effect->data;
-  ct_status status = ct_contact_frequency(((const contact_scratch *)scratch)->contact, data->mass, data->mass, omega_squared);
-  return status == CT_OK ? CT_OK : ct_fail(error, status, CT_NOWHERE, "contact: no bound on the time step");
+  ct_status status = ct_contact_frequency(((const contact_scratch *)scratch)->contact, data->mass,
+                                          data->mass, omega_squared);
+  return status == CT_OK ? CT_OK
+                         : ct_fail(error, status, CT_NOWHERE, "contact: no bound on the time step");
 }
 
-static ct_status contact_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
+static ct_status contact_frequency(const ct_effect *effect, const ct_view *view,
+                                   double *omega_squared, ct_error *error)
 {
   // -- Other enforcements leave the step as it is (eq:controlled-energy)
-  return is_penalty(effect->data) ? ct_contact_spring_frequency(effect, view->scratch, omega_squared, error) : CT_OK;
+  return is_penalty(effect->data)
+             ? ct_contact_spring_frequency(effect, view->scratch, omega_squared, error)
+             : CT_OK;
 }
 
-static ct_status renumber(contact_data *data, const ct_surface *surface[2], const double *nodal_mass, int32_t *count, ct_error *error)
+static ct_status renumber(contact_data *data, const ct_surface *surface[2],
+                          const double *nodal_mass, int32_t *count, ct_error *error)
 {
   int32_t total = surface[0]->node_count;
   int32_t *own = ct_allocate((size_t)total, sizeof *own);
@@ -265,9 +316,9 @@ static ct_status renumber(contact_data *data, const ct_surface *surface[2], cons
     for (size_t i = 0; status == CT_OK && i < entries; i++) {
       int32_t node = surface[s]->faces[i];
       if (node < 0 || node >= total)
-        status = ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, (int64_t)i, node}, "surface %d names node %d of %d", s, (int)node, (int)total);
-      else
-        own[node] = 1;
+        status = ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, (int64_t)i, node},
+                         "surface %d names node %d of %d", s, (int)node, (int)total);
+      else own[node] = 1;
     }
   }
   size_t marked = 0;
@@ -279,21 +330,24 @@ static ct_status renumber(contact_data *data, const ct_surface *surface[2], cons
   for (int32_t n = 0; status == CT_OK && n < total; n++)
     if (own[n]) {
       data->nodes[*count] = n;
-      memcpy(&data->reference[3 * (size_t)*count], &surface[0]->reference[3 * (size_t)n], 3 * sizeof(double));
+      memcpy(&data->reference[3 * (size_t)*count], &surface[0]->reference[3 * (size_t)n],
+             3 * sizeof(double));
       data->mass[*count] = nodal_mass[n];
       own[n] = (*count)++;
     }
   for (int s = 0; status == CT_OK && s < data->sides; s++) {
     size_t entries = (size_t)surface[s]->face_count * (size_t)ct_face_node_count(surface[s]->kind);
     for (size_t i = 0; i < entries; i++) data->faces[s][i] = own[surface[s]->faces[i]];
-    data->surface[s] = (ct_surface){surface[s]->kind, *count, surface[s]->face_count, data->faces[s], data->reference};
+    data->surface[s] = (ct_surface){surface[s]->kind, *count, surface[s]->face_count,
+                                    data->faces[s], data->reference};
   }
   ct_release(own);
-  return status == CT_ERROR_MEMORY ? ct_fail(error, status, CT_NOWHERE, "no memory for a contact") : status;
+  return status == CT_ERROR_MEMORY ? ct_fail(error, status, CT_NOWHERE, "no memory for a contact")
+                                   : status;
 }
 
-/* Operations and bytes of a call with all points pressing, without the rounds in which their forces are found: counted in a
- * contact of two plane surfaces (eq:round-flops). */
+/* Operations and bytes of a call with all points pressing, without the rounds in which their forces
+ * are found: counted in a contact of two plane surfaces (eq:round-flops). */
 static void count_costs(ct_effect *effect, const contact_data *data, int64_t points)
 {
   double listed = is_penalty(data) ? 0.0 : 1.0, memory = 2.0 * stride(data) * sizeof(double);
@@ -302,12 +356,15 @@ static void count_costs(ct_effect *effect, const contact_data *data, int64_t poi
   effect->bytes = bytes * (double)points + 250.0 * effect->node_count;
 }
 
-ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, const ct_contact_options *options,
-                                   const double *nodal_mass, ct_effect **out, ct_error *error)
+ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b,
+                                   const ct_contact_options *options, const double *nodal_mass,
+                                   ct_effect **out, ct_error *error)
 {
-  if (a == NULL || b == NULL || options == NULL || nodal_mass == NULL || out == NULL || a->node_count != b->node_count ||
-      a->reference != b->reference || a->faces == NULL || b->faces == NULL || a->reference == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument, or surfaces of different problems");
+  if (a == NULL || b == NULL || options == NULL || nodal_mass == NULL || out == NULL ||
+      a->node_count != b->node_count || a->reference != b->reference || a->faces == NULL ||
+      b->faces == NULL || a->reference == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "contact: null argument, or surfaces of different problems");
   const ct_surface *surface[2] = {a, b};
   ct_effect *effect = ct_allocate(1, sizeof *effect);
   contact_data *data = ct_allocate(1, sizeof *data);
@@ -318,9 +375,16 @@ ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, con
   }
   data->options = *options;
   data->sides = a == b ? 1 : 2;
-  *effect = (ct_effect){.kind = CT_EFFECT_CONTACT, .name = "contact", .local = 1, .data = data, .create_scratch = create_scratch,
+  *effect = (ct_effect){.kind = CT_EFFECT_CONTACT,
+                        .name = "contact",
+                        .local = 1,
+                        .data = data,
+                        .create_scratch = create_scratch,
                         .free_scratch = free_scratch,
-                        .force = contact_force, .energy = contact_energy, .frequency = contact_frequency, .free_data = free_data};
+                        .force = contact_force,
+                        .energy = contact_energy,
+                        .frequency = contact_frequency,
+                        .free_data = free_data};
   void *trial = NULL;
   ct_status status = renumber(data, surface, nodal_mass, &effect->node_count, error);
   effect->nodes = data->nodes;
@@ -330,7 +394,8 @@ ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b, con
     return status;
   }
   int64_t points = ct_contact_point_count(((contact_scratch *)trial)->contact);
-  effect->memory_count = places_at(data, ((contact_scratch *)trial)->contact) + 3 * (int64_t)effect->node_count;
+  effect->memory_count =
+      places_at(data, ((contact_scratch *)trial)->contact) + 3 * (int64_t)effect->node_count;
   count_costs(effect, data, points);
   if (options->initial == CT_INITIAL_REMOVE) effect->external = contact_external;
   if (!is_penalty(data)) {

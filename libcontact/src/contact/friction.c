@@ -37,7 +37,8 @@ typedef struct friction_scratch {
   double *terms;
 } friction_scratch;
 
-/* What the points of one call share: the effect, its view, and the time since the call before (0: there was none). */
+/* What the points of one call share: the effect, its view, and the time since the call before (0:
+ * there was none). */
 typedef struct call {
   const ct_effect *effect;
   const friction_data *data;
@@ -46,12 +47,23 @@ typedef struct call {
   double moved[3]; /* motion of the obstacle in that time */
 } call;
 
-/* After the points' memory: whether there was a call before, its time, the place of the obstacle then. */
+/* After the points' memory: whether there was a call before, its time, the place of the obstacle
+ * then. */
 enum { TAIL_BEGUN = 0, TAIL_TIME = 1, TAIL_PLACE = 2, TAIL = 5 };
 
-/* Doubles of memory of a point: the partner (face plus one, 0: none), then for a contact its parameters and the slip along the
- * face's tangents and normal, for an obstacle the place of the foot relative to it and the slip; last the dissipation. */
-enum { PARTNER = 0, FOOT = 1, SLIP = 3, LOST = 6, MEMORY = 7, RIGID_SLIP = 4, RIGID_LOST = 7, RIGID_MEMORY = 8 };
+/* Doubles of memory of a point: the partner (face plus one, 0: none), then for a contact its
+ * parameters and the slip along the face's tangents and normal, for an obstacle the place of the
+ * foot relative to it and the slip; last the dissipation. */
+enum {
+  PARTNER = 0,
+  FOOT = 1,
+  SLIP = 3,
+  LOST = 6,
+  MEMORY = 7,
+  RIGID_SLIP = 4,
+  RIGID_LOST = 7,
+  RIGID_MEMORY = 8
+};
 
 double ct_friction_return(double limit, double slip[3])
 {
@@ -63,7 +75,8 @@ double ct_friction_return(double limit, double slip[3])
 }
 
 /* Tangents and unit normal of a face at ξ. Answers 0 where there is no normal. */
-static int frame(const ct_search *search, int32_t face, const double xi[2], double t1[3], double t2[3], double n[3])
+static int frame(const ct_search *search, int32_t face, const double xi[2], double t1[3],
+                 double t2[3], double n[3])
 {
   ct_face nodes;
   ct_search_face(search, face, &nodes);
@@ -71,7 +84,8 @@ static int frame(const ct_search *search, int32_t face, const double xi[2], doub
   return ct_vector_unit_normal(t1, t2, n);
 }
 
-/* Contravariant components of the part of v in the plane of two tangents (eq:friction-components). */
+/* Contravariant components of the part of v in the plane of two tangents (eq:friction-components).
+ */
 static void components(const double t1[3], const double t2[3], const double v[3], double c[2])
 {
   double g11 = ct_vector_dot(t1, t1), g22 = ct_vector_dot(t2, t2), g12 = ct_vector_dot(t1, t2);
@@ -89,21 +103,25 @@ static int is_inside(ct_face_kind kind, const double xi[2])
 }
 
 /* Way of a material point of a face since the call before: the leapfrog's Δt v_{n-1/2}. */
-static void way(const call *now, const ct_search *search, int64_t face, const double N[8], double out[3])
+static void way(const call *now, const ct_search *search, int64_t face, const double N[8],
+                double out[3])
 {
   const int32_t *node = &search->faces[face * search->per];
   for (int c = 0; c < 3; c++) {
     double t[8] = {0.0};
     for (int a = 0; a < search->per; a++) {
       int64_t host = search->nodes[node[a]];
-      t[a] = N[a] * now->view->velocity[3 * (now->data->rigid ? host : (int64_t)now->effect->nodes[host]) + c];
+      t[a] = N[a] *
+             now->view
+                 ->velocity[3 * (now->data->rigid ? host : (int64_t)now->effect->nodes[host]) + c];
     }
     out[c] = now->dt * ct_side_sum(search->per, t);
   }
 }
 
 /* The slip of a point that touched nothing before: the way of this step against the foot. */
-static void first_slip(const call *now, const ct_side *side, const ct_side *other, int64_t i, double v[3])
+static void first_slip(const call *now, const ct_side *side, const ct_side *other, int64_t i,
+                       double v[3])
 {
   double foot[3];
   way(now, side->search, i / side->rule.count, side->N[i % side->rule.count], v);
@@ -111,22 +129,27 @@ static void first_slip(const call *now, const ct_side *side, const ct_side *othe
   for (int c = 0; c < 3; c++) v[c] -= foot[c];
 }
 
-/* The slip before the return: what was held, carried along by the old partner's face, and the way of the point from that partner
- * (eq:friction-trial). */
-static void trial_slip(const call *now, const ct_side *side, const ct_side *other, int64_t i, const double *memory, double v[3])
+/* The slip before the return: what was held, carried along by the old partner's face, and the way
+ * of the point from that partner (eq:friction-trial). */
+static void trial_slip(const call *now, const ct_side *side, const ct_side *other, int64_t i,
+                       const double *memory, double v[3])
 {
   int32_t face = (int32_t)memory[PARTNER] - 1;
   const double *a = &memory[SLIP];
   double t1[3], t2[3], n[3], N[8], origin[3], y[3], foot[3];
-  if (!(memory[PARTNER] >= 1.0) || face >= other->search->face_count || !frame(other->search, face, &memory[FOOT], t1, t2, n)) {
+  if (!(memory[PARTNER] >= 1.0) || face >= other->search->face_count ||
+      !frame(other->search, face, &memory[FOOT], t1, t2, n)) {
     first_slip(now, side, other, i, v);
     return;
   }
-  for (int c = 0; c < 3; c++) origin[c] = 0.5 * (other->search->boxes[face].low[c] + other->search->boxes[face].high[c]);
+  for (int c = 0; c < 3; c++)
+    origin[c] = 0.5 * (other->search->boxes[face].low[c] + other->search->boxes[face].high[c]);
   ct_segment_shape(other->search->kind, &memory[FOOT], N);
   ct_side_interpolate(other, face, N, origin, foot);
-  ct_side_interpolate(side, (int32_t)(i / side->rule.count), side->N[i % side->rule.count], origin, y);
-  for (int c = 0; c < 3; c++) v[c] = ((y[c] - foot[c]) + (a[0] * t1[c] + a[1] * t2[c])) + a[2] * n[c];
+  ct_side_interpolate(side, (int32_t)(i / side->rule.count), side->N[i % side->rule.count], origin,
+                      y);
+  for (int c = 0; c < 3; c++)
+    v[c] = ((y[c] - foot[c]) + (a[0] * t1[c] + a[1] * t2[c])) + a[2] * n[c];
 }
 
 /* Take away the part of v along d. */
@@ -136,8 +159,8 @@ static void make_tangential(const double d[3], double v[3])
   for (int c = 0; c < 3; c++) v[c] -= along * d[c];
 }
 
-/* Traction of a point whose trial slip is known; `k` is the normal stiffness, and the normal force k times the depth below the
- * foot. */
+/* Traction of a point whose trial slip is known; `k` is the normal stiffness, and the normal force
+ * k times the depth below the foot. */
 static void rub(const friction_data *data, double k, const double normal[3], slip_point *p)
 {
   double limit = data->mu / data->rho * (sqrt(ct_vector_dot(normal, normal)) / k);
@@ -157,7 +180,8 @@ static void release(slip_point *p, const double *memory, double *next, int size)
 }
 
 /* One point of a contact. */
-static void rub_contact(const call *now, int s, int64_t i, const double *memory, double *next, slip_point *p)
+static void rub_contact(const call *now, int s, int64_t i, const double *memory, double *next,
+                        slip_point *p)
 {
   const ct_contact *contact = ct_contact_of_scratch(now->view->read);
   const ct_side *side = &contact->side[s], *other = &contact->side[contact->sides - 1 - s];
@@ -166,7 +190,8 @@ static void rub_contact(const call *now, int s, int64_t i, const double *memory,
   release(p, memory, next, MEMORY);
   if (!ct_point_presses(point) || !frame(other->search, point->other, point->xi, t1, t2, n)) return;
 
-  // -- Tangential part of the trial slip, in the plane of the face or across the way to an edge (eq:friction-trial)
+  // -- Tangential part of the trial slip, in the plane of the face or across the way to an edge
+  // (eq:friction-trial)
   trial_slip(now, side, other, i, memory, p->s);
   int inside = is_inside(other->search->kind, point->xi);
   if (!inside) make_tangential(point->force, p->s);
@@ -189,7 +214,8 @@ static void rub_contact(const call *now, int s, int64_t i, const double *memory,
 }
 
 /* One point at an obstacle, which moves but does not turn. */
-static void rub_obstacle(const call *now, int64_t i, const double *memory, double *next, slip_point *p)
+static void rub_obstacle(const call *now, int64_t i, const double *memory, double *next,
+                         slip_point *p)
 {
   const ct_obstacle_points *points = ct_obstacle_of_scratch(now->view->read);
   const ct_side *side = &points->side;
@@ -197,10 +223,12 @@ static void rub_obstacle(const call *now, int64_t i, const double *memory, doubl
   double y[3], first[3];
   release(p, memory, next, RIGID_MEMORY);
   if (!ct_point_presses(point)) return;
-  ct_side_interpolate(side, (int32_t)(i / side->rule.count), side->N[i % side->rule.count], points->place, y);
+  ct_side_interpolate(side, (int32_t)(i / side->rule.count), side->N[i % side->rule.count],
+                      points->place, y);
   way(now, side->search, i / side->rule.count, side->N[i % side->rule.count], first);
   for (int c = 0; c < 3; c++) {
-    p->s[c] = memory[PARTNER] != 0.0 ? (y[c] - memory[FOOT + c]) + memory[RIGID_SLIP + c] : first[c] - now->moved[c];
+    p->s[c] = memory[PARTNER] != 0.0 ? (y[c] - memory[FOOT + c]) + memory[RIGID_SLIP + c]
+                                     : first[c] - now->moved[c];
     next[FOOT + c] = y[c] + point->d[c];
   }
   make_tangential(point->force, p->s);
@@ -222,17 +250,20 @@ static double largest(const friction_scratch *s, int64_t count)
   return top;
 }
 
-/* Add the tractions and couples of one side's points to the nodes of both sides (eq:friction-force). */
-static void spread(const ct_grid *grid, const ct_side *side, const ct_side *other, const slip_point *points,
-                   double *const own[2], double *const others[2])
+/* Add the tractions and couples of one side's points to the nodes of both sides
+ * (eq:friction-force). */
+static void spread(const ct_grid *grid, const ct_side *side, const ct_side *other,
+                   const slip_point *points, double *const own[2], double *const others[2])
 {
   for (int64_t i = 0; i < ct_side_point_count(side); i++) {
     const slip_point *p = &points[i];
     if (!(p->k > 0.0)) continue;
-    ct_side_push(grid, side->search, i / side->rule.count, side->N[i % side->rule.count], p->force, own[0], own[1]);
+    ct_side_push(grid, side->search, i / side->rule.count, side->N[i % side->rule.count], p->force,
+                 own[0], own[1]);
     if (other == NULL) continue;
     const double back[3] = {-p->force[0], -p->force[1], -p->force[2]};
-    ct_side_push(grid, other->search, side->points[i].other, side->points[i].N, back, others[0], others[1]);
+    ct_side_push(grid, other->search, side->points[i].other, side->points[i].N, back, others[0],
+                 others[1]);
     ct_side_push(grid, other->search, side->points[i].other, p->q, p->couple, others[0], others[1]);
   }
 }
@@ -249,8 +280,8 @@ static int sides_of(const friction_data *data, const void *read, const ct_side *
   return contact->sides;
 }
 
-static ct_status gather(const friction_data *data, const void *read, friction_scratch *s, const ct_effect *effect, double *force,
-                        ct_error *error)
+static ct_status gather(const friction_data *data, const void *read, friction_scratch *s,
+                        const ct_effect *effect, double *force, ct_error *error)
 {
   const ct_side *side[2];
   int sides = sides_of(data, read, side);
@@ -280,14 +311,18 @@ static ct_status gather(const friction_data *data, const void *read, friction_sc
   return CT_OK;
 }
 
-/* The time since the call before and the motion of the obstacle in it, from the tail of the memory; and the tail for the next
- * call. */
+/* The time since the call before and the motion of the obstacle in it, from the tail of the memory;
+ * and the tail for the next call. */
 static call begin(const ct_effect *effect, const ct_view *view, int64_t size)
 {
   const friction_data *data = effect->data;
   const double *tail = &view->memory[size * data->points];
   double *next = &view->next_memory[size * data->points];
-  call now = {effect, data, view, tail[TAIL_BEGUN] != 0.0 ? view->time - tail[TAIL_TIME] : 0.0, {0.0, 0.0, 0.0}};
+  call now = {effect,
+              data,
+              view,
+              tail[TAIL_BEGUN] != 0.0 ? view->time - tail[TAIL_TIME] : 0.0,
+              {0.0, 0.0, 0.0}};
   next[TAIL_BEGUN] = 1.0;
   next[TAIL_TIME] = view->time;
   for (int c = 0; c < 3; c++) {
@@ -297,12 +332,15 @@ static call begin(const ct_effect *effect, const ct_view *view, int64_t size)
   return now;
 }
 
-static ct_status friction_force(const ct_effect *effect, const ct_view *view, double *force, ct_error *error)
+static ct_status friction_force(const ct_effect *effect, const ct_view *view, double *force,
+                                ct_error *error)
 {
   const friction_data *data = effect->data;
   friction_scratch *s = view->scratch;
   const ct_side *side[2];
-  if (view->read == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "friction: what it rubs on is not in the problem");
+  if (view->read == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "friction: what it rubs on is not in the problem");
   int sides = sides_of(data, view->read, side), size = data->rigid ? RIGID_MEMORY : MEMORY;
   int64_t first = 0;
   call now = begin(effect, view, size);
@@ -314,10 +352,8 @@ static ct_status friction_force(const ct_effect *effect, const ct_view *view, do
     for (int64_t i = 0; i < count; i++) {
       const double *memory = &view->memory[size * (first + i)];
       double *next = &view->next_memory[size * (first + i)];
-      if (data->rigid)
-        rub_obstacle(&now, i, memory, next, &s->points[i]);
-      else
-        rub_contact(&now, k, i, memory, next, &s->points[first + i]);
+      if (data->rigid) rub_obstacle(&now, i, memory, next, &s->points[i]);
+      else rub_contact(&now, k, i, memory, next, &s->points[first + i]);
     }
     first += count;
   }
@@ -325,11 +361,13 @@ static ct_status friction_force(const ct_effect *effect, const ct_view *view, do
 }
 
 /* max(ρ, μ) times the bound of what is rubbed on (eq:friction-bound). */
-static ct_status friction_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared, ct_error *error)
+static ct_status friction_frequency(const ct_effect *effect, const ct_view *view,
+                                    double *omega_squared, ct_error *error)
 {
   const friction_data *data = effect->data;
-  ct_status status = data->rigid ? ct_obstacle_spring_frequency(data->on, view->read, omega_squared, error)
-                                 : ct_contact_spring_frequency(data->on, view->read, omega_squared, error);
+  ct_status status = data->rigid
+                         ? ct_obstacle_spring_frequency(data->on, view->read, omega_squared, error)
+                         : ct_contact_spring_frequency(data->on, view->read, omega_squared, error);
   *omega_squared *= fmax(data->rho, data->mu);
   return status;
 }
@@ -386,18 +424,23 @@ static ct_status count(friction_data *data, ct_error *error)
 
 static ct_status check(const ct_friction *f, const ct_problem *problem, ct_error *error)
 {
-  if (f == NULL || problem == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "friction: null argument");
+  if (f == NULL || problem == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "friction: null argument");
   if (f->on == NULL || (f->on->kind != CT_EFFECT_CONTACT && f->on->kind != CT_EFFECT_OBSTACLE))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "friction: needs a contact or an obstacle, for there is no friction without a pressure");
+    return ct_fail(
+        error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+        "friction: needs a contact or an obstacle, for there is no friction without a pressure");
   if (!(f->coefficient > 0.0) || !isfinite(f->coefficient))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "friction: the coefficient must be positive, not %g", f->coefficient);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "friction: the coefficient must be positive, not %g", f->coefficient);
   if (!(f->tangent >= 0.0) || !isfinite(f->tangent))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "friction: a tangential penalty of %g times the normal one", f->tangent);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "friction: a tangential penalty of %g times the normal one", f->tangent);
   return CT_OK;
 }
 
-ct_status ct_friction_create_effect(const ct_friction *friction, const ct_problem *problem, ct_effect **out, ct_error *error)
+ct_status ct_friction_create_effect(const ct_friction *friction, const ct_problem *problem,
+                                    ct_effect **out, ct_error *error)
 {
   if (out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "friction: null argument");
   ct_status status = check(friction, problem, error);
@@ -409,13 +452,21 @@ ct_status ct_friction_create_effect(const ct_friction *friction, const ct_proble
     ct_release(data);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for friction");
   }
-  *data = (friction_data){.on = friction->on, .mu = friction->coefficient,
+  *data = (friction_data){.on = friction->on,
+                          .mu = friction->coefficient,
                           .rho = friction->tangent > 0.0 ? friction->tangent : 1.0,
                           .rigid = friction->on->kind == CT_EFFECT_OBSTACLE};
-  *effect = (ct_effect){.kind = CT_EFFECT_FRICTION, .name = "friction", .local = 1, .data = data, .nodes = friction->on->nodes,
+  *effect = (ct_effect){.kind = CT_EFFECT_FRICTION,
+                        .name = "friction",
+                        .local = 1,
+                        .data = data,
+                        .nodes = friction->on->nodes,
                         .node_count = friction->on->node_count,
-                        .reads = friction->on, .create_scratch = create_scratch, .free_scratch = free_scratch,
-                        .force = friction_force, .frequency = friction_frequency,
+                        .reads = friction->on,
+                        .create_scratch = create_scratch,
+                        .free_scratch = free_scratch,
+                        .force = friction_force,
+                        .frequency = friction_frequency,
                         .free_data = ct_release};
   status = count(data, error);
   if (status != CT_OK) {
@@ -425,23 +476,26 @@ ct_status ct_friction_create_effect(const ct_friction *friction, const ct_proble
   // With all points pressing, counted on two plane surfaces and on a plane.
   effect->flops = (data->rigid ? 225.0 : 750.0) * (double)data->points;
   double memory = 16.0 * (data->rigid ? RIGID_MEMORY : MEMORY);
-  effect->bytes = (2.0 * sizeof(slip_point) + sizeof(ct_gauss_point) + memory) * (double)data->points + 250.0 * effect->node_count;
+  effect->bytes =
+      (2.0 * sizeof(slip_point) + sizeof(ct_gauss_point) + memory) * (double)data->points +
+      250.0 * effect->node_count;
   effect->memory_count = (data->rigid ? RIGID_MEMORY : MEMORY) * data->points + TAIL;
   *out = effect;
   return CT_OK;
 }
 
-ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t k, double *held, double *dissipated,
-                             ct_error *error)
+ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t k, double *held,
+                             double *dissipated, ct_error *error)
 {
-  if (problem == NULL || state == NULL || held == NULL || dissipated == NULL || k < 0 || k >= problem->effect_count ||
-      problem->effects[k]->kind != CT_EFFECT_FRICTION)
+  if (problem == NULL || state == NULL || held == NULL || dissipated == NULL || k < 0 ||
+      k >= problem->effect_count || problem->effects[k]->kind != CT_EFFECT_FRICTION)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no friction", (int)k);
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   const friction_data *data = problem->effects[k]->data;
   friction_scratch *s = state->workspace->scratch[k];
-  for (int64_t i = 0; i < data->points; i++) s->terms[i] = 0.5 * s->points[i].k * ct_vector_dot(s->points[i].s, s->points[i].s);
+  for (int64_t i = 0; i < data->points; i++)
+    s->terms[i] = 0.5 * s->points[i].k * ct_vector_dot(s->points[i].s, s->points[i].s);
   *held = ct_sum(s->terms, data->points);
   for (int64_t i = 0; i < data->points; i++) s->terms[i] = s->points[i].lost;
   *dissipated = ct_sum(s->terms, data->points);

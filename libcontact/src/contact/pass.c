@@ -13,13 +13,14 @@ typedef struct nearest {
   ct_projection foot;
   double most;            /* how far it looks */
   double origin[3], y[3]; /* the middle of the face's box, and the point relative to it */
-  double own[3];          /* unit normal at the point, of a surface with itself and where `same_side` is set */
-  int same_side;          /* whether far sides are left out: faces that look away from `last` */
-  double last[3];         /* unit normal of the other side where the point was in the last step */
+  double
+      own[3]; /* unit normal at the point, of a surface with itself and where `same_side` is set */
+  int same_side;  /* whether far sides are left out: faces that look away from `last` */
+  double last[3]; /* unit normal of the other side where the point was in the last step */
 } nearest;
 
-/* Where a point is, seen from the place that it has found: nothing near, beyond the border, outside, inside, inside beneath a far
- * side. */
+/* Where a point is, seen from the place that it has found: nothing near, beyond the border,
+ * outside, inside, inside beneath a far side. */
 typedef enum verdict { NOWHERE, BEYOND, OUTSIDE, INSIDE, FAR } verdict;
 
 /* Position of a Gauss point, relative to `origin`. */
@@ -28,16 +29,18 @@ static void position(const ct_side *side, int32_t face, int q, const double orig
   ct_side_interpolate(side, face, side->N[q], origin, y);
 }
 
-/* Middle of a face's box: subtracted from the face and the point before they meet, so that far from the origin no digits are
- * lost. */
+/* Middle of a face's box: subtracted from the face and the point before they meet, so that far from
+ * the origin no digits are lost. */
 static void middle(const ct_bounds *box, double origin[3])
 {
   for (int c = 0; c < 3; c++) origin[c] = 0.5 * (box->low[c] + box->high[c]);
 }
 
-/* How deep a point of a surface may be under a foot on another part of it: half as deep as it was under that place in the
- * reference shape, if it was under it, for then the foot is on the far side of the body; else as deep as any (eq:self-depth). */
-static double deepest(const ct_pass *p, int32_t face, int q, int32_t target, const ct_projection *foot)
+/* How deep a point of a surface may be under a foot on another part of it: half as deep as it was
+ * under that place in the reference shape, if it was under it, for then the foot is on the far side
+ * of the body; else as deep as any (eq:self-depth). */
+static double deepest(const ct_pass *p, int32_t face, int q, int32_t target,
+                      const ct_projection *foot)
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
   double N[8], X[3], d[3], own[3], normal[3];
@@ -52,8 +55,8 @@ static double deepest(const ct_pass *p, int32_t face, int q, int32_t target, con
   return ct_vector_dot(d, normal) > 0.0 ? fmin(p->deep, 0.5 * sqrt(ct_vector_dot(d, d))) : p->deep;
 }
 
-/* Bound of what the motion since the last update can have changed of the distance between a point and a place of a face
- * (eq:gap-bound). */
+/* Bound of what the motion since the last update can have changed of the distance between a point
+ * and a place of a face (eq:gap-bound). */
 static double motion_over(const ct_pass *p, int32_t face, int q, int32_t target)
 {
   const ct_search *search = p->other->search;
@@ -61,7 +64,8 @@ static double motion_over(const ct_pass *p, int32_t face, int q, int32_t target)
   double own[3], top = 0.0;
   ct_side_moved(p->side, face, p->side->N[q], own);
   for (int a = 0; a < search->per; a++) {
-    const double *theirs = &p->other->moved[3 * (int64_t)search->faces[(int64_t)target * search->per + a]];
+    const double *theirs =
+        &p->other->moved[3 * (int64_t)search->faces[(int64_t)target * search->per + a]];
     const double d[3] = {own[0] - theirs[0], own[1] - theirs[1], own[2] - theirs[2]};
     top = fmax(top, ct_vector_dot(d, d));
   }
@@ -76,7 +80,8 @@ static double motion_of(const ct_pass *p, int32_t face, int q, int32_t target)
   return last < 0 || last == target ? motion : fmax(motion, motion_over(p, face, q, last));
 }
 
-/* Unit normal, now, of the other side where a point was in the last step. Answers 0 when it was nowhere. */
+/* Unit normal, now, of the other side where a point was in the last step. Answers 0 when it was
+ * nowhere. */
 static int last_normal(const ct_pass *p, const ct_gauss_point *point, double normal[3])
 {
   ct_face face;
@@ -85,25 +90,32 @@ static int last_normal(const ct_pass *p, const ct_gauss_point *point, double nor
   return ct_segment_normal(&face, point->xi, normal) == CT_OK;
 }
 
-/* Whether a place with the normal `normal` (of any length) looks at a point with the normal `own`, or looks across and the same
- * way as the place where the point was in the last step (eq:self-adjacent). */
-static int looks_at(const ct_pass *p, const ct_gauss_point *point, const double own[3], const double normal[3])
+/* Whether a place with the normal `normal` (of any length) looks at a point with the normal `own`,
+ * or looks across and the same way as the place where the point was in the last step
+ * (eq:self-adjacent). */
+static int looks_at(const ct_pass *p, const ct_gauss_point *point, const double own[3],
+                    const double normal[3])
 {
   double last[3], length = sqrt(ct_vector_dot(normal, normal)), along = ct_vector_dot(own, normal);
   if (along < -0.25 * length) return 1;
-  return along < 0.5 * length && last_normal(p, point, last) && ct_vector_dot(last, normal) > 0.5 * length;
+  return along < 0.5 * length && last_normal(p, point, last) &&
+         ct_vector_dot(last, normal) > 0.5 * length;
 }
 
-/* In a contact of a surface with itself, whether a foot is one to be pushed from: the faces look at each other, no face at the
- * foot is nearer (one that shares a node with the point's own would not have been tried, eq:local-minimum), and the point is not
- * deeper under it than it may be. `own` is the normal at the point. */
-static int may_push(const ct_pass *p, int32_t face, int q, const double own[3], const double y[3], int32_t target, const ct_projection *foot)
+/* In a contact of a surface with itself, whether a foot is one to be pushed from: the faces look at
+ * each other, no face at the foot is nearer (one that shares a node with the point's own would not
+ * have been tried, eq:local-minimum), and the point is not deeper under it than it may be. `own` is
+ * the normal at the point. */
+static int may_push(const ct_pass *p, int32_t face, int q, const double own[3], const double y[3],
+                    int32_t target, const ct_projection *foot)
 {
   double normal[3], d[3];
-  (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
+  (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal,
+                         normal);
   for (int c = 0; c < 3; c++) d[c] = foot->point[c] - y[c];
   if (!ct_pass_looks_across(own, normal)) return 0;
-  if (!ct_search_is_minimum(p->other->search, target, foot->where, foot->index, foot->xi, d)) return 0;
+  if (!ct_search_is_minimum(p->other->search, target, foot->where, foot->index, foot->xi, d))
+    return 0;
   if (!(ct_vector_dot(d, normal) > 0.0)) return 1;
   const ct_gauss_point *point = &p->side->points[(int64_t)face * p->side->rule.count + q];
   if (!looks_at(p, point, own, normal)) return 0;
@@ -112,8 +124,10 @@ static int may_push(const ct_pass *p, int32_t face, int q, const double own[3], 
   return foot->distance <= fmin(came, deepest(p, face, q, target, foot));
 }
 
-/* Project a point on one face of the other side, both seen from `origin`. Answers 0 when it has no foot there. */
-static int project(const ct_pass *p, int32_t face, int q, int32_t target, const double *start, double origin[3], double y[3], ct_projection *foot)
+/* Project a point on one face of the other side, both seen from `origin`. Answers 0 when it has no
+ * foot there. */
+static int project(const ct_pass *p, int32_t face, int q, int32_t target, const double *start,
+                   double origin[3], double y[3], ct_projection *foot)
 {
   ct_project_options options = p->project;
   ct_face shifted;
@@ -128,11 +142,13 @@ static int project(const ct_pass *p, int32_t face, int q, int32_t target, const 
     options.start[1] = start[1];
   }
   ct_status status = ct_project(&shifted, y, &options, foot);
-  return (status == CT_OK || status == CT_NOT_CERTIFIED || status == CT_ITERATION_LIMIT) && foot->where != CT_OUTSIDE;
+  return (status == CT_OK || status == CT_NOT_CERTIFIED || status == CT_ITERATION_LIMIT) &&
+         foot->where != CT_OUTSIDE;
 }
 
-/* Whether a place with the normal `normal` (of any length) is on the far side, seen from where a point was, with the unit normal
- * `last` (eq:far-side): it looks away from that, or the same way as the point, and is not the side where the point was. */
+/* Whether a place with the normal `normal` (of any length) is on the far side, seen from where a
+ * point was, with the unit normal `last` (eq:far-side): it looks away from that, or the same way as
+ * the point, and is not the side where the point was. */
 static int is_far(const double own[3], const double last[3], const double normal[3])
 {
   double along = ct_vector_dot(last, normal), half = 0.5 * sqrt(ct_vector_dot(normal, normal));
@@ -140,15 +156,18 @@ static int is_far(const double own[3], const double last[3], const double normal
 }
 
 /* Whether a foot is on the far side of where the point was. */
-static int is_foot_far(const ct_pass *p, const nearest *best, int32_t target, const ct_projection *foot)
+static int is_foot_far(const ct_pass *p, const nearest *best, int32_t target,
+                       const ct_projection *foot)
 {
   double normal[3];
-  (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal, normal);
+  (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal,
+                         normal);
   return is_far(best->own, best->last, normal);
 }
 
 /* Try one face of the other side and keep the answer if it is the nearest. */
-static void try_face(const ct_pass *p, int32_t face, int q, int32_t target, const double *start, nearest *best)
+static void try_face(const ct_pass *p, int32_t face, int q, int32_t target, const double *start,
+                     nearest *best)
 {
   ct_projection foot;
   double origin[3], y[3];
@@ -165,17 +184,18 @@ static void try_face(const ct_pass *p, int32_t face, int q, int32_t target, cons
   }
 }
 
-/* On the border of an open surface: whether the point is above the face and not beyond it, to rounding; for points that lie on
- * edges themselves. */
+/* On the border of an open surface: whether the point is above the face and not beyond it, to
+ * rounding; for points that lie on edges themselves. */
 static int above_border(const ct_projection *foot, const double d[3])
 {
   double along = ct_vector_dot(d, foot->normal);
   return ct_vector_dot(d, d) - along * along <= 1e-12 * ct_vector_dot(d, d);
 }
 
-/* Gap vector d = ȳ - y and the signed gap of a point over a place of a face (eq:gap), whose normal is known. `origin` was
- * subtracted from y. */
-static void gap_over(const ct_pass *p, int32_t target, const double xi[2], const double origin[3], const double y[3], ct_gauss_point *point)
+/* Gap vector d = ȳ - y and the signed gap of a point over a place of a face (eq:gap), whose normal
+ * is known. `origin` was subtracted from y. */
+static void gap_over(const ct_pass *p, int32_t target, const double xi[2], const double origin[3],
+                     const double y[3], ct_gauss_point *point)
 {
   double foot[3];
   ct_segment_shape(p->other->search->kind, xi, point->N);
@@ -185,46 +205,56 @@ static void gap_over(const ct_pass *p, int32_t target, const double xi[2], const
   point->gap = ct_vector_dot(point->d, point->normal) > 0.0 ? -distance : distance;
 }
 
-/* Whether the gap of the last update and the one over the place found are distances from the same side: a point in contact may
- * have been held under a side that is not the nearest (eq:held). */
+/* Whether the gap of the last update and the one over the place found are distances from the same
+ * side: a point in contact may have been held under a side that is not the nearest (eq:held). */
 static int is_same_side(const ct_pass *p, const ct_gauss_point *point)
 {
   double last[3];
   if (point->history != CT_POINT_INSIDE) return 1;
-  return last_normal(p, point, last) && ct_vector_dot(last, point->normal) > 0.5 * sqrt(ct_vector_dot(point->normal, point->normal));
+  return last_normal(p, point, last) && ct_vector_dot(last, point->normal) >
+                                            0.5 * sqrt(ct_vector_dot(point->normal, point->normal));
 }
 
-/* The side of the surface that a point is on cannot change while the motion is smaller than its distance (eq:gap-bound). */
+/* The side of the surface that a point is on cannot change while the motion is smaller than its
+ * distance (eq:gap-bound). */
 static void keep_side(const ct_pass *p, int32_t face, int q, int32_t target, ct_gauss_point *point)
 {
-  if (isnan(point->known) || fabs(point->gap - point->known) <= fabs(point->gap + point->known) || !is_same_side(p, point)) return;
+  if (isnan(point->known) || fabs(point->gap - point->known) <= fabs(point->gap + point->known) ||
+      !is_same_side(p, point))
+    return;
   double motion = motion_of(p, face, q, target);
-  if (fabs(point->gap - point->known) > motion && fabs(point->gap + point->known) <= motion) point->gap = -point->gap;
+  if (fabs(point->gap - point->known) > motion && fabs(point->gap + point->known) <= motion)
+    point->gap = -point->gap;
 }
 
-/* Whether a point in contact with a place that it looks at comes to another one that is as near, so that its gap does not leap
- * (eq:gap-bound), and that does not look away from the first: then it is handed over, whichever way the place looks
- * (eq:far-side). */
-static int is_handed_over(const ct_pass *p, int32_t face, int q, int32_t target, const double own[3], const double last[3],
-                          const ct_gauss_point *point)
+/* Whether a point in contact with a place that it looks at comes to another one that is as near, so
+ * that its gap does not leap (eq:gap-bound), and that does not look away from the first: then it is
+ * handed over, whichever way the place looks (eq:far-side). */
+static int is_handed_over(const ct_pass *p, int32_t face, int q, int32_t target,
+                          const double own[3], const double last[3], const ct_gauss_point *point)
 {
   const double *normal = point->normal;
-  if (point->history != CT_POINT_INSIDE || isnan(point->known) || !(ct_vector_dot(own, last) < -0.25)) return 0;
+  if (point->history != CT_POINT_INSIDE || isnan(point->known) ||
+      !(ct_vector_dot(own, last) < -0.25))
+    return 0;
   return ct_vector_dot(last, normal) >= -0.5 * sqrt(ct_vector_dot(normal, normal)) &&
          fabs(point->gap - point->known) <= motion_of(p, face, q, target);
 }
 
 /* The gap of a point over the face it has found, and what it says of the point. */
-static verdict measure(const ct_pass *p, int32_t face, int q, const nearest *best, ct_gauss_point *point)
+static verdict measure(const ct_pass *p, int32_t face, int q, const nearest *best,
+                       ct_gauss_point *point)
 {
   double own[3], last[3], *normal = point->normal;
-  int within = ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index, best->foot.xi, best->foot.normal, normal);
+  int within = ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index,
+                                best->foot.xi, best->foot.normal, normal);
   gap_over(p, best->face, best->foot.xi, best->origin, best->y, point);
   if (within) keep_side(p, face, q, best->face, point);
   if (!within && !(p->side->on_edges && above_border(&best->foot, point->d))) return BEYOND;
   int held = point->history == CT_POINT_INSIDE && !p->self;
   if (point->gap >= 0.0 && !held) return OUTSIDE;
-  // -- Far sides: what looks away from where the point was, or the same way as a point that comes in (eq:far-side)
+  // -- Far sides: what looks away from where the point was, or the same way as a point that comes
+  // in (eq:far-side)
   if (!ct_pass_own_normal(p, face, q, own)) return FAR;
   if (!p->self && last_normal(p, point, last) && is_far(own, last, normal) &&
       !is_handed_over(p, face, q, best->face, own, last, point))
@@ -233,10 +263,11 @@ static verdict measure(const ct_pass *p, int32_t face, int q, const nearest *bes
   return ct_pass_looks_across(own, normal) ? INSIDE : FAR;
 }
 
-/* The gap that the next update may go by: beyond a border there are no sides, so a point of a surface with itself may come in
- * from there at any depth, and the side of another point is not known; nor is that of a point under a place that was not
- * taken. */
-static double known_gap(const ct_pass *p, verdict found, int32_t target, const ct_gauss_point *point)
+/* The gap that the next update may go by: beyond a border there are no sides, so a point of a
+ * surface with itself may come in from there at any depth, and the side of another point is not
+ * known; nor is that of a point under a place that was not taken. */
+static double known_gap(const ct_pass *p, verdict found, int32_t target,
+                        const ct_gauss_point *point)
 {
   if (target < 0) return NAN;
   if (found == BEYOND) return p->self ? -fabs(point->gap) : NAN;
@@ -244,7 +275,8 @@ static double known_gap(const ct_pass *p, verdict found, int32_t target, const c
 }
 
 /* Write what has become of a point, and its force. */
-static void close_point(const ct_pass *p, int64_t number, verdict found, int32_t target, const double xi[2])
+static void close_point(const ct_pass *p, int64_t number, verdict found, int32_t target,
+                        const double xi[2])
 {
   ct_gauss_point *point = &p->side->points[number];
   int met = found == INSIDE || found == OUTSIDE;
@@ -252,44 +284,56 @@ static void close_point(const ct_pass *p, int64_t number, verdict found, int32_t
   int inside = met && point->gap < 0.0;
   double stiff = inside ? 0.5 * p->epsilon * p->side->weight[number] : 0.0;
   for (int c = 0; c < 3; c++) point->force[c] = inside ? stiff * point->d[c] : 0.0;
-  point->history = found == INSIDE ? CT_POINT_INSIDE : found == OUTSIDE ? CT_POINT_OUTSIDE : found == FAR ? CT_POINT_BURIED : CT_POINT_NEW;
+  point->history = found == INSIDE    ? CT_POINT_INSIDE
+                   : found == OUTSIDE ? CT_POINT_OUTSIDE
+                   : found == FAR     ? CT_POINT_BURIED
+                                      : CT_POINT_NEW;
   point->other = met ? target : -1;
   point->known = known_gap(p, found, target, point);
   if (!met) point->gap = NAN;
   else memcpy(point->xi, xi, sizeof point->xi);
 }
 
-/* Begin with nothing found; a surface in contact with itself needs its own normal first, a search on one side that of the last
- * step too. Answers 0 when there is none. */
+/* Begin with nothing found; a surface in contact with itself needs its own normal first, a search
+ * on one side that of the last step too. Answers 0 when there is none. */
 static int begin(const ct_pass *p, int32_t face, int q, int same_side, double most, nearest *best)
 {
   *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .most = most, .same_side = same_side};
   if (!p->self && !same_side) return 1;
-  if (same_side && !last_normal(p, &p->side->points[(int64_t)face * p->side->rule.count + q], best->last)) return 0;
+  if (same_side &&
+      !last_normal(p, &p->side->points[(int64_t)face * p->side->rule.count + q], best->last))
+    return 0;
   return ct_pass_own_normal(p, face, q, best->own);
 }
 
-/* The nearest face of a point, or the nearest that is on no far side. A point that is in contact looks as far as it takes, but
- * not on its own surface (eq:held). */
-static void find_nearest(const ct_pass *p, int32_t face, int q, const double y[3], int same_side, nearest *best)
+/* The nearest face of a point, or the nearest that is on no far side. A point that is in contact
+ * looks as far as it takes, but not on its own surface (eq:held). */
+static void find_nearest(const ct_pass *p, int32_t face, int q, const double y[3], int same_side,
+                         nearest *best)
 {
   const ct_side *side = p->side, *other = p->other;
   const ct_gauss_point *point = &side->points[(int64_t)face * side->rule.count + q];
   int held = point->history == CT_POINT_INSIDE && !p->self;
-  double most = held ? HUGE_VAL : point->history == CT_POINT_INSIDE ? p->depth - point->known : p->depth;
+  double most = held                                ? HUGE_VAL
+                : point->history == CT_POINT_INSIDE ? p->depth - point->known
+                                                    : p->depth;
   if (!begin(p, face, q, same_side, most, best)) return;
 
   // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)
   int32_t warm = point->other;
-  if (warm >= 0 && ct_bounds_distance(&other->search->boxes[warm], y) <= most) try_face(p, face, q, warm, point->xi, best);
+  if (warm >= 0 && ct_bounds_distance(&other->search->boxes[warm], y) <= most)
+    try_face(p, face, q, warm, point->xi, best);
   for (int32_t i = side->candidate_first[face]; i < side->candidate_first[face + 1]; i++) {
     int32_t target = side->candidates[i];
     double reach = best->distance < most ? best->distance : most;
-    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= reach) try_face(p, face, q, target, NULL, best);
+    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= reach)
+      try_face(p, face, q, target, NULL, best);
   }
   // -- Deeper than the lists reach: try all faces (eq:held)
-  for (int32_t target = 0; held && best->distance > side->listed[face] && target < other->search->face_count; target++)
-    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= best->distance) try_face(p, face, q, target, NULL, best);
+  for (int32_t target = 0;
+       held && best->distance > side->listed[face] && target < other->search->face_count; target++)
+    if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= best->distance)
+      try_face(p, face, q, target, NULL, best);
 }
 
 /* Whether the point was in contact, or outside over a face that it looks at, in the last step. */
@@ -297,22 +341,26 @@ static int came_in(const ct_pass *p, int32_t face, int q, const ct_gauss_point *
 {
   double own[3], last[3];
   if (point->history == CT_POINT_INSIDE) return 1;
-  return last_normal(p, point, last) && ct_pass_own_normal(p, face, q, own) && ct_pass_looks_across(own, last);
+  return last_normal(p, point, last) && ct_pass_own_normal(p, face, q, own) &&
+         ct_pass_looks_across(own, last);
 }
 
-/* The nearest place is a far side. A point that came in by another side belongs to that one still, unless it has left the body
- * (eq:held). */
-static verdict judge_far(const ct_pass *p, int32_t face, int q, const double y[3], nearest *best, ct_gauss_point *point)
+/* The nearest place is a far side. A point that came in by another side belongs to that one still,
+ * unless it has left the body (eq:held). */
+static verdict judge_far(const ct_pass *p, int32_t face, int q, const double y[3], nearest *best,
+                         ct_gauss_point *point)
 {
   int has_left = point->gap >= 0.0;
   if (p->self || !came_in(p, face, q, point)) return FAR;
   find_nearest(p, face, q, y, 1, best);
-  if (best->face == INT32_MAX || measure(p, face, q, best, point) != INSIDE) return has_left ? NOWHERE : FAR;
+  if (best->face == INT32_MAX || measure(p, face, q, best, point) != INSIDE)
+    return has_left ? NOWHERE : FAR;
   double along = ct_vector_dot(point->d, best->foot.normal);
   return has_left && along * along < 0.5 * ct_vector_dot(point->d, point->d) ? NOWHERE : INSIDE;
 }
 
-/* Whether a point with nothing near lies deep in the other body, at the very first look (eq:point-history). */
+/* Whether a point with nothing near lies deep in the other body, at the very first look
+ * (eq:point-history). */
 static int is_buried(const ct_pass *p, const double y[3])
 {
   ct_nearest foot;
@@ -320,11 +368,13 @@ static int is_buried(const ct_pass *p, const double y[3])
   if (p->self || !p->first) return 0;
   ct_search_point(p->other->search, y, -1, HUGE_VAL, p->project.tolerance, NULL, NULL, &foot);
   return foot.face >= 0 && foot.signed_distance < 0.0 &&
-         ct_search_normal(p->other->search, foot.face, foot.where, foot.index, foot.xi, foot.normal, normal);
+         ct_search_normal(p->other->search, foot.face, foot.where, foot.index, foot.xi, foot.normal,
+                          normal);
 }
 
 /* What the place that a point has found and its history say together (eq:point-history). */
-static verdict judge(const ct_pass *p, int32_t face, int q, const double y[3], nearest *best, ct_gauss_point *point)
+static verdict judge(const ct_pass *p, int32_t face, int q, const double y[3], nearest *best,
+                     ct_gauss_point *point)
 {
   int buried = point->history == CT_POINT_BURIED;
   if (best->face == INT32_MAX) return buried || is_buried(p, y) ? FAR : NOWHERE;
@@ -338,8 +388,8 @@ static verdict judge(const ct_pass *p, int32_t face, int q, const double y[3], n
   return found;
 }
 
-/* Whether nothing can be near a point: it was over no face, and no face is listed for its own; at the very first look it may be
- * deep inside (eq:point-history). */
+/* Whether nothing can be near a point: it was over no face, and no face is listed for its own; at
+ * the very first look it may be deep inside (eq:point-history). */
 static int is_alone(const ct_pass *p, int32_t face, const ct_gauss_point *point)
 {
   const int32_t *list = &p->side->candidate_first[face];
@@ -369,21 +419,35 @@ static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
   unsigned settled = lanes ? ct_pass_warm(p, first, count) : 0;
   int32_t points = p->side->rule.count;
   for (int i = 0; i < count; i++)
-    if (!(settled >> i & 1)) search_point(p, (int32_t)((first + i) / points), (int)((first + i) % points));
+    if (!(settled >> i & 1))
+      search_point(p, (int32_t)((first + i) / points), (int)((first + i) % points));
 }
 
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options, double depth, double deep, int first)
+void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options,
+                    double depth, double deep, int first)
 {
-  ct_pass p = {side, other, ct_project_options_default(), options->epsilon, depth, deep, side == other, first, *other->search};
+  ct_pass p = {side,
+               other,
+               ct_project_options_default(),
+               options->epsilon,
+               depth,
+               deep,
+               side == other,
+               first,
+               *other->search};
   p.reference.x = other->reference;
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
-  // A surface with itself judges feet by more than their distance, other methods have no lanes, and lanes take faces of one kind.
-  int lanes = !p.self && options->method == CT_ROBUST && side->search->kind == other->search->kind && (other->search->kind == CT_Q4 || other->search->kind == CT_Q8);
+  // A surface with itself judges feet by more than their distance, other methods have no lanes, and
+  // lanes take faces of one kind.
+  int lanes = !p.self && options->method == CT_ROBUST &&
+              side->search->kind == other->search->kind &&
+              (other->search->kind == CT_Q4 || other->search->kind == CT_Q8);
   int64_t count = ct_side_point_count(side);
 #ifdef _OPENMP
   int threads = ct_threads(options->threads);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
-  for (int64_t i = 0; i < count; i += CT_WARM) search_block(&p, lanes, i, count - i < CT_WARM ? (int)(count - i) : CT_WARM);
+  for (int64_t i = 0; i < count; i += CT_WARM)
+    search_block(&p, lanes, i, count - i < CT_WARM ? (int)(count - i) : CT_WARM);
 }

@@ -34,7 +34,8 @@ static int is_no_far_side(void *user, int32_t face)
   return !(ct_vector_dot(down, s->normal) < 0.0) || !(ct_vector_dot(normal, s->normal) < -0.5);
 }
 
-/* Smallest distance of the middle of a face from a far side beneath it, where that is less than `most` (eq:passage). */
+/* Smallest distance of the middle of a face from a far side beneath it, where that is less than
+ * `most` (eq:passage). */
 static double thickness(ct_search *search, double most)
 {
   double thin = most;
@@ -44,13 +45,15 @@ static double thickness(ct_search *search, double most)
     skin s = {.search = search};
     ct_nearest foot;
     if (!middle_of(search, f, s.middle, s.normal)) continue;
-    ct_search_point(search, s.middle, -1, thin * thin, ct_search_options_default().tolerance, is_no_far_side, &s, &foot);
+    ct_search_point(search, s.middle, -1, thin * thin, ct_search_options_default().tolerance,
+                    is_no_far_side, &s, &foot);
     if (foot.face >= 0) thin = fmin(thin, foot.distance);
   }
   return thin;
 }
 
-/* Width of a face: its area over its longest edge, for a triangle its least height (eq:contact-near). */
+/* Width of a face: its area over its longest edge, for a triangle its least height
+ * (eq:contact-near). */
 static double width_of(const ct_search *search, int32_t face)
 {
   static const double middle[2][2] = {{0.0, 0.0}, {1.0 / 3.0, 1.0 / 3.0}};
@@ -81,15 +84,19 @@ void ct_passage_init(ct_contact *contact)
   }
   // -- Three quarters of a body's thickness, if that is less (eq:contact-near, eq:passage)
   for (int s = 0; s < contact->sides; s++)
-    contact->room = fmin(contact->room, 0.75 * thickness(contact->side[s].search, contact->room / 0.75));
-  // Gaps that are closed at the start are seen until they have opened by as much again (eq:initial-adjust).
+    contact->room =
+        fmin(contact->room, 0.75 * thickness(contact->side[s].search, contact->room / 0.75));
+  // Gaps that are closed at the start are seen until they have opened by as much again
+  // (eq:initial-adjust).
   contact->near = given ? contact->depth : fmax(contact->room, 2.0 * contact->options.adjust);
-  // -- Half of a mean width, which a few faces that are much narrower or wider hardly change (eq:skin-mean)
+  // -- Half of a mean width, which a few faces that are much narrower or wider hardly change
+  // (eq:skin-mean)
   contact->skin = 0.5 * exp(sum / count);
 }
 
 /* Box of what `values` has at the nodes of a surface; `nodes` numbers them in `values`, or null. */
-static void box_of(const ct_search *search, const int32_t *nodes, const double *values, ct_bounds *box)
+static void box_of(const ct_search *search, const int32_t *nodes, const double *values,
+                   ct_bounds *box)
 {
   for (int c = 0; c < 3; c++) box->low[c] = INFINITY, box->high[c] = -INFINITY;
   for (int32_t n = 0; n < search->node_count; n++) {
@@ -112,18 +119,22 @@ static double farthest(const ct_bounds *a, const ct_bounds *b)
 static double closest(const ct_bounds *a, const ct_bounds *b)
 {
   double d[3];
-  for (int c = 0; c < 3; c++) d[c] = fmax(fmax(a->low[c] - b->high[c], b->low[c] - a->high[c]), 0.0);
+  for (int c = 0; c < 3; c++)
+    d[c] = fmax(fmax(a->low[c] - b->high[c], b->low[c] - a->high[c]), 0.0);
   return sqrt(ct_vector_dot(d, d));
 }
 
 /* A face with the node that is farthest from what the other surface does on the mean. */
-static int32_t fastest(const ct_search *search, const int32_t *nodes, const double *velocity, const ct_bounds *other)
+static int32_t fastest(const ct_search *search, const int32_t *nodes, const double *velocity,
+                       const ct_bounds *other)
 {
   int32_t face = 0;
   double top = -1.0;
   for (int64_t i = 0; i < (int64_t)search->face_count * search->per; i++) {
     double v[3];
-    for (int c = 0; c < 3; c++) v[c] = velocity[3 * (int64_t)nodes[search->nodes[search->faces[i]]] + c] - 0.5 * (other->low[c] + other->high[c]);
+    for (int c = 0; c < 3; c++)
+      v[c] = velocity[3 * (int64_t)nodes[search->nodes[search->faces[i]]] + c] -
+             0.5 * (other->low[c] + other->high[c]);
     if (!(ct_vector_dot(v, v) > top)) continue;
     top = ct_vector_dot(v, v);
     face = (int32_t)(i / search->per);
@@ -131,7 +142,8 @@ static int32_t fastest(const ct_search *search, const int32_t *nodes, const doub
   return face;
 }
 
-ct_status ct_passage_check(const ct_contact *contact, const int32_t *nodes, const double *velocity, double dt, double time, ct_error *error)
+ct_status ct_passage_check(const ct_contact *contact, const int32_t *nodes, const double *velocity,
+                           double dt, double time, ct_error *error)
 {
   ct_bounds speed[2], place[2];
   const ct_search *search[2] = {contact->side[0].search, contact->side[contact->sides - 1].search};
@@ -141,9 +153,14 @@ ct_status ct_passage_check(const ct_contact *contact, const int32_t *nodes, cons
   // -- Where the surfaces are farther apart than that, no harm is done
   for (int s = 0; s < 2; s++) box_of(search[s], NULL, search[s]->x, &place[s]);
   if (closest(&place[0], &place[1]) > way + contact->depth) return CT_OK;
-  int32_t face[2] = {fastest(search[0], nodes, velocity, &speed[1]), fastest(search[1], nodes, velocity, &speed[0])};
-  return ct_fail(error, CT_ERROR_STEP, (ct_place){-1, -1, nodes[search[0]->nodes[search[0]->faces[(int64_t)face[0] * search[0]->per]]]},
-                 "contact: in the step to t = %g its surfaces (face %d of the first, %d of the second) may have come nearer by %g and passed through each other; "
-                 "not more than %g is safe. Take a smaller step",
-                 time, (int)face[0], (int)face[1], way, contact->room);
+  int32_t face[2] = {fastest(search[0], nodes, velocity, &speed[1]),
+                     fastest(search[1], nodes, velocity, &speed[0])};
+  return ct_fail(
+      error, CT_ERROR_STEP,
+      (ct_place){-1, -1,
+                 nodes[search[0]->nodes[search[0]->faces[(int64_t)face[0] * search[0]->per]]]},
+      "contact: in the step to t = %g its surfaces (face %d of the first, %d of the second) may "
+      "have come nearer by %g and passed through each other; "
+      "not more than %g is safe. Take a smaller step",
+      time, (int)face[0], (int)face[1], way, contact->room);
 }

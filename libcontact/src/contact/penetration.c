@@ -28,11 +28,13 @@ static int looks_away(void *user, int32_t face)
   ct_face nodes;
   double normal[3];
   ct_search_face(s->search, face, &nodes);
-  return ct_segment_normal(&nodes, middle(s->search->kind), normal) != CT_OK || !(ct_vector_dot(s->own, normal) < 0.5);
+  return ct_segment_normal(&nodes, middle(s->search->kind), normal) != CT_OK ||
+         !(ct_vector_dot(s->own, normal) < 0.5);
 }
 
 /* Depth of a place of a side under the other one; negative or NaN where it is not inside. */
-static double depth_at(const ct_side *side, const ct_search *other, int32_t face, const double xi[2], double y[3])
+static double depth_at(const ct_side *side, const ct_search *other, int32_t face,
+                       const double xi[2], double y[3])
 {
   static const double zero[3] = {0.0, 0.0, 0.0};
   double N[8], normal[3];
@@ -43,13 +45,16 @@ static double depth_at(const ct_side *side, const ct_search *other, int32_t face
   ct_side_interpolate(side, face, N, zero, y);
   ct_search_face(side->search, face, &mine);
   if (ct_segment_normal(&mine, xi, s.own) != CT_OK) return NAN;
-  // The nearest face says whether the place is inside at all; if it is a far side, the nearest other one says how deep.
+  // The nearest face says whether the place is inside at all; if it is a far side, the nearest
+  // other one says how deep.
   for (int k = 0; k < 2; k++) {
-    ct_search_point(other, y, -1, HUGE_VAL, ct_search_options_default().tolerance, k == 0 ? NULL : looks_away, &s, &foot);
+    ct_search_point(other, y, -1, HUGE_VAL, ct_search_options_default().tolerance,
+                    k == 0 ? NULL : looks_away, &s, &foot);
     if (foot.face < 0 || !(foot.signed_distance < 0.0)) return NAN;
     if (ct_vector_dot(s.own, foot.normal) < 0.5) break;
   }
-  if (!ct_search_normal(other, foot.face, foot.where, foot.index, foot.xi, foot.normal, normal)) return NAN;
+  if (!ct_search_normal(other, foot.face, foot.where, foot.index, foot.xi, foot.normal, normal))
+    return NAN;
   return -foot.signed_distance;
 }
 
@@ -82,16 +87,19 @@ static void at_points(const ct_contact *contact, ct_penetration *out)
   }
 }
 
-/* Of how many edges of its face a point of the Lobatto rule is: 2 at a corner, 1 on an edge, 0 at the centre. */
+/* Of how many edges of its face a point of the Lobatto rule is: 2 at a corner, 1 on an edge, 0 at
+ * the centre. */
 static int edges_at(ct_face_kind kind, const double xi[2])
 {
-  if (kind == CT_T3 || kind == CT_T6) return (xi[0] == 0.0) + (xi[1] == 0.0) + (xi[0] + xi[1] == 1.0);
+  if (kind == CT_T3 || kind == CT_T6)
+    return (xi[0] == 0.0) + (xi[1] == 0.0) + (xi[0] + xi[1] == 1.0);
   return (fabs(xi[0]) == 1.0) + (fabs(xi[1]) == 1.0);
 }
 
-/* At corners or on edges: `edges` is 2 or 1. What is deeper than any point in contact and than the depth is the far side of
- * something. */
-static void at_edges(const ct_contact *contact, ct_search *const now[2], int edges, double limit, ct_penetration *out)
+/* At corners or on edges: `edges` is 2 or 1. What is deeper than any point in contact and than the
+ * depth is the far side of something. */
+static void at_edges(const ct_contact *contact, ct_search *const now[2], int edges, double limit,
+                     ct_penetration *out)
 {
   ct_rule rule;
   for (int s = 0; s < contact->sides; s++) {
@@ -112,21 +120,26 @@ double ct_contact_rounding(const ct_contact *contact)
   double far = 0.0;
   for (int s = 0; s < contact->sides; s++) {
     const ct_search *search = contact->side[s].search;
-    for (int64_t i = 0; i < 3 * (int64_t)search->node_count; i++) far = fmax(far, fabs(search->x[i]));
+    for (int64_t i = 0; i < 3 * (int64_t)search->node_count; i++)
+      far = fmax(far, fabs(search->x[i]));
   }
   return 64.0 * DBL_EPSILON * far;
 }
 
-/* Depth up to which surfaces only touch: that of the rounding of coordinates, and a part of a face in 10⁹. */
+/* Depth up to which surfaces only touch: that of the rounding of coordinates, and a part of a face
+ * in 10⁹. */
 static double touching(const ct_contact *contact)
 {
   double size = fmax(contact->side[0].search->size, contact->side[contact->sides - 1].search->size);
   return fmax(1e-9 * size, ct_contact_rounding(contact));
 }
 
-ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at, ct_penetration *out)
+ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at,
+                                 ct_penetration *out)
 {
-  if (contact == NULL || out == NULL || (at != CT_AT_POINTS && at != CT_AT_CORNERS && at != CT_AT_EDGES)) return CT_ERROR_ARGUMENT;
+  if (contact == NULL || out == NULL ||
+      (at != CT_AT_POINTS && at != CT_AT_CORNERS && at != CT_AT_EDGES))
+    return CT_ERROR_ARGUMENT;
   *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, touching(contact)};
   if (at != CT_AT_POINTS && contact->sides == 1) return CT_ERROR_UNSUPPORTED;
   at_points(contact, out);
@@ -135,7 +148,8 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
   *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, out->touching};
   ct_search *now[2] = {NULL, NULL};
   ct_status status = CT_OK;
-  for (int s = 0; status == CT_OK && s < contact->sides; s++) status = ct_search_look(contact->side[s].search, &now[s]);
+  for (int s = 0; status == CT_OK && s < contact->sides; s++)
+    status = ct_search_look(contact->side[s].search, &now[s]);
   if (status == CT_OK) at_edges(contact, now, at == CT_AT_CORNERS ? 2 : 1, limit, out);
   ct_search_leave(now[0]);
   ct_search_leave(now[1]);

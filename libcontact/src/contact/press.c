@@ -9,11 +9,13 @@
 #include <math.h>
 #include <string.h>
 
-/* One point: λ b_a n on node a, with b = N on the point's own face and -N̄ on the other (eq:constraint-force). */
+/* One point: λ b_a n on node a, with b = N on the point's own face and -N̄ on the other
+ * (eq:constraint-force). */
 static int list_point(const ct_press *p, int64_t i, const double moved[3], ct_constraint *c)
 {
   const ct_gauss_point *point = &p->side->points[i];
-  const int32_t *faces[2] = {&p->side->search->faces[i / p->side->rule.count * p->side->search->per], NULL};
+  const int32_t *faces[2] = {
+      &p->side->search->faces[i / p->side->rule.count * p->side->search->per], NULL};
   if (!(point->gap <= p->reach) || !ct_side_direction(p->side, point, c->normal)) return 0;
   c->enforcement = p->enforcement;
   c->dissipation = p->dissipation;
@@ -40,14 +42,16 @@ int64_t ct_press_list(const ct_press *press, const double moved[3], ct_constrain
 {
   int64_t count = 0;
   for (int64_t i = 0; i < ct_side_point_count(press->side); i++)
-    if (press->other == NULL || press->side->points[i].other >= 0) count += list_point(press, i, moved, &list[count]);
+    if (press->other == NULL || press->side->points[i].other >= 0)
+      count += list_point(press, i, moved, &list[count]);
   return count;
 }
 
 void ct_press_apply(ct_side *side, int64_t first, const ct_constraint *list, int64_t count)
 {
   int64_t points = ct_side_point_count(side);
-  for (int64_t i = 0; i < points; i++) memset(side->points[i].force, 0, sizeof side->points[i].force);
+  for (int64_t i = 0; i < points; i++)
+    memset(side->points[i].force, 0, sizeof side->points[i].force);
   for (int64_t j = 0; j < count; j++) {
     int64_t i = list[j].point - first;
     if (i < 0 || i >= points) continue;
@@ -55,14 +59,16 @@ void ct_press_apply(ct_side *side, int64_t first, const ct_constraint *list, int
   }
 }
 
-void ct_press_remember(const ct_constraint *list, int64_t count, int64_t points, double *memory, int stride)
+void ct_press_remember(const ct_constraint *list, int64_t count, int64_t points, double *memory,
+                       int stride)
 {
   for (int64_t i = 0; i < points; i++) memory[stride * i] = 0.0;
   for (int64_t j = 0; j < count; j++) memory[stride * list[j].point] = list[j].force;
 }
 
 /* Σ of one part of the energy over all constraints. */
-static double sum_energy(const ct_constraint *list, int64_t count, double (*part)(const ct_constraint *c), double *terms)
+static double sum_energy(const ct_constraint *list, int64_t count,
+                         double (*part)(const ct_constraint *c), double *terms)
 {
   int64_t some = 0;
   for (int64_t j = 0; j < count; j++) {
@@ -72,10 +78,12 @@ static double sum_energy(const ct_constraint *list, int64_t count, double (*part
   return ct_sum(terms, some);
 }
 
-double ct_press_energy(const ct_constraint *list, int64_t count, double time, double before, double *after, double *terms)
+double ct_press_energy(const ct_constraint *list, int64_t count, double time, double before,
+                       double *after, double *terms)
 {
   *after = sum_energy(list, count, ct_law_stored, terms);
   if (time == 0.0) return sum_energy(list, count, ct_law_start, terms);
-  // -- What was stored in the step before belongs to the partners of then, so it is not computed again (eq:controlled-energy)
+  // -- What was stored in the step before belongs to the partners of then, so it is not computed
+  // again (eq:controlled-energy)
   return 0.5 * (before + *after) + sum_energy(list, count, ct_law_lag, terms);
 }

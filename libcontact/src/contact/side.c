@@ -10,18 +10,23 @@
 
 void ct_side_clear(ct_side *side)
 {
-  void *blocks[] = {side->weight, side->listed, side->x_built, side->moved, side->candidate_first, side->candidates, side->points,
-                    side->reference, side->force, side->force_fine};
+  void *blocks[] = {side->weight,          side->listed,     side->x_built, side->moved,
+                    side->candidate_first, side->candidates, side->points,  side->reference,
+                    side->force,           side->force_fine};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_search_free(side->search);
   memset(side, 0, sizeof *side);
 }
 
-int64_t ct_side_point_count(const ct_side *side) { return (int64_t)side->search->face_count * side->rule.count; }
+int64_t ct_side_point_count(const ct_side *side)
+{
+  return (int64_t)side->search->face_count * side->rule.count;
+}
 
 static ct_status allocate(ct_side *side)
 {
-  size_t faces = (size_t)side->search->face_count, points = (size_t)ct_side_point_count(side), nodes = (size_t)side->search->node_count;
+  size_t faces = (size_t)side->search->face_count, points = (size_t)ct_side_point_count(side),
+         nodes = (size_t)side->search->node_count;
   side->weight = ct_allocate(points, sizeof *side->weight);
   side->listed = ct_allocate(faces, sizeof *side->listed);
   side->candidate_first = ct_allocate(faces + 1, sizeof *side->candidate_first);
@@ -32,8 +37,8 @@ static ct_status allocate(ct_side *side)
   side->moved = ct_allocate(3 * nodes, sizeof *side->moved);
   side->force = ct_allocate(3 * nodes, sizeof *side->force);
   side->force_fine = ct_allocate(3 * nodes, sizeof *side->force_fine);
-  int whole = side->weight && side->listed && side->candidate_first && side->candidates && side->points && side->x_built &&
-              side->moved && side->force && side->force_fine;
+  int whole = side->weight && side->listed && side->candidate_first && side->candidates &&
+              side->points && side->x_built && side->moved && side->force && side->force_fine;
   return whole ? CT_OK : CT_ERROR_MEMORY;
 }
 
@@ -49,26 +54,31 @@ static ct_status weigh(ct_side *side, int body, ct_error *error)
     ct_search_face(side->search, f, &face);
     const ct_bounds *box = &side->search->boxes[f];
     double square = 0.0;
-    for (int c = 0; c < 3; c++) square += (box->high[c] - box->low[c]) * (box->high[c] - box->low[c]);
+    for (int c = 0; c < 3; c++)
+      square += (box->high[c] - box->low[c]) * (box->high[c] - box->low[c]);
     for (int q = 0; q < side->rule.count; q++) {
       double J = ct_segment_area_element(&face, side->rule.xi[q]);
       if (!(J > 1e-14 * square))
-        return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, f, q}, "face %d of surface %d has no area at Gauss point %d", (int)f,
-                       body, q);
+        return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, f, q},
+                       "face %d of surface %d has no area at Gauss point %d", (int)f, body, q);
       side->weight[(int64_t)f * side->rule.count + q] = side->rule.weight[q] * J;
     }
   }
   return CT_OK;
 }
 
-ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, int on_edges, ct_error *error)
+ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, int on_edges,
+                       ct_error *error)
 {
   memset(side, 0, sizeof *side);
   ct_status status = ct_search_init(surface, body, &side->search, error);
   if (status != CT_OK) return status;
   side->on_edges = on_edges;
-  (void)(on_edges ? ct_rule_lobatto(surface->kind, &side->rule) : ct_rule_face(surface->kind, 0, &side->rule));
-  status = allocate(side) == CT_OK ? weigh(side, body, error) : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact surface");
+  (void)(on_edges ? ct_rule_lobatto(surface->kind, &side->rule)
+                  : ct_rule_face(surface->kind, 0, &side->rule));
+  status = allocate(side) == CT_OK
+               ? weigh(side, body, error)
+               : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact surface");
   if (status != CT_OK) {
     ct_side_clear(side);
     return status;
@@ -81,30 +91,40 @@ ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, int o
 }
 
 /* Σ_a w_a (x_a - origin) over `per` nodes. Written to be compiled for a `per` that is known. */
-static inline void sum_nodes(int per, const int32_t *node, const double *x, const double *weight, int stride, const double origin[3], double out[3])
+static inline void sum_nodes(int per, const int32_t *node, const double *x, const double *weight,
+                             int stride, const double origin[3], double out[3])
 {
   double t[3][8] = {{0.0}};
   for (int a = 0; a < per; a++)
-    for (int c = 0; c < 3; c++) t[c][a] = weight[stride * a] * (x[3 * (int64_t)node[a] + c] - origin[c]);
+    for (int c = 0; c < 3; c++)
+      t[c][a] = weight[stride * a] * (x[3 * (int64_t)node[a] + c] - origin[c]);
   for (int c = 0; c < 3; c++) out[c] = ct_side_sum(per, t[c]);
 }
 
-static void interpolate(const ct_search *search, const double *x, int32_t face, const double N[8], const double origin[3], double out[3])
+static void interpolate(const ct_search *search, const double *x, int32_t face, const double N[8],
+                        const double origin[3], double out[3])
 {
   const int32_t *node = &search->faces[(int64_t)face * search->per];
   switch (search->per) {
-  case 4: sum_nodes(4, node, x, N, 1, origin, out); break;
-  case 8: sum_nodes(8, node, x, N, 1, origin, out); break;
-  default: sum_nodes(search->per, node, x, N, 1, origin, out);
+  case 4:
+    sum_nodes(4, node, x, N, 1, origin, out);
+    break;
+  case 8:
+    sum_nodes(8, node, x, N, 1, origin, out);
+    break;
+  default:
+    sum_nodes(search->per, node, x, N, 1, origin, out);
   }
 }
 
-void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3])
+void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8],
+                         const double origin[3], double out[3])
 {
   interpolate(side->search, side->search->x, face, N, origin, out);
 }
 
-void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8], const double origin[3], double out[3])
+void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8],
+                                   const double origin[3], double out[3])
 {
   interpolate(side->search, side->reference, face, N, origin, out);
 }
@@ -125,7 +145,8 @@ void ct_side_moved(const ct_side *side, int32_t face, const double N[8], double 
 
 int ct_side_direction(const ct_side *side, const ct_gauss_point *point, double n[3])
 {
-  double length = sqrt(ct_vector_dot(point->d, point->d)), sign = ct_point_distance(point) < 0.0 ? 1.0 : -1.0;
+  double length = sqrt(ct_vector_dot(point->d, point->d)),
+         sign = ct_point_distance(point) < 0.0 ? 1.0 : -1.0;
   if (length > 1e-12 * side->search->size) {
     for (int c = 0; c < 3; c++) n[c] = sign * point->d[c] / length;
     return 1;

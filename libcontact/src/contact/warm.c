@@ -10,11 +10,13 @@
 #include <math.h>
 #include <string.h>
 
-/* Eight points with all that is found of them. Numbers of one kind lie side by side, a lane for each point. */
+/* Eight points with all that is found of them. Numbers of one kind lie side by side, a lane for
+ * each point. */
 typedef struct block {
   int32_t face[CT_WARM], target[CT_WARM], q[CT_WARM];
-  double origin[3 * CT_WARM];                 /* middle of the face's box: subtracted of the positions and of the nodes */
-  double nodes[24 * CT_WARM];                 /* of the face of the last step, shape (per, 3, lanes) */
+  double origin[3 * CT_WARM]; /* middle of the face's box: subtracted of the positions and of the
+                                 nodes */
+  double nodes[24 * CT_WARM]; /* of the face of the last step, shape (per, 3, lanes) */
   double points[3 * CT_WARM], start[2 * CT_WARM];
   double xi[2 * CT_WARM], distance[CT_WARM], normal[3 * CT_WARM];
   int32_t status[CT_WARM];
@@ -29,27 +31,33 @@ CT_INLINE void sum_lanes(int per, const double *N, const double *x, double *out)
     const double *t = &x[CT_WARM * c];
 #pragma omp simd
     for (int l = 0; l < CT_WARM; l++) {
-      double sum = (N[l] * t[l] + N[8 + l] * t[24 + l]) + (N[16 + l] * t[48 + l] + N[24 + l] * t[72 + l]);
-      if (per == 8) sum += (N[32 + l] * t[96 + l] + N[48 + l] * t[144 + l]) + (N[40 + l] * t[120 + l] + N[56 + l] * t[168 + l]);
+      double sum =
+          (N[l] * t[l] + N[8 + l] * t[24 + l]) + (N[16 + l] * t[48 + l] + N[24 + l] * t[72 + l]);
+      if (per == 8)
+        sum += (N[32 + l] * t[96 + l] + N[48 + l] * t[144 + l]) +
+               (N[40 + l] * t[120 + l] + N[56 + l] * t[168 + l]);
       out[CT_WARM * c + l] = sum;
     }
   }
 }
 
 /* Nodes of eight faces, seen from eight origins. */
-CT_INLINE void load_faces(const ct_search *search, int per, const int32_t face[CT_WARM], const double *origin, double *nodes)
+CT_INLINE void load_faces(const ct_search *search, int per, const int32_t face[CT_WARM],
+                          const double *origin, double *nodes)
 {
   for (int l = 0; l < CT_WARM; l++) {
     const int32_t *node = &search->faces[(int64_t)face[l] * per];
     for (int a = 0; a < per; a++)
-      for (int c = 0; c < 3; c++) nodes[CT_WARM * (3 * a + c) + l] = search->x[3 * (int64_t)node[a] + c];
+      for (int c = 0; c < 3; c++)
+        nodes[CT_WARM * (3 * a + c) + l] = search->x[3 * (int64_t)node[a] + c];
   }
   for (int i = 0; i < 3 * per; i++)
 #pragma omp simd
     for (int l = 0; l < CT_WARM; l++) nodes[CT_WARM * i + l] -= origin[CT_WARM * (i % 3) + l];
 }
 
-/* Positions of the points and the faces that they were over, both from the middle of the face's box. Inlined with `per` known. */
+/* Positions of the points and the faces that they were over, both from the middle of the face's
+ * box. Inlined with `per` known. */
 CT_INLINE void load(const ct_pass *p, int per, block *b)
 {
   double own[24 * CT_WARM], N[8 * CT_WARM];
@@ -70,17 +78,20 @@ static void load_block(const ct_pass *p, block *b)
   else load(p, 8, b);
 }
 
-/* Gap vectors d = ȳ - y and signed gaps of the points over their feet (eq:gap). Inlined with `per` known. */
+/* Gap vectors d = ȳ - y and signed gaps of the points over their feet (eq:gap). Inlined with `per`
+ * known. */
 CT_INLINE void gaps(int per, block *b)
 {
   double foot[3 * CT_WARM];
 #pragma omp simd
-  for (int l = 0; l < CT_WARM; l++) ct_shape_quadrilateral(per, b->xi[l], b->xi[CT_WARM + l], &b->N[l], CT_WARM);
+  for (int l = 0; l < CT_WARM; l++)
+    ct_shape_quadrilateral(per, b->xi[l], b->xi[CT_WARM + l], &b->N[l], CT_WARM);
   sum_lanes(per, b->N, b->nodes, foot);
 #pragma omp simd
   for (int l = 0; l < CT_WARM; l++) {
     const double *n = &b->normal[l];
-    double x = foot[l] - b->points[l], y = foot[8 + l] - b->points[8 + l], z = foot[16 + l] - b->points[16 + l], distance = sqrt((x * x + y * y) + z * z);
+    double x = foot[l] - b->points[l], y = foot[8 + l] - b->points[8 + l],
+           z = foot[16 + l] - b->points[16 + l], distance = sqrt((x * x + y * y) + z * z);
     b->gap[l] = (x * n[0] + y * n[8]) + z * n[16] > 0.0 ? -distance : distance;
     b->d[l] = x, b->d[8 + l] = y, b->d[16 + l] = z;
   }
@@ -90,16 +101,20 @@ CT_INLINE void gaps(int per, block *b)
 CT_INLINE double positive(double x) { return 0.5 * (x + fabs(x)); }
 
 /* How far a coordinate is outside a box: it cannot be on both sides. */
-CT_INLINE double outside(double low, double high, double x) { return positive(low - x) + positive(x - high); }
+CT_INLINE double outside(double low, double high, double x)
+{
+  return positive(low - x) + positive(x - high);
+}
 
-/* Find the points to which some face but the last one may be nearer than the foot; with rounding of their positions, so a little
- * too often rather than not. */
+/* Find the points to which some face but the last one may be nearer than the foot; with rounding of
+ * their positions, so a little too often rather than not. */
 CT_INLINE void find_rivals(const ct_pass *p, block *b)
 {
   double at[3 * CT_WARM], most[CT_WARM];
 #pragma omp simd
   for (int l = 0; l < CT_WARM; l++) {
-    double x = b->points[l] + b->origin[l], y = b->points[8 + l] + b->origin[8 + l], z = b->points[16 + l] + b->origin[16 + l];
+    double x = b->points[l] + b->origin[l], y = b->points[8 + l] + b->origin[8 + l],
+           z = b->points[16 + l] + b->origin[16 + l];
     double reach = b->distance[l] < p->depth ? b->distance[l] : p->depth;
     reach += 16.0 * DBL_EPSILON * ((fabs(x) + fabs(y)) + (fabs(z) + reach));
     most[l] = reach * reach;
@@ -115,7 +130,9 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
       int near[CT_WARM];
 #pragma omp simd
       for (int l = 0; l < CT_WARM; l++) {
-        double x = outside(box.low[0], box.high[0], at[l]), y = outside(box.low[1], box.high[1], at[8 + l]), z = outside(box.low[2], box.high[2], at[16 + l]);
+        double x = outside(box.low[0], box.high[0], at[l]),
+               y = outside(box.low[1], box.high[1], at[8 + l]),
+               z = outside(box.low[2], box.high[2], at[16 + l]);
         near[l] = (x * x + y * y) + z * z <= most[l];
       }
       for (int l = first; l < last; l++) b->rival[l] |= near[l] & (b->target[l] != rival);
@@ -131,15 +148,20 @@ static void measure_block(const ct_pass *p, block *b)
   find_rivals(p, b);
 }
 
-/* Whether the foot of a lane is inside its last face, no deeper than allowed, with no other face as near. */
+/* Whether the foot of a lane is inside its last face, no deeper than allowed, with no other face as
+ * near. */
 static int is_settled(const ct_pass *p, const block *b, int l)
 {
   ct_status status = (ct_status)b->status[l];
-  double inside = 1.0 - p->project.tolerance, own[3], normal[3] = {b->normal[l], b->normal[8 + l], b->normal[16 + l]};
+  double inside = 1.0 - p->project.tolerance, own[3],
+         normal[3] = {b->normal[l], b->normal[8 + l], b->normal[16 + l]};
   if (status != CT_OK && status != CT_NOT_CERTIFIED && status != CT_ITERATION_LIMIT) return 0;
-  if (!(fabs(b->xi[l]) < inside && fabs(b->xi[8 + l]) < inside && b->distance[l] < p->depth) || b->rival[l]) return 0;
+  if (!(fabs(b->xi[l]) < inside && fabs(b->xi[8 + l]) < inside && b->distance[l] < p->depth) ||
+      b->rival[l])
+    return 0;
   // A point that comes in has to look at the face, or the search must say what it is in.
-  const ct_gauss_point *point = &p->side->points[(int64_t)b->face[l] * p->side->rule.count + b->q[l]];
+  const ct_gauss_point *point =
+      &p->side->points[(int64_t)b->face[l] * p->side->rule.count + b->q[l]];
   if (!(b->gap[l] < 0.0) || point->history == CT_POINT_INSIDE) return 1;
   return ct_pass_own_normal(p, b->face[l], b->q[l], own) && ct_pass_looks_across(own, normal);
 }
@@ -163,7 +185,8 @@ static void write_point(const ct_pass *p, const block *b, int l)
   point->history = inside ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
 }
 
-/* Take the points into lanes. Answers with a bit for each that has a face; the others' lanes repeat one that has. */
+/* Take the points into lanes. Answers with a bit for each that has a face; the others' lanes repeat
+ * one that has. */
 static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b)
 {
   const ct_side *side = p->side;
@@ -193,8 +216,11 @@ unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count)
   unsigned settled = 0, warm = take_points(p, first, count, &b);
   if (warm == 0) return 0;
   load_block(p, &b);
-  const ct_batch_feet feet = {.xi = b.xi, .distance = b.distance, .normal = b.normal, .status = b.status};
-  if (ct_project_batch(p->other->search->kind, CT_WARM, b.nodes, b.points, b.start, &p->project, &feet) != CT_OK) return 0;
+  const ct_batch_feet feet = {
+      .xi = b.xi, .distance = b.distance, .normal = b.normal, .status = b.status};
+  if (ct_project_batch(p->other->search->kind, CT_WARM, b.nodes, b.points, b.start, &p->project,
+                       &feet) != CT_OK)
+    return 0;
   measure_block(p, &b);
   for (int l = 0; l < count; l++) {
     if (!(warm >> l & 1) || !is_settled(p, &b, l)) continue;

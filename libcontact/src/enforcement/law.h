@@ -3,14 +3,15 @@
 
 #include <contact/enforcement.h>
 
-/* The parts of the energy of a solved constraint: what it stores in the middle of the coming step, S_{n+1/2}; what the leapfrog's
- * energy lacks at t_n because of its force (eq:controlled-energy); and all that it holds at t = 0 (eq:energy-start). */
+/* The parts of the energy of a solved constraint: what it stores in the middle of the coming step,
+ * S_{n+1/2}; what the leapfrog's energy lacks at t_n because of its force (eq:controlled-energy);
+ * and all that it holds at t = 0 (eq:energy-start). */
 double ct_law_stored(const ct_constraint *c);
 double ct_law_lag(const ct_constraint *c);
 double ct_law_start(const ct_constraint *c);
 
-/* Whether a force that the law finds at t = 0 begins there; that of a law which knows only gaps that have been is taken as if it
- * had always acted (eq:energy-start). */
+/* Whether a force that the law finds at t = 0 begins there; that of a law which knows only gaps
+ * that have been is taken as if it had always acted (eq:energy-start). */
 int ct_law_begins(const ct_constraint *c);
 
 /* λ = -k (a g + h g_{n+1}) with g_{n+1} = free + W λ. */
@@ -22,8 +23,8 @@ static inline double ct_law_line(double k, double a, double g, double h, double 
 /* The larger of two, written so that it can be done in lanes. */
 static inline double ct_law_larger(double x, double y) { return x > y ? x : y; }
 
-/* The force of a point under the energy-controlled law: the largest of the answers with one part, the other, and both
- * (eq:enforcement-solution). */
+/* The force of a point under the energy-controlled law: the largest of the answers with one part,
+ * the other, and both (eq:enforcement-solution). */
 static inline double ct_law_controlled(double k, double s, double g, double free, double W)
 {
   const double m = 0.5 * (1.0 - s);

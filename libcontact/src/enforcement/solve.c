@@ -24,8 +24,9 @@ void ct_solver_free(const ct_problem *problem, ct_solver *s)
 {
   if (s == NULL) return;
   for (int32_t k = 0; s->place != NULL && k < problem->effect_count; k++) ct_release(s->place[k]);
-  void *blocks[] = {s->list, s->sizes, s->first, s->place, s->nodes, s->way, s->mobility, s->push, s->past, s->entries, s->active,
-                    s->slot, s->law, s->free, s->bound, s->guess, s->force, s->terms, s->path, s->begun, s};
+  void *blocks[] = {s->list,  s->sizes, s->first,   s->place,  s->nodes, s->way,   s->mobility,
+                    s->push,  s->past,  s->entries, s->active, s->slot,  s->law,   s->free,
+                    s->bound, s->guess, s->force,   s->terms,  s->path,  s->begun, s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
 }
 
@@ -36,26 +37,31 @@ static ct_status number_nodes(const ct_problem *problem, ct_solver *s)
   if (number == NULL) return CT_ERROR_MEMORY;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    for (int32_t i = 0; effect->constrain != NULL && i < effect->node_count; i++) number[ct_effect_node(effect, i)] = 1;
+    for (int32_t i = 0; effect->constrain != NULL && i < effect->node_count; i++)
+      number[ct_effect_node(effect, i)] = 1;
   }
   for (int32_t n = 0; n < problem->node_count; n++) s->node_count += number[n];
   int32_t longest = 0;
-  ct_status status = (s->nodes = ct_allocate((size_t)s->node_count, sizeof *s->nodes)) != NULL ? CT_OK : CT_ERROR_MEMORY;
+  ct_status status = (s->nodes = ct_allocate((size_t)s->node_count, sizeof *s->nodes)) != NULL
+                         ? CT_OK
+                         : CT_ERROR_MEMORY;
   for (int32_t n = 0, next = 0; status == CT_OK && n < problem->node_count; n++)
     if (number[n]) {
       s->nodes[next] = n;
       number[n] = next++;
-    } else
-      number[n] = -1;
+    } else number[n] = -1;
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (effect->constrain == NULL && effect->path == NULL) continue;
     if (effect->path != NULL && effect->node_count > longest) longest = effect->node_count;
     s->place[k] = ct_allocate((size_t)effect->node_count, sizeof *s->place[k]);
     if (s->place[k] == NULL) status = CT_ERROR_MEMORY;
-    for (int32_t i = 0; status == CT_OK && i < effect->node_count; i++) s->place[k][i] = number[ct_effect_node(effect, i)];
+    for (int32_t i = 0; status == CT_OK && i < effect->node_count; i++)
+      s->place[k][i] = number[ct_effect_node(effect, i)];
   }
-  if (status == CT_OK && longest > 0 && (s->path = ct_allocate((size_t)longest, 3 * sizeof *s->path)) == NULL) status = CT_ERROR_MEMORY;
+  if (status == CT_OK && longest > 0 &&
+      (s->path = ct_allocate((size_t)longest, 3 * sizeof *s->path)) == NULL)
+    status = CT_ERROR_MEMORY;
   ct_release(number);
   return status;
 }
@@ -75,10 +81,13 @@ ct_status ct_solver_create(const ct_problem *problem, ct_solver **out)
   s->sizes = ct_allocate(rows, sizeof *s->sizes);
   s->first = ct_allocate((size_t)problem->effect_count + 1, sizeof *s->first);
   s->place = ct_allocate((size_t)problem->effect_count, sizeof *s->place);
-  if (!s->list || !s->sizes || !s->first || !s->place || number_nodes(problem, s) != CT_OK) return CT_ERROR_MEMORY;
-  double **per_dof[] = {&s->way, &s->mobility, &s->push, &s->past}, **per_row[] = {&s->free, &s->bound, &s->guess, &s->force};
+  if (!s->list || !s->sizes || !s->first || !s->place || number_nodes(problem, s) != CT_OK)
+    return CT_ERROR_MEMORY;
+  double **per_dof[] = {&s->way, &s->mobility, &s->push, &s->past},
+         **per_row[] = {&s->free, &s->bound, &s->guess, &s->force};
   for (size_t i = 0; i < sizeof per_dof / sizeof per_dof[0]; i++)
-    if ((*per_dof[i] = ct_allocate((size_t)s->node_count, WIDE * sizeof(double))) == NULL) return CT_ERROR_MEMORY;
+    if ((*per_dof[i] = ct_allocate((size_t)s->node_count, WIDE * sizeof(double))) == NULL)
+      return CT_ERROR_MEMORY;
   for (size_t i = 0; i < sizeof per_row / sizeof per_row[0]; i++)
     if ((*per_row[i] = ct_allocate(rows, sizeof(double))) == NULL) return CT_ERROR_MEMORY;
   s->entries = ct_allocate((size_t)s->node_count, sizeof *s->entries);
@@ -87,11 +96,13 @@ ct_status ct_solver_create(const ct_problem *problem, ct_solver **out)
   s->begun = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *s->begun);
   s->active = ct_allocate(rows, sizeof *s->active);
   s->slot = ct_allocate(rows, 2 * FACE_NODES * sizeof *s->slot);
-  return s->entries && s->terms && s->law && s->begun && s->active && s->slot ? CT_OK : CT_ERROR_MEMORY;
+  return s->entries && s->terms && s->law && s->begun && s->active && s->slot ? CT_OK
+                                                                              : CT_ERROR_MEMORY;
 }
 
 /* Let every effect list what may press. */
-static ct_status list_constraints(const ct_problem *problem, ct_state *state, ct_solver *s, ct_error *error)
+static ct_status list_constraints(const ct_problem *problem, ct_state *state, ct_solver *s,
+                                  ct_error *error)
 {
   s->first[0] = 0;
   for (int32_t k = 0; k < problem->effect_count; k++) {
@@ -109,8 +120,8 @@ static ct_status list_constraints(const ct_problem *problem, ct_state *state, ct
   return CT_OK;
 }
 
-/* Way of each node until t_{n+1} without the constraints, how far a force moves it, and its way since t_{n-1}
- * (eq:constraint-problem). */
+/* Way of each node until t_{n+1} without the constraints, how far a force moves it, and its way
+ * since t_{n-1} (eq:constraint-problem). */
 static void predict(const ct_problem *problem, const ct_state *state, ct_solver *s)
 {
   // The last evaluation was in the other stage, where there are two.
@@ -119,11 +130,13 @@ static void predict(const ct_problem *problem, const ct_state *state, ct_solver 
   double before = stages[count - 1 - state->workspace->stage].drift * problem->dt;
   ct_integrator_predict(problem, state, s->node_count, s->nodes, WIDE, s->way, s->mobility);
   for (int32_t i = 0; i < s->node_count; i++)
-    for (int64_t c = 0; c < 3; c++) s->past[WIDE * (int64_t)i + c] = before * state->velocity[3 * (int64_t)s->nodes[i] + c];
+    for (int64_t c = 0; c < 3; c++)
+      s->past[WIDE * (int64_t)i + c] = before * state->velocity[3 * (int64_t)s->nodes[i] + c];
 }
 
 /* Degrees of freedom that follow a path: no force moves them. */
-static ct_status follow_paths(const ct_problem *problem, const ct_state *state, ct_solver *s, ct_error *error)
+static ct_status follow_paths(const ct_problem *problem, const ct_state *state, ct_solver *s,
+                              ct_error *error)
 {
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
@@ -141,9 +154,10 @@ static ct_status follow_paths(const ct_problem *problem, const ct_state *state, 
   return CT_OK;
 }
 
-/* Σ_a b_a x_a over the nodes of one face, paired so that a flipped face gives the same bits (ct_side_sum, four components side by
- * side). */
-static inline void sum_face(int32_t count, const int32_t *slot, const double *b, const double *x, double out[WIDE])
+/* Σ_a b_a x_a over the nodes of one face, paired so that a flipped face gives the same bits
+ * (ct_side_sum, four components side by side). */
+static inline void sum_face(int32_t count, const int32_t *slot, const double *b, const double *x,
+                            double out[WIDE])
 {
   double t[FACE_NODES][WIDE];
   for (int32_t a = 0; a < count; a++) {
@@ -166,11 +180,12 @@ static inline double along(const ct_constraint *c, const int32_t *slot, const do
   double own[WIDE], other[WIDE] = {0.0};
   sum_face(c->own, slot, c->b, x, own);
   if (c->other > 0) sum_face(c->other, slot + FACE_NODES, c->b + FACE_NODES, x, other);
-  return (c->normal[0] * (own[0] + other[0]) + c->normal[1] * (own[1] + other[1])) + c->normal[2] * (own[2] + other[2]);
+  return (c->normal[0] * (own[0] + other[0]) + c->normal[1] * (own[1] + other[1])) +
+         c->normal[2] * (own[2] + other[2]);
 }
 
-/* Gaps of the steps before and after without the constraints. Those that the motions of this step cannot close are left out
- * (eq:near-constraints). */
+/* Gaps of the steps before and after without the constraints. Those that the motions of this step
+ * cannot close are left out (eq:near-constraints). */
 static void choose_active(const ct_problem *problem, ct_solver *s)
 {
   double most = 0.0;
@@ -179,7 +194,8 @@ static void choose_active(const ct_problem *problem, ct_solver *s)
       ct_constraint *c = &s->list[j];
       int32_t *slot = &s->slot[2 * FACE_NODES * j];
       for (int32_t a = 0; a < c->own; a++) slot[a] = s->place[k][c->node[a]];
-      for (int32_t a = FACE_NODES; a < FACE_NODES + c->other; a++) slot[a] = s->place[k][c->node[a]];
+      for (int32_t a = FACE_NODES; a < FACE_NODES + c->other; a++)
+        slot[a] = s->place[k][c->node[a]];
       c->before = c->gap - (along(c, slot, s->past) + c->moved);
       c->after = c->gap + (along(c, slot, s->way) + c->moved);
       most = fmax(most, fmax(fabs(c->after - c->gap), -c->gap));
@@ -198,9 +214,10 @@ static void choose_active(const ct_problem *problem, ct_solver *s)
   }
 }
 
-/* Add b_a times a vector to the sums at the nodes of one face, as multiples of the spacing of the coarse grid: these sums are
- * exact in any order (eq:order-free-sum). */
-static inline void add_nodes(const ct_grid *grid, int32_t count, const int32_t *slot, const double *b, const double v[WIDE], double *push)
+/* Add b_a times a vector to the sums at the nodes of one face, as multiples of the spacing of the
+ * coarse grid: these sums are exact in any order (eq:order-free-sum). */
+static inline void add_nodes(const ct_grid *grid, int32_t count, const int32_t *slot,
+                             const double *b, const double v[WIDE], double *push)
 {
   for (int32_t a = 0; a < count; a++) {
     double *sum = &push[WIDE * (int64_t)slot[a]];
@@ -210,26 +227,31 @@ static inline void add_nodes(const ct_grid *grid, int32_t count, const int32_t *
 }
 
 /* The same; with four nodes, as most faces have, the loop is unrolled. */
-static inline void add_face(const ct_grid *grid, int32_t count, const int32_t *slot, const double *b, const double v[WIDE], double *push)
+static inline void add_face(const ct_grid *grid, int32_t count, const int32_t *slot,
+                            const double *b, const double v[WIDE], double *push)
 {
   if (count == 4) add_nodes(grid, 4, slot, b, v, push);
   else add_nodes(grid, count, slot, b, v, push);
 }
 
 CT_CLONES
-static void add_rows(const ct_grid *grid, int64_t count, const ct_constraint *list, const int64_t *active, const int32_t *slot, const double *values, double *restrict push)
+static void add_rows(const ct_grid *grid, int64_t count, const ct_constraint *list,
+                     const int64_t *active, const int32_t *slot, const double *values,
+                     double *restrict push)
 {
   for (int64_t r = 0; r < count; r++) {
     const ct_constraint *c = &list[active[r]];
     const int32_t *at = &slot[2 * FACE_NODES * active[r]];
-    const double v[WIDE] = {values[r] * c->normal[0], values[r] * c->normal[1], values[r] * c->normal[2], 0.0};
+    const double v[WIDE] = {values[r] * c->normal[0], values[r] * c->normal[1],
+                            values[r] * c->normal[2], 0.0};
     if (values[r] == 0.0) continue;
     add_face(grid, c->own, at, c->b, v, push);
     add_face(grid, c->other, at + FACE_NODES, c->b + FACE_NODES, v, push);
   }
 }
 
-/* What forces of the constraints do to nodes, in sums that do not depend on their order: `push` becomes the way A Gᵀ values. */
+/* What forces of the constraints do to nodes, in sums that do not depend on their order: `push`
+ * becomes the way A Gᵀ values. */
 static int add_up(ct_solver *s, const ct_constraint *list, const double *values)
 {
   ct_grid grid;
@@ -256,7 +278,8 @@ static void count_crowd(ct_solver *s)
     for (int32_t a = 0; a < c->own; a++) s->entries[slot[a]]++;
     for (int32_t a = FACE_NODES; a < FACE_NODES + c->other; a++) s->entries[slot[a]]++;
   }
-  for (int32_t n = 0; n < s->node_count; n++) s->crowd = s->entries[n] > s->crowd ? s->entries[n] : s->crowd;
+  for (int32_t n = 0; n < s->node_count; n++)
+    s->crowd = s->entries[n] > s->crowd ? s->entries[n] : s->crowd;
 }
 
 /* Σ_k |W_jk| for each row of W = G (mobility) Gᵀ, or more (eq:constraint-bound). */
@@ -270,52 +293,67 @@ static int bound_rows(ct_solver *s)
     s->guess[r] = 1.0;
   }
   if (!add_up(s, s->sizes, s->guess)) return 0;
-  for (int64_t r = 0; r < s->count; r++) s->bound[r] = along(&s->sizes[s->active[r]], &s->slot[2 * FACE_NODES * s->active[r]], s->push);
+  for (int64_t r = 0; r < s->count; r++)
+    s->bound[r] = along(&s->sizes[s->active[r]], &s->slot[2 * FACE_NODES * s->active[r]], s->push);
   return 1;
 }
 
 /* The same between two faces of four nodes each, as most are: the numbers stay in registers. */
-static inline double along_quadrilaterals(const ct_constraint *c, const int32_t *slot, const double *x)
+static inline double along_quadrilaterals(const ct_constraint *c, const int32_t *slot,
+                                          const double *x)
 {
   double own[WIDE], other[WIDE];
   const double *p[4], *q[4], *b = c->b, *d = c->b + FACE_NODES;
-  for (int a = 0; a < 4; a++) p[a] = &x[WIDE * (int64_t)slot[a]], q[a] = &x[WIDE * (int64_t)slot[FACE_NODES + a]];
+  for (int a = 0; a < 4; a++)
+    p[a] = &x[WIDE * (int64_t)slot[a]], q[a] = &x[WIDE * (int64_t)slot[FACE_NODES + a]];
 #pragma omp simd
-  for (int i = 0; i < WIDE; i++) own[i] = (b[0] * p[0][i] + b[1] * p[1][i]) + (b[2] * p[2][i] + b[3] * p[3][i]);
+  for (int i = 0; i < WIDE; i++)
+    own[i] = (b[0] * p[0][i] + b[1] * p[1][i]) + (b[2] * p[2][i] + b[3] * p[3][i]);
 #pragma omp simd
-  for (int i = 0; i < WIDE; i++) other[i] = (d[0] * q[0][i] + d[1] * q[1][i]) + (d[2] * q[2][i] + d[3] * q[3][i]);
-  return (c->normal[0] * (own[0] + other[0]) + c->normal[1] * (own[1] + other[1])) + c->normal[2] * (own[2] + other[2]);
+  for (int i = 0; i < WIDE; i++)
+    other[i] = (d[0] * q[0][i] + d[1] * q[1][i]) + (d[2] * q[2][i] + d[3] * q[3][i]);
+  return (c->normal[0] * (own[0] + other[0]) + c->normal[1] * (own[1] + other[1])) +
+         c->normal[2] * (own[2] + other[2]);
 }
 
 /* Gaps of the active constraints at t_{n+1} with the way in `push`. */
 CT_CLONES
-static void find_gaps(int64_t count, const ct_constraint *list, const int64_t *active, const int32_t *slot, const double *free, const double *push, double *gap)
+static void find_gaps(int64_t count, const ct_constraint *list, const int64_t *active,
+                      const int32_t *slot, const double *free, const double *push, double *gap)
 {
   for (int64_t r = 0; r < count; r++) {
     const ct_constraint *c = &list[active[r]];
     const int32_t *at = &slot[2 * FACE_NODES * active[r]];
-    gap[r] = free[r] + (c->own == 4 && c->other == 4 ? along_quadrilaterals(c, at, push) : along(c, at, push));
+    gap[r] = free[r] + (c->own == 4 && c->other == 4 ? along_quadrilaterals(c, at, push)
+                                                     : along(c, at, push));
   }
 }
 
-/* Forces of constraints that are all energy-controlled, several side by side: ct_enforcement_solve of each. */
+/* Forces of constraints that are all energy-controlled, several side by side: ct_enforcement_solve
+ * of each. */
 CT_CLONES
-static void solve_controlled(int64_t count, const double *k, const double *s, const double *g, const double *gap, const double *bound, const double *guess, double *next)
+static void solve_controlled(int64_t count, const double *k, const double *s, const double *g,
+                             const double *gap, const double *bound, const double *guess,
+                             double *next)
 {
 #pragma omp simd
-  for (int64_t r = 0; r < count; r++) next[r] = ct_law_controlled(k[r], s[r], g[r], gap[r] - bound[r] * guess[r], bound[r]);
+  for (int64_t r = 0; r < count; r++)
+    next[r] = ct_law_controlled(k[r], s[r], g[r], gap[r] - bound[r] * guess[r], bound[r]);
 }
 
-/* One round: the force of each constraint as if the others stayed as guessed and its own row of W were diagonal. Answers the
- * largest change over the largest force (eq:constraint-iteration). */
+/* One round: the force of each constraint as if the others stayed as guessed and its own row of W
+ * were diagonal. Answers the largest change over the largest force (eq:constraint-iteration). */
 static double improve(ct_solver *s, double *next)
 {
   double change = 0.0, top = 0.0, *gap = s->terms;
   find_gaps(s->count, s->list, s->active, s->slot, s->free, s->push, gap);
   if (s->controlled)
-    solve_controlled(s->count, s->law, s->law + s->room, s->law + 2 * s->room, gap, s->bound, s->guess, next);
+    solve_controlled(s->count, s->law, s->law + s->room, s->law + 2 * s->room, gap, s->bound,
+                     s->guess, next);
   else
-    for (int64_t r = 0; r < s->count; r++) next[r] = ct_enforcement_solve(&s->list[s->active[r]], gap[r] - s->bound[r] * s->guess[r], s->bound[r]);
+    for (int64_t r = 0; r < s->count; r++)
+      next[r] = ct_enforcement_solve(&s->list[s->active[r]], gap[r] - s->bound[r] * s->guess[r],
+                                     s->bound[r]);
   for (int64_t r = 0; r < s->count; r++) {
     change = ct_law_larger(change, fabs(next[r] - s->guess[r]));
     top = ct_law_larger(top, ct_law_larger(fabs(next[r]), fabs(s->guess[r])));
@@ -323,13 +361,15 @@ static double improve(ct_solver *s, double *next)
   return top > 0.0 ? change / top : 0.0;
 }
 
-/* Go on from beyond the new forces, farther each time, until that leads uphill (eq:constraint-momentum). `next` becomes the
- * forces. */
+/* Go on from beyond the new forces, farther each time, until that leads uphill
+ * (eq:constraint-momentum). `next` becomes the forces. */
 static double extrapolate(ct_solver *s, const double *next, double pace)
 {
-  for (int64_t r = 0; r < s->count; r++) s->terms[r] = s->bound[r] * (s->guess[r] - next[r]) * (next[r] - s->force[r]);
+  for (int64_t r = 0; r < s->count; r++)
+    s->terms[r] = s->bound[r] * (s->guess[r] - next[r]) * (next[r] - s->force[r]);
   int uphill = ct_sum(s->terms, s->count) > 0.0;
-  double faster = uphill ? 1.0 : 0.5 * (1.0 + sqrt(1.0 + 4.0 * pace * pace)), share = uphill ? 0.0 : (pace - 1.0) / faster;
+  double faster = uphill ? 1.0 : 0.5 * (1.0 + sqrt(1.0 + 4.0 * pace * pace)),
+         share = uphill ? 0.0 : (pace - 1.0) / faster;
   for (int64_t r = 0; r < s->count; r++) {
     double way = next[r] - s->force[r];
     s->guess[r] = next[r] + share * way;
@@ -364,7 +404,8 @@ static int hand_out(const ct_problem *problem, ct_solver *s)
   for (int64_t j = 0; j < s->first[problem->effect_count]; j++) s->list[j].force = 0.0;
   if (!add_up(s, s->list, s->force)) return 0;
   for (int64_t r = 0; r < s->count; r++) s->list[s->active[r]].force = s->force[r];
-  for (int64_t j = 0; j < s->first[problem->effect_count]; j++) s->list[j].after += along(&s->list[j], &s->slot[2 * FACE_NODES * j], s->push);
+  for (int64_t j = 0; j < s->first[problem->effect_count]; j++)
+    s->list[j].after += along(&s->list[j], &s->slot[2 * FACE_NODES * j], s->push);
   return 1;
 }
 
@@ -375,7 +416,8 @@ static void mark_start(ct_solver *s)
     const ct_constraint *c = &s->list[s->active[r]];
     const int32_t *slot = &s->slot[2 * FACE_NODES * s->active[r]];
     for (int32_t a = 0; c->force > 0.0 && ct_law_begins(c) && a < FACE_NODES + c->other; a++)
-      if (a < c->own || a >= FACE_NODES) ct_bits_put(s->begun, s->nodes[slot[a]], s->nodes[slot[a]] + 1, 1);
+      if (a < c->own || a >= FACE_NODES)
+        ct_bits_put(s->begun, s->nodes[slot[a]], s->nodes[slot[a]] + 1, 1);
   }
 }
 
@@ -383,7 +425,8 @@ ct_status ct_solver_solve(const ct_problem *problem, ct_state *state, ct_error *
 {
   ct_solver *s = state->workspace->solver;
   ct_status status = list_constraints(problem, state, s, error);
-  if (state->step == 0) memset(s->begun, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *s->begun);
+  if (state->step == 0)
+    memset(s->begun, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *s->begun);
   if (status != CT_OK || s->first[problem->effect_count] == 0) return status;
   double begin = problem->clock == NULL ? 0.0 : problem->clock();
   predict(problem, state, s);
@@ -394,13 +437,16 @@ ct_status ct_solver_solve(const ct_problem *problem, ct_state *state, ct_error *
   s->iterations = 0;
   s->converged = 1;
   if (!bound_rows(s) || !iterate(s) || !hand_out(problem, s))
-    return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "the contact forces stopped being finite at t = %g", state->time);
+    return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE,
+                   "the contact forces stopped being finite at t = %g", state->time);
   if (state->step == 0) mark_start(s);
   state->unsettled += !s->converged;
   state->constraint_rounds += s->iterations * s->count;
   // Each effect pays for its part of the list.
   for (int32_t k = 0; problem->clock != NULL && k < problem->effect_count; k++)
     if (problem->effects[k]->constrain != NULL)
-      state->effect_seconds[k] += (problem->clock() - begin) * (double)(s->first[k + 1] - s->first[k]) / (double)s->first[problem->effect_count];
+      state->effect_seconds[k] += (problem->clock() - begin) *
+                                  (double)(s->first[k + 1] - s->first[k]) /
+                                  (double)s->first[problem->effect_count];
   return CT_OK;
 }

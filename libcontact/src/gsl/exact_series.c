@@ -1,9 +1,9 @@
 /* Impact of two thick plates as a sum over Rayleigh-Lamb branches (docs/theory/exact.rst).
  *
- * d = c1 = density = v0 = 1, stresses over Lambda. xi is the wave number, omega the frequency of a branch,
- * alpha2 = omega^2 - xi^2, beta2 = kappa^2 omega^2 - xi^2; a mode is
- *   u_x = -(xi A cos(alpha z) + B cos(beta z)) sin(xi x),
- *   u_z = -(A alpha sin(alpha z) - xi B sin(beta z)/beta) cos(xi x). */
+ * d = c1 = density = v0 = 1, stresses over Lambda. xi is the wave number, omega the frequency of a
+ * branch, alpha2 = omega^2 - xi^2, beta2 = kappa^2 omega^2 - xi^2; a mode is u_x = -(xi A cos(alpha
+ * z) + B cos(beta z)) sin(xi x), u_z = -(A alpha sin(alpha z) - xi B sin(beta z)/beta) cos(xi x).
+ */
 #include <contact/exact.h>
 #include <contact/exact_series.h>
 
@@ -23,8 +23,8 @@ static const double PI = 3.14159265358979323846;
 /* Gauss points of a panel of wave numbers; modes that are summed together. */
 enum { NODES = 6, BLOCK = 128 };
 
-/* One mode: its place, the amplitudes times the weight of the quadrature. A and B are those of the functions divided
- * by exp(|Im alpha|), exp(|Im beta|), so that none overflows. */
+/* One mode: its place, the amplitudes times the weight of the quadrature. A and B are those of the
+ * functions divided by exp(|Im alpha|), exp(|Im beta|), so that none overflows. */
 typedef struct ct_mode {
   double xi, omega, alpha2, beta2, a, b;
 } ct_mode;
@@ -40,7 +40,8 @@ struct ct_exact_series {
   ct_mode_block *block;
 };
 
-/* cos s, s sin s, sin(s)/s as functions of s^2, divided by exp(|Im s|); `unit` is 1 divided by exp(2 |Im s|). */
+/* cos s, s sin s, sin(s)/s as functions of s^2, divided by exp(|Im s|); `unit` is 1 divided by
+ * exp(2 |Im s|). */
 typedef struct ct_trig {
   double c, s, sinc, unit;
 } ct_trig;
@@ -53,7 +54,8 @@ static ct_trig trig(double square)
   return (ct_trig){even, -r * odd, odd / r, unit};
 }
 
-/* The Rayleigh-Lamb function of omega (eq:series-dispersion), divided by the exponentials of `trig`. */
+/* The Rayleigh-Lamb function of omega (eq:series-dispersion), divided by the exponentials of
+ * `trig`. */
 typedef struct ct_dispersion {
   double kappa2, xi;
 } ct_dispersion;
@@ -61,7 +63,8 @@ typedef struct ct_dispersion {
 static double dispersion(double omega, void *parameters)
 {
   const ct_dispersion *d = parameters;
-  const double xi2 = d->xi * d->xi, alpha2 = (omega - d->xi) * (omega + d->xi), beta2 = d->kappa2 * omega * omega - xi2;
+  const double xi2 = d->xi * d->xi, alpha2 = (omega - d->xi) * (omega + d->xi),
+               beta2 = d->kappa2 * omega * omega - xi2;
   const ct_trig a = trig(alpha2), b = trig(beta2);
   const double e = beta2 - xi2;
   return e * e * a.c * b.sinc + 4.0 * xi2 * a.s * b.c;
@@ -76,8 +79,8 @@ static double branch_root(gsl_root_fsolver *solver, ct_dispersion *d, double low
   gsl_root_fsolver_set(solver, &f, low, high);
   for (int i = 0; i < 60; i++) {
     if (gsl_root_fsolver_iterate(solver) != GSL_SUCCESS) break;
-    if (gsl_root_test_interval(gsl_root_fsolver_x_lower(solver), gsl_root_fsolver_x_upper(solver), 0.0,
-                               4.0 * DBL_EPSILON) == GSL_SUCCESS)
+    if (gsl_root_test_interval(gsl_root_fsolver_x_lower(solver), gsl_root_fsolver_x_upper(solver),
+                               0.0, 4.0 * DBL_EPSILON) == GSL_SUCCESS)
       break;
   }
   return gsl_root_fsolver_root(solver);
@@ -87,15 +90,18 @@ static double branch_root(gsl_root_fsolver *solver, ct_dispersion *d, double low
 static double sine_energy(double beta2, const ct_trig *t)
 {
   if (fabs(beta2) > 0.01) return (t->unit - t->sinc * t->c) / beta2;
-  const double series = 2.0 / 3.0 - beta2 * (2.0 / 15.0 - beta2 * (4.0 / 315.0 - beta2 * 2.0 / 2835.0));
+  const double series =
+      2.0 / 3.0 - beta2 * (2.0 / 15.0 - beta2 * (4.0 / 315.0 - beta2 * 2.0 / 2835.0));
   return series * t->unit;
 }
 
 /* The mode at (xi, omega) with its projection on the initial velocity (eq:series-projection). */
-static ct_mode mode_at(const ct_exact_series *s, double xi, double omega, double weight, double *size)
+static ct_mode mode_at(const ct_exact_series *s, double xi, double omega, double weight,
+                       double *size)
 {
   // -- Amplitudes from the free face (eq:series-boundary)
-  ct_mode m = {xi, omega, (omega - xi) * (omega + xi), s->kappa2 * omega * omega - xi * xi, 0.0, 0.0};
+  ct_mode m = {xi,  omega, (omega - xi) * (omega + xi), s->kappa2 * omega * omega - xi * xi,
+               0.0, 0.0};
   const ct_trig ta = trig(m.alpha2), tb = trig(m.beta2);
   const double e = m.beta2 - xi * xi;
   const double a1 = -e * tb.sinc, b1 = 2.0 * xi * ta.s, a2 = 2.0 * xi * tb.c, b2 = e * ta.c;
@@ -104,9 +110,11 @@ static ct_mode mode_at(const ct_exact_series *s, double xi, double omega, double
   m.b = first ? b1 : b2;
   // -- Mean of u_x and kinetic energy (eq:series-norm)
   const double mean = -(xi * m.a * ta.sinc + m.b * tb.sinc);
-  const double energy = 0.5 * m.a * m.a * (xi * xi * (ta.unit + ta.sinc * ta.c) + (m.alpha2 * ta.unit - ta.s * ta.c))
-                        + 0.5 * m.b * m.b * ((tb.unit + tb.sinc * tb.c) + xi * xi * sine_energy(m.beta2, &tb))
-                        + 2.0 * xi * m.a * m.b * ta.c * tb.sinc;
+  const double energy =
+      0.5 * m.a * m.a *
+          (xi * xi * (ta.unit + ta.sinc * ta.c) + (m.alpha2 * ta.unit - ta.s * ta.c)) +
+      0.5 * m.b * m.b * ((tb.unit + tb.sinc * tb.c) + xi * xi * sine_energy(m.beta2, &tb)) +
+      2.0 * xi * m.a * m.b * ta.c * tb.sinc;
   // -- Weight (eq:series-sum)
   const double factor = -2.0 / PI * weight * mean / (energy * xi);
   *size = fabs(factor) * sqrt(energy);
@@ -136,14 +144,16 @@ static ct_status keep(ct_exact_series *s, const ct_mode *mode)
   return CT_OK;
 }
 
-/* What a wave number needs: solver, Rayleigh speed over c1, width of a panel, and the smallest mode worth keeping. */
+/* What a wave number needs: solver, Rayleigh speed over c1, width of a panel, and the smallest mode
+ * worth keeping. */
 typedef struct ct_branches {
   gsl_root_fsolver *solver;
   double c_r, width, least;
 } ct_branches;
 
 /* The modes of one wave number on the lowest `branches` branches. */
-static ct_status wave_number(ct_exact_series *s, const ct_branches *how, double xi, double weight, size_t branches)
+static ct_status wave_number(ct_exact_series *s, const ct_branches *how, double xi, double weight,
+                             size_t branches)
 {
   ct_dispersion d = {s->kappa2, xi};
   const double kappa = sqrt(s->kappa2);
@@ -165,12 +175,13 @@ static ct_status wave_number(ct_exact_series *s, const ct_branches *how, double 
   return CT_OK;
 }
 
-/* All wave numbers: all branches up to 3 xi_N + 60, then the lowest alone, the Rayleigh wave, up to 4000
- * (eq:series-grid). */
+/* All wave numbers: all branches up to 3 xi_N + 60, then the lowest alone, the Rayleigh wave, up to
+ * 4000 (eq:series-grid). */
 static ct_status tabulate(ct_exact_series *s, size_t branches, const ct_branches *how,
                           const gsl_integration_glfixed_table *rule)
 {
-  const double all = 60.0 + 3.0 * PI * (double)branches / sqrt(s->kappa2 - 1.0), end = fmax(4000.0, all);
+  const double all = 60.0 + 3.0 * PI * (double)branches / sqrt(s->kappa2 - 1.0),
+               end = fmax(4000.0, all);
   for (size_t panel = 0; (double)panel * how->width < end; panel++) {
     const double left = (double)panel * how->width;
     for (size_t i = 0; i < NODES; i++) {
@@ -183,7 +194,8 @@ static ct_status tabulate(ct_exact_series *s, size_t branches, const ct_branches
   return CT_OK;
 }
 
-ct_status ct_exact_series_create(double nu, size_t branches, double reach, ct_exact_series **out, ct_error *error)
+ct_status ct_exact_series_create(double nu, size_t branches, double reach, ct_exact_series **out,
+                                 ct_error *error)
 {
   if (out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "out is a null pointer");
   *out = NULL;
@@ -191,11 +203,14 @@ ct_status ct_exact_series_create(double nu, size_t branches, double reach, ct_ex
   ct_branches how = {NULL, 0.0, width, 3e-8 * width};
   double c2;
   if (ct_exact_speeds(nu, &c2, &how.c_r) != CT_OK)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
   if (branches < 1 || branches > 1000)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "branches = %zu, must be 1 to 1000", branches);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "branches = %zu, must be 1 to 1000",
+                   branches);
   if (!(reach > 0.0 && reach <= 100.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reach = %g, x + t must be at most 100", reach);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reach = %g, x + t must be at most 100",
+                   reach);
   ct_exact_series *s = calloc(1, sizeof *s);
   gsl_integration_glfixed_table *rule = gsl_integration_glfixed_table_alloc(NODES);
   how.solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
@@ -222,23 +237,34 @@ void ct_exact_series_free(ct_exact_series *series)
   free(series);
 }
 
-/* Sines and cosines of a block of angles, 0 <= angle < 1e6, written so that the compiler can do several at a time:
- * angle = k pi/2 + y with |y| <= pi/4 and Taylor's polynomials in y. */
-CT_CLONES static void waves(const double *angle, double *cosine, double *sine)
+/* Sines and cosines of a block of angles, 0 <= angle < 1e6, written so that the compiler can do
+ * several at a time: angle = k pi/2 + y with |y| <= pi/4 and Taylor's polynomials in y. */
+CT_CLONES
+static void waves(const double *angle, double *cosine, double *sine)
 {
   const double shift = 6755399441055744.0; /* adding and subtracting it rounds to an integer */
-  const double half_pi[3] = {1.57079632673412561417, 6.07710050630396597660e-11, 2.02226624879595063154e-21};
+  const double half_pi[3] = {1.57079632673412561417, 6.07710050630396597660e-11,
+                             2.02226624879595063154e-21};
 #pragma omp simd
   for (int i = 0; i < BLOCK; i++) {
     const double k = (angle[i] * (2.0 / PI) + shift) - shift, turns = (0.25 * k + shift) - shift;
     const double quarter = k - 4.0 * turns; /* -2, -1, 0, 1 or 2 */
     const double y = ((angle[i] - k * half_pi[0]) - k * half_pi[1]) - k * half_pi[2], y2 = y * y;
     const double s =
-        y + y * y2 * (-1.0 / 6 + y2 * (1.0 / 120 + y2 * (-1.0 / 5040 + y2 * (1.0 / 362880 + y2 * (-1.0 / 39916800
-        + y2 * (1.0 / 6227020800.0 - y2 / 1307674368000.0))))));
+        y + y * y2 *
+                (-1.0 / 6 +
+                 y2 * (1.0 / 120 + y2 * (-1.0 / 5040 + y2 * (1.0 / 362880 +
+                                                             y2 * (-1.0 / 39916800 +
+                                                                   y2 * (1.0 / 6227020800.0 -
+                                                                         y2 / 1307674368000.0))))));
     const double c =
-        1.0 + y2 * (-0.5 + y2 * (1.0 / 24 + y2 * (-1.0 / 720 + y2 * (1.0 / 40320 + y2 * (-1.0 / 3628800
-        + y2 * (1.0 / 479001600 + y2 * (-1.0 / 87178291200.0 + y2 / 20922789888000.0)))))));
+        1.0 +
+        y2 * (-0.5 + y2 * (1.0 / 24 +
+                           y2 * (-1.0 / 720 +
+                                 y2 * (1.0 / 40320 + y2 * (-1.0 / 3628800 +
+                                                           y2 * (1.0 / 479001600 +
+                                                                 y2 * (-1.0 / 87178291200.0 +
+                                                                       y2 / 20922789888000.0)))))));
     const int odd = fabs(quarter) == 1.0;
     const double first = odd ? c : s, second = odd ? s : c;
     sine[i] = fabs(quarter - 0.5) > 1.0 ? -first : first;
@@ -246,7 +272,8 @@ CT_CLONES static void waves(const double *angle, double *cosine, double *sine)
   }
 }
 
-/* cos(s z) and s sin(s z) over exp(|Im s|) for s = i r, 0 <= z <= 1; both vanish where the mode does not reach. */
+/* cos(s z) and s sin(s z) over exp(|Im s|) for s = i r, 0 <= z <= 1; both vanish where the mode
+ * does not reach. */
 static void hyperbolic(double r, double z, double *c, double *s)
 {
   *c = *s = 0.0;
@@ -257,7 +284,8 @@ static void hyperbolic(double r, double z, double *c, double *s)
 }
 
 /* cos(s z) and s sin(s z) over exp(|Im s|) of a block of modes, given s^2. */
-CT_CLONES static void shapes(const double *square, double z, double *c, double *s)
+CT_CLONES
+static void shapes(const double *square, double z, double *c, double *s)
 {
   double root[BLOCK], angle[BLOCK];
   for (int i = 0; i < BLOCK; i++) {
@@ -270,7 +298,8 @@ CT_CLONES static void shapes(const double *square, double z, double *c, double *
     if (square[i] < 0.0) hyperbolic(root[i], z, &c[i], &s[i]);
 }
 
-/* What x and t do to each mode of a block: sin, cos of xi x times cos(omega t), sin(omega t)/omega. */
+/* What x and t do to each mode of a block: sin, cos of xi x times cos(omega t), sin(omega t)/omega.
+ */
 typedef struct ct_wave_factors {
   double sin_cos[BLOCK], cos_cos[BLOCK], sin_sin[BLOCK], cos_sin[BLOCK];
 } ct_wave_factors;
@@ -291,7 +320,9 @@ static void wave_factors(const ct_mode_block *m, double x, double t, ct_wave_fac
 }
 
 /* Add a block of modes at height z >= 0 (eq:series-fields). */
-CT_CLONES static void add_modes(const ct_mode_block *m, const ct_wave_factors *f, double epsilon, double z, double field[5])
+CT_CLONES
+static void add_modes(const ct_mode_block *m, const ct_wave_factors *f, double epsilon, double z,
+                      double field[5])
 {
   double ca[BLOCK], sa[BLOCK], cb[BLOCK], sb[BLOCK];
   shapes(m->alpha2, z, ca, sa);
@@ -315,14 +346,15 @@ CT_CLONES static void add_modes(const ct_mode_block *m, const ct_wave_factors *f
 }
 
 /* The points first, ..., last - 1 have one x and one t: all modes at each. */
-static void sum_line(const ct_exact_series *s, size_t first, size_t last, const double *x, const double *z,
-                     const double *t, double *fields)
+static void sum_line(const ct_exact_series *s, size_t first, size_t last, const double *x,
+                     const double *z, const double *t, double *fields)
 {
   for (size_t i = 5 * first; i < 5 * last; i++) fields[i] = 0.0;
   for (size_t j = 0; j < s->blocks; j++) {
     ct_wave_factors factors;
     wave_factors(&s->block[j], x[first], t[first], &factors);
-    for (size_t i = first; i < last; i++) add_modes(&s->block[j], &factors, s->epsilon, fabs(z[i]), fields + 5 * i);
+    for (size_t i = first; i < last; i++)
+      add_modes(&s->block[j], &factors, s->epsilon, fabs(z[i]), fields + 5 * i);
   }
   // -- Shear stress and transversal velocity are odd in z
   for (size_t i = first; i < last; i++)
@@ -340,12 +372,14 @@ static const char *refusal(double x, double z, double t, double reach)
   return NULL;
 }
 
-ct_status ct_exact_series_fields(const ct_exact_series *series, size_t n, const double *x, const double *z,
-                                 const double *t, double *fields, size_t *bad, ct_error *error)
+ct_status ct_exact_series_fields(const ct_exact_series *series, size_t n, const double *x,
+                                 const double *z, const double *t, double *fields, size_t *bad,
+                                 ct_error *error)
 {
   if (bad != NULL) *bad = n;
   if (series == NULL || (n > 0 && (x == NULL || z == NULL || t == NULL || fields == NULL)))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "series, x, z, t or fields is a null pointer");
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "series, x, z, t or fields is a null pointer");
   for (size_t i = 0; i < n; i++) {
     const char *reason = refusal(x[i], z[i], t[i], series->reach);
     if (reason == NULL) continue;
@@ -360,8 +394,9 @@ ct_status ct_exact_series_fields(const ct_exact_series *series, size_t n, const 
   return CT_OK;
 }
 
-ct_status ct_exact_plates_series(size_t n, const double *x, const double *z, const double *t, double nu,
-                                 size_t branches, double *fields, size_t *bad, ct_error *error)
+ct_status ct_exact_plates_series(size_t n, const double *x, const double *z, const double *t,
+                                 double nu, size_t branches, double *fields, size_t *bad,
+                                 ct_error *error)
 {
   if (bad != NULL) *bad = n;
   if (n > 0 && (x == NULL || z == NULL || t == NULL || fields == NULL))

@@ -24,8 +24,10 @@ const char *ct_disk_short(const char *path)
 static ct_status system_fail(ct_error *error, const char *path, const char *what, int number)
 {
   char reason[200];
-  if (strerror_r(number, reason, sizeof reason) != 0) snprintf(reason, sizeof reason, "error %d", number);
-  return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't %s: %s", ct_disk_short(path), what, reason);
+  if (strerror_r(number, reason, sizeof reason) != 0)
+    snprintf(reason, sizeof reason, "error %d", number);
+  return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't %s: %s", ct_disk_short(path), what,
+                 reason);
 }
 
 ct_status ct_disk_names(const char *path, char **target, char **part, ct_error *error)
@@ -34,7 +36,8 @@ ct_status ct_disk_names(const char *path, char **target, char **part, ct_error *
   *target = *part = NULL;
   if (stat(path, &found) == 0 && !S_ISREG(found.st_mode)) {
     if (S_ISDIR(found.st_mode)) return system_fail(error, path, "write the file", EISDIR);
-    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't write the file: it is no ordinary file", ct_disk_short(path));
+    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE,
+                   "%s: can't write the file: it is no ordinary file", ct_disk_short(path));
   }
   char *real = realpath(path, NULL);
   const char *name = real != NULL ? real : path;
@@ -46,7 +49,8 @@ ct_status ct_disk_names(const char *path, char **target, char **part, ct_error *
     snprintf(*part, length + sizeof ".part", "%s.part", name);
   }
   free(real);
-  if (*target == NULL || *part == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a path");
+  if (*target == NULL || *part == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a path");
   return CT_OK;
 }
 
@@ -61,7 +65,8 @@ ct_status ct_disk_check_readable(const char *path, ct_error *error)
   return CT_OK;
 }
 
-/* Ask for the bytes from `start` on; 0, or the number of the error when the disk has no room for them. */
+/* Ask for the bytes from `start` on; 0, or the number of the error when the disk has no room for
+ * them. */
 static int reserve(int descriptor, off_t start, int64_t bytes)
 {
 #if defined(_POSIX_ADVISORY_INFO) && _POSIX_ADVISORY_INFO > 0
@@ -76,10 +81,12 @@ static int reserve(int descriptor, off_t start, int64_t bytes)
   return 0;
 }
 
-ct_status ct_disk_open(ct_disk *disk, const char *part, int64_t bytes, const char *path, ct_error *error)
+ct_status ct_disk_open(ct_disk *disk, const char *part, int64_t bytes, const char *path,
+                       ct_error *error)
 {
   int result = ct_lock_create(part, &disk->locked);
-  // -- Whoever has the lock of the new file may ask who has that of the old one: a run that has given the file its final name
+  // -- Whoever has the lock of the new file may ask who has that of the old one: a run that has
+  // given the file its final name
   int busy = result == EAGAIN || (result == 0 && !ct_lock_is_free(path));
   if (result == 0 && !busy) result = reserve(disk->locked, 0, bytes);
   if (result == 0 && !busy) return CT_OK;
@@ -87,11 +94,13 @@ ct_status ct_disk_open(ct_disk *disk, const char *part, int64_t bytes, const cha
   ct_lock_release(disk->locked);
   disk->locked = -1;
   if (busy)
-    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't write the file: another run is writing it", ct_disk_short(path));
+    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE,
+                   "%s: can't write the file: another run is writing it", ct_disk_short(path));
   return system_fail(error, path, "write the file", result);
 }
 
-ct_status ct_disk_reserve(const ct_disk *disk, hid_t file, int64_t bytes, const char *path, ct_error *error)
+ct_status ct_disk_reserve(const ct_disk *disk, hid_t file, int64_t bytes, const char *path,
+                          ct_error *error)
 {
   hsize_t size = 0;
   if (H5Fget_filesize(file, &size) < 0) return CT_OK;

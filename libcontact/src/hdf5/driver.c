@@ -15,9 +15,10 @@
 #endif
 
 /*
- * A file driver for HDF5 whose writes never fail. HDF5 can't close a file any more once one of its writes has failed: it keeps
- * what it could not write, and crashes when the process ends (seen with 1.10.8). So the first failure is kept in ct_disk, from
- * then on nothing is written, and HDF5 is told that all is well. Whoever writes looks at ct_disk.error after each flush.
+ * A file driver for HDF5 whose writes never fail. HDF5 can't close a file any more once one of its
+ * writes has failed: it keeps what it could not write, and crashes when the process ends (seen
+ * with 1.10.8). So the first failure is kept in ct_disk, from then on nothing is written, and HDF5
+ * is told that all is well. Whoever writes looks at ct_disk.error after each flush.
  */
 
 typedef struct driver_file {
@@ -40,7 +41,8 @@ static H5FD_t *driver_open(const char *name, unsigned flags, hid_t access, haddr
   (void)name, (void)limit;
   if (info == NULL) return NULL;
   int descriptor = dup(info->disk->locked);
-  if (descriptor >= 0 && (flags & H5F_ACC_TRUNC) && ftruncate(descriptor, 0) != 0 && info->disk->error == 0)
+  if (descriptor >= 0 && (flags & H5F_ACC_TRUNC) && ftruncate(descriptor, 0) != 0 &&
+      info->disk->error == 0)
     info->disk->error = errno;
   if (descriptor < 0 && info->disk->error == 0) info->disk->error = errno;
   driver_file *file = descriptor >= 0 ? calloc(1, sizeof *file) : NULL;
@@ -67,7 +69,9 @@ static herr_t driver_close(H5FD_t *base)
 static int driver_compare(const H5FD_t *a, const H5FD_t *b)
 {
   struct stat one, two;
-  if (fstat(((const driver_file *)a)->descriptor, &one) != 0 || fstat(((const driver_file *)b)->descriptor, &two) != 0) return -1;
+  if (fstat(((const driver_file *)a)->descriptor, &one) != 0 ||
+      fstat(((const driver_file *)b)->descriptor, &two) != 0)
+    return -1;
   if (one.st_dev != two.st_dev) return one.st_dev < two.st_dev ? -1 : 1;
   if (one.st_ino != two.st_ino) return one.st_ino < two.st_ino ? -1 : 1;
   return 0;
@@ -77,8 +81,8 @@ static herr_t driver_query(const H5FD_t *base, unsigned long *flags)
 {
   (void)base;
   if (flags != NULL)
-    *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE | H5FD_FEAT_AGGREGATE_SMALLDATA |
-             H5FD_FEAT_DEFAULT_VFD_COMPATIBLE;
+    *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE |
+             H5FD_FEAT_AGGREGATE_SMALLDATA | H5FD_FEAT_DEFAULT_VFD_COMPATIBLE;
   return 0;
 }
 
@@ -101,7 +105,8 @@ static haddr_t driver_get_eof(const H5FD_t *base, H5FD_mem_t type)
   return ((const driver_file *)base)->end_of_file;
 }
 
-static herr_t driver_read(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t address, size_t size, void *buffer)
+static herr_t driver_read(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t address,
+                          size_t size, void *buffer)
 {
   driver_file *file = (driver_file *)base;
   unsigned char *to = buffer;
@@ -122,7 +127,8 @@ static herr_t driver_read(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t
   return 0;
 }
 
-static herr_t driver_write(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t address, size_t size, const void *buffer)
+static herr_t driver_write(H5FD_t *base, H5FD_mem_t type, hid_t transfer, haddr_t address,
+                           size_t size, const void *buffer)
 {
   driver_file *file = (driver_file *)base;
   const unsigned char *from = buffer;
@@ -147,7 +153,8 @@ static herr_t driver_truncate(H5FD_t *base, hid_t transfer, hbool_t closing)
   driver_file *file = (driver_file *)base;
   (void)transfer, (void)closing;
   if (file->end_of_space == file->end_of_file) return 0;
-  if (file->disk->error == 0 && ftruncate(file->descriptor, (off_t)file->end_of_space) != 0) file->disk->error = errno;
+  if (file->disk->error == 0 && ftruncate(file->descriptor, (off_t)file->end_of_space) != 0)
+    file->disk->error = errno;
   file->end_of_file = file->end_of_space;
   return 0;
 }

@@ -13,9 +13,10 @@
 #include <unistd.h>
 
 /*
- * A file that is written is locked, so that no second run writes it too. The lock belongs to the open file, and so goes with the
- * process, however that ends; where the system has no such lock it belongs to the process, and two outputs of one process do not
- * see each other's. It is not flock's, with which HDF5 itself would refuse to read a file that is written.
+ * A file that is written is locked, so that no second run writes it too. The lock belongs to the
+ * open file, and so goes with the process, however that ends; where the system has no such lock it
+ * belongs to the process, and two outputs of one process do not see each other's. It is not
+ * flock's, with which HDF5 itself would refuse to read a file that is written.
  */
 #ifdef F_OFD_SETLK
 enum { SET_LOCK = F_OFD_SETLK };
@@ -37,15 +38,19 @@ static int lock(int descriptor)
 static int bears(int descriptor, const char *name)
 {
   struct stat one, two;
-  return fstat(descriptor, &one) == 0 && lstat(name, &two) == 0 && one.st_dev == two.st_dev && one.st_ino == two.st_ino;
+  return fstat(descriptor, &one) == 0 && lstat(name, &two) == 0 && one.st_dev == two.st_dev &&
+         one.st_ino == two.st_ino;
 }
 
-/* Remove a file that a run which has ended left behind, or a link. Returns 0, EAGAIN while the run is alive, or the number of the
- * system's error. */
+/* Remove a file that a run which has ended left behind, or a link. Returns 0, EAGAIN while the run
+ * is alive, or the number of the system's error. */
 static int clear(const char *part)
 {
   int descriptor = open(part, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC), result = errno;
-  if (descriptor < 0) return result == ELOOP ? (unlink(part) == 0 || errno == ENOENT ? 0 : errno) : result == ENOENT ? 0 : result;
+  if (descriptor < 0)
+    return result == ELOOP    ? (unlink(part) == 0 || errno == ENOENT ? 0 : errno)
+           : result == ENOENT ? 0
+                              : result;
   result = lock(descriptor);
   if (result == 0 && bears(descriptor, part) && unlink(part) != 0) result = errno;
   close(descriptor);

@@ -15,21 +15,26 @@ enum { MARGIN = 1 << 18, PAGE = 4096 };
 static ct_status check_problem(const ct_problem *problem, ct_error *error)
 {
   int64_t nodes = 0;
-  if (problem->node_count <= 0 || problem->body_count <= 0 || problem->effect_count < 0 || problem->bodies == NULL ||
-      problem->reference == NULL || (problem->effect_count > 0 && problem->effects == NULL))
+  if (problem->node_count <= 0 || problem->body_count <= 0 || problem->effect_count < 0 ||
+      problem->bodies == NULL || problem->reference == NULL ||
+      (problem->effect_count > 0 && problem->effects == NULL))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the problem of an output has no bodies");
   for (int32_t b = 0; b < problem->body_count; b++) {
     const ct_body *body = &problem->bodies[b];
     ct_place where = {b, -1, -1};
-    if (body->mesh == NULL || body->mesh->element_count <= 0 || ct_brick_node_count(body->mesh->kind) == 0)
-      return ct_fail(error, CT_ERROR_ARGUMENT, where, "body %d of the problem has no elements", (int)b);
+    if (body->mesh == NULL || body->mesh->element_count <= 0 ||
+        ct_brick_node_count(body->mesh->kind) == 0)
+      return ct_fail(error, CT_ERROR_ARGUMENT, where, "body %d of the problem has no elements",
+                     (int)b);
     if (body->first_node != nodes)
-      return ct_fail(error, CT_ERROR_ARGUMENT, where, "body %d must start at node %ld of the problem", (int)b, (long)nodes);
+      return ct_fail(error, CT_ERROR_ARGUMENT, where,
+                     "body %d must start at node %ld of the problem", (int)b, (long)nodes);
     nodes += body->mesh->node_count;
   }
   if (nodes != problem->node_count)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the bodies have %ld nodes, the problem says %d", (long)nodes,
-                          (int)problem->node_count);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "the bodies have %ld nodes, the problem says %d", (long)nodes,
+                   (int)problem->node_count);
   return CT_OK;
 }
 
@@ -38,7 +43,8 @@ static void count(ct_output *o, const ct_problem *problem)
   o->node_count = problem->node_count;
   o->body_count = problem->body_count;
   o->effect_count = problem->effect_count;
-  for (int32_t b = 0; b < problem->body_count; b++) o->cell_count += problem->bodies[b].mesh->element_count;
+  for (int32_t b = 0; b < problem->body_count; b++)
+    o->cell_count += problem->bodies[b].mesh->element_count;
 }
 
 static ct_status create_record(ct_output *o, const ct_output_options *options, ct_error *error)
@@ -50,9 +56,10 @@ static ct_status create_record(ct_output *o, const ct_output_options *options, c
   now->bodies = calloc((size_t)o->body_count, sizeof *now->bodies);
   now->addends = malloc((size_t)o->body_count * sizeof *now->addends);
   now->effects = calloc((size_t)o->effect_count + 1, sizeof *now->effects);
-  if ((options->velocity && now->velocity == NULL) || (options->stress && now->stress == NULL) || now->bodies == NULL ||
-      now->addends == NULL || now->effects == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the output of %ld nodes", (long)o->node_count);
+  if ((options->velocity && now->velocity == NULL) || (options->stress && now->stress == NULL) ||
+      now->bodies == NULL || now->addends == NULL || now->effects == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the output of %ld nodes",
+                   (long)o->node_count);
   return CT_OK;
 }
 
@@ -61,8 +68,10 @@ static ct_status open_file(ct_output *o, ct_error *error)
   o->driver = ct_driver_register();
   hid_t access = ct_layout_open_access(), how = H5Pcreate(H5P_FILE_CREATE);
   int ready = access >= 0 && how >= 0 && H5Pset_obj_track_times(how, 0) >= 0;
-  // -- In pages of the system's size no small piece lies on two of them, so that a kill can't cut one in two
-  ready = ready && H5Pset_file_space_strategy(how, H5F_FSPACE_STRATEGY_PAGE, 0, 1) >= 0 && H5Pset_file_space_page_size(how, PAGE) >= 0;
+  // -- In pages of the system's size no small piece lies on two of them, so that a kill can't cut
+  // one in two
+  ready = ready && H5Pset_file_space_strategy(how, H5F_FSPACE_STRATEGY_PAGE, 0, 1) >= 0 &&
+          H5Pset_file_space_page_size(how, PAGE) >= 0;
   ready = ready && ct_driver_use(access, o->driver, &o->disk) >= 0;
   if (ready) o->file = H5Fcreate(o->part_path, H5F_ACC_TRUNC, how, access);
   // -- From here on: datasets that grow without moving (the superblock stays the old one)
@@ -80,7 +89,8 @@ static ct_status create_types(ct_output *o, ct_error *error)
   o->energy_type = ct_hdf5_energy_type();
   o->momentum_type = ct_hdf5_momentum_type();
   o->effect_type = ct_hdf5_effect_type();
-  if (o->energy_type < 0 || o->momentum_type < 0 || o->effect_type < 0) return ct_hdf5_fail(error, o->path, "make a table");
+  if (o->energy_type < 0 || o->momentum_type < 0 || o->effect_type < 0)
+    return ct_hdf5_fail(error, o->path, "make a table");
   return CT_OK;
 }
 
@@ -101,8 +111,11 @@ static ct_status destroy(ct_output *o, ct_error *error)
   if (o->seal_type >= 0) H5Tclose(o->seal_type);
   if (o->file >= 0 && H5Fclose(o->file) < 0) good = 0;
   if (o->driver >= 0) H5FDunregister(o->driver);
-  if (!o->broken && !good) status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't close the file", ct_disk_short(o->path));
-  if (!o->broken && status == CT_OK) status = ct_disk_check(&o->disk, o->path, "close the file", error);
+  if (!o->broken && !good)
+    status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't close the file",
+                     ct_disk_short(o->path));
+  if (!o->broken && status == CT_OK)
+    status = ct_disk_check(&o->disk, o->path, "close the file", error);
   if (o->made && !o->renamed) ct_disk_remove(o->part_path);
   ct_lock_release(o->disk.locked);
   free(o->now.velocity);
@@ -116,13 +129,14 @@ static ct_status destroy(ct_output *o, ct_error *error)
   return status;
 }
 
-static ct_status create(const char *path, const ct_problem *problem, const ct_output_options *options, ct_output **output,
-                        ct_error *error)
+static ct_status create(const char *path, const ct_problem *problem,
+                        const ct_output_options *options, ct_output **output, ct_error *error)
 {
   ct_output *o = calloc(1, sizeof *o);
   if (o == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an output");
   o->disk.descriptor = o->disk.locked = -1;
-  o->driver = o->file = o->step_count = o->energy_type = o->momentum_type = o->effect_type = o->seal_type = -1;
+  o->driver = o->file = o->step_count = o->energy_type = o->momentum_type = o->effect_type =
+      o->seal_type = -1;
   for (int i = 0; i <= CT_PART_COUNT; i++) o->slot[0][i] = o->slot[1][i] = -1;
   count(o, problem);
   ct_status status = create_record(o, options, error);
@@ -134,7 +148,8 @@ static ct_status create(const char *path, const ct_problem *problem, const ct_ou
   if (status == CT_OK) status = ct_disk_reserve(&o->disk, o->file, bytes, o->path, error);
   if (status == CT_OK) status = create_types(o, error);
   if (status == CT_OK) status = ct_layout_create(o, problem, options, error);
-  if (status == CT_OK && H5Fflush(o->file, H5F_SCOPE_LOCAL) < 0) status = ct_hdf5_fail(error, o->path, "write the file");
+  if (status == CT_OK && H5Fflush(o->file, H5F_SCOPE_LOCAL) < 0)
+    status = ct_hdf5_fail(error, o->path, "write the file");
   if (status == CT_OK) status = ct_disk_check(&o->disk, o->path, "write the file", error);
   if (status == CT_OK) {
     ct_disk_trim(&o->disk, o->file);
@@ -146,12 +161,13 @@ static ct_status create(const char *path, const ct_problem *problem, const ct_ou
   return status;
 }
 
-ct_status ct_output_create(const char *path, const ct_problem *problem, const ct_output_options *options, ct_output **output,
-                           ct_error *error)
+ct_status ct_output_create(const char *path, const ct_problem *problem,
+                           const ct_output_options *options, ct_output **output, ct_error *error)
 {
   if (output != NULL) *output = NULL;
   if (path == NULL || *path == 0 || problem == NULL || options == NULL || output == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ct_output_create needs a path, a problem, options and an output");
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "ct_output_create needs a path, a problem, options and an output");
   ct_status status = check_problem(problem, error);
   if (status == CT_OK) status = ct_hdf5_check_version(error);
   if (status != CT_OK) return status;
@@ -162,14 +178,19 @@ ct_status ct_output_create(const char *path, const ct_problem *problem, const ct
 
 /* -- Append -- */
 
-static ct_status check_state(const ct_output *o, const ct_problem *problem, const ct_state *state, ct_error *error)
+static ct_status check_state(const ct_output *o, const ct_problem *problem, const ct_state *state,
+                             ct_error *error)
 {
-  if (problem->node_count != o->node_count || problem->body_count != o->body_count || problem->effect_count != o->effect_count)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s was created for another problem", ct_disk_short(o->path));
+  if (problem->node_count != o->node_count || problem->body_count != o->body_count ||
+      problem->effect_count != o->effect_count)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s was created for another problem",
+                   ct_disk_short(o->path));
   if (state->node_count != o->node_count || (o->row > 0 && !ct_restart_fits(o, state)))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the state belongs to another problem than %s", ct_disk_short(o->path));
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "the state belongs to another problem than %s", ct_disk_short(o->path));
   if (o->broken)
-    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: an earlier step could not be written", ct_disk_short(o->path));
+    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: an earlier step could not be written",
+                   ct_disk_short(o->path));
   return CT_OK;
 }
 
@@ -181,26 +202,30 @@ static ct_status check_finite(const ct_problem *problem, const ct_state *state, 
     int32_t body = 0;
     while (body + 1 < problem->body_count && problem->bodies[body + 1].first_node <= i / 3) body++;
     ct_place where = {body, -1, i / 3};
-    return ct_fail(error, CT_ERROR_BLOWUP, where, "body %d '%.63s', node %ld: not finite at t = %g, so it is not written",
-                          (int)body, problem->bodies[body].name, (long)(i / 3), state->time);
+    return ct_fail(error, CT_ERROR_BLOWUP, where,
+                   "body %d '%.63s', node %ld: not finite at t = %g, so it is not written",
+                   (int)body, problem->bodies[body].name, (long)(i / 3), state->time);
   }
   return CT_OK;
 }
 
 static double sum_over_bodies(ct_record *now, int32_t body_count, int angular, int axis)
 {
-  for (int32_t b = 0; b < body_count; b++) now->addends[b] = angular ? now->bodies[b].L[axis] : now->bodies[b].p[axis];
+  for (int32_t b = 0; b < body_count; b++)
+    now->addends[b] = angular ? now->bodies[b].L[axis] : now->bodies[b].p[axis];
   return ct_sum(now->addends, body_count);
 }
 
-static ct_status gather_ledger(ct_record *now, const ct_problem *problem, ct_state *state, ct_error *error)
+static ct_status gather_ledger(ct_record *now, const ct_problem *problem, ct_state *state,
+                               ct_error *error)
 {
   ct_status status = ct_energy_of(problem, state, &now->energy, error);
   for (int32_t b = 0; b < problem->body_count && status == CT_OK; b++)
     status = ct_momentum_of(problem, state, b, &now->bodies[b], error);
   for (int32_t i = 0; i < problem->effect_count && status == CT_OK; i++) {
     status = ct_energy_work(problem, state, i, &now->effects[i].work, error);
-    if (status == CT_OK) status = ct_energy_stored(problem, state, i, &now->effects[i].energy, error);
+    if (status == CT_OK)
+      status = ct_energy_stored(problem, state, i, &now->effects[i].energy, error);
   }
   if (status != CT_OK) return status;
   for (int axis = 0; axis < 3; axis++) {
@@ -216,11 +241,13 @@ static ct_status gather(ct_output *o, const ct_problem *problem, ct_state *state
   ct_record *now = &o->now;
   ct_status status = check_finite(problem, state, error);
   if (status == CT_OK) status = gather_ledger(now, problem, state, error);
-  if (status == CT_OK && now->velocity != NULL) status = ct_state_velocity(problem, state, now->velocity, error);
+  if (status == CT_OK && now->velocity != NULL)
+    status = ct_state_velocity(problem, state, now->velocity, error);
   double *stress = now->stress;
   for (int32_t b = 0; b < problem->body_count && now->stress != NULL && status == CT_OK; b++) {
     const ct_body *body = &problem->bodies[b];
-    status = ct_solid_stress(body->mesh, &body->material, state->displacement + 3 * (int64_t)body->first_node, stress, error);
+    status = ct_solid_stress(body->mesh, &body->material,
+                             state->displacement + 3 * (int64_t)body->first_node, stress, error);
     stress += 6 * (int64_t)body->mesh->element_count;
   }
   now->step = state->step;
@@ -240,7 +267,8 @@ static int64_t step_bytes(const ct_output *o, const ct_state *state)
     const ct_column *c = &o->column[i];
     int64_t before = (o->row * c->rows + c->chunk_rows - 1) / c->chunk_rows;
     int64_t after = ((o->row + 1) * c->rows + c->chunk_rows - 1) / c->chunk_rows;
-    bytes += (after - before) * c->chunk_rows * (int64_t)c->value_size * (c->width > 0 ? c->width : 1);
+    bytes +=
+        (after - before) * c->chunk_rows * (int64_t)c->value_size * (c->width > 0 ? c->width : 1);
   }
   return bytes;
 }
@@ -256,18 +284,21 @@ static ct_status write_step(ct_output *o, const ct_state *state, ct_error *error
   // -- The data of the step, which no reader looks for yet
   ct_status status = o->row == 0 ? ct_restart_create_slots(o, state, error) : CT_OK;
   if (status == CT_OK) status = ct_restart_write(o, state, error);
-  for (int32_t i = 0; i < o->column_count && status == CT_OK; i++) status = ct_hdf5_write_column(&o->column[i], o->row, o->path, error);
+  for (int32_t i = 0; i < o->column_count && status == CT_OK; i++)
+    status = ct_hdf5_write_column(&o->column[i], o->row, o->path, error);
   if (status == CT_OK) status = flush(o, error);
   // -- The number of steps, which makes it visible
   int64_t steps = o->row + 1;
-  if (status == CT_OK && H5Awrite(o->step_count, H5T_NATIVE_INT64, &steps) < 0) status = ct_hdf5_fail(error, o->path, "write a step");
+  if (status == CT_OK && H5Awrite(o->step_count, H5T_NATIVE_INT64, &steps) < 0)
+    status = ct_hdf5_fail(error, o->path, "write a step");
   return status == CT_OK ? flush(o, error) : status;
 }
 
 static ct_status append(ct_output *o, const ct_problem *problem, ct_state *state, ct_error *error)
 {
   ct_status status = gather(o, problem, state, error);
-  if (status == CT_OK) status = ct_disk_reserve(&o->disk, o->file, step_bytes(o, state), o->path, error);
+  if (status == CT_OK)
+    status = ct_disk_reserve(&o->disk, o->file, step_bytes(o, state), o->path, error);
   if (status != CT_OK) return status;
   status = write_step(o, state, error);
   if (status != CT_OK) {
@@ -282,10 +313,12 @@ static ct_status append(ct_output *o, const ct_problem *problem, ct_state *state
   return status;
 }
 
-ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_state *state, ct_error *error)
+ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_state *state,
+                           ct_error *error)
 {
   if (output == NULL || problem == NULL || state == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ct_output_append needs an output, a problem and a state");
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "ct_output_append needs an output, a problem and a state");
   ct_status status = check_state(output, problem, state, error);
   if (status != CT_OK) return status;
   H5E_BEGIN_TRY { status = append(output, problem, state, error); }
@@ -301,8 +334,9 @@ ct_status ct_output_close(ct_output *output, ct_error *error)
   ct_status status;
   int broken = output->broken;
   if (broken)
-    ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: a step could not be written; the steps before it are in the file",
-                   ct_disk_short(output->path));
+    ct_fail(error, CT_ERROR_FILE, CT_NOWHERE,
+            "%s: a step could not be written; the steps before it are in the file",
+            ct_disk_short(output->path));
   H5E_BEGIN_TRY { status = destroy(output, error); }
   H5E_END_TRY
   return broken ? CT_ERROR_FILE : status;

@@ -4,8 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The record is kept twice, in the groups restart/a and restart/b, written in turn. Both are datasets of fixed size that stand in
- * the file from the start, so that a write changes no byte but their own; the seal tells whether all of them have arrived. */
+/* The record is kept twice, in the groups restart/a and restart/b, written in turn. Both are
+ * datasets of fixed size that stand in the file from the start, so that a write changes no byte but
+ * their own; the seal tells whether all of them have arrived. */
 static const char *const SLOT[2] = {"a", "b"};
 
 static void restart_parts(const ct_state *state, ct_part parts[CT_PART_COUNT])
@@ -53,9 +54,12 @@ static void fill_seal(ct_seal *seal, const ct_part parts[CT_PART_COUNT])
 static hid_t seal_type(void)
 {
   enum { COUNT = 7 };
-  const char *const name[COUNT] = {"sequence", "step", "row", "time", "kinetic_start", "sum", "weighted"};
-  const size_t offset[COUNT] = {HOFFSET(ct_seal, sequence), HOFFSET(ct_seal, step), HOFFSET(ct_seal, row),     HOFFSET(ct_seal, time),
-                                HOFFSET(ct_seal, kinetic_start), HOFFSET(ct_seal, sum),  HOFFSET(ct_seal, weighted)};
+  const char *const name[COUNT] = {"sequence",      "step", "row",     "time",
+                                   "kinetic_start", "sum",  "weighted"};
+  const size_t offset[COUNT] = {HOFFSET(ct_seal, sequence),      HOFFSET(ct_seal, step),
+                                HOFFSET(ct_seal, row),           HOFFSET(ct_seal, time),
+                                HOFFSET(ct_seal, kinetic_start), HOFFSET(ct_seal, sum),
+                                HOFFSET(ct_seal, weighted)};
   const hid_t unsigned64 = H5T_NATIVE_UINT64, signed64 = H5T_NATIVE_INT64, real = H5T_NATIVE_DOUBLE;
   const hid_t value[COUNT] = {unsigned64, signed64, signed64, real, real, unsigned64, unsigned64};
   hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(ct_seal));
@@ -71,7 +75,8 @@ static hid_t seal_type(void)
 
 int64_t ct_restart_bytes(const ct_state *state)
 {
-  return 16 * (6 * (int64_t)state->node_count + state->work_count + state->impulse_count + state->memory_count);
+  return 16 * (6 * (int64_t)state->node_count + state->work_count + state->impulse_count +
+               state->memory_count);
 }
 
 int ct_restart_fits(const ct_output *output, const ct_state *state)
@@ -91,16 +96,20 @@ static int part_shape(int part, int64_t count, hsize_t shape[2])
   return part < 2 ? 2 : 1;
 }
 
-static ct_status create_slot(ct_output *o, hid_t parent, int slot, const ct_part parts[CT_PART_COUNT], ct_error *error)
+static ct_status create_slot(ct_output *o, hid_t parent, int slot,
+                             const ct_part parts[CT_PART_COUNT], ct_error *error)
 {
   hid_t group = -1, *set = o->slot[slot];
   ct_status status = ct_hdf5_create_group(parent, SLOT[slot], o->path, &group, error);
   for (int i = 0; i < CT_PART_COUNT && status == CT_OK; i++) {
     hsize_t shape[2];
     int rank = part_shape(i, parts[i].count, shape);
-    status = ct_hdf5_create_array(group, parts[i].name, H5T_NATIVE_DOUBLE, rank, shape, o->path, &set[i], error);
+    status = ct_hdf5_create_array(group, parts[i].name, H5T_NATIVE_DOUBLE, rank, shape, o->path,
+                                  &set[i], error);
   }
-  if (status == CT_OK) status = ct_hdf5_create_array(group, "seal", o->seal_type, 0, NULL, o->path, &set[CT_PART_COUNT], error);
+  if (status == CT_OK)
+    status = ct_hdf5_create_array(group, "seal", o->seal_type, 0, NULL, o->path,
+                                  &set[CT_PART_COUNT], error);
   if (group >= 0) H5Gclose(group);
   return status;
 }
@@ -112,9 +121,12 @@ ct_status ct_restart_create_slots(ct_output *output, const ct_state *state, ct_e
   restart_parts(state, parts);
   for (int i = 0; i < CT_PART_COUNT; i++) output->part_count[i] = parts[i].count;
   output->seal_type = seal_type();
-  ct_status status = output->seal_type < 0 ? ct_hdf5_fail(error, output->path, "make a table") : CT_OK;
-  if (status == CT_OK) status = ct_hdf5_create_group(output->file, "libcontact/restart", output->path, &group, error);
-  for (int slot = 0; slot < 2 && status == CT_OK; slot++) status = create_slot(output, group, slot, parts, error);
+  ct_status status =
+      output->seal_type < 0 ? ct_hdf5_fail(error, output->path, "make a table") : CT_OK;
+  if (status == CT_OK)
+    status = ct_hdf5_create_group(output->file, "libcontact/restart", output->path, &group, error);
+  for (int slot = 0; slot < 2 && status == CT_OK; slot++)
+    status = create_slot(output, group, slot, parts, error);
   if (group >= 0) H5Gclose(group);
   return status;
 }
@@ -124,10 +136,12 @@ ct_status ct_restart_write(const ct_output *output, const ct_state *state, ct_er
   ct_part parts[CT_PART_COUNT];
   const hid_t *set = output->slot[output->row % 2];
   restart_parts(state, parts);
-  ct_seal seal = {(uint64_t)output->row + 1, state->step, output->row, state->time, state->kinetic_start, 0, 0};
+  ct_seal seal = {
+      (uint64_t)output->row + 1, state->step, output->row, state->time, state->kinetic_start, 0, 0};
   fill_seal(&seal, parts);
   for (int i = 0; i < CT_PART_COUNT; i++)
-    if (parts[i].count > 0 && H5Dwrite(set[i], H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, parts[i].values) < 0)
+    if (parts[i].count > 0 &&
+        H5Dwrite(set[i], H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, parts[i].values) < 0)
       return ct_hdf5_fail(error, output->path, "write the restart record");
   if (H5Dwrite(set[CT_PART_COUNT], output->seal_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &seal) < 0)
     return ct_hdf5_fail(error, output->path, "write the restart record");
@@ -137,11 +151,15 @@ ct_status ct_restart_write(const ct_output *output, const ct_state *state, ct_er
 /* -- Read -- */
 
 /* A state of the same sizes with room of its own, in one piece of memory. */
-static ct_status create_copy(const ct_state *state, ct_state *copy, double **memory, ct_error *error)
+static ct_status create_copy(const ct_state *state, ct_state *copy, double **memory,
+                             ct_error *error)
 {
-  size_t nodes = 3 * (size_t)state->node_count, work = (size_t)state->work_count, impulse = (size_t)state->impulse_count;
-  *memory = malloc((2 * nodes + work + impulse + (size_t)state->memory_count + 1) * sizeof **memory);
-  if (*memory == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a restart record");
+  size_t nodes = 3 * (size_t)state->node_count, work = (size_t)state->work_count,
+         impulse = (size_t)state->impulse_count;
+  *memory =
+      malloc((2 * nodes + work + impulse + (size_t)state->memory_count + 1) * sizeof **memory);
+  if (*memory == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a restart record");
   memset(copy, 0, sizeof *copy);
   copy->problem = state->problem;
   copy->node_count = state->node_count;
@@ -168,7 +186,8 @@ static ct_status read_seal(hid_t group, int slot, const char *path, ct_seal *sea
 }
 
 /* Read one slot; *whole says whether its seal fits. */
-static ct_status read_slot(hid_t group, int slot, const char *path, ct_state *into, int *whole, ct_error *error)
+static ct_status read_slot(hid_t group, int slot, const char *path, ct_state *into, int *whole,
+                           ct_error *error)
 {
   ct_part parts[CT_PART_COUNT];
   ct_seal seal;
@@ -179,10 +198,12 @@ static ct_status read_slot(hid_t group, int slot, const char *path, ct_state *in
     hsize_t shape[2];
     int rank = part_shape(i, parts[i].count, shape);
     snprintf(name, sizeof name, "restart/%s/%s", SLOT[slot], parts[i].name);
-    status = ct_hdf5_read_array(group, name, H5T_NATIVE_DOUBLE, rank, shape, parts[i].values, path, error);
+    status = ct_hdf5_read_array(group, name, H5T_NATIVE_DOUBLE, rank, shape, parts[i].values, path,
+                                error);
   }
   if (status != CT_OK) return status;
-  // -- A record counts when the sums over what was read are those that were written (eq:restart-seal)
+  // -- A record counts when the sums over what was read are those that were written
+  // (eq:restart-seal)
   ct_seal sealed = seal;
   fill_seal(&sealed, parts);
   *whole = seal.sequence > 0 && sealed.sum == seal.sum && sealed.weighted == seal.weighted;
@@ -203,14 +224,17 @@ static ct_status read_newest(hid_t group, const char *path, ct_state *into, ct_e
   ct_status status = read_slot(group, first, path, into, &whole, error);
   if (!whole) status = read_slot(group, 1 - first, path, into, &whole, error);
   if (status == CT_OK && !whole)
-    status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file has no complete restart record", ct_disk_short(path));
+    status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE,
+                     "%s: the file has no complete restart record", ct_disk_short(path));
   return status;
 }
 
-static ct_status read_file(hid_t file, const char *path, const ct_problem *problem, ct_state *into, ct_error *error)
+static ct_status read_file(hid_t file, const char *path, const ct_problem *problem, ct_state *into,
+                           ct_error *error)
 {
   if (H5Lexists(file, "libcontact", H5P_DEFAULT) <= 0)
-    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file was not written by libcontact", ct_disk_short(path));
+    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file was not written by libcontact",
+                   ct_disk_short(path));
   hid_t group = H5Gopen2(file, "libcontact", H5P_DEFAULT);
   ct_status status = group < 0 ? ct_hdf5_fail(error, path, "read the file") : CT_OK;
   if (status == CT_OK) status = ct_identity_compare(group, problem, path, error);
@@ -220,7 +244,8 @@ static ct_status read_file(hid_t file, const char *path, const ct_problem *probl
   return status;
 }
 
-static ct_status restart(const char *path, const ct_problem *problem, ct_state *state, ct_error *error)
+static ct_status restart(const char *path, const ct_problem *problem, ct_state *state,
+                         ct_error *error)
 {
   ct_state copy;
   double *memory = NULL;
@@ -239,10 +264,12 @@ static ct_status restart(const char *path, const ct_problem *problem, ct_state *
   return status;
 }
 
-ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_state *state, ct_error *error)
+ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_state *state,
+                            ct_error *error)
 {
   if (path == NULL || problem == NULL || state == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ct_output_restart needs a path, a problem and a state");
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "ct_output_restart needs a path, a problem and a state");
   ct_status status = ct_hdf5_check_version(error);
   if (status != CT_OK) return status;
   H5E_BEGIN_TRY { status = restart(path, problem, state, error); }

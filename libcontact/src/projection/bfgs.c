@@ -18,7 +18,8 @@ static void bfgs_update(double B[3], const double s[2], const double y[2], int f
   if (!(sy > 0 && sy < HUGE_VAL && yy > 0)) return;
   // -- Before the first lesson, give B the size of what was seen (eq:bfgs-scale)
   if (first) B[0] = B[1] = sy / yy, B[2] = 0;
-  double z[2] = {B[0] * y[0] + B[2] * y[1], B[2] * y[0] + B[1] * y[1]}, factor = 1 + (y[0] * z[0] + y[1] * z[1]) / sy;
+  double z[2] = {B[0] * y[0] + B[2] * y[1], B[2] * y[0] + B[1] * y[1]},
+         factor = 1 + (y[0] * z[0] + y[1] * z[1]) / sy;
   // -- Update of the inverse (eq:bfgs-update)
   B[0] += (factor * (s[0] * s[0]) - 2 * (s[0] * z[0])) / sy;
   B[1] += (factor * (s[1] * s[1]) - 2 * (s[1] * z[1])) / sy;
@@ -28,11 +29,13 @@ static void bfgs_update(double B[3], const double s[2], const double y[2], int f
 ct_status ct_project_bfgs(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 200, done = 0;
-  double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width, before = 2 * tolerance, s[2];
+  double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width,
+         before = 2 * tolerance, s[2];
   ct_iterate at, next;
   ct_iterate_start(patch, options, at.xi);
   ct_iterate_visit(patch, options, &at, foot);
-  double first = 0.5 * half_width / sqrt(at.g[0] * at.g[0] + at.g[1] * at.g[1]), B[3] = {first, first, 0};
+  double first = 0.5 * half_width / sqrt(at.g[0] * at.g[0] + at.g[1] * at.g[1]),
+         B[3] = {first, first, 0};
   for (; !done && foot->iterations < limit; foot->iterations++) {
     bfgs_step(B, at.g, s);
     if (!ct_line_search(patch, &at, s, &next, foot)) break;

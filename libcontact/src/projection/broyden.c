@@ -7,7 +7,7 @@ typedef struct jacobian {
 
 static void broyden_step(const jacobian *B, const double g[2], double s[2])
 {
-  const double(*J)[2] = B->J;
+  const double (*J)[2] = B->J;
   double determinant = J[0][0] * J[1][1] - J[0][1] * J[1][0];
   // -- Newton's step with the Jacobian that we have (eq:broyden-step)
   s[0] = (J[0][1] * g[1] - J[1][1] * g[0]) / determinant;
@@ -24,10 +24,12 @@ static void broyden_update(jacobian *B, const double s[2], const double g[2])
     for (int b = 0; b < 2; b++) B->J[a][b] += g[a] * s[b] / square;
 }
 
-ct_status ct_project_broyden(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
+ct_status ct_project_broyden(const ct_patch *patch, const ct_project_options *options,
+                             ct_foot *foot)
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 200, done = 0, inside = 1;
-  double tolerance = options->tolerance * ct_patch_half_width(patch->kind), before = 2 * tolerance, s[2];
+  double tolerance = options->tolerance * ct_patch_half_width(patch->kind), before = 2 * tolerance,
+         s[2];
   ct_iterate at;
   ct_iterate_start(patch, options, at.xi);
   ct_iterate_visit(patch, options, &at, foot);

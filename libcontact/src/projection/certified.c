@@ -2,11 +2,13 @@
 
 #include <math.h>
 
-/* Pieces of the face that a proof may look at, at first and if need be; how often something closer may turn up; and from when on
- * a way down that is found when there is no proof is no reason any more to look no longer. */
+/* Pieces of the face that a proof may look at, at first and if need be; how often something closer
+ * may turn up; and from when on a way down that is found when there is no proof is no reason any
+ * more to look no longer. */
 enum { FIRST = 500, BUDGET = 20000, RESTARTS = 20, WALKS = 2 };
 
-/* The face in units of about its own size, where that is needed to keep products of its lengths within the range of numbers. */
+/* The face in units of about its own size, where that is needed to keep products of its lengths
+ * within the range of numbers. */
 static const ct_patch *in_range(const ct_patch *patch, ct_patch *scaled)
 {
   int exponent;
@@ -19,7 +21,8 @@ static const ct_patch *in_range(const ct_patch *patch, ct_patch *scaled)
   return scaled;
 }
 
-ct_status ct_project_certified(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
+ct_status ct_project_certified(const ct_patch *patch, const ct_project_options *options,
+                               ct_foot *foot)
 {
   ct_project_options own = *options;
   ct_patch room;
@@ -33,7 +36,8 @@ ct_status ct_project_certified(const ct_patch *patch, const ct_project_options *
     ct_outcome outcome = ct_proof_search(shown, options->tolerance, budget, own.start, foot);
     foot->certified = outcome == CT_PROVEN;
     if (outcome == CT_PROVEN) return CT_OK;
-    // -- No proof: look for a way down along a narrow valley, else, or if that has not helped, look longer (eq:valley-along)
+    // -- No proof: look for a way down along a narrow valley, else, or if that has not helped, look
+    // longer (eq:valley-along)
     if (outcome == CT_GAVE_UP) {
       if (budget == BUDGET) return CT_NOT_CERTIFIED;
       int lower = ct_follow_valley(shown, own.start, foot);

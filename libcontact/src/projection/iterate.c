@@ -13,7 +13,8 @@ void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_foot *foot)
   foot->evaluations++;
 }
 
-void ct_iterate_visit(const ct_patch *patch, const ct_project_options *options, ct_iterate *at, ct_foot *foot)
+void ct_iterate_visit(const ct_patch *patch, const ct_project_options *options, ct_iterate *at,
+                      ct_foot *foot)
 {
   ct_iterate_look(patch, at, foot);
   if (options->trace != NULL) options->trace(at->xi, at->f, options->user);
@@ -42,25 +43,30 @@ int ct_iterate_done(const double s[2], double tolerance, double *before)
   return length <= tolerance && (length == 0 || length * length <= tolerance * (last - length));
 }
 
-ct_status ct_iterate_verdict(const ct_patch *patch, const ct_project_options *options, const ct_iterate *at, ct_foot *foot)
+ct_status ct_iterate_verdict(const ct_patch *patch, const ct_project_options *options,
+                             const ct_iterate *at, ct_foot *foot)
 {
   const double *g = at->g, *H = at->H;
-  double determinant = H[0] * H[1] - H[2] * H[2], tolerance = options->tolerance * ct_patch_half_width(patch->kind);
+  double determinant = H[0] * H[1] - H[2] * H[2],
+         tolerance = options->tolerance * ct_patch_half_width(patch->kind);
   for (int a = 0; a < 2; a++) foot->xi[a] = at->xi[a];
   for (int k = 0; k < 3; k++) foot->d[k] = at->d[k];
   // -- A root is the closest point only where f is convex (eq:projection-convex)
   if (!(H[0] + H[1] > 0 && determinant > 0)) return CT_NO_CONVERGENCE;
   // -- Newton's step is what is missing (eq:projection-newton)
-  double s[2] = {(H[2] * g[1] - H[1] * g[0]) / determinant, (H[2] * g[0] - H[0] * g[1]) / determinant};
+  double s[2] = {(H[2] * g[1] - H[1] * g[0]) / determinant,
+                 (H[2] * g[0] - H[0] * g[1]) / determinant};
   if (fmax(fabs(s[0]), fabs(s[1])) <= tolerance) return CT_OK;
   double fall = -0.5 * (g[0] * s[0] + g[1] * s[1]);
   return fall <= ct_patch_noise(patch, at->f) ? CT_NOT_CERTIFIED : CT_NO_CONVERGENCE;
 }
 
-ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options, ct_step_rule *rule, ct_foot *foot)
+ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options,
+                          ct_step_rule *rule, ct_foot *foot)
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 200, done = 0, inside = 1;
-  double tolerance = options->tolerance * ct_patch_half_width(patch->kind), before = 2 * tolerance, s[2];
+  double tolerance = options->tolerance * ct_patch_half_width(patch->kind), before = 2 * tolerance,
+         s[2];
   ct_iterate at;
   ct_iterate_start(patch, options, at.xi);
   ct_iterate_visit(patch, options, &at, foot);
@@ -74,7 +80,8 @@ ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *optio
   return done ? verdict : inside ? CT_ITERATION_LIMIT : CT_NO_CONVERGENCE;
 }
 
-int ct_line_search(const ct_patch *patch, const ct_iterate *at, const double s[2], ct_iterate *next, ct_foot *foot)
+int ct_line_search(const ct_patch *patch, const ct_iterate *at, const double s[2], ct_iterate *next,
+                   ct_foot *foot)
 {
   double slope = at->g[0] * s[0] + at->g[1] * s[1], part = 1;
   if (!(slope < 0)) return 0;
@@ -86,7 +93,8 @@ int ct_line_search(const ct_patch *patch, const ct_iterate *at, const double s[2
     double rise = next->f - at->f;
     if (rise <= 1e-4 * part * slope) return 1;
     // -- Where rounding hides the fall, the slope decides
-    if (-part * slope <= ct_patch_noise(patch, at->f)) return fabs(next->g[0] * s[0] + next->g[1] * s[1]) < -slope;
+    if (-part * slope <= ct_patch_noise(patch, at->f))
+      return fabs(next->g[0] * s[0] + next->g[1] * s[1]) < -slope;
     // -- Lowest point of the parabola through the two values and the slope (eq:projection-parabola)
     double parabola = -0.5 * (slope * part) / (rise - slope * part);
     part *= fmin(fmax(parabola, 0.1), 0.5);
@@ -110,7 +118,8 @@ int ct_local_at(const ct_patch *patch, const double xi[2], const double d[3], ct
   local->k[0] = B11 / (a * a);
   local->k[1] = (B22 - 2 * ratio * B12 + ratio * ratio * B11) / (c * c);
   local->k[2] = (B12 - ratio * B11) / (a * c);
-  local->p[0] = -ct_vector_dot(d, e1), local->p[1] = -ct_vector_dot(d, e2), local->p[2] = -ct_vector_dot(d, n);
+  local->p[0] = -ct_vector_dot(d, e1), local->p[1] = -ct_vector_dot(d, e2),
+  local->p[2] = -ct_vector_dot(d, n);
   return 1;
 }
 

@@ -3,7 +3,8 @@
 #include <float.h>
 #include <math.h>
 
-/* A triangle in the plane of xi that changes its form, vertices sorted from the lowest to the highest. */
+/* A triangle in the plane of xi that changes its form, vertices sorted from the lowest to the
+ * highest. */
 typedef struct triangle {
   double x[3][2], f[3];
 } triangle;
@@ -26,8 +27,10 @@ static double value(const ct_patch *patch, const double x[2], ct_foot *foot)
   return ct_patch_value(patch, x, d);
 }
 
-/* The point at `factor` times the way from the highest vertex's opposite centre to that vertex; answers f there. */
-static double along(const triangle *t, const ct_patch *patch, double factor, double image[2], ct_foot *foot)
+/* The point at `factor` times the way from the highest vertex's opposite centre to that vertex;
+ * answers f there. */
+static double along(const triangle *t, const ct_patch *patch, double factor, double image[2],
+                    ct_foot *foot)
 {
   for (int a = 0; a < 2; a++) {
     double centre = 0.5 * (t->x[0][a] + t->x[1][a]);
@@ -83,10 +86,12 @@ static double extent(const triangle *t)
   return most;
 }
 
-ct_status ct_project_nelder_mead(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
+ct_status ct_project_nelder_mead(const ct_patch *patch, const ct_project_options *options,
+                                 ct_foot *foot)
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 2000;
-  double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width, start[2];
+  double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width,
+         start[2];
   // -- Regular simplex about the start (eq:simplex-start)
   double corner[3][2] = {{-0.5, -sqrt(3) / 6}, {0.5, -sqrt(3) / 6}, {0, sqrt(3) / 3}};
   triangle t;
@@ -104,7 +109,8 @@ ct_status ct_project_nelder_mead(const ct_patch *patch, const ct_project_options
       status = CT_OK;
       break;
     }
-    // -- Values that differ by rounding only: shrink while the triangle is large, else stop (eq:simplex-floor)
+    // -- Values that differ by rounding only: shrink while the triangle is large, else stop
+    // (eq:simplex-floor)
     int level = t.f[2] - t.f[0] <= 4 * DBL_EPSILON * t.f[0];
     if (level && size <= 1e-4 * half_width) break;
     if (level) shrink(&t, patch, foot);

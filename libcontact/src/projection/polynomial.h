@@ -5,13 +5,13 @@
 
 #include "../vector.h"
 
-/* The polynomial of a face and its derivatives, in a form to be built into the functions that need them often. The loops run over
- * three coordinates and a zero, so that they fill vectors. */
+/* The polynomial of a face and its derivatives, in a form to be built into the functions that need
+ * them often. The loops run over three coordinates and a zero, so that they fill vectors. */
 
 /* d at xi, with a zero that fills the vector; answers f = d.d. */
 static inline double ct_polynomial_value(const ct_patch *patch, const double xi[2], double d[4])
 {
-  const double(*c)[4] = patch->c;
+  const double (*c)[4] = patch->c;
   double x = xi[0], y = xi[1], xx = x * x, yy = y * y, xy = x * y;
   for (int k = 0; k < 4; k++) {
     // -- Point of the patch (eq:projection-patch)
@@ -22,9 +22,10 @@ static inline double ct_polynomial_value(const ct_patch *patch, const double xi[
 }
 
 /* Tangents at xi, likewise. */
-static inline void ct_polynomial_tangents(const ct_patch *patch, const double xi[2], double t1[4], double t2[4])
+static inline void ct_polynomial_tangents(const ct_patch *patch, const double xi[2], double t1[4],
+                                          double t2[4])
 {
-  const double(*c)[4] = patch->c;
+  const double (*c)[4] = patch->c;
   double x = xi[0], y = xi[1], xx = x * x, yy = y * y, two_x = 2 * x, two_y = 2 * y;
   for (int k = 0; k < 4; k++) {
     // -- Tangents of the patch (eq:projection-patch-derivatives)
@@ -37,11 +38,13 @@ static inline void ct_polynomial_tangents(const ct_patch *patch, const double xi
 /* f and its derivatives at at->xi, all in one. */
 static inline void ct_polynomial_look(const ct_patch *patch, ct_iterate *at)
 {
-  const double(*c)[4] = patch->c;
-  double x = at->xi[0], y = at->xi[1], xx = x * x, yy = y * y, xy = x * y, two_x = 2 * x, two_y = 2 * y;
+  const double (*c)[4] = patch->c;
+  double x = at->xi[0], y = at->xi[1], xx = x * x, yy = y * y, xy = x * y, two_x = 2 * x,
+         two_y = 2 * y;
   double d[4], t1[4], t2[4], a[4], b[4], t12[4];
   for (int k = 0; k < 4; k++) {
-    // -- Point, tangents, second derivatives 2 a, 2 b, t12 (eq:projection-patch, eq:projection-patch-derivatives)
+    // -- Point, tangents, second derivatives 2 a, 2 b, t12 (eq:projection-patch,
+    // eq:projection-patch-derivatives)
     a[k] = c[4][k] + c[6][k] * y, b[k] = c[5][k] + c[7][k] * x;
     d[k] = ((c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y)) + (a[k] * xx + b[k] * yy);
     t1[k] = (c[1][k] + c[3][k] * y) + (a[k] * two_x + c[7][k] * yy);

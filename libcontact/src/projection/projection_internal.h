@@ -5,7 +5,8 @@
 
 /* A face as a polynomial, seen from the point that is projected:
  *   d(x, y) = y(x, y) - y_s = (c0 + c3 xy) + (c1 x + c2 y) + (c4 x^2 + c5 y^2) + xy (c6 x + c7 y).
- * A flip of xi_1 changes the signs of c1, c3, c7 and nothing else, so whatever is computed from c has mirrored bits. */
+ * A flip of xi_1 changes the signs of c1, c3, c7 and nothing else, so whatever is computed from c
+ * has mirrored bits. */
 typedef struct ct_patch {
   ct_face_kind kind;
   double c[8][4]; /* three coordinates and a zero that fills the vector */
@@ -27,71 +28,91 @@ typedef struct ct_iterate {
 /* One row of the table of methods. */
 typedef ct_status ct_project_method(const ct_patch *, const ct_project_options *, ct_foot *);
 
-/* For robust: what makes a face mild, and how well a foot must be known for the proof that nothing is closer. */
+/* For robust: what makes a face mild, and how well a foot must be known for the proof that nothing
+ * is closer. */
 static const double CT_MILD = 0.2, CT_PROVABLE = 1e-10;
 
-/* Polynomial of the face as seen from `point`. Answers CT_INVALID when a number is not finite, all nodes coincide
- * or a length is beyond 1e+-70. */
-ct_status ct_patch_init(ct_patch *patch, ct_face_kind kind, const double node[8][3], const double point[3]);
+/* Polynomial of the face as seen from `point`. Answers CT_INVALID when a number is not finite, all
+ * nodes coincide or a length is beyond 1e+-70. */
+ct_status ct_patch_init(ct_patch *patch, ct_face_kind kind, const double node[8][3],
+                        const double point[3]);
 
 /* d at xi; answers f = d.d. */
 double ct_patch_value(const ct_patch *patch, const double xi[2], double d[3]);
 
 /* f, gradient (f,1  f,2) and Hessian (f,11  f,22  f,12) at xi, with d; answers f. */
-double ct_patch_derivatives(const ct_patch *patch, const double xi[2], double d[3], double g[2], double H[3]);
+double ct_patch_derivatives(const ct_patch *patch, const double xi[2], double d[3], double g[2],
+                            double H[3]);
 
 /* Tangents at xi, with a zero that fills the vector. */
 void ct_patch_tangents(const ct_patch *patch, const double xi[2], double t1[4], double t2[4]);
 
 /* Second derivatives t11, t22, t12 at xi, likewise. */
-void ct_patch_curves(const ct_patch *patch, const double xi[2], double t11[4], double t22[4], double t12[4]);
+void ct_patch_curves(const ct_patch *patch, const double xi[2], double t11[4], double t22[4],
+                     double t12[4]);
 
-/* How much rounding may change a value f: d is known to the rounding of the largest length in it. */
+/* How much rounding may change a value f: d is known to the rounding of the largest length in it.
+ */
 double ct_patch_noise(const ct_patch *patch, double f);
 
-/* Unit normal at xi along y,1 x y,2; at a collapsed corner that of the points just inside. Answers 0, with NaN, when there is
- * none. */
+/* Unit normal at xi along y,1 x y,2; at a collapsed corner that of the points just inside. Answers
+ * 0, with NaN, when there is none. */
 int ct_patch_normal(const ct_patch *patch, const double xi[2], double n[3]);
 
-/* Interior, edge, vertex or outside, each within `slack` (in xi), with the number of the edge or corner. */
+/* Interior, edge, vertex or outside, each within `slack` (in xi), with the number of the edge or
+ * corner. */
 ct_where ct_patch_where(ct_face_kind kind, const double xi[2], double slack, int *index);
 
 /* Half-width of the reference face: 1 or 1/2. */
-static inline double ct_patch_half_width(ct_face_kind kind) { return kind == CT_T3 || kind == CT_T6 ? 0.5 : 1; }
+static inline double ct_patch_half_width(ct_face_kind kind)
+{
+  return kind == CT_T3 || kind == CT_T6 ? 0.5 : 1;
+}
 
 /* Centre of the reference face. */
-static inline double ct_patch_centre(ct_face_kind kind) { return kind == CT_T3 || kind == CT_T6 ? 1.0 / 3 : 0; }
+static inline double ct_patch_centre(ct_face_kind kind)
+{
+  return kind == CT_T3 || kind == CT_T6 ? 1.0 / 3 : 0;
+}
 
 /* f with its derivatives at at->xi; counts one evaluation. */
 void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_foot *foot);
 
 /* The same for a method without bounds, which is also traced. */
-void ct_iterate_visit(const ct_patch *patch, const ct_project_options *options, ct_iterate *at, ct_foot *foot);
+void ct_iterate_visit(const ct_patch *patch, const ct_project_options *options, ct_iterate *at,
+                      ct_foot *foot);
 
 /* Where a method without bounds begins: the given start, or the centre of the face. */
 void ct_iterate_start(const ct_patch *patch, const ct_project_options *options, double xi[2]);
 
-/* Take the step s. Answers 0 when it leads so far out that no iterate comes back, or is not finite. */
+/* Take the step s. Answers 0 when it leads so far out that no iterate comes back, or is not finite.
+ */
 int ct_iterate_step(double xi[2], const double s[2]);
 
-/* Are the steps so small, and shrinking so fast, that all which would follow make up less than the tolerance? `before` is the
- * size of the last step and becomes that of s. */
+/* Are the steps so small, and shrinking so fast, that all which would follow make up less than the
+ * tolerance? `before` is the size of the last step and becomes that of s. */
 int ct_iterate_done(const double s[2], double tolerance, double *before);
 
-/* The honest end of a method without bounds, at an iterate that has been looked at: is it a minimum, within the tolerance? */
-ct_status ct_iterate_verdict(const ct_patch *patch, const ct_project_options *options, const ct_iterate *at, ct_foot *foot);
+/* The honest end of a method without bounds, at an iterate that has been looked at: is it a
+ * minimum, within the tolerance? */
+ct_status ct_iterate_verdict(const ct_patch *patch, const ct_project_options *options,
+                             const ct_iterate *at, ct_foot *foot);
 
-/* A step of a method without bounds from an iterate that has been looked at. Answers 0 when there is none. */
+/* A step of a method without bounds from an iterate that has been looked at. Answers 0 when there
+ * is none. */
 typedef int ct_step_rule(const ct_patch *patch, const ct_iterate *at, double s[2]);
 
 /* Take the steps of a rule from the start to the end. */
-ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options, ct_step_rule *rule, ct_foot *foot);
+ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options,
+                          ct_step_rule *rule, ct_foot *foot);
 
 /* A lower point on the way along s: all of the step or a part. Answers 0 when there is none. */
-int ct_line_search(const ct_patch *patch, const ct_iterate *at, const double s[2], ct_iterate *next, ct_foot *foot);
+int ct_line_search(const ct_patch *patch, const ct_iterate *at, const double s[2], ct_iterate *next,
+                   ct_foot *foot);
 
-/* The face to second order about a point y: an orthonormal frame e1, e2, n; tangents t1 = (stretch[0], 0), t2 = (stretch[2],
- * stretch[1]) in it; curvatures k11, k22, k12; and the given point as seen from y. */
+/* The face to second order about a point y: an orthonormal frame e1, e2, n; tangents t1 =
+ * (stretch[0], 0), t2 = (stretch[2], stretch[1]) in it; curvatures k11, k22, k12; and the given
+ * point as seen from y. */
 typedef struct ct_local {
   double stretch[3], k[3], p[3];
 } ct_local;
@@ -102,33 +123,38 @@ int ct_local_at(const ct_patch *patch, const double xi[2], const double d[3], ct
 /* The step of xi that moves by w = (w1, w2) in the tangent plane. */
 void ct_local_step(const ct_local *local, const double w[2], double s[2]);
 
-/* Is it easily shown that no point of the face is closer than xi, cutting the face into four `depth` times at most? Mirrored
- * faces give the same answer. */
+/* Is it easily shown that no point of the face is closer than xi, cutting the face into four
+ * `depth` times at most? Mirrored faces give the same answer. */
 int ct_proof_at_sight(const ct_patch *patch, const double xi[2], int depth, ct_foot *count);
 
-/* Unit vector q across a valley of f, where f with the Hessian (f,11 f,22 f,12) is most curved, and the curvatures across and
- * along. */
+/* Unit vector q across a valley of f, where f with the Hessian (f,11 f,22 f,12) is most curved, and
+ * the curvatures across and along. */
 void ct_principal(const double H[3], double q[2], double curvature[2]);
 
-/* Descend along the floor of a narrow valley of f from xi, which becomes the end. Answers 0 when f did not fall. */
+/* Descend along the floor of a narrow valley of f from xi, which becomes the end. Answers 0 when f
+ * did not fall. */
 int ct_follow_valley(const ct_patch *patch, double xi[2], ct_foot *foot);
 
 /* How the search for a proof has ended. */
 typedef enum ct_outcome { CT_PROVEN, CT_CLOSER, CT_GAVE_UP } ct_outcome;
 
-/* Try to prove that no point of the face is closer than xi by more than the tolerance, looking at no more than `budget` pieces of
- * the face. After CT_CLOSER xi is a point that is. */
-ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, double xi[2], ct_foot *count);
+/* Try to prove that no point of the face is closer than xi by more than the tolerance, looking at
+ * no more than `budget` pieces of the face. After CT_CLOSER xi is a point that is. */
+ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, double xi[2],
+                           ct_foot *count);
 
-/* Where the line through the given point meets the face, nearest to the point; the way along the direction. CT_NO_CONVERGENCE
- * when it misses. */
-ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double tolerance, double xi[2], double *distance, int *looks);
+/* Where the line through the given point meets the face, nearest to the point; the way along the
+ * direction. CT_NO_CONVERGENCE when it misses. */
+ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double tolerance,
+                       double xi[2], double *distance, int *looks);
 
-/* The methods. They read tolerance, use_start, start, iteration_limit and trace of the options, and add to the counts of the
- * foot, which the caller sets to zero. A contact kernel calls ct_patch_init, one of these with the last xi as start, and
- * ct_patch_normal. */
-ct_project_method ct_project_simplex, ct_project_nelder_mead, ct_project_newton, ct_project_least_squares, ct_project_steepest_descent;
-ct_project_method ct_project_broyden, ct_project_bfgs, ct_project_robust, ct_project_certified, ct_project_simplex_newton;
+/* The methods. They read tolerance, use_start, start, iteration_limit and trace of the options, and
+ * add to the counts of the foot, which the caller sets to zero. A contact kernel calls
+ * ct_patch_init, one of these with the last xi as start, and ct_patch_normal. */
+ct_project_method ct_project_simplex, ct_project_nelder_mead, ct_project_newton,
+    ct_project_least_squares, ct_project_steepest_descent;
+ct_project_method ct_project_broyden, ct_project_bfgs, ct_project_robust, ct_project_certified,
+    ct_project_simplex_newton;
 ct_project_method ct_project_sphere, ct_project_torus;
 
 #endif

@@ -5,7 +5,8 @@
 #include <float.h>
 #include <math.h>
 
-/* The face as seen along a line: the two components across it, which vanish where the line meets the face. */
+/* The face as seen along a line: the two components across it, which vanish where the line meets
+ * the face. */
 typedef struct sight {
   const ct_patch *patch;
   double across[2][3], along[3]; /* unit vectors */
@@ -33,8 +34,8 @@ static void look_across(const sight *s, const double xi[2], double G[2], double 
   }
 }
 
-/* Two unit vectors across the direction, and bounds of the second derivatives along them. Answers 0 for a direction without
- * length. */
+/* Two unit vectors across the direction, and bounds of the second derivatives along them. Answers 0
+ * for a direction without length. */
 static int sight_along(sight *s, const double direction[3])
 {
   double most = 0, check = 0, e[3], n[3] = {0, 0, 0};
@@ -51,7 +52,8 @@ static int sight_along(sight *s, const double direction[3])
     double c[8];
     for (int j = 3; j < 8; j++) c[j] = fabs(ct_vector_dot(s->across[i], s->patch->c[j]));
     // -- Bounds of the second derivatives (eq:ray-bend)
-    s->bend[i][0] = 2 * (c[4] + c[6]), s->bend[i][1] = 2 * (c[5] + c[7]), s->bend[i][2] = c[3] + 2 * (c[6] + c[7]);
+    s->bend[i][0] = 2 * (c[4] + c[6]), s->bend[i][1] = 2 * (c[5] + c[7]),
+    s->bend[i][2] = c[3] + 2 * (c[6] + c[7]);
   }
   return 1;
 }
@@ -74,7 +76,8 @@ static verdict judge(const sight *s, const square *q, double G[2], double J[2][2
   double change = 0;
   for (int a = 0; a < 2; a++) {
     // -- The same for the components that Newton's step mixes (eq:ray-mixed)
-    double p = (a == 0 ? J[1][1] : -J[1][0]) / determinant, r = (a == 0 ? -J[0][1] : J[0][0]) / determinant;
+    double p = (a == 0 ? J[1][1] : -J[1][0]) / determinant,
+           r = (a == 0 ? -J[0][1] : J[0][0]) / determinant;
     double step = p * G[0] + r * G[1], bend = fabs(p) * spread[0] + fabs(r) * spread[1];
     if (fabs(step) > w + bend) return NONE;
     change = fmax(change, 2 * bend / w);
@@ -93,9 +96,11 @@ static int polish(const sight *s, const square *q, double xi[2], int *looks)
     ++*looks;
     double determinant = J[0][0] * J[1][1] - J[0][1] * J[1][0];
     // -- Newton's step across the line (eq:ray-newton)
-    double x = (J[0][1] * G[1] - J[1][1] * G[0]) / determinant, y = (J[1][0] * G[0] - J[0][0] * G[1]) / determinant;
+    double x = (J[0][1] * G[1] - J[1][1] * G[0]) / determinant,
+           y = (J[1][0] * G[0] - J[0][0] * G[1]) / determinant;
     xi[0] += x, xi[1] += y;
-    if (!(fabs(xi[0] - q->centre[0]) <= 2 * beyond && fabs(xi[1] - q->centre[1]) <= 2 * beyond)) return 0;
+    if (!(fabs(xi[0] - q->centre[0]) <= 2 * beyond && fabs(xi[1] - q->centre[1]) <= 2 * beyond))
+      return 0;
     if (fmax(fabs(x), fabs(y)) <= 1e-8) break;
   }
   return fabs(xi[0] - q->centre[0]) <= beyond && fabs(xi[1] - q->centre[1]) <= beyond;
@@ -112,7 +117,8 @@ static void keep(const sight *s, const double xi[2], double *best, double at[2])
   if (fabs(distance) < fabs(*best)) *best = distance, at[0] = xi[0], at[1] = xi[1];
 }
 
-ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double tolerance, double xi[2], double *distance, int *looks)
+ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double tolerance,
+                       double xi[2], double *distance, int *looks)
 {
   enum { BUDGET = 4000, DEPTH = 30 };
   static const double PART[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};

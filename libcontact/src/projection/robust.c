@@ -10,15 +10,18 @@
 static inline double least(double a, double b) { return b < a ? b : a; }
 static inline double most(double a, double b) { return b > a ? b : a; }
 
-static inline int is_triangular(const ct_patch *patch) { return patch->kind == CT_T3 || patch->kind == CT_T6; }
+static inline int is_triangular(const ct_patch *patch)
+{
+  return patch->kind == CT_T3 || patch->kind == CT_T6;
+}
 
 /* A step, where it leads, and the fall that the model promises. */
 typedef struct step {
   double s[2], xi[2], fall;
 } step;
 
-/* Quadratic model q(s) = g.s + s.H s / 2 of f about an iterate, on the steps that stay in the trust region and on the face:
- * low <= s <= high and s_1 + s_2 <= sum. */
+/* Quadratic model q(s) = g.s + s.H s / 2 of f about an iterate, on the steps that stay in the trust
+ * region and on the face: low <= s <= high and s_1 + s_2 <= sum. */
 typedef struct model {
   double g[2], H[3], low[2], high[2], sum;
 } model;
@@ -26,7 +29,8 @@ typedef struct model {
 static double model_value(const model *q, const double s[2])
 {
   double linear = q->g[0] * s[0] + q->g[1] * s[1];
-  return linear + (0.5 * (q->H[0] * (s[0] * s[0]) + q->H[1] * (s[1] * s[1])) + q->H[2] * (s[0] * s[1]));
+  return linear +
+         (0.5 * (q->H[0] * (s[0] * s[0]) + q->H[1] * (s[1] * s[1])) + q->H[2] * (s[0] * s[1]));
 }
 
 /* Keep s in `best` when it is lower; answers the lower value. */
@@ -58,14 +62,17 @@ static double model_side(const model *q, int axis, double bound, double value, d
   return model_keep(q, s, value, best);
 }
 
-/* The same on the slanted side of a triangle, s_1 + s_2 = sum, with u = (s_1 - s_2) / 2 along it. */
+/* The same on the slanted side of a triangle, s_1 + s_2 = sum, with u = (s_1 - s_2) / 2 along it.
+ */
 static double model_slant(const model *q, double value, double best[2])
 {
   double half = 0.5 * q->sum;
-  double low = most(q->low[0] - half, half - q->high[1]), high = least(q->high[0] - half, half - q->low[1]);
+  double low = most(q->low[0] - half, half - q->high[1]),
+         high = least(q->high[0] - half, half - q->low[1]);
   if (!(low <= high)) return value;
   // -- Root of the slope along the slanted side, or its two ends (eq:robust-slant)
-  double slope = (q->g[0] - q->g[1]) + half * (q->H[0] - q->H[1]), curvature = (q->H[0] + q->H[1]) - 2 * q->H[2];
+  double slope = (q->g[0] - q->g[1]) + half * (q->H[0] - q->H[1]),
+         curvature = (q->H[0] + q->H[1]) - 2 * q->H[2];
   double u[2] = {low, high};
   if (curvature > 0) u[0] = u[1] = least(most(-slope / curvature, low), high);
   for (int i = 0; i < 2; i++) {
@@ -88,7 +95,8 @@ static double model_minimum(const model *q, double s[2])
   return q->sum < HUGE_VAL ? model_slant(q, value, s) : value;
 }
 
-/* The model of f about the iterate, limited to the face and to the trust region of half-width `radius`. */
+/* The model of f about the iterate, limited to the face and to the trust region of half-width
+ * `radius`. */
 static void model_about(model *q, const ct_iterate *at, int triangular, double radius)
 {
   for (int a = 0; a < 2; a++) {
@@ -134,7 +142,9 @@ static inline int newton_step(const ct_iterate *at, int triangular, double radiu
   for (int a = 0; a < 2; a++) to->xi[a] = at->xi[a] + to->s[a];
   to->fall = -0.5 * (at->g[0] * to->s[0] + at->g[1] * to->s[1]);
   int convex = at->H[0] > 0 && determinant > 0;
-  if (radius < HUGE_VAL) return convex && most(fabs(to->s[0]), fabs(to->s[1])) <= radius && is_inside(triangular, to->xi);
+  if (radius < HUGE_VAL)
+    return convex && most(fabs(to->s[0]), fabs(to->s[1])) <= radius &&
+           is_inside(triangular, to->xi);
   // -- A first guess is cut to the face, and good if f does not rise (eq:robust-guess)
   if (!is_inside(triangular, to->xi)) snap(triangular, to->xi);
   for (int a = 0; a < 2; a++) to->s[a] = to->xi[a] - at->xi[a];
@@ -142,8 +152,8 @@ static inline int newton_step(const ct_iterate *at, int triangular, double radiu
   return convex;
 }
 
-/* The step to the lowest point of the model on the boundary of what is allowed. The iterate is a copy, so that those of the
- * loop stay in registers. */
+/* The step to the lowest point of the model on the boundary of what is allowed. The iterate is a
+ * copy, so that those of the loop stay in registers. */
 static step bounded_step(ct_iterate at, int triangular, double radius)
 {
   model q;
@@ -155,20 +165,24 @@ static step bounded_step(ct_iterate at, int triangular, double radius)
   return to;
 }
 
-/* Does rounding of the gradient move the foot xi by less than the tolerance, along the directions that the face leaves free? H
- * and the tangents are those of the last look. */
-static inline int resolved(const ct_patch *patch, const ct_iterate *look, const double xi[2], double f, int triangular, double tolerance)
+/* Does rounding of the gradient move the foot xi by less than the tolerance, along the directions
+ * that the face leaves free? H and the tangents are those of the last look. */
+static inline int resolved(const ct_patch *patch, const ct_iterate *look, const double xi[2],
+                           double f, int triangular, double tolerance)
 {
   const double *H = look->H;
-  double low = triangular ? 0 : -1, rounding = 4 * DBL_EPSILON * (sqrt(f) + patch->size), length[2] = {sqrt(look->square[0]), sqrt(look->square[1])};
+  double low = triangular ? 0 : -1, rounding = 4 * DBL_EPSILON * (sqrt(f) + patch->size),
+         length[2] = {sqrt(look->square[0]), sqrt(look->square[1])};
   int bound[2] = {xi[0] <= low || xi[0] >= 1, xi[1] <= low || xi[1] >= 1};
   if (bound[0] && bound[1]) return 1;
   // -- How far rounding moves the foot (eq:robust-resolved)
   for (int a = 0; a < 2; a++)
     if (bound[1 - a]) return rounding * length[a] <= tolerance * H[a];
-  if (triangular && xi[0] + xi[1] >= 1) return rounding * (length[0] + length[1]) <= tolerance * ((H[0] + H[1]) - 2 * H[2]);
+  if (triangular && xi[0] + xi[1] >= 1)
+    return rounding * (length[0] + length[1]) <= tolerance * ((H[0] + H[1]) - 2 * H[2]);
   double determinant = H[0] * H[1] - H[2] * H[2], twist = fabs(H[2]);
-  double first = H[1] * length[0] + twist * length[1], second = H[0] * length[1] + twist * length[0];
+  double first = H[1] * length[0] + twist * length[1],
+         second = H[0] * length[1] + twist * length[0];
   return rounding * most(first, second) <= tolerance * determinant;
 }
 
@@ -186,11 +200,13 @@ typedef struct end {
 } end;
 
 /* The end at xi, where the last step from `at` leads. */
-static inline void settle(const ct_patch *patch, const ct_iterate *at, const double xi[2], double tolerance, end *out)
+static inline void settle(const ct_patch *patch, const ct_iterate *at, const double xi[2],
+                          double tolerance, end *out)
 {
   out->xi[0] = xi[0], out->xi[1] = xi[1];
   out->f = ct_polynomial_value(patch, xi, out->d);
-  out->status = resolved(patch, at, xi, out->f, is_triangular(patch), tolerance) ? CT_OK : CT_NOT_CERTIFIED;
+  out->status =
+      resolved(patch, at, xi, out->f, is_triangular(patch), tolerance) ? CT_OK : CT_NOT_CERTIFIED;
 }
 
 static inline void stop_at(const ct_iterate *at, ct_status status, end *out)
@@ -201,25 +217,31 @@ static inline void stop_at(const ct_iterate *at, ct_status status, end *out)
   out->status = status;
 }
 
-/* Is the face so nearly plane, as seen from an iterate near its foot, that f has one valley only? What is not linear is weighed
- * by its second derivatives. */
+/* Is the face so nearly plane, as seen from an iterate near its foot, that f has one valley only?
+ * What is not linear is weighed by its second derivatives. */
 static inline int is_mild(const ct_patch *patch, const ct_iterate *at)
 {
-  const double(*c)[4] = patch->c;
+  const double (*c)[4] = patch->c;
   double bent[4];
   for (int k = 0; k < 4; k++)
-    bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) + 2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
-  double area = at->square[0] * at->square[1] - at->square[2] * at->square[2], straight = area / most(at->square[0], at->square[1]);
+    bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) +
+                                           2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
+  double area = at->square[0] * at->square[1] - at->square[2] * at->square[2],
+         straight = area / most(at->square[0], at->square[1]);
   // -- Compare what is not linear with what is (eq:robust-mild)
-  return ((bent[0] + bent[1]) + bent[2]) * (straight + 2 * at->f) <= CT_MILD * (straight * straight);
+  return ((bent[0] + bent[1]) + bent[2]) * (straight + 2 * at->f) <=
+         CT_MILD * (straight * straight);
 }
 
 typedef enum verdict { TAKE, REFUSE, STOP } verdict;
 
-/* Is a step taken that should make f fall by `fall`? `stalled` is the length of the last one that rounding did not let judge. */
-static inline verdict judge(const ct_patch *patch, double f, double f_trial, double fall, double length, double *stalled)
+/* Is a step taken that should make f fall by `fall`? `stalled` is the length of the last one that
+ * rounding did not let judge. */
+static inline verdict judge(const ct_patch *patch, double f, double f_trial, double fall,
+                            double length, double *stalled)
 {
-  // -- Take the step if f falls, or, where rounding hides that, if the steps get shorter (eq:robust-accept)
+  // -- Take the step if f falls, or, where rounding hides that, if the steps get shorter
+  // (eq:robust-accept)
   if (f - f_trial >= 0.1 * fall) return TAKE;
   if (!(fall <= ct_patch_noise(patch, f))) return REFUSE;
   if (length > 0.5 * *stalled) return STOP;
@@ -227,13 +249,16 @@ static inline verdict judge(const ct_patch *patch, double f, double f_trial, dou
   return TAKE;
 }
 
-/* Descend from xi to a minimum of f on the face, sought to within the tolerance. Answers 0 when the iterate of number `probe`
- * shows that the face is not mild; then `out` is this iterate. */
+/* Descend from xi to a minimum of f on the face, sought to within the tolerance. Answers 0 when the
+ * iterate of number `probe` shows that the face is not mild; then `out` is this iterate. */
 CT_CLONES
-static int descend(const ct_patch *patch, const ct_project_options *options, double sought, const double xi[2], int probe, ct_foot *foot, end *out)
+static int descend(const ct_patch *patch, const ct_project_options *options, double sought,
+                   const double xi[2], int probe, ct_foot *foot, end *out)
 {
-  int triangular = is_triangular(patch), limit = options->iteration_limit > 0 ? options->iteration_limit : 100;
-  double half_width = ct_patch_half_width(patch->kind), tolerance = sought * half_width, small = 4 * DBL_EPSILON * half_width;
+  int triangular = is_triangular(patch),
+      limit = options->iteration_limit > 0 ? options->iteration_limit : 100;
+  double half_width = ct_patch_half_width(patch->kind), tolerance = sought * half_width,
+         small = 4 * DBL_EPSILON * half_width;
   double radius = half_width, before = half_width, stalled = HUGE_VAL;
   ct_iterate at, trial;
   step to;
@@ -247,10 +272,13 @@ static int descend(const ct_patch *patch, const ct_project_options *options, dou
       return 0;
     }
     // -- Step to the lowest point of the model (eq:robust-model)
-    if (!newton_step(&at, triangular, iteration < probe ? HUGE_VAL : radius, &to)) to = bounded_step(at, triangular, radius);
+    if (!newton_step(&at, triangular, iteration < probe ? HUGE_VAL : radius, &to))
+      to = bounded_step(at, triangular, radius);
     double length = most(fabs(to.s[0]), fabs(to.s[1])), square = length * length;
-    // -- Done when the step is small, or the next one would be: then look at d only (eq:robust-quadratic)
-    if (iteration >= probe && (length <= tolerance || (square <= small && square * length <= small * (before * before)))) {
+    // -- Done when the step is small, or the next one would be: then look at d only
+    // (eq:robust-quadratic)
+    if (iteration >= probe && (length <= tolerance ||
+                               (square <= small && square * length <= small * (before * before)))) {
       settle(patch, &at, to.xi, length < radius ? options->tolerance * half_width : 0, out);
       return 1;
     }
@@ -274,42 +302,51 @@ static int descend(const ct_patch *patch, const ct_project_options *options, dou
 }
 
 /* Sample points: the corners, the mid-sides, the centre. */
-static const double QUADRILATERAL[9][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}, {0, 0}};
-static const double TRIANGLE[7][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}, {1.0 / 3, 1.0 / 3}};
+static const double QUADRILATERAL[9][2] = {{-1, -1}, {1, -1}, {1, 1},  {-1, 1}, {0, -1},
+                                           {1, 0},   {0, 1},  {-1, 0}, {0, 0}};
+static const double TRIANGLE[7][2] = {
+    {0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}, {1.0 / 3, 1.0 / 3}};
 
-/* Which samples are not higher than their neighbours: bit i for sample i. Corners see their two mid-sides, mid-sides see two
- * corners and two mid-sides, all see the centre. */
+/* Which samples are not higher than their neighbours: bit i for sample i. Corners see their two
+ * mid-sides, mid-sides see two corners and two mid-sides, all see the centre. */
 static inline unsigned valleys(const double f[9], int corners)
 {
   const double *side = f + corners, centre = f[2 * corners];
   unsigned found = 0, lowest = 1;
   for (int j = 0; j < corners; j++) {
     int after = (j + 1) % corners, before = (j + corners - 1) % corners;
-    double sides = least(side[j], side[before]), around = least(least(f[j], f[after]), least(side[after], side[before]));
-    found |= (unsigned)(f[j] <= least(sides, centre)) << j | (unsigned)(side[j] <= least(around, centre)) << (corners + j);
+    double sides = least(side[j], side[before]),
+           around = least(least(f[j], f[after]), least(side[after], side[before]));
+    found |= (unsigned)(f[j] <= least(sides, centre)) << j |
+             (unsigned)(side[j] <= least(around, centre)) << (corners + j);
     lowest &= (unsigned)(centre <= least(f[j], side[j]));
   }
   return found | lowest << (2 * corners);
 }
 
-/* Is the end `a` better than `b`: lower, or as low and nearer the centre? A mirror does not change the answer. */
+/* Is the end `a` better than `b`: lower, or as low and nearer the centre? A mirror does not change
+ * the answer. */
 static int is_better(const end *a, const end *b)
 {
   if (a->f != b->f) return a->f < b->f;
-  double ra = a->xi[0] * a->xi[0] + a->xi[1] * a->xi[1], rb = b->xi[0] * b->xi[0] + b->xi[1] * b->xi[1];
+  double ra = a->xi[0] * a->xi[0] + a->xi[1] * a->xi[1],
+         rb = b->xi[0] * b->xi[0] + b->xi[1] * b->xi[1];
   if (ra != rb) return ra < rb;
   for (int k = 0; k < 2; k++)
     if (fabs(a->xi[k]) != fabs(b->xi[k])) return fabs(a->xi[k]) < fabs(b->xi[k]);
   return a->status < b->status;
 }
 
-/* Descend from the samples with a bit in `from`, those of high number first; keep the best of the ends. */
-static void descend_from(unsigned from, const ct_patch *patch, const ct_project_options *options, double sought, ct_foot *foot, end *best)
+/* Descend from the samples with a bit in `from`, those of high number first; keep the best of the
+ * ends. */
+static void descend_from(unsigned from, const ct_patch *patch, const ct_project_options *options,
+                         double sought, ct_foot *foot, end *best)
 {
   for (int i = 8; i >= 0; i--) {
     end found;
     if (!(from >> i & 1)) continue;
-    descend(patch, options, sought, is_triangular(patch) ? TRIANGLE[i] : QUADRILATERAL[i], -1, foot, &found);
+    descend(patch, options, sought, is_triangular(patch) ? TRIANGLE[i] : QUADRILATERAL[i], -1, foot,
+            &found);
     if (best->f == HUGE_VAL || is_better(&found, best)) *best = found;
   }
 }
@@ -321,7 +358,8 @@ static inline void sample_quadrilateral(const ct_patch *patch, double f[9])
   for (int k = 0; k < 4; k++) {
     // -- Corners, mid-sides and centre (eq:robust-samples)
     double c0 = patch->c[0][k], twist = patch->c[3][k], right = patch->c[1][k], up = patch->c[2][k];
-    double row = c0 + patch->c[5][k], column = c0 + patch->c[4][k], corner = c0 + (patch->c[4][k] + patch->c[5][k]);
+    double row = c0 + patch->c[5][k], column = c0 + patch->c[4][k],
+           corner = c0 + (patch->c[4][k] + patch->c[5][k]);
     double across = right + patch->c[7][k], along = up + patch->c[6][k];
     d[0][k] = (corner + twist) - (across + along);
     d[1][k] = (corner - twist) + (across - along);
@@ -351,7 +389,8 @@ static inline double sample(const ct_patch *patch, double f[9], ct_foot *foot)
 }
 
 /* The search on a face that is not mild, where `probe` has come to. */
-static void search_samples(const ct_patch *patch, const ct_project_options *options, const end *probe, ct_foot *foot, end *best)
+static void search_samples(const ct_patch *patch, const ct_project_options *options,
+                           const end *probe, ct_foot *foot, end *best)
 {
   int triangular = is_triangular(patch);
   double f[9], lowest = sample(patch, f, foot), sought = least(options->tolerance, CT_PROVABLE);
@@ -360,12 +399,14 @@ static void search_samples(const ct_patch *patch, const ct_project_options *opti
     descend(patch, options, options->tolerance, probe->xi, -1, foot, best);
     return;
   }
-  // -- Else begin at every sample that is a valley; the lowest end wins, and of equal ones the one nearer the centre
+  // -- Else begin at every sample that is a valley; the lowest end wins, and of equal ones the one
+  // nearer the centre
   unsigned valley = triangular ? valleys(f, 3) : valleys(f, 4), all = triangular ? 127 : 511;
   best->f = HUGE_VAL;
   descend_from(valley, patch, options, sought, foot, best);
   // -- Look again where the face may hide something (eq:robust-hidden)
-  if (!ct_proof_at_sight(patch, best->xi, 2, foot)) descend_from(all & ~valley, patch, options, sought, foot, best);
+  if (!ct_proof_at_sight(patch, best->xi, 2, foot))
+    descend_from(all & ~valley, patch, options, sought, foot, best);
 }
 
 ct_status ct_project_robust(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
@@ -378,7 +419,8 @@ ct_status ct_project_robust(const ct_patch *patch, const ct_project_options *opt
   }
   // -- Search a mild face from one place, any other from many (eq:robust-mild)
   const end *found = &probe;
-  if (!descend(patch, options, options->tolerance, start, options->use_start ? 0 : 1, foot, &probe)) {
+  if (!descend(patch, options, options->tolerance, start, options->use_start ? 0 : 1, foot,
+               &probe)) {
     search_samples(patch, options, &probe, foot, &best);
     found = &best;
   }

@@ -3,7 +3,8 @@
 #include <float.h>
 #include <math.h>
 
-/* A regular simplex in the plane of xi: its vertices, their values of f, and for how many iterations each has stayed. */
+/* A regular simplex in the plane of xi: its vertices, their values of f, and for how many
+ * iterations each has stayed. */
 typedef struct simplex {
   double x[3][2], f[3];
   int age[3];
@@ -17,8 +18,10 @@ static double value(const ct_patch *patch, const double x[2], ct_foot *foot)
   return ct_patch_value(patch, x, d);
 }
 
-/* The regular simplex of edge `edge` with its centroid at `centre`; a flip of xi_1 about the centroid maps it onto itself. */
-static void simplex_start(simplex *s, const ct_patch *patch, const double centre[2], double edge, ct_foot *foot)
+/* The regular simplex of edge `edge` with its centroid at `centre`; a flip of xi_1 about the
+ * centroid maps it onto itself. */
+static void simplex_start(simplex *s, const ct_patch *patch, const double centre[2], double edge,
+                          ct_foot *foot)
 {
   // -- Regular simplex about the start (eq:simplex-start)
   double corner[3][2] = {{-0.5, -sqrt(3) / 6}, {0.5, -sqrt(3) / 6}, {0, sqrt(3) / 3}};
@@ -42,11 +45,13 @@ static void simplex_order(const simplex *s, int *low, int *second, int *high)
 }
 
 /* Reflect vertex i in the middle of the others; writes the image and answers f there. */
-static double simplex_reflect(const simplex *s, const ct_patch *patch, int i, double image[2], ct_foot *foot)
+static double simplex_reflect(const simplex *s, const ct_patch *patch, int i, double image[2],
+                              ct_foot *foot)
 {
   const double *p = s->x[(i + 1) % 3], *q = s->x[(i + 2) % 3];
   for (int a = 0; a < 2; a++) {
-    // -- Centre of the others, and the reflection with alpha = 1 (eq:simplex-centre, eq:simplex-reflection)
+    // -- Centre of the others, and the reflection with alpha = 1 (eq:simplex-centre,
+    // eq:simplex-reflection)
     double centre = 0.5 * (p[a] + q[a]);
     image[a] = centre + (centre - s->x[i][a]);
   }
@@ -74,7 +79,8 @@ static void simplex_halve(simplex *s, const ct_patch *patch, int low, ct_foot *f
   }
 }
 
-/* One iteration; answers the larger of the highest vertex and its image, by which rounding noise shows. */
+/* One iteration; answers the larger of the highest vertex and its image, by which rounding noise
+ * shows. */
 static double simplex_step(simplex *s, const ct_patch *patch, ct_foot *foot)
 {
   double image[2];
@@ -91,7 +97,8 @@ static double simplex_step(simplex *s, const ct_patch *patch, ct_foot *foot)
   return top;
 }
 
-ct_status ct_project_simplex(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
+ct_status ct_project_simplex(const ct_patch *patch, const ct_project_options *options,
+                             ct_foot *foot)
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 2000, low, second, high;
   double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width;

@@ -1,6 +1,7 @@
 #include "projection_internal.h"
 
-ct_status ct_project_simplex_newton(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
+ct_status ct_project_simplex_newton(const ct_patch *patch, const ct_project_options *options,
+                                    ct_foot *foot)
 {
   ct_project_options own = *options;
   // -- The simplex until its edge is an eighth of the half-width (eq:simplex-newton)

@@ -7,7 +7,8 @@ static void sphere_foot(const ct_local *at, double w[2])
 {
   double a = at->p[0], b = at->p[1], h = at->p[2], square = a * a + b * b;
   // -- Curvature of the face in the direction of the point (eq:sphere-curvature)
-  double k = square > 0 ? (at->k[0] * (a * a) + 2 * at->k[2] * (a * b) + at->k[1] * (b * b)) / square : 0;
+  double k =
+      square > 0 ? (at->k[0] * (a * a) + 2 * at->k[2] * (a * b) + at->k[1] * (b * b)) / square : 0;
   // -- Foot on the sphere (eq:sphere-foot)
   double m = sqrt((1 - k * h) * (1 - k * h) + k * k * square);
   w[0] = square > 0 ? a / m : 0;

@@ -2,7 +2,8 @@
 
 #include <math.h>
 
-/* The principal curvatures, k[0] the one of the larger size, and the direction (cosine, sine) of k[0] in the frame. */
+/* The principal curvatures, k[0] the one of the larger size, and the direction (cosine, sine) of
+ * k[0] in the frame. */
 static void principal(const ct_local *at, double k[2], double direction[2])
 {
   double mean = 0.5 * (at->k[0] + at->k[1]), half = 0.5 * (at->k[0] - at->k[1]), twist = at->k[2];
@@ -10,7 +11,8 @@ static void principal(const ct_local *at, double k[2], double direction[2])
   // -- Principal curvatures and directions (eq:torus-principal)
   k[0] = mean + sign * r;
   k[1] = mean - sign * r;
-  double x = sign * half >= 0 ? r + sign * half : sign * twist, y = sign * half >= 0 ? sign * twist : r - sign * half;
+  double x = sign * half >= 0 ? r + sign * half : sign * twist,
+         y = sign * half >= 0 ? sign * twist : r - sign * half;
   double length = sqrt(x * x + y * y);
   direction[0] = length > 0 ? x / length : 1;
   direction[1] = length > 0 ? y / length : 0;
@@ -26,7 +28,8 @@ static void torus_foot(const ct_local *at, double w[2])
   double m = sqrt((1 - k[1] * h) * (1 - k[1] * h) + (k[1] * b) * (k[1] * b));
   double height = (2 * h - k[1] * (b * b + h * h)) / (1 + m), along = b != 0 ? b / m : 0;
   // -- Foot on the small circle (eq:torus-foot)
-  double q = sqrt((1 - k[0] * height) * (1 - k[0] * height) + (k[0] * a) * (k[0] * a)), across = a != 0 ? a / q : 0;
+  double q = sqrt((1 - k[0] * height) * (1 - k[0] * height) + (k[0] * a) * (k[0] * a)),
+         across = a != 0 ? a / q : 0;
   w[0] = across * e[0] - along * e[1];
   w[1] = across * e[1] + along * e[0];
 }

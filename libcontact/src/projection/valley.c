@@ -1,5 +1,6 @@
-/* The way along the floor of a narrow valley of f, where the descent of the robust search creeps: a long thin face has one, a
- * thousand or a million times steeper across than along, and not straight. */
+/* The way along the floor of a narrow valley of f, where the descent of the robust search creeps: a
+ * long thin face has one, a thousand or a million times steeper across than along, and not
+ * straight. */
 #include "projection_internal.h"
 
 #include <float.h>
@@ -11,7 +12,8 @@ void ct_principal(const double H[3], double q[2], double curvature[2])
   curvature[0] = mean + radius;
   // -- The product of both is the determinant (eq:valley-curvatures)
   curvature[1] = curvature[0] != 0 ? (H[0] * H[1] - H[2] * H[2]) / curvature[0] : 0;
-  double x = half >= 0 ? half + radius : H[2], y = half >= 0 ? H[2] : radius - half, length = hypot(x, y);
+  double x = half >= 0 ? half + radius : H[2], y = half >= 0 ? H[2] : radius - half,
+         length = hypot(x, y);
   q[0] = length > 0 ? x / length : 1;
   q[1] = length > 0 ? y / length : 0;
 }
@@ -43,7 +45,8 @@ static void to_the_floor(const ct_patch *patch, int triangular, ct_iterate *at, 
     ct_principal(at->H, q, curvature);
     if (!(curvature[0] > 0)) return;
     // -- One step across (eq:valley-across)
-    double across = -(at->g[0] * q[0] + at->g[1] * q[1]) / curvature[0], s[2] = {across * q[0], across * q[1]};
+    double across = -(at->g[0] * q[0] + at->g[1] * q[1]) / curvature[0],
+           s[2] = {across * q[0], across * q[1]};
     walk(triangular, at, s);
     ct_iterate_look(patch, at, foot);
   }

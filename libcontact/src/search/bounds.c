@@ -6,7 +6,10 @@
 #include <float.h>
 #include <math.h>
 
-double ct_bounds_distance(const ct_bounds *box, const double point[3]) { return sqrt(ct_bounds_square(box, point)); }
+double ct_bounds_distance(const ct_bounds *box, const double point[3])
+{
+  return sqrt(ct_bounds_square(box, point));
+}
 
 void ct_bounds_join(ct_bounds *box, const ct_bounds *other)
 {
@@ -16,18 +19,20 @@ void ct_bounds_join(ct_bounds *box, const ct_bounds *other)
   }
 }
 
-/* Coordinate `c` of the Bernstein control points of a face: corners, one on each mid-side, one in the middle of a Q8. Answers how
- * many. */
+/* Coordinate `c` of the Bernstein control points of a face: corners, one on each mid-side, one in
+ * the middle of a Q8. Answers how many. */
 static int control_points(const ct_face *face, int c, double b[9])
 {
   int per = ct_face_node_count(face->kind), corners = per == 4 || per == 8 ? 4 : 3;
   for (int a = 0; a < corners; a++) b[a] = face->node[a][c];
   if (per == corners) return corners;
   // -- Pull the control point of a mid-side beyond its node (eq:control-points)
-  const double(*x)[3] = face->node;
-  for (int e = 0; e < corners; e++) b[corners + e] = 2.0 * x[corners + e][c] - 0.5 * (x[e][c] + x[(e + 1) % corners][c]);
+  const double (*x)[3] = face->node;
+  for (int e = 0; e < corners; e++)
+    b[corners + e] = 2.0 * x[corners + e][c] - 0.5 * (x[e][c] + x[(e + 1) % corners][c]);
   if (corners == 3) return 6;
-  double middles = (x[4][c] + x[6][c]) + (x[5][c] + x[7][c]), ends = (x[0][c] + x[1][c]) + (x[2][c] + x[3][c]);
+  double middles = (x[4][c] + x[6][c]) + (x[5][c] + x[7][c]),
+         ends = (x[0][c] + x[1][c]) + (x[2][c] + x[3][c]);
   b[8] = middles - 0.75 * ends;
   return 9;
 }
@@ -53,7 +58,8 @@ ct_bounds ct_face_bounds(const ct_face *face)
   return box;
 }
 
-/* Three orthogonal unit vectors, the last along the normal of a face at its middle; the coordinate axes when it has none. */
+/* Three orthogonal unit vectors, the last along the normal of a face at its middle; the coordinate
+ * axes when it has none. */
 static void frame(const ct_face *face, double axis[3][3])
 {
   int corners = face->kind == CT_Q4 || face->kind == CT_Q8 ? 4 : 3;
@@ -61,7 +67,7 @@ static void frame(const ct_face *face, double axis[3][3])
   for (int i = 0; i < 3; i++)
     for (int c = 0; c < 3; c++) axis[i][c] = i == c;
   for (int c = 0; c < 3; c++) {
-    const double(*x)[3] = face->node;
+    const double (*x)[3] = face->node;
     u[c] = corners == 3 ? x[1][c] - x[0][c] : (x[1][c] - x[0][c]) + (x[2][c] - x[3][c]);
     v[c] = corners == 3 ? x[2][c] - x[0][c] : (x[3][c] - x[0][c]) + (x[2][c] - x[1][c]);
   }

@@ -8,7 +8,8 @@ typedef struct ct_bounds {
   double low[3], high[3];
 } ct_bounds;
 
-/* Box along the axes of a face: its middle, three orthogonal unit vectors, half its extent along each. */
+/* Box along the axes of a face: its middle, three orthogonal unit vectors, half its extent along
+ * each. */
 typedef struct ct_oriented {
   double middle[3], axis[3][3], half[3];
 } ct_oriented;
@@ -18,7 +19,8 @@ static inline double ct_bounds_square(const ct_bounds *box, const double point[3
 {
   double d[3];
   for (int c = 0; c < 3; c++) {
-    double below = box->low[c] - point[c], above = point[c] - box->high[c], out = below > above ? below : above;
+    double below = box->low[c] - point[c], above = point[c] - box->high[c],
+           out = below > above ? below : above;
     d[c] = out > 0.0 ? out : 0.0;
   }
   return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
@@ -36,7 +38,8 @@ ct_bounds ct_face_bounds(const ct_face *face);
 /* The same along the tangents and the normal at the middle of the face. */
 void ct_oriented_init(ct_oriented *box, const ct_face *face);
 
-/* A lower bound of the squared distance of a point from all that is in the box; a little too low rather than rounded up. */
+/* A lower bound of the squared distance of a point from all that is in the box; a little too low
+ * rather than rounded up. */
 double ct_oriented_square(const ct_oriented *box, const double point[3]);
 
 #endif

@@ -11,8 +11,8 @@
 
 enum { WIDTH = 4, STACK = 128 };
 
-/* Boxes of the children side by side, for vector lanes. A child >= 0 is a node that stands later in the array, a child < 0 the
- * item ~child. */
+/* Boxes of the children side by side, for vector lanes. A child >= 0 is a node that stands later in
+ * the array, a child < 0 the item ~child. */
 typedef struct node {
   float low[3][WIDTH], high[3][WIDTH];
   int32_t child[WIDTH];
@@ -28,7 +28,7 @@ typedef struct entry {
 struct ct_box_tree {
   int32_t count, node_count;
   node *nodes;
-  entry *entries; /* in the order of the leaves */
+  entry *entries;          /* in the order of the leaves */
   double origin[3], scale; /* single-precision coordinates are (x - origin) scale, about -1 ... 1 */
   double cost, cost_built;
   int64_t builds;
@@ -37,7 +37,8 @@ struct ct_box_tree {
 /* Coordinates of the children that a node does not have: farther than any point or limit. */
 static const float NOWHERE = 3e18f;
 
-/* Room in the scaled boxes for every rounding to single precision: of boxes, of points, of their differences. */
+/* Room in the scaled boxes for every rounding to single precision: of boxes, of points, of their
+ * differences. */
 static const double MARGIN = 1e-6;
 
 void ct_box_tree_free(ct_box_tree *tree)
@@ -67,7 +68,8 @@ ct_status ct_box_tree_create(int32_t count, ct_box_tree **out, ct_error *error)
 
 static int before(const entry *a, const entry *b, int axis)
 {
-  return a->middle[axis] < b->middle[axis] || (a->middle[axis] == b->middle[axis] && a->item < b->item);
+  return a->middle[axis] < b->middle[axis] ||
+         (a->middle[axis] == b->middle[axis] && a->item < b->item);
 }
 
 static void swap(entry *a, entry *b)
@@ -77,7 +79,8 @@ static void swap(entry *a, entry *b)
   *b = t;
 }
 
-/* Put the `rank` first entries along an axis in front, by quick-select; entries with equal middles by number. */
+/* Put the `rank` first entries along an axis in front, by quick-select; entries with equal middles
+ * by number. */
 static void split(entry *list, int32_t count, int32_t rank, int axis)
 {
   int32_t first = 0, last = count - 1;
@@ -89,8 +92,14 @@ static void split(entry *list, int32_t count, int32_t rank, int axis)
       random = random * 1664525u + 1013904223u;
       at[i] = first + (int32_t)(random >> 1) % (last - first + 1);
     }
-    if (before(&list[at[1]], &list[at[0]], axis)) { int32_t t = at[0]; at[0] = at[1]; at[1] = t; }
-    int32_t pick = before(&list[at[2]], &list[at[0]], axis) ? at[0] : before(&list[at[2]], &list[at[1]], axis) ? at[2] : at[1];
+    if (before(&list[at[1]], &list[at[0]], axis)) {
+      int32_t t = at[0];
+      at[0] = at[1];
+      at[1] = t;
+    }
+    int32_t pick = before(&list[at[2]], &list[at[0]], axis)   ? at[0]
+                   : before(&list[at[2]], &list[at[1]], axis) ? at[2]
+                                                              : at[1];
     entry pivot = list[pick];
     int32_t i = first, j = last;
     while (i <= j) {
@@ -104,8 +113,8 @@ static void split(entry *list, int32_t count, int32_t rank, int axis)
   }
 }
 
-/* Cut a range in two at the median along the longest axis of its middles, so that the first part fills its leaves; answers
- * where. */
+/* Cut a range in two at the median along the longest axis of its middles, so that the first part
+ * fills its leaves; answers where. */
 static int32_t halve(entry *list, int32_t count)
 {
   double low[3], high[3];
@@ -141,7 +150,8 @@ static int quarter(const ct_box_tree *tree, range r, range part[WIDTH])
   range two[2] = {{r.first, half, 0, 0}, {half, r.last, 0, 0}};
   for (int k = 0; k < 2; k++) {
     int32_t own = two[k].last - two[k].first;
-    int32_t cut = own > WIDTH ? two[k].first + halve(tree->entries + two[k].first, own) : two[k].last;
+    int32_t cut =
+        own > WIDTH ? two[k].first + halve(tree->entries + two[k].first, own) : two[k].last;
     part[parts++] = (range){two[k].first, cut, 0, 0};
     if (cut < two[k].last) part[parts++] = (range){cut, two[k].last, 0, 0};
   }
@@ -164,7 +174,8 @@ static void link_nodes(ct_box_tree *tree)
     n->count = quarter(tree, r, part);
     for (int k = n->count; k-- > 0;) {
       n->child[k] = ~tree->entries[part[k].first].item;
-      if (part[k].last - part[k].first > 1) stack[depth++] = (range){part[k].first, part[k].last, number, k};
+      if (part[k].last - part[k].first > 1)
+        stack[depth++] = (range){part[k].first, part[k].last, number, k};
     }
   }
 }
@@ -186,7 +197,10 @@ static void set_frame(ct_box_tree *tree, const ct_bounds *boxes)
   tree->scale = ldexp(1.0, -exponent);
 }
 
-static float half_surface(const float edge[3]) { return (edge[0] * edge[1] + edge[1] * edge[2]) + edge[2] * edge[0]; }
+static float half_surface(const float edge[3])
+{
+  return (edge[0] * edge[1] + edge[1] * edge[2]) + edge[2] * edge[0];
+}
 
 /* Box of child k, from the item or from the children of the child; answers half its surface. */
 static float fit_child(ct_box_tree *tree, const ct_bounds *boxes, node *n, int k)
@@ -226,7 +240,8 @@ static float root_surface(const node *root)
   return half_surface(edge);
 }
 
-/* Boxes of all nodes from those of the items, last node first as children stand behind their parents. */
+/* Boxes of all nodes from those of the items, last node first as children stand behind their
+ * parents. */
 static void fit(ct_box_tree *tree, const ct_bounds *boxes)
 {
   tree->cost = 0.0;
@@ -246,7 +261,8 @@ void ct_box_tree_build(ct_box_tree *tree, const ct_bounds *boxes)
 {
   for (int32_t i = 0; i < tree->count; i++) {
     tree->entries[i].item = i;
-    for (int c = 0; c < 3; c++) tree->entries[i].middle[c] = 0.5 * boxes[i].low[c] + 0.5 * boxes[i].high[c];
+    for (int c = 0; c < 3; c++)
+      tree->entries[i].middle[c] = 0.5 * boxes[i].low[c] + 0.5 * boxes[i].high[c];
   }
   link_nodes(tree);
   fit(tree, boxes);
@@ -261,7 +277,10 @@ void ct_box_tree_refit(ct_box_tree *tree, const ct_bounds *boxes)
   if (tree->builds == 0 || tree->cost > 1.5 * tree->cost_built) ct_box_tree_build(tree, boxes);
 }
 
-double ct_box_tree_cost(const ct_box_tree *tree) { return tree->cost_built > 0.0 ? tree->cost / tree->cost_built : 1.0; }
+double ct_box_tree_cost(const ct_box_tree *tree)
+{
+  return tree->cost_built > 0.0 ? tree->cost / tree->cost_built : 1.0;
+}
 
 int64_t ct_box_tree_builds(const ct_box_tree *tree) { return tree->builds; }
 
@@ -285,7 +304,8 @@ static float scaled(const ct_box_tree *tree, double x, int c)
   return (float)(y > 1e17 ? 1e17 : y < -1e17 ? -1e17 : y);
 }
 
-int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, const ct_bounds *box, int32_t *items, int32_t room)
+int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, const ct_bounds *box,
+                             int32_t *items, int32_t room)
 {
   int32_t stack[STACK], found = 0;
   int depth = 0;
@@ -313,8 +333,8 @@ int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, co
   return found;
 }
 
-/* A child that waits to be looked at, behind four times the square of its distance; so those that wait are ordered as whole
- * numbers are, for the bits of floats that are not negative are. */
+/* A child that waits to be looked at, behind four times the square of its distance; so those that
+ * wait are ordered as whole numbers are, for the bits of floats that are not negative are. */
 typedef uint64_t waiting;
 
 static inline waiting wait_of(float square, int32_t child)
@@ -339,9 +359,11 @@ static inline void order(waiting *near, waiting *far)
   *far = a < b ? b : a;
 }
 
-/* Put the children within the limit on the stack, the nearest on top; answers the new height. Without branches, as no processor
- * can guess them: all four are sorted and written, and each stays only if it counts. */
-static inline int push(const node *n, const float square[WIDTH], waiting limit, waiting *stack, int depth)
+/* Put the children within the limit on the stack, the nearest on top; answers the new height.
+ * Without branches, as no processor can guess them: all four are sorted and written, and each stays
+ * only if it counts. */
+static inline int push(const node *n, const float square[WIDTH], waiting limit, waiting *stack,
+                       int depth)
 {
   waiting w[WIDTH];
   for (int k = 0; k < WIDTH; k++) w[k] = wait_of(square[k], n->child[k]);
@@ -357,21 +379,22 @@ static inline int push(const node *n, const float square[WIDTH], waiting limit, 
   return depth;
 }
 
-/* Four times the squared distances of a point from the boxes of a node (eq:box-distance); t + |t| is twice the positive part of
- * t, and needs no branch. */
+/* Four times the squared distances of a point from the boxes of a node (eq:box-distance); t + |t|
+ * is twice the positive part of t, and needs no branch. */
 static inline void squares(const node *n, const float point[3], float square[WIDTH])
 {
 #pragma omp simd
   for (int k = 0; k < WIDTH; k++) {
     float x = n->low[0][k] - point[0], y = n->low[1][k] - point[1], z = n->low[2][k] - point[2];
     float u = point[0] - n->high[0][k], v = point[1] - n->high[1][k], w = point[2] - n->high[2][k];
-    float a = (x + fabsf(x)) + (u + fabsf(u)), b = (y + fabsf(y)) + (v + fabsf(v)), c = (z + fabsf(z)) + (w + fabsf(w));
+    float a = (x + fabsf(x)) + (u + fabsf(u)), b = (y + fabsf(y)) + (v + fabsf(v)),
+          c = (z + fabsf(z)) + (w + fabsf(w));
     square[k] = (a * a + b * b) + c * c;
   }
 }
 
-/* The last that need not wait in vain: four times the known square in the tree's units, with room for the roundings of four
- * products; at most 1e37, which no box reaches. */
+/* The last that need not wait in vain: four times the known square in the tree's units, with room
+ * for the roundings of four products; at most 1e37, which no box reaches. */
 static inline waiting limit_of(const ct_box_tree *tree, double square)
 {
   double limit = 4.0 * square * (tree->scale * tree->scale) * (1.0 + 1e-5);
@@ -385,7 +408,8 @@ static float bound_of(const ct_box_tree *tree, double square)
   return (float)(bound < 1e36 ? bound : 1e36);
 }
 
-void ct_box_tree_visit(const ct_box_tree *tree, const double point[3], double square, ct_box_visit *visit, ct_box_visit *bound, void *user)
+void ct_box_tree_visit(const ct_box_tree *tree, const double point[3], double square,
+                       ct_box_visit *visit, ct_box_visit *bound, void *user)
 {
   waiting stack[STACK];
   int depth = 0;
@@ -405,7 +429,8 @@ void ct_box_tree_visit(const ct_box_tree *tree, const double point[3], double sq
     const node *n = &tree->nodes[child];
     squares(n, p, d);
     for (int k = 0; bound != NULL && k < n->count; k++)
-      if (n->child[k] < 0 && wait_of(d[k], 0) <= limit) d[k] = bound_of(tree, bound(user, ~n->child[k]));
+      if (n->child[k] < 0 && wait_of(d[k], 0) <= limit)
+        d[k] = bound_of(tree, bound(user, ~n->child[k]));
     depth = push(n, d, limit, stack, depth);
   }
 }

@@ -20,12 +20,15 @@ typedef struct seeker {
   double bound;    /* square of a distance at which there is some face */
   int32_t face;
   double square;
-  double xi[2], d[3];  /* parameters and vector to the foot, of triangles */
-  ct_projection foot;  /* of all other kinds */
+  double xi[2], d[3]; /* parameters and vector to the foot, of triangles */
+  ct_projection foot; /* of all other kinds */
 } seeker;
 
 /* Nearer than the best, or as near and earlier in the list of faces. */
-static int is_better(const seeker *s, double square, int32_t face) { return square < s->square || (square == s->square && face < s->face); }
+static int is_better(const seeker *s, double square, int32_t face)
+{
+  return square < s->square || (square == s->square && face < s->face);
+}
 
 static void try_triangle(seeker *s, int32_t face)
 {
@@ -74,7 +77,8 @@ static double oriented_bound(void *user, int32_t face)
 
 static void nothing(ct_nearest *out)
 {
-  *out = (ct_nearest){CT_INVALID, -1, CT_OUTSIDE, -1, {NAN, NAN}, {NAN, NAN, NAN}, NAN, NAN, {NAN, NAN, NAN}};
+  *out = (ct_nearest){CT_INVALID, -1,  CT_OUTSIDE,     -1, {NAN, NAN}, {NAN, NAN, NAN},
+                      NAN,        NAN, {NAN, NAN, NAN}};
 }
 
 /* What ct_project would say of the foot on a triangle. */
@@ -91,7 +95,8 @@ static int finish_triangle(seeker *s)
   s->foot.status = CT_OK;
   s->foot.distance = sqrt(s->square);
   memcpy(s->foot.xi, s->xi, sizeof s->xi);
-  s->foot.where = ct_patch_where(CT_T3, s->xi, s->project.tolerance * ct_patch_half_width(CT_T3), &s->foot.index);
+  s->foot.where = ct_patch_where(CT_T3, s->xi, s->project.tolerance * ct_patch_half_width(CT_T3),
+                                 &s->foot.index);
   return ct_vector_unit_normal(u, v, s->foot.normal);
 }
 
@@ -103,9 +108,14 @@ static void finish(seeker *s, ct_nearest *out)
     return;
   }
   const ct_projection *foot = &s->foot;
-  *out = (ct_nearest){.status = foot->status, .face = s->face, .where = foot->where, .index = foot->index, .distance = foot->distance};
+  *out = (ct_nearest){.status = foot->status,
+                      .face = s->face,
+                      .where = foot->where,
+                      .index = foot->index,
+                      .distance = foot->distance};
   double normal[3], d[3];
-  (void)ct_search_normal(s->search, s->face, foot->where, foot->index, foot->xi, foot->normal, normal);
+  (void)ct_search_normal(s->search, s->face, foot->where, foot->index, foot->xi, foot->normal,
+                         normal);
   double length = sqrt(ct_vector_dot(normal, normal));
   for (int a = 0; a < 2; a++) out->xi[a] = foot->xi[a];
   for (int c = 0; c < 3; c++) {
@@ -113,11 +123,13 @@ static void finish(seeker *s, ct_nearest *out)
     out->normal[c] = length > 0.0 ? normal[c] / length : foot->normal[c];
     d[c] = foot->point[c] - s->point[c];
   }
-  out->signed_distance = ct_vector_dot(s->search->kind == CT_T3 ? s->d : d, out->normal) <= 0.0 ? foot->distance : -foot->distance;
+  out->signed_distance = ct_vector_dot(s->search->kind == CT_T3 ? s->d : d, out->normal) <= 0.0
+                             ? foot->distance
+                             : -foot->distance;
 }
 
-void ct_search_point(const ct_search *search, const double point[3], int32_t start, double bound, double tolerance, ct_search_skip *skip, void *user,
-                     ct_nearest *out)
+void ct_search_point(const ct_search *search, const double point[3], int32_t start, double bound,
+                     double tolerance, ct_search_skip *skip, void *user, ct_nearest *out)
 {
   seeker s;
   s.search = search;
@@ -137,17 +149,21 @@ void ct_search_point(const ct_search *search, const double point[3], int32_t sta
     }
   // -- Try the face to begin with, then every face whose box is not farther (eq:closest-face)
   if (start >= 0) bound = try_face(&s, start);
-  ct_box_tree_visit(search->tree, point, bound, visit, search->oriented != NULL ? oriented_bound : NULL, &s);
+  ct_box_tree_visit(search->tree, point, bound, visit,
+                    search->oriented != NULL ? oriented_bound : NULL, &s);
   finish(&s, out);
 }
 
-ct_search_options ct_search_options_default(void) { return (ct_search_options){.tolerance = 1e-10, .threads = 1}; }
+ct_search_options ct_search_options_default(void)
+{
+  return (ct_search_options){.tolerance = 1e-10, .threads = 1};
+}
 
 /* Points that are asked one after the other by one thread. */
 enum { BLOCK = 1024 };
 
-/* Square of the distance of a point from the foot of another: the nearest face is no farther. With room for the rounding of
- * coordinates. */
+/* Square of the distance of a point from the foot of another: the nearest face is no farther. With
+ * room for the rounding of coordinates. */
 static double bound_from(const double point[3], const ct_nearest *last)
 {
   double square = 0.0, largest = 0.0;
@@ -161,8 +177,8 @@ static double bound_from(const double point[3], const ct_nearest *last)
   return far * far;
 }
 
-static void ask_block(const ct_search *search, size_t first, size_t last, const double *points, const int32_t *start, double tolerance,
-                      ct_nearest *out)
+static void ask_block(const ct_search *search, size_t first, size_t last, const double *points,
+                      const int32_t *start, double tolerance, ct_nearest *out)
 {
   for (size_t i = first; i < last; i++) {
     // -- Begin with the face that is given, or with the distance from the last foot (eq:warm-bound)
@@ -172,12 +188,13 @@ static void ask_block(const ct_search *search, size_t first, size_t last, const 
   }
 }
 
-ct_status ct_search_nearest(const ct_search *search, size_t count, const double *points, const int32_t *start, const ct_search_options *options,
-                            ct_nearest *out)
+ct_status ct_search_nearest(const ct_search *search, size_t count, const double *points,
+                            const int32_t *start, const ct_search_options *options, ct_nearest *out)
 {
   ct_search_options own = options != NULL ? *options : ct_search_options_default();
   if (search == NULL || (count > 0 && (points == NULL || out == NULL))) return CT_ERROR_ARGUMENT;
-  if (!(own.tolerance > 0.0 && own.tolerance < HUGE_VAL) || own.threads < 1) return CT_ERROR_ARGUMENT;
+  if (!(own.tolerance > 0.0 && own.tolerance < HUGE_VAL) || own.threads < 1)
+    return CT_ERROR_ARGUMENT;
   for (size_t i = 0; start != NULL && i < count; i++)
     if (start[i] < -1 || start[i] >= search->face_count) return CT_ERROR_ARGUMENT;
   int64_t blocks = (int64_t)((count + BLOCK - 1) / BLOCK);

@@ -9,13 +9,17 @@
 /* Parameters of the point on edge `e` at s in -1 ... 1 from its first corner to its second. */
 static void edge_point(int edges, int e, double s, double xi[2])
 {
-  static const double square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}, triangle[3][2] = {{0, 0}, {1, 0}, {0, 1}};
-  const double(*corner)[2] = edges == 4 ? square : triangle;
-  for (int i = 0; i < 2; i++) xi[i] = 0.5 * ((1.0 - s) * corner[e][i] + (1.0 + s) * corner[(e + 1) % edges][i]);
+  static const double square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}},
+                      triangle[3][2] = {{0, 0}, {1, 0}, {0, 1}};
+  const double (*corner)[2] = edges == 4 ? square : triangle;
+  for (int i = 0; i < 2; i++)
+    xi[i] = 0.5 * ((1.0 - s) * corner[e][i] + (1.0 + s) * corner[(e + 1) % edges][i]);
 }
 
-/* The neighbour across edge `e` of a face, and its parameters at a point of that edge; -1 at the border. */
-static int32_t across(const ct_search *search, int32_t face, int e, const double foot[2], double xi[2])
+/* The neighbour across edge `e` of a face, and its parameters at a point of that edge; -1 at the
+ * border. */
+static int32_t across(const ct_search *search, int32_t face, int e, const double foot[2],
+                      double xi[2])
 {
   const int32_t *mine = &search->faces[(int64_t)face * search->per];
   int32_t other = search->neighbour[(int64_t)face * search->edges + e];
@@ -23,16 +27,21 @@ static int32_t across(const ct_search *search, int32_t face, int e, const double
   double first[2], last[2];
   edge_point(search->edges, e, -1.0, first);
   edge_point(search->edges, e, 1.0, last);
-  double along[2] = {last[0] - first[0], last[1] - first[1]}, here[2] = {foot[0] - first[0], foot[1] - first[1]};
-  double s = 2.0 * (along[0] * here[0] + along[1] * here[1]) / (along[0] * along[0] + along[1] * along[1]) - 1.0;
+  double along[2] = {last[0] - first[0], last[1] - first[1]},
+         here[2] = {foot[0] - first[0], foot[1] - first[1]};
+  double s = 2.0 * (along[0] * here[0] + along[1] * here[1]) /
+                 (along[0] * along[0] + along[1] * along[1]) -
+             1.0;
   const int32_t *theirs = &search->faces[(int64_t)other * search->per];
   for (int k = 0; k < search->edges; k++)
-    if (theirs[k] == mine[(e + 1) % search->edges] && theirs[(k + 1) % search->edges] == mine[e]) edge_point(search->edges, k, -s, xi);
+    if (theirs[k] == mine[(e + 1) % search->edges] && theirs[(k + 1) % search->edges] == mine[e])
+      edge_point(search->edges, k, -s, xi);
   return other;
 }
 
 /* On edge `e` of a face: add the neighbour's normal at the same point; 0 at the border. */
-static int edge_normal(const ct_search *search, int32_t face, int e, const double foot[2], double normal[3])
+static int edge_normal(const ct_search *search, int32_t face, int e, const double foot[2],
+                       double normal[3])
 {
   ct_face neighbour;
   double xi[2], theirs[3];
@@ -44,10 +53,11 @@ static int edge_normal(const ct_search *search, int32_t face, int e, const doubl
   return 1;
 }
 
-/* Direction in which the edge from corner k of a face to the corner after or before it leaves corner k: the tangent there.
- * Where the tangent vanishes, as with a mid-side node at the quarter point, a quadratic edge leaves along its chord
- * (eq:edge-direction). */
-static void edge_direction(const ct_search *search, int32_t face, int k, int backwards, double along[3])
+/* Direction in which the edge from corner k of a face to the corner after or before it leaves
+ * corner k: the tangent there. Where the tangent vanishes, as with a mid-side node at the quarter
+ * point, a quadratic edge leaves along its chord (eq:edge-direction). */
+static void edge_direction(const ct_search *search, int32_t face, int k, int backwards,
+                           double along[3])
 {
   const int32_t *nodes = &search->faces[(int64_t)face * search->per];
   int before = (k + search->edges - 1) % search->edges;
@@ -59,11 +69,13 @@ static void edge_direction(const ct_search *search, int32_t face, int k, int bac
   const double *middle = &search->x[3 * (int64_t)nodes[search->edges + (backwards ? before : k)]];
   for (int c = 0; c < 3; c++) along[c] = 4.0 * (middle[c] - first[c]) - chord[c];
   // -- A tangent that is zero to rounding has no direction of its own (eq:edge-direction)
-  if (!(ct_vector_dot(along, along) > 1e-18 * ct_vector_dot(chord, chord))) memcpy(along, chord, sizeof chord);
+  if (!(ct_vector_dot(along, along) > 1e-18 * ct_vector_dot(chord, chord)))
+    memcpy(along, chord, sizeof chord);
 }
 
-/* Add to `normal` that of a face at its corner k, weighted by the angle there; 0 when an edge at the corner is on the border. A
- * face adds nothing at a corner where one of its edges has collapsed. */
+/* Add to `normal` that of a face at its corner k, weighted by the angle there; 0 when an edge at
+ * the corner is on the border. A face adds nothing at a corner where one of its edges has
+ * collapsed. */
 static int add_corner(const ct_search *search, int32_t face, int k, double normal[3])
 {
   int before = (k + search->edges - 1) % search->edges;
@@ -75,7 +87,8 @@ static int add_corner(const ct_search *search, int32_t face, int k, double norma
   double angle = atan2(sqrt(ct_vector_dot(w, w)), ct_vector_dot(u, v));
   if (ct_vector_unit_normal(u, v, n))
     for (int c = 0; c < 3; c++) normal[c] += angle * n[c];
-  return search->neighbour[(int64_t)face * search->edges + k] >= 0 && search->neighbour[(int64_t)face * search->edges + before] >= 0;
+  return search->neighbour[(int64_t)face * search->edges + k] >= 0 &&
+         search->neighbour[(int64_t)face * search->edges + before] >= 0;
 }
 
 /* At corner `a` of a face: sum the normals of the faces around it; 0 at the border. */
@@ -87,12 +100,14 @@ static int corner_normal(const ct_search *search, int32_t face, int a, double no
   for (int32_t i = search->ring_first[node]; i < search->ring_first[node + 1]; i++) {
     int32_t f = search->ring[i];
     for (int k = 0; k < search->edges; k++)
-      if (search->faces[(int64_t)f * search->per + k] == node && !add_corner(search, f, k, normal)) inside = 0;
+      if (search->faces[(int64_t)f * search->per + k] == node && !add_corner(search, f, k, normal))
+        inside = 0;
   }
   return inside;
 }
 
-int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int index, const double xi[2], const double own[3], double normal[3])
+int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int index,
+                     const double xi[2], const double own[3], double normal[3])
 {
   memcpy(normal, own, 3 * sizeof *normal);
   if (where == CT_EDGE) return edge_normal(search, face, index, xi, normal);
@@ -117,7 +132,8 @@ static void inwards(const ct_search *search, int32_t face, const double xi[2], d
   for (int c = 0; c < 3; c++) v[c] = (centre - xi[0]) * t1[c] + (centre - xi[1]) * t2[c];
 }
 
-int ct_search_is_minimum(const ct_search *search, int32_t face, ct_where where, int index, const double xi[2], const double d[3])
+int ct_search_is_minimum(const ct_search *search, int32_t face, ct_where where, int index,
+                         const double xi[2], const double d[3])
 {
   double at[2], v[3];
   if (where == CT_EDGE) {

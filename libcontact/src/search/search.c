@@ -11,7 +11,8 @@
 void ct_search_free(ct_search *search)
 {
   if (search == NULL) return;
-  void *blocks[] = {search->nodes, search->faces, search->neighbour, search->ring_first, search->ring, search->x, search->boxes, search->oriented};
+  void *blocks[] = {search->nodes, search->faces, search->neighbour, search->ring_first,
+                    search->ring,  search->x,     search->boxes,     search->oriented};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_box_tree_free(search->tree);
   ct_release(search);
@@ -21,19 +22,23 @@ static ct_status check_surface(const ct_surface *surface, int body, ct_error *er
 {
   ct_place where = {body, -1, -1};
   int per = surface == NULL ? 0 : ct_face_node_count(surface->kind);
-  if (per == 0 || surface->faces == NULL || surface->reference == NULL || surface->face_count < 1 || surface->node_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, where, "surface %d is empty or of an unknown kind", body);
+  if (per == 0 || surface->faces == NULL || surface->reference == NULL || surface->face_count < 1 ||
+      surface->node_count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, where, "surface %d is empty or of an unknown kind",
+                   body);
   for (int32_t f = 0; f < surface->face_count; f++)
     for (int a = 0; a < per; a++) {
       int32_t node = surface->faces[(int64_t)f * per + a];
       where.element = f;
       if (node < 0 || node >= surface->node_count)
-        return ct_fail(error, CT_ERROR_ARGUMENT, where, "face %d of surface %d names node %d, there are nodes 0 to %d", (int)f,
-                       body, (int)node, (int)surface->node_count - 1);
+        return ct_fail(error, CT_ERROR_ARGUMENT, where,
+                       "face %d of surface %d names node %d, there are nodes 0 to %d", (int)f, body,
+                       (int)node, (int)surface->node_count - 1);
       for (int c = 0; c < 3; c++)
         if (!isfinite(surface->reference[3 * (int64_t)node + c]))
-          return ct_fail(error, CT_INVALID, (ct_place){body, f, node}, "coordinate %c of node %d of surface %d is not finite",
-                         "xyz"[c], (int)node, body);
+          return ct_fail(error, CT_INVALID, (ct_place){body, f, node},
+                         "coordinate %c of node %d of surface %d is not finite", "xyz"[c],
+                         (int)node, body);
     }
   return CT_OK;
 }
@@ -47,7 +52,8 @@ static ct_status allocate(ct_search *search, ct_error *error)
   search->ring = ct_allocate(faces * (size_t)search->per, sizeof *search->ring);
   search->boxes = ct_allocate(faces, sizeof *search->boxes);
   if (search->kind != CT_T3) search->oriented = ct_allocate(faces, sizeof *search->oriented);
-  return search->nodes != NULL && search->faces != NULL && search->neighbour != NULL && search->ring != NULL && search->boxes != NULL &&
+  return search->nodes != NULL && search->faces != NULL && search->neighbour != NULL &&
+                 search->ring != NULL && search->boxes != NULL &&
                  (search->kind == CT_T3 || search->oriented != NULL)
              ? ct_box_tree_create(search->face_count, &search->tree, error)
              : CT_ERROR_MEMORY;
@@ -75,10 +81,12 @@ static ct_status number_nodes(ct_search *search, const ct_surface *surface)
 /* List the faces around each node. */
 static void find_rings(ct_search *search)
 {
-  size_t entries = (size_t)search->face_count * (size_t)search->per, nodes = (size_t)search->node_count;
+  size_t entries = (size_t)search->face_count * (size_t)search->per,
+         nodes = (size_t)search->node_count;
   for (size_t i = 0; i < entries; i++) search->ring_first[search->faces[i] + 1]++;
   for (size_t n = 0; n < nodes; n++) search->ring_first[n + 1] += search->ring_first[n];
-  for (size_t i = entries; i-- > 0;) search->ring[--search->ring_first[search->faces[i] + 1]] = (int32_t)(i / (size_t)search->per);
+  for (size_t i = entries; i-- > 0;)
+    search->ring[--search->ring_first[search->faces[i] + 1]] = (int32_t)(i / (size_t)search->per);
   // The filling has moved each end to its beginning: shift the table back by one.
   for (size_t n = 0; n < nodes; n++) search->ring_first[n] = search->ring_first[n + 1];
   search->ring_first[nodes] = (int32_t)entries;
@@ -93,7 +101,8 @@ static void find_neighbours(ct_search *search)
       for (int32_t i = search->ring_first[a]; i < search->ring_first[a + 1]; i++) {
         const int32_t *theirs = &search->faces[(int64_t)search->ring[i] * search->per];
         for (int k = 0; k < search->edges; k++)
-          if (search->ring[i] != f && theirs[k] == b && theirs[(k + 1) % search->edges] == a) found = search->ring[i];
+          if (search->ring[i] != f && theirs[k] == b && theirs[(k + 1) % search->edges] == a)
+            found = search->ring[i];
       }
       search->neighbour[(int64_t)f * search->edges + e] = found;
     }
@@ -107,11 +116,13 @@ static ct_status measure(ct_search *search, int body, ct_error *error)
     ct_face face;
     ct_search_face(search, f, &face);
     const ct_bounds *box = &search->boxes[f];
-    double edge[3] = {box->high[0] - box->low[0], box->high[1] - box->low[1], box->high[2] - box->low[2]};
+    double edge[3] = {box->high[0] - box->low[0], box->high[1] - box->low[1],
+                      box->high[2] - box->low[2]};
     double size = sqrt(ct_vector_dot(edge, edge));
     search->size = fmax(search->size, size);
     if (!(ct_segment_area_element(&face, middle[search->edges == 3]) > 1e-14 * size * size))
-      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, f, -1}, "face %d of surface %d has no area", (int)f, body);
+      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, f, -1},
+                     "face %d of surface %d has no area", (int)f, body);
   }
   return CT_OK;
 }
@@ -145,7 +156,8 @@ ct_status ct_search_check(const ct_search *search, const double *host, int body,
   for (int32_t n = 0; n < search->node_count; n++)
     for (int c = 0; c < 3; c++)
       if (!(fabs(host[3 * (int64_t)search->nodes[n] + c]) <= CT_LARGEST_LENGTH))
-        return ct_fail(error, CT_INVALID, (ct_place){body, -1, search->nodes[n]}, "coordinate %c of node %d of surface %d is not finite, or beyond %g",
+        return ct_fail(error, CT_INVALID, (ct_place){body, -1, search->nodes[n]},
+                       "coordinate %c of node %d of surface %d is not finite, or beyond %g",
                        "xyz"[c], (int)search->nodes[n], body, CT_LARGEST_LENGTH);
   return CT_OK;
 }
@@ -200,7 +212,8 @@ ct_status ct_search_look(const ct_search *search, ct_search **out)
   *now = *search;
   now->tree = NULL;
   now->boxes = ct_allocate((size_t)now->face_count, sizeof *now->boxes);
-  now->oriented = search->oriented == NULL ? NULL : ct_allocate((size_t)now->face_count, sizeof *now->oriented);
+  now->oriented =
+      search->oriented == NULL ? NULL : ct_allocate((size_t)now->face_count, sizeof *now->oriented);
   int roomy = now->boxes != NULL && (now->oriented != NULL) == (search->oriented != NULL);
   if (!roomy || ct_box_tree_create(now->face_count, &now->tree, NULL) != CT_OK) {
     ct_search_leave(now);
@@ -216,12 +229,14 @@ void ct_search_face(const ct_search *search, int32_t face, ct_face *out)
 {
   out->kind = search->kind;
   for (int a = 0; a < search->per; a++)
-    memcpy(out->node[a], &search->x[3 * (int64_t)search->faces[(int64_t)face * search->per + a]], sizeof out->node[a]);
+    memcpy(out->node[a], &search->x[3 * (int64_t)search->faces[(int64_t)face * search->per + a]],
+           sizeof out->node[a]);
 }
 
 int ct_search_adjacent(const ct_search *search, int32_t face, int32_t other)
 {
-  const int32_t *mine = &search->faces[(int64_t)face * search->per], *theirs = &search->faces[(int64_t)other * search->per];
+  const int32_t *mine = &search->faces[(int64_t)face * search->per],
+                *theirs = &search->faces[(int64_t)other * search->per];
   for (int a = 0; a < search->per; a++)
     for (int b = 0; b < search->per; b++)
       if (mine[a] == theirs[b]) return 1;
@@ -230,7 +245,8 @@ int ct_search_adjacent(const ct_search *search, int32_t face, int32_t other)
 
 ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error *error)
 {
-  if (surface == NULL || out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "search: null argument");
+  if (surface == NULL || out == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "search: null argument");
   ct_search *search = NULL;
   ct_status status = ct_search_init(surface, 0, &search, error);
   if (status != CT_OK) return status;
@@ -241,12 +257,19 @@ ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error 
 
 ct_status ct_search_move(ct_search *search, const double *x, ct_error *error)
 {
-  if (search == NULL || x == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "search: null argument");
+  if (search == NULL || x == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "search: null argument");
   ct_status status = ct_search_set(search, x, 0, error);
   if (status == CT_OK) ct_search_refit(search);
   return status;
 }
 
-int64_t ct_search_builds(const ct_search *search) { return search == NULL ? 0 : ct_box_tree_builds(search->tree); }
+int64_t ct_search_builds(const ct_search *search)
+{
+  return search == NULL ? 0 : ct_box_tree_builds(search->tree);
+}
 
-double ct_search_cost(const ct_search *search) { return search == NULL ? NAN : ct_box_tree_cost(search->tree); }
+double ct_search_cost(const ct_search *search)
+{
+  return search == NULL ? NAN : ct_box_tree_cost(search->tree);
+}

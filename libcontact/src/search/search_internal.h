@@ -17,11 +17,11 @@ struct ct_search {
   int32_t *faces;     /* numbers in `nodes`, shape (face_count, per) */
   int32_t *neighbour; /* face across each edge, -1 at the border, shape (face_count, edges) */
   int32_t *ring_first, *ring; /* faces around each node, ascending: ring[ring_first[n]] ... */
-  double size;        /* largest diagonal of a face's reference box */
-  double *x;          /* current coordinates, shape (node_count, 3) */
-  ct_bounds *boxes;   /* current boxes of the faces */
-  ct_oriented *oriented; /* those along the faces, of the last refit; null for T3 */
-  ct_box_tree *tree;  /* over the boxes of the last refit */
+  double size;                /* largest diagonal of a face's reference box */
+  double *x;                  /* current coordinates, shape (node_count, 3) */
+  ct_bounds *boxes;           /* current boxes of the faces */
+  ct_oriented *oriented;      /* those along the faces, of the last refit; null for T3 */
+  ct_box_tree *tree;          /* over the boxes of the last refit */
 };
 
 /* As ct_search_create, for surface number `body` of a host. The tree is not made yet. */
@@ -42,8 +42,9 @@ ct_status ct_search_set(ct_search *search, const double *host, int body, ct_erro
 /* Bring the tree up to date with the boxes. */
 void ct_search_refit(ct_search *search);
 
-/* A surface as it is now, with boxes and a tree of its own for these coordinates; all else belongs to `search`, which is only
- * read. So a call may search a surface that is const to it. Freed with ct_search_leave. */
+/* A surface as it is now, with boxes and a tree of its own for these coordinates; all else belongs
+ * to `search`, which is only read. So a call may search a surface that is const to it. Freed with
+ * ct_search_leave. */
 ct_status ct_search_look(const ct_search *search, ct_search **now);
 void ct_search_leave(ct_search *now);
 
@@ -53,25 +54,30 @@ void ct_search_face(const ct_search *search, int32_t face, ct_face *out);
 /* Whether two faces have a node in common. */
 int ct_search_adjacent(const ct_search *search, int32_t face, int32_t other);
 
-/* Direction outwards at a foot on a face: the normal of the face inside it, the sum of the two normals on an edge, the sum
- * weighted by the angles between tangents at a corner (eq:pseudo-normal). Answers 0 when the foot lies on the border of the
- * surface; the faces that are there are summed all the same. */
-int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int index, const double xi[2], const double own[3], double normal[3]);
+/* Direction outwards at a foot on a face: the normal of the face inside it, the sum of the two
+ * normals on an edge, the sum weighted by the angles between tangents at a corner
+ * (eq:pseudo-normal). Answers 0 when the foot lies on the border of the surface; the faces that are
+ * there are summed all the same. */
+int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int index,
+                     const double xi[2], const double own[3], double normal[3]);
 
-/* Whether the distance grows from a foot into every face that meets there, so that the foot is a nearest point of the whole
- * surface and not only of its face (eq:local-minimum). `d` points from the point to the foot. Inside a face it always is. */
-int ct_search_is_minimum(const ct_search *search, int32_t face, ct_where where, int index, const double xi[2], const double d[3]);
+/* Whether the distance grows from a foot into every face that meets there, so that the foot is a
+ * nearest point of the whole surface and not only of its face (eq:local-minimum). `d` points from
+ * the point to the foot. Inside a face it always is. */
+int ct_search_is_minimum(const ct_search *search, int32_t face, ct_where where, int index,
+                         const double xi[2], const double d[3]);
 
-/* Squared distance of a point from face `face`, a triangle with corners as nodes; with its parameters and the vector to it
- * (eq:triangle-inside). */
-double ct_search_triangle(const ct_search *search, int32_t face, const double point[3], double xi[2], double d[3]);
+/* Squared distance of a point from face `face`, a triangle with corners as nodes; with its
+ * parameters and the vector to it (eq:triangle-inside). */
+double ct_search_triangle(const ct_search *search, int32_t face, const double point[3],
+                          double xi[2], double d[3]);
 
 /* Whether a face is left out of a query. */
 typedef int ct_search_skip(void *user, int32_t face);
 
-/* Nearest face of one point. `start`: -1 or a face to begin with. `bound`: the square of a distance at which some face is, or
- * infinity. `skip`: null, or faces to leave out. */
-void ct_search_point(const ct_search *search, const double point[3], int32_t start, double bound, double tolerance, ct_search_skip *skip, void *user,
-                     ct_nearest *out);
+/* Nearest face of one point. `start`: -1 or a face to begin with. `bound`: the square of a distance
+ * at which some face is, or infinity. `skip`: null, or faces to leave out. */
+void ct_search_point(const ct_search *search, const double point[3], int32_t start, double bound,
+                     double tolerance, ct_search_skip *skip, void *user, ct_nearest *out);
 
 #endif

@@ -5,14 +5,16 @@
 
 #include <math.h>
 
-/* Closest point of the edge from a to b, both seen from the point: keep it if it is nearer than `best`. Parameter t along the
- * edge. */
-static double edge(const double a[3], const double b[3], double best, double *t, double d[3], int *kept)
+/* Closest point of the edge from a to b, both seen from the point: keep it if it is nearer than
+ * `best`. Parameter t along the edge. */
+static double edge(const double a[3], const double b[3], double best, double *t, double d[3],
+                   int *kept)
 {
   double along[3], foot[3];
   for (int c = 0; c < 3; c++) along[c] = b[c] - a[c];
   // -- Foot on the line, cut off at its ends (eq:triangle-edge)
-  double square = ct_vector_dot(along, along), s = square > 0.0 ? -ct_vector_dot(a, along) / square : 0.0;
+  double square = ct_vector_dot(along, along),
+         s = square > 0.0 ? -ct_vector_dot(a, along) / square : 0.0;
   s = s > 0.0 ? s < 1.0 ? s : 1.0 : 0.0;
   for (int c = 0; c < 3; c++) foot[c] = s < 1.0 ? a[c] + s * along[c] : b[c];
   double f = ct_vector_dot(foot, foot);
@@ -23,7 +25,8 @@ static double edge(const double a[3], const double b[3], double best, double *t,
   return f;
 }
 
-double ct_search_triangle(const ct_search *search, int32_t face, const double point[3], double xi[2], double d[3])
+double ct_search_triangle(const ct_search *search, int32_t face, const double point[3],
+                          double xi[2], double d[3])
 {
   const int32_t *node = &search->faces[3 * (int64_t)face];
   double v[3][3], e1[3], e2[3], n[3], w[3], t = 0.0, best = HUGE_VAL;

@@ -1,4 +1,5 @@
-/* The largest frequency of a body: by its elements, and in a box of equal bricks by blocks of two and three of them a side. */
+/* The largest frequency of a body: by its elements, and in a box of equal bricks by blocks of two
+ * and three of them a side. */
 #include "blocks.h"
 #include "element.h"
 
@@ -15,17 +16,19 @@ enum { SIZE = CT_ELEMENT_SIZE, DOFS = 24 };
 static const double ALIKE = 1e-12;
 
 /* Where the nodes of a hex8 stand. */
-static const int CORNER[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+static const int CORNER[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                 {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 
 /* A body that is one box of equal hex8 bricks, in whatever order its nodes and elements are. */
 typedef struct box {
-  int32_t cells[3];   /* along its three edges; cells[0] = 0: the body is none */
-  double edge[3];     /* lengths of the bricks' edges */
-  double axis[3][3];  /* their directions */
-  int aligned;        /* whether these are x, y, z */
+  int32_t cells[3];  /* along its three edges; cells[0] = 0: the body is none */
+  double edge[3];    /* lengths of the bricks' edges */
+  double axis[3][3]; /* their directions */
+  int aligned;       /* whether these are x, y, z */
 } box;
 
-/* Edges of the bricks of a body that is turned, all of them the first one moved; 0 when they are not rectangular, or unlike. */
+/* Edges of the bricks of a body that is turned, all of them the first one moved; 0 when they are
+ * not rectangular, or unlike. */
 static int find_edges(const ct_mesh *mesh, double size, box *b)
 {
   static const int END[3] = {1, 3, 4};
@@ -50,11 +53,13 @@ static int find_edges(const ct_mesh *mesh, double size, box *b)
   return 1;
 }
 
-/* Number of the cell at whose first corner a point stands, of a box that begins at `low` along its edges. */
+/* Number of the cell at whose first corner a point stands, of a box that begins at `low` along its
+ * edges. */
 static int64_t cell_at(const box *b, const double low[3], const double *x)
 {
   int64_t i[3];
-  for (int d = 0; d < 3; d++) i[d] = (int64_t)floor((ct_vector_dot(b->axis[d], x) - low[d]) / b->edge[d] + 0.5);
+  for (int d = 0; d < 3; d++)
+    i[d] = (int64_t)floor((ct_vector_dot(b->axis[d], x) - low[d]) / b->edge[d] + 0.5);
   return i[0] + b->cells[0] * (i[1] + b->cells[1] * i[2]);
 }
 
@@ -84,7 +89,8 @@ static ct_status find_box(const ct_mesh *mesh, box *b, ct_error *error)
   if (elements != mesh->element_count || nodes != mesh->node_count) return CT_OK;
   // -- As many elements as cells: the box is full unless two of them share a cell
   char *taken = ct_allocate((size_t)mesh->element_count, 1);
-  if (taken == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the stable step");
+  if (taken == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the stable step");
   for (int d = 0; d < 3; d++) b->cells[d] = (int32_t)floor((high[d] - low[d]) / b->edge[d] + 0.5);
   int full = 1;
   for (int32_t e = 0; full && e < mesh->element_count; e++) {
@@ -103,8 +109,8 @@ typedef struct block {
   const int *held;
 } block;
 
-/* The degree of freedom of the block's corner with which component c of a node moves, and its sign; -1: it does not move
- * (eq:block-fold). */
+/* The degree of freedom of the block's corner with which component c of a node moves, and its sign;
+ * -1: it does not move (eq:block-fold). */
 static int fold(const block *b, const int node[3], int c, double *sign)
 {
   int at = 0;
@@ -119,9 +125,10 @@ static int fold(const block *b, const int node[3], int c, double *sign)
   return b->held[c] ? -1 : 3 * at + c;
 }
 
-/* Add an element, which stands for `images` alike, to the stiffness and the masses of the corner. */
-static void add_element(const block *b, const int cell[3], double images, double K[SIZE][SIZE], const double *mass,
-                        double A[SIZE][SIZE], double m[SIZE])
+/* Add an element, which stands for `images` alike, to the stiffness and the masses of the corner.
+ */
+static void add_element(const block *b, const int cell[3], double images, double K[SIZE][SIZE],
+                        const double *mass, double A[SIZE][SIZE], double m[SIZE])
 {
   int dof[DOFS];
   double sign[DOFS];
@@ -133,12 +140,13 @@ static void add_element(const block *b, const int cell[3], double images, double
   }
   for (int i = 0; i < DOFS; i++)
     for (int j = 0; j < DOFS; j++)
-      if (dof[i] >= 0 && dof[j] >= 0) A[dof[i]][dof[j]] += images * sign[i] * sign[j] * (i >= j ? K[i][j] : K[j][i]);
+      if (dof[i] >= 0 && dof[j] >= 0)
+        A[dof[i]][dof[j]] += images * sign[i] * sign[j] * (i >= j ? K[i][j] : K[j][i]);
 }
 
 /* Largest eigenvalue of the motions of one parity. */
-static ct_status parity_frequency(const block *b, double K[SIZE][SIZE], const double *mass, double *omega_squared,
-                                  ct_error *error)
+static ct_status parity_frequency(const block *b, double K[SIZE][SIZE], const double *mass,
+                                  double *omega_squared, ct_error *error)
 {
   double A[SIZE][SIZE] = {{0.0}}, m[SIZE] = {0.0};
   int cell[3], count = 0;
@@ -164,17 +172,18 @@ static ct_status parity_frequency(const block *b, double K[SIZE][SIZE], const do
   return count > 0 ? ct_largest_eigenvalue(count, m, A, omega_squared, error) : CT_OK;
 }
 
-/* Sizes of the blocks that make up a row of cells: twos or threes alone where they fit, else both. */
+/* Sizes of the blocks that make up a row of cells: twos or threes alone where they fit, else both.
+ */
 static void sizes_of(int32_t cells, int *first, int *last)
 {
   *first = cells == 1 ? 1 : cells % 2 == 0 || cells % 3 != 0 ? 2 : 3;
   *last = cells == 1 ? 1 : cells % 2 == 0 ? 2 : 3;
 }
 
-/* Bound of the largest eigenvalue of M⁻¹K of a box of so many cells from the lower half of K of one element and the masses of its
- * nodes (eq:block-bound). */
-static ct_status blocks_frequency(const int32_t cells[3], const int held[3], double K[SIZE][SIZE], const double *mass,
-                                  double *omega_squared, ct_error *error)
+/* Bound of the largest eigenvalue of M⁻¹K of a box of so many cells from the lower half of K of one
+ * element and the masses of its nodes (eq:block-bound). */
+static ct_status blocks_frequency(const int32_t cells[3], const int held[3], double K[SIZE][SIZE],
+                                  const double *mass, double *omega_squared, ct_error *error)
 {
   int first[3], last[3];
   block b = {.held = held};
@@ -194,7 +203,8 @@ static ct_status blocks_frequency(const int32_t cells[3], const int held[3], dou
   return CT_OK;
 }
 
-/* Whether two elements are translations of each other, to 1e-12 of their size: they then have one eigenvalue. */
+/* Whether two elements are translations of each other, to 1e-12 of their size: they then have one
+ * eigenvalue. */
 static int same_shape(int per, double x[20][3], double y[20][3])
 {
   double size = 0.0, difference = 0.0;
@@ -207,30 +217,37 @@ static int same_shape(int per, double x[20][3], double y[20][3])
 }
 
 /* Lower half of the stiffness of one element, and the masses of its nodes. */
-static ct_status element_matrices(const ct_solid_part *part, double x[20][3], double A[SIZE][SIZE], double m[20], ct_error *error)
+static ct_status element_matrices(const ct_solid_part *part, double x[20][3], double A[SIZE][SIZE],
+                                  double m[20], ct_error *error)
 {
   const ct_material *material = &part->material;
-  ct_status status = ct_mass_element(part->mesh->kind, &x[0][0], material->density, part->lumping, m, error);
+  ct_status status =
+      ct_mass_element(part->mesh->kind, &x[0][0], material->density, part->lumping, m, error);
   if (status != CT_OK) return status;
-  return part->mean != NULL ? ct_reduced_stiffness(&x[0][0], material, part->hourglass, A, error)
-                            : ct_element_stiffness(part->mesh->kind, &x[0][0], NULL, material, A, error);
+  return part->mean != NULL
+             ? ct_reduced_stiffness(&x[0][0], material, part->hourglass, A, error)
+             : ct_element_stiffness(part->mesh->kind, &x[0][0], NULL, material, A, error);
 }
 
-/* The bound by blocks. The material has no direction of its own, so a turned box has the eigenvalues of one along x, y, z. */
-static ct_status box_frequency(const ct_solid_part *part, const box *b, const int held[3], double *omega_squared, ct_error *error)
+/* The bound by blocks. The material has no direction of its own, so a turned box has the
+ * eigenvalues of one along x, y, z. */
+static ct_status box_frequency(const ct_solid_part *part, const box *b, const int held[3],
+                               double *omega_squared, ct_error *error)
 {
   static const int FREE[3] = {0, 0, 0};
   double x[20][3], A[SIZE][SIZE], m[20];
   for (int a = 0; a < 8; a++)
     for (int d = 0; d < 3; d++) x[a][d] = CORNER[a][d] * b->edge[d];
   ct_status status = element_matrices(part, x, A, m, error);
-  if (status == CT_OK) status = blocks_frequency(b->cells, b->aligned ? held : FREE, A, m, omega_squared, error);
+  if (status == CT_OK)
+    status = blocks_frequency(b->cells, b->aligned ? held : FREE, A, m, omega_squared, error);
   // Turned bricks are alike to 12 digits of the size of the body only.
   if (!b->aligned) *omega_squared *= 1.0 + 1e-9;
   return status;
 }
 
-ct_status ct_solid_part_frequency(const ct_solid_part *part, const int held[3], double *omega_squared, ct_error *error)
+ct_status ct_solid_part_frequency(const ct_solid_part *part, const int held[3],
+                                  double *omega_squared, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
   int per = ct_brick_node_count(mesh->kind);

@@ -1,4 +1,5 @@
-/* Which bodies have rectangular elements of one size, and the kernel for those of hex8: every integral in closed form. */
+/* Which bodies have rectangular elements of one size, and the kernel for those of hex8: every
+ * integral in closed form. */
 #include "kernel.h"
 #include "modes.h"
 
@@ -12,7 +13,8 @@ int ct_solid_is_box(const ct_mesh *mesh, double edge[3])
   for (int d = 0; d < 3; d++) {
     // The size of the body over a whole number of cells: the same bits for a mirrored body.
     const int32_t *n = mesh->elements;
-    double cell = mesh->nodes[3 * (size_t)n[6] + (size_t)d] - mesh->nodes[3 * (size_t)n[0] + (size_t)d];
+    double cell =
+        mesh->nodes[3 * (size_t)n[6] + (size_t)d] - mesh->nodes[3 * (size_t)n[0] + (size_t)d];
     if (!(cell > 0.0)) return 0;
     edge[d] = (high[d] - low[d]) / floor((high[d] - low[d]) / cell + 0.5);
   }
@@ -31,23 +33,28 @@ int ct_solid_is_box(const ct_mesh *mesh, double edge[3])
   return 1;
 }
 
-/* Coefficients of the displacement gradient of one component along one axis: constant, and the three bilinear terms. */
+/* Coefficients of the displacement gradient of one component along one axis: constant, and the
+ * three bilinear terms. */
 typedef struct slope {
   ct_lanes one, p, q, pq;
 } slope;
 
-/* Displacement gradients of a component from its modes: along x the bilinear terms are η, ζ, ηζ; along y ξ, ζ, ζξ; along z
- * ξ, η, ξη (eq:box-gradient). k = 1 / (4 edge). */
+/* Displacement gradients of a component from its modes: along x the bilinear terms are η, ζ, ηζ;
+ * along y ξ, ζ, ζξ; along z ξ, η, ξη (eq:box-gradient). k = 1 / (4 edge). */
 static inline void slopes(const ct_lanes U[CT_MODES], const double k[3], slope D[3])
 {
-  D[0] = (slope){k[0] * U[CT_XI], k[0] * U[CT_XI_ETA], k[0] * U[CT_ZETA_XI], k[0] * U[CT_XI_ETA_ZETA]};
-  D[1] = (slope){k[1] * U[CT_ETA], k[1] * U[CT_XI_ETA], k[1] * U[CT_ETA_ZETA], k[1] * U[CT_XI_ETA_ZETA]};
-  D[2] = (slope){k[2] * U[CT_ZETA], k[2] * U[CT_ZETA_XI], k[2] * U[CT_ETA_ZETA], k[2] * U[CT_XI_ETA_ZETA]};
+  D[0] =
+      (slope){k[0] * U[CT_XI], k[0] * U[CT_XI_ETA], k[0] * U[CT_ZETA_XI], k[0] * U[CT_XI_ETA_ZETA]};
+  D[1] = (slope){k[1] * U[CT_ETA], k[1] * U[CT_XI_ETA], k[1] * U[CT_ETA_ZETA],
+                 k[1] * U[CT_XI_ETA_ZETA]};
+  D[2] = (slope){k[2] * U[CT_ZETA], k[2] * U[CT_ZETA_XI], k[2] * U[CT_ETA_ZETA],
+                 k[2] * U[CT_XI_ETA_ZETA]};
 }
 
-/* Modal forces of one component from the stress coefficients that its gradients along x, y, z work on (eq:box-force).
- * K1, K3, K9 = V / (4 edge) times the mean squares 1, 1/3, 1/9 of the terms. */
-static inline void modal_force(const slope s[3], const double K1[3], const double K3[3], const double K9[3], ct_lanes F[CT_MODES])
+/* Modal forces of one component from the stress coefficients that its gradients along x, y, z work
+ * on (eq:box-force). K1, K3, K9 = V / (4 edge) times the mean squares 1, 1/3, 1/9 of the terms. */
+static inline void modal_force(const slope s[3], const double K1[3], const double K3[3],
+                               const double K9[3], ct_lanes F[CT_MODES])
 {
   F[CT_XI] = K1[0] * s[0].one;
   F[CT_ETA] = K1[1] * s[1].one;
@@ -58,16 +65,20 @@ static inline void modal_force(const slope s[3], const double K1[3], const doubl
   F[CT_XI_ETA_ZETA] = (K9[0] * s[0].pq + K9[1] * s[1].pq) + K9[2] * s[2].pq;
 }
 
-/* Stress coefficients from the slopes D[i][j] of u_i along x_j: s[i][j] holds the terms of σ_ij that the slope of u_i along
- * x_j has (eq:box-stress). */
+/* Stress coefficients from the slopes D[i][j] of u_i along x_j: s[i][j] holds the terms of σ_ij
+ * that the slope of u_i along x_j has (eq:box-stress). */
 static inline void box_stress(slope D[3][3], double lambda, double mu, slope s[3][3])
 {
   double stiff = lambda + 2.0 * mu;
   slope X = D[0][0], Y = D[1][1], Z = D[2][2];
-  s[0][0] = (slope){stiff * X.one + lambda * (Y.one + Z.one), stiff * X.p + lambda * Z.q, stiff * X.q + lambda * Y.q, stiff * X.pq};
-  s[1][1] = (slope){stiff * Y.one + lambda * (X.one + Z.one), stiff * Y.p + lambda * Z.p, stiff * Y.q + lambda * X.q, stiff * Y.pq};
-  s[2][2] = (slope){stiff * Z.one + lambda * (X.one + Y.one), stiff * Z.p + lambda * Y.p, stiff * Z.q + lambda * X.p, stiff * Z.pq};
-  // Shear: each slope keeps its own terms, and shares the constant and the term along the third axis with its partner.
+  s[0][0] = (slope){stiff * X.one + lambda * (Y.one + Z.one), stiff * X.p + lambda * Z.q,
+                    stiff * X.q + lambda * Y.q, stiff * X.pq};
+  s[1][1] = (slope){stiff * Y.one + lambda * (X.one + Z.one), stiff * Y.p + lambda * Z.p,
+                    stiff * Y.q + lambda * X.q, stiff * Y.pq};
+  s[2][2] = (slope){stiff * Z.one + lambda * (X.one + Y.one), stiff * Z.p + lambda * Y.p,
+                    stiff * Z.q + lambda * X.p, stiff * Z.pq};
+  // Shear: each slope keeps its own terms, and shares the constant and the term along the third
+  // axis with its partner.
   ct_lanes xy = mu * (D[0][1].one + D[1][0].one), xy_zeta = mu * (D[0][1].q + D[1][0].q);
   s[0][1] = (slope){xy, mu * D[0][1].p, xy_zeta, mu * D[0][1].pq};
   s[1][0] = (slope){xy, mu * D[1][0].p, xy_zeta, mu * D[1][0].pq};
@@ -83,7 +94,8 @@ static inline void box_stress(slope D[3][3], double lambda, double mu, slope s[3
 static inline void lattice_nodes(const ct_solid_part *part, int32_t b, int32_t nodes[64])
 {
   int32_t row = part->cells[0] + 1, layer = row * (part->cells[1] + 1), first[8];
-  int32_t e = 8 * b, i = e % part->cells[0], j = e / part->cells[0] % part->cells[1], k = e / part->cells[0] / part->cells[1];
+  int32_t e = 8 * b, i = e % part->cells[0], j = e / part->cells[0] % part->cells[1],
+          k = e / part->cells[0] / part->cells[1];
   // Mostly all eight are in one row.
   int whole = i + 8 <= part->cells[0];
   for (int l = 0; l < 8; l++) first[l] = i + row * j + layer * k + l;
@@ -99,7 +111,8 @@ static inline void lattice_nodes(const ct_solid_part *part, int32_t b, int32_t n
 }
 
 CT_CLONES
-void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values)
+void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last,
+                          const double *displacement, double *values)
 {
   double volume = part->edge[0] * part->edge[1] * part->edge[2], k[3], K1[3], K3[3], K9[3];
   for (int d = 0; d < 3; d++) {
@@ -128,7 +141,8 @@ void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last
         ct_brick_nodal(F, &f[8 * i]);
       }
       for (int a = 0; a < 8; a++)
-        for (int c = 0; c < 3; c++) *(ct_lanes *)(void *)&out[stride * (3 * a + c) + lane] = f[8 * c + a];
+        for (int c = 0; c < 3; c++)
+          *(ct_lanes *)(void *)&out[stride * (3 * a + c) + lane] = f[8 * c + a];
     }
   }
 }

@@ -1,29 +1,33 @@
-/* The kernel for rectangular hex20 elements of one size: every integral over the element in closed form. */
+/* The kernel for rectangular hex20 elements of one size: every integral over the element in closed
+ * form. */
 #include "../memory.h"
 #include "kernel.h"
 #include "modes.h"
 
-/* Modes of one component (eq:box20-modes): those of the corners, and for each axis d a square along it, from BEND + 4 d on:
- * alone, times the coordinate along d + 1, along d + 2, and along both. */
+/* Modes of one component (eq:box20-modes): those of the corners, and for each axis d a square along
+ * it, from BEND + 4 d on: alone, times the coordinate along d + 1, along d + 2, and along both. */
 enum { BEND = CT_MODES, MODES = BEND + 12 };
 
-/* Kinds of terms in which two components meet (eq:box20-couplings): constant, linear or square along the third axis, linear along
- * one of their own two, along one and the third, along both, along all three. */
+/* Kinds of terms in which two components meet (eq:box20-couplings): constant, linear or square
+ * along the third axis, linear along one of their own two, along one and the third, along both,
+ * along all three. */
 enum { FLAT, THIRD, THIRD2, ONE, ONE_THIRD, BOTH, ALL, TERMS };
 
-/* What all elements of one shape and material share: the stiffness of each mode of each component with itself, and of the two
- * components beside axis d with each other, for Λ and for μ. */
+/* What all elements of one shape and material share: the stiffness of each mode of each component
+ * with itself, and of the two components beside axis d with each other, for Λ and for μ. */
 struct ct_box20 {
   double own[3][MODES], lambda[3][TERMS], mu[3][TERMS];
 };
 
 typedef struct ct_box20 box20;
 
-/* Mean squares of 1, ξ, ξ² - 1/3 and of their derivatives, and the mean of a derivative times the function of one degree less
- * (eq:box20-moments). */
-static const double SQUARE[3] = {1.0, 1.0 / 3.0, 4.0 / 45.0}, SLOPE[3] = {0.0, 1.0, 4.0 / 3.0}, MIXED[2] = {1.0, 2.0 / 3.0};
+/* Mean squares of 1, ξ, ξ² - 1/3 and of their derivatives, and the mean of a derivative times the
+ * function of one degree less (eq:box20-moments). */
+static const double SQUARE[3] = {1.0, 1.0 / 3.0, 4.0 / 45.0}, SLOPE[3] = {0.0, 1.0, 4.0 / 3.0},
+                    MIXED[2] = {1.0, 2.0 / 3.0};
 
-/* Stiffness of a mode with itself, by its degrees along the axes; G[d] is what the gradient along d is worth (eq:box20-own). */
+/* Stiffness of a mode with itself, by its degrees along the axes; G[d] is what the gradient along d
+ * is worth (eq:box20-own). */
 static double own_stiffness(const int degree[3], const double G[3])
 {
   double sum[3];
@@ -44,7 +48,8 @@ ct_status ct_box20_prepare(ct_solid_part *part)
   int degree[MODES][3] = {{0}};
   for (int d = 0; d < 3; d++) {
     int e = (d + 1) % 3, f = (d + 2) % 3;
-    degree[CT_XI + d][d] = degree[CT_XI_ETA + d][d] = degree[CT_XI_ETA + d][e] = degree[CT_XI_ETA_ZETA][d] = 1;
+    degree[CT_XI + d][d] = degree[CT_XI_ETA + d][d] = degree[CT_XI_ETA + d][e] =
+        degree[CT_XI_ETA_ZETA][d] = 1;
     for (int m = 0; m < 4; m++) {
       degree[BEND + 4 * d + m][d] = 2;
       degree[BEND + 4 * d + m][e] = m % 2;
@@ -54,12 +59,15 @@ ct_status ct_box20_prepare(ct_solid_part *part)
   // -- Each mode with itself (eq:box20-own)
   for (int i = 0; i < 3; i++) {
     double G[3];
-    for (int d = 0; d < 3; d++) G[d] = (d == i ? part->lambda + 2.0 * part->mu : part->mu) * (volume * (k[d] * k[d]));
+    for (int d = 0; d < 3; d++)
+      G[d] = (d == i ? part->lambda + 2.0 * part->mu : part->mu) * (volume * (k[d] * k[d]));
     for (int m = 0; m < MODES; m++) B->own[i][m] = own_stiffness(degree[m], G);
   }
-  // -- Two components, by the degrees of the term in which they meet: along their axes, and the third (eq:box20-couplings)
+  // -- Two components, by the degrees of the term in which they meet: along their axes, and the
+  // third (eq:box20-couplings)
   for (int t = 0; t < TERMS; t++) {
-    static const int met[TERMS][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 1, 0}, {0, 1, 1}, {1, 1, 0}, {1, 1, 1}};
+    static const int met[TERMS][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 1, 0},
+                                      {0, 1, 1}, {1, 1, 0}, {1, 1, 1}};
     double mean = (MIXED[met[t][0]] * MIXED[met[t][1]]) * SQUARE[met[t][2]];
     for (int d = 0; d < 3; d++) {
       double both = (volume * (k[(d + 1) % 3] * k[(d + 2) % 3])) * mean;
@@ -70,7 +78,8 @@ ct_status ct_box20_prepare(ct_solid_part *part)
   return CT_OK;
 }
 
-/* The edges along axis d: two corners and the node between them, in the order (-,-), (+,-), (-,+), (+,+) along d + 1, d + 2. */
+/* The edges along axis d: two corners and the node between them, in the order (-,-), (+,-), (-,+),
+ * (+,+) along d + 1, d + 2. */
 static const int EDGE[3][4][3] = {{{0, 1, 8}, {3, 2, 10}, {4, 5, 12}, {7, 6, 14}},
                                   {{0, 3, 11}, {4, 7, 15}, {1, 2, 9}, {5, 6, 13}},
                                   {{0, 4, 16}, {1, 5, 17}, {3, 7, 19}, {2, 6, 18}}};
@@ -79,7 +88,8 @@ static const int EDGE[3][4][3] = {{{0, 1, 8}, {3, 2, 10}, {4, 5, 12}, {7, 6, 14}
 CT_INLINE void bend_modes(const int edge[4][3], const ct_lanes u[20], ct_lanes U[4])
 {
   ct_lanes bend[4];
-  for (int e = 0; e < 4; e++) bend[e] = (u[edge[e][0]] - u[edge[e][2]]) + (u[edge[e][1]] - u[edge[e][2]]);
+  for (int e = 0; e < 4; e++)
+    bend[e] = (u[edge[e][0]] - u[edge[e][2]]) + (u[edge[e][1]] - u[edge[e][2]]);
   ct_square_modes(bend, &U[0], &U[1], &U[2], &U[3]);
 }
 
@@ -98,8 +108,10 @@ CT_INLINE void nodes_to_modes(const ct_lanes u[20], ct_lanes U[MODES])
   }
 }
 
-/* Take the forces F of the second differences off the ends of the four edges along an axis; the nodes between get them twice. */
-CT_INLINE void bend_nodal(const int edge[4][3], const ct_lanes F[4], ct_lanes f[20], ct_lanes corner[8])
+/* Take the forces F of the second differences off the ends of the four edges along an axis; the
+ * nodes between get them twice. */
+CT_INLINE void bend_nodal(const int edge[4][3], const ct_lanes F[4], ct_lanes f[20],
+                          ct_lanes corner[8])
 {
   ct_lanes low = F[0] - F[2], high = F[0] + F[2], slope_low = F[1] - F[3], slope_high = F[1] + F[3];
   ct_lanes bend[4] = {low - slope_low, low + slope_low, high - slope_high, high + slope_high};
@@ -110,7 +122,8 @@ CT_INLINE void bend_nodal(const int edge[4][3], const ct_lanes F[4], ct_lanes f[
   }
 }
 
-/* Nodal forces that do the work of the modal forces F, which are lost: the transpose of nodes_to_modes, with a minus. */
+/* Nodal forces that do the work of the modal forces F, which are lost: the transpose of
+ * nodes_to_modes, with a minus. */
 CT_INLINE void modes_to_nodes(ct_lanes F[MODES], ct_lanes f[20])
 {
   ct_lanes x[8], y[8], z[8];
@@ -128,9 +141,9 @@ CT_INLINE void modes_to_nodes(ct_lanes F[MODES], ct_lanes f[20])
   for (int a = 0; a < 8; a++) f[a] = f[a] - ((x[a] + y[a]) + z[a]);
 }
 
-/* Modal forces of component i. A mode feels itself and, of each other component, at most the two modes that are one degree lower
- * along one of the two axes and one higher along the other (eq:box20-force). Here x is axis i, and u, v, w are the components
- * along x, y, z. */
+/* Modal forces of component i. A mode feels itself and, of each other component, at most the two
+ * modes that are one degree lower along one of the two axes and one higher along the other
+ * (eq:box20-force). Here x is axis i, and u, v, w are the components along x, y, z. */
 CT_INLINE void modal_forces(const box20 *B, int i, ct_lanes U[3][MODES], ct_lanes F[MODES])
 {
   const int j = (i + 1) % 3, k = (i + 2) % 3, x = i, y = j, z = k;
@@ -139,15 +152,16 @@ CT_INLINE void modal_forces(const box20 *B, int i, ct_lanes U[3][MODES], ct_lane
   const int yy = BEND + 4 * j, yyz = yy + 1, yyx = yy + 2, yyzx = yy + 3;
   const int zz = BEND + 4 * k, zzx = zz + 1, zzy = zz + 2, zzxy = zz + 3;
   const ct_lanes *u = U[i], *v = U[j], *w = U[k];
-  const double *K = B->own[i], *Lv = B->lambda[k], *Lw = B->lambda[j], *Mv = B->mu[k], *Mw = B->mu[j];
+  const double *K = B->own[i], *Lv = B->lambda[k], *Lw = B->lambda[j], *Mv = B->mu[k],
+               *Mw = B->mu[j];
   F[x] = K[x] * u[x] + (Lv[FLAT] * v[y] + Lw[FLAT] * w[z]);
   F[y] = K[y] * u[y] + Mv[FLAT] * v[x];
   F[z] = K[z] * u[z] + Mw[FLAT] * w[x];
   F[xy] = (K[xy] * u[xy] + Lv[ONE] * v[yy]) + (Lw[THIRD] * w[yz] + Mv[ONE] * v[xx]);
   F[zx] = (K[zx] * u[zx] + Lw[ONE] * w[zz]) + (Lv[THIRD] * v[yz] + Mw[ONE] * w[xx]);
   F[yz] = K[yz] * u[yz] + (Mv[THIRD] * v[zx] + Mw[THIRD] * w[xy]);
-  F[xyz] = K[xyz] * u[xyz] +
-           ((Lv[ONE_THIRD] * v[yyz] + Mv[ONE_THIRD] * v[xxz]) + (Lw[ONE_THIRD] * w[zzy] + Mw[ONE_THIRD] * w[xxy]));
+  F[xyz] = K[xyz] * u[xyz] + ((Lv[ONE_THIRD] * v[yyz] + Mv[ONE_THIRD] * v[xxz]) +
+                              (Lw[ONE_THIRD] * w[zzy] + Mw[ONE_THIRD] * w[xxy]));
   F[xx] = K[xx] * u[xx] + (Lv[ONE] * v[xy] + Lw[ONE] * w[zx]);
   F[xxy] = K[xxy] * u[xxy] + (Lv[BOTH] * v[yyx] + Lw[ONE_THIRD] * w[xyz]);
   F[xxz] = K[xxz] * u[xxz] + (Lv[ONE_THIRD] * v[xyz] + Lw[BOTH] * w[zzx]);
@@ -163,7 +177,8 @@ CT_INLINE void modal_forces(const box20 *B, int i, ct_lanes U[3][MODES], ct_lane
 }
 
 CT_CLONES
-void ct_solid_box20_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values)
+void ct_solid_box20_batches(const ct_solid_part *part, int32_t first, int32_t last,
+                            const double *displacement, double *values)
 {
   for (int32_t b = first; b < last; b++)
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {

@@ -1,4 +1,5 @@
-/* One call of the force for one body: compute what is not quiet, sum at the nodes while the forces are in the cache. */
+/* One call of the force for one body: compute what is not quiet, sum at the nodes while the forces
+ * are in the cache. */
 #include "call.h"
 
 #include "../bits.h"
@@ -13,16 +14,19 @@ void ct_part_sum_all(ct_quiet *quiet, const ct_solid_part *part, int32_t number)
   quiet->kept[number] &= (uint8_t)~CT_KEPT_READ;
 }
 
-void ct_part_find_quiet(const ct_part_call *call, int32_t number, const ct_view *view, int32_t node_count)
+void ct_part_find_quiet(const ct_part_call *call, int32_t number, const ct_view *view,
+                        int32_t node_count)
 {
   enum { AT_ONCE = 64 };
   const ct_solid_part *part = call->part;
   ct_quiet *quiet = call->quiet;
   if (part->cells[0] > 0) {
     int64_t b = part->first_batch;
-    ct_leader *leader = view->adrift != NULL && number < view->leader_count ? &view->leaders[number] : NULL;
+    ct_leader *leader =
+        view->adrift != NULL && number < view->leader_count ? &view->leaders[number] : NULL;
     ct_rows_find(&quiet->rows[number], part, view, quiet->call, leader,
-                 &(ct_found){&quiet->batch[b], &quiet->read[b], &quiet->woken[b], quiet->changed, quiet->adrift, node_count});
+                 &(ct_found){&quiet->batch[b], &quiet->read[b], &quiet->woken[b], quiet->changed,
+                             quiet->adrift, node_count});
     return;
   }
   const double *velocity = view->drifted != NULL ? view->velocity : NULL;
@@ -30,10 +34,13 @@ void ct_part_find_quiet(const ct_part_call *call, int32_t number, const ct_view 
   (void)threads;
   ct_quiet_wake(quiet, part, number, view->drifted);
 #ifdef _OPENMP
-#pragma omp parallel for num_threads(threads) schedule(static) reduction(| : crossed) if (threads > 1)
+#pragma omp parallel for num_threads(threads) schedule(static) \
+    reduction(| : crossed) if (threads > 1)
 #endif
   for (int32_t b = 0; b < part->batch_count; b += AT_ONCE)
-    crossed |= ct_quiet_look(quiet, part, b, b + AT_ONCE < part->batch_count ? b + AT_ONCE : part->batch_count, call->displacement, velocity);
+    crossed |= ct_quiet_look(quiet, part, b,
+                             b + AT_ONCE < part->batch_count ? b + AT_ONCE : part->batch_count,
+                             call->displacement, velocity);
   if (view->still == NULL) {
     // Nothing stands from before: all nodes are to be summed.
     ct_part_sum_all(quiet, part, number);
@@ -44,11 +51,11 @@ void ct_part_find_quiet(const ct_part_call *call, int32_t number, const ct_view 
   }
 }
 
-/* Let the forces of a batch that is left out be the zeros that they are, where they do not stand from before. */
+/* Let the forces of a batch that is left out be the zeros that they are, where they do not stand
+ * from before. */
 static void give_zeros(const ct_solid_part *part, int32_t b, double *values)
 {
-  if (part->ring > 0)
-    ct_lattice_zeros(part, b, values);
+  if (part->ring > 0) ct_lattice_zeros(part, b, values);
   else if (part->plane != NULL) // what stands there may be older than the plane
     memset(&values[192 * (int64_t)b], 0, 192 * sizeof(double));
 }
@@ -67,16 +74,15 @@ static void call_batches(const ct_part_call *call, int32_t first, int32_t last)
         if (call->quiet->read[part->first_batch + i]) give_zeros(part, i, call->values);
   }
   // A lattice or a plane has a kernel which gives zeros; and two threads may compute one batch.
-  if (call->quiet != NULL && part->cells[0] == 0 && part->plane == NULL) ct_quiet_confirm(call->quiet, part, first, last, call->values);
+  if (call->quiet != NULL && part->cells[0] == 0 && part->plane == NULL)
+    ct_quiet_confirm(call->quiet, part, first, last, call->values);
 }
 
 static void part_gather(const ct_part_call *call, int32_t first, int32_t last)
 {
   const ct_solid_part *part = call->part;
-  if (part->ring > 0)
-    ct_lattice_gather(part, call->values, first, last, call->f);
-  else
-    ct_assembly_gather(part->assembly, call->values, first, last, call->f);
+  if (part->ring > 0) ct_lattice_gather(part, call->values, first, last, call->f);
+  else ct_assembly_gather(part->assembly, call->values, first, last, call->f);
 }
 
 /* Sum at those of the part's nodes first ... last - 1 that have an element which was computed. */
@@ -113,8 +119,8 @@ static void part_force(const ct_part_call *call)
   for (int k = 0; k < part->families; k++) call_gather(call, node[k], part->family[k + 1]);
 }
 
-/* The same for a range of the nodes of a body whose forces go through a ring: begin with the first element that a node of the
- * range may have. */
+/* The same for a range of the nodes of a body whose forces go through a ring: begin with the first
+ * element that a node of the range may have. */
 static void ring_force(const ct_part_call *call, int32_t first, int32_t last)
 {
   const ct_solid_part *part = call->part;
@@ -130,17 +136,20 @@ static void ring_force(const ct_part_call *call, int32_t first, int32_t last)
   }
 }
 
-/* Each thread sums its share of the nodes with a ring of its own. Elements between two shares are computed twice. */
+/* Each thread sums its share of the nodes with a ring of its own. Elements between two shares are
+ * computed twice. */
 static void ring_force_threads(const ct_part_call *call, int threads)
 {
-  int32_t nodes = call->part->mesh->node_count, shares = threads < call->part->rings ? threads : call->part->rings;
+  int32_t nodes = call->part->mesh->node_count,
+          shares = threads < call->part->rings ? threads : call->part->rings;
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(shares) schedule(static, 1) if (shares > 1)
 #endif
   for (int32_t i = 0; i < shares; i++) {
     ct_part_call own = *call;
     own.values += 24 * call->part->stride * i;
-    ring_force(&own, (int32_t)((int64_t)nodes * i / shares), (int32_t)((int64_t)nodes * (i + 1) / shares));
+    ring_force(&own, (int32_t)((int64_t)nodes * i / shares),
+               (int32_t)((int64_t)nodes * (i + 1) / shares));
   }
 }
 
@@ -153,10 +162,12 @@ static void part_force_threads(const ct_part_call *call, int threads)
   const ct_solid_part *part = call->part;
   int32_t batches = part->batch_count, nodes = part->mesh->node_count;
 #pragma omp parallel for num_threads(threads) schedule(static)
-  for (int32_t b = 0; b < batches; b += CT_BLOCK) call_batches(call, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches);
+  for (int32_t b = 0; b < batches; b += CT_BLOCK)
+    call_batches(call, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches);
   ct_assembly_fold(part->assembly, call->values);
 #pragma omp parallel for num_threads(threads) schedule(static)
-  for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE) call_gather(call, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes);
+  for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE)
+    call_gather(call, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes);
 }
 #endif
 
@@ -182,7 +193,8 @@ void ct_part_count_updates(const ct_part_call *call, int32_t number, int64_t upd
   if (call->quiet != NULL && part->cells[0] > 0) computed = call->quiet->rows[number].computed;
   if (call->quiet != NULL && part->cells[0] == 0) {
     computed = 0;
-    for (int32_t b = 0; b < part->batch_count; b++) computed += 8 * ct_quiet_computes(call->quiet, part, b);
+    for (int32_t b = 0; b < part->batch_count; b++)
+      computed += 8 * ct_quiet_computes(call->quiet, part, b);
   }
   if (computed > all) computed = all; // the last batch may have fewer than eight
   updates[0] += computed;

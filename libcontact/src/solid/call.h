@@ -16,8 +16,10 @@ typedef struct ct_part_call {
 /* Let all nodes of body `number` be summed. */
 void ct_part_sum_all(ct_quiet *quiet, const ct_solid_part *part, int32_t number);
 
-/* Find which batches of body `number` are quiet, and mark the nodes of the others; `node_count`: of the problem. */
-void ct_part_find_quiet(const ct_part_call *call, int32_t number, const ct_view *view, int32_t node_count);
+/* Find which batches of body `number` are quiet, and mark the nodes of the others; `node_count`: of
+ * the problem. */
+void ct_part_find_quiet(const ct_part_call *call, int32_t number, const ct_view *view,
+                        int32_t node_count);
 
 /* The forces at its nodes, but for those of a plane. */
 void ct_part_force(const ct_part_call *call, int threads);

@@ -1,4 +1,5 @@
-/* One element at a time, as the equations read. The batch kernels beside this file compute the same numbers faster. */
+/* One element at a time, as the equations read. The batch kernels beside this file compute the same
+ * numbers faster. */
 #include <contact/quadrature.h>
 #include <contact/solid.h>
 
@@ -11,7 +12,8 @@
 #include <math.h>
 #include <string.h>
 
-double ct_element_gradients(ct_brick_kind kind, double x[20][3], const double xi[3], double dNdx[20][3])
+double ct_element_gradients(ct_brick_kind kind, double x[20][3], const double xi[3],
+                            double dNdx[20][3])
 {
   int per = ct_brick_node_count(kind);
   double dN[20][3], J[3][3], C[3][3];
@@ -33,11 +35,12 @@ static void hooke(const ct_material *material, double G[3][3], double sigma[3][3
   ct_material_lame(material, &lambda, &mu);
   double trace = (G[0][0] + G[1][1]) + G[2][2];
   for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) sigma[i][j] = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * trace : 0.0);
+    for (int j = 0; j < 3; j++)
+      sigma[i][j] = mu * (G[i][j] + G[j][i]) + (i == j ? lambda * trace : 0.0);
 }
 
-/* The stress that works on ∂N/∂X: Hooke's, or for large deformation the first Piola-Kirchhoff stress F S (eq:piola). Returns J
- * = det F, 1 for small strain. */
+/* The stress that works on ∂N/∂X: Hooke's, or for large deformation the first Piola-Kirchhoff
+ * stress F S (eq:piola). Returns J = det F, 1 for small strain. */
 static double working_stress(const ct_material *material, double G[3][3], double P[3][3])
 {
   if (material->law == CT_LINEAR) {
@@ -46,7 +49,8 @@ static double working_stress(const ct_material *material, double G[3][3], double
   }
   double S[3][3], J = ct_large_stress(material, G, S);
   for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) P[i][j] = S[i][j] + ((G[i][0] * S[0][j] + G[i][1] * S[1][j]) + G[i][2] * S[2][j]);
+    for (int j = 0; j < 3; j++)
+      P[i][j] = S[i][j] + ((G[i][0] * S[0][j] + G[i][1] * S[1][j]) + G[i][2] * S[2][j]);
   return J;
 }
 
@@ -63,13 +67,16 @@ static double energy_density(const ct_material *material, double G[3][3], double
 static ct_status check_inside_out(double J, int64_t point, ct_error *error)
 {
   if (J > 0.0) return CT_OK;
-  if (isnan(J)) return ct_fail(error, CT_INVALID, (ct_place){-1, -1, point}, "the displacement of the element is not finite");
+  if (isnan(J))
+    return ct_fail(error, CT_INVALID, (ct_place){-1, -1, point},
+                   "the displacement of the element is not finite");
   return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, point},
                  "the deformation turns the element inside out: J = det F = %.3g", J);
 }
 
-static ct_status element_arguments(ct_brick_kind kind, const double *nodes, const double *displacement,
-                                   const ct_material *material, double x[20][3], double u[20][3], ct_error *error)
+static ct_status element_arguments(ct_brick_kind kind, const double *nodes,
+                                   const double *displacement, const ct_material *material,
+                                   double x[20][3], double u[20][3], ct_error *error)
 {
   size_t per = (size_t)ct_brick_node_count(kind);
   if (per == 0 || nodes == NULL || displacement == NULL)
@@ -79,8 +86,9 @@ static ct_status element_arguments(ct_brick_kind kind, const double *nodes, cons
   return ct_material_check(material, error);
 }
 
-ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes, const double *displacement,
-                                 const ct_material *material, double *force, double *energy, ct_error *error)
+ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes,
+                                 const double *displacement, const ct_material *material,
+                                 double *force, double *energy, ct_error *error)
 {
   double x[20][3], u[20][3];
   ct_status status = element_arguments(kind, nodes, displacement, material, x, u, error);
@@ -96,7 +104,8 @@ ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes, const 
     double dNdx[20][3], G[3][3], P[3][3];
     double det = ct_element_gradients(kind, x, rule.xi[q], dNdx);
     if (det == 0.0)
-      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q}, "the element is inverted or collapsed at Gauss point %d", q);
+      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q},
+                     "the element is inverted or collapsed at Gauss point %d", q);
     ct_reference_gradient(per, dNdx, u, G);
     status = check_inside_out(working_stress(material, G, P), q, error);
     if (status != CT_OK) return status;
@@ -110,8 +119,9 @@ ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes, const 
   return CT_OK;
 }
 
-ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes, const double *displacement,
-                                  const ct_material *material, const double xi[3], double stress[6], ct_error *error)
+ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes,
+                                  const double *displacement, const ct_material *material,
+                                  const double xi[3], double stress[6], ct_error *error)
 {
   double x[20][3], u[20][3], dNdx[20][3], G[3][3], P[3][3], s[3][3];
   ct_status status = element_arguments(kind, nodes, displacement, material, x, u, error);
@@ -125,15 +135,16 @@ ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes, const
   // -- Cauchy's stress, P Fᵀ / J (eq:cauchy)
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++)
-      s[i][j] = material->law == CT_LINEAR ? P[i][j]
-                                           : (P[i][j] + ((P[i][0] * G[j][0] + P[i][1] * G[j][1]) + P[i][2] * G[j][2])) / J;
+      s[i][j] = material->law == CT_LINEAR
+                    ? P[i][j]
+                    : (P[i][j] + ((P[i][0] * G[j][0] + P[i][1] * G[j][1]) + P[i][2] * G[j][2])) / J;
   double voigt[6] = {s[0][0], s[1][1], s[2][2], s[0][1], s[1][2], s[2][0]};
   memcpy(stress, voigt, sizeof voigt);
   return CT_OK;
 }
 
-ct_status ct_solid_stress(const ct_mesh *mesh, const ct_material *material, const double *displacement, double *stress,
-                          ct_error *error)
+ct_status ct_solid_stress(const ct_mesh *mesh, const ct_material *material,
+                          const double *displacement, double *stress, ct_error *error)
 {
   static const double centre[3] = {0.0, 0.0, 0.0};
   if (mesh == NULL || displacement == NULL || stress == NULL)
@@ -148,7 +159,9 @@ ct_status ct_solid_stress(const ct_mesh *mesh, const ct_material *material, cons
       memcpy(x[a], &mesh->nodes[3 * node], sizeof x[a]);
       memcpy(u[a], &displacement[3 * node], sizeof u[a]);
     }
-    if (status == CT_OK) status = ct_solid_element_stress(mesh->kind, &x[0][0], &u[0][0], material, centre, &stress[6 * (size_t)e], error);
+    if (status == CT_OK)
+      status = ct_solid_element_stress(mesh->kind, &x[0][0], &u[0][0], material, centre,
+                                       &stress[6 * (size_t)e], error);
     if (status != CT_OK) {
       if (error != NULL) error->element = e;
       return status;

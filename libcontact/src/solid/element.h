@@ -8,30 +8,40 @@
 /* Degrees of freedom of the largest element. */
 enum { CT_ELEMENT_SIZE = 60 };
 
-/* Derivatives ∂N_a/∂x_j of the shape functions at ξ, shape (8 or 20, 3); returns det J, 0 when the element is inverted or
- * collapsed there (eq:jacobian). */
-double ct_element_gradients(ct_brick_kind kind, double x[20][3], const double xi[3], double dNdx[20][3]);
+/* Derivatives ∂N_a/∂x_j of the shape functions at ξ, shape (8 or 20, 3); returns det J, 0 when the
+ * element is inverted or collapsed there (eq:jacobian). */
+double ct_element_gradients(ct_brick_kind kind, double x[20][3], const double xi[3],
+                            double dNdx[20][3]);
 
-/* Mean gradients B[a][j] of the shape functions over a hex8, its volume, and the sum g² of their squares (eq:mean-gradient). */
-ct_status ct_element_mean_gradients(const double *nodes, double B[20][3], double *volume, double *g2, ct_error *error);
+/* Mean gradients B[a][j] of the shape functions over a hex8, its volume, and the sum g² of their
+ * squares (eq:mean-gradient). */
+ct_status ct_element_mean_gradients(const double *nodes, double B[20][3], double *volume,
+                                    double *g2, ct_error *error);
 
-/* Add the stiffness of one point, (∂σ/∂u) : ∂N/∂x dV, for the nodes a and b with the gradients p and q; λ and μ times dV
- * (eq:stiffness). */
-void ct_add_stiffness(double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], int a, int b, const double p[3], const double q[3], double lambda, double mu);
+/* Add the stiffness of one point, (∂σ/∂u) : ∂N/∂x dV, for the nodes a and b with the gradients p
+ * and q; λ and μ times dV (eq:stiffness). */
+void ct_add_stiffness(double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], int a, int b, const double p[3],
+                      const double q[3], double lambda, double mu);
 
-/* Lower half of the stiffness of an element; the tangent's at a displacement unless that is null (eq:stiffness,
- * eq:large-tangent). */
-ct_status ct_element_stiffness(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
+/* Lower half of the stiffness of an element; the tangent's at a displacement unless that is null
+ * (eq:stiffness, eq:large-tangent). */
+ct_status ct_element_stiffness(ct_brick_kind kind, const double *nodes, const double *displacement,
+                               const ct_material *material,
                                double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], ct_error *error);
 
-/* The same of a hex8 with one point and hourglass control (eq:reduced-force, eq:hourglass-stiffness). */
-ct_status ct_reduced_stiffness(const double *nodes, const ct_material *material, double hourglass, double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], ct_error *error);
+/* The same of a hex8 with one point and hourglass control (eq:reduced-force,
+ * eq:hourglass-stiffness). */
+ct_status ct_reduced_stiffness(const double *nodes, const ct_material *material, double hourglass,
+                               double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], ct_error *error);
 
-/* Bound of the largest eigenvalue of M⁻¹K from the lower half of K, which is lost, and the masses of `count` degrees of freedom
- * (eq:element-bound); what is held has an infinite one. */
-ct_status ct_largest_eigenvalue(int count, const double *mass, double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], double *omega_squared, ct_error *error);
+/* Bound of the largest eigenvalue of M⁻¹K from the lower half of K, which is lost, and the masses
+ * of `count` degrees of freedom (eq:element-bound); what is held has an infinite one. */
+ct_status ct_largest_eigenvalue(int count, const double *mass,
+                                double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], double *omega_squared,
+                                ct_error *error);
 
-/* The masses of nodes as those of their degrees of freedom, infinite where `held` (null: nothing is). */
+/* The masses of nodes as those of their degrees of freedom, infinite where `held` (null: nothing
+ * is). */
 void ct_spread_mass(int per, const double *mass, const int held[3], double spread[CT_ELEMENT_SIZE]);
 
 #endif

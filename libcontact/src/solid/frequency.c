@@ -1,4 +1,5 @@
-/* The largest eigenvalue of one element, undeformed or at its tangent: an upper bound of ω² of the whole mesh. */
+/* The largest eigenvalue of one element, undeformed or at its tangent: an upper bound of ω² of the
+ * whole mesh. */
 #include <contact/quadrature.h>
 #include <contact/solid.h>
 
@@ -13,15 +14,19 @@
 
 enum { SIZE = CT_ELEMENT_SIZE };
 
-void ct_add_stiffness(double A[SIZE][SIZE], int a, int b, const double p[3], const double q[3], double lambda, double mu)
+void ct_add_stiffness(double A[SIZE][SIZE], int a, int b, const double p[3], const double q[3],
+                      double lambda, double mu)
 {
   double dot = (p[0] * q[0] + p[1] * q[1]) + p[2] * q[2];
   for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) A[3 * a + i][3 * b + j] += lambda * p[i] * q[j] + mu * p[j] * q[i] + (i == j ? mu * dot : 0.0);
+    for (int j = 0; j < 3; j++)
+      A[3 * a + i][3 * b + j] +=
+          lambda * p[i] * q[j] + mu * p[j] * q[i] + (i == j ? mu * dot : 0.0);
 }
 
 /* Add the tangent stiffness of one Gauss point for all pairs of nodes (eq:large-tangent). */
-static void add_tangent(double A[SIZE][SIZE], int per, double g[20][3], const ct_large_stiffness *K, double dV)
+static void add_tangent(double A[SIZE][SIZE], int per, double g[20][3], const ct_large_stiffness *K,
+                        double dV)
 {
   double v[20][3], s[20][3];
   for (int a = 0; a < per; a++)
@@ -35,13 +40,13 @@ static void add_tangent(double A[SIZE][SIZE], int per, double g[20][3], const ct
       double initial = ((g[a][0] * s[b][0] + g[a][1] * s[b][1]) + g[a][2] * s[b][2]) * dV;
       for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
-          A[3 * a + i][3 * b + k] += (K->a * v[a][i] * v[b][k] + K->b * v[b][i] * v[a][k]) * dV
-            + dot * K->M[i][k] + (i == k ? initial : 0.0);
+          A[3 * a + i][3 * b + k] += (K->a * v[a][i] * v[b][k] + K->b * v[b][i] * v[a][k]) * dV +
+                                     dot * K->M[i][k] + (i == k ? initial : 0.0);
     }
 }
 
-ct_status ct_element_stiffness(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
-                               double A[SIZE][SIZE], ct_error *error)
+ct_status ct_element_stiffness(ct_brick_kind kind, const double *nodes, const double *displacement,
+                               const ct_material *material, double A[SIZE][SIZE], ct_error *error)
 {
   int per = ct_brick_node_count(kind);
   double x[20][3], u[20][3], G[3][3], lambda, mu;
@@ -55,7 +60,8 @@ ct_status ct_element_stiffness(ct_brick_kind kind, const double *nodes, const do
   for (int q = 0; q < rule.count; q++) {
     double dNdx[20][3], det = ct_element_gradients(kind, x, rule.xi[q], dNdx);
     if (det == 0.0)
-      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q}, "the element is inverted or collapsed at Gauss point %d", q);
+      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, q},
+                     "the element is inverted or collapsed at Gauss point %d", q);
     double dV = rule.weight[q] * det;
     if (displacement != NULL) {
       ct_reference_gradient(per, dNdx, u, G);
@@ -66,13 +72,14 @@ ct_status ct_element_stiffness(ct_brick_kind kind, const double *nodes, const do
       continue;
     }
     for (int a = 0; a < per; a++)
-      for (int b = 0; b <= a; b++) ct_add_stiffness(A, a, b, dNdx[a], dNdx[b], lambda * dV, mu * dV);
+      for (int b = 0; b <= a; b++)
+        ct_add_stiffness(A, a, b, dNdx[a], dNdx[b], lambda * dV, mu * dV);
   }
   return CT_OK;
 }
 
-/* Householder's reflections turn the symmetric A into the tridiagonal matrix of `diagonal` and `side` with the same
- * eigenvalues. */
+/* Householder's reflections turn the symmetric A into the tridiagonal matrix of `diagonal` and
+ * `side` with the same eigenvalues. */
 static void tridiagonal(int n, double A[SIZE][SIZE], double diagonal[SIZE], double side[SIZE])
 {
   for (int k = 0; k < n - 2; k++) {
@@ -102,36 +109,39 @@ static void tridiagonal(int n, double A[SIZE][SIZE], double diagonal[SIZE], doub
 
 void ct_spread_mass(int per, const double *mass, const int held[3], double spread[SIZE])
 {
-  for (int i = 0; i < 3 * per; i++) spread[i] = held != NULL && held[i % 3] ? INFINITY : mass[i / 3];
+  for (int i = 0; i < 3 * per; i++)
+    spread[i] = held != NULL && held[i % 3] ? INFINITY : mass[i / 3];
 }
 
-ct_status ct_largest_eigenvalue(int n, const double *mass, double A[SIZE][SIZE], double *omega_squared, ct_error *error)
+ct_status ct_largest_eigenvalue(int n, const double *mass, double A[SIZE][SIZE],
+                                double *omega_squared, ct_error *error)
 {
   double diagonal[SIZE], side[SIZE];
   for (int i = 0; i < n; i++)
     if (!(mass[i] > 0.0))
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, i / 3}, "node %d of the element has mass %g", i / 3, mass[i]);
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, i / 3},
+                     "node %d of the element has mass %g", i / 3, mass[i]);
   // -- Scale by the masses, A = M^-1/2 K M^-1/2 (eq:element-bound)
   for (int i = 0; i < n; i++)
     for (int j = 0; j <= i; j++) A[j][i] = A[i][j] = A[i][j] / (sqrt(mass[i]) * sqrt(mass[j]));
   tridiagonal(n, A, diagonal, side);
 
-  // -- Halve the interval of Gershgorin's bound; its upper end stays above all eigenvalues (eq:element-bound)
+  // -- Halve the interval of Gershgorin's bound; its upper end stays above all eigenvalues
+  // (eq:element-bound)
   double low = 0.0, high = ct_tridiagonal_reach(n, diagonal, side);
   high *= 1.0 + 1e-9;
   for (int k = 0; k < 60 && high - low > 1e-13 * high; k++) {
     double middle = 0.5 * (low + high);
-    if (ct_tridiagonal_all_below(n, diagonal, side, middle))
-      high = middle;
-    else
-      low = middle;
+    if (ct_tridiagonal_all_below(n, diagonal, side, middle)) high = middle;
+    else low = middle;
   }
   *omega_squared = high * (1.0 + 1e-12);
   return CT_OK;
 }
 
 /* Largest eigenvalue of M⁻¹K; the tangent's unless `displacement` is null. */
-static ct_status element_eigenvalue(ct_brick_kind kind, const double *nodes, const double *displacement, const ct_material *material,
+static ct_status element_eigenvalue(ct_brick_kind kind, const double *nodes,
+                                    const double *displacement, const ct_material *material,
                                     const double *mass, double *omega_squared, ct_error *error)
 {
   double A[SIZE][SIZE], m[SIZE];
@@ -141,21 +151,28 @@ static ct_status element_eigenvalue(ct_brick_kind kind, const double *nodes, con
   return status == CT_OK ? ct_largest_eigenvalue(3 * per, m, A, omega_squared, error) : status;
 }
 
-ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes, const ct_material *material,
-                                     const double *mass, double *omega_squared, ct_error *error)
+ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes,
+                                     const ct_material *material, const double *mass,
+                                     double *omega_squared, ct_error *error)
 {
   if (ct_brick_node_count(kind) == 0 || nodes == NULL || mass == NULL || omega_squared == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
   ct_status status = ct_material_check(material, error);
-  return status == CT_OK ? element_eigenvalue(kind, nodes, NULL, material, mass, omega_squared, error) : status;
+  return status == CT_OK
+             ? element_eigenvalue(kind, nodes, NULL, material, mass, omega_squared, error)
+             : status;
 }
 
-ct_status ct_solid_element_tangent_frequency(ct_brick_kind kind, const double *nodes, const double *displacement,
-                                             const ct_material *material, const double *mass, double *omega_squared, ct_error *error)
+ct_status ct_solid_element_tangent_frequency(ct_brick_kind kind, const double *nodes,
+                                             const double *displacement,
+                                             const ct_material *material, const double *mass,
+                                             double *omega_squared, ct_error *error)
 {
-  if (ct_brick_node_count(kind) == 0 || nodes == NULL || displacement == NULL || mass == NULL || omega_squared == NULL)
+  if (ct_brick_node_count(kind) == 0 || nodes == NULL || displacement == NULL || mass == NULL ||
+      omega_squared == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
   ct_status status = ct_material_check(material, error);
   if (status != CT_OK) return status;
-  return element_eigenvalue(kind, nodes, material->law == CT_LINEAR ? NULL : displacement, material, mass, omega_squared, error);
+  return element_eigenvalue(kind, nodes, material->law == CT_LINEAR ? NULL : displacement, material,
+                            mass, omega_squared, error);
 }

@@ -4,7 +4,8 @@
 #include "point.h"
 
 CT_CLONES
-void ct_solid_hex20_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values)
+void ct_solid_hex20_batches(const ct_solid_part *part, int32_t first, int32_t last,
+                            const double *displacement, double *values)
 {
   for (int32_t b = first; b < last; b++)
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {

@@ -3,7 +3,8 @@
 
 #include "../lanes.h"
 
-/* The 3 x 3 x 3 Gauss points of hex20, ξ fastest: gradients at one of them, and the force of all on a node. */
+/* The 3 x 3 x 3 Gauss points of hex20, ξ fastest: gradients at one of them, and the force of all on
+ * a node. */
 
 /* Sum over the 20 nodes, paired along ξ, η, ζ (eq:tree-sum). */
 static inline void tree_nodes(const ct_lanes t[20], ct_lanes *sum)
@@ -32,8 +33,10 @@ static inline void reference_gradient(double dN[20][3], const ct_lanes v[60], ct
     }
 }
 
-/* Force of the 27 points on component i of node a; the weights of the rule are products of 5/9, 8/9, 5/9. */
-static inline void nodal_force(ct_lanes P[27][3][3], double (*gradients)[20][3], int a, int i, ct_lanes *f)
+/* Force of the 27 points on component i of node a; the weights of the rule are products of 5/9,
+ * 8/9, 5/9. */
+static inline void nodal_force(ct_lanes P[27][3][3], double (*gradients)[20][3], int a, int i,
+                               ct_lanes *f)
 {
   static const double weight[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
   ct_lanes plane[3], line[3], t[3];

@@ -3,11 +3,14 @@
 
 #include "modes.h"
 
-/* The 2 x 2 x 2 Gauss points of hex8, ξ fastest: gradients at all of them, and the way back to the nodes. */
+/* The 2 x 2 x 2 Gauss points of hex8, ξ fastest: gradients at all of them, and the way back to the
+ * nodes. */
 
-/* Values of a gradient on the four lines of Gauss points along one direction: the factor g = 1/√3 of the Gauss points belongs to
- * each sign, and N = 1/8 Σ modes. Line k has the signs (k & 1, k >> 1) of the two other directions. */
-static inline void line_values(const ct_lanes *one, const ct_lanes *p, const ct_lanes *q, const ct_lanes *pq, ct_lanes v[4])
+/* Values of a gradient on the four lines of Gauss points along one direction: the factor g = 1/√3
+ * of the Gauss points belongs to each sign, and N = 1/8 Σ modes. Line k has the signs (k & 1, k >>
+ * 1) of the two other directions. */
+static inline void line_values(const ct_lanes *one, const ct_lanes *p, const ct_lanes *q,
+                               const ct_lanes *pq, ct_lanes v[4])
 {
   const double g = 0.57735026918962576451;
   for (int k = 0; k < 4; k++) {
@@ -27,7 +30,9 @@ static inline void line_gradients(const ct_lanes U[CT_MODES], ct_lanes G[3][4])
 /* Modal forces of one component from P at the eight points: the transpose of `line_gradients`. */
 static inline void collect_modes(ct_lanes P[8][3][3], int i, ct_lanes F[CT_MODES])
 {
-  static const int pair[3][4][2] = {{{0, 1}, {2, 3}, {4, 5}, {6, 7}}, {{0, 2}, {1, 3}, {4, 6}, {5, 7}}, {{0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+  static const int pair[3][4][2] = {{{0, 1}, {2, 3}, {4, 5}, {6, 7}},
+                                    {{0, 2}, {1, 3}, {4, 6}, {5, 7}},
+                                    {{0, 4}, {1, 5}, {2, 6}, {3, 7}}};
   const double g = 0.57735026918962576451;
   ct_lanes sum[3], p[3], q[3], pq[3];
   for (int j = 0; j < 3; j++) {

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* What both laws are made of: B = 2E = FᵀF - 1 without the loss of digits that FᵀF - 1 has for small strain, its cofactors and
- * invariants. */
+/* What both laws are made of: B = 2E = FᵀF - 1 without the loss of digits that FᵀF - 1 has for
+ * small strain, its cofactors and invariants. */
 typedef struct deformation {
   double B[3][3], adjugate[3][3];
   /* tr B; the sum of its principal minors; det B. */
@@ -26,7 +26,9 @@ static deformation deform(double G[3][3])
   deformation d;
   // -- Twice the Green-Lagrange strain (eq:green-lagrange)
   for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) d.B[i][j] = (G[i][j] + G[j][i]) + ((G[0][i] * G[0][j] + G[1][i] * G[1][j]) + G[2][i] * G[2][j]);
+    for (int j = 0; j < 3; j++)
+      d.B[i][j] =
+          (G[i][j] + G[j][i]) + ((G[0][i] * G[0][j] + G[1][i] * G[1][j]) + G[2][i] * G[2][j]);
   d.three = determinant(d.B, d.adjugate);
   d.one = (d.B[0][0] + d.B[1][1]) + d.B[2][2];
   d.two = (d.adjugate[0][0] + d.adjugate[1][1]) + d.adjugate[2][2];
@@ -67,7 +69,8 @@ double ct_large_tangent(const ct_material *material, double G[3][3], ct_large_st
   (void)determinant(F, cofactor);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
-      double one = i == j ? 1.0 : 0.0, FF = (F[i][0] * F[j][0] + F[i][1] * F[j][1]) + F[i][2] * F[j][2];
+      double one = i == j ? 1.0 : 0.0,
+             FF = (F[i][0] * F[j][0] + F[i][1] * F[j][1]) + F[i][2] * F[j][2];
       K->V[i][j] = svk ? F[i][j] : cofactor[i][j] / J;
       K->M[i][j] = mu * (svk ? FF : one);
       if (!svk) K->S[i][j] = 0.0;
@@ -102,5 +105,6 @@ double ct_large_energy(const ct_material *material, double G[3][3])
     for (int i = 0; i < 9; i++) square += d.B[i / 3][i % 3] * d.B[i / 3][i % 3];
     return 0.125 * lambda * d.one * d.one + 0.25 * mu * square;
   }
-  return ct_large_volume_energy(lambda, mu, d.one + (d.two + d.three)) - 0.5 * mu * (d.two + d.three);
+  return ct_large_volume_energy(lambda, mu, d.one + (d.two + d.three)) -
+         0.5 * mu * (d.two + d.three);
 }

@@ -1,15 +1,18 @@
-/* The kernels of hex8 and hex20 for large deformation: forces, with the smallest J = det F of each batch, and energies. */
+/* The kernels of hex8 and hex20 for large deformation: forces, with the smallest J = det F of each
+ * batch, and energies. */
 #include "hex20_points.h"
 #include "hex8_points.h"
 #include "kernel.h"
 #include "large_point.h"
 
-/* Reference gradients of coordinates and displacements of 8 elements on the lines of Gauss points. */
+/* Reference gradients of coordinates and displacements of 8 elements on the lines of Gauss points.
+ */
 typedef struct lines {
   ct_lanes X[3][3][4], U[3][3][4];
 } lines;
 
-static inline void hex8_lines(const ct_solid_part *part, int32_t b, int lane, const double *displacement, lines *g)
+static inline void hex8_lines(const ct_solid_part *part, int32_t b, int lane,
+                              const double *displacement, lines *g)
 {
   ct_lanes x[3 * 8], u[3 * 8], M[CT_MODES];
   ct_load_lanes(&part->batch_nodes[64 * (int64_t)b], 8, part->mesh->nodes, lane, x);
@@ -33,8 +36,8 @@ static inline void hex8_point(const lines *g, int q, ct_lanes J[3][3], ct_lanes 
 }
 
 CT_CLONES
-void ct_solid_large_hex8_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement,
-                                 double *values)
+void ct_solid_large_hex8_batches(const ct_solid_part *part, int32_t first, int32_t last,
+                                 const double *displacement, double *values)
 {
   for (int32_t b = first; b < last; b++) {
     double lowest = 1.0;
@@ -58,7 +61,8 @@ void ct_solid_large_hex8_batches(const ct_solid_part *part, int32_t first, int32
 }
 
 CT_CLONES
-void ct_solid_large_hex8_energies(const ct_solid_part *part, int32_t batch, const double *displacement, double energies[8])
+void ct_solid_large_hex8_energies(const ct_solid_part *part, int32_t batch,
+                                  const double *displacement, double energies[8])
 {
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
     lines g;
@@ -73,8 +77,8 @@ void ct_solid_large_hex8_energies(const ct_solid_part *part, int32_t batch, cons
   }
 }
 
-static inline void hex20_nodes(const ct_solid_part *part, int32_t b, int lane, const double *displacement, ct_lanes x[60],
-                               ct_lanes u[60])
+static inline void hex20_nodes(const ct_solid_part *part, int32_t b, int lane,
+                               const double *displacement, ct_lanes x[60], ct_lanes u[60])
 {
   ct_load_lanes(&part->batch_nodes[160 * (int64_t)b], 20, part->mesh->nodes, lane, x);
   ct_load_lanes(&part->batch_nodes[160 * (int64_t)b], 20, displacement, lane, u);
@@ -85,8 +89,8 @@ static inline void hex20_nodes(const ct_solid_part *part, int32_t b, int lane, c
 }
 
 CT_CLONES
-void ct_solid_large_hex20_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement,
-                                  double *values)
+void ct_solid_large_hex20_batches(const ct_solid_part *part, int32_t first, int32_t last,
+                                  const double *displacement, double *values)
 {
   for (int32_t b = first; b < last; b++) {
     double lowest = 1.0;
@@ -108,7 +112,8 @@ void ct_solid_large_hex20_batches(const ct_solid_part *part, int32_t first, int3
 }
 
 CT_CLONES
-void ct_solid_large_hex20_energies(const ct_solid_part *part, int32_t batch, const double *displacement, double energies[8])
+void ct_solid_large_hex20_energies(const ct_solid_part *part, int32_t batch,
+                                   const double *displacement, double energies[8])
 {
   static const double weight[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {

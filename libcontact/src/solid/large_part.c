@@ -1,5 +1,5 @@
-/* What a body of large deformation is asked beside its forces: whether an element is inside out, and the tangent's
- * eigenvalues. */
+/* What a body of large deformation is asked beside its forces: whether an element is inside out,
+ * and the tangent's eigenvalues. */
 #include "../error.h"
 #include "kernel.h"
 
@@ -7,7 +7,8 @@
 #include <string.h>
 
 /* Refuse a batch whose smallest J is not positive, in the words of the readable form. */
-ct_status ct_solid_check_volume(const ct_solid_part *part, int32_t body, const double *u, const double *values, ct_error *error)
+ct_status ct_solid_check_volume(const ct_solid_part *part, int32_t body, const double *u,
+                                const double *values, ct_error *error)
 {
   const double *lowest = values + part->assembly->value_count;
   for (int32_t b = 0; part->energies != NULL && b < part->batch_count; b++) {
@@ -16,20 +17,23 @@ ct_status ct_solid_check_volume(const ct_solid_part *part, int32_t body, const d
       double x[20][3], v[20][3], f[60];
       ct_solid_load_element(part->mesh, e, part->mesh->nodes, x);
       ct_solid_load_element(part->mesh, e, u, v);
-      ct_status status = ct_solid_element_force(part->mesh->kind, &x[0][0], &v[0][0], &part->material, f, NULL, error);
+      ct_status status = ct_solid_element_force(part->mesh->kind, &x[0][0], &v[0][0],
+                                                &part->material, f, NULL, error);
       if (status == CT_OK) continue;
       if (error != NULL) error->body = body, error->element = e;
       return status;
     }
     return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, 8 * (int64_t)b, -1},
-                   "one of the elements %d to %d is turned inside out", (int)(8 * b), (int)(8 * b + 7));
+                   "one of the elements %d to %d is turned inside out", (int)(8 * b),
+                   (int)(8 * b + 7));
   }
   return CT_OK;
 }
 
-/* Largest eigenvalue of the tangents of the elements of one part; elements that have only been carried along keep that of
- * their kind. */
-ct_status ct_solid_tangent_frequency(const ct_solid_part *part, const double *u, double *omega_squared, ct_error *error)
+/* Largest eigenvalue of the tangents of the elements of one part; elements that have only been
+ * carried along keep that of their kind. */
+ct_status ct_solid_tangent_frequency(const ct_solid_part *part, const double *u,
+                                     double *omega_squared, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
   int per = ct_brick_node_count(mesh->kind);
@@ -41,9 +45,11 @@ ct_status ct_solid_tangent_frequency(const ct_solid_part *part, const double *u,
     for (int a = 1; a < per; a++) deformed |= memcmp(v[a], v[0], sizeof v[a]) != 0;
     if (deformed) {
       ct_solid_load_element(mesh, e, mesh->nodes, x);
-      ct_status status = ct_mass_element(mesh->kind, &x[0][0], part->material.density, part->lumping, m, error);
-      if (status == CT_OK) status = ct_solid_element_tangent_frequency(mesh->kind, &x[0][0], &v[0][0], &part->material, m,
-                                                                       &w, error);
+      ct_status status =
+          ct_mass_element(mesh->kind, &x[0][0], part->material.density, part->lumping, m, error);
+      if (status == CT_OK)
+        status = ct_solid_element_tangent_frequency(mesh->kind, &x[0][0], &v[0][0], &part->material,
+                                                    m, &w, error);
       if (status != CT_OK) {
         if (error != NULL) error->element = e;
         return status;

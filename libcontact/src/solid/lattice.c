@@ -22,8 +22,8 @@ int ct_lattice_find(const ct_mesh *mesh, ct_solid_part *part)
 {
   const int32_t *n = mesh->elements;
   if (mesh->kind != CT_HEX8 || n[0] != 0) return 0;
-  // The first element tells how far nodes are apart along each axis; the smallest step is along a row, the largest leads to the
-  // next layer.
+  // The first element tells how far nodes are apart along each axis; the smallest step is along a
+  // row, the largest leads to the next layer.
   const int32_t step[3] = {n[1], n[3], n[4]};
   int axes[3] = {0, 1, 2};
   for (int i = 0; i < 3; i++) {
@@ -32,7 +32,9 @@ int ct_lattice_find(const ct_mesh *mesh, ct_solid_part *part)
     axes[low + 1] = swap ? keep : axes[low + 1];
   }
   int32_t row = step[axes[1]], layer = step[axes[2]];
-  if (step[axes[0]] != 1 || row < 1 + CT_SHORTEST_ROW || layer < 2 * row || layer % row != 0 || mesh->node_count % layer != 0) return 0;
+  if (step[axes[0]] != 1 || row < 1 + CT_SHORTEST_ROW || layer < 2 * row || layer % row != 0 ||
+      mesh->node_count % layer != 0)
+    return 0;
   const int32_t cells[3] = {row - 1, layer / row - 1, mesh->node_count / layer - 1};
   if (cells[2] < 1 || (int64_t)cells[0] * cells[1] * cells[2] != mesh->element_count) return 0;
   int32_t corner[8];
@@ -47,11 +49,15 @@ int ct_lattice_find(const ct_mesh *mesh, ct_solid_part *part)
 }
 
 /* Elements that may lie between the first and the last one of a node. */
-static int64_t history(const ct_solid_part *part) { return 1 + part->cells[0] + (int64_t)part->cells[0] * part->cells[1]; }
+static int64_t history(const ct_solid_part *part)
+{
+  return 1 + part->cells[0] + (int64_t)part->cells[0] * part->cells[1];
+}
 
 int64_t ct_lattice_prepare(ct_solid_part *part)
 {
-  // -- A power of two that holds what nodes still wait for and what is computed at once, half a block at least (eq:lattice-ring)
+  // -- A power of two that holds what nodes still wait for and what is computed at once, half a
+  // block at least (eq:lattice-ring)
   int64_t need = history(part) + 8 * (CT_BLOCK / 2), all = 8 * (int64_t)part->batch_count;
   part->ring = 8;
   while (part->ring < (need < all ? need : all)) part->ring *= 2;
@@ -63,13 +69,15 @@ int64_t ct_lattice_prepare(ct_solid_part *part)
 
 int32_t ct_lattice_ready(const ct_solid_part *part, int32_t element)
 {
-  return element < part->mesh->element_count ? first_corner(part->cells, element) : part->mesh->node_count;
+  return element < part->mesh->element_count ? first_corner(part->cells, element)
+                                             : part->mesh->node_count;
 }
 
 int32_t ct_lattice_begin(const ct_solid_part *part, int32_t first)
 {
   int32_t row = part->cells[0] + 1, rows = part->cells[1] + 1;
-  int64_t at = first % row + part->cells[0] * (first / row % rows + part->cells[1] * (int64_t)(first / row / rows));
+  int64_t at = first % row + part->cells[0] * (first / row % rows +
+                                               part->cells[1] * (int64_t)(first / row / rows));
   // At the end of a layer a node's number may be that of an element one row further on.
   at -= history(part) + part->cells[0];
   return at > 0 ? (int32_t)at : 0;
@@ -79,42 +87,52 @@ void ct_lattice_zeros(const ct_solid_part *part, int32_t b, double *values)
 {
   int64_t stride;
   double *v = ct_batch_values(part, values, b, &stride);
-  // The kernel gives some of its zeros a minus, but the node on the side of negative ξ never: sums at nodes are +0 in both cases.
+  // The kernel gives some of its zeros a minus, but the node on the side of negative ξ never: sums
+  // at nodes are +0 in both cases.
   for (int i = 0; i < 24; i++)
     for (int l = 0; l < 8; l++) v[i * stride + l] = 0.0;
 }
 
-/* Sum eight runs of element forces that lie side by side; `step`: from one component to the next. */
+/* Sum eight runs of element forces that lie side by side; `step`: from one component to the next.
+ */
 CT_CLONES
 static void gather_run(const double *const v[8], const int64_t step[8], int32_t count, double *f)
 {
   for (int c = 0; c < 3; c++) {
-    const double *a = v[0] + c * step[0], *b = v[1] + c * step[1], *d = v[2] + c * step[2], *e = v[3] + c * step[3];
-    const double *p = v[4] + c * step[4], *q = v[5] + c * step[5], *r = v[6] + c * step[6], *s = v[7] + c * step[7];
+    const double *a = v[0] + c * step[0], *b = v[1] + c * step[1], *d = v[2] + c * step[2],
+                 *e = v[3] + c * step[3];
+    const double *p = v[4] + c * step[4], *q = v[5] + c * step[5], *r = v[6] + c * step[6],
+                 *s = v[7] + c * step[7];
     // -- Pair the octants along ξ, then η, then ζ (eq:tree-sum)
 #pragma omp simd
-    for (int32_t n = 0; n < count; n++) f[3 * n + c] = ((a[n] + b[n]) + (d[n] + e[n])) + ((p[n] + q[n]) + (r[n] + s[n]));
+    for (int32_t n = 0; n < count; n++)
+      f[3 * n + c] = ((a[n] + b[n]) + (d[n] + e[n])) + ((p[n] + q[n]) + (r[n] + s[n]));
   }
 }
 
-/* First elements of the four rows of elements around a row of nodes, the positive way along the second and the third axis last;
- * -1: none. */
+/* First elements of the four rows of elements around a row of nodes, the positive way along the
+ * second and the third axis last; -1: none. */
 static void rows_around(const int32_t cells[3], int32_t line, int64_t row[4])
 {
   int32_t j = line % (cells[1] + 1), k = line / (cells[1] + 1);
   for (int r = 0; r < 4; r++) {
     int32_t y = j - 1 + (r & 1), z = k - 1 + (r >> 1);
-    row[r] = y >= 0 && y < cells[1] && z >= 0 && z < cells[2] ? cells[0] * (y + (int64_t)cells[1] * z) : -1;
+    row[r] = y >= 0 && y < cells[1] && z >= 0 && z < cells[2]
+                 ? cells[0] * (y + (int64_t)cells[1] * z)
+                 : -1;
   }
 }
 
-/* Sum at the i-th node of a row and those after it, `count` at most; answers for how many this was done: rows of forces end at
- * the ends of the ring, and at the ends of a row a node has fewer elements. */
-static int32_t gather_piece(const ct_solid_part *part, const double *values, const int64_t row[4], int32_t i, int32_t count, double *f)
+/* Sum at the i-th node of a row and those after it, `count` at most; answers for how many this was
+ * done: rows of forces end at the ends of the ring, and at the ends of a row a node has fewer
+ * elements. */
+static int32_t gather_piece(const ct_solid_part *part, const double *values, const int64_t row[4],
+                            int32_t i, int32_t count, double *f)
 {
   enum { ZEROS = 256 };
   static const double zeros[ZEROS] = {0.0};
-  static const int corner[8] = {6, 7, 5, 4, 2, 3, 1, 0}; // local number of the node in the element of each octant
+  static const int corner[8] = {6, 7, 5, 4, 2,
+                                3, 1, 0}; // local number of the node in the element of each octant
   const double *v[8];
   int64_t step[8];
   int32_t nx = part->cells[0], run = i > 0 && i < nx ? (count < nx - i ? count : nx - i) : 1;
@@ -132,13 +150,15 @@ static int32_t gather_piece(const ct_solid_part *part, const double *values, con
   return run;
 }
 
-void ct_lattice_gather(const ct_solid_part *part, const double *values, int32_t first, int32_t last, double *f)
+void ct_lattice_gather(const ct_solid_part *part, const double *values, int32_t first, int32_t last,
+                       double *f)
 {
   int32_t nodes = part->cells[0] + 1, line = first / nodes, i = first - nodes * line;
   for (int32_t n = first; n < last; line++, i = 0) {
     int64_t row[4];
     int32_t end = last - n < nodes - i ? i + last - n : nodes;
     rows_around(part->cells, line, row);
-    for (int32_t run; i < end; i += run, n += run) run = gather_piece(part, values, row, i, end - i, &f[3 * (int64_t)n]);
+    for (int32_t run; i < end; i += run, n += run)
+      run = gather_piece(part, values, row, i, end - i, &f[3 * (int64_t)n]);
   }
 }

@@ -3,9 +3,9 @@
 
 #include "kernel.h"
 
-/* A body of equal boxes whose elements and nodes are numbered as ct_mesh_create_box does needs no table: the nodes of an element,
- * and the elements at a node, follow from their numbers. Element forces stand in a ring that the nodes follow closely
- * (eq:lattice-ring). */
+/* A body of equal boxes whose elements and nodes are numbered as ct_mesh_create_box does needs no
+ * table: the nodes of an element, and the elements at a node, follow from their numbers. Element
+ * forces stand in a ring that the nodes follow closely (eq:lattice-ring). */
 
 /* Threads that have a ring each; more of them share. */
 enum { CT_MOST_RINGS = 64 };
@@ -13,8 +13,8 @@ enum { CT_MOST_RINGS = 64 };
 /* Cells along a row below which tables are faster than sums row by row. */
 enum { CT_SHORTEST_ROW = 8 };
 
-/* Write cells, axes and corners of a part whose mesh is numbered so and has rows that are long enough; answers 0, and writes no
- * cells, otherwise. */
+/* Write cells, axes and corners of a part whose mesh is numbered so and has rows that are long
+ * enough; answers 0, and writes no cells, otherwise. */
 int ct_lattice_find(const ct_mesh *mesh, ct_solid_part *part);
 
 /* Choose the size of its rings; answers how many doubles of the scratch they take. */
@@ -29,7 +29,9 @@ int32_t ct_lattice_begin(const ct_solid_part *part, int32_t first);
 /* Give a batch that is skipped its zeros. */
 void ct_lattice_zeros(const ct_solid_part *part, int32_t b, double *values);
 
-/* Sum the element forces at the nodes first ... last - 1 of the body, in the order of ct_assembly_gather (eq:tree-sum). */
-void ct_lattice_gather(const ct_solid_part *part, const double *values, int32_t first, int32_t last, double *f);
+/* Sum the element forces at the nodes first ... last - 1 of the body, in the order of
+ * ct_assembly_gather (eq:tree-sum). */
+void ct_lattice_gather(const ct_solid_part *part, const double *values, int32_t first, int32_t last,
+                       double *f);
 
 #endif

@@ -3,12 +3,15 @@
 
 #include "../lanes.h"
 
-/* The nodal values of a hex8 as amplitudes of ξ, η, ζ, ξη, ηζ, ζξ, ξηζ (eq:brick-modes): U_m = Σ_a m(ξ_a) u_a. Differences
- * are taken first, so equal nodal values give exactly zero, and the sums pair along ξ, η, ζ (eq:tree-sum). */
+/* The nodal values of a hex8 as amplitudes of ξ, η, ζ, ξη, ηζ, ζξ, ξηζ (eq:brick-modes): U_m = Σ_a
+ * m(ξ_a) u_a. Differences are taken first, so equal nodal values give exactly zero, and the sums
+ * pair along ξ, η, ζ (eq:tree-sum). */
 enum { CT_XI, CT_ETA, CT_ZETA, CT_XI_ETA, CT_ETA_ZETA, CT_ZETA_XI, CT_XI_ETA_ZETA, CT_MODES };
 
-/* Over a square of four values t(-,-), t(+,-), t(-,+), t(+,+): sum, and sums with the signs of the first, second, both. */
-static inline void ct_square_modes(const ct_lanes t[4], ct_lanes *sum, ct_lanes *first, ct_lanes *second, ct_lanes *both)
+/* Over a square of four values t(-,-), t(+,-), t(-,+), t(+,+): sum, and sums with the signs of the
+ * first, second, both. */
+static inline void ct_square_modes(const ct_lanes t[4], ct_lanes *sum, ct_lanes *first,
+                                   ct_lanes *second, ct_lanes *both)
 {
   ct_lanes low = t[0] + t[1], high = t[2] + t[3];
   ct_lanes slope_low = t[1] - t[0], slope_high = t[3] - t[2];
@@ -37,7 +40,8 @@ static inline void ct_brick_nodal(const ct_lanes F[CT_MODES], ct_lanes f[8])
   for (int k = 0; k < 4; k++) {
     double eta = k % 2 ? 1.0 : -1.0, zeta = k / 2 ? 1.0 : -1.0;
     ct_lanes even = (eta * F[CT_ETA] + zeta * F[CT_ZETA]) + (eta * zeta) * F[CT_ETA_ZETA];
-    ct_lanes odd = (F[CT_XI] + eta * F[CT_XI_ETA]) + (zeta * F[CT_ZETA_XI] + (eta * zeta) * F[CT_XI_ETA_ZETA]);
+    ct_lanes odd =
+        (F[CT_XI] + eta * F[CT_XI_ETA]) + (zeta * F[CT_ZETA_XI] + (eta * zeta) * F[CT_XI_ETA_ZETA]);
     f[corner[k][0]] = odd - even;
     f[corner[k][1]] = -(even + odd);
   }

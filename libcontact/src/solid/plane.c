@@ -1,4 +1,5 @@
-/* The kernel for one layer of equal boxes in plane strain: that of the box, with all that vanishes left out. */
+/* The kernel for one layer of equal boxes in plane strain: that of the box, with all that vanishes
+ * left out. */
 #include "plane.h"
 
 #include "../bits.h"
@@ -29,8 +30,9 @@ static void corners(const ct_plane *plane, int local[2][4])
   }
 }
 
-/* Enter for each node its partner in the other layer and its elements by quadrant, -1 where there is none; of the upper layer, a
- * partner below -1. Answers 0 when a node is in both layers or has two elements in one quadrant. */
+/* Enter for each node its partner in the other layer and its elements by quadrant, -1 where there
+ * is none; of the upper layer, a partner below -1. Answers 0 when a node is in both layers or has
+ * two elements in one quadrant. */
 static int enter_elements(const ct_mesh *mesh, ct_plane *plane, int32_t *twin, int32_t (*around)[4])
 {
   int local[2][4];
@@ -41,8 +43,12 @@ static int enter_elements(const ct_mesh *mesh, ct_plane *plane, int32_t *twin, i
   }
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int k = 0; k < 4; k++) {
-      int32_t low = mesh->elements[8 * (size_t)e + (size_t)local[0][k]], high = mesh->elements[8 * (size_t)e + (size_t)local[1][k]], *slot = &around[low][3 - k];
-      if (*slot >= 0 || (twin[low] != -1 && twin[low] != high) || (twin[high] != -1 && twin[high] != -2 - low)) return 0;
+      int32_t low = mesh->elements[8 * (size_t)e + (size_t)local[0][k]],
+              high = mesh->elements[8 * (size_t)e + (size_t)local[1][k]],
+              *slot = &around[low][3 - k];
+      if (*slot >= 0 || (twin[low] != -1 && twin[low] != high) ||
+          (twin[high] != -1 && twin[high] != -2 - low))
+        return 0;
       *slot = e;
       twin[low] = high;
       twin[high] = -2 - low;
@@ -50,7 +56,9 @@ static int enter_elements(const ct_mesh *mesh, ct_plane *plane, int32_t *twin, i
     }
   // The last batch repeats its last element.
   for (int32_t e = mesh->element_count; e % 8 != 0; e++)
-    for (int k = 0; k < 4; k++) plane->batch_nodes[(e / 8 * 4 + k) * 8 + e % 8] = plane->batch_nodes[(e / 8 * 4 + k) * 8 + e % 8 - 1];
+    for (int k = 0; k < 4; k++)
+      plane->batch_nodes[(e / 8 * 4 + k) * 8 + e % 8] =
+          plane->batch_nodes[(e / 8 * 4 + k) * 8 + e % 8 - 1];
   return 1;
 }
 
@@ -59,12 +67,15 @@ static int goes_on(const ct_plane_run *run, int32_t node, int32_t twin, const in
 {
   int32_t i = run->count;
   int wide = i < ZEROS, alike = node == run->low + i && twin == run->high + i;
-  for (int k = 0; k < 4; k++) alike = alike && (run->element[k] < 0 ? around[k] < 0 && wide : around[k] == run->element[k] + i);
+  for (int k = 0; k < 4; k++)
+    alike =
+        alike && (run->element[k] < 0 ? around[k] < 0 && wide : around[k] == run->element[k] + i);
   return alike;
 }
 
 /* List the runs of the lower layer. */
-static ct_status enter_runs(const ct_mesh *mesh, ct_plane *plane, const int32_t *twin, int32_t (*around)[4])
+static ct_status enter_runs(const ct_mesh *mesh, ct_plane *plane, const int32_t *twin,
+                            int32_t (*around)[4])
 {
   for (int pass = 0; pass < 2; pass++) {
     ct_plane_run run = {.count = 0};
@@ -127,7 +138,8 @@ ct_status ct_plane_create(const ct_solid_part *part, int axis, int rings, ct_pla
   if (plane == NULL) return CT_ERROR_MEMORY;
   *plane = (ct_plane){.axis = axis, .p = axis == 0 ? 1 : 0, .q = axis == 2 ? 1 : 2, .rings = rings};
   plane->batch_nodes = ct_allocate((size_t)part->batch_count * 32, sizeof *plane->batch_nodes);
-  int32_t *twin = ct_allocate((size_t)mesh->node_count, sizeof *twin), (*around)[4] = ct_allocate((size_t)mesh->node_count, sizeof *around);
+  int32_t *twin = ct_allocate((size_t)mesh->node_count, sizeof *twin),
+          (*around)[4] = ct_allocate((size_t)mesh->node_count, sizeof *around);
   ct_status status = plane->batch_nodes && twin && around ? CT_OK : CT_ERROR_MEMORY;
   int fits = status == CT_OK && enter_elements(mesh, plane, twin, around);
   if (fits) status = enter_runs(mesh, plane, twin, around);
@@ -149,7 +161,8 @@ CT_INLINE uint64_t bits_of(double x)
   return bits;
 }
 
-/* Bits that differ between `count` nodes of two layers, and bits of what they have along `axis`, but for a sign of zero. */
+/* Bits that differ between `count` nodes of two layers, and bits of what they have along `axis`,
+ * but for a sign of zero. */
 CT_CLONES
 static uint64_t differences(const double *low, const double *high, int32_t count, int axis)
 {
@@ -161,11 +174,14 @@ static uint64_t differences(const double *low, const double *high, int32_t count
     // The last piece overlaps the one before, if there is one.
     int64_t from = next == last && last >= AT_ONCE ? last - AT_ONCE : d;
     if (next - from < AT_ONCE) {
-      for (int64_t i = from; i < next; i++) all |= (bits_of(low[i]) ^ bits_of(high[i])) | (bits_of(low[i]) & size[i]);
+      for (int64_t i = from; i < next; i++)
+        all |= (bits_of(low[i]) ^ bits_of(high[i])) | (bits_of(low[i]) & size[i]);
       continue;
     }
 #pragma omp simd
-    for (int i = 0; i < AT_ONCE; i++) found[i] |= (bits_of(low[from + i]) ^ bits_of(high[from + i])) | (bits_of(low[from + i]) & size[i]);
+    for (int i = 0; i < AT_ONCE; i++)
+      found[i] |=
+          (bits_of(low[from + i]) ^ bits_of(high[from + i])) | (bits_of(low[from + i]) & size[i]);
   }
   for (int i = 0; i < AT_ONCE; i++) all |= found[i];
   return all;
@@ -177,7 +193,10 @@ int ct_plane_holds(const ct_solid_part *part, const double *displacement, const 
   for (int32_t r = 0, end; r < plane->run_count; r = end) {
     // Runs of both layers that follow each other are looked at as one.
     int32_t low = plane->runs[r].low, apart = plane->runs[r].high - low, count = 0;
-    for (end = r; end < plane->run_count && plane->runs[end].low == low + count && plane->runs[end].high == low + count + apart; end++) count += plane->runs[end].count;
+    for (end = r; end < plane->run_count && plane->runs[end].low == low + count &&
+                  plane->runs[end].high == low + count + apart;
+         end++)
+      count += plane->runs[end].count;
     int32_t first = part->first_node + low, last = first + count;
     for (int32_t n = first, next; n < last; n = next) {
       if (adrift != NULL) n = ct_bits_next(adrift, n, last, 0);
@@ -189,8 +208,8 @@ int ct_plane_holds(const ct_solid_part *part, const double *displacement, const 
   return 1;
 }
 
-/* What stays the same for all elements: 1 / (4 edge) and V / (4 edge) times the mean squares 1, 1/3, along p, q and the held
- * axis. */
+/* What stays the same for all elements: 1 / (4 edge) and V / (4 edge) times the mean squares 1,
+ * 1/3, along p, q and the held axis. */
 typedef struct constants {
   double k[2], K1[3], K3[3], lambda, mu, stiff;
 } constants;
@@ -209,7 +228,8 @@ static constants open_constants(const ct_solid_part *part)
   return c;
 }
 
-/* The displacement gradient of one component: constant along p and q, and along each the part that grows with the other. */
+/* The displacement gradient of one component: constant along p and q, and along each the part that
+ * grows with the other. */
 typedef struct slope {
   ct_lanes p, q, p_by_q, q_by_p;
 } slope;
@@ -218,11 +238,12 @@ typedef struct slope {
 static inline slope slopes(const ct_lanes u[4], const double k[2])
 {
   ct_lanes low = u[1] - u[0], high = u[3] - u[2], both = 2.0 * (high - low);
-  return (slope){k[0] * (2.0 * (low + high)), k[1] * (2.0 * ((u[2] - u[0]) + (u[3] - u[1]))), k[0] * both, k[1] * both};
+  return (slope){k[0] * (2.0 * (low + high)), k[1] * (2.0 * ((u[2] - u[0]) + (u[3] - u[1]))),
+                 k[0] * both, k[1] * both};
 }
 
-/* Nodal forces of one component in the plane from its modal forces F along p, q and pq (eq:plane-force). The order of the sums is
- * that of the brick. */
+/* Nodal forces of one component in the plane from its modal forces F along p, q and pq
+ * (eq:plane-force). The order of the sums is that of the brick. */
 static inline void spread(int axis, const ct_lanes F[3], ct_lanes f[4])
 {
   for (int k = 0; k < 2; k++) {
@@ -233,7 +254,8 @@ static inline void spread(int axis, const ct_lanes F[3], ct_lanes f[4])
   }
 }
 
-/* Forces along the held axis on the lower layer, F of a constant stress and of what grows with p and q. */
+/* Forces along the held axis on the lower layer, F of a constant stress and of what grows with p
+ * and q. */
 static inline void hold(int axis, const ct_lanes F[3], ct_lanes f[4])
 {
   for (int k = 0; k < 2; k++) {
@@ -245,15 +267,18 @@ static inline void hold(int axis, const ct_lanes F[3], ct_lanes f[4])
 }
 
 /* Read the components p and q at the four corners of 8 elements. */
-static inline void load(const int32_t *nodes, const double *array, int lane, int p, int q, ct_lanes a[4], ct_lanes b[4])
+static inline void load(const int32_t *nodes, const double *array, int lane, int p, int q,
+                        ct_lanes a[4], ct_lanes b[4])
 {
   for (int k = 0; k < 4; k++) {
     const int32_t *n = &nodes[8 * k + lane];
 #if CT_LANES_WIDE
     const double *at[8];
     for (int l = 0; l < 8; l++) at[l] = array + 3 * (int64_t)n[l];
-    a[k] = (ct_lanes){at[0][p], at[1][p], at[2][p], at[3][p], at[4][p], at[5][p], at[6][p], at[7][p]};
-    b[k] = (ct_lanes){at[0][q], at[1][q], at[2][q], at[3][q], at[4][q], at[5][q], at[6][q], at[7][q]};
+    a[k] =
+        (ct_lanes){at[0][p], at[1][p], at[2][p], at[3][p], at[4][p], at[5][p], at[6][p], at[7][p]};
+    b[k] =
+        (ct_lanes){at[0][q], at[1][q], at[2][q], at[3][q], at[4][q], at[5][q], at[6][q], at[7][q]};
 #else
     a[k] = array[3 * (int64_t)n[0] + p];
     b[k] = array[3 * (int64_t)n[0] + q];
@@ -263,7 +288,8 @@ static inline void load(const int32_t *nodes, const double *array, int lane, int
 
 /* Forces of the lower layer by the batches first ... last - 1, into a ring. */
 CT_CLONES
-static void batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values)
+static void batches(const ct_solid_part *part, int32_t first, int32_t last,
+                    const double *displacement, double *values)
 {
   const ct_plane *plane = part->plane;
   const constants c = open_constants(part);
@@ -271,39 +297,49 @@ static void batches(const ct_solid_part *part, int32_t first, int32_t last, cons
   for (int32_t b = first; b < last; b++)
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes u[2][4], f[3][4];
-      load(&plane->batch_nodes[32 * (int64_t)b], displacement, lane, plane->p, plane->q, u[0], u[1]);
+      load(&plane->batch_nodes[32 * (int64_t)b], displacement, lane, plane->p, plane->q, u[0],
+           u[1]);
       slope P = slopes(u[0], c.k), Q = slopes(u[1], c.k);
       // -- Stress: constant, and what grows with the other coordinate (eq:plane-stress)
-      ct_lanes pp = c.stiff * P.p + c.lambda * Q.q, qq = c.stiff * Q.q + c.lambda * P.p, pq = c.mu * (P.q + Q.p), held = c.lambda * (P.p + Q.q);
-      ct_lanes F[3] = {c.K1[0] * pp, c.K1[1] * pq, c.K3[0] * (c.stiff * P.p_by_q) + c.K3[1] * (c.mu * P.q_by_p)};
-      ct_lanes G[3] = {c.K1[0] * pq, c.K1[1] * qq, c.K3[0] * (c.mu * Q.p_by_q) + c.K3[1] * (c.stiff * Q.q_by_p)};
-      ct_lanes H[3] = {c.K1[2] * held, c.K3[2] * (c.lambda * Q.q_by_p), c.K3[2] * (c.lambda * P.p_by_q)};
+      ct_lanes pp = c.stiff * P.p + c.lambda * Q.q, qq = c.stiff * Q.q + c.lambda * P.p,
+               pq = c.mu * (P.q + Q.p), held = c.lambda * (P.p + Q.q);
+      ct_lanes F[3] = {c.K1[0] * pp, c.K1[1] * pq,
+                       c.K3[0] * (c.stiff * P.p_by_q) + c.K3[1] * (c.mu * P.q_by_p)};
+      ct_lanes G[3] = {c.K1[0] * pq, c.K1[1] * qq,
+                       c.K3[0] * (c.mu * Q.p_by_q) + c.K3[1] * (c.stiff * Q.q_by_p)};
+      ct_lanes H[3] = {c.K1[2] * held, c.K3[2] * (c.lambda * Q.q_by_p),
+                       c.K3[2] * (c.lambda * P.p_by_q)};
       spread(plane->axis, F, f[0]);
       spread(plane->axis, G, f[1]);
       hold(plane->axis, H, f[2]);
       double *to = &values[(8 * (int64_t)b & (plane->ring - 1)) + lane];
       for (int k = 0; k < 4; k++)
-        for (int i = 0; i < 3; i++) *(ct_lanes *)(void *)&to[plane->stride * (3 * k + component[i])] = f[i][k];
+        for (int i = 0; i < 3; i++)
+          *(ct_lanes *)(void *)&to[plane->stride * (3 * k + component[i])] = f[i][k];
     }
 }
 
-/* Sum four runs of forces that lie side by side, for both layers; `step`: from one component to the next. A sum that is zero has
- * no minus, as that of the bricks, which begins with the zeros of the side where no element is, and as that of quiet elements. */
+/* Sum four runs of forces that lie side by side, for both layers; `step`: from one component to the
+ * next. A sum that is zero has no minus, as that of the bricks, which begins with the zeros of the
+ * side where no element is, and as that of quiet elements. */
 CT_CLONES
-static void gather_run(const double *const v[4], const int64_t step[4], const double sign[3], int32_t count, double *restrict low, double *restrict high)
+static void gather_run(const double *const v[4], const int64_t step[4], const double sign[3],
+                       int32_t count, double *restrict low, double *restrict high)
 {
   const double *a = v[0], *b = v[1], *d = v[2], *e = v[3];
 #pragma omp simd
   for (int32_t n = 0; n < count; n++)
     for (int c = 0; c < 3; c++) {
-      double f = (a[c * step[0] + n] + b[c * step[1] + n]) + (d[c * step[2] + n] + e[c * step[3] + n]);
+      double f =
+          (a[c * step[0] + n] + b[c * step[1] + n]) + (d[c * step[2] + n] + e[c * step[3] + n]);
       low[3 * n + c] = f + 0.0;
       high[3 * n + c] = sign[c] * f + 0.0;
     }
 }
 
 /* Sum at the nodes first ... last - 1 of a run, in pieces that are whole in the ring. */
-static void gather(const ct_plane *plane, const double *values, const ct_plane_run *run, int32_t first, int32_t last, double *sums)
+static void gather(const ct_plane *plane, const double *values, const ct_plane_run *run,
+                   int32_t first, int32_t last, double *sums)
 {
   static const double zeros[ZEROS] = {0.0};
   double apart[3] = {1.0, 1.0, 1.0};
@@ -319,12 +355,15 @@ static void gather(const ct_plane *plane, const double *values, const ct_plane_r
       step[k] = run->element[k] < 0 ? 0 : plane->stride;
       if (piece > plane->ring - place) piece = (int32_t)(plane->ring - place);
     }
-    gather_run(v, step, apart, piece, &sums[3 * (int64_t)(run->low + i)], &sums[3 * (int64_t)(run->high + i)]);
+    gather_run(v, step, apart, piece, &sums[3 * (int64_t)(run->low + i)],
+               &sums[3 * (int64_t)(run->high + i)]);
   }
 }
 
-/* Compute those of the batches first ... last - 1 that are not quiet; the others get zeros where somebody reads them. */
-static void call_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, const ct_quiet *quiet, double *values)
+/* Compute those of the batches first ... last - 1 that are not quiet; the others get zeros where
+ * somebody reads them. */
+static void call_batches(const ct_solid_part *part, int32_t first, int32_t last,
+                         const double *displacement, const ct_quiet *quiet, double *values)
 {
   const ct_plane *plane = part->plane;
   for (int32_t b = first, end; b < last; b = end) {
@@ -335,13 +374,15 @@ static void call_batches(const ct_solid_part *part, int32_t first, int32_t last,
     }
     for (int32_t i = b; i < end; i++) {
       double *to = &values[8 * (int64_t)i & (plane->ring - 1)];
-      for (int k = 0; quiet->read[part->first_batch + i] && k < 12; k++) memset(&to[plane->stride * k], 0, 8 * sizeof *to);
+      for (int k = 0; quiet->read[part->first_batch + i] && k < 12; k++)
+        memset(&to[plane->stride * k], 0, 8 * sizeof *to);
     }
   }
 }
 
 /* Sum at those nodes of a run that have an element which was computed. */
-static void call_gather(const ct_solid_part *part, const double *values, const ct_plane_run *run, const ct_quiet *quiet, double *sums)
+static void call_gather(const ct_solid_part *part, const double *values, const ct_plane_run *run,
+                        const ct_quiet *quiet, double *sums)
 {
   int32_t low = part->first_node + run->low;
   for (int32_t n = low, end; n < low + run->count; n = end) {
@@ -351,8 +392,11 @@ static void call_gather(const ct_solid_part *part, const double *values, const c
   }
 }
 
-/* Forces at the nodes of the runs first ... last - 1, each run as soon as its last element is there. */
-static void sum_runs(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, const ct_quiet *quiet, double *values, double *sums)
+/* Forces at the nodes of the runs first ... last - 1, each run as soon as its last element is
+ * there. */
+static void sum_runs(const ct_solid_part *part, int32_t first, int32_t last,
+                     const double *displacement, const ct_quiet *quiet, double *values,
+                     double *sums)
 {
   const ct_plane *plane = part->plane;
   int32_t begin = INT32_MAX, from, to;
@@ -371,7 +415,8 @@ static void sum_runs(const ct_solid_part *part, int32_t first, int32_t last, con
   }
 }
 
-void ct_plane_force(const ct_solid_part *part, const double *displacement, int threads, const ct_quiet *quiet, double *values, double *sums)
+void ct_plane_force(const ct_solid_part *part, const double *displacement, int threads,
+                    const ct_quiet *quiet, double *values, double *sums)
 {
   const ct_plane *plane = part->plane;
   int64_t runs = plane->run_count;
@@ -380,5 +425,6 @@ void ct_plane_force(const ct_solid_part *part, const double *displacement, int t
 #pragma omp parallel for num_threads(shares) schedule(static, 1) if (shares > 1)
 #endif
   for (int i = 0; i < shares; i++)
-    sum_runs(part, (int32_t)(runs * i / shares), (int32_t)(runs * (i + 1) / shares), displacement, quiet, values + 12 * plane->stride * i, sums);
+    sum_runs(part, (int32_t)(runs * i / shares), (int32_t)(runs * (i + 1) / shares), displacement,
+             quiet, values + 12 * plane->stride * i, sums);
 }

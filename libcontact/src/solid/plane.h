@@ -3,11 +3,12 @@
 
 #include "kernel.h"
 
-/* Nodes of the lower layer whose numbers follow each other, as do those of their partners in the upper layer and of the elements
- * around them. */
+/* Nodes of the lower layer whose numbers follow each other, as do those of their partners in the
+ * upper layer and of the elements around them. */
 typedef struct ct_plane_run {
   int32_t low, high, count;
-  /* The first node's elements, quadrants (-,-), (+,-), (-,+), (+,+) in p and q; -1: none, at all nodes of the run. */
+  /* The first node's elements, quadrants (-,-), (+,-), (-,+), (+,+) in p and q; -1: none, at all
+   * nodes of the run. */
   int32_t element[4];
 } ct_plane_run;
 
@@ -17,29 +18,32 @@ struct ct_quiet;
 typedef struct ct_plane {
   /* The direction that the layer is held in, and the two others, ascending. */
   int axis, p, q;
-  /* Nodes of the lower layer, shape (batches, 4, 8 lanes); corners (-,-), (+,-), (-,+), (+,+) in p and q. */
+  /* Nodes of the lower layer, shape (batches, 4, 8 lanes); corners (-,-), (+,-), (-,+), (+,+) in p
+   * and q. */
   int32_t *batch_nodes;
   /* All nodes, by those of the lower layer, ascending. */
   ct_plane_run *runs;
   int32_t run_count;
-  /* Each thread has a ring of `ring` elements, a power of two, for their forces: component c at corner k stands 3 k + c strides
-   * from the first one. */
+  /* Each thread has a ring of `ring` elements, a power of two, for their forces: component c at
+   * corner k stands 3 k + c strides from the first one. */
   int rings;
   int64_t ring, stride, value_count;
 } ct_plane;
 
-/* The plane of a part of boxes, for `rings` threads, if it is one layer along `axis` and each node has at most one element in
- * each quadrant; else null, with CT_OK. CT_ERROR_MEMORY. */
+/* The plane of a part of boxes, for `rings` threads, if it is one layer along `axis` and each node
+ * has at most one element in each quadrant; else null, with CT_OK. CT_ERROR_MEMORY. */
 ct_status ct_plane_create(const ct_solid_part *part, int axis, int rings, ct_plane **plane);
 
 void ct_plane_free(ct_plane *plane);
 
-/* Whether the layers have moved alike, to the bit, and not at all along `axis`. Nodes whose bit is set in `adrift` (null: none; a
- * bit a node of the problem) are known to. */
+/* Whether the layers have moved alike, to the bit, and not at all along `axis`. Nodes whose bit is
+ * set in `adrift` (null: none; a bit a node of the problem) are known to. */
 int ct_plane_holds(const ct_solid_part *part, const double *displacement, const uint64_t *adrift);
 
-/* Forces at the nodes of the part, shape (node_count, 3); `values` is room for the rings. Where `quiet` is not null, batches that
- * it does not name are left out, and nodes that have none of the others keep what they had. */
-void ct_plane_force(const ct_solid_part *part, const double *displacement, int threads, const struct ct_quiet *quiet, double *values, double *sums);
+/* Forces at the nodes of the part, shape (node_count, 3); `values` is room for the rings. Where
+ * `quiet` is not null, batches that it does not name are left out, and nodes that have none of the
+ * others keep what they had. */
+void ct_plane_force(const ct_solid_part *part, const double *displacement, int threads,
+                    const struct ct_quiet *quiet, double *values, double *sums);
 
 #endif

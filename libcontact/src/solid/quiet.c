@@ -1,4 +1,5 @@
-/* Quiet regions of bodies that are no lattice: batches whose nodes have moved alike have no force and are not computed. */
+/* Quiet regions of bodies that are no lattice: batches whose nodes have moved alike have no force
+ * and are not computed. */
 #include "quiet.h"
 
 #include "../bits.h"
@@ -8,9 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-ct_status ct_quiet_create(const ct_solid_part *parts, int32_t part_count, int64_t batch_count, int32_t node_count, ct_quiet *quiet)
+ct_status ct_quiet_create(const ct_solid_part *parts, int32_t part_count, int64_t batch_count,
+                          int32_t node_count, ct_quiet *quiet)
 {
-  size_t words = (size_t)ct_bits_words(node_count), batches = (size_t)batch_count + 9; // rows mark nine at once
+  size_t words = (size_t)ct_bits_words(node_count),
+         batches = (size_t)batch_count + 9; // rows mark nine at once
   quiet->part_count = part_count;
   quiet->rows = ct_allocate((size_t)part_count, sizeof *quiet->rows);
   quiet->batch = ct_allocate(batches, sizeof *quiet->batch);
@@ -20,16 +23,22 @@ ct_status ct_quiet_create(const ct_solid_part *parts, int32_t part_count, int64_
   quiet->adrift = ct_allocate(words, sizeof *quiet->adrift);
   quiet->seen = ct_allocate(words + (size_t)part_count, sizeof *quiet->seen);
   quiet->kept = ct_allocate((size_t)part_count, sizeof *quiet->kept);
-  if (!quiet->rows || !quiet->batch || !quiet->woken || !quiet->read || !quiet->changed || !quiet->adrift || !quiet->seen || !quiet->kept) return CT_ERROR_MEMORY;
+  if (!quiet->rows || !quiet->batch || !quiet->woken || !quiet->read || !quiet->changed ||
+      !quiet->adrift || !quiet->seen || !quiet->kept)
+    return CT_ERROR_MEMORY;
   for (int32_t i = 0; i < part_count; i++)
-    if (parts[i].savings.quiet && parts[i].cells[0] > 0 && ct_rows_create(&parts[i], &quiet->rows[i]) != CT_OK) return CT_ERROR_MEMORY;
+    if (parts[i].savings.quiet && parts[i].cells[0] > 0 &&
+        ct_rows_create(&parts[i], &quiet->rows[i]) != CT_OK)
+      return CT_ERROR_MEMORY;
   return CT_OK;
 }
 
 void ct_quiet_free(ct_quiet *quiet)
 {
-  void *blocks[] = {quiet->batch, quiet->woken, quiet->read, quiet->changed, quiet->adrift, quiet->seen, quiet->kept, quiet->rows};
-  for (int32_t i = 0; quiet->rows != NULL && i < quiet->part_count; i++) ct_rows_free(&quiet->rows[i]);
+  void *blocks[] = {quiet->batch,  quiet->woken, quiet->read, quiet->changed,
+                    quiet->adrift, quiet->seen,  quiet->kept, quiet->rows};
+  for (int32_t i = 0; quiet->rows != NULL && i < quiet->part_count; i++)
+    ct_rows_free(&quiet->rows[i]);
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) ct_release(blocks[i]);
 }
 
@@ -50,7 +59,8 @@ static int32_t batch_ranges(const ct_solid_part *part, int32_t b, ct_node_range 
       if (range != NULL) range[count - 1].last = part->first_node + number[i];
       continue;
     }
-    if (range != NULL) range[count] = (ct_node_range){part->first_node + number[i], part->first_node + number[i]};
+    if (range != NULL)
+      range[count] = (ct_node_range){part->first_node + number[i], part->first_node + number[i]};
     count++;
   }
   return count;
@@ -60,10 +70,12 @@ ct_status ct_quiet_prepare(ct_solid_part *part)
 {
   part->range_first = ct_allocate((size_t)part->batch_count + 1, sizeof *part->range_first);
   if (part->range_first == NULL) return CT_ERROR_MEMORY;
-  for (int32_t b = 0; b < part->batch_count; b++) part->range_first[b + 1] = part->range_first[b] + batch_ranges(part, b, NULL);
+  for (int32_t b = 0; b < part->batch_count; b++)
+    part->range_first[b + 1] = part->range_first[b] + batch_ranges(part, b, NULL);
   part->ranges = ct_allocate((size_t)part->range_first[part->batch_count], sizeof *part->ranges);
   if (part->ranges == NULL) return CT_ERROR_MEMORY;
-  for (int32_t b = 0; b < part->batch_count; b++) batch_ranges(part, b, &part->ranges[part->range_first[b]]);
+  for (int32_t b = 0; b < part->batch_count; b++)
+    batch_ranges(part, b, &part->ranges[part->range_first[b]]);
   return CT_OK;
 }
 
@@ -79,11 +91,13 @@ static void find_near(uint8_t *near, const ct_solid_part *part, const uint64_t *
   }
 }
 
-void ct_quiet_wake(ct_quiet *quiet, const ct_solid_part *part, int32_t number, const uint64_t *drifted)
+void ct_quiet_wake(ct_quiet *quiet, const ct_solid_part *part, int32_t number,
+                   const uint64_t *drifted)
 {
   int32_t word = part->first_node / 64;
   uint64_t *seen = &quiet->seen[word + number];
-  size_t size = (size_t)((part->first_node + part->mesh->node_count - 1) / 64 - word + 1) * sizeof *seen;
+  size_t size =
+      (size_t)((part->first_node + part->mesh->node_count - 1) / 64 - word + 1) * sizeof *seen;
   if (drifted == NULL) {
     memset(&quiet->woken[part->first_batch], 1, (size_t)part->batch_count);
     quiet->kept[number] &= (uint8_t)~CT_KEPT_WOKEN;
@@ -105,20 +119,23 @@ static inline int same(const double *u, const double *v)
   return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) == 0;
 }
 
-/* Whether all nodes of some ranges have the same three numbers, to the last bit, and finite ones. */
+/* Whether all nodes of some ranges have the same three numbers, to the last bit, and finite ones.
+ */
 static int alike(const ct_node_range *range, int32_t count, const double *values)
 {
   const double *u = &values[3 * (int64_t)range->first];
   for (const ct_node_range *r = range; r < range + count; r++) {
     const double *v = &values[3 * (int64_t)r->first];
     // A range is compared with itself, shifted by a node.
-    if (!same(v, u) || memcmp(v, v + 3, 3 * (size_t)(r->last - r->first) * sizeof *u) != 0) return 0;
+    if (!same(v, u) || memcmp(v, v + 3, 3 * (size_t)(r->last - r->first) * sizeof *u) != 0)
+      return 0;
   }
   return isfinite(u[0]) && isfinite(u[1]) && isfinite(u[2]);
 }
 
 /* Look at one batch; answers what it is. */
-static uint8_t look(const ct_quiet *quiet, const ct_solid_part *part, int32_t b, const double *displacement, const double *velocity)
+static uint8_t look(const ct_quiet *quiet, const ct_solid_part *part, int32_t b,
+                    const double *displacement, const double *velocity)
 {
   uint8_t was = quiet->batch[part->first_batch + b];
   int woken = quiet->woken[part->first_batch + b];
@@ -129,7 +146,8 @@ static uint8_t look(const ct_quiet *quiet, const ct_solid_part *part, int32_t b,
   if (!alike(range, count, displacement)) return CT_BATCH_MOVING;
   if (was < CT_BATCH_FRESH) return CT_BATCH_FRESH;
   // One that is woken has to be looked at in the next call anyway.
-  return velocity != NULL && !woken && alike(range, count, velocity) ? CT_BATCH_ASLEEP : CT_BATCH_QUIET;
+  return velocity != NULL && !woken && alike(range, count, velocity) ? CT_BATCH_ASLEEP
+                                                                     : CT_BATCH_QUIET;
 }
 
 /* Whether eight bytes are all the same one. */
@@ -140,7 +158,8 @@ static inline int all_are(const uint8_t *eight, uint8_t value)
   return bytes == value * (UINT64_MAX / 255);
 }
 
-int ct_quiet_look(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, const double *velocity)
+int ct_quiet_look(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last,
+                  const double *displacement, const double *velocity)
 {
   int crossed = 0;
   for (int32_t b = first, end; b < last; b = end) {
@@ -148,7 +167,9 @@ int ct_quiet_look(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int
     int32_t from = b;
     end = b + 8 < last ? b + 8 : last;
     // Most of them are asleep, or move and are looked at one out of eight.
-    if (end - b == 8 && all_are(found, CT_BATCH_ASLEEP) && all_are(&quiet->woken[part->first_batch + b], 0)) continue;
+    if (end - b == 8 && all_are(found, CT_BATCH_ASLEEP) &&
+        all_are(&quiet->woken[part->first_batch + b], 0))
+      continue;
     if (end - b == 8 && all_are(found, CT_BATCH_MOVING)) {
       from = b + (8 - (b + quiet->call) % 8) % 8;
       end = from + 1;
@@ -163,7 +184,8 @@ int ct_quiet_look(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int
   return crossed;
 }
 
-void ct_quiet_confirm(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last, double *values)
+void ct_quiet_confirm(ct_quiet *quiet, const ct_solid_part *part, int32_t first, int32_t last,
+                      double *values)
 {
   int per = ct_brick_node_count(part->mesh->kind);
   for (int32_t b = first; b < last; b++) {
@@ -181,7 +203,8 @@ static void mark_nodes(ct_quiet *quiet, const ct_solid_part *part)
 {
   const uint8_t *found = &quiet->batch[part->first_batch];
   for (int32_t b = 0; b < part->batch_count; b++)
-    for (int32_t i = part->range_first[b]; found[b] < CT_BATCH_QUIET && i < part->range_first[b + 1]; i++)
+    for (int32_t i = part->range_first[b];
+         found[b] < CT_BATCH_QUIET && i < part->range_first[b + 1]; i++)
       ct_bits_put(quiet->changed, part->ranges[i].first, part->ranges[i].last + 1, 1);
 }
 

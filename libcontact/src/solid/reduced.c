@@ -5,8 +5,8 @@
 
 enum { HOURGLASS = 4, FIRST_HOURGLASS = CT_XI_ETA };
 
-/* What is laid down for the 8 elements of a batch: β[j][m] = b[j][m] / V, the hourglass modes X[j][k] of the coordinates, the
- * volume and the stiffness c of the hourglass modes. */
+/* What is laid down for the 8 elements of a batch: β[j][m] = b[j][m] / V, the hourglass modes
+ * X[j][k] of the coordinates, the volume and the stiffness c of the hourglass modes. */
 struct ct_reduced_lanes {
   ct_lanes beta[3][CT_MEAN_MODES], X[3][HOURGLASS], V, c;
 };
@@ -27,7 +27,8 @@ static void lay_down(const ct_solid_part *part, double scale)
       reduced_lanes *r = lanes_of(part, b, lane);
       ct_load_lanes(&part->batch_nodes[64 * (int64_t)b], 8, part->mesh->nodes, lane, x);
       for (int j = 0; j < 3; j++) ct_brick_modes(&x[8 * j], X[j]);
-      // -- Mean gradients per displacement (eq:mean-gradient), and the scale g² of their size (eq:hourglass-stiffness)
+      // -- Mean gradients per displacement (eq:mean-gradient), and the scale g² of their size
+      // (eq:hourglass-stiffness)
       ct_mean_gradient(X, B, &r->V);
       for (int j = 0; j < 3; j++) {
         for (int m = 0; m < CT_MEAN_MODES; m++) r->beta[j][m] = B[j][m] / r->V;
@@ -40,27 +41,32 @@ static void lay_down(const ct_solid_part *part, double scale)
 
 ct_status ct_reduced_prepare(ct_solid_part *part)
 {
-  part->mean = ct_allocate((size_t)part->batch_count * (CT_BATCH / CT_LANES_COUNT), sizeof *part->mean);
+  part->mean =
+      ct_allocate((size_t)part->batch_count * (CT_BATCH / CT_LANES_COUNT), sizeof *part->mean);
   if (part->mean == NULL) return CT_ERROR_MEMORY;
   lay_down(part, part->hourglass * part->material.young / 72.0);
   return CT_OK;
 }
 
-/* From one component of the displacements of the eight nodes: its mean gradient, and the hourglass amplitudes with what the mean
- * gradient explains taken off. */
-static inline void gradient_and_hourglass(const reduced_lanes *r, const ct_lanes u[8], ct_lanes G[3], ct_lanes q[HOURGLASS])
+/* From one component of the displacements of the eight nodes: its mean gradient, and the hourglass
+ * amplitudes with what the mean gradient explains taken off. */
+static inline void gradient_and_hourglass(const reduced_lanes *r, const ct_lanes u[8],
+                                          ct_lanes G[3], ct_lanes q[HOURGLASS])
 {
   ct_lanes U[CT_MODES];
   ct_brick_modes(u, U);
   // -- Take the mean displacement gradient (eq:mean-gradient)
   for (int j = 0; j < 3; j++) ct_mean_sum(r->beta[j], U, &G[j]);
   // -- Take off the linear part of the hourglass amplitudes (eq:hourglass-amplitude)
-  for (int k = 0; k < HOURGLASS; k++) q[k] = U[FIRST_HOURGLASS + k] - ((G[0] * r->X[0][k] + G[1] * r->X[1][k]) + G[2] * r->X[2][k]);
+  for (int k = 0; k < HOURGLASS; k++)
+    q[k] = U[FIRST_HOURGLASS + k] - ((G[0] * r->X[0][k] + G[1] * r->X[1][k]) + G[2] * r->X[2][k]);
 }
 
-/* All components, and V times the stress of the mean gradient. Written out: the compiler keeps what it unrolls in registers. */
-static inline void strain_and_hourglass(const reduced_lanes *r, const ct_lanes u[3 * 8], double lambda, double mu, ct_lanes G[3][3], ct_lanes S[3][3],
-                                        ct_lanes q[3][HOURGLASS])
+/* All components, and V times the stress of the mean gradient. Written out: the compiler keeps what
+ * it unrolls in registers. */
+static inline void strain_and_hourglass(const reduced_lanes *r, const ct_lanes u[3 * 8],
+                                        double lambda, double mu, ct_lanes G[3][3],
+                                        ct_lanes S[3][3], ct_lanes q[3][HOURGLASS])
 {
   gradient_and_hourglass(r, &u[0], G[0], q[0]);
   gradient_and_hourglass(r, &u[8], G[1], q[1]);
@@ -74,12 +80,16 @@ static inline void strain_and_hourglass(const reduced_lanes *r, const ct_lanes u
     }
 }
 
-/* Nodal forces of one component from V times its stresses P and its hourglass amplitudes (eq:reduced-force). */
-static inline void collect(const reduced_lanes *r, ct_lanes P[3], const ct_lanes q[HOURGLASS], ct_lanes f[8])
+/* Nodal forces of one component from V times its stresses P and its hourglass amplitudes
+ * (eq:reduced-force). */
+static inline void collect(const reduced_lanes *r, ct_lanes P[3], const ct_lanes q[HOURGLASS],
+                           ct_lanes f[8])
 {
   ct_lanes F[CT_MODES], Q[HOURGLASS];
   for (int k = 0; k < HOURGLASS; k++) F[FIRST_HOURGLASS + k] = Q[k] = r->c * q[k];
-  for (int j = 0; j < 3; j++) P[j] = P[j] - ((Q[0] * r->X[j][0] + Q[1] * r->X[j][1]) + (Q[2] * r->X[j][2] + Q[3] * r->X[j][3]));
+  for (int j = 0; j < 3; j++)
+    P[j] =
+        P[j] - ((Q[0] * r->X[j][0] + Q[1] * r->X[j][1]) + (Q[2] * r->X[j][2] + Q[3] * r->X[j][3]));
   for (int m = 0; m < CT_MEAN_MODES; m++) {
     ct_lanes mean = (P[0] * r->beta[0][m] + P[1] * r->beta[1][m]) + P[2] * r->beta[2][m];
     if (m >= FIRST_HOURGLASS) mean = mean + F[m];
@@ -89,7 +99,8 @@ static inline void collect(const reduced_lanes *r, ct_lanes P[3], const ct_lanes
 }
 
 CT_CLONES
-void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values)
+void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t last,
+                              const double *displacement, double *values)
 {
   for (int32_t b = first; b < last; b++)
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
@@ -105,7 +116,8 @@ void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t 
 }
 
 CT_CLONES
-void ct_solid_reduced_energies(const ct_solid_part *part, int32_t batch, const double *displacement, double strain[8], double hourglass[8])
+void ct_solid_reduced_energies(const ct_solid_part *part, int32_t batch, const double *displacement,
+                               double strain[8], double hourglass[8])
 {
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
     ct_lanes u[3 * 8], G[3][3], S[3][3], q[3][HOURGLASS], W[3], H[3], half;

@@ -7,9 +7,11 @@
 ct_status ct_reduced_prepare(ct_solid_part *part);
 
 /* Forces of the batches first ... last - 1, as those of the other kernels. */
-void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t last, const double *displacement, double *values);
+void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t last,
+                              const double *displacement, double *values);
 
 /* Energies of one batch: of the strain at the centre, and of the hourglass control. */
-void ct_solid_reduced_energies(const ct_solid_part *part, int32_t batch, const double *displacement, double strain[8], double hourglass[8]);
+void ct_solid_reduced_energies(const ct_solid_part *part, int32_t batch, const double *displacement,
+                               double strain[8], double hourglass[8]);
 
 #endif

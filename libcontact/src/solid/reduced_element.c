@@ -10,12 +10,14 @@
 #include <math.h>
 #include <string.h>
 
-/* The element's own: volume, mean shape gradients B[a][j], hourglass vectors γ[k][a], and the stiffness of their amplitudes. */
+/* The element's own: volume, mean shape gradients B[a][j], hourglass vectors γ[k][a], and the
+ * stiffness of their amplitudes. */
 typedef struct reduced_element {
   double V, B[20][3], gamma[4][20], c;
 } reduced_element;
 
-ct_status ct_element_mean_gradients(const double *nodes, double B[20][3], double *volume, double *g2, ct_error *error)
+ct_status ct_element_mean_gradients(const double *nodes, double B[20][3], double *volume,
+                                    double *g2, ct_error *error)
 {
   double x[20][3] = {{0.0}}, dNdx[20][3];
   ct_rule rule;
@@ -26,7 +28,9 @@ ct_status ct_element_mean_gradients(const double *nodes, double B[20][3], double
   // -- Average the gradients of the shape functions over the element (eq:mean-gradient)
   for (int p = 0; p < rule.count; p++) {
     double dV = rule.weight[p] * ct_element_gradients(CT_HEX8, x, rule.xi[p], dNdx);
-    if (!(dV > 0.0)) return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, p}, "the element is inverted or collapsed at Gauss point %d", p);
+    if (!(dV > 0.0))
+      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){-1, -1, p},
+                     "the element is inverted or collapsed at Gauss point %d", p);
     *volume += dV;
     for (int a = 0; a < 8; a++)
       for (int j = 0; j < 3; j++) B[a][j] += dNdx[a][j] * dV;
@@ -39,15 +43,18 @@ ct_status ct_element_mean_gradients(const double *nodes, double B[20][3], double
   return CT_OK;
 }
 
-static ct_status open_element(const double *nodes, const ct_material *material, double hourglass, reduced_element *r, ct_error *error)
+static ct_status open_element(const double *nodes, const ct_material *material, double hourglass,
+                              reduced_element *r, ct_error *error)
 {
   double x[20][3] = {{0.0}}, xi[3], g2 = 0.0, middle[3];
   if (nodes == NULL || !(hourglass > 0.0) || !isfinite(hourglass))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: no nodes, or an hourglass coefficient of %g", hourglass);
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "reduced: no nodes, or an hourglass coefficient of %g", hourglass);
   ct_status status = ct_material_check(material, error);
   if (status != CT_OK) return status;
   if (material->law != CT_LINEAR)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "reduced integration with hourglass control is for small strain");
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "reduced integration with hourglass control is for small strain");
   *r = (reduced_element){.V = 0.0};
   status = ct_element_mean_gradients(nodes, r->B, &r->V, &g2, error);
   if (status != CT_OK) return status;
@@ -63,21 +70,27 @@ static ct_status open_element(const double *nodes, const ct_material *material, 
     double h[8], hx[3] = {0.0};
     for (int a = 0; a < 8; a++) {
       ct_brick_reference(CT_HEX8, a, xi);
-      h[a] = k == 0 ? xi[0] * xi[1] : k == 1 ? xi[1] * xi[2] : k == 2 ? xi[2] * xi[0] : xi[0] * xi[1] * xi[2];
+      h[a] = k == 0   ? xi[0] * xi[1]
+             : k == 1 ? xi[1] * xi[2]
+             : k == 2 ? xi[2] * xi[0]
+                      : xi[0] * xi[1] * xi[2];
       for (int j = 0; j < 3; j++) hx[j] += h[a] * (x[a][j] - middle[j]);
     }
-    for (int a = 0; a < 8; a++) r->gamma[k][a] = h[a] - ((hx[0] * r->B[a][0] + hx[1] * r->B[a][1]) + hx[2] * r->B[a][2]);
+    for (int a = 0; a < 8; a++)
+      r->gamma[k][a] = h[a] - ((hx[0] * r->B[a][0] + hx[1] * r->B[a][1]) + hx[2] * r->B[a][2]);
   }
   r->c = hourglass * material->young * r->V * g2 / 72.0; // (eq:hourglass-stiffness)
   return CT_OK;
 }
 
-ct_status ct_solid_reduced_force(const double *nodes, const double *displacement, const ct_material *material, double hourglass,
-                                 double *force, double energy[2], ct_error *error)
+ct_status ct_solid_reduced_force(const double *nodes, const double *displacement,
+                                 const ct_material *material, double hourglass, double *force,
+                                 double energy[2], ct_error *error)
 {
   reduced_element r;
   double u[20][3], G[3][3], lambda, mu, W = 0.0, H = 0.0;
-  if (displacement == NULL || force == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: null argument");
+  if (displacement == NULL || force == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: null argument");
   ct_status status = open_element(nodes, material, hourglass, &r, error);
   if (status != CT_OK) return status;
   memcpy(u, displacement, 8 * sizeof u[0]);
@@ -105,7 +118,8 @@ ct_status ct_solid_reduced_force(const double *nodes, const double *displacement
   return CT_OK;
 }
 
-ct_status ct_reduced_stiffness(const double *nodes, const ct_material *material, double hourglass, double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], ct_error *error)
+ct_status ct_reduced_stiffness(const double *nodes, const ct_material *material, double hourglass,
+                               double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], ct_error *error)
 {
   reduced_element r;
   double lambda, mu;
@@ -122,11 +136,13 @@ ct_status ct_reduced_stiffness(const double *nodes, const ct_material *material,
   return CT_OK;
 }
 
-ct_status ct_solid_reduced_frequency(const double *nodes, const ct_material *material, double hourglass, const double *mass,
-                                     double *omega_squared, ct_error *error)
+ct_status ct_solid_reduced_frequency(const double *nodes, const ct_material *material,
+                                     double hourglass, const double *mass, double *omega_squared,
+                                     ct_error *error)
 {
   double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], m[CT_ELEMENT_SIZE];
-  if (mass == NULL || omega_squared == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: null argument");
+  if (mass == NULL || omega_squared == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: null argument");
   ct_spread_mass(8, mass, NULL, m);
   ct_status status = ct_reduced_stiffness(nodes, material, hourglass, A, error);
   return status == CT_OK ? ct_largest_eigenvalue(24, m, A, omega_squared, error) : status;

@@ -18,13 +18,15 @@ ct_status ct_rows_create(const ct_solid_part *part, ct_rows *rows)
   rows->led = ct_allocate(size, sizeof *rows->led);
   rows->reached = ct_allocate(size, sizeof *rows->reached);
   rows->awake = ct_allocate(size, sizeof *rows->awake);
-  int all = rows->moving && rows->fresh && rows->asleep && rows->led && rows->reached && rows->awake;
+  int all =
+      rows->moving && rows->fresh && rows->asleep && rows->led && rows->reached && rows->awake;
   return all ? CT_OK : CT_ERROR_MEMORY;
 }
 
 void ct_rows_free(ct_rows *rows)
 {
-  uint64_t *blocks[] = {rows->moving, rows->fresh, rows->asleep, rows->led, rows->reached, rows->awake};
+  uint64_t *blocks[] = {rows->moving, rows->fresh,   rows->asleep,
+                        rows->led,    rows->reached, rows->awake};
   for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) ct_release(blocks[i]);
 }
 
@@ -32,12 +34,13 @@ void ct_rows_free(ct_rows *rows)
 typedef struct look {
   ct_rows *rows;
   const ct_solid_part *part;
-  int32_t row, layer;             /* nodes from one row to the next, and from one layer to the next */
-  int64_t bit_words;              /* of a table of nodes */
-  const uint64_t *drifted;        /* null: nobody knows */
-  const double *displacement, *velocity; /* of the problem; without a velocity (null) nothing falls asleep */
-  uint64_t turn;                  /* of the elements that move, those that are looked at in this call */
-  const ct_leader *leader;        /* null: none */
+  int32_t row, layer;      /* nodes from one row to the next, and from one layer to the next */
+  int64_t bit_words;       /* of a table of nodes */
+  const uint64_t *drifted; /* null: nobody knows */
+  const double *displacement,
+      *velocity;           /* of the problem; without a velocity (null) nothing falls asleep */
+  uint64_t turn;           /* of the elements that move, those that are looked at in this call */
+  const ct_leader *leader; /* null: none */
 } look;
 
 /* One word of a row. */
@@ -53,15 +56,23 @@ static word word_of(const look *l, int32_t r, int32_t w)
 {
   const int32_t *cells = l->part->cells;
   int32_t left = cells[0] - 64 * w, count = left < 64 ? left : 64;
-  return (word){.own = r * (int64_t)l->rows->words + w, .first = cells[0] * r + 64 * w, .count = count,
+  return (word){.own = r * (int64_t)l->rows->words + w,
+                .first = cells[0] * r + 64 * w,
+                .count = count,
                 .all = ct_bits_span(0, count),
-                .node = l->part->first_node + l->row * (int64_t)(r % cells[1]) + l->layer * (int64_t)(r / cells[1]) + 64 * w};
+                .node = l->part->first_node + l->row * (int64_t)(r % cells[1]) +
+                        l->layer * (int64_t)(r / cells[1]) + 64 * w};
 }
 
-/* Nodes from the first one of a row of elements to the first of each of the four rows of nodes around it. */
-static inline int64_t to_row(const look *l, int k) { return (k & 1) * l->row + (k >> 1) * l->layer; }
+/* Nodes from the first one of a row of elements to the first of each of the four rows of nodes
+ * around it. */
+static inline int64_t to_row(const look *l, int k)
+{
+  return (k & 1) * l->row + (k >> 1) * l->layer;
+}
 
-/* The elements of a word with a node whose bit, after `flip`, is set: an element is between two nodes of each of four rows. */
+/* The elements of a word with a node whose bit, after `flip`, is set: an element is between two
+ * nodes of each of four rows. */
 static uint64_t elements_near(const look *l, const uint64_t *nodes, uint64_t flip, const word *e)
 {
   uint64_t found = 0, next = 0;
@@ -119,11 +130,14 @@ static span joined(span a, span b)
 static span widened(const look *l, span s, int32_t by)
 {
   if (s.last < s.first) return s;
-  return (span){s.first > by ? s.first - by : 0, s.last + by < l->rows->count ? s.last + by : l->rows->count - 1};
+  return (span){s.first > by ? s.first - by : 0,
+                s.last + by < l->rows->count ? s.last + by : l->rows->count - 1};
 }
 
-/* Write for the nodes of some rows, before a `flip` of their bits, whether one of their elements has its bit set. */
-static void spread_to_nodes(const look *l, span s, const uint64_t *elements, uint64_t flip, uint64_t *nodes)
+/* Write for the nodes of some rows, before a `flip` of their bits, whether one of their elements
+ * has its bit set. */
+static void spread_to_nodes(const look *l, span s, const uint64_t *elements, uint64_t flip,
+                            uint64_t *nodes)
 {
   const int32_t *cells = l->part->cells, words = l->rows->words;
   // Row (j, k) of elements lies between the lines (j, k) and (j + 1, k + 1) of nodes.
@@ -140,7 +154,8 @@ static void spread_to_nodes(const look *l, span s, const uint64_t *elements, uin
     for (int32_t w = 0; 64 * w <= cells[0]; w++) {
       uint64_t found = 0;
       for (int a = 0; w < words && a < rows; a++) found |= around[a][w];
-      write_bits(&out, l->row - 64 * w < 64 ? l->row - 64 * w : 64, (found | found << 1 | before) ^ flip);
+      write_bits(&out, l->row - 64 * w < 64 ? l->row - 64 * w : 64,
+                 (found | found << 1 | before) ^ flip);
       before = found >> 63;
     }
     j = j < cells[1] ? j + 1 : 0;
@@ -149,8 +164,8 @@ static void spread_to_nodes(const look *l, span s, const uint64_t *elements, uin
   end_bits(&out);
 }
 
-/* Mark the batches of eight with one of some elements of a word, which begins with element e: eight batches at once, and the one
- * that the word ends in. */
+/* Mark the batches of eight with one of some elements of a word, which begins with element e: eight
+ * batches at once, and the one that the word ends in. */
 static inline void mark_word(uint64_t elements, int32_t e, uint8_t *batch)
 {
   const uint64_t low = 0x0101010101010101u;
@@ -189,10 +204,13 @@ static void mark_batches(const look *l, span s, const uint64_t *elements, uint8_
 }
 
 /* Whether two nodes have the same three numbers, to the last bit. */
-static inline int same(const double *a, const double *b) { return memcmp(a, b, 3 * sizeof *a) == 0; }
+static inline int same(const double *a, const double *b)
+{
+  return memcmp(a, b, 3 * sizeof *a) == 0;
+}
 
-/* Whether the eight nodes of an element, of which the first is given, have the same three numbers, to the last bit, and finite
- * ones. */
+/* Whether the eight nodes of an element, of which the first is given, have the same three numbers,
+ * to the last bit, and finite ones. */
 static inline int alike(const look *l, const double *values, int64_t node)
 {
   const double *first = &values[3 * node];
@@ -203,7 +221,8 @@ static inline int alike(const look *l, const double *values, int64_t node)
   return isfinite(first[0]) && isfinite(first[1]) && isfinite(first[2]);
 }
 
-/* The same for `count` elements of a row: a run of nodes is compared with itself, shifted by a node. */
+/* The same for `count` elements of a row: a run of nodes is compared with itself, shifted by a
+ * node. */
 static int all_alike(const look *l, const double *values, int64_t node, int32_t count)
 {
   for (int k = 0; k < 4; k++) {
@@ -223,13 +242,15 @@ static uint64_t alike_among(const look *l, const double *values, const word *e, 
   return found;
 }
 
-/* Those of the wanted elements, whose nodes have one displacement and one velocity, that have those of the leader. */
+/* Those of the wanted elements, whose nodes have one displacement and one velocity, that have those
+ * of the leader. */
 static uint64_t led_among(const look *l, const word *e, uint64_t wanted)
 {
   uint64_t found = 0;
   for (uint64_t left = l->leader == NULL ? 0 : wanted; left != 0; left &= left - 1) {
     int64_t dof = 3 * (e->node + ct_bits_low_zeros(left));
-    int alike = same(&l->displacement[dof], l->leader->displacement) && same(&l->velocity[dof], l->leader->velocity);
+    int alike = same(&l->displacement[dof], l->leader->displacement) &&
+                same(&l->velocity[dof], l->leader->velocity);
     if (alike) found |= left & -left;
   }
   return found;
@@ -242,7 +263,8 @@ enum { CROSSED = 1, SLEPT = 2 };
 static int look_at(const look *l, const word *e)
 {
   const ct_rows *rows = l->rows;
-  uint64_t *m = &rows->moving[e->own], *f = &rows->fresh[e->own], *a = &rows->asleep[e->own], *led = &rows->led[e->own];
+  uint64_t *m = &rows->moving[e->own], *f = &rows->fresh[e->own], *a = &rows->asleep[e->own],
+           *led = &rows->led[e->own];
   uint64_t woken = l->drifted == NULL ? e->all : elements_near(l, l->drifted, ~(uint64_t)0, e);
   uint64_t moving = *m, asleep = *a & ~woken, wanted = e->all & ~asleep & (~moving | *f | l->turn);
   uint64_t alike = alike_among(l, l->displacement, e, wanted), calm = alike & (~moving | *f);
@@ -259,14 +281,15 @@ static int look_at(const look *l, const word *e)
   return changed;
 }
 
-/* Take displacement and velocity of the first elements that could sleep as the leader's; answers whether there is one among the
- * first few. */
+/* Take displacement and velocity of the first elements that could sleep as the leader's; answers
+ * whether there is one among the first few. */
 static int choose_leader(const look *l, ct_leader *leader)
 {
   int tries = 64;
   for (int32_t own = 0; own < l->rows->words * l->rows->count; own++) {
     word e = word_of(l, own / l->rows->words, own % l->rows->words);
-    uint64_t left = e.all & (~l->rows->moving[own] | l->rows->fresh[own]) & ~elements_near(l, l->drifted, ~(uint64_t)0, &e);
+    uint64_t left = e.all & (~l->rows->moving[own] | l->rows->fresh[own]) &
+                    ~elements_near(l, l->drifted, ~(uint64_t)0, &e);
     for (; left != 0; left &= left - 1) {
       int64_t node = e.node + ct_bits_low_zeros(left);
       if (tries-- == 0) return 0;
@@ -281,8 +304,8 @@ static int choose_leader(const look *l, ct_leader *leader)
   return 0;
 }
 
-/* From the elements that are computed, of which those of some rows have changed: batches, nodes that are summed, and what has
- * such nodes. Answers for which rows that has changed. */
+/* From the elements that are computed, of which those of some rows have changed: batches, nodes
+ * that are summed, and what has such nodes. Answers for which rows that has changed. */
 static span find_changed(const look *l, span crossed, const ct_found *found)
 {
   const ct_rows *rows = l->rows;
@@ -300,8 +323,9 @@ static span find_changed(const look *l, span crossed, const ct_found *found)
   return near;
 }
 
-/* Find the nodes that the leader moves for, where in some rows it has changed what is led or reached. Nobody reads them before
- * the step after the next: in their batches all elements are led and none is reached. */
+/* Find the nodes that the leader moves for, where in some rows it has changed what is led or
+ * reached. Nobody reads them before the step after the next: in their batches all elements are led
+ * and none is reached. */
 static void find_adrift(const look *l, span changed, const ct_found *found)
 {
   const ct_rows *rows = l->rows;
@@ -328,7 +352,8 @@ static void look_at_all(const look *l, int threads, span *crossed, span *slept)
   int32_t first[2] = {INT32_MAX, INT32_MAX}, last[2] = {-1, -1};
   (void)threads;
 #ifdef _OPENMP
-#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1) reduction(min : first[:2]) reduction(max : last[:2])
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1) \
+    reduction(min : first[ : 2]) reduction(max : last[ : 2])
 #endif
   for (int32_t r = 0; r < l->rows->count; r++)
     for (int32_t w = 0; w < l->rows->words; w++) {
@@ -354,13 +379,19 @@ static void assume_moving(const look *l)
     }
 }
 
-void ct_rows_find(ct_rows *rows, const ct_solid_part *part, const ct_view *view, int32_t call, ct_leader *leader,
-                  const ct_found *found)
+void ct_rows_find(ct_rows *rows, const ct_solid_part *part, const ct_view *view, int32_t call,
+                  ct_leader *leader, const ct_found *found)
 {
   int32_t row = part->cells[0] + 1, first = part->first_node, last = first + part->mesh->node_count;
-  look l = {.rows = rows, .part = part, .row = row, .layer = row * (part->cells[1] + 1),
-            .bit_words = ct_bits_words(found->node_count), .drifted = view->drifted, .displacement = view->displacement,
-            .velocity = view->drifted == NULL ? NULL : view->velocity, .turn = 0x0101010101010101u << call % 8};
+  look l = {.rows = rows,
+            .part = part,
+            .row = row,
+            .layer = row * (part->cells[1] + 1),
+            .bit_words = ct_bits_words(found->node_count),
+            .drifted = view->drifted,
+            .displacement = view->displacement,
+            .velocity = view->drifted == NULL ? NULL : view->velocity,
+            .turn = 0x0101010101010101u << call % 8};
   if (!rows->known) {
     assume_moving(&l);
     l.turn = ~(uint64_t)0;

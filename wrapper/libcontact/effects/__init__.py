@@ -72,7 +72,9 @@ def body_names(table: Table, known: Known) -> tuple[str, ...] | None:
         if not isinstance(name, str):
             raise table.error(f"bodies[{i}]", f"is {describe(name)}; it must be the name of a body")
         if name not in known.bodies:
-            raise table.error(f"bodies[{i}]", f'no body is named "{name}"' + suggestion(name, known.bodies))
+            raise table.error(
+                f"bodies[{i}]", f'no body is named "{name}"' + suggestion(name, known.bodies)
+            )
         if name in names[:i]:
             raise table.error(f"bodies[{i}]", f'"{name}" is named twice')
     if not names:

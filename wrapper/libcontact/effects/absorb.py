@@ -28,8 +28,17 @@ def read(table: Table, known: Known) -> Absorb:
 
 def create(given: Absorb, maker: Any) -> Any:
     kind, faces = maker.faces(given.surface)
-    return maker.make(lib.ct_absorb_create_effect, ffi.new("ct_absorb *", {
-        "kind": kind, "face_count": len(faces), "faces": ffi.from_buffer("int32_t[]", maker.keep(faces))}))
+    return maker.make(
+        lib.ct_absorb_create_effect,
+        ffi.new(
+            "ct_absorb *",
+            {
+                "kind": kind,
+                "face_count": len(faces),
+                "faces": ffi.from_buffer("int32_t[]", maker.keep(faces)),
+            },
+        ),
+    )
 
 
 def describe(given: Absorb, units: Units) -> str:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .._core import ffi, lib
-from ..schema import Table, describe as shown
+from ..schema import Table
+from ..schema import describe as shown
 from ..units import Units
 from . import Known, body_names, body_numbers
 
@@ -26,14 +27,27 @@ def read(table: Table, known: Known) -> Damping:
     if table.one_of("rate", "relaxation") == "rate":
         return Damping(table.number("rate", least=0.0), body_names(table, known))
     if table.get("relaxation") is not True:
-        raise table.error("relaxation", f"is {shown(table.get('relaxation'))}; it must be true, or leave it out and give a rate")
+        raise table.error(
+            "relaxation",
+            f"is {shown(table.get('relaxation'))}; it must be true, or leave it out and give a rate",
+        )
     return Damping(None, body_names(table, known))
 
 
 def create(given: Damping, maker: Any) -> Any:
     numbers, count = body_numbers(given.bodies, maker)
-    return maker.make(lib.ct_damping_create_effect, ffi.new("ct_damping *", {
-        "rate": given.rate or 0.0, "relaxation": given.rate is None, "bodies": numbers, "body_count": count}))
+    return maker.make(
+        lib.ct_damping_create_effect,
+        ffi.new(
+            "ct_damping *",
+            {
+                "rate": given.rate or 0.0,
+                "relaxation": given.rate is None,
+                "bodies": numbers,
+                "body_count": count,
+            },
+        ),
+    )
 
 
 def describe(given: Damping, units: Units) -> str:

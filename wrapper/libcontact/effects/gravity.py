@@ -28,8 +28,13 @@ def read(table: Table, known: Known) -> Gravity:
 
 def create(given: Gravity, maker: Any) -> Any:
     numbers, count = body_numbers(given.bodies, maker)
-    return maker.make(lib.ct_gravity_create_effect, ffi.new("ct_gravity *", {
-        "acceleration": list(given.acceleration), "bodies": numbers, "body_count": count}))
+    return maker.make(
+        lib.ct_gravity_create_effect,
+        ffi.new(
+            "ct_gravity *",
+            {"acceleration": list(given.acceleration), "bodies": numbers, "body_count": count},
+        ),
+    )
 
 
 def describe(given: Gravity, units: Units) -> str:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from .._core import ffi, lib
-from ..schema import Table, describe as shown
+from ..schema import Table
+from ..schema import describe as shown
 from ..surfaces import split_face
 from ..units import Units
 from . import Known
@@ -35,7 +36,9 @@ def read(table: Table, known: Known) -> Load:
     if not isinstance(following, bool):
         raise table.error("following", f"is {shown(following)}; it must be true or false")
     if following and pressure == 0.0:
-        raise table.error("following", "is true, but only a pressure follows the surface, and there is none")
+        raise table.error(
+            "following", "is true, but only a pressure follows the surface, and there is none"
+        )
     return Load(surface, traction, pressure, following, read_history(table))
 
 
@@ -46,7 +49,10 @@ def read_history(table: Table) -> tuple[tuple[float, ...], tuple[float, ...]]:
         return (), ()
     time, value = own.items("time"), own.items("value")
     if not time or len(time) != len(value):
-        raise own.error("value", f"has {len(value)} entries, and time has {len(time)}; both need as many, and at least one")
+        raise own.error(
+            "value",
+            f"has {len(value)} entries, and time has {len(time)}; both need as many, and at least one",
+        )
     time = [own.checked_number(t, f"time[{i}]") for i, t in enumerate(time)]
     value = [own.checked_number(v, f"value[{i}]") for i, v in enumerate(value)]
     for i, (before, after) in enumerate(zip(time, time[1:])):
@@ -64,9 +70,21 @@ def c_history(history: tuple[tuple[float, ...], tuple[float, ...]], maker: Any) 
 
 def create(given: Load, maker: Any) -> Any:
     kind, faces = maker.faces(given.surface)
-    return maker.make(lib.ct_load_create_effect, ffi.new("ct_load *", {
-        "kind": kind, "face_count": len(faces), "faces": ffi.from_buffer("int32_t[]", maker.keep(faces)), "traction": list(given.traction),
-        "pressure": given.pressure, "following": given.following, "history": c_history(given.history, maker)}))
+    return maker.make(
+        lib.ct_load_create_effect,
+        ffi.new(
+            "ct_load *",
+            {
+                "kind": kind,
+                "face_count": len(faces),
+                "faces": ffi.from_buffer("int32_t[]", maker.keep(faces)),
+                "traction": list(given.traction),
+                "pressure": given.pressure,
+                "following": given.following,
+                "history": c_history(given.history, maker),
+            },
+        ),
+    )
 
 
 def describe(given: Load, units: Units) -> str:
@@ -74,6 +92,9 @@ def describe(given: Load, units: Units) -> str:
     if any(given.traction):
         parts.append(f"traction {list(given.traction)}")
     if given.pressure:
-        parts.append(f"pressure {given.pressure:g}" + (" that follows the surface" if given.following else ""))
+        parts.append(
+            f"pressure {given.pressure:g}"
+            + (" that follows the surface" if given.following else "")
+        )
     history = f", with a history of {len(given.history[0])} points" if given.history[0] else ""
     return f"{' and '.join(parts)} {units.label('stress')} on {'.'.join(given.surface)}{history}"

@@ -16,8 +16,11 @@ from .load import c_history, read_history
 
 MANY = True
 WITHOUT = "no [[obstacle]]: no rigid walls, spheres or cylinders"
-SHAPES = {"plane": (lib.CT_OBSTACLE_PLANE, "point", "normal"), "sphere": (lib.CT_OBSTACLE_SPHERE, "centre", None),
-          "cylinder": (lib.CT_OBSTACLE_CYLINDER, "centre", "axis")}
+SHAPES = {
+    "plane": (lib.CT_OBSTACLE_PLANE, "point", "normal"),
+    "sphere": (lib.CT_OBSTACLE_SPHERE, "centre", None),
+    "cylinder": (lib.CT_OBSTACLE_CYLINDER, "centre", "axis"),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,16 +62,24 @@ def read(table: Table, known: Known) -> Obstacle:
     point, axis, radius = _shape(table.table(shape), shape)
     given = table.one_of("beta", "epsilon", required=False)
     obstacle = Obstacle(
-        surface=surface, shape=shape, point=point, axis=axis, radius=radius,
+        surface=surface,
+        shape=shape,
+        point=point,
+        axis=axis,
+        radius=radius,
         beta=table.number("beta", None if given else DEFAULT_BETA, above=0.0),
         epsilon=table.number("epsilon", None, above=0.0),
-        velocity=table.vector("velocity", (0.0, 0.0, 0.0)), travel=table.vector("travel", (0.0, 0.0, 0.0)),
+        velocity=table.vector("velocity", (0.0, 0.0, 0.0)),
+        travel=table.vector("travel", (0.0, 0.0, 0.0)),
         history=read_history(table),
-        friction=table.number("friction", 0.0, least=0.0), tangent=table.number("tangent", 0.0, above=0.0),
+        friction=table.number("friction", 0.0, least=0.0),
+        tangent=table.number("tangent", 0.0, above=0.0),
         **dict(zip(("enforcement", "dissipation"), read_enforcement(table))),
     )
     if any(obstacle.travel) != bool(obstacle.history[0]):
-        raise table.error("history", 'and "travel" go together: the way is travel times the history')
+        raise table.error(
+            "history", 'and "travel" go together: the way is travel times the history'
+        )
     if obstacle.tangent and not obstacle.friction:
         raise table.error("tangent", 'belongs to friction; give "friction" too')
     return obstacle
@@ -89,24 +100,54 @@ def create(given: Obstacle, maker: Any) -> list[Any]:
     """The obstacle's effect, and after it that of its friction, if it has one."""
     kind, faces = maker.faces(given.surface)
     body = maker.body(given.surface[0])
-    epsilon = given.epsilon or lib.ct_contact_penalty(given.beta, body.material.young, lib.ct_mesh_shortest_edge(body.mesh))
-    options = ffi.new("ct_obstacle *", {
-        "shape": SHAPES[given.shape][0], "point": given.point, "axis": given.axis, "radius": given.radius, "epsilon": epsilon,
-        "enforcement": ENFORCEMENTS[given.enforcement], "dissipation": given.dissipation,
-        "velocity": given.velocity, "travel": given.travel, "history": c_history(given.history, maker),
-        "kind": kind, "face_count": len(faces), "faces": ffi.from_buffer("int32_t[]", faces)})
+    epsilon = given.epsilon or lib.ct_contact_penalty(
+        given.beta, body.material.young, lib.ct_mesh_shortest_edge(body.mesh)
+    )
+    options = ffi.new(
+        "ct_obstacle *",
+        {
+            "shape": SHAPES[given.shape][0],
+            "point": given.point,
+            "axis": given.axis,
+            "radius": given.radius,
+            "epsilon": epsilon,
+            "enforcement": ENFORCEMENTS[given.enforcement],
+            "dissipation": given.dissipation,
+            "velocity": given.velocity,
+            "travel": given.travel,
+            "history": c_history(given.history, maker),
+            "kind": kind,
+            "face_count": len(faces),
+            "faces": ffi.from_buffer("int32_t[]", faces),
+        },
+    )
     made = [maker.make(lib.ct_obstacle_create_effect, options)]
     if given.friction:
-        rough = ffi.new("ct_friction *", {"on": made[0], "coefficient": given.friction, "tangent": given.tangent})
+        rough = ffi.new(
+            "ct_friction *",
+            {"on": made[0], "coefficient": given.friction, "tangent": given.tangent},
+        )
         made.append(maker.make(lib.ct_friction_create_effect, rough))
     return made
 
 
 def describe(given: Obstacle, units: Units) -> str:
     size = f" of radius {given.radius:g} {units.length}" if given.radius else ""
-    motion = f", moving at {list(given.velocity)} {units.label('velocity')}" if any(given.velocity) else ""
-    motion += f", moving by {list(given.travel)} {units.length} with a history" if given.history[0] else ""
-    penalty = f"beta = {given.beta:g}" if given.beta is not None else f"epsilon = {given.epsilon:g} {units.label('penalty')}"
+    motion = (
+        f", moving at {list(given.velocity)} {units.label('velocity')}"
+        if any(given.velocity)
+        else ""
+    )
+    motion += (
+        f", moving by {list(given.travel)} {units.length} with a history"
+        if given.history[0]
+        else ""
+    )
+    penalty = (
+        f"beta = {given.beta:g}"
+        if given.beta is not None
+        else f"epsilon = {given.epsilon:g} {units.label('penalty')}"
+    )
     rub = f", friction {given.friction:g}" if given.friction else ", without friction"
     penalty += f", enforced by {given.enforcement}"
     return f"{given.shape}{size} at {list(given.point)} {units.length} against {'.'.join(given.surface)}{motion}; {penalty}{rub}"

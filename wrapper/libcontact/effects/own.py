@@ -26,7 +26,9 @@ class View:
     def _rows(self, name: str) -> np.ndarray:
         if self._view is None:
             raise ValueError("the view is gone; read it during the call")
-        rows = np.frombuffer(ffi.buffer(getattr(self._view, name), 24 * self._count), np.float64).reshape(-1, 3)[self._nodes]
+        rows = np.frombuffer(
+            ffi.buffer(getattr(self._view, name), 24 * self._count), np.float64
+        ).reshape(-1, 3)[self._nodes]
         rows.flags.writeable = False
         return rows
 
@@ -49,17 +51,32 @@ class View:
 class Own:
     """An effect whose force is a Python function; see ``Scene.add_effect``."""
 
-    def __init__(self, name: str, body: str, nodes: Any, force: Callable[[View], Any], energy: Callable[[View], float] | None,
-                 omega_squared: float, rate: float):
+    def __init__(
+        self,
+        name: str,
+        body: str,
+        nodes: Any,
+        force: Callable[[View], Any],
+        energy: Callable[[View], float] | None,
+        omega_squared: float,
+        rate: float,
+    ):
         if not isinstance(name, str) or not name.isidentifier() or len(name) > 63:
             raise SceneError(f"{name!r} is no name for a column of the ledger", "effect")
         if not callable(force) or not (energy is None or callable(energy)):
             raise SceneError("force and energy must be functions", name)
         for key, value in (("omega_squared", omega_squared), ("rate", rate)):
             if not is_number(value) or not 0.0 <= value < float("inf"):
-                raise SceneError(f"is {describe(value)}; it must be a number of at least 0", f"{name}.{key}")
+                raise SceneError(
+                    f"is {describe(value)}; it must be a number of at least 0", f"{name}.{key}"
+                )
         self.name, self.body, self.given = name, body, nodes
-        self.force, self.energy, self.omega_squared, self.rate = force, energy, float(omega_squared), float(rate)
+        self.force, self.energy, self.omega_squared, self.rate = (
+            force,
+            energy,
+            float(omega_squared),
+            float(rate),
+        )
         self.nodes = np.empty(0, np.int32)
         self.count = 0
 
@@ -69,8 +86,10 @@ class Own:
             try:
                 pickle.dumps(function)
             except Exception as reason:
-                raise pickle.PicklingError(f'effect "{self.name}": its {what} can\'t be pickled ({reason}); a function at the top of a module can, one within another '
-                                           "function and a lambda can't") from None
+                raise pickle.PicklingError(
+                    f'effect "{self.name}": its {what} can\'t be pickled ({reason}); a function at the top of a module can, one within another '
+                    "function and a lambda can't"
+                ) from None
 
     def ask(self, function: Callable[[View], Any], view: Any) -> Any:
         """What a function of the user answers to the C library's view."""
@@ -89,8 +108,15 @@ class Own:
             nodes = maker.face_nodes((self.body, self.given))
         else:
             given = np.unique(np.asarray(self.given))
-            if given.dtype.kind not in "iu" or given.size == 0 or given[0] < 0 or given[-1] >= count:
-                raise maker.error(f"nodes must be whole numbers from 0 to {count - 1}, at least one")
+            if (
+                given.dtype.kind not in "iu"
+                or given.size == 0
+                or given[0] < 0
+                or given[-1] >= count
+            ):
+                raise maker.error(
+                    f"nodes must be whole numbers from 0 to {count - 1}, at least one"
+                )
             nodes = (first + given).astype(np.int32)
         self.nodes, self.count = maker.keep(np.ascontiguousarray(nodes)), maker.problem.node_count
         filled = maker.keep(ffi.new("ct_effect *"))
@@ -119,7 +145,9 @@ def _answer(effect: Any, error: Any, compute: Callable[[Own], None]) -> int:
             held.reason = reason
         if error != ffi.NULL:
             error.code, error.body, error.element, error.point = lib.CT_INVALID, -1, -1, -1
-            text = _cut(f"effect {own.name}: {type(reason).__name__}: {reason}", ffi.sizeof(error.text) - 1)
+            text = _cut(
+                f"effect {own.name}: {type(reason).__name__}: {reason}", ffi.sizeof(error.text) - 1
+            )
             ffi.memmove(error.text, text + b"\0", len(text) + 1)
         return lib.CT_INVALID
     return lib.CT_OK
@@ -128,7 +156,9 @@ def _answer(effect: Any, error: Any, compute: Callable[[Own], None]) -> int:
 def _cut(text: str, room: int) -> bytes:
     """A text in UTF-8 that fits into ``room`` bytes; three dots stand for what does not."""
     whole = text.replace("\0", " ").encode(errors="replace")
-    return whole if len(whole) <= room else whole[: room - 3].decode(errors="ignore").encode() + b"..."
+    return (
+        whole if len(whole) <= room else whole[: room - 3].decode(errors="ignore").encode() + b"..."
+    )
 
 
 def _real(value: Any, what: str) -> np.ndarray:
@@ -146,7 +176,9 @@ def own_force(effect: Any, view: Any, force: Any, error: Any) -> int:
         if rows.shape != (len(own.nodes), 3):
             raise ValueError(f"the force has shape {rows.shape}; it must be ({len(own.nodes)}, 3)")
         if not np.isfinite(rows).all():
-            raise ValueError(f"the force on node {own.nodes[np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]]} of the problem is not finite")
+            raise ValueError(
+                f"the force on node {own.nodes[np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]]} of the problem is not finite"
+            )
         ffi.memmove(force, np.ascontiguousarray(rows), rows.nbytes)
 
     return _answer(effect, error, compute)

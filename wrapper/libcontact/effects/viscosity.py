@@ -24,7 +24,10 @@ class Viscosity:
 
 
 def read(table: Table, known: Known) -> Viscosity:
-    linear, quadratic = table.number("linear", 0.06, least=0.0), table.number("quadratic", 1.2, least=0.0)
+    linear, quadratic = (
+        table.number("linear", 0.06, least=0.0),
+        table.number("quadratic", 1.2, least=0.0),
+    )
     if linear == 0.0 and quadratic == 0.0:
         raise table.error("linear", "and quadratic are both 0; leave [viscosity] out instead")
     names = body_names(table, known)
@@ -36,8 +39,18 @@ def read(table: Table, known: Known) -> Viscosity:
 
 def create(given: Viscosity, maker: Any) -> Any:
     numbers, count = body_numbers(given.bodies, maker)
-    return maker.make(lib.ct_viscosity_create_effect, ffi.new("ct_viscosity *", {
-        "linear": given.linear, "quadratic": given.quadratic, "bodies": numbers, "body_count": count}))
+    return maker.make(
+        lib.ct_viscosity_create_effect,
+        ffi.new(
+            "ct_viscosity *",
+            {
+                "linear": given.linear,
+                "quadratic": given.quadratic,
+                "bodies": numbers,
+                "body_count": count,
+            },
+        ),
+    )
 
 
 def describe(given: Viscosity, units: Units) -> str:
