@@ -63,8 +63,7 @@ ct_status ct_box20_prepare(ct_solid_part *part)
       G[d] = (d == i ? part->lambda + 2.0 * part->mu : part->mu) * (volume * (k[d] * k[d]));
     for (int m = 0; m < MODES; m++) B->own[i][m] = own_stiffness(degree[m], G);
   }
-  // -- Two components, by the degrees of the term in which they meet: along their axes, and the
-  // third (eq:box20-couplings)
+  // -- Two components, by the degrees of their term along the three axes (eq:box20-couplings)
   for (int t = 0; t < TERMS; t++) {
     static const int met[TERMS][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 1, 0},
                                       {0, 1, 1}, {1, 1, 0}, {1, 1, 1}};
