@@ -44,8 +44,8 @@ GSL_LIBS = $(if $(GSL),$(shell $(PKG_CONFIG) --libs $(GSL)))
 HDF5_LIBS = $(if $(HDF5),$(shell $(PKG_CONFIG) --libs $(HDF5)))
 
 # -- Files ---------------------------------------------------------------------------------------------------------------
-HEADERS := $(wildcard libcontact/include/*.h libcontact/include/contact/*.h)
-CORE_SOURCES := $(filter-out libcontact/src/gsl/% libcontact/src/hdf5/%,$(wildcard libcontact/src/*.c libcontact/src/*/*.c))
+HEADERS := $(wildcard libcontact/include/*.h libcontact/include/*/*.h)
+CORE_SOURCES := $(filter-out libcontact/src/gsl/% libcontact/src/hdf5/%,$(wildcard libcontact/src/*/*.c))
 GSL_SOURCES := $(wildcard libcontact/src/gsl/*.c)
 HDF5_SOURCES := $(wildcard libcontact/src/hdf5/*.c)
 object = $(patsubst libcontact/src/%.c,$(1)/%.o,$(2))
@@ -109,7 +109,7 @@ $(BUILD)/lib/libcontact.so: $(CORE_OBJECTS)
 	$(Q)$(CC) -shared $(OPENMP) -Wl,-soname,libcontact.so.$(SONAME) -o $@ $^ -lm
 	$(Q)ln -sf libcontact.so $(BUILD)/lib/libcontact.so.$(SONAME)
 # An add-on sees the core through its public calls and finds it beside itself; the few private helpers it needs come along, hidden.
-HELPERS := $(BUILD)/obj/error.o $(BUILD)/obj/memory.o
+HELPERS := $(BUILD)/obj/base/error.o $(BUILD)/obj/base/memory.o
 $(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontact.so $(HELPERS)
 	$(Q)$(CC) -shared -Wl,--no-undefined -Wl,-rpath,'$$ORIGIN' -Wl,-soname,libcontact-$*.so.$(SONAME) -o $@ -Wl,--whole-archive $< -Wl,--no-whole-archive \
 	  $(HELPERS) -L$(BUILD)/lib -lcontact $(if $(filter gsl,$*),$(GSL_LIBS),$(HDF5_LIBS)) -lm
@@ -119,10 +119,10 @@ $(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontac
 
 # -- Installation -----------------------------------------------------------------------------------------------------------
 install: lib
-	mkdir -p $(DESTDIR)$(prefix)/include/contact $(DESTDIR)$(prefix)/lib/pkgconfig
-	cp libcontact/include/contact.h $(DESTDIR)$(prefix)/include/
-	cp $(filter-out $(if $(GSL),,%/exact_series.h) $(if $(HDF5),,%/output.h),$(wildcard libcontact/include/contact/*.h)) \
-	  $(DESTDIR)$(prefix)/include/contact/
+	mkdir -p $(DESTDIR)$(prefix)/include/libcontact $(DESTDIR)$(prefix)/lib/pkgconfig
+	cp libcontact/include/*.h $(DESTDIR)$(prefix)/include/
+	cp $(filter-out $(if $(GSL),,%/series.h) $(if $(HDF5),,%/output.h),$(wildcard libcontact/include/libcontact/*.h)) \
+	  $(DESTDIR)$(prefix)/include/libcontact/
 	for a in contact $(ADDONS:%=contact-%); do \
 	  cp $(BUILD)/lib/lib$$a.a $(DESTDIR)$(prefix)/lib/ && \
 	  cp $(BUILD)/lib/lib$$a.so $(DESTDIR)$(prefix)/lib/lib$$a.so.$(VERSION) && \

@@ -3,7 +3,7 @@
  * shared library by projection.py, with GSL where it is there; NLopt comes as a table of its
  * functions, found by Python in the wheel. Each loop answers the seconds that it took. */
 #define _POSIX_C_SOURCE 199309L
-#include <contact.h>
+#include <libcontact.h>
 
 #include "../libcontact/src/projection/projection_internal.h"
 

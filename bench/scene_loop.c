@@ -3,7 +3,7 @@
  * plates, plates200, platesz, block, bar, flight; SAVINGS: some of the letters q c d p, or -; STEPS
  * 0: to the end. Memory is counted where the linker wraps calloc and free. */
 #define _POSIX_C_SOURCE 200809L
-#include <contact.h>
+#include <libcontact.h>
 
 #include <malloc.h>
 #include <stdio.h>

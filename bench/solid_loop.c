@@ -1,9 +1,8 @@
 /* A block that flies and rings, filled by hand as a host would: no scene, no contact, no support.
  * Prints steps, bytes and a hash, as one line of JSON. */
-#include <contact/mass.h>
-#include <contact/mesh.h>
-#include <contact/solid.h>
-#include <contact/step.h>
+#include <libcontact/mesh.h>
+#include <libcontact/solid.h>
+#include <libcontact/step.h>
 
 #include <malloc.h>
 #include <stdio.h>

@@ -15,7 +15,7 @@ import cffi
 
 LIBRARY = Path("libcontact")
 INCLUDE = LIBRARY / "include"
-ADDON_HEADERS = {"gsl": "contact/exact_series.h", "hdf5": "contact/output.h"}
+ADDON_HEADERS = {"gsl": "libcontact/series.h", "hdf5": "libcontact/output.h"}
 FLAGS = [
     "-O3",
     "-std=c99",
@@ -30,7 +30,7 @@ FLAGS = [
 def included(header):
     """The headers of the library that a header includes, in order."""
     return re.findall(
-        r"^#include <(contact/\w+\.h)>", (INCLUDE / header).read_text(encoding="utf-8"), re.M
+        r"^#include <(libcontact/\w+\.h)>", (INCLUDE / header).read_text(encoding="utf-8"), re.M
     )
 
 
@@ -68,14 +68,14 @@ addons = os.environ.get("LIBCONTACT_ADDONS", "").split()
 packages = os.environ.get("LIBCONTACT_PACKAGES", "").split()
 openmp = os.environ.get("LIBCONTACT_OPENMP", "").split()
 prebuilt = os.environ.get("LIBCONTACT_PREBUILT")
-headers = in_order(included("contact.h") + [ADDON_HEADERS[name] for name in addons])
+headers = in_order(included("libcontact.h") + [ADDON_HEADERS[name] for name in addons])
 
 if prebuilt:
     names = [f"libcontact-{name}.a" for name in addons] + ["libcontact.a"]
     sources, objects = [], [str(Path(prebuilt) / name) for name in names]
 else:
     addons = []
-    headers = in_order(included("contact.h"))
+    headers = in_order(included("libcontact.h"))
     sources = sorted(
         str(path)
         for path in (LIBRARY / "src").rglob("*.c")
@@ -114,7 +114,7 @@ ffi.set_source(
     "libcontact._core",
     "\n".join(
         f"#include <{header}>"
-        for header in ["contact.h", *(ADDON_HEADERS[name] for name in addons)]
+        for header in ["libcontact.h", *(ADDON_HEADERS[name] for name in addons)]
     )
     + CLOCK,
     sources=sources,

@@ -2,12 +2,12 @@
 
 ::
 
-    .. weave:: libcontact/src/mass.c ct_mass_element
+    .. weave:: libcontact/src/mesh/mass.c ct_mass_element
        :doc:
 
-    .. weave:: libcontact/src/mass.c "Scale the diagonal to the element's mass"
+    .. weave:: libcontact/src/mesh/mass.c "Scale the diagonal to the element's mass"
 
-    .. weave:: libcontact/src/mass.c "ct_mass_element: Scale the diagonal to the element's mass"
+    .. weave:: libcontact/src/mesh/mass.c "ct_mass_element: Scale the diagonal to the element's mass"
 
 The first form quotes a whole function, with ``:doc:`` also the comment before it. The others quote the fragment under the
 heading comment ``// -- Scale the diagonal to the element's mass (eq:hrz)``: down to the next heading of the same function or to the

@@ -3,7 +3,7 @@
 #ifndef BODIES_H
 #define BODIES_H
 
-#include <contact.h>
+#include <libcontact.h>
 
 #include "tap.h"
 

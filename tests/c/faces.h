@@ -2,7 +2,7 @@
 #ifndef FACES_H
 #define FACES_H
 
-#include <contact/projection.h>
+#include <libcontact/projection.h>
 
 #include <math.h>
 

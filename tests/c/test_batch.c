@@ -1,6 +1,6 @@
 /* Batches against ct_project, pair by pair and bit for bit, with every kernel that this machine
  * runs, and against closed forms. */
-#include <contact.h>
+#include <libcontact.h>
 
 #include "../../libcontact/src/projection/batch_internal.h"
 #include "tap.h"

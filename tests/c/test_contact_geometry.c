@@ -4,7 +4,7 @@
 
 #include "../../libcontact/src/contact/contact_internal.h"
 
-#include <contact/quadrature.h>
+#include <libcontact/shape.h>
 
 static void lift(patch *p, double z)
 {

@@ -1,7 +1,7 @@
 /* Enforcements: one point against a bisection of its law, many points against a dense solution, the
  * energy that never grows, momentum, and bits. */
-#include "../../libcontact/src/enforcement/solve.h"
-#include "../../libcontact/src/workspace.h"
+#include "../../libcontact/src/constraint/solve.h"
+#include "../../libcontact/src/step/workspace.h"
 #include "bodies.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 /* The closed form of the plate impact against the equations it must obey and against values from
  * elsewhere. */
-#include <contact/exact.h>
+#include <libcontact/exact.h>
 
 #include "tap.h"
 

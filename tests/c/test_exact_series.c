@@ -1,7 +1,7 @@
 /* The Rayleigh-Lamb series against the closed form, which shares no line with it, and against mode
  * theory. */
-#include <contact/exact.h>
-#include <contact/exact_series.h>
+#include <libcontact/exact.h>
+#include <libcontact/series.h>
 
 #include "tap.h"
 

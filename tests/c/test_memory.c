@@ -29,7 +29,7 @@ static void counting_free(void *memory)
 
 #define calloc counting_calloc
 #define free counting_free
-#include "../../libcontact/src/memory.c"
+#include "../../libcontact/src/base/memory.c"
 #undef calloc
 #undef free
 
@@ -37,9 +37,8 @@ static void counting_free(void *memory)
 #include "../../libcontact/src/solid/reduced.h"
 #include "bodies.h"
 
-#include <contact/damping.h>
-#include <contact/gravity.h>
-#include <contact/watch.h>
+#include <libcontact/effect.h>
+#include <libcontact/step.h>
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR},
                          RUBBER = {2.1e5, 0.3, 7.8e-9, CT_NEO_HOOKEAN};

@@ -4,9 +4,10 @@
 
 #include "tap.h"
 
-#include <contact/mass.h>
-#include <contact/output.h>
-#include <contact/solid.h>
+#include <libcontact/mesh.h>
+#include <libcontact/effect.h>
+#include <libcontact/output.h>
+#include <libcontact/solid.h>
 
 #include <hdf5.h>
 

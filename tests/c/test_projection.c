@@ -1,6 +1,6 @@
 /* Projections against closed forms, optimality conditions, brute force, and mirrored, moved and
  * scaled copies of themselves. */
-#include <contact/projection.h>
+#include <libcontact/projection.h>
 
 #include "tap.h"
 

@@ -1,5 +1,5 @@
 /* Quadrature rules against the closed-form integrals of monomials. */
-#include <contact/quadrature.h>
+#include <libcontact/shape.h>
 
 #include "tap.h"
 

@@ -1,10 +1,10 @@
 /* Quiet regions in a lattice: what rows of bits say is what the elements say one by one; nodes that
  * are adrift, and the order of numbers, change no bit. */
-#include "../../libcontact/src/bits.h"
-#include "../../libcontact/src/memory.h"
+#include "../../libcontact/src/base/bits.h"
+#include "../../libcontact/src/base/memory.h"
 #include "../../libcontact/src/solid/lattice.h"
 #include "../../libcontact/src/solid/quiet.h"
-#include "../../libcontact/src/workspace.h"
+#include "../../libcontact/src/step/workspace.h"
 #include "bodies.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};

@@ -1,11 +1,11 @@
 /* What is left out changes nothing: runs with and without each saving have the same bits, and
  * something was left out. */
-#include "../../libcontact/src/bits.h"
+#include "../../libcontact/src/base/bits.h"
 #include "../../libcontact/src/contact/contact_internal.h"
-#include "../../libcontact/src/memory.h"
+#include "../../libcontact/src/base/memory.h"
 #include "../../libcontact/src/solid/lattice.h"
 #include "../../libcontact/src/solid/quiet.h"
-#include "../../libcontact/src/workspace.h"
+#include "../../libcontact/src/step/workspace.h"
 #include "bodies.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};

@@ -1,6 +1,6 @@
 /* Shape functions of the faces against interpolation conditions, finite differences, closed-form
  * surfaces and mirrored faces. */
-#include <contact/segment.h>
+#include <libcontact/shape.h>
 
 #include "tap.h"
 

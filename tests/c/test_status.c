@@ -1,5 +1,5 @@
 /* Names of the codes, the version, and what an error carries. */
-#include "../../libcontact/src/error.h"
+#include "../../libcontact/src/base/error.h"
 #include "bodies.h"
 
 #include <ctype.h>

@@ -1,7 +1,7 @@
 /* Sums against exact integers and against an exact expansion; the same bits in any order. */
-#include <contact/sum.h>
+#include <libcontact/base.h>
 
-#include "../../libcontact/src/stream.h"
+#include "../../libcontact/src/base/stream.h"
 #include "bodies.h"
 
 #include <float.h>

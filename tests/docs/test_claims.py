@@ -18,7 +18,7 @@ PAGES = {
 }
 HEADERS = {
     header.name: header.read_text()
-    for header in (ROOT / "libcontact" / "include" / "contact").glob("*.h")
+    for header in (ROOT / "libcontact" / "include" / "libcontact").glob("*.h")
 }
 PATH = re.compile(
     r"(?:``|:file:`)((?:tests|libcontact|wrapper|docs|bench|stability|tutorials)/[\w./-]+)`"
@@ -77,7 +77,7 @@ def members_that_show_others():
     return [
         name
         for name in ("total", "read", "constraints")
-        if re.search(rf"\*{name};", HEADERS["effect.h"])
+        if re.search(rf"\*{name};", HEADERS["step.h"])
     ]
 
 

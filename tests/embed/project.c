@@ -1,7 +1,7 @@
 /* A host that takes only the projection: closest points of a curved face, in C99 and C++. */
 #include "tap.h"
 
-#include <contact/projection.h>
+#include <libcontact/projection.h>
 
 int main(void)
 {

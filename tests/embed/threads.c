@@ -1,6 +1,6 @@
 /* A host with threads of its own: each has a state of the one problem, and a watch over it; all
  * must end with the same bits. Then all ask one const contact at once. For `make threads`. */
-#include <contact.h>
+#include <libcontact.h>
 
 #include <pthread.h>
 #include <stdio.h>

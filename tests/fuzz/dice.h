@@ -3,7 +3,7 @@
 #ifndef DICE_H
 #define DICE_H
 
-#include <contact/status.h>
+#include <libcontact/base.h>
 
 #include <math.h>
 #include <stdint.h>

@@ -4,9 +4,9 @@
  *
  * With libFuzzer it is a target; FUZZ_MAIN makes it a program: fuzz_api SECONDS FIRST_SEED [FOLDER
  * [INPUTS]]. */
-#include <contact.h>
+#include <libcontact.h>
 #if defined(FUZZ_HDF5) && defined(FUZZ_MAIN)
-#include <contact/output.h>
+#include <libcontact/output.h>
 #endif
 
 #include "dice.h"

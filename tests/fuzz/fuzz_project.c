@@ -3,7 +3,7 @@
  *
  * `make fuzz` runs it with libFuzzer if the compiler has it. Else FUZZ_MAIN makes it a program that
  * takes the number of pseudo-random inputs. */
-#include <contact/projection.h>
+#include <libcontact/projection.h>
 
 #include <math.h>
 #include <stdint.h>

@@ -4,7 +4,7 @@
  *
  * With libFuzzer it is a target; FUZZ_MAIN makes it a program: fuzz_savings SECONDS FIRST_SEED
  * [INPUTS]. */
-#include <contact.h>
+#include <libcontact.h>
 
 #include "dice.h"
 

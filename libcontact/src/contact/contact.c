@@ -1,12 +1,12 @@
 /* The contact of two surfaces: both are slave once and master once (eq:contact-potential). */
-#include <contact/contact.h>
-#include <contact/sum.h>
+#include <libcontact/contact.h>
+#include <libcontact/base.h>
 
-#include "../error.h"
-#include "../lanes.h"
-#include "../memory.h"
-#include "../stream.h"
-#include "../vector.h"
+#include "../base/error.h"
+#include "../base/lanes.h"
+#include "../base/memory.h"
+#include "../base/stream.h"
+#include "../base/vector.h"
 #include "contact_internal.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
 /* The contact as an effect of a problem. */
-#include <contact/contact.h>
+#include <libcontact/contact.h>
 
-#include "../error.h"
-#include "../memory.h"
+#include "../base/error.h"
+#include "../base/memory.h"
 #include "contact_internal.h"
 #include "initial.h"
 #include "press.h"

@@ -1,7 +1,7 @@
 /* The contact's part of the largest ω²: every point taken as active at its nearest face. */
-#include <contact/contact.h>
+#include <libcontact/contact.h>
 
-#include "../memory.h"
+#include "../base/memory.h"
 #include "contact_internal.h"
 
 #include <math.h>

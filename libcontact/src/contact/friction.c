@@ -1,12 +1,12 @@
 /* Coulomb friction with stick on the points of a contact or of an obstacle. */
-#include <contact/friction.h>
-#include <contact/sum.h>
+#include <libcontact/contact.h>
+#include <libcontact/base.h>
 
-#include "../error.h"
-#include "../memory.h"
-#include "../obstacle_internal.h"
-#include "../vector.h"
-#include "../workspace.h"
+#include "../base/error.h"
+#include "../base/memory.h"
+#include "obstacle_internal.h"
+#include "../base/vector.h"
+#include "../step/workspace.h"
 #include "contact_internal.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 /* Surfaces that overlap or gape at the start: gaps count from where they begin. */
-#include <contact/contact.h>
-#include <contact/sum.h>
+#include <libcontact/contact.h>
+#include <libcontact/base.h>
 
-#include "../error.h"
-#include "../vector.h"
+#include "../base/error.h"
+#include "../base/vector.h"
 #include "contact_internal.h"
 #include "initial.h"
 

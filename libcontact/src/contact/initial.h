@@ -1,7 +1,7 @@
 #ifndef CT_SRC_CONTACT_INITIAL_H
 #define CT_SRC_CONTACT_INITIAL_H
 
-#include <contact/contact.h>
+#include <libcontact/contact.h>
 
 /* What the start gaps are shown: the time t_n and Δt, whether this is the first step, the memory of
  * the first point and how far apart those of two points are, the signed distance of the first point

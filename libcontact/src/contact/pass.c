@@ -1,7 +1,7 @@
 /* One pass of the contact: the Gauss points of one side against the faces of the other. */
 #include "pass.h"
 
-#include "../threads.h"
+#include "../base/threads.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 
 #include "side.h"
 
-#include "../vector.h"
+#include "../base/vector.h"
 
 /* What one pass needs everywhere: the points of `side` look for the faces of `other`. */
 typedef struct ct_pass {

@@ -1,8 +1,8 @@
 /* No surface may pass through another one within a step. */
-#include <contact/contact.h>
+#include <libcontact/contact.h>
 
-#include "../error.h"
-#include "../vector.h"
+#include "../base/error.h"
+#include "../base/vector.h"
 #include "contact_internal.h"
 
 #include <math.h>

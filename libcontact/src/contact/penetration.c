@@ -1,7 +1,7 @@
 /* How far two surfaces are inside each other. */
-#include <contact/contact.h>
+#include <libcontact/contact.h>
 
-#include "../vector.h"
+#include "../base/vector.h"
 #include "contact_internal.h"
 
 #include <float.h>

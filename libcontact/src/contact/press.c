@@ -1,10 +1,10 @@
 /* Points of a surface as constraints, whose forces depend on the gaps of the coming step. */
 #include "press.h"
 
-#include <contact/sum.h>
+#include <libcontact/base.h>
 
-#include "../enforcement/law.h"
-#include "../vector.h"
+#include "../constraint/law.h"
+#include "../base/vector.h"
 
 #include <math.h>
 #include <string.h>

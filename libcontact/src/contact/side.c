@@ -1,9 +1,9 @@
 /* One surface of a contact: its Gauss points and their weights. */
 #include "side.h"
 
-#include "../error.h"
-#include "../memory.h"
-#include "../vector.h"
+#include "../base/error.h"
+#include "../base/memory.h"
+#include "../base/vector.h"
 
 #include <math.h>
 #include <string.h>

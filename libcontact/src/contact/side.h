@@ -1,10 +1,10 @@
 #ifndef CT_SRC_CONTACT_SIDE_H
 #define CT_SRC_CONTACT_SIDE_H
 
-#include <contact/contact.h>
-#include <contact/quadrature.h>
+#include <libcontact/contact.h>
+#include <libcontact/shape.h>
 
-#include "../grid.h"
+#include "../base/grid.h"
 #include "../search/search_internal.h"
 
 /* A method that compares distances places the closest point to the root of the rounding, as a part

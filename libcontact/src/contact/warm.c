@@ -1,10 +1,10 @@
 /* Eight points of a contact side by side, each over the face of the last step. */
 #include "pass.h"
 
-#include "../lanes.h"
-#include "../shape.h"
+#include "../base/lanes.h"
+#include "../shape/shape.h"
 
-#include <contact/batch.h>
+#include <libcontact/projection.h>
 
 #include <float.h>
 #include <math.h>

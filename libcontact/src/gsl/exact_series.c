@@ -4,11 +4,11 @@
  * branch, alpha2 = omega^2 - xi^2, beta2 = kappa^2 omega^2 - xi^2; a mode is u_x = -(xi A cos(alpha
  * z) + B cos(beta z)) sin(xi x), u_z = -(A alpha sin(alpha z) - xi B sin(beta z)/beta) cos(xi x).
  */
-#include <contact/exact.h>
-#include <contact/exact_series.h>
+#include <libcontact/exact.h>
+#include <libcontact/series.h>
 
-#include "../error.h"
-#include "../lanes.h"
+#include "../base/error.h"
+#include "../base/lanes.h"
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_integration.h>

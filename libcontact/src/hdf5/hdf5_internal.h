@@ -1,9 +1,9 @@
 #ifndef CT_SRC_HDF5_INTERNAL_H
 #define CT_SRC_HDF5_INTERNAL_H
 
-#include "../error.h"
+#include "../base/error.h"
 
-#include <contact/output.h>
+#include <libcontact/output.h>
 
 #include <hdf5.h>
 

@@ -1,7 +1,7 @@
 #include "hdf5_internal.h"
 
-#include <contact/solid.h>
-#include <contact/sum.h>
+#include <libcontact/solid.h>
+#include <libcontact/base.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 
 #include "projection_internal.h"
 
-#include <contact/batch.h>
+#include <libcontact/projection.h>
 
 /* Compilers and machines that the kernels are written for; on others ct_project does all the work.
  */

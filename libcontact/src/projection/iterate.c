@@ -1,6 +1,6 @@
 #include "polynomial.h"
 
-#include "../vector.h"
+#include "../base/vector.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 #include "projection_internal.h"
 
-#include "../vector.h"
+#include "../base/vector.h"
 
 /* Least-square step: to the closest point of the tangent plane. */
 static int least_squares_step(const ct_patch *patch, const ct_iterate *at, double s[2])

@@ -1,7 +1,7 @@
 #include "polynomial.h"
 
-#include "../lanes.h"
-#include "../vector.h"
+#include "../base/lanes.h"
+#include "../base/vector.h"
 
 #include <float.h>
 #include <math.h>

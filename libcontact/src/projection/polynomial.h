@@ -3,7 +3,7 @@
 
 #include "projection_internal.h"
 
-#include "../vector.h"
+#include "../base/vector.h"
 
 /* The polynomial of a face and its derivatives, in a form to be built into the functions that need
  * them often. The loops run over three coordinates and a zero, so that they fill vectors. */

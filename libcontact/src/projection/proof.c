@@ -1,6 +1,6 @@
 #include "projection_internal.h"
 
-#include "../vector.h"
+#include "../base/vector.h"
 
 #include <float.h>
 #include <math.h>

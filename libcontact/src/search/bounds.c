@@ -1,7 +1,7 @@
 /* Boxes around points and curved faces. */
 #include "bounds.h"
 
-#include "../vector.h"
+#include "../base/vector.h"
 
 #include <float.h>
 #include <math.h>

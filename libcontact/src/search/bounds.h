@@ -1,7 +1,7 @@
 #ifndef CT_SRC_SEARCH_BOUNDS_H
 #define CT_SRC_SEARCH_BOUNDS_H
 
-#include <contact/segment.h>
+#include <libcontact/shape.h>
 
 /* Axis-aligned box. */
 typedef struct ct_bounds {

@@ -1,8 +1,8 @@
 /* The tree of boxes: build, refit, and the two questions. */
 #include "box_tree.h"
 
-#include "../error.h"
-#include "../memory.h"
+#include "../base/error.h"
+#include "../base/memory.h"
 
 #include <float.h>
 #include <math.h>

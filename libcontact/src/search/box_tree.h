@@ -3,7 +3,7 @@
 
 #include "bounds.h"
 
-#include <contact/status.h>
+#include <libcontact/base.h>
 
 /* A tree of boxes over `count` items, four children a node (eq:bounding-tree). The boxes of the
  * items stay the caller's and are what counts; the tree holds them in single precision, relative to

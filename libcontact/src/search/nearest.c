@@ -2,8 +2,8 @@
 #include "search_internal.h"
 
 #include "../projection/projection_internal.h"
-#include "../threads.h"
-#include "../vector.h"
+#include "../base/threads.h"
+#include "../base/vector.h"
 
 #include <float.h>
 #include <math.h>

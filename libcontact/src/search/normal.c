@@ -1,7 +1,7 @@
 /* Which way is out at the foot of a projection, folds included. */
 #include "search_internal.h"
 
-#include "../vector.h"
+#include "../base/vector.h"
 
 #include <math.h>
 #include <string.h>

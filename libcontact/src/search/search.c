@@ -1,9 +1,9 @@
 /* A surface: its topology, its current shape, its tree of boxes. */
 #include "search_internal.h"
 
-#include "../error.h"
-#include "../memory.h"
-#include "../vector.h"
+#include "../base/error.h"
+#include "../base/memory.h"
+#include "../base/vector.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 #ifndef CT_SRC_SEARCH_INTERNAL_H
 #define CT_SRC_SEARCH_INTERNAL_H
 
-#include <contact/search.h>
+#include <libcontact/search.h>
 
 #include "box_tree.h"
 

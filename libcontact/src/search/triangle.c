@@ -1,7 +1,7 @@
 /* The closest point of a flat triangle in closed form. */
 #include "search_internal.h"
 
-#include "../vector.h"
+#include "../base/vector.h"
 
 #include <math.h>
 

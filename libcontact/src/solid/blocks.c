@@ -3,9 +3,9 @@
 #include "blocks.h"
 #include "element.h"
 
-#include "../error.h"
-#include "../memory.h"
-#include "../vector.h"
+#include "../base/error.h"
+#include "../base/memory.h"
+#include "../base/vector.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* The kernel for rectangular hex20 elements of one size: every integral over the element in closed
  * form. */
-#include "../memory.h"
+#include "../base/memory.h"
 #include "kernel.h"
 #include "modes.h"
 

@@ -2,7 +2,7 @@
  * are in the cache. */
 #include "call.h"
 
-#include "../bits.h"
+#include "../base/bits.h"
 #include "lattice.h"
 #include "plane.h"
 

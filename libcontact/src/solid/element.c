@@ -1,11 +1,11 @@
 /* One element at a time, as the equations read. The batch kernels beside this file compute the same
  * numbers faster. */
-#include <contact/quadrature.h>
-#include <contact/solid.h>
+#include <libcontact/shape.h>
+#include <libcontact/solid.h>
 
-#include "../error.h"
-#include "../jacobian.h"
-#include "../mesh_internal.h"
+#include "../base/error.h"
+#include "../shape/jacobian.h"
+#include "../mesh/mesh_internal.h"
 #include "element.h"
 #include "large.h"
 

@@ -1,9 +1,9 @@
 #ifndef CT_SRC_SOLID_ELEMENT_H
 #define CT_SRC_SOLID_ELEMENT_H
 
-#include <contact/brick.h>
-#include <contact/material.h>
-#include <contact/status.h>
+#include <libcontact/shape.h>
+#include <libcontact/mesh.h>
+#include <libcontact/base.h>
 
 /* Degrees of freedom of the largest element. */
 enum { CT_ELEMENT_SIZE = 60 };

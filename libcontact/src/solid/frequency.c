@@ -1,11 +1,11 @@
 /* The largest eigenvalue of one element, undeformed or at its tangent: an upper bound of ω² of the
  * whole mesh. */
-#include <contact/quadrature.h>
-#include <contact/solid.h>
+#include <libcontact/shape.h>
+#include <libcontact/solid.h>
 
-#include "../error.h"
-#include "../jacobian.h"
-#include "../tridiagonal.h"
+#include "../base/error.h"
+#include "../shape/jacobian.h"
+#include "../base/tridiagonal.h"
 #include "element.h"
 #include "large.h"
 

@@ -1,7 +1,7 @@
 #ifndef CT_SRC_SOLID_HEX20_POINTS_H
 #define CT_SRC_SOLID_HEX20_POINTS_H
 
-#include "../lanes.h"
+#include "../base/lanes.h"
 
 /* The 3 x 3 x 3 Gauss points of hex20, ξ fastest: gradients at one of them, and the force of all on
  * a node. */

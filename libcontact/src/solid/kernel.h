@@ -1,10 +1,10 @@
 #ifndef CT_SRC_SOLID_KERNEL_H
 #define CT_SRC_SOLID_KERNEL_H
 
-#include <contact/solid.h>
+#include <libcontact/solid.h>
 
-#include "../assembly.h"
-#include "../lanes.h"
+#include "../mesh/assembly.h"
+#include "../base/lanes.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* What a body of large deformation is asked beside its forces: whether an element is inside out,
  * and the tangent's eigenvalues. */
-#include "../error.h"
+#include "../base/error.h"
 #include "kernel.h"
 
 #include <math.h>

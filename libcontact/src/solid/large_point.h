@@ -3,7 +3,7 @@
 
 #include "large.h"
 
-#include "../lanes.h"
+#include "../base/lanes.h"
 
 /* One Gauss point of 8 elements under large deformation. `large.c` has the same formulas as they
  * read. */

@@ -1,7 +1,7 @@
 #ifndef CT_SRC_SOLID_MODES_H
 #define CT_SRC_SOLID_MODES_H
 
-#include "../lanes.h"
+#include "../base/lanes.h"
 
 /* The nodal values of a hex8 as amplitudes of ξ, η, ζ, ξη, ηζ, ζξ, ξηζ (eq:brick-modes): U_m = Σ_a
  * m(ξ_a) u_a. Differences are taken first, so equal nodal values give exactly zero, and the sums

@@ -1,10 +1,10 @@
 /* One body of the solid effect: which kernel computes it, and what is laid down for that. */
 #include "part.h"
 
-#include <contact/quadrature.h>
+#include <libcontact/shape.h>
 
-#include "../error.h"
-#include "../memory.h"
+#include "../base/error.h"
+#include "../base/memory.h"
 #include "lattice.h"
 #include "plane.h"
 #include "quiet.h"
@@ -12,6 +12,11 @@
 
 #include <math.h>
 #include <string.h>
+
+ct_savings ct_savings_default(void)
+{
+  return (ct_savings){.quiet = 1, .plane_strain = 1, .congruent = 1, .distant = 1};
+}
 
 /* Which function computes a block, and the operations of one element counted in it. The first row
  * that fits is taken. */

@@ -2,8 +2,8 @@
  * left out. */
 #include "plane.h"
 
-#include "../bits.h"
-#include "../memory.h"
+#include "../base/bits.h"
+#include "../base/memory.h"
 #include "quiet.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 #ifndef CT_SRC_SOLID_POINT_H
 #define CT_SRC_SOLID_POINT_H
 
-#include "../lanes.h"
+#include "../base/lanes.h"
 
 /* The stress of one Gauss point as it works on the reference gradients, P[i][j] = det J σ_ik
  * ∂ξ_j/∂x_k, from the reference gradients J of the coordinates and H of the displacements

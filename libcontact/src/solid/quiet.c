@@ -2,8 +2,8 @@
  * and are not computed. */
 #include "quiet.h"
 
-#include "../bits.h"
-#include "../memory.h"
+#include "../base/bits.h"
+#include "../base/memory.h"
 
 #include <math.h>
 #include <stdlib.h>

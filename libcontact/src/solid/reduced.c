@@ -1,6 +1,6 @@
 /* The kernel for hex8 elements of any shape with one point and hourglass control. */
 #include "reduced.h"
-#include "../memory.h"
+#include "../base/memory.h"
 #include "mean.h"
 
 enum { HOURGLASS = 4, FIRST_HOURGLASS = CT_XI_ETA };

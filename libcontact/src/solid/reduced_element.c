@@ -1,10 +1,10 @@
 /* One hex8 element with one point and hourglass control, as the equations read. */
-#include <contact/quadrature.h>
-#include <contact/solid.h>
+#include <libcontact/shape.h>
+#include <libcontact/solid.h>
 
-#include "../error.h"
-#include "../jacobian.h"
-#include "../tree.h"
+#include "../base/error.h"
+#include "../shape/jacobian.h"
+#include "../base/tree.h"
 #include "element.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
 /* Quiet regions of a lattice, whose elements and nodes are bits in rows. */
 #include "rows.h"
 
-#include "../bits.h"
-#include "../memory.h"
+#include "../base/bits.h"
+#include "../base/memory.h"
 
 #include <math.h>
 #include <string.h>

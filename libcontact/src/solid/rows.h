@@ -1,7 +1,7 @@
 #ifndef CT_SRC_SOLID_ROWS_H
 #define CT_SRC_SOLID_ROWS_H
 
-#include <contact/effect.h>
+#include <libcontact/step.h>
 
 #include "kernel.h"
 

@@ -1,0 +1,19 @@
+/* libcontact: explicit finite-element contact-impact. One include for everything that needs libc
+ * and libm only; output.h (HDF5) and series.h (GSL) belong to the add-on libraries. */
+#ifndef LIBCONTACT_H
+#define LIBCONTACT_H
+
+#include <libcontact/base.h>
+#include <libcontact/shape.h>
+#include <libcontact/exact.h>
+#include <libcontact/projection.h>
+#include <libcontact/mesh.h>
+#include <libcontact/search.h>
+#include <libcontact/solid.h>
+#include <libcontact/constraint.h>
+#include <libcontact/step.h>
+#include <libcontact/effect.h>
+#include <libcontact/contact.h>
+#include <libcontact/scene.h>
+
+#endif

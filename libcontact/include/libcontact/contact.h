@@ -1,0 +1,376 @@
+#ifndef LIBCONTACT_CONTACT_H
+#define LIBCONTACT_CONTACT_H
+
+#include <libcontact/shape.h>
+#include <libcontact/projection.h>
+#include <libcontact/search.h>
+#include <libcontact/step.h>
+#include <libcontact/effect.h>
+
+CT_BEGIN_DECLS
+
+/** Where on its faces a contact has points, :eq:`unseen`. */
+typedef enum ct_contact_rule {
+  /** Gauss points, which lie 0.21 h and more inside the face. */
+  CT_POINTS_GAUSS,
+  /** Points at corners, middles of edges and centres, `ct_rule_lobatto`: no corner can enter a face
+     unseen. */
+  CT_POINTS_LOBATTO
+} ct_contact_rule;
+
+/** What a contact as an effect does with points that are inside at the start, deeper than `adjust`,
+ * :eq:`initial-shift`. */
+typedef enum ct_initial {
+  /** Push them out at once, which puts the energy of the penalty into the bodies. */
+  CT_INITIAL_PUSH,
+  /**
+   * End with CT_ERROR_GEOMETRY if a point is deeper than `adjust` and than the rounding of the
+   * coordinates; the error reports how many there are, and the place and depth of the deepest.
+   */
+  CT_INITIAL_REFUSE,
+  /** Count the gap of each of them from where it starts, until it has opened. Nothing is pushed, so
+     no energy is added. */
+  CT_INITIAL_KEEP,
+  /** As CT_INITIAL_KEEP, but start gaps fade to nothing in the time `removal`; the ledger books
+     their work as external. */
+  CT_INITIAL_REMOVE
+} ct_initial;
+
+/** Choices of a contact. Start from `ct_contact_options_default`. */
+typedef struct ct_contact_options {
+  /** Penalty ε [stress / length], > 0; see `ct_contact_penalty`. */
+  double epsilon;
+  /** Search for the closest point. The unconstrained methods miss points whose foot lies on an edge
+   * between faces. */
+  ct_method method;
+  /** Tolerance of the search in half-widths of a face. */
+  double tolerance;
+  /**
+   * How far points look for the other surface [length]. A point that is deeper than this under a
+   * face when it is first seen is not in contact with it, :eq:`point-history`; one that came in
+   * from outside is, at any depth. With 0 points look as far as the largest face size at t = 0 and
+   * in the first update of two surfaces, and afterwards as far as the width of the narrowest face
+   * or 3/4 of the thinnest place, but at least twice `adjust`, :eq:`contact-near`.
+   */
+  double depth;
+  /** Threads; results do not depend on it. */
+  int threads;
+  /**
+   * Not 0: no search while the surfaces are too far from each other to touch, :eq:`contact-clear`;
+   * results do not depend on it.
+   */
+  int distant;
+  /**
+   * How the contact effect of a problem makes forces of gaps; `ct_contact_update`, which knows of
+   * no step, is always the explicit penalty.
+   */
+  ct_enforcement enforcement;
+  /**
+   * Share of the stiffness that acts at the end of the step, 0 ... 1, :eq:`energy-controlled`; for
+   * the energy-controlled penalty.
+   */
+  double dissipation;
+  /** Where the points are; Gauss points. */
+  ct_contact_rule points;
+  /**
+   * What becomes of points that are inside at the start; CT_INITIAL_KEEP by default. Only the
+   * effect heeds `initial` and `adjust`, a host's ct_contact_update does not.
+   */
+  ct_initial initial;
+  /** Time in which CT_INITIAL_REMOVE parts the surfaces [time], > 0 with it. */
+  double removal;
+  /**
+   * Distance within which gaps and overlaps at the start are taken as touching [length], >= 0 and
+   * at most the depth: the gap of such a point counts from where it starts, :eq:`initial-adjust`.
+   * 0, the default: no gap is closed.
+   */
+  double adjust;
+} ct_contact_options;
+
+/**
+ * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, no search between distant
+ * surfaces, energy-controlled penalty with dissipation 0.1, overlaps at the start kept. ``epsilon``
+ * is 0 and must be set.
+ */
+CT_API ct_contact_options ct_contact_options_default(void);
+
+/** Penalty ε = β E / h [stress / length], :eq:`penalty-factor`. β between 3 and 5 suits Courant
+ * numbers near 0.125. */
+CT_API double ct_contact_penalty(double beta, double young, double h);
+
+/** The contact of two surfaces; opaque, as it holds the search tree. */
+typedef struct ct_contact ct_contact;
+
+/**
+ * Prepare the contact of two surfaces (both are slave once and master once). The surfaces' arrays
+ * are copied.
+ * ``CT_ERROR_ARGUMENT``: empty surface, node number out of range, coordinates not finite, ε not
+ * positive;
+ * ``CT_ERROR_GEOMETRY``: a face without area (`error` names the body 0 or 1 and the face).
+ */
+CT_API ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
+                                   const ct_contact_options *options, ct_contact **out,
+                                   ct_error *error);
+
+/**
+ * Prepare the contact of a surface with itself: a fold, two layers, the ends of a C. Every point
+ * looks for the nearest face that shares no node with its own and does not look the same way,
+ * :eq:`self-adjacent`. A point under this face is in contact if it is less deep than half the
+ * body's thickness there in the reference shape, :eq:`self-depth`, and no deeper than its motion
+ * since the last update can have brought it, :eq:`self-history`. Parts that overlap in the
+ * reference shape meet only after they have come apart. In the calls below, what belongs to surface
+ * b is neither read nor written then and may be null. Errors as of ct_contact_create.
+ */
+CT_API ct_status ct_contact_create_self(const ct_surface *surface,
+                                        const ct_contact_options *options, ct_contact **out,
+                                        ct_error *error);
+
+/**
+ * Find who meets whom at the current coordinates `xa`, `xb` [length], shapes (node_count of a
+ * surface, 3), and compute forces and energy. ``CT_INVALID``: a coordinate is not finite (`error`
+ * names body and node); all is then as the last good call left it.
+ */
+CT_API ct_status ct_contact_update(ct_contact *contact, const double *xa, const double *xb,
+                                   ct_error *error);
+
+/**
+ * Add the contact forces of the last update to `fa`, `fb` [force], shapes (node_count, 3). This and
+ * all calls below that take a const contact only read it: several threads may ask one contact at
+ * once.
+ */
+CT_API ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb);
+
+/** Potential Π of the last update [energy], :eq:`contact-potential`. */
+CT_API double ct_contact_energy(const ct_contact *contact);
+
+/** Resultant force on each surface and its moment about the origin [force, force · length]; their
+ * sums vanish to round-off. */
+CT_API ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3],
+                                      double moment_a[3], double force_b[3], double moment_b[3]);
+
+/**
+ * Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active
+ * at its nearest face, :eq:`contact-bound`. If both surfaces were given with one array of reference
+ * coordinates, a node of both gets the sum of its two rows.
+ */
+CT_API ct_status ct_contact_frequency(const ct_contact *contact, const double *mass_a,
+                                      const double *mass_b, double *omega_squared);
+
+/**
+ * Largest stable step of the contact alone [time], 2 / ω. A host combines it with its own limit
+ * dt_host as 1 / sqrt(1 / dt² + 1 / dt_host²), :eq:`step-bound`. `mass_a`, `mass_b`: nodal masses,
+ * shapes (node_count).
+ */
+CT_API ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a,
+                                        const double *mass_b, double *dt);
+
+/** One contact point, for pictures and tests. */
+typedef struct ct_contact_point {
+  /** 0: a point of surface a; 1: of surface b. */
+  int32_t side;
+  /** Face of the point. */
+  int32_t face;
+  /** Number of the point on its face. */
+  int32_t gauss;
+  /** Face of the other surface that it met, or -1. */
+  int32_t other;
+  /** Position y [length]. */
+  double position[3];
+  /** Closest point ȳ on the other surface [length]; NaN when `other` is -1. */
+  double closest[3];
+  /** Parameters of ȳ on the other face. */
+  double xi[2];
+  /**
+   * Gap that the contact law sees [length], negative where the point is in contact: the signed
+   * distance less `start_gap`; NaN when `other` is -1.
+   */
+  double gap;
+  /** Traction [stress]: ε⟨-g⟩, or that of the enforcement. */
+  double pressure;
+  /** Weight w J_ref [area]. */
+  double weight;
+  /**
+   * Start gap [length] that `gap` counts from, :eq:`initial-shift`: negative for an overlap that is
+   * kept, positive for a gap that was adjusted, else 0. The signed distance of the point from the
+   * other surface is `gap` + `start_gap`.
+   */
+  double start_gap;
+} ct_contact_point;
+
+/** Number of Gauss points of both surfaces, those of a first. */
+CT_API int64_t ct_contact_point_count(const ct_contact *contact);
+
+/** The points of the last update, `points` of shape (ct_contact_point_count). */
+CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points);
+
+/** Places where penetration is looked for. */
+typedef enum ct_penetration_at {
+  /** The points of the contact. */
+  CT_AT_POINTS,
+  /** The corners of all faces. */
+  CT_AT_CORNERS,
+  /** The middles of the edges of all faces. */
+  CT_AT_EDGES
+} ct_penetration_at;
+
+/**
+ * How far two surfaces are inside each other, by true distances, whatever start gaps there are;
+ * everything is written by `ct_contact_penetration`.
+ */
+typedef struct ct_penetration {
+  /** Number of places inside; a corner or an edge counts once for each face. */
+  int64_t inside;
+  /**
+   * Of them, points that are inside without being in contact, as they did not come in from outside,
+   * :eq:`point-history`; 0 at corners and edges.
+   */
+  int64_t buried;
+  /** Depth of the deepest place that is not buried [length]; 0 when there is none. */
+  double deepest;
+  /** 0 or 1: the surface that the deepest place belongs to; -1 when there is none. */
+  int32_t side;
+  /** Its face; -1 when there is none. */
+  int32_t face;
+  /** Its position [length]; NaN when there is none. */
+  double position[3];
+  /**
+   * Depth [length] up to which two surfaces only touch: 1e-9 of the largest face, or the rounding
+   * of their coordinates if that is more.
+   */
+  double touching;
+} ct_penetration;
+
+/**
+ * Penetration at the coordinates of the last update, at the contact's points, or at corners or
+ * edges, which a contact with Gauss points does not look at. ``CT_ERROR_UNSUPPORTED``: corners or
+ * edges of a surface in contact with itself.
+ */
+CT_API ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at,
+                                        ct_penetration *out);
+
+/** Free a contact; null is allowed. */
+CT_API void ct_contact_free(ct_contact *contact);
+
+/**
+ * The contact effect of two surfaces of one problem, whose nodes are numbered as the problem's; if
+ * `a` and `b` are the same pointer, of the surface with itself. `nodal_mass` (node_count of the
+ * problem) is copied for the stable step.
+ */
+CT_API ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b,
+                                          const ct_contact_options *options,
+                                          const double *nodal_mass, ct_effect **effect,
+                                          ct_error *error);
+
+/** Shape of a rigid obstacle. */
+typedef enum ct_obstacle_shape {
+  /** half-space behind a plane; any depth below the plane is inside */
+  CT_OBSTACLE_PLANE = 0,
+  /** solid sphere */
+  CT_OBSTACLE_SPHERE = 1,
+  /** solid cylinder without ends */
+  CT_OBSTACLE_CYLINDER = 2
+} ct_obstacle_shape;
+
+/** A rigid obstacle against a surface of a body, :eq:`obstacle-potential`. It may move, but does
+ * not turn. */
+typedef struct ct_obstacle {
+  /** Plane, sphere or cylinder. */
+  ct_obstacle_shape shape;
+  /** A point of the plane, the centre of the sphere, a point of the cylinder's axis, at t = 0
+   * [length]. */
+  double point[3];
+  /** Normal of the plane out of the obstacle, or direction of the cylinder's axis, of any length;
+   * not read for a sphere. */
+  double axis[3];
+  /** Radius of sphere or cylinder [length], > 0; not read for a plane. */
+  double radius;
+  /** Penalty ε [stress / length], > 0; see `ct_contact_penalty`. */
+  double epsilon;
+  /** How gaps give forces. */
+  ct_enforcement enforcement;
+  /**
+   * Share of the stiffness that acts at the end of the step, 0 ... 1, :eq:`energy-controlled`; for
+   * the energy-controlled penalty.
+   */
+  double dissipation;
+  /** Constant velocity [length / time]. */
+  double velocity[3];
+  /** What the history's factor multiplies [length]; zero without a history. */
+  double travel[3];
+  /** Its displacement is velocity times time plus `travel` times this factor,
+   * :eq:`obstacle-motion`; no points: no travel. */
+  ct_history history;
+  /** Kind of the surface's faces. */
+  ct_face_kind kind;
+  /** Number of faces of the surface. */
+  int32_t face_count;
+  /** Node numbers of the problem, counter-clockwise from outside, shape (face_count, nodes of a
+   * face). */
+  const int32_t *faces;
+} ct_obstacle;
+
+/**
+ * Signed distance of a point from an obstacle at its place of t = 0 [length], negative inside, and
+ * the unit normal `n` out of the obstacle there, :eq:`obstacle-gap`. The normal is NaN in the
+ * centre of a sphere and on the axis of a cylinder.
+ */
+CT_API double ct_obstacle_gap(const ct_obstacle *obstacle, const double point[3], double n[3]);
+
+/** Where the obstacle is at a time, relative to t = 0's `point` [length], :eq:`obstacle-motion`. */
+CT_API void ct_obstacle_motion(const ct_obstacle *obstacle, double time, double motion[3]);
+
+/**
+ * The effect of one obstacle, named "obstacle". It stores the penalty's energy; work of its motion
+ * is external.
+ * ``CT_ERROR_ARGUMENT``: penalty or radius not positive, no axis, no faces, node out of range,
+ * history not ascending, travel without a history.
+ */
+CT_API ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_problem *problem,
+                                           ct_effect **effect, ct_error *error);
+
+/**
+ * Force of the bodies on an obstacle at the state's time [force] and the work that its motion has
+ * put into the bodies since t = 0 [energy], :eq:`obstacle-work`. ``CT_ERROR_ARGUMENT``: effect
+ * number `effect` is no obstacle.
+ */
+CT_API ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect,
+                                      double force[3], double *work, ct_error *error);
+
+/** Coulomb friction with stick on the points of a contact or of an obstacle. */
+typedef struct ct_friction {
+  /**
+   * The effect whose points rub: one of `ct_contact_create_effect` or `ct_obstacle_create_effect`.
+   * It must outlive the friction and stand before it.
+   */
+  const ct_effect *on;
+  /** Coefficient μ of friction, > 0. */
+  double coefficient;
+  /** Ratio ρ of the tangential penalty to the normal one, > 0; 0: 1. */
+  double tangent;
+} ct_friction;
+
+/**
+ * The return of an elastic slip to the limit of Coulomb, :eq:`friction-return`. `slip` [length] is
+ * tangential; where it is longer than `limit` it is shortened to it. Answers by how much [length]:
+ * the sliding of this step, 0 in stick.
+ */
+CT_API double ct_friction_return(double limit, double slip[3]);
+
+/**
+ * The effect of friction, named "friction": tangential forces in stick and in slip. It stores
+ * nothing in the ledger; its work counts there as that of outside forces and is minus what it holds
+ * and has dissipated. ``CT_ERROR_ARGUMENT``: no contact or obstacle to rub on, μ or ρ not positive.
+ */
+CT_API ct_status ct_friction_create_effect(const ct_friction *friction, const ct_problem *problem,
+                                           ct_effect **effect, ct_error *error);
+
+/**
+ * What friction holds as elastic slip at the state's time, and what it has dissipated since t = 0
+ * [energy], :eq:`friction-dissipation`.
+ */
+CT_API ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t effect,
+                                    double *held, double *dissipated, ct_error *error);
+
+CT_END_DECLS
+
+#endif

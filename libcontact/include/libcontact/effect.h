@@ -1,0 +1,233 @@
+#ifndef LIBCONTACT_EFFECT_H
+#define LIBCONTACT_EFFECT_H
+
+#include <libcontact/base.h>
+#include <libcontact/shape.h>
+#include <libcontact/solid.h>
+#include <libcontact/step.h>
+
+CT_BEGIN_DECLS
+
+/**
+ * The solid effect of all bodies: `blocks` (block_count) in ascending order of `first_node` without
+ * gaps. Meshes must outlive the effect. ``CT_ERROR_UNSUPPORTED`` when a kernel is asked for that
+ * does not fit its block. Under a law for large deformation its force fails with
+ * ``CT_ERROR_GEOMETRY``, body and element, as soon as an element is turned inside out, and its
+ * bound on the step is that of the tangent.
+ */
+CT_API ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_count,
+                                        ct_effect **effect, ct_error *error);
+
+/**
+ * The effect "hourglass" of a solid effect with blocks of CT_KERNEL_REDUCED: it has no force of its
+ * own (the solid effect's holds it), and its stored energy is that of the hourglass control, which
+ * the energy of the solid effect leaves out. Null, with CT_OK, when no block is of that kind. The
+ * solid effect must outlive it.
+ */
+CT_API ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **effect,
+                                           ct_error *error);
+
+/** The kernel that the effect chose for a block, and the floating-point operations and bytes of one
+ * update of one element. */
+CT_API ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block,
+                                     ct_solid_kernel *kernel, double *flops, double *bytes);
+
+/** Components of a set of nodes that keep a constant velocity: 0 for a fixed end or a plane of
+ * symmetry. */
+typedef struct ct_support {
+  /** Node numbers of the problem, shape (node_count). */
+  const int32_t *nodes;
+  /** Number of nodes. */
+  int32_t node_count;
+  /** Which of x, y, z are prescribed (0 or 1). */
+  int fixed[3];
+  /** Their velocity [length / time]. */
+  double velocity[3];
+} ct_support;
+
+/**
+ * The effect of all supports together: it keeps the reaction impulse at each of its nodes. Its
+ * prescribed degrees of freedom must have `inverse_mass` 0 and the prescribed initial velocity,
+ * which `ct_support_apply` sets. A degree of freedom that two supports give different velocities is
+ * ``CT_ERROR_ARGUMENT``.
+ */
+CT_API ct_status ct_support_create_effect(const ct_support *supports, int32_t support_count,
+                                          int32_t node_count, ct_effect **effect, ct_error *error);
+
+/** Write zero inverse masses and the prescribed velocities, shapes (node_count of the problem, 3).
+ */
+CT_API ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double *velocity);
+
+/** A factor that changes with time: a line through given points, :eq:`history`; constant before the
+ * first and after the last. */
+typedef struct ct_history {
+  /** Number of points; 0: the factor is 1 at all times. */
+  int32_t count;
+  /** Times [time], not descending, shape (count). Two equal times make a jump; at the jump the
+   * later value holds. */
+  const double *time;
+  /** Values at these times, shape (count). */
+  const double *value;
+} ct_history;
+
+/**
+ * ``CT_ERROR_ARGUMENT`` when arrays are missing or times descend, ``CT_INVALID`` when a number is
+ * not finite; `error` names the point.
+ */
+CT_API ct_status ct_history_check(const ct_history *history, ct_error *error);
+
+/** The factor at a time, :eq:`history`. */
+CT_API double ct_history_value(const ct_history *history, double time);
+
+/** A traction and a pressure on faces, with a history in time. */
+typedef struct ct_load {
+  /** What the faces are. */
+  ct_face_kind kind;
+  /** Number of faces. */
+  int32_t face_count;
+  /** Node numbers of the problem, shape (face_count, 4 or 8), so that normals point out of the
+   * body. */
+  const int32_t *faces;
+  /** Force for each unit of the undeformed area, of fixed direction [stress]. */
+  double traction[3];
+  /** Pressure against the normal [stress]. */
+  double pressure;
+  /** Not zero: the pressure follows the deformed surface, normal and area; zero: it acts as on the
+   * undeformed one. */
+  int following;
+  /** Factor of both in time. */
+  ct_history history;
+} ct_load;
+
+/**
+ * The effect "load", :eq:`load-force`. It stores nothing; its work stands in the ledger. Arrays are
+ * copied. The problem is a joined one, see `ct_scene_join`. ``CT_ERROR_ARGUMENT``, ``CT_INVALID``,
+ * ``CT_ERROR_GEOMETRY``: what is missing, not finite, or a face without area, named by its number.
+ */
+CT_API ct_status ct_load_create_effect(const ct_load *load, const ct_problem *problem,
+                                       ct_effect **effect, ct_error *error);
+
+/** Components of a set of nodes whose displacement follows a history. */
+typedef struct ct_motion {
+  /** Node numbers of the problem, shape (node_count). */
+  const int32_t *nodes;
+  /** Number of nodes. */
+  int32_t node_count;
+  /** Which of x, y, z are prescribed (0 or 1). */
+  int fixed[3];
+  /** Displacement that the history multiplies [length]. */
+  double displacement[3];
+  /** Factor in time; at least one point. A jump is made within one step. */
+  ct_history history;
+} ct_motion;
+
+/**
+ * The effect "support" of all motions together, :eq:`motion-force`: a force that takes its nodes to
+ * their place at t_{n+1}, against all other forces and their own inertia. It stores nothing; its
+ * work stands in the ledger. Arrays are copied. It must be the last effect of the problem but for
+ * supports, as it has to see the forces of all others; so a problem has at most one.
+ * ``CT_ERROR_ARGUMENT``: no nodes, a component that two motions, or a motion and a support, hold;
+ * ``CT_INVALID``: a number is not finite.
+ */
+CT_API ct_status ct_motion_create_effect(const ct_motion *motions, int32_t motion_count,
+                                         const ct_problem *problem, ct_effect **effect,
+                                         ct_error *error);
+
+/** A uniform acceleration of bodies. */
+typedef struct ct_gravity {
+  /** Acceleration [length / time²]. */
+  double acceleration[3];
+  /** Numbers of the bodies that fall, shape (body_count); null: all. */
+  const int32_t *bodies;
+  /** Number of them. */
+  int32_t body_count;
+} ct_gravity;
+
+/**
+ * The effect "gravity": f = m g at each node, with the potential :eq:`gravity-potential`. The
+ * problem is a joined one, see `ct_scene_join`.
+ */
+CT_API ct_status ct_gravity_create_effect(const ct_gravity *gravity, const ct_problem *problem,
+                                          ct_effect **effect, ct_error *error);
+
+/** Damping in proportion to mass, or dynamic relaxation. */
+typedef struct ct_damping {
+  /** Rate α >= 0 [1 / time]: a free velocity decays by exp(-α t), :eq:`damping-decay`. */
+  double rate;
+  /**
+   * Not zero: dynamic relaxation, which chooses the rate by itself, :eq:`relaxation-rate`, so that
+   * bodies come to rest soon; `rate` must be 0.
+   */
+  int relaxation;
+  /** Numbers of the bodies that are damped, shape (body_count); null: all. */
+  const int32_t *bodies;
+  /** Number of them. */
+  int32_t body_count;
+} ct_damping;
+
+/**
+ * The effect "damping": f = -α m v with the velocity half a step back, :eq:`damping-force`. It
+ * stores nothing; its work is negative and stands in the ledger. With `relaxation` it is
+ * :eq:`relaxation-force`, does not limit the step, and must stand behind all effects but motions
+ * and supports. The problem is a joined one, see `ct_scene_join`.
+ */
+CT_API ct_status ct_damping_create_effect(const ct_damping *damping, const ct_problem *problem,
+                                          ct_effect **effect, ct_error *error);
+
+/**
+ * Bulk viscosity: a pressure against compression that spreads a front over a few elements,
+ * :eq:`bulk-viscosity`. It takes energy out of the bodies, which the ledger shows as the (negative)
+ * work of the effect "viscosity".
+ */
+typedef struct ct_viscosity {
+  /** Coefficient Q₁ of the part that grows with the strain rate, >= 0; 0.06 is usual. */
+  double linear;
+  /** Coefficient Q₂ of the part that grows with its square, >= 0; 1.2 is usual. */
+  double quadratic;
+  /** Numbers of the bodies, shape (body_count); null: all. */
+  const int32_t *bodies;
+  /** Number of bodies in `bodies`. */
+  int32_t body_count;
+} ct_viscosity;
+
+/**
+ * The effect "viscosity" of some bodies of the joined problem. ``CT_ERROR_UNSUPPORTED``: a body is
+ * not of hex8.
+ * ``CT_ERROR_ARGUMENT``: a coefficient is negative, both are 0, or a body does not exist or is
+ * named twice.
+ */
+CT_API ct_status ct_viscosity_create_effect(const ct_viscosity *options, const ct_problem *problem,
+                                            ct_effect **effect, ct_error *error);
+
+/**
+ * The pressure of one hex8 element, the readable form, :eq:`bulk-viscosity`: `nodes` and `velocity`
+ * have shape (8, 3), `c1` is the speed of the dilatation wave. Writes the pressure [stress], 0
+ * unless the element is compressed, and the force on the nodes, shape (8, 3) [force],
+ * :eq:`viscous-force`.
+ */
+CT_API ct_status ct_viscosity_element(const double *nodes, const double *velocity, double density,
+                                      double c1, double linear, double quadratic, double *pressure,
+                                      double *force, ct_error *error);
+
+/** Faces through which waves leave the body instead of being reflected. */
+typedef struct ct_absorb {
+  /** What the faces are. */
+  ct_face_kind kind;
+  /** Number of faces; all belong to one body. */
+  int32_t face_count;
+  /** Node numbers of the problem, shape (face_count, 4 or 8). */
+  const int32_t *faces;
+} ct_absorb;
+
+/**
+ * The effect "absorb" of Lysmer and Kuhlemeyer: a traction against the velocity, ρ c₁ along the
+ * normal and ρ c₂ across, :eq:`absorb-traction`. It stores nothing; what leaves stands in the
+ * ledger as negative work. The problem is a joined one, see `ct_scene_join`. ``CT_ERROR_ARGUMENT``:
+ * faces of several bodies.
+ */
+CT_API ct_status ct_absorb_create_effect(const ct_absorb *absorb, const ct_problem *problem,
+                                         ct_effect **effect, ct_error *error);
+
+CT_END_DECLS
+
+#endif

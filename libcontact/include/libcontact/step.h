@@ -1,0 +1,686 @@
+#ifndef LIBCONTACT_STEP_H
+#define LIBCONTACT_STEP_H
+
+#include <libcontact/base.h>
+#include <libcontact/mesh.h>
+#include <libcontact/constraint.h>
+
+CT_BEGIN_DECLS
+
+/** One motion of many nodes that drift alike, :eq:`adrift-node`. */
+typedef struct ct_leader {
+  /** Nodes `first` ... `last` - 1 of the problem may follow it; none when both are equal. */
+  int32_t first, last;
+  /** u_n [length]; the time loop moves it on. */
+  double displacement[3];
+  /** v_{n-1/2} [length / time]. */
+  double velocity[3];
+} ct_leader;
+
+/**
+ * What an effect is shown when it is asked for its force: the state of all bodies, one after
+ * another, at one time. Nothing here may be changed by the effect but its own `memory` and
+ * `scratch`.
+ */
+typedef struct ct_view {
+  /** Time t_n [time]. */
+  double time;
+  /** Threads that the effect may use; results must not depend on it. */
+  int threads;
+  /** Reference coordinates X [length], shape (node_count, 3). */
+  const double *reference;
+  /** Displacement u_n [length], shape (node_count, 3). */
+  const double *displacement;
+  /**
+   * Time until the next evaluation of the forces [time], Δt for most integrators; 0 while the start
+   * is made, before v_{-1/2} is known, and while no step is chosen yet.
+   */
+  double dt;
+  /**
+   * Velocity after the kick: `velocity` + `kick` times the sum of all forces over the mass [time],
+   * :eq:`stage`; Δt for most integrators, 0 with `dt`.
+   */
+  double kick;
+  /**
+   * The displacement goes on by `dt` times (`velocity` + `push` times the sum of all forces over
+   * the mass + `carry` times `past`) [time], :eq:`stage`; 0 with `dt`.
+   */
+  double push;
+  /** See `push` [time]; 0 where `past` is null. */
+  double carry;
+  /** Acceleration of the evaluation before [length / time²], shape (node_count, 3), for integrators
+   * that carry it on; or null. */
+  const double *past;
+  /**
+   * Sum of the forces of the effects that stand before this one in the problem's list [force],
+   * shape (node_count, 3); in `force` only.
+   */
+  const double *total;
+  /** Velocity half a step back, v_{n-1/2} [length / time], before the kick, shape (node_count, 3).
+   */
+  const double *velocity;
+  /** What the effect remembers from step n - 1 (memory_count doubles). */
+  const double *memory;
+  /** Where it writes what step n + 1 shall see. */
+  double *next_memory;
+  /** What `create_scratch` made for this state. */
+  void *scratch;
+  /**
+   * Null, except for the first effect when `force` still holds what it wrote in its last call: then
+   * a bit a node, node n being bit n % 64 of word n / 64, all 0. The effect may set the bit of a
+   * node on which its force is zero, as it was in the last call, and leave that force as it stands,
+   * :eq:`still-node`.
+   */
+  uint64_t *still;
+  /**
+   * Null, except for the first effect in the midst of ct_step_many: then a bit a node as in
+   * ``still``, set for nodes that since the last call were only moved on with the velocity that
+   * they had and have.
+   */
+  const uint64_t *drifted;
+  /**
+   * Null, except where ``drifted`` is not and each other effect is `local` or a reaction: then a
+   * bit a node as in ``still``, all 0. The effect may set the bits of nodes that stand in a range
+   * of `leaders`, :eq:`adrift-node`: until a call in which it does not set them, the time loop
+   * moves the leader instead, so that their displacement in this view is an older one.
+   */
+  uint64_t *adrift;
+  /**
+   * As many as there are bodies; with ``adrift`` only. What the effect writes there stays, moved
+   * on, as long as it sets bits of that range.
+   */
+  ct_leader *leaders;
+  /** How many there are. */
+  int32_t leader_count;
+  /** Null, or for the first effect two counters: it adds the elements that it computes and those
+   * that it leaves out. */
+  int64_t *element_updates;
+  /** Scratch space of the effect that this one `reads`, as its `force` has left it for the same
+   * time; null without one. */
+  const void *read;
+  /**
+   * What the effect has listed in `constrain` for the same time, with the forces that solve all
+   * constraints together; in `force` only.
+   */
+  const ct_constraint *constraints;
+  /** How many it has listed. */
+  int64_t constraint_count;
+} ct_view;
+
+/**
+ * What an effect is, and so what its `data`, memory and scratch space hold. The library decides by
+ * the kind and never by the name.
+ */
+typedef enum ct_effect_kind {
+  /** an effect of a host */
+  CT_EFFECT_USER = 0,
+  /** internal forces of all bodies: `ct_solid_create_effect` */
+  CT_EFFECT_SOLID = 1,
+  /** energy of the hourglass control: `ct_solid_create_hourglass` */
+  CT_EFFECT_HOURGLASS = 2,
+  /** contact of two surfaces, or of one with itself: `ct_contact_create_effect` */
+  CT_EFFECT_CONTACT = 3,
+  /** `ct_friction_create_effect` */
+  CT_EFFECT_FRICTION = 4,
+  /** `ct_obstacle_create_effect` */
+  CT_EFFECT_OBSTACLE = 5,
+  /** prescribed constant velocities: `ct_support_create_effect` */
+  CT_EFFECT_SUPPORT = 6,
+  /** prescribed paths, whose name is "support", too: `ct_motion_create_effect` */
+  CT_EFFECT_MOTION = 7,
+  /** `ct_load_create_effect` */
+  CT_EFFECT_LOAD = 8,
+  /** `ct_gravity_create_effect` */
+  CT_EFFECT_GRAVITY = 9,
+  /** `ct_damping_create_effect` */
+  CT_EFFECT_DAMPING = 10,
+  /** `ct_viscosity_create_effect` */
+  CT_EFFECT_VISCOSITY = 11,
+  /** `ct_absorb_create_effect` */
+  CT_EFFECT_ABSORB = 12
+} ct_effect_kind;
+
+/**
+ * One physical effect: a force on some nodes, its energy, and its bound on the time step.
+ * The time loop runs over the effects that a problem lists and over nothing else. Callbacks that do
+ * not apply are null.
+ */
+typedef struct ct_effect {
+  /** What the effect is; a host leaves it at ``CT_EFFECT_USER``. */
+  ct_effect_kind kind;
+  /** A label, which names a column of the ledger; the library decides nothing by it. */
+  const char *name;
+  /** What the effect's functions need, fixed once the problem is made; `free_data` gives it back.
+   */
+  void *data;
+  /** Nodes that the force acts on, ascending; null when it acts on all nodes. */
+  const int32_t *nodes;
+  /** Number of nodes that the force acts on. */
+  int32_t node_count;
+  /** Doubles of the state that the effect keeps from step to step (a restart carries them). */
+  int64_t memory_count;
+  /**
+   * Not zero: the effect holds degrees of freedom at a constant velocity (inverse mass 0). It has
+   * no `force`; the time loop takes minus the sum of all other forces there, and keeps its impulse
+   * only, as its work is impulse times velocity.
+   */
+  int reaction;
+  /**
+   * Not zero: the force needs `total` of all others, so only reactions and effects with a larger
+   * `last` may stand after the effect in the problem's list.
+   */
+  int last;
+  /**
+   * Not zero: `constrain`, `path` and `force` read displacement and velocity of the effect's own
+   * nodes only. Nodes that drift far from all effects are then moved together.
+   */
+  int local;
+  /**
+   * Floating-point operations of one call of `force`, about; 0: not told. A plan shows it, nothing
+   * depends on it. An effect with `constrain` counts that call, too, and all its points as
+   * pressing, but not the rounds of the iteration, which are :eq:`round-flops` times
+   * `constraint_rounds` of the state.
+   */
+  double flops;
+  /** Bytes that one call of `force` moves between memory and processor, about; 0: not told. */
+  double bytes;
+  /**
+   * Null, or an effect that stands before this one in the problem's list and whose scratch space it
+   * is shown as `read` of the view.
+   */
+  const struct ct_effect *reads;
+  /** Most constraints that `constrain` can list. */
+  int64_t constraint_count;
+  /** Scratch space of one state. */
+  ct_status (*create_scratch)(const struct ct_effect *effect, void **scratch, ct_error *error);
+  /** Give the scratch space back. */
+  void (*free_scratch)(void *scratch);
+  /**
+   * List the points that may press in this step into `list`, of room `constraint_count`; `count`
+   * tells how many. The forces of all effects' constraints are then found together,
+   * :eq:`constraint-problem`, with the forces of all effects known that stand before the first such
+   * effect, and `force` is shown its own. What `memory` holds of the last step's force must go into
+   * `list`, and `force` must write the present one into `next_memory`. Null: the effect has none.
+   */
+  ct_status (*constrain)(const struct ct_effect *effect, const ct_view *view, ct_constraint *list,
+                         int64_t *count, ct_error *error);
+  /**
+   * Where an effect takes some degrees of freedom along a path, whatever the forces: write their
+   * way until the next step, and NaN for the others, shape (node_count, 3) [length]. Constraints
+   * reckon with it. Null: it takes none.
+   */
+  ct_status (*path)(const struct ct_effect *effect, const ct_view *view, double *way,
+                    ct_error *error);
+  /** Write the force on the effect's nodes, shape (node_count, 3) [force]. */
+  ct_status (*force)(const struct ct_effect *effect, const ct_view *view, double *force,
+                     ct_error *error);
+  /** Stored energy for the same view, after `force` was called with it [energy]. */
+  ct_status (*energy)(const struct ct_effect *effect, const ct_view *view, double *energy,
+                      ct_error *error);
+  /** Upper bound of what the effect adds to the largest ω² of the problem [1 / time²],
+   * :eq:`step-bound`. */
+  ct_status (*frequency)(const struct ct_effect *effect, const ct_view *view, double *omega_squared,
+                         ct_error *error);
+  /**
+   * Upper bound of the largest eigenvalue of M⁻¹C [1 / time] for a force -C v that goes with the
+   * velocity half a step back, :eq:`damped-step-bound`. Null for a force that does not depend on
+   * velocity.
+   */
+  ct_status (*damping)(const struct ct_effect *effect, const ct_view *view, double *rate,
+                       ct_error *error);
+  /**
+   * Work since t = 0 that comes in from outside through an effect that stores energy, as of a
+   * moving obstacle [energy], for the view of the last `force`; the ledger books it as external.
+   * Null: none does.
+   */
+  ct_status (*external)(const struct ct_effect *effect, const ct_view *view, double *work,
+                        ct_error *error);
+  /** Give `data` back. */
+  void (*free_data)(void *data);
+} ct_effect;
+
+/**
+ * An effect of the caller's own: a copy of a filled `ct_effect` that `ct_scene_add_effect` can take
+ * over and `ct_effect_free` frees. `nodes` and `data` stay the caller's until `free_data` is
+ * called, once. ``CT_ERROR_ARGUMENT``: no name, nodes not ascending, a force missing or beside
+ * `reaction`, a kind of the library's own (as in a copy of one of its effects: both would free the
+ * same data).
+ */
+CT_API ct_status ct_effect_create(const ct_effect *filled, ct_effect **effect, ct_error *error);
+
+/** Free an effect made by `ct_effect_create` or one of the library's `ct_..._create_effect` calls.
+ */
+CT_API void ct_effect_free(ct_effect *effect);
+
+/** Explicit methods that take a problem from one moment to the next, :doc:`/theory/integrator`. */
+typedef enum ct_scheme {
+  /** Central difference in leapfrog form, :eq:`leapfrog`; no parameter (0). */
+  CT_CENTRAL_DIFFERENCE,
+  /** Chung and Lee; parameter β, 1 ... 28/27, :eq:`chung-lee-drift`. */
+  CT_CHUNG_LEE,
+  /** Noh and Bathe, two evaluations of the forces in a step; parameter p, 1/2 ... 2 - √2,
+     :eq:`noh-bathe-stages`. */
+  CT_NOH_BATHE,
+  /** Tchamwa and Wielgosz; parameter ρ∞, 0 ... 1, :eq:`tchamwa-wielgosz-drift`. */
+  CT_TCHAMWA_WIELGOSZ
+} ct_scheme;
+
+/** A method and its one parameter. All bytes zero: central difference. */
+typedef struct ct_integrator {
+  /** The method. */
+  ct_scheme scheme;
+  /** Its parameter, as the method says. */
+  double parameter;
+} ct_integrator;
+
+/** One evaluation of the forces and the motion after it, :eq:`stage`. All numbers are shares of Δt.
+ */
+typedef struct ct_stage {
+  /** Time τ until the next evaluation. */
+  double drift;
+  /** Weight c of the force in the kick of the velocity. */
+  double kick;
+  /** Weight r of the force in the velocity of the drift. */
+  double push;
+  /** Weight l of the force of the evaluation before in the velocity of the drift. */
+  double carry;
+} ct_stage;
+
+/** The method of this scheme with its usual parameter: β = 28/27, p = 0.54, ρ∞ = 0.9. */
+CT_API ct_integrator ct_integrator_default(ct_scheme scheme);
+
+/** Name of a scheme: "central_difference", "chung_lee", "noh_bathe" or "tchamwa_wielgosz"; null for
+ * another number. */
+CT_API const char *ct_scheme_name(ct_scheme scheme);
+
+/** ``CT_ERROR_ARGUMENT`` for an unknown scheme or a parameter out of its range, with the range in
+ * `error`. */
+CT_API ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *error);
+
+/** Fill the stages of one step, shape (2); the number of them (1 or 2). */
+CT_API int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages);
+
+/** Share g of Δt by which the force at t_n completes the velocity there, v_n = v + g Δt f_n / m,
+ * :eq:`stage-velocity`. */
+CT_API double ct_integrator_share(const ct_integrator *integrator);
+
+/** Largest stable Ω = ω Δt of an oscillator without damping, :eq:`integrator-limits`. */
+CT_API double ct_integrator_limit(const ct_integrator *integrator);
+
+/**
+ * Largest stable Δt [time] for the sums `omega_squared` of ω² [1 / time²] and `rate` of the damping
+ * rates [1 / time], :eq:`integrator-damped-bound`.
+ */
+CT_API double ct_integrator_step(const ct_integrator *integrator, double omega_squared,
+                                 double rate);
+
+/** One body of a problem. */
+typedef struct ct_body {
+  /** A name for people, ended by a zero byte. */
+  char name[64];
+  /** Its nodes and elements. */
+  const ct_mesh *mesh;
+  /** What it is made of. */
+  ct_material material;
+  /** Its nodes are first_node ... first_node + mesh->node_count - 1 of the problem. */
+  int32_t first_node;
+} ct_body;
+
+/**
+ * All that stays fixed during a run. `ct_scene_build` makes one; a host may fill one by hand.
+ * The nodes of all bodies stand one after another.
+ */
+typedef struct ct_problem {
+  /** Nodes of all bodies. */
+  int32_t node_count;
+  /** Number of bodies. */
+  int32_t body_count;
+  /** The bodies, in the order of their nodes. */
+  const ct_body *bodies;
+  /** Reference coordinates X [length], shape (node_count, 3). */
+  const double *reference;
+  /** Lumped mass [mass], shape (node_count). */
+  const double *mass;
+  /**
+   * One over the mass of each degree of freedom, shape (node_count, 3) [1 / mass]; 0 where a
+   * support prescribes a constant velocity, which the leapfrog then keeps.
+   */
+  const double *inverse_mass;
+  /** Velocity at t = 0 [length / time], shape (node_count, 3). */
+  const double *initial_velocity;
+  /** The effects; the first one acts on all nodes (usually "solid"). */
+  int32_t effect_count;
+  /** The list of them, shape (effect_count). */
+  const ct_effect *const *effects;
+  /** Time step Δt [time]. */
+  double dt;
+  /** Threads, >= 1; results do not depend on it. */
+  int threads;
+  /**
+   * Null, or a clock [seconds] with which the time loop measures what each effect costs
+   * (`effect_seconds` of the state); results do not depend on it.
+   */
+  double (*clock)(void);
+  /** The method of the time steps; all bytes zero: central difference. */
+  ct_integrator integrator;
+  /**
+   * Not zero: linear bodies are bounded by `ct_stable_assembled` where that allows a larger step;
+   * it costs some 70 forces once.
+   */
+  int assembled;
+} ct_problem;
+
+/**
+ * All that moves. Everything that a restart needs is `step`, `time`, `kinetic_start`, and the
+ * arrays `displacement`, `velocity`, `work`, `impulse` and `memory`; a copy of them continues with
+ * the same bits.
+ */
+typedef struct ct_state {
+  /** The problem that it belongs to. */
+  const ct_problem *problem;
+  /** Number n of the next step, and its time t_n = n Δt [time]. */
+  int64_t step;
+  /** t_n [time]. */
+  double time;
+  /** Nodes of all bodies. */
+  int32_t node_count;
+  /** u_n [length], shape (node_count, 3); written by `ct_step`. */
+  double *displacement;
+  /** v_{n-1/2} [length / time], the velocity before the kick, :eq:`stage`, shape (node_count, 3);
+   * written by `ct_step`. */
+  double *velocity;
+  /** Doubles in `work`. */
+  int64_t work_count;
+  /**
+   * For each effect in turn that is no reaction, at each of its nodes and components: the sum over
+   * the past steps of f_j · (v_{j-1/2} + v_{j+1/2}), its work divided by Δt / 2,
+   * :eq:`work-balance`; with the weights of the stages, :eq:`stage-work`.
+   */
+  double *work;
+  /** Doubles in `impulse`. */
+  int64_t impulse_count;
+  /**
+   * For each effect but the first, likewise: the sum of f_j, its impulse divided by Δt,
+   * :eq:`impulse-balance`. In two parts, :eq:`impulse-parts`: what came since the step number was a
+   * multiple of 256, and in a second half of the same shape what had come by then.
+   */
+  double *impulse;
+  /** Kinetic energy at t = 0 [energy]. */
+  double kinetic_start;
+  /** Doubles in `memory`. */
+  int64_t memory_count;
+  /**
+   * Memory of the effects, one after another; then, for Chung and Lee, the acceleration at t_{n-1},
+   * shape (node_count, 3) [length / time²], :eq:`chung-lee-drift`.
+   */
+  double *memory;
+  /**
+   * Seconds spent in the forces of each effect so far, and after them in the rest of the time loop,
+   * shape (effect_count + 1); zero without the problem's clock. Not part of a restart; written by
+   * `ct_step`.
+   */
+  double *effect_seconds;
+  /**
+   * Steps in which the forces of the constraints, :eq:`constraint-problem`, did not settle to 1e-10
+   * of the largest within 500 rounds, so far; the last of them is used then. Not part of a restart;
+   * written by `ct_step`.
+   */
+  int64_t unsettled;
+  /**
+   * Work of the search for the forces of the constraints so far: rounds of
+   * :eq:`constraint-iteration` times the constraints that they went over, summed over the steps.
+   * Not part of a restart.
+   */
+  int64_t constraint_rounds;
+  /**
+   * Elements whose forces the first effect has computed so far, and those that it has left out as
+   * quiet, :eq:`quiet-batch`, summed over all evaluations. Not part of a restart.
+   */
+  int64_t element_updates[2];
+  /** Forces and scratch space of the current step; not part of a restart. */
+  struct ct_workspace *workspace;
+} ct_state;
+
+/** The stable step that is reported, and what it is made of. */
+typedef struct ct_stable_step {
+  /**
+   * Largest stable Δt with all effects [time]: 2 / sqrt(Σ ω²), :eq:`step-bound`, or with damping
+   * and other integrators :eq:`integrator-damped-bound`.
+   */
+  double dt;
+  /** The same without contacts, obstacles and their friction [time]. */
+  double dt_without_contact;
+  /** Shortest element edge over the fastest c₁ of the same body [time]: Courant number 1. */
+  double dt_courant;
+} ct_stable_step;
+
+/** A state at t = 0 with zero displacement; evaluates the first forces. */
+CT_API ct_status ct_state_create(const ct_problem *problem, ct_state **state, ct_error *error);
+
+/**
+ * Copy what a restart needs. Both states must belong to the same problem. ``CT_ERROR_ARGUMENT``:
+ * they don't, or `from` stands within a step.
+ */
+CT_API ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_state *to,
+                               ct_error *error);
+
+/**
+ * Go on with a smaller step: make `to`, a state of `problem`, from a state of a problem that is the
+ * same but for its Δt, which is a whole number of times that of `problem`. Displacement, velocity
+ * at t_n, work and impulse stay what they are, :eq:`step-change`; with the same Δt it is a copy.
+ * ``CT_ERROR_ARGUMENT``: the problems differ, or Δt is no such part. After an error `to` may hold
+ * anything that `ct_state_copy` can overwrite.
+ */
+CT_API ct_status ct_state_refine(const ct_problem *problem, ct_state *from, ct_state *to,
+                                 ct_error *error);
+
+/** Free a state; null is allowed. The problem must outlive its states. */
+CT_API void ct_state_free(ct_state *state);
+
+/**
+ * One step of the problem's integrator, :eq:`stage`; the central difference method is
+ * :eq:`leapfrog`. When the forces of a second stage fail, the state stands within a step: then
+ * every call but `ct_state_copy` into it and `ct_state_free` answers
+ * ``CT_ERROR_ARGUMENT``; also one that copies from it.
+ */
+CT_API ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error);
+
+/** `count` steps; ends early with ``CT_ERROR_BLOWUP`` (body, node and time in `error`) when the
+ * state stops being finite. */
+CT_API ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count,
+                              ct_error *error);
+
+/**
+ * What one effect adds to the bound of the step in this state: ω² [1 / time²] and the rate of its
+ * damping [1 / time], :eq:`damped-step-bound`; 0 where it says nothing.
+ */
+CT_API ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t effect,
+                                 double *omega_squared, double *rate, ct_error *error);
+
+/**
+ * Upper bound of the largest ω² of all bodies together, held as they are [1 / time²],
+ * :eq:`assembled-bound`: Lanczos' method from a random start, which is the same in every call, with
+ * a margin of 6 %; for one start in 10¹² it is too low.
+ * ``CT_ERROR_UNSUPPORTED``: a body is not linear.
+ */
+CT_API ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state,
+                                     double *omega_squared, ct_error *error);
+
+/**
+ * Largest stable step of the problem in this state (a null `state`: at t = 0).
+ * An upper bound of ω² of each element plus the bound of the contact points, so never above the
+ * true limit of the linear problem.
+ */
+CT_API ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *out,
+                           ct_error *error);
+
+/**
+ * Energy of all bodies at t_n, in the discrete form that the leapfrog scheme conserves,
+ * :eq:`discrete-energy`, and what each effect has done, :eq:`work-balance`. All [energy].
+ */
+typedef struct ct_energy {
+  /** t_n [time]. */
+  double time;
+  /** ½ v_{n-1/2} · M v_{n+1/2}. */
+  double kinetic;
+  /** Stored by the effect "solid". */
+  double strain;
+  /** Stored by all effects "contact". */
+  double contact;
+  /** Work done by supports and loads since t = 0. */
+  double external;
+  /** kinetic + strain + contact - external: constant for linear forces. */
+  double total;
+  /** kinetic(t_n) - kinetic(0) - Σ work of every effect: zero to round-off, always. */
+  double balance;
+} ct_energy;
+
+/** Momentum of one body at t_n, from the mean of v_{n-1/2} and v_{n+1/2}. */
+typedef struct ct_momentum {
+  /** t_n [time]. */
+  double time;
+  /** Number of the body. */
+  int32_t body;
+  /** Linear momentum [mass · length / time]. */
+  double p[3];
+  /** Angular momentum about the origin [mass · length² / time]. */
+  double L[3];
+  /** Impulse of the contacts on the body since t = 0 [mass · length / time], :eq:`impulse-balance`.
+   */
+  double contact_impulse[3];
+  /** Impulse of the supports on the body since t = 0 [mass · length / time]. */
+  double support_impulse[3];
+} ct_momentum;
+
+/** Energies at the state's time (evaluates the forces there if `ct_step` has not). */
+CT_API ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *energy,
+                              ct_error *error);
+
+/** Work of one effect since t = 0 [energy]. */
+CT_API ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t effect,
+                                double *work, ct_error *error);
+
+/** Stored energy of one effect at the state's time [energy]. */
+CT_API ct_status ct_energy_stored(const ct_problem *problem, ct_state *state, int32_t effect,
+                                  double *energy, ct_error *error);
+
+/**
+ * How far the state is from rest, :eq:`unrest`: the larger of the largest nodal force that is not
+ * balanced over the largest nodal force of any effect, and the root of the kinetic over the stored
+ * energy. 0 where nothing moves and no force acts, infinite where something moves and nothing is
+ * stored.
+ */
+CT_API ct_status ct_energy_unrest(const ct_problem *problem, ct_state *state, double *unrest,
+                                  ct_error *error);
+
+/**
+ * Impulse of one effect but the first on all nodes since t = 0 [mass · length / time],
+ * :eq:`impulse-balance`. What an obstacle has received is minus this.
+ */
+CT_API ct_status ct_energy_impulse(const ct_problem *problem, ct_state *state, int32_t effect,
+                                   double impulse[3], ct_error *error);
+
+/** Momentum of one body. */
+CT_API ct_status ct_momentum_of(const ct_problem *problem, ct_state *state, int32_t body,
+                                ct_momentum *momentum, ct_error *error);
+
+/** Velocity at t_n, ½ (v_{n-1/2} + v_{n+1/2}) [length / time], shape (node_count, 3). */
+CT_API ct_status ct_state_velocity(const ct_problem *problem, ct_state *state, double *velocity,
+                                   ct_error *error);
+
+/** Force of one effect at t_n on the problem's nodes [force], shape (node_count, 3); zero where it
+ * does not act. */
+CT_API ct_status ct_state_force(const ct_problem *problem, ct_state *state, int32_t effect,
+                                double *force, ct_error *error);
+
+/** What a watch looks for, and how often. */
+typedef struct ct_watch_options {
+  /** Steps between two looks, >= 1: the state is looked at whenever its number of steps is a
+   * multiple of this. */
+  int64_t every;
+  /**
+   * Energy that may appear from nothing over the energy that should be there, :eq:`energy-appears`,
+   * > 0; infinite: energy is not watched.
+   */
+  double energy_limit;
+  /**
+   * Largest ω Δt of the motion of the solid alone, :eq:`step-quotient`, > 0, as for central
+   * differences: 2 is the limit of every integrator; infinite: stiffening is not watched.
+   */
+  double omega_limit;
+  /** The stable step at the start [time], where the caller knows it; 0: it is asked when the watch
+   * is made. */
+  double stable;
+  /**
+   * Spurious energy over the energy that should be there, from which on `ct_watch_growth` reports
+   * it, :eq:`energy-growth`, >= 0; the run goes on.
+   */
+  double growth_limit;
+} ct_watch_options;
+
+/** Every 1024 steps; as much energy again as should be there; ω Δt up to 2; growth is reported from
+ * 1 % on. */
+CT_API ct_watch_options ct_watch_options_default(void);
+
+/** Looks at one state while it is stepped, and keeps a copy of the last state that was good;
+ * opaque. */
+typedef struct ct_watch ct_watch;
+
+/**
+ * A watch over a state of the problem, which is its first good state. The problem must outlive it.
+ * ``CT_ERROR_ARGUMENT``: an option out of range; what the forces of the state fail with is
+ * returned, too.
+ */
+CT_API ct_status ct_watch_create(const ct_problem *problem, ct_state *state,
+                                 const ct_watch_options *options, ct_watch **watch,
+                                 ct_error *error);
+
+/** Free a watch; null is allowed. */
+CT_API void ct_watch_free(ct_watch *watch);
+
+/**
+ * Like `ct_step_many`, with a look at every multiple of `every`; the bits of the state are the
+ * same. An error names the time, the step, and the body with its element or node:
+ * ``CT_ERROR_GEOMETRY`` (an element is turned inside out), ``CT_ERROR_BLOWUP`` (not finite),
+ * ``CT_ERROR_STEP`` (the solid has become too stiff for Δt), ``CT_ERROR_ENERGY`` (energy appears),
+ * or what else an effect fails with.
+ */
+CT_API ct_status ct_watch_steps(ct_watch *watch, ct_state *state, int64_t count, ct_error *error);
+
+/** Look at once, at any step; with CT_OK the state is the last good one. Errors as above. */
+CT_API ct_status ct_watch_look(ct_watch *watch, ct_state *state, ct_error *error);
+
+/**
+ * The last good state, which belongs to the watch; the next look changes it. Null for a null watch,
+ * or without memory for its forces.
+ */
+CT_API ct_state *ct_watch_good(const ct_watch *watch);
+
+/** Spurious energy growth, as it was at the first look that found more than `growth_limit`. */
+typedef struct ct_growth {
+  /** Spurious energy over the energy that should be there, :eq:`energy-growth`; 0 as long as no
+   * look has found too much. */
+  double share;
+  /** Time of the look [time]. */
+  double time;
+  /** Its number of steps. */
+  int64_t step;
+  /** Number of the effect of the problem whose work and store have grown most. */
+  int32_t effect;
+  /** The body with the node of the largest kinetic energy. */
+  int32_t body;
+} ct_growth;
+
+/** The growth that was found since the watch was made; zeros for a null watch, or as long as no
+ * look has found too much. */
+CT_API ct_growth ct_watch_growth(const ct_watch *watch);
+
+/**
+ * Largest ω² of the solid that the watch has found in its last look [1 / time²], a lower bound of
+ * the true one; 0 where no body can stiffen.
+ */
+CT_API double ct_watch_omega_squared(const ct_watch *watch);
+
+CT_END_DECLS
+
+#endif

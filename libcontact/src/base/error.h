@@ -1,0 +1,29 @@
+#ifndef CT_SRC_ERROR_H
+#define CT_SRC_ERROR_H
+
+#include <libcontact/base.h>
+
+/* More threads than this are refused: some runtimes end the program when they can't start them. */
+enum { CT_MOST_THREADS = 1024 };
+
+/* What an error is about; -1 where it names none. */
+typedef struct ct_place {
+  int64_t body, element, point;
+} ct_place;
+
+static const ct_place CT_NOWHERE = {-1, -1, -1};
+
+/* Fill `error` (if any) with a printf-style sentence and return `code`, so that callers write
+ * `return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "...")`. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 4, 5)))
+#endif
+ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *format, ...);
+
+/* Write on at the end of an error's text. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void ct_error_add(ct_error *error, const char *format, ...);
+
+#endif

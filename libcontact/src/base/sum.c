@@ -1,0 +1,93 @@
+#include <libcontact/base.h>
+
+#include "stream.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Largest |value|; infinite if one is not finite. */
+static double largest(const double *values, int64_t count)
+{
+  double top = 0.0;
+  int odd = 0;
+#ifndef __clang__ // which knows no vector maximum that minds NaN, and says so
+#pragma omp simd reduction(max : top) reduction(| : odd)
+#endif
+  for (int64_t i = 0; i < count; i++) {
+    double a = fabs(values[i]);
+    odd |= !(a <= DBL_MAX);
+    top = a > top ? a : top;
+  }
+  return odd ? INFINITY : top;
+}
+
+/* Whether one sum needs its terms in the round that begins now: in the first, and in the second if
+ * there is something to add. */
+static int stream_again(ct_stream *s)
+{
+  s->round++;
+  if (s->round != 2) return s->round == 1;
+  if (s->top == 0.0) return 0;
+  // -- Choose two grids that the largest number and the count fix (eq:order-free-sum)
+  if (ct_grid_init(&s->grid, s->top, s->count)) return 1;
+  s->coarse = NAN;
+  return 0;
+}
+
+int ct_stream_again(ct_stream *sums, int count)
+{
+  int again = 0;
+  for (int i = 0; i < count; i++) {
+    int own = stream_again(&sums[i]);
+    if (!own) sums[i].round = 3;
+    again |= own;
+  }
+  return again;
+}
+
+void ct_stream_add(ct_stream *s, const double *terms, int64_t count)
+{
+  // -- In the first round only look: the largest number and the count fix the grids
+  if (s->round == 1) {
+    s->count += count;
+    s->top = fmax(s->top, largest(terms, count));
+  }
+  if (s->round != 2) return;
+  // -- Cut each number into its parts on the two grids; both sums are exact (eq:order-free-sum)
+  ct_grid grid = s->grid;
+  double coarse = 0.0, fine = 0.0;
+#pragma omp simd reduction(+ : coarse, fine)
+  for (int64_t i = 0; i < count; i++) ct_grid_add(&grid, terms[i], &coarse, &fine);
+  s->coarse += coarse;
+  s->fine += fine;
+}
+
+double ct_stream_sum(const ct_stream *s) { return s->coarse + s->fine; }
+
+double ct_sum(const double *values, int64_t count)
+{
+  ct_stream sum = {0};
+  while (ct_stream_again(&sum, 1)) ct_stream_add(&sum, values, count);
+  return ct_stream_sum(&sum);
+}
+
+void ct_product_terms(int32_t count, const double *mass, const double *x, const double *y,
+                      double *terms)
+{
+  for (int32_t n = 0; n < count; n++, x += 3, y += 3)
+    terms[n] = (mass != NULL ? mass[n] : 1.0) * ((x[0] * y[0] + x[1] * y[1]) + x[2] * y[2]);
+}
+
+double ct_sum_product(int32_t count, const double *mass, const double *x, const double *y)
+{
+  ct_stream sum = {0};
+  double terms[CT_PIECE];
+  while (ct_stream_again(&sum, 1))
+    for (int32_t first = 0, end; first < count; first = end) {
+      end = ct_piece_end(first, count);
+      ct_product_terms(end - first, mass != NULL ? mass + first : NULL, x + 3 * (int64_t)first,
+                       y + 3 * (int64_t)first, terms);
+      ct_stream_add(&sum, terms, end - first);
+    }
+  return ct_stream_sum(&sum);
+}

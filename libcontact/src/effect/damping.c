@@ -1,0 +1,168 @@
+/* Damping in proportion to mass. */
+#include <libcontact/effect.h>
+
+#include "../step/effect_internal.h"
+#include "../base/error.h"
+#include "../base/memory.h"
+#include "../base/stream.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct damping_data {
+  double rate;
+  int32_t *nodes;
+  const double *mass, *inverse_mass; /* of the problem */
+} damping_data;
+
+static void free_data(void *data)
+{
+  ct_release(((damping_data *)data)->nodes);
+  ct_release(data);
+}
+
+static ct_status damping_force(const ct_effect *effect, const ct_view *view, double *force,
+                               ct_error *error)
+{
+  const damping_data *data = effect->data;
+  (void)error;
+  for (int32_t i = 0; i < effect->node_count; i++) {
+    int64_t node = data->nodes[i];
+    double c = data->rate * data->mass[node];
+    // -- Against the velocity half a step back (eq:damping-force)
+    for (int k = 0; k < 3; k++) force[3 * (int64_t)i + k] = -c * view->velocity[3 * node + k];
+  }
+  return CT_OK;
+}
+
+/* What relaxation remembers: its rate, the steps since the sample (0: there is none yet), and the
+ * sample's displacements and forces on the effect's nodes. */
+enum { RATE, AGE, SAMPLE };
+
+/* At one node, what the change since the sample says: -Δu · Δf and Δu · M Δu. */
+static void node_change(const ct_effect *effect, const ct_view *view, int32_t i, double *stiff,
+                        double *mass)
+{
+  const damping_data *data = effect->data;
+  const double *u0 = view->memory + SAMPLE, *f0 = u0 + 3 * (int64_t)effect->node_count;
+  int64_t node = data->nodes[i], own = 3 * (int64_t)i;
+  double work[3], square[3];
+  for (int k = 0; k < 3; k++) {
+    double free = data->inverse_mass[3 * node + k] == 0.0 ? 0.0 : 1.0;
+    double du = free * (view->displacement[3 * node + k] - u0[own + k]);
+    work[k] = -du * (view->total[3 * node + k] - f0[own + k]);
+    square[k] = du * du;
+  }
+  *stiff = (work[0] + work[1]) + work[2];
+  *mass = data->mass[node] * ((square[0] + square[1]) + square[2]);
+}
+
+/* ω² that the change since the sample shows: -Δu · Δf / Δu · M Δu, or 0 where it shows none. */
+static double rayleigh(const ct_effect *effect, const ct_view *view)
+{
+  double stiff[CT_PIECE], mass[CT_PIECE];
+  ct_stream sums[2] = {{0}};
+  while (ct_stream_again(sums, 2))
+    for (int32_t first = 0, end; first < effect->node_count; first = end) {
+      end = ct_piece_end(first, effect->node_count);
+      for (int32_t i = first; i < end; i++)
+        node_change(effect, view, i, &stiff[i - first], &mass[i - first]);
+      ct_stream_add(&sums[0], stiff, end - first);
+      ct_stream_add(&sums[1], mass, end - first);
+    }
+  double top = ct_stream_sum(&sums[0]), bottom = ct_stream_sum(&sums[1]);
+  return top > 0.0 && bottom > 0.0 && isfinite(top / bottom) ? top / bottom : 0.0;
+}
+
+/* The rate of this step, and what the next one shall remember. */
+static double relaxation_rate(const ct_effect *effect, const ct_view *view)
+{
+  const damping_data *data = effect->data;
+  double rate = view->memory[RATE], age = view->memory[AGE];
+  // -- A new sample after the time 1 / ω = 2 / α (eq:relaxation-rate)
+  int due = age == 0.0 || 0.5 * rate * view->dt * age >= 1.0 || rate == 0.0;
+  if (due && age > 0.0) {
+    double omega = sqrt(rayleigh(effect, view));
+    if (omega > 0.0) rate = 2.0 * omega;
+  }
+  view->next_memory[RATE] = rate;
+  view->next_memory[AGE] = due ? 1.0 : age + 1.0;
+  double *u = view->next_memory + SAMPLE, *f = u + 3 * (int64_t)effect->node_count;
+  if (!due) memcpy(u, view->memory + SAMPLE, 6 * (size_t)effect->node_count * sizeof *u);
+  for (int32_t i = 0; due && i < effect->node_count; i++)
+    for (int k = 0; k < 3; k++) {
+      u[3 * (int64_t)i + k] = view->displacement[3 * (int64_t)data->nodes[i] + k];
+      f[3 * (int64_t)i + k] = view->total[3 * (int64_t)data->nodes[i] + k];
+    }
+  return rate;
+}
+
+static ct_status relaxation_force(const ct_effect *effect, const ct_view *view, double *force,
+                                  ct_error *error)
+{
+  const damping_data *data = effect->data;
+  (void)error;
+  // While the start is made the velocity is the one of t = 0, and nothing is damped yet.
+  double a = view->dt == 0.0 ? 0.0 : 0.5 * relaxation_rate(effect, view) * view->kick;
+  for (int32_t i = 0; i < effect->node_count; i++)
+    for (int k = 0; k < 3; k++) {
+      int64_t dof = 3 * (int64_t)data->nodes[i] + k;
+      double m = data->mass[data->nodes[i]], v = view->velocity[dof];
+      // -- -α m (v_{n-1/2} + v_{n+1/2}) / 2, solved for the velocity after the step
+      // (eq:relaxation-force)
+      force[3 * (int64_t)i + k] =
+          a == 0.0 || data->inverse_mass[dof] == 0.0
+              ? 0.0
+              : -a * (2.0 * m * v / view->kick + view->total[dof]) / (1.0 + a);
+    }
+  return CT_OK;
+}
+
+static ct_status damping_rate(const ct_effect *effect, const ct_view *view, double *rate,
+                              ct_error *error)
+{
+  (void)view, (void)error;
+  *rate = ((const damping_data *)effect->data)->rate;
+  return CT_OK;
+}
+
+ct_status ct_damping_create_effect(const ct_damping *damping, const ct_problem *problem,
+                                   ct_effect **effect, ct_error *error)
+{
+  if (damping == NULL || problem == NULL || effect == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "damping: null argument");
+  if (!(damping->rate >= 0.0) || !isfinite(damping->rate))
+    return ct_fail(error, CT_INVALID, CT_NOWHERE, "damping: the rate is %g", damping->rate);
+  if (damping->relaxation && damping->rate != 0.0)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "damping: relaxation chooses by itself, and a rate of %g is given too",
+                   damping->rate);
+  damping_data *data = ct_allocate(1, sizeof *data);
+  if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "damping: no memory");
+  int32_t count = 0;
+  ct_status status = ct_effect_body_nodes(problem, damping->bodies, damping->body_count, "damping",
+                                          &data->nodes, &count, error);
+  data->rate = damping->rate;
+  data->mass = problem->mass;
+  data->inverse_mass = problem->inverse_mass;
+  ct_effect filled = {.kind = CT_EFFECT_DAMPING,
+                      .name = "damping",
+                      .local = 1,
+                      .data = data,
+                      .nodes = data->nodes,
+                      .node_count = count,
+                      .flops = 4.0 * count,
+                      .bytes = 60.0 * count,
+                      .force = damping_force,
+                      .damping = damping_rate,
+                      .free_data = free_data};
+  if (damping->relaxation) {
+    filled.memory_count = SAMPLE + 6 * (int64_t)count;
+    filled.last = 1;
+    filled.force = relaxation_force;
+    filled.damping = NULL;
+  }
+  if (status == CT_OK) status = ct_effect_copy(&filled, effect, error);
+  if (status != CT_OK) free_data(data);
+  return status;
+}

@@ -1,0 +1,384 @@
+/* The solid effect: internal forces of all bodies. */
+#include <libcontact/effect.h>
+
+#include "../base/bits.h"
+#include "../base/error.h"
+#include "../base/memory.h"
+#include "../base/stream.h"
+#include "../base/tree.h"
+#include "../solid/blocks.h"
+#include "../solid/call.h"
+#include "../solid/part.h"
+#include "../solid/plane.h"
+#include "../solid/reduced.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct solid_data {
+  int32_t part_count;
+  ct_solid_part *parts;
+  int64_t value_count;
+  int64_t batch_count;
+  int32_t node_count;
+  int quiet; /* whether some part leaves out its quiet batches */
+} solid_data;
+
+/* Element forces of all parts, and what is known of quiet batches. */
+typedef struct solid_scratch {
+  double *values;
+  ct_quiet quiet;
+} solid_scratch;
+
+static void free_data(void *data)
+{
+  solid_data *solid = data;
+  if (solid == NULL) return;
+  for (int32_t i = 0; solid->parts != NULL && i < solid->part_count; i++)
+    ct_part_release(&solid->parts[i]);
+  ct_release(solid->parts);
+  ct_release(solid);
+}
+
+static void free_scratch(void *scratch)
+{
+  solid_scratch *s = scratch;
+  if (s == NULL) return;
+  ct_release(s->values);
+  ct_quiet_free(&s->quiet);
+  ct_release(s);
+}
+
+static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  solid_scratch *s = ct_allocate(1, sizeof *s);
+  if (s != NULL) s->values = ct_allocate((size_t)solid->value_count, sizeof *s->values);
+  if (s == NULL || s->values == NULL ||
+      (solid->quiet && ct_quiet_create(solid->parts, solid->part_count, solid->batch_count,
+                                       solid->node_count, &s->quiet) != CT_OK)) {
+    free_scratch(s);
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
+  }
+  // Batches that no kernel has computed are undeformed.
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    if (part->energies == NULL) continue;
+    double *lowest = s->values + part->first_value + part->assembly->value_count;
+    for (int32_t b = 0; b < part->batch_count; b++) lowest[b] = 1.0;
+  }
+  *scratch = s;
+  return CT_OK;
+}
+
+static ct_status solid_force(const ct_effect *effect, const ct_view *view, double *force,
+                             ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  solid_scratch *scratch = view->scratch;
+  ct_status status = CT_OK;
+  scratch->quiet.call = (scratch->quiet.call + 1) % 8;
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    ct_part_call call = {part, view->displacement, scratch->values + part->first_value,
+                         force + 3 * (int64_t)part->first_node,
+                         part->savings.quiet ? &scratch->quiet : NULL};
+    const double *u = view->displacement + 3 * (int64_t)part->first_node;
+    int plane = part->plane != NULL &&
+                ct_plane_holds(part, u,
+                               solid->quiet && view->adrift != NULL ? scratch->quiet.adrift : NULL);
+    // In a plane this costs less than to find batches that are quiet, but more than to find rows.
+    if (plane && part->cells[0] == 0) call.quiet = NULL;
+    if (solid->quiet && call.quiet == NULL) ct_part_sum_all(&scratch->quiet, part, i);
+    if (call.quiet != NULL) ct_part_find_quiet(&call, i, view, solid->node_count);
+    if (view->element_updates != NULL) ct_part_count_updates(&call, i, view->element_updates);
+    if (plane) {
+      ct_plane_force(part, u, view->threads, call.quiet, scratch->values, call.f);
+      continue;
+    }
+    ct_part_force(&call, view->threads);
+    if (status == CT_OK && part->energies != NULL)
+      status = ct_solid_check_volume(part, i, u, call.values, error);
+  }
+  for (int64_t w = 0; view->adrift != NULL && solid->quiet && w < ct_bits_words(solid->node_count);
+       w++)
+    view->adrift[w] = scratch->quiet.adrift[w];
+  // -- A node whose elements were all skipped has the same zero force as before (eq:still-node)
+  for (int64_t w = 0; solid->quiet && view->still != NULL && w < ct_bits_words(solid->node_count);
+       w++)
+    view->still[w] = ~scratch->quiet.changed[w];
+  return status;
+}
+
+/* Energies of the elements of a batch, -½ f · (u - mean of u): the force is linear in u and blind
+ * to a translation. */
+CT_INLINE void force_energies(const ct_solid_part *part, int per, int32_t b, const double *u,
+                              double *values, double energies[8])
+{
+  int64_t stride, last = part->mesh->element_count - 1;
+  const double *f = ct_batch_values(part, values, b, &stride);
+  double t[3][20][8], mean[8], work[3][8];
+  for (int64_t l = 0, e = 8 * (int64_t)b; l < 8; l++, e += e < last)
+    for (int a = 0; a < per; a++)
+      for (int c = 0; c < 3; c++)
+        t[c][a][l] = u[3 * (int64_t)part->mesh->elements[per * e + a] + c];
+  for (int c = 0; c < 3; c++) {
+#pragma omp simd
+    for (int l = 0; l < 8; l++) mean[l] = ct_tree_corners(&t[c][0][l], 8) / 8.0;
+    for (int a = 0; a < per; a++)
+#pragma omp simd
+      for (int l = 0; l < 8; l++) t[c][a][l] = f[(3 * a + c) * stride + l] * (t[c][a][l] - mean[l]);
+#pragma omp simd
+    for (int l = 0; l < 8; l++) work[c][l] = ct_tree_nodes(per, &t[c][0][l], 8);
+  }
+#pragma omp simd
+  for (int l = 0; l < 8; l++) energies[l] = -0.5 * ((work[0][l] + work[1][l]) + work[2][l]);
+}
+
+CT_CLONES
+static void hex8_energies(const ct_solid_part *part, int32_t b, const double *u, double *values,
+                          double energies[8])
+{
+  force_energies(part, 8, b, u, values, energies);
+}
+
+CT_CLONES
+static void hex20_energies(const ct_solid_part *part, int32_t b, const double *u, double *values,
+                           double energies[8])
+{
+  force_energies(part, 20, b, u, values, energies);
+}
+
+/* Energies of the elements of the batches first ... last - 1, no more than a block, after
+ * begin_energies. */
+static void block_energies(const ct_solid_part *part, int32_t first, int32_t last, const double *u,
+                           double *values, double *energies)
+{
+  double hourglass[8], *kept = &values[part->energy_value];
+  // Forces that went through a ring are made once more.
+  if (part->ring > 0) part->batches(part, first, last, u, values);
+  if (part->energies != NULL)
+    memcpy(energies, &kept[8 * (int64_t)first], 8 * (size_t)(last - first) * sizeof *energies);
+  for (int32_t b = first; part->energies == NULL && b < last; b++, energies += 8)
+    if (part->mean != NULL) ct_solid_reduced_energies(part, b, u, energies, hourglass);
+    else if (part->mesh->kind == CT_HEX8) hex8_energies(part, b, u, values, energies);
+    else hex20_energies(part, b, u, values, energies);
+}
+
+/* What would cost too much to be made twice: the energies of large deformation. And the forces of
+ * the bricks of a plane, whose own stand elsewhere. */
+static void begin_energies(const ct_solid_part *part, const double *u, double *values)
+{
+  if (part->plane != NULL && part->ring == 0) part->batches(part, 0, part->batch_count, u, values);
+  for (int32_t b = 0; part->energies != NULL && b < part->batch_count; b++)
+    part->energies(part, b, u, &values[part->energy_value + 8 * (int64_t)b]);
+}
+
+static ct_status solid_energy(const ct_effect *effect, const ct_view *view, double *energy,
+                              ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  double terms[8 * CT_BLOCK];
+  ct_stream sum = {0};
+  (void)error;
+  while (ct_stream_again(&sum, 1))
+    for (int32_t i = 0; i < solid->part_count; i++) {
+      const ct_solid_part *part = &solid->parts[i];
+      const double *u = view->displacement + 3 * (int64_t)part->first_node;
+      double *values = ((const solid_scratch *)view->scratch)->values + part->first_value;
+      if (sum.round == 1) begin_energies(part, u, values);
+      for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK) {
+        int32_t end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
+        block_energies(part, b, end, u, values, terms);
+        ct_stream_add(&sum, terms,
+                      (8 * end < part->mesh->element_count ? 8 * end : part->mesh->element_count) -
+                          8 * b);
+      }
+    }
+  *energy = ct_stream_sum(&sum);
+  return CT_OK;
+}
+
+static ct_status solid_frequency(const ct_effect *effect, const ct_view *view,
+                                 double *omega_squared, ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  double largest = 0.0;
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    double own = part->omega_squared;
+    if (part->energies != NULL && view->displacement != NULL) {
+      ct_status status = ct_solid_tangent_frequency(
+          part, view->displacement + 3 * (int64_t)part->first_node, &own, error);
+      if (status != CT_OK && error != NULL) error->body = i;
+      if (status != CT_OK) return status;
+    }
+    largest = fmax(largest, own);
+  }
+  *omega_squared = largest;
+  return CT_OK;
+}
+
+/* Find where the values of each part begin. What goes through a ring is read before the next part
+ * is computed: all rings are one. */
+static void place_values(solid_data *solid)
+{
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    const ct_solid_part *part = &solid->parts[i];
+    int64_t bricks = part->ring > 0 ? part->value_count : 0,
+            plane = part->plane != NULL ? part->plane->value_count : 0;
+    if (bricks > solid->value_count) solid->value_count = bricks;
+    if (plane > solid->value_count) solid->value_count = plane;
+  }
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    ct_solid_part *part = &solid->parts[i];
+    if (part->ring > 0) continue;
+    part->first_value = solid->value_count;
+    solid->value_count += part->value_count;
+  }
+}
+
+static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_error *error)
+{
+  solid->parts = ct_allocate((size_t)solid->part_count, sizeof *solid->parts);
+  if (solid->parts == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
+  int32_t next_node = 0;
+  for (int32_t i = 0; i < solid->part_count; i++) {
+    ct_solid_part *part = &solid->parts[i];
+    ct_status status = ct_material_check(&blocks[i].material, error);
+    if (status == CT_OK) status = ct_mesh_check(blocks[i].mesh, error);
+    if (status == CT_OK && blocks[i].first_node != next_node)
+      status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the body begins at node %d, not %d",
+                       (int)blocks[i].first_node, (int)next_node);
+    if (status == CT_OK) status = ct_part_prepare(part, &blocks[i], error);
+    if (status == CT_OK)
+      status = ct_solid_part_frequency(part, blocks[i].held, &part->omega_squared, error);
+    if (status != CT_OK) {
+      if (error != NULL) error->body = i;
+      return status;
+    }
+    part->first_batch = solid->batch_count;
+    solid->batch_count += part->batch_count;
+    solid->quiet = solid->quiet || part->savings.quiet;
+    next_node += part->mesh->node_count;
+  }
+  solid->node_count = next_node;
+  place_values(solid);
+  return CT_OK;
+}
+
+ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_count, ct_effect **out,
+                                 ct_error *error)
+{
+  if (blocks == NULL || block_count < 1 || out == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: no bodies");
+  ct_effect *effect = ct_allocate(1, sizeof *effect);
+  solid_data *solid = ct_allocate(1, sizeof *solid);
+  if (effect == NULL || solid == NULL) {
+    ct_release(effect);
+    ct_release(solid);
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the solid effect");
+  }
+  solid->part_count = block_count;
+  *effect = (ct_effect){.kind = CT_EFFECT_SOLID,
+                        .name = "solid",
+                        .data = solid,
+                        .create_scratch = create_scratch,
+                        .free_scratch = free_scratch,
+                        .force = solid_force,
+                        .energy = solid_energy,
+                        .frequency = solid_frequency,
+                        .free_data = free_data};
+  ct_status status = prepare(solid, blocks, error);
+  if (status != CT_OK) {
+    ct_effect_free(effect);
+    return status;
+  }
+  for (int32_t i = 0; i < block_count; i++) effect->node_count += blocks[i].mesh->node_count;
+  *out = effect;
+  return CT_OK;
+}
+
+/* Energy of the hourglass control of all parts that have one; `effect` looks at the data of the
+ * solid effect. */
+static ct_status hourglass_energy(const ct_effect *effect, const ct_view *view, double *energy,
+                                  ct_error *error)
+{
+  const solid_data *solid = effect->data;
+  ct_stream sum = {0};
+  (void)error;
+  while (ct_stream_again(&sum, 1))
+    for (int32_t i = 0; i < solid->part_count; i++) {
+      const ct_solid_part *part = &solid->parts[i];
+      double strain[8], hourglass[8];
+      for (int32_t b = 0; part->mean != NULL && b < part->batch_count; b++) {
+        ct_solid_reduced_energies(part, b, view->displacement + 3 * (int64_t)part->first_node,
+                                  strain, hourglass);
+        ct_stream_add(&sum, hourglass,
+                      part->mesh->element_count - 8 * b < 8 ? part->mesh->element_count - 8 * b
+                                                            : 8);
+      }
+    }
+  *energy = ct_stream_sum(&sum);
+  return CT_OK;
+}
+
+static ct_status no_force(const ct_effect *effect, const ct_view *view, double *force,
+                          ct_error *error)
+{
+  (void)effect;
+  (void)view;
+  (void)force;
+  (void)error;
+  return CT_OK;
+}
+
+ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_error *error)
+{
+  if (solid == NULL || solid->kind != CT_EFFECT_SOLID || out == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "hourglass: null argument or no solid effect");
+  const solid_data *data = solid->data;
+  int reduced = 0;
+  for (int32_t i = 0; i < data->part_count; i++) reduced |= data->parts[i].mean != NULL;
+  *out = NULL;
+  if (!reduced) return CT_OK;
+  ct_effect *effect = ct_allocate(1, sizeof *effect);
+  if (effect == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the hourglass effect");
+  *effect = (ct_effect){.kind = CT_EFFECT_HOURGLASS,
+                        .name = "hourglass",
+                        .local = 1,
+                        .data = solid->data,
+                        .force = no_force,
+                        .energy = hourglass_energy};
+  *out = effect;
+  return CT_OK;
+}
+
+double ct_solid_hourglass_default(void) { return 1.0; }
+
+ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel,
+                              double *flops, double *bytes)
+{
+  if (effect == NULL || effect->kind != CT_EFFECT_SOLID || block < 0) return CT_ERROR_ARGUMENT;
+  const solid_data *solid = effect->data;
+  if (block >= solid->part_count) return CT_ERROR_ARGUMENT;
+  const ct_solid_part *part = &solid->parts[block];
+  double elements = part->mesh->element_count, per = ct_brick_node_count(part->mesh->kind);
+  if (kernel != NULL) *kernel = part->kernel;
+  int plane = part->kernel == CT_KERNEL_PLANE;
+  double nodes = part->mesh->node_count / elements;
+  // The gather adds 7 sums a component and node, in a plane 3 for two nodes.
+  if (flops != NULL) *flops = part->flops + (plane ? 4.5 : 21.0) * nodes;
+  // Node numbers and element forces written once and read once; what is laid down; displacements
+  // and forces of the nodes, and the gather's places. A lattice has no node numbers and no places,
+  // and its forces stay in the cache; a plane has the numbers of its lower layer.
+  double laid_down = part->mean != NULL ? 256.0 : 0.0;
+  if (bytes != NULL)
+    *bytes = plane            ? 16.0 + 48.0 * nodes
+             : part->ring > 0 ? 48.0 * nodes
+                              : 52.0 * per + laid_down + 80.0 * nodes;
+  return CT_OK;
+}

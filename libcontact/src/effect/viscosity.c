@@ -1,0 +1,326 @@
+/* Bulk viscosity of hex8 elements. */
+#include <libcontact/mesh.h>
+#include <libcontact/effect.h>
+
+#include "../base/error.h"
+#include "../shape/jacobian.h"
+#include "../base/memory.h"
+#include "../solid/element.h"
+#include "../solid/kernel.h"
+#include "../solid/mean.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What is laid down for the 8 elements of a batch: b[j][m] = ∂V/∂X_jm, 1 / V, and the length l. */
+typedef struct viscous_lanes {
+  ct_lanes b[3][CT_MEAN_MODES], inverse_volume, length;
+} viscous_lanes;
+
+typedef struct viscous_body {
+  const ct_mesh *mesh;
+  int32_t first_node, batch_count;
+  double density, c1;
+  int32_t *batch_nodes;
+  viscous_lanes *lanes;
+  ct_assembly *assembly;
+  double most; /* largest l / V Σ b² / m over the elements, for the bound on the step */
+} viscous_body;
+
+typedef struct viscous_data {
+  double linear, quadratic;
+  int32_t body_count;
+  viscous_body *bodies;
+  int32_t *nodes;
+  int64_t value_count;
+} viscous_data;
+
+static void free_data(void *data)
+{
+  viscous_data *d = data;
+  if (d == NULL) return;
+  for (int32_t i = 0; d->bodies != NULL && i < d->body_count; i++) {
+    ct_release(d->bodies[i].batch_nodes);
+    ct_release(d->bodies[i].lanes);
+    ct_assembly_free(d->bodies[i].assembly);
+  }
+  ct_release(d->bodies);
+  ct_release(d->nodes);
+  ct_release(d);
+}
+
+static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
+{
+  *scratch = ct_allocate((size_t)((const viscous_data *)effect->data)->value_count, sizeof(double));
+  return *scratch != NULL
+             ? CT_OK
+             : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscous forces");
+}
+
+/* l = √(3/2) / g from the mean gradients per volume; the edge of a cube (eq:element-length). */
+static double length_of(double g2) { return sqrt(1.5 / g2); }
+
+ct_status ct_viscosity_element(const double *nodes, const double *velocity, double density,
+                               double c1, double linear, double quadratic, double *pressure,
+                               double *force, ct_error *error)
+{
+  double v[20][3], B[20][3], G[3][3], V, g2;
+  if (nodes == NULL || velocity == NULL || pressure == NULL || force == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "viscosity: null argument");
+  ct_status status = ct_element_mean_gradients(nodes, B, &V, &g2, error);
+  if (status != CT_OK) return status;
+  memcpy(v, velocity, 8 * sizeof v[0]);
+  // -- The rate at which the volume changes (eq:volume-rate)
+  ct_reference_gradient(8, B, v, G);
+  double D = (G[0][0] + G[1][1]) + G[2][2], l = length_of(g2);
+  // -- A pressure against compression only (eq:bulk-viscosity)
+  double rate = D < 0.0 ? -D : 0.0,
+         q = density * (l * rate) * (linear * c1 + quadratic * quadratic * (l * rate));
+  // -- It pushes the nodes apart (eq:viscous-force)
+  for (int a = 0; a < 8; a++)
+    for (int j = 0; j < 3; j++) force[3 * a + j] = q * V * B[a][j];
+  *pressure = q;
+  return CT_OK;
+}
+
+/* Forces of all elements of one body. */
+CT_CLONES
+static void body_batches(const viscous_body *body, const double *velocity, double linear,
+                         double quadratic, double *values)
+{
+  double slow = body->density * linear * body->c1, fast = body->density * quadratic * quadratic;
+  for (int32_t b = 0; b < body->batch_count; b++)
+    for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
+      const viscous_lanes *e = &body->lanes[(b * CT_BATCH + lane) / CT_LANES_COUNT];
+      ct_lanes v[3 * 8], U[CT_MODES], D[3], F[CT_MODES], q;
+      double rate[CT_LANES_COUNT];
+      ct_load_lanes(&body->batch_nodes[64 * (int64_t)b], 8, velocity, lane, v);
+      for (int j = 0; j < 3; j++) {
+        ct_brick_modes(&v[8 * j], U);
+        ct_mean_sum(e->b[j], U, &D[j]);
+      }
+      q = ((D[0] + D[1]) + D[2]) * e->inverse_volume;
+      memcpy(rate, &q, sizeof rate);
+      for (int l = 0; l < CT_LANES_COUNT; l++) rate[l] = rate[l] < 0.0 ? -rate[l] : 0.0;
+      memcpy(&q, rate, sizeof rate);
+      q = e->length * q;
+      q = q * (slow + fast * q);
+      for (int j = 0; j < 3; j++) {
+        for (int m = 0; m < CT_MEAN_MODES; m++) F[m] = -(q * e->b[j][m]);
+        F[CT_XI_ETA_ZETA] = q - q;
+        ct_brick_nodal(F, &v[8 * j]);
+      }
+      ct_store_lanes(v, 8, lane, &values[192 * (int64_t)b]);
+    }
+}
+
+static ct_status viscous_force(const ct_effect *effect, const ct_view *view, double *force,
+                               ct_error *error)
+{
+  const viscous_data *d = effect->data;
+  double *values = view->scratch;
+  (void)error;
+  for (int32_t i = 0; i < d->body_count; i++) {
+    const viscous_body *body = &d->bodies[i];
+    body_batches(body, view->velocity + 3 * (int64_t)body->first_node, d->linear, d->quadratic,
+                 values);
+    ct_assembly_fold(body->assembly, values);
+    ct_assembly_gather(body->assembly, values, 0, body->mesh->node_count, force);
+    force += 3 * (int64_t)body->mesh->node_count;
+    values += body->assembly->value_count;
+  }
+  return CT_OK;
+}
+
+/* Bound of the eigenvalues of M⁻¹C, where the quadratic part counts with the tangent at the fastest
+ * closing of the state (eq:viscous-bound). */
+static ct_status viscous_damping(const ct_effect *effect, const ct_view *view, double *rate,
+                                 ct_error *error)
+{
+  const viscous_data *d = effect->data;
+  double span2 = 0.0;
+  (void)error;
+  for (int c = 0; c < 3; c++) {
+    double low = INFINITY, high = -INFINITY;
+    for (int32_t i = 0; i < effect->node_count; i++) {
+      double v = view->velocity[3 * (int64_t)d->nodes[i] + c];
+      low = fmin(low, v);
+      high = fmax(high, v);
+    }
+    span2 += (high - low) * (high - low);
+  }
+  *rate = 0.0;
+  for (int32_t i = 0; i < d->body_count; i++) {
+    const viscous_body *body = &d->bodies[i];
+    double speed = d->linear * body->c1 + 2.0 * d->quadratic * d->quadratic * sqrt(3.0 * span2);
+    *rate = fmax(*rate, body->density * speed * body->most);
+  }
+  return CT_OK;
+}
+
+/* Largest l / V Σ b² / m, where each element has the part of its nodes' masses that its volume has
+ * of their elements' (eq:viscous-bound). */
+static ct_status bound_body(viscous_body *body, const double *mass, ct_error *error)
+{
+  const ct_mesh *mesh = body->mesh;
+  double *around = ct_allocate((size_t)mesh->node_count, sizeof *around), B[20][3], x[20][3], V, g2;
+  if (around == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  ct_status status = CT_OK;
+  for (int pass = 0; pass < 2; pass++)
+    for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
+      const int32_t *node = &mesh->elements[8 * (size_t)e];
+      double sum = 0.0;
+      ct_solid_load_element(mesh, e, mesh->nodes, x);
+      status = ct_element_mean_gradients(&x[0][0], B, &V, &g2, error);
+      for (int a = 0; status == CT_OK && a < 8; a++) {
+        if (pass == 0) around[node[a]] += V;
+        if (pass == 1)
+          sum += (B[a][0] * B[a][0] + B[a][1] * B[a][1] + B[a][2] * B[a][2]) *
+                 (around[node[a]] / mass[node[a]]);
+      }
+      // The volumes are left over: V² of b = V B, 1 / V of the force, 1 / V of the mass.
+      if (status == CT_OK && pass == 1) body->most = fmax(body->most, length_of(g2) * sum);
+    }
+  ct_release(around);
+  return status;
+}
+
+CT_CLONES
+static void lay_down(const viscous_body *body)
+{
+  for (int32_t b = 0; b < body->batch_count; b++)
+    for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
+      viscous_lanes *e = &body->lanes[(b * CT_BATCH + lane) / CT_LANES_COUNT];
+      ct_lanes x[3 * 8], X[3][CT_MODES], V, g[3];
+      double length[CT_LANES_COUNT];
+      ct_load_lanes(&body->batch_nodes[64 * (int64_t)b], 8, body->mesh->nodes, lane, x);
+      for (int j = 0; j < 3; j++) ct_brick_modes(&x[8 * j], X[j]);
+      ct_mean_gradient(X, e->b, &V);
+      e->inverse_volume = 1.0 / V;
+      for (int j = 0; j < 3; j++) ct_mean_sum(e->b[j], e->b[j], &g[j]);
+      g[0] = (8.0 * ((g[0] + g[1]) + g[2])) * (e->inverse_volume * e->inverse_volume);
+      memcpy(length, &g[0], sizeof length);
+      for (int l = 0; l < CT_LANES_COUNT; l++) length[l] = length_of(length[l]);
+      memcpy(&e->length, length, sizeof length);
+    }
+}
+
+static ct_status prepare_body(viscous_body *body, const ct_body *from, const double *mass,
+                              ct_error *error)
+{
+  double c2;
+  if (from->mesh->kind != CT_HEX8)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "viscosity: body %s is of hex20; bulk viscosity is for hex8", from->name);
+  body->mesh = from->mesh;
+  body->first_node = from->first_node;
+  body->density = from->material.density;
+  ct_material_speeds(&from->material, &body->c1, &c2);
+  body->batch_count = (body->mesh->element_count + 7) / 8;
+  body->batch_nodes = ct_allocate((size_t)body->batch_count * 64, sizeof *body->batch_nodes);
+  body->lanes =
+      ct_allocate((size_t)body->batch_count * (CT_BATCH / CT_LANES_COUNT), sizeof *body->lanes);
+  if (body->batch_nodes == NULL || body->lanes == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  ct_status status = ct_mesh_check(body->mesh, error);
+  if (status == CT_OK) status = ct_assembly_create(body->mesh, 3, &body->assembly, error);
+  if (status != CT_OK) return status;
+  ct_solid_batch_nodes(body->mesh, body->batch_nodes);
+  lay_down(body);
+  return bound_body(body, mass + body->first_node, error);
+}
+
+static ct_status check(const ct_viscosity *options, const ct_problem *problem, ct_effect **effect,
+                       ct_error *error)
+{
+  if (options == NULL || problem == NULL || effect == NULL ||
+      (options->bodies != NULL && options->body_count < 1))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "viscosity: null argument or no bodies");
+  if (!(options->linear >= 0.0 && options->quadratic >= 0.0 &&
+        options->linear + options->quadratic > 0.0) ||
+      !isfinite(options->linear + options->quadratic))
+    return ct_fail(
+        error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+        "viscosity: the coefficients must not be negative, and one positive, not %g and %g",
+        options->linear, options->quadratic);
+  for (int32_t i = 0; options->bodies != NULL && i < options->body_count; i++) {
+    int32_t body = options->bodies[i];
+    if (body < 0 || body >= problem->body_count)
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
+                     "viscosity: there is no body %d", (int)body);
+    for (int32_t k = 0; k < i; k++)
+      if (options->bodies[k] == body)
+        return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
+                       "viscosity: body %d is named twice", (int)body);
+  }
+  return CT_OK;
+}
+
+/* The bodies in the order of their nodes. */
+static ct_status prepare(viscous_data *d, const ct_viscosity *options, const ct_problem *problem,
+                         int32_t *node_count, ct_error *error)
+{
+  int32_t next = 0;
+  d->linear = options->linear;
+  d->quadratic = options->quadratic;
+  d->body_count = options->bodies == NULL ? problem->body_count : options->body_count;
+  d->bodies = ct_allocate((size_t)d->body_count, sizeof *d->bodies);
+  d->nodes = ct_allocate((size_t)problem->node_count, sizeof *d->nodes);
+  if (d->bodies == NULL || d->nodes == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  for (int32_t i = 0; i < problem->body_count; i++) {
+    int named = options->bodies == NULL;
+    for (int32_t k = 0; !named && k < options->body_count; k++) named = options->bodies[k] == i;
+    if (!named) continue;
+    viscous_body *body = &d->bodies[next++];
+    ct_status status = prepare_body(body, &problem->bodies[i], problem->mass, error);
+    if (status != CT_OK) {
+      if (error != NULL) error->body = i;
+      return status;
+    }
+    for (int32_t n = 0; n < body->mesh->node_count; n++)
+      d->nodes[(*node_count)++] = body->first_node + n;
+    d->value_count += body->assembly->value_count;
+  }
+  return CT_OK;
+}
+
+ct_status ct_viscosity_create_effect(const ct_viscosity *options, const ct_problem *problem,
+                                     ct_effect **out, ct_error *error)
+{
+  ct_status status = check(options, problem, out, error);
+  if (status != CT_OK) return status;
+  ct_effect *effect = ct_allocate(1, sizeof *effect);
+  viscous_data *d = ct_allocate(1, sizeof *d);
+  int32_t node_count = 0;
+  if (effect == NULL || d == NULL)
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  else status = prepare(d, options, problem, &node_count, error);
+  if (status != CT_OK) {
+    free_data(d);
+    ct_release(effect);
+    return status;
+  }
+  *effect = (ct_effect){.kind = CT_EFFECT_VISCOSITY,
+                        .name = "viscosity",
+                        .local = 1,
+                        .data = d,
+                        .nodes = d->nodes,
+                        .node_count = node_count,
+                        .create_scratch = create_scratch,
+                        .free_scratch = ct_release,
+                        .force = viscous_force,
+                        .damping = viscous_damping,
+                        .free_data = free_data};
+  for (int32_t i = 0; i < d->body_count; i++) {
+    // Operations counted in the kernel and the sums at the nodes; node numbers, what is laid down,
+    // forces written and read, nodes.
+    effect->flops +=
+        247.0 * d->bodies[i].mesh->element_count + 21.0 * d->bodies[i].mesh->node_count;
+    effect->bytes += (32.0 + 160.0 + 384.0) * d->bodies[i].mesh->element_count +
+                     80.0 * d->bodies[i].mesh->node_count;
+  }
+  *out = effect;
+  return CT_OK;
+}

@@ -1,0 +1,40 @@
+#include <libcontact/mesh.h>
+
+#include "../base/error.h"
+
+#include <math.h>
+
+void ct_material_lame(const ct_material *material, double *lambda, double *mu)
+{
+  double E = material->young, nu = material->poisson;
+  // -- Lamé's constants (eq:lame)
+  *lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
+  *mu = E / (2.0 * (1.0 + nu));
+}
+
+void ct_material_speeds(const ct_material *material, double *c1, double *c2)
+{
+  double lambda, mu;
+  ct_material_lame(material, &lambda, &mu);
+  // -- Wave speeds (eq:wave-speeds)
+  *c1 = sqrt((lambda + 2.0 * mu) / material->density);
+  *c2 = sqrt(mu / material->density);
+}
+
+ct_status ct_material_check(const ct_material *material, ct_error *error)
+{
+  if (material == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "no material");
+  if (!(material->young > 0.0) || !isfinite(material->young))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "Young's modulus must be positive, not %g",
+                   material->young);
+  if (!(material->poisson > -1.0 && material->poisson < 0.5))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "Poisson's ratio must lie in -1 < nu < 1/2, not %g", material->poisson);
+  if (!(material->density > 0.0) || !isfinite(material->density))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "density must be positive, not %g",
+                   material->density);
+  if ((int)material->law < CT_LINEAR || (int)material->law > CT_NEO_HOOKEAN)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "there is no material law %d",
+                   (int)material->law);
+  return CT_OK;
+}

@@ -1,0 +1,181 @@
+#include <libcontact/projection.h>
+
+#include "projection_internal.h"
+#include "../base/vector.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The table of methods. */
+static const struct {
+  const char *name;
+  ct_project_method *project;
+} METHOD[] = {
+    [CT_SIMPLEX] = {"simplex", ct_project_simplex},
+    [CT_NELDER_MEAD] = {"nelder_mead", ct_project_nelder_mead},
+    [CT_NEWTON] = {"newton", ct_project_newton},
+    [CT_LEAST_SQUARES] = {"least_squares", ct_project_least_squares},
+    [CT_STEEPEST_DESCENT] = {"steepest_descent", ct_project_steepest_descent},
+    [CT_BROYDEN] = {"broyden", ct_project_broyden},
+    [CT_BFGS] = {"bfgs", ct_project_bfgs},
+    [CT_ROBUST] = {"robust", ct_project_robust},
+    [CT_CERTIFIED] = {"certified", ct_project_certified},
+    [CT_SIMPLEX_NEWTON] = {"simplex_newton", ct_project_simplex_newton},
+    [CT_SPHERE] = {"sphere", ct_project_sphere},
+    [CT_TORUS] = {"torus", ct_project_torus},
+};
+enum { METHODS = sizeof METHOD / sizeof METHOD[0] };
+
+const char *ct_method_name(ct_method method)
+{
+  int row = (int)method;
+  return row >= 0 && row < METHODS ? METHOD[row].name : NULL;
+}
+
+ct_status ct_method_from_name(const char *name, ct_method *method)
+{
+  if (name == NULL || method == NULL) return CT_ERROR_ARGUMENT;
+  for (int row = 0; row < METHODS; row++)
+    if (strcmp(name, METHOD[row].name) == 0) {
+      *method = (ct_method)row;
+      return CT_OK;
+    }
+  return CT_ERROR_ARGUMENT;
+}
+
+ct_project_options ct_project_options_default(void)
+{
+  ct_project_options options = {CT_ROBUST, 1e-10, 0, {0, 0}, 0, NULL, NULL};
+  return options;
+}
+
+void ct_project_function(const ct_face *face, const double point[3], const double xi[2], double *f,
+                         double g[2], double H[3])
+{
+  if (face == NULL || point == NULL || xi == NULL) return;
+  ct_patch patch;
+  double value = NAN, slope[2] = {NAN, NAN}, curvature[3] = {NAN, NAN, NAN}, d[3];
+  // -- Value, gradient and Hessian (eq:projection-f, eq:projection-gradient, eq:projection-hessian)
+  if (ct_patch_init(&patch, face->kind, face->node, point) == CT_OK)
+    value = ct_patch_derivatives(&patch, xi, d, slope, curvature);
+  if (f != NULL) *f = value;
+  for (int a = 0; a < 2 && g != NULL; a++) g[a] = slope[a];
+  for (int i = 0; i < 3 && H != NULL; i++) H[i] = curvature[i];
+}
+
+/* Everything that has no answer. */
+static ct_status nothing(ct_projection *out, ct_status status)
+{
+  ct_projection none = {status, CT_OUTSIDE,     -1, 0, 0, 0, {NAN, NAN}, {NAN, NAN, NAN}, NAN,
+                        NAN,    {NAN, NAN, NAN}};
+  *out = none;
+  return status;
+}
+
+/* Is there a method for these options, and are they possible? */
+static ct_status check_options(const ct_project_options *options)
+{
+  if (ct_method_name(options->method) == NULL || options->iteration_limit < 0)
+    return CT_ERROR_ARGUMENT;
+  if (!(options->tolerance > 0 && options->tolerance < HUGE_VAL)) return CT_ERROR_ARGUMENT;
+  if (options->use_start &&
+      !(fabs(options->start[0]) < HUGE_VAL && fabs(options->start[1]) < HUGE_VAL))
+    return CT_ERROR_ARGUMENT;
+  return CT_OK;
+}
+
+ct_status ct_project(const ct_face *face, const double point[3], const ct_project_options *options,
+                     ct_projection *out)
+{
+  if (out == NULL) return CT_ERROR_ARGUMENT;
+  ct_project_options defaults = ct_project_options_default();
+  if (options == NULL) options = &defaults;
+  if (face == NULL || point == NULL || ct_face_node_count(face->kind) == 0)
+    return nothing(out, CT_ERROR_ARGUMENT);
+  ct_status status = check_options(options);
+  if (status != CT_OK) return nothing(out, status);
+  ct_patch patch;
+  if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK)
+    return nothing(out, CT_INVALID);
+  ct_foot foot = {{0, 0}, {0, 0, 0}, 0, 0, 0};
+  out->status = METHOD[options->method].project(&patch, options, &foot);
+  // -- Neither without a normal nor beyond the range of numbers is there an answer
+  double f = ct_vector_dot(foot.d, foot.d);
+  if (!(f < HUGE_VAL) || !ct_patch_normal(&patch, foot.xi, out->normal))
+    return nothing(out, CT_INVALID);
+  out->where = ct_patch_where(face->kind, foot.xi,
+                              options->tolerance * ct_patch_half_width(face->kind), &out->index);
+  out->evaluations = foot.evaluations;
+  out->iterations = foot.iterations;
+  out->certified = foot.certified;
+  for (int a = 0; a < 2; a++) out->xi[a] = foot.xi[a];
+  for (int k = 0; k < 3; k++) out->point[k] = point[k] + foot.d[k];
+  // -- Distance, and its sign on the side of the normal (eq:projection-signed)
+  out->distance = sqrt(f);
+  out->signed_distance = ct_vector_dot(foot.d, out->normal) <= 0 ? out->distance : -out->distance;
+  return out->status;
+}
+
+ct_status ct_project_points(const ct_face *face, size_t count, const double *points,
+                            const ct_project_options *options, const double *start,
+                            ct_projection *out)
+{
+  if (count == 0) return CT_OK;
+  if (points == NULL || out == NULL) return CT_ERROR_ARGUMENT;
+  ct_project_options own = options != NULL ? *options : ct_project_options_default();
+  ct_status first = CT_OK;
+  for (size_t i = 0; i < count; i++) {
+    if (start != NULL)
+      own.use_start = 1, own.start[0] = start[2 * i], own.start[1] = start[2 * i + 1];
+    ct_status status = ct_project(face, points + 3 * i, &own, &out[i]);
+    if (first == CT_OK && status >= CT_ERROR_ARGUMENT) first = status;
+  }
+  return first;
+}
+
+static ct_status no_hit(ct_ray_hit *out, ct_status status, int evaluations)
+{
+  ct_ray_hit none = {status,     CT_OUTSIDE,      -1,  evaluations,
+                     {NAN, NAN}, {NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}};
+  *out = none;
+  return status;
+}
+
+ct_status ct_project_ray(const ct_face *face, const double point[3], const double direction[3],
+                         double tolerance, ct_ray_hit *out)
+{
+  if (out == NULL) return CT_ERROR_ARGUMENT;
+  if (face == NULL || point == NULL || direction == NULL || ct_face_node_count(face->kind) == 0)
+    return no_hit(out, CT_ERROR_ARGUMENT, 0);
+  if (!(tolerance > 0 && tolerance < 1)) return no_hit(out, CT_ERROR_ARGUMENT, 0);
+  ct_patch patch;
+  if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK)
+    return no_hit(out, CT_INVALID, 0);
+  double d[3];
+  out->evaluations = 0;
+  // -- Meet the face (eq:ray-hit)
+  out->status =
+      ct_patch_ray(&patch, direction, tolerance, out->xi, &out->distance, &out->evaluations);
+  if (out->status != CT_OK && out->status != CT_NOT_CERTIFIED)
+    return no_hit(out, out->status, out->evaluations);
+  if (!ct_patch_normal(&patch, out->xi, out->normal))
+    return no_hit(out, CT_INVALID, out->evaluations);
+  out->where =
+      ct_patch_where(face->kind, out->xi, tolerance * ct_patch_half_width(face->kind), &out->index);
+  ct_patch_value(&patch, out->xi, d);
+  for (int k = 0; k < 3; k++) out->point[k] = point[k] + d[k];
+  return out->status;
+}
+
+ct_status ct_project_rays(const ct_face *face, size_t count, const double *points,
+                          const double *directions, double tolerance, ct_ray_hit *out)
+{
+  if (count == 0) return CT_OK;
+  if (points == NULL || directions == NULL || out == NULL) return CT_ERROR_ARGUMENT;
+  ct_status first = CT_OK;
+  for (size_t i = 0; i < count; i++) {
+    ct_status status = ct_project_ray(face, points + 3 * i, directions + 3 * i, tolerance, &out[i]);
+    if (first == CT_OK && status >= CT_ERROR_ARGUMENT) first = status;
+  }
+  return first;
+}

@@ -1,0 +1,656 @@
+#include <libcontact/contact.h>
+#include <libcontact/scene.h>
+
+#include "../contact/contact_internal.h"
+#include "../base/error.h"
+#include "../base/memory.h"
+#include "../step/workspace.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* What was added of one body, contact and support. */
+typedef struct scene_body {
+  ct_mesh *mesh;
+  ct_lumping lumping;
+  ct_solid_kernel kernel;
+  double velocity[3];
+  double *velocities; /* of each node, or null */
+  double hourglass;   /* coefficient, or 0 for the default */
+} scene_body;
+
+typedef struct scene_contact {
+  ct_scene_contact given; /* its arrays are ours */
+  int32_t *faces[2];
+  double epsilon;
+} scene_contact;
+
+/* Nodes of the problem: first, first + step, ... Those of a face of a lattice are few runs. */
+typedef struct node_run {
+  int32_t first, step, count;
+} node_run;
+
+typedef struct scene_support {
+  ct_scene_support given; /* without its nodes */
+  node_run *runs;
+  int32_t run_count;
+} scene_support;
+
+struct ct_scene {
+  int32_t body_count, contact_count, support_count;
+  ct_body *bodies;
+  scene_body *parts;
+  scene_contact *contacts;
+  scene_support *supports;
+  ct_effect **added; /* beside solid, contacts and supports */
+  int32_t added_count;
+  ct_savings savings;
+  int joined; /* the nodes are numbered, no body can be added */
+  /* What `ct_scene_build` makes. */
+  ct_problem problem;
+  ct_effect **effects;
+  double *reference, *mass, *inverse_mass, *velocity;
+};
+
+/* Room for one more row at the end of a table of `count` rows. */
+static int grow(void **table, int32_t count, size_t size)
+{
+  if (count > 0 && (count & (count - 1)) != 0) return 1; // room doubles at powers of two
+  void *larger = ct_allocate(count == 0 ? 1 : 2 * (size_t)count, size);
+  if (larger == NULL) return 0;
+  if (count > 0) memcpy(larger, *table, (size_t)count * size);
+  ct_release(*table);
+  *table = larger;
+  return 1;
+}
+
+ct_status ct_scene_create(ct_scene **scene, ct_error *error)
+{
+  if (scene == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
+  *scene = ct_allocate(1, sizeof **scene);
+  if (*scene == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a scene");
+  (*scene)->savings = ct_savings_default();
+  return CT_OK;
+}
+
+ct_status ct_scene_set_savings(ct_scene *scene, const ct_savings *savings, ct_error *error)
+{
+  if (scene == NULL || savings == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "savings: null argument");
+  scene->savings = *savings;
+  return CT_OK;
+}
+
+/* Whether an effect is one that was added, and not made by `ct_scene_build`. */
+static int is_added(const ct_scene *scene, const ct_effect *effect)
+{
+  for (int32_t i = 0; i < scene->added_count; i++)
+    if (scene->added[i] == effect) return 1;
+  return 0;
+}
+
+/* Give back what `ct_scene_build` made. */
+static void unbuild(ct_scene *scene)
+{
+  for (int32_t i = 0; i < scene->problem.effect_count; i++)
+    if (!is_added(scene, scene->effects[i])) ct_effect_free(scene->effects[i]);
+  ct_release(scene->effects);
+  scene->effects = NULL;
+  scene->problem.effects = NULL;
+  scene->problem.effect_count = 0;
+}
+
+/* Give back what `ct_scene_join` made. */
+static void unjoin(ct_scene *scene)
+{
+  ct_release(scene->reference);
+  ct_release(scene->mass);
+  ct_release(scene->inverse_mass);
+  ct_release(scene->velocity);
+  scene->reference = scene->mass = scene->inverse_mass = scene->velocity = NULL;
+  memset(&scene->problem, 0, sizeof scene->problem);
+}
+
+void ct_scene_free(ct_scene *scene)
+{
+  if (scene == NULL) return;
+  unbuild(scene);
+  for (int32_t i = 0; i < scene->added_count; i++) ct_effect_free(scene->added[i]);
+  ct_release(scene->added);
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    if (scene->joined) scene->parts[i].mesh->nodes = NULL; // the problem's, which goes below
+    ct_mesh_free(scene->parts[i].mesh);
+    ct_release(scene->parts[i].velocities);
+  }
+  unjoin(scene);
+  for (int32_t i = 0; i < scene->contact_count; i++) {
+    ct_release(scene->contacts[i].faces[0]);
+    ct_release(scene->contacts[i].faces[1]);
+  }
+  for (int32_t i = 0; i < scene->support_count; i++) ct_release(scene->supports[i].runs);
+  ct_release(scene->bodies);
+  ct_release(scene->parts);
+  ct_release(scene->contacts);
+  ct_release(scene->supports);
+  ct_release(scene);
+}
+
+ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *mesh,
+                            const ct_material *material, ct_lumping lumping, ct_solid_kernel kernel,
+                            const double velocity[3], int32_t *body, ct_error *error)
+{
+  if (scene == NULL || name == NULL || mesh == NULL || velocity == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body: null argument");
+  if (scene->joined)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "body %s: the scene's bodies were joined before, and none can be added after",
+                   name);
+  if ((int)lumping < CT_LUMP_DEFAULT || (int)lumping > CT_LUMP_HRZ ||
+      (int)kernel < CT_KERNEL_AUTO || (int)kernel > CT_KERNEL_REDUCED)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body %s: no lumping %d or no kernel %d",
+                   name, (int)lumping, (int)kernel);
+  ct_status status = ct_material_check(material, error);
+  for (int c = 0; status == CT_OK && c < 3; c++)
+    if (!isfinite(velocity[c]))
+      status = ct_fail(error, CT_INVALID, CT_NOWHERE, "body %s: velocity %c is not finite", name,
+                       "xyz"[c]);
+  ct_mesh *copy = NULL;
+  if (status == CT_OK) status = ct_mesh_create_copy(mesh, &copy, error);
+  if (status == CT_OK &&
+      (!grow((void **)&scene->bodies, scene->body_count, sizeof *scene->bodies) ||
+       !grow((void **)&scene->parts, scene->body_count, sizeof *scene->parts))) {
+    ct_mesh_free(copy);
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for body %s", name);
+  }
+  if (status != CT_OK) {
+    if (error != NULL) error->body = scene->body_count;
+    return status;
+  }
+  ct_body *entry = &scene->bodies[scene->body_count];
+  snprintf(entry->name, sizeof entry->name, "%s", name);
+  entry->mesh = copy;
+  entry->material = *material;
+  entry->first_node = 0;
+  for (int32_t i = 0; i < scene->body_count; i++)
+    entry->first_node += scene->bodies[i].mesh->node_count;
+  scene->parts[scene->body_count] =
+      (scene_body){copy, lumping, kernel, {velocity[0], velocity[1], velocity[2]}, NULL, 0.0};
+  if (body != NULL) *body = scene->body_count;
+  scene->body_count++;
+  return CT_OK;
+}
+
+static ct_status check_body(const ct_scene *scene, int32_t body, const char *what, ct_error *error)
+{
+  if (body >= 0 && body < scene->body_count) return CT_OK;
+  return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "%s: there is no body %d",
+                 what, (int)body);
+}
+
+ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *velocity,
+                                ct_error *error)
+{
+  if (scene == NULL || velocity == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "velocity: null argument");
+  ct_status status = check_body(scene, body, "velocity", error);
+  if (status != CT_OK) return status;
+  const char *name = scene->bodies[body].name;
+  int64_t count = 3 * (int64_t)scene->parts[body].mesh->node_count;
+  if (scene->joined)
+    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
+                   "body %s: the scene's bodies were joined before, and keep their velocities",
+                   name);
+  for (int64_t d = 0; d < count; d++)
+    if (!isfinite(velocity[d]))
+      return ct_fail(error, CT_INVALID, (ct_place){body, -1, d / 3},
+                     "body %s: velocity %c of node %d is not finite", name, "xyz"[d % 3],
+                     (int)(d / 3));
+  double *copy = ct_duplicate(velocity, (size_t)count * sizeof *copy);
+  if (copy == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for body %s", name);
+  ct_release(scene->parts[body].velocities);
+  scene->parts[body].velocities = copy;
+  return CT_OK;
+}
+
+ct_status ct_scene_set_hourglass(ct_scene *scene, int32_t body, double coefficient, ct_error *error)
+{
+  if (scene == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "hourglass: null argument");
+  ct_status status = check_body(scene, body, "hourglass", error);
+  if (status != CT_OK) return status;
+  if (!(coefficient > 0.0) || !isfinite(coefficient))
+    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
+                   "the hourglass coefficient must be positive, not %g", coefficient);
+  scene->parts[body].hourglass = coefficient;
+  return CT_OK;
+}
+
+/* Node numbers of a body's own mesh, `per` of them a face; a support's nodes stand alone (`per` 0).
+ */
+static ct_status check_nodes(const ct_scene *scene, int32_t body, const int32_t *nodes,
+                             int64_t count, int per, const char *what, ct_error *error)
+{
+  int32_t limit = scene->parts[body].mesh->node_count;
+  for (int64_t i = 0; i < count; i++)
+    if (nodes[i] < 0 || nodes[i] >= limit)
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, per > 0 ? i / per : -1, nodes[i]},
+                     "%s: there is no node %d, body %s has nodes 0 to %d", what, (int)nodes[i],
+                     scene->bodies[body].name, (int)limit - 1);
+  return CT_OK;
+}
+
+ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error)
+{
+  if (scene == NULL || contact == NULL || contact->faces_a == NULL || contact->faces_b == NULL ||
+      contact->face_count_a < 1 || contact->face_count_b < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: a surface has no faces");
+  ct_status status = check_body(scene, contact->body_a, "contact", error);
+  if (status == CT_OK) status = check_body(scene, contact->body_b, "contact", error);
+  if (status != CT_OK) return status;
+  if (!(contact->beta > 0.0) == !(contact->options.epsilon > 0.0))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "contact: give either beta or epsilon, positive (beta %g, epsilon %g)",
+                   contact->beta, contact->options.epsilon);
+  const int32_t *faces[2] = {contact->faces_a, contact->faces_b},
+                count[2] = {contact->face_count_a, contact->face_count_b},
+                body[2] = {contact->body_a, contact->body_b};
+  for (int s = 0; s < 2; s++) {
+    int per = ct_face_node_count(ct_brick_face_kind(scene->parts[body[s]].mesh->kind));
+    status = check_nodes(scene, body[s], faces[s], (int64_t)count[s] * per, per, "contact", error);
+    if (status != CT_OK) return status;
+  }
+  if (!grow((void **)&scene->contacts, scene->contact_count, sizeof *scene->contacts))
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  scene_contact *entry = &scene->contacts[scene->contact_count];
+  memset(entry, 0, sizeof *entry);
+  entry->given = *contact;
+  for (int s = 0; s < 2; s++) {
+    size_t entries = (size_t)count[s] * (size_t)ct_face_node_count(
+                                            ct_brick_face_kind(scene->parts[body[s]].mesh->kind));
+    entry->faces[s] = ct_duplicate(faces[s], entries * sizeof *faces[s]);
+    if (entry->faces[s] == NULL) {
+      ct_release(entry->faces[0]);
+      return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+    }
+    for (size_t i = 0; i < entries; i++) entry->faces[s][i] += scene->bodies[body[s]].first_node;
+  }
+  scene->contact_count++;
+  return CT_OK;
+}
+
+/* Write the nodes of a support as runs, `shift` added; answers how many. Null `runs`: only count.
+ */
+static int32_t list_runs(const ct_scene_support *support, int32_t shift, node_run *runs)
+{
+  int32_t count = 0;
+  node_run run = {0, 0, 0};
+  for (int32_t i = 0; i < support->node_count; i++) {
+    int32_t node = support->nodes[i] + shift;
+    if (run.count == 1) run.step = node - run.first;
+    if (run.count == 0 || node != run.first + (int64_t)run.step * run.count) {
+      run = (node_run){node, 0, 0};
+      count++;
+    }
+    run.count++;
+    if (runs != NULL) runs[count - 1] = run;
+  }
+  return count;
+}
+
+ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support, ct_error *error)
+{
+  if (scene == NULL || support == NULL || support->nodes == NULL || support->node_count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "support: no nodes");
+  ct_status status = check_body(scene, support->body, "support", error);
+  if (status == CT_OK)
+    status =
+        check_nodes(scene, support->body, support->nodes, support->node_count, 0, "support", error);
+  if (status != CT_OK) return status;
+  int32_t runs = list_runs(support, 0, NULL);
+  scene_support entry = {
+      .given = *support, .runs = ct_allocate((size_t)runs, sizeof *entry.runs), .run_count = runs};
+  if (entry.runs == NULL ||
+      !grow((void **)&scene->supports, scene->support_count, sizeof *scene->supports)) {
+    ct_release(entry.runs);
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a support");
+  }
+  list_runs(support, scene->bodies[support->body].first_node, entry.runs);
+  entry.given.nodes = NULL;
+  scene->supports[scene->support_count++] = entry;
+  return CT_OK;
+}
+
+/* What the supports change and each build begins with: 1 / m and the initial velocity of all nodes
+ * of a body. */
+static ct_status start_body(ct_scene *scene, int32_t i, ct_error *error)
+{
+  const scene_body *part = &scene->parts[i];
+  size_t first = (size_t)scene->bodies[i].first_node, count = (size_t)part->mesh->node_count;
+  for (size_t d = 3 * first; d < 3 * (first + count); d++) {
+    if (!(scene->mass[d / 3] > 0.0))
+      return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){i, -1, (int64_t)(d / 3 - first)},
+                     "node %d of body %s belongs to no element", (int)(d / 3 - first),
+                     scene->bodies[i].name);
+    scene->inverse_mass[d] = 1.0 / scene->mass[d / 3];
+    scene->velocity[d] =
+        part->velocities != NULL ? part->velocities[d - 3 * first] : part->velocity[d % 3];
+  }
+  return CT_OK;
+}
+
+static ct_status join_bodies(ct_scene *scene, ct_error *error)
+{
+  ct_problem *problem = &scene->problem;
+  for (int32_t i = 0; i < scene->body_count; i++)
+    problem->node_count += scene->parts[i].mesh->node_count;
+  size_t n = (size_t)problem->node_count;
+  // Masses come first: to lump them takes much room for a while, and less is there yet.
+  scene->mass = ct_allocate(n, sizeof(double));
+  if (scene->mass == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for %d nodes",
+                   (int)problem->node_count);
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    const ct_body *body = &scene->bodies[i];
+    double *mass = &scene->mass[body->first_node];
+    ct_status status =
+        ct_mass_lumped(body->mesh, body->material.density, scene->parts[i].lumping, mass, error);
+    if (status != CT_OK && error != NULL) error->body = i;
+    if (status != CT_OK) return status;
+  }
+  scene->reference = ct_allocate(n, 3 * sizeof(double));
+  scene->inverse_mass = ct_allocate(n, 3 * sizeof(double));
+  scene->velocity = ct_allocate(n, 3 * sizeof(double));
+  if (!scene->reference || !scene->inverse_mass || !scene->velocity)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for %d nodes",
+                   (int)problem->node_count);
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    const ct_mesh *mesh = scene->parts[i].mesh;
+    double *own = &scene->reference[3 * (size_t)scene->bodies[i].first_node];
+    memcpy(own, mesh->nodes, 3 * (size_t)mesh->node_count * sizeof *own);
+    ct_status status = start_body(scene, i, error);
+    if (status != CT_OK) return status;
+  }
+  // From here on the bodies' meshes share the coordinates of the problem.
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    ct_mesh *mesh = scene->parts[i].mesh;
+    ct_release(mesh->nodes);
+    mesh->nodes = &scene->reference[3 * (size_t)scene->bodies[i].first_node];
+  }
+  *problem = (ct_problem){.node_count = problem->node_count,
+                          .body_count = scene->body_count,
+                          .bodies = scene->bodies,
+                          .reference = scene->reference,
+                          .mass = scene->mass,
+                          .inverse_mass = scene->inverse_mass,
+                          .initial_velocity = scene->velocity,
+                          .threads = 1};
+  return CT_OK;
+}
+
+ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_error *error)
+{
+  if (scene == NULL || problem == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
+  if (scene->body_count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: no bodies");
+  ct_status status = scene->joined ? CT_OK : join_bodies(scene, error);
+  scene->joined = status == CT_OK;
+  *problem = &scene->problem;
+  if (status != CT_OK) unjoin(scene);
+  return status;
+}
+
+ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *error)
+{
+  ct_status status = CT_OK;
+  if (scene == NULL || effect == NULL)
+    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect: null argument");
+  else if (!scene->joined)
+    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                     "effect %s: join the scene's bodies first, an effect is made for their nodes",
+                     effect->name);
+  else if (effect->node_count > 0 &&
+           (effect->nodes == NULL
+                ? effect->node_count != scene->problem.node_count
+                : effect->nodes[effect->node_count - 1] >= scene->problem.node_count))
+    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                     "effect %s: its nodes are not those of the %d of the problem", effect->name,
+                     (int)scene->problem.node_count);
+  else if (is_added(scene, effect))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %s: the scene has it already",
+                   effect->name);
+  else if (!grow((void **)&scene->added, scene->added_count, sizeof(ct_effect *)))
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an effect");
+  if (status != CT_OK) {
+    ct_effect_free(effect);
+    return status;
+  }
+  scene->added[scene->added_count++] = effect;
+  return CT_OK;
+}
+
+/* Whether supports hold all nodes of a body in a direction at velocity 0; they were applied before.
+ */
+static int held_body(const ct_scene *scene, int32_t body, int axis)
+{
+  size_t first = (size_t)scene->bodies[body].first_node,
+         count = (size_t)scene->parts[body].mesh->node_count;
+  for (size_t n = first; n < first + count; n++)
+    if (scene->inverse_mass[3 * n + (size_t)axis] != 0.0 ||
+        scene->velocity[3 * n + (size_t)axis] != 0.0)
+      return 0;
+  return 1;
+}
+
+static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
+{
+  ct_solid_block *blocks = ct_allocate((size_t)scene->body_count, sizeof *blocks);
+  if (blocks == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
+  for (int32_t i = 0; i < scene->body_count; i++) {
+    blocks[i] = (ct_solid_block){.mesh = scene->parts[i].mesh,
+                                 .material = scene->bodies[i].material,
+                                 .kernel = scene->parts[i].kernel,
+                                 .first_node = scene->bodies[i].first_node,
+                                 .lumping = scene->parts[i].lumping,
+                                 .savings = &scene->savings,
+                                 .threads = threads,
+                                 .hourglass = scene->parts[i].hourglass};
+    for (int axis = 0; axis < 3; axis++) blocks[i].held[axis] = held_body(scene, i, axis);
+  }
+  ct_status status = ct_solid_create_effect(blocks, scene->body_count, &scene->effects[0], error);
+  ct_release(blocks);
+  return status;
+}
+
+/* ε = β E / h with the smaller modulus and the shorter edge of the two bodies (eq:penalty-factor).
+ */
+static double penalty_of(const ct_scene *scene, const ct_scene_contact *contact)
+{
+  if (contact->options.epsilon > 0.0) return contact->options.epsilon;
+  double E = fmin(scene->bodies[contact->body_a].material.young,
+                  scene->bodies[contact->body_b].material.young);
+  double h = fmin(ct_mesh_shortest_edge(scene->parts[contact->body_a].mesh),
+                  ct_mesh_shortest_edge(scene->parts[contact->body_b].mesh));
+  return ct_contact_penalty(contact->beta, E, h);
+}
+
+static ct_status make_contact(ct_scene *scene, int32_t number, ct_effect **effect, ct_error *error)
+{
+  scene_contact *entry = &scene->contacts[number];
+  ct_contact_options options = entry->given.options;
+  options.distant = options.distant && scene->savings.distant;
+  int32_t count[2] = {entry->given.face_count_a, entry->given.face_count_b},
+          body[2] = {entry->given.body_a, entry->given.body_b};
+  ct_surface surface[2];
+  for (int s = 0; s < 2; s++)
+    surface[s] = (ct_surface){.kind = ct_brick_face_kind(scene->parts[body[s]].mesh->kind),
+                              .node_count = scene->problem.node_count,
+                              .face_count = count[s],
+                              .faces = entry->faces[s],
+                              .reference = scene->reference};
+  entry->epsilon = options.epsilon = penalty_of(scene, &entry->given);
+  // The same faces twice: the contact of a surface with itself.
+  size_t bytes = (size_t)count[0] * (size_t)ct_face_node_count(surface[0].kind) * sizeof(int32_t);
+  int self = body[0] == body[1] && count[0] == count[1] &&
+             memcmp(entry->faces[0], entry->faces[1], bytes) == 0;
+  ct_status status = ct_contact_create_effect(&surface[0], &surface[self ? 0 : 1], &options,
+                                              scene->mass, effect, error);
+  // What the contact calls surface 0 or 1 is one of our bodies.
+  if (status != CT_OK && error != NULL && (error->body == 0 || error->body == 1))
+    error->body = body[error->body];
+  return status;
+}
+
+/* The nodes of a support, one after another. */
+static void write_nodes(const scene_support *support, int32_t *nodes)
+{
+  for (int32_t r = 0; r < support->run_count; r++)
+    for (int32_t i = 0; i < support->runs[r].count; i++)
+      *nodes++ = support->runs[r].first + support->runs[r].step * i;
+}
+
+static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *error)
+{
+  size_t all = 0, next = 0;
+  for (int32_t i = 0; i < scene->support_count; i++)
+    all += (size_t)scene->supports[i].given.node_count;
+  ct_support *supports = ct_allocate((size_t)scene->support_count, sizeof *supports);
+  int32_t *nodes = ct_allocate(all, sizeof *nodes);
+  ct_status status = CT_OK;
+  if (supports == NULL || nodes == NULL)
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
+  for (int32_t i = 0; status == CT_OK && i < scene->support_count; i++) {
+    const ct_scene_support *from = &scene->supports[i].given;
+    write_nodes(&scene->supports[i], &nodes[next]);
+    supports[i].nodes = &nodes[next];
+    supports[i].node_count = from->node_count;
+    memcpy(supports[i].fixed, from->fixed, sizeof from->fixed);
+    memcpy(supports[i].velocity, from->velocity, sizeof from->velocity);
+    next += (size_t)from->node_count;
+  }
+  if (status == CT_OK)
+    status = ct_support_create_effect(supports, scene->support_count, scene->problem.node_count,
+                                      effect, error);
+  ct_release(nodes);
+  ct_release(supports);
+  return status == CT_OK ? ct_support_apply(*effect, scene->inverse_mass, scene->velocity) : status;
+}
+
+static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
+{
+  int32_t *count = &scene->problem.effect_count;
+  ct_effect *supports = NULL, *hourglass = NULL;
+  scene->effects = ct_allocate(2 * (size_t)scene->contact_count + (size_t)scene->added_count + 3,
+                               sizeof *scene->effects);
+  if (scene->effects == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the effects");
+  // What is held decides on the kernels, so supports are made first; they stand last.
+  ct_status status = scene->support_count > 0 ? make_supports(scene, &supports, error) : CT_OK;
+  if (status == CT_OK) status = make_solid(scene, threads, error);
+  if (status == CT_OK) (*count)++;
+  if (status == CT_OK) status = ct_solid_create_hourglass(scene->effects[0], &hourglass, error);
+  if (hourglass != NULL) scene->effects[(*count)++] = hourglass;
+  for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++) {
+    status = make_contact(scene, i, &scene->effects[*count], error);
+    if (status == CT_OK) (*count)++;
+    const ct_scene_contact *given = &scene->contacts[i].given;
+    if (status != CT_OK || given->friction == 0.0) continue;
+    ct_friction friction = {.on = scene->effects[*count - 1],
+                            .coefficient = given->friction,
+                            .tangent = given->tangent};
+    status = ct_friction_create_effect(&friction, &scene->problem, &scene->effects[*count], error);
+    if (status == CT_OK) (*count)++;
+  }
+  for (int32_t i = 0; status == CT_OK && i < scene->added_count; i++)
+    scene->effects[(*count)++] = scene->added[i];
+  if (supports != NULL) scene->effects[(*count)++] = supports;
+  scene->problem.effects = (const ct_effect *const *)scene->effects;
+  return status;
+}
+
+/* The time step that the scene asks for, before it is fitted to the end. */
+static ct_status asked_step(const ct_scene_time *time, const ct_stable_step *stable, double *dt,
+                            ct_error *error)
+{
+  int given = (time->courant > 0.0) + (time->fraction > 0.0) + (time->dt > 0.0);
+  if (!(time->end > 0.0) || !isfinite(time->end) || given != 1 || time->threads < 1 ||
+      time->threads > CT_MOST_THREADS)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "time: needs an end > 0 (%g), exactly one of courant, fraction, dt (%d given), "
+                   "1 to 1024 threads (%d)",
+                   time->end, given, time->threads);
+  *dt = time->courant > 0.0    ? time->courant * stable->dt_courant
+        : time->fraction > 0.0 ? time->fraction * stable->dt
+                               : time->dt;
+  if (!(*dt <= stable->dt * (1.0 + 1e-12)))
+    return ct_fail(
+        error, CT_ERROR_STEP, CT_NOWHERE,
+        "time step %g (Courant number %g) is above the stable step %g (Courant number %g)", *dt,
+        *dt / stable->dt_courant, stable->dt, stable->dt / stable->dt_courant);
+  if (isinf(*dt))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "time: the stable step is infinite, so there is no share of it (are the bodies "
+                   "stiff at all?)");
+  if (!(time->end / *dt < 9e15))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "time: %g steps to the end are more than can be counted", time->end / *dt);
+  return CT_OK;
+}
+
+ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_problem **problem,
+                         int64_t *step_count, ct_stable_step *stable, ct_error *error)
+{
+  if (scene == NULL || time == NULL || problem == NULL || step_count == NULL || stable == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
+  ct_problem *p = &scene->problem;
+  double dt = 0.0;
+  const ct_problem *joined;
+  unbuild(scene);
+  ct_status status = ct_scene_join(scene, &joined, error);
+  for (int32_t i = 0; status == CT_OK && i < scene->body_count; i++)
+    status = start_body(scene, i, error);
+  if (status == CT_OK) status = make_effects(scene, time->threads, error);
+  p->threads = 1;
+  p->clock = NULL;
+  p->integrator = time->integrator;
+  p->assembled = time->assembled;
+  p->dt = DBL_MIN; // any step will do to ask for the stable one, if half of it changes no velocity
+  if (status == CT_OK) status = ct_stable(p, NULL, stable, error);
+  if (status == CT_OK) status = asked_step(time, stable, &dt, error);
+  if (status != CT_OK) {
+    unbuild(scene);
+    return status;
+  }
+  // -- The largest step not above the asked one that ends where the scene ends (eq:whole-steps)
+  *step_count = (int64_t)ceil(time->end / dt * (1.0 - 1e-9));
+  p->dt = time->keep_dt && time->dt > 0.0 ? time->dt : time->end / (double)*step_count;
+  p->threads = time->threads;
+  p->clock = time->clock;
+  *problem = p;
+  return CT_OK;
+}
+
+const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state, int32_t effect,
+                                   ct_error *error)
+{
+  if (problem == NULL || state == NULL || effect < 0 || effect >= problem->effect_count ||
+      problem->effects[effect]->kind != CT_EFFECT_CONTACT) {
+    ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no contact", (int)effect);
+    return NULL;
+  }
+  return ct_workspace_forces(problem, state, error) == CT_OK
+             ? ct_contact_of_scratch(state->workspace->scratch[effect])
+             : NULL;
+}
+
+ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon)
+{
+  if (scene == NULL || epsilon == NULL || contact < 0 || contact >= scene->contact_count)
+    return CT_ERROR_ARGUMENT;
+  *epsilon = scene->contacts[contact].epsilon;
+  return CT_OK;
+}

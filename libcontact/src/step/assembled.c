@@ -1,0 +1,154 @@
+/* The largest frequency of the bodies as they are assembled: Lanczos' method with a bound on how
+ * far it may be below. */
+#include <libcontact/step.h>
+
+#include "../base/error.h"
+#include "../base/memory.h"
+#include "../base/random.h"
+#include "../base/stream.h"
+#include "../base/tridiagonal.h"
+#include "workspace.h"
+
+#include <math.h>
+#include <stdint.h>
+
+/* The answer may be too small by more than the margin with this probability over the random starts.
+ */
+static const double MARGIN = 0.06, DOUBT = 1e-12, SMALL = 1e-6;
+
+/* Vectors of one number a degree of freedom, and the tridiagonal matrix. */
+typedef struct lanczos {
+  const ct_problem *problem;
+  ct_view view;
+  double scale; /* largest displacement that is tried */
+  double *now, *before, *next, *u, *force;
+  double *diagonal, *beside;
+  int rounds;
+  uint64_t seed;
+} lanczos;
+
+/* Uniform on (0, 1). */
+static double uniform(uint64_t *seed) { return (ct_random_bits(seed) + 0.5) / 9007199254740992.0; }
+
+static double dot(const lanczos *l, const double *x, const double *y)
+{
+  return ct_sum_product(l->problem->node_count, NULL, x, y);
+}
+
+/* A direction on the sphere, none more likely than another; what a support holds does not move. */
+static void start(lanczos *l)
+{
+  int64_t count = 3 * (int64_t)l->problem->node_count;
+  for (int64_t d = 0; d < count; d++) {
+    double r = sqrt(-2.0 * log(uniform(&l->seed))), angle = 6.283185307179586 * uniform(&l->seed);
+    l->now[d] = l->problem->inverse_mass[d] > 0.0 ? r * cos(angle) : 0.0;
+  }
+  double length = sqrt(dot(l, l->now, l->now));
+  for (int64_t d = 0; d < count && length > 0.0; d++) l->now[d] /= length;
+}
+
+/* next = A now with A = M^-1/2 K M^-1/2, by one force of the solid (eq:assembled-operator). */
+static ct_status apply(lanczos *l, ct_error *error)
+{
+  const ct_effect *solid = l->problem->effects[0];
+  const double *inverse_mass = l->problem->inverse_mass;
+  int64_t count = 3 * (int64_t)l->problem->node_count;
+  double top = 0.0;
+  for (int64_t d = 0; d < count; d++)
+    top = fmax(top, fabs(l->u[d] = sqrt(inverse_mass[d]) * l->now[d]));
+  double scale = top > 0.0 ? l->scale / top : 0.0;
+  for (int64_t d = 0; d < count; d++) l->u[d] *= scale;
+  ct_status status = solid->force(solid, &l->view, l->force, error);
+  for (int64_t d = 0; d < count; d++)
+    l->next[d] = scale > 0.0 ? -sqrt(inverse_mass[d]) * (l->force[d] / scale) : 0.0;
+  return status;
+}
+
+/* Rounds of Lanczos' recurrence; `rounds` becomes the number that were made (eq:assembled-rounds).
+ */
+static ct_status recur(lanczos *l, ct_error *error)
+{
+  int64_t count = 3 * (int64_t)l->problem->node_count;
+  start(l);
+  for (int k = 0; k < l->rounds; k++) {
+    ct_status status = apply(l, error);
+    if (status != CT_OK) return status;
+    double a = l->diagonal[k] = dot(l, l->now, l->next), b = k > 0 ? l->beside[k - 1] : 0.0;
+    for (int64_t d = 0; d < count; d++)
+      l->next[d] = (l->next[d] - a * l->now[d]) - b * l->before[d];
+    double length = l->beside[k] = sqrt(dot(l, l->next, l->next));
+    if (!isfinite(length))
+      return ct_fail(error, CT_INVALID, CT_NOWHERE,
+                     "stable step: the stiffness of the bodies is not finite");
+    // Nothing is left: the eigenvalues so far are exact.
+    if (!(length > 1e-12 * fabs(a))) {
+      l->rounds = k + 1;
+      break;
+    }
+    double *free = l->before;
+    l->before = l->now, l->now = l->next, l->next = free;
+    for (int64_t d = 0; d < count; d++) l->now[d] /= length;
+  }
+  return CT_OK;
+}
+
+/* Largest eigenvalue of the tridiagonal matrix, from above. */
+static double largest(const lanczos *l)
+{
+  double low = 0.0, high = ct_tridiagonal_reach(l->rounds, l->diagonal, l->beside);
+  for (int k = 0; k < l->rounds; k++) low = fmax(low, l->diagonal[k]);
+  for (int i = 0; i < 60; i++) {
+    double middle = 0.5 * (low + high);
+    if (ct_tridiagonal_all_below(l->rounds, l->diagonal, l->beside, middle)) high = middle;
+    else low = middle;
+  }
+  return high;
+}
+
+/* Bodies whose stiffness may change with time have no largest frequency once for all. */
+static int all_linear(const ct_problem *problem)
+{
+  for (int32_t i = 0; i < problem->body_count; i++)
+    if (problem->bodies[i].material.law != CT_LINEAR) return 0;
+  return problem->effects[0]->kind == CT_EFFECT_SOLID;
+}
+
+ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double *omega_squared,
+                              ct_error *error)
+{
+  if (problem == NULL || state == NULL || omega_squared == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "stable step: null argument");
+  if (!all_linear(problem))
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "stable step: the assembled bound is for linear solids");
+  const ct_effect *solid = problem->effects[0];
+  size_t n = 3 * (size_t)problem->node_count;
+  lanczos l = {
+      .problem = problem, .view = ct_workspace_view(problem, state, 0), .seed = 88172645463325252u};
+  // -- As many rounds as the margin asks for (eq:assembled-rounds)
+  l.rounds = (int)ceil(0.5 * (log(1.648 * sqrt((double)n) / DOUBT) / sqrt(MARGIN) + 1.0));
+  double **vectors[] = {&l.now, &l.before, &l.next, &l.u, &l.force}, *room[5] = {NULL},
+         edge = INFINITY;
+  ct_status status = CT_OK;
+  for (int i = 0; i < 5; i++)
+    if ((room[i] = *vectors[i] = ct_allocate(n, sizeof(double))) == NULL) status = CT_ERROR_MEMORY;
+  l.diagonal = ct_allocate(2 * (size_t)l.rounds, sizeof(double));
+  void *scratch = NULL;
+  if (status != CT_OK || l.diagonal == NULL)
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the stable step");
+  else if (solid->create_scratch != NULL) status = solid->create_scratch(solid, &scratch, error);
+  for (int32_t i = 0; i < problem->body_count; i++)
+    edge = fmin(edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
+  if (status == CT_OK) {
+    l.beside = l.diagonal + l.rounds;
+    l.scale = SMALL * edge;
+    l.view.displacement = l.u;
+    l.view.scratch = scratch;
+    status = recur(&l, error);
+  }
+  if (status == CT_OK) *omega_squared = largest(&l) / (1.0 - MARGIN);
+  for (int i = 0; i < 5; i++) ct_release(room[i]);
+  ct_release(l.diagonal);
+  if (scratch != NULL) solid->free_scratch(scratch);
+  return status;
+}

@@ -1,0 +1,19 @@
+#ifndef CT_SRC_EFFECT_INTERNAL_H
+#define CT_SRC_EFFECT_INTERNAL_H
+
+#include <libcontact/step.h>
+
+/* An effect on the heap from a filled one, of any kind; see ct_effect_create, which is for those of
+ * a host. */
+ct_status ct_effect_copy(const ct_effect *filled, ct_effect **effect, ct_error *error);
+
+/* Numbers of the nodes of some bodies of a problem, ascending, or of all bodies when `bodies` is
+ * null. The caller releases them. */
+ct_status ct_effect_body_nodes(const ct_problem *problem, const int32_t *bodies, int32_t body_count,
+                               const char *name, int32_t **nodes, int32_t *node_count,
+                               ct_error *error);
+
+/* The body that a node of the problem belongs to. */
+int32_t ct_effect_body_of(const ct_problem *problem, int32_t node);
+
+#endif

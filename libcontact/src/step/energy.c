@@ -1,0 +1,354 @@
+#include <libcontact/step.h>
+#include <libcontact/base.h>
+
+#include "../base/bits.h"
+#include "../base/error.h"
+#include "../base/stream.h"
+#include "workspace.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Time from v_{n-1/2} to v_{n+1/2}, twice that from v_{n-1/2} to v_n (eq:stage-velocity). */
+static double kick_time(const ct_problem *problem)
+{
+  return 2.0 * ct_integrator_share(&problem->integrator) * problem->dt;
+}
+
+/* v_{n+1/2} of one degree of freedom: as far beyond v_n as v_{n-1/2} is behind (eq:stage-velocity).
+ */
+static double velocity_after(const ct_problem *problem, const ct_state *state, double kick,
+                             int64_t dof)
+{
+  return ct_kick(state->velocity[dof], kick, problem->inverse_mass[dof],
+                 state->workspace->total[dof]);
+}
+
+/* v_{n-1/2} v_{n+1/2} of one degree of freedom; where a force begins at t = 0, v_0²
+ * (eq:energy-start). */
+static double velocity_product(const ct_problem *problem, const ct_state *state,
+                               const uint64_t *begun, double kick, int64_t dof)
+{
+  double before = state->velocity[dof], after = velocity_after(problem, state, kick, dof),
+         middle = 0.5 * (before + after);
+  return begun != NULL && ct_bits_get(begun, (int32_t)(dof / 3)) ? middle * middle : before * after;
+}
+
+/* ½ v_{n-1/2} · M v_{n+1/2} (eq:discrete-energy). */
+static double kinetic_energy(const ct_problem *problem, const ct_state *state)
+{
+  const uint64_t *begun = ct_workspace_begun(state);
+  ct_stream sum = {0};
+  double product[3 * CT_PIECE], terms[CT_PIECE], kick = kick_time(problem);
+  while (ct_stream_again(&sum, 1))
+    for (int32_t first = 0, end; first < problem->node_count; first = end) {
+      end = ct_piece_end(first, problem->node_count);
+      for (int64_t i = 0, d = 3 * (int64_t)first; d < 3 * (int64_t)end; i++, d++)
+        product[i] = velocity_product(problem, state, begun, kick, d);
+      for (int32_t n = first, i = 0; n < end; n++, i += 3)
+        terms[n - first] =
+            0.5 * problem->mass[n] * ((product[i] + product[i + 1]) + product[i + 2]);
+      ct_stream_add(&sum, terms, end - first);
+    }
+  return ct_stream_sum(&sum);
+}
+
+static ct_status check_effect(const ct_problem *problem, const ct_state *state, int32_t effect,
+                              const void *out, ct_error *error)
+{
+  if (problem == NULL || state == NULL || out == NULL || effect < 0 ||
+      effect >= problem->effect_count)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "energy: null argument or no effect %d",
+                   (int)effect);
+  return ct_stage_check(state, error);
+}
+
+/* Twice the work of one effect over Δt at its nodes first ... end - 1. */
+static void work_terms(const ct_problem *problem, const ct_state *state, int32_t k, int32_t first,
+                       int32_t end, double *terms)
+{
+  const ct_effect *effect = problem->effects[k];
+  int64_t start = 3 * (int64_t)first, count = 3 * (int64_t)(end - first);
+  const double *past = effect->reaction ? state->impulse + ct_state_impulse_start(problem, k)
+                                        : state->work + ct_state_work_start(problem, k);
+  const double *earlier = effect->reaction ? past + state->impulse_count / 2 : past;
+  double room[3 * CT_PIECE], velocity[3 * CT_PIECE], t[3 * CT_PIECE],
+      share = ct_integrator_share(&problem->integrator);
+  const double *force = ct_workspace_force_of(problem, state, k, first, end, room),
+               *v = &state->velocity[start];
+  for (int32_t i = first; effect->nodes != NULL && i < end; i++)
+    memcpy(&velocity[3 * (i - first)], &state->velocity[3 * (int64_t)effect->nodes[i]],
+           3 * sizeof *velocity);
+  if (effect->nodes != NULL) v = velocity;
+  // -- Δt / 2 (Σ f (v⁻ + v⁺) + f_n v_{n-1/2}); a reaction's velocity is constant (eq:work-balance,
+  // eq:stage-work)
+  if (effect->reaction)
+    for (int64_t d = 0; d < count; d++)
+      t[d] = 2.0 * (earlier[start + d] + (past[start + d] + share * force[d])) * v[d];
+  else
+    for (int64_t d = 0; d < count; d++) t[d] = past[start + d] + 2.0 * share * force[d] * v[d];
+  for (int32_t i = 0; i < end - first; i++) terms[i] = (t[3 * i] + t[3 * i + 1]) + t[3 * i + 2];
+}
+
+ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t k, double *work,
+                         ct_error *error)
+{
+  ct_status status = check_effect(problem, state, k, work, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  // -- By t = 0 nothing has done work (eq:work-start)
+  *work = 0.0;
+  if (state->step == 0) return CT_OK;
+  ct_stream sum = {0};
+  double terms[CT_PIECE];
+  int32_t count = problem->effects[k]->node_count;
+  while (ct_stream_again(&sum, 1))
+    for (int32_t first = 0, end; first < count; first = end) {
+      end = ct_piece_end(first, count);
+      work_terms(problem, state, k, first, end, terms);
+      ct_stream_add(&sum, terms, end - first);
+    }
+  *work = 0.5 * problem->dt * ct_stream_sum(&sum);
+  return CT_OK;
+}
+
+ct_status ct_energy_stored(const ct_problem *problem, ct_state *state, int32_t k, double *energy,
+                           ct_error *error)
+{
+  ct_status status = check_effect(problem, state, k, energy, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  const ct_effect *effect = problem->effects[k];
+  ct_view view = ct_workspace_view(problem, state, k);
+  *energy = 0.0;
+  return effect->energy == NULL ? CT_OK : effect->energy(effect, &view, energy, error);
+}
+
+/* Add what comes in from outside through an effect that stores energy. */
+static ct_status add_external(const ct_problem *problem, const ct_state *state, int32_t k,
+                              double *external, ct_error *error)
+{
+  double work = 0.0;
+  ct_view view = ct_workspace_view(problem, state, k);
+  ct_status status = problem->effects[k]->external(problem->effects[k], &view, &work, error);
+  *external += work;
+  return status;
+}
+
+ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *energy,
+                       ct_error *error)
+{
+  ct_status status = check_effect(problem, state, 0, energy, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  ct_energy e = {.time = state->time, .kinetic = kinetic_energy(problem, state)};
+  double stored_total = 0.0, work_total = 0.0;
+  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    double work = 0.0, stored = 0.0;
+    status = ct_energy_work(problem, state, k, &work, error);
+    if (status == CT_OK) status = ct_energy_stored(problem, state, k, &stored, error);
+    work_total += work;
+    stored_total += stored;
+    if (effect->energy == NULL) e.external += work;
+    if (status == CT_OK && effect->external != NULL)
+      status = add_external(problem, state, k, &e.external, error);
+    if (effect->kind == CT_EFFECT_SOLID) e.strain += stored;
+    if (effect->kind == CT_EFFECT_CONTACT) e.contact += stored;
+  }
+  e.total = e.kinetic + stored_total - e.external;
+  e.balance = e.kinetic - state->kinetic_start - work_total;
+  if (status == CT_OK && !isfinite(e.total + e.balance))
+    status = ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE,
+                     "the energy stopped being finite by t = %g (step %lld)", state->time,
+                     (long long)state->step);
+  if (status == CT_OK) *energy = e;
+  return status;
+}
+
+/* Largest component of the force of one effect. */
+static double largest_force(const ct_problem *problem, const ct_state *state, int32_t k)
+{
+  double top = 0.0, room[3 * CT_PIECE];
+  int32_t count = problem->effects[k]->node_count;
+  for (int32_t first = 0, end; first < count; first = end) {
+    end = ct_piece_end(first, count);
+    const double *force = ct_workspace_force_of(problem, state, k, first, end, room);
+    for (int64_t d = 0; d < 3 * (int64_t)(end - first); d++) top = fmax(top, fabs(force[d]));
+  }
+  return top;
+}
+
+ct_status ct_energy_unrest(const ct_problem *problem, ct_state *state, double *unrest,
+                           ct_error *error)
+{
+  ct_status status = check_effect(problem, state, 0, unrest, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  double acting = 0.0, left = 0.0, stored = 0.0;
+  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
+    double own;
+    status = ct_energy_stored(problem, state, k, &own, error);
+    stored += fabs(own);
+    acting = fmax(acting, largest_force(problem, state, k));
+  }
+  if (status != CT_OK) return status;
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
+    if (problem->inverse_mass[d] != 0.0) left = fmax(left, fabs(state->workspace->total[d]));
+  // The kinetic energy half a step back is never negative, unlike that of the ledger.
+  double kinetic =
+      0.5 * ct_sum_product(problem->node_count, problem->mass, state->velocity, state->velocity);
+  // -- The larger of the two shares (eq:unrest)
+  double forces = left == 0.0 ? 0.0 : left / acting;
+  *unrest = fmax(forces, kinetic == 0.0 ? 0.0 : sqrt(kinetic / stored));
+  return CT_OK;
+}
+
+/* Impulses of one effect over Δt at its nodes i ... end - 1 as far as they are in a range of the
+ * problem's nodes, side by side for each component; answers how many there are. */
+static int64_t impulse_terms(const ct_problem *problem, const ct_state *state, int32_t k,
+                             const int32_t range[2], int32_t i, int32_t end,
+                             double terms[3][CT_PIECE])
+{
+  const ct_effect *effect = problem->effects[k];
+  const double *past = state->impulse + ct_state_impulse_start(problem, k),
+               *earlier = past + state->impulse_count / 2;
+  double room[3 * CT_PIECE], share = ct_integrator_share(&problem->integrator);
+  const double *force = ct_workspace_force_of(problem, state, k, i, end, room);
+  int64_t count = 0;
+  for (; i < end; i++, force += 3) {
+    int32_t node = ct_effect_node(effect, i);
+    if (node < range[0] || node >= range[1]) continue;
+    for (int c = 0; c < 3; c++) {
+      int64_t d = 3 * (int64_t)i + c;
+      terms[c][count] = earlier[d] + (past[d] + share * force[c]);
+    }
+    count++;
+  }
+  return count;
+}
+
+/* Add the impulse of one effect on a range of nodes since t = 0 (eq:impulse-balance). */
+static void add_impulse(const ct_problem *problem, const ct_state *state, int32_t k,
+                        const int32_t range[2], double impulse[3])
+{
+  int32_t nodes = problem->effects[k]->node_count;
+  ct_stream sums[3] = {{0}};
+  double terms[3][CT_PIECE];
+  while (ct_stream_again(sums, 3))
+    for (int32_t i = 0, end; i < nodes; i = end) {
+      end = ct_piece_end(i, nodes);
+      int64_t count = impulse_terms(problem, state, k, range, i, end, terms);
+      for (int c = 0; c < 3; c++) ct_stream_add(&sums[c], terms[c], count);
+    }
+  for (int c = 0; c < 3; c++) impulse[c] += problem->dt * ct_stream_sum(&sums[c]);
+}
+
+/* Add the impulse of all effects of one kind on a range of nodes. */
+static void add_impulses(const ct_problem *problem, const ct_state *state, ct_effect_kind kind,
+                         const int32_t range[2], double impulse[3])
+{
+  for (int32_t k = 1; k < problem->effect_count; k++)
+    if (problem->effects[k]->kind == kind) add_impulse(problem, state, k, range, impulse);
+}
+
+ct_status ct_energy_impulse(const ct_problem *problem, ct_state *state, int32_t k,
+                            double impulse[3], ct_error *error)
+{
+  ct_status status = check_effect(problem, state, k, impulse, error);
+  if (status == CT_OK && k == 0)
+    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                     "energy: no impulse of the first effect is kept");
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  for (int c = 0; c < 3; c++) impulse[c] = 0.0;
+  add_impulse(problem, state, k, (int32_t[2]){0, problem->node_count}, impulse);
+  return CT_OK;
+}
+
+/* Momenta of the nodes first ... end - 1, those about the origin after the others, side by side for
+ * each component. */
+static void momentum_terms(const ct_problem *problem, const ct_state *state, int32_t first,
+                           int32_t end, double terms[6][CT_PIECE])
+{
+  double velocity[3 * CT_PIECE];
+  ct_mean_velocity(problem, state, first, end, velocity);
+  for (int32_t n = first; n < end; n++) {
+    double m = problem->mass[n], x[3];
+    const double *v = &velocity[3 * (int64_t)(n - first)];
+    for (int c = 0; c < 3; c++) {
+      int64_t d = 3 * (int64_t)n + c;
+      x[c] = problem->reference[d] + state->displacement[d];
+    }
+    for (int c = 0; c < 3; c++) {
+      int p = (c + 1) % 3, q = (c + 2) % 3;
+      terms[c][n - first] = m * v[c];
+      terms[3 + c][n - first] = m * (x[p] * v[q] - x[q] * v[p]);
+    }
+  }
+}
+
+ct_status ct_momentum_of(const ct_problem *problem, ct_state *state, int32_t body,
+                         ct_momentum *momentum, ct_error *error)
+{
+  ct_status status = check_effect(problem, state, 0, momentum, error);
+  if (status == CT_OK && (body < 0 || body >= problem->body_count))
+    status = ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
+                     "momentum: there is no body %d", (int)body);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  const ct_body *own = &problem->bodies[body];
+  int32_t range[2] = {own->first_node, own->first_node + own->mesh->node_count};
+  ct_stream sums[6] = {{0}};
+  double terms[6][CT_PIECE];
+  while (ct_stream_again(sums, 6))
+    for (int32_t first = range[0], end; first < range[1]; first = end) {
+      end = ct_piece_end(first, range[1]);
+      momentum_terms(problem, state, first, end, terms);
+      for (int i = 0; i < 6; i++) ct_stream_add(&sums[i], terms[i], end - first);
+    }
+  *momentum = (ct_momentum){.time = state->time, .body = body};
+  for (int c = 0; c < 3; c++) {
+    momentum->p[c] = ct_stream_sum(&sums[c]);
+    momentum->L[c] = ct_stream_sum(&sums[3 + c]);
+  }
+  add_impulses(problem, state, CT_EFFECT_CONTACT, range, momentum->contact_impulse);
+  add_impulses(problem, state, CT_EFFECT_SUPPORT, range, momentum->support_impulse);
+  add_impulses(problem, state, CT_EFFECT_MOTION, range, momentum->support_impulse);
+  return CT_OK;
+}
+
+void ct_mean_velocity(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end,
+                      double *velocity)
+{
+  double kick = kick_time(problem);
+  for (int64_t d = 3 * (int64_t)first; d < 3 * (int64_t)end; d++)
+    *velocity++ = 0.5 * (state->velocity[d] + velocity_after(problem, state, kick, d));
+}
+
+ct_status ct_state_velocity(const ct_problem *problem, ct_state *state, double *velocity,
+                            ct_error *error)
+{
+  ct_status status = check_effect(problem, state, 0, velocity, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status == CT_OK) ct_mean_velocity(problem, state, 0, problem->node_count, velocity);
+  return status;
+}
+
+ct_status ct_state_force(const ct_problem *problem, ct_state *state, int32_t k, double *force,
+                         ct_error *error)
+{
+  ct_status status = check_effect(problem, state, k, force, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  const ct_effect *effect = problem->effects[k];
+  int32_t count = effect->node_count;
+  double room[3 * CT_PIECE];
+  memset(force, 0, 3 * (size_t)problem->node_count * sizeof *force);
+  for (int32_t first = 0, end; first < count; first = end) {
+    end = ct_piece_end(first, count);
+    const double *own = ct_workspace_force_of(problem, state, k, first, end, room);
+    for (int32_t i = first; i < end; i++, own += 3)
+      memcpy(&force[3 * (int64_t)ct_effect_node(effect, i)], own, 3 * sizeof *force);
+  }
+  return CT_OK;
+}

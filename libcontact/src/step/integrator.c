@@ -1,0 +1,115 @@
+/* What the explicit methods have in common: each is the leapfrog with another drift. */
+#include <libcontact/step.h>
+
+#include "../base/error.h"
+
+#include <math.h>
+#include <stddef.h>
+
+/* Smallest, largest and usual parameter of each scheme. */
+typedef struct range {
+  const char *name, *parameter;
+  double least, most, usual;
+} range;
+
+/* 2 - √2: with a larger p the method of Noh and Bathe damps less again. */
+#define LARGEST_P 0.585786437626905
+static const range RANGES[] = {{"central_difference", "no parameter", 0.0, 0.0, 0.0},
+                               {"chung_lee", "beta", 1.0, 28.0 / 27.0, 28.0 / 27.0},
+                               {"noh_bathe", "p", 0.5, LARGEST_P, 0.54},
+                               {"tchamwa_wielgosz", "rho_inf", 0.0, 1.0, 0.9}};
+
+static int is_scheme(ct_scheme scheme)
+{
+  return (int)scheme >= 0 && (size_t)scheme < sizeof RANGES / sizeof RANGES[0];
+}
+
+const char *ct_scheme_name(ct_scheme scheme)
+{
+  return is_scheme(scheme) ? RANGES[scheme].name : NULL;
+}
+
+ct_integrator ct_integrator_default(ct_scheme scheme)
+{
+  return (ct_integrator){scheme, is_scheme(scheme) ? RANGES[scheme].usual : 0.0};
+}
+
+ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *error)
+{
+  if (integrator == NULL || !is_scheme(integrator->scheme))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "integrator: there is no scheme %d",
+                   integrator == NULL ? -1 : (int)integrator->scheme);
+  const range *r = &RANGES[integrator->scheme];
+  if (integrator->parameter >= r->least && integrator->parameter <= r->most) return CT_OK;
+  return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                 "integrator: %s = %.17g of %s is not between %.17g and %.17g", r->parameter,
+                 integrator->parameter, r->name, r->least, r->most);
+}
+
+/* φ of Tchamwa and Wielgosz. */
+static double phi_of(double rho) { return 2.0 / (1.0 + rho); }
+
+int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages)
+{
+  const double value = integrator->parameter;
+  stages[0] = (ct_stage){1.0, 1.0, 1.0, 0.0};
+  switch (integrator->scheme) {
+  case CT_CENTRAL_DIFFERENCE:
+    break;
+  case CT_CHUNG_LEE:
+    // -- The drift hurries after the change of the force (eq:chung-lee-drift)
+    stages[0].push = value;
+    stages[0].carry = 1.0 - value;
+    break;
+  case CT_NOH_BATHE: {
+    // -- Two stages of the lengths p and 1 - p (eq:noh-bathe-stages)
+    double p = value, q = 1.0 - p, second = q / (2.0 * p);
+    stages[0] = (ct_stage){p, 1.0 - second, p, 0.0};
+    stages[1] = (ct_stage){q, second, 0.5, -(2.0 * p - 1.0) * second};
+    return 2;
+  }
+  case CT_TCHAMWA_WIELGOSZ:
+    // -- The drift takes more of the force than the velocity keeps (eq:tchamwa-wielgosz-drift)
+    stages[0].push = phi_of(value);
+    break;
+  }
+  return 1;
+}
+
+double ct_integrator_share(const ct_integrator *integrator)
+{
+  return integrator->scheme == CT_NOH_BATHE ? 0.5 * integrator->parameter : 0.5;
+}
+
+/* (2 / Ω)² at the limit: 1 for the leapfrog (eq:integrator-limits). */
+static double stiffening(const ct_integrator *integrator)
+{
+  const double value = integrator->parameter;
+  switch (integrator->scheme) {
+  case CT_CENTRAL_DIFFERENCE:
+    break;
+  case CT_CHUNG_LEE:
+    return 4.0 * value - 3.0;
+  case CT_NOH_BATHE:
+    return (1.0 - value) * (3.0 * value - 1.0);
+  case CT_TCHAMWA_WIELGOSZ:
+    return 2.0 * phi_of(value) - 1.0;
+  }
+  return 1.0;
+}
+
+double ct_integrator_limit(const ct_integrator *integrator)
+{
+  return 2.0 / sqrt(stiffening(integrator));
+}
+
+double ct_integrator_step(const ct_integrator *integrator, double omega_squared, double rate)
+{
+  const double s = stiffening(integrator);
+  if (rate == 0.0) return 2.0 / sqrt(s * omega_squared);
+  // -- A lag of the velocity costs every method as much as the leapfrog; two stages share the cost
+  // (eq:integrator-damped-bound)
+  if (integrator->scheme == CT_NOH_BATHE)
+    return 4.0 / (sqrt(s) * (rate + sqrt(rate * rate + 4.0 * omega_squared)));
+  return 4.0 / (rate + sqrt(rate * rate + 4.0 * s * omega_squared));
+}

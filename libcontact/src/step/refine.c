@@ -1,0 +1,97 @@
+/* Going on with a smaller step. */
+#include <libcontact/step.h>
+
+#include "../base/error.h"
+#include "../base/stream.h"
+#include "workspace.h"
+
+#include <math.h>
+
+/* In how many parts the step of a problem is divided by that of another one that is the same
+ * otherwise, as far as can be seen; 0 when it is not. */
+static int64_t parts_of(const ct_problem *coarse, const ct_problem *fine)
+{
+  double parts = floor(coarse->dt / fine->dt + 0.5);
+  int same = coarse->node_count == fine->node_count && coarse->effect_count == fine->effect_count &&
+             coarse->integrator.scheme == fine->integrator.scheme &&
+             coarse->integrator.parameter == fine->integrator.parameter;
+  return same && parts >= 1.0 && parts <= 1e9 && coarse->dt / parts == fine->dt ? (int64_t)parts
+                                                                                : 0;
+}
+
+/* The velocity before the kick of the smaller step, with v_n as it is (eq:step-change). */
+static void move_velocities(const ct_problem *problem, const ct_state *from, ct_state *to)
+{
+  double less = ct_integrator_share(&problem->integrator) * (from->problem->dt - problem->dt);
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++)
+    to->velocity[d] =
+        ct_kick(from->velocity[d], less, problem->inverse_mass[d], from->workspace->total[d]);
+}
+
+/* Sums of which the smaller step makes the work and the impulse that they made of the larger one
+ * (eq:step-change). */
+static void move_ledgers(const ct_problem *problem, const ct_state *from, ct_state *to,
+                         int64_t parts)
+{
+  double share = ct_integrator_share(&problem->integrator), r = (double)parts;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    double room[3 * CT_PIECE];
+    double *work = to->work + ct_state_work_start(problem, k),
+           *impulse = to->impulse + ct_state_impulse_start(problem, k),
+           *earlier = impulse + to->impulse_count / 2;
+    for (int32_t first = 0, end; first < effect->node_count; first = end) {
+      end = ct_piece_end(first, effect->node_count);
+      const double *force = ct_workspace_force_of(from->problem, from, k, first, end, room);
+      for (int32_t i = first; i < end; i++)
+        for (int c = 0; c < 3; c++) {
+          int64_t d = 3 * (int64_t)i + c, dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
+          double f = share * force[d - 3 * (int64_t)first];
+          if (!effect->reaction)
+            work[d] = r * (work[d] + 2.0 * f * from->velocity[dof]) - 2.0 * f * to->velocity[dof];
+          if (k == 0) continue;
+          impulse[d] = r * (impulse[d] + f) - f;
+          earlier[d] *= r;
+        }
+    }
+  }
+}
+
+/* The ledgers of the smaller step; at t = 0 they begin with its own first kick (eq:work-start). */
+static ct_status carry_ledgers(const ct_problem *problem, const ct_state *from, ct_state *to,
+                               int64_t parts, ct_error *error)
+{
+  if (from->step > 0) {
+    move_ledgers(problem, from, to, parts);
+    return CT_OK;
+  }
+  ct_status status = ct_workspace_forces(problem, to, error);
+  if (status == CT_OK) ct_state_start_ledgers(problem, to);
+  return status;
+}
+
+ct_status ct_state_refine(const ct_problem *problem, ct_state *from, ct_state *to, ct_error *error)
+{
+  ct_energy before, after;
+  if (problem == NULL || from == NULL || to == NULL || from == to || to->problem != problem)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "smaller step: null argument, or a state of another problem");
+  int64_t parts = parts_of(from->problem, problem);
+  if (parts == 0 || from->step > INT64_MAX / parts)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "smaller step: %g is no whole part of %g, or the problems differ", problem->dt,
+                   from->problem->dt);
+  ct_status status = ct_energy_of(from->problem, from, &before, error);
+  if (status == CT_OK) status = ct_state_copy(problem, from, to, error);
+  if (status != CT_OK || parts == 1) return status;
+  to->step = parts * from->step;
+  to->time = (double)to->step * problem->dt;
+  move_velocities(problem, from, to);
+  // -- The kinetic energy of the scheme depends on the step; the balance goes on from what it was
+  // (eq:step-change)
+  to->kinetic_start = 0.0;
+  status = carry_ledgers(problem, from, to, parts, error);
+  if (status == CT_OK) status = ct_energy_of(problem, to, &after, error);
+  if (status == CT_OK) to->kinetic_start = after.balance - before.balance;
+  return status;
+}

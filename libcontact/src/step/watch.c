@@ -1,0 +1,449 @@
+/* Looks at a state between steps: whether it is finite, whether energy has appeared, whether the
+ * solid has become too stiff for the step. */
+#include <libcontact/step.h>
+#include <libcontact/base.h>
+
+#include "../base/error.h"
+#include "../base/memory.h"
+#include "../base/random.h"
+#include "../base/stream.h"
+#include "workspace.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Rounds of the power iteration when a watch is made, and the share of noise that keeps every
+ * direction alive in it. */
+enum { FIRST_ROUNDS = 12 };
+static const double NOISE = 0.01, SMALL = 1e-6;
+
+struct ct_watch {
+  const ct_problem *problem;
+  ct_watch_options options;
+  ct_state *good;
+  double start; /* the ledger's total at the start */
+  double *gave; /* what each effect that stores energy had given to the ledger's total by then */
+  double floor; /* energy that round-off can make (eq:energy-floor) */
+  ct_growth growth;
+  double largest;  /* largest kinetic, stored or external energy of the good states */
+  double expected; /* largest energy of motion and strain that the good states should have had */
+  double swing;    /* 1 - (Δt / stable Δt)² */
+  double edge;     /* shortest edge of all bodies */
+  double omega_squared; /* of the last look */
+  double *mode; /* direction of the power iteration, shape (node_count, 3), or null when no body can
+                   stiffen */
+  double *moved, *force;
+  void *scratch; /* of the first effect */
+  uint64_t seed;
+};
+
+ct_watch_options ct_watch_options_default(void)
+{
+  return (ct_watch_options){
+      .every = 1024, .energy_limit = 1.0, .omega_limit = 2.0, .growth_limit = 0.01};
+}
+
+/* The body of a node of the problem. */
+static int32_t body_of(const ct_problem *problem, int32_t node)
+{
+  int32_t body = 0;
+  while (body + 1 < problem->body_count && problem->bodies[body + 1].first_node <= node) body++;
+  return body;
+}
+
+/* m x · x at the nodes first ... end - 1; a null x: m v_n · v_n. */
+static void square_terms(const ct_problem *problem, const ct_state *state, const double *x,
+                         int32_t first, int32_t end, double *terms)
+{
+  double velocity[3 * CT_PIECE];
+  if (x == NULL) ct_mean_velocity(problem, state, first, end, velocity);
+  const double *own = x == NULL ? velocity : &x[3 * (int64_t)first];
+  ct_product_terms(end - first, &problem->mass[first], own, own, terms);
+}
+
+/* The node with the largest of them. */
+static int32_t largest_node(const ct_problem *problem, const ct_state *state, const double *x)
+{
+  int32_t best = 0;
+  double most = -1.0, terms[CT_PIECE];
+  for (int32_t first = 0, end; first < problem->node_count; first = end) {
+    end = ct_piece_end(first, problem->node_count);
+    square_terms(problem, state, x, first, end, terms);
+    for (int32_t n = first; n < end; n++)
+      if (terms[n - first] > most) {
+        best = n;
+        most = terms[n - first];
+      }
+  }
+  return best;
+}
+
+/* An element of a body that has the node, counted in the body. */
+static int64_t element_with(const ct_mesh *mesh, int32_t node)
+{
+  int64_t per = ct_brick_node_count(mesh->kind);
+  for (int64_t i = 0; i < per * mesh->element_count; i++)
+    if (mesh->elements[i] == node) return i / per;
+  return -1;
+}
+
+/* Energies of one look; `elastic` is what bodies and contacts store, `stored` what all effects do.
+ */
+typedef struct energies {
+  double kinetic, elastic, stored, external, total;
+} energies;
+
+static ct_status measure(const ct_watch *w, ct_state *state, energies *e, ct_error *error)
+{
+  const ct_problem *problem = w->problem;
+  ct_energy ledger;
+  ct_status status = ct_energy_of(problem, state, &ledger, error);
+  if (status != CT_OK) return status;
+  ct_stream sum = {0};
+  double terms[CT_PIECE];
+  while (ct_stream_again(&sum, 1))
+    for (int32_t first = 0, end; first < problem->node_count; first = end) {
+      end = ct_piece_end(first, problem->node_count);
+      square_terms(problem, state, NULL, first, end, terms);
+      ct_stream_add(&sum, terms, end - first);
+    }
+  *e = (energies){0.5 * ct_stream_sum(&sum), ledger.strain + ledger.contact,
+                  ledger.total - ledger.kinetic + ledger.external, ledger.external, ledger.total};
+  return CT_OK;
+}
+
+/* What motion and strain should have: all that was there and was brought, less what other effects
+ * store. */
+static double expected_of(const ct_watch *w, const energies *e)
+{
+  return w->start + e->external - (e->stored - e->elastic);
+}
+
+static double scale_of(const energies *e)
+{
+  return fmax(e->kinetic, fmax(fabs(e->stored), fabs(e->external)));
+}
+
+/* Energy that round-off can make: a part ε of what the material could hold, which is Σ m c₁²
+ * (eq:energy-floor). */
+static double floor_of(const ct_problem *problem)
+{
+  double sum = 0.0;
+  for (int32_t b = 0; b < problem->body_count; b++) {
+    const ct_body *body = &problem->bodies[b];
+    double c1, c2, mass = ct_sum(&problem->mass[body->first_node], body->mesh->node_count);
+    ct_material_speeds(&body->material, &c1, &c2);
+    sum += mass * c1 * c1;
+  }
+  return DBL_EPSILON * sum;
+}
+
+/* What an effect has given to the ledger's total since t = 0: its work and what it stores, less
+ * what came through it from outside (eq:energy-growth). */
+static ct_status given_by(const ct_problem *problem, ct_state *state, int32_t k, double *gave,
+                          ct_error *error)
+{
+  const ct_effect *effect = problem->effects[k];
+  double work = 0.0, stored = 0.0, external = 0.0;
+  *gave = 0.0;
+  if (effect->energy == NULL) return CT_OK;
+  ct_view view = ct_workspace_view(problem, state, k);
+  ct_status status = ct_energy_work(problem, state, k, &work, error);
+  if (status == CT_OK) status = ct_energy_stored(problem, state, k, &stored, error);
+  if (status == CT_OK && effect->external != NULL)
+    status = effect->external(effect, &view, &external, error);
+  *gave = (work + stored) - external;
+  return status;
+}
+
+/* Energy that motion and strain should have had at most, up to now (eq:energy-appears). */
+static double most_expected(const ct_watch *w, const energies *e)
+{
+  return fmax(fmax(expected_of(w, e), w->expected), 0.0);
+}
+
+/* Below this energy nothing is reported. */
+static double least_of(const ct_watch *w, const energies *e)
+{
+  return fmax(w->floor, 1e-9 * fmax(w->largest, scale_of(e)));
+}
+
+/* Store the first growth above the limit from which on it is reported (eq:energy-growth). */
+static ct_status note_growth(ct_watch *w, ct_state *state, const energies *e, ct_error *error)
+{
+  double appeared = e->total - w->start, expected = most_expected(w, e), most = -INFINITY;
+  ct_growth found = {.time = state->time,
+                     .step = state->step,
+                     .share = expected > 0.0 ? appeared / expected : INFINITY};
+  if (w->growth.share > 0.0 ||
+      !(appeared > fmax(w->options.growth_limit * expected, least_of(w, e))))
+    return CT_OK;
+  for (int32_t k = 0; k < w->problem->effect_count; k++) {
+    double gave;
+    ct_status status = given_by(w->problem, state, k, &gave, error);
+    if (status != CT_OK) return status;
+    if (gave - w->gave[k] > most) {
+      most = gave - w->gave[k];
+      found.effect = k;
+    }
+  }
+  found.body = body_of(w->problem, largest_node(w->problem, state, NULL));
+  w->growth = found;
+  return CT_OK;
+}
+
+static ct_status look_at_energy(ct_watch *w, const ct_state *state, const energies *e,
+                                ct_error *error)
+{
+  // -- What motion and strain should have at most, and what they have too much (eq:energy-appears)
+  double limit = w->options.energy_limit, expected = most_expected(w, e), least = least_of(w, e);
+  double appeared = e->total - w->start;
+  // -- A growing oscillation, of which the ledger's total knows nothing (eq:energy-grows)
+  double grown = w->swing * e->elastic - expected;
+  if (isinf(limit) || !(fmax(appeared, grown) > fmax(limit * expected, least))) return CT_OK;
+  int32_t node = largest_node(w->problem, state, NULL), body = body_of(w->problem, node);
+  return ct_fail(error, CT_ERROR_ENERGY,
+                 (ct_place){body, -1, node - w->problem->bodies[body].first_node},
+                 "energy appears: %.3g more than the %.3g that should be there by t = %g (step "
+                 "%lld); most of it moves at body %s, node %d",
+                 fmax(appeared, grown), expected, state->time, (long long)state->step,
+                 w->problem->bodies[body].name, (int)(node - w->problem->bodies[body].first_node));
+}
+
+/* Uniform on (-1, 1), the same for every run. */
+static double noise(uint64_t *seed) { return ct_random_bits(seed) / 4503599627370496.0 - 1.0; }
+
+/* Scale the direction to p · M p = 1, with some noise, so that none is lost; what a support holds
+ * does not move. */
+static void normalise(ct_watch *w)
+{
+  const ct_problem *problem = w->problem;
+  double norm = sqrt(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode));
+  double share = NOISE / sqrt(3.0 * (double)problem->node_count);
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
+    double old = norm > 0.0 ? w->mode[d] / norm : 0.0, root = sqrt(problem->inverse_mass[d]);
+    w->mode[d] = problem->inverse_mass[d] > 0.0 ? old + share * root * noise(&w->seed) : 0.0;
+  }
+  norm = sqrt(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode));
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count && norm > 0.0; d++) w->mode[d] /= norm;
+}
+
+/* One round of the power iteration about the state, whose forces stand: one more force of the solid
+ * (eq:step-quotient). */
+static ct_status iterate(ct_watch *w, ct_state *state, ct_error *error)
+{
+  const ct_problem *problem = w->problem;
+  const ct_effect *solid = problem->effects[0];
+  int64_t count = 3 * (int64_t)problem->node_count;
+  double top = 0.0;
+  normalise(w);
+  for (int64_t d = 0; d < count; d++) top = fmax(top, fabs(w->mode[d]));
+  if (!(top > 0.0)) return CT_OK;
+  double small = SMALL * w->edge / top;
+  for (int64_t d = 0; d < count; d++) w->moved[d] = state->displacement[d] + small * w->mode[d];
+  ct_view view = ct_workspace_view(problem, state, 0);
+  view.displacement = w->moved;
+  view.scratch = w->scratch;
+  ct_status status = solid->force(solid, &view, w->force, error);
+  if (status != CT_OK) return status;
+  // -- ω² = p · K p over p · M p = 1, then p becomes M⁻¹ K p (eq:step-quotient)
+  double room[3 * CT_PIECE];
+  for (int32_t first = 0, end; first < problem->node_count; first = end) {
+    end = ct_piece_end(first, problem->node_count);
+    const double *before = ct_workspace_force_of(problem, state, 0, first, end, room);
+    for (int64_t i = 0, d = 3 * (int64_t)first; d < 3 * (int64_t)end; i++, d++)
+      w->force[d] = (before[i] - w->force[d]) / small;
+  }
+  w->omega_squared = ct_sum_product(problem->node_count, NULL, w->mode, w->force);
+  memcpy(w->moved, w->mode, (size_t)count * sizeof *w->moved);
+  for (int64_t d = 0; d < count; d++) w->mode[d] = problem->inverse_mass[d] * w->force[d];
+  // Numbers too large or too small for a quotient say nothing; the next round begins anew.
+  if (!isfinite(w->omega_squared) ||
+      !isfinite(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode))) {
+    memset(w->mode, 0, (size_t)count * sizeof *w->mode);
+    w->omega_squared = 0.0;
+  }
+  return CT_OK;
+}
+
+static ct_status look_at_step(ct_watch *w, ct_state *state, ct_error *error)
+{
+  const ct_problem *problem = w->problem;
+  if (w->mode == NULL) return CT_OK;
+  ct_status status = iterate(w, state, error);
+  double limit = 0.5 * w->options.omega_limit * ct_integrator_limit(&problem->integrator),
+         omega = sqrt(fmax(w->omega_squared, 0.0));
+  if (status != CT_OK || !(omega * problem->dt > limit * (1.0 + 1e-4))) return status;
+  int32_t node = largest_node(problem, state, w->moved), body = body_of(problem, node);
+  int32_t own = node - problem->bodies[body].first_node;
+  int64_t element = element_with(problem->bodies[body].mesh, own);
+  return ct_fail(error, CT_ERROR_STEP, (ct_place){body, element, own},
+                 "by t = %g (step %lld) the solid is too stiff for the time step %g, which may be "
+                 "%g at most: body %s, element %lld",
+                 state->time, (long long)state->step, problem->dt, limit / omega,
+                 problem->bodies[body].name, (long long)element);
+}
+
+/* Whether the state is the one that was looked at last. */
+static int is_good(const ct_watch *w, const ct_state *state)
+{
+  size_t bytes = 3 * (size_t)w->problem->node_count * sizeof(double);
+  return w->good->step == state->step &&
+         memcmp(w->good->displacement, state->displacement, bytes) == 0 &&
+         memcmp(w->good->velocity, state->velocity, bytes) == 0;
+}
+
+ct_status ct_watch_look(ct_watch *watch, ct_state *state, ct_error *error)
+{
+  energies e;
+  if (watch == NULL || state == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "watch: null argument");
+  if (is_good(watch, state)) return CT_OK;
+  ct_status status = ct_check_finite(watch->problem, state, error);
+  if (status == CT_OK) status = measure(watch, state, &e, error);
+  if (status == CT_OK) status = look_at_energy(watch, state, &e, error);
+  if (status == CT_OK) status = look_at_step(watch, state, error);
+  if (status == CT_OK) status = note_growth(watch, state, &e, error);
+  if (status == CT_OK) status = ct_state_copy(watch->problem, state, watch->good, error);
+  if (status != CT_OK) return status;
+  watch->largest = fmax(watch->largest, scale_of(&e));
+  watch->expected = fmax(watch->expected, expected_of(watch, &e));
+  return CT_OK;
+}
+
+/* Tell time and body where an effect that failed could not. */
+static ct_status complete(const ct_problem *problem, const ct_state *state, ct_status status,
+                          ct_error *error)
+{
+  char text[sizeof error->text];
+  if (status == CT_OK || error == NULL || strstr(error->text, "(step ") != NULL) return status;
+  memcpy(text, error->text, sizeof text);
+  int named = error->body >= 0 && error->body < problem->body_count;
+  const char *name = named ? problem->bodies[error->body].name : "", *quote = named ? "\"" : "";
+  ct_fail(error, error->code, (ct_place){error->body, error->element, error->point},
+          "at t = %g (step %lld)%s%s%s%s", state->time, (long long)state->step,
+          named ? ", body " : "", quote, name, quote);
+  if (error->element >= 0) ct_error_add(error, ", element %lld", (long long)error->element);
+  ct_error_add(error, ": %s", text);
+  return status;
+}
+
+ct_status ct_watch_steps(ct_watch *watch, ct_state *state, int64_t count, ct_error *error)
+{
+  if (watch == NULL || state == NULL || count < 0)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "watch: null argument or %lld steps",
+                   (long long)count);
+  int64_t every = watch->options.every;
+  ct_status status = CT_OK;
+  while (status == CT_OK && count > 0) {
+    int64_t to_look = every - state->step % every, now = count < to_look ? count : to_look;
+    status = ct_step_many(watch->problem, state, now, error);
+    if (status == CT_OK && now == to_look) status = ct_watch_look(watch, state, error);
+    count -= now;
+  }
+  return complete(watch->problem, state, status, error);
+}
+
+/* Room for the power iteration, and its first direction. */
+static ct_status prepare_iteration(ct_watch *w, ct_state *state, ct_error *error)
+{
+  const ct_problem *problem = w->problem;
+  const ct_effect *solid = problem->effects[0];
+  size_t n = (size_t)problem->node_count;
+  w->mode = ct_allocate(n, 3 * sizeof(double));
+  w->moved = ct_allocate(n, 3 * sizeof(double));
+  w->force = ct_allocate(n, 3 * sizeof(double));
+  if (!w->mode || !w->moved || !w->force)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch over %d nodes",
+                   (int)problem->node_count);
+  ct_status status =
+      solid->create_scratch == NULL ? CT_OK : solid->create_scratch(solid, &w->scratch, error);
+  for (int i = 0; status == CT_OK && i < FIRST_ROUNDS; i++) status = iterate(w, state, error);
+  return status;
+}
+
+static ct_status prepare(ct_watch *w, ct_state *state, ct_error *error)
+{
+  const ct_problem *problem = w->problem;
+  ct_stable_step stable = {.dt = w->options.stable};
+  energies e;
+  int stiffens = 0;
+  ct_status status = stable.dt == 0.0 ? ct_stable(problem, NULL, &stable, error) : CT_OK;
+  if (status == CT_OK) status = ct_state_allocate(problem, &w->good, error);
+  if (status == CT_OK) status = ct_check_finite(problem, state, error);
+  if (status == CT_OK) status = measure(w, state, &e, error);
+  if (status != CT_OK) return status;
+  w->start = e.total;
+  w->floor = floor_of(problem);
+  w->largest = scale_of(&e);
+  w->expected = expected_of(w, &e);
+  w->swing = fmax(1.0 - problem->dt * problem->dt / (stable.dt * stable.dt), 0.02);
+  w->edge = INFINITY;
+  for (int32_t i = 0; i < problem->body_count; i++) {
+    stiffens |= problem->bodies[i].material.law != CT_LINEAR;
+    w->edge = fmin(w->edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
+  }
+  if ((w->gave = ct_allocate((size_t)problem->effect_count, sizeof *w->gave)) == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
+  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
+    status = given_by(problem, state, k, &w->gave[k], error);
+  if (status != CT_OK) return status;
+  // -- A linear solid keeps its stiffness, and is not asked again
+  if (stiffens && !isinf(w->options.omega_limit)) status = prepare_iteration(w, state, error);
+  return status == CT_OK ? ct_state_copy(problem, state, w->good, error) : status;
+}
+
+ct_status ct_watch_create(const ct_problem *problem, ct_state *state,
+                          const ct_watch_options *options, ct_watch **out, ct_error *error)
+{
+  if (problem == NULL || state == NULL || options == NULL || out == NULL ||
+      state->problem != problem)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "watch: null argument, or a state of another problem");
+  if (options->every < 1 || !(options->energy_limit > 0.0) || !(options->omega_limit > 0.0) ||
+      !(options->stable >= 0.0) || !(options->growth_limit >= 0.0))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "watch: every %lld steps, energy limit %g, ω Δt up to %g, stable step %g, "
+                   "growth reported from %g",
+                   (long long)options->every, options->energy_limit, options->omega_limit,
+                   options->stable, options->growth_limit);
+  ct_watch *w = ct_allocate(1, sizeof *w);
+  if (w == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
+  w->problem = problem;
+  w->options = *options;
+  w->seed = 88172645463325252u;
+  ct_status status = prepare(w, state, error);
+  if (status != CT_OK) {
+    ct_watch_free(w);
+    return status;
+  }
+  *out = w;
+  return CT_OK;
+}
+
+void ct_watch_free(ct_watch *w)
+{
+  if (w == NULL) return;
+  if (w->scratch != NULL) w->problem->effects[0]->free_scratch(w->scratch);
+  ct_state_free(w->good);
+  double *arrays[] = {w->mode, w->moved, w->force, w->gave};
+  for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) ct_release(arrays[i]);
+  ct_release(w);
+}
+
+ct_state *ct_watch_good(const ct_watch *watch)
+{
+  // Most runs have no fault, and nobody asks for the forces of their good states.
+  return watch == NULL || ct_state_equip(watch->good, NULL) != CT_OK ? NULL : watch->good;
+}
+
+ct_growth ct_watch_growth(const ct_watch *watch)
+{
+  return watch == NULL ? (ct_growth){0} : watch->growth;
+}
+
+double ct_watch_omega_squared(const ct_watch *watch)
+{
+  return watch == NULL || watch->mode == NULL ? 0.0 : watch->omega_squared;
+}

@@ -1,0 +1,114 @@
+#ifndef CT_SRC_WORKSPACE_H
+#define CT_SRC_WORKSPACE_H
+
+#include <libcontact/step.h>
+
+/* What a state needs to take a step and a restart does not: forces at t_n and scratch space of the
+ * effects. */
+typedef struct ct_workspace {
+  int64_t forces_at; /* the step whose forces stand below, or -1 */
+  int starting;      /* v_{-1/2} is not known yet */
+  int kept;    /* whether `total` holds forces of this state's last step, and the first effect may
+                  leave some as they stand */
+  int stage;   /* of the step, 0 or 1: the next one whose forces are made */
+  int watched; /* whether the state was moved by one step since the forces were made, and by nothing
+                  else */
+  uint64_t *still;         /* a bit a node: the total force is zero, to the sign as in the last step
+                              (eq:still-node) */
+  uint64_t *drifted;       /* `still` of the step before */
+  uint64_t *adrift;        /* a bit a node: its leader moves instead of it (eq:adrift-node) */
+  uint64_t *adrift_before; /* `adrift` of the evaluation before: their displacement is older */
+  ct_leader *leaders;      /* of each body */
+  int local; /* whether all effects but the first read their own nodes only, so that nodes may be
+                adrift */
+  double *total;  /* sum of all forces but reactions, shape (node_count, 3) */
+  double **force; /* of each effect: on its own nodes; null for the first one (in `total`) and for
+                     reactions */
+  void **scratch; /* of each effect */
+  double *next_memory;
+  int32_t touched_count; /* nodes on which more than the first effect acts, ascending */
+  int32_t *touched;
+  double *touched_first; /* force of the first effect there, shape (touched_count, 3) */
+  double *touched_velocity,
+      *touched_work; /* v_{n-1/2} and the first effect's work there, before the step */
+  double *past; /* acceleration of the evaluation before, shape (node_count, 3), where the state
+                   does not keep it; or null */
+  struct ct_solver *solver; /* of the constraints; null without any */
+} ct_workspace;
+
+/* A state of zeros without a workspace: all that a restart needs, to be copied into and from. It is
+ * to be freed also when this fails. */
+ct_status ct_state_allocate(const ct_problem *problem, ct_state **state, ct_error *error);
+
+/* Give a state its workspace, unless it has one; then it can be stepped and asked for its energy.
+ */
+ct_status ct_state_equip(ct_state *state, ct_error *error);
+
+/* Make the forces at the state's time, unless they stand already. */
+ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error);
+
+/* Name the first node whose motion is out of the range of numbers (CT_ERROR_BLOWUP). */
+ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error);
+
+/* The present stage as times: τΔt, cΔt, rΔt, lΔt (eq:stage). */
+static inline ct_stage ct_stage_now(const ct_problem *problem, const ct_state *state)
+{
+  ct_stage stages[2];
+  ct_integrator_stages(&problem->integrator, stages);
+  ct_stage s = stages[state->workspace->stage];
+  return (ct_stage){s.drift * problem->dt, s.kick * problem->dt, s.push * problem->dt,
+                    s.carry * problem->dt};
+}
+
+/* Acceleration of the evaluation before, shape (node_count, 3); null for an integrator without any
+ * use for it. */
+double *ct_stage_past(const ct_problem *problem, const ct_state *state);
+
+/* Way of nodes until the next evaluation with the forces in `total`, shape (node_count, 3), and how
+ * far one more unit of force moves each component (eq:stage). Three numbers a node, `stride` apart.
+ * At the start, before v_{-1/2} is known, the velocity is the one of t = 0 (eq:stage-start). */
+void ct_integrator_predict(const ct_problem *problem, const ct_state *state, int32_t count,
+                           const int32_t *nodes, int stride, double *way, double *mobility);
+
+/* Fails for a state whose last step ended after its first stage. */
+ct_status ct_stage_check(const ct_state *state, ct_error *error);
+
+/* What effect `k` is shown of a state. */
+ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k);
+
+/* Velocity of one degree of freedom after a kick of this time (eq:leapfrog, eq:stage). */
+static inline double ct_kick(double v, double dt, double inverse_mass, double force)
+{
+  return v + dt * inverse_mass * force;
+}
+
+/* Forces of effect `k` on its nodes first ... last - 1, shape (last - first, 3), after
+ * ct_workspace_forces; reactions are minus the total on held degrees of freedom (eq:reaction).
+ * Answers where they stand, which may be in `room`, of 3 (last - first) numbers. */
+const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k,
+                                    int32_t first, int32_t last, double *room);
+
+/* Work and impulses that count only the part of the first forces that comes after t = 0
+ * (eq:leapfrog-start), from the forces that stand. */
+void ct_state_start_ledgers(const ct_problem *problem, ct_state *state);
+
+/* A bit a node at t = 0: the force of a constraint begins there, and with it all others
+ * (eq:energy-start); null later on, and without constraints. */
+const uint64_t *ct_workspace_begun(const ct_state *state);
+
+/* v_n at the nodes first ... end - 1, shape (end - first, 3), after ct_workspace_forces. */
+void ct_mean_velocity(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end,
+                      double *velocity);
+
+/* Node of the problem that is the i-th of an effect. */
+static inline int32_t ct_effect_node(const ct_effect *effect, int32_t i)
+{
+  return effect->nodes == NULL ? i : effect->nodes[i];
+}
+
+/* Where effect `k` begins in the state's `work`, `impulse` and `memory`. */
+int64_t ct_state_work_start(const ct_problem *problem, int32_t k);
+int64_t ct_state_impulse_start(const ct_problem *problem, int32_t k);
+int64_t ct_state_memory_start(const ct_problem *problem, int32_t k);
+
+#endif
