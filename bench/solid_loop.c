@@ -3,6 +3,7 @@
 #include <libcontact/mesh.h>
 #include <libcontact/solid.h>
 #include <libcontact/step.h>
+#include "../tests/c/defs.h"
 
 #include <malloc.h>
 #include <stdio.h>
@@ -53,7 +54,7 @@ int main(int count, char **argument)
   ct_solid_block block = {.mesh = mesh, .material = body.material};
   int32_t n = mesh->node_count, steps = count > 1 ? atoi(argument[1]) : 10;
   double *mass = numbers(n), *inverse = numbers(3 * n), *velocity = numbers(3 * n);
-  need(ct_solid_create_effect(&block, 1, &solid, &error));
+  need(create_solid(&block, 1, &solid, &error));
   need(ct_mass_lumped(mesh, body.material.density, CT_LUMP_DEFAULT, mass, &error));
   for (int32_t d = 0; d < 3 * n; d++) {
     inverse[d] = 1.0 / mass[d / 3];

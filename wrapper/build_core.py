@@ -103,8 +103,8 @@ OWN = """
 extern "Python" {
   ct_status own_force(const ct_effect *, const ct_view *, double *, ct_error *);
   ct_status own_energy(const ct_effect *, const ct_view *, double *, ct_error *);
-  ct_status own_frequency(const ct_effect *, const ct_view *, double *, ct_error *);
-  ct_status own_damping(const ct_effect *, const ct_view *, double *, ct_error *);
+  ct_status own_omega2_bound(const ct_effect *, const ct_view *, double *, ct_error *);
+  ct_status own_rate_bound(const ct_effect *, const ct_view *, double *, ct_error *);
 }
 """
 

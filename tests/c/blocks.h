@@ -3,6 +3,7 @@
 #define BLOCKS_H
 
 #include "bodies.h"
+#include "defs.h"
 
 /* The solid effect of one mesh, with what it needs to be asked. */
 typedef struct block {
@@ -16,7 +17,7 @@ static inline block open_block(const ct_mesh *m, const ct_material *material,
   ct_solid_block b = {.mesh = m, .material = *material, .kernel = kernel};
   block solid = {NULL, NULL};
   ct_error e;
-  need(ct_solid_create_effect(&b, 1, &solid.effect, &e), &e);
+  need(create_solid(&b, 1, &solid.effect, &e), &e);
   need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
   return solid;
 }
@@ -43,7 +44,7 @@ static inline double block_frequency(const block *solid)
   ct_view view = {.threads = 1, .scratch = solid->scratch};
   double omega_squared = NAN;
   ct_error e;
-  need(solid->effect->frequency(solid->effect, &view, &omega_squared, &e), &e);
+  need(solid->effect->omega2_bound(solid->effect, &view, &omega_squared, &e), &e);
   return omega_squared;
 }
 

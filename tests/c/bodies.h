@@ -9,6 +9,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include "defs.h"
 
 static unsigned long long bodies_seed = 88172645463325252ull;
 
@@ -252,7 +253,7 @@ static inline void probe_force(probe *p, const double *u, double *sum)
   memset(sum, 0, 3 * (size_t)p->problem->node_count * sizeof *sum);
   for (int k = 0; k < p->problem->effect_count; k++) {
     const ct_effect *effect = p->problem->effects[k];
-    if (effect->reaction) continue;
+    if (effect->phase == CT_PHASE_REACTION) continue;
     ct_view view = {.threads = 1,
                     .reference = p->problem->reference,
                     .displacement = u,
@@ -477,12 +478,12 @@ static inline void add_weight(ct_scene *scene, weight w)
   ct_error error;
   *own = w;
   need(ct_scene_join(scene, &own->problem, &error), &error);
-  add_effect(scene, &(ct_effect){.name = "weight",
+  add_effect(scene, &(ct_effect){.label = "weight",
                                  .data = own,
                                  .free_data = free,
                                  .node_count = own->problem->node_count,
                                  .force = weight_force,
-                                 .damping = weight_damping});
+                                 .rate_bound = weight_damping});
 }
 
 static inline const ct_problem *build(ct_scene *scene, ct_scene_time time, int64_t *steps,

@@ -3,7 +3,7 @@
 
 static const ct_material ROCK = {.young = 900.0, .poisson = 0.25, .density = 2.0};
 
-static void add_faces(ct_scene *scene, const ct_mesh *mesh, double x, const ct_load *load)
+static void add_faces(ct_scene *scene, const ct_mesh *mesh, double x, const ct_load_def *load)
 {
   const ct_problem *joined = NULL;
   ct_effect *effect = NULL;
@@ -12,11 +12,11 @@ static void add_faces(ct_scene *scene, const ct_mesh *mesh, double x, const ct_l
           count = ct_mesh_plane_faces(mesh, 0, x, faces, NULL);
   need(ct_scene_join(scene, &joined, &e), &e);
   if (load != NULL) {
-    ct_load own = *load;
+    ct_load_def own = *load;
     own.kind = ct_brick_face_kind(mesh->kind), own.faces = faces, own.face_count = count;
     need(ct_load_create_effect(&own, joined, &effect, &e), &e);
   } else {
-    ct_absorb absorb = {ct_brick_face_kind(mesh->kind), count, faces};
+    ct_absorb_def absorb = {COOKIE, ct_brick_face_kind(mesh->kind), count, faces};
     need(ct_absorb_create_effect(&absorb, joined, &effect, &e), &e);
   }
   need(ct_scene_add_effect(scene, effect, &e), &e);
@@ -36,7 +36,7 @@ static void pulse(ct_brick_kind kind, int axis, const char *name)
   double speed = c[axis != 0], width = 4.0 / speed;
   for (int i = 0; i <= 40; i++)
     time[i] = width * i / 40, value[i] = pow(sin(3.14159265358979 * i / 40), 2);
-  ct_load push = {.history = {41, time, value}};
+  ct_load_def push = {COOKIE, .history = {41, time, value}};
   push.traction[axis] = 1.0;
   add_faces(scene, mesh, 0.0, &push);
   add_faces(scene, mesh, 10.0, NULL);
@@ -77,7 +77,7 @@ static void refusals(void)
   add_body(scene, "one", mesh, &ROCK, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "two", mesh, &ROCK, CT_KERNEL_AUTO, 0, 0, 0);
   need(ct_scene_join(scene, &joined, &e), &e);
-  ct_absorb bad = {CT_Q4, 2, both};
+  ct_absorb_def bad = {COOKIE, CT_Q4, 2, both};
   tap_ok(ct_absorb_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT,
          "faces of two bodies: %s", e.text);
   bad.face_count = 0;

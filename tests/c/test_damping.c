@@ -16,7 +16,7 @@ static void decay(void)
   add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, 3, -4, 0);
   build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.2, .threads = 1}, &steps, &free_step);
   need(ct_scene_join(scene, &joined, &e), &e);
-  ct_damping damping = {.rate = 2.0};
+  ct_damping_def damping = {COOKIE, .rate = 2.0};
   need(ct_damping_create_effect(&damping, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   const ct_problem *problem =
@@ -64,10 +64,10 @@ static void relaxation(void)
   ct_effect *effect = NULL;
   ct_error e = {0};
   need(ct_scene_join(scene, &joined, &e), &e);
-  ct_gravity gravity = {.acceleration = {10, 0, 0}};
+  ct_gravity_def gravity = {COOKIE, .acceleration = {10, 0, 0}};
   need(ct_gravity_create_effect(&gravity, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  ct_damping damping = {.relaxation = 1, .rate = 3.0};
+  ct_damping_def damping = {COOKIE, .relaxation = 1, .rate = 3.0};
   tap_ok(ct_damping_create_effect(&damping, joined, &effect, &e) == CT_ERROR_ARGUMENT,
          "relaxation and a rate: %s", e.text);
   damping.rate = 0.0;

@@ -43,7 +43,7 @@ static void named(const char *name)
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
-  ct_effect filled = {.name = name,
+  ct_effect filled = {.label = name,
                       .data = &k,
                       .nodes = nodes,
                       .node_count = 2,
@@ -90,7 +90,8 @@ static void copied(void)
   ct_effect *gravity = NULL, *copy = NULL;
   ct_error e;
   need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_gravity_create_effect(&(ct_gravity){.acceleration = {0, 0, -9.81}}, joined, &gravity, &e),
+  need(ct_gravity_create_effect(&(ct_gravity_def){COOKIE, .acceleration = {0, 0, -9.81}}, joined,
+                                &gravity, &e),
        &e);
   tap_ok(ct_effect_create(gravity, &copy, &e) == CT_ERROR_ARGUMENT && copy == NULL,
          "a copy of an effect of the library is refused: %s", e.text);
@@ -112,13 +113,13 @@ int main(void)
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
-  ct_effect filled = {.name = "spring",
+  ct_effect filled = {.label = "spring",
                       .data = &k,
                       .nodes = nodes,
                       .node_count = 8,
                       .force = spring_force,
                       .energy = spring_energy,
-                      .frequency = spring_frequency};
+                      .omega2_bound = spring_frequency};
   ct_error e;
   int64_t steps;
   ct_stable_step free_step, stable;

@@ -256,7 +256,7 @@ static void pressed_at_rest(void)
                      .faces = faces};
     need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
     need(ct_scene_add_effect(scene, effect, &error), &error);
-    ct_gravity gravity = {.acceleration = {0, 0, -9810}};
+    ct_gravity_def gravity = {COOKIE, .acceleration = {0, 0, -9810}};
     need(ct_gravity_create_effect(&gravity, joined, &effect, &error), &error);
     need(ct_scene_add_effect(scene, effect, &error), &error);
     int64_t steps;
@@ -418,7 +418,7 @@ static void many_impulses(void)
       build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p), *copy = new_state(p);
   double weighed = 0.0, balance = 0.0, mass = 0.0, impulse[3];
-  int own = strcmp(p->effects[1]->name, "weight") == 0 ? 1 : 2;
+  int own = strcmp(p->effects[1]->label, "weight") == 0 ? 1 : 2;
   for (int n = 0; n < p->node_count; n++) mass += p->mass[n];
   const ct_momentum start = momentum_of(p, state, 0);
   for (int i = 0; i < 5; i++) {

@@ -683,7 +683,7 @@ static void driven(void)
                       .fixed = {1, 1, 1},
                       .displacement = {0, 0, -0.1},
                       .history = {2, time, value}};
-  need(ct_motion_create_effect(&motion, 1, joined, &effect, &error), &error);
+  need(create_motion(&motion, 1, joined, &effect, &error), &error);
   need(ct_scene_add_effect(scene, effect, &error), &error);
   int64_t steps;
   ct_stable_step stable;

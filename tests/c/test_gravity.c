@@ -3,7 +3,7 @@
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0};
 
-static const ct_problem *falling(ct_scene *scene, const ct_gravity *gravity, double end)
+static const ct_problem *falling(ct_scene *scene, const ct_gravity_def *gravity, double end)
 {
   const ct_problem *joined = NULL;
   ct_effect *effect = NULL;
@@ -25,7 +25,8 @@ static void free_fall(void)
   add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 5);
   add_body(scene, "two", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 5);
   static const int32_t second = 1;
-  ct_gravity gravity = {.acceleration = {1.0, 0.0, -10.0}, .bodies = &second, .body_count = 1};
+  ct_gravity_def gravity = {COOKIE, .acceleration = {1.0, 0.0, -10.0}, .bodies = &second,
+                            .body_count = 1};
   const ct_problem *problem = falling(scene, &gravity, 1.0);
   ct_state *state = NULL;
   ct_error e = {0};
@@ -72,14 +73,18 @@ static void refusals(void)
   static const int32_t none = 3;
   add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   need(ct_scene_join(scene, &joined, &e), &e);
-  ct_gravity bad = {.acceleration = {0.0, NAN, 0.0}};
+  ct_gravity_def bad = {COOKIE, .acceleration = {0.0, NAN, 0.0}};
   tap_ok(ct_gravity_create_effect(&bad, joined, &effect, &e) == CT_INVALID, "NaN: %s", e.text);
-  bad = (ct_gravity){.acceleration = {0.0, 1.0, 0.0}, .bodies = &none, .body_count = 1};
+  bad = (ct_gravity_def){COOKIE, .acceleration = {0.0, 1.0, 0.0}, .bodies = &none, .body_count = 1};
   tap_ok(ct_gravity_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && e.body == 3,
          "no such body: %s", e.text);
   bad.body_count = 0;
   tap_ok(ct_gravity_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no bodies: %s",
          e.text);
+  ct_gravity_def zeros = {.acceleration = {0, 0, -1}};
+  tap_ok(ct_gravity_create_effect(&zeros, joined, &effect, &e) == CT_ERROR_ARGUMENT &&
+             strstr(e.text, "ct_gravity_def_default"),
+         "a definition without its default: %s", e.text);
   tap_ok(ct_gravity_create_effect(NULL, joined, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
          "nothing: %s", e.text);
   ct_scene_free(scene);

@@ -364,7 +364,7 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
   ct_error e;
   ct_effect *effect;
   need(ct_scene_join(c.scene, &joined, &e), &e);
-  need(ct_motion_create_effect(&motion, 1, joined, &effect, &e), &e);
+  need(create_motion(&motion, 1, joined, &effect, &e), &e);
   need(ct_scene_add_effect(c.scene, effect, &e), &e);
   int64_t steps;
   ct_stable_step stable;
@@ -569,7 +569,7 @@ static void within_a_step(void)
   ct_scene *scene = new_scene();
   add_body(scene, "body", m, &SOFT, CT_KERNEL_AUTO, 1, 0, 0);
   double when = INFINITY;
-  ct_effect filled = {.name = "moody",
+  ct_effect filled = {.label = "moody",
                       .data = &when,
                       .node_count = m->node_count,
                       .force = fail_force},

@@ -12,8 +12,8 @@ typedef struct loaded {
   int64_t steps;
 } loaded;
 
-static loaded load_faces(ct_scene *scene, ct_load load, int32_t *faces, int32_t count, double end,
-                         double fraction)
+static loaded load_faces(ct_scene *scene, ct_load_def load, int32_t *faces, int32_t count,
+                         double end, double fraction)
 {
   loaded l = {.scene = scene};
   const ct_problem *joined = NULL;
@@ -60,8 +60,8 @@ static void resultants(ct_brick_kind kind, const char *name)
   add_body(scene, "one", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
   int32_t *faces = integers(8 * 6 * mesh->element_count),
           count = ct_mesh_plane_faces(mesh, 2, 5.0, faces, NULL);
-  loaded l = load_faces(scene, (ct_load){.traction = {1.0, -2.0, 0.5}, .pressure = 7.0}, faces,
-                        count, 1e-3, 0.5);
+  loaded l = load_faces(scene, (ct_load_def){COOKIE, .traction = {1.0, -2.0, 0.5}, .pressure = 7.0},
+                        faces, count, 1e-3, 0.5);
   double *f = force_at(&l, NULL), sum[3] = {0.0}, moment = 0.0;
   for (int32_t n = 0; n < l.problem->node_count; n++)
     for (int c = 0; c < 3; c++)
@@ -84,7 +84,8 @@ static void closed_surface(ct_brick_kind kind, const char *name)
   add_body(scene, "one", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
   int32_t *faces = integers(8 * 6 * mesh->element_count),
           count = ct_mesh_outer_faces(mesh, faces, NULL);
-  loaded l = load_faces(scene, (ct_load){.pressure = 3.0, .following = 1}, faces, count, 1e-3, 0.5);
+  loaded l = load_faces(scene, (ct_load_def){COOKIE, .pressure = 3.0, .following = 1}, faces, count,
+                        1e-3, 0.5);
   int64_t dofs = 3 * (int64_t)l.problem->node_count;
   double *u = numbers(dofs), force[3] = {0.0}, moment[3] = {0.0}, size = 0.0;
   for (int64_t d = 0; d < dofs; d++) u[d] = uniform(0.1);
@@ -129,7 +130,8 @@ static void step_load(void)
   int32_t *faces = integers(8 * 6 * mesh->element_count),
           count = ct_mesh_plane_faces(mesh, 0, 10.0, faces, NULL);
   double c = 30.0, end = 6.0 / c;
-  loaded l = load_faces(scene, (ct_load){.traction = {3.0, 0.0, 0.0}}, faces, count, end, 0.9);
+  loaded l =
+      load_faces(scene, (ct_load_def){COOKIE, .traction = {3.0, 0.0, 0.0}}, faces, count, end, 0.9);
   ct_state *state = new_state(l.problem);
   ct_energy start = energy_of(l.problem, state);
   advance(l.problem, state, l.steps);
@@ -162,7 +164,7 @@ static void refusals(void)
   static const int32_t outside[4] = {0, 1, 2, 99}, flat[4] = {0, 1, 1, 0}, good[4] = {0, 1, 3, 2};
   add_body(scene, "one", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
   need(ct_scene_join(scene, &joined, &e), &e);
-  ct_load bad = {.kind = CT_Q4, .face_count = 1, .faces = outside, .pressure = 1.0};
+  ct_load_def bad = {COOKIE, .kind = CT_Q4, .face_count = 1, .faces = outside, .pressure = 1.0};
   tap_ok(ct_load_create_effect(&bad, joined, &effect, &e) == CT_ERROR_ARGUMENT && e.element == 0,
          "a node outside: %s", e.text);
   bad.faces = flat;

@@ -91,13 +91,14 @@ static ct_scene *scene_of(const kind *k, const ct_mesh *mesh)
   if (k->held) add_support(scene, 0, mesh, -1, 0.0, "y", 0.0);
   need(ct_scene_join(scene, &joined, &e), &e);
   if (k->falls) {
-    need(
-        ct_gravity_create_effect(&(ct_gravity){.acceleration = {0, 0, -9810}}, joined, &effect, &e),
-        &e);
+    need(ct_gravity_create_effect(&(ct_gravity_def){COOKIE, .acceleration = {0, 0, -9810}}, joined,
+                                  &effect, &e),
+         &e);
     need(ct_scene_add_effect(scene, effect, &e), &e);
   }
   if (k->relaxes) {
-    need(ct_damping_create_effect(&(ct_damping){.relaxation = 1}, joined, &effect, &e), &e);
+    need(ct_damping_create_effect(&(ct_damping_def){COOKIE, .relaxation = 1}, joined, &effect, &e),
+         &e);
     need(ct_scene_add_effect(scene, effect, &e), &e);
   }
   return scene;
@@ -247,7 +248,7 @@ static void many_nodes(const kind *k)
     acting = fmax(acting, largest(force, dofs));
     for (int64_t d = 0; d < dofs; d++) total[d] += force[d];
     stored += fabs(energy);
-    if (strcmp(problem->effects[i]->name, "gravity") == 0)
+    if (strcmp(problem->effects[i]->label, "gravity") == 0)
       tap_ok(close_to(energy, -by_hand(problem, NULL, force, state->displacement)) < 1e-14,
              "the potential is minus weight times way");
   }

@@ -12,7 +12,7 @@ static const ct_problem *moved(ct_scene *scene, const ct_motion *motions, int32_
   ct_error e = {0};
   ct_stable_step stable;
   need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_motion_create_effect(motions, count, joined, &effect, &e), &e);
+  need(create_motion(motions, count, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   return build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, steps,
                &stable);
@@ -109,7 +109,7 @@ static void inertia(void)
   ct_stable_step stable;
   int64_t steps;
   need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_motion_create_effect(&motion, 1, joined, &effect, &e), &e);
+  need(create_motion(&motion, 1, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   p = build(scene, (ct_scene_time){.end = 1.0, .dt = 0.01, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
@@ -164,42 +164,44 @@ static void refusals(void)
   need(ct_scene_join(scene, &joined, &e), &e);
   ct_motion two[2] = {{nodes, 2, {1, 0, 0}, {1, 0, 0}, {2, time, value}},
                       {more, 2, {1, 1, 0}, {1, 0, 0}, {2, time, value}}};
-  tap_ok(ct_motion_create_effect(two, 2, joined, &effect, &e) == CT_ERROR_ARGUMENT &&
+  tap_ok(create_motion(two, 2, joined, &effect, &e) == CT_ERROR_ARGUMENT &&
              strstr(e.text, "node 1"),
          "two motions of one component: %s", e.text);
   two[1].nodes = beyond, two[1].node_count = 1;
-  tap_ok(ct_motion_create_effect(two, 2, joined, &effect, &e) == CT_ERROR_ARGUMENT &&
+  tap_ok(create_motion(two, 2, joined, &effect, &e) == CT_ERROR_ARGUMENT &&
              strstr(e.text, "node 8"),
          "a node number too large: %s", e.text);
   two[0].displacement[0] = NAN;
-  tap_ok(ct_motion_create_effect(two, 1, joined, &effect, &e) == CT_INVALID,
-         "a displacement that is NaN: %s", e.text);
+  tap_ok(create_motion(two, 1, joined, &effect, &e) == CT_INVALID, "a displacement that is NaN: %s",
+         e.text);
   two[0].displacement[0] = 1, two[0].history.count = 0;
-  tap_ok(ct_motion_create_effect(two, 1, joined, &effect, &e) == CT_ERROR_ARGUMENT,
-         "no history: %s", e.text);
+  tap_ok(create_motion(two, 1, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no history: %s", e.text);
   two[0].history.count = 2, two[0].fixed[0] = 0;
-  tap_ok(ct_motion_create_effect(two, 1, joined, &effect, &e) == CT_ERROR_ARGUMENT,
-         "no component: %s", e.text);
+  tap_ok(create_motion(two, 1, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no component: %s",
+         e.text);
   two[0].fixed[0] = 1;
-  tap_ok(ct_motion_create_effect(two, 0, joined, &effect, &e) == CT_ERROR_ARGUMENT,
-         "no motions: %s", e.text);
-  need(ct_motion_create_effect(two, 1, joined, &effect, &e), &e);
+  tap_ok(create_motion(two, 0, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no motions: %s", e.text);
+  need(create_motion(two, 1, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   int64_t steps;
   ct_stable_step stable;
   ct_scene_time run = {.end = 1.0, .fraction = 0.5, .threads = 1};
-  ct_gravity gravity = {.acceleration = {0, 0, -1}};
+  ct_gravity_def gravity = {COOKIE, .acceleration = {0, 0, -1}};
   need(ct_gravity_create_effect(&gravity, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
+  tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_OK,
+         "another effect may stand after it in the list");
+  need(create_motion(two, 1, joined, &effect, &e), &e);
+  need(ct_scene_add_effect(scene, effect, &e), &e);
   tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_ERROR_ARGUMENT &&
-             strstr(e.text, "gravity"),
-         "another effect after it: %s", e.text);
+             strstr(e.text, "as another one does"),
+         "a second effect of motions: %s", e.text);
   ct_scene_free(scene);
   scene = new_scene();
   add_body(scene, "one", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   add_support(scene, body, m, -1, 0.0, "x", 0.0);
   need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_motion_create_effect(two, 1, joined, &effect, &e), &e);
+  need(create_motion(two, 1, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_ERROR_ARGUMENT &&
              strstr(e.text, "support"),

@@ -8,6 +8,7 @@
 #include <libcontact/effect.h>
 #include <libcontact/output.h>
 #include <libcontact/solid.h>
+#include "defs.h"
 
 #include <hdf5.h>
 
@@ -146,8 +147,8 @@ static rig *rig_create(int curved, int with_probe)
     r->inverse_mass[i] = 1 / r->mass[i / 3];
     r->velocity[i] = 0.01 * sin(3 * i + 1);
   }
-  if (ct_solid_create_effect(block, 2, &r->solid, &error)) abort();
-  ct_effect probe = {.name = "probe",
+  if (create_solid(block, 2, &r->solid, &error)) abort();
+  ct_effect probe = {.label = "probe",
                      .nodes = PROBE_NODES,
                      .node_count = 3,
                      .memory_count = 3,
@@ -824,9 +825,9 @@ static void test_other_problem(void)
   write_file(r, path, 2);
   refuse_restart(curved, path, CT_ERROR_FILE, "stands at another place");
   refuse_restart(bare, path, CT_ERROR_FILE, "it has 2 effects, the problem 1");
-  r->probe.name = "gravity";
+  r->probe.label = "gravity";
   refuse_restart(r, path, CT_ERROR_FILE, "effect 1 is 'gravity'");
-  r->probe.name = "probe";
+  r->probe.label = "probe";
   r->probe.memory_count = 4;
   refuse_restart(r, path, CT_ERROR_FILE, "with 4 values of memory");
   r->probe.memory_count = 3;

@@ -20,7 +20,7 @@ static block open_held(const ct_mesh *m, ct_solid_kernel kernel, int axis, int t
   block solid = {NULL, NULL};
   ct_error e;
   b.held[axis] = 1;
-  need(ct_solid_create_effect(&b, 1, &solid.effect, &e), &e);
+  need(create_solid(&b, 1, &solid.effect, &e), &e);
   need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
   return solid;
 }
@@ -261,7 +261,7 @@ static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
   add_contact(p.scene, body[0], m[0], 0.0, body[1], m[1], 0.0, 0, 4.0);
   static const int32_t node[1] = {120};
   ct_effect *effect = NULL,
-            filled = {.name = "push", .nodes = node, .node_count = 1, .force = push_force};
+            filled = {.label = "push", .nodes = node, .node_count = 1, .force = push_force};
   const ct_problem *joined;
   need(ct_scene_join(p.scene, &joined, &e), &e);
   if (push) {
@@ -356,7 +356,7 @@ static void choice(void)
   close_block(&box);
   ct_solid_block b = {.mesh = one, .material = STEEL, .kernel = CT_KERNEL_PLANE};
   ct_effect *effect = NULL;
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL,
+  tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL,
          "a plane that is not held is refused: %s", e.text);
   ct_mesh_free(one);
   ct_mesh_free(two);

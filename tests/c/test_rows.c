@@ -228,7 +228,7 @@ static void open_flight(flight *f, int quiet, int local, ct_scheme scheme, ct_la
   savings.quiet = quiet;
   need(ct_scene_set_savings(f->scene, &savings, &e), &e);
   need(ct_scene_join(f->scene, &joined, &e), &e);
-  ct_effect own = {.name = "witness",
+  ct_effect own = {.label = "witness",
                    .local = local,
                    .data = &f->own,
                    .force = witness_force,

@@ -98,7 +98,7 @@ static run open_run(const form *f, ct_savings savings, int threads)
     const ct_problem *joined;
     ct_effect *effect;
     need(ct_scene_join(r.scene, &joined, &e), &e);
-    ct_effect own = {.name = "push",
+    ct_effect own = {.label = "push",
                      .data = p,
                      .force = push_force,
                      .nodes = f->pushed == 2 ? NULL : NODES,
@@ -333,7 +333,7 @@ static void long_ring(void)
     r[k] = (run){.scene = new_scene()};
     add_body(r[k].scene, "block", m, &STEEL, CT_KERNEL_AUTO, 1000, 0, 0);
     need(ct_scene_set_savings(r[k].scene, &savings[k], &e), &e);
-    ct_effect own = {.name = "push",
+    ct_effect own = {.label = "push",
                      .data = &data,
                      .force = push_force,
                      .nodes = NODES,
@@ -715,7 +715,7 @@ static void lattices(void)
       ct_effect *effect[2];
       void *scratch[2];
       for (int k = 0; k < 2; k++, block.savings = &on) {
-        need(ct_solid_create_effect(&block, 1, &effect[k], &e), &e);
+        need(create_solid(&block, 1, &effect[k], &e), &e);
         need(effect[k]->create_scratch(effect[k], &scratch[k], &e), &e);
       }
       for (int turn = 0; turn < 6; turn++, tried++) {

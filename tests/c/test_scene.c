@@ -337,8 +337,8 @@ static void contents(void)
   tap_close(mass / (7.8e-9 * (0.25 + 0.25 + 1.0)), 1.0, 1e-13, "their masses add up");
   tap_ok(strcmp(problem->bodies[0].name, "left") == 0 && strlen(problem->bodies[2].name) == 63,
          "names are kept, long ones cut");
-  tap_ok(strcmp(problem->effects[0]->name, "solid") == 0 &&
-             strcmp(problem->effects[1]->name, "contact") == 0 && problem->effect_count == 2,
+  tap_ok(strcmp(problem->effects[0]->label, "solid") == 0 &&
+             strcmp(problem->effects[1]->label, "contact") == 0 && problem->effect_count == 2,
          "two effects, and none that was not asked for");
   ct_mesh_free(far);
   close_plates(&p);
@@ -394,12 +394,12 @@ static void own_effects(void)
   static const int32_t nodes[2] = {0, 7}, outside[2] = {0, 100}, unsorted[2] = {7, 7};
   plates p = two_plates(4.0);
   own_data data = {3.0, 5e7, &freed};
-  ct_effect filled = {.name = "dashpot",
+  ct_effect filled = {.label = "dashpot",
                       .data = &data,
                       .nodes = nodes,
                       .node_count = 2,
                       .force = dashpot_force,
-                      .damping = own_bound,
+                      .rate_bound = own_bound,
                       .free_data = own_freed};
   ct_effect *effect = NULL;
   ct_error e = {0};
@@ -418,7 +418,7 @@ static void own_effects(void)
   tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_OK,
          "an effect of the caller's own is taken");
   const ct_problem *problem = build(p.scene, t, &steps, &with);
-  tap_ok(problem->effect_count == 3 && strcmp(problem->effects[2]->name, "dashpot") == 0,
+  tap_ok(problem->effect_count == 3 && strcmp(problem->effects[2]->label, "dashpot") == 0,
          "it stands behind the contacts");
   double W = 4.0 / (without.dt * without.dt), D = 5e7;
   tap_close(with.dt / ((sqrt(D * D + 4 * W) - D) / W), 1.0, 1e-12,
@@ -473,17 +473,17 @@ static double swing(double factor, double w, double d)
   for (int i = 0; i < 8; i++) mass[i] = 2.0;
   for (int i = 0; i < 24; i++) inverse[i] = 0.5;
   own_data spring = {2.0 * w, w, &freed}, dashpot = {2.0 * d, d, &freed};
-  ct_effect one = {.name = "spring",
+  ct_effect one = {.label = "spring",
                    .data = &spring,
                    .node_count = 8,
                    .force = spring_force,
-                   .frequency = own_bound};
-  ct_effect two = {.name = "dashpot",
+                   .omega2_bound = own_bound};
+  ct_effect two = {.label = "dashpot",
                    .data = &dashpot,
                    .nodes = nodes,
                    .node_count = 8,
                    .force = dashpot_force,
-                   .damping = own_bound};
+                   .rate_bound = own_bound};
   const ct_effect *effects[2] = {&one, &two};
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_body body = {.name = "mass", .mesh = mesh, .material = STEEL};

@@ -259,11 +259,10 @@ static void refusals(void)
   ct_solid_block b = {.mesh = m, .material = STEEL, .kernel = CT_KERNEL_BOX};
   ct_effect *effect = NULL;
   ct_error e = {0};
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL &&
-             e.body == 0,
+  tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL && e.body == 0,
          "the box kernel refuses another mesh: %s", e.text);
   b.kernel = CT_KERNEL_AUTO;
-  need(ct_solid_create_effect(&b, 1, &effect, &e), &e);
+  need(create_solid(&b, 1, &effect, &e), &e);
   ct_solid_kernel chosen = CT_KERNEL_BOX;
   double flops = 0, bytes = 0;
   ct_solid_block_plan(effect, 0, &chosen, &flops, &bytes);
@@ -274,21 +273,20 @@ static void refusals(void)
   ct_effect_free(effect);
   effect = NULL;
   b.first_node = 3;
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT,
+  tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT,
          "a gap before the body is refused: %s", e.text);
   b.first_node = 0;
   b.material.poisson = 0.5;
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT &&
-             strstr(e.text, "Poisson") != NULL,
+  tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "Poisson") != NULL,
          "an incompressible body is refused: %s", e.text);
   b.material = STEEL;
   ct_mesh *q = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   b.mesh = q;
   b.lumping = CT_LUMP_ROW_SUM;
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED,
+  tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED,
          "row-summed hex20 is refused: %s", e.text);
-  tap_ok(ct_solid_create_effect(NULL, 1, &effect, NULL) == CT_ERROR_ARGUMENT &&
-             ct_solid_create_effect(&b, 0, &effect, NULL) == CT_ERROR_ARGUMENT && effect == NULL,
+  tap_ok(create_solid(NULL, 1, &effect, NULL) == CT_ERROR_ARGUMENT &&
+             create_solid(&b, 0, &effect, NULL) == CT_ERROR_ARGUMENT && effect == NULL,
          "no bodies are refused");
 
   double x[60], u[60] = {0}, f[60], s[6], w, mass[20], xi[3] = {0, 0, 0};

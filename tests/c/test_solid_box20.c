@@ -180,7 +180,7 @@ static int kernel_for(const ct_mesh *m, ct_solid_kernel asked, ct_law law, int h
   ct_effect *effect = NULL;
   ct_solid_kernel chosen = CT_KERNEL_AUTO;
   b.material.law = law;
-  ct_status status = ct_solid_create_effect(&b, 1, &effect, e);
+  ct_status status = create_solid(&b, 1, &effect, e);
   if (status == CT_ERROR_UNSUPPORTED) return -1;
   need(status, e);
   ct_solid_block_plan(effect, 0, &chosen, NULL, NULL);

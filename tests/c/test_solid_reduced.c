@@ -225,7 +225,7 @@ static void curvature(void)
     ct_solid_block b = {.mesh = beam, .material = m, .kernel = CT_KERNEL_REDUCED, .hourglass = 0.3};
     block solid = {NULL, NULL};
     ct_error e;
-    need(ct_solid_create_effect(&b, 1, &solid.effect, &e), &e);
+    need(create_solid(&b, 1, &solid.effect, &e), &e);
     need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
     double energy = block_force(&solid, u, f) + hourglass_energy(&solid, u),
            exact = 0.5 * (n * n * n / 12.0) * c * c * 6.0;
@@ -253,7 +253,7 @@ static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel
   ct_solid_block b = {.mesh = m, .material = *material, .kernel = kernel, .hourglass = hourglass};
   block solid = {NULL, NULL};
   ct_error e;
-  need(ct_solid_create_effect(&b, 1, &solid.effect, &e), &e);
+  need(create_solid(&b, 1, &solid.effect, &e), &e);
   need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
   // The root is held along the beam, and against rigid motion; it may swell.
   for (int i = 0; i < roots; i++) {
@@ -435,7 +435,7 @@ static void ledger(void)
     balance = worst(balance, energy.balance / total);
     most = fmax(most, hourglass);
   }
-  tap_ok(p->effect_count == 2 && strcmp(p->effects[1]->name, "hourglass") == 0 &&
+  tap_ok(p->effect_count == 2 && strcmp(p->effects[1]->label, "hourglass") == 0 &&
              most > 0.01 * total,
          "the ledger has an hourglass energy, up to %.2g of the whole", most / total);
   tap_ok(spread < 1e-12 && balance < 1e-12,
@@ -454,11 +454,11 @@ static void refusals(void)
   ct_solid_block b = {.mesh = q, .material = STEEL, .kernel = CT_KERNEL_REDUCED};
   ct_effect *effect = NULL, *hourglass = NULL;
   ct_error e = {0};
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && e.body == 0,
+  tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && e.body == 0,
          "hex20 is refused: %s", e.text);
   b.mesh = m;
   b.material.law = CT_NEO_HOOKEAN;
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED,
+  tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED,
          "large deformation is refused: %s", e.text);
   double x[60], u[24] = {0}, f[24];
   take_element(m, 0, m->nodes, x);
@@ -466,13 +466,13 @@ static void refusals(void)
          "of one element, too");
   b.material = STEEL;
   b.hourglass = -0.1;
-  tap_ok(ct_solid_create_effect(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
+  tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_ARGUMENT && effect == NULL,
          "a negative coefficient is refused: %s", e.text);
   tap_ok(ct_solid_reduced_force(x, u, &STEEL, 0.0, f, NULL, &e) == CT_ERROR_ARGUMENT,
          "no control at all is refused: %s", e.text);
   b.hourglass = 0.0;
   b.kernel = CT_KERNEL_AUTO;
-  need(ct_solid_create_effect(&b, 1, &effect, &e), &e);
+  need(create_solid(&b, 1, &effect, &e), &e);
   tap_ok(ct_solid_create_hourglass(effect, &hourglass, &e) == CT_OK && hourglass == NULL,
          "without a reduced body there is no hourglass effect");
   ct_effect_free(effect);

@@ -12,7 +12,7 @@ static block open_held(const ct_mesh *m, const ct_material *material, ct_solid_k
       .mesh = m, .material = *material, .kernel = kernel, .held = {held[0], held[1], held[2]}};
   block solid = {NULL, NULL};
   ct_error e;
-  need(ct_solid_create_effect(&b, 1, &solid.effect, &e), &e);
+  need(create_solid(&b, 1, &solid.effect, &e), &e);
   need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
   return solid;
 }

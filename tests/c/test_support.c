@@ -74,7 +74,7 @@ static void refused(const ct_support *s, int32_t count, ct_status want, const ch
 {
   ct_effect *effect = NULL;
   ct_error e = {0};
-  ct_status status = ct_support_create_effect(s, count, 10, &effect, &e);
+  ct_status status = create_support(s, count, 10, &effect, &e);
   tap_ok(status == want && e.code == want && effect == NULL && strstr(e.text, word) != NULL,
          "%s: refused, %s", what, e.text);
 }
@@ -88,7 +88,7 @@ static void refusals(void)
   s[1].velocity[0] = 1.0;
   ct_effect *effect = NULL;
   ct_error e;
-  need(ct_support_create_effect(s, 2, 10, &effect, &e), &e);
+  need(create_support(s, 2, 10, &effect, &e), &e);
   tap_ok(effect->node_count == 4 && effect->nodes[0] == 2 && effect->nodes[1] == 5 &&
              effect->nodes[2] == 6 && effect->nodes[3] == 9,
          "the same velocity twice is one support: nodes 2 5 6 9");
@@ -143,7 +143,7 @@ static void holds(void)
     s[supports++] = (ct_support){nodes, all, {0, 0, 1}, {0.0, 0.0, 7.0}};
     ct_effect *effect = NULL;
     ct_error e;
-    need(ct_support_create_effect(s, supports, 10, &effect, &e), &e);
+    need(create_support(s, supports, 10, &effect, &e), &e);
     tap_ok(effect->node_count == all && (effect->nodes == NULL) == !missing,
            "a support on %d of 10 nodes %s", (int)all, missing ? "lists them" : "needs no list");
     double inverse[30], velocity[30];

@@ -21,7 +21,7 @@ static double rate_of(const ct_effect *effect, const double *velocity)
   ct_view view = {.threads = 1, .velocity = velocity};
   double rate = NAN;
   ct_error e;
-  need(effect->damping(effect, &view, &rate, &e), &e);
+  need(effect->rate_bound(effect, &view, &rate, &e), &e);
   return rate;
 }
 
@@ -31,7 +31,7 @@ static ct_effect *make(ct_scene *scene, const ct_mesh *m, const ct_material *mat
 {
   const ct_problem *joined;
   ct_effect *effect = NULL;
-  ct_viscosity options = {.linear = linear, .quadratic = quadratic};
+  ct_viscosity_def options = {COOKIE, .linear = linear, .quadratic = quadratic};
   ct_error e;
   add_body(scene, "block", m, material, CT_KERNEL_AUTO, 0, 0, 0);
   need(ct_scene_join(scene, &joined, &e), &e);
@@ -202,7 +202,7 @@ static double rod(double linear, double quadratic, double courant, double v0, do
   add_support(scene, body, m, -1, 0.0, "yz", 0.0);
   const ct_problem *joined, *p;
   ct_effect *effect = NULL;
-  ct_viscosity options = {.linear = linear, .quadratic = quadratic};
+  ct_viscosity_def options = {COOKIE, .linear = linear, .quadratic = quadratic};
   ct_error e;
   need(ct_scene_join(scene, &joined, &e), &e);
   if (linear + quadratic > 0.0) {
@@ -325,7 +325,8 @@ static void stability(void)
     add_support(scene, body, m, 0, 0.0, "x", 0.0);
     const ct_problem *joined, *p;
     ct_effect *effect = NULL;
-    ct_viscosity options = {.linear = coefficients[k][0], .quadratic = coefficients[k][1]};
+    ct_viscosity_def options = {COOKIE, .linear = coefficients[k][0],
+                                .quadratic = coefficients[k][1]};
     ct_error e;
     need(ct_scene_join(scene, &joined, &e), &e);
     need(ct_viscosity_create_effect(&options, joined, &effect, &e), &e);
@@ -365,7 +366,7 @@ static void refusals(void)
   ct_error e;
   need(ct_scene_join(scene, &joined, &e), &e);
   static const int32_t first[1] = {0}, twice[2] = {0, 0}, none[1] = {2};
-  ct_viscosity options = {.linear = 0.06, .quadratic = 1.2};
+  ct_viscosity_def options = {COOKIE, .linear = 0.06, .quadratic = 1.2};
   tap_ok(ct_viscosity_create_effect(&options, joined, &effect, &e) == CT_ERROR_UNSUPPORTED &&
              e.body == 1,
          "hex20 is refused: %s", e.text);

@@ -182,7 +182,7 @@ static void pump(double limit, int stores)
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "flying", m, &SOFT, CT_KERNEL_AUTO, 1.0, 0, 0);
-  ct_effect filled = {.name = "pump",
+  ct_effect filled = {.label = "pump",
                       .data = c,
                       .node_count = 8,
                       .force = pump_force,
@@ -235,7 +235,7 @@ static void told(int stores, double unit)
   add_body(scene, "flying", m, &soft, CT_KERNEL_AUTO, 1.0, 0, 0);
   int32_t nodes[8];
   for (int i = 0; i < 8; i++) nodes[i] = 8 + i;
-  ct_effect filled = {.name = "pump",
+  ct_effect filled = {.label = "pump",
                       .data = c,
                       .nodes = nodes,
                       .node_count = 8,

@@ -9,6 +9,7 @@
 #include <libcontact/output.h>
 #endif
 
+#include "../c/defs.h"
 #include "dice.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -259,7 +260,7 @@ static ct_effect *own_effect(play *p, int body)
   ct_error e = {CT_OK, 0, 0, 0, ""};
   springs *data = keep(p, 1, sizeof *data);
   *data = (springs){p->joined, between(d, 0.0, 1.0), chance(d, 8) ? between(d, 0.0, 0.5) : 1e300};
-  ct_effect filled = {.name = "springs",
+  ct_effect filled = {.label = "springs",
                       .data = data,
                       .node_count = p->joined->node_count,
                       .force = springs_force},
@@ -267,8 +268,7 @@ static ct_effect *own_effect(play *p, int body)
   if (chance(d, 2)) filled.nodes = any_nodes(p, body, 1, &filled.node_count);
   if (chance(d, 3)) filled.memory_count = below(d, 4);
   if (chance(d, 3)) filled.energy = springs_energy;
-  if (d->wild && chance(d, 6)) filled.reaction = 1;
-  if (d->wild && chance(d, 6)) filled.last = below(d, 3);
+  if (d->wild && chance(d, 3)) filled.phase = (ct_phase)(below(d, 9) - 1);
   if (d->wild && chance(d, 6)) filled.force = NULL;
   (void)TRY(ct_effect_create(&filled, &effect, &e));
   return effect;
@@ -283,18 +283,19 @@ static ct_effect *surface_effect(play *p, int body)
   int32_t count, *faces = any_faces(p, body, 1, &count, &kind);
   switch (below(d, 3)) {
   case 0: {
-    ct_load load = {.kind = kind,
-                    .face_count = count,
-                    .faces = faces,
-                    .traction = {real(d), real(d), real(d)},
-                    .pressure = real(d),
-                    .following = below(d, 2),
-                    .history = any_history(p)};
+    ct_load_def load = {COOKIE,
+                        .kind = kind,
+                        .face_count = count,
+                        .faces = faces,
+                        .traction = {real(d), real(d), real(d)},
+                        .pressure = real(d),
+                        .following = below(d, 2),
+                        .history = any_history(p)};
     (void)TRY(ct_load_create_effect(&load, p->joined, &effect, &e));
     break;
   }
   case 1: {
-    ct_absorb absorb = {kind, count, faces};
+    ct_absorb_def absorb = {COOKIE, kind, count, faces};
     (void)TRY(ct_absorb_create_effect(&absorb, p->joined, &effect, &e));
     break;
   }
@@ -331,17 +332,18 @@ static ct_effect *body_effect(play *p, int body)
   bodies[0] = d->wild && chance(d, 10) ? 9 : body;
   switch (below(d, 4)) {
   case 0: {
-    ct_gravity gravity = {{real(d), real(d), real(d)}, bodies, count};
+    ct_gravity_def gravity = {COOKIE, {real(d), real(d), real(d)}, bodies, count};
     (void)TRY(ct_gravity_create_effect(&gravity, p->joined, &effect, &e));
     break;
   }
   case 1: {
-    ct_damping damping = {between(d, 0.0, 1.0), chance(d, 3), bodies, count};
+    ct_damping_def damping = {COOKIE, between(d, 0.0, 1.0), chance(d, 3), bodies, count};
     (void)TRY(ct_damping_create_effect(&damping, p->joined, &effect, &e));
     break;
   }
   case 2: {
-    ct_viscosity viscosity = {between(d, 0.0, 0.2), between(d, 0.0, 1.5), bodies, count};
+    ct_viscosity_def viscosity = {COOKIE, between(d, 0.0, 0.2), between(d, 0.0, 1.5), bodies,
+                                  count};
     (void)TRY(ct_viscosity_create_effect(&viscosity, p->joined, &effect, &e));
     break;
   }
@@ -351,7 +353,7 @@ static ct_effect *body_effect(play *p, int body)
     motion->history = any_history(p);
     for (int c = 0; c < 3; c++)
       motion->fixed[c] = below(d, 2), motion->displacement[c] = 0.1 * real(d);
-    (void)TRY(ct_motion_create_effect(motion, 1, p->joined, &effect, &e));
+    (void)TRY(create_motion(motion, 1, p->joined, &effect, &e));
   }
   }
   return effect;

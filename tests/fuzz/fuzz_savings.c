@@ -6,6 +6,7 @@
  * [INPUTS]. */
 #include <libcontact.h>
 
+#include "../c/defs.h"
 #include "dice.h"
 
 #include <stdarg.h>
@@ -365,13 +366,13 @@ static void add_own(run *r, dice *d, const variant *v)
   uint64_t salt = salt_of(d);
   if (!r->plain && chance(d, 4)) own->far = some_node(r, below(d, r->body_count), salt);
   for (int32_t i = 0; i < count; i++) nodes[i] += r->joined->bodies[number].first_node;
-  ct_effect filled = {.name = "own",
+  ct_effect filled = {.label = "own",
                       .data = own,
                       .nodes = nodes,
                       .node_count = count,
                       .force = own_force,
-                      .frequency = own_frequency,
-                      .damping = own_damping,
+                      .omega2_bound = own_frequency,
+                      .rate_bound = own_damping,
                       .local = v->local && own->far < 0},
             *effect;
   if (!r->plain && chance(d, 6)) filled.nodes = NULL, filled.node_count = r->joined->node_count;
@@ -408,29 +409,30 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
     faces[i] = b->side[side][i] + r->joined->bodies[*number].first_node;
   tell("  effect %d on body %d, side %d\n", what, (int)*number, side);
   if (what == 0) {
-    ct_gravity gravity = {{0.01 * real(d), 0.01 * real(d), 0.0}, number, 1};
+    ct_gravity_def gravity = {COOKIE, {0.01 * real(d), 0.01 * real(d), 0.0}, number, 1};
     return ct_gravity_create_effect(&gravity, r->joined, effect, &r->error);
   }
   if (what == 1) {
-    ct_damping damping = {between(d, 0.0, 0.05), 0, number, 1};
+    ct_damping_def damping = {COOKIE, between(d, 0.0, 0.05), 0, number, 1};
     return ct_damping_create_effect(&damping, r->joined, effect, &r->error);
   }
   if (what == 2) {
-    ct_viscosity viscosity = {between(d, 0.01, 0.1), between(d, 0.0, 1.5), number, 1};
+    ct_viscosity_def viscosity = {COOKIE, between(d, 0.01, 0.1), between(d, 0.0, 1.5), number, 1};
     return ct_viscosity_create_effect(&viscosity, r->joined, effect, &r->error);
   }
   if (what == 3) {
-    ct_load load = {.kind = kind,
-                    .face_count = count,
-                    .faces = faces,
-                    .traction = {0.02 * real(d), 0.01 * real(d), 0.0},
-                    .pressure = 0.02 * real(d),
-                    .following = below(d, 2),
-                    .history = any_history(r, d)};
+    ct_load_def load = {COOKIE,
+                        .kind = kind,
+                        .face_count = count,
+                        .faces = faces,
+                        .traction = {0.02 * real(d), 0.01 * real(d), 0.0},
+                        .pressure = 0.02 * real(d),
+                        .following = below(d, 2),
+                        .history = any_history(r, d)};
     return ct_load_create_effect(&load, r->joined, effect, &r->error);
   }
   if (what == 4) {
-    ct_absorb absorb = {kind, count, faces};
+    ct_absorb_def absorb = {COOKIE, kind, count, faces};
     return ct_absorb_create_effect(&absorb, r->joined, effect, &r->error);
   }
   double sign = side ? 1.0 : -1.0, low[3], high[3];
@@ -472,7 +474,7 @@ static void add_effects(run *r, dice *d, const variant *v)
     add_effect(r, effect);
   }
   if (r->status == CT_OK && !r->plain && chance(d, 12)) {
-    ct_damping relaxation = {.relaxation = 1};
+    ct_damping_def relaxation = {COOKIE, .relaxation = 1};
     effect = NULL;
     tell("  relaxation\n");
     r->status = ct_damping_create_effect(&relaxation, r->joined, &effect, &r->error);
@@ -489,7 +491,7 @@ static void add_effects(run *r, dice *d, const variant *v)
       motion.fixed[c] = chance(d, 2), motion.displacement[c] = 0.1 * real(d);
     tell("  motion of %d nodes of body %d\n", (int)motion.node_count, number);
     effect = NULL;
-    r->status = ct_motion_create_effect(&motion, 1, r->joined, &effect, &r->error);
+    r->status = create_motion(&motion, 1, r->joined, &effect, &r->error);
     add_effect(r, effect);
   }
 }
@@ -761,7 +763,7 @@ static void compare_ledgers(run *a, run *b)
              "what an effect stores");
     }
     if (status[0] != status[1]) differ(a, "whether there is a force", k);
-    if (status[0] == CT_OK) compare_nodes(a, b, force[0], force[1], a->problem->effects[k]->name);
+    if (status[0] == CT_OK) compare_nodes(a, b, force[0], force[1], a->problem->effects[k]->label);
     compare_numbers(a, &work[0], &work[1], 1, "work of an effect");
     compare_numbers(a, &stored[0], &stored[1], 1, "stored energy of an effect");
   }
@@ -807,7 +809,7 @@ static int on_edges(run *r)
   ct_error e;
   int found = 0;
   for (int32_t k = 0; k < r->problem->effect_count && !found; k++) {
-    const ct_contact *contact = strcmp(r->problem->effects[k]->name, "contact") == 0
+    const ct_contact *contact = strcmp(r->problem->effects[k]->label, "contact") == 0
                                     ? ct_state_contact(r->problem, r->state, k, &e)
                                     : NULL;
     int64_t count = contact == NULL ? 0 : ct_contact_point_count(contact);

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ._core import ffi
+from ._core import ffi, lib
 from .problem import Problem
 
 # Elements that are quiet together (the library's batch).
@@ -172,7 +172,7 @@ def _starts(problem: Problem, touch: list[Touch], begins: np.ndarray | None) -> 
     met = dict.fromkeys(("contact", "obstacle"), 0)
     for k, name in enumerate(problem.effects):
         effect = pointer.effects[k]
-        if k == 0 or effect.reaction or effect.node_count == 0:
+        if k == 0 or effect.phase == lib.CT_PHASE_REACTION or effect.node_count == 0:
             continue
         everywhere = effect.nodes == ffi.NULL
         nodes = (

@@ -184,7 +184,7 @@ def computed_share(state: Any) -> float:
 def _is_reaction(problem: Problem, name: str) -> bool:
     """Whether an effect only holds nodes: its work is done by the time loop."""
     return name in problem.effects and all(
-        problem.pointer.effects[k].reaction
+        problem.pointer.effects[k].phase == lib.CT_PHASE_REACTION
         for k, other in enumerate(problem.effects)
         if other == name
     )

@@ -132,14 +132,14 @@ def memory_of(problem: Problem) -> int:
         effect = problem.pointer.effects[k]
         # Impulse in two parts, of the state and the good one; of a force also its work, itself, and what it is put right with.
         total += (
-            effect.node_count * (96 if effect.reaction else 96 + 48 + 24 + 76)
+            effect.node_count * (96 if effect.phase == lib.CT_PHASE_REACTION else 96 + 48 + 24 + 76)
             + 24 * effect.memory_count
         )
         total += 0 if effect.nodes == ffi.NULL else 4 * effect.node_count
         # The solver keeps a constraint twice, and 18 numbers to find its force.
         total += (
             effect.constraint_count * (2 * ffi.sizeof("ct_constraint") + 18 * 8)
-            if effect.constrain != ffi.NULL
+            if effect.phase == lib.CT_PHASE_CONSTRAINT
             else 0
         )
     return total + POINT_BYTES * sum(sum(contact.points) for contact in problem.contacts)
@@ -180,7 +180,7 @@ class Problem:
             self._built_contact(i, contact) for i, contact in enumerate(parts.contacts)
         ]
         self.effects = [
-            ffi.string(self.pointer.effects[i].name).decode()
+            ffi.string(self.pointer.effects[i].label).decode()
             for i in range(self.pointer.effect_count)
         ]
         self.stores = [
@@ -473,8 +473,7 @@ class Problem:
                 (key, ffi.gc(effect, lib.ct_effect_free))
                 for effect in (new if isinstance(new, list) else [new])
             ]
-        # Those that need the forces of all others come last.
-        for key, effect in sorted(made, key=lambda pair: pair[1].last):
+        for key, effect in made:
             ffi.gc(effect, None)  # the scene takes it over, whatever it answers
             self._call(lib.ct_scene_add_effect, self._scene, effect, key=key)
 
@@ -568,6 +567,8 @@ class Maker:
     def make(self, function: Any, options: Any) -> Any:
         """The effect that a ``ct_..._create_effect`` makes of its options."""
         out = ffi.new("ct_effect **")
+        if any(name == "cookie" for name, _ in ffi.typeof(options).item.fields):
+            options.cookie = lib.ct_gravity_def_default().cookie  # the same for all definitions
         self._built._call(function, options, self.problem, out, key=self.key)
         return out[0]
 
@@ -611,9 +612,8 @@ def _motion(paths: dict[str, scene_parts.Support], maker: Maker) -> Any:
             list(support.travel),
         )
         motion.history = effects.load.c_history(support.history, maker)
-    return maker.make(
-        lambda options, *rest: lib.ct_motion_create_effect(options, len(paths), *rest), motions
-    )
+    definition = ffi.new("ct_motion_def *", {"motions": motions, "motion_count": len(paths)})
+    return maker.make(lib.ct_motion_create_effect, definition)
 
 
 def _together(first: np.ndarray, second: np.ndarray) -> np.ndarray:

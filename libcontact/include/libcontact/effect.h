@@ -8,14 +8,27 @@
 
 CT_BEGIN_DECLS
 
+/** The bodies of the solid effect. */
+typedef struct ct_solid_def {
+  /** Set by `ct_solid_def_default`. */
+  int32_t cookie;
+  /** The bodies in ascending order of `first_node` without gaps, shape (block_count). */
+  const ct_solid_block *blocks;
+  /** Number of bodies. */
+  int32_t block_count;
+} ct_solid_def;
+
+/** A definition with its cookie; all else is zero. */
+CT_API ct_solid_def ct_solid_def_default(void);
+
 /**
- * The solid effect of all bodies: `blocks` (block_count) in ascending order of `first_node` without
- * gaps. Meshes must outlive the effect. ``CT_ERROR_UNSUPPORTED`` when a kernel is asked for that
- * does not fit its block. Under a law for large deformation its force fails with
+ * The effect "solid" of all bodies. Meshes must outlive the effect; `problem` is not read and may
+ * be null. ``CT_ERROR_UNSUPPORTED`` when a kernel is asked for that does not fit its block. Under a
+ * law for large deformation its force fails with
  * ``CT_ERROR_GEOMETRY``, body and element, as soon as an element is turned inside out, and its
  * bound on the step is that of the tangent.
  */
-CT_API ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_count,
+CT_API ct_status ct_solid_create_effect(const ct_solid_def *def, const ct_problem *problem,
                                         ct_effect **effect, ct_error *error);
 
 /**
@@ -45,14 +58,27 @@ typedef struct ct_support {
   double velocity[3];
 } ct_support;
 
+/** All supports of a problem. */
+typedef struct ct_support_def {
+  /** Set by `ct_support_def_default`. */
+  int32_t cookie;
+  /** The supports, shape (support_count). */
+  const ct_support *supports;
+  /** Number of supports. */
+  int32_t support_count;
+} ct_support_def;
+
+/** A definition with its cookie; all else is zero. */
+CT_API ct_support_def ct_support_def_default(void);
+
 /**
  * The effect of all supports together: it keeps the reaction impulse at each of its nodes. Its
  * prescribed degrees of freedom must have `inverse_mass` 0 and the prescribed initial velocity,
  * which `ct_support_apply` sets. A degree of freedom that two supports give different velocities is
  * ``CT_ERROR_ARGUMENT``.
  */
-CT_API ct_status ct_support_create_effect(const ct_support *supports, int32_t support_count,
-                                          int32_t node_count, ct_effect **effect, ct_error *error);
+CT_API ct_status ct_support_create_effect(const ct_support_def *def, const ct_problem *problem,
+                                          ct_effect **effect, ct_error *error);
 
 /** Write zero inverse masses and the prescribed velocities, shapes (node_count of the problem, 3).
  */
@@ -80,7 +106,9 @@ CT_API ct_status ct_history_check(const ct_history *history, ct_error *error);
 CT_API double ct_history_value(const ct_history *history, double time);
 
 /** A traction and a pressure on faces, with a history in time. */
-typedef struct ct_load {
+typedef struct ct_load_def {
+  /** Set by `ct_load_def_default`. */
+  int32_t cookie;
   /** What the faces are. */
   ct_face_kind kind;
   /** Number of faces. */
@@ -97,14 +125,17 @@ typedef struct ct_load {
   int following;
   /** Factor of both in time. */
   ct_history history;
-} ct_load;
+} ct_load_def;
+
+/** A definition with its cookie; all else is zero. */
+CT_API ct_load_def ct_load_def_default(void);
 
 /**
  * The effect "load", :eq:`load-force`. It stores nothing; its work stands in the ledger. Arrays are
  * copied. The problem is a joined one, see `ct_scene_join`. ``CT_ERROR_ARGUMENT``, ``CT_INVALID``,
  * ``CT_ERROR_GEOMETRY``: what is missing, not finite, or a face without area, named by its number.
  */
-CT_API ct_status ct_load_create_effect(const ct_load *load, const ct_problem *problem,
+CT_API ct_status ct_load_create_effect(const ct_load_def *def, const ct_problem *problem,
                                        ct_effect **effect, ct_error *error);
 
 /** Components of a set of nodes whose displacement follows a history. */
@@ -121,6 +152,19 @@ typedef struct ct_motion {
   ct_history history;
 } ct_motion;
 
+/** All prescribed motions of a problem. */
+typedef struct ct_motion_def {
+  /** Set by `ct_motion_def_default`. */
+  int32_t cookie;
+  /** The motions, shape (motion_count). */
+  const ct_motion *motions;
+  /** Number of motions. */
+  int32_t motion_count;
+} ct_motion_def;
+
+/** A definition with its cookie; all else is zero. */
+CT_API ct_motion_def ct_motion_def_default(void);
+
 /**
  * The effect "support" of all motions together, :eq:`motion-force`: a force that takes its nodes to
  * their place at t_{n+1}, against all other forces and their own inertia. It stores nothing; its
@@ -129,29 +173,35 @@ typedef struct ct_motion {
  * ``CT_ERROR_ARGUMENT``: no nodes, a component that two motions, or a motion and a support, hold;
  * ``CT_INVALID``: a number is not finite.
  */
-CT_API ct_status ct_motion_create_effect(const ct_motion *motions, int32_t motion_count,
-                                         const ct_problem *problem, ct_effect **effect,
-                                         ct_error *error);
+CT_API ct_status ct_motion_create_effect(const ct_motion_def *def, const ct_problem *problem,
+                                         ct_effect **effect, ct_error *error);
 
 /** A uniform acceleration of bodies. */
-typedef struct ct_gravity {
+typedef struct ct_gravity_def {
+  /** Set by `ct_gravity_def_default`. */
+  int32_t cookie;
   /** Acceleration [length / time²]. */
   double acceleration[3];
   /** Numbers of the bodies that fall, shape (body_count); null: all. */
   const int32_t *bodies;
   /** Number of them. */
   int32_t body_count;
-} ct_gravity;
+} ct_gravity_def;
+
+/** A definition with its cookie; all else is zero. */
+CT_API ct_gravity_def ct_gravity_def_default(void);
 
 /**
  * The effect "gravity": f = m g at each node, with the potential :eq:`gravity-potential`. The
  * problem is a joined one, see `ct_scene_join`.
  */
-CT_API ct_status ct_gravity_create_effect(const ct_gravity *gravity, const ct_problem *problem,
+CT_API ct_status ct_gravity_create_effect(const ct_gravity_def *def, const ct_problem *problem,
                                           ct_effect **effect, ct_error *error);
 
 /** Damping in proportion to mass, or dynamic relaxation. */
-typedef struct ct_damping {
+typedef struct ct_damping_def {
+  /** Set by `ct_damping_def_default`. */
+  int32_t cookie;
   /** Rate α >= 0 [1 / time]: a free velocity decays by exp(-α t), :eq:`damping-decay`. */
   double rate;
   /**
@@ -163,7 +213,10 @@ typedef struct ct_damping {
   const int32_t *bodies;
   /** Number of them. */
   int32_t body_count;
-} ct_damping;
+} ct_damping_def;
+
+/** A definition with its cookie; all else is zero. */
+CT_API ct_damping_def ct_damping_def_default(void);
 
 /**
  * The effect "damping": f = -α m v with the velocity half a step back, :eq:`damping-force`. It
@@ -171,7 +224,7 @@ typedef struct ct_damping {
  * :eq:`relaxation-force`, does not limit the step, and must stand behind all effects but motions
  * and supports. The problem is a joined one, see `ct_scene_join`.
  */
-CT_API ct_status ct_damping_create_effect(const ct_damping *damping, const ct_problem *problem,
+CT_API ct_status ct_damping_create_effect(const ct_damping_def *def, const ct_problem *problem,
                                           ct_effect **effect, ct_error *error);
 
 /**
@@ -179,7 +232,9 @@ CT_API ct_status ct_damping_create_effect(const ct_damping *damping, const ct_pr
  * :eq:`bulk-viscosity`. It takes energy out of the bodies, which the ledger shows as the (negative)
  * work of the effect "viscosity".
  */
-typedef struct ct_viscosity {
+typedef struct ct_viscosity_def {
+  /** Set by `ct_viscosity_def_default`. */
+  int32_t cookie;
   /** Coefficient Q₁ of the part that grows with the strain rate, >= 0; 0.06 is usual. */
   double linear;
   /** Coefficient Q₂ of the part that grows with its square, >= 0; 1.2 is usual. */
@@ -188,7 +243,10 @@ typedef struct ct_viscosity {
   const int32_t *bodies;
   /** Number of bodies in `bodies`. */
   int32_t body_count;
-} ct_viscosity;
+} ct_viscosity_def;
+
+/** A definition with its cookie; all else is zero. */
+CT_API ct_viscosity_def ct_viscosity_def_default(void);
 
 /**
  * The effect "viscosity" of some bodies of the joined problem. ``CT_ERROR_UNSUPPORTED``: a body is
@@ -196,7 +254,7 @@ typedef struct ct_viscosity {
  * ``CT_ERROR_ARGUMENT``: a coefficient is negative, both are 0, or a body does not exist or is
  * named twice.
  */
-CT_API ct_status ct_viscosity_create_effect(const ct_viscosity *options, const ct_problem *problem,
+CT_API ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_problem *problem,
                                             ct_effect **effect, ct_error *error);
 
 /**
@@ -210,14 +268,19 @@ CT_API ct_status ct_viscosity_element(const double *nodes, const double *velocit
                                       double *force, ct_error *error);
 
 /** Faces through which waves leave the body instead of being reflected. */
-typedef struct ct_absorb {
+typedef struct ct_absorb_def {
+  /** Set by `ct_absorb_def_default`. */
+  int32_t cookie;
   /** What the faces are. */
   ct_face_kind kind;
   /** Number of faces; all belong to one body. */
   int32_t face_count;
   /** Node numbers of the problem, shape (face_count, 4 or 8). */
   const int32_t *faces;
-} ct_absorb;
+} ct_absorb_def;
+
+/** A definition with its cookie; all else is zero. */
+CT_API ct_absorb_def ct_absorb_def_default(void);
 
 /**
  * The effect "absorb" of Lysmer and Kuhlemeyer: a traction against the velocity, ρ c₁ along the
@@ -225,7 +288,7 @@ typedef struct ct_absorb {
  * ledger as negative work. The problem is a joined one, see `ct_scene_join`. ``CT_ERROR_ARGUMENT``:
  * faces of several bodies.
  */
-CT_API ct_status ct_absorb_create_effect(const ct_absorb *absorb, const ct_problem *problem,
+CT_API ct_status ct_absorb_create_effect(const ct_absorb_def *def, const ct_problem *problem,
                                          ct_effect **effect, ct_error *error);
 
 CT_END_DECLS

@@ -52,8 +52,8 @@ typedef struct ct_view {
    * that carry it on; or null. */
   const double *past;
   /**
-   * Sum of the forces of the effects that stand before this one in the problem's list [force],
-   * shape (node_count, 3); in `force` only.
+   * Sum of the forces that were computed before this one in the same step [force], shape
+   * (node_count, 3); in `force` only.
    */
   const double *total;
   /** Velocity half a step back, v_{n-1/2} [length / time], before the kick, shape (node_count, 3).
@@ -141,76 +141,74 @@ typedef enum ct_effect_kind {
 } ct_effect_kind;
 
 /**
- * One physical effect: a force on some nodes, its energy, and its bound on the time step.
- * The time loop runs over the effects that a problem lists and over nothing else. Callbacks that do
- * not apply are null.
+ * When in a step the force of an effect is computed. Forces of one phase follow the order of the
+ * problem's list.
+ */
+typedef enum ct_phase {
+  /** first: the force follows from the state alone */
+  CT_PHASE_STATE = 0,
+  /** the force follows from the constraints of all effects, :eq:`constraint-problem` */
+  CT_PHASE_CONSTRAINT = 1,
+  /** the force follows from those, as friction from the pressure of a contact */
+  CT_PHASE_FOLLOWING = 2,
+  /** the force follows from `total`, as that of dynamic relaxation; one effect at most */
+  CT_PHASE_TOTAL = 3,
+  /** the force takes nodes to a prescribed place against all others; one effect at most */
+  CT_PHASE_PRESCRIBED = 4,
+  /**
+   * no force at all: the effect holds degrees of freedom at a constant velocity (inverse mass 0).
+   * The time loop takes minus the sum of all other forces there and keeps its impulse only, as its
+   * work is impulse times velocity.
+   */
+  CT_PHASE_REACTION = 5
+} ct_phase;
+
+struct ct_effect;
+
+/**
+ * What an effect adds to the constraints of a step, :eq:`constraint-problem`. Both functions may be
+ * null.
+ */
+typedef struct ct_effect_constraints {
+  /**
+   * Write the points that may be active in this step into `list`, which has room for
+   * `constraint_count`, and their number into `count`. The forces of all effects' constraints are
+   * then found together, given the forces of CT_PHASE_STATE, and `force` is shown its own. What
+   * `memory` holds of the last step's force must go into `list`, and `force` must write the present
+   * one into `next_memory`.
+   */
+  ct_status (*list)(const struct ct_effect *effect, const ct_view *view, ct_constraint *list,
+                    int64_t *count, ct_error *error);
+  /**
+   * Where the effect prescribes the motion, whatever the forces: write the displacement increment
+   * until the next step, and NaN for the other degrees of freedom, shape (node_count, 3) [length].
+   */
+  ct_status (*increment)(const struct ct_effect *effect, const ct_view *view, double *increment,
+                         ct_error *error);
+} ct_effect_constraints;
+
+/**
+ * One physical effect: a force on some nodes, its energy, and its bound on the time step. The time
+ * loop runs over the effects that a problem lists and over nothing else. Only `label`, `nodes` with
+ * `node_count`, and `force` are needed; what does not apply is zero or null.
  */
 typedef struct ct_effect {
   /** What the effect is; a host leaves it at ``CT_EFFECT_USER``. */
   ct_effect_kind kind;
-  /** A label, which names a column of the ledger; the library decides nothing by it. */
-  const char *name;
-  /** What the effect's functions need, fixed once the problem is made; `free_data` gives it back.
-   */
+  /** Names a column of the energy balance; the library decides nothing by it. */
+  const char *label;
+  /** When in a step the force is computed. */
+  ct_phase phase;
+  /** What the effect's functions need, fixed once the problem is made. */
   void *data;
-  /** Nodes that the force acts on, ascending; null when it acts on all nodes. */
+  /** Free `data`. */
+  void (*free_data)(void *data);
+  /** Nodes that the force acts on, ascending; null: all nodes. */
   const int32_t *nodes;
   /** Number of nodes that the force acts on. */
   int32_t node_count;
   /** Doubles of the state that the effect keeps from step to step (a restart carries them). */
   int64_t memory_count;
-  /**
-   * Not zero: the effect holds degrees of freedom at a constant velocity (inverse mass 0). It has
-   * no `force`; the time loop takes minus the sum of all other forces there, and keeps its impulse
-   * only, as its work is impulse times velocity.
-   */
-  int reaction;
-  /**
-   * Not zero: the force needs `total` of all others, so only reactions and effects with a larger
-   * `last` may stand after the effect in the problem's list.
-   */
-  int last;
-  /**
-   * Not zero: `constrain`, `path` and `force` read displacement and velocity of the effect's own
-   * nodes only. Nodes that drift far from all effects are then moved together.
-   */
-  int local;
-  /**
-   * Floating-point operations of one call of `force`, about; 0: not told. A plan shows it, nothing
-   * depends on it. An effect with `constrain` counts that call, too, and all its points as
-   * pressing, but not the rounds of the iteration, which are :eq:`round-flops` times
-   * `constraint_rounds` of the state.
-   */
-  double flops;
-  /** Bytes that one call of `force` moves between memory and processor, about; 0: not told. */
-  double bytes;
-  /**
-   * Null, or an effect that stands before this one in the problem's list and whose scratch space it
-   * is shown as `read` of the view.
-   */
-  const struct ct_effect *reads;
-  /** Most constraints that `constrain` can list. */
-  int64_t constraint_count;
-  /** Scratch space of one state. */
-  ct_status (*create_scratch)(const struct ct_effect *effect, void **scratch, ct_error *error);
-  /** Give the scratch space back. */
-  void (*free_scratch)(void *scratch);
-  /**
-   * List the points that may press in this step into `list`, of room `constraint_count`; `count`
-   * tells how many. The forces of all effects' constraints are then found together,
-   * :eq:`constraint-problem`, with the forces of all effects known that stand before the first such
-   * effect, and `force` is shown its own. What `memory` holds of the last step's force must go into
-   * `list`, and `force` must write the present one into `next_memory`. Null: the effect has none.
-   */
-  ct_status (*constrain)(const struct ct_effect *effect, const ct_view *view, ct_constraint *list,
-                         int64_t *count, ct_error *error);
-  /**
-   * Where an effect takes some degrees of freedom along a path, whatever the forces: write their
-   * way until the next step, and NaN for the others, shape (node_count, 3) [length]. Constraints
-   * reckon with it. Null: it takes none.
-   */
-  ct_status (*path)(const struct ct_effect *effect, const ct_view *view, double *way,
-                    ct_error *error);
   /** Write the force on the effect's nodes, shape (node_count, 3) [force]. */
   ct_status (*force)(const struct ct_effect *effect, const ct_view *view, double *force,
                      ct_error *error);
@@ -219,24 +217,37 @@ typedef struct ct_effect {
                       ct_error *error);
   /** Upper bound of what the effect adds to the largest ω² of the problem [1 / time²],
    * :eq:`step-bound`. */
-  ct_status (*frequency)(const struct ct_effect *effect, const ct_view *view, double *omega_squared,
-                         ct_error *error);
-  /**
-   * Upper bound of the largest eigenvalue of M⁻¹C [1 / time] for a force -C v that goes with the
-   * velocity half a step back, :eq:`damped-step-bound`. Null for a force that does not depend on
-   * velocity.
-   */
-  ct_status (*damping)(const struct ct_effect *effect, const ct_view *view, double *rate,
-                       ct_error *error);
-  /**
-   * Work since t = 0 that comes in from outside through an effect that stores energy, as of a
-   * moving obstacle [energy], for the view of the last `force`; the ledger books it as external.
-   * Null: none does.
-   */
+  ct_status (*omega2_bound)(const struct ct_effect *effect, const ct_view *view, double *omega2,
+                            ct_error *error);
+  /** Upper bound of the largest eigenvalue of M⁻¹C [1 / time] for a force -C v that goes with the
+   * velocity half a step back, :eq:`damped-step-bound`. */
+  ct_status (*rate_bound)(const struct ct_effect *effect, const ct_view *view, double *rate,
+                          ct_error *error);
+  /** Work since t = 0 that comes in from outside through an effect that stores energy, as of a
+   * moving obstacle [energy], for the view of the last `force`; it counts as external. */
   ct_status (*external)(const struct ct_effect *effect, const ct_view *view, double *work,
                         ct_error *error);
-  /** Give `data` back. */
-  void (*free_data)(void *data);
+  /** Scratch space of one state. */
+  ct_status (*create_scratch)(const struct ct_effect *effect, void **scratch, ct_error *error);
+  /** Free the scratch space. */
+  void (*free_scratch)(void *scratch);
+  /** Null, or what the effect adds to the constraints of a step. */
+  const ct_effect_constraints *constraints;
+  /** Most constraints that it can list. */
+  int64_t constraint_count;
+  /** Null, or an effect that stands before this one in the problem's list, and whose scratch space
+   * the view shows as `read`. */
+  const struct ct_effect *reads;
+  /**
+   * Approximate flops per call of `force`; 0 if unknown (reporting only). For an effect with
+   * constraints this counts `list`, too, with all its points active, but not the rounds of the
+   * solver, which are :eq:`round-flops` times `constraint_rounds` of the state.
+   */
+  double flops;
+  /** Approximate bytes that one call of `force` moves; 0 if unknown (reporting only). */
+  double bytes;
+  /** Not zero: the functions read displacement and velocity of the effect's own nodes only. */
+  int local;
 } ct_effect;
 
 /**

@@ -37,7 +37,7 @@ static ct_status number_nodes(const ct_problem *problem, ct_solver *s)
   if (number == NULL) return CT_ERROR_MEMORY;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    for (int32_t i = 0; effect->constrain != NULL && i < effect->node_count; i++)
+    for (int32_t i = 0; effect->phase == CT_PHASE_CONSTRAINT && i < effect->node_count; i++)
       number[ct_effect_node(effect, i)] = 1;
   }
   for (int32_t n = 0; n < problem->node_count; n++) s->node_count += number[n];
@@ -52,8 +52,9 @@ static ct_status number_nodes(const ct_problem *problem, ct_solver *s)
     } else number[n] = -1;
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    if (effect->constrain == NULL && effect->path == NULL) continue;
-    if (effect->path != NULL && effect->node_count > longest) longest = effect->node_count;
+    if (effect->constraints == NULL) continue;
+    if (effect->constraints->increment != NULL && effect->node_count > longest)
+      longest = effect->node_count;
     s->place[k] = ct_allocate((size_t)effect->node_count, sizeof *s->place[k]);
     if (s->place[k] == NULL) status = CT_ERROR_MEMORY;
     for (int32_t i = 0; status == CT_OK && i < effect->node_count; i++)
@@ -70,7 +71,8 @@ ct_status ct_solver_create(const ct_problem *problem, ct_solver **out)
 {
   int64_t room = 0;
   for (int32_t k = 0; k < problem->effect_count; k++)
-    if (problem->effects[k]->constrain != NULL) room += problem->effects[k]->constraint_count;
+    if (problem->effects[k]->phase == CT_PHASE_CONSTRAINT)
+      room += problem->effects[k]->constraint_count;
   if (room == 0) return CT_OK;
   ct_solver *s = ct_allocate(1, sizeof *s);
   *out = s;
@@ -108,10 +110,11 @@ static ct_status list_constraints(const ct_problem *problem, ct_state *state, ct
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     int64_t count = 0;
-    if (effect->constrain != NULL) {
+    if (effect->phase == CT_PHASE_CONSTRAINT) {
       ct_view view = ct_workspace_view(problem, state, k);
       double begin = problem->clock == NULL ? 0.0 : problem->clock();
-      ct_status status = effect->constrain(effect, &view, s->list + s->first[k], &count, error);
+      ct_status status =
+          effect->constraints->list(effect, &view, s->list + s->first[k], &count, error);
       if (status != CT_OK) return status;
       if (problem->clock != NULL) state->effect_seconds[k] += problem->clock() - begin;
     }
@@ -140,9 +143,9 @@ static ct_status follow_paths(const ct_problem *problem, const ct_state *state, 
 {
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    if (effect->path == NULL) continue;
+    if (effect->constraints == NULL || effect->constraints->increment == NULL) continue;
     ct_view view = ct_workspace_view(problem, state, k);
-    ct_status status = effect->path(effect, &view, s->path, error);
+    ct_status status = effect->constraints->increment(effect, &view, s->path, error);
     if (status != CT_OK) return status;
     for (int64_t d = 0; d < 3 * (int64_t)effect->node_count; d++) {
       int32_t place = s->place[k][d / 3];
@@ -444,7 +447,7 @@ ct_status ct_solver_solve(const ct_problem *problem, ct_state *state, ct_error *
   state->constraint_rounds += s->iterations * s->count;
   // Each effect pays for its part of the list.
   for (int32_t k = 0; problem->clock != NULL && k < problem->effect_count; k++)
-    if (problem->effects[k]->constrain != NULL)
+    if (problem->effects[k]->phase == CT_PHASE_CONSTRAINT)
       state->effect_seconds[k] += (problem->clock() - begin) *
                                   (double)(s->first[k + 1] - s->first[k]) /
                                   (double)s->first[problem->effect_count];

@@ -232,6 +232,8 @@ static ct_status contact_constrain(const ct_effect *effect, const ct_view *view,
   return CT_OK;
 }
 
+static const ct_effect_constraints CONSTRAINTS = {.list = contact_constrain};
+
 /* Forces of the constraints on the points, and into the memory; the energy that they hold. */
 static void take_constraints(const contact_data *data, const ct_view *view,
                              contact_scratch *scratch)
@@ -376,14 +378,14 @@ ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b,
   data->options = *options;
   data->sides = a == b ? 1 : 2;
   *effect = (ct_effect){.kind = CT_EFFECT_CONTACT,
-                        .name = "contact",
+                        .label = "contact",
                         .local = 1,
                         .data = data,
                         .create_scratch = create_scratch,
                         .free_scratch = free_scratch,
                         .force = contact_force,
                         .energy = contact_energy,
-                        .frequency = contact_frequency,
+                        .omega2_bound = contact_frequency,
                         .free_data = free_data};
   void *trial = NULL;
   ct_status status = renumber(data, surface, nodal_mass, &effect->node_count, error);
@@ -399,7 +401,8 @@ ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b,
   count_costs(effect, data, points);
   if (options->initial == CT_INITIAL_REMOVE) effect->external = contact_external;
   if (!is_penalty(data)) {
-    effect->constrain = contact_constrain;
+    effect->phase = CT_PHASE_CONSTRAINT;
+    effect->constraints = &CONSTRAINTS;
     effect->constraint_count = points;
   }
   free_scratch(trial);

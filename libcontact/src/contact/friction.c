@@ -457,16 +457,18 @@ ct_status ct_friction_create_effect(const ct_friction *friction, const ct_proble
                           .rho = friction->tangent > 0.0 ? friction->tangent : 1.0,
                           .rigid = friction->on->kind == CT_EFFECT_OBSTACLE};
   *effect = (ct_effect){.kind = CT_EFFECT_FRICTION,
-                        .name = "friction",
+                        .label = "friction",
                         .local = 1,
                         .data = data,
                         .nodes = friction->on->nodes,
                         .node_count = friction->on->node_count,
+                        .phase = friction->on->phase == CT_PHASE_CONSTRAINT ? CT_PHASE_FOLLOWING
+                                                                            : CT_PHASE_STATE,
                         .reads = friction->on,
                         .create_scratch = create_scratch,
                         .free_scratch = free_scratch,
                         .force = friction_force,
-                        .frequency = friction_frequency,
+                        .omega2_bound = friction_frequency,
                         .free_data = ct_release};
   status = count(data, error);
   if (status != CT_OK) {

@@ -233,6 +233,8 @@ static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view
   return CT_OK;
 }
 
+static const ct_effect_constraints CONSTRAINTS = {.list = obstacle_constrain};
+
 /* Forces of the constraints on the points, and into the memory; the energy that they hold. */
 static void take_constraints(const ct_view *view, ct_obstacle_points *s)
 {
@@ -393,7 +395,8 @@ static ct_status fill(obstacle_data *data, const ct_obstacle *o, const ct_proble
   for (int32_t i = 0; status == CT_OK && i < effect->node_count; i++)
     data->mass[i] = problem->mass[data->nodes[i]];
   if (o->enforcement != CT_ENFORCE_PENALTY) {
-    effect->constrain = obstacle_constrain;
+    effect->phase = CT_PHASE_CONSTRAINT;
+    effect->constraints = &CONSTRAINTS;
     effect->constraint_count = ct_side_point_count(&ct_obstacle_of_scratch(trial)->side);
     effect->memory_count += effect->constraint_count;
   }
@@ -418,7 +421,7 @@ ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_proble
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   }
   *effect = (ct_effect){.kind = CT_EFFECT_OBSTACLE,
-                        .name = "obstacle",
+                        .label = "obstacle",
                         .local = 1,
                         .data = data,
                         .memory_count = MEMORY,
@@ -426,7 +429,7 @@ ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_proble
                         .free_scratch = free_scratch,
                         .force = obstacle_force,
                         .energy = obstacle_energy,
-                        .frequency = obstacle_frequency,
+                        .omega2_bound = obstacle_frequency,
                         .external = obstacle_external,
                         .free_data = free_data};
   status = fill(data, obstacle, problem, effect, error);

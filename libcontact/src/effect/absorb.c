@@ -112,16 +112,18 @@ static ct_status prepare(absorb_data *absorb, const ct_problem *problem,
   return status;
 }
 
-ct_status ct_absorb_create_effect(const ct_absorb *absorb, const ct_problem *problem,
+ct_absorb_def ct_absorb_def_default(void) { return (ct_absorb_def){.cookie = CT_DEF_COOKIE}; }
+
+ct_status ct_absorb_create_effect(const ct_absorb_def *def, const ct_problem *problem,
                                   ct_effect **effect, ct_error *error)
 {
-  if (absorb == NULL || problem == NULL || effect == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "absorb: null argument");
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, effect, "absorb", error);
+  if (status != CT_OK) return status;
   absorb_data *data = ct_allocate(1, sizeof *data);
   if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "absorb: no memory");
-  ct_status status =
-      ct_facets_create(absorb->kind, absorb->face_count, absorb->faces, problem->node_count,
-                       problem->reference, "absorb", &data->facets, error);
+  status = ct_facets_create(def->kind, def->face_count, def->faces, problem->node_count,
+                            problem->reference, "absorb", &data->facets, error);
   int32_t body = 0;
   if (status == CT_OK) {
     const ct_facets *facets = data->facets;
@@ -135,7 +137,7 @@ ct_status ct_absorb_create_effect(const ct_absorb *absorb, const ct_problem *pro
   if (status == CT_OK) {
     int32_t count = data->facets->node_count;
     ct_effect filled = {.kind = CT_EFFECT_ABSORB,
-                        .name = "absorb",
+                        .label = "absorb",
                         .local = 1,
                         .data = data,
                         .nodes = data->facets->nodes,
@@ -143,7 +145,7 @@ ct_status ct_absorb_create_effect(const ct_absorb *absorb, const ct_problem *pro
                         .flops = 18.0 * count,
                         .bytes = 96.0 * count,
                         .force = absorb_force,
-                        .damping = absorb_rate,
+                        .rate_bound = absorb_rate,
                         .free_data = free_data};
     status = ct_effect_copy(&filled, effect, error);
   }

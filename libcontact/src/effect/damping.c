@@ -126,27 +126,30 @@ static ct_status damping_rate(const ct_effect *effect, const ct_view *view, doub
   return CT_OK;
 }
 
-ct_status ct_damping_create_effect(const ct_damping *damping, const ct_problem *problem,
+ct_damping_def ct_damping_def_default(void) { return (ct_damping_def){.cookie = CT_DEF_COOKIE}; }
+
+ct_status ct_damping_create_effect(const ct_damping_def *def, const ct_problem *problem,
                                    ct_effect **effect, ct_error *error)
 {
-  if (damping == NULL || problem == NULL || effect == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "damping: null argument");
-  if (!(damping->rate >= 0.0) || !isfinite(damping->rate))
-    return ct_fail(error, CT_INVALID, CT_NOWHERE, "damping: the rate is %g", damping->rate);
-  if (damping->relaxation && damping->rate != 0.0)
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, effect, "damping", error);
+  if (status != CT_OK) return status;
+  if (!(def->rate >= 0.0) || !isfinite(def->rate))
+    return ct_fail(error, CT_INVALID, CT_NOWHERE, "damping: the rate is %g", def->rate);
+  if (def->relaxation && def->rate != 0.0)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "damping: relaxation chooses by itself, and a rate of %g is given too",
-                   damping->rate);
+                   def->rate);
   damping_data *data = ct_allocate(1, sizeof *data);
   if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "damping: no memory");
   int32_t count = 0;
-  ct_status status = ct_effect_body_nodes(problem, damping->bodies, damping->body_count, "damping",
-                                          &data->nodes, &count, error);
-  data->rate = damping->rate;
+  status = ct_effect_body_nodes(problem, def->bodies, def->body_count, "damping", &data->nodes,
+                                &count, error);
+  data->rate = def->rate;
   data->mass = problem->mass;
   data->inverse_mass = problem->inverse_mass;
   ct_effect filled = {.kind = CT_EFFECT_DAMPING,
-                      .name = "damping",
+                      .label = "damping",
                       .local = 1,
                       .data = data,
                       .nodes = data->nodes,
@@ -154,15 +157,13 @@ ct_status ct_damping_create_effect(const ct_damping *damping, const ct_problem *
                       .flops = 4.0 * count,
                       .bytes = 60.0 * count,
                       .force = damping_force,
-                      .damping = damping_rate,
+                      .rate_bound = damping_rate,
                       .free_data = free_data};
-  if (damping->relaxation) {
+  if (def->relaxation) {
     filled.memory_count = SAMPLE + 6 * (int64_t)count;
-    filled.last = 1;
+    filled.phase = CT_PHASE_TOTAL;
     filled.force = relaxation_force;
-    filled.damping = NULL;
+    filled.rate_bound = NULL;
   }
-  if (status == CT_OK) status = ct_effect_copy(&filled, effect, error);
-  if (status != CT_OK) free_data(data);
-  return status;
+  return ct_effect_finish(status, &filled, effect, error);
 }

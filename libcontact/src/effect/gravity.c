@@ -56,24 +56,27 @@ static ct_status gravity_energy(const ct_effect *effect, const ct_view *view, do
   return CT_OK;
 }
 
-ct_status ct_gravity_create_effect(const ct_gravity *gravity, const ct_problem *problem,
+ct_gravity_def ct_gravity_def_default(void) { return (ct_gravity_def){.cookie = CT_DEF_COOKIE}; }
+
+ct_status ct_gravity_create_effect(const ct_gravity_def *def, const ct_problem *problem,
                                    ct_effect **effect, ct_error *error)
 {
-  if (gravity == NULL || problem == NULL || effect == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "gravity: null argument");
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, effect, "gravity", error);
+  if (status != CT_OK) return status;
   for (int c = 0; c < 3; c++)
-    if (!isfinite(gravity->acceleration[c]))
+    if (!isfinite(def->acceleration[c]))
       return ct_fail(error, CT_INVALID, CT_NOWHERE, "gravity: acceleration %c is not finite",
                      "xyz"[c]);
   gravity_data *data = ct_allocate(1, sizeof *data);
   if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "gravity: no memory");
   int32_t count = 0;
-  ct_status status = ct_effect_body_nodes(problem, gravity->bodies, gravity->body_count, "gravity",
-                                          &data->nodes, &count, error);
-  for (int c = 0; c < 3; c++) data->acceleration[c] = gravity->acceleration[c];
+  status = ct_effect_body_nodes(problem, def->bodies, def->body_count, "gravity", &data->nodes,
+                                &count, error);
+  for (int c = 0; c < 3; c++) data->acceleration[c] = def->acceleration[c];
   data->mass = problem->mass;
   ct_effect filled = {.kind = CT_EFFECT_GRAVITY,
-                      .name = "gravity",
+                      .label = "gravity",
                       .local = 1,
                       .data = data,
                       .nodes = data->nodes,
@@ -83,7 +86,5 @@ ct_status ct_gravity_create_effect(const ct_gravity *gravity, const ct_problem *
                       .force = gravity_force,
                       .energy = gravity_energy,
                       .free_data = free_data};
-  if (status == CT_OK) status = ct_effect_copy(&filled, effect, error);
-  if (status != CT_OK) free_data(data);
-  return status;
+  return ct_effect_finish(status, &filled, effect, error);
 }

@@ -12,7 +12,7 @@
 #include <string.h>
 
 typedef struct load_data {
-  ct_load given; /* the history's arrays are ours */
+  ct_load_def given; /* the history's arrays are ours */
   double *time, *value;
   ct_facets *facets;
   const double *mass; /* of the problem */
@@ -150,7 +150,7 @@ static ct_status load_frequency(const ct_effect *effect, const ct_view *view, do
   return CT_OK;
 }
 
-static ct_status check_load(const ct_load *load, ct_error *error)
+static ct_status check_load(const ct_load_def *load, ct_error *error)
 {
   for (int c = 0; c < 3; c++)
     if (!isfinite(load->traction[c]))
@@ -181,26 +181,29 @@ static ct_status prepare(load_data *load, const ct_problem *problem)
   return status;
 }
 
-ct_status ct_load_create_effect(const ct_load *load, const ct_problem *problem, ct_effect **effect,
-                                ct_error *error)
+ct_load_def ct_load_def_default(void) { return (ct_load_def){.cookie = CT_DEF_COOKIE}; }
+
+ct_status ct_load_create_effect(const ct_load_def *def, const ct_problem *problem,
+                                ct_effect **effect, ct_error *error)
 {
-  if (load == NULL || problem == NULL || effect == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "load: null argument");
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, effect, "load", error);
+  if (status != CT_OK) return status;
   load_data *data = ct_allocate(1, sizeof *data);
   if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "load: no memory");
-  data->given = *load;
+  data->given = *def;
   data->mass = problem->mass;
-  ct_status status = check_load(load, error);
+  status = check_load(def, error);
   if (status == CT_OK)
-    status = ct_facets_create(load->kind, load->face_count, load->faces, problem->node_count,
+    status = ct_facets_create(def->kind, def->face_count, def->faces, problem->node_count,
                               problem->reference, "load", &data->facets, error);
   if (status == CT_OK && prepare(data, problem) != CT_OK)
     status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "load: no memory");
   if (status == CT_OK) {
     int32_t count = data->facets->node_count;
-    double points = load->following ? (double)load->face_count * data->facets->rule.count : 0.0;
+    double points = def->following ? (double)def->face_count * data->facets->rule.count : 0.0;
     ct_effect filled = {.kind = CT_EFFECT_LOAD,
-                        .name = "load",
+                        .label = "load",
                         .local = 1,
                         .data = data,
                         .nodes = data->facets->nodes,
@@ -210,7 +213,7 @@ ct_status ct_load_create_effect(const ct_load *load, const ct_problem *problem, 
                         .create_scratch = create_scratch,
                         .free_scratch = free_scratch,
                         .force = load_force,
-                        .frequency = load_frequency,
+                        .omega2_bound = load_frequency,
                         .free_data = free_data};
     status = ct_effect_copy(&filled, effect, error);
   }

@@ -64,8 +64,8 @@ static ct_status motion_force(const ct_effect *effect, const ct_view *view, doub
   return CT_OK;
 }
 
-static ct_status motion_path(const ct_effect *effect, const ct_view *view, double *way,
-                             ct_error *error)
+static ct_status motion_increment(const ct_effect *effect, const ct_view *view, double *increment,
+                                  ct_error *error)
 {
   const motion_data *data = effect->data;
   (void)error;
@@ -73,15 +73,17 @@ static ct_status motion_path(const ct_effect *effect, const ct_view *view, doubl
     for (int c = 0; c < 3; c++) {
       int64_t own = 3 * (int64_t)i + c, dof = 3 * (int64_t)data->nodes[i] + c;
       int32_t holder = data->holder[own];
-      way[own] = NAN;
+      increment[own] = NAN;
       if (holder == 0 || view->dt == 0.0) continue;
       const ct_motion *motion = &data->motions[holder - 1];
-      way[own] =
+      increment[own] =
           ct_history_value(&motion->history, view->time + view->dt) * motion->displacement[c] -
           view->displacement[dof];
     }
   return CT_OK;
 }
+
+static const ct_effect_constraints CONSTRAINTS = {.increment = motion_increment};
 
 static ct_status check_motion(const ct_motion *motion, int32_t number, int32_t node_count,
                               ct_error *error)
@@ -159,41 +161,50 @@ static ct_status compress(motion_data *data, int32_t node_count, const int32_t *
   return CT_OK;
 }
 
-ct_status ct_motion_create_effect(const ct_motion *motions, int32_t count,
-                                  const ct_problem *problem, ct_effect **effect, ct_error *error)
+ct_motion_def ct_motion_def_default(void) { return (ct_motion_def){.cookie = CT_DEF_COOKIE}; }
+
+/* Enter all motions, and keep copies of them in `data`. */
+static ct_status prepare(motion_data *data, const ct_motion_def *def, int32_t node_count,
+                         ct_error *error)
 {
-  if (motions == NULL || count < 1 || problem == NULL || effect == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "motion: null argument or nothing to move");
-  motion_data *data = ct_allocate(1, sizeof *data);
-  int32_t *holder = ct_allocate((size_t)problem->node_count, 3 * sizeof *holder);
-  ct_status status = CT_OK;
-  for (int32_t i = 0; data != NULL && holder != NULL && status == CT_OK && i < count; i++) {
-    status = check_motion(&motions[i], i, problem->node_count, error);
-    if (status == CT_OK) status = enter(&motions[i], i, holder, error);
+  int32_t *holder = ct_allocate((size_t)node_count, 3 * sizeof *holder);
+  ct_status status = holder != NULL ? CT_OK : CT_ERROR_MEMORY;
+  for (int32_t i = 0; status == CT_OK && i < def->motion_count; i++) {
+    status = check_motion(&def->motions[i], i, node_count, error);
+    if (status == CT_OK) status = enter(&def->motions[i], i, holder, error);
   }
-  if (data == NULL || holder == NULL ||
-      (status == CT_OK && (copy_motions(data, motions, count) != CT_OK ||
-                           compress(data, problem->node_count, holder) != CT_OK)))
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the motions");
+  if (status == CT_OK) status = copy_motions(data, def->motions, def->motion_count);
+  if (status == CT_OK) status = compress(data, node_count, holder);
+  if (status == CT_ERROR_MEMORY)
+    ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the motions");
   ct_release(holder);
-  if (status == CT_OK) {
-    data->mass = problem->mass;
-    data->inverse_mass = problem->inverse_mass;
-    ct_effect filled = {.kind = CT_EFFECT_MOTION,
-                        .name = "support",
-                        .data = data,
-                        .nodes = data->nodes,
-                        .node_count = data->node_count,
-                        .last = 2,
-                        .local = 1,
-                        .flops = 18.0 * data->node_count,
-                        .bytes = 130.0 * data->node_count,
-                        .force = motion_force,
-                        .path = motion_path,
-                        .free_data = free_data};
-    status = ct_effect_copy(&filled, effect, error);
-  }
-  if (status != CT_OK && data != NULL) free_data(data);
   return status;
+}
+
+ct_status ct_motion_create_effect(const ct_motion_def *def, const ct_problem *problem,
+                                  ct_effect **effect, ct_error *error)
+{
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, effect, "motion", error);
+  if (status != CT_OK) return status;
+  if (def->motions == NULL || def->motion_count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "motion: nothing to move");
+  motion_data *data = ct_allocate(1, sizeof *data);
+  if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the motions");
+  status = prepare(data, def, problem->node_count, error);
+  data->mass = problem->mass;
+  data->inverse_mass = problem->inverse_mass;
+  ct_effect filled = {.kind = CT_EFFECT_MOTION,
+                      .label = "support",
+                      .phase = CT_PHASE_PRESCRIBED,
+                      .data = data,
+                      .free_data = free_data,
+                      .nodes = data->nodes,
+                      .node_count = data->node_count,
+                      .local = 1,
+                      .flops = 18.0 * data->node_count,
+                      .bytes = 130.0 * data->node_count,
+                      .force = motion_force,
+                      .constraints = &CONSTRAINTS};
+  return ct_effect_finish(status, &filled, effect, error);
 }

@@ -2,6 +2,7 @@
 #include <libcontact/effect.h>
 
 #include "../base/bits.h"
+#include "../step/effect_internal.h"
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/stream.h"
@@ -268,36 +269,33 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
   return CT_OK;
 }
 
-ct_status ct_solid_create_effect(const ct_solid_block *blocks, int32_t block_count, ct_effect **out,
-                                 ct_error *error)
+ct_solid_def ct_solid_def_default(void) { return (ct_solid_def){.cookie = CT_DEF_COOKIE}; }
+
+ct_status ct_solid_create_effect(const ct_solid_def *def, const ct_problem *problem,
+                                 ct_effect **effect, ct_error *error)
 {
-  if (blocks == NULL || block_count < 1 || out == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: no bodies");
-  ct_effect *effect = ct_allocate(1, sizeof *effect);
+  (void)problem;
+  if (def == NULL || effect == NULL || def->cookie != CT_DEF_COOKIE || def->blocks == NULL ||
+      def->block_count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "solid: no bodies, or a definition without its default");
   solid_data *solid = ct_allocate(1, sizeof *solid);
-  if (effect == NULL || solid == NULL) {
-    ct_release(effect);
-    ct_release(solid);
+  if (solid == NULL)
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the solid effect");
-  }
-  solid->part_count = block_count;
-  *effect = (ct_effect){.kind = CT_EFFECT_SOLID,
-                        .name = "solid",
-                        .data = solid,
-                        .create_scratch = create_scratch,
-                        .free_scratch = free_scratch,
-                        .force = solid_force,
-                        .energy = solid_energy,
-                        .frequency = solid_frequency,
-                        .free_data = free_data};
-  ct_status status = prepare(solid, blocks, error);
-  if (status != CT_OK) {
-    ct_effect_free(effect);
-    return status;
-  }
-  for (int32_t i = 0; i < block_count; i++) effect->node_count += blocks[i].mesh->node_count;
-  *out = effect;
-  return CT_OK;
+  solid->part_count = def->block_count;
+  ct_effect filled = {.kind = CT_EFFECT_SOLID,
+                      .label = "solid",
+                      .data = solid,
+                      .free_data = free_data,
+                      .create_scratch = create_scratch,
+                      .free_scratch = free_scratch,
+                      .force = solid_force,
+                      .energy = solid_energy,
+                      .omega2_bound = solid_frequency};
+  ct_status status = prepare(solid, def->blocks, error);
+  for (int32_t i = 0; status == CT_OK && i < def->block_count; i++)
+    filled.node_count += def->blocks[i].mesh->node_count;
+  return ct_effect_finish(status, &filled, effect, error);
 }
 
 /* Energy of the hourglass control of all parts that have one; `effect` looks at the data of the
@@ -348,7 +346,7 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
   if (effect == NULL)
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the hourglass effect");
   *effect = (ct_effect){.kind = CT_EFFECT_HOURGLASS,
-                        .name = "hourglass",
+                        .label = "hourglass",
                         .local = 1,
                         .data = solid->data,
                         .force = no_force,

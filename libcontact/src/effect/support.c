@@ -1,5 +1,6 @@
 #include <libcontact/effect.h>
 
+#include "../step/effect_internal.h"
 #include "../base/error.h"
 #include "../base/memory.h"
 
@@ -120,40 +121,47 @@ static ct_status compress(support_data *data, int32_t node_count, const int *fix
   return data->holds != NULL && data->runs != NULL ? CT_OK : CT_ERROR_MEMORY;
 }
 
-ct_status ct_support_create_effect(const ct_support *supports, int32_t support_count,
-                                   int32_t node_count, ct_effect **out, ct_error *error)
+ct_support_def ct_support_def_default(void) { return (ct_support_def){.cookie = CT_DEF_COOKIE}; }
+
+/* Enter all supports, and keep what they hold in `data`. */
+static ct_status prepare(support_data *data, const ct_support_def *def, int32_t node_count,
+                         ct_error *error)
 {
-  if (supports == NULL || support_count < 1 || node_count < 1 || out == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "support: nothing to hold");
-  ct_effect *effect = ct_allocate(1, sizeof *effect);
-  support_data *data = ct_allocate(1, sizeof *data);
   int *fixed = ct_allocate((size_t)node_count, 3 * sizeof *fixed);
   double *velocity = ct_allocate((size_t)node_count, 3 * sizeof *velocity);
-  ct_status status = CT_OK;
-  if (!effect || !data || !fixed || !velocity)
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
-  for (int32_t i = 0; status == CT_OK && i < support_count; i++) {
-    status = check_support(&supports[i], i, node_count, error);
-    if (status == CT_OK) status = enter(&supports[i], i, fixed, velocity, error);
+  ct_status status = fixed != NULL && velocity != NULL ? CT_OK : CT_ERROR_MEMORY;
+  for (int32_t i = 0; status == CT_OK && i < def->support_count; i++) {
+    status = check_support(&def->supports[i], i, node_count, error);
+    if (status == CT_OK) status = enter(&def->supports[i], i, fixed, velocity, error);
   }
-  if (status == CT_OK && compress(data, node_count, fixed, velocity) != CT_OK)
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
+  if (status == CT_OK) status = compress(data, node_count, fixed, velocity);
+  if (status == CT_ERROR_MEMORY)
+    ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
   ct_release(fixed);
   ct_release(velocity);
-  if (status != CT_OK) {
-    free_data(data);
-    ct_release(effect);
-    return status;
-  }
-  *effect = (ct_effect){.kind = CT_EFFECT_SUPPORT,
-                        .name = "support",
-                        .data = data,
-                        .nodes = data->nodes,
-                        .node_count = data->node_count,
-                        .reaction = 1,
-                        .free_data = free_data};
-  *out = effect;
-  return CT_OK;
+  return status;
+}
+
+ct_status ct_support_create_effect(const ct_support_def *def, const ct_problem *problem,
+                                   ct_effect **effect, ct_error *error)
+{
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, effect, "support", error);
+  if (status != CT_OK) return status;
+  if (def->supports == NULL || def->support_count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "support: nothing to hold");
+  support_data *data = ct_allocate(1, sizeof *data);
+  if (data == NULL)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
+  status = prepare(data, def, problem->node_count, error);
+  ct_effect filled = {.kind = CT_EFFECT_SUPPORT,
+                      .label = "support",
+                      .phase = CT_PHASE_REACTION,
+                      .data = data,
+                      .free_data = free_data,
+                      .nodes = data->nodes,
+                      .node_count = data->node_count};
+  return ct_effect_finish(status, &filled, effect, error);
 }
 
 ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double *velocity)

@@ -2,6 +2,7 @@
 #include <libcontact/mesh.h>
 #include <libcontact/effect.h>
 
+#include "../step/effect_internal.h"
 #include "../base/error.h"
 #include "../shape/jacobian.h"
 #include "../base/memory.h"
@@ -231,12 +232,10 @@ static ct_status prepare_body(viscous_body *body, const ct_body *from, const dou
   return bound_body(body, mass + body->first_node, error);
 }
 
-static ct_status check(const ct_viscosity *options, const ct_problem *problem, ct_effect **effect,
-                       ct_error *error)
+static ct_status check(const ct_viscosity_def *options, const ct_problem *problem, ct_error *error)
 {
-  if (options == NULL || problem == NULL || effect == NULL ||
-      (options->bodies != NULL && options->body_count < 1))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "viscosity: null argument or no bodies");
+  if (options->bodies != NULL && options->body_count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "viscosity: the list of bodies is empty");
   if (!(options->linear >= 0.0 && options->quadratic >= 0.0 &&
         options->linear + options->quadratic > 0.0) ||
       !isfinite(options->linear + options->quadratic))
@@ -258,8 +257,8 @@ static ct_status check(const ct_viscosity *options, const ct_problem *problem, c
 }
 
 /* The bodies in the order of their nodes. */
-static ct_status prepare(viscous_data *d, const ct_viscosity *options, const ct_problem *problem,
-                         int32_t *node_count, ct_error *error)
+static ct_status prepare(viscous_data *d, const ct_viscosity_def *options,
+                         const ct_problem *problem, int32_t *node_count, ct_error *error)
 {
   int32_t next = 0;
   d->linear = options->linear;
@@ -286,41 +285,37 @@ static ct_status prepare(viscous_data *d, const ct_viscosity *options, const ct_
   return CT_OK;
 }
 
-ct_status ct_viscosity_create_effect(const ct_viscosity *options, const ct_problem *problem,
-                                     ct_effect **out, ct_error *error)
+ct_viscosity_def ct_viscosity_def_default(void)
 {
-  ct_status status = check(options, problem, out, error);
+  return (ct_viscosity_def){.cookie = CT_DEF_COOKIE};
+}
+
+ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_problem *problem,
+                                     ct_effect **effect, ct_error *error)
+{
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, effect, "viscosity", error);
+  if (status == CT_OK) status = check(def, problem, error);
   if (status != CT_OK) return status;
-  ct_effect *effect = ct_allocate(1, sizeof *effect);
   viscous_data *d = ct_allocate(1, sizeof *d);
-  int32_t node_count = 0;
-  if (effect == NULL || d == NULL)
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
-  else status = prepare(d, options, problem, &node_count, error);
-  if (status != CT_OK) {
-    free_data(d);
-    ct_release(effect);
-    return status;
-  }
-  *effect = (ct_effect){.kind = CT_EFFECT_VISCOSITY,
-                        .name = "viscosity",
-                        .local = 1,
-                        .data = d,
-                        .nodes = d->nodes,
-                        .node_count = node_count,
-                        .create_scratch = create_scratch,
-                        .free_scratch = ct_release,
-                        .force = viscous_force,
-                        .damping = viscous_damping,
-                        .free_data = free_data};
-  for (int32_t i = 0; i < d->body_count; i++) {
-    // Operations counted in the kernel and the sums at the nodes; node numbers, what is laid down,
+  if (d == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  ct_effect filled = {.kind = CT_EFFECT_VISCOSITY,
+                      .label = "viscosity",
+                      .local = 1,
+                      .data = d,
+                      .free_data = free_data,
+                      .create_scratch = create_scratch,
+                      .free_scratch = ct_release,
+                      .force = viscous_force,
+                      .rate_bound = viscous_damping};
+  status = prepare(d, def, problem, &filled.node_count, error);
+  filled.nodes = d->nodes;
+  for (int32_t i = 0; status == CT_OK && i < d->body_count; i++) {
+    // Operations counted in the kernel and the sums at the nodes; node numbers, what is stored,
     // forces written and read, nodes.
-    effect->flops +=
-        247.0 * d->bodies[i].mesh->element_count + 21.0 * d->bodies[i].mesh->node_count;
-    effect->bytes += (32.0 + 160.0 + 384.0) * d->bodies[i].mesh->element_count +
-                     80.0 * d->bodies[i].mesh->node_count;
+    const ct_mesh *mesh = d->bodies[i].mesh;
+    filled.flops += 247.0 * mesh->element_count + 21.0 * mesh->node_count;
+    filled.bytes += (32.0 + 160.0 + 384.0) * mesh->element_count + 80.0 * mesh->node_count;
   }
-  *out = effect;
-  return CT_OK;
+  return ct_effect_finish(status, &filled, effect, error);
 }

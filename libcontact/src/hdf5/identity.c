@@ -104,7 +104,7 @@ static effect_name_row *effect_rows(const ct_problem *problem)
   effect_name_row *rows = calloc((size_t)problem->effect_count + 1, sizeof *rows);
   for (int32_t i = 0; i < problem->effect_count && rows != NULL; i++) {
     const ct_effect *effect = problem->effects[i];
-    strncpy(rows[i].name, effect->name, sizeof rows[i].name - 1);
+    strncpy(rows[i].name, effect->label, sizeof rows[i].name - 1);
     rows[i].node_count = effect->nodes == NULL ? problem->node_count : effect->node_count;
     rows[i].stores = effect->energy != NULL;
     rows[i].memory_count = effect->memory_count;

@@ -411,17 +411,17 @@ ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *erro
   else if (!scene->joined)
     status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                      "effect %s: join the scene's bodies first, an effect is made for their nodes",
-                     effect->name);
+                     effect->label);
   else if (effect->node_count > 0 &&
            (effect->nodes == NULL
                 ? effect->node_count != scene->problem.node_count
                 : effect->nodes[effect->node_count - 1] >= scene->problem.node_count))
     status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                     "effect %s: its nodes are not those of the %d of the problem", effect->name,
+                     "effect %s: its nodes are not those of the %d of the problem", effect->label,
                      (int)scene->problem.node_count);
   else if (is_added(scene, effect))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %s: the scene has it already",
-                   effect->name);
+                   effect->label);
   else if (!grow((void **)&scene->added, scene->added_count, sizeof(ct_effect *)))
     status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an effect");
   if (status != CT_OK) {
@@ -461,7 +461,10 @@ static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
                                  .hourglass = scene->parts[i].hourglass};
     for (int axis = 0; axis < 3; axis++) blocks[i].held[axis] = held_body(scene, i, axis);
   }
-  ct_status status = ct_solid_create_effect(blocks, scene->body_count, &scene->effects[0], error);
+  ct_solid_def def = ct_solid_def_default();
+  def.blocks = blocks;
+  def.block_count = scene->body_count;
+  ct_status status = ct_solid_create_effect(&def, &scene->problem, &scene->effects[0], error);
   ct_release(blocks);
   return status;
 }
@@ -520,6 +523,9 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
     all += (size_t)scene->supports[i].given.node_count;
   ct_support *supports = ct_allocate((size_t)scene->support_count, sizeof *supports);
   int32_t *nodes = ct_allocate(all, sizeof *nodes);
+  ct_support_def def = ct_support_def_default();
+  def.supports = supports;
+  def.support_count = scene->support_count;
   ct_status status = CT_OK;
   if (supports == NULL || nodes == NULL)
     status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
@@ -532,9 +538,7 @@ static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *er
     memcpy(supports[i].velocity, from->velocity, sizeof from->velocity);
     next += (size_t)from->node_count;
   }
-  if (status == CT_OK)
-    status = ct_support_create_effect(supports, scene->support_count, scene->problem.node_count,
-                                      effect, error);
+  if (status == CT_OK) status = ct_support_create_effect(&def, &scene->problem, effect, error);
   ct_release(nodes);
   ct_release(supports);
   return status == CT_OK ? ct_support_apply(*effect, scene->inverse_mass, scene->velocity) : status;

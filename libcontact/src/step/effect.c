@@ -4,27 +4,59 @@
 #include "../base/error.h"
 #include "../base/memory.h"
 
+ct_status ct_effect_check(const ct_effect *effect, ct_error *error)
+{
+  const char *wrong = NULL;
+  if (effect->label == NULL || effect->node_count < 0 || effect->memory_count < 0 ||
+      effect->constraint_count < 0)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect: no label or negative counts");
+  if ((int)effect->phase < CT_PHASE_STATE || effect->phase > CT_PHASE_REACTION)
+    wrong = "there is no such phase";
+  else if ((effect->force == NULL) != (effect->phase == CT_PHASE_REACTION))
+    wrong = "it needs a force, or to be a reaction without one";
+  else if ((effect->create_scratch == NULL) != (effect->free_scratch == NULL))
+    wrong = "create_scratch and free_scratch must be given together";
+  else if (effect->phase == CT_PHASE_CONSTRAINT &&
+           (effect->constraints == NULL || effect->constraints->list == NULL))
+    wrong = "its phase needs a list of constraints";
+  if (wrong == NULL) return CT_OK;
+  return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %s: %s", effect->label, wrong);
+}
+
 ct_status ct_effect_copy(const ct_effect *filled, ct_effect **effect, ct_error *error)
 {
-  if (filled == NULL || effect == NULL || filled->name == NULL || filled->node_count < 0 ||
-      filled->memory_count < 0)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "effect: null argument, no name or negative counts");
-  if ((filled->force == NULL) != (filled->reaction != 0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "effect %s: needs a force, or to be a reaction without one", filled->name);
-  if ((filled->create_scratch == NULL) != (filled->free_scratch == NULL))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "effect %s: scratch space needs both a maker and a way back", filled->name);
+  if (filled == NULL || effect == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect: null argument");
+  ct_status status = ct_effect_check(filled, error);
+  if (status != CT_OK) return status;
   for (int32_t i = 0; filled->nodes != NULL && i < filled->node_count; i++)
     if (filled->nodes[i] < 0 || (i > 0 && filled->nodes[i] <= filled->nodes[i - 1]))
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, filled->nodes[i]},
-                     "effect %s: node %d at place %d is not in ascending order", filled->name,
+                     "effect %s: node %d at place %d is not in ascending order", filled->label,
                      (int)filled->nodes[i], (int)i);
   *effect = ct_allocate(1, sizeof **effect);
   if (*effect == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for effect %s", filled->name);
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for effect %s", filled->label);
   **effect = *filled;
+  return CT_OK;
+}
+
+ct_status ct_effect_finish(ct_status status, const ct_effect *filled, ct_effect **effect,
+                           ct_error *error)
+{
+  if (status == CT_OK) status = ct_effect_copy(filled, effect, error);
+  if (status != CT_OK && filled->free_data != NULL) filled->free_data(filled->data);
+  return status;
+}
+
+ct_status ct_effect_check_def(const int32_t *cookie, const ct_problem *problem, ct_effect **effect,
+                              const char *what, ct_error *error)
+{
+  if (cookie == NULL || problem == NULL || effect == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s: null argument", what);
+  if (*cookie != CT_DEF_COOKIE)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "%s: the definition does not start from ct_%s_def_default", what, what);
   return CT_OK;
 }
 

@@ -16,4 +16,19 @@ ct_status ct_effect_body_nodes(const ct_problem *problem, const int32_t *bodies,
 /* The body that a node of the problem belongs to. */
 int32_t ct_effect_body_of(const ct_problem *problem, int32_t node);
 
+/* The first member of every definition of an effect, set by its default. */
+enum { CT_DEF_COOKIE = 0x63745f64 };
+
+/* ``CT_ERROR_ARGUMENT`` for a null argument of a factory, or a definition (by its cookie) that does
+ * not start from its default. */
+ct_status ct_effect_check_def(const int32_t *cookie, const ct_problem *problem, ct_effect **effect,
+                              const char *what, ct_error *error);
+
+/* Whether the members of an effect go together. */
+ct_status ct_effect_check(const ct_effect *effect, ct_error *error);
+
+/* The end of a factory: with CT_OK the effect on the heap, otherwise its data are freed. */
+ct_status ct_effect_finish(ct_status status, const ct_effect *filled, ct_effect **effect,
+                           ct_error *error);
+
 #endif

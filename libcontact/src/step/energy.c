@@ -69,9 +69,11 @@ static void work_terms(const ct_problem *problem, const ct_state *state, int32_t
 {
   const ct_effect *effect = problem->effects[k];
   int64_t start = 3 * (int64_t)first, count = 3 * (int64_t)(end - first);
-  const double *past = effect->reaction ? state->impulse + ct_state_impulse_start(problem, k)
-                                        : state->work + ct_state_work_start(problem, k);
-  const double *earlier = effect->reaction ? past + state->impulse_count / 2 : past;
+  const double *past = effect->phase == CT_PHASE_REACTION
+                           ? state->impulse + ct_state_impulse_start(problem, k)
+                           : state->work + ct_state_work_start(problem, k);
+  const double *earlier =
+      effect->phase == CT_PHASE_REACTION ? past + state->impulse_count / 2 : past;
   double room[3 * CT_PIECE], velocity[3 * CT_PIECE], t[3 * CT_PIECE],
       share = ct_integrator_share(&problem->integrator);
   const double *force = ct_workspace_force_of(problem, state, k, first, end, room),
@@ -82,7 +84,7 @@ static void work_terms(const ct_problem *problem, const ct_state *state, int32_t
   if (effect->nodes != NULL) v = velocity;
   // -- Δt / 2 (Σ f (v⁻ + v⁺) + f_n v_{n-1/2}); a reaction's velocity is constant (eq:work-balance,
   // eq:stage-work)
-  if (effect->reaction)
+  if (effect->phase == CT_PHASE_REACTION)
     for (int64_t d = 0; d < count; d++)
       t[d] = 2.0 * (earlier[start + d] + (past[start + d] + share * force[d])) * v[d];
   else

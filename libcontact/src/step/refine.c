@@ -47,7 +47,7 @@ static void move_ledgers(const ct_problem *problem, const ct_state *from, ct_sta
         for (int c = 0; c < 3; c++) {
           int64_t d = 3 * (int64_t)i + c, dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
           double f = share * force[d - 3 * (int64_t)first];
-          if (!effect->reaction)
+          if (effect->phase != CT_PHASE_REACTION)
             work[d] = r * (work[d] + 2.0 * f * from->velocity[dof]) - 2.0 * f * to->velocity[dof];
           if (k == 0) continue;
           impulse[d] = r * (impulse[d] + f) - f;

@@ -8,6 +8,7 @@
 #include "../base/memory.h"
 #include "../base/stream.h"
 #include "../base/threads.h"
+#include "effect_internal.h"
 #include "workspace.h"
 
 #include <float.h>
@@ -18,7 +19,8 @@ int64_t ct_state_work_start(const ct_problem *problem, int32_t k)
 {
   int64_t start = 0;
   for (int32_t i = 0; i < k; i++)
-    if (!problem->effects[i]->reaction) start += 3 * (int64_t)problem->effects[i]->node_count;
+    if (problem->effects[i]->phase != CT_PHASE_REACTION)
+      start += 3 * (int64_t)problem->effects[i]->node_count;
   return start;
 }
 
@@ -59,6 +61,16 @@ static int reads_earlier(const ct_problem *problem, int32_t k)
   return problem->effects[k]->reads == NULL;
 }
 
+/* Whether an effect that needs all other forces is not the only one. */
+static int is_second_of_its_phase(const ct_problem *problem, int32_t k)
+{
+  ct_phase phase = problem->effects[k]->phase;
+  if (phase != CT_PHASE_TOTAL && phase != CT_PHASE_PRESCRIBED) return 0;
+  for (int32_t i = 0; i < k; i++)
+    if (problem->effects[i]->phase == phase) return 1;
+  return 0;
+}
+
 static ct_status check_problem(const ct_problem *p, ct_error *error)
 {
   if (p == NULL || p->bodies == NULL || p->reference == NULL || p->mass == NULL ||
@@ -66,24 +78,23 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
       p->node_count < 1 || p->body_count < 1 || p->effect_count < 1)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: something is missing");
   if (p->effects[0]->nodes != NULL || p->effects[0]->node_count != p->node_count ||
-      p->effects[0]->force == NULL)
+      p->effects[0]->phase != CT_PHASE_STATE)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "problem: the first effect must act on all nodes");
+  for (int32_t k = 0; k < p->effect_count; k++) {
+    ct_status status = ct_effect_check(p->effects[k], error);
+    if (status != CT_OK) return status;
+  }
   for (int32_t k = 1; k < p->effect_count; k++)
-    if ((p->effects[k]->force == NULL) != (p->effects[k]->reaction != 0))
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %s has no force",
-                     p->effects[k]->name);
-  for (int32_t k = 1; k + 1 < p->effect_count; k++)
-    if (p->effects[k]->last > 0 && p->effects[k + 1]->last <= p->effects[k]->last &&
-        !p->effects[k + 1]->reaction)
+    if (is_second_of_its_phase(p, k))
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                     "problem: effect %s needs the forces of all others, and %s stands after it",
-                     p->effects[k]->name, p->effects[k + 1]->name);
+                     "problem: effect %s needs the forces of all others, as another one does",
+                     p->effects[k]->label);
   for (int32_t k = 1; k < p->effect_count; k++)
     if (!reads_earlier(p, k))
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                      "problem: effect %s reads one that does not stand before it",
-                     p->effects[k]->name);
+                     p->effects[k]->label);
   if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1 || p->threads > CT_MOST_THREADS)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: a step of %g with %d threads",
                    p->dt, p->threads);
@@ -114,7 +125,7 @@ static ct_status list_touched(const ct_problem *problem, ct_workspace *w)
   if (mark == NULL) return CT_ERROR_MEMORY;
   for (int32_t k = 1; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    for (int32_t i = 0; !effect->reaction && i < effect->node_count; i++)
+    for (int32_t i = 0; effect->phase != CT_PHASE_REACTION && i < effect->node_count; i++)
       mark[ct_effect_node(effect, i)] = 1;
   }
   for (int32_t n = 0; n < problem->node_count; n++) w->touched_count += mark[n];
@@ -149,7 +160,8 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   w->leaders = ct_allocate((size_t)problem->body_count, sizeof *w->leaders);
   w->local = 1;
   for (int32_t k = 1; k < problem->effect_count; k++)
-    w->local = w->local && (problem->effects[k]->local || problem->effects[k]->reaction);
+    w->local =
+        w->local && (problem->effects[k]->local || problem->effects[k]->phase == CT_PHASE_REACTION);
   w->force = ct_allocate(effects, sizeof *w->force);
   w->scratch = ct_allocate(effects, sizeof *w->scratch);
   w->next_memory =
@@ -164,7 +176,7 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
     return CT_ERROR_MEMORY;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    if (k > 0 && !effect->reaction) {
+    if (k > 0 && effect->phase != CT_PHASE_REACTION) {
       w->force[k] = ct_allocate((size_t)effect->node_count, 3 * sizeof(double));
       if (w->force[k] == NULL) return CT_ERROR_MEMORY;
     }
@@ -241,15 +253,16 @@ static void step_back(const ct_problem *problem, ct_state *state)
   // A force that goes with velocity has seen another one so far; a restart from here would see this
   // one.
   for (int32_t k = 0; k < problem->effect_count; k++)
-    if (problem->effects[k]->damping != NULL || problem->effects[k]->last ||
-        problem->effects[k]->constrain != NULL)
+    if (problem->effects[k]->rate_bound != NULL ||
+        (problem->effects[k]->phase != CT_PHASE_STATE &&
+         problem->effects[k]->phase != CT_PHASE_REACTION))
       state->workspace->forces_at = -1;
   // Then the first step is taken in full.
   if (state->workspace->forces_at < 0) state->workspace->kept = 0;
   // Constraints that are solved once more begin with the forces that they have found.
   for (int32_t k = 0; k < problem->effect_count; k++) {
     int64_t memory = ct_state_memory_start(problem, k);
-    if (problem->effects[k]->constrain != NULL)
+    if (problem->effects[k]->phase == CT_PHASE_CONSTRAINT)
       memcpy(state->memory + memory, state->workspace->next_memory + memory,
              (size_t)problem->effects[k]->memory_count * sizeof(double));
   }
@@ -290,7 +303,7 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
         for (int c = 0; c < 3; c++) {
           int64_t d = 3 * (int64_t)i + c;
           double f = force[d - 3 * (int64_t)first];
-          if (!effect->reaction)
+          if (effect->phase != CT_PHASE_REACTION)
             work[d] =
                 -2.0 * share * f *
                 start_velocity(problem, state, begun, 3 * (int64_t)ct_effect_node(effect, i) + c);
@@ -434,7 +447,7 @@ const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *s
 {
   const ct_workspace *w = state->workspace;
   const ct_effect *effect = problem->effects[k];
-  if (k > 0 && !effect->reaction) return &w->force[k][3 * (int64_t)first];
+  if (k > 0 && effect->phase != CT_PHASE_REACTION) return &w->force[k][3 * (int64_t)first];
   if (k == 0) {
     // The first effect's force stands in `total`, but for the nodes where others were added.
     int32_t i = touched_from(w, first), end = touched_from(w, last);
@@ -468,7 +481,7 @@ static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t 
     view.leaders = w->leaders;
     view.leader_count = problem->body_count;
   }
-  if (effect->constrain != NULL) {
+  if (effect->phase == CT_PHASE_CONSTRAINT) {
     view.constraints = w->solver->list + w->solver->first[k];
     view.constraint_count = w->solver->first[k + 1] - w->solver->first[k];
   }
@@ -486,15 +499,6 @@ static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t 
     for (int c = 0; c < 3; c++)
       w->total[3 * (int64_t)ct_effect_node(effect, i) + c] += force[3 * (int64_t)i + c];
   return CT_OK;
-}
-
-/* When the force of an effect is asked for: 0 at first; 1 after the constraints are solved; 2 what
- * reads it; 3 what needs all others. */
-static int turn_of(const ct_effect *effect)
-{
-  if (effect->last > 0) return 3;
-  if (effect->constrain != NULL) return 1;
-  return effect->reads != NULL && effect->reads->constrain != NULL ? 2 : 0;
 }
 
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error)
@@ -515,11 +519,12 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
   for (int32_t i = 0; kept && i < w->touched_count; i++)
     memcpy(&w->total[3 * (int64_t)w->touched[i]], &w->touched_first[3 * (int64_t)i],
            3 * sizeof(double));
-  for (int turn = 0; turn < 4; turn++) {
-    ct_status status =
-        turn == 1 && w->solver != NULL ? ct_solver_solve(problem, state, error) : CT_OK;
+  for (int phase = CT_PHASE_STATE; phase < CT_PHASE_REACTION; phase++) {
+    ct_status status = phase == CT_PHASE_CONSTRAINT && w->solver != NULL
+                           ? ct_solver_solve(problem, state, error)
+                           : CT_OK;
     for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
-      if (!problem->effects[k]->reaction && turn_of(problem->effects[k]) == turn)
+      if ((int)problem->effects[k]->phase == phase)
         status = add_effect(problem, state, k, kept, error);
     if (status != CT_OK) return status;
   }

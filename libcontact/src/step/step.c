@@ -198,7 +198,7 @@ static void count_reactions(const ct_problem *problem, ct_state *state, double s
                             int32_t end)
 {
   for (int32_t k = 1; k < problem->effect_count; k++)
-    if (problem->effects[k]->reaction && problem->effects[k]->node_count > 0)
+    if (problem->effects[k]->phase == CT_PHASE_REACTION && problem->effects[k]->node_count > 0)
       count_reaction(problem, state->workspace, problem->effects[k], share, begin, end,
                      state->impulse + ct_state_impulse_start(problem, k));
 }
@@ -212,7 +212,7 @@ static void count_work(const ct_problem *problem, ct_state *state, double share)
     const ct_effect *effect = problem->effects[k];
     double *impulse = state->impulse + ct_state_impulse_start(problem, k),
            *work = state->work + ct_state_work_start(problem, k);
-    for (int32_t i = 0, at = 0; !effect->reaction && i < effect->node_count; i++) {
+    for (int32_t i = 0, at = 0; effect->phase != CT_PHASE_REACTION && i < effect->node_count; i++) {
       int32_t node = ct_effect_node(effect, i);
       const double *after = &state->velocity[3 * (int64_t)node];
       // Both lists ascend, so a walk finds the velocity before the step.
@@ -396,9 +396,10 @@ ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
   if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   ct_view view = ct_workspace_view(problem, state, k);
-  if (effect->frequency != NULL) status = effect->frequency(effect, &view, omega_squared, error);
-  if (status == CT_OK && effect->damping != NULL)
-    status = effect->damping(effect, &view, rate, error);
+  if (effect->omega2_bound != NULL)
+    status = effect->omega2_bound(effect, &view, omega_squared, error);
+  if (status == CT_OK && effect->rate_bound != NULL)
+    status = effect->rate_bound(effect, &view, rate, error);
   // -- The bound of the elements may be far above the whole (eq:assembled-bound)
   if (status == CT_OK && k == 0 && problem->assembled) {
     double whole = INFINITY;

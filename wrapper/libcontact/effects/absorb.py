@@ -31,7 +31,7 @@ def create(given: Absorb, maker: Any) -> Any:
     return maker.make(
         lib.ct_absorb_create_effect,
         ffi.new(
-            "ct_absorb *",
+            "ct_absorb_def *",
             {
                 "kind": kind,
                 "face_count": len(faces),

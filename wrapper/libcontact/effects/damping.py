@@ -39,7 +39,7 @@ def create(given: Damping, maker: Any) -> Any:
     return maker.make(
         lib.ct_damping_create_effect,
         ffi.new(
-            "ct_damping *",
+            "ct_damping_def *",
             {
                 "rate": given.rate or 0.0,
                 "relaxation": given.rate is None,

@@ -31,7 +31,7 @@ def create(given: Gravity, maker: Any) -> Any:
     return maker.make(
         lib.ct_gravity_create_effect,
         ffi.new(
-            "ct_gravity *",
+            "ct_gravity_def *",
             {"acceleration": list(given.acceleration), "bodies": numbers, "body_count": count},
         ),
     )

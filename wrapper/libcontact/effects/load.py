@@ -73,7 +73,7 @@ def create(given: Load, maker: Any) -> Any:
     return maker.make(
         lib.ct_load_create_effect,
         ffi.new(
-            "ct_load *",
+            "ct_load_def *",
             {
                 "kind": kind,
                 "face_count": len(faces),

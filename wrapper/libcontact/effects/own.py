@@ -120,16 +120,16 @@ class Own:
             nodes = (first + given).astype(np.int32)
         self.nodes, self.count = maker.keep(np.ascontiguousarray(nodes)), maker.problem.node_count
         filled = maker.keep(ffi.new("ct_effect *"))
-        filled.name = maker.keep(ffi.new("char[]", self.name.encode()))
+        filled.label = maker.keep(ffi.new("char[]", self.name.encode()))
         filled.data = maker.keep(ffi.new_handle(self))
         filled.nodes, filled.node_count = ffi.from_buffer("int32_t[]", self.nodes), len(self.nodes)
         filled.force = lib.own_force
         if self.energy is not None:
             filled.energy = lib.own_energy
         if self.omega_squared:
-            filled.frequency = lib.own_frequency
+            filled.omega2_bound = lib.own_omega2_bound
         if self.rate:
-            filled.damping = lib.own_damping
+            filled.rate_bound = lib.own_rate_bound
         out, error = ffi.new("ct_effect **"), new_error()
         check(lib.ct_effect_create(filled, out, error), error)
         return out[0]
@@ -196,12 +196,12 @@ def own_energy(effect: Any, view: Any, energy: Any, error: Any) -> int:
 
 
 @ffi.def_extern(error=lib.CT_INVALID)
-def own_frequency(effect: Any, view: Any, omega_squared: Any, error: Any) -> int:
+def own_omega2_bound(effect: Any, view: Any, omega_squared: Any, error: Any) -> int:
     omega_squared[0] = ffi.from_handle(effect.data).omega_squared
     return lib.CT_OK
 
 
 @ffi.def_extern(error=lib.CT_INVALID)
-def own_damping(effect: Any, view: Any, rate: Any, error: Any) -> int:
+def own_rate_bound(effect: Any, view: Any, rate: Any, error: Any) -> int:
     rate[0] = ffi.from_handle(effect.data).rate
     return lib.CT_OK

@@ -42,7 +42,7 @@ def create(given: Viscosity, maker: Any) -> Any:
     return maker.make(
         lib.ct_viscosity_create_effect,
         ffi.new(
-            "ct_viscosity *",
+            "ct_viscosity_def *",
             {
                 "linear": given.linear,
                 "quadratic": given.quadratic,
