@@ -31,6 +31,7 @@ copyright = f"{author}; MIT licence"  # noqa: A001 (the name is Sphinx's)
 extensions = [
     "weave",  # quotes C functions and fragments, checks equation labels
     "codepages",  # each C file as a page, for the links from listings and from the API
+    "floors",  # the rooms of the sources, drawn from their includes
     "methodtable",  # measures the methods of projection side by side
     "measured",  # numbers in the text come from measured.json
     "cnames",  # `ct_name` in comments becomes a link; no public function without a page
