@@ -32,7 +32,7 @@ HDF5 := $(if $(filter hdf5,$(WITHOUT)),,$(call first_package,hdf5-serial hdf5))
 OPENMP := $(if $(filter openmp,$(WITHOUT)),,$(shell printf 'int main(void){return 0;}' | $(CC) -fopenmp -x c - -o /dev/null 2>/dev/null && echo -fopenmp))
 HAVE_CXX := $(shell command -v $(CXX) 2>/dev/null)
 HAVE_PKG_CONFIG := $(shell command -v $(PKG_CONFIG) 2>/dev/null)
-ADDONS := $(if $(GSL),gsl) $(if $(HDF5),hdf5)
+ADDONS := gsl hdf5
 
 # -ffp-contract=off: the same bits from every compiler. -fopenmp-simd: vector lanes without a runtime. -fno-math-errno: roots in lanes, too.
 WARNINGS := -Wall -Wextra -Wpedantic -Wconversion -Wshadow $(if $(CI),-Werror)
@@ -46,8 +46,10 @@ HDF5_LIBS = $(if $(HDF5),$(shell $(PKG_CONFIG) --libs $(HDF5)))
 # -- Files ---------------------------------------------------------------------------------------------------------------
 HEADERS := $(wildcard libcontact/include/*.h libcontact/include/*/*.h)
 CORE_SOURCES := $(filter-out libcontact/src/gsl/% libcontact/src/hdf5/%,$(wildcard libcontact/src/*/*.c))
-GSL_SOURCES := $(wildcard libcontact/src/gsl/*.c)
-HDF5_SOURCES := $(wildcard libcontact/src/hdf5/*.c)
+# An add-on without its package is one source, whose calls refuse.
+addon_sources = $(if $(2),$(filter-out %/missing.c,$(wildcard libcontact/src/$(1)/*.c)),libcontact/src/$(1)/missing.c)
+GSL_SOURCES := $(call addon_sources,gsl,$(GSL))
+HDF5_SOURCES := $(call addon_sources,hdf5,$(HDF5))
 object = $(patsubst libcontact/src/%.c,$(1)/%.o,$(2))
 CORE_OBJECTS := $(call object,$(BUILD)/obj,$(CORE_SOURCES))
 ADDON_ARCHIVES := $(foreach a,$(ADDONS),$(BUILD)/lib/libcontact-$(a).a)
@@ -87,7 +89,7 @@ lib: $(ARCHIVES) $(SHARED)
 # Flags that a change of must rebuild for: compiler, options, parts.
 $(BUILD)/flags: FORCE
 	@mkdir -p $(BUILD)
-	@echo '$(CC) $(OPT) $(CORE_FLAGS) $(ADDONS)' | cmp -s - $@ || echo '$(CC) $(OPT) $(CORE_FLAGS) $(ADDONS)' > $@
+	@echo '$(CC) $(OPT) $(CORE_FLAGS) $(GSL) $(HDF5)' | cmp -s - $@ || echo '$(CC) $(OPT) $(CORE_FLAGS) $(GSL) $(HDF5)' > $@
 FORCE:
 
 $(BUILD)/obj/gsl/%.o $(BUILD)/asan/gsl/%.o: EXTRA = $(GSL_FLAGS)
@@ -121,8 +123,7 @@ $(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontac
 install: lib
 	mkdir -p $(DESTDIR)$(prefix)/include/libcontact $(DESTDIR)$(prefix)/lib/pkgconfig
 	cp libcontact/include/*.h $(DESTDIR)$(prefix)/include/
-	cp $(filter-out $(if $(GSL),,%/series.h) $(if $(HDF5),,%/output.h),$(wildcard libcontact/include/libcontact/*.h)) \
-	  $(DESTDIR)$(prefix)/include/libcontact/
+	cp libcontact/include/libcontact/*.h $(DESTDIR)$(prefix)/include/libcontact/
 	for a in contact $(ADDONS:%=contact-%); do \
 	  cp $(BUILD)/lib/lib$$a.a $(DESTDIR)$(prefix)/lib/ && \
 	  cp $(BUILD)/lib/lib$$a.so $(DESTDIR)$(prefix)/lib/lib$$a.so.$(VERSION) && \
@@ -154,7 +155,7 @@ SETUPTOOLS_LEFT := $(BUILD)/lib.* $(BUILD)/bdist.* $(BUILD)/temp.*
 $(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
 	@echo "  wrapper"
 	@rm -rf $(SETUPTOOLS_LEFT)
-	$(Q)LIBCONTACT_PREBUILT=$(abspath $(BUILD)/lib) LIBCONTACT_ADDONS="$(ADDONS)" LIBCONTACT_PACKAGES="$(GSL) $(HDF5)" \
+	$(Q)LIBCONTACT_PREBUILT=$(abspath $(BUILD)/lib) LIBCONTACT_PACKAGES="$(GSL) $(HDF5)" \
 	  LIBCONTACT_OPENMP="$(OPENMP)" CC="$(CC)" PKG_CONFIG="$(PKG_CONFIG)" \
 	  $(PIP) install -q --no-deps --no-build-isolation --force-reinstall .
 	@rm -rf $(SETUPTOOLS_LEFT)
@@ -194,7 +195,7 @@ _wheel: $(VENV)/.run
 	@ls $(BUILD)/wheel
 
 # -- Tests ------------------------------------------------------------------------------------------------------------------------
-# Each tests/c/test_*.c is a program; those of the add-ons are built when the add-ons are. Once plainly, once with sanitizers.
+# Each tests/c/test_*.c is a program; those of the add-ons are built when their packages are there. Once plainly, once with sanitizers.
 ADDON_TESTS := exact_series output
 C_TESTS := $(filter-out $(ADDON_TESTS),$(patsubst tests/c/test_%.c,%,$(wildcard tests/c/test_*.c))) \
   $(if $(GSL),$(patsubst tests/c/test_%.c,%,$(wildcard tests/c/test_exact_series.c))) \
@@ -203,7 +204,7 @@ C_TESTS := $(filter-out $(ADDON_TESTS),$(patsubst tests/c/test_%.c,%,$(wildcard 
 SANITIZE := -O1 -g -fsanitize=address,undefined -fno-omit-frame-pointer -DCT_NO_CLONES -Wno-pass-failed
 SANITIZERS = $(shell printf 'int main(void){return 0;}' | $(CC) -fsanitize=address,undefined -x c - -o /dev/null 2>/dev/null && echo yes)
 TEST_FLAGS := -std=c99 -ffp-contract=off $(OPENMP) -Wall -Wextra $(if $(CI),-Werror) -Ilibcontact/include -Itests/c
-ASAN_OBJECTS := $(call object,$(BUILD)/asan,$(CORE_SOURCES) $(if $(GSL),$(GSL_SOURCES)) $(if $(HDF5),$(HDF5_SOURCES)))
+ASAN_OBJECTS := $(call object,$(BUILD)/asan,$(CORE_SOURCES) $(GSL_SOURCES) $(HDF5_SOURCES))
 
 $(BUILD)/asan/%.o: libcontact/src/%.c $(BUILD)/flags
 	@mkdir -p $(@D)
@@ -330,8 +331,8 @@ info:
 	@echo "OpenMP     $(if $(OPENMP),yes,no)"
 	@echo "pkg-config $(if $(HAVE_PKG_CONFIG),$(HAVE_PKG_CONFIG),no: GSL and HDF5 cannot be found, the embedding tests are left out)"
 	@echo "C++        $(if $(HAVE_CXX),$(HAVE_CXX),no: the C++ embedding tests are left out)"
-	@echo "GSL        $(if $(GSL),$(GSL) $(shell $(PKG_CONFIG) --modversion $(GSL)),no: libcontact-gsl (the modal series) is left out)"
-	@echo "HDF5       $(if $(HDF5),$(HDF5) $(shell $(PKG_CONFIG) --modversion $(HDF5)),no: libcontact-hdf5 (results files, restart) is left out)"
+	@echo "GSL        $(if $(GSL),$(GSL) $(shell $(PKG_CONFIG) --modversion $(GSL)),no: libcontact-gsl (the modal series) refuses every call)"
+	@echo "HDF5       $(if $(HDF5),$(HDF5) $(shell $(PKG_CONFIG) --modversion $(HDF5)),no: libcontact-hdf5 (results files, restart) refuses every call)"
 	@echo "python     $(shell $(PYTHON) --version 2>&1) ($(PYTHON)), environment $(VENV)$(if $(wildcard $(VENV)/.wrapper),, (not made yet))"
 	@echo "left out   $(if $(WITHOUT),$(WITHOUT),nothing (WITHOUT=\"gsl hdf5 openmp\" leaves parts out))"
 

@@ -1,8 +1,8 @@
 """The extension ``libcontact._core``: its declarations are the public headers, read as they are.
 
-Plain ``pip install .`` compiles the core (libc and libm only). The Makefile links the archives that it has built instead, and the add-ons
-with them, by the variables LIBCONTACT_PREBUILT (folder of the archives), LIBCONTACT_ADDONS ("gsl hdf5"), LIBCONTACT_PACKAGES (their names for
-pkg-config) and LIBCONTACT_OPENMP (a flag or nothing).
+Plain ``pip install .`` compiles the core (libc and libm only) and add-ons that refuse every call. The Makefile links the archives that it has
+built instead, by the variables LIBCONTACT_PREBUILT (folder of the archives), LIBCONTACT_PACKAGES (what pkg-config calls GSL and HDF5, where they
+are) and LIBCONTACT_OPENMP (a flag or nothing).
 """
 
 import os
@@ -64,22 +64,19 @@ def pkg_config(option, packages):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
 
 
-addons = os.environ.get("LIBCONTACT_ADDONS", "").split()
 packages = os.environ.get("LIBCONTACT_PACKAGES", "").split()
 openmp = os.environ.get("LIBCONTACT_OPENMP", "").split()
 prebuilt = os.environ.get("LIBCONTACT_PREBUILT")
-headers = in_order(included("libcontact.h") + [ADDON_HEADERS[name] for name in addons])
+headers = in_order(included("libcontact.h") + list(ADDON_HEADERS.values()))
 
 if prebuilt:
-    names = [f"libcontact-{name}.a" for name in addons] + ["libcontact.a"]
+    names = [f"libcontact-{name}.a" for name in ADDON_HEADERS] + ["libcontact.a"]
     sources, objects = [], [str(Path(prebuilt) / name) for name in names]
 else:
-    addons = []
-    headers = in_order(included("libcontact.h"))
     sources = sorted(
         str(path)
         for path in (LIBRARY / "src").rglob("*.c")
-        if path.parent.name not in ADDON_HEADERS
+        if path.parent.name not in ADDON_HEADERS or path.name == "missing.c"
     )
     objects = []
 
@@ -112,10 +109,7 @@ ffi = cffi.FFI()
 ffi.cdef("\n".join(map(declarations, headers)) + "\nstatic double wall_clock(void);" + OWN)
 ffi.set_source(
     "libcontact._core",
-    "\n".join(
-        f"#include <{header}>"
-        for header in ["libcontact.h", *(ADDON_HEADERS[name] for name in addons)]
-    )
+    "\n".join(f"#include <{header}>" for header in ["libcontact.h", *ADDON_HEADERS.values()])
     + CLOCK,
     sources=sources,
     include_dirs=[str(INCLUDE)],

@@ -826,10 +826,11 @@ static void test_other_problem(void)
   refuse_restart(curved, path, CT_ERROR_FILE, "stands at another place");
   refuse_restart(bare, path, CT_ERROR_FILE, "it has 2 effects, the problem 1");
   r->probe.label = "gravity";
-  refuse_restart(r, path, CT_ERROR_FILE, "effect 1 is 'gravity'");
+  refuse_restart(r, path, CT_ERROR_FILE,
+                 "effect 1 'gravity' (in the file 'probe') has another name");
   r->probe.label = "probe";
   r->probe.memory_count = 4;
-  refuse_restart(r, path, CT_ERROR_FILE, "with 4 values of memory");
+  refuse_restart(r, path, CT_ERROR_FILE, "another number of values of memory");
   r->probe.memory_count = 3;
   r->problem.dt = 0.03;
   refuse_restart(r, path, CT_ERROR_FILE, "the time step");

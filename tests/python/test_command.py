@@ -12,8 +12,10 @@ from libcontact._core import lib
 from libcontact.command import main
 from libcontact.run import RunError
 
+import libcontact as ct
+
 SCENES = Path(__file__).parents[2] / "tutorials" / "scenes"
-needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
+needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 
 
 @pytest.fixture
@@ -209,7 +211,7 @@ def test_ctrl_c_has_exit_code_130_and_keeps_the_file(scene):
         text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
-    if hasattr(lib, "ct_output_create"):
+    if ct.has("hdf5"):
         while process.poll() is None and not os.path.exists("out.vtkhdf"):
             time.sleep(0.05)
     else:
@@ -221,7 +223,7 @@ def test_ctrl_c_has_exit_code_130_and_keeps_the_file(scene):
         process.kill()
     assert process.returncode == 130, err
     assert "interrupted at t = " in err and "Traceback" not in err
-    if hasattr(lib, "ct_output_create"):
+    if ct.has("hdf5"):
         from libcontact.run import Run
 
         assert Run.load("out.vtkhdf").time[-1] > 0.0

@@ -14,7 +14,7 @@ import libcontact as ct
 from libcontact import loop
 
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
-needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
+needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 with_and_without_file = pytest.mark.parametrize(
     "with_file", [False, pytest.param(True, marks=needs_hdf5)]
 )

@@ -4,13 +4,14 @@ import sys
 from pathlib import Path
 
 import pytest
-from libcontact._core import lib
+
+import libcontact as ct
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "stability"))
 kill = pytest.importorskip("kill")
 
 
-@pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
+@pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 def test_runs_that_are_killed_while_they_write_go_on_to_the_same_bits(tmp_path):
     counts = kill.kill_campaign(8, folder=tmp_path)
     assert counts.pop("good") == 8

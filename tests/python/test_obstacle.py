@@ -6,13 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from libcontact._core import lib
 from libcontact.schema import SceneError
 
 import libcontact as ct
 
 SCENES = Path(__file__).parents[2] / "tutorials" / "scenes"
-needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
+needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 
 
 def changed(name, **changes):

@@ -19,7 +19,7 @@ from libcontact.schema import SceneError
 import libcontact as ct
 from libcontact import loop
 
-needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
+needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 
 YOUNG, POISSON, DENSITY = 2.1e5, 0.3, 7.8e-9
 LAMBDA = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))

@@ -13,7 +13,7 @@ from libcontact.schema import SceneError
 
 import libcontact as ct
 
-needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
+needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
 
 
 def scene(savings=None, threads=1, **changes):

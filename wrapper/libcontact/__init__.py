@@ -166,11 +166,13 @@ def __dir__() -> list[str]:
 
 def has(part: str) -> bool:
     """Whether an optional part was built in: "hdf5" (results files), "gsl" (the modal series), "openmp" (threads)."""
-    from ._core import lib
+    from ._core import ffi, lib
 
+    # What is not built in refuses every call, also one that has nothing to do.
+    nothing, series = ffi.NULL, ffi.new("ct_exact_series **")
     parts = {
-        "hdf5": hasattr(lib, "ct_output_create"),
-        "gsl": hasattr(lib, "ct_exact_plates_series"),
+        "hdf5": lib.ct_output_close(nothing, nothing) != lib.CT_ERROR_UNSUPPORTED,
+        "gsl": lib.ct_exact_series_create(0.3, 0, 1.0, series, nothing) != lib.CT_ERROR_UNSUPPORTED,
         "openmp": bool(lib.ct_has_openmp()),
     }
     if part not in parts:

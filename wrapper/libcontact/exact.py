@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ._core import ffi, lib
-from .errors import ArgumentError, NotBuiltIn, check, new_error
+from .errors import ArgumentError, check, new_error
 
 __all__ = ["Stress", "Velocity", "Fields", "Speeds", "plates", "plates_series", "speeds", "fronts"]
 
@@ -99,10 +99,6 @@ def plates_series(x, z, t, nu=0.3, branches=300):
     Arguments and answer as for :func:`plates`; t may pass 2, x + t may be up to 100. Points that follow each other with the
     same x and t share work. Raises NotBuiltIn when the library was built without GSL.
     """
-    if not hasattr(lib, "ct_exact_plates_series"):
-        raise NotBuiltIn(
-            "exact.plates_series needs GSL, which this build of libcontact does not have"
-        )
     branches = operator.index(branches)
     if branches < 1:
         raise ArgumentError(f"branches = {branches}, must be 1 to 1000")

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from . import has
 from ._core import ffi, lib
 from .errors import (
     EnergyGrowth,
@@ -101,7 +102,7 @@ class Loop:
 
     def restart(self, path: str | Path, coarse: Problem | None = None) -> None:
         """Continue from the newest restart record of a file; ``coarse`` is the same problem with the file's step, where that is larger."""
-        if not hasattr(lib, "ct_output_restart"):
+        if not has("hdf5"):
             raise NotBuiltIn("this build has no HDF5, so it can't read a restart")
         error, problem = new_error(), coarse or self.problem
         state = self.state if coarse is None else new_state(coarse)
@@ -115,7 +116,7 @@ class Loop:
 
     def open(self, path: str | Path) -> None:
         """Create the results file; without HDF5, of which ``known`` warns, the results stay in memory."""
-        if not hasattr(lib, "ct_output_create"):
+        if not has("hdf5"):
             return
         fields = self.problem.parts.output.fields
         text = ffi.new("char[]", self.scene_text.encode())
@@ -490,7 +491,7 @@ class Loop:
 
     def _write(self, run: Run, path: Path) -> None:
         """Save a run that has no file: its last state through the C library, and all rows of its tables."""
-        if not hasattr(lib, "ct_output_create"):
+        if not has("hdf5"):
             raise NotBuiltIn("this build has no HDF5, so it can't save a run")
         from .results import write_tables
 

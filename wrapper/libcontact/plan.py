@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from . import has
 from ._core import ffi, lib
 from .activity import Touch, active_share, first_touch
 from .errors import Error, check, new_error
@@ -400,7 +401,7 @@ def _recorder(problem: Problem, state: Any) -> Iterator[Any]:
     loop = Loop(problem, "")
     loop.state = state
     with tempfile.TemporaryDirectory() as folder:
-        if problem.parts.output.file is not None and hasattr(lib, "ct_output_create"):
+        if problem.parts.output.file is not None and has("hdf5"):
             loop.open(Path(folder) / "trial.vtkhdf")
         try:
             yield loop

@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ._core import ffi, lib
+from . import has
+from ._core import ffi
 from .activity import Touch, first_touch, gravity_on, surface_box
 from .chatter import chatter
 from .errors import (
@@ -124,7 +125,7 @@ def _units(problem: Problem) -> Iterator[UnitsWarning]:
 
 
 def _file(output: Any) -> Iterator[OutputWarning]:
-    if output is not None and not hasattr(lib, "ct_output_create"):
+    if output is not None and not has("hdf5"):
         yield OutputWarning(
             f'this build has no HDF5: "{output}" is not written, the results stay in memory; build with HDF5 to get the file',
             "output.file",

@@ -3,7 +3,8 @@
 
 #include <libcontact/step.h>
 
-/* Part of the add-on library libcontact-hdf5. */
+/* Part of the add-on library libcontact-hdf5. Where that was built without HDF5, every call, also
+ * that of ct_output_close without an output, returns CT_ERROR_UNSUPPORTED. */
 
 CT_BEGIN_DECLS
 

@@ -3,6 +3,9 @@
 
 #include <libcontact/base.h>
 
+/* Part of the add-on library libcontact-gsl. Where that was built without GSL, every call returns
+ * CT_ERROR_UNSUPPORTED. */
+
 CT_BEGIN_DECLS
 
 /**

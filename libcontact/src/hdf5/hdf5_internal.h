@@ -6,26 +6,63 @@
 #include <libcontact/output.h>
 
 #include <hdf5.h>
+#include <stddef.h>
+#if H5_VERSION_GE(1, 13, 0)
+#include <H5FDdevelop.h>
+#endif
 
 #if !H5_VERSION_GE(1, 10, 2)
 #error "libcontact-hdf5 needs HDF5 1.10.2 or newer (H5Fset_libver_bounds)"
 #endif
 
-/* What the source files of libcontact-hdf5 share. Functions that return ct_status fill `error` with
- * the path and the reason. */
+/* What the source files of libcontact-hdf5 share. */
+
+/* A task on one file. Its first failure stays in `status` and `error`, and the functions that get
+ * the task do nothing from then on, so that a sequence of them needs no checks. */
+typedef struct ct_task {
+  const char *path;
+  ct_error *error;
+  ct_status status;
+} ct_task;
+
+/* -- Types of values and of table rows -- */
+
+typedef enum ct_kind { CT_REAL, CT_VECTOR, CT_INT32, CT_INT64, CT_WORD, CT_NAME } ct_kind;
+
+/* Bytes of a CT_NAME, with at least one zero at its end. */
+enum { CT_NAME_SIZE = 64 };
+
+/* A member of a struct that is a row of a table. */
+typedef struct ct_field {
+  const char *name;
+  size_t offset;
+  ct_kind kind;
+  /* What a message calls it where two problems differ; null: it is not compared. */
+  const char *label;
+} ct_field;
+
+typedef struct ct_row_type {
+  size_t size;
+  int field_count;
+  const ct_field *field;
+} ct_row_type;
+
+#define CT_FIELD(row, member, kind, label) {#member, offsetof(row, member), kind, label}
+#define CT_ROW_TYPE(row, fields) {sizeof(row), (int)(sizeof(fields) / sizeof(fields)[0]), fields}
+
+/* -- What an output holds -- */
 
 /* A dataset that grows by `rows` rows of `width` values a step (width 0: the dataset has no second
  * axis). */
 typedef struct ct_column {
   hid_t set;
-  /* Type of one value in memory; owned by the output, or one of HDF5's own. */
+  /* Type of one value in memory. */
   hid_t type;
-  int64_t rows, width, chunk_rows;
-  size_t value_size;
-  /* A field on the points or cells; if not, a table with a few rows a step. */
-  int is_field;
-  /* Where the rows of the current step stand. */
-  const void *source;
+  int64_t rows, width, chunk_rows, row_bytes;
+  /* Where the rows of the current step stand in ct_record: there, or where a pointer there leads.
+   */
+  size_t source;
+  int is_pointer;
 } ct_column;
 
 enum { CT_COLUMN_LIMIT = 48 };
@@ -44,6 +81,8 @@ typedef struct ct_record {
   ct_energy energy;
   /* Sums over the bodies. */
   double momentum[3], angular_momentum[3];
+  /* Fields; null where they are not asked for. The displacement belongs to the state. */
+  const double *displacement;
   double *velocity;
   double *stress;
   ct_momentum *bodies;
@@ -51,32 +90,16 @@ typedef struct ct_record {
   ct_effect_row *effects;
 } ct_record;
 
-/* Says that a restart record is whole: its number in the file, its place in the run, and the sums
- * of :eq:`restart-seal`. */
-typedef struct ct_seal {
-  uint64_t sequence;
-  int64_t step;
-  int64_t row;
-  double time;
-  double kinetic_start;
-  uint64_t sum;
-  uint64_t weighted;
-} ct_seal;
-
 /* The arrays of a restart record, in the order of the file. */
 enum { CT_PART_COUNT = 5 };
-typedef struct ct_part {
-  const char *name;
-  double *values;
-  int64_t count;
-} ct_part;
 
-/* The file as the system knows it. */
+/* The file as the system knows it. HDF5 knows it by the name, which stands first (driver.c). */
 typedef struct ct_disk {
-  /* The file of an output with its lock, from before HDF5 opens it until after it has closed it; -1
-   * without one. */
-  int locked;
-  /* What HDF5 has open; -1 when it is closed. */
+  char name[16];
+  hid_t driver;
+  /* HDF5's own driver, by which ours reads and writes. */
+  const H5FD_class_t *real;
+  /* What HDF5 has open and we have locked; -1 without a file. */
   int descriptor;
   /* The number of the first error that a write has met, 0 when all is well. */
   int error;
@@ -86,16 +109,15 @@ struct ct_output {
   char *path;
   /* The name until the first step is written. */
   char *part_path;
-  int made, renamed;
+  int renamed;
   /* A write has failed in the middle of a step: nothing more is written. */
   int broken;
   ct_disk disk;
-  hid_t driver, file, step_count, energy_type, momentum_type, effect_type, seal_type;
+  hid_t file, step_count, seal_type;
   int64_t node_count, cell_count;
-  int32_t body_count, effect_count;
-  int32_t column_count, displacement_column;
+  int32_t body_count, effect_count, column_count;
   ct_column column[CT_COLUMN_LIMIT];
-  /* The two restart records: the arrays in the order of ct_part, then the seal. */
+  /* The two restart records: the arrays, then the seal. */
   hid_t slot[2][CT_PART_COUNT + 1];
   int64_t part_count[CT_PART_COUNT];
   ct_record now;
@@ -106,115 +128,103 @@ struct ct_output {
 
 /* "path: can't <what>: <reason>", the reason from HDF5's error stack; call it before any other HDF5
  * call clears that. */
-ct_status ct_hdf5_fail(ct_error *error, const char *path, const char *what);
+void ct_hdf5_fail(ct_task *task, const char *what);
 /* The library that was loaded is the one that was compiled against (HDF5 itself would end the
  * process). */
 ct_status ct_hdf5_check_version(ct_error *error);
-ct_status ct_hdf5_create_group(hid_t parent, const char *name, const char *path, hid_t *group,
-                               ct_error *error);
+/* A new type, which the caller closes; negative on failure. */
+hid_t ct_hdf5_type(ct_kind kind);
+size_t ct_hdf5_size(ct_kind kind);
+hid_t ct_hdf5_row_type(const ct_row_type *row);
+hid_t ct_hdf5_create_group(ct_task *task, hid_t parent, const char *name);
 /* A dataset of fixed size, shape (dims[0], ... dims[rank - 1]), open; its space in the file is
  * there at once. */
-ct_status ct_hdf5_create_array(hid_t parent, const char *name, hid_t type, int rank,
-                               const hsize_t *dims, const char *path, hid_t *set, ct_error *error);
+hid_t ct_hdf5_create_array(ct_task *task, hid_t parent, const char *name, hid_t type, int rank,
+                           const hsize_t *dims);
 /* The same with its data, closed. */
-ct_status ct_hdf5_write_array(hid_t parent, const char *name, hid_t type, int rank,
-                              const hsize_t *dims, const void *data, const char *path,
-                              ct_error *error);
-ct_status ct_hdf5_write_text(hid_t parent, const char *name, const char *text, const char *path,
-                             ct_error *error);
-/* An attribute with `count` values, or one value without an axis when `count` is 0. `attribute` may
- * be null: then it is closed. */
-ct_status ct_hdf5_write_attribute(hid_t parent, const char *name, hid_t type, hsize_t count,
-                                  const void *data, const char *path, hid_t *attribute,
-                                  ct_error *error);
+void ct_hdf5_write_array(ct_task *task, hid_t parent, const char *name, hid_t type, int rank,
+                         const hsize_t *dims, const void *data);
+void ct_hdf5_write_text(ct_task *task, hid_t parent, const char *name, const char *text);
+/* An attribute with `count` values, or one value without an axis when `count` is 0; open. */
+hid_t ct_hdf5_write_attribute(ct_task *task, hid_t parent, const char *name, hid_t type,
+                              hsize_t count, const void *data);
 /* The same as a text of plain ASCII. */
-ct_status ct_hdf5_write_label(hid_t parent, const char *name, const char *text, const char *path,
-                              ct_error *error);
+void ct_hdf5_write_label(ct_task *task, hid_t parent, const char *name, const char *text);
 /* Refuses when the dataset has another shape. */
-ct_status ct_hdf5_read_array(hid_t parent, const char *name, hid_t type, int rank,
-                             const hsize_t *dims, void *data, const char *path, ct_error *error);
-ct_status ct_hdf5_read_attribute(hid_t parent, const char *name, hid_t type, void *data,
-                                 const char *path, ct_error *error);
+void ct_hdf5_read_array(ct_task *task, hid_t parent, const char *name, hid_t type, int rank,
+                        const hsize_t *dims, void *data);
+void ct_hdf5_read_attribute(ct_task *task, hid_t parent, const char *name, hid_t type, void *data);
 /* Number of rows of a dataset with one axis, -1 if there is none. */
 int64_t ct_hdf5_row_count(hid_t parent, const char *name);
-ct_status ct_hdf5_create_column(hid_t parent, const char *name, const char *path, ct_column *column,
-                                ct_error *error);
+/* A dataset for the column; fields have one chunk a step, tables one for many steps. */
+void ct_hdf5_create_column(ct_task *task, hid_t parent, const char *name, int is_field,
+                           ct_column *column);
 /* Append the rows of one step at `row`. */
-ct_status ct_hdf5_write_column(const ct_column *column, int64_t row, const char *path,
-                               ct_error *error);
-hid_t ct_hdf5_energy_type(void);
-hid_t ct_hdf5_momentum_type(void);
-hid_t ct_hdf5_effect_type(void);
+void ct_hdf5_write_column(ct_task *task, const ct_column *column, int64_t row, const void *source);
 
 /* -- disk.c: what HDF5 has no call for -- */
 
 /* Resolve symbolic links, refuse what is no ordinary file, and give the two names that the output
  * uses. */
 ct_status ct_disk_names(const char *path, char **target, char **part, ct_error *error);
-/* Refuse what can't be read, with the system's reason. */
-ct_status ct_disk_check_readable(const char *path, ct_error *error);
-/* Make the file `part`, lock it, and see whether the disk has room for `bytes` bytes. */
-ct_status ct_disk_open(ct_disk *disk, const char *part, int64_t bytes, const char *path,
-                       ct_error *error);
+/* Make the file `part` anew and lock it, in place of one that nobody writes any more. */
+hid_t ct_disk_create(ct_task *task, ct_disk *disk, const char *part, hid_t how, hid_t access);
 /* Ask the system for `bytes` bytes beyond the end of the file, so that a full disk is met before
  * anything is written. */
-ct_status ct_disk_reserve(const ct_disk *disk, hid_t file, int64_t bytes, const char *path,
-                          ct_error *error);
+void ct_disk_reserve(ct_task *task, const ct_disk *disk, hid_t file, int64_t bytes);
 /* Give back what was reserved and not used. */
 void ct_disk_trim(const ct_disk *disk, hid_t file);
-/* ``CT_ERROR_FILE`` with the system's reason once a write has failed. */
-ct_status ct_disk_check(const ct_disk *disk, const char *path, const char *what, ct_error *error);
-ct_status ct_disk_rename(const char *from, const char *to, ct_error *error);
+/* HDF5 writes what it has kept; a write that fails, now or since the file was made, is told. */
+void ct_disk_flush(ct_task *task, const ct_disk *disk, hid_t file, const char *what);
+/* ``CT_ERROR_FILE`` with the system's reason, unless `number` is 0. */
+void ct_disk_check(ct_task *task, const char *what, int number);
+/* Returns 0, or the number of the system's error. */
+int ct_disk_rename(const char *from, const char *to);
 void ct_disk_remove(const char *path);
 /* A path, or the end of one that is too long for a message, from the beginning of a folder on. */
 const char *ct_disk_short(const char *path);
 
 /* -- lock.c: one writer for a file -- */
 
-/* Make the file `part` anew and lock it, in place of one that nobody writes any more. 0, EAGAIN
- * when somebody writes it, or the number of the system's error. */
-int ct_lock_create(const char *part, int *descriptor);
+/* 0, or EAGAIN when another has the lock. A file system without locks has none to respect. */
+int ct_lock_take(int descriptor);
+void ct_lock_release(int descriptor);
+/* Whether an open file still bears a name. */
+int ct_lock_bears(int descriptor, const char *name);
+/* Remove a file that a run which has ended left behind, or a link. Returns 0, EAGAIN while the run
+ * is alive, or the number of the system's error. */
+int ct_lock_clear(const char *part);
 /* Whether nobody writes a file that may be there. */
 int ct_lock_is_free(const char *path);
-void ct_lock_release(int descriptor);
 
-/* -- driver.c: a way for HDF5 to the disk on which writes never fail -- */
+/* -- driver.c: HDF5's own way to the disk, on which writes never fail -- */
 
-hid_t ct_driver_register(void);
-/* A file that is opened with `access` goes through the driver, where it is the locked one of
- * `disk`, whatever its name; `disk` must live until it is closed. */
-herr_t ct_driver_use(hid_t access, hid_t driver, ct_disk *disk);
+/* Files that are opened with `access` go through `disk`, which must live until they are closed and
+ * ct_driver_release is called. Returns whether that went well. */
+int ct_driver_use(ct_disk *disk, hid_t access);
+void ct_driver_release(ct_disk *disk);
 
 /* -- layout.c: the file without its steps -- */
 
 hid_t ct_layout_open_access(void);
-ct_status ct_layout_create(ct_output *output, const ct_problem *problem,
-                           const ct_output_options *options, ct_error *error);
-/* Bytes that the fixed part of the file needs. */
-int64_t ct_layout_bytes(const ct_output *output, const ct_problem *problem,
-                        const ct_output_options *options);
+void ct_layout_create(ct_task *task, ct_output *output, const ct_problem *problem,
+                      const char *scene);
 
 /* -- identity.c: what a file says about its problem -- */
 
-enum { CT_LAYOUT = 1 };
-ct_status ct_identity_write_integrator(const ct_integrator *integrator, hid_t group,
-                                       const char *path, ct_error *error);
-ct_status ct_identity_write(const ct_output *output, const ct_problem *problem, hid_t group,
-                            ct_error *error);
-/* ``CT_ERROR_FILE`` that names the first difference. `group` is /libcontact. */
-ct_status ct_identity_compare(hid_t group, const ct_problem *problem, const char *path,
-                              ct_error *error);
-ct_status ct_identity_compare_points(hid_t file, const ct_problem *problem, const char *path,
-                                     ct_error *error);
+/* `group` is /libcontact. */
+void ct_identity_write(ct_task *task, const ct_problem *problem, hid_t group);
+/* ``CT_ERROR_FILE`` that names the first difference. */
+void ct_identity_compare(ct_task *task, hid_t file, hid_t group, const ct_problem *problem);
 
 /* -- restart.c -- */
 
 /* Bytes of the two records. */
 int64_t ct_restart_bytes(const ct_state *state);
 /* Make room for the two records in the group /libcontact. */
-ct_status ct_restart_create_slots(ct_output *output, const ct_state *state, ct_error *error);
+void ct_restart_create_slots(ct_task *task, ct_output *output, const ct_state *state);
 /* The state has the sizes that the records were made for. */
 int ct_restart_fits(const ct_output *output, const ct_state *state);
-ct_status ct_restart_write(const ct_output *output, const ct_state *state, ct_error *error);
+void ct_restart_write(ct_task *task, const ct_output *output, const ct_state *state);
 
 #endif

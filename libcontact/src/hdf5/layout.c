@@ -11,12 +11,11 @@ enum { VTK_HEXAHEDRON = 12, VTK_QUADRATIC_HEXAHEDRON = 25 };
 hid_t ct_layout_open_access(void)
 {
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-  if (access < 0) return -1;
-  herr_t done = H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
+  int done = H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110) >= 0;
 #if H5_VERSION_GE(1, 12, 1) || (H5_VERS_MINOR == 10 && H5_VERSION_GE(1, 10, 7))
-  if (done >= 0) done = H5Pset_file_locking(access, 0, 1);
+  done = done && H5Pset_file_locking(access, 0, 1) >= 0;
 #endif
-  if (done >= 0) return access;
+  if (done) return access;
   H5Pclose(access);
   return -1;
 }
@@ -73,153 +72,6 @@ static ct_status grid_fill(const ct_problem *problem, int64_t cells, grid *g, ct
   return CT_OK;
 }
 
-static ct_status write_grid(ct_output *o, const ct_problem *problem, hid_t vtk, hid_t cell_data,
-                            ct_error *error)
-{
-  grid g = {NULL, NULL, NULL, NULL};
-  hid_t whole = H5T_NATIVE_INT64;
-  int64_t ids = connectivity_count(problem);
-  const hsize_t one = 1, points[2] = {(hsize_t)o->node_count, 3}, cells = (hsize_t)o->cell_count,
-                ends = cells + 1, length = (hsize_t)ids;
-  ct_status status = grid_fill(problem, o->cell_count, &g, error);
-  if (status == CT_OK)
-    status =
-        ct_hdf5_write_array(vtk, "NumberOfPoints", whole, 1, &one, &o->node_count, o->path, error);
-  if (status == CT_OK)
-    status =
-        ct_hdf5_write_array(vtk, "NumberOfCells", whole, 1, &one, &o->cell_count, o->path, error);
-  if (status == CT_OK)
-    status =
-        ct_hdf5_write_array(vtk, "NumberOfConnectivityIds", whole, 1, &one, &ids, o->path, error);
-  if (status == CT_OK)
-    status = ct_hdf5_write_array(vtk, "Points", H5T_NATIVE_DOUBLE, 2, points, problem->reference,
-                                 o->path, error);
-  if (status == CT_OK)
-    status =
-        ct_hdf5_write_array(vtk, "Connectivity", whole, 1, &length, g.connectivity, o->path, error);
-  if (status == CT_OK)
-    status = ct_hdf5_write_array(vtk, "Offsets", whole, 1, &ends, g.offsets, o->path, error);
-  if (status == CT_OK)
-    status =
-        ct_hdf5_write_array(vtk, "Types", H5T_NATIVE_UCHAR, 1, &cells, g.types, o->path, error);
-  if (status == CT_OK)
-    status =
-        ct_hdf5_write_array(cell_data, "body", H5T_NATIVE_INT32, 1, &cells, g.body, o->path, error);
-  grid_free(&g);
-  return status;
-}
-
-/* -- The datasets that grow -- */
-
-static ct_status add_dataset(ct_output *o, int field, hid_t parent, const char *name, hid_t type,
-                             int64_t rows, int64_t width, const void *source, ct_error *error)
-{
-  if (rows == 0) return CT_OK;
-  ct_column *column = &o->column[o->column_count++];
-  column->set = -1;
-  column->type = type;
-  column->rows = rows;
-  column->width = width;
-  column->is_field = field;
-  column->source = source;
-  return ct_hdf5_create_column(parent, name, o->path, column, error);
-}
-
-static ct_status add_column(ct_output *o, hid_t parent, const char *name, hid_t type, int64_t rows,
-                            int64_t width, const void *source, ct_error *error)
-{
-  return add_dataset(o, 0, parent, name, type, rows, width, source, error);
-}
-
-static ct_status add_field(ct_output *o, hid_t parent, const char *name, int64_t rows,
-                           int64_t width, const double *source, ct_error *error)
-{
-  return add_dataset(o, 1, parent, name, H5T_NATIVE_DOUBLE, rows, width, source, error);
-}
-
-typedef struct table {
-  const char *name;
-  hid_t type;
-  int64_t width;
-  const void *source;
-} table;
-
-static ct_status add_tables(ct_output *o, hid_t parent, const table *tables, int count,
-                            ct_error *error)
-{
-  ct_status status = CT_OK;
-  for (int i = 0; i < count && status == CT_OK; i++)
-    status = add_column(o, parent, tables[i].name, tables[i].type, 1, tables[i].width,
-                        tables[i].source, error);
-  return status;
-}
-
-static ct_status create_step_tables(ct_output *o, hid_t steps, ct_error *error)
-{
-  const ct_record *now = &o->now;
-  hid_t whole = H5T_NATIVE_INT64;
-  const table tables[] = {{"Values", H5T_NATIVE_DOUBLE, 0, &now->energy.time},
-                          {"PartOffsets", whole, 0, &now->zero},
-                          {"NumberOfParts", whole, 0, &now->one},
-                          {"PointOffsets", whole, 0, &now->zero},
-                          {"CellOffsets", whole, 1, &now->zero},
-                          {"ConnectivityIdOffsets", whole, 1, &now->zero}};
-  return add_tables(o, steps, tables, sizeof tables / sizeof tables[0], error);
-}
-
-static ct_status create_point_fields(ct_output *o, hid_t data, hid_t offsets,
-                                     const ct_output_options *options, ct_error *error)
-{
-  ct_status status = CT_OK;
-  hid_t whole = H5T_NATIVE_INT64;
-  o->displacement_column = -1;
-  if (options->displacement) {
-    o->displacement_column = o->column_count;
-    status = add_field(o, data, "displacement", o->node_count, 3, NULL, error);
-    if (status == CT_OK)
-      status = add_column(o, offsets, "displacement", whole, 1, 0, &o->now.point_row, error);
-  }
-  if (options->velocity && status == CT_OK) {
-    status = add_field(o, data, "velocity", o->node_count, 3, o->now.velocity, error);
-    if (status == CT_OK)
-      status = add_column(o, offsets, "velocity", whole, 1, 0, &o->now.point_row, error);
-  }
-  return status;
-}
-
-static ct_status create_cell_fields(ct_output *o, hid_t data, hid_t offsets,
-                                    const ct_output_options *options, ct_error *error)
-{
-  ct_status status = add_column(o, offsets, "body", H5T_NATIVE_INT64, 1, 0, &o->now.zero, error);
-  if (options->stress && status == CT_OK) {
-    status = add_field(o, data, "stress", o->cell_count, 6, o->now.stress, error);
-    if (status == CT_OK)
-      status = add_column(o, offsets, "stress", H5T_NATIVE_INT64, 1, 0, &o->now.cell_row, error);
-  }
-  return status;
-}
-
-static ct_status create_ledger_fields(ct_output *o, hid_t data, hid_t offsets, ct_error *error)
-{
-  const ct_energy *energy = &o->now.energy;
-  hid_t real = H5T_NATIVE_DOUBLE;
-  const table tables[] = {{"kinetic", real, 0, &energy->kinetic},
-                          {"strain", real, 0, &energy->strain},
-                          {"contact", real, 0, &energy->contact},
-                          {"external", real, 0, &energy->external},
-                          {"total", real, 0, &energy->total},
-                          {"balance", real, 0, &energy->balance},
-                          {"momentum", real, 3, &o->now.momentum},
-                          {"angular_momentum", real, 3, &o->now.angular_momentum}};
-  ct_status status = add_tables(o, data, tables, sizeof tables / sizeof tables[0], error);
-  for (size_t i = 0; i < sizeof tables / sizeof tables[0] && status == CT_OK; i++)
-    status =
-        add_column(o, offsets, tables[i].name, H5T_NATIVE_INT64, 1, 0, &o->now.step_row, error);
-  return status;
-}
-
-/* -- The group VTKHDF -- */
-
 enum {
   VTK_GROUP,
   POINT_DATA,
@@ -229,10 +81,11 @@ enum {
   POINT_OFFSETS,
   CELL_OFFSETS,
   FIELD_OFFSETS,
+  OWN_GROUP,
   GROUP_COUNT
 };
 
-static ct_status open_groups(ct_output *o, hid_t group[GROUP_COUNT], ct_error *error)
+static void create_groups(ct_task *task, hid_t file, hid_t group[GROUP_COUNT])
 {
   static const struct {
     const char *name;
@@ -244,89 +97,134 @@ static ct_status open_groups(ct_output *o, hid_t group[GROUP_COUNT], ct_error *e
                          {"Steps", VTK_GROUP},
                          {"PointDataOffsets", STEPS},
                          {"CellDataOffsets", STEPS},
-                         {"FieldDataOffsets", STEPS}};
-  ct_status status = CT_OK;
-  for (int i = 0; i < GROUP_COUNT && status == CT_OK; i++)
-    status = ct_hdf5_create_group(i == 0 ? o->file : group[PLAN[i].parent], PLAN[i].name, o->path,
-                                  &group[i], error);
-  return status;
+                         {"FieldDataOffsets", STEPS},
+                         {"libcontact", -1}};
+  for (int i = 0; i < GROUP_COUNT; i++)
+    group[i] =
+        ct_hdf5_create_group(task, PLAN[i].parent < 0 ? file : group[PLAN[i].parent], PLAN[i].name);
 }
 
-static ct_status create_vtk(ct_output *o, const ct_problem *problem,
-                            const ct_output_options *options, ct_error *error)
+static void write_grid(ct_task *task, const ct_output *o, const ct_problem *problem,
+                       const hid_t group[GROUP_COUNT])
+{
+  grid g = {NULL, NULL, NULL, NULL};
+  hid_t whole = H5T_NATIVE_INT64, vtk = group[VTK_GROUP];
+  int64_t ids = connectivity_count(problem);
+  const hsize_t one = 1, points[2] = {(hsize_t)o->node_count, 3}, cells = (hsize_t)o->cell_count,
+                ends = cells + 1, length = (hsize_t)ids;
+  if (task->status == CT_OK) task->status = grid_fill(problem, o->cell_count, &g, task->error);
+  ct_hdf5_write_array(task, vtk, "NumberOfPoints", whole, 1, &one, &o->node_count);
+  ct_hdf5_write_array(task, vtk, "NumberOfCells", whole, 1, &one, &o->cell_count);
+  ct_hdf5_write_array(task, vtk, "NumberOfConnectivityIds", whole, 1, &one, &ids);
+  ct_hdf5_write_array(task, vtk, "Points", H5T_NATIVE_DOUBLE, 2, points, problem->reference);
+  ct_hdf5_write_array(task, vtk, "Connectivity", whole, 1, &length, g.connectivity);
+  ct_hdf5_write_array(task, vtk, "Offsets", whole, 1, &ends, g.offsets);
+  ct_hdf5_write_array(task, vtk, "Types", H5T_NATIVE_UCHAR, 1, &cells, g.types);
+  ct_hdf5_write_array(task, group[CELL_DATA], "body", H5T_NATIVE_INT32, 1, &cells, g.body);
+  grid_free(&g);
+}
+
+/* -- The datasets that grow -- */
+
+static const ct_field ENERGY_FIELD[] = {
+    CT_FIELD(ct_energy, time, CT_REAL, NULL),     CT_FIELD(ct_energy, kinetic, CT_REAL, NULL),
+    CT_FIELD(ct_energy, strain, CT_REAL, NULL),   CT_FIELD(ct_energy, contact, CT_REAL, NULL),
+    CT_FIELD(ct_energy, external, CT_REAL, NULL), CT_FIELD(ct_energy, total, CT_REAL, NULL),
+    CT_FIELD(ct_energy, balance, CT_REAL, NULL)};
+static const ct_row_type ENERGY = CT_ROW_TYPE(ct_energy, ENERGY_FIELD);
+
+static const ct_field MOMENTUM_FIELD[] = {CT_FIELD(ct_momentum, time, CT_REAL, NULL),
+                                          CT_FIELD(ct_momentum, body, CT_INT32, NULL),
+                                          CT_FIELD(ct_momentum, p, CT_VECTOR, NULL),
+                                          CT_FIELD(ct_momentum, L, CT_VECTOR, NULL),
+                                          CT_FIELD(ct_momentum, contact_impulse, CT_VECTOR, NULL),
+                                          CT_FIELD(ct_momentum, support_impulse, CT_VECTOR, NULL)};
+static const ct_row_type MOMENTUM = CT_ROW_TYPE(ct_momentum, MOMENTUM_FIELD);
+
+static const ct_field EFFECT_FIELD[] = {CT_FIELD(ct_effect_row, work, CT_REAL, NULL),
+                                        CT_FIELD(ct_effect_row, energy, CT_REAL, NULL)};
+static const ct_row_type EFFECT = CT_ROW_TYPE(ct_effect_row, EFFECT_FIELD);
+
+typedef struct plan {
+  int group;
+  const char *name;
+  ct_kind kind;
+  const ct_row_type *row; /* for rows that are structs, instead of the kind */
+  enum { ONE, NODES, CELLS, BODIES, EFFECTS } per;
+  int64_t width;
+  size_t source;
+  int is_pointer; /* at `source`; where it is null, the dataset is left out */
+} plan;
+
+#define NOW(member) offsetof(ct_record, member)
+#define NOW_ENERGY(member) (offsetof(ct_record, energy) + offsetof(ct_energy, member))
+static const plan COLUMN[] = {
+    {STEPS, "Values", CT_REAL, NULL, ONE, 0, NOW_ENERGY(time), 0},
+    {STEPS, "PartOffsets", CT_INT64, NULL, ONE, 0, NOW(zero), 0},
+    {STEPS, "NumberOfParts", CT_INT64, NULL, ONE, 0, NOW(one), 0},
+    {STEPS, "PointOffsets", CT_INT64, NULL, ONE, 0, NOW(zero), 0},
+    {STEPS, "CellOffsets", CT_INT64, NULL, ONE, 1, NOW(zero), 0},
+    {STEPS, "ConnectivityIdOffsets", CT_INT64, NULL, ONE, 1, NOW(zero), 0},
+    {POINT_DATA, "displacement", CT_REAL, NULL, NODES, 3, NOW(displacement), 1},
+    {POINT_DATA, "velocity", CT_REAL, NULL, NODES, 3, NOW(velocity), 1},
+    {CELL_DATA, "stress", CT_REAL, NULL, CELLS, 6, NOW(stress), 1},
+    {CELL_OFFSETS, "body", CT_INT64, NULL, ONE, 0, NOW(zero), 0},
+    {FIELD_DATA, "kinetic", CT_REAL, NULL, ONE, 0, NOW_ENERGY(kinetic), 0},
+    {FIELD_DATA, "strain", CT_REAL, NULL, ONE, 0, NOW_ENERGY(strain), 0},
+    {FIELD_DATA, "contact", CT_REAL, NULL, ONE, 0, NOW_ENERGY(contact), 0},
+    {FIELD_DATA, "external", CT_REAL, NULL, ONE, 0, NOW_ENERGY(external), 0},
+    {FIELD_DATA, "total", CT_REAL, NULL, ONE, 0, NOW_ENERGY(total), 0},
+    {FIELD_DATA, "balance", CT_REAL, NULL, ONE, 0, NOW_ENERGY(balance), 0},
+    {FIELD_DATA, "momentum", CT_REAL, NULL, ONE, 3, NOW(momentum), 0},
+    {FIELD_DATA, "angular_momentum", CT_REAL, NULL, ONE, 3, NOW(angular_momentum), 0},
+    {OWN_GROUP, "step", CT_INT64, NULL, ONE, 0, NOW(step), 0},
+    {OWN_GROUP, "energy", CT_REAL, &ENERGY, ONE, 0, NOW(energy), 0},
+    {OWN_GROUP, "momentum", CT_REAL, &MOMENTUM, BODIES, 0, NOW(bodies), 1},
+    {OWN_GROUP, "effect", CT_REAL, &EFFECT, EFFECTS, 0, NOW(effects), 1}};
+
+static void create_column(ct_task *task, ct_output *o, hid_t parent, const plan *p)
+{
+  const int64_t rows[] = {1, o->node_count, o->cell_count, o->body_count, o->effect_count};
+  const void *array = NULL;
+  if (p->is_pointer) memcpy(&array, (const char *)&o->now + p->source, sizeof array);
+  if (rows[p->per] == 0 || (p->is_pointer && array == NULL)) return;
+  ct_column *column = &o->column[o->column_count++];
+  column->type = p->row != NULL ? ct_hdf5_row_type(p->row) : ct_hdf5_type(p->kind);
+  if (column->type < 0) ct_hdf5_fail(task, "make a table");
+  column->rows = rows[p->per];
+  column->width = p->width;
+  column->source = p->source;
+  column->is_pointer = p->is_pointer;
+  ct_hdf5_create_column(task, parent, p->name, p->per == NODES || p->per == CELLS, column);
+}
+
+/* Each dataset, and for VTK's data beside it the one with the first row of every step. */
+static void create_columns(ct_task *task, ct_output *o, const hid_t group[GROUP_COUNT])
+{
+  static const size_t FIRST_ROW[] = {
+      [POINT_DATA] = NOW(point_row), [CELL_DATA] = NOW(cell_row), [FIELD_DATA] = NOW(step_row)};
+  for (size_t i = 0; i < sizeof COLUMN / sizeof COLUMN[0]; i++) {
+    const plan *p = &COLUMN[i];
+    int32_t before = o->column_count;
+    create_column(task, o, group[p->group], p);
+    if (o->column_count == before || p->group < POINT_DATA || p->group > FIELD_DATA) continue;
+    const int offsets = p->group + POINT_OFFSETS - POINT_DATA;
+    const plan first = {offsets, p->name, CT_INT64, NULL, ONE, 0, FIRST_ROW[p->group], 0};
+    create_column(task, o, group[offsets], &first);
+  }
+}
+
+void ct_layout_create(ct_task *task, ct_output *o, const ct_problem *problem, const char *scene)
 {
   hid_t group[GROUP_COUNT];
-  for (int i = 0; i < GROUP_COUNT; i++) group[i] = -1;
   const int64_t version[2] = {2, 2}, none = 0;
-  ct_status status = open_groups(o, group, error);
-  if (status == CT_OK)
-    status = ct_hdf5_write_attribute(group[VTK_GROUP], "Version", H5T_NATIVE_INT64, 2, version,
-                                     o->path, NULL, error);
-  if (status == CT_OK)
-    status = ct_hdf5_write_label(group[VTK_GROUP], "Type", "UnstructuredGrid", o->path, error);
-  if (status == CT_OK) status = write_grid(o, problem, group[VTK_GROUP], group[CELL_DATA], error);
-  if (status == CT_OK) status = create_step_tables(o, group[STEPS], error);
-  if (status == CT_OK)
-    status = create_point_fields(o, group[POINT_DATA], group[POINT_OFFSETS], options, error);
-  if (status == CT_OK)
-    status = create_cell_fields(o, group[CELL_DATA], group[CELL_OFFSETS], options, error);
-  if (status == CT_OK)
-    status = create_ledger_fields(o, group[FIELD_DATA], group[FIELD_OFFSETS], error);
-  if (status == CT_OK)
-    status = ct_hdf5_write_attribute(group[STEPS], "NSteps", H5T_NATIVE_INT64, 0, &none, o->path,
-                                     &o->step_count, error);
-  for (int i = GROUP_COUNT - 1; i >= 0; i--)
-    if (group[i] >= 0) H5Gclose(group[i]);
-  return status;
-}
-
-/* -- The group libcontact -- */
-
-static ct_status create_own(ct_output *o, const ct_problem *problem,
-                            const ct_output_options *options, ct_error *error)
-{
-  hid_t group = -1;
-  const int64_t layout = CT_LAYOUT;
-  ct_record *now = &o->now;
-  ct_status status = ct_hdf5_create_group(o->file, "libcontact", o->path, &group, error);
-  if (status == CT_OK)
-    status = ct_hdf5_write_attribute(group, "layout", H5T_NATIVE_INT64, 0, &layout, o->path, NULL,
-                                     error);
-  if (status == CT_OK)
-    status = ct_hdf5_write_attribute(group, "dt", H5T_NATIVE_DOUBLE, 0, &problem->dt, o->path, NULL,
-                                     error);
-  if (status == CT_OK)
-    status = ct_identity_write_integrator(&problem->integrator, group, o->path, error);
-  if (status == CT_OK) status = ct_hdf5_write_label(group, "version", ct_version(), o->path, error);
-  if (status == CT_OK && options->scene != NULL)
-    status = ct_hdf5_write_text(group, "scene", options->scene, o->path, error);
-  if (status == CT_OK) status = ct_identity_write(o, problem, group, error);
-  if (status == CT_OK)
-    status = add_column(o, group, "step", H5T_NATIVE_INT64, 1, 0, &now->step, error);
-  if (status == CT_OK)
-    status = add_column(o, group, "energy", o->energy_type, 1, 0, &now->energy, error);
-  if (status == CT_OK)
-    status =
-        add_column(o, group, "momentum", o->momentum_type, o->body_count, 0, now->bodies, error);
-  if (status == CT_OK)
-    status =
-        add_column(o, group, "effect", o->effect_type, o->effect_count, 0, now->effects, error);
-  if (group >= 0) H5Gclose(group);
-  return status;
-}
-
-ct_status ct_layout_create(ct_output *output, const ct_problem *problem,
-                           const ct_output_options *options, ct_error *error)
-{
-  ct_status status = create_vtk(output, problem, options, error);
-  return status == CT_OK ? create_own(output, problem, options, error) : status;
-}
-
-int64_t ct_layout_bytes(const ct_output *o, const ct_problem *problem,
-                        const ct_output_options *options)
-{
-  int64_t text = options->scene == NULL ? 0 : (int64_t)strlen(options->scene);
-  int64_t mesh = 24 * o->node_count + 8 * connectivity_count(problem) + 13 * (o->cell_count + 1);
-  int64_t rows = 128 * ((int64_t)o->body_count + o->effect_count);
-  return text + mesh + rows;
+  create_groups(task, o->file, group);
+  ct_hdf5_write_attribute(task, group[VTK_GROUP], "Version", H5T_NATIVE_INT64, 2, version);
+  ct_hdf5_write_label(task, group[VTK_GROUP], "Type", "UnstructuredGrid");
+  write_grid(task, o, problem, group);
+  ct_hdf5_write_label(task, group[OWN_GROUP], "version", ct_version());
+  if (scene != NULL) ct_hdf5_write_text(task, group[OWN_GROUP], "scene", scene);
+  ct_identity_write(task, problem, group[OWN_GROUP]);
+  create_columns(task, o, group);
+  o->step_count = ct_hdf5_write_attribute(task, group[STEPS], "NSteps", H5T_NATIVE_INT64, 0, &none);
 }

@@ -47,10 +47,12 @@ static void count(ct_output *o, const ct_problem *problem)
     o->cell_count += problem->bodies[b].mesh->element_count;
 }
 
-static ct_status create_record(ct_output *o, const ct_output_options *options, ct_error *error)
+static ct_status create_record(ct_output *o, const ct_problem *problem,
+                               const ct_output_options *options, ct_error *error)
 {
   ct_record *now = &o->now;
   now->one = 1;
+  if (options->displacement) now->displacement = problem->reference;
   if (options->velocity) now->velocity = malloc(3 * (size_t)o->node_count * sizeof *now->velocity);
   if (options->stress) now->stress = malloc(6 * (size_t)o->cell_count * sizeof *now->stress);
   now->bodies = calloc((size_t)o->body_count, sizeof *now->bodies);
@@ -63,61 +65,33 @@ static ct_status create_record(ct_output *o, const ct_output_options *options, c
   return CT_OK;
 }
 
-static ct_status open_file(ct_output *o, ct_error *error)
+static void open_file(ct_task *task, ct_output *o)
 {
-  o->driver = ct_driver_register();
   hid_t access = ct_layout_open_access(), how = H5Pcreate(H5P_FILE_CREATE);
-  int ready = access >= 0 && how >= 0 && H5Pset_obj_track_times(how, 0) >= 0;
-  // -- In pages of the system's size no small piece lies on two of them, so that a kill can't cut
-  // one in two
-  ready = ready && H5Pset_file_space_strategy(how, H5F_FSPACE_STRATEGY_PAGE, 0, 1) >= 0 &&
-          H5Pset_file_space_page_size(how, PAGE) >= 0;
-  ready = ready && ct_driver_use(access, o->driver, &o->disk) >= 0;
-  if (ready) o->file = H5Fcreate(o->part_path, H5F_ACC_TRUNC, how, access);
+  // -- Closing the file closes what is still open in it; and in pages of the system's size no small
+  // piece lies on two of them, so that a kill can't cut one in two
+  if (H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) < 0 || H5Pset_obj_track_times(how, 0) < 0 ||
+      H5Pset_file_space_strategy(how, H5F_FSPACE_STRATEGY_PAGE, 0, 1) < 0 ||
+      H5Pset_file_space_page_size(how, PAGE) < 0 || !ct_driver_use(&o->disk, access))
+    ct_hdf5_fail(task, "write the file");
+  else o->file = ct_disk_create(task, &o->disk, o->part_path, how, access);
   // -- From here on: datasets that grow without moving (the superblock stays the old one)
-  ct_status status = CT_OK;
-  if (o->file < 0 || H5Fset_libver_bounds(o->file, H5F_LIBVER_V110, H5F_LIBVER_V110) < 0)
-    status = ct_hdf5_fail(error, o->path, "write the file");
-  if (ct_disk_check(&o->disk, o->path, "write the file", error) != CT_OK) status = CT_ERROR_FILE;
-  if (how >= 0) H5Pclose(how);
-  if (access >= 0) H5Pclose(access);
-  return status;
-}
-
-static ct_status create_types(ct_output *o, ct_error *error)
-{
-  o->energy_type = ct_hdf5_energy_type();
-  o->momentum_type = ct_hdf5_momentum_type();
-  o->effect_type = ct_hdf5_effect_type();
-  if (o->energy_type < 0 || o->momentum_type < 0 || o->effect_type < 0)
-    return ct_hdf5_fail(error, o->path, "make a table");
-  return CT_OK;
+  if (task->status == CT_OK && H5Fset_libver_bounds(o->file, H5F_LIBVER_V110, H5F_LIBVER_V110) < 0)
+    ct_hdf5_fail(task, "write the file");
+  H5Pclose(how);
+  H5Pclose(access);
 }
 
 /* Close what is open and give everything back; the first failure is told. */
 static ct_status destroy(ct_output *o, ct_error *error)
 {
-  ct_status status = CT_OK;
-  int good = 1;
-  for (int32_t i = 0; i < o->column_count; i++)
-    if (o->column[i].set >= 0 && H5Dclose(o->column[i].set) < 0) good = 0;
-  for (int i = 0; i <= CT_PART_COUNT; i++)
-    for (int slot = 0; slot < 2; slot++)
-      if (o->slot[slot][i] >= 0 && H5Dclose(o->slot[slot][i]) < 0) good = 0;
-  if (o->step_count >= 0 && H5Aclose(o->step_count) < 0) good = 0;
-  if (o->energy_type >= 0) H5Tclose(o->energy_type);
-  if (o->momentum_type >= 0) H5Tclose(o->momentum_type);
-  if (o->effect_type >= 0) H5Tclose(o->effect_type);
-  if (o->seal_type >= 0) H5Tclose(o->seal_type);
-  if (o->file >= 0 && H5Fclose(o->file) < 0) good = 0;
-  if (o->driver >= 0) H5FDunregister(o->driver);
-  if (!o->broken && !good)
-    status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't close the file",
-                     ct_disk_short(o->path));
-  if (!o->broken && status == CT_OK)
-    status = ct_disk_check(&o->disk, o->path, "close the file", error);
-  if (o->made && !o->renamed) ct_disk_remove(o->part_path);
-  ct_lock_release(o->disk.locked);
+  ct_task task = {o->path, error, CT_OK};
+  for (int32_t i = 0; i < o->column_count; i++) H5Tclose(o->column[i].type);
+  H5Tclose(o->seal_type);
+  if (!o->renamed && o->disk.descriptor >= 0) ct_disk_remove(o->part_path);
+  if (o->file >= 0 && H5Fclose(o->file) < 0) ct_hdf5_fail(&task, "close the file");
+  ct_driver_release(&o->disk);
+  ct_disk_check(&task, "close the file", o->disk.error);
   free(o->now.velocity);
   free(o->now.stress);
   free(o->now.bodies);
@@ -126,7 +100,7 @@ static ct_status destroy(ct_output *o, ct_error *error)
   free(o->part_path);
   free(o->path);
   free(o);
-  return status;
+  return task.status;
 }
 
 static ct_status create(const char *path, const ct_problem *problem,
@@ -134,31 +108,20 @@ static ct_status create(const char *path, const ct_problem *problem,
 {
   ct_output *o = calloc(1, sizeof *o);
   if (o == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an output");
-  o->disk.descriptor = o->disk.locked = -1;
-  o->driver = o->file = o->step_count = o->energy_type = o->momentum_type = o->effect_type =
-      o->seal_type = -1;
-  for (int i = 0; i <= CT_PART_COUNT; i++) o->slot[0][i] = o->slot[1][i] = -1;
+  o->disk.descriptor = -1;
+  o->disk.driver = o->file = o->seal_type = -1;
   count(o, problem);
-  ct_status status = create_record(o, options, error);
-  if (status == CT_OK) status = ct_disk_names(path, &o->path, &o->part_path, error);
-  int64_t bytes = ct_layout_bytes(o, problem, options) + MARGIN;
-  if (status == CT_OK) status = ct_disk_open(&o->disk, o->part_path, bytes, o->path, error);
-  o->made = status == CT_OK;
-  if (status == CT_OK) status = open_file(o, error);
-  if (status == CT_OK) status = ct_disk_reserve(&o->disk, o->file, bytes, o->path, error);
-  if (status == CT_OK) status = create_types(o, error);
-  if (status == CT_OK) status = ct_layout_create(o, problem, options, error);
-  if (status == CT_OK && H5Fflush(o->file, H5F_SCOPE_LOCAL) < 0)
-    status = ct_hdf5_fail(error, o->path, "write the file");
-  if (status == CT_OK) status = ct_disk_check(&o->disk, o->path, "write the file", error);
-  if (status == CT_OK) {
-    ct_disk_trim(&o->disk, o->file);
-    *output = o;
-  } else {
-    o->broken = 1;
-    destroy(o, NULL);
+  ct_task task = {path, error, create_record(o, problem, options, error)};
+  if (task.status == CT_OK) task.status = ct_disk_names(path, &o->path, &o->part_path, error);
+  if (task.status == CT_OK) {
+    task.path = o->path;
+    open_file(&task, o);
+    ct_layout_create(&task, o, problem, options->scene);
+    ct_disk_flush(&task, &o->disk, o->file, "write the file");
   }
-  return status;
+  if (task.status == CT_OK) *output = o;
+  else destroy(o, NULL);
+  return task.status;
 }
 
 ct_status ct_output_create(const char *path, const ct_problem *problem,
@@ -255,62 +218,59 @@ static ct_status gather(ct_output *o, const ct_problem *problem, ct_state *state
   now->step_row = o->row;
   now->point_row = o->row * o->node_count;
   now->cell_row = o->row * o->cell_count;
-  if (o->displacement_column >= 0) o->column[o->displacement_column].source = state->displacement;
+  if (now->displacement != NULL) now->displacement = state->displacement;
   return status;
 }
 
-/* Bytes that the next step adds to the file. */
+/* Bytes that the next step adds to the file, at most. */
 static int64_t step_bytes(const ct_output *o, const ct_state *state)
 {
   int64_t bytes = MARGIN + (o->row == 0 ? ct_restart_bytes(state) : 0);
   for (int32_t i = 0; i < o->column_count; i++) {
     const ct_column *c = &o->column[i];
-    int64_t before = (o->row * c->rows + c->chunk_rows - 1) / c->chunk_rows;
-    int64_t after = ((o->row + 1) * c->rows + c->chunk_rows - 1) / c->chunk_rows;
-    bytes +=
-        (after - before) * c->chunk_rows * (int64_t)c->value_size * (c->width > 0 ? c->width : 1);
+    bytes += (c->rows + c->chunk_rows - 1) / c->chunk_rows * c->chunk_rows * c->row_bytes;
   }
   return bytes;
 }
 
-static ct_status flush(ct_output *o, ct_error *error)
+static const void *source_of(const ct_output *o, const ct_column *column)
 {
-  if (H5Fflush(o->file, H5F_SCOPE_LOCAL) < 0) return ct_hdf5_fail(error, o->path, "write a step");
-  return ct_disk_check(&o->disk, o->path, "write a step", error);
+  const void *at = (const char *)&o->now + column->source;
+  if (column->is_pointer) memcpy(&at, at, sizeof at);
+  return at;
 }
 
-static ct_status write_step(ct_output *o, const ct_state *state, ct_error *error)
+static void write_step(ct_task *task, ct_output *o, const ct_state *state)
 {
   // -- The data of the step, which no reader looks for yet
-  ct_status status = o->row == 0 ? ct_restart_create_slots(o, state, error) : CT_OK;
-  if (status == CT_OK) status = ct_restart_write(o, state, error);
-  for (int32_t i = 0; i < o->column_count && status == CT_OK; i++)
-    status = ct_hdf5_write_column(&o->column[i], o->row, o->path, error);
-  if (status == CT_OK) status = flush(o, error);
+  if (o->row == 0) ct_restart_create_slots(task, o, state);
+  ct_restart_write(task, o, state);
+  for (int32_t i = 0; i < o->column_count; i++)
+    ct_hdf5_write_column(task, &o->column[i], o->row, source_of(o, &o->column[i]));
+  ct_disk_flush(task, &o->disk, o->file, "write a step");
   // -- The number of steps, which makes it visible
   int64_t steps = o->row + 1;
-  if (status == CT_OK && H5Awrite(o->step_count, H5T_NATIVE_INT64, &steps) < 0)
-    status = ct_hdf5_fail(error, o->path, "write a step");
-  return status == CT_OK ? flush(o, error) : status;
+  if (task->status == CT_OK && H5Awrite(o->step_count, H5T_NATIVE_INT64, &steps) < 0)
+    ct_hdf5_fail(task, "write a step");
+  ct_disk_flush(task, &o->disk, o->file, "write a step");
 }
 
 static ct_status append(ct_output *o, const ct_problem *problem, ct_state *state, ct_error *error)
 {
-  ct_status status = gather(o, problem, state, error);
-  if (status == CT_OK)
-    status = ct_disk_reserve(&o->disk, o->file, step_bytes(o, state), o->path, error);
-  if (status != CT_OK) return status;
-  status = write_step(o, state, error);
-  if (status != CT_OK) {
+  ct_task task = {o->path, error, gather(o, problem, state, error)};
+  ct_disk_reserve(&task, &o->disk, o->file, step_bytes(o, state));
+  if (task.status != CT_OK) return task.status;
+  write_step(&task, o, state);
+  if (task.status != CT_OK) {
     o->broken = 1;
-    return status;
+    return task.status;
   }
   ct_disk_trim(&o->disk, o->file);
   o->row++;
   if (o->renamed) return CT_OK;
-  status = ct_disk_rename(o->part_path, o->path, error);
-  if (status == CT_OK) o->renamed = 1;
-  return status;
+  ct_disk_check(&task, "write the file", ct_disk_rename(o->part_path, o->path));
+  o->renamed = task.status == CT_OK;
+  return task.status;
 }
 
 ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_state *state,
@@ -337,7 +297,7 @@ ct_status ct_output_close(ct_output *output, ct_error *error)
     ct_fail(error, CT_ERROR_FILE, CT_NOWHERE,
             "%s: a step could not be written; the steps before it are in the file",
             ct_disk_short(output->path));
-  H5E_BEGIN_TRY { status = destroy(output, error); }
+  H5E_BEGIN_TRY { status = destroy(output, broken ? NULL : error); }
   H5E_END_TRY
   return broken ? CT_ERROR_FILE : status;
 }

@@ -1,7 +1,6 @@
 #include "hdf5_internal.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* The record is kept twice, in the groups restart/a and restart/b, written in turn. Both are
@@ -9,14 +8,35 @@
  * their own; the seal tells whether all of them have arrived. */
 static const char *const SLOT[2] = {"a", "b"};
 
-static void restart_parts(const ct_state *state, ct_part parts[CT_PART_COUNT])
+typedef struct part {
+  const char *name;
+  double *values;
+  int64_t count;
+} part;
+
+/* Says that a record is whole: its number in the file, its place in the run, and the sums of
+ * :eq:`restart-seal`. */
+typedef struct ct_seal {
+  uint64_t sequence;
+  int64_t step;
+  int64_t row;
+  double time;
+  double kinetic_start;
+  uint64_t sum;
+  uint64_t weighted;
+} ct_seal;
+
+/* The members before the sums. */
+enum { SEALED_WORDS = 5 };
+
+static void restart_parts(const ct_state *state, part parts[CT_PART_COUNT])
 {
   int64_t nodes = 3 * (int64_t)state->node_count;
-  const ct_part all[CT_PART_COUNT] = {{"displacement", state->displacement, nodes},
-                                      {"velocity", state->velocity, nodes},
-                                      {"work", state->work, state->work_count},
-                                      {"impulse", state->impulse, state->impulse_count},
-                                      {"memory", state->memory, state->memory_count}};
+  const part all[CT_PART_COUNT] = {{"displacement", state->displacement, nodes},
+                                   {"velocity", state->velocity, nodes},
+                                   {"work", state->work, state->work_count},
+                                   {"impulse", state->impulse, state->impulse_count},
+                                   {"memory", state->memory, state->memory_count}};
   memcpy(parts, all, sizeof all);
 }
 
@@ -38,38 +58,21 @@ static void add_words(sums *s, const void *values, int64_t count)
   }
 }
 
-static void fill_seal(ct_seal *seal, const ct_part parts[CT_PART_COUNT])
+static void fill_seal(ct_seal *seal, const part parts[CT_PART_COUNT])
 {
   sums s = {0, 0, 0};
-  add_words(&s, &seal->sequence, 1);
-  add_words(&s, &seal->step, 1);
-  add_words(&s, &seal->row, 1);
-  add_words(&s, &seal->time, 1);
-  add_words(&s, &seal->kinetic_start, 1);
+  add_words(&s, seal, SEALED_WORDS);
   for (int i = 0; i < CT_PART_COUNT; i++) add_words(&s, parts[i].values, parts[i].count);
   seal->sum = s.sum;
   seal->weighted = s.weighted;
 }
 
-static hid_t seal_type(void)
-{
-  enum { COUNT = 7 };
-  const char *const name[COUNT] = {"sequence",      "step", "row",     "time",
-                                   "kinetic_start", "sum",  "weighted"};
-  const size_t offset[COUNT] = {HOFFSET(ct_seal, sequence),      HOFFSET(ct_seal, step),
-                                HOFFSET(ct_seal, row),           HOFFSET(ct_seal, time),
-                                HOFFSET(ct_seal, kinetic_start), HOFFSET(ct_seal, sum),
-                                HOFFSET(ct_seal, weighted)};
-  const hid_t unsigned64 = H5T_NATIVE_UINT64, signed64 = H5T_NATIVE_INT64, real = H5T_NATIVE_DOUBLE;
-  const hid_t value[COUNT] = {unsigned64, signed64, signed64, real, real, unsigned64, unsigned64};
-  hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(ct_seal));
-  for (int i = 0; i < COUNT && type >= 0; i++) {
-    if (H5Tinsert(type, name[i], offset[i], value[i]) >= 0) continue;
-    H5Tclose(type);
-    type = -1;
-  }
-  return type;
-}
+static const ct_field SEAL_FIELD[] = {
+    CT_FIELD(ct_seal, sequence, CT_WORD, NULL),      CT_FIELD(ct_seal, step, CT_INT64, NULL),
+    CT_FIELD(ct_seal, row, CT_INT64, NULL),          CT_FIELD(ct_seal, time, CT_REAL, NULL),
+    CT_FIELD(ct_seal, kinetic_start, CT_REAL, NULL), CT_FIELD(ct_seal, sum, CT_WORD, NULL),
+    CT_FIELD(ct_seal, weighted, CT_WORD, NULL)};
+static const ct_row_type SEAL = CT_ROW_TYPE(ct_seal, SEAL_FIELD);
 
 /* -- Write -- */
 
@@ -81,7 +84,7 @@ int64_t ct_restart_bytes(const ct_state *state)
 
 int ct_restart_fits(const ct_output *output, const ct_state *state)
 {
-  ct_part parts[CT_PART_COUNT];
+  part parts[CT_PART_COUNT];
   restart_parts(state, parts);
   for (int i = 0; i < CT_PART_COUNT; i++)
     if (output->part_count[i] != parts[i].count) return 0;
@@ -89,179 +92,138 @@ int ct_restart_fits(const ct_output *output, const ct_state *state)
 }
 
 /* The first two arrays have three columns. */
-static int part_shape(int part, int64_t count, hsize_t shape[2])
+static int part_shape(int number, int64_t count, hsize_t shape[2])
 {
-  shape[0] = (hsize_t)(part < 2 ? count / 3 : count);
+  shape[0] = (hsize_t)(number < 2 ? count / 3 : count);
   shape[1] = 3;
-  return part < 2 ? 2 : 1;
+  return number < 2 ? 2 : 1;
 }
 
-static ct_status create_slot(ct_output *o, hid_t parent, int slot,
-                             const ct_part parts[CT_PART_COUNT], ct_error *error)
+static void create_slot(ct_task *task, hid_t parent, const char *name, hid_t seal,
+                        const part parts[CT_PART_COUNT], hid_t set[CT_PART_COUNT + 1])
 {
-  hid_t group = -1, *set = o->slot[slot];
-  ct_status status = ct_hdf5_create_group(parent, SLOT[slot], o->path, &group, error);
-  for (int i = 0; i < CT_PART_COUNT && status == CT_OK; i++) {
+  hid_t group = ct_hdf5_create_group(task, parent, name);
+  for (int i = 0; i < CT_PART_COUNT; i++) {
     hsize_t shape[2];
     int rank = part_shape(i, parts[i].count, shape);
-    status = ct_hdf5_create_array(group, parts[i].name, H5T_NATIVE_DOUBLE, rank, shape, o->path,
-                                  &set[i], error);
+    set[i] = ct_hdf5_create_array(task, group, parts[i].name, H5T_NATIVE_DOUBLE, rank, shape);
   }
-  if (status == CT_OK)
-    status = ct_hdf5_create_array(group, "seal", o->seal_type, 0, NULL, o->path,
-                                  &set[CT_PART_COUNT], error);
-  if (group >= 0) H5Gclose(group);
-  return status;
+  set[CT_PART_COUNT] = ct_hdf5_create_array(task, group, "seal", seal, 0, NULL);
 }
 
-ct_status ct_restart_create_slots(ct_output *output, const ct_state *state, ct_error *error)
+void ct_restart_create_slots(ct_task *task, ct_output *output, const ct_state *state)
 {
-  hid_t group = -1;
-  ct_part parts[CT_PART_COUNT];
+  part parts[CT_PART_COUNT];
   restart_parts(state, parts);
   for (int i = 0; i < CT_PART_COUNT; i++) output->part_count[i] = parts[i].count;
-  output->seal_type = seal_type();
-  ct_status status =
-      output->seal_type < 0 ? ct_hdf5_fail(error, output->path, "make a table") : CT_OK;
-  if (status == CT_OK)
-    status = ct_hdf5_create_group(output->file, "libcontact/restart", output->path, &group, error);
-  for (int slot = 0; slot < 2 && status == CT_OK; slot++)
-    status = create_slot(output, group, slot, parts, error);
-  if (group >= 0) H5Gclose(group);
-  return status;
+  output->seal_type = ct_hdf5_row_type(&SEAL);
+  hid_t group = ct_hdf5_create_group(task, output->file, "libcontact/restart");
+  for (int slot = 0; slot < 2; slot++)
+    create_slot(task, group, SLOT[slot], output->seal_type, parts, output->slot[slot]);
 }
 
-ct_status ct_restart_write(const ct_output *output, const ct_state *state, ct_error *error)
+void ct_restart_write(ct_task *task, const ct_output *output, const ct_state *state)
 {
-  ct_part parts[CT_PART_COUNT];
+  part parts[CT_PART_COUNT];
   const hid_t *set = output->slot[output->row % 2];
   restart_parts(state, parts);
   ct_seal seal = {
       (uint64_t)output->row + 1, state->step, output->row, state->time, state->kinetic_start, 0, 0};
   fill_seal(&seal, parts);
-  for (int i = 0; i < CT_PART_COUNT; i++)
-    if (parts[i].count > 0 &&
-        H5Dwrite(set[i], H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, parts[i].values) < 0)
-      return ct_hdf5_fail(error, output->path, "write the restart record");
-  if (H5Dwrite(set[CT_PART_COUNT], output->seal_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &seal) < 0)
-    return ct_hdf5_fail(error, output->path, "write the restart record");
-  return CT_OK;
+  int good = task->status == CT_OK;
+  for (int i = 0; i < CT_PART_COUNT && good; i++)
+    good = parts[i].count == 0 ||
+           H5Dwrite(set[i], H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, parts[i].values) >= 0;
+  if (!good ||
+      H5Dwrite(set[CT_PART_COUNT], output->seal_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &seal) < 0)
+    ct_hdf5_fail(task, "write the restart record");
 }
 
 /* -- Read -- */
 
-/* A state of the same sizes with room of its own, in one piece of memory. */
-static ct_status create_copy(const ct_state *state, ct_state *copy, double **memory,
-                             ct_error *error)
-{
-  size_t nodes = 3 * (size_t)state->node_count, work = (size_t)state->work_count,
-         impulse = (size_t)state->impulse_count;
-  *memory =
-      malloc((2 * nodes + work + impulse + (size_t)state->memory_count + 1) * sizeof **memory);
-  if (*memory == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a restart record");
-  memset(copy, 0, sizeof *copy);
-  copy->problem = state->problem;
-  copy->node_count = state->node_count;
-  copy->work_count = state->work_count;
-  copy->impulse_count = state->impulse_count;
-  copy->memory_count = state->memory_count;
-  copy->displacement = *memory;
-  copy->velocity = copy->displacement + nodes;
-  copy->work = copy->velocity + nodes;
-  copy->impulse = copy->work + work;
-  copy->memory = copy->impulse + impulse;
-  return CT_OK;
-}
-
-static ct_status read_seal(hid_t group, int slot, const char *path, ct_seal *seal, ct_error *error)
+static void read_seal(ct_task *task, hid_t group, int slot, ct_seal *seal)
 {
   char name[32];
   snprintf(name, sizeof name, "restart/%s/seal", SLOT[slot]);
-  hid_t type = seal_type();
-  ct_status status = type < 0 ? ct_hdf5_fail(error, path, "read the restart record") : CT_OK;
-  if (status == CT_OK) status = ct_hdf5_read_array(group, name, type, 0, NULL, seal, path, error);
-  if (type >= 0) H5Tclose(type);
-  return status;
+  hid_t type = ct_hdf5_row_type(&SEAL);
+  ct_hdf5_read_array(task, group, name, type, 0, NULL, seal);
+  H5Tclose(type);
 }
 
-/* Read one slot; *whole says whether its seal fits. */
-static ct_status read_slot(hid_t group, int slot, const char *path, ct_state *into, int *whole,
-                           ct_error *error)
+/* Read one slot; returns whether its seal fits. */
+static int read_slot(ct_task *task, hid_t group, int slot, ct_state *into)
 {
-  ct_part parts[CT_PART_COUNT];
+  part parts[CT_PART_COUNT];
   ct_seal seal;
-  ct_status status = read_seal(group, slot, path, &seal, error);
+  read_seal(task, group, slot, &seal);
   restart_parts(into, parts);
-  for (int i = 0; i < CT_PART_COUNT && status == CT_OK; i++) {
+  for (int i = 0; i < CT_PART_COUNT; i++) {
     char name[48];
     hsize_t shape[2];
     int rank = part_shape(i, parts[i].count, shape);
     snprintf(name, sizeof name, "restart/%s/%s", SLOT[slot], parts[i].name);
-    status = ct_hdf5_read_array(group, name, H5T_NATIVE_DOUBLE, rank, shape, parts[i].values, path,
-                                error);
+    ct_hdf5_read_array(task, group, name, H5T_NATIVE_DOUBLE, rank, shape, parts[i].values);
   }
-  if (status != CT_OK) return status;
+  if (task->status != CT_OK) return 0;
+  into->step = seal.step;
+  into->time = seal.time;
+  into->kinetic_start = seal.kinetic_start;
   // -- A record counts when the sums over what was read are those that were written
   // (eq:restart-seal)
   ct_seal sealed = seal;
   fill_seal(&sealed, parts);
-  *whole = seal.sequence > 0 && sealed.sum == seal.sum && sealed.weighted == seal.weighted;
-  into->step = seal.step;
-  into->time = seal.time;
-  into->kinetic_start = seal.kinetic_start;
-  return CT_OK;
+  return seal.sequence > 0 && sealed.sum == seal.sum && sealed.weighted == seal.weighted;
 }
 
 /* The newer of the two records that is whole. */
-static ct_status read_newest(hid_t group, const char *path, ct_state *into, ct_error *error)
+static void read_newest(ct_task *task, hid_t group, ct_state *into)
 {
-  ct_seal seal[2];
-  int whole = 0;
-  for (int slot = 0; slot < 2; slot++)
-    if (read_seal(group, slot, path, &seal[slot], error) != CT_OK) seal[slot].sequence = 0;
-  int first = seal[1].sequence > seal[0].sequence ? 1 : 0;
-  ct_status status = read_slot(group, first, path, into, &whole, error);
-  if (!whole) status = read_slot(group, 1 - first, path, into, &whole, error);
-  if (status == CT_OK && !whole)
-    status = ct_fail(error, CT_ERROR_FILE, CT_NOWHERE,
-                     "%s: the file has no complete restart record", ct_disk_short(path));
-  return status;
+  uint64_t sequence[2];
+  for (int slot = 0; slot < 2; slot++) {
+    ct_task attempt = *task;
+    ct_seal seal;
+    read_seal(&attempt, group, slot, &seal);
+    sequence[slot] = attempt.status == CT_OK ? seal.sequence : 0;
+  }
+  if (task->status != CT_OK) return;
+  int first = sequence[1] > sequence[0] ? 1 : 0;
+  ct_task attempt = *task;
+  if (read_slot(&attempt, group, first, into) || read_slot(task, group, 1 - first, into)) return;
+  if (task->status == CT_OK)
+    task->status =
+        ct_fail(task->error, CT_ERROR_FILE, CT_NOWHERE,
+                "%s: the file has no complete restart record", ct_disk_short(task->path));
 }
 
-static ct_status read_file(hid_t file, const char *path, const ct_problem *problem, ct_state *into,
-                           ct_error *error)
+static void read_file(ct_task *task, hid_t file, const ct_problem *problem, ct_state *into)
 {
-  if (H5Lexists(file, "libcontact", H5P_DEFAULT) <= 0)
-    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: the file was not written by libcontact",
-                   ct_disk_short(path));
+  if (H5Lexists(file, "libcontact", H5P_DEFAULT) <= 0) {
+    task->status = ct_fail(task->error, CT_ERROR_FILE, CT_NOWHERE,
+                           "%s: the file was not written by libcontact", ct_disk_short(task->path));
+    return;
+  }
   hid_t group = H5Gopen2(file, "libcontact", H5P_DEFAULT);
-  ct_status status = group < 0 ? ct_hdf5_fail(error, path, "read the file") : CT_OK;
-  if (status == CT_OK) status = ct_identity_compare(group, problem, path, error);
-  if (status == CT_OK) status = ct_identity_compare_points(file, problem, path, error);
-  if (status == CT_OK) status = read_newest(group, path, into, error);
-  if (group >= 0) H5Gclose(group);
-  return status;
+  if (group < 0) ct_hdf5_fail(task, "read the file");
+  ct_identity_compare(task, file, group, problem);
+  read_newest(task, group, into);
+  H5Gclose(group);
 }
 
 static ct_status restart(const char *path, const ct_problem *problem, ct_state *state,
                          ct_error *error)
 {
-  ct_state copy;
-  double *memory = NULL;
-  ct_status status = ct_disk_check_readable(path, error);
-  if (status == CT_OK) status = create_copy(state, &copy, &memory, error);
-  if (status != CT_OK) return status;
-  hid_t access = ct_layout_open_access(), file = -1;
-  if (access >= 0) file = H5Fopen(path, H5F_ACC_RDONLY, access);
-  if (file < 0) status = ct_hdf5_fail(error, path, "read the file");
-  else status = read_file(file, path, problem, &copy, error);
-  if (file >= 0) H5Fclose(file);
-  if (access >= 0) H5Pclose(access);
+  ct_task task = {path, error, CT_OK};
+  ct_state *copy = NULL;
+  hid_t access = ct_layout_open_access(), file = H5Fopen(path, H5F_ACC_RDONLY, access);
+  if (file < 0) ct_hdf5_fail(&task, "read the file");
+  else task.status = ct_state_create(problem, &copy, error);
+  if (task.status == CT_OK) read_file(&task, file, problem, copy);
+  H5Fclose(file);
+  H5Pclose(access);
   // -- The state changes only when all has gone well
-  if (status == CT_OK) status = ct_state_copy(problem, &copy, state, error);
-  free(memory);
-  return status;
+  if (task.status == CT_OK) task.status = ct_state_copy(problem, copy, state, error);
+  ct_state_free(copy);
+  return task.status;
 }
 
 ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_state *state,

@@ -1,0 +1,39 @@
+#include "../base/error.h"
+
+#include <libcontact/output.h>
+
+/* libcontact-hdf5 as it is built without HDF5: every call refuses. */
+
+static ct_status refuse(ct_error *error)
+{
+  return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                 "libcontact was built without HDF5, so it can't write or read a results file");
+}
+
+ct_status ct_output_create(const char *path, const ct_problem *problem,
+                           const ct_output_options *options, ct_output **output, ct_error *error)
+{
+  (void)path, (void)problem, (void)options;
+  if (output != NULL) *output = NULL;
+  return refuse(error);
+}
+
+ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_state *state,
+                           ct_error *error)
+{
+  (void)output, (void)problem, (void)state;
+  return refuse(error);
+}
+
+ct_status ct_output_close(ct_output *output, ct_error *error)
+{
+  (void)output;
+  return refuse(error);
+}
+
+ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_state *state,
+                            ct_error *error)
+{
+  (void)path, (void)problem, (void)state;
+  return refuse(error);
+}
