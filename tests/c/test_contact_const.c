@@ -83,9 +83,9 @@ int main(void)
     ask(contact, mass, again);
     tap_ok(memcmp(got, again, sizeof got) == 0, "%s: and the same answers come again", KIND[kind]);
     // Two surfaces of stiffness ε with weight ½ each, over the area 1: ½ ε g².
-    tap_close(got[0], 0.5 * EPSILON * 1e-4, 1e-12,
+    tap_close(got[0], 0.5 * EPSILON * 1e-4, 1e-15,
               "%s: the energy of both surfaces, each with half the stiffness", KIND[kind]);
-    tap_close(got[2], 0.01, 1e-12, "%s: the corners of b are inside by what it was moved",
+    tap_close(got[2], 0.01, 1e-15, "%s: the corners of b are inside by what it was moved",
               KIND[kind]);
     ct_contact_free(contact);
     free_patch(&a);

@@ -123,7 +123,7 @@ static void thin_plates(void)
     last = total(fb, b.surface.node_count, 2);
     downward += !(last > (i <= 50 ? 0.0 : 0.7 * EPSILON * t * 0.64));
   }
-  tap_ok(off < 1e-9,
+  tap_ok(off < 1e-12,
          "thin plates, pressed to their thickness: the energy is that of each point under the side "
          "it came in by, off by %.2g",
          off);
@@ -245,7 +245,7 @@ static void lobatto_gradient(ct_face_kind kind)
   for (int c = 0; c < 3; c++)
     momentum = fmax(momentum, fmax(fabs(F[0][c] + F[1][c]), fabs(M[0][c] + M[1][c])));
   tap_ok(
-      top > 0.0 && off < 1e-5 * top && momentum < 1e-12 * top,
+      top > 0.0 && off < 1e-8 * top && momentum < 1e-12 * top,
       "%s: with points at nodes the force is the gradient (off by %.2g), momentum is kept (%.2g)",
       KIND[kind], off / top, momentum / top);
   ct_contact_free(contact);
@@ -310,7 +310,7 @@ static void corners_and_edges(void)
   tap_ok(corner[0] > 0.05 && corner[0] < 0.5 * (1.0 - 1.0 / sqrt(3.0)) * sqrt(2.0),
          "cubes on a floor: Gauss points let a corner in by up to %.3f h, less than 0.299 h",
          corner[0]);
-  tap_ok(corner[1] < 1e-9, "cubes on a floor: points at corners let no corner in (%.2g h)",
+  tap_ok(corner[1] < 1e-14, "cubes on a floor: points at corners let no corner in (%.2g h)",
          corner[1]);
   // Two cubes on edge, crossed: their edges meet at a random place of both.
   for (int k = 0; k < 24; k++) {
@@ -638,7 +638,7 @@ static void asked_twice(void)
     free_patch(&a);
     free_patch(&b);
   }
-  tap_ok(touched > 200 && off < 1e-9,
+  tap_ok(touched > 200 && off < 1e-14,
          "asked twice, a contact gives the same energy (%d times, off by %.2g at most)", touched,
          off);
 }

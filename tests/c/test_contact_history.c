@@ -310,7 +310,7 @@ static void start_gaps_have_a_potential(ct_face_kind kind, const char *name)
     *u = keep;
   }
   tap_ok(
-      stored > 0.0 && off < 2e-5 * size,
+      stored > 0.0 && off < 1e-9 * size,
       "%s: with start gaps of both signs forces are minus the gradient of the energy (off by %.2g)",
       name, off / size);
   for (int n = 0; n < h.nodes; n++)
@@ -357,7 +357,7 @@ static void start_gap_fades(void)
   F2 = EPSILON * area * (tail * g2 + 0.01);
   off = worst(off, take(&h, -0.01, 0.75 * T, &stored, &work) - F2);
   off = worst(off, work - before - 0.5 * F2 * g2 * (tail - half));
-  tap_ok(off < 1e-13 * EPSILON * area,
+  tap_ok(off < 1e-16 * EPSILON * area,
          "a start gap that fades and opens: forces and work of pencil and paper, off by %.2g",
          off / (EPSILON * area));
   free_hand(&h);

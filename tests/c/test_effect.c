@@ -128,7 +128,7 @@ int main(void)
   add_effect(scene, &filled);
   const ct_problem *problem = build(scene, run, &steps, &stable);
   tap_close(4.0 / (stable.dt * stable.dt) - 4.0 / (free_step.dt * free_step.dt), 4.0,
-            1e-6 / (stable.dt * stable.dt), "its frequency counts in the stable step");
+            1e-13 / (stable.dt * stable.dt), "its frequency counts in the stable step");
   ct_state *state = new_state(problem);
   ct_energy energy, first = energy_of(problem, state);
   while (state->step < steps) {

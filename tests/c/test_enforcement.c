@@ -49,7 +49,7 @@ static void one_point(void)
                          (c.stiffness * (1.0 + W * force)));
     pressed += force > 0.0;
   }
-  tap_ok(off < 1e-9 && law < 1e-12 && pressed > 5000,
+  tap_ok(off < 1e-11 && law < 1e-13 && pressed > 5000,
          "one point: the closed form is the root of the law, off by %.1e (bisection), %.1e (law), "
          "%d of 20000 press",
          off, law, pressed);
@@ -645,7 +645,7 @@ static void a_twin_is_a_wall(void)
     ct_scene_free(two);
     ct_scene_free(one);
   }
-  tap_ok(off[0] < 1e-9 && off[1] > 1e-2,
+  tap_ok(off[0] < 1e-11 && off[1] > 1e-2,
          "two equal bars with multipliers are a bar at a wall: velocities off by %.1e of 1 "
          "(explicit penalty %.2f)",
          off[0], off[1]);
@@ -698,7 +698,7 @@ static void driven(void)
     off = worst(off, force[2] + want);
     top = fmax(top, want);
   }
-  tap_ok(top > 100.0 && off < 1e-11 * top,
+  tap_ok(top > 100.0 && off < 1e-13 * top,
          "a block driven into a floor by a path: the force is the law's, off by %.1e", off / top);
   ct_state_free(state);
   ct_scene_free(scene);

@@ -70,7 +70,7 @@ static void partial_sums_keep_the_conditions(void)
     middle = fmax(middle, fmax(fabs(f[10 + TAU]), fabs(f[14])));
     start = fmax(start, fmax(fabs(f[15 + TAU]), fabs(f[18])));
   }
-  tap_ok(traction < 1e-9, "20 branches: the faces are free of traction: %.1e", traction);
+  tap_ok(traction < 1e-12, "20 branches: the faces are free of traction: %.1e", traction);
   tap_ok(middle < 1e-12, "20 branches: tau and v_z vanish at z = 0: %.1e", middle);
   tap_ok(start < 1e-12, "20 branches: tau and v_x vanish at x = 0: %.1e", start);
   ct_exact_series_free(series);

@@ -321,7 +321,7 @@ static void patch_law(void)
             "slip: the force stays at mu times the normal force");
   for (int i = 0; i < 60; i++) shift(&t, 0.0, 0.001), go(&t);
   pull_of(&t, turned);
-  tap_ok(fabs(turned[1] + 0.5 * turned[2]) < 1e-4 * turned[2] && fabs(turned[0]) < 0.01 * turned[2],
+  tap_ok(fabs(turned[1] + 0.5 * turned[2]) < 1e-6 * turned[2] && fabs(turned[0]) < 0.01 * turned[2],
          "slip: the force turns with the motion");
   free_pressed(&t);
 }
@@ -364,7 +364,7 @@ static void rotation(void)
       for (int k = 0; k < 3; k++) off = worst(off, t.f[3 * n + k] - solid[3 * n + k] - want[k]);
     }
   }
-  tap_ok(off < 1e-11 * size,
+  tap_ok(off < 1e-12 * size,
          "after turns of 0.4 rad each the held friction has turned with the bodies (%.2g)",
          off / size);
   free(x0), free(f0), free(solid);

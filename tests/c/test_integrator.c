@@ -110,7 +110,7 @@ static void bifurcations(void)
   tap_close(radius(&chung, 27.0 / 8.0, 0.0), 0.5, 3e-3,
             "Chung and Lee, beta = 28/27: three roots of 1/2 at Omega^2 = 27/8");
   double p = 0.585786437626905, q = 1.0 - p;
-  tap_close(radius(&(ct_integrator){CT_NOH_BATHE, p}, 2.0 / (q * q), 0.0), 0.0, 1e-3,
+  tap_close(radius(&(ct_integrator){CT_NOH_BATHE, p}, 2.0 / (q * q), 0.0), 0.0, 1e-6,
             "Noh and Bathe, p = 2 - sqrt 2: both roots vanish at Omega = sqrt 2 / (1 - p)");
 }
 
@@ -281,7 +281,7 @@ static void pressed_start(ct_scheme scheme, ct_enforcement enforcement)
   need(ct_state_force(p, state, 1, force, &e), &e);
   double off = largest_difference(v, p->initial_velocity, 3 * p->node_count),
          push = largest(force, 3 * p->node_count);
-  tap_ok(off < 1e-8 && push > 0.0, "%s, %s: pressed from the start, velocity off by %.2g",
+  tap_ok(off < 1e-13 && push > 0.0, "%s, %s: pressed from the start, velocity off by %.2g",
          ct_scheme_name(scheme), ct_enforcement_name(enforcement), off);
   free(v);
   free(force);

@@ -145,7 +145,7 @@ static void gradient(ct_brick_kind kind, ct_obstacle o, const char *name)
     *at = was;
     off = worst(off, (above - below) / (2 * h) + f[i]);
   }
-  tap_ok(size > 0.0 && off < 1e-6 * size, "%s: force is minus the gradient of the energy (%.2g)",
+  tap_ok(size > 0.0 && off < 1e-8 * size, "%s: force is minus the gradient of the energy (%.2g)",
          name, off / size);
   e->free_scratch(scratch);
   free(u), free(f), free(scrap);

@@ -6,6 +6,9 @@ int main(void)
 {
   enum { INPUTS = 20000 };
   fuzz_random_inputs(INPUTS);
-  tap_ok(1, "%d inputs, no promise broken", INPUTS);
+  tap_ok(answers[CT_OK] > INPUTS / 4 && answers[CT_INVALID] > INPUTS / 100 &&
+             answers[CT_ERROR_ARGUMENT] > INPUTS / 100,
+         "%d inputs, no promise broken: %lld closest points found, %lld invalid, %lld refused",
+         INPUTS, answers[CT_OK], answers[CT_INVALID], answers[CT_ERROR_ARGUMENT]);
   return tap_done();
 }

@@ -78,7 +78,7 @@ static void orders(void)
   ct_face cylinder = parabolic_face(CT_Q8, 0.8, 0), cup = parabolic_face(CT_Q8, 0.7, 0.7),
           saddle = parabolic_face(CT_Q8, 0.9, -0.6);
   path p = walk(CT_LEAST_SQUARES, &cylinder, point, start, &out);
-  tap_close(p.xi[6][0] / p.xi[5][0], g * 0.8, 1e-3,
+  tap_close(p.xi[6][0] / p.xi[5][0], g * 0.8, 1e-6,
             "least squares leaves the gap times the curvature of each error");
   p = walk(CT_SPHERE, &cup, point, diagonal, &out);
   tap_ok(p.count < 8 && off(&p, 2) < 4 * off(&p, 1) * off(&p, 1),
@@ -129,7 +129,7 @@ static void zigzag(void)
   for (int i = 0; i < 4; i++) flat.node[i][1] *= 3;
   ct_projection out;
   path p = walk(CT_STEEPEST_DESCENT, &flat, point, start, &out);
-  tap_close(p.xi[10][0] / p.xi[9][0], (c - 1) / (c + 1), 1e-9,
+  tap_close(p.xi[10][0] / p.xi[9][0], (c - 1) / (c + 1), 1e-12,
             "steepest descent zigzags at the rate of theory");
 }
 

@@ -53,8 +53,8 @@ static void parabolic_cylinder(ct_face_kind kind, double p)
   tap_ok(wrong == 0 && hits > 80 && misses > 80,
          "%s, p = %g: %d hits (%d of them twice) and %d misses are told apart", FACE_NAME[kind], p,
          hits, twice, misses);
-  tap_close(error, 0, 1e-11, "%s, p = %g: the hits and the ways to them", FACE_NAME[kind], p);
-  tap_close(normal, 0, 1e-11, "%s, p = %g: their normals", FACE_NAME[kind], p);
+  tap_close(error, 0, 1e-12, "%s, p = %g: the hits and the ways to them", FACE_NAME[kind], p);
+  tap_close(normal, 0, 1e-13, "%s, p = %g: their normals", FACE_NAME[kind], p);
 }
 
 /* From a point at height g over the foot, the line along the normal comes back to the foot. */

@@ -302,8 +302,7 @@ static void built_twice(void)
   tap_ok(problem->effect_count == 6 && problem->inverse_mass[0] == 0.0, "and a support after that");
   for (int k = 0; k < 40; k++) add_support(p.scene, 0, p.left, 0, -1.0, "xyz", 0.0);
   for (int k = 0; k < 20; k++) add_contact(p.scene, 0, p.left, 0.0, 1, p.right, 0.0, 0, 4.0);
-  close_plates(&p); // sanitizers watch that the scene gives back just what it holds
-  tap_ok(1, "a scene that grew after its last build is given back");
+  close_plates(&p); // a scene that grew after its last build: a leak ends the sanitized program
 }
 
 /* The problem is what was asked for: nodes one body after another, masses, velocities, names. */

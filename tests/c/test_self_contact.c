@@ -138,7 +138,7 @@ static void folded(ct_face_kind kind)
     off = worst(off, f[i] + (up - energy_at(contact, p.x)) / (2.0 * h));
     p.x[i] = keep;
   }
-  tap_ok(off < 1e-6 * largest(f, 3 * nodes),
+  tap_ok(off < 1e-8 * largest(f, 3 * nodes),
          "%s strip: force is minus the gradient of the energy, off by %.2g", KIND[kind],
          off / largest(f, 3 * nodes));
   for (int n = 0; n < nodes; n++)
@@ -457,7 +457,7 @@ static void scene_of_a_c(void)
          "a scene of a C whose ends collide: contact takes %.2g of the energy, the total strays by "
          "%.2g",
          touched, balance);
-  tap_close(p / size, 0.0, 1e-10, "and its momentum stays");
+  tap_close(p / size, 0.0, 1e-14, "and its momentum stays");
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(bent);

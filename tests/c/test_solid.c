@@ -36,9 +36,9 @@ static void patch_test(ct_brick_kind kind)
     off[0] = worst(off[0], largest_difference(&stress[6 * el], want, 6));
     off[1] = worst(off[1], largest_difference(s, want, 6));
   }
-  tap_ok(off[0] < 1e-11 * largest(want, 6), "%s patch: stress at centres, off by %.2g", KIND[kind],
+  tap_ok(off[0] < 1e-13 * largest(want, 6), "%s patch: stress at centres, off by %.2g", KIND[kind],
          off[0] / largest(want, 6));
-  tap_ok(off[1] < 1e-11 * largest(want, 6), "%s patch: stress anywhere, off by %.2g", KIND[kind],
+  tap_ok(off[1] < 1e-13 * largest(want, 6), "%s patch: stress anywhere, off by %.2g", KIND[kind],
          off[1] / largest(want, 6));
 
   block solid = open_block(m, &STEEL, CT_KERNEL_GENERAL);

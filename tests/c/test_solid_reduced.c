@@ -87,7 +87,7 @@ static void gradient(void)
     u[i] = at;
     off = worst(off, f[i] + ((energy[1][0] - energy[0][0]) + (energy[1][1] - energy[0][1])) / 2e-4);
   }
-  tap_ok(off < 1e-10 * largest(f, 24),
+  tap_ok(off < 1e-13 * largest(f, 24),
          "the force is minus the gradient of both energies, off by %.2g", off / largest(f, 24));
   ct_mesh_free(m);
 }

@@ -151,7 +151,7 @@ static void looks(void)
   // One element taken twice, one left out: as many elements and nodes as before.
   for (int a = 0; a < 8; a++) m->elements[8 * 21 + a] = m->elements[8 * 22 + a];
   solid = open_held(m, &SOFT, CT_KERNEL_BOX, held);
-  tap_close(block_frequency(&solid) / one, 1.0, 1e-11,
+  tap_close(block_frequency(&solid) / one, 1.0, 1e-13,
             "a box with a hole has the bound of its elements");
   close_block(&solid);
   ct_mesh_free(m);
@@ -160,7 +160,7 @@ static void looks(void)
   m = box_mesh(CT_HEX8, 0, 0, 0, 4, 4, 4, 4, 4, 4);
   m->element_count--;
   solid = open_held(m, &SOFT, CT_KERNEL_BOX, held);
-  tap_close(block_frequency(&solid) / one, 1.0, 1e-11, "so has a box without one corner");
+  tap_close(block_frequency(&solid) / one, 1.0, 1e-13, "so has a box without one corner");
   close_block(&solid);
   m->element_count++;
   ct_mesh_free(m);
@@ -199,7 +199,7 @@ static void turned(void)
   take_element(m, 0, m->nodes, x);
   need(ct_mass_element(CT_HEX8, x, SOFT.density, CT_LUMP_DEFAULT, mass, &e), &e);
   need(ct_solid_element_frequency(CT_HEX8, x, &SOFT, mass, &one, &e), &e);
-  tap_close(lean / one, 1.0, 1e-11, "bricks that lean have the bound of their elements");
+  tap_close(lean / one, 1.0, 1e-13, "bricks that lean have the bound of their elements");
   ct_mesh_free(m);
 }
 

@@ -14,6 +14,9 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 void fuzz_random_inputs(long inputs);
 
+/* Answers so far, by status. */
+static long long answers[CT_ERROR_ARGUMENT + 1];
+
 static void demand(int ok, const char *what)
 {
   if (ok) return;
@@ -88,6 +91,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   ct_status status = ct_project(&face, point, &options, &out);
   demand(status == out.status, "the status is returned and written");
   check_projection(&out, &options);
+  answers[status]++;
   for (int k = 0; k < 3; k++) direction[k] = number(&data, &size, raw);
   ct_ray_hit hit;
   memset(&hit, 0x7f, sizeof hit);
