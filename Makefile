@@ -161,10 +161,12 @@ $(VENV)/.wrapper: $(ARCHIVES) $(HEADERS) $(WRAPPER) $(VENV)/.run
 	@rm -rf $(SETUPTOOLS_LEFT)
 	$(Q)touch $@
 
+# As many compilers at a time as there are processors, where the caller says nothing else.
+JOBS = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 1))
 figures test docs measured bench stability wheel: setup
-	@+$(MAKE) --no-print-directory _$@
+	@+$(MAKE) --no-print-directory $(JOBS) _$@
 check-c:
-	@+$(MAKE) --no-print-directory _$@
+	@+$(MAKE) --no-print-directory $(JOBS) _$@
 
 # -- Figures, book, bench, wheel --------------------------------------------------------------------------------------------------
 _figures: $(VENV)/.wrapper
@@ -261,6 +263,9 @@ _check-c: $(C_PROGRAMS)
 
 # The fuzz target: libFuzzer where $(CC) or a clang has it, with the library compiled for it; else pseudo-random bytes.
 FUZZ_SECONDS ?= 60
+# C tests of random numbers, of which a make test runs few, and how many times as many of them.
+LONG := projection_certified contact_geometry
+FUZZ_LONG ?= 10
 FUZZ_CC = $(firstword $(foreach c,$(CC) clang clang-19 clang-18 clang-17 clang-16 clang-15 clang-14,$(shell command -v $(firstword $(c)) >/dev/null 2>&1 && \
   printf 'int LLVMFuzzerTestOneInput(const char*d,unsigned long n){return d==0&&n==1;}' | $(c) -fsanitize=fuzzer,address -x c - -o /dev/null 2>/dev/null && echo $(c))))
 ifneq ($(filter _fuzz,$(MAKECMDGOALS)),)
@@ -287,10 +292,12 @@ $(BUILD)/fuzz/random_savings: tests/fuzz/fuzz_savings.c tests/fuzz/dice.h tests/
 	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) -D_GNU_SOURCE -DFUZZ_MAIN=1 $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
 fuzz: setup
 	@+$(MAKE) --no-print-directory _fuzz
-_fuzz: $(if $(filter _fuzz,$(MAKECMDGOALS)),$(BUILD)/fuzz/$(if $(FUZZ_CC),libfuzzer_project,random_project)) $(if $(SANITIZERS),$(BUILD)/fuzz/random_api $(BUILD)/fuzz/random_savings) $(VENV)/.wrapper $(VENV)/.test
+_fuzz: $(if $(filter _fuzz,$(MAKECMDGOALS)),$(BUILD)/fuzz/$(if $(FUZZ_CC),libfuzzer_project,random_project)) $(if $(SANITIZERS),$(BUILD)/fuzz/random_api $(BUILD)/fuzz/random_savings $(LONG:%=$(BUILD)/tests/asan_%)) $(VENV)/.wrapper $(VENV)/.test
 	@mkdir -p $(BUILD)/fuzz/corpus
 	$(VENV)/bin/python tests/fuzz/run_fuzz.py $(FUZZ_SECONDS) $(BUILD)/fuzz $(if $(SANITIZERS),$(BUILD)/fuzz/random_api $(BUILD)/fuzz/random_savings)
 	$< $(if $(FUZZ_CC),-max_total_time=$(FUZZ_SECONDS) -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus,1000000)
+	@for t in $(if $(SANITIZERS),$(LONG)); do echo "  $(FUZZ_LONG) times test_$$t"; \
+	  TAP_LONG=$(FUZZ_LONG) $(BUILD)/tests/asan_$$t > $(BUILD)/fuzz/$$t.txt 2>&1 || { grep -v '^ok' $(BUILD)/fuzz/$$t.txt; exit 1; }; done
 
 # Runs that are killed while they write.
 KILLS ?= 100

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 static int tap_count, tap_failed;
 
@@ -49,6 +50,14 @@ static inline void tap_skip(const char *format, ...)
   va_start(arguments, format);
   tap_line(1, " # SKIP", format, arguments);
   va_end(arguments);
+}
+
+/* How often to repeat a check of random numbers: `count` times, and TAP_LONG times as often where
+ * the environment has TAP_LONG, as `make fuzz` does. */
+static inline int tap_times(int count)
+{
+  const char *more = getenv("TAP_LONG");
+  return more != NULL && atoi(more) > 0 ? count * atoi(more) : count;
 }
 
 /* The plan; return this from main. */

@@ -293,8 +293,9 @@ static void corners_and_edges(void)
                cube_low[3] = {-0.5, -0.5, -0.5}, cube_size[3] = {1, 1, 1};
   const int floor_cells[3] = {8, 8, 1}, one[3] = {1, 1, 1};
   patch base = new_box(floor_low, floor_size, floor_cells);
+  const int cubes = tap_times(8);
   double corner[2] = {0, 0}, edge[2] = {0, 0};
-  for (int k = 0; k < 24; k++) {
+  for (int k = 0; k < cubes; k++) {
     patch cube = new_box(cube_low, cube_size, one);
     double R[3][3], lowest = 0.0;
     random_rotation(R);

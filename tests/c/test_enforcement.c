@@ -24,6 +24,7 @@ static double bisect(const ct_constraint *c, double free, double W)
   double low = 0.0, high = ct_enforcement_force(c, free) + 1e-300;
   for (int i = 0; i < 2000; i++) {
     double middle = 0.5 * (low + high);
+    if (middle <= low || middle >= high) break;
     if (ct_enforcement_force(c, free + W * middle) > middle) low = middle;
     else high = middle;
   }

@@ -4,6 +4,9 @@
 
 #include "../../libcontact/src/projection/projection_internal.h"
 
+/* Random faces of a kind. */
+enum { TRIALS = 100 };
+
 /* How many of `trials` are proven, how many of the proofs a grid refutes, and what they cost. */
 typedef struct score {
   int proven, refuted, disagree, evaluations;
@@ -38,35 +41,38 @@ static void report(const score *s, int trials, int least, const char *kind, cons
 
 static void random_faces(ct_face_kind kind, double amount, double far, const char *what)
 {
+  const int trials = tap_times(TRIALS);
   score s = {0, 0, 0, 0}, cut = s;
-  for (int trial = 0; trial < 300; trial++) {
+  for (int trial = 0; trial < trials; trial++) {
     ct_face face = random_face(kind, amount);
     double point[3] = {uniform(far), uniform(far), uniform(far)};
     judge(&face, point, 0, 64, &s);
     judge(&face, point, 1, 64, &cut);
   }
-  report(&s, 300, 297, FACE_NAME[kind], what);
-  report(&cut, 300, 0, FACE_NAME[kind], "robust stopped after one iteration");
+  report(&s, trials, trials - trials / 100, FACE_NAME[kind], what);
+  report(&cut, trials, 0, FACE_NAME[kind], "robust stopped after one iteration");
 }
 
 /* Several valleys, two of them as deep as each other in every third case. */
 static void folded_faces(ct_face_kind kind)
 {
+  const int trials = tap_times(TRIALS);
   score s = {0, 0, 0, 0};
-  for (int trial = 0; trial < 300; trial++) {
+  for (int trial = 0; trial < trials; trial++) {
     double p = uniform(4), q = uniform(4), point[3] = {uniform(2), uniform(2), uniform(2)};
     ct_face face = parabolic_face(kind, p, q);
     if (trial % 3 == 0 && kind == CT_Q8) point[0] = 0;
     judge(&face, point, 0, 96, &s);
   }
-  report(&s, 300, 297, FACE_NAME[kind], "folded");
+  report(&s, trials, trials - trials / 100, FACE_NAME[kind], "folded");
 }
 
 /* Two corners, an edge or two opposite edges in one place; quarter-point mid-sides; needles. */
 static void degenerate_faces(void)
 {
+  const int trials = tap_times(TRIALS);
   score collapsed = {0, 0, 0, 0}, quarter = collapsed, needle = collapsed;
-  for (int trial = 0; trial < 300; trial++) {
+  for (int trial = 0; trial < trials; trial++) {
     ct_face face = random_face(CT_Q4, 0.4), crack = random_face(CT_Q8, 0.1),
             thin = random_face(trial % 2 ? CT_T6 : CT_Q8, 0.1);
     double point[3] = {uniform(1.5), uniform(1.5), uniform(1.5)};
@@ -80,9 +86,9 @@ static void degenerate_faces(void)
     judge(&crack, point, 0, 64, &quarter);
     judge(&thin, point, 0, 64, &needle);
   }
-  report(&collapsed, 300, 295, "Q4", "collapsed");
-  report(&quarter, 300, 295, "Q8", "quarter-point");
-  report(&needle, 300, 290, "Q8 and T6", "aspect 1e5");
+  report(&collapsed, trials, trials - trials / 60, "Q4", "collapsed");
+  report(&quarter, trials, trials - trials / 60, "Q8", "quarter-point");
+  report(&needle, trials, trials - trials / 30, "Q8 and T6", "aspect 1e5");
   tap_ok(collapsed.evaluations < 20000 && quarter.evaluations < 20000, "the budget holds");
 }
 
@@ -188,14 +194,15 @@ static ct_face around(ct_face_kind kind, int sphere, double radius, double aside
 
 static void centres_of_curvature(void)
 {
+  const int trials = tap_times(TRIALS);
   score s = {0, 0, 0, 0};
-  for (int trial = 0; trial < 300; trial++) {
+  for (int trial = 0; trial < trials; trial++) {
     double point[3];
     ct_face face = around(trial % 2 ? CT_Q8 : CT_T6, trial % 4 < 2, 1.5 + fabs(uniform(2)),
                           pow(10, -1 - trial % 9), point);
     judge(&face, point, 0, 64, &s);
   }
-  report(&s, 300, 297, "Q8 and T6", "at the centre of curvature");
+  report(&s, trials, trials - trials / 100, "Q8 and T6", "at the centre of curvature");
 }
 
 /* Near the surface nothing is left of the distance that a bound could give away; a look at the foot

@@ -237,9 +237,12 @@ def test_a_package_of_the_sources_builds_the_core_alone(tmp_path):
         )
     for name in ("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, tree)
+    fast = tmp_path / "cc"  # what is tested is which files are there, not how fast they run
+    fast.write_text(f'#!/bin/sh\nexec {shlex.join(CC)} "$@" -O0 -g0\n')
+    fast.chmod(0o755)
     environment = {
         name: value for name, value in os.environ.items() if not name.startswith("LIBCONTACT_")
-    }
+    } | {"CC": str(fast)}
     make = "from setuptools import build_meta as b; import sys; print(b.build_sdist(sys.argv[1]))"
     done = subprocess.run(
         [sys.executable, "-c", make, str(tmp_path)],

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import libcontact as ct
+from libcontact import warned
 
 LABORATORY = Path(__file__).parents[2] / "stability"
 sys.path.insert(0, str(LABORATORY))
@@ -20,10 +21,26 @@ finally:
     sys.path.remove(str(LABORATORY))
 
 
+# Of what a case does on purpose, runs warn; and of a penalty that chatters.
+MEANT = {
+    "thin_plates": {ct.ThinWarning},
+    "sizes": {ct.UnitsWarning},
+    "contact_and_reference": set(),
+}
+
+
 @pytest.mark.parametrize("case", cases.CASES, ids=lambda case: case.__name__)
-def test_case(case):
+def test_case(case, monkeypatch):
+    found = set()
+
+    def judge(name, made, **more):
+        found.update(type(one) for one in warned.known(made._built(None), None))
+        return lab.judge(name, made, **more)
+
+    monkeypatch.setattr(cases, "judge", judge)
     odd = laboratory.surprises(list(case(True)))
     assert not odd, "\n".join(lab.line(row) for row in odd)
+    assert found - {ct.ChatterWarning} == MEANT.get(case.__name__, set())
 
 
 def test_the_judge_sees_what_is_wrong():

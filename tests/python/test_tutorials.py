@@ -16,6 +16,12 @@ import libcontact as ct
 
 ROOT = Path(__file__).resolve().parents[2]
 SCRIPTS = sorted((ROOT / "tutorials").glob("[0-9][0-9]_*.py"))
+# What a tutorial writes for the book to show.
+FILES = {
+    "02_closest_point.py": [
+        f"closest_point_{name}.png" for name in ("face", "starts", "paths", "work", "floor")
+    ]
+}
 
 
 def run(script, folder):
@@ -66,6 +72,8 @@ def test_examples_are_the_scenes_of_the_repository():
 def test_tutorial_runs(script, tmp_path):
     done = run(script, tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
+    for name in FILES.get(script.name, ()):
+        assert (tmp_path / name).stat().st_size > 10_000
 
 
 @pytest.fixture(scope="module")

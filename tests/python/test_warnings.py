@@ -1,7 +1,6 @@
 """What a scene is warned of: each condition fires where it should, once, and not beside it; explain, run and the command line say the same."""
 
 import math
-import sys
 import warnings
 from pathlib import Path
 
@@ -415,35 +414,3 @@ def test_the_command_line_says_each_warning_in_one_line(tmp_path, capsys):
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_no_tutorial_is_warned_of(path):
     assert warned.known(ct.Scene.load(path)._built(None), None) == []
-
-
-# What the laboratory does on purpose.
-MEANT = {
-    "thin_plates": {ct.ThinWarning},
-    "sizes": {ct.UnitsWarning},
-    "contact_and_reference": set(),
-}
-
-
-def laboratory():
-    sys.path.insert(0, str(ROOT / "stability"))
-    try:
-        import cases
-    finally:
-        sys.path.pop(0)
-    return cases
-
-
-@pytest.mark.parametrize("case", laboratory().CASES, ids=lambda case: case.__name__)
-def test_no_case_of_the_laboratory_is_warned_of(case, monkeypatch):
-    """But of what it does on purpose: plates of one element's thickness, bodies of a nanometre, a penalty that chatters."""
-    cases, found = laboratory(), set()
-
-    def look(name, made, **more):
-        found.update(type(one) for one in warned.known(made._built(None), None))
-        return cases.Row(name, "", None, *[0.0] * 8, "looked at")
-
-    monkeypatch.setattr(cases, "judge", look)
-    for _ in case(True):
-        pass
-    assert found - {ct.ChatterWarning} == MEANT.get(case.__name__, set())
