@@ -50,7 +50,13 @@ def explain(problem: Problem, every: int, records: int) -> Explanation:
     gaps, found = at_start(problem)
     warnings = known(problem, problem.parts.output.file, found)
     data = _facts(problem, gaps, found, warnings)
-    data["plan"] = predict(problem, records)
+    plan = predict(problem, records)
+    data["plan"] = list(plan.costs)
+    data["cost"] |= {
+        "seconds": plan.seconds,
+        "output_bytes": plan.output,
+        "rehearsed": plan.rehearsed,
+    }
     data["time"]["limited_by"] = _limited_by(problem, data["plan"])
     data["output"] = {
         "file": problem.parts.output.file,
@@ -396,5 +402,5 @@ def _plan_lines(plan: list[Cost], stable: float) -> list[str]:
         return ["  no prediction: a trial of a few steps failed"]
     return [
         "  predicted from a rehearsal and a trial on this machine; flops and bytes with all at work:",
-        *table(plan, stable),
+        *(f"  {line}" for line in table(plan, stable).splitlines()),
     ]

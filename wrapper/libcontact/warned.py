@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from ._core import ffi, lib
-from .activity import Touch, first_touch, gravity_on, surface_box
 from .chatter import chatter
 from .errors import (
     InsideOutWarning,
@@ -30,6 +29,7 @@ from .mesh import Mesh, rotation
 from .parts import Contact
 from .problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
 from .surfaces import obstacle_name, pair_name
+from .touch import Touch, first_touch, gravity_on, surface_box
 
 # Wave speeds [m/s] between which every solid lies, with much room on both sides.
 SLOW, FAST = 1.0, 30000.0

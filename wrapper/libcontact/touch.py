@@ -1,7 +1,4 @@
-"""
-When something can happen in a scene: the first possible touch of each contact, and how much of the elements a force can have
-reached.
-"""
+"""The first possible touch of each contact and obstacle of a scene."""
 
 from __future__ import annotations
 
@@ -10,14 +7,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from ._core import ffi, lib
 from .problem import Problem
 
-# Elements that are quiet together (the library's batch).
-BATCH = 8
-# Beyond this the front is not followed element by element; all are taken as active.
-MOST_ELEMENTS = 2_000_000
+Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +26,8 @@ class Touch:
     contact: int
     body: str
     time: float
-    shift: np.ndarray
-    normal: np.ndarray
+    shift: Array
+    normal: Array
     closing: float
 
 
@@ -54,7 +48,7 @@ def first_touch(problem: Problem) -> list[Touch]:
     return out
 
 
-def surface_box(problem: Problem, contact: int, side: int) -> tuple[np.ndarray, np.ndarray]:
+def surface_box(problem: Problem, contact: int, side: int) -> tuple[Array, Array]:
     """Smallest and largest coordinates of a contact's surface, 0 or 1."""
     body, _ = problem.parts.contacts[contact].surfaces[side]
     points = problem.bodies[body].mesh.nodes[np.unique(problem.faces[contact][side])]
@@ -99,7 +93,7 @@ def _obstacle(problem: Problem, number: int, given: Any) -> Touch:
     return Touch("obstacle", number, body, time, -gap * normal, -normal, _closing(gap, speed, pull))
 
 
-def gravity_on(problem: Problem, body: str) -> np.ndarray:
+def gravity_on(problem: Problem, body: str) -> Array:
     """The acceleration (3,) of a body that falls freely."""
     total = np.zeros(3)
     for added in problem.parts.effects:
@@ -127,74 +121,3 @@ def _closing(gap: float, speed: float, pull: float) -> float:
         if math.isfinite(_fall(gap, speed, pull))
         else 0.0
     )
-
-
-def active_share(
-    problem: Problem, touch: list[Touch], count: int, begins: np.ndarray | None = None
-) -> float:
-    """
-    The share of the elements' work that is left where those are skipped which no force can have reached, the mean over the
-    first ``count`` steps of the run. A force goes one element a step; it begins where a support stops a node, and at the nodes
-    of each effect at the step that ``begins`` (effects) says; without it where surfaces can touch, and of other effects at
-    once. 1 where nothing is left out, as in a layer in plane strain that is no lattice.
-    """
-    if (
-        "quiet" not in problem.parts.savings
-        or sum(len(body.mesh.elements) for body in problem.bodies.values()) > MOST_ELEMENTS
-    ):
-        return 1.0
-    starts = _starts(problem, touch, begins)
-    active = total = 0.0
-    for name, body in problem.bodies.items():
-        share, work = 1.0, body.flops * len(body.mesh.elements)
-        if body.kernel != "plane" or problem.has_rows(problem.parts.bodies[name]):
-            steps = _first_steps(body.mesh.elements, starts[body.nodes])
-            batches = np.minimum.reduceat(steps, np.arange(0, len(steps), BATCH))
-            share = float(np.mean(np.maximum(count - batches, 0.0))) / count
-        active += share * work
-        total += work
-    return active / total
-
-
-def _starts(problem: Problem, touch: list[Touch], begins: np.ndarray | None) -> np.ndarray:
-    """The step at which a force can begin at each node of the problem; infinite where none does."""
-    pointer = problem.pointer
-    count = pointer.node_count
-    starts = np.full(count, np.inf)
-    velocity = np.frombuffer(ffi.buffer(pointer.initial_velocity, 24 * count), np.float64).reshape(
-        -1, 3
-    )
-    for body in problem.bodies.values():
-        own = velocity[body.nodes]
-        common = np.median(own, axis=0)
-        starts[body.nodes][np.any(own != common, axis=1)] = 0.0
-    times = {(move.name, move.contact): move.time for move in touch}
-    met = dict.fromkeys(("contact", "obstacle"), 0)
-    for k, name in enumerate(problem.effects):
-        effect = pointer.effects[k]
-        if k == 0 or effect.phase == lib.CT_PHASE_REACTION or effect.node_count == 0:
-            continue
-        everywhere = effect.nodes == ffi.NULL
-        nodes = (
-            slice(None)
-            if everywhere
-            else np.frombuffer(ffi.buffer(effect.nodes, 4 * effect.node_count), np.int32)
-        )
-        begin = 0.0
-        if name in met:
-            begin = times[name, met[name]] / problem.dt
-            met[name] += 1
-        starts[nodes] = np.minimum(starts[nodes], begin if begins is None else begins[k])
-    return starts
-
-
-def _first_steps(elements: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """For each element the step at which one of its nodes is reached first, the front going on by an element a step."""
-    reached = starts.copy()
-    while True:
-        steps = reached[elements].min(axis=1)
-        after = reached.copy()
-        np.minimum.at(after, elements.ravel(), np.repeat(steps + 1.0, elements.shape[1]))
-        if np.array_equal(after, reached):
-            return steps
-        reached = after
