@@ -266,7 +266,8 @@ def _prices(problem: Problem, rehearsals: list[Rehearsal], interval: int) -> _Pr
         # What does not wait for a touch costs as much more than in the rehearsal as it does in a trial, :eq:`plan-trial`.
         other = _try(coarse, interval)
         for name in set(seconds) - set(TOUCHING):
-            seconds[name] = seen[0][1][name] * tried.seconds[name] / other.seconds[name]
+            if other.seconds[name] > 0.0:
+                seconds[name] = seen[0][1][name] * tried.seconds[name] / other.seconds[name]
     seconds[OUTPUT] = ratio * tried.seconds[OUTPUT]
     return _Prices(seconds, ratio * tried.first_bytes, ratio * tried.record_bytes)
 
@@ -301,13 +302,16 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Prices:
             loop.open(file)
         try:
             loop.start_guard()
+            # A record computes the forces of the next step, which takes less time then.
+            ticks = step_seconds(problem, loop.state)
             while len(records) < FEWEST_ROUNDS or (
                 len(records) < MOST_ROUNDS and np.sum(steps) + sum(records) < TRIAL_SECONDS
             ):
                 for _ in range(min(interval, MOST_STEPS)):
-                    before = step_seconds(problem, loop.state)
+                    before = ticks
                     check(lib.ct_step(problem.pointer, loop.state, error), error)
-                    steps.append(step_seconds(problem, loop.state) - before)
+                    ticks = step_seconds(problem, loop.state)
+                    steps.append(ticks - before)
                 begin = loop.output_seconds
                 loop.record()
                 records.append(loop.output_seconds - begin)

@@ -30,7 +30,7 @@ MOST_UPDATES, MOST_FRACTION, MOST_EVER, FACE_UPDATES = 1e6, 0.15, 1e8, 50
 # The second rehearsal has elements that are this many times larger again.
 COARSER = 2.0
 # The coarsest lattice: cells along each axis of a box, cells around a ring.
-FEWEST_CELLS, FEWEST_AROUND = 2, 12
+FEWEST_CELLS, FEWEST_AROUND = 1, 12
 # Equal parts of the run's time after which the counters are read, each of some steps.
 WINDOWS, FEWEST_STEPS = 240, 4
 # A short rehearsal is repeated, for its times.
