@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from ._core import lib
 from .errors import ChatterWarning
@@ -30,7 +31,7 @@ def chatter(problem: Problem) -> Iterator[ChatterWarning]:
         One for each contact and obstacle whose enforcement, penalty and step are known to make energy.
     """
     parts = problem.parts
-    enforced = [
+    enforced: list[tuple[str, str, Any, tuple[tuple[str, str], ...]]] = [
         (f"contact[{i}]", pair_name(contact.surfaces), contact, contact.surfaces)
         for i, contact in enumerate(parts.contacts)
     ]
