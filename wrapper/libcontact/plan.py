@@ -12,7 +12,7 @@ import io
 import math
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ import numpy as np
 from ._core import ffi, lib
 from .errors import Error, check, new_error
 from .problem import Problem, memory_of, new_state
-from .rehearsal import Array, Rehearsal, rehearse, step_seconds
+from .rehearsal import TOUCHING, Array, Rehearsal, rehearse, step_seconds
 from .touch import first_touch
 
 # A trial takes about this long, in rounds of some steps and a record.
@@ -32,8 +32,6 @@ INTERRUPTED = 3.0
 MOST_ELEMENTS = 100_000
 # The strain that makes all elements active in a trial.
 STRETCH = 1e-12
-# Effects that have no force where nothing touches.
-TOUCHING = ("contact", "obstacle", "friction")
 LOOP, OUTPUT = "time loop", "output"
 HEADS = (
     *("", "nodes", "a step", "work", "done"),
@@ -127,28 +125,20 @@ def predict(problem: Problem, records: int) -> Prediction:
     Prediction
         Costs without predicted times where no step can be computed.
     """
-    rehearsals, parts = rehearse(problem), _known(problem)
+    seen, steps, active = rehearse(problem), problem.step_count, dict[str, float]()
     try:
-        prices = _prices(problem, rehearsals, max(1, problem.step_count // max(1, records - 1)))
+        prices = _prices(problem, seen, max(1, steps // max(1, records - 1)))
     except (Error, OSError):
-        costs = tuple(Cost(name, **part) for name, part in parts.items())
-        return Prediction(costs, problem.step_count, memory_of(problem), rehearsed=False)
-    active, steps = dict[str, float](), problem.step_count
-    if rehearsals:
-        active, steps = _active(rehearsals[0]), rehearsals[0].steps
-        _add_rounds(problem, rehearsals, parts)
-    costs = tuple(
-        Cost(
-            name,
-            seconds_a_step=prices.seconds[name],
-            active=active.get(name, 1.0),
-            predicted=prices.seconds[name] * (records if name == OUTPUT else steps),
-            **part,
-        )
-        for name, part in parts.items()
-    )
+        return Prediction(tuple(_known(problem)), steps, memory_of(problem), rehearsed=False)
+    if seen:
+        active, steps = _active(seen[0]), seen[0].steps
+    costs = []
+    for cost in _known(problem, _rounds(problem, seen)):
+        price, count = prices.seconds[cost.name], records if cost.name == OUTPUT else steps
+        share = active.get(cost.name, 1.0)
+        costs.append(replace(cost, seconds_a_step=price, active=share, predicted=price * count))
     size = round(prices.first_bytes + prices.record_bytes * (records - 1))
-    return Prediction(costs, steps, memory_of(problem), size, bool(rehearsals))
+    return Prediction(tuple(costs), steps, memory_of(problem), size, bool(seen))
 
 
 def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, float]:
@@ -181,47 +171,48 @@ def _by_name(problem: Problem, values: Array) -> dict[str, float]:
     return out
 
 
-# What is known of each part without a step.
+# What is known of each part without a step, and what a rehearsal adds.
 
 
-def _known(problem: Problem) -> dict[str, dict[str, Any]]:
-    """Nodes, operations, bytes and bounds of each part; of the output nothing."""
+def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
+    """Nodes, operations, bytes and bounds of each part, with ``rounds`` of the solver a point, :eq:`round-flops`; of the output nothing."""
     state, error, bounds = new_state(problem), new_error(), ffi.new("double[2]")
     rows = np.zeros((len(problem.effects) + 1, 5))
+    face = max(4 if body.mesh.element == "hex8" else 8 for body in problem.bodies.values())
     for k, effect in enumerate(_effects(problem)):
         check(lib.ct_stable_share(problem.pointer, state, k, bounds, bounds + 1, error), error)
         rows[k] = effect.node_count, effect.flops, effect.bytes, *bounds
+        # A point of a contact moves the nodes of two faces.
+        moves = face * (2 if effect.kind == lib.CT_EFFECT_CONTACT else 1)
+        round_cost = np.array([60.0 + 15.0 * moves, ffi.sizeof("ct_constraint") + 64.0 * moves])
+        rows[k, 1:3] += rounds * effect.constraint_count * round_cost
     for body in problem.bodies.values():
         rows[0, 1:3] += len(body.mesh.elements) * np.array([body.flops, body.bytes])
     # The kick and drift of a degree of freedom: 6 operations; 3 arrays read, 3 read and written.
     rows[-1, :3] = problem.pointer.node_count * np.array([1.0, 18.0, 192.0])
-    nodes, *columns = (_by_name(problem, column) for column in rows.T)
-    keys = ("flops", "bytes", "omega_squared", "rate")
-    return {
-        name: {"nodes": int(count)} | {key: col[name] for key, col in zip(keys, columns)}
+    nodes, flops, moved, omega2, rate = (_by_name(problem, column) for column in rows.T)
+    known = (
+        Cost(
+            name,
+            int(count),
+            flops=flops[name],
+            bytes=moved[name],
+            omega_squared=omega2[name],
+            rate=rate[name],
+        )
         for name, count in nodes.items()
-    } | {OUTPUT: {}}
+    )
+    return [*known, Cost(OUTPUT)]
 
 
-def _add_rounds(
-    problem: Problem, rehearsals: list[Rehearsal], parts: dict[str, dict[str, Any]]
-) -> None:
-    """Add the operations and bytes of the solver's rounds, :eq:`round-flops`, to contacts and obstacles by their points."""
-    effects, points = _effects(problem), _points(problem)
-    rounds = _at_size(points, [(_points(seen.coarse), seen.rounds) for seen in rehearsals])
-    face = max(4 if body.mesh.element == "hex8" else 8 for body in problem.bodies.values())
-    for name, effect in zip(problem.effects, effects):
-        if effect.constraint_count:
-            share = rounds * effect.constraint_count / points
-            # A point of a contact moves the nodes of two faces.
-            nodes = face * (2 if effect.kind == lib.CT_EFFECT_CONTACT else 1)
-            parts[name]["flops"] += share * (60.0 + 15.0 * nodes)
-            parts[name]["bytes"] += share * (ffi.sizeof("ct_constraint") + 8.0 * 8.0 * nodes)
-
-
-def _points(problem: Problem) -> float:
-    """The constraints of all effects, if all of their points press."""
-    return float(sum(effect.constraint_count for effect in _effects(problem)))
+def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:
+    """The solver's rounds in a step, per point."""
+    points = [
+        sum(effect.constraint_count for effect in _effects(one))
+        for one in (problem, *(rehearsal.coarse for rehearsal in seen))
+    ]
+    counted = [(float(size), one.rounds) for size, one in zip(points[1:], seen)]
+    return _at_size(points[0], counted) / points[0] if counted and points[0] else 0.0
 
 
 def _effects(problem: Problem) -> list[Any]:
@@ -231,9 +222,9 @@ def _effects(problem: Problem) -> list[Any]:
 def _active(rehearsal: Rehearsal) -> dict[str, float]:
     """The fraction in which the elements and each touching effect are active."""
     out = {"solid": rehearsal.computed}
-    for k, name in enumerate(rehearsal.coarse.effects):
+    for name, pressed in zip(rehearsal.coarse.effects, rehearsal.pressed.mean(axis=0)):
         if name in TOUCHING:
-            out[name] = max(out.get(name, 0.0), float(rehearsal.pressed[:, k].mean()))
+            out[name] = max(out.get(name, 0.0), float(pressed))
     return out
 
 
@@ -249,32 +240,32 @@ class _Prices:
     record_bytes: float
 
 
-def _prices(problem: Problem, rehearsals: list[Rehearsal], interval: int) -> _Prices:
+def _prices(problem: Problem, seen: list[Rehearsal], interval: int) -> _Prices:
     """The prices of a run: those of its rehearsals at the size of the run, :eq:`plan-size`."""
-    if not rehearsals:
+    if not seen:
         return _try(problem, interval, together=True)
-    coarse, sizes = rehearsals[0].coarse, _sizes(problem)
-    seen = [(_sizes(one.coarse), _by_name(one.coarse, one.seconds)) for one in rehearsals]
+    coarse, sizes = seen[0].coarse, _sizes(problem)
+    rows = [(_sizes(one.coarse), _by_name(one.coarse, one.seconds)) for one in seen]
     seconds = {
-        name: _at_size(sizes[name], [(size[name], value[name]) for size, value in seen])
-        for name in seen[0][1]
+        name: _at_size(sizes[name], [(size[name], value[name]) for size, value in rows])
+        for name in rows[0][1]
     }
     large = sum(len(body.mesh.elements) for body in problem.bodies.values()) > MOST_ELEMENTS
     tried = _try(coarse if large else problem, interval)
-    ratio = sizes[LOOP] / seen[0][0][LOOP] if large else 1.0
+    ratio = sizes[LOOP] / rows[0][0][LOOP] if large else 1.0
     if not large and coarse is not problem:
         # What does not wait for a touch costs as much more than in the rehearsal as it does in a trial, :eq:`plan-trial`.
-        other = _try(coarse, interval)
-        for name in set(seconds) - set(TOUCHING):
-            if other.seconds[name] > 0.0:
-                seconds[name] = seen[0][1][name] * tried.seconds[name] / other.seconds[name]
+        other = _try(coarse, interval).seconds
+        for name in seconds:
+            if name not in TOUCHING and other[name] > 0.0:
+                seconds[name] = rows[0][1][name] * tried.seconds[name] / other[name]
     seconds[OUTPUT] = ratio * tried.seconds[OUTPUT]
     return _Prices(seconds, ratio * tried.first_bytes, ratio * tried.record_bytes)
 
 
 def _sizes(problem: Problem) -> dict[str, float]:
     """What the cost of each part is proportional to: its operations, or its nodes where these are not counted."""
-    return {name: part["flops"] or part["nodes"] for name, part in _known(problem).items() if part}
+    return {cost.name: cost.flops or float(cost.nodes) for cost in _known(problem)}
 
 
 def _at_size(size: float, seen: list[tuple[float, float]]) -> float:

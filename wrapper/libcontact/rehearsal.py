@@ -25,12 +25,14 @@ from .problem import Problem, new_state
 Array = npt.NDArray[np.float64]
 
 # Cost limits of a rehearsal, in updates of one element: this number or this fraction of the run, but never more than the
-# last. A face that may touch counts as some elements.
-MOST_UPDATES, MOST_FRACTION, MOST_EVER, FACE_UPDATES = 1e6, 0.15, 1e8, 50
+# last. A node that may touch counts as some elements.
+MOST_UPDATES, MOST_FRACTION, MOST_EVER, NODE_UPDATES = 1e6, 0.15, 1e8, 50
 # The second rehearsal has elements that are this many times larger again.
 COARSER = 2.0
-# The coarsest lattice: cells along each axis of a box, cells around a ring.
-FEWEST_CELLS, FEWEST_AROUND = 1, 12
+# The fewest cells around a ring.
+FEWEST_AROUND = 12
+# Effects that have no force where nothing touches.
+TOUCHING = ("contact", "obstacle", "friction")
 # Equal parts of the run's time after which the counters are read, each of some steps.
 WINDOWS, FEWEST_STEPS = 240, 4
 # A short rehearsal is repeated, for its times.
@@ -113,43 +115,40 @@ def _coarse(problem: Problem, times: float) -> Problem:
     return Problem(replace(parts, bodies=bodies, time=time), problem.file, problem.threads, own)
 
 
-def _larger(problem: Problem, body: scene_parts.Body, times: float) -> scene_parts.Body:
-    """A body with elements that are some times larger, numbered along the same axis."""
-    if body.box is not None:
-        cells = _fewer(body.box.cells, times, (FEWEST_CELLS,) * 3)
-        return replace(body, box=replace(body.box, cells=cells, layers=problem.layers(body)))
-    if body.ring is not None:
-        cells = _fewer(body.ring.cells, times, (1, FEWEST_AROUND, 1))
-        return replace(body, ring=replace(body.ring, cells=cells))
-    return body
-
-
-def _fewer(
-    cells: tuple[int, int, int], times: float, fewest: tuple[int, int, int]
-) -> tuple[int, int, int]:
-    x, y, z = (min(n, max(least, round(n / times))) for n, least in zip(cells, fewest))
+def _cells(body: scene_parts.Body, times: float) -> tuple[int, int, int] | None:
+    """The cells of a body with elements that are some times larger; None where it has a mesh of its own."""
+    lattice = body.box or body.ring
+    if lattice is None:
+        return None
+    fewest = (1, 1, 1) if body.box else (1, FEWEST_AROUND, 1)
+    x, y, z = (min(n, max(m, round(n / times))) for n, m in zip(lattice.cells, fewest))
     return x, y, z
 
 
+def _larger(problem: Problem, body: scene_parts.Body, times: float) -> scene_parts.Body:
+    """A body with elements that are some times larger, numbered along the same axis; one with a mesh of its own as it is."""
+    cells = _cells(body, times)
+    if cells and body.box:
+        return replace(body, box=replace(body.box, cells=cells, layers=problem.layers(body)))
+    return replace(body, ring=replace(body.ring, cells=cells)) if cells and body.ring else body
+
+
 def _updates(problem: Problem, times: float) -> float:
-    """The cost of a run with elements that are some times larger, in updates of one element."""
-    touching = [body for contact in problem.parts.contacts for body, _ in contact.surfaces]
-    touching += [
-        added.given.surface[0] for added in problem.parts.effects if added.name == "obstacle"
-    ]
-    total, shorter = 0.0, 1.0
+    """The cost of a run with elements that are some times larger, in updates of one element, about."""
+    elements, whole, shorter = 0.0, 0.0, 1.0
     for name, body in problem.parts.bodies.items():
-        lattice = body.box or body.ring
-        elements = float(len(problem.bodies[name].mesh.elements))
-        faces = elements ** (2 / 3)
-        if lattice is not None:
-            larger = _larger(problem, body, times)
-            cells = np.array((larger.box or larger.ring or lattice).cells)
-            elements, faces = float(cells.prod()), float(cells.prod() / cells.min())
-            shorter = min(shorter, (cells / lattice.cells).min())
-        total += elements + FACE_UPDATES * touching.count(name) * faces
-    # The stable step grows with the elements.
-    return float(total * problem.step_count * shorter)
+        count, cells = len(problem.bodies[name].mesh.elements), _cells(body, times)
+        ratios = np.divide(cells, _cells(body, 1.0) or 1.0) if cells else np.ones(3)
+        elements, whole = elements + count * ratios.prod(), whole + count
+        shorter = min(shorter, ratios.mean())
+    touching = sum(
+        problem.pointer.effects[k].node_count
+        for k, name in enumerate(problem.effects)
+        if name in TOUCHING
+    )
+    # The stable step grows with the elements, surfaces go with the power 2/3 of their number.
+    faces = touching * (elements / whole) ** (2 / 3)
+    return float((elements + NODE_UPDATES * faces) * problem.step_count * shorter)
 
 
 def _observe(coarse: Problem, steps: int) -> Rehearsal:
