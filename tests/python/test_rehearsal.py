@@ -108,6 +108,8 @@ def test_larger_elements_keep_the_body(cheap, shape):
     before, after = (one.bodies["block"].mesh for one in (problem, rehearsal._coarse(problem, 2.0)))
     assert len(after.elements) == len(before.elements) / 8
     np.testing.assert_allclose(after.bounds, before.bounds, atol=1e-12)
+    if shape == "box":
+        assert rehearsal._coarse(problem, 2.0).parts.bodies["block"].box.layers == "z"
     least = rehearsal._coarse(problem, 1e9).parts.bodies["block"]
     assert (least.box or least.ring).cells == ((1, 1, 1) if shape == "box" else (1, 12, 1))
 

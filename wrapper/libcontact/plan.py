@@ -21,7 +21,7 @@ import numpy as np
 from ._core import ffi, lib
 from .errors import Error, check, new_error
 from .problem import Problem, memory_of, new_state
-from .rehearsal import TOUCHING, Array, Rehearsal, rehearse, step_seconds
+from .rehearsal import TOUCHING, Array, Rehearsal, effects_of, rehearse, step_seconds
 from .touch import first_touch
 
 # A trial takes about this long, in rounds of some steps and a record.
@@ -179,7 +179,7 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
     state, error, bounds = new_state(problem), new_error(), ffi.new("double[2]")
     rows = np.zeros((len(problem.effects) + 1, 5))
     face = max(4 if body.mesh.element == "hex8" else 8 for body in problem.bodies.values())
-    for k, effect in enumerate(_effects(problem)):
+    for k, effect in enumerate(effects_of(problem)):
         check(lib.ct_stable_share(problem.pointer, state, k, bounds, bounds + 1, error), error)
         rows[k] = effect.node_count, effect.flops, effect.bytes, *bounds
         # A point of a contact moves the nodes of two faces.
@@ -208,15 +208,11 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
 def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:
     """The solver's rounds in a step, per point."""
     points = [
-        sum(effect.constraint_count for effect in _effects(one))
+        sum(effect.constraint_count for effect in effects_of(one))
         for one in (problem, *(rehearsal.coarse for rehearsal in seen))
     ]
     counted = [(float(size), one.rounds) for size, one in zip(points[1:], seen)]
     return _at_size(points[0], counted) / points[0] if counted and points[0] else 0.0
-
-
-def _effects(problem: Problem) -> list[Any]:
-    return [problem.pointer.effects[k] for k in range(len(problem.effects))]
 
 
 def _active(rehearsal: Rehearsal) -> dict[str, float]:
