@@ -157,7 +157,7 @@ def measured(problem: Problem, state: Any, output_seconds: float) -> dict[str, f
     Returns
     -------
     dict of str to float
-        Seconds by name, those of :attr:`Cost.measured`.
+        Seconds by name, as in ``Cost.measured``.
     """
     return _by_name(problem, step_seconds(problem, state)) | {OUTPUT: output_seconds}
 
