@@ -156,9 +156,9 @@ def _updates(problem: Problem, times: float) -> float:
 def _observe(coarse: Problem, steps: int) -> Rehearsal:
     """Run the coarse problem, and again for its times: medians leave out what another program interrupted."""
     windows = min(WINDOWS, max(1, coarse.step_count // FEWEST_STEPS))
-    begin = clock.perf_counter()
+    begin = clock.process_time()
     passes = [_pass(coarse, windows)]
-    while len(passes) < PASSES and clock.perf_counter() - begin < PASS_SECONDS:
+    while len(passes) < PASSES and clock.process_time() - begin < PASS_SECONDS:
         passes.append(_pass(coarse, windows))
     state, pressed, _ = passes[0]
     # An effect of the user may have a memory, so that a repeated run is shorter.
