@@ -217,10 +217,12 @@ def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:
 
 def _active(rehearsal: Rehearsal) -> dict[str, float]:
     """The fraction in which the elements and each touching effect are active."""
-    out = {"solid": rehearsal.computed}
-    for name, pressed in zip(rehearsal.coarse.effects, rehearsal.pressed.mean(axis=0)):
-        if name in TOUCHING:
-            out[name] = max(out.get(name, 0.0), float(pressed))
+    coarse = rehearsal.coarse
+    out = {coarse.effects[0]: rehearsal.computed}
+    shares = rehearsal.pressed.mean(axis=0)
+    for name, effect, share in zip(coarse.effects, effects_of(coarse), shares):
+        if effect.kind in TOUCHING:
+            out[name] = max(out.get(name, 0.0), float(share))
     return out
 
 
@@ -252,8 +254,8 @@ def _prices(problem: Problem, seen: list[Rehearsal], interval: int) -> _Prices:
     if not large and coarse is not problem:
         # What does not wait for a touch costs as much more than in the rehearsal as it does in a trial, :eq:`plan-trial`.
         other = _try(coarse, interval).seconds
-        for name in seconds:
-            if name not in TOUCHING and other[name] > 0.0:
+        for name, effect in zip([*problem.effects, LOOP], [*effects_of(problem), None]):
+            if (effect is None or effect.kind not in TOUCHING) and other.get(name, 0.0) > 0.0:
                 seconds[name] = rows[0][1][name] * tried.seconds[name] / other[name]
     seconds[OUTPUT] = ratio * tried.seconds[OUTPUT]
     return _Prices(seconds, ratio * tried.first_bytes, ratio * tried.record_bytes)

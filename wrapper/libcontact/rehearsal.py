@@ -32,7 +32,7 @@ COARSER = 2.0
 # The fewest cells around a ring.
 FEWEST_AROUND = 12
 # Effects that have no force where nothing touches.
-TOUCHING = ("contact", "obstacle", "friction")
+TOUCHING = (lib.CT_EFFECT_CONTACT, lib.CT_EFFECT_OBSTACLE, lib.CT_EFFECT_FRICTION)
 # Equal parts of the run's time after which the counters are read, each of some steps.
 WINDOWS, FEWEST_STEPS = 240, 4
 # A short rehearsal is repeated, for its times.
@@ -146,8 +146,7 @@ def _updates(problem: Problem, times: float) -> float:
         ratios = np.divide(cells, _cells(body, 1.0) or 1.0) if cells else np.ones(3)
         elements, whole = elements + count * ratios.prod(), whole + count
         shorter = min(shorter, ratios.mean())
-    named = zip(problem.effects, effects_of(problem))
-    touching = sum(effect.node_count for name, effect in named if name in TOUCHING)
+    touching = sum(one.node_count for one in effects_of(problem) if one.kind in TOUCHING)
     # The stable step grows with the elements, surfaces go with the power 2/3 of their number.
     faces = touching * (elements / whole) ** (2 / 3)
     return float((elements + NODE_UPDATES * faces) * problem.step_count * shorter)
