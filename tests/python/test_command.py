@@ -286,3 +286,11 @@ def test_a_closed_pipe_is_no_error(scene):
         ["bash", "-c", f"set -o pipefail; {command}"], check=False, capture_output=True, text=True
     )
     assert "Traceback" not in done.stderr and "BrokenPipe" not in done.stderr
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no /dev/full")
+def test_an_output_that_takes_no_text_is_one_line_and_exit_code_2(scene):
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-m", "libcontact", "explain", scene]
+        done = subprocess.run(command, check=False, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 2 and done.stderr == "error: No space left on device\n"

@@ -1,14 +1,19 @@
-"""The plan of a scene: what is predicted, what is measured, and what the front of a wave can have reached."""
+"""The plan of a scene: what is predicted, and that a run counts and measures the same things."""
 
 import math
 
 import numpy as np
 import pytest
+from libcontact._core import lib
+from libcontact.errors import check, new_error
 from libcontact.plan import LOOP, OUTPUT
+from libcontact.problem import new_state
 
 import libcontact as ct
-from libcontact import activity
 from libcontact import plan as planned
+from libcontact import rehearsal, touch
+
+needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
 
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
 
@@ -28,7 +33,7 @@ def two_bars(gap=1.0, v=(3.0, -2.0), cells=40, savings=None, end=2.0):
 
 
 def touch_of(scene):
-    return activity.first_touch(scene._built(None))[0]
+    return touch.first_touch(scene._built(None))[0]
 
 
 def test_bodies_that_approach_touch_when_their_gap_is_closed():
@@ -46,20 +51,92 @@ def test_a_falling_body_touches_after_the_root_of_two_gaps_over_g():
     assert touch_of(scene).time == math.inf
 
 
-def test_the_front_goes_one_element_a_step():
-    elements = np.array([[i, i + 1] for i in range(10)])
-    starts = np.full(11, np.inf)
-    starts[0] = 3.0
-    np.testing.assert_array_equal(activity._first_steps(elements, starts), 3.0 + np.arange(10))
-    assert np.all(activity._first_steps(elements, np.full(11, np.inf)) == np.inf)
-
-
 def test_before_the_touch_nothing_is_active():
     scene = two_bars(gap=10.0, end=1.0)  # meets at t = 2
     plan = {cost.name: cost for cost in scene.costs()}
-    assert plan["solid"].active == 0.0 and plan["contact"].active == 0.0
+    steps = scene.explain().data["time"]["steps"]
+    # All elements are computed once, in the evaluation that the start takes.
+    assert plan["solid"].active == 1.0 / (steps + 1) and plan["contact"].active == 0.0
     whole = {cost.name: cost for cost in two_bars(gap=10.0, end=1.0, savings=[]).costs()}
     assert whole["solid"].active == 1.0
+
+
+def test_a_cost_of_a_fixed_part_and_one_for_each_piece_is_known_from_two_sizes():
+    assert planned._at_size(1000.0, [(100.0, 3.0 + 0.5 * 100), (25.0, 3.0 + 0.5 * 25)]) == 503.0
+    # one size: in proportion; a larger size that costs less: no smaller cost for a still larger one
+    assert planned._at_size(1000.0, [(100.0, 2.0)]) == 20.0
+    assert planned._at_size(1000.0, [(100.0, 2.0), (50.0, 3.0)]) == 2.0
+
+
+def pressed_block(cells=16, **entries):
+    """A block that falls on a floor and presses with its whole lower face."""
+    scene = ct.Scene(units=UNITS)
+    scene.add_material("soft", young=1e5, poisson=0.0, density=1000.0)
+    box = {"origin": [0, 0, 0], "size": [1, 1, 2], "cells": [cells, cells, 2 * cells]}
+    scene.add_body("block", material="soft", box=box, velocity=[0, 0, -0.1])
+    plane = {"point": [0, 0, 0], "normal": [0, 0, 1]}
+    scene.add("obstacle", surface="block.z_min", plane=plane, **entries)
+    return scene.set_time(end=0.25, fraction=0.9)
+
+
+def counted(problem):
+    """Rounds per step and the share of computed elements of a whole run, from the counters of its state."""
+    state = new_state(problem)
+    check(lib.ct_step_many(problem.pointer, state, problem.step_count, new_error()))
+    return state.constraint_rounds / state.step, rehearsal.computed_share(state)
+
+
+def test_larger_elements_foretell_the_rounds_and_the_active_elements_of_a_run(monkeypatch):
+    monkeypatch.setattr(rehearsal, "MOST_UPDATES", 1e3)
+    scene = pressed_block()
+    problem = scene._built(None)
+    rounds, share = counted(problem)
+    first, second = rehearsal.rehearse(problem)
+    elements = [len(one.coarse.bodies["block"].mesh.elements) for one in (first, second)]
+    assert 16 * 16 * 32 > 3 * elements[0] > 12 * elements[1]
+    costs = {cost.name: cost for cost in scene.costs()}
+    # 60 + 15 n operations a round and constraint, n = 4 nodes; the rest is the listing of the points.
+    points = 16 * 16 * 4
+    told = (costs["obstacle"].flops - problem.pointer.effects[1].flops) / (60 + 15 * 4)
+    assert rounds > 0.2 * points and told == pytest.approx(rounds, rel=0.16)
+    assert costs["solid"].active == pytest.approx(share, abs=0.05) and share < 0.95
+    assert costs["obstacle"].active > 0.9
+
+
+@needs_hdf5
+def test_memory_and_the_size_of_the_file_are_foretold(tmp_path):
+    scene = two_bars(end=0.5).set_output(file=str(tmp_path / "run.vtkhdf"), every=10)
+    data = scene.explain().data["cost"]
+    scene.run(progress=False)
+    assert data["output_bytes"] == pytest.approx((tmp_path / "run.vtkhdf").stat().st_size, rel=0.02)
+    assert data["memory_bytes"] > 0 and data["rehearsed"]
+    assert two_bars(end=0.5).explain().data["cost"]["output_bytes"] == 0
+    parts = [cost.predicted for cost in scene.costs()]
+    assert data["seconds"] > 0.0 and all(part > 0.0 for part in parts)
+
+
+def test_what_cannot_have_larger_elements_is_planned_as_if_all_touched_from_the_start(monkeypatch):
+    monkeypatch.setattr(rehearsal, "MOST_UPDATES", 1e3)
+    scene = two_bars(gap=1.0, end=2.0)
+    problem, data = scene._built(None), scene.data
+    for body in data["body"]:
+        mesh = problem.bodies[body["name"]].mesh
+        body.pop("box")
+        body |= {"nodes": mesh.nodes, "elements": mesh.elements}
+    text = ct.Scene(data).explain()
+    assert not text.data["cost"]["rehearsed"] and "no rehearsal" in text
+    assert [cost.active for cost in text.data["plan"]] == [1.0] * 4
+    assert all(cost.predicted > 0.0 for cost in text.data["plan"])
+    # The bars are moved together, and each of their elements is stretched.
+    state = new_state(problem)
+    planned._place(problem, state, True)
+    u = np.frombuffer(planned.ffi.buffer(state.displacement, 24 * problem.pointer.node_count))
+    u = u.reshape(-1, 3)
+    for name, shift in (("left", 0.0), ("right", -1.0)):
+        body = problem.bodies[name]
+        np.testing.assert_allclose(u[body.nodes], [[shift, 0, 0]] * len(body.mesh.nodes), atol=1e-9)
+        corners = u[body.nodes][body.mesh.elements]
+        assert (corners.max(axis=1) > corners.min(axis=1)).all()
 
 
 def test_each_effect_has_its_costs_and_its_share_of_the_bound():
@@ -157,42 +234,23 @@ def test_what_limits_the_step(effect, limit):
 
 
 def test_a_large_scene_has_its_trial_with_larger_elements(monkeypatch):
-    """All that is no measured time stays; the trial has few elements, whatever the scene has."""
-
-    def scene():
-        return two_bars().set_output(every=7)
-
-    def facts(text):
-        plan = [
-            {
-                key: value
-                for key, value in vars(cost).items()
-                if key not in ("seconds_a_step", "predicted", "active")
-            }
-            for cost in text.data["plan"]
-        ]
-        return plan, {key: value for key, value in text.data.items() if key != "plan"}
-
-    whole = scene().explain()
-    made = []
-    prices = planned._prices
+    """What is no measured time stays as it is; the trial has few elements, whatever the scene has."""
+    tried, of = [], planned._try
+    monkeypatch.setattr(rehearsal, "MOST_UPDATES", 1e3)
     monkeypatch.setattr(
         planned,
-        "_prices",
-        lambda problem, records: (
-            made.append(sum(len(body.mesh.elements) for body in problem.bodies.values()))
-            or prices(problem, records)
+        "_try",
+        lambda problem, *rest: (
+            tried.append(len(problem.bodies["left"].mesh.elements)) or of(problem, *rest)
         ),
     )
+    scene = two_bars(cells=200)
+    whole = scene.costs()
+    assert tried[0] == 200 and tried[1] < 200 and len(tried) == 2
     monkeypatch.setattr(planned, "MOST_ELEMENTS", 20)
-    small = scene().explain()
-    assert made[0] <= 20 < sum(body["elements"] for body in whole.data["bodies"])
-    (plan_whole, rest_whole), (plan_small, rest_small) = facts(whole), facts(small)
-    assert repr(rest_whole) == repr(rest_small)
-    for one, other in zip(plan_whole, plan_small, strict=True):
-        assert {**one, "flops": 0, "bytes": 0} == {
-            **other,
-            "flops": 0,
-            "bytes": 0,
-        }  # these two also count the rounds of the iteration
-    assert all(cost.predicted > 0.0 for cost in small.data["plan"])
+    small = scene.costs()
+    assert len(tried) == 3 and tried[2] < 200
+    for one, other in zip(whole, small, strict=True):
+        for key in ("name", "nodes", "active", "flops", "bytes", "omega_squared", "rate"):
+            assert getattr(one, key) == getattr(other, key), (one.name, key)
+    assert all(cost.predicted > 0.0 for cost in small)

@@ -5,17 +5,37 @@ from __future__ import annotations
 import argparse
 import contextlib
 import math
+import os
 import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .run import Run
 
 OK, BAD_INPUT, RUN_FAILED, INTERRUPTED = 0, 2, 3, 130
 
 
+class BadInput(ValueError):
+    """Something on the command line that can't be used."""
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code; errors of the user come out as one line on stderr."""
+    """
+    Run one command.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        The words after ``libcontact``; by default those of the process.
+
+    Returns
+    -------
+    int
+        The exit code. What a user can do wrong is one line on stderr.
+    """
     try:
         options = _parser().parse_args(arguments)
     except SystemExit as end:
@@ -26,102 +46,60 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _guarded(options: argparse.Namespace) -> int:
-    """The command itself, with what may go wrong turned into messages and exit codes; Ctrl-C among its imports is left to the caller."""
+    """The command, with errors turned into messages and exit codes; Ctrl-C among its imports is left to the caller."""
     from .errors import Error, NotBuiltIn, SceneWarning
     from .run import RunError
     from .schema import SceneError
 
     try:
-        return options.command(options)
+        return int(options.command(options))
     except KeyboardInterrupt:
         _say("interrupted")
         return INTERRUPTED
-    except BrokenPipeError:
-        _silence_stdout()
+    except BrokenPipeError:  # as in libcontact explain ... | head
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return OK
-    except RunError as error:
-        _say(f"the run failed: {error}", "red")
-        if error.run is not None and error.run.path is not None and len(error.run.steps):
-            _say(
-                f'{len(error.run.steps)} records up to t = {error.run.time[-1]:.6g} are kept in "{error.run.path}"'
-            )
-        return RUN_FAILED
-    except (SceneError, NotBuiltIn, BadInput) as error:
-        _say(f"error: {error}", "red")
+    except (SceneError, NotBuiltIn, BadInput, OSError) as error:
+        _say(f"error: {getattr(error, 'strerror', None) or error}", "red")
         return BAD_INPUT
-    except (Error, MemoryError) as error:
-        _say(f"the run failed: {error or 'out of memory'}", "red")
+    except (Error, MemoryError, SceneWarning) as error:  # Python may be told to end at a warning
+        _say(f"the run failed: {error if str(error) else 'out of memory'}", "red")
+        run = error.run if isinstance(error, RunError) else None
+        if run is not None and run.path is not None and len(run.steps):
+            _say(f'{len(run.steps)} records up to t = {run.time[-1]:.6g} are kept in "{run.path}"')
         return RUN_FAILED
-    except OSError as error:
-        _say(f"error: {error.strerror or error}", "red")
-        return BAD_INPUT
-    except SceneWarning as warning:  # Python was told to end at a warning
-        _say(f"the run failed: {warning}", "red")
-        return RUN_FAILED
-
-
-class BadInput(ValueError):
-    """Something on the command line that can't be used."""
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="libcontact", description="Explicit finite-element contact-impact."
-    )
-    parser.add_argument("--version", action=_Version, help="print the version and exit")
+    from ._core import ffi, lib
+
+    version = "libcontact " + ffi.string(lib.ct_version()).decode()
+    parser = argparse.ArgumentParser("libcontact", description="Explicit contact-impact by FEM.")
+    parser.add_argument("--version", action="version", version=version)
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
 
-    run = commands.add_parser(
-        "run", help="compute a scene", description="Compute a scene and write its results file."
-    )
-    run.add_argument("scene", metavar="SCENE.toml")
-    run.add_argument(
-        "-o", "--output", metavar="FILE", help="results file, instead of the scene's own"
-    )
-    run.add_argument(
-        "--until", metavar="TIME", type=float, help="end at this time (the step stays the same)"
-    )
-    run.add_argument(
-        "--threads", metavar="N", type=int, help="threads; results do not depend on them"
-    )
-    run.add_argument(
-        "--restart", metavar="FILE", help="continue from the newest record of a results file"
-    )
-    run.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    run = commands.add_parser("run", help="compute a scene and write its results file")
     run.set_defaults(command=_run)
+    run.add_argument("scene", metavar="SCENE.toml")
+    run.add_argument("-o", "--output", metavar="FILE", help="results file, not the scene's own")
+    run.add_argument(
+        "--until", metavar="TIME", type=float, help="end here; the step stays the same"
+    )
+    run.add_argument("--threads", metavar="N", type=int, help="results do not depend on them")
+    run.add_argument("--restart", metavar="FILE", help="continue from a file's newest record")
+    run.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
     explain = commands.add_parser("explain", help="tell what a scene will compute, and why")
-    explain.add_argument("scene", metavar="SCENE.toml")
     explain.set_defaults(command=_explain)
+    explain.add_argument("scene", metavar="SCENE.toml")
 
     plot = commands.add_parser("plot", help="draw a field and the energies of a run")
-    plot.add_argument("file", metavar="RUN.vtkhdf")
-    plot.add_argument(
-        "-o", "--output", metavar="PNG", help="picture; by default the name of the run with .png"
-    )
-    plot.add_argument(
-        "--field",
-        default="stress_xx",
-        help="component to draw, such as stress_xx (the default) or velocity_z",
-    )
-    plot.add_argument(
-        "--scale", type=float, default=1.0, help="magnification of the displacement (default 1)"
-    )
     plot.set_defaults(command=_plot)
+    plot.add_argument("file", metavar="RUN.vtkhdf")
+    plot.add_argument("-o", "--output", metavar="PNG", help="picture, by default RUN.png")
+    plot.add_argument("--field", default="stress_xx", help="stress_xx (default), velocity_z, ...")
+    plot.add_argument("--scale", type=float, default=1.0, help="magnify displacements (default 1)")
     return parser
-
-
-class _Version(argparse.Action):
-    """Print the version of the C library that the wrapper was compiled with."""
-
-    def __init__(self, *arguments: Any, **options: Any):
-        super().__init__(*arguments, nargs=0, **options)
-
-    def __call__(self, parser: argparse.ArgumentParser, *rest: Any) -> None:
-        from ._core import ffi, lib
-
-        print("libcontact " + ffi.string(lib.ct_version()).decode())
-        parser.exit(OK)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -131,18 +109,13 @@ def _run(options: argparse.Namespace) -> int:
     if options.output == "":
         raise BadInput("the name of the output is empty")
     named = options.output or scene.data.get("output", {}).get("file")
-    run = scene.run(
-        progress=not options.quiet,
-        restart=options.restart,
-        until=options.until,
-        output=options.output,
-        threads=options.threads,
-    )
+    keys = ("restart", "until", "output", "threads")
+    run = scene.run(progress=not options.quiet, **{key: getattr(options, key) for key in keys})
     if not options.quiet:
         _report(run)
     if run.interrupted:
         kept = f'; {len(run.steps)} records are kept in "{run.path}"' if run.path else ""
-        _say(f"interrupted at t = {run.state.time:.6g}{kept}")
+        _say(f"interrupted at t = {run.time[-1]:.6g}{kept}")
         return INTERRUPTED
     if named and (run.path is None or not run.path.exists()):
         _say(f'the results file "{named}" was not written', "red")
@@ -150,18 +123,21 @@ def _run(options: argparse.Namespace) -> int:
     return OK
 
 
-def _report(run: Any) -> None:
+def _report(run: Run) -> None:
     """The few numbers that tell whether a run can be trusted."""
-    last = run.energy[-1]
-    size = max(abs(run.energy["kinetic"]).max(), abs(run.energy["strain"]).max()) or 1.0
-    start = run.energy["total"][0]
+    energy, steps = run.energy, run.steps
+    last, size = energy[-1], max(abs(energy[name]).max() for name in ("kinetic", "strain")) or 1.0
+    change, balance = (
+        (last["total"] - energy["total"][0]) / size,
+        abs(energy["balance"]).max() / size,
+    )
     unit = run.units.label("energy") if run.units else ""
+    parts = ", ".join(f"{name} {last[name]:.6g}" for name in ("kinetic", "strain", "contact"))
     _say(
-        f"{run.steps[-1] - run.steps[0]} steps to t = {last['time']:.6g} in {run.seconds:.3g} s, {len(run.steps)} records"
+        f"{steps[-1] - steps[0]} steps to t = {last['time']:.6g} in {run.seconds:.3g} s, {len(steps)} records"
     )
     _say(
-        f"energy: kinetic {last['kinetic']:.6g}, strain {last['strain']:.6g}, contact {last['contact']:.6g} {unit}; "
-        f"total changed by {(last['total'] - start) / size:.2e}, work balance {abs(run.energy['balance']).max() / size:.1e} (relative)"
+        f"energy: {parts} {unit}; total changed by {change:.2e}, work balance {balance:.1e} (relative)"
     )
     if run.path is not None:
         _say(f'results in "{run.path}"')
@@ -184,12 +160,9 @@ def _plot(options: argparse.Namespace) -> int:
         raise BadInput(f"the scale {options.scale:g} can't be drawn")
     if not options.file:
         raise BadInput("the name of the run is empty")
-    target = Path(options.output) if options.output else Path(options.file).with_suffix(".png")
+    target = Path(options.output or Path(options.file).with_suffix(".png"))
     try:
         run = Run.load(options.file)
-    except ValueError as error:
-        raise BadInput(str(error)) from None
-    try:
         from .plot import picture
 
         picture(run, target, options.field, options.scale)
@@ -204,24 +177,11 @@ def _plot(options: argparse.Namespace) -> int:
 
 
 def _say(text: str, style: str = "") -> None:
-    """A line on stderr, coloured where stderr is a terminal and rich is there."""
-    if sys.stderr is None:
-        return
-    if sys.stderr.isatty():
-        try:
-            from rich.console import Console
-            from rich.text import Text
-        except ImportError:
-            pass
-        else:
-            Console(stderr=True).print(Text(text, style=style))
-            return
-    with contextlib.suppress(OSError):  # a message that can't be shown does not change the result
-        print(text, file=sys.stderr, flush=True)
+    """A line on stderr, coloured where stderr is a terminal."""
+    from rich.console import Console
+    from rich.text import Text
 
-
-def _silence_stdout() -> None:
-    """Point stdout away from a pipe that was closed (``libcontact explain ... | head``)."""
-    import os
-
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    # A message that can't be shown does not change the result.
+    with contextlib.suppress(OSError):
+        if sys.stderr is not None:
+            Console(stderr=True).print(Text(text, style), soft_wrap=True)

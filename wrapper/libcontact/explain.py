@@ -50,7 +50,13 @@ def explain(problem: Problem, every: int, records: int) -> Explanation:
     gaps, found = at_start(problem)
     warnings = known(problem, problem.parts.output.file, found)
     data = _facts(problem, gaps, found, warnings)
-    data["plan"] = predict(problem, records)
+    plan = predict(problem, records)
+    data["plan"] = list(plan.costs)
+    data["cost"] |= {
+        "seconds": plan.seconds,
+        "output_bytes": plan.output,
+        "rehearsed": plan.rehearsed,
+    }
     data["time"]["limited_by"] = _limited_by(problem, data["plan"])
     data["output"] = {
         "file": problem.parts.output.file,
@@ -297,7 +303,7 @@ def _lines(data: dict[str, Any], units: Units) -> list[str]:
     out += ["", "Time"] + _time_lines(data["time"], units)
     out += ["", "Output"] + _output_lines(data["output"])
     out += ["", "Cost"] + _cost_lines(data["cost"])
-    out += _plan_lines(data["plan"], data["time"]["stable"])
+    out += _plan_lines(data["plan"], data["time"]["stable"], data["cost"]["rehearsed"])
     if data["warnings"]:
         out += ["", "Warnings"] + [f"  {warning}" for warning in data["warnings"]]
     return out
@@ -391,10 +397,15 @@ def _cost_lines(cost: dict[str, Any]) -> list[str]:
     ]
 
 
-def _plan_lines(plan: list[Cost], stable: float) -> list[str]:
+def _plan_lines(plan: list[Cost], stable: float, rehearsed: bool) -> list[str]:
     if any(cost.predicted is None for cost in plan):
         return ["  no prediction: a trial of a few steps failed"]
+    how = (
+        "predicted from a rehearsal and a trial on this machine"
+        if rehearsed
+        else "no rehearsal is possible: predicted as if all surfaces touched from the start"
+    )
     return [
-        "  predicted from a rehearsal and a trial on this machine; flops and bytes with all at work:",
-        *table(plan, stable),
+        f"  {how}; flops and bytes with all at work:",
+        *(f"  {line}" for line in table(plan, stable).splitlines()),
     ]

@@ -29,8 +29,9 @@ from .errors import (
     text_of,
 )
 from .mesh import view
-from .plan import computed_share, measured
+from .plan import measured
 from .problem import Problem, contact_points, new_state, penetrations
+from .rehearsal import computed_share
 from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_dtype
 from .schema import SceneError, is_number
 from .surfaces import obstacle_name, pair_name

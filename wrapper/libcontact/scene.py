@@ -378,9 +378,9 @@ class Scene:
         shows the same.
         """
         problem = self._built(None)
-        plan = predict(problem, record_count(problem) if run is None else len(run.steps))
+        plan = predict(problem, record_count(problem) if run is None else len(run.steps)).costs
         if run is None:
-            return plan
+            return list(plan)
         return [
             replace(
                 cost,
@@ -392,7 +392,7 @@ class Scene:
 
     def cost_table(self, run: Run | None = None) -> str:
         """The costs as a table."""
-        return "\n".join(table(self.costs(run), self._built(None).stable.dt))
+        return table(self.costs(run), self._built(None).stable.dt)
 
     def run(
         self,

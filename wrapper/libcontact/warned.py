@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from . import has
-from ._core import ffi
-from .activity import Touch, first_touch, gravity_on, surface_box
+from ._core import ffi, lib
 from .chatter import chatter
 from .errors import (
     InsideOutWarning,
@@ -31,6 +30,7 @@ from .mesh import Mesh, rotation
 from .parts import Contact
 from .problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
 from .surfaces import obstacle_name, pair_name
+from .touch import Touch, first_touch, gravity_on, surface_box
 
 # Wave speeds [m/s] between which every solid lies, with much room on both sides.
 SLOW, FAST = 1.0, 30000.0

@@ -1,0 +1,52 @@
+"""What docs/develop says of the house: rooms that look down only, one prefix, and the same headers for everybody."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "docs" / "_ext"))
+import floors  # noqa: E402
+
+ARCHIVES = sorted((ROOT / "build" / "lib").glob("*.a"))
+
+
+def test_every_folder_is_a_room():
+    folders = {path.name for path in (ROOT / floors.SOURCES).iterdir() if path.is_dir()}
+    assert folders == set(floors.FLOOR)
+    headers = {floors.room_of_header(path.stem) for path in (ROOT / floors.HEADERS).glob("*.h")}
+    assert headers == set(floors.FLOOR)
+
+
+def test_no_include_looks_up():
+    assert floors.upward() == []
+
+
+def test_an_include_that_looks_up_is_found(tmp_path):
+    for folder in ("base", "scene"):
+        (tmp_path / floors.SOURCES / folder).mkdir(parents=True)
+    (tmp_path / floors.SOURCES / "base" / "low.c").write_text('#include "../scene/high.h"\n')
+    (tmp_path / floors.SOURCES / "scene" / "high.h").write_text("#include <libcontact/base.h>\n")
+    assert floors.upward(tmp_path) == [("libcontact/src/base/low.c", "base", "scene")]
+
+
+@pytest.mark.skipif(shutil.which("nm") is None or not ARCHIVES, reason="no nm or no archives")
+def test_every_symbol_has_the_prefix():
+    for archive in ARCHIVES:
+        listed = subprocess.run(
+            ["nm", "-g", "--defined-only", str(archive)], capture_output=True, text=True, check=True
+        ).stdout
+        names = set(re.findall(r"^[0-9a-f]+ [A-Zi] (\S+)$", listed, re.M))
+        assert names, archive
+        # target_clones adds its own endings to a name, no other beginnings.
+        assert {name for name in names if not name.startswith("ct_")} == set(), archive
+
+
+def test_every_header_has_both_languages():
+    for header in (ROOT / floors.HEADERS).glob("*.h"):
+        text = header.read_text()
+        assert text.count("CT_BEGIN_DECLS") >= 1 and text.count("CT_END_DECLS") >= 1, header
