@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from . import has
-from ._core import ffi, lib
+from ._core import ffi
 from .chatter import chatter
 from .errors import (
     InsideOutWarning,
