@@ -9,7 +9,7 @@ static const double FAR = 1e3;
 
 void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_foot *foot)
 {
-  ct_polynomial_look(patch, at);
+  look(patch, at);
   foot->evaluations++;
 }
 

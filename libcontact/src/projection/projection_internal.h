@@ -63,16 +63,18 @@ int ct_patch_normal(const ct_patch *patch, const double xi[2], double n[3]);
  * corner. */
 ct_where ct_patch_where(ct_face_kind kind, const double xi[2], double slack, int *index);
 
+static inline int ct_is_triangular(ct_face_kind kind) { return kind == CT_T3 || kind == CT_T6; }
+
 /* Half-width of the reference face: 1 or 1/2. */
 static inline double ct_patch_half_width(ct_face_kind kind)
 {
-  return kind == CT_T3 || kind == CT_T6 ? 0.5 : 1;
+  return ct_is_triangular(kind) ? 0.5 : 1;
 }
 
 /* Centre of the reference face. */
 static inline double ct_patch_centre(ct_face_kind kind)
 {
-  return kind == CT_T3 || kind == CT_T6 ? 1.0 / 3 : 0;
+  return ct_is_triangular(kind) ? 1.0 / 3 : 0;
 }
 
 /* f with its derivatives at at->xi; counts one evaluation. */
@@ -123,9 +125,9 @@ int ct_local_at(const ct_patch *patch, const double xi[2], const double d[3], ct
 /* The step of xi that moves by w = (w1, w2) in the tangent plane. */
 void ct_local_step(const ct_local *local, const double w[2], double s[2]);
 
-/* Is it easily shown that no point of the face is closer than xi, cutting the face into four
- * `depth` times at most? Mirrored faces give the same answer. */
-int ct_proof_at_sight(const ct_patch *patch, const double xi[2], int depth, ct_foot *count);
+/* Is it shown that no point of the face is closer than xi, where xi alone does not show it, by cutting
+ * the face into four `depth` times at most? Mirrored faces give the same answer. */
+int ct_proof_by_cuts(const ct_patch *patch, const double xi[2], int depth, ct_foot *count);
 
 /* Unit vector q across a valley of f, where f with the Hessian (f,11 f,22 f,12) is most curved, and
  * the curvatures across and along. */

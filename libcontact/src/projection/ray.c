@@ -122,7 +122,7 @@ ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double 
 {
   enum { BUDGET = 4000, DEPTH = 30 };
   static const double PART[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  int size = 1, touch = 0, triangular = patch->kind == CT_T3 || patch->kind == CT_T6;
+  int size = 1, touch = 0, triangular = ct_is_triangular(patch->kind);
   square stack[3 * DEPTH + 4];
   sight s = {patch, {{0}}, {0}, {{0}}, tolerance * ct_patch_half_width(patch->kind), triangular};
   if (!sight_along(&s, direction)) return CT_INVALID;
