@@ -157,7 +157,7 @@ PART mask newton_step(const iterates *at, int triangular, int guess, real radius
 
 /* The steps to the lowest points of the models on the boundary of what is allowed. The iterate is a
  * copy, so that those of the loop stay in registers. */
-RARE steps bounded_step(iterates at, int triangular, real radius)
+PART steps bounded_step(iterates at, int triangular, real radius)
 {
   model q;
   steps to;

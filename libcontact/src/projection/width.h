@@ -41,6 +41,8 @@ PART int whole(mask m, int l) { return (void)l, m; }
 PART void set(mask *m, int l, int n) { (void)l, *m = n; }
 
 #else
+#include <immintrin.h>
+
 typedef double real __attribute__((vector_size(8 * WIDTH), may_alias));
 typedef double loose __attribute__((vector_size(8 * WIDTH), may_alias, aligned(8)));
 typedef int64_t mask __attribute__((vector_size(8 * WIDTH), may_alias)); /* 0 or -1 */
@@ -55,7 +57,6 @@ enum { COORDINATES = 3 };
 
 PART mask not(mask m) { return ~m; }
 PART mask masked(mask m, int n) { return m & (int64_t)n; }
-PART real pick(mask m, real a, real b) { return (real)((m & (mask)a) | (~m & (mask)b)); }
 PART real absolute(real a) { return (real)((mask)a & INT64_MAX); }
 PART real every(double a) { return (real){0} + a; }
 PART real load(const double *x) { return *(const loose *)(const void *)x; }
@@ -64,12 +65,13 @@ PART double lane(real a, int l) { return a[l]; }
 PART int whole(mask m, int l) { return (int)m[l]; }
 PART void set(mask *m, int l, int n) { (*m)[l] = n; }
 
-PART int any(mask m)
-{
-  int64_t all = 0;
-  for (int l = 0; l < WIDTH; l++) all |= m[l];
-  return all != 0;
-}
+#if WIDTH == 4
+PART int any(mask m) { return _mm256_movemask_pd((__m256d)m); }
+PART real pick(mask m, real a, real b) { return _mm256_blendv_pd(b, a, (__m256d)m); }
+#else
+PART real pick(mask m, real a, real b) { return (real)((m & (mask)a) | (~m & (mask)b)); }
+PART int any(mask m) { return _mm512_test_epi64_mask((__m512i)m, (__m512i)m); }
+#endif
 
 PART real root(real a)
 {
