@@ -64,9 +64,9 @@ PART void project_pairs(ct_face_kind kind, const double *nodes, const double *po
   for (int l = 0; l < WIDTH; l++) {
     size_t at = 8 * block + (size_t)(first + l);
     int valid = whole(good, l) != 0;
-    if (feet->status != NULL) feet->status[at] = valid ? (int32_t)lane(found.status, l) : CT_INVALID;
-    if (feet->evaluations != NULL)
-      feet->evaluations[at] = valid ? whole(count.evaluations, l) : 0;
+    if (feet->status != NULL)
+      feet->status[at] = valid ? (int32_t)lane(found.status, l) : CT_INVALID;
+    if (feet->evaluations != NULL) feet->evaluations[at] = valid ? whole(count.evaluations, l) : 0;
   }
 }
 

@@ -38,8 +38,7 @@ PART void quadrilateral(const real v[8][COORDINATES], const real p[COORDINATES],
 }
 
 /* What the mid-sides change, after the corners. */
-PART void mid_sides(const real v[8][COORDINATES], const real p[COORDINATES],
-                    real c[8][COORDINATES])
+PART void mid_sides(const real v[8][COORDINATES], const real p[COORDINATES], real c[8][COORDINATES])
 {
   for (int k = 0; k < COORDINATES; k++) {
     // -- Mid-sides (eq:projection-patch-q8)
@@ -86,7 +85,8 @@ PART mask patch_from(const real v[8][COORDINATES], const real p[COORDINATES], pa
   else quadrilateral(v, p, patch->c);
   if (patch->kind == CT_Q8) mid_sides(v, p, patch->c);
   for (int k = 0; k < COORDINATES; k++) {
-    far[k] = absolute(patch->c[0][k]), largest[k] = absolute(patch->c[1][k]), sum[k] = far[k] + largest[k];
+    far[k] = absolute(patch->c[0][k]), largest[k] = absolute(patch->c[1][k]),
+    sum[k] = far[k] + largest[k];
     for (int j = 2; j < 8; j++) {
       real c = absolute(patch->c[j][k]);
       largest[k] = most(largest[k], c);
@@ -197,8 +197,7 @@ PART mask normal(const patches *patch, const real xi[2], real n[3])
   mask found = normal_at(patch, xi, n);
   if (!any(not(found))) return found;
   // -- At a collapsed corner, take the normal just inside of it
-  for (int a = 0; a < 2; a++)
-    inside[a] = xi[a] + (ct_patch_centre(patch->kind) - xi[a]) / 1048576;
+  for (int a = 0; a < 2; a++) inside[a] = xi[a] + (ct_patch_centre(patch->kind) - xi[a]) / 1048576;
   mask near = normal_at(patch, inside, other);
   for (int k = 0; k < 3; k++) n[k] = pick(found, n[k], pick(near, other[k], every(NAN)));
   return found | near;

@@ -125,8 +125,8 @@ int ct_local_at(const ct_patch *patch, const double xi[2], const double d[3], ct
 /* The step of xi that moves by w = (w1, w2) in the tangent plane. */
 void ct_local_step(const ct_local *local, const double w[2], double s[2]);
 
-/* Is it shown that no point of the face is closer than xi, where xi alone does not show it, by cutting
- * the face into four `depth` times at most? Mirrored faces give the same answer. */
+/* Is it shown that no point of the face is closer than xi, where xi alone does not show it, by
+ * cutting the face into four `depth` times at most? Mirrored faces give the same answer. */
 int ct_proof_by_cuts(const ct_patch *patch, const double xi[2], int depth, ct_foot *count);
 
 /* Unit vector q across a valley of f, where f with the Hessian (f,11 f,22 f,12) is most curved, and

@@ -68,8 +68,7 @@ static int proven_by_series(const proof *p, const base *b, const cell *c)
     // -- Coefficients of f (eq:certified-series)
     for (int j = 0; j <= i; j++) {
       double share = (j < i ? 2 : 1) * half * (j == 4 || j == 5 ? 0.5 : 1);
-      F[POWER[i][0] + POWER[j][0]][POWER[i][1] + POWER[j][1]] +=
-          share * dot(part[i], part[j]);
+      F[POWER[i][0] + POWER[j][0]][POWER[i][1] + POWER[j][1]] += share * dot(part[i], part[j]);
     }
   }
   // -- Terms from the third order on at their worst (eq:certified-series-bound)
@@ -113,8 +112,7 @@ typedef enum slope { OPEN, EMPTY, REDUCED } slope;
 static slope slope_in_cell(const proof *p, const base *b, cell *c)
 {
   const double *t = p->tangent, *h = p->curve;
-  double w[2], H[3] = {2 * (dot(b->t1, b->t1) + b->d11),
-                       2 * (dot(b->t2, b->t2) + b->d22),
+  double w[2], H[3] = {2 * (dot(b->t1, b->t1) + b->d11), 2 * (dot(b->t2, b->t2) + b->d22),
                        2 * (dot(b->t1, b->t2) + b->d12)};
   reach(c, p->triangular, w);
   int reduced = 0;
@@ -146,8 +144,8 @@ static slope slope_in_cell(const proof *p, const base *b, cell *c)
   return reduced ? REDUCED : OPEN;
 }
 
-/* Is a cell done that the foot alone does not prove, after `depth` cuts at most? All parts are looked
- * at whatever the others show, so that a mirror changes nothing. */
+/* Is a cell done that the foot alone does not prove, after `depth` cuts at most? All parts are
+ * looked at whatever the others show, so that a mirror changes nothing. */
 static int proven_by_cuts(const proof *p, const base *foot, cell c, int depth, ct_foot *count)
 {
   base b;
@@ -159,8 +157,8 @@ static int proven_by_cuts(const proof *p, const base *foot, cell c, int depth, c
   cell part[4];
   int parts = divide(p->triangular, &c, part), all = 1;
   for (int i = 0; i < parts; i++)
-    all &= proven_from_foot(p, foot, &part[i]) ||
-           proven_by_cuts(p, foot, part[i], depth - 1, count);
+    all &=
+        proven_from_foot(p, foot, &part[i]) || proven_by_cuts(p, foot, part[i], depth - 1, count);
   return all;
 }
 

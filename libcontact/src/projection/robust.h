@@ -146,8 +146,7 @@ PART mask newton_step(const iterates *at, int triangular, int guess, real radius
   for (int a = 0; a < 2; a++) to->xi[a] = at->xi[a] + to->s[a];
   to->fall = -0.5 * (at->g[0] * to->s[0] + at->g[1] * to->s[1]);
   mask convex = (at->H[0] > 0) & (determinant > 0), inside = is_inside(triangular, to->xi);
-  if (!guess)
-    return convex & (most(absolute(to->s[0]), absolute(to->s[1])) <= radius) & inside;
+  if (!guess) return convex & (most(absolute(to->s[0]), absolute(to->s[1])) <= radius) & inside;
   // -- A first guess is cut to the face, and good if f does not rise (eq:robust-guess)
   if (any(not(inside))) snap(triangular, to->xi);
   for (int a = 0; a < 2; a++) to->s[a] = to->xi[a] - at->xi[a];
@@ -323,8 +322,7 @@ CLONED mask descend(const patches *patch, const ct_project_options *options, dou
   for (int a = 0; a < 2; a++) out->xi[a] = at.xi[a];
   out->f = value(patch, out->xi, out->d);
   mask good = resolved(patch, &at, out->xi, out->f, r.resolution);
-  out->status =
-      pick(r.settled, pick(good, every(CT_OK), every(CT_NOT_CERTIFIED)), r.status);
+  out->status = pick(r.settled, pick(good, every(CT_OK), every(CT_NOT_CERTIFIED)), r.status);
   return limit > probe ? rough : r.active;
 }
 
@@ -473,8 +471,7 @@ RARE void search_samples(const patches *patch, const ct_project_options *options
   count->evaluations += masked(rough, samples);
   // -- Go on from the given start unless a sample is lower (eq:robust-noise)
   if (warm) again = rough & (probe->f <= lowest + noise(patch, lowest));
-  if (any(again))
-    descend(patch, options, options->tolerance, probe->xi, -1, again, count, best);
+  if (any(again)) descend(patch, options, options->tolerance, probe->xi, -1, again, count, best);
   mask cold = rough & not(again);
   if (!any(cold)) return;
   // -- Else begin at every sample that is a valley; the lowest end wins, and of equal ones the one

@@ -66,7 +66,8 @@ PART mask proof_about(proof *p, const patches *patch, double tolerance, real dis
 {
   real n[8], all = every(0);
   for (int j = 0; j < 8; j++)
-    n[j] = (absolute(patch->c[j][0]) + absolute(patch->c[j][1])) + absolute(patch->c[j][2]), all += n[j];
+    n[j] = (absolute(patch->c[j][0]) + absolute(patch->c[j][1])) + absolute(patch->c[j][2]),
+    all += n[j];
   p->patch = patch;
   p->triangular = ct_is_triangular(patch->kind);
   // -- Bounds of the derivatives (eq:certified-derivatives)
@@ -125,8 +126,8 @@ PART void secant_form(const proof *p, const base *b, const cell *c, form *m)
             e * (t[0] * t[0] + b->distance * h[0]);
   m->m22 -= (absolute(b22) * w[1] + absolute(b12 + b->d7) * w[0]) + 2 * absolute(b7) * v +
             e * (t[1] * t[1] + b->distance * h[1]);
-  real spread = 0.5 * (absolute(a22 + b12) * w[1] + absolute(a12 + b11) * w[0]) + absolute(a7 + b6) * v +
-                e * (t[0] * t[1] + b->distance * h[2]);
+  real spread = 0.5 * (absolute(a22 + b12) * w[1] + absolute(a12 + b11) * w[0]) +
+                absolute(a7 + b6) * v + e * (t[0] * t[1] + b->distance * h[2]);
   m->low = m12 - spread;
   m->high = m12 + spread;
   // -- A piece of an edge has steps along it only, so that any number will do for the other entry
@@ -200,8 +201,7 @@ PART mask holds_parabola(const form *m, real twist, const real g[2], real room)
   real g1 = absolute(g[0]), g2 = absolute(g[1]), product = m->m11 * m->m22;
   // -- The lowest value of a parabola that lies below f (eq:certified-parabola)
   real divisor = (product - twist * twist) * (1 - 1e-6) - 1e-9 * product, may = room * divisor;
-  real drop =
-      0.25 * ((m->m22 * g1) * g1 + 2 * (twist * g1) * g2 + (m->m11 * g2) * g2) * (1 + 1e-6);
+  real drop = 0.25 * ((m->m22 * g1) * g1 + 2 * (twist * g1) * g2 + (m->m11 * g2) * g2) * (1 + 1e-6);
   return (divisor > 0) & (may > SMALLEST) & (drop < HUGE_VAL) & (drop <= may);
 }
 
