@@ -20,29 +20,6 @@ double ct_patch_value(const ct_patch *patch, const double xi[2], double d[3])
   return f;
 }
 
-void ct_patch_tangents(const ct_patch *patch, const double xi[2], double t1[4], double t2[4])
-{
-  tangents(patch, xi, t1, t2);
-}
-
-void ct_patch_curves(const ct_patch *patch, const double xi[2], double t11[4], double t22[4],
-                     double t12[4])
-{
-  curves(patch, xi, t11, t22, t12);
-}
-
-double ct_patch_noise(const ct_patch *patch, double f) { return noise(patch, f); }
-
-double ct_patch_derivatives(const ct_patch *patch, const double xi[2], double d[3], double g[2],
-                            double H[3])
-{
-  ct_iterate at = {.xi = {xi[0], xi[1]}};
-  look(patch, &at);
-  for (int k = 0; k < 3; k++) d[k] = at.d[k], H[k] = at.H[k];
-  g[0] = at.g[0], g[1] = at.g[1];
-  return at.f;
-}
-
 int ct_patch_normal(const ct_patch *patch, const double xi[2], double n[3])
 {
   return normal(patch, xi, n);

@@ -206,12 +206,12 @@ static void narrow_about(const proof *p, const base *foot, narrow *n)
 /* Is |u| too large throughout the cell? */
 static int is_beyond(const proof *p, const narrow *n, const cell *c)
 {
-  double d[3], t1[4], t2[4], t11[4], t22[4], t12[4], w[2];
+  double d[4], t1[4], t2[4], t11[4], t22[4], t12[4], w[2];
   const double (*a)[4] = n->along.c;
   reach(c, p->triangular, w);
-  ct_patch_value(&n->along, c->centre, d);
-  ct_patch_tangents(&n->along, c->centre, t1, t2);
-  ct_patch_curves(&n->along, c->centre, t11, t22, t12);
+  value(&n->along, c->centre, d);
+  tangents(&n->along, c->centre, t1, t2);
+  curves(&n->along, c->centre, t11, t22, t12);
   // -- All terms of u about the centre (eq:certified-beyond)
   double first = fabs(t1[0]) * w[0] + fabs(t2[0]) * w[1];
   double second = 0.5 * (fabs(t11[0]) * (w[0] * w[0]) + fabs(t22[0]) * (w[1] * w[1])) +
