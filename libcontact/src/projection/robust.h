@@ -25,8 +25,7 @@ typedef struct counts {
   mask evaluations, iterations;
 } counts;
 
-/* Where the search ends of the samples, and which of them there are: the corners, the mid-sides,
- * the centre. */
+/* Sample points: the corners, the mid-sides, the centre. */
 static const double QUADRILATERAL[9][2] = {{-1, -1}, {1, -1}, {1, 1},  {-1, 1}, {0, -1},
                                            {1, 0},   {0, 1},  {-1, 0}, {0, 0}};
 static const double TRIANGLE[7][2] = {
@@ -154,31 +153,21 @@ PART mask newton_step(const iterates *at, int triangular, int guess, real radius
   return convex;
 }
 
-/* The steps to the lowest points of the models on the boundary of what is allowed. The iterate is a
- * copy, so that those of the loop stay in registers. */
-PART steps bounded_step(iterates at, int triangular, real radius)
-{
-  model q;
-  steps to;
-  model_about(&q, &at, triangular, radius);
-  to.fall = -model_minimum(&q, to.s);
-  for (int a = 0; a < 2; a++) to.xi[a] = at.xi[a] + to.s[a];
-  snap(triangular, to.xi);
-  return to;
-}
-
-/* Newton's step where it is allowed, else the bounded one. */
+/* The steps to the lowest points of the models: Newton's where it is allowed, else the one to the
+ * boundary of what is. */
 PART steps next_step(const iterates *at, int triangular, int guess, real radius, mask active)
 {
   steps to;
+  model q;
+  real s[2], xi[2];
   mask newton = newton_step(at, triangular, guess, radius, &to);
   if (!any(active & not(newton))) return to;
-  steps bounded = bounded_step(*at, triangular, radius);
-  for (int a = 0; a < 2; a++) {
-    to.s[a] = pick(newton, to.s[a], bounded.s[a]);
-    to.xi[a] = pick(newton, to.xi[a], bounded.xi[a]);
-  }
-  to.fall = pick(newton, to.fall, bounded.fall);
+  model_about(&q, at, triangular, radius);
+  to.fall = pick(newton, to.fall, -model_minimum(&q, s));
+  for (int a = 0; a < 2; a++) xi[a] = at->xi[a] + s[a];
+  snap(triangular, xi);
+  for (int a = 0; a < 2; a++)
+    to.s[a] = pick(newton, to.s[a], s[a]), to.xi[a] = pick(newton, to.xi[a], xi[a]);
   return to;
 }
 
