@@ -222,7 +222,7 @@ RARE void show(const ct_project_options *options, real x, real y, real f)
   options->trace(xi, lane(f, 0), options->user);
 }
 
-/* Take over the iterates of some lanes. */
+/* Take over the iterates of some lanes, but for d, which is computed again at the end. */
 PART void take(iterates *at, const iterates *from, mask m)
 {
   at->f = pick(m, from->f, at->f);

@@ -23,9 +23,7 @@ typedef int mask; /* 0 or 1 */
  * for every instruction set. */
 #define PART CT_INLINE
 #define RARE static
-#define CLONED \
-  CT_CLONES    \
-  static
+#define CLONED static CT_CLONES
 
 enum { COORDINATES = 4 }; /* a zero fills the vector, in which the compiler puts a point */
 
