@@ -68,18 +68,12 @@ PART void set(mask *m, int l, int n) { (*m)[l] = n; }
 #if WIDTH == 4
 PART int any(mask m) { return _mm256_movemask_pd((__m256d)m); }
 PART real pick(mask m, real a, real b) { return _mm256_blendv_pd(b, a, (__m256d)m); }
+PART real root(real a) { return _mm256_sqrt_pd(a); }
 #else
 PART real pick(mask m, real a, real b) { return (real)((m & (mask)a) | (~m & (mask)b)); }
+PART real root(real a) { return _mm512_sqrt_pd(a); }
 PART int any(mask m) { return _mm512_test_epi64_mask((__m512i)m, (__m512i)m); }
 #endif
-
-PART real root(real a)
-{
-  double *value = (double *)&a;
-#pragma omp simd
-  for (int l = 0; l < WIDTH; l++) value[l] = sqrt(value[l]);
-  return a;
-}
 #endif
 
 /* As fmin and fmax, for numbers, without a call. */
