@@ -2,14 +2,6 @@
 
 #include <math.h>
 
-/* B approximates the inverse of the Hessian: (B11 B22 B12). */
-static void bfgs_step(const double B[3], const double g[2], double s[2])
-{
-  // -- Step with the approximate inverse (eq:bfgs-step)
-  s[0] = -(B[0] * g[0] + B[2] * g[1]);
-  s[1] = -(B[2] * g[0] + B[1] * g[1]);
-}
-
 /* Teach B that the step s has changed the gradient by y. */
 static void bfgs_update(double B[3], const double s[2], const double y[2], int first)
 {
@@ -26,26 +18,33 @@ static void bfgs_update(double B[3], const double s[2], const double y[2], int f
   B[2] += (factor * (s[0] * s[1]) - (s[0] * z[1] + s[1] * z[0])) / sy;
 }
 
+/* What is known: B approximates the inverse of the Hessian, (B11 B22 B12); and the last iterate. */
+typedef struct lessons {
+  double B[3];
+  ct_iterate last;
+  int count;
+} lessons;
+
+static int bfgs_step(const ct_patch *patch, const ct_iterate *at, double s[2], void *memory)
+{
+  lessons *l = memory;
+  double *B = l->B, y[2];
+  const double *g = at->g;
+  if (l->count == 0)
+    B[0] = B[1] = 0.5 * ct_patch_half_width(patch->kind) / sqrt(g[0] * g[0] + g[1] * g[1]);
+  for (int a = 0; a < 2 && l->count > 0; a++)
+    s[a] = at->xi[a] - l->last.xi[a], y[a] = g[a] - l->last.g[a];
+  if (l->count > 0) bfgs_update(B, s, y, l->count == 1);
+  l->count++;
+  l->last = *at;
+  // -- Step with the approximate inverse (eq:bfgs-step)
+  s[0] = -(B[0] * g[0] + B[2] * g[1]);
+  s[1] = -(B[2] * g[0] + B[1] * g[1]);
+  return 1;
+}
+
 ct_status ct_project_bfgs(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
 {
-  int limit = options->iteration_limit > 0 ? options->iteration_limit : 200, done = 0;
-  double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width,
-         before = 2 * tolerance, s[2];
-  ct_iterate at, next;
-  ct_iterate_start(patch, options, at.xi);
-  ct_iterate_visit(patch, options, &at, foot);
-  double first = 0.5 * half_width / sqrt(at.g[0] * at.g[0] + at.g[1] * at.g[1]),
-         B[3] = {first, first, 0};
-  for (; !done && foot->iterations < limit; foot->iterations++) {
-    bfgs_step(B, at.g, s);
-    if (!ct_line_search(patch, &at, s, &next, foot)) break;
-    double y[2];
-    for (int a = 0; a < 2; a++) s[a] = next.xi[a] - at.xi[a], y[a] = next.g[a] - at.g[a];
-    bfgs_update(B, s, y, foot->iterations == 0);
-    done = ct_iterate_done(s, tolerance, &before);
-    at = next;
-    if (options->trace != NULL) options->trace(at.xi, at.f, options->user);
-  }
-  ct_status verdict = ct_iterate_verdict(patch, options, &at, foot);
-  return foot->iterations < limit || done ? verdict : CT_ITERATION_LIMIT;
+  lessons none = {.count = 0};
+  return ct_iterate_descend(patch, options, 200, bfgs_step, &none, foot);
 }

@@ -3,16 +3,8 @@
 /* Jacobian of the gradient, not symmetric once it is updated. */
 typedef struct jacobian {
   double J[2][2];
+  int known;
 } jacobian;
-
-static void broyden_step(const jacobian *B, const double g[2], double s[2])
-{
-  const double (*J)[2] = B->J;
-  double determinant = J[0][0] * J[1][1] - J[0][1] * J[1][0];
-  // -- Newton's step with the Jacobian that we have (eq:broyden-step)
-  s[0] = (J[0][1] * g[1] - J[1][1] * g[0]) / determinant;
-  s[1] = (J[1][0] * g[0] - J[0][0] * g[1]) / determinant;
-}
 
 /* The smallest change of the Jacobian that explains the new gradient. */
 static void broyden_update(jacobian *B, const double s[2], const double g[2])
@@ -24,25 +16,25 @@ static void broyden_update(jacobian *B, const double s[2], const double g[2])
     for (int b = 0; b < 2; b++) B->J[a][b] += g[a] * s[b] / square;
 }
 
+/* The next step, after the last one, s. */
+static int broyden_step(const ct_patch *patch, const ct_iterate *at, double s[2], void *memory)
+{
+  jacobian *B = memory, first = {{{at->H[0], at->H[2]}, {at->H[2], at->H[1]}}, 1};
+  const double *g = at->g;
+  (void)patch;
+  // -- The first Jacobian is the true one
+  if (B->known) broyden_update(B, s, g);
+  else *B = first;
+  double (*J)[2] = B->J, determinant = J[0][0] * J[1][1] - J[0][1] * J[1][0];
+  // -- Newton's step with the Jacobian that we have (eq:broyden-step)
+  s[0] = (J[0][1] * g[1] - J[1][1] * g[0]) / determinant;
+  s[1] = (J[1][0] * g[0] - J[0][0] * g[1]) / determinant;
+  return 1;
+}
+
 ct_status ct_project_broyden(const ct_patch *patch, const ct_project_options *options,
                              ct_foot *foot)
 {
-  int limit = options->iteration_limit > 0 ? options->iteration_limit : 200, done = 0, inside = 1;
-  double tolerance = options->tolerance * ct_patch_half_width(patch->kind), before = 2 * tolerance,
-         s[2];
-  ct_iterate at;
-  ct_iterate_start(patch, options, at.xi);
-  ct_iterate_visit(patch, options, &at, foot);
-  // -- The first Jacobian is the true one
-  jacobian B = {{{at.H[0], at.H[2]}, {at.H[2], at.H[1]}}};
-  while (!done && inside && foot->iterations < limit) {
-    broyden_step(&B, at.g, s);
-    inside = ct_iterate_step(at.xi, s);
-    done = ct_iterate_done(s, tolerance, &before);
-    ct_iterate_visit(patch, options, &at, foot);
-    broyden_update(&B, s, at.g);
-    foot->iterations++;
-  }
-  ct_status verdict = ct_iterate_verdict(patch, options, &at, foot);
-  return done ? verdict : inside ? CT_ITERATION_LIMIT : CT_NO_CONVERGENCE;
+  jacobian B = {{{0}}, 0};
+  return ct_iterate_walk(patch, options, broyden_step, &B, foot);
 }

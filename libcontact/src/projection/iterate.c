@@ -4,12 +4,16 @@
 
 #include <math.h>
 
-/* An iterate this far out, in reference coordinates, does not come back. */
-static const double FAR = 1e3;
+double ct_iterate_value(const ct_patch *patch, const double xi[2], ct_foot *foot)
+{
+  double d[4];
+  foot->evaluations++;
+  return value(patch, xi, d);
+}
 
 void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_foot *foot)
 {
-  ct_polynomial_look(patch, at);
+  look(patch, at);
   foot->evaluations++;
 }
 
@@ -29,7 +33,7 @@ void ct_iterate_start(const ct_patch *patch, const ct_project_options *options, 
 int ct_iterate_step(double xi[2], const double s[2])
 {
   double x = xi[0] + s[0], y = xi[1] + s[1];
-  if (!(fabs(x) < FAR && fabs(y) < FAR)) return 0;
+  if (!(fabs(x) < CT_FAR && fabs(y) < CT_FAR)) return 0;
   xi[0] = x;
   xi[1] = y;
   return 1;
@@ -43,35 +47,42 @@ int ct_iterate_done(const double s[2], double tolerance, double *before)
   return length <= tolerance && (length == 0 || length * length <= tolerance * (last - length));
 }
 
+double ct_newton_step(const ct_iterate *at, double s[2])
+{
+  const double *g = at->g, *H = at->H;
+  double determinant = H[0] * H[1] - H[2] * H[2];
+  // -- Solve for the step (eq:projection-newton)
+  s[0] = (H[2] * g[1] - H[1] * g[0]) / determinant;
+  s[1] = (H[2] * g[0] - H[0] * g[1]) / determinant;
+  return determinant;
+}
+
 ct_status ct_iterate_verdict(const ct_patch *patch, const ct_project_options *options,
                              const ct_iterate *at, ct_foot *foot)
 {
-  const double *g = at->g, *H = at->H;
-  double determinant = H[0] * H[1] - H[2] * H[2],
-         tolerance = options->tolerance * ct_patch_half_width(patch->kind);
+  double s[2], determinant = ct_newton_step(at, s),
+               tolerance = options->tolerance * ct_patch_half_width(patch->kind);
   for (int a = 0; a < 2; a++) foot->xi[a] = at->xi[a];
   for (int k = 0; k < 3; k++) foot->d[k] = at->d[k];
   // -- A root is the closest point only where f is convex (eq:projection-convex)
-  if (!(H[0] + H[1] > 0 && determinant > 0)) return CT_NO_CONVERGENCE;
+  if (!(at->H[0] + at->H[1] > 0 && determinant > 0)) return CT_NO_CONVERGENCE;
   // -- Newton's step is what is missing (eq:projection-newton)
-  double s[2] = {(H[2] * g[1] - H[1] * g[0]) / determinant,
-                 (H[2] * g[0] - H[0] * g[1]) / determinant};
   if (fmax(fabs(s[0]), fabs(s[1])) <= tolerance) return CT_OK;
-  double fall = -0.5 * (g[0] * s[0] + g[1] * s[1]);
-  return fall <= ct_patch_noise(patch, at->f) ? CT_NOT_CERTIFIED : CT_NO_CONVERGENCE;
+  double fall = -0.5 * (at->g[0] * s[0] + at->g[1] * s[1]);
+  return fall <= noise(patch, at->f) ? CT_NOT_CERTIFIED : CT_NO_CONVERGENCE;
 }
 
 ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options,
-                          ct_step_rule *rule, ct_foot *foot)
+                          ct_step_rule *rule, void *memory, ct_foot *foot)
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 200, done = 0, inside = 1;
   double tolerance = options->tolerance * ct_patch_half_width(patch->kind), before = 2 * tolerance,
-         s[2];
+         s[2] = {0, 0};
   ct_iterate at;
   ct_iterate_start(patch, options, at.xi);
   ct_iterate_visit(patch, options, &at, foot);
   for (; !done && inside && foot->iterations < limit; foot->iterations++) {
-    inside = rule(patch, &at, s) && ct_iterate_step(at.xi, s);
+    inside = rule(patch, &at, s, memory) && ct_iterate_step(at.xi, s);
     if (!inside) break;
     done = ct_iterate_done(s, tolerance, &before);
     ct_iterate_visit(patch, options, &at, foot);
@@ -80,8 +91,9 @@ ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *optio
   return done ? verdict : inside ? CT_ITERATION_LIMIT : CT_NO_CONVERGENCE;
 }
 
-int ct_line_search(const ct_patch *patch, const ct_iterate *at, const double s[2], ct_iterate *next,
-                   ct_foot *foot)
+/* A lower point on the way along s: all of the step or a part. Answers 0 when there is none. */
+static int line_search(const ct_patch *patch, const ct_iterate *at, const double s[2],
+                       ct_iterate *next, ct_foot *foot)
 {
   double slope = at->g[0] * s[0] + at->g[1] * s[1], part = 1;
   if (!(slope < 0)) return 0;
@@ -93,7 +105,7 @@ int ct_line_search(const ct_patch *patch, const ct_iterate *at, const double s[2
     double rise = next->f - at->f;
     if (rise <= 1e-4 * part * slope) return 1;
     // -- Where rounding hides the fall, the slope decides
-    if (-part * slope <= ct_patch_noise(patch, at->f))
+    if (-part * slope <= noise(patch, at->f))
       return fabs(next->g[0] * s[0] + next->g[1] * s[1]) < -slope;
     // -- Lowest point of the parabola through the two values and the slope (eq:projection-parabola)
     double parabola = -0.5 * (slope * part) / (rise - slope * part);
@@ -102,30 +114,63 @@ int ct_line_search(const ct_patch *patch, const ct_iterate *at, const double s[2
   return 0;
 }
 
-int ct_local_at(const ct_patch *patch, const double xi[2], const double d[3], ct_local *local)
+ct_status ct_iterate_descend(const ct_patch *patch, const ct_project_options *options,
+                             int default_limit, ct_step_rule *rule, void *memory, ct_foot *foot)
+{
+  int limit = options->iteration_limit > 0 ? options->iteration_limit : default_limit, done = 0;
+  double tolerance = options->tolerance * ct_patch_half_width(patch->kind), before = 2 * tolerance,
+         s[2];
+  ct_iterate at, next;
+  ct_iterate_start(patch, options, at.xi);
+  ct_iterate_visit(patch, options, &at, foot);
+  for (; !done && foot->iterations < limit; foot->iterations++) {
+    if (!rule(patch, &at, s, memory) || !line_search(patch, &at, s, &next, foot)) break;
+    for (int a = 0; a < 2; a++) s[a] = next.xi[a] - at.xi[a];
+    done = ct_iterate_done(s, tolerance, &before);
+    at = next;
+    if (options->trace != NULL) options->trace(at.xi, at.f, options->user);
+  }
+  ct_status verdict = ct_iterate_verdict(patch, options, &at, foot);
+  return foot->iterations < limit || done ? verdict : CT_ITERATION_LIMIT;
+}
+
+/* The local shape of the face at an iterate. Answers 0 where there is no normal. */
+static int local_at(const ct_patch *patch, const ct_iterate *at, ct_local *local)
 {
   double t1[4], t2[4], t11[4], t22[4], t12[4], n[3], e2[3];
-  ct_patch_tangents(patch, xi, t1, t2);
-  ct_patch_curves(patch, xi, t11, t22, t12);
+  tangents(patch, at->xi, t1, t2);
+  curves(patch, at->xi, t11, t22, t12);
   if (!ct_vector_unit_normal(t1, t2, n)) return 0;
   // -- Orthonormal frame, the first axis along the first tangent (eq:projection-frame)
-  double a = sqrt(ct_vector_dot(t1, t1)), e1[3] = {t1[0] / a, t1[1] / a, t1[2] / a};
+  double a = sqrt(dot(t1, t1)), e1[3] = {t1[0] / a, t1[1] / a, t1[2] / a};
   ct_vector_cross(n, e1, e2);
-  double b = ct_vector_dot(t2, e1), c = ct_vector_dot(t2, e2), ratio = b / a;
+  double b = dot(t2, e1), c = dot(t2, e2), ratio = b / a;
   local->stretch[0] = a, local->stretch[1] = c, local->stretch[2] = b;
   // -- Curvatures in this frame (eq:projection-curvatures)
-  double B11 = ct_vector_dot(n, t11), B22 = ct_vector_dot(n, t22), B12 = ct_vector_dot(n, t12);
+  double B11 = dot(n, t11), B22 = dot(n, t22), B12 = dot(n, t12);
   local->k[0] = B11 / (a * a);
   local->k[1] = (B22 - 2 * ratio * B12 + ratio * ratio * B11) / (c * c);
   local->k[2] = (B12 - ratio * B11) / (a * c);
-  local->p[0] = -ct_vector_dot(d, e1), local->p[1] = -ct_vector_dot(d, e2),
-  local->p[2] = -ct_vector_dot(d, n);
+  local->p[0] = -dot(at->d, e1), local->p[1] = -dot(at->d, e2), local->p[2] = -dot(at->d, n);
   return 1;
 }
 
-void ct_local_step(const ct_local *local, const double w[2], double s[2])
+/* The step of xi to the foot that a rule finds on the local shape. */
+static int local_step(const ct_patch *patch, const ct_iterate *at, double s[2], void *memory)
 {
+  ct_local_rule *const *rule = memory;
+  ct_local local;
+  double w[2];
+  if (!local_at(patch, at, &local)) return 0;
+  (*rule)(&local, w);
   // -- The step that moves by w in the tangent plane (eq:projection-pull-back)
-  s[1] = w[1] / local->stretch[1];
-  s[0] = (w[0] - local->stretch[2] * s[1]) / local->stretch[0];
+  s[1] = w[1] / local.stretch[1];
+  s[0] = (w[0] - local.stretch[2] * s[1]) / local.stretch[0];
+  return 1;
+}
+
+ct_status ct_local_walk(const ct_patch *patch, const ct_project_options *options,
+                        ct_local_rule *rule, ct_foot *foot)
+{
+  return ct_iterate_walk(patch, options, local_step, &rule, foot);
 }

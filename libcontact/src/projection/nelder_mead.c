@@ -20,13 +20,6 @@ static void sort(triangle *t)
     }
 }
 
-static double value(const ct_patch *patch, const double x[2], ct_foot *foot)
-{
-  double d[3];
-  foot->evaluations++;
-  return ct_patch_value(patch, x, d);
-}
-
 /* The point at `factor` times the way from the highest vertex's opposite centre to that vertex;
  * answers f there. */
 static double along(const triangle *t, const ct_patch *patch, double factor, double image[2],
@@ -37,7 +30,7 @@ static double along(const triangle *t, const ct_patch *patch, double factor, dou
     // -- On the line through the highest vertex and the centre of the others (eq:nelder-line)
     image[a] = centre + factor * (t->x[2][a] - centre);
   }
-  return value(patch, image, foot);
+  return ct_iterate_value(patch, image, foot);
 }
 
 static void replace_highest(triangle *t, const double x[2], double f)
@@ -50,7 +43,7 @@ static void shrink(triangle *t, const ct_patch *patch, ct_foot *foot)
   // -- Shrink towards the lowest vertex (eq:nelder-shrink)
   for (int i = 1; i < 3; i++) {
     for (int a = 0; a < 2; a++) t->x[i][a] = t->x[0][a] + 0.5 * (t->x[i][a] - t->x[0][a]);
-    t->f[i] = value(patch, t->x[i], foot);
+    t->f[i] = ct_iterate_value(patch, t->x[i], foot);
   }
 }
 
@@ -98,7 +91,7 @@ ct_status ct_project_nelder_mead(const ct_patch *patch, const ct_project_options
   ct_iterate_start(patch, options, start);
   for (int i = 0; i < 3; i++) {
     for (int a = 0; a < 2; a++) t.x[i][a] = start[a] + half_width * corner[i][a];
-    t.f[i] = value(patch, t.x[i], foot);
+    t.f[i] = ct_iterate_value(patch, t.x[i], foot);
   }
   ct_status status = CT_ITERATION_LIMIT;
   sort(&t);

@@ -3,46 +3,149 @@
 
 #include "projection_internal.h"
 
-#include "../base/vector.h"
+#include "width.h"
 
-/* The polynomial of a face and its derivatives, in a form to be built into the functions that need
- * them often. The loops run over three coordinates and a zero, so that they fill vectors. */
+/* The polynomial of a face and its derivatives, for as many pairs of face and point as there are
+ * lanes, in a form to be built into the functions that need them often. */
+#if WIDTH == 1
+typedef ct_patch patches;
+typedef ct_iterate iterates;
+#else
+typedef struct patches {
+  ct_face_kind kind;
+  real c[8][COORDINATES], size;
+} patches;
+typedef struct iterates {
+  real xi[2], f, d[3], g[2], H[3], square[3];
+} iterates;
+#endif
 
-/* d at xi, with a zero that fills the vector; answers f = d.d. */
-static inline double ct_polynomial_value(const ct_patch *patch, const double xi[2], double d[4])
+/* Coefficients of the patch from its nodes v and the point p. Only c[0] knows the point; the others
+ * are made of differences between nodes, so that neither a far origin nor a far point costs them
+ * digits. Each is a tree that flips map onto itself up to its sign. */
+PART void quadrilateral(const real v[8][COORDINATES], const real p[COORDINATES],
+                        real c[8][COORDINATES])
 {
-  const double (*c)[4] = patch->c;
-  double x = xi[0], y = xi[1], xx = x * x, yy = y * y, xy = x * y;
-  for (int k = 0; k < 4; k++) {
-    // -- Point of the patch (eq:projection-patch)
-    double a = c[4][k] + c[6][k] * y, b = c[5][k] + c[7][k] * x;
-    d[k] = ((c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y)) + (a * xx + b * yy);
+  for (int k = 0; k < COORDINATES; k++) {
+    // -- Corners (eq:projection-patch-q4)
+    real all = ((v[0][k] - p[k]) + (v[1][k] - p[k])) + ((v[2][k] - p[k]) + (v[3][k] - p[k]));
+    real right = (v[1][k] - v[0][k]) + (v[2][k] - v[3][k]),
+         up = (v[3][k] - v[0][k]) + (v[2][k] - v[1][k]),
+         twist = (v[0][k] - v[1][k]) + (v[2][k] - v[3][k]);
+    c[0][k] = 0.25 * all, c[1][k] = 0.25 * right, c[2][k] = 0.25 * up, c[3][k] = 0.25 * twist;
+    c[4][k] = c[5][k] = c[6][k] = c[7][k] = every(0);
   }
-  return ct_vector_dot(d, d);
 }
 
-/* Tangents at xi, likewise. */
-static inline void ct_polynomial_tangents(const ct_patch *patch, const double xi[2], double t1[4],
-                                          double t2[4])
+/* What the mid-sides change, after the corners. */
+PART void mid_sides(const real v[8][COORDINATES], const real p[COORDINATES], real c[8][COORDINATES])
 {
-  const double (*c)[4] = patch->c;
-  double x = xi[0], y = xi[1], xx = x * x, yy = y * y, two_x = 2 * x, two_y = 2 * y;
-  for (int k = 0; k < 4; k++) {
+  for (int k = 0; k < COORDINATES; k++) {
+    // -- Mid-sides (eq:projection-patch-q8)
+    real right = c[1][k], up = c[2][k];
+    c[0][k] =
+        0.5 * (((v[4][k] - p[k]) + (v[6][k] - p[k])) + ((v[5][k] - p[k]) + (v[7][k] - p[k]))) -
+        c[0][k];
+    c[1][k] = 0.5 * (v[5][k] - v[7][k]);
+    c[2][k] = 0.5 * (v[6][k] - v[4][k]);
+    c[4][k] = 0.25 * (((v[0][k] - v[4][k]) + (v[1][k] - v[4][k])) +
+                      ((v[2][k] - v[6][k]) + (v[3][k] - v[6][k])));
+    c[5][k] = 0.25 * (((v[0][k] - v[7][k]) + (v[3][k] - v[7][k])) +
+                      ((v[1][k] - v[5][k]) + (v[2][k] - v[5][k])));
+    c[6][k] = up - c[2][k];
+    c[7][k] = right - c[1][k];
+  }
+}
+
+PART void triangle(const real v[8][COORDINATES], const real p[COORDINATES], int quadratic,
+                   real c[8][COORDINATES])
+{
+  for (int k = 0; k < COORDINATES; k++) {
+    c[0][k] = v[0][k] - p[k], c[1][k] = v[1][k] - v[0][k], c[2][k] = v[2][k] - v[0][k];
+    c[3][k] = c[4][k] = c[5][k] = c[6][k] = c[7][k] = every(0);
+    if (!quadratic) continue;
+    // -- Mid-sides of the triangle (eq:projection-patch-t6)
+    c[3][k] = 2 * (((v[0][k] - v[3][k]) + (v[0][k] - v[5][k])) +
+                   ((v[4][k] - v[3][k]) + (v[4][k] - v[5][k])));
+    c[4][k] = 2 * ((v[0][k] - v[3][k]) + (v[1][k] - v[3][k]));
+    c[5][k] = 2 * ((v[0][k] - v[5][k]) + (v[2][k] - v[5][k]));
+    c[1][k] -= c[4][k];
+    c[2][k] -= c[5][k];
+  }
+}
+
+/* The polynomials of the faces as seen from their points, with their sizes. Answers where they can
+ * be used: products of four lengths must stay within double precision; and a sum is finite only if
+ * all is. */
+PART mask patch_from(const real v[8][COORDINATES], const real p[COORDINATES], patches *patch)
+{
+  real largest[COORDINATES], far[COORDINATES], sum[COORDINATES];
+  // -- Subtract the point first (eq:projection-shift)
+  if (ct_is_triangular(patch->kind)) triangle(v, p, patch->kind == CT_T6, patch->c);
+  else quadrilateral(v, p, patch->c);
+  if (patch->kind == CT_Q8) mid_sides(v, p, patch->c);
+  for (int k = 0; k < COORDINATES; k++) {
+    far[k] = absolute(patch->c[0][k]), largest[k] = absolute(patch->c[1][k]),
+    sum[k] = far[k] + largest[k];
+    for (int j = 2; j < 8; j++) {
+      real c = absolute(patch->c[j][k]);
+      largest[k] = most(largest[k], c);
+      sum[k] += c;
+    }
+  }
+  real all = (sum[0] + sum[1]) + sum[2], farthest = most(most(far[0], far[1]), far[2]);
+  patch->size = most(most(largest[0], largest[1]), largest[2]);
+  return (all < 1e72) & (patch->size > 1e-70) & (patch->size < 1e70) & (farthest < 1e70);
+}
+
+/* d at xi; answers f = d.d. */
+PART real value(const patches *patch, const real xi[2], real d[COORDINATES])
+{
+  const real(*c)[COORDINATES] = patch->c;
+  real x = xi[0], y = xi[1], xx = x * x, yy = y * y, xy = x * y;
+  for (int k = 0; k < COORDINATES; k++) {
+    // -- Point of the patch (eq:projection-patch)
+    real a = c[4][k] + c[6][k] * y, b = c[5][k] + c[7][k] * x;
+    d[k] = ((c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y)) + (a * xx + b * yy);
+  }
+  return dot(d, d);
+}
+
+PART void tangents(const patches *patch, const real xi[2], real t1[COORDINATES],
+                   real t2[COORDINATES])
+{
+  const real(*c)[COORDINATES] = patch->c;
+  real x = xi[0], y = xi[1], xx = x * x, yy = y * y, two_x = 2 * x, two_y = 2 * y;
+  for (int k = 0; k < COORDINATES; k++) {
     // -- Tangents of the patch (eq:projection-patch-derivatives)
-    double a = c[4][k] + c[6][k] * y, b = c[5][k] + c[7][k] * x;
+    real a = c[4][k] + c[6][k] * y, b = c[5][k] + c[7][k] * x;
     t1[k] = (c[1][k] + c[3][k] * y) + (a * two_x + c[7][k] * yy);
     t2[k] = (c[2][k] + c[3][k] * x) + (b * two_y + c[6][k] * xx);
   }
 }
 
-/* f and its derivatives at at->xi, all in one. */
-static inline void ct_polynomial_look(const ct_patch *patch, ct_iterate *at)
+/* Second derivatives t11, t22, t12. */
+PART void curves(const patches *patch, const real xi[2], real t11[COORDINATES],
+                 real t22[COORDINATES], real t12[COORDINATES])
 {
-  const double (*c)[4] = patch->c;
-  double x = at->xi[0], y = at->xi[1], xx = x * x, yy = y * y, xy = x * y, two_x = 2 * x,
-         two_y = 2 * y;
-  double d[4], t1[4], t2[4], a[4], b[4], t12[4];
-  for (int k = 0; k < 4; k++) {
+  const real(*c)[COORDINATES] = patch->c;
+  for (int k = 0; k < COORDINATES; k++) {
+    // -- Second derivatives of the patch (eq:projection-patch-derivatives)
+    t11[k] = 2 * (c[4][k] + c[6][k] * xi[1]);
+    t22[k] = 2 * (c[5][k] + c[7][k] * xi[0]);
+    t12[k] = c[3][k] + 2 * (c[6][k] * xi[0] + c[7][k] * xi[1]);
+  }
+}
+
+/* f and its derivatives at at->xi, all in one. */
+PART void look(const patches *patch, iterates *at)
+{
+  const real(*c)[COORDINATES] = patch->c;
+  real x = at->xi[0], y = at->xi[1], xx = x * x, yy = y * y, xy = x * y, two_x = 2 * x,
+       two_y = 2 * y;
+  real d[COORDINATES], t1[COORDINATES], t2[COORDINATES], a[COORDINATES], b[COORDINATES],
+      t12[COORDINATES];
+  for (int k = 0; k < COORDINATES; k++) {
     // -- Point, tangents, second derivatives 2 a, 2 b, t12 (eq:projection-patch,
     // eq:projection-patch-derivatives)
     a[k] = c[4][k] + c[6][k] * y, b[k] = c[5][k] + c[7][k] * x;
@@ -52,17 +155,52 @@ static inline void ct_polynomial_look(const ct_patch *patch, ct_iterate *at)
     t12[k] = c[3][k] + (c[6][k] * two_x + c[7][k] * two_y);
   }
   for (int k = 0; k < 3; k++) at->d[k] = d[k];
-  at->f = ct_vector_dot(d, d);
+  at->f = dot(d, d);
   // -- Gradient (eq:projection-gradient)
-  at->g[0] = 2 * ct_vector_dot(d, t1);
-  at->g[1] = 2 * ct_vector_dot(d, t2);
+  at->g[0] = 2 * dot(d, t1);
+  at->g[1] = 2 * dot(d, t2);
   // -- Hessian (eq:projection-hessian)
-  at->square[0] = ct_vector_dot(t1, t1);
-  at->square[1] = ct_vector_dot(t2, t2);
-  at->square[2] = ct_vector_dot(t1, t2);
-  at->H[0] = 2 * (at->square[0] + 2 * ct_vector_dot(d, a));
-  at->H[1] = 2 * (at->square[1] + 2 * ct_vector_dot(d, b));
-  at->H[2] = 2 * (at->square[2] + ct_vector_dot(d, t12));
+  at->square[0] = dot(t1, t1);
+  at->square[1] = dot(t2, t2);
+  at->square[2] = dot(t1, t2);
+  at->H[0] = 2 * (at->square[0] + 2 * dot(d, a));
+  at->H[1] = 2 * (at->square[1] + 2 * dot(d, b));
+  at->H[2] = 2 * (at->square[2] + dot(d, t12));
+}
+
+/* How much rounding may change a value f: d is known to the rounding of the largest length in it.
+ */
+PART real noise(const patches *patch, real f)
+{
+  // -- Rounding of f (eq:robust-noise)
+  return 8 * DBL_EPSILON * (f + patch->size * root(f));
+}
+
+/* Unit normal along y,1 x y,2 exactly at xi; answers where the tangents neither vanish nor are
+ * parallel to rounding. */
+PART mask normal_at(const patches *patch, const real xi[2], real n[3])
+{
+  real t1[COORDINATES], t2[COORDINATES];
+  tangents(patch, xi, t1, t2);
+  // -- Unit normal (eq:segment-normal)
+  for (int k = 0; k < 3; k++)
+    n[k] = t1[(k + 1) % 3] * t2[(k + 2) % 3] - t1[(k + 2) % 3] * t2[(k + 1) % 3];
+  real square = dot(n, n), length = root(square);
+  for (int k = 0; k < 3; k++) n[k] /= length;
+  return square > 1e-28 * (dot(t1, t1) * dot(t2, t2));
+}
+
+/* The same, at a collapsed corner that of the points just inside. Answers where there is one. */
+PART mask normal(const patches *patch, const real xi[2], real n[3])
+{
+  real inside[2], other[3];
+  mask found = normal_at(patch, xi, n);
+  if (!any(not(found))) return found;
+  // -- At a collapsed corner, take the normal just inside of it
+  for (int a = 0; a < 2; a++) inside[a] = xi[a] + (ct_patch_centre(patch->kind) - xi[a]) / 1048576;
+  mask near = normal_at(patch, inside, other);
+  for (int k = 0; k < 3; k++) n[k] = pick(found, n[k], pick(near, other[k], every(NAN)));
+  return found | near;
 }
 
 #endif

@@ -54,13 +54,14 @@ void ct_project_function(const ct_face *face, const double point[3], const doubl
 {
   if (face == NULL || point == NULL || xi == NULL) return;
   ct_patch patch;
-  double value = NAN, slope[2] = {NAN, NAN}, curvature[3] = {NAN, NAN, NAN}, d[3];
+  ct_foot foot = {.evaluations = 0};
+  ct_iterate at = {{xi[0], xi[1]}, NAN, {0}, {NAN, NAN}, {NAN, NAN, NAN}, {0}};
   // -- Value, gradient and Hessian (eq:projection-f, eq:projection-gradient, eq:projection-hessian)
   if (ct_patch_init(&patch, face->kind, face->node, point) == CT_OK)
-    value = ct_patch_derivatives(&patch, xi, d, slope, curvature);
-  if (f != NULL) *f = value;
-  for (int a = 0; a < 2 && g != NULL; a++) g[a] = slope[a];
-  for (int i = 0; i < 3 && H != NULL; i++) H[i] = curvature[i];
+    ct_iterate_look(&patch, &at, &foot);
+  if (f != NULL) *f = at.f;
+  for (int a = 0; a < 2 && g != NULL; a++) g[a] = at.g[a];
+  for (int i = 0; i < 3 && H != NULL; i++) H[i] = at.H[i];
 }
 
 /* Everything that has no answer. */

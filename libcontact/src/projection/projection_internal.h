@@ -32,6 +32,9 @@ typedef ct_status ct_project_method(const ct_patch *, const ct_project_options *
  * is closer. */
 static const double CT_MILD = 0.2, CT_PROVABLE = 1e-10;
 
+/* An iterate this far out, in reference coordinates, does not come back. */
+static const double CT_FAR = 1e3;
+
 /* Polynomial of the face as seen from `point`. Answers CT_INVALID when a number is not finite, all
  * nodes coincide or a length is beyond 1e+-70. */
 ct_status ct_patch_init(ct_patch *patch, ct_face_kind kind, const double node[8][3],
@@ -39,21 +42,6 @@ ct_status ct_patch_init(ct_patch *patch, ct_face_kind kind, const double node[8]
 
 /* d at xi; answers f = d.d. */
 double ct_patch_value(const ct_patch *patch, const double xi[2], double d[3]);
-
-/* f, gradient (f,1  f,2) and Hessian (f,11  f,22  f,12) at xi, with d; answers f. */
-double ct_patch_derivatives(const ct_patch *patch, const double xi[2], double d[3], double g[2],
-                            double H[3]);
-
-/* Tangents at xi, with a zero that fills the vector. */
-void ct_patch_tangents(const ct_patch *patch, const double xi[2], double t1[4], double t2[4]);
-
-/* Second derivatives t11, t22, t12 at xi, likewise. */
-void ct_patch_curves(const ct_patch *patch, const double xi[2], double t11[4], double t22[4],
-                     double t12[4]);
-
-/* How much rounding may change a value f: d is known to the rounding of the largest length in it.
- */
-double ct_patch_noise(const ct_patch *patch, double f);
 
 /* Unit normal at xi along y,1 x y,2; at a collapsed corner that of the points just inside. Answers
  * 0, with NaN, when there is none. */
@@ -63,19 +51,22 @@ int ct_patch_normal(const ct_patch *patch, const double xi[2], double n[3]);
  * corner. */
 ct_where ct_patch_where(ct_face_kind kind, const double xi[2], double slack, int *index);
 
+static inline int ct_is_triangular(ct_face_kind kind) { return kind == CT_T3 || kind == CT_T6; }
+
 /* Half-width of the reference face: 1 or 1/2. */
 static inline double ct_patch_half_width(ct_face_kind kind)
 {
-  return kind == CT_T3 || kind == CT_T6 ? 0.5 : 1;
+  return ct_is_triangular(kind) ? 0.5 : 1;
 }
 
 /* Centre of the reference face. */
 static inline double ct_patch_centre(ct_face_kind kind)
 {
-  return kind == CT_T3 || kind == CT_T6 ? 1.0 / 3 : 0;
+  return ct_is_triangular(kind) ? 1.0 / 3 : 0;
 }
 
-/* f with its derivatives at at->xi; counts one evaluation. */
+/* f alone, and f with its derivatives at at->xi; each counts one evaluation. */
+double ct_iterate_value(const ct_patch *patch, const double xi[2], ct_foot *foot);
 void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_foot *foot);
 
 /* The same for a method without bounds, which is also traced. */
@@ -98,17 +89,21 @@ int ct_iterate_done(const double s[2], double tolerance, double *before);
 ct_status ct_iterate_verdict(const ct_patch *patch, const ct_project_options *options,
                              const ct_iterate *at, ct_foot *foot);
 
-/* A step of a method without bounds from an iterate that has been looked at. Answers 0 when there
- * is none. */
-typedef int ct_step_rule(const ct_patch *patch, const ct_iterate *at, double s[2]);
+/* Newton's step to the root of the tangent of the gradient; answers the determinant of the Hessian.
+ */
+double ct_newton_step(const ct_iterate *at, double s[2]);
+
+/* A step of a method without bounds from an iterate that has been looked at; s comes in with the
+ * step before, or zero. Answers 0 when there is none. */
+typedef int ct_step_rule(const ct_patch *patch, const ct_iterate *at, double s[2], void *memory);
 
 /* Take the steps of a rule from the start to the end. */
 ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options,
-                          ct_step_rule *rule, ct_foot *foot);
+                          ct_step_rule *rule, void *memory, ct_foot *foot);
 
-/* A lower point on the way along s: all of the step or a part. Answers 0 when there is none. */
-int ct_line_search(const ct_patch *patch, const ct_iterate *at, const double s[2], ct_iterate *next,
-                   ct_foot *foot);
+/* The same with a line search along each step. */
+ct_status ct_iterate_descend(const ct_patch *patch, const ct_project_options *options,
+                             int default_limit, ct_step_rule *rule, void *memory, ct_foot *foot);
 
 /* The face to second order about a point y: an orthonormal frame e1, e2, n; tangents t1 =
  * (stretch[0], 0), t2 = (stretch[2], stretch[1]) in it; curvatures k11, k22, k12; and the given
@@ -117,15 +112,16 @@ typedef struct ct_local {
   double stretch[3], k[3], p[3];
 } ct_local;
 
-/* The local shape of the face at xi. Answers 0 where there is no normal. */
-int ct_local_at(const ct_patch *patch, const double xi[2], const double d[3], ct_local *local);
+/* The way w in the tangent plane to the foot on the local shape. */
+typedef void ct_local_rule(const ct_local *local, double w[2]);
 
-/* The step of xi that moves by w = (w1, w2) in the tangent plane. */
-void ct_local_step(const ct_local *local, const double w[2], double s[2]);
+/* Take the steps of such a rule from the start to the end. */
+ct_status ct_local_walk(const ct_patch *patch, const ct_project_options *options,
+                        ct_local_rule *rule, ct_foot *foot);
 
-/* Is it easily shown that no point of the face is closer than xi, cutting the face into four
- * `depth` times at most? Mirrored faces give the same answer. */
-int ct_proof_at_sight(const ct_patch *patch, const double xi[2], int depth, ct_foot *count);
+/* Is it shown that no point of the face is closer than xi, where xi alone does not show it, by
+ * cutting the face into four `depth` times at most? Mirrored faces give the same answer. */
+int ct_proof_by_cuts(const ct_patch *patch, const double xi[2], int depth, ct_foot *count);
 
 /* Unit vector q across a valley of f, where f with the Hessian (f,11 f,22 f,12) is most curved, and
  * the curvatures across and along. */

@@ -1,4 +1,4 @@
-#include "projection_internal.h"
+#include "polynomial.h"
 
 #include "../base/vector.h"
 
@@ -23,9 +23,9 @@ typedef struct square {
 /* The components across the line at xi, and their Jacobian. */
 static void look_across(const sight *s, const double xi[2], double G[2], double J[2][2])
 {
-  double d[3], t1[4], t2[4];
-  ct_patch_value(s->patch, xi, d);
-  ct_patch_tangents(s->patch, xi, t1, t2);
+  double d[4], t1[4], t2[4];
+  value(s->patch, xi, d);
+  tangents(s->patch, xi, t1, t2);
   for (int i = 0; i < 2; i++) {
     // -- Components across the line (eq:ray-across)
     G[i] = ct_vector_dot(s->across[i], d);
@@ -121,8 +121,8 @@ ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double 
                        double xi[2], double *distance, int *looks)
 {
   enum { BUDGET = 4000, DEPTH = 30 };
-  static const double PART[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  int size = 1, touch = 0, triangular = patch->kind == CT_T3 || patch->kind == CT_T6;
+  static const double QUARTER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  int size = 1, touch = 0, triangular = ct_is_triangular(patch->kind);
   square stack[3 * DEPTH + 4];
   sight s = {patch, {{0}}, {0}, {{0}}, tolerance * ct_patch_half_width(patch->kind), triangular};
   if (!sight_along(&s, direction)) return CT_INVALID;
@@ -148,7 +148,7 @@ ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double 
     for (int i = 0; i < 4; i++) {
       square *part = &stack[size++];
       part->half = 0.5 * q.half;
-      for (int a = 0; a < 2; a++) part->centre[a] = q.centre[a] + part->half * PART[i][a];
+      for (int a = 0; a < 2; a++) part->centre[a] = q.centre[a] + part->half * QUARTER[i][a];
     }
   }
   if (*distance == HUGE_VAL) return size > 0 ? CT_ITERATION_LIMIT : CT_NO_CONVERGENCE;

@@ -11,13 +11,6 @@ typedef struct simplex {
   double edge;
 } simplex;
 
-static double value(const ct_patch *patch, const double x[2], ct_foot *foot)
-{
-  double d[3];
-  foot->evaluations++;
-  return ct_patch_value(patch, x, d);
-}
-
 /* The regular simplex of edge `edge` with its centroid at `centre`; a flip of xi_1 about the
  * centroid maps it onto itself. */
 static void simplex_start(simplex *s, const ct_patch *patch, const double centre[2], double edge,
@@ -28,7 +21,7 @@ static void simplex_start(simplex *s, const ct_patch *patch, const double centre
   s->edge = edge;
   for (int i = 0; i < 3; i++) {
     for (int a = 0; a < 2; a++) s->x[i][a] = centre[a] + edge * corner[i][a];
-    s->f[i] = value(patch, s->x[i], foot);
+    s->f[i] = ct_iterate_value(patch, s->x[i], foot);
     s->age[i] = 0;
   }
 }
@@ -55,7 +48,7 @@ static double simplex_reflect(const simplex *s, const ct_patch *patch, int i, do
     double centre = 0.5 * (p[a] + q[a]);
     image[a] = centre + (centre - s->x[i][a]);
   }
-  return value(patch, image, foot);
+  return ct_iterate_value(patch, image, foot);
 }
 
 static void simplex_move(simplex *s, int i, const double image[2], double f)
@@ -75,7 +68,7 @@ static void simplex_halve(simplex *s, const ct_patch *patch, int low, ct_foot *f
     s->age[i] = 0;
     if (i == low) continue;
     for (int a = 0; a < 2; a++) s->x[i][a] = s->x[low][a] + 0.5 * (s->x[i][a] - s->x[low][a]);
-    s->f[i] = value(patch, s->x[i], foot);
+    s->f[i] = ct_iterate_value(patch, s->x[i], foot);
   }
 }
 

@@ -15,17 +15,7 @@ static void sphere_foot(const ct_local *at, double w[2])
   w[1] = square > 0 ? b / m : 0;
 }
 
-static int sphere_step(const ct_patch *patch, const ct_iterate *at, double s[2])
-{
-  ct_local local;
-  double w[2];
-  if (!ct_local_at(patch, at->xi, at->d, &local)) return 0;
-  sphere_foot(&local, w);
-  ct_local_step(&local, w, s);
-  return 1;
-}
-
 ct_status ct_project_sphere(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
 {
-  return ct_iterate_walk(patch, options, sphere_step, foot);
+  return ct_local_walk(patch, options, sphere_foot, foot);
 }

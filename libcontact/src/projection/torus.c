@@ -34,17 +34,7 @@ static void torus_foot(const ct_local *at, double w[2])
   w[1] = across * e[1] + along * e[0];
 }
 
-static int torus_step(const ct_patch *patch, const ct_iterate *at, double s[2])
-{
-  ct_local local;
-  double w[2];
-  if (!ct_local_at(patch, at->xi, at->d, &local)) return 0;
-  torus_foot(&local, w);
-  ct_local_step(&local, w, s);
-  return 1;
-}
-
 ct_status ct_project_torus(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
 {
-  return ct_iterate_walk(patch, options, torus_step, foot);
+  return ct_local_walk(patch, options, torus_foot, foot);
 }

@@ -54,7 +54,7 @@ static void to_the_floor(const ct_patch *patch, int triangular, ct_iterate *at, 
 
 int ct_follow_valley(const ct_patch *patch, double xi[2], ct_foot *foot)
 {
-  int triangular = patch->kind == CT_T3 || patch->kind == CT_T6;
+  int triangular = ct_is_triangular(patch->kind);
   double half_width = ct_patch_half_width(patch->kind), radius = 0.5 * half_width;
   ct_iterate at = {.xi = {xi[0], xi[1]}};
   ct_iterate_look(patch, &at, foot);

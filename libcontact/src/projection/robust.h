@@ -1,0 +1,494 @@
+/* The robust search for the closest points, for as many pairs of face and point as there are lanes.
+ * Lanes cannot take different branches: where one of them wants a step of its own, all compute it,
+ * and the others keep what they have. With width 1 this is an ordinary search. */
+#include "secant.h"
+
+/* Steps, where they lead, and the fall that the model promises. */
+typedef struct steps {
+  real s[2], xi[2], fall;
+} steps;
+
+/* Quadratic model q(s) = g.s + s.H s / 2 of f about an iterate, on the steps that stay in the trust
+ * region and on the face: low <= s <= high and s_1 + s_2 <= sum. */
+typedef struct model {
+  int triangular;
+  real g[2], H[3], low[2], high[2], sum;
+} model;
+
+/* Where descents have ended. */
+typedef struct ends {
+  real xi[2], f, d[COORDINATES], status;
+} ends;
+
+/* What they took. */
+typedef struct counts {
+  mask evaluations, iterations;
+} counts;
+
+/* Sample points: the corners, the mid-sides, the centre. */
+static const double QUADRILATERAL[9][2] = {{-1, -1}, {1, -1}, {1, 1},  {-1, 1}, {0, -1},
+                                           {1, 0},   {0, 1},  {-1, 0}, {0, 0}};
+static const double TRIANGLE[7][2] = {
+    {0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}, {1.0 / 3, 1.0 / 3}};
+
+PART real model_value(const model *q, const real s[2])
+{
+  real linear = q->g[0] * s[0] + q->g[1] * s[1];
+  return linear +
+         (0.5 * (q->H[0] * (s[0] * s[0]) + q->H[1] * (s[1] * s[1])) + q->H[2] * (s[0] * s[1]));
+}
+
+/* Keep s in `best` where it is allowed and lower. */
+PART void model_keep(const model *q, const real s[2], mask allowed, real *value, real best[2])
+{
+  real v = model_value(q, s);
+  mask lower = allowed & (v < *value);
+  *value = pick(lower, v, *value);
+  for (int a = 0; a < 2; a++) best[a] = pick(lower, s[a], best[a]);
+}
+
+/* Lowest point of the model on the line s_axis = bound. */
+PART void model_side(const model *q, int axis, real bound, real *value, real best[2])
+{
+  int other = 1 - axis;
+  real low = q->low[other], high = least(q->high[other], q->sum - bound), s[2];
+  mask open = low <= high;
+  s[axis] = bound;
+  // -- Root of the slope along a side, or its two ends (eq:robust-side)
+  real slope = q->g[other] + q->H[2] * bound, curvature = q->H[other];
+  mask up = curvature > 0, both = open & not(up);
+  s[other] = pick(up, least(most(-slope / curvature, low), high), low);
+  model_keep(q, s, open, value, best);
+  if (!any(both)) return;
+  s[other] = high;
+  model_keep(q, s, both, value, best);
+}
+
+/* The same on the slanted side of a triangle, s_1 + s_2 = sum, with u = (s_1 - s_2) / 2 along it.
+ */
+PART void model_slant(const model *q, real *value, real best[2])
+{
+  real half = 0.5 * q->sum, low = most(q->low[0] - half, half - q->high[1]),
+       high = least(q->high[0] - half, half - q->low[1]);
+  // -- Root of the slope along the slanted side, or its two ends (eq:robust-slant)
+  real slope = (q->g[0] - q->g[1]) + half * (q->H[0] - q->H[1]),
+       curvature = (q->H[0] + q->H[1]) - 2 * q->H[2];
+  real u = pick(curvature > 0, least(most(-slope / curvature, low), high), low);
+  for (int end = 0; end < 2; end++) {
+    real s[2] = {half + u, half - u};
+    model_keep(q, s, low <= high, value, best);
+    u = pick(curvature > 0, u, high);
+  }
+}
+
+/* Lowest point s of the model on the boundary of the allowed steps; answers q(s) <= 0. */
+PART real model_minimum(const model *q, real s[2])
+{
+  // -- The lowest point lies on a side (eq:robust-model)
+  real value = every(0);
+  s[0] = s[1] = value;
+  for (int axis = 0; axis < 2; axis++) {
+    model_side(q, axis, q->low[axis], &value, s);
+    model_side(q, axis, q->high[axis], &value, s);
+  }
+  if (q->triangular) model_slant(q, &value, s);
+  return value;
+}
+
+/* The model of f about the iterate, limited to the face and to the trust region of half-width
+ * `radius`. */
+PART void model_about(model *q, const iterates *at, int triangular, real radius)
+{
+  double low = triangular ? 0 : -1;
+  for (int a = 0; a < 2; a++) {
+    q->g[a] = at->g[a];
+    q->low[a] = most(low - at->xi[a], -radius);
+    q->high[a] = least(1 - at->xi[a], radius);
+  }
+  for (int i = 0; i < 3; i++) q->H[i] = at->H[i];
+  q->triangular = triangular;
+  q->sum = triangular ? most(1 - (at->xi[0] + at->xi[1]), every(0)) : every(HUGE_VAL);
+}
+
+/* Bring xi onto the face, and onto its boundary where only rounding is between. */
+PART void snap(int triangular, real xi[2])
+{
+  const double low = triangular ? 0 : -1, edge = 1 - 2 * DBL_EPSILON;
+  for (int a = 0; a < 2; a++) {
+    xi[a] = pick(xi[a] > edge, every(1), xi[a]);
+    xi[a] = pick(xi[a] < low + 2 * DBL_EPSILON, every(low), xi[a]);
+  }
+  if (!triangular) return;
+  mask beyond = xi[0] + xi[1] > edge, second = xi[1] > xi[0];
+  real excess = most(0.5 * (xi[0] + xi[1] - 1), every(0)),
+       small = most(least(xi[0], xi[1]) - excess, every(0)), large = 1 - small;
+  xi[0] = pick(beyond, pick(second, small, large), xi[0]);
+  xi[1] = pick(beyond, pick(second, large, small), xi[1]);
+}
+
+/* Is xi on the face, and not on its boundary nor within rounding of it? */
+PART mask is_inside(int triangular, const real xi[2])
+{
+  const double edge = 1 - 2 * DBL_EPSILON;
+  if (!triangular) return most(absolute(xi[0]), absolute(xi[1])) <= edge;
+  return (least(xi[0], xi[1]) >= 2 * DBL_EPSILON) & (xi[0] + xi[1] <= edge);
+}
+
+/* Newton's step, cut to the face if it is a first guess. Answers where the model is convex and the
+ * step allowed. */
+PART mask newton_step(const iterates *at, int triangular, int guess, real radius, steps *to)
+{
+  // -- Newton's step (eq:projection-newton)
+  real determinant = at->H[0] * at->H[1] - at->H[2] * at->H[2], inverse = 1 / determinant;
+  to->s[0] = (at->H[2] * at->g[1] - at->H[1] * at->g[0]) * inverse;
+  to->s[1] = (at->H[2] * at->g[0] - at->H[0] * at->g[1]) * inverse;
+  for (int a = 0; a < 2; a++) to->xi[a] = at->xi[a] + to->s[a];
+  to->fall = -0.5 * (at->g[0] * to->s[0] + at->g[1] * to->s[1]);
+  mask convex = (at->H[0] > 0) & (determinant > 0), inside = is_inside(triangular, to->xi);
+  if (!guess) return convex & (most(absolute(to->s[0]), absolute(to->s[1])) <= radius) & inside;
+  // -- A first guess is cut to the face, and good if f does not rise (eq:robust-guess)
+  if (any(not(inside))) snap(triangular, to->xi);
+  for (int a = 0; a < 2; a++) to->s[a] = to->xi[a] - at->xi[a];
+  to->fall = every(0);
+  return convex;
+}
+
+/* The steps to the lowest points of the models: Newton's where it is allowed, else the one to the
+ * boundary of what is. */
+PART steps next_step(const iterates *at, int triangular, int guess, real radius, mask active)
+{
+  steps to;
+  model q;
+  real s[2], xi[2];
+  mask newton = newton_step(at, triangular, guess, radius, &to);
+  if (!any(active & not(newton))) return to;
+  model_about(&q, at, triangular, radius);
+  to.fall = pick(newton, to.fall, -model_minimum(&q, s));
+  for (int a = 0; a < 2; a++) xi[a] = at->xi[a] + s[a];
+  snap(triangular, xi);
+  for (int a = 0; a < 2; a++)
+    to.s[a] = pick(newton, to.s[a], s[a]), to.xi[a] = pick(newton, to.xi[a], xi[a]);
+  return to;
+}
+
+/* Does rounding of the gradient move the foot xi by less than the tolerance, along the directions
+ * that the face leaves free? H and the tangents are those of the last look. */
+PART mask resolved(const patches *patch, const iterates *last, const real xi[2], real f,
+                   real tolerance)
+{
+  int triangular = ct_is_triangular(patch->kind);
+  const real *H = last->H;
+  double low = triangular ? 0 : -1;
+  real rounding = 4 * DBL_EPSILON * (root(f) + patch->size),
+       length[2] = {root(last->square[0]), root(last->square[1])};
+  // -- How far rounding moves the foot (eq:robust-resolved)
+  real twist = absolute(H[2]), first = H[1] * length[0] + twist * length[1],
+       second = H[0] * length[1] + twist * length[0];
+  real move = most(first, second), room = H[0] * H[1] - H[2] * H[2];
+  if (triangular) {
+    mask slant = xi[0] + xi[1] >= 1;
+    move = pick(slant, length[0] + length[1], move);
+    room = pick(slant, (H[0] + H[1]) - 2 * H[2], room);
+  }
+  mask bound[2];
+  for (int a = 0; a < 2; a++) bound[a] = (xi[a] <= low) | (xi[a] >= 1);
+  for (int a = 1; a >= 0; a--) {
+    move = pick(bound[1 - a], length[a], move);
+    room = pick(bound[1 - a], H[a], room);
+  }
+  return (bound[0] & bound[1]) | (rounding * move <= tolerance * room);
+}
+
+/* Is the face so nearly plane, as seen from an iterate near its foot, that f has one valley only?
+ * What is not linear is weighed by its second derivatives. */
+PART mask is_mild(const patches *patch, const iterates *at)
+{
+  const real(*c)[COORDINATES] = patch->c;
+  real bent[COORDINATES];
+  for (int k = 0; k < COORDINATES; k++)
+    bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) +
+                                           2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
+  real area = at->square[0] * at->square[1] - at->square[2] * at->square[2],
+       straight = area / most(at->square[0], at->square[1]);
+  // -- Compare what is not linear with what is (eq:robust-mild)
+  return ((bent[0] + bent[1]) + bent[2]) * (straight + 2 * at->f) <=
+         CT_MILD * (straight * straight);
+}
+
+/* Let the caller see an iterate. */
+RARE void show(const ct_project_options *options, real x, real y, real f)
+{
+  double xi[2] = {lane(x, 0), lane(y, 0)};
+  options->trace(xi, lane(f, 0), options->user);
+}
+
+/* Take over the iterates of some lanes, but for d, which is computed again at the end. */
+PART void take(iterates *at, const iterates *from, mask m)
+{
+  at->f = pick(m, from->f, at->f);
+  for (int a = 0; a < 2; a++)
+    at->xi[a] = pick(m, from->xi[a], at->xi[a]), at->g[a] = pick(m, from->g[a], at->g[a]);
+  for (int i = 0; i < 3; i++) {
+    at->H[i] = pick(m, from->H[i], at->H[i]);
+    at->square[i] = pick(m, from->square[i], at->square[i]);
+  }
+}
+
+/* What a descent knows besides its iterate. `stalled` is the length of the last step that rounding
+ * did not let judge, `resolution` the tolerance that the foot is held to once it is settled. */
+typedef struct region {
+  real radius, before, stalled, resolution, status;
+  mask active, settled;
+} region;
+
+/* Judge the steps that did not make f fall as promised; answers those that are taken all the same.
+ * One that rounding does not let judge is taken if steps get shorter, else the descent ends. */
+PART mask judge(const patches *patch, real f, real fall, real length, mask refused, region *r)
+{
+  // -- Take the step if f falls, or, where rounding hides that, if the steps get shorter
+  // (eq:robust-accept)
+  mask hidden = refused & (fall <= noise(patch, f)), stop = hidden & (length > 0.5 * r->stalled),
+       taken = hidden & not(stop);
+  r->stalled = pick(taken, length, r->stalled);
+  r->status = pick(stop, every(CT_NOT_CERTIFIED), r->status);
+  r->active &= not(stop);
+  r->radius = pick(refused & not(hidden), 0.25 * length, r->radius);
+  return taken;
+}
+
+/* Descend from xi to minima of f on the faces, sought to within the tolerance, in the lanes that
+ * are `active`. Answers in which of them the iterate of number `probe` shows that the face is not
+ * mild; then `out` is this iterate. */
+CLONED mask descend(const patches *patch, const ct_project_options *options, double sought,
+                    const real xi[2], int probe, mask active, counts *count, ends *out)
+{
+  int triangular = ct_is_triangular(patch->kind),
+      limit = options->iteration_limit > 0 ? options->iteration_limit : 100;
+  double half_width = ct_patch_half_width(patch->kind), tolerance = sought * half_width,
+         small = 4 * DBL_EPSILON * half_width;
+  real wide = every(half_width), none = every(0);
+  region r = {wide, wide, every(HUGE_VAL), none, every(CT_ITERATION_LIMIT), active, none != none};
+  mask rough = r.settled;
+  iterates at, trial;
+  at.xi[0] = xi[0], at.xi[1] = xi[1];
+  look(patch, &at);
+  count->evaluations += masked(active, 1);
+  for (int i = 0; i < limit; i++) {
+    if (WIDTH == 1 && options->trace != NULL) show(options, at.xi[0], at.xi[1], at.f);
+    if (i == probe) {
+      rough = r.active & not(is_mild(patch, &at));
+      r.active &= not(rough);
+      if (!any(r.active)) break;
+    }
+    // -- Step to the lowest point of the model (eq:robust-model)
+    steps to = next_step(&at, triangular, i < probe, r.radius, r.active);
+    real length = most(absolute(to.s[0]), absolute(to.s[1])), square = length * length;
+    // -- Done when the step is small, or the next one would be: then look at d only
+    // (eq:robust-quadratic)
+    if (i >= probe) {
+      mask done =
+          r.active & ((length <= tolerance) |
+                      ((square <= small) & (square * length <= small * (r.before * r.before))));
+      for (int a = 0; a < 2; a++) at.xi[a] = pick(done, to.xi[a], at.xi[a]);
+      r.resolution =
+          pick(done & (length < r.radius), every(options->tolerance * half_width), r.resolution);
+      r.settled |= done;
+      r.active &= not(done);
+      if (!any(r.active)) break;
+    }
+    trial.xi[0] = to.xi[0], trial.xi[1] = to.xi[1];
+    look(patch, &trial);
+    count->evaluations += masked(r.active, 1);
+    // -- Take the step if f falls, and widen the trust region, or narrow it (eq:robust-accept)
+    mask taken = r.active & (at.f - trial.f >= 0.1 * to.fall), refused = r.active & not(taken);
+    if (any(refused)) taken |= judge(patch, at.f, to.fall, length, refused, &r);
+    r.radius = pick(taken & (length >= r.radius), least(2 * r.radius, 2 * wide), r.radius);
+    r.before = pick(taken, length, r.before);
+    take(&at, &trial, taken);
+    count->iterations += masked(r.active, 1);
+    if (!any(r.active)) break;
+  }
+  for (int a = 0; a < 2; a++) out->xi[a] = at.xi[a];
+  out->f = value(patch, out->xi, out->d);
+  mask good = resolved(patch, &at, out->xi, out->f, r.resolution);
+  out->status = pick(r.settled, pick(good, every(CT_OK), every(CT_NOT_CERTIFIED)), r.status);
+  return limit > probe ? rough : r.active;
+}
+
+/* Which samples are not higher than their neighbours. Corners see their two mid-sides, mid-sides
+ * see two corners and two mid-sides, all see the centre. */
+PART void valleys(const real f[9], int corners, mask valley[9])
+{
+  const real *side = f + corners, centre = f[2 * corners];
+  mask lowest = centre == centre;
+  for (int j = 0; j < corners; j++) {
+    int after = (j + 1) % corners, before = (j + corners - 1) % corners;
+    real sides = least(side[j], side[before]),
+         around = least(least(f[j], f[after]), least(side[after], side[before]));
+    valley[j] = f[j] <= least(sides, centre);
+    valley[corners + j] = side[j] <= least(around, centre);
+    lowest &= centre <= least(f[j], side[j]);
+  }
+  valley[2 * corners] = lowest;
+}
+
+/* Where the end `a` is better than `b`: lower, or as low and nearer the centre. A mirror does not
+ * change the answer. */
+PART mask is_better(const ends *a, const ends *b)
+{
+  real ra = a->xi[0] * a->xi[0] + a->xi[1] * a->xi[1],
+       rb = b->xi[0] * b->xi[0] + b->xi[1] * b->xi[1];
+  mask better = a->f < b->f, equal = a->f == b->f;
+  better |= equal & (ra < rb), equal &= ra == rb;
+  for (int k = 0; k < 2; k++) {
+    real xa = absolute(a->xi[k]), xb = absolute(b->xi[k]);
+    better |= equal & (xa < xb), equal &= xa == xb;
+  }
+  return better | (equal & (a->status < b->status));
+}
+
+/* Take over the ends of some lanes. */
+PART void take_ends(ends *to, const ends *from, mask m)
+{
+  to->f = pick(m, from->f, to->f);
+  to->status = pick(m, from->status, to->status);
+  for (int a = 0; a < 2; a++) to->xi[a] = pick(m, from->xi[a], to->xi[a]);
+  for (int k = 0; k < 3; k++) to->d[k] = pick(m, from->d[k], to->d[k]);
+}
+
+/* Descend from the samples that are marked, each lane from its own, those of high number first;
+ * keep the best of the ends. */
+RARE void descend_from(mask sample[9], const patches *patch, const ct_project_options *options,
+                       double sought, counts *count, ends *best)
+{
+  const double (*at)[2] = ct_is_triangular(patch->kind) ? TRIANGLE : QUADRILATERAL;
+  int samples = ct_is_triangular(patch->kind) ? 7 : 9;
+  for (;;) {
+    ends found;
+    real xi[2] = {every(0), every(0)};
+    mask active = xi[0] != xi[0];
+    for (int i = samples - 1; i >= 0; i--) {
+      mask mine = sample[i] & not(active);
+      for (int a = 0; a < 2; a++) xi[a] = pick(mine, every(at[i][a]), xi[a]);
+      active |= mine;
+      sample[i] &= not(mine);
+    }
+    if (!any(active)) return;
+    descend(patch, options, sought, xi, -1, active, count, &found);
+    take_ends(best, &found, active & ((best->f == HUGE_VAL) | is_better(&found, best)));
+  }
+}
+
+/* f at the nine sample points of a quadrilateral, where its polynomial is a sum of coefficients. */
+PART void sample_quadrilateral(const patches *patch, real f[9])
+{
+  real d[9][COORDINATES];
+  for (int k = 0; k < COORDINATES; k++) {
+    // -- Corners, mid-sides and centre (eq:robust-samples)
+    real c0 = patch->c[0][k], twist = patch->c[3][k], right = patch->c[1][k], up = patch->c[2][k];
+    real row = c0 + patch->c[5][k], column = c0 + patch->c[4][k],
+         corner = c0 + (patch->c[4][k] + patch->c[5][k]);
+    real across = right + patch->c[7][k], along = up + patch->c[6][k];
+    d[0][k] = (corner + twist) - (across + along);
+    d[1][k] = (corner - twist) + (across - along);
+    d[2][k] = (corner + twist) + (across + along);
+    d[3][k] = (corner - twist) - (across - along);
+    d[4][k] = row - up;
+    d[5][k] = column + right;
+    d[6][k] = row + up;
+    d[7][k] = column - right;
+    d[8][k] = c0;
+  }
+  for (int i = 0; i < 9; i++) f[i] = dot(d[i], d[i]);
+}
+
+/* f at the sample points; answers the lowest. */
+PART real sample(const patches *patch, int samples, real f[9])
+{
+  real d[COORDINATES], lowest;
+  // -- Sample the face (eq:robust-samples)
+  if (samples == 9) sample_quadrilateral(patch, f);
+  else
+    for (int i = 0; i < samples; i++) {
+      real xi[2] = {every(TRIANGLE[i][0]), every(TRIANGLE[i][1])};
+      f[i] = value(patch, xi, d);
+    }
+  lowest = f[0];
+  for (int i = 1; i < samples; i++) lowest = least(lowest, f[i]);
+  return lowest;
+}
+
+/* The face of one lane. */
+RARE ct_patch face_of(const patches *patch, int l)
+{
+  ct_patch own = {.kind = patch->kind, .size = lane(patch->size, l)};
+  for (int j = 0; j < 8; j++)
+    for (int k = 0; k < 3; k++) own.c[j][k] = lane(patch->c[j][k], l);
+  return own;
+}
+
+/* In which of the wanted lanes is it easily shown that no point of the face is closer than xi: by
+ * the foot at once, or else after some cuts, one lane at a time? */
+RARE mask proven_at_sight(const patches *patch, const real xi[2], mask wanted, counts *count)
+{
+  cell face = whole_face(ct_is_triangular(patch->kind));
+  proof p;
+  base foot;
+  base_at(patch, xi, &foot);
+  count->evaluations += masked(wanted, 1);
+  mask possible = wanted & proof_about(&p, patch, CT_PROVABLE, foot.distance),
+       proven = possible & (not(p.target > 0) | proven_from_foot(&p, &foot, &face)),
+       doubtful = possible & not(proven);
+  for (int l = 0; l < WIDTH && any(doubtful); l++) {
+    if (!whole(doubtful, l)) continue;
+    ct_patch own = face_of(patch, l);
+    ct_foot cuts = {{lane(xi[0], l), lane(xi[1], l)}, {0, 0, 0}, 0, 0, 0};
+    if (ct_proof_by_cuts(&own, cuts.xi, 2, &cuts)) set(&proven, l, whole(doubtful, l));
+    set(&count->evaluations, l, whole(count->evaluations, l) + cuts.evaluations);
+  }
+  return proven;
+}
+
+/* The search on faces that are not mild, where `probe` has come to. */
+RARE void search_samples(const patches *patch, const ct_project_options *options, int warm,
+                         const ends *probe, mask rough, counts *count, ends *best)
+{
+  int corners = ct_is_triangular(patch->kind) ? 3 : 4, samples = 2 * corners + 1;
+  real f[9], lowest = sample(patch, samples, f);
+  double sought = fmin(options->tolerance, CT_PROVABLE);
+  mask valley[9], from[9], again = rough & (lowest != lowest);
+  count->evaluations += masked(rough, samples);
+  // -- Go on from the given start unless a sample is lower (eq:robust-noise)
+  if (warm) again = rough & (probe->f <= lowest + noise(patch, lowest));
+  if (any(again)) descend(patch, options, options->tolerance, probe->xi, -1, again, count, best);
+  mask cold = rough & not(again);
+  if (!any(cold)) return;
+  // -- Else begin at every sample that is a valley; the lowest end wins, and of equal ones the one
+  // nearer the centre
+  valleys(f, corners, valley);
+  for (int i = 0; i < samples; i++) from[i] = cold & valley[i];
+  best->f = pick(cold, every(HUGE_VAL), best->f);
+  descend_from(from, patch, options, sought, count, best);
+  // -- Look again where the face may hide something (eq:robust-hidden)
+  mask hidden = cold & not(proven_at_sight(patch, best->xi, cold, count));
+  for (int i = 0; i < samples; i++) from[i] = hidden & not(valley[i]);
+  if (any(hidden)) descend_from(from, patch, options, sought, count, best);
+}
+
+/* The closest points in the lanes that are active, from the given starts where it is warm. */
+PART void search(const patches *patch, const ct_project_options *options, int warm,
+                 const real start[2], mask active, counts *count, ends *found)
+{
+  real centre = every(ct_patch_centre(patch->kind)), from[2] = {centre, centre};
+  ends best;
+  if (warm) {
+    from[0] = start[0], from[1] = start[1];
+    snap(ct_is_triangular(patch->kind), from);
+  }
+  // -- Search a mild face from one place, any other from many (eq:robust-mild)
+  mask rough =
+      descend(patch, options, options->tolerance, from, warm ? 0 : 1, active, count, found);
+  if (!any(rough)) return;
+  search_samples(patch, options, warm, found, rough, count, &best);
+  take_ends(found, &best, rough);
+}

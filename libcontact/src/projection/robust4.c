@@ -1,0 +1,9 @@
+/* The robust search in four lanes, for machines that have AVX2. */
+#include "batch_internal.h"
+
+#if CT_BATCH_KERNELS
+#define WIDTH 4
+#define TARGET "avx2"
+#define KERNEL ct_batch_kernel_4
+#include "batch_kernel.h"
+#endif

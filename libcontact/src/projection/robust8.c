@@ -1,0 +1,9 @@
+/* The robust search in eight lanes, for machines that have AVX-512. */
+#include "batch_internal.h"
+
+#if CT_BATCH_KERNELS
+#define WIDTH 8
+#define TARGET "avx512f"
+#define KERNEL ct_batch_kernel_8
+#include "batch_kernel.h"
+#endif
