@@ -1,35 +1,37 @@
-"""Exact solutions of the impact of two thick plates, to judge the rest by.
+"""
+Exact solutions of the impact of two thick plates, with which computed results are compared.
 
-Lengths are in half thicknesses d, times in d/c1, stresses come times c1/(Lambda v0), velocities over v0. The plate is
-x > 0, -1 < z < 1; it comes at v_x = -v0 and meets its mirror image on x = 0 at t = 0. Theory: the chapter *exact* of the book.
+Lengths are in half thicknesses d, times in d/c₁, stresses are times c₁/(Λ v₀), velocities over v₀. The plate is
+x > 0, -1 < z < 1; it comes at v_x = -v₀ and meets its mirror image on x = 0 at t = 0. Theory: the chapter *exact* of the book.
 """
 
 from __future__ import annotations
 
 import operator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ._core import ffi, lib
-from .errors import ArgumentError, check, new_error
+from .bridge import Floats, doubles, real
+from .errors import ArgumentError, NotBuiltIn, check, new_error, text_of
 
 __all__ = ["Stress", "Velocity", "Fields", "Speeds", "plates", "plates_series", "speeds", "fronts"]
 
 
 class Stress(NamedTuple):
-    """Stresses times c1/(Lambda v0)."""
+    """Stresses times c₁/(Λ v₀), in the shape of the coordinates."""
 
-    sigma_x: np.ndarray
-    sigma_z: np.ndarray
-    tau_xz: np.ndarray
+    sigma_x: Floats
+    sigma_z: Floats
+    tau_xz: Floats
 
 
 class Velocity(NamedTuple):
-    """Velocities over v0."""
+    """Velocities over v₀, in the shape of the coordinates."""
 
-    v_x: np.ndarray
-    v_z: np.ndarray
+    v_x: Floats
+    v_z: Floats
 
 
 class Fields(NamedTuple):
@@ -40,64 +42,89 @@ class Fields(NamedTuple):
 
 
 class Speeds(NamedTuple):
-    """Speeds over c1."""
+    """Wave speeds over c₁."""
 
     c2: float
     c_r: float
 
 
-def _real(name, values):
-    """Values as an array of doubles; what is no real number, or is masked, is refused."""
-    if np.ma.is_masked(values):
-        raise ValueError(f"{name} has masked values; fill or leave them out")
-    array = np.asarray(values)
-    if array.dtype.kind not in "fiu":
-        raise TypeError(f"{name} must be real numbers, not {array.dtype}")
-    return array.astype(np.float64)
-
-
-def _points(x, z, t):
-    """The coordinates broadcast, each flat, contiguous and float64."""
-    arrays = np.broadcast_arrays(*map(_real, ("x", "z", "t"), (x, z, t)))
-    return arrays[0].shape, [np.ascontiguousarray(a).reshape(-1) for a in arrays]
-
-
-def _pointer(array):
-    return ffi.cast("double *", array.ctypes.data)
-
-
-def _ask(function, x, z, t, *options):
+def _ask(function: Any, x: Any, z: Any, t: Any, *options: Any) -> Fields:
     """Call ``function(n, x, z, t, *options, fields, bad, error)`` and sort its columns into Fields."""
-    shape, points = _points(x, z, t)
-    size = points[0].size
-    fields = np.empty((size, 5))
-    bad, error = ffi.new("size_t *"), new_error()
-    status = function(size, *(_pointer(a) for a in points), *options, _pointer(fields), bad, error)
+    points = np.broadcast_arrays(*map(real, "xzt", (x, z, t)))
+    shape, size = points[0].shape, points[0].size
+    fields, bad, error = np.empty((size, 5)), ffi.new("size_t *"), new_error()
+    given = [doubles(np.ascontiguousarray(values).reshape(-1)) for values in points]
+    status = function(size, *given, *options, doubles(fields), bad, error)
     if status == lib.CT_ERROR_ARGUMENT and bad[0] < size and len(shape) > 1:
         index = tuple(int(i) for i in np.unravel_index(bad[0], shape))
-        raise ArgumentError(
-            f"{ffi.string(error.text).decode()} [index {index}]", status, point=int(bad[0])
-        )
+        raise ArgumentError(f"{text_of(status, error)} [index {index}]", status, point=int(bad[0]))
     check(status, error)
     columns = [fields[:, i].copy().reshape(shape)[()] for i in range(5)]
     return Fields(Stress(*columns[:3]), Velocity(*columns[3:]))
 
 
-def plates(x, z, t, nu=0.3, length=np.inf):
-    """Closed form of the impact, exact to about 1e-13.
+def plates(x: Any, z: Any, t: Any, nu: float = 0.3, length: float = np.inf) -> Fields:
+    """
+    Evaluate the closed form of the impact, exact to about 1e-13.
 
-    x, z, t broadcast against each other. Returns ``(sigma_x, sigma_z, tau_xz), (v_x, v_z)``. On a front the value behind it;
-    v_z on a face at x = c_R t is infinite. Raises ValueError, with the index of the first such point, for x < 0, abs(z) > 1,
-    t < 0, t >= 2, t + x >= 2 length, x > length, NaN; and for nu outside (0, 0.49].
+    Parameters
+    ----------
+    x, z, t : array_like
+        Coordinates [d] and times [d/c₁], which broadcast against each other: 0 <= x <= length, \\|z\\| <= 1, 0 <= t < 2,
+        t + x < 2 length.
+    nu : float
+        Poisson's ratio, in (0, 0.49].
+    length : float
+        Length of the plate [d].
+
+    Returns
+    -------
+    Fields
+        ``(sigma_x, sigma_z, tau_xz), (v_x, v_z)``. On a front the value behind it; v_z on a face at x = c_R t is infinite.
+
+    Raises
+    ------
+    ValueError
+        A point is out of range or NaN, with the index of the first such point, or ``nu`` is out of range.
+
+    Examples
+    --------
+    Behind the plane wave and before the waves of the free faces arrive, σ_x = -(1 - ν)/ν:
+
+    >>> import libcontact as ct
+    >>> (sigma_x, sigma_z, tau_xz), (v_x, v_z) = ct.exact.plates(0.1, 0.0, 0.5, nu=0.25)
+    >>> float(sigma_x), float(sigma_z), float(v_x)
+    (-3.0, -1.0, 0.0)
     """
     return _ask(lib.ct_exact_plates_array, x, z, t, float(nu), float(length))
 
 
-def plates_series(x, z, t, nu=0.3, branches=300):
-    """Partial sum of the Rayleigh-Lamb series over the lowest ``branches`` branches, of an infinitely long plate.
+def plates_series(x: Any, z: Any, t: Any, nu: float = 0.3, branches: int = 300) -> Fields:
+    """
+    Sum the lowest branches of the Rayleigh-Lamb series of an infinitely long plate.
 
-    Arguments and answer as for :func:`plates`; t may pass 2, x + t may be up to 100. Points that follow each other with the
-    same x and t share work. Raises NotBuiltIn when the library was built without GSL.
+    Points that follow each other with the same x and t share work.
+
+    Parameters
+    ----------
+    x, z, t : array_like
+        As for :func:`plates`, but t may pass 2, and x + t may be up to 100.
+    nu : float
+        Poisson's ratio, in (0, 0.49].
+    branches : int
+        Number of branches, 1 to 1000.
+
+    Returns
+    -------
+    Fields
+        As for :func:`plates`.
+
+    Raises
+    ------
+    ValueError
+        As for :func:`plates`, or the number of branches is impossible.
+    NotBuiltIn
+        The library was built without GSL.
     """
     branches = operator.index(branches)
     if branches < 1:
@@ -105,19 +132,61 @@ def plates_series(x, z, t, nu=0.3, branches=300):
     return _ask(lib.ct_exact_plates_series, x, z, t, float(nu), branches)
 
 
-def speeds(nu=0.3):
-    """Speeds ``(c2, c_r)`` of the shear wave and of the Rayleigh wave over c1."""
-    c2, c_r = ffi.new("double *"), ffi.new("double *")
-    if lib.ct_exact_speeds(float(nu), c2, c_r) != lib.CT_OK:
+def speeds(nu: float = 0.3) -> Speeds:
+    """
+    Compute the speeds of the shear wave and of the Rayleigh wave over c₁.
+
+    Parameters
+    ----------
+    nu : float
+        Poisson's ratio, in (0, 0.49].
+
+    Returns
+    -------
+    Speeds
+        ``(c2, c_r)``.
+
+    Raises
+    ------
+    ValueError
+        ``nu`` is out of range.
+
+    Examples
+    --------
+    >>> import libcontact as ct
+    >>> c2, c_r = ct.exact.speeds(0.3)
+    >>> round(1 / c2**2, 9), round(c_r, 6)
+    (3.5, 0.495723)
+    """
+    c = ffi.new("double[2]")
+    if lib.ct_exact_speeds(float(nu), c, c + 1) != lib.CT_OK:
         raise ArgumentError(f"nu = {nu}, Poisson's ratio must be in (0, 0.49]")
-    return Speeds(c2[0], c_r[0])
+    return Speeds(*c)
 
 
-def fronts(t, nu=0.3, points=91):
-    """Curves of the theoretical wave fronts at time t, 0 <= t < 2, to be drawn over a computed field.
+def fronts(t: float, nu: float = 0.3, points: int = 91) -> dict[str, list[Floats]]:
+    """
+    Compute the wave fronts at one time, to be drawn over a computed field.
 
-    Returns a dict; each value is a list of arrays (n, 2) of x, z: ``plane_p``, ``circular_p``, ``circular_s`` and ``head``
-    (one curve for each face, z = 1 first), ``rayleigh`` (one point for each face).
+    Parameters
+    ----------
+    t : float
+        Time [d/c₁], 0 <= t < 2.
+    nu : float
+        Poisson's ratio, in (0, 0.49].
+    points : int
+        Points of each quarter circle.
+
+    Returns
+    -------
+    dict of str to list of ndarray, shape (n, 2)
+        Curves of x, z by name: ``plane_p``; ``circular_p``, ``circular_s`` and ``head`` (one curve for each face, z = 1 first);
+        ``rayleigh`` (one point for each face).
+
+    Raises
+    ------
+    ValueError
+        ``t`` or ``nu`` is out of range.
     """
     t = float(t)
     if not 0.0 <= t < 2.0:
@@ -125,7 +194,7 @@ def fronts(t, nu=0.3, points=91):
     c2, c_r = speeds(nu)
     angle = np.linspace(0.0, 0.5 * np.pi, points)
     quarter = np.column_stack([np.cos(angle), np.sin(angle)])
-    # the straight head wave leaves the point of the P front on the face and touches the S circle
+    # The straight head wave starts at the point of the P front on the face and touches the S circle.
     touch = np.array([c2, np.sqrt(1.0 - c2 * c2)]) * c2 * t
     by_depth = {
         "circular_p": t * quarter,

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntEnum
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._core import ffi, lib
+from .bridge import Floats, Ints, Rows, doubles, names, real, row
+from .errors import ArgumentError, text_of
 
 __all__ = [
     "Projection",
@@ -20,93 +23,72 @@ __all__ = [
     "project_ray",
 ]
 
+# The methods of projection by name.
+METHODS = names("ct_method")
+FACE_KINDS = {name.upper(): kind for name, kind in names("ct_face_kind").items()}
+_WHERE = np.array(list(names("ct_where")))
+_Columns = TypeVar("_Columns")
+
 
 class Status(IntEnum):
-    """How the search for one closest point ended; the same numbers as ``ct_status`` in C."""
+    """How the search for one closest point ended; the numbers are those of ``ct_status`` in C."""
 
-    OK = 0
-    NOT_CERTIFIED = 1
-    ITERATION_LIMIT = 2
-    NO_CONVERGENCE = 3
-    INVALID = 4
+    #: The answer meets the tolerance.
+    OK = lib.CT_OK
+    #: An answer without a proof that it is the closest point, or within the tolerance.
+    NOT_CERTIFIED = lib.CT_NOT_CERTIFIED
+    #: The number of iterations reached its limit before the answer met the tolerance.
+    ITERATION_LIMIT = lib.CT_ITERATION_LIMIT
+    #: The method stopped at a point that is not stationary; of a line: it misses the face.
+    NO_CONVERGENCE = lib.CT_NO_CONVERGENCE
+    #: Invalid input (NaN, infinite, degenerate); outputs are NaN.
+    INVALID = lib.CT_INVALID
 
 
 @dataclass(frozen=True)
 class Projection:
-    """The closest points of m points; every array has a row a point, and NaN where the status is INVALID."""
+    """
+    The closest points of m points; every array has one row per point, and NaN where the status is INVALID.
+    """
 
-    #: Reference coordinates of the feet, shape (m, 2).
-    xi: np.ndarray
-    #: The feet, shape (m, 3).
-    point: np.ndarray
-    #: Distance of each point from its foot.
-    distance: np.ndarray
-    #: The distance, negative where the point lies against the normal y,1 x y,2.
-    signed_distance: np.ndarray
-    #: Numbers of :class:`Status`.
-    status: np.ndarray
-    #: Calls of f, with or without its gradient and Hessian.
-    evaluations: np.ndarray
-    #: "interior", "edge", "vertex" or "outside".
-    where: np.ndarray
-    #: True where a proof says that no point of the face is closer.
-    certified: np.ndarray
+    #: Reference coordinates ξ of the closest points, shape (m, 2).
+    xi: Floats
+    #: The closest points [length], shape (m, 3).
+    point: Floats
+    #: Distance of each point from its closest point [length], shape (m,).
+    distance: Floats
+    #: The distance, negative where the point lies against the normal y,₁ × y,₂ [length], shape (m,).
+    signed_distance: Floats
+    #: Numbers of :class:`Status`, shape (m,).
+    status: Ints
+    #: Calls of f, with or without its gradient and Hessian, shape (m,).
+    evaluations: Ints
+    #: "interior", "edge", "vertex" or "outside", shape (m,).
+    where: NDArray[np.str_]
+    #: True where a proof says that no point of the face is closer, shape (m,).
+    certified: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
 class RayHits:
-    """Where m lines meet a face; every array has a row a line. A line that misses has the status NO_CONVERGENCE and NaN."""
+    """
+    Where m lines meet a face; every array has one row per line. A line that misses has the status NO_CONVERGENCE and NaN.
+    """
 
-    #: Reference coordinates of the hits, shape (m, 2).
-    xi: np.ndarray
-    #: The hits, shape (m, 3).
-    point: np.ndarray
-    #: The way from each point to its hit, negative against the direction.
-    distance: np.ndarray
+    #: Reference coordinates ξ of the hits, shape (m, 2).
+    xi: Floats
+    #: The hits [length], shape (m, 3).
+    point: Floats
+    #: The distance from each point to its hit, negative against the direction [length], shape (m,).
+    distance: Floats
     #: Unit normals of the face at the hits, shape (m, 3).
-    normal: np.ndarray
-    #: Numbers of :class:`Status`.
-    status: np.ndarray
-    #: Points of the face that were looked at.
-    evaluations: np.ndarray
-    #: "interior", "edge", "vertex", or "outside" where there is no hit.
-    where: np.ndarray
-
-
-#: Numbers of the search methods by name.
-METHODS = {ffi.string(lib.ct_method_name(i)).decode(): i for i in range(lib.CT_TORUS + 1)}
-_KINDS = {"Q4": lib.CT_Q4, "Q8": lib.CT_Q8, "T3": lib.CT_T3, "T6": lib.CT_T6}
-_WHERE = np.array(["interior", "edge", "vertex", "outside"])
-_FIELDS = {
-    "status": (np.int32, ()),
-    "where": (np.int32, ()),
-    "evaluations": (np.int32, ()),
-    "certified": (np.int32, ()),
-    "xi": (np.float64, (2,)),
-    "point": (np.float64, (3,)),
-    "distance": (np.float64, ()),
-    "signed_distance": (np.float64, ()),
-}
-_HIT_FIELDS = {
-    name: _FIELDS[name] for name in ("status", "where", "evaluations", "xi", "point", "distance")
-}
-_HIT_FIELDS["normal"] = (np.float64, (3,))
-
-
-def _row(struct: str, fields: dict) -> np.dtype:
-    """The fields of a C structure, as numpy sees an array of it."""
-    return np.dtype(
-        {
-            "names": list(fields),
-            "formats": list(fields.values()),
-            "offsets": [ffi.offsetof(struct, name) for name in fields],
-            "itemsize": ffi.sizeof(struct),
-        }
-    )
-
-
-_ROW = _row("ct_projection", _FIELDS)
-_HIT_ROW = _row("ct_ray_hit", _HIT_FIELDS)
+    normal: Floats
+    #: Numbers of :class:`Status`, shape (m,).
+    status: Ints
+    #: Points of the face that were evaluated, shape (m,).
+    evaluations: Ints
+    #: "interior", "edge", "vertex", or "outside" where there is no hit, shape (m,).
+    where: NDArray[np.str_]
 
 
 def project(
@@ -117,35 +99,59 @@ def project(
     tolerance: float = 1e-10,
     start: Any = None,
 ) -> Projection:
-    """Find the closest point of one face to each of m points.
-
-    :param kind: ``"Q4"``, ``"Q8"``, ``"T3"`` or ``"T6"``.
-    :param nodes: node coordinates, shape (n, 3), corners counter-clockwise and then mid-sides.
-    :param points: the points, shape (m, 3).
-    :param method: ``"robust"`` stays on the face, and so does ``"certified"``, which also proves its answer. Unconstrained are ``"simplex"``,
-        ``"nelder_mead"``, ``"newton"``, ``"simplex_newton"``, ``"least_squares"``, ``"sphere"``, ``"torus"``, ``"steepest_descent"``, ``"broyden"``
-        and ``"bfgs"``.
-    :param tolerance: bound on the error of xi in half-widths of the face.
-    :param start: where to begin, shape (2,) for all points or (m, 2); the method's own choice by default.
-    :raises TypeError: numbers that are not real.
-    :raises ValueError: a kind, method, shape, tolerance or start that is impossible.
     """
-    face = _face(kind, nodes)
-    points = _triples("points", points)
+    Find the closest point of one face to each of m points.
+
+    Parameters
+    ----------
+    kind : {"Q4", "Q8", "T3", "T6"}
+        Kind of the face: bilinear or quadratic, quadrilateral or triangle.
+    nodes : array_like, shape (n, 3)
+        Node coordinates [length], corners counter-clockwise and then mid-sides.
+    points : array_like, shape (m, 3)
+        The points [length].
+    method : str
+        ``"robust"`` stays on the face, and so does ``"certified"``, which also proves its answer. Unconstrained are
+        ``"simplex"``, ``"nelder_mead"``, ``"newton"``, ``"simplex_newton"``, ``"least_squares"``, ``"sphere"``, ``"torus"``,
+        ``"steepest_descent"``, ``"broyden"`` and ``"bfgs"``.
+    tolerance : float
+        Bound on the error of ξ in half-widths of the face.
+    start : array_like, shape (2,) or (m, 2), optional
+        The ξ to begin at, one for all points or one per point; by default the method chooses.
+
+    Returns
+    -------
+    Projection
+        One row per point.
+
+    Raises
+    ------
+    TypeError
+        The numbers are not real.
+    ValueError
+        The kind, method, shape, tolerance or start is impossible.
+
+    Examples
+    --------
+    >>> import libcontact as ct
+    >>> square = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]]
+    >>> found = ct.project("Q4", square, [[1.5, 1, 3], [5, 1, 4]])
+    >>> found.xi.round(6).tolist()
+    [[0.5, 0.0], [1.0, 0.0]]
+    >>> found.distance.round(6).tolist(), found.where.tolist()
+    ([3.0, 5.0], ['interior', 'edge'])
+    >>> ct.Status(found.status[0]).name
+    'OK'
+    """
+    face, points = _face(kind, nodes), real("points", points, ("m", 3))
     options = _options(method, tolerance)
-    first = ffi.NULL if start is None else ffi.from_buffer("double[]", _start(start, len(points)))
-    rows = np.zeros(len(points), _ROW)
-    code = lib.ct_project_points(
-        face,
-        len(points),
-        ffi.from_buffer("double[]", points),
-        options,
-        first,
-        ffi.cast("ct_projection *", ffi.from_buffer(rows)),
-    )
-    if code != lib.CT_OK:
-        raise ValueError(f"projection refused: {ffi.string(lib.ct_status_name(code)).decode()}")
-    return _result(rows)
+    first = ffi.NULL if start is None else doubles(_start(start, len(points)))
+    rows = np.zeros(len(points), row("ct_projection"))
+    out = ffi.from_buffer("ct_projection[]", rows)
+    status = lib.ct_project_points(face, len(points), doubles(points), options, first, out)
+    if status != lib.CT_OK:
+        raise ArgumentError(f"projection refused: {text_of(status)}", status)
+    return columns(Projection, rows)
 
 
 def project_path(
@@ -155,143 +161,166 @@ def project_path(
     method: str = "robust",
     tolerance: float = 1e-10,
     start: Any = None,
-) -> tuple[np.ndarray, Projection]:
-    """Find the closest point of one face to one point, and tell the way there.
-
-    The arguments are those of :func:`project`, for one point of shape (3,).
-
-    :returns: the iterates of the method, shape (n, 2), the last of them the foot, and the projection, with arrays of one row.
+) -> tuple[Floats, Projection]:
     """
-    face = _face(kind, nodes)
-    points = _triples("point", np.asarray(point)[None])
+    Find the closest point of one face to one point, and return the iterates of the method too.
+
+    Parameters
+    ----------
+    kind, nodes, method, tolerance, start
+        As for :func:`project`.
+    point : array_like, shape (3,)
+        The point [length].
+
+    Returns
+    -------
+    iterates : ndarray, shape (n, 2)
+        The ξ of the iterates; the last of them is the answer.
+    found : Projection
+        The closest point, with arrays of one row.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As for :func:`project`.
+    """
+    face, points = _face(kind, nodes), real("point", np.asarray(point)[None], ("m", 3))
     options = _options(method, tolerance)
     iterates: list[tuple[float, float]] = []
-
-    @ffi.callback("void(double *, double, void *)")
-    def trace(xi: Any, f: float, user: Any) -> None:
-        iterates.append((xi[0], xi[1]))
-
+    trace = ffi.callback(
+        "void(double *, double, void *)", lambda xi, f, user: iterates.append((xi[0], xi[1]))
+    )
     options.trace = trace
     if start is not None:
         options.use_start, options.start = 1, list(_start(start, 1)[0])
-    rows = np.zeros(1, _ROW)
-    lib.ct_project(
-        face,
-        ffi.from_buffer("double[]", points),
-        options,
-        ffi.cast("ct_projection *", ffi.from_buffer(rows)),
-    )
-    found = _result(rows)
+    rows = np.zeros(1, row("ct_projection"))
+    lib.ct_project(face, doubles(points), options, ffi.from_buffer("ct_projection[]", rows))
+    found = columns(Projection, rows)
     return np.array([*iterates, tuple(found.xi[0])]), found
 
 
-def face_points(kind: str, nodes: Any, xi: Any) -> np.ndarray:
-    """The points of one face at reference coordinates ``xi`` of shape (..., 2); of shape (..., 3)."""
-    _face(kind, nodes)
-    nodes, xi = _real("nodes", nodes), _real("xi", xi)
+def face_points(kind: str, nodes: Any, xi: Any) -> Floats:
+    """
+    Evaluate the points of one face at reference coordinates.
+
+    Parameters
+    ----------
+    kind, nodes
+        As for :func:`project`.
+    xi : array_like, shape (..., 2)
+        Reference coordinates ξ.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        The points of the face [length].
+
+    Raises
+    ------
+    TypeError, ValueError
+        As for :func:`project`.
+
+    Examples
+    --------
+    >>> import libcontact as ct
+    >>> ct.face_points("T3", [[0, 0, 0], [3, 0, 0], [0, 3, 0]], [1/3, 1/3]).round(6).tolist()
+    [1.0, 1.0, 0.0]
+    """
+    face, xi = _face(kind, nodes), real("xi", xi)
     if xi.ndim < 1 or xi.shape[-1] != 2:
         raise ValueError(f"xi must have shape (..., 2), not {xi.shape}")
-    N = np.empty((xi.size // 2, 8))
-    for row, at in zip(N, xi.reshape(-1, 2)):
-        lib.ct_segment_shape(
-            _KINDS[kind], ffi.from_buffer("double[]", at), ffi.from_buffer("double[]", row)
-        )
-    return (N[:, : len(nodes)] @ nodes).reshape(*xi.shape[:-1], 3)
+    points = np.empty((*xi.shape[:-1], 3))
+    for point, at in zip(points.reshape(-1, 3), xi.reshape(-1, 2)):
+        lib.ct_segment_point(face, doubles(at), doubles(point))
+    return points
 
 
 def project_ray(
     kind: str, nodes: Any, points: Any, directions: Any, tolerance: float = 1e-10
 ) -> RayHits:
-    """Find where the lines through m points along m directions meet one face, each nearest to its point.
-
-    :param kind: ``"Q4"``, ``"Q8"``, ``"T3"`` or ``"T6"``.
-    :param nodes: node coordinates, shape (n, 3), as for :func:`project`.
-    :param points: the points, shape (m, 3).
-    :param directions: the directions, shape (3,) for all points or (m, 3), of any length.
-    :param tolerance: how far beyond the face a hit may lie, in half-widths of the face; below 1.
-    :raises TypeError: numbers that are not real.
-    :raises ValueError: a kind, shape or tolerance that is impossible.
     """
-    face = _face(kind, nodes)
-    points = _triples("points", points)
-    directions = _real("directions", directions)
-    if directions.shape not in ((3,), points.shape):
-        raise ValueError(
-            f"directions must have shape (3,) or {points.shape}, not {directions.shape}"
-        )
+    Find where the lines through m points along m directions meet one face, each the hit nearest to its point.
+
+    Parameters
+    ----------
+    kind, nodes
+        As for :func:`project`.
+    points : array_like, shape (m, 3)
+        The points [length].
+    directions : array_like, shape (3,) or (m, 3)
+        The directions, one for all points or one per point, of any length.
+    tolerance : float
+        How far beyond the face a hit may lie, in half-widths of the face; below 1.
+
+    Returns
+    -------
+    RayHits
+        One row per line.
+
+    Raises
+    ------
+    TypeError
+        The numbers are not real.
+    ValueError
+        The kind, shape or tolerance is impossible.
+
+    Examples
+    --------
+    >>> import libcontact as ct
+    >>> square = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]]
+    >>> hits = ct.project_ray("Q4", square, [[1, 1, 3]], [0, 0, -1])
+    >>> hits.point.tolist(), hits.distance.tolist()
+    ([[1.0, 1.0, 0.0]], [3.0])
+    """
+    face, points = _face(kind, nodes), real("points", points, ("m", 3))
+    directions = real("directions", directions, (3,), points.shape)
     directions = np.ascontiguousarray(np.broadcast_to(directions, points.shape))
     if not 0 < float(tolerance) < 1:
         raise ValueError(f"tolerance must be positive and below 1, not {tolerance!r}")
-    rows = np.zeros(len(points), _HIT_ROW)
-    arrays = [ffi.from_buffer("double[]", points), ffi.from_buffer("double[]", directions)]
+    rows = np.zeros(len(points), row("ct_ray_hit"))
+    out = ffi.from_buffer("ct_ray_hit[]", rows)
     lib.ct_project_rays(
-        face,
-        len(points),
-        *arrays,
-        float(tolerance),
-        ffi.cast("ct_ray_hit *", ffi.from_buffer(rows)),
+        face, len(points), doubles(points), doubles(directions), float(tolerance), out
     )
-    fields = {name: rows[name].copy() for name in _HIT_FIELDS}
-    fields["where"] = _WHERE[rows["where"]]
-    return RayHits(**fields)
+    return columns(RayHits, rows)
 
 
-def _triples(name: str, values: Any) -> np.ndarray:
-    array = _real(name, values)
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"{name} must have shape (m, 3), not {array.shape}")
-    return array
+def columns(record: type[_Columns], rows: Rows) -> _Columns:
+    """Copy the rows that C has written into the arrays of a dataclass, one per field."""
+    arrays = {field.name: rows[field.name].copy() for field in fields(record)}  # type: ignore[arg-type]
+    arrays["where"] = _WHERE[rows["where"]]
+    if "certified" in arrays:
+        arrays["certified"] = rows["certified"] != 0
+    return record(**arrays)
 
 
-def _result(rows: np.ndarray) -> Projection:
-    """Copy the rows that C has written into one array a field."""
-    fields = {name: rows[name].copy() for name in _FIELDS}
-    fields["where"] = _WHERE[rows["where"]]
-    fields["certified"] = rows["certified"] != 0
-    return Projection(**fields)
-
-
-def _real(name: str, values: Any) -> np.ndarray:
-    """Values as a contiguous array of doubles, if no digit is lost on the way."""
-    if np.ma.is_masked(values):
-        raise ValueError(f"{name} has masked values; fill or leave them out")
-    array = np.asarray(values)
-    if array.size == 0:
-        return np.zeros(array.shape)
-    if array.dtype.kind not in "fiu" or not np.can_cast(array.dtype, np.float64, "safe"):
-        raise TypeError(f"{name} must be real numbers that fit double precision, not {array.dtype}")
-    return np.ascontiguousarray(array, dtype=np.float64)
+def face_kind(kind: str) -> int:
+    """The number in C of a kind of face; a ValueError for a kind that is none."""
+    if not isinstance(kind, str) or kind not in FACE_KINDS:
+        raise ValueError(f"kind must be one of {', '.join(FACE_KINDS)}, not {kind!r}")
+    return FACE_KINDS[kind]
 
 
 def _face(kind: str, nodes: Any) -> Any:
-    if not isinstance(kind, str) or kind not in _KINDS:
-        raise ValueError(f"kind must be one of {', '.join(_KINDS)}, not {kind!r}")
-    nodes = _real("nodes", nodes)
-    count = lib.ct_face_node_count(_KINDS[kind])
-    if nodes.shape != (count, 3):
-        raise ValueError(f"nodes of a {kind} face must have shape ({count}, 3), not {nodes.shape}")
-    face = ffi.new("ct_face *")
-    face.kind = _KINDS[kind]
+    face = ffi.new("ct_face *", {"kind": face_kind(kind)})
+    shape = (lib.ct_face_node_count(face.kind), 3)
+    nodes = real(f"nodes of a {kind} face", real("nodes", nodes), shape)
     ffi.memmove(face.node, nodes, nodes.nbytes)
     return face
 
 
 def _options(method: str, tolerance: float) -> Any:
-    options = ffi.new("ct_project_options *", lib.ct_project_options_default())
-    chosen = ffi.new("ct_method *")
-    if not isinstance(method, str) or lib.ct_method_from_name(method.encode(), chosen) != lib.CT_OK:
+    if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
-    options.method = chosen[0]
-    options.tolerance = float(tolerance)
+    options = ffi.new("ct_project_options *", lib.ct_project_options_default())
+    options.method, options.tolerance = METHODS[method], float(tolerance)
     if not 0 < options.tolerance < float("inf"):
         raise ValueError(f"tolerance must be positive and finite, not {tolerance!r}")
     return options
 
 
-def _start(start: Any, count: int) -> np.ndarray:
-    start = _real("start", start)
-    if start.shape not in ((2,), (count, 2)):
-        raise ValueError(f"start must have shape (2,) or ({count}, 2), not {start.shape}")
+def _start(start: Any, count: int) -> Floats:
+    start = real("start", start, (2,), (count, 2))
     if not np.isfinite(start).all():
         raise ValueError("start must be finite")
     return np.ascontiguousarray(np.broadcast_to(start, (count, 2)))

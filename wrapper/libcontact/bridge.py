@@ -1,0 +1,98 @@
+"""What crosses between Python and C: calls that raise, arrays, and the enums and structs of the headers."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import ffi
+from .errors import check, new_error
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+Rows = NDArray[Any]
+
+
+def call(function: Any, *arguments: Any) -> None:
+    """Call a function of the library, whose last argument is a ``ct_error *``, and raise what it refuses."""
+    error = new_error()
+    check(function(*arguments, error), error)
+
+
+def ask(kind: str, function: Any, *arguments: Any) -> Any:
+    """Call a function that writes one value through a pointer of this kind, and return the value."""
+    out = ffi.new(kind)
+    call(function, *arguments, out)
+    return out[0]
+
+
+def names(enum: str, prefix: str = "CT_") -> dict[str, int]:
+    """The constants of a C enum in the order of their numbers: their names, without the prefix, in lower case."""
+    constants = sorted(ffi.typeof(enum).elements.items())
+    return {name.removeprefix(prefix).lower(): number for number, name in constants}
+
+
+def members(struct: str) -> list[tuple[str, str, tuple[int, ...]]]:
+    """The members of a C struct of numbers as numpy fields: name, type and shape."""
+    out = []
+    for name, member in ffi.typeof(struct).fields:
+        of, shape = member.type, ()
+        if of.kind == "array":
+            of, shape = of.item, (of.length,)
+        letter = "f" if of.cname == "double" else "i"
+        out.append((name, f"{letter}{ffi.sizeof(of)}", shape))
+    return out
+
+
+@cache
+def row(struct: str) -> np.dtype[Any]:
+    """The numpy type of an array of a C struct, padding included."""
+    return np.dtype(members(struct), align=True)
+
+
+def doubles(array: NDArray[Any]) -> Any:
+    """A C pointer to a contiguous array of float64, which lives as long as the pointer."""
+    if array.dtype != np.float64:
+        raise TypeError(f"an array of {array.dtype} can't be handed to C as double")
+    return ffi.from_buffer("double[]", array)
+
+
+def ints(array: NDArray[Any]) -> Any:
+    """A C pointer to a contiguous array of int32, which lives as long as the pointer."""
+    return ffi.from_buffer("int32_t[]", array)
+
+
+def real(name: str, values: Any, *shapes: tuple[str | int, ...]) -> Floats:
+    """
+    Values as a contiguous array of float64, if they are real numbers and no digit is lost.
+
+    A shape in ``shapes`` has numbers, and letters for any number: ``("m", 3)``. One of them must fit.
+    """
+    if np.ma.is_masked(values):
+        raise ValueError(f"{name} has masked values; fill or leave them out")
+    array = np.asarray(values)
+    if array.size and not (array.dtype.kind in "fiu" and np.can_cast(array.dtype, np.float64)):
+        raise TypeError(f"{name} must be real numbers that fit double precision, not {array.dtype}")
+    if shapes and not any(_fits(array.shape, shape) for shape in shapes):
+        wanted = " or ".join(map(str, shapes)).replace("'", "")
+        raise ValueError(f"{name} must have shape {wanted}, not {array.shape}")
+    return np.ascontiguousarray(array, np.float64).reshape(array.shape)
+
+
+def whole(name: str, values: Any) -> Ints:
+    """Values as a contiguous array of int32, if they are whole numbers that fit."""
+    array = np.asarray(values)
+    if array.size and array.dtype.kind not in "iu":
+        raise TypeError(f"{name} must be whole numbers, not {array.dtype}")
+    if array.size and (array.min() < -(2**31) or array.max() >= 2**31):
+        raise ValueError(f"{name} must fit 32 bits")
+    return np.ascontiguousarray(array, np.int32)
+
+
+def _fits(found: tuple[int, ...], wanted: tuple[str | int, ...]) -> bool:
+    return len(found) == len(wanted) and all(
+        isinstance(w, str) or f == w for f, w in zip(found, wanted)
+    )
