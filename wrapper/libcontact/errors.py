@@ -8,13 +8,47 @@ from __future__ import annotations
 import sys
 import threading
 import warnings
+from types import FrameType
 from typing import Any
 
 from ._core import ffi, lib
 
+__all__ = [
+    "ArgumentError",
+    "BlowupError",
+    "ChatterWarning",
+    "EnergyError",
+    "EnergyGrowth",
+    "Error",
+    "FileError",
+    "GeometryError",
+    "InsideOutWarning",
+    "NeverMeetWarning",
+    "NotAtRest",
+    "NotBuiltIn",
+    "NotSettled",
+    "OutputWarning",
+    "OverlapWarning",
+    "RotationWarning",
+    "SamePlaceWarning",
+    "SceneWarning",
+    "StepError",
+    "ThinWarning",
+    "UnitsWarning",
+]
+
 
 class Error(Exception):
-    """An error of the library. ``code`` is C's status; ``body``, ``element``, ``point`` are numbers from 0, or None."""
+    """
+    An error of the library.
+
+    Attributes
+    ----------
+    code : int or None
+        The ``ct_status`` of the C library.
+    body, element, point : int or None
+        Where it happened, numbers from 0; None where the error has no such place.
+    """
 
     def __init__(
         self,
@@ -53,13 +87,17 @@ class BlowupError(Error, ArithmeticError):
 
 
 class EnergyError(Error, ArithmeticError):
-    """Energy has appeared from nothing in mid-run."""
+    """Spurious energy growth was detected in mid-run."""
 
 
 class SceneWarning(UserWarning):
     """
-    Something in a scene or a run that is probably not meant. ``key`` is the key of the scene that it belongs to, such as ``contact[0]``
-    ("" for the whole scene). The text names the key, says what was found, and ends with what to do.
+    Something in a scene or a run that is probably not meant. The text names the key, says what was found, and ends with what to do.
+
+    Attributes
+    ----------
+    key : str
+        The key of the scene that it belongs to, such as ``contact[0]``; ``""`` for the whole scene.
     """
 
     def __init__(self, text: str, key: str = ""):
@@ -104,7 +142,18 @@ class OutputWarning(SceneWarning):
 
 
 class EnergyGrowth(SceneWarning):
-    """More than 1 % of energy has appeared from nothing in mid-run, by ``time``; ``share`` is how much, ``who`` the effect or body that it came from. The run goes on."""
+    """
+    More than 1 % of spurious energy was detected in mid-run. The run goes on.
+
+    Attributes
+    ----------
+    share : float
+        Spurious energy over the energy that should be there.
+    time : float
+        When it was detected [time].
+    who : str
+        The effect or body that most of it came from.
+    """
 
     def __init__(self, text: str, key: str, share: float, time: float, who: str):
         super().__init__(text, key)
@@ -121,7 +170,8 @@ class NotSettled(SceneWarning):
 
 def issue(warning: SceneWarning) -> None:
     """Issue a warning through Python's ``warnings``, at the line outside the package that made the call."""
-    level, frame = 1, sys._getframe()
+    level = 1
+    frame: FrameType | None = sys._getframe()
     while (
         frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == __package__
     ):
@@ -171,6 +221,12 @@ def new_error() -> Any:
     return error
 
 
+def place(error: Any) -> dict[str, int | None]:
+    """Body, element and point of a ``ct_error *``, as the keywords of an :class:`Error`."""
+    numbers = ((name, getattr(error, name)) for name in ("body", "element", "point"))
+    return {name: int(number) if number >= 0 else None for name, number in numbers}
+
+
 def check(status: int, error: Any = None) -> None:
     """Raise what a status other than CT_OK says, with the detail in ``error`` (a ``ct_error *``) where there is one."""
     if status == lib.CT_OK:
@@ -178,9 +234,4 @@ def check(status: int, error: Any = None) -> None:
     text = text_of(status, error)
     if status == lib.CT_ERROR_MEMORY:
         raise MemoryError(text)
-    place = (
-        []
-        if error is None
-        else [None if i < 0 else int(i) for i in (error.body, error.element, error.point)]
-    )
-    raise CLASSES.get(status, Error)(text, int(status), *place)
+    raise CLASSES.get(status, Error)(text, int(status), **({} if error is None else place(error)))

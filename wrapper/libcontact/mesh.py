@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .errors import NotBuiltIn, check, new_error
+from .bridge import Floats, Ints, Rows, ask, call, doubles, ints, names
+from .errors import NotBuiltIn, check
 from .schema import check_file
 
-KINDS = {"hex8": lib.CT_HEX8, "hex20": lib.CT_HEX20}
-WIDTH = {"hex8": 8, "hex20": 20}
+KINDS = names("ct_brick_kind")
+WIDTH: dict[str, int] = {name: lib.ct_brick_node_count(kind) for name, kind in KINDS.items()}
 VTK_TYPE = {12: "hex8", 25: "hex20"}
-LAYERS = {"x": lib.CT_LAYERS_X, "y": lib.CT_LAYERS_Y, "z": lib.CT_LAYERS_Z}
+LAYERS = names("ct_layers", "CT_LAYERS_")
 
 
 def box_axes(cells: Any, layers: str) -> tuple[int, int, int]:
@@ -29,10 +33,10 @@ def box_axes(cells: Any, layers: str) -> tuple[int, int, int]:
 
 def row_length(box: Any, layers: str) -> int:
     """Cells along a row of a box (with ``cells``), numbered in these layers."""
-    return box.cells[box_axes(box.cells, layers)[0]]
+    return int(box.cells[box_axes(box.cells, layers)[0]])
 
 
-def view(pointer: Any, shape: tuple[int, ...], dtype: Any, owner: Any) -> np.ndarray:
+def view(pointer: Any, shape: tuple[int, ...], dtype: Any, owner: Any) -> Rows:
     """A read-only numpy view of C memory; the view keeps ``owner`` alive, and ``owner`` keeps the memory."""
     size = int(np.prod(shape)) * np.dtype(dtype).itemsize
     if size == 0:
@@ -42,137 +46,233 @@ def view(pointer: Any, shape: tuple[int, ...], dtype: Any, owner: Any) -> np.nda
 
 
 class Mesh:
-    """The bricks of one body. ``nodes`` (n, 3) and ``elements`` (cells, 8 or 20) are read-only views of C memory."""
+    """
+    The bricks of one body.
+
+    Attributes
+    ----------
+    element : {"hex8", "hex20"}
+        Kind of all elements.
+    nodes : ndarray, shape (n, 3)
+        Reference coordinates [length], a read-only view of C memory.
+    elements : ndarray of int32, shape (cells, 8 or 20)
+        Node numbers in VTK's order, a read-only view of C memory.
+    """
 
     def __init__(self, pointer: Any, owner: Any = None):
         """Wrap a ``ct_mesh *`` that ``owner`` keeps alive; without an owner the mesh frees it."""
         self.pointer = ffi.gc(pointer, lib.ct_mesh_free) if owner is None else pointer
         self._owner = owner
-        self.element = next(name for name, kind in KINDS.items() if kind == pointer.kind)
+        self.element = list(KINDS)[pointer.kind]
         keep = (self.pointer, owner)
-        self.nodes = view(pointer.nodes, (pointer.node_count, 3), np.float64, keep)
-        self.elements = view(
-            pointer.elements, (pointer.element_count, WIDTH[self.element]), np.int32, keep
-        )
+        self.nodes: Floats = view(pointer.nodes, (pointer.node_count, 3), np.float64, keep)
+        shape = (pointer.element_count, WIDTH[self.element])
+        self.elements: Ints = view(pointer.elements, shape, np.int32, keep)
+
+    @classmethod
+    def _checked(cls, function: Any, *arguments: Any) -> Mesh:
+        mesh = cls(ask("ct_mesh **", function, *arguments))
+        call(lib.ct_mesh_check, mesh.pointer)
+        return mesh
 
     @classmethod
     def box(cls, element: str, origin: Any, size: Any, cells: Any, layers: str = "z") -> Mesh:
-        """A rectangular box of bricks, numbered as ``ct_mesh_create_box`` says, in layers along ``"x"``, ``"y"`` or ``"z"``."""
-        box = ffi.new(
-            "ct_box *",
-            {
-                "origin": list(origin),
-                "size": list(size),
-                "cells": list(cells),
-                "layers": LAYERS[layers],
-            },
-        )
-        out, error = ffi.new("ct_mesh **"), new_error()
-        check(lib.ct_mesh_create_box(KINDS[element], box, out, error), error)
-        mesh = cls(out[0])
-        check(lib.ct_mesh_check(mesh.pointer, error), error)
-        return mesh
+        """
+        Mesh a rectangular box, numbered as ``ct_mesh_create_box`` says.
+
+        Parameters
+        ----------
+        element : {"hex8", "hex20"}
+            Kind of the elements.
+        origin, size : array_like, shape (3,)
+            The corner with the smallest coordinates, and the edge lengths [length].
+        cells : sequence of 3 int
+            Elements along x, y, z.
+        layers : {"x", "y", "z"}
+            The axis along which layers of elements follow one another.
+
+        Returns
+        -------
+        Mesh
+            The mesh, checked.
+
+        Raises
+        ------
+        ValueError
+            A number is impossible.
+
+        Examples
+        --------
+        >>> from libcontact.mesh import Mesh
+        >>> mesh = Mesh.box("hex8", (0, 0, 0), (2, 1, 1), (2, 1, 1))
+        >>> mesh.nodes.shape, mesh.elements[0].tolist(), mesh.face_nodes("x_min").tolist()
+        ((12, 3), [0, 1, 4, 3, 6, 7, 10, 9], [0, 3, 6, 9])
+        """
+        box = [list(origin), list(size), list(cells), LAYERS[layers]]
+        return cls._checked(lib.ct_mesh_create_box, KINDS[element], ffi.new("ct_box *", box))
 
     @classmethod
     def ring(cls, element: str, shape: Any) -> Mesh:
-        """A ring of bricks, numbered as ``ct_mesh_create_ring`` says; ``shape`` has centre, radius, width and cells."""
-        ring = ffi.new(
-            "ct_ring *",
-            {
-                "centre": list(shape.centre),
-                "radius": list(shape.radius),
-                "width": shape.width,
-                "cells": list(shape.cells),
-            },
-        )
-        out, error = ffi.new("ct_mesh **"), new_error()
-        check(lib.ct_mesh_create_ring(KINDS[element], ring, out, error), error)
-        mesh = cls(out[0])
-        check(lib.ct_mesh_check(mesh.pointer, error), error)
-        return mesh
+        """
+        Mesh a ring about an axis along z, numbered as ``ct_mesh_create_ring`` says.
+
+        Parameters
+        ----------
+        element : {"hex8", "hex20"}
+            Kind of the elements.
+        shape : Ring
+            Its ``centre``, ``radius`` (inner and outer), ``width`` and ``cells``.
+
+        Returns
+        -------
+        Mesh
+            The mesh, checked.
+
+        Raises
+        ------
+        ValueError
+            A number is impossible.
+        """
+        ring = [list(shape.centre), list(shape.radius), shape.width, list(shape.cells)]
+        return cls._checked(lib.ct_mesh_create_ring, KINDS[element], ffi.new("ct_ring *", ring))
 
     @classmethod
-    def copy(cls, nodes: np.ndarray, elements: np.ndarray) -> Mesh:
-        """A checked copy of contiguous float64 ``nodes`` (n, 3) and int32 ``elements`` (cells, 8 or 20)."""
+    def copy(cls, nodes: Floats, elements: Ints) -> Mesh:
+        """
+        Copy a mesh from contiguous arrays and check it.
+
+        Parameters
+        ----------
+        nodes : ndarray of float64, shape (n, 3)
+            Coordinates [length].
+        elements : ndarray of int32, shape (cells, 8 or 20)
+            Node numbers in VTK's order.
+
+        Returns
+        -------
+        Mesh
+            The copy.
+
+        Raises
+        ------
+        TypeError
+            The arrays have other types.
+        ValueError
+            A node number is out of range, a coordinate not finite or an element inverted.
+        """
         if nodes.dtype != np.float64 or elements.dtype != np.int32:
             raise TypeError(
                 f"nodes of {nodes.dtype} and elements of {elements.dtype}; float64 and int32 are needed"
             )
-        kind = {8: lib.CT_HEX8, 20: lib.CT_HEX20}[elements.shape[1]]
-        source = ffi.new(
-            "ct_mesh *", {"kind": kind, "node_count": len(nodes), "element_count": len(elements)}
-        )
-        source.nodes = ffi.from_buffer("double[]", nodes)
-        source.elements = ffi.from_buffer("int32_t[]", elements)
-        out, error = ffi.new("ct_mesh **"), new_error()
-        check(lib.ct_mesh_create_copy(source, out, error), error)
-        return cls(out[0])
+        kind = {WIDTH[name]: kind for name, kind in KINDS.items()}[elements.shape[1]]
+        source = ffi.new("ct_mesh *", [kind, len(nodes), len(elements)])
+        source.nodes, source.elements = doubles(nodes), ints(elements)
+        return cls(ask("ct_mesh **", lib.ct_mesh_create_copy, source))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Mesh.copy, (np.ascontiguousarray(self.nodes), np.ascontiguousarray(self.elements))
 
     @cached_property
-    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Smallest and largest coordinates of the nodes."""
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Smallest and largest coordinates of the nodes [length], shape (3,) each."""
         return self.nodes.min(axis=0), self.nodes.max(axis=0)
 
     @cached_property
     def shortest_edge(self) -> float:
-        return lib.ct_mesh_shortest_edge(self.pointer)
+        """Shortest edge between corner nodes of any element [length]."""
+        return float(lib.ct_mesh_shortest_edge(self.pointer))
 
     def _plane(self, face: str) -> tuple[int, float]:
         """Axis and coordinate of the plane of a face such as ``x_min``."""
         axis, side = "xyz".index(face[0]), 0 if face.endswith("min") else 1
         return axis, float(self.bounds[side][axis])
 
-    def faces(self, face: str) -> tuple[np.ndarray, np.ndarray]:
-        """Outer faces (m, 4 or 8), counter-clockwise from outside, of ``x_min`` ... ``z_max`` or ``outer`` (all), and their elements (m,)."""
-        if face == "outer":
-            ask = lambda faces, owners: lib.ct_mesh_outer_faces(self.pointer, faces, owners)
-        else:
-            axis, value = self._plane(face)
-            ask = lambda faces, owners: lib.ct_mesh_plane_faces(
-                self.pointer, axis, value, faces, owners
-            )
-        count = ask(ffi.NULL, ffi.NULL)
+    def faces(self, face: str) -> tuple[Ints, Ints]:
+        """
+        List outer faces of the mesh.
+
+        Parameters
+        ----------
+        face : {"x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "outer"}
+            Those in the plane of the smallest or largest coordinate, or all.
+
+        Returns
+        -------
+        faces : ndarray of int32, shape (m, 4 or 8)
+            Node numbers, counter-clockwise from outside.
+        owners : ndarray of int32, shape (m,)
+            The elements that the faces belong to.
+        """
+        function, plane = lib.ct_mesh_outer_faces, ()
+        if face != "outer":
+            function, plane = lib.ct_mesh_plane_faces, self._plane(face)
+        count = function(self.pointer, *plane, ffi.NULL, ffi.NULL)
         check(-min(count, 0))
-        faces = np.empty((count, 4 if self.element == "hex8" else 8), np.int32)
-        owners = np.empty(count, np.int32)
-        if count:
-            check(
-                -min(
-                    ask(ffi.from_buffer("int32_t[]", faces), ffi.from_buffer("int32_t[]", owners)),
-                    0,
-                )
-            )
+        width = lib.ct_face_node_count(lib.ct_brick_face_kind(KINDS[self.element]))
+        faces, owners = np.empty((count, width), np.int32), np.empty(count, np.int32)
+        check(-min(function(self.pointer, *plane, ints(faces), ints(owners)), 0))
         return faces, owners
 
-    def face_nodes(self, face: str) -> np.ndarray:
-        """Nodes of a face, ascending: all nodes in its plane, or those of all outer faces."""
+    def face_nodes(self, face: str) -> Ints:
+        """
+        List the nodes of a face in ascending order.
+
+        Parameters
+        ----------
+        face : str
+            As for :meth:`faces`.
+
+        Returns
+        -------
+        ndarray of int32, shape (m,)
+            All nodes in the plane of the face; for ``"outer"`` those of all outer faces.
+        """
         if face == "outer":
             return np.unique(self.faces(face)[0])
-        axis, value = self._plane(face)
-        nodes = np.empty(lib.ct_mesh_plane_nodes(self.pointer, axis, value, ffi.NULL), np.int32)
-        if nodes.size:
-            lib.ct_mesh_plane_nodes(self.pointer, axis, value, ffi.from_buffer("int32_t[]", nodes))
+        plane = self._plane(face)
+        nodes = np.empty(lib.ct_mesh_plane_nodes(self.pointer, *plane, ffi.NULL), np.int32)
+        lib.ct_mesh_plane_nodes(self.pointer, *plane, ints(nodes))
         return nodes
 
-    def centres(self, positions: np.ndarray | None = None) -> np.ndarray:
+    def centres(self, positions: Floats | None = None) -> Floats:
         """
-        The points ξ = 0 of all elements, (cells, 3), with the nodes at ``positions`` (the reference, if None). The sums pair opposite
-        nodes, so that mirrored meshes have exactly mirrored centres.
+        Compute the points ξ = 0 of all elements.
+
+        The sums pair opposite nodes, so that mirrored meshes have exactly mirrored centres.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3), optional
+            Coordinates of the nodes [length], by default those of the reference.
+
+        Returns
+        -------
+        ndarray, shape (cells, 3)
+            The centres [length].
         """
         x = (self.nodes if positions is None else positions)[self.elements]
-        eight = lambda i: (x[:, i] + x[:, i + 2]) + (x[:, i + 1] + x[:, i + 3])
-        corners = eight(0) + eight(4)
+        four = lambda i: (x[:, i] + x[:, i + 2]) + (x[:, i + 1] + x[:, i + 3])
+        corners: Floats = four(0) + four(4)
         if self.element == "hex8":
             return corners / 8.0
-        return ((eight(8) + eight(12)) + eight(16) - corners) / 4.0
+        middles: Floats = (four(8) + four(12)) + four(16)
+        return (middles - corners) / 4.0
 
-    def locate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def locate(self, points: Floats) -> tuple[NDArray[np.int64], Floats]:
         """
-        The element that contains each point (m, 3) of the reference configuration, (m,), and the point's ξ in it, (m, 3).
-        On a face between elements the one with the lowest number counts; -1 and NaN where no element contains the point.
+        Find the elements that contain points of the reference configuration.
+
+        Parameters
+        ----------
+        points : ndarray, shape (m, 3)
+            The points [length].
+
+        Returns
+        -------
+        elements : ndarray of int, shape (m,)
+            On a face between elements the one with the lowest number; -1 where no element contains the point.
+        xi : ndarray, shape (m, 3)
+            The point's ξ in its element; NaN where there is none.
         """
         x = self.nodes[self.elements]
         low, high = x.min(axis=1), x.max(axis=1)
@@ -189,23 +289,33 @@ class Mesh:
                     break
         return elements, xi
 
-    def shape(self, xi: np.ndarray) -> np.ndarray:
-        """Shape functions (8 or 20,) at one ξ."""
-        return _shape(KINDS[self.element], xi)[: WIDTH[self.element]]
+    def shape(self, xi: Floats) -> Floats:
+        """
+        Evaluate the shape functions.
 
-    def _inverse(self, x: np.ndarray, point: np.ndarray) -> np.ndarray | None:
+        Parameters
+        ----------
+        xi : ndarray, shape (3,)
+            Reference coordinates ξ.
+
+        Returns
+        -------
+        ndarray, shape (8 or 20,)
+            One value per node of an element.
+        """
+        out = np.empty(20)
+        lib.ct_brick_shape(KINDS[self.element], doubles(np.ascontiguousarray(xi)), doubles(out))
+        return out[: WIDTH[self.element]]
+
+    def _inverse(self, x: Floats, point: Floats) -> Floats | None:
         """ξ of a point in the element with the nodes ``x``, by Newton's method from the centre; None where it finds none."""
-        kind, d = KINDS[self.element], x - point
-        slopes = np.empty((20, 3))
-        xi = np.zeros(3)
+        d, xi, slopes = x - point, np.zeros(3), np.empty((20, 3))
         for _ in range(30):
             lib.ct_brick_gradient(
-                kind,
-                ffi.from_buffer("double[]", xi),
-                ffi.cast("double(*)[3]", ffi.from_buffer(slopes)),
+                KINDS[self.element], doubles(xi), ffi.from_buffer("double[][3]", slopes)
             )
             try:
-                change = np.linalg.solve(d.T @ slopes[: len(x)], _shape(kind, xi)[: len(x)] @ d)
+                change = np.linalg.solve(d.T @ slopes[: len(x)], self.shape(xi) @ d)
             except np.linalg.LinAlgError:
                 return None
             xi = xi - change
@@ -216,20 +326,11 @@ class Mesh:
         return None
 
 
-def rotation(X: np.ndarray, x: np.ndarray) -> np.ndarray:
+def rotation(X: Floats, x: Floats) -> Floats:
     """The rotation (3, 3) that takes X nearest to x, both about their means."""
     left, _, right = np.linalg.svd((x - x.mean(axis=0)).T @ (X - X.mean(axis=0)))
-    return left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
-
-
-def _shape(kind: int, xi: np.ndarray) -> np.ndarray:
-    out = np.empty(20)
-    lib.ct_brick_shape(
-        kind,
-        ffi.from_buffer("double[]", np.ascontiguousarray(xi, np.float64)),
-        ffi.from_buffer("double[]", out),
-    )
-    return out
+    turn: Floats = left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
+    return turn
 
 
 def need_h5py() -> Any:
@@ -241,55 +342,73 @@ def need_h5py() -> Any:
     return h5py
 
 
-def read_vtkhdf(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
-    """
-    Nodes (n, 3) and elements (cells, 8 or 20) of an unstructured grid in a VTKHDF file of one part, all cells of type
-    12 (hex8) or all of type 25 (hex20). Of a transient file it is the mesh of the first step. A ValueError says what doesn't fit.
-    """
+@contextmanager
+def open_hdf5(path: str | Path) -> Iterator[Any]:
+    """An HDF5 file to be read; a ValueError says why it can't be."""
     h5py = need_h5py()
     try:
         check_file(path)
         file = h5py.File(path, "r")
     except OSError as error:
-        reason = "no such file" if not Path(path).exists() else str(error)
+        reason = str(error) if Path(path).exists() else "no such file"
         raise ValueError(f'can\'t read "{path}": {reason}') from None
     with file:
-        group = file.get("VTKHDF")
-        if not isinstance(group, h5py.Group):
-            raise ValueError(f'"{path}" has no group VTKHDF')
+        yield file
+
+
+def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
+    """
+    Read the mesh of a VTKHDF file of one part, an unstructured grid of one kind of bricks; of a transient file that of the first step.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file. All its cells are of VTK's type 12 (hex8), or all of type 25 (hex20).
+
+    Returns
+    -------
+    nodes : ndarray, shape (n, 3)
+        Coordinates [length].
+    elements : ndarray of int, shape (cells, 8 or 20)
+        Node numbers in VTK's order.
+
+    Raises
+    ------
+    ValueError
+        The file can't be read or holds something else.
+    NotBuiltIn
+        h5py is not installed.
+    """
+    with open_hdf5(path) as file:
+        group, wrong = file.get("VTKHDF"), lambda reason: ValueError(f'"{path}" {reason}')
+        if not hasattr(group, "attrs") or not hasattr(group, "keys"):
+            raise wrong("has no group VTKHDF")
         kind = group.attrs.get("Type", b"")
         kind = kind.decode() if isinstance(kind, bytes) else str(kind)
         if kind != "UnstructuredGrid":
-            raise ValueError(f'"{path}" holds "{kind}", not an UnstructuredGrid')
+            raise wrong(f'holds "{kind}", not an UnstructuredGrid')
         wanted = ("NumberOfPoints", "NumberOfCells", "Points", "Connectivity", "Offsets", "Types")
-        gone = [name for name in wanted if not isinstance(group.get(name), h5py.Dataset)]
-        if gone:
-            raise ValueError(f'"{path}" lacks VTKHDF/{gone[0]}')
-        size = sum(group[name].nbytes for name in wanted)
-        if size > physical_memory():
-            raise ValueError(
-                f'"{path}" holds a mesh of {size / 1e9:.3g} GB, and this machine has {physical_memory() / 1e9:.3g} GB'
+        for name in wanted:
+            if not hasattr(group.get(name), "nbytes"):
+                raise wrong(f"lacks VTKHDF/{name}")
+        size, room = sum(group[name].nbytes for name in wanted), physical_memory()
+        if size > room:
+            raise wrong(
+                f"holds a mesh of {size / 1e9:.3g} GB, and this machine has {room / 1e9:.3g} GB"
             )
-        return _grid(path, {name: group[name][()] for name in wanted}, "Steps" in group)
-
-
-def _grid(
-    path: str | Path, grid: dict[str, np.ndarray], transient: bool
-) -> tuple[np.ndarray, np.ndarray]:
-    if not transient and len(grid["NumberOfPoints"]) != 1:
-        raise ValueError(f'"{path}" has {len(grid["NumberOfPoints"])} parts; one is needed')
-    points, cells = int(grid["NumberOfPoints"][0]), int(grid["NumberOfCells"][0])
-    kinds = sorted(set(grid["Types"][:cells].tolist()))
+        parts, cells, points, connectivity, offsets, types = (group[name][()] for name in wanted)
+        if "Steps" not in group and len(parts) != 1:
+            raise wrong(f"has {len(parts)} parts; one is needed")
+    nodes, count = int(parts[0]), int(cells[0])
+    kinds = sorted(set(types[:count].tolist()))
     if len(kinds) != 1 or kinds[0] not in VTK_TYPE:
-        raise ValueError(
-            f'"{path}" has cells of the VTK types {kinds}; all must be 12 (hex8) or all 25 (hex20)'
-        )
+        raise wrong(f"has cells of the VTK types {kinds}; all must be 12 (hex8) or all 25 (hex20)")
     width = WIDTH[VTK_TYPE[kinds[0]]]
-    if not np.array_equal(grid["Offsets"][: cells + 1], width * np.arange(cells + 1)):
+    if not np.array_equal(offsets[: count + 1], width * np.arange(count + 1)):
         raise ValueError(f'"{path}": VTKHDF/Offsets does not count {width} nodes a cell')
-    if len(grid["Connectivity"]) < cells * width or len(grid["Points"]) < points:
-        raise ValueError(f'"{path}" is cut short')
-    return grid["Points"][:points], grid["Connectivity"][: cells * width].reshape(cells, width)
+    if len(connectivity) < count * width or len(points) < nodes:
+        raise wrong("is cut short")
+    return points[:nodes], connectivity[: count * width].reshape(count, width)
 
 
 def physical_memory() -> float:

@@ -8,44 +8,28 @@ from typing import Any
 
 import numpy as np
 
-from .mesh import WIDTH, Mesh, need_h5py
+from .bridge import Floats, Rows
+from .mesh import KINDS, WIDTH, Mesh, need_h5py, open_hdf5
 from .parts import LAWS, Material
-from .run import ENERGY, MOMENTUM, BodyState, Run, State, energy_dtype
-from .schema import check_file
+from .run import MOMENTUM, BodyState, Run, State, energy_table
 from .units import BASES, Units
 
 LAYOUT = 1
-KIND = ("hex8", "hex20")
 
 
 def load(path: Path, record: int = -1) -> Run:
     """Read a run; a ValueError says what is wrong with the file."""
-    h5py = need_h5py()
-    try:
-        if not path.exists():
-            raise ValueError(f'can\'t read "{path}": no such file')
-        check_file(path)
-        with h5py.File(path, "r") as file:
+    with open_hdf5(path) as file:
+        try:
             return _read(path, file, record)
-    except OSError as error:
-        raise ValueError(f'can\'t read "{path}": {error}') from None
-    except KeyError as error:
-        raise ValueError(f'"{path}" is no run of libcontact: {error.args[0]}') from None
-    except (
-        ArithmeticError,
-        AttributeError,
-        LookupError,
-        MemoryError,
-        RuntimeError,
-        TypeError,
-        ValueError,
-    ) as error:
-        # What a damaged file says may be of any type and size.
-        raise (
-            error
-            if str(path) in str(error)
-            else ValueError(f'"{path}" is damaged: {error or type(error).__name__}')
-        ) from None
+        except KeyError as error:
+            raise ValueError(f'"{path}" is no run of libcontact: {error.args[0]}') from None
+        except Exception as error:
+            # What a damaged file says may be of any type and size.
+            if str(path) in str(error):
+                raise
+            reason = str(error) or type(error).__name__
+            raise ValueError(f'"{path}" is damaged: {reason}') from None
 
 
 def _read(path: Path, file: Any, record: int) -> Run:
@@ -57,93 +41,66 @@ def _read(path: Path, file: Any, record: int) -> Run:
         raise ValueError(f'"{path}" has {count} records; there is none with the number {record}')
     record %= count
     bodies = own["body"][()]
-    names = [_text(row["name"]) for row in bodies]
     scene = _text(own["scene"][()]) if "scene" in own else ""
-    steps, energy, momentum = _tables(own, count, len(names))
-    state = State(
-        float(vtk["Steps/Values"][record]),
-        int(own["step"][record]),
-        _bodies(vtk, bodies, names, record),
-    )
-    return Run(
-        bodies=names,
-        units=_units(scene),
-        steps=steps,
-        energy=energy,
-        momentum=momentum,
-        state=state,
-        path=path,
-        scene=scene,
-        dt=float(own.attrs["dt"]),
-    )
-
-
-def _tables(own: Any, count: int, bodies: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Steps, energies and momenta: the rows of the recorded steps, or, where the file was saved from memory, its whole history."""
+    time, step = float(vtk["Steps/Values"][record]), int(own["step"][record])
+    # The rows of the recorded steps, or, where the file was saved from memory, its whole history.
     if "history" in own:
         own, count = own["history"], len(own["history/step"])
-    energy = own["energy"][:count]
-    if "effects" in own:
-        energy = _with_effects(energy, own, count)
-    return (
-        own["step"][:count],
-        _columns(energy, energy.dtype),
-        _columns(own["momentum"][: count * bodies], MOMENTUM),
+    return Run(
+        bodies=[_text(row["name"]) for row in bodies],
+        units=_units(scene),
+        steps=own["step"][:count],
+        energy=_energy(own, count),
+        momentum=own["momentum"][: count * len(bodies)][list(MOMENTUM.names or ())].astype(
+            MOMENTUM
+        ),
+        state=State(time, step, _bodies(vtk, bodies, record)),
+        path=path,
+        scene=scene,
+        dt=float(file["libcontact"].attrs["dt"]),
     )
 
 
-def _with_effects(energy: np.ndarray, own: Any, count: int) -> np.ndarray:
-    """The ledger with a column for each further effect, from the table of all effects' work and stored energy."""
-    names = [_text(row["name"]) for row in own["effects"][()]]
-    stores = [bool(row["stores"]) for row in own["effects"][()]]
-    rows = own["effect"][: count * len(names)].reshape(count, len(names))
-    out = np.zeros(count, energy_dtype(names))
-    for name in ENERGY.names:
-        out[name] = energy[name]
-    for k, name in enumerate(names):
-        if name in out.dtype.names and name not in ENERGY.names:
-            out[name] += rows["energy" if stores[k] else "work"][:, k]
-    return out
+def _energy(own: Any, count: int) -> Rows:
+    """The energy balance; in a file that a run has written, effects have a table of their own."""
+    energy: Rows = own["energy"][:count]
+    if "effects" not in own:
+        return energy
+    effects = own["effects"][()]
+    values = own["effect"][: count * len(effects)].reshape(count, len(effects))
+    values = np.where(effects["stores"], values["energy"], values["work"])
+    return energy_table(energy, [_text(name) for name in effects["name"]], values)
 
 
-def _columns(rows: np.ndarray, dtype: np.dtype) -> np.ndarray:
-    out = np.zeros(len(rows), dtype)
-    for name in dtype.names:
-        out[name] = rows[name]
-    return out
-
-
-def _bodies(vtk: Any, rows: np.ndarray, names: list[str], record: int) -> dict[str, BodyState]:
-    points = vtk["Points"][()]
-    connectivity, offsets = vtk["Connectivity"][()], vtk["Offsets"][()]
-    fields = {
-        name: _field(vtk, "PointData", name, record, len(points))
-        for name in ("displacement", "velocity")
-    }
-    stress = _field(vtk, "CellData", "stress", record, len(offsets) - 1)
+def _bodies(vtk: Any, rows: Rows, record: int) -> dict[str, BodyState]:
+    points, connectivity, offsets = (
+        vtk[name][()] for name in ("Points", "Connectivity", "Offsets")
+    )
+    fields = [
+        _field(vtk, "PointData", "displacement", record, len(points)),
+        _field(vtk, "PointData", "velocity", record, len(points)),
+        _field(vtk, "CellData", "stress", record, len(offsets) - 1),
+    ]
     out = {}
-    for name, row in zip(names, rows):
-        nodes = slice(int(row["first_node"]), int(row["first_node"]) + int(row["node_count"]))
-        cells = slice(int(row["first_cell"]), int(row["first_cell"]) + int(row["cell_count"]))
-        width = WIDTH[KIND[row["kind"]]]
-        elements = (
-            connectivity[offsets[cells.start] : offsets[cells.stop]].reshape(-1, width)
-            - nodes.start
+    for row in rows:
+        nodes, cells = (
+            slice(int(row[f"first_{what}"]), int(row[f"first_{what}"]) + int(row[f"{what}_count"]))
+            for what in ("node", "cell")
         )
-        mesh = Mesh.copy(np.ascontiguousarray(points[nodes]), elements.astype(np.int32))
-        law = LAWS[int(row["law"])] if "law" in rows.dtype.names else LAWS[0]
-        material = Material(
-            "", float(row["young"]), float(row["poisson"]), float(row["density"]), law
-        )
+        elements = connectivity[offsets[cells.start] : offsets[cells.stop]] - nodes.start
+        elements = elements.reshape(-1, WIDTH[list(KINDS)[row["kind"]]]).astype(np.int32)
+        law = LAWS[int(row["law"])] if "law" in row.dtype.names else LAWS[0]
+        constants = (float(row[name]) for name in ("young", "poisson", "density"))
         cut = [
-            None if fields[field] is None else fields[field][nodes]
-            for field in ("displacement", "velocity")
+            None if values is None else values[part]
+            for values, part in zip(fields, (nodes, nodes, cells))
         ]
-        out[name] = BodyState(name, mesh, material, *cut, None if stress is None else stress[cells])
+        mesh, name = Mesh.copy(np.ascontiguousarray(points[nodes]), elements), _text(row["name"])
+        out[name] = BodyState(name, mesh, Material("", *constants, law), *cut)
     return out
 
 
-def _field(vtk: Any, group: str, name: str, record: int, rows: int) -> np.ndarray | None:
+def _field(vtk: Any, group: str, name: str, record: int, rows: int) -> Floats | None:
     """The rows of one field at one record, read-only; None where the file doesn't hold the field."""
     if name not in vtk[group]:
         return None
@@ -159,7 +116,7 @@ def _units(scene: str) -> Units | None:
     try:
         table = tomllib.loads(scene)["units"]
         if all(table[base] in names for base, names in BASES.items()):
-            return Units(*(table[base] for base in ("length", "mass", "time")))
+            return Units(*(table[base] for base in BASES))
     except (tomllib.TOMLDecodeError, KeyError, TypeError):
         pass
     return None
@@ -169,8 +126,8 @@ def _text(value: Any) -> str:
     return value.decode(errors="replace").rstrip("\0") if isinstance(value, bytes) else str(value)
 
 
-def write_tables(path: Path, steps: np.ndarray, energy: np.ndarray, momentum: np.ndarray) -> None:
+def write_tables(path: Path, run: Run) -> None:
     """Add the history of a run in memory to a file that holds its last state only, in the group libcontact/history."""
     with need_h5py().File(path, "r+") as file:
         group = file.create_group("libcontact/history")
-        group["step"], group["energy"], group["momentum"] = steps, energy, momentum
+        group["step"], group["energy"], group["momentum"] = run.steps, run.energy, run.momentum
