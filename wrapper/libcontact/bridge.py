@@ -37,13 +37,12 @@ def names(enum: str, prefix: str = "CT_") -> dict[str, int]:
 
 def members(struct: str) -> list[tuple[str, str, tuple[int, ...]]]:
     """The members of a C struct of numbers as numpy fields: name, type and shape."""
-    out = []
+    out: list[tuple[str, str, tuple[int, ...]]] = []
     for name, member in ffi.typeof(struct).fields:
-        of, shape = member.type, ()
-        if of.kind == "array":
-            of, shape = of.item, (of.length,)
+        array = member.type.kind == "array"
+        of = member.type.item if array else member.type
         letter = "f" if of.cname == "double" else "i"
-        out.append((name, f"{letter}{ffi.sizeof(of)}", shape))
+        out.append((name, f"{letter}{ffi.sizeof(of)}", (member.type.length,) if array else ()))
     return out
 
 

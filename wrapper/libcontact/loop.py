@@ -79,7 +79,7 @@ def last_step(problem: Problem, until: Any) -> int:
         reason = f"{until:g} is after the end of the run, {problem.end:g}"
     if reason:
         raise SceneError(reason, "until", problem.file)
-    return min(max(math.ceil(until / problem.dt * (1.0 - 1e-12)), 1), problem.step_count)
+    return min(max(math.ceil(float(until) / problem.dt * (1.0 - 1e-12)), 1), problem.step_count)
 
 
 class Loop:
@@ -375,7 +375,8 @@ class Loop:
         name = names[error.body] if 0 <= error.body < len(names) else None
         if name is not None and name not in text:
             text = f'body "{name}": {text}'
-        fault = FAULTS.get(status, RunError)(text, code=status, **place(error))
+        at: dict[str, Any] = place(error)
+        fault = FAULTS.get(status, RunError)(text, code=status, **at)
         fault.body_name = name
         raise fault
 

@@ -18,6 +18,8 @@ from .bridge import Floats, Ints, Rows, ask, call, doubles, ints, names
 from .errors import NotBuiltIn, check
 from .schema import check_file
 
+__all__ = ["Mesh", "read_vtkhdf"]
+
 KINDS = names("ct_brick_kind")
 WIDTH: dict[str, int] = {name: lib.ct_brick_node_count(kind) for name, kind in KINDS.items()}
 VTK_TYPE = {12: "hex8", 25: "hex20"}
@@ -203,9 +205,8 @@ class Mesh:
         owners : ndarray of int32, shape (m,)
             The elements that the faces belong to.
         """
-        function, plane = lib.ct_mesh_outer_faces, ()
-        if face != "outer":
-            function, plane = lib.ct_mesh_plane_faces, self._plane(face)
+        plane = () if face == "outer" else self._plane(face)
+        function = lib.ct_mesh_plane_faces if plane else lib.ct_mesh_outer_faces
         count = function(self.pointer, *plane, ffi.NULL, ffi.NULL)
         check(-min(count, 0))
         width = lib.ct_face_node_count(lib.ct_brick_face_kind(KINDS[self.element]))
@@ -251,12 +252,14 @@ class Mesh:
             The centres [length].
         """
         x = (self.nodes if positions is None else positions)[self.elements]
-        four = lambda i: (x[:, i] + x[:, i + 2]) + (x[:, i + 1] + x[:, i + 3])
-        corners: Floats = four(0) + four(4)
+        # Sums of four nodes: of faces, then of the edges between them.
+        fours = [
+            (x[:, i] + x[:, i + 2]) + (x[:, i + 1] + x[:, i + 3]) for i in range(0, x.shape[1], 4)
+        ]
+        corners = fours[0] + fours[1]
         if self.element == "hex8":
-            return corners / 8.0
-        middles: Floats = (four(8) + four(12)) + four(16)
-        return (middles - corners) / 4.0
+            return np.asarray(corners / 8.0)
+        return np.asarray(((fours[2] + fours[3]) + fours[4] - corners) / 4.0)
 
     def locate(self, points: Floats) -> tuple[NDArray[np.int64], Floats]:
         """
@@ -379,8 +382,12 @@ def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
     NotBuiltIn
         h5py is not installed.
     """
+
+    def wrong(reason: str) -> ValueError:
+        return ValueError(f'"{path}" {reason}')
+
     with open_hdf5(path) as file:
-        group, wrong = file.get("VTKHDF"), lambda reason: ValueError(f'"{path}" {reason}')
+        group = file.get("VTKHDF")
         if not hasattr(group, "attrs") or not hasattr(group, "keys"):
             raise wrong("has no group VTKHDF")
         kind = group.attrs.get("Type", b"")

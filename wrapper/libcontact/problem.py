@@ -148,6 +148,8 @@ def memory_of(problem: Problem) -> int:
 class Problem:
     """A built problem and all that keeps it alive. Everything that does not move during a run is here."""
 
+    step_count: int
+
     def __init__(
         self,
         parts: scene_parts.Parts,

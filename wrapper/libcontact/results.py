@@ -90,13 +90,13 @@ def _bodies(vtk: Any, rows: Rows, record: int) -> dict[str, BodyState]:
         elements = connectivity[offsets[cells.start] : offsets[cells.stop]] - nodes.start
         elements = elements.reshape(-1, WIDTH[list(KINDS)[row["kind"]]]).astype(np.int32)
         law = LAWS[int(row["law"])] if "law" in row.dtype.names else LAWS[0]
-        constants = (float(row[name]) for name in ("young", "poisson", "density"))
+        constants = {name: float(row[name]) for name in ("young", "poisson", "density")}
         cut = [
             None if values is None else values[part]
             for values, part in zip(fields, (nodes, nodes, cells))
         ]
         mesh, name = Mesh.copy(np.ascontiguousarray(points[nodes]), elements), _text(row["name"])
-        out[name] = BodyState(name, mesh, Material("", *constants, law), *cut)
+        out[name] = BodyState(name, mesh, Material("", **constants, law=law), *cut)
     return out
 
 

@@ -169,7 +169,7 @@ class BodyState:
             raise ValueError(
                 f'body "{self.name}": {field} was not recorded; name it in [output] fields'
             )
-        if self._fields[field] is None:
+        if self._fields[field] is None and self.material is not None:
             stress = np.empty((len(self.elements), 6))
             u, out, law = doubles(self.displacement), doubles(stress), c_material(self.material)
             call(lib.ct_solid_stress, self.mesh.pointer, law, u, out)
@@ -379,7 +379,8 @@ class Run:
         """
         if name not in self.bodies:
             raise KeyError(f'no body is named "{name}"' + suggestion(name, self.bodies))
-        return self.momentum[self.momentum["body"] == self.bodies.index(name)]
+        rows: Rows = self.momentum[self.momentum["body"] == self.bodies.index(name)]
+        return rows
 
     def line(
         self, name: str, start: Any, end: Any, n: int = 401, body: str | None = None
