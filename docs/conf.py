@@ -37,6 +37,7 @@ extensions = [
     "cnames",  # `ct_name` in comments becomes a link; no public function without a page
     "hawkmoth",
     "sphinx.ext.autodoc",
+    "numpydoc",
     "sphinx.ext.mathjax",
     "sphinx_design",
     "sphinxcontrib.bibtex",
@@ -61,7 +62,7 @@ nitpick_ignore_regex = [
     # Types of Python and numpy in signatures: their pages are on the net, and the book is built without it.
     (
         r"py:.*",
-        r"(numpy|np|pathlib|os|collections|typing|types|enum)\..*|Any|Iterable|Callable|Path|ndarray|ArrayLike",
+        r"(numpy|np|pathlib|os|collections|typing|types|enum)\..*|Any|Iterable|Callable|Path|ndarray|ArrayLike|NDArray|Floats|Ints|Rows|InitVar",
     ),
     (
         r"py:.*",
@@ -97,6 +98,7 @@ hawkmoth_source_uri = "../_code/libcontact/include/{source}.html#line-{line}"
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
+numpydoc_show_class_members = False  # autodoc lists them
 package = importlib.util.find_spec("libcontact")
 if not RUN_TUTORIALS and (
     package is None or package.origin is None
