@@ -62,7 +62,7 @@ nitpick_ignore_regex = [
     # Types of Python and numpy in signatures: their pages are on the net, and the book is built without it.
     (
         r"py:.*",
-        r"(numpy|np|pathlib|os|collections|typing|types|enum)\..*|Any|Iterable|Callable|Path|ndarray|ArrayLike|NDArray|Floats|Ints|Rows|InitVar",
+        r"(numpy|np|pathlib|os|collections|typing|types|enum)\..*|Any|Iterable|Callable|Path|ndarray|ArrayLike|NDArray",
     ),
     (
         r"py:.*",
@@ -98,6 +98,7 @@ hawkmoth_source_uri = "../_code/libcontact/include/{source}.html#line-{line}"
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
+autodoc_type_aliases = dict.fromkeys(["Floats", "Ints", "Rows"], "numpy.ndarray")
 numpydoc_show_class_members = False  # autodoc lists them
 package = importlib.util.find_spec("libcontact")
 if not RUN_TUTORIALS and (
@@ -135,5 +136,11 @@ def copy_mathjax(app):
         shutil.copyfile(package / "static" / "mathjax" / mathjax_path, target / mathjax_path)
 
 
+def without_factories(app, what, name, thing, options, signature, returns):
+    """Dataclasses with defaults that Sphinx can't show are shown by their fields, which follow."""
+    return ("", "") if "<factory>" in (signature or "") else None
+
+
 def setup(app):
+    app.connect("autodoc-process-signature", without_factories)
     app.connect("builder-inited", copy_mathjax)

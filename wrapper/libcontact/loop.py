@@ -16,22 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from . import has
+from . import errors
 from ._core import ffi, lib
 from .bridge import Rows, ask, call, doubles, row
-from .errors import (
-    EnergyGrowth,
-    Error,
-    NotAtRest,
-    NotBuiltIn,
-    NotSettled,
-    check,
-    issue,
-    new_error,
-    place,
-    raise_held,
-    text_of,
-)
+from .errors import Error, NotBuiltIn, check, issue, new_error, place, raise_held, text_of
 from .mesh import view
 from .plan import measured
 from .problem import Problem, contact_points, new_state, penetrations
@@ -209,10 +197,8 @@ class Loop:
 
     def _write_record(self, state: Any) -> None:
         problem = self.problem.pointer
-        energy, momentum = (
-            np.zeros(1, ENERGY),
-            np.zeros(len(self.problem.bodies), row("ct_momentum")),
-        )
+        energy = np.zeros(1, ENERGY)
+        momentum = np.zeros(len(self.problem.bodies), row("ct_momentum"))
         self._call(lib.ct_energy_of, problem, state, ffi.from_buffer("ct_energy[]", energy))
         for body in range(len(momentum)):
             out = ffi.from_buffer("ct_momentum[]", momentum) + body
@@ -261,7 +247,7 @@ class Loop:
         at_end = last == self.problem.step_count and not stop
         if self.time.until_static is not None and at_end and not self._at_rest():
             issue(
-                NotAtRest(
+                errors.NotAtRest(
                     f"the run ends at t = {state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
                     f"until_static = {self.time.until_static:g}; a later end helps, or more [damping]",
                     "time.until_static",
@@ -269,7 +255,7 @@ class Loop:
             )
         if state.unsettled:
             issue(
-                NotSettled(
+                errors.NotSettled(
                     f"the contact forces did not settle to their tolerance in {state.unsettled} of {state.step} steps; a smaller step helps, or a smaller beta"
                 )
             )
@@ -298,7 +284,7 @@ class Loop:
         if math.isfinite(growth.share):
             much = f"{100.0 * growth.share:.3g} % more energy than there should be"
         text = f"there is {much} by t = {growth.time:.6g} (step {growth.step}), most of it from {who}: {advice}"
-        issue(EnergyGrowth(text, key, growth.share, growth.time, who))
+        issue(errors.EnergyGrowth(text, key, growth.share, growth.time, who))
 
     def _grower(self, growth: Any) -> tuple[str, str, str]:
         """What the energy of a growth came from, its key in the scene, and what can be done."""
