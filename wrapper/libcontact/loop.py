@@ -288,24 +288,24 @@ class Loop:
 
     def _grower(self, growth: Any) -> tuple[str, str, str]:
         """What the energy of a growth came from, its key in the scene, and what can be done."""
-        parts, effects = self.problem.parts, self.problem.effects
-        name = effects[growth.effect]
-        nth = effects[: growth.effect].count(name)
+        parts, effects = self.problem.parts, self.problem.pointer.effects
+        kinds = [effects[k].kind for k in range(growth.effect + 1)]
+        kind, nth = kinds[-1], kinds[:-1].count(kinds[-1])
         step = "take a smaller step (time.fraction)"
         given: Any
-        if name == "solid":
+        if kind == lib.CT_EFFECT_SOLID:
             who, key = f'body "{list(self.problem.bodies)[growth.body]}"', f"body[{growth.body}]"
             law = 'a body that turns needs the law "neo_hookean" or "st_venant_kirchhoff"'
             return who, key, f"{step}; {law}"
-        if name == "contact":
+        if kind == lib.CT_EFFECT_CONTACT:
             given = parts.contacts[nth]
             who, key = f"contact {pair_name(given.surfaces)}", f"contact[{nth}]"
-        elif name == "obstacle":
+        elif kind == lib.CT_EFFECT_OBSTACLE:
             obstacle = [added for added in parts.effects if added.name == "obstacle"][nth]
             given, who, key = obstacle.given, f"obstacle at {obstacle_name(obstacle)}", obstacle.key
         else:
             advice = f"{step}, and compare what it stores with the work of its force"
-            return f'effect "{name}"', "", advice
+            return f'effect "{self.problem.effects[growth.effect]}"', "", advice
         if given.enforcement in ("penalty", "bipenalty"):
             return who, key, f'{step}, a smaller beta, or enforcement = "energy_controlled"'
         inside = (
