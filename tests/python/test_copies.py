@@ -182,6 +182,19 @@ def test_errors_come_through_a_pickle():
     )
 
 
+@pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
+def test_warnings_can_be_copied(way):
+    warning = ct.EnergyGrowth("there is more", "contact[0]", 0.25, 1e-6, "contact a with b")
+    again = way(warning)
+    assert type(again) is ct.EnergyGrowth and str(again) == "contact[0]: there is more"
+    assert vars(again) == {
+        "key": "contact[0]",
+        "share": 0.25,
+        "time": 1e-6,
+        "who": "contact a with b",
+    }
+
+
 def fail(view, after):
     if view.time > after:
         raise ValueError("enough")

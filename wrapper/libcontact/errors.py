@@ -155,7 +155,10 @@ class EnergyGrowth(SceneWarning):
         The effect or body that most of it came from.
     """
 
-    def __init__(self, text: str, key: str, share: float, time: float, who: str):
+    # The defaults serve copies, which are made from the text alone.
+    def __init__(
+        self, text: str, key: str = "", share: float = 0.0, time: float = 0.0, who: str = ""
+    ):
         super().__init__(text, key)
         self.share, self.time, self.who = share, time, who
 
