@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import Floats, Ints, Rows, doubles, names, real, row
+from .bridge import Floats, Ints, doubles, names, real, row
 from .errors import ArgumentError, text_of
 
 __all__ = [
@@ -285,9 +285,9 @@ def project_ray(
     return columns(RayHits, rows)
 
 
-def columns(record: type[_Columns], rows: Rows) -> _Columns:
-    """Copy the rows that C has written into the arrays of a dataclass, one per field."""
-    arrays = {field.name: rows[field.name].copy() for field in fields(record)}  # type: ignore[arg-type]
+def columns(record: type[_Columns], rows: Any) -> _Columns:
+    """A dataclass of what C has written, one array per field, from rows or from a dict of arrays."""
+    arrays = {field.name: np.ascontiguousarray(rows[field.name]) for field in fields(record)}  # type: ignore[arg-type]
     arrays["where"] = _WHERE[rows["where"]]
     if "certified" in arrays:
         arrays["certified"] = rows["certified"] != 0

@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import Floats, Ints, ask, call, doubles, ints, real, row, whole
+from .bridge import Floats, Ints, ask, call, doubles, ints, members, real, row, whole
 from .errors import check
 from .projection import columns, face_kind
 
 __all__ = ["Nearest", "Surface", "nearest"]
+
+_CHUNK = 16384  # points whose rows stay in the cache until they are sorted into arrays
 
 
 @dataclass(frozen=True)
@@ -140,14 +142,13 @@ class Surface:
         ValueError
             A shape, a face of ``start``, the tolerance or the number of threads is impossible.
         """
-        points, first = real("points", points, ("n", 3)), ffi.NULL
+        points = real("points", points, ("n", 3))
         if start is not None:
             start = whole("start", start)
             if start.shape != (len(points),) or ((start < -1) | (start >= self._faces)).any():
                 raise ValueError(
                     f"start must be a face, 0 to {self._faces - 1}, or -1 for each of {len(points)} points"
                 )
-            first = ints(start)
         options = ffi.new(
             "ct_search_options *", {"tolerance": float(tolerance), "threads": int(threads)}
         )
@@ -155,12 +156,21 @@ class Surface:
             raise ValueError(
                 f"tolerance must be positive and finite, threads at least 1, not {tolerance!r} and {threads!r}"
             )
-        rows = np.empty(len(points), row("ct_nearest"))
-        out = ffi.from_buffer("ct_nearest[]", rows)
-        check(
-            lib.ct_search_nearest(self._search, len(points), doubles(points), first, options, out)
-        )
-        return columns(Nearest, rows)
+        out = {
+            name: np.empty((len(points), *shape), kind)
+            for name, kind, shape in members("ct_nearest")
+        }
+        rows = np.empty(min(len(points), _CHUNK), row("ct_nearest"))
+        found = ffi.from_buffer("ct_nearest[]", rows)
+        for i in range(0, len(points), _CHUNK):
+            part = points[i : i + _CHUNK]
+            first = ffi.NULL if start is None else ints(start[i : i + _CHUNK])
+            check(
+                lib.ct_search_nearest(self._search, len(part), doubles(part), first, options, found)
+            )
+            for name, array in out.items():
+                array[i : i + _CHUNK] = rows[name][: len(part)]
+        return columns(Nearest, out)
 
 
 def nearest(
