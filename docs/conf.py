@@ -98,7 +98,6 @@ hawkmoth_source_uri = "../_code/libcontact/include/{source}.html#line-{line}"
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
-autodoc_type_aliases = dict.fromkeys(["Floats", "Ints", "Rows"], "numpy.ndarray")
 numpydoc_show_class_members = False  # autodoc lists them
 package = importlib.util.find_spec("libcontact")
 if not RUN_TUTORIALS and (
