@@ -62,7 +62,7 @@ nitpick_ignore_regex = [
     # Types of Python and numpy in signatures: their pages are on the net, and the book is built without it.
     (
         r"py:.*",
-        r"(numpy|np|pathlib|os|collections|typing|types|enum)\..*|Any|Iterable|Callable|Path|ndarray|ArrayLike|NDArray",
+        r"(numpy|np|pathlib|os|collections|typing|types|enum)\..*|Any|Iterable|Callable|Path|ndarray|ArrayLike|NDArray|Floats|Ints|Rows|InitVar",
     ),
     (
         r"py:.*",
