@@ -52,7 +52,7 @@ def has(part: str) -> bool:
     ValueError
         There is no such part.
     """
-    from ._core import lib
+    from ._core import ffi, lib
 
     # What is not built in refuses every call, also one that has nothing to do.
     nothing, series = ffi.NULL, ffi.new("ct_exact_series **")

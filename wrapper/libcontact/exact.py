@@ -14,7 +14,7 @@ import numpy as np
 
 from ._core import ffi, lib
 from .bridge import Floats, doubles, real
-from .errors import ArgumentError, NotBuiltIn, check, new_error, text_of
+from .errors import ArgumentError, check, new_error, text_of
 
 __all__ = ["Stress", "Velocity", "Fields", "Speeds", "plates", "plates_series", "speeds", "fronts"]
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from . import errors
+from . import errors, has
 from ._core import ffi, lib
 from .bridge import Rows, ask, call, doubles, row
 from .errors import Error, NotBuiltIn, check, issue, new_error, place, raise_held, text_of
@@ -123,7 +123,7 @@ class Loop:
 
     def open(self, path: str | Path) -> None:
         """Create the results file; without HDF5, of which ``known`` warns, the results stay in memory."""
-        if hasattr(lib, "ct_output_create"):
+        if has("hdf5"):
             with self._input("output.file"):
                 self.output = self._create(path)
             self.path = Path(path).absolute()
@@ -142,7 +142,7 @@ class Loop:
 
     def write(self, run: Run, path: Path) -> None:
         """Save a run that has no file: its last state through the C library, and all rows of its tables."""
-        if not hasattr(lib, "ct_output_create"):
+        if not has("hdf5"):
             raise NotBuiltIn("this build has no HDF5, so it can't save a run")
         from .results import write_tables
 
