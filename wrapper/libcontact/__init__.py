@@ -56,7 +56,7 @@ def has(part: str) -> bool:
 
     # What is not built in refuses every call, also one that has nothing to do.
     nothing, series = ffi.NULL, ffi.new("ct_exact_series **")
-    parts = {
+    parts: dict[str, bool] = {
         "hdf5": lib.ct_output_close(nothing, nothing) != lib.CT_ERROR_UNSUPPORTED,
         "gsl": lib.ct_exact_series_create(0.3, 0, 1.0, series, nothing) != lib.CT_ERROR_UNSUPPORTED,
         "openmp": bool(lib.ct_has_openmp()),
