@@ -23,6 +23,7 @@ from .errors import Error, NotBuiltIn, check, issue, new_error, place, raise_hel
 from .mesh import view
 from .plan import measured
 from .problem import Problem, contact_points, new_state, penetrations
+from .rehearsal import computed_share
 from .run import ENERGY, FAULTS, IN_ENERGY, MOMENTUM, BodyState, Run, RunError, State, energy_table
 from .schema import SceneError, is_number
 from .surfaces import obstacle_name, pair_name
