@@ -33,6 +33,7 @@ extensions = [
     "codepages",  # each C file as a page, for the links from listings and from the API
     "floors",  # the rooms of the sources, drawn from their includes
     "methodtable",  # measures the methods of projection side by side
+    "scenekeys",  # the tables of a scene's keys come from the package's model
     "measured",  # numbers in the text come from measured.json
     "cnames",  # `ct_name` in comments becomes a link; no public function without a page
     "hawkmoth",
@@ -55,8 +56,11 @@ nitpick_ignore = [
     ("c:identifier", "uint64_t"),
     # What Scene.explain is made from: not for callers.
     ("py:class", "libcontact.problem.Problem"),
-    # What modules of effects read their tables from.
-    ("py:class", "libcontact.schema.Table"),
+    # What the types of the model are made of.
+    ("py:class", "libcontact.schema.Place"),
+    ("py:class", "libcontact.schema.T"),
+    ("py:class", "dataclasses.Field"),
+    ("py:class", "Vector"),
 ]
 nitpick_ignore_regex = [
     # Types of Python and numpy in signatures: their pages are on the net, and the book is built without it.

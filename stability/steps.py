@@ -14,7 +14,7 @@ import numpy as np
 from libcontact._core import ffi, lib
 from libcontact.errors import Error, check, new_error
 from libcontact.mesh import Mesh
-from libcontact.parts import INTEGRATORS
+from libcontact.model import INTEGRATORS
 from libcontact.problem import Problem, new_state
 
 import libcontact as ct
@@ -165,7 +165,7 @@ def rows(
 ) -> Iterator[Row]:
     for element in elements:
         for mesh in meshes:
-            omega = largest_omega(problem_of(element, mesh, INTEGRATORS[0]))
+            omega = largest_omega(problem_of(element, mesh, next(iter(INTEGRATORS))))
             for integrator in INTEGRATORS:
                 problem = problem_of(element, mesh, integrator)
                 reported, true = (

@@ -1,5 +1,6 @@
 """The command line: exit codes, what goes to stdout and what to stderr, and no traceback for what a user can do wrong."""
 
+import json
 import os
 import signal
 import subprocess
@@ -294,3 +295,11 @@ def test_an_output_that_takes_no_text_is_one_line_and_exit_code_2(scene):
         command = [sys.executable, "-m", "libcontact", "explain", scene]
         done = subprocess.run(command, check=False, stdout=full, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 2 and done.stderr == "error: No space left on device\n"
+
+
+def test_the_schema_is_written_for_editors(capsys):
+    assert main(["schema"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    poisson = schema["properties"]["material"]["items"]["properties"]["poisson"]
+    assert (poisson["exclusiveMinimum"], poisson["exclusiveMaximum"]) == (-1, 0.5)
+    assert poisson["description"].startswith("Poisson's ratio")

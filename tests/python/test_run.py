@@ -12,7 +12,7 @@ import pytest
 from builds import leave_out_hdf5
 from libcontact._core import lib
 from libcontact.mesh import Mesh
-from libcontact.parts import Material
+from libcontact.model import Material
 from libcontact.run import BodyState, Run, RunError, State
 from libcontact.schema import SceneError
 
@@ -262,7 +262,7 @@ def linear_state(element):
     state = BodyState(
         "block",
         mesh,
-        Material("steel", YOUNG, POISSON, DENSITY),
+        Material(name="steel", young=YOUNG, poisson=POISSON, density=DENSITY),
         mesh.nodes @ gradient.T,
         mesh.nodes @ gradient.T * 7,
     )

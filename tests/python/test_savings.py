@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from libcontact._core import ffi, lib
 from libcontact.errors import check, new_error
-from libcontact.parts import SAVINGS
+from libcontact.model import SAVINGS
 from libcontact.problem import new_state
 from libcontact.schema import SceneError
 

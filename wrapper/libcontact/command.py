@@ -1,4 +1,4 @@
-"""The command line: ``libcontact run | explain | plot``. Exit codes: 0 ok, 2 bad input, 3 run failed, 130 Ctrl-C."""
+"""The command line: ``libcontact run | explain | schema | plot``. Exit codes: 0 ok, 2 bad input, 3 run failed, 130 Ctrl-C."""
 
 from __future__ import annotations
 
@@ -93,6 +93,9 @@ def _parser() -> argparse.ArgumentParser:
     explain.set_defaults(command=_explain)
     explain.add_argument("scene", metavar="SCENE.toml")
 
+    schema = commands.add_parser("schema", help="write the JSON Schema of scenes, for editors")
+    schema.set_defaults(command=_schema)
+
     plot = commands.add_parser("plot", help="draw a field and the energies of a run")
     plot.set_defaults(command=_plot)
     plot.add_argument("file", metavar="RUN.vtkhdf")
@@ -150,6 +153,15 @@ def _explain(options: argparse.Namespace) -> int:
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="replace")
     print(text, flush=True)
+    return OK
+
+
+def _schema(options: argparse.Namespace) -> int:
+    import json
+
+    from .parts import schema
+
+    print(json.dumps(schema(), indent=2), flush=True)
     return OK
 
 

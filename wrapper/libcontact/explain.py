@@ -5,23 +5,23 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from . import effects
 from ._core import ffi, lib
 from .errors import SceneWarning
-from .parts import Contact, Parts
+from .model import Body, Contact, ContactKeys, Support
+from .parts import EFFECTS, Parts
 from .plan import Cost, predict, table
 from .problem import BuiltBody, BuiltContact, Problem, memory_of, speeds
-from .surfaces import DEFAULT_BETA, pair_name
+from .surfaces import pair_name
 from .units import Units
 from .warned import at_start, known
 
 # Effects of the library, with what a scene that leaves them out goes without.
-EFFECTS = {
+WITHOUT = {
     "solid": "internal forces of the bodies (every scene has them)",
     "contact": "no [[contact]]: bodies pass through each other",
     "friction": "no friction in a contact or an obstacle: surfaces slide freely",
     "support": "no [[support]]: nothing holds the bodies",
-    **{effects.name_of(module): module.WITHOUT for module in effects.MODULES},
+    **{name: effect.without for name, effect in EFFECTS.items()},
 }
 PENALTY = "contact by a penalty, so surfaces overlap by pressure / epsilon"
 NAMED = "surfaces meet only where a [[contact]] names them; a body passes through itself unless one names two surfaces of it, or one twice"
@@ -36,10 +36,23 @@ LAWS = {
     "neo_hookean": "any rotation and large strain by the compressible neo-Hookean law",
 }
 STIFFENS = "the stable step is that of the undeformed bodies; a body that is strained much can need a smaller one"
+KERNELS = {
+    "reduced": 'integration = "reduced": one point, and hourglass control',
+    "plane": "one layer of equal boxes held along its thickness: plane strain, in two dimensions",
+    "box": "all elements are equal boxes along x, y, z: integrals in closed form",
+}
 
 
 class Explanation(str):
-    """The text of ``Scene.explain``, with the same facts as a dictionary in ``data``; ``warnings`` are the objects that a run of the scene issues at its start."""
+    """The text of ``Scene.explain``.
+
+    Attributes
+    ----------
+    data
+        The same facts as a dictionary.
+    warnings
+        The objects that a run of the scene issues at its start.
+    """
 
     data: dict[str, Any]
     warnings: list[SceneWarning]
@@ -48,7 +61,8 @@ class Explanation(str):
 def explain(problem: Problem, every: int, records: int) -> Explanation:
     """Explain a built problem that is recorded at ``records`` steps (about every ``every`` steps)."""
     gaps, found = at_start(problem)
-    warnings = known(problem, problem.parts.output.file, found)
+    output = problem.parts.output
+    warnings = known(problem, output.file, found)
     data = _facts(problem, gaps, found, warnings)
     plan = predict(problem, records)
     data["plan"] = list(plan.costs)
@@ -59,8 +73,8 @@ def explain(problem: Problem, every: int, records: int) -> Explanation:
     }
     data["time"]["limited_by"] = _limited_by(problem, data["plan"])
     data["output"] = {
-        "file": problem.parts.output.file,
-        "fields": list(problem.parts.output.fields),
+        "file": output.file,
+        "fields": list(output.fields),
         "every": every,
         "records": records,
     }
@@ -69,61 +83,48 @@ def explain(problem: Problem, every: int, records: int) -> Explanation:
     return text
 
 
+# The facts.
+
+
 def _facts(
     problem: Problem,
     gaps: list[float | None],
     found: list[dict[str, Any]],
     warnings: list[SceneWarning],
 ) -> dict[str, Any]:
-    parts = problem.parts
-    used = list(dict.fromkeys(problem.effects))
+    parts, units = problem.parts, problem.parts.units
     bodies = [_body(problem, body) for body in problem.bodies.values()]
     contacts = [_contact(*row) for row in zip(problem.contacts, parts.contacts, gaps, found)]
     for name, rows in (("body", bodies), ("contact", contacts)):
         for i, row in enumerate(rows):
-            row["warnings"] = [
-                str(warning) for warning in warnings if warning.key == f"{name}[{i}]"
-            ]
+            own = [warning for warning in warnings if warning.key == f"{name}[{i}]"]
+            row["warnings"] = [str(warning) for warning in own]
+    labels = {name: units.label(name) for name in ("stress", "energy")}
+    elements = sum(body["elements"] for body in bodies)
+    work = {
+        f"{name}_per_step": sum(body["elements"] * body[f"{name}_per_update"] for body in bodies)
+        for name in ("flops", "bytes")
+    }
     return {
         "title": parts.title,
         "file": problem.file,
-        "units": {
-            "length": parts.units.length,
-            "mass": parts.units.mass,
-            "time": parts.units.time,
-            "stress": parts.units.label("stress"),
-            "energy": parts.units.label("energy"),
-        },
+        "units": {"length": units.length, "mass": units.mass, "time": units.time, **labels},
         "bodies": bodies,
-        "effects": used,
+        "effects": list(dict.fromkeys(problem.effects)),
         "savings": list(parts.savings),
-        "left_out": {name: why for name, why in EFFECTS.items() if name not in used},
+        "left_out": {name: why for name, why in WITHOUT.items() if name not in problem.effects},
         "assumptions": _assumptions(parts),
         "contacts": contacts,
-        "supports": [
-            {
-                "set": f"{s.body}.{s.face}",
-                "fix": list(s.fix),
-                "velocity": list(s.velocity),
-                "travel": list(s.travel),
-                "history": len(s.history[0]),
-            }
-            for s in parts.supports
-        ],
+        "supports": [_support(support) for support in parts.supports],
         "added": [
-            {
-                "name": added.name,
-                "key": added.key,
-                "text": added.module.describe(added.given, parts.units),
-            }
+            {"name": added.name, "key": added.key, "text": added.given.describe(units)}
             for added in parts.effects
         ],
         "time": _time(problem),
         "cost": {
             "memory_bytes": memory_of(problem),
-            "flops_per_step": sum(b["elements"] * b["flops_per_update"] for b in bodies),
-            "bytes_per_step": sum(b["elements"] * b["bytes_per_update"] for b in bodies),
-            "updates": problem.step_count * sum(b["elements"] for b in bodies),
+            **work,
+            "updates": problem.step_count * elements,
             "threads": problem.threads,
         },
         "warnings": [str(warning) for warning in warnings],
@@ -139,33 +140,22 @@ def _assumptions(parts: Parts) -> list[str]:
         LAWS[law] + (f" ({', '.join(names)})" if len(bodies) > 1 else "")
         for law, names in bodies.items()
     ]
-    added = {effect.name for effect in parts.effects}
-    pressed = [
-        *parts.contacts,
-        *(effect.given for effect in parts.effects if effect.name == "obstacle"),
-    ]
-    holds = (
-        (set(bodies) != {"linear"}, STIFFENS),
-        (any(given.enforcement != "lagrange" for given in pressed), PENALTY),
-        (True, NAMED),
-        (
-            any(effect.name == "load" and not effect.given.following for effect in parts.effects),
-            DEAD,
-        ),
-        (
-            any(effect.name == "damping" and effect.given.rate is None for effect in parts.effects),
-            RELAXED,
-        ),
-        (not {"damping", "viscosity"} & added, RINGING),
-    )
-    return [*laws, *(sentence for true, sentence in holds if true)]
+    given = {name: [each.given for each in parts.effects if each.name == name] for name in EFFECTS}
+    pressed = [*parts.contacts, *given["obstacle"]]
+    holds = {
+        STIFFENS: set(bodies) != {"linear"},
+        PENALTY: any(each.enforcement != "lagrange" for each in pressed),
+        NAMED: True,
+        DEAD: any(not load.following for load in given["load"]),
+        RELAXED: any(damping.rate is None for damping in given["damping"]),
+        RINGING: not given["damping"] and not given["viscosity"],
+    }
+    return [*laws, *(sentence for sentence, true in holds.items() if true)]
 
 
 def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
-    given = problem.parts.bodies[body.name]
+    given: Body = problem.parts.bodies[body.name]
     c1, c2 = speeds(body.material)
-    si = c1 * problem.parts.units.factor("velocity")
-    lumping = given.lumping or ("row_sum" if body.mesh.element == "hex8" else "hrz")
     return {
         "name": body.name,
         "material": body.material.name,
@@ -175,11 +165,11 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
         "elements": len(body.mesh.elements),
         "kernel": body.kernel,
         "kernel_why": _why(given.kernel, body),
-        "lumping": lumping,
+        "lumping": given.lumping or ("row_sum" if body.mesh.element == "hex8" else "hrz"),
         "layers": problem.layers(given) if given.box else None,
         "c1": c1,
         "c2": c2,
-        "c1_si": si,
+        "c1_si": c1 * problem.parts.units.factor("velocity"),
         "shortest_edge": body.mesh.shortest_edge,
         "flops_per_update": body.flops,
         "bytes_per_update": body.bytes,
@@ -187,63 +177,52 @@ def _body(problem: Problem, body: BuiltBody) -> dict[str, Any]:
 
 
 def _why(asked: str, body: BuiltBody) -> str:
-    if asked != "auto":
-        return "asked for"
-    if body.kernel == "reduced":
-        return 'integration = "reduced": one point, and hourglass control'
-    if body.kernel == "plane":
-        return "one layer of equal boxes held along its thickness: plane strain, in two dimensions"
-    if body.kernel == "box":
-        return "all elements are equal boxes along x, y, z: integrals in closed form"
+    if asked != "auto" or body.kernel in KERNELS:
+        return "asked for" if asked != "auto" else KERNELS[body.kernel]
     points = "3x3x3" if body.mesh.element == "hex20" else "2x2x2"
-    if body.material.law != "linear":
-        return f"large strain: {points} Gauss points"
-    return f"elements are not equal boxes along x, y, z: {points} Gauss points"
+    large = body.material.law != "linear"
+    why = "large strain" if large else "elements are not equal boxes along x, y, z"
+    return f"{why}: {points} Gauss points"
 
 
 def _contact(
     built: BuiltContact, given: Contact, gap: float | None, found: dict[str, Any]
 ) -> dict[str, Any]:
     return {
+        **{name: getattr(given, name) for name in ContactKeys.keys()},
         "surfaces": list(built.surfaces),
         "with_itself": built.with_itself,
         "faces": list(built.faces),
         "gauss_points": list(built.points),
         "epsilon": built.epsilon,
-        "beta": given.beta,
         "penalty_is_default": not given.penalty_given,
-        "enforcement": given.enforcement,
-        "dissipation": given.dissipation,
-        "friction": given.friction,
         "tangent": given.tangent or 1.0,
-        "method": given.method,
-        "tolerance": given.tolerance,
-        "depth": given.depth,
-        "points": given.points,
-        "adjust": given.adjust,
-        "initial_penetration": given.initial_penetration,
-        "removal_time": given.removal_time,
+        "removal_time": given.removal_time or 0.0,
         "penetration": found,
         "initial_gap": gap,
     }
 
 
-def _integrator(problem: Problem) -> Any:
-    """The integrator of the problem, for the library's calls."""
-    return ffi.addressof(problem.pointer, "integrator")
+def _support(support: Support) -> dict[str, Any]:
+    return {
+        "set": ".".join(support.set),
+        "fix": list(support.fix),
+        "velocity": list(support.velocity),
+        "travel": list(support.travel),
+        "history": len(support.history.time) if support.history else 0,
+    }
 
 
 def _time(problem: Problem) -> dict[str, Any]:
-    stable, (asked, value) = problem.stable, problem.parts.time.step
+    given, stable = problem.parts.time, problem.stable
+    integrator = ffi.addressof(problem.pointer, "integrator")
     return {
-        "integrator": problem.parts.time.integrator,
-        "integrator_parameter": problem.parts.time.parameter,
-        "evaluations_per_step": lib.ct_integrator_stages(
-            _integrator(problem), ffi.new("ct_stage[2]")
-        ),
-        "integrator_limit": lib.ct_integrator_limit(_integrator(problem)),
+        "integrator": given.integrator,
+        "integrator_parameter": given.parameter,
+        "evaluations_per_step": lib.ct_integrator_stages(integrator, ffi.new("ct_stage[2]")),
+        "integrator_limit": lib.ct_integrator_limit(integrator),
         "end": problem.end,
-        "asked": {asked: value},
+        "asked": dict([given.step]),
         "dt": problem.dt,
         "steps": problem.step_count,
         "stable": stable.dt,
@@ -257,155 +236,128 @@ def _time(problem: Problem) -> dict[str, Any]:
 def _limited_by(problem: Problem, plan: list[Cost]) -> str:
     """The effects that bound the stable step, :eq:`plan-share`, that with the largest share first; those with less than 1 % are left out."""
     bodies = "elements" if problem.parts.time.stable_step == "elements" else "the assembled bodies"
+    rate = 2.0 / problem.stable.dt
     share = {
-        bodies if cost.name == "solid" else cost.name: cost.omega_squared
-        + 2.0 * cost.rate / problem.stable.dt
+        bodies if cost.name == "solid" else cost.name: cost.omega_squared + rate * cost.rate
         for cost in plan
     }
-    large = [
-        name
-        for name in sorted(share, key=share.get, reverse=True)
-        if share[name] > 0.01 * sum(share.values())
-    ]
+    least = 0.01 * sum(share.values())
+    large = [name for name in sorted(share, key=lambda name: -share[name]) if share[name] > least]
     return " and ".join(large) + (" together" if len(large) > 1 else "") if large else "nothing"
 
 
+# The text. Empty lines of a section are left out.
+
+
 def _lines(data: dict[str, Any], units: Units) -> list[str]:
-    out = [data["title"] or "(no title)"]
-    if data["file"]:
-        out.append(f"  scene {data['file']}")
-    out.append(
-        f"  units {units.length}, {units.mass}, {units.time}: stress in {units.label('stress')}, energy in {units.label('energy')}"
-    )
-    out += ["", "Bodies"]
-    for body in data["bodies"]:
-        out += _body_lines(body, units)
-    out += ["", "Effects that are computed: " + ", ".join(data["effects"])]
-    for contact in data["contacts"]:
-        out += _contact_lines(contact, units)
-    for support in data["supports"]:
-        moving = (
-            f" at the velocity {support['velocity']} {units.label('velocity')}"
-            if any(support["velocity"])
-            else ""
-        )
-        if support["history"]:
-            moving = f" on a path, {support['travel']} {units.length} times a history of {support['history']} points"
-        out.append(f"  support {support['set']}: {', '.join(support['fix'])} held{moving}")
-    out += [f"  {added['name']}: {added['text']}" for added in data["added"]]
-    out += ["", "What is not computed"]
-    out += [f"  {name}: {why}" for name, why in data["left_out"].items()]
-    out += [
-        "  what changes no result: "
-        + (", ".join(data["savings"]) or "none, by the scene's own wish")
-    ]
-    out += [f"  assumed: {assumption}" for assumption in data["assumptions"]]
-    out += ["", "Time"] + _time_lines(data["time"], units)
-    out += ["", "Output"] + _output_lines(data["output"])
-    out += ["", "Cost"] + _cost_lines(data["cost"])
-    out += _plan_lines(data["plan"], data["time"]["stable"], data["cost"]["rehearsed"])
-    if data["warnings"]:
-        out += ["", "Warnings"] + [f"  {warning}" for warning in data["warnings"]]
-    return out
+    labels = data["units"]
+    base = f"units {units.length}, {units.mass}, {units.time}"
+    computed = [line for contact in data["contacts"] for line in _contact_lines(contact, units)]
+    computed += [_support_line(support, units) for support in data["supports"]]
+    computed += [f"{added['name']}: {added['text']}" for added in data["added"]]
+    savings = ", ".join(data["savings"]) or "none, by the scene's own wish"
+    sections = {
+        data["title"] or "(no title)": [
+            f"scene {data['file']}" if data["file"] else "",
+            f"{base}: stress in {labels['stress']}, energy in {labels['energy']}",
+        ],
+        "Bodies": [line for body in data["bodies"] for line in _body_lines(body, units)],
+        "Effects that are computed: " + ", ".join(data["effects"]): computed,
+        "What is not computed": [
+            *(f"{name}: {why}" for name, why in data["left_out"].items()),
+            f"what changes no result: {savings}",
+            *(f"assumed: {assumption}" for assumption in data["assumptions"]),
+        ],
+        "Time": _time_lines(data["time"], units),
+        "Output": [_output_line(data["output"])],
+        "Cost": _cost_lines(data["cost"]) + _plan_lines(data),
+        "Warnings": data["warnings"],
+    }
+    out: list[str] = []
+    for title, lines in sections.items():
+        if lines or title != "Warnings":
+            out += ["", title, *(f"  {line}" for line in lines if line)]
+    return out[1:]
 
 
 def _body_lines(body: dict[str, Any], units: Units) -> list[str]:
     speed = units.label("velocity")
+    layers = f", numbered layer by layer along {body['layers']}" if body["layers"] else ""
     return [
-        f"  {body['name']}: {body['elements']} {body['element']}, {body['nodes']} nodes, material {body['material']}, "
-        + f"shortest edge {body['shortest_edge']:.6g} {units.length}",
-        f"    waves: c1 = {body['c1']:.6g} {speed} ({body['c1_si']:.5g} m/s), c2 = {body['c2']:.6g} {speed}",
-        f"    kernel {body['kernel']} ({body['kernel_why']}), mass lumped by {body['lumping']}"
-        + (f", numbered layer by layer along {body['layers']}" if body["layers"] else ""),
+        f"{body['name']}: {body['elements']} {body['element']}, {body['nodes']} nodes, material {body['material']}, shortest edge {body['shortest_edge']:.6g} {units.length}",
+        f"  waves: c1 = {body['c1']:.6g} {speed} ({body['c1_si']:.5g} m/s), c2 = {body['c2']:.6g} {speed}",
+        f"  kernel {body['kernel']} ({body['kernel_why']}), mass lumped by {body['lumping']}{layers}",
     ]
 
 
 def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
+    faces, other = contact["faces"], "the other surface"
+    how = f"{faces[0]} and {faces[-1]} faces, each side slave and master once"
     if contact["with_itself"]:
-        how = (
-            f"{contact['faces'][0]} faces of one body, each against all that share no node with it"
-        )
-        nobody = "no point is near another part of the surface"
-    else:
-        how = f"{contact['faces'][0]} and {contact['faces'][1]} faces, each side slave and master once"
-        nobody = "no point is near the other surface"
-    if contact["penalty_is_default"]:
-        origin = f"beta = {DEFAULT_BETA:g}, the default"
-    else:
-        origin = f"beta = {contact['beta']:g}" if contact["beta"] is not None else "given"
+        how = f"{faces[0]} faces of one body, each against all that share no node with it"
+        other = "another part of the surface"
+    origin = "given" if contact["beta"] is None else f"beta = {contact['beta']:g}"
+    origin += ", the default" if contact["penalty_is_default"] else ""
+    epsilon = f"{contact['epsilon']:.6g} {units.label('penalty')}"
+    points = "Gauss" if contact["points"] == "gauss" else "Lobatto"
+    controlled = contact["enforcement"] == "energy_controlled"
+    share = f", dissipation {contact['dissipation']:g}" if controlled else ""
+    rub = f"friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"
+    gap, adjust = contact["initial_gap"], f"{contact['adjust']:g} {units.length}"
+    nearest = f"no point is near {other}"
+    if gap is not None:
+        nearest = f"the smallest gap is {gap:.4g} {units.length}"
     return [
-        f"  contact {pair_name(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} {'Gauss' if contact['points'] == 'gauss' else 'Lobatto'} points",
-        f"    penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin}), closest points by {contact['method']}",
-        f"    enforced by {contact['enforcement']}"
-        + (
-            f", dissipation {contact['dissipation']:g}"
-            if contact["enforcement"] == "energy_controlled"
-            else ""
-        ),
-        *(
-            [
-                f"    friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"
-            ]
-            if contact["friction"]
-            else []
-        ),
-        "    at the start "
-        + (
-            nobody
-            if contact["initial_gap"] is None
-            else f"the smallest gap is {contact['initial_gap']:.4g} {units.length}"
-        ),
-        *(
-            [
-                f"    gaps and overlaps at the start up to {contact['adjust']:g} {units.length} are taken as touching"
-            ]
-            if contact["adjust"]
-            else []
-        ),
+        f"contact {pair_name(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} {points} points",
+        f"  penalty epsilon = {epsilon} ({origin}), closest points by {contact['method']}",
+        f"  enforced by {contact['enforcement']}{share}",
+        f"  {rub}" if contact["friction"] else "",
+        f"  at the start {nearest}",
+        f"  gaps and overlaps at the start up to {adjust} are taken as touching"
+        if contact["adjust"]
+        else "",
     ]
 
 
-def _integrator_line(time: dict[str, Any]) -> str:
-    name = time["integrator"]
-    return name if name == "central_difference" else f"{name} ({time['integrator_parameter']:.6g})"
+def _support_line(support: dict[str, Any], units: Units) -> str:
+    moving = ""
+    if any(support["velocity"]):
+        moving = f" at the velocity {support['velocity']} {units.label('velocity')}"
+    if support["history"]:
+        moving = f" on a path, {support['travel']} {units.length} times a history of {support['history']} points"
+    return f"support {support['set']}: {', '.join(support['fix'])} held{moving}"
 
 
 def _time_lines(time: dict[str, Any], units: Units) -> list[str]:
-    ((asked, value),) = time["asked"].items()
-    t = units.time
+    ((asked, value),), t, name = time["asked"].items(), units.time, time["integrator"]
+    if name != "central_difference":
+        name = f"{name} ({time['integrator_parameter']:.6g})"
     return [
-        f"  {_integrator_line(time)} to t = {time['end']:.6g} {t} in {time['steps']} steps of {time['dt']:.6g} {t} "
-        + f"(asked: {asked} = {value:g})",
-        f"  limit of the integrator: omega dt = {time['integrator_limit']:.5g}, {time['evaluations_per_step']} evaluation(s) of the forces a step",
-        f"  stable step {time['stable']:.6g} {t} with contact, {time['stable_without_contact']:.6g} {t} without; "
-        + f"limited by {time['limited_by']}",
-        f"  Courant number c1 dt / h = {time['courant']:.4g}, fraction of the stable step = {time['fraction']:.4g}",
+        f"{name} to t = {time['end']:.6g} {t} in {time['steps']} steps of {time['dt']:.6g} {t} (asked: {asked} = {value:g})",
+        f"limit of the integrator: omega dt = {time['integrator_limit']:.5g}, {time['evaluations_per_step']} evaluation(s) of the forces a step",
+        f"stable step {time['stable']:.6g} {t} with contact, {time['stable_without_contact']:.6g} {t} without; limited by {time['limited_by']}",
+        f"Courant number c1 dt / h = {time['courant']:.4g}, fraction of the stable step = {time['fraction']:.4g}",
     ]
 
 
-def _output_lines(output: dict[str, Any]) -> list[str]:
+def _output_line(output: dict[str, Any]) -> str:
     file = f"to {output['file']}" if output["file"] else "in memory only (no file named)"
     fields = ", ".join(output["fields"]) if output["fields"] and output["file"] else "the ledger"
-    return [f"  {output['records']} records of {fields} {file}"]
+    return f"{output['records']} records of {fields} {file}"
 
 
 def _cost_lines(cost: dict[str, Any]) -> list[str]:
     return [
-        f"  {cost['updates']:.4g} element updates; about {cost['flops_per_step']:.3g} flops and {cost['bytes_per_step']:.3g} bytes a step "
-        + "in the elements",
-        f"  memory about {cost['memory_bytes'] / 1e6:.3g} MB, threads {cost['threads']}",
+        f"{cost['updates']:.4g} element updates; about {cost['flops_per_step']:.3g} flops and {cost['bytes_per_step']:.3g} bytes a step in the elements",
+        f"memory about {cost['memory_bytes'] / 1e6:.3g} MB, threads {cost['threads']}",
     ]
 
 
-def _plan_lines(plan: list[Cost], stable: float, rehearsed: bool) -> list[str]:
-    if any(cost.predicted is None for cost in plan):
-        return ["  no prediction: a trial of a few steps failed"]
-    how = (
-        "predicted from a rehearsal and a trial on this machine"
-        if rehearsed
-        else "no rehearsal is possible: predicted as if all surfaces touched from the start"
-    )
-    return [
-        f"  {how}; flops and bytes with all at work:",
-        *(f"  {line}" for line in table(plan, stable).splitlines()),
-    ]
+def _plan_lines(data: dict[str, Any]) -> list[str]:
+    if any(cost.predicted is None for cost in data["plan"]):
+        return ["no prediction: a trial of a few steps failed"]
+    how = "no rehearsal is possible: predicted as if all surfaces touched from the start"
+    if data["cost"]["rehearsed"]:
+        how = "predicted from a rehearsal and a trial on this machine"
+    rows = table(data["plan"], data["time"]["stable"]).splitlines()
+    return [f"{how}; flops and bytes with all at work:", *rows]

@@ -10,7 +10,7 @@ import numpy as np
 
 from .bridge import Floats, Rows
 from .mesh import KINDS, WIDTH, Mesh, need_h5py, open_hdf5
-from .parts import LAWS, Material
+from .model import LAWS, Material
 from .run import MOMENTUM, BodyState, Run, State, energy_table
 from .units import BASES, Units
 
@@ -89,7 +89,7 @@ def _bodies(vtk: Any, rows: Rows, record: int) -> dict[str, BodyState]:
         )
         elements = connectivity[offsets[cells.start] : offsets[cells.stop]] - nodes.start
         elements = elements.reshape(-1, WIDTH[list(KINDS)[row["kind"]]]).astype(np.int32)
-        law = LAWS[int(row["law"])] if "law" in row.dtype.names else LAWS[0]
+        law = tuple(LAWS)[int(row["law"]) if "law" in row.dtype.names else 0]
         constants = {name: float(row[name]) for name in ("young", "poisson", "density")}
         cut = [
             None if values is None else values[part]

@@ -15,7 +15,7 @@ from ._core import lib
 from .bridge import Floats, Ints, Rows, call, doubles, members
 from .errors import BlowupError, EnergyError, Error, GeometryError, StepError
 from .mesh import Mesh
-from .parts import Material
+from .model import Material
 from .problem import c_material
 from .schema import is_number, suggestion
 from .units import Units

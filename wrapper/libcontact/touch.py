@@ -107,7 +107,7 @@ def _obstacle(problem: Problem, number: int, given: Any) -> Touch:
     normal, gap = -normals[np.argmin(gaps)], max(float(gaps.min()), 0.0)
     velocity, gravity = _motion(problem, body)
     time, closing = _meet(gap, (velocity - given.velocity) @ normal, gravity @ normal)
-    time = 0.0 if given.history[0] else time
+    time = 0.0 if given.history else time
     return Touch("obstacle", number, body, time, gap * normal, normal, closing)
 
 

@@ -6,7 +6,7 @@ units, and this module turns them into labels (``mm``, ``t``, ``s`` give stresse
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from .schema import Choice, Table, key
 
 LENGTH = {
     "m": 1.0,
@@ -53,13 +53,24 @@ _NAMED = {
 }
 
 
-@dataclass(frozen=True)
-class Units:
-    """The base units of a scene, for example ``Units("mm", "t", "s")``."""
+class Units(Table):
+    """
+    The base units of a scene, for example ``Units("mm", "t", "s")``. All numbers of the scene and of
+    its results are in them.
 
-    length: str
-    mass: str
-    time: str
+    Attributes
+    ----------
+    length
+        Unit of lengths.
+    mass
+        Unit of masses. A slinch is the mass that one pound-force accelerates by 1 in/s².
+    time
+        Unit of times.
+    """
+
+    length: str = key(Choice(LENGTH), kw_only=False)
+    mass: str = key(Choice(MASS), kw_only=False)
+    time: str = key(Choice(TIME), kw_only=False)
 
     def factor(self, quantity: str) -> float:
         """SI value of one unit of a quantity (``"stress"``, ``"energy"``, ``"velocity"``, ...)."""

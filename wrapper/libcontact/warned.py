@@ -11,6 +11,7 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import has
 from ._core import ffi
@@ -27,7 +28,7 @@ from .errors import (
     UnitsWarning,
 )
 from .mesh import Mesh, rotation
-from .parts import Contact
+from .model import AXES, Contact
 from .problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
 from .surfaces import obstacle_name, pair_name
 from .touch import Touch, first_touch, gravity_on, surface_box
@@ -92,22 +93,24 @@ def turned(problem: Problem, state: Any) -> Iterator[RotationWarning]:
         some = _spread(len(body.mesh.nodes))
         angle = _angle(body.mesh.nodes[some], u[body.nodes][some])
         if angle > TURNED:
+            turned = f"has turned by {angle:.3g} rad ({math.degrees(angle):.3g} degrees) at t = {state.time:.4g}"
+            strain = (
+                f'the law "linear" takes a rotation for a strain, of {0.5 * angle * angle:.2g} here'
+            )
+            advice = f'give material "{body.material.name}" the law "st_venant_kirchhoff" or "neo_hookean"'
             yield RotationWarning(
-                f'body "{body.name}" has turned by {angle:.3g} rad ({math.degrees(angle):.3g} degrees) at t = {state.time:.4g}, and the law "linear" takes '
-                f'a rotation for a strain, of {0.5 * angle * angle:.2g} here; give material "{body.material.name}" the law "st_venant_kirchhoff" or '
-                '"neo_hookean"',
-                f"body[{i}]",
+                f'body "{body.name}" {turned}, and {strain}; {advice}', f"body[{i}]"
             )
 
 
-def _spread(count: int) -> np.ndarray:
+def _spread(count: int) -> NDArray[Any]:
     """Numbers of nodes spread over a body, all of them if they are few; by the golden section, so that no lattice puts them into one line."""
     if count <= TURN_NODES:
         return np.arange(count)
     return (np.arange(TURN_NODES) * (math.sqrt(5.0) - 1.0) / 2.0 % 1.0 * count).astype(int)
 
 
-def _angle(X: np.ndarray, u: np.ndarray) -> float:
+def _angle(X: NDArray[Any], u: NDArray[Any]) -> float:
     """The angle [rad] of the rotation that comes nearest to the displacements u of nodes at X."""
     R = rotation(X, X + u)
     skew = R - R.T
@@ -126,10 +129,8 @@ def _units(problem: Problem) -> Iterator[UnitsWarning]:
 
 def _file(output: Any) -> Iterator[OutputWarning]:
     if output is not None and not has("hdf5"):
-        yield OutputWarning(
-            f'this build has no HDF5: "{output}" is not written, the results stay in memory; build with HDF5 to get the file',
-            "output.file",
-        )
+        text = f'this build has no HDF5: "{output}" is not written, the results stay in memory; build with HDF5 to get the file'
+        yield OutputWarning(text, "output.file")
 
 
 # What becomes of an overlap that is neither within ``adjust`` nor removed.
@@ -146,25 +147,14 @@ def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[Ove
         deepest = points["deepest"]
         if deepest > max(points["touching"], given.adjust) and given.initial_penetration in FATE:
             where = ", ".join(f"{x:.4g}" for x in points["position"])
-            advice = (
-                ""
-                if given.initial_penetration == "refuse"
-                else (
-                    f". If they are meant to touch, give adjust = {1.1 * deepest:.2g} or more, which closes gaps, too; if not, "
-                    "move the bodies or see initial_penetration"
-                )
-            )
-            yield OverlapWarning(
-                f"{pair_name(given.surfaces)}: the surfaces overlap by {deepest:.3g} at the start, at {points['inside'] - points['buried']} "
-                f"points, most at ({where}) on {points['surface']}; {FATE[given.initial_penetration]}{advice}",
-                f"contact[{i}]",
-            )
+            count, how = points["inside"] - points["buried"], given.initial_penetration
+            text = f"the surfaces overlap by {deepest:.3g} at the start, at {count} points, most at ({where}) on {points['surface']}; {FATE[how]}"
+            if how != "refuse":
+                text += f". If they are meant to touch, give adjust = {1.1 * deepest:.2g} or more, which closes gaps, too; if not, move the bodies or see initial_penetration"
+            yield OverlapWarning(f"{pair_name(given.surfaces)}: {text}", f"contact[{i}]")
         if points["buried"]:
-            yield OverlapWarning(
-                f"{pair_name(given.surfaces)}: {points['buried']} points are deep beneath the other surface at the start, or on its far side; they are in no "
-                "contact before they have been outside",
-                f"contact[{i}]",
-            )
+            text = f"{points['buried']} points are deep beneath the other surface at the start, or on its far side; they are in no contact before they have been outside"
+            yield OverlapWarning(f"{pair_name(given.surfaces)}: {text}", f"contact[{i}]")
 
 
 # Surfaces that face away from each other.
@@ -174,30 +164,22 @@ def _inside_out(problem: Problem) -> Iterator[InsideOutWarning]:
     for i, contact in enumerate(problem.parts.contacts):
         reason = "" if contact.with_itself else _away(problem, i, contact)
         if reason:
-            yield InsideOutWarning(
-                f"{pair_name(contact.surfaces)}: {reason}, so they never press on each other and the bodies pass through; name the faces that look at each other",
-                f"contact[{i}]",
-            )
+            text = f"{reason}, so they never press on each other and the bodies pass through; name the faces that look at each other"
+            yield InsideOutWarning(f"{pair_name(contact.surfaces)}: {text}", f"contact[{i}]")
     for effect in problem.parts.effects:
         if effect.name == "obstacle" and _behind(problem, effect.given):
-            how = (
-                "behind the plane; turn its normal round"
-                if effect.given.shape == "plane"
-                else f"inside the {effect.given.shape}; move it, or make the radius smaller"
-            )
+            how = f"inside the {effect.given.shape}; move it, or make the radius smaller"
+            if effect.given.shape == "plane":
+                how = "behind the plane; turn its normal round"
             yield InsideOutWarning(f"{obstacle_name(effect)} lies {how}", effect.key)
 
 
 def _away(problem: Problem, i: int, contact: Contact) -> str:
     """Why two plane faces can't press on each other; "" if they can, or if a body turns."""
-    if any(
-        face == "outer" or problem.parts.bodies[body].spin is not None
-        for body, face in contact.surfaces
-    ):
+    bodies, faces = zip(*contact.surfaces)
+    if "outer" in faces or any(problem.parts.bodies[body].spin is not None for body in bodies):
         return ""
-    (first, side), (second, other) = (
-        (face[0], face.endswith("max")) for _, face in contact.surfaces
-    )
+    (first, side), (second, other) = ((face[0], face.endswith("max")) for face in faces)
     if first != second:
         return ""
     if side == other:
@@ -207,18 +189,13 @@ def _away(problem: Problem, i: int, contact: Contact) -> str:
     across = [k for k in range(3) if k != axis]
     gap = (low_b - high if side else low - high_b)[axis]
     aside = np.any(np.maximum(low, low_b)[across] > np.minimum(high, high_b)[across])
-    largest = max(
-        _largest_face(problem.bodies[body].mesh, faces)
-        for (body, _), faces in zip(contact.surfaces, problem.faces[i])
-    )
-    return (
-        ""
-        if aside or gap >= -(contact.depth or largest)
-        else "the surfaces look away from each other"
-    )
+    sides = zip(bodies, problem.faces[i])
+    largest = max(_largest_face(problem.bodies[body].mesh, faces) for body, faces in sides)
+    far = aside or gap >= -(contact.depth or largest)
+    return "" if far else "the surfaces look away from each other"
 
 
-def _largest_face(mesh: Mesh, faces: np.ndarray) -> float:
+def _largest_face(mesh: Mesh, faces: NDArray[Any]) -> float:
     """The longest diagonal of the faces' boxes."""
     x = mesh.nodes[faces]
     return float(np.linalg.norm(x.max(axis=1) - x.min(axis=1), axis=1).max())
@@ -229,9 +206,8 @@ def _behind(problem: Problem, given: Any) -> bool:
     mesh = problem.bodies[given.surface[0]].mesh
     if given.shape == "plane":
         return bool(given.gaps(mesh.nodes)[0].mean() < 0.0)
-    return bool(
-        given.gaps(mesh.nodes[mesh.face_nodes(given.surface[1])])[0].max() < -mesh.shortest_edge
-    )
+    gaps, _ = given.gaps(mesh.nodes[mesh.face_nodes(given.surface[1])])
+    return bool(gaps.max() < -mesh.shortest_edge)
 
 
 # Bodies in one place.
@@ -242,10 +218,8 @@ def _same_place(problem: Problem) -> Iterator[SamePlaceWarning]:
     for a, b in combinations(problem.bodies.values(), 2):
         share = _shared(problem, a, b)
         if share >= SHARED:
-            yield SamePlaceWarning(
-                f'bodies "{a.name}" and "{b.name}" are in one place: about {100 * share:.0f} % of the smaller one is inside the other; move one of them',
-                f"body[{order[b.name]}]",
-            )
+            text = f'bodies "{a.name}" and "{b.name}" are in one place: about {100 * share:.0f} % of the smaller one is inside the other; move one of them'
+            yield SamePlaceWarning(text, f"body[{order[b.name]}]")
 
 
 def _shared(problem: Problem, a: BuiltBody, b: BuiltBody) -> float:
@@ -274,9 +248,8 @@ def _never_meet(problem: Problem) -> Iterator[NeverMeetWarning]:
     """
     acted_on = _acted_on(problem)
     touches = {touch.contact: touch for touch in first_touch(problem) if touch.name == "contact"}
-    apart = {
-        i: contact for i, contact in enumerate(problem.parts.contacts) if not contact.with_itself
-    }
+    contacts = enumerate(problem.parts.contacts)
+    apart = {i: contact for i, contact in contacts if not contact.with_itself}
     before = -1
     while len(apart) != before:
         before = len(apart)
@@ -286,17 +259,11 @@ def _never_meet(problem: Problem) -> Iterator[NeverMeetWarning]:
                 acted_on |= bodies
                 del apart[i]
     for i, contact in apart.items():
-        when = (
-            f"they would touch at t = {touches[i].time:.4g}"
-            if math.isfinite(touches[i].time)
-            else "nothing moves them towards each other"
-        )
-        gap = float(np.abs(touches[i].shift).max())
-        yield NeverMeetWarning(
-            f"{pair_name(contact.surfaces)}: the surfaces are {gap:.4g} apart and cannot meet before the run ends at t = {problem.end:.4g}, as {when}; check velocities, "
-            "places and end, or leave the contact out",
-            f"contact[{i}]",
-        )
+        when, gap = "nothing moves them towards each other", np.abs(touches[i].shift).max()
+        if math.isfinite(touches[i].time):
+            when = f"they would touch at t = {touches[i].time:.4g}"
+        text = f"the surfaces are {gap:.4g} apart and cannot meet before the run ends at t = {problem.end:.4g}, as {when}; check velocities, places and end, or leave the contact out"
+        yield NeverMeetWarning(f"{pair_name(contact.surfaces)}: {text}", f"contact[{i}]")
 
 
 def _acted_on(problem: Problem) -> set[str]:
@@ -306,18 +273,14 @@ def _acted_on(problem: Problem) -> set[str]:
     out |= {contact.surfaces[0][0] for contact in parts.contacts if contact.with_itself}
     for support in parts.supports:
         velocity = parts.bodies[support.body].velocity
-        drives = any(
-            support.velocity["xyz".index(axis)] != velocity["xyz".index(axis)]
-            for axis in support.fix
-        )
-        if drives or support.history[0] or gravity_on(problem, support.body).any():
+        held = [AXES.index(axis) for axis in support.fix]
+        drives = any(support.velocity[k] != velocity[k] for k in held)
+        if drives or support.history or gravity_on(problem, support.body).any():
             out.add(support.body)
     for effect in parts.effects:
         if effect.name not in HARMLESS:
-            surface, bodies = (
-                getattr(effect.given, "surface", None),
-                getattr(effect.given, "bodies", None),
-            )
+            surface = getattr(effect.given, "surface", None)
+            bodies = getattr(effect.given, "bodies", None)
             out |= {surface[0]} if surface else set(parts.bodies if bodies is None else bodies)
     return out
 
@@ -328,31 +291,27 @@ def _acted_on(problem: Problem) -> set[str]:
 def _thin(problem: Problem) -> Iterator[ThinWarning]:
     """Contacts and obstacles whose first impact loses much: the nodes that hit hold a large part of what moves (eq:thin-loss)."""
     touches = {(touch.name, touch.contact): touch for touch in first_touch(problem)}
+
+    def loses(given: Any, touch: Touch) -> bool:
+        meets = touch.closing > 0.0 and touch.time <= problem.end
+        return given.enforcement in LOSSY and meets
+
     for i, contact in enumerate(problem.parts.contacts):
         touch = touches["contact", i]
-        if (
-            not contact.with_itself
-            and contact.enforcement in LOSSY
-            and touch.closing > 0.0
-            and touch.time <= problem.end
-        ):
+        if not contact.with_itself and loses(contact, touch):
             yield from _thin_in(problem, f"contact[{i}]", touch, _first_nodes(problem, i, touch))
     obstacles = [effect for effect in problem.parts.effects if effect.name == "obstacle"]
     for i, effect in enumerate(obstacles):
-        touch = touches["obstacle", i]
-        if effect.given.enforcement in LOSSY and touch.closing > 0.0 and touch.time <= problem.end:
-            body = problem.bodies[effect.given.surface[0]]
-            nodes = body.mesh.face_nodes(effect.given.surface[1])
-            gaps, _ = effect.given.gaps(body.mesh.nodes[nodes])
-            yield from _thin_in(
-                problem,
-                effect.key,
-                touch,
-                {body.name: nodes[gaps <= gaps.min() + 1e-3 * body.mesh.shortest_edge]},
-            )
+        touch, given = touches["obstacle", i], effect.given
+        if loses(given, touch):
+            body = problem.bodies[given.surface[0]]
+            nodes = body.mesh.face_nodes(given.surface[1])
+            gaps, _ = given.gaps(body.mesh.nodes[nodes])
+            near = nodes[gaps <= gaps.min() + 1e-3 * body.mesh.shortest_edge]
+            yield from _thin_in(problem, effect.key, touch, {body.name: near})
 
 
-def _first_nodes(problem: Problem, i: int, touch: Touch) -> dict[str, np.ndarray]:
+def _first_nodes(problem: Problem, i: int, touch: Touch) -> dict[str, NDArray[Any]]:
     """The nodes of both surfaces that hit first: the foremost ones that have the other surface before them."""
     contact, along = problem.parts.contacts[i], touch.normal != 0.0
     boxes, out = [surface_box(problem, i, k) for k in (0, 1)], {}
@@ -367,42 +326,32 @@ def _first_nodes(problem: Problem, i: int, touch: Touch) -> dict[str, np.ndarray
 
 
 def _thin_in(
-    problem: Problem, key: str, touch: Touch, first: dict[str, np.ndarray]
+    problem: Problem, key: str, touch: Touch, first: dict[str, NDArray[Any]]
 ) -> Iterator[ThinWarning]:
     masses = {name: _masses(problem, name, nodes, touch.normal) for name, nodes in first.items()}
     hit, moving = (_reduced([pair[k] for pair in masses.values()]) for k in (0, 1))
     if not math.isfinite(moving) or hit < THIN * moving:
         return
-    name = max(
-        masses,
-        key=lambda name: (
-            masses[name][0] / masses[name][1] if math.isfinite(masses[name][0]) else 0.0
-        ),
+    share = {name: a / b if math.isfinite(a) else 0.0 for name, (a, b) in masses.items()}
+    name, axis = max(share, key=lambda name: share[name]), AXES[int(np.abs(touch.normal).argmax())]
+    text = f'body "{name}" is about one element thick where it hits, along {axis}: the nodes that hit first hold {100 * hit / moving:.0f} % of the energy of the impact, which can be lost; '
+    advice = (
+        "divide it into at least 4 elements along that direction (n equal ones lose up to 1/(2 n))"
     )
-    axis = "xyz"[int(np.argmax(np.abs(touch.normal)))]
-    yield ThinWarning(
-        f'body "{name}" is about one element thick where it hits, along {axis}: the nodes that hit first hold {100 * hit / moving:.0f} % of the energy of the impact, which '
-        "can be lost; divide it into at least 4 elements along that direction (n equal ones lose up to 1/(2 n))",
-        key,
-    )
+    yield ThinWarning(text + advice, key)
 
 
 def _masses(
-    problem: Problem, name: str, nodes: np.ndarray, normal: np.ndarray
+    problem: Problem, name: str, nodes: NDArray[Any], normal: NDArray[Any]
 ) -> tuple[float, float]:
     """Mass of some nodes of a body and of all of it, along a direction; infinite if nodes are held there."""
     count, first = problem.pointer.node_count, problem.bodies[name].nodes
     axis = int(np.argmax(np.abs(normal)))
     mass = np.frombuffer(ffi.buffer(problem.pointer.mass, 8 * count), np.float64)[first]
-    free = (
-        np.frombuffer(ffi.buffer(problem.pointer.inverse_mass, 24 * count), np.float64).reshape(
-            -1, 3
-        )[first, axis]
-        > 0.0
-    )
-    return tuple(
-        float(mass[some].sum()) if free[some].all() else math.inf for some in (nodes, slice(None))
-    )
+    inverse = ffi.buffer(problem.pointer.inverse_mass, 24 * count)
+    free = np.frombuffer(inverse, np.float64).reshape(-1, 3)[first, axis] > 0.0
+    whole = float(mass.sum()) if free.all() else math.inf
+    return float(mass[nodes].sum()) if free[nodes].all() else math.inf, whole
 
 
 def _reduced(masses: list[float]) -> float:

@@ -58,6 +58,18 @@ typedef enum ct_status {
   CT_ERROR_ENERGY = 12
 } ct_status;
 
+/** What of a scene an error is about, where a call makes several of them. */
+typedef enum ct_scene_part {
+  /** it is clear from the call */
+  CT_PART_NONE = 0,
+  /** a contact */
+  CT_PART_CONTACT = 1,
+  /** a support */
+  CT_PART_SUPPORT = 2,
+  /** the time and its step */
+  CT_PART_TIME = 3
+} ct_scene_part;
+
 /**
  * The detail of an error, owned by the caller, who may pass a null pointer when the code is enough.
  * Calls that succeed leave it alone.
@@ -71,6 +83,10 @@ typedef struct ct_error {
   int64_t element;
   /** Node, Gauss point or row, likewise. */
   int64_t point;
+  /** The part of the scene that `ct_scene_build` could not make. */
+  ct_scene_part part;
+  /** Its number among the parts of its kind, counted from 0. */
+  int32_t number;
   /** One sentence for a person in UTF-8, ended by a zero byte; "..." at its end stands for what was
    * longer still. */
   char text[1024];

@@ -23,12 +23,23 @@ ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *f
     error->body = where.body;
     error->element = where.element;
     error->point = where.point;
+    error->part = CT_PART_NONE;
+    error->number = 0;
     va_list arguments;
     va_start(arguments, format);
     write_text(error, 0, format, arguments);
     va_end(arguments);
   }
   return code;
+}
+
+ct_status ct_blame(ct_error *error, ct_status status, ct_scene_part part, int32_t number)
+{
+  if (status != CT_OK && error != NULL) {
+    error->part = part;
+    error->number = number;
+  }
+  return status;
 }
 
 void ct_error_add(ct_error *error, const char *format, ...)

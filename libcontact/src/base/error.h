@@ -20,6 +20,9 @@ __attribute__((format(printf, 4, 5)))
 #endif
 ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *format, ...);
 
+/** Name the part of a scene that a status other than CT_OK is about; answers the status. */
+ct_status ct_blame(ct_error *error, ct_status status, ct_scene_part part, int32_t number);
+
 /* Write on at the end of an error's text. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))

@@ -133,6 +133,7 @@ static ct_status prepare(support_data *data, const ct_support_def *def, int32_t 
   for (int32_t i = 0; status == CT_OK && i < def->support_count; i++) {
     status = check_support(&def->supports[i], i, node_count, error);
     if (status == CT_OK) status = enter(&def->supports[i], i, fixed, velocity, error);
+    ct_blame(error, status, CT_PART_SUPPORT, i);
   }
   if (status == CT_OK) status = compress(data, node_count, fixed, velocity);
   if (status == CT_ERROR_MEMORY)

@@ -560,6 +560,7 @@ static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
   if (hourglass != NULL) scene->effects[(*count)++] = hourglass;
   for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++) {
     status = make_contact(scene, i, &scene->effects[*count], error);
+    ct_blame(error, status, CT_PART_CONTACT, i);
     if (status == CT_OK) (*count)++;
     const ct_scene_contact *given = &scene->contacts[i].given;
     if (status != CT_OK || given->friction == 0.0) continue;
@@ -567,6 +568,7 @@ static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
                             .coefficient = given->friction,
                             .tangent = given->tangent};
     status = ct_friction_create_effect(&friction, &scene->problem, &scene->effects[*count], error);
+    ct_blame(error, status, CT_PART_CONTACT, i);
     if (status == CT_OK) (*count)++;
   }
   for (int32_t i = 0; status == CT_OK && i < scene->added_count; i++)
@@ -624,7 +626,8 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   p->assembled = time->assembled;
   p->dt = DBL_MIN; // any step will do to ask for the stable one, if half of it changes no velocity
   if (status == CT_OK) status = ct_stable(p, NULL, stable, error);
-  if (status == CT_OK) status = asked_step(time, stable, &dt, error);
+  if (status == CT_OK)
+    status = ct_blame(error, asked_step(time, stable, &dt, error), CT_PART_TIME, 0);
   if (status != CT_OK) {
     unbuild(scene);
     return status;

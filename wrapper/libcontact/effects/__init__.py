@@ -1,96 +1,65 @@
 """
-What a scene may add to bodies, contacts and supports: one module an effect, named as its table in the scene file and as the C library names it.
-
-A module has
-
-- ``MANY``: whether the table may stand several times, written ``[[key]]``, else once, written ``[key]``;
-- ``WITHOUT``: what a scene without it goes without, for ``explain``;
-- ``read(table, known)``: the checked values, a frozen dataclass; what is wrong is a SceneError;
-- ``create(given, maker)``: the C effect, ``ct_effect *``, or a list of them;
-- ``describe(given, units)``: a line for ``explain``.
+What a scene may add to bodies, contacts and supports: one module an effect, named as its table in the scene file and as the C library names it. An effect is
+a :class:`libcontact.schema.Table` with its keys and what :class:`Effect` asks for.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from types import ModuleType
-from typing import Any
+from typing import Any, ClassVar
 
-from .._core import ffi
-from ..schema import Table, describe, suggestion
+from ..schema import Many, Reference, Table, key
+from ..units import Units
 
 
-@dataclass(frozen=True, eq=False)
-class Known:
-    """What the scene has read before its effects: ``materials`` and ``bodies`` by name, and the ``contacts``."""
+class Effect(Table):
+    """The keys of an effect, the C effect that they make, and the words for it."""
 
-    materials: dict[str, Any]
-    bodies: dict[str, Any]
-    contacts: tuple[Any, ...]
+    many: ClassVar[bool] = False
+    """Whether the table may stand several times, written ``[[key]]``, else once, written ``[key]``."""
+    without: ClassVar[str]
+    """What a scene without the effect goes without, for ``explain``."""
+
+    def create(self, maker: Any) -> Any:
+        """The C effect (``ct_effect *``), or a list of them, by a :class:`libcontact.problem.Maker`."""
+        raise NotImplementedError
+
+    def describe(self, units: Units) -> str:
+        """A line for ``explain``."""
+        raise NotImplementedError
+
+
+class OnBodies(Effect):
+    """
+    An effect that acts on whole bodies.
+
+    Attributes
+    ----------
+    bodies
+        Names of the bodies that it acts on.
+    """
+
+    bodies: Sequence[str] | None = key(
+        Many(Reference("body"), "leave it out for all bodies", distinct=True),
+        default=None,
+        says="all",
+    )
+
+    @property
+    def whom(self) -> str:
+        """The bodies in a sentence."""
+        return "all bodies" if self.bodies is None else ", ".join(self.bodies)
 
 
 @dataclass(frozen=True, eq=False)
 class Added:
-    """One effect of a scene: its module, its key in the scene (``load[1]``), its checked values."""
+    """One effect of a scene: its ``key`` in the scene (``load[1]``), and what was ``given``."""
 
-    module: ModuleType
     key: str
     given: Any
 
     @property
     def name(self) -> str:
-        return name_of(self.module)
-
-
-def name_of(module: ModuleType) -> str:
-    """The name of a module's effect: its table, and its column in the ledger."""
-    return module.__name__.rpartition(".")[2]
-
-
-def read(scene: Table, known: Known) -> tuple[Added, ...]:
-    """Read the tables of all effects."""
-    out = []
-    for module in MODULES:
-        name = name_of(module)
-        if module.MANY:
-            tables = scene.tables(name)
-        else:
-            table = scene.table(name, None)
-            tables = [] if table is None else [table]
-        for table in tables:
-            out.append(Added(module, table.key, module.read(table, known)))
-            table.done()
-    return tuple(out)
-
-
-def body_names(table: Table, known: Known) -> tuple[str, ...] | None:
-    """The key ``bodies``, names of bodies; None, for all, where it is not given."""
-    names = table.items("bodies", None, None)
-    if names is None:
-        return None
-    for i, name in enumerate(names):
-        if not isinstance(name, str):
-            raise table.error(f"bodies[{i}]", f"is {describe(name)}; it must be the name of a body")
-        if name not in known.bodies:
-            raise table.error(
-                f"bodies[{i}]", f'no body is named "{name}"' + suggestion(name, known.bodies)
-            )
-        if name in names[:i]:
-            raise table.error(f"bodies[{i}]", f'"{name}" is named twice')
-    if not names:
-        raise table.error("bodies", "is empty; leave it out for all bodies")
-    return tuple(names)
-
-
-def body_numbers(names: tuple[str, ...] | None, maker: Any) -> tuple[Any, int]:
-    """Numbers of bodies for C (``int32_t *`` and their count); a null pointer for all."""
-    if names is None:
-        return ffi.NULL, 0
-    order = list(maker.parts.bodies)
-    return maker.keep(ffi.new("int32_t[]", [order.index(name) for name in names])), len(names)
-
-
-# The modules use what stands above. In the order in which their forces are added and their columns stand in the ledger.
-from . import absorb, damping, gravity, load, obstacle, viscosity  # noqa: E402
-
-MODULES: tuple[ModuleType, ...] = (obstacle, gravity, load, damping, absorb, viscosity)
+        """The name of the effect: its table, and its column in the ledger."""
+        return self.key.partition("[")[0]

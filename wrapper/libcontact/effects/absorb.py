@@ -2,44 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
-from .._core import ffi, lib
-from ..schema import Table
-from ..surfaces import split_face
+from ..schema import Surface, key
 from ..units import Units
-from . import Known
-
-MANY = True
-WITHOUT = "no [[absorb]]: waves are reflected at every free surface"
+from . import Effect
 
 
-@dataclass(frozen=True)
-class Absorb:
-    """The ``surface`` (body, face) that absorbs."""
+class Absorb(Effect):
+    """
+    A surface that absorbs.
 
-    surface: tuple[str, str]
+    Attributes
+    ----------
+    surface
+        A face through which waves leave (:doc:`/theory/absorb`).
+    """
 
+    many = True
+    without = "no [[absorb]]: waves are reflected at every free surface"
 
-def read(table: Table, known: Known) -> Absorb:
-    return Absorb(split_face(table, "surface", table.get("surface"), known.bodies))
+    surface: tuple[str, str] = key(Surface())
 
+    def create(self, maker: Any) -> Any:
+        return maker.make("absorb", self, **maker.faces(self.surface))
 
-def create(given: Absorb, maker: Any) -> Any:
-    kind, faces = maker.faces(given.surface)
-    return maker.make(
-        lib.ct_absorb_create_effect,
-        ffi.new(
-            "ct_absorb_def *",
-            {
-                "kind": kind,
-                "face_count": len(faces),
-                "faces": ffi.from_buffer("int32_t[]", maker.keep(faces)),
-            },
-        ),
-    )
-
-
-def describe(given: Absorb, units: Units) -> str:
-    return f"waves leave through {'.'.join(given.surface)}"
+    def describe(self, units: Units) -> str:
+        return f"waves leave through {'.'.join(self.surface)}"

@@ -2,41 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
-from .._core import ffi, lib
-from ..schema import Table
+from ..model import Vector
+from ..schema import VECTOR, key
 from ..units import Units
-from . import Known, body_names, body_numbers
-
-MANY = False
-WITHOUT = "no [gravity]: nothing falls"
+from . import OnBodies
 
 
-@dataclass(frozen=True)
-class Gravity:
-    """``acceleration`` [length/time²] of the ``bodies`` (None: of all)."""
+class Gravity(OnBodies):
+    """
+    A uniform acceleration.
 
-    acceleration: tuple[float, float, float]
-    bodies: tuple[str, ...] | None
+    Attributes
+    ----------
+    acceleration
+        The acceleration (:doc:`/theory/gravity`).
+    """
 
+    without = "no [gravity]: nothing falls"
 
-def read(table: Table, known: Known) -> Gravity:
-    return Gravity(table.vector("acceleration"), body_names(table, known))
+    acceleration: Vector = key(VECTOR, unit="length / time²")
 
+    def create(self, maker: Any) -> Any:
+        return maker.make("gravity", self, **maker.bodies(self.bodies))
 
-def create(given: Gravity, maker: Any) -> Any:
-    numbers, count = body_numbers(given.bodies, maker)
-    return maker.make(
-        lib.ct_gravity_create_effect,
-        ffi.new(
-            "ct_gravity_def *",
-            {"acceleration": list(given.acceleration), "bodies": numbers, "body_count": count},
-        ),
-    )
-
-
-def describe(given: Gravity, units: Units) -> str:
-    whom = "all bodies" if given.bodies is None else ", ".join(given.bodies)
-    return f"{list(given.acceleration)} {units.length}/{units.time}^2 on {whom}"
+    def describe(self, units: Units) -> str:
+        return f"{list(self.acceleration)} {units.length}/{units.time}^2 on {self.whom}"

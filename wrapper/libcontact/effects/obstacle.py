@@ -2,152 +2,177 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from .._core import ffi, lib
-from ..schema import Table
-from ..surfaces import DEFAULT_BETA, ENFORCEMENTS, read_enforcement, split_face
+from .._core import lib
+from ..model import ORIGIN, POSITIVE, History, Pressing, Vector
+from ..schema import VECTOR, Nested, Surface, Table, key, words
 from ..units import Units
-from . import Known
-from .load import c_history, read_history
+from . import Effect
 
-MANY = True
-WITHOUT = "no [[obstacle]]: no rigid walls, spheres or cylinders"
-SHAPES = {
-    "plane": (lib.CT_OBSTACLE_PLANE, "point", "normal"),
-    "sphere": (lib.CT_OBSTACLE_SPHERE, "centre", None),
-    "cylinder": (lib.CT_OBSTACLE_CYLINDER, "centre", "axis"),
-}
+SHAPES = words("ct_obstacle_shape")
+NO_DIRECTION = "is zero, and must be a direction"
 
 
-@dataclass(frozen=True, eq=False)
-class Obstacle:
+class Plane(Table):
     """
-    An obstacle; exactly one of ``beta`` and ``epsilon`` is a number. Its way is ``velocity`` times time plus ``travel`` times the line
-    through ``history``.
+    A plane.
+
+    Attributes
+    ----------
+    point
+        A point of the plane.
+    normal
+        Its normal, away from what is solid.
     """
 
-    surface: tuple[str, str]
-    shape: str
-    point: tuple[float, float, float]
-    axis: tuple[float, float, float]
-    radius: float
-    beta: float | None
-    epsilon: float | None
-    velocity: tuple[float, float, float]
-    travel: tuple[float, float, float]
-    history: tuple[tuple[float, ...], tuple[float, ...]]
-    friction: float
-    tangent: float
-    enforcement: str
-    dissipation: float
+    radius = 0.0
 
-    def gaps(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    point: Vector = key(VECTOR, unit="length")
+    normal: Vector = key(VECTOR)
+
+    @property
+    def axis(self) -> Vector:
+        """The direction of the shape."""
+        return self.normal
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        if not any(self.normal):
+            yield "normal", NO_DIRECTION
+
+
+class Round(Table):
+    """
+    What a sphere and a cylinder have in common.
+
+    Attributes
+    ----------
+    centre
+        Its middle.
+    radius
+        Its radius.
+    """
+
+    centre: Vector = key(VECTOR, unit="length")
+    radius: float = key(POSITIVE, unit="length")
+
+    @property
+    def point(self) -> Vector:
+        """The place of the shape."""
+        return self.centre
+
+
+class Sphere(Round):
+    """A sphere."""
+
+    axis = (0.0, 0.0, 1.0)
+
+
+class Cylinder(Round):
+    """
+    A cylinder of any length.
+
+    Attributes
+    ----------
+    axis
+        Its direction.
+    """
+
+    axis: Vector = key(VECTOR)
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        if not any(self.axis):
+            yield "axis", NO_DIRECTION
+
+
+class Obstacle(Pressing, Effect, eq=False):
+    """
+    A rigid obstacle. Its way is ``velocity`` times time plus ``travel`` times the line through
+    ``history``.
+
+    Attributes
+    ----------
+    surface
+        A face that a rigid obstacle stands before (:doc:`/theory/obstacle`).
+    plane
+        A plane.
+    sphere
+        A sphere.
+    cylinder
+        A cylinder.
+    velocity
+        Velocity of the obstacle.
+    travel
+        The obstacle moves by the travel times the history, in addition to its velocity.
+    history
+        A line through points.
+    """
+
+    many = True
+    without = "no [[obstacle]]: no rigid walls, spheres or cylinders"
+    one = (tuple(SHAPES),)
+
+    surface: tuple[str, str] = key(Surface())
+    plane: Any = key(Nested(Plane), default=None, says="one of three")
+    sphere: Any = key(Nested(Sphere), default=None, says="one of three")
+    cylinder: Any = key(Nested(Cylinder), default=None, says="one of three")
+    velocity: Vector = key(VECTOR, unit="length / time", default=ORIGIN)
+    travel: Vector = key(VECTOR, unit="length", default=ORIGIN, says="none")
+    history: Any = key(Nested(History), default=None, says="none")
+
+    @property
+    def shape(self) -> str:
+        """The key of the shape."""
+        return next(name for name in SHAPES if getattr(self, name) is not None)
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        if any(self.travel) != bool(self.history):
+            yield "history", 'and "travel" go together: the way is travel times the history'
+        yield from super().refusals()
+
+    def gaps(self, points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
         """Gaps (n,) of points (n, 3) to the obstacle at the start, negative inside it, and its normals (n, 3) there."""
-        r = points - np.array(self.point)
-        axis = np.array(self.axis) / np.linalg.norm(self.axis)
-        if self.shape == "plane":
+        shape = getattr(self, self.shape)
+        r = points - np.array(shape.point)
+        axis = np.array(shape.axis) / np.linalg.norm(shape.axis)
+        if self.plane:
             return r @ axis, np.broadcast_to(axis, r.shape)
-        away = r if self.shape == "sphere" else r - np.outer(r @ axis, axis)
+        away = r if self.sphere else r - np.outer(r @ axis, axis)
         distance = np.linalg.norm(away, axis=1)
-        return distance - self.radius, away / np.maximum(distance, np.finfo(float).tiny)[:, None]
+        return distance - shape.radius, away / np.maximum(distance, np.finfo(float).tiny)[:, None]
 
+    def create(self, maker: Any) -> Any:
+        """The obstacle's effect, and after it that of its friction, if it has one."""
+        body, shape = maker.body(self.surface[0]), getattr(self, self.shape)
+        edge = lib.ct_mesh_shortest_edge(body.mesh)
+        members = {
+            "shape": SHAPES[self.shape],
+            "point": shape.point,
+            "axis": shape.axis,
+            "radius": shape.radius,
+            "epsilon": self.epsilon or lib.ct_contact_penalty(self.beta, body.material.young, edge),
+            "history": maker.history(self.history),
+        }
+        made = [maker.make("obstacle", self, **maker.faces(self.surface), **members)]
+        if self.friction:
+            made.append(maker.make("friction", self, on=made[0], coefficient=self.friction))
+        return made
 
-def read(table: Table, known: Known) -> Obstacle:
-    surface = split_face(table, "surface", table.text("surface"), known.bodies)
-    shape = table.one_of(*SHAPES)
-    point, axis, radius = _shape(table.table(shape), shape)
-    given = table.one_of("beta", "epsilon", required=False)
-    obstacle = Obstacle(
-        surface=surface,
-        shape=shape,
-        point=point,
-        axis=axis,
-        radius=radius,
-        beta=table.number("beta", None if given else DEFAULT_BETA, above=0.0),
-        epsilon=table.number("epsilon", None, above=0.0),
-        velocity=table.vector("velocity", (0.0, 0.0, 0.0)),
-        travel=table.vector("travel", (0.0, 0.0, 0.0)),
-        history=read_history(table),
-        friction=table.number("friction", 0.0, least=0.0),
-        tangent=table.number("tangent", 0.0, above=0.0),
-        **dict(zip(("enforcement", "dissipation"), read_enforcement(table))),
-    )
-    if any(obstacle.travel) != bool(obstacle.history[0]):
-        raise table.error(
-            "history", 'and "travel" go together: the way is travel times the history'
-        )
-    if obstacle.tangent and not obstacle.friction:
-        raise table.error("tangent", 'belongs to friction; give "friction" too')
-    return obstacle
-
-
-def _shape(table: Table, shape: str) -> tuple[tuple[float, ...], tuple[float, ...], float]:
-    _, place, direction = SHAPES[shape]
-    point = table.vector(place)
-    axis = (0.0, 0.0, 1.0) if direction is None else table.vector(direction)
-    if not any(axis):
-        raise table.error(direction, "is zero; it must have a length")
-    radius = 0.0 if shape == "plane" else table.number("radius", above=0.0)
-    table.done()
-    return point, axis, radius
-
-
-def create(given: Obstacle, maker: Any) -> list[Any]:
-    """The obstacle's effect, and after it that of its friction, if it has one."""
-    kind, faces = maker.faces(given.surface)
-    body = maker.body(given.surface[0])
-    epsilon = given.epsilon or lib.ct_contact_penalty(
-        given.beta, body.material.young, lib.ct_mesh_shortest_edge(body.mesh)
-    )
-    options = ffi.new(
-        "ct_obstacle *",
-        {
-            "shape": SHAPES[given.shape][0],
-            "point": given.point,
-            "axis": given.axis,
-            "radius": given.radius,
-            "epsilon": epsilon,
-            "enforcement": ENFORCEMENTS[given.enforcement],
-            "dissipation": given.dissipation,
-            "velocity": given.velocity,
-            "travel": given.travel,
-            "history": c_history(given.history, maker),
-            "kind": kind,
-            "face_count": len(faces),
-            "faces": ffi.from_buffer("int32_t[]", faces),
-        },
-    )
-    made = [maker.make(lib.ct_obstacle_create_effect, options)]
-    if given.friction:
-        rough = ffi.new(
-            "ct_friction *",
-            {"on": made[0], "coefficient": given.friction, "tangent": given.tangent},
-        )
-        made.append(maker.make(lib.ct_friction_create_effect, rough))
-    return made
-
-
-def describe(given: Obstacle, units: Units) -> str:
-    size = f" of radius {given.radius:g} {units.length}" if given.radius else ""
-    motion = (
-        f", moving at {list(given.velocity)} {units.label('velocity')}"
-        if any(given.velocity)
-        else ""
-    )
-    motion += (
-        f", moving by {list(given.travel)} {units.length} with a history"
-        if given.history[0]
-        else ""
-    )
-    penalty = (
-        f"beta = {given.beta:g}"
-        if given.beta is not None
-        else f"epsilon = {given.epsilon:g} {units.label('penalty')}"
-    )
-    rub = f", friction {given.friction:g}" if given.friction else ", without friction"
-    penalty += f", enforced by {given.enforcement}"
-    return f"{given.shape}{size} at {list(given.point)} {units.length} against {'.'.join(given.surface)}{motion}; {penalty}{rub}"
+    def describe(self, units: Units) -> str:
+        shape = getattr(self, self.shape)
+        text = self.shape + (f" of radius {shape.radius:g} {units.length}" if shape.radius else "")
+        text += f" at {list(shape.point)} {units.length} against {'.'.join(self.surface)}"
+        if any(self.velocity):
+            text += f", moving at {list(self.velocity)} {units.label('velocity')}"
+        if self.history:
+            text += f", moving by {list(self.travel)} {units.length} with a history"
+        if self.epsilon is None:
+            text += f"; beta = {self.beta:g}"
+        else:
+            text += f"; epsilon = {self.epsilon:g} {units.label('penalty')}"
+        rub = f"friction {self.friction:g}" if self.friction else "without friction"
+        return f"{text}, enforced by {self.enforcement}, {rub}"

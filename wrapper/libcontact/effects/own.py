@@ -7,45 +7,47 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._core import ffi, lib
 from ..errors import check, held, new_error
-from ..schema import SceneError, describe, is_number
+from ..model import FORWARD
+from ..schema import Place, SceneError
+
+Floats = NDArray[np.float64]
 
 
 class View:
     """
-    What a force is asked with: ``time``, and for the effect's nodes, as read-only arrays (n, 3), the ``reference`` coordinates, the ``displacement`` at that time, and the
-    ``velocity`` half a step before. It is good during the call only; keep the arrays, not the view.
+    What a force is asked with. It is good during the call only; keep the arrays, not the view.
+
+    Attributes
+    ----------
+    time
+        The time of the call.
+    reference, displacement, velocity
+        Read-only arrays (n, 3) for the effect's nodes: coordinates at the start, displacement at that time, velocity half a step before.
     """
 
-    def __init__(self, view: Any, nodes: np.ndarray, count: int):
-        self.time = view.time
+    def __init__(self, view: Any, nodes: NDArray[Any], count: int):
+        self.time = float(view.time)
         self._view, self._nodes, self._count = view, nodes, count
 
-    def _rows(self, name: str) -> np.ndarray:
+    def _rows(self, name: str) -> Floats:
         if self._view is None:
             raise ValueError("the view is gone; read it during the call")
-        rows = np.frombuffer(
-            ffi.buffer(getattr(self._view, name), 24 * self._count), np.float64
-        ).reshape(-1, 3)[self._nodes]
+        numbers = ffi.buffer(getattr(self._view, name), 24 * self._count)
+        rows: Floats = np.frombuffer(numbers, np.float64).reshape(-1, 3)[self._nodes]
         rows.flags.writeable = False
         return rows
 
     def close(self) -> None:
+        """End of the call."""
         self._view = None
 
-    @property
-    def reference(self) -> np.ndarray:
-        return self._rows("reference")
-
-    @property
-    def displacement(self) -> np.ndarray:
-        return self._rows("displacement")
-
-    @property
-    def velocity(self) -> np.ndarray:
-        return self._rows("velocity")
+    reference = property(lambda self: self._rows("reference"))
+    displacement = property(lambda self: self._rows("displacement"))
+    velocity = property(lambda self: self._rows("velocity"))
 
 
 class Own:
@@ -65,19 +67,10 @@ class Own:
             raise SceneError(f"{name!r} is no name for a column of the ledger", "effect")
         if not callable(force) or not (energy is None or callable(energy)):
             raise SceneError("force and energy must be functions", name)
-        for key, value in (("omega_squared", omega_squared), ("rate", rate)):
-            if not is_number(value) or not 0.0 <= value < float("inf"):
-                raise SceneError(
-                    f"is {describe(value)}; it must be a number of at least 0", f"{name}.{key}"
-                )
-        self.name, self.body, self.given = name, body, nodes
-        self.force, self.energy, self.omega_squared, self.rate = (
-            force,
-            energy,
-            float(omega_squared),
-            float(rate),
-        )
-        self.nodes = np.empty(0, np.int32)
+        self.name, self.body, self.given, self.force, self.energy = name, body, nodes, force, energy
+        self.omega_squared = FORWARD.read(omega_squared, Place(f"{name}.omega_squared"))
+        self.rate = FORWARD.read(rate, Place(f"{name}.rate"))
+        self.nodes: NDArray[np.int32] = np.empty(0, np.int32)
         self.count = 0
 
     def check_pickle(self) -> None:
@@ -86,10 +79,9 @@ class Own:
             try:
                 pickle.dumps(function)
             except Exception as reason:
-                raise pickle.PicklingError(
-                    f'effect "{self.name}": its {what} can\'t be pickled ({reason}); a function at the top of a module can, one within another '
-                    "function and a lambda can't"
-                ) from None
+                why = "a function at the top of a module can, one within another function and a lambda can't"
+                text = f'effect "{self.name}": its {what} can\'t be pickled ({reason}); {why}'
+                raise pickle.PicklingError(text) from None
 
     def ask(self, function: Callable[[View], Any], view: Any) -> Any:
         """What a function of the user answers to the C library's view."""
@@ -108,15 +100,10 @@ class Own:
             nodes = maker.face_nodes((self.body, self.given))
         else:
             given = np.unique(np.asarray(self.given))
-            if (
-                given.dtype.kind not in "iu"
-                or given.size == 0
-                or given[0] < 0
-                or given[-1] >= count
-            ):
-                raise maker.error(
-                    f"nodes must be whole numbers from 0 to {count - 1}, at least one"
-                )
+            whole = given.dtype.kind in "iu" and given.size > 0
+            if not whole or given[0] < 0 or given[-1] >= count:
+                reason = f"nodes must be whole numbers from 0 to {count - 1}, at least one"
+                raise maker.error(reason)
             nodes = (first + given).astype(np.int32)
         self.nodes, self.count = maker.keep(np.ascontiguousarray(nodes)), maker.problem.node_count
         filled = maker.keep(ffi.new("ct_effect *"))
@@ -135,7 +122,7 @@ class Own:
         return out[0]
 
 
-def _answer(effect: Any, error: Any, compute: Callable[[Own], None]) -> int:
+def _answer(effect: Any, error: Any, compute: Callable[[Own], None]) -> Any:
     """Run a function of the user; an exception becomes an error of the C library, and what should end the program goes on through it."""
     own = ffi.from_handle(effect.data)
     try:
@@ -145,9 +132,8 @@ def _answer(effect: Any, error: Any, compute: Callable[[Own], None]) -> int:
             held.reason = reason
         if error != ffi.NULL:
             error.code, error.body, error.element, error.point = lib.CT_INVALID, -1, -1, -1
-            text = _cut(
-                f"effect {own.name}: {type(reason).__name__}: {reason}", ffi.sizeof(error.text) - 1
-            )
+            said = f"effect {own.name}: {type(reason).__name__}: {reason}"
+            text = _cut(said, ffi.sizeof(error.text) - 1)
             ffi.memmove(error.text, text + b"\0", len(text) + 1)
         return lib.CT_INVALID
     return lib.CT_OK
@@ -156,12 +142,12 @@ def _answer(effect: Any, error: Any, compute: Callable[[Own], None]) -> int:
 def _cut(text: str, room: int) -> bytes:
     """A text in UTF-8 that fits into ``room`` bytes; three dots stand for what does not."""
     whole = text.replace("\0", " ").encode(errors="replace")
-    return (
-        whole if len(whole) <= room else whole[: room - 3].decode(errors="ignore").encode() + b"..."
-    )
+    if len(whole) <= room:
+        return whole
+    return whole[: room - 3].decode(errors="ignore").encode() + b"..."
 
 
-def _real(value: Any, what: str) -> np.ndarray:
+def _real(value: Any, what: str) -> Floats:
     """Numbers of the user as float64. What would lose a part on the way there, as complex numbers do, or is no number, is refused."""
     numbers = np.asarray(value)
     if numbers.dtype.kind not in "fiu":
@@ -169,24 +155,30 @@ def _real(value: Any, what: str) -> np.ndarray:
     return numbers.astype(np.float64, copy=False)
 
 
-@ffi.def_extern(error=lib.CT_INVALID)
-def own_force(effect: Any, view: Any, force: Any, error: Any) -> int:
+def called_by_c(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Make a function one that C can call."""
+    made: Callable[..., Any] = ffi.def_extern(error=lib.CT_INVALID)(function)
+    return made
+
+
+@called_by_c
+def own_force(effect: Any, view: Any, force: Any, error: Any) -> Any:
     def compute(own: Own) -> None:
         rows = _real(own.ask(own.force, view), "force")
         if rows.shape != (len(own.nodes), 3):
             raise ValueError(f"the force has shape {rows.shape}; it must be ({len(own.nodes)}, 3)")
         if not np.isfinite(rows).all():
-            raise ValueError(
-                f"the force on node {own.nodes[np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]]} of the problem is not finite"
-            )
+            node = own.nodes[np.flatnonzero(~np.isfinite(rows).all(axis=1))[0]]
+            raise ValueError(f"the force on node {node} of the problem is not finite")
         ffi.memmove(force, np.ascontiguousarray(rows), rows.nbytes)
 
     return _answer(effect, error, compute)
 
 
-@ffi.def_extern(error=lib.CT_INVALID)
-def own_energy(effect: Any, view: Any, energy: Any, error: Any) -> int:
+@called_by_c
+def own_energy(effect: Any, view: Any, energy: Any, error: Any) -> Any:
     def compute(own: Own) -> None:
+        assert own.energy is not None
         value = _real(own.ask(own.energy, view), "energy")
         if value.size != 1:
             raise ValueError(f"the energy has shape {value.shape}; it must be one number")
@@ -195,13 +187,13 @@ def own_energy(effect: Any, view: Any, energy: Any, error: Any) -> int:
     return _answer(effect, error, compute)
 
 
-@ffi.def_extern(error=lib.CT_INVALID)
-def own_omega2_bound(effect: Any, view: Any, omega_squared: Any, error: Any) -> int:
+@called_by_c
+def own_omega2_bound(effect: Any, view: Any, omega_squared: Any, error: Any) -> Any:
     omega_squared[0] = ffi.from_handle(effect.data).omega_squared
     return lib.CT_OK
 
 
-@ffi.def_extern(error=lib.CT_INVALID)
-def own_rate_bound(effect: Any, view: Any, rate: Any, error: Any) -> int:
+@called_by_c
+def own_rate_bound(effect: Any, view: Any, rate: Any, error: Any) -> Any:
     rate[0] = ffi.from_handle(effect.data).rate
     return lib.CT_OK

@@ -1,0 +1,635 @@
+"""
+The tables of a scene with their keys: what each may hold, its unit, its default, and what it means. Everything that knows the keys comes from here and from
+``libcontact.effects``: the reader and its messages, the calls of ``Scene``, the JSON Schema, and the tables of the book.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import ffi, lib
+from .errors import new_error
+from .schema import (
+    VECTOR,
+    Choice,
+    Each,
+    FileName,
+    Many,
+    Name,
+    Nested,
+    Number,
+    Reference,
+    Rows,
+    Surface,
+    Table,
+    Whole,
+    key,
+    word,
+    words,
+)
+
+ELEMENTS = words("ct_brick_kind")
+LUMPINGS = words("ct_lumping")
+LAWS = words("ct_law")
+KERNELS = words("ct_solid_kernel")
+METHODS = words("ct_method")
+ENFORCEMENTS = words("ct_enforcement")
+POINTS = words("ct_contact_rule")
+INITIAL = words("ct_initial")
+INTEGRATORS = words("ct_scheme")
+LAYERS = words("ct_layers")
+SAVINGS = tuple(name for name, _ in ffi.typeof("ct_savings").fields)
+FIELDS = ("displacement", "velocity", "stress")
+AXES = ("x", "y", "z")
+# What the C library takes where nothing is said.
+CONTACT = lib.ct_contact_options_default()
+POSITIVE = Number(above=0.0)
+FORWARD = Number(least=0.0)
+ORIGIN = (0.0, 0.0, 0.0)
+
+Vector = Sequence[float] | NDArray[Any]
+
+
+def without(known: Mapping[str, int], *left_out: str) -> dict[str, int]:
+    """The words of an enum but those that a scene does not have."""
+    return {name: value for name, value in known.items() if name not in left_out}
+
+
+class Material(Table):
+    r"""
+    A material, and what it is made of.
+
+    Attributes
+    ----------
+    name
+        What bodies call it.
+    young
+        Young's modulus :math:`E`.
+    poisson
+        Poisson's ratio :math:`\nu`. At ½ a material stops changing volume, :math:`c_1` is
+        infinite and no explicit step is stable.
+    density
+        Density :math:`\rho`.
+    law
+        ``"linear"``: small strain and rotation, :eq:`hooke`; ``"st_venant_kirchhoff"``
+        (:eq:`st-venant-kirchhoff`): any rotation, moderate strain; ``"neo_hookean"``
+        (:eq:`neo-hookean`): any rotation, large strain. All three agree where strain is small.
+    """
+
+    name: str = key(Name(), kw_only=False)
+    young: float = key(POSITIVE, unit="stress")
+    poisson: float = key(Number(", where a material stops changing volume", above=-1.0, below=0.5))
+    density: float = key(POSITIVE, unit="mass / length³")
+    law: str = key(Choice(LAWS), default=word(LAWS, lib.CT_LINEAR))
+
+
+class Box(Table):
+    """
+    A rectangular box of equal elements.
+
+    Attributes
+    ----------
+    origin
+        The corner with the smallest coordinates.
+    size
+        Lengths of its edges.
+    cells
+        Numbers of elements along x, y and z.
+    layers
+        The axis along which layers of numbers follow one another; no result depends on it, but
+        speed does (:doc:`/theory/savings`). Without it they go from the faces that a contact, an
+        obstacle or a load presses on into the body, if those are across one axis and rows get
+        at least 32 cells; else along z.
+    """
+
+    origin: Vector = key(VECTOR, unit="length", default=ORIGIN)
+    size: Vector = key(Each(POSITIVE, POSITIVE, POSITIVE), unit="length")
+    cells: tuple[int, int, int] = key(Each(Whole(), Whole(), Whole()))
+    layers: str | None = key(Choice(sorted(LAYERS)), default=None, says="see text")
+
+
+class Ring(Table):
+    """
+    A ring about an axis along z.
+
+    Attributes
+    ----------
+    centre
+        Its middle.
+    radius
+        Inner and outer radius.
+    width
+        Its length along z.
+    cells
+        Numbers of elements along the radius, around and across.
+    """
+
+    centre: Vector = key(VECTOR, unit="length", default=ORIGIN)
+    radius: Vector = key(Each(POSITIVE, POSITIVE), unit="length")
+    width: float = key(POSITIVE, unit="length")
+    cells: tuple[int, int, int] = key(Each(Whole(), Whole(3), Whole()))
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        inner, outer = self.radius
+        if not outer > inner:
+            yield (
+                "radius[1]",
+                f"is {outer:g}; the outer radius must be above the inner one, {inner:g}",
+            )
+
+
+class Spin(Table):
+    """
+    A rotation at the start.
+
+    Attributes
+    ----------
+    axis
+        The axis that the body turns about.
+    rate
+        Angle in time.
+    centre
+        A point of the axis.
+    """
+
+    axis: Vector = key(VECTOR, default=(0.0, 0.0, 1.0))
+    rate: float = key(Number(), unit="1 / time")
+    centre: Vector | None = key(
+        VECTOR, unit="length", default=None, says="the middle of its bounds"
+    )
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        if not any(self.axis):
+            yield "axis", "is 0; it must have a direction"
+
+
+class Body(Table, eq=False):
+    """
+    A body of one material: a ``box``, a ``ring``, a ``mesh`` file, or ``nodes`` (n, 3) with
+    ``elements`` (cells, 8 or 20); the arrays are copied.
+
+    Attributes
+    ----------
+    name
+        At most 63 bytes; results are found by it.
+    material
+        Name of a material.
+    box
+        A rectangular box.
+    ring
+        A ring about an axis along z.
+    mesh
+        A VTKHDF file with an unstructured grid, all cells hex8 (VTK type 12) or all hex20 (25);
+        the path counts from the folder of the scene file.
+    nodes
+        Coordinates (n, 3); meant for Python.
+    elements
+        Node numbers (cells, 8 or 20) in VTK's order, counted from 0; with ``nodes``.
+    element
+        Kind of its elements.
+    velocity
+        Velocity at t = 0.
+    spin
+        The body turns at t = 0, on top of its ``velocity``; refused under the law ``"linear"``,
+        which takes a rotation for a strain.
+    lumping
+        How the mass matrix is made diagonal; row sum is refused for hex20.
+    kernel
+        How element forces are computed: ``"general"`` integrates with Gauss points, ``"box"``
+        uses closed forms for elements that are equal boxes along the axes, ``"plane"`` one
+        layer of hex8 boxes in two dimensions (:doc:`/theory/plane_strain`), ``"auto"`` takes the
+        cheapest that fits.
+    integration
+        ``"reduced"``: one point an element, for hex8 of any shape and small strain
+        (:doc:`/theory/solid_reduced`).
+    hourglass
+        Coefficient of the hourglass control; only with ``integration = "reduced"``.
+    """
+
+    one = (("box", "ring", "mesh", "nodes"),)
+    needs = {"elements": "nodes", "nodes": "elements"}
+
+    name: str = key(Name(), kw_only=False)
+    material: str = key(Reference("material"))
+    box: Any = key(Nested(Box), default=None, says="one of four")
+    ring: Any = key(Nested(Ring), default=None, says="one of four")
+    mesh: Any = key(FileName(), default=None, says="one of four")
+    nodes: Any = key(Rows(3), unit="length", default=None, says="one of four")
+    elements: Any = key(Rows(8, 20, whole=True), default=None, says="with ``nodes``")
+    element: str | None = key(
+        Choice(ELEMENTS), default=None, says='``"hex8"``, or what the mesh holds'
+    )
+    velocity: Vector = key(VECTOR, unit="length / time", default=ORIGIN)
+    spin: Any = key(Nested(Spin), default=None, says="none")
+    lumping: str | None = key(
+        Choice(without(LUMPINGS, "default")),
+        default=None,
+        says='``"row_sum"`` for hex8, ``"hrz"`` for hex20',
+    )
+    kernel: str = key(
+        Choice(without(KERNELS, "reduced")), default=word(KERNELS, lib.CT_KERNEL_AUTO)
+    )
+    integration: str = key(Choice(("full", "reduced")), default="full")
+    hourglass: float | None = key(POSITIVE, default=None, says="1")
+
+    @property
+    def bricks(self) -> str | None:
+        """The kind of the elements, or None as long as a mesh file has not been read."""
+        if self.elements is not None:
+            return "hex8" if self.elements.shape[1] == 8 else "hex20"
+        return self.element or (None if self.mesh else "hex8")
+
+    @property
+    def lattice(self) -> Any:
+        """The box or the ring."""
+        return self.box or self.ring
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        if self.elements is not None:
+            bad = np.flatnonzero((self.elements >= len(self.nodes)).any(axis=1))
+            if bad.size:
+                row = self.elements[bad[0]].tolist()
+                yield (
+                    "elements",
+                    f"row {bad[0]} names a node outside 0 ... {len(self.nodes) - 1}: {row}",
+                )
+            if self.element not in (None, self.bricks):
+                width = self.elements.shape[1]
+                yield (
+                    "element",
+                    f'is "{self.element}", but "elements" has {width} nodes a row ({self.bricks})',
+                )
+        if self.bricks == "hex20":
+            yield from self.hex8_only()
+        if self.integration == "reduced" and self.kernel != "auto":
+            yield (
+                "kernel",
+                f'"{self.kernel}" integrates in full, and the body asks for integration = "reduced"',
+            )
+        if self.hourglass is not None and self.integration == "full":
+            yield (
+                "hourglass",
+                'needs integration = "reduced"; full integration has no hourglass motion to control',
+            )
+
+    def hex8_only(self) -> Iterator[tuple[str, str]]:
+        """What hex20 do not have."""
+        if self.lumping == "row_sum":
+            yield "lumping", '"row_sum" gives the corners of hex20 a negative mass; use "hrz"'
+        if self.kernel == "plane":
+            yield "kernel", '"plane" is for hex8; hex20 has the kernels "general" and "box"'
+        if self.integration == "reduced":
+            yield (
+                "integration",
+                '"reduced" with hourglass control is for hex8; hex20 is integrated in full',
+            )
+
+    def small_strain_only(self, material: str, law: str) -> Iterator[tuple[str, str]]:
+        """What a law of large or of small strain does not have."""
+        other = f'is for small strain; material "{material}" has the law "{law}"'
+        if law == "linear" and self.spin is not None:
+            yield (
+                "spin",
+                f'turns the body, and the law "linear" of material "{material}" takes a rotation for a strain; '
+                'give the material the law "st_venant_kirchhoff" or "neo_hookean"',
+            )
+        if law != "linear" and self.integration == "reduced":
+            yield "integration", f'"reduced" {other}'
+        if law != "linear" and self.kernel in ("box", "plane"):
+            yield "kernel", f'"{self.kernel}" {other}'
+
+
+class History(Table):
+    """
+    A line through points, constant before the first and after the last.
+
+    Attributes
+    ----------
+    time
+        Times of the points, ascending.
+    value
+        Values at the points.
+    """
+
+    time: Sequence[float] = key(Many(Number(), "give at least one time"), unit="time")
+    value: Sequence[float] = key(Many(Number(), "give at least one value"))
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        if len(self.time) != len(self.value):
+            yield (
+                "value",
+                f"has {len(self.value)} entries, and time has {len(self.time)}; both need as many",
+            )
+        for i, (before, after) in enumerate(zip(self.time, self.time[1:])):
+            if after < before:
+                yield f"time[{i + 1}]", f"is {after:g}, before {before:g}"
+
+
+class Pressing(Table):
+    """
+    What a contact and an obstacle have in common: penalty, enforcement and friction.
+
+    Attributes
+    ----------
+    beta
+        Penalty as a factor of :math:`E / h`, :eq:`penalty-factor`, with the smaller E and the
+        shortest edge of the two bodies.
+    epsilon
+        The penalty itself; instead of ``beta``.
+    enforcement
+        Which gap makes the force (:doc:`/theory/enforcement`); the explicit penalty shortens the stable
+        step, the others do not.
+    dissipation
+        Of the energy-controlled penalty: the share of the stiffness that acts at the end of the
+        step.
+    friction
+        Coefficient of Coulomb's friction (:doc:`/theory/friction`).
+    tangent
+        Ratio of the tangential to the normal penalty; only with ``friction``.
+    """
+
+    rivals = (("beta", "epsilon"),)
+
+    beta: float | None = key(POSITIVE, default=4.0)
+    epsilon: float | None = key(POSITIVE, unit="stress / length", default=None, says="none")
+    enforcement: str = key(Choice(ENFORCEMENTS), default=word(ENFORCEMENTS, CONTACT.enforcement))
+    dissipation: float = key(Number(least=0.0, most=1.0), default=CONTACT.dissipation)
+    friction: float = key(FORWARD, default=0.0)
+    tangent: float | None = key(POSITIVE, default=None, says="1")
+
+    @property
+    def penalty_given(self) -> bool:
+        """Whether the scene says the penalty."""
+        return not self.given.isdisjoint(("beta", "epsilon"))
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        if "dissipation" in self.given and self.enforcement != "energy_controlled":
+            yield (
+                "dissipation",
+                f'belongs to the enforcement "energy_controlled", not to "{self.enforcement}"',
+            )
+        if self.tangent and not self.friction:
+            yield "tangent", 'belongs to friction; give "friction" too'
+
+
+class ContactKeys(Pressing):
+    """
+    All keys of a contact but its surfaces.
+
+    Attributes
+    ----------
+    method
+        Search for closest points, one of the methods of :doc:`/theory/projection_methods`; an
+        unconstrained one, such as ``"newton"``, misses points whose closest point lies on an
+        edge.
+    tolerance
+        Tolerance of the search, in half-widths of a face.
+    depth
+        How far points look for the other surface. A point that is deeper than this under a face
+        when it is first seen is not in contact with it, :eq:`point-history`; and no step may
+        bring the surfaces nearer by more. Without this key it is the size of the largest face
+        at the start, and afterwards the width of the narrowest face or three quarters of the
+        thinnest place, but at least twice ``adjust``, :eq:`contact-near`.
+    points
+        Where the points are: ``"gauss"`` inside the faces, ``"lobatto"`` at corners, on edges
+        and inside, so that no corner enters unseen, :eq:`unseen`.
+    adjust
+        Distance within which gaps and overlaps at the start are taken as touching,
+        :eq:`initial-adjust`; at most the ``depth``. For meshes that are meant to fit, such as a
+        shaft in its hole, take the sag :eq:`sag` of the coarser mesh and a little more.
+    initial_penetration
+        What becomes of points that are inside at the start by more than ``adjust``,
+        :eq:`initial-shift`: ``"keep"`` counts their gaps from there until they open, which adds
+        no energy; ``"push"`` pushes them out at once, which does; ``"refuse"`` ends the run;
+        ``"remove"`` parts them gently. The run warns of such an overlap unless it is removed
+        (:doc:`/theory/warnings`).
+    removal_time
+        Time in which ``"remove"`` parts the surfaces.
+    """
+
+    method: str = key(Choice(METHODS), default=word(METHODS, CONTACT.method))
+    tolerance: float | None = key(POSITIVE, default=None, says="the library's")
+    depth: float | None = key(POSITIVE, unit="length", default=None, says="see text")
+    points: str = key(Choice(POINTS), default=word(POINTS, CONTACT.points))
+    adjust: float = key(FORWARD, unit="length", default=CONTACT.adjust)
+    initial_penetration: str = key(Choice(INITIAL), default=word(INITIAL, CONTACT.initial))
+    removal_time: float | None = key(POSITIVE, unit="time", default=None, says="none")
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        yield from super().refusals()
+        if (self.initial_penetration == "remove") != (self.removal_time is not None):
+            yield (
+                "removal_time",
+                'and initial_penetration = "remove" belong together; give both or none',
+            )
+
+
+class Contact(ContactKeys):
+    """
+    A contact of two surfaces. Surfaces of one body are taken as one, which is in contact with
+    itself: only so neighbouring faces and the far side of a thin body are told from contact.
+
+    Attributes
+    ----------
+    surfaces
+        Two faces, ``["left.x_max", "right.x_min"]``; each is slave once and master once, so
+        their order does not matter.
+    """
+
+    surfaces: tuple[tuple[str, str], tuple[str, str]] = key(Each(Surface(), Surface()))
+
+    @property
+    def with_itself(self) -> bool:
+        """Whether both surfaces belong to one body."""
+        return self.surfaces[0][0] == self.surfaces[1][0]
+
+
+class Support(Table):
+    """
+    The velocity (0 by default) of the nodes of a face in the directions ``fix``, or their path:
+    ``travel`` times ``history``.
+
+    Attributes
+    ----------
+    set
+        The nodes of a face, ``"right.z_min"``.
+    fix
+        Which components are held.
+    velocity
+        The velocity at which they are held; 0 is a fixed end or a plane of symmetry.
+    travel
+        Instead of a velocity: the path (:doc:`/theory/motion`) is the travel times the history.
+    history
+        A line through points (:eq:`history`).
+    """
+
+    needs = {"travel": "history", "history": "travel"}
+
+    set: Any = key(Surface(), kw_only=False)
+    fix: Sequence[str] = key(
+        Many(Choice(AXES), 'name at least one of "x", "y", "z"', distinct=True)
+    )
+    velocity: Vector = key(VECTOR, unit="length / time", default=ORIGIN)
+    travel: Vector = key(VECTOR, unit="length", default=ORIGIN, says="none")
+    history: Any = key(Nested(History), default=None, says="none")
+
+    @property
+    def body(self) -> str:
+        """The body whose face is held."""
+        return str(self.set[0])
+
+    @property
+    def face(self) -> str:
+        """The face that is held."""
+        return str(self.set[1])
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        if self.history and "velocity" in self.given:
+            yield (
+                "velocity",
+                'cannot stand beside "travel": a support keeps a velocity or follows a path',
+            )
+        for name, vector in (("velocity", self.velocity), ("travel", self.travel)):
+            for i, axis in enumerate(AXES):
+                if vector[i] != 0.0 and axis not in self.fix:
+                    yield f"{name}[{i}]", f'is {vector[i]:g}, but "{axis}" is not in fix'
+
+
+class FrontTime(Table):
+    """
+    A time as the way of a plane wave.
+
+    Attributes
+    ----------
+    length
+        A length l.
+    value
+        :math:`c_1 t / l`.
+    """
+
+    length: float = key(POSITIVE, unit="length")
+    value: float = key(POSITIVE)
+
+
+class Time(Table):
+    r"""
+    End, step and integrator of the run: an end, and exactly one of ``courant``, ``fraction``
+    and ``dt``.
+
+    Attributes
+    ----------
+    end
+        End of the run.
+    end_c1t_over
+        The end is :math:`t = v\,l/c_1` for the ``length`` l and the ``value`` v, with the
+        fastest :math:`c_1` of the scene.
+    courant
+        :math:`c_1 \Delta t / h`, with the body where :math:`h / c_1` is smallest and h its
+        shortest edge.
+    fraction
+        :math:`\Delta t` over the stable step that the library reports, contact included
+        (:eq:`step-bound`).
+    dt
+        :math:`\Delta t` itself.
+    integrator
+        ``"chung_lee"``, ``"noh_bathe"`` or ``"tchamwa_wielgosz"`` damp what single elements do
+        (:doc:`/theory/integrator`).
+    integrator_parameter
+        Its one number: :math:`\beta` (28/27), p (0.54) or :math:`\rho_\infty` (0.9).
+    stable_step
+        Bound by single elements (:eq:`element-bound`), in boxes of equal hex8 by blocks of them
+        (:eq:`block-bound`); ``"assembled"`` asks linear bodies as a whole, and may allow a
+        larger step where meshes are distorted or graded, for the price of some 70 forces
+        (:eq:`assembled-bound`).
+    until_static
+        The run ends before ``end`` as soon as all histories are over and its unrest
+        (:eq:`unrest`) is not above this number; a run that does not come to rest says so.
+    energy_limit
+        The run fails when more than this share of energy appears from nothing
+        (:eq:`energy-appears`); from 1 % on it warns once (:eq:`energy-growth`).
+    look_every
+        Steps between two looks for faults (:doc:`/theory/faults`); the results do not depend on it.
+    """
+
+    one = (("end", "end_c1t_over"), ("courant", "fraction", "dt"))
+
+    end: float | None = key(POSITIVE, unit="time", default=None, says="one of two", free=True)
+    end_c1t_over: Any = key(Nested(FrontTime), default=None, says="one of two", free=True)
+    courant: float | None = key(POSITIVE, default=None, says="one of three")
+    fraction: float | None = key(POSITIVE, default=None, says="one of three")
+    dt: float | None = key(POSITIVE, unit="time", default=None, says="one of three")
+    integrator: str = key(Choice(INTEGRATORS), default=word(INTEGRATORS, lib.CT_CENTRAL_DIFFERENCE))
+    integrator_parameter: float | None = key(Number(), default=None, says="by integrator")
+    stable_step: str = key(Choice(("elements", "assembled")), default="elements")
+    until_static: float | None = key(Number(least=1e-12), default=None, says="none", free=True)
+    energy_limit: float = key(POSITIVE, default=1.0, free=True)
+    look_every: int = key(Whole(most=2**53), default=1024, free=True)
+
+    @property
+    def step(self) -> tuple[str, float]:
+        """The one key that says the step, and its value."""
+        return next(
+            (name, getattr(self, name)) for name in self.one[1] if getattr(self, name) is not None
+        )
+
+    @property
+    def parameter(self) -> float:
+        """The parameter of the integrator, its own default where the scene says none."""
+        usual: float = lib.ct_integrator_default(INTEGRATORS[self.integrator]).parameter
+        return usual if self.integrator_parameter is None else self.integrator_parameter
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        error = new_error()
+        scheme = {"scheme": INTEGRATORS[self.integrator], "parameter": self.parameter}
+        if lib.ct_integrator_check(ffi.new("ct_integrator *", scheme), error) != lib.CT_OK:
+            yield "integrator_parameter", ffi.string(error.text).decode()
+
+
+class Output(Table):
+    """
+    The results file, its fields, and when to record: ``every`` n steps, or at the steps nearest
+    to ``times``.
+
+    Attributes
+    ----------
+    file
+        Results file (VTKHDF); the path counts from the current folder, where the command is
+        given, while meshes, which are read, count from the scene's. So a scene in a folder that
+        nobody may write runs, and two runs of one scene in two folders do not meet. Without it
+        the results stay in memory.
+    fields
+        What is written of each node and element.
+    every
+        Record every so many steps.
+    times
+        Instead of ``every``: record at the steps nearest to these times.
+    """
+
+    rivals = (("every", "times"),)
+
+    file: Any = key(FileName(), default=None, says="none", kw_only=False)
+    fields: Sequence[str] = key(Many(Choice(FIELDS)), default=FIELDS)
+    every: int | None = key(Whole(most=2**53), default=None, says="about 100 records")
+    times: Sequence[float] | None = key(Many(FORWARD), unit="time", default=None, says="none")
+
+
+class Run(Table):
+    """
+    How the scene is computed; no result depends on it.
+
+    Attributes
+    ----------
+    threads
+        Threads; the results have the same bits for any number. A child of ``fork`` computes
+        with one if its parent has computed with several: OpenMP's threads are not there after a
+        fork.
+    savings
+        What may be left out because it changes no result (:doc:`/theory/savings`).
+    """
+
+    threads: int = key(Whole(most=1024), default=1)
+    savings: Sequence[str] = key(Many(Choice(SAVINGS)), default=SAVINGS)
