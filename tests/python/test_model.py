@@ -8,6 +8,7 @@ import tomllib
 from pathlib import Path
 
 import jsonschema
+import libcontact.model as model
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -18,7 +19,6 @@ from libcontact.parts import EFFECTS, MANY, ONCE, read, read_tables, schema
 from libcontact.schema import Place, SceneError, Table
 
 import libcontact as ct
-from libcontact import model
 
 ROOT = Path(__file__).parents[2]
 SCENES = sorted((ROOT / "tutorials" / "scenes").glob("*.toml"))

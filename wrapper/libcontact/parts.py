@@ -6,8 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from . import model
 from .effects import Added, Effect, absorb, damping, gravity, load, obstacle, viscosity
+from .model import Body, Contact, History, Material, Output, Support, Time
+from .model import Run as RunKeys
 from .schema import Place, Table, Text, describe, suggestion
 from .units import Units
 
@@ -21,18 +22,18 @@ EFFECTS: dict[str, type[Effect]] = {
     "viscosity": viscosity.Viscosity,
 }
 MANY: dict[str, type[Table]] = {
-    "material": model.Material,
-    "body": model.Body,
-    "contact": model.Contact,
-    "support": model.Support,
+    "material": Material,
+    "body": Body,
+    "contact": Contact,
+    "support": Support,
     **{name: effect for name, effect in EFFECTS.items() if effect.many},
 }
 ONCE: dict[str, type[Table]] = {
     "units": Units,
     **{name: effect for name, effect in EFFECTS.items() if not effect.many},
-    "time": model.Time,
-    "output": model.Output,
-    "run": model.Run,
+    "time": Time,
+    "output": Output,
+    "run": RunKeys,
 }
 # What a scene can't lack, and what it may lack while it is being built.
 NEEDED, LATER = ("units",), ("body", "time")
@@ -45,14 +46,14 @@ class Parts:
 
     title: str
     units: Units
-    materials: dict[str, model.Material]
-    bodies: dict[str, model.Body]
-    contacts: tuple[model.Contact, ...]
-    supports: tuple[model.Support, ...]
+    materials: dict[str, Material]
+    bodies: dict[str, Body]
+    contacts: tuple[Contact, ...]
+    supports: tuple[Support, ...]
     effects: tuple[Added, ...]
     time: Any
-    output: model.Output
-    run: model.Run
+    output: Output
+    run: RunKeys
 
     @property
     def threads(self) -> int:
@@ -64,7 +65,7 @@ class Parts:
         """What may be left out because it changes no result."""
         return self.run.savings
 
-    def histories(self) -> list[model.History]:
+    def histories(self) -> list[History]:
         """The histories of loads, obstacles and supports."""
         given = [*self.supports, *(added.given for added in self.effects)]
         found = (getattr(table, "history", None) for table in given)
@@ -94,8 +95,8 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
             Added(at.key, given) for key in EFFECTS for at, given in _placed(key, tables[key], top)
         ),
         time=tables["time"],
-        output=tables["output"] or model.Output(),
-        run=tables["run"] or model.Run(),
+        output=tables["output"] or Output(),
+        run=tables["run"] or RunKeys(),
     )
     for key, reason in conflicts(parts):
         raise (top / key).error(reason)
@@ -216,7 +217,7 @@ def _bodies_of(given: Any) -> Sequence[str]:
     return bodies
 
 
-def _out_of_plane(parts: Parts, body: model.Body, added: Added) -> Iterator[tuple[str, str]]:
+def _out_of_plane(parts: Parts, body: Body, added: Added) -> Iterator[tuple[str, str]]:
     """A load along the thickness of a body that asks for the kernel of plane strain."""
     held = {axis for each in parts.supports if each.body == body.name for axis in each.fix}
     cells = body.box.cells if body.box else ()

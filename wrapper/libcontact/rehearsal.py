@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import model
 from ._core import ffi, lib
 from .errors import Error, check, new_error
+from .model import Body, Time
 from .problem import Problem, new_state
 
 Array = npt.NDArray[np.float64]
@@ -109,16 +109,13 @@ def _coarse(problem: Problem, times: float) -> Problem:
     parts = problem.parts
     assert parts.time is not None
     bodies = {name: _larger(problem, body, times) for name, body in parts.bodies.items()}
-    steps = {
-        **dict.fromkeys(model.Time.one[1]),
-        "fraction": min(problem.dt / problem.stable.dt, 1.0),
-    }
+    steps = {**dict.fromkeys(Time.one[1]), "fraction": min(problem.dt / problem.stable.dt, 1.0)}
     time = replace(parts.time, end=problem.end, end_c1t_over=None, **steps)
     own = [copy.copy(own) for own in problem.own]
     return Problem(replace(parts, bodies=bodies, time=time), problem.file, problem.threads, own)
 
 
-def _cells(body: model.Body, times: float) -> tuple[int, int, int] | None:
+def _cells(body: Body, times: float) -> tuple[int, int, int] | None:
     """The cells of a body with elements that are some times larger; None where it has a mesh of its own."""
     lattice = body.box or body.ring
     if lattice is None:
@@ -128,7 +125,7 @@ def _cells(body: model.Body, times: float) -> tuple[int, int, int] | None:
     return x, y, z
 
 
-def _larger(problem: Problem, body: model.Body, times: float) -> model.Body:
+def _larger(problem: Problem, body: Body, times: float) -> Body:
     """A body with elements that are some times larger, numbered along the same axis; one with a mesh of its own as it is."""
     cells = _cells(body, times)
     if cells and body.box:

@@ -14,11 +14,12 @@ from typing import Any, Concatenate, ParamSpec, cast
 
 import numpy as np
 
-from . import model
 from .effects.own import Own, View
 from .errors import NotBuiltIn
 from .explain import Explanation, explain
 from .loop import execute, record_count, schedule
+from .model import Body, ContactKeys, Material, Output, Support, Time
+from .model import Run as RunKeys
 from .parts import EFFECTS, MANY, Parts, read
 from .plan import Cost, predict, table
 from .problem import Problem
@@ -237,12 +238,12 @@ class Scene:
 
     # Building step by step: each call takes the keys of its table.
 
-    add_material = _adding("add_material", model.Material)
-    add_body = _adding("add_body", model.Body)
-    add_contact = _adding_pair("add_contact", model.ContactKeys)
-    add_support = _adding("add_support", model.Support)
-    set_time = _adding("set_time", model.Time)
-    set_output = _adding("set_output", model.Output)
+    add_material = _adding("add_material", Material)
+    add_body = _adding("add_body", Body)
+    add_contact = _adding_pair("add_contact", ContactKeys)
+    add_support = _adding("add_support", Support)
+    set_time = _adding("set_time", Time)
+    set_output = _adding("set_output", Output)
 
     def add(self, effect: str, **entries: Any) -> Scene:
         """
@@ -426,7 +427,7 @@ class Scene:
             The results. The first Ctrl-C ends the run after a last record, and the Run says ``interrupted``.
         """
         if threads is not None:
-            kind: Kind = model.Run.keys()["threads"].metadata["kind"]
+            kind: Kind = RunKeys.keys()["threads"].metadata["kind"]
             kind.read(threads, Place("run.threads", self.file))
         path = self._whole().output.file if output is None else (output or None)
         if path is not None:
@@ -504,9 +505,9 @@ class Scene:
         except (ValueError, TypeError) as error:
             raise SceneError(str(error), "restart", self.file) from None
         now = tomllib.loads(self.toml(arrays=False))
-        steps = model.Time.one[1]
+        steps = Time.one[1]
         step = [{key: scene.get("time", {}).get(key) for key in steps} for scene in (before, now)]
-        free = [key for key, field in model.Time.keys().items() if field.metadata["free"]]
+        free = [key for key, field in Time.keys().items() if field.metadata["free"]]
         for scene in (before, now):
             for key in (*steps, *free):
                 scene.get("time", {}).pop(key, None)
