@@ -287,14 +287,14 @@ $(BUILD)/fuzz/random_api: tests/fuzz/fuzz_api.c tests/fuzz/dice.h tests/fuzz/see
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) -D_GNU_SOURCE -DFUZZ_MAIN=1 $(if $(HDF5),-DFUZZ_HDF5=1 $(HDF5_FLAGS)) $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
 # Likewise the target of what may be left out.
-$(BUILD)/fuzz/random_savings: tests/fuzz/fuzz_savings.c tests/fuzz/dice.h tests/fuzz/seeds.h $(BUILD)/asan/libcontact.a
+$(BUILD)/fuzz/random_optimisations: tests/fuzz/fuzz_optimisations.c tests/fuzz/dice.h tests/fuzz/seeds.h $(BUILD)/asan/libcontact.a
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) -D_GNU_SOURCE -DFUZZ_MAIN=1 $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
 fuzz: setup
 	@+$(MAKE) --no-print-directory _fuzz
-_fuzz: $(if $(filter _fuzz,$(MAKECMDGOALS)),$(BUILD)/fuzz/$(if $(FUZZ_CC),libfuzzer_project,random_project)) $(if $(SANITIZERS),$(BUILD)/fuzz/random_api $(BUILD)/fuzz/random_savings $(LONG:%=$(BUILD)/tests/asan_%)) $(VENV)/.wrapper $(VENV)/.test
+_fuzz: $(if $(filter _fuzz,$(MAKECMDGOALS)),$(BUILD)/fuzz/$(if $(FUZZ_CC),libfuzzer_project,random_project)) $(if $(SANITIZERS),$(BUILD)/fuzz/random_api $(BUILD)/fuzz/random_optimisations $(LONG:%=$(BUILD)/tests/asan_%)) $(VENV)/.wrapper $(VENV)/.test
 	@mkdir -p $(BUILD)/fuzz/corpus
-	$(VENV)/bin/python tests/fuzz/run_fuzz.py $(FUZZ_SECONDS) $(BUILD)/fuzz $(if $(SANITIZERS),$(BUILD)/fuzz/random_api $(BUILD)/fuzz/random_savings)
+	$(VENV)/bin/python tests/fuzz/run_fuzz.py $(FUZZ_SECONDS) $(BUILD)/fuzz $(if $(SANITIZERS),$(BUILD)/fuzz/random_api $(BUILD)/fuzz/random_optimisations)
 	$< $(if $(FUZZ_CC),-max_total_time=$(FUZZ_SECONDS) -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/corpus,1000000)
 	@for t in $(if $(SANITIZERS),$(LONG)); do echo "  $(FUZZ_LONG) times test_$$t"; \
 	  TAP_LONG=$(FUZZ_LONG) $(BUILD)/tests/asan_$$t > $(BUILD)/fuzz/$$t.txt 2>&1 || { grep -v '^ok' $(BUILD)/fuzz/$$t.txt; exit 1; }; done

@@ -162,7 +162,7 @@ def test_a_run_counts_which_share_of_its_elements_it_has_computed():
     alone = two_bars(gap=10.0, end=1.0)
     steps = alone.explain().data["time"]["steps"]
     assert alone.run(progress=False).computed == 1.0 / (steps + 2)
-    # A front that goes one element a step from the contact into bars of 200 elements, in batches of 8: eq. quiet-share.
+    # A front that goes one element a step from the contact into bars of 200 elements, in batches of 8: eq. sleep-share.
     met = two_bars(gap=0.0, cells=200, end=0.3)
     run = met.run(progress=False)
     solid = met.costs(run)[0]

@@ -7,16 +7,6 @@
 
 CT_BEGIN_DECLS
 
-/** One motion of many nodes that drift alike, :eq:`adrift-node`. */
-typedef struct ct_leader {
-  /** Nodes `first` ... `last` - 1 of the problem may follow it; none when both are equal. */
-  int32_t first, last;
-  /** u_n [length]; the time loop moves it on. */
-  double displacement[3];
-  /** v_{n-1/2} [length / time]. */
-  double velocity[3];
-} ct_leader;
-
 /**
  * What an effect is shown when it is asked for its force: the state of all bodies, one after
  * another, at one time. Nothing here may be changed by the effect but its own `memory` and
@@ -65,36 +55,6 @@ typedef struct ct_view {
   double *next_memory;
   /** What `create_scratch` made for this state. */
   void *scratch;
-  /**
-   * Null, except for the first effect when `force` still holds what it wrote in its last call: then
-   * a bit a node, node n being bit n % 64 of word n / 64, all 0. The effect may set the bit of a
-   * node on which its force is zero, as it was in the last call, and leave that force as it stands,
-   * :eq:`still-node`.
-   */
-  uint64_t *still;
-  /**
-   * Null, except for the first effect in the midst of ct_step_many: then a bit a node as in
-   * ``still``, set for nodes that since the last call were only moved on with the velocity that
-   * they had and have.
-   */
-  const uint64_t *drifted;
-  /**
-   * Null, except where ``drifted`` is not and each other effect is `local` or a reaction: then a
-   * bit a node as in ``still``, all 0. The effect may set the bits of nodes that stand in a range
-   * of `leaders`, :eq:`adrift-node`: until a call in which it does not set them, the time loop
-   * moves the leader instead, so that their displacement in this view is an older one.
-   */
-  uint64_t *adrift;
-  /**
-   * As many as there are bodies; with ``adrift`` only. What the effect writes there stays, moved
-   * on, as long as it sets bits of that range.
-   */
-  ct_leader *leaders;
-  /** How many there are. */
-  int32_t leader_count;
-  /** Null, or for the first effect two counters: it adds the elements that it computes and those
-   * that it leaves out. */
-  int64_t *element_updates;
   /** Scratch space of the effect that this one `reads`, as its `force` has left it for the same
    * time; null without one. */
   const void *read;
@@ -246,8 +206,6 @@ typedef struct ct_effect {
   double flops;
   /** Approximate bytes that one call of `force` moves; 0 if unknown (reporting only). */
   double bytes;
-  /** Not zero: the functions read displacement and velocity of the effect's own nodes only. */
-  int local;
 } ct_effect;
 
 /**
@@ -444,8 +402,8 @@ typedef struct ct_state {
    */
   int64_t constraint_rounds;
   /**
-   * Elements whose forces the first effect has computed so far, and those that it has left out as
-   * quiet, :eq:`quiet-batch`, summed over all evaluations. Not part of a restart.
+   * Elements whose forces the solid effect has computed so far, and those that slept, :eq:`sleep`,
+   * summed over all evaluations. Not part of a restart.
    */
   int64_t element_updates[2];
   /** Forces and scratch space of the current step; not part of a restart. */

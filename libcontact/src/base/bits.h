@@ -1,6 +1,7 @@
 #ifndef CT_SRC_BITS_H
 #define CT_SRC_BITS_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 /* A bit a node: node n is bit n % 64 of word n / 64. */
@@ -53,6 +54,15 @@ static inline int32_t ct_bits_next(const uint64_t *bits, int32_t n, int32_t last
     n += 64 - n % 64;
   }
   return last;
+}
+
+/* The next run of set bits among *first ... last - 1: moves *first to where it begins, and answers
+ * its end; both are `last` when there is none. Null: all bits are set. */
+static inline int32_t ct_bits_run(const uint64_t *bits, int32_t *first, int32_t last)
+{
+  if (bits == NULL) return last;
+  *first = ct_bits_next(bits, *first, last, 1);
+  return ct_bits_next(bits, *first, last, 0);
 }
 
 #endif

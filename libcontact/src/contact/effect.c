@@ -379,7 +379,6 @@ ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b,
   data->sides = a == b ? 1 : 2;
   *effect = (ct_effect){.kind = CT_EFFECT_CONTACT,
                         .label = "contact",
-                        .local = 1,
                         .data = data,
                         .create_scratch = create_scratch,
                         .free_scratch = free_scratch,

@@ -458,7 +458,6 @@ ct_status ct_friction_create_effect(const ct_friction *friction, const ct_proble
                           .rigid = friction->on->kind == CT_EFFECT_OBSTACLE};
   *effect = (ct_effect){.kind = CT_EFFECT_FRICTION,
                         .label = "friction",
-                        .local = 1,
                         .data = data,
                         .nodes = friction->on->nodes,
                         .node_count = friction->on->node_count,

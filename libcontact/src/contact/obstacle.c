@@ -422,7 +422,6 @@ ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_proble
   }
   *effect = (ct_effect){.kind = CT_EFFECT_OBSTACLE,
                         .label = "obstacle",
-                        .local = 1,
                         .data = data,
                         .memory_count = MEMORY,
                         .create_scratch = create_scratch,

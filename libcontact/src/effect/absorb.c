@@ -138,7 +138,6 @@ ct_status ct_absorb_create_effect(const ct_absorb_def *def, const ct_problem *pr
     int32_t count = data->facets->node_count;
     ct_effect filled = {.kind = CT_EFFECT_ABSORB,
                         .label = "absorb",
-                        .local = 1,
                         .data = data,
                         .nodes = data->facets->nodes,
                         .node_count = count,

@@ -150,7 +150,6 @@ ct_status ct_damping_create_effect(const ct_damping_def *def, const ct_problem *
   data->inverse_mass = problem->inverse_mass;
   ct_effect filled = {.kind = CT_EFFECT_DAMPING,
                       .label = "damping",
-                      .local = 1,
                       .data = data,
                       .nodes = data->nodes,
                       .node_count = count,

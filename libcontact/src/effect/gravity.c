@@ -77,7 +77,6 @@ ct_status ct_gravity_create_effect(const ct_gravity_def *def, const ct_problem *
   data->mass = problem->mass;
   ct_effect filled = {.kind = CT_EFFECT_GRAVITY,
                       .label = "gravity",
-                      .local = 1,
                       .data = data,
                       .nodes = data->nodes,
                       .node_count = count,

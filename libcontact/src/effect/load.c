@@ -204,7 +204,6 @@ ct_status ct_load_create_effect(const ct_load_def *def, const ct_problem *proble
     double points = def->following ? (double)def->face_count * data->facets->rule.count : 0.0;
     ct_effect filled = {.kind = CT_EFFECT_LOAD,
                         .label = "load",
-                        .local = 1,
                         .data = data,
                         .nodes = data->facets->nodes,
                         .node_count = count,

@@ -201,7 +201,6 @@ ct_status ct_motion_create_effect(const ct_motion_def *def, const ct_problem *pr
                       .free_data = free_data,
                       .nodes = data->nodes,
                       .node_count = data->node_count,
-                      .local = 1,
                       .flops = 18.0 * data->node_count,
                       .bytes = 130.0 * data->node_count,
                       .force = motion_force,

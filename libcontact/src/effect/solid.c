@@ -1,7 +1,6 @@
 /* The solid effect: internal forces of all bodies. */
 #include <libcontact/effect.h>
 
-#include "../base/bits.h"
 #include "../step/effect_internal.h"
 #include "../base/error.h"
 #include "../base/memory.h"
@@ -21,15 +20,8 @@ typedef struct solid_data {
   ct_solid_part *parts;
   int64_t value_count;
   int64_t batch_count;
-  int32_t node_count;
-  int quiet; /* whether some part leaves out its quiet batches */
+  int sleeps; /* whether elements of some part may sleep */
 } solid_data;
-
-/* Element forces of all parts, and what is known of quiet batches. */
-typedef struct solid_scratch {
-  double *values;
-  ct_quiet quiet;
-} solid_scratch;
 
 static void free_data(void *data)
 {
@@ -43,30 +35,22 @@ static void free_data(void *data)
 
 static void free_scratch(void *scratch)
 {
-  solid_scratch *s = scratch;
+  ct_solid_scratch *s = scratch;
   if (s == NULL) return;
   ct_release(s->values);
-  ct_quiet_free(&s->quiet);
+  ct_sleep_free(s->sleep);
   ct_release(s);
 }
 
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
   const solid_data *solid = effect->data;
-  solid_scratch *s = ct_allocate(1, sizeof *s);
+  ct_solid_scratch *s = ct_allocate(1, sizeof *s);
   if (s != NULL) s->values = ct_allocate((size_t)solid->value_count, sizeof *s->values);
   if (s == NULL || s->values == NULL ||
-      (solid->quiet && ct_quiet_create(solid->parts, solid->part_count, solid->batch_count,
-                                       solid->node_count, &s->quiet) != CT_OK)) {
+      (solid->sleeps && ct_sleep_create(solid->parts, solid->part_count, &s->sleep) != CT_OK)) {
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
-  }
-  // Batches that no kernel has computed are undeformed.
-  for (int32_t i = 0; i < solid->part_count; i++) {
-    const ct_solid_part *part = &solid->parts[i];
-    if (part->energies == NULL) continue;
-    double *lowest = s->values + part->first_value + part->assembly->value_count;
-    for (int32_t b = 0; b < part->batch_count; b++) lowest[b] = 1.0;
   }
   *scratch = s;
   return CT_OK;
@@ -76,38 +60,27 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
                              ct_error *error)
 {
   const solid_data *solid = effect->data;
-  solid_scratch *scratch = view->scratch;
+  const ct_solid_scratch *scratch = view->scratch;
   ct_status status = CT_OK;
-  scratch->quiet.call = (scratch->quiet.call + 1) % 8;
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
-    ct_part_call call = {part, view->displacement, scratch->values + part->first_value,
-                         force + 3 * (int64_t)part->first_node,
-                         part->savings.quiet ? &scratch->quiet : NULL};
     const double *u = view->displacement + 3 * (int64_t)part->first_node;
-    int plane = part->plane != NULL &&
-                ct_plane_holds(part, u,
-                               solid->quiet && view->adrift != NULL ? scratch->quiet.adrift : NULL);
-    // In a plane this costs less than to find batches that are quiet, but more than to find rows.
-    if (plane && part->cells[0] == 0) call.quiet = NULL;
-    if (solid->quiet && call.quiet == NULL) ct_part_sum_all(&scratch->quiet, part, i);
-    if (call.quiet != NULL) ct_part_find_quiet(&call, i, view, solid->node_count);
-    if (view->element_updates != NULL) ct_part_count_updates(&call, i, view->element_updates);
-    if (plane) {
-      ct_plane_force(part, u, view->threads, call.quiet, scratch->values, call.f);
+    ct_part_call call = {.part = part,
+                         .displacement = u,
+                         .values = scratch->values + part->first_value,
+                         .f = force + 3 * (int64_t)part->first_node,
+                         .batch = ct_sleep_batches(scratch->sleep, i),
+                         .examined = part->ring == 0 && ct_sleep_examined(scratch->sleep)};
+    if (call.batch != NULL) call.summed = ct_sleep_summed(scratch->sleep);
+    if (part->plane != NULL && ct_plane_holds(&call)) {
+      call.values = scratch->values;
+      ct_plane_force(&call, view->threads);
       continue;
     }
     ct_part_force(&call, view->threads);
     if (status == CT_OK && part->energies != NULL)
       status = ct_solid_check_volume(part, i, u, call.values, error);
   }
-  for (int64_t w = 0; view->adrift != NULL && solid->quiet && w < ct_bits_words(solid->node_count);
-       w++)
-    view->adrift[w] = scratch->quiet.adrift[w];
-  // -- A node whose elements were all skipped has the same zero force as before (eq:still-node)
-  for (int64_t w = 0; solid->quiet && view->still != NULL && w < ct_bits_words(solid->node_count);
-       w++)
-    view->still[w] = ~scratch->quiet.changed[w];
   return status;
 }
 
@@ -186,7 +159,7 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
     for (int32_t i = 0; i < solid->part_count; i++) {
       const ct_solid_part *part = &solid->parts[i];
       const double *u = view->displacement + 3 * (int64_t)part->first_node;
-      double *values = ((const solid_scratch *)view->scratch)->values + part->first_value;
+      double *values = ((const ct_solid_scratch *)view->scratch)->values + part->first_value;
       if (sum.round == 1) begin_energies(part, u, values);
       for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK) {
         int32_t end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
@@ -261,10 +234,9 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
     }
     part->first_batch = solid->batch_count;
     solid->batch_count += part->batch_count;
-    solid->quiet = solid->quiet || part->savings.quiet;
+    solid->sleeps = solid->sleeps || part->savings.quiet;
     next_node += part->mesh->node_count;
   }
-  solid->node_count = next_node;
   place_values(solid);
   return CT_OK;
 }
@@ -347,7 +319,6 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the hourglass effect");
   *effect = (ct_effect){.kind = CT_EFFECT_HOURGLASS,
                         .label = "hourglass",
-                        .local = 1,
                         .data = solid->data,
                         .force = no_force,
                         .energy = hourglass_energy};

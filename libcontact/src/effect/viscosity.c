@@ -301,7 +301,6 @@ ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_probl
   if (d == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
   ct_effect filled = {.kind = CT_EFFECT_VISCOSITY,
                       .label = "viscosity",
-                      .local = 1,
                       .data = d,
                       .free_data = free_data,
                       .create_scratch = create_scratch,

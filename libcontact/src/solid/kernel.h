@@ -13,7 +13,7 @@ struct ct_solid_part;
 /* Forces of the batches first ... last - 1; `displacement` (and the mesh's nodes) are those of the
  * body. A kernel takes differences of displacements first, and uses nothing else that changes:
  * where all nodes of a batch have the same displacement, it gives the same bits whatever that is
- * (eq:quiet-force). A kernel for large deformation also writes the smallest J = det F of batch b
+ * (eq:sleep). A kernel for large deformation also writes the smallest J = det F of batch b
  * (and 1) to `values[assembly->value_count + b]`; room for the energies of its elements begins at
  * `values[energy_value]`. */
 typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, int32_t last,
@@ -80,10 +80,9 @@ typedef struct ct_solid_part {
   /* Where this part's values, and its batches, begin in the scratch of the effect, how many values
    * it has, and after how many of them energies are kept. */
   int64_t first_value, first_batch, value_count, energy_value;
-  /* Ranges of consecutive nodes of each batch, ranges[range_first[b]] ...; null for a lattice, and
-   * when quiet batches are not left out. */
-  int32_t *range_first;
-  struct ct_node_range *ranges;
+  /* Batches of the elements of node n, batches_at[batch_begin[n]] ... batches_at[batch_begin[n + 1]
+   * - 1]; null for a lattice, and where no element sleeps. */
+  int32_t *batch_begin, *batches_at;
   /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE; its values stand where the
    * effect's begin. */
   struct ct_plane *plane;

@@ -83,16 +83,6 @@ int32_t ct_lattice_begin(const ct_solid_part *part, int32_t first)
   return at > 0 ? (int32_t)at : 0;
 }
 
-void ct_lattice_zeros(const ct_solid_part *part, int32_t b, double *values)
-{
-  int64_t stride;
-  double *v = ct_batch_values(part, values, b, &stride);
-  // The kernel gives some of its zeros a minus, but the node on the side of negative ξ never: sums
-  // at nodes are +0 in both cases.
-  for (int i = 0; i < 24; i++)
-    for (int l = 0; l < 8; l++) v[i * stride + l] = 0.0;
-}
-
 /* Sum eight runs of element forces that lie side by side; `step`: from one component to the next.
  */
 CT_CLONES
@@ -121,6 +111,18 @@ static void rows_around(const int32_t cells[3], int32_t line, int64_t row[4])
                  ? cells[0] * (y + (int64_t)cells[1] * z)
                  : -1;
   }
+}
+
+int32_t ct_lattice_batches(const ct_solid_part *part, int32_t node, int32_t batch[8])
+{
+  int32_t nodes = part->cells[0] + 1, i = node % nodes, count = 0;
+  int64_t row[4];
+  rows_around(part->cells, node / nodes, row);
+  for (int r = 0; r < 4; r++) {
+    if (row[r] >= 0 && i > 0) batch[count++] = (int32_t)((row[r] + i - 1) / 8);
+    if (row[r] >= 0 && i < part->cells[0]) batch[count++] = (int32_t)((row[r] + i) / 8);
+  }
+  return count;
 }
 
 /* Sum at the i-th node of a row and those after it, `count` at most; answers for how many this was

@@ -26,8 +26,8 @@ int32_t ct_lattice_ready(const ct_solid_part *part, int32_t element);
 /* The first element that the nodes first, first + 1, ... may have. */
 int32_t ct_lattice_begin(const ct_solid_part *part, int32_t first);
 
-/* Give a batch that is skipped its zeros. */
-void ct_lattice_zeros(const ct_solid_part *part, int32_t b, double *values);
+/* The batches of the elements of a node, some more than once; answers how many, eight at most. */
+int32_t ct_lattice_batches(const ct_solid_part *part, int32_t node, int32_t batch[8]);
 
 /* Sum the element forces at the nodes first ... last - 1 of the body, in the order of
  * ct_assembly_gather (eq:tree-sum). */

@@ -7,8 +7,8 @@
 #include "../base/memory.h"
 #include "lattice.h"
 #include "plane.h"
-#include "quiet.h"
 #include "reduced.h"
+#include "sleep.h"
 
 #include <math.h>
 #include <string.h>
@@ -49,8 +49,8 @@ void ct_part_release(ct_solid_part *part)
   ct_release(part->batch_nodes);
   ct_release(part->gradients);
   ct_release(part->ready);
-  ct_release(part->range_first);
-  ct_release(part->ranges);
+  ct_release(part->batch_begin);
+  ct_release(part->batches_at);
   ct_release(part->mean);
   ct_release(part->box20);
   ct_plane_free(part->plane);
@@ -201,6 +201,8 @@ ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_block *block, ct_e
                 : block->threads < CT_MOST_RINGS ? block->threads
                                                  : CT_MOST_RINGS;
   ct_status status = choose_kernel(part, block, error);
+  if (status == CT_OK && part->savings.quiet && ct_sleep_prepare(part) != CT_OK)
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   if (status != CT_OK) return status;
   if (part->cells[0] > 0 && part->savings.congruent) {
     part->value_count = ct_lattice_prepare(part);
@@ -212,8 +214,7 @@ ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_block *block, ct_e
       (part->mesh->kind == CT_HEX20 && prepare_hex20(part) != CT_OK))
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   ct_solid_batch_nodes(part->mesh, part->batch_nodes);
-  if ((part->savings.quiet && part->cells[0] == 0 && ct_quiet_prepare(part) != CT_OK) ||
-      (part->kernel == CT_KERNEL_REDUCED && ct_reduced_prepare(part) != CT_OK))
+  if (part->kernel == CT_KERNEL_REDUCED && ct_reduced_prepare(part) != CT_OK)
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
   if (status != CT_OK) return status;

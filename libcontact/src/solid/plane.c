@@ -2,11 +2,8 @@
  * left out. */
 #include "plane.h"
 
-#include "../base/bits.h"
 #include "../base/memory.h"
-#include "quiet.h"
 
-#include <math.h>
 #include <string.h>
 
 /* Nodes that lack an element are summed with as many zeros at most. */
@@ -154,55 +151,31 @@ ct_status ct_plane_create(const ct_solid_part *part, int axis, int rings, ct_pla
   return status;
 }
 
-CT_INLINE uint64_t bits_of(double x)
-{
-  uint64_t bits;
-  memcpy(&bits, &x, sizeof bits);
-  return bits;
-}
-
-/* Bits that differ between `count` nodes of two layers, and bits of what they have along `axis`,
- * but for a sign of zero. */
+/* Numbers that differ between `count` nodes of two layers, and numbers along `axis` that are not
+ * zero. */
 CT_CLONES
-static uint64_t differences(const double *low, const double *high, int32_t count, int axis)
+static int differences(const double *low, const double *high, int32_t count, int axis)
 {
-  enum { AT_ONCE = 24 };
-  uint64_t size[AT_ONCE], found[AT_ONCE] = {0}, all = 0;
-  for (int i = 0; i < AT_ONCE; i++) size[i] = i % 3 == axis ? UINT64_MAX >> 1 : 0;
-  for (int64_t d = 0, last = 3 * (int64_t)count, next; d < last; d = next) {
-    next = d + AT_ONCE < last ? d + AT_ONCE : last;
-    // The last piece overlaps the one before, if there is one.
-    int64_t from = next == last && last >= AT_ONCE ? last - AT_ONCE : d;
-    if (next - from < AT_ONCE) {
-      for (int64_t i = from; i < next; i++)
-        all |= (bits_of(low[i]) ^ bits_of(high[i])) | (bits_of(low[i]) & size[i]);
-      continue;
-    }
-#pragma omp simd
-    for (int i = 0; i < AT_ONCE; i++)
-      found[i] |=
-          (bits_of(low[from + i]) ^ bits_of(high[from + i])) | (bits_of(low[from + i]) & size[i]);
+  int found = 0;
+  for (int c = 0; c < 3; c++) {
+#pragma omp simd reduction(| : found)
+    for (int64_t n = 0; n < count; n++) found |= low[3 * n + c] != high[3 * n + c];
   }
-  for (int i = 0; i < AT_ONCE; i++) all |= found[i];
-  return all;
+#pragma omp simd reduction(| : found)
+  for (int64_t n = 0; n < count; n++) found |= low[3 * n + axis] != 0.0;
+  return found;
 }
 
-int ct_plane_holds(const ct_solid_part *part, const double *displacement, const uint64_t *adrift)
+int ct_plane_holds(const ct_part_call *call)
 {
-  const ct_plane *plane = part->plane;
-  for (int32_t r = 0, end; r < plane->run_count; r = end) {
-    // Runs of both layers that follow each other are looked at as one.
-    int32_t low = plane->runs[r].low, apart = plane->runs[r].high - low, count = 0;
-    for (end = r; end < plane->run_count && plane->runs[end].low == low + count &&
-                  plane->runs[end].high == low + count + apart;
-         end++)
-      count += plane->runs[end].count;
-    int32_t first = part->first_node + low, last = first + count;
-    for (int32_t n = first, next; n < last; n = next) {
-      if (adrift != NULL) n = ct_bits_next(adrift, n, last, 0);
-      next = adrift == NULL ? last : ct_bits_next(adrift, n, last, 1);
-      const double *u = &displacement[3 * (int64_t)(n - part->first_node)];
-      if (differences(u, u + 3 * (int64_t)apart, next - n, plane->axis) != 0) return 0;
+  const ct_plane *plane = call->part->plane;
+  for (int32_t r = 0; r < plane->run_count; r++) {
+    int32_t low = plane->runs[r].low, apart = plane->runs[r].high - low,
+            last = low + plane->runs[r].count;
+    for (int32_t n = low, end; n < last; n = end) {
+      end = ct_call_nodes(call, &n, last);
+      const double *u = &call->displacement[3 * (int64_t)n];
+      if (differences(u, u + 3 * (int64_t)apart, end - n, plane->axis)) return 0;
     }
   }
   return 1;
@@ -321,7 +294,7 @@ static void batches(const ct_solid_part *part, int32_t first, int32_t last,
 
 /* Sum four runs of forces that lie side by side, for both layers; `step`: from one component to the
  * next. A sum that is zero has no minus, as that of the bricks, which begins with the zeros of the
- * side where no element is, and as that of quiet elements. */
+ * side where no element is, and as that of elements that sleep. */
 CT_CLONES
 static void gather_run(const double *const v[4], const int64_t step[4], const double sign[3],
                        int32_t count, double *restrict low, double *restrict high)
@@ -360,71 +333,65 @@ static void gather(const ct_plane *plane, const double *values, const ct_plane_r
   }
 }
 
-/* Compute those of the batches first ... last - 1 that are not quiet; the others get zeros where
+/* Compute those of the batches first ... last - 1 that are active; the others get zeros where
  * somebody reads them. */
-static void call_batches(const ct_solid_part *part, int32_t first, int32_t last,
-                         const double *displacement, const ct_quiet *quiet, double *values)
+static void call_batches(const ct_part_call *call, int32_t first, int32_t last, double *values)
 {
-  const ct_plane *plane = part->plane;
+  const ct_plane *plane = call->part->plane;
   for (int32_t b = first, end; b < last; b = end) {
-    end = ct_quiet_run(quiet, part, b, last);
-    if (quiet == NULL || ct_quiet_computes(quiet, part, b)) {
-      batches(part, b, end, displacement, values);
+    end = ct_call_run(call, b, last);
+    if (ct_call_computes(call, b)) {
+      batches(call->part, b, end, call->displacement, values);
       continue;
     }
     for (int32_t i = b; i < end; i++) {
       double *to = &values[8 * (int64_t)i & (plane->ring - 1)];
-      for (int k = 0; quiet->read[part->first_batch + i] && k < 12; k++)
+      for (int k = 0; call->batch[i] == CT_BORDER && k < 12; k++)
         memset(&to[plane->stride * k], 0, 8 * sizeof *to);
     }
   }
 }
 
-/* Sum at those nodes of a run that have an element which was computed. */
-static void call_gather(const ct_solid_part *part, const double *values, const ct_plane_run *run,
-                        const ct_quiet *quiet, double *sums)
+/* Sum at those nodes of a run that have an active element. */
+static void call_gather(const ct_part_call *call, const double *values, const ct_plane_run *run)
 {
-  int32_t low = part->first_node + run->low;
-  for (int32_t n = low, end; n < low + run->count; n = end) {
-    n = quiet == NULL ? n : ct_bits_next(quiet->changed, n, low + run->count, 1);
-    end = quiet == NULL ? low + run->count : ct_bits_next(quiet->changed, n, low + run->count, 0);
-    gather(part->plane, values, run, n - low, end - low, sums);
+  int32_t last = run->low + run->count;
+  for (int32_t n = run->low, end; n < last; n = end) {
+    end = ct_call_nodes(call, &n, last);
+    gather(call->part->plane, values, run, n - run->low, end - run->low, call->f);
   }
 }
 
 /* Forces at the nodes of the runs first ... last - 1, each run as soon as its last element is
  * there. */
-static void sum_runs(const ct_solid_part *part, int32_t first, int32_t last,
-                     const double *displacement, const ct_quiet *quiet, double *values,
-                     double *sums)
+static void sum_runs(const ct_part_call *call, int32_t first, int32_t last, double *values)
 {
-  const ct_plane *plane = part->plane;
+  const ct_plane_run *runs = call->part->plane->runs;
   int32_t begin = INT32_MAX, from, to;
   for (int32_t r = first; r < last; r++) {
-    span(&plane->runs[r], &from, &to);
+    span(&runs[r], &from, &to);
     begin = from < begin ? from : begin;
   }
   for (int32_t b = begin / 8, end, r = first; r < last; b = end) {
-    end = b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count;
-    call_batches(part, b, end, displacement, quiet, values);
+    end = b + CT_BLOCK < call->part->batch_count ? b + CT_BLOCK : call->part->batch_count;
+    call_batches(call, b, end, values);
     for (; r < last; r++) {
-      span(&plane->runs[r], &from, &to);
+      span(&runs[r], &from, &to);
       if (to >= 8 * end) break;
-      call_gather(part, values, &plane->runs[r], quiet, sums);
+      call_gather(call, values, &runs[r]);
     }
   }
 }
 
-void ct_plane_force(const ct_solid_part *part, const double *displacement, int threads,
-                    const ct_quiet *quiet, double *values, double *sums)
+void ct_plane_force(const ct_part_call *call, int threads)
 {
-  const ct_plane *plane = part->plane;
+  const ct_plane *plane = call->part->plane;
   int64_t runs = plane->run_count;
   int shares = threads < plane->rings ? threads : plane->rings;
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(shares) schedule(static, 1) if (shares > 1)
 #endif
   for (int i = 0; i < shares; i++)
-    sum_runs(part, (int32_t)(runs * i / shares), (int32_t)(runs * (i + 1) / shares), displacement,
-             quiet, values + 12 * plane->stride * i, sums);
+    sum_runs(call, (int32_t)(runs * i / shares), (int32_t)(runs * (i + 1) / shares),
+             call->values + 12 * plane->stride * i);
 }

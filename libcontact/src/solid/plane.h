@@ -1,7 +1,7 @@
 #ifndef CT_SRC_SOLID_PLANE_H
 #define CT_SRC_SOLID_PLANE_H
 
-#include "kernel.h"
+#include "call.h"
 
 /* Nodes of the lower layer whose numbers follow each other, as do those of their partners in the
  * upper layer and of the elements around them. */
@@ -11,8 +11,6 @@ typedef struct ct_plane_run {
    * nodes of the run. */
   int32_t element[4];
 } ct_plane_run;
-
-struct ct_quiet;
 
 /* One layer of equal boxes in plane strain: the nodes of the lower layer stand for both. */
 typedef struct ct_plane {
@@ -36,14 +34,10 @@ ct_status ct_plane_create(const ct_solid_part *part, int axis, int rings, ct_pla
 
 void ct_plane_free(ct_plane *plane);
 
-/* Whether the layers have moved alike, to the bit, and not at all along `axis`. Nodes whose bit is
- * set in `adrift` (null: none; a bit a node of the problem) are known to. */
-int ct_plane_holds(const ct_solid_part *part, const double *displacement, const uint64_t *adrift);
+/* Whether the layers have moved alike, and not at all along `axis`, as far as they are summed. */
+int ct_plane_holds(const ct_part_call *call);
 
-/* Forces at the nodes of the part, shape (node_count, 3); `values` is room for the rings. Where
- * `quiet` is not null, batches that it does not name are left out, and nodes that have none of the
- * others keep what they had. */
-void ct_plane_force(const ct_solid_part *part, const double *displacement, int threads,
-                    const struct ct_quiet *quiet, double *values, double *sums);
+/* Forces at the nodes of the part, as ct_part_force; the call's values are room for the rings. */
+void ct_plane_force(const ct_part_call *call, int threads);
 
 #endif

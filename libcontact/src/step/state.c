@@ -3,11 +3,12 @@
 #include <libcontact/step.h>
 
 #include "../base/bits.h"
-#include "../constraint/solve.h"
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/stream.h"
 #include "../base/threads.h"
+#include "../constraint/solve.h"
+#include "../solid/sleep.h"
 #include "effect_internal.h"
 #include "workspace.h"
 
@@ -110,16 +111,14 @@ static void workspace_free(const ct_problem *problem, ct_workspace *w)
     if (w->scratch != NULL && w->scratch[k] != NULL)
       problem->effects[k]->free_scratch(w->scratch[k]);
   }
-  void *blocks[] = {w->total,   w->force,         w->scratch,          w->next_memory,
-                    w->touched, w->touched_first, w->touched_velocity, w->touched_work,
-                    w->still,   w->drifted,       w->adrift,           w->adrift_before,
-                    w->leaders, w->past};
+  void *blocks[] = {w->total,        w->force,           w->scratch,     w->next_memory, w->shared,
+                    w->shared_first, w->shared_velocity, w->shared_work, w->past};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_release(w);
 }
 
 /* List the nodes on which several effects act. */
-static ct_status list_touched(const ct_problem *problem, ct_workspace *w)
+static ct_status list_shared(const ct_problem *problem, ct_workspace *w)
 {
   char *mark = ct_allocate((size_t)problem->node_count, 1);
   if (mark == NULL) return CT_ERROR_MEMORY;
@@ -128,18 +127,18 @@ static ct_status list_touched(const ct_problem *problem, ct_workspace *w)
     for (int32_t i = 0; effect->phase != CT_PHASE_REACTION && i < effect->node_count; i++)
       mark[ct_effect_node(effect, i)] = 1;
   }
-  for (int32_t n = 0; n < problem->node_count; n++) w->touched_count += mark[n];
-  size_t count = (size_t)w->touched_count;
-  w->touched = ct_allocate(count, sizeof *w->touched);
-  w->touched_first = ct_allocate(count, 3 * sizeof(double));
-  w->touched_velocity = ct_allocate(count, 3 * sizeof(double));
-  w->touched_work = ct_allocate(count, 3 * sizeof(double));
-  ct_status status = w->touched && w->touched_first && w->touched_velocity && w->touched_work
+  for (int32_t n = 0; n < problem->node_count; n++) w->shared_count += mark[n];
+  size_t count = (size_t)w->shared_count;
+  w->shared = ct_allocate(count, sizeof *w->shared);
+  w->shared_first = ct_allocate(count, 3 * sizeof(double));
+  w->shared_velocity = ct_allocate(count, 3 * sizeof(double));
+  w->shared_work = ct_allocate(count, 3 * sizeof(double));
+  ct_status status = w->shared && w->shared_first && w->shared_velocity && w->shared_work
                          ? CT_OK
                          : CT_ERROR_MEMORY;
   int32_t next = 0;
   for (int32_t n = 0; status == CT_OK && n < problem->node_count; n++)
-    if (mark[n]) w->touched[next++] = n;
+    if (mark[n]) w->shared[next++] = n;
   ct_release(mark);
   return status;
 }
@@ -152,23 +151,15 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   if (w == NULL) return CT_ERROR_MEMORY;
   w->forces_at = -1;
   w->total = ct_allocate(n, 3 * sizeof(double));
-  w->still = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->still);
-  w->drifted = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->drifted);
-  w->adrift = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->adrift);
-  w->adrift_before =
-      ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *w->adrift_before);
-  w->leaders = ct_allocate((size_t)problem->body_count, sizeof *w->leaders);
-  w->local = 1;
   for (int32_t k = 1; k < problem->effect_count; k++)
-    w->local =
-        w->local && (problem->effects[k]->local || problem->effects[k]->phase == CT_PHASE_REACTION);
+    w->seen |= problem->effects[k]->kind == CT_EFFECT_USER &&
+               problem->effects[k]->phase != CT_PHASE_REACTION;
   w->force = ct_allocate(effects, sizeof *w->force);
   w->scratch = ct_allocate(effects, sizeof *w->scratch);
   w->next_memory =
       ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
-  if (!w->total || !w->still || !w->drifted || !w->adrift || !w->adrift_before || !w->leaders ||
-      !w->force || !w->scratch || !w->next_memory || list_touched(problem, w) != CT_OK ||
-      ct_solver_create(problem, &w->solver) != CT_OK)
+  if (!w->total || !w->force || !w->scratch || !w->next_memory ||
+      list_shared(problem, w) != CT_OK || ct_solver_create(problem, &w->solver) != CT_OK)
     return CT_ERROR_MEMORY;
   ct_scheme scheme = problem->integrator.scheme;
   if ((scheme == CT_NOH_BATHE || scheme == CT_TCHAMWA_WIELGOSZ) &&
@@ -185,6 +176,9 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
                            : effect->create_scratch(effect, &w->scratch[k], error);
     if (status != CT_OK) return status;
   }
+  if (problem->effects[0]->kind == CT_EFFECT_SOLID)
+    w->sleep = ((ct_solid_scratch *)w->scratch[0])->sleep;
+  ct_sleep_share(w->sleep, w->shared_count, w->shared);
   return CT_OK;
 }
 
@@ -257,8 +251,6 @@ static void step_back(const ct_problem *problem, ct_state *state)
         (problem->effects[k]->phase != CT_PHASE_STATE &&
          problem->effects[k]->phase != CT_PHASE_REACTION))
       state->workspace->forces_at = -1;
-  // Then the first step is taken in full.
-  if (state->workspace->forces_at < 0) state->workspace->kept = 0;
   // Constraints that are solved once more begin with the forces that they have found.
   for (int32_t k = 0; k < problem->effect_count; k++) {
     int64_t memory = ct_state_memory_start(problem, k);
@@ -372,7 +364,6 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   // Between two steps the acceleration before counts for nothing, but nothing times what is not
   // finite is not nothing.
   if (to->workspace->past != NULL) memset(to->workspace->past, 0, n * sizeof(double));
-  to->workspace->kept = to->workspace->watched = 0;
   return CT_OK;
 }
 
@@ -430,13 +421,13 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
                    .total = state->workspace->total};
 }
 
-/* The first of the touched nodes that is `node` or a later one. */
-static int32_t touched_from(const ct_workspace *w, int32_t node)
+/* The first of the shared nodes that is `node` or a later one. */
+static int32_t shared_from(const ct_workspace *w, int32_t node)
 {
-  int32_t first = 0, last = w->touched_count;
+  int32_t first = 0, last = w->shared_count;
   while (first < last) {
     int32_t middle = first + (last - first) / 2;
-    if (w->touched[middle] < node) first = middle + 1;
+    if (w->shared[middle] < node) first = middle + 1;
     else last = middle;
   }
   return first;
@@ -450,11 +441,11 @@ const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *s
   if (k > 0 && effect->phase != CT_PHASE_REACTION) return &w->force[k][3 * (int64_t)first];
   if (k == 0) {
     // The first effect's force stands in `total`, but for the nodes where others were added.
-    int32_t i = touched_from(w, first), end = touched_from(w, last);
+    int32_t i = shared_from(w, first), end = shared_from(w, last);
     if (i == end) return &w->total[3 * (int64_t)first];
     memcpy(room, &w->total[3 * (int64_t)first], 3 * (size_t)(last - first) * sizeof *room);
     for (; i < end; i++)
-      memcpy(&room[3 * (int64_t)(w->touched[i] - first)], &w->touched_first[3 * (int64_t)i],
+      memcpy(&room[3 * (int64_t)(w->shared[i] - first)], &w->shared_first[3 * (int64_t)i],
              3 * sizeof *room);
     return room;
   }
@@ -466,21 +457,22 @@ const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *s
   return room;
 }
 
+/* Count the elements whose forces the solid effect has computed, and those that it has left out. */
+static void count_updates(const ct_problem *problem, ct_state *state)
+{
+  if (state->workspace->sleep != NULL)
+    ct_sleep_count(state->workspace->sleep, state->element_updates);
+  else if (problem->effects[0]->kind == CT_EFFECT_SOLID)
+    for (int32_t i = 0; i < problem->body_count; i++)
+      state->element_updates[0] += problem->bodies[i].mesh->element_count;
+}
+
 /* Force of one effect, added to the total. */
-static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t k, int kept,
-                            ct_error *error)
+static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t k, ct_error *error)
 {
   ct_workspace *w = state->workspace;
   const ct_effect *effect = problem->effects[k];
   ct_view view = ct_workspace_view(problem, state, k);
-  if (k == 0 && kept) view.still = w->still;
-  if (k == 0) view.element_updates = state->element_updates;
-  if (k == 0 && w->watched) view.drifted = w->drifted;
-  if (k == 0 && w->watched && w->local) {
-    view.adrift = w->adrift;
-    view.leaders = w->leaders;
-    view.leader_count = problem->body_count;
-  }
   if (effect->phase == CT_PHASE_CONSTRAINT) {
     view.constraints = w->solver->list + w->solver->first[k];
     view.constraint_count = w->solver->first[k + 1] - w->solver->first[k];
@@ -490,15 +482,30 @@ static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t 
   ct_status status = effect->force(effect, &view, force, error);
   if (status != CT_OK) return status;
   if (problem->clock != NULL) state->effect_seconds[k] += problem->clock() - begin;
-  for (int32_t i = 0; k == 0 && i < w->touched_count; i++) {
-    memcpy(&w->touched_first[3 * (int64_t)i], &w->total[3 * (int64_t)w->touched[i]],
+  if (k == 0) count_updates(problem, state);
+  for (int32_t i = 0; k == 0 && i < w->shared_count; i++)
+    memcpy(&w->shared_first[3 * (int64_t)i], &w->total[3 * (int64_t)w->shared[i]],
            3 * sizeof(double));
-    ct_bits_put(w->still, w->touched[i], w->touched[i] + 1, 0);
-  }
   for (int32_t i = 0; k > 0 && i < effect->node_count; i++)
     for (int c = 0; c < 3; c++)
       w->total[3 * (int64_t)ct_effect_node(effect, i) + c] += force[3 * (int64_t)i + c];
   return CT_OK;
+}
+
+/* Find out what sleeps. The force is zero at nodes that no active element has (eq:sleep). */
+static void find_sleep(const ct_problem *problem, ct_state *state)
+{
+  ct_workspace *w = state->workspace;
+  if (w->sleep == NULL) return;
+  if (w->followed) {
+    ct_sleep_wake(w->sleep, state->displacement);
+    for (int32_t i = 0; i < w->shared_count; i++)
+      memset(&w->total[3 * (int64_t)w->shared[i]], 0, 3 * sizeof(double));
+  } else {
+    ct_sleep_examine(w->sleep, state->displacement, state->velocity, ct_stage_past(problem, state));
+    memset(w->total, 0, 3 * (size_t)problem->node_count * sizeof(double));
+  }
+  if (w->seen) ct_sleep_settle(w->sleep, state->displacement);
 }
 
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error)
@@ -506,29 +513,15 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
   ct_workspace *w = state->workspace;
   if (w->forces_at == state->step) return CT_OK;
   w->forces_at = -1;
-  int kept = w->kept;
-  uint64_t *before = w->still, *adrift_before = w->adrift;
-  w->kept = 0;
-  w->watched = w->watched && kept;
-  w->still = w->drifted;
-  w->drifted = before;
-  w->adrift = w->adrift_before;
-  w->adrift_before = adrift_before;
-  memset(w->still, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *w->still);
-  memset(w->adrift, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *w->adrift);
-  for (int32_t i = 0; kept && i < w->touched_count; i++)
-    memcpy(&w->total[3 * (int64_t)w->touched[i]], &w->touched_first[3 * (int64_t)i],
-           3 * sizeof(double));
+  find_sleep(problem, state);
   for (int phase = CT_PHASE_STATE; phase < CT_PHASE_REACTION; phase++) {
     ct_status status = phase == CT_PHASE_CONSTRAINT && w->solver != NULL
                            ? ct_solver_solve(problem, state, error)
                            : CT_OK;
     for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
-      if ((int)problem->effects[k]->phase == phase)
-        status = add_effect(problem, state, k, kept, error);
+      if ((int)problem->effects[k]->phase == phase) status = add_effect(problem, state, k, error);
     if (status != CT_OK) return status;
   }
   w->forces_at = state->step;
-  w->kept = 1;
   return CT_OK;
 }

@@ -7,6 +7,7 @@
 #include "../base/memory.h"
 #include "../base/random.h"
 #include "../base/stream.h"
+#include "../base/vector.h"
 #include "workspace.h"
 
 #include <float.h>
@@ -50,6 +51,20 @@ static int32_t body_of(const ct_problem *problem, int32_t node)
   int32_t body = 0;
   while (body + 1 < problem->body_count && problem->bodies[body + 1].first_node <= node) body++;
   return body;
+}
+
+ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
+{
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
+    if (isfinite(state->velocity[d]) && fabs(state->displacement[d]) <= CT_LARGEST_LENGTH) continue;
+    int32_t node = (int32_t)(d / 3), body = body_of(problem, node);
+    return ct_fail(error, CT_ERROR_BLOWUP,
+                   (ct_place){body, -1, node - problem->bodies[body].first_node},
+                   "the motion stopped being finite by t = %g (step %lld): body %s, node %d",
+                   state->time, (long long)state->step, problem->bodies[body].name,
+                   (int)(node - problem->bodies[body].first_node));
+  }
+  return CT_OK;
 }
 
 /* m x · x at the nodes first ... end - 1; a null x: m v_n · v_n. */

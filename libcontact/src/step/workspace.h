@@ -8,31 +8,24 @@
 typedef struct ct_workspace {
   int64_t forces_at; /* the step whose forces stand below, or -1 */
   int starting;      /* v_{-1/2} is not known yet */
-  int kept;    /* whether `total` holds forces of this state's last step, and the first effect may
-                  leave some as they stand */
-  int stage;   /* of the step, 0 or 1: the next one whose forces are made */
-  int watched; /* whether the state was moved by one step since the forces were made, and by nothing
-                  else */
-  uint64_t *still;         /* a bit a node: the total force is zero, to the sign as in the last step
-                              (eq:still-node) */
-  uint64_t *drifted;       /* `still` of the step before */
-  uint64_t *adrift;        /* a bit a node: its leader moves instead of it (eq:adrift-node) */
-  uint64_t *adrift_before; /* `adrift` of the evaluation before: their displacement is older */
-  ct_leader *leaders;      /* of each body */
-  int local; /* whether all effects but the first read their own nodes only, so that nodes may be
-                adrift */
-  double *total;  /* sum of all forces but reactions, shape (node_count, 3) */
+  int stage;         /* of the step, 0 or 1: the next one whose forces are made */
+  int followed;      /* whether the state was moved by one stage since the forces were made, and by
+                        nothing else: what sleeps is known (eq:wake) */
+  int seen;          /* whether an effect of a host may look at all nodes */
+  struct ct_sleep *sleep; /* which elements sleep; the first effect's, null where none may */
+  double *total;          /* sum of all forces but reactions, shape (node_count, 3) */
   double **force; /* of each effect: on its own nodes; null for the first one (in `total`) and for
                      reactions */
   void **scratch; /* of each effect */
   double *next_memory;
-  int32_t touched_count; /* nodes on which more than the first effect acts, ascending */
-  int32_t *touched;
-  double *touched_first; /* force of the first effect there, shape (touched_count, 3) */
-  double *touched_velocity,
-      *touched_work; /* v_{n-1/2} and the first effect's work there, before the step */
-  double *past; /* acceleration of the evaluation before, shape (node_count, 3), where the state
-                   does not keep it; or null */
+  int32_t
+      shared_count; /* shared nodes, those on which more than the first effect acts, ascending */
+  int32_t *shared;
+  double *shared_first; /* force of the first effect there, shape (shared_count, 3) */
+  double *shared_velocity,
+      *shared_work; /* v_{n-1/2} and the first effect's work there, before the step */
+  double *past;     /* acceleration of the evaluation before, shape (node_count, 3), where the state
+                       does not keep it; or null */
   struct ct_solver *solver; /* of the constraints; null without any */
 } ct_workspace;
 

@@ -1,9 +1,9 @@
-/* A fuzz target for what may be left out: any bytes are a scene, which is run with nothing left out
- * by one thread, and beside that with random savings, threads, cuts of the series of steps and
- * copies of states, and with other numbers of its boxes. It aborts where a bit differs.
+/* A fuzz target for the optimisations: any bytes are a scene, which runs without them and with one
+ * thread, and beside that with random ones, threads, cuts of the series of steps and copies of
+ * states. It aborts where two values differ.
  *
- * With libFuzzer it is a target; FUZZ_MAIN makes it a program: fuzz_savings SECONDS FIRST_SEED
- * [INPUTS]. */
+ * With libFuzzer it is a target; FUZZ_MAIN makes it a program: fuzz_optimisations SECONDS
+ * FIRST_SEED [INPUTS]. */
 #include <libcontact.h>
 
 #include "../c/defs.h"
@@ -14,8 +14,7 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* Counts of the campaign. */
-static long long total_scenes, total_built, total_runs, total_steps, total_orders, total_apart,
-    total_failures;
+static long long total_scenes, total_built, total_runs, total_steps, total_failures, total_asleep;
 static int verbose; /* whether scenes are told */
 
 enum { MOST_BODIES = 3, MOST_ROOMS = 64, MOST_SEGMENTS = 6 };
@@ -24,10 +23,8 @@ enum { MOST_BODIES = 3, MOST_ROOMS = 64, MOST_SEGMENTS = 6 };
 typedef struct variant {
   ct_savings savings;
   int threads;
-  int local;  /* whether an effect of the user that reads its own nodes only says so */
-  int turned; /* whether boxes are numbered otherwise than the scene asks for */
-  int calm;   /* whether a segment is one series without anything in between */
-  dice d;     /* what only this run does */
+  int calm; /* whether a segment is one series without anything in between */
+  dice d;   /* what only this run does */
 } variant;
 
 /* An effect of a user. */
@@ -50,19 +47,15 @@ typedef struct run {
   ct_scene *scene;
   const ct_problem *joined, *problem;
   ct_state *state, *back;
-  int body_count, box_count;
+  int body_count;
   body bodies[MOST_BODIES];
   own_effect own;
   ct_status status;
   ct_error error;
-  int32_t *order; /* nodes by body and place */
-  int plain;    /* boxes in flight, on few nodes of which something acts: most of them are adrift */
-  int contacts; /* how many there are */
-  int ties;     /* whether points may be equally near to faces that are not neighbours, of which the
-                   lower number wins */
-  int spoilt;   /* whether a host has made a number that is not finite */
-  int stale;    /* whether a host has changed the state while forces stood, which the next step then
-                   uses */
+  int plain;  /* boxes in flight, on few nodes of which something acts: most of them sleep */
+  int spoilt; /* whether a host has made a number that is not finite */
+  int stale;  /* whether a host has changed the state while forces stood, which the next step then
+                 uses */
   void *rooms[MOST_ROOMS];
   int room_count;
 } run;
@@ -151,7 +144,7 @@ static void keep_sides(run *r, body *b, int all)
   b->end = high[0];
 }
 
-static void add_body(run *r, dice *d, variant *v, int number)
+static void add_body(run *r, dice *d, int number)
 {
   ct_error e;
   body *b = &r->bodies[number];
@@ -183,11 +176,9 @@ static void add_body(run *r, dice *d, variant *v, int number)
     b->box = box;
     tell("  box %d x %d x %d layers %d\n", (int)box.cells[0], (int)box.cells[1], (int)box.cells[2],
          (int)box.layers);
-    if (v->turned) box.layers = (ct_layers)(((int)box.layers + 1 + below(&v->d, 2)) % 3);
     demand(ct_mesh_create_box(kind, &box, &b->plain, &e) == CT_OK, "a box");
     for (int c = 0; c < 3; c++)
       if (box.cells[c] == 1) b->thin = c;
-    r->box_count++;
   }
   keep_sides(r, b, ring || chance(d, 6));
   demand(ct_mesh_create_copy(b->plain, &b->mesh, &e) == CT_OK, "a copy of a mesh");
@@ -258,8 +249,6 @@ static void add_contact(run *r, dice *d)
   tell("  contact of %d and %d: enforcement %d, points %d, initial %d, friction %g\n",
        (int)c.body_a, (int)c.body_b, (int)c.options.enforcement, (int)c.options.points,
        (int)c.options.initial, c.friction);
-  r->contacts++;
-  r->ties |= a == b;
   r->status = ct_scene_add_contact(r->scene, &c, &r->error);
 }
 
@@ -350,7 +339,7 @@ static int32_t some_node(const run *r, int number, uint64_t salt)
   return r->joined->bodies[number].first_node + best;
 }
 
-static void add_own(run *r, dice *d, const variant *v)
+static void add_own(run *r, dice *d)
 {
   int32_t count, number = below(d, r->body_count), *nodes = any_nodes(r, d, number, &count);
   own_effect *own = &r->own;
@@ -372,8 +361,7 @@ static void add_own(run *r, dice *d, const variant *v)
                       .node_count = count,
                       .force = own_force,
                       .omega2_bound = own_frequency,
-                      .rate_bound = own_damping,
-                      .local = v->local && own->far < 0},
+                      .rate_bound = own_damping},
             *effect;
   if (!r->plain && chance(d, 6)) filled.nodes = NULL, filled.node_count = r->joined->node_count;
   if (chance(d, 2)) filled.memory_count = filled.node_count;
@@ -462,11 +450,11 @@ static void add_effect(run *r, ct_effect *effect)
     r->status = ct_scene_add_effect(r->scene, effect, &r->error);
 }
 
-static void add_effects(run *r, dice *d, const variant *v)
+static void add_effects(run *r, dice *d)
 {
   ct_effect *effect = NULL;
   r->status = ct_scene_join(r->scene, &r->joined, &r->error);
-  if (r->status == CT_OK && chance(d, 2)) add_own(r, d, v);
+  if (r->status == CT_OK && chance(d, 2)) add_own(r, d);
   for (int i = below(d, 3); i > 0 && r->status == CT_OK; i--) {
     int32_t number = below(d, r->body_count);
     effect = NULL;
@@ -498,27 +486,6 @@ static void add_effects(run *r, dice *d, const variant *v)
 
 /* -- Runs -- */
 
-static const ct_problem *order_problem;
-static int order_body(int32_t n)
-{
-  int b = 0;
-  while (b + 1 < order_problem->body_count && order_problem->bodies[b + 1].first_node <= n) b++;
-  return b;
-}
-
-static int compare_places(const void *a, const void *b)
-{
-  int32_t m = *(const int32_t *)a, n = *(const int32_t *)b;
-  int bm = order_body(m), bn = order_body(n);
-  if (bm != bn) return bm < bn ? -1 : 1;
-  for (int c = 0; c < 3; c++) {
-    double x = order_problem->reference[3 * (int64_t)m + c],
-           y = order_problem->reference[3 * (int64_t)n + c];
-    if (x != y) return x < y ? -1 : 1;
-  }
-  return 0;
-}
-
 static void build(run *r, dice *d, const variant *v)
 {
   ct_stable_step stable;
@@ -538,10 +505,6 @@ static void build(run *r, dice *d, const variant *v)
   if (r->status != CT_OK) return;
   tell("  integrator %d, assembled %d, fraction %g, dt %.17g, plane strain %d\n",
        (int)time.integrator.scheme, time.assembled, time.fraction, r->problem->dt, plane);
-  r->order = keep(r, (size_t)r->problem->node_count, sizeof *r->order);
-  for (int32_t n = 0; n < r->problem->node_count; n++) r->order[n] = n;
-  order_problem = r->problem;
-  qsort(r->order, (size_t)r->problem->node_count, sizeof *r->order, compare_places);
 }
 
 /* The same scene whenever the dice are the same. */
@@ -551,10 +514,10 @@ static void open_run(run *r, dice *d, variant *v)
   demand(ct_scene_create(&r->scene, &r->error) == CT_OK, "an empty scene");
   int bodies = 1 + below(d, MOST_BODIES);
   r->plain = chance(d, 3);
-  for (int i = 0; i < bodies && r->status == CT_OK; i++) add_body(r, d, v, i);
+  for (int i = 0; i < bodies && r->status == CT_OK; i++) add_body(r, d, i);
   for (int i = below(d, 3); i > 0 && r->status == CT_OK; i--) add_contact(r, d);
   for (int i = below(d, 3); i > 0 && r->status == CT_OK; i--) add_support(r, d);
-  if (r->status == CT_OK) add_effects(r, d, v);
+  if (r->status == CT_OK) add_effects(r, d);
   build(r, d, v);
   total_runs++;
 }
@@ -699,42 +662,28 @@ static void differ(const run *a, const char *what, int64_t i)
   abort();
 }
 
-/* Arrays with their bits in the order of their numbers, or place by place. */
-static void compare_nodes(const run *a, const run *b, const double *x, const double *y,
-                          const char *what)
-{
-  for (int32_t n = 0; n < a->problem->node_count; n++) {
-    const double *p = &x[3 * (int64_t)a->order[n]], *q = &y[3 * (int64_t)b->order[n]];
-    if (memcmp(p, q, 3 * sizeof *p) == 0) continue;
-    const double *X = &a->problem->reference[3 * (int64_t)a->order[n]];
-    fprintf(stderr, "at %g %g %g (node %d and %d): %.17g %.17g %.17g beside %.17g %.17g %.17g\n",
-            X[0], X[1], X[2], (int)a->order[n], (int)b->order[n], p[0], p[1], p[2], q[0], q[1],
-            q[2]);
-    differ(a, what, n);
-  }
-}
+/* Equal values: the sign of a zero is no promise. */
+static int same(double x, double y) { return x == y || (isnan(x) && isnan(y)); }
 
 static void compare_numbers(const run *a, const void *x, const void *y, int64_t count,
                             const char *what)
 {
   const double *p = x, *q = y;
   for (int64_t i = 0; i < count; i++) {
-    if (memcmp(&p[i], &q[i], sizeof *p) == 0) continue;
+    if (same(p[i], q[i])) continue;
     fprintf(stderr, "%.17g beside %.17g\n", p[i], q[i]);
     differ(a, what, i);
   }
 }
 
-static void compare_states(const run *a, const run *b, int turned)
+static void compare_states(const run *a, const run *b)
 {
   const ct_state *s = a->state, *t = b->state;
   if (s->step != t->step) differ(a, "number of steps", t->step);
   compare_numbers(a, &s->time, &t->time, 1, "time");
-  compare_nodes(a, b, s->displacement, t->displacement, "displacement");
-  compare_nodes(a, b, s->velocity, t->velocity, "velocity");
-  compare_nodes(a, b, s->work, t->work, "work of the solid");
+  compare_numbers(a, s->displacement, t->displacement, 3 * (int64_t)s->node_count, "displacement");
+  compare_numbers(a, s->velocity, t->velocity, 3 * (int64_t)s->node_count, "velocity");
   compare_numbers(a, &s->kinetic_start, &t->kinetic_start, 1, "kinetic energy at the start");
-  if (turned) return;
   compare_numbers(a, s->work, t->work, s->work_count, "work");
   compare_numbers(a, s->impulse, t->impulse, s->impulse_count, "impulse");
   compare_numbers(a, s->memory, t->memory, s->memory_count, "memory");
@@ -763,7 +712,9 @@ static void compare_ledgers(run *a, run *b)
              "what an effect stores");
     }
     if (status[0] != status[1]) differ(a, "whether there is a force", k);
-    if (status[0] == CT_OK) compare_nodes(a, b, force[0], force[1], a->problem->effects[k]->label);
+    if (status[0] == CT_OK)
+      compare_numbers(a, force[0], force[1], 3 * (int64_t)a->problem->effects[k]->node_count,
+                      "force of an effect");
     compare_numbers(a, &work[0], &work[1], 1, "work of an effect");
     compare_numbers(a, &stored[0], &stored[1], 1, "stored energy of an effect");
   }
@@ -780,7 +731,7 @@ static void compare_ledgers(run *a, run *b)
 }
 
 /* After an error: whether to go on from the state of the last segment. */
-static int recover(run *a, run *b, dice *d, int turned)
+static int recover(run *a, run *b, dice *d)
 {
   ct_error e;
   if (a->status == CT_ERROR_BLOWUP || b->status == CT_ERROR_BLOWUP || a->spoilt) {
@@ -788,9 +739,9 @@ static int recover(run *a, run *b, dice *d, int turned)
     return 0;
   }
   if (a->status != b->status) differ(a, "errors", b->status);
-  compare_states(a, b, turned);
-  if (!turned && (a->error.body != b->error.body || a->error.element != b->error.element ||
-                  a->error.point != b->error.point))
+  compare_states(a, b);
+  if (a->error.body != b->error.body || a->error.element != b->error.element ||
+      a->error.point != b->error.point)
     differ(a, "places of errors", 0);
   if (a->status != CT_ERROR_UNSUPPORTED) return 0; // it would come again
   total_failures++;
@@ -799,43 +750,6 @@ static int recover(run *a, run *b, dice *d, int turned)
   for (int i = 0; i < 2; i++)
     demand(ct_state_copy(each[i]->problem, each[i]->back, each[i]->state, &e) == CT_OK,
            "a copy of a good state");
-  return 1;
-}
-
-/* Whether a point has its foot on an edge or a corner, which several faces share: the lower number
- * wins, and the last bit of the force may tell which one that was. */
-static int on_edges(run *r)
-{
-  ct_error e;
-  int found = 0;
-  for (int32_t k = 0; k < r->problem->effect_count && !found; k++) {
-    const ct_contact *contact = strcmp(r->problem->effects[k]->label, "contact") == 0
-                                    ? ct_state_contact(r->problem, r->state, k, &e)
-                                    : NULL;
-    int64_t count = contact == NULL ? 0 : ct_contact_point_count(contact);
-    ct_contact_point *points = room((size_t)count, sizeof *points);
-    if (count > 0) demand(ct_contact_points(contact, points) == CT_OK, "the points of a contact");
-    for (int64_t i = 0; i < count; i++)
-      found |=
-          points[i].other >= 0 && (fabs(points[i].xi[0]) >= 1.0 || fabs(points[i].xi[1]) >= 1.0);
-    free(points);
-  }
-  return found;
-}
-
-/* Steps of two runs with other numbers, one by one as far as contacts may be compared; 0 where they
- * may not. */
-static int take_steps_apart(run *a, run *b, variant *one, variant *other, int64_t steps)
-{
-  // Forces stand whenever the points were looked at, in both runs.
-  other->calm = 1;
-  for (int64_t k = 0; k < steps; k++) {
-    if (on_edges(a) || on_edges(b)) return 0;
-    take_steps(a, one, 1);
-    take_steps(b, other, 1);
-    if (a->status != CT_OK || b->status != CT_OK) return 1;
-    compare_states(a, b, 1);
-  }
   return 1;
 }
 
@@ -856,12 +770,8 @@ static void beside(dice scene, variant one, variant other)
     demand(0, "both scenes can be built, or none");
   }
   if (a.status != CT_OK) tell("  not built: %s\n", a.error.text);
-  // The second stage of a step of Noh and Bathe does not show its points.
-  int shown = !a.ties && (a.contacts == 0 || a.problem == NULL ||
-                          a.problem->integrator.scheme != CT_NOH_BATHE);
-  if (a.status == CT_OK && (shown || !other.turned)) {
+  if (a.status == CT_OK) {
     total_built++;
-    total_orders += other.turned;
     compare_numbers(&a, &a.problem->dt, &b.problem->dt, 1, "time step");
     for (int i = 1 + below(&d, MOST_SEGMENTS); i > 0; i--) {
       int64_t steps = 1 + below(&d, chance(&d, 3) ? 5 : 40);
@@ -869,19 +779,14 @@ static void beside(dice scene, variant one, variant other)
                  ct_state_copy(b.problem, b.state, b.back, &e) == CT_OK,
              "a copy of a state");
       tell("  %lld steps\n", (long long)steps);
-      if (other.turned && a.contacts > 0) {
-        if (take_steps_apart(&a, &b, &one, &other, steps)) total_apart++;
-        else break;
-      } else {
-        take_steps(&a, &one, steps);
-        take_steps(&b, &other, steps);
-      }
+      take_steps(&a, &one, steps);
+      take_steps(&b, &other, steps);
       demand(!a.spoilt || a.status != CT_OK, "what is not finite is found");
       if (a.status != CT_OK || b.status != CT_OK) {
         tell("  %s | %s\n", a.status ? a.error.text : "", b.status ? b.error.text : "");
-        if (!recover(&a, &b, &d, other.turned)) break;
+        if (!recover(&a, &b, &d)) break;
       }
-      compare_states(&a, &b, other.turned);
+      compare_states(&a, &b);
       int asked = !a.own.pending && chance(&d, 2);
       if (asked) compare_ledgers(&a, &b);
       if (chance(&d, 4)) {
@@ -894,6 +799,7 @@ static void beside(dice scene, variant one, variant other)
       if (!a.own.pending && !a.stale && chance(&d, 4)) compare_ledgers(&a, &b);
     }
   }
+  if (b.state != NULL) total_asleep += b.state->element_updates[1];
   close_run(&a);
   close_run(&b);
 }
@@ -903,23 +809,18 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   dice d = dice_open(data, size), scene = d;
   scene.seed = mixed(d.seed) | 1;
   total_scenes++;
-  for (int i = 0; i < 2; i++) {
-    // What a run chooses comes after what the scene is made of; where bytes are given they are for
-    // the scene.
-    variant all = {.threads = 1, .calm = 1, .d = {.seed = mixed(d.seed + 1) | 1}},
-            some = {.d = {.seed = mixed(d.seed + 2 + (uint64_t)i) | 1}};
-    dice *own = &some.d;
-    some.savings = (ct_savings){
-        .quiet = !chance(own, 5), .congruent = below(own, 2), .distant = below(own, 2)};
-    some.threads = chance(own, 3) ? 2 + below(own, 3) : 1;
-    some.local = !chance(own, 4);
-    some.turned = i;
-    some.calm = chance(own, 4);
-    tell("run %d: quiet %d, congruent %d, distant %d, %d threads, local %d, turned %d, calm %d\n",
-         i, some.savings.quiet, some.savings.congruent, some.savings.distant, some.threads,
-         some.local, some.turned, some.calm);
-    beside(scene, all, some);
-  }
+  // What a run chooses comes after what the scene is made of; where bytes are given they are for
+  // the scene.
+  variant all = {.threads = 1, .calm = 1, .d = {.seed = mixed(d.seed + 1) | 1}},
+          some = {.d = {.seed = mixed(d.seed + 2) | 1}};
+  dice *own = &some.d;
+  some.savings =
+      (ct_savings){.quiet = !chance(own, 5), .congruent = below(own, 2), .distant = below(own, 2)};
+  some.threads = chance(own, 3) ? 2 + below(own, 3) : 1;
+  some.calm = chance(own, 4);
+  tell("sleep %d, shared stiffness %d, separated %d, %d threads, calm %d\n", some.savings.quiet,
+       some.savings.congruent, some.savings.distant, some.threads, some.calm);
+  beside(scene, all, some);
   return 0;
 }
 
@@ -934,11 +835,10 @@ int main(int count, char **argument)
   long long most = count > 3 ? atoll(argument[3]) : -1;
   verbose = most == 1;
   run_seeds(count > 1 ? atof(argument[1]) : 10.0, first, most);
-  printf("seeds %llu to %llu: scenes %lld runs %lld pairs built %lld of them renumbered %lld (%lld "
-         "pieces with contact) "
-         "failures %lld steps %lld\n",
-         first, now_seed - 1, total_scenes, total_runs, total_built, total_orders, total_apart,
-         total_failures, total_steps);
+  printf("seeds %llu to %llu: scenes %lld runs %lld pairs built %lld failures %lld steps %lld "
+         "forces of elements left out %lld\n",
+         first, now_seed - 1, total_scenes, total_runs, total_built, total_failures, total_steps,
+         total_asleep);
   return 0;
 }
 #endif

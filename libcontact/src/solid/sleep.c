@@ -1,0 +1,272 @@
+/* Elements that nothing has reached sleep. */
+#include "sleep.h"
+
+#include "../base/bits.h"
+#include "../base/memory.h"
+#include "lattice.h"
+
+#include <string.h>
+
+/* The sleeping part of a body. */
+typedef struct body {
+  double displacement[3], velocity[3];
+  int32_t computed; /* elements that are active */
+  int sleeps;       /* whether the others sleep; else there are none */
+} body;
+
+struct ct_sleep {
+  const ct_solid_part *parts;
+  int32_t part_count, node_count;
+  int examined;
+  body *bodies;   /* of each part */
+  uint8_t *batch; /* of each batch of all parts */
+  /* A bit a node: further effects act on it; it is moved one by one; it is so, and has still been
+   * seen with the displacement of the sleeping part only; one of its elements is active. */
+  uint64_t *shared, *active, *front, *summed;
+};
+
+/* Nodes of a batch, some more than once: first ... last - 1 of the mesh's table. */
+static void batch_nodes(const ct_solid_part *part, int32_t b, int64_t *first, int64_t *last)
+{
+  int64_t per = ct_brick_node_count(part->mesh->kind), end = 8 * (int64_t)b + 8;
+  *first = 8 * per * b;
+  *last = per * (end < part->mesh->element_count ? end : part->mesh->element_count);
+}
+
+ct_status ct_sleep_prepare(ct_solid_part *part)
+{
+  if (part->cells[0] > 0) return CT_OK;
+  int32_t nodes = part->mesh->node_count, *latest = ct_allocate((size_t)nodes, sizeof *latest),
+          *begin = part->batch_begin = ct_allocate((size_t)nodes + 2, sizeof *begin);
+  ct_status status = latest != NULL && begin != NULL ? CT_OK : CT_ERROR_MEMORY;
+  // Count, then list: begin[n + 2] is the count of node n first, and where its list ends at last.
+  for (int pass = 0; status == CT_OK && pass < 2; pass++) {
+    for (int32_t n = 0; n < nodes; n++) latest[n] = -1;
+    for (int32_t b = 0; b < part->batch_count; b++) {
+      int64_t first, last;
+      batch_nodes(part, b, &first, &last);
+      for (int64_t i = first; i < last; i++) {
+        int32_t n = part->mesh->elements[i];
+        if (latest[n] == b) continue;
+        latest[n] = b;
+        if (pass == 0) begin[n + 2]++;
+        else part->batches_at[begin[n + 1]++] = b;
+      }
+    }
+    for (int32_t n = 0; pass == 0 && n < nodes; n++) begin[n + 2] += begin[n + 1];
+    if (pass == 0)
+      part->batches_at = ct_allocate((size_t)begin[nodes + 1], sizeof *part->batches_at);
+    if (part->batches_at == NULL) status = CT_ERROR_MEMORY;
+  }
+  ct_release(latest);
+  return status;
+}
+
+/* The batches of the elements of a node of the part; answers how many. `room` is for eight. */
+static int32_t batches_at(const ct_solid_part *part, int32_t node, int32_t *room,
+                          const int32_t **list)
+{
+  *list = room;
+  if (part->cells[0] > 0) return ct_lattice_batches(part, node, room);
+  *list = &part->batches_at[part->batch_begin[node]];
+  return part->batch_begin[node + 1] - part->batch_begin[node];
+}
+
+ct_status ct_sleep_create(const ct_solid_part *parts, int32_t part_count, ct_sleep **out)
+{
+  ct_sleep *s = ct_allocate(1, sizeof *s);
+  *out = s;
+  if (s == NULL) return CT_ERROR_MEMORY;
+  const ct_solid_part *end = &parts[part_count - 1];
+  s->parts = parts;
+  s->part_count = part_count;
+  s->node_count = end->first_node + end->mesh->node_count;
+  size_t words = (size_t)ct_bits_words(s->node_count);
+  s->bodies = ct_allocate((size_t)part_count, sizeof *s->bodies);
+  s->batch = ct_allocate((size_t)(end->first_batch + end->batch_count), sizeof *s->batch);
+  s->shared = ct_allocate(words, sizeof *s->shared);
+  s->active = ct_allocate(words, sizeof *s->active);
+  s->front = ct_allocate(words, sizeof *s->front);
+  s->summed = ct_allocate(words, sizeof *s->summed);
+  int whole = s->bodies && s->batch && s->shared && s->active && s->front && s->summed;
+  return whole ? CT_OK : CT_ERROR_MEMORY;
+}
+
+void ct_sleep_free(ct_sleep *s)
+{
+  if (s == NULL) return;
+  void *blocks[] = {s->bodies, s->batch, s->shared, s->active, s->front, s->summed, s};
+  for (size_t i = 0; i < sizeof blocks / sizeof *blocks; i++) ct_release(blocks[i]);
+}
+
+void ct_sleep_share(ct_sleep *s, int32_t count, const int32_t *nodes)
+{
+  for (int32_t i = 0; s != NULL && i < count; i++)
+    ct_bits_put(s->shared, nodes[i], nodes[i] + 1, 1);
+}
+
+/* Whether two nodes differ in one of three numbers, which are then not the same ones or not
+ * finite. */
+static inline int differ(const double *a, const double *b)
+{
+  return !(a[0] - b[0] == 0.0 && a[1] - b[1] == 0.0 && a[2] - b[2] == 0.0);
+}
+
+/* Let a batch be active from now on, and all of its nodes; `u` is null when everything is
+ * examined, as the displacement of each node is known then. */
+static void wake_batch(ct_sleep *s, int32_t p, int32_t b, double *u)
+{
+  const ct_solid_part *part = &s->parts[p];
+  int64_t first, last;
+  batch_nodes(part, b, &first, &last);
+  s->batch[part->first_batch + b] = CT_ACTIVE;
+  s->bodies[p].computed += (int32_t)((last - first) / ct_brick_node_count(part->mesh->kind));
+  for (int64_t i = first; i < last; i++) {
+    int32_t own = part->mesh->elements[i], n = part->first_node + own, room[8];
+    if (ct_bits_get(s->summed, n)) continue;
+    ct_bits_put(s->summed, n, n + 1, 1);
+    const int32_t *around;
+    for (int32_t k = batches_at(part, own, room, &around); k-- > 0;) {
+      uint8_t *neighbour = &s->batch[part->first_batch + around[k]];
+      if (*neighbour == CT_ASLEEP) *neighbour = CT_BORDER;
+    }
+    if (ct_bits_get(s->active, n)) continue;
+    ct_bits_put(s->active, n, n + 1, 1);
+    ct_bits_put(s->front, n, n + 1, 1);
+    if (u != NULL) memcpy(&u[3 * (int64_t)n], s->bodies[p].displacement, 3 * sizeof *u);
+  }
+}
+
+/* Whether a node moves otherwise than the sleeping part. */
+static inline int stirs(const body *own, const double *u, const double *v, const double *past,
+                        int64_t n)
+{
+  static const double rest[3] = {0.0, 0.0, 0.0};
+  return differ(&u[3 * n], own->displacement) || differ(&v[3 * n], own->velocity) ||
+         (past != NULL && differ(&past[3 * n], rest));
+}
+
+/* Take the motion of the first batch whose nodes move alike; answers whether there is one. */
+static int choose_motion(const ct_solid_part *part, const double *u, const double *v,
+                         const double *past, body *own)
+{
+  for (int32_t b = 0; b < part->batch_count; b++) {
+    int64_t i, last;
+    batch_nodes(part, b, &i, &last);
+    int64_t node = part->first_node + part->mesh->elements[i];
+    memcpy(own->displacement, &u[3 * node], sizeof own->displacement);
+    memcpy(own->velocity, &v[3 * node], sizeof own->velocity);
+    while (i < last && !stirs(own, u, v, past, part->first_node + part->mesh->elements[i])) i++;
+    if (i == last) return 1;
+  }
+  return 0;
+}
+
+/* Let a part sleep where it moves as the first batch does that may; answers whether it does
+ * anywhere. */
+static int examine(ct_sleep *s, int32_t p, const double *u, const double *v, const double *past)
+{
+  const ct_solid_part *part = &s->parts[p];
+  body *own = &s->bodies[p];
+  uint8_t *batch = &s->batch[part->first_batch];
+  int32_t begin = part->first_node, end = begin + part->mesh->node_count;
+  if (!part->savings.quiet || !choose_motion(part, u, v, past, own)) return 0;
+  for (int32_t n = begin; n < end; n++) ct_bits_put(s->front, n, n + 1, stirs(own, u, v, past, n));
+  for (int32_t b = 0; b < part->batch_count; b++) {
+    int64_t i, last;
+    for (batch_nodes(part, b, &i, &last);
+         i < last && !ct_bits_get(s->front, begin + part->mesh->elements[i]);)
+      i++;
+    batch[b] = i < last ? CT_ACTIVE : CT_ASLEEP;
+  }
+  ct_bits_put(s->summed, begin, end, 0);
+  for (int32_t n = begin; n < end; n++) {
+    int shared = ct_bits_get(s->shared, n);
+    ct_bits_put(s->active, n, n + 1, shared);
+    ct_bits_put(s->front, n, n + 1, shared);
+  }
+  for (int32_t b = 0; b < part->batch_count; b++)
+    if (batch[b] == CT_ACTIVE) wake_batch(s, p, b, NULL);
+  return 1;
+}
+
+void ct_sleep_examine(ct_sleep *s, const double *displacement, const double *velocity,
+                      const double *past)
+{
+  if (s == NULL) return;
+  s->examined = 1;
+  for (int32_t p = 0; p < s->part_count; p++) {
+    const ct_solid_part *part = &s->parts[p];
+    int32_t begin = part->first_node, end = begin + part->mesh->node_count;
+    s->bodies[p] = (body){.computed = 0};
+    s->bodies[p].sleeps = examine(s, p, displacement, velocity, past);
+    if (s->bodies[p].sleeps) continue;
+    s->bodies[p].computed = part->mesh->element_count;
+    memset(&s->batch[part->first_batch], CT_ACTIVE, (size_t)part->batch_count);
+    ct_bits_put(s->active, begin, end, 1);
+    ct_bits_put(s->summed, begin, end, 1);
+    ct_bits_put(s->front, begin, end, 0);
+  }
+}
+
+/* Wake all batches of a node. */
+static void wake_around(ct_sleep *s, int32_t p, int32_t n, double *u)
+{
+  const ct_solid_part *part = &s->parts[p];
+  const int32_t *around;
+  int32_t room[8];
+  for (int32_t k = batches_at(part, n - part->first_node, room, &around); k-- > 0;)
+    if (s->batch[part->first_batch + around[k]] != CT_ACTIVE) wake_batch(s, p, around[k], u);
+}
+
+void ct_sleep_wake(ct_sleep *s, double *displacement)
+{
+  if (s == NULL) return;
+  s->examined = 0;
+  for (int32_t p = 0; p < s->part_count; p++) {
+    int32_t n = s->parts[p].first_node, end = n + s->parts[p].mesh->node_count;
+    if (!s->bodies[p].sleeps) continue;
+    // -- A node that has moved otherwise wakes its elements, and is not asked again
+    for (n = ct_bits_next(s->front, n, end, 1); n < end;
+         n = ct_bits_next(s->front, n + 1, end, 1)) {
+      if (!differ(&displacement[3 * (int64_t)n], s->bodies[p].displacement)) continue;
+      ct_bits_put(s->front, n, n + 1, 0);
+      wake_around(s, p, n, displacement);
+    }
+  }
+}
+
+void ct_sleep_drift(ct_sleep *s, double time)
+{
+  for (int32_t p = 0; s != NULL && p < s->part_count; p++)
+    for (int c = 0; c < 3; c++) s->bodies[p].displacement[c] += time * s->bodies[p].velocity[c];
+}
+
+void ct_sleep_settle(const ct_sleep *s, double *displacement)
+{
+  for (int32_t p = 0; s != NULL && p < s->part_count; p++) {
+    int32_t n = s->parts[p].first_node, end = n + s->parts[p].mesh->node_count;
+    for (n = ct_bits_next(s->active, n, end, 0); n < end;
+         n = ct_bits_next(s->active, n + 1, end, 0))
+      memcpy(&displacement[3 * (int64_t)n], s->bodies[p].displacement, 3 * sizeof *displacement);
+  }
+}
+
+const uint64_t *ct_sleep_active(const ct_sleep *s) { return s == NULL ? NULL : s->active; }
+
+const uint64_t *ct_sleep_summed(const ct_sleep *s) { return s == NULL ? NULL : s->summed; }
+
+const uint8_t *ct_sleep_batches(const ct_sleep *s, int32_t part)
+{
+  return s == NULL || !s->bodies[part].sleeps ? NULL : &s->batch[s->parts[part].first_batch];
+}
+
+int ct_sleep_examined(const ct_sleep *s) { return s != NULL && s->examined; }
+
+void ct_sleep_count(const ct_sleep *s, int64_t updates[2])
+{
+  for (int32_t p = 0; p < s->part_count; p++) {
+    updates[0] += s->bodies[p].computed;
+    updates[1] += s->parts[p].mesh->element_count - s->bodies[p].computed;
+  }
+}

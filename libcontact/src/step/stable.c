@@ -1,0 +1,89 @@
+/* The largest stable time step of a problem, and what bounds it. */
+#include <libcontact/step.h>
+
+#include "../base/error.h"
+#include "workspace.h"
+
+#include <math.h>
+
+ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
+                          double *omega_squared, double *rate, ct_error *error)
+{
+  if (problem == NULL || state == NULL || omega_squared == NULL || rate == NULL || k < 0 ||
+      k >= problem->effect_count)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "stable step: null argument or no effect %d", (int)k);
+  const ct_effect *effect = problem->effects[k];
+  *omega_squared = *rate = 0.0;
+  ct_status status = ct_stage_check(state, error);
+  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  ct_view view = ct_workspace_view(problem, state, k);
+  if (effect->omega2_bound != NULL)
+    status = effect->omega2_bound(effect, &view, omega_squared, error);
+  if (status == CT_OK && effect->rate_bound != NULL)
+    status = effect->rate_bound(effect, &view, rate, error);
+  // -- The bound of the elements may be far above the whole (eq:assembled-bound)
+  if (status == CT_OK && k == 0 && problem->assembled) {
+    double whole = INFINITY;
+    status = ct_stable_assembled(problem, state, &whole, error);
+    if (status == CT_ERROR_UNSUPPORTED) status = CT_OK;
+    *omega_squared = fmin(*omega_squared, whole);
+  }
+  return status;
+}
+
+/* What bounds the step: sums over the effects of ω² and of the damping rate (eq:step-bound,
+ * eq:damped-step-bound). */
+typedef struct bounds {
+  double omega_squared, rate;
+} bounds;
+
+/* Whether an effect of this kind acts only where something touches. */
+static int is_contact(ct_effect_kind kind)
+{
+  return kind == CT_EFFECT_CONTACT || kind == CT_EFFECT_FRICTION || kind == CT_EFFECT_OBSTACLE;
+}
+
+/* Ask all effects, once with and once without the contacts. */
+static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds *all,
+                            bounds *without_contact, ct_error *error)
+{
+  *all = *without_contact = (bounds){0.0, 0.0};
+  ct_status status = CT_OK;
+  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
+    bounds own;
+    status = ct_stable_share(problem, state, k, &own.omega_squared, &own.rate, error);
+    if (status != CT_OK) return status;
+    all->omega_squared += own.omega_squared;
+    all->rate += own.rate;
+    if (is_contact(problem->effects[k]->kind)) continue;
+    without_contact->omega_squared += own.omega_squared;
+    without_contact->rate += own.rate;
+  }
+  return status;
+}
+
+ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *out,
+                    ct_error *error)
+{
+  bounds all, without;
+  ct_state *own = NULL;
+  if (problem == NULL || out == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "stable step: null argument");
+  ct_status status = state == NULL ? ct_state_create(problem, &own, error) : CT_OK;
+  if (status == CT_OK)
+    status = sum_bounds(problem, state == NULL ? own : state, &all, &without, error);
+  ct_state_free(own);
+  if (status != CT_OK) return status;
+  out->dt = ct_integrator_step(&problem->integrator, all.omega_squared, all.rate);
+  out->dt_without_contact =
+      ct_integrator_step(&problem->integrator, without.omega_squared, without.rate);
+  out->dt_courant = INFINITY;
+  for (int32_t i = 0; i < problem->body_count; i++) {
+    double c1, c2;
+    ct_material_speeds(&problem->bodies[i].material, &c1, &c2);
+    out->dt_courant = fmin(out->dt_courant, ct_mesh_shortest_edge(problem->bodies[i].mesh) / c1);
+  }
+  return CT_OK;
+}
