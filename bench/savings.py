@@ -1,5 +1,5 @@
 """
-What each saving saves, beside the same run with it off: time and memory, with the same bits, those of plane strain, too. Six scenes of bench/scene_loop.c; minima of
+What each optimisation saves, beside the same run with it off: time and memory, with the same values, those of plane strain, too. Six scenes of bench/scene_loop.c; minima of
 interleaved runs. As a program with --instructions it counts the instructions of the time loop instead (valgrind must be there), which no other process disturbs, and writes the table of
 the book.
 """
@@ -27,13 +27,13 @@ SCENES = {
 STEPS = {"block": 50}
 SAVINGS = {
     "-": "none",
-    "q": "quiet",
-    "c": "congruent",
-    "d": "distant",
-    "cd": "all three but quiet",
+    "q": "sleep",
+    "c": "shared stiffness",
+    "d": "separated",
+    "cd": "all three but sleep",
     "qcd": "all three",
     "p": "plane strain",
-    "cdp": "all four but quiet",
+    "cdp": "all four but sleep",
     "qcdp": "all four",
 }
 PLANE = ("plates", "platesz", "plates200")
@@ -87,14 +87,14 @@ def measure() -> dict:
                     result[scene][savings] = told
     for scene, rows in result.items():
         assert len({row["hash"] for row in rows.values()}) == 1, (
-            f"{scene}: a saving has changed a bit"
+            f"{scene}: an optimisation has changed a value"
         )
     return result
 
 
 def report(result: dict) -> str:
     lines = [
-        "What the savings save (all results have the same bits); contact and the rest of the time loop as parts of the run without savings"
+        "What the optimisations save (all results have the same values); contact and the rest of the time loop as parts of the run without them"
     ]
     for scene, rows in result.items():
         plain = rows["-"]
@@ -105,10 +105,10 @@ def report(result: dict) -> str:
         for savings, row in rows.items():
             if savings == "-":
                 continue
-            # What quiet regions alone save, also beside the other savings.
+            # What sleeping alone saves, also beside the others.
             without = rows.get(savings.replace("q", "")) if "q" in savings else None
             beside = (
-                f"; {without['seconds'] / row['seconds']:.2f} times faster than without quiet"
+                f"; {without['seconds'] / row['seconds']:.2f} times faster than without sleeping"
                 if without and savings != "q"
                 else ""
             )
@@ -146,12 +146,12 @@ def draw(result: dict, path: Path) -> None:
 # The table of the book: what is compared with what.
 TABLE = ROOT / "docs" / "theory" / "savings.csv"
 RATIOS = {
-    "quiet": ("-", "q"),
-    "quiet beside congruent and distant": ("cd", "qcd"),
-    "distant": ("-", "d"),
+    "sleep": ("-", "q"),
+    "sleep beside shared stiffness and separated": ("cd", "qcd"),
+    "separated": ("-", "d"),
     "all three": ("-", "qcd"),
     "plane strain": ("-", "p"),
-    "quiet beside the three others": ("cdp", "qcdp"),
+    "sleep beside the three others": ("cdp", "qcdp"),
     "all four": ("-", "qcdp"),
 }
 
@@ -178,7 +178,7 @@ def count_instructions(loop: Path, scene: str, savings: str) -> float:
 
 
 def write_table(path: Path) -> None:
-    rows = [["scene", *RATIOS, "bytes of the run, congruent"]]
+    rows = [["scene", *RATIOS, "bytes of the run, shared stiffness"]]
     with tempfile.TemporaryDirectory() as folder:
         loop = program(Path(folder))
         for scene, title in SCENES.items():

@@ -42,7 +42,7 @@ static void counting_free(void *memory)
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR},
                          RUBBER = {2.1e5, 0.3, 7.8e-9, CT_NEO_HOOKEAN};
-static const ct_savings NONE = {0, 0, 0, 0};
+static const ct_optimisations NONE = {0, 0, 0, 0};
 
 /* A block of 16 x 24 x 24 cells that flies, and what it has beside. */
 typedef struct kind {
@@ -81,12 +81,12 @@ static const kind KINDS[] = {
 static ct_scene *scene_of(const kind *k, const ct_mesh *mesh)
 {
   ct_scene *scene = new_scene();
-  ct_savings savings = NONE;
+  ct_optimisations optimisations = NONE;
   const ct_problem *joined;
   ct_effect *effect;
   ct_error e;
-  savings.congruent = k->lattice;
-  need(ct_scene_set_savings(scene, &savings, &e), &e);
+  optimisations.shared_stiffness = k->lattice;
+  need(ct_scene_set_optimisations(scene, &optimisations, &e), &e);
   add_body(scene, "block", mesh, k->material, k->kernel, 1, 0, 0);
   if (k->held) add_support(scene, 0, mesh, -1, 0.0, "y", 0.0);
   need(ct_scene_join(scene, &joined, &e), &e);

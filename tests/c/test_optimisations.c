@@ -5,7 +5,7 @@
 #include "bodies.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
-static const ct_savings NONE = {0, 0, 0, 0};
+static const ct_optimisations NONE = {0, 0, 0, 0};
 
 /* Two plates that fly toward each other, wobble, touch and part: the coordinates of the second one
  * at a time from 0 to 1. */
@@ -157,16 +157,18 @@ static void lattices(void)
   for (int i = 0; i < (int)(sizeof CELLS / sizeof *CELLS); i++) {
     const int *n = CELLS[i];
     ct_mesh *m = box_mesh(CT_HEX8, -1, 2, 3, 0.1 * n[0], 0.2 * n[1], 0.3 * n[2], n[0], n[1], n[2]);
-    ct_savings on = ct_savings_default();
+    ct_optimisations on = ct_optimisations_default();
     double *u = numbers(3 * m->node_count),
            *f[2] = {numbers(3 * m->node_count), numbers(3 * m->node_count)}, energy[2] = {0, 0};
     int same = 0, tried = 0;
     for (int threads = 1; threads <= 5; threads += 2) {
-      ct_solid_block block = {
-          .mesh = m, .material = STEEL, .savings = &NONE, .threads = threads == 5 ? 2 : threads};
+      ct_solid_block block = {.mesh = m,
+                              .material = STEEL,
+                              .optimisations = &NONE,
+                              .threads = threads == 5 ? 2 : threads};
       ct_effect *effect[2];
       void *scratch[2];
-      for (int k = 0; k < 2; k++, block.savings = &on) {
+      for (int k = 0; k < 2; k++, block.optimisations = &on) {
         need(create_solid(&block, 1, &effect[k], &e), &e);
         need(effect[k]->create_scratch(effect[k], &scratch[k], &e), &e);
       }
@@ -231,7 +233,8 @@ static int compare_places(const void *a, const void *b)
 
 /* Two boxes of which one flies at the other, numbered in one of three ways: what happens at each
  * place. */
-static place *impact(ct_brick_kind kind, ct_layers layers, ct_savings savings, int32_t *count)
+static place *impact(ct_brick_kind kind, ct_layers layers, ct_optimisations optimisations,
+                     int32_t *count)
 {
   ct_error e;
   ct_scene *scene = new_scene();
@@ -246,7 +249,7 @@ static place *impact(ct_brick_kind kind, ct_layers layers, ct_savings savings, i
   add_contact_with(scene, 0, m[0], 0, 1, m[1], 1e-4, 0, 1.0, ct_contact_options_default(), 0.0,
                    0.0);
   add_support(scene, 0, m[0], 2, -0.2, "z", 0.0);
-  need(ct_scene_set_savings(scene, &savings, &e), &e);
+  need(ct_scene_set_optimisations(scene, &optimisations, &e), &e);
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = 4e-7, .fraction = 0.9, .threads = 2}, &steps, &stable);
   ct_state *state = new_state(problem);
@@ -265,24 +268,24 @@ static place *impact(ct_brick_kind kind, ct_layers layers, ct_savings savings, i
   return places;
 }
 
-/* The order of numbers changes nothing that happens anywhere, with and without savings. */
+/* The order of numbers changes nothing that happens anywhere, with and without optimisations. */
 static void orders(ct_brick_kind kind)
 {
   int32_t count, other;
-  place *first = impact(kind, CT_LAYERS_Z, ct_savings_default(), &count);
+  place *first = impact(kind, CT_LAYERS_Z, ct_optimisations_default(), &count);
   int moved = 0;
   for (int32_t n = 0; n < count; n++) moved += first[n].x[0] > 0.0 && first[n].v[0] > 500.0;
   tap_ok(moved > 20, "%s: %d nodes of the body that was hit are fast",
          kind == CT_HEX8 ? "hex8" : "hex20", moved);
   for (int k = 0; k < 5; k++) {
-    ct_savings none = {0, 0, 0, 0};
+    ct_optimisations none = {0, 0, 0, 0};
     static const char *names[] = {"z, nothing left out", "x", "x, nothing left out", "y",
                                   "y, nothing left out"};
     place *places = impact(kind,
                            k == 0  ? CT_LAYERS_Z
                            : k < 3 ? CT_LAYERS_X
                                    : CT_LAYERS_Y,
-                           k % 2 == 0 ? none : ct_savings_default(), &other);
+                           k % 2 == 0 ? none : ct_optimisations_default(), &other);
     tap_ok(other == count && memcmp(first, places, (size_t)count * sizeof *places) == 0,
            "layers along %s: the same bits at each place", names[k]);
     free(places);

@@ -248,10 +248,10 @@ static plates open_plates(ct_solid_kernel kernel, int push, int congruent)
   ct_mesh *m[2] = {box_mesh(CT_HEX8, -2, 0, 0, 2, 0.05, 0.5, 40, 1, 10),
                    box_mesh(CT_HEX8, 0, 0, 0, 2, 0.05, 0.5, 40, 1, 10)};
   int32_t body[2];
-  ct_savings savings = ct_savings_default();
+  ct_optimisations optimisations = ct_optimisations_default();
   ct_error e;
-  savings.congruent = congruent;
-  need(ct_scene_set_savings(p.scene, &savings, &e), &e);
+  optimisations.shared_stiffness = congruent;
+  need(ct_scene_set_optimisations(p.scene, &optimisations, &e), &e);
   for (int i = 0; i < 2; i++) {
     body[i] = add_body(p.scene, i == 0 ? "left" : "right", m[i], &STEEL, kernel,
                        i == 0 ? 1000 : -1000, 0, 0);

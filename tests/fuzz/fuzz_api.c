@@ -402,8 +402,8 @@ static void build(play *p)
   drop_states(p);
   p->problem = NULL;
   if (chance(d, 5)) {
-    ct_savings savings = {below(d, 2), below(d, 2), below(d, 2), below(d, 2)};
-    (void)TRY(ct_scene_set_savings(p->scene, &savings, &e));
+    ct_optimisations optimisations = {below(d, 2), below(d, 2), below(d, 2), below(d, 2)};
+    (void)TRY(ct_scene_set_optimisations(p->scene, &optimisations, &e));
   }
   if (TRY(ct_scene_build(p->scene, &time, &p->problem, &p->steps, &stable, &e)) != CT_OK) {
     p->problem = NULL;

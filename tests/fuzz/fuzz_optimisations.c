@@ -21,7 +21,7 @@ enum { MOST_BODIES = 3, MOST_ROOMS = 64, MOST_SEGMENTS = 6 };
 
 /* How a scene is run. */
 typedef struct variant {
-  ct_savings savings;
+  ct_optimisations optimisations;
   int threads;
   int calm; /* whether a segment is one series without anything in between */
   dice d;   /* what only this run does */
@@ -295,7 +295,7 @@ static ct_status own_force(const ct_effect *effect, const ct_view *view, double 
   own_effect *own = effect->data;
   if (own->armed && own->pending && view->time >= own->fail_at) {
     own->pending = 0;
-    if (error != NULL) *error = (ct_error){CT_ERROR_UNSUPPORTED, -1, -1, -1, "fails on purpose"};
+    if (error != NULL) *error = (ct_error){.code = CT_ERROR_UNSUPPORTED, .text = "fails on purpose"};
     return CT_ERROR_UNSUPPORTED;
   }
   for (int32_t i = 0; i < effect->node_count; i++) {
@@ -495,9 +495,10 @@ static void build(run *r, dice *d, const variant *v)
   if (chance(d, 2)) time.integrator = ct_integrator_default((ct_scheme)below(d, 4));
   if (chance(d, 8)) time.assembled = 1;
   int plane = !chance(d, 4);
-  ct_savings savings = v->savings;
-  savings.plane_strain = plane;
-  if (r->status == CT_OK) r->status = ct_scene_set_savings(r->scene, &savings, &r->error);
+  ct_optimisations optimisations = v->optimisations;
+  optimisations.plane_strain = plane;
+  if (r->status == CT_OK)
+    r->status = ct_scene_set_optimisations(r->scene, &optimisations, &r->error);
   if (r->status == CT_OK)
     r->status = ct_scene_build(r->scene, &time, &r->problem, &steps, &stable, &r->error);
   if (r->status == CT_OK) r->status = ct_state_create(r->problem, &r->state, &r->error);
@@ -814,12 +815,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   variant all = {.threads = 1, .calm = 1, .d = {.seed = mixed(d.seed + 1) | 1}},
           some = {.d = {.seed = mixed(d.seed + 2) | 1}};
   dice *own = &some.d;
-  some.savings =
-      (ct_savings){.quiet = !chance(own, 5), .congruent = below(own, 2), .distant = below(own, 2)};
+  some.optimisations = (ct_optimisations){
+      .sleep = !chance(own, 5), .shared_stiffness = below(own, 2), .separated = below(own, 2)};
   some.threads = chance(own, 3) ? 2 + below(own, 3) : 1;
   some.calm = chance(own, 4);
-  tell("sleep %d, shared stiffness %d, separated %d, %d threads, calm %d\n", some.savings.quiet,
-       some.savings.congruent, some.savings.distant, some.threads, some.calm);
+  tell("sleep %d, shared stiffness %d, separated %d, %d threads, calm %d\n",
+       some.optimisations.sleep, some.optimisations.shared_stiffness, some.optimisations.separated,
+       some.threads, some.calm);
   beside(scene, all, some);
   return 0;
 }

@@ -21,7 +21,6 @@ from .model import (
     INTEGRATORS,
     KERNELS,
     LUMPINGS,
-    SAVINGS,
     Body,
     Contact,
     History,
@@ -31,6 +30,13 @@ from .model import (
 from .parts import Parts
 from .schema import SceneError, Table, float_array, index_array, word, words
 
+# Keys of run.savings and what the C library calls them.
+OPTIMISATIONS = {
+    "quiet": "sleep",
+    "plane_strain": "plane_strain",
+    "congruent": "shared_stiffness",
+    "distant": "separated",
+}
 MOST_STEPS = 10**12
 NO_FACES = "has no faces: no outer face of the body lies in that plane"
 # Bytes of a contact for each of its points: the point itself, its memory, its share of the faces and their search. Of an integrator for
@@ -137,8 +143,11 @@ class Problem:
         out = ffi.new("ct_scene **")
         self._call("", lib.ct_scene_create, out)
         self._scene = ffi.gc(out[0], lib.ct_scene_free)
-        savings = ffi.new("ct_savings *", {name: name in parts.savings for name in SAVINGS})
-        self._call("run.savings", lib.ct_scene_set_savings, self._scene, savings)
+        chosen = ffi.new(
+            "ct_optimisations *",
+            {member: key in parts.savings for key, member in OPTIMISATIONS.items()},
+        )
+        self._call("run.savings", lib.ct_scene_set_optimisations, self._scene, chosen)
         self._add_bodies()
         self.faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contacts)]
         for i, support in enumerate(parts.supports):

@@ -124,7 +124,8 @@ CT_API ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_e
 
 /** What may be left out when the scene is computed, from its next build on; all of it if this is
  * not called. */
-CT_API ct_status ct_scene_set_savings(ct_scene *scene, const ct_savings *savings, ct_error *error);
+CT_API ct_status ct_scene_set_optimisations(ct_scene *scene, const ct_optimisations *optimisations,
+                                            ct_error *error);
 
 /**
  * Add an effect that was made for the joined problem, the library's or the caller's own. The scene

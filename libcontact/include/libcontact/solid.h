@@ -80,24 +80,22 @@ CT_API ct_status ct_solid_reduced_frequency(const double *nodes, const ct_materi
 CT_API double ct_solid_hourglass_default(void);
 
 /**
- * Work that may be left out where leaving it out changes no result, :doc:`/theory/savings`; each 1
- * (may be) or 0. A scene begins with `ct_savings_default`; turning one off is good for measuring
- * what it saves, and for nothing else.
+ * Work that the library leaves out where that changes no value, :doc:`/theory/savings`; each 1 or
+ * 0. A scene begins with `ct_optimisations_default`; turn one off to measure what it saves.
  */
-typedef struct ct_savings {
-  /** Elements whose nodes have moved all alike are not computed, and nodes without force are only
-   * moved on. */
-  int quiet;
-  /** One layer of bricks held along y is computed in two dimensions. */
+typedef struct ct_optimisations {
+  /** Elements that nothing has reached are not computed, and their nodes drift as a whole. */
+  int sleep;
+  /** One layer of bricks held along its thickness is computed in two dimensions. */
   int plane_strain;
   /** Elements of one shape and material share what is stored for them. */
-  int congruent;
+  int shared_stiffness;
   /** Contact surfaces that are too far from each other to touch are not searched. */
-  int distant;
-} ct_savings;
+  int separated;
+} ct_optimisations;
 
-/** All savings on. */
-CT_API ct_savings ct_savings_default(void);
+/** All optimisations on. */
+CT_API ct_optimisations ct_optimisations_default(void);
 
 /** One body as the solid effect sees it: its nodes stand at `first_node` of the problem. */
 typedef struct ct_solid_block {
@@ -112,8 +110,8 @@ typedef struct ct_solid_block {
   /** How the masses were lumped, for the bound on the time step. */
   ct_lumping lumping;
   /** What may be left out in this body, read when the effect is made; null: all that
-   * `ct_savings_default` tells. */
-  const ct_savings *savings;
+   * `ct_optimisations_default` tells. */
+  const ct_optimisations *optimisations;
   /** Threads for which room is kept; 0: one. With more threads than that the forces are the same.
    */
   int threads;

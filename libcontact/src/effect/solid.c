@@ -234,7 +234,7 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
     }
     part->first_batch = solid->batch_count;
     solid->batch_count += part->batch_count;
-    solid->sleeps = solid->sleeps || part->savings.quiet;
+    solid->sleeps = solid->sleeps || part->optimisations.sleep;
     next_node += part->mesh->node_count;
   }
   place_values(solid);

@@ -46,7 +46,7 @@ struct ct_scene {
   scene_support *supports;
   ct_effect **added; /* beside solid, contacts and supports */
   int32_t added_count;
-  ct_savings savings;
+  ct_optimisations optimisations;
   int joined; /* the nodes are numbered, no body can be added */
   /* What `ct_scene_build` makes. */
   ct_problem problem;
@@ -71,15 +71,16 @@ ct_status ct_scene_create(ct_scene **scene, ct_error *error)
   if (scene == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
   *scene = ct_allocate(1, sizeof **scene);
   if (*scene == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a scene");
-  (*scene)->savings = ct_savings_default();
+  (*scene)->optimisations = ct_optimisations_default();
   return CT_OK;
 }
 
-ct_status ct_scene_set_savings(ct_scene *scene, const ct_savings *savings, ct_error *error)
+ct_status ct_scene_set_optimisations(ct_scene *scene, const ct_optimisations *optimisations,
+                                     ct_error *error)
 {
-  if (scene == NULL || savings == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "savings: null argument");
-  scene->savings = *savings;
+  if (scene == NULL || optimisations == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "optimisations: null argument");
+  scene->optimisations = *optimisations;
   return CT_OK;
 }
 
@@ -456,7 +457,7 @@ static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
                                  .kernel = scene->parts[i].kernel,
                                  .first_node = scene->bodies[i].first_node,
                                  .lumping = scene->parts[i].lumping,
-                                 .savings = &scene->savings,
+                                 .optimisations = &scene->optimisations,
                                  .threads = threads,
                                  .hourglass = scene->parts[i].hourglass};
     for (int axis = 0; axis < 3; axis++) blocks[i].held[axis] = held_body(scene, i, axis);
@@ -485,7 +486,7 @@ static ct_status make_contact(ct_scene *scene, int32_t number, ct_effect **effec
 {
   scene_contact *entry = &scene->contacts[number];
   ct_contact_options options = entry->given.options;
-  options.distant = options.distant && scene->savings.distant;
+  options.distant = options.distant && scene->optimisations.separated;
   int32_t count[2] = {entry->given.face_count_a, entry->given.face_count_b},
           body[2] = {entry->given.body_a, entry->given.body_b};
   ct_surface surface[2];

@@ -31,7 +31,7 @@ typedef struct ct_solid_part {
   const ct_mesh *mesh;
   ct_material material;
   ct_lumping lumping;
-  ct_savings savings;
+  ct_optimisations optimisations;
   double lambda, mu;
   int32_t first_node;
   /* Families of nodes that are summed each in the order of their numbers, family[k] ... family[k +

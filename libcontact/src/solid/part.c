@@ -13,9 +13,9 @@
 #include <math.h>
 #include <string.h>
 
-ct_savings ct_savings_default(void)
+ct_optimisations ct_optimisations_default(void)
 {
-  return (ct_savings){.quiet = 1, .plane_strain = 1, .congruent = 1, .distant = 1};
+  return (ct_optimisations){.sleep = 1, .plane_strain = 1, .shared_stiffness = 1, .separated = 1};
 }
 
 /* Which function computes a block, and the operations of one element counted in it. The first row
@@ -127,7 +127,7 @@ static ct_status choose_plane(ct_solid_part *part, const ct_solid_block *block, 
                               ct_error *error)
 {
   int wanted = block->kernel == CT_KERNEL_PLANE ||
-               (block->kernel == CT_KERNEL_AUTO && part->savings.plane_strain);
+               (block->kernel == CT_KERNEL_AUTO && part->optimisations.plane_strain);
   for (int axis = 0;
        wanted && box && part->mesh->kind == CT_HEX8 && part->plane == NULL && axis < 3; axis++)
     if (block->held[axis] && ct_plane_create(part, axis, part->rings, &part->plane) != CT_OK)
@@ -161,7 +161,8 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_block *block,
                    "the hourglass coefficient must be positive, not %g", part->hourglass);
   part->kernel = asked == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
   int boxes = part->kernel == CT_KERNEL_BOX || part->kernel == CT_KERNEL_PLANE;
-  if (boxes && (part->savings.congruent || part->savings.quiet)) ct_lattice_find(part->mesh, part);
+  if (boxes && (part->optimisations.shared_stiffness || part->optimisations.sleep))
+    ct_lattice_find(part->mesh, part);
   ct_status status = choose_plane(part, block, box, error);
   for (size_t k = 0; part->batches == NULL && k < sizeof KERNELS / sizeof KERNELS[0]; k++) {
     const struct kernel_row *row = &KERNELS[k];
@@ -192,7 +193,8 @@ ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_block *block, ct_e
   part->mesh = block->mesh;
   part->material = block->material;
   part->lumping = block->lumping;
-  part->savings = block->savings == NULL ? ct_savings_default() : *block->savings;
+  part->optimisations =
+      block->optimisations == NULL ? ct_optimisations_default() : *block->optimisations;
   part->first_node = block->first_node;
   ct_material_lame(&part->material, &part->lambda, &part->mu);
   part->hourglass = block->hourglass == 0.0 ? ct_solid_hourglass_default() : block->hourglass;
@@ -201,10 +203,10 @@ ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_block *block, ct_e
                 : block->threads < CT_MOST_RINGS ? block->threads
                                                  : CT_MOST_RINGS;
   ct_status status = choose_kernel(part, block, error);
-  if (status == CT_OK && part->savings.quiet && ct_sleep_prepare(part) != CT_OK)
+  if (status == CT_OK && part->optimisations.sleep && ct_sleep_prepare(part) != CT_OK)
     status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
   if (status != CT_OK) return status;
-  if (part->cells[0] > 0 && part->savings.congruent) {
+  if (part->cells[0] > 0 && part->optimisations.shared_stiffness) {
     part->value_count = ct_lattice_prepare(part);
     return CT_OK;
   }

@@ -170,7 +170,7 @@ static int examine(ct_sleep *s, int32_t p, const double *u, const double *v, con
   body *own = &s->bodies[p];
   uint8_t *batch = &s->batch[part->first_batch];
   int32_t begin = part->first_node, end = begin + part->mesh->node_count;
-  if (!part->savings.quiet || !choose_motion(part, u, v, past, own)) return 0;
+  if (!part->optimisations.sleep || !choose_motion(part, u, v, past, own)) return 0;
   for (int32_t n = begin; n < end; n++) ct_bits_put(s->front, n, n + 1, stirs(own, u, v, past, n));
   for (int32_t b = 0; b < part->batch_count; b++) {
     int64_t i, last;
