@@ -53,7 +53,7 @@ def test_a_bar_presses_on_a_wall_for_two_passages_of_its_wave(cheap):
 
 
 def test_the_share_of_computed_elements_is_that_of_a_front_that_goes_one_element_a_step(cheap):
-    # eq. quiet-share: from a load at one end, over N steps, the share N / 2 n of n elements
+    # eq. sleep-share: from a load at one end, over N steps, the share N / 2 n of n elements
     scene = block(cells=(200, 2, 2)).add("load", surface="block.x_min", pressure=1.0)
     data = scene.data
     data["body"][0]["box"]["size"] = [200, 2, 2]

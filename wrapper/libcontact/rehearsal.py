@@ -55,7 +55,7 @@ class Rehearsal:
     seconds : ndarray, shape (effects + 1,)
         Mean time of one coarse step in each effect and, last, in the time loop.
     computed : float
-        Fraction of the element forces that were computed, :eq:`quiet-share`.
+        Fraction of the element forces that were computed, :eq:`sleep-share`.
     rounds : float
         Solver rounds times constraints, per coarse step.
     """

@@ -82,7 +82,7 @@ typedef struct ct_box {
   int32_t cells[3];
   /**
    * How they are numbered. No result depends on it, except where a point of contact is equally near
-   * to several faces; but a wave that runs across the layers leaves whole layers quiet,
+   * to several faces; but a wave that runs across the layers leaves whole layers asleep,
    * :doc:`/theory/savings`.
    */
   ct_layers layers;

@@ -156,14 +156,12 @@ ct_status ct_plane_create(const ct_solid_part *part, int axis, int rings, ct_pla
 CT_CLONES
 static int differences(const double *low, const double *high, int32_t count, int axis)
 {
-  int found = 0;
-  for (int c = 0; c < 3; c++) {
+  int64_t found = 0;
 #pragma omp simd reduction(| : found)
-    for (int64_t n = 0; n < count; n++) found |= low[3 * n + c] != high[3 * n + c];
-  }
+  for (int64_t d = 0; d < 3 * (int64_t)count; d++) found |= low[d] != high[d];
 #pragma omp simd reduction(| : found)
   for (int64_t n = 0; n < count; n++) found |= low[3 * n + axis] != 0.0;
-  return found;
+  return found != 0;
 }
 
 int ct_plane_holds(const ct_part_call *call)
