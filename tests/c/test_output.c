@@ -503,7 +503,7 @@ static void test_kill(void)
     nanosleep(&(struct timespec){0, 1000000 + 3777777 * t}, NULL);
     kill(child, SIGKILL);
     waitpid(child, NULL, 0);
-    ct_error error = {CT_OK, -1, -1, -1, ""};
+    ct_error error = {.body = -1, .element = -1, .point = -1};
     long steps = check_steps(r, path), record = check_record(r, path, &error);
     if (steps >= 1 && (record == steps - 1 || record == steps)) good++;
     else printf("# steps %ld, record %ld: %s\n", steps, record, error.text);
@@ -528,7 +528,7 @@ static int full_disk_child(const rig *r, const char *path, long from, const char
   dup2(said, 2);
   int before = descriptor_count(), failed = 0, k = 0;
   ct_output *output = NULL;
-  ct_error error = {CT_OK, -1, -1, -1, ""};
+  ct_error error = {.body = -1, .element = -1, .point = -1};
   ct_state *state = state_create(r);
   disk.writes = 0;
   disk.fail_from = from;
@@ -641,7 +641,7 @@ static void test_full_disk(void)
 static void refuse_create(const rig *r, const char *path, ct_status want, const char *reason)
 {
   ct_output *output = NULL;
-  ct_error error = {CT_OK, 0, 0, 0, ""};
+  ct_error error = {0};
   ct_status status = ct_output_create(path, &r->problem, &ALL, &output, &error);
   tap_ok(status == want && output == NULL && error.code == want &&
              strstr(error.text, reason) != NULL,
@@ -782,7 +782,7 @@ static void test_wrong_state(void)
 {
   rig *r = rig_create(0, 1), *other = rig_create(0, 0);
   const char *path = in_folder("wrong.vtkhdf");
-  ct_error error = {CT_OK, 0, 0, 0, ""};
+  ct_error error = {0};
   ct_output *output = must_create(r, path);
   ct_state *state = state_create(r), *foreign = state_create(other);
   pose(r, state, 0);
@@ -811,7 +811,7 @@ static void test_wrong_state(void)
 static void refuse_restart(const rig *r, const char *path, ct_status want, const char *reason)
 {
   ct_state *state = state_create(r);
-  ct_error error = {CT_OK, 0, 0, 0, ""};
+  ct_error error = {0};
   ct_status status = ct_output_restart(path, &r->problem, state, &error);
   tap_ok(status == want && strstr(error.text, reason) != NULL && state->step == 0,
          "restart refused: %s", error.text);

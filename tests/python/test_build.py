@@ -211,7 +211,7 @@ def test_an_addon_without_its_package_refuses_every_call(part, tmp_path):
         "static int refused(ct_status status, const ct_error *e) { return status == CT_ERROR_UNSUPPORTED && e->code == status && e->text[0] != 0; }\n"
         "int main(void)\n{\n  int good = 1;\n"
         + "".join(
-            f"  {{ ct_error e = {{CT_OK, 0, 0, 0, {{0}}}}; ct_status s = {name}({'0, ' * arguments.count(',')}&e); good = good && refused(s, &e); }}\n"
+            f"  {{ ct_error e = {{0}}; ct_status s = {name}({'0, ' * arguments.count(',')}&e); good = good && refused(s, &e); }}\n"
             for name, arguments in calls
         )
         + "  return !good;\n}\n"

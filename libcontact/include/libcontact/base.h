@@ -83,13 +83,13 @@ typedef struct ct_error {
   int64_t element;
   /** Node, Gauss point or row, likewise. */
   int64_t point;
+  /** One sentence for a person in UTF-8, ended by a zero byte; "..." at its end stands for what was
+   * longer still. */
+  char text[1024];
   /** The part of the scene that `ct_scene_build` could not make. */
   ct_scene_part part;
   /** Its number among the parts of its kind, counted from 0. */
   int32_t number;
-  /** One sentence for a person in UTF-8, ended by a zero byte; "..." at its end stands for what was
-   * longer still. */
-  char text[1024];
 } ct_error;
 
 /** A short name for a status, for example ``"inverted or collapsed element"``; never null. */
