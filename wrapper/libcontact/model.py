@@ -42,7 +42,14 @@ POINTS = words("ct_contact_rule")
 INITIAL = words("ct_initial")
 INTEGRATORS = words("ct_scheme")
 LAYERS = words("ct_layers")
-SAVINGS = tuple(name for name, _ in ffi.typeof("ct_savings").fields)
+# Keys of run.savings, and what the C library calls them.
+OPTIMISATIONS = {
+    "quiet": "sleep",
+    "plane_strain": "plane_strain",
+    "congruent": "shared_stiffness",
+    "distant": "separated",
+}
+SAVINGS = tuple(OPTIMISATIONS)
 FIELDS = ("displacement", "velocity", "stress")
 AXES = ("x", "y", "z")
 # What the C library takes where nothing is said.

@@ -21,6 +21,7 @@ from .model import (
     INTEGRATORS,
     KERNELS,
     LUMPINGS,
+    OPTIMISATIONS,
     Body,
     Contact,
     History,
@@ -30,13 +31,6 @@ from .model import (
 from .parts import Parts
 from .schema import SceneError, Table, float_array, index_array, word, words
 
-# Keys of run.savings and what the C library calls them.
-OPTIMISATIONS = {
-    "quiet": "sleep",
-    "plane_strain": "plane_strain",
-    "congruent": "shared_stiffness",
-    "distant": "separated",
-}
 MOST_STEPS = 10**12
 NO_FACES = "has no faces: no outer face of the body lies in that plane"
 # Bytes of a contact for each of its points: the point itself, its memory, its share of the faces and their search. Of an integrator for
