@@ -50,7 +50,7 @@ static void *keep(play *p, size_t count, size_t size)
 static ct_mesh *any_mesh(play *p, int number, int may_be_bad)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   ct_mesh *mesh = NULL;
   ct_brick_kind kind = (ct_brick_kind)(chance(d, 4) ? CT_HEX20 : CT_HEX8);
   if (d->wild && chance(d, 20)) kind = (ct_brick_kind)(below(d, 5) - 1);
@@ -93,7 +93,7 @@ static ct_material any_material(dice *d)
 static void add_body(play *p)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   ct_mesh *mesh = any_mesh(p, p->body_count, 1);
   if (mesh == NULL) return;
   ct_material material = any_material(d);
@@ -166,7 +166,7 @@ static int32_t *any_nodes(play *p, int body, int joined, int32_t *count)
 static void add_contact(play *p)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   ct_scene_contact c = {.body_a = below(d, p->body_count),
                         .body_b = below(d, p->body_count),
                         .beta = between(d, 0.1, 5.0),
@@ -195,7 +195,7 @@ static void add_contact(play *p)
 static void add_support(play *p)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   ct_scene_support s = {.body = below(d, p->body_count)};
   s.nodes = any_nodes(p, s.body, 0, &s.node_count);
   for (int c = 0; c < 3; c++) {
@@ -218,7 +218,7 @@ static ct_history any_history(play *p)
     value[i] = real(d);
   }
   ct_history h = {count, time, value};
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   if (TRY(ct_history_check(&h, &e)) == CT_OK) (void)ct_history_value(&h, between(d, -1.0, 3.0));
   return h;
 }
@@ -234,7 +234,8 @@ static ct_status springs_force(const ct_effect *effect, const ct_view *view, dou
 {
   const springs *s = effect->data;
   if (view->time > s->fails) {
-    if (error != NULL) *error = (ct_error){CT_ERROR_UNSUPPORTED, -1, -1, -1, "the springs fail"};
+    if (error != NULL)
+      *error = (ct_error){.code = CT_ERROR_UNSUPPORTED, .text = "the springs fail"};
     return CT_ERROR_UNSUPPORTED;
   }
   for (int64_t i = 0; i < effect->node_count; i++)
@@ -257,7 +258,7 @@ static ct_status springs_energy(const ct_effect *effect, const ct_view *view, do
 static ct_effect *own_effect(play *p, int body)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   springs *data = keep(p, 1, sizeof *data);
   *data = (springs){p->joined, between(d, 0.0, 1.0), chance(d, 8) ? between(d, 0.0, 0.5) : 1e300};
   ct_effect filled = {.label = "springs",
@@ -277,7 +278,7 @@ static ct_effect *own_effect(play *p, int body)
 static ct_effect *surface_effect(play *p, int body)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   ct_effect *effect = NULL;
   ct_face_kind kind;
   int32_t count, *faces = any_faces(p, body, 1, &count, &kind);
@@ -326,7 +327,7 @@ static ct_effect *surface_effect(play *p, int body)
 static ct_effect *body_effect(play *p, int body)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   ct_effect *effect = NULL;
   int32_t *bodies = keep(p, 2, sizeof *bodies), count = below(d, 2);
   bodies[0] = d->wild && chance(d, 10) ? 9 : body;
@@ -362,7 +363,7 @@ static ct_effect *body_effect(play *p, int body)
 static void add_effect(play *p)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   if (TRY(ct_scene_join(p->scene, &p->joined, &e)) != CT_OK) return;
   int body = below(d, p->body_count);
   ct_effect *effect = chance(d, 3)   ? own_effect(p, body)
@@ -388,7 +389,7 @@ static void drop_states(play *p)
 static void build(play *p)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   ct_stable_step stable;
   ct_scene_time time = {.end = between(d, 0.05, 3.0), .threads = 1};
   double value = between(d, 0.1, 1.0);
@@ -424,7 +425,7 @@ static int all_finite(const double *values, int64_t count)
 static void ask(play *p, ct_state *s)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   const ct_problem *q = p->problem;
   int k = below(d, q->effect_count + (d->wild ? 2 : 0));
   double number[8] = {0.0}, *field = room((size_t)q->node_count, 3 * sizeof *field);
@@ -474,7 +475,7 @@ static void ask(play *p, ct_state *s)
 
 static void look_at_contact(play *p, ct_state *s)
 {
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   const ct_contact *contact =
       ct_state_contact(p->problem, s, below(p->d, p->problem->effect_count), &e);
   p->d->calls++;
@@ -490,7 +491,7 @@ static void look_at_contact(play *p, ct_state *s)
 
 static void stresses(play *p, const ct_state *s)
 {
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   const ct_body *body = &p->problem->bodies[below(p->d, p->problem->body_count)];
   double *stress = room((size_t)body->mesh->element_count, 6 * sizeof *stress);
   (void)TRY(ct_solid_stress(body->mesh, &body->material,
@@ -501,7 +502,7 @@ static void stresses(play *p, const ct_state *s)
 static void step(play *p, ct_state *s)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   int count = below(d, 6);
   if (d->wild && chance(d, 30))
     s->velocity[below(d, 3 * s->node_count)] = chance(d, 2) ? (double)NAN : 1e3 * real(d);
@@ -516,7 +517,7 @@ static void step(play *p, ct_state *s)
 static void watch(play *p, ct_state *s)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   if (p->watch == NULL) {
     ct_watch_options options = ct_watch_options_default();
     options.every = 1 + below(d, 5);
@@ -538,7 +539,7 @@ static void watch(play *p, ct_state *s)
 static void copy(play *p)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   ct_state *from = p->state[below(d, MOST_STATES)], *to = p->state[below(d, MOST_STATES)];
   if (from == NULL || to == NULL || from == to ||
       TRY(ct_state_copy(p->problem, from, to, &e)) != CT_OK)
@@ -554,7 +555,7 @@ static void copy(play *p)
 static void refine(play *p, ct_state *from)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   ct_problem fine = *p->problem;
   ct_state *to = NULL;
   fine.dt /= d->wild ? between(d, 0.5, 4.0) : 1 + below(d, 4);
@@ -574,7 +575,7 @@ static void refine(play *p, ct_state *from)
 static void files(play *p, ct_state *s)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   char path[300];
   ct_output *out = NULL;
   ct_output_options options = {below(d, 2), below(d, 2), below(d, 2),
@@ -620,7 +621,7 @@ static void files(play *p, ct_state *s)
 static void play_on(play *p)
 {
   dice *d = p->d;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   int i = below(d, MOST_STATES);
   if (p->state[i] == NULL) {
     if (TRY(ct_state_create(p->problem, &p->state[i], &e)) != CT_OK) p->state[i] = NULL;
@@ -665,7 +666,7 @@ static void play_on(play *p)
 static void play_scene(dice *d)
 {
   play p = {.d = d};
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   demand(checked(d, ct_scene_create(&p.scene, &e), &e) == CT_OK, "an empty scene");
   total_scenes++;
   for (int i = 1 + below(d, MOST_BODIES); i > 0; i--) add_body(&p);
@@ -688,7 +689,7 @@ static void play_scene(dice *d)
 static void play_element(dice *d)
 {
   play whole = {.d = d}, *p = &whole;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   ct_brick_kind kind = (ct_brick_kind)below(d, 2);
   int per = ct_brick_node_count(kind);
   double x[20][3], u[60], mass[20], force[60], energy[2], stress[6], omega, N[20], dN[20][3];
@@ -783,7 +784,7 @@ static void play_exact(dice *d)
 static void play_surfaces(dice *d)
 {
   play whole = {.d = d}, *p = &whole;
-  ct_error e = {CT_OK, 0, 0, 0, ""};
+  ct_error e = {0};
   whole.mesh[0] = any_mesh(p, 0, 0), whole.mesh[1] = any_mesh(p, 1, 0);
   ct_surface s[2];
   ct_search *search = NULL;
