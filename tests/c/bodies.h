@@ -11,6 +11,8 @@
 #include <string.h>
 #include "defs.h"
 
+static const char *const ENFORCEMENT[] = {"penalty", "energy_controlled", "bipenalty", "lagrange"};
+
 static unsigned long long bodies_seed = 88172645463325252ull;
 
 /* Uniform on (-a, a). */
@@ -404,7 +406,7 @@ static inline ct_status add_rough_contact(ct_scene *scene, int32_t a, const ct_m
 {
   ct_contact_options options = ct_contact_options_default();
   options.enforcement = CT_ENFORCE_PENALTY;
-  options.initial = CT_INITIAL_PUSH;
+  options.initial_penetration = CT_INITIAL_PUSH;
   return add_contact_with(scene, a, mesh_a, at_a, b, mesh_b, at_b, axis, beta, options, friction,
                           tangent);
 }

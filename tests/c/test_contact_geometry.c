@@ -530,7 +530,7 @@ static void ratios(void)
 static double listed(const ct_contact *contact)
 {
   double count = 0.0, faces = 0.0;
-  for (int s = 0; s < contact->sides; s++) {
+  for (int s = 0; s < contact->fixed->sides; s++) {
     const ct_search *search = contact->side[s].search;
     count += contact->side[s].candidate_first[search->face_count];
     faces += search->face_count;
@@ -583,11 +583,11 @@ static void seen_before_it_comes_in(void)
   options.epsilon = 1.0;
   ct_contact *contact = NULL;
   need(ct_contact_create(&surface[0], &surface[1], &options, &contact, &e), &e);
-  double *x = numbers(3 * above->node_count), height = 20.25 + 0.3 * contact->room;
+  double *x = numbers(3 * above->node_count), height = 20.25 + 0.3 * contact->fixed->approach;
   int64_t count = ct_contact_point_count(contact);
   ct_contact_point *now = room(count, sizeof *now), *before = room(count, sizeof *before);
   int wrong = 0, inside = 0, unseen = 0;
-  for (; height > -1.2; height -= contact->room) {
+  for (; height > -1.2; height -= contact->fixed->approach) {
     for (int n = 0; n < above->node_count; n++)
       for (int c = 0; c < 3; c++) x[3 * n + c] = above->nodes[3 * n + c] + (c == 2 ? height : 0.0);
     need(ct_contact_update(contact, below->nodes, x, &e), &e);
@@ -606,7 +606,7 @@ static void seen_before_it_comes_in(void)
   tap_ok(
       inside > 50 && unseen == 0 && wrong == 0,
       "steps of %g, as large as allowed: %d points came in, %d of them unseen, %d with a wrong gap",
-      contact->room, inside, unseen, wrong);
+      contact->fixed->approach, inside, unseen, wrong);
   ct_contact_free(contact);
   for (int s = 0; s < 2; s++) {
     free(faces[s]);

@@ -1,5 +1,6 @@
 /* What a contact remembers of its points, step by step by hand: every number that one step leaves
  * to the next goes through the effect's memory here. */
+#include "../../libcontact/src/contact/contact_internal.h"
 #include "patches.h"
 
 /* The contact effect of two surfaces of one problem, asked step by step; nothing but its memory
@@ -37,7 +38,10 @@ static hand new_hand(const patch *a, const patch *b, const ct_contact_options *o
   h.mass = numbers(h.nodes), h.u = numbers(3 * h.nodes), h.rest = numbers(3 * h.nodes),
   h.force = numbers(3 * h.nodes);
   for (int n = 0; n < h.nodes; n++) h.mass[n] = 1.0;
-  need(ct_contact_create_effect(&h.a.surface, &h.b.surface, options, h.mass, &h.effect, &e), &e);
+  const ct_problem problem = {.node_count = h.nodes, .reference = h.reference, .mass = h.mass};
+  ct_contact_def def = ct_contact_def_default();
+  def.a = &h.a.surface, def.b = &h.b.surface, def.options = *options;
+  need(ct_contact_create_effect(&def, &problem, &h.effect, &e), &e);
   h.memory = numbers(h.effect->memory_count);
   h.next = numbers(h.effect->memory_count);
   return h;
@@ -122,10 +126,11 @@ static void start_gap_opens(void)
       {-0.015, 0.005}, {0.01, 0.0},
       {0.02, 0.0}, // out for two steps: none is left
       {-0.02, 0.02},   {-0.001, 0.001}};
-  hand h = two_flat_patches(
-      (ct_contact_options){
-          .method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP},
-      -0.05);
+  hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST,
+                                                 .tolerance = 1e-10,
+                                                 .threads = 1,
+                                                 .initial_penetration = CT_INITIAL_KEEP},
+                            -0.05);
   double force = 0.0, energy = 0.0, stored;
   for (size_t i = 0; i < sizeof by_hand / sizeof by_hand[0]; i++) {
     double d = by_hand[i].depth;
@@ -139,10 +144,11 @@ static void start_gap_opens(void)
          force, energy);
   // Far away no face is near, and the start gap is gone.
   free_hand(&h);
-  h = two_flat_patches(
-      (ct_contact_options){
-          .method = CT_ROBUST, .tolerance = 1e-10, .threads = 1, .initial = CT_INITIAL_KEEP},
-      -0.05);
+  h = two_flat_patches((ct_contact_options){.method = CT_ROBUST,
+                                            .tolerance = 1e-10,
+                                            .threads = 1,
+                                            .initial_penetration = CT_INITIAL_KEEP},
+                       -0.05);
   static const opening away[] = {{-0.05, 0.0}, {50.0, 0.0}, {50.0, 0.0}, {-0.03, 0.03}};
   force = 0.0;
   for (int i = 0; i < 4; i++)
@@ -219,7 +225,7 @@ static void start_gaps_are_adjusted(void)
     hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST,
                                                    .tolerance = 1e-10,
                                                    .threads = 1,
-                                                   .initial = c->initial,
+                                                   .initial_penetration = c->initial,
                                                    .adjust = c->adjust},
                               c->step[0].gap);
     double force = 0.0, energy = 0.0, stored;
@@ -340,8 +346,8 @@ static void start_gap_fades(void)
   hand h = two_flat_patches((ct_contact_options){.method = CT_ROBUST,
                                                  .tolerance = 1e-10,
                                                  .threads = 1,
-                                                 .initial = CT_INITIAL_REMOVE,
-                                                 .removal = T},
+                                                 .initial_penetration = CT_INITIAL_REMOVE,
+                                                 .removal_time = T},
                             g0);
   double off = 0.0, stored, work, F1 = EPSILON * area * (half * g0 - g0), F2, g2 = -0.01 / half;
   off = worst(off, take(&h, g0, 0.0, &stored, &work));
@@ -436,6 +442,57 @@ static void same_as_the_host(void)
   free(z);
 }
 
+/* Two states of one effect share what never changes and nothing that does; no definition is taken
+ * that does not start from its default. */
+static void states_share(void)
+{
+  hand h = two_flat_patches(ct_contact_options_default(), 0.02);
+  void *scratch[2] = {NULL, NULL};
+  ct_error e;
+  for (int k = 0; k < 2; k++) need(h.effect->create_scratch(h.effect, &scratch[k], &e), &e);
+  const ct_contact *a = scratch[0], *b = scratch[1];
+  int shared = a->fixed == b->fixed, own = a->own == NULL && b->own == NULL;
+  for (int s = 0; s < 2; s++) {
+    const ct_side *x = &a->side[s], *y = &b->side[s];
+    shared &= x->search->faces == y->search->faces && x->search->nodes == y->search->nodes &&
+              x->search->faces == a->fixed->side[s].search->faces &&
+              x->points[0].row.own_shape == y->points[0].row.own_shape &&
+              x->points[0].row.own == y->points[0].row.own;
+    own &= x->search->x != y->search->x && x->search->boxes != y->search->boxes &&
+           x->search->tree != y->search->tree && x->points != y->points &&
+           x->search->x != a->fixed->side[s].search->x;
+  }
+  tap_ok(shared && own, "two states share topology, shape functions and weights; coordinates, "
+                        "boxes, trees and points are their own");
+  for (int k = 0; k < 2; k++) h.effect->free_scratch(scratch[k]);
+  const ct_problem problem = {.node_count = h.nodes, .reference = h.reference, .mass = h.mass};
+  ct_effect *effect = NULL;
+  ct_contact_def contact = ct_contact_def_default(), foreign;
+  contact.a = &h.a.surface, contact.b = &h.b.surface, contact.options.epsilon = EPSILON;
+  ct_obstacle_def obstacle = ct_obstacle_def_default();
+  ct_friction_def friction = ct_friction_def_default();
+  friction.on = h.effect, friction.coefficient = 0.3;
+  contact.cookie++, obstacle.cookie++, friction.cookie++;
+  tap_ok(ct_contact_create_effect(&contact, &problem, &effect, &e) == CT_ERROR_ARGUMENT &&
+             ct_obstacle_create_effect(&obstacle, &problem, &effect, &e) == CT_ERROR_ARGUMENT &&
+             ct_friction_create_effect(&friction, &problem, &effect, &e) == CT_ERROR_ARGUMENT &&
+             effect == NULL,
+         "definitions without their cookie are refused: %s", e.text);
+  foreign = contact;
+  foreign.cookie--;
+  ct_surface elsewhere = h.b.surface;
+  elsewhere.reference = h.u;
+  foreign.b = &elsewhere;
+  tap_ok(ct_contact_create_effect(&foreign, &problem, &effect, &e) == CT_ERROR_ARGUMENT &&
+             effect == NULL,
+         "and so is a surface over other nodes than the problem's: %s", e.text);
+  friction.cookie--;
+  ct_status status = ct_friction_create_effect(&friction, &problem, &effect, &e);
+  tap_ok(status == CT_OK && effect->kind == CT_EFFECT_FRICTION, "with the cookie it is taken");
+  ct_effect_free(effect);
+  free_hand(&h);
+}
+
 /* A point stands off the corner of a quadratic brick while nodes on the edges there move until the
  * faces are turned inside out. The point is not inside for that (eq:gap-bound). */
 static void corner_turned_inside_out(void)
@@ -486,6 +543,7 @@ int main(void)
   start_gap_fades();
   history_in_memory();
   same_as_the_host();
+  states_share();
   corner_turned_inside_out();
   return tap_done();
 }

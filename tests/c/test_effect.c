@@ -56,7 +56,7 @@ static void named(const char *name)
   ct_stable_step stable;
   need(ct_scene_join(scene, &joined, &e), &e);
   need(ct_effect_create(&filled, &effect, &e), &e);
-  ct_friction rub = {.on = effect, .coefficient = 0.3};
+  ct_friction_def rub = {COOKIE, .tangent = 1.0, .on = effect, .coefficient = 0.3};
   tap_ok(ct_friction_create_effect(&rub, joined, &friction, &e) == CT_ERROR_ARGUMENT &&
              friction == NULL,
          "a host's effect \"%s\" has no points that rub: %s", name, e.text);

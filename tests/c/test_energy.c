@@ -141,7 +141,7 @@ static touching open_touching(ct_brick_kind kind, int plate, ct_enforcement enfo
                 0.0};
   ct_contact_options options = ct_contact_options_default();
   options.enforcement = enforcement;
-  options.initial = lap > 0.0 ? CT_INITIAL_PUSH : options.initial;
+  options.initial_penetration = lap > 0.0 ? CT_INITIAL_PUSH : options.initial_penetration;
   for (int b = 0; b < 2; b++)
     add_body(t.scene, b ? "right" : "left", t.mesh[b], &STEEL, CT_KERNEL_AUTO, b ? -v : v, 0, 0);
   add_contact_with(t.scene, 0, t.mesh[0], 0.0, 1, t.mesh[1], -lap, 0, beta, options, 0.0, 0.0);
@@ -193,8 +193,8 @@ static void first_row(void)
       tap_ok(kinetic < 1e-12 && total < 1e-12 && work == 0.0 && balance < 1e-13,
              "first row, %s of %s that touch, %s, four integrators: kinetic energy off by %.1e, "
              "total by %.1e, balance then %.1e",
-             k / 2 ? "plates" : "rods", k % 2 ? "hex20" : "hex8",
-             ct_enforcement_name((ct_enforcement)e), kinetic, total, balance);
+             k / 2 ? "plates" : "rods", k % 2 ? "hex20" : "hex8", ENFORCEMENT[(ct_enforcement)e],
+             kinetic, total, balance);
     }
   for (int e = 1; e < 4; e += 2) {
     touching t = open_touching(CT_HEX8, 0, (ct_enforcement)e, CT_CENTRAL_DIFFERENCE, 1e-4);
@@ -204,7 +204,7 @@ static void first_row(void)
     tap_ok(fabs(first.kinetic / t.moving - 1.0) < 1e-12 &&
                fabs(first.contact - stored) < 1e-12 * t.moving && t.stored > 0.1 * t.moving,
            "rods that overlap, %s: m v^2 / 2, and %.3g of it in the contact, as computed by hand",
-           ct_enforcement_name((ct_enforcement)e), first.contact / t.moving);
+           ENFORCEMENT[(ct_enforcement)e], first.contact / t.moving);
     ct_state_free(state);
     close_touching(&t);
   }
@@ -226,7 +226,7 @@ static void refined_start(void)
       advance(&fine, state, 1);
     }
     tap_ok(balance < 1e-13, "a start that goes on with a third of its step, %s: work balance %.1e",
-           ct_enforcement_name((ct_enforcement)e), balance);
+           ENFORCEMENT[(ct_enforcement)e], balance);
     ct_state_free(start);
     ct_state_free(state);
     close_touching(&t);
@@ -246,14 +246,15 @@ static void pressed_at_rest(void)
     ct_effect *effect = NULL;
     add_body(scene, "block", m, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
     need(ct_scene_join(scene, &joined, &error), &error);
-    ct_obstacle o = {.shape = CT_OBSTACLE_PLANE,
-                     .axis = {0, 0, 1},
-                     .epsilon = 4.0 * STEEL.young * 3.0,
-                     .enforcement = k ? CT_ENFORCE_LAGRANGE : CT_ENFORCE_ENERGY_CONTROLLED,
-                     .dissipation = 0.1,
-                     .kind = CT_Q4,
-                     .face_count = ct_mesh_plane_faces(m, 2, 0.0, faces, NULL),
-                     .faces = faces};
+    ct_obstacle_def o = {COOKIE,
+                         .shape = CT_OBSTACLE_PLANE,
+                         .axis = {0, 0, 1},
+                         .epsilon = 4.0 * STEEL.young * 3.0,
+                         .enforcement = k ? CT_ENFORCE_LAGRANGE : CT_ENFORCE_ENERGY_CONTROLLED,
+                         .dissipation = 0.1,
+                         .kind = CT_Q4,
+                         .face_count = ct_mesh_plane_faces(m, 2, 0.0, faces, NULL),
+                         .faces = faces};
     need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
     need(ct_scene_add_effect(scene, effect, &error), &error);
     ct_gravity_def gravity = {COOKIE, .acceleration = {0, 0, -9810}};

@@ -1,5 +1,6 @@
 /* Friction: the law of one patch, a block on an incline, momentum, rotation, mirror images, work,
  * restarts, the bound on the step. */
+#include "../../libcontact/src/contact/contact_internal.h"
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 4000.0, .poisson = 0.0, .density = 1.0};
@@ -191,7 +192,7 @@ static void momentum(ct_brick_kind kind, const char *name)
                               .options = ct_contact_options_default(),
                               .friction = 0.5};
   contact.options.enforcement = CT_ENFORCE_PENALTY;
-  contact.options.initial = CT_INITIAL_PUSH;
+  contact.options.initial_penetration = CT_INITIAL_PUSH;
   ct_error error;
   need(ct_scene_add_contact(scene, &contact, &error), &error);
   int64_t steps;
@@ -464,9 +465,10 @@ static void refusals(void)
   pressed t = new_pressed(0.5, 1.0, 0.0, -1);
   ct_effect *effect = NULL;
   ct_error error;
-  ct_friction none = {.coefficient = 0.3},
-              solid = {.on = t.problem->effects[0], .coefficient = 0.3},
-              negative = {.on = t.problem->effects[1], .coefficient = -0.3};
+  ct_friction_def none = {COOKIE, .tangent = 1.0, .coefficient = 0.3},
+                  solid = {COOKIE, .tangent = 1.0, .on = t.problem->effects[0], .coefficient = 0.3},
+                  negative = {COOKIE, .tangent = 1.0, .on = t.problem->effects[1],
+                              .coefficient = -0.3};
   tap_ok(ct_friction_create_effect(&none, t.problem, &effect, &error) == CT_ERROR_ARGUMENT &&
              strstr(error.text, "needs a contact"),
          "friction without contact: %s", error.text);

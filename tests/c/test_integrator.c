@@ -282,7 +282,7 @@ static void pressed_start(ct_scheme scheme, ct_enforcement enforcement)
   double off = largest_difference(v, p->initial_velocity, 3 * p->node_count),
          push = largest(force, 3 * p->node_count);
   tap_ok(off < 1e-13 && push > 0.0, "%s, %s: pressed from the start, velocity off by %.2g",
-         ct_scheme_name(scheme), ct_enforcement_name(enforcement), off);
+         ct_scheme_name(scheme), ENFORCEMENT[enforcement], off);
   free(v);
   free(force);
   ct_state_free(state);
@@ -417,13 +417,13 @@ static void ledger(ct_scheme scheme, ct_enforcement enforcement)
     for (int i = 0; i < 3; i++) momentum = worst(momentum, sum[i] / all);
   }
   tap_ok(touched > 0.1 * fabs(first[0].p[0]), "%s, %s: the bodies have met", ct_scheme_name(scheme),
-         ct_enforcement_name(enforcement));
+         ENFORCEMENT[enforcement]);
   tap_ok(balance < 1e-12, "%s, %s: work balance %.2g", ct_scheme_name(scheme),
-         ct_enforcement_name(enforcement), balance);
+         ENFORCEMENT[enforcement], balance);
   tap_ok(momentum < 1e-12, "%s, %s: momentum against impulses %.2g", ct_scheme_name(scheme),
-         ct_enforcement_name(enforcement), momentum);
+         ENFORCEMENT[enforcement], momentum);
   tap_ok(path < 1e-15, "%s, %s: a prescribed path is kept to %.2g", ct_scheme_name(scheme),
-         ct_enforcement_name(enforcement), path);
+         ENFORCEMENT[enforcement], path);
   ct_state_free(state);
   ct_scene_free(c.scene);
 }
@@ -447,9 +447,9 @@ static void equal_bits(ct_integrator integrator, ct_enforcement enforcement)
     same &= same_state(straight, copied);
   }
   tap_ok(same, "%s, %s: restarted after every step, the same bits",
-         ct_scheme_name(integrator.scheme), ct_enforcement_name(enforcement));
+         ct_scheme_name(integrator.scheme), ENFORCEMENT[enforcement]);
   tap_ok(same_state(straight, threads), "%s, %s: the same bits with two threads",
-         ct_scheme_name(integrator.scheme), ct_enforcement_name(enforcement));
+         ct_scheme_name(integrator.scheme), ENFORCEMENT[enforcement]);
   ct_state_free(straight);
   ct_state_free(copied);
   ct_state_free(threads);
@@ -493,13 +493,14 @@ static void bar_on_wall(ct_scheme scheme, double least, double most)
   ct_effect *effect;
   const ct_problem *joined;
   need(ct_scene_join(scene, &joined, &e), &e);
-  ct_obstacle wall = {.shape = CT_OBSTACLE_PLANE,
-                      .axis = {1, 0, 0},
-                      .epsilon = 900.0 / 0.1,
-                      .enforcement = CT_ENFORCE_PENALTY,
-                      .kind = CT_Q4,
-                      .face_count = ct_mesh_plane_faces(bar, 0, 5.0, faces, NULL),
-                      .faces = faces};
+  ct_obstacle_def wall = {COOKIE,
+                          .shape = CT_OBSTACLE_PLANE,
+                          .axis = {1, 0, 0},
+                          .epsilon = 900.0 / 0.1,
+                          .enforcement = CT_ENFORCE_PENALTY,
+                          .kind = CT_Q4,
+                          .face_count = ct_mesh_plane_faces(bar, 0, 5.0, faces, NULL),
+                          .faces = faces};
   need(ct_obstacle_create_effect(&wall, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   ct_problem q = *build(

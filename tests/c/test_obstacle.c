@@ -1,5 +1,6 @@
 /* Rigid obstacles: gaps against closed forms, forces against the energy, the bar on a wall,
  * impulse, work of motion, depth, friction, Hertz. */
+#include "../../libcontact/src/contact/contact_internal.h"
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.0, .density = 1.0};
@@ -21,7 +22,7 @@ static against begin(ct_mesh *mesh, const ct_material *material, double vx, doub
 }
 
 /* Add an obstacle against the faces in x[axis] = at; with friction if mu is not 0. */
-static void add_obstacle(against *t, ct_obstacle o, int axis, double at, double mu)
+static void add_obstacle(against *t, ct_obstacle_def o, int axis, double at, double mu)
 {
   ct_error error;
   ct_effect *effect = NULL, *friction = NULL;
@@ -34,7 +35,7 @@ static void add_obstacle(against *t, ct_obstacle o, int axis, double at, double 
   need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
   need(ct_scene_add_effect(t->scene, effect, &error), &error);
   if (mu != 0.0) {
-    ct_friction f = {.on = effect, .coefficient = mu};
+    ct_friction_def f = {COOKIE, .tangent = 1.0, .on = effect, .coefficient = mu};
     need(ct_friction_create_effect(&f, joined, &friction, &error), &error);
     need(ct_scene_add_effect(t->scene, friction, &error), &error);
   }
@@ -67,9 +68,10 @@ static void operations(void)
   for (int32_t n = 1; n < 20; n += 9) {
     against t =
         begin(box_mesh(CT_HEX8, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, n, n, n), &SOFT, 0.0, 0.0, 0.0);
-    add_obstacle(
-        &t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0.0, 0.0, 1.0}, .epsilon = 900.0}, 2,
-        0.0, 0.0);
+    add_obstacle(&t,
+                 (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0.0, 0.0, 1.0},
+                                   .epsilon = 900.0},
+                 2, 0.0, 0.0);
     finish(&t, 1.0, 0.5);
     double points = 4.0 * n * n, nodes = (n + 1.0) * (n + 1.0);
     double counted = (place + gap + force + spread + reaction) * points + node * nodes;
@@ -85,10 +87,11 @@ static void operations(void)
 static void gaps(void)
 {
   double n[3], p[3] = {3.0, 4.0, 7.0};
-  ct_obstacle plane = {.shape = CT_OBSTACLE_PLANE, .point = {0, 0, 1}, .axis = {0, 0, 2}};
-  ct_obstacle ball = {.shape = CT_OBSTACLE_SPHERE, .point = {0, 0, 7}, .radius = 2.0};
-  ct_obstacle pipe = {
-      .shape = CT_OBSTACLE_CYLINDER, .point = {0, 0, 100}, .axis = {0, 0, -3}, .radius = 6.0};
+  ct_obstacle_def plane = {COOKIE, .shape = CT_OBSTACLE_PLANE, .point = {0, 0, 1},
+                           .axis = {0, 0, 2}};
+  ct_obstacle_def ball = {COOKIE, .shape = CT_OBSTACLE_SPHERE, .point = {0, 0, 7}, .radius = 2.0};
+  ct_obstacle_def pipe = {COOKIE, .shape = CT_OBSTACLE_CYLINDER, .point = {0, 0, 100},
+                          .axis = {0, 0, -3}, .radius = 6.0};
   tap_ok(ct_obstacle_gap(&plane, p, n) == 6.0 && n[2] == 1.0, "plane: height over it");
   p[2] = -1e6;
   tap_ok(ct_obstacle_gap(&plane, p, n) == -1e6 - 1.0 && n[2] == 1.0,
@@ -101,7 +104,8 @@ static void gaps(void)
   tap_ok(fabs(n[0] - 0.6) < 1e-15 && fabs(n[1] - 0.8) < 1e-15 && n[2] == 0.0,
          "cylinder: normal away from the axis");
   double time[2] = {1.0, 2.0}, value[2] = {0.0, 1.0}, m[3];
-  ct_obstacle moving = {.velocity = {0, 1, 0}, .travel = {0, 0, 4}, .history = {2, time, value}};
+  ct_obstacle_def moving = {COOKIE, .velocity = {0, 1, 0}, .travel = {0, 0, 4},
+                            .history = {2, time, value}};
   const double at[5][3] = {{0.0, 0, 0}, {1.0, 1, 0}, {1.5, 1.5, 2}, {2.0, 2, 4}, {9.0, 9, 4}};
   int off = 0;
   for (int i = 0; i < 5; i++)
@@ -111,7 +115,7 @@ static void gaps(void)
 }
 
 /* Force against central differences of the energy, on a distorted body that is partly inside. */
-static void gradient(ct_brick_kind kind, ct_obstacle o, const char *name)
+static void gradient(ct_brick_kind kind, ct_obstacle_def o, const char *name)
 {
   ct_mesh *mesh = box_mesh(kind, -0.5, -0.5, 0, 1, 1, 1, 2, 2, 1);
   distort_inside(mesh, 0.05);
@@ -121,8 +125,8 @@ static void gradient(ct_brick_kind kind, ct_obstacle o, const char *name)
   finish(&t, 1.0, 0.5);
   const ct_effect *e = t.problem->effects[1];
   int64_t n = 3 * (int64_t)t.problem->node_count;
-  double *u = numbers(n), *f = numbers(n), *scrap = numbers(n), off = 0.0, memory[8] = {0}, next[8],
-         above, below, h = 1e-6;
+  double *u = numbers(n), *f = numbers(n), *scrap = numbers(n), off = 0.0, above, below, h = 1e-6,
+         *memory = numbers(e->memory_count), *next = numbers(e->memory_count);
   void *scratch;
   ct_error error;
   need(e->create_scratch(e, &scratch, &error), &error);
@@ -147,6 +151,8 @@ static void gradient(ct_brick_kind kind, ct_obstacle o, const char *name)
   }
   tap_ok(size > 0.0 && off < 1e-8 * size, "%s: force is minus the gradient of the energy (%.2g)",
          name, off / size);
+  free(memory);
+  free(next);
   e->free_scratch(scratch);
   free(u), free(f), free(scrap);
   end(&t);
@@ -161,9 +167,8 @@ static void bar(void)
          drift = 0.0, count = 0.0;
   ct_error error;
   add_obstacle(&t,
-               (ct_obstacle){.shape = CT_OBSTACLE_PLANE,
-                             .axis = {1, 0, 0},
-                             .epsilon = ct_contact_penalty(1.0, 900.0, 0.1)},
+               (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {1, 0, 0},
+                                 .epsilon = ct_contact_penalty(1.0, 900.0, 0.1)},
                0, 5.0, 0.0);
   finish(&t, 1.5, 0.4);
   double start = energy_of(t.problem, t.state).total;
@@ -195,12 +200,13 @@ static void bar(void)
 static void moving_wall(int history)
 {
   double times[2] = {0.0, 2.0}, share[2] = {0.0, 1.0}, force[3], work, drift = 0.0, balance = 0.0;
-  ct_obstacle o = {.shape = CT_OBSTACLE_PLANE,
-                   .axis = {1, 0, 0},
-                   .epsilon = ct_contact_penalty(1.0, 900.0, 0.2),
-                   .velocity = {history ? 0.0 : 10.0, 0, 0},
-                   .travel = {history ? 20.0 : 0.0, 0, 0},
-                   .history = {history ? 2 : 0, times, share}};
+  ct_obstacle_def o = {COOKIE,
+                       .shape = CT_OBSTACLE_PLANE,
+                       .axis = {1, 0, 0},
+                       .epsilon = ct_contact_penalty(1.0, 900.0, 0.2),
+                       .velocity = {history ? 0.0 : 10.0, 0, 0},
+                       .travel = {history ? 20.0 : 0.0, 0, 0},
+                       .history = {history ? 2 : 0, times, share}};
   against t = begin(box_mesh(CT_HEX8, 5, 0, 0, 10, 0.1, 0.1, 50, 1, 1), &SOFT, 0, 0, 0);
   ct_error error;
   add_obstacle(&t, o, 0, 5.0, 0.0);
@@ -228,8 +234,9 @@ static void depth(void)
   against t = begin(box_mesh(CT_HEX8, 0, 0, -50, 1, 1, 1, 1, 1, 1), &SOFT, 0, 0, 0);
   double force[3], work;
   ct_error error;
-  add_obstacle(&t, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 2.0}, 2,
-               -50.0, 0.0);
+  add_obstacle(
+      &t, (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = 2.0},
+      2, -50.0, 0.0);
   finish(&t, 1.0, 0.5);
   need(ct_obstacle_reaction(t.problem, t.state, 1, force, &work, &error), &error);
   tap_close(force[2], -100.0, 1e-12,
@@ -247,9 +254,8 @@ static void incline(double mu, double vx, int slips)
          lost = 0.0, held, work;
   ct_error error;
   add_obstacle(&t,
-               (ct_obstacle){.shape = CT_OBSTACLE_PLANE,
-                             .axis = {0, 0, 1},
-                             .epsilon = ct_contact_penalty(1.0, 900.0, 0.25)},
+               (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1},
+                                 .epsilon = ct_contact_penalty(1.0, 900.0, 0.25)},
                2, t.mesh->nodes[2], mu);
   add_weight(t.scene, (weight){.g = {slips ? g * s : 0.1 * g * s, 0.0, -g * c}});
   finish(&t, 1.0, 0.4);
@@ -298,11 +304,12 @@ static void mirrored(void)
   against t[2] = {begin(mesh, &SOFT, 0.3, 0.1, 0.0), begin(image, &SOFT, -0.3, 0.1, 0.0)};
   for (int k = 0; k < 2; k++) {
     double sign = k == 0 ? 1.0 : -1.0;
-    ct_obstacle o = {.shape = CT_OBSTACLE_SPHERE,
-                     .point = {sign * 0.4, 0.6, -1.9},
-                     .radius = 2.0,
-                     .epsilon = 500.0,
-                     .velocity = {sign * 0.2, 0.0, 0.5}};
+    ct_obstacle_def o = {COOKIE,
+                         .shape = CT_OBSTACLE_SPHERE,
+                         .point = {sign * 0.4, 0.6, -1.9},
+                         .radius = 2.0,
+                         .epsilon = 500.0,
+                         .velocity = {sign * 0.2, 0.0, 0.5}};
     add_obstacle(&t[k], o, 2, 0.0, 0.4);
     finish(&t[k], 0.5, 0.5);
     advance(t[k].problem, t[k].state, 40);
@@ -335,12 +342,13 @@ static void hertz(void)
   add_support(t.scene, 0, mesh, 2, -size, "z", 0.0);
   double times[2] = {0.0, 0.4}, share[2] = {0.0, 1.0}, force[3], work;
   double h = ct_mesh_shortest_edge(mesh), epsilon = ct_contact_penalty(2.0, 1000.0, h);
-  ct_obstacle o = {.shape = CT_OBSTACLE_SPHERE,
-                   .point = {0, 0, R},
-                   .radius = R,
-                   .epsilon = epsilon,
-                   .travel = {0, 0, -depth},
-                   .history = {2, times, share}};
+  ct_obstacle_def o = {COOKIE,
+                       .shape = CT_OBSTACLE_SPHERE,
+                       .point = {0, 0, R},
+                       .radius = R,
+                       .epsilon = epsilon,
+                       .travel = {0, 0, -depth},
+                       .history = {2, times, share}};
   add_obstacle(&t, o, 2, 0.0, 0.0);
   add_weight(t.scene, (weight){.damping = 6.0});
   finish(&t, 1.2, 0.9);
@@ -376,13 +384,14 @@ static void refusals(void)
   int32_t faces[4] = {0, 1, 3, 2}, outside[4] = {0, 1, 3, 88};
   double times[2] = {1.0, 0.0}, share[2] = {0.0, 1.0};
   need(ct_scene_join(t.scene, &joined, &error), &error);
-  ct_obstacle good = {.shape = CT_OBSTACLE_PLANE,
-                      .axis = {0, 0, 1},
-                      .epsilon = 1.0,
-                      .kind = CT_Q4,
-                      .face_count = 1,
-                      .faces = faces};
-  ct_obstacle bad[8] = {good, good, good, good, good, good, good, good};
+  ct_obstacle_def good = {COOKIE,
+                          .shape = CT_OBSTACLE_PLANE,
+                          .axis = {0, 0, 1},
+                          .epsilon = 1.0,
+                          .kind = CT_Q4,
+                          .face_count = 1,
+                          .faces = faces};
+  ct_obstacle_def bad[8] = {good, good, good, good, good, good, good, good};
   bad[0].epsilon = 0.0;
   bad[1].axis[2] = 0.0;
   bad[2].shape = CT_OBSTACLE_SPHERE;
@@ -397,8 +406,9 @@ static void refusals(void)
   end(&t);
   // The middle of the one face stands in the centre of a sphere, where no direction leads out.
   against inner = begin(box_mesh(CT_HEX20, -0.5, -0.5, 0, 1, 1, 1, 1, 1, 1), &SOFT, 0, 0, 0);
-  add_obstacle(&inner, (ct_obstacle){.shape = CT_OBSTACLE_SPHERE, .radius = 1.0, .epsilon = 1.0}, 2,
-               0.0, 0.0);
+  add_obstacle(
+      &inner, (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_SPHERE, .radius = 1.0, .epsilon = 1.0},
+      2, 0.0, 0.0);
   const ct_problem *problem;
   int64_t steps;
   ct_scene_time time = {.end = 1.0, .fraction = 0.5, .threads = 1};
@@ -412,15 +422,15 @@ int main(void)
 {
   operations();
   gaps();
-  gradient(CT_HEX8, (ct_obstacle){.shape = CT_OBSTACLE_PLANE, .axis = {0.1, 0.2, 1}}, "plane, Q4");
+  gradient(CT_HEX8, (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0.1, 0.2, 1}},
+           "plane, Q4");
   gradient(CT_HEX20,
-           (ct_obstacle){.shape = CT_OBSTACLE_SPHERE, .point = {0.1, 0, -0.9}, .radius = 1.0},
+           (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_SPHERE, .point = {0.1, 0, -0.9},
+                             .radius = 1.0},
            "sphere, Q8");
   gradient(CT_HEX8,
-           (ct_obstacle){.shape = CT_OBSTACLE_CYLINDER,
-                         .point = {0, 0.1, -0.95},
-                         .axis = {1, 0.3, 0},
-                         .radius = 1.0},
+           (ct_obstacle_def){COOKIE, .shape = CT_OBSTACLE_CYLINDER, .point = {0, 0.1, -0.95},
+                             .axis = {1, 0.3, 0}, .radius = 1.0},
            "cylinder, Q4");
   bar();
   moving_wall(0);

@@ -61,17 +61,17 @@ static void flight(ct_brick_kind kind, int self)
   for (int step = 0; step <= STEPS; step++) {
     double omega[2] = {0.0, 0.0};
     fly(X, nodes, step / (double)STEPS, x);
-    c[1]->side[0].points[0].gap = 42.0; // stands only when nobody has searched
+    c[1]->side[0].points[0].row.gap = 42.0; // stands only when nobody has searched
     for (int k = 0; k < 2; k++) {
       c[k]->side[0].points[1].other = 0; // as an older state may say
       memset(f[k], 0, 24 * (size_t)nodes);
       memset(p[k], 0, (size_t)points * sizeof **p);
       need(ct_contact_update(c[k], x, x, &e), &e);
-      if (k == 1 && c[1]->side[0].points[0].gap == 42.0)
-        c[1]->side[0].points[0].gap = NAN, skipped++;
+      if (k == 1 && c[1]->side[0].points[0].row.gap == 42.0)
+        c[1]->side[0].points[0].row.gap = NAN, skipped++;
       ct_contact_add_force(c[k], f[k], f[k]);
       ct_contact_points(c[k], p[k]);
-      if (step % 7 == 0) ct_contact_frequency(c[k], mass, mass, &omega[k]);
+      if (step % 7 == 0) ct_contact_omega2_bound(c[k], mass, mass, &omega[k]);
     }
     looks += last != c[1]->side[0].x_built[0];
     last = c[1]->side[0].x_built[0];

@@ -191,7 +191,7 @@ static void meeting(ct_scheme scheme, ct_enforcement enforcement)
              fabs(after.work - before.work) < 2e-3 * size,
          "%s, %s: balance and momentum do not notice the change (%.2g) and close after it (%.2g); "
          "the work of all effects moves by %.2g",
-         ct_scheme_name(scheme), ct_enforcement_name(enforcement), change / size, closes / size,
+         ct_scheme_name(scheme), ENFORCEMENT[enforcement], change / size, closes / size,
          (after.work - before.work) / size);
   ct_state_free(state);
   ct_state_free(rest);

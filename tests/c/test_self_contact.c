@@ -1,5 +1,6 @@
 /* Contact of a surface with itself: a strip folded upon itself, a ring cut open, closed thin
  * bodies, all that must not touch. */
+#include "../../libcontact/src/contact/contact_internal.h"
 #include "bodies.h"
 
 static const char *KIND[4] = {"Q4", "Q8", "T3", "T6"};
@@ -207,7 +208,7 @@ static void bound(ct_face_kind kind)
   energy_at(contact, p.x);
   forces(contact, n / 3, f0);
   for (int i = 0; i < n; i++) v[i] = uniform(1.0), mass[i] = 0.5 + 0.01 * (i % 7);
-  need(ct_contact_frequency(contact, mass, NULL, &square), &e);
+  need(ct_contact_omega2_bound(contact, mass, NULL, &square), &e);
   need(ct_contact_stable_step(contact, mass, NULL, &dt), &e);
   for (int k = 0; k < 60; k++) {
     double work = 0.0, kinetic = 0.0, top = largest(v, n);
@@ -569,7 +570,7 @@ static void refusals(void)
   tap_ok(energy_at(contact, p.reference) == 0.0 &&
              ct_contact_resultant(contact, F, F, NULL, NULL) == CT_OK,
          "one face alone touches nothing");
-  tap_ok(ct_contact_frequency(contact, F, NULL, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_contact_omega2_bound(contact, F, NULL, NULL) == CT_ERROR_ARGUMENT,
          "nowhere to write: refused");
   ct_contact_free(contact);
   free_fold(&p);

@@ -241,14 +241,15 @@ static void add_contact(run *r, dice *d)
                         .options = ct_contact_options_default()};
   if (chance(d, 2)) c.options.enforcement = (ct_enforcement)below(d, 4);
   if (chance(d, 3)) c.options.points = CT_POINTS_LOBATTO;
-  if (chance(d, 5)) c.options.initial = chance(d, 2) ? CT_INITIAL_PUSH : CT_INITIAL_REMOVE;
+  if (chance(d, 5))
+    c.options.initial_penetration = chance(d, 2) ? CT_INITIAL_PUSH : CT_INITIAL_REMOVE;
   if (chance(d, 5)) c.options.adjust = 0.05;
-  c.options.removal = c.options.initial == CT_INITIAL_REMOVE ? 3.0 : 0.0;
+  c.options.removal_time = c.options.initial_penetration == CT_INITIAL_REMOVE ? 3.0 : 0.0;
   c.options.distant = 1;
   if (chance(d, 3)) c.friction = between(d, 0.05, 0.6);
   tell("  contact of %d and %d: enforcement %d, points %d, initial %d, friction %g\n",
        (int)c.body_a, (int)c.body_b, (int)c.options.enforcement, (int)c.options.points,
-       (int)c.options.initial, c.friction);
+       (int)c.options.initial_penetration, c.friction);
   r->status = ct_scene_add_contact(r->scene, &c, &r->error);
 }
 
@@ -295,7 +296,8 @@ static ct_status own_force(const ct_effect *effect, const ct_view *view, double 
   own_effect *own = effect->data;
   if (own->armed && own->pending && view->time >= own->fail_at) {
     own->pending = 0;
-    if (error != NULL) *error = (ct_error){.code = CT_ERROR_UNSUPPORTED, .text = "fails on purpose"};
+    if (error != NULL)
+      *error = (ct_error){.code = CT_ERROR_UNSUPPORTED, .text = "fails on purpose"};
     return CT_ERROR_UNSUPPORTED;
   }
   for (int32_t i = 0; i < effect->node_count; i++) {
@@ -425,7 +427,8 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
   }
   double sign = side ? 1.0 : -1.0, low[3], high[3];
   ct_mesh_bounds(b->plain, low, high);
-  ct_obstacle o = {
+  ct_obstacle_def o = {
+      .cookie = ct_obstacle_def_default().cookie,
       .shape = CT_OBSTACLE_PLANE,
       .point = {(side ? high[0] : low[0]) + sign * 0.02 * (1.0 + real(d)), 0.3 * real(d), 0.0},
       .axis = {-sign, 0.0, 0.0},

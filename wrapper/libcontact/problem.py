@@ -111,9 +111,9 @@ def memory_of(problem: Problem) -> int:
         )
         total += 24 * effect.memory_count
         total += 0 if effect.nodes == ffi.NULL else 4 * effect.node_count
-        # The solver keeps a constraint twice, and 18 numbers to find its force.
+        # The solver keeps where a row is, and 11 numbers to find its force.
         pressing = effect.phase == lib.CT_PHASE_CONSTRAINT
-        total += pressing * effect.constraint_count * (2 * ffi.sizeof("ct_constraint") + 18 * 8)
+        total += pressing * effect.constraint_count * 13 * 8
     return total + POINT_BYTES * sum(sum(contact.points) for contact in problem.contacts)
 
 
@@ -342,8 +342,8 @@ class Problem:
         members = contact.c(
             "ct_contact_options",
             threads=self.threads,
-            initial=INITIAL[contact.initial_penetration],
-            removal=contact.removal_time or 0.0,
+            initial_penetration=INITIAL[contact.initial_penetration],
+            removal_time=contact.removal_time or 0.0,
         )
         for name, value in members.items():
             setattr(options, name, value)

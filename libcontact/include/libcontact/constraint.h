@@ -26,33 +26,32 @@ typedef enum ct_enforcement {
   CT_ENFORCE_LAGRANGE
 } ct_enforcement;
 
-/** Name of an enforcement, "penalty", "energy_controlled", "bipenalty" or "lagrange"; null for
- * another number. */
-CT_API const char *ct_enforcement_name(ct_enforcement enforcement);
-
 /**
- * One point that may press in a step, as an effect lists it. The gap is g = Σ_a b_a n·x_a + what
- * does not move with nodes, and a force λ of the point puts λ b_a n on node a,
+ * One row of the constraint problem: a point that may have a contact force in the coming step. The
+ * gap is g = Σ_a N_a n·x_a - Σ_b N̄_b n·x_b + what does not move with nodes; a force λ of the point
+ * puts λ N_a n on node a of its own face and -λ N̄_b n on node b of the other,
  * :eq:`constraint-force`.
  */
 typedef struct ct_constraint {
   /** How the force follows from the gaps. */
   ct_enforcement enforcement;
+  /** Nodes of the point's own face, at most 8. */
+  int32_t own_count;
+  /** Nodes of the face that it meets, at most 8; 0 for an obstacle. */
+  int32_t other_count;
+  /** Nodes of its own face, as places in the effect's list of nodes, shape (own_count). */
+  const int32_t *own;
+  /** Nodes of the other face, likewise, shape (other_count). */
+  const int32_t *other;
+  /** Shape functions N_a, shape (own_count). */
+  const double *own_shape;
+  /** Shape functions N̄_b at the closest point, shape (other_count). */
+  const double *other_shape;
   /** Stiffness k of the point [force / length], > 0. */
   double stiffness;
   /** Share s of the stiffness that acts at the end of the step, 0 ... 1 (energy-controlled
    * penalty), :eq:`energy-controlled`. */
   double dissipation;
-  /** Number of the point in its effect. */
-  int64_t point;
-  /** Nodes of the point's own face: `node` and `b` 0 ... own - 1. */
-  int32_t own;
-  /** Nodes of the face that it meets: `node` and `b` 8 ... 8 + other - 1; 0 for an obstacle. */
-  int32_t other;
-  /** Places of the nodes in the effect's list. */
-  int32_t node[16];
-  /** Factors b_a: shape functions, those of the other face with a minus sign. */
-  double b[16];
   /** Direction n in which the point is pushed, of length 1. */
   double normal[3];
   /** Gap g_n [length]. */
@@ -63,30 +62,10 @@ typedef struct ct_constraint {
   double before;
   /** Gap g_{n+1} of the next step, along the same direction [length]; written by the solver. */
   double after;
-  /** Force λ [force]; what it was in the last step when the effect lists it, then written by the
+  /** Force λ [force]; that of the last step when the effect lists the row, then written by the
    * solver. */
   double force;
 } ct_constraint;
-
-/**
- * Force λ that the law of a constraint asks for if the next gap is `after` [force]. Lagrange
- * multipliers follow no such law: NaN.
- */
-CT_API double ct_enforcement_force(const ct_constraint *constraint, double after);
-
-/**
- * Force λ of a constraint that is alone: g_{n+1} = `free` + `mobility` λ, with the gap `free`
- * [length] that comes without it and `mobility` [length / force], and the law holds for this gap,
- * :eq:`enforcement-solution`.
- */
-CT_API double ct_enforcement_solve(const ct_constraint *constraint, double free, double mobility);
-
-/**
- * Energy that the constraint holds at t_n [energy], so that the sum with what the bodies hold never
- * grows, :eq:`controlled-energy`. What it stored in the last step is computed from `before`, as if
- * it had met the same nodes then.
- */
-CT_API double ct_enforcement_energy(const ct_constraint *constraint);
 
 CT_END_DECLS
 

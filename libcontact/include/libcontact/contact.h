@@ -31,8 +31,8 @@ typedef enum ct_initial {
   /** Count the gap of each of them from where it starts, until it has opened. Nothing is pushed, so
      no energy is added. */
   CT_INITIAL_KEEP,
-  /** As CT_INITIAL_KEEP, but start gaps fade to nothing in the time `removal`; the ledger books
-     their work as external. */
+  /** As CT_INITIAL_KEEP, but start gaps fade to nothing in the time `removal_time`; the ledger
+     books their work as external. */
   CT_INITIAL_REMOVE
 } ct_initial;
 
@@ -40,8 +40,8 @@ typedef enum ct_initial {
 typedef struct ct_contact_options {
   /** Penalty ε [stress / length], > 0; see `ct_contact_penalty`. */
   double epsilon;
-  /** Search for the closest point. The unconstrained methods miss points whose foot lies on an edge
-   * between faces. */
+  /** Search for the closest point. The unconstrained methods miss points whose closest
+   * point lies on an edge between faces. */
   ct_method method;
   /** Tolerance of the search in half-widths of a face. */
   double tolerance;
@@ -74,11 +74,11 @@ typedef struct ct_contact_options {
   ct_contact_rule points;
   /**
    * What becomes of points that are inside at the start; CT_INITIAL_KEEP by default. Only the
-   * effect heeds `initial` and `adjust`, a host's ct_contact_update does not.
+   * effect heeds `initial_penetration` and `adjust`, a host's ct_contact_update does not.
    */
-  ct_initial initial;
+  ct_initial initial_penetration;
   /** Time in which CT_INITIAL_REMOVE parts the surfaces [time], > 0 with it. */
-  double removal;
+  double removal_time;
   /**
    * Distance within which gaps and overlaps at the start are taken as touching [length], >= 0 and
    * at most the depth: the gap of such a point counts from where it starts, :eq:`initial-adjust`.
@@ -149,15 +149,8 @@ CT_API ct_status ct_contact_resultant(const ct_contact *contact, double force_a[
                                       double moment_a[3], double force_b[3], double moment_b[3]);
 
 /**
- * Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active
- * at its nearest face, :eq:`contact-bound`. If both surfaces were given with one array of reference
- * coordinates, a node of both gets the sum of its two rows.
- */
-CT_API ct_status ct_contact_frequency(const ct_contact *contact, const double *mass_a,
-                                      const double *mass_b, double *omega_squared);
-
-/**
- * Largest stable step of the contact alone [time], 2 / ω. A host combines it with its own limit
+ * Largest stable step of the contact alone [time], 2 / ω, with every point taken as active at
+ * its nearest face, :eq:`contact-bound`. A host combines it with its own limit
  * dt_host as 1 / sqrt(1 / dt² + 1 / dt_host²), :eq:`step-bound`. `mass_a`, `mass_b`: nodal masses,
  * shapes (node_count).
  */
@@ -251,15 +244,31 @@ CT_API ct_status ct_contact_penetration(const ct_contact *contact, ct_penetratio
 /** Free a contact; null is allowed. */
 CT_API void ct_contact_free(ct_contact *contact);
 
+/** A contact as an effect of a problem. Start from `ct_contact_def_default`. */
+typedef struct ct_contact_def {
+  /** Written by `ct_contact_def_default`. */
+  int32_t cookie;
+  /** Two surfaces, whose nodes and reference coordinates are the problem's; the same pointer twice
+   * for the contact of a surface with itself. */
+  const ct_surface *a, *b;
+  /** Choices of the contact. */
+  ct_contact_options options;
+} ct_contact_def;
+
+/** Default options; the surfaces and the penalty must be set. */
+CT_API ct_contact_def ct_contact_def_default(void);
+
+/** The effect of a contact. The problem's masses and coordinates are not copied. */
+CT_API ct_status ct_contact_create_effect(const ct_contact_def *def, const ct_problem *problem,
+                                          ct_effect **effect, ct_error *error);
+
 /**
- * The contact effect of two surfaces of one problem, whose nodes are numbered as the problem's; if
- * `a` and `b` are the same pointer, of the surface with itself. `nodal_mass` (node_count of the
- * problem) is copied for the stable step.
+ * The contact of an effect at the state's time, for `ct_contact_points` and `ct_contact_resultant`:
+ * which surfaces touch, gaps and pressures. It lives as long as the state, and the next step
+ * changes it. Null, with `error` filled, for an effect that is no contact.
  */
-CT_API ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b,
-                                          const ct_contact_options *options,
-                                          const double *nodal_mass, ct_effect **effect,
-                                          ct_error *error);
+CT_API const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state,
+                                          int32_t effect, ct_error *error);
 
 /** Shape of a rigid obstacle. */
 typedef enum ct_obstacle_shape {
@@ -272,8 +281,10 @@ typedef enum ct_obstacle_shape {
 } ct_obstacle_shape;
 
 /** A rigid obstacle against a surface of a body, :eq:`obstacle-potential`. It may move, but does
- * not turn. */
-typedef struct ct_obstacle {
+ * not turn. Start from `ct_obstacle_def_default`. */
+typedef struct ct_obstacle_def {
+  /** Written by `ct_obstacle_def_default`. */
+  int32_t cookie;
   /** Plane, sphere or cylinder. */
   ct_obstacle_shape shape;
   /** A point of the plane, the centre of the sphere, a point of the cylinder's axis, at t = 0
@@ -307,25 +318,17 @@ typedef struct ct_obstacle {
   /** Node numbers of the problem, counter-clockwise from outside, shape (face_count, nodes of a
    * face). */
   const int32_t *faces;
-} ct_obstacle;
+} ct_obstacle_def;
+
+/** A plane at rest with the energy-controlled penalty and dissipation 0.1; the rest must be set. */
+CT_API ct_obstacle_def ct_obstacle_def_default(void);
 
 /**
- * Signed distance of a point from an obstacle at its place of t = 0 [length], negative inside, and
- * the unit normal `n` out of the obstacle there, :eq:`obstacle-gap`. The normal is NaN in the
- * centre of a sphere and on the axis of a cylinder.
- */
-CT_API double ct_obstacle_gap(const ct_obstacle *obstacle, const double point[3], double n[3]);
-
-/** Where the obstacle is at a time, relative to t = 0's `point` [length], :eq:`obstacle-motion`. */
-CT_API void ct_obstacle_motion(const ct_obstacle *obstacle, double time, double motion[3]);
-
-/**
- * The effect of one obstacle, named "obstacle". It stores the penalty's energy; work of its motion
- * is external.
+ * The effect of one obstacle. It stores the penalty's energy; work of its motion is external.
  * ``CT_ERROR_ARGUMENT``: penalty or radius not positive, no axis, no faces, node out of range,
  * history not ascending, travel without a history.
  */
-CT_API ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_problem *problem,
+CT_API ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem *problem,
                                            ct_effect **effect, ct_error *error);
 
 /**
@@ -336,32 +339,31 @@ CT_API ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct
 CT_API ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect,
                                       double force[3], double *work, ct_error *error);
 
-/** Coulomb friction with stick on the points of a contact or of an obstacle. */
-typedef struct ct_friction {
+/** Coulomb friction with stick on the points of a contact or of an obstacle. Start from
+ * `ct_friction_def_default`. */
+typedef struct ct_friction_def {
+  /** Written by `ct_friction_def_default`. */
+  int32_t cookie;
   /**
-   * The effect whose points rub: one of `ct_contact_create_effect` or `ct_obstacle_create_effect`.
-   * It must outlive the friction and stand before it.
+   * The effect that friction acts on: one of `ct_contact_create_effect` or
+   * `ct_obstacle_create_effect`. It must outlive the friction and stand before it.
    */
   const ct_effect *on;
   /** Coefficient μ of friction, > 0. */
   double coefficient;
-  /** Ratio ρ of the tangential penalty to the normal one, > 0; 0: 1. */
+  /** Ratio ρ of the tangential penalty to the normal one, > 0. */
   double tangent;
-} ct_friction;
+} ct_friction_def;
+
+/** ρ = 1; `on` and `coefficient` must be set. */
+CT_API ct_friction_def ct_friction_def_default(void);
 
 /**
- * The return of an elastic slip to the limit of Coulomb, :eq:`friction-return`. `slip` [length] is
- * tangential; where it is longer than `limit` it is shortened to it. Answers by how much [length]:
- * the sliding of this step, 0 in stick.
+ * The effect of friction: tangential forces in stick and in slip. It stores nothing in the ledger;
+ * its work counts there as that of outside forces and is minus what it holds and has dissipated.
+ * ``CT_ERROR_ARGUMENT``: no contact or obstacle to act on, μ or ρ not positive.
  */
-CT_API double ct_friction_return(double limit, double slip[3]);
-
-/**
- * The effect of friction, named "friction": tangential forces in stick and in slip. It stores
- * nothing in the ledger; its work counts there as that of outside forces and is minus what it holds
- * and has dissipated. ``CT_ERROR_ARGUMENT``: no contact or obstacle to rub on, μ or ρ not positive.
- */
-CT_API ct_status ct_friction_create_effect(const ct_friction *friction, const ct_problem *problem,
+CT_API ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem *problem,
                                            ct_effect **effect, ct_error *error);
 
 /**

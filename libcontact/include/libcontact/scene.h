@@ -143,14 +143,6 @@ CT_API ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time,
                                 const ct_problem **problem, int64_t *step_count,
                                 ct_stable_step *stable, ct_error *error);
 
-/**
- * The contact of an effect at the state's time, for `ct_contact_points` and `ct_contact_resultant`:
- * who touches whom, gaps and pressures. It lives as long as the state, and the next step changes
- * it. Null, with `error` filled, for an effect that is no contact.
- */
-CT_API const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state,
-                                          int32_t effect, ct_error *error);
-
 /** Penalty ε that the contact of this number uses, after `ct_scene_build` [stress / length]. */
 CT_API ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon);
 

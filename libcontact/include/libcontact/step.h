@@ -58,13 +58,6 @@ typedef struct ct_view {
   /** Scratch space of the effect that this one `reads`, as its `force` has left it for the same
    * time; null without one. */
   const void *read;
-  /**
-   * What the effect has listed in `constrain` for the same time, with the forces that solve all
-   * constraints together; in `force` only.
-   */
-  const ct_constraint *constraints;
-  /** How many it has listed. */
-  int64_t constraint_count;
 } ct_view;
 
 /**
@@ -131,13 +124,13 @@ struct ct_effect;
  */
 typedef struct ct_effect_constraints {
   /**
-   * Write the points that may be active in this step into `list`, which has room for
-   * `constraint_count`, and their number into `count`. The forces of all effects' constraints are
-   * then found together, given the forces of CT_PHASE_STATE, and `force` is shown its own. What
-   * `memory` holds of the last step's force must go into `list`, and `force` must write the present
-   * one into `next_memory`.
+   * Write where the rows of the points that may be active in this step stand into `rows`, which has
+   * room for `constraint_count`, and their number into `count`. The rows stay the effect's, in its
+   * scratch space. The forces of all effects' rows are then found together, given the forces of
+   * CT_PHASE_STATE, and stand in the rows when `force` is called. What `memory` holds of the last
+   * step's force must go into a row, and `force` must write the present one into `next_memory`.
    */
-  ct_status (*list)(const struct ct_effect *effect, const ct_view *view, ct_constraint *list,
+  ct_status (*list)(const struct ct_effect *effect, const ct_view *view, ct_constraint **rows,
                     int64_t *count, ct_error *error);
   /**
    * Where the effect prescribes the motion, whatever the forces: write the displacement increment

@@ -1,20 +1,9 @@
 /* The laws that make a force of the gaps of one point. */
-#include <libcontact/constraint.h>
-
 #include "law.h"
 
 #include <math.h>
-#include <stddef.h>
 
-const char *ct_enforcement_name(ct_enforcement enforcement)
-{
-  static const char *const names[] = {"penalty", "energy_controlled", "bipenalty", "lagrange"};
-  return (int)enforcement >= 0 && (size_t)enforcement < sizeof names / sizeof names[0]
-             ? names[enforcement]
-             : NULL;
-}
-
-double ct_enforcement_force(const ct_constraint *c, double after)
+double ct_law_force(const ct_constraint *c, double after)
 {
   const double k = c->stiffness, s = c->dissipation, g = c->gap;
   switch (c->enforcement) {
@@ -32,7 +21,7 @@ double ct_enforcement_force(const ct_constraint *c, double after)
   return NAN;
 }
 
-double ct_enforcement_solve(const ct_constraint *c, double free, double W)
+double ct_law_solve(const ct_constraint *c, double free, double W)
 {
   const double k = c->stiffness, g = c->gap;
   switch (c->enforcement) {
@@ -81,7 +70,7 @@ double ct_law_lag(const ct_constraint *c)
              : 0.25 * c->force * ((c->after + c->before) - 2.0 * c->gap);
 }
 
-double ct_enforcement_energy(const ct_constraint *c)
+double ct_law_energy(const ct_constraint *c)
 {
   // -- Mean of the two half steps around t_n, and what the leapfrog's energy lacks there
   // (eq:controlled-energy)
@@ -96,6 +85,6 @@ int ct_law_begins(const ct_constraint *c)
 double ct_law_start(const ct_constraint *c)
 {
   // -- What the gap itself stores, before the force has acted (eq:energy-start)
-  if (!ct_law_begins(c)) return ct_enforcement_energy(c);
+  if (!ct_law_begins(c)) return ct_law_energy(c);
   return c->enforcement == CT_ENFORCE_ENERGY_CONTROLLED ? stored(c->stiffness, c->gap) : 0.0;
 }

@@ -1,7 +1,26 @@
-#ifndef CT_SRC_ENFORCEMENT_LAW_H
-#define CT_SRC_ENFORCEMENT_LAW_H
+#ifndef CT_SRC_CONSTRAINT_LAW_H
+#define CT_SRC_CONSTRAINT_LAW_H
 
 #include <libcontact/constraint.h>
+
+/* Whether there is an enforcement of this number. */
+static inline int ct_law_exists(ct_enforcement enforcement)
+{
+  return (int)enforcement >= CT_ENFORCE_PENALTY && (int)enforcement <= CT_ENFORCE_LAGRANGE;
+}
+
+/* Force λ that the law of a row asks for if the next gap is `after`; Lagrange multipliers follow no
+ * such law: NaN. */
+double ct_law_force(const ct_constraint *row, double after);
+
+/* Force λ of a row that is alone: g_{n+1} = `free` + `mobility` λ, and the law holds for this gap
+ * (eq:enforcement-solution). */
+double ct_law_solve(const ct_constraint *row, double free, double mobility);
+
+/* Energy that the row holds at t_n, so that the sum with what the bodies hold never grows
+ * (eq:controlled-energy). What it stored in the last step is computed from `before`, as if it had
+ * met the same nodes then. */
+double ct_law_energy(const ct_constraint *row);
 
 /* The parts of the energy of a solved constraint: what it stores in the middle of the coming step,
  * S_{n+1/2}; what the leapfrog's energy lacks at t_n because of its force (eq:controlled-energy);

@@ -1,48 +1,64 @@
-#ifndef CT_SRC_ENFORCEMENT_SOLVE_H
-#define CT_SRC_ENFORCEMENT_SOLVE_H
+#ifndef CT_SRC_CONSTRAINT_SOLVE_H
+#define CT_SRC_CONSTRAINT_SOLVE_H
 
-#include <libcontact/step.h>
+#include <libcontact/constraint.h>
 
-/* Room to find the forces of all constraints of a problem together. */
+/* Rows of one effect; its nodes are numbers of the problem, ascending. */
+typedef struct ct_row_set {
+  int64_t most;         /* rows that it can list */
+  int32_t node_count;   /* nodes of the effect ... */
+  const int32_t *nodes; /* ... in the problem; null: all */
+} ct_row_set;
+
+/* Two places of one node of the problem, which is in the lists of several effects. */
+typedef struct ct_shared_node {
+  int32_t first, copy;
+} ct_shared_node;
+
+/* Room to find the forces of all constraints of a problem together. Its nodes are those of one
+ * effect after those of another; vectors at nodes have a fourth component, 0, so that they fill a
+ * register. */
 typedef struct ct_solver {
-  int64_t room;         /* most constraints of all effects */
-  ct_constraint *list;  /* those of one effect after those of another */
-  ct_constraint *sizes; /* the same with sizes in the place of directions and factors */
-  int64_t *first;       /* of each effect in `list`, shape (effect_count + 1) */
-  int32_t **place;      /* of each effect with constraints or a path: the place of each of its nodes
-                           among the solver's, or -1 */
-  int32_t node_count;   /* nodes on which constraints can act, ascending */
-  int32_t *nodes;
-  double
-      *way; /* u_{n+1} - u_n without the constraints, shape (node_count, 4) with a zero as fourth */
-  double *mobility; /* how far a force moves a degree of freedom until t_{n+1}, likewise */
-  double *past;     /* u_n - u_{n-1}, likewise */
-  int32_t *entries; /* how many constraints act on each node */
-  int32_t crowd;    /* the largest of these numbers */
-  double *push;     /* sums of forces, likewise, and then the way that they add */
-  int64_t count;    /* constraints that are near enough to press */
-  int64_t *active;  /* their numbers in `list` */
-  int32_t *slot;    /* places of their nodes, shape (room, 16) */
-  int controlled;   /* whether all of them are energy-controlled */
-  double *law;      /* then: their stiffness, dissipation and gap, shape (3, room) */
-  double *free,
-      *bound; /* their gaps at t_{n+1} without the constraints, and bounds of the rows of W */
-  double *guess,
-      *force;      /* from where the next round starts, and the forces that the last one gave */
-  double *path;    /* ways of one effect's nodes; null when no effect takes any along a path */
-  double *terms;   /* two numbers each */
-  uint64_t *begun; /* a bit a node of the problem: a force of a constraint begins there at t = 0
-                      (eq:energy-start) */
-  int iterations;  /* of the last solution */
-  int converged;   /* whether it met the tolerance */
+  int32_t set_count;
+  int64_t most;         /* rows of all sets */
+  ct_constraint **rows; /* those listed: of one set after those of another */
+  int64_t *first;       /* of each set in `rows`, shape (set_count + 1) */
+  int32_t *first_node;  /* of each set, shape (set_count + 1) */
+  int32_t node_count;   /* of all sets */
+  int32_t *nodes;       /* their numbers in the problem */
+  int32_t shared_count; /* nodes that are in more than one set */
+  ct_shared_node *shared;
+  double *increment;      /* u_{n+1} - u_n without the constraints, shape (node_count, 4) */
+  double *mobility;       /* how far a force moves a degree of freedom until t_{n+1}, likewise */
+  double *past;           /* u_n - u_{n-1}, likewise */
+  double *moved;          /* sums of forces, likewise, and then the displacement that they add */
+  int32_t *entries;       /* how many rows act on each node */
+  int32_t crowd;          /* the largest of these numbers */
+  int64_t count;          /* rows that are near enough to be active */
+  ct_constraint **active; /* these rows */
+  int64_t *first_active;  /* of each set in `active`, shape (set_count + 1) */
+  int controlled;         /* whether all of them are energy-controlled */
+  double *law;            /* then: their stiffness, dissipation and gap, shape (3, most) */
+  double *free, *bound;   /* gaps at t_{n+1} without the constraints, and bounds of the rows of W */
+  double *guess, *force;  /* where the next iteration starts, and the forces of the last one */
+  double *terms;          /* two numbers each */
+  int iterations;         /* of the last solution */
+  int converged;          /* whether it met the tolerance */
 } ct_solver;
 
-/* Make room for a problem's constraints; `*out` stays null when no effect has any. */
-ct_status ct_solver_create(const ct_problem *problem, ct_solver **out);
-void ct_solver_free(const ct_problem *problem, ct_solver *solver);
+enum { CT_SOLVER_WIDE = 4 };
 
-/* List the constraints of all effects and find their forces, given the sum of all other forces
- * (eq:constraint-problem). */
-ct_status ct_solver_solve(const ct_problem *problem, ct_state *state, ct_error *error);
+/* Make room for some sets of rows. `place` has room for a number for each of the problem's nodes,
+ * and becomes the first place of each among the solver's nodes, or -1. To be freed also when this
+ * fails. */
+ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t problem_nodes,
+                           int32_t *place, ct_solver **out);
+void ct_solver_free(ct_solver *solver);
+
+/* Find the forces of the listed rows together (eq:constraint-problem), given `increment`,
+ * `mobility` and `past`, which are complete at the first places of nodes. Answers 0 when they are
+ * not finite.
+ */
+int ct_solver_solve(ct_solver *solver);
 
 #endif

@@ -1,46 +1,156 @@
 #ifndef CT_SRC_CONTACT_INTERNAL_H
 #define CT_SRC_CONTACT_INTERNAL_H
 
+#include <libcontact/contact.h>
+#include <libcontact/step.h>
+
 #include "side.h"
 
-struct ct_contact {
+#include <string.h>
+
+/* What never changes of a contact; all states of an effect share it. */
+typedef struct ct_contact_fixed {
   ct_contact_options options;
-  double depth;  /* at the start points look as far, and are in contact down to here */
-  double near;   /* how far points look afterwards (eq:contact-near) */
-  double room;   /* the surfaces may come nearer by this in a step (eq:passage) */
-  int begun;     /* whether the points have a history */
-  int start;     /* whether this is t = 0 of a scene */
-  double skin;   /* how far beyond that candidates are listed */
-  int built;     /* whether the candidate lists exist; those of the start are not kept */
-  double clear;  /* not 0: when they were made, no two faces were nearer than what points look plus
-                    this (eq:contact-clear) */
-  int sides;     /* 2, or 1 for the contact of a surface with itself */
-  int one_array; /* whether the nodes of both sides are numbered in one array of the host */
+  double depth;    /* at the start points look as far, and are in contact down to here */
+  double near;     /* how far points look afterwards (eq:contact-near) */
+  double approach; /* the largest safe approach of the surfaces in a step (eq:passage) */
+  double skin;     /* how far beyond that candidates are listed */
+  int sides;       /* 2, or 1 for the contact of a surface with itself */
+  int one_array;   /* whether the nodes of both sides are numbered in one array of the host */
+  ct_side_fixed side[2];
+} ct_contact_fixed;
+
+/* A contact now: of a host, or of one state. */
+struct ct_contact {
+  const ct_contact_fixed *fixed;
+  ct_contact_fixed *own; /* the same, of a host's contact; else null */
+  int threads;
+  int begun;    /* whether the points have a status */
+  int start;    /* whether this is t = 0 of a scene */
+  int built;    /* whether the candidate lists exist; those of the start are not kept */
+  double clear; /* not 0: when they were made, no two faces were nearer than what points look plus
+                   this (eq:contact-clear) */
   ct_side side[2];
-  double *terms; /* room for sums of calls that may write, one number a point */
+  double *terms; /* room for sums, one number a point */
+  double held;   /* energy of the constraints */
+  double work;   /* since t = 0 that has come in because start gaps fade */
 };
 
-/* Gaps of all points at given coordinates, with the forces of the explicit penalty; and nodal
- * forces from those of the points. */
-ct_status ct_contact_measure(ct_contact *contact, const double *xa, const double *xb,
-                             ct_error *error);
-ct_status ct_contact_collect(ct_contact *contact, ct_error *error);
+/* The side that side `s` meets. */
+static inline ct_side *ct_contact_other(ct_contact *contact, int s)
+{
+  return &contact->side[contact->fixed->sides - 1 - s];
+}
+
+/* Of `sides` surfaces. */
+ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
+                                  const ct_contact_options *options, ct_contact_fixed **out,
+                                  ct_error *error);
+void ct_contact_fixed_free(ct_contact_fixed *fixed);
+ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_error *error);
+
+/* Bring the candidates of all faces up to date; and whether it is sure without, since the surfaces
+ * are too far from each other to touch (eq:contact-clear). */
+ct_status ct_contact_list_candidates(ct_contact *contact, ct_error *error);
+int ct_contact_is_distant(const ct_contact *contact);
+
+/* How far points look now: as far as `depth` at the start, when it is not known how deep two
+ * surfaces begin in each other or how far apart they are; afterwards a point that comes in has been
+ * near before (eq:contact-near). */
+double ct_contact_reach(const ct_contact *contact);
+
+/* Closest points of all points, without forces, at the coordinates that stand in `moved` of the
+ * sides; search for those of one side. */
+ct_status ct_contact_measure(ct_contact *contact, ct_error *error);
+void ct_pass_search(ct_contact *contact, int s);
 
 /* How far the gap of two surfaces may be off because their coordinates are rounded. */
 double ct_contact_rounding(const ct_contact *contact);
 
-/* Find how far two surfaces may come nearer in a step; and refuse a step of length `dt` to `time`
- * that may have brought them nearer than that, with velocities in the numbering of `nodes`
- * (eq:passage). */
-void ct_passage_init(ct_contact *contact);
-ct_status ct_passage_check(const ct_contact *contact, const int32_t *nodes, const double *velocity,
-                           double dt, double time, ct_error *error);
+/* How far points look after the start, and how far two surfaces may come nearer in a step; and
+ * refuse a step of length `dt` to `time` that may have brought them nearer than that, with
+ * velocities in the numbering of the host (eq:passage). */
+void ct_tunnelling_init(ct_contact_fixed *fixed);
+ct_status ct_tunnelling_check(const ct_contact *contact, const double *velocity, double dt,
+                              double time, ct_error *error);
 
-/* Bound of ω² of a contact effect's points as springs, whatever the enforcement. */
-ct_status ct_contact_spring_frequency(const ct_effect *effect, const void *scratch,
-                                      double *omega_squared, ct_error *error);
+/* Whether the gaps of a contact with these options count from start gaps; and whether these fade.
+ */
+int ct_start_gap_counts(const ct_contact_options *options);
+static inline int ct_start_gap_fades(const ct_contact_options *options)
+{
+  return options->initial_penetration == CT_INITIAL_REMOVE;
+}
 
-/* The contact inside the scratch of a contact effect. */
-const ct_contact *ct_contact_of_scratch(const void *scratch);
+/* Fail if a point is inside by more than is adjusted (eq:initial-shift). */
+ct_status ct_start_gap_refuse(const ct_contact *contact, ct_error *error);
+
+/* What a contact effect remembers of a point from step to step, as doubles of a restart. */
+typedef struct ct_point_record {
+  double other;   /* face of the other side plus one, or 0 */
+  double status;  /* a ct_point_status */
+  double xi[2];   /* parameters of the closest point there */
+  double known;   /* signed distance, NaN where none is known */
+  double force;   /* of the row, where gaps of the coming step give it */
+  double start;   /* start gap */
+  double pressed; /* size of the point's force, where start gaps fade */
+} ct_point_record;
+enum { CT_RECORD = sizeof(ct_point_record) / sizeof(double) };
+
+static inline ct_point_record ct_record_load(const double *memory)
+{
+  ct_point_record record;
+  memcpy(&record, memory, sizeof record);
+  return record;
+}
+
+/* Start gaps of all points from their distances on the undeformed shape (eq:initial-adjust). */
+void ct_start_gap_begin(ct_contact *contact);
+
+/* Count the gaps of all points from their start gaps, given the records of the last step, or null
+ * in the first one. */
+void ct_start_gap_shift(ct_contact *contact, double time, double dt, const double *memory);
+
+/* Work that has come in since the time `last` of the last step because start gaps fade, once the
+ * forces of the points are known (eq:initial-work). */
+double ct_start_gap_work(ct_contact *contact, double time, double last, const double *memory);
+
+/* Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active
+ * at its nearest face, whatever the enforcement (eq:contact-bound). `mass_a`, `mass_b`: nodal
+ * masses in the host's numbering. If both surfaces were given with one array of reference
+ * coordinates, a node of both gets the sum of its two rows. */
+ct_status ct_contact_omega2_bound(const ct_contact *contact, const double *mass_a,
+                                  const double *mass_b, double *omega2);
+
+/* An obstacle of one state: its points, and where it is. In each point `d` leads to the nearest
+ * point of the obstacle, `other` is 0 where the point is inside and -1 elsewhere. */
+typedef struct ct_obstacle_state {
+  ct_side side;
+  double place[3];    /* the obstacle's point now */
+  double reaction[3]; /* force of the bodies on it */
+  double work;        /* of its motion since t = 0 */
+  double held;        /* energy of the constraints */
+  double *terms;      /* a number a point */
+} ct_obstacle_state;
+
+/* What friction needs of the effect that it acts on: the fixed sides of a contact, of which there
+ * are one or two, or that of an obstacle; and bounds of ω² with all points as springs, whatever the
+ * enforcement. */
+int ct_contact_fixed_sides(const ct_effect *effect, const ct_side_fixed *side[2]);
+const ct_side_fixed *ct_obstacle_side(const ct_effect *effect);
+ct_status ct_contact_springs(const ct_effect *effect, const void *scratch, double *omega2,
+                             ct_error *error);
+double ct_obstacle_springs(const ct_effect *effect);
+
+/* Where the obstacle is at a time, relative to t = 0's `point` (eq:obstacle-motion); and the signed
+ * distance of a point from it at its place of t = 0, negative inside, with the unit normal `n` out
+ * of it (eq:obstacle-gap), NaN in the centre of a sphere and on the axis of a cylinder. */
+void ct_obstacle_motion(const ct_obstacle_def *obstacle, double time, double motion[3]);
+double ct_obstacle_gap(const ct_obstacle_def *obstacle, const double point[3], double n[3]);
+
+/* The return of an elastic slip, which is tangential, to the limit of Coulomb (eq:friction-return):
+ * where it is longer than `limit` it is shortened to it. Answers by how much: the sliding of this
+ * step, 0 in stick. */
+double ct_friction_return(double limit, double slip[3]);
 
 #endif

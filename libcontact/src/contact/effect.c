@@ -3,277 +3,202 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../base/vector.h"
+#include "../step/effect_internal.h"
+#include "../step/workspace.h"
 #include "contact_internal.h"
-#include "initial.h"
-#include "press.h"
 
 #include <math.h>
 #include <string.h>
 
+/* What all states share. Surfaces number the problem's nodes; `place` tells where each node of a
+ * surface stands in the effect's list. */
 typedef struct contact_data {
-  /* Both surfaces over one list of nodes, those of the effect; reference coordinates and masses of
-   * that list. */
-  int sides; /* 1: of a surface with itself */
-  ct_surface surface[2];
-  int32_t *faces[2];
-  double *reference;
-  double *mass;
-  int32_t *nodes;
-  ct_contact_options options;
+  ct_contact_fixed *fixed;
+  int32_t *nodes, *place[2];
+  int64_t point_count;
+  const double *mass; /* of the problem's nodes */
 } contact_data;
 
-/* The contact of one state, and current coordinates of the effect's nodes. */
-typedef struct contact_scratch {
-  ct_contact *contact;
-  double *x;
-  double held; /* energy of the constraints */
-  double work; /* of start gaps that fade */
-} contact_scratch;
-
-static void free_data(void *data)
-{
-  contact_data *d = data;
-  if (d == NULL) return;
-  ct_release(d->faces[0]);
-  ct_release(d->faces[1]);
-  ct_release(d->reference);
-  ct_release(d->mass);
-  ct_release(d->nodes);
-  ct_release(d);
-}
-
-static void free_scratch(void *scratch)
-{
-  contact_scratch *s = scratch;
-  if (s == NULL) return;
-  ct_contact_free(s->contact);
-  ct_release(s->x);
-  ct_release(s);
-}
-
-static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
-{
-  const contact_data *data = effect->data;
-  contact_scratch *s = ct_allocate(1, sizeof *s);
-  if (s == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
-  s->x = ct_allocate((size_t)effect->node_count, 3 * sizeof *s->x);
-  ct_status status =
-      s->x != NULL ? CT_OK : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
-  if (status == CT_OK)
-    status = data->sides == 1
-                 ? ct_contact_create_self(&data->surface[0], &data->options, &s->contact, error)
-                 : ct_contact_create(&data->surface[0], &data->surface[1], &data->options,
-                                     &s->contact, error);
-  if (status != CT_OK) {
-    free_scratch(s);
-    return status;
-  }
-  *scratch = s;
-  return CT_OK;
-}
-
-/* A point's memory: number of its other face plus one, negative while it is in contact, or 0: none,
- * or BURIED; the parameters there; the signed distance, NaN where none is known; and where a step's
- * gaps give the force this force. After the points: whether there was a step before, and what all
- * constraints stored in the middle of that step; what start gaps need; and the coordinates of the
- * effect's nodes, shape (node_count, 3). */
-enum { OTHER = 0, XI = 1, KNOWN = 3, FORCE = 4 };
-enum { BEGUN = 0, STORED = 1, TAIL = 2 };
-static const double BURIED = -4294967296.0;
+/* What the effect remembers after the records of the points. After it: the coordinates of the nodes
+ * of each surface, shape (node_count, 3). */
+typedef struct tail_record {
+  double begun;  /* whether there was a step before */
+  double stored; /* what all rows stored in the middle of that step */
+  double time;   /* of that step */
+  double work;   /* since t = 0 of start gaps that fade */
+} tail_record;
+enum { TAIL = sizeof(tail_record) / sizeof(double) };
 
 static int is_penalty(const contact_data *data)
 {
-  return data->options.enforcement == CT_ENFORCE_PENALTY;
-}
-/* Where the memory of start gaps begins, of each point; and how far apart the memory of two points
- * is. */
-static int shifts_at(const contact_data *data) { return is_penalty(data) ? FORCE : FORCE + 1; }
-static int stride(const contact_data *data)
-{
-  return shifts_at(data) + ct_initial_point_memory(&data->options);
-}
-/* Where the memory after the points begins. */
-static int64_t tail_at(const contact_data *data, const ct_contact *contact)
-{
-  return stride(data) * ct_contact_point_count(contact);
+  return data->fixed->options.enforcement == CT_ENFORCE_PENALTY;
 }
 
-/* Where the memory of the nodes' coordinates begins. */
-static int64_t places_at(const contact_data *data, const ct_contact *contact)
+static tail_record load_tail(const contact_data *data, const double *memory)
 {
-  return tail_at(data, contact) + TAIL + ct_initial_end_memory(&data->options);
+  tail_record tail;
+  memcpy(&tail, &memory[CT_RECORD * data->point_count], sizeof tail);
+  return tail;
 }
 
-static void recall(ct_contact *contact, const double *memory, int size)
+/* What the points were in the last step; their start gaps stand already in the first one. */
+static void load_points(ct_contact *contact, const double *memory)
 {
-  contact->begun = memory[size * ct_contact_point_count(contact) + BEGUN] != 0.0;
-  for (int s = 0; s < contact->sides; s++)
-    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += size) {
-      ct_gauss_point *point = &contact->side[s].points[i];
-      double last = (double)contact->side[contact->sides - 1 - s].search->face_count,
-             number = fabs(memory[OTHER]);
-      point->other = number >= 1.0 && number <= last ? (int32_t)number - 1 : -1;
-      point->history = memory[OTHER] == BURIED ? CT_POINT_BURIED
-                       : point->other < 0      ? CT_POINT_NEW
-                       : memory[OTHER] < 0.0   ? CT_POINT_INSIDE
-                                               : CT_POINT_OUTSIDE;
-      memcpy(point->xi, &memory[XI], sizeof point->xi);
-      point->known = contact->begun ? memory[KNOWN] : NAN;
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    double most = (double)contact->fixed->side[contact->fixed->sides - 1 - s].search->face_count;
+    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++, memory += CT_RECORD) {
+      ct_point *point = &contact->side[s].points[i];
+      const ct_point_record record = ct_record_load(memory);
+      int buried = record.status == CT_POINT_BURIED,
+          met = !buried && record.other >= 1.0 && record.other <= most;
+      point->other = met ? (int32_t)record.other - 1 : -1;
+      point->status = buried                             ? CT_POINT_BURIED
+                      : !met                             ? CT_POINT_NEW
+                      : record.status == CT_POINT_INSIDE ? CT_POINT_INSIDE
+                                                         : CT_POINT_OUTSIDE;
+      memcpy(point->xi, record.xi, sizeof point->xi);
+      point->known = contact->begun ? record.known : NAN;
+      point->row.force = record.force;
+      if (contact->begun) point->start = record.start;
     }
-}
-
-static void remember(const ct_contact *contact, double *memory, int size)
-{
-  for (int s = 0; s < contact->sides; s++)
-    for (int64_t i = 0; i < ct_side_point_count(&contact->side[s]); i++, memory += size) {
-      const ct_gauss_point *point = &contact->side[s].points[i];
-      double number = (double)point->other + 1.0;
-      memory[OTHER] = point->history == CT_POINT_BURIED   ? BURIED
-                      : point->history == CT_POINT_INSIDE ? -number
-                                                          : number;
-      memcpy(&memory[XI], point->xi, sizeof point->xi);
-      memory[KNOWN] = point->known;
-    }
-  memory[BEGUN] = 1.0;
-}
-
-static ct_initial_view initial_view(const contact_data *data, const ct_view *view,
-                                    const ct_contact *contact)
-{
-  int64_t tail = tail_at(data, contact);
-  return (ct_initial_view){view->time,
-                           view->dt,
-                           view->memory[tail + BEGUN] == 0.0,
-                           stride(data),
-                           view->memory + shifts_at(data),
-                           view->memory + KNOWN,
-                           view->memory + tail + TAIL,
-                           view->next_memory + shifts_at(data),
-                           view->next_memory + tail + TAIL};
-}
-
-/* True distances of the points at the current coordinates, or with the displacement null on the
- * undeformed shape. */
-static ct_status look(const ct_effect *effect, const ct_view *view, const double *displacement,
-                      ct_error *error)
-{
-  const contact_data *data = effect->data;
-  contact_scratch *s = view->scratch;
-  for (int32_t i = 0; i < effect->node_count; i++)
-    for (int c = 0; c < 3; c++) {
-      int64_t dof = 3 * (int64_t)effect->nodes[i] + c;
-      s->x[3 * (int64_t)i + c] =
-          view->reference[dof] + (displacement != NULL ? displacement[dof] : 0.0);
-    }
-  s->contact->options.threads = view->threads;
-  s->contact->start = !(view->time > 0.0);
-  recall(s->contact, view->memory, stride(data));
-  // -- Nodes move from where the last step saw them, and at the first look from the reference shape
-  // (eq:gap-bound)
-  const int64_t places = places_at(data, s->contact);
-  const double *last = s->contact->begun ? view->memory + places : data->reference;
-  ct_status status = CT_OK;
-  for (int i = 0; i < s->contact->sides && status == CT_OK; i++) {
-    status = ct_search_check(s->contact->side[i].search, last, i, error);
-    if (status == CT_OK) ct_search_place(s->contact->side[i].search, last);
   }
-  if (status == CT_OK) status = ct_contact_measure(s->contact, s->x, s->x, error);
-  memcpy(view->next_memory + places, s->x, 3 * (size_t)effect->node_count * sizeof *s->x);
-  if (status != CT_OK && error != NULL && error->point >= 0)
-    error->point = effect->nodes[error->point];
-  return status;
+}
+
+static void store(const ct_contact *contact, const tail_record *tail, double *memory)
+{
+  int fades = ct_start_gap_fades(&contact->fixed->options);
+  for (int s = 0; s < contact->fixed->sides; s++)
+    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++, memory += CT_RECORD) {
+      const ct_point *point = &contact->side[s].points[i];
+      const ct_point_record record = {
+          .other = (double)point->other + 1.0,
+          .status = point->status,
+          .xi = {point->xi[0], point->xi[1]},
+          .known = point->known,
+          .force = point->row.force,
+          .start = point->start,
+          .pressed = fades ? sqrt(ct_vector_dot(point->force, point->force)) : 0.0};
+      memcpy(memory, &record, sizeof record);
+    }
+  memcpy(memory, tail, sizeof *tail);
+  memory += TAIL;
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    size_t count = 3 * (size_t)contact->side[s].search->node_count;
+    memcpy(memory, contact->side[s].search->x, count * sizeof *memory);
+    memory += count;
+  }
+}
+
+/* Nodes move from where the last step saw them, and at the first look from the reference shape, to
+ * the current coordinates, or with the displacement null to the reference shape (eq:gap-bound). */
+static ct_status move_nodes(const contact_data *data, const ct_view *view,
+                            const double *displacement, ct_contact *contact, ct_error *error)
+{
+  const double *last = &view->memory[CT_RECORD * data->point_count + TAIL];
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    ct_side *side = &contact->side[s];
+    ct_search *search = side->search;
+    size_t count = 3 * (size_t)search->node_count;
+    const double *from = contact->begun ? last : side->fixed->search->x;
+    ct_status status = ct_search_check(search, NULL, from, s, error);
+    if (status != CT_OK) return status;
+    memcpy(search->x, from, count * sizeof *from);
+    last += count;
+    for (size_t d = 0; d < count; d++) {
+      int64_t dof = 3 * (int64_t)search->nodes[d / 3] + (int64_t)(d % 3);
+      side->moved[d] = view->reference[dof] + (displacement != NULL ? displacement[dof] : 0.0);
+    }
+  }
+  return CT_OK;
+}
+
+/* True distances of the points at the current coordinates, or on the undeformed shape. */
+static ct_status find_distances(const contact_data *data, const ct_view *view,
+                                const double *displacement, ct_error *error)
+{
+  ct_contact *contact = view->scratch;
+  contact->threads = view->threads;
+  contact->start = !(view->time > 0.0);
+  contact->begun = load_tail(data, view->memory).begun != 0.0;
+  load_points(contact, view->memory);
+  ct_status status = move_nodes(data, view, displacement, contact, error);
+  return status == CT_OK ? ct_contact_measure(contact, error) : status;
 }
 
 /* Gaps of the points at the time of the view, counted from their start gaps. */
 static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error *error)
 {
   const contact_data *data = effect->data;
-  ct_contact *contact = ((const contact_scratch *)view->scratch)->contact;
-  ct_initial_view shown = initial_view(data, view, contact);
-  int shifts = ct_initial_point_memory(&data->options) > 0;
+  const ct_contact_options *options = &data->fixed->options;
+  ct_contact *contact = view->scratch;
+  int first = load_tail(data, view->memory).begun == 0.0, counts = ct_start_gap_counts(options);
   ct_status status = CT_OK;
   // -- Start gaps are those of the undeformed shape (eq:initial-adjust)
-  if (shown.first && shifts) status = look(effect, view, NULL, error);
-  if (status == CT_OK && shown.first && shifts) ct_initial_begin(contact, &shown);
-  if (status == CT_OK) status = look(effect, view, view->displacement, error);
+  if (first && counts) status = find_distances(data, view, NULL, error);
+  if (status == CT_OK && first && counts) ct_start_gap_begin(contact);
+  if (status == CT_OK) status = find_distances(data, view, view->displacement, error);
   if (status == CT_OK && view->dt > 0.0 && view->time > 0.0)
-    status = ct_passage_check(contact, effect->nodes, view->velocity, view->dt, view->time, error);
-  if (status == CT_OK && shifts) ct_initial_shift(contact, &shown);
-  if (status == CT_OK && shown.first && data->options.initial == CT_INITIAL_REFUSE)
-    status = ct_initial_refuse(contact, error);
-  if (status == CT_OK) remember(contact, view->next_memory, stride(data));
+    status = ct_tunnelling_check(contact, view->velocity, view->dt, view->time, error);
+  if (status == CT_OK && counts)
+    ct_start_gap_shift(contact, view->time, view->dt, first ? NULL : view->memory);
+  if (status == CT_OK && first && options->initial_penetration == CT_INITIAL_REFUSE)
+    status = ct_start_gap_refuse(contact, error);
   return status;
 }
 
 static ct_status contact_constrain(const ct_effect *effect, const ct_view *view,
-                                   ct_constraint *list, int64_t *count, ct_error *error)
+                                   ct_constraint **rows, int64_t *count, ct_error *error)
 {
   static const double at_rest[3] = {0.0, 0.0, 0.0};
-  const contact_data *data = effect->data;
+  ct_contact *contact = view->scratch;
   ct_status status = measure(effect, view, error);
-  if (status != CT_OK) return status;
-  const ct_contact *contact = ((const contact_scratch *)view->scratch)->contact;
-  int64_t first = 0;
-  for (int s = 0; s < contact->sides; s++) {
-    const ct_side *side = &contact->side[s];
-    ct_press press = {side,
-                      &contact->side[contact->sides - 1 - s],
-                      0.5 * data->options.epsilon,
-                      data->options.enforcement,
-                      data->options.dissipation,
-                      HUGE_VAL,
-                      first,
-                      &view->memory[stride(data) * first + FORCE],
-                      stride(data),
-                      1};
-    *count += ct_press_list(&press, at_rest, &list[*count]);
-    first += ct_side_point_count(side);
-  }
-  return CT_OK;
+  for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)
+    *count += ct_side_list_rows(&contact->side[s], ct_contact_other(contact, s), HUGE_VAL, at_rest,
+                                &rows[*count]);
+  return status;
 }
 
 static const ct_effect_constraints CONSTRAINTS = {.list = contact_constrain};
-
-/* Forces of the constraints on the points, and into the memory; the energy that they hold. */
-static void take_constraints(const contact_data *data, const ct_view *view,
-                             contact_scratch *scratch)
-{
-  ct_contact *contact = scratch->contact;
-  int64_t first = 0;
-  for (int s = 0; s < contact->sides; s++) {
-    ct_press_apply(&contact->side[s], first, view->constraints, view->constraint_count);
-    first += ct_side_point_count(&contact->side[s]);
-  }
-  int64_t stored = tail_at(data, contact) + STORED;
-  ct_press_remember(view->constraints, view->constraint_count, ct_contact_point_count(contact),
-                    &view->next_memory[FORCE], stride(data));
-  scratch->held = ct_press_energy(view->constraints, view->constraint_count, view->time,
-                                  view->memory[stored], &view->next_memory[stored], contact->terms);
-}
 
 static ct_status contact_force(const ct_effect *effect, const ct_view *view, double *force,
                                ct_error *error)
 {
   const contact_data *data = effect->data;
-  contact_scratch *s = view->scratch;
+  ct_contact *contact = view->scratch;
+  const int sides = data->fixed->sides;
   ct_status status = is_penalty(data) ? measure(effect, view, error) : CT_OK;
-  if (status == CT_OK && !is_penalty(data)) take_constraints(data, view, s);
-  if (status == CT_OK && ct_initial_end_memory(&data->options) > 0) {
-    ct_initial_view shown = initial_view(data, view, s->contact);
-    s->work = ct_initial_work(s->contact, &shown);
-  }
-  if (status == CT_OK) status = ct_contact_collect(s->contact, error);
+  if (status != CT_OK) return status;
+  const tail_record last = load_tail(data, view->memory);
+  tail_record tail = {.begun = 1.0, .time = view->time, .work = last.work};
+  for (int s = 0; s < sides; s++)
+    if (is_penalty(data)) ct_side_apply_penalty(&contact->side[s]);
+    else ct_side_take_rows(&contact->side[s]);
+  if (!is_penalty(data))
+    contact->held = ct_side_rows_energy(contact->side, sides, view->time, last.stored, &tail.stored,
+                                        contact->terms);
+  if (last.begun != 0.0 && ct_start_gap_fades(&data->fixed->options))
+    tail.work += ct_start_gap_work(contact, view->time, last.time, view->memory);
+  contact->work = tail.work;
+  store(contact, &tail, view->next_memory);
+  status = ct_side_collect(contact->side, sides, 0, error);
   if (status != CT_OK) return status;
   memset(force, 0, 3 * (size_t)effect->node_count * sizeof *force);
-  return ct_contact_add_force(s->contact, force, force);
+  for (int s = 0; s < sides; s++)
+    for (int32_t n = 0; n < contact->side[s].search->node_count; n++)
+      for (int64_t c = 0; c < 3; c++)
+        force[3 * (int64_t)data->place[s][n] + c] +=
+            contact->side[s].force[3 * (int64_t)n + c] +
+            contact->side[s].force_fine[3 * (int64_t)n + c];
+  return CT_OK;
 }
 
 static ct_status contact_energy(const ct_effect *effect, const ct_view *view, double *energy,
                                 ct_error *error)
 {
-  const contact_scratch *s = view->scratch;
+  const ct_contact *contact = view->scratch;
   (void)error;
-  *energy = is_penalty(effect->data) ? ct_contact_energy(s->contact) : s->held;
+  *energy = is_penalty(effect->data) ? ct_contact_energy(contact) : contact->held;
   return CT_OK;
 }
 
@@ -282,134 +207,161 @@ static ct_status contact_external(const ct_effect *effect, const ct_view *view, 
 {
   (void)effect;
   (void)error;
-  *work = ((const contact_scratch *)view->scratch)->work;
+  *work = ((const ct_contact *)view->scratch)->work;
   return CT_OK;
 }
 
-ct_status ct_contact_spring_frequency(const ct_effect *effect, const void *scratch,
-                                      double *omega_squared, ct_error *error)
+ct_status ct_contact_springs(const ct_effect *effect, const void *scratch, double *omega2,
+                             ct_error *error)
 {
   const contact_data *data = effect->data;
-  ct_status status = ct_contact_frequency(((const contact_scratch *)scratch)->contact, data->mass,
-                                          data->mass, omega_squared);
+  ct_status status = ct_contact_omega2_bound(scratch, data->mass, data->mass, omega2);
   return status == CT_OK ? CT_OK
                          : ct_fail(error, status, CT_NOWHERE, "contact: no bound on the time step");
 }
 
-static ct_status contact_frequency(const ct_effect *effect, const ct_view *view,
-                                   double *omega_squared, ct_error *error)
+static ct_status contact_omega2_bound(const ct_effect *effect, const ct_view *view, double *omega2,
+                                      ct_error *error)
 {
   // -- Other enforcements leave the step as it is (eq:controlled-energy)
-  return is_penalty(effect->data)
-             ? ct_contact_spring_frequency(effect, view->scratch, omega_squared, error)
-             : CT_OK;
+  return is_penalty(effect->data) ? ct_contact_springs(effect, view->scratch, omega2, error)
+                                  : CT_OK;
 }
 
-static ct_status renumber(contact_data *data, const ct_surface *surface[2],
-                          const double *nodal_mass, int32_t *count, ct_error *error)
+static void free_data(void *data)
 {
-  int32_t total = surface[0]->node_count;
-  int32_t *own = ct_allocate((size_t)total, sizeof *own);
-  ct_status status = own != NULL ? CT_OK : CT_ERROR_MEMORY;
-  for (int s = 0; status == CT_OK && s < data->sides; s++) {
-    size_t entries = (size_t)surface[s]->face_count * (size_t)ct_face_node_count(surface[s]->kind);
-    data->faces[s] = ct_allocate(entries, sizeof *data->faces[s]);
-    if (data->faces[s] == NULL) status = CT_ERROR_MEMORY;
-    for (size_t i = 0; status == CT_OK && i < entries; i++) {
-      int32_t node = surface[s]->faces[i];
-      if (node < 0 || node >= total)
-        status = ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, (int64_t)i, node},
-                         "surface %d names node %d of %d", s, (int)node, (int)total);
-      else own[node] = 1;
-    }
-  }
-  size_t marked = 0;
-  for (int32_t n = 0; status == CT_OK && n < total; n++) marked += own[n] != 0;
-  data->nodes = ct_allocate(marked, sizeof *data->nodes);
-  data->reference = ct_allocate(marked, 3 * sizeof *data->reference);
-  data->mass = ct_allocate(marked, sizeof *data->mass);
-  if (status == CT_OK && !(data->nodes && data->reference && data->mass)) status = CT_ERROR_MEMORY;
-  for (int32_t n = 0; status == CT_OK && n < total; n++)
-    if (own[n]) {
-      data->nodes[*count] = n;
-      memcpy(&data->reference[3 * (size_t)*count], &surface[0]->reference[3 * (size_t)n],
-             3 * sizeof(double));
-      data->mass[*count] = nodal_mass[n];
-      own[n] = (*count)++;
-    }
-  for (int s = 0; status == CT_OK && s < data->sides; s++) {
-    size_t entries = (size_t)surface[s]->face_count * (size_t)ct_face_node_count(surface[s]->kind);
-    for (size_t i = 0; i < entries; i++) data->faces[s][i] = own[surface[s]->faces[i]];
-    data->surface[s] = (ct_surface){surface[s]->kind, *count, surface[s]->face_count,
-                                    data->faces[s], data->reference};
-  }
-  ct_release(own);
-  return status == CT_ERROR_MEMORY ? ct_fail(error, status, CT_NOWHERE, "no memory for a contact")
-                                   : status;
+  contact_data *d = data;
+  if (d == NULL) return;
+  ct_contact_fixed_free(d->fixed);
+  ct_release(d->place[0]);
+  ct_release(d->place[1]);
+  ct_release(d->nodes);
+  ct_release(d);
 }
 
-/* Operations and bytes of a call with all points pressing, without the rounds in which their forces
- * are found: counted in a contact of two plane surfaces (eq:round-flops). */
-static void count_costs(ct_effect *effect, const contact_data *data, int64_t points)
+static void free_scratch(void *scratch) { ct_contact_free(scratch); }
+
+static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
-  double listed = is_penalty(data) ? 0.0 : 1.0, memory = 2.0 * stride(data) * sizeof(double);
-  effect->flops = (800.0 + 400.0 * listed) * (double)points;
-  double bytes = 2.0 * sizeof(ct_gauss_point) + memory + 4.0 * listed * sizeof(ct_constraint);
-  effect->bytes = bytes * (double)points + 250.0 * effect->node_count;
+  ct_contact *contact = NULL;
+  ct_status status = ct_contact_open(((const contact_data *)effect->data)->fixed, &contact, error);
+  *scratch = contact;
+  return status;
 }
 
-ct_status ct_contact_create_effect(const ct_surface *a, const ct_surface *b,
-                                   const ct_contact_options *options, const double *nodal_mass,
-                                   ct_effect **out, ct_error *error)
+/* Merge the nodes of the surfaces, which ascend, into the effect's list. */
+static ct_status list_nodes(contact_data *data, int32_t *count)
 {
-  if (a == NULL || b == NULL || options == NULL || nodal_mass == NULL || out == NULL ||
-      a->node_count != b->node_count || a->reference != b->reference || a->faces == NULL ||
-      b->faces == NULL || a->reference == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "contact: null argument, or surfaces of different problems");
-  const ct_surface *surface[2] = {a, b};
-  ct_effect *effect = ct_allocate(1, sizeof *effect);
-  contact_data *data = ct_allocate(1, sizeof *data);
-  if (effect == NULL || data == NULL) {
-    ct_release(effect);
-    ct_release(data);
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  const ct_search *search[2] = {data->fixed->side[0].search, data->fixed->side[1].search};
+  int32_t end[2] = {search[0]->node_count, search[1] == NULL ? 0 : search[1]->node_count};
+  data->nodes = ct_allocate((size_t)end[0] + (size_t)end[1], sizeof *data->nodes);
+  for (int s = 0; s < 2; s++) data->place[s] = ct_allocate((size_t)end[s], sizeof *data->place[s]);
+  if (!data->nodes || !data->place[0] || !data->place[1]) return CT_ERROR_MEMORY;
+  for (int32_t at[2] = {0, 0}; at[0] < end[0] || at[1] < end[1]; (*count)++) {
+    int32_t next = INT32_MAX;
+    for (int s = 0; s < 2; s++)
+      if (at[s] < end[s] && search[s]->nodes[at[s]] < next) next = search[s]->nodes[at[s]];
+    for (int s = 0; s < 2; s++)
+      if (at[s] < end[s] && search[s]->nodes[at[s]] == next) data->place[s][at[s]++] = *count;
+    data->nodes[*count] = next;
   }
-  data->options = *options;
-  data->sides = a == b ? 1 : 2;
-  *effect = (ct_effect){.kind = CT_EFFECT_CONTACT,
-                        .label = "contact",
-                        .data = data,
-                        .create_scratch = create_scratch,
-                        .free_scratch = free_scratch,
-                        .force = contact_force,
-                        .energy = contact_energy,
-                        .omega2_bound = contact_frequency,
-                        .free_data = free_data};
-  void *trial = NULL;
-  ct_status status = renumber(data, surface, nodal_mass, &effect->node_count, error);
-  effect->nodes = data->nodes;
-  if (status == CT_OK) status = create_scratch(effect, &trial, error);
-  if (status != CT_OK) {
-    ct_effect_free(effect);
-    return status;
+  for (int s = 0; s < data->fixed->sides; s++) {
+    ct_side_fixed *side = &data->fixed->side[s];
+    size_t entries = (size_t)search[s]->face_count * (size_t)search[s]->per;
+    side->row_faces = ct_allocate(entries, sizeof *side->row_faces);
+    if (side->row_faces == NULL) return CT_ERROR_MEMORY;
+    for (size_t i = 0; i < entries; i++) side->row_faces[i] = data->place[s][search[s]->faces[i]];
   }
-  int64_t points = ct_contact_point_count(((contact_scratch *)trial)->contact);
-  effect->memory_count =
-      places_at(data, ((contact_scratch *)trial)->contact) + 3 * (int64_t)effect->node_count;
-  count_costs(effect, data, points);
-  if (options->initial == CT_INITIAL_REMOVE) effect->external = contact_external;
-  if (!is_penalty(data)) {
-    effect->phase = CT_PHASE_CONSTRAINT;
-    effect->constraints = &CONSTRAINTS;
-    effect->constraint_count = points;
-  }
-  free_scratch(trial);
-  *out = effect;
   return CT_OK;
 }
 
-const ct_contact *ct_contact_of_scratch(const void *scratch)
+/* Operations and bytes of a call with all points active, without the iterations in which their
+ * forces are found: counted in a contact of two plane surfaces (eq:round-flops). */
+static void count_costs(ct_effect *effect, const contact_data *data)
 {
-  return scratch == NULL ? NULL : ((const contact_scratch *)scratch)->contact;
+  double points = (double)data->point_count, listed = is_penalty(data) ? 0.0 : 1.0;
+  effect->flops = (800.0 + 400.0 * listed) * points;
+  double bytes = 2.0 * sizeof(ct_point) + 2.0 * sizeof(ct_point_record);
+  effect->bytes = bytes * points + 250.0 * effect->node_count;
+}
+
+/* What never changes of the effect. */
+static ct_status fill(contact_data *data, const ct_contact_def *def, const ct_problem *problem,
+                      ct_effect *effect, ct_error *error)
+{
+  const ct_surface *surface[2] = {def->a, def->b};
+  data->mass = problem->mass;
+  ct_status status = ct_contact_fixed_create(surface, def->a == def->b ? 1 : 2, &def->options,
+                                             &data->fixed, error);
+  if (status != CT_OK) return status;
+  if (list_nodes(data, &effect->node_count) != CT_OK)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  effect->nodes = data->nodes;
+  effect->memory_count = TAIL;
+  for (int s = 0; s < data->fixed->sides; s++) {
+    data->point_count += data->fixed->side[s].point_count;
+    effect->memory_count += 3 * (int64_t)data->fixed->side[s].search->node_count;
+  }
+  effect->memory_count += CT_RECORD * data->point_count;
+  count_costs(effect, data);
+  if (ct_start_gap_fades(&def->options)) effect->external = contact_external;
+  if (is_penalty(data)) return CT_OK;
+  effect->phase = CT_PHASE_CONSTRAINT;
+  effect->constraints = &CONSTRAINTS;
+  effect->constraint_count = data->point_count;
+  return CT_OK;
+}
+
+ct_contact_def ct_contact_def_default(void)
+{
+  return (ct_contact_def){.cookie = CT_DEF_COOKIE, .options = ct_contact_options_default()};
+}
+
+static int has_nodes_of(const ct_surface *surface, const ct_problem *problem)
+{
+  return surface != NULL && surface->node_count == problem->node_count &&
+         surface->reference == problem->reference;
+}
+
+ct_status ct_contact_create_effect(const ct_contact_def *def, const ct_problem *problem,
+                                   ct_effect **out, ct_error *error)
+{
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, out, "contact", error);
+  if (status != CT_OK) return status;
+  if (!has_nodes_of(def->a, problem) || !has_nodes_of(def->b, problem))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "contact: a surface is missing, or is not one of the problem");
+  contact_data *data = ct_allocate(1, sizeof *data);
+  if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  ct_effect filled = {.kind = CT_EFFECT_CONTACT,
+                      .label = "contact",
+                      .data = data,
+                      .create_scratch = create_scratch,
+                      .free_scratch = free_scratch,
+                      .force = contact_force,
+                      .energy = contact_energy,
+                      .omega2_bound = contact_omega2_bound,
+                      .free_data = free_data};
+  status = fill(data, def, problem, &filled, error);
+  return ct_effect_finish(status, &filled, out, error);
+}
+
+int ct_contact_fixed_sides(const ct_effect *effect, const ct_side_fixed *side[2])
+{
+  const ct_contact_fixed *fixed = ((const contact_data *)effect->data)->fixed;
+  for (int s = 0; s < fixed->sides; s++) side[s] = &fixed->side[s];
+  return fixed->sides;
+}
+
+const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state, int32_t effect,
+                                   ct_error *error)
+{
+  if (problem == NULL || state == NULL || effect < 0 || effect >= problem->effect_count ||
+      problem->effects[effect]->kind != CT_EFFECT_CONTACT) {
+    ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no contact", (int)effect);
+    return NULL;
+  }
+  return ct_workspace_forces(problem, state, error) == CT_OK ? state->workspace->scratch[effect]
+                                                             : NULL;
 }

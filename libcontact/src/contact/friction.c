@@ -4,21 +4,21 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
-#include "obstacle_internal.h"
 #include "../base/vector.h"
+#include "../step/effect_internal.h"
 #include "../step/workspace.h"
 #include "contact_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-/* What rubs, and how many points and nodes its sides have. */
+/* What friction acts on: a contact or, if `rigid`, an obstacle, with one or two sides. */
 typedef struct friction_data {
   const ct_effect *on;
   double mu, rho;
-  int rigid; /* whether it rubs on an obstacle */
+  int rigid, sides;
+  const ct_side_fixed *side[2];
   int64_t points;
-  int32_t side_nodes[2];
 } friction_data;
 
 /* One point: its tangential traction, and the couple that balances its moment. */
@@ -31,39 +31,36 @@ typedef struct slip_point {
   double lost;      /* dissipated so far */
 } slip_point;
 
+/* What friction remembers of a point. */
+typedef struct slip_record {
+  double other;    /* face of the other side plus one, 1 at an obstacle; 0: nothing touches */
+  double place[3]; /* of the closest point: its parameters; at an obstacle, relative to that */
+  double slip[3];  /* along the face's tangents and normal; at an obstacle, along the axes */
+  double lost;     /* dissipated so far */
+} slip_record;
+
+/* And behind all points: whether there was a call before, its time, the place of the obstacle then.
+ */
+typedef struct tail_record {
+  double begun, time, place[3];
+} tail_record;
+enum { RECORD = sizeof(slip_record) / sizeof(double), TAIL = sizeof(tail_record) / sizeof(double) };
+
 typedef struct friction_scratch {
   slip_point *points;
-  double *coarse[2], *fine[2]; /* sums at the nodes of each side */
+  double *coarse, *fine; /* sums at the effect's nodes */
   double *terms;
 } friction_scratch;
 
-/* What the points of one call share: the effect, its view, and the time since the call before (0:
- * there was none). */
+/* What the points of one call share: the sides as they are now, and the time since the call before
+ * (0: there was none). */
 typedef struct call {
-  const ct_effect *effect;
   const friction_data *data;
   const ct_view *view;
+  const ct_side *side[2];
   double dt;
   double moved[3]; /* motion of the obstacle in that time */
 } call;
-
-/* After the points' memory: whether there was a call before, its time, the place of the obstacle
- * then. */
-enum { TAIL_BEGUN = 0, TAIL_TIME = 1, TAIL_PLACE = 2, TAIL = 5 };
-
-/* Doubles of memory of a point: the partner (face plus one, 0: none), then for a contact its
- * parameters and the slip along the face's tangents and normal, for an obstacle the place of the
- * foot relative to it and the slip; last the dissipation. */
-enum {
-  PARTNER = 0,
-  FOOT = 1,
-  SLIP = 3,
-  LOST = 6,
-  MEMORY = 7,
-  RIGID_SLIP = 4,
-  RIGID_LOST = 7,
-  RIGID_MEMORY = 8
-};
 
 double ct_friction_return(double limit, double slip[3])
 {
@@ -102,54 +99,50 @@ static int is_inside(ct_face_kind kind, const double xi[2])
   return fabs(xi[0]) < 1.0 && fabs(xi[1]) < 1.0;
 }
 
-/* Way of a material point of a face since the call before: the leapfrog's Δt v_{n-1/2}. */
-static void way(const call *now, const ct_search *search, int64_t face, const double N[8],
-                double out[3])
+/* Displacement increment of a material point of a face since the call before: the leapfrog's
+ * Δt v_{n-1/2}. */
+static void increment_of(const call *now, const ct_search *search, int64_t face, const double N[8],
+                         double out[3])
 {
   const int32_t *node = &search->faces[face * search->per];
   for (int c = 0; c < 3; c++) {
     double t[8] = {0.0};
-    for (int a = 0; a < search->per; a++) {
-      int64_t host = search->nodes[node[a]];
-      t[a] = N[a] *
-             now->view
-                 ->velocity[3 * (now->data->rigid ? host : (int64_t)now->effect->nodes[host]) + c];
-    }
+    for (int a = 0; a < search->per; a++)
+      t[a] = N[a] * now->view->velocity[3 * (int64_t)search->nodes[node[a]] + c];
     out[c] = now->dt * ct_side_sum(search->per, t);
   }
 }
 
-/* The slip of a point that touched nothing before: the way of this step against the foot. */
-static void first_slip(const call *now, const ct_side *side, const ct_side *other, int64_t i,
-                       double v[3])
+/* The same of point `i` of a side. */
+static void increment_at(const call *now, const ct_side *side, int64_t i, double out[3])
 {
-  double foot[3];
-  way(now, side->search, i / side->rule.count, side->N[i % side->rule.count], v);
-  way(now, other->search, side->points[i].other, side->points[i].N, foot);
-  for (int c = 0; c < 3; c++) v[c] -= foot[c];
+  int32_t points = side->fixed->rule.count;
+  increment_of(now, side->search, i / points, side->fixed->N[i % points], out);
 }
 
-/* The slip before the return: what was held, carried along by the old partner's face, and the way
- * of the point from that partner (eq:friction-trial). */
+/* The slip before the return: what was held, carried along by the old partner's face, and the
+ * motion of the point from that partner (eq:friction-trial). Of a point that touched nothing before
+ * it is the increment of this step against the closest point. */
 static void trial_slip(const call *now, const ct_side *side, const ct_side *other, int64_t i,
-                       const double *memory, double v[3])
+                       const slip_record *last, double v[3])
 {
-  int32_t face = (int32_t)memory[PARTNER] - 1;
-  const double *a = &memory[SLIP];
-  double t1[3], t2[3], n[3], N[8], origin[3], y[3], foot[3];
-  if (!(memory[PARTNER] >= 1.0) || face >= other->search->face_count ||
-      !frame(other->search, face, &memory[FOOT], t1, t2, n)) {
-    first_slip(now, side, other, i, v);
+  int32_t face = (int32_t)last->other - 1;
+  const double *a = last->slip;
+  double t1[3], t2[3], n[3], N[8], origin[3], y[3], closest[3];
+  if (!(last->other >= 1.0) || face >= other->search->face_count ||
+      !frame(other->search, face, last->place, t1, t2, n)) {
+    increment_at(now, side, i, v);
+    increment_of(now, other->search, side->points[i].other, side->points[i].N, closest);
+    for (int c = 0; c < 3; c++) v[c] -= closest[c];
     return;
   }
   for (int c = 0; c < 3; c++)
     origin[c] = 0.5 * (other->search->boxes[face].low[c] + other->search->boxes[face].high[c]);
-  ct_segment_shape(other->search->kind, &memory[FOOT], N);
-  ct_side_interpolate(other, face, N, origin, foot);
-  ct_side_interpolate(side, (int32_t)(i / side->rule.count), side->N[i % side->rule.count], origin,
-                      y);
+  ct_segment_shape(other->search->kind, last->place, N);
+  ct_side_interpolate(other->search, other->search->x, face, N, origin, closest);
+  ct_side_position(side, i, origin, y);
   for (int c = 0; c < 3; c++)
-    v[c] = ((y[c] - foot[c]) + (a[0] * t1[c] + a[1] * t2[c])) + a[2] * n[c];
+    v[c] = ((y[c] - closest[c]) + (a[0] * t1[c] + a[1] * t2[c])) + a[2] * n[c];
 }
 
 /* Take away the part of v along d. */
@@ -160,7 +153,7 @@ static void make_tangential(const double d[3], double v[3])
 }
 
 /* Traction of a point whose trial slip is known; `k` is the normal stiffness, and the normal force
- * k times the depth below the foot. */
+ * k times the depth below the closest point. */
 static void rub(const friction_data *data, double k, const double normal[3], slip_point *p)
 {
   double limit = data->mu / data->rho * (sqrt(ct_vector_dot(normal, normal)) / k);
@@ -171,71 +164,68 @@ static void rub(const friction_data *data, double k, const double normal[3], sli
   for (int c = 0; c < 3; c++) p->force[c] = -p->k * p->s[c];
 }
 
-/* Nothing touches: nothing is held any more. */
-static void release(slip_point *p, const double *memory, double *next, int size)
-{
-  *p = (slip_point){.lost = memory[size - 1]};
-  memset(next, 0, (size_t)size * sizeof *next);
-  next[size - 1] = p->lost;
-}
-
 /* One point of a contact. */
-static void rub_contact(const call *now, int s, int64_t i, const double *memory, double *next,
-                        slip_point *p)
+static void rub_contact(const call *now, int s, int64_t i, const slip_record *last,
+                        slip_record *next, slip_point *p)
 {
-  const ct_contact *contact = ct_contact_of_scratch(now->view->read);
-  const ct_side *side = &contact->side[s], *other = &contact->side[contact->sides - 1 - s];
-  const ct_gauss_point *point = &side->points[i];
+  const ct_side *side = now->side[s], *other = now->side[now->data->sides - 1 - s];
+  const ct_point *point = &side->points[i];
   double t1[3], t2[3], n[3], c[2], dN[8][2];
-  release(p, memory, next, MEMORY);
-  if (!ct_point_presses(point) || !frame(other->search, point->other, point->xi, t1, t2, n)) return;
+  if (!frame(other->search, point->other, point->xi, t1, t2, n)) return;
 
-  // -- Tangential part of the trial slip, in the plane of the face or across the way to an edge
-  // (eq:friction-trial)
-  trial_slip(now, side, other, i, memory, p->s);
+  // -- Tangential part of the trial slip, in the plane of the face or at right angles to the line
+  // to an edge (eq:friction-trial)
+  trial_slip(now, side, other, i, last, p->s);
   int inside = is_inside(other->search->kind, point->xi);
   if (!inside) make_tangential(point->force, p->s);
   components(t1, t2, p->s, c);
   for (int k = 0; inside && k < 3; k++) p->s[k] = c[0] * t1[k] + c[1] * t2[k];
-  rub(now->data, 0.5 * contact->options.epsilon * side->weight[i], point->force, p);
+  rub(now->data, point->row.stiffness, point->force, p);
 
   // -- The couple on the other face that balances the moment of the tractions (eq:friction-couple)
   components(t1, t2, p->s, c);
-  ct_face nodes = {.kind = other->search->kind};
-  ct_segment_gradient(nodes.kind, point->xi, dN);
+  ct_segment_gradient(other->search->kind, point->xi, dN);
   for (int b = 0; b < other->search->per; b++) p->q[b] = c[0] * dN[b][0] + c[1] * dN[b][1];
   for (int k = 0; k < 3; k++) p->couple[k] = p->k * point->d[k];
-  next[PARTNER] = (double)point->other + 1.0;
-  memcpy(&next[FOOT], point->xi, sizeof point->xi);
-  next[SLIP] = c[0];
-  next[SLIP + 1] = c[1];
-  next[SLIP + 2] = ct_vector_dot(p->s, n);
-  next[LOST] = p->lost;
+  *next = (slip_record){.other = (double)point->other + 1.0,
+                        .place = {point->xi[0], point->xi[1]},
+                        .slip = {c[0], c[1], ct_vector_dot(p->s, n)}};
 }
 
 /* One point at an obstacle, which moves but does not turn. */
-static void rub_obstacle(const call *now, int64_t i, const double *memory, double *next,
+static void rub_obstacle(const call *now, int64_t i, const slip_record *last, slip_record *next,
                          slip_point *p)
 {
-  const ct_obstacle_points *points = ct_obstacle_of_scratch(now->view->read);
-  const ct_side *side = &points->side;
-  const ct_gauss_point *point = &side->points[i];
+  const ct_obstacle_state *obstacle = now->view->read;
+  const ct_side *side = &obstacle->side;
+  const ct_point *point = &side->points[i];
   double y[3], first[3];
-  release(p, memory, next, RIGID_MEMORY);
-  if (!ct_point_presses(point)) return;
-  ct_side_interpolate(side, (int32_t)(i / side->rule.count), side->N[i % side->rule.count],
-                      points->place, y);
-  way(now, side->search, i / side->rule.count, side->N[i % side->rule.count], first);
+  ct_side_position(side, i, obstacle->place, y);
+  increment_at(now, side, i, first);
   for (int c = 0; c < 3; c++) {
-    p->s[c] = memory[PARTNER] != 0.0 ? (y[c] - memory[FOOT + c]) + memory[RIGID_SLIP + c]
-                                     : first[c] - now->moved[c];
-    next[FOOT + c] = y[c] + point->d[c];
+    p->s[c] =
+        last->other != 0.0 ? (y[c] - last->place[c]) + last->slip[c] : first[c] - now->moved[c];
+    next->place[c] = y[c] + point->d[c];
   }
   make_tangential(point->force, p->s);
-  rub(now->data, points->epsilon * side->weight[i], point->force, p);
-  next[PARTNER] = 1.0;
-  memcpy(&next[RIGID_SLIP], p->s, sizeof p->s);
-  next[RIGID_LOST] = p->lost;
+  rub(now->data, point->row.stiffness, point->force, p);
+  next->other = 1.0;
+  memcpy(next->slip, p->s, sizeof p->s);
+}
+
+/* Traction of point `i` of side `s`, whose memory begins at `at`; where nothing touches nothing is
+ * held any more. */
+static void rub_point(const call *now, int s, int64_t i, int64_t at, slip_point *p)
+{
+  slip_record last, next = {.other = 0.0};
+  memcpy(&last, &now->view->memory[at], sizeof last);
+  *p = (slip_point){.lost = last.lost};
+  if (ct_point_has_force(&now->side[s]->points[i])) {
+    if (now->data->rigid) rub_obstacle(now, i, &last, &next, p);
+    else rub_contact(now, s, i, &last, &next, p);
+  }
+  next.lost = p->lost;
+  memcpy(&now->view->next_memory[at], &next, sizeof next);
 }
 
 /* Largest force at a node of a point. */
@@ -250,85 +240,64 @@ static double largest(const friction_scratch *s, int64_t count)
   return top;
 }
 
-/* Add the tractions and couples of one side's points to the nodes of both sides
+/* Add a force at a point of a face to the sums at the face's nodes. */
+static void push(const friction_scratch *s, const ct_grid *grid, const ct_side_fixed *side,
+                 int64_t face, const double N[8], const double force[3])
+{
+  const int32_t *node = ct_side_row_nodes(side, face);
+  for (int a = 0; a < side->search->per; a++)
+    for (int64_t c = 0, d = 3 * (int64_t)node[a]; c < 3; c++, d++)
+      ct_grid_add(grid, N[a] * force[c], &s->coarse[d], &s->fine[d]);
+}
+
+/* Tractions and couples of all points at the nodes, in sums that do not depend on their order
  * (eq:friction-force). */
-static void spread(const ct_grid *grid, const ct_side *side, const ct_side *other,
-                   const slip_point *points, double *const own[2], double *const others[2])
+static ct_status gather(const call *now, friction_scratch *s, int32_t nodes, double *force,
+                        ct_error *error)
 {
-  for (int64_t i = 0; i < ct_side_point_count(side); i++) {
-    const slip_point *p = &points[i];
-    if (!(p->k > 0.0)) continue;
-    ct_side_push(grid, side->search, i / side->rule.count, side->N[i % side->rule.count], p->force,
-                 own[0], own[1]);
-    if (other == NULL) continue;
-    const double back[3] = {-p->force[0], -p->force[1], -p->force[2]};
-    ct_side_push(grid, other->search, side->points[i].other, side->points[i].N, back, others[0],
-                 others[1]);
-    ct_side_push(grid, other->search, side->points[i].other, p->q, p->couple, others[0], others[1]);
-  }
-}
-
-/* The sides of what is rubbed on: one or two. */
-static int sides_of(const friction_data *data, const void *read, const ct_side *side[2])
-{
-  if (data->rigid) {
-    side[0] = side[1] = &ct_obstacle_of_scratch(read)->side;
-    return 1;
-  }
-  const ct_contact *contact = ct_contact_of_scratch(read);
-  for (int s = 0; s < 2; s++) side[s] = &contact->side[s < contact->sides ? s : 0];
-  return contact->sides;
-}
-
-static ct_status gather(const friction_data *data, const void *read, friction_scratch *s,
-                        const ct_effect *effect, double *force, ct_error *error)
-{
-  const ct_side *side[2];
-  int sides = sides_of(data, read, side);
+  const friction_data *data = now->data;
+  const size_t size = 3 * (size_t)nodes * sizeof *force;
   double top = largest(s, data->points);
   ct_grid grid;
-  memset(force, 0, 3 * (size_t)effect->node_count * sizeof *force);
-  if (top == 0.0) return CT_OK;
-  if (!ct_grid_init(&grid, 2.0 * top, 24 * data->points))
+  memset(s->coarse, 0, size);
+  memset(s->fine, 0, size);
+  if (top > 0.0 && !ct_grid_init(&grid, 2.0 * top, 24 * data->points))
     return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "friction: a force of %g", top);
-  for (int k = 0; k < sides; k++) {
-    memset(s->coarse[k], 0, 3 * (size_t)data->side_nodes[k] * sizeof(double));
-    memset(s->fine[k], 0, 3 * (size_t)data->side_nodes[k] * sizeof(double));
+  const slip_point *p = s->points;
+  for (int k = 0; top > 0.0 && k < data->sides; k++) {
+    const ct_side_fixed *side = data->side[k], *other = data->side[data->sides - 1 - k];
+    for (int64_t i = 0; i < side->point_count; i++, p++) {
+      const ct_point *point = &now->side[k]->points[i];
+      const double back[3] = {-p->force[0], -p->force[1], -p->force[2]};
+      if (!(p->k > 0.0)) continue;
+      push(s, &grid, side, i / side->rule.count, side->N[i % side->rule.count], p->force);
+      if (data->rigid) continue;
+      push(s, &grid, other, point->other, point->N, back);
+      push(s, &grid, other, point->other, p->q, p->couple);
+    }
   }
-  const slip_point *points = s->points;
-  for (int k = 0; k < sides; k++) {
-    int o = sides - 1 - k;
-    double *own[2] = {s->coarse[k], s->fine[k]}, *others[2] = {s->coarse[o], s->fine[o]};
-    spread(&grid, side[k], data->rigid ? NULL : side[o], points, own, others);
-    points += ct_side_point_count(side[k]);
-  }
-  for (int k = 0; k < sides; k++)
-    for (int64_t n = 0; n < data->side_nodes[k]; n++)
-      for (int64_t c = 0; c < 3; c++) {
-        int64_t node = data->rigid ? n : side[k]->search->nodes[n];
-        force[3 * node + c] += s->coarse[k][3 * n + c] + s->fine[k][3 * n + c];
-      }
+  for (int64_t d = 0; d < 3 * (int64_t)nodes; d++) force[d] = s->coarse[d] + s->fine[d];
   return CT_OK;
 }
 
-/* The time since the call before and the motion of the obstacle in it, from the tail of the memory;
- * and the tail for the next call. */
-static call begin(const ct_effect *effect, const ct_view *view, int64_t size)
+/* The sides now, the time since the call before and the motion of the obstacle in it, from the tail
+ * of the memory; and the tail for the next call. */
+static call begin(const friction_data *data, const ct_view *view)
 {
-  const friction_data *data = effect->data;
-  const double *tail = &view->memory[size * data->points];
-  double *next = &view->next_memory[size * data->points];
-  call now = {effect,
-              data,
-              view,
-              tail[TAIL_BEGUN] != 0.0 ? view->time - tail[TAIL_TIME] : 0.0,
-              {0.0, 0.0, 0.0}};
-  next[TAIL_BEGUN] = 1.0;
-  next[TAIL_TIME] = view->time;
-  for (int c = 0; c < 3; c++) {
-    next[TAIL_PLACE + c] = data->rigid ? ct_obstacle_of_scratch(view->read)->place[c] : 0.0;
-    now.moved[c] = tail[TAIL_BEGUN] != 0.0 ? next[TAIL_PLACE + c] - tail[TAIL_PLACE + c] : 0.0;
+  int64_t at = RECORD * data->points;
+  tail_record last, next = {.begun = 1.0, .time = view->time};
+  call now = {.data = data, .view = view};
+  memcpy(&last, &view->memory[at], sizeof last);
+  for (int k = 0; k < data->sides; k++)
+    now.side[k] = data->rigid ? &((const ct_obstacle_state *)view->read)->side
+                              : &((const ct_contact *)view->read)->side[k];
+  if (data->rigid)
+    memcpy(next.place, ((const ct_obstacle_state *)view->read)->place, sizeof next.place);
+  if (last.begun != 0.0) {
+    now.dt = view->time - last.time;
+    for (int c = 0; c < 3; c++) now.moved[c] = next.place[c] - last.place[c];
   }
+  memcpy(&view->next_memory[at], &next, sizeof next);
   return now;
 }
 
@@ -337,38 +306,32 @@ static ct_status friction_force(const ct_effect *effect, const ct_view *view, do
 {
   const friction_data *data = effect->data;
   friction_scratch *s = view->scratch;
-  const ct_side *side[2];
   if (view->read == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "friction: what it rubs on is not in the problem");
-  int sides = sides_of(data, view->read, side), size = data->rigid ? RIGID_MEMORY : MEMORY;
+                   "friction: what it acts on is not in the problem");
   int64_t first = 0;
-  call now = begin(effect, view, size);
-  for (int k = 0; k < sides; k++) {
-    int64_t count = ct_side_point_count(side[k]);
+  call now = begin(data, view);
+  for (int k = 0; k < data->sides; k++) {
+    int64_t count = data->side[k]->point_count;
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(view->threads) schedule(static) if (view->threads > 1)
 #endif
-    for (int64_t i = 0; i < count; i++) {
-      const double *memory = &view->memory[size * (first + i)];
-      double *next = &view->next_memory[size * (first + i)];
-      if (data->rigid) rub_obstacle(&now, i, memory, next, &s->points[i]);
-      else rub_contact(&now, k, i, memory, next, &s->points[first + i]);
-    }
+    for (int64_t i = 0; i < count; i++)
+      rub_point(&now, k, i, RECORD * (first + i), &s->points[first + i]);
     first += count;
   }
-  return gather(data, view->read, s, effect, force, error);
+  return gather(&now, s, effect->node_count, force, error);
 }
 
-/* max(ρ, μ) times the bound of what is rubbed on (eq:friction-bound). */
-static ct_status friction_frequency(const ct_effect *effect, const ct_view *view,
-                                    double *omega_squared, ct_error *error)
+/* max(ρ, μ) times the bound of what it acts on (eq:friction-bound). */
+static ct_status friction_omega2_bound(const ct_effect *effect, const ct_view *view, double *omega2,
+                                       ct_error *error)
 {
   const friction_data *data = effect->data;
-  ct_status status = data->rigid
-                         ? ct_obstacle_spring_frequency(data->on, view->read, omega_squared, error)
-                         : ct_contact_spring_frequency(data->on, view->read, omega_squared, error);
-  *omega_squared *= fmax(data->rho, data->mu);
+  ct_status status = CT_OK;
+  if (data->rigid) *omega2 = ct_obstacle_springs(data->on);
+  else status = ct_contact_springs(data->on, view->read, omega2, error);
+  *omega2 *= fmax(data->rho, data->mu);
   return status;
 }
 
@@ -376,13 +339,8 @@ static void free_scratch(void *scratch)
 {
   friction_scratch *s = scratch;
   if (s == NULL) return;
-  ct_release(s->points);
-  ct_release(s->terms);
-  for (int k = 0; k < 2; k++) {
-    ct_release(s->coarse[k]);
-    ct_release(s->fine[k]);
-  }
-  ct_release(s);
+  void *blocks[] = {s->points, s->terms, s->coarse, s->fine, s};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
 }
 
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
@@ -392,40 +350,22 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   if (s == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for friction");
   s->points = ct_allocate((size_t)data->points, sizeof *s->points);
   s->terms = ct_allocate((size_t)data->points, sizeof *s->terms);
-  int whole = s->points != NULL && s->terms != NULL;
-  for (int k = 0; k < 2; k++) {
-    s->coarse[k] = ct_allocate((size_t)data->side_nodes[k], 3 * sizeof(double));
-    s->fine[k] = ct_allocate((size_t)data->side_nodes[k], 3 * sizeof(double));
-    whole = whole && s->coarse[k] != NULL && s->fine[k] != NULL;
-  }
-  if (!whole) {
-    free_scratch(s);
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for friction");
-  }
+  s->coarse = ct_allocate((size_t)effect->node_count, 3 * sizeof(double));
+  s->fine = ct_allocate((size_t)effect->node_count, 3 * sizeof(double));
   *scratch = s;
-  return CT_OK;
+  if (s->points && s->terms && s->coarse && s->fine) return CT_OK;
+  free_scratch(s);
+  *scratch = NULL;
+  return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for friction");
 }
 
-/* Count the points and nodes of what is rubbed on. */
-static ct_status count(friction_data *data, ct_error *error)
+ct_friction_def ct_friction_def_default(void)
 {
-  const ct_side *side[2];
-  void *trial = NULL;
-  ct_status status = data->on->create_scratch(data->on, &trial, error);
-  if (status != CT_OK) return status;
-  int sides = sides_of(data, trial, side);
-  for (int k = 0; k < sides; k++) {
-    data->points += ct_side_point_count(side[k]);
-    data->side_nodes[k] = side[k]->search->node_count;
-  }
-  data->on->free_scratch(trial);
-  return CT_OK;
+  return (ct_friction_def){.cookie = CT_DEF_COOKIE, .tangent = 1.0};
 }
 
-static ct_status check(const ct_friction *f, const ct_problem *problem, ct_error *error)
+static ct_status check(const ct_friction_def *f, ct_error *error)
 {
-  if (f == NULL || problem == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "friction: null argument");
   if (f->on == NULL || (f->on->kind != CT_EFFECT_CONTACT && f->on->kind != CT_EFFECT_OBSTACLE))
     return ct_fail(
         error, CT_ERROR_ARGUMENT, CT_NOWHERE,
@@ -433,56 +373,48 @@ static ct_status check(const ct_friction *f, const ct_problem *problem, ct_error
   if (!(f->coefficient > 0.0) || !isfinite(f->coefficient))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "friction: the coefficient must be positive, not %g", f->coefficient);
-  if (!(f->tangent >= 0.0) || !isfinite(f->tangent))
+  if (!(f->tangent > 0.0) || !isfinite(f->tangent))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "friction: a tangential penalty of %g times the normal one", f->tangent);
   return CT_OK;
 }
 
-ct_status ct_friction_create_effect(const ct_friction *friction, const ct_problem *problem,
+ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem *problem,
                                     ct_effect **out, ct_error *error)
 {
-  if (out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "friction: null argument");
-  ct_status status = check(friction, problem, error);
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, out, "friction", error);
+  if (status == CT_OK) status = check(def, error);
   if (status != CT_OK) return status;
-  ct_effect *effect = ct_allocate(1, sizeof *effect);
   friction_data *data = ct_allocate(1, sizeof *data);
-  if (effect == NULL || data == NULL) {
-    ct_release(effect);
-    ct_release(data);
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for friction");
-  }
-  *data = (friction_data){.on = friction->on,
-                          .mu = friction->coefficient,
-                          .rho = friction->tangent > 0.0 ? friction->tangent : 1.0,
-                          .rigid = friction->on->kind == CT_EFFECT_OBSTACLE};
-  *effect = (ct_effect){.kind = CT_EFFECT_FRICTION,
-                        .label = "friction",
-                        .data = data,
-                        .nodes = friction->on->nodes,
-                        .node_count = friction->on->node_count,
-                        .phase = friction->on->phase == CT_PHASE_CONSTRAINT ? CT_PHASE_FOLLOWING
-                                                                            : CT_PHASE_STATE,
-                        .reads = friction->on,
-                        .create_scratch = create_scratch,
-                        .free_scratch = free_scratch,
-                        .force = friction_force,
-                        .omega2_bound = friction_frequency,
-                        .free_data = ct_release};
-  status = count(data, error);
-  if (status != CT_OK) {
-    ct_effect_free(effect);
-    return status;
-  }
-  // With all points pressing, counted on two plane surfaces and on a plane.
-  effect->flops = (data->rigid ? 225.0 : 750.0) * (double)data->points;
-  double memory = 16.0 * (data->rigid ? RIGID_MEMORY : MEMORY);
-  effect->bytes =
-      (2.0 * sizeof(slip_point) + sizeof(ct_gauss_point) + memory) * (double)data->points +
-      250.0 * effect->node_count;
-  effect->memory_count = (data->rigid ? RIGID_MEMORY : MEMORY) * data->points + TAIL;
-  *out = effect;
-  return CT_OK;
+  if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for friction");
+  *data = (friction_data){.on = def->on,
+                          .mu = def->coefficient,
+                          .rho = def->tangent,
+                          .rigid = def->on->kind == CT_EFFECT_OBSTACLE};
+  if (data->rigid) data->side[0] = ct_obstacle_side(def->on);
+  data->sides = data->rigid ? 1 : ct_contact_fixed_sides(def->on, data->side);
+  for (int k = 0; k < data->sides; k++) data->points += data->side[k]->point_count;
+  double points = (double)data->points, nodes = def->on->node_count,
+         bytes = 2.0 * sizeof(slip_point) + sizeof(ct_point) + 2.0 * sizeof(slip_record);
+  int follows = def->on->phase == CT_PHASE_CONSTRAINT;
+  // Costs with all points active, counted on two plane surfaces and on a plane.
+  const ct_effect filled = {.kind = CT_EFFECT_FRICTION,
+                            .label = "friction",
+                            .phase = follows ? CT_PHASE_FOLLOWING : CT_PHASE_STATE,
+                            .data = data,
+                            .nodes = def->on->nodes,
+                            .node_count = def->on->node_count,
+                            .memory_count = RECORD * data->points + TAIL,
+                            .reads = def->on,
+                            .create_scratch = create_scratch,
+                            .free_scratch = free_scratch,
+                            .force = friction_force,
+                            .omega2_bound = friction_omega2_bound,
+                            .flops = (data->rigid ? 225.0 : 750.0) * points,
+                            .bytes = bytes * points + 250.0 * nodes,
+                            .free_data = ct_release};
+  return ct_effect_finish(status, &filled, out, error);
 }
 
 ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t k, double *held,

@@ -2,33 +2,46 @@
 #include <libcontact/contact.h>
 #include <libcontact/base.h>
 
-#include "press.h"
+#include "../constraint/law.h"
 #include "../base/error.h"
 #include "../base/memory.h"
-#include "obstacle_internal.h"
 #include "../base/vector.h"
+#include "../step/effect_internal.h"
 #include "../step/workspace.h"
+#include "contact_internal.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The obstacle with arrays of our own and an axis of length 1. */
+/* What all states share: the obstacle with arrays of our own and an axis of length 1, and the
+ * surface, whose nodes are those of the effect. */
 typedef struct obstacle_data {
-  ct_obstacle given;
+  ct_obstacle_def given;
   double *time, *value; /* of the history */
-  int32_t *faces, *nodes;
-  double *mass; /* of the effect's nodes */
-  const double *reference;
-  int32_t node_count;
+  ct_side_fixed side;
+  double springs; /* bound of ω² with every point taken as inside */
 } obstacle_data;
 
-/* Doubles of memory: whether there was a step before, place, reaction, work, what the constraints
- * stored in the middle of the last step. Then the force of each constraint. */
-enum { BEGUN = 0, PLACE = 1, REACTION = 4, WORK = 7, STORED = 8, MEMORY = 9 };
+/* What the effect remembers, before the force of each point's row. */
+typedef struct obstacle_record {
+  double begun;    /* whether there was a step before */
+  double place[3]; /* of the obstacle */
+  double reaction[3];
+  double work;
+  double stored; /* what all rows stored in the middle of the last step */
+} obstacle_record;
+enum { RECORD = sizeof(obstacle_record) / sizeof(double) };
+
+static obstacle_record load(const double *memory)
+{
+  obstacle_record record;
+  memcpy(&record, memory, sizeof record);
+  return record;
+}
 
 /* Signed distance and normal of a point given relative to the obstacle's place; `a` is the axis, of
  * length 1. */
-static double gap_of(const ct_obstacle *o, const double a[3], const double r[3], double n[3])
+static double gap_of(const ct_obstacle_def *o, const double a[3], const double r[3], double n[3])
 {
   double along = o->shape == CT_OBSTACLE_SPHERE ? 0.0 : ct_vector_dot(r, a), from[3];
   if (o->shape == CT_OBSTACLE_PLANE) {
@@ -50,7 +63,7 @@ static int unit(const double axis[3], double a[3])
   return length > 0.0 && isfinite(length);
 }
 
-double ct_obstacle_gap(const ct_obstacle *obstacle, const double point[3], double n[3])
+double ct_obstacle_gap(const ct_obstacle_def *obstacle, const double point[3], double n[3])
 {
   double a[3] = {0.0, 0.0, 0.0}, r[3];
   if (obstacle->shape != CT_OBSTACLE_SPHERE) (void)unit(obstacle->axis, a);
@@ -58,7 +71,7 @@ double ct_obstacle_gap(const ct_obstacle *obstacle, const double point[3], doubl
   return gap_of(obstacle, a, r, n);
 }
 
-void ct_obstacle_motion(const ct_obstacle *obstacle, double time, double motion[3])
+void ct_obstacle_motion(const ct_obstacle_def *obstacle, double time, double motion[3])
 {
   // -- Velocity and history (eq:obstacle-motion)
   double factor = obstacle->history.count > 0 ? ct_history_value(&obstacle->history, time) : 0.0;
@@ -70,16 +83,17 @@ static void free_data(void *data)
 {
   obstacle_data *d = data;
   if (d == NULL) return;
-  void *blocks[] = {d->time, d->value, d->faces, d->nodes, d->mass};
-  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
+  ct_side_fixed_clear(&d->side);
+  ct_release(d->time);
+  ct_release(d->value);
   ct_release(d);
 }
 
 static void free_scratch(void *scratch)
 {
-  ct_obstacle_points *s = scratch;
+  ct_obstacle_state *s = scratch;
   if (s == NULL) return;
-  if (s->side.search != NULL) ct_side_clear(&s->side);
+  ct_side_clear(&s->side);
   ct_release(s->terms);
   ct_release(s);
 }
@@ -87,39 +101,28 @@ static void free_scratch(void *scratch)
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
   const obstacle_data *data = effect->data;
-  ct_obstacle_points *s = ct_allocate(1, sizeof *s);
-  if (s == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
-  ct_surface surface = {data->given.kind, data->node_count, data->given.face_count, data->faces,
-                        data->reference};
-  ct_status status = ct_side_init(&s->side, &surface, 0, 0, error);
-  s->epsilon = data->given.epsilon;
-  if (status == CT_OK)
-    s->terms = ct_allocate((size_t)ct_side_point_count(&s->side), sizeof *s->terms);
-  if (status == CT_OK && s->terms == NULL)
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
-  if (status != CT_OK) {
+  ct_obstacle_state *s = ct_allocate(1, sizeof *s);
+  if (s == NULL ||
+      (s->terms = ct_allocate((size_t)data->side.point_count, sizeof *s->terms)) == NULL ||
+      ct_side_init(&s->side, &data->side, data->given.epsilon, data->given.enforcement,
+                   data->given.dissipation) != CT_OK) {
     free_scratch(s);
-    return status;
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   }
   *scratch = s;
   return CT_OK;
 }
 
-/* One point: its gap, its way to the obstacle, its force. */
-static void meet(const ct_obstacle *o, ct_obstacle_points *s, int32_t face, int q)
+/* Gap of one point, and the vector to the obstacle. Answers 0 where there is none. */
+static int meet(const ct_obstacle_def *o, const ct_obstacle_state *s, int64_t i)
 {
-  ct_side *side = &s->side;
-  int64_t number = (int64_t)face * side->rule.count + q;
-  ct_gauss_point *point = &side->points[number];
-  double r[3], *n = point->normal;
-  ct_side_interpolate(side, face, side->N[q], s->place, r);
-  point->gap = gap_of(o, o->axis, r, n);
-  point->other = point->gap < 0.0 ? 0 : -1;
-  for (int c = 0; c < 3; c++) {
-    // -- Force of the point, ε w J d where it is inside (eq:obstacle-force)
-    point->d[c] = -point->gap * n[c];
-    point->force[c] = point->gap < 0.0 ? s->epsilon * side->weight[number] * point->d[c] : 0.0;
-  }
+  ct_point *point = &s->side.points[i];
+  double r[3];
+  ct_side_position(&s->side, i, s->place, r);
+  point->row.gap = gap_of(o, o->axis, r, point->outward);
+  point->other = point->row.gap < 0.0 ? 0 : -1;
+  for (int c = 0; c < 3; c++) point->d[c] = -point->row.gap * point->outward[c];
+  return !isnan(point->d[0]);
 }
 
 /* Current coordinates of the surface's nodes. */
@@ -137,61 +140,32 @@ static ct_status place_nodes(const ct_effect *effect, const ct_view *view, ct_si
   return CT_OK;
 }
 
-/* Nodal forces from those of the points. */
-static ct_status gather(ct_obstacle_points *s, double *force, ct_error *error)
-{
-  ct_side *side = &s->side;
-  size_t count = 3 * (size_t)side->search->node_count;
-  int64_t points = ct_side_point_count(side);
-  ct_grid grid;
-  double top = 0.0;
-  memset(side->force, 0, count * sizeof *force);
-  memset(side->force_fine, 0, count * sizeof *force);
-  for (int64_t i = 0; i < points; i++) {
-    if (isnan(side->points[i].d[0]))
-      return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
-                     "obstacle: a point of the surface stands in its centre");
-    for (int c = 0; c < 3; c++) top = fmax(top, fabs(side->points[i].force[c]));
-  }
-  // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
-  if (top > 0.0 && !ct_grid_init(&grid, 2.0 * top, 8 * points))
-    return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "obstacle: a force of %g", top);
-  for (int64_t i = 0; top > 0.0 && i < points; i++)
-    if (ct_point_presses(&side->points[i]))
-      ct_side_push(&grid, side->search, i / side->rule.count, side->N[i % side->rule.count],
-                   side->points[i].force, side->force, side->force_fine);
-  for (size_t d = 0; d < count; d++) force[d] = side->force[d] + side->force_fine[d];
-  return CT_OK;
-}
-
 /* Force on the obstacle, and the work of its motion since the step before (eq:obstacle-work). */
-static void count_motion(ct_obstacle_points *s, const double *memory, double *next)
+static void count_motion(ct_obstacle_state *s, const obstacle_record *last)
 {
-  int64_t points = ct_side_point_count(&s->side);
-  s->work = memory[WORK];
+  int64_t points = s->side.fixed->point_count;
+  s->work = last->work;
   for (int c = 0; c < 3; c++) {
     for (int64_t i = 0; i < points; i++) s->terms[i] = -s->side.points[i].force[c];
     s->reaction[c] = ct_sum(s->terms, points);
-    if (memory[BEGUN] != 0.0)
-      s->work -= 0.5 * (s->reaction[c] + memory[REACTION + c]) * (s->place[c] - memory[PLACE + c]);
+    if (last->begun != 0.0)
+      s->work -= 0.5 * (s->reaction[c] + last->reaction[c]) * (s->place[c] - last->place[c]);
   }
-  next[BEGUN] = 1.0;
-  memcpy(&next[PLACE], s->place, sizeof s->place);
-  memcpy(&next[REACTION], s->reaction, sizeof s->reaction);
-  next[WORK] = s->work;
 }
 
 /* Gaps of the points at the time of the view. */
 static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error *error)
 {
   const obstacle_data *data = effect->data;
-  ct_obstacle_points *s = view->scratch;
+  ct_obstacle_state *s = view->scratch;
   ct_status status = place_nodes(effect, view, &s->side, error);
   if (status != CT_OK) return status;
   ct_obstacle_motion(&data->given, view->time, s->place);
   for (int c = 0; c < 3; c++) s->place[c] += data->given.point[c];
-  for (int32_t f = 0; f < s->side.search->face_count; f++)
-    for (int q = 0; q < s->side.rule.count; q++) meet(&data->given, s, f, q);
+  for (int64_t i = 0; i < data->side.point_count; i++)
+    if (!meet(&data->given, s, i))
+      return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
+                     "obstacle: a point of the surface stands in its centre");
   return CT_OK;
 }
 
@@ -209,41 +183,22 @@ static double reach_of(const ct_effect *effect, const ct_view *view, const ct_si
 }
 
 static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view,
-                                    ct_constraint *list, int64_t *count, ct_error *error)
+                                    ct_constraint **rows, int64_t *count, ct_error *error)
 {
   const obstacle_data *data = effect->data;
-  const ct_obstacle_points *s = view->scratch;
+  ct_obstacle_state *s = view->scratch;
   double moved[3];
   ct_status status = measure(effect, view, error);
   if (status != CT_OK) return status;
   ct_obstacle_motion(&data->given, view->time + view->dt, moved);
   for (int c = 0; c < 3; c++) moved[c] = (data->given.point[c] + moved[c]) - s->place[c];
-  double reach = reach_of(effect, view, &s->side, moved);
-  ct_press press = {&s->side,
-                    NULL,
-                    s->epsilon,
-                    data->given.enforcement,
-                    data->given.dissipation,
-                    reach,
-                    0,
-                    &view->memory[MEMORY],
-                    1,
-                    0};
-  *count = ct_press_list(&press, moved, list);
+  for (int64_t i = 0; i < data->side.point_count; i++)
+    s->side.points[i].row.force = view->memory[RECORD + i];
+  *count = ct_side_list_rows(&s->side, NULL, reach_of(effect, view, &s->side, moved), moved, rows);
   return CT_OK;
 }
 
 static const ct_effect_constraints CONSTRAINTS = {.list = obstacle_constrain};
-
-/* Forces of the constraints on the points, and into the memory; the energy that they hold. */
-static void take_constraints(const ct_view *view, ct_obstacle_points *s)
-{
-  ct_press_apply(&s->side, 0, view->constraints, view->constraint_count);
-  ct_press_remember(view->constraints, view->constraint_count, ct_side_point_count(&s->side),
-                    &view->next_memory[MEMORY], 1);
-  s->held = ct_press_energy(view->constraints, view->constraint_count, view->time,
-                            view->memory[STORED], &view->next_memory[STORED], s->terms);
-}
 
 static int is_penalty(const ct_effect *effect)
 {
@@ -253,24 +208,36 @@ static int is_penalty(const ct_effect *effect)
 static ct_status obstacle_force(const ct_effect *effect, const ct_view *view, double *force,
                                 ct_error *error)
 {
-  ct_obstacle_points *s = view->scratch;
-  ct_status status = is_penalty(effect) ? measure(effect, view, error) : CT_OK;
-  if (status == CT_OK && !is_penalty(effect)) take_constraints(view, s);
-  if (status == CT_OK) status = gather(s, force, error);
-  if (status == CT_OK) count_motion(s, view->memory, view->next_memory);
-  return status;
+  ct_obstacle_state *s = view->scratch;
+  int penalty = is_penalty(effect);
+  const obstacle_record last = load(view->memory);
+  obstacle_record next = {.begun = 1.0};
+  ct_status status = penalty ? measure(effect, view, error) : CT_OK;
+  if (status != CT_OK) return status;
+  if (penalty) ct_side_apply_penalty(&s->side);
+  else ct_side_take_rows(&s->side);
+  if (!penalty)
+    s->held = ct_side_rows_energy(&s->side, 1, view->time, last.stored, &next.stored, s->terms);
+  status = ct_side_collect(&s->side, 1, 1, error);
+  if (status != CT_OK) return status;
+  for (int64_t d = 0; d < 3 * (int64_t)effect->node_count; d++)
+    force[d] = s->side.force[d] + s->side.force_fine[d];
+  count_motion(s, &last);
+  memcpy(next.place, s->place, sizeof next.place);
+  memcpy(next.reaction, s->reaction, sizeof next.reaction);
+  next.work = s->work;
+  memcpy(view->next_memory, &next, sizeof next);
+  for (int64_t i = 0; !penalty && i < s->side.fixed->point_count; i++)
+    view->next_memory[RECORD + i] = s->side.points[i].row.force;
+  return CT_OK;
 }
 
 static ct_status obstacle_energy(const ct_effect *effect, const ct_view *view, double *energy,
                                  ct_error *error)
 {
-  ct_obstacle_points *s = view->scratch;
-  int64_t points = ct_side_point_count(&s->side);
+  const ct_obstacle_state *s = view->scratch;
   (void)error;
-  // -- Π = Σ ½ ε g² w J over the points inside, = ½ force · d (eq:obstacle-potential)
-  for (int64_t i = 0; i < points; i++)
-    s->terms[i] = 0.5 * ct_vector_dot(s->side.points[i].force, s->side.points[i].d);
-  *energy = is_penalty(effect) ? ct_sum(s->terms, points) : s->held;
+  *energy = is_penalty(effect) ? ct_side_potential(&s->side, 1) : s->held;
   return CT_OK;
 }
 
@@ -279,43 +246,26 @@ static ct_status obstacle_external(const ct_effect *effect, const ct_view *view,
 {
   (void)effect;
   (void)error;
-  *work = ct_obstacle_of_scratch(view->scratch)->work;
+  *work = ((const ct_obstacle_state *)view->scratch)->work;
   return CT_OK;
 }
 
-/* Largest row sum of the penalty's stiffness, every point taken as inside (eq:obstacle-bound). */
-ct_status ct_obstacle_spring_frequency(const ct_effect *effect, const void *scratch,
-                                       double *omega_squared, ct_error *error)
+double ct_obstacle_springs(const ct_effect *effect)
 {
-  const obstacle_data *data = effect->data;
-  ct_side *side = &((ct_obstacle_points *)(uintptr_t)scratch)->side;
-  double *rows = side->force_fine; // free between two calls of `force`, which clears it
+  return ((const obstacle_data *)effect->data)->springs;
+}
+
+static ct_status obstacle_omega2_bound(const ct_effect *effect, const ct_view *view, double *omega2,
+                                       ct_error *error)
+{
+  (void)view;
   (void)error;
-  memset(rows, 0, (size_t)effect->node_count * sizeof *rows);
-  for (int64_t i = 0; i < ct_side_point_count(side); i++) {
-    const double *N = side->N[i % side->rule.count];
-    const int32_t *node = &side->search->faces[i / side->rule.count * side->search->per];
-    double sum = 0.0;
-    for (int a = 0; a < side->search->per; a++) sum += fabs(N[a]);
-    for (int a = 0; a < side->search->per; a++)
-      rows[node[a]] += data->given.epsilon * side->weight[i] * sum * fabs(N[a]);
-  }
-  *omega_squared = 0.0;
-  for (int32_t i = 0; i < effect->node_count; i++)
-    *omega_squared = fmax(*omega_squared, rows[i] / data->mass[i]);
+  // -- Other enforcements leave the step as it is (eq:controlled-energy)
+  if (is_penalty(effect)) *omega2 = ct_obstacle_springs(effect);
   return CT_OK;
 }
 
-static ct_status obstacle_frequency(const ct_effect *effect, const ct_view *view,
-                                    double *omega_squared, ct_error *error)
-{
-  // -- Other enforcements leave the step as it is (eq:controlled-energy)
-  return is_penalty(effect)
-             ? ct_obstacle_spring_frequency(effect, view->scratch, omega_squared, error)
-             : CT_OK;
-}
-
-static ct_status check(const ct_obstacle *o, const ct_problem *problem, ct_error *error)
+static ct_status check(const ct_obstacle_def *o, const ct_problem *problem, ct_error *error)
 {
   double a[3];
   int per = ct_face_node_count(o->kind), finite = 1;
@@ -330,8 +280,7 @@ static ct_status check(const ct_obstacle *o, const ct_problem *problem, ct_error
   if (!(o->epsilon > 0.0) || !isfinite(o->epsilon))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "obstacle: the penalty must be positive, not %g", o->epsilon);
-  if (ct_enforcement_name(o->enforcement) == NULL ||
-      !(o->dissipation >= 0.0 && o->dissipation <= 1.0))
+  if (!ct_law_exists(o->enforcement) || !(o->dissipation >= 0.0 && o->dissipation <= 1.0))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "obstacle: enforcement %d with dissipation %g", (int)o->enforcement,
                    o->dissipation);
@@ -353,94 +302,101 @@ static ct_status check(const ct_obstacle *o, const ct_problem *problem, ct_error
   return CT_OK;
 }
 
-/* Operations and bytes of a call with all points pressing, without the rounds in which their forces
- * are found: counted at a plane (eq:round-flops). */
-static void count_costs(ct_effect *effect, int64_t points)
+/* Operations and bytes of a call with all points active, without the iterations in which their
+ * forces are found: counted at a plane (eq:round-flops). */
+static void count_costs(ct_effect *effect, double points)
 {
   double listed = is_penalty(effect) ? 0.0 : 1.0;
-  effect->flops =
-      (164.0 + 250.0 * listed) * (double)points + (6.0 + 20.0 * listed) * effect->node_count;
-  double bytes = 2.0 * sizeof(ct_gauss_point) + listed * (16.0 + 4.0 * sizeof(ct_constraint));
-  effect->bytes = bytes * (double)points + 250.0 * effect->node_count;
+  effect->flops = (164.0 + 250.0 * listed) * points + (6.0 + 20.0 * listed) * effect->node_count;
+  effect->bytes = (2.0 * sizeof(ct_point) + 16.0 * listed) * points + 250.0 * effect->node_count;
 }
 
-/* Copy what the caller gave, and the masses of the surface's nodes. */
-static ct_status fill(obstacle_data *data, const ct_obstacle *o, const ct_problem *problem,
-                      ct_effect *effect, ct_error *error)
+/* Largest row sum of the penalty's stiffness over the mass, every point taken as inside
+ * (eq:obstacle-bound). */
+static ct_status bound_springs(obstacle_data *data, const double *mass, ct_error *error)
 {
-  size_t entries = (size_t)o->face_count * (size_t)ct_face_node_count(o->kind),
-         points = (size_t)o->history.count;
-  void *trial = NULL;
-  data->given = *o;
-  if (o->shape != CT_OBSTACLE_SPHERE) (void)unit(o->axis, data->given.axis);
-  data->reference = problem->reference;
-  data->node_count = problem->node_count;
-  data->faces = ct_duplicate(o->faces, entries * sizeof *o->faces);
-  data->time = ct_duplicate(o->history.time, points * sizeof *data->time);
-  data->value = ct_duplicate(o->history.value, points * sizeof *data->value);
-  if (!data->faces || !data->time || !data->value)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
-  data->given.faces = data->faces;
-  data->given.history.time = data->time;
-  data->given.history.value = data->value;
-  ct_status status = create_scratch(effect, &trial, error);
-  if (status != CT_OK) return status;
-  const ct_search *search = ct_obstacle_of_scratch(trial)->side.search;
-  effect->node_count = search->node_count;
-  data->nodes = ct_duplicate(search->nodes, (size_t)search->node_count * sizeof *search->nodes);
-  data->mass = ct_allocate((size_t)search->node_count, sizeof *data->mass);
-  effect->nodes = data->nodes;
-  if (!data->nodes || !data->mass)
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
-  for (int32_t i = 0; status == CT_OK && i < effect->node_count; i++)
-    data->mass[i] = problem->mass[data->nodes[i]];
-  if (o->enforcement != CT_ENFORCE_PENALTY) {
-    effect->phase = CT_PHASE_CONSTRAINT;
-    effect->constraints = &CONSTRAINTS;
-    effect->constraint_count = ct_side_point_count(&ct_obstacle_of_scratch(trial)->side);
-    effect->memory_count += effect->constraint_count;
+  const ct_side_fixed *side = &data->side;
+  const ct_search *search = side->search;
+  double *rows = ct_allocate((size_t)search->node_count, sizeof *rows);
+  if (rows == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
+  for (int64_t i = 0; i < side->point_count; i++) {
+    const double *N = side->N[i % side->rule.count];
+    const int32_t *node = &search->faces[i / side->rule.count * search->per];
+    double sum = 0.0;
+    for (int a = 0; a < search->per; a++) sum += fabs(N[a]);
+    for (int a = 0; a < search->per; a++)
+      rows[node[a]] += data->given.epsilon * side->weight[i] * sum * fabs(N[a]);
   }
-  count_costs(effect, ct_side_point_count(&ct_obstacle_of_scratch(trial)->side));
-  free_scratch(trial);
-  return status;
-}
-
-ct_status ct_obstacle_create_effect(const ct_obstacle *obstacle, const ct_problem *problem,
-                                    ct_effect **out, ct_error *error)
-{
-  if (obstacle == NULL || problem == NULL || out == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: null argument");
-  ct_status status = ct_history_check(&obstacle->history, error);
-  if (status == CT_OK) status = check(obstacle, problem, error);
-  if (status != CT_OK) return status;
-  ct_effect *effect = ct_allocate(1, sizeof *effect);
-  obstacle_data *data = ct_allocate(1, sizeof *data);
-  if (effect == NULL || data == NULL) {
-    ct_release(effect);
-    ct_release(data);
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
-  }
-  *effect = (ct_effect){.kind = CT_EFFECT_OBSTACLE,
-                        .label = "obstacle",
-                        .data = data,
-                        .memory_count = MEMORY,
-                        .create_scratch = create_scratch,
-                        .free_scratch = free_scratch,
-                        .force = obstacle_force,
-                        .energy = obstacle_energy,
-                        .omega2_bound = obstacle_frequency,
-                        .external = obstacle_external,
-                        .free_data = free_data};
-  status = fill(data, obstacle, problem, effect, error);
-  if (status != CT_OK) {
-    ct_effect_free(effect);
-    return status;
-  }
-  *out = effect;
+  for (int32_t i = 0; i < search->node_count; i++)
+    data->springs = fmax(data->springs, rows[i] / mass[search->nodes[i]]);
+  ct_release(rows);
   return CT_OK;
 }
 
-const ct_obstacle_points *ct_obstacle_of_scratch(const void *scratch) { return scratch; }
+/* Copy what the caller gave, and make what never changes. */
+static ct_status fill(obstacle_data *data, const ct_obstacle_def *o, const ct_problem *problem,
+                      ct_effect *effect, ct_error *error)
+{
+  size_t points = (size_t)o->history.count;
+  const ct_surface surface = {o->kind, problem->node_count, o->face_count, o->faces,
+                              problem->reference};
+  data->given = *o;
+  if (o->shape != CT_OBSTACLE_SPHERE) (void)unit(o->axis, data->given.axis);
+  data->given.faces = NULL; // the caller's
+  data->given.history.time = data->time = ct_duplicate(o->history.time, points * sizeof(double));
+  data->given.history.value = data->value = ct_duplicate(o->history.value, points * sizeof(double));
+  if (!data->time || !data->value)
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
+  ct_status status = ct_side_fixed_init(&data->side, &surface, 0, 0, error);
+  if (status == CT_OK) status = bound_springs(data, problem->mass, error);
+  if (status != CT_OK) return status;
+  effect->nodes = data->side.search->nodes;
+  effect->node_count = data->side.search->node_count;
+  if (!is_penalty(effect)) {
+    effect->phase = CT_PHASE_CONSTRAINT;
+    effect->constraints = &CONSTRAINTS;
+    effect->constraint_count = data->side.point_count;
+    effect->memory_count += effect->constraint_count;
+  }
+  count_costs(effect, (double)data->side.point_count);
+  return CT_OK;
+}
+
+ct_obstacle_def ct_obstacle_def_default(void)
+{
+  return (ct_obstacle_def){
+      .cookie = CT_DEF_COOKIE, .enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = 0.1};
+}
+
+ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem *problem,
+                                    ct_effect **out, ct_error *error)
+{
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, out, "obstacle", error);
+  if (status == CT_OK) status = ct_history_check(&def->history, error);
+  if (status == CT_OK) status = check(def, problem, error);
+  if (status != CT_OK) return status;
+  obstacle_data *data = ct_allocate(1, sizeof *data);
+  if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
+  ct_effect filled = {.kind = CT_EFFECT_OBSTACLE,
+                      .label = "obstacle",
+                      .data = data,
+                      .memory_count = RECORD,
+                      .create_scratch = create_scratch,
+                      .free_scratch = free_scratch,
+                      .force = obstacle_force,
+                      .energy = obstacle_energy,
+                      .omega2_bound = obstacle_omega2_bound,
+                      .external = obstacle_external,
+                      .free_data = free_data};
+  status = fill(data, def, problem, &filled, error);
+  return ct_effect_finish(status, &filled, out, error);
+}
+
+const ct_side_fixed *ct_obstacle_side(const ct_effect *effect)
+{
+  return &((const obstacle_data *)effect->data)->side;
+}
 
 ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect,
                                double force[3], double *work, ct_error *error)
@@ -450,8 +406,8 @@ ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no obstacle", (int)effect);
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
-  const ct_obstacle_points *points = ct_obstacle_of_scratch(state->workspace->scratch[effect]);
-  memcpy(force, points->reaction, sizeof points->reaction);
-  *work = points->work;
+  const ct_obstacle_state *s = state->workspace->scratch[effect];
+  memcpy(force, s->reaction, sizeof s->reaction);
+  *work = s->work;
   return CT_OK;
 }

@@ -10,7 +10,7 @@
 typedef struct nearest {
   int32_t face;
   double distance;
-  ct_projection foot;
+  ct_projection closest;
   double most;            /* how far it looks */
   double origin[3], y[3]; /* the middle of the face's box, and the point relative to it */
   double
@@ -19,14 +19,22 @@ typedef struct nearest {
   double last[3]; /* unit normal of the other side where the point was in the last step */
 } nearest;
 
-/* Where a point is, seen from the place that it has found: nothing near, beyond the border,
- * outside, inside, inside beneath a far side. */
-typedef enum verdict { NOWHERE, BEYOND, OUTSIDE, INSIDE, FAR } verdict;
+/* The class of a point: where it is, seen from the place that it has found: nothing near, beyond
+ * the border, outside, inside, inside beneath a far side. */
+typedef enum point_class { NOWHERE, BEYOND, OUTSIDE, INSIDE, FAR } point_class;
 
-/* Position of a Gauss point, relative to `origin`. */
-static void position(const ct_side *side, int32_t face, int q, const double origin[3], double y[3])
+/* The face of a point. */
+static int32_t face_of(const ct_pass *p, int64_t i)
 {
-  ct_side_interpolate(side, face, side->N[q], origin, y);
+  return (int32_t)(i / p->side->fixed->rule.count);
+}
+
+/* Direction outwards at a closest point on a face, as ct_search_normal. */
+static int outward_at(const ct_pass *p, int32_t target, const ct_projection *closest,
+                      double normal[3])
+{
+  return ct_search_normal(p->other->search, target, closest->where, closest->index, closest->xi,
+                          closest->normal, normal);
 }
 
 /* Middle of a face's box: subtracted from the face and the point before they meet, so that far from
@@ -36,33 +44,33 @@ static void middle(const ct_bounds *box, double origin[3])
   for (int c = 0; c < 3; c++) origin[c] = 0.5 * (box->low[c] + box->high[c]);
 }
 
-/* How deep a point of a surface may be under a foot on another part of it: half as deep as it was
- * under that place in the reference shape, if it was under it, for then the foot is on the far side
- * of the body; else as deep as any (eq:self-depth). */
-static double deepest(const ct_pass *p, int32_t face, int q, int32_t target,
-                      const ct_projection *foot)
+/* How deep a point of a surface may be under its closest point on another part of it: half as deep
+ * as it was under that place in the reference shape, if it was under it, for then the closest point
+ * is on the far side of the body; else as deep as any (eq:self-depth). */
+static double deepest(const ct_pass *p, int64_t i, int32_t target, const ct_projection *closest)
 {
-  static const double zero[3] = {0.0, 0.0, 0.0};
+  const ct_search *body = p->other->fixed->search;
   double N[8], X[3], d[3], own[3], normal[3];
   ct_face reference;
-  ct_segment_shape(p->reference.kind, foot->xi, N);
-  ct_side_interpolate_reference(p->side, face, p->side->N[q], zero, X);
-  ct_side_interpolate_reference(p->other, target, N, X, d);
-  ct_search_face(&p->reference, target, &reference);
-  if (ct_segment_normal(&reference, foot->xi, own) != CT_OK) return p->deep;
+  ct_segment_shape(body->kind, closest->xi, N);
+  ct_side_interpolate(body, body->x, face_of(p, i), p->side->points[i].row.own_shape, NULL, X);
+  ct_side_interpolate(body, body->x, target, N, X, d);
+  ct_search_face(body, target, &reference);
+  if (ct_segment_normal(&reference, closest->xi, own) != CT_OK) return p->deep;
   // -- On an edge or a corner, beneath all faces there (eq:pseudo-normal)
-  (void)ct_search_normal(&p->reference, target, foot->where, foot->index, foot->xi, own, normal);
+  (void)ct_search_normal(body, target, closest->where, closest->index, closest->xi, own, normal);
   return ct_vector_dot(d, normal) > 0.0 ? fmin(p->deep, 0.5 * sqrt(ct_vector_dot(d, d))) : p->deep;
 }
 
 /* Bound of what the motion since the last update can have changed of the distance between a point
  * and a place of a face (eq:gap-bound). */
-static double motion_over(const ct_pass *p, int32_t face, int q, int32_t target)
+static double motion_over(const ct_pass *p, int64_t i, int32_t target)
 {
   const ct_search *search = p->other->search;
   const double most = search->per > search->edges ? 3.0 : 1.0;
   double own[3], top = 0.0;
-  ct_side_moved(p->side, face, p->side->N[q], own);
+  ct_side_interpolate(p->side->search, p->side->moved, face_of(p, i),
+                      p->side->points[i].row.own_shape, NULL, own);
   for (int a = 0; a < search->per; a++) {
     const double *theirs =
         &p->other->moved[3 * (int64_t)search->faces[(int64_t)target * search->per + a]];
@@ -73,16 +81,16 @@ static double motion_over(const ct_pass *p, int32_t face, int q, int32_t target)
 }
 
 /* The same for the face found and for the one that the point was over before. */
-static double motion_of(const ct_pass *p, int32_t face, int q, int32_t target)
+static double motion_of(const ct_pass *p, int64_t i, int32_t target)
 {
-  int32_t last = p->side->points[(int64_t)face * p->side->rule.count + q].other;
-  double motion = motion_over(p, face, q, target);
-  return last < 0 || last == target ? motion : fmax(motion, motion_over(p, face, q, last));
+  int32_t last = p->side->points[i].other;
+  double motion = motion_over(p, i, target);
+  return last < 0 || last == target ? motion : fmax(motion, motion_over(p, i, last));
 }
 
 /* Unit normal, now, of the other side where a point was in the last step. Answers 0 when it was
  * nowhere. */
-static int last_normal(const ct_pass *p, const ct_gauss_point *point, double normal[3])
+static int last_normal(const ct_pass *p, const ct_point *point, double normal[3])
 {
   ct_face face;
   if (point->other < 0) return 0;
@@ -93,7 +101,7 @@ static int last_normal(const ct_pass *p, const ct_gauss_point *point, double nor
 /* Whether a place with the normal `normal` (of any length) looks at a point with the normal `own`,
  * or looks across and the same way as the place where the point was in the last step
  * (eq:self-adjacent). */
-static int looks_at(const ct_pass *p, const ct_gauss_point *point, const double own[3],
+static int looks_at(const ct_pass *p, const ct_point *point, const double own[3],
                     const double normal[3])
 {
   double last[3], length = sqrt(ct_vector_dot(normal, normal)), along = ct_vector_dot(own, normal);
@@ -102,37 +110,37 @@ static int looks_at(const ct_pass *p, const ct_gauss_point *point, const double 
          ct_vector_dot(last, normal) > 0.5 * length;
 }
 
-/* In a contact of a surface with itself, whether a foot is one to be pushed from: the faces look at
- * each other, no face at the foot is nearer (one that shares a node with the point's own would not
- * have been tried, eq:local-minimum), and the point is not deeper under it than it may be. `own` is
- * the normal at the point. */
-static int may_push(const ct_pass *p, int32_t face, int q, const double own[3], const double y[3],
-                    int32_t target, const ct_projection *foot)
+/* In a contact of a surface with itself, whether a closest point is admissible: the faces look at
+ * each other, no face at the closest point is nearer (one that shares a node with the point's own
+ * would not have been tried, eq:local-minimum), and the point is not deeper under it than it may
+ * be. `own` is the normal at the point. */
+static int is_admissible(const ct_pass *p, int64_t i, const double own[3], const double y[3],
+                         int32_t target, const ct_projection *closest)
 {
   double normal[3], d[3];
-  (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal,
-                         normal);
-  for (int c = 0; c < 3; c++) d[c] = foot->point[c] - y[c];
+  (void)outward_at(p, target, closest, normal);
+  for (int c = 0; c < 3; c++) d[c] = closest->point[c] - y[c];
   if (!ct_pass_looks_across(own, normal)) return 0;
-  if (!ct_search_is_minimum(p->other->search, target, foot->where, foot->index, foot->xi, d))
+  if (!ct_search_is_minimum(p->other->search, target, closest->where, closest->index, closest->xi,
+                            d))
     return 0;
   if (!(ct_vector_dot(d, normal) > 0.0)) return 1;
-  const ct_gauss_point *point = &p->side->points[(int64_t)face * p->side->rule.count + q];
+  const ct_point *point = &p->side->points[i];
   if (!looks_at(p, point, own, normal)) return 0;
   // -- No deeper than it was and than the motion since then can have brought it (eq:self-history)
-  double known = point->known, came = (known < 0.0 ? -known : 0.0) + motion_of(p, face, q, target);
-  return foot->distance <= fmin(came, deepest(p, face, q, target, foot));
+  double known = point->known, came = (known < 0.0 ? -known : 0.0) + motion_of(p, i, target);
+  return closest->distance <= fmin(came, deepest(p, i, target, closest));
 }
 
 /* Project a point on one face of the other side, both seen from `origin`. Answers 0 when it has no
- * foot there. */
-static int project(const ct_pass *p, int32_t face, int q, int32_t target, const double *start,
-                   double origin[3], double y[3], ct_projection *foot)
+ * closest point there. */
+static int project(const ct_pass *p, int64_t i, int32_t target, const double *start,
+                   double origin[3], double y[3], ct_projection *closest)
 {
   ct_project_options options = p->project;
   ct_face shifted;
   middle(&p->other->search->boxes[target], origin);
-  position(p->side, face, q, origin, y);
+  ct_side_position(p->side, i, origin, y);
   ct_search_face(p->other->search, target, &shifted);
   for (int a = 0; a < p->other->search->per; a++)
     for (int c = 0; c < 3; c++) shifted.node[a][c] -= origin[c];
@@ -141,9 +149,9 @@ static int project(const ct_pass *p, int32_t face, int q, int32_t target, const 
     options.start[0] = start[0];
     options.start[1] = start[1];
   }
-  ct_status status = ct_project(&shifted, y, &options, foot);
+  ct_status status = ct_project(&shifted, y, &options, closest);
   return (status == CT_OK || status == CT_NOT_CERTIFIED || status == CT_ITERATION_LIMIT) &&
-         foot->where != CT_OUTSIDE;
+         closest->where != CT_OUTSIDE;
 }
 
 /* Whether a place with the normal `normal` (of any length) is on the far side, seen from where a
@@ -155,30 +163,22 @@ static int is_far(const double own[3], const double last[3], const double normal
   return along < -half || (along < half && !ct_pass_looks_across(own, normal));
 }
 
-/* Whether a foot is on the far side of where the point was. */
-static int is_foot_far(const ct_pass *p, const nearest *best, int32_t target,
-                       const ct_projection *foot)
-{
-  double normal[3];
-  (void)ct_search_normal(p->other->search, target, foot->where, foot->index, foot->xi, foot->normal,
-                         normal);
-  return is_far(best->own, best->last, normal);
-}
-
 /* Try one face of the other side and keep the answer if it is the nearest. */
-static void try_face(const ct_pass *p, int32_t face, int q, int32_t target, const double *start,
+static void try_face(const ct_pass *p, int64_t i, int32_t target, const double *start,
                      nearest *best)
 {
-  ct_projection foot;
-  double origin[3], y[3];
-  if (!project(p, face, q, target, start, origin, y, &foot) || foot.distance > best->most ||
-      (p->self && !may_push(p, face, q, best->own, y, target, &foot)))
+  ct_projection closest;
+  double origin[3], y[3], normal[3];
+  if (!project(p, i, target, start, origin, y, &closest) || closest.distance > best->most ||
+      (p->self && !is_admissible(p, i, best->own, y, target, &closest)))
     return;
-  if (best->same_side && is_foot_far(p, best, target, &foot)) return;
-  if (foot.distance < best->distance || (foot.distance == best->distance && target < best->face)) {
+  if (best->same_side) (void)outward_at(p, target, &closest, normal);
+  if (best->same_side && is_far(best->own, best->last, normal)) return;
+  if (closest.distance < best->distance ||
+      (closest.distance == best->distance && target < best->face)) {
     best->face = target;
-    best->distance = foot.distance;
-    best->foot = foot;
+    best->distance = closest.distance;
+    best->closest = closest;
     memcpy(best->origin, origin, sizeof origin);
     memcpy(best->y, y, sizeof y);
   }
@@ -186,176 +186,170 @@ static void try_face(const ct_pass *p, int32_t face, int q, int32_t target, cons
 
 /* On the border of an open surface: whether the point is above the face and not beyond it, to
  * rounding; for points that lie on edges themselves. */
-static int above_border(const ct_projection *foot, const double d[3])
+static int above_border(const ct_projection *closest, const double d[3])
 {
-  double along = ct_vector_dot(d, foot->normal);
+  double along = ct_vector_dot(d, closest->normal);
   return ct_vector_dot(d, d) - along * along <= 1e-12 * ct_vector_dot(d, d);
 }
 
 /* Gap vector d = ȳ - y and the signed gap of a point over a place of a face (eq:gap), whose normal
  * is known. `origin` was subtracted from y. */
 static void gap_over(const ct_pass *p, int32_t target, const double xi[2], const double origin[3],
-                     const double y[3], ct_gauss_point *point)
+                     const double y[3], ct_point *point)
 {
-  double foot[3];
+  double closest[3];
   ct_segment_shape(p->other->search->kind, xi, point->N);
-  ct_side_interpolate(p->other, target, point->N, origin, foot);
-  for (int c = 0; c < 3; c++) point->d[c] = foot[c] - y[c];
+  ct_side_interpolate(p->other->search, p->other->search->x, target, point->N, origin, closest);
+  for (int c = 0; c < 3; c++) point->d[c] = closest[c] - y[c];
   double distance = sqrt(ct_vector_dot(point->d, point->d));
-  point->gap = ct_vector_dot(point->d, point->normal) > 0.0 ? -distance : distance;
+  point->row.gap = ct_vector_dot(point->d, point->outward) > 0.0 ? -distance : distance;
 }
 
 /* Whether the gap of the last update and the one over the place found are distances from the same
  * side: a point in contact may have been held under a side that is not the nearest (eq:held). */
-static int is_same_side(const ct_pass *p, const ct_gauss_point *point)
+static int is_same_side(const ct_pass *p, const ct_point *point)
 {
   double last[3];
-  if (point->history != CT_POINT_INSIDE) return 1;
-  return last_normal(p, point, last) && ct_vector_dot(last, point->normal) >
-                                            0.5 * sqrt(ct_vector_dot(point->normal, point->normal));
+  if (point->status != CT_POINT_INSIDE) return 1;
+  return last_normal(p, point, last) &&
+         ct_vector_dot(last, point->outward) >
+             0.5 * sqrt(ct_vector_dot(point->outward, point->outward));
 }
 
 /* The side of the surface that a point is on cannot change while the motion is smaller than its
  * distance (eq:gap-bound). */
-static void keep_side(const ct_pass *p, int32_t face, int q, int32_t target, ct_gauss_point *point)
+static void keep_side(const ct_pass *p, int64_t i, int32_t target, ct_point *point)
 {
-  if (isnan(point->known) || fabs(point->gap - point->known) <= fabs(point->gap + point->known) ||
+  if (isnan(point->known) ||
+      fabs(point->row.gap - point->known) <= fabs(point->row.gap + point->known) ||
       !is_same_side(p, point))
     return;
-  double motion = motion_of(p, face, q, target);
-  if (fabs(point->gap - point->known) > motion && fabs(point->gap + point->known) <= motion)
-    point->gap = -point->gap;
+  double motion = motion_of(p, i, target);
+  if (fabs(point->row.gap - point->known) > motion && fabs(point->row.gap + point->known) <= motion)
+    point->row.gap = -point->row.gap;
 }
 
 /* Whether a point in contact with a place that it looks at comes to another one that is as near, so
  * that its gap does not leap (eq:gap-bound), and that does not look away from the first: then it is
  * handed over, whichever way the place looks (eq:far-side). */
-static int is_handed_over(const ct_pass *p, int32_t face, int q, int32_t target,
-                          const double own[3], const double last[3], const ct_gauss_point *point)
+static int is_handed_over(const ct_pass *p, int64_t i, int32_t target, const double own[3],
+                          const double last[3], const ct_point *point)
 {
-  const double *normal = point->normal;
-  if (point->history != CT_POINT_INSIDE || isnan(point->known) ||
+  const double *normal = point->outward;
+  if (point->status != CT_POINT_INSIDE || isnan(point->known) ||
       !(ct_vector_dot(own, last) < -0.25))
     return 0;
   return ct_vector_dot(last, normal) >= -0.5 * sqrt(ct_vector_dot(normal, normal)) &&
-         fabs(point->gap - point->known) <= motion_of(p, face, q, target);
+         fabs(point->row.gap - point->known) <= motion_of(p, i, target);
 }
 
 /* The gap of a point over the face it has found, and what it says of the point. */
-static verdict measure(const ct_pass *p, int32_t face, int q, const nearest *best,
-                       ct_gauss_point *point)
+static point_class measure(const ct_pass *p, int64_t i, const nearest *best, ct_point *point)
 {
-  double own[3], last[3], *normal = point->normal;
-  int within = ct_search_normal(p->other->search, best->face, best->foot.where, best->foot.index,
-                                best->foot.xi, best->foot.normal, normal);
-  gap_over(p, best->face, best->foot.xi, best->origin, best->y, point);
-  if (within) keep_side(p, face, q, best->face, point);
-  if (!within && !(p->side->on_edges && above_border(&best->foot, point->d))) return BEYOND;
-  int held = point->history == CT_POINT_INSIDE && !p->self;
-  if (point->gap >= 0.0 && !held) return OUTSIDE;
+  double own[3], last[3], *normal = point->outward;
+  int within = outward_at(p, best->face, &best->closest, normal);
+  gap_over(p, best->face, best->closest.xi, best->origin, best->y, point);
+  if (within) keep_side(p, i, best->face, point);
+  if (!within && !(p->side->fixed->on_edges && above_border(&best->closest, point->d)))
+    return BEYOND;
+  int held = point->status == CT_POINT_INSIDE && !p->self;
+  if (point->row.gap >= 0.0 && !held) return OUTSIDE;
   // -- Far sides: what looks away from where the point was, or the same way as a point that comes
   // in (eq:far-side)
-  if (!ct_pass_own_normal(p, face, q, own)) return FAR;
+  if (!ct_pass_own_normal(p, i, own)) return FAR;
   if (!p->self && last_normal(p, point, last) && is_far(own, last, normal) &&
-      !is_handed_over(p, face, q, best->face, own, last, point))
+      !is_handed_over(p, i, best->face, own, last, point))
     return FAR;
-  if (held) return point->gap >= 0.0 ? OUTSIDE : INSIDE;
+  if (held) return point->row.gap >= 0.0 ? OUTSIDE : INSIDE;
   return ct_pass_looks_across(own, normal) ? INSIDE : FAR;
 }
 
 /* The gap that the next update may go by: beyond a border there are no sides, so a point of a
  * surface with itself may come in from there at any depth, and the side of another point is not
  * known; nor is that of a point under a place that was not taken. */
-static double known_gap(const ct_pass *p, verdict found, int32_t target,
-                        const ct_gauss_point *point)
+static double known_gap(const ct_pass *p, point_class found, int32_t target, const ct_point *point)
 {
   if (target < 0) return NAN;
-  if (found == BEYOND) return p->self ? -fabs(point->gap) : NAN;
-  return p->self && found != INSIDE && found != OUTSIDE ? NAN : point->gap;
+  if (found == BEYOND) return p->self ? -fabs(point->row.gap) : NAN;
+  return p->self && found != INSIDE && found != OUTSIDE ? NAN : point->row.gap;
 }
 
-/* Write what has become of a point, and its force. */
-static void close_point(const ct_pass *p, int64_t number, verdict found, int32_t target,
+/* Write what has become of a point. */
+static void close_point(const ct_pass *p, ct_point *point, point_class found, int32_t target,
                         const double xi[2])
 {
-  ct_gauss_point *point = &p->side->points[number];
   int met = found == INSIDE || found == OUTSIDE;
-  // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
-  int inside = met && point->gap < 0.0;
-  double stiff = inside ? 0.5 * p->epsilon * p->side->weight[number] : 0.0;
-  for (int c = 0; c < 3; c++) point->force[c] = inside ? stiff * point->d[c] : 0.0;
-  point->history = found == INSIDE    ? CT_POINT_INSIDE
-                   : found == OUTSIDE ? CT_POINT_OUTSIDE
-                   : found == FAR     ? CT_POINT_BURIED
-                                      : CT_POINT_NEW;
+  point->status = found == INSIDE    ? CT_POINT_INSIDE
+                  : found == OUTSIDE ? CT_POINT_OUTSIDE
+                  : found == FAR     ? CT_POINT_BURIED
+                                     : CT_POINT_NEW;
   point->other = met ? target : -1;
   point->known = known_gap(p, found, target, point);
-  if (!met) point->gap = NAN;
+  if (!met) point->row.gap = NAN;
   else memcpy(point->xi, xi, sizeof point->xi);
 }
 
 /* Begin with nothing found; a surface in contact with itself needs its own normal first, a search
  * on one side that of the last step too. Answers 0 when there is none. */
-static int begin(const ct_pass *p, int32_t face, int q, int same_side, double most, nearest *best)
+static int begin(const ct_pass *p, int64_t i, int same_side, double most, nearest *best)
 {
   *best = (nearest){.face = INT32_MAX, .distance = INFINITY, .most = most, .same_side = same_side};
   if (!p->self && !same_side) return 1;
-  if (same_side &&
-      !last_normal(p, &p->side->points[(int64_t)face * p->side->rule.count + q], best->last))
-    return 0;
-  return ct_pass_own_normal(p, face, q, best->own);
+  if (same_side && !last_normal(p, &p->side->points[i], best->last)) return 0;
+  return ct_pass_own_normal(p, i, best->own);
 }
 
 /* The nearest face of a point, or the nearest that is on no far side. A point that is in contact
  * looks as far as it takes, but not on its own surface (eq:held). */
-static void find_nearest(const ct_pass *p, int32_t face, int q, const double y[3], int same_side,
+static void find_nearest(const ct_pass *p, int64_t i, const double y[3], int same_side,
                          nearest *best)
 {
   const ct_side *side = p->side, *other = p->other;
-  const ct_gauss_point *point = &side->points[(int64_t)face * side->rule.count + q];
-  int held = point->history == CT_POINT_INSIDE && !p->self;
-  double most = held                                ? HUGE_VAL
-                : point->history == CT_POINT_INSIDE ? p->depth - point->known
-                                                    : p->depth;
-  if (!begin(p, face, q, same_side, most, best)) return;
+  const ct_point *point = &side->points[i];
+  const int32_t face = face_of(p, i);
+  int held = point->status == CT_POINT_INSIDE && !p->self;
+  double most = held                               ? HUGE_VAL
+                : point->status == CT_POINT_INSIDE ? p->depth - point->known
+                                                   : p->depth;
+  if (!begin(p, i, same_side, most, best)) return;
 
   // -- Try the face of the last step, then every candidate that may be nearer (eq:closest-face)
   int32_t warm = point->other;
   if (warm >= 0 && ct_bounds_distance(&other->search->boxes[warm], y) <= most)
-    try_face(p, face, q, warm, point->xi, best);
-  for (int32_t i = side->candidate_first[face]; i < side->candidate_first[face + 1]; i++) {
-    int32_t target = side->candidates[i];
+    try_face(p, i, warm, point->xi, best);
+  for (int32_t k = side->candidate_first[face]; k < side->candidate_first[face + 1]; k++) {
+    int32_t target = side->candidates[k];
     double reach = best->distance < most ? best->distance : most;
     if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= reach)
-      try_face(p, face, q, target, NULL, best);
+      try_face(p, i, target, NULL, best);
   }
   // -- Deeper than the lists reach: try all faces (eq:held)
   for (int32_t target = 0;
        held && best->distance > side->listed[face] && target < other->search->face_count; target++)
     if (target != warm && ct_bounds_distance(&other->search->boxes[target], y) <= best->distance)
-      try_face(p, face, q, target, NULL, best);
+      try_face(p, i, target, NULL, best);
 }
 
 /* Whether the point was in contact, or outside over a face that it looks at, in the last step. */
-static int came_in(const ct_pass *p, int32_t face, int q, const ct_gauss_point *point)
+static int came_in(const ct_pass *p, int64_t i, const ct_point *point)
 {
   double own[3], last[3];
-  if (point->history == CT_POINT_INSIDE) return 1;
-  return last_normal(p, point, last) && ct_pass_own_normal(p, face, q, own) &&
+  if (point->status == CT_POINT_INSIDE) return 1;
+  return last_normal(p, point, last) && ct_pass_own_normal(p, i, own) &&
          ct_pass_looks_across(own, last);
 }
 
 /* The nearest place is a far side. A point that came in by another side belongs to that one still,
  * unless it has left the body (eq:held). */
-static verdict judge_far(const ct_pass *p, int32_t face, int q, const double y[3], nearest *best,
-                         ct_gauss_point *point)
+static point_class classify_far(const ct_pass *p, int64_t i, const double y[3], nearest *best,
+                                ct_point *point)
 {
-  int has_left = point->gap >= 0.0;
-  if (p->self || !came_in(p, face, q, point)) return FAR;
-  find_nearest(p, face, q, y, 1, best);
-  if (best->face == INT32_MAX || measure(p, face, q, best, point) != INSIDE)
+  int has_left = point->row.gap >= 0.0;
+  if (p->self || !came_in(p, i, point)) return FAR;
+  find_nearest(p, i, y, 1, best);
+  if (best->face == INT32_MAX || measure(p, i, best, point) != INSIDE)
     return has_left ? NOWHERE : FAR;
-  double along = ct_vector_dot(point->d, best->foot.normal);
+  double along = ct_vector_dot(point->d, best->closest.normal);
   return has_left && along * along < 0.5 * ct_vector_dot(point->d, point->d) ? NOWHERE : INSIDE;
 }
 
@@ -363,25 +357,25 @@ static verdict judge_far(const ct_pass *p, int32_t face, int q, const double y[3
  * (eq:point-history). */
 static int is_buried(const ct_pass *p, const double y[3])
 {
-  ct_nearest foot;
+  ct_nearest found;
   double normal[3];
   if (p->self || !p->first) return 0;
-  ct_search_point(p->other->search, y, -1, HUGE_VAL, p->project.tolerance, NULL, NULL, &foot);
-  return foot.face >= 0 && foot.signed_distance < 0.0 &&
-         ct_search_normal(p->other->search, foot.face, foot.where, foot.index, foot.xi, foot.normal,
-                          normal);
+  ct_search_point(p->other->search, y, -1, HUGE_VAL, p->project.tolerance, NULL, NULL, &found);
+  return found.face >= 0 && found.signed_distance < 0.0 &&
+         ct_search_normal(p->other->search, found.face, found.where, found.index, found.xi,
+                          found.normal, normal);
 }
 
-/* What the place that a point has found and its history say together (eq:point-history). */
-static verdict judge(const ct_pass *p, int32_t face, int q, const double y[3], nearest *best,
-                     ct_gauss_point *point)
+/* The class of a point from the place that it has found and its status (eq:point-history). */
+static point_class classify(const ct_pass *p, int64_t i, const double y[3], nearest *best,
+                            ct_point *point)
 {
-  int buried = point->history == CT_POINT_BURIED;
+  int buried = point->status == CT_POINT_BURIED;
   if (best->face == INT32_MAX) return buried || is_buried(p, y) ? FAR : NOWHERE;
-  verdict found = measure(p, face, q, best, point);
-  if (found == FAR) found = judge_far(p, face, q, y, best, point);
-  if (found == INSIDE && (p->self || point->history != CT_POINT_INSIDE) &&
-      (buried || point->gap < -(p->self ? p->deep : p->depth)))
+  point_class found = measure(p, i, best, point);
+  if (found == FAR) found = classify_far(p, i, y, best, point);
+  if (found == INSIDE && (p->self || point->status != CT_POINT_INSIDE) &&
+      (buried || point->row.gap < -(p->self ? p->deep : p->depth)))
     found = FAR;
   if (found == FAR && p->self) return NOWHERE;
   if (found == BEYOND && buried) return FAR;
@@ -390,62 +384,56 @@ static verdict judge(const ct_pass *p, int32_t face, int q, const double y[3], n
 
 /* Whether nothing can be near a point: it was over no face, and no face is listed for its own; at
  * the very first look it may be deep inside (eq:point-history). */
-static int is_alone(const ct_pass *p, int32_t face, const ct_gauss_point *point)
+static int is_alone(const ct_pass *p, int64_t i)
 {
-  const int32_t *list = &p->side->candidate_first[face];
-  return list[0] == list[1] && point->other < 0 && point->history != CT_POINT_INSIDE && !p->first;
+  const int32_t *list = &p->side->candidate_first[face_of(p, i)];
+  const ct_point *point = &p->side->points[i];
+  return list[0] == list[1] && point->other < 0 && point->status != CT_POINT_INSIDE && !p->first;
 }
 
-static void search_point(const ct_pass *p, int32_t face, int q)
+static void search_point(const ct_pass *p, int64_t i)
 {
-  static const double zero[3] = {0.0, 0.0, 0.0};
-  int64_t number = (int64_t)face * p->side->rule.count + q;
-  ct_gauss_point *point = &p->side->points[number];
+  ct_point *point = &p->side->points[i];
   nearest best;
   double y[3];
-  if (is_alone(p, face, point)) {
-    close_point(p, number, point->history == CT_POINT_BURIED ? FAR : NOWHERE, -1, point->xi);
+  if (is_alone(p, i)) {
+    close_point(p, point, point->status == CT_POINT_BURIED ? FAR : NOWHERE, -1, point->xi);
     return;
   }
-  position(p->side, face, q, zero, y);
-  find_nearest(p, face, q, y, 0, &best);
-  verdict found = judge(p, face, q, y, &best, point);
-  close_point(p, number, found, best.face == INT32_MAX ? -1 : best.face, best.foot.xi);
+  ct_side_position(p->side, i, NULL, y);
+  find_nearest(p, i, y, 0, &best);
+  point_class found = classify(p, i, y, &best, point);
+  close_point(p, point, found, best.face == INT32_MAX ? -1 : best.face, best.closest.xi);
 }
 
 /* Search for the points first ... first + count - 1, eight at most. */
 static void search_block(const ct_pass *p, int lanes, int64_t first, int count)
 {
   unsigned settled = lanes ? ct_pass_warm(p, first, count) : 0;
-  int32_t points = p->side->rule.count;
-  for (int i = 0; i < count; i++)
-    if (!(settled >> i & 1))
-      search_point(p, (int32_t)((first + i) / points), (int)((first + i) % points));
+  for (int l = 0; l < count; l++)
+    if (!(settled >> l & 1)) search_point(p, first + l);
 }
 
-void ct_pass_search(ct_side *side, const ct_side *other, const ct_contact_options *options,
-                    double depth, double deep, int first)
+void ct_pass_search(ct_contact *contact, int s)
 {
-  ct_pass p = {side,
-               other,
-               ct_project_options_default(),
-               options->epsilon,
-               depth,
-               deep,
-               side == other,
-               first,
-               *other->search};
-  p.reference.x = other->reference;
+  const ct_contact_options *options = &contact->fixed->options;
+  ct_pass p = {.side = &contact->side[s],
+               .other = &contact->side[contact->fixed->sides - 1 - s],
+               .project = ct_project_options_default(),
+               .depth = ct_contact_reach(contact),
+               .deep = contact->fixed->depth,
+               .self = contact->fixed->sides == 1,
+               .first = !contact->begun};
   p.project.method = options->method;
   p.project.tolerance = options->tolerance;
-  // A surface with itself judges feet by more than their distance, other methods have no lanes, and
-  // lanes take faces of one kind.
+  // On a surface with itself the distance alone does not choose the closest point, other methods
+  // have no lanes, and lanes take faces of one kind.
   int lanes = !p.self && options->method == CT_ROBUST &&
-              side->search->kind == other->search->kind &&
-              (other->search->kind == CT_Q4 || other->search->kind == CT_Q8);
-  int64_t count = ct_side_point_count(side);
+              p.side->search->kind == p.other->search->kind &&
+              (p.other->search->kind == CT_Q4 || p.other->search->kind == CT_Q8);
+  int64_t count = p.side->fixed->point_count;
 #ifdef _OPENMP
-  int threads = ct_threads(options->threads);
+  int threads = ct_threads(contact->threads);
 #pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
   for (int64_t i = 0; i < count; i += CT_WARM)

@@ -1,7 +1,7 @@
 #ifndef CT_SRC_CONTACT_PASS_H
 #define CT_SRC_CONTACT_PASS_H
 
-#include "side.h"
+#include "contact_internal.h"
 
 #include "../base/vector.h"
 
@@ -10,11 +10,10 @@ typedef struct ct_pass {
   ct_side *side;
   const ct_side *other;
   ct_project_options project;
-  double epsilon, depth;
-  double deep;         /* how deep a point of a surface with itself may be in contact */
-  int self;            /* whether the other side is the same surface */
-  int first;           /* whether no point has a history yet */
-  ct_search reference; /* the other side in its reference shape, of a surface with itself */
+  double depth; /* how far points look */
+  double deep;  /* how deep a point of a surface with itself may be in contact */
+  int self;     /* whether the other side is the same surface */
+  int first;    /* whether no point has a status yet */
 } ct_pass;
 
 /* Points that are settled at once. */
@@ -26,9 +25,9 @@ enum { CT_WARM = 8 };
 unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count);
 
 /* Unit normal of a point's own face; answers 0 when it has none. */
-static inline int ct_pass_own_normal(const ct_pass *p, int32_t face, int q, double own[3])
+static inline int ct_pass_own_normal(const ct_pass *p, int64_t i, double own[3])
 {
-  ct_side_area(p->side, face, q, own);
+  ct_side_area(p->side, i, own);
   double length = sqrt(ct_vector_dot(own, own));
   for (int c = 0; c < 3; c++) own[c] /= length;
   return length > 0.0;

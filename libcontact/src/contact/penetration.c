@@ -14,13 +14,6 @@ typedef struct seeker {
   double own[3]; /* unit normal at the place */
 } seeker;
 
-/* Parameters of the middle of a face. */
-static const double *middle(ct_face_kind kind)
-{
-  static const double square[2] = {0.0, 0.0}, triangle[2] = {1.0 / 3.0, 1.0 / 3.0};
-  return kind == CT_T3 || kind == CT_T6 ? triangle : square;
-}
-
 /* Faces that look the same way as the place are far sides (eq:far-side). */
 static int looks_away(void *user, int32_t face)
 {
@@ -28,7 +21,7 @@ static int looks_away(void *user, int32_t face)
   ct_face nodes;
   double normal[3];
   ct_search_face(s->search, face, &nodes);
-  return ct_segment_normal(&nodes, middle(s->search->kind), normal) != CT_OK ||
+  return ct_segment_normal(&nodes, ct_search_middle(s->search), normal) != CT_OK ||
          !(ct_vector_dot(s->own, normal) < 0.5);
 }
 
@@ -36,26 +29,26 @@ static int looks_away(void *user, int32_t face)
 static double depth_at(const ct_side *side, const ct_search *other, int32_t face,
                        const double xi[2], double y[3])
 {
-  static const double zero[3] = {0.0, 0.0, 0.0};
   double N[8], normal[3];
   seeker s = {.search = other};
   ct_face mine;
-  ct_nearest foot;
+  ct_nearest nearest;
   ct_segment_shape(side->search->kind, xi, N);
-  ct_side_interpolate(side, face, N, zero, y);
+  ct_side_interpolate(side->search, side->search->x, face, N, NULL, y);
   ct_search_face(side->search, face, &mine);
   if (ct_segment_normal(&mine, xi, s.own) != CT_OK) return NAN;
   // The nearest face says whether the place is inside at all; if it is a far side, the nearest
   // other one says how deep.
   for (int k = 0; k < 2; k++) {
     ct_search_point(other, y, -1, HUGE_VAL, ct_search_options_default().tolerance,
-                    k == 0 ? NULL : looks_away, &s, &foot);
-    if (foot.face < 0 || !(foot.signed_distance < 0.0)) return NAN;
-    if (ct_vector_dot(s.own, foot.normal) < 0.5) break;
+                    k == 0 ? NULL : looks_away, &s, &nearest);
+    if (nearest.face < 0 || !(nearest.signed_distance < 0.0)) return NAN;
+    if (ct_vector_dot(s.own, nearest.normal) < 0.5) break;
   }
-  if (!ct_search_normal(other, foot.face, foot.where, foot.index, foot.xi, foot.normal, normal))
+  if (!ct_search_normal(other, nearest.face, nearest.where, nearest.index, nearest.xi,
+                        nearest.normal, normal))
     return NAN;
-  return -foot.signed_distance;
+  return -nearest.signed_distance;
 }
 
 static void take(ct_penetration *out, double depth, int32_t side, int32_t face, const double y[3])
@@ -71,17 +64,16 @@ static void take(ct_penetration *out, double depth, int32_t side, int32_t face, 
 /* At the contact's points. */
 static void at_points(const ct_contact *contact, ct_penetration *out)
 {
-  static const double zero[3] = {0.0, 0.0, 0.0};
-  for (int s = 0; s < contact->sides; s++) {
+  for (int s = 0; s < contact->fixed->sides; s++) {
     const ct_side *side = &contact->side[s];
-    for (int64_t i = 0; i < ct_side_point_count(side); i++) {
-      int32_t face = (int32_t)(i / side->rule.count);
+    for (int64_t i = 0; i < side->fixed->point_count; i++) {
+      int32_t face = (int32_t)(i / side->fixed->rule.count);
       double y[3];
-      out->buried += side->points[i].history == CT_POINT_BURIED;
-      out->inside += side->points[i].history == CT_POINT_BURIED;
+      out->buried += side->points[i].status == CT_POINT_BURIED;
+      out->inside += side->points[i].status == CT_POINT_BURIED;
       double distance = ct_point_distance(&side->points[i]);
       if (side->points[i].other < 0 || !(distance < 0.0)) continue;
-      ct_side_interpolate(side, face, side->N[i % side->rule.count], zero, y);
+      ct_side_position(side, i, NULL, y);
       take(out, -distance, s, face, y);
     }
   }
@@ -102,14 +94,14 @@ static void at_edges(const ct_contact *contact, ct_search *const now[2], int edg
                      ct_penetration *out)
 {
   ct_rule rule;
-  for (int s = 0; s < contact->sides; s++) {
+  for (int s = 0; s < contact->fixed->sides; s++) {
     const ct_side *side = &contact->side[s];
     (void)ct_rule_lobatto(side->search->kind, &rule);
     for (int32_t face = 0; face < side->search->face_count; face++)
       for (int q = 0; q < rule.count; q++) {
         double y[3];
         if (edges_at(side->search->kind, rule.xi[q]) != edges) continue;
-        double depth = depth_at(side, now[contact->sides - 1 - s], face, rule.xi[q], y);
+        double depth = depth_at(side, now[contact->fixed->sides - 1 - s], face, rule.xi[q], y);
         if (depth > 0.0 && depth <= limit) take(out, depth, s, face, y);
       }
   }
@@ -118,7 +110,7 @@ static void at_edges(const ct_contact *contact, ct_search *const now[2], int edg
 double ct_contact_rounding(const ct_contact *contact)
 {
   double far = 0.0;
-  for (int s = 0; s < contact->sides; s++) {
+  for (int s = 0; s < contact->fixed->sides; s++) {
     const ct_search *search = contact->side[s].search;
     for (int64_t i = 0; i < 3 * (int64_t)search->node_count; i++)
       far = fmax(far, fabs(search->x[i]));
@@ -130,7 +122,8 @@ double ct_contact_rounding(const ct_contact *contact)
  * in 10⁹. */
 static double touching(const ct_contact *contact)
 {
-  double size = fmax(contact->side[0].search->size, contact->side[contact->sides - 1].search->size);
+  double size =
+      fmax(contact->side[0].search->size, contact->side[contact->fixed->sides - 1].search->size);
   return fmax(1e-9 * size, ct_contact_rounding(contact));
 }
 
@@ -141,14 +134,14 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
       (at != CT_AT_POINTS && at != CT_AT_CORNERS && at != CT_AT_EDGES))
     return CT_ERROR_ARGUMENT;
   *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, touching(contact)};
-  if (at != CT_AT_POINTS && contact->sides == 1) return CT_ERROR_UNSUPPORTED;
+  if (at != CT_AT_POINTS && contact->fixed->sides == 1) return CT_ERROR_UNSUPPORTED;
   at_points(contact, out);
   if (at == CT_AT_POINTS) return CT_OK;
-  double limit = fmax(contact->depth, 2.0 * out->deepest);
+  double limit = fmax(contact->fixed->depth, 2.0 * out->deepest);
   *out = (ct_penetration){0, 0, 0.0, -1, -1, {NAN, NAN, NAN}, out->touching};
   ct_search *now[2] = {NULL, NULL};
   ct_status status = CT_OK;
-  for (int s = 0; status == CT_OK && s < contact->sides; s++)
+  for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)
     status = ct_search_look(contact->side[s].search, &now[s]);
   if (status == CT_OK) at_edges(contact, now, at == CT_AT_CORNERS ? 2 : 1, limit, out);
   ct_search_leave(now[0]);

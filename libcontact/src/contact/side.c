@@ -1,4 +1,4 @@
-/* One surface of a contact: its Gauss points and their weights. */
+/* One surface of a contact: its points, their weights and positions. */
 #include "side.h"
 
 #include "../base/error.h"
@@ -8,84 +8,101 @@
 #include <math.h>
 #include <string.h>
 
-void ct_side_clear(ct_side *side)
+void ct_side_fixed_clear(ct_side_fixed *fixed)
 {
-  void *blocks[] = {side->weight,          side->listed,     side->x_built, side->moved,
-                    side->candidate_first, side->candidates, side->points,  side->reference,
-                    side->force,           side->force_fine};
-  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
-  ct_search_free(side->search);
-  memset(side, 0, sizeof *side);
+  ct_release(fixed->weight);
+  ct_release(fixed->row_faces);
+  ct_search_free(fixed->search);
+  memset(fixed, 0, sizeof *fixed);
 }
 
-int64_t ct_side_point_count(const ct_side *side)
+/* Weights w J_ref of the points (eq:contact-potential). */
+static ct_status weigh(ct_side_fixed *fixed, int body, ct_error *error)
 {
-  return (int64_t)side->search->face_count * side->rule.count;
-}
-
-static ct_status allocate(ct_side *side)
-{
-  size_t faces = (size_t)side->search->face_count, points = (size_t)ct_side_point_count(side),
-         nodes = (size_t)side->search->node_count;
-  side->weight = ct_allocate(points, sizeof *side->weight);
-  side->listed = ct_allocate(faces, sizeof *side->listed);
-  side->candidate_first = ct_allocate(faces + 1, sizeof *side->candidate_first);
-  side->candidate_room = side->search->face_count;
-  side->candidates = ct_allocate(faces, sizeof *side->candidates);
-  side->points = ct_allocate(points, sizeof *side->points);
-  side->x_built = ct_allocate(3 * nodes, sizeof *side->x_built);
-  side->moved = ct_allocate(3 * nodes, sizeof *side->moved);
-  side->force = ct_allocate(3 * nodes, sizeof *side->force);
-  side->force_fine = ct_allocate(3 * nodes, sizeof *side->force_fine);
-  int whole = side->weight && side->listed && side->candidate_first && side->candidates &&
-              side->points && side->x_built && side->moved && side->force && side->force_fine;
-  return whole ? CT_OK : CT_ERROR_MEMORY;
-}
-
-/* Weights w J_ref of the Gauss points (eq:contact-potential). */
-static ct_status weigh(ct_side *side, int body, ct_error *error)
-{
-  for (int q = 0; q < side->rule.count; q++) {
-    ct_segment_shape(side->search->kind, side->rule.xi[q], side->N[q]);
-    ct_segment_gradient(side->search->kind, side->rule.xi[q], side->dN[q]);
+  const ct_search *search = fixed->search;
+  for (int q = 0; q < fixed->rule.count; q++) {
+    ct_segment_shape(search->kind, fixed->rule.xi[q], fixed->N[q]);
+    ct_segment_gradient(search->kind, fixed->rule.xi[q], fixed->dN[q]);
   }
-  for (int32_t f = 0; f < side->search->face_count; f++) {
+  for (int32_t f = 0; f < search->face_count; f++) {
     ct_face face;
-    ct_search_face(side->search, f, &face);
-    const ct_bounds *box = &side->search->boxes[f];
+    ct_search_face(search, f, &face);
+    const ct_bounds *box = &search->boxes[f];
     double square = 0.0;
     for (int c = 0; c < 3; c++)
       square += (box->high[c] - box->low[c]) * (box->high[c] - box->low[c]);
-    for (int q = 0; q < side->rule.count; q++) {
-      double J = ct_segment_area_element(&face, side->rule.xi[q]);
+    for (int q = 0; q < fixed->rule.count; q++) {
+      double J = ct_segment_area_element(&face, fixed->rule.xi[q]);
       if (!(J > 1e-14 * square))
         return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, f, q},
-                       "face %d of surface %d has no area at Gauss point %d", (int)f, body, q);
-      side->weight[(int64_t)f * side->rule.count + q] = side->rule.weight[q] * J;
+                       "face %d of surface %d has no area at point %d", (int)f, body, q);
+      fixed->weight[(int64_t)f * fixed->rule.count + q] = fixed->rule.weight[q] * J;
     }
   }
   return CT_OK;
 }
 
-ct_status ct_side_init(ct_side *side, const ct_surface *surface, int body, int on_edges,
-                       ct_error *error)
+ct_status ct_side_fixed_init(ct_side_fixed *fixed, const ct_surface *surface, int body,
+                             int on_edges, ct_error *error)
 {
-  memset(side, 0, sizeof *side);
-  ct_status status = ct_search_init(surface, body, &side->search, error);
+  memset(fixed, 0, sizeof *fixed);
+  ct_status status = ct_search_init(surface, body, &fixed->search, error);
   if (status != CT_OK) return status;
-  side->on_edges = on_edges;
-  (void)(on_edges ? ct_rule_lobatto(surface->kind, &side->rule)
-                  : ct_rule_face(surface->kind, 0, &side->rule));
-  status = allocate(side) == CT_OK
-               ? weigh(side, body, error)
+  fixed->on_edges = on_edges;
+  (void)(on_edges ? ct_rule_lobatto(surface->kind, &fixed->rule)
+                  : ct_rule_face(surface->kind, 0, &fixed->rule));
+  fixed->point_count = (int64_t)surface->face_count * fixed->rule.count;
+  fixed->weight = ct_allocate((size_t)fixed->point_count, sizeof *fixed->weight);
+  status = fixed->weight != NULL
+               ? weigh(fixed, body, error)
                : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact surface");
-  if (status != CT_OK) {
-    ct_side_clear(side);
-    return status;
-  }
-  for (int64_t i = 0; i < ct_side_point_count(side); i++) {
-    side->points[i].other = -1;
-    side->points[i].gap = side->points[i].known = NAN;
+  if (status != CT_OK) ct_side_fixed_clear(fixed);
+  return status;
+}
+
+void ct_side_clear(ct_side *side)
+{
+  void *blocks[] = {side->listed,          side->x_built,    side->moved, side->points,
+                    side->candidate_first, side->candidates, side->force, side->force_fine};
+  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
+  ct_search_leave(side->search);
+  memset(side, 0, sizeof *side);
+}
+
+const int32_t *ct_side_row_nodes(const ct_side_fixed *fixed, int64_t face)
+{
+  const int32_t *faces = fixed->row_faces != NULL ? fixed->row_faces : fixed->search->faces;
+  return &faces[face * fixed->search->per];
+}
+
+ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, double epsilon,
+                       ct_enforcement enforcement, double dissipation)
+{
+  size_t faces = (size_t)fixed->search->face_count, nodes = (size_t)fixed->search->node_count;
+  memset(side, 0, sizeof *side);
+  side->fixed = fixed;
+  side->candidate_room = fixed->search->face_count;
+  side->listed = ct_allocate(faces, sizeof *side->listed);
+  side->candidate_first = ct_allocate(faces + 1, sizeof *side->candidate_first);
+  side->candidates = ct_allocate(faces, sizeof *side->candidates);
+  side->points = ct_allocate((size_t)fixed->point_count, sizeof *side->points);
+  double **vectors[] = {&side->x_built, &side->moved, &side->force, &side->force_fine};
+  int whole = side->listed && side->candidate_first && side->candidates && side->points;
+  for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
+    whole = (*vectors[i] = ct_allocate(nodes, 3 * sizeof(double))) != NULL && whole;
+  if (!whole || ct_search_share(fixed->search, &side->search) != CT_OK) return CT_ERROR_MEMORY;
+  for (int64_t i = 0; i < fixed->point_count; i++) {
+    ct_point *point = &side->points[i];
+    point->other = -1;
+    point->known = NAN;
+    point->row = (ct_constraint){.enforcement = enforcement,
+                                 .own_count = fixed->search->per,
+                                 .own = ct_side_row_nodes(fixed, i / fixed->rule.count),
+                                 .own_shape = fixed->N[i % fixed->rule.count],
+                                 .other_shape = point->N,
+                                 .stiffness = epsilon * fixed->weight[i],
+                                 .dissipation = dissipation,
+                                 .gap = NAN};
   }
   return CT_OK;
 }
@@ -101,9 +118,11 @@ static inline void sum_nodes(int per, const int32_t *node, const double *x, cons
   for (int c = 0; c < 3; c++) out[c] = ct_side_sum(per, t[c]);
 }
 
-static void interpolate(const ct_search *search, const double *x, int32_t face, const double N[8],
-                        const double origin[3], double out[3])
+void ct_side_interpolate(const ct_search *search, const double *x, int32_t face, const double N[8],
+                         const double *origin, double out[3])
 {
+  static const double zero[3] = {0.0, 0.0, 0.0};
+  if (origin == NULL) origin = zero;
   const int32_t *node = &search->faces[(int64_t)face * search->per];
   switch (search->per) {
   case 4:
@@ -117,33 +136,23 @@ static void interpolate(const ct_search *search, const double *x, int32_t face, 
   }
 }
 
-void ct_side_interpolate(const ct_side *side, int32_t face, const double N[8],
-                         const double origin[3], double out[3])
+void ct_side_position(const ct_side *side, int64_t i, const double *origin, double y[3])
 {
-  interpolate(side->search, side->search->x, face, N, origin, out);
+  int32_t points = side->fixed->rule.count;
+  ct_side_interpolate(side->search, side->search->x, (int32_t)(i / points),
+                      side->fixed->N[i % points], origin, y);
 }
 
-void ct_side_interpolate_reference(const ct_side *side, int32_t face, const double N[8],
-                                   const double origin[3], double out[3])
+void ct_side_place(ct_side *side)
 {
-  interpolate(side->search, side->reference, face, N, origin, out);
+  for (int64_t d = 0; d < 3 * (int64_t)side->search->node_count; d++) {
+    double x = side->moved[d];
+    side->moved[d] = x - side->search->x[d];
+    side->search->x[d] = x;
+  }
 }
 
-void ct_side_place(ct_side *side, const double *host)
-{
-  const size_t entries = 3 * (size_t)side->search->node_count;
-  memcpy(side->moved, side->search->x, entries * sizeof *side->moved);
-  ct_search_place(side->search, host);
-  for (size_t i = 0; i < entries; i++) side->moved[i] = side->search->x[i] - side->moved[i];
-}
-
-void ct_side_moved(const ct_side *side, int32_t face, const double N[8], double out[3])
-{
-  static const double zero[3] = {0.0, 0.0, 0.0};
-  interpolate(side->search, side->moved, face, N, zero, out);
-}
-
-int ct_side_direction(const ct_side *side, const ct_gauss_point *point, double n[3])
+int ct_side_direction(const ct_side *side, const ct_point *point, double n[3])
 {
   double length = sqrt(ct_vector_dot(point->d, point->d)),
          sign = ct_point_distance(point) < 0.0 ? 1.0 : -1.0;
@@ -151,22 +160,22 @@ int ct_side_direction(const ct_side *side, const ct_gauss_point *point, double n
     for (int c = 0; c < 3; c++) n[c] = sign * point->d[c] / length;
     return 1;
   }
-  memcpy(n, point->normal, sizeof point->normal);
-  length = sqrt(ct_vector_dot(n, n));
-  for (int c = 0; c < 3; c++) n[c] /= length;
+  length = sqrt(ct_vector_dot(point->outward, point->outward));
+  for (int c = 0; c < 3; c++) n[c] = point->outward[c] / length;
   return length > 0.0;
 }
 
-void ct_side_area(const ct_side *side, int32_t face, int q, double normal[3])
+void ct_side_area(const ct_side *side, int64_t i, double normal[3])
 {
+  const int32_t points = side->fixed->rule.count;
   static const double zero[3] = {0.0, 0.0, 0.0};
   const ct_search *search = side->search;
-  const int32_t *node = &search->faces[(int64_t)face * search->per];
+  const int32_t *node = &search->faces[i / points * search->per];
   double tangent[2][3];
-  for (int i = 0; i < 2; i++) {
-    const double *weight = &side->dN[q][0][i];
-    if (search->per == 4) sum_nodes(4, node, search->x, weight, 2, zero, tangent[i]);
-    else sum_nodes(search->per, node, search->x, weight, 2, zero, tangent[i]);
+  for (int k = 0; k < 2; k++) {
+    const double *weight = &side->fixed->dN[i % points][0][k];
+    if (search->per == 4) sum_nodes(4, node, search->x, weight, 2, zero, tangent[k]);
+    else sum_nodes(search->per, node, search->x, weight, 2, zero, tangent[k]);
   }
   ct_vector_cross(tangent[0], tangent[1], normal);
 }

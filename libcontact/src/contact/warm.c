@@ -20,7 +20,7 @@ typedef struct block {
   double points[3 * CT_WARM], start[2 * CT_WARM];
   double xi[2 * CT_WARM], distance[CT_WARM], normal[3 * CT_WARM];
   int32_t status[CT_WARM];
-  double N[8 * CT_WARM], d[3 * CT_WARM], gap[CT_WARM]; /* as in ct_gauss_point */
+  double N[8 * CT_WARM], d[3 * CT_WARM], gap[CT_WARM]; /* as in ct_point */
   int rival[CT_WARM];
 } block;
 
@@ -64,7 +64,7 @@ CT_INLINE void load(const ct_pass *p, int per, block *b)
   for (int l = 0; l < CT_WARM; l++) {
     const ct_bounds *box = &p->other->search->boxes[b->target[l]];
     for (int c = 0; c < 3; c++) b->origin[CT_WARM * c + l] = 0.5 * (box->low[c] + box->high[c]);
-    for (int a = 0; a < per; a++) N[CT_WARM * a + l] = p->side->N[b->q[l]][a];
+    for (int a = 0; a < per; a++) N[CT_WARM * a + l] = p->side->fixed->N[b->q[l]][a];
   }
   load_faces(p->other->search, per, b->target, b->origin, b->nodes);
   load_faces(p->side->search, per, b->face, b->origin, own);
@@ -78,20 +78,20 @@ static void load_block(const ct_pass *p, block *b)
   else load(p, 8, b);
 }
 
-/* Gap vectors d = ȳ - y and signed gaps of the points over their feet (eq:gap). Inlined with `per`
- * known. */
+/* Gap vectors d = ȳ - y and signed gaps of the points over their closest points (eq:gap). Inlined
+ * with `per` known. */
 CT_INLINE void gaps(int per, block *b)
 {
-  double foot[3 * CT_WARM];
+  double closest[3 * CT_WARM];
 #pragma omp simd
   for (int l = 0; l < CT_WARM; l++)
     ct_shape_quadrilateral(per, b->xi[l], b->xi[CT_WARM + l], &b->N[l], CT_WARM);
-  sum_lanes(per, b->N, b->nodes, foot);
+  sum_lanes(per, b->N, b->nodes, closest);
 #pragma omp simd
   for (int l = 0; l < CT_WARM; l++) {
     const double *n = &b->normal[l];
-    double x = foot[l] - b->points[l], y = foot[8 + l] - b->points[8 + l],
-           z = foot[16 + l] - b->points[16 + l], distance = sqrt((x * x + y * y) + z * z);
+    double x = closest[l] - b->points[l], y = closest[8 + l] - b->points[8 + l],
+           z = closest[16 + l] - b->points[16 + l], distance = sqrt((x * x + y * y) + z * z);
     b->gap[l] = (x * n[0] + y * n[8]) + z * n[16] > 0.0 ? -distance : distance;
     b->d[l] = x, b->d[8 + l] = y, b->d[16 + l] = z;
   }
@@ -106,8 +106,8 @@ CT_INLINE double outside(double low, double high, double x)
   return positive(low - x) + positive(x - high);
 }
 
-/* Find the points to which some face but the last one may be nearer than the foot; with rounding of
- * their positions, so a little too often rather than not. */
+/* Find the points to which some face but the last one may be nearer than the closest point; with
+ * rounding of their positions, so a little too often rather than not. */
 CT_INLINE void find_rivals(const ct_pass *p, block *b)
 {
   double at[3 * CT_WARM], most[CT_WARM];
@@ -148,8 +148,8 @@ static void measure_block(const ct_pass *p, block *b)
   find_rivals(p, b);
 }
 
-/* Whether the foot of a lane is inside its last face, no deeper than allowed, with no other face as
- * near. */
+/* Whether the closest point of a lane is inside its last face, no deeper than allowed, with no
+ * other face as near. */
 static int is_settled(const ct_pass *p, const block *b, int l)
 {
   ct_status status = (ct_status)b->status[l];
@@ -160,29 +160,25 @@ static int is_settled(const ct_pass *p, const block *b, int l)
       b->rival[l])
     return 0;
   // A point that comes in has to look at the face, or the search must say what it is in.
-  const ct_gauss_point *point =
-      &p->side->points[(int64_t)b->face[l] * p->side->rule.count + b->q[l]];
-  if (!(b->gap[l] < 0.0) || point->history == CT_POINT_INSIDE) return 1;
-  return ct_pass_own_normal(p, b->face[l], b->q[l], own) && ct_pass_looks_across(own, normal);
+  const int64_t i = (int64_t)b->face[l] * p->side->fixed->rule.count + b->q[l];
+  const ct_point *point = &p->side->points[i];
+  if (!(b->gap[l] < 0.0) || point->status == CT_POINT_INSIDE) return 1;
+  return ct_pass_own_normal(p, i, own) && ct_pass_looks_across(own, normal);
 }
 
-/* Write what is found of the point of a lane, and its force. */
+/* Write what is found of the point of a lane. */
 static void write_point(const ct_pass *p, const block *b, int l)
 {
-  int64_t number = (int64_t)b->face[l] * p->side->rule.count + b->q[l];
-  ct_gauss_point *point = &p->side->points[number];
-  // -- Force of the point, ½ ε w J d where it is inside (eq:contact-force)
-  int inside = b->gap[l] < 0.0;
-  double stiff = inside ? 0.5 * p->epsilon * p->side->weight[number] : 0.0;
+  int64_t number = (int64_t)b->face[l] * p->side->fixed->rule.count + b->q[l];
+  ct_point *point = &p->side->points[number];
   for (int c = 0; c < 3; c++) {
     point->d[c] = b->d[8 * c + l];
-    point->normal[c] = b->normal[8 * c + l];
-    point->force[c] = inside ? stiff * b->d[8 * c + l] : 0.0;
+    point->outward[c] = b->normal[8 * c + l];
   }
   for (int a = 0; a < 8; a++) point->N[a] = b->N[8 * a + l];
   for (int a = 0; a < 2; a++) point->xi[a] = b->xi[8 * a + l];
-  point->gap = point->known = b->gap[l];
-  point->history = inside ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
+  point->row.gap = point->known = b->gap[l];
+  point->status = b->gap[l] < 0.0 ? CT_POINT_INSIDE : CT_POINT_OUTSIDE;
 }
 
 /* Take the points into lanes. Answers with a bit for each that has a face; the others' lanes repeat
@@ -190,12 +186,12 @@ static void write_point(const ct_pass *p, const block *b, int l)
 static unsigned take_points(const ct_pass *p, int64_t first, int count, block *b)
 {
   const ct_side *side = p->side;
-  int32_t face = (int32_t)(first / side->rule.count);
-  int q = (int)(first % side->rule.count), some = -1;
+  int32_t face = (int32_t)(first / side->fixed->rule.count);
+  int q = (int)(first % side->fixed->rule.count), some = -1;
   unsigned warm = 0;
   for (int l = 0; l < count; l++, q++) {
-    if (q == side->rule.count) q = 0, face++;
-    const ct_gauss_point *point = &side->points[first + l];
+    if (q == side->fixed->rule.count) q = 0, face++;
+    const ct_point *point = &side->points[first + l];
     b->face[l] = face;
     b->q[l] = q;
     b->target[l] = point->other;

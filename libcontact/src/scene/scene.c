@@ -1,7 +1,6 @@
 #include <libcontact/contact.h>
 #include <libcontact/scene.h>
 
-#include "../contact/contact_internal.h"
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../step/workspace.h"
@@ -501,8 +500,11 @@ static ct_status make_contact(ct_scene *scene, int32_t number, ct_effect **effec
   size_t bytes = (size_t)count[0] * (size_t)ct_face_node_count(surface[0].kind) * sizeof(int32_t);
   int self = body[0] == body[1] && count[0] == count[1] &&
              memcmp(entry->faces[0], entry->faces[1], bytes) == 0;
-  ct_status status = ct_contact_create_effect(&surface[0], &surface[self ? 0 : 1], &options,
-                                              scene->mass, effect, error);
+  ct_contact_def def = ct_contact_def_default();
+  def.a = &surface[0];
+  def.b = &surface[self ? 0 : 1];
+  def.options = options;
+  ct_status status = ct_contact_create_effect(&def, &scene->problem, effect, error);
   // What the contact calls surface 0 or 1 is one of our bodies.
   if (status != CT_OK && error != NULL && (error->body == 0 || error->body == 1))
     error->body = body[error->body];
@@ -565,9 +567,10 @@ static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
     if (status == CT_OK) (*count)++;
     const ct_scene_contact *given = &scene->contacts[i].given;
     if (status != CT_OK || given->friction == 0.0) continue;
-    ct_friction friction = {.on = scene->effects[*count - 1],
-                            .coefficient = given->friction,
-                            .tangent = given->tangent};
+    ct_friction_def friction = ct_friction_def_default();
+    friction.on = scene->effects[*count - 1];
+    friction.coefficient = given->friction;
+    if (given->tangent != 0.0) friction.tangent = given->tangent;
     status = ct_friction_create_effect(&friction, &scene->problem, &scene->effects[*count], error);
     ct_blame(error, status, CT_PART_CONTACT, i);
     if (status == CT_OK) (*count)++;
@@ -640,19 +643,6 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
   p->clock = time->clock;
   *problem = p;
   return CT_OK;
-}
-
-const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state, int32_t effect,
-                                   ct_error *error)
-{
-  if (problem == NULL || state == NULL || effect < 0 || effect >= problem->effect_count ||
-      problem->effects[effect]->kind != CT_EFFECT_CONTACT) {
-    ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no contact", (int)effect);
-    return NULL;
-  }
-  return ct_workspace_forces(problem, state, error) == CT_OK
-             ? ct_contact_of_scratch(state->workspace->scratch[effect])
-             : NULL;
 }
 
 ct_status ct_scene_contact_epsilon(const ct_scene *scene, int32_t contact, double *epsilon)

@@ -111,7 +111,6 @@ static void find_neighbours(ct_search *search)
 /* Refuse faces without area, and find the largest one. */
 static ct_status measure(ct_search *search, int body, ct_error *error)
 {
-  static const double middle[2][2] = {{0.0, 0.0}, {1.0 / 3.0, 1.0 / 3.0}};
   for (int32_t f = 0; f < search->face_count; f++) {
     ct_face face;
     ct_search_face(search, f, &face);
@@ -120,7 +119,7 @@ static ct_status measure(ct_search *search, int body, ct_error *error)
                       box->high[2] - box->low[2]};
     double size = sqrt(ct_vector_dot(edge, edge));
     search->size = fmax(search->size, size);
-    if (!(ct_segment_area_element(&face, middle[search->edges == 3]) > 1e-14 * size * size))
+    if (!(ct_segment_area_element(&face, ct_search_middle(search)) > 1e-14 * size * size))
       return ct_fail(error, CT_ERROR_GEOMETRY, (ct_place){body, f, -1},
                      "face %d of surface %d has no area", (int)f, body);
   }
@@ -151,11 +150,12 @@ ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, c
   return status;
 }
 
-ct_status ct_search_check(const ct_search *search, const double *host, int body, ct_error *error)
+ct_status ct_search_check(const ct_search *search, const int32_t *nodes, const double *x, int body,
+                          ct_error *error)
 {
   for (int32_t n = 0; n < search->node_count; n++)
     for (int c = 0; c < 3; c++)
-      if (!(fabs(host[3 * (int64_t)search->nodes[n] + c]) <= CT_LARGEST_LENGTH))
+      if (!(fabs(x[3 * (int64_t)(nodes == NULL ? n : nodes[n]) + c]) <= CT_LARGEST_LENGTH))
         return ct_fail(error, CT_INVALID, (ct_place){body, -1, search->nodes[n]},
                        "coordinate %c of node %d of surface %d is not finite, or beyond %g",
                        "xyz"[c], (int)search->nodes[n], body, CT_LARGEST_LENGTH);
@@ -179,7 +179,7 @@ void ct_search_box(ct_search *search)
 
 ct_status ct_search_set(ct_search *search, const double *host, int body, ct_error *error)
 {
-  ct_status status = ct_search_check(search, host, body, error);
+  ct_status status = ct_search_check(search, search->nodes, host, body, error);
   if (status != CT_OK) return status;
   ct_search_place(search, host);
   ct_search_box(search);
@@ -196,32 +196,42 @@ void ct_search_refit(ct_search *search)
   ct_box_tree_refit(search->tree, search->boxes);
 }
 
-void ct_search_leave(ct_search *now)
+void ct_search_leave(ct_search *shared)
 {
-  if (now == NULL) return;
-  ct_release(now->boxes);
-  ct_release(now->oriented);
-  ct_box_tree_free(now->tree);
-  ct_release(now);
+  if (shared == NULL) return;
+  ct_release(shared->x);
+  ct_release(shared->boxes);
+  ct_release(shared->oriented);
+  ct_box_tree_free(shared->tree);
+  ct_release(shared);
+}
+
+ct_status ct_search_share(const ct_search *search, ct_search **out)
+{
+  ct_search *own = ct_allocate(1, sizeof *own);
+  if (own == NULL) return CT_ERROR_MEMORY;
+  *own = *search;
+  own->tree = NULL;
+  own->x = ct_duplicate(search->x, 3 * (size_t)own->node_count * sizeof *own->x);
+  own->boxes = ct_duplicate(search->boxes, (size_t)own->face_count * sizeof *own->boxes);
+  own->oriented =
+      search->oriented == NULL ? NULL : ct_allocate((size_t)own->face_count, sizeof *own->oriented);
+  int whole =
+      own->x != NULL && own->boxes != NULL && (own->oriented != NULL) == (search->oriented != NULL);
+  if (!whole || ct_box_tree_create(own->face_count, &own->tree, NULL) != CT_OK) {
+    ct_search_leave(own);
+    return CT_ERROR_MEMORY;
+  }
+  *out = own;
+  return CT_OK;
 }
 
 ct_status ct_search_look(const ct_search *search, ct_search **out)
 {
-  ct_search *now = ct_allocate(1, sizeof *now);
-  if (now == NULL) return CT_ERROR_MEMORY;
-  *now = *search;
-  now->tree = NULL;
-  now->boxes = ct_allocate((size_t)now->face_count, sizeof *now->boxes);
-  now->oriented =
-      search->oriented == NULL ? NULL : ct_allocate((size_t)now->face_count, sizeof *now->oriented);
-  int roomy = now->boxes != NULL && (now->oriented != NULL) == (search->oriented != NULL);
-  if (!roomy || ct_box_tree_create(now->face_count, &now->tree, NULL) != CT_OK) {
-    ct_search_leave(now);
-    return CT_ERROR_MEMORY;
-  }
-  ct_search_box(now);
-  ct_search_refit(now);
-  *out = now;
+  ct_status status = ct_search_share(search, out);
+  if (status != CT_OK) return status;
+  ct_search_box(*out);
+  ct_search_refit(*out);
   return CT_OK;
 }
 

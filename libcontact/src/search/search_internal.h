@@ -27,8 +27,11 @@ struct ct_search {
 /* As ct_search_create, for surface number `body` of a host. The tree is not made yet. */
 ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, ct_error *error);
 
-/* CT_INVALID when one of the host's coordinates is not finite or beyond 1e70. */
-ct_status ct_search_check(const ct_search *search, const double *host, int body, ct_error *error);
+/* CT_INVALID when one of the coordinates of the surface's nodes is not finite or beyond 1e70. They
+ * stand in `x` at `nodes`, as the search numbers them in the host's arrays, or one after another
+ * where `nodes` is null. */
+ct_status ct_search_check(const ct_search *search, const int32_t *nodes, const double *x, int body,
+                          ct_error *error);
 
 /* Copy the host's coordinates, which are good. */
 void ct_search_place(ct_search *search, const double *host);
@@ -42,11 +45,22 @@ ct_status ct_search_set(ct_search *search, const double *host, int body, ct_erro
 /* Bring the tree up to date with the boxes. */
 void ct_search_refit(ct_search *search);
 
-/* A surface as it is now, with boxes and a tree of its own for these coordinates; all else belongs
- * to `search`, which is only read. So a call may search a surface that is const to it. Freed with
- * ct_search_leave. */
-ct_status ct_search_look(const ct_search *search, ct_search **now);
-void ct_search_leave(ct_search *now);
+/* A surface with coordinates, boxes and a tree of its own, which share the topology of `search`
+ * and begin where that stands; the tree is not made yet. Freed with ct_search_leave, before
+ * `search`. */
+ct_status ct_search_share(const ct_search *search, ct_search **out);
+void ct_search_leave(ct_search *shared);
+
+/* The same with boxes and tree for the coordinates, so that a call may search a surface that is
+ * const to it. */
+ct_status ct_search_look(const ct_search *search, ct_search **out);
+
+/* Parameters of the middle of a face. */
+static inline const double *ct_search_middle(const ct_search *search)
+{
+  static const double middle[2][2] = {{0.0, 0.0}, {1.0 / 3.0, 1.0 / 3.0}};
+  return middle[search->edges == 3];
+}
 
 /* Current coordinates of a face, as ct_project wants them. */
 void ct_search_face(const ct_search *search, int32_t face, ct_face *out);

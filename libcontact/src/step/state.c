@@ -7,8 +7,8 @@
 #include "../base/memory.h"
 #include "../base/stream.h"
 #include "../base/threads.h"
-#include "../constraint/solve.h"
 #include "../solid/sleep.h"
+#include "constraints.h"
 #include "effect_internal.h"
 #include "workspace.h"
 
@@ -105,7 +105,7 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
 static void workspace_free(const ct_problem *problem, ct_workspace *w)
 {
   if (w == NULL) return;
-  ct_solver_free(problem, w->solver);
+  ct_constraints_free(problem, w->constraints);
   for (int32_t k = 0; k < problem->effect_count; k++) {
     if (w->force != NULL) ct_release(w->force[k]);
     if (w->scratch != NULL && w->scratch[k] != NULL)
@@ -159,7 +159,7 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
   w->next_memory =
       ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
   if (!w->total || !w->force || !w->scratch || !w->next_memory ||
-      list_shared(problem, w) != CT_OK || ct_solver_create(problem, &w->solver) != CT_OK)
+      list_shared(problem, w) != CT_OK || ct_constraints_create(problem, &w->constraints) != CT_OK)
     return CT_ERROR_MEMORY;
   ct_scheme scheme = problem->integrator.scheme;
   if ((scheme == CT_NOH_BATHE || scheme == CT_TCHAMWA_WIELGOSZ) &&
@@ -264,8 +264,9 @@ static void step_back(const ct_problem *problem, ct_state *state)
 
 const uint64_t *ct_workspace_begun(const ct_state *state)
 {
-  return state->step > 0 || state->workspace->solver == NULL ? NULL
-                                                             : state->workspace->solver->begun;
+  return state->step > 0 || state->workspace->constraints == NULL
+             ? NULL
+             : state->workspace->constraints->begun;
 }
 
 /* The velocity whose product with a force is what the work up to t = 0 must be short of
@@ -473,10 +474,6 @@ static ct_status add_effect(const ct_problem *problem, ct_state *state, int32_t 
   ct_workspace *w = state->workspace;
   const ct_effect *effect = problem->effects[k];
   ct_view view = ct_workspace_view(problem, state, k);
-  if (effect->phase == CT_PHASE_CONSTRAINT) {
-    view.constraints = w->solver->list + w->solver->first[k];
-    view.constraint_count = w->solver->first[k + 1] - w->solver->first[k];
-  }
   double *force = k == 0 ? w->total : w->force[k],
          begin = problem->clock == NULL ? 0.0 : problem->clock();
   ct_status status = effect->force(effect, &view, force, error);
@@ -515,8 +512,8 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
   w->forces_at = -1;
   find_sleep(problem, state);
   for (int phase = CT_PHASE_STATE; phase < CT_PHASE_REACTION; phase++) {
-    ct_status status = phase == CT_PHASE_CONSTRAINT && w->solver != NULL
-                           ? ct_solver_solve(problem, state, error)
+    ct_status status = phase == CT_PHASE_CONSTRAINT && w->constraints != NULL
+                           ? ct_constraints_solve(problem, state, error)
                            : CT_OK;
     for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
       if ((int)problem->effects[k]->phase == phase) status = add_effect(problem, state, k, error);

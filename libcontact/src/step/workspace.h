@@ -26,7 +26,7 @@ typedef struct ct_workspace {
       *shared_work; /* v_{n-1/2} and the first effect's work there, before the step */
   double *past;     /* acceleration of the evaluation before, shape (node_count, 3), where the state
                        does not keep it; or null */
-  struct ct_solver *solver; /* of the constraints; null without any */
+  struct ct_constraints *constraints; /* null without any */
 } ct_workspace;
 
 /* A state of zeros without a workspace: all that a restart needs, to be copied into and from. It is

@@ -1,4 +1,4 @@
-/* No surface may pass through another one within a step. */
+/* Tunnelling: no surface may pass through another one within a step. */
 #include <libcontact/contact.h>
 
 #include "../base/error.h"
@@ -16,8 +16,7 @@ typedef struct skin {
 
 static int middle_of(const ct_search *search, int32_t face, double middle[3], double normal[3])
 {
-  static const double square[2] = {0.0, 0.0}, triangle[2] = {1.0 / 3.0, 1.0 / 3.0};
-  const double *xi = search->kind == CT_T3 || search->kind == CT_T6 ? triangle : square;
+  const double *xi = ct_search_middle(search);
   ct_face nodes;
   ct_search_face(search, face, &nodes);
   ct_segment_point(&nodes, xi, middle);
@@ -43,11 +42,11 @@ static double thickness(ct_search *search, double most)
   ct_search_refit(search);
   for (int32_t f = 0; f < search->face_count; f++) {
     skin s = {.search = search};
-    ct_nearest foot;
+    ct_nearest nearest;
     if (!middle_of(search, f, s.middle, s.normal)) continue;
     ct_search_point(search, s.middle, -1, thin * thin, ct_search_options_default().tolerance,
-                    is_no_far_side, &s, &foot);
-    if (foot.face >= 0) thin = fmin(thin, foot.distance);
+                    is_no_far_side, &s, &nearest);
+    if (nearest.face >= 0) thin = fmin(thin, nearest.distance);
   }
   return thin;
 }
@@ -56,7 +55,6 @@ static double thickness(ct_search *search, double most)
  * (eq:contact-near). */
 static double width_of(const ct_search *search, int32_t face)
 {
-  static const double middle[2][2] = {{0.0, 0.0}, {1.0 / 3.0, 1.0 / 3.0}};
   ct_face nodes;
   double longest = 0.0;
   ct_search_face(search, face, &nodes);
@@ -65,42 +63,43 @@ static double width_of(const ct_search *search, int32_t face)
     double along[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
     longest = fmax(longest, sqrt(ct_vector_dot(along, along)));
   }
-  double J = ct_segment_area_element(&nodes, middle[search->edges == 3]);
+  double J = ct_segment_area_element(&nodes, ct_search_middle(search));
   return (search->edges == 4 ? 4.0 : 1.0) * J / longest;
 }
 
-void ct_passage_init(ct_contact *contact)
+void ct_tunnelling_init(ct_contact_fixed *fixed)
 {
-  int given = contact->options.depth > 0.0;
+  int given = fixed->options.depth > 0.0;
   double sum = 0.0, count = 0.0;
-  contact->room = contact->depth;
-  for (int s = 0; s < contact->sides; s++) {
-    const ct_search *search = contact->side[s].search;
+  fixed->approach = fixed->depth;
+  for (int s = 0; s < fixed->sides; s++) {
+    const ct_search *search = fixed->side[s].search;
     for (int32_t f = 0; f < search->face_count; f++, count++) {
       double width = width_of(search, f);
-      if (!given) contact->room = fmin(contact->room, width);
+      if (!given) fixed->approach = fmin(fixed->approach, width);
       sum += log(width);
     }
   }
   // -- Three quarters of a body's thickness, if that is less (eq:contact-near, eq:passage)
-  for (int s = 0; s < contact->sides; s++)
-    contact->room =
-        fmin(contact->room, 0.75 * thickness(contact->side[s].search, contact->room / 0.75));
+  for (int s = 0; s < fixed->sides; s++)
+    fixed->approach =
+        fmin(fixed->approach, 0.75 * thickness(fixed->side[s].search, fixed->approach / 0.75));
   // Gaps that are closed at the start are seen until they have opened by as much again
   // (eq:initial-adjust).
-  contact->near = given ? contact->depth : fmax(contact->room, 2.0 * contact->options.adjust);
+  fixed->near = given ? fixed->depth : fmax(fixed->approach, 2.0 * fixed->options.adjust);
   // -- Half of a mean width, which a few faces that are much narrower or wider hardly change
   // (eq:skin-mean)
-  contact->skin = 0.5 * exp(sum / count);
+  fixed->skin = 0.5 * exp(sum / count);
 }
 
-/* Box of what `values` has at the nodes of a surface; `nodes` numbers them in `values`, or null. */
+/* Box of what `values` has at the nodes of a surface, at `nodes` or one after another where that is
+ * null. */
 static void box_of(const ct_search *search, const int32_t *nodes, const double *values,
                    ct_bounds *box)
 {
   for (int c = 0; c < 3; c++) box->low[c] = INFINITY, box->high[c] = -INFINITY;
   for (int32_t n = 0; n < search->node_count; n++) {
-    const double *v = &values[3 * (int64_t)(nodes != NULL ? nodes[search->nodes[n]] : n)];
+    const double *v = &values[3 * (int64_t)(nodes != NULL ? nodes[n] : n)];
     for (int c = 0; c < 3; c++) {
       box->low[c] = v[c] < box->low[c] ? v[c] : box->low[c];
       box->high[c] = v[c] > box->high[c] ? v[c] : box->high[c];
@@ -125,15 +124,14 @@ static double closest(const ct_bounds *a, const ct_bounds *b)
 }
 
 /* A face with the node that is farthest from what the other surface does on the mean. */
-static int32_t fastest(const ct_search *search, const int32_t *nodes, const double *velocity,
-                       const ct_bounds *other)
+static int32_t fastest(const ct_search *search, const double *velocity, const ct_bounds *other)
 {
   int32_t face = 0;
   double top = -1.0;
   for (int64_t i = 0; i < (int64_t)search->face_count * search->per; i++) {
     double v[3];
     for (int c = 0; c < 3; c++)
-      v[c] = velocity[3 * (int64_t)nodes[search->nodes[search->faces[i]]] + c] -
+      v[c] = velocity[3 * (int64_t)search->nodes[search->faces[i]] + c] -
              0.5 * (other->low[c] + other->high[c]);
     if (!(ct_vector_dot(v, v) > top)) continue;
     top = ct_vector_dot(v, v);
@@ -142,25 +140,25 @@ static int32_t fastest(const ct_search *search, const int32_t *nodes, const doub
   return face;
 }
 
-ct_status ct_passage_check(const ct_contact *contact, const int32_t *nodes, const double *velocity,
-                           double dt, double time, ct_error *error)
+ct_status ct_tunnelling_check(const ct_contact *contact, const double *velocity, double dt,
+                              double time, ct_error *error)
 {
+  const ct_contact_fixed *fixed = contact->fixed;
   ct_bounds speed[2], place[2];
-  const ct_search *search[2] = {contact->side[0].search, contact->side[contact->sides - 1].search};
-  for (int s = 0; s < 2; s++) box_of(search[s], nodes, velocity, &speed[s]);
-  double way = dt * farthest(&speed[0], &speed[1]);
-  if (!(way > contact->room)) return CT_OK;
+  const ct_search *search[2] = {contact->side[0].search, contact->side[fixed->sides - 1].search};
+  for (int s = 0; s < 2; s++) box_of(search[s], search[s]->nodes, velocity, &speed[s]);
+  double nearer = dt * farthest(&speed[0], &speed[1]);
+  if (!(nearer > fixed->approach)) return CT_OK;
   // -- Where the surfaces are farther apart than that, no harm is done
   for (int s = 0; s < 2; s++) box_of(search[s], NULL, search[s]->x, &place[s]);
-  if (closest(&place[0], &place[1]) > way + contact->depth) return CT_OK;
-  int32_t face[2] = {fastest(search[0], nodes, velocity, &speed[1]),
-                     fastest(search[1], nodes, velocity, &speed[0])};
+  if (closest(&place[0], &place[1]) > nearer + fixed->depth) return CT_OK;
+  int32_t face[2] = {fastest(search[0], velocity, &speed[1]),
+                     fastest(search[1], velocity, &speed[0])};
   return ct_fail(
       error, CT_ERROR_STEP,
-      (ct_place){-1, -1,
-                 nodes[search[0]->nodes[search[0]->faces[(int64_t)face[0] * search[0]->per]]]},
+      (ct_place){-1, -1, search[0]->nodes[search[0]->faces[(int64_t)face[0] * search[0]->per]]},
       "contact: in the step to t = %g its surfaces (face %d of the first, %d of the second) may "
       "have come nearer by %g and passed through each other; "
       "not more than %g is safe. Take a smaller step",
-      time, (int)face[0], (int)face[1], way, contact->room);
+      time, (int)face[0], (int)face[1], nearer, fixed->approach);
 }

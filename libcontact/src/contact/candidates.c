@@ -1,0 +1,177 @@
+/* Which faces of the other surface may come near a face: lists with a skin. */
+#include "../base/error.h"
+#include "../base/memory.h"
+#include "../base/vector.h"
+#include "contact_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Largest motion of a node since the last build of the candidate lists. */
+static double motion(const ct_side *side)
+{
+  double top = 0.0;
+  for (int64_t n = 0; n < side->search->node_count; n++) {
+    double d[3];
+    for (int c = 0; c < 3; c++) d[c] = side->search->x[3 * n + c] - side->x_built[3 * n + c];
+    double square = ct_vector_dot(d, d);
+    if (square > top) top = square;
+  }
+  return sqrt(top);
+}
+
+/* Leave out of a list of faces those that share a node with `face`, itself among them; answers how
+ * many stay (eq:self-adjacent). */
+static int32_t drop_adjacent(const ct_side *side, int32_t face, int32_t *list, int32_t count)
+{
+  int32_t kept = 0;
+  for (int32_t i = 0; i < count; i++)
+    if (!ct_search_adjacent(side->search, face, list[i])) list[kept++] = list[i];
+  return kept;
+}
+
+static ct_bounds grown(const ct_bounds *box, double reach)
+{
+  ct_bounds larger = *box;
+  for (int c = 0; c < 3; c++) {
+    larger.low[c] -= reach;
+    larger.high[c] += reach;
+  }
+  return larger;
+}
+
+/* List for each face of `side` the faces of `other` within the distance to which its list is to be
+ * complete, and the skin. */
+static ct_status list_candidates(ct_side *side, const ct_side *other, double skin, ct_error *error)
+{
+  int32_t count = 0;
+  for (int32_t f = 0; f < side->search->face_count; f++) {
+    ct_bounds box = grown(&side->search->boxes[f], side->listed[f] + skin);
+    side->candidate_first[f] = count;
+    int32_t found = ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box,
+                                         side->candidates + count, side->candidate_room - count);
+    if (found > side->candidate_room - count) {
+      int32_t room = 2 * (count + found) + 8 * side->search->face_count;
+      int32_t *larger = ct_allocate((size_t)room, sizeof *larger);
+      if (larger == NULL)
+        return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for contact candidates");
+      if (count > 0) memcpy(larger, side->candidates, (size_t)count * sizeof *larger);
+      ct_release(side->candidates);
+      side->candidates = larger;
+      side->candidate_room = room;
+      f--; // once more, with room
+      continue;
+    }
+    count += side == other ? drop_adjacent(side, f, side->candidates + count, found) : found;
+  }
+  side->candidate_first[side->search->face_count] = count;
+  return CT_OK;
+}
+
+/* Whether the box of some face of `side` comes within `reach` of one of `other`; faces that share a
+ * node do not count. */
+static int anything_within(const ct_side *side, const ct_side *other, double reach)
+{
+  enum { ROOM = 64 };
+  int32_t list[ROOM];
+  for (int32_t f = 0; f < side->search->face_count; f++) {
+    ct_bounds box = grown(&side->search->boxes[f], reach);
+    int32_t found =
+        ct_box_tree_overlaps(other->search->tree, other->search->boxes, &box, list, ROOM);
+    if (found > ROOM || (side == other ? drop_adjacent(side, f, list, found) : found) > 0) return 1;
+  }
+  return 0;
+}
+
+/* Find how far the surfaces are from touching: what is free beyond the depth, twice the skin, four
+ * times, ... while nothing is there. */
+static void measure_clear(ct_contact *contact)
+{
+  enum { DOUBLINGS = 40 };
+  const ct_side *a = &contact->side[0], *b = &contact->side[contact->fixed->sides - 1];
+  contact->clear = 0.0;
+  if (!contact->fixed->options.distant ||
+      a->candidate_first[a->search->face_count] + b->candidate_first[b->search->face_count] > 0)
+    return;
+  contact->clear = contact->fixed->skin;
+  for (int i = 0;
+       i < DOUBLINGS && !anything_within(a, b, contact->fixed->near + 2.0 * contact->clear); i++)
+    contact->clear *= 2.0;
+}
+
+/* Whether a point was in contact in the last update: however deep it is, it is not given up
+ * (eq:held). */
+static int holds(const ct_side *side)
+{
+  for (int64_t i = 0; i < side->fixed->point_count; i++)
+    if (side->points[i].status == CT_POINT_INSIDE) return 1;
+  return 0;
+}
+
+/* Whether no point is in contact or can have come into the depth of a face since the lists were
+ * made: the box of a linear face moves at most as far as its nodes, that of a quadratic one seven
+ * times as far (eq:contact-clear). */
+int ct_contact_is_distant(const ct_contact *contact)
+{
+  if (!contact->built || !contact->begun || contact->clear == 0.0) return 0;
+  const ct_side *a = &contact->side[0], *b = &contact->side[contact->fixed->sides - 1];
+  double part =
+      a->search->per > a->search->edges || b->search->per > b->search->edges ? 0.125 : 0.9;
+  return motion(a) + motion(b) <= part * contact->clear && !holds(a) && !holds(b);
+}
+
+/* How deep a point was that was in contact in the last update, else 0. */
+static double depth_of(const ct_point *point)
+{
+  return point->status == CT_POINT_INSIDE ? -point->known : 0.0;
+}
+
+/* Whether the lists reach as deep as every point that was in contact in the last update can have
+ * come since, a step of `near` deeper (eq:passage). */
+static int reaches_deepest(const ct_side *side, double near)
+{
+  for (int64_t i = 0; i < side->fixed->point_count; i++)
+    if (depth_of(&side->points[i]) > 0.0 &&
+        depth_of(&side->points[i]) + near > side->listed[i / side->fixed->rule.count])
+      return 0;
+  return 1;
+}
+
+/* How far the list of each face has to reach: as far as points look, and deeper than its own points
+ * in contact can come soon. */
+static void set_reach(ct_side *side, double depth, double near)
+{
+  for (int32_t f = 0; f < side->search->face_count; f++) side->listed[f] = depth;
+  for (int64_t i = 0; i < side->fixed->point_count; i++) {
+    double *listed = &side->listed[i / side->fixed->rule.count], deep = depth_of(&side->points[i]);
+    if (deep > 0.0) *listed = fmax(*listed, 1.5 * (deep + near));
+  }
+}
+
+double ct_contact_reach(const ct_contact *contact)
+{
+  return contact->start || (!contact->begun && contact->fixed->sides == 2) ? contact->fixed->depth
+                                                                           : contact->fixed->near;
+}
+
+/* Refit trees and list candidates when the surfaces have moved by a part of the skin (eq:skin). */
+ct_status ct_contact_list_candidates(ct_contact *contact, ct_error *error)
+{
+  ct_side *a = &contact->side[0], *b = &contact->side[contact->fixed->sides - 1];
+  if (contact->built && contact->begun && reaches_deepest(a, contact->fixed->near) &&
+      reaches_deepest(b, contact->fixed->near) &&
+      motion(a) + motion(b) <= 0.25 * contact->fixed->skin)
+    return CT_OK;
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    ct_side *side = &contact->side[s];
+    ct_search_refit(side->search);
+    memcpy(side->x_built, side->search->x,
+           3 * (size_t)side->search->node_count * sizeof *side->search->x);
+    set_reach(side, ct_contact_reach(contact), contact->fixed->near);
+  }
+  ct_status status = list_candidates(a, b, contact->fixed->skin, error);
+  if (status == CT_OK && a != b) status = list_candidates(b, a, contact->fixed->skin, error);
+  contact->built = status == CT_OK && contact->begun && !contact->start;
+  if (contact->built) measure_clear(contact);
+  return status;
+}

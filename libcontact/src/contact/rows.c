@@ -1,0 +1,195 @@
+/* Points of a surface as rows of the constraint problem, and their forces at the nodes. */
+#include "side.h"
+
+#include <libcontact/base.h>
+
+#include "../constraint/law.h"
+#include "../base/error.h"
+#include "../base/lanes.h"
+#include "../base/stream.h"
+#include "../base/vector.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Whether the row of a point is listed: a force λ of it puts λ N n on the point's own face and -λ N̄
+ * n on the other (eq:constraint-force). */
+static int list_point(const ct_side *side, const ct_side *other, double reach,
+                      const double moved[3], ct_point *point)
+{
+  ct_constraint *row = &point->row;
+  if ((other != NULL && point->other < 0) || !(row->gap <= reach) ||
+      !ct_side_direction(side, point, row->normal))
+    return 0;
+  if (other != NULL) {
+    row->other_count = other->search->per;
+    row->other = ct_side_row_nodes(other->fixed, point->other);
+  }
+  row->moved = -ct_vector_dot(row->normal, moved) - point->closing;
+  return 1;
+}
+
+int64_t ct_side_list_rows(ct_side *side, const ct_side *other, double reach, const double moved[3],
+                          ct_constraint **rows)
+{
+  int64_t count = 0;
+  for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
+    p->listed = list_point(side, other, reach, moved, p);
+    if (p->listed) rows[count++] = &p->row;
+    else p->row.force = 0.0;
+  }
+  return count;
+}
+
+void ct_side_take_rows(ct_side *side)
+{
+  for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++)
+    for (int c = 0; c < 3; c++) p->force[c] = p->listed ? p->row.force * p->row.normal[c] : 0.0;
+}
+
+void ct_side_apply_penalty(ct_side *side)
+{
+  for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
+    double n[3], k = p->row.stiffness;
+    // -- Force of the point, k d where it is inside (eq:contact-force, eq:obstacle-force)
+    int inside = p->other >= 0 && p->row.gap < 0.0,
+        counted = inside && p->shift != 0.0 && ct_side_direction(side, p, n);
+    for (int c = 0; c < 3; c++)
+      p->force[c] = counted                     ? -k * p->row.gap * n[c]
+                    : inside && p->shift == 0.0 ? k * p->d[c]
+                                                : 0.0;
+  }
+}
+
+double ct_side_potential(const ct_side *sides, int count)
+{
+  ct_stream sum = {0};
+  // -- Π = Σ ½ · ½ ε g² w J over the points inside, = ½ force · d; with a start gap -½ |force| g
+  // (eq:contact-potential, eq:obstacle-potential)
+  while (ct_stream_again(&sum, 1))
+    for (int s = 0; s < count; s++)
+      for (const ct_point *p = sides[s].points; p < sides[s].points + sides[s].fixed->point_count;
+           p++) {
+        const double *f = p->force, term = p->shift == 0.0
+                                               ? 0.5 * ct_vector_dot(f, p->d)
+                                               : -0.5 * sqrt(ct_vector_dot(f, f)) * p->row.gap;
+        ct_stream_add(&sum, &term, 1);
+      }
+  return ct_stream_sum(&sum);
+}
+
+/* Σ of one part of the energy over all listed rows. */
+static double sum_energy(const ct_side *sides, int count, double (*part)(const ct_constraint *row),
+                         double *terms)
+{
+  int64_t some = 0;
+  for (int s = 0; s < count; s++)
+    for (int64_t i = 0; i < sides[s].fixed->point_count; i++) {
+      if (!sides[s].points[i].listed) continue;
+      terms[some] = part(&sides[s].points[i].row);
+      some += terms[some] != 0.0;
+    }
+  return ct_sum(terms, some);
+}
+
+double ct_side_rows_energy(const ct_side *sides, int count, double time, double before,
+                           double *after, double *terms)
+{
+  *after = sum_energy(sides, count, ct_law_stored, terms);
+  if (time == 0.0) return sum_energy(sides, count, ct_law_start, terms);
+  // -- What was stored in the step before belongs to the partners of then, so it is not computed
+  // again (eq:controlled-energy)
+  return 0.5 * (before + *after) + sum_energy(sides, count, ct_law_lag, terms);
+}
+
+/* Sums at the nodes of one face, before they come to those of the surface: three components a node.
+ */
+typedef struct heap {
+  int32_t face; /* -1: nothing is in it */
+  double coarse[24], fine[24];
+} heap;
+
+/* Bring what a heap holds to the nodes of its face, and begin with another face. These are inlined
+ * with `per` known, 4 or as many as there may be. */
+CT_INLINE void bring(int per, ct_side *side, heap *sums, int32_t next)
+{
+  const ct_search *search = side->search;
+  for (int a = 0; sums->face >= 0 && a < search->per; a++) {
+    int64_t node = 3 * (int64_t)search->faces[(int64_t)sums->face * search->per + a];
+    for (int c = 0; c < 3; c++) {
+      side->force[node + c] += sums->coarse[3 * a + c];
+      side->force_fine[node + c] += sums->fine[3 * a + c];
+    }
+  }
+  sums->face = next;
+  for (int i = 0; i < 3 * per; i++) sums->coarse[i] = sums->fine[i] = 0.0;
+}
+
+/* Add a force at a point of `face` to its heap. The grid makes all sums exact, so it does not
+ * matter that they are made by parts. */
+CT_INLINE void push(int per, const ct_grid *grid, ct_side *side, int32_t face, const double N[8],
+                    const double force[3], heap *sums)
+{
+  double x[24];
+  if (face != sums->face) bring(per, side, sums, face);
+  for (int a = 0; a < per; a++)
+    for (int c = 0; c < 3; c++) x[3 * a + c] = N[a] * force[c];
+#pragma omp simd
+  for (int i = 0; i < 3 * per; i++) ct_grid_add(grid, x[i], &sums->coarse[i], &sums->fine[i]);
+}
+
+CT_INLINE void spread_faces(int per, const ct_grid *grid, ct_side *side, ct_side *other)
+{
+  heap own = {.face = -1}, theirs = {.face = -1};
+  const ct_point *point = side->points;
+  for (int32_t face = 0; face < side->search->face_count; face++)
+    for (int q = 0; q < side->fixed->rule.count; q++, point++) {
+      if (!ct_point_has_force(point)) continue;
+      const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
+      push(per, grid, side, face, side->fixed->N[q], point->force, &own);
+      if (other != NULL) push(per, grid, other, point->other, point->N, back, &theirs);
+    }
+  bring(per, side, &own, -1);
+  if (other != NULL) bring(per, other, &theirs, -1);
+}
+
+/* Add the forces of one side's points to its nodes and, unless it is null, to those of the other
+ * side, in sums that do not depend on their order (eq:contact-force). */
+CT_CLONES
+static void spread(const ct_grid *grid, ct_side *side, ct_side *other)
+{
+  if (side->search->per <= 4 && (other == NULL || other->search->per <= 4))
+    spread_faces(4, grid, side, other);
+  else spread_faces(8, grid, side, other);
+}
+
+static double largest_force(const ct_side *side)
+{
+  double top = 0.0;
+  for (int64_t i = 0; i < side->fixed->point_count; i++)
+    for (int c = 0; c < 3; c++) {
+      double size = fabs(side->points[i].force[c]);
+      if (size > top) top = size;
+    }
+  return top;
+}
+
+ct_status ct_side_collect(ct_side *sides, int count, int rigid, ct_error *error)
+{
+  ct_grid grid;
+  double top = 0.0;
+  int64_t points = 0;
+  for (int s = 0; s < count; s++) {
+    points += sides[s].fixed->point_count;
+    top = fmax(top, largest_force(&sides[s]));
+    size_t size = 3 * (size_t)sides[s].search->node_count * sizeof(double);
+    memset(sides[s].force, 0, size);
+    memset(sides[s].force_fine, 0, size);
+  }
+  if (top == 0.0) return CT_OK;
+  // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
+  if (!ct_grid_init(&grid, 2.0 * top, (rigid ? 8 : 16) * points))
+    return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "a contact force of %g", top);
+  for (int s = 0; s < count; s++) spread(&grid, &sides[s], rigid ? NULL : &sides[count - 1 - s]);
+  return CT_OK;
+}

@@ -1,0 +1,145 @@
+/* Surfaces that overlap or gape at the start: gaps count from where they begin. */
+#include <libcontact/base.h>
+
+#include "../base/error.h"
+#include "../base/vector.h"
+#include "contact_internal.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Cosine of the largest angle between the normals of two surfaces that face each other, and between
+ * these and the gap. */
+static const double FACING = 0.70710678118654752;
+
+static int keeps(const ct_contact_options *options)
+{
+  return options->initial_penetration == CT_INITIAL_KEEP ||
+         options->initial_penetration == CT_INITIAL_REMOVE;
+}
+
+int ct_start_gap_counts(const ct_contact_options *options)
+{
+  return keeps(options) || options->adjust != 0.0;
+}
+
+/* Fraction of the start gaps that is left at a time (eq:initial-fade). */
+static double left(const ct_contact_options *options, double time)
+{
+  if (!ct_start_gap_fades(options) || time <= 0.0) return 1.0;
+  return time < options->removal_time
+             ? 0.5 * (1.0 + cos(3.14159265358979323846 * time / options->removal_time))
+             : 0.0;
+}
+
+ct_status ct_start_gap_refuse(const ct_contact *contact, ct_error *error)
+{
+  ct_penetration found;
+  ct_status status = ct_contact_penetration(contact, CT_AT_POINTS, &found);
+  if (status != CT_OK ||
+      (found.buried == 0 && found.deepest <= fmax(found.touching, contact->fixed->options.adjust)))
+    return status;
+  return ct_fail(error, CT_ERROR_GEOMETRY, CT_NOWHERE,
+                 "contact: %ld points of its surfaces are inside at the start, the deepest by %g "
+                 "at (%g, %g, %g), face %d of the %s surface; %ld are deeper than the depth %g",
+                 (long)found.inside, found.deepest, found.position[0], found.position[1],
+                 found.position[2], (int)found.face, found.side == 1 ? "second" : "first",
+                 (long)found.buried, contact->fixed->depth);
+}
+
+/* Whether a point outside and the face over it look at each other along the gap
+ * (eq:initial-facing). */
+static int is_facing(const ct_side *side, int64_t i)
+{
+  const ct_point *point = &side->points[i];
+  const double *n = point->outward, *d = point->d;
+  double own[3];
+  ct_side_area(side, i, own);
+  double least = FACING * sqrt(ct_vector_dot(own, own));
+  return -ct_vector_dot(own, n) >= least * sqrt(ct_vector_dot(n, n)) &&
+         ct_vector_dot(own, d) >= least * sqrt(ct_vector_dot(d, d));
+}
+
+/* How far the distance of a point that rests is off from one step to the next, as its closest point
+ * comes from another iteration. */
+static double unsure(const ct_side *side) { return 16.0 * DBL_EPSILON * side->search->size; }
+
+/* Distance of a point that touches, along the normal: the error of its closest point is across. */
+static double touching_gap(const ct_side *side, const ct_point *point)
+{
+  double length = sqrt(ct_vector_dot(point->outward, point->outward));
+  if (fabs(point->row.gap) > CT_CLOSEST_POINT_ERROR * side->search->size || !(length > 0.0))
+    return point->row.gap;
+  return -ct_vector_dot(point->d, point->outward) / length;
+}
+
+/* Start gap of a point over another face, from its distance on the undeformed shape
+ * (eq:initial-adjust). */
+static double first_gap(const ct_contact_options *options, double rounding, const ct_side *side,
+                        int64_t i)
+{
+  double gap = touching_gap(side, &side->points[i]);
+  if (fabs(gap) <= rounding) return gap;
+  if (fabs(gap) > options->adjust) return gap < 0.0 && keeps(options) ? gap : 0.0;
+  return gap < 0.0 || is_facing(side, i) ? gap : 0.0;
+}
+
+/* Start gap of a point after the first step: it changes only where the point has no force and no
+ * energy, open in this step and the one before (eq:initial-release). */
+static double later_gap(const ct_contact_options *options, const ct_side *side, double s,
+                        double last, double gap, double share)
+{
+  double open = fmin(gap, last) - options->adjust;
+  if (s == 0.0 || !(open > s * share + unsure(side))) return s;
+  return s < 0.0 ? fmin(open, 0.0) / share : 0.0;
+}
+
+void ct_start_gap_begin(ct_contact *contact)
+{
+  double rounding = ct_contact_rounding(contact);
+  for (int s = 0; s < contact->fixed->sides; s++)
+    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++) {
+      ct_point *point = &contact->side[s].points[i];
+      point->start = point->other < 0
+                         ? 0.0
+                         : first_gap(&contact->fixed->options, rounding, &contact->side[s], i);
+    }
+}
+
+void ct_start_gap_shift(ct_contact *contact, double time, double dt, const double *memory)
+{
+  const ct_contact_options *options = &contact->fixed->options;
+  double share = left(options, time), next_share = left(options, time + dt);
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    const ct_side *side = &contact->side[s];
+    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
+      if (p->other < 0 || !(share > 0.0)) p->start = 0.0;
+      else if (memory != NULL)
+        p->start =
+            later_gap(options, side, p->start, ct_record_load(memory).known, p->row.gap, share);
+      if (memory != NULL) memory += CT_RECORD;
+      p->shift = p->start * share;
+      p->closing = p->start * (next_share - share);
+      // -- The gap of a point counts from its start gap; at rest it is 0 (eq:initial-shift)
+      p->row.gap -= p->shift;
+      if (fabs(p->row.gap) <= unsure(side)) p->row.gap = 0.0;
+    }
+  }
+}
+
+double ct_start_gap_work(ct_contact *contact, double time, double last, const double *memory)
+{
+  const ct_contact_options *options = &contact->fixed->options;
+  double change = left(options, time) - left(options, last);
+  int64_t count = 0;
+  for (int s = 0; s < contact->fixed->sides; s++)
+    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++, memory += CT_RECORD) {
+      const double *f = contact->side[s].points[i].force;
+      const ct_point_record before = ct_record_load(memory);
+      // -- Work of the start gap that fades (eq:initial-work)
+      contact->terms[count++] =
+          0.5 * (before.pressed + sqrt(ct_vector_dot(f, f))) * (before.start * change);
+    }
+  return ct_sum(contact->terms, count);
+}

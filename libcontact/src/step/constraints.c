@@ -1,0 +1,174 @@
+/* The constraints of a step: listed by their effects, solved together. */
+#include "constraints.h"
+
+#include "../base/bits.h"
+#include "../constraint/law.h"
+#include "../base/error.h"
+#include "../base/memory.h"
+#include "workspace.h"
+
+#include <math.h>
+#include <string.h>
+
+void ct_constraints_free(const ct_problem *problem, ct_constraints *c)
+{
+  if (c == NULL) return;
+  ct_solver_free(c->solver);
+  for (int32_t k = 0; c->place != NULL && k < problem->effect_count; k++) ct_release(c->place[k]);
+  ct_release(c->place);
+  ct_release(c->increment);
+  ct_release(c->begun);
+  ct_release(c);
+}
+
+/* Whether an effect prescribes the motion of some degrees of freedom. */
+static int has_increment(const ct_effect *effect)
+{
+  return effect->constraints != NULL && effect->constraints->increment != NULL;
+}
+
+/* Where the nodes of effects that prescribe motion stand among the solver's. */
+static ct_status find_places(const ct_problem *problem, const int32_t *number, ct_constraints *c)
+{
+  int32_t longest = 0;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (!has_increment(effect)) continue;
+    if (effect->node_count > longest) longest = effect->node_count;
+    c->place[k] = ct_allocate((size_t)effect->node_count, sizeof *c->place[k]);
+    if (c->place[k] == NULL) return CT_ERROR_MEMORY;
+    for (int32_t i = 0; i < effect->node_count; i++)
+      c->place[k][i] = number[ct_effect_node(effect, i)];
+  }
+  if (longest > 0) c->increment = ct_allocate((size_t)longest, 3 * sizeof *c->increment);
+  return longest == 0 || c->increment != NULL ? CT_OK : CT_ERROR_MEMORY;
+}
+
+ct_status ct_constraints_create(const ct_problem *problem, ct_constraints **out)
+{
+  size_t effects = (size_t)problem->effect_count;
+  ct_row_set *sets = ct_allocate(effects, sizeof *sets);
+  int32_t count = 0, *number = NULL;
+  if (sets == NULL) return CT_ERROR_MEMORY;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (effect->phase == CT_PHASE_CONSTRAINT)
+      sets[count++] = (ct_row_set){effect->constraint_count, effect->node_count, effect->nodes};
+  }
+  ct_status status = CT_OK;
+  if (count > 0) {
+    ct_constraints *c = *out = ct_allocate(1, sizeof *c);
+    number = ct_allocate((size_t)problem->node_count, sizeof *number);
+    status = CT_ERROR_MEMORY;
+    if (c != NULL && number != NULL &&
+        (c->place = ct_allocate(effects, sizeof *c->place)) != NULL &&
+        (c->begun = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *c->begun)) !=
+            NULL)
+      status = ct_solver_create(sets, count, problem->node_count, number, &c->solver);
+    if (status == CT_OK) status = find_places(problem, number, c);
+  }
+  ct_release(number);
+  ct_release(sets);
+  return status;
+}
+
+/* Let every effect list the rows that may be active. */
+static ct_status list_rows(const ct_problem *problem, ct_state *state, ct_solver *s,
+                           ct_error *error)
+{
+  int32_t set = 0;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    int64_t count = 0;
+    if (effect->phase != CT_PHASE_CONSTRAINT) continue;
+    ct_view view = ct_workspace_view(problem, state, k);
+    double begin = problem->clock == NULL ? 0.0 : problem->clock();
+    ct_status status =
+        effect->constraints->list(effect, &view, s->rows + s->first[set], &count, error);
+    if (status != CT_OK) return status;
+    if (problem->clock != NULL) state->effect_seconds[k] += problem->clock() - begin;
+    s->first[set + 1] = s->first[set] + count;
+    set++;
+  }
+  return CT_OK;
+}
+
+/* Displacement increment of each node until t_{n+1} without the constraints, how far a force moves
+ * it, and its increment since t_{n-1} (eq:constraint-problem). */
+static void predict(const ct_problem *problem, const ct_state *state, ct_solver *s)
+{
+  // The last evaluation was in the other stage, where there are two.
+  ct_stage stages[2];
+  int count = ct_integrator_stages(&problem->integrator, stages);
+  double before = stages[count - 1 - state->workspace->stage].drift * problem->dt;
+  ct_integrator_predict(problem, state, s->node_count, s->nodes, CT_SOLVER_WIDE, s->increment,
+                        s->mobility);
+  for (int32_t i = 0; i < s->node_count; i++)
+    for (int64_t c = 0; c < 3; c++)
+      s->past[CT_SOLVER_WIDE * (int64_t)i + c] =
+          before * state->velocity[3 * (int64_t)s->nodes[i] + c];
+}
+
+/* Degrees of freedom whose motion is prescribed: no force moves them. */
+static ct_status prescribe(const ct_problem *problem, const ct_state *state, ct_error *error)
+{
+  ct_constraints *c = state->workspace->constraints;
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    if (!has_increment(effect)) continue;
+    ct_view view = ct_workspace_view(problem, state, k);
+    ct_status status = effect->constraints->increment(effect, &view, c->increment, error);
+    if (status != CT_OK) return status;
+    for (int64_t d = 0; d < 3 * (int64_t)effect->node_count; d++) {
+      int64_t place = c->place[k][d / 3], dof = CT_SOLVER_WIDE * place + d % 3;
+      if (place < 0 || isnan(c->increment[d])) continue;
+      c->solver->increment[dof] = c->increment[d];
+      c->solver->mobility[dof] = 0.0;
+    }
+  }
+  return CT_OK;
+}
+
+/* Mark the nodes on which forces begin at t = 0 (eq:energy-start). */
+static void mark_start(const ct_solver *s, uint64_t *begun)
+{
+  for (int32_t k = 0; k < s->set_count; k++)
+    for (int64_t r = s->first_active[k]; r < s->first_active[k + 1]; r++) {
+      const ct_constraint *c = s->active[r];
+      const int32_t *node = &s->nodes[s->first_node[k]];
+      if (!(c->force > 0.0) || !ct_law_begins(c)) continue;
+      for (int32_t a = 0; a < c->own_count; a++)
+        ct_bits_put(begun, node[c->own[a]], node[c->own[a]] + 1, 1);
+      for (int32_t a = 0; a < c->other_count; a++)
+        ct_bits_put(begun, node[c->other[a]], node[c->other[a]] + 1, 1);
+    }
+}
+
+ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_error *error)
+{
+  ct_constraints *c = state->workspace->constraints;
+  ct_solver *s = c->solver;
+  ct_status status = list_rows(problem, state, s, error);
+  if (state->step == 0)
+    memset(c->begun, 0, (size_t)ct_bits_words(problem->node_count) * sizeof *c->begun);
+  int64_t rows = s->first[s->set_count];
+  if (status != CT_OK || rows == 0) return status;
+  double begin = problem->clock == NULL ? 0.0 : problem->clock();
+  predict(problem, state, s);
+  status = prescribe(problem, state, error);
+  if (status != CT_OK) return status;
+  if (!ct_solver_solve(s))
+    return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE,
+                   "the contact forces stopped being finite at t = %g", state->time);
+  if (state->step == 0) mark_start(s, c->begun);
+  state->unsettled += !s->converged;
+  state->constraint_rounds += s->iterations * s->count;
+  // Each effect pays for its rows.
+  for (int32_t k = 0, set = 0; problem->clock != NULL && k < problem->effect_count; k++)
+    if (problem->effects[k]->phase == CT_PHASE_CONSTRAINT) {
+      double share = (double)(s->first[set + 1] - s->first[set]) / (double)rows;
+      state->effect_seconds[k] += (problem->clock() - begin) * share;
+      set++;
+    }
+  return CT_OK;
+}

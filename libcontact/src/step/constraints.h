@@ -1,0 +1,26 @@
+#ifndef CT_SRC_CONSTRAINTS_H
+#define CT_SRC_CONSTRAINTS_H
+
+#include <libcontact/step.h>
+
+#include "../constraint/solve.h"
+
+/* The constraints of a problem in a state: how the step fills the solver and reads it. */
+typedef struct ct_constraints {
+  ct_solver *solver;
+  int32_t **place;   /* of each effect that prescribes motion: its nodes' places among the solver's,
+                        or -1 */
+  double *increment; /* prescribed by one effect; null when none does */
+  uint64_t *begun;   /* a bit a node of the problem: a force of a constraint begins there at t = 0
+                        (eq:energy-start) */
+} ct_constraints;
+
+/* `*out` stays null when no effect has constraints. To be freed also when this fails. */
+ct_status ct_constraints_create(const ct_problem *problem, ct_constraints **out);
+void ct_constraints_free(const ct_problem *problem, ct_constraints *constraints);
+
+/* List the constraints of all effects and find their forces, given the sum of all other forces
+ * (eq:constraint-problem). */
+ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_error *error);
+
+#endif
