@@ -423,7 +423,9 @@ class ContactKeys(Pressing):
     depth: float | None = key(POSITIVE, unit="length", default=None, says="see text")
     points: str = key(Choice(POINTS), default=word(POINTS, CONTACT.points))
     adjust: float = key(FORWARD, unit="length", default=CONTACT.adjust)
-    initial_penetration: str = key(Choice(INITIAL), default=word(INITIAL, CONTACT.initial_penetration))
+    initial_penetration: str = key(
+        Choice(INITIAL), default=word(INITIAL, CONTACT.initial_penetration)
+    )
     removal_time: float | None = key(POSITIVE, unit="time", default=None, says="none")
 
     def refusals(self) -> Iterator[tuple[str, str]]:

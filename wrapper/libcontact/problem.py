@@ -35,7 +35,7 @@ MOST_STEPS = 10**12
 NO_FACES = "has no faces: no outer face of the body lies in that plane"
 # Bytes of a contact for each of its points: the point itself, its memory, its share of the faces and their search. Of an integrator for
 # each node: accelerations before.
-POINT_BYTES = 440
+POINT_BYTES = 680
 CARRIED = {lib.CT_CHUNG_LEE: 48, lib.CT_NOH_BATHE: 24, lib.CT_TCHAMWA_WIELGOSZ: 24}
 # Shorter rows are numbered along x: many short pieces cost more than whole layers save.
 SHORTEST_ROW = 32
