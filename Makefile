@@ -110,8 +110,8 @@ $(BUILD)/lib/libcontact.so: $(CORE_OBJECTS)
 	@mkdir -p $(@D)
 	$(Q)$(CC) -shared $(OPENMP) -Wl,-soname,libcontact.so.$(SONAME) -o $@ $^ -lm
 	$(Q)ln -sf libcontact.so $(BUILD)/lib/libcontact.so.$(SONAME)
-# An add-on sees the core through its public calls and finds it beside itself; the few private helpers it needs come along, hidden.
-HELPERS := $(BUILD)/obj/base/error.o $(BUILD)/obj/base/memory.o
+# An add-on sees the core through its public calls and finds it beside itself; the private helper it needs comes along, hidden.
+HELPERS := $(BUILD)/obj/base/error.o
 $(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontact.so $(HELPERS)
 	$(Q)$(CC) -shared -Wl,--no-undefined -Wl,-rpath,'$$ORIGIN' -Wl,-soname,libcontact-$*.so.$(SONAME) -o $@ -Wl,--whole-archive $< -Wl,--no-whole-archive \
 	  $(HELPERS) -L$(BUILD)/lib -lcontact $(if $(filter gsl,$*),$(GSL_LIBS),$(HDF5_LIBS)) -lm

@@ -319,6 +319,20 @@ def test_static_libraries_define_ct_only(library):
 @pytest.mark.skipif(
     shutil.which("nm") is None or not LIBRARIES.is_dir(), reason="no nm or no built libraries"
 )
+def test_all_memory_of_the_core_goes_through_one_source():
+    """Where a host may give its own allocator; other objects of the core call nothing of malloc's."""
+    callers, member = set(), ""
+    for line in nm("-u", str(LIBRARIES / "libcontact.a")).splitlines():
+        if line.endswith(".o:"):
+            member = line.rstrip(":")
+        elif re.search(r" (\w*alloc|free|posix_memalign|strn?dup)$", line):
+            callers.add(member)
+    assert callers == {"memory.o"}
+
+
+@pytest.mark.skipif(
+    shutil.which("nm") is None or not LIBRARIES.is_dir(), reason="no nm or no built libraries"
+)
 def test_either_all_kernels_or_none_are_compiled_for_several_machines():
     """A source that meets lanes.h before any header of libc would lose its fast versions without a word."""
     names = {

@@ -95,6 +95,28 @@ typedef struct ct_error {
 /** A short name for a status, for example ``"inverted or collapsed element"``; never null. */
 CT_API const char *ct_status_name(ct_status status);
 
+/**
+ * Where the memory of the library comes from: two functions of the host and what they need. Both
+ * may be called from several threads at once if the host calls the library from several threads.
+ */
+typedef struct ct_allocator {
+  /** `size` > 0 bytes, aligned for any C type, with any content; null when there are none. */
+  void *(*allocate)(size_t size, void *context);
+  /** Take back what `allocate` gave; never null. */
+  void (*release)(void *memory, void *context);
+  /** Passed to both functions. */
+  void *context;
+} ct_allocator;
+
+/**
+ * Take all memory of the library from `allocator`, which is copied; null: from the C library, as
+ * without this call. It holds for the whole process, so call it before anything of the library is
+ * made, or after all is freed, and while no other thread is inside the library. Results files and
+ * the series (the add-on libraries) keep to the C library, as HDF5 and GSL do; OpenMP has memory of
+ * its own. ``CT_ERROR_ARGUMENT``: a function is missing; nothing is changed.
+ */
+CT_API ct_status ct_set_allocator(const ct_allocator *allocator);
+
 /** Version of the library as ``"major.minor.patch"``. */
 CT_API const char *ct_version(void);
 
