@@ -11,7 +11,8 @@ PKG_CONFIG ?= pkg-config
 prefix ?= /usr/local
 OPT ?= -O3
 BUILD := build
-VERSION := 0.1.0
+empty :=
+VERSION := $(subst $(empty) $(empty),.,$(shell sed -n 's/^ *CT_VERSION_[A-Z]* = \([0-9]\).*/\1/p' libcontact/include/libcontact/base.h))
 SONAME := 0
 WITHOUT ?=
 # V=1 shows every command as it runs.

@@ -6,11 +6,12 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
-from libcontact._core import lib
+from libcontact._core import ffi, lib
 
 import libcontact as ct
 
@@ -30,6 +31,14 @@ def test_every_prototype_can_be_called_from_python():
         names = re.findall(r"^CT_API [^;]*?\b(ct_\w+)\(", header.read_text(), re.M)
         assert names, header
         assert {name for name in names if not hasattr(lib, name)} == set()
+
+
+def test_headers_library_and_packages_have_one_version():
+    version = f"{lib.CT_VERSION_MAJOR}.{lib.CT_VERSION_MINOR}.{lib.CT_VERSION_PATCH}"
+    assert ffi.string(lib.ct_version()).decode() == version
+    assert tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"] == version
+    for package in (STAGE / "lib" / "pkgconfig").glob("*.pc"):
+        assert f"\nVersion: {version}\n" in package.read_text(), package
 
 
 def test_the_umbrella_includes_every_core_header():

@@ -117,7 +117,18 @@ typedef struct ct_allocator {
  */
 CT_API ct_status ct_set_allocator(const ct_allocator *allocator);
 
-/** Version of the library as ``"major.minor.patch"``. */
+/** Version of the headers; each number is below 10. */
+typedef enum ct_version_number {
+  /** changes when a host must change its calls */
+  CT_VERSION_MAJOR = 0,
+  /** changes when something is added */
+  CT_VERSION_MINOR = 1,
+  /** changes when something is mended */
+  CT_VERSION_PATCH = 0
+} ct_version_number;
+
+/** Version of the library as ``"major.minor.patch"``; other numbers than those of
+ * `ct_version_number` mean that a program was compiled with the headers of another version. */
 CT_API const char *ct_version(void);
 
 /** Not zero when the library was compiled with OpenMP; without it, any number of threads means one.
