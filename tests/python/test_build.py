@@ -33,6 +33,13 @@ def test_every_prototype_can_be_called_from_python():
         assert {name for name in names if not hasattr(lib, name)} == set()
 
 
+def test_every_header_begins_with_its_room_and_its_threads():
+    for header in (INCLUDE / "libcontact").glob("*.h"):
+        assert re.match(
+            r"/\* [A-Z][^/]*?\.\n \* Threads: [^/]*?\. \*/\n#ifndef ", header.read_text()
+        ), header
+
+
 def test_headers_library_and_packages_have_one_version():
     version = f"{lib.CT_VERSION_MAJOR}.{lib.CT_VERSION_MINOR}.{lib.CT_VERSION_PATCH}"
     assert ffi.string(lib.ct_version()).decode() == version

@@ -1,3 +1,6 @@
+/* Statuses, errors, the version, the host's allocator, and sums that do not depend on the order.
+ * Threads: ct_set_allocator only while no other thread is inside the library; all other calls at
+ * any time. */
 #ifndef LIBCONTACT_BASE_H
 #define LIBCONTACT_BASE_H
 

@@ -1,3 +1,7 @@
+/* The effects that come with the library: bodies, supports, motions, loads, gravity, damping,
+ * viscosity, absorbing faces.
+ * Threads: factories at any time; an effect does not change after it was made, so that several
+ * states may use it at once. */
 #ifndef LIBCONTACT_EFFECT_H
 #define LIBCONTACT_EFFECT_H
 

@@ -1,3 +1,6 @@
+/* From bodies, contacts and supports to a problem: numbering, masses, effects, stable step.
+ * Threads: a call must be alone with its scene; different scenes are independent. States of the
+ * built problem may be stepped at once as long as nobody builds or frees the scene. */
 #ifndef LIBCONTACT_SCENE_H
 #define LIBCONTACT_SCENE_H
 

@@ -1,3 +1,6 @@
+/* Forces and energies of elements, formula by formula, and the kernels that compute blocks of
+ * them.
+ * Threads: every call at any time; they write only what they are given. */
 #ifndef LIBCONTACT_SOLID_H
 #define LIBCONTACT_SOLID_H
 

@@ -1,3 +1,8 @@
+/* The contract of an effect; the problem, which does not change in a run, and the state, which
+ * does; time steps, stable step, energy and momentum, and the monitor of a run.
+ * Threads: a call must be alone with its state and its monitor; several states of one problem may
+ * be stepped at once. One step may itself use several threads (ct_problem.threads), with the same
+ * bits. */
 #ifndef LIBCONTACT_STEP_H
 #define LIBCONTACT_STEP_H
 
