@@ -35,9 +35,9 @@ static ct_status add_bodies(world *w, ct_error *e)
   for (int b = 0; status == CT_OK && b < 2; b++) {
     ct_box box = {.origin = {0, 0, 1.01 * b}, .size = {1, 1, 1}, .cells = {2, 2, 2}};
     status = ct_mesh_create_box(CT_HEX8, &box, &w->mesh[b], e);
-    if (status == CT_OK)
-      status = ct_scene_add_body(w->scene, names[b], w->mesh[b], material[b], CT_LUMP_DEFAULT,
-                                 CT_KERNEL_AUTO, velocity[b], NULL, e);
+    ct_scene_body body = {.name = names[b], .mesh = w->mesh[b], .material = *material[b]};
+    memcpy(body.velocity, velocity[b], sizeof velocity[b]);
+    if (status == CT_OK) status = ct_scene_add_body(w->scene, &body, NULL, e);
   }
   return status;
 }

@@ -414,13 +414,15 @@ static void ledger(void)
   ct_scene *scene = new_scene();
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 3, 3, 3);
   distort(m, 0.05);
-  int32_t body = add_body(scene, "block", m, &SOFT, CT_KERNEL_REDUCED, 0, 0, 0);
   double *v = random_displacement(m, 1e-3);
   ct_error e;
-  need(ct_scene_set_velocity(scene, body, v, &e), &e);
-  tap_ok(ct_scene_set_hourglass(scene, body, -1.0, &e) == CT_ERROR_ARGUMENT,
+  ct_scene_body block = {.mesh = m, .material = SOFT, .kernel = CT_KERNEL_REDUCED};
+  block.velocities = v;
+  block.hourglass = -1.0;
+  tap_ok(ct_scene_add_body(scene, &block, NULL, &e) == CT_ERROR_ARGUMENT,
          "a negative coefficient is refused: %s", e.text);
-  need(ct_scene_set_hourglass(scene, body, 0.5, &e), &e);
+  block.hourglass = 0.5;
+  need(ct_scene_add_body(scene, &block, NULL, &e), &e);
   int64_t steps;
   ct_stable_step stable;
   const ct_problem *p =
