@@ -343,7 +343,11 @@ static inline int32_t add_body(ct_scene *scene, const char *name, const ct_mesh 
                                const ct_material *material, ct_solid_kernel kernel, double vx,
                                double vy, double vz)
 {
-  ct_scene_body def = {name, mesh, *material, CT_LUMP_DEFAULT, kernel, {vx, vy, vz}, NULL, 0.0};
+  ct_scene_body def = {.name = name,
+                       .mesh = mesh,
+                       .material = *material,
+                       .kernel = kernel,
+                       .velocity = {vx, vy, vz}};
   int32_t body = -1;
   ct_error error;
   need(ct_scene_add_body(scene, &def, &body, &error), &error);
@@ -355,8 +359,11 @@ static inline int32_t add_moving_body(ct_scene *scene, const char *name, const c
                                       const ct_material *material, ct_solid_kernel kernel,
                                       const double *velocities)
 {
-  ct_scene_body def = {name,       mesh, *material, CT_LUMP_DEFAULT, kernel, {0.0, 0.0, 0.0},
-                       velocities, 0.0};
+  ct_scene_body def = {.name = name,
+                       .mesh = mesh,
+                       .material = *material,
+                       .kernel = kernel,
+                       .velocities = velocities};
   int32_t body = -1;
   ct_error error;
   need(ct_scene_add_body(scene, &def, &body, &error), &error);

@@ -110,7 +110,12 @@ static void no_body(const ct_mesh *m, ct_material material, ct_lumping lumping,
                     const char *what)
 {
   ct_scene *scene = new_scene();
-  ct_scene_body def = {"plate", m, material, lumping, kernel, {vx, 0, 0}, NULL, 0.0};
+  ct_scene_body def = {.name = "plate",
+                       .mesh = m,
+                       .material = material,
+                       .lumping = lumping,
+                       .kernel = kernel,
+                       .velocity = {vx, 0, 0}};
   ct_error e = {0};
   ct_status status = ct_scene_add_body(scene, &def, NULL, &e);
   if (status == CT_OK) {

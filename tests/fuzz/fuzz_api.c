@@ -109,10 +109,14 @@ static void add_body(play *p)
   const char *name = chance(d, 9) ? "a name that is so long that it does not fit into the place "
                                     "that a body has for it"
                                   : "body";
-  ct_scene_body body = {name,     mesh,
-                        material, lumping,
-                        kernel,   {velocity[0], velocity[1], velocity[2]},
-                        each,     chance(d, 5) ? between(d, 0.1, 2.0) : 0.0};
+  ct_scene_body body = {.name = name,
+                        .mesh = mesh,
+                        .material = material,
+                        .lumping = lumping,
+                        .kernel = kernel,
+                        .velocity = {velocity[0], velocity[1], velocity[2]},
+                        .velocities = each,
+                        .hourglass = chance(d, 5) ? between(d, 0.1, 2.0) : 0.0};
   if (p->body_count < MOST_BODIES &&
       TRY(ct_scene_add_body(p->scene, &body, chance(d, 3) ? NULL : &number, &e)) == CT_OK) {
     demand(number == -1 || number == p->body_count, "bodies are numbered");

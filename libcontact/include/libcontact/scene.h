@@ -16,12 +16,16 @@ CT_BEGIN_DECLS
  * it was given. */
 typedef struct ct_scene ct_scene;
 
-/** A body. What is left zero has its default; a mesh and a material are needed. */
+/** A body. What is left zero has its default; a mesh or a box, and a material are needed. */
 typedef struct ct_scene_body {
   /** Label for errors, at most 63 bytes are kept; null: none. */
   const char *name;
-  /** The mesh, copied. */
+  /** The mesh, copied; null: `box`. */
   const ct_mesh *mesh;
+  /** In place of a mesh: a box of bricks of this kind. */
+  ct_brick_kind kind;
+  /** The box, read only when there is no mesh. */
+  ct_box box;
   /** The material of all its elements. */
   ct_material material;
   /** How masses are lumped. */
@@ -132,8 +136,8 @@ typedef struct ct_scene_time {
 CT_API ct_status ct_scene_create(ct_scene **scene, ct_error *error);
 
 /**
- * Add a body; `*body`, which may be null, gets its number. ``CT_ERROR_ARGUMENT``: no mesh, an
- * impossible choice, or after `ct_scene_join`; ``CT_INVALID``: a velocity is not finite (`error`
+ * Add a body; `*body`, which may be null, gets its number. ``CT_ERROR_ARGUMENT``: an impossible
+ * choice, or after `ct_scene_join`; ``CT_INVALID``: a velocity is not finite (`error`
  * names the node).
  */
 CT_API ct_status ct_scene_add_body(ct_scene *scene, const ct_scene_body *def, int32_t *body,
@@ -169,8 +173,9 @@ CT_API ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_erro
 
 /**
  * Build the problem: masses, effects, stable step, and the largest Δt not above the asked one that
- * reaches `end` in a whole number of steps (`*step_count`). ``CT_ERROR_STEP`` when the asked Δt is
- * above the stable one. The scene keeps the problem: it lives until `ct_scene_free`.
+ * reaches `end` in a whole number of steps (`*step_count`; `stable` may be null). ``CT_ERROR_STEP``
+ * when the asked Δt is above the stable one. The scene keeps the problem: it lives until
+ * `ct_scene_free`.
  */
 CT_API ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time,
                                 const ct_problem **problem, int64_t *step_count,

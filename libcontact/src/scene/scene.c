@@ -134,13 +134,14 @@ void ct_scene_free(ct_scene *scene)
   ct_release(scene);
 }
 
-static ct_status check_velocities(const ct_scene_body *def, const char *name, ct_error *error)
+static ct_status check_velocities(const ct_scene_body *def, int32_t nodes, const char *name,
+                                  ct_error *error)
 {
   for (int c = 0; c < 3; c++)
     if (!isfinite(def->velocity[c]))
       return ct_fail(error, CT_INVALID, CT_NOWHERE, "body %s: velocity %c is not finite", name,
                      "xyz"[c]);
-  int64_t count = def->velocities == NULL ? 0 : 3 * (int64_t)def->mesh->node_count;
+  int64_t count = def->velocities == NULL ? 0 : 3 * (int64_t)nodes;
   for (int64_t d = 0; d < count; d++)
     if (!isfinite(def->velocities[d]))
       return ct_fail(error, CT_INVALID, (ct_place){-1, -1, d / 3},
@@ -167,15 +168,17 @@ static ct_status check_new_body(const ct_scene *scene, const ct_scene_body *def,
   return ct_material_check(&def->material, error);
 }
 
-/* Copies of a body's mesh and velocities, and places for them in the tables. */
+/* Copies of a body's mesh or box and velocities, and places for them in the tables. */
 static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char *name,
                            scene_body *part, ct_error *error)
 {
-  ct_status status = ct_mesh_create_copy(def->mesh, &part->mesh, error);
-  if (status == CT_OK) status = check_velocities(def, name, error);
+  ct_status status = def->mesh != NULL
+                         ? ct_mesh_create_copy(def->mesh, &part->mesh, error)
+                         : ct_mesh_create_box(def->kind, &def->box, &part->mesh, error);
+  if (status == CT_OK) status = check_velocities(def, part->mesh->node_count, name, error);
   if (status == CT_OK && def->velocities != NULL)
     part->velocities =
-        ct_duplicate(def->velocities, 3 * (size_t)def->mesh->node_count * sizeof(double));
+        ct_duplicate(def->velocities, 3 * (size_t)part->mesh->node_count * sizeof(double));
   if (status == CT_OK &&
       ((def->velocities != NULL && part->velocities == NULL) ||
        !grow((void **)&scene->bodies, scene->body_count, sizeof *scene->bodies) ||
@@ -190,7 +193,7 @@ static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char
 ct_status ct_scene_add_body(ct_scene *scene, const ct_scene_body *def, int32_t *body,
                             ct_error *error)
 {
-  if (scene == NULL || def == NULL || def->mesh == NULL)
+  if (scene == NULL || def == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body: null argument");
   scene_body part = {.given = *def};
   const char *name = def->name == NULL ? "" : def->name;
@@ -641,11 +644,13 @@ static ct_status asked_step(const ct_scene_time *time, const ct_stable_step *sta
 ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_problem **problem,
                          int64_t *step_count, ct_stable_step *stable, ct_error *error)
 {
-  if (scene == NULL || time == NULL || problem == NULL || step_count == NULL || stable == NULL)
+  if (scene == NULL || time == NULL || problem == NULL || step_count == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
   ct_problem *p = &scene->problem;
   double dt = 0.0;
   const ct_problem *joined;
+  ct_stable_step own;
+  if (stable == NULL) stable = &own;
   unbuild(scene);
   ct_status status = ct_scene_join(scene, &joined, error);
   for (int32_t i = 0; status == CT_OK && i < scene->body_count; i++)
