@@ -82,13 +82,14 @@ static ct_status add_boundaries(world *w, ct_error *e)
   ct_effect *effect = NULL;
   ct_status status = faces_at(w->mesh[0], 0.0, bottom, &count);
   if (status != CT_OK) return status;
-  ct_obstacle obstacle = {.shape = CT_OBSTACLE_PLANE,
-                          .axis = {0, 0, 1},
-                          .epsilon = 900.0,
-                          .enforcement = ct_contact_options_default().enforcement,
-                          .kind = CT_Q4,
-                          .face_count = count,
-                          .faces = bottom};
+  ct_obstacle_def obstacle = {COOKIE,
+                              .shape = CT_OBSTACLE_PLANE,
+                              .axis = {0, 0, 1},
+                              .epsilon = 900.0,
+                              .enforcement = ct_contact_options_default().enforcement,
+                              .kind = CT_Q4,
+                              .face_count = count,
+                              .faces = bottom};
   status = take(w, ct_obstacle_create_effect(&obstacle, w->problem, &effect, e), &effect, e);
   if (status != CT_OK) return status;
   ct_absorb_def absorb = {COOKIE, .kind = CT_Q4, .face_count = count, .faces = bottom};

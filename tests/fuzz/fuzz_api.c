@@ -9,6 +9,7 @@
 #include <libcontact/output.h>
 #endif
 
+#include "../../libcontact/src/effect/history.h"
 #include "../c/defs.h"
 #include "dice.h"
 

@@ -100,12 +100,6 @@ typedef struct ct_history {
   const double *value;
 } ct_history;
 
-/**
- * ``CT_ERROR_ARGUMENT`` when arrays are missing or times descend, ``CT_INVALID`` when a number is
- * not finite; `error` names the point.
- */
-CT_API ct_status ct_history_check(const ct_history *history, ct_error *error);
-
 /** The factor at a time, :eq:`history`. */
 CT_API double ct_history_value(const ct_history *history, double time);
 

@@ -126,8 +126,8 @@ typedef struct ct_scene_time {
   /** The method of the time steps; all bytes zero: central difference. */
   ct_integrator integrator;
   /**
-   * Not zero: linear bodies are bounded by `ct_stable_assembled` where that allows a larger step;
-   * it costs some 70 forces once.
+   * Not zero: linear bodies are bounded together, :eq:`assembled-bound`, where that allows a
+   * larger step; it costs some 70 forces once.
    */
   int assembled;
 } ct_scene_time;

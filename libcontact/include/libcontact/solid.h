@@ -78,10 +78,6 @@ CT_API ct_status ct_solid_reduced_frequency(const double *nodes, const ct_materi
                                             double hourglass, const double *mass,
                                             double *omega_squared, ct_error *error);
 
-/** The coefficient κ of the hourglass control when none is given: 1, with which a cube bends as a
- * beam does. */
-CT_API double ct_solid_hourglass_default(void);
-
 /**
  * Work that the library leaves out where that changes no value, :doc:`/theory/savings`; each 1 or
  * 0. A scene begins with `ct_optimisations_default`; turn one off to measure what it saves.

@@ -1,4 +1,4 @@
-#include <libcontact/effect.h>
+#include "history.h"
 
 #include "../base/error.h"
 

@@ -2,6 +2,7 @@
 #include <libcontact/effect.h>
 
 #include "../step/effect_internal.h"
+#include "history.h"
 #include "../base/error.h"
 #include "../base/memory.h"
 
