@@ -61,8 +61,8 @@ module libcontact
     real(c_double) :: tolerance, depth
     integer(c_int) :: threads, distant, enforcement
     real(c_double) :: dissipation
-    integer(c_int) :: points, initial
-    real(c_double) :: removal, adjust
+    integer(c_int) :: points, initial_penetration
+    real(c_double) :: removal_time, adjust
   end type
 
   interface

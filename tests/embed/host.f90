@@ -116,7 +116,7 @@ contains
       at(c_loc(k%method), c_loc(k)), at(c_loc(k%tolerance), c_loc(k)), at(c_loc(k%depth), c_loc(k)), &
       at(c_loc(k%threads), c_loc(k)), at(c_loc(k%distant), c_loc(k)), &
       at(c_loc(k%enforcement), c_loc(k)), at(c_loc(k%dissipation), c_loc(k)), &
-      at(c_loc(k%points), c_loc(k)), at(c_loc(k%initial), c_loc(k)), at(c_loc(k%removal), c_loc(k)), &
+      at(c_loc(k%points), c_loc(k)), at(c_loc(k%initial_penetration), c_loc(k)), at(c_loc(k%removal_time), c_loc(k)), &
       at(c_loc(k%adjust), c_loc(k)), int(c_sizeof(k), c_int64_t)]
     call check(all(there(:42) == here) .and. all(there(43:) == -1), &
                "each member and each size of six structs is where C has it")

@@ -45,8 +45,8 @@ void host_layout(int64_t *place)
                                  PLACE(ct_contact_options, enforcement),
                                  PLACE(ct_contact_options, dissipation),
                                  PLACE(ct_contact_options, points),
-                                 PLACE(ct_contact_options, initial),
-                                 PLACE(ct_contact_options, removal),
+                                 PLACE(ct_contact_options, initial_penetration),
+                                 PLACE(ct_contact_options, removal_time),
                                  PLACE(ct_contact_options, adjust),
                                  (int64_t)sizeof(ct_contact_options)};
   for (int i = 0; i < (int)(sizeof rows / sizeof rows[0]); i++) place[i] = rows[i];

@@ -317,9 +317,7 @@ class Problem:
                 velocities = ffi.from_buffer("double[]", _spinning(body, mesh))
                 new.velocities = velocities
             about = f'body "{body.name}": '
-            self._call(
-                f"body[{i}]", lib.ct_scene_add_body, self._scene, new, ffi.NULL, about=about
-            )
+            self._call(f"body[{i}]", lib.ct_scene_add_body, self._scene, new, ffi.NULL, about=about)
             self._meshes[body.name] = mesh
 
     def _add_contact(self, i: int, contact: Contact) -> list[NDArray[Any]]:
