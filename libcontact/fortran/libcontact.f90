@@ -27,6 +27,8 @@ module libcontact
     integer(c_int) :: code
     integer(c_int64_t) :: body, element, point
     character(kind=c_char) :: text(1024)
+    integer(c_int) :: part
+    integer(c_int32_t) :: number
   end type
 
   type, bind(C) :: ct_face

@@ -96,12 +96,13 @@ contains
     type(ct_projection), target :: p
     type(ct_surface), target :: s
     type(ct_contact_options), target :: k
-    integer(c_int64_t) :: there(64), here(42)
+    integer(c_int64_t) :: there(64), here(44)
     there = -1
     call host_layout(there)
     here = [ &
       at(c_loc(e%body), c_loc(e)), at(c_loc(e%element), c_loc(e)), at(c_loc(e%point), c_loc(e)), &
-      at(c_loc(e%text), c_loc(e)), int(c_sizeof(e), c_int64_t), &
+      at(c_loc(e%text), c_loc(e)), at(c_loc(e%part), c_loc(e)), at(c_loc(e%number), c_loc(e)), &
+      int(c_sizeof(e), c_int64_t), &
       at(c_loc(f%node), c_loc(f)), int(c_sizeof(f), c_int64_t), &
       at(c_loc(o%tolerance), c_loc(o)), at(c_loc(o%use_start), c_loc(o)), &
       at(c_loc(o%start), c_loc(o)), at(c_loc(o%iteration_limit), c_loc(o)), &
@@ -118,7 +119,7 @@ contains
       at(c_loc(k%enforcement), c_loc(k)), at(c_loc(k%dissipation), c_loc(k)), &
       at(c_loc(k%points), c_loc(k)), at(c_loc(k%initial_penetration), c_loc(k)), at(c_loc(k%removal_time), c_loc(k)), &
       at(c_loc(k%adjust), c_loc(k)), int(c_sizeof(k), c_int64_t)]
-    call check(all(there(:42) == here) .and. all(there(43:) == -1), &
+    call check(all(there(:44) == here) .and. all(there(45:) == -1), &
                "each member and each size of six structs is where C has it")
     o = ct_project_options_default()
     k = ct_contact_options_default()

@@ -11,6 +11,8 @@ void host_layout(int64_t *place)
                                  PLACE(ct_error, element),
                                  PLACE(ct_error, point),
                                  PLACE(ct_error, text),
+                                 PLACE(ct_error, part),
+                                 PLACE(ct_error, number),
                                  (int64_t)sizeof(ct_error),
                                  PLACE(ct_face, node),
                                  (int64_t)sizeof(ct_face),
