@@ -29,14 +29,14 @@ ADDON = {"hdf5": "output.h", "gsl": "series.h"}
 def test_every_prototype_can_be_called_from_python():
     for header in (INCLUDE / "libcontact").glob("*.h"):
         names = re.findall(r"^CT_API [^;]*?\b(ct_\w+)\(", header.read_text(), re.M)
-        assert names, header
+        assert names or "typedef" in header.read_text(), header
         assert {name for name in names if not hasattr(lib, name)} == set()
 
 
 def test_every_header_begins_with_its_room_and_its_threads():
     for header in (INCLUDE / "libcontact").glob("*.h"):
         assert re.match(
-            r"/\* [A-Z][^/]*?\.\n \* Threads: [^/]*?\. \*/\n#ifndef ", header.read_text()
+            r"/\* [A-Z][^/]*?\.\n \* Threads: [^/]*?\.\s+\*/\n#ifndef ", header.read_text()
         ), header
 
 
@@ -89,9 +89,9 @@ def test_every_header_alone_links_from_cxx(tmp_path):
     calls = []
     for header in sorted((INCLUDE / "libcontact").glob("*.h")):
         names = re.findall(r"^CT_API [^;]*?\b(ct_\w+)\(", header.read_text(), re.M)
-        addresses = ", ".join(f"reinterpret_cast<void *>(&{name})" for name in names)
+        addresses = "".join(f"reinterpret_cast<void *>(&{name}), " for name in names)
         (tmp_path / f"{header.stem}.cc").write_text(
-            f"#include <libcontact/{header.name}>\n\nint count_{header.stem}()\n{{\n  void *volatile known[] = {{{addresses}, nullptr}};\n"
+            f"#include <libcontact/{header.name}>\n\nint count_{header.stem}()\n{{\n  void *volatile known[] = {{{addresses}nullptr}};\n"
             "  int count = 0;\n  while (known[count] != nullptr) count++;\n  return count;\n}\n"
         )
         calls.append((f"count_{header.stem}()", len(names)))
