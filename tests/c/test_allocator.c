@@ -12,12 +12,12 @@ typedef struct world {
   ct_scene *scene;
   const ct_problem *problem;
   ct_state *state, *copy;
-  ct_watch *watch;
+  ct_monitor *watch;
 } world;
 
 static void end(world *w)
 {
-  ct_watch_free(w->watch);
+  ct_monitor_free(w->watch);
   ct_state_free(w->copy);
   ct_state_free(w->state);
   ct_scene_free(w->scene);
@@ -77,7 +77,7 @@ static ct_status take(world *w, ct_status status, ct_effect **effect, ct_error *
 static ct_status add_boundaries(world *w, ct_error *e)
 {
   static const double time[2] = {0, 1}, factor[2] = {0, 1};
-  const ct_history ramp = {2, time, factor};
+  const ct_amplitude ramp = {2, time, factor};
   int32_t bottom[96], count, nodes[27];
   ct_effect *effect = NULL;
   ct_status status = faces_at(w->mesh[0], 0.0, bottom, &count);
@@ -97,12 +97,12 @@ static ct_status add_boundaries(world *w, ct_error *e)
   if (status != CT_OK) return status;
   ct_load_def load = {COOKIE, .kind = CT_Q4, .face_count = count, .faces = bottom};
   load.pressure = 1.0;
-  load.history = ramp;
+  load.amplitude = ramp;
   status = take(w, ct_load_create_effect(&load, w->problem, &effect, e), &effect, e);
   if (status != CT_OK) return status;
   ct_motion motion = {.nodes = nodes, .fixed = {1, 0, 0}, .displacement = {0.01, 0, 0}};
   motion.node_count = ct_mesh_plane_nodes(w->mesh[0], 0, 1.0, nodes);
-  motion.history = ramp;
+  motion.amplitude = ramp;
   ct_motion_def path = {COOKIE, .motions = &motion, .motion_count = 1};
   return take(w, ct_motion_create_effect(&path, w->problem, &effect, e), &effect, e);
 }
@@ -127,15 +127,15 @@ static ct_status add_fields(world *w, ct_error *e)
 static ct_status run(world *w, ct_error *e)
 {
   const ct_scene_time time = {.end = 0.02, .fraction = 0.5, .threads = 1};
-  ct_watch_options options = ct_watch_options_default();
+  ct_monitor_options options = ct_monitor_options_default();
   ct_stable_step stable;
   ct_energy energy;
   int64_t steps = 0;
   ct_status status = ct_scene_build(w->scene, &time, &w->problem, &steps, &stable, e);
   if (status == CT_OK) status = ct_state_create(w->problem, &w->state, e);
   options.stable = stable.dt;
-  if (status == CT_OK) status = ct_watch_create(w->problem, w->state, &options, &w->watch, e);
-  if (status == CT_OK) status = ct_watch_steps(w->watch, w->state, steps, e);
+  if (status == CT_OK) status = ct_monitor_create(w->problem, w->state, &options, &w->watch, e);
+  if (status == CT_OK) status = ct_monitor_steps(w->watch, w->state, steps, e);
   if (status == CT_OK) status = ct_energy_of(w->problem, w->state, &energy, e);
   if (status == CT_OK) status = ct_state_create(w->problem, &w->copy, e);
   if (status == CT_OK) status = ct_state_copy(w->problem, w->state, w->copy, e);

@@ -5,6 +5,6 @@
 
 /* ``CT_ERROR_ARGUMENT`` when arrays are missing or times descend, ``CT_INVALID`` when a number is
  * not finite; `error` names the point. */
-ct_status ct_history_check(const ct_history *history, ct_error *error);
+ct_status ct_amplitude_check(const ct_amplitude *amplitude, ct_error *error);
 
 #endif
