@@ -6,12 +6,17 @@
 CC ?= cc
 CXX ?= c++
 AR ?= ar
+# make's own default, f77, is no compiler of this machine.
+ifeq ($(origin FC),default)
+FC := $(firstword $(foreach f,gfortran flang-new flang ifx,$(shell command -v $(f) 2>/dev/null)))
+endif
 PYTHON ?= python3
 PKG_CONFIG ?= pkg-config
 prefix ?= /usr/local
 OPT ?= -O3
 BUILD := build
-VERSION := 0.1.0
+empty :=
+VERSION := $(subst $(empty) $(empty),.,$(shell sed -n 's/^ *CT_VERSION_[A-Z]* = \([0-9]\).*/\1/p' libcontact/include/libcontact/base.h))
 SONAME := 0
 WITHOUT ?=
 # V=1 shows every command as it runs.
@@ -31,6 +36,7 @@ GSL := $(if $(filter gsl,$(WITHOUT)),,$(call first_package,gsl))
 HDF5 := $(if $(filter hdf5,$(WITHOUT)),,$(call first_package,hdf5-serial hdf5))
 OPENMP := $(if $(filter openmp,$(WITHOUT)),,$(shell printf 'int main(void){return 0;}' | $(CC) -fopenmp -x c - -o /dev/null 2>/dev/null && echo -fopenmp))
 HAVE_CXX := $(shell command -v $(CXX) 2>/dev/null)
+HAVE_FC := $(if $(FC),$(shell command -v $(FC) 2>/dev/null))
 HAVE_PKG_CONFIG := $(shell command -v $(PKG_CONFIG) 2>/dev/null)
 ADDONS := gsl hdf5
 
@@ -110,8 +116,8 @@ $(BUILD)/lib/libcontact.so: $(CORE_OBJECTS)
 	@mkdir -p $(@D)
 	$(Q)$(CC) -shared $(OPENMP) -Wl,-soname,libcontact.so.$(SONAME) -o $@ $^ -lm
 	$(Q)ln -sf libcontact.so $(BUILD)/lib/libcontact.so.$(SONAME)
-# An add-on sees the core through its public calls and finds it beside itself; the few private helpers it needs come along, hidden.
-HELPERS := $(BUILD)/obj/base/error.o $(BUILD)/obj/base/memory.o
+# An add-on sees the core through its public calls and finds it beside itself; the private helper it needs comes along, hidden.
+HELPERS := $(BUILD)/obj/base/error.o
 $(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontact.so $(HELPERS)
 	$(Q)$(CC) -shared -Wl,--no-undefined -Wl,-rpath,'$$ORIGIN' -Wl,-soname,libcontact-$*.so.$(SONAME) -o $@ -Wl,--whole-archive $< -Wl,--no-whole-archive \
 	  $(HELPERS) -L$(BUILD)/lib -lcontact $(if $(filter gsl,$*),$(GSL_LIBS),$(HDF5_LIBS)) -lm
@@ -123,7 +129,7 @@ $(BUILD)/lib/libcontact-%.so: $(BUILD)/lib/libcontact-%.a $(BUILD)/lib/libcontac
 install: lib
 	mkdir -p $(DESTDIR)$(prefix)/include/libcontact $(DESTDIR)$(prefix)/lib/pkgconfig
 	cp libcontact/include/*.h $(DESTDIR)$(prefix)/include/
-	cp libcontact/include/libcontact/*.h $(DESTDIR)$(prefix)/include/libcontact/
+	cp libcontact/include/libcontact/*.h libcontact/fortran/libcontact.f90 $(DESTDIR)$(prefix)/include/libcontact/
 	for a in contact $(ADDONS:%=contact-%); do \
 	  cp $(BUILD)/lib/lib$$a.a $(DESTDIR)$(prefix)/lib/ && \
 	  cp $(BUILD)/lib/lib$$a.so $(DESTDIR)$(prefix)/lib/lib$$a.so.$(VERSION) && \
@@ -222,10 +228,11 @@ $(BUILD)/tests/asan_%: tests/c/test_%.c $(wildcard tests/c/*.h tests/fuzz/*.c) $
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(SANITIZE) $(TEST_FLAGS) $(HDF5_FLAGS) $< -o $@ $(BUILD)/asan/libcontact.a $(TEST_LIBS)
 
-# Programs of a host, built against an installed copy through pkg-config: C99 and C++, static and shared.
+# Programs of a host, built against an installed copy through pkg-config: C99, C++ and Fortran, static and shared.
 STAGE := $(abspath $(BUILD)/stage)
-EMBED = $(foreach p,host project,$(foreach l,static shared,$(BUILD)/tests/embed_$(p)_c_$(l) $(if $(HAVE_CXX),$(BUILD)/tests/embed_$(p)_cxx_$(l))))
-$(BUILD)/stage/.done: $(ARCHIVES) $(SHARED) $(HEADERS) $(wildcard libcontact/*.pc.in)
+EMBED = $(foreach p,host project,$(foreach l,static shared,$(BUILD)/tests/embed_$(p)_c_$(l) $(if $(HAVE_CXX),$(BUILD)/tests/embed_$(p)_cxx_$(l)))) \
+  $(if $(HAVE_FC),$(foreach l,static shared,$(BUILD)/tests/embed_host_fortran_$(l)))
+$(BUILD)/stage/.done: $(ARCHIVES) $(SHARED) $(HEADERS) $(wildcard libcontact/*.pc.in libcontact/fortran/*)
 	rm -rf $(BUILD)/stage
 	$(MAKE) --no-print-directory install prefix=$(STAGE) DESTDIR=
 	$(Q)touch $@
@@ -240,6 +247,11 @@ $(BUILD)/tests/embed_%_c_$(1): tests/embed/%.c tests/c/tap.h $(BUILD)/stage/.don
 $(BUILD)/tests/embed_%_cxx_$(1): tests/embed/%.c tests/c/tap.h $(BUILD)/stage/.done
 	@mkdir -p $$(@D)
 	$(Q)$(CXX) -x c++ -std=c++11 -O1 -Wall -Wextra -Werror -Itests/c $(EMBED_FLAGS) $$< -x none -o $$@ $(2)
+# A compiler leaves the description of a module where it is told to: here, one folder a program. What it names, the host finds by pkg-config.
+$(BUILD)/tests/embed_%_fortran_$(1): tests/embed/%.f90 tests/embed/%_layout.c $(BUILD)/stage/.done
+	@mkdir -p $$@.dir
+	$(Q)$(CC) -std=c99 -O1 -Wall -Wextra -Wpedantic -Werror $(EMBED_FLAGS) -c tests/embed/$$*_layout.c -o $$@.dir/layout.o
+	$(Q)cd $$@.dir && $(FC) -O1 `$(EMBED_PACKAGE) --variable=fortran libcontact` $$(abspath $$<) layout.o -o $$(abspath $$@) $(2)
 endef
 $(eval $(call embed_rules,static,$$(EMBED_STATIC)))
 $(eval $(call embed_rules,shared,$$(EMBED_SHARED)))
@@ -247,7 +259,8 @@ $(eval $(call embed_rules,shared,$$(EMBED_SHARED)))
 C_PROGRAMS = $(C_TESTS:%=$(BUILD)/tests/test_%) $(if $(SANITIZERS),$(C_TESTS:%=$(BUILD)/tests/asan_%)) $(if $(HAVE_PKG_CONFIG),$(EMBED))
 C_SKIPPED = $(if $(GSL),,--skip "test_exact_series: no GSL") $(if $(HDF5),,--skip "test_output: no HDF5") \
   $(if $(SANITIZERS),,--skip "asan_*: $(CC) has no sanitizers") \
-  $(if $(HAVE_PKG_CONFIG),$(if $(HAVE_CXX),,--skip "embed_*_cxx: no C++ compiler"),--skip "embed_*: no pkg-config")
+  $(if $(HAVE_PKG_CONFIG),$(if $(HAVE_CXX),,--skip "embed_*_cxx: no C++ compiler") \
+    $(if $(HAVE_FC),,--skip "embed_host_fortran: no Fortran compiler"),--skip "embed_*: no pkg-config")
 
 # What was found is asked once, for both the files to make and the programs to run.
 ifneq ($(filter _test _check-c,$(MAKECMDGOALS)),)
@@ -338,6 +351,7 @@ info:
 	@echo "OpenMP     $(if $(OPENMP),yes,no)"
 	@echo "pkg-config $(if $(HAVE_PKG_CONFIG),$(HAVE_PKG_CONFIG),no: GSL and HDF5 cannot be found, the embedding tests are left out)"
 	@echo "C++        $(if $(HAVE_CXX),$(HAVE_CXX),no: the C++ embedding tests are left out)"
+	@echo "Fortran    $(if $(HAVE_FC),$(HAVE_FC),no: the Fortran embedding test is left out (gfortran is not set up by itself))"
 	@echo "GSL        $(if $(GSL),$(GSL) $(shell $(PKG_CONFIG) --modversion $(GSL)),no: libcontact-gsl (the modal series) refuses every call)"
 	@echo "HDF5       $(if $(HDF5),$(HDF5) $(shell $(PKG_CONFIG) --modversion $(HDF5)),no: libcontact-hdf5 (results files, restart) refuses every call)"
 	@echo "python     $(shell $(PYTHON) --version 2>&1) ($(PYTHON)), environment $(VENV)$(if $(wildcard $(VENV)/.wrapper),, (not made yet))"

@@ -60,8 +60,9 @@ static void add_part(ct_scene *scene, const part *p)
 {
   ct_mesh *mesh;
   need(ct_mesh_create_box(CT_HEX8, &p->box, &mesh, &error));
-  need(ct_scene_add_body(scene, "body", mesh, &STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO,
-                         (double[3]){p->speed, 0, 0}, NULL, &error));
+  need(ct_scene_add_body(
+      scene, &(ct_scene_body){.mesh = mesh, .material = STEEL, .velocity = {p->speed, 0, 0}}, NULL,
+      &error));
   ct_mesh_free(mesh);
 }
 

@@ -343,12 +343,30 @@ static inline int32_t add_body(ct_scene *scene, const char *name, const ct_mesh 
                                const ct_material *material, ct_solid_kernel kernel, double vx,
                                double vy, double vz)
 {
-  double velocity[3] = {vx, vy, vz};
+  ct_scene_body def = {.name = name,
+                       .mesh = mesh,
+                       .material = *material,
+                       .kernel = kernel,
+                       .velocity = {vx, vy, vz}};
   int32_t body = -1;
   ct_error error;
-  need(ct_scene_add_body(scene, name, mesh, material, CT_LUMP_DEFAULT, kernel, velocity, &body,
-                         &error),
-       &error);
+  need(ct_scene_add_body(scene, &def, &body, &error), &error);
+  return body;
+}
+
+/* A body whose nodes have velocities of their own, shape (node_count, 3). */
+static inline int32_t add_moving_body(ct_scene *scene, const char *name, const ct_mesh *mesh,
+                                      const ct_material *material, ct_solid_kernel kernel,
+                                      const double *velocities)
+{
+  ct_scene_body def = {.name = name,
+                       .mesh = mesh,
+                       .material = *material,
+                       .kernel = kernel,
+                       .velocities = velocities};
+  int32_t body = -1;
+  ct_error error;
+  need(ct_scene_add_body(scene, &def, &body, &error), &error);
   return body;
 }
 

@@ -1,4 +1,5 @@
 /* Factors that change with time. */
+#include "../../libcontact/src/effect/amplitude.h"
 #include "bodies.h"
 
 int main(void)

@@ -540,8 +540,7 @@ static ct_scene *folded_scene(ct_brick_kind kind, ct_contact_options options)
     double share = x[2] > 0.0 ? 1.0 - fmin(fmax(x[0], 0.0), 1.0) : 0.0;
     v[3 * n] = 6.0 * share, v[3 * n + 2] = -6.0 * share;
   }
-  add_body(scene, "strip", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-  need(ct_scene_set_velocity(scene, 0, v, &error), &error);
+  add_moving_body(scene, "strip", m, &SOFT, CT_KERNEL_AUTO, v);
   int32_t count = ct_mesh_outer_faces(m, faces, NULL);
   ct_scene_contact contact = {.face_count_a = count,
                               .face_count_b = count,

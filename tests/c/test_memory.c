@@ -1,41 +1,8 @@
-/* What a run holds, byte by byte: all memory of the library goes through ct_allocate, and here that
- * counts. */
-#include <stdlib.h>
-
-static size_t held_bytes, peak_bytes;
-static long calls, last_call = -1; /* the last that is given memory; -1: all are */
-
-/* The size stands before the block. */
-enum { HEADER = 64 };
-
-static void *counting_calloc(size_t count, size_t size)
-{
-  if (last_call >= 0 && calls >= last_call) return NULL;
-  char *raw = calloc(1, count * size + HEADER);
-  if (raw == NULL) return NULL;
-  *(size_t *)(void *)raw = count * size;
-  held_bytes += count * size;
-  if (held_bytes > peak_bytes) peak_bytes = held_bytes;
-  calls++;
-  return raw + HEADER;
-}
-
-static void counting_free(void *memory)
-{
-  char *raw = (char *)memory - HEADER;
-  held_bytes -= *(size_t *)(void *)raw;
-  free(raw);
-}
-
-#define calloc counting_calloc
-#define free counting_free
-#include "../../libcontact/src/base/memory.c"
-#undef calloc
-#undef free
-
+/* What a run holds, byte by byte, by an allocator that counts. */
 #include "../../libcontact/src/solid/kernel.h"
 #include "../../libcontact/src/solid/reduced.h"
 #include "bodies.h"
+#include "counting.h"
 
 #include <libcontact/effect.h>
 #include <libcontact/step.h>
@@ -131,7 +98,7 @@ static const ct_problem *problem_of(ct_scene *scene, ct_stable_step *stable)
  * above. */
 static void budget(const kind *k)
 {
-  size_t before = held_bytes;
+  size_t before = counted.held;
   ct_mesh *m = block_of(k);
   ct_scene *scene = scene_of(k, m);
   double nodes = m->node_count, elements = m->element_count;
@@ -148,24 +115,24 @@ static void budget(const kind *k)
 
   // Per node some bits; a ring of 1 + 16 + 16 * 24 elements and what is computed at once, a power
   // of two; and what does not grow.
-  double held = (double)(held_bytes - before), want = k->node * nodes + k->element * elements,
+  double held = (double)(counted.held - before), want = k->node * nodes + k->element * elements,
          ring = k->lattice ? 1032 * 192 : 0;
-  double peak = (double)(peak_bytes - before) / held;
+  double peak = (double)(counted.peak - before) / held;
   tap_ok(held <= want + ring + 0.5 * nodes + 40000 && held >= want,
          "%s: %.1f bytes a node, expected %.1f", k->name, held / nodes, (want + ring) / nodes);
   tap_ok(peak <= 1.05, "%s: at most %.3f times as much while it was built", k->name, peak);
 
-  long calls_before = calls;
+  long calls_before = counted.calls;
   if (watch != NULL) need(ct_monitor_steps(watch, state, 4, &e), &e);
   else advance(problem, state, 4);
   ask(problem, state, watch);
-  tap_ok(calls == calls_before, "%s: neither steps nor the ledger allocate (%ld calls)", k->name,
-         calls - calls_before);
+  tap_ok(counted.calls == calls_before, "%s: neither steps nor the ledger allocate (%ld calls)",
+         k->name, counted.calls - calls_before);
   ct_monitor_free(watch);
   ct_state_free(state);
   ct_scene_free(scene);
-  tap_ok(held_bytes == before, "%s: all is given back", k->name);
-  peak_bytes = held_bytes;
+  tap_ok(counted.held == before, "%s: all is given back", k->name);
+  counted.peak = counted.held;
 }
 
 /* The good state of a watch gets its forces when somebody asks for it, and not before. */
@@ -183,12 +150,12 @@ static void good_state(void)
   need(ct_monitor_create(problem, state, &options, &watch, &e), &e);
   advance(problem, state, 3);
   need(ct_monitor_check(watch, state, &e), &e);
-  size_t before = held_bytes;
+  size_t before = counted.held;
   ct_state *good = ct_monitor_good(watch);
-  size_t asked = held_bytes;
+  size_t asked = counted.held;
   ct_energy a = energy_of(problem, state), b = energy_of(problem, good);
   tap_ok(asked - before > 24 * (size_t)m->node_count && ct_monitor_good(watch) == good &&
-             held_bytes == asked,
+             counted.held == asked,
          "a good state gets room for its forces once");
   tap_ok(memcmp(&a, &b, sizeof a) == 0, "and has the ledger of the state that was good");
   advance(problem, state, 2);
@@ -285,7 +252,7 @@ static void bars(void)
 {
   ct_mesh *m[2] = {box_mesh(CT_HEX8, -2, 0, 0, 2, 0.6, 0.6, 20, 6, 6),
                    box_mesh(CT_HEX8, 0.001, 0, 0, 2, 0.6, 0.6, 20, 6, 6)};
-  size_t held[3], before = held_bytes;
+  size_t held[3], before = counted.held;
   for (int i = 0; i < 3; i++) {
     ct_scene *scene = new_scene();
     for (int b = 0; b < (i == 0 ? 1 : 2); b++)
@@ -296,15 +263,15 @@ static void bars(void)
     const ct_problem *problem =
         build(scene, (ct_scene_time){.end = 2e-6, .fraction = 0.9, .threads = 1}, &steps, &stable);
     ct_state *state = new_state(problem);
-    held[i] = held_bytes - before;
-    long calls_before = calls;
+    held[i] = counted.held - before;
+    long calls_before = counted.calls;
     advance(problem, state, steps);
     ask(problem, state, NULL);
-    tap_ok(calls == calls_before, "%s: %ld allocations in %d steps and after",
+    tap_ok(counted.calls == calls_before, "%s: %ld allocations in %d steps and after",
            i == 0   ? "a bar"
            : i == 1 ? "two bars"
                     : "two that meet",
-           calls - calls_before, (int)steps);
+           counted.calls - calls_before, (int)steps);
     if (i == 2) tap_ok(momentum_of(problem, state, 0).contact_impulse[0] < 0.0, "they have met");
     ct_state_free(state);
     ct_scene_free(scene);
@@ -321,11 +288,11 @@ static void no_room(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
   int32_t faces[96], owners[24], wrong[2] = {-1, m->node_count};
-  last_call = calls;
+  counted.last_call = counted.calls;
   tap_ok(ct_mesh_outer_faces(m, faces, owners) == -CT_ERROR_MEMORY &&
              ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == -CT_ERROR_MEMORY,
          "no memory for the faces of a mesh: told, and not as none");
-  last_call = -1;
+  counted.last_call = -1;
   tap_ok(ct_mesh_outer_faces(m, faces, owners) == 24 &&
              ct_mesh_plane_faces(m, 0, 0.0, faces, owners) == 4,
          "and with memory they are there");
@@ -345,6 +312,7 @@ static void no_room(void)
 
 int main(void)
 {
+  ct_set_allocator(&COUNTING);
   no_room();
   for (size_t k = 0; k < sizeof KINDS / sizeof KINDS[0]; k++) budget(&KINDS[k]);
   for (int k = 0; k < 5; k++) many_nodes(&KINDS[k]);

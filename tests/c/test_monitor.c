@@ -84,11 +84,10 @@ static void stiffening(void)
           *other = box_mesh(CT_HEX8, 0, 5, 0, 2, 2, 2, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "other", other, &bar, CT_KERNEL_AUTO, 0, 0, 0);
-  add_body(scene, "bar", m, &bar, CT_KERNEL_AUTO, 0, 0, 0);
   double *v = numbers(3 * m->node_count);
   for (int n = 0; n < m->node_count; n++) v[3 * n] = rate * m->nodes[3 * n];
   ct_error e = {0};
-  need(ct_scene_set_velocity(scene, 1, v, &e), &e);
+  add_moving_body(scene, "bar", m, &bar, CT_KERNEL_AUTO, v);
   add_support(scene, 1, m, 0, 0.0, "x", 0.0);
   add_support(scene, 1, m, 0, 10.0, "x", 10.0 * rate);
   add_support(scene, 1, m, -1, 0.0, "yz", 0.0);
@@ -126,11 +125,10 @@ static void growth(double over)
           *still = box_mesh(CT_HEX8, 5, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene();
   add_body(scene, "still", still, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
-  add_body(scene, "moving", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   double *v = numbers(3 * m->node_count);
   for (int i = 0; i < 3 * m->node_count; i++) v[i] = uniform(1.0);
   ct_error e = {0};
-  need(ct_scene_set_velocity(scene, 1, v, &e), &e);
+  add_moving_body(scene, "moving", m, &SOFT, CT_KERNEL_AUTO, v);
   int64_t steps;
   ct_stable_step stable;
   const ct_problem *p = build(scene, HALF, &steps, &stable);

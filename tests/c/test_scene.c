@@ -110,10 +110,14 @@ static void no_body(const ct_mesh *m, ct_material material, ct_lumping lumping,
                     const char *what)
 {
   ct_scene *scene = new_scene();
-  double velocity[3] = {vx, 0, 0};
+  ct_scene_body def = {.name = "plate",
+                       .mesh = m,
+                       .material = material,
+                       .lumping = lumping,
+                       .kernel = kernel,
+                       .velocity = {vx, 0, 0}};
   ct_error e = {0};
-  ct_status status =
-      ct_scene_add_body(scene, "plate", m, &material, lumping, kernel, velocity, NULL, &e);
+  ct_status status = ct_scene_add_body(scene, &def, NULL, &e);
   if (status == CT_OK) {
     // What only shows when masses and forces are made.
     const ct_problem *problem = NULL;
@@ -167,9 +171,9 @@ static void bodies(void)
   ct_mesh_free(loose);
 
   ct_scene *scene = new_scene();
-  double velocity[3] = {0, 0, 0};
-  tap_ok(ct_scene_add_body(scene, NULL, NULL, &STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO, velocity,
-                           NULL, NULL) == CT_ERROR_ARGUMENT &&
+  tap_ok(ct_scene_add_body(scene, &(ct_scene_body){.material = STEEL}, NULL, NULL) ==
+                 CT_ERROR_ARGUMENT &&
+             ct_scene_add_body(scene, NULL, NULL, NULL) == CT_ERROR_ARGUMENT &&
              ct_scene_create(NULL, NULL) == CT_ERROR_ARGUMENT,
          "null arguments are refused");
   ct_scene_free(scene);
@@ -195,16 +199,13 @@ static void contacts(void)
 {
   plates p = two_plates(0.0);
   int32_t fa[64], fb[64], wrong[64];
-  ct_scene_contact good = {0,
-                           1,
-                           ct_mesh_plane_faces(p.left, 0, 0.0, fa, NULL),
-                           ct_mesh_plane_faces(p.right, 0, 0.0, fb, NULL),
-                           fa,
-                           fb,
-                           4.0,
-                           ct_contact_options_default(),
-                           0.0,
-                           0.0},
+  ct_scene_contact good = {.body_b = 1,
+                           .face_count_a = ct_mesh_plane_faces(p.left, 0, 0.0, fa, NULL),
+                           .face_count_b = ct_mesh_plane_faces(p.right, 0, 0.0, fb, NULL),
+                           .faces_a = fa,
+                           .faces_b = fb,
+                           .beta = 4.0,
+                           .options = ct_contact_options_default()},
                    c;
   c = good, c.options.epsilon = 1.0;
   contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either beta or epsilon", "both beta and epsilon");
@@ -219,6 +220,10 @@ static void contacts(void)
   contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "no faces", "a surface without faces");
   c = good, c.faces_b = NULL;
   contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "no faces", "a face list that does not exist");
+  c = good, c.side_a = CT_X_MAX;
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "either a list or a side", "a list and a side");
+  c = good, c.faces_b = NULL, c.side_b = (ct_box_side)7;
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "no faces", "a side that does not exist");
   c = good, c.body_b = 2;
   contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "no body 2", "a body that does not exist");
   c = good, c.body_a = -1;
@@ -245,6 +250,66 @@ static void contacts(void)
   c = good, c.beta = INFINITY;
   contact_refused(&p, c, 1, CT_ERROR_ARGUMENT, "penalty", "an infinite beta");
   close_plates(&p);
+}
+
+/* The points of a contact of a small box with one of a larger one: their number, and where their
+ * area is. */
+static int64_t surface_of(const ct_mesh *small, const ct_mesh *large, ct_scene_contact c,
+                          double centre[3])
+{
+  ct_scene *scene = new_scene();
+  ct_stable_step stable;
+  ct_error e = {0};
+  int64_t steps;
+  add_body(scene, "small", small, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
+  add_body(scene, "large", large, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
+  need(ct_scene_add_contact(scene, &c, &e), &e);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1e-9, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  ct_state *state = new_state(p);
+  const ct_contact *contact = ct_state_contact(p, state, 1, &e);
+  int64_t count = ct_contact_point_count(contact);
+  ct_contact_point *points = room(count, sizeof *points);
+  double area = 0.0;
+  need(ct_contact_points(contact, points), &e);
+  memset(centre, 0, 3 * sizeof *centre);
+  for (int64_t q = 0; q < count; q++) {
+    if (points[q].side == 0) continue;
+    area += points[q].weight;
+    for (int a = 0; a < 3; a++) centre[a] += points[q].weight * points[q].position[a];
+  }
+  for (int a = 0; a < 3; a++) centre[a] /= area;
+  free(points);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  return count;
+}
+
+/* Each named side of a box of 2 x 3 x 4 cells has its number of faces, with 4 points each, and its
+ * area is centred where the side is. */
+static void sides(void)
+{
+  static const double low[3] = {-1, -3, -5}, high[3] = {2, 4, 6};
+  static const int faces[3] = {12, 8, 6};
+  ct_mesh *small = box_mesh(CT_HEX8, 20, 0, 0, 1, 1, 1, 1, 1, 1),
+          *large = box_mesh(CT_HEX8, -1, -3, -5, 3, 7, 11, 2, 3, 4);
+  for (int i = 0; i < 6; i++) {
+    double centre[3], off = 0.0;
+    ct_scene_contact c = {.body_b = 1,
+                          .beta = 1.0,
+                          .options = ct_contact_options_default(),
+                          .side_a = CT_Y_MIN,
+                          .side_b = (ct_box_side)(CT_X_MIN + i)};
+    int64_t count = surface_of(small, large, c, centre);
+    for (int a = 0; a < 3; a++) {
+      double want = a != i / 2 ? 0.5 * (low[a] + high[a]) : i % 2 ? high[a] : low[a];
+      off = worst(off, centre[a] - want);
+    }
+    tap_ok(count == 4 + 4 * faces[i / 2] && off < 1e-13, "side %c_%s: %d faces in its plane",
+           "xyz"[i / 2], i % 2 ? "max" : "min", faces[i / 2]);
+  }
+  ct_mesh_free(small);
+  ct_mesh_free(large);
 }
 
 static void supports(void)
@@ -410,9 +475,9 @@ static void own_effects(void)
   need(ct_scene_join(p.scene, &joined, &e), &e);
   tap_ok(joined->node_count == 100 && joined->mass[0] > 0.0,
          "a joined scene has its nodes and masses");
-  tap_ok(ct_scene_add_body(p.scene, "late", p.left, &STEEL, CT_LUMP_DEFAULT, CT_KERNEL_AUTO,
-                           joined->initial_velocity, NULL, &e) == CT_ERROR_ARGUMENT,
-         "no body after that: %s", e.text);
+  ct_scene_body late = {.name = "late", .mesh = p.left, .material = STEEL};
+  tap_ok(ct_scene_add_body(p.scene, &late, NULL, &e) == CT_ERROR_ARGUMENT, "no body after that: %s",
+         e.text);
   need(ct_effect_create(&filled, &effect, &e), &e);
   tap_ok(ct_scene_add_effect(p.scene, effect, &e) == CT_OK,
          "an effect of the caller's own is taken");
@@ -530,6 +595,7 @@ int main(void)
   times();
   bodies();
   contacts();
+  sides();
   supports();
   built_twice();
   contents();

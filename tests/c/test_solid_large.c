@@ -404,15 +404,13 @@ static void mirrored_ring(ct_brick_kind kind, ct_law law)
 static void add_spinning(ct_scene *scene, const ct_mesh *m, const ct_material *material,
                          double rate)
 {
-  int32_t body = add_body(scene, "block", m, material, CT_KERNEL_AUTO, 0, 0, 0);
   double *v = numbers(3 * m->node_count), axis[3] = {0.3 * rate, -0.4 * rate, 1.2 * rate};
   for (int n = 0; n < m->node_count; n++)
     for (int c = 0; c < 3; c++)
       v[3 * n + c] = axis[(c + 1) % 3] * m->nodes[3 * n + (c + 2) % 3] -
                      axis[(c + 2) % 3] * m->nodes[3 * n + (c + 1) % 3] +
                      0.05 * sin(3.0 * m->nodes[3 * n + c]);
-  ct_error e;
-  need(ct_scene_set_velocity(scene, body, v, &e), &e);
+  add_moving_body(scene, "block", m, material, CT_KERNEL_AUTO, v);
   free(v);
 }
 
@@ -591,24 +589,18 @@ static void velocities(void)
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_material material = soft(CT_LINEAR);
   ct_scene *scene = new_scene();
-  int32_t body = add_body(scene, "block", m, &material, CT_KERNEL_AUTO, 9, 9, 9);
   double v[24];
+  ct_scene_body block = {.mesh = m, .material = material, .velocity = {9, 9, 9}, .velocities = v};
   ct_error e = {0};
   for (int i = 0; i < 24; i++) v[i] = i;
   v[16] = NAN;
-  tap_ok(ct_scene_set_velocity(scene, body, v, &e) == CT_INVALID && e.body == 0 && e.point == 5,
+  tap_ok(ct_scene_add_body(scene, &block, NULL, &e) == CT_INVALID && e.body == 0 && e.point == 5,
          "a velocity that is no number is refused: %s", e.text);
   v[16] = 16;
-  tap_ok(ct_scene_set_velocity(scene, 1, v, &e) == CT_ERROR_ARGUMENT &&
-             ct_scene_set_velocity(scene, body, NULL, &e) == CT_ERROR_ARGUMENT,
-         "so is a body that is not there, and no velocity");
-  need(ct_scene_set_velocity(scene, body, v, &e), &e);
-  need(ct_scene_set_velocity(scene, body, v, &e), &e);
+  need(ct_scene_add_body(scene, &block, NULL, &e), &e);
   const ct_problem *problem;
   need(ct_scene_join(scene, &problem, &e), &e);
   tap_ok(memcmp(problem->initial_velocity, v, sizeof v) == 0, "each node starts with its velocity");
-  tap_ok(ct_scene_set_velocity(scene, body, v, &e) == CT_ERROR_ARGUMENT,
-         "after the bodies were joined it is too late: %s", e.text);
   ct_scene_free(scene);
   ct_mesh_free(m);
 }

@@ -1,5 +1,6 @@
 /* Reduced hex8: the kernel against the readable form, patch test, hourglass modes, bending against
  * beam theory, bound on the step. */
+#include "../../libcontact/src/solid/reduced.h"
 #include "blocks.h"
 
 static const ct_material STEEL = {2.1e5, 0.3, 7.8e-9, CT_LINEAR};
@@ -29,7 +30,7 @@ static void readable(const ct_mesh *m, const ct_material *material, const double
     double x[60], v[60], g[24], own[2];
     take_element(m, el, m->nodes, x);
     take_element(m, el, u, v);
-    need(ct_solid_reduced_force(x, v, material, ct_solid_hourglass_default(), g, own, &e), &e);
+    need(ct_solid_reduced_force(x, v, material, CT_HOURGLASS_DEFAULT, g, own, &e), &e);
     for (int a = 0; a < 8; a++)
       for (int c = 0; c < 3; c++) f[3 * m->elements[el * 8 + a] + c] += g[3 * a + c];
     for (int i = 0; i < 2; i++) energy[i] += own[i];
@@ -414,13 +415,15 @@ static void ledger(void)
   ct_scene *scene = new_scene();
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 3, 3, 3);
   distort(m, 0.05);
-  int32_t body = add_body(scene, "block", m, &SOFT, CT_KERNEL_REDUCED, 0, 0, 0);
   double *v = random_displacement(m, 1e-3);
   ct_error e;
-  need(ct_scene_set_velocity(scene, body, v, &e), &e);
-  tap_ok(ct_scene_set_hourglass(scene, body, -1.0, &e) == CT_ERROR_ARGUMENT,
+  ct_scene_body block = {.mesh = m, .material = SOFT, .kernel = CT_KERNEL_REDUCED};
+  block.velocities = v;
+  block.hourglass = -1.0;
+  tap_ok(ct_scene_add_body(scene, &block, NULL, &e) == CT_ERROR_ARGUMENT,
          "a negative coefficient is refused: %s", e.text);
-  need(ct_scene_set_hourglass(scene, body, 0.5, &e), &e);
+  block.hourglass = 0.5;
+  need(ct_scene_add_body(scene, &block, NULL, &e), &e);
   int64_t steps;
   ct_stable_step stable;
   const ct_problem *p =

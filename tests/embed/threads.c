@@ -79,9 +79,9 @@ static ct_scene *make(ct_enforcement enforcement, const ct_problem **problem)
     need(ct_mesh_create_box(CT_HEX8, &box, &mesh, &e), &e);
     *(b == 0 ? &contact.face_count_a : &contact.face_count_b) =
         ct_mesh_plane_faces(mesh, 0, b == 0 ? 0.0 : 0.002, faces[b], NULL);
-    need(ct_scene_add_body(scene, b == 0 ? "left" : "right", mesh, &soft, CT_LUMP_DEFAULT,
-                           CT_KERNEL_AUTO, velocity, NULL, &e),
-         &e);
+    ct_scene_body body = {.mesh = mesh, .material = soft};
+    memcpy(body.velocity, velocity, sizeof velocity);
+    need(ct_scene_add_body(scene, &body, NULL, &e), &e);
     ct_mesh_free(mesh);
   }
   contact.faces_a = faces[0], contact.faces_b = faces[1];

@@ -9,6 +9,7 @@
 #include <libcontact/output.h>
 #endif
 
+#include "../../libcontact/src/effect/amplitude.h"
 #include "../c/defs.h"
 #include "dice.h"
 
@@ -101,26 +102,29 @@ static void add_body(play *p)
   int32_t number = -1;
   ct_solid_kernel kernel = (ct_solid_kernel)(chance(d, 3) ? below(d, 6) : CT_KERNEL_AUTO);
   ct_lumping lumping = (ct_lumping)(chance(d, 4) ? below(d, 4) : CT_LUMP_DEFAULT);
-  if (p->body_count < MOST_BODIES &&
-      TRY(ct_scene_add_body(
-          p->scene,
-          chance(d, 9)
-              ? "a name that is so long that it does not fit into the place that a body has for it"
-              : "body",
-          mesh, &material, lumping, kernel, velocity, chance(d, 3) ? NULL : &number, &e)) ==
-          CT_OK) {
-    demand(number == -1 || number == p->body_count, "bodies are numbered");
-    if (chance(d, 4)) {
-      double *each = room((size_t)mesh->node_count, 3 * sizeof *each);
-      for (int i = 0; i < 3 * mesh->node_count; i++) each[i] = 0.1 * real(d);
-      (void)TRY(ct_scene_set_velocity(p->scene, p->body_count, each, &e));
-      free(each);
-    }
-    if (chance(d, 5))
-      (void)TRY(ct_scene_set_hourglass(p->scene, p->body_count, between(d, 0.1, 2.0), &e));
-    p->mesh[p->body_count++] = mesh;
-    return;
+  double *each = NULL;
+  if (chance(d, 4)) {
+    each = room((size_t)mesh->node_count, 3 * sizeof *each);
+    for (int i = 0; i < 3 * mesh->node_count; i++) each[i] = 0.1 * real(d);
   }
+  const char *name = chance(d, 9) ? "a name that is so long that it does not fit into the place "
+                                    "that a body has for it"
+                                  : "body";
+  ct_scene_body body = {.name = name,
+                        .mesh = mesh,
+                        .material = material,
+                        .lumping = lumping,
+                        .kernel = kernel,
+                        .velocity = {velocity[0], velocity[1], velocity[2]},
+                        .velocities = each,
+                        .hourglass = chance(d, 5) ? between(d, 0.1, 2.0) : 0.0};
+  if (p->body_count < MOST_BODIES &&
+      TRY(ct_scene_add_body(p->scene, &body, chance(d, 3) ? NULL : &number, &e)) == CT_OK) {
+    demand(number == -1 || number == p->body_count, "bodies are numbered");
+    p->mesh[p->body_count++] = mesh;
+    mesh = NULL;
+  }
+  free(each);
   ct_mesh_free(mesh);
 }
 

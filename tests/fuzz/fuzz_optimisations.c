@@ -207,21 +207,25 @@ static void add_body(run *r, dice *d, int number)
        "%g, velocity %g %g %g\n",
        number, (int)kind, (int)b->mesh->element_count, ring, amount, (int)material.law, (int)kernel,
        (int)lumping, begin, velocity[0], velocity[1], velocity[2]);
-  r->status = ct_scene_add_body(r->scene, "body", b->mesh, &material, lumping, kernel, velocity,
-                                NULL, &r->error);
-  if (r->status != CT_OK) return;
-  r->body_count++;
-  if (r->plain || !chance(d, 6)) return;
+  ct_scene_body body = {.name = "body",
+                        .mesh = b->mesh,
+                        .material = material,
+                        .lumping = lumping,
+                        .kernel = kernel,
+                        .velocity = {velocity[0], velocity[1], velocity[2]}};
   // -- Some nodes, or all of them, have velocities of their own
-  double *each = room((size_t)b->mesh->node_count, 3 * sizeof *each);
-  uint64_t few = 1 + roll(d) % 40u;
-  for (int32_t n = 0; n < b->mesh->node_count; n++)
+  int own = !r->plain && chance(d, 6);
+  double *each = own ? room((size_t)b->mesh->node_count, 3 * sizeof *each) : NULL;
+  uint64_t few = own ? 1 + roll(d) % 40u : 1;
+  body.velocities = each;
+  for (int32_t n = 0; own && n < b->mesh->node_count; n++)
     for (int c = 0; c < 3; c++)
       each[3 * n + c] = velocity[c] + (of_place(&b->plain->nodes[3 * n], salt) % few == 0
                                            ? 0.02 * number_of_place(&b->plain->nodes[3 * n],
                                                                     salt + 9 + (uint64_t)c)
                                            : 0.0);
-  r->status = ct_scene_set_velocity(r->scene, number, each, &r->error);
+  r->status = ct_scene_add_body(r->scene, &body, NULL, &r->error);
+  if (r->status == CT_OK) r->body_count++;
   free(each);
 }
 

@@ -299,7 +299,6 @@ class Problem:
 
     def _add_bodies(self) -> None:
         self._meshes = {}
-        number = ffi.new("int32_t *")
         for i, body in enumerate(self.parts.bodies.values()):
             mesh = self._mesh(i, body)
             given = self.parts.materials[body.material]
@@ -307,26 +306,18 @@ class Problem:
             if not (math.isfinite(c1) and c1 > 0.0):
                 reason = f'material "{body.material}" has the wave speed {c1:g}'
                 raise self._error(reason, f"body[{i}].material")
-            self._call(
-                f"body[{i}]",
-                lib.ct_scene_add_body,
-                self._scene,
-                body.name.encode(),
-                mesh.pointer,
-                c_material(given),
-                LUMPINGS[body.lumping or "default"],
-                KERNELS["reduced" if body.integration == "reduced" else body.kernel],
-                list(body.velocity),
-                number,
-                about=f'body "{body.name}": ',
-            )
-            at = (self._scene, number[0])
-            if body.hourglass is not None:
-                set_hourglass = lib.ct_scene_set_hourglass
-                self._call(f"body[{i}].hourglass", set_hourglass, *at, body.hourglass)
+            name = ffi.new("char[]", body.name.encode())
+            new = ffi.new("ct_scene_body *", {"name": name, "mesh": mesh.pointer})
+            new.material = c_material(given)[0]
+            new.lumping = LUMPINGS[body.lumping or "default"]
+            new.kernel = KERNELS["reduced" if body.integration == "reduced" else body.kernel]
+            new.velocity = list(body.velocity)
+            new.hourglass = body.hourglass or 0.0
             if body.spin is not None:
-                velocity = ffi.from_buffer("double[]", _spinning(body, mesh))
-                self._call(f"body[{i}].spin", lib.ct_scene_set_velocity, *at, velocity)
+                velocities = ffi.from_buffer("double[]", _spinning(body, mesh))
+                new.velocities = velocities
+            about = f'body "{body.name}": '
+            self._call(f"body[{i}]", lib.ct_scene_add_body, self._scene, new, ffi.NULL, about=about)
             self._meshes[body.name] = mesh
 
     def _add_contact(self, i: int, contact: Contact) -> list[NDArray[Any]]:

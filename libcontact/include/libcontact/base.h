@@ -1,3 +1,6 @@
+/* Statuses, errors, the version, the host's allocator, and sums that do not depend on the order.
+ * Threads: ct_set_allocator only while no other thread is inside the library; all other calls at
+ * any time. */
 #ifndef LIBCONTACT_BASE_H
 #define LIBCONTACT_BASE_H
 
@@ -95,7 +98,40 @@ typedef struct ct_error {
 /** A short name for a status, for example ``"inverted or collapsed element"``; never null. */
 CT_API const char *ct_status_name(ct_status status);
 
-/** Version of the library as ``"major.minor.patch"``. */
+/**
+ * Where the memory of the library comes from: two functions of the host and what they need. Both
+ * may be called from several threads at once if the host calls the library from several threads.
+ */
+typedef struct ct_allocator {
+  /** `size` > 0 bytes, aligned for any C type, with any content; null when there are none. */
+  void *(*allocate)(size_t size, void *context);
+  /** Take back what `allocate` gave; never null. */
+  void (*release)(void *memory, void *context);
+  /** Passed to both functions. */
+  void *context;
+} ct_allocator;
+
+/**
+ * Take all memory of the library from `allocator`, which is copied; null: from the C library, as
+ * without this call. It holds for the whole process, so call it before anything of the library is
+ * made, or after all is freed, and while no other thread is inside the library. Results files and
+ * the series (the add-on libraries) keep to the C library, as HDF5 and GSL do; OpenMP has memory of
+ * its own. ``CT_ERROR_ARGUMENT``: a function is missing; nothing is changed.
+ */
+CT_API ct_status ct_set_allocator(const ct_allocator *allocator);
+
+/** Version of the headers; each number is below 10. */
+typedef enum ct_version_number {
+  /** changes when a host must change its calls */
+  CT_VERSION_MAJOR = 0,
+  /** changes when something is added */
+  CT_VERSION_MINOR = 1,
+  /** changes when something is mended */
+  CT_VERSION_PATCH = 0
+} ct_version_number;
+
+/** Version of the library as ``"major.minor.patch"``; other numbers than those of
+ * `ct_version_number` mean that a program was compiled with the headers of another version. */
 CT_API const char *ct_version(void);
 
 /** Not zero when the library was compiled with OpenMP; without it, any number of threads means one.

@@ -1,3 +1,5 @@
+/* What can be chosen of the solver that keeps the gaps of all contacts of a step.
+ * Threads: plain data. */
 #ifndef LIBCONTACT_CONSTRAINT_H
 #define LIBCONTACT_CONSTRAINT_H
 

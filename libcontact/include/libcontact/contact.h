@@ -1,3 +1,8 @@
+/* The contact of two surfaces over a host's own arrays, and contacts, obstacles and friction as
+ * effects.
+ * Threads: a call that takes a const contact may run at once with others of its kind;
+ * ct_contact_update and ct_contact_free must be alone with their contact. Different contacts are
+ * independent. */
 #ifndef LIBCONTACT_CONTACT_H
 #define LIBCONTACT_CONTACT_H
 

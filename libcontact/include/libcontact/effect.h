@@ -1,3 +1,7 @@
+/* The effects that come with the library: bodies, supports, motions, loads, gravity, damping,
+ * viscosity, absorbing faces.
+ * Threads: factories at any time; an effect does not change after it was made, so that several
+ * states may use it at once. */
 #ifndef LIBCONTACT_EFFECT_H
 #define LIBCONTACT_EFFECT_H
 
@@ -95,12 +99,6 @@ typedef struct ct_amplitude {
   /** Values at these times, shape (count). */
   const double *value;
 } ct_amplitude;
-
-/**
- * ``CT_ERROR_ARGUMENT`` when arrays are missing or times descend, ``CT_INVALID`` when a number is
- * not finite; `error` names the point.
- */
-CT_API ct_status ct_amplitude_check(const ct_amplitude *amplitude, ct_error *error);
 
 /** The factor at a time, :eq:`amplitude`. */
 CT_API double ct_amplitude_value(const ct_amplitude *amplitude, double time);

@@ -1,3 +1,5 @@
+/* The exact solution of the impact of two thick plates, to compare results with.
+ * Threads: every call at any time. */
 #ifndef LIBCONTACT_EXACT_H
 #define LIBCONTACT_EXACT_H
 

@@ -1,3 +1,5 @@
+/* Meshes of bricks and their outer faces, materials, and masses of nodes.
+ * Threads: several threads may read one mesh; one that changes its arrays must be alone with it. */
 #ifndef LIBCONTACT_MESH_H
 #define LIBCONTACT_MESH_H
 

@@ -1,3 +1,5 @@
+/* Closest points of one face: one point at a time, many points at once, along a line.
+ * Threads: every call at any time, also on one face; they write only what they are given. */
 #ifndef LIBCONTACT_PROJECTION_H
 #define LIBCONTACT_PROJECTION_H
 

@@ -1,3 +1,6 @@
+/* From bodies, contacts and supports to a problem: numbering, masses, effects, stable step.
+ * Threads: a call must be alone with its scene; different scenes are independent. States of the
+ * built problem may be stepped at once as long as nobody builds or frees the scene. */
 #ifndef LIBCONTACT_SCENE_H
 #define LIBCONTACT_SCENE_H
 
@@ -13,7 +16,50 @@ CT_BEGIN_DECLS
  * it was given. */
 typedef struct ct_scene ct_scene;
 
-/** One contact between two surfaces of two bodies. */
+/** A body. What is left zero has its default; a mesh or a box, and a material are needed. */
+typedef struct ct_scene_body {
+  /** Label for errors, at most 63 bytes are kept; null: none. */
+  const char *name;
+  /** The mesh, copied; null: `box`. */
+  const ct_mesh *mesh;
+  /** In place of a mesh: a box of bricks of this kind. */
+  ct_brick_kind kind;
+  /** The box, read only when there is no mesh. */
+  ct_box box;
+  /** The material of all its elements. */
+  ct_material material;
+  /** How masses are lumped. */
+  ct_lumping lumping;
+  /** The kernel of its forces. */
+  ct_solid_kernel kernel;
+  /** Velocity of the whole body at t = 0 [length / time]. */
+  double velocity[3];
+  /** Null, or in place of `velocity` one of each node, shape (node_count, 3), copied. */
+  const double *velocities;
+  /** Coefficient κ of the hourglass control with CT_KERNEL_REDUCED, :eq:`hourglass-stiffness`; 0:
+   * the default. */
+  double hourglass;
+} ct_scene_body;
+
+/** The side of a body's mesh with the smallest or largest coordinate. */
+typedef enum ct_box_side {
+  /** none is named */
+  CT_SIDE_NONE = 0,
+  /** smallest x */
+  CT_X_MIN = 1,
+  /** largest x */
+  CT_X_MAX = 2,
+  /** smallest y */
+  CT_Y_MIN = 3,
+  /** largest y */
+  CT_Y_MAX = 4,
+  /** smallest z */
+  CT_Z_MIN = 5,
+  /** largest z */
+  CT_Z_MAX = 6
+} ct_box_side;
+
+/** One contact between two surfaces of two bodies: each a list of faces or a side. */
 typedef struct ct_scene_contact {
   /** Number of the first body. */
   int32_t body_a;
@@ -38,6 +84,10 @@ typedef struct ct_scene_contact {
   double friction;
   /** Ratio of the tangential to the normal penalty of friction; 0: 1. */
   double tangent;
+  /** In place of `faces_a`: the outer faces in this side of the first body. */
+  ct_box_side side_a;
+  /** Likewise of the second body. */
+  ct_box_side side_b;
 } ct_scene_contact;
 
 /** Prescribed velocity of a set of nodes of one body. */
@@ -76,8 +126,8 @@ typedef struct ct_scene_time {
   /** The method of the time steps; all bytes zero: central difference. */
   ct_integrator integrator;
   /**
-   * Not zero: linear bodies are bounded by `ct_stable_assembled` where that allows a larger step;
-   * it costs some 70 forces once.
+   * Not zero: linear bodies are bounded together, :eq:`assembled-bound`, where that allows a
+   * larger step; it costs some 70 forces once.
    */
   int assembled;
 } ct_scene_time;
@@ -85,26 +135,13 @@ typedef struct ct_scene_time {
 /** An empty scene. */
 CT_API ct_status ct_scene_create(ct_scene **scene, ct_error *error);
 
-/** Add a body with a copy of the mesh; `*body` gets its number. */
-CT_API ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *mesh,
-                                   const ct_material *material, ct_lumping lumping,
-                                   ct_solid_kernel kernel, const double velocity[3], int32_t *body,
+/**
+ * Add a body; `*body`, which may be null, gets its number. ``CT_ERROR_ARGUMENT``: an impossible
+ * choice, or after `ct_scene_join`; ``CT_INVALID``: a velocity is not finite (`error`
+ * names the node).
+ */
+CT_API ct_status ct_scene_add_body(ct_scene *scene, const ct_scene_body *def, int32_t *body,
                                    ct_error *error);
-
-/**
- * Give each node of a body its own velocity at t = 0 [length / time], shape (node_count, 3), in
- * place of the one of `ct_scene_add_body`; the array is copied. Not after `ct_scene_join`.
- * ``CT_INVALID``: a number is not finite (`error` names the node).
- */
-CT_API ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *velocity,
-                                       ct_error *error);
-
-/**
- * The coefficient κ of the hourglass control of a body with CT_KERNEL_REDUCED,
- * :eq:`hourglass-stiffness`, > 0; the default if this is not called.
- */
-CT_API ct_status ct_scene_set_hourglass(ct_scene *scene, int32_t body, double coefficient,
-                                        ct_error *error);
 
 /** Add a contact; its arrays are copied. */
 CT_API ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact,
@@ -136,8 +173,9 @@ CT_API ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_erro
 
 /**
  * Build the problem: masses, effects, stable step, and the largest Δt not above the asked one that
- * reaches `end` in a whole number of steps (`*step_count`). ``CT_ERROR_STEP`` when the asked Δt is
- * above the stable one. The scene keeps the problem: it lives until `ct_scene_free`.
+ * reaches `end` in a whole number of steps (`*step_count`; `stable` may be null). ``CT_ERROR_STEP``
+ * when the asked Δt is above the stable one. The scene keeps the problem: it lives until
+ * `ct_scene_free`.
  */
 CT_API ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time,
                                 const ct_problem **problem, int64_t *step_count,

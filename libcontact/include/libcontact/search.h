@@ -1,3 +1,6 @@
+/* The face of a surface that is closest to a point, by a tree of boxes.
+ * Threads: ct_search_move must be alone with its search; queries of one search may run at once.
+ */
 #ifndef LIBCONTACT_SEARCH_H
 #define LIBCONTACT_SEARCH_H
 

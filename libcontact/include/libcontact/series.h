@@ -1,3 +1,5 @@
+/* The modal series of the impact of two plates (GSL), in the add-on library libcontact-gsl.
+ * Threads: several threads may ask one series; it does not change after it was made. */
 #ifndef LIBCONTACT_SERIES_H
 #define LIBCONTACT_SERIES_H
 

@@ -1,3 +1,6 @@
+/* Shape functions, tangents and quadrature rules of one face and of one brick: formulas of plain
+ * numbers.
+ * Threads: every call at any time; they write only what they are given. */
 #ifndef LIBCONTACT_SHAPE_H
 #define LIBCONTACT_SHAPE_H
 

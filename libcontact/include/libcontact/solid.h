@@ -1,3 +1,6 @@
+/* Forces and energies of elements, formula by formula, and the kernels that compute blocks of
+ * them.
+ * Threads: every call at any time; they write only what they are given. */
 #ifndef LIBCONTACT_SOLID_H
 #define LIBCONTACT_SOLID_H
 
@@ -75,10 +78,6 @@ CT_API ct_status ct_solid_reduced_force(const double *nodes, const double *displ
 CT_API ct_status ct_solid_reduced_omega2_bound(const double *nodes, const ct_material *material,
                                                double hourglass, const double *mass,
                                                double *omega_squared, ct_error *error);
-
-/** The coefficient κ of the hourglass control when none is given: 1, with which a cube bends as a
- * beam does. */
-CT_API double ct_solid_hourglass_default(void);
 
 /**
  * Work that the library leaves out where that changes no value, :doc:`/theory/savings`; each 1 or

@@ -1,3 +1,8 @@
+/* The contract of an effect; the problem, which does not change in a run, and the state, which
+ * does; time steps, stable step, energy and momentum, and the monitor of a run.
+ * Threads: a call must be alone with its state and its monitor; several states of one problem may
+ * be stepped at once. One step may itself use several threads (ct_problem.threads), with the same
+ * bits. */
 #ifndef LIBCONTACT_STEP_H
 #define LIBCONTACT_STEP_H
 
@@ -259,10 +264,6 @@ CT_API ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *
 /** Fill the stages of one step, shape (2); the number of them (1 or 2). */
 CT_API int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages);
 
-/** Share g of Δt by which the force at t_n completes the velocity there, v_n = v + g Δt f_n / m,
- * :eq:`stage-velocity`. */
-CT_API double ct_integrator_share(const ct_integrator *integrator);
-
 /** Largest stable Ω = ω Δt of an oscillator without damping, :eq:`integrator-limits`. */
 CT_API double ct_integrator_limit(const ct_integrator *integrator);
 
@@ -323,8 +324,8 @@ typedef struct ct_problem {
   /** The method of the time steps; all bytes zero: central difference. */
   ct_integrator integrator;
   /**
-   * Not zero: linear bodies are bounded by `ct_stable_assembled` where that allows a larger step;
-   * it costs some 70 forces once.
+   * Not zero: linear bodies are bounded together, :eq:`assembled-bound`, where that allows a
+   * larger step; it costs some 70 forces once.
    */
   int assembled;
 } ct_problem;
@@ -455,15 +456,6 @@ CT_API ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_
  */
 CT_API ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t effect,
                                  double *omega_squared, double *rate, ct_error *error);
-
-/**
- * Upper bound of the largest ω² of all bodies together, held as they are [1 / time²],
- * :eq:`assembled-bound`: Lanczos' method from a random start, which is the same in every call, with
- * a margin of 6 %; for one start in 10¹² it is too low.
- * ``CT_ERROR_UNSUPPORTED``: a body is not linear.
- */
-CT_API ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state,
-                                     double *omega_squared, ct_error *error);
 
 /**
  * Largest stable step of the problem in this state (a null `state`: at t = 0).

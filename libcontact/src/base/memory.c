@@ -1,18 +1,41 @@
 #include "memory.h"
 
+#include <libcontact/base.h>
+
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { ALIGNMENT = 64 };
 
+/* The host's functions, or null for the C library's: one of the two variables of the whole process.
+ * A host writes it before it makes anything. */
+static ct_allocator host;
+
+ct_status ct_set_allocator(const ct_allocator *allocator)
+{
+  static const ct_allocator none;
+  if (allocator != NULL && (allocator->allocate == NULL || allocator->release == NULL))
+    return CT_ERROR_ARGUMENT;
+  host = allocator == NULL ? none : *allocator;
+  return CT_OK;
+}
+
+/* Zeroed bytes. The C library need not write the zeros of memory that is new. */
+static void *zeroed(size_t bytes)
+{
+  if (host.allocate == NULL) return calloc(bytes, 1);
+  void *raw = host.allocate(bytes, host.context);
+  return raw == NULL ? NULL : memset(raw, 0, bytes);
+}
+
 void *ct_allocate(size_t count, size_t size)
 {
   if (count == 0) count = 1;
   if (size != 0 && count > (SIZE_MAX - ALIGNMENT - sizeof(void *)) / size) return NULL;
-  char *raw = calloc(count * size + ALIGNMENT + sizeof(void *), 1);
+  char *raw = zeroed(count * size + ALIGNMENT + sizeof(void *));
   if (raw == NULL) return NULL;
-  // The address that calloc gave stands just before the aligned block.
+  // The address that was given stands just before the aligned block.
   uintptr_t start = (uintptr_t)raw + sizeof(void *);
   size_t shift = (ALIGNMENT - start % ALIGNMENT) % ALIGNMENT;
   void **block = (void **)(void *)(raw + sizeof(void *) + shift);
@@ -22,7 +45,10 @@ void *ct_allocate(size_t count, size_t size)
 
 void ct_release(void *memory)
 {
-  if (memory != NULL) free(((void **)memory)[-1]);
+  if (memory == NULL) return;
+  void *raw = ((void **)memory)[-1];
+  if (host.release == NULL) free(raw);
+  else host.release(raw, host.context);
 }
 
 void *ct_duplicate(const void *from, size_t bytes)

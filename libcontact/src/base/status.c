@@ -33,7 +33,12 @@ const char *ct_status_name(ct_status status)
   return "unknown status";
 }
 
-const char *ct_version(void) { return "0.1.0"; }
+const char *ct_version(void)
+{
+  static const char version[] = {'0' + CT_VERSION_MAJOR, '.', '0' + CT_VERSION_MINOR, '.',
+                                 '0' + CT_VERSION_PATCH, 0};
+  return version;
+}
 
 int ct_has_openmp(void)
 {

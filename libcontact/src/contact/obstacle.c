@@ -8,6 +8,7 @@
 #include "../base/vector.h"
 #include "../step/effect_internal.h"
 #include "../step/workspace.h"
+#include "../effect/amplitude.h"
 #include "contact_internal.h"
 
 #include <math.h>

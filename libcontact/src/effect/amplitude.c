@@ -1,4 +1,4 @@
-#include <libcontact/effect.h>
+#include "amplitude.h"
 
 #include "../base/error.h"
 

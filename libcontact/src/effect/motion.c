@@ -2,6 +2,7 @@
 #include <libcontact/effect.h>
 
 #include "../step/effect_internal.h"
+#include "amplitude.h"
 #include "../base/error.h"
 #include "../base/memory.h"
 

@@ -326,8 +326,6 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
   return CT_OK;
 }
 
-double ct_solid_hourglass_default(void) { return 1.0; }
-
 ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel,
                              double *flops, double *bytes)
 {

@@ -12,12 +12,9 @@
 
 /* What was added of one body, contact and support. */
 typedef struct scene_body {
+  ct_scene_body given; /* without its mesh and arrays */
   ct_mesh *mesh;
-  ct_lumping lumping;
-  ct_solid_kernel kernel;
-  double velocity[3];
   double *velocities; /* of each node, or null */
-  double hourglass;   /* coefficient, or 0 for the default */
 } scene_body;
 
 typedef struct scene_contact {
@@ -137,46 +134,83 @@ void ct_scene_free(ct_scene *scene)
   ct_release(scene);
 }
 
-ct_status ct_scene_add_body(ct_scene *scene, const char *name, const ct_mesh *mesh,
-                            const ct_material *material, ct_lumping lumping, ct_solid_kernel kernel,
-                            const double velocity[3], int32_t *body, ct_error *error)
+static ct_status check_velocities(const ct_scene_body *def, int32_t nodes, const char *name,
+                                  ct_error *error)
 {
-  if (scene == NULL || name == NULL || mesh == NULL || velocity == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body: null argument");
+  for (int c = 0; c < 3; c++)
+    if (!isfinite(def->velocity[c]))
+      return ct_fail(error, CT_INVALID, CT_NOWHERE, "body %s: velocity %c is not finite", name,
+                     "xyz"[c]);
+  int64_t count = def->velocities == NULL ? 0 : 3 * (int64_t)nodes;
+  for (int64_t d = 0; d < count; d++)
+    if (!isfinite(def->velocities[d]))
+      return ct_fail(error, CT_INVALID, (ct_place){-1, -1, d / 3},
+                     "body %s: velocity %c of node %d is not finite", name, "xyz"[d % 3],
+                     (int)(d / 3));
+  return CT_OK;
+}
+
+static ct_status check_new_body(const ct_scene *scene, const ct_scene_body *def, const char *name,
+                                ct_error *error)
+{
   if (scene->joined)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "body %s: the scene's bodies were joined before, and none can be added after",
                    name);
-  if ((int)lumping < CT_LUMP_DEFAULT || (int)lumping > CT_LUMP_HRZ ||
-      (int)kernel < CT_KERNEL_AUTO || (int)kernel > CT_KERNEL_REDUCED)
+  if ((int)def->lumping < CT_LUMP_DEFAULT || (int)def->lumping > CT_LUMP_HRZ ||
+      (int)def->kernel < CT_KERNEL_AUTO || (int)def->kernel > CT_KERNEL_REDUCED)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body %s: no lumping %d or no kernel %d",
-                   name, (int)lumping, (int)kernel);
-  ct_status status = ct_material_check(material, error);
-  for (int c = 0; status == CT_OK && c < 3; c++)
-    if (!isfinite(velocity[c]))
-      status = ct_fail(error, CT_INVALID, CT_NOWHERE, "body %s: velocity %c is not finite", name,
-                       "xyz"[c]);
-  ct_mesh *copy = NULL;
-  if (status == CT_OK) status = ct_mesh_create_copy(mesh, &copy, error);
+                   name, (int)def->lumping, (int)def->kernel);
+  if (!(def->hourglass >= 0.0) || !isfinite(def->hourglass))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "body %s: the hourglass coefficient must be positive, not %g", name,
+                   def->hourglass);
+  return ct_material_check(&def->material, error);
+}
+
+/* Copies of a body's mesh or box and velocities, and places for them in the tables. */
+static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char *name,
+                           scene_body *part, ct_error *error)
+{
+  ct_status status = def->mesh != NULL
+                         ? ct_mesh_create_copy(def->mesh, &part->mesh, error)
+                         : ct_mesh_create_box(def->kind, &def->box, &part->mesh, error);
+  if (status == CT_OK) status = check_velocities(def, part->mesh->node_count, name, error);
+  if (status == CT_OK && def->velocities != NULL)
+    part->velocities =
+        ct_duplicate(def->velocities, 3 * (size_t)part->mesh->node_count * sizeof(double));
   if (status == CT_OK &&
-      (!grow((void **)&scene->bodies, scene->body_count, sizeof *scene->bodies) ||
-       !grow((void **)&scene->parts, scene->body_count, sizeof *scene->parts))) {
-    ct_mesh_free(copy);
+      ((def->velocities != NULL && part->velocities == NULL) ||
+       !grow((void **)&scene->bodies, scene->body_count, sizeof *scene->bodies) ||
+       !grow((void **)&scene->parts, scene->body_count, sizeof *scene->parts)))
     status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for body %s", name);
-  }
+  if (status == CT_OK) return status;
+  ct_mesh_free(part->mesh);
+  ct_release(part->velocities);
+  return status;
+}
+
+ct_status ct_scene_add_body(ct_scene *scene, const ct_scene_body *def, int32_t *body,
+                            ct_error *error)
+{
+  if (scene == NULL || def == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body: null argument");
+  scene_body part = {.given = *def};
+  const char *name = def->name == NULL ? "" : def->name;
+  ct_status status = check_new_body(scene, def, name, error);
+  if (status == CT_OK) status = copy_body(scene, def, name, &part, error);
   if (status != CT_OK) {
     if (error != NULL) error->body = scene->body_count;
     return status;
   }
   ct_body *entry = &scene->bodies[scene->body_count];
   snprintf(entry->name, sizeof entry->name, "%s", name);
-  entry->mesh = copy;
-  entry->material = *material;
+  entry->mesh = part.mesh;
+  entry->material = def->material;
   entry->first_node = 0;
   for (int32_t i = 0; i < scene->body_count; i++)
     entry->first_node += scene->bodies[i].mesh->node_count;
-  scene->parts[scene->body_count] =
-      (scene_body){copy, lumping, kernel, {velocity[0], velocity[1], velocity[2]}, NULL, 0.0};
+  scene->parts[scene->body_count] = part;
   if (body != NULL) *body = scene->body_count;
   scene->body_count++;
   return CT_OK;
@@ -187,45 +221,6 @@ static ct_status check_body(const ct_scene *scene, int32_t body, const char *wha
   if (body >= 0 && body < scene->body_count) return CT_OK;
   return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1}, "%s: there is no body %d",
                  what, (int)body);
-}
-
-ct_status ct_scene_set_velocity(ct_scene *scene, int32_t body, const double *velocity,
-                                ct_error *error)
-{
-  if (scene == NULL || velocity == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "velocity: null argument");
-  ct_status status = check_body(scene, body, "velocity", error);
-  if (status != CT_OK) return status;
-  const char *name = scene->bodies[body].name;
-  int64_t count = 3 * (int64_t)scene->parts[body].mesh->node_count;
-  if (scene->joined)
-    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
-                   "body %s: the scene's bodies were joined before, and keep their velocities",
-                   name);
-  for (int64_t d = 0; d < count; d++)
-    if (!isfinite(velocity[d]))
-      return ct_fail(error, CT_INVALID, (ct_place){body, -1, d / 3},
-                     "body %s: velocity %c of node %d is not finite", name, "xyz"[d % 3],
-                     (int)(d / 3));
-  double *copy = ct_duplicate(velocity, (size_t)count * sizeof *copy);
-  if (copy == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for body %s", name);
-  ct_release(scene->parts[body].velocities);
-  scene->parts[body].velocities = copy;
-  return CT_OK;
-}
-
-ct_status ct_scene_set_hourglass(ct_scene *scene, int32_t body, double coefficient, ct_error *error)
-{
-  if (scene == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "hourglass: null argument");
-  ct_status status = check_body(scene, body, "hourglass", error);
-  if (status != CT_OK) return status;
-  if (!(coefficient > 0.0) || !isfinite(coefficient))
-    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
-                   "the hourglass coefficient must be positive, not %g", coefficient);
-  scene->parts[body].hourglass = coefficient;
-  return CT_OK;
 }
 
 /* Node numbers of a body's own mesh, `per` of them a face; a support's nodes stand alone (`per` 0).
@@ -242,42 +237,77 @@ static ct_status check_nodes(const ct_scene *scene, int32_t body, const int32_t 
   return CT_OK;
 }
 
+/* The outer faces in a side of a body's mesh, with the body's own node numbers. */
+static ct_status side_faces(const ct_mesh *mesh, ct_box_side side, int32_t **faces, int32_t *count,
+                            ct_error *error)
+{
+  double bound[2][3];
+  int axis = ((int)side - 1) / 2, top = ((int)side - 1) % 2;
+  ct_mesh_bounds(mesh, bound[0], bound[1]);
+  *count = ct_mesh_plane_faces(mesh, axis, bound[top][axis], NULL, NULL);
+  size_t per = (size_t)ct_face_node_count(ct_brick_face_kind(mesh->kind));
+  *faces = *count > 0 ? ct_allocate((size_t)*count * per, sizeof **faces) : NULL;
+  if (*faces != NULL) *count = ct_mesh_plane_faces(mesh, axis, bound[top][axis], *faces, NULL);
+  if (*faces != NULL && *count > 0) return CT_OK;
+  ct_release(*faces);
+  *faces = NULL;
+  return *count == 0 ? ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                               "contact: the body has no faces in its side %c_%s", "xyz"[axis],
+                               top ? "max" : "min")
+                     : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+}
+
+/* A copy of one surface of a contact, with the body's own node numbers: what is listed, or a side.
+ */
+static ct_status copy_surface(const ct_scene *scene, int32_t body, const int32_t *listed,
+                              ct_box_side side, int32_t **faces, int32_t *count, ct_error *error)
+{
+  ct_status status = check_body(scene, body, "contact", error);
+  if (status != CT_OK) return status;
+  const ct_mesh *mesh = scene->parts[body].mesh;
+  if (listed == NULL && side >= CT_X_MIN && side <= CT_Z_MAX)
+    return side_faces(mesh, side, faces, count, error);
+  if (listed == NULL || *count < 1 || side != CT_SIDE_NONE)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "contact: a surface has no faces; it needs either a list or a side");
+  int per = ct_face_node_count(ct_brick_face_kind(mesh->kind));
+  status = check_nodes(scene, body, listed, (int64_t)*count * per, per, "contact", error);
+  if (status != CT_OK) return status;
+  *faces = ct_duplicate(listed, (size_t)*count * (size_t)per * sizeof **faces);
+  return *faces != NULL ? CT_OK
+                        : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+}
+
 ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error)
 {
-  if (scene == NULL || contact == NULL || contact->faces_a == NULL || contact->faces_b == NULL ||
-      contact->face_count_a < 1 || contact->face_count_b < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: a surface has no faces");
-  ct_status status = check_body(scene, contact->body_a, "contact", error);
-  if (status == CT_OK) status = check_body(scene, contact->body_b, "contact", error);
-  if (status != CT_OK) return status;
+  if (scene == NULL || contact == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
   if (!(contact->beta > 0.0) == !(contact->options.epsilon > 0.0))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "contact: give either beta or epsilon, positive (beta %g, epsilon %g)",
                    contact->beta, contact->options.epsilon);
-  const int32_t *faces[2] = {contact->faces_a, contact->faces_b},
-                count[2] = {contact->face_count_a, contact->face_count_b},
-                body[2] = {contact->body_a, contact->body_b};
-  for (int s = 0; s < 2; s++) {
-    int per = ct_face_node_count(ct_brick_face_kind(scene->parts[body[s]].mesh->kind));
-    status = check_nodes(scene, body[s], faces[s], (int64_t)count[s] * per, per, "contact", error);
-    if (status != CT_OK) return status;
+  scene_contact entry = {.given = *contact};
+  ct_status status = copy_surface(scene, contact->body_a, contact->faces_a, contact->side_a,
+                                  &entry.faces[0], &entry.given.face_count_a, error);
+  if (status == CT_OK)
+    status = copy_surface(scene, contact->body_b, contact->faces_b, contact->side_b,
+                          &entry.faces[1], &entry.given.face_count_b, error);
+  if (status == CT_OK &&
+      !grow((void **)&scene->contacts, scene->contact_count, sizeof *scene->contacts))
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  if (status != CT_OK) {
+    ct_release(entry.faces[0]);
+    ct_release(entry.faces[1]);
+    return status;
   }
-  if (!grow((void **)&scene->contacts, scene->contact_count, sizeof *scene->contacts))
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
-  scene_contact *entry = &scene->contacts[scene->contact_count];
-  memset(entry, 0, sizeof *entry);
-  entry->given = *contact;
+  const int32_t body[2] = {contact->body_a, contact->body_b},
+                count[2] = {entry.given.face_count_a, entry.given.face_count_b};
   for (int s = 0; s < 2; s++) {
-    size_t entries = (size_t)count[s] * (size_t)ct_face_node_count(
-                                            ct_brick_face_kind(scene->parts[body[s]].mesh->kind));
-    entry->faces[s] = ct_duplicate(faces[s], entries * sizeof *faces[s]);
-    if (entry->faces[s] == NULL) {
-      ct_release(entry->faces[0]);
-      return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
-    }
-    for (size_t i = 0; i < entries; i++) entry->faces[s][i] += scene->bodies[body[s]].first_node;
+    int64_t per = ct_face_node_count(ct_brick_face_kind(scene->parts[body[s]].mesh->kind));
+    for (int64_t i = 0; i < count[s] * per; i++)
+      entry.faces[s][i] += scene->bodies[body[s]].first_node;
   }
-  scene->contact_count++;
+  scene->contacts[scene->contact_count++] = entry;
   return CT_OK;
 }
 
@@ -336,7 +366,7 @@ static ct_status start_body(ct_scene *scene, int32_t i, ct_error *error)
                      scene->bodies[i].name);
     scene->inverse_mass[d] = 1.0 / scene->mass[d / 3];
     scene->velocity[d] =
-        part->velocities != NULL ? part->velocities[d - 3 * first] : part->velocity[d % 3];
+        part->velocities != NULL ? part->velocities[d - 3 * first] : part->given.velocity[d % 3];
   }
   return CT_OK;
 }
@@ -355,8 +385,8 @@ static ct_status join_bodies(ct_scene *scene, ct_error *error)
   for (int32_t i = 0; i < scene->body_count; i++) {
     const ct_body *body = &scene->bodies[i];
     double *mass = &scene->mass[body->first_node];
-    ct_status status =
-        ct_mass_lumped(body->mesh, body->material.density, scene->parts[i].lumping, mass, error);
+    ct_status status = ct_mass_lumped(body->mesh, body->material.density,
+                                      scene->parts[i].given.lumping, mass, error);
     if (status != CT_OK && error != NULL) error->body = i;
     if (status != CT_OK) return status;
   }
@@ -453,12 +483,12 @@ static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
   for (int32_t i = 0; i < scene->body_count; i++) {
     blocks[i] = (ct_solid_body){.mesh = scene->parts[i].mesh,
                                 .material = scene->bodies[i].material,
-                                .kernel = scene->parts[i].kernel,
+                                .kernel = scene->parts[i].given.kernel,
                                 .first_node = scene->bodies[i].first_node,
-                                .lumping = scene->parts[i].lumping,
+                                .lumping = scene->parts[i].given.lumping,
                                 .optimisations = &scene->optimisations,
                                 .threads = threads,
-                                .hourglass = scene->parts[i].hourglass};
+                                .hourglass = scene->parts[i].given.hourglass};
     for (int axis = 0; axis < 3; axis++) blocks[i].held[axis] = held_body(scene, i, axis);
   }
   ct_solid_def def = ct_solid_def_default();
@@ -614,11 +644,13 @@ static ct_status asked_step(const ct_scene_time *time, const ct_stable_step *sta
 ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_problem **problem,
                          int64_t *step_count, ct_stable_step *stable, ct_error *error)
 {
-  if (scene == NULL || time == NULL || problem == NULL || step_count == NULL || stable == NULL)
+  if (scene == NULL || time == NULL || problem == NULL || step_count == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
   ct_problem *p = &scene->problem;
   double dt = 0.0;
   const ct_problem *joined;
+  ct_stable_step own;
+  if (stable == NULL) stable = &own;
   unbuild(scene);
   ct_status status = ct_scene_join(scene, &joined, error);
   for (int32_t i = 0; status == CT_OK && i < scene->body_count; i++)

@@ -197,7 +197,7 @@ ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *block, ct_er
       block->optimisations == NULL ? ct_optimisations_default() : *block->optimisations;
   part->first_node = block->first_node;
   ct_material_lame(&part->material, &part->lambda, &part->mu);
-  part->hourglass = block->hourglass == 0.0 ? ct_solid_hourglass_default() : block->hourglass;
+  part->hourglass = block->hourglass == 0.0 ? CT_HOURGLASS_DEFAULT : block->hourglass;
   part->batch_count = (part->mesh->element_count + 7) / 8;
   part->rings = block->threads < 1               ? 1
                 : block->threads < CT_MOST_RINGS ? block->threads

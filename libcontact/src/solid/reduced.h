@@ -3,6 +3,10 @@
 
 #include "kernel.h"
 
+/* The coefficient κ of the hourglass control when none is given: a cube then bends as a beam does.
+ */
+static const double CT_HOURGLASS_DEFAULT = 1.0;
+
 /* Lay down the mean gradients and hourglass modes of a part's elements. */
 ct_status ct_reduced_prepare(ct_solid_part *part);
 

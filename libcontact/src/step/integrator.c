@@ -2,6 +2,7 @@
 #include <libcontact/step.h>
 
 #include "../base/error.h"
+#include "workspace.h"
 
 #include <math.h>
 #include <stddef.h>

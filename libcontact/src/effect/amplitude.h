@@ -1,0 +1,10 @@
+#ifndef CT_SRC_HISTORY_H
+#define CT_SRC_HISTORY_H
+
+#include <libcontact/effect.h>
+
+/* ``CT_ERROR_ARGUMENT`` when arrays are missing or times descend, ``CT_INVALID`` when a number is
+ * not finite; `error` names the point. */
+ct_status ct_amplitude_check(const ct_amplitude *amplitude, ct_error *error);
+
+#endif

@@ -1,0 +1,79 @@
+"""Programs that the README, the book and ``tutorials/c`` show: each compiles against an installed copy and does what stands beside it."""
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+STAGE = Path(os.environ.get("LIBCONTACT_BUILD", ROOT / "build")).resolve() / "stage"
+CC = shlex.split(os.environ.get("CC", "cc"))
+PKG_CONFIG = os.environ.get("PKG_CONFIG", "pkg-config")
+PROGRAMS = sorted((ROOT / "tutorials" / "c").glob("*.c"))
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.rst"))]
+BLOCK = {
+    ".md": re.compile(r"^```c\n(.*?)^```$", re.M | re.S),
+    ".rst": re.compile(r"^ *\.\. code-block:: c\n\n((?:(?: {2,}\S.*)?\n)+)", re.M),
+}
+
+needs_a_copy = pytest.mark.skipif(
+    shutil.which(CC[0]) is None or shutil.which(PKG_CONFIG) is None or not STAGE.is_dir(),
+    reason="no C compiler, no pkg-config or no installed copy",
+)
+
+
+def listings():
+    """The whole programs among the C listings, by page."""
+    for page in PAGES:
+        for block in BLOCK[page.suffix].findall(page.read_text(encoding="utf-8")):
+            if "int main(" in block:
+                yield pytest.param(textwrap.dedent(block), id=str(page.relative_to(ROOT)))
+
+
+def output_of(source, folder):
+    """Compile as a user does, with all warnings, and run."""
+    environment = {**os.environ, "PKG_CONFIG_PATH": str(STAGE / "lib" / "pkgconfig")}
+    found = [PKG_CONFIG, "--cflags", "--libs", "libcontact"]
+    flags = subprocess.run(found, check=True, capture_output=True, text=True, env=environment)
+    warnings = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", f"-I{ROOT / 'tests/c'}"]
+    link = [*flags.stdout.split(), f"-Wl,-rpath,{STAGE / 'lib'}", "-lm"]
+    program = folder / "program"
+    command = [*CC, *warnings, str(source), *link, "-o", str(program)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    done = subprocess.run([str(program)], capture_output=True, text=True, cwd=folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@needs_a_copy
+@pytest.mark.parametrize("source", PROGRAMS, ids=lambda path: path.name)
+def test_a_program_prints_what_stands_beside_it(source, tmp_path):
+    assert output_of(source, tmp_path) == source.with_suffix(".out").read_text()
+
+
+def test_the_same_effect_in_python_prints_the_same():
+    script = ROOT / "tutorials" / "c" / "02_effect.py"
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True)
+    assert done.stdout == script.with_suffix(".out").read_text(), done.stderr
+
+
+@needs_a_copy
+@pytest.mark.parametrize("text", list(listings()))
+def test_a_listing_of_a_page_compiles_and_runs(text, tmp_path):
+    source = tmp_path / "listing.c"
+    source.write_text(text)
+    assert "not ok" not in output_of(source, tmp_path)
+
+
+def test_the_shortest_impact_is_short():
+    text = re.sub(r"/\*.*?\*/", "", PROGRAMS[0].read_text(), flags=re.S)
+    assert (
+        PROGRAMS[0].name == "01_impact.c" and sum(map(bool, map(str.strip, text.split("\n")))) <= 30
+    )
