@@ -21,6 +21,14 @@ static inline double worst(double so_far, double error)
 {
   return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far;
 }
+/* Number of methods: all that have a name, so a new one is tested too. */
+static inline int method_count(void)
+{
+  int count = 0;
+  while (ct_method_name((ct_method)count) != NULL) count++;
+  return count;
+}
+
 static inline int triangular(ct_face_kind kind) { return kind == CT_T3 || kind == CT_T6; }
 
 static inline const double *reference(ct_face_kind kind, int i)

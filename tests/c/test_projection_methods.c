@@ -3,8 +3,6 @@
 #include "faces.h"
 #include "tap.h"
 
-enum { METHODS = CT_TORUS + 1 };
-
 static int by_values(int m) { return m == CT_SIMPLEX || m == CT_NELDER_MEAD; }
 
 static ct_project_options with(int method)
@@ -17,7 +15,7 @@ static ct_project_options with(int method)
 /* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its closest point below. */
 static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
 {
-  for (int m = 0; m < METHODS; m++) {
+  for (int m = 0; m < method_count(); m++) {
     double error = 0, gap = 0;
     int status = 1;
     for (int trial = 0; trial < 200; trial++) {
@@ -208,7 +206,7 @@ static void saddles_are_no_answers(void)
 {
   ct_face trough = parabolic_face(CT_Q8, 1, 0);
   double above[3] = {0, 0.25, 1.125};
-  for (int m = 0; m < METHODS; m++) {
+  for (int m = 0; m < method_count(); m++) {
     ct_project_options options = with(m);
     ct_projection out;
     ct_project(&trough, above, &options, &out);
@@ -270,6 +268,6 @@ int main(void)
   nelder_mead_by_hand();
   nelder_mead_changes_its_form();
   saddles_are_no_answers();
-  for (int m = 0; m < METHODS; m++) budgets_copies_and_bad_input(m);
+  for (int m = 0; m < method_count(); m++) budgets_copies_and_bad_input(m);
   return tap_done();
 }

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from libcontact.projection import Status
+from libcontact.projection import METHODS, Status
 
 import libcontact as ct
 
@@ -40,25 +40,15 @@ def shape(kind, x, y):
     return [c * e / 4 for c, e in corners] + sides
 
 
-METHODS = [
-    "simplex",
-    "nelder_mead",
-    "newton",
-    "least_squares",
-    "steepest_descent",
-    "broyden",
-    "bfgs",
-    "robust",
-    "certified",
-    "simplex_newton",
-    "sphere",
-    "torus",
-]
 BY_VALUES = {"simplex", "nelder_mead"}
 
 
 def flat(kind):
     return np.column_stack([REFERENCE[kind], np.zeros(len(REFERENCE[kind]))])
+
+
+def test_the_docstring_names_every_method():
+    assert [name for name in METHODS if f'``"{name}"``' not in ct.project.__doc__] == []
 
 
 @pytest.mark.parametrize("method", METHODS)
