@@ -9,7 +9,7 @@ static void sphere_closest(const ct_local *at, double w[2])
   // -- Curvature of the face in the direction of the point (eq:sphere-curvature)
   double k =
       square > 0 ? (at->k[0] * (a * a) + 2 * at->k[2] * (a * b) + at->k[1] * (b * b)) / square : 0;
-  // -- Closest point on the sphere (eq:sphere-closest point)
+  // -- Closest point on the sphere (eq:sphere-closest)
   double m = sqrt((1 - k * h) * (1 - k * h) + k * k * square);
   w[0] = square > 0 ? a / m : 0;
   w[1] = square > 0 ? b / m : 0;

@@ -27,7 +27,7 @@ static void torus_closest(const ct_local *at, double w[2])
   // -- Turn the point about the axis into the plane of the small circle (eq:torus-turn)
   double m = sqrt((1 - k[1] * h) * (1 - k[1] * h) + (k[1] * b) * (k[1] * b));
   double height = (2 * h - k[1] * (b * b + h * h)) / (1 + m), along = b != 0 ? b / m : 0;
-  // -- Closest point on the small circle (eq:torus-closest point)
+  // -- Closest point on the small circle (eq:torus-closest)
   double q = sqrt((1 - k[0] * height) * (1 - k[0] * height) + (k[0] * a) * (k[0] * a)),
          across = a != 0 ? a / q : 0;
   w[0] = across * e[0] - along * e[1];
