@@ -319,8 +319,8 @@ def test_defaults_of_a_contact_are_those_of_c():
     assert {"method", "enforcement", "dissipation", "points", "adjust"} <= set(members)
     for name, value in members.items():
         assert getattr(options, name) == value, name
-    assert options.initial == model.INITIAL[contact.initial_penetration]
-    assert options.removal == 0.0 and contact.removal_time is None
+    assert options.initial_penetration == model.INITIAL[contact.initial_penetration]
+    assert options.removal_time == 0.0 and contact.removal_time is None
     assert options.tolerance > 0 and contact.tolerance is None and contact.depth is None
 
 
