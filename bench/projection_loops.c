@@ -118,12 +118,12 @@ EXPORT double bench_warm(const pairs *p)
 }
 
 EXPORT double bench_batch(int kind, int64_t count, const double *nodes, const double *points,
-                          const double *start, double tolerance, ct_batch_feet *feet)
+                          const double *start, double tolerance, ct_batch_closest *closest)
 {
   ct_project_options options = ct_project_options_default();
   options.tolerance = tolerance;
   double begin = seconds();
-  ct_project_batch((ct_face_kind)kind, (size_t)count, nodes, points, start, &options, feet);
+  ct_project_batch((ct_face_kind)kind, (size_t)count, nodes, points, start, &options, closest);
   return seconds() - begin;
 }
 

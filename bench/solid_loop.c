@@ -51,7 +51,7 @@ int main(int count, char **argument)
   ct_body body = {.name = "block",
                   .mesh = mesh,
                   .material = {.young = 2.1e5, .poisson = 0.3, .density = 7.8e-9}};
-  ct_solid_block block = {.mesh = mesh, .material = body.material};
+  ct_solid_body block = {.mesh = mesh, .material = body.material};
   int32_t n = mesh->node_count, steps = count > 1 ? atoi(argument[1]) : 10;
   double *mass = numbers(n), *inverse = numbers(3 * n), *velocity = numbers(3 * n);
   need(create_solid(&block, 1, &solid, &error));

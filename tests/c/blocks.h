@@ -14,7 +14,7 @@ typedef struct block {
 static inline block open_block(const ct_mesh *m, const ct_material *material,
                                ct_solid_kernel kernel)
 {
-  ct_solid_block b = {.mesh = m, .material = *material, .kernel = kernel};
+  ct_solid_body b = {.mesh = m, .material = *material, .kernel = kernel};
   block solid = {NULL, NULL};
   ct_error e;
   need(create_solid(&b, 1, &solid.effect, &e), &e);

@@ -7,8 +7,8 @@
 /* What stands in the first member of every definition. */
 #define COOKIE .cookie = ct_gravity_def_default().cookie
 
-static inline ct_status create_solid(const ct_solid_block *blocks, int32_t count,
-                                     ct_effect **effect, ct_error *error)
+static inline ct_status create_solid(const ct_solid_body *blocks, int32_t count, ct_effect **effect,
+                                     ct_error *error)
 {
   ct_solid_def def = {COOKIE, .blocks = blocks, .block_count = count};
   return ct_solid_create_effect(&def, NULL, effect, error);

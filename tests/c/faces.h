@@ -62,7 +62,8 @@ static inline ct_face parabolic_face(ct_face_kind kind, double p, double q)
   return face;
 }
 
-/* The point at the height g above the foot xi of a parabolic face, and the normal there. */
+/* The point at the height g above the closest point xi of a parabolic face, and the normal there.
+ */
 static inline void parabolic_point(double p, double q, const double xi[2], double g,
                                    double point[3], double n[3])
 {

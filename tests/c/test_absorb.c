@@ -36,7 +36,7 @@ static void pulse(ct_brick_kind kind, int axis, const char *name)
   double speed = c[axis != 0], width = 4.0 / speed;
   for (int i = 0; i <= 40; i++)
     time[i] = width * i / 40, value[i] = pow(sin(3.14159265358979 * i / 40), 2);
-  ct_load_def push = {COOKIE, .history = {41, time, value}};
+  ct_load_def push = {COOKIE, .amplitude = {41, time, value}};
   push.traction[axis] = 1.0;
   add_faces(scene, mesh, 0.0, &push);
   add_faces(scene, mesh, 10.0, NULL);

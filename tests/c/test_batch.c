@@ -24,7 +24,7 @@ static double uniform(double a)
   return a * (2 * ((double)(seed >> 11) / 9007199254740992.0) - 1);
 }
 
-/* A batch: the rows that a host has, the same in lanes, and room for the feet. */
+/* A batch: the rows that a host has, the same in lanes, and room for the closest points. */
 typedef struct batch {
   ct_face_kind kind;
   int per;
@@ -34,11 +34,11 @@ typedef struct batch {
   int32_t status[BLOCKS * 8], evaluations[BLOCKS * 8];
 } batch;
 
-static ct_batch_feet feet_of(batch *b)
+static ct_batch_closest closest_of(batch *b)
 {
-  ct_batch_feet feet = {b->xi,     b->distance, b->signed_distance,
-                        b->normal, b->status,   b->evaluations};
-  return feet;
+  ct_batch_closest closest = {b->xi,     b->distance, b->signed_distance,
+                              b->normal, b->status,   b->evaluations};
+  return closest;
 }
 
 /* Faces from plain to folded, points from on the face to far away, and three pairs that are broken.
@@ -104,8 +104,8 @@ static void batches_agree_with_single_pairs(batch *b, ct_face_kind kind, double 
 {
   ct_project_options options = ct_project_options_default();
   fill(b, kind, distortion);
-  ct_batch_feet feet = feet_of(b);
-  ct_status status = ct_project_batch(kind, PAIRS, b->nodes, b->points, NULL, NULL, &feet);
+  ct_batch_closest closest = closest_of(b);
+  ct_status status = ct_project_batch(kind, PAIRS, b->nodes, b->points, NULL, NULL, &closest);
   tap_ok(status == CT_OK && differing(b, NULL, &options) == 0,
          "%s, distortion %g: cold, each pair has the bits of ct_project", NAME[kind], distortion);
   int invalid = b->status[NAN_PAIR] == CT_INVALID && b->status[FLAT_PAIR] == CT_INVALID &&
@@ -114,12 +114,12 @@ static void batches_agree_with_single_pairs(batch *b, ct_face_kind kind, double 
          "%s: NaN, a face of no size and 1e200 are reported for their pair alone", NAME[kind]);
   for (int i = 0; i < BLOCKS * 16; i++) b->start[i] = isnan(b->xi[i]) ? 0 : b->xi[i] + uniform(0.1);
   b->start[3] = NAN, b->start[12] = HUGE_VAL;
-  status = ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, NULL, &feet);
+  status = ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, NULL, &closest);
   tap_ok(status == CT_OK && differing(b, b->start, &options) == 0, "%s, distortion %g: warm, too",
          NAME[kind], distortion);
   options.tolerance = 1e-3;
   options.iteration_limit = 2;
-  ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, &options, &feet);
+  ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, &options, &closest);
   tap_ok(differing(b, b->start, &options) == 0,
          "%s: tolerance and iteration limit are those of the options", NAME[kind]);
 }
@@ -144,10 +144,10 @@ static void worsen(batch *b)
 static void run(batch *b, ct_batch_kernel *kernel, const double *start)
 {
   ct_project_options options = ct_project_options_default();
-  ct_batch_feet feet = feet_of(b);
+  ct_batch_closest closest = closest_of(b);
   for (size_t block = 0; block < BLOCKS; block++)
     kernel(b->kind, b->nodes + 24 * (size_t)b->per * block, b->points + 24 * block,
-           start != NULL ? start + 16 * block : NULL, &options, &feet, block);
+           start != NULL ? start + 16 * block : NULL, &options, &closest, block);
 }
 
 static int same_numbers(const double *a, const double *b, int count)
@@ -212,14 +212,15 @@ static void feet_on_a_parabolic_cylinder(batch *b)
   }
   ct_batch_gather(PAIRS, 8, b->rows, NULL, b->nodes);
   ct_batch_gather(PAIRS, 1, b->point, NULL, b->points);
-  ct_batch_feet feet = feet_of(b);
-  ct_project_batch(CT_Q8, PAIRS, b->nodes, b->points, NULL, NULL, &feet);
+  ct_batch_closest closest = closest_of(b);
+  ct_project_batch(CT_Q8, PAIRS, b->nodes, b->points, NULL, NULL, &closest);
   for (int p = 0; p < PAIRS; p++) {
     for (int a = 0; a < 2; a++)
       error = fmax(error, fabs(b->xi[16 * (p / 8) + 8 * a + p % 8] - want[p][a]));
     error = fmax(error, fabs(b->signed_distance[p] - want[p][2]));
   }
-  tap_close(error, 0, 1e-14, "points stepped off a parabolic cylinder come back to their feet");
+  tap_close(error, 0, 1e-14,
+            "points stepped off a parabolic cylinder come back to their closest points");
 }
 
 static void gather_takes_numbers(void)
@@ -244,22 +245,22 @@ static void gather_takes_numbers(void)
 static void impossible_arguments(batch *b)
 {
   ct_project_options options = ct_project_options_default();
-  ct_batch_feet feet = feet_of(b), none = {NULL, NULL, NULL, NULL, NULL, NULL};
+  ct_batch_closest closest = closest_of(b), none = {NULL, NULL, NULL, NULL, NULL, NULL};
   fill(b, CT_Q8, 0.6);
   b->status[0] = -7;
-  int good = ct_project_batch((ct_face_kind)9, 8, b->nodes, b->points, NULL, NULL, &feet) ==
+  int good = ct_project_batch((ct_face_kind)9, 8, b->nodes, b->points, NULL, NULL, &closest) ==
              CT_ERROR_ARGUMENT;
-  good &= ct_project_batch(CT_Q8, 8, NULL, b->points, NULL, NULL, &feet) == CT_ERROR_ARGUMENT;
-  good &= ct_project_batch(CT_Q8, 8, b->nodes, NULL, NULL, NULL, &feet) == CT_ERROR_ARGUMENT;
+  good &= ct_project_batch(CT_Q8, 8, NULL, b->points, NULL, NULL, &closest) == CT_ERROR_ARGUMENT;
+  good &= ct_project_batch(CT_Q8, 8, b->nodes, NULL, NULL, NULL, &closest) == CT_ERROR_ARGUMENT;
   good &= ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, NULL, NULL) == CT_ERROR_ARGUMENT;
   options.tolerance = 0;
-  good &=
-      ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &feet) == CT_ERROR_ARGUMENT;
+  good &= ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &closest) ==
+          CT_ERROR_ARGUMENT;
   options.tolerance = 1e-10, options.iteration_limit = -1;
-  good &=
-      ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &feet) == CT_ERROR_ARGUMENT;
+  good &= ct_project_batch(CT_Q8, 8, b->nodes, b->points, NULL, &options, &closest) ==
+          CT_ERROR_ARGUMENT;
   tap_ok(good && b->status[0] == -7, "impossible arguments are refused, and nothing is written");
-  good = ct_project_batch(CT_Q8, 0, NULL, NULL, NULL, NULL, &feet) == CT_OK;
+  good = ct_project_batch(CT_Q8, 0, NULL, NULL, NULL, NULL, &closest) == CT_OK;
   good &= ct_project_batch(CT_Q8, PAIRS, b->nodes, b->points, NULL, NULL, &none) == CT_OK;
   tap_ok(good, "no pairs, and no arrays to write to, are allowed");
 }

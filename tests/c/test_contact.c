@@ -329,9 +329,9 @@ static void border(void)
   free_patch(&b);
 }
 
-/* Distance of a point from z = z0 + c (|x| + q |y|), four quarter planes: the foot on each, or on
- * its two edges. */
-static double roof_distance(double z0, double c, double q, const double p[3], double foot[3])
+/* Distance of a point from z = z0 + c (|x| + q |y|), four quarter planes: the closest point on
+ * each, or on its two edges. */
+static double roof_distance(double z0, double c, double q, const double p[3], double closest[3])
 {
   double best = INFINITY;
   for (int k = 0; k < 4; k++) {
@@ -353,7 +353,7 @@ static double roof_distance(double z0, double c, double q, const double p[3], do
       if (j == 0 && (sx * at[0][0] < 0.0 || sy * at[0][1] < 0.0)) continue;
       if (d >= best) continue;
       best = d;
-      for (int i = 0; i < 3; i++) foot[i] = at[j][i] + (i == 2 ? z0 : 0.0);
+      for (int i = 0; i < 3; i++) closest[i] = at[j][i] + (i == 2 ? z0 : 0.0);
     }
   }
   return best;
@@ -361,7 +361,7 @@ static double roof_distance(double z0, double c, double q, const double p[3], do
 
 /* Two folded surfaces, z = c (|x| + q |y|) below and z = z0 + C (|x| + q |y|) above: every point
  * that is inside the other body must meet it once, at the distance of the exact surface, whether
- * its foot lies on a face, an edge or the corner. */
+ * its closest point lies on a face, an edge or the corner. */
 static void fold(double c, double C, double z0, double q, const char *what)
 {
   patch a = new_patch(CT_Q4, 8, 8, -1, -1, 2, 2, 1),
@@ -379,23 +379,25 @@ static void fold(double c, double C, double z0, double q, const char *what)
   ct_contact_points(contact, point);
   for (int i = 0; i < count; i++) {
     const double *p = point[i].position;
-    double r = fabs(p[0]) + q * fabs(p[1]), foot[3] = {0};
+    double r = fabs(p[0]) + q * fabs(p[1]), closest[3] = {0};
     int above = point[i].side == 1, in = above ? p[2] < c * r : p[2] > z0 + C * r;
-    double d = above ? roof_distance(0.0, c, q, p, foot) : roof_distance(z0, C, q, p, foot),
+    double d = above ? roof_distance(0.0, c, q, p, closest) : roof_distance(z0, C, q, p, closest),
            edge = above ? 1.0 : 0.6;
-    if (fabs(foot[0]) > edge - 1e-9 || fabs(foot[1]) > edge - 1e-9) in = 0; // beyond the border
+    if (fabs(closest[0]) > edge - 1e-9 || fabs(closest[1]) > edge - 1e-9)
+      in = 0; // beyond the border
     if (!in) {
       invented += point[i].pressure != 0.0;
       continue;
     }
     inside++;
-    on_edge += fabs(foot[0]) < 1e-9 || (q > 0.0 && fabs(foot[1]) < 1e-9);
+    on_edge += fabs(closest[0]) < 1e-9 || (q > 0.0 && fabs(closest[1]) < 1e-9);
     lost += !(point[i].gap < 0.0);
     off = worst(off, point[i].gap + d);
     energy += 0.25 * EPSILON * d * d * point[i].weight;
   }
   tap_ok(lost == 0 && invented == 0 && inside > 10 && off < 1e-12,
-         "%s: %d points inside, %d with the foot on an edge or corner, %d lost, %d invented, gap "
+         "%s: %d points inside, %d with the closest point on an edge or corner, %d lost, %d "
+         "invented, gap "
          "off by %.2g",
          what, inside, on_edge, lost, invented, off);
   tap_close(ct_contact_energy(contact) / energy, 1.0, 1e-12,
@@ -699,8 +701,8 @@ static ct_contact_point *all_points(const patch *a, const patch *b, ct_contact_o
   return point;
 }
 
-/* Newton and the simplex know no borders, so they may miss a foot on an edge between two faces;
- * every other point they find alike. */
+/* Newton and the simplex know no borders, so they may miss a closest point on an edge between two
+ * faces; every other point they find alike. */
 static void methods(ct_face_kind kind)
 {
   patch a, b;
@@ -736,8 +738,8 @@ static void methods(ct_face_kind kind)
 }
 
 /* A face between a floor and a ceiling of one surface: as it rises, its points go from the floor to
- * the ceiling, each when that is nearer, though their feet on the floor stay inside it. The same
- * for a face that slides from one cell to the next. */
+ * the ceiling, each when that is nearer, though their closest points on the floor stay inside it.
+ * The same for a face that slides from one cell to the next. */
 static void between(ct_face_kind kind)
 {
   patch a = new_patch(kind, 3, 1, 0, 0, 3, 1, 1), b = new_patch(kind, 1, 1, 0.1, 0.1, 0.8, 0.8, 1);

@@ -220,7 +220,7 @@ static void refined_start(void)
     double balance = 0.0;
     fine.dt /= 3.0;
     ct_state *start = new_state(t.problem), *state = new_state(&fine);
-    need(ct_state_refine(&fine, start, state, &error), &error);
+    need(ct_state_subdivide_step(&fine, start, state, &error), &error);
     for (int i = 0; i < 10; i++) {
       balance = worst(balance, energy_of(&fine, state).balance / t.moving);
       advance(&fine, state, 1);

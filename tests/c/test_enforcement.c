@@ -319,7 +319,7 @@ static void conservation(void)
         pressed += p.state->workspace->constraints->solver->count > 0;
       }
       balance /= top;
-      tap_ok(off < 1e-12 && balance < 1e-12 && converged == 60 && p.state->unsettled == 0 &&
+      tap_ok(off < 1e-12 && balance < 1e-12 && converged == 60 && p.state->unconverged == 0 &&
                  pressed > 10,
              "%s, %s: forces and moments sum to %.1e, work balance %.1e, %d of 60 steps converged, "
              "%d pressed",
@@ -754,7 +754,7 @@ static void driven(void)
                       .node_count = 12,
                       .fixed = {1, 1, 1},
                       .displacement = {0, 0, -0.1},
-                      .history = {2, time, value}};
+                      .amplitude = {2, time, value}};
   need(create_motion(&motion, 1, joined, &effect, &error), &error);
   need(ct_scene_add_effect(scene, effect, &error), &error);
   int64_t steps;

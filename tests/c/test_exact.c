@@ -35,9 +35,9 @@ static double front_distance(double x, double z, double t, double nu)
   double c2, c_r, least = fabs(x - t);
   ct_exact_speeds(nu, &c2, &c_r);
   for (int side = -1; side <= 1; side += 2) {
-    const double y = 1.0 + side * z, r = hypot(x, y), foot = c2 * c2 * t;
+    const double y = 1.0 + side * z, r = hypot(x, y), closest = c2 * c2 * t;
     least = fmin(least, fmin(fabs(r - t), fabs(r - c2 * t)));
-    if (x >= foot * 0.9) least = fmin(least, fabs(x * c2 + y * sqrt(1.0 - c2 * c2) - c2 * t));
+    if (x >= closest * 0.9) least = fmin(least, fabs(x * c2 + y * sqrt(1.0 - c2 * c2) - c2 * t));
     least = fmin(least, hypot(x - c_r * t, y * sqrt(1.0 - c_r * c_r / (c2 * c2))));
   }
   return least;

@@ -32,13 +32,13 @@ static matrix amplification(const ct_integrator *integrator, int n, double K[3][
     ct_stage g = stages[s];
     for (int i = 0; i < n; i++) {
       one.a[i][i] = one.a[n + i][n + i] = 1.0;
-      one.a[i][n + i] = g.drift;
-      one.a[i][2 * n + i] = g.drift * g.carry;
+      one.a[i][n + i] = g.tau;
+      one.a[i][2 * n + i] = g.tau * g.l;
       for (int j = 0; j < n; j++) {
         const double stiff = -K[i][j], slow = -C[i][j];
         one.a[2 * n + i][j] = stiff, one.a[2 * n + i][n + j] = slow;
-        one.a[n + i][j] += g.kick * stiff, one.a[n + i][n + j] += g.kick * slow;
-        one.a[i][j] += g.drift * g.push * stiff, one.a[i][n + j] += g.drift * g.push * slow;
+        one.a[n + i][j] += g.c * stiff, one.a[n + i][n + j] += g.c * slow;
+        one.a[i][j] += g.tau * g.r * stiff, one.a[i][n + j] += g.tau * g.r * slow;
       }
     }
     all = product(&one, &all);
@@ -402,7 +402,7 @@ static void ledger(ct_scheme scheme, ct_enforcement enforcement)
     ct_energy now = energy_of(p, state);
     balance = worst(balance, now.balance / size);
     touched = worst(touched, momentum_of(p, state, 0).contact_impulse[0]);
-    double want = 0.02 * ct_history_value(&(ct_history){3, times, values}, state->time);
+    double want = 0.02 * ct_amplitude_value(&(ct_amplitude){3, times, values}, state->time);
     path = worst(path, state->displacement[3 * held + 1] - want);
     double sum[3] = {0, 0, 0}, all = 0.0;
     for (int k = 1; k < p->effect_count; k++) {

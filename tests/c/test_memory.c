@@ -105,14 +105,14 @@ static ct_scene *scene_of(const kind *k, const ct_mesh *mesh)
 }
 
 /* Ask for all that a record asks for. */
-static void ask(const ct_problem *problem, ct_state *state, ct_watch *watch)
+static void ask(const ct_problem *problem, ct_state *state, ct_monitor *watch)
 {
   ct_error e;
   double unrest;
   energy_of(problem, state);
   momentum_of(problem, state, 0);
-  need(ct_energy_unrest(problem, state, &unrest, &e), &e);
-  if (watch != NULL) need(ct_watch_look(watch, state, &e), &e);
+  need(ct_energy_residual(problem, state, &unrest, &e), &e);
+  if (watch != NULL) need(ct_monitor_check(watch, state, &e), &e);
 }
 
 /* The block of a kind of scene. */
@@ -138,13 +138,13 @@ static void budget(const kind *k)
   ct_mesh_free(m);
   ct_stable_step stable;
   ct_error e;
-  ct_watch *watch = NULL;
+  ct_monitor *watch = NULL;
   const ct_problem *problem = problem_of(scene, &stable);
   ct_state *state = new_state(problem);
-  ct_watch_options options = ct_watch_options_default();
+  ct_monitor_options options = ct_monitor_options_default();
   options.every = 2;
   options.stable = stable.dt;
-  if (k->watched) need(ct_watch_create(problem, state, &options, &watch, &e), &e);
+  if (k->watched) need(ct_monitor_create(problem, state, &options, &watch, &e), &e);
 
   // Per node some bits; a ring of 1 + 16 + 16 * 24 elements and what is computed at once, a power
   // of two; and what does not grow.
@@ -156,12 +156,12 @@ static void budget(const kind *k)
   tap_ok(peak <= 1.05, "%s: at most %.3f times as much while it was built", k->name, peak);
 
   long calls_before = calls;
-  if (watch != NULL) need(ct_watch_steps(watch, state, 4, &e), &e);
+  if (watch != NULL) need(ct_monitor_steps(watch, state, 4, &e), &e);
   else advance(problem, state, 4);
   ask(problem, state, watch);
   tap_ok(calls == calls_before, "%s: neither steps nor the ledger allocate (%ld calls)", k->name,
          calls - calls_before);
-  ct_watch_free(watch);
+  ct_monitor_free(watch);
   ct_state_free(state);
   ct_scene_free(scene);
   tap_ok(held_bytes == before, "%s: all is given back", k->name);
@@ -176,26 +176,26 @@ static void good_state(void)
   ct_scene *scene = scene_of(k, m);
   ct_stable_step stable;
   ct_error e;
-  ct_watch *watch = NULL;
+  ct_monitor *watch = NULL;
   const ct_problem *problem = problem_of(scene, &stable);
   ct_state *state = new_state(problem);
-  ct_watch_options options = ct_watch_options_default();
-  need(ct_watch_create(problem, state, &options, &watch, &e), &e);
+  ct_monitor_options options = ct_monitor_options_default();
+  need(ct_monitor_create(problem, state, &options, &watch, &e), &e);
   advance(problem, state, 3);
-  need(ct_watch_look(watch, state, &e), &e);
+  need(ct_monitor_check(watch, state, &e), &e);
   size_t before = held_bytes;
-  ct_state *good = ct_watch_good(watch);
+  ct_state *good = ct_monitor_good(watch);
   size_t asked = held_bytes;
   ct_energy a = energy_of(problem, state), b = energy_of(problem, good);
-  tap_ok(asked - before > 24 * (size_t)m->node_count && ct_watch_good(watch) == good &&
+  tap_ok(asked - before > 24 * (size_t)m->node_count && ct_monitor_good(watch) == good &&
              held_bytes == asked,
          "a good state gets room for its forces once");
   tap_ok(memcmp(&a, &b, sizeof a) == 0, "and has the ledger of the state that was good");
   advance(problem, state, 2);
-  need(ct_watch_look(watch, state, &e), &e);
+  need(ct_monitor_check(watch, state, &e), &e);
   a = energy_of(problem, state), b = energy_of(problem, good);
   tap_ok(memcmp(&a, &b, sizeof a) == 0, "also after the next look");
-  ct_watch_free(watch);
+  ct_monitor_free(watch);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);
@@ -255,7 +255,7 @@ static void many_nodes(const kind *k)
   for (int64_t d = 0; d < dofs; d++)
     left = fmax(left, problem->inverse_mass[d] > 0.0 ? fabs(total[d]) : 0.0);
   kinetic = 0.5 * by_hand(problem, problem->mass, state->velocity, state->velocity);
-  need(ct_energy_unrest(problem, state, &unrest, &e), &e);
+  need(ct_energy_residual(problem, state, &unrest, &e), &e);
   double want = fmax(left / acting, sqrt(kinetic / stored));
   tap_ok(close_to(unrest, want) < 1e-14, "%s: the unrest is that of all its nodes", k->name);
   if (k->relaxes) {

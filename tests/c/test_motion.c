@@ -1,4 +1,4 @@
-/* Displacements that follow a history, the forces that takes, and what is refused. */
+/* Displacements that follow an amplitude, the forces that takes, and what is refused. */
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0},
@@ -32,7 +32,7 @@ static void there_and_back(ct_brick_kind kind)
                       .node_count = count,
                       .fixed = {0, 0, 1},
                       .displacement = {0, 0, 0.2},
-                      .history = {4, time, value}};
+                      .amplitude = {4, time, value}};
   int64_t steps;
   const ct_problem *p = moved(scene, &motion, 1, 1.0, 0.5, &steps);
   ct_state *state = new_state(p), *other = new_state(p);
@@ -52,7 +52,7 @@ static void there_and_back(ct_brick_kind kind)
     for (int i = 0; i < count; i++)
       work += 0.5 * p->dt * force[3 * base[i] + 2] *
               (state->velocity[3 * base[i] + 2] + (n == 0 ? 0.0 : before[i]));
-    double at = ct_history_value(&motion.history, state->time) * 0.2;
+    double at = ct_amplitude_value(&motion.amplitude, state->time) * 0.2;
     for (int i = 0; i < count; i++) path = worst(path, state->displacement[3 * base[i] + 2] - at);
     energy = energy_of(p, state);
     now = momentum_of(p, state, body);
@@ -66,7 +66,7 @@ static void there_and_back(ct_brick_kind kind)
   for (int i = 0; i < count; i++)
     work += 0.5 * p->dt * force[3 * base[i] + 2] * state->velocity[3 * base[i] + 2];
   need(ct_energy_work(p, state, 1, &own, &e), &e);
-  tap_ok(path < 1e-13, "kind %d: the base is where the history has it, off by %.2g", kind, path);
+  tap_ok(path < 1e-13, "kind %d: the base is where the amplitude has it, off by %.2g", kind, path);
   tap_close((own - work) / scale, 0.0, 1e-12,
             "kind %d: the ledger has the work of the reaction on its way", kind);
   tap_ok(total < 1e-12 * scale && balance < 1e-12 * scale,
@@ -102,7 +102,7 @@ static void inertia(void)
                       .node_count = 27,
                       .fixed = {1, 1, 1},
                       .displacement = {3, -2, 0},
-                      .history = {POINTS, time, value}};
+                      .amplitude = {POINTS, time, value}};
   const ct_problem *joined = NULL, *p = NULL;
   ct_effect *effect = NULL;
   ct_error e;
@@ -136,7 +136,7 @@ static void piston(void)
                       .node_count = ct_mesh_plane_nodes(m, 0, 0.0, end),
                       .fixed = {1, 0, 0},
                       .displacement = {0.2, 0, 0},
-                      .history = {2, time, value}};
+                      .amplitude = {2, time, value}};
   int64_t steps;
   const ct_problem *p = moved(scene, &motion, 1, 0.2, 0.9, &steps);
   ct_state *state = new_state(p);
@@ -174,9 +174,10 @@ static void refusals(void)
   two[0].displacement[0] = NAN;
   tap_ok(create_motion(two, 1, joined, &effect, &e) == CT_INVALID, "a displacement that is NaN: %s",
          e.text);
-  two[0].displacement[0] = 1, two[0].history.count = 0;
-  tap_ok(create_motion(two, 1, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no history: %s", e.text);
-  two[0].history.count = 2, two[0].fixed[0] = 0;
+  two[0].displacement[0] = 1, two[0].amplitude.count = 0;
+  tap_ok(create_motion(two, 1, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no amplitude: %s",
+         e.text);
+  two[0].amplitude.count = 2, two[0].fixed[0] = 0;
   tap_ok(create_motion(two, 1, joined, &effect, &e) == CT_ERROR_ARGUMENT, "no component: %s",
          e.text);
   two[0].fixed[0] = 1;

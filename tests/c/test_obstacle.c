@@ -105,13 +105,13 @@ static void gaps(void)
          "cylinder: normal away from the axis");
   double time[2] = {1.0, 2.0}, value[2] = {0.0, 1.0}, m[3];
   ct_obstacle_def moving = {COOKIE, .velocity = {0, 1, 0}, .travel = {0, 0, 4},
-                            .history = {2, time, value}};
+                            .amplitude = {2, time, value}};
   const double at[5][3] = {{0.0, 0, 0}, {1.0, 1, 0}, {1.5, 1.5, 2}, {2.0, 2, 4}, {9.0, 9, 4}};
   int off = 0;
   for (int i = 0; i < 5; i++)
     ct_obstacle_motion(&moving, at[i][0], m),
         off += m[0] != 0.0 || m[1] != at[i][1] || m[2] != at[i][2];
-  tap_ok(off == 0, "motion by a velocity and a history (%d off)", off);
+  tap_ok(off == 0, "motion by a velocity and an amplitude (%d off)", off);
 }
 
 /* Force against central differences of the energy, on a distorted body that is partly inside. */
@@ -197,16 +197,16 @@ static void bar(void)
 
 /* A wall that comes with a velocity meets a bar at rest: the same in another frame. Its work is
  * external, and total stays. */
-static void moving_wall(int history)
+static void moving_wall(int amplitude)
 {
   double times[2] = {0.0, 2.0}, share[2] = {0.0, 1.0}, force[3], work, drift = 0.0, balance = 0.0;
   ct_obstacle_def o = {COOKIE,
                        .shape = CT_OBSTACLE_PLANE,
                        .axis = {1, 0, 0},
                        .epsilon = ct_contact_penalty(1.0, 900.0, 0.2),
-                       .velocity = {history ? 0.0 : 10.0, 0, 0},
-                       .travel = {history ? 20.0 : 0.0, 0, 0},
-                       .history = {history ? 2 : 0, times, share}};
+                       .velocity = {amplitude ? 0.0 : 10.0, 0, 0},
+                       .travel = {amplitude ? 20.0 : 0.0, 0, 0},
+                       .amplitude = {amplitude ? 2 : 0, times, share}};
   against t = begin(box_mesh(CT_HEX8, 5, 0, 0, 10, 0.1, 0.1, 50, 1, 1), &SOFT, 0, 0, 0);
   ct_error error;
   add_obstacle(&t, o, 0, 5.0, 0.0);
@@ -220,7 +220,8 @@ static void moving_wall(int history)
   need(ct_obstacle_reaction(t.problem, t.state, 1, force, &work, &error), &error);
   // Mass 0.1 leaves with 20: 20 units of energy, and the wall at 10 has given an impulse of 2.
   tap_close(momentum_of(t.problem, t.state, 0).p[0] / 0.1, 20.0, 0.2,
-            "%s: the bar leaves with twice the wall's velocity", history ? "history" : "velocity");
+            "%s: the bar leaves with twice the wall's velocity",
+            amplitude ? "amplitude" : "velocity");
   tap_close(work, 20.0, 0.2, "the wall's work is its impulse times its velocity");
   tap_ok(e.external == work && drift < 0.005 * 20.0,
          "it is booked as external, and the total stays (%.2g)", drift / 20.0);
@@ -348,7 +349,7 @@ static void hertz(void)
                        .radius = R,
                        .epsilon = epsilon,
                        .travel = {0, 0, -depth},
-                       .history = {2, times, share}};
+                       .amplitude = {2, times, share}};
   add_obstacle(&t, o, 2, 0.0, 0.0);
   add_weight(t.scene, (weight){.damping = 6.0});
   finish(&t, 1.2, 0.9);
@@ -396,7 +397,7 @@ static void refusals(void)
   bad[1].axis[2] = 0.0;
   bad[2].shape = CT_OBSTACLE_SPHERE;
   bad[3].faces = outside;
-  bad[4].history = (ct_history){2, times, share};
+  bad[4].amplitude = (ct_amplitude){2, times, share};
   bad[5].point[1] = NAN;
   bad[6].axis[0] = NAN;
   bad[7].travel[2] = 1.0;

@@ -162,10 +162,10 @@ static void lattices(void)
            *f[2] = {numbers(3 * m->node_count), numbers(3 * m->node_count)}, energy[2] = {0, 0};
     int same = 0, tried = 0;
     for (int threads = 1; threads <= 5; threads += 2) {
-      ct_solid_block block = {.mesh = m,
-                              .material = STEEL,
-                              .optimisations = &NONE,
-                              .threads = threads == 5 ? 2 : threads};
+      ct_solid_body block = {.mesh = m,
+                             .material = STEEL,
+                             .optimisations = &NONE,
+                             .threads = threads == 5 ? 2 : threads};
       ct_effect *effect[2];
       void *scratch[2];
       for (int k = 0; k < 2; k++, block.optimisations = &on) {

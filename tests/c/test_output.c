@@ -126,7 +126,7 @@ static rig *rig_create(int curved, int with_probe)
   rig_mesh(r, curved);
   int32_t nodes = r->mesh[0]->node_count + r->mesh[1]->node_count;
   const ct_material material = {2.5, 0.25, 2, CT_LINEAR};
-  ct_solid_block block[2];
+  ct_solid_body block[2];
   r->reference = malloc(3 * (size_t)nodes * sizeof(double));
   r->mass = malloc((size_t)nodes * sizeof(double));
   r->inverse_mass = malloc(3 * (size_t)nodes * sizeof(double));
@@ -134,7 +134,7 @@ static rig *rig_create(int curved, int with_probe)
   for (int b = 0, first = 0; b < 2; first += r->mesh[b++]->node_count) {
     ct_body body = {"left", r->mesh[b], material, first};
     if (b == 1) strcpy(body.name, "right");
-    ct_solid_block solid = {
+    ct_solid_body solid = {
         .mesh = r->mesh[b], .material = material, .first_node = first, .kernel = CT_KERNEL_GENERAL};
     r->body[b] = body;
     block[b] = solid;

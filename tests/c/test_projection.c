@@ -57,8 +57,8 @@ static ct_face random_face(ct_face_kind kind, double amount)
   return face;
 }
 
-/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its foot below, while g is
- * under the radii of curvature. */
+/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its closest point below,
+ * while g is under the radii of curvature. */
 static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
 {
   double error[3] = {0, 0, 0}, gap[3] = {0, 0, 0}, normal = 0;
@@ -89,14 +89,16 @@ static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
     }
   }
   tap_ok(status && where, "%s on a %s: every method ends inside", NAME[kind], what);
-  tap_close(error[0], 0, 1e-14, "%s on a %s: robust finds the foot", NAME[kind], what);
-  tap_close(error[1], 0, 1e-14, "%s on a %s: newton finds the foot", NAME[kind], what);
-  tap_close(error[2], 0, 3e-8, "%s on a %s: simplex finds the foot to its floor", NAME[kind], what);
+  tap_close(error[0], 0, 1e-14, "%s on a %s: robust finds the closest point", NAME[kind], what);
+  tap_close(error[1], 0, 1e-14, "%s on a %s: newton finds the closest point", NAME[kind], what);
+  tap_close(error[2], 0, 3e-8, "%s on a %s: simplex finds the closest point to its floor",
+            NAME[kind], what);
   tap_close(gap[0], 0, 1e-15, "%s on a %s: robust gives the gap with its sign", NAME[kind], what);
   tap_close(gap[1], 0, 1e-15, "%s on a %s: newton gives the gap with its sign", NAME[kind], what);
-  tap_close(gap[2], 0, 1e-14, "%s on a %s: simplex gives the gap, second order in the foot",
-            NAME[kind], what);
-  tap_close(normal, 0, 1e-14, "%s on a %s: unit normal at the foot", NAME[kind], what);
+  tap_close(gap[2], 0, 1e-14,
+            "%s on a %s: simplex gives the gap, second order in the closest point", NAME[kind],
+            what);
+  tap_close(normal, 0, 1e-14, "%s on a %s: unit normal at the closest point", NAME[kind], what);
 }
 
 /* A flat square or right triangle: the closest point is the clamped one. Points swept from deep
@@ -129,7 +131,7 @@ static void flat_face_edges_and_vertices(ct_face_kind kind)
       error = worst(worst(error, out.signed_distance - distance), out.point[2]);
     }
   tap_ok(good, "%s: a swept point meets the interior, each edge and each corner", NAME[kind]);
-  tap_close(error, 0, 1e-15, "%s: the foot is the clamped point", NAME[kind]);
+  tap_close(error, 0, 1e-15, "%s: the closest point is the clamped point", NAME[kind]);
 }
 
 static void numbers_of_edges_and_corners(ct_face_kind kind)
@@ -155,7 +157,8 @@ static void numbers_of_edges_and_corners(ct_face_kind kind)
     good &= out.where == CT_OUTSIDE && out.index == -1 && out.status == CT_OK;
   }
   tap_ok(good,
-         "%s: edges and corners have the numbers of their nodes, unconstrained feet are outside",
+         "%s: edges and corners have the numbers of their nodes, unconstrained closest points are "
+         "outside",
          NAME[kind]);
 }
 
@@ -256,7 +259,8 @@ static void brute_force(ct_face_kind kind)
       if (room[a] > 0) slope = fmax(slope, inward[a]);
   }
   tap_ok(bad == 0, "%s: robust ends well on 150 distorted faces", NAME[kind]);
-  tap_close(fmax(closer, 0), 0, 1e-13, "%s: no grid point is closer than its foot", NAME[kind]);
+  tap_close(fmax(closer, 0), 0, 1e-13, "%s: no grid point is closer than its closest point",
+            NAME[kind]);
   tap_close(slope, 0, 1e-12, "%s: nor any direction into the face", NAME[kind]);
 }
 
@@ -477,10 +481,10 @@ static void simplex_floor(void)
          "simplex respects its budget");
 }
 
-/* The foot is the centroid of the first simplex, so all three values are equal: by hand, the first
- * image is not lower and the second highest vertex is reflected too (3 + 2 calls). No vertex may be
- * the centre of fewer than 4 iterations before each of the 34 halvings down to 1e-10, and before
- * the end. */
+/* The closest point is the centroid of the first simplex, so all three values are equal: by hand,
+ * the first image is not lower and the second highest vertex is reflected too (3 + 2 calls). No
+ * vertex may be the centre of fewer than 4 iterations before each of the 34 halvings down to 1e-10,
+ * and before the end. */
 static void simplex_steps_by_hand(void)
 {
   ct_face face = {CT_Q4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}};
@@ -499,8 +503,8 @@ static void simplex_steps_by_hand(void)
 
 static void hard_cases(void)
 {
-  /* A trough z = x^2 / 2: above the centre of curvature the foot splits into x = +- sqrt(2 (z -
-   * 1)). */
+  /* A trough z = x^2 / 2: above the centre of curvature the closest point splits into x = +- sqrt(2
+   * (z - 1)). */
   ct_face trough = {CT_Q8, {{0}}};
   for (int i = 0; i < 8; i++) {
     trough.node[i][0] = QUADRILATERAL[i][0], trough.node[i][1] = QUADRILATERAL[i][1];
@@ -510,7 +514,7 @@ static void hard_cases(void)
   ct_projection out;
   ct_project_options options = with(CT_ROBUST), newton = with(CT_NEWTON);
   tap_ok(ct_project(&trough, above, &options, &out) == CT_OK, "trough: robust leaves the saddle");
-  tap_close(fabs(out.xi[0]), 0.5, 1e-14, "trough: to one of the two feet");
+  tap_close(fabs(out.xi[0]), 0.5, 1e-14, "trough: to one of the two closest points");
   tap_ok(ct_project(&trough, above, &newton, &out) == CT_NO_CONVERGENCE,
          "trough: newton ends on the saddle and says so");
   double beside[3] = {0.01, 0.25, 1.125};
@@ -542,7 +546,7 @@ static void hard_cases(void)
   double behind[3] = {-2, -2, 0.5};
   tap_ok(ct_project(&quarter, behind, NULL, &out) == CT_OK && out.where == CT_VERTEX &&
              out.index == 0 && out.normal[2] == 1,
-         "quarter-point corner: as a foot it has the normal of its neighbourhood");
+         "quarter-point corner: as a closest point it has the normal of its neighbourhood");
 
   /* Two corners in one place. */
   ct_face collapsed = {CT_Q4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {1, 1, 0}}};
@@ -556,7 +560,7 @@ static void hard_cases(void)
   ct_project(&away, over, NULL, &out);
   tap_close(out.signed_distance, 1e-9, 1e-24, "a gap of 1e-9 at an offset of 1e6");
 
-  /* So far away that rounding hides where on the face the foot is: no endless search. */
+  /* So far away that rounding hides where on the face the closest point is: no endless search. */
   ct_face tilted = {CT_T3, {{0, 0, 0}, {1, 0.3, 0.7}, {-0.2, 1, 0.1}}};
   double far[3] = {-0.67e9 + 0.24, -0.24e9 + 0.39, 1.06e9 + 0.24};
   ct_project(&tilted, far, NULL, &out);

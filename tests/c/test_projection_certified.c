@@ -151,14 +151,14 @@ static void narrow_valleys(void)
     }
   }
   report(&s, 80, 78, "Q4 and Q8", "1e3 to 1e6 times as long as wide");
-  tap_ok(
-      wrong <= 1,
-      "the foot lies on the floor of the valley: %d of 80 are farther than a search line by line",
-      wrong);
+  tap_ok(wrong <= 1,
+         "the closest point lies on the floor of the valley: %d of 80 are farther than a search "
+         "line by line",
+         wrong);
 }
 
-/* On a cylinder every height over the axis is as near as every other: a line of feet, and a
- * distance that is certain. */
+/* On a cylinder every height over the axis is as near as every other: a line of closest points, and
+ * a distance that is certain. */
 static void many_feet(void)
 {
   ct_face collapsed = {CT_Q4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {1, 1, 0}}};
@@ -167,7 +167,7 @@ static void many_feet(void)
   options.method = CT_CERTIFIED;
   ct_projection out;
   tap_ok(ct_project(&collapsed, behind, &options, &out) == CT_OK && out.certified,
-         "the whole of a collapsed edge is the foot, and the distance is proven");
+         "the whole of a collapsed edge is the closest point, and the distance is proven");
   tap_close(out.distance, 3, 1e-14, "it is the distance from the corner");
   ct_face flat = parabolic_face(CT_T3, 0, 0);
   double above[3] = {0.25, 0.25, 1};
@@ -205,8 +205,8 @@ static void centres_of_curvature(void)
   report(&s, trials, trials - trials / 100, "Q8 and T6", "at the centre of curvature");
 }
 
-/* Near the surface nothing is left of the distance that a bound could give away; a look at the foot
- * must do. */
+/* Near the surface nothing is left of the distance that a bound could give away; a look at the
+ * closest point must do. */
 static void near_the_surface(void)
 {
   int certified = 0;
@@ -234,8 +234,8 @@ static void near_the_surface(void)
          "nearly all by one look (%ld looks of certified, %ld of robust)", evaluations, robust);
 }
 
-/* A foot that is wrong by `shift`: if that is nevertheless called proven, it must be as near as the
- * true one within half the tolerance. */
+/* A closest point that is wrong by `shift`: if that is nevertheless called proven, it must be as
+ * near as the true one within half the tolerance. */
 static void attack(const ct_face *face, const double point[3], double shift, int *proven, int *lies)
 {
   ct_project_options options = ct_project_options_default();
@@ -250,7 +250,7 @@ static void attack(const ct_face *face, const double point[3], double shift, int
   for (int a = 0; a < 2; a++) xi[a] = fmin(fmax(xi[a], low), 1);
   if (triangular(face->kind)) xi[1] = fmin(xi[1], 1 - xi[0]);
   double d[3], wrong = sqrt(ct_patch_value(&patch, xi, d));
-  ct_foot count = {{0, 0}, {0, 0, 0}, 0, 0, 0};
+  ct_closest count = {{0, 0}, {0, 0, 0}, 0, 0, 0};
   if (ct_proof_search(&patch, 1e-10, 2000, xi, &count) != CT_PROVEN) return;
   ++*proven;
   *lies += wrong > out.distance + 0.5e-10 * fmax(wrong, patch.size);
@@ -278,10 +278,10 @@ static void attacks(void)
     }
     attack(&face, point, pow(10, -trial % 13), &proven, &lies);
   }
-  tap_ok(
-      lies == 0 && proven > 300,
-      "3000 feet that are moved by 1 to 1e-12: %d are good enough to be proven, %d of them wrongly",
-      proven, lies);
+  tap_ok(lies == 0 && proven > 300,
+         "3000 closest points that are moved by 1 to 1e-12: %d are good enough to be proven, %d of "
+         "them wrongly",
+         proven, lies);
 }
 
 int main(void)

@@ -14,7 +14,7 @@ static ct_project_options with(int method)
   return options;
 }
 
-/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its foot below. */
+/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its closest point below. */
 static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
 {
   for (int m = 0; m < METHODS; m++) {
@@ -34,7 +34,7 @@ static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
       gap = worst(worst(gap, out.signed_distance - g), out.distance - fabs(g));
     }
     tap_ok(status, "%s on a %s: %s ends well", FACE_NAME[kind], what, ct_method_name((ct_method)m));
-    tap_close(error, 0, by_values(m) ? 5e-8 : 1e-10, "%s on a %s: %s finds the foot",
+    tap_close(error, 0, by_values(m) ? 5e-8 : 1e-10, "%s on a %s: %s finds the closest point",
               FACE_NAME[kind], what, ct_method_name((ct_method)m));
     tap_close(gap, 0, 1e-14, "%s on a %s: %s gives the gap with its sign", FACE_NAME[kind], what,
               ct_method_name((ct_method)m));
@@ -214,7 +214,8 @@ static void saddles_are_no_answers(void)
     ct_project(&trough, above, &options, &out);
     int at_foot = fabs(fabs(out.xi[0]) - 0.5) < 1e-6;
     tap_ok(at_foot || (out.status != CT_OK && out.certified == 0), "trough: %s %s",
-           ct_method_name((ct_method)m), at_foot ? "finds a foot" : "says that it found none");
+           ct_method_name((ct_method)m),
+           at_foot ? "finds a closest point" : "says that it found none");
   }
 }
 

@@ -57,7 +57,8 @@ static void parabolic_cylinder(ct_face_kind kind, double p)
   tap_close(normal, 0, 1e-13, "%s, p = %g: their normals", FACE_NAME[kind], p);
 }
 
-/* From a point at height g over the foot, the line along the normal comes back to the foot. */
+/* From a point at height g over the closest point, the line along the normal comes back to the
+ * closest point. */
 static void back_along_the_normal(ct_face_kind kind)
 {
   double error = 0;
@@ -75,7 +76,7 @@ static void back_along_the_normal(ct_face_kind kind)
     for (int a = 0; a < 2; a++) error = worst(error, out.xi[a] - xi[a]);
   }
   tap_ok(bad == 0, "%s: the line along the normal meets the face", FACE_NAME[kind]);
-  tap_close(error, 0, 1e-13, "%s: at the foot, after the gap", FACE_NAME[kind]);
+  tap_close(error, 0, 1e-13, "%s: at the closest point, after the gap", FACE_NAME[kind]);
 }
 
 static void edges_and_touches(void)

@@ -251,7 +251,7 @@ static void parabola(void)
   ct_bounds box = ct_face_bounds(&face);
   tap_close(box.high[2], 2.0, 1e-14,
             "a vault of height 1 is boxed to its control points, at height 2");
-  tap_close(box.low[2], 0.0, 1e-14, "and to its feet");
+  tap_close(box.low[2], 0.0, 1e-14, "and to its closest points");
   tap_close(box.high[0], 1.0, 1e-14, "and not wider than its corners");
 
   // z = 3 - x^2 - y^2 has the coefficient 3 + 1 + 1 in the middle.
@@ -327,11 +327,11 @@ static double by_all(const ct_surface *s, const double *x, const double point[3]
   int per = ct_face_node_count(s->kind);
   for (int f = 0; f < s->face_count; f++) {
     ct_face face = {.kind = s->kind};
-    ct_projection foot;
+    ct_projection closest;
     for (int a = 0; a < per; a++)
       memcpy(face.node[a], &x[3 * s->faces[f * per + a]], sizeof face.node[a]);
-    ct_project(&face, point, NULL, &foot);
-    if (foot.distance < best) best = foot.distance;
+    ct_project(&face, point, NULL, &closest);
+    if (closest.distance < best) best = closest.distance;
   }
   return best;
 }
@@ -357,7 +357,7 @@ static void nearest_faces(int k)
   patchwork p;
   patchwork_make(&p, KIND[k].kind, 7, 0.3);
   ct_search *search = search_of(&p.surface);
-  double *points = numbers(3 * CLOUD), off = 0.0, foot = 0.0;
+  double *points = numbers(3 * CLOUD), off = 0.0, closest = 0.0;
   ct_nearest *out = room(CLOUD, sizeof *out), *again = room(CLOUD, sizeof *again);
   int32_t *start = integers(CLOUD);
   for (int i = 0; i < CLOUD; i++)
@@ -373,11 +373,12 @@ static void nearest_faces(int k)
     if (out[i].face < 0) continue;
     ct_search_face(search, out[i].face, &face);
     ct_segment_point(&face, out[i].xi, y);
-    for (int c = 0; c < 3; c++) foot = fmax(foot, fabs(y[c] - out[i].point[c]));
+    for (int c = 0; c < 3; c++) closest = fmax(closest, fabs(y[c] - out[i].point[c]));
     start[i] = i % 3 == 0 ? -1 : (i * 37) % p.surface.face_count;
   }
   tap_close(off, 0.0, 1e-14, "%s: the distance is that of the nearest of all faces", KIND[k].name);
-  tap_close(foot, 0.0, 1e-14, "%s: the foot is the point of that face at xi", KIND[k].name);
+  tap_close(closest, 0.0, 1e-14, "%s: the closest point is the point of that face at xi",
+            KIND[k].name);
 
   ct_search_options options = ct_search_options_default();
   ct_search_nearest(search, CLOUD, points, start, &options, again);
@@ -442,7 +443,8 @@ static void cube(ct_face_kind kind)
   }
   const char *name = kind == CT_T3 ? "of triangles" : "of Q4 faces";
   tap_close(off, 0.0, 1e-14,
-            "a cube %s: signed distances in closed form (%d feet inside faces, %d on edges, %d on "
+            "a cube %s: signed distances in closed form (%d closest points inside faces, %d on "
+            "edges, %d on "
             "corners)",
             name, found[0], found[1], found[2]);
   tap_ok(signs == 0 && found[1] > 500 && found[2] > 500, "a cube %s: no sign is wrong at its folds",
@@ -605,7 +607,7 @@ static void curved_corners(ct_face_kind kind, double middles)
   }
   tap_ok(wrong == 0 && corners > 100,
          "bricks of %s faces with bent edges: %d of %d points near corners have the wrong sign (%d "
-         "feet are corners)",
+         "closest points are corners)",
          kind == CT_Q8 ? "Q8" : "T6", wrong, asked, corners);
 }
 
@@ -687,10 +689,10 @@ static void triangles(void)
     ct_search *search = search_of(&surface);
     double xi[2], d[3], square = ct_search_triangle(search, 0, point, xi, d), best = HUGE_VAL;
     ct_face face;
-    ct_projection foot;
+    ct_projection closest;
     ct_search_face(search, 0, &face);
-    ct_project(&face, point, NULL, &foot);
-    best = foot.distance;
+    ct_project(&face, point, NULL, &closest);
+    best = closest.distance;
     off = worst(off, sqrt(square) - best);
     double y[3];
     ct_segment_point(&face, xi, y);
@@ -700,7 +702,7 @@ static void triangles(void)
   tap_close(off, 0.0, 1e-13,
             "the distance from a triangle in closed form is that of the general projection, "
             "needles of 1e6 included");
-  tap_close(at, 0.0, 1e-15, "and its foot is the point at xi");
+  tap_close(at, 0.0, 1e-15, "and its closest point is the point at xi");
 }
 
 /* -- What goes wrong

@@ -327,7 +327,7 @@ static void jaws(const ct_mesh *m, double angle, double *x)
 }
 
 /* Jaws that open touch nothing, although the end of one comes to look at the underside of the
- * other, through the other (eq:self-history). */
+ * other, through the other (eq:self-status). */
 static void open_jaws(ct_brick_kind kind)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 1, 0.2, 1, 18, 2, 2);

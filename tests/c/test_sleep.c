@@ -294,8 +294,7 @@ static void no_force(const form *f)
   ct_error e;
   ct_mesh *m = box_mesh(f->kind, -1.3, 0.7, 0.1, 1.1, 0.9, 1.7, 3, 3, 3);
   ct_optimisations none = {0, 0, 0, 0};
-  ct_solid_block block = {
-      .mesh = m, .material = STEEL, .kernel = f->kernel, .optimisations = &none};
+  ct_solid_body block = {.mesh = m, .material = STEEL, .kernel = f->kernel, .optimisations = &none};
   ct_effect *effect;
   void *scratch;
   int64_t zeros = 0, dofs = 3 * (int64_t)m->node_count;

@@ -148,7 +148,7 @@ static void kernel_against_reference(ct_mesh *m, ct_solid_kernel kernel, const c
          *g = numbers(3 * m->node_count);
   double energy = block_force(&solid, u, f), want = reference_force(m, &STEEL, u, g);
   ct_solid_kernel chosen = CT_KERNEL_AUTO;
-  ct_solid_block_plan(solid.effect, 0, &chosen, NULL, NULL);
+  ct_solid_body_plan(solid.effect, 0, &chosen, NULL, NULL);
   double off = largest_difference(f, g, 3 * m->node_count) / largest(g, 3 * m->node_count);
   tap_ok(off < 1e-13 && chosen == kernel && fabs(energy / want - 1.0) < 1e-13,
          "%s, %d elements: force off by %.2g, energy by %.2g", name, m->element_count, off,
@@ -256,7 +256,7 @@ static void refusals(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
   m->nodes[3 * 13] += 0.01;
-  ct_solid_block b = {.mesh = m, .material = STEEL, .kernel = CT_KERNEL_BOX};
+  ct_solid_body b = {.mesh = m, .material = STEEL, .kernel = CT_KERNEL_BOX};
   ct_effect *effect = NULL;
   ct_error e = {0};
   tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && effect == NULL && e.body == 0,
@@ -265,10 +265,10 @@ static void refusals(void)
   need(create_solid(&b, 1, &effect, &e), &e);
   ct_solid_kernel chosen = CT_KERNEL_BOX;
   double flops = 0, bytes = 0;
-  ct_solid_block_plan(effect, 0, &chosen, &flops, &bytes);
+  ct_solid_body_plan(effect, 0, &chosen, &flops, &bytes);
   tap_ok(chosen == CT_KERNEL_GENERAL && flops > 0 && bytes > 0,
          "the cheapest that fits a distorted mesh is the general one");
-  tap_ok(ct_solid_block_plan(effect, 1, &chosen, NULL, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_solid_body_plan(effect, 1, &chosen, NULL, NULL) == CT_ERROR_ARGUMENT,
          "there is no second block");
   ct_effect_free(effect);
   effect = NULL;
@@ -300,11 +300,11 @@ static void refusals(void)
   tap_ok(ct_solid_element_force(CT_HEX8, x, u, &STEEL, f, NULL, &e) == CT_ERROR_GEOMETRY &&
              e.point >= 0,
          "the force of a folded element is refused: %s", e.text);
-  tap_ok(ct_solid_element_frequency(CT_HEX8, x, &STEEL, mass, &w, &e) == CT_ERROR_GEOMETRY,
+  tap_ok(ct_solid_element_omega2_bound(CT_HEX8, x, &STEEL, mass, &w, &e) == CT_ERROR_GEOMETRY,
          "so is its frequency");
   take_element(m, 0, m->nodes, x);
   mass[4] = 0.0;
-  tap_ok(ct_solid_element_frequency(CT_HEX8, x, &STEEL, mass, &w, &e) == CT_ERROR_ARGUMENT &&
+  tap_ok(ct_solid_element_omega2_bound(CT_HEX8, x, &STEEL, mass, &w, &e) == CT_ERROR_ARGUMENT &&
              e.point == 4,
          "a node without mass is refused: %s", e.text);
   tap_ok(ct_solid_element_stress((ct_brick_kind)4, x, u, &STEEL, xi, s, NULL) ==
@@ -339,7 +339,7 @@ static double element_frequency(const ct_mesh *m, const ct_material *material, d
   ct_error e;
   take_element(m, 0, m->nodes, x);
   need(ct_mass_element(m->kind, x, material->density, CT_LUMP_DEFAULT, mass, &e), &e);
-  need(ct_solid_element_frequency(m->kind, x, material, mass, &w, &e), &e);
+  need(ct_solid_element_omega2_bound(m->kind, x, material, mass, &w, &e), &e);
   return w;
 }
 
@@ -431,7 +431,7 @@ static void worst_element(ct_brick_kind kind)
     for (int el = 0; el < 9; el++) {
       take_element(m, el, m->nodes, x);
       need(ct_mass_element(kind, x, STEEL.density, CT_LUMP_DEFAULT, mass, &e), &e);
-      need(ct_solid_element_frequency(kind, x, &STEEL, mass, &w, &e), &e);
+      need(ct_solid_element_omega2_bound(kind, x, &STEEL, mass, &w, &e), &e);
       top = fmax(top, w);
     }
     wrong = worst(wrong, block_frequency(&solid) / top - 1.0);

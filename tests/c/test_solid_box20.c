@@ -176,14 +176,14 @@ static void exchanged_axes(void)
 /* The kernel that a body gets, or -1 with the status UNSUPPORTED. */
 static int kernel_for(const ct_mesh *m, ct_solid_kernel asked, ct_law law, int held, ct_error *e)
 {
-  ct_solid_block b = {.mesh = m, .material = STEEL, .kernel = asked, .held = {0, held, 0}};
+  ct_solid_body b = {.mesh = m, .material = STEEL, .kernel = asked, .held = {0, held, 0}};
   ct_effect *effect = NULL;
   ct_solid_kernel chosen = CT_KERNEL_AUTO;
   b.material.law = law;
   ct_status status = create_solid(&b, 1, &effect, e);
   if (status == CT_ERROR_UNSUPPORTED) return -1;
   need(status, e);
-  ct_solid_block_plan(effect, 0, &chosen, NULL, NULL);
+  ct_solid_body_plan(effect, 0, &chosen, NULL, NULL);
   ct_effect_free(effect);
   return (int)chosen;
 }

@@ -222,7 +222,7 @@ static void curvature(void)
       u[3 * k] = -c * x[0] * x[1];
       u[3 * k + 1] = 0.5 * c * x[0] * x[0];
     }
-    ct_solid_block b = {.mesh = beam, .material = m, .kernel = CT_KERNEL_REDUCED, .hourglass = 0.3};
+    ct_solid_body b = {.mesh = beam, .material = m, .kernel = CT_KERNEL_REDUCED, .hourglass = 0.3};
     block solid = {NULL, NULL};
     ct_error e;
     need(create_solid(&b, 1, &solid.effect, &e), &e);
@@ -250,7 +250,7 @@ static double tip(const ct_mesh *m, const ct_material *material, ct_solid_kernel
   double *u = numbers(n), *r = numbers(n), *d = numbers(n), *q = numbers(n), rr = 0.0, mean = 0.0;
   int32_t *end = integers(m->node_count), *root = integers(m->node_count), *fixed = integers(n);
   int ends = ct_mesh_plane_nodes(m, 0, length, end), roots = ct_mesh_plane_nodes(m, 0, 0.0, root);
-  ct_solid_block b = {.mesh = m, .material = *material, .kernel = kernel, .hourglass = hourglass};
+  ct_solid_body b = {.mesh = m, .material = *material, .kernel = kernel, .hourglass = hourglass};
   block solid = {NULL, NULL};
   ct_error e;
   need(create_solid(&b, 1, &solid.effect, &e), &e);
@@ -337,7 +337,7 @@ static void frequencies(void)
     ct_error e;
     take_element(m, 0, m->nodes, x);
     need(ct_mass_element(CT_HEX8, x, STEEL.density, CT_LUMP_DEFAULT, mass, &e), &e);
-    need(ct_solid_reduced_frequency(x, &STEEL, kappa, mass, &w, &e), &e);
+    need(ct_solid_reduced_omega2_bound(x, &STEEL, kappa, mass, &w, &e), &e);
     for (int j = 0; j < 24; j++) {
       u[j] = 1.0;
       need(ct_solid_reduced_force(x, u, &STEEL, kappa, f, NULL, &e), &e);
@@ -451,7 +451,7 @@ static void refusals(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2),
           *q = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
-  ct_solid_block b = {.mesh = q, .material = STEEL, .kernel = CT_KERNEL_REDUCED};
+  ct_solid_body b = {.mesh = q, .material = STEEL, .kernel = CT_KERNEL_REDUCED};
   ct_effect *effect = NULL, *hourglass = NULL;
   ct_error e = {0};
   tap_ok(create_solid(&b, 1, &effect, &e) == CT_ERROR_UNSUPPORTED && e.body == 0,
@@ -496,7 +496,7 @@ static void cost(void)
   for (int k = 0; k < 2; k++) {
     block solid = open_block(m, &STEEL, k == 0 ? CT_KERNEL_GENERAL : CT_KERNEL_REDUCED);
     ct_solid_kernel kernel;
-    ct_solid_block_plan(solid.effect, 0, &kernel, &flops[k], &bytes);
+    ct_solid_body_plan(solid.effect, 0, &kernel, &flops[k], &bytes);
     close_block(&solid);
   }
   tap_ok(flops[0] / flops[1] > 3.5, "full integration takes %.2f times the operations",

@@ -19,16 +19,16 @@ typedef struct job {
 static void *work(void *argument)
 {
   job *j = argument;
-  ct_watch *watch = NULL;
-  ct_watch_options options = ct_watch_options_default();
+  ct_monitor *watch = NULL;
+  ct_monitor_options options = ct_monitor_options_default();
   ct_energy energy;
   options.every = 8;
   j->status = ct_state_create(j->problem, &j->state, &j->error);
   if (j->status == CT_OK)
-    j->status = ct_watch_create(j->problem, j->state, &options, &watch, &j->error);
-  if (j->status == CT_OK) j->status = ct_watch_steps(watch, j->state, STEPS, &j->error);
+    j->status = ct_monitor_create(j->problem, j->state, &options, &watch, &j->error);
+  if (j->status == CT_OK) j->status = ct_monitor_steps(watch, j->state, STEPS, &j->error);
   if (j->status == CT_OK) j->status = ct_energy_of(j->problem, j->state, &energy, &j->error);
-  ct_watch_free(watch);
+  ct_monitor_free(watch);
   return NULL;
 }
 

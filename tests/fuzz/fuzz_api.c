@@ -30,7 +30,7 @@ typedef struct play {
   const ct_problem *joined, *problem;
   int64_t steps;
   ct_state *state[MOST_STATES];
-  ct_watch *watch;
+  ct_monitor *watch;
   ct_state *watched;
   void *kept[MOST_MEMORY]; /* arrays that effects look at, freed at the end */
   int kept_count;
@@ -208,7 +208,7 @@ static void add_support(play *p)
 
 /* -- Effects -- */
 
-static ct_history any_history(play *p)
+static ct_amplitude any_history(play *p)
 {
   dice *d = p->d;
   int count = below(d, 4);
@@ -217,9 +217,9 @@ static ct_history any_history(play *p)
     time[i] = i > 0 ? time[i - 1] + between(d, 0.01, 1.0) : 0.3 * between(d, 0.0, 1.0);
     value[i] = real(d);
   }
-  ct_history h = {count, time, value};
+  ct_amplitude h = {count, time, value};
   ct_error e = {0};
-  if (TRY(ct_history_check(&h, &e)) == CT_OK) (void)ct_history_value(&h, between(d, -1.0, 3.0));
+  if (TRY(ct_amplitude_check(&h, &e)) == CT_OK) (void)ct_amplitude_value(&h, between(d, -1.0, 3.0));
   return h;
 }
 
@@ -291,7 +291,7 @@ static ct_effect *surface_effect(play *p, int body)
                         .traction = {real(d), real(d), real(d)},
                         .pressure = real(d),
                         .following = below(d, 2),
-                        .history = any_history(p)};
+                        .amplitude = any_history(p)};
     (void)TRY(ct_load_create_effect(&load, p->joined, &effect, &e));
     break;
   }
@@ -313,7 +313,7 @@ static ct_effect *surface_effect(play *p, int body)
                          .face_count = count,
                          .faces = faces};
     if (chance(d, 3)) o.velocity[0] = 0.1 * real(d);
-    if (chance(d, 3)) o.history = any_history(p), o.travel[1] = 0.1 * real(d);
+    if (chance(d, 3)) o.amplitude = any_history(p), o.travel[1] = 0.1 * real(d);
     (void)TRY(ct_obstacle_create_effect(&o, p->joined, &effect, &e));
   }
   }
@@ -347,7 +347,7 @@ static ct_effect *body_effect(play *p, int body)
   default: {
     ct_motion *motion = keep(p, 1, sizeof *motion);
     motion->nodes = any_nodes(p, body, 1, &motion->node_count);
-    motion->history = any_history(p);
+    motion->amplitude = any_history(p);
     for (int c = 0; c < 3; c++)
       motion->fixed[c] = below(d, 2), motion->displacement[c] = 0.1 * real(d);
     (void)TRY(create_motion(motion, 1, p->joined, &effect, &e));
@@ -374,7 +374,7 @@ static void add_effect(play *p)
 
 static void drop_states(play *p)
 {
-  ct_watch_free(p->watch);
+  ct_monitor_free(p->watch);
   p->watch = NULL;
   for (int i = 0; i < MOST_STATES; i++) {
     ct_state_free(p->state[i]);
@@ -440,7 +440,7 @@ static void ask(play *p, ct_state *s)
     (void)TRY(ct_energy_stored(q, s, k, number, &e));
     break;
   case 3:
-    (void)TRY(ct_energy_unrest(q, s, number, &e));
+    (void)TRY(ct_energy_residual(q, s, number, &e));
     break;
   case 4:
     (void)TRY(ct_energy_impulse(q, s, k, number, &e));
@@ -515,18 +515,18 @@ static void watch(play *p, ct_state *s)
   dice *d = p->d;
   ct_error e = {0};
   if (p->watch == NULL) {
-    ct_watch_options options = ct_watch_options_default();
+    ct_monitor_options options = ct_monitor_options_default();
     options.every = 1 + below(d, 5);
     if (chance(d, 3)) options.energy_limit = between(d, 0.01, 2.0);
     if (d->wild && chance(d, 6)) options.every = 0;
     p->watched = s;
-    if (TRY(ct_watch_create(p->problem, s, &options, &p->watch, &e)) != CT_OK) p->watch = NULL;
-  } else if (TRY(chance(d, 3) ? ct_watch_look(p->watch, p->watched, &e)
-                              : ct_watch_steps(p->watch, p->watched, below(d, 8), &e)) == CT_OK)
-    demand(isfinite(ct_watch_omega_squared(p->watch)) && ct_watch_good(p->watch) != NULL,
+    if (TRY(ct_monitor_create(p->problem, s, &options, &p->watch, &e)) != CT_OK) p->watch = NULL;
+  } else if (TRY(chance(d, 3) ? ct_monitor_check(p->watch, p->watched, &e)
+                              : ct_monitor_steps(p->watch, p->watched, below(d, 8), &e)) == CT_OK)
+    demand(isfinite(ct_monitor_omega2(p->watch)) && ct_monitor_good(p->watch) != NULL,
            "a watch has a good state");
   if (chance(d, 12)) {
-    ct_watch_free(p->watch);
+    ct_monitor_free(p->watch);
     p->watch = NULL;
   }
 }
@@ -556,7 +556,7 @@ static void refine(play *p, ct_state *from)
   ct_state *to = NULL;
   fine.dt /= d->wild ? between(d, 0.5, 4.0) : 1 + below(d, 4);
   if (TRY(ct_state_create(&fine, &to, &e)) == CT_OK) {
-    ct_status status = TRY(ct_state_refine(&fine, from, to, &e));
+    ct_status status = TRY(ct_state_subdivide_step(&fine, from, to, &e));
     if (status == CT_OK)
       demand(memcmp(from->displacement, to->displacement,
                     3 * (size_t)to->node_count * sizeof(double)) == 0,
@@ -703,14 +703,14 @@ static void play_element(dice *d)
       !d->wild)
     demand(all_finite(force, 3 * per), "forces are numbers");
   (void)TRY(ct_solid_element_stress(kind, &x[0][0], u, &m, xi, stress, &e));
-  (void)TRY(ct_solid_element_frequency(kind, &x[0][0], &m, mass, &omega, &e));
-  (void)TRY(ct_solid_element_tangent_frequency(kind, &x[0][0], u, &m, mass, &omega, &e));
+  (void)TRY(ct_solid_element_omega2_bound(kind, &x[0][0], &m, mass, &omega, &e));
+  (void)TRY(ct_solid_element_tangent_omega2_bound(kind, &x[0][0], u, &m, mass, &omega, &e));
   (void)TRY(
       ct_mass_element(kind, &x[0][0], between(d, 0.1, 2.0), (ct_lumping)below(d, 4), mass, &e));
   if (kind == CT_HEX8) {
     double pressure;
     (void)TRY(ct_solid_reduced_force(&x[0][0], u, &m, between(d, 0.1, 2.0), force, energy, &e));
-    (void)TRY(ct_solid_reduced_frequency(&x[0][0], &m, between(d, 0.1, 2.0), mass, &omega, &e));
+    (void)TRY(ct_solid_reduced_omega2_bound(&x[0][0], &m, between(d, 0.1, 2.0), mass, &omega, &e));
     (void)TRY(ct_viscosity_element(&x[0][0], u, between(d, 0.1, 2.0), 1.0, 0.1, 1.0, &pressure,
                                    force, &e));
   }

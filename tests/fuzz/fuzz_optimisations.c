@@ -374,7 +374,7 @@ static void add_own(run *r, dice *d)
   if (r->status == CT_OK) r->status = ct_scene_add_effect(r->scene, effect, &r->error);
 }
 
-static ct_history any_history(run *r, dice *d)
+static ct_amplitude any_history(run *r, dice *d)
 {
   int count = 1 + below(d, 3);
   double *time = keep(r, 4, sizeof *time), *value = keep(r, 4, sizeof *value);
@@ -384,7 +384,7 @@ static ct_history any_history(run *r, dice *d)
                              : between(d, 0.0, 5.0);
     value[i] = chance(d, 3) ? 0.0 : real(d);
   }
-  return (ct_history){count, time, value};
+  return (ct_amplitude){count, time, value};
 }
 
 /* An effect of the library on the body of this number. */
@@ -418,7 +418,7 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
                         .traction = {0.02 * real(d), 0.01 * real(d), 0.0},
                         .pressure = 0.02 * real(d),
                         .following = below(d, 2),
-                        .history = any_history(r, d)};
+                        .amplitude = any_history(r, d)};
     return ct_load_create_effect(&load, r->joined, effect, &r->error);
   }
   if (what == 4) {
@@ -443,7 +443,7 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
   if (chance(d, 3))
     o.shape = (ct_obstacle_shape)(1 + below(d, 2)), o.point[0] += 5.0 * sign, o.axis[0] = 0.0,
     o.axis[2] = 1.0;
-  if (chance(d, 3)) o.history = any_history(r, d), o.travel[0] = 0.1 * real(d);
+  if (chance(d, 3)) o.amplitude = any_history(r, d), o.travel[0] = 0.1 * real(d);
   return ct_obstacle_create_effect(&o, r->joined, effect, &r->error);
 }
 
@@ -472,7 +472,7 @@ static void add_effects(run *r, dice *d)
     add_effect(r, effect);
   }
   if (r->status == CT_OK && chance(d, 6)) {
-    ct_motion motion = {.history = any_history(r, d)};
+    ct_motion motion = {.amplitude = any_history(r, d)};
     int number = below(d, r->body_count);
     int32_t *nodes = any_nodes(r, d, number, &motion.node_count);
     for (int32_t i = 0; i < motion.node_count; i++)
@@ -557,7 +557,7 @@ static void ask(run *r, dice *d)
                           &e);
     break;
   case 3:
-    (void)ct_energy_unrest(r->problem, r->state, &rate, &e);
+    (void)ct_energy_residual(r->problem, r->state, &rate, &e);
     break;
   default:
     force = room(3 * (size_t)r->problem->node_count, sizeof *force);
@@ -589,15 +589,15 @@ static void change_state(run *r, dice *d)
 /* Steps that a watch looks at, which wants nothing but numbers. */
 static ct_status watched_steps(run *r, int64_t count, int64_t every)
 {
-  ct_watch *watch = NULL;
-  ct_watch_options options = {.every = every,
-                              .energy_limit = INFINITY,
-                              .omega_limit = INFINITY,
-                              .stable = r->problem->dt,
-                              .growth_limit = INFINITY};
-  ct_status status = ct_watch_create(r->problem, r->state, &options, &watch, &r->error);
-  if (status == CT_OK) status = ct_watch_steps(watch, r->state, count, &r->error);
-  ct_watch_free(watch);
+  ct_monitor *watch = NULL;
+  ct_monitor_options options = {.every = every,
+                                .energy_limit = INFINITY,
+                                .omega_limit = INFINITY,
+                                .stable = r->problem->dt,
+                                .growth_limit = INFINITY};
+  ct_status status = ct_monitor_create(r->problem, r->state, &options, &watch, &r->error);
+  if (status == CT_OK) status = ct_monitor_steps(watch, r->state, count, &r->error);
+  ct_monitor_free(watch);
   return status;
 }
 

@@ -45,21 +45,21 @@ class Twisted:
     def __getattr__(self, name):
         return getattr(lib, name)
 
-    def ct_watch_steps(self, watch, state, count, error):
+    def ct_monitor_steps(self, watch, state, count, error):
         if state.step < 40:
             return (
-                lib.ct_watch_steps(watch, state, min(count, 40 - state.step), error)
+                lib.ct_monitor_steps(watch, state, min(count, 40 - state.step), error)
                 if count <= 40 - state.step
                 else self.split(watch, state, count, error)
             )
         if not self.done:
             self.done = True
             self.twist(state)
-        return lib.ct_watch_steps(watch, state, count, error)
+        return lib.ct_monitor_steps(watch, state, count, error)
 
     def split(self, watch, state, count, error):
         first = 40 - state.step
-        return lib.ct_watch_steps(watch, state, first, error) or self.ct_watch_steps(
+        return lib.ct_monitor_steps(watch, state, first, error) or self.ct_monitor_steps(
             watch, state, count - first, error
         )
 
@@ -315,7 +315,7 @@ def test_growth_of_a_solid_names_the_body(monkeypatch):
     growth = ffi.new("ct_growth *", {"share": 0.02, "time": 3.0, "step": 7, "effect": 0, "body": 1})
 
     class Told(Twisted):
-        def ct_watch_growth(self, watch):
+        def ct_monitor_growth(self, watch):
             return growth[0]
 
     monkeypatch.setattr(loop, "lib", Told(lambda state: None))

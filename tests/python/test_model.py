@@ -338,7 +338,7 @@ def test_other_defaults_are_what_zero_means_in_c():
     obstacle = EFFECTS["obstacle"](surface=("a", "x_max"))
     assert obstacle.dissipation == c_of("contact_options").dissipation
     assert model.ENFORCEMENTS[obstacle.enforcement] == c_of("contact_options").enforcement
-    watch = lib.ct_watch_options_default()
+    watch = lib.ct_monitor_options_default()
     assert (time.energy_limit, time.look_every) == (watch.energy_limit, watch.every)
 
 

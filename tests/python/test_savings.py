@@ -301,13 +301,13 @@ def test_explain_tells_the_memory_that_a_run_holds(name, savings, changes):
     problem = scene(savings, **changes)._built(None, None)
     state = new_state(problem)
     options, watch = (
-        ffi.new("ct_watch_options *", lib.ct_watch_options_default()),
-        ffi.new("ct_watch **"),
+        ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()),
+        ffi.new("ct_monitor **"),
     )
     options.stable = problem.stable.dt
-    check(lib.ct_watch_create(problem.pointer, state, options, watch, new_error()))
+    check(lib.ct_monitor_create(problem.pointer, state, options, watch, new_error()))
     held = held_bytes() - before
-    lib.ct_watch_free(watch[0])
+    lib.ct_monitor_free(watch[0])
     assert told == pytest.approx(held, rel=0.06), (
         f"{name}: {held} bytes, told {told}: {told / held:.3f}"
     )

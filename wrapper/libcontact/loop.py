@@ -79,7 +79,7 @@ class Loop:
         self.problem, self.scene_text, self.watch = problem, scene_text, watch
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
-        self.guard: Any = None
+        self.monitor: Any = None
         self.output: Any = None
         self.path: Path | None = None
         self.steps: list[int] = []
@@ -114,7 +114,7 @@ class Loop:
         with self._input("restart"):
             call(lib.ct_output_restart, os.fsencode(path), problem.pointer, state)
             if coarse is not None:
-                call(lib.ct_state_refine, self.problem.pointer, state, self.state)
+                call(lib.ct_state_subdivide_step, self.problem.pointer, state, self.state)
 
     def _create(self, path: str | Path) -> Any:
         text, fields = ffi.new("char[]", self.scene_text.encode()), self.problem.parts.output.fields
@@ -160,14 +160,14 @@ class Loop:
 
     def fail(self, error: RunError) -> None:
         """After a fault: record the last good state if it is newer than the last record, close the file, and tell how to go on."""
-        good = self.guard and (lib.ct_watch_good(self.guard) or None)
+        good = self.monitor and (lib.ct_monitor_good(self.monitor) or None)
         if good is not None and self.steps and good.step > self.steps[-1]:
             with contextlib.suppress(RunError):
                 self._write_record(good)
         path = self.path if self.output is not None and self.steps else None
         self.abandon()
         error.time, error.step, error.checkpoint = self.state.time, self.state.step, path
-        state = None if good is None else self._state(good, self.guard)
+        state = None if good is None else self._state(good, self.monitor)
         error.run = self._run(state=state)
         if good is not None:
             error.args = (f"{error}. {self._advice(good, path)}",)
@@ -187,7 +187,7 @@ class Loop:
     def record(self) -> None:
         """One row of each table, and one step of the file."""
         begin = clock.perf_counter() - self._effect_seconds()
-        self._call(lib.ct_watch_look, self.guard, self.state)
+        self._call(lib.ct_monitor_check, self.monitor, self.state)
         self._write_record(self.state)
         if self.watch is not None:
             self.watch(self.result(records=1))
@@ -250,34 +250,34 @@ class Loop:
         if self.time.until_static is not None and at_end and not self._at_rest():
             issue(
                 errors.NotAtRest(
-                    f"the run ends at t = {state.time:g} before it comes to rest: unrest {self._unrest():.2g}, "
+                    f"the run ends at t = {state.time:g} before it comes to rest: residual {self._residual():.2g}, "
                     f"until_static = {self.time.until_static:g}; a later end helps, or more [damping]",
                     "time.until_static",
                 )
             )
-        if state.unsettled:
+        if state.unconverged:
             issue(
                 errors.NotSettled(
-                    f"the contact forces did not settle to their tolerance in {state.unsettled} of {state.step} steps; a smaller step helps, or a smaller beta"
+                    f"the contact forces did not settle to their tolerance in {state.unconverged} of {state.step} steps; a smaller step helps, or a smaller beta"
                 )
             )
         self.seconds = clock.perf_counter() - begin
 
     def start_guard(self) -> None:
         """Monitor the state from here on; what is wrong with it already is an error of the input."""
-        options, time = ffi.new("ct_watch_options *", lib.ct_watch_options_default()), self.time
+        options, time = ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()), self.time
         options.every, options.energy_limit = time.look_every, time.energy_limit
         options.stable = self.problem.stable.dt
         with self._input(""):
-            guard = ask(
-                "ct_watch **", lib.ct_watch_create, self.problem.pointer, self.state, options
+            monitor = ask(
+                "ct_monitor **", lib.ct_monitor_create, self.problem.pointer, self.state, options
             )
-        free = lib.ct_watch_free
-        self.guard = ffi.gc(guard, lambda watch, problem=self.problem: free(watch))
+        free = lib.ct_monitor_free
+        self.monitor = ffi.gc(monitor, lambda watch, problem=self.problem: free(watch))
 
     def _warn_of_growth(self) -> None:
         """Warn once when energy has appeared, :eq:`energy-growth`."""
-        growth = lib.ct_watch_growth(self.guard)
+        growth = lib.ct_monitor_growth(self.monitor)
         if "growth" in self.issued or not growth.share > 0.0:
             return
         self.issued.add("growth")
@@ -323,9 +323,9 @@ class Loop:
                 self.issued.add(warning.key)
                 issue(warning)
 
-    def _unrest(self) -> float:
+    def _residual(self) -> float:
         value = ffi.new("double *")
-        self._call(lib.ct_energy_unrest, self.problem.pointer, self.state, value)
+        self._call(lib.ct_energy_residual, self.problem.pointer, self.state, value)
         return float(value[0])
 
     def _next_rest(self) -> int:
@@ -339,7 +339,7 @@ class Loop:
         wanted, step = self.time.until_static, self.state.step
         if wanted is None or step == 0 or step % REST_STEPS:
             return False
-        return self.state.time >= self.problem.settled and bool(self._unrest() <= wanted)
+        return self.state.time >= self.problem.settled and bool(self._residual() <= wanted)
 
     def _advance(self, target: int, advanced: Any, stop: list[int]) -> None:
         """Steps to ``target`` in chunks of about a tenth of a second, so that Ctrl-C and the progress bar get their turn."""
@@ -347,7 +347,7 @@ class Loop:
         while self.state.step < target and not stop:
             count = min(chunk, target - self.state.step)
             begin = clock.perf_counter()
-            self._call(lib.ct_watch_steps, self.guard, self.state, count)
+            self._call(lib.ct_monitor_steps, self.monitor, self.state, count)
             took = clock.perf_counter() - begin
             advanced(count)
             next_count = 2 * chunk if took < CHUNK_SECONDS / 2 else count * CHUNK_SECONDS / took

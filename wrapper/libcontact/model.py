@@ -399,7 +399,7 @@ class ContactKeys(Pressing):
         Tolerance of the search, in half-widths of a face.
     depth
         How far points look for the other surface. A point that is deeper than this under a face
-        when it is first seen is not in contact with it, :eq:`point-history`; and no step may
+        when it is first seen is not in contact with it, :eq:`point-status`; and no step may
         bring the surfaces nearer by more. Without this key it is the size of the largest face
         at the start, and afterwards the width of the narrowest face or three quarters of the
         thinnest place, but at least twice ``adjust``, :eq:`contact-near`.
@@ -475,7 +475,7 @@ class Support(Table):
     travel
         Instead of a velocity: the path (:doc:`/theory/motion`) is the travel times the history.
     history
-        A line through points (:eq:`history`).
+        A line through points (:eq:`amplitude`).
     """
 
     needs = {"travel": "history", "history": "travel"}
@@ -558,7 +558,7 @@ class Time(Table):
         (:eq:`assembled-bound`).
     until_static
         The run ends before ``end`` as soon as all histories are over and its unrest
-        (:eq:`unrest`) is not above this number; a run that does not come to rest says so.
+        (:eq:`residual`) is not above this number; a run that does not come to rest says so.
     energy_limit
         The run fails when more than this share of energy appears from nothing
         (:eq:`energy-appears`); from 1 % on it warns once (:eq:`energy-growth`).

@@ -418,7 +418,7 @@ class Problem:
     def _built_body(self, i: int, name: str) -> BuiltBody:
         body = self.pointer.bodies[i]
         kernel, cost = ffi.new("ct_solid_kernel *"), ffi.new("double[2]")
-        lib.ct_solid_block_plan(self.pointer.effects[0], i, kernel, cost, cost + 1)
+        lib.ct_solid_body_plan(self.pointer.effects[0], i, kernel, cost, cost + 1)
         rows = slice(body.first_node, body.first_node + body.mesh.node_count)
         material = self.parts.materials[self.parts.bodies[name].material]
         mesh = Mesh(body.mesh, self._scene)
@@ -479,12 +479,12 @@ class Maker:
             motion.nodes, motion.node_count = ffi.from_buffer("int32_t[]", nodes), len(nodes)
             motion.fixed = [axis in support.fix for axis in AXES]
             motion.displacement = list(support.travel)
-            motion.history = self.history(support.history)
+            motion.amplitude = self.history(support.history)
         members = {"motions": motions, "motion_count": len(paths)}
         return self._made("motion", "ct_motion_def", members)
 
     def history(self, history: History | None) -> dict[str, Any]:
-        """The members of a ``ct_history``; without one the factor is 1 at all times."""
+        """The members of a ``ct_amplitude``; without one the factor is 1 at all times."""
         lists = ([0.0], [0.0]) if history is None else (history.time, history.value)
         time, value = (self.keep(ffi.new("double[]", list(numbers))) for numbers in lists)
         return {"count": 0 if history is None else len(lists[0]), "time": time, "value": value}

@@ -211,5 +211,5 @@ def _at_rest(problem: Problem, state: Any) -> bool:
     wanted, residual = problem.parts.time.until_static, ffi.new("double *")
     if wanted is None or state.time < problem.settled:
         return False
-    check(lib.ct_energy_unrest(problem.pointer, state, residual, new_error()))
+    check(lib.ct_energy_residual(problem.pointer, state, residual, new_error()))
     return bool(residual[0] <= wanted)

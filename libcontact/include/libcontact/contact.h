@@ -47,7 +47,7 @@ typedef struct ct_contact_options {
   double tolerance;
   /**
    * How far points look for the other surface [length]. A point that is deeper than this under a
-   * face when it is first seen is not in contact with it, :eq:`point-history`; one that came in
+   * face when it is first seen is not in contact with it, :eq:`point-status`; one that came in
    * from outside is, at any depth. With 0 points look as far as the largest face size at t = 0 and
    * in the first update of two surfaces, and afterwards as far as the width of the narrowest face
    * or 3/4 of the thinnest place, but at least twice `adjust`, :eq:`contact-near`.
@@ -117,7 +117,7 @@ CT_API ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
  * looks for the nearest face that shares no node with its own and does not look the same way,
  * :eq:`self-adjacent`. A point under this face is in contact if it is less deep than half the
  * body's thickness there in the reference shape, :eq:`self-depth`, and no deeper than its motion
- * since the last update can have brought it, :eq:`self-history`. Parts that overlap in the
+ * since the last update can have brought it, :eq:`self-status`. Parts that overlap in the
  * reference shape meet only after they have come apart. In the calls below, what belongs to surface
  * b is neither read nor written then and may be null. Errors as of ct_contact_create.
  */
@@ -215,7 +215,7 @@ typedef struct ct_penetration {
   int64_t inside;
   /**
    * Of them, points that are inside without being in contact, as they did not come in from outside,
-   * :eq:`point-history`; 0 at corners and edges.
+   * :eq:`point-status`; 0 at corners and edges.
    */
   int64_t buried;
   /** Depth of the deepest place that is not buried [length]; 0 when there is none. */
@@ -306,11 +306,11 @@ typedef struct ct_obstacle_def {
   double dissipation;
   /** Constant velocity [length / time]. */
   double velocity[3];
-  /** What the history's factor multiplies [length]; zero without a history. */
+  /** What the amplitude's factor multiplies [length]; zero without an amplitude. */
   double travel[3];
   /** Its displacement is velocity times time plus `travel` times this factor,
    * :eq:`obstacle-motion`; no points: no travel. */
-  ct_history history;
+  ct_amplitude amplitude;
   /** Kind of the surface's faces. */
   ct_face_kind kind;
   /** Number of faces of the surface. */
@@ -326,7 +326,7 @@ CT_API ct_obstacle_def ct_obstacle_def_default(void);
 /**
  * The effect of one obstacle. It stores the penalty's energy; work of its motion is external.
  * ``CT_ERROR_ARGUMENT``: penalty or radius not positive, no axis, no faces, node out of range,
- * history not ascending, travel without a history.
+ * amplitude not ascending, travel without an amplitude.
  */
 CT_API ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem *problem,
                                            ct_effect **effect, ct_error *error);

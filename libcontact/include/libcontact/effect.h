@@ -13,7 +13,7 @@ typedef struct ct_solid_def {
   /** Set by `ct_solid_def_default`. */
   int32_t cookie;
   /** The bodies in ascending order of `first_node` without gaps, shape (block_count). */
-  const ct_solid_block *blocks;
+  const ct_solid_body *blocks;
   /** Number of bodies. */
   int32_t block_count;
 } ct_solid_def;
@@ -42,8 +42,8 @@ CT_API ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **e
 
 /** The kernel that the effect chose for a block, and the floating-point operations and bytes of one
  * update of one element. */
-CT_API ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block,
-                                     ct_solid_kernel *kernel, double *flops, double *bytes);
+CT_API ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel,
+                                    double *flops, double *bytes);
 
 /** Components of a set of nodes that keep a constant velocity: 0 for a fixed end or a plane of
  * symmetry. */
@@ -84,9 +84,9 @@ CT_API ct_status ct_support_create_effect(const ct_support_def *def, const ct_pr
  */
 CT_API ct_status ct_support_apply(const ct_effect *effect, double *inverse_mass, double *velocity);
 
-/** A factor that changes with time: a line through given points, :eq:`history`; constant before the
- * first and after the last. */
-typedef struct ct_history {
+/** A factor that changes with time: a line through given points, :eq:`amplitude`; constant before
+ * the first and after the last. */
+typedef struct ct_amplitude {
   /** Number of points; 0: the factor is 1 at all times. */
   int32_t count;
   /** Times [time], not descending, shape (count). Two equal times make a jump; at the jump the
@@ -94,18 +94,18 @@ typedef struct ct_history {
   const double *time;
   /** Values at these times, shape (count). */
   const double *value;
-} ct_history;
+} ct_amplitude;
 
 /**
  * ``CT_ERROR_ARGUMENT`` when arrays are missing or times descend, ``CT_INVALID`` when a number is
  * not finite; `error` names the point.
  */
-CT_API ct_status ct_history_check(const ct_history *history, ct_error *error);
+CT_API ct_status ct_amplitude_check(const ct_amplitude *amplitude, ct_error *error);
 
-/** The factor at a time, :eq:`history`. */
-CT_API double ct_history_value(const ct_history *history, double time);
+/** The factor at a time, :eq:`amplitude`. */
+CT_API double ct_amplitude_value(const ct_amplitude *amplitude, double time);
 
-/** A traction and a pressure on faces, with a history in time. */
+/** A traction and a pressure on faces, with an amplitude in time. */
 typedef struct ct_load_def {
   /** Set by `ct_load_def_default`. */
   int32_t cookie;
@@ -124,7 +124,7 @@ typedef struct ct_load_def {
    * undeformed one. */
   int following;
   /** Factor of both in time. */
-  ct_history history;
+  ct_amplitude amplitude;
 } ct_load_def;
 
 /** A definition with its cookie; all else is zero. */
@@ -138,7 +138,7 @@ CT_API ct_load_def ct_load_def_default(void);
 CT_API ct_status ct_load_create_effect(const ct_load_def *def, const ct_problem *problem,
                                        ct_effect **effect, ct_error *error);
 
-/** Components of a set of nodes whose displacement follows a history. */
+/** Components of a set of nodes whose displacement follows an amplitude. */
 typedef struct ct_motion {
   /** Node numbers of the problem, shape (node_count). */
   const int32_t *nodes;
@@ -146,10 +146,10 @@ typedef struct ct_motion {
   int32_t node_count;
   /** Which of x, y, z are prescribed (0 or 1). */
   int fixed[3];
-  /** Displacement that the history multiplies [length]. */
+  /** Displacement that the amplitude multiplies [length]. */
   double displacement[3];
   /** Factor in time; at least one point. A jump is made within one step. */
-  ct_history history;
+  ct_amplitude amplitude;
 } ct_motion;
 
 /** All prescribed motions of a problem. */

@@ -33,7 +33,7 @@ typedef enum ct_method {
   CT_TORUS = 11
 } ct_method;
 
-/** On which part of the face a foot lies. */
+/** On which part of the face a closest point lies. */
 typedef enum ct_where {
   /** inside */
   CT_INTERIOR = 0,
@@ -102,15 +102,15 @@ typedef struct ct_projection {
    * xi may be undetermined where many points are as near.
    */
   int certified;
-  /** Reference coordinates of the foot. */
+  /** Reference coordinates of the closest point. */
   double xi[2];
-  /** The foot y(xi) [length]. */
+  /** The closest point y(xi) [length]. */
   double point[3];
-  /** Distance of the given point from the foot [length], not negative. */
+  /** Distance of the given point from the closest point [length], not negative. */
   double distance;
   /** The distance with a sign: positive when the given point lies on the side of the normal. */
   double signed_distance;
-  /** Unit normal of the face at the foot, along y,1 x y,2. */
+  /** Unit normal of the face at the closest point, along y,1 x y,2. */
   double normal[3];
 } ct_projection;
 
@@ -204,24 +204,24 @@ CT_API ct_status ct_project_rays(const ct_face *face, size_t count, const double
                                  const double *directions, double tolerance, ct_ray_hit *out);
 
 /**
- * Where ct_project_batch writes the feet of a batch; arrays in lanes, of ct_batch_blocks(count)
- * blocks. A null pointer is not written. A pair that ct_project answers with CT_INVALID has NaN
- * here too.
+ * Where ct_project_batch writes the closest points of a batch; arrays in lanes, of
+ * ct_batch_blocks(count) blocks. A null pointer is not written. A pair that ct_project answers with
+ * CT_INVALID has NaN here too.
  */
-typedef struct ct_batch_feet {
+typedef struct ct_batch_closest {
   /** Reference coordinates, shape (blocks, 2, 8). */
   double *xi;
-  /** Distance of each point from its foot [length], shape (blocks, 8). */
+  /** Distance of each point from its closest point [length], shape (blocks, 8). */
   double *distance;
   /** The distance with its sign, shape (blocks, 8). */
   double *signed_distance;
-  /** Unit normals at the feet, shape (blocks, 3, 8). */
+  /** Unit normals at the closest points, shape (blocks, 3, 8). */
   double *normal;
   /** The ct_status of each pair, shape (blocks, 8). */
   int32_t *status;
   /** Calls of f, shape (blocks, 8). */
   int32_t *evaluations;
-} ct_batch_feet;
+} ct_batch_closest;
 
 /** Number of blocks of eight lanes that ``count`` pairs fill. */
 CT_API size_t ct_batch_blocks(size_t count);
@@ -247,7 +247,8 @@ CT_API void ct_batch_gather(size_t count, int per, const double *rows, const int
  */
 CT_API ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
                                   const double *points, const double *start,
-                                  const ct_project_options *options, const ct_batch_feet *feet);
+                                  const ct_project_options *options,
+                                  const ct_batch_closest *closest);
 
 CT_END_DECLS
 

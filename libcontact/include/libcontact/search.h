@@ -66,11 +66,11 @@ typedef struct ct_nearest {
   ct_where where;
   /** Number of the edge (edge i joins corners i and i + 1) or of the corner; -1 inside. */
   int32_t index;
-  /** Reference coordinates of the foot. */
+  /** Reference coordinates of the closest point. */
   double xi[2];
-  /** The foot [length]. */
+  /** The closest point [length]. */
   double point[3];
-  /** Distance of the given point from the foot [length], not negative. */
+  /** Distance of the given point from the closest point [length], not negative. */
   double distance;
   /** The distance with a sign: positive outside, where ``normal`` points. Right at folds too,
    * :eq:`pseudo-normal`. */

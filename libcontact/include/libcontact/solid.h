@@ -45,18 +45,19 @@ CT_API ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes
  * Upper bound of the largest ω² of one element with its lumped `mass` (8 or 20), the largest
  * eigenvalue of M⁻¹K, :eq:`element-bound` [1 / time²].
  */
-CT_API ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes,
-                                            const ct_material *material, const double *mass,
-                                            double *omega_squared, ct_error *error);
+CT_API ct_status ct_solid_element_omega2_bound(ct_brick_kind kind, const double *nodes,
+                                               const ct_material *material, const double *mass,
+                                               double *omega_squared, ct_error *error);
 
 /**
  * The same for the tangent stiffness at a displacement (8 or 20, 3), :eq:`large-tangent`; 0 when no
  * eigenvalue is positive. With the law CT_LINEAR the displacement changes nothing.
  */
-CT_API ct_status ct_solid_element_tangent_frequency(ct_brick_kind kind, const double *nodes,
-                                                    const double *displacement,
-                                                    const ct_material *material, const double *mass,
-                                                    double *omega_squared, ct_error *error);
+CT_API ct_status ct_solid_element_tangent_omega2_bound(ct_brick_kind kind, const double *nodes,
+                                                       const double *displacement,
+                                                       const ct_material *material,
+                                                       const double *mass, double *omega_squared,
+                                                       ct_error *error);
 
 /**
  * Force of one hex8 element with one point and hourglass control, the readable form,
@@ -71,9 +72,9 @@ CT_API ct_status ct_solid_reduced_force(const double *nodes, const double *displ
 
 /** Upper bound of the largest ω² of that element with its lumped `mass` (8), :eq:`element-bound` [1
  * / time²]. */
-CT_API ct_status ct_solid_reduced_frequency(const double *nodes, const ct_material *material,
-                                            double hourglass, const double *mass,
-                                            double *omega_squared, ct_error *error);
+CT_API ct_status ct_solid_reduced_omega2_bound(const double *nodes, const ct_material *material,
+                                               double hourglass, const double *mass,
+                                               double *omega_squared, ct_error *error);
 
 /** The coefficient κ of the hourglass control when none is given: 1, with which a cube bends as a
  * beam does. */
@@ -98,7 +99,7 @@ typedef struct ct_optimisations {
 CT_API ct_optimisations ct_optimisations_default(void);
 
 /** One body as the solid effect sees it: its nodes stand at `first_node` of the problem. */
-typedef struct ct_solid_block {
+typedef struct ct_solid_body {
   /** Its nodes and elements. */
   const ct_mesh *mesh;
   /** What it is made of. */
@@ -123,7 +124,7 @@ typedef struct ct_solid_block {
    * boxes is then in plane strain, and such motions do not bound the step.
    */
   int held[3];
-} ct_solid_block;
+} ct_solid_body;
 
 /**
  * Stress at all element centres of one mesh, shape (element_count, 6) in the order xx yy zz xy yz

@@ -387,7 +387,7 @@ typedef struct ct_state {
    * of the largest within 500 rounds, so far; the last of them is used then. Not part of a restart;
    * written by `ct_step`.
    */
-  int64_t unsettled;
+  int64_t unconverged;
   /**
    * Work of the search for the forces of the constraints so far: rounds of
    * :eq:`constraint-iteration` times the constraints that they went over, summed over the steps.
@@ -433,8 +433,8 @@ CT_API ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, 
  * ``CT_ERROR_ARGUMENT``: the problems differ, or Δt is no such part. After an error `to` may hold
  * anything that `ct_state_copy` can overwrite.
  */
-CT_API ct_status ct_state_refine(const ct_problem *problem, ct_state *from, ct_state *to,
-                                 ct_error *error);
+CT_API ct_status ct_state_subdivide_step(const ct_problem *problem, ct_state *from, ct_state *to,
+                                         ct_error *error);
 
 /** Free a state; null is allowed. The problem must outlive its states. */
 CT_API void ct_state_free(ct_state *state);
@@ -527,13 +527,13 @@ CT_API ct_status ct_energy_stored(const ct_problem *problem, ct_state *state, in
                                   double *energy, ct_error *error);
 
 /**
- * How far the state is from rest, :eq:`unrest`: the larger of the largest nodal force that is not
+ * How far the state is from rest, :eq:`residual`: the larger of the largest nodal force that is not
  * balanced over the largest nodal force of any effect, and the root of the kinetic over the stored
  * energy. 0 where nothing moves and no force acts, infinite where something moves and nothing is
  * stored.
  */
-CT_API ct_status ct_energy_unrest(const ct_problem *problem, ct_state *state, double *unrest,
-                                  ct_error *error);
+CT_API ct_status ct_energy_residual(const ct_problem *problem, ct_state *state, double *unrest,
+                                    ct_error *error);
 
 /**
  * Impulse of one effect but the first on all nodes since t = 0 [mass · length / time],
@@ -556,7 +556,7 @@ CT_API ct_status ct_state_force(const ct_problem *problem, ct_state *state, int3
                                 double *force, ct_error *error);
 
 /** What a watch looks for, and how often. */
-typedef struct ct_watch_options {
+typedef struct ct_monitor_options {
   /** Steps between two looks, >= 1: the state is looked at whenever its number of steps is a
    * multiple of this. */
   int64_t every;
@@ -574,31 +574,31 @@ typedef struct ct_watch_options {
    * is made. */
   double stable;
   /**
-   * Spurious energy over the energy that should be there, from which on `ct_watch_growth` reports
+   * Spurious energy over the energy that should be there, from which on `ct_monitor_growth` reports
    * it, :eq:`energy-growth`, >= 0; the run goes on.
    */
   double growth_limit;
-} ct_watch_options;
+} ct_monitor_options;
 
 /** Every 1024 steps; as much energy again as should be there; ω Δt up to 2; growth is reported from
  * 1 % on. */
-CT_API ct_watch_options ct_watch_options_default(void);
+CT_API ct_monitor_options ct_monitor_options_default(void);
 
 /** Looks at one state while it is stepped, and keeps a copy of the last state that was good;
  * opaque. */
-typedef struct ct_watch ct_watch;
+typedef struct ct_monitor ct_monitor;
 
 /**
  * A watch over a state of the problem, which is its first good state. The problem must outlive it.
  * ``CT_ERROR_ARGUMENT``: an option out of range; what the forces of the state fail with is
  * returned, too.
  */
-CT_API ct_status ct_watch_create(const ct_problem *problem, ct_state *state,
-                                 const ct_watch_options *options, ct_watch **watch,
-                                 ct_error *error);
+CT_API ct_status ct_monitor_create(const ct_problem *problem, ct_state *state,
+                                   const ct_monitor_options *options, ct_monitor **watch,
+                                   ct_error *error);
 
 /** Free a watch; null is allowed. */
-CT_API void ct_watch_free(ct_watch *watch);
+CT_API void ct_monitor_free(ct_monitor *watch);
 
 /**
  * Like `ct_step_many`, with a look at every multiple of `every`; the bits of the state are the
@@ -607,16 +607,17 @@ CT_API void ct_watch_free(ct_watch *watch);
  * ``CT_ERROR_STEP`` (the solid has become too stiff for Δt), ``CT_ERROR_ENERGY`` (energy appears),
  * or what else an effect fails with.
  */
-CT_API ct_status ct_watch_steps(ct_watch *watch, ct_state *state, int64_t count, ct_error *error);
+CT_API ct_status ct_monitor_steps(ct_monitor *watch, ct_state *state, int64_t count,
+                                  ct_error *error);
 
 /** Look at once, at any step; with CT_OK the state is the last good one. Errors as above. */
-CT_API ct_status ct_watch_look(ct_watch *watch, ct_state *state, ct_error *error);
+CT_API ct_status ct_monitor_check(ct_monitor *watch, ct_state *state, ct_error *error);
 
 /**
  * The last good state, which belongs to the watch; the next look changes it. Null for a null watch,
  * or without memory for its forces.
  */
-CT_API ct_state *ct_watch_good(const ct_watch *watch);
+CT_API ct_state *ct_monitor_good(const ct_monitor *watch);
 
 /** Spurious energy growth, as it was at the first look that found more than `growth_limit`. */
 typedef struct ct_growth {
@@ -635,13 +636,13 @@ typedef struct ct_growth {
 
 /** The growth that was found since the watch was made; zeros for a null watch, or as long as no
  * look has found too much. */
-CT_API ct_growth ct_watch_growth(const ct_watch *watch);
+CT_API ct_growth ct_monitor_growth(const ct_monitor *watch);
 
 /**
  * Largest ω² of the solid that the watch has found in its last look [1 / time²], a lower bound of
  * the true one; 0 where no body can stiffen.
  */
-CT_API double ct_watch_omega_squared(const ct_watch *watch);
+CT_API double ct_monitor_omega2(const ct_monitor *watch);
 
 CT_END_DECLS
 

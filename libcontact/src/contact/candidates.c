@@ -127,7 +127,7 @@ static double depth_of(const ct_point *point)
 }
 
 /* Whether the lists reach as deep as every point that was in contact in the last update can have
- * come since, a step of `near` deeper (eq:passage). */
+ * come since, a step of `near` deeper (eq:tunnelling). */
 static int reaches_deepest(const ct_side *side, double near)
 {
   for (int64_t i = 0; i < side->fixed->point_count; i++)

@@ -13,7 +13,7 @@ typedef struct ct_contact_fixed {
   ct_contact_options options;
   double depth;    /* at the start points look as far, and are in contact down to here */
   double near;     /* how far points look afterwards (eq:contact-near) */
-  double approach; /* the largest safe approach of the surfaces in a step (eq:passage) */
+  double approach; /* the largest safe approach of the surfaces in a step (eq:tunnelling) */
   double skin;     /* how far beyond that candidates are listed */
   int sides;       /* 2, or 1 for the contact of a surface with itself */
   int one_array;   /* whether the nodes of both sides are numbered in one array of the host */
@@ -69,7 +69,7 @@ double ct_contact_rounding(const ct_contact *contact);
 
 /* How far points look after the start, and how far two surfaces may come nearer in a step; and
  * refuse a step of length `dt` to `time` that may have brought them nearer than that, with
- * velocities in the numbering of the host (eq:passage). */
+ * velocities in the numbering of the host (eq:tunnelling). */
 void ct_tunnelling_init(ct_contact_fixed *fixed);
 ct_status ct_tunnelling_check(const ct_contact *contact, const double *velocity, double dt,
                               double time, ct_error *error);

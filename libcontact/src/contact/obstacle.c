@@ -17,7 +17,7 @@
  * surface, whose nodes are those of the effect. */
 typedef struct obstacle_data {
   ct_obstacle_def given;
-  double *time, *value; /* of the history */
+  double *time, *value; /* of the amplitude */
   ct_side_fixed side;
   double springs; /* bound of ω² with every point taken as inside */
 } obstacle_data;
@@ -73,8 +73,9 @@ double ct_obstacle_gap(const ct_obstacle_def *obstacle, const double point[3], d
 
 void ct_obstacle_motion(const ct_obstacle_def *obstacle, double time, double motion[3])
 {
-  // -- Velocity and history (eq:obstacle-motion)
-  double factor = obstacle->history.count > 0 ? ct_history_value(&obstacle->history, time) : 0.0;
+  // -- Velocity and amplitude (eq:obstacle-motion)
+  double factor =
+      obstacle->amplitude.count > 0 ? ct_amplitude_value(&obstacle->amplitude, time) : 0.0;
   for (int c = 0; c < 3; c++)
     motion[c] = time * obstacle->velocity[c] + factor * obstacle->travel[c];
 }
@@ -297,9 +298,10 @@ static ct_status check(const ct_obstacle_def *o, const ct_problem *problem, ct_e
   if (o->shape != CT_OBSTACLE_PLANE && (!(o->radius > 0.0) || !isfinite(o->radius)))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "obstacle: the radius must be positive, not %g", o->radius);
-  if (o->history.count == 0 && (o->travel[0] != 0.0 || o->travel[1] != 0.0 || o->travel[2] != 0.0))
+  if (o->amplitude.count == 0 &&
+      (o->travel[0] != 0.0 || o->travel[1] != 0.0 || o->travel[2] != 0.0))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "obstacle: it has a way to travel, but no history says when");
+                   "obstacle: it has a way to travel, but no amplitude says when");
   if (per == 0 || o->face_count < 1 || o->faces == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the surface has no faces");
   for (int64_t i = 0; i < (int64_t)o->face_count * per; i++)
@@ -344,14 +346,16 @@ static ct_status bound_springs(obstacle_data *data, const double *mass, ct_error
 static ct_status fill(obstacle_data *data, const ct_obstacle_def *o, const ct_problem *problem,
                       ct_effect *effect, ct_error *error)
 {
-  size_t points = (size_t)o->history.count;
+  size_t points = (size_t)o->amplitude.count;
   const ct_surface surface = {o->kind, problem->node_count, o->face_count, o->faces,
                               problem->reference};
   data->given = *o;
   if (o->shape != CT_OBSTACLE_SPHERE) (void)unit(o->axis, data->given.axis);
   data->given.faces = NULL; // the caller's
-  data->given.history.time = data->time = ct_duplicate(o->history.time, points * sizeof(double));
-  data->given.history.value = data->value = ct_duplicate(o->history.value, points * sizeof(double));
+  data->given.amplitude.time = data->time =
+      ct_duplicate(o->amplitude.time, points * sizeof(double));
+  data->given.amplitude.value = data->value =
+      ct_duplicate(o->amplitude.value, points * sizeof(double));
   if (!data->time || !data->value)
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   ct_status status = ct_side_fixed_init(&data->side, &surface, 0, 0, error);
@@ -380,7 +384,7 @@ ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem
 {
   ct_status status =
       ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, out, "obstacle", error);
-  if (status == CT_OK) status = ct_history_check(&def->history, error);
+  if (status == CT_OK) status = ct_amplitude_check(&def->amplitude, error);
   if (status == CT_OK) status = check(def, problem, error);
   if (status != CT_OK) return status;
   obstacle_data *data = ct_allocate(1, sizeof *data);

@@ -127,7 +127,7 @@ static int is_admissible(const ct_pass *p, int64_t i, const double own[3], const
   if (!(ct_vector_dot(d, normal) > 0.0)) return 1;
   const ct_point *point = &p->side->points[i];
   if (!looks_at(p, point, own, normal)) return 0;
-  // -- No deeper than it was and than the motion since then can have brought it (eq:self-history)
+  // -- No deeper than it was and than the motion since then can have brought it (eq:self-status)
   double known = point->known, came = (known < 0.0 ? -known : 0.0) + motion_of(p, i, target);
   return closest->distance <= fmin(came, deepest(p, i, target, closest));
 }
@@ -354,7 +354,7 @@ static point_class classify_far(const ct_pass *p, int64_t i, const double y[3], 
 }
 
 /* Whether a point with nothing near lies deep in the other body, at the very first look
- * (eq:point-history). */
+ * (eq:point-status). */
 static int is_buried(const ct_pass *p, const double y[3])
 {
   ct_nearest found;
@@ -366,7 +366,7 @@ static int is_buried(const ct_pass *p, const double y[3])
                           found.normal, normal);
 }
 
-/* The class of a point from the place that it has found and its status (eq:point-history). */
+/* The class of a point from the place that it has found and its status (eq:point-status). */
 static point_class classify(const ct_pass *p, int64_t i, const double y[3], nearest *best,
                             ct_point *point)
 {
@@ -383,7 +383,7 @@ static point_class classify(const ct_pass *p, int64_t i, const double y[3], near
 }
 
 /* Whether nothing can be near a point: it was over no face, and no face is listed for its own; at
- * the very first look it may be deep inside (eq:point-history). */
+ * the very first look it may be deep inside (eq:point-status). */
 static int is_alone(const ct_pass *p, int64_t i)
 {
   const int32_t *list = &p->side->candidate_first[face_of(p, i)];

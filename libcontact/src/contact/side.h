@@ -11,7 +11,7 @@
  * of a face, and the gap of a point that touches is off by as much. */
 static const double CT_CLOSEST_POINT_ERROR = 1e-6;
 
-/* Status of a point since the last update (eq:point-history): unknown; outside, over `other`; in
+/* Status of a point since the last update (eq:point-status): unknown; outside, over `other`; in
  * contact with `other`; inside, but not in contact. */
 typedef enum ct_point_status {
   CT_POINT_NEW,

@@ -34,7 +34,7 @@ static int is_no_far_side(void *user, int32_t face)
 }
 
 /* Smallest distance of the middle of a face from a far side beneath it, where that is less than
- * `most` (eq:passage). */
+ * `most` (eq:tunnelling). */
 static double thickness(ct_search *search, double most)
 {
   double thin = most;
@@ -80,7 +80,7 @@ void ct_tunnelling_init(ct_contact_fixed *fixed)
       sum += log(width);
     }
   }
-  // -- Three quarters of a body's thickness, if that is less (eq:contact-near, eq:passage)
+  // -- Three quarters of a body's thickness, if that is less (eq:contact-near, eq:tunnelling)
   for (int s = 0; s < fixed->sides; s++)
     fixed->approach =
         fmin(fixed->approach, 0.75 * thickness(fixed->side[s].search, fixed->approach / 0.75));

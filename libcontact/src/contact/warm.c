@@ -212,10 +212,10 @@ unsigned ct_pass_warm(const ct_pass *p, int64_t first, int count)
   unsigned settled = 0, warm = take_points(p, first, count, &b);
   if (warm == 0) return 0;
   load_block(p, &b);
-  const ct_batch_feet feet = {
+  const ct_batch_closest closest = {
       .xi = b.xi, .distance = b.distance, .normal = b.normal, .status = b.status};
   if (ct_project_batch(p->other->search->kind, CT_WARM, b.nodes, b.points, b.start, &p->project,
-                       &feet) != CT_OK)
+                       &closest) != CT_OK)
     return 0;
   measure_block(p, &b);
   for (int l = 0; l < count; l++) {

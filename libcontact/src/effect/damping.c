@@ -103,7 +103,7 @@ static ct_status relaxation_force(const ct_effect *effect, const ct_view *view, 
   const damping_data *data = effect->data;
   (void)error;
   // While the start is made the velocity is the one of t = 0, and nothing is damped yet.
-  double a = view->dt == 0.0 ? 0.0 : 0.5 * relaxation_rate(effect, view) * view->kick;
+  double a = view->dt == 0.0 ? 0.0 : 0.5 * relaxation_rate(effect, view) * view->c_dt;
   for (int32_t i = 0; i < effect->node_count; i++)
     for (int k = 0; k < 3; k++) {
       int64_t dof = 3 * (int64_t)data->nodes[i] + k;
@@ -113,7 +113,7 @@ static ct_status relaxation_force(const ct_effect *effect, const ct_view *view, 
       force[3 * (int64_t)i + k] =
           a == 0.0 || data->inverse_mass[dof] == 0.0
               ? 0.0
-              : -a * (2.0 * m * v / view->kick + view->total[dof]) / (1.0 + a);
+              : -a * (2.0 * m * v / view->c_dt + view->total[dof]) / (1.0 + a);
     }
   return CT_OK;
 }

@@ -12,7 +12,7 @@
 #include <string.h>
 
 typedef struct load_data {
-  ct_load_def given; /* the history's arrays are ours */
+  ct_load_def given; /* the amplitude's arrays are ours */
   double *time, *value;
   ct_facets *facets;
   const double *mass; /* of the problem */
@@ -99,7 +99,7 @@ static ct_status load_force(const ct_effect *effect, const ct_view *view, double
 {
   static const double none[3] = {0.0, 0.0, 0.0};
   const load_data *load = effect->data;
-  double factor = ct_history_value(&load->given.history, view->time);
+  double factor = ct_amplitude_value(&load->given.amplitude, view->time);
   (void)error;
   if (load->given.following && load->given.pressure != 0.0)
     all_faces(load->facets, view->reference, view->displacement, none,
@@ -111,17 +111,17 @@ static ct_status load_force(const ct_effect *effect, const ct_view *view, double
 
 /* A pressure that follows is a spring of its own: the largest row of M⁻¹ |∂f/∂u| (eq:load-bound).
  */
-static ct_status load_frequency(const ct_effect *effect, const ct_view *view, double *omega_squared,
-                                ct_error *error)
+static ct_status load_omega2_bound(const ct_effect *effect, const ct_view *view,
+                                   double *omega_squared, ct_error *error)
 {
   const load_data *load = effect->data;
   const ct_facets *facets = load->facets;
   const load_scratch *s = view->scratch;
-  double largest = load->given.history.count == 0 ? 1.0 : 0.0;
+  double largest = load->given.amplitude.count == 0 ? 1.0 : 0.0;
   (void)error;
   *omega_squared = 0.0;
   if (!load->given.following || load->given.pressure == 0.0) return CT_OK;
-  for (int32_t i = 0; i < load->given.history.count; i++)
+  for (int32_t i = 0; i < load->given.amplitude.count; i++)
     largest = fmax(largest, fabs(load->value[i]));
   for (int32_t f = 0; f < facets->face_count; f++) {
     ct_face face;
@@ -157,23 +157,23 @@ static ct_status check_load(const ct_load_def *load, ct_error *error)
       return ct_fail(error, CT_INVALID, CT_NOWHERE, "load: traction %c is not finite", "xyz"[c]);
   if (!isfinite(load->pressure))
     return ct_fail(error, CT_INVALID, CT_NOWHERE, "load: the pressure is not finite");
-  return ct_history_check(&load->history, error);
+  return ct_amplitude_check(&load->amplitude, error);
 }
 
-/* Copy the history and integrate what keeps its direction. */
+/* Copy the amplitude and integrate what keeps its direction. */
 static ct_status prepare(load_data *load, const ct_problem *problem)
 {
-  const ct_history *history = &load->given.history;
-  size_t count = (size_t)history->count, nodes = (size_t)load->facets->node_count;
+  const ct_amplitude *amplitude = &load->given.amplitude;
+  size_t count = (size_t)amplitude->count, nodes = (size_t)load->facets->node_count;
   load->time = ct_allocate(count, sizeof(double));
   load->value = ct_allocate(count, sizeof(double));
   load->dead = ct_allocate(nodes, 3 * sizeof(double));
   load_scratch *s = new_scratch(load->facets);
   ct_status status = load->time && load->value && load->dead && s ? CT_OK : CT_ERROR_MEMORY;
   if (status == CT_OK) {
-    if (count > 0) memcpy(load->time, history->time, count * sizeof(double));
-    if (count > 0) memcpy(load->value, history->value, count * sizeof(double));
-    load->given.history = (ct_history){history->count, load->time, load->value};
+    if (count > 0) memcpy(load->time, amplitude->time, count * sizeof(double));
+    if (count > 0) memcpy(load->value, amplitude->value, count * sizeof(double));
+    load->given.amplitude = (ct_amplitude){amplitude->count, load->time, load->value};
     all_faces(load->facets, problem->reference, NULL, load->given.traction,
               load->given.following ? 0.0 : load->given.pressure, s, load->dead);
   }
@@ -212,7 +212,7 @@ ct_status ct_load_create_effect(const ct_load_def *def, const ct_problem *proble
                         .create_scratch = create_scratch,
                         .free_scratch = free_scratch,
                         .force = load_force,
-                        .omega2_bound = load_frequency,
+                        .omega2_bound = load_omega2_bound,
                         .free_data = free_data};
     status = ct_effect_copy(&filled, effect, error);
   }

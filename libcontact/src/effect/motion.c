@@ -1,4 +1,4 @@
-/* Displacements that follow a history. */
+/* Displacements that follow an amplitude. */
 #include <libcontact/effect.h>
 
 #include "../step/effect_internal.h"
@@ -13,7 +13,7 @@
 typedef struct motion_data {
   int32_t *nodes, *holder;
   int32_t node_count;
-  ct_motion *motions; /* their histories stand in `points` */
+  ct_motion *motions; /* their amplitudes stand in `points` */
   double *points;
   const double *mass, *inverse_mass; /* of the problem */
 } motion_data;
@@ -34,7 +34,7 @@ static double force_to(double target, double u, double v, double carried, double
   if (view->dt == 0.0) return -others;
   // -- r = m (v_{n+1/2} - v_{n-1/2}) / Δt - Σ f with v_{n+1/2} = (s(t_{n+1}) - u_n) / Δt
   // (eq:motion-force, eq:stage-motion)
-  return mass * (((target - u) / view->dt - v - carried) / view->push) - others;
+  return mass * (((target - u) / view->dt - v - carried) / view->r_dt) - others;
 }
 
 static ct_status motion_force(const ct_effect *effect, const ct_view *view, double *force,
@@ -54,9 +54,10 @@ static ct_status motion_force(const ct_effect *effect, const ct_view *view, doub
                        "motion %d: %c of node %d is held by a support too", (int)holder - 1,
                        "xyz"[c], (int)data->nodes[i]);
       const ct_motion *motion = &data->motions[holder - 1];
-      if (holder != known) factor = ct_history_value(&motion->history, next);
+      if (holder != known) factor = ct_amplitude_value(&motion->amplitude, next);
       known = holder;
-      double carried = view->past == NULL ? 0.0 : view->carry * view->past[dof];
+      double carried =
+          view->acceleration_before == NULL ? 0.0 : view->l_dt * view->acceleration_before[dof];
       force[own] =
           force_to(factor * motion->displacement[c], view->displacement[dof], view->velocity[dof],
                    carried, data->mass[data->nodes[i]], view->total[dof], view);
@@ -77,7 +78,7 @@ static ct_status motion_increment(const ct_effect *effect, const ct_view *view, 
       if (holder == 0 || view->dt == 0.0) continue;
       const ct_motion *motion = &data->motions[holder - 1];
       increment[own] =
-          ct_history_value(&motion->history, view->time + view->dt) * motion->displacement[c] -
+          ct_amplitude_value(&motion->amplitude, view->time + view->dt) * motion->displacement[c] -
           view->displacement[dof];
     }
   return CT_OK;
@@ -93,8 +94,8 @@ static ct_status check_motion(const ct_motion *motion, int32_t number, int32_t n
   if (!motion->fixed[0] && !motion->fixed[1] && !motion->fixed[2])
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "motion %d holds no component",
                    (int)number);
-  if (motion->history.count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "motion %d has no history", (int)number);
+  if (motion->amplitude.count < 1)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "motion %d has no amplitude", (int)number);
   for (int c = 0; c < 3; c++)
     if (motion->fixed[c] && !isfinite(motion->displacement[c]))
       return ct_fail(error, CT_INVALID, CT_NOWHERE, "motion %d: displacement %c is not finite",
@@ -104,7 +105,7 @@ static ct_status check_motion(const ct_motion *motion, int32_t number, int32_t n
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, motion->nodes[i]},
                      "motion %d names node %d, there are nodes 0 to %d", (int)number,
                      (int)motion->nodes[i], (int)node_count - 1);
-  return ct_history_check(&motion->history, error);
+  return ct_amplitude_check(&motion->amplitude, error);
 }
 
 /* Enter one motion into a table over all nodes of the problem. */
@@ -122,22 +123,22 @@ static ct_status enter(const ct_motion *motion, int32_t number, int32_t *holder,
   return CT_OK;
 }
 
-/* Copy the motions with their histories. */
+/* Copy the motions with their amplitudes. */
 static ct_status copy_motions(motion_data *data, const ct_motion *motions, int32_t count)
 {
   size_t points = 0;
-  for (int32_t i = 0; i < count; i++) points += 2 * (size_t)motions[i].history.count;
+  for (int32_t i = 0; i < count; i++) points += 2 * (size_t)motions[i].amplitude.count;
   data->motions = ct_allocate((size_t)count, sizeof *data->motions);
   data->points = ct_allocate(points, sizeof *data->points);
   if (data->motions == NULL || data->points == NULL) return CT_ERROR_MEMORY;
   double *room = data->points;
   for (int32_t i = 0; i < count; i++) {
-    size_t n = (size_t)motions[i].history.count;
-    memcpy(room, motions[i].history.time, n * sizeof *room);
-    memcpy(room + n, motions[i].history.value, n * sizeof *room);
+    size_t n = (size_t)motions[i].amplitude.count;
+    memcpy(room, motions[i].amplitude.time, n * sizeof *room);
+    memcpy(room + n, motions[i].amplitude.value, n * sizeof *room);
     data->motions[i] = motions[i];
     data->motions[i].nodes = NULL;
-    data->motions[i].history = (ct_history){(int32_t)n, room, room + n};
+    data->motions[i].amplitude = (ct_amplitude){(int32_t)n, room, room + n};
     room += 2 * n;
   }
   return CT_OK;

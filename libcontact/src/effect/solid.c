@@ -173,8 +173,8 @@ static ct_status solid_energy(const ct_effect *effect, const ct_view *view, doub
   return CT_OK;
 }
 
-static ct_status solid_frequency(const ct_effect *effect, const ct_view *view,
-                                 double *omega_squared, ct_error *error)
+static ct_status solid_omega2_bound(const ct_effect *effect, const ct_view *view,
+                                    double *omega_squared, ct_error *error)
 {
   const solid_data *solid = effect->data;
   double largest = 0.0;
@@ -182,7 +182,7 @@ static ct_status solid_frequency(const ct_effect *effect, const ct_view *view,
     const ct_solid_part *part = &solid->parts[i];
     double own = part->omega_squared;
     if (part->energies != NULL && view->displacement != NULL) {
-      ct_status status = ct_solid_tangent_frequency(
+      ct_status status = ct_solid_tangent_omega2_bound(
           part, view->displacement + 3 * (int64_t)part->first_node, &own, error);
       if (status != CT_OK && error != NULL) error->body = i;
       if (status != CT_OK) return status;
@@ -212,7 +212,7 @@ static void place_values(solid_data *solid)
   }
 }
 
-static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_error *error)
+static ct_status prepare(solid_data *solid, const ct_solid_body *blocks, ct_error *error)
 {
   solid->parts = ct_allocate((size_t)solid->part_count, sizeof *solid->parts);
   if (solid->parts == NULL)
@@ -227,7 +227,7 @@ static ct_status prepare(solid_data *solid, const ct_solid_block *blocks, ct_err
                        (int)blocks[i].first_node, (int)next_node);
     if (status == CT_OK) status = ct_part_prepare(part, &blocks[i], error);
     if (status == CT_OK)
-      status = ct_solid_part_frequency(part, blocks[i].held, &part->omega_squared, error);
+      status = ct_solid_part_omega2_bound(part, blocks[i].held, &part->omega_squared, error);
     if (status != CT_OK) {
       if (error != NULL) error->body = i;
       return status;
@@ -263,7 +263,7 @@ ct_status ct_solid_create_effect(const ct_solid_def *def, const ct_problem *prob
                       .free_scratch = free_scratch,
                       .force = solid_force,
                       .energy = solid_energy,
-                      .omega2_bound = solid_frequency};
+                      .omega2_bound = solid_omega2_bound};
   ct_status status = prepare(solid, def->blocks, error);
   for (int32_t i = 0; status == CT_OK && i < def->block_count; i++)
     filled.node_count += def->blocks[i].mesh->node_count;
@@ -328,8 +328,8 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
 
 double ct_solid_hourglass_default(void) { return 1.0; }
 
-ct_status ct_solid_block_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel,
-                              double *flops, double *bytes)
+ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel,
+                             double *flops, double *bytes)
 {
   if (effect == NULL || effect->kind != CT_EFFECT_SOLID || block < 0) return CT_ERROR_ARGUMENT;
   const solid_data *solid = effect->data;

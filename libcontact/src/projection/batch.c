@@ -40,12 +40,12 @@ void ct_batch_gather(size_t count, int per, const double *rows, const int32_t *n
 
 ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
                            const double *points, const double *start,
-                           const ct_project_options *options, const ct_batch_feet *feet)
+                           const ct_project_options *options, const ct_batch_closest *closest)
 {
   ct_project_options defaults = ct_project_options_default();
   if (options == NULL) options = &defaults;
   size_t per = (size_t)ct_face_node_count(kind);
-  if (per == 0 || feet == NULL || !(options->tolerance > 0 && options->tolerance < HUGE_VAL) ||
+  if (per == 0 || closest == NULL || !(options->tolerance > 0 && options->tolerance < HUGE_VAL) ||
       options->iteration_limit < 0)
     return CT_ERROR_ARGUMENT;
   if (count > 0 && (nodes == NULL || points == NULL)) return CT_ERROR_ARGUMENT;
@@ -54,7 +54,7 @@ ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
     const double *x = nodes + 24 * per * block, *p = points + 24 * block,
                  *from = start != NULL ? start + 16 * block : NULL;
     if (block + 1 < ct_batch_blocks(count)) fetch(x + 24 * per, 24 * per), fetch(p + 24, 24);
-    kernel(kind, x, p, from, options, feet, block);
+    kernel(kind, x, p, from, options, closest, block);
   }
   return CT_OK;
 }

@@ -45,7 +45,7 @@ PART void search_pairs(const patches *patch, const double *start, int first, mas
 /* The answers, as ct_project gives them. */
 PART void project_pairs(ct_face_kind kind, const double *nodes, const double *points,
                         const double *start, const ct_project_options *options,
-                        const ct_batch_feet *feet, size_t block, int first)
+                        const ct_batch_closest *closest, size_t block, int first)
 {
   real n[3], none = every(0);
   patches patch;
@@ -57,16 +57,17 @@ PART void project_pairs(ct_face_kind kind, const double *nodes, const double *po
   good &= normal(&patch, found.xi, n) & (found.f < HUGE_VAL);
   // -- Distance, and its sign on the side of the normal (eq:projection-signed)
   real distance = root(found.f), side = pick(dot(found.d, n) <= 0, distance, -distance);
-  put(feet->distance, block, first, good, distance);
-  put(feet->signed_distance, block, first, good, side);
-  for (size_t a = 0; a < 2; a++) put(feet->xi, 2 * block + a, first, good, found.xi[a]);
-  for (size_t k = 0; k < 3; k++) put(feet->normal, 3 * block + k, first, good, n[k]);
+  put(closest->distance, block, first, good, distance);
+  put(closest->signed_distance, block, first, good, side);
+  for (size_t a = 0; a < 2; a++) put(closest->xi, 2 * block + a, first, good, found.xi[a]);
+  for (size_t k = 0; k < 3; k++) put(closest->normal, 3 * block + k, first, good, n[k]);
   for (int l = 0; l < WIDTH; l++) {
     size_t at = 8 * block + (size_t)(first + l);
     int valid = whole(good, l) != 0;
-    if (feet->status != NULL)
-      feet->status[at] = valid ? (int32_t)lane(found.status, l) : CT_INVALID;
-    if (feet->evaluations != NULL) feet->evaluations[at] = valid ? whole(count.evaluations, l) : 0;
+    if (closest->status != NULL)
+      closest->status[at] = valid ? (int32_t)lane(found.status, l) : CT_INVALID;
+    if (closest->evaluations != NULL)
+      closest->evaluations[at] = valid ? whole(count.evaluations, l) : 0;
   }
 }
 
@@ -74,8 +75,8 @@ PART void project_pairs(ct_face_kind kind, const double *nodes, const double *po
 __attribute__((target(TARGET)))
 #endif
 void KERNEL(ct_face_kind kind, const double *nodes, const double *points, const double *start,
-            const ct_project_options *options, const ct_batch_feet *feet, size_t block)
+            const ct_project_options *options, const ct_batch_closest *closest, size_t block)
 {
   for (int first = 0; first < 8; first += WIDTH)
-    project_pairs(kind, nodes, points, start, options, feet, block, first);
+    project_pairs(kind, nodes, points, start, options, closest, block, first);
 }

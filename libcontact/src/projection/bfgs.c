@@ -43,8 +43,9 @@ static int bfgs_step(const ct_patch *patch, const ct_iterate *at, double s[2], v
   return 1;
 }
 
-ct_status ct_project_bfgs(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
+ct_status ct_project_bfgs(const ct_patch *patch, const ct_project_options *options,
+                          ct_closest *closest)
 {
   lessons none = {.count = 0};
-  return ct_iterate_descend(patch, options, 200, bfgs_step, &none, foot);
+  return ct_iterate_descend(patch, options, 200, bfgs_step, &none, closest);
 }

@@ -33,8 +33,8 @@ static int broyden_step(const ct_patch *patch, const ct_iterate *at, double s[2]
 }
 
 ct_status ct_project_broyden(const ct_patch *patch, const ct_project_options *options,
-                             ct_foot *foot)
+                             ct_closest *closest)
 {
   jacobian B = {{{0}}, 0};
-  return ct_iterate_walk(patch, options, broyden_step, &B, foot);
+  return ct_iterate_walk(patch, options, broyden_step, &B, closest);
 }

@@ -22,31 +22,31 @@ static const ct_patch *in_range(const ct_patch *patch, ct_patch *scaled)
 }
 
 ct_status ct_project_certified(const ct_patch *patch, const ct_project_options *options,
-                               ct_foot *foot)
+                               ct_closest *closest)
 {
   ct_project_options own = *options;
   ct_patch room;
   const ct_patch *shown = in_range(patch, &room);
   int budget = FIRST;
   own.tolerance = fmin(own.tolerance, 1e-7);
-  ct_project_robust(patch, &own, foot);
+  ct_project_robust(patch, &own, closest);
   for (int restart = 0; restart < RESTARTS; restart++) {
     // -- Show that nothing is closer (eq:certified-target)
-    own.start[0] = foot->xi[0], own.start[1] = foot->xi[1];
-    ct_outcome outcome = ct_proof_search(shown, options->tolerance, budget, own.start, foot);
-    foot->certified = outcome == CT_PROVEN;
+    own.start[0] = closest->xi[0], own.start[1] = closest->xi[1];
+    ct_outcome outcome = ct_proof_search(shown, options->tolerance, budget, own.start, closest);
+    closest->certified = outcome == CT_PROVEN;
     if (outcome == CT_PROVEN) return CT_OK;
     // -- No proof: look for a way down along a narrow valley, else, or if that has not helped, look
     // longer (eq:valley-along)
     if (outcome == CT_GAVE_UP) {
       if (budget == BUDGET) return CT_NOT_CERTIFIED;
-      int lower = ct_follow_valley(shown, own.start, foot);
+      int lower = ct_follow_valley(shown, own.start, closest);
       if (!lower || restart >= WALKS) budget = BUDGET;
       if (!lower) continue;
     }
     // -- Something is closer: descend again, from there
     own.use_start = 1;
-    ct_project_robust(patch, &own, foot);
+    ct_project_robust(patch, &own, closest);
   }
   return CT_NOT_CERTIFIED;
 }

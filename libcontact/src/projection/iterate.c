@@ -4,23 +4,23 @@
 
 #include <math.h>
 
-double ct_iterate_value(const ct_patch *patch, const double xi[2], ct_foot *foot)
+double ct_iterate_value(const ct_patch *patch, const double xi[2], ct_closest *closest)
 {
   double d[4];
-  foot->evaluations++;
+  closest->evaluations++;
   return value(patch, xi, d);
 }
 
-void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_foot *foot)
+void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_closest *closest)
 {
   look(patch, at);
-  foot->evaluations++;
+  closest->evaluations++;
 }
 
 void ct_iterate_visit(const ct_patch *patch, const ct_project_options *options, ct_iterate *at,
-                      ct_foot *foot)
+                      ct_closest *closest)
 {
-  ct_iterate_look(patch, at, foot);
+  ct_iterate_look(patch, at, closest);
   if (options->trace != NULL) options->trace(at->xi, at->f, options->user);
 }
 
@@ -57,13 +57,13 @@ double ct_newton_step(const ct_iterate *at, double s[2])
   return determinant;
 }
 
-ct_status ct_iterate_verdict(const ct_patch *patch, const ct_project_options *options,
-                             const ct_iterate *at, ct_foot *foot)
+ct_status ct_iterate_status(const ct_patch *patch, const ct_project_options *options,
+                            const ct_iterate *at, ct_closest *closest)
 {
   double s[2], determinant = ct_newton_step(at, s),
                tolerance = options->tolerance * ct_patch_half_width(patch->kind);
-  for (int a = 0; a < 2; a++) foot->xi[a] = at->xi[a];
-  for (int k = 0; k < 3; k++) foot->d[k] = at->d[k];
+  for (int a = 0; a < 2; a++) closest->xi[a] = at->xi[a];
+  for (int k = 0; k < 3; k++) closest->d[k] = at->d[k];
   // -- A root is the closest point only where f is convex (eq:projection-convex)
   if (!(at->H[0] + at->H[1] > 0 && determinant > 0)) return CT_NO_CONVERGENCE;
   // -- Newton's step is what is missing (eq:projection-newton)
@@ -73,34 +73,34 @@ ct_status ct_iterate_verdict(const ct_patch *patch, const ct_project_options *op
 }
 
 ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options,
-                          ct_step_rule *rule, void *memory, ct_foot *foot)
+                          ct_step_rule *rule, void *memory, ct_closest *closest)
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 200, done = 0, inside = 1;
   double tolerance = options->tolerance * ct_patch_half_width(patch->kind), before = 2 * tolerance,
          s[2] = {0, 0};
   ct_iterate at;
   ct_iterate_start(patch, options, at.xi);
-  ct_iterate_visit(patch, options, &at, foot);
-  for (; !done && inside && foot->iterations < limit; foot->iterations++) {
+  ct_iterate_visit(patch, options, &at, closest);
+  for (; !done && inside && closest->iterations < limit; closest->iterations++) {
     inside = rule(patch, &at, s, memory) && ct_iterate_step(at.xi, s);
     if (!inside) break;
     done = ct_iterate_done(s, tolerance, &before);
-    ct_iterate_visit(patch, options, &at, foot);
+    ct_iterate_visit(patch, options, &at, closest);
   }
-  ct_status verdict = ct_iterate_verdict(patch, options, &at, foot);
+  ct_status verdict = ct_iterate_status(patch, options, &at, closest);
   return done ? verdict : inside ? CT_ITERATION_LIMIT : CT_NO_CONVERGENCE;
 }
 
 /* A lower point on the way along s: all of the step or a part. Answers 0 when there is none. */
 static int line_search(const ct_patch *patch, const ct_iterate *at, const double s[2],
-                       ct_iterate *next, ct_foot *foot)
+                       ct_iterate *next, ct_closest *closest)
 {
   double slope = at->g[0] * s[0] + at->g[1] * s[1], part = 1;
   if (!(slope < 0)) return 0;
   for (int trial = 0; trial < 40; trial++) {
     next->xi[0] = at->xi[0] + part * s[0];
     next->xi[1] = at->xi[1] + part * s[1];
-    ct_iterate_look(patch, next, foot);
+    ct_iterate_look(patch, next, closest);
     // -- Enough of the promised fall (eq:projection-armijo)
     double rise = next->f - at->f;
     if (rise <= 1e-4 * part * slope) return 1;
@@ -115,23 +115,24 @@ static int line_search(const ct_patch *patch, const ct_iterate *at, const double
 }
 
 ct_status ct_iterate_descend(const ct_patch *patch, const ct_project_options *options,
-                             int default_limit, ct_step_rule *rule, void *memory, ct_foot *foot)
+                             int default_limit, ct_step_rule *rule, void *memory,
+                             ct_closest *closest)
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : default_limit, done = 0;
   double tolerance = options->tolerance * ct_patch_half_width(patch->kind), before = 2 * tolerance,
          s[2];
   ct_iterate at, next;
   ct_iterate_start(patch, options, at.xi);
-  ct_iterate_visit(patch, options, &at, foot);
-  for (; !done && foot->iterations < limit; foot->iterations++) {
-    if (!rule(patch, &at, s, memory) || !line_search(patch, &at, s, &next, foot)) break;
+  ct_iterate_visit(patch, options, &at, closest);
+  for (; !done && closest->iterations < limit; closest->iterations++) {
+    if (!rule(patch, &at, s, memory) || !line_search(patch, &at, s, &next, closest)) break;
     for (int a = 0; a < 2; a++) s[a] = next.xi[a] - at.xi[a];
     done = ct_iterate_done(s, tolerance, &before);
     at = next;
     if (options->trace != NULL) options->trace(at.xi, at.f, options->user);
   }
-  ct_status verdict = ct_iterate_verdict(patch, options, &at, foot);
-  return foot->iterations < limit || done ? verdict : CT_ITERATION_LIMIT;
+  ct_status verdict = ct_iterate_status(patch, options, &at, closest);
+  return closest->iterations < limit || done ? verdict : CT_ITERATION_LIMIT;
 }
 
 /* The local shape of the face at an iterate. Answers 0 where there is no normal. */
@@ -155,7 +156,7 @@ static int local_at(const ct_patch *patch, const ct_iterate *at, ct_local *local
   return 1;
 }
 
-/* The step of xi to the foot that a rule finds on the local shape. */
+/* The step of xi to the closest point that a rule finds on the local shape. */
 static int local_step(const ct_patch *patch, const ct_iterate *at, double s[2], void *memory)
 {
   ct_local_rule *const *rule = memory;
@@ -170,7 +171,7 @@ static int local_step(const ct_patch *patch, const ct_iterate *at, double s[2], 
 }
 
 ct_status ct_local_walk(const ct_patch *patch, const ct_project_options *options,
-                        ct_local_rule *rule, ct_foot *foot)
+                        ct_local_rule *rule, ct_closest *closest)
 {
-  return ct_iterate_walk(patch, options, local_step, &rule, foot);
+  return ct_iterate_walk(patch, options, local_step, &rule, closest);
 }

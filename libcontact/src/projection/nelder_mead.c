@@ -23,14 +23,14 @@ static void sort(triangle *t)
 /* The point at `factor` times the way from the highest vertex's opposite centre to that vertex;
  * answers f there. */
 static double along(const triangle *t, const ct_patch *patch, double factor, double image[2],
-                    ct_foot *foot)
+                    ct_closest *closest)
 {
   for (int a = 0; a < 2; a++) {
     double centre = 0.5 * (t->x[0][a] + t->x[1][a]);
     // -- On the line through the highest vertex and the centre of the others (eq:nelder-line)
     image[a] = centre + factor * (t->x[2][a] - centre);
   }
-  return ct_iterate_value(patch, image, foot);
+  return ct_iterate_value(patch, image, closest);
 }
 
 static void replace_highest(triangle *t, const double x[2], double f)
@@ -38,24 +38,24 @@ static void replace_highest(triangle *t, const double x[2], double f)
   t->x[2][0] = x[0], t->x[2][1] = x[1], t->f[2] = f;
 }
 
-static void shrink(triangle *t, const ct_patch *patch, ct_foot *foot)
+static void shrink(triangle *t, const ct_patch *patch, ct_closest *closest)
 {
   // -- Shrink towards the lowest vertex (eq:nelder-shrink)
   for (int i = 1; i < 3; i++) {
     for (int a = 0; a < 2; a++) t->x[i][a] = t->x[0][a] + 0.5 * (t->x[i][a] - t->x[0][a]);
-    t->f[i] = ct_iterate_value(patch, t->x[i], foot);
+    t->f[i] = ct_iterate_value(patch, t->x[i], closest);
   }
 }
 
 /* One iteration on a sorted triangle. */
-static void nelder_mead_step(triangle *t, const ct_patch *patch, ct_foot *foot)
+static void nelder_mead_step(triangle *t, const ct_patch *patch, ct_closest *closest)
 {
   double image[2], other[2];
   // -- Reflection (eq:nelder-reflection)
-  double f = along(t, patch, -1, image, foot);
+  double f = along(t, patch, -1, image, closest);
   if (f < t->f[0]) {
     // -- Expansion (eq:nelder-expansion)
-    double further = along(t, patch, -2, other, foot);
+    double further = along(t, patch, -2, other, closest);
     if (further < t->f[0]) replace_highest(t, other, further);
     else replace_highest(t, image, f);
     return;
@@ -66,9 +66,9 @@ static void nelder_mead_step(triangle *t, const ct_patch *patch, ct_foot *foot)
   }
   if (f < t->f[2]) replace_highest(t, image, f);
   // -- Contraction (eq:nelder-contraction)
-  double nearer = along(t, patch, 0.5, other, foot);
+  double nearer = along(t, patch, 0.5, other, closest);
   if (nearer <= t->f[2]) replace_highest(t, other, nearer);
-  else shrink(t, patch, foot);
+  else shrink(t, patch, closest);
 }
 
 static double extent(const triangle *t)
@@ -80,7 +80,7 @@ static double extent(const triangle *t)
 }
 
 ct_status ct_project_nelder_mead(const ct_patch *patch, const ct_project_options *options,
-                                 ct_foot *foot)
+                                 ct_closest *closest)
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 2000;
   double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width,
@@ -91,11 +91,11 @@ ct_status ct_project_nelder_mead(const ct_patch *patch, const ct_project_options
   ct_iterate_start(patch, options, start);
   for (int i = 0; i < 3; i++) {
     for (int a = 0; a < 2; a++) t.x[i][a] = start[a] + half_width * corner[i][a];
-    t.f[i] = ct_iterate_value(patch, t.x[i], foot);
+    t.f[i] = ct_iterate_value(patch, t.x[i], closest);
   }
   ct_status status = CT_ITERATION_LIMIT;
   sort(&t);
-  for (; foot->iterations < limit; foot->iterations++) {
+  for (; closest->iterations < limit; closest->iterations++) {
     if (options->trace != NULL) options->trace(t.x[0], t.f[0], options->user);
     double size = extent(&t);
     if (size <= tolerance) {
@@ -106,11 +106,11 @@ ct_status ct_project_nelder_mead(const ct_patch *patch, const ct_project_options
     // (eq:simplex-floor)
     int level = t.f[2] - t.f[0] <= 4 * DBL_EPSILON * t.f[0];
     if (level && size <= 1e-4 * half_width) break;
-    if (level) shrink(&t, patch, foot);
-    else nelder_mead_step(&t, patch, foot);
+    if (level) shrink(&t, patch, closest);
+    else nelder_mead_step(&t, patch, closest);
     sort(&t);
   }
-  for (int a = 0; a < 2; a++) foot->xi[a] = t.x[0][a];
-  ct_patch_value(patch, foot->xi, foot->d);
+  for (int a = 0; a < 2; a++) closest->xi[a] = t.x[0][a];
+  ct_patch_value(patch, closest->xi, closest->d);
   return status;
 }

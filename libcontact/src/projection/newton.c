@@ -2,15 +2,16 @@
 
 #include <math.h>
 
-ct_status ct_project_newton(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
+ct_status ct_project_newton(const ct_patch *patch, const ct_project_options *options,
+                            ct_closest *closest)
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 100;
   double tolerance = options->tolerance * ct_patch_half_width(patch->kind), s[2];
   ct_status status = CT_ITERATION_LIMIT;
   ct_iterate at;
   ct_iterate_start(patch, options, at.xi);
-  for (foot->iterations = 0; foot->iterations < limit; foot->iterations++) {
-    ct_iterate_visit(patch, options, &at, foot);
+  for (closest->iterations = 0; closest->iterations < limit; closest->iterations++) {
+    ct_iterate_visit(patch, options, &at, closest);
     double determinant = ct_newton_step(&at, s);
     status = CT_NO_CONVERGENCE;
     if (!(fabs(s[0]) < HUGE_VAL && fabs(s[1]) < HUGE_VAL)) break;
@@ -22,7 +23,7 @@ ct_status ct_project_newton(const ct_patch *patch, const ct_project_options *opt
     if (done || !(fmax(fabs(at.xi[0]), fabs(at.xi[1])) < CT_FAR)) break;
     status = CT_ITERATION_LIMIT;
   }
-  for (int a = 0; a < 2; a++) foot->xi[a] = at.xi[a];
-  ct_patch_value(patch, foot->xi, foot->d);
+  for (int a = 0; a < 2; a++) closest->xi[a] = at.xi[a];
+  ct_patch_value(patch, closest->xi, closest->d);
   return status;
 }

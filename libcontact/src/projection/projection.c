@@ -54,11 +54,11 @@ void ct_project_function(const ct_face *face, const double point[3], const doubl
 {
   if (face == NULL || point == NULL || xi == NULL) return;
   ct_patch patch;
-  ct_foot foot = {.evaluations = 0};
+  ct_closest closest = {.evaluations = 0};
   ct_iterate at = {{xi[0], xi[1]}, NAN, {0}, {NAN, NAN}, {NAN, NAN, NAN}, {0}};
   // -- Value, gradient and Hessian (eq:projection-f, eq:projection-gradient, eq:projection-hessian)
   if (ct_patch_init(&patch, face->kind, face->node, point) == CT_OK)
-    ct_iterate_look(&patch, &at, &foot);
+    ct_iterate_look(&patch, &at, &closest);
   if (f != NULL) *f = at.f;
   for (int a = 0; a < 2 && g != NULL; a++) g[a] = at.g[a];
   for (int i = 0; i < 3 && H != NULL; i++) H[i] = at.H[i];
@@ -98,22 +98,23 @@ ct_status ct_project(const ct_face *face, const double point[3], const ct_projec
   ct_patch patch;
   if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK)
     return nothing(out, CT_INVALID);
-  ct_foot foot = {{0, 0}, {0, 0, 0}, 0, 0, 0};
-  out->status = METHOD[options->method].project(&patch, options, &foot);
+  ct_closest closest = {{0, 0}, {0, 0, 0}, 0, 0, 0};
+  out->status = METHOD[options->method].project(&patch, options, &closest);
   // -- Neither without a normal nor beyond the range of numbers is there an answer
-  double f = ct_vector_dot(foot.d, foot.d);
-  if (!(f < HUGE_VAL) || !ct_patch_normal(&patch, foot.xi, out->normal))
+  double f = ct_vector_dot(closest.d, closest.d);
+  if (!(f < HUGE_VAL) || !ct_patch_normal(&patch, closest.xi, out->normal))
     return nothing(out, CT_INVALID);
-  out->where = ct_patch_where(face->kind, foot.xi,
+  out->where = ct_patch_where(face->kind, closest.xi,
                               options->tolerance * ct_patch_half_width(face->kind), &out->index);
-  out->evaluations = foot.evaluations;
-  out->iterations = foot.iterations;
-  out->certified = foot.certified;
-  for (int a = 0; a < 2; a++) out->xi[a] = foot.xi[a];
-  for (int k = 0; k < 3; k++) out->point[k] = point[k] + foot.d[k];
+  out->evaluations = closest.evaluations;
+  out->iterations = closest.iterations;
+  out->certified = closest.certified;
+  for (int a = 0; a < 2; a++) out->xi[a] = closest.xi[a];
+  for (int k = 0; k < 3; k++) out->point[k] = point[k] + closest.d[k];
   // -- Distance, and its sign on the side of the normal (eq:projection-signed)
   out->distance = sqrt(f);
-  out->signed_distance = ct_vector_dot(foot.d, out->normal) <= 0 ? out->distance : -out->distance;
+  out->signed_distance =
+      ct_vector_dot(closest.d, out->normal) <= 0 ? out->distance : -out->distance;
   return out->status;
 }
 

@@ -14,11 +14,11 @@ typedef struct ct_patch {
 } ct_patch;
 
 /* Where a method has ended. d = y(xi) - y_s. */
-typedef struct ct_foot {
+typedef struct ct_closest {
   double xi[2];
   double d[3];
   int evaluations, iterations, certified;
-} ct_foot;
+} ct_closest;
 
 /* A point of the plane of xi with all that is known of f there; squares of the two tangents. */
 typedef struct ct_iterate {
@@ -26,10 +26,10 @@ typedef struct ct_iterate {
 } ct_iterate;
 
 /* One row of the table of methods. */
-typedef ct_status ct_project_method(const ct_patch *, const ct_project_options *, ct_foot *);
+typedef ct_status ct_project_method(const ct_patch *, const ct_project_options *, ct_closest *);
 
-/* For robust: what makes a face mild, and how well a foot must be known for the proof that nothing
- * is closer. */
+/* For robust: what makes a face mild, and how well a closest point must be known for the proof that
+ * nothing is closer. */
 static const double CT_MILD = 0.2, CT_PROVABLE = 1e-10;
 
 /* An iterate this far out, in reference coordinates, does not come back. */
@@ -66,12 +66,12 @@ static inline double ct_patch_centre(ct_face_kind kind)
 }
 
 /* f alone, and f with its derivatives at at->xi; each counts one evaluation. */
-double ct_iterate_value(const ct_patch *patch, const double xi[2], ct_foot *foot);
-void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_foot *foot);
+double ct_iterate_value(const ct_patch *patch, const double xi[2], ct_closest *closest);
+void ct_iterate_look(const ct_patch *patch, ct_iterate *at, ct_closest *closest);
 
 /* The same for a method without bounds, which is also traced. */
 void ct_iterate_visit(const ct_patch *patch, const ct_project_options *options, ct_iterate *at,
-                      ct_foot *foot);
+                      ct_closest *closest);
 
 /* Where a method without bounds begins: the given start, or the centre of the face. */
 void ct_iterate_start(const ct_patch *patch, const ct_project_options *options, double xi[2]);
@@ -86,8 +86,8 @@ int ct_iterate_done(const double s[2], double tolerance, double *before);
 
 /* The honest end of a method without bounds, at an iterate that has been looked at: is it a
  * minimum, within the tolerance? */
-ct_status ct_iterate_verdict(const ct_patch *patch, const ct_project_options *options,
-                             const ct_iterate *at, ct_foot *foot);
+ct_status ct_iterate_status(const ct_patch *patch, const ct_project_options *options,
+                            const ct_iterate *at, ct_closest *closest);
 
 /* Newton's step to the root of the tangent of the gradient; answers the determinant of the Hessian.
  */
@@ -99,11 +99,12 @@ typedef int ct_step_rule(const ct_patch *patch, const ct_iterate *at, double s[2
 
 /* Take the steps of a rule from the start to the end. */
 ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options,
-                          ct_step_rule *rule, void *memory, ct_foot *foot);
+                          ct_step_rule *rule, void *memory, ct_closest *closest);
 
 /* The same with a line search along each step. */
 ct_status ct_iterate_descend(const ct_patch *patch, const ct_project_options *options,
-                             int default_limit, ct_step_rule *rule, void *memory, ct_foot *foot);
+                             int default_limit, ct_step_rule *rule, void *memory,
+                             ct_closest *closest);
 
 /* The face to second order about a point y: an orthonormal frame e1, e2, n; tangents t1 =
  * (stretch[0], 0), t2 = (stretch[2], stretch[1]) in it; curvatures k11, k22, k12; and the given
@@ -112,16 +113,16 @@ typedef struct ct_local {
   double stretch[3], k[3], p[3];
 } ct_local;
 
-/* The way w in the tangent plane to the foot on the local shape. */
+/* The way w in the tangent plane to the closest point on the local shape. */
 typedef void ct_local_rule(const ct_local *local, double w[2]);
 
 /* Take the steps of such a rule from the start to the end. */
 ct_status ct_local_walk(const ct_patch *patch, const ct_project_options *options,
-                        ct_local_rule *rule, ct_foot *foot);
+                        ct_local_rule *rule, ct_closest *closest);
 
 /* Is it shown that no point of the face is closer than xi, where xi alone does not show it, by
  * cutting the face into four `depth` times at most? Mirrored faces give the same answer. */
-int ct_proof_by_cuts(const ct_patch *patch, const double xi[2], int depth, ct_foot *count);
+int ct_proof_by_cuts(const ct_patch *patch, const double xi[2], int depth, ct_closest *count);
 
 /* Unit vector q across a valley of f, where f with the Hessian (f,11 f,22 f,12) is most curved, and
  * the curvatures across and along. */
@@ -129,7 +130,7 @@ void ct_principal(const double H[3], double q[2], double curvature[2]);
 
 /* Descend along the floor of a narrow valley of f from xi, which becomes the end. Answers 0 when f
  * did not fall. */
-int ct_follow_valley(const ct_patch *patch, double xi[2], ct_foot *foot);
+int ct_follow_valley(const ct_patch *patch, double xi[2], ct_closest *closest);
 
 /* How the search for a proof has ended. */
 typedef enum ct_outcome { CT_PROVEN, CT_CLOSER, CT_GAVE_UP } ct_outcome;
@@ -137,7 +138,7 @@ typedef enum ct_outcome { CT_PROVEN, CT_CLOSER, CT_GAVE_UP } ct_outcome;
 /* Try to prove that no point of the face is closer than xi by more than the tolerance, looking at
  * no more than `budget` pieces of the face. After CT_CLOSER xi is a point that is. */
 ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, double xi[2],
-                           ct_foot *count);
+                           ct_closest *count);
 
 /* Where the line through the given point meets the face, nearest to the point; the way along the
  * direction. CT_NO_CONVERGENCE when it misses. */
@@ -145,7 +146,7 @@ ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double 
                        double xi[2], double *distance, int *looks);
 
 /* The methods. They read tolerance, use_start, start, iteration_limit and trace of the options, and
- * add to the counts of the foot, which the caller sets to zero. A contact kernel calls
+ * add to the counts of the closest point, which the caller sets to zero. A contact kernel calls
  * ct_patch_init, one of these with the last xi as start, and ct_patch_normal. */
 ct_project_method ct_project_simplex, ct_project_nelder_mead, ct_project_newton,
     ct_project_least_squares, ct_project_steepest_descent;

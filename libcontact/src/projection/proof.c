@@ -144,9 +144,9 @@ static slope slope_in_cell(const proof *p, const base *b, cell *c)
   return reduced ? REDUCED : OPEN;
 }
 
-/* Is a cell done that the foot alone does not prove, after `depth` cuts at most? All parts are
- * looked at whatever the others show, so that a mirror changes nothing. */
-static int proven_by_cuts(const proof *p, const base *foot, cell c, int depth, ct_foot *count)
+/* Is a cell done that the closest point alone does not prove, after `depth` cuts at most? All parts
+ * are looked at whatever the others show, so that a mirror changes nothing. */
+static int proven_by_cuts(const proof *p, const base *closest, cell c, int depth, ct_closest *count)
 {
   base b;
   base_at(p->patch, c.centre, &b);
@@ -157,34 +157,35 @@ static int proven_by_cuts(const proof *p, const base *foot, cell c, int depth, c
   cell part[4];
   int parts = divide(p->triangular, &c, part), all = 1;
   for (int i = 0; i < parts; i++)
-    all &=
-        proven_from_foot(p, foot, &part[i]) || proven_by_cuts(p, foot, part[i], depth - 1, count);
+    all &= proven_from_closest(p, closest, &part[i]) ||
+           proven_by_cuts(p, closest, part[i], depth - 1, count);
   return all;
 }
 
-int ct_proof_by_cuts(const ct_patch *patch, const double xi[2], int depth, ct_foot *count)
+int ct_proof_by_cuts(const ct_patch *patch, const double xi[2], int depth, ct_closest *count)
 {
   proof p;
-  base foot;
-  base_at(patch, xi, &foot);
-  return proof_about(&p, patch, CT_PROVABLE, foot.distance) &&
-         proven_by_cuts(&p, &foot, whole_face(p.triangular), depth, count);
+  base closest;
+  base_at(patch, xi, &closest);
+  return proof_about(&p, patch, CT_PROVABLE, closest.distance) &&
+         proven_by_cuts(&p, &closest, whole_face(p.triangular), depth, count);
 }
 
-/* What a long thin face looks like from the foot: u = e.d along it, with e across d at the foot,
- * and the rest v = d - u e. As f = u^2 + v^2, no point of a cell is closer where |u| alone, or |v|
- * alone, is too large; and |v| changes little although u changes fast (eq:certified-narrow). */
+/* What a long thin face looks like from the closest point: u = e.d along it, with e across d at the
+ * closest point, and the rest v = d - u e. As f = u^2 + v^2, no point of a cell is closer where |u|
+ * alone, or |v| alone, is too large; and |v| changes little although u changes fast
+ * (eq:certified-narrow). */
 typedef struct narrow {
   ct_patch along, across; /* u, in the first coordinate, and v */
   proof proof;            /* of v */
-  base foot;              /* of v */
+  base closest;           /* of v */
 } narrow;
 
-static void narrow_about(const proof *p, const base *foot, narrow *n)
+static void narrow_about(const proof *p, const base *closest, narrow *n)
 {
-  const double *t = p->tangent[0] > p->tangent[1] ? foot->t1 : foot->t2;
-  double e[3], share = foot->f > 0 ? dot(t, foot->d) / foot->f : 0;
-  for (int k = 0; k < 3; k++) e[k] = t[k] - share * foot->d[k];
+  const double *t = p->tangent[0] > p->tangent[1] ? closest->t1 : closest->t2;
+  double e[3], share = closest->f > 0 ? dot(t, closest->d) / closest->f : 0;
+  for (int k = 0; k < 3; k++) e[k] = t[k] - share * closest->d[k];
   double length = sqrt(dot(e, e));
   for (int k = 0; k < 3; k++) e[k] = length > 0 ? e[k] / length : 0;
   n->along = n->across = *p->patch;
@@ -200,7 +201,7 @@ static void narrow_about(const proof *p, const base *foot, narrow *n)
   n->proof.rounding = p->rounding;
   double floor_ = sqrt(p->target) + 2 * p->rounding;
   n->proof.target = floor_ * floor_;
-  base_at(&n->across, foot->xi, &n->foot);
+  base_at(&n->across, closest->xi, &n->closest);
 }
 
 /* Is |u| too large throughout the cell? */
@@ -224,32 +225,32 @@ static int is_beyond(const proof *p, const narrow *n, const cell *c)
 static int proven_narrow(const proof *p, const narrow *n, const cell *c)
 {
   base b;
-  if (is_beyond(p, n, c) || proven_from_foot(&n->proof, &n->foot, c)) return 1;
+  if (is_beyond(p, n, c) || proven_from_closest(&n->proof, &n->closest, c)) return 1;
   base_at(&n->across, c->centre, &b);
   return proven_from_centre(&n->proof, &b, c);
 }
 
 ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, double xi[2],
-                           ct_foot *count)
+                           ct_closest *count)
 {
   enum { DEPTH = 36, NARROW = 100 };
   cell stack[3 * DEPTH + 4];
   proof about, *p = &about;
   narrow thin;
-  base at, b, *foot = &at;
+  base at, b, *closest = &at;
   int size = 1, looks_narrow = 0;
-  base_at(patch, xi, foot);
+  base_at(patch, xi, closest);
   count->evaluations++;
-  b = *foot;
-  if (!proof_about(p, patch, tolerance, foot->distance)) return CT_GAVE_UP;
+  b = *closest;
+  if (!proof_about(p, patch, tolerance, closest->distance)) return CT_GAVE_UP;
   if (!(p->target > 0)) return CT_PROVEN;
   stack[0] = whole_face(p->triangular);
   for (int cells = 0; size > 0; cells++) {
     cell c = stack[--size];
     slope sloping = OPEN;
-    // -- A cell is done if the foot, or its own centre, shows that it holds nothing closer
+    // -- A cell is done if the closest point, or its own centre, shows that it holds nothing closer
     // (eq:certified-bound)
-    if (proven_from_foot(p, foot, &c)) continue;
+    if (proven_from_closest(p, closest, &c)) continue;
     if (cells > 0) {
       base_at(p->patch, c.centre, &b);
       count->evaluations++;
@@ -261,7 +262,7 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
     }
     // -- Many cells: look along and across the face as well (eq:certified-narrow)
     if (cells >= NARROW && !looks_narrow) {
-      narrow_about(p, foot, &thin);
+      narrow_about(p, closest, &thin);
       looks_narrow = 1;
     }
     // A cell that has been reduced is no longer the one about the base b; it comes again.

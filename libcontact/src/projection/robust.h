@@ -171,8 +171,8 @@ PART steps next_step(const iterates *at, int triangular, int guess, real radius,
   return to;
 }
 
-/* Does rounding of the gradient move the foot xi by less than the tolerance, along the directions
- * that the face leaves free? H and the tangents are those of the last look. */
+/* Does rounding of the gradient move the closest point xi by less than the tolerance, along the
+ * directions that the face leaves free? H and the tangents are those of the last look. */
 PART mask resolved(const patches *patch, const iterates *last, const real xi[2], real f,
                    real tolerance)
 {
@@ -181,7 +181,7 @@ PART mask resolved(const patches *patch, const iterates *last, const real xi[2],
   double low = triangular ? 0 : -1;
   real rounding = 4 * DBL_EPSILON * (root(f) + patch->size),
        length[2] = {root(last->square[0]), root(last->square[1])};
-  // -- How far rounding moves the foot (eq:robust-resolved)
+  // -- How far rounding moves the closest point (eq:robust-resolved)
   real twist = absolute(H[2]), first = H[1] * length[0] + twist * length[1],
        second = H[0] * length[1] + twist * length[0];
   real move = most(first, second), room = H[0] * H[1] - H[2] * H[2];
@@ -199,8 +199,8 @@ PART mask resolved(const patches *patch, const iterates *last, const real xi[2],
   return (bound[0] & bound[1]) | (rounding * move <= tolerance * room);
 }
 
-/* Is the face so nearly plane, as seen from an iterate near its foot, that f has one valley only?
- * What is not linear is weighed by its second derivatives. */
+/* Is the face so nearly plane, as seen from an iterate near its closest point, that f has one
+ * valley only? What is not linear is weighed by its second derivatives. */
 PART mask is_mild(const patches *patch, const iterates *at)
 {
   const real(*c)[COORDINATES] = patch->c;
@@ -235,7 +235,8 @@ PART void take(iterates *at, const iterates *from, mask m)
 }
 
 /* What a descent knows besides its iterate. `stalled` is the length of the last step that rounding
- * did not let judge, `resolution` the tolerance that the foot is held to once it is settled. */
+ * did not let judge, `resolution` the tolerance that the closest point is held to once it is
+ * settled. */
 typedef struct region {
   real radius, before, stalled, resolution, status;
   mask active, settled;
@@ -428,21 +429,21 @@ RARE ct_patch face_of(const patches *patch, int l)
 }
 
 /* In which of the wanted lanes is it easily shown that no point of the face is closer than xi: by
- * the foot at once, or else after some cuts, one lane at a time? */
+ * the closest point at once, or else after some cuts, one lane at a time? */
 RARE mask proven_at_sight(const patches *patch, const real xi[2], mask wanted, counts *count)
 {
   cell face = whole_face(ct_is_triangular(patch->kind));
   proof p;
-  base foot;
-  base_at(patch, xi, &foot);
+  base closest;
+  base_at(patch, xi, &closest);
   count->evaluations += masked(wanted, 1);
-  mask possible = wanted & proof_about(&p, patch, CT_PROVABLE, foot.distance),
-       proven = possible & (not(p.target > 0) | proven_from_foot(&p, &foot, &face)),
+  mask possible = wanted & proof_about(&p, patch, CT_PROVABLE, closest.distance),
+       proven = possible & (not(p.target > 0) | proven_from_closest(&p, &closest, &face)),
        doubtful = possible & not(proven);
   for (int l = 0; l < WIDTH && any(doubtful); l++) {
     if (!whole(doubtful, l)) continue;
     ct_patch own = face_of(patch, l);
-    ct_foot cuts = {{lane(xi[0], l), lane(xi[1], l)}, {0, 0, 0}, 0, 0, 0};
+    ct_closest cuts = {{lane(xi[0], l), lane(xi[1], l)}, {0, 0, 0}, 0, 0, 0};
     if (ct_proof_by_cuts(&own, cuts.xi, 2, &cuts)) set(&proven, l, whole(doubtful, l));
     set(&count->evaluations, l, whole(count->evaluations, l) + cuts.evaluations);
   }

@@ -3,8 +3,8 @@
 
 #include "polynomial.h"
 
-/* What a foot, or another point of the face, shows of a piece of it: lower bounds of f by the
- * secant form. Each lane has a face and a foot; the piece is the same one. */
+/* What a closest point, or another point of the face, shows of a piece of it: lower bounds of f by
+ * the secant form. Each lane has a face and a closest point; the piece is the same one. */
 
 /* A product of six lengths of a face of size one must be larger than this, or rounding is not
  * relative any more. */
@@ -60,8 +60,8 @@ PART void base_at(const patches *patch, const real xi[2], base *b)
   b->d6 = 2 * dot(b->d, patch->c[6]), b->d7 = 2 * dot(b->d, patch->c[7]);
 }
 
-/* Bounds over the face, and what must be shown of a foot at this distance. Answers where rounding
- * leaves something to show it with. */
+/* Bounds over the face, and what must be shown of a closest point at this distance. Answers where
+ * rounding leaves something to show it with. */
 PART mask proof_about(proof *p, const patches *patch, double tolerance, real distance)
 {
   real n[8], all = every(0);
@@ -159,17 +159,18 @@ PART void linear_range(const proof *p, const cell *c, const real g[2], real midd
 
 /* Add what one part of the linear term does over the cell: a share lambda of the direction e, which
  * helps where it is positive. */
-PART void linear_share(const proof *p, const cell *c, const base *foot, real lambda,
+PART void linear_share(const proof *p, const cell *c, const base *closest, real lambda,
                        const double e[2], form *m, slack *rest)
 {
   real low, high, g[2] = {lambda * e[0], lambda * e[1]}, zero = every(0);
-  linear_range(p, c, g, g[0] * (c->centre[0] - foot->xi[0]) + g[1] * (c->centre[1] - foot->xi[1]),
+  linear_range(p, c, g,
+               g[0] * (c->centre[0] - closest->xi[0]) + g[1] * (c->centre[1] - closest->xi[1]),
                &low, &high);
   mask helps = (low >= 0) & (high > 0);
   rest->loss -= pick(helps, zero, least(low, zero));
   for (int a = 0; a < 2; a++) rest->g[a] += pick(helps, zero, g[a]);
   if (!any(helps)) return;
-  // -- A slope away from the foot is at least a parabola (eq:certified-slope)
+  // -- A slope away from the closest point is at least a parabola (eq:certified-slope)
   real share = pick(helps, lambda / (high / lambda) * (1 - 16 * DBL_EPSILON), zero);
   m->m11 += share * (e[0] * e[0]);
   m->m22 += share * (e[1] * e[1]);
@@ -205,25 +206,25 @@ PART mask holds_parabola(const form *m, real twist, const real g[2], real room)
   return (divisor > 0) & (may > SMALLEST) & (drop < HUGE_VAL) & (drop <= may);
 }
 
-/* Is no point of the cell closer than the foot allows, as seen from the foot? */
-PART mask proven_from_foot(const proof *p, const base *foot, const cell *c)
+/* Is no point of the cell closer than the closest point allows, as seen from the closest point? */
+PART mask proven_from_closest(const proof *p, const base *closest, const cell *c)
 {
   static const double E1[2] = {1, 0}, E2[2] = {0, 1}, E3[2] = {-1, -1};
   form m;
   slack rest = {every(0), {every(0), every(0)}};
   double w[2];
-  real x = c->centre[0] - foot->xi[0], y = c->centre[1] - foot->xi[1], zero = every(0);
-  real room = foot->f - base_rounding(p, foot) - p->target;
+  real x = c->centre[0] - closest->xi[0], y = c->centre[1] - closest->xi[1], zero = every(0);
+  real room = closest->f - base_rounding(p, closest) - p->target;
   mask open = not(room < 0);
   if (!any(open)) return open;
   reach(c, p->triangular, w);
-  secant_form(p, foot, c, &m);
+  secant_form(p, closest, c, &m);
   // -- Shares of the slope along the sides of the face (eq:certified-shares)
-  real slant = p->triangular ? most(zero, -least(foot->g[0], foot->g[1])) : zero,
-       first = foot->g[0] + slant, second = foot->g[1] + slant;
-  if (any(slant > 0)) linear_share(p, c, foot, slant, E3, &m, &rest);
-  if (any(first != 0)) linear_share(p, c, foot, first, E1, &m, &rest);
-  if (any(second != 0)) linear_share(p, c, foot, second, E2, &m, &rest);
+  real slant = p->triangular ? most(zero, -least(closest->g[0], closest->g[1])) : zero,
+       first = closest->g[0] + slant, second = closest->g[1] + slant;
+  if (any(slant > 0)) linear_share(p, c, closest, slant, E3, &m, &rest);
+  if (any(first != 0)) linear_share(p, c, closest, first, E1, &m, &rest);
+  if (any(second != 0)) linear_share(p, c, closest, second, E2, &m, &rest);
   // -- The sign that s1 s2 has throughout the cell, if it has one
   mask corner = (absolute(x) >= w[0]) & (absolute(y) >= w[1]), same = x * y > 0;
   real sided = pick(same, most(-m.low, zero), most(m.high, zero)),
@@ -232,7 +233,7 @@ PART mask proven_from_foot(const proof *p, const base *foot, const cell *c)
   // it.
   mask plane = p->curve[0] + p->curve[1] + p->curve[2] == 0, positive = is_positive(&m, twist),
        small = rest.loss <= room, proven = small & (plane | positive);
-  // -- What is left of the slope at the foot, against the form (eq:certified-rest)
+  // -- What is left of the slope at the closest point, against the form (eq:certified-rest)
   mask left = positive & not(small);
   if (any(left)) proven |= left & holds_parabola(&m, twist, rest.g, room);
   return proven & open;

@@ -14,14 +14,14 @@ typedef struct simplex {
 /* The regular simplex of edge `edge` with its centroid at `centre`; a flip of xi_1 about the
  * centroid maps it onto itself. */
 static void simplex_start(simplex *s, const ct_patch *patch, const double centre[2], double edge,
-                          ct_foot *foot)
+                          ct_closest *closest)
 {
   // -- Regular simplex about the start (eq:simplex-start)
   double corner[3][2] = {{-0.5, -sqrt(3) / 6}, {0.5, -sqrt(3) / 6}, {0, sqrt(3) / 3}};
   s->edge = edge;
   for (int i = 0; i < 3; i++) {
     for (int a = 0; a < 2; a++) s->x[i][a] = centre[a] + edge * corner[i][a];
-    s->f[i] = ct_iterate_value(patch, s->x[i], foot);
+    s->f[i] = ct_iterate_value(patch, s->x[i], closest);
     s->age[i] = 0;
   }
 }
@@ -39,7 +39,7 @@ static void simplex_order(const simplex *s, int *low, int *second, int *high)
 
 /* Reflect vertex i in the middle of the others; writes the image and answers f there. */
 static double simplex_reflect(const simplex *s, const ct_patch *patch, int i, double image[2],
-                              ct_foot *foot)
+                              ct_closest *closest)
 {
   const double *p = s->x[(i + 1) % 3], *q = s->x[(i + 2) % 3];
   for (int a = 0; a < 2; a++) {
@@ -48,7 +48,7 @@ static double simplex_reflect(const simplex *s, const ct_patch *patch, int i, do
     double centre = 0.5 * (p[a] + q[a]);
     image[a] = centre + (centre - s->x[i][a]);
   }
-  return ct_iterate_value(patch, image, foot);
+  return ct_iterate_value(patch, image, closest);
 }
 
 static void simplex_move(simplex *s, int i, const double image[2], double f)
@@ -60,7 +60,7 @@ static void simplex_move(simplex *s, int i, const double image[2], double f)
   s->age[i] = 0;
 }
 
-static void simplex_halve(simplex *s, const ct_patch *patch, int low, ct_foot *foot)
+static void simplex_halve(simplex *s, const ct_patch *patch, int low, ct_closest *closest)
 {
   // -- Halve the edge about the lowest vertex (eq:simplex-halving)
   s->edge *= 0.5;
@@ -68,22 +68,22 @@ static void simplex_halve(simplex *s, const ct_patch *patch, int low, ct_foot *f
     s->age[i] = 0;
     if (i == low) continue;
     for (int a = 0; a < 2; a++) s->x[i][a] = s->x[low][a] + 0.5 * (s->x[i][a] - s->x[low][a]);
-    s->f[i] = ct_iterate_value(patch, s->x[i], foot);
+    s->f[i] = ct_iterate_value(patch, s->x[i], closest);
   }
 }
 
 /* One iteration; answers the larger of the highest vertex and its image, by which rounding noise
  * shows. */
-static double simplex_step(simplex *s, const ct_patch *patch, ct_foot *foot)
+static double simplex_step(simplex *s, const ct_patch *patch, ct_closest *closest)
 {
   double image[2];
   int low, second, high;
   simplex_order(s, &low, &second, &high);
-  double f = simplex_reflect(s, patch, high, image, foot), top = fmax(f, s->f[high]);
+  double f = simplex_reflect(s, patch, high, image, closest), top = fmax(f, s->f[high]);
   int moved = high;
   if (f >= s->f[high]) {
     // -- The worst does not improve: reflect the second highest instead
-    f = simplex_reflect(s, patch, second, image, foot);
+    f = simplex_reflect(s, patch, second, image, closest);
     moved = second;
   }
   simplex_move(s, moved, image, f);
@@ -91,7 +91,7 @@ static double simplex_step(simplex *s, const ct_patch *patch, ct_foot *foot)
 }
 
 ct_status ct_project_simplex(const ct_patch *patch, const ct_project_options *options,
-                             ct_foot *foot)
+                             ct_closest *closest)
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 2000, low, second, high;
   double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width;
@@ -100,10 +100,10 @@ ct_status ct_project_simplex(const ct_patch *patch, const ct_project_options *op
   const int n = 2;
   const double m = 1.65 * n + 0.05 * n * n;
   simplex s;
-  simplex_start(&s, patch, options->use_start ? options->start : start, half_width, foot);
+  simplex_start(&s, patch, options->use_start ? options->start : start, half_width, closest);
   ct_status status = CT_ITERATION_LIMIT;
-  for (foot->iterations = 0; foot->iterations < limit; foot->iterations++) {
-    double top = simplex_step(&s, patch, foot);
+  for (closest->iterations = 0; closest->iterations < limit; closest->iterations++) {
+    double top = simplex_step(&s, patch, closest);
     simplex_order(&s, &low, &second, &high);
     if (options->trace != NULL) options->trace(s.x[low], s.f[low], options->user);
     if (s.age[low] < m) continue;
@@ -113,10 +113,10 @@ ct_status ct_project_simplex(const ct_patch *patch, const ct_project_options *op
     }
     // -- Stop where values differ by rounding only (eq:simplex-floor)
     if (fmax(top, s.f[high]) - s.f[low] <= 4 * DBL_EPSILON * s.f[low]) break;
-    simplex_halve(&s, patch, low, foot);
+    simplex_halve(&s, patch, low, closest);
   }
   simplex_order(&s, &low, &second, &high);
-  for (int a = 0; a < 2; a++) foot->xi[a] = s.x[low][a];
-  ct_patch_value(patch, foot->xi, foot->d);
+  for (int a = 0; a < 2; a++) closest->xi[a] = s.x[low][a];
+  ct_patch_value(patch, closest->xi, closest->d);
   return status;
 }

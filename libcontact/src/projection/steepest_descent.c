@@ -20,7 +20,7 @@ static int steepest_step(const ct_patch *patch, const ct_iterate *at, double s[2
 }
 
 ct_status ct_project_steepest_descent(const ct_patch *patch, const ct_project_options *options,
-                                      ct_foot *foot)
+                                      ct_closest *closest)
 {
-  return ct_iterate_descend(patch, options, 2000, steepest_step, NULL, foot);
+  return ct_iterate_descend(patch, options, 2000, steepest_step, NULL, closest);
 }

@@ -18,8 +18,8 @@ static void principal(const ct_local *at, double k[2], double direction[2])
   direction[1] = length > 0 ? y / length : 0;
 }
 
-/* Tangential way from the touching point to the foot on the torus. */
-static void torus_foot(const ct_local *at, double w[2])
+/* Tangential way from the touching point to the closest point on the torus. */
+static void torus_closest(const ct_local *at, double w[2])
 {
   double k[2], e[2], h = at->p[2];
   principal(at, k, e);
@@ -27,14 +27,15 @@ static void torus_foot(const ct_local *at, double w[2])
   // -- Turn the point about the axis into the plane of the small circle (eq:torus-turn)
   double m = sqrt((1 - k[1] * h) * (1 - k[1] * h) + (k[1] * b) * (k[1] * b));
   double height = (2 * h - k[1] * (b * b + h * h)) / (1 + m), along = b != 0 ? b / m : 0;
-  // -- Foot on the small circle (eq:torus-foot)
+  // -- Closest point on the small circle (eq:torus-closest point)
   double q = sqrt((1 - k[0] * height) * (1 - k[0] * height) + (k[0] * a) * (k[0] * a)),
          across = a != 0 ? a / q : 0;
   w[0] = across * e[0] - along * e[1];
   w[1] = across * e[1] + along * e[0];
 }
 
-ct_status ct_project_torus(const ct_patch *patch, const ct_project_options *options, ct_foot *foot)
+ct_status ct_project_torus(const ct_patch *patch, const ct_project_options *options,
+                           ct_closest *closest)
 {
-  return ct_local_walk(patch, options, torus_foot, foot);
+  return ct_local_walk(patch, options, torus_closest, closest);
 }

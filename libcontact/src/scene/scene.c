@@ -447,18 +447,18 @@ static int held_body(const ct_scene *scene, int32_t body, int axis)
 
 static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
 {
-  ct_solid_block *blocks = ct_allocate((size_t)scene->body_count, sizeof *blocks);
+  ct_solid_body *blocks = ct_allocate((size_t)scene->body_count, sizeof *blocks);
   if (blocks == NULL)
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
   for (int32_t i = 0; i < scene->body_count; i++) {
-    blocks[i] = (ct_solid_block){.mesh = scene->parts[i].mesh,
-                                 .material = scene->bodies[i].material,
-                                 .kernel = scene->parts[i].kernel,
-                                 .first_node = scene->bodies[i].first_node,
-                                 .lumping = scene->parts[i].lumping,
-                                 .optimisations = &scene->optimisations,
-                                 .threads = threads,
-                                 .hourglass = scene->parts[i].hourglass};
+    blocks[i] = (ct_solid_body){.mesh = scene->parts[i].mesh,
+                                .material = scene->bodies[i].material,
+                                .kernel = scene->parts[i].kernel,
+                                .first_node = scene->bodies[i].first_node,
+                                .lumping = scene->parts[i].lumping,
+                                .optimisations = &scene->optimisations,
+                                .threads = threads,
+                                .hourglass = scene->parts[i].hourglass};
     for (int axis = 0; axis < 3; axis++) blocks[i].held[axis] = held_body(scene, i, axis);
   }
   ct_solid_def def = ct_solid_def_default();

@@ -20,8 +20,8 @@ typedef struct seeker {
   double bound;    /* square of a distance at which there is some face */
   int32_t face;
   double square;
-  double xi[2], d[3]; /* parameters and vector to the foot, of triangles */
-  ct_projection foot; /* of all other kinds */
+  double xi[2], d[3];    /* parameters and vector to the closest point, of triangles */
+  ct_projection closest; /* of all other kinds */
 } seeker;
 
 /* Nearer than the best, or as near and earlier in the list of faces. */
@@ -43,14 +43,14 @@ static void try_triangle(seeker *s, int32_t face)
 static void try_curved(seeker *s, int32_t face)
 {
   ct_face own;
-  ct_projection foot;
+  ct_projection closest;
   ct_search_face(s->search, face, &own);
-  ct_project(&own, s->point, &s->project, &foot);
-  double square = foot.distance * foot.distance;
+  ct_project(&own, s->point, &s->project, &closest);
+  double square = closest.distance * closest.distance;
   if (!(square < HUGE_VAL) || !is_better(s, square, face)) return;
   s->face = face;
   s->square = square;
-  s->foot = foot;
+  s->closest = closest;
 }
 
 static double try_face(seeker *s, int32_t face)
@@ -81,7 +81,7 @@ static void nothing(ct_nearest *out)
                       NAN,        NAN, {NAN, NAN, NAN}};
 }
 
-/* What ct_project would say of the foot on a triangle. */
+/* What ct_project would say of the closest point on a triangle. */
 static int finish_triangle(seeker *s)
 {
   ct_face face;
@@ -90,42 +90,43 @@ static int finish_triangle(seeker *s)
   for (int c = 0; c < 3; c++) {
     u[c] = face.node[1][c] - face.node[0][c];
     v[c] = face.node[2][c] - face.node[0][c];
-    s->foot.point[c] = s->point[c] + s->d[c];
+    s->closest.point[c] = s->point[c] + s->d[c];
   }
-  s->foot.status = CT_OK;
-  s->foot.distance = sqrt(s->square);
-  memcpy(s->foot.xi, s->xi, sizeof s->xi);
-  s->foot.where = ct_patch_where(CT_T3, s->xi, s->project.tolerance * ct_patch_half_width(CT_T3),
-                                 &s->foot.index);
-  return ct_vector_unit_normal(u, v, s->foot.normal);
+  s->closest.status = CT_OK;
+  s->closest.distance = sqrt(s->square);
+  memcpy(s->closest.xi, s->xi, sizeof s->xi);
+  s->closest.where = ct_patch_where(CT_T3, s->xi, s->project.tolerance * ct_patch_half_width(CT_T3),
+                                    &s->closest.index);
+  return ct_vector_unit_normal(u, v, s->closest.normal);
 }
 
-/* The answer from the best foot: its sign is that of the mean normal (eq:pseudo-normal). */
+/* The answer from the best closest point: its sign is that of the mean normal (eq:pseudo-normal).
+ */
 static void finish(seeker *s, ct_nearest *out)
 {
   if (s->face == INT32_MAX || (s->search->kind == CT_T3 && !finish_triangle(s))) {
     nothing(out);
     return;
   }
-  const ct_projection *foot = &s->foot;
-  *out = (ct_nearest){.status = foot->status,
+  const ct_projection *closest = &s->closest;
+  *out = (ct_nearest){.status = closest->status,
                       .face = s->face,
-                      .where = foot->where,
-                      .index = foot->index,
-                      .distance = foot->distance};
+                      .where = closest->where,
+                      .index = closest->index,
+                      .distance = closest->distance};
   double normal[3], d[3];
-  (void)ct_search_normal(s->search, s->face, foot->where, foot->index, foot->xi, foot->normal,
-                         normal);
+  (void)ct_search_normal(s->search, s->face, closest->where, closest->index, closest->xi,
+                         closest->normal, normal);
   double length = sqrt(ct_vector_dot(normal, normal));
-  for (int a = 0; a < 2; a++) out->xi[a] = foot->xi[a];
+  for (int a = 0; a < 2; a++) out->xi[a] = closest->xi[a];
   for (int c = 0; c < 3; c++) {
-    out->point[c] = foot->point[c];
-    out->normal[c] = length > 0.0 ? normal[c] / length : foot->normal[c];
-    d[c] = foot->point[c] - s->point[c];
+    out->point[c] = closest->point[c];
+    out->normal[c] = length > 0.0 ? normal[c] / length : closest->normal[c];
+    d[c] = closest->point[c] - s->point[c];
   }
   out->signed_distance = ct_vector_dot(s->search->kind == CT_T3 ? s->d : d, out->normal) <= 0.0
-                             ? foot->distance
-                             : -foot->distance;
+                             ? closest->distance
+                             : -closest->distance;
 }
 
 void ct_search_point(const ct_search *search, const double point[3], int32_t start, double bound,
@@ -162,8 +163,8 @@ ct_search_options ct_search_options_default(void)
 /* Points that are asked one after the other by one thread. */
 enum { BLOCK = 1024 };
 
-/* Square of the distance of a point from the foot of another: the nearest face is no farther. With
- * room for the rounding of coordinates. */
+/* Square of the distance of a point from the closest point of another: the nearest face is no
+ * farther. With room for the rounding of coordinates. */
 static double bound_from(const double point[3], const ct_nearest *last)
 {
   double square = 0.0, largest = 0.0;
@@ -181,7 +182,8 @@ static void ask_block(const ct_search *search, size_t first, size_t last, const 
                       const int32_t *start, double tolerance, ct_nearest *out)
 {
   for (size_t i = first; i < last; i++) {
-    // -- Begin with the face that is given, or with the distance from the last foot (eq:warm-bound)
+    // -- Begin with the face that is given, or with the distance from the last closest point
+    // (eq:warm-bound)
     int32_t face = start != NULL ? start[i] : -1;
     double bound = face < 0 && i > first ? bound_from(&points[3 * i], &out[i - 1]) : HUGE_VAL;
     ct_search_point(search, &points[3 * i], face, bound, tolerance, NULL, NULL, &out[i]);

@@ -1,4 +1,4 @@
-/* Which way is out at the foot of a projection, folds included. */
+/* Which way is out at the closest point of a projection, folds included. */
 #include "search_internal.h"
 
 #include "../base/vector.h"
@@ -18,7 +18,7 @@ static void edge_point(int edges, int e, double s, double xi[2])
 
 /* The neighbour across edge `e` of a face, and its parameters at a point of that edge; -1 at the
  * border. */
-static int32_t across(const ct_search *search, int32_t face, int e, const double foot[2],
+static int32_t across(const ct_search *search, int32_t face, int e, const double closest[2],
                       double xi[2])
 {
   const int32_t *mine = &search->faces[(int64_t)face * search->per];
@@ -28,7 +28,7 @@ static int32_t across(const ct_search *search, int32_t face, int e, const double
   edge_point(search->edges, e, -1.0, first);
   edge_point(search->edges, e, 1.0, last);
   double along[2] = {last[0] - first[0], last[1] - first[1]},
-         here[2] = {foot[0] - first[0], foot[1] - first[1]};
+         here[2] = {closest[0] - first[0], closest[1] - first[1]};
   double s = 2.0 * (along[0] * here[0] + along[1] * here[1]) /
                  (along[0] * along[0] + along[1] * along[1]) -
              1.0;
@@ -40,12 +40,12 @@ static int32_t across(const ct_search *search, int32_t face, int e, const double
 }
 
 /* On edge `e` of a face: add the neighbour's normal at the same point; 0 at the border. */
-static int edge_normal(const ct_search *search, int32_t face, int e, const double foot[2],
+static int edge_normal(const ct_search *search, int32_t face, int e, const double closest[2],
                        double normal[3])
 {
   ct_face neighbour;
   double xi[2], theirs[3];
-  int32_t other = across(search, face, e, foot, xi);
+  int32_t other = across(search, face, e, closest, xi);
   if (other < 0) return 0;
   ct_search_face(search, other, &neighbour);
   if (ct_segment_normal(&neighbour, xi, theirs) == CT_OK)
@@ -115,7 +115,7 @@ int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int 
   return where == CT_INTERIOR;
 }
 
-/* Whether the distance grows, to rounding, along `v` from a foot that `d` points to. */
+/* Whether the distance grows, to rounding, along `v` from a closest point that `d` points to. */
 static int grows(const double d[3], const double v[3])
 {
   // -- Slope of the squared distance (eq:local-minimum)

@@ -68,16 +68,17 @@ void ct_search_face(const ct_search *search, int32_t face, ct_face *out);
 /* Whether two faces have a node in common. */
 int ct_search_adjacent(const ct_search *search, int32_t face, int32_t other);
 
-/* Direction outwards at a foot on a face: the normal of the face inside it, the sum of the two
- * normals on an edge, the sum weighted by the angles between tangents at a corner
- * (eq:pseudo-normal). Answers 0 when the foot lies on the border of the surface; the faces that are
- * there are summed all the same. */
+/* Direction outwards at a closest point on a face: the normal of the face inside it, the sum of the
+ * two normals on an edge, the sum weighted by the angles between tangents at a corner
+ * (eq:pseudo-normal). Answers 0 when the closest point lies on the border of the surface; the faces
+ * that are there are summed all the same. */
 int ct_search_normal(const ct_search *search, int32_t face, ct_where where, int index,
                      const double xi[2], const double own[3], double normal[3]);
 
-/* Whether the distance grows from a foot into every face that meets there, so that the foot is a
- * nearest point of the whole surface and not only of its face (eq:local-minimum). `d` points from
- * the point to the foot. Inside a face it always is. */
+/* Whether the distance grows from a closest point into every face that meets there, so that the
+ * closest point is a nearest point of the whole surface and not only of its face
+ * (eq:local-minimum). `d` points from the point to the closest point. Inside a face it always is.
+ */
 int ct_search_is_minimum(const ct_search *search, int32_t face, ct_where where, int index,
                          const double xi[2], const double d[3]);
 

@@ -10,18 +10,18 @@
 static double edge(const double a[3], const double b[3], double best, double *t, double d[3],
                    int *kept)
 {
-  double along[3], foot[3];
+  double along[3], closest[3];
   for (int c = 0; c < 3; c++) along[c] = b[c] - a[c];
-  // -- Foot on the line, cut off at its ends (eq:triangle-edge)
+  // -- Closest point on the line, cut off at its ends (eq:triangle-edge)
   double square = ct_vector_dot(along, along),
          s = square > 0.0 ? -ct_vector_dot(a, along) / square : 0.0;
   s = s > 0.0 ? s < 1.0 ? s : 1.0 : 0.0;
-  for (int c = 0; c < 3; c++) foot[c] = s < 1.0 ? a[c] + s * along[c] : b[c];
-  double f = ct_vector_dot(foot, foot);
+  for (int c = 0; c < 3; c++) closest[c] = s < 1.0 ? a[c] + s * along[c] : b[c];
+  double f = ct_vector_dot(closest, closest);
   *kept = f < best;
   if (!*kept) return best;
   *t = s;
-  for (int c = 0; c < 3; c++) d[c] = foot[c];
+  for (int c = 0; c < 3; c++) d[c] = closest[c];
   return f;
 }
 
@@ -37,7 +37,7 @@ double ct_search_triangle(const ct_search *search, int32_t face, const double po
     e2[c] = v[2][c] - v[0][c];
   }
   ct_vector_cross(e1, e2, n);
-  // -- Parameters of the foot in the plane, from areas (eq:triangle-inside)
+  // -- Parameters of the closest point in the plane, from areas (eq:triangle-inside)
   double square = ct_vector_dot(n, n), r, s;
   ct_vector_cross(e2, v[0], w);
   r = ct_vector_dot(w, n);
@@ -49,7 +49,7 @@ double ct_search_triangle(const ct_search *search, int32_t face, const double po
     for (int c = 0; c < 3; c++) d[c] = v[0][c] + (xi[0] * e1[c] + xi[1] * e2[c]);
     return ct_vector_dot(d, d);
   }
-  // -- Else it lies on an edge that the foot in the plane is beyond
+  // -- Else it lies on an edge that the closest point in the plane is beyond
   int kept, flat = !(square > 0.0);
   if (s < 0.0 || flat) {
     best = edge(v[0], v[1], best, &t, d, &kept);

@@ -145,8 +145,8 @@ static void add_element(const block *b, const int cell[3], double images, double
 }
 
 /* Largest eigenvalue of the motions of one parity. */
-static ct_status parity_frequency(const block *b, double K[SIZE][SIZE], const double *mass,
-                                  double *omega_squared, ct_error *error)
+static ct_status parity_omega2_bound(const block *b, double K[SIZE][SIZE], const double *mass,
+                                     double *omega_squared, ct_error *error)
 {
   double A[SIZE][SIZE] = {{0.0}}, m[SIZE] = {0.0};
   int cell[3], count = 0;
@@ -182,8 +182,9 @@ static void sizes_of(int32_t cells, int *first, int *last)
 
 /* Bound of the largest eigenvalue of M⁻¹K of a box of so many cells from the lower half of K of one
  * element and the masses of its nodes (eq:block-bound). */
-static ct_status blocks_frequency(const int32_t cells[3], const int held[3], double K[SIZE][SIZE],
-                                  const double *mass, double *omega_squared, ct_error *error)
+static ct_status blocks_omega2_bound(const int32_t cells[3], const int held[3],
+                                     double K[SIZE][SIZE], const double *mass,
+                                     double *omega_squared, ct_error *error)
 {
   int first[3], last[3];
   block b = {.held = held};
@@ -196,7 +197,7 @@ static ct_status blocks_frequency(const int32_t cells[3], const int held[3], dou
         for (int k = 0; k < 8; k++) {
           double w;
           for (int d = 0; d < 3; d++) b.parity[d] = k >> d & 1 ? -1 : 1;
-          ct_status status = parity_frequency(&b, K, mass, &w, error);
+          ct_status status = parity_omega2_bound(&b, K, mass, &w, error);
           if (status != CT_OK) return status;
           *omega_squared = fmax(*omega_squared, w);
         }
@@ -231,8 +232,8 @@ static ct_status element_matrices(const ct_solid_part *part, double x[20][3], do
 
 /* The bound by blocks. The material has no direction of its own, so a turned box has the
  * eigenvalues of one along x, y, z. */
-static ct_status box_frequency(const ct_solid_part *part, const box *b, const int held[3],
-                               double *omega_squared, ct_error *error)
+static ct_status box_omega2_bound(const ct_solid_part *part, const box *b, const int held[3],
+                                  double *omega_squared, ct_error *error)
 {
   static const int FREE[3] = {0, 0, 0};
   double x[20][3], A[SIZE][SIZE], m[20];
@@ -240,14 +241,14 @@ static ct_status box_frequency(const ct_solid_part *part, const box *b, const in
     for (int d = 0; d < 3; d++) x[a][d] = CORNER[a][d] * b->edge[d];
   ct_status status = element_matrices(part, x, A, m, error);
   if (status == CT_OK)
-    status = blocks_frequency(b->cells, b->aligned ? held : FREE, A, m, omega_squared, error);
+    status = blocks_omega2_bound(b->cells, b->aligned ? held : FREE, A, m, omega_squared, error);
   // Turned bricks are alike to 12 digits of the size of the body only.
   if (!b->aligned) *omega_squared *= 1.0 + 1e-9;
   return status;
 }
 
-ct_status ct_solid_part_frequency(const ct_solid_part *part, const int held[3],
-                                  double *omega_squared, ct_error *error)
+ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int held[3],
+                                     double *omega_squared, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
   int per = ct_brick_node_count(mesh->kind);
@@ -255,7 +256,8 @@ ct_status ct_solid_part_frequency(const ct_solid_part *part, const int held[3],
   box b = {.cells = {0}};
   *omega_squared = 0.0;
   ct_status status = part->energies == NULL ? find_box(mesh, &b, error) : CT_OK;
-  if (status == CT_OK && b.cells[0] > 0) return box_frequency(part, &b, held, omega_squared, error);
+  if (status == CT_OK && b.cells[0] > 0)
+    return box_omega2_bound(part, &b, held, omega_squared, error);
   for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
     double x[20][3], w;
     ct_solid_load_element(mesh, e, mesh->nodes, x);

@@ -6,7 +6,7 @@
 /* Bound of the largest eigenvalue of M⁻¹K of one body, undeformed, whose components `held` do not
  * move: by its blocks where it is a box of equal hex8 (eq:block-bound), else by its elements
  * (eq:element-bound). */
-ct_status ct_solid_part_frequency(const ct_solid_part *part, const int held[3],
-                                  double *omega_squared, ct_error *error);
+ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int held[3],
+                                     double *omega_squared, ct_error *error);
 
 #endif

@@ -110,8 +110,8 @@ ct_status ct_solid_check_volume(const ct_solid_part *part, int32_t body, const d
 
 /* Largest eigenvalue of the tangents of the elements of one part at the displacement u
  * (eq:tangent-bound). */
-ct_status ct_solid_tangent_frequency(const ct_solid_part *part, const double *u,
-                                     double *omega_squared, ct_error *error);
+ct_status ct_solid_tangent_omega2_bound(const ct_solid_part *part, const double *u,
+                                        double *omega_squared, ct_error *error);
 
 /* Values of one element's nodes from an array (nodes, 3). */
 static inline void ct_solid_load_element(const ct_mesh *mesh, int32_t e, const double *from,

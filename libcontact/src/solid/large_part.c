@@ -32,8 +32,8 @@ ct_status ct_solid_check_volume(const ct_solid_part *part, int32_t body, const d
 
 /* Largest eigenvalue of the tangents of the elements of one part; elements that have only been
  * carried along keep that of their kind. */
-ct_status ct_solid_tangent_frequency(const ct_solid_part *part, const double *u,
-                                     double *omega_squared, ct_error *error)
+ct_status ct_solid_tangent_omega2_bound(const ct_solid_part *part, const double *u,
+                                        double *omega_squared, ct_error *error)
 {
   const ct_mesh *mesh = part->mesh;
   int per = ct_brick_node_count(mesh->kind);
@@ -48,8 +48,8 @@ ct_status ct_solid_tangent_frequency(const ct_solid_part *part, const double *u,
       ct_status status =
           ct_mass_element(mesh->kind, &x[0][0], part->material.density, part->lumping, m, error);
       if (status == CT_OK)
-        status = ct_solid_element_tangent_frequency(mesh->kind, &x[0][0], &v[0][0], &part->material,
-                                                    m, &w, error);
+        status = ct_solid_element_tangent_omega2_bound(mesh->kind, &x[0][0], &v[0][0],
+                                                       &part->material, m, &w, error);
       if (status != CT_OK) {
         if (error != NULL) error->element = e;
         return status;

@@ -123,7 +123,7 @@ static ct_status prepare_ready(ct_solid_part *part)
 }
 
 /* Take the kernel of the plane where it fits: one layer of boxes held along its thickness. */
-static ct_status choose_plane(ct_solid_part *part, const ct_solid_block *block, int box,
+static ct_status choose_plane(ct_solid_part *part, const ct_solid_body *block, int box,
                               ct_error *error)
 {
   int wanted = block->kernel == CT_KERNEL_PLANE ||
@@ -141,7 +141,7 @@ static ct_status choose_plane(ct_solid_part *part, const ct_solid_block *block, 
 }
 
 /* The kernel that is asked for, or the cheapest that fits. */
-static ct_status choose_kernel(ct_solid_part *part, const ct_solid_block *block, ct_error *error)
+static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *block, ct_error *error)
 {
   ct_solid_kernel asked = block->kernel;
   int large = part->material.law != CT_LINEAR,
@@ -187,7 +187,7 @@ void ct_solid_batch_nodes(const ct_mesh *mesh, int32_t *batch_nodes)
       }
 }
 
-ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_block *block, ct_error *error)
+ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *block, ct_error *error)
 {
   int32_t per = ct_brick_node_count(block->mesh->kind);
   part->mesh = block->mesh;

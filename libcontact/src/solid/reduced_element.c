@@ -136,9 +136,9 @@ ct_status ct_reduced_stiffness(const double *nodes, const ct_material *material,
   return CT_OK;
 }
 
-ct_status ct_solid_reduced_frequency(const double *nodes, const ct_material *material,
-                                     double hourglass, const double *mass, double *omega_squared,
-                                     ct_error *error)
+ct_status ct_solid_reduced_omega2_bound(const double *nodes, const ct_material *material,
+                                        double hourglass, const double *mass, double *omega_squared,
+                                        ct_error *error)
 {
   double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], m[CT_ELEMENT_SIZE];
   if (mass == NULL || omega_squared == NULL)

@@ -100,7 +100,7 @@ static void predict(const ct_problem *problem, const ct_state *state, ct_solver 
   // The last evaluation was in the other stage, where there are two.
   ct_stage stages[2];
   int count = ct_integrator_stages(&problem->integrator, stages);
-  double before = stages[count - 1 - state->workspace->stage].drift * problem->dt;
+  double before = stages[count - 1 - state->workspace->stage].tau * problem->dt;
   ct_integrator_predict(problem, state, s->node_count, s->nodes, CT_SOLVER_WIDE, s->increment,
                         s->mobility);
   for (int32_t i = 0; i < s->node_count; i++)
@@ -161,7 +161,7 @@ ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_er
     return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE,
                    "the contact forces stopped being finite at t = %g", state->time);
   if (state->step == 0) mark_start(s, c->begun);
-  state->unsettled += !s->converged;
+  state->unconverged += !s->converged;
   state->constraint_rounds += s->iterations * s->count;
   // Each effect pays for its rows.
   for (int32_t k = 0, set = 0; problem->clock != NULL && k < problem->effect_count; k++)

@@ -181,8 +181,8 @@ static double largest_force(const ct_problem *problem, const ct_state *state, in
   return top;
 }
 
-ct_status ct_energy_unrest(const ct_problem *problem, ct_state *state, double *unrest,
-                           ct_error *error)
+ct_status ct_energy_residual(const ct_problem *problem, ct_state *state, double *unrest,
+                             ct_error *error)
 {
   ct_status status = check_effect(problem, state, 0, unrest, error);
   if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
@@ -199,7 +199,7 @@ ct_status ct_energy_unrest(const ct_problem *problem, ct_state *state, double *u
   // The kinetic energy half a step back is never negative, unlike that of the ledger.
   double kinetic =
       0.5 * ct_sum_product(problem->node_count, problem->mass, state->velocity, state->velocity);
-  // -- The larger of the two shares (eq:unrest)
+  // -- The larger of the two shares (eq:residual)
   double forces = left == 0.0 ? 0.0 : left / acting;
   *unrest = fmax(forces, kinetic == 0.0 ? 0.0 : sqrt(kinetic / stored));
   return CT_OK;

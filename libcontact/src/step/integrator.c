@@ -58,8 +58,8 @@ int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages)
     break;
   case CT_CHUNG_LEE:
     // -- The drift hurries after the change of the force (eq:chung-lee-drift)
-    stages[0].push = value;
-    stages[0].carry = 1.0 - value;
+    stages[0].r = value;
+    stages[0].l = 1.0 - value;
     break;
   case CT_NOH_BATHE: {
     // -- Two stages of the lengths p and 1 - p (eq:noh-bathe-stages)
@@ -70,7 +70,7 @@ int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stages)
   }
   case CT_TCHAMWA_WIELGOSZ:
     // -- The drift takes more of the force than the velocity keeps (eq:tchamwa-wielgosz-drift)
-    stages[0].push = phi_of(value);
+    stages[0].r = phi_of(value);
     break;
   }
   return 1;

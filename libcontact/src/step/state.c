@@ -373,11 +373,11 @@ void ct_integrator_predict(const ct_problem *problem, const ct_state *state, int
 {
   ct_stage stage = ct_stage_now(problem, state);
   const double *past = ct_stage_past(problem, state);
-  double push = stage.push;
+  double push = stage.r;
   // -- At the start the acceleration before is that of t = 0, and the velocity has its share of it
   // already (eq:stage-start)
   if (state->workspace->starting) {
-    push = stage.push + stage.carry - ct_integrator_share(&problem->integrator) * problem->dt;
+    push = stage.r + stage.l - ct_integrator_share(&problem->integrator) * problem->dt;
     past = NULL;
   }
   for (int32_t i = 0; i < count; i++)
@@ -385,9 +385,9 @@ void ct_integrator_predict(const ct_problem *problem, const ct_state *state, int
       int64_t own = stride * (int64_t)i + c, dof = 3 * (int64_t)nodes[i] + c;
       double velocity = ct_kick(state->velocity[dof], push, problem->inverse_mass[dof],
                                 state->workspace->total[dof]);
-      if (past != NULL) velocity += stage.carry * past[dof];
-      way[own] = stage.drift * velocity;
-      mobility[own] = stage.drift * push * problem->inverse_mass[dof];
+      if (past != NULL) velocity += stage.l * past[dof];
+      way[own] = stage.tau * velocity;
+      mobility[own] = stage.tau * push * problem->inverse_mass[dof];
     }
 }
 
@@ -414,10 +414,10 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
                    .next_memory = state->workspace->next_memory + memory,
                    .scratch = state->workspace->scratch[k],
                    .read = scratch_read(problem, state, k),
-                   .dt = stage.drift,
-                   .kick = stage.kick,
-                   .push = stage.push,
-                   .carry = stage.carry,
+                   .dt = stage.tau,
+                   .kick = stage.c,
+                   .push = stage.r,
+                   .carry = stage.l,
                    .past = ct_stage_past(problem, state),
                    .total = state->workspace->total};
 }

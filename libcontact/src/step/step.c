@@ -36,7 +36,7 @@ static void advance_stage(int64_t first, int64_t last, const ct_stage *stage, do
                           double *restrict past, double *restrict displacement,
                           double *restrict velocity, double *restrict work)
 {
-  const double tau = stage->drift, c = stage->kick, r = stage->push, l = stage->carry;
+  const double tau = stage->tau, c = stage->c, r = stage->r, l = stage->l;
 #pragma omp simd
   for (int64_t d = first; d < last; d++) {
     // -- v⁺ = v + c Δt a, u⁺ = u + τ Δt (v + r Δt a + l Δt a⁻) with a = f / m (eq:stage)
@@ -81,8 +81,8 @@ static void move(const ct_problem *problem, ct_state *state, double share, const
       if (n < end) advance_nodes(problem, state, &stage, share, n, end);
     }
   }
-  if (active != NULL) ct_sleep_drift(state->workspace->sleep, stage.drift);
-  state->time += stage.drift;
+  if (active != NULL) ct_sleep_drift(state->workspace->sleep, stage.tau);
+  state->time += stage.tau;
 }
 
 /* Take one stage of a step. Forces that stood already may be older than the last change of the
@@ -116,7 +116,7 @@ static ct_status take_step(const ct_problem *problem, ct_state *state, ct_error 
   ct_status status = ct_stage_check(state, error);
   for (int i = 0; status == CT_OK && i < count; i++) {
     w->stage = i;
-    status = take_stage(problem, state, stages[i].kick, error);
+    status = take_stage(problem, state, stages[i].c, error);
   }
   if (status != CT_OK) return status;
   w->stage = 0;

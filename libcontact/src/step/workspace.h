@@ -49,8 +49,7 @@ static inline ct_stage ct_stage_now(const ct_problem *problem, const ct_state *s
   ct_stage stages[2];
   ct_integrator_stages(&problem->integrator, stages);
   ct_stage s = stages[state->workspace->stage];
-  return (ct_stage){s.drift * problem->dt, s.kick * problem->dt, s.push * problem->dt,
-                    s.carry * problem->dt};
+  return (ct_stage){s.tau * problem->dt, s.c * problem->dt, s.r * problem->dt, s.l * problem->dt};
 }
 
 /* Acceleration of the evaluation before, shape (node_count, 3); null for an integrator without any

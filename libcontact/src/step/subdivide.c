@@ -70,7 +70,8 @@ static ct_status carry_ledgers(const ct_problem *problem, const ct_state *from, 
   return status;
 }
 
-ct_status ct_state_refine(const ct_problem *problem, ct_state *from, ct_state *to, ct_error *error)
+ct_status ct_state_subdivide_step(const ct_problem *problem, ct_state *from, ct_state *to,
+                                  ct_error *error)
 {
   ct_energy before, after;
   if (problem == NULL || from == NULL || to == NULL || from == to || to->problem != problem)

@@ -370,9 +370,9 @@ static void start_gap_fades(void)
 }
 
 /* A point is in contact at any depth if it came in from outside, and in no contact if it begins
- * deep. One that was outside and is deeper than the depth at once (which a run refuses, eq:passage)
- * has no face near: no contact, and a new point afterwards. What tells these apart is the sign in
- * the memory. */
+ * deep. One that was outside and is deeper than the depth at once (which a run refuses,
+ * eq:tunnelling) has no face near: no contact, and a new point afterwards. What tells these apart
+ * is the sign in the memory. */
 static void history_in_memory(void)
 {
   static const double in[] = {0.1, -0.2, -0.5, -0.9, -0.4, -0.1, 0.05, -0.1},

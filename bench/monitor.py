@@ -33,21 +33,21 @@ def seconds(problem, every: int | None) -> float:
     state, error = new_state(problem), new_error()
     if every is not None:
         options, out = (
-            ffi.new("ct_watch_options *", lib.ct_watch_options_default()),
-            ffi.new("ct_watch **"),
+            ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()),
+            ffi.new("ct_monitor **"),
         )
         options.every = every
-        check(lib.ct_watch_create(problem.pointer, state, options, out, error), error)
+        check(lib.ct_monitor_create(problem.pointer, state, options, out, error), error)
     begin = time.perf_counter()
     check(
         lib.ct_step_many(problem.pointer, state, STEPS, error)
         if every is None
-        else lib.ct_watch_steps(out[0], state, STEPS, error),
+        else lib.ct_monitor_steps(out[0], state, STEPS, error),
         error,
     )
     took = time.perf_counter() - begin
     if every is not None:
-        lib.ct_watch_free(out[0])
+        lib.ct_monitor_free(out[0])
     return took
 
 

@@ -8,7 +8,7 @@ static ct_state *refined(const ct_problem *fine, ct_state *from)
 {
   ct_state *state = new_state(fine);
   ct_error e;
-  need(ct_state_refine(fine, from, state, &e), &e);
+  need(ct_state_subdivide_step(fine, from, state, &e), &e);
   return state;
 }
 
@@ -218,16 +218,17 @@ static void refusals(void)
   const ct_problem *problem[3] = {&larger, &odd, &other};
   int refused = 0;
   for (int i = 0; i < 3; i++)
-    refused += ct_state_refine(problem[i], state, to[i], &e) == CT_ERROR_ARGUMENT && e.text[0] != 0;
-  refused += ct_state_refine(&p, state, state, &e) == CT_ERROR_ARGUMENT;
-  refused += ct_state_refine(&p, NULL, same, &e) == CT_ERROR_ARGUMENT &&
-             ct_state_refine(&p, state, to[0], NULL) == CT_ERROR_ARGUMENT;
+    refused += ct_state_subdivide_step(problem[i], state, to[i], &e) == CT_ERROR_ARGUMENT &&
+               e.text[0] != 0;
+  refused += ct_state_subdivide_step(&p, state, state, &e) == CT_ERROR_ARGUMENT;
+  refused += ct_state_subdivide_step(&p, NULL, same, &e) == CT_ERROR_ARGUMENT &&
+             ct_state_subdivide_step(&p, state, to[0], NULL) == CT_ERROR_ARGUMENT;
   tap_ok(refused == 5,
          "larger steps, odd parts, another integrator, null and another problem's state are "
          "refused: %s",
          e.text);
   advance(&p, state, 9);
-  need(ct_state_refine(&p, state, same, &e), &e);
+  need(ct_state_subdivide_step(&p, state, same, &e), &e);
   advance(&p, state, 9);
   advance(&p, same, 9);
   tap_ok(memcmp(state->velocity, same->velocity, 3 * (size_t)p.node_count * sizeof(double)) == 0 &&

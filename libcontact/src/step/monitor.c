@@ -19,9 +19,9 @@
 enum { FIRST_ROUNDS = 12 };
 static const double NOISE = 0.01, SMALL = 1e-6;
 
-struct ct_watch {
+struct ct_monitor {
   const ct_problem *problem;
-  ct_watch_options options;
+  ct_monitor_options options;
   ct_state *good;
   double start; /* the ledger's total at the start */
   double *gave; /* what each effect that stores energy had given to the ledger's total by then */
@@ -39,9 +39,9 @@ struct ct_watch {
   uint64_t seed;
 };
 
-ct_watch_options ct_watch_options_default(void)
+ct_monitor_options ct_monitor_options_default(void)
 {
-  return (ct_watch_options){
+  return (ct_monitor_options){
       .every = 1024, .energy_limit = 1.0, .omega_limit = 2.0, .growth_limit = 0.01};
 }
 
@@ -109,7 +109,7 @@ typedef struct energies {
   double kinetic, elastic, stored, external, total;
 } energies;
 
-static ct_status measure(const ct_watch *w, ct_state *state, energies *e, ct_error *error)
+static ct_status measure(const ct_monitor *w, ct_state *state, energies *e, ct_error *error)
 {
   const ct_problem *problem = w->problem;
   ct_energy ledger;
@@ -130,7 +130,7 @@ static ct_status measure(const ct_watch *w, ct_state *state, energies *e, ct_err
 
 /* What motion and strain should have: all that was there and was brought, less what other effects
  * store. */
-static double expected_of(const ct_watch *w, const energies *e)
+static double expected_of(const ct_monitor *w, const energies *e)
 {
   return w->start + e->external - (e->stored - e->elastic);
 }
@@ -173,19 +173,19 @@ static ct_status given_by(const ct_problem *problem, ct_state *state, int32_t k,
 }
 
 /* Energy that motion and strain should have had at most, up to now (eq:energy-appears). */
-static double most_expected(const ct_watch *w, const energies *e)
+static double most_expected(const ct_monitor *w, const energies *e)
 {
   return fmax(fmax(expected_of(w, e), w->expected), 0.0);
 }
 
 /* Below this energy nothing is reported. */
-static double least_of(const ct_watch *w, const energies *e)
+static double least_of(const ct_monitor *w, const energies *e)
 {
   return fmax(w->floor, 1e-9 * fmax(w->largest, scale_of(e)));
 }
 
 /* Store the first growth above the limit from which on it is reported (eq:energy-growth). */
-static ct_status note_growth(ct_watch *w, ct_state *state, const energies *e, ct_error *error)
+static ct_status note_growth(ct_monitor *w, ct_state *state, const energies *e, ct_error *error)
 {
   double appeared = e->total - w->start, expected = most_expected(w, e), most = -INFINITY;
   ct_growth found = {.time = state->time,
@@ -208,7 +208,7 @@ static ct_status note_growth(ct_watch *w, ct_state *state, const energies *e, ct
   return CT_OK;
 }
 
-static ct_status look_at_energy(ct_watch *w, const ct_state *state, const energies *e,
+static ct_status look_at_energy(ct_monitor *w, const ct_state *state, const energies *e,
                                 ct_error *error)
 {
   // -- What motion and strain should have at most, and what they have too much (eq:energy-appears)
@@ -231,7 +231,7 @@ static double noise(uint64_t *seed) { return ct_random_bits(seed) / 450359962737
 
 /* Scale the direction to p · M p = 1, with some noise, so that none is lost; what a support holds
  * does not move. */
-static void normalise(ct_watch *w)
+static void normalise(ct_monitor *w)
 {
   const ct_problem *problem = w->problem;
   double norm = sqrt(ct_sum_product(problem->node_count, problem->mass, w->mode, w->mode));
@@ -246,7 +246,7 @@ static void normalise(ct_watch *w)
 
 /* One round of the power iteration about the state, whose forces stand: one more force of the solid
  * (eq:step-quotient). */
-static ct_status iterate(ct_watch *w, ct_state *state, ct_error *error)
+static ct_status iterate(ct_monitor *w, ct_state *state, ct_error *error)
 {
   const ct_problem *problem = w->problem;
   const ct_effect *solid = problem->effects[0];
@@ -282,7 +282,7 @@ static ct_status iterate(ct_watch *w, ct_state *state, ct_error *error)
   return CT_OK;
 }
 
-static ct_status look_at_step(ct_watch *w, ct_state *state, ct_error *error)
+static ct_status look_at_step(ct_monitor *w, ct_state *state, ct_error *error)
 {
   const ct_problem *problem = w->problem;
   if (w->mode == NULL) return CT_OK;
@@ -301,7 +301,7 @@ static ct_status look_at_step(ct_watch *w, ct_state *state, ct_error *error)
 }
 
 /* Whether the state is the one that was looked at last. */
-static int is_good(const ct_watch *w, const ct_state *state)
+static int is_good(const ct_monitor *w, const ct_state *state)
 {
   size_t bytes = 3 * (size_t)w->problem->node_count * sizeof(double);
   return w->good->step == state->step &&
@@ -309,7 +309,7 @@ static int is_good(const ct_watch *w, const ct_state *state)
          memcmp(w->good->velocity, state->velocity, bytes) == 0;
 }
 
-ct_status ct_watch_look(ct_watch *watch, ct_state *state, ct_error *error)
+ct_status ct_monitor_check(ct_monitor *watch, ct_state *state, ct_error *error)
 {
   energies e;
   if (watch == NULL || state == NULL)
@@ -344,7 +344,7 @@ static ct_status complete(const ct_problem *problem, const ct_state *state, ct_s
   return status;
 }
 
-ct_status ct_watch_steps(ct_watch *watch, ct_state *state, int64_t count, ct_error *error)
+ct_status ct_monitor_steps(ct_monitor *watch, ct_state *state, int64_t count, ct_error *error)
 {
   if (watch == NULL || state == NULL || count < 0)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "watch: null argument or %lld steps",
@@ -354,14 +354,14 @@ ct_status ct_watch_steps(ct_watch *watch, ct_state *state, int64_t count, ct_err
   while (status == CT_OK && count > 0) {
     int64_t to_look = every - state->step % every, now = count < to_look ? count : to_look;
     status = ct_step_many(watch->problem, state, now, error);
-    if (status == CT_OK && now == to_look) status = ct_watch_look(watch, state, error);
+    if (status == CT_OK && now == to_look) status = ct_monitor_check(watch, state, error);
     count -= now;
   }
   return complete(watch->problem, state, status, error);
 }
 
 /* Room for the power iteration, and its first direction. */
-static ct_status prepare_iteration(ct_watch *w, ct_state *state, ct_error *error)
+static ct_status prepare_iteration(ct_monitor *w, ct_state *state, ct_error *error)
 {
   const ct_problem *problem = w->problem;
   const ct_effect *solid = problem->effects[0];
@@ -378,7 +378,7 @@ static ct_status prepare_iteration(ct_watch *w, ct_state *state, ct_error *error
   return status;
 }
 
-static ct_status prepare(ct_watch *w, ct_state *state, ct_error *error)
+static ct_status prepare(ct_monitor *w, ct_state *state, ct_error *error)
 {
   const ct_problem *problem = w->problem;
   ct_stable_step stable = {.dt = w->options.stable};
@@ -409,8 +409,8 @@ static ct_status prepare(ct_watch *w, ct_state *state, ct_error *error)
   return status == CT_OK ? ct_state_copy(problem, state, w->good, error) : status;
 }
 
-ct_status ct_watch_create(const ct_problem *problem, ct_state *state,
-                          const ct_watch_options *options, ct_watch **out, ct_error *error)
+ct_status ct_monitor_create(const ct_problem *problem, ct_state *state,
+                            const ct_monitor_options *options, ct_monitor **out, ct_error *error)
 {
   if (problem == NULL || state == NULL || options == NULL || out == NULL ||
       state->problem != problem)
@@ -423,21 +423,21 @@ ct_status ct_watch_create(const ct_problem *problem, ct_state *state,
                    "growth reported from %g",
                    (long long)options->every, options->energy_limit, options->omega_limit,
                    options->stable, options->growth_limit);
-  ct_watch *w = ct_allocate(1, sizeof *w);
+  ct_monitor *w = ct_allocate(1, sizeof *w);
   if (w == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
   w->problem = problem;
   w->options = *options;
   w->seed = 88172645463325252u;
   ct_status status = prepare(w, state, error);
   if (status != CT_OK) {
-    ct_watch_free(w);
+    ct_monitor_free(w);
     return status;
   }
   *out = w;
   return CT_OK;
 }
 
-void ct_watch_free(ct_watch *w)
+void ct_monitor_free(ct_monitor *w)
 {
   if (w == NULL) return;
   if (w->scratch != NULL) w->problem->effects[0]->free_scratch(w->scratch);
@@ -447,18 +447,18 @@ void ct_watch_free(ct_watch *w)
   ct_release(w);
 }
 
-ct_state *ct_watch_good(const ct_watch *watch)
+ct_state *ct_monitor_good(const ct_monitor *watch)
 {
   // Most runs have no fault, and nobody asks for the forces of their good states.
   return watch == NULL || ct_state_equip(watch->good, NULL) != CT_OK ? NULL : watch->good;
 }
 
-ct_growth ct_watch_growth(const ct_watch *watch)
+ct_growth ct_monitor_growth(const ct_monitor *watch)
 {
   return watch == NULL ? (ct_growth){0} : watch->growth;
 }
 
-double ct_watch_omega_squared(const ct_watch *watch)
+double ct_monitor_omega2(const ct_monitor *watch)
 {
   return watch == NULL || watch->mode == NULL ? 0.0 : watch->omega_squared;
 }

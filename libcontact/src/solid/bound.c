@@ -151,9 +151,9 @@ static ct_status element_eigenvalue(ct_brick_kind kind, const double *nodes,
   return status == CT_OK ? ct_largest_eigenvalue(3 * per, m, A, omega_squared, error) : status;
 }
 
-ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes,
-                                     const ct_material *material, const double *mass,
-                                     double *omega_squared, ct_error *error)
+ct_status ct_solid_element_omega2_bound(ct_brick_kind kind, const double *nodes,
+                                        const ct_material *material, const double *mass,
+                                        double *omega_squared, ct_error *error)
 {
   if (ct_brick_node_count(kind) == 0 || nodes == NULL || mass == NULL || omega_squared == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
@@ -163,10 +163,10 @@ ct_status ct_solid_element_frequency(ct_brick_kind kind, const double *nodes,
              : status;
 }
 
-ct_status ct_solid_element_tangent_frequency(ct_brick_kind kind, const double *nodes,
-                                             const double *displacement,
-                                             const ct_material *material, const double *mass,
-                                             double *omega_squared, ct_error *error)
+ct_status ct_solid_element_tangent_omega2_bound(ct_brick_kind kind, const double *nodes,
+                                                const double *displacement,
+                                                const ct_material *material, const double *mass,
+                                                double *omega_squared, ct_error *error)
 {
   if (ct_brick_node_count(kind) == 0 || nodes == NULL || displacement == NULL || mass == NULL ||
       omega_squared == NULL)
