@@ -12,6 +12,7 @@
 #include "defs.h"
 
 static const char *const ENFORCEMENT[] = {"penalty", "energy_controlled", "bipenalty", "lagrange"};
+enum { ENFORCEMENTS = sizeof ENFORCEMENT / sizeof ENFORCEMENT[0] };
 
 static unsigned long long bodies_seed = 88172645463325252ull;
 

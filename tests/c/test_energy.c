@@ -168,7 +168,7 @@ static void close_touching(touching *t)
  * contact does next. */
 static void first_row(void)
 {
-  for (int e = 0; e < 4; e++)
+  for (int e = 0; e < ENFORCEMENTS; e++)
     for (int k = 0; k < 4; k++) {
       double kinetic = 0.0, total = 0.0, balance = 0.0, work = 0.0, own;
       ct_error error;

@@ -636,7 +636,7 @@ int main(void)
   order_of(CT_NOH_BATHE, 1.9, 2.1);
   order_of(CT_TCHAMWA_WIELGOSZ, 0.9, 1.15);
   for (int s = 0; s < SCHEMES; s++)
-    for (int e = 0; e < 4; e++) {
+    for (int e = 0; e < ENFORCEMENTS; e++) {
       ledger((ct_scheme)s, (ct_enforcement)e);
       equal_bits(ct_integrator_default((ct_scheme)s), (ct_enforcement)e);
     }

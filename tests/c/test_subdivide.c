@@ -246,7 +246,7 @@ int main(void)
   falling();
   for (int scheme = 0; scheme < 4; scheme++) order((ct_scheme)scheme);
   for (int scheme = 0; scheme < 4; scheme++)
-    for (int enforcement = 0; enforcement < 4; enforcement++)
+    for (int enforcement = 0; enforcement < ENFORCEMENTS; enforcement++)
       meeting((ct_scheme)scheme, (ct_enforcement)enforcement);
   refusals();
   return tap_done();

@@ -20,6 +20,7 @@ import traceback
 import warnings
 from pathlib import Path
 
+from libcontact.model import ENFORCEMENTS
 from libcontact.run import Run, RunError
 
 import libcontact as ct
@@ -137,7 +138,7 @@ def contact_choices(chance: random.Random) -> dict:
     """Keys that a contact may have, each now and then."""
     pick, out = chance.choice, {}
     if chance.random() < 0.5:
-        out["enforcement"] = pick(["penalty", "energy_controlled", "bipenalty", "lagrange"])
+        out["enforcement"] = pick(list(ENFORCEMENTS))
     if out.get("enforcement", "energy_controlled") == "energy_controlled" and chance.random() < 0.3:
         out["dissipation"] = chance.uniform(0, 1)
     if chance.random() < 0.3:

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from libcontact.model import ENFORCEMENTS
 
 import libcontact as ct
 
@@ -48,7 +49,7 @@ def test_overlap_is_refused():
     blocks(-0.05, initial_penetration="refuse").run(progress=False)
 
 
-@pytest.mark.parametrize("enforcement", ["penalty", "energy_controlled", "bipenalty", "lagrange"])
+@pytest.mark.parametrize("enforcement", ENFORCEMENTS)
 def test_overlap_is_kept(enforcement):
     """Nothing moves as long as nothing else pushes; pressed together, the blocks have the gaps of two that only touch."""
     run = blocks(0.05, enforcement=enforcement, initial_penetration="keep").run(progress=False)

@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
+from libcontact.model import ENFORCEMENTS
 
 import libcontact as ct
 
@@ -200,7 +201,7 @@ def blocks(gap, speed=0.0, pull=0.0, **contact):
 
 
 @pytest.mark.filterwarnings("ignore")
-@pytest.mark.parametrize("enforcement", ["penalty", "energy_controlled", "bipenalty", "lagrange"])
+@pytest.mark.parametrize("enforcement", ENFORCEMENTS)
 def test_a_closed_gap_is_as_good_as_touching(enforcement):
     """A gap or an overlap that is adjusted has the motion of blocks that touch, whatever makes forces of gaps."""
     touching = blocks(0.0, 0.1, enforcement=enforcement).run(progress=False)

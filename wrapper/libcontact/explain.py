@@ -7,7 +7,7 @@ from typing import Any
 
 from ._core import ffi, lib
 from .errors import SceneWarning
-from .model import Body, Contact, ContactKeys, Support
+from .model import LAW_KEYS, Body, Contact, ContactKeys, Support
 from .parts import EFFECTS, Parts
 from .plan import Cost, predict, table
 from .problem import BuiltBody, BuiltContact, Problem, memory_of, speeds
@@ -300,8 +300,11 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
     origin += ", the default" if contact["penalty_is_default"] else ""
     epsilon = f"{contact['epsilon']:.6g} {units.label('penalty')}"
     points = "Gauss" if contact["points"] == "gauss" else "Lobatto"
-    controlled = contact["enforcement"] == "energy_controlled"
-    share = f", dissipation {contact['dissipation']:g}" if controlled else ""
+    share = "".join(
+        f", {name.replace('_', ' ')} {contact[name]:g}"
+        for name, law in LAW_KEYS.items()
+        if contact["enforcement"] == law
+    )
     rub = f"friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"
     gap, adjust = contact["initial_gap"], f"{contact['adjust']:g} {units.length}"
     nearest = f"no point is near {other}"

@@ -21,6 +21,7 @@ from ._core import ffi, lib
 from .bridge import Rows, ask, call, doubles, row
 from .errors import Error, NotBuiltIn, check, issue, new_error, place, raise_held, text_of
 from .mesh import view
+from .model import FEEDING
 from .plan import measured
 from .problem import Problem, contact_points, new_state, penetrations
 from .rehearsal import computed_share
@@ -307,7 +308,7 @@ class Loop:
         else:
             advice = f"{step}, and compare what it stores with the work of its force"
             return f'effect "{self.problem.effects[growth.effect]}"', "", advice
-        if given.enforcement in ("penalty", "bipenalty"):
+        if given.enforcement in FEEDING:
             return who, key, f'{step}, a smaller beta, or enforcement = "energy_controlled"'
         inside = (
             "points have come to lie inside without passing the surface, as at an edge or in a fold"

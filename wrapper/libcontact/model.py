@@ -38,6 +38,10 @@ LAWS = words("ct_law")
 KERNELS = words("ct_solid_kernel")
 METHODS = words("ct_method")
 ENFORCEMENTS = words("ct_enforcement")
+# Keys that belong to one enforcement each.
+LAW_KEYS = {"dissipation": "energy_controlled"}
+# Enforcements that can feed energy into the bodies. They store the energy of an impact and give it back; the others dissipate a part of it.
+FEEDING = ("penalty", "bipenalty")
 POINTS = words("ct_contact_rule")
 INITIAL = words("ct_initial")
 INTEGRATORS = words("ct_scheme")
@@ -374,11 +378,9 @@ class Pressing(Table):
         return not self.given.isdisjoint(("beta", "epsilon"))
 
     def refusals(self) -> Iterator[tuple[str, str]]:
-        if "dissipation" in self.given and self.enforcement != "energy_controlled":
-            yield (
-                "dissipation",
-                f'belongs to the enforcement "energy_controlled", not to "{self.enforcement}"',
-            )
+        for name, law in LAW_KEYS.items():
+            if name in self.given and self.enforcement != law:
+                yield name, f'belongs to the enforcement "{law}", not to "{self.enforcement}"'
         if self.tangent and not self.friction:
             yield "tangent", 'belongs to friction; give "friction" too'
 

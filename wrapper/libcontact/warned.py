@@ -28,7 +28,7 @@ from .errors import (
     UnitsWarning,
 )
 from .mesh import Mesh, rotation
-from .model import AXES, Contact
+from .model import AXES, FEEDING, Contact
 from .problem import BuiltBody, Problem, contact_points, new_state, penetrations, speeds
 from .surfaces import obstacle_name, pair_name
 from .touch import Touch, first_touch, gravity_on, surface_box
@@ -41,7 +41,6 @@ SHARED, TRIED = 0.5, 64
 TURNED, TURN_NODES = 0.04, 2000
 # Share of the energy of an impact that the nodes which hit first may hold (eq:thin-loss): 1/(2n) for n equal elements.
 THIN = 0.3
-LOSSY = ("energy_controlled", "lagrange")
 # Effects that leave a body that moves without strain as it is, or act on all nodes of a body alike.
 HARMLESS = ("gravity", "viscosity")
 
@@ -294,7 +293,7 @@ def _thin(problem: Problem) -> Iterator[ThinWarning]:
 
     def loses(given: Any, touch: Touch) -> bool:
         meets = touch.closing > 0.0 and touch.time <= problem.end
-        return given.enforcement in LOSSY and meets
+        return given.enforcement not in FEEDING and meets
 
     for i, contact in enumerate(problem.parts.contacts):
         touch = touches["contact", i]

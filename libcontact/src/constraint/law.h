@@ -3,11 +3,9 @@
 
 #include <libcontact/constraint.h>
 
-/* Whether there is an enforcement of this number. */
-static inline int ct_law_exists(ct_enforcement enforcement)
-{
-  return (int)enforcement >= CT_ENFORCE_PENALTY && (int)enforcement <= CT_ENFORCE_LAGRANGE;
-}
+/* Refuse a law that does not exist, or one whose numbers are out of range: of the row only
+ * `enforcement` and the numbers that belong to a law are read. `who` begins the message. */
+ct_status ct_law_check(const ct_constraint *law, const char *who, ct_error *error);
 
 /* Force λ that the law of a row asks for if the next gap is `after`; Lagrange multipliers follow no
  * such law: NaN. */

@@ -25,6 +25,14 @@ ct_contact_options ct_contact_options_default(void)
 
 double ct_contact_penalty(double beta, double young, double h) { return beta * young / h; }
 
+/* The law of all points; both sides share the penalty. */
+static ct_constraint law_of(const ct_contact_options *options)
+{
+  return (ct_constraint){.enforcement = options->enforcement,
+                         .stiffness = 0.5 * options->epsilon,
+                         .dissipation = options->dissipation};
+}
+
 static ct_status check_options(const ct_contact_options *options, ct_error *error)
 {
   if (!(options->epsilon > 0.0) || !isfinite(options->epsilon))
@@ -52,12 +60,8 @@ static ct_status check_options(const ct_contact_options *options, ct_error *erro
   if (ct_method_name(options->method) == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no search method %d",
                    (int)options->method);
-  if (!ct_law_exists(options->enforcement) ||
-      !(options->dissipation >= 0.0 && options->dissipation <= 1.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "contact: enforcement %d with dissipation %g", (int)options->enforcement,
-                   options->dissipation);
-  return CT_OK;
+  const ct_constraint law = law_of(options);
+  return ct_law_check(&law, "contact", error);
 }
 
 void ct_contact_fixed_free(ct_contact_fixed *fixed)
@@ -112,12 +116,12 @@ void ct_contact_free(ct_contact *contact)
 ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_error *error)
 {
   ct_contact *contact = ct_allocate(1, sizeof *contact);
+  const ct_constraint law = law_of(&fixed->options);
   int64_t points = 0;
   ct_status status = contact != NULL ? CT_OK : CT_ERROR_MEMORY;
   for (int s = 0; status == CT_OK && s < fixed->sides; s++) {
     points += fixed->side[s].point_count;
-    status = ct_side_init(&contact->side[s], &fixed->side[s], 0.5 * fixed->options.epsilon,
-                          fixed->options.enforcement, fixed->options.dissipation);
+    status = ct_side_init(&contact->side[s], &fixed->side[s], &law);
   }
   if (status == CT_OK) {
     contact->fixed = fixed;

@@ -100,14 +100,22 @@ static void free_scratch(void *scratch)
   ct_release(s);
 }
 
+/* The law of all points. */
+static ct_constraint law_of(const ct_obstacle_def *given)
+{
+  return (ct_constraint){.enforcement = given->enforcement,
+                         .stiffness = given->epsilon,
+                         .dissipation = given->dissipation};
+}
+
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
   const obstacle_data *data = effect->data;
+  const ct_constraint law = law_of(&data->given);
   ct_obstacle_state *s = ct_allocate(1, sizeof *s);
   if (s == NULL ||
       (s->terms = ct_allocate((size_t)data->side.point_count, sizeof *s->terms)) == NULL ||
-      ct_side_init(&s->side, &data->side, data->given.epsilon, data->given.enforcement,
-                   data->given.dissipation) != CT_OK) {
+      ct_side_init(&s->side, &data->side, &law) != CT_OK) {
     free_scratch(s);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
   }
@@ -282,10 +290,9 @@ static ct_status check(const ct_obstacle_def *o, const ct_problem *problem, ct_e
   if (!(o->epsilon > 0.0) || !isfinite(o->epsilon))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "obstacle: the penalty must be positive, not %g", o->epsilon);
-  if (!ct_law_exists(o->enforcement) || !(o->dissipation >= 0.0 && o->dissipation <= 1.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "obstacle: enforcement %d with dissipation %g", (int)o->enforcement,
-                   o->dissipation);
+  const ct_constraint law = law_of(o);
+  ct_status status = ct_law_check(&law, "obstacle", error);
+  if (status != CT_OK) return status;
   if (o->shape != CT_OBSTACLE_SPHERE && !unit(o->axis, a))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the %s has no length",
                    o->shape == CT_OBSTACLE_PLANE ? "normal" : "axis");

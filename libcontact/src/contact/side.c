@@ -75,8 +75,7 @@ const int32_t *ct_side_row_nodes(const ct_side_fixed *fixed, int64_t face)
   return &faces[face * fixed->search->per];
 }
 
-ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, double epsilon,
-                       ct_enforcement enforcement, double dissipation)
+ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, const ct_constraint *law)
 {
   size_t faces = (size_t)fixed->search->face_count, nodes = (size_t)fixed->search->node_count;
   memset(side, 0, sizeof *side);
@@ -95,14 +94,13 @@ ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, double epsilon
     ct_point *point = &side->points[i];
     point->other = -1;
     point->known = NAN;
-    point->row = (ct_constraint){.enforcement = enforcement,
-                                 .own_count = fixed->search->per,
-                                 .own = ct_side_row_nodes(fixed, i / fixed->rule.count),
-                                 .own_shape = fixed->N[i % fixed->rule.count],
-                                 .other_shape = point->N,
-                                 .stiffness = epsilon * fixed->weight[i],
-                                 .dissipation = dissipation,
-                                 .gap = NAN};
+    point->row = *law;
+    point->row.own_count = fixed->search->per;
+    point->row.own = ct_side_row_nodes(fixed, i / fixed->rule.count);
+    point->row.own_shape = fixed->N[i % fixed->rule.count];
+    point->row.other_shape = point->N;
+    point->row.stiffness = law->stiffness * fixed->weight[i];
+    point->row.gap = NAN;
   }
   return CT_OK;
 }

@@ -89,10 +89,10 @@ void ct_side_fixed_clear(ct_side_fixed *fixed);
 /* Nodes of a face as rows number them. */
 const int32_t *ct_side_row_nodes(const ct_side_fixed *fixed, int64_t face);
 
-/* A side at the reference shape whose points are new. Their rows have the stiffness `epsilon` times
- * the weight. To be cleared also when this fails. */
-ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, double epsilon,
-                       ct_enforcement enforcement, double dissipation);
+/* A side at the reference shape whose points are new. Their rows follow `law`, whose
+ * stiffness is the penalty: each row has it times the point's weight. To be cleared also when this
+ * fails. */
+ct_status ct_side_init(ct_side *side, const ct_side_fixed *fixed, const ct_constraint *law);
 void ct_side_clear(ct_side *side);
 
 /* Sum over the nodes of a face, paired so that a flipped face gives the same bits (eq:tree-sum);
