@@ -102,12 +102,108 @@ static void copied(void)
   ct_mesh_free(mesh);
 }
 
+static ct_status no_force(const ct_effect *effect, const ct_view *view, double *force,
+                          ct_error *error)
+{
+  (void)view, (void)error;
+  memset(force, 0, 3 * (size_t)effect->node_count * sizeof *force);
+  return CT_OK;
+}
+
+static ct_status bound_of_data(const ct_effect *effect, const ct_view *view, double *bound,
+                               ct_error *error)
+{
+  (void)view, (void)error;
+  *bound = *(const double *)effect->data;
+  return CT_OK;
+}
+
+/* What a list of constraints that goes wrong answers: so many times one row. */
+typedef struct listing {
+  ct_constraint *row;
+  int64_t count;
+} listing;
+
+static ct_status list_wrongly(const ct_effect *effect, const ct_view *view, ct_constraint **rows,
+                              int64_t *count, ct_error *error)
+{
+  const listing *wrong = effect->data;
+  (void)view, (void)error;
+  if (wrong->count > 0) rows[0] = wrong->row;
+  *count = wrong->count;
+  return CT_OK;
+}
+
+/* A problem that a host lists by itself is looked at when a state is made. */
+static void refused(const char *name, ct_effect *first, ct_effect *second)
+{
+  ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
+  ct_scene *scene = new_scene();
+  add_body(scene, "block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
+  int64_t steps;
+  ct_stable_step stable;
+  ct_problem problem =
+      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  const ct_effect *list[] = {problem.effects[0], first, second};
+  ct_state *state = NULL;
+  ct_error e = {0};
+  problem.effects = list;
+  problem.effect_count = 3;
+  ct_status status = ct_state_create(&problem, &state, &e);
+  if (status == CT_OK) status = ct_stable(&problem, state, &stable, &e);
+  tap_ok(status == CT_ERROR_ARGUMENT, "%s: %s", name, e.text);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(mesh);
+}
+
+static void refusals(void)
+{
+  static const int32_t nodes[2] = {0, 3}, outside[2] = {0, 8}, mixed[2] = {3, 0}, place[1] = {2};
+  static const double shape[1] = {1.0};
+  static const ct_effect_constraints constraints = {.list = list_wrongly};
+  const ct_effect plain = {.label = "host", .nodes = nodes, .node_count = 2, .force = no_force};
+  ct_effect a = plain, b = plain;
+  refused("no effect at all", &a, NULL);
+  b.nodes = outside;
+  refused("a node that the problem has not", &a, &b);
+  b.nodes = mixed;
+  refused("nodes that do not ascend", &a, &b);
+  b = plain, b.nodes = NULL, b.node_count = 9;
+  refused("more nodes than there are", &a, &b);
+  b = plain, a.reads = &b;
+  refused("reads a later effect", &a, &b);
+  a = plain, a.phase = CT_PHASE_FOLLOWING, b.reads = &a;
+  refused("reads an earlier effect of a later phase", &a, &b);
+
+  ct_constraint row = {.own_count = 1, .own = place, .own_shape = shape, .stiffness = 1.0};
+  const listing wrong[] = {{NULL, -1}, {NULL, 3}, {NULL, 1}, {&row, 1}};
+  a = b = plain;
+  b.phase = CT_PHASE_CONSTRAINT, b.constraints = &constraints, b.constraint_count = 2;
+  static const char *const how[] = {"fewer than no rows", "more rows than it has room for",
+                                    "a row that is null", "a row with a node of nobody"};
+  for (int i = 0; i < 4; i++) {
+    listing one = wrong[i];
+    b.data = &one;
+    refused(how[i], &a, &b);
+  }
+  const double bounds[] = {NAN, -1.0};
+  for (int i = 0; i < 2; i++) {
+    double bound = bounds[i];
+    b = plain, b.data = &bound, b.omega2_bound = bound_of_data;
+    refused("a bound that is no bound", &a, &b);
+    b.omega2_bound = NULL, b.rate_bound = bound_of_data;
+    refused("a rate that is none", &a, &b);
+  }
+}
+
 /* Mass 2 on springs of 8 altogether: omega = 2. */
 int main(void)
 {
   static const char *const name[] = {"contact", "obstacle", "friction", "solid", "support"};
   for (size_t i = 0; i < sizeof name / sizeof name[0]; i++) named(name[i]);
   copied();
+  refusals();
   static const int32_t nodes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
   double k = 1.0, off = 0.0, exchange = 0.0, total = 0.0, stored;
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);

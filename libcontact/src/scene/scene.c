@@ -3,6 +3,7 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../step/effect_internal.h"
 #include "../step/workspace.h"
 
 #include <float.h>
@@ -442,17 +443,11 @@ ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *erro
     status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                      "effect %s: join the scene's bodies first, an effect is made for their nodes",
                      effect->label);
-  else if (effect->node_count > 0 &&
-           (effect->nodes == NULL
-                ? effect->node_count != scene->problem.node_count
-                : effect->nodes[effect->node_count - 1] >= scene->problem.node_count))
-    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                     "effect %s: its nodes are not those of the %d of the problem", effect->label,
-                     (int)scene->problem.node_count);
   else if (is_added(scene, effect))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %s: the scene has it already",
                    effect->label);
-  else if (!grow((void **)&scene->added, scene->added_count, sizeof(ct_effect *)))
+  else status = ct_effect_check_nodes(effect, scene->problem.node_count, error);
+  if (status == CT_OK && !grow((void **)&scene->added, scene->added_count, sizeof(ct_effect *)))
     status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an effect");
   if (status != CT_OK) {
     ct_effect_free(effect);

@@ -72,6 +72,32 @@ ct_status ct_constraints_create(const ct_problem *problem, ct_constraints **out)
   return status;
 }
 
+/* Whether the places of a row's nodes are in the list of its effect. */
+static int has_places(const ct_effect *effect, int32_t count, const int32_t *place,
+                      const double *shape)
+{
+  int fine = count >= 0 && count <= 8 && (count == 0 || (place != NULL && shape != NULL));
+  for (int32_t a = 0; fine && a < count; a++) fine = place[a] >= 0 && place[a] < effect->node_count;
+  return fine;
+}
+
+/* Whether an effect has listed what it may; the library's own rows are right. */
+static ct_status check_rows(const ct_effect *effect, ct_constraint *const *rows, int64_t count,
+                            ct_error *error)
+{
+  int fine = count >= 0 && count <= effect->constraint_count;
+  for (int64_t r = 0; fine && effect->kind == CT_EFFECT_USER && r < count; r++) {
+    const ct_constraint *row = rows[r];
+    fine = row != NULL && ct_law_exists(row->enforcement) &&
+           has_places(effect, row->own_count, row->own, row->own_shape) &&
+           has_places(effect, row->other_count, row->other, row->other_shape);
+  }
+  if (fine) return CT_OK;
+  return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                 "effect %s: it lists %lld rows of at most %lld, or nodes that it has not",
+                 effect->label, (long long)count, (long long)effect->constraint_count);
+}
+
 /* Let every effect list the rows that may be active. */
 static ct_status list_rows(const ct_problem *problem, ct_state *state, ct_solver *s,
                            ct_error *error)
@@ -85,6 +111,7 @@ static ct_status list_rows(const ct_problem *problem, ct_state *state, ct_solver
     double begin = problem->clock == NULL ? 0.0 : problem->clock();
     ct_status status =
         effect->constraints->list(effect, &view, s->rows + s->first[set], &count, error);
+    if (status == CT_OK) status = check_rows(effect, s->rows + s->first[set], count, error);
     if (status != CT_OK) return status;
     if (problem->clock != NULL) state->effect_seconds[k] += problem->clock() - begin;
     s->first[set + 1] = s->first[set] + count;

@@ -19,8 +19,25 @@ ct_status ct_effect_check(const ct_effect *effect, ct_error *error)
   else if (effect->phase == CT_PHASE_CONSTRAINT &&
            (effect->constraints == NULL || effect->constraints->list == NULL))
     wrong = "its phase needs a list of constraints";
-  if (wrong == NULL) return CT_OK;
-  return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %s: %s", effect->label, wrong);
+  if (wrong != NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %s: %s", effect->label, wrong);
+  for (int32_t i = 0; effect->nodes != NULL && i < effect->node_count; i++)
+    if (effect->nodes[i] < 0 || (i > 0 && effect->nodes[i] <= effect->nodes[i - 1]))
+      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, effect->nodes[i]},
+                     "effect %s: node %d at place %d is not in ascending order", effect->label,
+                     (int)effect->nodes[i], (int)i);
+  return CT_OK;
+}
+
+ct_status ct_effect_check_nodes(const ct_effect *effect, int32_t node_count, ct_error *error)
+{
+  int32_t count = effect->node_count;
+  if (count == 0 ||
+      (effect->nodes == NULL ? count == node_count : effect->nodes[count - 1] < node_count))
+    return CT_OK;
+  return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                 "effect %s: its nodes are not those of the %d of the problem", effect->label,
+                 (int)node_count);
 }
 
 ct_status ct_effect_copy(const ct_effect *filled, ct_effect **effect, ct_error *error)
@@ -29,11 +46,6 @@ ct_status ct_effect_copy(const ct_effect *filled, ct_effect **effect, ct_error *
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect: null argument");
   ct_status status = ct_effect_check(filled, error);
   if (status != CT_OK) return status;
-  for (int32_t i = 0; filled->nodes != NULL && i < filled->node_count; i++)
-    if (filled->nodes[i] < 0 || (i > 0 && filled->nodes[i] <= filled->nodes[i - 1]))
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, filled->nodes[i]},
-                     "effect %s: node %d at place %d is not in ascending order", filled->label,
-                     (int)filled->nodes[i], (int)i);
   *effect = ct_allocate(1, sizeof **effect);
   if (*effect == NULL)
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for effect %s", filled->label);

@@ -24,8 +24,11 @@ enum { CT_DEF_COOKIE = 0x63745f64 };
 ct_status ct_effect_check_def(const int32_t *cookie, const ct_problem *problem, ct_effect **effect,
                               const char *what, ct_error *error);
 
-/* Whether the members of an effect go together. */
+/* Whether the members of an effect go together, and its nodes ascend. */
 ct_status ct_effect_check(const ct_effect *effect, ct_error *error);
+
+/* Whether a problem with so many nodes has those of an effect, which ascend. */
+ct_status ct_effect_check_nodes(const ct_effect *effect, int32_t node_count, ct_error *error);
 
 /* The end of a factory: with CT_OK the effect on the heap, otherwise its data are freed. */
 ct_status ct_effect_finish(ct_status status, const ct_effect *filled, ct_effect **effect,

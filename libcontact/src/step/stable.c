@@ -23,6 +23,10 @@ ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
     status = effect->omega2_bound(effect, &view, omega_squared, error);
   if (status == CT_OK && effect->rate_bound != NULL)
     status = effect->rate_bound(effect, &view, rate, error);
+  if (status == CT_OK && !(*omega_squared >= 0.0 && *rate >= 0.0))
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+                   "stable step: effect %s has the bounds %g and %g, which are none", effect->label,
+                   *omega_squared, *rate);
   // -- The bound of the elements may be far above the whole (eq:assembled-bound)
   if (status == CT_OK && k == 0 && problem->assembled) {
     double whole = INFINITY;

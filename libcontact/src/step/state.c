@@ -54,12 +54,14 @@ ct_status ct_stage_check(const ct_state *state, ct_error *error)
                  (long long)state->step);
 }
 
-/* Whether the effect that effect `k` reads stands before it. */
+/* Whether the effect that effect `k` reads has its force first: it stands before it, and its phase
+ * is no later one. */
 static int reads_earlier(const ct_problem *problem, int32_t k)
 {
+  const ct_effect *effect = problem->effects[k], *other = effect->reads;
   for (int32_t i = 0; i < k; i++)
-    if (problem->effects[i] == problem->effects[k]->reads) return 1;
-  return problem->effects[k]->reads == NULL;
+    if (problem->effects[i] == other) return other->phase <= effect->phase;
+  return other == NULL;
 }
 
 /* Whether an effect that needs all other forces is not the only one. */
@@ -78,12 +80,15 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
       p->inverse_mass == NULL || p->initial_velocity == NULL || p->effects == NULL ||
       p->node_count < 1 || p->body_count < 1 || p->effect_count < 1)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: something is missing");
-  if (p->effects[0]->nodes != NULL || p->effects[0]->node_count != p->node_count ||
-      p->effects[0]->phase != CT_PHASE_STATE)
+  if (p->effects[0] == NULL || p->effects[0]->nodes != NULL ||
+      p->effects[0]->node_count != p->node_count || p->effects[0]->phase != CT_PHASE_STATE)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "problem: the first effect must act on all nodes");
   for (int32_t k = 0; k < p->effect_count; k++) {
+    if (p->effects[k] == NULL)
+      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %d is null", (int)k);
     ct_status status = ct_effect_check(p->effects[k], error);
+    if (status == CT_OK) status = ct_effect_check_nodes(p->effects[k], p->node_count, error);
     if (status != CT_OK) return status;
   }
   for (int32_t k = 1; k < p->effect_count; k++)
@@ -94,7 +99,7 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
   for (int32_t k = 1; k < p->effect_count; k++)
     if (!reads_earlier(p, k))
       return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                     "problem: effect %s reads one that does not stand before it",
+                     "problem: effect %s reads one whose force does not come before its own",
                      p->effects[k]->label);
   if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1 || p->threads > CT_MOST_THREADS)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: a step of %g with %d threads",
