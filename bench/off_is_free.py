@@ -1,7 +1,8 @@
 """
-What a scene does not declare costs nothing: a block that flies and rings, with no contact and no support, is run by a program that is linked with what it
-needs only, and by one that holds the code of every effect of the library. Instructions in the time loop (callgrind), bytes and bits are compared; and a
-scene with contact, once with the objects it needs and once with all.
+Only the effects that a scene calls for: what each of them costs when it is declared, and that it costs nothing when it is
+not. ``effect_loop.c`` is compiled once for each effect, so that the program holds the code of this effect alone; a program
+without any effect is linked a second time with the code of all. Instructions in the time loop by callgrind, bytes by a
+counting allocator, code by ``size``. At last the plates with contact, with the objects they need and with all.
 """
 
 from __future__ import annotations
@@ -15,110 +16,95 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-PROGRAMS = {
-    "a block alone": ("solid_loop.c", ["30"]),
-    "plates with contact and supports": ("scene_loop.c", ["plates", "qcd", "20"]),
-}
-MARK = "ct_contact_create_effect"
+EFFECTS = (
+    *("support", "motion", "gravity", "load", "damping", "viscosity"),
+    *("absorb", "obstacle", "friction", "contact"),
+)
+STEPS = 20
 
 
-def compiled(source: str, whole: bool, folder: Path) -> Path:
-    """One of the programs, linked with the objects that it names or with all of the library."""
-    out = folder / f"{Path(source).stem}_{'all' if whole else 'own'}"
+def compiled(source: str, folder: Path, effect: str = "none", whole: bool = False) -> Path:
+    """A program, linked with the objects that it names or with the whole library."""
+    out = folder / f"{Path(source).stem}_{effect}_{'all' if whole else 'own'}"
     archive = [str(ROOT / "build" / "lib" / "libcontact.a")]
     if whole:
         archive = ["-Wl,--whole-archive", *archive, "-Wl,--no-whole-archive"]
-    subprocess.run(
-        [
-            os.environ.get("CC", "cc"),
-            "-O2",
-            "-std=c99",
-            f"-I{ROOT / 'libcontact' / 'include'}",
-            str(ROOT / "bench" / source),
-            "-o",
-            str(out),
-            *archive,
-            "-fopenmp",
-            "-lm",
-            "-Wl,--wrap=calloc",
-            "-Wl,--wrap=free",
-        ],
-        check=True,
-    )
+    wrapped = ["-Wl,--wrap=calloc", "-Wl,--wrap=free"] if source == "scene_loop.c" else []
+    command = [os.environ.get("CC", "cc"), "-O2", "-std=c99", f"-DEFFECT={effect.upper()}"]
+    command += [f"-I{ROOT / 'libcontact' / 'include'}", str(ROOT / "bench" / source)]
+    command += ["-o", str(out), *archive, "-fopenmp", "-lm", *wrapped]
+    subprocess.run(command, check=True)
     return out
 
 
 def counted(program: Path, arguments: list[str], folder: Path) -> dict:
-    """Instructions inside ct_step_many, and what the program prints."""
+    """Instructions inside ct_step_many, bytes of code, and what the program prints."""
     out = folder / "callgrind.out"
+    command = ["valgrind", "--tool=callgrind", "--toggle-collect=ct_step_many"]
+    command += [f"--callgrind-out-file={out}", str(program), *arguments]
     done = subprocess.run(
-        [
-            "valgrind",
-            "--tool=callgrind",
-            "--toggle-collect=ct_step_many",
-            f"--callgrind-out-file={out}",
-            str(program),
-            *arguments,
-        ],
+        command,
         capture_output=True,
         text=True,
         check=True,
         env={**os.environ, "OMP_NUM_THREADS": "1"},
     )
     (total,) = re.findall(r"^(?:summary|totals): (\d+)", out.read_text(), re.MULTILINE)[-1:]
-    symbols = subprocess.run(
-        ["nm", str(program)], capture_output=True, text=True, check=True
-    ).stdout
+    size = subprocess.run(["size", str(program)], capture_output=True, text=True, check=True)
     told = json.loads(done.stdout)
     return {
         "instructions": int(total),
+        "code": int(size.stdout.splitlines()[1].split()[0]),
         "bytes": told["bytes"],
         "hash": told["hash"],
-        "has_contact": MARK in symbols,
     }
 
 
 def measure() -> dict:
     if not shutil.which("valgrind"):
         return {"skipped": "valgrind is not installed (Debian: apt install valgrind)"}
-    result = {}
-    with tempfile.TemporaryDirectory() as folder:
-        for name, (source, arguments) in PROGRAMS.items():
-            own, whole = (
-                counted(compiled(source, every, Path(folder)), arguments, Path(folder))
-                for every in (False, True)
-            )
-            result[name] = {
-                "own": own,
-                "whole": whole,
-                "same_bits": own["hash"] == whole["hash"],
-                "same_bytes": own["bytes"] == whole["bytes"],
-                "more_instructions": whole["instructions"] / own["instructions"] - 1.0,
-            }
-    assert all(
-        case["same_bits"] and case["same_bytes"] and abs(case["more_instructions"]) <= 1e-3
-        for case in result.values()
-    ), result
-    assert (
-        not result["a block alone"]["own"]["has_contact"]
-        and result["a block alone"]["whole"]["has_contact"]
-    ), result
-    return result
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        loop = [str(STEPS)]
+        rows = {
+            effect: counted(compiled("effect_loop.c", folder, effect), loop, folder)
+            for effect in ("none", *EFFECTS)
+        }
+        off = counted(compiled("effect_loop.c", folder, whole=True), loop, folder)
+        plates = [
+            counted(compiled("scene_loop.c", folder, whole=whole), ["plates", "qcd", "20"], folder)
+            for whole in (False, True)
+        ]
+    for alone, all_linked in ((rows["none"], off), plates):
+        assert alone["hash"] == all_linked["hash"] and alone["bytes"] == all_linked["bytes"]
+        assert abs(all_linked["instructions"] / alone["instructions"] - 1.0) <= 1e-3
+    return {"effects": rows, "off": off, "plates": plates}
 
 
 def report(result: dict) -> str:
     if "skipped" in result:
-        return "Off is free: not measured, " + result["skipped"]
+        return "Only the effects a scene calls for: not measured, " + result["skipped"]
+    none, off = result["effects"]["none"], result["off"]
     lines = [
-        "Off is free: the time loop with the objects it needs, and with the code of all effects in the program"
+        f"Only the effects a scene calls for: two blocks of 12 x 12 x 12 hex8, {STEPS} steps; what an effect adds",
+        f"  {'':22}{'instructions a step':>20}{'bytes held':>14}{'bytes of code':>15}",
+        f"  {'solid alone':22}{none['instructions'] // STEPS:>20}{none['bytes']:>14}{none['code']:>15}",
     ]
-    for name, case in result.items():
-        own, whole = case["own"], case["whole"]
-        lines.append(
-            f"  {name}: {own['instructions']} and {whole['instructions']} instructions ({case['more_instructions']:+.2e}), "
-            f"{own['bytes']} and {whole['bytes']} bytes, results {'the same bits' if case['same_bits'] else 'DIFFERENT'}; "
-            f"contact code in the first program: {'yes' if own['has_contact'] else 'no'}"
-        )
+    for effect in EFFECTS:
+        row = result["effects"][effect]
+        step = (row["instructions"] - none["instructions"]) // STEPS
+        more = row["bytes"] - none["bytes"], row["code"] - none["code"]
+        lines.append(f"  + {effect:20}{step:>+20}{more[0]:>+14}{more[1]:>+15}")
+    step = (off["instructions"] - none["instructions"]) / STEPS
+    lines.append(
+        f"  {'all linked, none on':22}{step:>+20.1f}{off['bytes'] - none['bytes']:>+14}{off['code'] - none['code']:>+15}"
+    )
+    own, whole = result["plates"]
+    lines.append(
+        f"  plates with contact, own objects and all: {own['instructions']} and {whole['instructions']} instructions, "
+        f"{own['bytes']} and {whole['bytes']} bytes, the same bits"
+    )
+    lines.append("  friction stands on an obstacle and includes it")
     return "\n".join(lines)
 
 
