@@ -12,12 +12,12 @@ typedef struct world {
   ct_scene *scene;
   const ct_problem *problem;
   ct_state *state, *copy;
-  ct_monitor *watch;
+  ct_monitor *monitor;
 } world;
 
 static void end(world *w)
 {
-  ct_monitor_free(w->watch);
+  ct_monitor_free(w->monitor);
   ct_state_free(w->copy);
   ct_state_free(w->state);
   ct_scene_free(w->scene);
@@ -134,8 +134,8 @@ static ct_status run(world *w, ct_error *e)
   ct_status status = ct_scene_build(w->scene, &time, &w->problem, &steps, &stable, e);
   if (status == CT_OK) status = ct_state_create(w->problem, &w->state, e);
   options.stable = stable.dt;
-  if (status == CT_OK) status = ct_monitor_create(w->problem, w->state, &options, &w->watch, e);
-  if (status == CT_OK) status = ct_monitor_steps(w->watch, w->state, steps, e);
+  if (status == CT_OK) status = ct_monitor_create(w->problem, w->state, &options, &w->monitor, e);
+  if (status == CT_OK) status = ct_monitor_steps(w->monitor, w->state, steps, e);
   if (status == CT_OK) status = ct_energy_of(w->problem, w->state, &energy, e);
   if (status == CT_OK) status = ct_state_create(w->problem, &w->copy, e);
   if (status == CT_OK) status = ct_state_copy(w->problem, w->state, w->copy, e);

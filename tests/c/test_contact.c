@@ -871,10 +871,10 @@ static void refused(const ct_surface *a, const ct_surface *b, const ct_contact_o
 /* Two unit squares that look at each other, the lower one at z = 0 and the upper one at 0.1:
  * outside, and over each other exactly. The energy, both passes and where the gap g is negative, is
  * half of ε g² with an area of 1. */
-static ct_contact *two_squares(ct_face_kind kind, int distant, patch *a, patch *b)
+static ct_contact *two_squares(ct_face_kind kind, int separated, patch *a, patch *b)
 {
   ct_contact_options options = ct_contact_options_default();
-  options.distant = distant;
+  options.separated = separated;
   *a = new_patch(kind, 1, 1, 0, 0, 1, 1, 1), *b = new_patch(kind, 1, 1, 0, 0, 1, 1, 0);
   for (int n = 0; n < b->surface.node_count; n++) b->x[3 * n + 2] = 0.1;
   ct_contact *contact = open_contact(a, b, options);
@@ -907,14 +907,14 @@ static void after_a_refusal(void)
   }
 }
 
-/* A point in contact that a jump takes deeper than lists reach stays in contact there, as "distant"
+/* A point in contact that a jump takes deeper than lists reach stays in contact there, as "separated"
  * as its face is. */
 static void jump_while_in_contact(void)
 {
   static const double by_hand[] = {-0.05, -20.0, -20.0, -20.1, -0.05, 0.05};
-  for (int distant = 0; distant < 2; distant++) {
+  for (int separated = 0; separated < 2; separated++) {
     patch a, b;
-    ct_contact *contact = two_squares(CT_Q4, distant, &a, &b);
+    ct_contact *contact = two_squares(CT_Q4, separated, &a, &b);
     double off = 0.0;
     for (size_t i = 0; i < sizeof by_hand / sizeof by_hand[0]; i++) {
       for (int n = 0; n < 9; n++) b.x[3 * n + 2] = by_hand[i];
@@ -923,8 +923,8 @@ static void jump_while_in_contact(void)
       off = worst(off, (ct_contact_energy(contact) - want) / (want > 0.0 ? want : 1.0));
     }
     tap_ok(off < 1e-12,
-           "a jump to twenty widths deep and back, distant = %d: energy of the gap, off by %.2g",
-           distant, off);
+           "a jump to twenty widths deep and back, separated = %d: energy of the gap, off by %.2g",
+           separated, off);
     ct_contact_free(contact);
     free_patch(&a);
     free_patch(&b);
@@ -1017,7 +1017,7 @@ static void shared_nodes(void)
     double N[8], M[8];
     if (point[i].other < 0) continue;
     met++;
-    ct_segment_shape(CT_Q4, rule.xi[point[i].gauss], N);
+    ct_segment_shape(CT_Q4, rule.xi[point[i].point], N);
     ct_segment_shape(CT_Q4, point[i].xi, M);
     for (int k = 0; k < 4; k++) {
       row[faces[point[i].side][k]] += 0.5 * EPSILON * point[i].weight * 2.0 * N[k];

@@ -18,7 +18,7 @@ typedef struct kind {
   const ct_material *material;
   ct_solid_kernel kernel;
   int lattice; /* nothing is stored of an element */
-  int held, watched, falls, relaxes;
+  int held, monitored, falls, relaxes;
   double node, element; /* bytes of each that are expected beside `held`, ... */
 } kind;
 
@@ -29,7 +29,7 @@ static const kind KINDS[] = {
     {"a lattice", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 0, 0, 0, NODE, 32},
     {"a lattice whose nodes are all held along y", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 1, 0, 0, 0,
      NODE + 6 * 8, 32},
-    {"a lattice with a watch", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 1, 0, 0, NODE + 9 * 8, 32},
+    {"a lattice with a monitor", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 1, 0, 0, NODE + 9 * 8, 32},
     {"a lattice with gravity: 21 numbers and two node numbers more", CT_HEX8, &STEEL, CT_KERNEL_BOX,
      1, 0, 0, 1, 0, NODE + 21 * 8 + 2 * 4, 32},
     {"a lattice that comes to rest: two samples more", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 0, 0,
@@ -41,7 +41,7 @@ static const kind KINDS[] = {
      NODE + 32, 2 * 32 + 192 + 256},
     {"large deformation: smallest J, energies", CT_HEX8, &RUBBER, CT_KERNEL_GENERAL, 0, 0, 0, 0, 0,
      NODE + 32, 2 * 32 + 192 + 9},
-    {"large deformation with a watch: mode, moved, force, and scratch space of its own", CT_HEX8,
+    {"large deformation with a monitor: mode, moved, force, and scratch space of its own", CT_HEX8,
      &RUBBER, CT_KERNEL_GENERAL, 0, 0, 1, 0, 0, NODE + 18 * 8 + 32, 2 * 32 + 2 * (192 + 9)},
 };
 
@@ -72,14 +72,14 @@ static ct_scene *scene_of(const kind *k, const ct_mesh *mesh)
 }
 
 /* Ask for all that a record asks for. */
-static void ask(const ct_problem *problem, ct_state *state, ct_monitor *watch)
+static void ask(const ct_problem *problem, ct_state *state, ct_monitor *monitor)
 {
   ct_error e;
   double unrest;
   energy_of(problem, state);
   momentum_of(problem, state, 0);
   need(ct_energy_residual(problem, state, &unrest, &e), &e);
-  if (watch != NULL) need(ct_monitor_check(watch, state, &e), &e);
+  if (monitor != NULL) need(ct_monitor_check(monitor, state, &e), &e);
 }
 
 /* The block of a kind of scene. */
@@ -105,13 +105,13 @@ static void budget(const kind *k)
   ct_mesh_free(m);
   ct_stable_step stable;
   ct_error e;
-  ct_monitor *watch = NULL;
+  ct_monitor *monitor = NULL;
   const ct_problem *problem = problem_of(scene, &stable);
   ct_state *state = new_state(problem);
   ct_monitor_options options = ct_monitor_options_default();
   options.every = 2;
   options.stable = stable.dt;
-  if (k->watched) need(ct_monitor_create(problem, state, &options, &watch, &e), &e);
+  if (k->monitored) need(ct_monitor_create(problem, state, &options, &monitor, &e), &e);
 
   // Per node some bits; a ring of 1 + 16 + 16 * 24 elements and what is computed at once, a power
   // of two; and what does not grow.
@@ -123,19 +123,19 @@ static void budget(const kind *k)
   tap_ok(peak <= 1.05, "%s: at most %.3f times as much while it was built", k->name, peak);
 
   long calls_before = counted.calls;
-  if (watch != NULL) need(ct_monitor_steps(watch, state, 4, &e), &e);
+  if (monitor != NULL) need(ct_monitor_steps(monitor, state, 4, &e), &e);
   else advance(problem, state, 4);
-  ask(problem, state, watch);
+  ask(problem, state, monitor);
   tap_ok(counted.calls == calls_before, "%s: neither steps nor the ledger allocate (%ld calls)",
          k->name, counted.calls - calls_before);
-  ct_monitor_free(watch);
+  ct_monitor_free(monitor);
   ct_state_free(state);
   ct_scene_free(scene);
   tap_ok(counted.held == before, "%s: all is given back", k->name);
   counted.peak = counted.held;
 }
 
-/* The good state of a watch gets its forces when somebody asks for it, and not before. */
+/* The good state of a monitor gets its forces when somebody asks for it, and not before. */
 static void good_state(void)
 {
   const kind *k = &KINDS[2];
@@ -143,26 +143,26 @@ static void good_state(void)
   ct_scene *scene = scene_of(k, m);
   ct_stable_step stable;
   ct_error e;
-  ct_monitor *watch = NULL;
+  ct_monitor *monitor = NULL;
   const ct_problem *problem = problem_of(scene, &stable);
   ct_state *state = new_state(problem);
   ct_monitor_options options = ct_monitor_options_default();
-  need(ct_monitor_create(problem, state, &options, &watch, &e), &e);
+  need(ct_monitor_create(problem, state, &options, &monitor, &e), &e);
   advance(problem, state, 3);
-  need(ct_monitor_check(watch, state, &e), &e);
+  need(ct_monitor_check(monitor, state, &e), &e);
   size_t before = counted.held;
-  ct_state *good = ct_monitor_good(watch);
+  ct_state *good = ct_monitor_good(monitor);
   size_t asked = counted.held;
   ct_energy a = energy_of(problem, state), b = energy_of(problem, good);
-  tap_ok(asked - before > 24 * (size_t)m->node_count && ct_monitor_good(watch) == good &&
+  tap_ok(asked - before > 24 * (size_t)m->node_count && ct_monitor_good(monitor) == good &&
              counted.held == asked,
          "a good state gets room for its forces once");
   tap_ok(memcmp(&a, &b, sizeof a) == 0, "and has the ledger of the state that was good");
   advance(problem, state, 2);
-  need(ct_monitor_check(watch, state, &e), &e);
+  need(ct_monitor_check(monitor, state, &e), &e);
   a = energy_of(problem, state), b = energy_of(problem, good);
-  tap_ok(memcmp(&a, &b, sizeof a) == 0, "also after the next look");
-  ct_monitor_free(watch);
+  tap_ok(memcmp(&a, &b, sizeof a) == 0, "also after the next check");
+  ct_monitor_free(monitor);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);

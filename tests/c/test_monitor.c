@@ -8,10 +8,10 @@ static const ct_scene_time HALF = {.end = 1.0, .fraction = 0.5, .threads = 1};
 
 static ct_monitor *new_watch(const ct_problem *problem, ct_state *state, ct_monitor_options options)
 {
-  ct_monitor *watch = NULL;
+  ct_monitor *monitor = NULL;
   ct_error e;
-  need(ct_monitor_create(problem, state, &options, &watch, &e), &e);
-  return watch;
+  need(ct_monitor_create(problem, state, &options, &monitor, &e), &e);
+  return monitor;
 }
 
 static int finite(const ct_problem *p, const ct_state *s)
@@ -42,32 +42,32 @@ static void same_bits(void)
   ct_stable_step stable;
   const ct_problem *p =
       build(scene, (ct_scene_time){.end = 3.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
-  ct_state *plain = new_state(p), *watched = new_state(p);
-  ct_monitor *watch = new_watch(p, watched, every(3));
+  ct_state *plain = new_state(p), *monitored = new_state(p);
+  ct_monitor *monitor = new_watch(p, monitored, every(3));
   ct_error e;
   advance(p, plain, steps);
-  ct_status status = ct_monitor_steps(watch, watched, steps / 2, &e);
-  if (status == CT_OK) status = ct_monitor_steps(watch, watched, steps - steps / 2, &e);
+  ct_status status = ct_monitor_steps(monitor, monitored, steps / 2, &e);
+  if (status == CT_OK) status = ct_monitor_steps(monitor, monitored, steps - steps / 2, &e);
   size_t n = 3 * (size_t)p->node_count * sizeof(double);
-  tap_ok(status == CT_OK && watched->step == steps &&
-             memcmp(plain->displacement, watched->displacement, n) == 0 &&
-             memcmp(plain->velocity, watched->velocity, n) == 0 &&
-             memcmp(plain->memory, watched->memory, (size_t)plain->memory_count * sizeof(double)) ==
-                 0 &&
-             memcmp(plain->work, watched->work, (size_t)plain->work_count * sizeof(double)) == 0,
+  tap_ok(status == CT_OK && monitored->step == steps &&
+             memcmp(plain->displacement, monitored->displacement, n) == 0 &&
+             memcmp(plain->velocity, monitored->velocity, n) == 0 &&
+             memcmp(plain->memory, monitored->memory,
+                    (size_t)plain->memory_count * sizeof(double)) == 0 &&
+             memcmp(plain->work, monitored->work, (size_t)plain->work_count * sizeof(double)) == 0,
          "looks change no bit of %d steps", (int)steps);
-  const ct_state *good = ct_monitor_good(watch);
+  const ct_state *good = ct_monitor_good(monitor);
   tap_ok(good != NULL && good->step == steps / 3 * 3,
-         "the last good state is that of the last look, step %d",
+         "the last good state is that of the last check, step %d",
          good == NULL ? -1 : (int)good->step);
   double real = true_frequency(p, good->displacement, 1e-6, -1, 300),
-         found = ct_monitor_omega2(watch);
+         found = ct_monitor_omega2(monitor);
   // Contact stands in the true one; the quotient never exceeds it, and 170 looks bring it near.
   tap_ok(found <= real * (1.0 + 1e-4) && found > 0.9 * real,
          "its quotient is %.4f of the largest eigenvalue", found / real);
-  ct_monitor_free(watch);
+  ct_monitor_free(monitor);
   ct_state_free(plain);
-  ct_state_free(watched);
+  ct_state_free(monitored);
   ct_scene_free(scene);
   ct_mesh_free(left);
   ct_mesh_free(right);
@@ -96,20 +96,20 @@ static void stiffening(void)
   const ct_problem *p =
       build(scene, (ct_scene_time){.end = 1000.0, .courant = f, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
-  ct_monitor *watch = new_watch(p, state, every(4));
-  tap_close(ct_monitor_omega2(watch) * 0.25, pow(sin(0.45 * PI), 2.0), 0.1,
+  ct_monitor *monitor = new_watch(p, state, every(4));
+  tap_close(ct_monitor_omega2(monitor) * 0.25, pow(sin(0.45 * PI), 2.0), 0.1,
             "12 rounds find the frequency of the start");
-  ct_status status = ct_monitor_steps(watch, state, steps, &e);
+  ct_status status = ct_monitor_steps(monitor, state, steps, &e);
   double stretch = 1.0 + rate * state->time;
   tap_ok(status == CT_ERROR_STEP && e.code == status && e.body == 1 && e.element >= 0 &&
              e.element < 10 && strstr(e.text, "bar") && strstr(e.text, "step "),
          "a solid that stiffens ends the run: %s", e.text);
   tap_ok(stretch > critical && stretch < critical + 0.01, "at the stretch %.5f, in theory %.5f",
          stretch, critical);
-  tap_ok(finite(p, state) && ct_monitor_good(watch)->step < state->step &&
-             ct_monitor_good(watch)->step >= state->step - 4,
+  tap_ok(finite(p, state) && ct_monitor_good(monitor)->step < state->step &&
+             ct_monitor_good(monitor)->step >= state->step - 4,
          "before anything has grown");
-  ct_monitor_free(watch);
+  ct_monitor_free(monitor);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);
@@ -138,16 +138,16 @@ static void growth(double over)
   ct_state *state = new_state(&q);
   ct_monitor_options options = every(16);
   options.stable = stable.dt;
-  ct_monitor *watch = new_watch(&q, state, options);
-  ct_status status = ct_monitor_steps(watch, state, 20000, &e);
+  ct_monitor *monitor = new_watch(&q, state, options);
+  ct_status status = ct_monitor_steps(monitor, state, 20000, &e);
   if (over > 1.0)
     tap_ok(status == CT_ERROR_ENERGY && e.body == 1 && e.point >= 0 && e.point < m->node_count &&
-               finite(&q, state) && finite(&q, ct_monitor_good(watch)),
+               finite(&q, state) && finite(&q, ct_monitor_good(monitor)),
            "a step %.4f of the limit: %s", over, e.text);
   else
     tap_ok(status == CT_OK && state->step == 20000,
            "a step %.4f of the limit: no word in 20000 steps", over);
-  ct_monitor_free(watch);
+  ct_monitor_free(monitor);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);
@@ -194,15 +194,15 @@ static void pump(double limit, int stores)
   ct_state *state = new_state(p);
   ct_monitor_options options = every(2);
   options.energy_limit = limit;
-  ct_monitor *watch = new_watch(p, state, options);
-  ct_status status = ct_monitor_steps(watch, state, steps, &e);
+  ct_monitor *monitor = new_watch(p, state, options);
+  ct_status status = ct_monitor_steps(monitor, state, steps, &e);
   if (stores)
     tap_ok(status == CT_ERROR_ENERGY && e.body == 0 && state->time > when &&
                state->time < when + 2.5 * p->dt,
            "a share of %.2f from nothing at t = %.4g, in theory %.4g: %s", limit, state->time, when,
            e.text);
   else tap_ok(status == CT_OK, "the same work by a force from outside is no fault");
-  ct_monitor_free(watch);
+  ct_monitor_free(monitor);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);
@@ -246,11 +246,11 @@ static void told(int stores, double unit)
   const ct_problem *p =
       build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(p);
-  ct_monitor *watch = new_watch(p, state, every(2));
-  ct_status status = ct_monitor_steps(watch, state, 2, &e);
-  int silent = ct_monitor_growth(watch).share == 0.0;
-  if (status == CT_OK) status = ct_monitor_steps(watch, state, steps - 2, &e);
-  ct_growth found = ct_monitor_growth(watch);
+  ct_monitor *monitor = new_watch(p, state, every(2));
+  ct_status status = ct_monitor_steps(monitor, state, 2, &e);
+  int silent = ct_monitor_growth(monitor).share == 0.0;
+  if (status == CT_OK) status = ct_monitor_steps(monitor, state, steps - 2, &e);
+  ct_growth found = ct_monitor_growth(monitor);
   double left = energy_of(p, state).kinetic / (0.5 * unit * SOFT.density);
   if (stores)
     tap_ok(status == CT_OK && silent && left < 0.9 && found.share > 0.01 && found.share < 0.02 &&
@@ -262,7 +262,7 @@ static void told(int stores, double unit)
   else
     tap_ok(status == CT_OK && found.share == 0.0,
            "unit %g: the same work by a force from outside is no growth", unit);
-  ct_monitor_free(watch);
+  ct_monitor_free(monitor);
   ct_state_free(state);
   ct_scene_free(scene);
   ct_mesh_free(m);
@@ -316,12 +316,12 @@ static void at_rest(void)
     const ct_problem *p =
         build(scene, (ct_scene_time){.end = 10.0, .fraction = 0.8, .threads = 1}, &steps, &stable);
     ct_state *state = new_state(p);
-    ct_monitor *watch = new_watch(p, state, every(1));
-    if (ct_monitor_steps(watch, state, steps, &e) != CT_OK && alarms++ == 0)
+    ct_monitor *monitor = new_watch(p, state, every(1));
+    if (ct_monitor_steps(monitor, state, steps, &e) != CT_OK && alarms++ == 0)
       snprintf(text, sizeof text, ": %s", e.text);
-    told_of += ct_monitor_growth(watch).share > 0.0;
+    told_of += ct_monitor_growth(monitor).share > 0.0;
     most = worst(most, energy_of(p, state).total);
-    ct_monitor_free(watch);
+    ct_monitor_free(monitor);
     ct_state_free(state);
     ct_scene_free(scene);
     ct_mesh_free(lower);
@@ -347,12 +347,12 @@ static void named(int bad)
   ct_stable_step stable;
   const ct_problem *p = build(scene, HALF, &steps, &stable);
   ct_state *state = new_state(p);
-  ct_monitor *watch = new_watch(p, state, every(2));
+  ct_monitor *monitor = new_watch(p, state, every(2));
   ct_error e = {0};
-  need(ct_monitor_steps(watch, state, 5, &e), &e);
+  need(ct_monitor_steps(monitor, state, 5, &e), &e);
   for (int n = 0; n < m->node_count; n++)
     if (m->nodes[3 * n] > 3.9) state->velocity[3 * (m->node_count + n)] = bad ? NAN : -1.5 / p->dt;
-  ct_status status = ct_monitor_steps(watch, state, 4, &e);
+  ct_status status = ct_monitor_steps(monitor, state, 4, &e);
   if (bad)
     tap_ok((status == CT_ERROR_BLOWUP || status == CT_INVALID) && e.body == 1 && e.point >= 0 &&
                strstr(e.text, "second") && strstr(e.text, "(step "),
@@ -361,17 +361,17 @@ static void named(int bad)
     tap_ok(status == CT_ERROR_GEOMETRY && e.body == 1 && e.element == 3 &&
                strstr(e.text, "second") && strstr(e.text, "element 3") && strstr(e.text, "(step "),
            "inside out: %s", e.text);
-  tap_ok(ct_monitor_good(watch)->step == 4 && finite(p, ct_monitor_good(watch)),
+  tap_ok(ct_monitor_good(monitor)->step == 4 && finite(p, ct_monitor_good(monitor)),
          "the state of step 4 was good");
   // It goes on from there to the same bits as a run in which nothing happened.
   ct_state *straight = new_state(p);
-  need(ct_state_copy(p, ct_monitor_good(watch), state, &e), &e);
+  need(ct_state_copy(p, ct_monitor_good(monitor), state, &e), &e);
   advance(p, state, 6);
   advance(p, straight, 10);
   tap_ok(memcmp(straight->displacement, state->displacement,
                 3 * (size_t)p->node_count * sizeof(double)) == 0,
          "and goes on to the same bits");
-  ct_monitor_free(watch);
+  ct_monitor_free(monitor);
   ct_state_free(straight);
   ct_state_free(state);
   ct_scene_free(scene);
@@ -387,17 +387,17 @@ static void refusals(void)
   ct_stable_step stable;
   const ct_problem *p = build(scene, HALF, &steps, &stable);
   ct_state *state = new_state(p);
-  ct_monitor *watch = NULL;
+  ct_monitor *monitor = NULL;
   ct_monitor_options good = ct_monitor_options_default(), bad[5] = {good, good, good, good, good};
   ct_error e;
   bad[0].every = 0, bad[1].energy_limit = NAN, bad[2].omega_limit = 0.0, bad[3].stable = -1.0,
   bad[4].growth_limit = -0.1;
   int refused = 0;
   for (int i = 0; i < 5; i++)
-    refused += ct_monitor_create(p, state, &bad[i], &watch, &e) == CT_ERROR_ARGUMENT;
-  tap_ok(refused == 5 && watch == NULL, "options out of range are refused");
-  tap_ok(ct_monitor_create(p, NULL, &good, &watch, &e) == CT_ERROR_ARGUMENT &&
-             ct_monitor_create(NULL, state, &good, &watch, NULL) == CT_ERROR_ARGUMENT &&
+    refused += ct_monitor_create(p, state, &bad[i], &monitor, &e) == CT_ERROR_ARGUMENT;
+  tap_ok(refused == 5 && monitor == NULL, "options out of range are refused");
+  tap_ok(ct_monitor_create(p, NULL, &good, &monitor, &e) == CT_ERROR_ARGUMENT &&
+             ct_monitor_create(NULL, state, &good, &monitor, NULL) == CT_ERROR_ARGUMENT &&
              ct_monitor_steps(NULL, state, 1, &e) == CT_ERROR_ARGUMENT &&
              ct_monitor_check(NULL, state, &e) == CT_ERROR_ARGUMENT &&
              ct_monitor_good(NULL) == NULL && ct_monitor_omega2(NULL) == 0.0 &&

@@ -49,7 +49,7 @@ static void flight(ct_brick_kind kind, int self)
   options.epsilon = 10.0;
   ct_error e;
   for (int k = 0; k < 2; k++) {
-    options.distant = k;
+    options.separated = k;
     need(self ? ct_contact_create_self(&both, &options, &c[k], &e)
               : ct_contact_create(&a, &b, &options, &c[k], &e),
          &e);
@@ -124,7 +124,7 @@ static void bulge(void)
   options.epsilon = 1.0;
   int same = 0, touching = 0;
   for (int k = 0; k < 2; k++) {
-    options.distant = k;
+    options.separated = k;
     need(ct_contact_create(&a, &b, &options, &c[k], &e), &e);
   }
   for (int step = 0; step <= 60; step++) {

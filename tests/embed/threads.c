@@ -1,4 +1,4 @@
-/* A host with threads of its own: each has a state of the one problem, and a watch over it; all
+/* A host with threads of its own: each has a state of the one problem, and a monitor over it; all
  * must end with the same bits. Then all ask one const contact at once. For `make threads`. */
 #include <libcontact.h>
 
@@ -19,16 +19,16 @@ typedef struct job {
 static void *work(void *argument)
 {
   job *j = argument;
-  ct_monitor *watch = NULL;
+  ct_monitor *monitor = NULL;
   ct_monitor_options options = ct_monitor_options_default();
   ct_energy energy;
   options.every = 8;
   j->status = ct_state_create(j->problem, &j->state, &j->error);
   if (j->status == CT_OK)
-    j->status = ct_monitor_create(j->problem, j->state, &options, &watch, &j->error);
-  if (j->status == CT_OK) j->status = ct_monitor_steps(watch, j->state, STEPS, &j->error);
+    j->status = ct_monitor_create(j->problem, j->state, &options, &monitor, &j->error);
+  if (j->status == CT_OK) j->status = ct_monitor_steps(monitor, j->state, STEPS, &j->error);
   if (j->status == CT_OK) j->status = ct_energy_of(j->problem, j->state, &energy, &j->error);
-  ct_monitor_free(watch);
+  ct_monitor_free(monitor);
   return NULL;
 }
 

@@ -31,8 +31,8 @@ typedef struct play {
   const ct_problem *joined, *problem;
   int64_t steps;
   ct_state *state[MOST_STATES];
-  ct_monitor *watch;
-  ct_state *watched;
+  ct_monitor *monitor;
+  ct_state *monitored;
   void *kept[MOST_MEMORY]; /* arrays that effects look at, freed at the end */
   int kept_count;
 } play;
@@ -184,7 +184,7 @@ static void add_contact(play *p)
   if (chance(d, 5)) c.options.dissipation = between(d, 0.0, 1.0);
   if (chance(d, 6)) c.options.depth = between(d, 0.01, 2.0);
   if (chance(d, 8)) c.options.method = (ct_method)below(d, 13);
-  if (chance(d, 8)) c.options.distant = below(d, 2);
+  if (chance(d, 8)) c.options.separated = below(d, 2);
   if (chance(d, 3)) c.options.points = (ct_contact_rule)below(d, 2 + d->wild);
   if (chance(d, 3)) c.options.initial_penetration = (ct_initial)below(d, 4 + d->wild);
   if (chance(d, 5)) c.options.adjust = between(d, 0.0, 0.3);
@@ -378,8 +378,8 @@ static void add_effect(play *p)
 
 static void drop_states(play *p)
 {
-  ct_monitor_free(p->watch);
-  p->watch = NULL;
+  ct_monitor_free(p->monitor);
+  p->monitor = NULL;
   for (int i = 0; i < MOST_STATES; i++) {
     ct_state_free(p->state[i]);
     p->state[i] = NULL;
@@ -514,24 +514,26 @@ static void step(play *p, ct_state *s)
     demand(all_finite(s->displacement, 3 * (int64_t)s->node_count), "motions are numbers");
 }
 
-static void watch(play *p, ct_state *s)
+static void monitor(play *p, ct_state *s)
 {
   dice *d = p->d;
   ct_error e = {0};
-  if (p->watch == NULL) {
+  if (p->monitor == NULL) {
     ct_monitor_options options = ct_monitor_options_default();
     options.every = 1 + below(d, 5);
     if (chance(d, 3)) options.energy_limit = between(d, 0.01, 2.0);
     if (d->wild && chance(d, 6)) options.every = 0;
-    p->watched = s;
-    if (TRY(ct_monitor_create(p->problem, s, &options, &p->watch, &e)) != CT_OK) p->watch = NULL;
-  } else if (TRY(chance(d, 3) ? ct_monitor_check(p->watch, p->watched, &e)
-                              : ct_monitor_steps(p->watch, p->watched, below(d, 8), &e)) == CT_OK)
-    demand(isfinite(ct_monitor_omega2(p->watch)) && ct_monitor_good(p->watch) != NULL,
-           "a watch has a good state");
+    p->monitored = s;
+    if (TRY(ct_monitor_create(p->problem, s, &options, &p->monitor, &e)) != CT_OK)
+      p->monitor = NULL;
+  } else if (TRY(chance(d, 3)
+                     ? ct_monitor_check(p->monitor, p->monitored, &e)
+                     : ct_monitor_steps(p->monitor, p->monitored, below(d, 8), &e)) == CT_OK)
+    demand(isfinite(ct_monitor_omega2(p->monitor)) && ct_monitor_good(p->monitor) != NULL,
+           "a monitor has a good state");
   if (chance(d, 12)) {
-    ct_monitor_free(p->watch);
-    p->watch = NULL;
+    ct_monitor_free(p->monitor);
+    p->monitor = NULL;
   }
 }
 
@@ -646,7 +648,7 @@ static void play_on(play *p)
     stresses(p, p->state[i]);
     break;
   case 9:
-    watch(p, p->state[i]);
+    monitor(p, p->state[i]);
     break;
   case 10:
     chance(d, 3) ? refine(p, p->state[i]) : copy(p);
@@ -656,7 +658,7 @@ static void play_on(play *p)
     if (chance(d, 6)) files(p, p->state[i]);
     else
 #endif
-        if (p->state[i] != p->watched || p->watch == NULL) {
+        if (p->state[i] != p->monitored || p->monitor == NULL) {
       ct_state_free(p->state[i]);
       p->state[i] = NULL;
     }

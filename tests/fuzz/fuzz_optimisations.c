@@ -249,7 +249,7 @@ static void add_contact(run *r, dice *d)
     c.options.initial_penetration = chance(d, 2) ? CT_INITIAL_PUSH : CT_INITIAL_REMOVE;
   if (chance(d, 5)) c.options.adjust = 0.05;
   c.options.removal_time = c.options.initial_penetration == CT_INITIAL_REMOVE ? 3.0 : 0.0;
-  c.options.distant = 1;
+  c.options.separated = 1;
   if (chance(d, 3)) c.friction = between(d, 0.05, 0.6);
   tell("  contact of %d and %d: enforcement %d, points %d, initial %d, friction %g\n",
        (int)c.body_a, (int)c.body_b, (int)c.options.enforcement, (int)c.options.points,

@@ -334,7 +334,7 @@ class Run:
     #: Fraction of the elements' forces that were computed, as the others were asleep. None for a run that was read from a file.
     computed: float | None = None
     writer: InitVar[Any] = None
-    #: For each contact of the scene the points of both surfaces in the last state: side, face, gauss, other (the face that was met, or -1), position, closest, xi,
+    #: For each contact of the scene the points of both surfaces in the last state: side, face, point, other (the face that was met, or -1), position, closest, xi,
     #: gap (what the contact law sees: negative in contact, NaN where nothing was met), pressure, weight, start_gap (what ``gap`` counts from; the true
     #: distance is ``gap + start_gap``). Empty for a run that was read from a file.
     contact: list[Rows] = field(default_factory=list)

@@ -64,7 +64,7 @@ typedef struct ct_contact_options {
    * Not 0: no search while the surfaces are too far from each other to touch, :eq:`contact-clear`;
    * results do not depend on it.
    */
-  int distant;
+  int separated;
   /**
    * How the contact effect of a problem makes forces of gaps; `ct_contact_update`, which knows of
    * no step, is always the explicit penalty.
@@ -93,7 +93,7 @@ typedef struct ct_contact_options {
 } ct_contact_options;
 
 /**
- * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, no search between distant
+ * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, no search between separated
  * surfaces, energy-controlled penalty with dissipation 0.1, overlaps at the start kept. ``epsilon``
  * is 0 and must be set.
  */
@@ -169,7 +169,7 @@ typedef struct ct_contact_point {
   /** Face of the point. */
   int32_t face;
   /** Number of the point on its face. */
-  int32_t gauss;
+  int32_t point;
   /** Face of the other surface that it met, or -1. */
   int32_t other;
   /** Position y [length]. */

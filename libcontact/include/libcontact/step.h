@@ -544,23 +544,23 @@ CT_API ct_status ct_state_velocity(const ct_problem *problem, ct_state *state, d
 CT_API ct_status ct_state_force(const ct_problem *problem, ct_state *state, int32_t effect,
                                 double *force, ct_error *error);
 
-/** What a watch looks for, and how often. */
+/** What a monitor looks for, and how often. */
 typedef struct ct_monitor_options {
-  /** Steps between two looks, >= 1: the state is looked at whenever its number of steps is a
+  /** Steps between two checks, >= 1: the state is checked whenever its number of steps is a
    * multiple of this. */
   int64_t every;
   /**
    * Energy that may appear from nothing over the energy that should be there, :eq:`energy-appears`,
-   * > 0; infinite: energy is not watched.
+   * > 0; infinite: energy is not monitored.
    */
   double energy_limit;
   /**
    * Largest ω Δt of the motion of the solid alone, :eq:`step-quotient`, > 0, as for central
-   * differences: 2 is the limit of every integrator; infinite: stiffening is not watched.
+   * differences: 2 is the limit of every integrator; infinite: stiffening is not monitored.
    */
   double omega_limit;
-  /** The stable step at the start [time], where the caller knows it; 0: it is asked when the watch
-   * is made. */
+  /** The stable step at the start [time], where the caller knows it; 0: it is asked when the
+   * monitor is made. */
   double stable;
   /**
    * Spurious energy over the energy that should be there, from which on `ct_monitor_growth` reports
@@ -573,47 +573,48 @@ typedef struct ct_monitor_options {
  * 1 % on. */
 CT_API ct_monitor_options ct_monitor_options_default(void);
 
-/** Looks at one state while it is stepped, and keeps a copy of the last state that was good;
+/** Checks one state while it is stepped, and keeps a copy of the last state that was good;
  * opaque. */
 typedef struct ct_monitor ct_monitor;
 
 /**
- * A watch over a state of the problem, which is its first good state. The problem must outlive it.
+ * A monitor over a state of the problem, which is its first good state. The problem must outlive
+ * it.
  * ``CT_ERROR_ARGUMENT``: an option out of range; what the forces of the state fail with is
  * returned, too.
  */
 CT_API ct_status ct_monitor_create(const ct_problem *problem, ct_state *state,
-                                   const ct_monitor_options *options, ct_monitor **watch,
+                                   const ct_monitor_options *options, ct_monitor **monitor,
                                    ct_error *error);
 
-/** Free a watch; null is allowed. */
-CT_API void ct_monitor_free(ct_monitor *watch);
+/** Free a monitor; null is allowed. */
+CT_API void ct_monitor_free(ct_monitor *monitor);
 
 /**
- * Like `ct_step_many`, with a look at every multiple of `every`; the bits of the state are the
+ * Like `ct_step_many`, with a check at every multiple of `every`; the bits of the state are the
  * same. An error names the time, the step, and the body with its element or node:
  * ``CT_ERROR_GEOMETRY`` (an element is turned inside out), ``CT_ERROR_BLOWUP`` (not finite),
  * ``CT_ERROR_STEP`` (the solid has become too stiff for Δt), ``CT_ERROR_ENERGY`` (energy appears),
  * or what else an effect fails with.
  */
-CT_API ct_status ct_monitor_steps(ct_monitor *watch, ct_state *state, int64_t count,
+CT_API ct_status ct_monitor_steps(ct_monitor *monitor, ct_state *state, int64_t count,
                                   ct_error *error);
 
-/** Look at once, at any step; with CT_OK the state is the last good one. Errors as above. */
-CT_API ct_status ct_monitor_check(ct_monitor *watch, ct_state *state, ct_error *error);
+/** Check at once, at any step; with CT_OK the state is the last good one. Errors as above. */
+CT_API ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error);
 
 /**
- * The last good state, which belongs to the watch; the next look changes it. Null for a null watch,
- * or without memory for its forces.
+ * The last good state, which belongs to the monitor; the next check changes it. Null for a null
+ * monitor, or without memory for its forces.
  */
-CT_API ct_state *ct_monitor_good(const ct_monitor *watch);
+CT_API ct_state *ct_monitor_good(const ct_monitor *monitor);
 
-/** Spurious energy growth, as it was at the first look that found more than `growth_limit`. */
+/** Spurious energy growth, as it was at the first check that found more than `growth_limit`. */
 typedef struct ct_growth {
   /** Spurious energy over the energy that should be there, :eq:`energy-growth`; 0 as long as no
-   * look has found too much. */
+   * check has found too much. */
   double share;
-  /** Time of the look [time]. */
+  /** Time of the check [time]. */
   double time;
   /** Its number of steps. */
   int64_t step;
@@ -623,15 +624,15 @@ typedef struct ct_growth {
   int32_t body;
 } ct_growth;
 
-/** The growth that was found since the watch was made; zeros for a null watch, or as long as no
- * look has found too much. */
-CT_API ct_growth ct_monitor_growth(const ct_monitor *watch);
+/** The growth that was found since the monitor was made; zeros for a null monitor, or as long as no
+ * check has found too much. */
+CT_API ct_growth ct_monitor_growth(const ct_monitor *monitor);
 
 /**
- * Largest ω² of the solid that the watch has found in its last look [1 / time²], a lower bound of
- * the true one; 0 where no body can stiffen.
+ * Largest ω² of the solid that the monitor has found in its last check [1 / time²], a lower bound
+ * of the true one; 0 where no body can stiffen.
  */
-CT_API double ct_monitor_omega2(const ct_monitor *watch);
+CT_API double ct_monitor_omega2(const ct_monitor *monitor);
 
 CT_END_DECLS
 

@@ -90,7 +90,7 @@ static void measure_clear(ct_contact *contact)
   enum { DOUBLINGS = 40 };
   const ct_side *a = &contact->side[0], *b = &contact->side[contact->fixed->sides - 1];
   contact->clear = 0.0;
-  if (!contact->fixed->options.distant ||
+  if (!contact->fixed->options.separated ||
       a->candidate_first[a->search->face_count] + b->candidate_first[b->search->face_count] > 0)
     return;
   contact->clear = contact->fixed->skin;
@@ -111,7 +111,7 @@ static int holds(const ct_side *side)
 /* Whether no point is in contact or can have come into the depth of a face since the lists were
  * made: the box of a linear face moves at most as far as its nodes, that of a quadratic one seven
  * times as far (eq:contact-clear). */
-int ct_contact_is_distant(const ct_contact *contact)
+int ct_contact_is_separated(const ct_contact *contact)
 {
   if (!contact->built || !contact->begun || contact->clear == 0.0) return 0;
   const ct_side *a = &contact->side[0], *b = &contact->side[contact->fixed->sides - 1];

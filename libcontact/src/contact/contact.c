@@ -17,7 +17,7 @@ ct_contact_options ct_contact_options_default(void)
                               .tolerance = 1e-10,
                               .depth = 0.0,
                               .threads = 1,
-                              .distant = 1,
+                              .separated = 1,
                               .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
                               .dissipation = 0.1,
                               .initial_penetration = CT_INITIAL_KEEP};
@@ -185,7 +185,7 @@ ct_status ct_contact_measure(ct_contact *contact, ct_error *error)
     if (status != CT_OK) return status;
   }
   for (int s = 0; s < sides; s++) ct_side_place(&contact->side[s]);
-  if (ct_contact_is_distant(contact)) {
+  if (ct_contact_is_separated(contact)) {
     for (int s = 0; s < sides; s++) forget_faces(&contact->side[s]);
     return CT_OK;
   }
@@ -275,7 +275,7 @@ ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points)
       int met = from->other >= 0;
       *points = (ct_contact_point){.side = s,
                                    .face = (int32_t)(i / side->fixed->rule.count),
-                                   .gauss = (int32_t)(i % side->fixed->rule.count),
+                                   .point = (int32_t)(i % side->fixed->rule.count),
                                    .other = from->other,
                                    .gap = from->row.gap,
                                    .weight = side->fixed->weight[i],

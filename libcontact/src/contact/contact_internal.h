@@ -52,7 +52,7 @@ ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_er
 /* Bring the candidates of all faces up to date; and whether it is sure without, since the surfaces
  * are too far from each other to touch (eq:contact-clear). */
 ct_status ct_contact_list_candidates(ct_contact *contact, ct_error *error);
-int ct_contact_is_distant(const ct_contact *contact);
+int ct_contact_is_separated(const ct_contact *contact);
 
 /* How far points look now: as far as `depth` at the start, when it is not known how deep two
  * surfaces begin in each other or how far apart they are; afterwards a point that comes in has been

@@ -510,7 +510,7 @@ static ct_status make_contact(ct_scene *scene, int32_t number, ct_effect **effec
 {
   scene_contact *entry = &scene->contacts[number];
   ct_contact_options options = entry->given.options;
-  options.distant = options.distant && scene->optimisations.separated;
+  options.separated = options.separated && scene->optimisations.separated;
   int32_t count[2] = {entry->given.face_count_a, entry->given.face_count_b},
           body[2] = {entry->given.body_a, entry->given.body_b};
   ct_surface surface[2];

@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Rounds of the power iteration when a watch is made, and the share of noise that keeps every
+/* Rounds of the power iteration when a monitor is made, and the share of noise that keeps every
  * direction alive in it. */
 enum { FIRST_ROUNDS = 12 };
 static const double NOISE = 0.01, SMALL = 1e-6;
@@ -31,7 +31,7 @@ struct ct_monitor {
   double expected; /* largest energy of motion and strain that the good states should have had */
   double swing;    /* 1 - (Δt / stable Δt)² */
   double edge;     /* shortest edge of all bodies */
-  double omega_squared; /* of the last look */
+  double omega_squared; /* of the last check */
   double *mode; /* direction of the power iteration, shape (node_count, 3), or null when no body can
                    stiffen */
   double *moved, *force;
@@ -309,21 +309,21 @@ static int is_good(const ct_monitor *w, const ct_state *state)
          memcmp(w->good->velocity, state->velocity, bytes) == 0;
 }
 
-ct_status ct_monitor_check(ct_monitor *watch, ct_state *state, ct_error *error)
+ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error)
 {
   energies e;
-  if (watch == NULL || state == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "watch: null argument");
-  if (is_good(watch, state)) return CT_OK;
-  ct_status status = ct_check_finite(watch->problem, state, error);
-  if (status == CT_OK) status = measure(watch, state, &e, error);
-  if (status == CT_OK) status = look_at_energy(watch, state, &e, error);
-  if (status == CT_OK) status = look_at_step(watch, state, error);
-  if (status == CT_OK) status = note_growth(watch, state, &e, error);
-  if (status == CT_OK) status = ct_state_copy(watch->problem, state, watch->good, error);
+  if (monitor == NULL || state == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "monitor: null argument");
+  if (is_good(monitor, state)) return CT_OK;
+  ct_status status = ct_check_finite(monitor->problem, state, error);
+  if (status == CT_OK) status = measure(monitor, state, &e, error);
+  if (status == CT_OK) status = look_at_energy(monitor, state, &e, error);
+  if (status == CT_OK) status = look_at_step(monitor, state, error);
+  if (status == CT_OK) status = note_growth(monitor, state, &e, error);
+  if (status == CT_OK) status = ct_state_copy(monitor->problem, state, monitor->good, error);
   if (status != CT_OK) return status;
-  watch->largest = fmax(watch->largest, scale_of(&e));
-  watch->expected = fmax(watch->expected, expected_of(watch, &e));
+  monitor->largest = fmax(monitor->largest, scale_of(&e));
+  monitor->expected = fmax(monitor->expected, expected_of(monitor, &e));
   return CT_OK;
 }
 
@@ -344,20 +344,20 @@ static ct_status complete(const ct_problem *problem, const ct_state *state, ct_s
   return status;
 }
 
-ct_status ct_monitor_steps(ct_monitor *watch, ct_state *state, int64_t count, ct_error *error)
+ct_status ct_monitor_steps(ct_monitor *monitor, ct_state *state, int64_t count, ct_error *error)
 {
-  if (watch == NULL || state == NULL || count < 0)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "watch: null argument or %lld steps",
+  if (monitor == NULL || state == NULL || count < 0)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "monitor: null argument or %lld steps",
                    (long long)count);
-  int64_t every = watch->options.every;
+  int64_t every = monitor->options.every;
   ct_status status = CT_OK;
   while (status == CT_OK && count > 0) {
     int64_t to_look = every - state->step % every, now = count < to_look ? count : to_look;
-    status = ct_step_many(watch->problem, state, now, error);
-    if (status == CT_OK && now == to_look) status = ct_monitor_check(watch, state, error);
+    status = ct_step_many(monitor->problem, state, now, error);
+    if (status == CT_OK && now == to_look) status = ct_monitor_check(monitor, state, error);
     count -= now;
   }
-  return complete(watch->problem, state, status, error);
+  return complete(monitor->problem, state, status, error);
 }
 
 /* Room for the power iteration, and its first direction. */
@@ -370,7 +370,7 @@ static ct_status prepare_iteration(ct_monitor *w, ct_state *state, ct_error *err
   w->moved = ct_allocate(n, 3 * sizeof(double));
   w->force = ct_allocate(n, 3 * sizeof(double));
   if (!w->mode || !w->moved || !w->force)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch over %d nodes",
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a monitor over %d nodes",
                    (int)problem->node_count);
   ct_status status =
       solid->create_scratch == NULL ? CT_OK : solid->create_scratch(solid, &w->scratch, error);
@@ -400,7 +400,7 @@ static ct_status prepare(ct_monitor *w, ct_state *state, ct_error *error)
     w->edge = fmin(w->edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
   }
   if ((w->gave = ct_allocate((size_t)problem->effect_count, sizeof *w->gave)) == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
+    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a monitor");
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
     status = given_by(problem, state, k, &w->gave[k], error);
   if (status != CT_OK) return status;
@@ -415,16 +415,16 @@ ct_status ct_monitor_create(const ct_problem *problem, ct_state *state,
   if (problem == NULL || state == NULL || options == NULL || out == NULL ||
       state->problem != problem)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "watch: null argument, or a state of another problem");
+                   "monitor: null argument, or a state of another problem");
   if (options->every < 1 || !(options->energy_limit > 0.0) || !(options->omega_limit > 0.0) ||
       !(options->stable >= 0.0) || !(options->growth_limit >= 0.0))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "watch: every %lld steps, energy limit %g, ω Δt up to %g, stable step %g, "
+                   "monitor: every %lld steps, energy limit %g, ω Δt up to %g, stable step %g, "
                    "growth reported from %g",
                    (long long)options->every, options->energy_limit, options->omega_limit,
                    options->stable, options->growth_limit);
   ct_monitor *w = ct_allocate(1, sizeof *w);
-  if (w == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a watch");
+  if (w == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a monitor");
   w->problem = problem;
   w->options = *options;
   w->seed = 88172645463325252u;
@@ -447,18 +447,18 @@ void ct_monitor_free(ct_monitor *w)
   ct_release(w);
 }
 
-ct_state *ct_monitor_good(const ct_monitor *watch)
+ct_state *ct_monitor_good(const ct_monitor *monitor)
 {
   // Most runs have no fault, and nobody asks for the forces of their good states.
-  return watch == NULL || ct_state_equip(watch->good, NULL) != CT_OK ? NULL : watch->good;
+  return monitor == NULL || ct_state_equip(monitor->good, NULL) != CT_OK ? NULL : monitor->good;
 }
 
-ct_growth ct_monitor_growth(const ct_monitor *watch)
+ct_growth ct_monitor_growth(const ct_monitor *monitor)
 {
-  return watch == NULL ? (ct_growth){0} : watch->growth;
+  return monitor == NULL ? (ct_growth){0} : monitor->growth;
 }
 
-double ct_monitor_omega2(const ct_monitor *watch)
+double ct_monitor_omega2(const ct_monitor *monitor)
 {
-  return watch == NULL || watch->mode == NULL ? 0.0 : watch->omega_squared;
+  return monitor == NULL || monitor->mode == NULL ? 0.0 : monitor->omega_squared;
 }
