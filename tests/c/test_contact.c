@@ -907,8 +907,8 @@ static void after_a_refusal(void)
   }
 }
 
-/* A point in contact that a jump takes deeper than lists reach stays in contact there, as "separated"
- * as its face is. */
+/* A point in contact that a jump takes deeper than lists reach stays in contact there, as
+ * "separated" as its face is. */
 static void jump_while_in_contact(void)
 {
   static const double by_hand[] = {-0.05, -20.0, -20.0, -20.1, -0.05, 0.05};

@@ -46,7 +46,7 @@ class Load(Effect):
 
     def create(self, maker: Any) -> Any:
         history = maker.history(self.history)
-        return maker.make("load", self, **maker.faces(self.surface), history=history)
+        return maker.make("load", self, **maker.faces(self.surface), amplitude=history)
 
     def describe(self, units: Units) -> str:
         parts = [f"traction {list(self.traction)}"] if any(self.traction) else []

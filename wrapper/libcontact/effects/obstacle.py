@@ -155,7 +155,7 @@ class Obstacle(Pressing, Effect, eq=False):
             "axis": shape.axis,
             "radius": shape.radius,
             "epsilon": self.epsilon or lib.ct_contact_penalty(self.beta, body.material.young, edge),
-            "history": maker.history(self.history),
+            "amplitude": maker.history(self.history),
         }
         made = [maker.make("obstacle", self, **maker.faces(self.surface), **members)]
         if self.friction:
