@@ -64,7 +64,7 @@ SHARED := $(ARCHIVES:.a=.so)
 WRAPPER := $(wildcard wrapper/*.py wrapper/libcontact/*.py wrapper/libcontact/*/*.py tutorials/scenes/*.toml) wrapper/libcontact/py.typed wrapper/libcontact/_core.pyi setup.py pyproject.toml
 VENV := $(BUILD)/venv
 
-.PHONY: help all format lib install wheel figures test docs measured bench stability check-c fuzz kill threads memory info clean setup
+.PHONY: help all format count lib install wheel figures test docs measured bench stability check-c fuzz kill threads memory info clean setup
 .PHONY: _figures _test _docs _measured _bench _stability _wheel _check-c _fuzz _kill
 .DELETE_ON_ERROR:
 
@@ -85,6 +85,7 @@ help:
 	@echo "make threads          states stepped by several threads, under the thread sanitizer"
 	@echo "make memory           C tests under valgrind"
 	@echo "make format           the layout of all C and Python sources"
+	@echo "make count            how large the project is; REVISIONS=\"A B\" compares revisions"
 	@echo "make clean            away with build/"
 	@echo "BOOTSTRAP=no never installs system packages; WITHOUT=\"gsl hdf5 openmp\" leaves parts out; V=1 shows the commands."
 
@@ -343,6 +344,9 @@ format: $(VENV)/.test
 	$(VENV)/bin/clang-format -i $$(git ls-files '*.c' '*.h')
 	$(VENV)/bin/ruff check -q --fix .
 	$(VENV)/bin/ruff format -q .
+
+count: $(VENV)/.test
+	$(VENV)/bin/python tests/count.py $(REVISIONS)
 
 # -- The rest -----------------------------------------------------------------------------------------------------------------------
 info:
