@@ -281,6 +281,20 @@ def test_a_full_disk_fails_the_run_and_keeps_what_was_written(scene):
     assert 1 < len(kept.time) < 80 and f"{len(kept.time)} records" in done.stderr
 
 
+@needs_hdf5
+def test_a_disk_with_room_for_the_file_and_a_margin_takes_all_of_it(scene):
+    """A step asks for the room of the chunks that it begins, not for a chunk of every table."""
+    import resource
+
+    Path(scene).write_text(Path(scene).read_text().replace("every = 20", "every = 1"))
+    command = [sys.executable, "-m", "libcontact", "run", scene, "-o", "out.vtkhdf"]
+    subprocess.run(command, check=True, capture_output=True)
+    most = Path("out.vtkhdf").stat().st_size + 300_000
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+    done = subprocess.run(command, check=False, capture_output=True, text=True, preexec_fn=limit)
+    assert done.returncode == 0, done.stderr
+
+
 def test_a_closed_pipe_is_no_error(scene):
     command = f"{sys.executable} -m libcontact explain {scene} | head -n 1"
     done = subprocess.run(

@@ -228,7 +228,9 @@ static int64_t step_bytes(const ct_output *o, const ct_state *state)
   int64_t bytes = MARGIN + (o->row == 0 ? ct_restart_bytes(state) : 0);
   for (int32_t i = 0; i < o->column_count; i++) {
     const ct_column *c = &o->column[i];
-    bytes += (c->rows + c->chunk_rows - 1) / c->chunk_rows * c->chunk_rows * c->row_bytes;
+    int64_t before = (o->row * c->rows + c->chunk_rows - 1) / c->chunk_rows;
+    int64_t after = ((o->row + 1) * c->rows + c->chunk_rows - 1) / c->chunk_rows;
+    bytes += (after - before) * c->chunk_rows * c->row_bytes;
   }
   return bytes;
 }
