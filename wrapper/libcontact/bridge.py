@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from functools import cache
 from typing import Any
 
@@ -29,9 +30,10 @@ def ask(kind: str, function: Any, *arguments: Any) -> Any:
     return out[0]
 
 
-def names(enum: str, prefix: str = "CT_") -> dict[str, int]:
-    """The constants of a C enum in the order of their numbers: their names, without the prefix, in lower case."""
+def names(enum: str) -> dict[str, int]:
+    """The words of a C enum in the order of their numbers: CT_ENFORCE_PENALTY and its neighbours give "penalty" and so on."""
     constants = sorted(ffi.typeof(enum).elements.items())
+    prefix = os.path.commonprefix([name for _, name in constants]).rpartition("_")[0] + "_"
     return {name.removeprefix(prefix).lower(): number for number, name in constants}
 
 

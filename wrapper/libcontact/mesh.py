@@ -23,7 +23,7 @@ __all__ = ["Mesh", "read_vtkhdf"]
 KINDS = names("ct_brick_kind")
 WIDTH: dict[str, int] = {name: lib.ct_brick_node_count(kind) for name, kind in KINDS.items()}
 VTK_TYPE = {12: "hex8", 25: "hex20"}
-LAYERS = names("ct_layers", "CT_LAYERS_")
+LAYERS = names("ct_layers")
 
 
 def box_axes(cells: Any, layers: str) -> tuple[int, int, int]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
+from .bridge import names
 from .errors import new_error
 from .schema import (
     VECTOR,
@@ -29,23 +30,22 @@ from .schema import (
     Whole,
     key,
     word,
-    words,
 )
 
-ELEMENTS = words("ct_brick_kind")
-LUMPINGS = words("ct_lumping")
-LAWS = words("ct_law")
-KERNELS = words("ct_solid_kernel")
-METHODS = words("ct_method")
-ENFORCEMENTS = words("ct_enforcement")
+ELEMENTS = names("ct_brick_kind")
+LUMPINGS = names("ct_lumping")
+LAWS = names("ct_law")
+KERNELS = names("ct_solid_kernel")
+METHODS = names("ct_method")
+ENFORCEMENTS = names("ct_enforcement")
 # Keys that belong to one enforcement each.
 LAW_KEYS = {"dissipation": "energy_controlled"}
 # Enforcements that can feed energy into the bodies. They store the energy of an impact and give it back; the others dissipate a part of it.
 FEEDING = ("penalty", "bipenalty")
-POINTS = words("ct_contact_rule")
-INITIAL = words("ct_initial")
-INTEGRATORS = words("ct_scheme")
-LAYERS = words("ct_layers")
+POINTS = names("ct_contact_rule")
+INITIAL = names("ct_initial")
+INTEGRATORS = names("ct_scheme")
+LAYERS = names("ct_layers")
 # Keys of run.savings, and what the C library calls them.
 OPTIMISATIONS = {
     "quiet": "sleep",

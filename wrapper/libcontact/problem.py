@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import row
+from .bridge import names, row
 from .errors import Error, check, new_error, text_of
 from .mesh import KINDS, WIDTH, Mesh, physical_memory, read_vtkhdf, row_length
 from .model import (
@@ -29,7 +29,7 @@ from .model import (
     Support,
 )
 from .parts import Parts
-from .schema import SceneError, Table, float_array, index_array, word, words
+from .schema import SceneError, Table, float_array, index_array, word
 
 MOST_STEPS = 10**12
 NO_FACES = "has no faces: no outer face of the body lies in that plane"
@@ -196,7 +196,7 @@ class Problem:
         if status == lib.CT_ERROR_STEP:
             key = f"time.{self.parts.time.step[0]}"
         elif not key and error.part != lib.CT_PART_NONE:
-            table = word(words("ct_scene_part"), error.part)
+            table = word(names("ct_scene_part"), error.part)
             key, text = self._key_of(table, error.number), text.removeprefix(f"{table}: ")
         elif not about and 0 <= error.body < len(self.parts.bodies):
             key = key or f"body[{error.body}]"

@@ -280,13 +280,6 @@ class Surface(Text):
         yield at, "body", value[0]
 
 
-def words(enum: str) -> dict[str, int]:
-    """The words of an enum of the C headers, in its order: CT_ENFORCE_PENALTY and its neighbours give "penalty" and so on."""
-    values = sorted(ffi.typeof(enum).relements.items(), key=operator.itemgetter(1))
-    prefix = os.path.commonprefix([name for name, _ in values]).rpartition("_")[0] + "_"
-    return {name.removeprefix(prefix).lower(): value for name, value in values}
-
-
 def word(enum: Mapping[str, int], value: int) -> str:
     """The word of a value of an enum."""
     return next(name for name, number in enum.items() if number == value)

@@ -314,16 +314,12 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
   for (int32_t i = 0; i < data->part_count; i++) reduced |= data->parts[i].mean != NULL;
   *out = NULL;
   if (!reduced) return CT_OK;
-  ct_effect *effect = ct_allocate(1, sizeof *effect);
-  if (effect == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the hourglass effect");
-  *effect = (ct_effect){.kind = CT_EFFECT_HOURGLASS,
-                        .label = "hourglass",
-                        .data = solid->data,
-                        .force = no_force,
-                        .energy = hourglass_energy};
-  *out = effect;
-  return CT_OK;
+  ct_effect filled = {.kind = CT_EFFECT_HOURGLASS,
+                      .label = "hourglass",
+                      .data = solid->data,
+                      .force = no_force,
+                      .energy = hourglass_energy};
+  return ct_effect_copy(&filled, out, error);
 }
 
 ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_kernel *kernel,

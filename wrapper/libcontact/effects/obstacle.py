@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import lib
+from ..bridge import names
 from ..model import ORIGIN, POSITIVE, History, Pressing, Vector
-from ..schema import VECTOR, Nested, Surface, Table, key, words
+from ..schema import VECTOR, Nested, Surface, Table, key
 from ..units import Units
 from . import Effect
 
-SHAPES = words("ct_obstacle_shape")
+SHAPES = names("ct_obstacle_shape")
 NO_DIRECTION = "is zero, and must be a direction"
 
 
