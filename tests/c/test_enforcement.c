@@ -20,77 +20,92 @@ static ct_contact_options options_of(ct_enforcement enforcement)
   return options;
 }
 
+/* The laws as the book writes them (eq:energy-controlled, eq:bipenalty). */
+static double law_of(const ct_constraint *c, double after)
+{
+  double k = c->stiffness, a = c->dashpot;
+  if (c->enforcement == CT_ENFORCE_BIPENALTY)
+    return fmax(-0.25 * k * (after + 2.0 * c->gap + c->before), 0.0);
+  return k * fmax(-0.5 * ((1.0 + a) * after + (1.0 - a) * fmin(c->before, 0.0)), 0.0);
+}
+
 /* λ with λ = φ(free + W λ), by halving an interval: φ falls, so the difference does. */
 static double bisect(const ct_constraint *c, double free, double W)
 {
-  double low = 0.0, high = ct_law_force(c, free) + 1e-300;
+  double low = 0.0, high = law_of(c, free) + 1e-300;
   for (int i = 0; i < 2000; i++) {
     double middle = 0.5 * (low + high);
     if (middle <= low || middle >= high) break;
-    if (ct_law_force(c, free + W * middle) > middle) low = middle;
+    if (law_of(c, free + W * middle) > middle) low = middle;
     else high = middle;
   }
   return 0.5 * (low + high);
 }
 
+/* The force of a row that is alone. */
+static double alone(const ct_constraint *c, double free, double W)
+{
+  ct_ramp ramp = ct_law_ramp(c);
+  return ramp.C + W > 0.0 ? fmax(-(free + ramp.b) / (ramp.C + W), 0.0) : 0.0;
+}
+
 static void one_point(void)
 {
-  double off = 0.0, law = 0.0;
+  double off = 0.0;
   int pressed = 0;
   for (int i = 0; i < 20000; i++) {
     ct_constraint c = {.enforcement = i % 2 ? CT_ENFORCE_ENERGY_CONTROLLED : CT_ENFORCE_BIPENALTY,
                        .stiffness = pow(10.0, uniform(4.0)),
-                       .dissipation = i % 7 == 0    ? 0.0
-                                      : i % 11 == 0 ? 1.0
-                                                    : 0.5 * (1.0 + uniform(1.0)),
+                       .dashpot = i % 7 == 0 ? 0.0 : pow(10.0, uniform(2.0)),
                        .gap = uniform(1.0),
                        .before = uniform(1.0)};
-    double free = uniform(1.0), W = pow(10.0, uniform(4.0)), force = ct_law_solve(&c, free, W),
-           want = bisect(&c, free, W);
-    off = worst(off, (force - want) / (want + 1e-12));
-    law = worst(law,
-                (ct_law_force(&c, free + W * force) - force) / (c.stiffness * (1.0 + W * force)));
-    pressed += force > 0.0;
+    double free = uniform(1.0), W = pow(10.0, uniform(4.0)), want = bisect(&c, free, W),
+           scale = c.stiffness * (1.0 + c.dashpot);
+    off = worst(off, (alone(&c, free, W) - want) * (1.0 + scale * W) / scale);
+    pressed += want > 0.0;
   }
-  tap_ok(off < 1e-11 && law < 1e-13 && pressed > 5000,
-         "one point: the closed form is the root of the law, off by %.1e (bisection), %.1e (law), "
-         "%d of 20000 press",
-         off, law, pressed);
+  tap_ok(off < 1e-12 && pressed > 5000,
+         "one point: the ramp is the root of the law, off by %.1e (bisection), %d of 20000 press",
+         off, pressed);
   ct_constraint c = {.enforcement = CT_ENFORCE_LAGRANGE, .stiffness = 1.0};
-  tap_ok(ct_law_solve(&c, 0.5, 2.0) == 0.0 && ct_law_solve(&c, -0.5, 2.0) == 0.25 &&
-             isnan(ct_law_force(&c, 0.0)),
+  tap_ok(alone(&c, 0.5, 2.0) == 0.0 && alone(&c, -0.5, 2.0) == 0.25,
          "a multiplier brings the gap to zero and never pulls");
-  c = (ct_constraint){.enforcement = CT_ENFORCE_PENALTY, .stiffness = 3.0, .gap = -0.5};
-  tap_ok(ct_law_solve(&c, 9.0, 2.0) == 1.5 && ct_law_force(&c, 9.0) == 1.5 &&
-             ct_law_energy(&c) == 0.375,
-         "the explicit penalty does not look ahead: k g, and k g^2 / 2");
 }
 
-/* While contact lasts the law is a spring at the gap of now and a dashpot (eq:controlled-dashpot):
- * one mass in an open well, and the loss of its total in each step (eq:controlled-loss). The total
- * at t_n is the mean of two half steps, so from one to the next it falls by the mean of two losses.
- */
-static void dashpot(double s)
+/* One mass in an open well: while contact lasts its total is the same to round-off with a = 0, for
+ * any stiffness and step, and otherwise falls by ¼ a k (g_{n+1} - g_{n-1})² in a step
+ * (eq:controlled-loss). The total at t_n is the mean of two half steps, so from one to the next it
+ * falls by the mean of two losses. */
+static void lasting(double a)
 {
-  const double dt = 0.5, m = 2.0, k = 0.05, dashpot = 0.5 * (1.0 + s) * k * dt;
-  ct_constraint c = {.enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .stiffness = k, .dissipation = s};
-  double before = -1.0, g = -1.01, law = 0.0, off = 0.0, total = 0.0, loss = 0.0, lost = 0.0;
-  for (int n = 0; n < 12; n++) {
-    const ct_constraint here = {
-        .enforcement = c.enforcement, .stiffness = k, .dissipation = s, .gap = g};
-    double v = (g - before) / dt, W = dt * dt / m, force = ct_law_solve(&here, g + dt * v, W);
-    double after = g + dt * v + W * force, rate = (after - before) / (2.0 * dt),
-           now = dashpot * dt * rate * rate;
-    c.before = before, c.gap = g, c.after = after, c.force = force;
-    double held = 0.5 * m * v * (after - g) / dt + ct_law_energy(&c);
-    law = worst(law, (force + k * g + dashpot * (after - g) / dt) / k);
-    if (n > 0) off = worst(off, (held - total + 0.5 * (loss + now)) / k), lost += total - held;
-    total = held, loss = now, before = g, g = after;
+  double off = 0.0, law = 0.0, lost = 0.0;
+  for (double k = 1e-3; k < 2e4; k *= 10.0) {
+    const double dt = 0.5, m = 2.0, pressure = 3.0;
+    double before = -1.5 * pressure / k, g = 1.01 * before, total = 0.0, loss = 0.0;
+    for (int n = 0; n < 12; n++) {
+      ct_constraint c = {.enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                         .stiffness = k,
+                         .dashpot = a,
+                         .gap = g,
+                         .before = before};
+      double v = (g - before) / dt - dt * pressure / m, W = dt * dt / m,
+             force = alone(&c, g + dt * v, W), after = g + dt * v + W * force, way = after - before,
+             now = 0.25 * a * k * way * way;
+      c.after = after, c.force = force;
+      // Energies at t_n: ½ v₋·m v₊ and the load's, with what the leapfrog lacks for its force.
+      double held = 0.5 * m * (g - before) * (after - g) / (dt * dt) + pressure * g +
+                    ct_law_energy(&c),
+             scale = pressure * pressure / k;
+      law = worst(law, (force - law_of(&c, after)) / pressure);
+      if (n > 0)
+        off = worst(off, (held - total + 0.5 * (loss + now)) / scale), lost += total - held;
+      total = held, loss = now, before = g, g = after;
+    }
   }
-  tap_ok(g < 0.0 && law < 1e-14 && off < 1e-14 && lost > 1e-4 * total,
-         "s = %g: in lasting contact the law is a spring and a dashpot, off by %.1e; it takes %.2g "
-         "of the energy, off by %.1e",
-         s, law, lost / total, off);
+  tap_ok(law < 1e-12 && off < 1e-11 && (lost > 0.0) == (a > 0.0),
+         "a = %g, k over seven decades: in lasting contact the total falls by the dashpot's loss, "
+         "off by %.1e (law off by %.1e)",
+         a, off, law);
 }
 
 /* A bar of hex8 that flies against a wall, on the Doyen data. */
@@ -155,7 +170,8 @@ static double largest_rise(const ct_problem *problem, ct_state *state, int64_t s
 
 static void energy_never_grows(void)
 {
-  static const double SHARE[] = {0.0, 0.1, 1.0}, FRACTION[] = {0.1, 0.5, 0.9, 0.999};
+  static const double SHARE[] = {0.0, 0.2, 1.0}, LEAST[] = {0.98, 0.94, 0.75},
+                      FRACTION[] = {0.1, 0.5, 0.9, 0.999};
   for (int s = 0; s < 3; s++) {
     double rise = 0.0, least = 1.0, left;
     for (double beta = 1e-2; beta < 2e4; beta *= 10.0)
@@ -165,7 +181,7 @@ static void energy_never_grows(void)
         least = fmin(least, left);
         close_bar(&b);
       }
-    tap_ok(rise < 2e-14 && least > 0.94,
+    tap_ok(rise < 2e-14 && least > LEAST[s],
            "dissipation %g, beta 0.01 ... 1e4, 0.1 ... 0.999 of the limit: the largest rise of the "
            "total in a step is %.1e, at least %.3f stays",
            SHARE[s], rise, least);
@@ -361,7 +377,7 @@ static double off_dense(const ct_solver *s, int32_t nodes)
     for (int64_t r = 0; r < n; r++) {
       double gap = s->free[r];
       for (int64_t k = 0; k < n; k++) gap += k == r ? 0.0 : W[r * n + k] * force[k];
-      force[r] = ct_law_solve(s->active[r], gap, W[r * n + r]);
+      force[r] = alone(s->active[r], gap, W[r * n + r]);
     }
   for (int64_t d = 0; d < dofs; d++) {
     double want = 0.0, got = 0.0;
@@ -491,10 +507,8 @@ static double stored_between_steps(const ct_solver *s)
   double sum = 0.0;
   for (int64_t j = 0; j < s->first[s->set_count]; j++) {
     const ct_constraint *c = s->rows[j];
-    double share = c->dissipation, middle = fmin(0.5 * (c->gap + c->after), 0.0),
-           here = fmin(c->gap, 0.0), next = fmin(c->after, 0.0);
-    sum += 0.5 * c->stiffness *
-           ((1.0 - share) * middle * middle + 0.5 * share * (here * here + next * next));
+    double here = fmin(c->gap, 0.0), next = fmin(c->after, 0.0);
+    sum += 0.25 * c->stiffness * (here * here + next * next);
   }
   return sum;
 }
@@ -763,9 +777,10 @@ static void driven(void)
   ct_state *state = new_state(p);
   for (int64_t n = 0; n + 1 < steps; n++) {
     advance(p, state, 1);
-    double force[3], work, g = 0.01 - 0.1 * state->time, next = 0.01 - 0.1 * (state->time + p->dt);
+    double force[3], work, next = 0.01 - 0.1 * (state->time + p->dt);
     need(ct_obstacle_reaction(p, state, 1, force, &work, &error), &error);
-    double want = 1e4 * (0.75 * fmax(-0.5 * (g + next), 0.0) + 0.25 * fmax(-next, 0.0));
+    double last = 0.01 - 0.1 * (state->time - p->dt),
+           want = 1e4 * fmax(-0.5 * (next + fmin(last, 0.0)), 0.0);
     off = worst(off, force[2] + want);
     top = fmax(top, want);
   }
@@ -802,7 +817,7 @@ static void refused(void)
 int main(void)
 {
   one_point();
-  for (int i = 0; i < 3; i++) dashpot(0.5 * i);
+  for (int i = 0; i < 3; i++) lasting(0.5 * i * i);
   energy_never_grows();
   start_in_touch();
   conservation();

@@ -14,8 +14,8 @@ typedef enum ct_enforcement {
      the bodies. */
   CT_ENFORCE_PENALTY,
   /**
-   * Penalty at the gaps of the coming step, which can only take energy away,
-   * :eq:`energy-controlled`. Leaves the stable step as it is.
+   * Penalty at the gaps of the steps before and after, which keeps energy while contact lasts and
+   * never makes any, :eq:`energy-controlled`. Leaves the stable step as it is.
    */
   CT_ENFORCE_ENERGY_CONTROLLED,
   /** Penalty on gap and acceleration of the gap in a ratio that leaves the stable step as it is,
@@ -51,8 +51,8 @@ typedef struct ct_constraint {
   const double *other_shape;
   /** Stiffness k of the point [force / length], > 0. */
   double stiffness;
-  /** Share s of the stiffness that acts at the end of the step, 0 ... 1 (energy-controlled
-   * penalty), :eq:`energy-controlled`. */
+  /** Damping ratio ζ of the surface mode, 0 ... 1 (energy-controlled penalty),
+   * :eq:`surface-damping`. */
   double dissipation;
   /** Direction n in which the point is pushed, of length 1. */
   double normal[3];
@@ -60,6 +60,8 @@ typedef struct ct_constraint {
   double gap;
   /** What the gap gains until the next step because an obstacle moves [length]. */
   double moved;
+  /** Share a of the dashpot, :eq:`surface-damping`; written by the solver. */
+  double dashpot;
   /** Gap g_{n-1} of the step before, along the same direction [length]; written by the solver. */
   double before;
   /** Gap g_{n+1} of the next step, along the same direction [length]; written by the solver. */

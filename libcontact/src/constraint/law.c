@@ -9,63 +9,29 @@
 /* ½ k ⟨-g⟩². */
 static double ramp_energy(double k, double g) { return g < 0.0 ? 0.5 * k * g * g : 0.0; }
 
-/* Explicit penalty (eq:contact-penalty). */
-
-static double penalty_force(const ct_constraint *c, double after)
-{
-  (void)after;
-  return c->stiffness * fmax(-c->gap, 0.0);
-}
-
-static double penalty_solve(const ct_constraint *c, double free, double W)
-{
-  (void)W;
-  return penalty_force(c, free);
-}
-
-static double penalty_stored(const ct_constraint *c, double g0, double g1)
-{
-  (void)g0, (void)g1;
-  return ramp_energy(c->stiffness, c->gap);
-}
-
 /* Energy-controlled penalty (eq:energy-controlled). */
 
-static double controlled_force(const ct_constraint *c, double after)
+static ct_ramp controlled_ramp(const ct_constraint *c)
 {
-  const double k = c->stiffness, s = c->dissipation, g = c->gap;
-  // -- One part at the middle of the step, one at its end (eq:energy-controlled)
-  return k * ((1.0 - s) * fmax(-0.5 * (g + after), 0.0) + s * fmax(-after, 0.0));
-}
-
-static double controlled_solve(const ct_constraint *c, double free, double W)
-{
-  return ct_law_controlled(c->stiffness, c->dissipation, c->gap, free, W);
+  const double k = c->stiffness, a = c->dashpot, before = fmin(c->before, 0.0);
+  // -- k ⟨-½ [(1 + a) g_{n+1} + (1 - a) min(g_{n-1}, 0)]⟩ (eq:energy-controlled)
+  return (ct_ramp){.C = 2.0 / (k * (1.0 + a)), .b = (1.0 - a) / (1.0 + a) * before};
 }
 
 static double controlled_stored(const ct_constraint *c, double g0, double g1)
 {
-  const double k = c->stiffness, s = c->dissipation, middle = 0.5 * (g0 + g1);
-  // -- (1 - s) Π at the middle plus s times the mean of both ends (eq:controlled-energy)
-  return (1.0 - s) * ramp_energy(k, middle) + 0.5 * s * (ramp_energy(k, g0) + ramp_energy(k, g1));
+  // -- The mean of Π at both ends of the step (eq:controlled-store)
+  return 0.5 * (ramp_energy(c->stiffness, g0) + ramp_energy(c->stiffness, g1));
 }
 
 static double controlled_start(const ct_constraint *c) { return ramp_energy(c->stiffness, c->gap); }
 
 /* Bipenalty (eq:bipenalty). */
 
-static double bipenalty_force(const ct_constraint *c, double after)
+static ct_ramp bipenalty_ramp(const ct_constraint *c)
 {
-  const double k = c->stiffness, g = c->gap;
-  // -- k g + m d²g/dt² with m = k Δt² / 4, while the point is inside and is pushed (eq:bipenalty)
-  return g < 0.0 ? fmax(-0.25 * k * ((after + c->before) + 2.0 * g), 0.0) : 0.0;
-}
-
-static double bipenalty_solve(const ct_constraint *c, double free, double W)
-{
-  const double k = c->stiffness, g = c->gap;
-  return g < 0.0 ? fmax(-0.25 * k * ((free + c->before) + 2.0 * g) / (1.0 + 0.25 * k * W), 0.0)
-                 : 0.0;
+  // -- k g + m d²g/dt² with m = k Δt² / 4 (eq:bipenalty)
+  return (ct_ramp){.C = 4.0 / c->stiffness, .b = c->before + 2.0 * c->gap};
 }
 
 /* Holds on both sides of 0 while the point is inside. */
@@ -77,16 +43,10 @@ static double bipenalty_stored(const ct_constraint *c, double g0, double g1)
 
 /* Lagrange multipliers (eq:forward-increment). */
 
-static double multiplier_force(const ct_constraint *c, double after)
-{
-  (void)c, (void)after;
-  return NAN;
-}
-
-static double multiplier_solve(const ct_constraint *c, double free, double W)
+static ct_ramp multiplier_ramp(const ct_constraint *c)
 {
   (void)c;
-  return W > 0.0 ? fmax(-free / W, 0.0) : 0.0;
+  return (ct_ramp){.C = 0.0, .b = 0.0};
 }
 
 static double multiplier_stored(const ct_constraint *c, double g0, double g1)
@@ -104,61 +64,57 @@ static double multiplier_start(const ct_constraint *c)
 /* All laws. */
 
 typedef struct law {
-  /* The force if the next gap is `after`; it must not grow with `after`. */
-  double (*force)(const ct_constraint *c, double after);
-  /* The force λ with λ = force(free + W λ). */
-  double (*solve)(const ct_constraint *c, double free, double W);
+  /* The law in one step; null: it knows its force without the gap to come, and has no rows. */
+  ct_ramp (*ramp)(const ct_constraint *c);
   /* Energy stored in the middle of a step from the gap g0 to g1. */
   double (*stored)(const ct_constraint *c, double g0, double g1);
   /* Energy held at t = 0 by a force that begins there; null: the force is taken as if it had always
    * acted (eq:energy-start). */
   double (*start)(const ct_constraint *c);
-  /* Whether the force depends on the gap g_n alone; then the energy at t_n lacks nothing. */
-  int is_explicit;
+  /* Whether only a point that is inside at t_n can have a force. */
+  int only_inside;
 } law;
 
 static const law LAWS[] = {
-    [CT_ENFORCE_PENALTY] = {penalty_force, penalty_solve, penalty_stored, NULL, 1},
-    [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_force, controlled_solve, controlled_stored,
-                                      controlled_start, 0},
-    [CT_ENFORCE_BIPENALTY] = {bipenalty_force, bipenalty_solve, bipenalty_stored, NULL, 0},
-    [CT_ENFORCE_LAGRANGE] = {multiplier_force, multiplier_solve, multiplier_stored,
-                             multiplier_start, 0}};
-
-static int exists(ct_enforcement enforcement)
-{
-  return (int)enforcement >= 0 && (size_t)enforcement < sizeof LAWS / sizeof LAWS[0] &&
-         LAWS[enforcement].solve != NULL;
-}
+    [CT_ENFORCE_PENALTY] = {0},
+    [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_start, 0},
+    [CT_ENFORCE_BIPENALTY] = {bipenalty_ramp, bipenalty_stored, NULL, 1},
+    [CT_ENFORCE_LAGRANGE] = {multiplier_ramp, multiplier_stored, multiplier_start, 0}};
 
 ct_status ct_law_check(const ct_constraint *c, const char *who, ct_error *error)
 {
-  if (!exists(c->enforcement) || !(c->dissipation >= 0.0 && c->dissipation <= 1.0))
+  if ((int)c->enforcement < 0 || (size_t)c->enforcement >= sizeof LAWS / sizeof LAWS[0] ||
+      !(c->dissipation >= 0.0 && c->dissipation <= 1.0))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s: enforcement %d with dissipation %g",
                    who, (int)c->enforcement, c->dissipation);
   return CT_OK;
 }
 
-double ct_law_force(const ct_constraint *c, double after)
+int ct_law_has_rows(const ct_constraint *c) { return LAWS[c->enforcement].ramp != NULL; }
+
+int ct_law_presses(const ct_constraint *c)
 {
-  return exists(c->enforcement) ? LAWS[c->enforcement].force(c, after) : NAN;
+  return c->gap < 0.0 || !LAWS[c->enforcement].only_inside;
 }
 
-double ct_law_solve(const ct_constraint *c, double free, double W)
+ct_ramp ct_law_ramp(const ct_constraint *c) { return LAWS[c->enforcement].ramp(c); }
+
+double ct_law_dashpot(const ct_constraint *c, double mobility)
 {
-  return exists(c->enforcement) ? LAWS[c->enforcement].solve(c, free, W) : NAN;
+  // -- a = ζ √(1 + 4 / κ), κ = k W (eq:surface-damping)
+  double a = c->dissipation * sqrt(1.0 + 4.0 / (c->stiffness * mobility));
+  return isfinite(a) ? a : 0.0;
 }
 
 static double stored_between(const ct_constraint *c, double g0, double g1)
 {
-  return exists(c->enforcement) ? LAWS[c->enforcement].stored(c, g0, g1) : 0.0;
+  return LAWS[c->enforcement].stored(c, g0, g1);
 }
 
 double ct_law_stored(const ct_constraint *c) { return stored_between(c, c->gap, c->after); }
 
 double ct_law_lag(const ct_constraint *c)
 {
-  if (exists(c->enforcement) && LAWS[c->enforcement].is_explicit) return 0.0;
   return 0.25 * c->force * ((c->after + c->before) - 2.0 * c->gap);
 }
 
@@ -169,10 +125,7 @@ double ct_law_energy(const ct_constraint *c)
   return 0.5 * (stored_between(c, c->before, c->gap) + ct_law_stored(c)) + ct_law_lag(c);
 }
 
-int ct_law_begins(const ct_constraint *c)
-{
-  return exists(c->enforcement) && LAWS[c->enforcement].start != NULL;
-}
+int ct_law_begins(const ct_constraint *c) { return LAWS[c->enforcement].start != NULL; }
 
 double ct_law_start(const ct_constraint *c)
 {

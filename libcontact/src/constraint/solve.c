@@ -19,10 +19,10 @@ static const double TOLERANCE = 1e-10;
 void ct_solver_free(ct_solver *s)
 {
   if (s == NULL) return;
-  void *blocks[] = {s->rows,         s->first,    s->first_node, s->nodes, s->shared,
-                    s->increment,    s->mobility, s->past,       s->moved, s->active,
-                    s->first_active, s->entries,  s->law,        s->free,  s->bound,
-                    s->guess,        s->force,    s->terms,      s};
+  void *blocks[] = {s->rows,     s->first,  s->first_node, s->nodes,  s->shared,       s->increment,
+                    s->mobility, s->past,   s->moved,      s->active, s->first_active, s->entries,
+                    s->C,        s->b,      s->free,       s->force,  s->rest,         s->scale,
+                    s->way,      s->answer, s->terms,      s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
 }
 
@@ -66,10 +66,10 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   double **vectors[] = {&s->increment, &s->mobility, &s->past, &s->moved};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     whole = (*vectors[i] = ct_allocate(nodes, WIDE * sizeof(double))) != NULL && whole;
-  double **numbers[] = {&s->free, &s->bound, &s->guess, &s->force, &s->terms, &s->law};
+  double **numbers[] = {&s->C,     &s->b,   &s->free,   &s->force, &s->rest,
+                        &s->scale, &s->way, &s->answer, &s->terms};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
-    whole =
-        (*numbers[i] = ct_allocate((i < 4 ? 1 : i - 2) * rows, sizeof(double))) != NULL && whole;
+    whole = (*numbers[i] = ct_allocate(rows, sizeof(double))) != NULL && whole;
   if (!whole) return CT_ERROR_MEMORY;
   number_nodes(s, sets, problem_nodes, place);
   return CT_OK;
@@ -152,17 +152,15 @@ static void choose_active(ct_solver *s)
 {
   double most = predict_gaps(s);
   s->count = 0;
-  s->controlled = 1;
   for (int32_t k = 0; k < s->set_count; k++) {
     s->first_active[k] = s->count;
     for (int64_t j = s->first[k]; j < s->first[k + 1]; j++) {
       ct_constraint *c = s->rows[j];
-      if (!(fmin(c->gap, c->after) <= 2.0 * most)) continue;
-      s->controlled = s->controlled && c->enforcement == CT_ENFORCE_ENERGY_CONTROLLED;
-      s->law[s->count] = c->stiffness;
-      s->law[s->most + s->count] = c->dissipation;
-      s->law[2 * s->most + s->count] = c->gap;
+      double force = c->force;
+      c->force = 0.0;
+      if (!(fmin(c->gap, c->after) <= 2.0 * most) || !ct_law_presses(c)) continue;
       s->free[s->count] = c->after;
+      s->force[s->count] = force;
       s->active[s->count++] = c;
     }
   }
@@ -232,6 +230,9 @@ static void join_shared(ct_solver *s)
     }
 }
 
+/* The larger of two, written so that it can be done in lanes. */
+static inline double larger(double x, double y) { return x > y ? x : y; }
+
 /* What forces of the rows do to nodes, in sums that do not depend on their order: `moved` becomes
  * the displacement A Gᵀ values. */
 static int add_up(ct_solver *s, int sizes, const double *values)
@@ -239,7 +240,7 @@ static int add_up(ct_solver *s, int sizes, const double *values)
   ct_grid grid;
   double top = 0.0;
   size_t size = WIDE * (size_t)s->node_count * sizeof(double);
-  for (int64_t r = 0; r < s->count; r++) top = ct_law_larger(top, fabs(values[r]));
+  for (int64_t r = 0; r < s->count; r++) top = larger(top, fabs(values[r]));
   memset(s->moved, 0, size);
   // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
   if (top == 0.0) return 1;
@@ -272,107 +273,179 @@ static void count_crowd(ct_solver *s)
     s->crowd = s->entries[n] > s->crowd ? s->entries[n] : s->crowd;
 }
 
-/* Σ_k |W_jk| for each row of W = G (mobility) Gᵀ, or more (eq:constraint-bound). */
-static int bound_rows(ct_solver *s)
+/* The laws of the rows in this step, and bounds D of the rows of W + C (eq:constraint-bound). */
+static int fix_laws(ct_solver *s)
 {
-  for (int64_t r = 0; r < s->count; r++) s->guess[r] = 1.0;
-  if (!add_up(s, 1, s->guess)) return 0;
+  for (int64_t r = 0; r < s->count; r++) s->way[r] = 1.0;
+  if (!add_up(s, 1, s->way)) return 0;
   for (int32_t k = 0; k < s->set_count; k++)
-    for (int64_t r = s->first_active[k]; r < s->first_active[k + 1]; r++)
-      s->bound[r] = along(1, s->active[r], at_set(s, k, s->moved));
+    for (int64_t r = s->first_active[k]; r < s->first_active[k + 1]; r++) {
+      ct_constraint *c = s->active[r];
+      double mobility = along(1, c, at_set(s, k, s->moved));
+      c->dashpot = ct_law_dashpot(c, mobility);
+      ct_ramp ramp = ct_law_ramp(c);
+      s->C[r] = ramp.C;
+      s->b[r] = ramp.b;
+      s->scale[r] = mobility + ramp.C;
+    }
   return 1;
 }
 
-/* Gaps of the active rows at t_{n+1} with the displacement in `moved`. */
+/* (W + C) times some forces, or with `rest` what it leaves of the laws: g_{n+1} + b + C λ. */
 CT_CLONES
-static void find_gaps(int64_t count, ct_constraint *const *rows, const double *free,
-                      const double *moved, double *gap)
+static void apply_rows(int64_t count, ct_constraint *const *rows, const double *C,
+                       const double *values, const double *moved, double *out)
 {
-  for (int64_t r = 0; r < count; r++) gap[r] = free[r] + along(0, rows[r], moved);
+  for (int64_t r = 0; r < count; r++) out[r] = along(0, rows[r], moved) + C[r] * values[r];
 }
 
-/* Forces of constraints that are all energy-controlled, several side by side: ct_law_solve
- * of each. */
-CT_CLONES
-static void solve_controlled(int64_t count, const double *k, const double *s, const double *g,
-                             const double *gap, const double *bound, const double *guess,
-                             double *next)
+static int apply(ct_solver *s, const double *values, double *out)
 {
-#pragma omp simd
-  for (int64_t r = 0; r < count; r++)
-    next[r] = ct_law_controlled(k[r], s[r], g[r], gap[r] - bound[r] * guess[r], bound[r]);
-}
-
-/* One iteration: the force of each row as if the others stayed as guessed and its own row of W
- * were diagonal. Answers the largest change over the largest force (eq:constraint-iteration). */
-static double improve(ct_solver *s, double *next)
-{
-  double change = 0.0, top = 0.0, *gap = s->terms;
+  if (!add_up(s, 0, values)) return 0;
   for (int32_t k = 0; k < s->set_count; k++) {
     int64_t first = s->first_active[k];
-    find_gaps(s->first_active[k + 1] - first, s->active + first, s->free + first,
-              at_set(s, k, s->moved), gap + first);
+    apply_rows(s->first_active[k + 1] - first, s->active + first, s->C + first, values + first,
+               at_set(s, k, s->moved), out + first);
   }
-  if (s->controlled)
-    solve_controlled(s->count, s->law, s->law + s->most, s->law + 2 * s->most, gap, s->bound,
-                     s->guess, next);
-  else
-    for (int64_t r = 0; r < s->count; r++)
-      next[r] = ct_law_solve(s->active[r], gap[r] - s->bound[r] * s->guess[r], s->bound[r]);
-  for (int64_t r = 0; r < s->count; r++) {
-    change = ct_law_larger(change, fabs(next[r] - s->guess[r]));
-    top = ct_law_larger(top, ct_law_larger(fabs(next[r]), fabs(s->guess[r])));
-  }
-  return top > 0.0 ? change / top : 0.0;
+  s->iterations++;
+  return 1;
 }
 
-/* Start the next iteration beyond the new forces, farther each time, until that leads uphill
- * (eq:constraint-momentum). `next` becomes the forces. */
-static double extrapolate(ct_solver *s, const double *next, double pace)
+/* The slope at the forces now. */
+static int find_rest(ct_solver *s)
+{
+  if (!apply(s, s->force, s->rest)) return 0;
+  for (int64_t r = 0; r < s->count; r++) s->rest[r] += s->free[r] + s->b[r];
+  return 1;
+}
+
+/* How far the slope moves a force in a step of the length 1, which does not end below 0. */
+static double descent(const ct_solver *s, int64_t r)
+{
+  double down = s->scale[r] > 0.0 ? s->rest[r] / s->scale[r] : 0.0;
+  return down < s->force[r] ? down : s->force[r];
+}
+
+/* Σ x_r y_r, whatever the order of the rows. */
+static double product(ct_solver *s, const double *x, const double *y)
+{
+  for (int64_t r = 0; r < s->count; r++) s->terms[r] = x[r] * y[r];
+  return ct_sum(s->terms, s->count);
+}
+
+/* Σ of what pressed rows, or those without force, have to gain by a step down (eq:proportioning).
+ */
+static double gain(ct_solver *s, int pressed)
 {
   for (int64_t r = 0; r < s->count; r++)
-    s->terms[r] = s->bound[r] * (s->guess[r] - next[r]) * (next[r] - s->force[r]);
-  int uphill = ct_sum(s->terms, s->count) > 0.0;
-  double faster = uphill ? 1.0 : 0.5 * (1.0 + sqrt(1.0 + 4.0 * pace * pace)),
-         share = uphill ? 0.0 : (pace - 1.0) / faster;
-  for (int64_t r = 0; r < s->count; r++) {
-    double change = next[r] - s->force[r];
-    s->guess[r] = next[r] + share * change;
-    s->force[r] = next[r];
-  }
-  return faster;
+    s->terms[r] = (s->force[r] > 0.0) == pressed ? s->rest[r] * descent(s, r) : 0.0;
+  return ct_sum(s->terms, s->count);
 }
 
-/* Accelerated projected iteration from the forces of the last step. */
+/* Whether no force would move by more than a part of the largest. */
+static int is_solved(const ct_solver *s, double tolerance)
+{
+  double most = 0.0, top = 0.0;
+  for (int64_t r = 0; r < s->count; r++) {
+    most = larger(most, fabs(descent(s, r)));
+    top = larger(top, s->force[r]);
+  }
+  return most <= tolerance * top;
+}
+
+/* The slope in the rows that a direction may move: those pressed, or those without a force that
+ * want one; over D. */
+static void steepest(const ct_solver *s, int pressed, double *way)
+{
+  for (int64_t r = 0; r < s->count; r++) {
+    int free = (s->force[r] > 0.0) == pressed && s->scale[r] > 0.0;
+    double down = free ? s->rest[r] / s->scale[r] : 0.0;
+    way[r] = pressed ? down : fmin(down, 0.0);
+  }
+}
+
+/* How far along the direction the first force becomes 0. */
+static double room_ahead(const ct_solver *s)
+{
+  double room = HUGE_VAL;
+  for (int64_t r = 0; r < s->count; r++)
+    if (s->way[r] > 0.0) room = fmin(room, s->force[r] / s->way[r]);
+  return room;
+}
+
+/* Go along the direction, and know the slope there. */
+static void go(ct_solver *s, double length)
+{
+  for (int64_t r = 0; r < s->count; r++) {
+    s->force[r] -= length * s->way[r];
+    s->rest[r] -= length * s->answer[r];
+    if (!(s->force[r] > 0.0)) s->force[r] = 0.0;
+  }
+}
+
+/* The next conjugate direction, among the pressed rows. */
+static void conjugate(ct_solver *s, double curvature)
+{
+  double *down = s->terms;
+  // `product` needs the terms: the slope over D is computed where it is used.
+  for (int64_t r = 0; r < s->count; r++)
+    down[r] =
+        s->force[r] > 0.0 && s->scale[r] > 0.0 ? s->rest[r] / s->scale[r] * s->answer[r] : 0.0;
+  double share = ct_sum(down, s->count) / curvature;
+  for (int64_t r = 0; r < s->count; r++) {
+    int free = s->force[r] > 0.0 && s->scale[r] > 0.0;
+    s->way[r] = free ? s->rest[r] / s->scale[r] - share * s->way[r] : 0.0;
+  }
+}
+
+/* One round of the method of proportioning (eq:proportioning). */
+static int improve(ct_solver *s)
+{
+  int pressed = gain(s, 0) <= gain(s, 1);
+  if (!pressed) steepest(s, 0, s->way);
+  if (!apply(s, s->way, s->answer)) return 0;
+  double curvature = product(s, s->way, s->answer), slope = product(s, s->way, s->rest);
+  double best = curvature > 0.0 ? slope / curvature : 1.0, room = room_ahead(s);
+  if (best <= room) {
+    go(s, best);
+    if (pressed) conjugate(s, curvature);
+    else steepest(s, 1, s->way);
+    return 1;
+  }
+  // -- A force would pull: go as far as none does, then down with all that are pressed
+  go(s, room);
+  for (int64_t r = 0; r < s->count; r++)
+    if (s->force[r] > 0.0) s->force[r] -= descent(s, r);
+  if (!find_rest(s)) return 0;
+  steepest(s, 1, s->way);
+  return 1;
+}
+
+/* From the forces of the last step to those of this one. Forces that hold already stay as they are:
+ * a start that is made twice gives the same bits. */
 static int iterate(ct_solver *s)
 {
-  double pace = 1.0, *next = s->terms + s->most;
-  for (int64_t r = 0; r < s->count; r++) s->guess[r] = s->force[r] = s->active[r]->force;
-  s->converged = 0;
-  for (s->iterations = 0; s->iterations < MOST_ITERATIONS && !s->converged; s->iterations++) {
-    if (!add_up(s, 0, s->guess)) return 0;
-    double change = improve(s, next);
-    s->converged = change <= TOLERANCE;
-    // Forces that hold already stay as they are: a start that is made twice gives the same bits.
-    if (s->iterations == 0 && change <= 10.0 * TOLERANCE) {
-      s->converged = 1;
-      break;
-    }
-    pace = extrapolate(s, next, pace);
+  if (!find_rest(s)) return 0;
+  s->converged = is_solved(s, 10.0 * TOLERANCE);
+  while (!s->converged && s->iterations < MOST_ITERATIONS) {
+    steepest(s, 1, s->way);
+    while (!is_solved(s, TOLERANCE) && s->iterations < MOST_ITERATIONS)
+      if (!improve(s)) return 0;
+    // -- The slope that was carried along is off by its roundings
+    if (!find_rest(s)) return 0;
+    s->converged = is_solved(s, 2.0 * TOLERANCE);
   }
   return 1;
 }
 
 /* Forces and gaps of the solution into the rows. */
-static int hand_out(ct_solver *s)
+static void hand_out(ct_solver *s)
 {
-  if (!add_up(s, 0, s->force)) return 0;
-  for (int64_t j = 0; j < s->first[s->set_count]; j++) s->rows[j]->force = 0.0;
-  for (int64_t r = 0; r < s->count; r++) s->active[r]->force = s->force[r];
-  for (int32_t k = 0; k < s->set_count; k++)
-    for (int64_t j = s->first[k]; j < s->first[k + 1]; j++)
-      s->rows[j]->after += along(0, s->rows[j], at_set(s, k, s->moved));
-  return 1;
+  for (int64_t r = 0; r < s->count; r++) {
+    s->active[r]->force = s->force[r];
+    // -- g_{n+1}, of the slope g_{n+1} + b + C λ
+    s->active[r]->after = s->rest[r] - s->b[r] - s->C[r] * s->force[r];
+  }
 }
 
 int ct_solver_solve(ct_solver *s)
@@ -381,5 +454,7 @@ int ct_solver_solve(ct_solver *s)
   count_crowd(s);
   s->iterations = 0;
   s->converged = 1;
-  return bound_rows(s) && iterate(s) && hand_out(s);
+  if (!fix_laws(s) || !iterate(s)) return 0;
+  hand_out(s);
+  return 1;
 }

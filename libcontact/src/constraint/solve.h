@@ -37,11 +37,14 @@ typedef struct ct_solver {
   int64_t count;          /* rows that are near enough to be active */
   ct_constraint **active; /* these rows */
   int64_t *first_active;  /* of each set in `active`, shape (set_count + 1) */
-  int controlled;         /* whether all of them are energy-controlled */
-  double *law;            /* then: their stiffness, dissipation and gap, shape (3, most) */
-  double *free, *bound;   /* gaps at t_{n+1} without the constraints, and bounds of the rows of W */
-  double *guess, *force;  /* where the next iteration starts, and the forces of the last one */
-  double *terms;          /* two numbers each */
+  double *C, *b;          /* their laws: compliance, and what the next gap counts from (eq:ramp) */
+  double *free;           /* gaps at t_{n+1} without the constraints */
+  double *force;          /* λ */
+  double *rest;           /* g_{n+1} + b + C λ, the slope of the function to be made least */
+  double *scale;          /* D of the rows, which bounds W + C (eq:constraint-bound) */
+  double *way;            /* direction of the search */
+  double *answer;         /* (W + C) times it */
+  double *terms;          /* of a sum */
   int iterations;         /* of the last solution */
   int converged;          /* whether it met the tolerance */
 } ct_solver;

@@ -19,7 +19,7 @@ ct_contact_options ct_contact_options_default(void)
                               .threads = 1,
                               .separated = 1,
                               .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
-                              .dissipation = 0.1,
+                              .dissipation = 0.2,
                               .initial_penetration = CT_INITIAL_KEEP};
 }
 

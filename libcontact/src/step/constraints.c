@@ -88,7 +88,7 @@ static ct_status check_rows(const ct_effect *effect, ct_constraint *const *rows,
   int fine = count >= 0 && count <= effect->constraint_count;
   for (int64_t r = 0; fine && effect->kind == CT_EFFECT_USER && r < count; r++) {
     const ct_constraint *row = rows[r];
-    fine = row != NULL && ct_law_check(row, effect->label, NULL) == CT_OK &&
+    fine = row != NULL && ct_law_check(row, effect->label, NULL) == CT_OK && ct_law_has_rows(row) &&
            has_places(effect, row->own_count, row->own, row->own_shape) &&
            has_places(effect, row->other_count, row->other, row->other_shape);
   }
@@ -128,6 +128,8 @@ static void predict(const ct_problem *problem, const ct_state *state, ct_solver 
   ct_stage stages[2];
   int count = ct_integrator_stages(&problem->integrator, stages);
   double before = stages[count - 1 - state->workspace->stage].tau * problem->dt;
+  // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
+  if (state->step == 0 && state->workspace->stage == 0) before = 0.0;
   ct_integrator_predict(problem, state, s->node_count, s->nodes, CT_SOLVER_WIDE, s->increment,
                         s->mobility);
   for (int32_t i = 0; i < s->node_count; i++)
