@@ -345,10 +345,16 @@ def test_other_defaults_are_what_zero_means_in_c():
 def test_the_default_penalty_is_the_one_that_is_built():
     data = ct.Scene.load(ct.example("plates")).data
     given = data["contact"][0].pop("beta", None)
+    data["contact"][0].pop("enforcement", None)
     facts = ct.Scene(data).explain().data["contacts"][0]
-    data["contact"][0]["beta"] = model.Contact.keys()["beta"].default
     assert given is not None and facts["penalty_is_default"]
-    assert ct.Scene(data).explain().data["contacts"][0]["epsilon"] == facts["epsilon"]
+    steel, (plate, *_) = data["material"][0], ct.Scene(data).explain().data["bodies"]
+    nu = steel["poisson"]
+    modulus = steel["young"] * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
+    assert facts["epsilon"] == pytest.approx(40 * modulus / plate["shortest_edge"], rel=1e-12)
+    data["contact"][0]["enforcement"] = "penalty"
+    explicit = ct.Scene(data).explain().data["contacts"][0]["epsilon"]
+    assert explicit == pytest.approx(facts["epsilon"] / 10, rel=1e-12)
 
 
 @pytest.mark.parametrize("enum", ["law", "scheme", "enforcement", "contact_rule", "initial"])

@@ -13,6 +13,7 @@ from .surfaces import obstacle_name, pair_name
 # Measured on the bar on a wall, over ways to meet the wall: within these limits its energy grows by less than 1 %. (β, largest
 # fraction of the stable step) Integrators that damp single elements bear a stiffer penalty.
 PENALTY, DAMPED_PENALTY = ((4.0, 0.4), (30.0, 0.25)), ((50.0, 0.4),)
+DEFAULT = 4.0  # of the laws that chatter (eq:penalty-default)
 BIPENALTY_BETA, BIPENALTY_PRODUCT = 3.0, 1.5
 
 
@@ -42,8 +43,8 @@ def chatter(problem: Problem) -> Iterator[ChatterWarning]:
     ]
     for key, who, given, surfaces in enforced:
         bodies = [problem.bodies[name] for name, _ in surfaces]
-        beta = given.beta
-        if beta is None:
+        beta = given.beta or DEFAULT
+        if given.epsilon:
             edge = min(body.mesh.shortest_edge for body in bodies)
             beta = given.epsilon * edge / min(body.material.young for body in bodies)
         stable = problem.stable.dt_without_contact

@@ -297,7 +297,8 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
         how = f"{faces[0]} faces of one body, each against all that share no node with it"
         other = "another part of the surface"
     origin = "given" if contact["beta"] is None else f"beta = {contact['beta']:g}"
-    origin += ", the default" if contact["penalty_is_default"] else ""
+    if contact["penalty_is_default"]:
+        origin = "the default"
     epsilon = f"{contact['epsilon']:.6g} {units.label('penalty')}"
     points = "Gauss" if contact["points"] == "gauss" else "Lobatto"
     share = "".join(

@@ -348,15 +348,17 @@ class Pressing(Table):
     ----------
     beta
         Penalty as a factor of :math:`E / h`, :eq:`penalty-factor`, with the smaller E and the
-        shortest edge of the two bodies.
+        shortest edge of the two bodies. Without it the penalty is 40 :math:`\rho c_1^2 / h` for
+        the energy-controlled penalty and 4 :math:`\rho c_1^2 / h` for the others,
+        :eq:`penalty-default`.
     epsilon
         The penalty itself; instead of ``beta``.
     enforcement
         Which gap makes the force (:doc:`/theory/enforcement`); the explicit penalty shortens the stable
         step, the others do not.
     dissipation
-        Of the energy-controlled penalty: the share of the stiffness that acts at the end of the
-        step.
+        Of the energy-controlled penalty: the damping ratio of the surface mode,
+        :eq:`surface-damping`. With 0 lasting contact keeps all energy.
     friction
         Coefficient of Coulomb's friction (:doc:`/theory/friction`).
     tangent
@@ -365,7 +367,7 @@ class Pressing(Table):
 
     rivals = (("beta", "epsilon"),)
 
-    beta: float | None = key(POSITIVE, default=4.0)
+    beta: float | None = key(POSITIVE, default=None, says="by enforcement")
     epsilon: float | None = key(POSITIVE, unit="stress / length", default=None, says="none")
     enforcement: str = key(Choice(ENFORCEMENTS), default=word(ENFORCEMENTS, CONTACT.enforcement))
     dissipation: float = key(Number(least=0.0, most=1.0), default=CONTACT.dissipation)

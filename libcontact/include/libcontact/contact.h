@@ -71,8 +71,8 @@ typedef struct ct_contact_options {
    */
   ct_enforcement enforcement;
   /**
-   * Share of the stiffness that acts at the end of the step, 0 ... 1, :eq:`energy-controlled`; for
-   * the energy-controlled penalty.
+   * Damping ratio ζ of the surface mode, 0 ... 1, :eq:`surface-damping`; for the energy-controlled
+   * penalty. With 0 lasting contact keeps all energy.
    */
   double dissipation;
   /** Where the points are; Gauss points. */
@@ -94,7 +94,7 @@ typedef struct ct_contact_options {
 
 /**
  * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, no search between separated
- * surfaces, energy-controlled penalty with dissipation 0.1, overlaps at the start kept. ``epsilon``
+ * surfaces, energy-controlled penalty with dissipation 0.15, overlaps at the start kept. ``epsilon``
  * is 0 and must be set.
  */
 CT_API ct_contact_options ct_contact_options_default(void);
@@ -102,6 +102,11 @@ CT_API ct_contact_options ct_contact_options_default(void);
 /** Penalty ε = β E / h [stress / length], :eq:`penalty-factor`. β between 3 and 5 suits Courant
  * numbers near 0.125. */
 CT_API double ct_contact_penalty(double beta, double young, double h);
+
+/** The penalty that suits an enforcement [stress / length], :eq:`penalty-default`: 40 M / h for the
+ * energy-controlled penalty, 4 M / h for the others, with the smaller modulus M = ρ c₁² of the
+ * materials and the shortest edge h of their elements. */
+CT_API double ct_contact_penalty_default(ct_enforcement enforcement, double modulus, double h);
 
 /** The contact of two surfaces; opaque, as it holds the search tree. */
 typedef struct ct_contact ct_contact;
@@ -305,8 +310,8 @@ typedef struct ct_obstacle_def {
   /** How gaps give forces. */
   ct_enforcement enforcement;
   /**
-   * Share of the stiffness that acts at the end of the step, 0 ... 1, :eq:`energy-controlled`; for
-   * the energy-controlled penalty.
+   * Damping ratio ζ of the surface mode, 0 ... 1, :eq:`surface-damping`; for the energy-controlled
+   * penalty. With 0 lasting contact keeps all energy.
    */
   double dissipation;
   /** Constant velocity [length / time]. */
@@ -325,7 +330,7 @@ typedef struct ct_obstacle_def {
   const int32_t *faces;
 } ct_obstacle_def;
 
-/** A plane at rest with the energy-controlled penalty and dissipation 0.1; the rest must be set. */
+/** A plane at rest with the energy-controlled penalty and dissipation 0.15; the rest must be set. */
 CT_API ct_obstacle_def ct_obstacle_def_default(void);
 
 /**

@@ -74,11 +74,11 @@ typedef struct ct_scene_contact {
   /** Likewise of the second body. */
   const int32_t *faces_b;
   /**
-   * Penalty factor β of ε = β E / h, with the smaller E and the shortest edge of the two bodies; or
-   * 0 and `options.epsilon` > 0.
+   * Penalty factor β of ε = β E / h, with the smaller E and the shortest edge of the two bodies, or
+   * `options.epsilon`; both 0: `ct_contact_penalty_default`.
    */
   double beta;
-  /** Search, depth; `epsilon` when `beta` is 0. */
+  /** Search, depth; `epsilon` in place of `beta`. */
   ct_contact_options options;
   /** Coefficient μ of friction; 0: none, and nothing is kept or computed for it. */
   double friction;

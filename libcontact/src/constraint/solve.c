@@ -282,7 +282,7 @@ static int fix_laws(ct_solver *s)
     for (int64_t r = s->first_active[k]; r < s->first_active[k + 1]; r++) {
       ct_constraint *c = s->active[r];
       double mobility = along(1, c, at_set(s, k, s->moved));
-      c->dashpot = ct_law_dashpot(c, mobility);
+      c->dashpot = ct_law_dashpot(c, mobility / s->share);
       ct_ramp ramp = ct_law_ramp(c);
       s->C[r] = ramp.C;
       s->b[r] = ramp.b;

@@ -30,6 +30,7 @@ typedef struct ct_solver {
   ct_shared_node *shared;
   double *increment;      /* u_{n+1} - u_n without the constraints, shape (node_count, 4) */
   double *mobility;       /* how far a force moves a degree of freedom until t_{n+1}, likewise */
+  double share;           /* of the mobility in a step that does not begin at t = 0 */
   double *past;           /* u_n - u_{n-1}, likewise */
   double *moved;          /* sums of forces, likewise, and then the displacement that they add */
   int32_t *entries;       /* how many rows act on each node */

@@ -19,11 +19,16 @@ ct_contact_options ct_contact_options_default(void)
                               .threads = 1,
                               .separated = 1,
                               .enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
-                              .dissipation = 0.2,
+                              .dissipation = 0.15,
                               .initial_penetration = CT_INITIAL_KEEP};
 }
 
 double ct_contact_penalty(double beta, double young, double h) { return beta * young / h; }
+
+double ct_contact_penalty_default(ct_enforcement enforcement, double modulus, double h)
+{
+  return (enforcement == CT_ENFORCE_ENERGY_CONTROLLED ? 40.0 : 4.0) * modulus / h;
+}
 
 /* The law of all points; both sides share the penalty. */
 static ct_constraint law_of(const ct_contact_options *options)

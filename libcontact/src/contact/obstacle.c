@@ -377,7 +377,7 @@ static ct_status fill(obstacle_data *data, const ct_obstacle_def *o, const ct_pr
 ct_obstacle_def ct_obstacle_def_default(void)
 {
   return (ct_obstacle_def){
-      .cookie = CT_DEF_COOKIE, .enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = 0.2};
+      .cookie = CT_DEF_COOKIE, .enforcement = CT_ENFORCE_ENERGY_CONTROLLED, .dissipation = 0.15};
 }
 
 ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem *problem,

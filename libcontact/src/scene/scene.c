@@ -283,9 +283,10 @@ ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact,
 {
   if (scene == NULL || contact == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
-  if (!(contact->beta > 0.0) == !(contact->options.epsilon > 0.0))
+  if (!(contact->beta >= 0.0) || !(contact->options.epsilon >= 0.0) ||
+      (contact->beta > 0.0 && contact->options.epsilon > 0.0))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "contact: give either beta or epsilon, positive (beta %g, epsilon %g)",
+                   "contact: give beta or epsilon, positive, or neither (beta %g, epsilon %g)",
                    contact->beta, contact->options.epsilon);
   scene_contact entry = {.given = *contact};
   ct_status status = copy_surface(scene, contact->body_a, contact->faces_a, contact->side_a,
@@ -494,16 +495,26 @@ static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
   return status;
 }
 
-/* ε = β E / h with the smaller modulus and the shorter edge of the two bodies (eq:penalty-factor).
- */
+/* ρ c₁² of a material. */
+static double modulus_of(const ct_material *material)
+{
+  double c1, c2;
+  ct_material_speeds(material, &c1, &c2);
+  return material->density * c1 * c1;
+}
+
+/* ε = β E / h with the smaller modulus and the shorter edge of the two bodies (eq:penalty-factor),
+ * or the usual one (eq:penalty-default). */
 static double penalty_of(const ct_scene *scene, const ct_scene_contact *contact)
 {
   if (contact->options.epsilon > 0.0) return contact->options.epsilon;
-  double E = fmin(scene->bodies[contact->body_a].material.young,
-                  scene->bodies[contact->body_b].material.young);
+  const ct_material *a = &scene->bodies[contact->body_a].material,
+                    *b = &scene->bodies[contact->body_b].material;
   double h = fmin(ct_mesh_shortest_edge(scene->parts[contact->body_a].mesh),
                   ct_mesh_shortest_edge(scene->parts[contact->body_b].mesh));
-  return ct_contact_penalty(contact->beta, E, h);
+  if (contact->beta > 0.0) return ct_contact_penalty(contact->beta, fmin(a->young, b->young), h);
+  return ct_contact_penalty_default(contact->options.enforcement,
+                                    fmin(modulus_of(a), modulus_of(b)), h);
 }
 
 static ct_status make_contact(ct_scene *scene, int32_t number, ct_effect **effect, ct_error *error)

@@ -130,8 +130,8 @@ static void predict(const ct_problem *problem, const ct_state *state, ct_solver 
   double before = stages[count - 1 - state->workspace->stage].tau * problem->dt;
   // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
   if (state->step == 0 && state->workspace->stage == 0) before = 0.0;
-  ct_integrator_predict(problem, state, s->node_count, s->nodes, CT_SOLVER_WIDE, s->increment,
-                        s->mobility);
+  s->share = ct_integrator_predict(problem, state, s->node_count, s->nodes, CT_SOLVER_WIDE,
+                                   s->increment, s->mobility);
   for (int32_t i = 0; i < s->node_count; i++)
     for (int64_t c = 0; c < 3; c++)
       s->past[CT_SOLVER_WIDE * (int64_t)i + c] =

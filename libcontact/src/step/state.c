@@ -373,7 +373,7 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   return CT_OK;
 }
 
-void ct_integrator_predict(const ct_problem *problem, const ct_state *state, int32_t count,
+double ct_integrator_predict(const ct_problem *problem, const ct_state *state, int32_t count,
                            const int32_t *nodes, int stride, double *way, double *mobility)
 {
   ct_stage stage = ct_stage_now(problem, state);
@@ -394,6 +394,7 @@ void ct_integrator_predict(const ct_problem *problem, const ct_state *state, int
       way[own] = stage.tau * velocity;
       mobility[own] = stage.tau * push * problem->inverse_mass[dof];
     }
+  return push / stage.r;
 }
 
 /* Scratch space of the effect that effect `k` reads. */

@@ -58,8 +58,9 @@ double *ct_stage_past(const ct_problem *problem, const ct_state *state);
 
 /* Way of nodes until the next evaluation with the forces in `total`, shape (node_count, 3), and how
  * far one more unit of force moves each component (eq:stage). Three numbers a node, `stride` apart.
- * At the start, before v_{-1/2} is known, the velocity is the one of t = 0 (eq:stage-start). */
-void ct_integrator_predict(const ct_problem *problem, const ct_state *state, int32_t count,
+ * At the start, before v_{-1/2} is known, the velocity is the one of t = 0 (eq:stage-start).
+ * Answers how large a part this is of how far a force moves them in a step that does not start. */
+double ct_integrator_predict(const ct_problem *problem, const ct_state *state, int32_t count,
                            const int32_t *nodes, int stride, double *way, double *mobility);
 
 /* Fails for a state whose last step ended after its first stage. */

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core import lib
+from .._core import ffi, lib
 from ..bridge import names
-from ..model import ORIGIN, POSITIVE, History, Pressing, Vector
+from ..model import ENFORCEMENTS, ORIGIN, POSITIVE, History, Pressing, Vector
 from ..schema import VECTOR, Nested, Surface, Table, key
 from ..units import Units
 from . import Effect
@@ -146,16 +146,28 @@ class Obstacle(Pressing, Effect, eq=False):
         distance = np.linalg.norm(away, axis=1)
         return distance - shape.radius, away / np.maximum(distance, np.finfo(float).tiny)[:, None]
 
+    def penalty(self, body: Any) -> float:
+        """The penalty ε against a body of the C scene."""
+        if self.epsilon:
+            return self.epsilon
+        edge = lib.ct_mesh_shortest_edge(body.mesh)
+        if self.beta:
+            return float(lib.ct_contact_penalty(self.beta, body.material.young, edge))
+        c = ffi.new("double[2]")
+        lib.ct_material_speeds(ffi.addressof(body.material), c, c + 1)
+        modulus = body.material.density * c[0] ** 2
+        law = ENFORCEMENTS[self.enforcement]
+        return float(lib.ct_contact_penalty_default(law, modulus, edge))
+
     def create(self, maker: Any) -> Any:
         """The obstacle's effect, and after it that of its friction, if it has one."""
         body, shape = maker.body(self.surface[0]), getattr(self, self.shape)
-        edge = lib.ct_mesh_shortest_edge(body.mesh)
         members = {
             "shape": SHAPES[self.shape],
             "point": shape.point,
             "axis": shape.axis,
             "radius": shape.radius,
-            "epsilon": self.epsilon or lib.ct_contact_penalty(self.beta, body.material.young, edge),
+            "epsilon": self.penalty(body),
             "amplitude": maker.history(self.history),
         }
         made = [maker.make("obstacle", self, **maker.faces(self.surface), **members)]
@@ -171,9 +183,11 @@ class Obstacle(Pressing, Effect, eq=False):
             text += f", moving at {list(self.velocity)} {units.label('velocity')}"
         if self.history:
             text += f", moving by {list(self.travel)} {units.length} with a history"
-        if self.epsilon is None:
+        if self.beta:
             text += f"; beta = {self.beta:g}"
-        else:
+        elif self.epsilon:
             text += f"; epsilon = {self.epsilon:g} {units.label('penalty')}"
+        else:
+            text += "; the default penalty"
         rub = f"friction {self.friction:g}" if self.friction else "without friction"
         return f"{text}, enforced by {self.enforcement}, {rub}"
