@@ -18,6 +18,15 @@ typedef double ct_lanes;
 
 enum { CT_BATCH = 8, CT_LANES_COUNT = CT_LANES_WIDE ? 8 : 1 };
 
+/* Four numbers side by side, anywhere in memory: one vector, or CT_QUAD_PARTS of them. */
+#if defined(__GNUC__)
+typedef double ct_quad __attribute__((vector_size(32), aligned(8), may_alias));
+enum { CT_QUAD_PARTS = 1 };
+#else
+typedef double ct_quad;
+enum { CT_QUAD_PARTS = 4 };
+#endif
+
 /* A part of a kernel: compiled for the instruction set of the kernel that calls it. */
 #if defined(__GNUC__)
 #define CT_INLINE static inline __attribute__((always_inline))

@@ -1,11 +1,13 @@
 #include <libcontact/base.h>
 
+#include "lanes.h"
 #include "stream.h"
 
 #include <float.h>
 #include <math.h>
 
 /* Largest |value|; infinite if one is not finite. */
+CT_CLONES
 static double largest(const double *values, int64_t count)
 {
   double top = 0.0;
@@ -45,6 +47,18 @@ int ct_stream_again(ct_stream *sums, int count)
   return again;
 }
 
+/* Cut each number into its parts on the two grids; both sums are exact (eq:order-free-sum). */
+CT_CLONES
+static void add_parts(const ct_grid *of, const double *terms, int64_t count, double sum[2])
+{
+  ct_grid grid = *of;
+  double coarse = 0.0, fine = 0.0;
+#pragma omp simd reduction(+ : coarse, fine)
+  for (int64_t i = 0; i < count; i++) ct_grid_add(&grid, terms[i], &coarse, &fine);
+  sum[0] += coarse;
+  sum[1] += fine;
+}
+
 void ct_stream_add(ct_stream *s, const double *terms, int64_t count)
 {
   // -- In the first round only look: the largest number and the count fix the grids
@@ -53,13 +67,10 @@ void ct_stream_add(ct_stream *s, const double *terms, int64_t count)
     s->top = fmax(s->top, largest(terms, count));
   }
   if (s->round != 2) return;
-  // -- Cut each number into its parts on the two grids; both sums are exact (eq:order-free-sum)
-  ct_grid grid = s->grid;
-  double coarse = 0.0, fine = 0.0;
-#pragma omp simd reduction(+ : coarse, fine)
-  for (int64_t i = 0; i < count; i++) ct_grid_add(&grid, terms[i], &coarse, &fine);
-  s->coarse += coarse;
-  s->fine += fine;
+  double sum[2] = {s->coarse, s->fine};
+  add_parts(&s->grid, terms, count, sum);
+  s->coarse = sum[0];
+  s->fine = sum[1];
 }
 
 double ct_stream_sum(const ct_stream *s) { return s->coarse + s->fine; }

@@ -8,25 +8,27 @@
 #include "../base/lanes.h"
 #include "../base/memory.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
-enum { MOST_ITERATIONS = 500, FACE_NODES = 8, WIDE = CT_SOLVER_WIDE };
+enum { MOST_ITERATIONS = 500, WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS };
 
-/* The iteration ends when no force changes by more than this part of the largest. */
+/* The iteration ends when no force would change by more than this part of the largest. */
 static const double TOLERANCE = 1e-10;
 
 void ct_solver_free(ct_solver *s)
 {
   if (s == NULL) return;
-  void *blocks[] = {s->rows,     s->first,  s->first_node, s->nodes,  s->shared,       s->increment,
-                    s->mobility, s->past,   s->moved,      s->active, s->first_active, s->entries,
-                    s->C,        s->b,      s->free,       s->force,  s->rest,         s->scale,
-                    s->way,      s->answer, s->terms,      s};
+  void *blocks[] = {s->rows,       s->first,    s->nodes,  s->first_node, s->place,
+                    s->increment,  s->mobility, s->past,   s->moved,      s->crowd,
+                    s->entries,    s->G,        s->active, s->C,          s->b,
+                    s->entry_node, s->free,     s->force,  s->rest,       s->scale,
+                    s->way,        s->answer,   s->terms,  s->guide,      s};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
 }
 
-/* List the nodes of all sets, and those that are in several. */
+/* Number the nodes of all sets, each once. */
 static void number_nodes(ct_solver *s, const ct_row_set *sets, int32_t problem_nodes,
                          int32_t *place)
 {
@@ -34,9 +36,11 @@ static void number_nodes(ct_solver *s, const ct_row_set *sets, int32_t problem_n
   for (int32_t k = 0, next = 0; k < s->set_count; k++)
     for (int32_t i = 0; i < sets[k].node_count; i++, next++) {
       int32_t node = sets[k].nodes == NULL ? i : sets[k].nodes[i];
-      s->nodes[next] = node;
-      if (place[node] < 0) place[node] = next;
-      else s->shared[s->shared_count++] = (ct_shared_node){place[node], next};
+      if (place[node] < 0) {
+        place[node] = s->node_count;
+        s->nodes[s->node_count++] = node;
+      }
+      s->place[next] = place[node];
     }
 }
 
@@ -48,26 +52,29 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   if (s == NULL) return CT_ERROR_MEMORY;
   s->set_count = count;
   s->first = ct_allocate((size_t)count + 1, sizeof *s->first);
-  s->first_active = ct_allocate((size_t)count + 1, sizeof *s->first_active);
   s->first_node = ct_allocate((size_t)count + 1, sizeof *s->first_node);
-  if (!s->first || !s->first_active || !s->first_node) return CT_ERROR_MEMORY;
+  if (!s->first || !s->first_node) return CT_ERROR_MEMORY;
   for (int32_t k = 0; k < count; k++) {
     s->most += sets[k].most;
-    s->node_count += sets[k].node_count;
-    s->first_node[k + 1] = s->node_count;
+    s->first_node[k + 1] = s->first_node[k] + sets[k].node_count;
   }
-  size_t nodes = (size_t)s->node_count, rows = (size_t)s->most;
+  size_t nodes = (size_t)s->first_node[count], rows = (size_t)s->most,
+         entries = CT_ROW_NODES * rows;
   s->nodes = ct_allocate(nodes, sizeof *s->nodes);
-  s->shared = ct_allocate(nodes, sizeof *s->shared);
-  s->entries = ct_allocate(nodes, sizeof *s->entries);
+  s->place = ct_allocate(nodes, sizeof *s->place);
+  s->crowd = ct_allocate(nodes, sizeof *s->crowd);
   s->rows = ct_allocate(rows, sizeof *s->rows);
   s->active = ct_allocate(rows, sizeof *s->active);
-  int whole = s->nodes && s->shared && s->entries && s->rows && s->active;
+  s->entries = ct_allocate(rows, sizeof *s->entries);
+  s->entry_node = ct_allocate(entries, sizeof *s->entry_node);
+  s->G = ct_allocate(entries, WIDE * sizeof *s->G);
+  int whole = s->nodes && s->place && s->crowd && s->rows && s->active && s->entries &&
+              s->entry_node && s->G;
   double **vectors[] = {&s->increment, &s->mobility, &s->past, &s->moved};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     whole = (*vectors[i] = ct_allocate(nodes, WIDE * sizeof(double))) != NULL && whole;
   double **numbers[] = {&s->C,     &s->b,   &s->free,   &s->force, &s->rest,
-                        &s->scale, &s->way, &s->answer, &s->terms};
+                        &s->scale, &s->way, &s->answer, &s->terms, &s->guide};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
     whole = (*numbers[i] = ct_allocate(rows, sizeof(double))) != NULL && whole;
   if (!whole) return CT_ERROR_MEMORY;
@@ -75,54 +82,185 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   return CT_OK;
 }
 
-/* N or |N|; v or |v|: rows with sizes in the place of directions and shape functions bound those of
- * W. All calls know which. */
-CT_INLINE double size_if(int sizes, double x) { return sizes ? fabs(x) : x; }
-
-/* Σ_a N_a x_a over the nodes of one face, paired so that a flipped face gives the same bits
- * (ct_side_sum, four components side by side). */
-CT_INLINE void sum_face(int sizes, int32_t count, const int32_t *node, const double *N,
-                        const double *x, double out[WIDE])
+/* Entries of the nodes of one face, at `entry`; the fourth component is the size |b_a|. */
+static void fill_face(ct_solver *s, int32_t set, int32_t count, const int32_t *node,
+                      const double *N, double sign, const double normal[3], int64_t entry)
 {
-  double t[FACE_NODES][WIDE];
-  for (int32_t a = 0; a < count; a++) {
-    const double *at = &x[WIDE * (int64_t)node[a]];
-#pragma omp simd
-    for (int i = 0; i < WIDE; i++) t[a][i] = size_if(sizes, N[a]) * at[i];
+  for (int32_t a = 0; a < count; a++, entry++) {
+    s->entry_node[entry] = s->place[s->first_node[set] + node[a]];
+    for (int c = 0; c < 3; c++) s->G[WIDE * entry + c] = sign * N[a] * normal[c];
+    s->G[WIDE * entry + 3] = fabs(N[a]);
   }
-  if (count == 3 || count == 6)
-    for (int i = 0; i < WIDE; i++) t[count == 3 ? 3 : 6][i] = t[count == 3 ? 3 : 7][i] = 0.0;
+}
+
+/* Tell how many of some rows from each on have the same nodes, and entries one after another. */
+static void find_alike(ct_constraint *const *rows, int64_t count, ct_entries *entries)
+{
+  for (int64_t r = 0, end; r < count; r = end) {
+    ct_entries e = entries[r];
+    for (end = r + 1; end < count; end++)
+      if (rows[end]->own != rows[r]->own || rows[end]->other != rows[r]->other ||
+          entries[end].first != e.first + (end - r) * (e.own + e.other))
+        break;
+    entries[r].alike = (int32_t)(end - r);
+  }
+}
+
+/* The rows of G: b_a n for the nodes a of each listed row (eq:constraint-force). */
+static void fill_entries(ct_solver *s)
+{
+  int64_t next = 0;
+  for (int32_t k = 0; k < s->set_count; k++)
+    for (int64_t j = s->first[k]; j < s->first[k + 1]; j++) {
+      const ct_constraint *c = s->rows[j];
+      s->entries[j] = (ct_entries){next, c->own_count, c->other_count, 1};
+      fill_face(s, k, c->own_count, c->own, c->own_shape, 1.0, c->normal, next);
+      next += c->own_count;
+      fill_face(s, k, c->other_count, c->other, c->other_shape, -1.0, c->normal, next);
+      next += c->other_count;
+    }
+  find_alike(s->rows, s->first[s->set_count], s->entries);
+}
+
+/* A quad of each of some nodes. */
+CT_INLINE void load_nodes(int32_t count, const int32_t *node, const double *x, ct_quad *at)
+{
+  for (int32_t a = 0; a < count; a++)
+    for (int i = 0; i < PARTS; i++)
+      at[PARTS * a + i] = ((const ct_quad *)&x[WIDE * (int64_t)node[a]])[i];
+}
+
+/* Σ over the nodes of one face, paired so that a flipped face gives the same bits (eq:tree-sum). */
+CT_INLINE void sum_face(int32_t count, const ct_quad *G, const ct_quad *at, ct_quad *out)
+{
+  for (int i = 0; i < PARTS; i++) {
+    ct_quad t[8] = {{0.0}};
+    for (int32_t a = 0; a < count; a++) t[a] = G[PARTS * a + i] * at[PARTS * a + i];
+    out[i] = (t[0] + t[1]) + (t[2] + t[3]);
+    if (count > 4) out[i] += (t[4] + t[6]) + (t[5] + t[7]);
+  }
+}
+
+/* Some rows of G with the same nodes times a vector, or their sizes times its fourth components.
+ * Inlined with the numbers of nodes known where they are four, as in most faces: the numbers of the
+ * nodes stay in registers. */
+CT_INLINE void times_rows(int sizes, int32_t own, int32_t other, int32_t rows, const int32_t *node,
+                          const double *G, const double *x, double *out)
+{
+  ct_quad at[PARTS * CT_ROW_NODES], mine[PARTS], theirs[PARTS];
+  load_nodes(own + other, node, x, at);
+  for (int32_t r = 0; r < rows; r++, G += WIDE * (own + other)) {
+    sum_face(own, (const ct_quad *)G, at, mine);
+    sum_face(other, (const ct_quad *)G + PARTS * own, at + PARTS * own, theirs);
+    const double *a = (const double *)mine, *b = (const double *)theirs;
+    out[r] = sizes ? a[3] + b[3] : ((a[0] + b[0]) + (a[1] + b[1])) + (a[2] + b[2]);
+  }
+}
+
+/* G times a vector at nodes; or with `sizes` that of its fourth components. */
+CT_CLONES
+static void times_G(int sizes, const ct_entries *rows, int64_t count, const int32_t *node,
+                    const double *G, const double *x, double *out)
+{
+  for (int64_t r = 0; r < count; r += rows[r].alike) {
+    ct_entries e = rows[r];
+    const int32_t *n = &node[e.first];
+    const double *g = &G[WIDE * e.first];
+    if (e.own == 4 && e.other == 4) times_rows(sizes, 4, 4, e.alike, n, g, x, &out[r]);
+    else times_rows(sizes, e.own, e.other, e.alike, n, g, x, &out[r]);
+  }
+}
+
+/* Add some rows of G with the same nodes, times their forces, to the sums at the nodes, as
+ * multiples of the spacing of the coarse grid: these sums are exact in any order
+ * (eq:order-free-sum). */
+CT_INLINE void add_rows(const ct_grid *grid, int32_t nodes, int32_t rows, const int32_t *node,
+                        const double *G, const double *force, double *moved)
+{
+  ct_quad sum[PARTS * CT_ROW_NODES];
+  load_nodes(nodes, node, moved, sum);
+  for (int32_t r = 0; r < rows; r++, G += WIDE * nodes)
+    for (int32_t a = 0; a < PARTS * nodes; a++)
+      sum[a] += (((const ct_quad *)G)[a] * force[r] + grid->coarse) - grid->coarse;
+  for (int32_t a = 0; a < nodes; a++)
+    for (int i = 0; i < PARTS; i++)
+      ((ct_quad *)&moved[WIDE * (int64_t)node[a]])[i] = sum[PARTS * a + i];
+}
+
+/* Gᵀ times the forces of rows. */
+CT_CLONES
+static void times_G_transposed(const ct_grid *grid, const ct_entries *rows, int64_t count,
+                               const int32_t *node, const double *G, const double *force,
+                               double *restrict moved)
+{
+  for (int64_t r = 0; r < count; r += rows[r].alike) {
+    ct_entries e = rows[r];
+    const double *entry = &G[WIDE * e.first];
+    if (e.own + e.other == 8) add_rows(grid, 8, e.alike, &node[e.first], entry, &force[r], moved);
+    else add_rows(grid, e.own + e.other, e.alike, &node[e.first], entry, &force[r], moved);
+  }
+}
+
+/* The largest size of some numbers, and zeros. */
+CT_CLONES
+static double largest(int64_t count, const double *x)
+{
+  double top = 0.0;
+#pragma omp simd reduction(max : top)
+  for (int64_t r = 0; r < count; r++) {
+    double size = fabs(x[r]);
+    top = size > top ? size : top;
+  }
+  return top;
+}
+
+CT_CLONES
+static void clear(int64_t count, double *x)
+{
 #pragma omp simd
-  for (int i = 0; i < WIDE; i++) out[i] = (t[0][i] + t[1][i]) + (t[2][i] + t[3][i]);
-  if (count <= 4) return;
+  for (int64_t i = 0; i < count; i++) x[i] = 0.0;
+}
+
+/* `moved` = A Gᵀ times forces. Answers 0 when they are not finite. */
+static int move_nodes(ct_solver *s, const double *force)
+{
+  ct_grid grid;
+  int64_t components = WIDE * (int64_t)s->node_count;
+  double top = largest(s->count, force);
+  clear(components, s->moved);
+  if (top == 0.0) return 1;
+  // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
+  if (!ct_grid_init(&grid, 2.0 * top, s->most_crowd)) return 0;
+  times_G_transposed(&grid, s->entries, s->count, s->entry_node, s->G, force, s->moved);
+  for (int64_t d = 0; d < components; d++) s->moved[d] *= s->mobility[d];
+  return 1;
+}
+
+/* terms = x y, row by row. */
+CT_CLONES
+static void multiply(int64_t count, const double *x, const double *y, double *restrict terms)
+{
 #pragma omp simd
-  for (int i = 0; i < WIDE; i++) out[i] += (t[4][i] + t[6][i]) + (t[5][i] + t[7][i]);
+  for (int64_t r = 0; r < count; r++) terms[r] = x[r] * y[r];
 }
 
-/* Σ_a N_a n·x_a - Σ_b N̄_b n·x_b of a row, `x` beginning with its set's first node. Inlined with the
- * numbers of nodes known where they are four, as in most faces: the numbers stay in registers. */
-CT_INLINE double along_nodes(int sizes, int32_t own_count, int32_t other_count,
-                             const ct_constraint *c, const double *x)
+/* out += a x, row by row. */
+CT_CLONES
+static void add_times(int64_t count, const double *a, const double *x, double *restrict out)
 {
-  double own[WIDE], other[WIDE] = {0.0}, d[3];
-  sum_face(sizes, own_count, c->own, c->own_shape, x, own);
-  if (other_count > 0) sum_face(sizes, other_count, c->other, c->other_shape, x, other);
-  for (int i = 0; i < 3; i++)
-    d[i] = size_if(sizes, c->normal[i]) * (sizes ? own[i] + other[i] : own[i] - other[i]);
-  return (d[0] + d[1]) + d[2];
+#pragma omp simd
+  for (int64_t r = 0; r < count; r++) out[r] += a[r] * x[r];
 }
 
-CT_INLINE double along(int sizes, const ct_constraint *c, const double *x)
+/* `out` = (W + C) times forces: the gaps that they open, and what their own springs give
+ * (eq:constraint-problem). */
+static int apply(ct_solver *s, const double *force, double *out)
 {
-  return c->own_count == 4 && c->other_count == 4
-             ? along_nodes(sizes, 4, 4, c, x)
-             : along_nodes(sizes, c->own_count, c->other_count, c, x);
-}
-
-/* A vector at the nodes of a set. */
-static double *at_set(const ct_solver *s, int32_t k, double *x)
-{
-  return &x[WIDE * (int64_t)s->first_node[k]];
+  if (!move_nodes(s, force)) return 0;
+  times_G(0, s->entries, s->count, s->entry_node, s->G, s->moved, out);
+  add_times(s->count, s->C, force, out);
+  s->iterations++;
+  return 1;
 }
 
 /* Gaps of the steps before and after without the constraints; answers the largest motion or depth.
@@ -130,184 +268,69 @@ static double *at_set(const ct_solver *s, int32_t k, double *x)
 static double predict_gaps(ct_solver *s)
 {
   double most = 0.0;
-  for (int32_t i = 0; i < s->shared_count; i++) {
-    const ct_shared_node *n = &s->shared[i];
-    double *vectors[] = {s->increment, s->mobility, s->past};
-    for (int v = 0; v < 3; v++)
-      memcpy(&vectors[v][WIDE * (int64_t)n->copy], &vectors[v][WIDE * (int64_t)n->first],
-             WIDE * sizeof(double));
+  int64_t count = s->first[s->set_count];
+  times_G(0, s->entries, count, s->entry_node, s->G, s->past, s->terms);
+  times_G(0, s->entries, count, s->entry_node, s->G, s->increment, s->free);
+  for (int64_t j = 0; j < count; j++) {
+    ct_constraint *c = s->rows[j];
+    c->before = c->gap - (s->terms[j] + c->moved);
+    c->after = c->gap + (s->free[j] + c->moved);
+    double motion = fabs(c->after - c->gap), depth = -c->gap, far = motion > depth ? motion : depth;
+    most = far > most ? far : most;
   }
-  for (int32_t k = 0; k < s->set_count; k++)
-    for (int64_t j = s->first[k]; j < s->first[k + 1]; j++) {
-      ct_constraint *c = s->rows[j];
-      c->before = c->gap - (along(0, c, at_set(s, k, s->past)) + c->moved);
-      c->after = c->gap + (along(0, c, at_set(s, k, s->increment)) + c->moved);
-      most = fmax(most, fmax(fabs(c->after - c->gap), -c->gap));
-    }
   return most;
 }
 
-/* Leave out the rows that the motions of this step cannot close (eq:near-constraints). */
+/* Leave out the rows that the motions of this step cannot close (eq:near-constraints), and count
+ * how many act on each node. */
 static void choose_active(ct_solver *s)
 {
   double most = predict_gaps(s);
   s->count = 0;
-  for (int32_t k = 0; k < s->set_count; k++) {
-    s->first_active[k] = s->count;
-    for (int64_t j = s->first[k]; j < s->first[k + 1]; j++) {
-      ct_constraint *c = s->rows[j];
-      double force = c->force;
-      c->force = 0.0;
-      if (!(fmin(c->gap, c->after) <= 2.0 * most) || !ct_law_presses(c)) continue;
-      s->free[s->count] = c->after;
-      s->force[s->count] = force;
-      s->active[s->count++] = c;
+  s->most_crowd = 0;
+  memset(s->crowd, 0, (size_t)s->node_count * sizeof *s->crowd);
+  for (int64_t j = 0; j < s->first[s->set_count]; j++) {
+    ct_constraint *c = s->rows[j];
+    double force = c->force;
+    c->force = 0.0;
+    if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most) || !ct_law_presses(c)) continue;
+    ct_entries e = s->entries[s->count] = s->entries[j];
+    s->free[s->count] = c->after;
+    s->force[s->count] = force;
+    s->active[s->count++] = c;
+    for (int64_t i = e.first; i < e.first + e.own + e.other; i++) {
+      int32_t crowd = ++s->crowd[s->entry_node[i]];
+      s->most_crowd = crowd > s->most_crowd ? crowd : s->most_crowd;
     }
   }
-  s->first_active[s->set_count] = s->count;
 }
 
-/* Add N_a times a vector to the sums at the nodes of one face, as multiples of the spacing of the
- * coarse grid: these sums are exact in any order (eq:order-free-sum). */
-CT_INLINE void add_nodes(int sizes, const ct_grid *grid, int32_t count, const int32_t *node,
-                         const double *N, const double v[WIDE], double *moved)
+/* Σ_k |W_jk| of each row, or more, into `scale` (eq:constraint-bound). */
+static int bound_rows(ct_solver *s)
 {
-  for (int32_t a = 0; a < count; a++) {
-    double *sum = &moved[WIDE * (int64_t)node[a]], n = size_if(sizes, N[a]);
-#pragma omp simd
-    for (int i = 0; i < WIDE; i++) sum[i] += (n * v[i] + grid->coarse) - grid->coarse;
+  for (int32_t n = 0; n < s->node_count; n++) {
+    double *A = &s->mobility[WIDE * (int64_t)n];
+    A[3] = fmax(fmax(A[0], A[1]), A[2]);
   }
-}
-
-/* The same; with four nodes, as most faces have, the loop is unrolled. */
-CT_INLINE void add_face(int sizes, const ct_grid *grid, int32_t count, const int32_t *node,
-                        const double *N, const double v[WIDE], double *moved)
-{
-  if (count == 4) add_nodes(sizes, grid, 4, node, N, v, moved);
-  else add_nodes(sizes, grid, count, node, N, v, moved);
-}
-
-/* Add the forces `values` of some rows; or of rows of sizes, all of the force 1. */
-CT_INLINE void add_rows_of(int sizes, const ct_grid *grid, int64_t count,
-                           ct_constraint *const *rows, const double *values, double *moved)
-{
-  for (int64_t r = 0; r < count; r++) {
-    const ct_constraint *c = rows[r];
-    double v[WIDE] = {0.0}, back[WIDE] = {0.0};
-    if (values[r] == 0.0) continue;
-    for (int i = 0; i < 3; i++) {
-      v[i] = values[r] * size_if(sizes, c->normal[i]);
-      back[i] = sizes ? v[i] : -v[i];
-    }
-    add_face(sizes, grid, c->own_count, c->own, c->own_shape, v, moved);
-    add_face(sizes, grid, c->other_count, c->other, c->other_shape, back, moved);
-  }
-}
-
-CT_CLONES
-static void add_rows(const ct_grid *grid, int64_t count, ct_constraint *const *rows,
-                     const double *values, double *restrict moved)
-{
-  add_rows_of(0, grid, count, rows, values, moved);
-}
-
-static void add_sizes(const ct_grid *grid, int64_t count, ct_constraint *const *rows,
-                      const double *values, double *restrict moved)
-{
-  add_rows_of(1, grid, count, rows, values, moved);
-}
-
-/* Each node that is in several sets gets the sum of what came to its places. */
-static void join_shared(ct_solver *s)
-{
-  for (int back = 0; back < 2; back++)
-    for (int32_t i = 0; i < s->shared_count; i++) {
-      double *first = &s->moved[WIDE * (int64_t)s->shared[i].first],
-             *copy = &s->moved[WIDE * (int64_t)s->shared[i].copy];
-      for (int c = 0; c < WIDE; c++)
-        if (back) copy[c] = first[c];
-        else first[c] += copy[c];
-    }
-}
-
-/* The larger of two, written so that it can be done in lanes. */
-static inline double larger(double x, double y) { return x > y ? x : y; }
-
-/* What forces of the rows do to nodes, in sums that do not depend on their order: `moved` becomes
- * the displacement A Gᵀ values. */
-static int add_up(ct_solver *s, int sizes, const double *values)
-{
-  ct_grid grid;
-  double top = 0.0;
-  size_t size = WIDE * (size_t)s->node_count * sizeof(double);
-  for (int64_t r = 0; r < s->count; r++) top = larger(top, fabs(values[r]));
-  memset(s->moved, 0, size);
-  // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
-  if (top == 0.0) return 1;
-  if (!ct_grid_init(&grid, 2.0 * top, s->crowd)) return 0;
-  for (int32_t k = 0; k < s->set_count; k++) {
-    int64_t first = s->first_active[k];
-    (sizes ? add_sizes : add_rows)(&grid, s->first_active[k + 1] - first, s->active + first,
-                                   values + first, at_set(s, k, s->moved));
-  }
-  join_shared(s);
-  for (int64_t d = 0; d < WIDE * (int64_t)s->node_count; d++) s->moved[d] *= s->mobility[d];
+  for (int64_t r = 0; r < s->count; r++) s->way[r] = 1.0;
+  if (!move_nodes(s, s->way)) return 0;
+  times_G(1, s->entries, s->count, s->entry_node, s->G, s->moved, s->scale);
   return 1;
 }
 
-/* The largest number of rows that act on one node. */
-static void count_crowd(ct_solver *s)
-{
-  memset(s->entries, 0, (size_t)s->node_count * sizeof *s->entries);
-  s->crowd = 0;
-  for (int32_t k = 0; k < s->set_count; k++)
-    for (int64_t r = s->first_active[k]; r < s->first_active[k + 1]; r++) {
-      const ct_constraint *c = s->active[r];
-      int32_t *entries = &s->entries[s->first_node[k]];
-      for (int32_t a = 0; a < c->own_count; a++) entries[c->own[a]]++;
-      for (int32_t a = 0; a < c->other_count; a++) entries[c->other[a]]++;
-    }
-  for (int32_t i = 0; i < s->shared_count; i++)
-    s->entries[s->shared[i].first] += s->entries[s->shared[i].copy];
-  for (int32_t n = 0; n < s->node_count; n++)
-    s->crowd = s->entries[n] > s->crowd ? s->entries[n] : s->crowd;
-}
-
-/* The laws of the rows in this step, and bounds D of the rows of W + C (eq:constraint-bound). */
+/* The laws of the rows in this step, and the scale of each (eq:constraint-bound). */
 static int fix_laws(ct_solver *s)
 {
-  for (int64_t r = 0; r < s->count; r++) s->way[r] = 1.0;
-  if (!add_up(s, 1, s->way)) return 0;
-  for (int32_t k = 0; k < s->set_count; k++)
-    for (int64_t r = s->first_active[k]; r < s->first_active[k + 1]; r++) {
-      ct_constraint *c = s->active[r];
-      double mobility = along(1, c, at_set(s, k, s->moved));
-      c->dashpot = ct_law_dashpot(c, mobility / s->share);
-      ct_ramp ramp = ct_law_ramp(c);
-      s->C[r] = ramp.C;
-      s->b[r] = ramp.b;
-      s->scale[r] = mobility + ramp.C;
-    }
-  return 1;
-}
-
-/* (W + C) times some forces, or with `rest` what it leaves of the laws: g_{n+1} + b + C λ. */
-CT_CLONES
-static void apply_rows(int64_t count, ct_constraint *const *rows, const double *C,
-                       const double *values, const double *moved, double *out)
-{
-  for (int64_t r = 0; r < count; r++) out[r] = along(0, rows[r], moved) + C[r] * values[r];
-}
-
-static int apply(ct_solver *s, const double *values, double *out)
-{
-  if (!add_up(s, 0, values)) return 0;
-  for (int32_t k = 0; k < s->set_count; k++) {
-    int64_t first = s->first_active[k];
-    apply_rows(s->first_active[k + 1] - first, s->active + first, s->C + first, values + first,
-               at_set(s, k, s->moved), out + first);
+  if (!bound_rows(s)) return 0;
+  for (int64_t r = 0; r < s->count; r++) {
+    ct_constraint *c = s->active[r];
+    double bound = s->scale[r];
+    c->dashpot = ct_law_dashpot(c, bound / s->share);
+    ct_ramp ramp = ct_law_ramp(c);
+    s->C[r] = ramp.C;
+    s->b[r] = ramp.b;
+    s->scale[r] = bound + ramp.C > 0.0 ? 1.0 / (bound + ramp.C) : 0.0;
   }
-  s->iterations++;
   return 1;
 }
 
@@ -319,105 +342,111 @@ static int find_rest(ct_solver *s)
   return 1;
 }
 
-/* How far the slope moves a force in a step of the length 1, which does not end below 0. */
-static double descent(const ct_solver *s, int64_t r)
-{
-  double down = s->scale[r] > 0.0 ? s->rest[r] / s->scale[r] : 0.0;
-  return down < s->force[r] ? down : s->force[r];
-}
-
 /* Σ x_r y_r, whatever the order of the rows. */
 static double product(ct_solver *s, const double *x, const double *y)
 {
-  for (int64_t r = 0; r < s->count; r++) s->terms[r] = x[r] * y[r];
+  multiply(s->count, x, y, s->terms);
   return ct_sum(s->terms, s->count);
 }
 
-/* Σ of what pressed rows, or those without force, have to gain by a step down (eq:proportioning).
- */
-static double gain(ct_solver *s, int pressed)
-{
-  for (int64_t r = 0; r < s->count; r++)
-    s->terms[r] = (s->force[r] > 0.0) == pressed ? s->rest[r] * descent(s, r) : 0.0;
-  return ct_sum(s->terms, s->count);
-}
+/* What a step of the length 1 down the slope would do that does not end below 0: how far it moves
+ * any force and one of a row that is not pressed, at most, and the largest force. */
+typedef struct descent {
+  double most, lift, top;
+} descent;
 
-/* Whether no force would move by more than a part of the largest. */
-static int is_solved(const ct_solver *s, double tolerance)
+/* `steps` become those of all rows, `guide` the slope over D of the pressed rows. */
+CT_CLONES
+static descent descend(int64_t count, const double *rest, const double *scale, const double *force,
+                       double *restrict steps, double *restrict guide)
 {
-  double most = 0.0, top = 0.0;
-  for (int64_t r = 0; r < s->count; r++) {
-    most = larger(most, fabs(descent(s, r)));
-    top = larger(top, s->force[r]);
+  double most = 0.0, top = 0.0, lift = 0.0;
+#pragma omp simd reduction(max : most, top, lift)
+  for (int64_t r = 0; r < count; r++) {
+    double down = rest[r] * scale[r], step = down < force[r] ? down : force[r], size = fabs(step),
+           up = force[r] > 0.0 ? 0.0 : size;
+    guide[r] = force[r] > 0.0 ? down : 0.0;
+    steps[r] = step;
+    most = size > most ? size : most;
+    top = force[r] > top ? force[r] : top;
+    lift = up > lift ? up : lift;
   }
-  return most <= tolerance * top;
-}
-
-/* The slope in the rows that a direction may move: those pressed, or those without a force that
- * want one; over D. */
-static void steepest(const ct_solver *s, int pressed, double *way)
-{
-  for (int64_t r = 0; r < s->count; r++) {
-    int free = (s->force[r] > 0.0) == pressed && s->scale[r] > 0.0;
-    double down = free ? s->rest[r] / s->scale[r] : 0.0;
-    way[r] = pressed ? down : fmin(down, 0.0);
-  }
+  return (descent){most, lift, top};
 }
 
 /* How far along the direction the first force becomes 0. */
-static double room_ahead(const ct_solver *s)
+CT_CLONES
+static double room_ahead(int64_t count, const double *force, const double *way)
 {
-  double room = HUGE_VAL;
-  for (int64_t r = 0; r < s->count; r++)
-    if (s->way[r] > 0.0) room = fmin(room, s->force[r] / s->way[r]);
-  return room;
+  double fastest = 0.0;
+#pragma omp simd reduction(max : fastest)
+  for (int64_t r = 0; r < count; r++) {
+    double part = way[r] / force[r]; // not a number where both are 0
+    fastest = part > fastest ? part : fastest;
+  }
+  return fastest > 0.0 ? 1.0 / fastest : DBL_MAX;
 }
 
-/* Go along the direction, and know the slope there. */
-static void go(ct_solver *s, double length)
+/* Go along the direction; the slope goes with it. */
+CT_CLONES
+static void go(int64_t count, double length, const double *way, const double *answer,
+               double *restrict force, double *restrict rest)
 {
-  for (int64_t r = 0; r < s->count; r++) {
-    s->force[r] -= length * s->way[r];
-    s->rest[r] -= length * s->answer[r];
-    if (!(s->force[r] > 0.0)) s->force[r] = 0.0;
+#pragma omp simd
+  for (int64_t r = 0; r < count; r++) {
+    double next = force[r] - length * way[r];
+    force[r] = next > 0.0 ? next : 0.0;
+    rest[r] -= length * answer[r];
   }
 }
 
-/* The next conjugate direction, among the pressed rows. */
-static void conjugate(ct_solver *s, double curvature)
+/* The next direction: the guide, and unless it is the first, a share of the last direction that
+ * makes both conjugate. */
+CT_CLONES
+static void turn(int64_t count, double share, const double *guide, double *restrict way)
 {
-  double *down = s->terms;
-  // `product` needs the terms: the slope over D is computed where it is used.
-  for (int64_t r = 0; r < s->count; r++)
-    down[r] =
-        s->force[r] > 0.0 && s->scale[r] > 0.0 ? s->rest[r] / s->scale[r] * s->answer[r] : 0.0;
-  double share = ct_sum(down, s->count) / curvature;
-  for (int64_t r = 0; r < s->count; r++) {
-    int free = s->force[r] > 0.0 && s->scale[r] > 0.0;
-    s->way[r] = free ? s->rest[r] / s->scale[r] - share * s->way[r] : 0.0;
-  }
+#pragma omp simd
+  for (int64_t r = 0; r < count; r++) way[r] = guide[r] + share * way[r];
 }
 
-/* One round of the method of proportioning (eq:proportioning). */
-static int improve(ct_solver *s)
+/* All forces one step down, of which none ends below 0: this always helps
+ * (eq:constraint-iteration).
+ */
+static int step_down(ct_solver *s)
 {
-  int pressed = gain(s, 0) <= gain(s, 1);
-  if (!pressed) steepest(s, 0, s->way);
-  if (!apply(s, s->way, s->answer)) return 0;
-  double curvature = product(s, s->way, s->answer), slope = product(s, s->way, s->rest);
-  double best = curvature > 0.0 ? slope / curvature : 1.0, room = room_ahead(s);
-  if (best <= room) {
-    go(s, best);
-    if (pressed) conjugate(s, curvature);
-    else steepest(s, 1, s->way);
-    return 1;
+  descend(s->count, s->rest, s->scale, s->force, s->answer, s->guide);
+  for (int64_t r = 0; r < s->count; r++) s->force[r] -= s->answer[r];
+  return find_rest(s);
+}
+
+/* Go along the direction, whose product with the slope is given, as far as that helps
+ * (eq:proportioning). Answers whether a new first direction is due, or -1 when forces are not
+ * finite. */
+static int improve(ct_solver *s, double slope)
+{
+  if (!apply(s, s->way, s->answer)) return -1;
+  double curvature = product(s, s->way, s->answer), room = room_ahead(s->count, s->force, s->way),
+         best = slope / curvature;
+  if (!(slope > 0.0 && curvature > 0.0))
+    return step_down(s) ? 1 : -1; // numbers too small to square
+  go(s->count, best < room ? best : room, s->way, s->answer, s->force, s->rest);
+  // -- Farther on a force would pull
+  if (!(best < room)) return step_down(s) ? 1 : -1;
+  return 0;
+}
+
+/* Whether the rows without a force have more to gain by their steps than those that are pressed,
+ * and then these steps as a direction (eq:proportioning). */
+static int releases(ct_solver *s)
+{
+  double gain[2];
+  for (int pressed = 0; pressed < 2; pressed++) {
+    for (int64_t r = 0; r < s->count; r++)
+      s->terms[r] = (s->force[r] > 0.0) == pressed ? s->rest[r] * s->answer[r] : 0.0;
+    gain[pressed] = ct_sum(s->terms, s->count);
   }
-  // -- A force would pull: go as far as none does, then down with all that are pressed
-  go(s, room);
-  for (int64_t r = 0; r < s->count; r++)
-    if (s->force[r] > 0.0) s->force[r] -= descent(s, r);
-  if (!find_rest(s)) return 0;
-  steepest(s, 1, s->way);
+  if (!(gain[0] > gain[1])) return 0;
+  for (int64_t r = 0; r < s->count; r++) s->way[r] = s->force[r] > 0.0 ? 0.0 : s->answer[r];
   return 1;
 }
 
@@ -425,17 +454,21 @@ static int improve(ct_solver *s)
  * a start that is made twice gives the same bits. */
 static int iterate(ct_solver *s)
 {
-  if (!find_rest(s)) return 0;
-  s->converged = is_solved(s, 10.0 * TOLERANCE);
-  while (!s->converged && s->iterations < MOST_ITERATIONS) {
-    steepest(s, 1, s->way);
-    while (!is_solved(s, TOLERANCE) && s->iterations < MOST_ITERATIONS)
-      if (!improve(s)) return 0;
-    // -- The slope that was carried along is off by its roundings
-    if (!find_rest(s)) return 0;
-    s->converged = is_solved(s, 2.0 * TOLERANCE);
+  double last = 0.0, tolerance = 10.0 * TOLERANCE;
+  int first = 1;
+  if (!find_rest(s) || !isfinite(ct_sum(s->rest, s->count))) return 0;
+  for (;; tolerance = TOLERANCE) {
+    descent d = descend(s->count, s->rest, s->scale, s->force, s->answer, s->guide);
+    s->converged = d.most <= tolerance * d.top;
+    if (s->converged || s->iterations >= MOST_ITERATIONS) return 1;
+    int release = d.lift > 0.0 && releases(s);
+    double slope = product(s, release ? s->way : s->guide, s->rest);
+    if (!release) turn(s->count, first || !(last > 0.0) ? 0.0 : slope / last, s->guide, s->way);
+    first = improve(s, slope);
+    if (first < 0) return 0;
+    first = first || release;
+    last = slope;
   }
-  return 1;
 }
 
 /* Forces and gaps of the solution into the rows. */
@@ -450,8 +483,9 @@ static void hand_out(ct_solver *s)
 
 int ct_solver_solve(ct_solver *s)
 {
+  fill_entries(s);
   choose_active(s);
-  count_crowd(s);
+  find_alike(s->active, s->count, s->entries);
   s->iterations = 0;
   s->converged = 1;
   if (!fix_laws(s) || !iterate(s)) return 0;

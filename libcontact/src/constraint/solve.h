@@ -10,39 +10,46 @@ typedef struct ct_row_set {
   const int32_t *nodes; /* ... in the problem; null: all */
 } ct_row_set;
 
-/* Two places of one node of the problem, which is in the lists of several effects. */
-typedef struct ct_shared_node {
-  int32_t first, copy;
-} ct_shared_node;
+/* Vectors at nodes have a fourth component, 0, so that they fill a register; a row has at most 16
+ * nodes. */
+enum { CT_SOLVER_WIDE = 4, CT_ROW_NODES = 16 };
 
-/* Room to find the forces of all constraints of a problem together. Its nodes are those of one
- * effect after those of another; vectors at nodes have a fourth component, 0, so that they fill a
- * register. */
+/* Where the entries b_a n of a row of G stand: those of its own face, then those of the other. */
+typedef struct ct_entries {
+  int64_t first;
+  int32_t own, other;
+  int32_t alike; /* how many rows from this one on have the same nodes, at least 1 */
+} ct_entries;
+
+/* Room to find the forces of all constraints of a problem together. Its nodes are those of all
+ * effects, each of them once. */
 typedef struct ct_solver {
   int32_t set_count;
   int64_t most;         /* rows of all sets */
   ct_constraint **rows; /* those listed: of one set after those of another */
   int64_t *first;       /* of each set in `rows`, shape (set_count + 1) */
-  int32_t *first_node;  /* of each set, shape (set_count + 1) */
-  int32_t node_count;   /* of all sets */
-  int32_t *nodes;       /* their numbers in the problem */
-  int32_t shared_count; /* nodes that are in more than one set */
-  ct_shared_node *shared;
-  double *increment;      /* u_{n+1} - u_n without the constraints, shape (node_count, 4) */
-  double *mobility;       /* how far a force moves a degree of freedom until t_{n+1}, likewise */
-  double share;           /* of the mobility in a step that does not begin at t = 0 */
-  double *past;           /* u_n - u_{n-1}, likewise */
-  double *moved;          /* sums of forces, likewise, and then the displacement that they add */
-  int32_t *entries;       /* how many rows act on each node */
-  int32_t crowd;          /* the largest of these numbers */
-  int64_t count;          /* rows that are near enough to be active */
+  int32_t node_count;
+  int32_t *nodes;      /* their numbers in the problem */
+  int32_t *first_node; /* of each set in `place`, shape (set_count + 1) */
+  int32_t *place;      /* of the nodes of one set after those of another, among the solver's */
+  double *increment;   /* u_{n+1} - u_n without the constraints, shape (node_count, 4) */
+  double *mobility;    /* how far a force moves a degree of freedom until t_{n+1}, likewise */
+  double share;        /* of the mobility in a step that does not begin at t = 0 */
+  double *past;        /* u_n - u_{n-1}, likewise */
+  double *moved;       /* sums of forces, likewise, and then the displacement that they add */
+  int32_t *crowd;      /* how many rows act on each node */
+  int32_t most_crowd;  /* the largest of these numbers */
+  ct_entries *entries; /* of the listed rows, and then of those that are near enough to be active */
+  double *G;           /* the entries, shape (any number, 4) */
+  int32_t *entry_node; /* their nodes */
+  int64_t count;       /* active rows */
   ct_constraint **active; /* these rows */
-  int64_t *first_active;  /* of each set in `active`, shape (set_count + 1) */
   double *C, *b;          /* their laws: compliance, and what the next gap counts from (eq:ramp) */
   double *free;           /* gaps at t_{n+1} without the constraints */
   double *force;          /* λ */
   double *rest;           /* g_{n+1} + b + C λ, the slope of the function to be made least */
-  double *scale;          /* D of the rows, which bounds W + C (eq:constraint-bound) */
+  double *scale;          /* 1 / D, a bound of the rows of W + C (eq:constraint-bound), or 0 */
+  double *guide;          /* the slope over D in the rows that are pressed */
   double *way;            /* direction of the search */
   double *answer;         /* (W + C) times it */
   double *terms;          /* of a sum */
@@ -50,19 +57,15 @@ typedef struct ct_solver {
   int converged;          /* whether it met the tolerance */
 } ct_solver;
 
-enum { CT_SOLVER_WIDE = 4 };
-
 /* Make room for some sets of rows. `place` has room for a number for each of the problem's nodes,
- * and becomes the first place of each among the solver's nodes, or -1. To be freed also when this
+ * and becomes the place of each among the solver's nodes, or -1. To be freed also when this
  * fails. */
 ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t problem_nodes,
                            int32_t *place, ct_solver **out);
 void ct_solver_free(ct_solver *solver);
 
 /* Find the forces of the listed rows together (eq:constraint-problem), given `increment`,
- * `mobility` and `past`, which are complete at the first places of nodes. Answers 0 when they are
- * not finite.
- */
+ * `mobility` and `past`. Answers 0 when they are not finite. */
 int ct_solver_solve(ct_solver *solver);
 
 #endif

@@ -161,16 +161,14 @@ static ct_status prescribe(const ct_problem *problem, const ct_state *state, ct_
 /* Mark the nodes on which forces begin at t = 0 (eq:energy-start). */
 static void mark_start(const ct_solver *s, uint64_t *begun)
 {
-  for (int32_t k = 0; k < s->set_count; k++)
-    for (int64_t r = s->first_active[k]; r < s->first_active[k + 1]; r++) {
-      const ct_constraint *c = s->active[r];
-      const int32_t *node = &s->nodes[s->first_node[k]];
-      if (!(c->force > 0.0) || !ct_law_begins(c)) continue;
-      for (int32_t a = 0; a < c->own_count; a++)
-        ct_bits_put(begun, node[c->own[a]], node[c->own[a]] + 1, 1);
-      for (int32_t a = 0; a < c->other_count; a++)
-        ct_bits_put(begun, node[c->other[a]], node[c->other[a]] + 1, 1);
+  for (int64_t r = 0; r < s->count; r++) {
+    ct_entries e = s->entries[r];
+    if (!(s->force[r] > 0.0) || !ct_law_begins(s->active[r])) continue;
+    for (int64_t i = e.first; i < e.first + e.own + e.other; i++) {
+      int32_t node = s->nodes[s->entry_node[i]];
+      ct_bits_put(begun, node, node + 1, 1);
     }
+  }
 }
 
 ct_status ct_constraints_solve(const ct_problem *problem, ct_state *state, ct_error *error)
