@@ -196,7 +196,6 @@ def _contact(
         "gauss_points": list(built.points),
         "epsilon": built.epsilon,
         "penalty_is_default": not given.penalty_given,
-        "tangent": given.tangent or 1.0,
         "removal_time": given.removal_time or 0.0,
         "penetration": found,
         "initial_gap": gap,
@@ -306,7 +305,9 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
         for name, law in LAW_KEYS.items()
         if contact["enforcement"] == law
     )
-    rub = f"friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"
+    rub = f"friction {contact['friction']:g}"
+    if contact["tangent"]:
+        rub += f", tangential penalty {contact['tangent']:g} epsilon"
     gap, adjust = contact["initial_gap"], f"{contact['adjust']:g} {units.length}"
     nearest = f"no point is near {other}"
     if gap is not None:

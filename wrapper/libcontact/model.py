@@ -362,7 +362,9 @@ class Pressing(Table):
     friction
         Coefficient of Coulomb's friction (:doc:`/theory/friction`).
     tangent
-        Ratio of the tangential to the normal penalty; only with ``friction``.
+        Ratio of the tangential to the normal penalty; only with ``friction``. Without it the
+        tangential penalty is the normal one, but at most 4 :math:`\rho c_1^2 / h`, as it limits
+        the step.
     """
 
     rivals = (("beta", "epsilon"),)
@@ -372,7 +374,7 @@ class Pressing(Table):
     enforcement: str = key(Choice(ENFORCEMENTS), default=word(ENFORCEMENTS, CONTACT.enforcement))
     dissipation: float = key(Number(least=0.0, most=1.0), default=CONTACT.dissipation)
     friction: float = key(FORWARD, default=0.0)
-    tangent: float | None = key(POSITIVE, default=None, says="1")
+    tangent: float | None = key(POSITIVE, default=None, says="1 or less")
 
     @property
     def penalty_given(self) -> bool:

@@ -94,8 +94,8 @@ typedef struct ct_contact_options {
 
 /**
  * Default options: CT_ROBUST, tolerance 1e-10, depth 0, one thread, no search between separated
- * surfaces, energy-controlled penalty with dissipation 0.15, overlaps at the start kept. ``epsilon``
- * is 0 and must be set.
+ * surfaces, energy-controlled penalty with dissipation 0.15, overlaps at the start kept.
+ * ``epsilon`` is 0 and must be set.
  */
 CT_API ct_contact_options ct_contact_options_default(void);
 
@@ -330,7 +330,8 @@ typedef struct ct_obstacle_def {
   const int32_t *faces;
 } ct_obstacle_def;
 
-/** A plane at rest with the energy-controlled penalty and dissipation 0.15; the rest must be set. */
+/** A plane at rest with the energy-controlled penalty and dissipation 0.15; the rest must be set.
+ */
 CT_API ct_obstacle_def ct_obstacle_def_default(void);
 
 /**

@@ -82,7 +82,8 @@ typedef struct ct_scene_contact {
   ct_contact_options options;
   /** Coefficient μ of friction; 0: none, and nothing is kept or computed for it. */
   double friction;
-  /** Ratio of the tangential to the normal penalty of friction; 0: 1. */
+  /** Ratio of the tangential to the normal penalty of friction; 0: 1, or less where the normal one
+   * is stiffer than the usual explicit penalty, so that friction does not shorten the step more. */
   double tangent;
   /** In place of `faces_a`: the outer faces in this side of the first body. */
   ct_box_side side_a;

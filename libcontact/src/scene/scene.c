@@ -495,6 +495,12 @@ static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
   return status;
 }
 
+static double shortest_edge(const ct_scene *scene, const ct_scene_contact *contact)
+{
+  return fmin(ct_mesh_shortest_edge(scene->parts[contact->body_a].mesh),
+              ct_mesh_shortest_edge(scene->parts[contact->body_b].mesh));
+}
+
 /* ρ c₁² of a material. */
 static double modulus_of(const ct_material *material)
 {
@@ -503,18 +509,24 @@ static double modulus_of(const ct_material *material)
   return material->density * c1 * c1;
 }
 
+/* The usual penalty of an enforcement between two bodies (eq:penalty-default). */
+static double usual_penalty(const ct_scene *scene, const ct_scene_contact *contact,
+                            ct_enforcement enforcement)
+{
+  double modulus = fmin(modulus_of(&scene->bodies[contact->body_a].material),
+                        modulus_of(&scene->bodies[contact->body_b].material));
+  return ct_contact_penalty_default(enforcement, modulus, shortest_edge(scene, contact));
+}
+
 /* ε = β E / h with the smaller modulus and the shorter edge of the two bodies (eq:penalty-factor),
- * or the usual one (eq:penalty-default). */
+ * or the usual one. */
 static double penalty_of(const ct_scene *scene, const ct_scene_contact *contact)
 {
   if (contact->options.epsilon > 0.0) return contact->options.epsilon;
-  const ct_material *a = &scene->bodies[contact->body_a].material,
-                    *b = &scene->bodies[contact->body_b].material;
-  double h = fmin(ct_mesh_shortest_edge(scene->parts[contact->body_a].mesh),
-                  ct_mesh_shortest_edge(scene->parts[contact->body_b].mesh));
-  if (contact->beta > 0.0) return ct_contact_penalty(contact->beta, fmin(a->young, b->young), h);
-  return ct_contact_penalty_default(contact->options.enforcement,
-                                    fmin(modulus_of(a), modulus_of(b)), h);
+  if (!(contact->beta > 0.0)) return usual_penalty(scene, contact, contact->options.enforcement);
+  double E = fmin(scene->bodies[contact->body_a].material.young,
+                  scene->bodies[contact->body_b].material.young);
+  return ct_contact_penalty(contact->beta, E, shortest_edge(scene, contact));
 }
 
 static ct_status make_contact(ct_scene *scene, int32_t number, ct_effect **effect, ct_error *error)
@@ -606,7 +618,11 @@ static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
     ct_friction_def friction = ct_friction_def_default();
     friction.on = scene->effects[*count - 1];
     friction.coefficient = given->friction;
-    if (given->tangent != 0.0) friction.tangent = given->tangent;
+    // -- Tangential springs are explicit: no stiffer than such springs usually are
+    friction.tangent = given->tangent != 0.0
+                           ? given->tangent
+                           : fmin(1.0, usual_penalty(scene, given, CT_ENFORCE_PENALTY) /
+                                           scene->contacts[i].epsilon);
     status = ct_friction_create_effect(&friction, &scene->problem, &scene->effects[*count], error);
     ct_blame(error, status, CT_PART_CONTACT, i);
     if (status == CT_OK) (*count)++;

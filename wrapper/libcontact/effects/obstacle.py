@@ -146,33 +146,34 @@ class Obstacle(Pressing, Effect, eq=False):
         distance = np.linalg.norm(away, axis=1)
         return distance - shape.radius, away / np.maximum(distance, np.finfo(float).tiny)[:, None]
 
-    def penalty(self, body: Any) -> float:
-        """The penalty ε against a body of the C scene."""
-        if self.epsilon:
-            return self.epsilon
+    def penalties(self, body: Any) -> tuple[float, float]:
+        """The penalty ε against a body of the C scene, and the ratio of the tangential one to it."""
         edge = lib.ct_mesh_shortest_edge(body.mesh)
-        if self.beta:
-            return float(lib.ct_contact_penalty(self.beta, body.material.young, edge))
         c = ffi.new("double[2]")
         lib.ct_material_speeds(ffi.addressof(body.material), c, c + 1)
-        modulus = body.material.density * c[0] ** 2
-        law = ENFORCEMENTS[self.enforcement]
-        return float(lib.ct_contact_penalty_default(law, modulus, edge))
+        modulus, law = body.material.density * c[0] ** 2, ENFORCEMENTS[self.enforcement]
+        epsilon = self.epsilon or lib.ct_contact_penalty_default(law, modulus, edge)
+        if self.beta:
+            epsilon = lib.ct_contact_penalty(self.beta, body.material.young, edge)
+        most = lib.ct_contact_penalty_default(lib.CT_ENFORCE_PENALTY, modulus, edge)
+        return epsilon, self.tangent or min(1.0, most / epsilon)
 
     def create(self, maker: Any) -> Any:
         """The obstacle's effect, and after it that of its friction, if it has one."""
         body, shape = maker.body(self.surface[0]), getattr(self, self.shape)
+        epsilon, ratio = self.penalties(body)
         members = {
             "shape": SHAPES[self.shape],
             "point": shape.point,
             "axis": shape.axis,
             "radius": shape.radius,
-            "epsilon": self.penalty(body),
+            "epsilon": epsilon,
             "amplitude": maker.history(self.history),
         }
         made = [maker.make("obstacle", self, **maker.faces(self.surface), **members)]
         if self.friction:
-            made.append(maker.make("friction", self, on=made[0], coefficient=self.friction))
+            keys = {"on": made[0], "coefficient": self.friction, "tangent": ratio}
+            made.append(maker.make("friction", self, **keys))
         return made
 
     def describe(self, units: Units) -> str:
