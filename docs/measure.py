@@ -307,36 +307,6 @@ def one_blow() -> Numbers:
     return found
 
 
-# -- The energy-controlled penalty ------------------------------------------------------------------------------------------
-
-SHARES = {
-    "0_4": (0.0, 4.0),
-    "0_100": (0.0, 100.0),
-    "0_1e4": (0.0, 1e4),
-    "01_4": (0.1, 4.0),
-    "01_100": (0.1, 100.0),
-    "01_1e4": (0.1, 1e4),
-    "05_4": (0.5, 4.0),
-    "1_4": (1.0, 4.0),
-    "lagrange": (None, 4.0),
-}
-
-
-@measurement
-def shares() -> Numbers:
-    """The bar on a wall at 0.9 of the limit, worst of 5 landings (stability/dissipation.py): error of force and impulse, steps of the release, energy lost."""
-    found = {}
-    for name, (share, beta) in SHARES.items():
-        values = dissipation.worst(
-            "lagrange" if share is None else "energy_controlled", share, beta
-        )
-        found |= {
-            f"{name}_{what}": value
-            for what, value in zip(("force", "impulse", "release", "lost"), values)
-        }
-    return found | {"explicit_force": dissipation.worst("penalty", None, 1.0)[0]}
-
-
 # -- Unlike meshes ------------------------------------------------------------------------------------------------------------
 
 

@@ -33,9 +33,9 @@ C, H = 30.0, LENGTH / N
 PRESSURE, BEGIN, END = 300.0, 0.5, 0.5 + 2 * LENGTH / C
 
 
-def bar(enforcement, beta, landing=0.0, every=1, until=1.5, **step):
+def bar(enforcement, beta, landing=0.0, every=1, until=1.5, law=None, **step):
     """
-    The bar on a wall; ``landing`` shifts the start. ``step`` is a ``fraction`` of the stable step or a ``courant`` number. A run
+    The bar on a wall; ``landing`` shifts the start, ``law`` has more keys of the obstacle. ``step`` is a ``fraction`` of the stable step or a ``courant`` number. A run
     ends with an error when its energy doubles from nothing; here we want to see what it does, so we raise that limit.
     """
     scene = ct.Scene(title="Bar on a rigid wall", units={"length": "m", "mass": "kg", "time": "s"})
@@ -43,7 +43,8 @@ def bar(enforcement, beta, landing=0.0, every=1, until=1.5, **step):
     box = {"origin": [5 + landing, 0, 0], "size": [LENGTH, H, H], "cells": [N, 1, 1]}
     scene.add_body("bar", material="bar", velocity=[-SPEED, 0, 0], box=box)
     wall = {"point": [0, 0, 0], "normal": [1, 0, 0]}
-    scene.add("obstacle", surface="bar.x_min", plane=wall, beta=beta, enforcement=enforcement)
+    keys = {"beta": beta, "enforcement": enforcement, **(law or {})}
+    scene.add("obstacle", surface="bar.x_min", plane=wall, **keys)
     return scene.set_time(end=until, energy_limit=100, **step).set_output(
         every=every, fields=["displacement"]
     )
@@ -158,11 +159,10 @@ def penalty(k, g, v):
     return k * max(-g, 0.0)
 
 
-def energy_controlled(k, g, v, s=0.1):
-    """The gap to come: the law and its solution for one point are in the chapter."""
-    m, free = 0.5 * (1 - s), g + v
-    middle, end = -k * m * (g + free) / (1 + k * m), -k * s * free / (1 + k * s)
-    return max(0.0, middle, end, -k * (m * g + (m + s) * free) / (1 + k * (m + s)))
+def energy_controlled(k, g, v, zeta=0.15):
+    """The gaps before and after: the law of the chapter, solved for one point. A unit force moves the mass by 1 in a step."""
+    a, before, free = zeta * np.sqrt(1 + 4 / k), min(g - v, 0.0), g + v
+    return max(0.0, -0.5 * k * ((1 + a) * free + (1 - a) * before) / (1 + 0.5 * k * (1 + a)))
 
 
 phi = (np.arange(4000) + 0.5) / 4000
@@ -328,7 +328,7 @@ for beta in (0.5, 10, 1000):
 # - *Bipenalty*: a mass beside the spring keeps the stable step. It is switched like the penalty, so it is for soft springs
 #   only.
 # - *The energy-controlled penalty*, our default: the force knows the gap that it will lead to. Any stiffness, the step of the
-#   bodies alone.
+#   bodies alone. Without ``beta`` the penalty is stiff, 40 :math:`\rho c_1^2/h`.
 # - *Lagrange multipliers*: the same with an infinite stiffness. Nothing ends a step inside.
 #
 # The times are the least of 15 runs each, taken in turns, over that of the first.
@@ -412,6 +412,63 @@ for name, beta in (("energy-controlled 10, 0.9", 10), ("energy-controlled 1e4, 0
 assert abs(results["Lagrange, 0.9"]["depth"]) < 1e-9
 
 # %%
+# The mode at the surface
+# -----------------------
+# Look at the element next to the wall: there stands a spike that no finer mesh and no smaller step removes. The last node
+# swings on the spring of the contact, faster than any wave of the mesh, so nothing carries the swing away. The chapter derives
+# its frequency, :eq:`surface-mode`. With ``dissipation = 0`` the default law keeps all energy in lasting contact, and the swing
+# stays for ever; with its usual damping ratio of 0.15 it is gone after a few elements of travel, and slow motion loses hardly
+# anything (the chapter draws this trade).
+
+
+def beside_the_wall(beta, dissipation):
+    """Time and stress of the element at the wall, over the plateau, while contact lasts."""
+    law = {"dissipation": dissipation}
+    scene = bar("energy_controlled", beta, until=1.1, law=law, fraction=0.25)
+    heard = []
+
+    def listen(run):
+        heard.append((run.time[-1], -run.state["bar"].stress[0, 0] / PRESSURE))
+
+    scene.run(progress=False, output=False, watch=listen)
+    return np.transpose([one for one in heard if one[0] > BEGIN])
+
+
+fig, ax = plt.subplots(figsize=(7.5, 3.6), layout="constrained")
+for beta, dissipation, colour in (
+    (1, 0.0, "tab:red"),
+    (1, 0.15, "tab:green"),
+    (40, 0.15, "tab:blue"),
+):
+    t, stress = beside_the_wall(beta, dissipation)
+    label = rf"$\beta = {beta}$, dissipation {dissipation:g}"
+    ax.plot((t - BEGIN) * C / H, stress, color=colour, lw=1, label=label)
+    late = stress[(t > BEGIN + 20 * H / C) & (t < BEGIN + 40 * H / C)]
+    print(
+        f"beta = {beta}, dissipation {dissipation:g}: the stress strays by {100 * late.std():.2f} %"
+    )
+    if dissipation == 0.0:
+        whole = stress - stress.mean()
+        spectrum = np.abs(np.fft.rfft(whole * np.hanning(len(whole)), 16 * len(whole)))
+        f = np.fft.rfftfreq(16 * len(whole), t[1] - t[0])[spectrum.argmax()] / (C / (np.pi * H))
+        r = 1 / (beta + np.sqrt(1 + beta**2))
+        print(
+            f"frequency over the highest of a wave: {f:.3f}, theory {0.5 * np.sqrt(2 + r + 1 / r):.3f}"
+        )
+        assert late.std() > 0.05 and abs(f / (0.5 * np.sqrt(2 + r + 1 / r)) - 1) < 0.02
+    else:
+        assert late.std() < 0.01
+ax.set(
+    xlabel="travel since the impact [elements]",
+    ylabel="stress at the wall / exact",
+    xlim=(0, 60),
+    title="The mode at the surface",
+)
+ax.legend(frameon=False)
+ax.spines[["top", "right"]].set_visible(False)
+fig.savefig(folder / "penalty_mode.png", dpi=150)
+
+# %%
 # The price in a real scene
 # -------------------------
 # The bar has one contact face and a hundred elements. The plates of :doc:`01_plate_impact` have 100 pairs of faces and 20 000
@@ -426,6 +483,7 @@ choices = {
     "energy-controlled 4, 0.9": ("energy_controlled", 4, {"fraction": 0.9}),
     "energy-controlled 10, 0.9": ("energy_controlled", 10, {"fraction": 0.9}),
     "energy-controlled 100, 0.9": ("energy_controlled", 100, {"fraction": 0.9}),
+    "energy-controlled, 0.9": ("energy_controlled", None, {"fraction": 0.9}),
     "Lagrange, 0.9": ("lagrange", None, {"fraction": 0.9}),
 }
 
@@ -435,7 +493,9 @@ def plates(name, enforcement, beta, step):
     data = ct.Scene.load(ct.example(name)).data
     for contact in data.get("contact", []):
         contact["enforcement"] = enforcement
-        contact["beta"] = beta or 1
+        contact.pop("beta")
+        if beta is not None:
+            contact["beta"] = beta
     data["time"].pop("courant")
     data["time"].update(step)
     data["output"]["every"] = 10**9
@@ -505,17 +565,16 @@ ax.set(
 ax.spines[["top", "right"]].set_visible(False)
 fig.savefig(folder / "penalty_price.png", dpi=150)
 
-assert differences["energy-controlled 4, 0.9"] < 1.2 * differences["penalty 4, Courant 0.125"]
-assert differences["energy-controlled 10, 0.9"] < 0.6 * differences["penalty 4, Courant 0.125"]
-assert differences["energy-controlled 100, 0.9"] < 0.1 * differences["penalty 4, Courant 0.125"]
+assert differences["energy-controlled 10, 0.9"] < differences["penalty 4, Courant 0.125"]
+assert differences["energy-controlled, 0.9"] < 0.3 * differences["penalty 4, Courant 0.125"]
+assert differences["energy-controlled 100, 0.9"] < 0.15 * differences["penalty 4, Courant 0.125"]
 assert differences["Lagrange, 0.9"] < 1e-10
 
 # %%
 # What to take
 # ------------
-# - If you have no reason for another: leave ``enforcement`` at its default, ``"energy_controlled"``, with :math:`\beta = 4`,
-#   10 to be as near as the paper's penalty with a seventh of its steps, or 100 if little may come through. A step near 0.9 of
-#   the limit.
+# - If you have no reason for another: leave ``enforcement`` and the penalty at their defaults, ``"energy_controlled"`` with
+#   40 :math:`\rho c_1^2/h`. A step near 0.9 of the limit.
 # - Meshes that match, and no penetration wanted: ``"lagrange"``.
 # - A scene of the literature, or a contact that must cost as little as it can: ``"penalty"`` with :math:`\beta \le 1`, or
 #   with :math:`\beta = 4` and at most 0.4 of the stable step.

@@ -1,0 +1,184 @@
+"""
+Laws of contact on a bar in one dimension (chapter "Enforcement"): what each loses while contact lasts, and how much of the surface mode it leaves.
+
+A bar of n elements with the element length, wave speed and density 1, so that a step is its Courant number and a penalty is β. ``--book`` writes the table
+and the picture of the chapter.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+# The force of the wall from β, the gaps g_n and g_{n-1}, the gap that would come without it, how far a unit force moves the node, and the step.
+Law = Callable[[float, float, float, float, float, float], float]
+COURANT = (0.03, 0.125, 0.25, 0.5, 0.9, 0.98)
+LANDINGS = (0.0, 0.2, 0.4, 0.6, 0.8)
+BETAS = (1.0, 2.0, 4.0, 10.0, 40.0, 100.0)
+
+
+def ramp(share: Callable[[float, float], float]) -> Law:
+    """The law of the library, with a dashpot of its own; ``share`` is a, from β and the step."""
+
+    def force(k: float, g: float, before: float, free: float, moves: float, dt: float) -> float:
+        a, p = share(k, dt), min(before, 0.0)
+        return max(0.0, -0.5 * k * ((1 + a) * free + (1 - a) * p) / (1 + 0.5 * k * (1 + a) * moves))
+
+    return force
+
+
+def damped(zeta: float) -> Law:
+    """Of a damping ratio, as in the library: κ = k Δt²/m with the half mass of the last node."""
+    return ramp(lambda k, dt: zeta * np.sqrt(1 + 4 / (2 * k * dt * dt)))
+
+
+def two_ramps(s: float) -> Law:
+    """One ramp at the middle of the coming step, a share s at its end."""
+    m = 0.5 * (1 - s)
+
+    def force(k: float, g: float, before: float, free: float, moves: float, dt: float) -> float:
+        lines = ((m, m), (0.0, s), (m, m + s))
+        return max(0.0, *(-k * (a * g + h * free) / (1 + k * h * moves) for a, h in lines))
+
+    return force
+
+
+def multipliers(k: float, g: float, before: float, free: float, moves: float, dt: float) -> float:
+    """No gap of the coming step is negative."""
+    return max(0.0, -free / moves)
+
+
+LAWS = {
+    "two ramps, s = 0.1": two_ramps(0.1),
+    "one ramp, a = 0": damped(0.0),
+    "one ramp, dashpot h/4c": ramp(lambda k, dt: 0.25 / dt),
+    "one ramp, ζ = 0.05": damped(0.05),
+    "one ramp, ζ = 0.15": damped(0.15),
+    "one ramp, ζ = 0.5": damped(0.5),
+    "multipliers": multipliers,
+}
+DEFAULT = "one ramp, ζ = 0.15"
+
+
+def bar(law: Law, k: float, dt: float, u: np.ndarray, v: np.ndarray, pull: float, steps: int):
+    """Forces of the wall, stress of the first element, and gaps and energies of the bodies half a step later."""
+    m = np.ones(len(u))
+    m[[0, -1]] = 0.5
+    before, rows = u[0] - dt * v[0], np.empty((steps, 5))
+    for row in rows:
+        stress = np.diff(u)
+        f = np.concatenate((stress, [pull])) - np.concatenate(([0.0], stress))
+        free = u[0] + dt * (v[0] + dt * f[0] / m[0])
+        f[0] += (push := law(k, u[0], before, free, dt * dt / m[0], dt))
+        v = v + dt * f / m
+        before, after = u[0], u + dt * v
+        energy = 0.5 * m @ v**2 + 0.5 * stress @ np.diff(after) - 0.5 * pull * (u[-1] + after[-1])
+        row[:] = push, stress[0], u[0], after[0], energy
+        u = after
+    return rows.T
+
+
+def impact(law: Law, k: float, dt: float, n: int = 100) -> np.ndarray:
+    """Mode beside the contact, error of the force, energy lost; the worst of the landings."""
+    found = []
+    for landing in LANDINGS:
+        gap, steps = landing * dt, int((2 * n + 40) / dt)
+        u, v = np.full(n + 1, gap), np.full(n + 1, -1.0)
+        push, stress, *_, energy = bar(law, k, dt, u, v, 0.0, steps)
+        t = np.arange(steps) * dt - gap
+        held, near = (t >= 30) & (t <= 180), (t >= 20) & (t <= 40)
+        force = np.sqrt(np.mean((push[held] - 1) ** 2))
+        found.append((np.std(stress[near]), force, 1 - energy[-1] / (0.5 * n)))
+    return np.max(found, axis=0)
+
+
+def lasting(law: Law, k: float, dt: float, n: int, slow: bool) -> float:
+    """Part of the energy of an oscillation that is lost in a period, for a bar that never opens: after a jump of the load by half, or in its slowest mode."""
+    u, v = -1 / k - np.arange(n + 1.0), np.zeros(n + 1)
+    pull, period = (-1.0 if slow else -1.5), 4.0 * n
+    if slow:
+        stiff = 2 * np.eye(n + 1) - np.eye(n + 1, k=1) - np.eye(n + 1, k=-1)
+        stiff[0, 0], stiff[n, n] = 1 + k, 1
+        half = np.ones(n + 1)
+        half[[0, -1]] = np.sqrt(0.5)
+        squares, shapes = np.linalg.eigh(stiff / np.outer(half, half))
+        v = 0.05 * shapes[:, 0] / half / (shapes[-1, 0] / half[-1])
+        period = 2 * np.pi / np.sqrt(squares[0])
+    steps = int(10 * period / dt)
+    push, _, now, after, energy = bar(law, k, dt, u, v, pull, steps)
+    stored = 0.25 * k * (np.minimum(now, 0) ** 2 + np.minimum(after, 0) ** 2)
+    swing = energy + stored + 0.5 * pull**2 * (n + 1 / k)
+    return 1 - (swing[-1] / swing[0]) ** (period / dt / steps) if push.min() > 0 else np.nan
+
+
+def measured(name: str, k: float) -> dict[str, float]:
+    """All columns of a law at one penalty, in per cent."""
+    hits = np.array([impact(LAWS[name], k, dt) for dt in COURANT])
+    row = {
+        "mode": hits[:, 0].max(),
+        "force": hits[:, 1].max(),
+        "impact 0.5": hits[COURANT.index(0.5), 2],
+        "impact 0.98": hits[-1, 2],
+    }
+    if name != "multipliers":
+        row["settled"] = lasting(LAWS[name], k, 0.5, 10, False)
+        row["smooth"] = lasting(LAWS[name], k, 0.5, 20, True)
+    return {what: 100 * value for what, value in row.items()}
+
+
+def draw(rows: dict[tuple[str, float], dict[str, float]], file: Path) -> None:
+    """The trade: what settled contact loses against the mode that is left; along a line β grows."""
+    fig, ax = plt.subplots(figsize=(7.5, 4.5), layout="constrained")
+    for name in [name for name in LAWS if name != "multipliers"]:
+        line = [(rows[name, k]["settled"], rows[name, k]["mode"]) for k in BETAS]
+        x, y = np.maximum(np.transpose(line), 0.01)
+        ax.plot(x, y, "o-", ms=3, lw=2 if name == DEFAULT else 1, label=name)
+        ax.annotate(f"β = {BETAS[0]:g}", (x[0], y[0]), fontsize=7)
+        ax.annotate(f"{BETAS[-1]:g}", (x[-1], y[-1]), fontsize=7)
+    ax.axhline(1, color="k", lw=0.6, ls=":")
+    ax.axvline(0.5, color="k", lw=0.6, ls=":")
+    ax.set(
+        xscale="log",
+        yscale="log",
+        xlabel="settled contact: energy lost a period [%] (0 drawn at 0.01)",
+        ylabel="surface mode that is left [% of the plateau]",
+    )
+    ax.legend(frameon=False, fontsize=8)
+    ax.spines[["top", "right"]].set_visible(False)
+    fig.savefig(file, dpi=150)
+
+
+def main() -> None:
+    rows = {}
+    for name in LAWS:
+        for k in BETAS if name != "multipliers" else (4.0,):
+            rows[name, k] = row = measured(name, k)
+            print(
+                f"{name:<24} β = {k:<5g}", *(f"{what} {value:.3g}" for what, value in row.items())
+            )
+    if "--book" not in sys.argv:
+        return
+    folder = Path(__file__).resolve().parent.parent / "docs" / "theory"
+    columns = ("settled", "smooth", "mode", "force", "impact 0.5", "impact 0.98")
+    with open(folder / "laws.csv", "w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["law", "β", *(f"{column}, %" for column in columns)])
+        for (name, k), row in rows.items():
+            if k in (1.0, 4.0, 40.0, 100.0):
+                cells = [
+                    f"{row[c]:.2g}" if abs(row.get(c, 1.0)) > 1e-6 else "0"
+                    for c in columns
+                    if c in row
+                ]
+                blanks = [""] * (len(columns) - len(cells))
+                table.writerow([name, "" if name == "multipliers" else f"{k:g}", *blanks, *cells])
+    draw(rows, folder / "laws.png")
+
+
+if __name__ == "__main__":
+    main()
