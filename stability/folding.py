@@ -79,7 +79,7 @@ def folded(case: str, made: ct.Scene, fraction: float, end: float) -> Row:
         case,
         made,
         enforcement=DEFAULT,
-        beta=4.0,
+        beta=None,
         measure=fold,
         whole=fold.verdict,
         scale_name="work",

@@ -240,7 +240,7 @@ HEAD = (
 
 
 def line(row: Row) -> str:
-    beta = "" if row.beta is None else f"{row.beta:g}"
+    beta = "usual" if row.beta is None and row.enforcement == DEFAULT else f"{row.beta or 0:g}"
     return (
         f"{row.case:<34.34} {row.enforcement:<17} {row.integrator:<18} {beta:>7} {row.courant:7.3f} {row.fraction:8.3f} {row.steps:8d} {row.energy:9.1e} {row.lost:9.1e} "
         f"{row.points:8.1e} {row.nodes:8.1e} {row.momentum:8.1e} {row.seconds:6.1f}  {row.verdict}"

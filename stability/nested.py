@@ -133,7 +133,7 @@ def shell_row(case: str, made: ct.Scene, matching: dict[str, float]) -> Row:
         case,
         made,
         enforcement=DEFAULT,
-        beta=4.0,
+        beta=None,
         measure=measure,
         whole=whole,
         scale=YOUNG * volume,

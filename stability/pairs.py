@@ -178,7 +178,7 @@ def body_pairs(short: bool) -> Iterator[Row]:
             f"pair of bodies, {seed}",
             made,
             enforcement=DEFAULT,
-            beta=4.0,
+            beta=None,
             measure=gaps,
             whole=gaps.verdict,
             bound=np.inf,

@@ -69,3 +69,23 @@ def test_the_mode_at_the_surface_has_the_frequency_of_the_book(beta):
     highest = np.linalg.eigvalsh(stiff / np.outer(half, half))[-1]
     r = 1 / (beta + np.sqrt(1 + beta**2))
     assert np.sqrt(highest) / 2 == pytest.approx(0.5 * np.sqrt(2 + r + 1 / r), rel=1e-12)
+
+
+@pytest.mark.parametrize("beta", [1.0, 100.0])
+def test_a_wall_that_gathers_speed_makes_nothing(beta):
+    scene = ct.Scene(title="push", units={"length": "m", "mass": "kg", "time": "s"})
+    scene.add_material("m", young=1.0, poisson=0.0, density=1.0)
+    box = {"origin": [0, 0, 0], "size": [10, 1, 1], "cells": [10, 1, 1]}
+    scene.add_body("bar", material="m", box=box)
+    s = np.linspace(0.0, 1.0, 100)
+    scene.add(
+        "obstacle",
+        surface="bar.x_min",
+        plane={"point": [0, 0, 0], "normal": [1, 0, 0]},
+        travel=[0.1, 0, 0],
+        history={"time": [*(40 * s)], "value": [*(s * s * (3 - 2 * s))]},
+        beta=beta,
+    )
+    scene.set_time(end=60.0, fraction=0.9).set_output(every=1, fields=[])
+    energy = scene.run(progress=False, output=False).energy
+    assert np.diff(energy["total"]).max() < 1e-12 * energy["external"][-1]

@@ -60,6 +60,8 @@ typedef struct ct_constraint {
   double gap;
   /** What the gap gains until the next step because an obstacle moves [length]. */
   double moved;
+  /** What the gap has gained so since the step before [length]. */
+  double came;
   /** Share a of the dashpot, :eq:`surface-damping`; written by the solver. */
   double dashpot;
   /** Gap g_{n-1} of the step before, along the same direction [length]; written by the solver. */

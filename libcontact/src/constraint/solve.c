@@ -273,7 +273,7 @@ static double predict_gaps(ct_solver *s)
   times_G(0, s->entries, count, s->entry_node, s->G, s->increment, s->free);
   for (int64_t j = 0; j < count; j++) {
     ct_constraint *c = s->rows[j];
-    c->before = c->gap - (s->terms[j] + c->moved);
+    c->before = c->gap - (s->terms[j] + c->came);
     c->after = c->gap + (s->free[j] + c->moved);
     double motion = fabs(c->after - c->gap), depth = -c->gap, far = motion > depth ? motion : depth;
     most = far > most ? far : most;

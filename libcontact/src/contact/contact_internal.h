@@ -107,9 +107,10 @@ static inline ct_point_record ct_record_load(const double *memory)
 /* Start gaps of all points from their distances on the undeformed shape (eq:initial-adjust). */
 void ct_start_gap_begin(ct_contact *contact);
 
-/* Count the gaps of all points from their start gaps, given the records of the last step, or null
- * in the first one. */
-void ct_start_gap_shift(ct_contact *contact, double time, double dt, const double *memory);
+/* Count the gaps of all points from their start gaps, given the records of the step before, at the
+ * time `last`, or null in the first one. */
+void ct_start_gap_shift(ct_contact *contact, double last, double time, double dt,
+                        const double *memory);
 
 /* Work that has come in since the time `last` of the last step because start gaps fade, once the
  * forces of the points are known (eq:initial-work). */

@@ -132,7 +132,8 @@ static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error 
   const contact_data *data = effect->data;
   const ct_contact_options *options = &data->fixed->options;
   ct_contact *contact = view->scratch;
-  int first = load_tail(data, view->memory).begun == 0.0, counts = ct_start_gap_counts(options);
+  const tail_record last = load_tail(data, view->memory);
+  int first = last.begun == 0.0, counts = ct_start_gap_counts(options);
   ct_status status = CT_OK;
   // -- Start gaps are those of the undeformed shape (eq:initial-adjust)
   if (first && counts) status = find_distances(data, view, NULL, error);
@@ -141,7 +142,8 @@ static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error 
   if (status == CT_OK && view->dt > 0.0 && view->time > 0.0)
     status = ct_tunnelling_check(contact, view->velocity, view->dt, view->time, error);
   if (status == CT_OK && counts)
-    ct_start_gap_shift(contact, view->time, view->dt, first ? NULL : view->memory);
+    ct_start_gap_shift(contact, first ? view->time : last.time, view->time, view->dt,
+                       first ? NULL : view->memory);
   if (status == CT_OK && first && options->initial_penetration == CT_INITIAL_REFUSE)
     status = ct_start_gap_refuse(contact, error);
   return status;
@@ -155,7 +157,7 @@ static ct_status contact_constrain(const ct_effect *effect, const ct_view *view,
   ct_status status = measure(effect, view, error);
   for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)
     *count += ct_side_list_rows(&contact->side[s], ct_contact_other(contact, s), HUGE_VAL, at_rest,
-                                &rows[*count]);
+                                at_rest, &rows[*count]);
   return status;
 }
 

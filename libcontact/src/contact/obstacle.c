@@ -197,14 +197,19 @@ static ct_status obstacle_constrain(const ct_effect *effect, const ct_view *view
 {
   const obstacle_data *data = effect->data;
   ct_obstacle_state *s = view->scratch;
-  double moved[3];
+  const obstacle_record last = load(view->memory);
+  double came[3], moved[3];
   ct_status status = measure(effect, view, error);
   if (status != CT_OK) return status;
   ct_obstacle_motion(&data->given, view->time + view->dt, moved);
-  for (int c = 0; c < 3; c++) moved[c] = (data->given.point[c] + moved[c]) - s->place[c];
+  for (int c = 0; c < 3; c++) {
+    came[c] = last.begun != 0.0 ? s->place[c] - last.place[c] : 0.0;
+    moved[c] = (data->given.point[c] + moved[c]) - s->place[c];
+  }
   for (int64_t i = 0; i < data->side.point_count; i++)
     s->side.points[i].row.force = view->memory[RECORD + i];
-  *count = ct_side_list_rows(&s->side, NULL, reach_of(effect, view, &s->side, moved), moved, rows);
+  *count =
+      ct_side_list_rows(&s->side, NULL, reach_of(effect, view, &s->side, moved), came, moved, rows);
   return CT_OK;
 }
 

@@ -14,7 +14,7 @@
 
 /* Whether the row of a point is listed: a force λ of it puts λ N n on the point's own face and -λ N̄
  * n on the other (eq:constraint-force). */
-static int list_point(const ct_side *side, const ct_side *other, double reach,
+static int list_point(const ct_side *side, const ct_side *other, double reach, const double came[3],
                       const double moved[3], ct_point *point)
 {
   ct_constraint *row = &point->row;
@@ -25,16 +25,17 @@ static int list_point(const ct_side *side, const ct_side *other, double reach,
     row->other_count = other->search->per;
     row->other = ct_side_row_nodes(other->fixed, point->other);
   }
+  row->came = -ct_vector_dot(row->normal, came) - point->closed;
   row->moved = -ct_vector_dot(row->normal, moved) - point->closing;
   return 1;
 }
 
-int64_t ct_side_list_rows(ct_side *side, const ct_side *other, double reach, const double moved[3],
-                          ct_constraint **rows)
+int64_t ct_side_list_rows(ct_side *side, const ct_side *other, double reach, const double came[3],
+                          const double moved[3], ct_constraint **rows)
 {
   int64_t count = 0;
   for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
-    p->listed = list_point(side, other, reach, moved, p);
+    p->listed = list_point(side, other, reach, came, moved, p);
     if (p->listed) rows[count++] = &p->row;
     else p->row.force = 0.0;
   }

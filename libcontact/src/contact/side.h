@@ -35,7 +35,8 @@ typedef struct ct_point {
                       NaN: none was near */
   double start;    /* start gap that has not faded (eq:initial-adjust) */
   double shift;    /* start gap that the gap counts from, of either sign (eq:initial-shift) */
-  double closing;  /* by how much the shift grows until the next step */
+  double closed;   /* by how much the shift has grown since the step before */
+  double closing;  /* and by how much it grows until the next step */
   double force[3]; /* on the point's own face */
 } ct_point;
 
@@ -122,9 +123,10 @@ void ct_side_area(const ct_side *side, int64_t i, double normal[3]);
 int ct_side_direction(const ct_side *side, const ct_point *point, double n[3]);
 
 /* List the rows of the points that may be active; answers how many (eq:constraint-force). `other`
- * is null for an obstacle, which moves by `moved`; points farther out than `reach` are left out. */
-int64_t ct_side_list_rows(ct_side *side, const ct_side *other, double reach, const double moved[3],
-                          ct_constraint **rows);
+ * is null for an obstacle, which has come by `came` since the step before and moves by `moved`;
+ * points farther out than `reach` are left out. */
+int64_t ct_side_list_rows(ct_side *side, const ct_side *other, double reach, const double came[3],
+                          const double moved[3], ct_constraint **rows);
 
 /* Forces of the points from their solved rows; or those of the explicit penalty. */
 void ct_side_take_rows(ct_side *side);

@@ -107,10 +107,12 @@ void ct_start_gap_begin(ct_contact *contact)
     }
 }
 
-void ct_start_gap_shift(ct_contact *contact, double time, double dt, const double *memory)
+void ct_start_gap_shift(ct_contact *contact, double last, double time, double dt,
+                        const double *memory)
 {
   const ct_contact_options *options = &contact->fixed->options;
-  double share = left(options, time), next_share = left(options, time + dt);
+  double share = left(options, time), last_share = left(options, last),
+         next_share = left(options, time + dt);
   for (int s = 0; s < contact->fixed->sides; s++) {
     const ct_side *side = &contact->side[s];
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
@@ -120,6 +122,7 @@ void ct_start_gap_shift(ct_contact *contact, double time, double dt, const doubl
             later_gap(options, side, p->start, ct_record_load(memory).known, p->row.gap, share);
       if (memory != NULL) memory += CT_RECORD;
       p->shift = p->start * share;
+      p->closed = p->start * (share - last_share);
       p->closing = p->start * (next_share - share);
       // -- The gap of a point counts from its start gap; at rest it is 0 (eq:initial-shift)
       p->row.gap -= p->shift;
