@@ -67,16 +67,14 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     const double *u = view->displacement + 3 * (int64_t)part->first_node;
     ct_part_call call = {.part = part,
                          .displacement = u,
-                         .values = scratch->values + part->first_value,
                          .f = force + 3 * (int64_t)part->first_node,
-                         .batch = ct_sleep_batches(scratch->sleep, i),
-                         .examined = part->ring == 0 && ct_sleep_examined(scratch->sleep)};
+                         .batch = ct_sleep_batches(scratch->sleep, i)};
     if (call.batch != NULL) call.summed = ct_sleep_summed(scratch->sleep);
-    if (part->plane != NULL && ct_plane_holds(&call)) {
-      call.values = scratch->values;
-      ct_plane_force(&call, view->threads);
-      continue;
-    }
+    int plane = part->plane != NULL && ct_plane_holds(&call);
+    call.ring = plane ? part->plane : part->ring;
+    call.batches = plane ? ct_plane_batches : part->batches;
+    call.values = scratch->values + (plane ? 0 : part->first_value);
+    call.examined = call.ring == NULL && ct_sleep_examined(scratch->sleep);
     ct_part_force(&call, view->threads);
     if (status == CT_OK && part->energies != NULL)
       status = ct_solid_check_volume(part, i, u, call.values, error);
@@ -90,7 +88,7 @@ CT_INLINE void force_energies(const ct_solid_part *part, int per, int32_t b, con
                               double *values, double energies[8])
 {
   int64_t stride, last = part->mesh->element_count - 1;
-  const double *f = ct_batch_values(part, values, b, &stride);
+  const double *f = ct_batch_values(part->ring, per, values, b, &stride);
   double t[3][20][8], mean[8], work[3][8];
   for (int64_t l = 0, e = 8 * (int64_t)b; l < 8; l++, e += e < last)
     for (int a = 0; a < per; a++)
@@ -130,7 +128,7 @@ static void block_energies(const ct_solid_part *part, int32_t first, int32_t las
 {
   double hourglass[8], *kept = &values[part->energy_value];
   // Forces that went through a ring are made once more.
-  if (part->ring > 0) part->batches(part, first, last, u, values);
+  if (part->ring != NULL || part->plane != NULL) part->batches(part, first, last, u, values);
   if (part->energies != NULL)
     memcpy(energies, &kept[8 * (int64_t)first], 8 * (size_t)(last - first) * sizeof *energies);
   for (int32_t b = first; part->energies == NULL && b < last; b++, energies += 8)
@@ -139,11 +137,9 @@ static void block_energies(const ct_solid_part *part, int32_t first, int32_t las
     else hex20_energies(part, b, u, values, energies);
 }
 
-/* What would cost too much to be made twice: the energies of large deformation. And the forces of
- * the bricks of a plane, whose own stand elsewhere. */
+/* What would cost too much to be made twice: the energies of large deformation. */
 static void begin_energies(const ct_solid_part *part, const double *u, double *values)
 {
-  if (part->plane != NULL && part->ring == 0) part->batches(part, 0, part->batch_count, u, values);
   for (int32_t b = 0; part->energies != NULL && b < part->batch_count; b++)
     part->energies(part, b, u, &values[part->energy_value + 8 * (int64_t)b]);
 }
@@ -199,14 +195,14 @@ static void place_values(solid_data *solid)
 {
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
-    int64_t bricks = part->ring > 0 ? part->value_count : 0,
+    int64_t bricks = part->ring != NULL ? part->ring->value_count : 0,
             plane = part->plane != NULL ? part->plane->value_count : 0;
     if (bricks > solid->value_count) solid->value_count = bricks;
     if (plane > solid->value_count) solid->value_count = plane;
   }
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];
-    if (part->ring > 0) continue;
+    if (part->ring != NULL) continue;
     part->first_value = solid->value_count;
     solid->value_count += part->value_count;
   }
@@ -335,13 +331,10 @@ ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_ke
   double nodes = part->mesh->node_count / elements;
   // The gather adds 7 sums a component and node, in a plane 3 for two nodes.
   if (flops != NULL) *flops = part->flops + (plane ? 4.5 : 21.0) * nodes;
-  // Node numbers and element forces written once and read once; what is laid down; displacements
-  // and forces of the nodes, and the gather's places. A lattice has no node numbers and no places,
-  // and its forces stay in the cache; a plane has the numbers of its lower layer.
-  double laid_down = part->mean != NULL ? 256.0 : 0.0;
-  if (bytes != NULL)
-    *bytes = plane            ? 16.0 + 48.0 * nodes
-             : part->ring > 0 ? 48.0 * nodes
-                              : 52.0 * per + laid_down + 80.0 * nodes;
+  // Node numbers, in a plane those of the lower layer; what is laid down; displacements and forces
+  // of the nodes; and without a ring element forces written once and read once, and their places.
+  double numbers = plane ? 16.0 : 4.0 * per, laid_down = part->mean != NULL ? 256.0 : 0.0,
+         forces = plane || part->ring != NULL ? 0.0 : 48.0 * per + 32.0 * nodes;
+  if (bytes != NULL) *bytes = numbers + laid_down + 48.0 * nodes + forces;
   return CT_OK;
 }

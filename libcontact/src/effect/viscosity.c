@@ -22,7 +22,6 @@ typedef struct viscous_body {
   const ct_mesh *mesh;
   int32_t first_node, batch_count;
   double density, c1;
-  int32_t *batch_nodes;
   viscous_lanes *lanes;
   ct_assembly *assembly;
   double most; /* largest l / V Σ b² / m over the elements, for the bound on the step */
@@ -41,7 +40,6 @@ static void free_data(void *data)
   viscous_data *d = data;
   if (d == NULL) return;
   for (int32_t i = 0; d->bodies != NULL && i < d->body_count; i++) {
-    ct_release(d->bodies[i].batch_nodes);
     ct_release(d->bodies[i].lanes);
     ct_assembly_free(d->bodies[i].assembly);
   }
@@ -95,7 +93,7 @@ static void body_batches(const viscous_body *body, const double *velocity, doubl
       const viscous_lanes *e = &body->lanes[(b * CT_BATCH + lane) / CT_LANES_COUNT];
       ct_lanes v[3 * 8], U[CT_MODES], D[3], F[CT_MODES], q;
       double rate[CT_LANES_COUNT];
-      ct_load_lanes(&body->batch_nodes[64 * (int64_t)b], 8, velocity, lane, v);
+      ct_load_lanes(body->mesh, b, 8, velocity, lane, v);
       for (int j = 0; j < 3; j++) {
         ct_brick_modes(&v[8 * j], U);
         ct_mean_sum(e->b[j], U, &D[j]);
@@ -111,7 +109,7 @@ static void body_batches(const viscous_body *body, const double *velocity, doubl
         F[CT_XI_ETA_ZETA] = q - q;
         ct_brick_nodal(F, &v[8 * j]);
       }
-      ct_store_lanes(v, 8, lane, &values[192 * (int64_t)b]);
+      ct_store_lanes(v, 8, lane, 8, &values[192 * (int64_t)b]);
     }
 }
 
@@ -195,7 +193,7 @@ static void lay_down(const viscous_body *body)
       viscous_lanes *e = &body->lanes[(b * CT_BATCH + lane) / CT_LANES_COUNT];
       ct_lanes x[3 * 8], X[3][CT_MODES], V, g[3];
       double length[CT_LANES_COUNT];
-      ct_load_lanes(&body->batch_nodes[64 * (int64_t)b], 8, body->mesh->nodes, lane, x);
+      ct_load_lanes(body->mesh, b, 8, body->mesh->nodes, lane, x);
       for (int j = 0; j < 3; j++) ct_brick_modes(&x[8 * j], X[j]);
       ct_mean_gradient(X, e->b, &V);
       e->inverse_volume = 1.0 / V;
@@ -219,15 +217,13 @@ static ct_status prepare_body(viscous_body *body, const ct_body *from, const dou
   body->density = from->material.density;
   ct_material_speeds(&from->material, &body->c1, &c2);
   body->batch_count = (body->mesh->element_count + 7) / 8;
-  body->batch_nodes = ct_allocate((size_t)body->batch_count * 64, sizeof *body->batch_nodes);
   body->lanes =
       ct_allocate((size_t)body->batch_count * (CT_BATCH / CT_LANES_COUNT), sizeof *body->lanes);
-  if (body->batch_nodes == NULL || body->lanes == NULL)
+  if (body->lanes == NULL)
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
   ct_status status = ct_mesh_check(body->mesh, error);
   if (status == CT_OK) status = ct_assembly_create(body->mesh, 3, &body->assembly, error);
   if (status != CT_OK) return status;
-  ct_solid_batch_nodes(body->mesh, body->batch_nodes);
   lay_down(body);
   return bound_body(body, mass + body->first_node, error);
 }

@@ -10,8 +10,8 @@ void ct_solid_hex20_batches(const ct_solid_part *part, int32_t first, int32_t la
   for (int32_t b = first; b < last; b++)
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes x[3 * 20], u[3 * 20], P[27][3][3], J[3][3], H[3][3];
-      ct_load_lanes(&part->batch_nodes[160 * (int64_t)b], 20, part->mesh->nodes, lane, x);
-      ct_load_lanes(&part->batch_nodes[160 * (int64_t)b], 20, displacement, lane, u);
+      ct_load_lanes(part->mesh, b, 20, part->mesh->nodes, lane, x);
+      ct_load_lanes(part->mesh, b, 20, displacement, lane, u);
       for (int i = 0; i < 3; i++) {
         centre(&x[20 * i]);
         centre(&u[20 * i]);
@@ -23,6 +23,6 @@ void ct_solid_hex20_batches(const ct_solid_part *part, int32_t first, int32_t la
       }
       for (int i = 0; i < 3; i++)
         for (int a = 0; a < 20; a++) nodal_force(P, part->gradients, a, i, &u[20 * i + a]);
-      ct_store_lanes(u, 20, lane, &values[480 * (int64_t)b]);
+      ct_store_lanes(u, 20, lane, 8, &values[480 * (int64_t)b]);
     }
 }

@@ -10,8 +10,8 @@ void ct_solid_hex8_batches(const ct_solid_part *part, int32_t first, int32_t las
   for (int32_t b = first; b < last; b++)
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes x[3 * 8], u[3 * 8], X[CT_MODES], U[CT_MODES], GX[3][3][4], GU[3][3][4], P[8][3][3];
-      ct_load_lanes(&part->batch_nodes[64 * (int64_t)b], 8, part->mesh->nodes, lane, x);
-      ct_load_lanes(&part->batch_nodes[64 * (int64_t)b], 8, displacement, lane, u);
+      ct_load_lanes(part->mesh, b, 8, part->mesh->nodes, lane, x);
+      ct_load_lanes(part->mesh, b, 8, displacement, lane, u);
       for (int i = 0; i < 3; i++) {
         ct_brick_modes(&x[8 * i], X);
         line_gradients(X, GX[i]);
@@ -33,6 +33,8 @@ void ct_solid_hex8_batches(const ct_solid_part *part, int32_t first, int32_t las
         collect_modes(P, i, F);
         ct_brick_nodal(F, &u[8 * i]);
       }
-      ct_store_lanes(u, 8, lane, &values[192 * (int64_t)b]);
+      int64_t stride;
+      double *to = ct_batch_values(part->ring, 8, values, b, &stride);
+      ct_store_lanes(u, 8, lane, stride, to);
     }
 }

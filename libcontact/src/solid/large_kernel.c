@@ -15,8 +15,8 @@ static inline void hex8_lines(const ct_solid_part *part, int32_t b, int lane,
                               const double *displacement, lines *g)
 {
   ct_lanes x[3 * 8], u[3 * 8], M[CT_MODES];
-  ct_load_lanes(&part->batch_nodes[64 * (int64_t)b], 8, part->mesh->nodes, lane, x);
-  ct_load_lanes(&part->batch_nodes[64 * (int64_t)b], 8, displacement, lane, u);
+  ct_load_lanes(part->mesh, b, 8, part->mesh->nodes, lane, x);
+  ct_load_lanes(part->mesh, b, 8, displacement, lane, u);
   for (int i = 0; i < 3; i++) {
     ct_brick_modes(&x[8 * i], M);
     line_gradients(M, g->X[i]);
@@ -54,7 +54,7 @@ void ct_solid_large_hex8_batches(const ct_solid_part *part, int32_t first, int32
         ct_brick_nodal(F, &f[8 * i]);
       }
       for (int q = 0; q < 8; q++) ct_lanes_lowest(&volume[q], &lowest);
-      ct_store_lanes(f, 8, lane, &values[192 * (int64_t)b]);
+      ct_store_lanes(f, 8, lane, 8, &values[192 * (int64_t)b]);
     }
     values[part->assembly->value_count + b] = lowest;
   }
@@ -80,8 +80,8 @@ void ct_solid_large_hex8_energies(const ct_solid_part *part, int32_t batch,
 static inline void hex20_nodes(const ct_solid_part *part, int32_t b, int lane,
                                const double *displacement, ct_lanes x[60], ct_lanes u[60])
 {
-  ct_load_lanes(&part->batch_nodes[160 * (int64_t)b], 20, part->mesh->nodes, lane, x);
-  ct_load_lanes(&part->batch_nodes[160 * (int64_t)b], 20, displacement, lane, u);
+  ct_load_lanes(part->mesh, b, 20, part->mesh->nodes, lane, x);
+  ct_load_lanes(part->mesh, b, 20, displacement, lane, u);
   for (int i = 0; i < 3; i++) {
     centre(&x[20 * i]);
     centre(&u[20 * i]);
@@ -105,7 +105,7 @@ void ct_solid_large_hex20_batches(const ct_solid_part *part, int32_t first, int3
       for (int i = 0; i < 3; i++)
         for (int a = 0; a < 20; a++) nodal_force(P, part->gradients, a, i, &u[20 * i + a]);
       for (int q = 0; q < 27; q++) ct_lanes_lowest(&volume[q], &lowest);
-      ct_store_lanes(u, 20, lane, &values[480 * (int64_t)b]);
+      ct_store_lanes(u, 20, lane, 8, &values[480 * (int64_t)b]);
     }
     values[part->assembly->value_count + b] = lowest;
   }
