@@ -84,9 +84,11 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
 
 /* Energies of the elements of a batch, -½ f · (u - mean of u): the force is linear in u and blind
  * to a translation. */
-CT_INLINE void force_energies(const ct_solid_part *part, int per, int32_t b, const double *u,
-                              double *values, double energies[8])
+CT_CLONES
+static void force_energies(const ct_solid_part *part, int32_t b, const double *u, double *values,
+                           double energies[8])
 {
+  int per = ct_brick_node_count(part->mesh->kind);
   int64_t stride, last = part->mesh->element_count - 1;
   const double *f = ct_batch_values(part->ring, per, values, b, &stride);
   double t[3][20][8], mean[8], work[3][8];
@@ -107,20 +109,6 @@ CT_INLINE void force_energies(const ct_solid_part *part, int per, int32_t b, con
   for (int l = 0; l < 8; l++) energies[l] = -0.5 * ((work[0][l] + work[1][l]) + work[2][l]);
 }
 
-CT_CLONES
-static void hex8_energies(const ct_solid_part *part, int32_t b, const double *u, double *values,
-                          double energies[8])
-{
-  force_energies(part, 8, b, u, values, energies);
-}
-
-CT_CLONES
-static void hex20_energies(const ct_solid_part *part, int32_t b, const double *u, double *values,
-                           double energies[8])
-{
-  force_energies(part, 20, b, u, values, energies);
-}
-
 /* Energies of the elements of the batches first ... last - 1, no more than a block, after
  * begin_energies. */
 static void block_energies(const ct_solid_part *part, int32_t first, int32_t last, const double *u,
@@ -133,8 +121,7 @@ static void block_energies(const ct_solid_part *part, int32_t first, int32_t las
     memcpy(energies, &kept[8 * (int64_t)first], 8 * (size_t)(last - first) * sizeof *energies);
   for (int32_t b = first; part->energies == NULL && b < last; b++, energies += 8)
     if (part->mean != NULL) ct_solid_reduced_energies(part, b, u, energies, hourglass);
-    else if (part->mesh->kind == CT_HEX8) hex8_energies(part, b, u, values, energies);
-    else hex20_energies(part, b, u, values, energies);
+    else force_energies(part, b, u, values, energies);
 }
 
 /* What would cost too much to be made twice: the energies of large deformation. */

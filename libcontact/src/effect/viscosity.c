@@ -228,10 +228,8 @@ static ct_status prepare_body(viscous_body *body, const ct_body *from, const dou
   return bound_body(body, mass + body->first_node, error);
 }
 
-static ct_status check(const ct_viscosity_def *options, const ct_problem *problem, ct_error *error)
+static ct_status check(const ct_viscosity_def *options, ct_error *error)
 {
-  if (options->bodies != NULL && options->body_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "viscosity: the list of bodies is empty");
   if (!(options->linear >= 0.0 && options->quadratic >= 0.0 &&
         options->linear + options->quadratic > 0.0) ||
       !isfinite(options->linear + options->quadratic))
@@ -239,16 +237,6 @@ static ct_status check(const ct_viscosity_def *options, const ct_problem *proble
         error, CT_ERROR_ARGUMENT, CT_NOWHERE,
         "viscosity: the coefficients must not be negative, and one positive, not %g and %g",
         options->linear, options->quadratic);
-  for (int32_t i = 0; options->bodies != NULL && i < options->body_count; i++) {
-    int32_t body = options->bodies[i];
-    if (body < 0 || body >= problem->body_count)
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
-                     "viscosity: there is no body %d", (int)body);
-    for (int32_t k = 0; k < i; k++)
-      if (options->bodies[k] == body)
-        return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
-                       "viscosity: body %d is named twice", (int)body);
-  }
   return CT_OK;
 }
 
@@ -256,29 +244,23 @@ static ct_status check(const ct_viscosity_def *options, const ct_problem *proble
 static ct_status prepare(viscous_data *d, const ct_viscosity_def *options,
                          const ct_problem *problem, int32_t *node_count, ct_error *error)
 {
-  int32_t next = 0;
   d->linear = options->linear;
   d->quadratic = options->quadratic;
-  d->body_count = options->bodies == NULL ? problem->body_count : options->body_count;
-  d->bodies = ct_allocate((size_t)d->body_count, sizeof *d->bodies);
-  d->nodes = ct_allocate((size_t)problem->node_count, sizeof *d->nodes);
-  if (d->bodies == NULL || d->nodes == NULL)
+  d->bodies = ct_allocate((size_t)problem->body_count, sizeof *d->bodies);
+  if (d->bodies == NULL)
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
-  for (int32_t i = 0; i < problem->body_count; i++) {
-    int named = options->bodies == NULL;
-    for (int32_t k = 0; !named && k < options->body_count; k++) named = options->bodies[k] == i;
-    if (!named) continue;
-    viscous_body *body = &d->bodies[next++];
-    ct_status status = prepare_body(body, &problem->bodies[i], problem->mass, error);
-    if (status != CT_OK) {
-      if (error != NULL) error->body = i;
-      return status;
-    }
-    for (int32_t n = 0; n < body->mesh->node_count; n++)
-      d->nodes[(*node_count)++] = body->first_node + n;
+  ct_status status = ct_effect_body_nodes(problem, options->bodies, options->body_count,
+                                          "viscosity", &d->nodes, node_count, error);
+  for (int32_t n = 0; status == CT_OK && n < *node_count;) {
+    int32_t i = ct_effect_body_of(problem, d->nodes[n]);
+    viscous_body *body = &d->bodies[d->body_count++];
+    status = prepare_body(body, &problem->bodies[i], problem->mass, error);
+    if (status != CT_OK && error != NULL) error->body = i;
+    if (status != CT_OK) return status;
     d->value_count += body->assembly->value_count;
+    n += body->mesh->node_count;
   }
-  return CT_OK;
+  return status;
 }
 
 ct_viscosity_def ct_viscosity_def_default(void)
@@ -291,7 +273,7 @@ ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_probl
 {
   ct_status status =
       ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, effect, "viscosity", error);
-  if (status == CT_OK) status = check(def, problem, error);
+  if (status == CT_OK) status = check(def, error);
   if (status != CT_OK) return status;
   viscous_data *d = ct_allocate(1, sizeof *d);
   if (d == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");

@@ -146,8 +146,13 @@ static ct_status element_eigenvalue(ct_brick_kind kind, const double *nodes,
 {
   double A[SIZE][SIZE], m[SIZE];
   int per = ct_brick_node_count(kind);
+  if (per == 0 || nodes == NULL || mass == NULL || omega_squared == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
+  ct_status status = ct_material_check(material, error);
+  if (status != CT_OK) return status;
   ct_spread_mass(per, mass, NULL, m);
-  ct_status status = ct_element_stiffness(kind, nodes, displacement, material, A, error);
+  status = ct_element_stiffness(kind, nodes, material->law == CT_LINEAR ? NULL : displacement,
+                                material, A, error);
   return status == CT_OK ? ct_largest_eigenvalue(3 * per, m, A, omega_squared, error) : status;
 }
 
@@ -155,12 +160,7 @@ ct_status ct_solid_element_omega2_bound(ct_brick_kind kind, const double *nodes,
                                         const ct_material *material, const double *mass,
                                         double *omega_squared, ct_error *error)
 {
-  if (ct_brick_node_count(kind) == 0 || nodes == NULL || mass == NULL || omega_squared == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
-  ct_status status = ct_material_check(material, error);
-  return status == CT_OK
-             ? element_eigenvalue(kind, nodes, NULL, material, mass, omega_squared, error)
-             : status;
+  return element_eigenvalue(kind, nodes, NULL, material, mass, omega_squared, error);
 }
 
 ct_status ct_solid_element_tangent_omega2_bound(ct_brick_kind kind, const double *nodes,
@@ -168,11 +168,7 @@ ct_status ct_solid_element_tangent_omega2_bound(ct_brick_kind kind, const double
                                                 const ct_material *material, const double *mass,
                                                 double *omega_squared, ct_error *error)
 {
-  if (ct_brick_node_count(kind) == 0 || nodes == NULL || displacement == NULL || mass == NULL ||
-      omega_squared == NULL)
+  if (displacement == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
-  ct_status status = ct_material_check(material, error);
-  if (status != CT_OK) return status;
-  return element_eigenvalue(kind, nodes, material->law == CT_LINEAR ? NULL : displacement, material,
-                            mass, omega_squared, error);
+  return element_eigenvalue(kind, nodes, displacement, material, mass, omega_squared, error);
 }
