@@ -39,7 +39,7 @@ POINT_BYTES = 680
 CARRIED = {lib.CT_CHUNG_LEE: 48, lib.CT_NOH_BATHE: 24, lib.CT_TCHAMWA_WIELGOSZ: 24}
 # Shorter rows are numbered along x: many short pieces cost more than whole layers save.
 SHORTEST_ROW = 32
-# Bodies with shorter rows are not told from others (the library's ct_lattice_find).
+# Bodies with shorter rows are not told from others (the library's ct_force_ring_create).
 SHORTEST_LATTICE = 8
 POINT = row("ct_contact_point")
 
@@ -84,12 +84,10 @@ def memory_estimate(nodes: int, elements: int, width: int, lattice: bool = False
     """
     Bytes that a run of bodies alone holds: 31 numbers a node (10 of the problem: coordinates, masses, first velocity; 12 of the state:
     displacement, velocity, work, force; 9 of the last good state), the places where it finds its forces, and the node numbers of the
-    elements, twice, with the forces of their nodes on the way to the sum. A ``lattice`` of congruent elements needs their numbers once.
+    elements, with the forces of their nodes on the way to the sum. A ``lattice`` of congruent elements needs their numbers and runs of nodes only.
     """
-    places = elements * width * 4
-    if not lattice:
-        places = nodes * 8 * 4 + elements * width * (2 * 4 + 3 * 8)
-    return nodes * 31 * 8 + places
+    forces = nodes * 8 if lattice else nodes * 8 * 4 + elements * width * 3 * 8
+    return nodes * 31 * 8 + elements * width * 4 + forces
 
 
 def memory_of(problem: Problem) -> int:
@@ -99,6 +97,8 @@ def memory_of(problem: Problem) -> int:
         nodes, elements = len(body.mesh.nodes), len(body.mesh.elements)
         width, lattice = WIDTH[body.mesh.element], problem._is_lattice(problem.parts.bodies[name])
         total += memory_estimate(nodes, elements, width, lattice)
+        # What sleeps has the batches of each node.
+        total += nodes * 22 if "quiet" in problem.parts.savings else 0
         total += elements * 256 if body.kernel == "reduced" else 0
         # Of a body that may stiffen its frequency is watched: a direction, and a force with room of its own.
         total += nodes * 72 + elements * (24 * width + 18) if body.material.law != "linear" else 0
@@ -228,13 +228,11 @@ class Problem:
                 raise self._error(f"the run needs about {gigabytes}", key)
 
     def _is_lattice(self, body: Body) -> bool:
-        """Whether nothing is stored of the elements of a body, :eq:`lattice-ring`."""
+        """Whether no forces of the elements of a body are stored, :eq:`lattice-ring`."""
         return (
             "congruent" in self.parts.savings
             and self.parts.materials[body.material].law == "linear"
             and body.bricks == "hex8"
-            and body.integration == "full"
-            and body.kernel in ("auto", "box", "plane")
             and self.has_rows(body)
         )
 

@@ -237,6 +237,11 @@ static ct_status check(const ct_viscosity_def *options, ct_error *error)
         error, CT_ERROR_ARGUMENT, CT_NOWHERE,
         "viscosity: the coefficients must not be negative, and one positive, not %g and %g",
         options->linear, options->quadratic);
+  for (int32_t i = 0; options->bodies != NULL && i < options->body_count; i++)
+    for (int32_t k = 0; k < i; k++)
+      if (options->bodies[k] == options->bodies[i])
+        return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){options->bodies[i], -1, -1},
+                       "viscosity: body %d is named twice", (int)options->bodies[i]);
   return CT_OK;
 }
 
