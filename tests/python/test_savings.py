@@ -197,15 +197,15 @@ def test_explain_tells_the_savings():
 
 def test_a_lattice_is_refused_for_lack_of_memory_only_where_tables_would_not_fit(monkeypatch):
     block = {"origin": [0, 0, 0], "size": [1, 1, 1], "cells": [10, 10, 10]}
-    body = lambda **other: [{"name": "block", "box": block, "material": "steel", **other}]
+    body = [{"name": "block", "box": block, "material": "steel"}]
     one = {"contact": [], "support": []}
     nodes, elements = 11**3, 10**3
-    # With tables an element has its 8 node numbers twice and 24 forces, without them its numbers.
+    # With tables an element has its 8 node numbers and 24 forces, without them its numbers.
     monkeypatch.setattr("libcontact.problem.physical_memory", lambda: 256 * nodes + 150 * elements)
-    scene(body=body(), **one).explain()
-    for savings, other in (([], {}), (None, {"kernel": "general"})):
+    scene(body=body, **one).explain()
+    for savings, other in (([], {}), (None, {"material": [RUBBER]})):
         with pytest.raises(SceneError, match="GB, this machine has"):
-            scene(savings, body=body(**other), **one).explain()
+            scene(savings, body=body, **one, **other).explain()
 
 
 class Held(ctypes.Structure):

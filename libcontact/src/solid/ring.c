@@ -10,6 +10,9 @@
 /* Nodes that lack an element are summed with as many zeros at most. */
 enum { ZEROS = 256 };
 
+/* Threads that have a ring each; more of them share. */
+enum { MOST_RINGS = 64 };
+
 /* Nodes of a run, on the average, below which tables are faster: rows of 8 bricks. */
 enum { SHORTEST_RUN = 3 };
 
@@ -120,7 +123,7 @@ ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_fo
                             .axis = axis < 0 ? 2 : axis,
                             .p = axis == 0 ? 1 : 0,
                             .q = axis == 2 || axis < 0 ? 1 : 2,
-                            .threads = threads};
+                            .threads = threads < MOST_RINGS ? threads : MOST_RINGS};
     for (int a = 0; a < 8; a++) {
       double xi[3];
       ct_brick_reference(CT_HEX8, a, xi);
