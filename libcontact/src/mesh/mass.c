@@ -92,7 +92,7 @@ ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double densit
   shapes at;
   if (ct_brick_node_count(kind) == 0 || nodes == NULL || mass == NULL ||
       tabulate(kind, &at) != CT_OK)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "mass: null argument or unknown element");
+    return CT_REFUSE(error, "mass: null argument or unknown element");
   return lump(&at, nodes, density, lumping, mass, error);
 }
 
@@ -100,13 +100,11 @@ ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping
                          ct_error *error)
 {
   ct_assembly *assembly = NULL;
-  if (mesh == NULL || mass == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "mass: null argument");
+  if (mesh == NULL || mass == NULL) return CT_REFUSE(error, "mass: null argument");
   ct_status status = ct_assembly_create(mesh, 1, &assembly, error);
   if (status != CT_OK) return status;
   double *values = ct_allocate((size_t)assembly->value_count, sizeof *values);
-  if (values == NULL)
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the masses");
+  if (values == NULL) status = CT_NO_MEMORY(error, "the masses");
   shapes at;
   if (status == CT_OK) status = tabulate(mesh->kind, &at);
 

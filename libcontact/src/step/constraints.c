@@ -93,9 +93,8 @@ static ct_status check_rows(const ct_effect *effect, ct_constraint *const *rows,
            has_places(effect, row->other_count, row->other, row->other_shape);
   }
   if (fine) return CT_OK;
-  return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                 "effect %s: it lists %lld rows of at most %lld, or nodes that it has not",
-                 effect->label, (long long)count, (long long)effect->constraint_count);
+  return CT_REFUSE(error, "effect %s: it lists %lld rows of at most %lld, or nodes that it has not",
+                   effect->label, (long long)count, (long long)effect->constraint_count);
 }
 
 /* Let every effect list the rows that may be active. */

@@ -6,13 +6,27 @@
 
 #include <math.h>
 
+double ct_problem_edge(const ct_problem *problem)
+{
+  double edge = INFINITY;
+  for (int32_t i = 0; i < problem->body_count; i++)
+    edge = fmin(edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
+  return edge;
+}
+
+int ct_problem_is_linear(const ct_problem *problem)
+{
+  for (int32_t i = 0; i < problem->body_count; i++)
+    if (problem->bodies[i].material.law != CT_LINEAR) return 0;
+  return 1;
+}
+
 ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
                           double *omega_squared, double *rate, ct_error *error)
 {
   if (problem == NULL || state == NULL || omega_squared == NULL || rate == NULL || k < 0 ||
       k >= problem->effect_count)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "stable step: null argument or no effect %d", (int)k);
+    return CT_REFUSE(error, "stable step: null argument or no effect %d", (int)k);
   const ct_effect *effect = problem->effects[k];
   *omega_squared = *rate = 0.0;
   ct_status status = ct_stage_check(state, error);
@@ -24,9 +38,8 @@ ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
   if (status == CT_OK && effect->rate_bound != NULL)
     status = effect->rate_bound(effect, &view, rate, error);
   if (status == CT_OK && !(*omega_squared >= 0.0 && *rate >= 0.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "stable step: effect %s has the bounds %g and %g, which are none", effect->label,
-                   *omega_squared, *rate);
+    return CT_REFUSE(error, "stable step: effect %s has the bounds %g and %g, which are none",
+                     effect->label, *omega_squared, *rate);
   // -- The bound of the elements may be far above the whole (eq:assembled-bound)
   if (status == CT_OK && k == 0 && problem->assembled) {
     double whole = INFINITY;
@@ -73,8 +86,7 @@ ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *
 {
   bounds all, without;
   ct_state *own = NULL;
-  if (problem == NULL || out == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "stable step: null argument");
+  if (problem == NULL || out == NULL) return CT_REFUSE(error, "stable step: null argument");
   ct_status status = state == NULL ? ct_state_create(problem, &own, error) : CT_OK;
   if (status == CT_OK)
     status = sum_bounds(problem, state == NULL ? own : state, &all, &without, error);

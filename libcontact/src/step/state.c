@@ -49,9 +49,8 @@ double *ct_stage_past(const ct_problem *problem, const ct_state *state)
 ct_status ct_stage_check(const ct_state *state, ct_error *error)
 {
   if (state->workspace->stage == 0) return CT_OK;
-  return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                 "the state stands within step %lld, whose second stage failed",
-                 (long long)state->step);
+  return CT_REFUSE(error, "the state stands within step %lld, whose second stage failed",
+                   (long long)state->step);
 }
 
 /* Whether the effect that effect `k` reads has its force first: it stands before it, and its phase
@@ -79,31 +78,28 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
   if (p == NULL || p->bodies == NULL || p->reference == NULL || p->mass == NULL ||
       p->inverse_mass == NULL || p->initial_velocity == NULL || p->effects == NULL ||
       p->node_count < 1 || p->body_count < 1 || p->effect_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: something is missing");
+    return CT_REFUSE(error, "problem: something is missing");
   if (p->effects[0] == NULL || p->effects[0]->nodes != NULL ||
       p->effects[0]->node_count != p->node_count || p->effects[0]->phase != CT_PHASE_STATE)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "problem: the first effect must act on all nodes");
+    return CT_REFUSE(error, "problem: the first effect must act on all nodes");
   for (int32_t k = 0; k < p->effect_count; k++) {
-    if (p->effects[k] == NULL)
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %d is null", (int)k);
+    if (p->effects[k] == NULL) return CT_REFUSE(error, "problem: effect %d is null", (int)k);
     ct_status status = ct_effect_check(p->effects[k], error);
     if (status == CT_OK) status = ct_effect_check_nodes(p->effects[k], p->node_count, error);
     if (status != CT_OK) return status;
   }
   for (int32_t k = 1; k < p->effect_count; k++)
     if (is_second_of_its_phase(p, k))
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                     "problem: effect %s needs the forces of all others, as another one does",
-                     p->effects[k]->label);
+      return CT_REFUSE(error,
+                       "problem: effect %s needs the forces of all others, as another one does",
+                       p->effects[k]->label);
   for (int32_t k = 1; k < p->effect_count; k++)
     if (!reads_earlier(p, k))
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                     "problem: effect %s reads one whose force does not come before its own",
-                     p->effects[k]->label);
+      return CT_REFUSE(error,
+                       "problem: effect %s reads one whose force does not come before its own",
+                       p->effects[k]->label);
   if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1 || p->threads > CT_MOST_THREADS)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: a step of %g with %d threads",
-                   p->dt, p->threads);
+    return CT_REFUSE(error, "problem: a step of %g with %d threads", p->dt, p->threads);
   return ct_integrator_check(&p->integrator, error);
 }
 
@@ -202,8 +198,7 @@ void ct_state_free(ct_state *state)
 
 static ct_status no_memory(const ct_problem *problem, ct_error *error)
 {
-  return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a state of %d nodes",
-                 (int)problem->node_count);
+  return CT_NO_MEMORY(error, "a state of %d nodes", (int)problem->node_count);
 }
 
 ct_status ct_state_allocate(const ct_problem *problem, ct_state **out, ct_error *error)
@@ -315,7 +310,7 @@ ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *e
 {
   ct_energy energy;
   ct_state *state = NULL;
-  if (out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "state: null argument");
+  if (out == NULL) return CT_REFUSE(error, "state: null argument");
   ct_status status = check_problem(problem, error);
   if (status != CT_OK) return status;
   status = ct_state_allocate(problem, &state, error);
@@ -349,8 +344,7 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   if (problem == NULL || from == NULL || to == NULL || from->node_count != to->node_count ||
       from->work_count != to->work_count || from->impulse_count != to->impulse_count ||
       from->memory_count != to->memory_count)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "state: the two states are of different problems");
+    return CT_REFUSE(error, "state: the two states are of different problems");
   // One that was read from a file, or is kept by a watch, has no workspace, and stands between two
   // steps.
   ct_status status = from->workspace == NULL ? CT_OK : ct_stage_check(from, error);

@@ -3,6 +3,8 @@
 
 #include <libcontact/step.h>
 
+#include "effect_internal.h"
+
 /* What a state needs to take a step and a restart does not: forces at t_n and scratch space of the
  * effects. */
 typedef struct ct_workspace {
@@ -88,6 +90,16 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state);
  * (eq:energy-start); null later on, and without constraints. */
 const uint64_t *ct_workspace_begun(const ct_state *state);
 
+/* Work of effect `k`, what it stores, and what came in through it from outside. */
+ct_status ct_energy_parts(const ct_problem *problem, ct_state *state, int32_t k, double *work,
+                          double *stored, double *external, ct_error *error);
+
+/* Shortest edge of all bodies. */
+double ct_problem_edge(const ct_problem *problem);
+
+/* Whether the stiffness of all bodies stays what it is. */
+int ct_problem_is_linear(const ct_problem *problem);
+
 /* v_n at the nodes first ... end - 1, shape (end - first, 3), after ct_workspace_forces. */
 void ct_mean_velocity(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end,
                       double *velocity);
@@ -102,12 +114,6 @@ double ct_integrator_share(const ct_integrator *integrator);
  * linear. */
 ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double *omega_squared,
                               ct_error *error);
-
-/* Node of the problem that is the i-th of an effect. */
-static inline int32_t ct_effect_node(const ct_effect *effect, int32_t i)
-{
-  return effect->nodes == NULL ? i : effect->nodes[i];
-}
 
 /* Where effect `k` begins in the state's `work`, `impulse` and `memory`. */
 int64_t ct_state_work_start(const ct_problem *problem, int32_t k);
