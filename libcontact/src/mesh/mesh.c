@@ -243,19 +243,6 @@ static double jacobian(ct_brick_kind kind, double nodes[20][3], const double xi[
   return ct_cofactors(J, C);
 }
 
-int ct_mesh_upright_box(double nodes[8][3], double *volume)
-{
-  const double *low = nodes[0], *high = nodes[6];
-  for (int a = 0; a < 8; a++) {
-    int at[3] = {a % 4 == 1 || a % 4 == 2, a % 4 >= 2, a >= 4};
-    for (int d = 0; d < 3; d++)
-      if (nodes[a][d] != (at[d] ? high[d] : low[d])) return 0;
-  }
-  double edge[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
-  *volume = edge[0] * edge[1] * edge[2];
-  return edge[0] > 0.0 && edge[1] > 0.0 && edge[2] > 0.0 && isnormal(*volume * *volume);
-}
-
 /* At Gauss points: the determinant over the product of the edges there, which is 1 for a box
  * (eq:jacobian-points). */
 static ct_status check_gauss(ct_brick_kind kind, double nodes[20][3], const ct_rule *rule,
@@ -302,12 +289,11 @@ static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t
                                ct_error *error)
 {
   int32_t number[20];
-  double nodes[20][3], volume;
+  double nodes[20][3];
   ct_status status = ct_mesh_element_nodes(mesh, element, number, error);
   if (status != CT_OK) return status;
   for (int a = 0; a < ct_brick_node_count(mesh->kind); a++)
     memcpy(nodes[a], &mesh->nodes[3 * (size_t)number[a]], sizeof nodes[a]);
-  if (mesh->kind == CT_HEX8 && ct_mesh_upright_box(nodes, &volume)) return CT_OK;
   status = check_gauss(mesh->kind, nodes, rule, element, error);
   return status == CT_OK ? check_nodes(mesh->kind, nodes, number, element, error) : status;
 }

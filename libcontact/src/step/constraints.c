@@ -10,17 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-void ct_constraints_free(const ct_problem *problem, ct_constraints *c)
-{
-  if (c == NULL) return;
-  ct_solver_free(c->solver);
-  for (int32_t k = 0; c->place != NULL && k < problem->effect_count; k++) ct_release(c->place[k]);
-  ct_release(c->place);
-  ct_release(c->increment);
-  ct_release(c->begun);
-  ct_release(c);
-}
-
 /* Whether an effect prescribes the motion of some degrees of freedom. */
 static int has_increment(const ct_effect *effect)
 {
@@ -28,48 +17,46 @@ static int has_increment(const ct_effect *effect)
 }
 
 /* Where the nodes of effects that prescribe motion stand among the solver's. */
-static ct_status find_places(const ct_problem *problem, const int32_t *number, ct_constraints *c)
+static void find_places(const ct_problem *problem, const int32_t *number, ct_constraints *c,
+                        ct_pool *pool)
 {
   int32_t longest = 0;
-  for (int32_t k = 0; k < problem->effect_count; k++) {
+  for (int32_t k = 0; !pool->failed && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (!has_increment(effect)) continue;
     if (effect->node_count > longest) longest = effect->node_count;
-    c->place[k] = ct_allocate((size_t)effect->node_count, sizeof *c->place[k]);
-    if (c->place[k] == NULL) return CT_ERROR_MEMORY;
-    for (int32_t i = 0; i < effect->node_count; i++)
+    c->place[k] = ct_pool_take(pool, (size_t)effect->node_count, sizeof *c->place[k]);
+    for (int32_t i = 0; c->place[k] != NULL && i < effect->node_count; i++)
       c->place[k][i] = number[ct_effect_node(effect, i)];
   }
-  if (longest > 0) c->increment = ct_allocate((size_t)longest, 3 * sizeof *c->increment);
-  return longest == 0 || c->increment != NULL ? CT_OK : CT_ERROR_MEMORY;
+  if (longest > 0) c->increment = ct_pool_take(pool, (size_t)longest, 3 * sizeof *c->increment);
 }
 
-ct_status ct_constraints_create(const ct_problem *problem, ct_constraints **out)
+void ct_constraints_create(const ct_problem *problem, ct_workspace *w)
 {
   size_t effects = (size_t)problem->effect_count;
   ct_row_set *sets = ct_allocate(effects, sizeof *sets);
-  int32_t count = 0, *number = NULL;
-  if (sets == NULL) return CT_ERROR_MEMORY;
-  for (int32_t k = 0; k < problem->effect_count; k++) {
+  int32_t count = 0, *number = ct_allocate((size_t)problem->node_count, sizeof *number);
+  w->pool.failed |= sets == NULL || number == NULL;
+  for (int32_t k = 0; sets != NULL && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (effect->phase == CT_PHASE_CONSTRAINT)
       sets[count++] = (ct_row_set){effect->constraint_count, effect->node_count, effect->nodes};
   }
-  ct_status status = CT_OK;
-  if (count > 0) {
-    ct_constraints *c = *out = ct_allocate(1, sizeof *c);
-    number = ct_allocate((size_t)problem->node_count, sizeof *number);
-    status = CT_ERROR_MEMORY;
-    if (c != NULL && number != NULL &&
-        (c->place = ct_allocate(effects, sizeof *c->place)) != NULL &&
-        (c->begun = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *c->begun)) !=
-            NULL)
-      status = ct_solver_create(sets, count, problem->node_count, number, &c->solver);
-    if (status == CT_OK) status = find_places(problem, number, c);
+  if (count > 0 && !w->pool.failed) {
+    ct_constraints *c = w->constraints = ct_pool_take(&w->pool, 1, sizeof *c);
+    int32_t **place = ct_pool_take(&w->pool, effects, sizeof *place);
+    uint64_t *begun =
+        ct_pool_take(&w->pool, (size_t)ct_bits_words(problem->node_count), sizeof *begun);
+    if (!w->pool.failed) {
+      c->place = place, c->begun = begun;
+      w->pool.failed =
+          ct_solver_create(sets, count, problem->node_count, number, &c->solver) != CT_OK;
+      find_places(problem, number, c, &w->pool);
+    }
   }
   ct_release(number);
   ct_release(sets);
-  return status;
 }
 
 /* Whether the places of a row's nodes are in the list of its effect. */

@@ -66,28 +66,21 @@ static void work_terms(const ct_problem *problem, const ct_state *state, int32_t
                        int32_t end, double *terms)
 {
   const ct_effect *effect = problem->effects[k];
-  int64_t start = 3 * (int64_t)first, count = 3 * (int64_t)(end - first);
-  const double *past = effect->phase == CT_PHASE_REACTION
-                           ? state->impulse + ct_state_impulse_start(problem, k)
-                           : state->work + ct_state_work_start(problem, k);
-  const double *earlier =
-      effect->phase == CT_PHASE_REACTION ? past + state->impulse_count / 2 : past;
-  double room[3 * CT_PIECE], velocity[3 * CT_PIECE], t[3 * CT_PIECE],
-      share = ct_integrator_share(&problem->integrator);
-  const double *force = ct_workspace_force_of(problem, state, k, first, end, room),
-               *v = &state->velocity[start];
-  for (int32_t i = first; effect->nodes != NULL && i < end; i++)
-    memcpy(&velocity[3 * (i - first)], &state->velocity[3 * (int64_t)effect->nodes[i]],
-           3 * sizeof *velocity);
-  if (effect->nodes != NULL) v = velocity;
+  ct_starts start = ct_state_starts(problem, k);
+  int reaction = effect->phase == CT_PHASE_REACTION;
+  const double *past = reaction ? state->impulse + start.impulse : state->work + start.work,
+               *earlier = reaction ? past + state->impulse_count / 2 : NULL;
+  double force[3], t[3], share = ct_integrator_share(&problem->integrator);
   // -- Δt / 2 (Σ f (v⁻ + v⁺) + f_n v_{n-1/2}); a reaction's velocity is constant (eq:work-balance,
   // eq:stage-work)
-  if (effect->phase == CT_PHASE_REACTION)
-    for (int64_t d = 0; d < count; d++)
-      t[d] = 2.0 * (earlier[start + d] + (past[start + d] + share * force[d])) * v[d];
-  else
-    for (int64_t d = 0; d < count; d++) t[d] = past[start + d] + 2.0 * share * force[d] * v[d];
-  for (int32_t i = 0; i < end - first; i++) terms[i] = (t[3 * i] + t[3 * i + 1]) + t[3 * i + 2];
+  for (int32_t i = first; i < end; i++) {
+    const double *v = &state->velocity[3 * (int64_t)ct_effect_node(effect, i)];
+    ct_workspace_force_at(problem, state, k, i, force);
+    for (int64_t c = 0, d = 3 * (int64_t)i; c < 3; c++, d++)
+      t[c] = reaction ? 2.0 * (earlier[d] + (past[d] + share * force[c])) * v[c]
+                      : past[d] + 2.0 * share * force[c] * v[c];
+    terms[i - first] = (t[0] + t[1]) + t[2];
+  }
 }
 
 ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t k, double *work,
@@ -164,12 +157,10 @@ ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *en
 /* Largest component of the force of one effect. */
 static double largest_force(const ct_problem *problem, const ct_state *state, int32_t k)
 {
-  double top = 0.0, room[3 * CT_PIECE];
-  int32_t count = problem->effects[k]->node_count;
-  for (int32_t first = 0, end; first < count; first = end) {
-    end = ct_piece_end(first, count);
-    const double *force = ct_workspace_force_of(problem, state, k, first, end, room);
-    for (int64_t d = 0; d < 3 * (int64_t)(end - first); d++) top = fmax(top, fabs(force[d]));
+  double top = 0.0, force[3];
+  for (int32_t i = 0; i < problem->effects[k]->node_count; i++) {
+    ct_workspace_force_at(problem, state, k, i, force);
+    top = fmax(fmax(top, fabs(force[0])), fmax(fabs(force[1]), fabs(force[2])));
   }
   return top;
 }
@@ -204,18 +195,16 @@ static int64_t impulse_terms(const ct_problem *problem, const ct_state *state, i
                              double terms[3][CT_PIECE])
 {
   const ct_effect *effect = problem->effects[k];
-  const double *past = state->impulse + ct_state_impulse_start(problem, k),
+  const double *past = state->impulse + ct_state_starts(problem, k).impulse,
                *earlier = past + state->impulse_count / 2;
-  double room[3 * CT_PIECE], share = ct_integrator_share(&problem->integrator);
-  const double *force = ct_workspace_force_of(problem, state, k, i, end, room);
+  double force[3], share = ct_integrator_share(&problem->integrator);
   int64_t count = 0;
-  for (; i < end; i++, force += 3) {
+  for (; i < end; i++) {
     int32_t node = ct_effect_node(effect, i);
     if (node < range[0] || node >= range[1]) continue;
-    for (int c = 0; c < 3; c++) {
-      int64_t d = 3 * (int64_t)i + c;
+    ct_workspace_force_at(problem, state, k, i, force);
+    for (int64_t c = 0, d = 3 * (int64_t)i; c < 3; c++, d++)
       terms[c][count] = earlier[d] + (past[d] + share * force[c]);
-    }
     count++;
   }
   return count;
@@ -325,14 +314,8 @@ ct_status ct_state_force(const ct_problem *problem, ct_state *state, int32_t k, 
   ct_status status = begin(problem, state, k, force, error);
   if (status != CT_OK) return status;
   const ct_effect *effect = problem->effects[k];
-  int32_t count = effect->node_count;
-  double room[3 * CT_PIECE];
   memset(force, 0, 3 * (size_t)problem->node_count * sizeof *force);
-  for (int32_t first = 0, end; first < count; first = end) {
-    end = ct_piece_end(first, count);
-    const double *own = ct_workspace_force_of(problem, state, k, first, end, room);
-    for (int32_t i = first; i < end; i++, own += 3)
-      memcpy(&force[3 * (int64_t)ct_effect_node(effect, i)], own, 3 * sizeof *force);
-  }
+  for (int32_t i = 0; i < effect->node_count; i++)
+    ct_workspace_force_at(problem, state, k, i, &force[3 * (int64_t)ct_effect_node(effect, i)]);
   return CT_OK;
 }

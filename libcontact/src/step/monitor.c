@@ -98,10 +98,11 @@ static int64_t element_with(const ct_mesh *mesh, int32_t node)
   return -1;
 }
 
-/* Energies of one look; `elastic` is what bodies and contacts store, `stored` what all effects do.
- */
+/* Energies of one look: of motion, what bodies and contacts store, what has appeared in the ledger;
+ * what motion and strain should have, and have had at most (eq:energy-appears); the largest energy
+ * of all, and below which nothing is reported. */
 typedef struct energies {
-  double kinetic, elastic, stored, external, total;
+  double kinetic, elastic, appeared, expected, most_expected, scale, least;
 } energies;
 
 static ct_status measure(const ct_monitor *w, ct_state *state, energies *e, ct_error *error)
@@ -116,21 +117,16 @@ static ct_status measure(const ct_monitor *w, ct_state *state, energies *e, ct_e
     square_terms(problem, state, NULL, first, end, terms);
     ct_stream_add(&sum, terms, end - first);
   }
-  *e = (energies){0.5 * ct_stream_sum(&sum), ledger.strain + ledger.contact,
-                  ledger.total - ledger.kinetic + ledger.external, ledger.external, ledger.total};
+  double stored = ledger.total - ledger.kinetic + ledger.external;
+  *e = (energies){.kinetic = 0.5 * ct_stream_sum(&sum),
+                  .elastic = ledger.strain + ledger.contact,
+                  .appeared = ledger.total - w->start};
+  // All that was there and was brought, less what other effects store.
+  e->expected = w->start + ledger.external - (stored - e->elastic);
+  e->most_expected = fmax(fmax(e->expected, w->expected), 0.0);
+  e->scale = fmax(e->kinetic, fmax(fabs(stored), fabs(ledger.external)));
+  e->least = fmax(w->floor, 1e-9 * fmax(w->largest, e->scale));
   return CT_OK;
-}
-
-/* What motion and strain should have: all that was there and was brought, less what other effects
- * store. */
-static double expected_of(const ct_monitor *w, const energies *e)
-{
-  return w->start + e->external - (e->stored - e->elastic);
-}
-
-static double scale_of(const energies *e)
-{
-  return fmax(e->kinetic, fmax(fabs(e->stored), fabs(e->external)));
 }
 
 /* Energy that round-off can make: a part ε of what the material could hold, which is Σ m c₁²
@@ -160,27 +156,15 @@ static ct_status given_by(const ct_problem *problem, ct_state *state, int32_t k,
   return status;
 }
 
-/* Energy that motion and strain should have had at most, up to now (eq:energy-appears). */
-static double most_expected(const ct_monitor *w, const energies *e)
-{
-  return fmax(fmax(expected_of(w, e), w->expected), 0.0);
-}
-
-/* Below this energy nothing is reported. */
-static double least_of(const ct_monitor *w, const energies *e)
-{
-  return fmax(w->floor, 1e-9 * fmax(w->largest, scale_of(e)));
-}
-
 /* Store the first growth above the limit from which on it is reported (eq:energy-growth). */
 static ct_status note_growth(ct_monitor *w, ct_state *state, const energies *e, ct_error *error)
 {
-  double appeared = e->total - w->start, expected = most_expected(w, e), most = -INFINITY;
+  double most = -INFINITY;
   ct_growth found = {.time = state->time,
                      .step = state->step,
-                     .share = expected > 0.0 ? appeared / expected : INFINITY};
+                     .share = e->most_expected > 0.0 ? e->appeared / e->most_expected : INFINITY};
   if (w->growth.share > 0.0 ||
-      !(appeared > fmax(w->options.growth_limit * expected, least_of(w, e))))
+      !(e->appeared > fmax(w->options.growth_limit * e->most_expected, e->least)))
     return CT_OK;
   for (int32_t k = 0; k < w->problem->effect_count; k++) {
     double gave;
@@ -200,16 +184,15 @@ static ct_status look_at_energy(ct_monitor *w, const ct_state *state, const ener
                                 ct_error *error)
 {
   // -- What motion and strain should have at most, and what they have too much (eq:energy-appears)
-  double limit = w->options.energy_limit, expected = most_expected(w, e), least = least_of(w, e);
-  double appeared = e->total - w->start;
+  double limit = w->options.energy_limit, expected = e->most_expected;
   // -- A growing oscillation, of which the ledger's total knows nothing (eq:energy-grows)
   double grown = w->swing * e->elastic - expected;
-  if (isinf(limit) || !(fmax(appeared, grown) > fmax(limit * expected, least))) return CT_OK;
+  if (isinf(limit) || !(fmax(e->appeared, grown) > fmax(limit * expected, e->least))) return CT_OK;
   ct_place at = place_of(w->problem, largest_node(w->problem, state, NULL));
   return ct_fail(error, CT_ERROR_ENERGY, at,
                  "energy appears: %.3g more than the %.3g that should be there by t = %g (step "
                  "%lld); most of it moves at body %s, node %d",
-                 fmax(appeared, grown), expected, state->time, (long long)state->step,
+                 fmax(e->appeared, grown), expected, state->time, (long long)state->step,
                  w->problem->bodies[at.body].name, (int)at.point);
 }
 
@@ -250,12 +233,10 @@ static ct_status iterate(ct_monitor *w, ct_state *state, ct_error *error)
   ct_status status = solid->force(solid, &view, w->force, error);
   if (status != CT_OK) return status;
   // -- ω² = p · K p over p · M p = 1, then p becomes M⁻¹ K p (eq:step-quotient)
-  double room[3 * CT_PIECE];
-  for (int32_t first = 0, end; first < problem->node_count; first = end) {
-    end = ct_piece_end(first, problem->node_count);
-    const double *before = ct_workspace_force_of(problem, state, 0, first, end, room);
-    for (int64_t i = 0, d = 3 * (int64_t)first; d < 3 * (int64_t)end; i++, d++)
-      w->force[d] = (before[i] - w->force[d]) / small;
+  for (int32_t n = 0; n < problem->node_count; n++) {
+    double before[3], *change = &w->force[3 * (int64_t)n];
+    ct_workspace_force_at(problem, state, 0, n, before);
+    for (int c = 0; c < 3; c++) change[c] = (before[c] - change[c]) / small;
   }
   w->omega_squared = ct_sum_product(problem->node_count, NULL, w->mode, w->force);
   memcpy(w->moved, w->mode, (size_t)count * sizeof *w->moved);
@@ -307,8 +288,8 @@ ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error
   if (status == CT_OK) status = note_growth(monitor, state, &e, error);
   if (status == CT_OK) status = ct_state_copy(monitor->problem, state, monitor->good, error);
   if (status != CT_OK) return status;
-  monitor->largest = fmax(monitor->largest, scale_of(&e));
-  monitor->expected = fmax(monitor->expected, expected_of(monitor, &e));
+  monitor->largest = fmax(monitor->largest, e.scale);
+  monitor->expected = fmax(monitor->expected, e.expected);
   return CT_OK;
 }
 
@@ -371,10 +352,11 @@ static ct_status prepare(ct_monitor *w, ct_state *state, ct_error *error)
   if (status == CT_OK) status = ct_check_finite(problem, state, error);
   if (status == CT_OK) status = measure(w, state, &e, error);
   if (status != CT_OK) return status;
-  w->start = e.total;
+  // Before the start no energy was known: all of it has appeared.
+  w->start = e.appeared;
   w->floor = floor_of(problem);
-  w->largest = scale_of(&e);
-  w->expected = expected_of(w, &e);
+  w->largest = e.scale;
+  w->expected = w->start + e.expected;
   w->swing = fmax(1.0 - problem->dt * problem->dt / (stable.dt * stable.dt), 0.02);
   w->gave = ct_pool_take(&w->pool, (size_t)problem->effect_count, sizeof *w->gave);
   if (w->gave == NULL) return CT_NO_MEMORY(error, "a monitor");

@@ -99,7 +99,7 @@ static ct_status take_stage(const ct_problem *problem, ct_state *state, double s
   move(problem, state, share, made ? ct_sleep_active(w->sleep) : NULL);
   ct_ledger_count(problem, state, share);
   memcpy(state->memory, w->next_memory,
-         (size_t)ct_state_memory_start(problem, problem->effect_count) * sizeof(double));
+         (size_t)ct_state_starts(problem, problem->effect_count).memory * sizeof(double));
   w->forces_at = -1;
   w->followed = made;
   if (problem->clock != NULL)

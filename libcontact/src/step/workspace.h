@@ -8,6 +8,7 @@
 /* What a state needs to take a step and a restart does not: forces at t_n and scratch space of the
  * effects. */
 typedef struct ct_workspace {
+  ct_pool pool;      /* its arrays */
   int64_t forces_at; /* the step whose forces stand below, or -1 */
   int starting;      /* v_{-1/2} is not known yet */
   int stage;         /* of the step, 0 or 1: the next one whose forces are made */
@@ -76,11 +77,10 @@ static inline double ct_kick(double v, double dt, double inverse_mass, double fo
   return v + dt * inverse_mass * force;
 }
 
-/* Forces of effect `k` on its nodes first ... last - 1, shape (last - first, 3), after
- * ct_workspace_forces; reactions are minus the total on held degrees of freedom (eq:reaction).
- * Answers where they stand, which may be in `room`, of 3 (last - first) numbers. */
-const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k,
-                                    int32_t first, int32_t last, double *room);
+/* Force of effect `k` on its i-th node, after ct_workspace_forces; that of a reaction is minus the
+ * total on held degrees of freedom (eq:reaction). */
+void ct_workspace_force_at(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i,
+                           double force[3]);
 
 /* Work and impulses that count only the part of the first forces that comes after t = 0
  * (eq:leapfrog-start), from the forces that stand. */
@@ -115,9 +115,11 @@ double ct_integrator_share(const ct_integrator *integrator);
 ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double *omega_squared,
                               ct_error *error);
 
-/* Where effect `k` begins in the state's `work`, `impulse` and `memory`. */
-int64_t ct_state_work_start(const ct_problem *problem, int32_t k);
-int64_t ct_state_impulse_start(const ct_problem *problem, int32_t k);
-int64_t ct_state_memory_start(const ct_problem *problem, int32_t k);
+/* Where effect `k` begins in the state's `work`, `impulse` and `memory`; behind the last effect:
+ * how many numbers they have of all effects. */
+typedef struct ct_starts {
+  int64_t work, impulse, memory;
+} ct_starts;
+ct_starts ct_state_starts(const ct_problem *problem, int32_t k);
 
 #endif
