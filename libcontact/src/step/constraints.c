@@ -106,20 +106,32 @@ static ct_status list_rows(const ct_problem *problem, ct_state *state, ct_solver
   return CT_OK;
 }
 
-/* Displacement increment of each node until t_{n+1} without the constraints, how far a force moves
- * it, and its increment since t_{n-1} (eq:constraint-problem). */
+/* Displacement increment of each node until t_{n+1} without the constraints, how far one more unit
+ * of force moves each component, and its increment since t_{n-1} (eq:constraint-problem, eq:stage).
+ */
 static void predict(const ct_problem *problem, const ct_state *state, ct_solver *s)
 {
   // The last evaluation was in the other stage, where there are two.
-  ct_stage stages[2];
+  ct_stage stages[2], stage = ct_stage_now(problem, state);
   int count = ct_integrator_stages(&problem->integrator, stages);
-  double before = stages[count - 1 - state->workspace->stage].tau * problem->dt;
-  ct_integrator_predict(problem, state, s->node_count, s->nodes, CT_SOLVER_WIDE, s->increment,
-                        s->mobility);
+  double before = stages[count - 1 - state->workspace->stage].tau * problem->dt, push = stage.r;
+  const double *past = ct_stage_past(problem, state);
+  // -- At the start the acceleration before is that of t = 0, and the velocity, the one of t = 0,
+  // has its share of it already (eq:stage-start)
+  if (state->workspace->starting) {
+    push = stage.r + stage.l - ct_integrator_share(&problem->integrator) * problem->dt;
+    past = NULL;
+  }
   for (int32_t i = 0; i < s->node_count; i++)
-    for (int64_t c = 0; c < 3; c++)
-      s->past[CT_SOLVER_WIDE * (int64_t)i + c] =
-          before * state->velocity[3 * (int64_t)s->nodes[i] + c];
+    for (int64_t c = 0; c < 3; c++) {
+      int64_t own = CT_SOLVER_WIDE * (int64_t)i + c, dof = 3 * (int64_t)s->nodes[i] + c;
+      double velocity = ct_kick(state->velocity[dof], push, problem->inverse_mass[dof],
+                                state->workspace->total[dof]);
+      if (past != NULL) velocity += stage.l * past[dof];
+      s->increment[own] = stage.tau * velocity;
+      s->mobility[own] = stage.tau * push * problem->inverse_mass[dof];
+      s->past[own] = before * state->velocity[dof];
+    }
 }
 
 /* Degrees of freedom whose motion is prescribed: no force moves them. */

@@ -323,29 +323,6 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   return CT_OK;
 }
 
-void ct_integrator_predict(const ct_problem *problem, const ct_state *state, int32_t count,
-                           const int32_t *nodes, int stride, double *way, double *mobility)
-{
-  ct_stage stage = ct_stage_now(problem, state);
-  const double *past = ct_stage_past(problem, state);
-  double push = stage.r;
-  // -- At the start the acceleration before is that of t = 0, and the velocity has its share of it
-  // already (eq:stage-start)
-  if (state->workspace->starting) {
-    push = stage.r + stage.l - ct_integrator_share(&problem->integrator) * problem->dt;
-    past = NULL;
-  }
-  for (int32_t i = 0; i < count; i++)
-    for (int64_t c = 0; c < 3; c++) {
-      int64_t own = stride * (int64_t)i + c, dof = 3 * (int64_t)nodes[i] + c;
-      double velocity = ct_kick(state->velocity[dof], push, problem->inverse_mass[dof],
-                                state->workspace->total[dof]);
-      if (past != NULL) velocity += stage.l * past[dof];
-      way[own] = stage.tau * velocity;
-      mobility[own] = stage.tau * push * problem->inverse_mass[dof];
-    }
-}
-
 ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k)
 {
   int64_t memory = ct_state_starts(problem, k).memory;

@@ -59,12 +59,6 @@ static inline ct_stage ct_stage_now(const ct_problem *problem, const ct_state *s
  * use for it. */
 double *ct_stage_past(const ct_problem *problem, const ct_state *state);
 
-/* Way of nodes until the next evaluation with the forces in `total`, shape (node_count, 3), and how
- * far one more unit of force moves each component (eq:stage). Three numbers a node, `stride` apart.
- * At the start, before v_{-1/2} is known, the velocity is the one of t = 0 (eq:stage-start). */
-void ct_integrator_predict(const ct_problem *problem, const ct_state *state, int32_t count,
-                           const int32_t *nodes, int stride, double *way, double *mobility);
-
 /* Fails for a state whose last step ended after its first stage. */
 ct_status ct_stage_check(const ct_state *state, ct_error *error);
 
