@@ -6,7 +6,6 @@
 #include "../base/list.h"
 #include "../base/error.h"
 #include "../base/memory.h"
-#include "../base/stream.h"
 #include "../base/threads.h"
 #include "../solid/sleep.h"
 #include "constraints.h"
