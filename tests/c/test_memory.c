@@ -28,7 +28,7 @@ enum { NODE = 22 * 8 };
 static const kind KINDS[] = {
     {"a lattice", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 0, 0, 0, NODE, 32},
     {"a lattice whose nodes are all held along y", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 1, 0, 0, 0,
-     NODE + 6 * 8, 32},
+     NODE + 6 * 8 + 4 * 4, 32},
     {"a lattice with a monitor", CT_HEX8, &STEEL, CT_KERNEL_BOX, 1, 0, 1, 0, 0, NODE + 9 * 8, 32},
     {"a lattice with gravity: 21 numbers and two node numbers more", CT_HEX8, &STEEL, CT_KERNEL_BOX,
      1, 0, 0, 1, 0, NODE + 21 * 8 + 2 * 4, 32},

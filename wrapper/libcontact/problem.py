@@ -105,9 +105,10 @@ def memory_of(problem: Problem) -> int:
         total += nodes * CARRIED.get(problem.pointer.integrator.scheme, 0)
     for k in range(1, problem.pointer.effect_count):
         effect = problem.pointer.effects[k]
-        # Impulse in two parts, of the state and the good one; of a force also its work, itself, and what it is put right with.
+        # Impulse in two parts, of the state and the good one; of a support also its nodes and who holds them; of a force also its work,
+        # itself, and what it is put right with.
         total += effect.node_count * (
-            96 if effect.phase == lib.CT_PHASE_REACTION else 96 + 48 + 24 + 76
+            96 + 16 if effect.phase == lib.CT_PHASE_REACTION else 96 + 48 + 24 + 76
         )
         total += 24 * effect.memory_count
         total += 0 if effect.nodes == ffi.NULL else 4 * effect.node_count
