@@ -28,6 +28,7 @@ typedef struct viscous_body {
 } viscous_body;
 
 typedef struct viscous_data {
+  ct_pool pool;
   double linear, quadratic;
   int32_t body_count;
   viscous_body *bodies;
@@ -38,22 +39,14 @@ typedef struct viscous_data {
 static void free_data(void *data)
 {
   viscous_data *d = data;
-  if (d == NULL) return;
-  for (int32_t i = 0; d->bodies != NULL && i < d->body_count; i++) {
-    ct_release(d->bodies[i].lanes);
-    ct_assembly_free(d->bodies[i].assembly);
-  }
-  ct_release(d->bodies);
-  ct_release(d->nodes);
-  ct_release(d);
+  for (int32_t i = 0; d != NULL && i < d->body_count; i++) ct_assembly_free(d->bodies[i].assembly);
+  ct_pool_free(d);
 }
 
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
   *scratch = ct_allocate((size_t)((const viscous_data *)effect->data)->value_count, sizeof(double));
-  return *scratch != NULL
-             ? CT_OK
-             : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscous forces");
+  return *scratch != NULL ? CT_OK : CT_NO_MEMORY(error, "the viscous forces");
 }
 
 /* l = √(3/2) / g from the mean gradients per volume; the edge of a cube (eq:element-length). */
@@ -65,7 +58,7 @@ ct_status ct_viscosity_element(const double *nodes, const double *velocity, doub
 {
   double v[20][3], B[20][3], G[3][3], V, g2;
   if (nodes == NULL || velocity == NULL || pressure == NULL || force == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "viscosity: null argument");
+    return CT_REFUSE(error, "viscosity: null argument");
   ct_status status = ct_element_mean_gradients(nodes, B, &V, &g2, error);
   if (status != CT_OK) return status;
   memcpy(v, velocity, 8 * sizeof v[0]);
@@ -163,8 +156,7 @@ static ct_status bound_body(viscous_body *body, const double *mass, ct_error *er
 {
   const ct_mesh *mesh = body->mesh;
   double *around = ct_allocate((size_t)mesh->node_count, sizeof *around), B[20][3], x[20][3], V, g2;
-  if (around == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  if (around == NULL) return CT_NO_MEMORY(error, "the viscosity");
   ct_status status = CT_OK;
   for (int pass = 0; pass < 2; pass++)
     for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
@@ -206,7 +198,7 @@ static void lay_down(const viscous_body *body)
 }
 
 static ct_status prepare_body(viscous_body *body, const ct_body *from, const double *mass,
-                              ct_error *error)
+                              ct_pool *pool, ct_error *error)
 {
   double c2;
   if (from->mesh->kind != CT_HEX8)
@@ -217,10 +209,9 @@ static ct_status prepare_body(viscous_body *body, const ct_body *from, const dou
   body->density = from->material.density;
   ct_material_speeds(&from->material, &body->c1, &c2);
   body->batch_count = (body->mesh->element_count + 7) / 8;
-  body->lanes =
-      ct_allocate((size_t)body->batch_count * (CT_BATCH / CT_LANES_COUNT), sizeof *body->lanes);
-  if (body->lanes == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  body->lanes = ct_pool_take(pool, (size_t)body->batch_count * (CT_BATCH / CT_LANES_COUNT),
+                             sizeof *body->lanes);
+  if (body->lanes == NULL) return CT_NO_MEMORY(error, "the viscosity");
   ct_status status = ct_mesh_check(body->mesh, error);
   if (status == CT_OK) status = ct_assembly_create(body->mesh, 3, &body->assembly, error);
   if (status != CT_OK) return status;
@@ -233,9 +224,8 @@ static ct_status check(const ct_viscosity_def *options, ct_error *error)
   if (!(options->linear >= 0.0 && options->quadratic >= 0.0 &&
         options->linear + options->quadratic > 0.0) ||
       !isfinite(options->linear + options->quadratic))
-    return ct_fail(
-        error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-        "viscosity: the coefficients must not be negative, and one positive, not %g and %g",
+    return CT_REFUSE(
+        error, "viscosity: the coefficients must not be negative, and one positive, not %g and %g",
         options->linear, options->quadratic);
   for (int32_t i = 0; options->bodies != NULL && i < options->body_count; i++)
     for (int32_t k = 0; k < i; k++)
@@ -251,15 +241,14 @@ static ct_status prepare(viscous_data *d, const ct_viscosity_def *options,
 {
   d->linear = options->linear;
   d->quadratic = options->quadratic;
-  d->bodies = ct_allocate((size_t)problem->body_count, sizeof *d->bodies);
-  if (d->bodies == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  d->bodies = ct_pool_take(&d->pool, (size_t)problem->body_count, sizeof *d->bodies);
+  if (d->bodies == NULL) return CT_NO_MEMORY(error, "the viscosity");
   ct_status status = ct_effect_body_nodes(problem, options->bodies, options->body_count,
-                                          "viscosity", &d->nodes, node_count, error);
+                                          "viscosity", &d->pool, &d->nodes, node_count, error);
   for (int32_t n = 0; status == CT_OK && n < *node_count;) {
     int32_t i = ct_effect_body_of(problem, d->nodes[n]);
     viscous_body *body = &d->bodies[d->body_count++];
-    status = prepare_body(body, &problem->bodies[i], problem->mass, error);
+    status = prepare_body(body, &problem->bodies[i], problem->mass, &d->pool, error);
     if (status != CT_OK && error != NULL) error->body = i;
     if (status != CT_OK) return status;
     d->value_count += body->assembly->value_count;
@@ -276,12 +265,9 @@ ct_viscosity_def ct_viscosity_def_default(void)
 ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_problem *problem,
                                      ct_effect **effect, ct_error *error)
 {
-  ct_status status =
-      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, effect, "viscosity", error);
-  if (status == CT_OK) status = check(def, error);
-  if (status != CT_OK) return status;
-  viscous_data *d = ct_allocate(1, sizeof *d);
-  if (d == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  ct_status status;
+  viscous_data *d = ct_effect_begin(def, problem, effect, "viscosity", sizeof *d, &status, error);
+  if (d == NULL) return status;
   ct_effect filled = {.kind = CT_EFFECT_VISCOSITY,
                       .label = "viscosity",
                       .data = d,
@@ -290,7 +276,8 @@ ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_probl
                       .free_scratch = ct_release,
                       .force = viscous_force,
                       .rate_bound = viscous_damping};
-  status = prepare(d, def, problem, &filled.node_count, error);
+  status = check(def, error);
+  if (status == CT_OK) status = prepare(d, def, problem, &filled.node_count, error);
   filled.nodes = d->nodes;
   for (int32_t i = 0; status == CT_OK && i < d->body_count; i++) {
     // Operations counted in the kernel and the sums at the nodes; node numbers, what is stored,
