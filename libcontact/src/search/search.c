@@ -12,7 +12,7 @@ void ct_search_free(ct_search *search)
 {
   if (search == NULL) return;
   void *blocks[] = {search->nodes, search->faces, search->neighbour, search->ring_first,
-                    search->ring,  search->x,     search->boxes,     search->oriented};
+                    search->ring,  search->x,     search->boxes};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_box_tree_free(search->tree);
   ct_release(search);
@@ -51,10 +51,8 @@ static ct_status allocate(ct_search *search, ct_error *error)
   search->neighbour = ct_allocate(faces * (size_t)search->edges, sizeof *search->neighbour);
   search->ring = ct_allocate(faces * (size_t)search->per, sizeof *search->ring);
   search->boxes = ct_allocate(faces, sizeof *search->boxes);
-  if (search->kind != CT_T3) search->oriented = ct_allocate(faces, sizeof *search->oriented);
   return search->nodes != NULL && search->faces != NULL && search->neighbour != NULL &&
-                 search->ring != NULL && search->boxes != NULL &&
-                 (search->kind == CT_T3 || search->oriented != NULL)
+                 search->ring != NULL && search->boxes != NULL
              ? ct_box_tree_create(search->face_count, &search->tree, error)
              : CT_ERROR_MEMORY;
 }
@@ -186,22 +184,13 @@ ct_status ct_search_set(ct_search *search, const double *host, int body, ct_erro
   return CT_OK;
 }
 
-void ct_search_refit(ct_search *search)
-{
-  for (int32_t f = 0; search->oriented != NULL && f < search->face_count; f++) {
-    ct_face face;
-    ct_search_face(search, f, &face);
-    ct_oriented_init(&search->oriented[f], &face);
-  }
-  ct_box_tree_refit(search->tree, search->boxes);
-}
+void ct_search_refit(ct_search *search) { ct_box_tree_refit(search->tree, search->boxes); }
 
 void ct_search_leave(ct_search *shared)
 {
   if (shared == NULL) return;
   ct_release(shared->x);
   ct_release(shared->boxes);
-  ct_release(shared->oriented);
   ct_box_tree_free(shared->tree);
   ct_release(shared);
 }
@@ -214,11 +203,8 @@ ct_status ct_search_share(const ct_search *search, ct_search **out)
   own->tree = NULL;
   own->x = ct_duplicate(search->x, 3 * (size_t)own->node_count * sizeof *own->x);
   own->boxes = ct_duplicate(search->boxes, (size_t)own->face_count * sizeof *own->boxes);
-  own->oriented =
-      search->oriented == NULL ? NULL : ct_allocate((size_t)own->face_count, sizeof *own->oriented);
-  int whole =
-      own->x != NULL && own->boxes != NULL && (own->oriented != NULL) == (search->oriented != NULL);
-  if (!whole || ct_box_tree_create(own->face_count, &own->tree, NULL) != CT_OK) {
+  if (own->x == NULL || own->boxes == NULL ||
+      ct_box_tree_create(own->face_count, &own->tree, NULL) != CT_OK) {
     ct_search_leave(own);
     return CT_ERROR_MEMORY;
   }
