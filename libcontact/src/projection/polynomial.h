@@ -137,25 +137,15 @@ PART void curves(const patches *patch, const real xi[2], real t11[COORDINATES],
   }
 }
 
-/* f and its derivatives at at->xi, all in one. */
+/* f and its derivatives at at->xi. */
 PART void look(const patches *patch, iterates *at)
 {
-  const real(*c)[COORDINATES] = patch->c;
-  real x = at->xi[0], y = at->xi[1], xx = x * x, yy = y * y, xy = x * y, two_x = 2 * x,
-       two_y = 2 * y;
-  real d[COORDINATES], t1[COORDINATES], t2[COORDINATES], a[COORDINATES], b[COORDINATES],
+  real d[COORDINATES], t1[COORDINATES], t2[COORDINATES], t11[COORDINATES], t22[COORDINATES],
       t12[COORDINATES];
-  for (int k = 0; k < COORDINATES; k++) {
-    // -- Point, tangents, second derivatives 2 a, 2 b, t12 (eq:projection-patch,
-    // eq:projection-patch-derivatives)
-    a[k] = c[4][k] + c[6][k] * y, b[k] = c[5][k] + c[7][k] * x;
-    d[k] = ((c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y)) + (a[k] * xx + b[k] * yy);
-    t1[k] = (c[1][k] + c[3][k] * y) + (a[k] * two_x + c[7][k] * yy);
-    t2[k] = (c[2][k] + c[3][k] * x) + (b[k] * two_y + c[6][k] * xx);
-    t12[k] = c[3][k] + (c[6][k] * two_x + c[7][k] * two_y);
-  }
+  at->f = value(patch, at->xi, d);
+  tangents(patch, at->xi, t1, t2);
+  curves(patch, at->xi, t11, t22, t12);
   for (int k = 0; k < 3; k++) at->d[k] = d[k];
-  at->f = dot(d, d);
   // -- Gradient (eq:projection-gradient)
   at->g[0] = 2 * dot(d, t1);
   at->g[1] = 2 * dot(d, t2);
@@ -163,8 +153,8 @@ PART void look(const patches *patch, iterates *at)
   at->square[0] = dot(t1, t1);
   at->square[1] = dot(t2, t2);
   at->square[2] = dot(t1, t2);
-  at->H[0] = 2 * (at->square[0] + 2 * dot(d, a));
-  at->H[1] = 2 * (at->square[1] + 2 * dot(d, b));
+  at->H[0] = 2 * (at->square[0] + dot(d, t11));
+  at->H[1] = 2 * (at->square[1] + dot(d, t22));
   at->H[2] = 2 * (at->square[2] + dot(d, t12));
 }
 

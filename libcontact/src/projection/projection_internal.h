@@ -76,14 +76,6 @@ void ct_iterate_visit(const ct_patch *patch, const ct_project_options *options, 
 /* Where a method without bounds begins: the given start, or the centre of the face. */
 void ct_iterate_start(const ct_patch *patch, const ct_project_options *options, double xi[2]);
 
-/* Take the step s. Answers 0 when it leads so far out that no iterate comes back, or is not finite.
- */
-int ct_iterate_step(double xi[2], const double s[2]);
-
-/* Are the steps so small, and shrinking so fast, that all which would follow make up less than the
- * tolerance? `before` is the size of the last step and becomes that of s. */
-int ct_iterate_done(const double s[2], double tolerance, double *before);
-
 /* The honest end of a method without bounds, at an iterate that has been looked at: is it a
  * minimum, within the tolerance? */
 ct_status ct_iterate_status(const ct_patch *patch, const ct_project_options *options,
@@ -97,14 +89,10 @@ double ct_newton_step(const ct_iterate *at, double s[2]);
  * step before, or zero. Answers 0 when there is none. */
 typedef int ct_step_rule(const ct_patch *patch, const ct_iterate *at, double s[2], void *memory);
 
-/* Take the steps of a rule from the start to the end. */
+/* Take the steps of a rule from the start to the end, in full or with a line search along each. */
 ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options,
-                          ct_step_rule *rule, void *memory, ct_closest *closest);
-
-/* The same with a line search along each step. */
-ct_status ct_iterate_descend(const ct_patch *patch, const ct_project_options *options,
-                             int default_limit, ct_step_rule *rule, void *memory,
-                             ct_closest *closest);
+                          int default_limit, int search_line, ct_step_rule *rule, void *memory,
+                          ct_closest *closest);
 
 /* The face to second order about a point y: an orthonormal frame e1, e2, n; tangents t1 =
  * (stretch[0], 0), t2 = (stretch[2], stretch[1]) in it; curvatures k11, k22, k12; and the given

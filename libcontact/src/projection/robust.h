@@ -380,42 +380,17 @@ RARE void descend_from(mask sample[9], const patches *patch, const ct_project_op
   }
 }
 
-/* f at the nine sample points of a quadrilateral, where its polynomial is a sum of coefficients. */
-PART void sample_quadrilateral(const patches *patch, real f[9])
-{
-  real d[9][COORDINATES];
-  for (int k = 0; k < COORDINATES; k++) {
-    // -- Corners, mid-sides and centre (eq:robust-samples)
-    real c0 = patch->c[0][k], twist = patch->c[3][k], right = patch->c[1][k], up = patch->c[2][k];
-    real row = c0 + patch->c[5][k], column = c0 + patch->c[4][k],
-         corner = c0 + (patch->c[4][k] + patch->c[5][k]);
-    real across = right + patch->c[7][k], along = up + patch->c[6][k];
-    d[0][k] = (corner + twist) - (across + along);
-    d[1][k] = (corner - twist) + (across - along);
-    d[2][k] = (corner + twist) + (across + along);
-    d[3][k] = (corner - twist) - (across - along);
-    d[4][k] = row - up;
-    d[5][k] = column + right;
-    d[6][k] = row + up;
-    d[7][k] = column - right;
-    d[8][k] = c0;
-  }
-  for (int i = 0; i < 9; i++) f[i] = dot(d[i], d[i]);
-}
-
 /* f at the sample points; answers the lowest. */
 PART real sample(const patches *patch, int samples, real f[9])
 {
-  real d[COORDINATES], lowest;
-  // -- Sample the face (eq:robust-samples)
-  if (samples == 9) sample_quadrilateral(patch, f);
-  else
-    for (int i = 0; i < samples; i++) {
-      real xi[2] = {every(TRIANGLE[i][0]), every(TRIANGLE[i][1])};
-      f[i] = value(patch, xi, d);
-    }
-  lowest = f[0];
-  for (int i = 1; i < samples; i++) lowest = least(lowest, f[i]);
+  const double (*at)[2] = samples == 9 ? QUADRILATERAL : TRIANGLE;
+  real d[COORDINATES], lowest = every(HUGE_VAL);
+  for (int i = 0; i < samples; i++) {
+    // -- Sample the face (eq:robust-samples)
+    real xi[2] = {every(at[i][0]), every(at[i][1])};
+    f[i] = value(patch, xi, d);
+    lowest = least(lowest, f[i]);
+  }
   return lowest;
 }
 
