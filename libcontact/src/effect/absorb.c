@@ -85,7 +85,7 @@ static ct_status prepare(absorb_data *absorb, const ct_problem *problem,
 {
   const ct_facets *facets = absorb->facets;
   double c1, c2, (*C)[6] = ct_allocate((size_t)facets->face_count * (size_t)facets->per, sizeof *C);
-  double *terms = ct_allocate((size_t)facets->most, sizeof *terms);
+  double *terms = ct_allocate((size_t)facets->incidence.most, sizeof *terms);
   absorb->dashpot = ct_allocate((size_t)facets->node_count, sizeof *absorb->dashpot);
   ct_status status = C && terms && absorb->dashpot ? CT_OK : CT_ERROR_MEMORY;
   ct_material_speeds(material, &c1, &c2);
@@ -98,8 +98,9 @@ static ct_status prepare(absorb_data *absorb, const ct_problem *problem,
   for (int32_t i = 0; status == CT_OK && i < facets->node_count; i++) {
     double *own = absorb->dashpot[i];
     for (int k = 0; k < 6; k++) {
-      int32_t count = facets->first[i + 1] - facets->first[i];
-      for (int32_t j = 0; j < count; j++) terms[j] = C[facets->place[facets->first[i] + j]][k];
+      int32_t count = facets->incidence.first[i + 1] - facets->incidence.first[i];
+      for (int32_t j = 0; j < count; j++)
+        terms[j] = C[facets->incidence.place[facets->incidence.first[i] + j]][k];
       own[k] = ct_sum(terms, count);
     }
     // -- The largest row of a symmetric matrix is not below its largest eigenvalue (eq:absorb-rate)

@@ -49,7 +49,7 @@ static load_scratch *new_scratch(const ct_facets *facets)
   load_scratch *s = ct_allocate(1, sizeof *s);
   if (s == NULL) return NULL;
   s->values = ct_allocate((size_t)facets->face_count * (size_t)facets->per, 3 * sizeof(double));
-  s->terms = ct_allocate((size_t)facets->most + 25, sizeof(double));
+  s->terms = ct_allocate((size_t)facets->incidence.most + 25, sizeof(double));
   if (s->values != NULL && s->terms != NULL) return s;
   free_scratch(s);
   return NULL;
@@ -143,8 +143,8 @@ static ct_status load_omega2_bound(const ct_effect *effect, const ct_view *view,
   }
   for (int32_t i = 0; i < facets->node_count; i++) {
     double sum = 0.0;
-    for (int32_t k = facets->first[i]; k < facets->first[i + 1]; k++)
-      sum += s->values[3 * (int64_t)facets->place[k]];
+    for (int32_t k = facets->incidence.first[i]; k < facets->incidence.first[i + 1]; k++)
+      sum += s->values[3 * (int64_t)facets->incidence.place[k]];
     *omega_squared = fmax(*omega_squared, fabs(load->given.pressure) * largest * sum /
                                               load->mass[facets->nodes[i]] * (1.0 + 1e-12));
   }

@@ -4,6 +4,7 @@
 #include <libcontact/search.h>
 
 #include "box_tree.h"
+#include "../shape/incidence.h"
 
 /* A surface with its topology, its current shape and its tree. */
 struct ct_search {
@@ -11,16 +12,16 @@ struct ct_search {
   int per;   /* nodes of a face */
   int edges; /* corners of a face */
   int32_t face_count;
-  int32_t host_count; /* nodes of the host's arrays */
-  int32_t node_count; /* nodes of the surface */
-  int32_t *nodes;     /* their numbers in the host's arrays, ascending, shape (node_count) */
-  int32_t *faces;     /* numbers in `nodes`, shape (face_count, per) */
-  int32_t *neighbour; /* face across each edge, -1 at the border, shape (face_count, edges) */
-  int32_t *ring_first, *ring; /* faces around each node, ascending: ring[ring_first[n]] ... */
-  double size;                /* largest diagonal of a face's reference box */
-  double *x;                  /* current coordinates, shape (node_count, 3) */
-  ct_bounds *boxes;           /* current boxes of the faces */
-  ct_box_tree *tree;          /* over the boxes of the last refit */
+  int32_t host_count;     /* nodes of the host's arrays */
+  int32_t node_count;     /* nodes of the surface */
+  int32_t *nodes;         /* their numbers in the host's arrays, ascending: those of `incidence` */
+  int32_t *faces;         /* numbers in `nodes`, shape (face_count, per) */
+  int32_t *neighbour;     /* face across each edge, -1 at the border, shape (face_count, edges) */
+  ct_incidence incidence; /* of nodes in the list of faces: place / per is a face */
+  double size;            /* largest diagonal of a face's reference box */
+  double *x;              /* current coordinates, shape (node_count, 3) */
+  ct_bounds *boxes;       /* current boxes of the faces */
+  ct_box_tree *tree;      /* over the boxes of the last refit */
 };
 
 /* As ct_search_create, for surface number `body` of a host. The tree is not made yet. */

@@ -5,15 +5,11 @@
 #include "../base/error.h"
 #include "../base/memory.h"
 
-#include <string.h>
-
 void ct_facets_free(ct_facets *facets)
 {
   if (facets == NULL) return;
   ct_release(facets->faces);
-  ct_release(facets->nodes);
-  ct_release(facets->first);
-  ct_release(facets->place);
+  ct_incidence_release(&facets->incidence);
   ct_release(facets);
 }
 
@@ -47,36 +43,6 @@ static ct_status check_faces(const ct_facets *facets, int32_t node_count, const 
   return CT_OK;
 }
 
-/* List the nodes, and for each the places of its values. */
-static ct_status list_nodes(ct_facets *facets, int32_t node_count)
-{
-  int64_t entries = (int64_t)facets->face_count * facets->per;
-  int32_t *number = ct_allocate((size_t)node_count + 1, sizeof *number);
-  facets->place = ct_allocate((size_t)entries, sizeof *facets->place);
-  if (number == NULL || facets->place == NULL) {
-    ct_release(number);
-    return CT_ERROR_MEMORY;
-  }
-  for (int64_t i = 0; i < entries; i++) number[facets->faces[i]] = 1;
-  for (int32_t n = 0; n < node_count; n++) facets->node_count += number[n];
-  facets->nodes = ct_allocate((size_t)facets->node_count, sizeof *facets->nodes);
-  facets->first = ct_allocate((size_t)facets->node_count + 2, sizeof *facets->first);
-  if (facets->nodes != NULL && facets->first != NULL) {
-    for (int32_t n = 0, next = 0; n < node_count; n++)
-      if (number[n]) facets->nodes[next] = n, number[n] = next++;
-    // Count, sum up, and fill: first[i + 1] is where the next place of node i goes.
-    for (int64_t i = 0; i < entries; i++) facets->first[number[facets->faces[i]] + 2]++;
-    for (int32_t n = 0; n < facets->node_count; n++) {
-      facets->most = facets->first[n + 2] > facets->most ? facets->first[n + 2] : facets->most;
-      facets->first[n + 2] += facets->first[n + 1];
-    }
-    for (int64_t i = 0; i < entries; i++)
-      facets->place[facets->first[number[facets->faces[i]] + 1]++] = (int32_t)i;
-  }
-  ct_release(number);
-  return facets->nodes != NULL && facets->first != NULL ? CT_OK : CT_ERROR_MEMORY;
-}
-
 ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t *faces,
                            int32_t node_count, const double *reference, const char *name,
                            ct_facets **out, ct_error *error)
@@ -89,17 +55,20 @@ ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t 
   ct_status status = CT_ERROR_MEMORY;
   if (facets != NULL) {
     facets->kind = kind, facets->per = per, facets->face_count = face_count;
-    facets->faces = ct_allocate(entries, sizeof *facets->faces);
+    facets->faces = ct_duplicate(faces, entries * sizeof *faces);
   }
   if (facets != NULL && facets->faces != NULL) {
-    memcpy(facets->faces, faces, entries * sizeof *faces);
+
     ct_rule_face(kind, 0, &facets->rule);
     for (int q = 0; q < facets->rule.count; q++) {
       ct_segment_shape(kind, facets->rule.xi[q], facets->N[q]);
       ct_segment_gradient(kind, facets->rule.xi[q], facets->dN[q]);
     }
     status = check_faces(facets, node_count, reference, name, error);
-    if (status == CT_OK) status = list_nodes(facets, node_count);
+    if (status == CT_OK)
+      status = ct_incidence_init(&facets->incidence, (int64_t)entries, faces, node_count, NULL);
+    facets->nodes = facets->incidence.nodes;
+    facets->node_count = facets->incidence.count;
   }
   if (status == CT_ERROR_MEMORY) ct_fail(error, status, CT_NOWHERE, "%s: no memory", name);
   if (status != CT_OK) ct_facets_free(facets);
@@ -109,11 +78,12 @@ ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t 
 
 void ct_facets_sum(const ct_facets *facets, const double *values, double *terms, double *sums)
 {
+  const ct_incidence *at = &facets->incidence;
   for (int32_t i = 0; i < facets->node_count; i++)
     for (int c = 0; c < 3; c++) {
-      int32_t count = facets->first[i + 1] - facets->first[i];
+      int32_t count = at->first[i + 1] - at->first[i];
       for (int32_t k = 0; k < count; k++)
-        terms[k] = values[3 * (int64_t)facets->place[facets->first[i] + k] + c];
+        terms[k] = values[3 * (int64_t)at->place[at->first[i] + k] + c];
       sums[3 * (int64_t)i + c] = ct_sum(terms, count);
     }
 }
