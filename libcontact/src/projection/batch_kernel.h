@@ -13,15 +13,14 @@ PART void put(double *rows, size_t row, int first, mask good, real a)
 PART mask take_pairs(ct_face_kind kind, const double *nodes, const double *points, int first,
                      patches *patch)
 {
-  real v[8][COORDINATES], p[COORDINATES];
+  real v[8][3], p[3];
   int per = ct_face_node_count(kind);
-  for (int k = 0; k < COORDINATES; k++) {
-    p[k] = k < 3 ? load(points + 8 * k + first) : every(0);
-    for (int i = 0; i < per; i++)
-      v[i][k] = k < 3 ? load(nodes + 8 * (3 * i + k) + first) : every(0);
+  for (int k = 0; k < 3; k++) {
+    p[k] = load(points + 8 * k + first);
+    for (int i = 0; i < per; i++) v[i][k] = load(nodes + 8 * (3 * i + k) + first);
   }
   patch->kind = kind;
-  return patch_from((const real(*)[COORDINATES])v, p, patch);
+  return patch_from((const real(*)[3])v, p, patch);
 }
 
 /* The search in the lanes that can be used. A start that is not finite is none. */

@@ -6,7 +6,7 @@
 
 double ct_iterate_value(const ct_patch *patch, const double xi[2], ct_closest *closest)
 {
-  double d[4];
+  double d[3];
   closest->evaluations++;
   return value(patch, xi, d);
 }
@@ -127,7 +127,7 @@ ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *optio
 /* The local shape of the face at an iterate. Answers 0 where there is no normal. */
 static int local_at(const ct_patch *patch, const ct_iterate *at, ct_local *local)
 {
-  double t1[4], t2[4], t11[4], t22[4], t12[4], n[3], e2[3];
+  double t1[3], t2[3], t11[3], t22[3], t12[3], n[3], e2[3];
   tangents(patch, at->xi, t1, t2);
   curves(patch, at->xi, t11, t22, t12);
   if (!ct_vector_unit_normal(t1, t2, n)) return 0;

@@ -9,8 +9,8 @@
  * has mirrored bits. */
 typedef struct ct_patch {
   ct_face_kind kind;
-  double c[8][4]; /* three coordinates and a zero that fills the vector */
-  double size;    /* largest |c1 ... c7|, a length of the face */
+  double c[8][3];
+  double size; /* largest |c1 ... c7|, a length of the face */
 } ct_patch;
 
 /* Where a method has ended. d = y(xi) - y_s. */

@@ -207,8 +207,8 @@ static void narrow_about(const proof *p, const base *closest, narrow *n)
 /* Is |u| too large throughout the cell? */
 static int is_beyond(const proof *p, const narrow *n, const cell *c)
 {
-  double d[4], t1[4], t2[4], t11[4], t22[4], t12[4], w[2];
-  const double (*a)[4] = n->along.c;
+  double d[3], t1[3], t2[3], t11[3], t22[3], t12[3], w[2];
+  const double (*a)[3] = n->along.c;
   reach(c, p->triangular, w);
   value(&n->along, c->centre, d);
   tangents(&n->along, c->centre, t1, t2);

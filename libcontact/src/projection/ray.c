@@ -23,7 +23,7 @@ typedef struct square {
 /* The components across the line at xi, and their Jacobian. */
 static void look_across(const sight *s, const double xi[2], double G[2], double J[2][2])
 {
-  double d[4], t1[4], t2[4];
+  double d[3], t1[3], t2[3];
   value(s->patch, xi, d);
   tangents(s->patch, xi, t1, t2);
   for (int i = 0; i < 2; i++) {

@@ -17,7 +17,7 @@ typedef struct model {
 
 /* Where descents have ended. */
 typedef struct ends {
-  real xi[2], f, d[COORDINATES], status;
+  real xi[2], f, d[3], status;
 } ends;
 
 /* What they took. */
@@ -203,9 +203,9 @@ PART mask resolved(const patches *patch, const iterates *last, const real xi[2],
  * valley only? What is not linear is weighed by its second derivatives. */
 PART mask is_mild(const patches *patch, const iterates *at)
 {
-  const real(*c)[COORDINATES] = patch->c;
-  real bent[COORDINATES];
-  for (int k = 0; k < COORDINATES; k++)
+  const real(*c)[3] = patch->c;
+  real bent[3];
+  for (int k = 0; k < 3; k++)
     bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) +
                                            2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
   real area = at->square[0] * at->square[1] - at->square[2] * at->square[2],
@@ -384,7 +384,7 @@ RARE void descend_from(mask sample[9], const patches *patch, const ct_project_op
 PART real sample(const patches *patch, int samples, real f[9])
 {
   const double (*at)[2] = samples == 9 ? QUADRILATERAL : TRIANGLE;
-  real d[COORDINATES], lowest = every(HUGE_VAL);
+  real d[3], lowest = every(HUGE_VAL);
   for (int i = 0; i < samples; i++) {
     // -- Sample the face (eq:robust-samples)
     real xi[2] = {every(at[i][0]), every(at[i][1])};
