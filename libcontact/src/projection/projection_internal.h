@@ -81,6 +81,11 @@ void ct_iterate_start(const ct_patch *patch, const ct_project_options *options, 
 ct_status ct_iterate_status(const ct_patch *patch, const ct_project_options *options,
                             const ct_iterate *at, ct_closest *closest);
 
+/* The regular simplex whose edge is a half-width, with its centroid at the start, and f at its
+ * vertices; a flip of xi_1 about the centroid maps it onto itself. */
+void ct_regular_simplex(const ct_patch *patch, const ct_project_options *options, double x[3][2],
+                        double f[3], ct_closest *closest);
+
 /* Newton's step to the root of the tangent of the gradient; answers the determinant of the Hessian.
  */
 double ct_newton_step(const ct_iterate *at, double s[2]);

@@ -98,10 +98,9 @@ static int divide(int triangular, const cell *c, cell part[4])
 /* Does the triangular cell not touch the boundary of the face? */
 static int is_inside(const cell *c)
 {
-  double leg = 3 * fabs(c->half[0]), before = c->half[0] > 0 ? leg / 3 : 2 * leg / 3,
-         beyond = c->half[0] > 0 ? leg / 3 : 2 * leg / 3;
-  return c->centre[0] - before > DBL_EPSILON && c->centre[1] - before > DBL_EPSILON &&
-         c->centre[0] + c->centre[1] + beyond < 1 - DBL_EPSILON;
+  double far = c->half[0] > 0 ? c->half[0] : -2 * c->half[0];
+  return c->centre[0] - far > DBL_EPSILON && c->centre[1] - far > DBL_EPSILON &&
+         c->centre[0] + c->centre[1] + far < 1 - DBL_EPSILON;
 }
 
 typedef enum slope { OPEN, EMPTY, REDUCED } slope;
