@@ -1,6 +1,5 @@
 /* A block of ct_project_batch, WIDTH pairs at a time. A source that includes this defines KERNEL,
  * the name. */
-#include "batch_internal.h"
 #include "robust.h"
 
 /* Write a row of numbers of a block, if they are wanted: NaN where there is no answer. */
@@ -38,7 +37,7 @@ PART void search_pairs(const patches *patch, const double *start, int first, mas
   mask cold = good & not(warm);
   if (!any(cold)) return;
   search(patch, options, 0, from, cold, count, &other);
-  take_ends(found, &other, cold);
+  take(found, &other, sizeof other, cold);
 }
 
 /* The answers, as ct_project gives them. */

@@ -222,16 +222,12 @@ RARE void show(const ct_project_options *options, real x, real y, real f)
   options->trace(xi, lane(f, 0), options->user);
 }
 
-/* Take over the iterates of some lanes, but for d, which is computed again at the end. */
-PART void take(iterates *at, const iterates *from, mask m)
+/* Take over some lanes of the numbers that a struct is made of. */
+PART void take(void *to, const void *from, size_t size, mask m)
 {
-  at->f = pick(m, from->f, at->f);
-  for (int a = 0; a < 2; a++)
-    at->xi[a] = pick(m, from->xi[a], at->xi[a]), at->g[a] = pick(m, from->g[a], at->g[a]);
-  for (int i = 0; i < 3; i++) {
-    at->H[i] = pick(m, from->H[i], at->H[i]);
-    at->square[i] = pick(m, from->square[i], at->square[i]);
-  }
+  real *old = to;
+  const real *new = from;
+  for (size_t i = 0; i < size / sizeof(real); i++) old[i] = pick(m, new[i], old[i]);
 }
 
 /* What a descent knows besides its iterate. `stalled` is the length of the last step that rounding
@@ -305,7 +301,7 @@ CLONED mask descend(const patches *patch, const ct_project_options *options, dou
     if (any(refused)) taken |= judge(patch, at.f, to.fall, length, refused, &r);
     r.radius = pick(taken & (length >= r.radius), least(2 * r.radius, 2 * wide), r.radius);
     r.before = pick(taken, length, r.before);
-    take(&at, &trial, taken);
+    take(&at, &trial, sizeof at, taken);
     count->iterations += masked(r.active, 1);
     if (!any(r.active)) break;
   }
@@ -348,15 +344,6 @@ PART mask is_better(const ends *a, const ends *b)
   return better | (equal & (a->status < b->status));
 }
 
-/* Take over the ends of some lanes. */
-PART void take_ends(ends *to, const ends *from, mask m)
-{
-  to->f = pick(m, from->f, to->f);
-  to->status = pick(m, from->status, to->status);
-  for (int a = 0; a < 2; a++) to->xi[a] = pick(m, from->xi[a], to->xi[a]);
-  for (int k = 0; k < 3; k++) to->d[k] = pick(m, from->d[k], to->d[k]);
-}
-
 /* Descend from the samples that are marked, each lane from its own, those of high number first;
  * keep the best of the ends. */
 RARE void descend_from(mask sample[9], const patches *patch, const ct_project_options *options,
@@ -376,7 +363,7 @@ RARE void descend_from(mask sample[9], const patches *patch, const ct_project_op
     }
     if (!any(active)) return;
     descend(patch, options, sought, xi, -1, active, count, &found);
-    take_ends(best, &found, active & ((best->f == HUGE_VAL) | is_better(&found, best)));
+    take(best, &found, sizeof found, active & ((best->f == HUGE_VAL) | is_better(&found, best)));
   }
 }
 
@@ -466,5 +453,5 @@ PART void search(const patches *patch, const ct_project_options *options, int wa
       descend(patch, options, options->tolerance, from, warm ? 0 : 1, active, count, found);
   if (!any(rough)) return;
   search_samples(patch, options, warm, found, rough, count, &best);
-  take_ends(found, &best, rough);
+  take(found, &best, sizeof best, rough);
 }
