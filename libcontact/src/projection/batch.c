@@ -12,6 +12,16 @@ static ct_batch_kernel *widest_kernel(void)
   return ct_batch_kernel_1;
 }
 
+/* Ask for the numbers of a block, which come while the one before is computed. */
+static inline void fetch(const double *values, size_t count)
+{
+#if CT_BATCH_KERNELS
+  for (size_t i = 0; i < count; i += 8) __builtin_prefetch(values + i);
+#else
+  (void)values, (void)count;
+#endif
+}
+
 size_t ct_batch_blocks(size_t count) { return (count + 7) / 8; }
 
 void ct_batch_gather(size_t count, int per, const double *rows, const int32_t *number,
@@ -43,6 +53,7 @@ ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
   for (size_t block = 0; block < ct_batch_blocks(count); block++) {
     const double *x = nodes + 24 * per * block, *p = points + 24 * block,
                  *from = start != NULL ? start + 16 * block : NULL;
+    if (block + 1 < ct_batch_blocks(count)) fetch(x + 24 * per, 24 * per), fetch(p + 24, 24);
     kernel(kind, x, p, from, options, closest, block);
   }
   return CT_OK;

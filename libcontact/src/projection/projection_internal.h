@@ -138,15 +138,6 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
 ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double tolerance,
                        double xi[2], double *distance, int *looks);
 
-/* The methods. They read tolerance, use_start, start, iteration_limit and trace of the options, and
- * add to the counts of the closest point, which the caller sets to zero. A contact kernel calls
- * ct_patch_init, one of these with the last xi as start, and ct_patch_normal. */
-ct_project_method ct_project_simplex, ct_project_nelder_mead, ct_project_newton,
-    ct_project_least_squares, ct_project_steepest_descent;
-ct_project_method ct_project_broyden, ct_project_bfgs, ct_project_robust, ct_project_certified,
-    ct_project_simplex_newton;
-ct_project_method ct_project_sphere, ct_project_torus;
-
 /* Compilers and machines that have vectors of four and eight; others search for one pair at a time.
  */
 #if defined(__GNUC__) && defined(__x86_64__)
@@ -162,5 +153,14 @@ typedef void ct_batch_kernel(ct_face_kind kind, const double *nodes, const doubl
 
 /* The same search with one, four and eight lanes. */
 ct_batch_kernel ct_batch_kernel_1, ct_batch_kernel_4, ct_batch_kernel_8;
+
+/* The methods. They read tolerance, use_start, start, iteration_limit and trace of the options, and
+ * add to the counts of the closest point, which the caller sets to zero. A contact kernel calls
+ * ct_patch_init, one of these with the last xi as start, and ct_patch_normal. */
+ct_project_method ct_project_simplex, ct_project_nelder_mead, ct_project_newton,
+    ct_project_least_squares, ct_project_steepest_descent;
+ct_project_method ct_project_broyden, ct_project_bfgs, ct_project_robust, ct_project_certified,
+    ct_project_simplex_newton;
+ct_project_method ct_project_sphere, ct_project_torus;
 
 #endif
