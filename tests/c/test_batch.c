@@ -2,7 +2,7 @@
  * this machine has them, and against closed forms. */
 #include <libcontact.h>
 
-#include "../../libcontact/src/projection/batch_internal.h"
+#include "../../libcontact/src/projection/projection_internal.h"
 #include "tap.h"
 
 #include <stdlib.h>

@@ -106,7 +106,7 @@ ct_status ct_contact_omega2_bound(const ct_contact *contact, const double *mass_
   ct_status status = find_rows(contact, mass, rows, now, omega2);
   for (int s = 0; s < 2; s++) {
     ct_release(rows[s]);
-    ct_search_leave(now[s]);
+    ct_search_free(now[s]);
   }
   return status;
 }

@@ -144,7 +144,7 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
   for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)
     status = ct_search_look(contact->side[s].search, &now[s]);
   if (status == CT_OK) at_edges(contact, now, at == CT_AT_CORNERS ? 2 : 1, limit, out);
-  ct_search_leave(now[0]);
-  ct_search_leave(now[1]);
+  ct_search_free(now[0]);
+  ct_search_free(now[1]);
   return status;
 }

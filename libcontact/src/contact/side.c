@@ -65,7 +65,7 @@ void ct_side_clear(ct_side *side)
   void *blocks[] = {side->listed,          side->x_built,    side->moved, side->points,
                     side->candidate_first, side->candidates, side->force, side->force_fine};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
-  ct_search_leave(side->search);
+  ct_search_free(side->search);
   memset(side, 0, sizeof *side);
 }
 

@@ -103,8 +103,8 @@ static ct_status load_omega2_bound(const ct_effect *effect, const ct_view *view,
   }
   for (int32_t i = 0; i < facets->node_count; i++) {
     double sum = 0.0;
-    for (int32_t k = facets->first[i]; k < facets->first[i + 1]; k++)
-      sum += values[facets->place[k]];
+    for (int32_t k = facets->incidence.first[i]; k < facets->incidence.first[i + 1]; k++)
+      sum += values[facets->incidence.place[k]];
     *omega_squared = fmax(*omega_squared, fabs(load->given.pressure) * largest * sum /
                                               load->mass[facets->nodes[i]] * (1.0 + 1e-12));
   }

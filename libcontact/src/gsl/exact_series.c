@@ -7,7 +7,7 @@
 #include <libcontact/exact.h>
 #include <libcontact/series.h>
 
-#include "../base/error.h"
+#include "../exact/points.h"
 #include "../base/lanes.h"
 
 #include <gsl/gsl_errno.h>
@@ -364,12 +364,8 @@ static void sum_line(const ct_exact_series *s, size_t first, size_t last, const 
 /* Why a point can't be answered; null when it can. */
 static const char *refusal(double x, double z, double t, double reach)
 {
-  if (isnan(x) || isnan(z) || isnan(t)) return "a coordinate is not a number";
-  if (x < 0.0) return "x < 0 lies outside the plate";
-  if (fabs(z) > 1.0) return "|z| > 1 lies outside the plate";
-  if (t < 0.0) return "t < 0 is before the impact";
-  if (x + t > reach) return "x + t is above the reach of the table of modes";
-  return NULL;
+  (void)z;
+  return x + t > reach ? "x + t is above the reach of the table of modes" : NULL;
 }
 
 ct_status ct_exact_series_fields(const ct_exact_series *series, size_t n, const double *x,
@@ -377,16 +373,10 @@ ct_status ct_exact_series_fields(const ct_exact_series *series, size_t n, const 
                                  ct_error *error)
 {
   if (bad != NULL) *bad = n;
-  if (series == NULL || (n > 0 && (x == NULL || z == NULL || t == NULL || fields == NULL)))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "series, x, z, t or fields is a null pointer");
-  for (size_t i = 0; i < n; i++) {
-    const char *reason = refusal(x[i], z[i], t[i], series->reach);
-    if (reason == NULL) continue;
-    if (bad != NULL) *bad = i;
-    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, (int64_t)i},
-                   "point %zu (x = %g, z = %g, t = %g): %s", i, x[i], z[i], t[i], reason);
-  }
+  if (series == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "series is a null pointer");
+  ct_status status = ct_exact_check(n, x, z, t, fields, refusal, series->reach, bad, error);
+  if (status != CT_OK) return status;
   for (size_t first = 0, last = 1; first < n; first = last++) {
     while (last < n && x[last] == x[first] && t[last] == t[first]) last++;
     sum_line(series, first, last, x, z, t, fields);
@@ -398,21 +388,12 @@ ct_status ct_exact_plates_series(size_t n, const double *x, const double *z, con
                                  double nu, size_t branches, double *fields, size_t *bad,
                                  ct_error *error)
 {
-  if (bad != NULL) *bad = n;
-  if (n > 0 && (x == NULL || z == NULL || t == NULL || fields == NULL))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "x, z, t or fields is a null pointer");
+  ct_status status = ct_exact_check(n, x, z, t, fields, refusal, 100.0, bad, error);
+  if (status != CT_OK) return status;
   double reach = 1.0;
-  for (size_t i = 0; i < n; i++) {
-    const char *reason = refusal(x[i], z[i], t[i], 100.0);
-    if (reason != NULL) {
-      if (bad != NULL) *bad = i;
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, (int64_t)i},
-                     "point %zu (x = %g, z = %g, t = %g): %s", i, x[i], z[i], t[i], reason);
-    }
-    reach = fmax(reach, x[i] + t[i]);
-  }
+  for (size_t i = 0; i < n; i++) reach = fmax(reach, x[i] + t[i]);
   ct_exact_series *series;
-  ct_status status = ct_exact_series_create(nu, branches, reach, &series, error);
+  status = ct_exact_series_create(nu, branches, reach, &series, error);
   if (status != CT_OK) return status;
   status = ct_exact_series_fields(series, n, x, z, t, fields, bad, error);
   ct_exact_series_free(series);

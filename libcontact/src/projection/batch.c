@@ -1,4 +1,4 @@
-#include "batch_internal.h"
+#include "projection_internal.h"
 
 #include <math.h>
 

@@ -45,8 +45,7 @@ ct_status ct_method_from_name(const char *name, ct_method *method)
 
 ct_project_options ct_project_options_default(void)
 {
-  ct_project_options options = {CT_ROBUST, 1e-10, 0, {0, 0}, 0, NULL, NULL};
-  return options;
+  return (ct_project_options){.method = CT_ROBUST, .tolerance = 1e-10};
 }
 
 void ct_project_function(const ct_face *face, const double point[3], const double xi[2], double *f,
@@ -67,22 +66,18 @@ void ct_project_function(const ct_face *face, const double point[3], const doubl
 /* Everything that has no answer. */
 static ct_status nothing(ct_projection *out, ct_status status)
 {
-  ct_projection none = {status, CT_OUTSIDE,     -1, 0, 0, 0, {NAN, NAN}, {NAN, NAN, NAN}, NAN,
-                        NAN,    {NAN, NAN, NAN}};
-  *out = none;
+  *out = (ct_projection){status, CT_OUTSIDE,     -1, 0, 0, 0, {NAN, NAN}, {NAN, NAN, NAN}, NAN,
+                         NAN,    {NAN, NAN, NAN}};
   return status;
 }
 
 /* Is there a method for these options, and are they possible? */
-static ct_status check_options(const ct_project_options *options)
+static int are_possible(const ct_project_options *options)
 {
-  if (ct_method_name(options->method) == NULL || options->iteration_limit < 0)
-    return CT_ERROR_ARGUMENT;
-  if (!(options->tolerance > 0 && options->tolerance < HUGE_VAL)) return CT_ERROR_ARGUMENT;
-  if (options->use_start &&
-      !(fabs(options->start[0]) < HUGE_VAL && fabs(options->start[1]) < HUGE_VAL))
-    return CT_ERROR_ARGUMENT;
-  return CT_OK;
+  return ct_method_name(options->method) != NULL && options->iteration_limit >= 0 &&
+         options->tolerance > 0 && options->tolerance < HUGE_VAL &&
+         (!options->use_start ||
+          (fabs(options->start[0]) < HUGE_VAL && fabs(options->start[1]) < HUGE_VAL));
 }
 
 ct_status ct_project(const ct_face *face, const double point[3], const ct_project_options *options,
@@ -91,14 +86,13 @@ ct_status ct_project(const ct_face *face, const double point[3], const ct_projec
   if (out == NULL) return CT_ERROR_ARGUMENT;
   ct_project_options defaults = ct_project_options_default();
   if (options == NULL) options = &defaults;
-  if (face == NULL || point == NULL || ct_face_node_count(face->kind) == 0)
+  if (face == NULL || point == NULL || ct_face_node_count(face->kind) == 0 ||
+      !are_possible(options))
     return nothing(out, CT_ERROR_ARGUMENT);
-  ct_status status = check_options(options);
-  if (status != CT_OK) return nothing(out, status);
   ct_patch patch;
   if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK)
     return nothing(out, CT_INVALID);
-  ct_closest closest = {{0, 0}, {0, 0, 0}, 0, 0, 0};
+  ct_closest closest = {.evaluations = 0};
   out->status = METHOD[options->method].project(&patch, options, &closest);
   // -- Neither without a normal nor beyond the range of numbers is there an answer
   double f = ct_vector_dot(closest.d, closest.d);
@@ -137,9 +131,8 @@ ct_status ct_project_points(const ct_face *face, size_t count, const double *poi
 
 static ct_status no_hit(ct_ray_hit *out, ct_status status, int evaluations)
 {
-  ct_ray_hit none = {status,     CT_OUTSIDE,      -1,  evaluations,
-                     {NAN, NAN}, {NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}};
-  *out = none;
+  *out = (ct_ray_hit){status,     CT_OUTSIDE,      -1,  evaluations,
+                      {NAN, NAN}, {NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}};
   return status;
 }
 
@@ -147,9 +140,9 @@ ct_status ct_project_ray(const ct_face *face, const double point[3], const doubl
                          double tolerance, ct_ray_hit *out)
 {
   if (out == NULL) return CT_ERROR_ARGUMENT;
-  if (face == NULL || point == NULL || direction == NULL || ct_face_node_count(face->kind) == 0)
+  if (face == NULL || point == NULL || direction == NULL || ct_face_node_count(face->kind) == 0 ||
+      !(tolerance > 0 && tolerance < 1))
     return no_hit(out, CT_ERROR_ARGUMENT, 0);
-  if (!(tolerance > 0 && tolerance < 1)) return no_hit(out, CT_ERROR_ARGUMENT, 0);
   ct_patch patch;
   if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK)
     return no_hit(out, CT_INVALID, 0);

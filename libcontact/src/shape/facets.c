@@ -37,34 +37,6 @@ static ct_status check_faces(const ct_facets *facets, int32_t node_count, const 
   return CT_OK;
 }
 
-/* List the nodes, and for each the places of its values. */
-static void list_nodes(ct_facets *facets, int32_t node_count, ct_pool *pool)
-{
-  int64_t entries = (int64_t)facets->face_count * facets->per;
-  int32_t *number = ct_allocate((size_t)node_count + 1, sizeof *number);
-  if (number != NULL) {
-    for (int64_t i = 0; i < entries; i++) number[facets->faces[i]] = 1;
-    for (int32_t n = 0; n < node_count; n++) facets->node_count += number[n];
-  }
-  facets->place = ct_pool_take(pool, (size_t)entries, sizeof *facets->place);
-  facets->nodes = ct_pool_take(pool, (size_t)facets->node_count, sizeof *facets->nodes);
-  facets->first = ct_pool_take(pool, (size_t)facets->node_count + 2, sizeof *facets->first);
-  pool->failed |= number == NULL;
-  if (!pool->failed) {
-    for (int32_t n = 0, next = 0; n < node_count; n++)
-      if (number[n]) facets->nodes[next] = n, number[n] = next++;
-    // Count, sum up, and fill: first[i + 1] is where the next place of node i goes.
-    for (int64_t i = 0; i < entries; i++) facets->first[number[facets->faces[i]] + 2]++;
-    for (int32_t n = 0; n < facets->node_count; n++) {
-      facets->most = facets->first[n + 2] > facets->most ? facets->first[n + 2] : facets->most;
-      facets->first[n + 2] += facets->first[n + 1];
-    }
-    for (int64_t i = 0; i < entries; i++)
-      facets->place[facets->first[number[facets->faces[i]] + 1]++] = (int32_t)i;
-  }
-  ct_release(number);
-}
-
 ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t *faces,
                            int32_t node_count, const double *reference, const char *name,
                            ct_pool *pool, ct_facets *out, ct_error *error)
@@ -72,9 +44,9 @@ ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t 
   int per = ct_face_node_count(kind);
   if (faces == NULL || face_count < 1 || per == 0)
     return CT_REFUSE(error, "%s: the surface has no faces", name);
-  size_t bytes = (size_t)face_count * (size_t)per * sizeof *faces;
+  size_t entries = (size_t)face_count * (size_t)per;
   out->kind = kind, out->per = per, out->face_count = face_count;
-  out->faces = ct_pool_copy(pool, faces, bytes);
+  out->faces = ct_pool_copy(pool, faces, entries * sizeof *faces);
   if (out->faces == NULL) return CT_NO_MEMORY(error, "%s", name);
   ct_rule_face(kind, 0, &out->rule);
   for (int q = 0; q < out->rule.count; q++) {
@@ -83,8 +55,11 @@ ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t 
   }
   ct_status status = check_faces(out, node_count, reference, name, error);
   if (status != CT_OK) return status;
-  list_nodes(out, node_count, pool);
-  return pool->failed ? CT_NO_MEMORY(error, "%s", name) : CT_OK;
+  if (ct_incidence_init(&out->incidence, (int64_t)entries, faces, node_count, NULL, pool) != CT_OK)
+    return CT_NO_MEMORY(error, "%s", name);
+  out->nodes = out->incidence.nodes;
+  out->node_count = out->incidence.count;
+  return CT_OK;
 }
 
 void ct_facets_areas(const ct_facets *facets, const ct_face *face, double area[25][3],
@@ -100,17 +75,19 @@ void ct_facets_areas(const ct_facets *facets, const ct_face *face, double area[2
 
 size_t ct_facets_room(const ct_facets *facets, int components)
 {
-  return (size_t)facets->face_count * (size_t)(facets->per * components) + (size_t)facets->most;
+  return (size_t)facets->face_count * (size_t)(facets->per * components) +
+         (size_t)facets->incidence.most;
 }
 
 void ct_facets_sum(const ct_facets *facets, int components, double *values, double *sums)
 {
+  const ct_incidence *at = &facets->incidence;
   double *terms = values + (int64_t)facets->face_count * facets->per * components;
   for (int32_t i = 0; i < facets->node_count; i++)
     for (int c = 0; c < components; c++) {
-      int32_t count = facets->first[i + 1] - facets->first[i];
+      int32_t count = at->first[i + 1] - at->first[i];
       for (int32_t k = 0; k < count; k++)
-        terms[k] = values[components * (int64_t)facets->place[facets->first[i] + k] + c];
+        terms[k] = values[components * (int64_t)at->place[at->first[i] + k] + c];
       sums[components * (int64_t)i + c] = ct_sum(terms, count);
     }
 }

@@ -5,18 +5,16 @@
 #include <libcontact/base.h>
 
 #include "../base/memory.h"
+#include "incidence.h"
 
 /* Faces on which an effect integrates, and the sums of their nodal values at the nodes. */
 typedef struct ct_facets {
   ct_face_kind kind;
   int per; /* nodes of a face */
   int32_t face_count, node_count;
-  int32_t *faces; /* node numbers of the problem, shape (face_count, per) */
-  int32_t *nodes; /* all of them once, ascending */
-  /* Where the values of each node stand: place[first[i]] ... place[first[i + 1] - 1], in units of a
-   * node of a face. */
-  int32_t *first, *place;
-  int32_t most; /* the most places of a node */
+  int32_t *faces;         /* node numbers of the problem, shape (face_count, per) */
+  int32_t *nodes;         /* all of them once, ascending: those of `incidence` */
+  ct_incidence incidence; /* where the values of each node stand, in units of a node of a face */
   ct_rule rule;
   double N[25][8], dN[25][8][2];
 } ct_facets;

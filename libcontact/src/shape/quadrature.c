@@ -45,11 +45,9 @@ ct_status ct_gauss_legendre(int n, double *x, double *w)
   return CT_OK;
 }
 
-/* Product of Gauss-Legendre rules with n points along each of `dimensions` axes, xi_1 fastest. */
-static void product_rule(int dimensions, int n, ct_rule *rule)
+/* Product of a rule with n points x, weights w, along each of `dimensions` axes, xi_1 fastest. */
+static void product_rule(int dimensions, int n, const double *x, const double *w, ct_rule *rule)
 {
-  double x[10] = {0}, w[10] = {0};
-  ct_gauss_legendre(n, x, w);
   for (int k = 0; k < (dimensions == 3 ? n : 1); k++)
     for (int j = 0; j < n; j++)
       for (int i = 0; i < n; i++) {
@@ -60,6 +58,13 @@ static void product_rule(int dimensions, int n, ct_rule *rule)
         xi[2] = dimensions == 3 ? x[k] : 0;
         rule->weight[rule->count++] = (w[i] * w[j]) * (dimensions == 3 ? w[k] : 1);
       }
+}
+
+static void gauss_product(int dimensions, int n, ct_rule *rule)
+{
+  double x[10], w[10];
+  ct_gauss_legendre(n, x, w);
+  product_rule(dimensions, n, x, w, rule);
 }
 
 /* Append the three points (a, a), (1 - 2a, a), (a, 1 - 2a) of a triangle, each with weight w. */
@@ -117,7 +122,7 @@ ct_status ct_rule_face(ct_face_kind kind, int points, ct_rule *rule)
   case CT_Q8:
     if (points == 0) points = kind == CT_Q4 ? 2 : 3;
     if (points < 1 || points > 5) return CT_ERROR_ARGUMENT;
-    product_rule(2, points, rule);
+    gauss_product(2, points, rule);
     return CT_OK;
   }
   return CT_ERROR_ARGUMENT;
@@ -136,13 +141,7 @@ ct_status ct_rule_lobatto(ct_face_kind kind, ct_rule *rule)
     add_centroid(rule, 9.0 / 40);
     return CT_OK;
   }
-  for (int q = 0; q < 9; q++) {
-    rule->xi[q][0] = place[q % 3];
-    rule->xi[q][1] = place[q / 3];
-    rule->xi[q][2] = 0.0;
-    rule->weight[q] = weight[q % 3] * weight[q / 3];
-  }
-  rule->count = 9;
+  product_rule(2, 3, place, weight, rule);
   return CT_OK;
 }
 
@@ -151,6 +150,6 @@ ct_status ct_rule_brick(ct_brick_kind kind, ct_rule *rule)
   if (rule == NULL) return CT_ERROR_ARGUMENT;
   rule->count = 0;
   if (ct_brick_node_count(kind) == 0) return CT_ERROR_ARGUMENT;
-  product_rule(3, kind == CT_HEX8 ? 2 : 3, rule);
+  gauss_product(3, kind == CT_HEX8 ? 2 : 3, rule);
   return CT_OK;
 }
