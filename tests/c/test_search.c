@@ -72,7 +72,7 @@ static void against_all(const ct_box_tree *tree, const ct_bounds *boxes, double 
     double point[3] = {uniform(1.2 * spread), uniform(1.2 * spread), uniform(1.2 * spread)};
     for (int c = 0; lattice && c < 3; c++) point[c] = floor(point[c]);
     items all = {boxes, point, extra, 0, -1, INFINITY}, tried = all;
-    ct_box_tree_visit(tree, boxes, point, INFINITY, visit, &tried);
+    ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &tried);
     asked += tried.asked;
     for (int i = 0; i < count; i++) visit(&all, i);
     unlike += tried.first != all.first || tried.best != all.best;
@@ -139,7 +139,7 @@ static void special_boxes(void)
          "boxes that touch overlap");
   tap_ok(ct_box_tree_overlaps(tree, &one, &apart, found, 8) == 0,
          "boxes apart do not, by a ten-millionth");
-  ct_box_tree_visit(tree, &one, point, INFINITY, visit, &all);
+  ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
   tap_ok(all.first == 0 && all.best == 2.0, "a tree of one item: distance 2");
   ct_box_tree_free(tree);
 
@@ -148,7 +148,7 @@ static void special_boxes(void)
   need(ct_box_tree_create(8, &tree, &e), &e);
   ct_box_tree_build(tree, same);
   all = (items){same, point, zero, 0, -1, INFINITY};
-  ct_box_tree_visit(tree, same, point, INFINITY, visit, &all);
+  ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
   tap_ok(all.first == 0 && all.asked == 8,
          "of eight equal items all are looked at and the first is taken");
   found[3] = 77;
@@ -159,7 +159,7 @@ static void special_boxes(void)
   need(ct_box_tree_create(0, &tree, &e), &e);
   ct_box_tree_build(tree, &one);
   all.asked = 0;
-  ct_box_tree_visit(tree, &one, point, INFINITY, visit, &all);
+  ct_box_tree_visit(tree, point, INFINITY, visit, NULL, &all);
   tap_ok(ct_box_tree_overlaps(tree, &one, &one, found, 8) == 0 && all.asked == 0,
          "an empty tree finds nothing");
   ct_box_tree_free(tree);
@@ -198,25 +198,32 @@ static const struct {
  * along the axes. */
 static void face_boxes(int k)
 {
-  int out = 0;
+  int out = 0, far = 0, wide = 0;
   double excess = 0.0;
   for (int trial = 0; trial < 300; trial++) {
     ct_face face;
     random_face(&face, KIND[k].kind, 0.4);
     ct_bounds box = ct_face_bounds(&face),
               seen = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    ct_oriented oriented;
+    ct_oriented_init(&oriented, &face);
+    double query[3] = {uniform(3.0), uniform(3.0), uniform(3.0)}, nearest = HUGE_VAL;
     for (int i = 0; i <= 20; i++)
       for (int j = 0; j <= 20; j++) {
-        double xi[2] = {0.1 * i - 1.0, 0.1 * j - 1.0}, y[3];
+        double xi[2] = {0.1 * i - 1.0, 0.1 * j - 1.0}, y[3], square = 0.0;
         if (KIND[k].kind == CT_T3 || KIND[k].kind == CT_T6)
           xi[0] = 0.05 * i, xi[1] = 0.05 * j * (1.0 - xi[0]);
         ct_segment_point(&face, xi, y);
+        if (ct_oriented_square(&oriented, y) > 0.0) far++;
         for (int c = 0; c < 3; c++) {
           if (y[c] < box.low[c] - 1e-15 || y[c] > box.high[c] + 1e-15) out++;
           seen.low[c] = fmin(seen.low[c], y[c]);
           seen.high[c] = fmax(seen.high[c], y[c]);
+          square += (y[c] - query[c]) * (y[c] - query[c]);
         }
+        nearest = fmin(nearest, square);
       }
+    if (ct_oriented_square(&oriented, query) > nearest) wide++;
     for (int c = 0; c < 3; c++)
       excess = fmax(excess, (box.high[c] - box.low[c]) / (seen.high[c] - seen.low[c]));
   }
@@ -224,6 +231,9 @@ static void face_boxes(int k)
          "%s: the box of the control points holds 441 points of each of 300 bent faces (at most "
          "%.2f times as wide as they)",
          KIND[k].name, excess);
+  tap_ok(far == 0 && wide == 0,
+         "%s: the box along the face holds them too, and is never farther from a point than they",
+         KIND[k].name);
 }
 
 /* A parabola through (-1, 0), (0, 1), (1, 0) has its control point at 2: the box is known. */

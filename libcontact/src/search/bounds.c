@@ -1,6 +1,8 @@
 /* Boxes around points and curved faces. */
 #include "bounds.h"
 
+#include "../base/vector.h"
+
 #include <float.h>
 #include <math.h>
 
@@ -54,4 +56,63 @@ ct_bounds ct_face_bounds(const ct_face *face)
     box.high[c] += slack;
   }
   return box;
+}
+
+/* Three orthogonal unit vectors, the last along the normal of a face at its middle; the coordinate
+ * axes when it has none. */
+static void frame(const ct_face *face, double axis[3][3])
+{
+  int corners = face->kind == CT_Q4 || face->kind == CT_Q8 ? 4 : 3;
+  double u[3], v[3];
+  for (int i = 0; i < 3; i++)
+    for (int c = 0; c < 3; c++) axis[i][c] = i == c;
+  for (int c = 0; c < 3; c++) {
+    const double (*x)[3] = face->node;
+    u[c] = corners == 3 ? x[1][c] - x[0][c] : (x[1][c] - x[0][c]) + (x[2][c] - x[3][c]);
+    v[c] = corners == 3 ? x[2][c] - x[0][c] : (x[3][c] - x[0][c]) + (x[2][c] - x[1][c]);
+  }
+  double length = sqrt(ct_vector_dot(u, u)), normal[3];
+  if (!ct_vector_unit_normal(u, v, normal)) return;
+  for (int c = 0; c < 3; c++) {
+    axis[0][c] = u[c] / length;
+    axis[2][c] = normal[c];
+  }
+  ct_vector_cross(axis[2], axis[0], axis[1]);
+}
+
+void ct_oriented_init(ct_oriented *box, const ct_face *face)
+{
+  double b[3][9], size = 0.0;
+  int count = 0;
+  frame(face, box->axis);
+  for (int c = 0; c < 3; c++) {
+    count = control_points(face, c, b[c]);
+    double low = b[c][0], high = b[c][0];
+    for (int i = 1; i < count; i++) {
+      low = fmin(low, b[c][i]);
+      high = fmax(high, b[c][i]);
+    }
+    box->middle[c] = 0.5 * (low + high);
+    size = fmax(size, (high - low) + 16.0 * DBL_EPSILON * (fabs(low) + fabs(high)));
+  }
+  for (int k = 0; k < 3; k++) {
+    // -- Half extents that hold the control points, with room for rounding
+    box->half[k] = 0.0;
+    for (int i = 0; i < count; i++) {
+      double d[3] = {b[0][i] - box->middle[0], b[1][i] - box->middle[1], b[2][i] - box->middle[2]};
+      box->half[k] = fmax(box->half[k], fabs(ct_vector_dot(box->axis[k], d)));
+    }
+    box->half[k] += 1e-9 * size;
+  }
+}
+
+double ct_oriented_square(const ct_oriented *box, const double point[3])
+{
+  double d[3], sum = 0.0;
+  for (int c = 0; c < 3; c++) d[c] = point[c] - box->middle[c];
+  for (int k = 0; k < 3; k++) {
+    double beyond = fabs(ct_vector_dot(box->axis[k], d)) - box->half[k];
+    sum += beyond > 0.0 ? beyond * beyond : 0.0;
+  }
+  return (1.0 - 1e-9) * sum;
 }

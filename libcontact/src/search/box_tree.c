@@ -4,37 +4,48 @@
 #include "../base/error.h"
 #include "../base/memory.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+enum { WIDTH = 4, STACK = 128 };
+
+/* Boxes of the children side by side, for vector lanes. A child >= 0 is a node that stands later in
+ * the array, a child < 0 the item ~child. */
+typedef struct node {
+  float low[3][WIDTH], high[3][WIDTH];
+  int32_t child[WIDTH];
+  int32_t count, unused[3];
+} node;
+
+/* Middle of an item's box: what the builder sorts. */
+typedef struct entry {
+  double middle[3];
+  int32_t item;
+} entry;
 
 struct ct_box_tree {
-  int32_t count;
-  int32_t *items; /* in the order of the leaves */
-  ct_bounds *box; /* of each range of more than one item */
-  double size;    /* largest extent of the box of all */
+  int32_t count, node_count;
+  node *nodes;
+  entry *entries;          /* in the order of the leaves */
+  double origin[3], scale; /* single-precision coordinates are (x - origin) scale, about -1 ... 1 */
   double cost, cost_built;
   int64_t builds;
 };
 
-/* A part of the items, and the number of its box. The boxes of a range of n items and of the ranges
- * in it are n - 1 and follow each other, so that no links are needed. */
-typedef struct range {
-  int32_t first, count, box;
-} range;
+/* Coordinates of the children that a node does not have: farther than any point or limit. */
+static const float NOWHERE = 3e18f;
 
-static range lower_half(range r) { return (range){r.first, r.count / 2, r.box + 1}; }
-
-static range upper_half(range r)
-{
-  int32_t half = r.count / 2;
-  return (range){r.first + half, r.count - half, r.box + (half > 1 ? half : 1)};
-}
+/* Room in the scaled boxes for every rounding to single precision: of boxes, of points, of their
+ * differences. */
+static const double MARGIN = 1e-6;
 
 void ct_box_tree_free(ct_box_tree *tree)
 {
   if (tree == NULL) return;
-  ct_release(tree->items);
-  ct_release(tree->box);
+  ct_release(tree->nodes);
+  ct_release(tree->entries);
   ct_release(tree);
 }
 
@@ -43,10 +54,11 @@ ct_status ct_box_tree_create(int32_t count, ct_box_tree **out, ct_error *error)
   ct_box_tree *tree = ct_allocate(1, sizeof *tree);
   if (tree != NULL) {
     tree->count = count;
-    tree->items = ct_allocate((size_t)count, sizeof *tree->items);
-    tree->box = ct_allocate((size_t)count, sizeof *tree->box);
+    tree->scale = 1.0;
+    tree->nodes = ct_allocate((size_t)count, sizeof *tree->nodes);
+    tree->entries = ct_allocate((size_t)count, sizeof *tree->entries);
   }
-  if (tree == NULL || tree->items == NULL || tree->box == NULL) {
+  if (tree == NULL || tree->nodes == NULL || tree->entries == NULL) {
     ct_box_tree_free(tree);
     return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a search tree");
   }
@@ -54,36 +66,46 @@ ct_status ct_box_tree_create(int32_t count, ct_box_tree **out, ct_error *error)
   return CT_OK;
 }
 
-/* Twice the middle of an item's box along an axis. */
-static double middle(const ct_bounds *boxes, int32_t item, int axis)
+static int before(const entry *a, const entry *b, int axis)
 {
-  return boxes[item].low[axis] + boxes[item].high[axis];
+  return a->middle[axis] < b->middle[axis] ||
+         (a->middle[axis] == b->middle[axis] && a->item < b->item);
 }
 
-/* Items are ordered by the middles of their boxes, those with equal middles by number. */
-static int before(const ct_bounds *boxes, int axis, int32_t a, int32_t b)
+static void swap(entry *a, entry *b)
 {
-  double x = middle(boxes, a, axis), y = middle(boxes, b, axis);
-  return x < y || (x == y && a < b);
+  entry t = *a;
+  *a = *b;
+  *b = t;
 }
 
-/* Put the `rank` first items along an axis in front, by quick-select. */
-static void split(int32_t *items, int32_t count, int32_t rank, const ct_bounds *boxes, int axis)
+/* Put the `rank` first entries along an axis in front, by quick-select; entries with equal middles
+ * by number. */
+static void split(entry *list, int32_t count, int32_t rank, int axis)
 {
   int32_t first = 0, last = count - 1;
   uint32_t random = 12345;
   while (first < last) {
-    // -- Pivot: an item that no input can foresee as bad
-    random = random * 1664525u + 1013904223u;
-    int32_t pivot = items[first + (int32_t)(random >> 1) % (last - first + 1)];
+    // -- Pivot: the middle one of three places that no input can foresee as bad
+    int32_t at[3];
+    for (int i = 0; i < 3; i++) {
+      random = random * 1664525u + 1013904223u;
+      at[i] = first + (int32_t)(random >> 1) % (last - first + 1);
+    }
+    if (before(&list[at[1]], &list[at[0]], axis)) {
+      int32_t t = at[0];
+      at[0] = at[1];
+      at[1] = t;
+    }
+    int32_t pick = before(&list[at[2]], &list[at[0]], axis)   ? at[0]
+                   : before(&list[at[2]], &list[at[1]], axis) ? at[2]
+                                                              : at[1];
+    entry pivot = list[pick];
     int32_t i = first, j = last;
     while (i <= j) {
-      while (before(boxes, axis, items[i], pivot)) i++;
-      while (before(boxes, axis, pivot, items[j])) j--;
-      if (i > j) break;
-      int32_t item = items[i];
-      items[i++] = items[j];
-      items[j--] = item;
+      while (before(&list[i], &pivot, axis)) i++;
+      while (before(&pivot, &list[j], axis)) j--;
+      if (i <= j) swap(&list[i++], &list[j--]);
     }
     if (rank <= j) last = j;
     else if (rank >= i) first = i;
@@ -91,76 +113,158 @@ static void split(int32_t *items, int32_t count, int32_t rank, const ct_bounds *
   }
 }
 
-/* The axis along which the middles of the items are spread most. */
-static int longest_axis(const int32_t *items, int32_t count, const ct_bounds *boxes)
+/* Cut a range in two at the median along the longest axis of its middles, so that the first part
+ * fills its leaves; answers where. */
+static int32_t halve(entry *list, int32_t count)
 {
-  int axis = 0;
-  double longest = -1.0;
-  for (int c = 0; c < 3; c++) {
-    double low = HUGE_VAL, high = -HUGE_VAL;
-    for (int32_t i = 0; i < count; i++) {
-      double x = middle(boxes, items[i], c);
-      low = x < low ? x : low;
-      high = x > high ? x : high;
+  double low[3], high[3];
+  for (int c = 0; c < 3; c++) low[c] = high[c] = list[0].middle[c];
+  for (int32_t i = 1; i < count; i++)
+    for (int c = 0; c < 3; c++) {
+      if (list[i].middle[c] < low[c]) low[c] = list[i].middle[c];
+      if (list[i].middle[c] > high[c]) high[c] = list[i].middle[c];
     }
-    if (high - low <= longest) continue;
-    longest = high - low;
-    axis = c;
+  int axis = 0;
+  for (int c = 1; c < 3; c++)
+    if (high[c] - low[c] > high[axis] - low[axis]) axis = c;
+  int32_t half = count > WIDTH ? WIDTH * ((count + 2 * WIDTH - 1) / (2 * WIDTH)) : count / 2;
+  split(list, count, half, axis);
+  return half;
+}
+
+/* A range of entries and the place in the tree that waits for its node. */
+typedef struct range {
+  int32_t first, last, parent, slot;
+} range;
+
+/* Cut a range into at most four; answers how many. */
+static int quarter(const ct_box_tree *tree, range r, range part[WIDTH])
+{
+  int32_t count = r.last - r.first;
+  int parts = 0;
+  if (count <= WIDTH) {
+    for (int32_t i = r.first; i < r.last; i++) part[parts++] = (range){i, i + 1, 0, 0};
+    return parts;
   }
-  return axis;
+  int32_t half = r.first + halve(tree->entries + r.first, count);
+  range two[2] = {{r.first, half, 0, 0}, {half, r.last, 0, 0}};
+  for (int k = 0; k < 2; k++) {
+    int32_t own = two[k].last - two[k].first;
+    int32_t cut =
+        own > WIDTH ? two[k].first + halve(tree->entries + two[k].first, own) : two[k].last;
+    part[parts++] = (range){two[k].first, cut, 0, 0};
+    if (cut < two[k].last) part[parts++] = (range){cut, two[k].last, 0, 0};
+  }
+  return parts;
 }
 
-/* Order the items so that each range is cut in half at the median along its longest axis
- * (eq:bounding-tree). */
-static void arrange(int32_t *items, int32_t count, const ct_bounds *boxes)
+/* Links between nodes, without boxes. */
+static void link_nodes(ct_box_tree *tree)
 {
-  if (count < 2) return;
-  int32_t half = count / 2;
-  split(items, count, half, boxes, longest_axis(items, count, boxes));
-  arrange(items, half, boxes);
-  arrange(items + half, count - half, boxes);
+  range stack[STACK];
+  int depth = 0;
+  tree->node_count = 0;
+  if (tree->count > 0) stack[depth++] = (range){0, tree->count, -1, 0};
+  while (depth > 0) {
+    // -- Cut each range in four along the longest axes (eq:bounding-tree)
+    range r = stack[--depth], part[WIDTH];
+    int32_t number = tree->node_count++;
+    node *n = &tree->nodes[number];
+    if (r.parent >= 0) tree->nodes[r.parent].child[r.slot] = number;
+    n->count = quarter(tree, r, part);
+    for (int k = n->count; k-- > 0;) {
+      n->child[k] = ~tree->entries[part[k].first].item;
+      if (part[k].last - part[k].first > 1)
+        stack[depth++] = (range){part[k].first, part[k].last, number, k};
+    }
+  }
 }
 
-static const ct_bounds *box_of(const ct_box_tree *tree, const ct_bounds *boxes, range r)
+/* Frame of the single-precision coordinates: a middle, and a power of two. */
+static void set_frame(ct_box_tree *tree, const ct_bounds *boxes)
 {
-  return r.count == 1 ? &boxes[tree->items[r.first]] : &tree->box[r.box];
+  ct_bounds all = boxes[0];
+  double size = 0.0;
+  int exponent = 0;
+  for (int32_t i = 1; i < tree->count; i++) ct_bounds_join(&all, &boxes[i]);
+  for (int c = 0; c < 3; c++) {
+    tree->origin[c] = 0.5 * all.low[c] + 0.5 * all.high[c];
+    size = fmax(size, all.high[c] - all.low[c]);
+  }
+  if (size > 0.0) (void)frexp(size, &exponent);
+  if (exponent > 240) exponent = 240;
+  if (exponent < -240) exponent = -240;
+  tree->scale = ldexp(1.0, -exponent);
 }
 
-/* Half the surface of a box. */
-static double surface(const ct_bounds *box)
+static float half_surface(const float edge[3])
 {
-  double edge[3];
-  for (int c = 0; c < 3; c++) edge[c] = box->high[c] - box->low[c];
   return (edge[0] * edge[1] + edge[1] * edge[2]) + edge[2] * edge[0];
 }
 
-/* Find the boxes of a range and of all ranges in it; answers the sum of their surfaces. */
-static double fit_range(ct_box_tree *tree, const ct_bounds *boxes, range r)
+/* Box of child k, from the item or from the children of the child; answers half its surface. */
+static float fit_child(ct_box_tree *tree, const ct_bounds *boxes, node *n, int k)
 {
-  if (r.count == 1) return surface(&boxes[tree->items[r.first]]);
-  range a = lower_half(r), b = upper_half(r);
-  double below = fit_range(tree, boxes, a) + fit_range(tree, boxes, b);
-  tree->box[r.box] = *box_of(tree, boxes, a);
-  ct_bounds_join(&tree->box[r.box], box_of(tree, boxes, b));
-  return below + surface(&tree->box[r.box]);
+  float edge[3];
+  for (int c = 0; c < 3; c++) {
+    if (n->child[k] < 0) {
+      const ct_bounds *box = &boxes[~n->child[k]];
+      n->low[c][k] = (float)((box->low[c] - tree->origin[c]) * tree->scale - MARGIN);
+      n->high[c][k] = (float)((box->high[c] - tree->origin[c]) * tree->scale + MARGIN);
+    } else {
+      const node *below = &tree->nodes[n->child[k]];
+      n->low[c][k] = below->low[c][0];
+      n->high[c][k] = below->high[c][0];
+      for (int i = 1; i < below->count; i++) {
+        if (below->low[c][i] < n->low[c][k]) n->low[c][k] = below->low[c][i];
+        if (below->high[c][i] > n->high[c][k]) n->high[c][k] = below->high[c][i];
+      }
+    }
+    edge[c] = n->high[c][k] - n->low[c][k];
+  }
+  return half_surface(edge);
 }
 
+/* Half the surface of the box of all. */
+static float root_surface(const node *root)
+{
+  float edge[3];
+  for (int c = 0; c < 3; c++) {
+    float low = root->low[c][0], high = root->high[c][0];
+    for (int k = 1; k < root->count; k++) {
+      low = root->low[c][k] < low ? root->low[c][k] : low;
+      high = root->high[c][k] > high ? root->high[c][k] : high;
+    }
+    edge[c] = high - low;
+  }
+  return half_surface(edge);
+}
+
+/* Boxes of all nodes from those of the items, last node first as children stand behind their
+ * parents. */
 static void fit(ct_box_tree *tree, const ct_bounds *boxes)
 {
-  range all = {0, tree->count, 0};
+  tree->cost = 0.0;
   if (tree->count == 0) return;
-  // -- Sum the surfaces of all boxes, over that of the whole (eq:tree-cost)
-  double sum = fit_range(tree, boxes, all);
-  const ct_bounds *whole = box_of(tree, boxes, all);
-  tree->cost = sum / surface(whole);
-  tree->size = 0.0;
-  for (int c = 0; c < 3; c++) tree->size = fmax(tree->size, whole->high[c] - whole->low[c]);
+  set_frame(tree, boxes);
+  for (int32_t i = tree->node_count; i-- > 0;) {
+    // -- Sum the surfaces of all boxes, over that of the whole (eq:tree-cost)
+    node *n = &tree->nodes[i];
+    for (int k = 0; k < n->count; k++) tree->cost += (double)fit_child(tree, boxes, n, k);
+    for (int k = n->count; k < WIDTH; k++)
+      for (int c = 0; c < 3; c++) n->low[c][k] = n->high[c][k] = NOWHERE;
+  }
+  tree->cost /= (double)root_surface(&tree->nodes[0]);
 }
 
 void ct_box_tree_build(ct_box_tree *tree, const ct_bounds *boxes)
 {
-  for (int32_t i = 0; i < tree->count; i++) tree->items[i] = i;
-  arrange(tree->items, tree->count, boxes);
+  for (int32_t i = 0; i < tree->count; i++) {
+    tree->entries[i].item = i;
+    for (int c = 0; c < 3; c++)
+      tree->entries[i].middle[c] = 0.5 * boxes[i].low[c] + 0.5 * boxes[i].high[c];
+  }
+  link_nodes(tree);
   fit(tree, boxes);
   tree->cost_built = tree->cost;
   tree->builds++;
@@ -193,67 +297,140 @@ static int overlap(const ct_bounds *a, const ct_bounds *b)
   return 1;
 }
 
+/* A coordinate as the tree sees it. Far ones are moved nearer, which brings no box farther away. */
+static float scaled(const ct_box_tree *tree, double x, int c)
+{
+  double y = (x - tree->origin[c]) * tree->scale;
+  return (float)(y > 1e17 ? 1e17 : y < -1e17 ? -1e17 : y);
+}
+
 int32_t ct_box_tree_overlaps(const ct_box_tree *tree, const ct_bounds *boxes, const ct_bounds *box,
                              int32_t *items, int32_t room)
 {
-  enum { STACK = 64 }; /* a range waits for each time that its count was halved */
-  range stack[STACK];
-  int32_t found = 0;
+  int32_t stack[STACK], found = 0;
   int depth = 0;
-  if (tree->count > 0) stack[depth++] = (range){0, tree->count, 0};
+  float low[3], high[3];
+  for (int c = 0; c < 3; c++) {
+    low[c] = scaled(tree, box->low[c], c);
+    high[c] = scaled(tree, box->high[c], c);
+  }
+  if (tree->count > 0) stack[depth++] = 0;
   while (depth > 0) {
-    range r = stack[--depth];
-    if (!overlap(box_of(tree, boxes, r), box)) continue;
-    if (r.count > 1) {
-      stack[depth++] = upper_half(r);
-      stack[depth++] = lower_half(r);
-    } else {
-      if (found < room) items[found] = tree->items[r.first];
-      found++;
+    const node *n = &tree->nodes[stack[--depth]];
+    for (int k = 0; k < n->count; k++) {
+      int apart = 0;
+      for (int c = 0; c < 3; c++) apart |= n->low[c][k] > high[c] || low[c] > n->high[c][k];
+      if (apart) continue;
+      if (n->child[k] >= 0) {
+        stack[depth++] = n->child[k];
+      } else if (overlap(&boxes[~n->child[k]], box)) {
+        if (found < room) items[found] = ~n->child[k];
+        found++;
+      }
     }
   }
   if (found > 1 && found <= room) qsort(items, (size_t)found, sizeof *items, compare_items);
   return found;
 }
 
-/* A point that looks for its nearest item; `limit` is the square of the distance from which on no
- * box needs to be looked at. */
-typedef struct query {
-  const ct_box_tree *tree;
-  const ct_bounds *boxes;
-  const double *point;
-  ct_box_visit *visit;
-  void *user;
-  double limit;
-} query;
+/* A child that waits to be looked at, behind four times the square of its distance; so those that
+ * wait are ordered as whole numbers are, for the bits of floats that are not negative are. */
+typedef uint64_t waiting;
 
-/* The limit for a distance that is known, with room for the roundings of those who tie with it. */
-static double limit_of(const ct_box_tree *tree, double square)
+static inline waiting wait_of(float square, int32_t child)
 {
-  double far = sqrt(square) * (1.0 + 1e-12) + 1e-12 * tree->size;
-  return far * far;
+  uint32_t bits;
+  memcpy(&bits, &square, sizeof bits);
+  return (waiting)bits << 32 | (uint32_t)child;
 }
 
-/* Visit the items of a range that may be near enough, those in the nearer half first. */
-static void visit_range(query *q, range r)
+static inline int32_t child_of(waiting w)
 {
-  if (r.count == 1) {
-    q->limit = limit_of(q->tree, q->visit(q->user, q->tree->items[r.first]));
-    return;
+  uint32_t bits = (uint32_t)w;
+  int32_t child;
+  memcpy(&child, &bits, sizeof child);
+  return child;
+}
+
+static inline void order(waiting *near, waiting *far)
+{
+  waiting a = *near, b = *far;
+  *near = a < b ? a : b;
+  *far = a < b ? b : a;
+}
+
+/* Put the children within the limit on the stack, the nearest on top; answers the new height.
+ * Without branches, as no processor can guess them: all four are sorted and written, and each stays
+ * only if it counts. */
+static inline int push(const node *n, const float square[WIDTH], waiting limit, waiting *stack,
+                       int depth)
+{
+  waiting w[WIDTH];
+  for (int k = 0; k < WIDTH; k++) w[k] = wait_of(square[k], n->child[k]);
+  order(&w[0], &w[1]);
+  order(&w[2], &w[3]);
+  order(&w[0], &w[2]);
+  order(&w[1], &w[3]);
+  order(&w[1], &w[2]);
+  for (int k = WIDTH; k-- > 0;) {
+    stack[depth] = w[k];
+    depth += w[k] <= limit;
   }
-  range part[2] = {lower_half(r), upper_half(r)};
-  double square[2];
-  for (int k = 0; k < 2; k++)
-    square[k] = ct_bounds_square(box_of(q->tree, q->boxes, part[k]), q->point);
-  int nearer = square[1] < square[0];
-  // -- Leave out every box that is farther than the best item (eq:box-distance)
-  if (square[nearer] <= q->limit) visit_range(q, part[nearer]);
-  if (square[1 - nearer] <= q->limit) visit_range(q, part[1 - nearer]);
+  return depth;
 }
 
-void ct_box_tree_visit(const ct_box_tree *tree, const ct_bounds *boxes, const double point[3],
-                       double square, ct_box_visit *visit, void *user)
+/* Four times the squared distances of a point from the boxes of a node (eq:box-distance); t + |t|
+ * is twice the positive part of t, and needs no branch. */
+static inline void squares(const node *n, const float point[3], float square[WIDTH])
 {
-  query q = {tree, boxes, point, visit, user, limit_of(tree, square)};
-  if (tree->count > 0) visit_range(&q, (range){0, tree->count, 0});
+#pragma omp simd
+  for (int k = 0; k < WIDTH; k++) {
+    float x = n->low[0][k] - point[0], y = n->low[1][k] - point[1], z = n->low[2][k] - point[2];
+    float u = point[0] - n->high[0][k], v = point[1] - n->high[1][k], w = point[2] - n->high[2][k];
+    float a = (x + fabsf(x)) + (u + fabsf(u)), b = (y + fabsf(y)) + (v + fabsf(v)),
+          c = (z + fabsf(z)) + (w + fabsf(w));
+    square[k] = (a * a + b * b) + c * c;
+  }
+}
+
+/* The last that need not wait in vain: four times the known square in the tree's units, with room
+ * for the roundings of four products; at most 1e37, which no box reaches. */
+static inline waiting limit_of(const ct_box_tree *tree, double square)
+{
+  double limit = 4.0 * square * (tree->scale * tree->scale) * (1.0 + 1e-5);
+  return wait_of((float)(limit < 1e37 ? limit : 1e37), -1);
+}
+
+/* Four times the square of a lower bound, a little lower rather than higher. */
+static float bound_of(const ct_box_tree *tree, double square)
+{
+  double bound = 4.0 * square * (tree->scale * tree->scale) * (1.0 - 1e-6);
+  return (float)(bound < 1e36 ? bound : 1e36);
+}
+
+void ct_box_tree_visit(const ct_box_tree *tree, const double point[3], double square,
+                       ct_box_visit *visit, ct_box_visit *bound, void *user)
+{
+  waiting stack[STACK];
+  int depth = 0;
+  float p[3], d[WIDTH];
+  waiting limit = limit_of(tree, square);
+  for (int c = 0; c < 3; c++) p[c] = scaled(tree, point[c], c);
+  if (tree->count > 0) stack[depth++] = wait_of(0.0f, 0);
+  while (depth > 0) {
+    // -- Leave out every box that is farther than the best item (eq:box-distance)
+    waiting next = stack[--depth];
+    int32_t child = child_of(next);
+    if (next > limit) continue;
+    if (child < 0) {
+      limit = limit_of(tree, visit(user, ~child));
+      continue;
+    }
+    const node *n = &tree->nodes[child];
+    squares(n, p, d);
+    for (int k = 0; bound != NULL && k < n->count; k++)
+      if (n->child[k] < 0 && wait_of(d[k], 0) <= limit)
+        d[k] = bound_of(tree, bound(user, ~n->child[k]));
+    depth = push(n, d, limit, stack, depth);
+  }
 }

@@ -51,13 +51,20 @@ static double try_face(seeker *s, int32_t face)
     s->closest = closest;
     memcpy(s->d, d, sizeof d);
   }
-  return fmin(s->square, s->bound);
+  return s->square < s->bound ? s->square : s->bound;
 }
 
 static double visit(void *user, int32_t face)
 {
   seeker *s = user;
-  return face == s->started ? fmin(s->square, s->bound) : try_face(s, face);
+  return face == s->started ? s->square < s->bound ? s->square : s->bound : try_face(s, face);
+}
+
+/* The box along the face is a better bound than that along the axes (eq:oriented-box). */
+static double oriented_bound(void *user, int32_t face)
+{
+  const seeker *s = user;
+  return ct_oriented_square(&s->search->oriented[face], s->point);
 }
 
 static void nothing(ct_nearest *out)
@@ -131,7 +138,8 @@ void ct_search_point(const ct_search *search, const double point[3], int32_t sta
     }
   // -- Try the face to begin with, then every face whose box is not farther (eq:closest-face)
   if (start >= 0) bound = try_face(&s, start);
-  ct_box_tree_visit(search->tree, search->boxes, point, bound, visit, &s);
+  ct_box_tree_visit(search->tree, point, bound, visit,
+                    search->oriented != NULL ? oriented_bound : NULL, &s);
   finish(&s, out);
 }
 

@@ -41,6 +41,7 @@ static ct_status allocate(ct_search *search, const ct_surface *surface)
   search->faces = ct_pool_take(pool, faces * per, sizeof *search->faces);
   search->neighbour = ct_pool_take(pool, faces * (size_t)search->edges, sizeof *search->neighbour);
   search->boxes = ct_pool_take(pool, faces, sizeof *search->boxes);
+  if (search->kind != CT_T3) search->oriented = ct_pool_take(pool, faces, sizeof *search->oriented);
   if (pool->failed || ct_incidence_init(&search->incidence, (int64_t)(faces * per), surface->faces,
                                         search->host_count, search->faces, pool) != CT_OK)
     return CT_ERROR_MEMORY;
@@ -146,7 +147,15 @@ ct_status ct_search_set(ct_search *search, const double *host, int body, ct_erro
   return CT_OK;
 }
 
-void ct_search_refit(ct_search *search) { ct_box_tree_refit(search->tree, search->boxes); }
+void ct_search_refit(ct_search *search)
+{
+  for (int32_t f = 0; search->oriented != NULL && f < search->face_count; f++) {
+    ct_face face;
+    ct_search_face(search, f, &face);
+    ct_oriented_init(&search->oriented[f], &face);
+  }
+  ct_box_tree_refit(search->tree, search->boxes);
+}
 
 ct_status ct_search_share(const ct_search *search, ct_search **out)
 {
@@ -158,6 +167,8 @@ ct_status ct_search_share(const ct_search *search, ct_search **out)
   own->x = ct_pool_copy(&own->pool, search->x, 3 * (size_t)own->node_count * sizeof *own->x);
   own->boxes =
       ct_pool_copy(&own->pool, search->boxes, (size_t)own->face_count * sizeof *own->boxes);
+  if (own->oriented != NULL)
+    own->oriented = ct_pool_take(&own->pool, (size_t)own->face_count, sizeof *own->oriented);
   if (own->pool.failed || ct_box_tree_create(own->face_count, &own->tree, NULL) != CT_OK) {
     ct_search_free(own);
     return CT_ERROR_MEMORY;

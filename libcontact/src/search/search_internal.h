@@ -22,6 +22,7 @@ struct ct_search {
   double size;            /* largest diagonal of a face's reference box */
   double *x;              /* current coordinates, shape (node_count, 3) */
   ct_bounds *boxes;       /* current boxes of the faces */
+  ct_oriented *oriented;  /* those along the faces, of the last refit; null for T3 */
   ct_box_tree *tree;      /* over the boxes of the last refit */
 };
 
