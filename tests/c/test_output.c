@@ -824,7 +824,7 @@ static void test_other_problem(void)
   const char *path = in_folder("other.vtkhdf");
   write_file(r, path, 2);
   refuse_restart(curved, path, CT_ERROR_FILE, "stands at another place");
-  refuse_restart(bare, path, CT_ERROR_FILE, "it has 2 effects, the problem 1");
+  refuse_restart(bare, path, CT_ERROR_FILE, "'libcontact/effects' has 2 rows, the problem 1");
   r->probe.label = "gravity";
   refuse_restart(r, path, CT_ERROR_FILE,
                  "effect 1 'gravity' (in the file 'probe') has another name");

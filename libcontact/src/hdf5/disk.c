@@ -17,16 +17,6 @@
 
 /* -- Names and errors -- */
 
-enum { LONGEST_PATH_SHOWN = 400, ATTEMPTS = 100 };
-
-const char *ct_disk_short(const char *path)
-{
-  size_t length = strlen(path);
-  if (length <= LONGEST_PATH_SHOWN) return path;
-  const char *end = path + (length - LONGEST_PATH_SHOWN), *folder = strchr(end, '/');
-  return folder != NULL ? folder : end;
-}
-
 void ct_disk_check(ct_task *task, const char *what, int number)
 {
   if (number != 0)
@@ -131,6 +121,8 @@ static hid_t make_locked(ct_disk *disk, hid_t how, hid_t access)
   if (take_lock(descriptor) == 0 && bears(descriptor, disk->part)) disk->descriptor = descriptor;
   return file;
 }
+
+enum { ATTEMPTS = 100 };
 
 hid_t ct_disk_create(ct_task *task, ct_disk *disk, hid_t how, hid_t access)
 {

@@ -6,7 +6,7 @@
 
 /* -- Errors -- */
 
-enum { LONGEST_REASON = 200, LONGEST_SENTENCE = 600 };
+enum { LONGEST_REASON = 200, LONGEST_SENTENCE = 600, LONGEST_PATH = 400 };
 
 void ct_task_fail(ct_task *task, ct_status status, ct_place where, const char *format, ...)
 {
@@ -16,7 +16,8 @@ void ct_task_fail(ct_task *task, ct_status status, ct_place where, const char *f
   va_start(arguments, format);
   vsnprintf(sentence, sizeof sentence, format, arguments);
   va_end(arguments);
-  task->status = ct_fail(task->error, status, where, "%s: %s", task->path, sentence);
+  size_t length = strlen(task->path), start = length > LONGEST_PATH ? length - LONGEST_PATH : 0;
+  task->status = ct_fail(task->error, status, where, "%s: %s", task->path + start, sentence);
 }
 
 /* Keeps the innermost text of the stack, and better one that quotes the system. */
@@ -75,9 +76,9 @@ hid_t ct_hdf5_row_type(const ct_row_type *row)
 {
   hid_t type = H5Tcreate(H5T_COMPOUND, row->size);
   int good = type >= 0;
-  for (int i = 0; i < row->field_count; i++) {
-    hid_t value = ct_hdf5_type(row->field[i].kind);
-    good = good && H5Tinsert(type, row->field[i].name, row->field[i].offset, value) >= 0;
+  for (const ct_field *f = row->field; f->name != NULL; f++) {
+    hid_t value = ct_hdf5_type(f->kind);
+    good = good && H5Tinsert(type, f->name, f->offset, value) >= 0;
     H5Tclose(value);
   }
   if (good) return type;
@@ -224,6 +225,7 @@ static int64_t chunk_rows(const ct_column *column, int is_field)
 
 void ct_hdf5_create_column(ct_task *task, const char *path, int is_field, ct_column *column)
 {
+  if (task->status != CT_OK) return;
   int rank = column->width > 0 ? 2 : 1;
   hsize_t width = (hsize_t)column->width, none[2] = {0, width}, limit[2] = {H5S_UNLIMITED, width};
   column->row_bytes = (int64_t)H5Tget_size(column->type) * (rank == 2 ? column->width : 1);

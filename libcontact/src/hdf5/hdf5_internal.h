@@ -20,7 +20,6 @@
 /* A task on one file. Its first failure stays in `status` and `error`, and the functions that get
  * the task do nothing from then on, so that a sequence of them needs no checks. */
 typedef struct ct_task {
-  /* As messages show it (ct_disk_short). */
   const char *path;
   ct_error *error;
   ct_status status;
@@ -43,15 +42,14 @@ typedef struct ct_field {
   const char *label;
 } ct_field;
 
-typedef struct ct_row_type {
-  size_t size;
-  int field_count;
-  const ct_field *field;
-} ct_row_type;
-
 #define CT_FIELD(row, member, kind, label) \
   {#member, offsetof(row, member), sizeof(((row *)0)->member), kind, label}
-#define CT_ROW_TYPE(row, fields) {sizeof(row), (int)(sizeof(fields) / sizeof(fields)[0]), fields}
+
+/* The struct; behind its fields stands one without a name. */
+typedef struct ct_row_type {
+  size_t size;
+  ct_field field[12];
+} ct_row_type;
 
 /* -- What an output holds -- */
 
@@ -124,7 +122,8 @@ struct ct_output {
 
 /* -- handle.c: HDF5 calls with their errors told; `path` is that of an object in the file -- */
 
-/* The task has failed: "path: <sentence>". */
+/* The task has failed: "path: <sentence>", with the end of a path that is too long for a message.
+ */
 void ct_task_fail(ct_task *task, ct_status status, ct_place where, const char *format, ...);
 /* "path: can't <what>: <reason>", the reason from HDF5's error stack; call it before any other HDF5
  * call clears that. */
@@ -162,8 +161,6 @@ void ct_hdf5_write_column(ct_task *task, const ct_column *column, int64_t row, c
 
 /* -- disk.c: what HDF5 has no call for, and one writer for a file -- */
 
-/* A path, or the end of one that is too long for a message, from the beginning of a folder on. */
-const char *ct_disk_short(const char *path);
 /* Resolve symbolic links, refuse what is no ordinary file, and give the file its two names. */
 void ct_disk_names(ct_task *task, ct_disk *disk, const char *path);
 /* Make the file with its first name anew and lock it, in place of one that nobody writes any more.

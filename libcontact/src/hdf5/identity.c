@@ -12,7 +12,7 @@ enum { LAYOUT = 1 };
 /* An attribute of /libcontact. */
 typedef struct attribute {
   const char *name, *label;
-  ct_kind kind;
+  hid_t type;
   double value;
 } attribute;
 
@@ -21,23 +21,24 @@ enum { ATTRIBUTE_COUNT = 4 };
 /* One row of /libcontact/body. */
 typedef struct body_row {
   char name[CT_NAME_SIZE];
-  int32_t kind, first_node, node_count;
+  int32_t kind, first_node, node_count, empty;
   int64_t first_cell, cell_count;
   double young, poisson, density;
-  int32_t law; /* 0, small strain, where the file is older than the laws */
+  int32_t law, also_empty; /* law: 0, small strain, where the file is older than the laws */
 } body_row;
 
-static const ct_field BODY_FIELD[] = {
-    CT_FIELD(body_row, name, CT_NAME, "name"),
-    CT_FIELD(body_row, kind, CT_INT32, "kind of elements"),
-    CT_FIELD(body_row, first_node, CT_INT32, "number of nodes"),
-    CT_FIELD(body_row, node_count, CT_INT32, "number of nodes"),
-    CT_FIELD(body_row, first_cell, CT_INT64, "number of elements"),
-    CT_FIELD(body_row, cell_count, CT_INT64, "number of elements"),
-    CT_FIELD(body_row, young, CT_REAL, "Young's modulus"),
-    CT_FIELD(body_row, poisson, CT_REAL, "Poisson's ratio"),
-    CT_FIELD(body_row, density, CT_REAL, "density"),
-    CT_FIELD(body_row, law, CT_INT32, "material law")};
+static const ct_row_type BODY_ROW = {
+    sizeof(body_row),
+    {CT_FIELD(body_row, name, CT_NAME, "name"),
+     CT_FIELD(body_row, kind, CT_INT32, "kind of elements"),
+     CT_FIELD(body_row, first_node, CT_INT32, "number of nodes"),
+     CT_FIELD(body_row, node_count, CT_INT32, "number of nodes"),
+     CT_FIELD(body_row, first_cell, CT_INT64, "number of elements"),
+     CT_FIELD(body_row, cell_count, CT_INT64, "number of elements"),
+     CT_FIELD(body_row, young, CT_REAL, "Young's modulus"),
+     CT_FIELD(body_row, poisson, CT_REAL, "Poisson's ratio"),
+     CT_FIELD(body_row, density, CT_REAL, "density"),
+     CT_FIELD(body_row, law, CT_INT32, "material law")}};
 
 /* One row of /libcontact/effects. */
 typedef struct effect_row {
@@ -46,11 +47,12 @@ typedef struct effect_row {
   int64_t memory_count;
 } effect_row;
 
-static const ct_field EFFECT_FIELD[] = {
-    CT_FIELD(effect_row, name, CT_NAME, "name"),
-    CT_FIELD(effect_row, node_count, CT_INT32, "number of nodes"),
-    CT_FIELD(effect_row, stores, CT_INT32, NULL),
-    CT_FIELD(effect_row, memory_count, CT_INT64, "number of values of memory")};
+static const ct_row_type EFFECT_ROW = {
+    sizeof(effect_row),
+    {CT_FIELD(effect_row, name, CT_NAME, "name"),
+     CT_FIELD(effect_row, node_count, CT_INT32, "number of nodes"),
+     CT_FIELD(effect_row, stores, CT_INT32, NULL),
+     CT_FIELD(effect_row, memory_count, CT_INT64, "number of values of memory")}};
 
 /* -- What the problem has -- */
 
@@ -58,10 +60,11 @@ static void fill_attributes(const ct_problem *problem, attribute attributes[ATTR
 {
   const ct_integrator *integrator = &problem->integrator;
   const attribute all[ATTRIBUTE_COUNT] = {
-      {"layout", "layout", CT_INT64, LAYOUT},
-      {"integrator", "the integrator", CT_INT64, (double)integrator->scheme},
-      {"integrator_parameter", "the parameter of the integrator", CT_REAL, integrator->parameter},
-      {"dt", "the time step", CT_REAL, problem->dt}};
+      {"layout", "layout", H5T_NATIVE_INT64, LAYOUT},
+      {"integrator", "the integrator", H5T_NATIVE_INT64, (double)integrator->scheme},
+      {"integrator_parameter", "the parameter of the integrator", H5T_NATIVE_DOUBLE,
+       integrator->parameter},
+      {"dt", "the time step", H5T_NATIVE_DOUBLE, problem->dt}};
   memcpy(attributes, all, sizeof all);
 }
 
@@ -69,19 +72,19 @@ static void fill_bodies(const ct_problem *problem, void *rows)
 {
   body_row *row = rows;
   int64_t cell = 0;
-  for (int32_t b = 0; b < problem->body_count; b++, row++) {
+  for (int32_t b = 0; b < problem->body_count; cell += row++->cell_count, b++) {
     const ct_body *body = &problem->bodies[b];
+    const ct_material *material = &body->material;
+    *row = (body_row){.kind = (int32_t)body->mesh->kind,
+                      .first_node = body->first_node,
+                      .node_count = body->mesh->node_count,
+                      .first_cell = cell,
+                      .cell_count = body->mesh->element_count,
+                      .young = material->young,
+                      .poisson = material->poisson,
+                      .density = material->density,
+                      .law = (int32_t)material->law};
     snprintf(row->name, sizeof row->name, "%.63s", body->name);
-    row->kind = (int32_t)body->mesh->kind;
-    row->first_node = body->first_node;
-    row->node_count = body->mesh->node_count;
-    row->first_cell = cell;
-    row->cell_count = body->mesh->element_count;
-    row->young = body->material.young;
-    row->poisson = body->material.poisson;
-    row->density = body->material.density;
-    row->law = (int32_t)body->material.law;
-    cell += body->mesh->element_count;
   }
 }
 
@@ -101,20 +104,20 @@ static void fill_effects(const ct_problem *problem, void *rows)
 
 typedef struct table {
   const char *name, *one;
-  ct_row_type row;
+  const ct_row_type *row;
   void (*fill)(const ct_problem *problem, void *rows);
 } table;
 
 enum { BODIES, EFFECTS, TABLE_COUNT };
 static const table TABLE[TABLE_COUNT] = {
-    {"libcontact/body", "body", CT_ROW_TYPE(body_row, BODY_FIELD), fill_bodies},
-    {"libcontact/effects", "effect", CT_ROW_TYPE(effect_row, EFFECT_FIELD), fill_effects}};
+    {"libcontact/body", "body", &BODY_ROW, fill_bodies},
+    {"libcontact/effects", "effect", &EFFECT_ROW, fill_effects}};
 
 /* Room for two tables, cleared, padding included; the first is filled from the problem. */
 static char *create_rows(ct_task *task, const table *t, const ct_problem *problem, hsize_t *count)
 {
   *count = (hsize_t)(t == &TABLE[BODIES] ? problem->body_count : problem->effect_count);
-  char *rows = calloc(2 * (size_t)*count + 1, t->row.size);
+  char *rows = calloc(2 * (size_t)*count + 1, t->row->size);
   if (rows != NULL) t->fill(problem, rows);
   else ct_task_fail(task, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the table of %s", t->name);
   return rows;
@@ -124,15 +127,12 @@ void ct_identity_write(ct_task *task, const ct_problem *problem)
 {
   attribute now[ATTRIBUTE_COUNT];
   fill_attributes(problem, now);
-  for (const attribute *a = now; a < now + ATTRIBUTE_COUNT; a++) {
-    hid_t type = ct_hdf5_type(a->kind);
-    ct_hdf5_write_attribute(task, "libcontact", a->name, type, 0, &a->value);
-    H5Tclose(type);
-  }
+  for (const attribute *a = now; a < now + ATTRIBUTE_COUNT; a++)
+    ct_hdf5_write_attribute(task, "libcontact", a->name, a->type, 0, &a->value);
   for (const table *t = TABLE; t < TABLE + TABLE_COUNT; t++) {
     hsize_t count;
     char *rows = create_rows(task, t, problem, &count);
-    hid_t type = ct_hdf5_row_type(&t->row);
+    hid_t type = ct_hdf5_row_type(t->row);
     ct_hdf5_write_array(task, t->name, type, 1, &count, rows);
     H5Tclose(type);
     free(rows);
@@ -152,11 +152,12 @@ static void compare_attribute(ct_task *task, const attribute *is, const char *wh
 /* Two rows of a table agree in each field that has a label. */
 static void compare_row(ct_task *task, const table *t, int number, const char *is, const char *was)
 {
-  const ct_field *f = t->row.field, *end = f + t->row.field_count;
+  const ct_field *f = t->row->field;
   const ct_place where = {t == &TABLE[BODIES] ? number : -1, -1, -1};
-  while (f < end && (f->label == NULL || memcmp(is + f->offset, was + f->offset, f->size) == 0))
+  while (f->name != NULL &&
+         (f->label == NULL || memcmp(is + f->offset, was + f->offset, f->size) == 0))
     f++;
-  if (f < end)
+  if (f->name != NULL)
     ct_task_fail(task, CT_ERROR_FILE, where,
                  "the file belongs to another problem: %s %d '%.63s' (in the file '%.63s') has "
                  "another %s",
@@ -166,9 +167,9 @@ static void compare_row(ct_task *task, const table *t, int number, const char *i
 static void compare_table(ct_task *task, const table *t, const ct_problem *problem)
 {
   hsize_t count;
-  size_t size = t->row.size;
+  size_t size = t->row->size;
   char *is = create_rows(task, t, problem, &count), *was = is == NULL ? NULL : is + count * size;
-  hid_t type = ct_hdf5_row_type(&t->row);
+  hid_t type = ct_hdf5_row_type(t->row);
   ct_hdf5_read_array(task, t->name, type, 1, &count, was);
   for (size_t i = 0; i < count && task->status == CT_OK; i++)
     compare_row(task, t, (int)i, is + i * size, was + i * size);

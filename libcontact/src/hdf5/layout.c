@@ -77,24 +77,23 @@ static void write_grid(ct_task *task, const ct_output *o, const ct_problem *prob
 
 /* -- The datasets that grow -- */
 
-static const ct_field ENERGY_FIELD[] = {
-    CT_FIELD(ct_energy, time, CT_REAL, NULL),     CT_FIELD(ct_energy, kinetic, CT_REAL, NULL),
-    CT_FIELD(ct_energy, strain, CT_REAL, NULL),   CT_FIELD(ct_energy, contact, CT_REAL, NULL),
-    CT_FIELD(ct_energy, external, CT_REAL, NULL), CT_FIELD(ct_energy, total, CT_REAL, NULL),
-    CT_FIELD(ct_energy, balance, CT_REAL, NULL)};
-static const ct_row_type ENERGY = CT_ROW_TYPE(ct_energy, ENERGY_FIELD);
+static const ct_row_type ENERGY = {
+    sizeof(ct_energy),
+    {CT_FIELD(ct_energy, time, CT_REAL, NULL), CT_FIELD(ct_energy, kinetic, CT_REAL, NULL),
+     CT_FIELD(ct_energy, strain, CT_REAL, NULL), CT_FIELD(ct_energy, contact, CT_REAL, NULL),
+     CT_FIELD(ct_energy, external, CT_REAL, NULL), CT_FIELD(ct_energy, total, CT_REAL, NULL),
+     CT_FIELD(ct_energy, balance, CT_REAL, NULL)}};
 
-static const ct_field MOMENTUM_FIELD[] = {CT_FIELD(ct_momentum, time, CT_REAL, NULL),
-                                          CT_FIELD(ct_momentum, body, CT_INT32, NULL),
-                                          CT_FIELD(ct_momentum, p, CT_VECTOR, NULL),
-                                          CT_FIELD(ct_momentum, L, CT_VECTOR, NULL),
-                                          CT_FIELD(ct_momentum, contact_impulse, CT_VECTOR, NULL),
-                                          CT_FIELD(ct_momentum, support_impulse, CT_VECTOR, NULL)};
-static const ct_row_type MOMENTUM = CT_ROW_TYPE(ct_momentum, MOMENTUM_FIELD);
+static const ct_row_type MOMENTUM = {
+    sizeof(ct_momentum),
+    {CT_FIELD(ct_momentum, time, CT_REAL, NULL), CT_FIELD(ct_momentum, body, CT_INT32, NULL),
+     CT_FIELD(ct_momentum, p, CT_VECTOR, NULL), CT_FIELD(ct_momentum, L, CT_VECTOR, NULL),
+     CT_FIELD(ct_momentum, contact_impulse, CT_VECTOR, NULL),
+     CT_FIELD(ct_momentum, support_impulse, CT_VECTOR, NULL)}};
 
-static const ct_field EFFECT_FIELD[] = {CT_FIELD(ct_effect_row, work, CT_REAL, NULL),
-                                        CT_FIELD(ct_effect_row, energy, CT_REAL, NULL)};
-static const ct_row_type EFFECT = CT_ROW_TYPE(ct_effect_row, EFFECT_FIELD);
+static const ct_row_type EFFECT = {
+    sizeof(ct_effect_row),
+    {CT_FIELD(ct_effect_row, work, CT_REAL, NULL), CT_FIELD(ct_effect_row, energy, CT_REAL, NULL)}};
 
 typedef struct plan {
   int group;
@@ -144,6 +143,7 @@ static int create_column(ct_task *task, ct_output *o, const plan *p)
   column->is_pointer = p->per != ONE;
   if (column->rows == 0 || ct_record_at(&o->now, column) == NULL) return 0;
   column->type = p->row != NULL ? ct_hdf5_row_type(p->row) : ct_hdf5_type(p->kind);
+  if (column->type < 0) ct_hdf5_fail(task, "make a table");
   o->column_count++;
   snprintf(path, sizeof path, "%s/%s", GROUP[p->group], p->name);
   ct_hdf5_create_column(task, path, p->per == NODES || p->per == CELLS, column);

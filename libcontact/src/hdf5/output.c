@@ -12,7 +12,7 @@ enum { MARGIN = 1 << 18, PAGE = 4096 };
 
 static ct_task task_on(const ct_output *o, ct_error *error)
 {
-  const ct_task task = {ct_disk_short(o->disk.path), error, CT_OK, o->file};
+  const ct_task task = {o->disk.path, error, CT_OK, o->file};
   return task;
 }
 
@@ -85,15 +85,14 @@ static void open_file(ct_task *task, ct_output *o)
   H5Pclose(access);
 }
 
-/* Close what is open and give everything back; the first failure is told. */
-static ct_status destroy(ct_output *o, ct_error *error)
+/* Close what is open and give everything back. */
+static void destroy(ct_task *task, ct_output *o)
 {
-  ct_task task = task_on(o, error);
   for (int32_t i = 0; i < o->column_count; i++) H5Tclose(o->column[i].type);
   if (!o->disk.renamed && o->disk.descriptor >= 0) remove(o->disk.part);
-  if (o->file >= 0 && H5Fclose(o->file) < 0) ct_hdf5_fail(&task, "close the file");
+  if (o->file >= 0 && H5Fclose(o->file) < 0) ct_hdf5_fail(task, "close the file");
   if (o->disk.driver >= 0) H5FDunregister(o->disk.driver);
-  ct_disk_check(&task, "close the file", o->disk.error);
+  ct_disk_check(task, "close the file", o->disk.error);
   free(o->now.velocity);
   free(o->now.stress);
   free(o->now.bodies);
@@ -102,7 +101,6 @@ static ct_status destroy(ct_output *o, ct_error *error)
   free(o->disk.part);
   free(o->disk.path);
   free(o);
-  return task.status;
 }
 
 static ct_status create(const char *path, const ct_problem *problem,
@@ -112,16 +110,16 @@ static ct_status create(const char *path, const ct_problem *problem,
   if (o == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an output");
   o->disk.descriptor = -1;
   o->disk.driver = o->file = -1;
-  ct_task task = {ct_disk_short(path), error, create_record(o, problem, options, error), -1};
+  ct_task task = {path, error, create_record(o, problem, options, error), -1};
   ct_disk_names(&task, &o->disk, path);
   if (task.status == CT_OK) {
-    task.path = ct_disk_short(o->disk.path);
+    task.path = o->disk.path;
     open_file(&task, o);
     ct_layout_create(&task, o, problem, options->scene);
     ct_disk_flush(&task, &o->disk, "write the file");
   }
   if (task.status == CT_OK) *output = o;
-  else destroy(o, NULL);
+  else destroy(&task, o);
   return task.status;
 }
 
@@ -169,13 +167,6 @@ static ct_status check_finite(const ct_problem *problem, const ct_state *state, 
   return CT_OK;
 }
 
-static double sum_over_bodies(ct_record *now, int32_t body_count, int angular, int axis)
-{
-  for (int32_t b = 0; b < body_count; b++)
-    now->addends[b] = angular ? now->bodies[b].L[axis] : now->bodies[b].p[axis];
-  return ct_sum(now->addends, body_count);
-}
-
 static ct_status gather_ledger(ct_record *now, const ct_problem *problem, ct_state *state,
                                ct_error *error)
 {
@@ -187,12 +178,13 @@ static ct_status gather_ledger(ct_record *now, const ct_problem *problem, ct_sta
     if (status == CT_OK)
       status = ct_energy_stored(problem, state, i, &now->effects[i].energy, error);
   }
-  if (status != CT_OK) return status;
-  for (int axis = 0; axis < 3; axis++) {
-    now->momentum[axis] = sum_over_bodies(now, problem->body_count, 0, axis);
-    now->angular_momentum[axis] = sum_over_bodies(now, problem->body_count, 1, axis);
+  for (int c = 0; c < 6 && status == CT_OK; c++) {
+    for (int32_t b = 0; b < problem->body_count; b++)
+      now->addends[b] = (c < 3 ? now->bodies[b].p : now->bodies[b].L)[c % 3];
+    (c < 3 ? now->momentum : now->angular_momentum)[c % 3] =
+        ct_sum(now->addends, problem->body_count);
   }
-  return CT_OK;
+  return status;
 }
 
 /* All that can fail for other reasons than the file is done before the file is touched. */
@@ -247,32 +239,30 @@ static void write_step(ct_task *task, ct_output *o, const ct_state *state)
   ct_disk_flush(task, &o->disk, "write a step");
 }
 
-static ct_status append(ct_output *o, const ct_problem *problem, ct_state *state, ct_error *error)
+static void append(ct_task *task, ct_output *o, const ct_problem *problem, ct_state *state)
 {
-  ct_task task = task_on(o, error);
-  check_state(&task, o, problem, state);
-  if (task.status == CT_OK) task.status = gather(o, problem, state, error);
-  ct_disk_reserve(&task, &o->disk, step_bytes(o, state));
-  if (task.status != CT_OK) return task.status;
-  write_step(&task, o, state);
-  o->broken = task.status != CT_OK;
-  if (o->broken) return task.status;
+  check_state(task, o, problem, state);
+  if (task->status == CT_OK) task->status = gather(o, problem, state, task->error);
+  if (task->status == CT_OK) ct_disk_reserve(task, &o->disk, step_bytes(o, state));
+  if (task->status != CT_OK) return;
+  write_step(task, o, state);
+  o->broken = task->status != CT_OK;
+  if (o->broken) return;
   ct_disk_trim(&o->disk, o->file);
   o->row++;
-  ct_disk_rename(&task, &o->disk);
-  return task.status;
+  ct_disk_rename(task, &o->disk);
 }
 
 ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_state *state,
                            ct_error *error)
 {
-  ct_status status;
   if (output == NULL || problem == NULL || state == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
                    "ct_output_append needs an output, a problem and a state");
-  H5E_BEGIN_TRY { status = append(output, problem, state, error); }
+  ct_task task = task_on(output, error);
+  H5E_BEGIN_TRY { append(&task, output, problem, state); }
   H5E_END_TRY
-  return status;
+  return task.status;
 }
 
 /* -- Close -- */
@@ -284,11 +274,7 @@ ct_status ct_output_close(ct_output *output, ct_error *error)
   if (output->broken)
     ct_task_fail(&task, CT_ERROR_FILE, CT_NOWHERE,
                  "a step could not be written; the steps before it are in the file");
-  H5E_BEGIN_TRY
-  {
-    ct_status closed = destroy(output, task.status == CT_OK ? error : NULL);
-    if (task.status == CT_OK) task.status = closed;
-  }
+  H5E_BEGIN_TRY { destroy(&task, output); }
   H5E_END_TRY
   return task.status;
 }

@@ -20,12 +20,12 @@ typedef struct ct_seal {
 /* The members before the sums. */
 enum { SEALED_WORDS = 5 };
 
-static const ct_field SEAL_FIELD[] = {
-    CT_FIELD(ct_seal, sequence, CT_WORD, NULL),      CT_FIELD(ct_seal, step, CT_INT64, NULL),
-    CT_FIELD(ct_seal, row, CT_INT64, NULL),          CT_FIELD(ct_seal, time, CT_REAL, NULL),
-    CT_FIELD(ct_seal, kinetic_start, CT_REAL, NULL), CT_FIELD(ct_seal, sum, CT_WORD, NULL),
-    CT_FIELD(ct_seal, weighted, CT_WORD, NULL)};
-static const ct_row_type SEAL = CT_ROW_TYPE(ct_seal, SEAL_FIELD);
+static const ct_row_type SEAL = {
+    sizeof(ct_seal),
+    {CT_FIELD(ct_seal, sequence, CT_WORD, NULL), CT_FIELD(ct_seal, step, CT_INT64, NULL),
+     CT_FIELD(ct_seal, row, CT_INT64, NULL), CT_FIELD(ct_seal, time, CT_REAL, NULL),
+     CT_FIELD(ct_seal, kinetic_start, CT_REAL, NULL), CT_FIELD(ct_seal, sum, CT_WORD, NULL),
+     CT_FIELD(ct_seal, weighted, CT_WORD, NULL)}};
 
 /* A dataset of a record. With two axes the second one has three columns; the seal has none. */
 typedef struct part {
@@ -66,29 +66,23 @@ static void transfer_slot(ct_task *task, transfer what, int slot,
 
 /* -- The seal -- */
 
-typedef struct sums {
-  uint64_t count, sum, weighted;
-} sums;
-
-/* Sums of the bits of the values, modulo 2^64 (eq:restart-seal) */
-static void add_words(sums *s, const void *values, int64_t count)
+/* Sums of the bits of the values, modulo 2^64, after the first `before` words (eq:restart-seal) */
+static void add_words(ct_seal *seal, uint64_t *before, const void *values, int64_t count)
 {
-  const unsigned char *bytes = values;
   for (int64_t i = 0; i < count; i++) {
     uint64_t word;
-    memcpy(&word, bytes + 8 * i, 8);
-    s->sum += word;
-    s->weighted += ++s->count * word;
+    memcpy(&word, (const char *)values + 8 * i, 8);
+    seal->sum += word;
+    seal->weighted += ++*before * word;
   }
 }
 
 static void fill_seal(ct_seal *seal, const part *parts)
 {
-  sums s = {0, 0, 0};
-  add_words(&s, seal, SEALED_WORDS);
-  for (int i = 0; i < CT_PART_COUNT; i++) add_words(&s, parts[i].values, parts[i].count);
-  seal->sum = s.sum;
-  seal->weighted = s.weighted;
+  uint64_t words = 0;
+  seal->sum = seal->weighted = 0;
+  add_words(seal, &words, seal, SEALED_WORDS);
+  for (int i = 0; i < CT_PART_COUNT; i++) add_words(seal, &words, parts[i].values, parts[i].count);
 }
 
 /* -- Write -- */
@@ -174,7 +168,7 @@ static ct_status restart(const char *path, const ct_problem *problem, ct_state *
 {
   ct_state *copy = NULL;
   hid_t access = ct_hdf5_access(), file = H5Fopen(path, H5F_ACC_RDONLY, access);
-  ct_task task = {ct_disk_short(path), error, CT_OK, file};
+  ct_task task = {path, error, CT_OK, file};
   if (file < 0) ct_hdf5_fail(&task, "read the file");
   else task.status = ct_state_create(problem, &copy, error);
   read_file(&task, problem, copy);
