@@ -16,8 +16,8 @@ static ct_project_options with(int method)
 static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
 {
   for (int m = 0; m < method_count(); m++) {
-    double error = 0, gap = 0;
-    int status = 1;
+    double error = 0, gap = 0, normal = 0;
+    int status = 1, exact = m == CT_ROBUST || m == CT_NEWTON;
     for (int trial = 0; trial < 200; trial++) {
       ct_face face = parabolic_face(kind, p, q);
       double xi[2], point[3], n[3], g = uniform(0.3);
@@ -28,13 +28,25 @@ static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
       ct_project(&face, point, &options, &out);
       status &= out.status == CT_OK || (by_values(m) && out.status == CT_ITERATION_LIMIT);
       status &= out.certified == (m == CT_CERTIFIED) && out.evaluations > 0;
+      status &= out.where == CT_INTERIOR && out.index == -1;
+      for (int k = 0; k < 3; k++) normal = worst(normal, out.normal[k] - n[k]);
       for (int a = 0; a < 2; a++) error = worst(error, out.xi[a] - xi[a]);
       gap = worst(worst(gap, out.signed_distance - g), out.distance - fabs(g));
     }
     tap_ok(status, "%s on a %s: %s ends well", FACE_NAME[kind], what, ct_method_name((ct_method)m));
-    tap_close(error, 0, by_values(m) ? 5e-8 : 1e-10, "%s on a %s: %s finds the closest point",
+    tap_close(error, 0,
+              by_values(m) ? 5e-8
+              : exact      ? 1e-14
+                           : 1e-10,
+              "%s on a %s: %s finds the closest point", FACE_NAME[kind], what,
+              ct_method_name((ct_method)m));
+    tap_close(gap, 0, exact ? 1e-15 : 1e-14, "%s on a %s: %s gives the gap with its sign",
               FACE_NAME[kind], what, ct_method_name((ct_method)m));
-    tap_close(gap, 0, 1e-14, "%s on a %s: %s gives the gap with its sign", FACE_NAME[kind], what,
+    tap_close(normal, 0,
+              by_values(m) ? 1e-7
+              : exact      ? 1e-14
+                           : 1e-10,
+              "%s on a %s: %s gives the unit normal there", FACE_NAME[kind], what,
               ct_method_name((ct_method)m));
   }
 }
@@ -241,8 +253,15 @@ static void budgets_copies_and_bad_input(int m)
   tap_ok(scaled, "%s: a copy scaled by a power of two gives the scaled bits", name);
   tap_ok(sane, "%s respects its budget", name);
   ct_face flat = parabolic_face(CT_Q4, 0, 0), line = flat;
-  double point[3] = {0, 0.1, 1}, nowhere[3] = {0, NAN, 1};
+  ct_face spoilt = flat;
+  double point[3] = {0, 0.1, 1}, nowhere[3] = {0, NAN, 1}, far[3] = {0, 0, INFINITY};
   for (int i = 0; i < 4; i++) line.node[i][1] = 0;
+  spoilt.node[2][1] = NAN;
+  tap_ok(ct_project(&spoilt, point, &options, &out) == CT_INVALID && isnan(out.xi[0]) &&
+             isnan(out.distance),
+         "%s: NaN in a node", name);
+  tap_ok(ct_project(&flat, far, &options, &out) == CT_INVALID && isnan(out.signed_distance),
+         "%s: an infinite point", name);
   tap_ok(ct_project(&flat, nowhere, &options, &out) == CT_INVALID && isnan(out.xi[0]) &&
              isnan(out.distance) && isnan(out.normal[1]),
          "%s: NaN in the point", name);
