@@ -530,6 +530,18 @@ static inline void advance(const ct_problem *problem, ct_state *state, int64_t s
   need(ct_step_many(problem, state, steps, &error), &error);
 }
 
+/* What a restart carries, bit for bit. */
+static inline int same_state(const ct_state *x, const ct_state *y)
+{
+  size_t n = 3 * (size_t)x->node_count * sizeof(double);
+  return x->step == y->step && x->time == y->time && x->kinetic_start == y->kinetic_start &&
+         memcmp(x->displacement, y->displacement, n) == 0 &&
+         memcmp(x->velocity, y->velocity, n) == 0 &&
+         memcmp(x->work, y->work, (size_t)x->work_count * sizeof(double)) == 0 &&
+         memcmp(x->impulse, y->impulse, (size_t)x->impulse_count * sizeof(double)) == 0 &&
+         memcmp(x->memory, y->memory, (size_t)x->memory_count * sizeof(double)) == 0;
+}
+
 static inline ct_energy energy_of(const ct_problem *problem, ct_state *state)
 {
   ct_energy energy = {0};

@@ -377,16 +377,6 @@ static meeting meet(ct_integrator integrator, ct_enforcement enforcement, double
   return c;
 }
 
-static int same_state(const ct_state *x, const ct_state *y)
-{
-  size_t n = 3 * (size_t)x->node_count * sizeof(double);
-  return x->step == y->step && x->time == y->time && !memcmp(x->displacement, y->displacement, n) &&
-         !memcmp(x->velocity, y->velocity, n) &&
-         !memcmp(x->work, y->work, (size_t)x->work_count * sizeof(double)) &&
-         !memcmp(x->impulse, y->impulse, (size_t)x->impulse_count * sizeof(double)) &&
-         !memcmp(x->memory, y->memory, (size_t)x->memory_count * sizeof(double));
-}
-
 static void ledger(ct_scheme scheme, ct_enforcement enforcement)
 {
   meeting c = meet(ct_integrator_default(scheme), enforcement, 0.3, 1);

@@ -337,17 +337,6 @@ static int same_ledger(const ct_problem *p, ct_state *x, const ct_problem *q, ct
   return same;
 }
 
-static int same_state(const ct_state *x, const ct_state *y)
-{
-  return x->step == y->step && x->time == y->time && x->kinetic_start == y->kinetic_start &&
-         memcmp(x->displacement, y->displacement, 3 * (size_t)x->node_count * sizeof(double)) ==
-             0 &&
-         memcmp(x->velocity, y->velocity, 3 * (size_t)x->node_count * sizeof(double)) == 0 &&
-         memcmp(x->work, y->work, (size_t)x->work_count * sizeof(double)) == 0 &&
-         memcmp(x->impulse, y->impulse, (size_t)x->impulse_count * sizeof(double)) == 0 &&
-         memcmp(x->memory, y->memory, (size_t)x->memory_count * sizeof(double)) == 0;
-}
-
 enum { RUN = 250, THREADED = 80 };
 
 static void equal_bits(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
