@@ -57,10 +57,15 @@ ct_status ct_hdf5_check_version(ct_error *error)
 
 /* -- Types -- */
 
+/* What can't be made has a negative id, with which every later call fails, so that only the last
+ * one is looked at. */
+
 static hid_t text_type(size_t size)
 {
   hid_t type = H5Tcopy(H5T_C_S1);
-  return H5Tset_size(type, size) < 0 || H5Tset_cset(type, H5T_CSET_UTF8) < 0 ? -1 : type;
+  H5Tset_size(type, size);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return type;
 }
 
 hid_t ct_hdf5_type(ct_kind kind)
@@ -75,15 +80,12 @@ hid_t ct_hdf5_type(ct_kind kind)
 hid_t ct_hdf5_row_type(const ct_row_type *row)
 {
   hid_t type = H5Tcreate(H5T_COMPOUND, row->size);
-  int good = type >= 0;
   for (const ct_field *f = row->field; f->name != NULL; f++) {
     hid_t value = ct_hdf5_type(f->kind);
-    good = good && H5Tinsert(type, f->name, f->offset, value) >= 0;
+    H5Tinsert(type, f->name, f->offset, value);
     H5Tclose(value);
   }
-  if (good) return type;
-  H5Tclose(type);
-  return -1;
+  return type;
 }
 
 /* -- Groups, arrays, attributes -- */
@@ -94,21 +96,19 @@ hid_t ct_hdf5_row_type(const ct_row_type *row)
 hid_t ct_hdf5_access(void)
 {
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-  int done = H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110) >= 0;
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
 #if H5_VERSION_GE(1, 12, 1) || (H5_VERS_MINOR == 10 && H5_VERSION_GE(1, 10, 7))
-  done = done && H5Pset_file_locking(access, 0, 1) >= 0;
+  H5Pset_file_locking(access, 0, 1);
 #endif
-  if (done) return access;
-  H5Pclose(access);
-  return -1;
+  return access;
 }
 
 void ct_hdf5_create_group(ct_task *task, const char *path)
 {
   if (task->status != CT_OK) return;
-  hid_t how = H5Pcreate(H5P_GROUP_CREATE), group = -1;
-  if (H5Pset_obj_track_times(how, 0) >= 0)
-    group = H5Gcreate2(task->file, path, H5P_DEFAULT, how, H5P_DEFAULT);
+  hid_t how = H5Pcreate(H5P_GROUP_CREATE);
+  H5Pset_obj_track_times(how, 0);
+  hid_t group = H5Gcreate2(task->file, path, H5P_DEFAULT, how, H5P_DEFAULT);
   if (group < 0) ct_hdf5_fail(task, "make a group");
   H5Gclose(group);
   H5Pclose(how);
@@ -117,9 +117,8 @@ void ct_hdf5_create_group(ct_task *task, const char *path)
 /* The dataset; `space` and `how` are closed. */
 static hid_t create_dataset(ct_task *task, const char *path, hid_t type, hid_t space, hid_t how)
 {
-  hid_t set = -1;
-  if (task->status == CT_OK && H5Pset_obj_track_times(how, 0) >= 0)
-    set = H5Dcreate2(task->file, path, type, space, H5P_DEFAULT, how, H5P_DEFAULT);
+  H5Pset_obj_track_times(how, 0);
+  hid_t set = H5Dcreate2(task->file, path, type, space, H5P_DEFAULT, how, H5P_DEFAULT);
   if (set < 0) ct_hdf5_fail(task, "make a dataset");
   H5Pclose(how);
   H5Sclose(space);
@@ -139,7 +138,7 @@ void ct_hdf5_write_array(ct_task *task, const char *path, hid_t type, int rank, 
   if (H5Lexists(task->file, path, H5P_DEFAULT) > 0) set = H5Dopen2(task->file, path, H5P_DEFAULT);
   else {
     how = H5Pcreate(H5P_DATASET_CREATE);
-    if (H5Pset_alloc_time(how, H5D_ALLOC_TIME_EARLY) < 0) ct_hdf5_fail(task, "make a dataset");
+    H5Pset_alloc_time(how, H5D_ALLOC_TIME_EARLY);
     set = create_dataset(task, path, type, create_space(rank, dims), how);
   }
   if (data != NULL && H5Dwrite(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
@@ -172,8 +171,8 @@ void ct_hdf5_write_label(ct_task *task, const char *path, const char *name, cons
 {
   // -- VTK wants the plain form: ASCII, and exactly as long as the text
   hid_t type = H5Tcopy(H5T_C_S1);
-  if (H5Tset_size(type, strlen(text)) < 0 || H5Tset_strpad(type, H5T_STR_NULLPAD) < 0)
-    ct_hdf5_fail(task, "write a label");
+  H5Tset_size(type, strlen(text));
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
   ct_hdf5_write_attribute(task, path, name, type, 0, text);
   H5Tclose(type);
 }
@@ -233,11 +232,9 @@ void ct_hdf5_create_column(ct_task *task, const char *path, int is_field, ct_col
   hsize_t chunk[2] = {(hsize_t)column->chunk_rows, width};
   hid_t how = H5Pcreate(H5P_DATASET_CREATE), type = H5Tcopy(column->type);
   // -- Structs lose their padding in the file
-  int ready = H5Tget_class(type) != H5T_COMPOUND || H5Tpack(type) >= 0;
-  ready = ready && H5Pset_chunk(how, rank, chunk) >= 0;
-  if (column->chunk_rows == column->rows)
-    ready = ready && H5Pset_fill_time(how, H5D_FILL_TIME_NEVER) >= 0;
-  if (!ready) ct_hdf5_fail(task, "make a dataset");
+  if (H5Tget_class(type) == H5T_COMPOUND) H5Tpack(type);
+  H5Pset_chunk(how, rank, chunk);
+  if (column->chunk_rows == column->rows) H5Pset_fill_time(how, H5D_FILL_TIME_NEVER);
   column->set = create_dataset(task, path, type, H5Screate_simple(rank, none, limit), how);
   H5Tclose(type);
 }
