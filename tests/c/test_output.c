@@ -105,8 +105,6 @@ static rig *rig_create(int curved, int with_probe)
                                 {{0, 0, 0}, {2, 1, 1}, {2, 1, 1}, CT_LAYERS_Z}};
   const ct_material material = {2.5, 0.25, 2, CT_LINEAR};
   rig *r = room(1, sizeof *r);
-  int64_t steps;
-  ct_stable_step stable;
   r->scene = new_scene();
   for (int b = 0; b < 2; b++) {
     ct_mesh *mesh = mesh_of(b == 0 ? CT_HEX8 : CT_HEX20, BOX[b]);
@@ -122,7 +120,7 @@ static rig *rig_create(int curved, int with_probe)
     ct_mesh_free(mesh);
   }
   r->problem =
-      *build(r->scene, (ct_scene_time){.end = 1, .fraction = 0.5, .threads = 1}, &steps, &stable);
+      *build(r->scene, (ct_scene_time){.end = 1, .fraction = 0.5, .threads = 1}, NULL, NULL);
   memcpy(r->body, r->problem.bodies, sizeof r->body);
   r->probe = (ct_effect){.label = "probe",
                          .nodes = PROBE_NODES,
