@@ -238,7 +238,7 @@ static void budgets_copies_and_bad_input(int m)
   two.iteration_limit = 2;
   for (int trial = 0; trial < 200; trial++) {
     ct_face face = random_face((ct_face_kind)(trial % 4), 0.3), copy = face;
-    double point[3], other[3], power = ldexp(1, trial % 61 - 30);
+    double point[3], other[3], power = ldexp(1, 7 * trial % 401 - 200);
     for (int k = 0; k < 3; k++) point[k] = uniform(1.3), other[k] = power * point[k];
     for (int i = 0; i < 24; i++) copy.node[i / 3][i % 3] *= power;
     ct_project(&face, point, &options, &out);
@@ -265,6 +265,19 @@ static void budgets_copies_and_bad_input(int m)
   tap_ok(ct_project(&flat, nowhere, &options, &out) == CT_INVALID && isnan(out.xi[0]) &&
              isnan(out.distance) && isnan(out.normal[1]),
          "%s: NaN in the point", name);
+  static const double HUGE_ONE[3] = {1e300, -1e300, 1.7e308},
+                      TINY[4] = {0.0, 5e-324, 1e-310, 1e-300};
+  int extreme = 1;
+  for (int i = 0; i < 7; i++) {
+    ct_face own = flat;
+    double place[3] = {i < 3 ? HUGE_ONE[i] : 0.0, 0, 0};
+    if (i < 3)
+      extreme &= ct_project(&flat, place, &options, &out) == CT_INVALID,
+          own.node[1][2] = HUGE_ONE[i];
+    for (int k = 0; k < 12 && i >= 3; k++) own.node[k / 3][k % 3] *= TINY[i - 3];
+    extreme &= ct_project(&own, point, &options, &out) == CT_INVALID;
+  }
+  tap_ok(extreme, "%s: numbers whose fourth powers are none are invalid", name);
   ct_status status = ct_project(&line, point, &options, &out);
   tap_ok(status == CT_INVALID && isnan(out.distance), "%s: a face shrunk to a line", name);
 }

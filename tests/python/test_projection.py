@@ -235,32 +235,3 @@ def test_a_path_of_a_wrong_point_is_refused():
 
 
 # Derivatives in many digits, and what a change of names or of place must not change.
-
-
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("kind", KINDS)
-def test_each_extreme_number_has_its_status(kind, method):
-    nodes, point = flat(kind), np.array([0.2, 0.3, 0.5])
-    plain = ct.project(kind, nodes, [point], method)
-    status = lambda own, place: ct.project(kind, own, [place], method).status[0]
-    assert plain.status[0] in (Status.OK, Status.NOT_CERTIFIED, Status.ITERATION_LIMIT)
-    # Bit for bit as long as squares and fourth powers stay normal.
-    for power in (2.0**-200, 2.0**200):
-        same = ct.project(kind, power * nodes, [power * point], method)
-        assert (
-            same.xi.tobytes() == plain.xi.tobytes()
-            and same.distance[0] == power * plain.distance[0]
-            and same.status[0] == plain.status[0]
-        )
-    for huge in (1e300, -1e300, 1.7e308, np.inf, np.nan):
-        assert status(nodes, [huge, 0, 0]) == Status.INVALID
-        one = nodes.copy()
-        one[1, 2] = huge
-        assert status(one, point) == Status.INVALID
-    for tiny in (0.0, 5e-324, 1e-310, 1e-300):  # no face is left
-        assert status(tiny * nodes, point) == Status.INVALID
-    low = nodes.copy()  # a denormal is a number like others where it does not matter
-    low[:, 2] = 5e-324
-    assert ct.project(kind, low, [point], method).distance[0] == plain.distance[0]
-    found = ct.project(kind, nodes, [[0.2, 0.3, 5e-324]], method)
-    assert 0.0 <= found.distance[0] < 1e-7 and found.status[0] != Status.INVALID
