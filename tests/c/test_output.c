@@ -333,6 +333,7 @@ static void test_restart_continues(void)
   rig_free(r);
 }
 
+/* What else is in the file is read in tests/python/test_output.py. */
 static void test_contents(void)
 {
   rig *r = rig_create(1, 0);
@@ -342,27 +343,6 @@ static void test_contents(void)
   tap_ok(check_steps(r, path) == 3,
          "3 steps are visible, and every displacement is the one that was set");
   tap_ok(check_record(r, path, &error) == 2, "the restart record is the newest step");
-  hid_t file;
-  tap_ok(open_quietly(path, &file), "the file opens");
-  double *stress = read_rows(file, "VTKHDF/CellData/stress", 24, 6);
-  double *momentum = read_rows(file, "VTKHDF/FieldData/momentum", 3, 3),
-         *kinetic = read_rows(file, "VTKHDF/FieldData/kinetic", 3, 0);
-  // Hooke's law by hand: E = 2.5, nu = 1/4 give Lambda = mu = 1; the strain is 3e-3 (1, 1, 3, 1,
-  // -1/2, 0) in the last step
-  const double want[6] = {7, 7, 11, 2, -1, 0};
-  for (int c = 0; c < 6; c++) {
-    double off = 0;
-    for (int e = 16; e < 24; e++) off = fmax(off, fabs(stress[6 * e + c] - 3e-3 * want[c]));
-    tap_close(off, 0, 1e-15, "stress component %d of the last step", c);
-  }
-  // Volume 1.5 + 2, density 2, velocity 3 (0.5, 1, 1.5) in the last step
-  for (int a = 0; a < 3; a++)
-    tap_close(momentum[6 + a], 7 * 1.5 * (a + 1), 1e-12, "momentum %d of the last step", a);
-  tap_close(kinetic[2], 0.5 * 7 * 1.5 * 1.5 * 14, 1e-11, "kinetic energy of the last step");
-  free(stress);
-  free(momentum);
-  free(kinetic);
-  H5Fclose(file);
   rig_free(r);
 }
 
