@@ -134,10 +134,10 @@ void ct_hdf5_write_array(ct_task *task, const char *path, hid_t type, int rank, 
                          const void *data)
 {
   if (task->status != CT_OK) return;
-  hid_t set, how, memory = H5Tget_class(type) == H5T_INTEGER ? H5T_NATIVE_INT64 : type;
-  if (H5Lexists(task->file, path, H5P_DEFAULT) > 0) set = H5Dopen2(task->file, path, H5P_DEFAULT);
-  else {
-    how = H5Pcreate(H5P_DATASET_CREATE);
+  hid_t memory = H5Tget_class(type) == H5T_INTEGER ? H5T_NATIVE_INT64 : type,
+        set = H5Dopen2(task->file, path, H5P_DEFAULT);
+  if (set < 0) {
+    hid_t how = H5Pcreate(H5P_DATASET_CREATE);
     H5Pset_alloc_time(how, H5D_ALLOC_TIME_EARLY);
     set = create_dataset(task, path, type, create_space(rank, dims), how);
   }
