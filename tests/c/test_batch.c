@@ -3,26 +3,13 @@
 #include <libcontact.h>
 
 #include "../../libcontact/src/projection/projection_internal.h"
+#include "faces.h"
 #include "tap.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 enum { PAIRS = 403, BLOCKS = 51, NAN_PAIR = 17, FLAT_PAIR = 18, HUGE_PAIR = 19 };
-
-static const char *NAME[4] = {"Q4", "Q8", "T3", "T6"};
-static const double QUADRILATERAL[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1},
-                                           {0, -1},  {1, 0},  {0, 1}, {-1, 0}};
-static const double TRIANGLE[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
-
-static unsigned long long seed = 88172645463325252ull;
-
-/* Uniform on (-a, a). */
-static double uniform(double a)
-{
-  seed ^= seed << 13, seed ^= seed >> 7, seed ^= seed << 17;
-  return a * (2 * ((double)(seed >> 11) / 9007199254740992.0) - 1);
-}
 
 /* A batch: the rows that a host has, the same in lanes, and room for the closest points. */
 typedef struct batch {
@@ -45,13 +32,12 @@ static ct_batch_closest closest_of(batch *b)
  */
 static void fill(batch *b, ct_face_kind kind, double distortion)
 {
-  int triangular = kind == CT_T3 || kind == CT_T6;
   b->kind = kind;
   b->per = ct_face_node_count(kind);
   for (int p = 0; p < PAIRS; p++) {
     double *row = b->rows + 3 * b->per * p, reach = p % 5 == 0 ? 20 : 1.2;
     for (int i = 0; i < b->per; i++) {
-      const double *x = triangular ? TRIANGLE[i] : QUADRILATERAL[i];
+      const double *x = reference(kind, i);
       for (int k = 0; k < 3; k++)
         row[3 * i + k] = (k < 2 ? x[k] : 0.2 * x[0] * x[0]) + uniform(distortion);
       if (p == FLAT_PAIR) row[3 * i] = row[3 * i + 1] = row[3 * i + 2] = 1;
@@ -107,21 +93,22 @@ static void batches_agree_with_single_pairs(batch *b, ct_face_kind kind, double 
   ct_batch_closest closest = closest_of(b);
   ct_status status = ct_project_batch(kind, PAIRS, b->nodes, b->points, NULL, NULL, &closest);
   tap_ok(status == CT_OK && differing(b, NULL, &options) == 0,
-         "%s, distortion %g: cold, each pair has the bits of ct_project", NAME[kind], distortion);
+         "%s, distortion %g: cold, each pair has the bits of ct_project", FACE_NAME[kind],
+         distortion);
   int invalid = b->status[NAN_PAIR] == CT_INVALID && b->status[FLAT_PAIR] == CT_INVALID &&
                 b->status[HUGE_PAIR] == CT_INVALID;
   tap_ok(invalid && isnan(b->xi[16 * (NAN_PAIR / 8) + NAN_PAIR % 8]),
-         "%s: NaN, a face of no size and 1e200 are reported for their pair alone", NAME[kind]);
+         "%s: NaN, a face of no size and 1e200 are reported for their pair alone", FACE_NAME[kind]);
   for (int i = 0; i < BLOCKS * 16; i++) b->start[i] = isnan(b->xi[i]) ? 0 : b->xi[i] + uniform(0.1);
   b->start[3] = NAN, b->start[12] = HUGE_VAL;
   status = ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, NULL, &closest);
   tap_ok(status == CT_OK && differing(b, b->start, &options) == 0, "%s, distortion %g: warm, too",
-         NAME[kind], distortion);
+         FACE_NAME[kind], distortion);
   options.tolerance = 1e-3;
   options.iteration_limit = 2;
   ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, &options, &closest);
   tap_ok(differing(b, b->start, &options) == 0,
-         "%s: tolerance and iteration limit are those of the options", NAME[kind]);
+         "%s: tolerance and iteration limit are those of the options", FACE_NAME[kind]);
 }
 
 #if CT_BATCH_KERNELS
@@ -189,8 +176,9 @@ static void widths_agree(batch *one, batch *many, ct_face_kind kind, ct_batch_ke
     run(many, kernel, one->start);
     warm += same_feet(one, many);
   }
-  tap_ok(cold == 8, "%s, %s: the bits of one lane on ordinary and on hard faces", NAME[kind], name);
-  tap_ok(warm == 8, "%s, %s: warm, too", NAME[kind], name);
+  tap_ok(cold == 8, "%s, %s: the bits of one lane on ordinary and on hard faces", FACE_NAME[kind],
+         name);
+  tap_ok(warm == 8, "%s, %s: warm, too", FACE_NAME[kind], name);
 }
 #endif
 
@@ -203,7 +191,7 @@ static void feet_on_a_parabolic_cylinder(batch *b)
     double x = uniform(0.95), y = uniform(0.95), g = uniform(0.4), length = sqrt(1 + x * x);
     for (int i = 0; i < 8; i++) {
       double *node = b->rows + 24 * p + 3 * i;
-      node[0] = QUADRILATERAL[i][0], node[1] = QUADRILATERAL[i][1],
+      node[0] = reference(CT_Q8, i)[0], node[1] = reference(CT_Q8, i)[1],
       node[2] = 0.5 * node[0] * node[0];
     }
     b->point[3 * p] = x - g * x / length, b->point[3 * p + 1] = y,

@@ -203,19 +203,14 @@ static void lattices(void)
 static void without_contact(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
-  ct_scene *scene = new_scene();
-  int64_t steps;
-  ct_stable_step stable;
-  add_body(scene, "block", m, &STEEL, CT_KERNEL_AUTO, 1, 0, 0);
+  ct_scene *scene = new_scene_with("block", m, &STEEL, CT_KERNEL_AUTO, 1, 0, 0);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.9, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.9, .threads = 1}, NULL, NULL);
   ct_state *state = new_state(problem);
   tap_ok(problem->effect_count == 1 && state->memory_count == 0 && state->impulse_count == 0 &&
              state->work_count == 3 * m->node_count && state->workspace->shared_count == 0,
          "a scene without contact keeps nothing for it");
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
+  close_run(state, scene, m);
 }
 
 /* A result of two bodies in an order that does not depend on their numbers. */
@@ -240,7 +235,6 @@ static place *impact(ct_brick_kind kind, ct_layers layers, ct_optimisations opti
   ct_scene *scene = new_scene();
   ct_mesh *m[2];
   int64_t steps;
-  ct_stable_step stable;
   for (int b = 0; b < 2; b++) {
     m[b] = mesh_of(
         kind, (ct_box){{b == 0 ? -1.0 : 1e-4, 0.013, -0.2}, {1, 0.2, 1.2}, {10, 2, 12}, layers});
@@ -251,7 +245,7 @@ static place *impact(ct_brick_kind kind, ct_layers layers, ct_optimisations opti
   add_support(scene, 0, m[0], 2, -0.2, "z", 0.0);
   need(ct_scene_set_optimisations(scene, &optimisations, &e), &e);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 4e-7, .fraction = 0.9, .threads = 2}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 4e-7, .fraction = 0.9, .threads = 2}, &steps, NULL);
   ct_state *state = new_state(problem);
   advance(problem, state, steps);
   *count = problem->node_count;

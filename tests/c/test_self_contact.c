@@ -421,7 +421,6 @@ static void scene_of_a_c(void)
   int32_t *outer = integers(4 * 6 * m->element_count);
   ct_material material = {1000.0, 0.3, 1e-3, CT_LINEAR};
   ct_scene *scene = new_scene();
-  ct_stable_step stable;
   ct_error e;
   int64_t steps;
   double touched = 0.0, balance = 0.0, p = 0.0, size = 0.0;
@@ -439,7 +438,7 @@ static void scene_of_a_c(void)
                               .options = ct_contact_options_default()};
   need(ct_scene_add_contact(scene, &contact, &e), &e);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 2e-3, .fraction = 0.4, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 2e-3, .fraction = 0.4, .threads = 1}, &steps, NULL);
   ct_state *state = new_state(problem);
   for (int n = 0; n < m->node_count; n++)
     state->velocity[3 * n + 2] = 40.0 * (m->nodes[3 * n] - 0.5);
@@ -459,9 +458,7 @@ static void scene_of_a_c(void)
          "%.2g",
          touched, balance);
   tap_close(p / size, 0.0, 1e-14, "and its momentum stays");
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(bent);
+  close_run(state, scene, bent);
   ct_mesh_free(m);
   free(outer);
 }

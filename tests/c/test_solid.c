@@ -388,7 +388,7 @@ static void frequencies(void)
 static void global_bound(ct_brick_kind kind, ct_solid_kernel kernel, const char *name)
 {
   ct_mesh *m = box_mesh(kind, 0, 0, 0, 4, 4, 4, 4, 4, 4);
-  if (kernel == CT_KERNEL_GENERAL) distort(m, kind == CT_HEX8 ? 0.1 : 0.04);
+  if (kernel != CT_KERNEL_BOX) distort(m, kind == CT_HEX8 ? 0.1 : 0.04);
   block solid = open_block(m, &SOFT, kernel);
   int n = 3 * m->node_count;
   double *v = random_displacement(m, 1.0), *f = numbers(n), *mass = numbers(m->node_count),
@@ -448,7 +448,7 @@ static void mirrored(ct_brick_kind kind, ct_solid_kernel kernel, const char *nam
 {
   for (int axis = 0; axis < 3; axis++) {
     ct_mesh *m = box_mesh(kind, 0.13, -0.71, 0.37, 1, 1.1, 0.9, 4, 3, 5);
-    if (kernel == CT_KERNEL_GENERAL) distort(m, 0.03);
+    if (kernel != CT_KERNEL_BOX) distort(m, 0.03);
     ct_mesh *image = mirror_mesh(m, axis);
     block right = open_block(m, &STEEL, kernel), left = open_block(image, &STEEL, kernel);
     double *u = random_displacement(m, 1e-3), *v = numbers(3 * m->node_count),
@@ -508,9 +508,11 @@ int main(void)
   global_bound(CT_HEX8, CT_KERNEL_BOX, "box kernel");
   global_bound(CT_HEX8, CT_KERNEL_GENERAL, "hex8 kernel");
   global_bound(CT_HEX20, CT_KERNEL_GENERAL, "hex20 kernel");
+  global_bound(CT_HEX8, CT_KERNEL_REDUCED, "reduced kernel");
   mirrored(CT_HEX8, CT_KERNEL_BOX, "box kernel");
   mirrored(CT_HEX8, CT_KERNEL_GENERAL, "hex8 kernel");
   mirrored(CT_HEX20, CT_KERNEL_GENERAL, "hex20 kernel");
+  mirrored(CT_HEX8, CT_KERNEL_REDUCED, "reduced kernel");
   box20();
   return tap_done();
 }

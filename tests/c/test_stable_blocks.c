@@ -8,13 +8,8 @@ static const ct_material SOFT = {1.0, 0.3, 1.0, CT_LINEAR};
 static block open_held(const ct_mesh *m, const ct_material *material, ct_solid_kernel kernel,
                        const int held[3])
 {
-  ct_solid_body b = {
-      .mesh = m, .material = *material, .kernel = kernel, .held = {held[0], held[1], held[2]}};
-  block solid = {NULL, NULL};
-  ct_error e;
-  need(create_solid(&b, 1, &solid.effect, &e), &e);
-  need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
-  return solid;
+  return open_body((ct_solid_body){
+      .mesh = m, .material = *material, .kernel = kernel, .held = {held[0], held[1], held[2]}});
 }
 
 /* Rayleigh's quotient of the whole after many rounds of the power method: what is found is below

@@ -204,14 +204,13 @@ static double rod(double linear, double quadratic, double courant, double v0, do
   ct_effect *effect = NULL;
   ct_viscosity_def options = {COOKIE, .linear = linear, .quadratic = quadratic};
   ct_error e;
-  need(ct_scene_join(scene, &joined, &e), &e);
   if (linear + quadratic > 0.0) {
+    need(ct_scene_join(scene, &joined, &e), &e);
     need(ct_viscosity_create_effect(&options, joined, &effect, &e), &e);
     need(ct_scene_add_effect(scene, effect, &e), &e);
   }
   int64_t steps;
-  ct_stable_step stable;
-  p = build(scene, (ct_scene_time){.end = end, .courant = courant, .threads = 1}, &steps, &stable);
+  p = build(scene, (ct_scene_time){.end = end, .courant = courant, .threads = 1}, &steps, NULL);
   ct_state *state = new_state(p);
   advance(p, state, steps);
   double work = 0.0;
@@ -222,9 +221,7 @@ static double rod(double linear, double quadratic, double courant, double v0, do
   need(ct_solid_stress(m, &ROD, state->displacement, sigma, &e), &e);
   for (int i = 0; i < CELLS; i++) stress[i] = sigma[6 * i];
   free(sigma);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
+  close_run(state, scene, m);
   return work;
 }
 
@@ -323,14 +320,11 @@ static void stability(void)
     ct_scene *scene = new_scene();
     int32_t body = add_body(scene, "block", m, &STEEL, CT_KERNEL_AUTO, -1e5, 0, 0);
     add_support(scene, body, m, 0, 0.0, "x", 0.0);
-    const ct_problem *joined, *p;
-    ct_effect *effect = NULL;
+    const ct_problem *p;
     ct_viscosity_def options = {COOKIE, .linear = coefficients[k][0],
                                 .quadratic = coefficients[k][1]};
     ct_error e;
-    need(ct_scene_join(scene, &joined, &e), &e);
-    need(ct_viscosity_create_effect(&options, joined, &effect, &e), &e);
-    need(ct_scene_add_effect(scene, effect, &e), &e);
+    add_made(scene, ct_viscosity_create_effect, &options);
     int64_t steps;
     ct_stable_step stable;
     p = build(scene, (ct_scene_time){.end = 3e-5, .fraction = 1.0, .threads = 1}, &steps, &stable);
@@ -348,9 +342,7 @@ static void stability(void)
            "of the first, %.3f taken out, balance %.1g",
            options.linear, options.quadratic, stable.dt / stable.dt_courant, most / first,
            -work / first, balance);
-    ct_state_free(state);
-    ct_scene_free(scene);
-    ct_mesh_free(m);
+    close_run(state, scene, m);
   }
 }
 
@@ -358,8 +350,7 @@ static void refusals(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1),
           *q = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 1, 1, 1);
-  ct_scene *scene = new_scene();
-  add_body(scene, "brick", m, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
+  ct_scene *scene = new_scene_with("brick", m, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "curved", q, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
   const ct_problem *joined;
   ct_effect *effect = NULL;

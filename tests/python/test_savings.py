@@ -3,7 +3,6 @@
 import ctypes
 import gc
 
-import numpy as np
 import pytest
 from libcontact._core import ffi, lib
 from libcontact.errors import check, new_error
@@ -170,23 +169,6 @@ def test_layers_go_from_what_presses_into_the_body(cells, changes, layers):
     assert asked.data["bodies"][0]["layers"] == "y" and "numbered layer by layer along y" in str(
         asked
     )
-
-
-def test_the_order_of_numbers_changes_no_bit_at_any_place():
-    def places(run, name):
-        body = run.state[name]
-        rows = np.hstack([body.nodes, body.displacement, body.velocity])
-        return rows[np.lexsort(body.nodes.T)].tobytes()
-
-    runs = [numbered([16, 1, 33], layers).run(progress=False) for layers in (None, "x", "y", "z")]
-    assert (
-        runs[0].state["left"].nodes.tobytes()
-        == runs[1].state["left"].nodes.tobytes()
-        != runs[3].state["left"].nodes.tobytes()
-    )
-    for name in ("left", "right"):
-        assert len({places(run, name) for run in runs}) == 1, name
-    assert len({run.energy.tobytes() for run in runs}) == 1
 
 
 def test_explain_tells_the_savings():
