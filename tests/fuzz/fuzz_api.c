@@ -760,11 +760,9 @@ static void play_faces(dice *d)
 
 static void play_exact(dice *d)
 {
-  ct_exact_field field;
-  double c2, c_r;
-  for (int i = 0; i < 4; i++)
-    (void)ct_exact_plates(2.0 * real(d), real(d), between(d, 0.0, 2.0), between(d, 0.05, 0.45), 4.0,
-                          &field);
+  double c2, c_r, x[4], z[4], t[4], fields[20];
+  for (int i = 0; i < 4; i++) x[i] = 2.0 * real(d), z[i] = real(d), t[i] = between(d, 0.0, 2.0);
+  (void)ct_exact_plates(4, x, z, t, between(d, 0.05, 0.45), 4.0, fields, NULL, NULL);
   (void)ct_exact_speeds(between(d, 0.0, 0.49), &c2, &c_r);
   for (int i = -1; i < 14; i++) (void)ct_status_name((ct_status)i);
   d->calls += 20;
