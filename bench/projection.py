@@ -139,9 +139,7 @@ def solvers(loops) -> dict:
         out[name] = run
 
     for name in METHODS:
-        number = ffi.new("ct_method *")
-        lib.ct_method_from_name(name.encode(), number)
-        add(name, lambda pairs, n=int(number[0]): loops.bench_ours(ctypes.byref(pairs), n))
+        add(name, lambda pairs, n=METHODS[name]: loops.bench_ours(ctypes.byref(pairs), n))
     found = nlopt_table()
     if found is not None:
         table, nlopt = found

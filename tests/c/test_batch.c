@@ -238,8 +238,6 @@ static void gather_takes_numbers(void)
         good &= lanes[((p / 8 * 2 + i) * 3 + k) * 8 + p % 8] ==
                 10 * number[2 * (p < 9 ? p : 8) + i] + k;
   tap_ok(good, "gather puts numbered rows into lanes and fills the last block with its last pair");
-  tap_ok(ct_batch_blocks(0) == 0 && ct_batch_blocks(8) == 1 && ct_batch_blocks(9) == 2,
-         "blocks of eight");
 }
 
 static void impossible_arguments(batch *b)

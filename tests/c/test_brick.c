@@ -1,6 +1,6 @@
 /* Bricks against interpolation conditions, finite differences and the geometry of the cube. Node
  * numbering against VTK itself is in tests/python/test_projection.py. */
-#include <libcontact/shape.h>
+#include "../../libcontact/src/shape/shape.h"
 
 #include "tap.h"
 

@@ -258,25 +258,20 @@ def test_impossible_arguments_are_named(arguments, error, words):
 def test_node_order_and_shape_functions_are_those_of_vtk():
     vtk = pytest.importorskip("vtk")
     from libcontact._core import ffi, lib
+    from libcontact.mesh import Mesh
 
-    cases = [(vtk.vtkHexahedron, "CT_HEX8"), (vtk.vtkQuadraticHexahedron, "CT_HEX20")]
+    cases = [(vtk.vtkHexahedron, "hex8"), (vtk.vtkQuadraticHexahedron, "hex20")]
     for make, kind in cases:
-        cell, kind = make(), getattr(lib, kind)
-        count = lib.ct_brick_node_count(kind)
-        xi, N = ffi.new("double[3]"), ffi.new("double[20]")
+        cell, brick = make(), Mesh.box(kind, [0, 0, 0], [1, 1, 1], [1, 1, 1])
+        order = brick.elements[0]
+        count = len(order)
         corners = np.reshape([cell.GetParametricCoords()[i] for i in range(3 * count)], (count, 3))
-        for i in range(count):
-            lib.ct_brick_reference(kind, i, xi)
-            np.testing.assert_array_equal(list(xi), 2 * corners[i] - 1)
-        theirs, point = [0.0] * count, [0.3, 0.8, 0.45]
+        np.testing.assert_array_equal(brick.nodes[order], corners)
+        theirs, point = [0.0] * count, np.array([0.3, 0.8, 0.45])
         cell.InterpolateFunctions(point, theirs)
-        lib.ct_brick_shape(kind, [2 * p - 1 for p in point], N)
-        np.testing.assert_allclose(list(N)[:count], theirs, atol=1e-14)
-        for side in range(6):
-            nodes = ffi.new("int[8]")
-            lib.ct_brick_face(kind, side, nodes)
-            mine = {n for n in nodes if n >= 0}
-            assert mine in faces_of(cell, count)
+        np.testing.assert_allclose(brick.shape(2 * point - 1), theirs, atol=1e-14)
+        sides = [{list(order).index(n) for n in face} for face in brick.faces("outer")[0]]
+        assert all(side in faces_of(cell, count) for side in sides)
     for make, kind, half in [
         (vtk.vtkQuad, "Q4", 2),
         (vtk.vtkQuadraticQuad, "Q8", 2),
@@ -365,49 +360,7 @@ def test_a_path_of_a_wrong_point_is_refused():
         ct.project_path("T3", np.eye(3), [1.0, 2.0])
 
 
-# Derivatives in many digits, and what a change of names or of place must not change.
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_gradient_and_hessian_agree_with_forty_digits(kind):
-    """f from the book's formulas in mpmath, differentiated there; the faces are far from the origin and small, too."""
-    from libcontact._core import ffi, lib
-
-    rng = np.random.default_rng(40 + len(kind))
-    for trial in range(12):
-        size, away = [(1.0, 0.0), (1e-3, 0.0), (1e4, 1e4), (1.0, 1e3)][trial % 4]
-        nodes = (
-            size
-            * (
-                np.column_stack([REFERENCE[kind], np.zeros(len(REFERENCE[kind]))])
-                + rng.uniform(-0.3, 0.3, (len(REFERENCE[kind]), 3))
-            )
-            + away
-        )
-        point, xi = size * rng.uniform(-1, 1, 3) + away, rng.uniform(-0.9, 0.9, 2)
-        face = ffi.new("ct_face *", {"kind": lib.ct_brick_face_kind(0)})
-        face.kind = {"Q4": lib.CT_Q4, "Q8": lib.CT_Q8, "T3": lib.CT_T3, "T6": lib.CT_T6}[kind]
-        ffi.memmove(face.node, np.ascontiguousarray(nodes), nodes.nbytes)
-        f, g, H = ffi.new("double *"), ffi.new("double[2]"), ffi.new("double[3]")
-        lib.ct_project_function(face, list(point), list(xi), f, g, H)
-        with mp.workdps(40):
-            d = [
-                [mp.mpf(float(x)) - mp.mpf(float(p)) for x, p in zip(node, point)] for node in nodes
-            ]
-
-            def value(x, y):
-                return sum(
-                    sum(N * row[c] for N, row in zip(shape(kind, x, y), d)) ** 2 for c in range(3)
-                )
-
-            at = (mp.mpf(float(xi[0])), mp.mpf(float(xi[1])))
-            want = [value(*at)] + [
-                mp.diff(value, at, order) for order in ((1, 0), (0, 1), (2, 0), (0, 2), (1, 1))
-            ]
-        got = [f[0], g[0], g[1], H[0], H[1], H[2]]
-        scale = size**2 + float(want[0])
-        for a, b in zip(got, want):
-            assert abs(a - float(b)) < 2e-14 * scale, (kind, trial)
+# What a change of names or of place must not change.
 
 
 # Corners in another order that means the same face: new[i] = old[ORDER[i]], with the reference coordinates that the old foot has there.

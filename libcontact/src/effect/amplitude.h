@@ -7,4 +7,7 @@
  * not finite; `error` names the point. */
 ct_status ct_amplitude_check(const ct_amplitude *amplitude, ct_error *error);
 
+/* The factor at a time, eq:amplitude. */
+double ct_amplitude_value(const ct_amplitude *amplitude, double time);
+
 #endif

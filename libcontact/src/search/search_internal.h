@@ -3,7 +3,11 @@
 
 #include <libcontact/search.h>
 
+#include "../shape/shape.h"
 #include "box_tree.h"
+
+/* Tolerance of a search for which the caller chooses none. */
+static const double CT_SEARCH_TOLERANCE = 1e-10;
 
 /* A surface with its topology, its current shape and its tree. */
 struct ct_search {

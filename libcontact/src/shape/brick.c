@@ -1,4 +1,4 @@
-#include <libcontact/shape.h>
+#include "shape.h"
 
 #include <math.h>
 

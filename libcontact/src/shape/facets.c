@@ -93,7 +93,7 @@ ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t 
   }
   if (facets != NULL && facets->faces != NULL) {
     memcpy(facets->faces, faces, entries * sizeof *faces);
-    ct_rule_face(kind, 0, &facets->rule);
+    ct_rule_face(kind, &facets->rule);
     for (int q = 0; q < facets->rule.count; q++) {
       ct_segment_shape(kind, facets->rule.xi[q], facets->N[q]);
       ct_segment_gradient(kind, facets->rule.xi[q], facets->dN[q]);

@@ -1,7 +1,7 @@
 #ifndef CT_SRC_FACETS_H
 #define CT_SRC_FACETS_H
 
-#include <libcontact/shape.h>
+#include "shape.h"
 #include <libcontact/base.h>
 
 /* Faces on which an effect integrates, and the sums of their nodal values at the nodes. */
@@ -16,7 +16,7 @@ typedef struct ct_facets {
   int32_t *first, *place;
   int32_t most; /* the most places of a node */
   ct_rule rule;
-  double N[25][8], dN[25][8][2];
+  double N[9][8], dN[9][8][2];
 } ct_facets;
 
 /* Copy and check the faces: they exist, their nodes are those of a problem with so many nodes, and

@@ -1,5 +1,3 @@
-#include <libcontact/shape.h>
-
 #include "shape.h"
 #include "../base/vector.h"
 
@@ -82,32 +80,6 @@ void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2])
         if (kind == CT_T6) dN[3 + i][a] = 4 * (dL[i][a] * L[j] + L[i] * dL[j][a]);
       }
     }
-  }
-}
-
-void ct_segment_hessian(ct_face_kind kind, const double xi[2], double ddN[8][3])
-{
-  if (xi == NULL || ddN == NULL) return;
-  fill(ddN[0], 24, ct_face_node_count(kind) == 0 ? NAN : 0);
-  if (kind == CT_Q4 || kind == CT_Q8) {
-    for (int i = 0; i < 4; i++) {
-      double x = CORNER[i][0] * xi[0], y = CORNER[i][1] * xi[1], sign = CORNER[i][0] * CORNER[i][1];
-      ddN[i][2] = 0.25 * sign;
-      if (kind == CT_Q4) continue;
-      ddN[i][0] = 0.5 * (1 + y);
-      ddN[i][1] = 0.5 * (1 + x);
-      ddN[i][2] *= 2 * (x + y) + 1;
-      int along;
-      double r, s;
-      side_axes(i, xi, &along, &r, &s);
-      ddN[4 + i][along] = -(1 + s);
-      ddN[4 + i][2] = -r * SIDE[i];
-    }
-  } else if (kind == CT_T6) {
-    static const double constant[6][3] = {{4, 4, 4},   {4, 0, 0}, {0, 4, 0},
-                                          {-8, 0, -4}, {0, 0, 4}, {0, -8, -4}};
-    for (int i = 0; i < 6; i++)
-      for (int a = 0; a < 3; a++) ddN[i][a] = constant[i][a];
   }
 }
 

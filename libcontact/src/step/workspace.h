@@ -114,4 +114,8 @@ int64_t ct_state_work_start(const ct_problem *problem, int32_t k);
 int64_t ct_state_impulse_start(const ct_problem *problem, int32_t k);
 int64_t ct_state_memory_start(const ct_problem *problem, int32_t k);
 
+/* Largest stable Δt [time] for the sums `omega_squared` of ω² [1 / time²] and `rate` of the damping
+ * rates [1 / time], eq:integrator-damped-bound. */
+double ct_integrator_step(const ct_integrator *integrator, double omega_squared, double rate);
+
 #endif
