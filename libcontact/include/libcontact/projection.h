@@ -204,19 +204,12 @@ typedef struct ct_batch_closest {
 } ct_batch_closest;
 
 /**
- * Put rows of an array into lanes: row ``number[p * per + i]`` of ``rows``, shape (n, 3), goes to
- * the place (p / 8, i, k, p % 8) of ``lanes``, shape (blocks, per, 3, 8). Null ``number`` takes the
- * rows as they come, row p * per + i. The last block is filled up with its last pair.
- */
-CT_API void ct_batch_gather(size_t count, int per, const double *rows, const int32_t *number,
-                            double *lanes);
-
-/**
  * The closest points of ``count`` pairs of a face and a point, eight side by side; the answers are
- * those of CT_ROBUST. All faces are of one kind. ``nodes``, shape (blocks, nodes of the kind, 3,
- * 8), ``points``, shape (blocks, 3, 8), and ``start``, null or of shape (blocks, 2, 8), are laid
- * out as ct_batch_gather does; a start that is not finite is none. Null ``options`` are the
- * defaults; method, use_start, start and trace of them are not read.
+ * those of CT_ROBUST. All faces are of one kind. Pair p stands in lane p % 8 of block p / 8,
+ * :eq:`batch-lanes`: ``nodes``, shape (blocks, nodes of the kind, 3, 8), ``points``, shape (blocks,
+ * 3, 8), and ``start``, null or of shape (blocks, 2, 8); fill the last block up with any pair. A
+ * start that is not finite is none. Null ``options`` are the defaults; method, use_start, start and
+ * trace of them are not read.
  *
  * Eight pairs are computed at a time with AVX-512, four with AVX2, one on other machines; the bits
  * are the same. CT_ERROR_ARGUMENT, with nothing written: a null pointer, an unknown kind, a

@@ -25,20 +25,6 @@ static inline void fetch(const double *values, size_t count)
 /* Blocks of eight lanes that the pairs fill. */
 static size_t blocks_of(size_t count) { return (count + 7) / 8; }
 
-void ct_batch_gather(size_t count, int per, const double *rows, const int32_t *number,
-                     double *lanes)
-{
-  if (count == 0 || rows == NULL || lanes == NULL) return;
-  size_t width = per > 0 ? (size_t)per : 0;
-  for (size_t p = 0; p < 8 * blocks_of(count); p++)
-    for (size_t i = 0; i < width; i++) {
-      size_t place = (p < count ? p : count - 1) * width + i,
-             row = number != NULL ? (size_t)number[place] : place;
-      for (size_t k = 0; k < 3; k++)
-        lanes[((p / 8 * width + i) * 3 + k) * 8 + p % 8] = rows[3 * row + k];
-    }
-}
-
 ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
                            const double *points, const double *start,
                            const ct_project_options *options, const ct_batch_closest *closest)
