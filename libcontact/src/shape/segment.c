@@ -55,8 +55,7 @@ void ct_segment_shape(ct_face_kind kind, const double xi[2], double N[8])
 
 void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2])
 {
-  if (xi == NULL || dN == NULL) return;
-  fill(dN[0], 16, ct_face_node_count(kind) == 0 ? NAN : 0);
+  fill(dN[0], 16, 0);
   if (kind == CT_Q4 || kind == CT_Q8) {
     for (int i = 0; i < 4; i++) {
       const double *c = CORNER[i];
@@ -122,7 +121,6 @@ void ct_segment_point(const ct_face *face, const double xi[2], double y[3])
 
 void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3], double t2[3])
 {
-  if (face == NULL || xi == NULL || t1 == NULL || t2 == NULL) return;
   double dN[8][2];
   ct_segment_gradient(face->kind, xi, dN);
   node_sum(face, &dN[0][0], 2, t1);
@@ -131,9 +129,7 @@ void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3], 
 
 ct_status ct_segment_normal(const ct_face *face, const double xi[2], double n[3])
 {
-  if (n == NULL) return CT_ERROR_ARGUMENT;
   fill(n, 3, NAN);
-  if (face == NULL || xi == NULL || ct_face_node_count(face->kind) == 0) return CT_ERROR_ARGUMENT;
   double t1[3], t2[3], normal[3];
   ct_segment_tangents(face, xi, t1, t2);
   if (!ct_vector_unit_normal(t1, t2, normal)) return CT_ERROR_GEOMETRY;
@@ -143,7 +139,6 @@ ct_status ct_segment_normal(const ct_face *face, const double xi[2], double n[3]
 
 double ct_segment_area_element(const ct_face *face, const double xi[2])
 {
-  if (face == NULL || xi == NULL || ct_face_node_count(face->kind) == 0) return NAN;
   double t1[3], t2[3], n[3];
   ct_segment_tangents(face, xi, t1, t2);
   ct_vector_cross(t1, t2, n);

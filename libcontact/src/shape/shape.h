@@ -29,23 +29,21 @@ void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3], 
 
 /* The unit normal t_1 x t_2 / |t_1 x t_2|, eq:segment-normal. Where the tangents are
  * parallel, zero or not finite there is none: then n is NaN and the answer is
- * CT_ERROR_GEOMETRY. A null pointer or unknown kind gives CT_ERROR_ARGUMENT. */
+ * CT_ERROR_GEOMETRY. */
 ct_status ct_segment_normal(const ct_face *face, const double xi[2], double n[3]);
 
-/* The area element J = |t_1 x t_2| [length^2] of eq:segment-area; NaN for a null pointer or
- * unknown kind. */
+/* The area element J = |t_1 x t_2| [length^2] of eq:segment-area. */
 double ct_segment_area_element(const ct_face *face, const double xi[2]);
 
 /* Reference coordinates (each -1, 0 or 1) of node 0 to 19, written to xi; NaN for a node that
- * the kind does not have. Here and below a null pointer writes nothing. */
+ * the kind does not have. */
 void ct_brick_reference(ct_brick_kind kind, int node, double xi[3]);
 
 /* Nodes of one side as a face: side 0 to 5 is x_min, x_max, y_min, y_max, z_min, z_max (xi_1 =
- * -1, xi_1 = +1, xi_2 = -1,
- * ...). They are in the order of ct_face_kind, counter-clockwise seen from outside, so that the
- * face normal points out of a brick that is not inverted. Opposite sides have the same second axis
- * and the first one flipped (eq:brick-sides): a mirrored brick has mirrored faces. nodes
- * entries beyond the node count of the face, and all for an impossible side, are -1. */
+ * -1, xi_1 = +1, xi_2 = -1, ...). They are in the order of ct_face_kind, counter-clockwise seen
+ * from outside, so that the face normal points out of a brick that is not inverted. Opposite sides
+ * have the same second axis and the first one flipped (eq:brick-sides): a mirrored brick has
+ * mirrored faces. nodes entries beyond the node count of the face are -1. */
 void ct_brick_face(ct_brick_kind kind, int side, int nodes[8]);
 
 /* Rule for a face with points at its corners, at the middles of its edges and at its centre,
