@@ -2,7 +2,7 @@
 #ifndef FACES_H
 #define FACES_H
 
-#include "../../libcontact/src/projection/projection_internal.h"
+#include "function.h"
 
 #include <math.h>
 
@@ -89,7 +89,7 @@ static inline double lowest_on_grid(const ct_face *face, const double point[3], 
     for (int j = 0; j <= (three ? cells - i : cells); j++) {
       double xi[2] = {(double)i / cells, (double)j / cells};
       if (!three) xi[0] = 2 * xi[0] - 1, xi[1] = 2 * xi[1] - 1;
-      ct_project_function(face, point, xi, &f, NULL, NULL);
+      function_at(face, point, xi, &f, NULL, NULL);
       lowest = fmin(lowest, f);
     }
   return lowest;

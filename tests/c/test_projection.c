@@ -1,6 +1,6 @@
 /* Projections against closed forms, optimality conditions, brute force, and mirrored, moved and
  * scaled copies of themselves. */
-#include "../../libcontact/src/projection/projection_internal.h"
+#include "function.h"
 
 #include "tap.h"
 
@@ -234,13 +234,13 @@ static void function_derivatives(ct_face_kind kind)
     ct_face face = random_face(kind, 0.4);
     double point[3] = {uniform(1), uniform(1), uniform(1)}, xi[2] = {uniform(1), uniform(1)}, g[2],
            H[3];
-    ct_project_function(&face, point, xi, NULL, g, H);
+    function_at(&face, point, xi, NULL, g, H);
     for (int a = 0; a < 2; a++) {
       double f[5], slope[5][2];
       for (int s = 0; s < 5; s++) {
         double x[2] = {xi[0], xi[1]};
         x[a] += 0.25 * (s - 2);
-        ct_project_function(&face, point, x, &f[s], slope[s], NULL);
+        function_at(&face, point, x, &f[s], slope[s], NULL);
       }
       first = worst(first, (f[0] - 8 * f[1] + 8 * f[3] - f[4]) / 3 - g[a]);
       second = worst(second, (-f[0] + 16 * f[1] - 30 * f[2] + 16 * f[3] - f[4]) / 0.75 - H[a]);
@@ -311,12 +311,12 @@ static void brute_force(ct_face_kind kind)
       for (int j = 0; j <= (triangular(kind) ? cells - i : cells); j++) {
         double xi[2] = {(double)i / cells, (double)j / cells};
         if (!triangular(kind)) xi[0] = 2 * xi[0] - 1, xi[1] = 2 * xi[1] - 1;
-        ct_project_function(&face, point, xi, &f, NULL, NULL);
+        function_at(&face, point, xi, &f, NULL, NULL);
         lowest = fmin(lowest, f);
       }
     closer = fmax(closer, out.distance - sqrt(lowest));
     /* Inside, the gradient vanishes; on the boundary it must not point inwards. */
-    ct_project_function(&face, point, out.xi, NULL, g, NULL);
+    function_at(&face, point, out.xi, NULL, g, NULL);
     double inward[4] = {-g[0], -g[1], g[0], g[1]},
            room[4] = {1 - out.xi[0], 1 - out.xi[1], 1 + out.xi[0], 1 + out.xi[1]};
     for (int a = 0; a < 4 && !triangular(kind); a++)
@@ -349,7 +349,7 @@ static void folded_faces(ct_face_kind kind)
       for (int j = 0; j <= (triangular(kind) ? cells - i : cells); j++) {
         double xi[2] = {(double)i / cells, (double)j / cells};
         if (!triangular(kind)) xi[0] = 2 * xi[0] - 1, xi[1] = 2 * xi[1] - 1;
-        ct_project_function(&face, point, xi, &f, NULL, NULL);
+        function_at(&face, point, xi, &f, NULL, NULL);
         lowest = fmin(lowest, f);
       }
     missed += out.distance > sqrt(lowest) + 1e-12;
@@ -379,7 +379,7 @@ static void centres_of_curvature(ct_face_kind kind)
       for (int j = 0; j <= (triangular(kind) ? cells - i : cells); j++) {
         double xi[2] = {(double)i / cells, (double)j / cells};
         if (!triangular(kind)) xi[0] = 2 * xi[0] - 1, xi[1] = 2 * xi[1] - 1;
-        ct_project_function(&face, point, xi, &f, NULL, NULL);
+        function_at(&face, point, xi, &f, NULL, NULL);
         lowest = fmin(lowest, f);
       }
     missed += out.distance > sqrt(lowest) * (1 + 1e-12);

@@ -159,8 +159,7 @@ static void broyden_is_the_secant_rule(void)
   ct_projection out;
   path p = walk(CT_BROYDEN, &cylinder, point, start, &out);
   for (int i = 1; i < 4; i++) {
-    for (int j = 0; j < 2; j++)
-      ct_project_function(&cylinder, point, p.xi[i - 1 + j], NULL, g[j], NULL);
+    for (int j = 0; j < 2; j++) function_at(&cylinder, point, p.xi[i - 1 + j], NULL, g[j], NULL);
     double next = p.xi[i][0] - g[1][0] * (p.xi[i][0] - p.xi[i - 1][0]) / (g[1][0] - g[0][0]);
     off_rule = worst(off_rule, p.xi[i + 1][0] - next);
   }

@@ -31,21 +31,6 @@ ct_project_options ct_project_options_default(void)
   return options;
 }
 
-void ct_project_function(const ct_face *face, const double point[3], const double xi[2], double *f,
-                         double g[2], double H[3])
-{
-  if (face == NULL || point == NULL || xi == NULL) return;
-  ct_patch patch;
-  ct_closest closest = {.evaluations = 0};
-  ct_iterate at = {{xi[0], xi[1]}, NAN, {0}, {NAN, NAN}, {NAN, NAN, NAN}, {0}};
-  // -- Value, gradient and Hessian (eq:projection-f, eq:projection-gradient, eq:projection-hessian)
-  if (ct_patch_init(&patch, face->kind, face->node, point) == CT_OK)
-    ct_iterate_look(&patch, &at, &closest);
-  if (f != NULL) *f = at.f;
-  for (int a = 0; a < 2 && g != NULL; a++) g[a] = at.g[a];
-  for (int i = 0; i < 3 && H != NULL; i++) H[i] = at.H[i];
-}
-
 /* Everything that has no answer. */
 static ct_status nothing(ct_projection *out, ct_status status)
 {

@@ -154,13 +154,6 @@ ct_project_method ct_project_broyden, ct_project_bfgs, ct_project_robust, ct_pro
     ct_project_simplex_newton;
 ct_project_method ct_project_sphere, ct_project_torus;
 
-/* The function that a projection minimises, eq:projection-f: its value f [length^2],
- * gradient g = (f,1 f,2) of eq:projection-gradient and Hessian H = (f,11 f,22 f,12) of
- * eq:projection-hessian at xi. Each output may be null. NaN comes out where ct_project would
- * answer CT_INVALID. */
-void ct_project_function(const ct_face *face, const double point[3], const double xi[2], double *f,
-                         double g[2], double H[3]);
-
 /* Whether there is a method of this number. */
 int ct_method_exists(ct_method method);
 
