@@ -7,6 +7,7 @@
 
 #include "../libcontact/src/projection/projection_internal.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <time.h>
 #ifdef HAVE_GSL

@@ -5,12 +5,15 @@
 
 #include <libcontact.h>
 
+#include "../../libcontact/src/solid/element.h"
 #include "tap.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include "defs.h"
 
+static const char *const SCHEME[] = {"central_difference", "chung_lee", "noh_bathe",
+                                     "tchamwa_wielgosz"};
 static const char *const ENFORCEMENT[] = {"penalty", "energy_controlled", "bipenalty", "lagrange"};
 enum { ENFORCEMENTS = sizeof ENFORCEMENT / sizeof ENFORCEMENT[0] };
 

@@ -28,6 +28,14 @@ static ct_batch_closest closest_of(batch *b)
   return closest;
 }
 
+/* Rows of the pairs, `per` of each, into lanes; the last block is filled up with the last pair. */
+static void gather(int per, const double *rows, double *lanes)
+{
+  for (int p = 0; p < 8 * BLOCKS; p++)
+    for (int i = 0; i < 3 * per; i++)
+      lanes[(p / 8 * 3 * per + i) * 8 + p % 8] = rows[3 * per * (p < PAIRS ? p : PAIRS - 1) + i];
+}
+
 /* Faces from plain to folded, points from on the face to far away, and three pairs that are broken.
  */
 static void fill(batch *b, ct_face_kind kind, double distortion)
@@ -46,8 +54,8 @@ static void fill(batch *b, ct_face_kind kind, double distortion)
   }
   b->rows[3 * b->per * NAN_PAIR + 4] = NAN;
   b->point[3 * HUGE_PAIR] = 1e200;
-  ct_batch_gather(PAIRS, b->per, b->rows, NULL, b->nodes);
-  ct_batch_gather(PAIRS, 1, b->point, NULL, b->points);
+  gather(b->per, b->rows, b->nodes);
+  gather(1, b->point, b->points);
 }
 
 static int same_bits(double a, double b)
@@ -124,8 +132,8 @@ static void worsen(batch *b)
     for (int i = 0; i < 3 * b->per; i++) row[i] *= scale;
     for (int k = 0; k < 3; k++) point[k] *= scale;
   }
-  ct_batch_gather(PAIRS, b->per, b->rows, NULL, b->nodes);
-  ct_batch_gather(PAIRS, 1, b->point, NULL, b->points);
+  gather(b->per, b->rows, b->nodes);
+  gather(1, b->point, b->points);
 }
 
 static void run(batch *b, ct_batch_kernel *kernel, const double *start)
@@ -198,8 +206,8 @@ static void feet_on_a_parabolic_cylinder(batch *b)
                  b->point[3 * p + 2] = 0.5 * x * x + g / length;
     want[p][0] = x, want[p][1] = y, want[p][2] = g;
   }
-  ct_batch_gather(PAIRS, 8, b->rows, NULL, b->nodes);
-  ct_batch_gather(PAIRS, 1, b->point, NULL, b->points);
+  gather(8, b->rows, b->nodes);
+  gather(1, b->point, b->points);
   ct_batch_closest closest = closest_of(b);
   ct_project_batch(CT_Q8, PAIRS, b->nodes, b->points, NULL, NULL, &closest);
   for (int p = 0; p < PAIRS; p++) {
@@ -209,25 +217,6 @@ static void feet_on_a_parabolic_cylinder(batch *b)
   }
   tap_close(error, 0, 1e-14,
             "points stepped off a parabolic cylinder come back to their closest points");
-}
-
-static void gather_takes_numbers(void)
-{
-  double rows[5][3], lanes[2 * 2 * 24];
-  int32_t number[18];
-  int good = 1;
-  for (int i = 0; i < 5; i++)
-    for (int k = 0; k < 3; k++) rows[i][k] = 10 * i + k;
-  for (int i = 0; i < 18; i++) number[i] = (i * 7) % 5;
-  ct_batch_gather(9, 2, &rows[0][0], number, lanes);
-  for (int p = 0; p < 16; p++)
-    for (int i = 0; i < 2; i++)
-      for (int k = 0; k < 3; k++)
-        good &= lanes[((p / 8 * 2 + i) * 3 + k) * 8 + p % 8] ==
-                10 * number[2 * (p < 9 ? p : 8) + i] + k;
-  tap_ok(good, "gather puts numbered rows into lanes and fills the last block with its last pair");
-  tap_ok(ct_batch_blocks(0) == 0 && ct_batch_blocks(8) == 1 && ct_batch_blocks(9) == 2,
-         "blocks of eight");
 }
 
 static void impossible_arguments(batch *b)
@@ -270,7 +259,6 @@ int main(void)
   }
 #endif
   feet_on_a_parabolic_cylinder(b);
-  gather_takes_numbers();
   impossible_arguments(b);
   free(b);
   free(many);

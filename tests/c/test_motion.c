@@ -1,4 +1,5 @@
 /* Displacements that follow an amplitude, the forces that takes, and what is refused. */
+#include "../../libcontact/src/effect/amplitude.h"
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0},

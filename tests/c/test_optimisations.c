@@ -50,7 +50,7 @@ static void flight(ct_brick_kind kind, int self)
   ct_error e;
   for (int k = 0; k < 2; k++) {
     options.separated = k;
-    need(self ? ct_contact_create_self(&both, &options, &c[k], &e)
+    need(self ? ct_contact_create(&both, &both, &options, &c[k], &e)
               : ct_contact_create(&a, &b, &options, &c[k], &e),
          &e);
   }
@@ -157,7 +157,7 @@ static void lattices(void)
   for (int i = 0; i < (int)(sizeof CELLS / sizeof *CELLS); i++) {
     const int *n = CELLS[i];
     ct_mesh *m = box_mesh(CT_HEX8, -1, 2, 3, 0.1 * n[0], 0.2 * n[1], 0.3 * n[2], n[0], n[1], n[2]);
-    ct_optimisations on = ct_optimisations_default();
+    ct_optimisations on = (ct_optimisations){1, 1, 1, 1};
     double *u = numbers(3 * m->node_count),
            *f[2] = {numbers(3 * m->node_count), numbers(3 * m->node_count)}, energy[2] = {0, 0};
     int same = 0, tried = 0;
@@ -266,7 +266,7 @@ static place *impact(ct_brick_kind kind, ct_layers layers, ct_optimisations opti
 static void orders(ct_brick_kind kind)
 {
   int32_t count, other;
-  place *first = impact(kind, CT_LAYERS_Z, ct_optimisations_default(), &count);
+  place *first = impact(kind, CT_LAYERS_Z, (ct_optimisations){1, 1, 1, 1}, &count);
   int moved = 0;
   for (int32_t n = 0; n < count; n++) moved += first[n].x[0] > 0.0 && first[n].v[0] > 500.0;
   tap_ok(moved > 20, "%s: %d nodes of the body that was hit are fast",
@@ -279,7 +279,7 @@ static void orders(ct_brick_kind kind)
                            k == 0  ? CT_LAYERS_Z
                            : k < 3 ? CT_LAYERS_X
                                    : CT_LAYERS_Y,
-                           k % 2 == 0 ? none : ct_optimisations_default(), &other);
+                           k % 2 == 0 ? none : (ct_optimisations){1, 1, 1, 1}, &other);
     tap_ok(other == count && memcmp(first, places, (size_t)count * sizeof *places) == 0,
            "layers along %s: the same bits at each place", names[k]);
     free(places);

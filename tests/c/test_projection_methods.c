@@ -33,21 +33,19 @@ static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
       for (int a = 0; a < 2; a++) error = worst(error, out.xi[a] - xi[a]);
       gap = worst(worst(gap, out.signed_distance - g), out.distance - fabs(g));
     }
-    tap_ok(status, "%s on a %s: %s ends well", FACE_NAME[kind], what, ct_method_name((ct_method)m));
+    tap_ok(status, "%s on a %s: %s ends well", FACE_NAME[kind], what, METHOD_NAME[m]);
     tap_close(error, 0,
               by_values(m) ? 5e-8
               : exact      ? 1e-14
                            : 1e-10,
-              "%s on a %s: %s finds the closest point", FACE_NAME[kind], what,
-              ct_method_name((ct_method)m));
+              "%s on a %s: %s finds the closest point", FACE_NAME[kind], what, METHOD_NAME[m]);
     tap_close(gap, 0, exact ? 1e-15 : 1e-14, "%s on a %s: %s gives the gap with its sign",
-              FACE_NAME[kind], what, ct_method_name((ct_method)m));
+              FACE_NAME[kind], what, METHOD_NAME[m]);
     tap_close(normal, 0,
               by_values(m) ? 1e-7
               : exact      ? 1e-14
                            : 1e-10,
-              "%s on a %s: %s gives the unit normal there", FACE_NAME[kind], what,
-              ct_method_name((ct_method)m));
+              "%s on a %s: %s gives the unit normal there", FACE_NAME[kind], what, METHOD_NAME[m]);
   }
 }
 
@@ -126,7 +124,7 @@ static void one_step(void)
     ct_projection out;
     ct_project(&flat, point, &options, &out);
     tap_close(fmax(fabs(out.xi[0] - 0.4), fabs(out.xi[1] - 0.25)), 0, 1e-15,
-              "T3: %s needs one step", ct_method_name((ct_method)METHOD[i]));
+              "T3: %s needs one step", METHOD_NAME[METHOD[i]]);
   }
 }
 
@@ -171,8 +169,7 @@ static void broyden_is_the_secant_rule(void)
   ct_projection out;
   path p = walk(CT_BROYDEN, &cylinder, point, start, &out);
   for (int i = 1; i < 4; i++) {
-    for (int j = 0; j < 2; j++)
-      ct_project_function(&cylinder, point, p.xi[i - 1 + j], NULL, g[j], NULL);
+    for (int j = 0; j < 2; j++) function_at(&cylinder, point, p.xi[i - 1 + j], NULL, g[j], NULL);
     double next = p.xi[i][0] - g[1][0] * (p.xi[i][0] - p.xi[i - 1][0]) / (g[1][0] - g[0][0]);
     off_rule = worst(off_rule, p.xi[i + 1][0] - next);
   }
@@ -223,8 +220,7 @@ static void saddles_are_no_answers(void)
     ct_projection out;
     ct_project(&trough, above, &options, &out);
     int at_foot = fabs(fabs(out.xi[0]) - 0.5) < 1e-6;
-    tap_ok(at_foot || (out.status != CT_OK && out.certified == 0), "trough: %s %s",
-           ct_method_name((ct_method)m),
+    tap_ok(at_foot || (out.status != CT_OK && out.certified == 0), "trough: %s %s", METHOD_NAME[m],
            at_foot ? "finds a closest point" : "says that it found none");
   }
 }
@@ -232,7 +228,7 @@ static void saddles_are_no_answers(void)
 static void budgets_copies_and_bad_input(int m)
 {
   ct_project_options options = with(m), two = options;
-  const char *name = ct_method_name((ct_method)m);
+  const char *name = METHOD_NAME[m];
   ct_projection out, twin;
   int scaled = 1, sane = 1;
   two.iteration_limit = 2;

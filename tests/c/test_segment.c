@@ -1,6 +1,6 @@
 /* Shape functions of the faces against interpolation conditions, finite differences, closed-form
  * surfaces and mirrored faces. */
-#include <libcontact/shape.h>
+#include "../../libcontact/src/shape/shape.h"
 
 #include "faces.h"
 #include "tap.h"
@@ -40,33 +40,20 @@ static void interpolation_conditions(ct_face_kind kind)
 static void derivatives(ct_face_kind kind)
 {
   const double h = 0.5;
-  double first = 0, second = 0;
+  double first = 0;
   for (int p = 0; p < 5; p++) {
-    double dN[8][2], ddN[8][3];
+    double dN[8][2];
     ct_segment_gradient(kind, PROBE[p], dN);
-    ct_segment_hessian(kind, PROBE[p], ddN);
     for (int a = 0; a < 2; a++) {
-      double up[2] = {PROBE[p][0], PROBE[p][1]}, down[2] = {PROBE[p][0], PROBE[p][1]}, N1[8], N0[8],
-             d1[8][2], d0[8][2];
+      double up[2] = {PROBE[p][0], PROBE[p][1]}, down[2] = {PROBE[p][0], PROBE[p][1]}, N1[8], N0[8];
       up[a] += h;
       down[a] -= h;
       ct_segment_shape(kind, up, N1);
       ct_segment_shape(kind, down, N0);
-      ct_segment_gradient(kind, up, d1);
-      ct_segment_gradient(kind, down, d0);
-      for (int i = 0; i < 8; i++) {
-        first = worst(first, (N1[i] - N0[i]) / (2 * h) - dN[i][a]);
-        second = worst(second, (d1[i][a] - d0[i][a]) / (2 * h) - ddN[i][a]);
-      }
+      for (int i = 0; i < 8; i++) first = worst(first, (N1[i] - N0[i]) / (2 * h) - dN[i][a]);
     }
-    double a1[8][2], a0[8][2], right[2] = {PROBE[p][0] + h, PROBE[p][1]},
-                               left[2] = {PROBE[p][0] - h, PROBE[p][1]};
-    ct_segment_gradient(kind, right, a1);
-    ct_segment_gradient(kind, left, a0);
-    for (int i = 0; i < 8; i++) second = worst(second, (a1[i][1] - a0[i][1]) / (2 * h) - ddN[i][2]);
   }
   tap_close(first, 0, 4e-15, "%s: first derivatives against differences", FACE_NAME[kind]);
-  tap_close(second, 0, 4e-15, "%s: second derivatives against differences", FACE_NAME[kind]);
 }
 
 /* A surface that the kind can represent, z = polynomial over a sheared base, with its tangents by
@@ -154,19 +141,15 @@ static void bad_input(void)
 {
   ct_face_kind none = (ct_face_kind)9;
   double N[8], n[3] = {0, 0, 0}, xi[2] = {0, 0};
-  ct_face point = {CT_Q4, {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}}}, unknown = {none, {{0}}};
+  ct_face point = {CT_Q4, {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}}};
   tap_ok(ct_face_node_count(none) == 0, "an unknown kind has no nodes");
   ct_segment_shape(none, xi, N);
   tap_ok(isnan(N[0]) && isnan(N[7]), "shape functions of an unknown kind are NaN");
   ct_segment_shape(CT_Q4, NULL, N);
   ct_segment_point(NULL, xi, n);
-  ct_segment_tangents(&point, xi, NULL, n);
   tap_ok(n[0] == 0, "null pointers write nothing");
   tap_ok(ct_segment_normal(&point, xi, n) == CT_ERROR_GEOMETRY && isnan(n[0]),
          "a face shrunk to a point has no normal");
-  tap_ok(ct_segment_normal(&unknown, xi, n) == CT_ERROR_ARGUMENT, "an unknown kind has no normal");
-  tap_ok(ct_segment_normal(&point, xi, NULL) == CT_ERROR_ARGUMENT, "nowhere to put the normal");
-  tap_ok(isnan(ct_segment_area_element(&unknown, xi)), "no area element of an unknown kind");
 }
 
 int main(void)

@@ -89,7 +89,7 @@ static bars open_bars(const form *f, int sleep, int threads)
     add_contact_with(r.scene, 0, m[0], 0, 1, m[1], 0.1 * f->gap, 0, 0.5, options, 0.0, 0.0);
   if (f->distort == 0.0)
     add_support(r.scene, 1, m[1], 0, 0.1 * f->gap + 2.3, "x", f->held + f->v[1]);
-  ct_optimisations optimisations = ct_optimisations_default();
+  ct_optimisations optimisations = (ct_optimisations){1, 1, 1, 1};
   optimisations.sleep = sleep;
   need(ct_scene_set_optimisations(r.scene, &optimisations, &e), &e);
   int32_t count = m[0]->node_count + m[1]->node_count;

@@ -300,11 +300,12 @@ static void refusals(void)
   tap_ok(ct_solid_element_force(CT_HEX8, x, u, &STEEL, f, NULL, &e) == CT_ERROR_GEOMETRY &&
              e.point >= 0,
          "the force of a folded element is refused: %s", e.text);
-  tap_ok(ct_solid_element_omega2_bound(CT_HEX8, x, &STEEL, mass, &w, &e) == CT_ERROR_GEOMETRY,
+  tap_ok(ct_solid_element_omega2_bound(CT_HEX8, x, NULL, &STEEL, mass, &w, &e) == CT_ERROR_GEOMETRY,
          "so is its frequency");
   take_element(m, 0, m->nodes, x);
   mass[4] = 0.0;
-  tap_ok(ct_solid_element_omega2_bound(CT_HEX8, x, &STEEL, mass, &w, &e) == CT_ERROR_ARGUMENT &&
+  tap_ok(ct_solid_element_omega2_bound(CT_HEX8, x, NULL, &STEEL, mass, &w, &e) ==
+                 CT_ERROR_ARGUMENT &&
              e.point == 4,
          "a node without mass is refused: %s", e.text);
   tap_ok(ct_solid_element_stress((ct_brick_kind)4, x, u, &STEEL, xi, s, NULL) ==
@@ -339,7 +340,7 @@ static double element_frequency(const ct_mesh *m, const ct_material *material, d
   ct_error e;
   take_element(m, 0, m->nodes, x);
   need(ct_mass_element(m->kind, x, material->density, CT_LUMP_DEFAULT, mass, &e), &e);
-  need(ct_solid_element_omega2_bound(m->kind, x, material, mass, &w, &e), &e);
+  need(ct_solid_element_omega2_bound(m->kind, x, NULL, material, mass, &w, &e), &e);
   return w;
 }
 
@@ -431,7 +432,7 @@ static void worst_element(ct_brick_kind kind)
     for (int el = 0; el < 9; el++) {
       take_element(m, el, m->nodes, x);
       need(ct_mass_element(kind, x, STEEL.density, CT_LUMP_DEFAULT, mass, &e), &e);
-      need(ct_solid_element_omega2_bound(kind, x, &STEEL, mass, &w, &e), &e);
+      need(ct_solid_element_omega2_bound(kind, x, NULL, &STEEL, mass, &w, &e), &e);
       top = fmax(top, w);
     }
     wrong = worst(wrong, block_frequency(&solid) / top - 1.0);

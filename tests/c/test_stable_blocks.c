@@ -126,7 +126,7 @@ static void looks(void)
   close_block(&solid);
   take_element(m, 0, m->nodes, x);
   need(ct_mass_element(CT_HEX8, x, SOFT.density, CT_LUMP_DEFAULT, mass, &e), &e);
-  need(ct_solid_element_omega2_bound(CT_HEX8, x, &SOFT, mass, &one, &e), &e);
+  need(ct_solid_element_omega2_bound(CT_HEX8, x, NULL, &SOFT, mass, &one, &e), &e);
   tap_ok(box < 0.7 * one, "the bound of blocks is %.3f of that of one element", box / one);
 
   // Numbers of nodes and elements backward.
@@ -193,7 +193,7 @@ static void turned(void)
   close_block(&solid);
   take_element(m, 0, m->nodes, x);
   need(ct_mass_element(CT_HEX8, x, SOFT.density, CT_LUMP_DEFAULT, mass, &e), &e);
-  need(ct_solid_element_omega2_bound(CT_HEX8, x, &SOFT, mass, &one, &e), &e);
+  need(ct_solid_element_omega2_bound(CT_HEX8, x, NULL, &SOFT, mass, &one, &e), &e);
   tap_close(lean / one, 1.0, 1e-13, "bricks that lean have the bound of their elements");
   ct_mesh_free(m);
 }

@@ -107,7 +107,7 @@ static void order(ct_scheme scheme)
          least = scheme == CT_TCHAMWA_WIELGOSZ ? 0.9 : 1.9;
   tap_ok(got[0] > least && got[1] > least,
          "%s: a third of the step from half of the way on leaves the order, %.3f and %.3f",
-         ct_scheme_name(scheme), got[0], got[1]);
+         SCHEME[scheme], got[0], got[1]);
   double *all[] = {v0, u[0], u[1], v[0], v[1]};
   for (int i = 0; i < 5; i++) free(all[i]);
   ct_scene_free(scene);
@@ -182,7 +182,7 @@ static void meeting(ct_scheme scheme, ct_enforcement enforcement)
              fabs(after.work - before.work) < 2e-3 * size,
          "%s, %s: balance and momentum do not notice the change (%.2g) and close after it (%.2g); "
          "the work of all effects moves by %.2g",
-         ct_scheme_name(scheme), ENFORCEMENT[enforcement], change / size, closes / size,
+         SCHEME[scheme], ENFORCEMENT[enforcement], change / size, closes / size,
          (after.work - before.work) / size);
   ct_state_free(state);
   close_run(rest, scene, a);

@@ -140,25 +140,20 @@ def test_impossible_arguments_are_named(arguments, error, words):
 def test_node_order_and_shape_functions_are_those_of_vtk():
     vtk = pytest.importorskip("vtk")
     from libcontact._core import ffi, lib
+    from libcontact.mesh import Mesh
 
-    cases = [(vtk.vtkHexahedron, "CT_HEX8"), (vtk.vtkQuadraticHexahedron, "CT_HEX20")]
+    cases = [(vtk.vtkHexahedron, "hex8"), (vtk.vtkQuadraticHexahedron, "hex20")]
     for make, kind in cases:
-        cell, kind = make(), getattr(lib, kind)
-        count = lib.ct_brick_node_count(kind)
-        xi, N = ffi.new("double[3]"), ffi.new("double[20]")
+        cell, brick = make(), Mesh.box(kind, [0, 0, 0], [1, 1, 1], [1, 1, 1])
+        order = brick.elements[0]
+        count = len(order)
         corners = np.reshape([cell.GetParametricCoords()[i] for i in range(3 * count)], (count, 3))
-        for i in range(count):
-            lib.ct_brick_reference(kind, i, xi)
-            np.testing.assert_array_equal(list(xi), 2 * corners[i] - 1)
-        theirs, point = [0.0] * count, [0.3, 0.8, 0.45]
+        np.testing.assert_array_equal(brick.nodes[order], corners)
+        theirs, point = [0.0] * count, np.array([0.3, 0.8, 0.45])
         cell.InterpolateFunctions(point, theirs)
-        lib.ct_brick_shape(kind, [2 * p - 1 for p in point], N)
-        np.testing.assert_allclose(list(N)[:count], theirs, atol=1e-14)
-        for side in range(6):
-            nodes = ffi.new("int[8]")
-            lib.ct_brick_face(kind, side, nodes)
-            mine = {n for n in nodes if n >= 0}
-            assert mine in faces_of(cell, count)
+        np.testing.assert_allclose(brick.shape(2 * point - 1), theirs, atol=1e-14)
+        sides = [{list(order).index(n) for n in face} for face in brick.faces("outer")[0]]
+        assert all(side in faces_of(cell, count) for side in sides)
     for make, kind, half in [
         (vtk.vtkQuad, "Q4", 2),
         (vtk.vtkQuadraticQuad, "Q8", 2),
@@ -232,6 +227,3 @@ def test_a_path_ends_at_the_foot_that_project_finds(method):
 def test_a_path_of_a_wrong_point_is_refused():
     with pytest.raises(ValueError, match="point"):
         ct.project_path("T3", np.eye(3), [1.0, 2.0])
-
-
-# Derivatives in many digits, and what a change of names or of place must not change.

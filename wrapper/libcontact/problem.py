@@ -420,7 +420,7 @@ class Problem:
         rule = ffi.new("ct_rule *")
         points = []
         for (body, _), faces in zip(contact.surfaces, self.faces[i]):
-            lib.ct_rule_face(lib.ct_brick_face_kind(KINDS[self.bodies[body].mesh.element]), 0, rule)
+            lib.ct_rule_face(lib.ct_brick_face_kind(KINDS[self.bodies[body].mesh.element]), rule)
             points.append(len(faces) * rule.count)
         first, second = (".".join(surface) for surface in contact.surfaces)
         counts = tuple(len(faces) for faces in self.faces[i])

@@ -40,8 +40,8 @@ static double depth_at(const ct_side *side, const ct_search *other, int32_t face
   // The nearest face says whether the place is inside at all; if it is a far side, the nearest
   // other one says how deep.
   for (int k = 0; k < 2; k++) {
-    ct_search_point(other, y, -1, HUGE_VAL, ct_search_options_default().tolerance,
-                    k == 0 ? NULL : looks_away, &s, &nearest);
+    ct_search_point(other, y, -1, HUGE_VAL, CT_SEARCH_TOLERANCE, k == 0 ? NULL : looks_away, &s,
+                    &nearest);
     if (nearest.face < 0 || !(nearest.signed_distance < 0.0)) return NAN;
     if (ct_vector_dot(s.own, nearest.normal) < 0.5) break;
   }

@@ -4,7 +4,6 @@
 
 #include "../step/effect_internal.h"
 #include "../base/error.h"
-#include "../shape/jacobian.h"
 #include "../base/memory.h"
 #include "../solid/element.h"
 #include "../solid/kernel.h"
@@ -52,29 +51,6 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
 /* l = √(3/2) / g from the mean gradients per volume; the edge of a cube (eq:element-length). */
 static double length_of(double g2) { return sqrt(1.5 / g2); }
 
-ct_status ct_viscosity_element(const double *nodes, const double *velocity, double density,
-                               double c1, double linear, double quadratic, double *pressure,
-                               double *force, ct_error *error)
-{
-  double v[20][3], B[20][3], G[3][3], V, g2;
-  if (nodes == NULL || velocity == NULL || pressure == NULL || force == NULL)
-    return CT_REFUSE(error, "viscosity: null argument");
-  ct_status status = ct_element_mean_gradients(nodes, B, &V, &g2, error);
-  if (status != CT_OK) return status;
-  memcpy(v, velocity, 8 * sizeof v[0]);
-  // -- The rate at which the volume changes (eq:volume-rate)
-  ct_reference_gradient(8, B, v, G);
-  double D = (G[0][0] + G[1][1]) + G[2][2], l = length_of(g2);
-  // -- A pressure against compression only (eq:bulk-viscosity)
-  double rate = D < 0.0 ? -D : 0.0,
-         q = density * (l * rate) * (linear * c1 + quadratic * quadratic * (l * rate));
-  // -- It pushes the nodes apart (eq:viscous-force)
-  for (int a = 0; a < 8; a++)
-    for (int j = 0; j < 3; j++) force[3 * a + j] = q * V * B[a][j];
-  *pressure = q;
-  return CT_OK;
-}
-
 /* Forces of all elements of one body. */
 CT_CLONES
 static void body_batches(const viscous_body *body, const double *velocity, double linear,
@@ -87,16 +63,19 @@ static void body_batches(const viscous_body *body, const double *velocity, doubl
       ct_lanes v[3 * 8], U[CT_MODES], D[3], F[CT_MODES], q;
       double rate[CT_LANES_COUNT];
       ct_load_lanes(body->mesh, b, 8, velocity, lane, v);
+      // -- The rate at which the volume changes (eq:volume-rate)
       for (int j = 0; j < 3; j++) {
         ct_brick_modes(&v[8 * j], U);
         ct_mean_sum(e->b[j], U, &D[j]);
       }
       q = ((D[0] + D[1]) + D[2]) * e->inverse_volume;
+      // -- A pressure against compression only (eq:bulk-viscosity)
       memcpy(rate, &q, sizeof rate);
       for (int l = 0; l < CT_LANES_COUNT; l++) rate[l] = rate[l] < 0.0 ? -rate[l] : 0.0;
       memcpy(&q, rate, sizeof rate);
       q = e->length * q;
       q = q * (slow + fast * q);
+      // -- It pushes the nodes apart (eq:viscous-force)
       for (int j = 0; j < 3; j++) {
         for (int m = 0; m < CT_MEAN_MODES; m++) F[m] = -(q * e->b[j][m]);
         F[CT_XI_ETA_ZETA] = q - q;

@@ -500,19 +500,19 @@ static double rayleigh_infinity(const ct_plates *e)
 }
 
 /* Sum of the plane wave and of the waves of both faces (eq:exact-sum). */
-static void plates_point(const ct_plates *e, double x, double z, double t, double out[5])
+static void plates_point(const ct_plates *e, double x, double z, double t, double out[FIELDS])
 {
   double upper[FIELDS], lower[FIELDS];
   face_waves(e, x, 1.0 - z, t, upper);
   face_waves(e, x, 1.0 + z, t, lower);
   const int behind = x <= t;
-  out[0] = (behind ? -e->kappa2 / e->epsilon : 0.0) + (upper[SX] + lower[SX]);
-  out[1] = (behind ? -1.0 : 0.0) + (upper[SY] + lower[SY]);
-  out[2] = lower[SXY] - upper[SXY];
-  out[3] = (behind ? 0.0 : -1.0) + (upper[VX] + lower[VX]);
-  out[4] = lower[VY] - upper[VY];
+  out[SX] = (behind ? -e->kappa2 / e->epsilon : 0.0) + (upper[SX] + lower[SX]);
+  out[SY] = (behind ? -1.0 : 0.0) + (upper[SY] + lower[SY]);
+  out[SXY] = lower[SXY] - upper[SXY];
+  out[VX] = (behind ? 0.0 : -1.0) + (upper[VX] + lower[VX]);
+  out[VY] = lower[VY] - upper[VY];
   if (fabs(z) == 1.0 && t > 0.0 && fabs(x - e->c_r * t) <= 4.0 * DBL_EPSILON * x)
-    out[4] = -z * rayleigh_infinity(e);
+    out[VY] = -z * rayleigh_infinity(e);
 }
 
 ct_status ct_exact_speeds(double nu, double *c2, double *c_r)
@@ -524,19 +524,8 @@ ct_status ct_exact_speeds(double nu, double *c2, double *c_r)
   return CT_OK;
 }
 
-ct_status ct_exact_plates(double x, double z, double t, double nu, double length,
-                          ct_exact_field *out)
-{
-  double f[5];
-  if (out == NULL) return CT_ERROR_ARGUMENT;
-  ct_status status = ct_exact_plates_array(1, &x, &z, &t, nu, length, f, NULL, NULL);
-  if (status == CT_OK) *out = (ct_exact_field){f[0], f[1], f[2], f[3], f[4]};
-  return status;
-}
-
-ct_status ct_exact_plates_array(size_t n, const double *x, const double *z, const double *t,
-                                double nu, double length, double *fields, size_t *bad,
-                                ct_error *error)
+ct_status ct_exact_plates(size_t n, const double *x, const double *z, const double *t, double nu,
+                          double length, double *fields, size_t *bad, ct_error *error)
 {
   if (bad != NULL) *bad = n;
   if (!(nu > 0.0 && nu <= 0.49))
@@ -548,6 +537,6 @@ ct_status ct_exact_plates_array(size_t n, const double *x, const double *z, cons
   if (status != CT_OK) return status;
   ct_plates e;
   plates_init(&e, nu);
-  for (size_t i = 0; i < n; i++) plates_point(&e, x[i], z[i], t[i], fields + 5 * i);
+  for (size_t i = 0; i < n; i++) plates_point(&e, x[i], z[i], t[i], fields + FIELDS * i);
   return CT_OK;
 }

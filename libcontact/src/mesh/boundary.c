@@ -1,7 +1,6 @@
 /* The outer faces of a mesh: those that belong to one element only. */
-#include <libcontact/mesh.h>
-
 #include "../base/memory.h"
+#include "mesh_internal.h"
 
 #include <math.h>
 #include <stdlib.h>

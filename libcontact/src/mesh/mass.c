@@ -1,7 +1,7 @@
 #include <libcontact/mesh.h>
-#include <libcontact/shape.h>
 
 #include "assembly.h"
+#include "mesh_internal.h"
 #include "../base/error.h"
 #include "../shape/jacobian.h"
 #include "../base/memory.h"

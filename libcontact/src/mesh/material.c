@@ -1,6 +1,5 @@
-#include <libcontact/mesh.h>
-
 #include "../base/error.h"
+#include "mesh_internal.h"
 
 #include <math.h>
 

@@ -163,4 +163,7 @@ ct_project_method ct_project_broyden, ct_project_bfgs, ct_project_robust, ct_pro
     ct_project_simplex_newton;
 ct_project_method ct_project_sphere, ct_project_torus;
 
+/* Whether there is a method of this number. */
+int ct_method_exists(ct_method method);
+
 #endif

@@ -3,6 +3,7 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../mesh/mesh_internal.h"
 #include "../step/effect_internal.h"
 #include "../step/workspace.h"
 
@@ -62,7 +63,7 @@ ct_status ct_scene_create(ct_scene **scene, ct_error *error)
   if (scene == NULL) return CT_REFUSE(error, "scene: null argument");
   *scene = ct_allocate(1, sizeof **scene);
   if (*scene == NULL) return CT_NO_MEMORY(error, "a scene");
-  (*scene)->optimisations = ct_optimisations_default();
+  (*scene)->optimisations = (ct_optimisations){1, 1, 1, 1};
   return CT_OK;
 }
 

@@ -143,11 +143,6 @@ void ct_search_point(const ct_search *search, const double point[3], int32_t sta
   finish(&s, out);
 }
 
-ct_search_options ct_search_options_default(void)
-{
-  return (ct_search_options){.tolerance = 1e-10, .threads = 1};
-}
-
 /* Points that are asked one after the other by one thread. */
 enum { BLOCK = 1024 };
 
@@ -181,7 +176,7 @@ static void ask_block(const ct_search *search, size_t first, size_t last, const 
 ct_status ct_search_nearest(const ct_search *search, size_t count, const double *points,
                             const int32_t *start, const ct_search_options *options, ct_nearest *out)
 {
-  ct_search_options own = options != NULL ? *options : ct_search_options_default();
+  ct_search_options own = options != NULL ? *options : (ct_search_options){CT_SEARCH_TOLERANCE, 1};
   if (search == NULL || (count > 0 && (points == NULL || out == NULL))) return CT_ERROR_ARGUMENT;
   if (!(own.tolerance > 0.0 && own.tolerance < HUGE_VAL) || own.threads < 1)
     return CT_ERROR_ARGUMENT;

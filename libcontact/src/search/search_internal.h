@@ -3,8 +3,12 @@
 
 #include <libcontact/search.h>
 
+#include "../shape/shape.h"
 #include "box_tree.h"
 #include "../shape/incidence.h"
+
+/* Tolerance of a search for which the caller chooses none. */
+static const double CT_SEARCH_TOLERANCE = 1e-10;
 
 /* A surface with its topology, its current shape and its tree. */
 struct ct_search {

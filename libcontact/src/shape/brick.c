@@ -1,4 +1,4 @@
-#include <libcontact/shape.h>
+#include "shape.h"
 
 #include <math.h>
 
@@ -26,7 +26,6 @@ ct_face_kind ct_brick_face_kind(ct_brick_kind kind) { return kind == CT_HEX20 ? 
 
 void ct_brick_reference(ct_brick_kind kind, int node, double xi[3])
 {
-  if (xi == NULL) return;
   int known = node >= 0 && node < ct_brick_node_count(kind);
   for (int a = 0; a < 3; a++) xi[a] = known ? NODE[node][a] : NAN;
 }
@@ -79,7 +78,6 @@ void ct_brick_gradient(ct_brick_kind kind, const double xi[3], double dN[20][3])
 
 void ct_brick_face(ct_brick_kind kind, int side, int nodes[8])
 {
-  if (nodes == NULL) return;
-  int count = ct_brick_node_count(kind) == 0 ? 0 : ct_face_node_count(ct_brick_face_kind(kind));
-  for (int i = 0; i < 8; i++) nodes[i] = side >= 0 && side < 6 && i < count ? SIDE[side][i] : -1;
+  int count = ct_face_node_count(ct_brick_face_kind(kind));
+  for (int i = 0; i < 8; i++) nodes[i] = i < count ? SIDE[side][i] : -1;
 }

@@ -1,7 +1,7 @@
 #ifndef CT_SRC_FACETS_H
 #define CT_SRC_FACETS_H
 
-#include <libcontact/shape.h>
+#include "shape.h"
 #include <libcontact/base.h>
 
 #include "../base/memory.h"
@@ -16,7 +16,7 @@ typedef struct ct_facets {
   int32_t *nodes;         /* all of them once, ascending: those of `incidence` */
   ct_incidence incidence; /* where the values of each node stand, in units of a node of a face */
   ct_rule rule;
-  double N[25][8], dN[25][8][2];
+  double N[9][8], dN[9][8][2];
 } ct_facets;
 
 /* Copy and check the faces: they exist, their nodes are those of a problem with so many nodes, and

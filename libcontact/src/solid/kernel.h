@@ -4,6 +4,7 @@
 #include <libcontact/solid.h>
 
 #include "../mesh/assembly.h"
+#include "../mesh/mesh_internal.h"
 #include "../base/lanes.h"
 #include "ring.h"
 

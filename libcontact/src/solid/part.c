@@ -12,11 +12,6 @@
 #include <math.h>
 #include <string.h>
 
-ct_optimisations ct_optimisations_default(void)
-{
-  return (ct_optimisations){.sleep = 1, .plane_strain = 1, .shared_stiffness = 1, .separated = 1};
-}
-
 /* Which function computes a block, and the operations of one element counted in it. */
 static const struct kernel_row {
   ct_solid_kernel kernel;
@@ -143,7 +138,7 @@ ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *block, ct_er
   part->material = block->material;
   part->lumping = block->lumping;
   part->optimisations =
-      block->optimisations == NULL ? ct_optimisations_default() : *block->optimisations;
+      block->optimisations == NULL ? (ct_optimisations){1, 1, 1, 1} : *block->optimisations;
   part->first_node = block->first_node;
   ct_material_lame(&part->material, &part->lambda, &part->mu);
   part->hourglass = block->hourglass == 0.0 ? CT_HOURGLASS_DEFAULT : block->hourglass;

@@ -135,15 +135,3 @@ ct_status ct_reduced_stiffness(const double *nodes, const ct_material *material,
     }
   return CT_OK;
 }
-
-ct_status ct_solid_reduced_omega2_bound(const double *nodes, const ct_material *material,
-                                        double hourglass, const double *mass, double *omega_squared,
-                                        ct_error *error)
-{
-  double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], m[CT_ELEMENT_SIZE];
-  if (mass == NULL || omega_squared == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: null argument");
-  ct_spread_mass(8, mass, NULL, m);
-  ct_status status = ct_reduced_stiffness(nodes, material, hourglass, A, error);
-  return status == CT_OK ? ct_largest_eigenvalue(24, m, A, omega_squared, error) : status;
-}

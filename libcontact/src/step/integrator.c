@@ -25,11 +25,6 @@ static int is_scheme(ct_scheme scheme)
   return (int)scheme >= 0 && (size_t)scheme < sizeof RANGES / sizeof RANGES[0];
 }
 
-const char *ct_scheme_name(ct_scheme scheme)
-{
-  return is_scheme(scheme) ? RANGES[scheme].name : NULL;
-}
-
 ct_integrator ct_integrator_default(ct_scheme scheme)
 {
   return (ct_integrator){scheme, is_scheme(scheme) ? RANGES[scheme].usual : 0.0};

@@ -408,8 +408,3 @@ ct_growth ct_monitor_growth(const ct_monitor *monitor)
 {
   return monitor == NULL ? (ct_growth){0} : monitor->growth;
 }
-
-double ct_monitor_omega2(const ct_monitor *monitor)
-{
-  return monitor == NULL || monitor->mode == NULL ? 0.0 : monitor->omega_squared;
-}

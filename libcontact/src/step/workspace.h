@@ -116,4 +116,8 @@ typedef struct ct_starts {
 } ct_starts;
 ct_starts ct_state_starts(const ct_problem *problem, int32_t k);
 
+/* Largest stable Δt [time] for the sums `omega_squared` of ω² [1 / time²] and `rate` of the damping
+ * rates [1 / time], eq:integrator-damped-bound. */
+double ct_integrator_step(const ct_integrator *integrator, double omega_squared, double rate);
+
 #endif
