@@ -7,7 +7,7 @@ from typing import Any
 
 from ._core import ffi, lib
 from .errors import SceneWarning
-from .model import LAW_KEYS, Body, Contact, ContactKeys, Support
+from .model import Body, Contact, ContactKeys, Support
 from .parts import EFFECTS, Parts
 from .plan import Cost, predict, table
 from .problem import BuiltBody, BuiltContact, Problem, memory_of, speeds
@@ -94,7 +94,7 @@ def _facts(
 ) -> dict[str, Any]:
     parts, units = problem.parts, problem.parts.units
     bodies = [_body(problem, body) for body in problem.bodies.values()]
-    contacts = [_contact(*row) for row in zip(problem.contacts, parts.contacts, gaps, found)]
+    contacts = [_contact(*row) for row in zip(problem.contacts, parts.contact, gaps, found)]
     for name, rows in (("body", bodies), ("contact", contacts)):
         for i, row in enumerate(rows):
             own = [warning for warning in warnings if warning.key == f"{name}[{i}]"]
@@ -111,11 +111,11 @@ def _facts(
         "units": {"length": units.length, "mass": units.mass, "time": units.time, **labels},
         "bodies": bodies,
         "effects": list(dict.fromkeys(problem.effects)),
-        "savings": list(parts.savings),
+        "savings": list(parts.run.savings),
         "left_out": {name: why for name, why in WITHOUT.items() if name not in problem.effects},
         "assumptions": _assumptions(parts),
         "contacts": contacts,
-        "supports": [_support(support) for support in parts.supports],
+        "supports": [_support(support) for support in parts.support],
         "added": [
             {"name": added.name, "key": added.key, "text": added.given.describe(units)}
             for added in parts.effects
@@ -141,7 +141,7 @@ def _assumptions(parts: Parts) -> list[str]:
         for law, names in bodies.items()
     ]
     given = {name: [each.given for each in parts.effects if each.name == name] for name in EFFECTS}
-    pressed = [*parts.contacts, *given["obstacle"]]
+    pressed = [*parts.contact, *given["obstacle"]]
     holds = {
         STIFFENS: set(bodies) != {"linear"},
         PENALTY: any(each.enforcement != "lagrange" for each in pressed),
@@ -302,7 +302,9 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
     points = "Gauss" if contact["points"] == "gauss" else "Lobatto"
     share = "".join(
         f", {name.replace('_', ' ')} {contact[name]:g}"
-        for name, law in LAW_KEYS.items()
+        for name, law in {
+            k: v[1] for k, v in Contact.belongs.items() if v[0] == "enforcement"
+        }.items()
         if contact["enforcement"] == law
     )
     rub = f"friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"

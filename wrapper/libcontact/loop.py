@@ -300,7 +300,7 @@ class Loop:
             law = 'a body that turns needs the law "neo_hookean" or "st_venant_kirchhoff"'
             return who, key, f"{step}; {law}"
         if kind == lib.CT_EFFECT_CONTACT:
-            given = parts.contacts[nth]
+            given = parts.contact[nth]
             who, key = f"contact {pair_name(given.surfaces)}", f"contact[{nth}]"
         elif kind == lib.CT_EFFECT_OBSTACLE:
             obstacle = [added for added in parts.effects if added.name == "obstacle"][nth]

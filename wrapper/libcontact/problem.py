@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +29,7 @@ from .model import (
     Support,
 )
 from .parts import Parts
-from .schema import SceneError, Table, float_array, index_array, word
+from .schema import Place, Rows, SceneError, Table, word
 
 MOST_STEPS = 10**12
 NO_FACES = "has no faces: no outer face of the body lies in that plane"
@@ -132,26 +132,26 @@ class Problem:
     ):
         """``dt``: the step to the last bit, as a run had it that is continued; None: as the scene says."""
         self.parts, self.file, self.own = parts, file, tuple(own)
-        self.threads = parts.threads if threads is None else threads
+        self.threads = parts.run.threads if threads is None else threads
         self._check_size()
         out = ffi.new("ct_scene **")
         self._call("", lib.ct_scene_create, out)
         self._scene = ffi.gc(out[0], lib.ct_scene_free)
         chosen = ffi.new(
             "ct_optimisations *",
-            {member: key in parts.savings for key, member in OPTIMISATIONS.items()},
+            {member: key in parts.run.savings for key, member in OPTIMISATIONS.items()},
         )
         self._call("run.savings", lib.ct_scene_set_optimisations, self._scene, chosen)
         self._add_bodies()
-        self.faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contacts)]
-        for i, support in enumerate(parts.supports):
+        self.faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contact)]
+        for i, support in enumerate(parts.support):
             if not support.history:
                 self._add_support(i, support)
         self.kept: list[Any] = []
         self._add_effects(own)
         self._build(dt)
         self.bodies = {name: self._built_body(i, name) for i, name in enumerate(parts.bodies)}
-        self.contacts = [self._built_contact(*each) for each in enumerate(parts.contacts)]
+        self.contacts = [self._built_contact(*each) for each in enumerate(parts.contact)]
         made = [self.pointer.effects[i] for i in range(self.pointer.effect_count)]
         self.effects = [ffi.string(effect.label).decode() for effect in made]
         self.stores = [effect.energy != ffi.NULL for effect in made]
@@ -205,8 +205,8 @@ class Problem:
 
     def _key_of(self, table: str, number: int) -> str:
         """The key of a part that has this number in the library, whose supports are those without a path."""
-        held = [i for i, support in enumerate(self.parts.supports) if not support.history]
-        numbers = {"contact": range(len(self.parts.contacts)), "support": held}
+        held = [i for i, support in enumerate(self.parts.support) if not support.history]
+        numbers = {"contact": range(len(self.parts.contact)), "support": held}
         return f"{table}[{numbers[table][number]}]" if table in numbers else table
 
     # The pieces.
@@ -230,7 +230,7 @@ class Problem:
     def _is_lattice(self, body: Body) -> bool:
         """Whether nothing is stored of the elements of a body, :eq:`lattice-ring`."""
         return (
-            "congruent" in self.parts.savings
+            "congruent" in self.parts.run.savings
             and self.parts.materials[body.material].law == "linear"
             and body.bricks == "hex8"
             and body.integration == "full"
@@ -249,7 +249,7 @@ class Problem:
         """
         if body.box.layers is not None:
             return str(body.box.layers)
-        pressed = [surface for contact in self.parts.contacts for surface in contact.surfaces]
+        pressed = [surface for contact in self.parts.contact for surface in contact.surfaces]
         pressing = [each for each in self.parts.effects if each.name in ("obstacle", "load")]
         pressed += [added.given.surface for added in pressing]
         axes = {face[0] for name, face in pressed if name == body.name}
@@ -261,41 +261,30 @@ class Problem:
     def _mesh(self, i: int, body: Body) -> Mesh:
         """The mesh of a body, from whichever key says it."""
         box, ring, element = body.box, body.ring, str(body.bricks)
-        make: Callable[[], Mesh]
-        if box is not None:
-            key, axis = "box", self.layers(body)
-            make = lambda: Mesh.box(element, box.origin, box.size, box.cells, axis)
-        elif ring is not None:
-            key, make = "ring", lambda: Mesh.ring(element, ring)
-        else:
-            key = "mesh" if body.mesh is not None else "elements"
-            make = lambda: Mesh.copy(*self._arrays(i, body))
+        key = next(name for name in Body.one[0] if getattr(body, name) is not None)
         try:
-            return make()
+            if box is not None:
+                return Mesh.box(element, box.origin, box.size, box.cells, self.layers(body))
+            return Mesh.ring(element, ring) if ring is not None else self._copied(i, body)
         except SceneError:
             raise
         except (Error, ValueError, MemoryError, OverflowError) as error:
             raise self._error(f'body "{body.name}": {error}', f"body[{i}].{key}") from None
 
-    def _arrays(self, i: int, body: Body) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Nodes and elements of a body, its own or those of its file."""
-        nodes, elements = body.nodes, body.elements
+    def _copied(self, i: int, body: Body) -> Mesh:
+        """The mesh of a body's own nodes and elements, or of those of its file, which may contradict other keys as well."""
         if body.mesh is not None:
             path = Path(self.file).parent / body.mesh if self.file else Path(body.mesh)
-            nodes, elements = read_vtkhdf(path)
-            nodes = float_array(nodes, 3)
-            elements = index_array(elements, (8, 20), len(nodes))
-            found = "hex8" if elements.shape[1] == 8 else "hex20"
-            asked = body.element or found
-            if asked != found:
-                raise self._error(f'is "{asked}", but "{path}" holds {found}', f"body[{i}].element")
-            for key, _ in body.hex8_only() if found == "hex20" else ():
-                reason = f'"{getattr(body, key)}" is for hex8, and "{path}" holds hex20'
-                raise self._error(reason, f"body[{i}].{key}")
-        unused = np.flatnonzero(np.bincount(elements.ravel(), minlength=len(nodes)) == 0)
+            at, (nodes, elements) = Place(f"body[{i}].mesh", self.file), read_vtkhdf(path)
+            nodes = Rows(3).read(nodes, at)
+            elements = Rows(*WIDTH.values(), whole=True).read(elements, at)
+            body = replace(body, mesh=None, nodes=nodes, elements=elements)
+            for key, reason in body.refusals():
+                raise self._error(f'{reason}, in "{path}"', f"body[{i}].{key}")
+        unused = np.flatnonzero(np.bincount(body.elements.ravel(), minlength=len(body.nodes)) == 0)
         if unused.size:
             raise ValueError(f"node {unused[0]} belongs to no element, so it would have no mass")
-        return nodes, elements
+        return Mesh.copy(body.nodes, body.elements)
 
     def _add_bodies(self) -> None:
         self._meshes = {}
@@ -364,7 +353,7 @@ class Problem:
 
     def _add_effects(self, own: Sequence[Any]) -> None:
         """The effects beside contacts and supports, which are made for the joined bodies: those of the scene's tables, then those of the user's ``own``."""
-        supports = enumerate(self.parts.supports)
+        supports = enumerate(self.parts.support)
         paths = {f"support[{i}]": support for i, support in supports if support.history}
         calls = [(added.key, added.given.create) for added in self.parts.effects]
         calls += [(effect.name, effect.create) for effect in own]

@@ -108,11 +108,11 @@ def _coarse(problem: Problem, times: float) -> Problem:
     """The scene with elements that are some times larger, at the same fraction of its stable step."""
     parts = problem.parts
     assert parts.time is not None
-    bodies = {name: _larger(problem, body, times) for name, body in parts.bodies.items()}
+    bodies = tuple(_larger(problem, body, times) for body in parts.body)
     steps = {**dict.fromkeys(Time.one[1]), "fraction": min(problem.dt / problem.stable.dt, 1.0)}
     time = replace(parts.time, end=problem.end, end_c1t_over=None, **steps)
     own = [copy.copy(own) for own in problem.own]
-    return Problem(replace(parts, bodies=bodies, time=time), problem.file, problem.threads, own)
+    return Problem(replace(parts, body=bodies, time=time), problem.file, problem.threads, own)
 
 
 def _cells(body: Body, times: float) -> tuple[int, int, int] | None:

@@ -64,13 +64,13 @@ def first_touch(problem: Problem) -> list[Touch]:
     """
     obstacles = [added.given for added in problem.parts.effects if added.name == "obstacle"]
     return [_obstacle(problem, i, given) for i, given in enumerate(obstacles)] + [
-        _pair(problem, i) for i in range(len(problem.parts.contacts))
+        _pair(problem, i) for i in range(len(problem.parts.contact))
     ]
 
 
 def surface_box(problem: Problem, contact: int, side: int) -> tuple[Array, Array]:
     """Return the smallest and largest coordinates of a contact's surface, 0 or 1."""
-    body, _ = problem.parts.contacts[contact].surfaces[side]
+    body, _ = problem.parts.contact[contact].surfaces[side]
     points = problem.bodies[body].mesh.nodes[np.unique(problem.faces[contact][side])]
     return points.min(axis=0), points.max(axis=0)
 
@@ -86,7 +86,7 @@ def gravity_on(problem: Problem, body: str) -> Array:
 
 def _pair(problem: Problem, number: int) -> Touch:
     """When the boxes of two bodies meet: not before they have met along every axis that they are apart along."""
-    (a, _), (b, _) = problem.parts.contacts[number].surfaces
+    (a, _), (b, _) = problem.parts.contact[number].surfaces
     if a == b:
         return Touch("contact", number, b, 0.0, np.zeros(3), np.zeros(3), 0.0)
     (low_a, high_a), (low_b, high_b) = (problem.bodies[name].mesh.bounds for name in (a, b))

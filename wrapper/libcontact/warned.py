@@ -142,7 +142,7 @@ FATE = {
 
 def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[OverlapWarning]:
     """Points that are inside the other surface at the start, where the scene says nothing of it: neither ``adjust`` nor ``"remove"``."""
-    for i, (given, points) in enumerate(zip(problem.parts.contacts, found)):
+    for i, (given, points) in enumerate(zip(problem.parts.contact, found)):
         deepest = points["deepest"]
         if deepest > max(points["touching"], given.adjust) and given.initial_penetration in FATE:
             where = ", ".join(f"{x:.4g}" for x in points["position"])
@@ -160,7 +160,7 @@ def _overlaps(problem: Problem, found: Sequence[dict[str, Any]]) -> Iterator[Ove
 
 
 def _inside_out(problem: Problem) -> Iterator[InsideOutWarning]:
-    for i, contact in enumerate(problem.parts.contacts):
+    for i, contact in enumerate(problem.parts.contact):
         reason = "" if contact.with_itself else _away(problem, i, contact)
         if reason:
             text = f"{reason}, so they never press on each other and the bodies pass through; name the faces that look at each other"
@@ -247,7 +247,7 @@ def _never_meet(problem: Problem) -> Iterator[NeverMeetWarning]:
     """
     acted_on = _acted_on(problem)
     touches = {touch.contact: touch for touch in first_touch(problem) if touch.name == "contact"}
-    contacts = enumerate(problem.parts.contacts)
+    contacts = enumerate(problem.parts.contact)
     apart = {i: contact for i, contact in contacts if not contact.with_itself}
     before = -1
     while len(apart) != before:
@@ -269,8 +269,8 @@ def _acted_on(problem: Problem) -> set[str]:
     """The bodies whose motion before a contact is not known: something other than a free fall acts on them."""
     parts, out = problem.parts, {own.body for own in problem.own}
     out |= {name for name, body in parts.bodies.items() if body.spin is not None}
-    out |= {contact.surfaces[0][0] for contact in parts.contacts if contact.with_itself}
-    for support in parts.supports:
+    out |= {contact.surfaces[0][0] for contact in parts.contact if contact.with_itself}
+    for support in parts.support:
         velocity = parts.bodies[support.body].velocity
         held = [AXES.index(axis) for axis in support.fix]
         drives = any(support.velocity[k] != velocity[k] for k in held)
@@ -295,7 +295,7 @@ def _thin(problem: Problem) -> Iterator[ThinWarning]:
         meets = touch.closing > 0.0 and touch.time <= problem.end
         return given.enforcement not in FEEDING and meets
 
-    for i, contact in enumerate(problem.parts.contacts):
+    for i, contact in enumerate(problem.parts.contact):
         touch = touches["contact", i]
         if not contact.with_itself and loses(contact, touch):
             yield from _thin_in(problem, f"contact[{i}]", touch, _first_nodes(problem, i, touch))
@@ -312,7 +312,7 @@ def _thin(problem: Problem) -> Iterator[ThinWarning]:
 
 def _first_nodes(problem: Problem, i: int, touch: Touch) -> dict[str, NDArray[Any]]:
     """The nodes of both surfaces that hit first: the foremost ones that have the other surface before them."""
-    contact, along = problem.parts.contacts[i], touch.normal != 0.0
+    contact, along = problem.parts.contact[i], touch.normal != 0.0
     boxes, out = [surface_box(problem, i, k) for k in (0, 1)], {}
     for k, (name, _) in enumerate(contact.surfaces):
         mesh, (low, high) = problem.bodies[name].mesh, boxes[1 - k]
