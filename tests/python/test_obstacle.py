@@ -130,7 +130,7 @@ def test_contact_with_friction_has_its_own_column_and_line():
         ),
         ({"plane": None}, "obstacle[0]", "exactly one is needed"),
         ({"travel": [0, 0, 1]}, "obstacle[0].history", "go together"),
-        ({"tangent": 1.0, "friction": 0.0}, "obstacle[0].tangent", 'belongs to "friction"'),
+        ({"tangent": 1.0, "friction": 0.0}, "obstacle[0].tangent", "belongs to friction"),
         ({"friction": -1}, "obstacle[0].friction", "at least 0"),
         ({"speed": 1}, "obstacle[0].speed", "unknown key"),
     ],

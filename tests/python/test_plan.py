@@ -227,26 +227,3 @@ def test_what_limits_the_step(effect, limit):
     }
     assert sum(shares.values()) == pytest.approx(4 / text.data["time"]["stable"] ** 2, rel=1e-9)
     assert text.data["time"]["limited_by"] == limit and f"limited by {limit}\n" in text
-
-
-def test_a_large_scene_has_its_trial_with_larger_elements(monkeypatch):
-    """What is no measured time stays as it is; the trial has few elements, whatever the scene has."""
-    tried, of = [], planned._try
-    monkeypatch.setattr(rehearsal, "MOST_UPDATES", 1e3)
-    monkeypatch.setattr(
-        planned,
-        "_try",
-        lambda problem, *rest: (
-            tried.append(len(problem.bodies["left"].mesh.elements)) or of(problem, *rest)
-        ),
-    )
-    scene = two_bars(cells=200)
-    whole = scene.costs()
-    assert tried[0] == 200 and tried[1] < 200 and len(tried) == 2
-    monkeypatch.setattr(planned, "MOST_ELEMENTS", 20)
-    small = scene.costs()
-    assert len(tried) == 3 and tried[2] < 200
-    for one, other in zip(whole, small, strict=True):
-        for key in ("name", "nodes", "active", "flops", "bytes", "omega_squared", "rate"):
-            assert getattr(one, key) == getattr(other, key), (one.name, key)
-    assert all(cost.predicted > 0.0 for cost in small)

@@ -346,7 +346,6 @@ class Pressing(Table):
     """
 
     rivals = (("beta", "epsilon"),)
-    needs = {"tangent": "friction"}
     belongs = {"dissipation": ("enforcement", "energy_controlled")}
 
     beta: float | None = key(POSITIVE, default=4.0)
@@ -360,6 +359,11 @@ class Pressing(Table):
     def penalty_given(self) -> bool:
         """Whether the scene says the penalty."""
         return not self.given.isdisjoint(("beta", "epsilon"))
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        yield from super().refusals()
+        if self.tangent and not self.friction:
+            yield "tangent", 'belongs to friction; give "friction" too'
 
 
 class ContactKeys(Pressing):

@@ -27,17 +27,9 @@ from .touch import first_touch
 
 # A trial takes about this long, in rounds of some steps and a record.
 TRIAL_SECONDS, FEWEST_ROUNDS, MOST_ROUNDS, MOST_STEPS = 0.2, 4, 24, 24
-# What takes this many times the median of its like was interrupted by another program.
-INTERRUPTED = 3.0
-# A problem of more elements is not tried; its prices are those of its rehearsal.
-MOST_ELEMENTS = 100_000
 # The strain that makes all elements active in a trial.
 STRETCH = 1e-12
 LOOP, OUTPUT = "time loop", "output"
-HEADS = (
-    *("", "nodes", "a step", "work", "done"),
-    *("predicted", "measured", "flops", "bytes", "of the bound"),
-)
 
 
 @dataclass(frozen=True)
@@ -126,19 +118,20 @@ def predict(problem: Problem, records: int) -> Prediction:
     Prediction
         Costs without predicted times where no step can be computed.
     """
-    seen, steps, active = rehearse(problem), problem.step_count, dict[str, float]()
+    seen, steps = rehearse(problem), problem.step_count
+    interval = max(1, steps // max(1, records - 1))
     try:
-        prices = _prices(problem, seen, max(1, steps // max(1, records - 1)))
+        tried = _try(problem, interval, together=not seen)
+        seconds = _foreseen(problem, seen, tried.seconds, interval) if seen else tried.seconds
     except (Error, OSError):
         return Prediction(tuple(_known(problem)), steps, memory_of(problem), rehearsed=False)
-    if seen:
-        active, steps = _active(seen[0]), seen[0].steps
+    steps, active = (seen[0].steps, _active(seen[0])) if seen else (steps, {})
     costs = []
     for cost in _known(problem, _rounds(problem, seen)):
-        price, count = prices.seconds[cost.name], records if cost.name == OUTPUT else steps
+        price, count = seconds[cost.name], records if cost.name == OUTPUT else steps
         share = active.get(cost.name, 1.0)
         costs.append(replace(cost, seconds_a_step=price, active=share, predicted=price * count))
-    size = round(prices.first_bytes + prices.record_bytes * (records - 1))
+    size = round(tried.first_bytes + tried.record_bytes * (records - 1))
     return Prediction(tuple(costs), steps, memory_of(problem), size, bool(seen))
 
 
@@ -191,19 +184,10 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
         rows[0, 1:3] += len(body.mesh.elements) * np.array([body.flops, body.bytes])
     # The kick and drift of a degree of freedom: 6 operations; 3 arrays read, 3 read and written.
     rows[-1, :3] = problem.pointer.node_count * np.array([1.0, 18.0, 192.0])
-    nodes, flops, moved, omega2, rate = (_by_name(problem, column) for column in rows.T)
-    known = (
-        Cost(
-            name,
-            int(count),
-            flops=flops[name],
-            bytes=moved[name],
-            omega_squared=omega2[name],
-            rate=rate[name],
-        )
-        for name, count in nodes.items()
-    )
-    return [*known, Cost(OUTPUT)]
+    members = ("nodes", "flops", "bytes", "omega_squared", "rate")
+    columns = {member: _by_name(problem, column) for member, column in zip(members, rows.T)}
+    known = [{member: columns[member][name] for member in members} for name in columns["nodes"]]
+    return [*(Cost(name, **values) for name, values in zip(columns["nodes"], known)), Cost(OUTPUT)]
 
 
 def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:
@@ -217,49 +201,29 @@ def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:
 
 
 def _active(rehearsal: Rehearsal) -> dict[str, float]:
-    """The fraction in which the elements and each touching effect are active."""
-    coarse = rehearsal.coarse
-    out = {coarse.effects[0]: rehearsal.computed}
-    shares = rehearsal.pressed.mean(axis=0)
-    for name, effect, share in zip(coarse.effects, effects_of(coarse), shares):
+    """The fraction in which the elements and each effect that waits for a touch are active."""
+    coarse, out = rehearsal.coarse, {"solid": rehearsal.computed}
+    for k, effect in enumerate(effects_of(coarse)):
         if effect.kind in TOUCHING:
-            out[name] = max(out.get(name, 0.0), float(share))
+            share = float(rehearsal.pressed[:, k].mean())
+            out[coarse.effects[k]] = max(out.get(coarse.effects[k], 0.0), share)
     return out
 
 
-# Prices.
-
-
-@dataclass(frozen=True, eq=False)
-class _Prices:
-    """Seconds of a step of each part and of a record; bytes of the file after the first record, and of each further one."""
-
-    seconds: dict[str, float]
-    first_bytes: float
-    record_bytes: float
-
-
-def _prices(problem: Problem, seen: list[Rehearsal], interval: int) -> _Prices:
-    """The prices of a run: those of its rehearsals at the size of the run, :eq:`plan-size`."""
-    if not seen:
-        return _try(problem, interval, together=True)
-    coarse, sizes = seen[0].coarse, _sizes(problem)
-    rows = [(_sizes(one.coarse), _by_name(one.coarse, one.seconds)) for one in seen]
-    seconds = {
-        name: _at_size(sizes[name], [(size[name], value[name]) for size, value in rows])
-        for name in rows[0][1]
-    }
-    large = sum(len(body.mesh.elements) for body in problem.bodies.values()) > MOST_ELEMENTS
-    tried = _try(coarse if large else problem, interval)
-    ratio = sizes[LOOP] / rows[0][0][LOOP] if large else 1.0
-    if not large and coarse is not problem:
-        # What does not wait for a touch costs as much more than in the rehearsal as it does in a trial, :eq:`plan-trial`.
-        other = _try(coarse, interval).seconds
-        for name, effect in zip([*problem.effects, LOOP], [*effects_of(problem), None]):
-            if (effect is None or effect.kind not in TOUCHING) and other.get(name, 0.0) > 0.0:
-                seconds[name] = rows[0][1][name] * tried.seconds[name] / other[name]
-    seconds[OUTPUT] = ratio * tried.seconds[OUTPUT]
-    return _Prices(seconds, ratio * tried.first_bytes, ratio * tried.record_bytes)
+def _foreseen(
+    problem: Problem, seen: list[Rehearsal], tried: dict[str, float], interval: int
+) -> dict[str, float]:
+    """Seconds of a step of each part: what waits for a touch at the size of the run, :eq:`plan-size`, all else as a trial has it, :eq:`plan-trial`."""
+    coarse = seen[0].coarse
+    other = tried if coarse is problem else _try(coarse, interval).seconds
+    sizes = [_sizes(one) for one in (problem, *(rehearsal.coarse for rehearsal in seen))]
+    prices = [_by_name(rehearsal.coarse, rehearsal.seconds) for rehearsal in seen]
+    touching, seconds = _active(seen[0]).keys() - {"solid"}, dict(tried)
+    for name, price in prices[0].items():
+        known = [(size[name], each[name]) for size, each in zip(sizes[1:], prices)]
+        more = tried[name] / max(other[name], 1e-12)
+        seconds[name] = _at_size(sizes[0][name], known) if name in touching else price * more
+    return seconds
 
 
 def _sizes(problem: Problem) -> dict[str, float]:
@@ -274,7 +238,16 @@ def _at_size(size: float, seen: list[tuple[float, float]]) -> float:
     return most + max(slope, 0.0) * (size - larger)
 
 
-def _try(problem: Problem, interval: int, together: bool = False) -> _Prices:
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """Seconds of a step of each part and of a record; bytes of the file after the first record, and of each further one."""
+
+    seconds: dict[str, float]
+    first_bytes: float
+    record_bytes: float
+
+
+def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
     """
     Measure some steps and a record after them, again and again, from the start of the run with all elements active; with the
     surfaces moved ``together`` where that is asked for.
@@ -282,41 +255,38 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Prices:
     from .loop import Loop
 
     loop, error = Loop(problem, ""), new_error()
-    steps: list[Array] = []
-    records: list[float] = []
+    rounds: list[Array] = []
     sizes: list[int] = []
     _place(problem, loop.state, together)
+
+    def seconds_of(count: int) -> Array:
+        before = step_seconds(problem, loop.state)
+        check(lib.ct_step_many(problem.pointer, loop.state, count, error), error)
+        return (step_seconds(problem, loop.state) - before) / count
+
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "trial.vtkhdf"
         if problem.parts.output.file is not None and has("hdf5"):
             loop.open(file)
         try:
             loop.start_guard()
-            # A record computes the forces of the next step, which takes less time then.
-            ticks = step_seconds(problem, loop.state)
-            while len(records) < FEWEST_ROUNDS or (
-                len(records) < MOST_ROUNDS and np.sum(steps) + sum(records) < TRIAL_SECONDS
+            # The first step warms the caches, and tells how many there is time for.
+            there_is_time = TRIAL_SECONDS / FEWEST_ROUNDS / max(seconds_of(1).sum(), 1e-9)
+            count = max(1, min(interval, MOST_STEPS, int(there_is_time)))
+            while len(rounds) < FEWEST_ROUNDS or (
+                len(rounds) < MOST_ROUNDS and count * np.sum(rounds) < TRIAL_SECONDS
             ):
-                for _ in range(min(interval, MOST_STEPS)):
-                    before = ticks
-                    check(lib.ct_step(problem.pointer, loop.state, error), error)
-                    ticks = step_seconds(problem, loop.state)
-                    steps.append(ticks - before)
-                begin = loop.output_seconds
+                # A record computes the forces of the next step, which takes less time then.
+                steps, begin = seconds_of(count), loop.output_seconds
                 loop.record()
-                records.append(loop.output_seconds - begin)
+                rounds.append(np.append(steps, loop.output_seconds - begin))
                 sizes.append(file.stat().st_size if file.exists() else 0)
         finally:
             loop.abandon()
-    # The first round warms the caches.
-    step = _mean(np.array(steps[len(steps) // len(records) :]))
-    seconds = _by_name(problem, step) | {OUTPUT: float(_mean(np.array(records[1:])))}
-    return _Prices(seconds, sizes[0], (sizes[-1] - sizes[0]) / (len(sizes) - 1))
-
-
-def _mean(rows: Array) -> Array:
-    """The mean of like rows, of which some may have been interrupted."""
-    return np.asarray(np.minimum(rows, INTERRUPTED * np.median(rows, axis=0)).mean(axis=0))
+    # A median leaves out what another program interrupted.
+    *steps, record = np.median(rounds[1:], axis=0)
+    seconds = _by_name(problem, steps) | {OUTPUT: float(record)}
+    return _Trial(seconds, sizes[0], (sizes[-1] - sizes[0]) / (len(sizes) - 1))
 
 
 def _place(problem: Problem, state: Any, together: bool) -> None:
@@ -354,36 +324,40 @@ def table(costs: Sequence[Cost], stable: float) -> str:
         The lines of the table.
     """
     from rich.console import Console
-    from rich.table import Table
+    from rich.table import Column, Table
 
     rows = [_cells(cost, stable) for cost in costs]
-    sums = (_total([cost.predicted for cost in costs]), _total([cost.measured for cost in costs]))
-    rows.append(["together", *4 * [""], *map(_seconds, sums), *3 * [""]])
+    sums = {
+        key: _total([getattr(cost, key) for cost in costs]) for key in ("predicted", "measured")
+    }
+    rows.append({"": "together", **{key: _seconds(value) for key, value in sums.items()}})
     told = any(cost.measured is not None for cost in costs)
-    kept = [k for k, head in enumerate(HEADS) if told or head not in ("done", "measured")]
-    out = Table(box=None, pad_edge=False, padding=(0, 3, 0, 0))
-    for k in kept:
-        out.add_column(HEADS[k], justify="right" if k else "left")
+    heads = [head for head in rows[0] if told or head not in ("done", "measured")]
+    columns = [Column(head, justify="right" if head else "left") for head in heads]
+    out = Table(*columns, box=None, pad_edge=False, padding=(0, 3, 0, 0))
     for row in rows:
-        out.add_row(*(row[k] for k in kept))
+        out.add_row(*(row.get(head, "") for head in heads))
     text = io.StringIO()
     Console(file=text, width=200, color_system=None).print(out)
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 
-def _cells(cost: Cost, stable: float) -> list[str]:
+def _cells(cost: Cost, stable: float) -> dict[str, str]:
+    """A row of the table, by the heads of its columns."""
     # The part of 4 / dt² = W + 2 D / dt that belongs to the effect.
     bound = (cost.omega_squared + 2.0 * cost.rate / stable) * stable**2 / 4.0
-    return [
-        cost.name,
-        str(cost.nodes or ""),
-        _seconds(cost.seconds_a_step or None),
-        f"{100 * cost.active:.0f} %",
-        "" if cost.done is None else f"{100 * cost.done:.0f} %",
-        *map(_seconds, (cost.predicted, cost.measured)),
-        *(f"{count:.2g}" if count else "" for count in (cost.flops, cost.bytes)),
-        f"{100 * bound:.1f} %" if bound else "",
-    ]
+    return {
+        "": cost.name,
+        "nodes": str(cost.nodes or ""),
+        "a step": _seconds(cost.seconds_a_step or None),
+        "work": f"{100 * cost.active:.0f} %",
+        "done": "" if cost.done is None else f"{100 * cost.done:.0f} %",
+        "predicted": _seconds(cost.predicted),
+        "measured": _seconds(cost.measured),
+        "flops": f"{cost.flops:.2g}" if cost.flops else "",
+        "bytes": f"{cost.bytes:.2g}" if cost.bytes else "",
+        "of the bound": f"{100 * bound:.1f} %" if bound else "",
+    }
 
 
 def _total(values: Sequence[float | None]) -> float | None:
