@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
 from typing import Any
 
 from ._core import ffi, lib
@@ -10,7 +12,7 @@ from .errors import SceneWarning
 from .model import Body, Contact, ContactKeys, Support
 from .parts import EFFECTS, Parts
 from .plan import Cost, predict, table
-from .problem import BuiltBody, BuiltContact, Problem, memory_of, speeds
+from .problem import BuiltBody, BuiltContact, Problem, speeds
 from .surfaces import pair_name
 from .units import Units
 from .warned import at_start, known
@@ -61,54 +63,20 @@ class Explanation(str):
 def explain(problem: Problem, every: int, records: int) -> Explanation:
     """Explain a built problem that is recorded at ``records`` steps (about every ``every`` steps)."""
     gaps, found = at_start(problem)
-    output = problem.parts.output
-    warnings = known(problem, output.file, found)
-    data = _facts(problem, gaps, found, warnings)
-    plan = predict(problem, records)
-    data["plan"] = list(plan.costs)
-    data["cost"] |= {
-        "seconds": plan.seconds,
-        "output_bytes": plan.output,
-        "rehearsed": plan.rehearsed,
-    }
-    data["time"]["limited_by"] = _limited_by(problem, data["plan"])
-    data["output"] = {
-        "file": output.file,
-        "fields": list(output.fields),
-        "every": every,
-        "records": records,
-    }
-    text = Explanation("\n".join(_lines(data, problem.parts.units)))
-    text.data, text.warnings = data, warnings
-    return text
-
-
-# The facts.
-
-
-def _facts(
-    problem: Problem,
-    gaps: list[float | None],
-    found: list[dict[str, Any]],
-    warnings: list[SceneWarning],
-) -> dict[str, Any]:
-    parts, units = problem.parts, problem.parts.units
+    parts, units, output = problem.parts, problem.parts.units, problem.parts.output
+    warnings, plan = known(problem, output.file, found), predict(problem, records)
     bodies = [_body(problem, body) for body in problem.bodies.values()]
     contacts = [_contact(*row) for row in zip(problem.contacts, parts.contact, gaps, found)]
     for name, rows in (("body", bodies), ("contact", contacts)):
         for i, row in enumerate(rows):
             own = [warning for warning in warnings if warning.key == f"{name}[{i}]"]
             row["warnings"] = [str(warning) for warning in own]
+    elements = [body["elements"] for body in bodies]
     labels = {name: units.label(name) for name in ("stress", "energy")}
-    elements = sum(body["elements"] for body in bodies)
-    work = {
-        f"{name}_per_step": sum(body["elements"] * body[f"{name}_per_update"] for body in bodies)
-        for name in ("flops", "bytes")
-    }
-    return {
+    data = {
         "title": parts.title,
         "file": problem.file,
-        "units": {"length": units.length, "mass": units.mass, "time": units.time, **labels},
+        "units": {**values_of(units), **labels},
         "bodies": bodies,
         "effects": list(dict.fromkeys(problem.effects)),
         "savings": list(parts.run.savings),
@@ -120,15 +88,38 @@ def _facts(
             {"name": added.name, "key": added.key, "text": added.given.describe(units)}
             for added in parts.effects
         ],
-        "time": _time(problem),
+        "time": _time(problem, plan.costs),
         "cost": {
-            "memory_bytes": memory_of(problem),
-            **work,
-            "updates": problem.step_count * elements,
+            "memory_bytes": plan.memory,
+            "flops_per_step": sum(body["flops_per_update"] * body["elements"] for body in bodies),
+            "bytes_per_step": sum(body["bytes_per_update"] * body["elements"] for body in bodies),
+            "updates": problem.step_count * sum(elements),
             "threads": problem.threads,
+            "seconds": plan.seconds,
+            "output_bytes": plan.output,
+            "rehearsed": plan.rehearsed,
         },
         "warnings": [str(warning) for warning in warnings],
+        "plan": list(plan.costs),
+        "output": {
+            "file": output.file,
+            "fields": list(output.fields),
+            "every": every,
+            "records": records,
+        },
     }
+    text = Explanation("\n".join(_lines(data, units)))
+    text.data, text.warnings = data, warnings
+    return text
+
+
+# The facts.
+
+
+def values_of(table: Any) -> dict[str, Any]:
+    """The values of a table's keys, lists in place of tuples."""
+    values = ((field.name, getattr(table, field.name)) for field in fields(table))
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in values}
 
 
 def _assumptions(parts: Parts) -> list[str]:
@@ -189,12 +180,8 @@ def _contact(
     built: BuiltContact, given: Contact, gap: float | None, found: dict[str, Any]
 ) -> dict[str, Any]:
     return {
-        **{name: getattr(given, name) for name in ContactKeys.keys()},
-        "surfaces": list(built.surfaces),
-        "with_itself": built.with_itself,
-        "faces": list(built.faces),
-        "gauss_points": list(built.points),
-        "epsilon": built.epsilon,
+        **values_of(given),
+        **values_of(built),
         "penalty_is_default": not given.penalty_given,
         "tangent": given.tangent or 1.0,
         "removal_time": given.removal_time or 0.0,
@@ -204,16 +191,11 @@ def _contact(
 
 
 def _support(support: Support) -> dict[str, Any]:
-    return {
-        "set": ".".join(support.set),
-        "fix": list(support.fix),
-        "velocity": list(support.velocity),
-        "travel": list(support.travel),
-        "history": len(support.history.time) if support.history else 0,
-    }
+    points = len(support.history.time) if support.history else 0
+    return {**values_of(support), "set": ".".join(support.set), "history": points}
 
 
-def _time(problem: Problem) -> dict[str, Any]:
+def _time(problem: Problem, plan: Sequence[Cost]) -> dict[str, Any]:
     given, stable = problem.parts.time, problem.stable
     integrator = ffi.addressof(problem.pointer, "integrator")
     return {
@@ -230,20 +212,20 @@ def _time(problem: Problem) -> dict[str, Any]:
         "dt_courant": stable.dt_courant,
         "courant": problem.dt / stable.dt_courant if stable.dt_courant > 0.0 else math.inf,
         "fraction": problem.dt / stable.dt,
+        "limited_by": _limited_by(problem, plan),
     }
 
 
-def _limited_by(problem: Problem, plan: list[Cost]) -> str:
+def _limited_by(problem: Problem, plan: Sequence[Cost]) -> str:
     """The effects that bound the stable step, :eq:`plan-share`, that with the largest share first; those with less than 1 % are left out."""
+    rate, shares = 2.0 / problem.stable.dt, dict[str, float]()
+    for cost in plan:
+        shares[cost.name] = cost.omega_squared + rate * cost.rate
+    large = [name for name in shares if shares[name] > 0.01 * sum(shares.values())]
+    large.sort(key=lambda name: -shares[name])
     bodies = "elements" if problem.parts.time.stable_step == "elements" else "the assembled bodies"
-    rate = 2.0 / problem.stable.dt
-    share = {
-        bodies if cost.name == "solid" else cost.name: cost.omega_squared + rate * cost.rate
-        for cost in plan
-    }
-    least = 0.01 * sum(share.values())
-    large = [name for name in sorted(share, key=lambda name: -share[name]) if share[name] > least]
-    return " and ".join(large) + (" together" if len(large) > 1 else "") if large else "nothing"
+    text = " and ".join(bodies if name == "solid" else name for name in large)
+    return text + (" together" if len(large) > 1 else "") if text else "nothing"
 
 
 # The text. Empty lines of a section are left out.
@@ -298,30 +280,26 @@ def _contact_lines(contact: dict[str, Any], units: Units) -> list[str]:
         other = "another part of the surface"
     origin = "given" if contact["beta"] is None else f"beta = {contact['beta']:g}"
     origin += ", the default" if contact["penalty_is_default"] else ""
-    epsilon = f"{contact['epsilon']:.6g} {units.label('penalty')}"
-    points = "Gauss" if contact["points"] == "gauss" else "Lobatto"
-    share = "".join(
-        f", {name.replace('_', ' ')} {contact[name]:g}"
-        for name, law in {
-            k: v[1] for k, v in Contact.belongs.items() if v[0] == "enforcement"
-        }.items()
-        if contact["enforcement"] == law
-    )
-    rub = f"friction {contact['friction']:g}, tangential penalty {contact['tangent']:g} epsilon"
-    gap, adjust = contact["initial_gap"], f"{contact['adjust']:g} {units.length}"
-    nearest = f"no point is near {other}"
+    gap, nearest = contact["initial_gap"], f"no point is near {other}"
     if gap is not None:
         nearest = f"the smallest gap is {gap:.4g} {units.length}"
     return [
-        f"contact {pair_name(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} {points} points",
-        f"  penalty epsilon = {epsilon} ({origin}), closest points by {contact['method']}",
-        f"  enforced by {contact['enforcement']}{share}",
-        f"  {rub}" if contact["friction"] else "",
+        f"contact {pair_name(contact['surfaces'])}: {how}, {sum(contact['gauss_points'])} points",
+        f"  penalty epsilon = {contact['epsilon']:.6g} {units.label('penalty')} ({origin})",
+        f"  {', '.join(_choices(contact))}",
         f"  at the start {nearest}",
-        f"  gaps and overlaps at the start up to {adjust} are taken as touching"
-        if contact["adjust"]
-        else "",
     ]
+
+
+def _choices(contact: dict[str, Any]) -> Iterator[str]:
+    """The other keys of a contact that have a meaning in it, with their values."""
+    for name in ContactKeys.keys():
+        other, wanted = Contact.belongs.get(name, (name, contact[name]))
+        if name not in ("beta", "epsilon") and contact[other] == wanted:
+            value = contact[name]
+            if value is not None:
+                text = f"{value:g}" if isinstance(value, float) else value
+                yield f"{name.replace('_', ' ')} {text}"
 
 
 def _support_line(support: dict[str, Any], units: Units) -> str:

@@ -113,13 +113,13 @@ def conflicts(parts: Parts) -> Iterator[tuple[str, str]]:
         for name, reason in body.small_strain_only(parts.materials[body.material]):
             yield f"body[{i}].{name}", reason
         for added in parts.effects:
-            if _acts_on(added.given, body.name):
+            if acts_on(added.given, body.name):
                 yield from _not_on(parts, body, added)
     yield from _same_pair(parts)
     yield from _absorbing(parts)
 
 
-def _acts_on(effect: Any, name: str) -> bool:
+def acts_on(effect: Any, name: str) -> bool:
     """Whether an effect acts on a body, as a whole or on a surface of it."""
     if hasattr(effect, "bodies"):
         return effect.bodies is None or name in effect.bodies

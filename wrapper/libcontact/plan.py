@@ -59,15 +59,15 @@ class Cost:
 
     name: str
     nodes: int = 0
+    flops: float = 0.0
+    bytes: float = 0.0
+    omega_squared: float = 0.0
+    rate: float = 0.0
     seconds_a_step: float = 0.0
     active: float = 1.0
     done: float | None = None
     predicted: float | None = None
     measured: float | None = None
-    flops: float = 0.0
-    bytes: float = 0.0
-    omega_squared: float = 0.0
-    rate: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -184,10 +184,9 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
         rows[0, 1:3] += len(body.mesh.elements) * np.array([body.flops, body.bytes])
     # The kick and drift of a degree of freedom: 6 operations; 3 arrays read, 3 read and written.
     rows[-1, :3] = problem.pointer.node_count * np.array([1.0, 18.0, 192.0])
-    members = ("nodes", "flops", "bytes", "omega_squared", "rate")
-    columns = {member: _by_name(problem, column) for member, column in zip(members, rows.T)}
-    known = [{member: columns[member][name] for member in members} for name in columns["nodes"]]
-    return [*(Cost(name, **values) for name, values in zip(columns["nodes"], known)), Cost(OUTPUT)]
+    nodes, *columns = (_by_name(problem, column) for column in rows.T)
+    known = [Cost(name, int(nodes[name]), *(c[name] for c in columns)) for name in nodes]
+    return [*known, Cost(OUTPUT)]
 
 
 def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:

@@ -59,12 +59,12 @@ class BuiltBody:
 
 @dataclass(frozen=True)
 class BuiltContact:
-    """A contact; ``faces`` and ``points`` count those of each side. A surface in contact with itself is its one side."""
+    """A contact; ``faces`` and ``gauss_points`` count those of each side. A surface in contact with itself is its one side."""
 
     surfaces: tuple[str, str]
     with_itself: bool
     faces: tuple[int, ...]
-    points: tuple[int, ...]
+    gauss_points: tuple[int, ...]
     epsilon: float
 
 
@@ -114,7 +114,7 @@ def memory_of(problem: Problem) -> int:
         # The solver keeps where a row is, and 11 numbers to find its force.
         pressing = effect.phase == lib.CT_PHASE_CONSTRAINT
         total += pressing * effect.constraint_count * 13 * 8
-    return total + POINT_BYTES * sum(sum(contact.points) for contact in problem.contacts)
+    return total + POINT_BYTES * sum(sum(contact.gauss_points) for contact in problem.contacts)
 
 
 class Problem:
