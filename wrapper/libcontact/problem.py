@@ -17,10 +17,8 @@ from .errors import Error, check, new_error, text_of
 from .mesh import KINDS, WIDTH, Mesh, physical_memory, read_vtkhdf, row_length
 from .model import (
     AXES,
-    INITIAL,
     INTEGRATORS,
     KERNELS,
-    LUMPINGS,
     OPTIMISATIONS,
     Body,
     Contact,
@@ -296,15 +294,13 @@ class Problem:
                 reason = f'material "{body.material}" has the wave speed {c1:g}'
                 raise self._error(reason, f"body[{i}].material")
             name = ffi.new("char[]", body.name.encode())
-            new = ffi.new("ct_scene_body *", {"name": name, "mesh": mesh.pointer})
-            new.material = c_material(given)[0]
-            new.lumping = LUMPINGS[body.lumping or "default"]
-            new.kernel = KERNELS["reduced" if body.integration == "reduced" else body.kernel]
-            new.velocity = list(body.velocity)
-            new.hourglass = body.hourglass or 0.0
+            members = body.c("ct_scene_body", name=name, mesh=mesh.pointer)
+            members["material"] = given.c("ct_material")
+            if body.integration == "reduced":
+                members["kernel"] = lib.CT_KERNEL_REDUCED
             if body.spin is not None:
-                velocities = ffi.from_buffer("double[]", _spinning(body, mesh))
-                new.velocities = velocities
+                members["velocities"] = ffi.from_buffer("double[]", _spinning(body, mesh))
+            new = ffi.new("ct_scene_body *", members)
             about = f'body "{body.name}": '
             self._call(f"body[{i}]", lib.ct_scene_add_body, self._scene, new, ffi.NULL, about=about)
             self._meshes[body.name] = mesh
@@ -319,13 +315,7 @@ class Problem:
         if contact.with_itself:
             faces = [_together(*faces)] * 2
         options = lib.ct_contact_options_default()
-        members = contact.c(
-            "ct_contact_options",
-            threads=self.threads,
-            initial_penetration=INITIAL[contact.initial_penetration],
-            removal_time=contact.removal_time or 0.0,
-        )
-        for name, value in members.items():
+        for name, value in contact.c("ct_contact_options", threads=self.threads).items():
             setattr(options, name, value)
         new = ffi.new("ct_scene_contact *", contact.c("ct_scene_contact", options=options))
         for side, (body, _), table in zip("ab", contact.surfaces, faces):
@@ -339,16 +329,8 @@ class Problem:
         nodes = self._meshes[support.body].face_nodes(support.face)
         if not nodes.size:
             raise self._error(f'"{support.body}.{support.face}" has no nodes', f"support[{i}].set")
-        new = ffi.new(
-            "ct_scene_support *",
-            {
-                "body": list(self.parts.bodies).index(support.body),
-                "nodes": ffi.from_buffer("int32_t[]", nodes),
-                "node_count": len(nodes),
-                "fixed": [axis in support.fix for axis in AXES],
-                "velocity": list(support.velocity),
-            },
-        )
+        new = ffi.new("ct_scene_support *", support.c("ct_scene_support", **_held(support, nodes)))
+        new.body = list(self.parts.bodies).index(support.body)
         self._call(f"support[{i}]", lib.ct_scene_add_support, self._scene, new)
 
     def _add_effects(self, own: Sequence[Any]) -> None:
@@ -455,13 +437,12 @@ class Maker:
         """The one effect of all supports on a path."""
         motions = self.keep(ffi.new("ct_motion[]", len(paths)))
         for motion, support in zip(motions, paths):
-            nodes = self.keep(self.face_nodes(support.set))
-            motion.nodes, motion.node_count = ffi.from_buffer("int32_t[]", nodes), len(nodes)
-            motion.fixed = [axis in support.fix for axis in AXES]
-            motion.displacement = list(support.travel)
-            motion.amplitude = self.history(support.history)
-        members = {"motions": motions, "motion_count": len(paths)}
-        return self._made("motion", "ct_motion_def", members)
+            members = _held(support, self.keep(self.face_nodes(support.set)))
+            members |= {"displacement": support.travel, "amplitude": self.history(support.history)}
+            for name, value in members.items():
+                setattr(motion, name, value)
+        given = {"motions": motions, "motion_count": len(paths)}
+        return self._made("motion", "ct_motion_def", given)
 
     def history(self, history: History | None) -> dict[str, Any]:
         """The members of a ``ct_amplitude``; without one the factor is 1 at all times."""
@@ -507,6 +488,13 @@ class Maker:
         return np.ascontiguousarray(numbers + self.body(surface[0]).first_node, dtype=np.int32)
 
 
+def _held(support: Support, nodes: NDArray[Any]) -> dict[str, Any]:
+    """The members of C structs that say what a support holds."""
+    fixed = [axis in support.fix for axis in AXES]
+    rows = ffi.from_buffer("int32_t[]", nodes)
+    return {"nodes": rows, "node_count": len(nodes), "fixed": fixed}
+
+
 def _together(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
     """The faces of two surfaces of one body as one surface: those of the first, then those of the second that it does not have."""
     both = np.concatenate([first, second])
@@ -545,15 +533,10 @@ def penetrations(problem: Problem, state: Any) -> list[dict[str, dict[str, Any]]
         found, table = ffi.new("ct_penetration *"), {}
         for place, at in places.items():
             check(lib.ct_contact_penetration(contact, at, found))
-            table[place] = {
-                "inside": found.inside,
-                "buried": found.buried,
-                "deepest": found.deepest,
-                "surface": built.surfaces[found.side] if found.side >= 0 else None,
-                "face": found.face,
-                "position": tuple(found.position),
-                "touching": found.touching,
-            }
+            numbers = ("inside", "buried", "deepest", "face", "touching")
+            table[place] = {name: getattr(found, name) for name in numbers}
+            table[place]["surface"] = built.surfaces[found.side] if found.side >= 0 else None
+            table[place]["position"] = tuple(found.position)
         out.append(table)
     return out
 

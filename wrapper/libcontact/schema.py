@@ -536,13 +536,12 @@ class Table:
                 yield name, f"is {describe(value)}; {belongs}"
 
     def c(self, struct: str, **members: Any) -> dict[str, Any]:
-        """The members of a C struct that have the name of a key which has a value, and further ``members``."""
-        known = self.keys()
-        out = {
-            name: known[name].metadata["kind"].c(getattr(self, name))
-            for name, _ in ffi.typeof(struct).fields
-            if name in known and getattr(self, name) is not None
-        }
+        """The members of a C struct that have the name of a key which has a value but no table, and further ``members``."""
+        out, known, there = dict[str, Any](), self.keys(), dict(ffi.typeof(struct).fields)
+        for name in there.keys() & known.keys():
+            value = getattr(self, name)
+            if value is not None and not isinstance(value, Table):
+                out[name] = known[name].metadata["kind"].c(value)
         return {**out, **members}
 
     @classmethod
