@@ -18,6 +18,7 @@ from .schema import (
     VECTOR,
     Choice,
     Each,
+    Face,
     FileName,
     Many,
     Name,
@@ -251,11 +252,6 @@ class Body(Table, eq=False):
             return "hex8" if self.elements.shape[1] == 8 else "hex20"
         return self.element or (None if self.mesh else "hex8")
 
-    @property
-    def lattice(self) -> Any:
-        """The box or the ring."""
-        return self.box or self.ring
-
     def refusals(self) -> Iterator[tuple[str, str]]:
         yield from super().refusals()
         if self.elements is not None:
@@ -354,11 +350,6 @@ class Pressing(Table):
     dissipation: float = key(Number(least=0.0, most=1.0), default=CONTACT.dissipation)
     friction: float = key(FORWARD, default=0.0)
     tangent: float | None = key(POSITIVE, default=None, says="1")
-
-    @property
-    def penalty_given(self) -> bool:
-        """Whether the scene says the penalty."""
-        return not self.given.isdisjoint(("beta", "epsilon"))
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         yield from super().refusals()
@@ -460,23 +451,13 @@ class Support(Table):
 
     needs = {"travel": "history", "history": "travel"}
 
-    set: Any = key(Surface(), kw_only=False)
+    set: Face = key(Surface(), kw_only=False)
     fix: Sequence[str] = key(
         Many(Choice(AXES), 'name at least one of "x", "y", "z"', distinct=True)
     )
     velocity: Vector = key(VECTOR, unit="length / time", default=ORIGIN)
     travel: Vector = key(VECTOR, unit="length", default=ORIGIN, says="none")
     history: Any = key(Nested(History), default=None, says="none")
-
-    @property
-    def body(self) -> str:
-        """The body whose face is held."""
-        return str(self.set[0])
-
-    @property
-    def face(self) -> str:
-        """The face that is held."""
-        return str(self.set[1])
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         if self.history and "velocity" in self.given:
@@ -565,6 +546,11 @@ class Time(Table):
         return next((name, value) for name, value in values if value is not None)
 
     @property
+    def scheme(self) -> dict[str, Any]:
+        """The members of a ``ct_integrator``."""
+        return {"scheme": INTEGRATORS[self.integrator], "parameter": self.parameter}
+
+    @property
     def parameter(self) -> float:
         """The parameter of the integrator, its own default where the scene says none."""
         usual: float = lib.ct_integrator_default(INTEGRATORS[self.integrator]).parameter
@@ -572,8 +558,7 @@ class Time(Table):
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         error = new_error()
-        scheme = {"scheme": INTEGRATORS[self.integrator], "parameter": self.parameter}
-        if lib.ct_integrator_check(ffi.new("ct_integrator *", scheme), error) != lib.CT_OK:
+        if lib.ct_integrator_check(ffi.new("ct_integrator *", self.scheme), error) != lib.CT_OK:
             yield "integrator_parameter", ffi.string(error.text).decode()
 
 

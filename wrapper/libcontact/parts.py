@@ -130,7 +130,7 @@ def _not_on(parts: Parts, body: Body, added: Added) -> Iterator[tuple[str, str]]
     """Viscosity of hex20, and a load along the thickness of a body that asks for the kernel of plane strain."""
     if added.name == "viscosity" and body.bricks == "hex20":
         yield f"{added.key}.bodies", f'"{body.name}" is of hex20; bulk viscosity is for hex8'
-    held = {axis for each in parts.support if each.body == body.name for axis in each.fix}
+    held = {axis for each in parts.support if each.set.body == body.name for axis in each.fix}
     cells = body.box.cells if body.box and body.kernel == "plane" else ()
     thin = [k for k, n in enumerate(cells) if n == 1 and "xyz"[k] in held]
     vector = getattr(added.given, "acceleration", getattr(added.given, "traction", None))

@@ -20,7 +20,8 @@ import numpy as np
 
 from . import has
 from ._core import ffi, lib
-from .errors import Error, check, new_error
+from .bridge import call
+from .errors import Error
 from .problem import Problem, memory_of, new_state
 from .rehearsal import TOUCHING, Array, Rehearsal, effects_of, rehearse, step_seconds
 from .touch import first_touch
@@ -170,11 +171,11 @@ def _by_name(problem: Problem, values: Array) -> dict[str, float]:
 
 def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
     """Nodes, operations, bytes and bounds of each part, with ``rounds`` of the solver a point, :eq:`round-flops`; of the output nothing."""
-    state, error, bounds = new_state(problem), new_error(), ffi.new("double[2]")
+    state, bounds = new_state(problem), ffi.new("double[2]")
     rows = np.zeros((len(problem.effects) + 1, 5))
     face = max(4 if body.mesh.element == "hex8" else 8 for body in problem.bodies.values())
     for k, effect in enumerate(effects_of(problem)):
-        check(lib.ct_stable_share(problem.pointer, state, k, bounds, bounds + 1, error), error)
+        call(lib.ct_stable_share, problem.pointer, state, k, bounds, bounds + 1)
         rows[k] = effect.node_count, effect.flops, effect.bytes, *bounds
         # A point of a contact moves the nodes of two faces.
         moves = face * (2 if effect.kind == lib.CT_EFFECT_CONTACT else 1)
@@ -253,14 +254,14 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
     """
     from .loop import Loop
 
-    loop, error = Loop(problem, ""), new_error()
+    loop = Loop(problem, "")
     rounds: list[Array] = []
     sizes: list[int] = []
     _place(problem, loop.state, together)
 
     def seconds_of(count: int) -> Array:
         before = step_seconds(problem, loop.state)
-        check(lib.ct_step_many(problem.pointer, loop.state, count, error), error)
+        call(lib.ct_step_many, problem.pointer, loop.state, count)
         return (step_seconds(problem, loop.state) - before) / count
 
     with tempfile.TemporaryDirectory() as folder:

@@ -12,25 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import names, row
+from .bridge import ask, names, row
 from .errors import Error, check, new_error, text_of
 from .mesh import KINDS, WIDTH, Mesh, physical_memory, read_vtkhdf, row_length
-from .model import (
-    AXES,
-    INTEGRATORS,
-    KERNELS,
-    OPTIMISATIONS,
-    Body,
-    Contact,
-    History,
-    Material,
-    Support,
-)
+from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support
 from .parts import Parts
 from .schema import Place, Rows, SceneError, Table, word
 
 MOST_STEPS = 10**12
-NO_FACES = "has no faces: no outer face of the body lies in that plane"
 # Bytes of a contact for each of its points: the point itself, its memory, its share of the faces and their search. Of an integrator for
 # each node: accelerations before.
 POINT_BYTES = 680
@@ -104,9 +93,8 @@ def memory_of(problem: Problem) -> int:
     for k in range(1, problem.pointer.effect_count):
         effect = problem.pointer.effects[k]
         # Impulse in two parts, of the state and the good one; of a force also its work, itself, and what it is put right with.
-        total += effect.node_count * (
-            96 if effect.phase == lib.CT_PHASE_REACTION else 96 + 48 + 24 + 76
-        )
+        works = effect.phase != lib.CT_PHASE_REACTION
+        total += effect.node_count * (96 + (48 + 24 + 76) * works)
         total += 24 * effect.memory_count
         total += 0 if effect.nodes == ffi.NULL else 4 * effect.node_count
         # The solver keeps where a row is, and 11 numbers to find its force.
@@ -135,10 +123,8 @@ class Problem:
         out = ffi.new("ct_scene **")
         self._call("", lib.ct_scene_create, out)
         self._scene = ffi.gc(out[0], lib.ct_scene_free)
-        chosen = ffi.new(
-            "ct_optimisations *",
-            {member: key in parts.run.savings for key, member in OPTIMISATIONS.items()},
-        )
+        savings = {member: key in parts.run.savings for key, member in OPTIMISATIONS.items()}
+        chosen = ffi.new("ct_optimisations *", savings)
         self._call("run.savings", lib.ct_scene_set_optimisations, self._scene, chosen)
         self._add_bodies()
         self.faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contact)]
@@ -146,7 +132,7 @@ class Problem:
             if not support.history:
                 self._add_support(i, support)
         self.kept: list[Any] = []
-        self._add_effects(own)
+        self._add_effects()
         self._build(dt)
         self.bodies = {name: self._built_body(i, name) for i, name in enumerate(parts.bodies)}
         self.contacts = [self._built_contact(*each) for each in enumerate(parts.contact)]
@@ -161,18 +147,12 @@ class Problem:
 
     @property
     def end(self) -> float:
-        """The end of the run in the scene's units."""
-        time = self.parts.time
+        """The end of the run in the scene's units; ``end_c1t_over`` means the fastest c₁ of all bodies."""
+        time, over = self.parts.time, self.parts.time.end_c1t_over
         if time.end is not None:
             return float(time.end)
-        over = time.end_c1t_over
-        return float(over.length * over.value / self.fastest)
-
-    @property
-    def fastest(self) -> float:
-        """The fastest c₁ of all bodies: the one that ``end_c1t_over`` means."""
-        bodies = self.parts.bodies.values()
-        return max(speeds(self.parts.materials[body.material])[0] for body in bodies)
+        materials = (self.parts.materials[body.material] for body in self.parts.body)
+        return float(over.length * over.value / max(speeds(each)[0] for each in materials))
 
     @property
     def settled(self) -> float:
@@ -213,17 +193,15 @@ class Problem:
         """Refuse boxes and rings that this machine can't hold before their meshes are made."""
         need = 0
         for i, body in enumerate(self.parts.bodies.values()):
-            if body.lattice is not None:
-                x, y, z = body.lattice.cells
+            if body.box or body.ring:
+                x, y, z = (body.box or body.ring).cells
                 nodes = (x + 1) * (y + 1) * (z + 1) * (4 if body.bricks == "hex20" else 1)
                 width = WIDTH[str(body.bricks)]
                 need += memory_estimate(nodes, x * y * z, width, self._is_lattice(body))
             if need > physical_memory():
-                gigabytes = (
-                    f"{need / 1e9:.3g} GB, this machine has {physical_memory() / 1e9:.3g} GB"
-                )
+                there = f"this machine has {physical_memory() / 1e9:.3g} GB"
                 key = f"body[{i}].{'box' if body.box else 'ring'}.cells"
-                raise self._error(f"the run needs about {gigabytes}", key)
+                raise self._error(f"the run needs about {need / 1e9:.3g} GB, {there}", key)
 
     def _is_lattice(self, body: Body) -> bool:
         """Whether nothing is stored of the elements of a body, :eq:`lattice-ring`."""
@@ -233,12 +211,9 @@ class Problem:
             and body.bricks == "hex8"
             and body.integration == "full"
             and body.kernel in ("auto", "box", "plane")
-            and self.has_rows(body)
+            and body.box is not None
+            and row_length(body.box, self.layers(body)) >= SHORTEST_LATTICE
         )
-
-    def has_rows(self, body: Body) -> bool:
-        """Whether a body is a box whose rows are long enough to be taken for those of a lattice."""
-        return body.box is not None and row_length(body.box, self.layers(body)) >= SHORTEST_LATTICE
 
     def layers(self, body: Body) -> str:
         """
@@ -247,9 +222,9 @@ class Problem:
         """
         if body.box.layers is not None:
             return str(body.box.layers)
-        pressed = [surface for contact in self.parts.contact for surface in contact.surfaces]
-        pressing = [each for each in self.parts.effects if each.name in ("obstacle", "load")]
-        pressed += [added.given.surface for added in pressing]
+        parts = self.parts
+        pressed = [surface for contact in parts.contact for surface in contact.surfaces]
+        pressed += [each.surface for each in (*parts.obstacle, *parts.load)]
         axes = {face[0] for name, face in pressed if name == body.name}
         axis = axes.pop() if len(axes) == 1 else "z"
         if axis not in ("x", "y"):
@@ -307,11 +282,8 @@ class Problem:
 
     def _add_contact(self, i: int, contact: Contact) -> list[NDArray[Any]]:
         numbers = {name: n for n, name in enumerate(self.parts.bodies)}
-        faces = []
-        for j, (body, face) in enumerate(contact.surfaces):
-            faces.append(self._meshes[body].faces(face)[0])
-            if not len(faces[j]):
-                raise self._error(f'"{body}.{face}" {NO_FACES}', f"contact[{i}].surfaces[{j}]")
+        places = [f"contact[{i}].surfaces[{j}]" for j in (0, 1)]
+        faces = [self._on(surface, at) for surface, at in zip(contact.surfaces, places)]
         if contact.with_itself:
             faces = [_together(*faces)] * 2
         options = lib.ct_contact_options_default()
@@ -325,22 +297,27 @@ class Problem:
         self._call(f"contact[{i}]", lib.ct_scene_add_contact, self._scene, new)
         return faces[:1] if contact.with_itself else faces
 
+    def _on(self, surface: tuple[str, str], key: str, nodes: bool = False) -> NDArray[Any]:
+        """The faces or the nodes of a surface; none is an error."""
+        mesh, face = self._meshes[surface[0]], surface[1]
+        found: NDArray[Any] = mesh.face_nodes(face) if nodes else mesh.faces(face)[0]
+        if not len(found):
+            reason = "has no faces: no outer face of the body lies in that plane"
+            raise self._error(f'"{".".join(surface)}" {reason}', key)
+        return found
+
     def _add_support(self, i: int, support: Support) -> None:
-        nodes = self._meshes[support.body].face_nodes(support.face)
-        if not nodes.size:
-            raise self._error(f'"{support.body}.{support.face}" has no nodes', f"support[{i}].set")
+        nodes = self._on(support.set, f"support[{i}].set", nodes=True)
         new = ffi.new("ct_scene_support *", support.c("ct_scene_support", **_held(support, nodes)))
-        new.body = list(self.parts.bodies).index(support.body)
+        new.body = list(self.parts.bodies).index(support.set.body)
         self._call(f"support[{i}]", lib.ct_scene_add_support, self._scene, new)
 
-    def _add_effects(self, own: Sequence[Any]) -> None:
+    def _add_effects(self) -> None:
         """The effects beside contacts and supports, which are made for the joined bodies: those of the scene's tables, then those of the user's ``own``."""
-        supports = enumerate(self.parts.support)
-        paths = {f"support[{i}]": support for i, support in supports if support.history}
         calls = [(added.key, added.given.create) for added in self.parts.effects]
-        calls += [(effect.name, effect.create) for effect in own]
-        if paths:
-            calls.append((next(iter(paths)), lambda maker: maker.motion(list(paths.values()))))
+        calls += [(effect.name, effect.create) for effect in self.own]
+        paths = [i for i, support in enumerate(self.parts.support) if support.history]
+        calls += [(f"support[{i}]", Maker.motion) for i in paths[:1]]
         if not calls:
             return
         joined = ffi.new("const ct_problem **")
@@ -363,7 +340,7 @@ class Problem:
             "end": end,
             name: value,
             "keep_dt": dt is not None,
-            "integrator": (INTEGRATORS[given.integrator], given.parameter),
+            "integrator": given.scheme,
             "assembled": given.stable_step == "assembled",
             "threads": self.threads,
             "clock": ffi.addressof(lib, "wall_clock"),
@@ -418,31 +395,28 @@ class Maker:
         """The error that says what is wrong with the effect, or with one of its keys."""
         return SceneError(reason, f"{self.key}.{key}" if key else self.key, self._built.file)
 
-    def make(self, name: str, given: Table, **members: Any) -> Any:
+    def make(self, name: str, given: Table | None, **members: Any) -> Any:
         """The effect of the library that is called so, of the keys that its struct has, and of further members of the struct."""
         struct = f"ct_{name}_def" if hasattr(lib, f"ct_{name}_def_default") else f"ct_{name}"
-        return self._made(name, struct, given.c(struct, **members))
-
-    def _made(self, name: str, struct: str, members: dict[str, Any]) -> Any:
         out, definition = ffi.new("ct_effect **"), ffi.new(f"{struct} *")
         if struct.endswith("_def"):
             definition[0] = getattr(lib, f"{struct}_default")()
-        for member, value in members.items():
+        for member, value in (given.c(struct, **members) if given else members).items():
             setattr(definition, member, value)
         create = getattr(lib, f"ct_{name}_create_effect")
         self._built._call(self.key, create, definition, self.problem, out)
         return out[0]
 
-    def motion(self, paths: Sequence[Support]) -> Any:
+    def motion(self) -> Any:
         """The one effect of all supports on a path."""
+        paths = [support for support in self.parts.support if support.history]
         motions = self.keep(ffi.new("ct_motion[]", len(paths)))
         for motion, support in zip(motions, paths):
             members = _held(support, self.keep(self.face_nodes(support.set)))
             members |= {"displacement": support.travel, "amplitude": self.history(support.history)}
             for name, value in members.items():
                 setattr(motion, name, value)
-        given = {"motions": motions, "motion_count": len(paths)}
-        return self._made("motion", "ct_motion_def", given)
+        return self.make("motion", None, motions=motions, motion_count=len(paths))
 
     def history(self, history: History | None) -> dict[str, Any]:
         """The members of a ``ct_amplitude``; without one the factor is 1 at all times."""
@@ -462,30 +436,17 @@ class Maker:
         """The ``ct_body`` of a name."""
         return self.problem.bodies[list(self.parts.bodies).index(name)]
 
-    def body_nodes(self, name: str) -> NDArray[Any]:
-        """Numbers of all nodes of a body in the problem (int32)."""
-        body = self.body(name)
-        return np.arange(body.first_node, body.first_node + body.mesh.node_count, dtype=np.int32)
-
     def face_nodes(self, surface: tuple[str, str]) -> NDArray[Any]:
         """Numbers of the nodes of a surface (body, face) in the problem, ascending (int32); none is an error."""
-        nodes = self._built._meshes[surface[0]].face_nodes(surface[1])
-        return self._on_surface(nodes, surface)
+        nodes = self._built._on(surface, self.key, nodes=True)
+        return np.ascontiguousarray(nodes + self.body(surface[0]).first_node, np.int32)
 
     def faces(self, surface: tuple[str, str]) -> dict[str, Any]:
         """The members ``kind``, ``face_count`` and ``faces`` of a surface (body, face); none is an error."""
-        mesh = self._built._meshes[surface[0]]
-        faces = self.keep(self._on_surface(mesh.faces(surface[1])[0], surface))
-        return {
-            "kind": lib.ct_brick_face_kind(KINDS[mesh.element]),
-            "face_count": len(faces),
-            "faces": ffi.from_buffer("int32_t[]", faces),
-        }
-
-    def _on_surface(self, numbers: NDArray[Any], surface: tuple[str, str]) -> NDArray[Any]:
-        if not len(numbers):
-            raise self.error(f'"{".".join(surface)}" {NO_FACES}')
-        return np.ascontiguousarray(numbers + self.body(surface[0]).first_node, dtype=np.int32)
+        body, faces = self.body(surface[0]), self._built._on(surface, self.key)
+        rows = self.keep(np.ascontiguousarray(faces + body.first_node, np.int32))
+        kind = lib.ct_brick_face_kind(body.mesh.kind)
+        return {"kind": kind, "face_count": len(rows), "faces": ffi.from_buffer("int32_t[]", rows)}
 
 
 def _held(support: Support, nodes: NDArray[Any]) -> dict[str, Any]:
@@ -543,13 +504,12 @@ def penetrations(problem: Problem, state: Any) -> list[dict[str, dict[str, Any]]
 
 def new_state(problem: Problem) -> Any:
     """A state of the problem at t = 0; where that has numbers that are none, the scene is at fault."""
-    out, error = ffi.new("ct_state **"), new_error()
     try:
-        check(lib.ct_state_create(problem.pointer, out, error), error)
+        state = ask("ct_state **", lib.ct_state_create, problem.pointer)
     except Error as reason:
         raise SceneError(str(reason), "", problem.file) from None
     # Freeing a state asks the problem's effects, so the state keeps the problem alive.
-    return ffi.gc(out[0], lambda state, free=lib.ct_state_free, problem=problem: free(state))
+    return ffi.gc(state, lambda state, free=lib.ct_state_free, problem=problem: free(state))
 
 
 def _spinning(body: Body, mesh: Mesh) -> NDArray[Any]:

@@ -18,7 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ._core import ffi, lib
-from .errors import Error, check, new_error
+from .bridge import ask, call
+from .errors import Error
 from .model import Body, Time
 from .problem import Problem, new_state
 
@@ -107,7 +108,6 @@ def rehearse(problem: Problem) -> list[Rehearsal]:
 def _coarse(problem: Problem, times: float) -> Problem:
     """The scene with elements that are some times larger, at the same fraction of its stable step."""
     parts = problem.parts
-    assert parts.time is not None
     bodies = tuple(_larger(problem, body, times) for body in parts.body)
     steps = {**dict.fromkeys(Time.one[1]), "fraction": min(problem.dt / problem.stable.dt, 1.0)}
     time = replace(parts.time, end=problem.end, end_c1t_over=None, **steps)
@@ -163,7 +163,7 @@ def _observe(coarse: Problem, steps: int) -> Rehearsal:
 
 def _pass(coarse: Problem, steps: int) -> Rehearsal:
     """Run the coarse problem to its end, or until it is at rest where that ends it, and see after each window which effects pressed."""
-    state, error = new_state(coarse), new_error()
+    state = new_state(coarse)
     windows = min(WINDOWS, max(1, coarse.step_count // FEWEST_STEPS))
     # The first effect, the elements, has no impulse.
     ends = np.cumsum([0, 0, *(effect.node_count for effect in effects_of(coarse)[1:])])
@@ -171,7 +171,7 @@ def _pass(coarse: Problem, steps: int) -> Rehearsal:
     impulse = _impulse(state)
     while not (len(pressed) == windows or (pressed and _at_rest(coarse, state))):
         target = round((len(pressed) + 1) / windows * coarse.step_count)
-        check(lib.ct_step_many(coarse.pointer, state, target - state.step, error), error)
+        call(lib.ct_step_many, coarse.pointer, state, target - state.step)
         before, impulse = impulse, _impulse(state)
         changed = (impulse != before).any(axis=1)
         pressed.append([changed[first:end].any() for first, end in zip(ends, ends[1:])])
@@ -201,9 +201,8 @@ def step_seconds(problem: Problem, state: Any) -> Array:
 
 def _at_rest(problem: Problem, state: Any) -> bool:
     """Whether a run that ends at rest would end here."""
-    assert problem.parts.time is not None
-    wanted, residual = problem.parts.time.until_static, ffi.new("double *")
+    wanted = problem.parts.time.until_static
     if wanted is None or state.time < problem.settled:
         return False
-    check(lib.ct_energy_residual(problem.pointer, state, residual, new_error()))
-    return bool(residual[0] <= wanted)
+    residual: float = ask("double *", lib.ct_energy_residual, problem.pointer, state)
+    return residual <= wanted

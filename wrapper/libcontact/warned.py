@@ -249,12 +249,12 @@ def _acted_on(problem: Problem) -> set[str]:
     out |= {name for name, body in parts.bodies.items() if body.spin is not None}
     out |= {contact.surfaces[0][0] for contact in parts.contact if contact.with_itself}
     for support in parts.support:
-        velocity = parts.bodies[support.body].velocity
+        velocity = parts.bodies[support.set.body].velocity
         drives = any(
             support.velocity["xyz".index(k)] != velocity["xyz".index(k)] for k in support.fix
         )
-        if drives or support.history or gravity_on(problem, support.body).any():
-            out.add(support.body)
+        if drives or support.history or gravity_on(problem, support.set.body).any():
+            out.add(support.set.body)
     for effect in parts.effects:
         if effect.name not in HARMLESS:
             out |= {name for name in parts.bodies if acts_on(effect.given, name)}
