@@ -192,12 +192,10 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
 
 def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:
     """The solver's rounds in a step, per point."""
-    points = [
-        sum(effect.constraint_count for effect in effects_of(one))
-        for one in (problem, *(rehearsal.coarse for rehearsal in seen))
-    ]
-    counted = [(float(size), one.rounds) for size, one in zip(points[1:], seen)]
-    return _at_size(points[0], counted) / points[0] if counted and points[0] else 0.0
+    count = lambda one: float(sum(effect.constraint_count for effect in effects_of(one)))
+    counted = [(count(one.coarse), one.rounds) for one in seen]
+    points = count(problem)
+    return _at_size(points, counted) / points if counted and points else 0.0
 
 
 def _active(rehearsal: Rehearsal) -> dict[str, float]:
@@ -291,11 +289,8 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
 
 def _place(problem: Problem, state: Any, together: bool) -> None:
     """Stretch all bodies a little, which makes every element active, and move them into touch."""
-    u, x, free = (
-        np.frombuffer(ffi.buffer(pointer, 24 * problem.pointer.node_count)).reshape(-1, 3)
-        for pointer in (state.displacement, problem.pointer.reference, problem.pointer.inverse_mass)
-    )
-    u += STRETCH * x * (free > 0.0)
+    u, free = problem.rows(state.displacement), problem.rows(problem.pointer.inverse_mass) > 0.0
+    u += STRETCH * problem.rows(problem.pointer.reference) * free
     moved = set()
     for touch in first_touch(problem) if together else ():
         # A body that may touch several others is moved to one of them.

@@ -159,6 +159,10 @@ class Problem:
         """When the last history of a load or a support is over."""
         return max((history.time[-1] for history in self.parts.histories()), default=0.0)
 
+    def rows(self, pointer: Any) -> NDArray[np.float64]:
+        """Three numbers of each node (n, 3) in the memory of C, to be read or changed there."""
+        return np.frombuffer(ffi.buffer(pointer, 24 * self.pointer.node_count)).reshape(-1, 3)
+
     # Errors of the C library, as the scene's keys tell them.
 
     def _error(self, reason: str, key: str) -> SceneError:

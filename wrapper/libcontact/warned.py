@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import errors, has
-from ._core import ffi
 from .chatter import chatter
 from .errors import SceneWarning
 from .mesh import rotation
@@ -75,8 +74,7 @@ def at_start(problem: Problem) -> tuple[list[float | None], list[dict[str, Any]]
 
 def turned(problem: Problem, state: Any) -> Iterator[errors.RotationWarning]:
     """The bodies with the small-strain law that have turned too far in a state (``ct_state *``)."""
-    numbers = ffi.buffer(state.displacement, 24 * problem.pointer.node_count)
-    u = np.frombuffer(numbers, np.float64).reshape(-1, 3)
+    u = problem.rows(state.displacement)
     for i, body in enumerate(problem.bodies.values()):
         some = _spread(len(body.mesh.nodes))
         angle = _angle(body.mesh.nodes[some], u[body.nodes][some])
@@ -214,8 +212,6 @@ def _shared(problem: Problem, a: BuiltBody, b: BuiltBody) -> float:
         return 0.0
     some = np.linspace(0, len(small.mesh.elements) - 1, TRIED).astype(int)
     centres = small.mesh.nodes[small.mesh.elements[some]].mean(axis=1)
-    if problem.parts.bodies[large.name].box is not None:
-        return float(((centres > low_b) & (centres < high_b)).all(axis=1).mean())
     return float((large.mesh.locate(centres)[0] >= 0).mean())
 
 
@@ -271,10 +267,8 @@ def _thin(problem: Problem, touches: Sequence[Touch]) -> Iterator[SceneWarning]:
         if not meets or touch.given.enforcement in FEEDING:
             continue
         first = _first_nodes(problem, touch)
-        masses = {
-            name: _masses(problem, name, nodes, touch.normal) for name, nodes in first.items()
-        }
-        hit, moving = (_reduced([pair[k] for pair in masses.values()]) for k in (0, 1))
+        masses = {name: _masses(problem, name, first[name], touch.normal) for name in first}
+        hit, moving = (_reduced(list(each)) for each in zip(*masses.values()))
         if math.isfinite(moving) and hit >= THIN * moving:
             share = {name: a / b if math.isfinite(a) else 0.0 for name, (a, b) in masses.items()}
             name, axis = max(share, key=share.__getitem__), AXES[np.abs(touch.normal).argmax()]
@@ -305,11 +299,10 @@ def _masses(
     problem: Problem, name: str, nodes: NDArray[Any], normal: NDArray[Any]
 ) -> tuple[float, float]:
     """Mass of some nodes of a body and of all of it, along a direction; infinite if nodes are held there."""
-    count, rows = problem.pointer.node_count, problem.bodies[name].nodes
-    mass = np.frombuffer(ffi.buffer(problem.pointer.mass, 8 * count), np.float64)[rows]
-    inverse = np.frombuffer(ffi.buffer(problem.pointer.inverse_mass, 24 * count), np.float64)
-    free = inverse.reshape(-1, 3)[rows, np.abs(normal).argmax()] > 0.0
-    mass = np.where(free, mass, np.inf)
+    axis, rows = np.abs(normal).argmax(), problem.bodies[name].nodes
+    # A node that is held has no inverse mass.
+    with np.errstate(divide="ignore"):
+        mass = 1.0 / problem.rows(problem.pointer.inverse_mass)[rows, axis]
     return float(mass[nodes].sum()), float(mass.sum())
 
 
