@@ -161,7 +161,7 @@ def _why(asked: str, body: BuiltBody) -> str:
 def _contact(
     built: BuiltContact, given: Contact, gap: float | None, found: dict[str, Any]
 ) -> dict[str, Any]:
-    default = given.given.isdisjoint(("beta", "epsilon"))
+    default = given.beta == ContactKeys.keys()["beta"].default
     facts = {**values_of(given), **values_of(built), "penalty_is_default": default}
     facts |= {"tangent": given.tangent or 1.0, "removal_time": given.removal_time or 0.0}
     return facts | {"penetration": found, "initial_gap": gap}

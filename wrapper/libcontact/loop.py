@@ -22,9 +22,8 @@ from .bridge import Rows, ask, call, doubles, row
 from .errors import Error, NotBuiltIn, check, issue, new_error, place, raise_held, text_of
 from .mesh import view
 from .model import FEEDING
-from .plan import measured
+from .plan import computed_share, measured
 from .problem import Problem, contact_points, new_state, penetrations
-from .rehearsal import computed_share
 from .run import ENERGY, FAULTS, IN_ENERGY, MOMENTUM, BodyState, Run, RunError, State, energy_table
 from .schema import SceneError, is_number
 from .surfaces import obstacle_name, pair_name

@@ -460,7 +460,7 @@ class Support(Table):
     history: Any = key(Nested(History), default=None, says="none")
 
     def refusals(self) -> Iterator[tuple[str, str]]:
-        if self.history and "velocity" in self.given:
+        if self.history and any(self.velocity):
             why = "a support keeps a velocity or follows a path"
             yield "velocity", f'cannot stand beside "travel": {why}'
         for name, vector in (("velocity", self.velocity), ("travel", self.travel)):

@@ -466,11 +466,8 @@ class Table:
     """Keys that can't stand without another one."""
     belongs: ClassVar[Mapping[str, tuple[str, str]]] = {}
     """Keys that have a meaning only where another one has a certain word."""
-    given: frozenset[str] = frozenset()
-    """The keys that the scene has; the others have their defaults."""
 
     def __init_subclass__(cls, eq: bool = True) -> None:
-        cls.__annotations__.pop("given", None)
         dataclass(frozen=True, kw_only=True, eq=eq)(cls)
 
     @classmethod
@@ -504,9 +501,7 @@ class Table:
                 if value[name] is None:
                     raise (at / name).error("is None; leave the key out instead")
                 found[name] = field.metadata["kind"].read(value[name], at / name)
-        table = cls(**found)
-        object.__setattr__(table, "given", frozenset(value))
-        return table
+        return cls(**found)
 
     @classmethod
     def _alternatives(cls, value: Mapping[str, Any], at: Place) -> dict[str, Any]:
