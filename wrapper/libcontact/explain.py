@@ -74,14 +74,11 @@ def explain(problem: Problem, every: int, records: int) -> Explanation:
         {"name": each.name, "key": each.key, "text": each.given.describe(units)}
         for each in parts.effects
     ]
-    cost = {
-        f"{name}_per_step": sum(body[f"{name}_per_update"] * body["elements"] for body in bodies)
-        for name in ("flops", "bytes")
-    }
-    cost |= {
-        "updates": problem.step_count * sum(body["elements"] for body in bodies),
-        "threads": problem.threads,
-    }
+    counts = [body["elements"] for body in bodies]
+    cost = {"updates": problem.step_count * sum(counts), "threads": problem.threads}
+    for name in ("flops", "bytes"):
+        each = [body[f"{name}_per_update"] for body in bodies]
+        cost[f"{name}_per_step"] = sum(n * price for n, price in zip(counts, each))
     cost |= {"memory_bytes": plan.memory, "output_bytes": plan.output}
     cost |= {"seconds": plan.seconds, "rehearsed": plan.rehearsed}
     data = {
@@ -248,9 +245,8 @@ def _text(data: dict[str, Any], units: Units) -> str:
     lines += ["", "Output", f"  {output['records']} records of {fields} {where}"]
     lines += ["", "Cost", COST.format(**cost, megabytes=cost["memory_bytes"] / 1e6)]
     lines += [f"  {line}" for line in _plan_lines(data)]
-    lines += (
-        ["", "Warnings", *(f"  {line}" for line in data["warnings"])] if data["warnings"] else []
-    )
+    if data["warnings"]:
+        lines += ["", "Warnings", *(f"  {line}" for line in data["warnings"])]
     return "\n".join(lines)
 
 

@@ -180,7 +180,7 @@ def _by_name(problem: Problem, values: Array) -> dict[str, float]:
     """Values of the effects and the time loop, summed by name. What only holds nodes is work of the time loop."""
     out: dict[str, float] = {}
     for k, name in enumerate([*problem.effects, LOOP]):
-        if name == LOOP or problem.pointer.effects[k].phase != lib.CT_PHASE_REACTION:
+        if name == LOOP or problem.made[k].phase != lib.CT_PHASE_REACTION:
             out[name] = out.get(name, 0.0) + float(values[k])
     return out
 
@@ -193,7 +193,7 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
     state, bounds = new_state(problem), ffi.new("double[2]")
     rows = np.zeros((len(problem.effects) + 1, 5))
     face = max(4 if body.mesh.element == "hex8" else 8 for body in problem.bodies.values())
-    for k, effect in enumerate(effects_of(problem)):
+    for k, effect in enumerate(problem.made):
         call(lib.ct_stable_share, problem.pointer, state, k, bounds, bounds + 1)
         rows[k] = effect.node_count, effect.flops, effect.bytes, *bounds
         # A point of a contact moves the nodes of two faces.
@@ -211,7 +211,7 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
 
 def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:
     """The solver's rounds in a step, per point."""
-    count = lambda one: float(sum(effect.constraint_count for effect in effects_of(one)))
+    count = lambda one: float(sum(effect.constraint_count for effect in one.made))
     counted = [(count(one.coarse), one.rounds) for one in seen]
     points = count(problem)
     return _at_size(points, counted) / points if counted and points else 0.0
@@ -220,7 +220,7 @@ def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:
 def _active(rehearsal: Rehearsal) -> dict[str, float]:
     """The fraction in which the elements and each effect that waits for a touch are active."""
     coarse, out = rehearsal.coarse, {"solid": rehearsal.computed}
-    for k, effect in enumerate(effects_of(coarse)):
+    for k, effect in enumerate(coarse.made):
         if effect.kind in TOUCHING:
             share = float(rehearsal.pressed[:, k].mean())
             out[coarse.effects[k]] = max(out.get(coarse.effects[k], 0.0), share)
@@ -414,11 +414,6 @@ def _larger(problem: Problem, body: Body, times: float) -> Body:
     return replace(body, ring=replace(body.ring, cells=cells)) if cells and body.ring else body
 
 
-def effects_of(problem: Problem) -> list[Any]:
-    """Return the effects of a problem (``const ct_effect *``)."""
-    return [problem.pointer.effects[k] for k in range(len(problem.effects))]
-
-
 def _updates(problem: Problem, times: float) -> float:
     """The cost of a run with elements that are some times larger, in updates of one element, about."""
     elements, whole, shorter = 0.0, 0.0, 1.0
@@ -427,7 +422,7 @@ def _updates(problem: Problem, times: float) -> float:
         ratios = np.divide(cells, _cells(body, 1.0) or 1.0) if cells else np.ones(3)
         elements, whole = elements + count * ratios.prod(), whole + count
         shorter = min(shorter, ratios.mean())
-    touching = sum(one.node_count for one in effects_of(problem) if one.kind in TOUCHING)
+    touching = sum(one.node_count for one in problem.made if one.kind in TOUCHING)
     # The stable step grows with the elements, surfaces go with the power 2/3 of their number.
     faces = touching * (elements / whole) ** (2 / 3)
     return float((elements + NODE_UPDATES * faces) * problem.step_count * shorter)
@@ -447,7 +442,7 @@ def _pass(coarse: Problem, steps: int) -> Rehearsal:
     state = new_state(coarse)
     windows = min(WINDOWS, max(1, coarse.step_count // FEWEST_STEPS))
     # The first effect, the elements, has no impulse.
-    ends = np.cumsum([0, 0, *(effect.node_count for effect in effects_of(coarse)[1:])])
+    ends = np.cumsum([0, 0, *(effect.node_count for effect in coarse.made[1:])])
     pressed: list[list[bool]] = []
     impulse = _impulse(state)
     while not (len(pressed) == windows or (pressed and _at_rest(coarse, state))):

@@ -90,8 +90,7 @@ def memory_of(problem: Problem) -> int:
         # Of a body that may stiffen its frequency is watched: a direction, and a force with room of its own.
         total += nodes * 72 + elements * (24 * width + 18) if body.material.law != "linear" else 0
         total += nodes * CARRIED.get(problem.pointer.integrator.scheme, 0)
-    for k in range(1, problem.pointer.effect_count):
-        effect = problem.pointer.effects[k]
+    for effect in problem.made[1:]:
         # Impulse in two parts, of the state and the good one; of a force also its work, itself, and what it is put right with.
         works = effect.phase != lib.CT_PHASE_REACTION
         total += effect.node_count * (96 + (48 + 24 + 76) * works)
@@ -136,9 +135,9 @@ class Problem:
         self._build(dt)
         self.bodies = {name: self._built_body(i, name) for i, name in enumerate(parts.bodies)}
         self.contacts = [self._built_contact(*each) for each in enumerate(parts.contact)]
-        made = [self.pointer.effects[i] for i in range(self.pointer.effect_count)]
-        self.effects = [ffi.string(effect.label).decode() for effect in made]
-        self.stores = [effect.energy != ffi.NULL for effect in made]
+        self.made = [self.pointer.effects[i] for i in range(self.pointer.effect_count)]
+        self.effects = [ffi.string(effect.label).decode() for effect in self.made]
+        self.stores = [effect.energy != ffi.NULL for effect in self.made]
 
     @property
     def dt(self) -> float:
@@ -469,8 +468,8 @@ def _together(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
 
 def _contacts(problem: Problem, state: Any) -> Iterator[Any]:
     """The contacts of the problem (``const ct_contact *``) in a state (``ct_state *``)."""
-    for k in range(len(problem.effects)):
-        if problem.pointer.effects[k].kind == lib.CT_EFFECT_CONTACT:
+    for k, effect in enumerate(problem.made):
+        if effect.kind == lib.CT_EFFECT_CONTACT:
             error = new_error()
             contact = lib.ct_state_contact(problem.pointer, state, k, error)
             if contact == ffi.NULL:

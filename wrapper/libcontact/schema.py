@@ -574,7 +574,7 @@ def walk(value: Any, at: Place) -> Iterator[tuple[Place, Any]]:
     if isinstance(value, Table):
         for name in value.keys():
             yield from walk(getattr(value, name), at / name)
-    elif isinstance(value, tuple):
+    elif isinstance(value, tuple) and value and isinstance(value[0], (Table, Named, Face)):
         for i, entry in enumerate(value):
             yield from walk(entry, at if isinstance(value, Face) else at[i])
 
