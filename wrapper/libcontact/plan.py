@@ -12,7 +12,6 @@ from __future__ import annotations
 import copy
 import io
 import math
-import tempfile
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -269,6 +268,8 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
     Measure some steps and a record after them, again and again, from the start of the run with all elements active; with the
     surfaces moved ``together`` where that is asked for.
     """
+    import tempfile
+
     from .loop import Loop
 
     loop = Loop(problem, "")

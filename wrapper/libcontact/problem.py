@@ -439,6 +439,11 @@ class Maker:
         """The ``ct_body`` of a name."""
         return self.problem.bodies[list(self.parts.bodies).index(name)]
 
+    def body_nodes(self, name: str) -> NDArray[Any]:
+        """Numbers of all nodes of a body in the problem (int32)."""
+        body = self.body(name)
+        return np.arange(body.first_node, body.first_node + body.mesh.node_count, dtype=np.int32)
+
     def face_nodes(self, surface: tuple[str, str]) -> NDArray[Any]:
         """Numbers of the nodes of a surface (body, face) in the problem, ascending (int32); none is an error."""
         nodes = self._built._on(surface, self.key, nodes=True)
