@@ -18,7 +18,6 @@ from .schema import (
     VECTOR,
     Choice,
     Each,
-    Face,
     FileName,
     Many,
     Name,
@@ -451,7 +450,7 @@ class Support(Table):
 
     needs = {"travel": "history", "history": "travel"}
 
-    set: Face = key(Surface(), kw_only=False)
+    set: Any = key(Surface(), kw_only=False)
     fix: Sequence[str] = key(
         Many(Choice(AXES), 'name at least one of "x", "y", "z"', distinct=True)
     )
