@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from libcontact.mesh import Mesh, read_vtkhdf
-from libcontact.schema import SceneError, float_array, index_array
+from libcontact.schema import Place, Rows, SceneError
 from libcontact.units import Units
 
 import libcontact as ct
@@ -311,7 +311,7 @@ def cube(nodes, elements=None):
 @pytest.mark.parametrize("dtype", ["f4", ">f8", "f2", "i4", "u1", "f8"])
 def test_numbers_that_float64_holds_are_taken_by_value(dtype):
     # A float32 array read as doubles would be garbage of half the length.
-    assert float_array(CUBE.astype(dtype), 3).tolist() == CUBE.tolist()
+    assert Rows(3).read(CUBE.astype(dtype), Place()).tolist() == CUBE.tolist()
     assert ct.Scene(cube(CUBE.astype(dtype))).explain().data["bodies"][0]["nodes"] == 8
 
 
@@ -319,7 +319,7 @@ def test_strided_arrays_are_taken_by_value():
     wide = np.full((16, 6), -1.0)
     wide[::2, ::2] = CUBE
     for strided in (wide[::2, ::2], np.asfortranarray(CUBE), CUBE[::-1][::-1]):
-        out = float_array(strided, 3)
+        out = Rows(3).read(strided, Place())
         assert out.flags.c_contiguous and out.tolist() == CUBE.tolist()
 
 
@@ -369,7 +369,8 @@ def test_impossible_node_numbers_are_refused(elements, reason):
 
 def test_node_numbers_of_any_whole_type_are_taken():
     for dtype in ("i1", "u2", "i8", ">i4"):
-        assert index_array(np.arange(8, dtype=dtype)[None], (8, 20), 8).dtype == np.int32
+        read = Rows(8, 20, whole=True).read(np.arange(8, dtype=dtype)[None], Place())
+        assert read.dtype == np.int32
 
 
 def test_inverted_and_collapsed_elements_are_named():

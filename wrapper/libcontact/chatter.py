@@ -33,7 +33,7 @@ def chatter(problem: Problem) -> Iterator[ChatterWarning]:
     parts = problem.parts
     enforced: list[tuple[str, str, Any, tuple[tuple[str, str], ...]]] = [
         (f"contact[{i}]", pair_name(contact.surfaces), contact, contact.surfaces)
-        for i, contact in enumerate(parts.contacts)
+        for i, contact in enumerate(parts.contact)
     ]
     enforced += [
         (added.key, obstacle_name(added), added.given, (added.given.surface,))

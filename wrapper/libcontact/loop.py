@@ -22,9 +22,8 @@ from .bridge import Rows, ask, call, doubles, row
 from .errors import Error, NotBuiltIn, check, issue, new_error, place, raise_held, text_of
 from .mesh import view
 from .model import FEEDING
-from .plan import measured
+from .plan import computed_share, measured
 from .problem import Problem, contact_points, new_state, penetrations
-from .rehearsal import computed_share
 from .run import ENERGY, FAULTS, IN_ENERGY, MOMENTUM, BodyState, Run, RunError, State, energy_table
 from .schema import SceneError, is_number
 from .surfaces import obstacle_name, pair_name
@@ -300,7 +299,7 @@ class Loop:
             law = 'a body that turns needs the law "neo_hookean" or "st_venant_kirchhoff"'
             return who, key, f"{step}; {law}"
         if kind == lib.CT_EFFECT_CONTACT:
-            given = parts.contacts[nth]
+            given = parts.contact[nth]
             who, key = f"contact {pair_name(given.surfaces)}", f"contact[{nth}]"
         elif kind == lib.CT_EFFECT_OBSTACLE:
             obstacle = [added for added in parts.effects if added.name == "obstacle"][nth]

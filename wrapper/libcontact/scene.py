@@ -453,7 +453,7 @@ class Scene:
     def _built(self, threads: int | None, dt: float | None = None) -> Problem:
         """The C problem, kept as long as nothing changes; ``dt`` is the step of a run that is continued."""
         parts = self._whole()
-        wanted = parts.threads if threads is None else threads
+        wanted = parts.run.threads if threads is None else threads
         if dt is not None:
             return Problem(parts, self.file, wanted, self._own, dt)
         if self._problem is None or self._problem.threads != wanted:
