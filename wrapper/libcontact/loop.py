@@ -26,9 +26,9 @@ from .plan import measured
 from .problem import Problem, contact_points, new_state, penetrations
 from .rehearsal import computed_share
 from .run import ENERGY, FAULTS, IN_ENERGY, MOMENTUM, BodyState, Run, RunError, State, energy_table
-from .schema import SceneError, is_number
-from .surfaces import obstacle_name, pair_name
-from .warned import known, turned
+from .schema import Place, SceneError, is_number
+from .surfaces import pressing
+from .warned import turned
 
 DEFAULT_RECORDS = 100
 CHUNK_SECONDS = 0.1
@@ -50,41 +50,39 @@ def record_count(problem: Problem) -> int:
 
 
 def _step_of(t: float, problem: Problem) -> int:
-    step = t / problem.dt
-    if not step <= problem.step_count + 0.5:
-        raise SceneError(
-            f"{t:g} is after the end of the run, {problem.end:g}", "output.times", problem.file
-        )
-    return min(round(step), problem.step_count)
+    if not t / problem.dt <= problem.step_count + 0.5:
+        reason = f"{t:g} is after the end of the run, {problem.end:g}"
+        raise SceneError(reason, "output.times", problem.file)
+    return min(round(t / problem.dt), problem.step_count)
 
 
 def last_step(problem: Problem, until: Any) -> int:
     """The first step that is not before ``until`` (None: the end)."""
     if until is None:
         return problem.step_count
-    reason = ""
+    at = Place("until", problem.file)
     if not is_number(until) or not until > 0.0:
-        reason = f"is {until!r}; it must be a time above 0"
-    elif until > problem.end * (1.0 + 1e-12):
-        reason = f"{until:g} is after the end of the run, {problem.end:g}"
-    if reason:
-        raise SceneError(reason, "until", problem.file)
+        raise at.error(f"is {until!r}; it must be a time above 0")
+    if until > problem.end * (1.0 + 1e-12):
+        raise at.error(f"{until:g} is after the end of the run, {problem.end:g}")
     return min(max(math.ceil(float(until) / problem.dt * (1.0 - 1e-12)), 1), problem.step_count)
 
 
 class Loop:
     """One run of a problem, from its first record to its last."""
 
-    def __init__(self, problem: Problem, scene_text: str, watch: Any = None):
+    def __init__(self, problem: Problem, scene_text: str, watch: Any = None, until: Any = None):
         self.problem, self.scene_text, self.watch = problem, scene_text, watch
+        self.last, self.due = last_step(problem, until), schedule(problem)[1]
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
         self.monitor: Any = None
         self.output: Any = None
         self.path: Path | None = None
+        # One entry a record in each, after empty tables.
         self.steps: list[int] = []
-        self.energy: list[Rows] = []
-        self.momentum: list[Rows] = []
+        self.energy = [self._energy_rows(np.empty(0, ENERGY), self.state)]
+        self.momentum: list[Rows] = [np.empty(0, MOMENTUM)]
         self.interrupted = False
         self.issued: set[str] = set()
         self.seconds = self.output_seconds = 0.0
@@ -205,12 +203,7 @@ class Loop:
         for body in range(len(momentum)):
             out = ffi.from_buffer("ct_momentum[]", momentum) + body
             self._call(lib.ct_momentum_of, problem, state, body, out)
-        values = np.zeros((1, len(self.problem.effects)))
-        for k, (name, stores) in enumerate(zip(self.problem.effects, self.problem.stores)):
-            if name not in IN_ENERGY:
-                function = lib.ct_energy_stored if stores else lib.ct_energy_work
-                self._call(function, problem, state, k, doubles(values[0, k:]))
-        energy = energy_table(energy, self.problem.effects, values)
+        energy = self._energy_rows(energy, state)
         if not np.isfinite(energy.view(np.float64)).all():
             raise FAULTS[lib.CT_ERROR_BLOWUP](
                 f"the energy stopped being finite by t = {state.time:g} (step {state.step})",
@@ -222,28 +215,46 @@ class Loop:
         self.momentum.append(momentum.astype(MOMENTUM))
         self.steps.append(state.step)
 
+    def _energy_rows(self, energy: Rows, state: Any) -> Rows:
+        """Rows of the energy balance (none or one), with a column for what each further effect stores or did."""
+        values = np.zeros((len(energy), len(self.problem.effects)))
+        for k, (name, stores) in enumerate(zip(self.problem.effects, self.problem.stores)):
+            if len(energy) and name not in IN_ENERGY:
+                function = lib.ct_energy_stored if stores else lib.ct_energy_work
+                self._call(function, self.problem.pointer, state, k, doubles(values[0, k:]))
+        return energy_table(energy, self.problem.effects, values)
+
     # The loop.
 
-    def run(self, until: Any, progress: Any) -> None:
-        """Step to the end (or ``until``), recording as the scene says."""
-        last, state = last_step(self.problem, until), self.state
+    def run(self, progress: Any) -> Run:
+        """Step to the end, recording as the scene says; what fails is a RunError with the run so far."""
+        begin = clock.perf_counter()
+        try:
+            self._steps(progress)
+            self.seconds = clock.perf_counter() - begin
+        except RunError as error:
+            self.fail(error)
+            raise
+        else:
+            self.close()
+        finally:
+            self.abandon()
+        return self.result()
+
+    def _steps(self, progress: Any) -> None:
+        last, state = self.last, self.state
         if state.step > last:
             reason = f"the restart stands at step {state.step}, after the last step {last}"
             raise SceneError(reason, "restart", self.problem.file)
-        steps = schedule(self.problem)[1]
-        begin = clock.perf_counter()
         self.start_guard()
-        with _progress(progress, state.step, last) as advanced, _ctrl_c() as stop:
+        with _progress(progress, state.step, last) as bar, _ctrl_c() as stop:
             self._record_and_warn()
             while state.step < last and not stop and not self._at_rest():
-                at = bisect_right(steps, state.step)
-                due = min([*steps[at : at + 1], last])
-                self._advance(min(due, self._next_rest()), advanced, stop)
-                if state.step == due:
+                at = bisect_right(self.due, state.step)
+                due = min([*self.due[at : at + 1], last])
+                self._advance(min(due, self._next_rest()), bar.update, stop)
+                if state.step == due or stop or self._at_rest():
                     self._record_and_warn()
-                self._warn_of_growth()
-            if state.step > self.steps[-1]:
-                self._record_and_warn()
                 self._warn_of_growth()
         self.interrupted = bool(stop) and state.step < last
         at_end = last == self.problem.step_count and not stop
@@ -261,7 +272,6 @@ class Loop:
                     f"the contact forces did not settle to their tolerance in {state.unconverged} of {state.step} steps; a smaller step helps, or a smaller beta"
                 )
             )
-        self.seconds = clock.perf_counter() - begin
 
     def start_guard(self) -> None:
         """Monitor the state from here on; what is wrong with it already is an error of the input."""
@@ -290,30 +300,25 @@ class Loop:
 
     def _grower(self, growth: Any) -> tuple[str, str, str]:
         """What the energy of a growth came from, its key in the scene, and what can be done."""
-        parts, effects = self.problem.parts, self.problem.pointer.effects
-        kinds = [effects[k].kind for k in range(growth.effect + 1)]
-        kind, nth = kinds[-1], kinds[:-1].count(kinds[-1])
+        effects = self.problem.pointer.effects
+        *before, kind = (effects[k].kind for k in range(growth.effect + 1))
         step = "take a smaller step (time.fraction)"
-        given: Any
         if kind == lib.CT_EFFECT_SOLID:
             who, key = f'body "{list(self.problem.bodies)[growth.body]}"', f"body[{growth.body}]"
             law = 'a body that turns needs the law "neo_hookean" or "st_venant_kirchhoff"'
             return who, key, f"{step}; {law}"
-        if kind == lib.CT_EFFECT_CONTACT:
-            given = parts.contacts[nth]
-            who, key = f"contact {pair_name(given.surfaces)}", f"contact[{nth}]"
-        elif kind == lib.CT_EFFECT_OBSTACLE:
-            obstacle = [added for added in parts.effects if added.name == "obstacle"][nth]
-            given, who, key = obstacle.given, f"obstacle at {obstacle_name(obstacle)}", obstacle.key
-        else:
+        words = {lib.CT_EFFECT_CONTACT: "contact ", lib.CT_EFFECT_OBSTACLE: "obstacle at "}
+        if kind not in words:
             advice = f"{step}, and compare what it stores with the work of its force"
             return f'effect "{self.problem.effects[growth.effect]}"', "", advice
+        name = words[kind].split()[0]
+        key, who, given = [of for of in pressing(self.problem.parts) if of[0].startswith(name)][
+            before.count(kind)
+        ]
+        advice = f"points have come to lie inside without passing the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta"
         if given.enforcement in FEEDING:
-            return who, key, f'{step}, a smaller beta, or enforcement = "energy_controlled"'
-        inside = (
-            "points have come to lie inside without passing the surface, as at an edge or in a fold"
-        )
-        return who, key, f"{inside}; {step}, a finer mesh there, or a smaller beta"
+            advice = f'{step}, a smaller beta, or enforcement = "energy_controlled"'
+        return words[kind] + who, key, advice
 
     def _record_and_warn(self) -> None:
         """A record, and a warning for each body that has turned too far for its law; one for each body is enough."""
@@ -388,14 +393,13 @@ class Loop:
         )
 
     def _run(self, records: int = 0, **more: Any) -> Run:
-        problem, none = self.problem, np.empty((0, len(self.problem.effects)))
-        empty = energy_table(np.empty(0, ENERGY), problem.effects, none)
+        problem = self.problem
         return Run(
             bodies=list(problem.bodies),
             units=problem.parts.units,
             steps=np.array(self.steps[-records:], np.int64),
-            energy=np.concatenate(self.energy[-records:] or [empty]),
-            momentum=np.concatenate(self.momentum[-records:] or [np.empty(0, MOMENTUM)]),
+            energy=np.concatenate(self.energy[-records:]),
+            momentum=np.concatenate(self.momentum[-records:]),
             path=self.path,
             scene=self.scene_text,
             interrupted=self.interrupted,
@@ -422,49 +426,14 @@ class Loop:
         return State(state.time, state.step, bodies)
 
 
-def execute(
-    problem: Problem,
-    scene_text: str,
-    *,
-    progress: Any,
-    restart: Any,
-    until: Any,
-    output: Any,
-    watch: Any = None,
-    coarse: Problem | None = None,
-) -> Run:
-    """Run a problem. Errors of the input are SceneErrors, before the first step; what fails later is a RunError with the run so far."""
-    last_step(problem, until)
-    schedule(problem)
-    for warning in known(problem, output):
-        issue(warning)
-    loop = Loop(problem, scene_text, watch)
-    if restart is not None:
-        loop.restart(restart, coarse)
-    if output is not None:
-        loop.open(output)
-    try:
-        loop.run(until, progress)
-    except RunError as error:
-        loop.fail(error)
-        raise
-    else:
-        loop.close()
-    finally:
-        loop.abandon()
-    return loop.result()
-
-
-@contextlib.contextmanager
-def _progress(wanted: Any, start: int, last: int) -> Iterator[Any]:
+def _progress(wanted: Any, start: int, last: int) -> Any:
     """A progress bar on stderr. True: where stderr is a terminal; "always": everywhere; False: nowhere."""
-    if not wanted or (wanted != "always" and not sys.stderr.isatty()):
-        yield lambda count: None
-        return
     from tqdm import tqdm
 
-    with tqdm(total=last, initial=start, unit=" steps", file=sys.stderr, dynamic_ncols=True) as bar:
-        yield bar.update
+    shown = {"disable": not wanted if wanted == "always" or not wanted else None}
+    return tqdm(
+        total=last, initial=start, unit=" steps", file=sys.stderr, dynamic_ncols=True, **shown
+    )
 
 
 @contextlib.contextmanager
@@ -479,11 +448,11 @@ def _ctrl_c() -> Iterator[list[int]]:
 
     before = signal.getsignal(signal.SIGINT)
     main = threading.current_thread() is threading.main_thread()
-    if not main or before in (None, signal.SIG_IGN):
-        yield stop
-        return
-    signal.signal(signal.SIGINT, handler)
+    ours = main and before not in (None, signal.SIG_IGN)
+    if ours:
+        signal.signal(signal.SIGINT, handler)
     try:
         yield stop
     finally:
-        signal.signal(signal.SIGINT, before)
+        if ours:
+            signal.signal(signal.SIGINT, before)
