@@ -263,8 +263,8 @@ def linear_state(element):
         "block",
         mesh,
         Material(name="steel", young=YOUNG, poisson=POISSON, density=DENSITY),
-        mesh.nodes @ gradient.T,
-        mesh.nodes @ gradient.T * 7,
+        displacement=mesh.nodes @ gradient.T,
+        velocity=mesh.nodes @ gradient.T * 7,
     )
     return state, gradient, stress
 

@@ -413,16 +413,12 @@ class Loop:
     def _state(self, state: Any, owner: Any) -> State:
         """A state for people; ``owner`` is what keeps its memory alive."""
         problem = self.problem
-        velocity = np.empty((problem.pointer.node_count, 3))
-        call(lib.ct_state_velocity, problem.pointer, state, doubles(velocity))
-        velocity.flags.writeable = False
-        displacement = view(state.displacement, velocity.shape, np.float64, (owner, problem))
-        bodies = {
-            name: BodyState(
-                name, body.mesh, body.material, displacement[body.nodes], velocity[body.nodes]
-            )
-            for name, body in problem.bodies.items()
-        }
+        v = np.empty((problem.pointer.node_count, 3))
+        call(lib.ct_state_velocity, problem.pointer, state, doubles(v))
+        u, bodies = view(state.displacement, v.shape, np.float64, (owner, problem)), {}
+        for name, body in problem.bodies.items():
+            fields = {"displacement": u[body.nodes], "velocity": v[body.nodes]}
+            bodies[name] = BodyState(name, body.mesh, body.material, **fields)
         return State(state.time, state.step, bodies)
 
 
