@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import Floats, Ints, doubles, names, real, row
+from .bridge import Floats, Ints, doubles, names, positive, real, table
 from .errors import ArgumentError, text_of
 
 __all__ = [
@@ -146,8 +146,7 @@ def project(
     face, points = _face(kind, nodes), real("points", points, ("m", 3))
     options = _options(method, tolerance)
     first = ffi.NULL if start is None else doubles(_start(start, len(points)))
-    rows = np.zeros(len(points), row("ct_projection"))
-    out = ffi.from_buffer("ct_projection[]", rows)
+    rows, out = table("ct_projection", len(points))
     status = lib.ct_project_points(face, len(points), doubles(points), options, first, out)
     if status != lib.CT_OK:
         raise ArgumentError(f"projection refused: {text_of(status)}", status)
@@ -187,14 +186,13 @@ def project_path(
     face, points = _face(kind, nodes), real("point", np.asarray(point)[None], ("m", 3))
     options = _options(method, tolerance)
     iterates: list[tuple[float, float]] = []
-    trace = ffi.callback(
-        "void(double *, double, void *)", lambda xi, f, user: iterates.append((xi[0], xi[1]))
-    )
+    append = lambda xi, f, user: iterates.append((xi[0], xi[1]))
+    trace = ffi.callback("void(double *, double, void *)", append)
     options.trace = trace
     if start is not None:
         options.use_start, options.start = 1, list(_start(start, 1)[0])
-    rows = np.zeros(1, row("ct_projection"))
-    lib.ct_project(face, doubles(points), options, ffi.from_buffer("ct_projection[]", rows))
+    rows, out = table("ct_projection", 1)
+    lib.ct_project(face, doubles(points), options, out)
     found = columns(Projection, rows)
     return np.array([*iterates, tuple(found.xi[0])]), found
 
@@ -277,16 +275,14 @@ def project_ray(
     directions = np.ascontiguousarray(np.broadcast_to(directions, points.shape))
     if not 0 < float(tolerance) < 1:
         raise ValueError(f"tolerance must be positive and below 1, not {tolerance!r}")
-    rows = np.zeros(len(points), row("ct_ray_hit"))
-    out = ffi.from_buffer("ct_ray_hit[]", rows)
-    lib.ct_project_rays(
-        face, len(points), doubles(points), doubles(directions), float(tolerance), out
-    )
+    rows, out = table("ct_ray_hit", len(points))
+    to = doubles(directions)
+    lib.ct_project_rays(face, len(points), doubles(points), to, float(tolerance), out)
     return columns(RayHits, rows)
 
 
 def columns(record: type[_Columns], rows: Any) -> _Columns:
-    """A dataclass of what C has written, one array per field, from rows or from a dict of arrays."""
+    """A dataclass of what C has written, one array per field, from rows."""
     arrays = {field.name: np.ascontiguousarray(rows[field.name]) for field in fields(record)}  # type: ignore[arg-type]
     arrays["where"] = _WHERE[rows["where"]]
     if "certified" in arrays:
@@ -313,9 +309,7 @@ def _options(method: str, tolerance: float) -> Any:
     if not isinstance(method, str) or method not in METHODS:
         raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
     options = ffi.new("ct_project_options *", lib.ct_project_options_default())
-    options.method, options.tolerance = METHODS[method], float(tolerance)
-    if not 0 < options.tolerance < float("inf"):
-        raise ValueError(f"tolerance must be positive and finite, not {tolerance!r}")
+    options.method, options.tolerance = METHODS[method], positive("tolerance", tolerance)
     return options
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .bridge import Floats, Rows
-from .mesh import KINDS, WIDTH, Mesh, need_h5py, open_hdf5
+from .mesh import KINDS, WIDTH, Mesh, open_hdf5
 from .model import LAWS, Material
 from .run import MOMENTUM, BodyState, Run, State, energy_table
 from .schema import Place
@@ -118,6 +118,6 @@ def _text(value: Any) -> str:
 
 def write_tables(path: Path, run: Run) -> None:
     """Add the history of a run in memory to a file that holds its last state only, in the group libcontact/history."""
-    with need_h5py().File(path, "r+") as file:
+    with open_hdf5(path, "r+") as file:
         group = file.create_group("libcontact/history")
         group["step"], group["energy"], group["momentum"] = run.steps, run.energy, run.momentum
