@@ -18,13 +18,13 @@ import numpy as np
 
 from . import errors, has
 from ._core import ffi, lib
-from .bridge import Rows, ask, call, doubles, row
-from .errors import Error, NotBuiltIn, check, issue, new_error, place, raise_held, text_of
+from .bridge import Rows, ask, call, doubles, table
+from .errors import Error, NotBuiltIn, issue, new_error, place, raise_held, text_of
 from .mesh import view
 from .model import FEEDING
 from .plan import measured
 from .problem import Problem, contact_points, new_state, penetrations
-from .rehearsal import computed_share
+from .rehearsal import computed_share, step_seconds
 from .run import ENERGY, FAULTS, IN_ENERGY, MOMENTUM, BodyState, Run, RunError, State, energy_table
 from .schema import Place, SceneError, is_number
 from .surfaces import pressing
@@ -96,11 +96,10 @@ class Loop:
 
     # What is written.
 
-    @contextlib.contextmanager
-    def _input(self, key: str) -> Iterator[None]:
-        """What the C library refuses here is an error of the input."""
+    def _input(self, key: str, function: Any, *arguments: Any) -> Any:
+        """Call a function; what the C library refuses here is an error of the input."""
         try:
-            yield
+            return function(*arguments)
         except Error as error:
             raise SceneError(str(error), key, self.problem.file) from None
 
@@ -109,10 +108,10 @@ class Loop:
         if not has("hdf5"):
             raise NotBuiltIn("this build has no HDF5, so it can't read a restart")
         problem, state = coarse or self.problem, self.state if coarse is None else new_state(coarse)
-        with self._input("restart"):
-            call(lib.ct_output_restart, os.fsencode(path), problem.pointer, state)
-            if coarse is not None:
-                call(lib.ct_state_subdivide_step, self.problem.pointer, state, self.state)
+        name, fine = os.fsencode(path), (self.problem.pointer, state, self.state)
+        self._input("restart", call, lib.ct_output_restart, name, problem.pointer, state)
+        if coarse is not None:
+            self._input("restart", call, lib.ct_state_subdivide_step, *fine)
 
     def _create(self, path: str | Path) -> Any:
         text, fields = ffi.new("char[]", self.scene_text.encode()), self.problem.parts.output.fields
@@ -124,8 +123,7 @@ class Loop:
     def open(self, path: str | Path) -> None:
         """Create the results file; without HDF5, of which ``known`` warns, the results stay in memory."""
         if has("hdf5"):
-            with self._input("output.file"):
-                self.output = self._create(path)
+            self.output = self._input("output.file", self._create, path)
             self.path = Path(path).absolute()
 
     def close(self) -> None:
@@ -146,13 +144,12 @@ class Loop:
             raise NotBuiltIn("this build has no HDF5, so it can't save a run")
         from .results import write_tables
 
-        error = new_error()
         try:
-            output = self._create(path)
-            written = lib.ct_output_append(output, self.problem.pointer, self.state, error)
-            closed = lib.ct_output_close(output, new_error() if written else error)
-            check(written or closed, error)
+            self.output = self._create(path)
+            self._call(lib.ct_output_append, self.output, self.problem.pointer, self.state)
+            self.close()
         except Error as reason:
+            self.abandon()
             raise OSError(str(reason)) from None
         write_tables(path, run)
 
@@ -184,25 +181,22 @@ class Loop:
 
     def record(self) -> None:
         """One row of each table, and one step of the file."""
-        begin = clock.perf_counter() - self._effect_seconds()
+        begin = clock.perf_counter() - step_seconds(self.problem, self.state).sum()
         self._call(lib.ct_monitor_check, self.monitor, self.state)
         self._write_record(self.state)
         if self.watch is not None:
             self.watch(self.result(records=1))
         # The forces that a record asks for are those of the next step, which has them then.
-        self.output_seconds += clock.perf_counter() - self._effect_seconds() - begin
-
-    def _effect_seconds(self) -> float:
-        return math.fsum(self.state.effect_seconds[0 : len(self.problem.effects) + 1])
+        forces = step_seconds(self.problem, self.state).sum()
+        self.output_seconds += clock.perf_counter() - forces - begin
 
     def _write_record(self, state: Any) -> None:
         problem = self.problem.pointer
-        energy = np.zeros(1, ENERGY)
-        momentum = np.zeros(len(self.problem.bodies), row("ct_momentum"))
-        self._call(lib.ct_energy_of, problem, state, ffi.from_buffer("ct_energy[]", energy))
+        energy, out = table("ct_energy", 1)
+        self._call(lib.ct_energy_of, problem, state, out)
+        momentum, out = table("ct_momentum", len(self.problem.bodies))
         for body in range(len(momentum)):
-            out = ffi.from_buffer("ct_momentum[]", momentum) + body
-            self._call(lib.ct_momentum_of, problem, state, body, out)
+            self._call(lib.ct_momentum_of, problem, state, body, out + body)
         energy = self._energy_rows(energy, state)
         if not np.isfinite(energy.view(np.float64)).all():
             raise FAULTS[lib.CT_ERROR_BLOWUP](
@@ -253,8 +247,11 @@ class Loop:
                 at = bisect_right(self.due, state.step)
                 due = min([*self.due[at : at + 1], last])
                 self._advance(min(due, self._next_rest()), bar.update, stop)
-                if state.step == due or stop or self._at_rest():
+                if state.step == due:
                     self._record_and_warn()
+                self._warn_of_growth()
+            if state.step > self.steps[-1]:
+                self._record_and_warn()
                 self._warn_of_growth()
         self.interrupted = bool(stop) and state.step < last
         at_end = last == self.problem.step_count and not stop
@@ -278,11 +275,8 @@ class Loop:
         options, time = ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()), self.time
         options.every, options.energy_limit = time.look_every, time.energy_limit
         options.stable = self.problem.stable.dt
-        with self._input(""):
-            monitor = ask(
-                "ct_monitor **", lib.ct_monitor_create, self.problem.pointer, self.state, options
-            )
-        free = lib.ct_monitor_free
+        given, free = (self.problem.pointer, self.state, options), lib.ct_monitor_free
+        monitor = self._input("", ask, "ct_monitor **", lib.ct_monitor_create, *given)
         self.monitor = ffi.gc(monitor, lambda watch, problem=self.problem: free(watch))
 
     def _warn_of_growth(self) -> None:
@@ -311,10 +305,9 @@ class Loop:
         if kind not in words:
             advice = f"{step}, and compare what it stores with the work of its force"
             return f'effect "{self.problem.effects[growth.effect]}"', "", advice
-        name = words[kind].split()[0]
-        key, who, given = [of for of in pressing(self.problem.parts) if of[0].startswith(name)][
-            before.count(kind)
-        ]
+        name, nth = words[kind].split()[0], before.count(kind)
+        alike = [each for each in pressing(self.problem.parts) if each[0].startswith(name)]
+        key, who, given = alike[nth]
         advice = f"points have come to lie inside without passing the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta"
         if given.enforcement in FEEDING:
             advice = f'{step}, a smaller beta, or enforcement = "energy_controlled"'
