@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import io
 import math
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -279,6 +278,8 @@ def _try(problem: Problem, interval: int, together: bool = False) -> _Prices:
     Measure some steps and a record after them, again and again, from the start of the run with all elements active; with the
     surfaces moved ``together`` where that is asked for.
     """
+    import tempfile
+
     from .loop import Loop
 
     loop, error = Loop(problem, ""), new_error()

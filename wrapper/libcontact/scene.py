@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import math
 import os
-import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from inspect import Parameter, Signature, signature
@@ -183,6 +182,8 @@ class Scene:
         Scene
             The scene.
         """
+        import tomllib
+
         path = str(path)
         try:
             check_file(path, MOST_BYTES)
@@ -472,6 +473,8 @@ class Scene:
 
     def _check_restart(self, path: Any, threads: int | None) -> tuple[float | None, int]:
         """Refuse to continue the run of another scene; the step that the run had, and in how many parts this scene divides it."""
+        import tomllib
+
         at = Place("restart", self.file)
         try:
             run = Run.load(path)
