@@ -89,6 +89,13 @@ def real(name: str, values: Any, *shapes: tuple[str | int, ...]) -> Floats:
     return np.ascontiguousarray(array, np.float64).reshape(array.shape)
 
 
+def chosen(name: str, value: Any, known: dict[str, int]) -> int:
+    """The number of a word."""
+    if not isinstance(value, str) or value not in known:
+        raise ValueError(f"{name} must be one of {', '.join(known)}, not {value!r}")
+    return known[value]
+
+
 def positive(name: str, value: Any) -> float:
     """A value as a number above 0."""
     if not 0 < float(value) < float("inf"):

@@ -25,7 +25,18 @@ from .model import FEEDING
 from .plan import measured
 from .problem import Problem, contact_points, new_state, penetrations
 from .rehearsal import computed_share, step_seconds
-from .run import ENERGY, FAULTS, IN_ENERGY, MOMENTUM, BodyState, Run, RunError, State, energy_table
+from .run import (
+    ENERGY,
+    FAULTS,
+    IN_ENERGY,
+    MOMENTUM,
+    BodyState,
+    NotFinite,
+    Run,
+    RunError,
+    State,
+    energy_table,
+)
 from .schema import Place, SceneError, is_number
 from .surfaces import pressing
 from .warned import turned
@@ -199,10 +210,8 @@ class Loop:
             self._call(lib.ct_momentum_of, problem, state, body, out + body)
         energy = self._energy_rows(energy, state)
         if not np.isfinite(energy.view(np.float64)).all():
-            raise FAULTS[lib.CT_ERROR_BLOWUP](
-                f"the energy stopped being finite by t = {state.time:g} (step {state.step})",
-                code=lib.CT_ERROR_BLOWUP,
-            )
+            text = f"the energy stopped being finite by t = {state.time:g} (step {state.step})"
+            raise NotFinite(text, code=lib.CT_ERROR_BLOWUP)
         if self.output is not None:
             self._call(lib.ct_output_append, self.output, problem, state)
         self.energy.append(energy)
@@ -236,12 +245,17 @@ class Loop:
         return self.result()
 
     def _steps(self, progress: Any) -> None:
+        from tqdm import tqdm
+
         last, state = self.last, self.state
         if state.step > last:
             reason = f"the restart stands at step {state.step}, after the last step {last}"
             raise SceneError(reason, "restart", self.problem.file)
         self.start_guard()
-        with _progress(progress, state.step, last) as bar, _ctrl_c() as stop:
+        # A bar where stderr is a terminal, or "always".
+        hidden = None if progress and progress != "always" else not progress
+        shown = {"unit": " steps", "file": sys.stderr, "dynamic_ncols": True, "disable": hidden}
+        with tqdm(total=last, initial=state.step, **shown) as bar, _ctrl_c() as stop:
             self._record_and_warn()
             while state.step < last and not stop and not self._at_rest():
                 at = bisect_right(self.due, state.step)
@@ -256,19 +270,14 @@ class Loop:
         self.interrupted = bool(stop) and state.step < last
         at_end = last == self.problem.step_count and not stop
         if self.time.until_static is not None and at_end and not self._at_rest():
-            issue(
-                errors.NotAtRest(
-                    f"the run ends at t = {state.time:g} before it comes to rest: residual {self._residual():.2g}, "
-                    f"until_static = {self.time.until_static:g}; a later end helps, or more [damping]",
-                    "time.until_static",
-                )
+            text = f"the run ends at t = {state.time:g} before it comes to rest: residual {self._residual():.2g}, "
+            text += (
+                f"until_static = {self.time.until_static:g}; a later end helps, or more [damping]"
             )
+            issue(errors.NotAtRest(text, "time.until_static"))
         if state.unconverged:
-            issue(
-                errors.NotSettled(
-                    f"the contact forces did not settle to their tolerance in {state.unconverged} of {state.step} steps; a smaller step helps, or a smaller beta"
-                )
-            )
+            text = f"the contact forces did not settle to their tolerance in {state.unconverged} of {state.step} steps; "
+            issue(errors.NotSettled(text + "a smaller step helps, or a smaller beta"))
 
     def start_guard(self) -> None:
         """Monitor the state from here on; what is wrong with it already is an error of the input."""
@@ -413,16 +422,6 @@ class Loop:
             fields = {"displacement": u[body.nodes], "velocity": v[body.nodes]}
             bodies[name] = BodyState(name, body.mesh, body.material, **fields)
         return State(state.time, state.step, bodies)
-
-
-def _progress(wanted: Any, start: int, last: int) -> Any:
-    """A progress bar on stderr. True: where stderr is a terminal; "always": everywhere; False: nowhere."""
-    from tqdm import tqdm
-
-    shown = {"disable": not wanted if wanted == "always" or not wanted else None}
-    return tqdm(
-        total=last, initial=start, unit=" steps", file=sys.stderr, dynamic_ncols=True, **shown
-    )
 
 
 @contextlib.contextmanager

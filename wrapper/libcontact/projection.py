@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import Floats, Ints, doubles, names, positive, real, table
+from .bridge import Floats, Ints, chosen, doubles, names, positive, real, table
 from .errors import ArgumentError, text_of
 
 __all__ = [
@@ -271,12 +271,10 @@ def project_ray(
     ([[1.0, 1.0, 0.0]], [3.0])
     """
     face, points = _face(kind, nodes), real("points", points, ("m", 3))
-    directions = real("directions", directions, (3,), points.shape)
-    directions = np.ascontiguousarray(np.broadcast_to(directions, points.shape))
     if not 0 < float(tolerance) < 1:
         raise ValueError(f"tolerance must be positive and below 1, not {tolerance!r}")
     rows, out = table("ct_ray_hit", len(points))
-    to = doubles(directions)
+    to = doubles(_each("directions", directions, (len(points), 3)))
     lib.ct_project_rays(face, len(points), doubles(points), to, float(tolerance), out)
     return columns(RayHits, rows)
 
@@ -292,9 +290,12 @@ def columns(record: type[_Columns], rows: Any) -> _Columns:
 
 def face_kind(kind: str) -> int:
     """The number in C of a kind of face; a ValueError for a kind that is none."""
-    if not isinstance(kind, str) or kind not in FACE_KINDS:
-        raise ValueError(f"kind must be one of {', '.join(FACE_KINDS)}, not {kind!r}")
-    return FACE_KINDS[kind]
+    return chosen("kind", kind, FACE_KINDS)
+
+
+def _each(name: str, values: Any, shape: tuple[int, int]) -> Floats:
+    """A row of numbers for each point; one row may serve all."""
+    return np.ascontiguousarray(np.broadcast_to(real(name, values, shape[1:], shape), shape))
 
 
 def _face(kind: str, nodes: Any) -> Any:
@@ -306,15 +307,14 @@ def _face(kind: str, nodes: Any) -> Any:
 
 
 def _options(method: str, tolerance: float) -> Any:
-    if not isinstance(method, str) or method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
     options = ffi.new("ct_project_options *", lib.ct_project_options_default())
-    options.method, options.tolerance = METHODS[method], positive("tolerance", tolerance)
+    options.method = chosen("method", method, METHODS)
+    options.tolerance = positive("tolerance", tolerance)
     return options
 
 
 def _start(start: Any, count: int) -> Floats:
-    start = real("start", start, (2,), (count, 2))
+    start = _each("start", start, (count, 2))
     if not np.isfinite(start).all():
         raise ValueError("start must be finite")
-    return np.ascontiguousarray(np.broadcast_to(start, (count, 2)))
+    return start

@@ -33,13 +33,9 @@ __all__ = [
 ENERGY = np.dtype(members("ct_energy"))
 MOMENTUM = np.dtype(members("ct_momentum"))
 STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
+PARTS = {"stress": STRESS, "displacement": "xyz", "velocity": "xyz"}
 COMPONENTS = {
-    **{f"stress_{name}": ("stress", i) for i, name in enumerate(STRESS)},
-    **{
-        f"{name}_{axis}": (name, i)
-        for name in ("displacement", "velocity")
-        for i, axis in enumerate("xyz")
-    },
+    f"{field}_{part}": (field, i) for field in PARTS for i, part in enumerate(PARTS[field])
 }
 # Effects whose energy or work stands in the columns of ENERGY; others have a column of their own.
 IN_ENERGY = ("solid", "contact", "support")
