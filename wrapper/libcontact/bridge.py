@@ -41,9 +41,8 @@ def members(struct: str) -> list[tuple[str, str, tuple[int, ...]]]:
     """The members of a C struct of numbers as numpy fields: name, type and shape."""
     out: list[tuple[str, str, tuple[int, ...]]] = []
     for name, member in ffi.typeof(struct).fields:
-        of, shape = member.type, ()
-        if of.kind == "array":
-            of, shape = of.item, (of.length,)
+        array = member.type.kind == "array"
+        of, shape = (member.type.item, (member.type.length,)) if array else (member.type, ())
         out.append((name, f"{'f' if of.cname == 'double' else 'i'}{ffi.sizeof(of)}", shape))
     return out
 

@@ -174,7 +174,7 @@ class Loop:
         self.abandon()
         error.time, error.step, error.checkpoint = self.state.time, self.state.step, path
         state = None if good is None else self._state(good, self.monitor)
-        error.run = self._run(state=state)
+        error.run = self.result(state=state)
         if good is not None:
             error.args = (f"{error}. {self._advice(good, path)}",)
 
@@ -377,24 +377,8 @@ class Loop:
 
     # What comes out.
 
-    def result(self, records: int = 0) -> Run:
-        """The run so far, or its last records."""
-        problem, state = self.problem, self.state
-        impulse: dict[str, Any] = {}
-        for k, name in enumerate(problem.effects[1:], start=1):
-            given = np.zeros(3)
-            self._call(lib.ct_energy_impulse, problem.pointer, state, k, doubles(given))
-            impulse[name] = impulse.get(name, 0.0) + given
-        return self._run(
-            records,
-            state=self._state(state, state),
-            writer=self,
-            contact=contact_points(problem, state),
-            impulse=impulse,
-            penetration=[] if records else penetrations(problem, state),
-        )
-
-    def _run(self, records: int = 0, **more: Any) -> Run:
+    def result(self, records: int = 0, **fault: Any) -> Run:
+        """The run so far, or its last records; after a fault with the state that is given."""
         problem = self.problem
         return Run(
             bodies=list(problem.bodies),
@@ -409,8 +393,20 @@ class Loop:
             costs=measured(problem, self.state, self.output_seconds),
             computed=computed_share(self.state),
             dt=problem.dt,
-            **more,
+            **(fault or self._last(bool(records))),
         )
+
+    def _last(self, watched: bool) -> dict[str, Any]:
+        """What a run knows of its last state only."""
+        problem, state = self.problem, self.state
+        impulse: dict[str, Any] = {}
+        for k, name in enumerate(problem.effects[1:], start=1):
+            given = np.zeros(3)
+            self._call(lib.ct_energy_impulse, problem.pointer, state, k, doubles(given))
+            impulse[name] = impulse.get(name, 0.0) + given
+        known = {"state": self._state(state, state), "writer": self, "impulse": impulse}
+        known["penetration"] = [] if watched else penetrations(problem, state)
+        return {**known, "contact": contact_points(problem, state)}
 
     def _state(self, state: Any, owner: Any) -> State:
         """A state for people; ``owner`` is what keeps its memory alive."""

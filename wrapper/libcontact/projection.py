@@ -314,7 +314,7 @@ def _options(method: str, tolerance: float) -> Any:
 
 
 def _start(start: Any, count: int) -> Floats:
-    start = _each("start", start, (count, 2))
-    if not np.isfinite(start).all():
+    rows = _each("start", start, (count, 2))
+    if not np.isfinite(rows).all():
         raise ValueError("start must be finite")
-    return start
+    return rows

@@ -421,7 +421,7 @@ class Scene:
             RunKeys.keys()["threads"].metadata["kind"].read(
                 threads, Place("run.threads", self.file)
             )
-        path = self._whole().output.file if output is None else (output or None)
+        path: Any = self._whole().output.file if output is None else (output or None)
         if path is not None:
             self._check_output(path, restart)
         dt, parts = (None, 1) if restart is None else self._check_restart(restart, threads)

@@ -79,7 +79,7 @@ class Cylinder(Sphere):
         Its direction.
     """
 
-    axis: Vector = key(VECTOR)
+    axis: Vector = key(VECTOR)  # type: ignore[assignment]
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         if not any(self.axis):
