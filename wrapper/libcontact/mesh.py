@@ -339,6 +339,11 @@ def open_hdf5(path: str | Path, mode: str = "r") -> Any:
         raise ValueError(f'can\'t read "{path}": {reason}') from None
 
 
+def text_in(value: Any) -> str:
+    """A text of an HDF5 file."""
+    return value.decode(errors="replace").rstrip("\0") if isinstance(value, bytes) else str(value)
+
+
 def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
     """
     Read the mesh of a VTKHDF file of one part, an unstructured grid of one kind of bricks; of a transient file that of the first step.
@@ -370,8 +375,7 @@ def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
         group = file.get("VTKHDF")
         if not hasattr(group, "attrs") or not hasattr(group, "keys"):
             raise wrong("has no group VTKHDF")
-        kind = group.attrs.get("Type", b"")
-        kind = kind.decode() if isinstance(kind, bytes) else str(kind)
+        kind = text_in(group.attrs.get("Type", b""))
         if kind != "UnstructuredGrid":
             raise wrong(f'holds "{kind}", not an UnstructuredGrid')
         wanted = ("NumberOfPoints", "NumberOfCells", "Points", "Connectivity", "Offsets", "Types")

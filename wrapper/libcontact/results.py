@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .bridge import Floats, Rows
-from .mesh import KINDS, WIDTH, Mesh, open_hdf5
+from .mesh import KINDS, WIDTH, Mesh, open_hdf5, text_in
 from .model import LAWS, Material
 from .run import MOMENTUM, BodyState, Run, State, energy_table
 from .schema import Place
@@ -42,13 +42,13 @@ def _read(path: Path, file: Any, record: int) -> Run:
         raise ValueError(f'"{path}" has {count} records; there is none with the number {record}')
     record %= count
     bodies = own["body"][()]
-    scene = _text(own["scene"][()]) if "scene" in own else ""
+    scene = text_in(own["scene"][()]) if "scene" in own else ""
     time, step = float(vtk["Steps/Values"][record]), int(own["step"][record])
     # The rows of the recorded steps, or, where the file was saved from memory, its whole history.
     if "history" in own:
         own, count = own["history"], len(own["history/step"])
     return Run(
-        bodies=[_text(row["name"]) for row in bodies],
+        bodies=[text_in(row["name"]) for row in bodies],
         units=_units(scene),
         steps=own["step"][:count].astype(np.int64),
         energy=_energy(own, count),
@@ -68,7 +68,7 @@ def _energy(own: Any, count: int) -> Rows:
     effects = own["effects"][()]
     values = own["effect"][: count * len(effects)].reshape(count, len(effects))
     values = np.where(effects["stores"], values["energy"], values["work"])
-    return energy_table(energy, [_text(name) for name in effects["name"]], values)
+    return energy_table(energy, [text_in(name) for name in effects["name"]], values)
 
 
 def _bodies(vtk: Any, rows: Rows, record: int) -> dict[str, BodyState]:
@@ -89,7 +89,7 @@ def _bodies(vtk: Any, rows: Rows, record: int) -> dict[str, BodyState]:
         elements = elements.reshape(-1, WIDTH[list(KINDS)[row["kind"]]]).astype(np.int32)
         law = tuple(LAWS)[row["law"] if "law" in row.dtype.names else 0]
         constants = {name: float(row[name]) for name in ("young", "poisson", "density")}
-        mesh, name = Mesh.copy(np.ascontiguousarray(points[nodes]), elements), _text(row["name"])
+        mesh, name = Mesh.copy(np.ascontiguousarray(points[nodes]), elements), text_in(row["name"])
         part = {"PointData": nodes, "CellData": cells}
         cut = {key: values[part[groups[key]]] for key, values in fields.items()}
         out[name] = BodyState(name, mesh, Material("", **constants, law=law), **cut)
@@ -110,10 +110,6 @@ def _units(scene: str) -> Units | None:
         return Units.read(tomllib.loads(scene)["units"], Place())
     except (ValueError, KeyError, TypeError):
         return None
-
-
-def _text(value: Any) -> str:
-    return value.decode(errors="replace").rstrip("\0") if isinstance(value, bytes) else str(value)
 
 
 def write_tables(path: Path, run: Run) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -247,7 +247,7 @@ class BodyState:
         return out
 
 
-class State(Mapping[str, BodyState]):
+class State(dict[str, BodyState]):
     """
     The bodies at one time, by name: ``run.state["right"].displacement``.
 
@@ -260,18 +260,11 @@ class State(Mapping[str, BodyState]):
     """
 
     def __init__(self, time: float, step: int, bodies: dict[str, BodyState]):
-        self.time, self.step, self._bodies = time, step, bodies
+        super().__init__(bodies)
+        self.time, self.step = time, step
 
-    def __getitem__(self, name: str) -> BodyState:
-        if name not in self._bodies:
-            raise KeyError(f'no body is named "{name}"' + suggestion(name, self._bodies))
-        return self._bodies[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._bodies)
-
-    def __len__(self) -> int:
-        return len(self._bodies)
+    def __missing__(self, name: str) -> BodyState:
+        raise KeyError(f'no body is named "{name}"' + suggestion(name, self))
 
     def __repr__(self) -> str:
         return f"State(time={self.time:g}, step={self.step}, bodies={list(self)})"

@@ -528,10 +528,8 @@ def _plain(value: Any) -> Any:
             str(key): np.array(item) if key in ("nodes", "elements") else _plain(item)
             for key, item in value.items()
         }
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, (list, tuple, np.ndarray)):
         return [_plain(item) for item in value]
-    if isinstance(value, np.ndarray):
-        return value.tolist()
     if isinstance(value, np.generic):
         return value.item()
     return str(value) if isinstance(value, str) else value
