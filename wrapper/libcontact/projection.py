@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ._core import ffi, lib
 from .bridge import Floats, Ints, chosen, doubles, names, positive, real, table
-from .errors import ArgumentError, text_of
+from .errors import check
 
 __all__ = [
     "Projection",
@@ -147,9 +147,7 @@ def project(
     options = _options(method, tolerance)
     first = ffi.NULL if start is None else doubles(_start(start, len(points)))
     rows, out = table("ct_projection", len(points))
-    status = lib.ct_project_points(face, len(points), doubles(points), options, first, out)
-    if status != lib.CT_OK:
-        raise ArgumentError(f"projection refused: {text_of(status)}", status)
+    check(lib.ct_project_points(face, len(points), doubles(points), options, first, out))
     return columns(Projection, rows)
 
 

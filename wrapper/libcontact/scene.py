@@ -473,28 +473,20 @@ class Scene:
 
     def _check_restart(self, path: Any, threads: int | None) -> tuple[float | None, int]:
         """Refuse to continue the run of another scene; the step that the run had, and in how many parts this scene divides it."""
-        import tomllib
-
         at = Place("restart", self.file)
         try:
             run = Run.load(path)
-            before = tomllib.loads(run.scene)
+            before, step = _fixed(run.scene)
         except NotBuiltIn:
             # Without h5py the C library's own comparison of bodies, effects, step and nodes has to do.
             return None, 1
         except (ValueError, TypeError) as error:
             raise at.error(str(error)) from None
-        now = tomllib.loads(self.toml(arrays=False))
-        free = [key for key, field in Time.keys().items() if field.metadata["free"]]
-        times = [scene.pop("time", {}) for scene in (before, now)]
-        steps = [{key: time.pop(key, None) for key in Time.one[1]} for time in times]
-        before["time"], now["time"] = (
-            {key: time[key] for key in time if key not in free} for time in times
-        )
-        for key in dict.fromkeys([*before, *now]):
-            if key not in FREE_ON_RESTART and before.get(key) != now.get(key):
+        now, asked_step = _fixed(self.toml(arrays=False))
+        for key in {**before, **now}:
+            if before.get(key) != now.get(key):
                 raise at.error(f'"{path}" comes from another scene: [{key}] differs')
-        if run.dt is None or steps[0] == steps[1]:
+        if run.dt is None or step == asked_step:
             return run.dt, 1
         asked = self._built(threads).dt
         if asked > run.dt * (1.0 + 1e-9):
@@ -515,6 +507,18 @@ def _toml(data: dict[str, Any], arrays: bool = True) -> str:
             if key in body:
                 body[key] = body[key].tolist() if arrays else f"array of shape {body[key].shape}"
     return tomli_w.dumps(data)
+
+
+def _fixed(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The tables of a scene without what may differ in one that continues its run, and the keys that give its step."""
+    import tomllib
+
+    scene = tomllib.loads(text)
+    time: dict[str, Any] = scene.get("time", {})
+    step = {key: time.pop(key, None) for key in Time.one[1]}
+    free = {key for key, field in Time.keys().items() if field.metadata["free"]}
+    scene["time"] = {key: value for key, value in time.items() if key not in free}
+    return {key: value for key, value in scene.items() if key not in FREE_ON_RESTART}, step
 
 
 def _one_file(one: str | Path, other: str | Path) -> bool:

@@ -119,8 +119,7 @@ def called_by_c(function: Callable[[Own, Any, Any], None]) -> Callable[..., Any]
             if error != ffi.NULL:
                 error.code, error.body, error.element, error.point = lib.CT_INVALID, -1, -1, -1
                 said = f"effect {own.name}: {type(reason).__name__}: {reason}"
-                text = _cut(said, ffi.sizeof(error.text) - 1)
-                ffi.memmove(error.text, text + b"\0", len(text) + 1)
+                error.text = _cut(said, ffi.sizeof(error.text) - 1)
             return lib.CT_INVALID
         return lib.CT_OK
 
