@@ -145,9 +145,8 @@ class Loop:
 
     def abandon(self) -> None:
         """Close the file after a failure; what was written before stays readable."""
-        output, self.output = self.output, None
-        if output is not None:
-            lib.ct_output_close(output, new_error())
+        with contextlib.suppress(RunError):
+            self.close()
 
     def write(self, run: Run, path: Path) -> None:
         """Save a run that has no file: its last state through the C library, and all rows of its tables."""
