@@ -174,7 +174,7 @@ class Spin(Table):
             yield "axis", "is 0; it must have a direction"
 
 
-class Body(Table, eq=False):
+class Body(Table):
     """
     A body of one material: a ``box``, a ``ring``, a ``mesh`` file, or ``nodes`` (n, 3) with
     ``elements`` (cells, 8 or 20); the arrays are copied.

@@ -14,7 +14,7 @@ from .units import Units
 NO_FRICTION = "can't stand alone: there is no friction without a pressure; write friction = 0.3 in a [[contact]] or an [[obstacle]]"
 
 
-class Parts(Table, eq=False):
+class Parts(Table):
     """A whole scene, whose keys are its tables; those of effects stand in the order in which forces are added and columns of the ledger follow one another."""
 
     title: str = key(Text(), default="")

@@ -454,7 +454,9 @@ def key(
     return dataclasses.field(default=default, kw_only=kw_only, metadata=about)
 
 
-@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(key,))
+@dataclass_transform(
+    eq_default=False, kw_only_default=True, frozen_default=True, field_specifiers=(key,)
+)
 class Table:
     """A table of a scene. A subclass declares its keys as fields, ``young: float = key(Number(above=0.0), unit="stress")``, and says in its docstring what they mean."""
 
@@ -467,7 +469,7 @@ class Table:
     belongs: ClassVar[Mapping[str, tuple[str, str]]] = {}
     """Keys that have a meaning only where another one has a certain word."""
 
-    def __init_subclass__(cls, eq: bool = True) -> None:
+    def __init_subclass__(cls, eq: bool = False) -> None:
         dataclass(frozen=True, kw_only=True, eq=eq)(cls)
 
     @classmethod

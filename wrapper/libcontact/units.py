@@ -40,7 +40,7 @@ NAMES: dict[str, dict[float, str]] = {
 }
 
 
-class Units(Table):
+class Units(Table, eq=True):
     """
     The base units of a scene, for example ``Units("mm", "t", "s")``. All numbers of the scene and of
     its results are in them.

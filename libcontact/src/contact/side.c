@@ -53,9 +53,8 @@ ct_status ct_side_fixed_init(ct_side_fixed *fixed, const ct_surface *surface, in
                   : ct_rule_face(surface->kind, &fixed->rule));
   fixed->point_count = (int64_t)surface->face_count * fixed->rule.count;
   fixed->weight = ct_allocate((size_t)fixed->point_count, sizeof *fixed->weight);
-  status = fixed->weight != NULL
-               ? weigh(fixed, body, error)
-               : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact surface");
+  status =
+      fixed->weight != NULL ? weigh(fixed, body, error) : CT_NO_MEMORY(error, "a contact surface");
   if (status != CT_OK) ct_side_fixed_clear(fixed);
   return status;
 }

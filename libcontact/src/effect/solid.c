@@ -50,7 +50,7 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   if (s == NULL || s->values == NULL ||
       (solid->sleeps && ct_sleep_create(solid->parts, solid->part_count, &s->sleep) != CT_OK)) {
     free_scratch(s);
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
+    return CT_NO_MEMORY(error, "the element forces");
   }
   *scratch = s;
   return CT_OK;
@@ -198,16 +198,15 @@ static void place_values(solid_data *solid)
 static ct_status prepare(solid_data *solid, const ct_solid_body *blocks, ct_error *error)
 {
   solid->parts = ct_allocate((size_t)solid->part_count, sizeof *solid->parts);
-  if (solid->parts == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
+  if (solid->parts == NULL) return CT_NO_MEMORY(error, "the bodies");
   int32_t next_node = 0;
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];
     ct_status status = ct_material_check(&blocks[i].material, error);
     if (status == CT_OK) status = ct_mesh_check(blocks[i].mesh, error);
     if (status == CT_OK && blocks[i].first_node != next_node)
-      status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the body begins at node %d, not %d",
-                       (int)blocks[i].first_node, (int)next_node);
+      status = CT_REFUSE(error, "the body begins at node %d, not %d", (int)blocks[i].first_node,
+                         (int)next_node);
     if (status == CT_OK) status = ct_part_prepare(part, &blocks[i], error);
     if (status == CT_OK)
       status = ct_solid_part_omega2_bound(part, blocks[i].held, &part->omega_squared, error);
@@ -232,11 +231,9 @@ ct_status ct_solid_create_effect(const ct_solid_def *def, const ct_problem *prob
   (void)problem;
   if (def == NULL || effect == NULL || def->cookie != CT_DEF_COOKIE || def->blocks == NULL ||
       def->block_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "solid: no bodies, or a definition without its default");
+    return CT_REFUSE(error, "solid: no bodies, or a definition without its default");
   solid_data *solid = ct_allocate(1, sizeof *solid);
-  if (solid == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the solid effect");
+  if (solid == NULL) return CT_NO_MEMORY(error, "the solid effect");
   solid->part_count = def->block_count;
   ct_effect filled = {.kind = CT_EFFECT_SOLID,
                       .label = "solid",
@@ -290,8 +287,7 @@ static ct_status no_force(const ct_effect *effect, const ct_view *view, double *
 ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_error *error)
 {
   if (solid == NULL || solid->kind != CT_EFFECT_SOLID || out == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "hourglass: null argument or no solid effect");
+    return CT_REFUSE(error, "hourglass: null argument or no solid effect");
   const solid_data *data = solid->data;
   int reduced = 0;
   for (int32_t i = 0; i < data->part_count; i++) reduced |= data->parts[i].mean != NULL;

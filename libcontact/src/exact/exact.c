@@ -529,10 +529,8 @@ ct_status ct_exact_plates(size_t n, const double *x, const double *z, const doub
 {
   if (bad != NULL) *bad = n;
   if (!(nu > 0.0 && nu <= 0.49))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
-  if (!(length > 0.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "length = %g, must be positive", length);
+    return CT_REFUSE(error, "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
+  if (!(length > 0.0)) return CT_REFUSE(error, "length = %g, must be positive", length);
   ct_status status = ct_exact_check(n, x, z, t, fields, refusal, length, bad, error);
   if (status != CT_OK) return status;
   ct_plates e;

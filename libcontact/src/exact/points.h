@@ -21,7 +21,7 @@ static inline ct_status ct_exact_check(size_t n, const double *x, const double *
 {
   if (bad != NULL) *bad = n;
   if (n > 0 && (x == NULL || z == NULL || t == NULL || fields == NULL))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "x, z, t or fields is a null pointer");
+    return CT_REFUSE(error, "x, z, t or fields is a null pointer");
   for (size_t i = 0; i < n; i++) {
     const char *reason = isnan(x[i]) || isnan(z[i]) || isnan(t[i]) ? "a coordinate is not a number"
                          : x[i] < 0.0                              ? "x < 0 lies outside the plate"

@@ -210,11 +210,9 @@ static ct_status tabulated(double nu, size_t branches, double reach, ct_series *
   ct_branches how = {NULL, 0.0, width, 3e-8 * width};
   double c2;
   if (ct_exact_speeds(nu, &c2, &how.c_r) != CT_OK)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
+    return CT_REFUSE(error, "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
   if (branches < 1 || branches > 1000)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "branches = %zu, must be 1 to 1000",
-                   branches);
+    return CT_REFUSE(error, "branches = %zu, must be 1 to 1000", branches);
   ct_series *s = calloc(1, sizeof *s);
   gsl_integration_glfixed_table *rule = gsl_integration_glfixed_table_alloc(NODES);
   how.solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);

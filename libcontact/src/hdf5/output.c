@@ -38,9 +38,8 @@ static ct_status check_problem(const ct_problem *problem, ct_error *error)
     nodes += body->mesh->node_count;
   }
   if (nodes == 0 || nodes != problem->node_count)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "the bodies have %ld nodes, the problem says %d", (long)nodes,
-                   (int)problem->node_count);
+    return CT_REFUSE(error, "the bodies have %ld nodes, the problem says %d", (long)nodes,
+                     (int)problem->node_count);
   return CT_OK;
 }
 
@@ -62,8 +61,7 @@ static ct_status create_record(ct_output *o, const ct_problem *problem,
   now->effects = calloc((size_t)o->effect_count + 1, sizeof *now->effects);
   if ((options->velocity && now->velocity == NULL) || (options->stress && now->stress == NULL) ||
       now->bodies == NULL || now->addends == NULL || now->effects == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the output of %ld nodes",
-                   (long)o->node_count);
+    return CT_NO_MEMORY(error, "the output of %ld nodes", (long)o->node_count);
   return CT_OK;
 }
 
@@ -108,7 +106,7 @@ static ct_status create(const char *path, const ct_problem *problem,
                         const ct_output_options *options, ct_output **output, ct_error *error)
 {
   ct_output *o = calloc(1, sizeof *o);
-  if (o == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an output");
+  if (o == NULL) return CT_NO_MEMORY(error, "an output");
   o->disk.descriptor = -1;
   o->disk.driver = o->file = -1;
   ct_task task = {path, error, create_record(o, problem, options, error), -1};
@@ -129,8 +127,7 @@ ct_status ct_output_create(const char *path, const ct_problem *problem,
 {
   if (output != NULL) *output = NULL;
   if (path == NULL || *path == 0 || problem == NULL || options == NULL || output == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "ct_output_create needs a path, a problem, options and an output");
+    return CT_REFUSE(error, "ct_output_create needs a path, a problem, options and an output");
   ct_status status = check_problem(problem, error);
   if (status == CT_OK) status = ct_hdf5_check_version(error);
   if (status != CT_OK) return status;
@@ -258,8 +255,7 @@ ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_stat
                            ct_error *error)
 {
   if (output == NULL || problem == NULL || state == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "ct_output_append needs an output, a problem and a state");
+    return CT_REFUSE(error, "ct_output_append needs an output, a problem and a state");
   ct_task task = task_on(output, error);
   H5E_BEGIN_TRY { append(&task, output, problem, state); }
   H5E_END_TRY

@@ -184,8 +184,7 @@ ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_stat
                             ct_error *error)
 {
   if (path == NULL || problem == NULL || state == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "ct_output_restart needs a path, a problem and a state");
+    return CT_REFUSE(error, "ct_output_restart needs a path, a problem and a state");
   ct_status status = ct_hdf5_check_version(error);
   if (status != CT_OK) return status;
   H5E_BEGIN_TRY { status = restart(path, problem, state, error); }

@@ -93,14 +93,14 @@ ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, c
   ct_status status = check_surface(surface, body, error);
   if (status != CT_OK) return status;
   ct_search *search = ct_allocate(1, sizeof *search);
-  if (search == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a surface");
+  if (search == NULL) return CT_NO_MEMORY(error, "a surface");
   search->kind = surface->kind;
   search->per = ct_face_node_count(surface->kind);
   search->edges = surface->kind == CT_Q4 || surface->kind == CT_Q8 ? 4 : 3;
   search->face_count = surface->face_count;
   search->host_count = surface->node_count;
   if (allocate(search, surface) != CT_OK) {
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a surface");
+    status = CT_NO_MEMORY(error, "a surface");
   } else {
     find_neighbours(search);
     status = ct_search_set(search, surface->reference, body, error);
@@ -206,8 +206,7 @@ int ct_search_adjacent(const ct_search *search, int32_t face, int32_t other)
 
 ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error *error)
 {
-  if (surface == NULL || out == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "search: null argument");
+  if (surface == NULL || out == NULL) return CT_REFUSE(error, "search: null argument");
   ct_search *search = NULL;
   ct_status status = ct_search_init(surface, 0, &search, error);
   if (status != CT_OK) return status;
@@ -218,8 +217,7 @@ ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error 
 
 ct_status ct_search_move(ct_search *search, const double *x, ct_error *error)
 {
-  if (search == NULL || x == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "search: null argument");
+  if (search == NULL || x == NULL) return CT_REFUSE(error, "search: null argument");
   ct_status status = ct_search_set(search, x, 0, error);
   if (status == CT_OK) ct_search_refit(search);
   return status;

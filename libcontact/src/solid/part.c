@@ -118,12 +118,10 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *block, 
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "reduced integration with hourglass control is for hex8 and small strain");
   if (!(part->hourglass > 0.0) || !isfinite(part->hourglass))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "the hourglass coefficient must be positive, not %g", part->hourglass);
+    return CT_REFUSE(error, "the hourglass coefficient must be positive, not %g", part->hourglass);
   part->kernel = asked == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
   take_row(part);
-  if (prepare_kernel(part, block, box) != CT_OK)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
+  if (prepare_kernel(part, block, box) != CT_OK) return CT_NO_MEMORY(error, "the elements");
   if (asked == CT_KERNEL_PLANE && part->plane == NULL)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "the plane kernel needs one layer of hex8 boxes whose nodes are all held along "

@@ -86,7 +86,7 @@ class Cylinder(Sphere):
             yield "axis", NO_DIRECTION
 
 
-class Obstacle(Pressing, OnSurface, eq=False):
+class Obstacle(Pressing, OnSurface):
     """
     A rigid obstacle. Its way is ``velocity`` times time plus ``travel`` times the line through
     ``history``.
