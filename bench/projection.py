@@ -16,7 +16,7 @@ from pathlib import Path
 import faces
 import numpy as np
 from faces import MARGIN, RIGHT, corpus
-from libcontact._core import ffi, lib
+from libcontact._core import lib
 from libcontact.projection import METHODS
 
 from libcontact import plot_projection
@@ -139,9 +139,7 @@ def solvers(loops) -> dict:
         out[name] = run
 
     for name in METHODS:
-        number = ffi.new("ct_method *")
-        lib.ct_method_from_name(name.encode(), number)
-        add(name, lambda pairs, n=int(number[0]): loops.bench_ours(ctypes.byref(pairs), n))
+        add(name, lambda pairs, n=METHODS[name]: loops.bench_ours(ctypes.byref(pairs), n))
     found = nlopt_table()
     if found is not None:
         table, nlopt = found
@@ -300,15 +298,11 @@ def batch_of(nodes, points):
     """Q8 faces and points in lanes, and room for the feet; the arrays come along so that they stay."""
     m = len(points)
     blocks = -(-m // 8)
-    lanes, point_lanes = np.empty((blocks, 8, 3, 8)), np.empty((blocks, 3, 8))
-    for per, rows, out in ((8, nodes, lanes), (1, points, point_lanes)):
-        lib.ct_batch_gather(
-            m,
-            per,
-            ffi.from_buffer("double[]", np.ascontiguousarray(rows)),
-            ffi.NULL,
-            ffi.from_buffer("double[]", out),
-        )
+    padded = np.minimum(np.arange(8 * blocks), m - 1)
+    lanes, point_lanes = (
+        np.ascontiguousarray(rows[padded].reshape(blocks, 8, -1, 3).transpose(0, 2, 3, 1))
+        for rows in (np.asarray(nodes), np.asarray(points))
+    )
     arrays = [
         np.zeros((blocks, 2, 8)),
         *(np.zeros((blocks, 8)) for _ in range(2)),

@@ -7,6 +7,7 @@
 
 #include "../libcontact/src/projection/projection_internal.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <time.h>
 #ifdef HAVE_GSL
@@ -48,7 +49,7 @@ static double dot(const double *a, const double *b)
 /* f, and its gradient when g is not null. */
 static double f_and_gradient(context *at, const double *xi, double *g)
 {
-  const double (*c)[4] = at->patch.c;
+  const double (*c)[3] = at->patch.c;
   double x = xi[0], y = xi[1], d[3];
   double f = at->scale * ct_patch_value(&at->patch, xi, d);
   at->evaluations++;

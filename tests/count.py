@@ -24,7 +24,7 @@ TOPICS = (
     ("files", ("hdf5/",)),
     (
         "speed",
-        """solid/box solid/call solid/kernel solid/lattice solid/part solid/plane solid/quiet solid/rows solid/sleep
+        """solid/box solid/call solid/kernel solid/ring solid/part solid/plane solid/quiet solid/rows solid/sleep
         solid/blocks solid/mean solid/modes solid/hex projection/batch contact/warm base/bits base/lanes base/threads
         base/tree bits. lanes. threads. tree.""".split(),
     ),

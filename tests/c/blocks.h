@@ -11,15 +11,19 @@ typedef struct block {
   void *scratch;
 } block;
 
-static inline block open_block(const ct_mesh *m, const ct_material *material,
-                               ct_solid_kernel kernel)
+static inline block open_body(ct_solid_body b)
 {
-  ct_solid_body b = {.mesh = m, .material = *material, .kernel = kernel};
   block solid = {NULL, NULL};
   ct_error e;
   need(create_solid(&b, 1, &solid.effect, &e), &e);
   need(solid.effect->create_scratch(solid.effect, &solid.scratch, &e), &e);
   return solid;
+}
+
+static inline block open_block(const ct_mesh *m, const ct_material *material,
+                               ct_solid_kernel kernel)
+{
+  return open_body((ct_solid_body){.mesh = m, .material = *material, .kernel = kernel});
 }
 
 static inline void close_block(block *solid)

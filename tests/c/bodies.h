@@ -5,12 +5,15 @@
 
 #include <libcontact.h>
 
+#include "../../libcontact/src/solid/element.h"
 #include "tap.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include "defs.h"
 
+static const char *const SCHEME[] = {"central_difference", "chung_lee", "noh_bathe",
+                                     "tchamwa_wielgosz"};
 static const char *const ENFORCEMENT[] = {"penalty", "energy_controlled", "bipenalty", "lagrange"};
 enum { ENFORCEMENTS = sizeof ENFORCEMENT / sizeof ENFORCEMENT[0] };
 
@@ -339,6 +342,14 @@ static inline double jacobi_largest(int n, double *A)
   return top;
 }
 
+static inline ct_scene *new_scene(void)
+{
+  ct_scene *scene = NULL;
+  ct_error error;
+  need(ct_scene_create(&scene, &error), &error);
+  return scene;
+}
+
 /* Add a body to a scene, which copies the mesh. */
 static inline int32_t add_body(ct_scene *scene, const char *name, const ct_mesh *mesh,
                                const ct_material *material, ct_solid_kernel kernel, double vx,
@@ -353,6 +364,16 @@ static inline int32_t add_body(ct_scene *scene, const char *name, const ct_mesh 
   ct_error error;
   need(ct_scene_add_body(scene, &def, &body, &error), &error);
   return body;
+}
+
+/* A scene that begins with such a body. */
+static inline ct_scene *new_scene_with(const char *name, const ct_mesh *mesh,
+                                       const ct_material *material, ct_solid_kernel kernel,
+                                       double vx, double vy, double vz)
+{
+  ct_scene *scene = new_scene();
+  add_body(scene, name, mesh, material, kernel, vx, vy, vz);
+  return scene;
 }
 
 /* A body whose nodes have velocities of their own, shape (node_count, 3). */
@@ -438,14 +459,6 @@ static inline ct_status add_contact(ct_scene *scene, int32_t a, const ct_mesh *m
   return add_rough_contact(scene, a, mesh_a, at_a, b, mesh_b, at_b, axis, beta, 0.0, 0.0);
 }
 
-static inline ct_scene *new_scene(void)
-{
-  ct_scene *scene = NULL;
-  ct_error error;
-  need(ct_scene_create(&scene, &error), &error);
-  return scene;
-}
-
 /* A weight m (g - c v) on all nodes from `first` on, as an effect of our own, plus a pull along x
  * that swells and fades as sin² over a period. */
 typedef struct weight {
@@ -507,12 +520,27 @@ static inline void add_weight(ct_scene *scene, weight w)
                                  .rate_bound = weight_damping});
 }
 
+/* Make an effect of the library from its definition, by the function that makes such effects, and
+ * add it to a scene. */
+#define add_made(scene, create, def)                             \
+  do {                                                           \
+    const ct_problem *joined_ = NULL;                            \
+    ct_effect *made_ = NULL;                                     \
+    ct_error error_;                                             \
+    need(ct_scene_join((scene), &joined_, &error_), &error_);    \
+    need(create((def), joined_, &made_, &error_), &error_);      \
+    need(ct_scene_add_effect((scene), made_, &error_), &error_); \
+  } while (0)
+
+/* `steps` and `stable` may be null. */
 static inline const ct_problem *build(ct_scene *scene, ct_scene_time time, int64_t *steps,
                                       ct_stable_step *stable)
 {
   const ct_problem *problem = NULL;
+  int64_t count;
   ct_error error;
-  need(ct_scene_build(scene, &time, &problem, steps, stable, &error), &error);
+  need(ct_scene_build(scene, &time, &problem, &count, stable, &error), &error);
+  if (steps != NULL) *steps = count;
   return problem;
 }
 
@@ -524,10 +552,29 @@ static inline ct_state *new_state(const ct_problem *problem)
   return state;
 }
 
+static inline void close_run(ct_state *state, ct_scene *scene, ct_mesh *mesh)
+{
+  ct_state_free(state);
+  ct_scene_free(scene);
+  ct_mesh_free(mesh);
+}
+
 static inline void advance(const ct_problem *problem, ct_state *state, int64_t steps)
 {
   ct_error error;
   need(ct_step_many(problem, state, steps, &error), &error);
+}
+
+/* What a restart carries, bit for bit. */
+static inline int same_state(const ct_state *x, const ct_state *y)
+{
+  size_t n = 3 * (size_t)x->node_count * sizeof(double);
+  return x->step == y->step && x->time == y->time && x->kinetic_start == y->kinetic_start &&
+         memcmp(x->displacement, y->displacement, n) == 0 &&
+         memcmp(x->velocity, y->velocity, n) == 0 &&
+         memcmp(x->work, y->work, (size_t)x->work_count * sizeof(double)) == 0 &&
+         memcmp(x->impulse, y->impulse, (size_t)x->impulse_count * sizeof(double)) == 0 &&
+         memcmp(x->memory, y->memory, (size_t)x->memory_count * sizeof(double)) == 0;
 }
 
 static inline ct_energy energy_of(const ct_problem *problem, ct_state *state)

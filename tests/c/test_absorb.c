@@ -28,8 +28,7 @@ static void add_faces(ct_scene *scene, const ct_mesh *mesh, double x, const ct_l
 static void pulse(ct_brick_kind kind, int axis, const char *name)
 {
   ct_mesh *mesh = box_mesh(kind, 0, 0, 0, 10, 0.1, 0.1, kind == CT_HEX8 ? 100 : 50, 1, 1);
-  ct_scene *scene = new_scene();
-  add_body(scene, "column", mesh, &ROCK, CT_KERNEL_AUTO, 0, 0, 0);
+  ct_scene *scene = new_scene_with("column", mesh, &ROCK, CT_KERNEL_AUTO, 0, 0, 0);
   add_support(scene, 0, mesh, -1, 0.0, axis == 0 ? "yz" : "xy", 0.0);
   double c[2], time[41], value[41];
   ct_material_speeds(&ROCK, &c[0], &c[1]);
@@ -41,9 +40,8 @@ static void pulse(ct_brick_kind kind, int axis, const char *name)
   add_faces(scene, mesh, 0.0, &push);
   add_faces(scene, mesh, 10.0, NULL);
   int64_t steps;
-  ct_stable_step stable;
   const ct_problem *problem = build(
-      scene, (ct_scene_time){.end = 16.0 / speed, .fraction = 0.9, .threads = 1}, &steps, &stable);
+      scene, (ct_scene_time){.end = 16.0 / speed, .fraction = 0.9, .threads = 1}, &steps, NULL);
   ct_state *state = new_state(problem);
   advance(problem, state, (int64_t)(6.0 / speed / problem->dt));
   ct_energy before = energy_of(problem, state);
@@ -61,9 +59,7 @@ static void pulse(ct_brick_kind kind, int axis, const char *name)
   // The end nodes of a linear column have half an element of mass: rho c A / (rho A h / 2).
   if (kind == CT_HEX8)
     tap_close(rate / (2 * c[0] / 0.1), 1.0, 1e-12, "%s: the rate is that of the end nodes", name);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
+  close_run(state, scene, mesh);
 }
 
 static void refusals(void)

@@ -2,27 +2,14 @@
  * this machine has them, and against closed forms. */
 #include <libcontact.h>
 
-#include "../../libcontact/src/projection/batch_internal.h"
+#include "../../libcontact/src/projection/projection_internal.h"
+#include "faces.h"
 #include "tap.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 enum { PAIRS = 403, BLOCKS = 51, NAN_PAIR = 17, FLAT_PAIR = 18, HUGE_PAIR = 19 };
-
-static const char *NAME[4] = {"Q4", "Q8", "T3", "T6"};
-static const double QUADRILATERAL[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1},
-                                           {0, -1},  {1, 0},  {0, 1}, {-1, 0}};
-static const double TRIANGLE[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
-
-static unsigned long long seed = 88172645463325252ull;
-
-/* Uniform on (-a, a). */
-static double uniform(double a)
-{
-  seed ^= seed << 13, seed ^= seed >> 7, seed ^= seed << 17;
-  return a * (2 * ((double)(seed >> 11) / 9007199254740992.0) - 1);
-}
 
 /* A batch: the rows that a host has, the same in lanes, and room for the closest points. */
 typedef struct batch {
@@ -41,17 +28,24 @@ static ct_batch_closest closest_of(batch *b)
   return closest;
 }
 
+/* Rows of the pairs, `per` of each, into lanes; the last block is filled up with the last pair. */
+static void gather(int per, const double *rows, double *lanes)
+{
+  for (int p = 0; p < 8 * BLOCKS; p++)
+    for (int i = 0; i < 3 * per; i++)
+      lanes[(p / 8 * 3 * per + i) * 8 + p % 8] = rows[3 * per * (p < PAIRS ? p : PAIRS - 1) + i];
+}
+
 /* Faces from plain to folded, points from on the face to far away, and three pairs that are broken.
  */
 static void fill(batch *b, ct_face_kind kind, double distortion)
 {
-  int triangular = kind == CT_T3 || kind == CT_T6;
   b->kind = kind;
   b->per = ct_face_node_count(kind);
   for (int p = 0; p < PAIRS; p++) {
     double *row = b->rows + 3 * b->per * p, reach = p % 5 == 0 ? 20 : 1.2;
     for (int i = 0; i < b->per; i++) {
-      const double *x = triangular ? TRIANGLE[i] : QUADRILATERAL[i];
+      const double *x = reference(kind, i);
       for (int k = 0; k < 3; k++)
         row[3 * i + k] = (k < 2 ? x[k] : 0.2 * x[0] * x[0]) + uniform(distortion);
       if (p == FLAT_PAIR) row[3 * i] = row[3 * i + 1] = row[3 * i + 2] = 1;
@@ -60,8 +54,8 @@ static void fill(batch *b, ct_face_kind kind, double distortion)
   }
   b->rows[3 * b->per * NAN_PAIR + 4] = NAN;
   b->point[3 * HUGE_PAIR] = 1e200;
-  ct_batch_gather(PAIRS, b->per, b->rows, NULL, b->nodes);
-  ct_batch_gather(PAIRS, 1, b->point, NULL, b->points);
+  gather(b->per, b->rows, b->nodes);
+  gather(1, b->point, b->points);
 }
 
 static int same_bits(double a, double b)
@@ -107,21 +101,22 @@ static void batches_agree_with_single_pairs(batch *b, ct_face_kind kind, double 
   ct_batch_closest closest = closest_of(b);
   ct_status status = ct_project_batch(kind, PAIRS, b->nodes, b->points, NULL, NULL, &closest);
   tap_ok(status == CT_OK && differing(b, NULL, &options) == 0,
-         "%s, distortion %g: cold, each pair has the bits of ct_project", NAME[kind], distortion);
+         "%s, distortion %g: cold, each pair has the bits of ct_project", FACE_NAME[kind],
+         distortion);
   int invalid = b->status[NAN_PAIR] == CT_INVALID && b->status[FLAT_PAIR] == CT_INVALID &&
                 b->status[HUGE_PAIR] == CT_INVALID;
   tap_ok(invalid && isnan(b->xi[16 * (NAN_PAIR / 8) + NAN_PAIR % 8]),
-         "%s: NaN, a face of no size and 1e200 are reported for their pair alone", NAME[kind]);
+         "%s: NaN, a face of no size and 1e200 are reported for their pair alone", FACE_NAME[kind]);
   for (int i = 0; i < BLOCKS * 16; i++) b->start[i] = isnan(b->xi[i]) ? 0 : b->xi[i] + uniform(0.1);
   b->start[3] = NAN, b->start[12] = HUGE_VAL;
   status = ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, NULL, &closest);
   tap_ok(status == CT_OK && differing(b, b->start, &options) == 0, "%s, distortion %g: warm, too",
-         NAME[kind], distortion);
+         FACE_NAME[kind], distortion);
   options.tolerance = 1e-3;
   options.iteration_limit = 2;
   ct_project_batch(kind, PAIRS, b->nodes, b->points, b->start, &options, &closest);
   tap_ok(differing(b, b->start, &options) == 0,
-         "%s: tolerance and iteration limit are those of the options", NAME[kind]);
+         "%s: tolerance and iteration limit are those of the options", FACE_NAME[kind]);
 }
 
 #if CT_BATCH_KERNELS
@@ -137,8 +132,8 @@ static void worsen(batch *b)
     for (int i = 0; i < 3 * b->per; i++) row[i] *= scale;
     for (int k = 0; k < 3; k++) point[k] *= scale;
   }
-  ct_batch_gather(PAIRS, b->per, b->rows, NULL, b->nodes);
-  ct_batch_gather(PAIRS, 1, b->point, NULL, b->points);
+  gather(b->per, b->rows, b->nodes);
+  gather(1, b->point, b->points);
 }
 
 static void run(batch *b, ct_batch_kernel *kernel, const double *start)
@@ -189,8 +184,9 @@ static void widths_agree(batch *one, batch *many, ct_face_kind kind, ct_batch_ke
     run(many, kernel, one->start);
     warm += same_feet(one, many);
   }
-  tap_ok(cold == 8, "%s, %s: the bits of one lane on ordinary and on hard faces", NAME[kind], name);
-  tap_ok(warm == 8, "%s, %s: warm, too", NAME[kind], name);
+  tap_ok(cold == 8, "%s, %s: the bits of one lane on ordinary and on hard faces", FACE_NAME[kind],
+         name);
+  tap_ok(warm == 8, "%s, %s: warm, too", FACE_NAME[kind], name);
 }
 #endif
 
@@ -203,15 +199,15 @@ static void feet_on_a_parabolic_cylinder(batch *b)
     double x = uniform(0.95), y = uniform(0.95), g = uniform(0.4), length = sqrt(1 + x * x);
     for (int i = 0; i < 8; i++) {
       double *node = b->rows + 24 * p + 3 * i;
-      node[0] = QUADRILATERAL[i][0], node[1] = QUADRILATERAL[i][1],
+      node[0] = reference(CT_Q8, i)[0], node[1] = reference(CT_Q8, i)[1],
       node[2] = 0.5 * node[0] * node[0];
     }
     b->point[3 * p] = x - g * x / length, b->point[3 * p + 1] = y,
                  b->point[3 * p + 2] = 0.5 * x * x + g / length;
     want[p][0] = x, want[p][1] = y, want[p][2] = g;
   }
-  ct_batch_gather(PAIRS, 8, b->rows, NULL, b->nodes);
-  ct_batch_gather(PAIRS, 1, b->point, NULL, b->points);
+  gather(8, b->rows, b->nodes);
+  gather(1, b->point, b->points);
   ct_batch_closest closest = closest_of(b);
   ct_project_batch(CT_Q8, PAIRS, b->nodes, b->points, NULL, NULL, &closest);
   for (int p = 0; p < PAIRS; p++) {
@@ -221,25 +217,6 @@ static void feet_on_a_parabolic_cylinder(batch *b)
   }
   tap_close(error, 0, 1e-14,
             "points stepped off a parabolic cylinder come back to their closest points");
-}
-
-static void gather_takes_numbers(void)
-{
-  double rows[5][3], lanes[2 * 2 * 24];
-  int32_t number[18];
-  int good = 1;
-  for (int i = 0; i < 5; i++)
-    for (int k = 0; k < 3; k++) rows[i][k] = 10 * i + k;
-  for (int i = 0; i < 18; i++) number[i] = (i * 7) % 5;
-  ct_batch_gather(9, 2, &rows[0][0], number, lanes);
-  for (int p = 0; p < 16; p++)
-    for (int i = 0; i < 2; i++)
-      for (int k = 0; k < 3; k++)
-        good &= lanes[((p / 8 * 2 + i) * 3 + k) * 8 + p % 8] ==
-                10 * number[2 * (p < 9 ? p : 8) + i] + k;
-  tap_ok(good, "gather puts numbered rows into lanes and fills the last block with its last pair");
-  tap_ok(ct_batch_blocks(0) == 0 && ct_batch_blocks(8) == 1 && ct_batch_blocks(9) == 2,
-         "blocks of eight");
 }
 
 static void impossible_arguments(batch *b)
@@ -282,7 +259,6 @@ int main(void)
   }
 #endif
   feet_on_a_parabolic_cylinder(b);
-  gather_takes_numbers();
   impossible_arguments(b);
   free(b);
   free(many);

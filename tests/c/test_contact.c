@@ -101,7 +101,7 @@ static void force_is_gradient(ct_face_kind ka, ct_face_kind kb)
 static void add_pass_of_b(const patch *a, int n, const patch *b, double pressure, double *f)
 {
   ct_rule rule;
-  ct_rule_face(b->surface.kind, 0, &rule);
+  ct_rule_face(b->surface.kind, &rule);
   int triangle = a->surface.kind == CT_T3 || a->surface.kind == CT_T6,
       per = ct_face_node_count(b->surface.kind), own = ct_face_node_count(a->surface.kind);
   for (int i = 0; i < b->surface.face_count * rule.count; i++) {
@@ -1009,7 +1009,7 @@ static void shared_nodes(void)
   options.epsilon = EPSILON;
   need(ct_contact_create(&a, &b, &options, &contact, &e), &e);
   need(ct_contact_update(contact, x, x, &e), &e);
-  ct_rule_face(CT_Q4, 0, &rule);
+  ct_rule_face(CT_Q4, &rule);
   int64_t count = ct_contact_point_count(contact), met = 0;
   ct_contact_point *point = room(count, sizeof *point);
   ct_contact_points(contact, point);

@@ -188,7 +188,7 @@ static void patch_test(ct_face_kind kind)
   int nodes = a.surface.node_count, per = ct_face_node_count(kind);
   double *fa = numbers(3 * nodes), *fb = numbers(3 * nodes), *want = numbers(3 * nodes), off = 0.0;
   ct_rule gauss;
-  ct_rule_face(kind, 0, &gauss);
+  ct_rule_face(kind, &gauss);
   for (int f = 0; f < a.surface.face_count; f++)
     for (int q = 0; q < gauss.count; q++) {
       double N[8], J = triangular(kind) ? 1.0 : 0.25;
@@ -553,7 +553,7 @@ static void local_search(void)
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = 1.0;
   ct_contact *contact = NULL;
-  need(ct_contact_create_self(&surface, &options, &contact, &e), &e);
+  need(ct_contact_create(&surface, &surface, &options, &contact, &e), &e);
   need(ct_contact_update(contact, m->nodes, NULL, &e), &e);
   need(ct_contact_update(contact, m->nodes, NULL, &e), &e);
   tap_ok(count == 384 && listed(contact) < 20.0,

@@ -17,24 +17,22 @@ static void decay(void)
   build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.2, .threads = 1}, &steps, &free_step);
   need(ct_scene_join(scene, &joined, &e), &e);
   ct_damping_def damping = {COOKIE, .rate = 2.0};
-  need(ct_damping_create_effect(&damping, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  add_made(scene, ct_damping_create_effect, &damping);
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.2, .threads = 1}, &steps, &stable);
   double W = 4.0 / (free_step.dt * free_step.dt);
   tap_close(stable.dt / (4.0 / (2.0 + sqrt(4.0 + 4.0 * W))), 1.0, 1e-12,
             "the stable step knows the rate (%g of the undamped one)", stable.dt / free_step.dt);
-  ct_state *state = NULL;
-  need(ct_state_create(problem, &state, &e), &e);
+  ct_state *state = new_state(problem);
   // v at -1/2 is chosen so that the mean of both halves is the given velocity.
   double start = state->velocity[0], off = 0.0;
   ct_energy now, first;
-  need(ct_energy_of(problem, state, &first, &e), &e);
+  first = energy_of(problem, state);
   for (int64_t n = 1; n <= steps; n++) {
-    need(ct_step(problem, state, &e), &e);
+    advance(problem, state, 1);
     off = worst(off, state->velocity[0] / (start * pow(1.0 - 2.0 * problem->dt, (double)n)) - 1.0);
   }
-  need(ct_energy_of(problem, state, &now, &e), &e);
+  now = energy_of(problem, state);
   tap_close(off, 0.0, 1e-12, "velocity falls by 1 - alpha dt in every step (%d steps)", (int)steps);
   tap_close(state->velocity[0] / 3.0, exp(-2.0), 0.05 * exp(-2.0), "that is near exp(-alpha t)");
   tap_close(now.total / first.total, 1.0, 1e-12, "what is lost stands as work in the ledger");
@@ -65,18 +63,15 @@ static void relaxation(void)
   ct_error e = {0};
   need(ct_scene_join(scene, &joined, &e), &e);
   ct_gravity_def gravity = {COOKIE, .acceleration = {10, 0, 0}};
-  need(ct_gravity_create_effect(&gravity, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  add_made(scene, ct_gravity_create_effect, &gravity);
   ct_damping_def damping = {COOKIE, .relaxation = 1, .rate = 3.0};
   tap_ok(ct_damping_create_effect(&damping, joined, &effect, &e) == CT_ERROR_ARGUMENT,
          "relaxation and a rate: %s", e.text);
   damping.rate = 0.0;
-  need(ct_damping_create_effect(&damping, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  add_made(scene, ct_damping_create_effect, &damping);
   int64_t steps;
-  ct_stable_step stable;
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 40.0, .fraction = 0.9, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 40.0, .fraction = 0.9, .threads = 1}, &steps, NULL);
   ct_state *state = new_state(problem), *other = new_state(problem);
   double unrest = 0.0, work = 0.0, balance = 0.0, off = 0.0;
   need(ct_energy_residual(problem, state, &unrest, &e), &e);
@@ -109,9 +104,7 @@ static void relaxation(void)
                 3 * (size_t)problem->node_count * sizeof(double)) == 0,
          "a restart has the same bits");
   ct_state_free(state);
-  ct_state_free(other);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
+  close_run(other, scene, mesh);
 }
 
 /* Unrest without anything that resists: 0 where nothing happens, infinite where a body flies. */
@@ -121,12 +114,10 @@ static void unrest_of_free_bodies(void)
   ct_error e;
   for (int flies = 0; flies < 2; flies++) {
     ct_scene *scene = new_scene();
-    int64_t steps;
-    ct_stable_step stable;
     double unrest;
     add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, flies, 0, 0);
     const ct_problem *problem =
-        build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+        build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL);
     ct_state *state = new_state(problem);
     need(ct_energy_residual(problem, state, &unrest, &e), &e);
     tap_ok(flies ? unrest > 1e300 : unrest == 0.0, "a body that %s: unrest %g",

@@ -41,8 +41,7 @@ static void named(const char *name)
   static const int32_t nodes[2] = {0, 3};
   double k = 1.0, held, lost, force[3], stored;
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
-  ct_scene *scene = new_scene();
-  add_body(scene, "block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
+  ct_scene *scene = new_scene_with("block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
   ct_effect filled = {.label = name,
                       .data = &k,
                       .nodes = nodes,
@@ -52,8 +51,6 @@ static void named(const char *name)
             *effect = NULL, *friction = NULL;
   const ct_problem *joined = NULL;
   ct_error e;
-  int64_t steps;
-  ct_stable_step stable;
   need(ct_scene_join(scene, &joined, &e), &e);
   need(ct_effect_create(&filled, &effect, &e), &e);
   ct_friction_def rub = {COOKIE, .tangent = 1.0, .on = effect, .coefficient = 0.3};
@@ -62,7 +59,7 @@ static void named(const char *name)
          "a host's effect \"%s\" has no points that rub: %s", name, e.text);
   need(ct_scene_add_effect(scene, effect, &e), &e);
   ct_state *state = new_state(
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable));
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, NULL));
   const ct_problem *problem = state->problem;
   advance(problem, state, 3);
   ct_energy energy = energy_of(problem, state);
@@ -75,17 +72,14 @@ static void named(const char *name)
              ct_obstacle_reaction(problem, state, 1, force, &held, &e) == CT_ERROR_ARGUMENT &&
              ct_friction_energy(problem, state, 1, &held, &lost, &e) == CT_ERROR_ARGUMENT,
          "\"%s\": no contact, no obstacle and no friction", name);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
+  close_run(state, scene, mesh);
 }
 
 /* A copy of an effect of the library would have data that two effects free. */
 static void copied(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
-  ct_scene *scene = new_scene();
-  add_body(scene, "block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
+  ct_scene *scene = new_scene_with("block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
   const ct_problem *joined = NULL;
   ct_effect *gravity = NULL, *copy = NULL;
   ct_error e;
@@ -138,12 +132,10 @@ static ct_status list_wrongly(const ct_effect *effect, const ct_view *view, ct_c
 static void refused(const char *name, ct_effect *first, ct_effect *second)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
-  ct_scene *scene = new_scene();
-  add_body(scene, "block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
-  int64_t steps;
+  ct_scene *scene = new_scene_with("block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
   ct_stable_step stable;
   ct_problem problem =
-      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, NULL, &stable);
   const ct_effect *list[] = {problem.effects[0], first, second};
   ct_state *state = NULL;
   ct_error e = {0};
@@ -152,9 +144,7 @@ static void refused(const char *name, ct_effect *first, ct_effect *second)
   ct_status status = ct_state_create(&problem, &state, &e);
   if (status == CT_OK) status = ct_stable(&problem, state, &stable, &e);
   tap_ok(status == CT_ERROR_ARGUMENT, "%s: %s", name, e.text);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
+  close_run(state, scene, mesh);
 }
 
 static void refusals(void)
@@ -207,8 +197,7 @@ int main(void)
   static const int32_t nodes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
   double k = 1.0, off = 0.0, exchange = 0.0, total = 0.0, stored;
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
-  ct_scene *scene = new_scene();
-  add_body(scene, "block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
+  ct_scene *scene = new_scene_with("block", mesh, &STIFF, CT_KERNEL_AUTO, 0.3, 0, 0);
   ct_effect filled = {.label = "spring",
                       .data = &k,
                       .nodes = nodes,
@@ -239,8 +228,6 @@ int main(void)
   tap_close(off, 0.0, 1e-5 * 0.15, "a block on springs swings as v / omega sin omega t");
   tap_close(exchange, 0.0, 1e-5 * first.total, "its stored energy is k u^2 / 2");
   tap_close(total / first.total, 0.0, 1e-12, "and stands in the total");
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
+  close_run(state, scene, mesh);
   return tap_done();
 }

@@ -56,14 +56,12 @@ static ledger watch(const ct_problem *p, ct_state *state, int64_t steps, int64_t
 static void reference_run(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 2.5, 0.125, 2.5, 20, 1, 20);
-  ct_scene *scene = new_scene();
-  add_body(scene, "right", m, &STEEL, CT_KERNEL_AUTO, -1000, 0, 0);
+  ct_scene *scene = new_scene_with("right", m, &STEEL, CT_KERNEL_AUTO, -1000, 0, 0);
   plane_strain(scene, 0, m, 0.125);
   add_support(scene, 0, m, 0, 0.0, "x", 0.0);
   int64_t steps;
-  ct_stable_step stable;
   const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 6e-7, .courant = 0.125, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 6e-7, .courant = 0.125, .threads = 1}, &steps, NULL);
   ct_state *state = new_state(p);
   double kinetic = energy_of(p, state).kinetic, mass = 0.0;
   for (int n = 0; n < p->node_count; n++) mass += m->nodes[3 * n] > 0.0 ? p->mass[n] : 0.0;
@@ -80,9 +78,7 @@ static void reference_run(void)
   ct_momentum now = momentum_of(p, state, 0);
   tap_ok(now.support_impulse[0] > 0.0 && now.contact_impulse[0] == 0.0,
          "reference run: the wall pushes back, and there is no contact");
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
+  close_run(state, scene, m);
 }
 
 /* Two equal plates. */
@@ -90,8 +86,7 @@ static void contact_run(double beta, double courant, double fraction, double dri
 {
   ct_mesh *right = box_mesh(CT_HEX8, 0, 0, 0, 2.5, 0.125, 2.5, 20, 1, 20),
           *left = box_mesh(CT_HEX8, -2.5, 0, 0, 2.5, 0.125, 2.5, 20, 1, 20);
-  ct_scene *scene = new_scene();
-  add_body(scene, "right", right, &STEEL, CT_KERNEL_AUTO, -1000, 0, 0);
+  ct_scene *scene = new_scene_with("right", right, &STEEL, CT_KERNEL_AUTO, -1000, 0, 0);
   add_body(scene, "left", left, &STEEL, CT_KERNEL_AUTO, 1000, 0, 0);
   plane_strain(scene, 0, right, 0.125);
   plane_strain(scene, 1, left, 0.125);
@@ -112,9 +107,7 @@ static void contact_run(double beta, double courant, double fraction, double dri
   tap_ok(l.balance < 1e-12, "%s: work balance %.2g", name, l.balance);
   tap_ok(l.impulse < 1e-12 && l.momentum < 1e-13, "%s: impulse %.2g, total momentum %.2g", name,
          l.impulse, l.momentum);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(right);
+  close_run(state, scene, right);
   ct_mesh_free(left);
 }
 
@@ -145,13 +138,11 @@ static touching open_touching(ct_brick_kind kind, int plate, ct_enforcement enfo
   for (int b = 0; b < 2; b++)
     add_body(t.scene, b ? "right" : "left", t.mesh[b], &STEEL, CT_KERNEL_AUTO, b ? -v : v, 0, 0);
   add_contact_with(t.scene, 0, t.mesh[0], 0.0, 1, t.mesh[1], -lap, 0, beta, options, 0.0, 0.0);
-  int64_t steps;
-  ct_stable_step stable;
   t.problem = build(
       t.scene,
       (ct_scene_time){
           .end = 1e-6, .fraction = 0.8, .threads = 1, .integrator = ct_integrator_default(scheme)},
-      &steps, &stable);
+      NULL, NULL);
   for (int n = 0; n < t.problem->node_count; n++) t.moving += 0.5 * t.problem->mass[n] * v * v;
   // Half the penalty at the points of each side, whose weights sum to the area.
   t.stored = 0.5 * beta * STEEL.young / edge * lap * lap * 0.25 * width;
@@ -241,11 +232,7 @@ static void pressed_at_rest(void)
     ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 3, 3, 3);
     ct_scene *scene = new_scene();
     int32_t *faces = integers(400);
-    const ct_problem *joined;
-    ct_error error;
-    ct_effect *effect = NULL;
     add_body(scene, "block", m, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
-    need(ct_scene_join(scene, &joined, &error), &error);
     ct_obstacle_def o = {COOKIE,
                          .shape = CT_OBSTACLE_PLANE,
                          .axis = {0, 0, 1},
@@ -255,15 +242,11 @@ static void pressed_at_rest(void)
                          .kind = CT_Q4,
                          .face_count = ct_mesh_plane_faces(m, 2, 0.0, faces, NULL),
                          .faces = faces};
-    need(ct_obstacle_create_effect(&o, joined, &effect, &error), &error);
-    need(ct_scene_add_effect(scene, effect, &error), &error);
+    add_made(scene, ct_obstacle_create_effect, &o);
     ct_gravity_def gravity = {COOKIE, .acceleration = {0, 0, -9810}};
-    need(ct_gravity_create_effect(&gravity, joined, &effect, &error), &error);
-    need(ct_scene_add_effect(scene, effect, &error), &error);
-    int64_t steps;
-    ct_stable_step stable;
+    add_made(scene, ct_gravity_create_effect, &gravity);
     const ct_problem *p =
-        build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9, .threads = 1}, &steps, &stable);
+        build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9, .threads = 1}, NULL, NULL);
     ct_state *state = new_state(p);
     double before = energy_of(p, state).total, rise = 0.0, top = 0.0;
     for (int i = 0; i < 60; i++) {
@@ -278,9 +261,7 @@ static void pressed_at_rest(void)
            "a block at rest on a plane under its weight, %s: the total rises by %.1e of the "
            "kinetic energy at most",
            k ? "lagrange" : "energy_controlled", rise / top);
-    ct_state_free(state);
-    ct_scene_free(scene);
-    ct_mesh_free(m);
+    close_run(state, scene, m);
     free(faces);
   }
 }
@@ -292,16 +273,14 @@ static void unlike_plates(void)
   heavy.density *= 2.0;
   ct_mesh *coarse = box_mesh(CT_HEX8, -2.5, 0, 0, 2.5, 0.25, 2.5, 10, 1, 10),
           *fine = box_mesh(CT_HEX8, 0, 0, 0, 2.5, 0.25, 2.5, 12, 1, 73);
-  ct_scene *scene = new_scene();
-  add_body(scene, "coarse", coarse, &heavy, CT_KERNEL_AUTO, 700, 0, 0);
+  ct_scene *scene = new_scene_with("coarse", coarse, &heavy, CT_KERNEL_AUTO, 700, 0, 0);
   add_body(scene, "fine", fine, &STEEL, CT_KERNEL_AUTO, -1900, 0, 30);
   plane_strain(scene, 0, coarse, 0.25);
   plane_strain(scene, 1, fine, 0.25);
   add_contact(scene, 0, coarse, 0.0, 1, fine, 0.0, 0, 1.0);
   int64_t steps;
-  ct_stable_step stable;
   const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 8e-7, .fraction = 0.7, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 8e-7, .fraction = 0.7, .threads = 1}, &steps, NULL);
   ct_state *state = new_state(p);
   ledger l = watch(p, state, steps / 10 * 10, 10);
   ct_momentum a = momentum_of(p, state, 0), b = momentum_of(p, state, 1);
@@ -318,9 +297,7 @@ static void unlike_plates(void)
              fabs(a.contact_impulse[0]) > 0.1 * fabs(a.p[0]),
          "unlike plates: the contact's impulses are opposite, %.3g and %.3g", a.contact_impulse[0],
          b.contact_impulse[0]);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(coarse);
+  close_run(state, scene, coarse);
   ct_mesh_free(fine);
 }
 
@@ -329,12 +306,10 @@ static void flying_block(void)
 {
   ct_material m = {2.0, 0.3, 0.5, CT_LINEAR};
   ct_mesh *box = box_mesh(CT_HEX8, 1, 2, 3, 1, 1, 2, 2, 2, 2);
-  ct_scene *scene = new_scene();
-  add_body(scene, "block", box, &m, CT_KERNEL_AUTO, 3, -1, 2);
+  ct_scene *scene = new_scene_with("block", box, &m, CT_KERNEL_AUTO, 3, -1, 2);
   int64_t steps;
-  ct_stable_step stable;
   const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, NULL);
   ct_state *state = new_state(p);
   advance(p, state, steps);
   ct_momentum now = momentum_of(p, state, 0);
@@ -365,9 +340,7 @@ static void flying_block(void)
              ct_state_velocity(p, NULL, u, NULL) == CT_ERROR_ARGUMENT,
          "effects that do not exist and null arguments are refused: %s", e.text);
   free(u);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(box);
+  close_run(state, scene, box);
 }
 
 /* The kinetic energy (v- . M v+) / 2 by hand, from two half-step velocities of the run itself. */
@@ -375,13 +348,10 @@ static void discrete_kinetic(void)
 {
   ct_material m = {2.0, 0.3, 0.5, CT_LINEAR};
   ct_mesh *box = box_mesh(CT_HEX20, 0, 0, 0, 1, 1, 1, 2, 2, 1);
-  ct_scene *scene = new_scene();
-  add_body(scene, "block", box, &m, CT_KERNEL_AUTO, 1, 0, 0);
+  ct_scene *scene = new_scene_with("block", box, &m, CT_KERNEL_AUTO, 1, 0, 0);
   add_support(scene, 0, box, 0, 0.0, "xyz", 0.0);
-  int64_t steps;
-  ct_stable_step stable;
   const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.9, .threads = 1}, NULL, NULL);
   ct_state *state = new_state(p);
   double off = 0.0, *before = numbers(3 * p->node_count);
   for (int k = 0; k < 50; k++) {
@@ -394,9 +364,7 @@ static void discrete_kinetic(void)
   }
   tap_ok(off < 1e-13, "kinetic energy is half of v- M v+, off by %.2g", off);
   free(before);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(box);
+  close_run(state, scene, box);
 }
 
 /* A block hangs on its base for 2 · 10⁵ steps. The impulse of its weight is m g t, that of the base
@@ -408,15 +376,13 @@ static void many_impulses(void)
   static const double g[3] = {0.3, 0.7, -9.81};
   ct_material m = {.young = 100.0, .poisson = 0.3, .density = 0.7};
   ct_mesh *box = box_mesh(CT_HEX8, 0, 0, 0, 2, 1, 1, 2, 1, 1);
-  ct_scene *scene = new_scene();
-  add_body(scene, "block", box, &m, CT_KERNEL_AUTO, 0, 0, 0);
+  ct_scene *scene = new_scene_with("block", box, &m, CT_KERNEL_AUTO, 0, 0, 0);
   add_support(scene, 0, box, 2, 0.0, "xyz", 0.0);
   add_weight(scene, (weight){.g = {g[0], g[1], g[2]}});
   int64_t steps;
-  ct_stable_step stable;
   ct_error e;
   const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.7, .threads = 1}, &steps, NULL);
   ct_state *state = new_state(p), *copy = new_state(p);
   double weighed = 0.0, balance = 0.0, mass = 0.0, impulse[3];
   int own = strcmp(p->effects[1]->label, "weight") == 0 ? 1 : 2;
@@ -443,9 +409,7 @@ static void many_impulses(void)
                 (size_t)state->impulse_count * sizeof *state->impulse) == 0,
          "a copy goes on with the same bits of its impulses");
   ct_state_free(state);
-  ct_state_free(copy);
-  ct_scene_free(scene);
-  ct_mesh_free(box);
+  close_run(copy, scene, box);
 }
 
 int main(void)

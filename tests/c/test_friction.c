@@ -31,18 +31,15 @@ static incline new_incline(ct_brick_kind kind, const double g[3], double mu, dou
                                .damping = pull > 0.0 ? 10.0 : 0.0,
                                .pull = pull,
                                .period = period});
-  int64_t steps;
-  t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.4, .threads = threads},
-                    &steps, &t.stable);
+  t.problem = build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.4, .threads = threads}, NULL,
+                    &t.stable);
   t.state = new_state(t.problem);
   return t;
 }
 
 static void free_incline(incline *t)
 {
-  ct_state_free(t->state);
-  ct_scene_free(t->scene);
-  ct_mesh_free(t->slab);
+  close_run(t->state, t->scene, t->slab);
   ct_mesh_free(t->block);
 }
 
@@ -195,10 +192,8 @@ static void momentum(ct_brick_kind kind, const char *name)
   contact.options.initial_penetration = CT_INITIAL_PUSH;
   ct_error error;
   need(ct_scene_add_contact(scene, &contact, &error), &error);
-  int64_t steps;
-  ct_stable_step stable;
   const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.3, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.3, .threads = 1}, NULL, NULL);
   ct_state *state = new_state(p);
   double linear = 0.0, angular = 0.0, *f = numbers(3 * (int64_t)p->node_count);
   int met = 0;
@@ -259,10 +254,8 @@ static pressed new_pressed(double mu, double rho, double skew, int axis)
   add_body(t.scene, "a", t.a, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(t.scene, "b", t.b, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   add_rough_contact(t.scene, 0, t.a, 0.0, 1, t.b, -0.01, 2, 1.0, mu, rho);
-  int64_t steps;
-  ct_stable_step stable;
   t.problem =
-      build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.3, .threads = 1}, &steps, &stable);
+      build(t.scene, (ct_scene_time){.end = 1.0, .fraction = 0.3, .threads = 1}, NULL, NULL);
   t.p = probe_open(t.problem);
   t.u = numbers(3 * (int64_t)t.problem->node_count);
   t.f = numbers(3 * (int64_t)t.problem->node_count);

@@ -5,15 +5,8 @@ static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0}
 
 static const ct_problem *falling(ct_scene *scene, const ct_gravity_def *gravity, double end)
 {
-  const ct_problem *joined = NULL;
-  ct_effect *effect = NULL;
-  ct_error e = {0};
-  int64_t steps;
-  ct_stable_step stable;
-  need(ct_scene_join(scene, &joined, &e), &e);
-  need(ct_gravity_create_effect(gravity, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
-  return build(scene, (ct_scene_time){.end = end, .fraction = 0.5, .threads = 1}, &steps, &stable);
+  add_made(scene, ct_gravity_create_effect, gravity);
+  return build(scene, (ct_scene_time){.end = end, .fraction = 0.5, .threads = 1}, NULL, NULL);
 }
 
 /* The leapfrog with its half-step start falls exactly half g t^2; the energy of weight and motion
@@ -21,22 +14,20 @@ static const ct_problem *falling(ct_scene *scene, const ct_gravity_def *gravity,
 static void free_fall(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 2, 3, 2, 2, 3);
-  ct_scene *scene = new_scene();
-  add_body(scene, "one", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 5);
+  ct_scene *scene = new_scene_with("one", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 5);
   add_body(scene, "two", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, 5);
   static const int32_t second = 1;
   ct_gravity_def gravity = {COOKIE, .acceleration = {1.0, 0.0, -10.0}, .bodies = &second,
                             .body_count = 1};
   const ct_problem *problem = falling(scene, &gravity, 1.0);
-  ct_state *state = NULL;
   ct_error e = {0};
   ct_energy start, now;
-  need(ct_state_create(problem, &state, &e), &e);
-  need(ct_energy_of(problem, state, &start, &e), &e);
+  ct_state *state = new_state(problem);
+  start = energy_of(problem, state);
   double total = 0.0, balance = 0.0;
   while (state->time < 0.999) {
-    need(ct_step_many(problem, state, 1, &e), &e);
-    need(ct_energy_of(problem, state, &now, &e), &e);
+    advance(problem, state, 1);
+    now = energy_of(problem, state);
     total = worst(total, now.total - start.total), balance = worst(balance, now.balance);
   }
   double t = state->time, first = 0.0, other = 0.0;
@@ -58,9 +49,7 @@ static void free_fall(void)
   for (int32_t n = 0; n < problem->node_count; n++) sum += force[3 * n + 2];
   for (int32_t n = half; n < problem->node_count; n++) mass += problem->mass[n];
   tap_close(sum / (-10.0 * mass), 1.0, 1e-13, "the resultant is the weight");
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
+  close_run(state, scene, mesh);
 }
 
 static void refusals(void)

@@ -56,8 +56,7 @@ static void resultants(ct_brick_kind kind, const char *name)
 {
   ct_mesh *mesh = box_mesh(kind, 0, 0, 0, 3, 2, 5, 2, 3, 4);
   distort_inside(mesh, 0.1);
-  ct_scene *scene = new_scene();
-  add_body(scene, "one", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
+  ct_scene *scene = new_scene_with("one", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
   int32_t *faces = integers(8 * 6 * mesh->element_count),
           count = ct_mesh_plane_faces(mesh, 2, 5.0, faces, NULL);
   loaded l = load_faces(scene, (ct_load_def){COOKIE, .traction = {1.0, -2.0, 0.5}, .pressure = 7.0},
@@ -80,8 +79,7 @@ static void resultants(ct_brick_kind kind, const char *name)
 static void closed_surface(ct_brick_kind kind, const char *name)
 {
   ct_mesh *mesh = box_mesh(kind, 0, 0, 0, 1, 1, 1, 2, 2, 2);
-  ct_scene *scene = new_scene();
-  add_body(scene, "one", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
+  ct_scene *scene = new_scene_with("one", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
   int32_t *faces = integers(8 * 6 * mesh->element_count),
           count = ct_mesh_outer_faces(mesh, faces, NULL);
   loaded l = load_faces(scene, (ct_load_def){COOKIE, .pressure = 3.0, .following = 1}, faces, count,
@@ -125,8 +123,7 @@ static void closed_surface(ct_brick_kind kind, const char *name)
 static void step_load(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 10, 0.1, 0.1, 100, 1, 1);
-  ct_scene *scene = new_scene();
-  add_body(scene, "bar", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
+  ct_scene *scene = new_scene_with("bar", mesh, &BAR, CT_KERNEL_AUTO, 0, 0, 0);
   int32_t *faces = integers(8 * 6 * mesh->element_count),
           count = ct_mesh_plane_faces(mesh, 0, 10.0, faces, NULL);
   double c = 30.0, end = 6.0 / c;
@@ -149,9 +146,7 @@ static void step_load(void)
   tap_close((now.total - start.total) / now.kinetic, 0.0, 1e-12,
             "the bar holds the work of the load and nothing else");
   free(stress);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
+  close_run(state, scene, mesh);
 }
 
 static void refusals(void)

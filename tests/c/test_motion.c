@@ -1,4 +1,5 @@
 /* Displacements that follow an amplitude, the forces that takes, and what is refused. */
+#include "../../libcontact/src/effect/amplitude.h"
 #include "bodies.h"
 
 static const ct_material SOFT = {.young = 900.0, .poisson = 0.3, .density = 2.0},
@@ -10,12 +11,10 @@ static const ct_problem *moved(ct_scene *scene, const ct_motion *motions, int32_
   const ct_problem *joined = NULL;
   ct_effect *effect = NULL;
   ct_error e = {0};
-  ct_stable_step stable;
   need(ct_scene_join(scene, &joined, &e), &e);
   need(create_motion(motions, count, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  return build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, steps,
-               &stable);
+  return build(scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1}, steps, NULL);
 }
 
 /* A distorted block whose base goes there, waits and comes back, while the rest flies. */
@@ -81,9 +80,7 @@ static void there_and_back(ct_brick_kind kind)
          "kind %d: a restart has the same bits", kind);
   free(force);
   ct_state_free(state);
-  ct_state_free(other);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
+  close_run(other, scene, m);
 }
 
 /* A block that is held everywhere and speeds up: the reaction is its mass times the acceleration.
@@ -106,12 +103,10 @@ static void inertia(void)
   const ct_problem *joined = NULL, *p = NULL;
   ct_effect *effect = NULL;
   ct_error e;
-  ct_stable_step stable;
-  int64_t steps;
   need(ct_scene_join(scene, &joined, &e), &e);
   need(create_motion(&motion, 1, joined, &effect, &e), &e);
   need(ct_scene_add_effect(scene, effect, &e), &e);
-  p = build(scene, (ct_scene_time){.end = 1.0, .dt = 0.01, .threads = 1}, &steps, &stable);
+  p = build(scene, (ct_scene_time){.end = 1.0, .dt = 0.01, .threads = 1}, NULL, NULL);
   ct_state *state = new_state(p);
   double force[81], sum[3] = {0, 0, 0};
   advance(p, state, 50);
@@ -119,9 +114,7 @@ static void inertia(void)
   for (int i = 0; i < 81; i++) sum[i % 3] += force[i];
   tap_close(sum[0], 2.0 * 2.0 * 3.0, 1e-9, "the reaction is mass times acceleration");
   tap_close(sum[1], 2.0 * 2.0 * -2.0, 1e-11, "along each axis");
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
+  close_run(state, scene, m);
 }
 
 /* The end of a bar at rest is pushed in at the speed V: a wave of the stress -rho c V, and the
@@ -146,9 +139,7 @@ static void piston(void)
             "impulse of a piston: rho c V A t");
   tap_close(energy_of(p, state).external / (exact * 0.2), 1.0, 0.01,
             "and its work: the impulse times V");
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
+  close_run(state, scene, m);
 }
 
 static void refusals(void)
@@ -188,8 +179,7 @@ static void refusals(void)
   ct_stable_step stable;
   ct_scene_time run = {.end = 1.0, .fraction = 0.5, .threads = 1};
   ct_gravity_def gravity = {COOKIE, .acceleration = {0, 0, -1}};
-  need(ct_gravity_create_effect(&gravity, joined, &effect, &e), &e);
-  need(ct_scene_add_effect(scene, effect, &e), &e);
+  add_made(scene, ct_gravity_create_effect, &gravity);
   tap_ok(ct_scene_build(scene, &run, &problem, &steps, &stable, &e) == CT_OK,
          "another effect may stand after it in the list");
   need(create_motion(two, 1, joined, &effect, &e), &e);

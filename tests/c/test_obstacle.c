@@ -44,18 +44,12 @@ static void add_obstacle(against *t, ct_obstacle_def o, int axis, double at, dou
 
 static void finish(against *t, double end, double fraction)
 {
-  int64_t steps;
   t->problem = build(t->scene, (ct_scene_time){.end = end, .fraction = fraction, .threads = 1},
-                     &steps, &t->stable);
+                     NULL, &t->stable);
   t->state = new_state(t->problem);
 }
 
-static void end(against *t)
-{
-  ct_state_free(t->state);
-  ct_scene_free(t->scene);
-  ct_mesh_free(t->mesh);
-}
+static void end(against *t) { close_run(t->state, t->scene, t->mesh); }
 
 /* Operations of a plane obstacle with the explicit penalty, counted by hand on Q4 faces: what each
  * point and each node takes. */

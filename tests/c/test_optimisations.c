@@ -50,7 +50,7 @@ static void flight(ct_brick_kind kind, int self)
   ct_error e;
   for (int k = 0; k < 2; k++) {
     options.separated = k;
-    need(self ? ct_contact_create_self(&both, &options, &c[k], &e)
+    need(self ? ct_contact_create(&both, &both, &options, &c[k], &e)
               : ct_contact_create(&a, &b, &options, &c[k], &e),
          &e);
   }
@@ -157,7 +157,7 @@ static void lattices(void)
   for (int i = 0; i < (int)(sizeof CELLS / sizeof *CELLS); i++) {
     const int *n = CELLS[i];
     ct_mesh *m = box_mesh(CT_HEX8, -1, 2, 3, 0.1 * n[0], 0.2 * n[1], 0.3 * n[2], n[0], n[1], n[2]);
-    ct_optimisations on = ct_optimisations_default();
+    ct_optimisations on = (ct_optimisations){1, 1, 1, 1};
     double *u = numbers(3 * m->node_count),
            *f[2] = {numbers(3 * m->node_count), numbers(3 * m->node_count)}, energy[2] = {0, 0};
     int same = 0, tried = 0;
@@ -203,19 +203,14 @@ static void lattices(void)
 static void without_contact(void)
 {
   ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 2, 2);
-  ct_scene *scene = new_scene();
-  int64_t steps;
-  ct_stable_step stable;
-  add_body(scene, "block", m, &STEEL, CT_KERNEL_AUTO, 1, 0, 0);
+  ct_scene *scene = new_scene_with("block", m, &STEEL, CT_KERNEL_AUTO, 1, 0, 0);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.9, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 1e-6, .fraction = 0.9, .threads = 1}, NULL, NULL);
   ct_state *state = new_state(problem);
   tap_ok(problem->effect_count == 1 && state->memory_count == 0 && state->impulse_count == 0 &&
              state->work_count == 3 * m->node_count && state->workspace->shared_count == 0,
          "a scene without contact keeps nothing for it");
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
+  close_run(state, scene, m);
 }
 
 /* A result of two bodies in an order that does not depend on their numbers. */
@@ -240,7 +235,6 @@ static place *impact(ct_brick_kind kind, ct_layers layers, ct_optimisations opti
   ct_scene *scene = new_scene();
   ct_mesh *m[2];
   int64_t steps;
-  ct_stable_step stable;
   for (int b = 0; b < 2; b++) {
     m[b] = mesh_of(
         kind, (ct_box){{b == 0 ? -1.0 : 1e-4, 0.013, -0.2}, {1, 0.2, 1.2}, {10, 2, 12}, layers});
@@ -251,7 +245,7 @@ static place *impact(ct_brick_kind kind, ct_layers layers, ct_optimisations opti
   add_support(scene, 0, m[0], 2, -0.2, "z", 0.0);
   need(ct_scene_set_optimisations(scene, &optimisations, &e), &e);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 4e-7, .fraction = 0.9, .threads = 2}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 4e-7, .fraction = 0.9, .threads = 2}, &steps, NULL);
   ct_state *state = new_state(problem);
   advance(problem, state, steps);
   *count = problem->node_count;
@@ -272,7 +266,7 @@ static place *impact(ct_brick_kind kind, ct_layers layers, ct_optimisations opti
 static void orders(ct_brick_kind kind)
 {
   int32_t count, other;
-  place *first = impact(kind, CT_LAYERS_Z, ct_optimisations_default(), &count);
+  place *first = impact(kind, CT_LAYERS_Z, (ct_optimisations){1, 1, 1, 1}, &count);
   int moved = 0;
   for (int32_t n = 0; n < count; n++) moved += first[n].x[0] > 0.0 && first[n].v[0] > 500.0;
   tap_ok(moved > 20, "%s: %d nodes of the body that was hit are fast",
@@ -285,7 +279,7 @@ static void orders(ct_brick_kind kind)
                            k == 0  ? CT_LAYERS_Z
                            : k < 3 ? CT_LAYERS_X
                                    : CT_LAYERS_Y,
-                           k % 2 == 0 ? none : ct_optimisations_default(), &other);
+                           k % 2 == 0 ? none : (ct_optimisations){1, 1, 1, 1}, &other);
     tap_ok(other == count && memcmp(first, places, (size_t)count * sizeof *places) == 0,
            "layers along %s: the same bits at each place", names[k]);
     free(places);

@@ -2,13 +2,9 @@
  * known numbers for the Python tests. */
 #define _XOPEN_SOURCE 700
 
-#include "tap.h"
+#include "bodies.h"
 
-#include <libcontact/mesh.h>
-#include <libcontact/effect.h>
 #include <libcontact/output.h>
-#include <libcontact/solid.h>
-#include "defs.h"
 
 #include <hdf5.h>
 
@@ -78,13 +74,11 @@ ssize_t pwrite64(int file, const void *bytes, size_t size, off_t at)
   return pwrite(file, bytes, size, at);
 }
 
-/* -- A problem filled by hand: a hex8 body, a curved hex20 body, and an effect that remembers -- */
+/* -- A problem: a hex8 body, a curved hex20 body, and an effect that remembers -- */
 
 typedef struct rig {
-  ct_mesh *mesh[2];
+  ct_scene *scene;
   ct_body body[2];
-  double *reference, *mass, *inverse_mass, *velocity;
-  ct_effect *solid;
   ct_effect probe;
   const ct_effect *effects[2];
   ct_problem problem;
@@ -93,8 +87,8 @@ typedef struct rig {
 static const int32_t PROBE_NODES[3] = {1, 5, 7};
 
 /* Springs that harden with the way that their nodes have gone. */
-static ct_status probe_force(const ct_effect *effect, const ct_view *view, double *force,
-                             ct_error *error)
+static ct_status hardening_force(const ct_effect *effect, const ct_view *view, double *force,
+                                 ct_error *error)
 {
   (void)error;
   for (int i = 0; i < 9; i++) {
@@ -105,93 +99,47 @@ static ct_status probe_force(const ct_effect *effect, const ct_view *view, doubl
   return CT_OK;
 }
 
-static void rig_mesh(rig *r, int curved)
-{
-  const ct_box left = {{-1.5, 0, 0}, {1.5, 1, 1}, {3, 2, 1}, CT_LAYERS_Z},
-               right = {{0, 0, 0}, {2, 1, 1}, {2, 1, 1}, CT_LAYERS_Z};
-  ct_error error;
-  if (ct_mesh_create_box(CT_HEX8, &left, &r->mesh[0], &error) ||
-      ct_mesh_create_box(CT_HEX20, &right, &r->mesh[1], &error))
-    abort();
-  for (int32_t i = 0; i < r->mesh[1]->node_count && curved; i++) {
-    double *x = r->mesh[1]->nodes + 3 * i;
-    x[0] += 0.1 * x[1] * x[1];
-  }
-}
-
 static rig *rig_create(int curved, int with_probe)
 {
-  rig *r = calloc(1, sizeof *r);
-  ct_error error;
-  rig_mesh(r, curved);
-  int32_t nodes = r->mesh[0]->node_count + r->mesh[1]->node_count;
+  static const ct_box BOX[2] = {{{-1.5, 0, 0}, {1.5, 1, 1}, {3, 2, 1}, CT_LAYERS_Z},
+                                {{0, 0, 0}, {2, 1, 1}, {2, 1, 1}, CT_LAYERS_Z}};
   const ct_material material = {2.5, 0.25, 2, CT_LINEAR};
-  ct_solid_body block[2];
-  r->reference = malloc(3 * (size_t)nodes * sizeof(double));
-  r->mass = malloc((size_t)nodes * sizeof(double));
-  r->inverse_mass = malloc(3 * (size_t)nodes * sizeof(double));
-  r->velocity = malloc(3 * (size_t)nodes * sizeof(double));
-  for (int b = 0, first = 0; b < 2; first += r->mesh[b++]->node_count) {
-    ct_body body = {"left", r->mesh[b], material, first};
-    if (b == 1) strcpy(body.name, "right");
-    ct_solid_body solid = {
-        .mesh = r->mesh[b], .material = material, .first_node = first, .kernel = CT_KERNEL_GENERAL};
-    r->body[b] = body;
-    block[b] = solid;
-    memcpy(r->reference + 3 * first, r->mesh[b]->nodes,
-           3 * (size_t)r->mesh[b]->node_count * sizeof(double));
-    if (ct_mass_lumped(r->mesh[b], material.density, CT_LUMP_DEFAULT, r->mass + first, &error))
-      abort();
+  rig *r = room(1, sizeof *r);
+  r->scene = new_scene();
+  for (int b = 0; b < 2; b++) {
+    ct_mesh *mesh = mesh_of(b == 0 ? CT_HEX8 : CT_HEX20, BOX[b]);
+    double *velocity = numbers(3 * mesh->node_count);
+    for (int32_t i = 0; i < mesh->node_count; i++) {
+      double *x = mesh->nodes + 3 * i;
+      if (b == 1 && curved) x[0] += 0.1 * x[1] * x[1];
+      for (int c = 0; c < 3; c++) velocity[3 * i + c] = 0.01 * sin(9 * i + 3 * c + b);
+    }
+    add_moving_body(r->scene, b == 0 ? "left" : "right", mesh, &material, CT_KERNEL_GENERAL,
+                    velocity);
+    free(velocity);
+    ct_mesh_free(mesh);
   }
-  for (int32_t i = 0; i < 3 * nodes; i++) {
-    r->inverse_mass[i] = 1 / r->mass[i / 3];
-    r->velocity[i] = 0.01 * sin(3 * i + 1);
-  }
-  if (create_solid(block, 2, &r->solid, &error)) abort();
-  ct_effect probe = {.label = "probe",
-                     .nodes = PROBE_NODES,
-                     .node_count = 3,
-                     .memory_count = 3,
-                     .force = probe_force};
-  r->probe = probe;
-  r->effects[0] = r->solid;
+  r->problem =
+      *build(r->scene, (ct_scene_time){.end = 1, .fraction = 0.5, .threads = 1}, NULL, NULL);
+  memcpy(r->body, r->problem.bodies, sizeof r->body);
+  r->probe = (ct_effect){.label = "probe",
+                         .nodes = PROBE_NODES,
+                         .node_count = 3,
+                         .memory_count = 3,
+                         .force = hardening_force};
+  r->effects[0] = r->problem.effects[0];
   r->effects[1] = &r->probe;
-  ct_problem problem = {nodes,
-                        2,
-                        r->body,
-                        r->reference,
-                        r->mass,
-                        r->inverse_mass,
-                        r->velocity,
-                        with_probe ? 2 : 1,
-                        r->effects,
-                        0.02,
-                        1,
-                        NULL,
-                        {CT_CENTRAL_DIFFERENCE, 0.0},
-                        0};
-  r->problem = problem;
+  r->problem.bodies = r->body;
+  r->problem.effects = r->effects;
+  r->problem.effect_count = with_probe ? 2 : 1;
+  r->problem.dt = 0.02;
   return r;
 }
 
 static void rig_free(rig *r)
 {
-  ct_effect_free(r->solid);
-  ct_mesh_free(r->mesh[0]);
-  ct_mesh_free(r->mesh[1]);
-  free(r->reference);
-  free(r->mass);
-  free(r->inverse_mass);
-  free(r->velocity);
+  ct_scene_free(r->scene);
   free(r);
-}
-
-static ct_state *state_create(const rig *r)
-{
-  ct_state *state;
-  ct_error error;
-  if (ct_state_create(&r->problem, &state, &error)) abort();
-  return state;
 }
 
 /* Displacement and velocity in closed form: a gradient and a translation that grow with k. */
@@ -205,16 +153,16 @@ static double want_velocity(int axis, int k) { return (k + 1) * (axis + 1) * 0.5
 
 static void pose(const rig *r, ct_state *state, int k)
 {
-  ct_state *hand = state_create(r);
+  ct_state *hand = new_state(&r->problem);
   ct_error error;
   for (int32_t i = 0; i < 3 * r->problem.node_count; i++) {
-    hand->displacement[i] = want_displacement(r->reference + i / 3 * 3, i % 3, k);
+    hand->displacement[i] = want_displacement(r->problem.reference + i / 3 * 3, i % 3, k);
     hand->velocity[i] = want_velocity(i % 3, k);
   }
   for (int64_t i = 0; i < hand->memory_count; i++) hand->memory[i] = k + 1;
   hand->step = 10 * k;
   hand->time = 10 * k * r->problem.dt;
-  if (ct_state_copy(&r->problem, hand, state, &error)) abort();
+  need(ct_state_copy(&r->problem, hand, state, &error), &error);
   ct_state_free(hand);
 }
 
@@ -287,7 +235,7 @@ static long check_steps(const rig *r, const char *path)
                   : NULL;
   if (u == NULL) good = -1;
   for (int64_t i = 0; i < steps * n && good >= 0; i++)
-    if (u[i] != want_displacement(r->reference + i % n / 3 * 3, (int)(i % 3), (int)(i / n)))
+    if (u[i] != want_displacement(r->problem.reference + i % n / 3 * 3, (int)(i % 3), (int)(i / n)))
       good = -1;
   for (size_t t = 0; t < sizeof TABLE / sizeof TABLE[0] && good >= 0; t++) {
     double *rows =
@@ -305,12 +253,13 @@ static long check_steps(const rig *r, const char *path)
 /* The record of a file written with `pose`: its k, or -1 when there is none or it is not whole. */
 static long check_record(const rig *r, const char *path, ct_error *error)
 {
-  ct_state *state = state_create(r);
+  ct_state *state = new_state(&r->problem);
   long k = -1;
   if (ct_output_restart(path, &r->problem, state, error) == CT_OK) {
     k = (long)(state->step / 10);
     for (int32_t i = 0; i < 3 * r->problem.node_count && k >= 0; i++)
-      if (state->displacement[i] != want_displacement(r->reference + i / 3 * 3, i % 3, (int)k) ||
+      if (state->displacement[i] !=
+              want_displacement(r->problem.reference + i / 3 * 3, i % 3, (int)k) ||
           state->velocity[i] != want_velocity(i % 3, (int)k))
         k = -1;
     for (int64_t i = 0; i < state->memory_count && k >= 0; i++)
@@ -335,10 +284,7 @@ static ct_output *must_create(const rig *r, const char *path)
 {
   ct_output *output;
   ct_error error;
-  if (ct_output_create(path, &r->problem, &ALL, &output, &error)) {
-    printf("# %s\n", error.text);
-    abort();
-  }
+  need(ct_output_create(path, &r->problem, &ALL, &output, &error), &error);
   return output;
 }
 
@@ -346,31 +292,24 @@ static ct_output *must_create(const rig *r, const char *path)
 static void write_file(const rig *r, const char *path, int steps)
 {
   ct_output *output = must_create(r, path);
-  ct_state *state = state_create(r);
+  ct_state *state = new_state(&r->problem);
   ct_error error;
   for (int k = 0; k < steps; k++) {
     pose(r, state, k);
-    if (ct_output_append(output, &r->problem, state, &error)) {
-      printf("# %s\n", error.text);
-      abort();
-    }
+    need(ct_output_append(output, &r->problem, state, &error), &error);
   }
-  if (ct_output_close(output, &error)) abort();
+  need(ct_output_close(output, &error), &error);
   ct_state_free(state);
 }
 
 /* -- Tests -- */
 
-static int same_bits(const double *a, const double *b, int64_t count)
-{
-  return memcmp(a, b, (size_t)count * sizeof *a) == 0;
-}
-
 static void test_restart_continues(void)
 {
   rig *r = rig_create(0, 1);
   ct_error error;
-  ct_state *straight = state_create(r), *stopped = state_create(r), *resumed = state_create(r);
+  ct_state *straight = new_state(&r->problem), *stopped = new_state(&r->problem),
+           *resumed = new_state(&r->problem);
   ct_output *output = must_create(r, in_folder("restart.vtkhdf"));
   int good = ct_step_many(&r->problem, straight, 25, &error) == CT_OK;
   for (int k = 0; k < 3; k++) {
@@ -381,16 +320,8 @@ static void test_restart_continues(void)
   good = ct_output_restart(in_folder("restart.vtkhdf"), &r->problem, resumed, &error) == CT_OK;
   tap_ok(good && resumed->step == 15, "the newest record is read (step %ld)", (long)resumed->step);
   good = ct_step_many(&r->problem, resumed, 10, &error) == CT_OK;
-  int64_t n = 3 * (int64_t)r->problem.node_count, w = straight->work_count,
-          i = straight->impulse_count, m = straight->memory_count;
-  tap_ok(m == 3 && straight->memory[0] > 0, "the effect remembers something");
-  tap_ok(good && resumed->step == straight->step && resumed->time == straight->time &&
-             resumed->kinetic_start == straight->kinetic_start &&
-             same_bits(resumed->displacement, straight->displacement, n) &&
-             same_bits(resumed->velocity, straight->velocity, n) &&
-             same_bits(resumed->work, straight->work, w) &&
-             same_bits(resumed->impulse, straight->impulse, i) &&
-             same_bits(resumed->memory, straight->memory, m),
+  tap_ok(straight->memory_count == 3 && straight->memory[0] > 0, "the effect remembers something");
+  tap_ok(good && same_state(resumed, straight),
          "stopped, saved and restarted: the same bits as the straight run");
   ct_energy a, b;
   good = ct_energy_of(&r->problem, straight, &a, &error) == CT_OK &&
@@ -402,6 +333,7 @@ static void test_restart_continues(void)
   rig_free(r);
 }
 
+/* What else is in the file is read in tests/python/test_output.py. */
 static void test_contents(void)
 {
   rig *r = rig_create(1, 0);
@@ -411,27 +343,6 @@ static void test_contents(void)
   tap_ok(check_steps(r, path) == 3,
          "3 steps are visible, and every displacement is the one that was set");
   tap_ok(check_record(r, path, &error) == 2, "the restart record is the newest step");
-  hid_t file;
-  tap_ok(open_quietly(path, &file), "the file opens");
-  double *stress = read_rows(file, "VTKHDF/CellData/stress", 24, 6);
-  double *momentum = read_rows(file, "VTKHDF/FieldData/momentum", 3, 3),
-         *kinetic = read_rows(file, "VTKHDF/FieldData/kinetic", 3, 0);
-  // Hooke's law by hand: E = 2.5, nu = 1/4 give Lambda = mu = 1; the strain is 3e-3 (1, 1, 3, 1,
-  // -1/2, 0) in the last step
-  const double want[6] = {7, 7, 11, 2, -1, 0};
-  for (int c = 0; c < 6; c++) {
-    double off = 0;
-    for (int e = 16; e < 24; e++) off = fmax(off, fabs(stress[6 * e + c] - 3e-3 * want[c]));
-    tap_close(off, 0, 1e-15, "stress component %d of the last step", c);
-  }
-  // Volume 1.5 + 2, density 2, velocity 3 (0.5, 1, 1.5) in the last step
-  for (int a = 0; a < 3; a++)
-    tap_close(momentum[6 + a], 7 * 1.5 * (a + 1), 1e-12, "momentum %d of the last step", a);
-  tap_close(kinetic[2], 0.5 * 7 * 1.5 * 1.5 * 14, 1e-11, "kinetic energy of the last step");
-  free(stress);
-  free(momentum);
-  free(kinetic);
-  H5Fclose(file);
   rig_free(r);
 }
 
@@ -447,7 +358,7 @@ static void test_any_moment(void)
 {
   rig *r = rig_create(0, 1);
   ct_output *output = must_create(r, in_folder("moments.vtkhdf"));
-  ct_state *state = state_create(r);
+  ct_state *state = new_state(&r->problem);
   ct_error error;
   long moments = 0, bad_steps = 0, bad_records = 0;
   snprintf(disk.folder, sizeof disk.folder, "%s", folder);
@@ -492,7 +403,7 @@ static void test_kill(void)
     pid_t child = fork();
     if (child == 0) {
       ct_output *output = must_create(r, path);
-      ct_state *state = state_create(r);
+      ct_state *state = new_state(&r->problem);
       for (int k = 0;; k++) {
         pose(r, state, k);
         ct_output_append(output, &r->problem, state, NULL);
@@ -529,7 +440,7 @@ static int full_disk_child(const rig *r, const char *path, long from, const char
   int before = descriptor_count(), failed = 0, k = 0;
   ct_output *output = NULL;
   ct_error error = {.body = -1, .element = -1, .point = -1};
-  ct_state *state = state_create(r);
+  ct_state *state = new_state(&r->problem);
   disk.writes = 0;
   disk.fail_from = from;
   ct_status status = ct_output_create(path, &r->problem, &ALL, &output, &error);
@@ -606,7 +517,7 @@ static void test_full_disk(void)
   for (int i = 0; i < 300000 && file != NULL; i++) fputc('x', file);
   fclose(file);
   ct_output *output = must_create(r, path);
-  ct_state *state = state_create(r);
+  ct_state *state = new_state(&r->problem);
   ct_error error;
   ct_status status = CT_OK;
   int k = 0;
@@ -705,7 +616,7 @@ static pid_t start_writer(const rig *r, const char *path, int steps)
   pid_t child = fork();
   if (child == 0) {
     ct_output *output = must_create(r, path);
-    ct_state *state = state_create(r);
+    ct_state *state = new_state(&r->problem);
     ct_error error;
     for (int k = 0; k < steps; k++) {
       pose(r, state, k);
@@ -727,7 +638,7 @@ static void test_one_writer(void)
   rig *r = rig_create(0, 0);
   const char *path = in_folder("writer.vtkhdf"), *part = in_folder("writer.vtkhdf.part");
   ct_error error;
-  ct_state *state = state_create(r);
+  ct_state *state = new_state(&r->problem);
   char reason[400];
   snprintf(reason, sizeof reason, "%s: can't write the file: another run is writing it", path);
   ct_output *first = must_create(r, path);
@@ -784,7 +695,7 @@ static void test_wrong_state(void)
   const char *path = in_folder("wrong.vtkhdf");
   ct_error error = {0};
   ct_output *output = must_create(r, path);
-  ct_state *state = state_create(r), *foreign = state_create(other);
+  ct_state *state = new_state(&r->problem), *foreign = new_state(&other->problem);
   pose(r, state, 0);
   tap_ok(ct_output_append(output, &r->problem, state, &error) == CT_OK, "a good step");
   tap_ok(ct_output_append(output, &other->problem, foreign, &error) == CT_ERROR_ARGUMENT,
@@ -810,7 +721,7 @@ static void test_wrong_state(void)
 
 static void refuse_restart(const rig *r, const char *path, ct_status want, const char *reason)
 {
-  ct_state *state = state_create(r);
+  ct_state *state = new_state(&r->problem);
   ct_error error = {0};
   ct_status status = ct_output_restart(path, &r->problem, state, &error);
   tap_ok(status == want && strstr(error.text, reason) != NULL && state->step == 0,
@@ -824,7 +735,7 @@ static void test_other_problem(void)
   const char *path = in_folder("other.vtkhdf");
   write_file(r, path, 2);
   refuse_restart(curved, path, CT_ERROR_FILE, "stands at another place");
-  refuse_restart(bare, path, CT_ERROR_FILE, "it has 2 effects, the problem 1");
+  refuse_restart(bare, path, CT_ERROR_FILE, "'libcontact/effects' has 2 rows, the problem 1");
   r->probe.label = "gravity";
   refuse_restart(r, path, CT_ERROR_FILE,
                  "effect 1 'gravity' (in the file 'probe') has another name");

@@ -1,104 +1,17 @@
 /* Projections against closed forms, optimality conditions, brute force, and mirrored, moved and
  * scaled copies of themselves. */
-#include <libcontact/projection.h>
-
+#include "faces.h"
 #include "tap.h"
 
 #include <string.h>
 
-static const char *NAME[4] = {"Q4", "Q8", "T3", "T6"};
-static const double QUADRILATERAL[8][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1},
-                                           {0, -1},  {1, 0},  {0, 1}, {-1, 0}};
-static const double TRIANGLE[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
 static const ct_method METHOD[3] = {CT_ROBUST, CT_NEWTON, CT_SIMPLEX};
-
-static unsigned long long seed = 88172645463325252ull;
-
-/* Uniform on (-a, a). */
-static double uniform(double a)
-{
-  seed ^= seed << 13, seed ^= seed >> 7, seed ^= seed << 17;
-  return a * (2 * ((double)(seed >> 11) / 9007199254740992.0) - 1);
-}
-
-static double worst(double so_far, double error)
-{
-  return fabs(error) > so_far || isnan(error) ? fabs(error) : so_far;
-}
-static int triangular(ct_face_kind kind) { return kind == CT_T3 || kind == CT_T6; }
-static const double *reference(ct_face_kind kind, int i)
-{
-  return triangular(kind) ? TRIANGLE[i] : QUADRILATERAL[i];
-}
 
 static ct_project_options with(ct_method method)
 {
   ct_project_options options = ct_project_options_default();
   options.method = method;
   return options;
-}
-
-/* A random point of the reference face, `margin` away from its edges. */
-static void random_xi(ct_face_kind kind, double margin, double xi[2])
-{
-  do {
-    xi[0] = uniform(1 - margin), xi[1] = uniform(1 - margin);
-  } while (triangular(kind) && (xi[0] < margin || xi[1] < margin || xi[0] + xi[1] > 1 - margin));
-}
-
-/* A face with nodes at random places about their reference ones. */
-static ct_face random_face(ct_face_kind kind, double amount)
-{
-  ct_face face = {kind, {{0}}};
-  for (int i = 0; i < ct_face_node_count(kind); i++) {
-    for (int k = 0; k < 2; k++) face.node[i][k] = reference(kind, i)[k] + uniform(amount);
-    face.node[i][2] = uniform(amount);
-  }
-  return face;
-}
-
-/* On z = (p x^2 + q y^2) / 2 the point at height g along the normal has its closest point below,
- * while g is under the radii of curvature. */
-static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
-{
-  double error[3] = {0, 0, 0}, gap[3] = {0, 0, 0}, normal = 0;
-  int status = 1, where = 1;
-  for (int trial = 0; trial < 200; trial++) {
-    ct_face face = {kind, {{0}}};
-    double xi[2], point[3], g = uniform(0.3);
-    for (int i = 0; i < ct_face_node_count(kind); i++) {
-      const double *x = reference(kind, i);
-      face.node[i][0] = x[0], face.node[i][1] = x[1],
-      face.node[i][2] = 0.5 * (p * x[0] * x[0] + q * x[1] * x[1]);
-    }
-    random_xi(kind, 0.02, xi);
-    double length = sqrt(1 + p * p * xi[0] * xi[0] + q * q * xi[1] * xi[1]);
-    double n[3] = {-p * xi[0] / length, -q * xi[1] / length, 1 / length};
-    point[0] = xi[0] + g * n[0], point[1] = xi[1] + g * n[1];
-    point[2] = 0.5 * (p * xi[0] * xi[0] + q * xi[1] * xi[1]) + g * n[2];
-    for (int m = 0; m < 3; m++) {
-      ct_project_options options = with(METHOD[m]);
-      ct_projection out;
-      ct_project(&face, point, &options, &out);
-      status &=
-          out.status == CT_OK || (METHOD[m] == CT_SIMPLEX && out.status == CT_ITERATION_LIMIT);
-      where &= out.where == CT_INTERIOR && out.index == -1;
-      for (int a = 0; a < 2; a++) error[m] = worst(error[m], out.xi[a] - xi[a]);
-      gap[m] = worst(worst(gap[m], out.signed_distance - g), out.distance - fabs(g));
-      for (int k = 0; k < 3 && m < 2; k++) normal = worst(normal, out.normal[k] - n[k]);
-    }
-  }
-  tap_ok(status && where, "%s on a %s: every method ends inside", NAME[kind], what);
-  tap_close(error[0], 0, 1e-14, "%s on a %s: robust finds the closest point", NAME[kind], what);
-  tap_close(error[1], 0, 1e-14, "%s on a %s: newton finds the closest point", NAME[kind], what);
-  tap_close(error[2], 0, 3e-8, "%s on a %s: simplex finds the closest point to its floor",
-            NAME[kind], what);
-  tap_close(gap[0], 0, 1e-15, "%s on a %s: robust gives the gap with its sign", NAME[kind], what);
-  tap_close(gap[1], 0, 1e-15, "%s on a %s: newton gives the gap with its sign", NAME[kind], what);
-  tap_close(gap[2], 0, 1e-14,
-            "%s on a %s: simplex gives the gap, second order in the closest point", NAME[kind],
-            what);
-  tap_close(normal, 0, 1e-14, "%s on a %s: unit normal at the closest point", NAME[kind], what);
 }
 
 /* A flat square or right triangle: the closest point is the clamped one. Points swept from deep
@@ -130,8 +43,8 @@ static void flat_face_edges_and_vertices(ct_face_kind kind)
       for (int a = 0; a < 2; a++) error = worst(error, out.xi[a] - x[a]);
       error = worst(worst(error, out.signed_distance - distance), out.point[2]);
     }
-  tap_ok(good, "%s: a swept point meets the interior, each edge and each corner", NAME[kind]);
-  tap_close(error, 0, 1e-15, "%s: the closest point is the clamped point", NAME[kind]);
+  tap_ok(good, "%s: a swept point meets the interior, each edge and each corner", FACE_NAME[kind]);
+  tap_close(error, 0, 1e-15, "%s: the closest point is the clamped point", FACE_NAME[kind]);
 }
 
 static void numbers_of_edges_and_corners(ct_face_kind kind)
@@ -159,7 +72,7 @@ static void numbers_of_edges_and_corners(ct_face_kind kind)
   tap_ok(good,
          "%s: edges and corners have the numbers of their nodes, unconstrained closest points are "
          "outside",
-         NAME[kind]);
+         FACE_NAME[kind]);
 }
 
 /* A random affine face. Its node coordinates are multiples of 1/64, so mid-sides lie exactly
@@ -218,12 +131,12 @@ static void status_on_an_edge(ct_face_kind kind)
     else far_edge &= out.where == CT_EDGE && (status == CT_OK || status == CT_NOT_CERTIFIED);
     if (far && !(error <= tolerance)) far_beyond++, far_false += status == CT_OK;
   }
-  tap_ok(near_ok, "%s: near an edge the status is ok", NAME[kind]);
+  tap_ok(near_ok, "%s: near an edge the status is ok", FACE_NAME[kind]);
   // The bound of the rounding, 4 epsilon (distance + size) / |t|, with a distance up to 100.
-  tap_close(near_error, 0, 2e-13, "%s: and xi is right", NAME[kind]);
+  tap_close(near_error, 0, 2e-13, "%s: and xi is right", FACE_NAME[kind]);
   tap_ok(far_edge && far_beyond > 100 && far_false == 0,
          "%s: far from an edge %d of 200 xi are not known to the tolerance, and %d say ok",
-         NAME[kind], far_beyond, far_false);
+         FACE_NAME[kind], far_beyond, far_false);
 }
 
 /* f is a quartic along each axis: the five-point differences below have no truncation error. */
@@ -234,13 +147,13 @@ static void function_derivatives(ct_face_kind kind)
     ct_face face = random_face(kind, 0.4);
     double point[3] = {uniform(1), uniform(1), uniform(1)}, xi[2] = {uniform(1), uniform(1)}, g[2],
            H[3];
-    ct_project_function(&face, point, xi, NULL, g, H);
+    function_at(&face, point, xi, NULL, g, H);
     for (int a = 0; a < 2; a++) {
       double f[5], slope[5][2];
       for (int s = 0; s < 5; s++) {
         double x[2] = {xi[0], xi[1]};
         x[a] += 0.25 * (s - 2);
-        ct_project_function(&face, point, x, &f[s], slope[s], NULL);
+        function_at(&face, point, x, &f[s], slope[s], NULL);
       }
       first = worst(first, (f[0] - 8 * f[1] + 8 * f[3] - f[4]) / 3 - g[a]);
       second = worst(second, (-f[0] + 16 * f[1] - 30 * f[2] + 16 * f[3] - f[4]) / 0.75 - H[a]);
@@ -250,8 +163,8 @@ static void function_derivatives(ct_face_kind kind)
               H[2]);
     }
   }
-  tap_close(first, 0, 1e-12, "%s: gradient of f against differences", NAME[kind]);
-  tap_close(second, 0, 1e-11, "%s: Hessian of f against differences", NAME[kind]);
+  tap_close(first, 0, 1e-12, "%s: gradient of f against differences", FACE_NAME[kind]);
+  tap_close(second, 0, 1e-11, "%s: Hessian of f against differences", FACE_NAME[kind]);
 }
 
 /* Two ways to f: the shape functions here, the polynomial inside the methods (seen through the
@@ -291,8 +204,8 @@ static void trace_shows_f(ct_face_kind kind)
       calls += w.calls > 0;
     }
   }
-  tap_ok(calls == 90, "%s: every method shows its iterates", NAME[kind]);
-  tap_close(off, 0, 1e-14, "%s: the methods' f is that of the shape functions", NAME[kind]);
+  tap_ok(calls == 90, "%s: every method shows its iterates", FACE_NAME[kind]);
+  tap_close(off, 0, 1e-14, "%s: the methods' f is that of the shape functions", FACE_NAME[kind]);
 }
 
 /* Brute force: no point of a fine grid on the face is closer, for points and faces of every sort.
@@ -304,28 +217,21 @@ static void brute_force(ct_face_kind kind)
   int bad = 0;
   for (int trial = 0; trial < 150; trial++) {
     ct_face face = random_face(kind, triangular(kind) ? 0.125 : 0.25);
-    double point[3] = {uniform(1.5), uniform(1.5), uniform(1)}, lowest = HUGE_VAL, f, g[2];
+    double point[3] = {uniform(1.5), uniform(1.5), uniform(1)}, g[2];
     ct_projection out;
     bad += ct_project(&face, point, NULL, &out) != CT_OK;
-    for (int i = 0; i <= cells; i++)
-      for (int j = 0; j <= (triangular(kind) ? cells - i : cells); j++) {
-        double xi[2] = {(double)i / cells, (double)j / cells};
-        if (!triangular(kind)) xi[0] = 2 * xi[0] - 1, xi[1] = 2 * xi[1] - 1;
-        ct_project_function(&face, point, xi, &f, NULL, NULL);
-        lowest = fmin(lowest, f);
-      }
-    closer = fmax(closer, out.distance - sqrt(lowest));
+    closer = fmax(closer, out.distance - sqrt(lowest_on_grid(&face, point, cells)));
     /* Inside, the gradient vanishes; on the boundary it must not point inwards. */
-    ct_project_function(&face, point, out.xi, NULL, g, NULL);
+    function_at(&face, point, out.xi, NULL, g, NULL);
     double inward[4] = {-g[0], -g[1], g[0], g[1]},
            room[4] = {1 - out.xi[0], 1 - out.xi[1], 1 + out.xi[0], 1 + out.xi[1]};
     for (int a = 0; a < 4 && !triangular(kind); a++)
       if (room[a] > 0) slope = fmax(slope, inward[a]);
   }
-  tap_ok(bad == 0, "%s: robust ends well on 150 distorted faces", NAME[kind]);
+  tap_ok(bad == 0, "%s: robust ends well on 150 distorted faces", FACE_NAME[kind]);
   tap_close(fmax(closer, 0), 0, 1e-13, "%s: no grid point is closer than its closest point",
-            NAME[kind]);
-  tap_close(slope, 0, 1e-12, "%s: nor any direction into the face", NAME[kind]);
+            FACE_NAME[kind]);
+  tap_close(slope, 0, 1e-12, "%s: nor any direction into the face", FACE_NAME[kind]);
 }
 
 /* Faces z = p x^2 + q y^2 + r x y, so strongly bent that several valleys lie on them: the samples
@@ -337,7 +243,7 @@ static void folded_faces(ct_face_kind kind)
   for (int trial = 0; trial < 400; trial++) {
     ct_face face = {kind, {{0}}};
     double p = uniform(2), q = uniform(2), r = uniform(1),
-           point[3] = {uniform(2), uniform(2), uniform(2)}, lowest = HUGE_VAL, f;
+           point[3] = {uniform(2), uniform(2), uniform(2)};
     ct_projection out;
     for (int i = 0; i < ct_face_node_count(kind); i++) {
       double x = reference(kind, i)[0], y = reference(kind, i)[1];
@@ -345,16 +251,9 @@ static void folded_faces(ct_face_kind kind)
       face.node[i][0] = x, face.node[i][1] = y, face.node[i][2] = p * x * x + q * y * y + r * x * y;
     }
     ct_project(&face, point, NULL, &out);
-    for (int i = 0; i <= cells; i++)
-      for (int j = 0; j <= (triangular(kind) ? cells - i : cells); j++) {
-        double xi[2] = {(double)i / cells, (double)j / cells};
-        if (!triangular(kind)) xi[0] = 2 * xi[0] - 1, xi[1] = 2 * xi[1] - 1;
-        ct_project_function(&face, point, xi, &f, NULL, NULL);
-        lowest = fmin(lowest, f);
-      }
-    missed += out.distance > sqrt(lowest) + 1e-12;
+    missed += out.distance > sqrt(lowest_on_grid(&face, point, cells)) + 1e-12;
   }
-  tap_ok(missed == 0, "%s: robust misses %d of 400 lowest valleys on folded faces", NAME[kind],
+  tap_ok(missed == 0, "%s: robust misses %d of 400 lowest valleys on folded faces", FACE_NAME[kind],
          missed);
 }
 
@@ -366,8 +265,7 @@ static void centres_of_curvature(ct_face_kind kind)
   int missed = 0;
   for (int trial = 0; trial < 400; trial++) {
     ct_face face = {kind, {{0}}};
-    double radius = 2.1 + uniform(0.9), point[3] = {uniform(0.01), uniform(0.01), uniform(0.01)},
-           lowest = HUGE_VAL, f;
+    double radius = 2.1 + uniform(0.9), point[3] = {uniform(0.01), uniform(0.01), uniform(0.01)};
     ct_projection out;
     for (int i = 0; i < ct_face_node_count(kind); i++) {
       double x = 0.5 * reference(kind, i)[0], y = 0.5 * reference(kind, i)[1];
@@ -375,17 +273,10 @@ static void centres_of_curvature(ct_face_kind kind)
       face.node[i][2] = sqrt(radius * radius - x * x - y * y);
     }
     ct_project(&face, point, NULL, &out);
-    for (int i = 0; i <= cells; i++)
-      for (int j = 0; j <= (triangular(kind) ? cells - i : cells); j++) {
-        double xi[2] = {(double)i / cells, (double)j / cells};
-        if (!triangular(kind)) xi[0] = 2 * xi[0] - 1, xi[1] = 2 * xi[1] - 1;
-        ct_project_function(&face, point, xi, &f, NULL, NULL);
-        lowest = fmin(lowest, f);
-      }
-    missed += out.distance > sqrt(lowest) * (1 + 1e-12);
+    missed += out.distance > sqrt(lowest_on_grid(&face, point, cells)) * (1 + 1e-12);
   }
   tap_ok(missed == 0, "%s: robust misses %d of 400 closest points from near a centre of curvature",
-         NAME[kind], missed);
+         FACE_NAME[kind], missed);
 }
 
 /* What robust costs: a nearly plane face a few looks, and a loose tolerance never more than a tight
@@ -411,9 +302,9 @@ static void costs_in_looks(ct_face_kind kind)
       dearer += b.evaluations > a.evaluations;
     }
   }
-  tap_ok(most <= 5, "%s: a nearly plane face needs %d looks at most", NAME[kind], most);
+  tap_ok(most <= 5, "%s: a nearly plane face needs %d looks at most", FACE_NAME[kind], most);
   tap_ok(dearer == 0, "%s: a tolerance of 1e-2 costs more than 1e-10 on %d of 800 bent faces",
-         NAME[kind], dearer);
+         FACE_NAME[kind], dearer);
 }
 
 static int same_bits(const ct_projection *a, const ct_projection *b, const double xi_sign[2],
@@ -462,11 +353,11 @@ static void copies_give_the_same_bits(ct_face_kind kind, ct_method method)
     ct_project(&copy, other, &flipped, &twin);
     mirrored &= same_bits(&out, &twin, xi_sign, sign, 1, zero);
   }
-  tap_ok(scaled, "%s %s: a copy scaled by a power of two gives the scaled bits", NAME[kind],
-         ct_method_name(method));
+  tap_ok(scaled, "%s %s: a copy scaled by a power of two gives the scaled bits", FACE_NAME[kind],
+         METHOD_NAME[method]);
   if (!triangular(kind) && method != CT_SIMPLEX)
-    tap_ok(mirrored, "%s %s: a mirrored copy gives the mirrored bits", NAME[kind],
-           ct_method_name(method));
+    tap_ok(mirrored, "%s %s: a mirrored copy gives the mirrored bits", FACE_NAME[kind],
+           METHOD_NAME[method]);
 }
 
 /* A move is exact where the numbers are short. */
@@ -491,7 +382,7 @@ static void moved_copies_give_the_same_bits(ct_face_kind kind, ct_method method)
     ct_project(&copy, other, &options, &twin);
     moved &= same_bits(&out, &twin, ONE, ONE, 1, SHIFT);
   }
-  tap_ok(moved, "%s %s: a moved copy gives the same bits", NAME[kind], ct_method_name(method));
+  tap_ok(moved, "%s %s: a moved copy gives the same bits", FACE_NAME[kind], METHOD_NAME[method]);
 }
 
 static void newton_on_linear_triangles(void)
@@ -571,8 +462,8 @@ static void hard_cases(void)
    * (z - 1)). */
   ct_face trough = {CT_Q8, {{0}}};
   for (int i = 0; i < 8; i++) {
-    trough.node[i][0] = QUADRILATERAL[i][0], trough.node[i][1] = QUADRILATERAL[i][1];
-    trough.node[i][2] = 0.5 * QUADRILATERAL[i][0] * QUADRILATERAL[i][0];
+    trough.node[i][0] = reference(CT_Q8, i)[0], trough.node[i][1] = reference(CT_Q8, i)[1];
+    trough.node[i][2] = 0.5 * reference(CT_Q8, i)[0] * reference(CT_Q8, i)[0];
   }
   double above[3] = {0, 0.25, 1.125};
   ct_projection out;
@@ -636,22 +527,9 @@ static void hard_cases(void)
 static void bad_input(void)
 {
   ct_face good = {CT_Q4, {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}}, face = good;
-  double point[3] = {0, 0, 1}, nan_point[3] = {0, NAN, 1}, far[3] = {0, 0, INFINITY};
+  double point[3] = {0, 0, 1};
   ct_projection out;
   ct_project_options options = ct_project_options_default();
-  face.node[2][1] = NAN;
-  for (int m = 0; m < 3; m++) {
-    options.method = METHOD[m];
-    tap_ok(ct_project(&face, point, &options, &out) == CT_INVALID && isnan(out.xi[0]) &&
-               isnan(out.distance) && isnan(out.normal[2]),
-           "%s: NaN in a node", ct_method_name(METHOD[m]));
-    tap_ok(ct_project(&good, nan_point, &options, &out) == CT_INVALID && isnan(out.point[0]) &&
-               out.status == CT_INVALID,
-           "NaN in the point");
-    tap_ok(ct_project(&good, far, &options, &out) == CT_INVALID && isnan(out.signed_distance),
-           "an infinite point");
-  }
-  options = ct_project_options_default();
   ct_face dot = {CT_T6, {{0}}}, line = {CT_Q4, {{-1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {-1, 0, 0}}};
   tap_ok(ct_project(&dot, point, NULL, &out) == CT_INVALID, "a face shrunk to a point");
   tap_ok(ct_project(&line, point, NULL, &out) == CT_INVALID, "a face shrunk to a line");
@@ -668,23 +546,10 @@ static void bad_input(void)
   options = ct_project_options_default();
   options.method = (ct_method)77;
   tap_ok(ct_project(&good, point, &options, &out) == CT_ERROR_ARGUMENT &&
-             ct_method_name(options.method) == NULL,
+             !ct_method_exists(options.method) && ct_method_exists(CT_TORUS),
          "an unknown method");
   options.method = CT_ROBUST, options.use_start = 1, options.start[0] = NAN;
   tap_ok(ct_project(&good, point, &options, &out) == CT_ERROR_ARGUMENT, "a start that is NaN");
-}
-
-static void methods_and_names(void)
-{
-  ct_method method = CT_NEWTON;
-  int round_trip = 1, last = -1;
-  for (int m = CT_SIMPLEX; ct_method_name((ct_method)m) != NULL; last = m++)
-    round_trip &=
-        ct_method_from_name(ct_method_name((ct_method)m), &method) == CT_OK && (int)method == m;
-  tap_ok(round_trip && last >= CT_TORUS, "names and numbers of the methods");
-  tap_ok(ct_method_from_name("secant", &method) == CT_ERROR_ARGUMENT && (int)method == last,
-         "no method of another name");
-  tap_ok(strcmp(ct_method_name(CT_NELDER_MEAD), "nelder_mead") == 0, "names are those of Python");
 }
 
 static void many_points_are_single_points(void)
@@ -718,12 +583,6 @@ int main(void)
 {
   for (int k = 0; k < 4; k++) {
     ct_face_kind kind = (ct_face_kind)k;
-    if (kind == CT_Q8 || kind == CT_T6) {
-      paraboloid(kind, 0.8, 0, "parabolic cylinder");
-      paraboloid(kind, 0.9, 0.9, "nearly spherical cup");
-      paraboloid(kind, 0.7, -0.6, "saddle");
-    }
-    paraboloid(kind, 0, 0, "plane");
     flat_face_edges_and_vertices(kind);
     numbers_of_edges_and_corners(kind);
     status_on_an_edge(kind);
@@ -740,7 +599,6 @@ int main(void)
   simplex_steps_by_hand();
   hard_cases();
   bad_input();
-  methods_and_names();
   many_points_are_single_points();
   return tap_done();
 }

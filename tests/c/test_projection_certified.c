@@ -95,7 +95,7 @@ static void degenerate_faces(void)
 static double f_at(const ct_face *face, const double point[3], double x, double y)
 {
   double xi[2] = {x, y}, f;
-  ct_project_function(face, point, xi, &f, NULL, NULL);
+  function_at(face, point, xi, &f, NULL, NULL);
   return f;
 }
 

@@ -16,8 +16,8 @@ static ct_project_options with(int method)
 static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
 {
   for (int m = 0; m < method_count(); m++) {
-    double error = 0, gap = 0;
-    int status = 1;
+    double error = 0, gap = 0, normal = 0;
+    int status = 1, exact = m == CT_ROBUST || m == CT_NEWTON;
     for (int trial = 0; trial < 200; trial++) {
       ct_face face = parabolic_face(kind, p, q);
       double xi[2], point[3], n[3], g = uniform(0.3);
@@ -28,14 +28,24 @@ static void paraboloid(ct_face_kind kind, double p, double q, const char *what)
       ct_project(&face, point, &options, &out);
       status &= out.status == CT_OK || (by_values(m) && out.status == CT_ITERATION_LIMIT);
       status &= out.certified == (m == CT_CERTIFIED) && out.evaluations > 0;
+      status &= out.where == CT_INTERIOR && out.index == -1;
+      for (int k = 0; k < 3; k++) normal = worst(normal, out.normal[k] - n[k]);
       for (int a = 0; a < 2; a++) error = worst(error, out.xi[a] - xi[a]);
       gap = worst(worst(gap, out.signed_distance - g), out.distance - fabs(g));
     }
-    tap_ok(status, "%s on a %s: %s ends well", FACE_NAME[kind], what, ct_method_name((ct_method)m));
-    tap_close(error, 0, by_values(m) ? 5e-8 : 1e-10, "%s on a %s: %s finds the closest point",
-              FACE_NAME[kind], what, ct_method_name((ct_method)m));
-    tap_close(gap, 0, 1e-14, "%s on a %s: %s gives the gap with its sign", FACE_NAME[kind], what,
-              ct_method_name((ct_method)m));
+    tap_ok(status, "%s on a %s: %s ends well", FACE_NAME[kind], what, METHOD_NAME[m]);
+    tap_close(error, 0,
+              by_values(m) ? 5e-8
+              : exact      ? 1e-14
+                           : 1e-10,
+              "%s on a %s: %s finds the closest point", FACE_NAME[kind], what, METHOD_NAME[m]);
+    tap_close(gap, 0, exact ? 1e-15 : 1e-14, "%s on a %s: %s gives the gap with its sign",
+              FACE_NAME[kind], what, METHOD_NAME[m]);
+    tap_close(normal, 0,
+              by_values(m) ? 1e-7
+              : exact      ? 1e-14
+                           : 1e-10,
+              "%s on a %s: %s gives the unit normal there", FACE_NAME[kind], what, METHOD_NAME[m]);
   }
 }
 
@@ -114,7 +124,7 @@ static void one_step(void)
     ct_projection out;
     ct_project(&flat, point, &options, &out);
     tap_close(fmax(fabs(out.xi[0] - 0.4), fabs(out.xi[1] - 0.25)), 0, 1e-15,
-              "T3: %s needs one step", ct_method_name((ct_method)METHOD[i]));
+              "T3: %s needs one step", METHOD_NAME[METHOD[i]]);
   }
 }
 
@@ -159,8 +169,7 @@ static void broyden_is_the_secant_rule(void)
   ct_projection out;
   path p = walk(CT_BROYDEN, &cylinder, point, start, &out);
   for (int i = 1; i < 4; i++) {
-    for (int j = 0; j < 2; j++)
-      ct_project_function(&cylinder, point, p.xi[i - 1 + j], NULL, g[j], NULL);
+    for (int j = 0; j < 2; j++) function_at(&cylinder, point, p.xi[i - 1 + j], NULL, g[j], NULL);
     double next = p.xi[i][0] - g[1][0] * (p.xi[i][0] - p.xi[i - 1][0]) / (g[1][0] - g[0][0]);
     off_rule = worst(off_rule, p.xi[i + 1][0] - next);
   }
@@ -211,8 +220,7 @@ static void saddles_are_no_answers(void)
     ct_projection out;
     ct_project(&trough, above, &options, &out);
     int at_foot = fabs(fabs(out.xi[0]) - 0.5) < 1e-6;
-    tap_ok(at_foot || (out.status != CT_OK && out.certified == 0), "trough: %s %s",
-           ct_method_name((ct_method)m),
+    tap_ok(at_foot || (out.status != CT_OK && out.certified == 0), "trough: %s %s", METHOD_NAME[m],
            at_foot ? "finds a closest point" : "says that it found none");
   }
 }
@@ -220,13 +228,13 @@ static void saddles_are_no_answers(void)
 static void budgets_copies_and_bad_input(int m)
 {
   ct_project_options options = with(m), two = options;
-  const char *name = ct_method_name((ct_method)m);
+  const char *name = METHOD_NAME[m];
   ct_projection out, twin;
   int scaled = 1, sane = 1;
   two.iteration_limit = 2;
   for (int trial = 0; trial < 200; trial++) {
     ct_face face = random_face((ct_face_kind)(trial % 4), 0.3), copy = face;
-    double point[3], other[3], power = ldexp(1, trial % 61 - 30);
+    double point[3], other[3], power = ldexp(1, 7 * trial % 401 - 200);
     for (int k = 0; k < 3; k++) point[k] = uniform(1.3), other[k] = power * point[k];
     for (int i = 0; i < 24; i++) copy.node[i / 3][i % 3] *= power;
     ct_project(&face, point, &options, &out);
@@ -241,11 +249,31 @@ static void budgets_copies_and_bad_input(int m)
   tap_ok(scaled, "%s: a copy scaled by a power of two gives the scaled bits", name);
   tap_ok(sane, "%s respects its budget", name);
   ct_face flat = parabolic_face(CT_Q4, 0, 0), line = flat;
-  double point[3] = {0, 0.1, 1}, nowhere[3] = {0, NAN, 1};
+  ct_face spoilt = flat;
+  double point[3] = {0, 0.1, 1}, nowhere[3] = {0, NAN, 1}, far[3] = {0, 0, INFINITY};
   for (int i = 0; i < 4; i++) line.node[i][1] = 0;
+  spoilt.node[2][1] = NAN;
+  tap_ok(ct_project(&spoilt, point, &options, &out) == CT_INVALID && isnan(out.xi[0]) &&
+             isnan(out.distance),
+         "%s: NaN in a node", name);
+  tap_ok(ct_project(&flat, far, &options, &out) == CT_INVALID && isnan(out.signed_distance),
+         "%s: an infinite point", name);
   tap_ok(ct_project(&flat, nowhere, &options, &out) == CT_INVALID && isnan(out.xi[0]) &&
              isnan(out.distance) && isnan(out.normal[1]),
          "%s: NaN in the point", name);
+  static const double HUGE_ONE[3] = {1e300, -1e300, 1.7e308},
+                      TINY[4] = {0.0, 5e-324, 1e-310, 1e-300};
+  int extreme = 1;
+  for (int i = 0; i < 7; i++) {
+    ct_face own = flat;
+    double place[3] = {i < 3 ? HUGE_ONE[i] : 0.0, 0, 0};
+    if (i < 3)
+      extreme &= ct_project(&flat, place, &options, &out) == CT_INVALID,
+          own.node[1][2] = HUGE_ONE[i];
+    for (int k = 0; k < 12 && i >= 3; k++) own.node[k / 3][k % 3] *= TINY[i - 3];
+    extreme &= ct_project(&own, point, &options, &out) == CT_INVALID;
+  }
+  tap_ok(extreme, "%s: numbers whose fourth powers are none are invalid", name);
   ct_status status = ct_project(&line, point, &options, &out);
   tap_ok(status == CT_INVALID && isnan(out.distance), "%s: a face shrunk to a line", name);
 }

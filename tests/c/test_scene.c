@@ -255,14 +255,12 @@ static int64_t surface_of(const ct_mesh *small, const ct_mesh *large, ct_scene_c
                           double centre[3])
 {
   ct_scene *scene = new_scene();
-  ct_stable_step stable;
   ct_error e = {0};
-  int64_t steps;
   add_body(scene, "small", small, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
   add_body(scene, "large", large, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
   need(ct_scene_add_contact(scene, &c, &e), &e);
   const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 1e-9, .fraction = 0.5, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 1e-9, .fraction = 0.5, .threads = 1}, NULL, NULL);
   ct_state *state = new_state(p);
   const ct_contact *contact = ct_state_contact(p, state, 1, &e);
   int64_t count = ct_contact_point_count(contact);
@@ -352,15 +350,14 @@ static void built_twice(void)
 {
   plates p = two_plates(4.0);
   ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
-  int64_t steps;
   ct_stable_step before, after;
-  build(p.scene, t, &steps, &before);
+  build(p.scene, t, NULL, &before);
   for (int k = 0; k < 3; k++) add_contact(p.scene, 0, p.left, 0.0, 1, p.right, 0.0, 0, 4.0);
-  const ct_problem *problem = build(p.scene, t, &steps, &after);
+  const ct_problem *problem = build(p.scene, t, NULL, &after);
   tap_ok(problem->effect_count == 5 && after.dt < before.dt,
          "three more contacts after a build: five effects and a smaller stable step");
   add_support(p.scene, 0, p.left, 0, -1.0, "xyz", 0.0);
-  problem = build(p.scene, t, &steps, &after);
+  problem = build(p.scene, t, NULL, &after);
   tap_ok(problem->effect_count == 6 && problem->inverse_mass[0] == 0.0, "and a support after that");
   for (int k = 0; k < 40; k++) add_support(p.scene, 0, p.left, 0, -1.0, "xyz", 0.0);
   for (int k = 0; k < 20; k++) add_contact(p.scene, 0, p.left, 0.0, 1, p.right, 0.0, 0, 4.0);
@@ -372,14 +369,12 @@ static void contents(void)
 {
   plates p = two_plates(4.0);
   ct_scene_time t = {.end = 1e-9, .courant = 0.1, .threads = 1};
-  int64_t steps;
-  ct_stable_step stable;
   char name[100];
   memset(name, 'n', sizeof name - 1);
   name[99] = '\0';
   ct_mesh *far = box_mesh(CT_HEX20, 5, 5, 5, 1, 1, 1, 1, 1, 1);
   add_body(p.scene, name, far, &STEEL, CT_KERNEL_AUTO, 1, 2, 3);
-  const ct_problem *problem = build(p.scene, t, &steps, &stable);
+  const ct_problem *problem = build(p.scene, t, NULL, NULL);
   double mass = 0.0;
   int right = problem->node_count == 120 && problem->body_count == 3 &&
               problem->bodies[1].first_node == 50 && problem->bodies[2].first_node == 100;
@@ -485,9 +480,8 @@ static void own_effects(void)
   tap_close(with.dt / ((sqrt(D * D + 4 * W) - D) / W), 1.0, 1e-12,
             "its damping lowers the stable step to the root of 4 - 2 D dt - W dt^2 (%g of it)",
             with.dt / without.dt);
-  ct_state *state = NULL;
   double omega_squared[3], rate[3], sum = 0.0;
-  need(ct_state_create(problem, &state, &e), &e);
+  ct_state *state = new_state(problem);
   for (int k = 0; k < 3; k++) {
     need(ct_stable_share(problem, state, k, &omega_squared[k], &rate[k], &e), &e);
     sum += omega_squared[k];
@@ -497,13 +491,13 @@ static void own_effects(void)
          "the dashpot alone damps, and has no stiffness");
   tap_ok(ct_stable_share(problem, state, 3, omega_squared, rate, &e) == CT_ERROR_ARGUMENT,
          "there is no fourth share: %s", e.text);
-  need(ct_step(problem, state, &e), &e);
+  advance(problem, state, 1);
   tap_ok(state->effect_seconds[0] == 0.0, "without a clock nothing is measured");
   ct_state_free(state);
   t.clock = ticks;
   problem = build(p.scene, t, &steps, &with);
-  need(ct_state_create(problem, &state, &e), &e);
-  need(ct_step_many(problem, state, 5, &e), &e);
+  state = new_state(problem);
+  advance(problem, state, 5);
   int each_once = state->effect_seconds[3] == 5.0;
   for (int k = 0; k < 3; k++) each_once &= state->effect_seconds[k] == 6.0;
   tap_ok(each_once, "a clock that counts its calls finds 5 in the rest of 5 steps and 6 in each "
@@ -561,13 +555,12 @@ static double swing(double factor, double w, double d)
                         .threads = 1};
   ct_stable_step stable;
   ct_error e = {0};
-  ct_state *state = NULL;
   need(ct_stable(&problem, NULL, &stable, &e), &e);
   problem.dt = factor * stable.dt;
-  need(ct_state_create(&problem, &state, &e), &e);
+  ct_state *state = new_state(&problem);
   double top = 0.0;
   for (int i = 0; i < 20000 && top < 1e30; i++) {
-    need(ct_step(&problem, state, &e), &e);
+    advance(&problem, state, 1);
     top = fmax(top, fabs(state->displacement[0]) * sqrt(w + d * d));
   }
   ct_state_free(state);

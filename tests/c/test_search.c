@@ -380,7 +380,7 @@ static void nearest_faces(int k)
   tap_close(closest, 0.0, 1e-14, "%s: the closest point is the point of that face at xi",
             KIND[k].name);
 
-  ct_search_options options = ct_search_options_default();
+  ct_search_options options = (ct_search_options){1e-10, 1};
   ct_search_nearest(search, CLOUD, points, start, &options, again);
   tap_ok(same_bits(out, again, CLOUD), "%s: other starts, the same bits", KIND[k].name);
   options.threads = 3;
@@ -726,7 +726,7 @@ static void refused(void)
   double point[3] = {0, 0, 1};
   ct_nearest out;
   int32_t start = p.surface.face_count;
-  ct_search_options options = ct_search_options_default();
+  ct_search_options options = (ct_search_options){1e-10, 1};
   tap_ok(ct_search_nearest(NULL, 1, point, NULL, NULL, &out) == CT_ERROR_ARGUMENT &&
              ct_search_nearest(search, 1, NULL, NULL, NULL, &out) == CT_ERROR_ARGUMENT &&
              ct_search_nearest(search, 1, point, NULL, NULL, NULL) == CT_ERROR_ARGUMENT &&
@@ -737,7 +737,7 @@ static void refused(void)
   options.tolerance = 0.0;
   tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out) == CT_ERROR_ARGUMENT,
          "a tolerance of 0 is refused");
-  options = ct_search_options_default();
+  options = (ct_search_options){1e-10, 1};
   options.threads = 0;
   tap_ok(ct_search_nearest(search, 1, point, NULL, &options, &out) == CT_ERROR_ARGUMENT,
          "no thread is refused");

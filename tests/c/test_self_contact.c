@@ -86,7 +86,7 @@ static ct_contact *open_self(const ct_surface *surface)
   ct_error e;
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = EPSILON;
-  need(ct_contact_create_self(surface, &options, &contact, &e), &e);
+  need(ct_contact_create(surface, surface, &options, &contact, &e), &e);
   return contact;
 }
 
@@ -174,7 +174,7 @@ static void like_two(ct_face_kind kind)
   double *f = numbers(3 * nodes), *g = numbers(3 * nodes), a, b;
   options.epsilon = EPSILON;
   options.depth = 0.05;
-  need(ct_contact_create_self(&p.surface, &options, &one, &e), &e);
+  need(ct_contact_create(&p.surface, &p.surface, &options, &one, &e), &e);
   need(ct_contact_create(&p.lower, &p.upper, &options, &two, &e), &e);
   press(&p, 0.02, 0.01);
   a = energy_at(one, p.x);
@@ -247,7 +247,7 @@ static void history(ct_face_kind kind)
   double *f = numbers(3 * nodes), *g = numbers(3 * nodes), *h = numbers(3 * nodes);
   options.epsilon = EPSILON;
   options.threads = 3;
-  need(ct_contact_create_self(&p.surface, &options, &threads, &e), &e);
+  need(ct_contact_create(&p.surface, &p.surface, &options, &threads, &e), &e);
   for (int step = 0; step <= 60; step++) {
     press(&p, 0.00225 * step, 0.0);
     energy_at(travelled, p.x);
@@ -341,7 +341,7 @@ static void open_jaws(ct_brick_kind kind)
   ct_error e;
   options.epsilon = EPSILON;
   options.depth = 0.3;
-  need(ct_contact_create_self(&skin, &options, &contact, &e), &e);
+  need(ct_contact_create(&skin, &skin, &options, &contact, &e), &e);
   for (int step = 0; step <= 8; step++) {
     jaws(m, 0.1 * step, x);
     energy = worst(energy, energy_at(contact, x));
@@ -421,7 +421,6 @@ static void scene_of_a_c(void)
   int32_t *outer = integers(4 * 6 * m->element_count);
   ct_material material = {1000.0, 0.3, 1e-3, CT_LINEAR};
   ct_scene *scene = new_scene();
-  ct_stable_step stable;
   ct_error e;
   int64_t steps;
   double touched = 0.0, balance = 0.0, p = 0.0, size = 0.0;
@@ -440,7 +439,7 @@ static void scene_of_a_c(void)
   contact.options.dissipation = 0.0;
   need(ct_scene_add_contact(scene, &contact, &e), &e);
   const ct_problem *problem =
-      build(scene, (ct_scene_time){.end = 2e-3, .fraction = 0.4, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 2e-3, .fraction = 0.4, .threads = 1}, &steps, NULL);
   ct_state *state = new_state(problem);
   for (int n = 0; n < m->node_count; n++)
     state->velocity[3 * n + 2] = 40.0 * (m->nodes[3 * n] - 0.5);
@@ -460,9 +459,7 @@ static void scene_of_a_c(void)
          "%.2g",
          touched, balance);
   tap_close(p / size, 0.0, 1e-14, "and its momentum stays");
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(bent);
+  close_run(state, scene, bent);
   ct_mesh_free(m);
   free(outer);
 }
@@ -501,7 +498,7 @@ static void concave(ct_brick_kind kind, int shape, ct_contact_rule points)
     double *x = numbers(3 * m->node_count);
     options.epsilon = EPSILON;
     options.points = points;
-    if (ct_contact_create_self(&skin, &options, &contact, &e) == CT_OK) {
+    if (ct_contact_create(&skin, &skin, &options, &contact, &e) == CT_OK) {
       at_rest = worst(at_rest, energy_at(contact, m->nodes));
       memcpy(x, m->nodes, 3 * (size_t)m->node_count * sizeof *x);
       for (int i = 0; i < 3 * m->node_count; i++) x[i] += uniform(1e-5);
@@ -555,19 +552,19 @@ static void refusals(void)
   ct_contact *contact = NULL;
   ct_error e;
   double F[3];
-  tap_ok(ct_contact_create_self(NULL, &options, &contact, &e) == CT_ERROR_ARGUMENT &&
-             ct_contact_create_self(&p.surface, NULL, &contact, &e) == CT_ERROR_ARGUMENT &&
-             ct_contact_create_self(&p.surface, &options, NULL, NULL) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_contact_create(NULL, NULL, &options, &contact, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_create(&p.surface, &p.surface, NULL, &contact, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_create(&p.surface, &p.surface, &options, NULL, NULL) == CT_ERROR_ARGUMENT,
          "null pointers are refused");
-  tap_ok(ct_contact_create_self(&p.surface, &options, &contact, &e) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_contact_create(&p.surface, &p.surface, &options, &contact, &e) == CT_ERROR_ARGUMENT,
          "no penalty: %s", e.text);
   p.surface.face_count = 0;
   options.epsilon = 1.0;
-  tap_ok(ct_contact_create_self(&p.surface, &options, &contact, &e) == CT_ERROR_ARGUMENT &&
+  tap_ok(ct_contact_create(&p.surface, &p.surface, &options, &contact, &e) == CT_ERROR_ARGUMENT &&
              contact == NULL,
          "no faces: %s", e.text);
   p.surface.face_count = 1;
-  need(ct_contact_create_self(&p.surface, &options, &contact, &e), &e);
+  need(ct_contact_create(&p.surface, &p.surface, &options, &contact, &e), &e);
   tap_ok(energy_at(contact, p.reference) == 0.0 &&
              ct_contact_resultant(contact, F, F, NULL, NULL) == CT_OK,
          "one face alone touches nothing");

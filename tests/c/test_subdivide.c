@@ -26,13 +26,10 @@ static void falling(void)
   static const int parts[4] = {3, 1, 2, 5};
   const double v = 0.5, g = -2.0;
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1);
-  ct_scene *scene = new_scene();
-  add_body(scene, "body", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, v);
+  ct_scene *scene = new_scene_with("body", mesh, &SOFT, CT_KERNEL_AUTO, 0, 0, v);
   add_weight(scene, (weight){.g = {0, 0, g}});
-  int64_t steps;
-  ct_stable_step stable;
   ct_problem problem[5] = {
-      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.8, .threads = 1}, &steps, &stable)};
+      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.8, .threads = 1}, NULL, NULL)};
   ct_state *state = new_state(&problem[0]);
   ct_error e;
   double off = 0.0, mass = SOFT.density, impulse[3], work;
@@ -57,9 +54,7 @@ static void falling(void)
          "a body falls v t + g t^2 / 2 through four changes of the step, with impulse and work of "
          "its weight (off by %.2g)",
          off);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
+  close_run(state, scene, mesh);
 }
 
 /* Velocity at t = 1 and displacement there of a body that vibrates, with `count` steps of which the
@@ -88,12 +83,11 @@ static void order(ct_scheme scheme)
   distort(m, 0.04);
   add_body(scene, "body", m, &SOFT, CT_KERNEL_AUTO, 0, 0, 0);
   int64_t steps;
-  ct_stable_step stable;
   ct_problem p = *build(
       scene,
       (ct_scene_time){
           .end = 1.0, .fraction = 0.5, .threads = 1, .integrator = ct_integrator_default(scheme)},
-      &steps, &stable);
+      &steps, NULL);
   int n = 3 * p.node_count;
   double *v0 = numbers(n), *u[2] = {numbers(n), numbers(n)}, *v[2] = {numbers(n), numbers(n)},
          error[2][2];
@@ -113,7 +107,7 @@ static void order(ct_scheme scheme)
          least = scheme == CT_TCHAMWA_WIELGOSZ ? 0.9 : 1.9;
   tap_ok(got[0] > least && got[1] > least,
          "%s: a third of the step from half of the way on leaves the order, %.3f and %.3f",
-         ct_scheme_name(scheme), got[0], got[1]);
+         SCHEME[scheme], got[0], got[1]);
   double *all[] = {v0, u[0], u[1], v[0], v[1]};
   for (int i = 0; i < 5; i++) free(all[i]);
   ct_scene_free(scene);
@@ -148,21 +142,18 @@ static void meeting(ct_scheme scheme, ct_enforcement enforcement)
 {
   ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 3, 2, 3),
           *b = box_mesh(CT_HEX8, 0, 0.125, 0.25, 1.25, 0.75, 1, 4, 3, 2);
-  ct_scene *scene = new_scene();
-  add_body(scene, "a", a, &SOFT, CT_KERNEL_AUTO, 0.5, 0.0625, -0.125);
+  ct_scene *scene = new_scene_with("a", a, &SOFT, CT_KERNEL_AUTO, 0.5, 0.0625, -0.125);
   add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, -0.25, 0, 0.25);
   ct_contact_options options = ct_contact_options_default();
   options.enforcement = enforcement;
   add_contact_with(scene, 0, a, 0.0, 1, b, 0.0, 0, 2.0, options, 0.3, 1.0);
   add_support(scene, 0, a, 0, -1.0, "y", 0.05);
   add_weight(scene, (weight){.g = {0.1, 0.2, -0.3}, .damping = 0.2, .pull = 0.5, .period = 0.4});
-  int64_t steps;
-  ct_stable_step stable;
   ct_problem coarse = *build(
       scene,
       (ct_scene_time){
           .end = 1.0, .fraction = 0.7, .threads = 1, .integrator = ct_integrator_default(scheme)},
-      &steps, &stable);
+      NULL, NULL);
   ct_problem fine = with_step(&coarse, coarse.dt / 3.0);
   ct_state *state = new_state(&coarse);
   books start = read_books(&coarse, state), before, after, end;
@@ -191,24 +182,20 @@ static void meeting(ct_scheme scheme, ct_enforcement enforcement)
              fabs(after.work - before.work) < 2e-3 * size,
          "%s, %s: balance and momentum do not notice the change (%.2g) and close after it (%.2g); "
          "the work of all effects moves by %.2g",
-         ct_scheme_name(scheme), ENFORCEMENT[enforcement], change / size, closes / size,
+         SCHEME[scheme], ENFORCEMENT[enforcement], change / size, closes / size,
          (after.work - before.work) / size);
   ct_state_free(state);
-  ct_state_free(rest);
-  ct_scene_free(scene);
-  ct_mesh_free(a);
+  close_run(rest, scene, a);
   ct_mesh_free(b);
 }
 
 static void refusals(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 2, 1, 1);
-  ct_scene *scene = new_scene();
-  add_body(scene, "body", mesh, &SOFT, CT_KERNEL_AUTO, 0.1, 0, 0);
+  ct_scene *scene = new_scene_with("body", mesh, &SOFT, CT_KERNEL_AUTO, 0.1, 0, 0);
   int64_t steps;
-  ct_stable_step stable;
   ct_problem p =
-      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+      *build(scene, (ct_scene_time){.end = 1.0, .fraction = 0.5, .threads = 1}, &steps, NULL);
   ct_problem larger = with_step(&p, 2.0 * p.dt), odd = with_step(&p, p.dt / 1.5),
              other = with_step(&p, 0.5 * p.dt);
   other.integrator = ct_integrator_default(CT_CHUNG_LEE);
@@ -236,9 +223,7 @@ static void refusals(void)
          "with the same step it is a copy");
   for (int i = 0; i < 3; i++) ct_state_free(to[i]);
   ct_state_free(state);
-  ct_state_free(same);
-  ct_scene_free(scene);
-  ct_mesh_free(mesh);
+  close_run(same, scene, mesh);
 }
 
 int main(void)

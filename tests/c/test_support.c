@@ -14,9 +14,8 @@ static void moving_base(ct_brick_kind kind)
   add_support(scene, body, m, 2, 0.0, "z", 0.7);
   add_support(scene, body, m, 2, 0.0, "x", 0.0);
   int64_t steps;
-  ct_stable_step stable;
   const ct_problem *p =
-      build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.5, .threads = 1}, &steps, &stable);
+      build(scene, (ct_scene_time){.end = 20.0, .fraction = 0.5, .threads = 1}, &steps, NULL);
   ct_state *state = new_state(p);
   ct_momentum start = momentum_of(p, state, body), now;
   ct_energy energy, first = energy_of(p, state);
@@ -64,9 +63,7 @@ static void moving_base(ct_brick_kind kind)
          kind);
   free(force);
   free(solid);
-  ct_state_free(state);
-  ct_scene_free(scene);
-  ct_mesh_free(m);
+  close_run(state, scene, m);
 }
 
 static void refused(const ct_support *s, int32_t count, ct_status want, const char *word,
@@ -172,8 +169,6 @@ static void any_order(void)
   double inverse[3][162];
   for (int i = 0; i < 3; i++) {
     ct_scene *scene = new_scene();
-    int64_t steps;
-    ct_stable_step stable;
     ct_error e;
     static const ct_material soft = {1.0, 0.2, 1.0, CT_LINEAR};
     for (int b = 0; b < 2; b++) add_body(scene, "block", m, &soft, CT_KERNEL_AUTO, 0, 0, 0);
@@ -184,7 +179,7 @@ static void any_order(void)
       need(ct_scene_add_support(scene, &support, &e), &e);
     }
     const ct_problem *p =
-        build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5, .threads = 1}, &steps, &stable);
+        build(scene, (ct_scene_time){.end = 0.1, .fraction = 0.5, .threads = 1}, NULL, NULL);
     memcpy(inverse[i], p->inverse_mass, sizeof inverse[i]);
     ct_scene_free(scene);
   }

@@ -6,6 +6,7 @@
  * FIRST_SEED [INPUTS]. */
 #include <libcontact.h>
 
+#include "../../libcontact/src/mesh/mesh_internal.h"
 #include "../c/defs.h"
 #include "dice.h"
 

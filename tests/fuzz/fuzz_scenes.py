@@ -260,9 +260,10 @@ def try_scene(chance: random.Random, path: Path, counts: dict[str, int]) -> None
                 scene.run(progress=False, output=False, until=None)
                 kind = "run"
         else:
+            scene.explain()
             kind = "read"
     except ct.SceneError as error:
-        assert str(error), "a refusal has a reason"
+        assert error.reason and str(error), "a refusal has a reason"
         kind = "refused"
     except RunError as error:
         assert (

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from libcontact._core import ffi, lib
+from libcontact._core import ffi
 
 import libcontact as ct
-from libcontact import bridge, projection
+from libcontact import bridge
 
 STRUCTS = ["ct_projection", "ct_ray_hit", "ct_nearest", "ct_energy", "ct_momentum"]
 
@@ -21,12 +21,6 @@ def test_rows_lie_in_memory_as_the_compiler_lays_them(struct):
         rows[name] = np.arange(1, dtype.shape[0] + 1) if dtype.shape else 1
         read = getattr(ffi.from_buffer(f"{struct}[]", rows)[0], name)
         assert (list(read) if dtype.shape else read) == rows[name][0].tolist()
-
-
-def test_methods_have_the_names_of_the_library():
-    told = {ffi.string(lib.ct_method_name(i)).decode(): i for i in projection.METHODS.values()}
-    assert told == projection.METHODS
-    assert sorted(told.values()) == list(range(len(told))) and len(told) > lib.CT_TORUS
 
 
 def test_statuses_have_the_names_of_the_library():

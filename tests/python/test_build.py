@@ -220,7 +220,7 @@ def test_an_addon_without_its_package_refuses_every_call(part, tmp_path):
     """Whatever this build has: the source that stands in for the add-on, and each prototype of its header called with zeros."""
     text = (INCLUDE / "libcontact" / ADDON[part]).read_text()
     calls = re.findall(r"^CT_API ct_status (ct_\w+)\(([^;]*)\);", text, re.M)
-    assert len(calls) >= 3
+    assert len(calls) == text.count("CT_API ")
     source, program = tmp_path / "refused.c", tmp_path / "refused"
     source.write_text(
         f"#include <libcontact/{ADDON[part]}>\n"

@@ -64,24 +64,6 @@ def test_truths_of_a_random_sample_come_out_again():
         ), (i, case["category"])
 
 
-def test_no_fine_sample_of_a_face_is_closer_than_the_truth():
-    x, y = np.meshgrid(*2 * [np.linspace(0, 1, 61, dtype=np.longdouble)])
-    for case in CASES[::5]:
-        kind = case["kind"]
-        u, v = (2 * x - 1, 2 * y - 1) if kind[0] == "Q" else (x[x + y <= 1], y[x + y <= 1])
-        A = np.array(
-            [[a**i * b**j for i, j in corpus.POWERS[kind]] for a, b in corpus.REFERENCE[kind]]
-        )
-        c = np.linalg.inv(A).astype(np.longdouble).round(10) @ (
-            case["nodes"].astype(np.longdouble) - case["point"]
-        )
-        d = sum(row * (u**i * v**j)[..., None] for row, (i, j) in zip(c, corpus.POWERS[kind]))
-        nearest = np.sqrt(np.min(np.sum(d * d, axis=-1)))
-        assert nearest >= case["distance"] - 1e-15 * max(
-            case["distance"], corpus.face_size(case["nodes"])
-        ), case["category"]
-
-
 def test_robust_finds_the_closest_point():
     error, evaluations, _, _, _ = run("robust")
     assert np.min(error) > -1e-12  # nothing is closer than the truth

@@ -46,6 +46,20 @@ def test_every_symbol_has_the_prefix():
         assert {name for name in names if not name.startswith("ct_")} == set(), archive
 
 
+def test_every_public_function_has_a_user():
+    """Beside the library and its tests: the wrapper, a host, a page, or an add-on, which sees only what is public."""
+    headers = "".join(path.read_text() for path in (ROOT / floors.HEADERS).glob("*.h"))
+    public = set(re.findall(r"^CT_API [^;(]*?\b(ct_\w+)\(", headers, re.M))
+    folders = "wrapper bench docs stability tutorials tests/embed libcontact/fortran".split()
+    folders += [f"{floors.SOURCES}/hdf5", f"{floors.SOURCES}/gsl"]
+    endings = (".c", ".py", ".rst", ".f90")
+    users = [
+        path for name in folders for path in (ROOT / name).rglob("*") if path.suffix in endings
+    ]
+    called = set(re.findall(r"\bct_\w+", "\n".join(path.read_text() for path in users)))
+    assert public - called == set()
+
+
 def test_every_header_has_both_languages():
     for header in (ROOT / floors.HEADERS).glob("*.h"):
         text = header.read_text()

@@ -120,30 +120,6 @@ def test_the_ledger_closes_and_restarts_give_the_same_bits(integrator, tmp_path)
     assert whole.energy[-1] == rest.energy[-1]
 
 
-def test_a_restart_with_another_integrator_is_refused(tmp_path):
-    made = plates("central_difference").set_output(file=str(tmp_path / "run.vtkhdf"), every=4)
-    run(made)
-    other = plates("tchamwa_wielgosz", integrator_parameter=1.0).set_output(
-        file=str(tmp_path / "run.vtkhdf"), every=4
-    )
-    with pytest.raises(ct.Error, match="comes from another scene"):
-        run(other, restart=tmp_path / "run.vtkhdf", output=False)
-
-
-@pytest.mark.parametrize("integrator", INTEGRATORS)
-def test_savings_and_threads_change_no_bit(integrator):
-    bare = ct.Scene({**plates(integrator).data, "run": {"savings": []}})
-    runs = [
-        run(plates(integrator), output=False),
-        run(bare, output=False),
-        run(plates(integrator), output=False, threads=2),
-    ]
-    for other in runs[1:]:
-        for name in ("left", "right"):
-            assert np.array_equal(runs[0].state[name].displacement, other.state[name].displacement)
-        assert np.array_equal(runs[0].energy, other.energy)
-
-
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("beta", [1.0, 1e2, 1e4])
 def test_the_default_enforcement_makes_no_energy_with_any_integrator(integrator, beta):

@@ -11,7 +11,7 @@ from libcontact.problem import new_state
 
 import libcontact as ct
 from libcontact import plan as planned
-from libcontact import rehearsal, touch
+from libcontact import touch
 
 needs_hdf5 = pytest.mark.skipif(not hasattr(lib, "ct_output_create"), reason="built without HDF5")
 
@@ -81,15 +81,15 @@ def counted(problem):
     """Rounds per step and the share of computed elements of a whole run, from the counters of its state."""
     state = new_state(problem)
     check(lib.ct_step_many(problem.pointer, state, problem.step_count, new_error()))
-    return state.constraint_rounds / state.step, rehearsal.computed_share(state)
+    return state.constraint_rounds / state.step, planned.computed_share(state)
 
 
 def test_larger_elements_foretell_the_rounds_and_the_active_elements_of_a_run(monkeypatch):
-    monkeypatch.setattr(rehearsal, "MOST_UPDATES", 1e3)
+    monkeypatch.setattr(planned, "MOST_UPDATES", 1e3)
     scene = pressed_block()
     problem = scene._built(None)
     rounds, share = counted(problem)
-    first, second = rehearsal.rehearse(problem)
+    first, second = planned.rehearse(problem)
     elements = [len(one.coarse.bodies["block"].mesh.elements) for one in (first, second)]
     assert 16 * 16 * 32 > 3 * elements[0] > 12 * elements[1]
     costs = {cost.name: cost for cost in scene.costs()}
@@ -114,7 +114,7 @@ def test_memory_and_the_size_of_the_file_are_foretold(tmp_path):
 
 
 def test_what_cannot_have_larger_elements_is_planned_as_if_all_touched_from_the_start(monkeypatch):
-    monkeypatch.setattr(rehearsal, "MOST_UPDATES", 1e3)
+    monkeypatch.setattr(planned, "MOST_UPDATES", 1e3)
     scene = two_bars(gap=1.0, end=2.0)
     problem, data = scene._built(None), scene.data
     for body in data["body"]:
@@ -227,26 +227,3 @@ def test_what_limits_the_step(effect, limit):
     }
     assert sum(shares.values()) == pytest.approx(4 / text.data["time"]["stable"] ** 2, rel=1e-9)
     assert text.data["time"]["limited_by"] == limit and f"limited by {limit}\n" in text
-
-
-def test_a_large_scene_has_its_trial_with_larger_elements(monkeypatch):
-    """What is no measured time stays as it is; the trial has few elements, whatever the scene has."""
-    tried, of = [], planned._try
-    monkeypatch.setattr(rehearsal, "MOST_UPDATES", 1e3)
-    monkeypatch.setattr(
-        planned,
-        "_try",
-        lambda problem, *rest: (
-            tried.append(len(problem.bodies["left"].mesh.elements)) or of(problem, *rest)
-        ),
-    )
-    scene = two_bars(cells=200)
-    whole = scene.costs()
-    assert tried[0] == 200 and tried[1] < 200 and len(tried) == 2
-    monkeypatch.setattr(planned, "MOST_ELEMENTS", 20)
-    small = scene.costs()
-    assert len(tried) == 3 and tried[2] < 200
-    for one, other in zip(whole, small, strict=True):
-        for key in ("name", "nodes", "active", "flops", "bytes", "omega_squared", "rate"):
-            assert getattr(one, key) == getattr(other, key), (one.name, key)
-    assert all(cost.predicted > 0.0 for cost in small)

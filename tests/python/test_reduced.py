@@ -46,12 +46,6 @@ def test_plane_strain_is_chosen_and_changes_no_bit():
     assert np.array_equal(a.energy, b.energy) and np.array_equal(a.momentum, b.momentum)
 
 
-def test_no_saving_at_all_gives_the_same_figures():
-    a, b = plates().run(progress=False), plates(savings=[]).run(progress=False)
-    assert np.array_equal(a.state["left"].displacement, b.state["left"].displacement)
-    assert np.array_equal(a.energy, b.energy)
-
-
 def test_reduced_integration_has_its_hourglass_energy_in_the_ledger():
     scene = block(integration="reduced", hourglass=0.5, velocity=[0, 0, 1000]).add_support(
         "block.x_min", fix="xyz"
@@ -138,7 +132,7 @@ def test_boxes_of_hex20_share_one_operator():
         ({"element": "hex20", "integration": "reduced"}, r"body\[0\].integration.*hex20"),
         ({"hourglass": 0.1}, r"body\[0\].hourglass.*reduced"),
         ({"integration": "reduced", "hourglass": -1.0}, r"body\[0\].hourglass"),
-        ({"integration": "reduced", "kernel": "box"}, r"body\[0\].kernel.*in full"),
+        ({"integration": "reduced", "kernel": "box"}, r"body\[0\].kernel.*full"),
         ({"element": "hex20", "kernel": "plane"}, r"body\[0\].kernel.*hex8"),
         ({"integration": "one"}, r"body\[0\].integration"),
     ],

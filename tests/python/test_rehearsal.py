@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import libcontact as ct
-from libcontact import rehearsal
+from libcontact import plan
 
 SCENES = Path(__file__).parents[2] / "tutorials" / "scenes"
 UNITS = {"length": "m", "mass": "kg", "time": "s"}
@@ -23,7 +23,7 @@ def scene_of(name, cells):
 def rehearsed(scene):
     """The first rehearsal of a scene, the problem and its rehearsals."""
     problem = scene._built(None)
-    seen = rehearsal.rehearse(problem)
+    seen = plan.rehearse(problem)
     return (seen[0] if seen else None), problem, seen
 
 
@@ -38,14 +38,14 @@ def block(element="hex8", cells=(8, 8, 8), **entries):
 @pytest.fixture
 def cheap(monkeypatch):
     """Rehearsals that may cost next to nothing, so that small scenes have larger elements in them."""
-    monkeypatch.setattr(rehearsal, "MOST_UPDATES", 1e3)
+    monkeypatch.setattr(plan, "MOST_UPDATES", 1e3)
 
 
 def test_a_bar_presses_on_a_wall_for_two_passages_of_its_wave(cheap):
     # contact from 0.5 to 0.5 + 2 L / c of 1.5
     seen, problem, both = rehearsed(scene_of("bar_on_a_wall", [1000, 1, 1]))
     cells = [one.coarse.parts.bodies["bar"].box.cells[0] for one in both]
-    assert cells[1] == pytest.approx(cells[0] / rehearsal.COARSER, abs=1) and cells[0] < 1000
+    assert cells[1] == pytest.approx(cells[0] / plan.COARSER, abs=1) and cells[0] < 1000
     assert seen.steps == problem.step_count
     pressed = seen.pressed[:, problem.effects.index("obstacle")]
     assert pressed.mean() == pytest.approx(20 / 30 / 1.5, abs=0.03)
@@ -85,11 +85,11 @@ def test_what_is_cheap_is_rehearsed_as_it_is():
 
 def test_a_long_run_is_rehearsed_in_a_bounded_time(monkeypatch):
     observed = []
-    monkeypatch.setattr(rehearsal, "_observe", lambda coarse, steps: observed.append(coarse))
+    monkeypatch.setattr(plan, "_observe", lambda coarse, steps: observed.append(coarse))
     problem = block(cells=(20, 20, 20)).set_time(end=2e3, fraction=0.5)._built(None)
     work = lambda coarse: coarse.step_count * len(coarse.bodies["block"].mesh.elements)
-    assert rehearsal.MOST_FRACTION * rehearsal._updates(problem, 1.0) > 2e8
-    rehearsal.rehearse(problem)
+    assert plan.MOST_FRACTION * plan._updates(problem, 1.0) > 2e8
+    plan.rehearse(problem)
     assert len(observed) == 2 and work(observed[1]) < work(observed[0]) < 1.1e8
     for coarse in observed:
         assert coarse.dt / coarse.stable.dt == pytest.approx(0.5, rel=1e-3)
@@ -105,12 +105,12 @@ def test_larger_elements_keep_the_body(cheap, shape):
         scene.add_body("block", material="soft", ring=ring)
         scene.set_time(end=1.0, fraction=0.5)
     problem = scene._built(None)
-    before, after = (one.bodies["block"].mesh for one in (problem, rehearsal._coarse(problem, 2.0)))
+    before, after = (one.bodies["block"].mesh for one in (problem, plan._coarse(problem, 2.0)))
     assert len(after.elements) == len(before.elements) / 8
     np.testing.assert_allclose(after.bounds, before.bounds, atol=1e-12)
     if shape == "box":
-        assert rehearsal._coarse(problem, 2.0).parts.bodies["block"].box.layers == "z"
-    least = rehearsal._coarse(problem, 1e9).parts.bodies["block"]
+        assert plan._coarse(problem, 2.0).parts.bodies["block"].box.layers == "z"
+    least = plan._coarse(problem, 1e9).parts.bodies["block"]
     assert (least.box or least.ring).cells == ((1, 1, 1) if shape == "box" else (1, 12, 1))
 
 

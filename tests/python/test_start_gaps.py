@@ -160,7 +160,7 @@ def test_an_overlap_is_told():
     assert kept in str(rings().explain())
     for quiet in ({"adjust": 0.1}, {"initial_penetration": "remove", "removal_time": 1.0}):
         assert told(lambda how=quiet: rings(**how).run(progress=False)) == []
-    assert "taken as touching" in str(rings(adjust=0.1).explain())
+    assert "adjust 0.1" in str(rings(adjust=0.1).explain())
     # Two cubes that share a face, far from the origin and turned, so that its coordinates are rounded.
     angle = 0.3
     turn = np.array(

@@ -55,10 +55,11 @@ def has(part: str) -> bool:
     from ._core import ffi, lib
 
     # What is not built in refuses every call, also one that has nothing to do.
-    nothing, series = ffi.NULL, ffi.new("ct_exact_series **")
+    nothing = ffi.NULL
     parts: dict[str, bool] = {
         "hdf5": lib.ct_output_close(nothing, nothing) != lib.CT_ERROR_UNSUPPORTED,
-        "gsl": lib.ct_exact_series_create(0.3, 0, 1.0, series, nothing) != lib.CT_ERROR_UNSUPPORTED,
+        "gsl": lib.ct_exact_plates_series(0, *[nothing] * 3, 0.3, 0, *[nothing] * 3)
+        != lib.CT_ERROR_UNSUPPORTED,
         "openmp": bool(lib.ct_has_openmp()),
     }
     if part not in parts:

@@ -42,9 +42,8 @@ def members(struct: str) -> list[tuple[str, str, tuple[int, ...]]]:
     out: list[tuple[str, str, tuple[int, ...]]] = []
     for name, member in ffi.typeof(struct).fields:
         array = member.type.kind == "array"
-        of = member.type.item if array else member.type
-        letter = "f" if of.cname == "double" else "i"
-        out.append((name, f"{letter}{ffi.sizeof(of)}", (member.type.length,) if array else ()))
+        of, shape = (member.type.item, (member.type.length,)) if array else (member.type, ())
+        out.append((name, f"{'f' if of.cname == 'double' else 'i'}{ffi.sizeof(of)}", shape))
     return out
 
 
@@ -52,6 +51,12 @@ def members(struct: str) -> list[tuple[str, str, tuple[int, ...]]]:
 def row(struct: str) -> np.dtype[Any]:
     """The numpy type of an array of a C struct, padding included."""
     return np.dtype(members(struct), align=True)
+
+
+def table(struct: str, count: int) -> tuple[Rows, Any]:
+    """An array for C to fill with structs, and a C pointer to it."""
+    rows = np.zeros(count, row(struct))
+    return rows, ffi.from_buffer(f"{struct}[]", rows)
 
 
 def doubles(array: NDArray[Any]) -> Any:
@@ -81,6 +86,20 @@ def real(name: str, values: Any, *shapes: tuple[str | int, ...]) -> Floats:
         wanted = " or ".join(map(str, shapes)).replace("'", "")
         raise ValueError(f"{name} must have shape {wanted}, not {array.shape}")
     return np.ascontiguousarray(array, np.float64).reshape(array.shape)
+
+
+def chosen(name: str, value: Any, known: dict[str, int]) -> int:
+    """The number of a word."""
+    if not isinstance(value, str) or value not in known:
+        raise ValueError(f"{name} must be one of {', '.join(known)}, not {value!r}")
+    return known[value]
+
+
+def positive(name: str, value: Any) -> float:
+    """A value as a number above 0."""
+    if not 0 < float(value) < float("inf"):
+        raise ValueError(f"{name} must be positive and finite, not {value!r}")
+    return float(value)
 
 
 def whole(name: str, values: Any) -> Ints:

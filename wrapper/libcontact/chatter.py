@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from ._core import lib
 from .errors import ChatterWarning
 from .problem import Problem
-from .surfaces import obstacle_name, pair_name
+from .surfaces import pressing
 
 # Measured on the bar on a wall, over ways to meet the wall: within these limits its energy grows by less than 1 %. (β, largest
 # fraction of the stable step) Integrators that damp single elements bear a stiffer penalty.
@@ -31,17 +30,8 @@ def chatter(problem: Problem) -> Iterator[ChatterWarning]:
     ChatterWarning
         One for each contact and obstacle whose enforcement, penalty and step are known to make energy.
     """
-    parts = problem.parts
-    enforced: list[tuple[str, str, Any, tuple[tuple[str, str], ...]]] = [
-        (f"contact[{i}]", pair_name(contact.surfaces), contact, contact.surfaces)
-        for i, contact in enumerate(parts.contacts)
-    ]
-    enforced += [
-        (added.key, obstacle_name(added), added.given, (added.given.surface,))
-        for added in parts.effects
-        if added.name == "obstacle"
-    ]
-    for key, who, given, surfaces in enforced:
+    for key, who, given in pressing(problem.parts):
+        surfaces = [given.surface] if key.startswith("obstacle") else given.surfaces
         bodies = [problem.bodies[name] for name, _ in surfaces]
         beta = given.beta or DEFAULT
         if given.epsilon:

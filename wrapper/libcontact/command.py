@@ -40,19 +40,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options = _parser().parse_args(arguments)
     except SystemExit as end:
         return int(end.code or 0)
-    with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *rest, **more: _say(f"warning: {message}", "yellow")
-        return _guarded(options)
-
-
-def _guarded(options: argparse.Namespace) -> int:
-    """The command, with errors turned into messages and exit codes; Ctrl-C among its imports is left to the caller."""
+    # Ctrl-C among these imports is left to the caller.
     from .errors import Error, NotBuiltIn, SceneWarning
     from .run import RunError
     from .schema import SceneError
 
     try:
-        return int(options.command(options))
+        with warnings.catch_warnings():
+            warnings.showwarning = lambda text, *rest, **more: _say(f"warning: {text}", "yellow")
+            return int(options.command(options))
     except KeyboardInterrupt:
         _say("interrupted")
         return INTERRUPTED
@@ -82,9 +78,8 @@ def _parser() -> argparse.ArgumentParser:
     run.set_defaults(command=_run)
     run.add_argument("scene", metavar="SCENE.toml")
     run.add_argument("-o", "--output", metavar="FILE", help="results file, not the scene's own")
-    run.add_argument(
-        "--until", metavar="TIME", type=float, help="end here; the step stays the same"
-    )
+    until = {"metavar": "TIME", "type": float, "help": "end here; the step stays the same"}
+    run.add_argument("--until", **until)
     run.add_argument("--threads", metavar="N", type=int, help="results do not depend on them")
     run.add_argument("--restart", metavar="FILE", help="continue from a file's newest record")
     run.add_argument("--quiet", action="store_true", help="print nothing but errors")
@@ -130,18 +125,13 @@ def _report(run: Run) -> None:
     """The few numbers that tell whether a run can be trusted."""
     energy, steps = run.energy, run.steps
     last, size = energy[-1], max(abs(energy[name]).max() for name in ("kinetic", "strain")) or 1.0
-    change, balance = (
-        (last["total"] - energy["total"][0]) / size,
-        abs(energy["balance"]).max() / size,
-    )
+    change, balance = last["total"] - energy["total"][0], abs(energy["balance"]).max()
     unit = run.units.label("energy") if run.units else ""
     parts = ", ".join(f"{name} {last[name]:.6g}" for name in ("kinetic", "strain", "contact"))
-    _say(
-        f"{steps[-1] - steps[0]} steps to t = {last['time']:.6g} in {run.seconds:.3g} s, {len(steps)} records"
-    )
-    _say(
-        f"energy: {parts} {unit}; total changed by {change:.2e}, work balance {balance:.1e} (relative)"
-    )
+    took = f"in {run.seconds:.3g} s, {len(steps)} records"
+    _say(f"{steps[-1] - steps[0]} steps to t = {last['time']:.6g} {took}")
+    relative = f"{change / size:.2e}, work balance {balance / size:.1e} (relative)"
+    _say(f"energy: {parts} {unit}; total changed by {relative}")
     if run.path is not None:
         _say(f'results in "{run.path}"')
 
@@ -170,10 +160,8 @@ def _plot(options: argparse.Namespace) -> int:
 
     if not math.isfinite(options.scale) or abs(options.scale) > 1e12:
         raise BadInput(f"the scale {options.scale:g} can't be drawn")
-    if not options.file:
-        raise BadInput("the name of the run is empty")
-    target = Path(options.output or Path(options.file).with_suffix(".png"))
     try:
+        target = Path(options.output or Path(options.file).with_suffix(".png"))
         run = Run.load(options.file)
         from .plot import picture
 

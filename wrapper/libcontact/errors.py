@@ -13,29 +13,11 @@ from typing import Any
 
 from ._core import ffi, lib
 
-__all__ = [
-    "ArgumentError",
-    "BlowupError",
-    "ChatterWarning",
-    "EnergyError",
-    "EnergyGrowth",
-    "Error",
-    "FileError",
-    "GeometryError",
-    "InsideOutWarning",
-    "NeverMeetWarning",
-    "NotAtRest",
-    "NotBuiltIn",
-    "NotSettled",
-    "OutputWarning",
-    "OverlapWarning",
-    "RotationWarning",
-    "SamePlaceWarning",
-    "SceneWarning",
-    "StepError",
-    "ThinWarning",
-    "UnitsWarning",
-]
+__all__ = ["ArgumentError", "BlowupError", "EnergyError", "Error", "FileError", "GeometryError"]
+__all__ += ["NotBuiltIn", "StepError"]
+__all__ += ["ChatterWarning", "EnergyGrowth", "InsideOutWarning", "NeverMeetWarning", "NotAtRest"]
+__all__ += ["NotSettled", "OutputWarning", "OverlapWarning", "RotationWarning", "SamePlaceWarning"]
+__all__ += ["SceneWarning", "ThinWarning", "UnitsWarning"]
 
 
 class Error(Exception):
@@ -50,16 +32,14 @@ class Error(Exception):
         Where it happened, numbers from 0; None where the error has no such place.
     """
 
-    def __init__(
-        self,
-        text: str,
-        code: int | None = None,
-        body: int | None = None,
-        element: int | None = None,
-        point: int | None = None,
-    ):
+    body: int | None = None
+    element: int | None = None
+    point: int | None = None
+
+    def __init__(self, text: str, code: int | None = None, **place: int | None):
         super().__init__(text)
-        self.code, self.body, self.element, self.point = code, body, element, point
+        self.code = code
+        vars(self).update(place)
 
 
 class ArgumentError(Error, ValueError):

@@ -96,7 +96,7 @@ def plates(x: Any, z: Any, t: Any, nu: float = 0.3, length: float = np.inf) -> F
     >>> float(sigma_x), float(sigma_z), float(v_x)
     (-3.0, -1.0, 0.0)
     """
-    return _ask(lib.ct_exact_plates_array, x, z, t, float(nu), float(length))
+    return _ask(lib.ct_exact_plates, x, z, t, float(nu), float(length))
 
 
 def plates_series(x: Any, z: Any, t: Any, nu: float = 0.3, branches: int = 300) -> Fields:

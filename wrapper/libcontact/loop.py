@@ -18,17 +18,27 @@ import numpy as np
 
 from . import errors, has
 from ._core import ffi, lib
-from .bridge import Rows, ask, call, doubles, row
-from .errors import Error, NotBuiltIn, check, issue, new_error, place, raise_held, text_of
+from .bridge import Rows, ask, call, doubles, table
+from .errors import Error, NotBuiltIn, issue, new_error, place, raise_held, text_of
 from .mesh import view
 from .model import FEEDING
-from .plan import measured
+from .plan import computed_share, measured, step_seconds
 from .problem import Problem, contact_points, new_state, penetrations
-from .rehearsal import computed_share
-from .run import ENERGY, FAULTS, IN_ENERGY, MOMENTUM, BodyState, Run, RunError, State, energy_table
-from .schema import SceneError, is_number
-from .surfaces import obstacle_name, pair_name
-from .warned import known, turned
+from .run import (
+    ENERGY,
+    FAULTS,
+    IN_ENERGY,
+    MOMENTUM,
+    BodyState,
+    NotFinite,
+    Run,
+    RunError,
+    State,
+    energy_table,
+)
+from .schema import Place, SceneError, is_number
+from .surfaces import pressing
+from .warned import turned
 
 DEFAULT_RECORDS = 100
 CHUNK_SECONDS = 0.1
@@ -50,41 +60,39 @@ def record_count(problem: Problem) -> int:
 
 
 def _step_of(t: float, problem: Problem) -> int:
-    step = t / problem.dt
-    if not step <= problem.step_count + 0.5:
-        raise SceneError(
-            f"{t:g} is after the end of the run, {problem.end:g}", "output.times", problem.file
-        )
-    return min(round(step), problem.step_count)
+    if not t / problem.dt <= problem.step_count + 0.5:
+        reason = f"{t:g} is after the end of the run, {problem.end:g}"
+        raise SceneError(reason, "output.times", problem.file)
+    return min(round(t / problem.dt), problem.step_count)
 
 
 def last_step(problem: Problem, until: Any) -> int:
     """The first step that is not before ``until`` (None: the end)."""
     if until is None:
         return problem.step_count
-    reason = ""
+    at = Place("until", problem.file)
     if not is_number(until) or not until > 0.0:
-        reason = f"is {until!r}; it must be a time above 0"
-    elif until > problem.end * (1.0 + 1e-12):
-        reason = f"{until:g} is after the end of the run, {problem.end:g}"
-    if reason:
-        raise SceneError(reason, "until", problem.file)
+        raise at.error(f"is {until!r}; it must be a time above 0")
+    if until > problem.end * (1.0 + 1e-12):
+        raise at.error(f"{until:g} is after the end of the run, {problem.end:g}")
     return min(max(math.ceil(float(until) / problem.dt * (1.0 - 1e-12)), 1), problem.step_count)
 
 
 class Loop:
     """One run of a problem, from its first record to its last."""
 
-    def __init__(self, problem: Problem, scene_text: str, watch: Any = None):
+    def __init__(self, problem: Problem, scene_text: str, watch: Any = None, until: Any = None):
         self.problem, self.scene_text, self.watch = problem, scene_text, watch
+        self.last, self.due = last_step(problem, until), schedule(problem)[1]
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
         self.monitor: Any = None
         self.output: Any = None
         self.path: Path | None = None
+        # One entry a record in each, after empty tables.
         self.steps: list[int] = []
-        self.energy: list[Rows] = []
-        self.momentum: list[Rows] = []
+        self.energy = [self._energy_rows(np.empty(0, ENERGY), self.state)]
+        self.momentum: list[Rows] = [np.empty(0, MOMENTUM)]
         self.interrupted = False
         self.issued: set[str] = set()
         self.seconds = self.output_seconds = 0.0
@@ -98,11 +106,10 @@ class Loop:
 
     # What is written.
 
-    @contextlib.contextmanager
-    def _input(self, key: str) -> Iterator[None]:
-        """What the C library refuses here is an error of the input."""
+    def _input(self, key: str, function: Any, *arguments: Any) -> Any:
+        """Call a function; what the C library refuses here is an error of the input."""
         try:
-            yield
+            return function(*arguments)
         except Error as error:
             raise SceneError(str(error), key, self.problem.file) from None
 
@@ -111,10 +118,10 @@ class Loop:
         if not has("hdf5"):
             raise NotBuiltIn("this build has no HDF5, so it can't read a restart")
         problem, state = coarse or self.problem, self.state if coarse is None else new_state(coarse)
-        with self._input("restart"):
-            call(lib.ct_output_restart, os.fsencode(path), problem.pointer, state)
-            if coarse is not None:
-                call(lib.ct_state_subdivide_step, self.problem.pointer, state, self.state)
+        name, fine = os.fsencode(path), (self.problem.pointer, state, self.state)
+        self._input("restart", call, lib.ct_output_restart, name, problem.pointer, state)
+        if coarse is not None:
+            self._input("restart", call, lib.ct_state_subdivide_step, *fine)
 
     def _create(self, path: str | Path) -> Any:
         text, fields = ffi.new("char[]", self.scene_text.encode()), self.problem.parts.output.fields
@@ -126,8 +133,7 @@ class Loop:
     def open(self, path: str | Path) -> None:
         """Create the results file; without HDF5, of which ``known`` warns, the results stay in memory."""
         if has("hdf5"):
-            with self._input("output.file"):
-                self.output = self._create(path)
+            self.output = self._input("output.file", self._create, path)
             self.path = Path(path).absolute()
 
     def close(self) -> None:
@@ -138,9 +144,8 @@ class Loop:
 
     def abandon(self) -> None:
         """Close the file after a failure; what was written before stays readable."""
-        output, self.output = self.output, None
-        if output is not None:
-            lib.ct_output_close(output, new_error())
+        with contextlib.suppress(RunError):
+            self.close()
 
     def write(self, run: Run, path: Path) -> None:
         """Save a run that has no file: its last state through the C library, and all rows of its tables."""
@@ -148,13 +153,12 @@ class Loop:
             raise NotBuiltIn("this build has no HDF5, so it can't save a run")
         from .results import write_tables
 
-        error = new_error()
         try:
-            output = self._create(path)
-            written = lib.ct_output_append(output, self.problem.pointer, self.state, error)
-            closed = lib.ct_output_close(output, new_error() if written else error)
-            check(written or closed, error)
+            self.output = self._create(path)
+            self._call(lib.ct_output_append, self.output, self.problem.pointer, self.state)
+            self.close()
         except Error as reason:
+            self.abandon()
             raise OSError(str(reason)) from None
         write_tables(path, run)
 
@@ -168,7 +172,7 @@ class Loop:
         self.abandon()
         error.time, error.step, error.checkpoint = self.state.time, self.state.step, path
         state = None if good is None else self._state(good, self.monitor)
-        error.run = self._run(state=state)
+        error.run = self.result(state=state)
         if good is not None:
             error.args = (f"{error}. {self._advice(good, path)}",)
 
@@ -186,59 +190,75 @@ class Loop:
 
     def record(self) -> None:
         """One row of each table, and one step of the file."""
-        begin = clock.perf_counter() - self._effect_seconds()
+        begin = clock.perf_counter() - step_seconds(self.problem, self.state).sum()
         self._call(lib.ct_monitor_check, self.monitor, self.state)
         self._write_record(self.state)
         if self.watch is not None:
             self.watch(self.result(records=1))
         # The forces that a record asks for are those of the next step, which has them then.
-        self.output_seconds += clock.perf_counter() - self._effect_seconds() - begin
-
-    def _effect_seconds(self) -> float:
-        return math.fsum(self.state.effect_seconds[0 : len(self.problem.effects) + 1])
+        forces = step_seconds(self.problem, self.state).sum()
+        self.output_seconds += clock.perf_counter() - forces - begin
 
     def _write_record(self, state: Any) -> None:
         problem = self.problem.pointer
-        energy = np.zeros(1, ENERGY)
-        momentum = np.zeros(len(self.problem.bodies), row("ct_momentum"))
-        self._call(lib.ct_energy_of, problem, state, ffi.from_buffer("ct_energy[]", energy))
+        energy, out = table("ct_energy", 1)
+        self._call(lib.ct_energy_of, problem, state, out)
+        momentum, out = table("ct_momentum", len(self.problem.bodies))
         for body in range(len(momentum)):
-            out = ffi.from_buffer("ct_momentum[]", momentum) + body
-            self._call(lib.ct_momentum_of, problem, state, body, out)
-        values = np.zeros((1, len(self.problem.effects)))
-        for k, (name, stores) in enumerate(zip(self.problem.effects, self.problem.stores)):
-            if name not in IN_ENERGY:
-                function = lib.ct_energy_stored if stores else lib.ct_energy_work
-                self._call(function, problem, state, k, doubles(values[0, k:]))
-        energy = energy_table(energy, self.problem.effects, values)
+            self._call(lib.ct_momentum_of, problem, state, body, out + body)
+        energy = self._energy_rows(energy, state)
         if not np.isfinite(energy.view(np.float64)).all():
-            raise FAULTS[lib.CT_ERROR_BLOWUP](
-                f"the energy stopped being finite by t = {state.time:g} (step {state.step})",
-                code=lib.CT_ERROR_BLOWUP,
-            )
+            text = f"the energy stopped being finite by t = {state.time:g} (step {state.step})"
+            raise NotFinite(text, code=lib.CT_ERROR_BLOWUP)
         if self.output is not None:
             self._call(lib.ct_output_append, self.output, problem, state)
         self.energy.append(energy)
         self.momentum.append(momentum.astype(MOMENTUM))
         self.steps.append(state.step)
 
+    def _energy_rows(self, energy: Rows, state: Any) -> Rows:
+        """Rows of the energy balance (none or one), with a column for what each further effect stores or did."""
+        values = np.zeros((len(energy), len(self.problem.effects)))
+        for k, (name, stores) in enumerate(zip(self.problem.effects, self.problem.stores)):
+            if len(energy) and name not in IN_ENERGY:
+                function = lib.ct_energy_stored if stores else lib.ct_energy_work
+                self._call(function, self.problem.pointer, state, k, doubles(values[0, k:]))
+        return energy_table(energy, self.problem.effects, values)
+
     # The loop.
 
-    def run(self, until: Any, progress: Any) -> None:
-        """Step to the end (or ``until``), recording as the scene says."""
-        last, state = last_step(self.problem, until), self.state
+    def run(self, progress: Any) -> Run:
+        """Step to the end, recording as the scene says; what fails is a RunError with the run so far."""
+        begin = clock.perf_counter()
+        try:
+            self._steps(progress)
+            self.seconds = clock.perf_counter() - begin
+        except RunError as error:
+            self.fail(error)
+            raise
+        else:
+            self.close()
+        finally:
+            self.abandon()
+        return self.result()
+
+    def _steps(self, progress: Any) -> None:
+        from tqdm import tqdm
+
+        last, state = self.last, self.state
         if state.step > last:
             reason = f"the restart stands at step {state.step}, after the last step {last}"
             raise SceneError(reason, "restart", self.problem.file)
-        steps = schedule(self.problem)[1]
-        begin = clock.perf_counter()
         self.start_guard()
-        with _progress(progress, state.step, last) as advanced, _ctrl_c() as stop:
+        # A bar where stderr is a terminal, or "always".
+        hidden = None if progress and progress != "always" else not progress
+        shown = {"unit": " steps", "file": sys.stderr, "dynamic_ncols": True, "disable": hidden}
+        with tqdm(total=last, initial=state.step, **shown) as bar, _ctrl_c() as stop:
             self._record_and_warn()
             while state.step < last and not stop and not self._at_rest():
-                at = bisect_right(steps, state.step)
-                due = min([*steps[at : at + 1], last])
-                self._advance(min(due, self._next_rest()), advanced, stop)
+                at = bisect_right(self.due, state.step)
+                due = min([*self.due[at : at + 1], last])
+                self._advance(min(due, self._next_rest()), bar.update, stop)
                 if state.step == due:
                     self._record_and_warn()
                 self._warn_of_growth()
@@ -248,31 +268,22 @@ class Loop:
         self.interrupted = bool(stop) and state.step < last
         at_end = last == self.problem.step_count and not stop
         if self.time.until_static is not None and at_end and not self._at_rest():
-            issue(
-                errors.NotAtRest(
-                    f"the run ends at t = {state.time:g} before it comes to rest: residual {self._residual():.2g}, "
-                    f"until_static = {self.time.until_static:g}; a later end helps, or more [damping]",
-                    "time.until_static",
-                )
+            text = f"the run ends at t = {state.time:g} before it comes to rest: residual {self._residual():.2g}, "
+            text += (
+                f"until_static = {self.time.until_static:g}; a later end helps, or more [damping]"
             )
+            issue(errors.NotAtRest(text, "time.until_static"))
         if state.unconverged:
-            issue(
-                errors.NotSettled(
-                    f"the contact forces did not settle to their tolerance in {state.unconverged} of {state.step} steps; a smaller step helps, or a smaller beta"
-                )
-            )
-        self.seconds = clock.perf_counter() - begin
+            text = f"the contact forces did not settle to their tolerance in {state.unconverged} of {state.step} steps; "
+            issue(errors.NotSettled(text + "a smaller step helps, or a smaller beta"))
 
     def start_guard(self) -> None:
         """Monitor the state from here on; what is wrong with it already is an error of the input."""
         options, time = ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()), self.time
         options.every, options.energy_limit = time.look_every, time.energy_limit
         options.stable = self.problem.stable.dt
-        with self._input(""):
-            monitor = ask(
-                "ct_monitor **", lib.ct_monitor_create, self.problem.pointer, self.state, options
-            )
-        free = lib.ct_monitor_free
+        given, free = (self.problem.pointer, self.state, options), lib.ct_monitor_free
+        monitor = self._input("", ask, "ct_monitor **", lib.ct_monitor_create, *given)
         self.monitor = ffi.gc(monitor, lambda watch, problem=self.problem: free(watch))
 
     def _warn_of_growth(self) -> None:
@@ -290,30 +301,24 @@ class Loop:
 
     def _grower(self, growth: Any) -> tuple[str, str, str]:
         """What the energy of a growth came from, its key in the scene, and what can be done."""
-        parts, effects = self.problem.parts, self.problem.pointer.effects
-        kinds = [effects[k].kind for k in range(growth.effect + 1)]
-        kind, nth = kinds[-1], kinds[:-1].count(kinds[-1])
+        effects = self.problem.pointer.effects
+        *before, kind = (effects[k].kind for k in range(growth.effect + 1))
         step = "take a smaller step (time.fraction)"
-        given: Any
         if kind == lib.CT_EFFECT_SOLID:
             who, key = f'body "{list(self.problem.bodies)[growth.body]}"', f"body[{growth.body}]"
             law = 'a body that turns needs the law "neo_hookean" or "st_venant_kirchhoff"'
             return who, key, f"{step}; {law}"
-        if kind == lib.CT_EFFECT_CONTACT:
-            given = parts.contacts[nth]
-            who, key = f"contact {pair_name(given.surfaces)}", f"contact[{nth}]"
-        elif kind == lib.CT_EFFECT_OBSTACLE:
-            obstacle = [added for added in parts.effects if added.name == "obstacle"][nth]
-            given, who, key = obstacle.given, f"obstacle at {obstacle_name(obstacle)}", obstacle.key
-        else:
+        words = {lib.CT_EFFECT_CONTACT: "contact ", lib.CT_EFFECT_OBSTACLE: "obstacle at "}
+        if kind not in words:
             advice = f"{step}, and compare what it stores with the work of its force"
             return f'effect "{self.problem.effects[growth.effect]}"', "", advice
+        name, nth = words[kind].split()[0], before.count(kind)
+        alike = [each for each in pressing(self.problem.parts) if each[0].startswith(name)]
+        key, who, given = alike[nth]
+        advice = f"points have come to lie inside without passing the surface, as at an edge or in a fold; {step}, a finer mesh there, or a smaller beta"
         if given.enforcement in FEEDING:
-            return who, key, f'{step}, a smaller beta, or enforcement = "energy_controlled"'
-        inside = (
-            "points have come to lie inside without passing the surface, as at an edge or in a fold"
-        )
-        return who, key, f"{inside}; {step}, a finer mesh there, or a smaller beta"
+            advice = f'{step}, a smaller beta, or enforcement = "energy_controlled"'
+        return words[kind] + who, key, advice
 
     def _record_and_warn(self) -> None:
         """A record, and a warning for each body that has turned too far for its law; one for each body is enough."""
@@ -370,32 +375,15 @@ class Loop:
 
     # What comes out.
 
-    def result(self, records: int = 0) -> Run:
-        """The run so far, or its last records."""
-        problem, state = self.problem, self.state
-        impulse: dict[str, Any] = {}
-        for k, name in enumerate(problem.effects[1:], start=1):
-            given = np.zeros(3)
-            self._call(lib.ct_energy_impulse, problem.pointer, state, k, doubles(given))
-            impulse[name] = impulse.get(name, 0.0) + given
-        return self._run(
-            records,
-            state=self._state(state, state),
-            writer=self,
-            contact=contact_points(problem, state),
-            impulse=impulse,
-            penetration=[] if records else penetrations(problem, state),
-        )
-
-    def _run(self, records: int = 0, **more: Any) -> Run:
-        problem, none = self.problem, np.empty((0, len(self.problem.effects)))
-        empty = energy_table(np.empty(0, ENERGY), problem.effects, none)
+    def result(self, records: int = 0, **fault: Any) -> Run:
+        """The run so far, or its last records; after a fault with the state that is given."""
+        problem = self.problem
         return Run(
             bodies=list(problem.bodies),
             units=problem.parts.units,
             steps=np.array(self.steps[-records:], np.int64),
-            energy=np.concatenate(self.energy[-records:] or [empty]),
-            momentum=np.concatenate(self.momentum[-records:] or [np.empty(0, MOMENTUM)]),
+            energy=np.concatenate(self.energy[-records:]),
+            momentum=np.concatenate(self.momentum[-records:]),
             path=self.path,
             scene=self.scene_text,
             interrupted=self.interrupted,
@@ -403,68 +391,31 @@ class Loop:
             costs=measured(problem, self.state, self.output_seconds),
             computed=computed_share(self.state),
             dt=problem.dt,
-            **more,
+            **(fault or self._last(bool(records))),
         )
+
+    def _last(self, watched: bool) -> dict[str, Any]:
+        """What a run knows of its last state only."""
+        problem, state = self.problem, self.state
+        impulse: dict[str, Any] = {}
+        for k, name in enumerate(problem.effects[1:], start=1):
+            given = np.zeros(3)
+            self._call(lib.ct_energy_impulse, problem.pointer, state, k, doubles(given))
+            impulse[name] = impulse.get(name, 0.0) + given
+        known = {"state": self._state(state, state), "writer": self, "impulse": impulse}
+        known["penetration"] = [] if watched else penetrations(problem, state)
+        return {**known, "contact": contact_points(problem, state)}
 
     def _state(self, state: Any, owner: Any) -> State:
         """A state for people; ``owner`` is what keeps its memory alive."""
         problem = self.problem
-        velocity = np.empty((problem.pointer.node_count, 3))
-        call(lib.ct_state_velocity, problem.pointer, state, doubles(velocity))
-        velocity.flags.writeable = False
-        displacement = view(state.displacement, velocity.shape, np.float64, (owner, problem))
-        bodies = {
-            name: BodyState(
-                name, body.mesh, body.material, displacement[body.nodes], velocity[body.nodes]
-            )
-            for name, body in problem.bodies.items()
-        }
+        v = np.empty((problem.pointer.node_count, 3))
+        call(lib.ct_state_velocity, problem.pointer, state, doubles(v))
+        u, bodies = view(state.displacement, v.shape, np.float64, (owner, problem)), {}
+        for name, body in problem.bodies.items():
+            fields = {"displacement": u[body.nodes], "velocity": v[body.nodes]}
+            bodies[name] = BodyState(name, body.mesh, body.material, **fields)
         return State(state.time, state.step, bodies)
-
-
-def execute(
-    problem: Problem,
-    scene_text: str,
-    *,
-    progress: Any,
-    restart: Any,
-    until: Any,
-    output: Any,
-    watch: Any = None,
-    coarse: Problem | None = None,
-) -> Run:
-    """Run a problem. Errors of the input are SceneErrors, before the first step; what fails later is a RunError with the run so far."""
-    last_step(problem, until)
-    schedule(problem)
-    for warning in known(problem, output):
-        issue(warning)
-    loop = Loop(problem, scene_text, watch)
-    if restart is not None:
-        loop.restart(restart, coarse)
-    if output is not None:
-        loop.open(output)
-    try:
-        loop.run(until, progress)
-    except RunError as error:
-        loop.fail(error)
-        raise
-    else:
-        loop.close()
-    finally:
-        loop.abandon()
-    return loop.result()
-
-
-@contextlib.contextmanager
-def _progress(wanted: Any, start: int, last: int) -> Iterator[Any]:
-    """A progress bar on stderr. True: where stderr is a terminal; "always": everywhere; False: nowhere."""
-    if not wanted or (wanted != "always" and not sys.stderr.isatty()):
-        yield lambda count: None
-        return
-    from tqdm import tqdm
-
-    with tqdm(total=last, initial=start, unit=" steps", file=sys.stderr, dynamic_ncols=True) as bar:
-        yield bar.update
 
 
 @contextlib.contextmanager
@@ -479,11 +430,11 @@ def _ctrl_c() -> Iterator[list[int]]:
 
     before = signal.getsignal(signal.SIGINT)
     main = threading.current_thread() is threading.main_thread()
-    if not main or before in (None, signal.SIG_IGN):
-        yield stop
-        return
-    signal.signal(signal.SIGINT, handler)
+    ours = main and before not in (None, signal.SIG_IGN)
+    if ours:
+        signal.signal(signal.SIGINT, handler)
     try:
         yield stop
     finally:
-        signal.signal(signal.SIGINT, before)
+        if ours:
+            signal.signal(signal.SIGINT, before)

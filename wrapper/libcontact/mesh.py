@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -26,16 +24,11 @@ VTK_TYPE = {12: "hex8", 25: "hex20"}
 LAYERS = names("ct_layers")
 
 
-def box_axes(cells: Any, layers: str) -> tuple[int, int, int]:
-    """The axes (0, 1, 2 for x, y, z) of a box in the order of its numbers: rows run along the first, layers follow one another along the last."""
-    axes = ffi.new("int[3]")
-    lib.ct_box_axes(ffi.new("ct_box *", {"cells": list(cells), "layers": LAYERS[layers]}), axes)
-    return axes[0], axes[1], axes[2]
-
-
 def row_length(box: Any, layers: str) -> int:
     """Cells along a row of a box (with ``cells``), numbered in these layers."""
-    return int(box.cells[box_axes(box.cells, layers)[0]])
+    axes, c = ffi.new("int[3]"), {"cells": list(box.cells), "layers": LAYERS[layers]}
+    lib.ct_box_axes(ffi.new("ct_box *", c), axes)
+    return int(box.cells[axes[0]])
 
 
 def view(pointer: Any, shape: tuple[int, ...], dtype: Any, owner: Any) -> Rows:
@@ -163,10 +156,9 @@ class Mesh:
             A node number is out of range, a coordinate not finite or an element inverted.
         """
         if nodes.dtype != np.float64 or elements.dtype != np.int32:
-            raise TypeError(
-                f"nodes of {nodes.dtype} and elements of {elements.dtype}; float64 and int32 are needed"
-            )
-        kind = {WIDTH[name]: kind for name, kind in KINDS.items()}[elements.shape[1]]
+            found = f"nodes of {nodes.dtype} and elements of {elements.dtype}"
+            raise TypeError(f"{found}; float64 and int32 are needed")
+        kind = list(WIDTH.values()).index(elements.shape[1])
         source = ffi.new("ct_mesh *", [kind, len(nodes), len(elements)])
         source.nodes, source.elements = doubles(nodes), ints(elements)
         return cls(ask("ct_mesh **", lib.ct_mesh_create_copy, source))
@@ -253,13 +245,11 @@ class Mesh:
         """
         x = (self.nodes if positions is None else positions)[self.elements]
         # Sums of four nodes: of faces, then of the edges between them.
-        fours = [
+        bottom, top, *edges = (
             (x[:, i] + x[:, i + 2]) + (x[:, i + 1] + x[:, i + 3]) for i in range(0, x.shape[1], 4)
-        ]
-        corners = fours[0] + fours[1]
-        if self.element == "hex8":
-            return np.asarray(corners / 8.0)
-        return np.asarray(((fours[2] + fours[3]) + fours[4] - corners) / 4.0)
+        )
+        corners: Floats = bottom + top
+        return (edges[0] + edges[1] + edges[2] - corners) / 4.0 if edges else corners / 8.0
 
     def locate(self, points: Floats) -> tuple[NDArray[np.int64], Floats]:
         """
@@ -314,9 +304,8 @@ class Mesh:
         """ξ of a point in the element with the nodes ``x``, by Newton's method from the centre; None where it finds none."""
         d, xi, slopes = x - point, np.zeros(3), np.empty((20, 3))
         for _ in range(30):
-            lib.ct_brick_gradient(
-                KINDS[self.element], doubles(xi), ffi.from_buffer("double[][3]", slopes)
-            )
+            out = ffi.from_buffer("double[][3]", slopes)
+            lib.ct_brick_gradient(KINDS[self.element], doubles(xi), out)
             try:
                 change = np.linalg.solve(d.T @ slopes[: len(x)], self.shape(xi) @ d)
             except np.linalg.LinAlgError:
@@ -336,27 +325,23 @@ def rotation(X: Floats, x: Floats) -> Floats:
     return turn
 
 
-def need_h5py() -> Any:
-    """The module h5py, or an error that says how to get it."""
+def open_hdf5(path: str | Path, mode: str = "r") -> Any:
+    """An HDF5 file, to be used by ``with``; a ValueError says why it can't be read."""
     try:
         import h5py
+
+        check_file(path)
+        return h5py.File(path, mode)
     except ImportError:
         raise NotBuiltIn("reading files needs h5py: pip install libcontact[files]") from None
-    return h5py
-
-
-@contextmanager
-def open_hdf5(path: str | Path) -> Iterator[Any]:
-    """An HDF5 file to be read; a ValueError says why it can't be."""
-    h5py = need_h5py()
-    try:
-        check_file(path)
-        file = h5py.File(path, "r")
     except OSError as error:
         reason = str(error) if Path(path).exists() else "no such file"
         raise ValueError(f'can\'t read "{path}": {reason}') from None
-    with file:
-        yield file
+
+
+def text_in(value: Any) -> str:
+    """A text of an HDF5 file."""
+    return value.decode(errors="replace").rstrip("\0") if isinstance(value, bytes) else str(value)
 
 
 def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
@@ -390,19 +375,16 @@ def read_vtkhdf(path: str | Path) -> tuple[Rows, Rows]:
         group = file.get("VTKHDF")
         if not hasattr(group, "attrs") or not hasattr(group, "keys"):
             raise wrong("has no group VTKHDF")
-        kind = group.attrs.get("Type", b"")
-        kind = kind.decode() if isinstance(kind, bytes) else str(kind)
+        kind = text_in(group.attrs.get("Type", b""))
         if kind != "UnstructuredGrid":
             raise wrong(f'holds "{kind}", not an UnstructuredGrid')
         wanted = ("NumberOfPoints", "NumberOfCells", "Points", "Connectivity", "Offsets", "Types")
         for name in wanted:
             if not hasattr(group.get(name), "nbytes"):
                 raise wrong(f"lacks VTKHDF/{name}")
-        size, room = sum(group[name].nbytes for name in wanted), physical_memory()
+        size, room = sum(group[name].nbytes for name in wanted) / 1e9, physical_memory() / 1e9
         if size > room:
-            raise wrong(
-                f"holds a mesh of {size / 1e9:.3g} GB, and this machine has {room / 1e9:.3g} GB"
-            )
+            raise wrong(f"holds a mesh of {size:.3g} GB, and this machine has {room:.3g} GB")
         parts, cells, points, connectivity, offsets, types = (group[name][()] for name in wanted)
         if "Steps" not in group and len(parts) != 1:
             raise wrong(f"has {len(parts)} parts; one is needed")

@@ -38,8 +38,6 @@ LAWS = names("ct_law")
 KERNELS = names("ct_solid_kernel")
 METHODS = names("ct_method")
 ENFORCEMENTS = names("ct_enforcement")
-# Keys that belong to one enforcement each.
-LAW_KEYS = {"dissipation": "energy_controlled"}
 # Enforcements that can feed energy into the bodies. They store the energy of an impact and give it back; the others dissipate a part of it.
 FEEDING = ("penalty", "bipenalty")
 POINTS = names("ct_contact_rule")
@@ -146,11 +144,9 @@ class Ring(Table):
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         inner, outer = self.radius
-        if not outer > inner:
-            yield (
-                "radius[1]",
-                f"is {outer:g}; the outer radius must be above the inner one, {inner:g}",
-            )
+        if outer <= inner:
+            why = f"the outer radius must be above the inner one, {inner:g}"
+            yield "radius[1]", f"is {outer:g}; {why}"
 
 
 class Spin(Table):
@@ -178,7 +174,7 @@ class Spin(Table):
             yield "axis", "is 0; it must have a direction"
 
 
-class Body(Table, eq=False):
+class Body(Table):
     """
     A body of one material: a ``box``, a ``ring``, a ``mesh`` file, or ``nodes`` (n, 3) with
     ``elements`` (cells, 8 or 20); the arrays are copied.
@@ -223,6 +219,7 @@ class Body(Table, eq=False):
 
     one = (("box", "ring", "mesh", "nodes"),)
     needs = {"elements": "nodes", "nodes": "elements"}
+    belongs = {"kernel": ("integration", "full"), "hourglass": ("integration", "reduced")}
 
     name: str = key(Name(), kw_only=False)
     material: str = key(Reference("material"))
@@ -254,64 +251,46 @@ class Body(Table, eq=False):
             return "hex8" if self.elements.shape[1] == 8 else "hex20"
         return self.element or (None if self.mesh else "hex8")
 
-    @property
-    def lattice(self) -> Any:
-        """The box or the ring."""
-        return self.box or self.ring
-
     def refusals(self) -> Iterator[tuple[str, str]]:
+        yield from super().refusals()
         if self.elements is not None:
-            bad = np.flatnonzero((self.elements >= len(self.nodes)).any(axis=1))
+            most, (_, width) = len(self.nodes) - 1, self.elements.shape
+            bad = np.flatnonzero((self.elements > most).any(axis=1))
             if bad.size:
                 row = self.elements[bad[0]].tolist()
-                yield (
-                    "elements",
-                    f"row {bad[0]} names a node outside 0 ... {len(self.nodes) - 1}: {row}",
-                )
+                yield "elements", f"row {bad[0]} names a node outside 0 ... {most}: {row}"
             if self.element not in (None, self.bricks):
-                width = self.elements.shape[1]
-                yield (
-                    "element",
-                    f'is "{self.element}", but "elements" has {width} nodes a row ({self.bricks})',
-                )
+                there = f'"elements" has {width} nodes a row ({self.bricks})'
+                yield "element", f'is "{self.element}", but {there}'
         if self.bricks == "hex20":
-            yield from self.hex8_only()
-        if self.integration == "reduced" and self.kernel != "auto":
-            yield (
-                "kernel",
-                f'"{self.kernel}" integrates in full, and the body asks for integration = "reduced"',
-            )
-        if self.hourglass is not None and self.integration == "full":
-            yield (
-                "hourglass",
-                'needs integration = "reduced"; full integration has no hourglass motion to control',
-            )
+            yield from self._chosen(HEX8_ONLY)
 
-    def hex8_only(self) -> Iterator[tuple[str, str]]:
-        """What hex20 do not have."""
-        if self.lumping == "row_sum":
-            yield "lumping", '"row_sum" gives the corners of hex20 a negative mass; use "hrz"'
-        if self.kernel == "plane":
-            yield "kernel", '"plane" is for hex8; hex20 has the kernels "general" and "box"'
-        if self.integration == "reduced":
-            yield (
-                "integration",
-                '"reduced" with hourglass control is for hex8; hex20 is integrated in full',
-            )
+    def small_strain_only(self, material: Material) -> Iterator[tuple[str, str]]:
+        """What the body chooses and the law of its material does not have."""
+        other = f'material "{material.name}" has the law "{material.law}"'
+        if material.law != "linear":
+            for key, reason in self._chosen(
+                dict.fromkeys(SMALL_STRAIN_ONLY, "is for small strain")
+            ):
+                yield key, f"{reason}; {other}"
+        elif self.spin is not None:
+            why = f"turns the body, {other}, and that takes a rotation for a strain"
+            yield "spin", f'{why}; give it the law "st_venant_kirchhoff" or "neo_hookean"'
 
-    def small_strain_only(self, material: str, law: str) -> Iterator[tuple[str, str]]:
-        """What a law of large or of small strain does not have."""
-        other = f'is for small strain; material "{material}" has the law "{law}"'
-        if law == "linear" and self.spin is not None:
-            yield (
-                "spin",
-                f'turns the body, and the law "linear" of material "{material}" takes a rotation for a strain; '
-                'give the material the law "st_venant_kirchhoff" or "neo_hookean"',
-            )
-        if law != "linear" and self.integration == "reduced":
-            yield "integration", f'"reduced" {other}'
-        if law != "linear" and self.kernel in ("box", "plane"):
-            yield "kernel", f'"{self.kernel}" {other}'
+    def _chosen(self, words: Mapping[tuple[str, str], str]) -> Iterator[tuple[str, str]]:
+        """Those of some words, each with the reason against it, that the body has for their keys."""
+        for (name, chosen), why in words.items():
+            if getattr(self, name) == chosen:
+                yield name, f'"{chosen}" {why}'
+
+
+# What hex20 and laws of large strain do not have: the key, its word, and the reason.
+HEX8_ONLY = {
+    ("lumping", "row_sum"): 'gives the corners of hex20 a negative mass; use "hrz"',
+    ("kernel", "plane"): 'is for hex8; hex20 has the kernels "general" and "box"',
+    ("integration", "reduced"): "with hourglass control is for hex8; hex20 is integrated in full",
+}
+SMALL_STRAIN_ONLY = (("integration", "reduced"), ("kernel", "box"), ("kernel", "plane"))
 
 
 class History(Table):
@@ -330,11 +309,9 @@ class History(Table):
     value: Sequence[float] = key(Many(Number(), "give at least one value"))
 
     def refusals(self) -> Iterator[tuple[str, str]]:
-        if len(self.time) != len(self.value):
-            yield (
-                "value",
-                f"has {len(self.value)} entries, and time has {len(self.time)}; both need as many",
-            )
+        here, there = len(self.value), len(self.time)
+        if here != there:
+            yield "value", f"has {here} entries, and time has {there}; both need as many"
         for i, (before, after) in enumerate(zip(self.time, self.time[1:])):
             if after < before:
                 yield f"time[{i + 1}]", f"is {after:g}, before {before:g}"
@@ -368,6 +345,7 @@ class Pressing(Table):
     """
 
     rivals = (("beta", "epsilon"),)
+    belongs = {"dissipation": ("enforcement", "energy_controlled")}
 
     beta: float | None = key(POSITIVE, default=None, says="by enforcement")
     epsilon: float | None = key(POSITIVE, unit="stress / length", default=None, says="none")
@@ -376,15 +354,8 @@ class Pressing(Table):
     friction: float = key(FORWARD, default=0.0)
     tangent: float | None = key(POSITIVE, default=None, says="1 or less")
 
-    @property
-    def penalty_given(self) -> bool:
-        """Whether the scene says the penalty."""
-        return not self.given.isdisjoint(("beta", "epsilon"))
-
     def refusals(self) -> Iterator[tuple[str, str]]:
-        for name, law in LAW_KEYS.items():
-            if name in self.given and self.enforcement != law:
-                yield name, f'belongs to the enforcement "{law}", not to "{self.enforcement}"'
+        yield from super().refusals()
         if self.tangent and not self.friction:
             yield "tangent", 'belongs to friction; give "friction" too'
 
@@ -424,6 +395,8 @@ class ContactKeys(Pressing):
         Time in which ``"remove"`` parts the surfaces.
     """
 
+    belongs = {**Pressing.belongs, "removal_time": ("initial_penetration", "remove")}
+
     method: str = key(Choice(METHODS), default=word(METHODS, CONTACT.method))
     tolerance: float | None = key(POSITIVE, default=None, says="the library's")
     depth: float | None = key(POSITIVE, unit="length", default=None, says="see text")
@@ -436,11 +409,8 @@ class ContactKeys(Pressing):
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         yield from super().refusals()
-        if (self.initial_penetration == "remove") != (self.removal_time is not None):
-            yield (
-                "removal_time",
-                'and initial_penetration = "remove" belong together; give both or none',
-            )
+        if self.initial_penetration == "remove" and self.removal_time is None:
+            yield "removal_time", 'is missing; initial_penetration = "remove" needs it'
 
 
 class Contact(ContactKeys):
@@ -492,22 +462,10 @@ class Support(Table):
     travel: Vector = key(VECTOR, unit="length", default=ORIGIN, says="none")
     history: Any = key(Nested(History), default=None, says="none")
 
-    @property
-    def body(self) -> str:
-        """The body whose face is held."""
-        return str(self.set[0])
-
-    @property
-    def face(self) -> str:
-        """The face that is held."""
-        return str(self.set[1])
-
     def refusals(self) -> Iterator[tuple[str, str]]:
-        if self.history and "velocity" in self.given:
-            yield (
-                "velocity",
-                'cannot stand beside "travel": a support keeps a velocity or follows a path',
-            )
+        if self.history and any(self.velocity):
+            why = "a support keeps a velocity or follows a path"
+            yield "velocity", f'cannot stand beside "travel": {why}'
         for name, vector in (("velocity", self.velocity), ("travel", self.travel)):
             for i, axis in enumerate(AXES):
                 if vector[i] != 0.0 and axis not in self.fix:
@@ -587,9 +545,13 @@ class Time(Table):
     @property
     def step(self) -> tuple[str, float]:
         """The one key that says the step, and its value."""
-        return next(
-            (name, getattr(self, name)) for name in self.one[1] if getattr(self, name) is not None
-        )
+        values = ((name, getattr(self, name)) for name in self.one[1])
+        return next((name, value) for name, value in values if value is not None)
+
+    @property
+    def scheme(self) -> dict[str, Any]:
+        """The members of a ``ct_integrator``."""
+        return {"scheme": INTEGRATORS[self.integrator], "parameter": self.parameter}
 
     @property
     def parameter(self) -> float:
@@ -599,8 +561,7 @@ class Time(Table):
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         error = new_error()
-        scheme = {"scheme": INTEGRATORS[self.integrator], "parameter": self.parameter}
-        if lib.ct_integrator_check(ffi.new("ct_integrator *", scheme), error) != lib.CT_OK:
+        if lib.ct_integrator_check(ffi.new("ct_integrator *", self.scheme), error) != lib.CT_OK:
             yield "integrator_parameter", ffi.string(error.text).decode()
 
 

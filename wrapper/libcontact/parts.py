@@ -2,132 +2,90 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
+from functools import cached_property
 from typing import Any
 
 from .effects import Added, Effect, absorb, damping, gravity, load, obstacle, viscosity
-from .model import Body, Contact, History, Material, Output, Support, Time
-from .model import Run as RunKeys
-from .schema import Place, Table, Text, describe, suggestion
+from .model import Body, Contact, History, Material, Output, Run, Support, Time
+from .schema import Nested, Place, Several, Table, Text, key, suggestion, walk
 from .units import Units
 
-# In the order in which their forces are added and their columns stand in the ledger.
-EFFECTS: dict[str, type[Effect]] = {
-    "obstacle": obstacle.Obstacle,
-    "gravity": gravity.Gravity,
-    "load": load.Load,
-    "damping": damping.Damping,
-    "absorb": absorb.Absorb,
-    "viscosity": viscosity.Viscosity,
-}
-MANY: dict[str, type[Table]] = {
-    "material": Material,
-    "body": Body,
-    "contact": Contact,
-    "support": Support,
-    **{name: effect for name, effect in EFFECTS.items() if effect.many},
-}
-ONCE: dict[str, type[Table]] = {
-    "units": Units,
-    **{name: effect for name, effect in EFFECTS.items() if not effect.many},
-    "time": Time,
-    "output": Output,
-    "run": RunKeys,
-}
-# What a scene can't lack, and what it may lack while it is being built.
-NEEDED, LATER = ("units",), ("body", "time")
 NO_FRICTION = "can't stand alone: there is no friction without a pressure; write friction = 0.3 in a [[contact]] or an [[obstacle]]"
 
 
-@dataclass(frozen=True, eq=False)
-class Parts:
-    """A whole checked scene; ``time`` is None as long as a scene that is built in Python has none."""
+class Parts(Table):
+    """A whole scene, whose keys are its tables; those of effects stand in the order in which forces are added and columns of the ledger follow one another."""
 
-    title: str
-    units: Units
-    materials: dict[str, Material]
-    bodies: dict[str, Body]
-    contacts: tuple[Contact, ...]
-    supports: tuple[Support, ...]
-    effects: tuple[Added, ...]
-    time: Any
-    output: Output
-    run: RunKeys
+    title: str = key(Text(), default="")
+    units: Units = key(Nested(Units))
+    material: tuple[Material, ...] = key(Several(Material), default=())
+    body: tuple[Body, ...] = key(Several(Body), default=())
+    contact: tuple[Contact, ...] = key(Several(Contact), default=())
+    support: tuple[Support, ...] = key(Several(Support), default=())
+    obstacle: Any = key(Several(obstacle.Obstacle), default=())
+    gravity: Any = key(Nested(gravity.Gravity), default=None)
+    load: Any = key(Several(load.Load), default=())
+    damping: Any = key(Nested(damping.Damping), default=None)
+    absorb: Any = key(Several(absorb.Absorb), default=())
+    viscosity: Any = key(Nested(viscosity.Viscosity), default=None)
+    time: Any = key(Nested(Time), default=None)
+    output: Output = key(Nested(Output), default=Output())
+    run: Run = key(Nested(Run), default=Run())
 
-    @property
-    def threads(self) -> int:
-        """Threads of the run."""
-        return self.run.threads
+    @cached_property
+    def materials(self) -> dict[str, Material]:
+        """The materials by name."""
+        return {material.name: material for material in self.material}
 
-    @property
-    def savings(self) -> Sequence[str]:
-        """What may be left out because it changes no result."""
-        return self.run.savings
+    @cached_property
+    def bodies(self) -> dict[str, Body]:
+        """The bodies by name."""
+        return {body.name: body for body in self.body}
+
+    @cached_property
+    def effects(self) -> tuple[Added, ...]:
+        """The effects, each with its key."""
+        found = walk(self, Place())
+        return tuple(Added(at.key, table) for at, table in found if isinstance(table, Effect))
 
     def histories(self) -> list[History]:
         """The histories of loads, obstacles and supports."""
-        given = [*self.supports, *(added.given for added in self.effects)]
-        found = (getattr(table, "history", None) for table in given)
-        return [history for history in found if history is not None]
+        return [table for _, table in walk(self, Place()) if isinstance(table, History)]
+
+
+MODELS = {name: field.metadata["kind"] for name, field in Parts.keys().items() if name != "title"}
+MANY = {name: kind.model for name, kind in MODELS.items() if isinstance(kind, Several)}
+ONCE = {name: kind.model for name, kind in MODELS.items() if name not in MANY}
+EFFECTS = {name: kind.model for name, kind in MODELS.items() if issubclass(kind.model, Effect)}
 
 
 def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     """Check the tables of a scene. ``whole`` also asks for what a scene that is still being built may lack: bodies and time."""
     top = Place("", file)
-    tables = read_tables(data, top, NEEDED + LATER if whole else NEEDED)
-    names = {key: _named(tables[key], top / key) for key in ("material", "body")}
-    for key, tables_of_key in tables.items():
-        for at, table in _placed(key, tables_of_key, top):
-            for place, part in table.walk(at):
-                _refuse(part.refusals(), place)
-                _check_references(part, place, names)
-    if whole and not tables["body"]:
+    if isinstance(data, dict) and "friction" in data:
+        raise (top / "friction").error(NO_FRICTION)
+    parts = Parts.read(data, top)
+    if whole and parts.time is None:
+        raise (top / "time").error("is missing")
+    for name in ("material", "body"):
+        names = [table.name for table in getattr(parts, name)]
+        for i, word in enumerate(names):
+            if word in names[:i]:
+                raise ((top / name)[i] / "name").error(f'"{word}" is used twice')
+    for at, found in walk(parts, top):
+        if isinstance(found, Table):
+            for name, reason in found.refusals():
+                raise (at / name).error(reason)
+            continue
+        known = [table.name for table in getattr(parts, found.table)]
+        if found not in known:
+            raise at.error(f'no {found.table} is named "{found}"{suggestion(found, known)}')
+    if whole and not parts.body:
         raise (top / "body").error("there is no [[body]]; a scene needs at least one")
-    parts = Parts(
-        title=Text().read(data.get("title", ""), top / "title"),
-        units=tables["units"],
-        materials=names["material"],
-        bodies=names["body"],
-        contacts=tables["contact"],
-        supports=tables["support"],
-        effects=tuple(
-            Added(at.key, given) for key in EFFECTS for at, given in _placed(key, tables[key], top)
-        ),
-        time=tables["time"],
-        output=tables["output"] or Output(),
-        run=tables["run"] or RunKeys(),
-    )
-    for key, reason in conflicts(parts):
-        raise (top / key).error(reason)
+    for name, reason in conflicts(parts):
+        raise (top / name).error(reason)
     return parts
-
-
-def read_tables(data: Any, top: Place, needed: Sequence[str]) -> dict[str, Any]:
-    """The tables of a scene by their keys, each key checked alone: a tuple of those that may stand several times, else one or None."""
-    if not isinstance(data, dict):
-        raise top.error(f"is {describe(data)}; it must be a table")
-    out: dict[str, Any] = {}
-    for key in data:
-        if key == "friction":
-            raise (top / key).error(NO_FRICTION)
-        if key not in ONCE and key not in MANY and key != "title":
-            known = ["title", *ONCE, *MANY]
-            raise (top / str(key)).error("unknown key" + suggestion(key, known))
-        if data[key] is None:
-            raise (top / key).error("is None; leave the key out instead")
-    for key in needed:
-        if key in ONCE and key not in data:
-            raise (top / key).error("is missing")
-    for key, table in ONCE.items():
-        out[key] = table.read(data[key], top / key) if key in data else None
-    for key, table in MANY.items():
-        given = data.get(key, [])
-        if not isinstance(given, (list, tuple)):
-            reason = f"is {describe(given)}; it must be an array of tables, written [[{key}]]"
-            raise (top / key).error(reason)
-        out[key] = tuple(table.read(item, (top / key)[i]) for i, item in enumerate(given))
-    return out
 
 
 def schema() -> dict[str, Any]:
@@ -139,52 +97,11 @@ def schema() -> dict[str, Any]:
     dict
         The schema (draft 2020-12). It holds what each key may be; what keys say of each other is checked when the scene is read.
     """
-    tables = {key: table.schema() for key, table in ONCE.items()}
-    tables |= {key: {"type": "array", "items": table.schema()} for key, table in MANY.items()}
-    tables["body"]["minItems"] = 1
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "libcontact scene",
-        "type": "object",
-        "properties": {"title": {"type": "string"}, **tables},
-        "required": [*NEEDED, *LATER],
-        "additionalProperties": False,
-    }
-
-
-def _placed(key: str, tables: Any, top: Place) -> Iterator[tuple[Place, Any]]:
-    """The tables of a key with their places."""
-    if key in MANY:
-        yield from (((top / key)[i], table) for i, table in enumerate(tables))
-    elif tables is not None:
-        yield top / key, tables
-
-
-def _named(tables: Sequence[Any], at: Place) -> dict[str, Any]:
-    """Tables by their names, which must differ."""
-    out: dict[str, Any] = {}
-    for i, table in enumerate(tables):
-        if table.name in out:
-            raise (at[i] / "name").error(f'"{table.name}" is used twice')
-        out[table.name] = table
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "libcontact scene"}
+    out = {**head, **Parts.schema()}
+    out["required"] += ["body", "time"]
+    out["properties"]["body"]["minItems"] = 1
     return out
-
-
-def _refuse(refusals: Iterator[tuple[str, str]], at: Place) -> None:
-    """Raise the first refusal."""
-    for key, reason in refusals:
-        raise (at / key).error(reason)
-
-
-def _check_references(table: Table, at: Place, names: Mapping[str, Mapping[str, Any]]) -> None:
-    """Refuse names of materials and bodies that are not there."""
-    for name, field in table.keys().items():
-        value = getattr(table, name)
-        if value is not None:
-            for place, key, wanted in field.metadata["kind"].references(value, at / name):
-                if wanted not in names[key]:
-                    near = suggestion(wanted, names[key])
-                    raise place.error(f'no {key} is named "{wanted}"{near}')
 
 
 # Tables that are right one by one and contradict each other together.
@@ -192,74 +109,56 @@ def _check_references(table: Table, at: Place, names: Mapping[str, Mapping[str, 
 
 def conflicts(parts: Parts) -> Iterator[tuple[str, str]]:
     """Keys of later ones of two tables that contradict each other, and the reasons."""
-    yield from _bodies(parts)
+    for i, body in enumerate(parts.body):
+        for name, reason in body.small_strain_only(parts.materials[body.material]):
+            yield f"body[{i}].{name}", reason
+        for added in parts.effects:
+            if acts_on(added.given, body.name):
+                yield from _not_on(parts, body, added)
     yield from _same_pair(parts)
     yield from _absorbing(parts)
 
 
-def _bodies(parts: Parts) -> Iterator[tuple[str, str]]:
-    """What the law of a body, its elements and its kernel do not have."""
-    for i, (name, body) in enumerate(parts.bodies.items()):
-        law = parts.materials[body.material].law
-        for key, reason in body.small_strain_only(body.material, law):
-            yield f"body[{i}].{key}", reason
-        for added in parts.effects:
-            on = getattr(added.given, "bodies", ()) is None or name in _bodies_of(added.given)
-            if on and added.name == "viscosity" and body.bricks == "hex20":
-                yield f"{added.key}.bodies", f'"{name}" is of hex20; bulk viscosity is for hex8'
-            if on and body.kernel == "plane":
-                yield from _out_of_plane(parts, body, added)
+def acts_on(effect: Any, name: str) -> bool:
+    """Whether an effect acts on a body, as a whole or on a surface of it."""
+    if hasattr(effect, "bodies"):
+        return effect.bodies is None or name in effect.bodies
+    return bool(effect.surface[0] == name)
 
 
-def _bodies_of(given: Any) -> Sequence[str]:
-    """The bodies that an effect names, as a whole or by a surface."""
-    bodies: Sequence[str] = getattr(given, "bodies", None) or getattr(given, "surface", ())[:1]
-    return bodies
-
-
-def _out_of_plane(parts: Parts, body: Body, added: Added) -> Iterator[tuple[str, str]]:
-    """A load along the thickness of a body that asks for the kernel of plane strain."""
-    held = {axis for each in parts.supports if each.body == body.name for axis in each.fix}
-    cells = body.box.cells if body.box else ()
+def _not_on(parts: Parts, body: Body, added: Added) -> Iterator[tuple[str, str]]:
+    """Viscosity of hex20, and a load along the thickness of a body that asks for the kernel of plane strain."""
+    if added.name == "viscosity" and body.bricks == "hex20":
+        yield f"{added.key}.bodies", f'"{body.name}" is of hex20; bulk viscosity is for hex8'
+    held = {axis for each in parts.support if each.set.body == body.name for axis in each.fix}
+    cells = body.box.cells if body.box and body.kernel == "plane" else ()
     thin = [k for k, n in enumerate(cells) if n == 1 and "xyz"[k] in held]
     vector = getattr(added.given, "acceleration", getattr(added.given, "traction", None))
     if vector is not None and thin and all(vector[k] != 0.0 for k in thin):
-        yield (
-            added.key,
-            f'acts on "{body.name}" along {"xyz"[thin[0]]}, the thickness of its plane strain (kernel = "plane"), where nothing may move',
-        )
+        why = 'the thickness of its plane strain (kernel = "plane"), where nothing may move'
+        yield added.key, f'acts on "{body.name}" along {"xyz"[thin[0]]}, {why}'
 
 
 def _same_pair(parts: Parts) -> Iterator[tuple[str, str]]:
     """Two contacts of one pair would press twice."""
-    seen: dict[frozenset[tuple[str, str]], int] = {}
-    for i, contact in enumerate(parts.contacts):
-        first = seen.setdefault(frozenset(contact.surfaces), i)
-        if first != i:
-            yield (
-                f"contact[{i}].surfaces",
-                f"is the pair of contact[{first}]; its penalty would count twice (the order of the two surfaces makes no difference)",
+    pairs = [frozenset(contact.surfaces) for contact in parts.contact]
+    for i, pair in enumerate(pairs):
+        if pair in pairs[:i]:
+            why = (
+                "its penalty would count twice (the order of the two surfaces makes no difference)"
             )
+            yield f"contact[{i}].surfaces", f"is the pair of contact[{pairs.index(pair)}]; {why}"
 
 
 def _absorbing(parts: Parts) -> Iterator[tuple[str, str]]:
     """A surface that absorbs twice has twice the impedance and reflects a third of each wave; one that can't move takes no energy out."""
-    seen: dict[tuple[str, str], str] = {}
-    for added in parts.effects:
-        if added.name != "absorb":
-            continue
-        surface, name = added.given.surface, f'"{".".join(added.given.surface)}"'
-        first = seen.setdefault(surface, added.key)
-        if first != added.key:
-            yield (
-                f"{added.key}.surface",
-                f"{name} absorbs already ({first}); with twice the impedance it would reflect again",
-            )
-        held = {
-            axis for support in parts.supports if support.set == surface for axis in support.fix
-        }
+    surfaces = [each.surface for each in parts.absorb]
+    for i, surface in enumerate(surfaces):
+        at, name = f"absorb[{i}].surface", f'"{".".join(surface)}"'
+        if surface in surfaces[:i]:
+            first = f"absorbs already (absorb[{surfaces.index(surface)}])"
+            yield at, f"{name} {first}; with twice the impedance it would reflect again"
+        held = {axis for support in parts.support if support.set == surface for axis in support.fix}
         if len(held) == 3:
-            yield (
-                f"{added.key}.surface",
-                f"{name} is held along x, y and z by a [[support]]; what does not move absorbs nothing",
-            )
+            why = "is held along x, y and z by a [[support]]; what does not move absorbs nothing"
+            yield at, f"{name} {why}"

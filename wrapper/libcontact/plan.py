@@ -1,43 +1,54 @@
 """
 The plan of a run: what each effect will cost, predicted before the run, and what it did cost.
 
-A rehearsal with larger elements (:mod:`libcontact.rehearsal`) counts what cannot be known before the run: how long surfaces
-press, how many rounds the solver takes, which elements are active. A trial of a few steps of the real problem measures how much
-more a real step costs than a coarse one. :func:`predict` multiplies the two.
+How long surfaces press, how many of their points, how many rounds the solver of the contact forces takes and which elements
+the waves reach cannot be known before a run. These numbers depend on bodies and waves, hardly on the size of the elements. So a
+*rehearsal*, the same scene with larger elements, tells them at a small part of the cost. A *trial* of a few steps of the real problem
+measures how much more a real step costs than a coarse one. :func:`predict` multiplies the two.
 """
 
 from __future__ import annotations
 
+import copy
 import io
 import math
-import tempfile
+import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from . import has
 from ._core import ffi, lib
-from .errors import Error, check, new_error
+from .bridge import ask, call
+from .errors import Error
+from .model import Body, Time
 from .problem import Problem, memory_of, new_state
-from .rehearsal import TOUCHING, Array, Rehearsal, effects_of, rehearse, step_seconds
 from .touch import first_touch
 
+Array = npt.NDArray[np.float64]
+
+# Cost limits of a rehearsal, in updates of one element: this number or this fraction of the run, but never more than the
+# last. A node that may touch counts as some elements.
+MOST_UPDATES, MOST_FRACTION, MOST_EVER, NODE_UPDATES = 1e6, 0.15, 1e8, 50
+# The second rehearsal has elements that are this many times larger again.
+COARSER = 2.0
+# The fewest cells around a ring.
+FEWEST_AROUND = 12
+# Effects that have no force where nothing touches.
+TOUCHING = (lib.CT_EFFECT_CONTACT, lib.CT_EFFECT_OBSTACLE, lib.CT_EFFECT_FRICTION)
+# Equal parts of the run's time after which the counters are read, each of some steps.
+WINDOWS, FEWEST_STEPS = 240, 4
+# A short rehearsal is repeated, for its times.
+PASSES, PASS_SECONDS = 3, 0.15
 # A trial takes about this long, in rounds of some steps and a record.
 TRIAL_SECONDS, FEWEST_ROUNDS, MOST_ROUNDS, MOST_STEPS = 0.2, 4, 24, 24
-# What takes this many times the median of its like was interrupted by another program.
-INTERRUPTED = 3.0
-# A problem of more elements is not tried; its prices are those of its rehearsal.
-MOST_ELEMENTS = 100_000
 # The strain that makes all elements active in a trial.
 STRETCH = 1e-12
 LOOP, OUTPUT = "time loop", "output"
-HEADS = (
-    *("", "nodes", "a step", "work", "done"),
-    *("predicted", "measured", "flops", "bytes", "of the bound"),
-)
 
 
 @dataclass(frozen=True)
@@ -67,15 +78,15 @@ class Cost:
 
     name: str
     nodes: int = 0
+    flops: float = 0.0
+    bytes: float = 0.0
+    omega_squared: float = 0.0
+    rate: float = 0.0
     seconds_a_step: float = 0.0
     active: float = 1.0
     done: float | None = None
     predicted: float | None = None
     measured: float | None = None
-    flops: float = 0.0
-    bytes: float = 0.0
-    omega_squared: float = 0.0
-    rate: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -126,19 +137,20 @@ def predict(problem: Problem, records: int) -> Prediction:
     Prediction
         Costs without predicted times where no step can be computed.
     """
-    seen, steps, active = rehearse(problem), problem.step_count, dict[str, float]()
+    seen, steps = rehearse(problem), problem.step_count
+    interval = max(1, steps // max(1, records - 1))
     try:
-        prices = _prices(problem, seen, max(1, steps // max(1, records - 1)))
+        tried = _try(problem, interval, together=not seen)
+        seconds = _foreseen(problem, seen, tried.seconds, interval) if seen else tried.seconds
     except (Error, OSError):
         return Prediction(tuple(_known(problem)), steps, memory_of(problem), rehearsed=False)
-    if seen:
-        active, steps = _active(seen[0]), seen[0].steps
+    steps, active = (seen[0].steps, _active(seen[0])) if seen else (steps, {})
     costs = []
     for cost in _known(problem, _rounds(problem, seen)):
-        price, count = prices.seconds[cost.name], records if cost.name == OUTPUT else steps
+        price, count = seconds[cost.name], records if cost.name == OUTPUT else steps
         share = active.get(cost.name, 1.0)
         costs.append(replace(cost, seconds_a_step=price, active=share, predicted=price * count))
-    size = round(prices.first_bytes + prices.record_bytes * (records - 1))
+    size = round(tried.first_bytes + tried.record_bytes * (records - 1))
     return Prediction(tuple(costs), steps, memory_of(problem), size, bool(seen))
 
 
@@ -167,7 +179,7 @@ def _by_name(problem: Problem, values: Array) -> dict[str, float]:
     """Values of the effects and the time loop, summed by name. What only holds nodes is work of the time loop."""
     out: dict[str, float] = {}
     for k, name in enumerate([*problem.effects, LOOP]):
-        if name == LOOP or problem.pointer.effects[k].phase != lib.CT_PHASE_REACTION:
+        if name == LOOP or problem.made[k].phase != lib.CT_PHASE_REACTION:
             out[name] = out.get(name, 0.0) + float(values[k])
     return out
 
@@ -177,11 +189,11 @@ def _by_name(problem: Problem, values: Array) -> dict[str, float]:
 
 def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
     """Nodes, operations, bytes and bounds of each part, with ``rounds`` of the solver a point, :eq:`round-flops`; of the output nothing."""
-    state, error, bounds = new_state(problem), new_error(), ffi.new("double[2]")
+    state, bounds = new_state(problem), ffi.new("double[2]")
     rows = np.zeros((len(problem.effects) + 1, 5))
     face = max(4 if body.mesh.element == "hex8" else 8 for body in problem.bodies.values())
-    for k, effect in enumerate(effects_of(problem)):
-        check(lib.ct_stable_share(problem.pointer, state, k, bounds, bounds + 1, error), error)
+    for k, effect in enumerate(problem.made):
+        call(lib.ct_stable_share, problem.pointer, state, k, bounds, bounds + 1)
         rows[k] = effect.node_count, effect.flops, effect.bytes, *bounds
         # A point of a contact moves the nodes of two faces.
         moves = face * (2 if effect.kind == lib.CT_EFFECT_CONTACT else 1)
@@ -191,75 +203,43 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
         rows[0, 1:3] += len(body.mesh.elements) * np.array([body.flops, body.bytes])
     # The kick and drift of a degree of freedom: 6 operations; 3 arrays read, 3 read and written.
     rows[-1, :3] = problem.pointer.node_count * np.array([1.0, 18.0, 192.0])
-    nodes, flops, moved, omega2, rate = (_by_name(problem, column) for column in rows.T)
-    known = (
-        Cost(
-            name,
-            int(count),
-            flops=flops[name],
-            bytes=moved[name],
-            omega_squared=omega2[name],
-            rate=rate[name],
-        )
-        for name, count in nodes.items()
-    )
+    nodes, *columns = (_by_name(problem, column) for column in rows.T)
+    known = [Cost(name, int(nodes[name]), *(c[name] for c in columns)) for name in nodes]
     return [*known, Cost(OUTPUT)]
 
 
 def _rounds(problem: Problem, seen: list[Rehearsal]) -> float:
     """The solver's rounds in a step, per point."""
-    points = [
-        sum(effect.constraint_count for effect in effects_of(one))
-        for one in (problem, *(rehearsal.coarse for rehearsal in seen))
-    ]
-    counted = [(float(size), one.rounds) for size, one in zip(points[1:], seen)]
-    return _at_size(points[0], counted) / points[0] if counted and points[0] else 0.0
+    count = lambda one: float(sum(effect.constraint_count for effect in one.made))
+    counted = [(count(one.coarse), one.rounds) for one in seen]
+    points = count(problem)
+    return _at_size(points, counted) / points if counted and points else 0.0
 
 
 def _active(rehearsal: Rehearsal) -> dict[str, float]:
-    """The fraction in which the elements and each touching effect are active."""
-    coarse = rehearsal.coarse
-    out = {coarse.effects[0]: rehearsal.computed}
-    shares = rehearsal.pressed.mean(axis=0)
-    for name, effect, share in zip(coarse.effects, effects_of(coarse), shares):
+    """The fraction in which the elements and each effect that waits for a touch are active."""
+    coarse, out = rehearsal.coarse, {"solid": rehearsal.computed}
+    for k, effect in enumerate(coarse.made):
         if effect.kind in TOUCHING:
-            out[name] = max(out.get(name, 0.0), float(share))
+            share = float(rehearsal.pressed[:, k].mean())
+            out[coarse.effects[k]] = max(out.get(coarse.effects[k], 0.0), share)
     return out
 
 
-# Prices.
-
-
-@dataclass(frozen=True, eq=False)
-class _Prices:
-    """Seconds of a step of each part and of a record; bytes of the file after the first record, and of each further one."""
-
-    seconds: dict[str, float]
-    first_bytes: float
-    record_bytes: float
-
-
-def _prices(problem: Problem, seen: list[Rehearsal], interval: int) -> _Prices:
-    """The prices of a run: those of its rehearsals at the size of the run, :eq:`plan-size`."""
-    if not seen:
-        return _try(problem, interval, together=True)
-    coarse, sizes = seen[0].coarse, _sizes(problem)
-    rows = [(_sizes(one.coarse), _by_name(one.coarse, one.seconds)) for one in seen]
-    seconds = {
-        name: _at_size(sizes[name], [(size[name], value[name]) for size, value in rows])
-        for name in rows[0][1]
-    }
-    large = sum(len(body.mesh.elements) for body in problem.bodies.values()) > MOST_ELEMENTS
-    tried = _try(coarse if large else problem, interval)
-    ratio = sizes[LOOP] / rows[0][0][LOOP] if large else 1.0
-    if not large and coarse is not problem:
-        # What does not wait for a touch costs as much more than in the rehearsal as it does in a trial, :eq:`plan-trial`.
-        other = _try(coarse, interval).seconds
-        for name, effect in zip([*problem.effects, LOOP], [*effects_of(problem), None]):
-            if (effect is None or effect.kind not in TOUCHING) and other.get(name, 0.0) > 0.0:
-                seconds[name] = rows[0][1][name] * tried.seconds[name] / other[name]
-    seconds[OUTPUT] = ratio * tried.seconds[OUTPUT]
-    return _Prices(seconds, ratio * tried.first_bytes, ratio * tried.record_bytes)
+def _foreseen(
+    problem: Problem, seen: list[Rehearsal], tried: dict[str, float], interval: int
+) -> dict[str, float]:
+    """Seconds of a step of each part: what waits for a touch at the size of the run, :eq:`plan-size`, all else as a trial has it, :eq:`plan-trial`."""
+    coarse = seen[0].coarse
+    other = tried if coarse is problem else _try(coarse, interval).seconds
+    sizes = [_sizes(one) for one in (problem, *(rehearsal.coarse for rehearsal in seen))]
+    prices = [_by_name(rehearsal.coarse, rehearsal.seconds) for rehearsal in seen]
+    touching, seconds = _active(seen[0]).keys() - {"solid"}, dict(tried)
+    for name, price in prices[0].items():
+        known = [(size[name], each[name]) for size, each in zip(sizes[1:], prices)]
+        more = tried[name] / max(other[name], 1e-12)
+        seconds[name] = _at_size(sizes[0][name], known) if name in touching else price * more
+    return seconds
 
 
 def _sizes(problem: Problem) -> dict[str, float]:
@@ -274,64 +254,235 @@ def _at_size(size: float, seen: list[tuple[float, float]]) -> float:
     return most + max(slope, 0.0) * (size - larger)
 
 
-def _try(problem: Problem, interval: int, together: bool = False) -> _Prices:
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """Seconds of a step of each part and of a record; bytes of the file after the first record, and of each further one."""
+
+    seconds: dict[str, float]
+    first_bytes: float
+    record_bytes: float
+
+
+def _try(problem: Problem, interval: int, together: bool = False) -> _Trial:
     """
     Measure some steps and a record after them, again and again, from the start of the run with all elements active; with the
     surfaces moved ``together`` where that is asked for.
     """
+    import tempfile
+
     from .loop import Loop
 
-    loop, error = Loop(problem, ""), new_error()
-    steps: list[Array] = []
-    records: list[float] = []
+    loop = Loop(problem, "")
+    rounds: list[Array] = []
     sizes: list[int] = []
     _place(problem, loop.state, together)
+
+    def seconds_of(count: int) -> Array:
+        before = step_seconds(problem, loop.state)
+        call(lib.ct_step_many, problem.pointer, loop.state, count)
+        return (step_seconds(problem, loop.state) - before) / count
+
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "trial.vtkhdf"
         if problem.parts.output.file is not None and has("hdf5"):
             loop.open(file)
         try:
             loop.start_guard()
-            # A record computes the forces of the next step, which takes less time then.
-            ticks = step_seconds(problem, loop.state)
-            while len(records) < FEWEST_ROUNDS or (
-                len(records) < MOST_ROUNDS and np.sum(steps) + sum(records) < TRIAL_SECONDS
+            # The first step warms the caches, and tells how many there is time for.
+            there_is_time = TRIAL_SECONDS / FEWEST_ROUNDS / max(seconds_of(1).sum(), 1e-9)
+            count = max(1, min(interval, MOST_STEPS, int(there_is_time)))
+            while len(rounds) < FEWEST_ROUNDS or (
+                len(rounds) < MOST_ROUNDS and count * np.sum(rounds) < TRIAL_SECONDS
             ):
-                for _ in range(min(interval, MOST_STEPS)):
-                    before = ticks
-                    check(lib.ct_step(problem.pointer, loop.state, error), error)
-                    ticks = step_seconds(problem, loop.state)
-                    steps.append(ticks - before)
-                begin = loop.output_seconds
+                # A record computes the forces of the next step, which takes less time then.
+                steps, begin = seconds_of(count), loop.output_seconds
                 loop.record()
-                records.append(loop.output_seconds - begin)
+                rounds.append(np.append(steps, loop.output_seconds - begin))
                 sizes.append(file.stat().st_size if file.exists() else 0)
         finally:
             loop.abandon()
-    # The first round warms the caches.
-    step = _mean(np.array(steps[len(steps) // len(records) :]))
-    seconds = _by_name(problem, step) | {OUTPUT: float(_mean(np.array(records[1:])))}
-    return _Prices(seconds, sizes[0], (sizes[-1] - sizes[0]) / (len(sizes) - 1))
-
-
-def _mean(rows: Array) -> Array:
-    """The mean of like rows, of which some may have been interrupted."""
-    return np.asarray(np.minimum(rows, INTERRUPTED * np.median(rows, axis=0)).mean(axis=0))
+    # A median leaves out what another program interrupted.
+    *steps, record = np.median(rounds[1:], axis=0)
+    seconds = _by_name(problem, steps) | {OUTPUT: float(record)}
+    return _Trial(seconds, sizes[0], (sizes[-1] - sizes[0]) / (len(sizes) - 1))
 
 
 def _place(problem: Problem, state: Any, together: bool) -> None:
     """Stretch all bodies a little, which makes every element active, and move them into touch."""
-    u, x, free = (
-        np.frombuffer(ffi.buffer(pointer, 24 * problem.pointer.node_count)).reshape(-1, 3)
-        for pointer in (state.displacement, problem.pointer.reference, problem.pointer.inverse_mass)
-    )
-    u += STRETCH * x * (free > 0.0)
+    u, free = problem.rows(state.displacement), problem.rows(problem.pointer.inverse_mass) > 0.0
+    u += STRETCH * problem.rows(problem.pointer.reference) * free
     moved = set()
     for touch in first_touch(problem) if together else ():
         # A body that may touch several others is moved to one of them.
         if touch.body not in moved and touch.shift.any():
             u[problem.bodies[touch.body].nodes] += touch.shift
             moved.add(touch.body)
+
+
+# The rehearsal.
+
+
+@dataclass(frozen=True, eq=False)
+class Rehearsal:
+    """
+    What the run of a coarse problem counted.
+
+    Attributes
+    ----------
+    coarse : Problem
+        The scene with larger elements; the problem itself where that is cheap enough.
+    steps : int
+        Steps that the run will take, fewer than it may where it ends at rest.
+    pressed : ndarray, shape (windows, effects)
+        Whether an effect acted in a part of the run: its impulses changed.
+    seconds : ndarray, shape (effects + 1,)
+        Mean time of one coarse step in each effect and, last, in the time loop.
+    computed : float
+        Fraction of the element forces that were computed, :eq:`sleep-share`.
+    rounds : float
+        Solver rounds times constraints, per coarse step.
+    """
+
+    coarse: Problem
+    steps: int
+    pressed: npt.NDArray[np.bool_]
+    seconds: Array
+    computed: float
+    rounds: float
+
+
+def computed_share(state: Any) -> float:
+    """Return the fraction of the element forces that the steps of a state computed; the others were asleep."""
+    computed, left_out = state.element_updates
+    return float(computed / max(computed + left_out, 1))
+
+
+def rehearse(problem: Problem) -> list[Rehearsal]:
+    """
+    Compute the scene with larger elements, twice.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem of the run.
+
+    Returns
+    -------
+    list of Rehearsal
+        One with the smallest elements that are cheap enough, and one with larger ones; only the problem itself where that is
+        cheap enough. Empty where none is, as for large bodies with meshes of their own, or where the coarse run fails.
+    """
+    most = max(MOST_UPDATES, MOST_FRACTION * _updates(problem, 1.0))
+    sizes = (1.1**k for k in range(100))
+    times = next((q for q in sizes if _updates(problem, q) <= min(most, MOST_EVER)), math.inf)
+    # Nodes that an effect of the user lists by number do not exist in a coarse body.
+    numbered = not all(isinstance(own.given, str) for own in problem.own)
+    if times > 1.0 and (numbered or math.isinf(times)):
+        return []
+    try:
+        if times == 1.0:
+            return [_observe(problem, problem.step_count)]
+        return [_observe(_coarse(problem, q), problem.step_count) for q in (times, COARSER * times)]
+    except Error:
+        return []
+
+
+def _coarse(problem: Problem, times: float) -> Problem:
+    """The scene with elements that are some times larger, at the same fraction of its stable step."""
+    parts = problem.parts
+    bodies = tuple(_larger(problem, body, times) for body in parts.body)
+    steps = {**dict.fromkeys(Time.one[1]), "fraction": min(problem.dt / problem.stable.dt, 1.0)}
+    time = replace(parts.time, end=problem.end, end_c1t_over=None, **steps)
+    own = [copy.copy(own) for own in problem.own]
+    return Problem(replace(parts, body=bodies, time=time), problem.file, problem.threads, own)
+
+
+def _cells(body: Body, times: float) -> tuple[int, int, int] | None:
+    """The cells of a body with elements that are some times larger; None where it has a mesh of its own."""
+    lattice = body.box or body.ring
+    if lattice is None:
+        return None
+    fewest = (1, 1, 1) if body.box else (1, FEWEST_AROUND, 1)
+    x, y, z = (min(n, max(m, round(n / times))) for n, m in zip(lattice.cells, fewest))
+    return x, y, z
+
+
+def _larger(problem: Problem, body: Body, times: float) -> Body:
+    """A body with elements that are some times larger, numbered along the same axis; one with a mesh of its own as it is."""
+    cells = _cells(body, times)
+    if cells and body.box:
+        return replace(body, box=replace(body.box, cells=cells, layers=problem.layers(body)))
+    return replace(body, ring=replace(body.ring, cells=cells)) if cells and body.ring else body
+
+
+def _updates(problem: Problem, times: float) -> float:
+    """The cost of a run with elements that are some times larger, in updates of one element, about."""
+    elements, whole, shorter = 0.0, 0.0, 1.0
+    for name, body in problem.parts.bodies.items():
+        count, cells = len(problem.bodies[name].mesh.elements), _cells(body, times)
+        ratios = np.divide(cells, _cells(body, 1.0) or 1.0) if cells else np.ones(3)
+        elements, whole = elements + count * ratios.prod(), whole + count
+        shorter = min(shorter, ratios.mean())
+    touching = sum(one.node_count for one in problem.made if one.kind in TOUCHING)
+    # The stable step grows with the elements, surfaces go with the power 2/3 of their number.
+    faces = touching * (elements / whole) ** (2 / 3)
+    return float((elements + NODE_UPDATES * faces) * problem.step_count * shorter)
+
+
+def _observe(coarse: Problem, steps: int) -> Rehearsal:
+    """Run the coarse problem, which stands for a run of ``steps``; a short one again, for its times: the fastest was disturbed least by other programs."""
+    begin = clock.process_time()
+    passes = [_pass(coarse, steps)]
+    while len(passes) < PASSES and clock.process_time() - begin < PASS_SECONDS:
+        passes.append(_pass(coarse, steps))
+    return min(passes, key=lambda one: float(one.seconds.sum()))
+
+
+def _pass(coarse: Problem, steps: int) -> Rehearsal:
+    """Run the coarse problem to its end, or until it is at rest where that ends it, and see after each window which effects pressed."""
+    state = new_state(coarse)
+    windows = min(WINDOWS, max(1, coarse.step_count // FEWEST_STEPS))
+    # The first effect, the elements, has no impulse.
+    ends = np.cumsum([0, 0, *(effect.node_count for effect in coarse.made[1:])])
+    pressed: list[list[bool]] = []
+    impulse = _impulse(state)
+    while not (len(pressed) == windows or (pressed and _at_rest(coarse, state))):
+        target = round((len(pressed) + 1) / windows * coarse.step_count)
+        call(lib.ct_step_many, coarse.pointer, state, target - state.step)
+        before, impulse = impulse, _impulse(state)
+        changed = (impulse != before).any(axis=1)
+        pressed.append([changed[first:end].any() for first, end in zip(ends, ends[1:])])
+    return Rehearsal(
+        coarse,
+        math.ceil(len(pressed) / windows * steps),
+        np.array(pressed),
+        step_seconds(coarse, state) / state.step,
+        computed_share(state),
+        state.constraint_rounds / state.step,
+    )
+
+
+def _impulse(state: Any) -> Array:
+    """The impulses of all effects at their nodes (rows, 3): the sum of both parts, :eq:`impulse-parts`."""
+    if not state.impulse_count:
+        return np.empty((0, 3))
+    parts = np.frombuffer(ffi.buffer(state.impulse, 8 * state.impulse_count), np.float64)
+    return np.asarray(parts.reshape(2, -1, 3).sum(axis=0))
+
+
+def step_seconds(problem: Problem, state: Any) -> Array:
+    """Return the time that a state's steps took in each effect and, last, in the time loop (effects + 1,) [s]."""
+    size = 8 * (len(problem.effects) + 1)
+    return np.frombuffer(ffi.buffer(state.effect_seconds, size), np.float64).copy()
+
+
+def _at_rest(problem: Problem, state: Any) -> bool:
+    """Whether a run that ends at rest would end here."""
+    wanted = problem.parts.time.until_static
+    if wanted is None or state.time < problem.settled:
+        return False
+    residual: float = ask("double *", lib.ct_energy_residual, problem.pointer, state)
+    return residual <= wanted
 
 
 # The table.
@@ -354,36 +505,40 @@ def table(costs: Sequence[Cost], stable: float) -> str:
         The lines of the table.
     """
     from rich.console import Console
-    from rich.table import Table
+    from rich.table import Column, Table
 
-    rows = [_cells(cost, stable) for cost in costs]
-    sums = (_total([cost.predicted for cost in costs]), _total([cost.measured for cost in costs]))
-    rows.append(["together", *4 * [""], *map(_seconds, sums), *3 * [""]])
+    rows = [_row(cost, stable) for cost in costs]
+    sums = {
+        key: _total([getattr(cost, key) for cost in costs]) for key in ("predicted", "measured")
+    }
+    rows.append({"": "together", **{key: _seconds(value) for key, value in sums.items()}})
     told = any(cost.measured is not None for cost in costs)
-    kept = [k for k, head in enumerate(HEADS) if told or head not in ("done", "measured")]
-    out = Table(box=None, pad_edge=False, padding=(0, 3, 0, 0))
-    for k in kept:
-        out.add_column(HEADS[k], justify="right" if k else "left")
+    heads = [head for head in rows[0] if told or head not in ("done", "measured")]
+    columns = [Column(head, justify="right" if head else "left") for head in heads]
+    out = Table(*columns, box=None, pad_edge=False, padding=(0, 3, 0, 0))
     for row in rows:
-        out.add_row(*(row[k] for k in kept))
+        out.add_row(*(row.get(head, "") for head in heads))
     text = io.StringIO()
     Console(file=text, width=200, color_system=None).print(out)
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())
 
 
-def _cells(cost: Cost, stable: float) -> list[str]:
+def _row(cost: Cost, stable: float) -> dict[str, str]:
+    """A row of the table, by the heads of its columns."""
     # The part of 4 / dt² = W + 2 D / dt that belongs to the effect.
     bound = (cost.omega_squared + 2.0 * cost.rate / stable) * stable**2 / 4.0
-    return [
-        cost.name,
-        str(cost.nodes or ""),
-        _seconds(cost.seconds_a_step or None),
-        f"{100 * cost.active:.0f} %",
-        "" if cost.done is None else f"{100 * cost.done:.0f} %",
-        *map(_seconds, (cost.predicted, cost.measured)),
-        *(f"{count:.2g}" if count else "" for count in (cost.flops, cost.bytes)),
-        f"{100 * bound:.1f} %" if bound else "",
-    ]
+    return {
+        "": cost.name,
+        "nodes": str(cost.nodes or ""),
+        "a step": _seconds(cost.seconds_a_step or None),
+        "work": f"{100 * cost.active:.0f} %",
+        "done": "" if cost.done is None else f"{100 * cost.done:.0f} %",
+        "predicted": _seconds(cost.predicted),
+        "measured": _seconds(cost.measured),
+        "flops": f"{cost.flops:.2g}" if cost.flops else "",
+        "bytes": f"{cost.bytes:.2g}" if cost.bytes else "",
+        "of the bound": f"{100 * bound:.1f} %" if bound else "",
+    }
 
 
 def _total(values: Sequence[float | None]) -> float | None:

@@ -41,9 +41,8 @@ def picture(run: Run, path: str | Path, field: str = "stress_xx", scale: float =
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    figure, (above, below) = pyplot.subplots(
-        2, 1, figsize=(8, 8), height_ratios=[2, 1], layout="constrained"
-    )
+    shape = {"figsize": (8, 8), "height_ratios": [2, 1], "layout": "constrained"}
+    figure, (above, below) = pyplot.subplots(2, 1, **shape)
     try:
         draw_field(above, run, field, scale)
         draw_energies(below, run)
@@ -95,14 +94,9 @@ def draw_field(axes: Any, run: Run, field: str, scale: float = 1.0) -> Any:
         values.append(colours[seen])
         depths.append(toward * corners[seen][:, :, axis].mean(axis=1))
     order = np.argsort(np.concatenate(depths), kind="stable")
-    patches = PolyCollection(
-        [polygons[i] for i in order],
-        array=np.concatenate(values)[order],
-        linewidths=0.4,
-        edgecolors="face",
-        antialiaseds=False,
-        rasterized=True,
-    )
+    style = {"linewidths": 0.4, "edgecolors": "face", "antialiaseds": False, "rasterized": True}
+    faces, colours = [polygons[i] for i in order], np.concatenate(values)[order]
+    patches = PolyCollection(faces, array=colours, **style)
     axes.add_collection(patches)
     axes.autoscale_view()
     length, unit = _unit(run, "length"), _unit(run, QUANTITY[COMPONENTS[field][0]])

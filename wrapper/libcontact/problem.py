@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,34 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import names, row
+from .bridge import ask, names, row
 from .errors import Error, check, new_error, text_of
 from .mesh import KINDS, WIDTH, Mesh, physical_memory, read_vtkhdf, row_length
-from .model import (
-    AXES,
-    INITIAL,
-    INTEGRATORS,
-    KERNELS,
-    LUMPINGS,
-    OPTIMISATIONS,
-    Body,
-    Contact,
-    History,
-    Material,
-    Support,
-)
+from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support
 from .parts import Parts
-from .schema import SceneError, Table, float_array, index_array, word
+from .schema import Place, Rows, SceneError, Table, word
 
 MOST_STEPS = 10**12
-NO_FACES = "has no faces: no outer face of the body lies in that plane"
 # Bytes of a contact for each of its points: the point itself, its memory, its share of the faces and their search. Of an integrator for
 # each node: accelerations before.
 POINT_BYTES = 680
 CARRIED = {lib.CT_CHUNG_LEE: 48, lib.CT_NOH_BATHE: 24, lib.CT_TCHAMWA_WIELGOSZ: 24}
 # Shorter rows are numbered along x: many short pieces cost more than whole layers save.
 SHORTEST_ROW = 32
-# Bodies with shorter rows are not told from others (the library's ct_lattice_find).
+# Bodies with shorter rows are not told from others (the library's ct_force_ring_create).
 SHORTEST_LATTICE = 8
 POINT = row("ct_contact_point")
 
@@ -59,12 +46,12 @@ class BuiltBody:
 
 @dataclass(frozen=True)
 class BuiltContact:
-    """A contact; ``faces`` and ``points`` count those of each side. A surface in contact with itself is its one side."""
+    """A contact; ``faces`` and ``gauss_points`` count those of each side. A surface in contact with itself is its one side."""
 
     surfaces: tuple[str, str]
     with_itself: bool
     faces: tuple[int, ...]
-    points: tuple[int, ...]
+    gauss_points: tuple[int, ...]
     epsilon: float
 
 
@@ -84,12 +71,10 @@ def memory_estimate(nodes: int, elements: int, width: int, lattice: bool = False
     """
     Bytes that a run of bodies alone holds: 31 numbers a node (10 of the problem: coordinates, masses, first velocity; 12 of the state:
     displacement, velocity, work, force; 9 of the last good state), the places where it finds its forces, and the node numbers of the
-    elements, twice, with the forces of their nodes on the way to the sum. A ``lattice`` of congruent elements needs their numbers once.
+    elements, with the forces of their nodes on the way to the sum. A ``lattice`` of congruent elements needs their numbers and runs of nodes only.
     """
-    places = elements * width * 4
-    if not lattice:
-        places = nodes * 8 * 4 + elements * width * (2 * 4 + 3 * 8)
-    return nodes * 31 * 8 + places
+    forces = nodes * 8 if lattice else nodes * 8 * 4 + elements * width * 3 * 8
+    return nodes * 31 * 8 + elements * width * 4 + forces
 
 
 def memory_of(problem: Problem) -> int:
@@ -99,22 +84,23 @@ def memory_of(problem: Problem) -> int:
         nodes, elements = len(body.mesh.nodes), len(body.mesh.elements)
         width, lattice = WIDTH[body.mesh.element], problem._is_lattice(problem.parts.bodies[name])
         total += memory_estimate(nodes, elements, width, lattice)
+        # What sleeps has the batches of each node.
+        total += nodes * 22 if "quiet" in problem.parts.run.savings else 0
         total += elements * 256 if body.kernel == "reduced" else 0
         # Of a body that may stiffen its frequency is watched: a direction, and a force with room of its own.
         total += nodes * 72 + elements * (24 * width + 18) if body.material.law != "linear" else 0
         total += nodes * CARRIED.get(problem.pointer.integrator.scheme, 0)
-    for k in range(1, problem.pointer.effect_count):
-        effect = problem.pointer.effects[k]
-        # Impulse in two parts, of the state and the good one; of a force also its work, itself, and what it is put right with.
-        total += effect.node_count * (
-            96 if effect.phase == lib.CT_PHASE_REACTION else 96 + 48 + 24 + 76
-        )
+    for effect in problem.made[1:]:
+        # Impulse in two parts, of the state and the good one; of a support also its nodes and who holds them; of a force also its work,
+        # itself, and what it is put right with.
+        works = effect.phase != lib.CT_PHASE_REACTION
+        total += effect.node_count * (96 + (48 + 24 + 76 if works else 16))
         total += 24 * effect.memory_count
         total += 0 if effect.nodes == ffi.NULL else 4 * effect.node_count
         # The solver keeps where a row is, and 11 numbers to find its force.
         pressing = effect.phase == lib.CT_PHASE_CONSTRAINT
         total += pressing * effect.constraint_count * 13 * 8
-    return total + POINT_BYTES * sum(sum(contact.points) for contact in problem.contacts)
+    return total + POINT_BYTES * sum(sum(contact.gauss_points) for contact in problem.contacts)
 
 
 class Problem:
@@ -132,29 +118,27 @@ class Problem:
     ):
         """``dt``: the step to the last bit, as a run had it that is continued; None: as the scene says."""
         self.parts, self.file, self.own = parts, file, tuple(own)
-        self.threads = parts.threads if threads is None else threads
+        self.threads = parts.run.threads if threads is None else threads
         self._check_size()
         out = ffi.new("ct_scene **")
         self._call("", lib.ct_scene_create, out)
         self._scene = ffi.gc(out[0], lib.ct_scene_free)
-        chosen = ffi.new(
-            "ct_optimisations *",
-            {member: key in parts.savings for key, member in OPTIMISATIONS.items()},
-        )
+        savings = {member: key in parts.run.savings for key, member in OPTIMISATIONS.items()}
+        chosen = ffi.new("ct_optimisations *", savings)
         self._call("run.savings", lib.ct_scene_set_optimisations, self._scene, chosen)
         self._add_bodies()
-        self.faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contacts)]
-        for i, support in enumerate(parts.supports):
+        self.faces = [self._add_contact(i, contact) for i, contact in enumerate(parts.contact)]
+        for i, support in enumerate(parts.support):
             if not support.history:
                 self._add_support(i, support)
         self.kept: list[Any] = []
-        self._add_effects(own)
+        self._add_effects()
         self._build(dt)
         self.bodies = {name: self._built_body(i, name) for i, name in enumerate(parts.bodies)}
-        self.contacts = [self._built_contact(*each) for each in enumerate(parts.contacts)]
-        made = [self.pointer.effects[i] for i in range(self.pointer.effect_count)]
-        self.effects = [ffi.string(effect.label).decode() for effect in made]
-        self.stores = [effect.energy != ffi.NULL for effect in made]
+        self.contacts = [self._built_contact(*each) for each in enumerate(parts.contact)]
+        self.made = [self.pointer.effects[i] for i in range(self.pointer.effect_count)]
+        self.effects = [ffi.string(effect.label).decode() for effect in self.made]
+        self.stores = [effect.energy != ffi.NULL for effect in self.made]
 
     @property
     def dt(self) -> float:
@@ -163,23 +147,21 @@ class Problem:
 
     @property
     def end(self) -> float:
-        """The end of the run in the scene's units."""
-        time = self.parts.time
+        """The end of the run in the scene's units; ``end_c1t_over`` means the fastest c₁ of all bodies."""
+        time, over = self.parts.time, self.parts.time.end_c1t_over
         if time.end is not None:
             return float(time.end)
-        over = time.end_c1t_over
-        return float(over.length * over.value / self.fastest)
-
-    @property
-    def fastest(self) -> float:
-        """The fastest c₁ of all bodies: the one that ``end_c1t_over`` means."""
-        bodies = self.parts.bodies.values()
-        return max(speeds(self.parts.materials[body.material])[0] for body in bodies)
+        materials = (self.parts.materials[body.material] for body in self.parts.body)
+        return float(over.length * over.value / max(speeds(each)[0] for each in materials))
 
     @property
     def settled(self) -> float:
         """When the last history of a load or a support is over."""
         return max((history.time[-1] for history in self.parts.histories()), default=0.0)
+
+    def rows(self, pointer: Any) -> NDArray[np.float64]:
+        """Three numbers of each node (n, 3) in the memory of C, to be read or changed there."""
+        return np.frombuffer(ffi.buffer(pointer, 24 * self.pointer.node_count)).reshape(-1, 3)
 
     # Errors of the C library, as the scene's keys tell them.
 
@@ -205,8 +187,8 @@ class Problem:
 
     def _key_of(self, table: str, number: int) -> str:
         """The key of a part that has this number in the library, whose supports are those without a path."""
-        held = [i for i, support in enumerate(self.parts.supports) if not support.history]
-        numbers = {"contact": range(len(self.parts.contacts)), "support": held}
+        held = [i for i, support in enumerate(self.parts.support) if not support.history]
+        numbers = {"contact": range(len(self.parts.contact)), "support": held}
         return f"{table}[{numbers[table][number]}]" if table in numbers else table
 
     # The pieces.
@@ -215,32 +197,25 @@ class Problem:
         """Refuse boxes and rings that this machine can't hold before their meshes are made."""
         need = 0
         for i, body in enumerate(self.parts.bodies.values()):
-            if body.lattice is not None:
-                x, y, z = body.lattice.cells
+            if body.box or body.ring:
+                x, y, z = (body.box or body.ring).cells
                 nodes = (x + 1) * (y + 1) * (z + 1) * (4 if body.bricks == "hex20" else 1)
                 width = WIDTH[str(body.bricks)]
                 need += memory_estimate(nodes, x * y * z, width, self._is_lattice(body))
             if need > physical_memory():
-                gigabytes = (
-                    f"{need / 1e9:.3g} GB, this machine has {physical_memory() / 1e9:.3g} GB"
-                )
+                there = f"this machine has {physical_memory() / 1e9:.3g} GB"
                 key = f"body[{i}].{'box' if body.box else 'ring'}.cells"
-                raise self._error(f"the run needs about {gigabytes}", key)
+                raise self._error(f"the run needs about {need / 1e9:.3g} GB, {there}", key)
 
     def _is_lattice(self, body: Body) -> bool:
-        """Whether nothing is stored of the elements of a body, :eq:`lattice-ring`."""
+        """Whether no forces of the elements of a body are stored, :eq:`lattice-ring`."""
         return (
-            "congruent" in self.parts.savings
+            "congruent" in self.parts.run.savings
             and self.parts.materials[body.material].law == "linear"
             and body.bricks == "hex8"
-            and body.integration == "full"
-            and body.kernel in ("auto", "box", "plane")
-            and self.has_rows(body)
+            and body.box is not None
+            and row_length(body.box, self.layers(body)) >= SHORTEST_LATTICE
         )
-
-    def has_rows(self, body: Body) -> bool:
-        """Whether a body is a box whose rows are long enough to be taken for those of a lattice."""
-        return body.box is not None and row_length(body.box, self.layers(body)) >= SHORTEST_LATTICE
 
     def layers(self, body: Body) -> str:
         """
@@ -249,9 +224,9 @@ class Problem:
         """
         if body.box.layers is not None:
             return str(body.box.layers)
-        pressed = [surface for contact in self.parts.contacts for surface in contact.surfaces]
-        pressing = [each for each in self.parts.effects if each.name in ("obstacle", "load")]
-        pressed += [added.given.surface for added in pressing]
+        parts = self.parts
+        pressed = [surface for contact in parts.contact for surface in contact.surfaces]
+        pressed += [each.surface for each in (*parts.obstacle, *parts.load)]
         axes = {face[0] for name, face in pressed if name == body.name}
         axis = axes.pop() if len(axes) == 1 else "z"
         if axis not in ("x", "y"):
@@ -261,41 +236,30 @@ class Problem:
     def _mesh(self, i: int, body: Body) -> Mesh:
         """The mesh of a body, from whichever key says it."""
         box, ring, element = body.box, body.ring, str(body.bricks)
-        make: Callable[[], Mesh]
-        if box is not None:
-            key, axis = "box", self.layers(body)
-            make = lambda: Mesh.box(element, box.origin, box.size, box.cells, axis)
-        elif ring is not None:
-            key, make = "ring", lambda: Mesh.ring(element, ring)
-        else:
-            key = "mesh" if body.mesh is not None else "elements"
-            make = lambda: Mesh.copy(*self._arrays(i, body))
+        key = next(name for name in Body.one[0] if getattr(body, name) is not None)
         try:
-            return make()
+            if box is not None:
+                return Mesh.box(element, box.origin, box.size, box.cells, self.layers(body))
+            return Mesh.ring(element, ring) if ring is not None else self._copied(i, body)
         except SceneError:
             raise
         except (Error, ValueError, MemoryError, OverflowError) as error:
             raise self._error(f'body "{body.name}": {error}', f"body[{i}].{key}") from None
 
-    def _arrays(self, i: int, body: Body) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Nodes and elements of a body, its own or those of its file."""
-        nodes, elements = body.nodes, body.elements
+    def _copied(self, i: int, body: Body) -> Mesh:
+        """The mesh of a body's own nodes and elements, or of those of its file, which may contradict other keys as well."""
         if body.mesh is not None:
             path = Path(self.file).parent / body.mesh if self.file else Path(body.mesh)
-            nodes, elements = read_vtkhdf(path)
-            nodes = float_array(nodes, 3)
-            elements = index_array(elements, (8, 20), len(nodes))
-            found = "hex8" if elements.shape[1] == 8 else "hex20"
-            asked = body.element or found
-            if asked != found:
-                raise self._error(f'is "{asked}", but "{path}" holds {found}', f"body[{i}].element")
-            for key, _ in body.hex8_only() if found == "hex20" else ():
-                reason = f'"{getattr(body, key)}" is for hex8, and "{path}" holds hex20'
-                raise self._error(reason, f"body[{i}].{key}")
-        unused = np.flatnonzero(np.bincount(elements.ravel(), minlength=len(nodes)) == 0)
+            at, (nodes, elements) = Place(f"body[{i}].mesh", self.file), read_vtkhdf(path)
+            nodes = Rows(3).read(nodes, at)
+            elements = Rows(*WIDTH.values(), whole=True).read(elements, at)
+            body = replace(body, mesh=None, nodes=nodes, elements=elements)
+            for key, reason in body.refusals():
+                raise self._error(f'{reason}, in "{path}"', f"body[{i}].{key}")
+        unused = np.flatnonzero(np.bincount(body.elements.ravel(), minlength=len(body.nodes)) == 0)
         if unused.size:
             raise ValueError(f"node {unused[0]} belongs to no element, so it would have no mass")
-        return nodes, elements
+        return Mesh.copy(body.nodes, body.elements)
 
     def _add_bodies(self) -> None:
         self._meshes = {}
@@ -307,36 +271,25 @@ class Problem:
                 reason = f'material "{body.material}" has the wave speed {c1:g}'
                 raise self._error(reason, f"body[{i}].material")
             name = ffi.new("char[]", body.name.encode())
-            new = ffi.new("ct_scene_body *", {"name": name, "mesh": mesh.pointer})
-            new.material = c_material(given)[0]
-            new.lumping = LUMPINGS[body.lumping or "default"]
-            new.kernel = KERNELS["reduced" if body.integration == "reduced" else body.kernel]
-            new.velocity = list(body.velocity)
-            new.hourglass = body.hourglass or 0.0
+            members = body.c("ct_scene_body", name=name, mesh=mesh.pointer)
+            members["material"] = given.c("ct_material")
+            if body.integration == "reduced":
+                members["kernel"] = lib.CT_KERNEL_REDUCED
             if body.spin is not None:
-                velocities = ffi.from_buffer("double[]", _spinning(body, mesh))
-                new.velocities = velocities
+                members["velocities"] = ffi.from_buffer("double[]", _spinning(body, mesh))
+            new = ffi.new("ct_scene_body *", members)
             about = f'body "{body.name}": '
             self._call(f"body[{i}]", lib.ct_scene_add_body, self._scene, new, ffi.NULL, about=about)
             self._meshes[body.name] = mesh
 
     def _add_contact(self, i: int, contact: Contact) -> list[NDArray[Any]]:
         numbers = {name: n for n, name in enumerate(self.parts.bodies)}
-        faces = []
-        for j, (body, face) in enumerate(contact.surfaces):
-            faces.append(self._meshes[body].faces(face)[0])
-            if not len(faces[j]):
-                raise self._error(f'"{body}.{face}" {NO_FACES}', f"contact[{i}].surfaces[{j}]")
+        places = [f"contact[{i}].surfaces[{j}]" for j in (0, 1)]
+        faces = [self._on(surface, at) for surface, at in zip(contact.surfaces, places)]
         if contact.with_itself:
             faces = [_together(*faces)] * 2
         options = lib.ct_contact_options_default()
-        members = contact.c(
-            "ct_contact_options",
-            threads=self.threads,
-            initial_penetration=INITIAL[contact.initial_penetration],
-            removal_time=contact.removal_time or 0.0,
-        )
-        for name, value in members.items():
+        for name, value in contact.c("ct_contact_options", threads=self.threads).items():
             setattr(options, name, value)
         new = ffi.new("ct_scene_contact *", contact.c("ct_scene_contact", options=options))
         for side, (body, _), table in zip("ab", contact.surfaces, faces):
@@ -346,30 +299,27 @@ class Problem:
         self._call(f"contact[{i}]", lib.ct_scene_add_contact, self._scene, new)
         return faces[:1] if contact.with_itself else faces
 
+    def _on(self, surface: tuple[str, str], key: str, nodes: bool = False) -> NDArray[Any]:
+        """The faces or the nodes of a surface; none is an error."""
+        mesh, face = self._meshes[surface[0]], surface[1]
+        found: NDArray[Any] = mesh.face_nodes(face) if nodes else mesh.faces(face)[0]
+        if not len(found):
+            reason = "has no faces: no outer face of the body lies in that plane"
+            raise self._error(f'"{".".join(surface)}" {reason}', key)
+        return found
+
     def _add_support(self, i: int, support: Support) -> None:
-        nodes = self._meshes[support.body].face_nodes(support.face)
-        if not nodes.size:
-            raise self._error(f'"{support.body}.{support.face}" has no nodes', f"support[{i}].set")
-        new = ffi.new(
-            "ct_scene_support *",
-            {
-                "body": list(self.parts.bodies).index(support.body),
-                "nodes": ffi.from_buffer("int32_t[]", nodes),
-                "node_count": len(nodes),
-                "fixed": [axis in support.fix for axis in AXES],
-                "velocity": list(support.velocity),
-            },
-        )
+        nodes = self._on(support.set, f"support[{i}].set", nodes=True)
+        new = ffi.new("ct_scene_support *", support.c("ct_scene_support", **_held(support, nodes)))
+        new.body = list(self.parts.bodies).index(support.set.body)
         self._call(f"support[{i}]", lib.ct_scene_add_support, self._scene, new)
 
-    def _add_effects(self, own: Sequence[Any]) -> None:
+    def _add_effects(self) -> None:
         """The effects beside contacts and supports, which are made for the joined bodies: those of the scene's tables, then those of the user's ``own``."""
-        supports = enumerate(self.parts.supports)
-        paths = {f"support[{i}]": support for i, support in supports if support.history}
         calls = [(added.key, added.given.create) for added in self.parts.effects]
-        calls += [(effect.name, effect.create) for effect in own]
-        if paths:
-            calls.append((next(iter(paths)), lambda maker: maker.motion(list(paths.values()))))
+        calls += [(effect.name, effect.create) for effect in self.own]
+        paths = [i for i, support in enumerate(self.parts.support) if support.history]
+        calls += [(f"support[{i}]", Maker.motion) for i in paths[:1]]
         if not calls:
             return
         joined = ffi.new("const ct_problem **")
@@ -392,7 +342,7 @@ class Problem:
             "end": end,
             name: value,
             "keep_dt": dt is not None,
-            "integrator": (INTEGRATORS[given.integrator], given.parameter),
+            "integrator": given.scheme,
             "assembled": given.stable_step == "assembled",
             "threads": self.threads,
             "clock": ffi.addressof(lib, "wall_clock"),
@@ -421,7 +371,7 @@ class Problem:
         rule = ffi.new("ct_rule *")
         points = []
         for (body, _), faces in zip(contact.surfaces, self.faces[i]):
-            lib.ct_rule_face(lib.ct_brick_face_kind(KINDS[self.bodies[body].mesh.element]), 0, rule)
+            lib.ct_rule_face(lib.ct_brick_face_kind(KINDS[self.bodies[body].mesh.element]), rule)
             points.append(len(faces) * rule.count)
         first, second = (".".join(surface) for surface in contact.surfaces)
         counts = tuple(len(faces) for faces in self.faces[i])
@@ -447,32 +397,28 @@ class Maker:
         """The error that says what is wrong with the effect, or with one of its keys."""
         return SceneError(reason, f"{self.key}.{key}" if key else self.key, self._built.file)
 
-    def make(self, name: str, given: Table, **members: Any) -> Any:
+    def make(self, name: str, given: Table | None, **members: Any) -> Any:
         """The effect of the library that is called so, of the keys that its struct has, and of further members of the struct."""
         struct = f"ct_{name}_def" if hasattr(lib, f"ct_{name}_def_default") else f"ct_{name}"
-        return self._made(name, struct, given.c(struct, **members))
-
-    def _made(self, name: str, struct: str, members: dict[str, Any]) -> Any:
         out, definition = ffi.new("ct_effect **"), ffi.new(f"{struct} *")
         if struct.endswith("_def"):
             definition[0] = getattr(lib, f"{struct}_default")()
-        for member, value in members.items():
+        for member, value in (given.c(struct, **members) if given else members).items():
             setattr(definition, member, value)
         create = getattr(lib, f"ct_{name}_create_effect")
         self._built._call(self.key, create, definition, self.problem, out)
         return out[0]
 
-    def motion(self, paths: Sequence[Support]) -> Any:
+    def motion(self) -> Any:
         """The one effect of all supports on a path."""
+        paths = [support for support in self.parts.support if support.history]
         motions = self.keep(ffi.new("ct_motion[]", len(paths)))
         for motion, support in zip(motions, paths):
-            nodes = self.keep(self.face_nodes(support.set))
-            motion.nodes, motion.node_count = ffi.from_buffer("int32_t[]", nodes), len(nodes)
-            motion.fixed = [axis in support.fix for axis in AXES]
-            motion.displacement = list(support.travel)
-            motion.amplitude = self.history(support.history)
-        members = {"motions": motions, "motion_count": len(paths)}
-        return self._made("motion", "ct_motion_def", members)
+            members = _held(support, self.keep(self.face_nodes(support.set)))
+            members |= {"displacement": support.travel, "amplitude": self.history(support.history)}
+            for name, value in members.items():
+                setattr(motion, name, value)
+        return self.make("motion", None, motions=motions, motion_count=len(paths))
 
     def history(self, history: History | None) -> dict[str, Any]:
         """The members of a ``ct_amplitude``; without one the factor is 1 at all times."""
@@ -499,23 +445,22 @@ class Maker:
 
     def face_nodes(self, surface: tuple[str, str]) -> NDArray[Any]:
         """Numbers of the nodes of a surface (body, face) in the problem, ascending (int32); none is an error."""
-        nodes = self._built._meshes[surface[0]].face_nodes(surface[1])
-        return self._on_surface(nodes, surface)
+        nodes = self._built._on(surface, self.key, nodes=True)
+        return np.ascontiguousarray(nodes + self.body(surface[0]).first_node, np.int32)
 
     def faces(self, surface: tuple[str, str]) -> dict[str, Any]:
         """The members ``kind``, ``face_count`` and ``faces`` of a surface (body, face); none is an error."""
-        mesh = self._built._meshes[surface[0]]
-        faces = self.keep(self._on_surface(mesh.faces(surface[1])[0], surface))
-        return {
-            "kind": lib.ct_brick_face_kind(KINDS[mesh.element]),
-            "face_count": len(faces),
-            "faces": ffi.from_buffer("int32_t[]", faces),
-        }
+        body, faces = self.body(surface[0]), self._built._on(surface, self.key)
+        rows = self.keep(np.ascontiguousarray(faces + body.first_node, np.int32))
+        kind = lib.ct_brick_face_kind(body.mesh.kind)
+        return {"kind": kind, "face_count": len(rows), "faces": ffi.from_buffer("int32_t[]", rows)}
 
-    def _on_surface(self, numbers: NDArray[Any], surface: tuple[str, str]) -> NDArray[Any]:
-        if not len(numbers):
-            raise self.error(f'"{".".join(surface)}" {NO_FACES}')
-        return np.ascontiguousarray(numbers + self.body(surface[0]).first_node, dtype=np.int32)
+
+def _held(support: Support, nodes: NDArray[Any]) -> dict[str, Any]:
+    """The members of C structs that say what a support holds."""
+    fixed = [axis in support.fix for axis in AXES]
+    rows = ffi.from_buffer("int32_t[]", nodes)
+    return {"nodes": rows, "node_count": len(nodes), "fixed": fixed}
 
 
 def _together(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
@@ -527,8 +472,8 @@ def _together(first: NDArray[Any], second: NDArray[Any]) -> NDArray[Any]:
 
 def _contacts(problem: Problem, state: Any) -> Iterator[Any]:
     """The contacts of the problem (``const ct_contact *``) in a state (``ct_state *``)."""
-    for k in range(len(problem.effects)):
-        if problem.pointer.effects[k].kind == lib.CT_EFFECT_CONTACT:
+    for k, effect in enumerate(problem.made):
+        if effect.kind == lib.CT_EFFECT_CONTACT:
             error = new_error()
             contact = lib.ct_state_contact(problem.pointer, state, k, error)
             if contact == ffi.NULL:
@@ -556,28 +501,22 @@ def penetrations(problem: Problem, state: Any) -> list[dict[str, dict[str, Any]]
         found, table = ffi.new("ct_penetration *"), {}
         for place, at in places.items():
             check(lib.ct_contact_penetration(contact, at, found))
-            table[place] = {
-                "inside": found.inside,
-                "buried": found.buried,
-                "deepest": found.deepest,
-                "surface": built.surfaces[found.side] if found.side >= 0 else None,
-                "face": found.face,
-                "position": tuple(found.position),
-                "touching": found.touching,
-            }
+            numbers = ("inside", "buried", "deepest", "face", "touching")
+            table[place] = {name: getattr(found, name) for name in numbers}
+            table[place]["surface"] = built.surfaces[found.side] if found.side >= 0 else None
+            table[place]["position"] = tuple(found.position)
         out.append(table)
     return out
 
 
 def new_state(problem: Problem) -> Any:
     """A state of the problem at t = 0; where that has numbers that are none, the scene is at fault."""
-    out, error = ffi.new("ct_state **"), new_error()
     try:
-        check(lib.ct_state_create(problem.pointer, out, error), error)
+        state = ask("ct_state **", lib.ct_state_create, problem.pointer)
     except Error as reason:
         raise SceneError(str(reason), "", problem.file) from None
     # Freeing a state asks the problem's effects, so the state keeps the problem alive.
-    return ffi.gc(out[0], lambda state, free=lib.ct_state_free, problem=problem: free(state))
+    return ffi.gc(state, lambda state, free=lib.ct_state_free, problem=problem: free(state))
 
 
 def _spinning(body: Body, mesh: Mesh) -> NDArray[Any]:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import Floats, Ints, doubles, names, real, row
-from .errors import ArgumentError, text_of
+from .bridge import Floats, Ints, chosen, doubles, names, positive, real, table
+from .errors import check
 
 __all__ = [
     "Projection",
@@ -146,11 +146,8 @@ def project(
     face, points = _face(kind, nodes), real("points", points, ("m", 3))
     options = _options(method, tolerance)
     first = ffi.NULL if start is None else doubles(_start(start, len(points)))
-    rows = np.zeros(len(points), row("ct_projection"))
-    out = ffi.from_buffer("ct_projection[]", rows)
-    status = lib.ct_project_points(face, len(points), doubles(points), options, first, out)
-    if status != lib.CT_OK:
-        raise ArgumentError(f"projection refused: {text_of(status)}", status)
+    rows, out = table("ct_projection", len(points))
+    check(lib.ct_project_points(face, len(points), doubles(points), options, first, out))
     return columns(Projection, rows)
 
 
@@ -187,14 +184,13 @@ def project_path(
     face, points = _face(kind, nodes), real("point", np.asarray(point)[None], ("m", 3))
     options = _options(method, tolerance)
     iterates: list[tuple[float, float]] = []
-    trace = ffi.callback(
-        "void(double *, double, void *)", lambda xi, f, user: iterates.append((xi[0], xi[1]))
-    )
+    append = lambda xi, f, user: iterates.append((xi[0], xi[1]))
+    trace = ffi.callback("void(double *, double, void *)", append)
     options.trace = trace
     if start is not None:
         options.use_start, options.start = 1, list(_start(start, 1)[0])
-    rows = np.zeros(1, row("ct_projection"))
-    lib.ct_project(face, doubles(points), options, ffi.from_buffer("ct_projection[]", rows))
+    rows, out = table("ct_projection", 1)
+    lib.ct_project(face, doubles(points), options, out)
     found = columns(Projection, rows)
     return np.array([*iterates, tuple(found.xi[0])]), found
 
@@ -273,20 +269,16 @@ def project_ray(
     ([[1.0, 1.0, 0.0]], [3.0])
     """
     face, points = _face(kind, nodes), real("points", points, ("m", 3))
-    directions = real("directions", directions, (3,), points.shape)
-    directions = np.ascontiguousarray(np.broadcast_to(directions, points.shape))
     if not 0 < float(tolerance) < 1:
         raise ValueError(f"tolerance must be positive and below 1, not {tolerance!r}")
-    rows = np.zeros(len(points), row("ct_ray_hit"))
-    out = ffi.from_buffer("ct_ray_hit[]", rows)
-    lib.ct_project_rays(
-        face, len(points), doubles(points), doubles(directions), float(tolerance), out
-    )
+    rows, out = table("ct_ray_hit", len(points))
+    to = doubles(_each("directions", directions, (len(points), 3)))
+    lib.ct_project_rays(face, len(points), doubles(points), to, float(tolerance), out)
     return columns(RayHits, rows)
 
 
 def columns(record: type[_Columns], rows: Any) -> _Columns:
-    """A dataclass of what C has written, one array per field, from rows or from a dict of arrays."""
+    """A dataclass of what C has written, one array per field, from rows."""
     arrays = {field.name: np.ascontiguousarray(rows[field.name]) for field in fields(record)}  # type: ignore[arg-type]
     arrays["where"] = _WHERE[rows["where"]]
     if "certified" in arrays:
@@ -296,9 +288,12 @@ def columns(record: type[_Columns], rows: Any) -> _Columns:
 
 def face_kind(kind: str) -> int:
     """The number in C of a kind of face; a ValueError for a kind that is none."""
-    if not isinstance(kind, str) or kind not in FACE_KINDS:
-        raise ValueError(f"kind must be one of {', '.join(FACE_KINDS)}, not {kind!r}")
-    return FACE_KINDS[kind]
+    return chosen("kind", kind, FACE_KINDS)
+
+
+def _each(name: str, values: Any, shape: tuple[int, int]) -> Floats:
+    """A row of numbers for each point; one row may serve all."""
+    return np.ascontiguousarray(np.broadcast_to(real(name, values, shape[1:], shape), shape))
 
 
 def _face(kind: str, nodes: Any) -> Any:
@@ -310,17 +305,14 @@ def _face(kind: str, nodes: Any) -> Any:
 
 
 def _options(method: str, tolerance: float) -> Any:
-    if not isinstance(method, str) or method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(METHODS)}, not {method!r}")
     options = ffi.new("ct_project_options *", lib.ct_project_options_default())
-    options.method, options.tolerance = METHODS[method], float(tolerance)
-    if not 0 < options.tolerance < float("inf"):
-        raise ValueError(f"tolerance must be positive and finite, not {tolerance!r}")
+    options.method = chosen("method", method, METHODS)
+    options.tolerance = positive("tolerance", tolerance)
     return options
 
 
 def _start(start: Any, count: int) -> Floats:
-    start = real("start", start, (2,), (count, 2))
-    if not np.isfinite(start).all():
+    rows = _each("start", start, (count, 2))
+    if not np.isfinite(rows).all():
         raise ValueError("start must be finite")
-    return np.ascontiguousarray(np.broadcast_to(start, (count, 2)))
+    return rows

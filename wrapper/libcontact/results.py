@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from .bridge import Floats, Rows
-from .mesh import KINDS, WIDTH, Mesh, need_h5py, open_hdf5
+from .mesh import KINDS, WIDTH, Mesh, open_hdf5, text_in
 from .model import LAWS, Material
 from .run import MOMENTUM, BodyState, Run, State, energy_table
-from .units import BASES, Units
+from .schema import Place
+from .units import Units
 
 LAYOUT = 1
 
@@ -41,19 +42,17 @@ def _read(path: Path, file: Any, record: int) -> Run:
         raise ValueError(f'"{path}" has {count} records; there is none with the number {record}')
     record %= count
     bodies = own["body"][()]
-    scene = _text(own["scene"][()]) if "scene" in own else ""
+    scene = text_in(own["scene"][()]) if "scene" in own else ""
     time, step = float(vtk["Steps/Values"][record]), int(own["step"][record])
     # The rows of the recorded steps, or, where the file was saved from memory, its whole history.
     if "history" in own:
         own, count = own["history"], len(own["history/step"])
     return Run(
-        bodies=[_text(row["name"]) for row in bodies],
+        bodies=[text_in(row["name"]) for row in bodies],
         units=_units(scene),
-        steps=own["step"][:count],
+        steps=own["step"][:count].astype(np.int64),
         energy=_energy(own, count),
-        momentum=own["momentum"][: count * len(bodies)][list(MOMENTUM.names or ())].astype(
-            MOMENTUM
-        ),
+        momentum=own["momentum"].fields(MOMENTUM.names)[: count * len(bodies)].astype(MOMENTUM),
         state=State(time, step, _bodies(vtk, bodies, record)),
         path=path,
         scene=scene,
@@ -69,65 +68,52 @@ def _energy(own: Any, count: int) -> Rows:
     effects = own["effects"][()]
     values = own["effect"][: count * len(effects)].reshape(count, len(effects))
     values = np.where(effects["stores"], values["energy"], values["work"])
-    return energy_table(energy, [_text(name) for name in effects["name"]], values)
+    return energy_table(energy, [text_in(name) for name in effects["name"]], values)
 
 
 def _bodies(vtk: Any, rows: Rows, record: int) -> dict[str, BodyState]:
     points, connectivity, offsets = (
         vtk[name][()] for name in ("Points", "Connectivity", "Offsets")
     )
-    fields = [
-        _field(vtk, "PointData", "displacement", record, len(points)),
-        _field(vtk, "PointData", "velocity", record, len(points)),
-        _field(vtk, "CellData", "stress", record, len(offsets) - 1),
-    ]
+    groups = {"displacement": "PointData", "velocity": "PointData", "stress": "CellData"}
+    count = {"PointData": len(points), "CellData": len(offsets) - 1}
+    held = {name: group for name, group in groups.items() if name in vtk[group]}
+    fields = {name: _field(vtk, of, name, record, count[of]) for name, of in held.items()}
     out = {}
     for row in rows:
         nodes, cells = (
-            slice(int(row[f"first_{what}"]), int(row[f"first_{what}"]) + int(row[f"{what}_count"]))
+            slice(row[f"first_{what}"], row[f"first_{what}"] + row[f"{what}_count"])
             for what in ("node", "cell")
         )
         elements = connectivity[offsets[cells.start] : offsets[cells.stop]] - nodes.start
         elements = elements.reshape(-1, WIDTH[list(KINDS)[row["kind"]]]).astype(np.int32)
-        law = tuple(LAWS)[int(row["law"]) if "law" in row.dtype.names else 0]
+        law = tuple(LAWS)[row["law"] if "law" in row.dtype.names else 0]
         constants = {name: float(row[name]) for name in ("young", "poisson", "density")}
-        cut = [
-            None if values is None else values[part]
-            for values, part in zip(fields, (nodes, nodes, cells))
-        ]
-        mesh, name = Mesh.copy(np.ascontiguousarray(points[nodes]), elements), _text(row["name"])
-        out[name] = BodyState(name, mesh, Material("", **constants, law=law), *cut)
+        mesh, name = Mesh.copy(np.ascontiguousarray(points[nodes]), elements), text_in(row["name"])
+        part = {"PointData": nodes, "CellData": cells}
+        cut = {key: values[part[groups[key]]] for key, values in fields.items()}
+        out[name] = BodyState(name, mesh, Material("", **constants, law=law), **cut)
     return out
 
 
-def _field(vtk: Any, group: str, name: str, record: int, rows: int) -> Floats | None:
-    """The rows of one field at one record, read-only; None where the file doesn't hold the field."""
-    if name not in vtk[group]:
-        return None
+def _field(vtk: Any, group: str, name: str, record: int, rows: int) -> Floats:
+    """The rows of one field at one record."""
     start = int(vtk[f"Steps/{group}Offsets/{name}"][record])
     values = np.ascontiguousarray(vtk[f"{group}/{name}"][start : start + rows], np.float64)
     if not np.isfinite(values).all():
         raise ValueError(f"the field {name} of record {record} is damaged: it is not finite")
-    values.flags.writeable = False
     return values
 
 
 def _units(scene: str) -> Units | None:
     try:
-        table = tomllib.loads(scene)["units"]
-        if all(table[base] in names for base, names in BASES.items()):
-            return Units(*(table[base] for base in BASES))
-    except (tomllib.TOMLDecodeError, KeyError, TypeError):
-        pass
-    return None
-
-
-def _text(value: Any) -> str:
-    return value.decode(errors="replace").rstrip("\0") if isinstance(value, bytes) else str(value)
+        return Units.read(tomllib.loads(scene)["units"], Place())
+    except (ValueError, KeyError, TypeError):
+        return None
 
 
 def write_tables(path: Path, run: Run) -> None:
     """Add the history of a run in memory to a file that holds its last state only, in the group libcontact/history."""
-    with need_h5py().File(path, "r+") as file:
+    with open_hdf5(path, "r+") as file:
         group = file.create_group("libcontact/history")
         group["step"], group["energy"], group["momentum"] = run.steps, run.energy, run.momentum

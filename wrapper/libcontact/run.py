@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import InitVar, dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -34,13 +33,9 @@ __all__ = [
 ENERGY = np.dtype(members("ct_energy"))
 MOMENTUM = np.dtype(members("ct_momentum"))
 STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
+PARTS = {"stress": STRESS, "displacement": "xyz", "velocity": "xyz"}
 COMPONENTS = {
-    **{f"stress_{name}": ("stress", i) for i, name in enumerate(STRESS)},
-    **{
-        f"{name}_{axis}": (name, i)
-        for name in ("displacement", "velocity")
-        for i, axis in enumerate("xyz")
-    },
+    f"{field}_{part}": (field, i) for field in PARTS for i, part in enumerate(PARTS[field])
 }
 # Effects whose energy or work stands in the columns of ENERGY; others have a column of their own.
 IN_ENERGY = ("solid", "contact", "support")
@@ -128,23 +123,8 @@ class BodyState:
         Its material.
     """
 
-    def __init__(
-        self,
-        name: str,
-        mesh: Mesh,
-        material: Material | None,
-        displacement: Any,
-        velocity: Any,
-        stress: Any = None,
-    ):
-        self.name, self.mesh, self.material = name, mesh, material
-        self._fields = {"displacement": displacement, "velocity": velocity, "stress": stress}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        for values in self._fields.values():
-            if values is not None:
-                values.flags.writeable = False
+    def __init__(self, name: str, mesh: Mesh, material: Material | None, **fields: Floats | None):
+        self.name, self.mesh, self.material, self._fields = name, mesh, material, fields
 
     def holds(self, field: str) -> bool:
         """
@@ -160,22 +140,20 @@ class BodyState:
         bool
             Whether reading it raises nothing.
         """
-        if field == "stress" and self.material is not None and self.holds("displacement"):
-            return True
-        return self._fields[field] is not None
+        computed = field == "stress" and self.material is not None
+        return self._fields.get(field) is not None or (computed and self.holds("displacement"))
 
     def _field(self, field: str) -> Floats:
         if not self.holds(field):
-            raise ValueError(
-                f'body "{self.name}": {field} was not recorded; name it in [output] fields'
-            )
-        if self._fields[field] is None and self.material is not None:
-            stress = np.empty((len(self.elements), 6))
-            u, out, law = doubles(self.displacement), doubles(stress), c_material(self.material)
-            call(lib.ct_solid_stress, self.mesh.pointer, law, u, out)
-            stress.flags.writeable = False
-            self._fields[field] = stress
-        values: Floats = self._fields[field]
+            reason = f"{field} was not recorded; name it in [output] fields"
+            raise ValueError(f'body "{self.name}": {reason}')
+        values = self._fields.get(field)
+        if values is None:
+            assert self.material is not None
+            values = self._fields[field] = np.empty((len(self.elements), 6))
+            u, law = doubles(self.displacement), c_material(self.material)
+            call(lib.ct_solid_stress, self.mesh.pointer, law, u, doubles(values))
+        values.flags.writeable = False
         return values
 
     @property
@@ -269,7 +247,7 @@ class BodyState:
         return out
 
 
-class State(Mapping[str, BodyState]):
+class State(dict[str, BodyState]):
     """
     The bodies at one time, by name: ``run.state["right"].displacement``.
 
@@ -282,18 +260,11 @@ class State(Mapping[str, BodyState]):
     """
 
     def __init__(self, time: float, step: int, bodies: dict[str, BodyState]):
-        self.time, self.step, self._bodies = time, step, bodies
+        super().__init__(bodies)
+        self.time, self.step = time, step
 
-    def __getitem__(self, name: str) -> BodyState:
-        if name not in self._bodies:
-            raise KeyError(f'no body is named "{name}"' + suggestion(name, self._bodies))
-        return self._bodies[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._bodies)
-
-    def __len__(self) -> int:
-        return len(self._bodies)
+    def __missing__(self, name: str) -> BodyState:
+        raise KeyError(f'no body is named "{name}"' + suggestion(name, self))
 
     def __repr__(self) -> str:
         return f"State(time={self.time:g}, step={self.step}, bodies={list(self)})"
@@ -333,7 +304,8 @@ class Run:
     costs: dict[str, float] = field(default_factory=dict)
     #: Fraction of the elements' forces that were computed, as the others were asleep. None for a run that was read from a file.
     computed: float | None = None
-    writer: InitVar[Any] = None
+    #: The loop that saves a run without a file; a pickle leaves it behind.
+    writer: Any = None
     #: For each contact of the scene the points of both surfaces in the last state: side, face, point, other (the face that was met, or -1), position, closest, xi,
     #: gap (what the contact law sees: negative in contact, NaN where nothing was met), pressure, weight, start_gap (what ``gap`` counts from; the true
     #: distance is ``gap + start_gap``). Empty for a run that was read from a file.
@@ -347,10 +319,6 @@ class Run:
     #: each place the numbers of those ``inside`` and ``buried`` (inside, but not in contact as they never came from outside), and depth ``deepest``,
     #: ``surface``, ``face`` and ``position`` of the deepest, by true distances; up to the depth ``touching`` surfaces only touch.
     penetration: list[dict[str, dict[str, Any]]] = field(default_factory=list)
-
-    def __post_init__(self, writer: Any) -> None:
-        self._writer = writer
-        self.steps = np.asarray(self.steps, np.int64)
 
     @property
     def time(self) -> Floats:
@@ -416,7 +384,11 @@ class Run:
         KeyError
             No body has this name.
         """
-        start, end = _point(start, "start"), _point(end, "end")
+        for what, value in (("start", start), ("end", end)):
+            entries = list(value) if isinstance(value, (list, tuple, np.ndarray)) else []
+            if len(entries) != 3 or not all(is_number(x) and np.isfinite(x) for x in entries):
+                raise ValueError(f"{what} is {value!r}; three finite numbers x, y, z are needed")
+        start, end = np.array(start, np.float64), np.array(end, np.float64)
         if isinstance(n, bool) or not isinstance(n, (int, np.integer)) or n < 1:
             raise ValueError(f"n is {n!r}; it must be a whole number of at least 1")
         if self.state is None:
@@ -453,14 +425,16 @@ class Run:
         OSError
             The file can't be written.
         """
+        import shutil
+
         path = Path(path)
         if self.path is not None:
             if path.resolve() != self.path.resolve():
                 shutil.copyfile(self.path, path)
             return path
-        if self._writer is None:
+        if self.writer is None:
             raise ValueError("this run has no file and no state to write")
-        self._writer.write(self, path)
+        self.writer.write(self, path)
         return path
 
     @classmethod
@@ -496,10 +470,3 @@ class Run:
         stopped = ", interrupted" if self.interrupted else ""
         time = self.time[-1] if len(self.energy) else 0.0
         return f"<Run of {', '.join(self.bodies)} to t = {time:g} in {len(self.steps)} records{where}{stopped}>"
-
-
-def _point(value: Any, what: str) -> Floats:
-    entries = list(value) if isinstance(value, (list, tuple, np.ndarray)) else []
-    if len(entries) != 3 or not all(is_number(entry) and np.isfinite(entry) for entry in entries):
-        raise ValueError(f"{what} is {value!r}; three finite numbers x, y, z are needed")
-    return np.array(entries, np.float64)

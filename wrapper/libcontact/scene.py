@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import math
 import os
-import tomllib
 from collections.abc import Callable
 from dataclasses import replace
 from inspect import Parameter, Signature, signature
@@ -15,16 +14,17 @@ from typing import Any, Concatenate, ParamSpec, cast
 import numpy as np
 
 from .effects.own import Own, View
-from .errors import NotBuiltIn
+from .errors import NotBuiltIn, issue
 from .explain import Explanation, explain
-from .loop import execute, record_count, schedule
+from .loop import Loop, record_count, schedule
 from .model import Body, ContactKeys, Material, Output, Support, Time
 from .model import Run as RunKeys
 from .parts import EFFECTS, MANY, Parts, read
 from .plan import Cost, predict, table
 from .problem import Problem
 from .run import ENERGY, IN_ENERGY, Run
-from .schema import Kind, Place, SceneError, Table, check_file, describe, suggestion
+from .schema import FileName, Place, SceneError, Table, check_file, describe, suggestion
+from .warned import known
 
 # Tables that may differ between a scene and the one whose run it continues, beside the keys that are ``free``.
 FREE_ON_RESTART = ("title", "output", "run", "units")
@@ -151,16 +151,15 @@ class Scene:
         self._parts = read(self._data, self.file, whole=False)
 
     def __copy__(self) -> Scene:
-        return self._copied(copy.copy)
+        """Another scene with the same tables, which share nothing that either can change."""
+        new = object.__new__(type(self))
+        own = [replace(own) for own in self._own]
+        new.__setstate__({"file": self.file, "data": self.data, "own": own})
+        return new
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Scene:
-        return self._copied(lambda own: copy.deepcopy(own, memo))
-
-    def _copied(self, of: Callable[[Own], Own]) -> Scene:
-        """Another scene with the same tables, which share nothing that either can change, and with effects that are copied by ``of``."""
-        new = object.__new__(type(self))
-        own = [of(each) for each in self._own]
-        new.__setstate__({"file": self.file, "data": self.data, "own": own})
+        new = copy.copy(self)
+        new._own = copy.deepcopy(self._own, memo)
         return new
 
     @property
@@ -183,19 +182,17 @@ class Scene:
         Scene
             The scene.
         """
+        import tomllib
+
         path = str(path)
         try:
             check_file(path, MOST_BYTES)
-            text = Path(path).read_bytes().decode("utf-8")
-        except (OSError, ValueError) as error:
-            reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-            raise SceneError(f"can't be read: {reason}", "", path) from None
-        try:
-            data = tomllib.loads(text)
+            data = tomllib.loads(Path(path).read_bytes().decode("utf-8"))
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"is no TOML: {error}", "", path) from None
-        except (RecursionError, ValueError) as error:
-            raise SceneError(f"can't be understood: {error}", "", path) from None
+        except (OSError, ValueError, RecursionError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise SceneError(f"can't be read: {reason}", "", path) from None
         return cls(data, file=path)
 
     def save(self, path: str | Path) -> None:
@@ -211,12 +208,10 @@ class Scene:
         if self._own:
             reason = "is a Python function, which a scene file can't hold"
             raise SceneError(reason, self._own[0].name, self.file)
-        old, new = (
-            Path(file).resolve().parent if file else Path.cwd() for file in (self.file, path)
-        )
+        old, new = Path(self.file or "scene").resolve().parent, Path(path).resolve().parent
         data = self.data
         for body in data["body"]:
-            if old != new and "mesh" in body and not Path(body["mesh"]).is_absolute():
+            if old != new and "mesh" in body and not os.path.isabs(body["mesh"]):
                 body["mesh"] = os.path.relpath(old / body["mesh"], new)
         Path(path).write_text(_toml(data), encoding="utf-8")
 
@@ -265,11 +260,11 @@ class Scene:
         --------
         >>> scene.add("gravity", acceleration=[0, 0, -9810])
         """
+        at = Place("", self.file)
         if effect not in EFFECTS:
-            reason = f'no effect is named "{effect}"' + suggestion(effect, EFFECTS)
-            raise SceneError(reason, "", self.file)
+            raise at.error(f'no effect is named "{effect}"' + suggestion(effect, EFFECTS))
         if effect not in MANY and effect in self._data:
-            raise SceneError("stands twice; a scene has it once", effect, self.file)
+            raise (at / effect).error("stands twice; a scene has it once")
         return self._put(effect, entries)
 
     def add_effect(
@@ -366,14 +361,10 @@ class Scene:
             The costs, predicted from a trial of a few steps.
         """
         problem = self._built(None)
-        plan = predict(problem, record_count(problem) if run is None else len(run.steps)).costs
         if run is None:
-            return list(plan)
-        done = {"solid": run.computed}
-        return [
-            replace(cost, measured=run.costs.get(cost.name), done=done.get(cost.name))
-            for cost in plan
-        ]
+            return list(predict(problem, record_count(problem)).costs)
+        costs, done = predict(problem, len(run.steps)).costs, {"solid": run.computed}
+        return [replace(c, measured=run.costs.get(c.name), done=done.get(c.name)) for c in costs]
 
     def cost_table(self, run: Run | None = None) -> str:
         """
@@ -427,22 +418,22 @@ class Scene:
             The results. The first Ctrl-C ends the run after a last record, and the Run says ``interrupted``.
         """
         if threads is not None:
-            kind: Kind = RunKeys.keys()["threads"].metadata["kind"]
-            kind.read(threads, Place("run.threads", self.file))
-        path = self._whole().output.file if output is None else (output or None)
+            RunKeys.keys()["threads"].metadata["kind"].read(
+                threads, Place("run.threads", self.file)
+            )
+        path: Any = self._whole().output.file if output is None else (output or None)
         if path is not None:
             self._check_output(path, restart)
-        dt, divisor = (None, 1) if restart is None else self._check_restart(restart, threads)
-        return execute(
-            self._built(threads, None if dt is None else dt / divisor),
-            self.toml(arrays=False),
-            progress=progress,
-            restart=restart,
-            until=until,
-            output=path,
-            watch=watch,
-            coarse=None if divisor == 1 else self._built(threads, dt),
-        )
+        dt, parts = (None, 1) if restart is None else self._check_restart(restart, threads)
+        problem = self._built(threads, dt and dt / parts)
+        loop = Loop(problem, self.toml(arrays=False), watch, until)
+        for warning in known(problem, path):
+            issue(warning)
+        if restart is not None:
+            loop.restart(restart, self._built(threads, dt) if parts > 1 else None)
+        if path is not None:
+            loop.open(path)
+        return loop.run(progress)
 
     def _whole(self) -> Parts:
         """The parts of a scene that is complete; else the error that says what is missing."""
@@ -453,7 +444,7 @@ class Scene:
     def _built(self, threads: int | None, dt: float | None = None) -> Problem:
         """The C problem, kept as long as nothing changes; ``dt`` is the step of a run that is continued."""
         parts = self._whole()
-        wanted = parts.threads if threads is None else threads
+        wanted = parts.run.threads if threads is None else threads
         if dt is not None:
             return Problem(parts, self.file, wanted, self._own, dt)
         if self._problem is None or self._problem.threads != wanted:
@@ -461,69 +452,48 @@ class Scene:
         return self._problem
 
     def _check_output(self, path: Any, restart: Any) -> None:
-        """Refuse a results file that can't be written, before anything is computed."""
+        """Refuse to write over the restart, a mesh, or what is no results file."""
+        at, folder = Place("output.file", self.file), Path(self.file or "").parent
         if not isinstance(path, (str, os.PathLike)):
-            raise SceneError(f"is {describe(path)}; it must be a path", "output.file", self.file)
-        path = Path(path)
-        try:
-            reason = self._why_not_written(path, restart)
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or str(error)
-        if reason:
-            raise SceneError(f'"{path}" can\'t be written: {reason}', "output.file", self.file)
-
-    def _why_not_written(self, path: Path, restart: Any) -> str | None:
-        folder = path.parent
-        if "\0" in str(path):
-            return "its name holds a zero character"
-        if not folder.is_dir():
-            return f'there is no folder "{folder}"'
-        if path.is_dir():
-            return "is a folder"
-        if not os.access(path if path.exists() else folder, os.W_OK):
-            return "permission denied"
-        if not path.exists():
-            return None
-        if restart is not None and Path(restart).exists() and path.samefile(restart):
-            return "is the file that the restart is read from; name another one, or its earlier records would be lost"
+            raise at.error(f"is {describe(path)}; it must be a path")
+        path, reason = FileName().read(os.fspath(path), at), ""
+        if restart is not None and _one_file(path, restart):
+            reason = "is the file that the restart is read from; name another one, or its earlier records would be lost"
         for body in self._parts.bodies.values():
-            mesh = (Path(self.file).parent if self.file else Path()) / (body.mesh or "")
-            if body.mesh is not None and mesh.exists() and path.samefile(mesh):
-                return f'is the mesh of body "{body.name}"'
-        if path.is_file() and path.stat().st_size and _first_bytes(path) != b"\x89HDF":
-            return "is there already and is no results file; name another one, or remove it"
-        return None
+            if body.mesh is not None and _one_file(path, folder / body.mesh):
+                reason = f'is the mesh of body "{body.name}"'
+        if not reason and os.path.isfile(path):
+            with open(path, "rb") as file:
+                if file.read(4) not in (b"", b"\x89HDF"):
+                    reason = (
+                        "is there already and is no results file; name another one, or remove it"
+                    )
+        if reason:
+            raise at.error(f'"{path}" can\'t be written: {reason}')
 
     def _check_restart(self, path: Any, threads: int | None) -> tuple[float | None, int]:
         """Refuse to continue the run of another scene; the step that the run had, and in how many parts this scene divides it."""
+        at = Place("restart", self.file)
         try:
             run = Run.load(path)
-            before = tomllib.loads(run.scene)
+            before, step = _fixed(run.scene)
         except NotBuiltIn:
             # Without h5py the C library's own comparison of bodies, effects, step and nodes has to do.
             return None, 1
         except (ValueError, TypeError) as error:
-            raise SceneError(str(error), "restart", self.file) from None
-        now = tomllib.loads(self.toml(arrays=False))
-        steps = Time.one[1]
-        step = [{key: scene.get("time", {}).get(key) for key in steps} for scene in (before, now)]
-        free = [key for key, field in Time.keys().items() if field.metadata["free"]]
-        for scene in (before, now):
-            for key in (*steps, *free):
-                scene.get("time", {}).pop(key, None)
-        for key in dict.fromkeys([*before, *now]):
-            if key not in FREE_ON_RESTART and before.get(key) != now.get(key):
-                reason = f'"{path}" comes from another scene: [{key}] differs'
-                raise SceneError(reason, "restart", self.file)
-        return run.dt, 1 if step[0] == step[1] else self._step_parts(path, run.dt, threads)
-
-    def _step_parts(self, path: Any, dt: Any, threads: int | None) -> int:
-        """In how many parts the step of a file is divided, so that it is not above the one that this scene asks for."""
+            raise at.error(str(error)) from None
+        now, asked_step = _fixed(self.toml(arrays=False))
+        for key in {**before, **now}:
+            if before.get(key) != now.get(key):
+                raise at.error(f'"{path}" comes from another scene: [{key}] differs')
+        if run.dt is None or step == asked_step:
+            return run.dt, 1
         asked = self._built(threads).dt
-        if asked > dt * (1.0 + 1e-9):
-            reason = f'"{path}" was written with the step {dt:.6g}; this scene asks for {asked:.6g}, and only a smaller one can be taken'
-            raise SceneError(reason, "restart", self.file)
-        return int(math.ceil(dt / asked * (1.0 - 1e-9)))
+        if asked > run.dt * (1.0 + 1e-9):
+            raise at.error(
+                f'"{path}" was written with the step {run.dt:.6g}; this scene asks for {asked:.6g}, and only a smaller one can be taken'
+            )
+        return run.dt, math.ceil(run.dt / asked * (1.0 - 1e-9))
 
     def __repr__(self) -> str:
         return f"<Scene {self._parts.title!r}: {', '.join(self._parts.bodies) or 'no bodies yet'}>"
@@ -539,9 +509,20 @@ def _toml(data: dict[str, Any], arrays: bool = True) -> str:
     return tomli_w.dumps(data)
 
 
-def _first_bytes(path: Path) -> bytes:
-    with open(path, "rb") as file:
-        return file.read(4)
+def _fixed(text: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The tables of a scene without what may differ in one that continues its run, and the keys that give its step."""
+    import tomllib
+
+    scene = tomllib.loads(text)
+    time: dict[str, Any] = scene.get("time", {})
+    step = {key: time.pop(key, None) for key in Time.one[1]}
+    free = {key for key, field in Time.keys().items() if field.metadata["free"]}
+    scene["time"] = {key: value for key, value in time.items() if key not in free}
+    return {key: value for key, value in scene.items() if key not in FREE_ON_RESTART}, step
+
+
+def _one_file(one: str | Path, other: str | Path) -> bool:
+    return os.path.exists(one) and os.path.exists(other) and os.path.samefile(one, other)
 
 
 def _plain(value: Any) -> Any:
@@ -551,10 +532,8 @@ def _plain(value: Any) -> Any:
             str(key): np.array(item) if key in ("nodes", "elements") else _plain(item)
             for key, item in value.items()
         }
-    if isinstance(value, (list, tuple)):
+    if isinstance(value, (list, tuple, np.ndarray)):
         return [_plain(item) for item in value]
-    if isinstance(value, np.ndarray):
-        return value.tolist()
     if isinstance(value, np.generic):
         return value.item()
     return str(value) if isinstance(value, str) else value

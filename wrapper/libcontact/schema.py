@@ -13,10 +13,11 @@ import operator
 import os
 import re
 import stat
+import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar, dataclass_transform
+from typing import Any, ClassVar, NamedTuple, TypeVar, dataclass_transform
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +68,11 @@ class Place:
         """The error that says what is wrong here."""
         return SceneError(reason, self.key, self.file)
 
+    def need(self, holds: bool, value: Any, what: str) -> None:
+        """Refuse the value here unless it holds that it is ``what``."""
+        if not holds:
+            raise self.error(f"is {describe(value)}; it must be {what}")
+
 
 # Words of the messages.
 
@@ -92,17 +98,14 @@ def describe(value: Any) -> str:
         return f"the boolean {str(bool(value)).lower()}"
     if isinstance(value, str):
         return f'the text "{value}"' if len(value) <= 60 else f"a text of {len(value)} characters"
-    if isinstance(value, dict):
+    if isinstance(value, (dict, Table)):
         return "a table"
     if isinstance(value, np.ndarray):
         return f"an array of {value.dtype} of shape {value.shape}"
     if isinstance(value, (list, tuple)):
         return f"a list of {len(value)}"
-    try:
-        text = repr(value)
-    except ValueError:
-        return "a whole number of very many digits"
-    return text if len(text) <= 60 else f"a {type(value).__name__}"
+    text = "" if isinstance(value, int) and value.bit_length() > 200 else repr(value)
+    return text if 0 < len(text) <= 60 else f"a {type(value).__name__}"
 
 
 def is_number(value: Any) -> bool:
@@ -138,10 +141,6 @@ class Kind:
         """A checked value as a member of a C struct."""
         return value
 
-    def references(self, value: Any, at: Place) -> Iterator[tuple[Place, str, str]]:
-        """The tables that a checked value names: where it does, their key in the scene, and their name."""
-        return iter(())
-
 
 # Name of a limit: how it is compared, its word in a message and in JSON Schema.
 LIMITS: dict[str, tuple[Callable[[float, float], bool], str, str]] = {
@@ -160,17 +159,12 @@ class Number(Kind):
         self.json = {"type": "number", **{each[2]: value for each, value in self.limits.items()}}
 
     def read(self, value: Any, at: Place) -> float:
-        if not is_number(value):
-            raise at.error(f"is {describe(value)}; it must be a number")
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
-        if not math.isfinite(number):
-            raise at.error(f"is {describe(value)}; it must be a finite number")
+        at.need(is_number(value), value, "a number")
+        too_large = isinstance(value, int) and abs(value) > sys.float_info.max
+        number = math.inf if too_large else float(value)
+        at.need(math.isfinite(number), value, "a finite number")
         for (holds, word, _), limit in self.limits.items():
-            if not holds(number, limit):
-                raise at.error(f"is {number:g}; it must be {word} {limit:g}{self.why}")
+            at.need(holds(number, limit), value, f"{word} {limit:g}{self.why}")
         return number
 
 
@@ -182,10 +176,10 @@ class Whole(Kind):
         self.json = {"type": "integer", "minimum": least, "maximum": most}
 
     def read(self, value: Any, at: Place) -> int:
-        if not isinstance(value, (int, np.integer)) or isinstance(value, bool):
-            raise at.error(f"is {describe(value)}; it must be a whole number")
-        if not self.least <= value <= self.most:
-            raise at.error(f"is {describe(value)}; it must be from {self.least} to {self.most}")
+        whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+        at.need(whole, value, "a whole number")
+        inside = self.least <= value <= self.most
+        at.need(inside, value, f"from {self.least} to {self.most}")
         return int(value)
 
 
@@ -196,9 +190,9 @@ class Flag(Kind):
         self.only, self.json = only, {"const": True} if only else {"type": "boolean"}
 
     def read(self, value: Any, at: Place) -> bool:
-        if not isinstance(value, bool) or (self.only and not value):
-            raise at.error(f"is {describe(value)}; it must be true{self.only or ' or false'}")
-        return value
+        right = isinstance(value, bool) and (value or not self.only)
+        at.need(right, value, f"true{self.only or ' or false'}")
+        return bool(value)
 
 
 class Text(Kind):
@@ -207,8 +201,7 @@ class Text(Kind):
     json: dict[str, Any] = {"type": "string"}
 
     def read(self, value: Any, at: Place) -> str:
-        if not isinstance(value, str):
-            raise at.error(f"is {describe(value)}; it must be a text")
+        at.need(isinstance(value, str), value, "a text")
         try:
             value.encode()
         except UnicodeEncodeError:
@@ -244,40 +237,52 @@ class Name(Text):
         return name
 
 
-@dataclass(frozen=True)
 class Reference(Text):
     """The name of a table of the scene, such as a ``material``."""
 
+    def __init__(self, table: str):
+        self.table = table
+
+    def read(self, value: Any, at: Place) -> Named:
+        return Named(self.table, super().read(value, at))
+
+
+class Named(str):
+    """The name of another table of the scene, which has the key ``table``."""
+
     table: str
 
-    def references(self, value: str, at: Place) -> Iterator[tuple[Place, str, str]]:
-        yield at, self.table, value
+    def __new__(cls, table: str, name: str) -> Named:
+        self = super().__new__(cls, name)
+        self.table = table
+        return self
+
+
+class Face(NamedTuple):
+    """A body and one of its faces."""
+
+    body: str
+    face: str
 
 
 FACES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "outer")
 
 
 class Surface(Text):
-    """``"left.x_max"``, a body and one of its faces, as the pair of both."""
+    """``"left.x_max"``, a body and one of its faces."""
 
     json = {"type": "string", "pattern": rf"\.({'|'.join(FACES)})$"}
 
     def read(self, value: Any, at: Place) -> Any:
-        if not isinstance(value, str):
-            raise at.error(f'is {describe(value)}; it must be a text such as "left.x_max"')
+        at.need(isinstance(value, str), value, 'a text such as "left.x_max"')
         body, dot, face = value.rpartition(".")
         if not dot:
-            raise at.error(
-                f'"{value}" is no face; write body and face with a dot, such as "left.x_max"'
-            )
+            reason = "is no face; write body and face with a dot, such as"
+            raise at.error(f'"{value}" {reason} "left.x_max"')
         if face not in FACES:
-            raise at.error(
-                f'"{value}": body "{body}" has no face "{face}"' + suggestion(face, FACES)
-            )
-        return body, face
-
-    def references(self, value: tuple[str, str], at: Place) -> Iterator[tuple[Place, str, str]]:
-        yield at, "body", value[0]
+            near = suggestion(face, FACES)
+            raise at.error(f'"{value}": body "{body}" has no face "{face}"{near}')
+        return Face(Named("body", body), face)
 
 
 def word(enum: Mapping[str, int], value: int) -> str:
@@ -303,10 +308,8 @@ class Choice(Text):
 
 def entries(value: Any, at: Place) -> list[Any]:
     """The entries of a list or of a one-dimensional array."""
-    if not isinstance(value, (list, tuple)) and not (
-        isinstance(value, np.ndarray) and value.ndim == 1
-    ):
-        raise at.error(f"is {describe(value)}; it must be a list")
+    array = isinstance(value, np.ndarray) and value.ndim == 1
+    at.need(array or isinstance(value, (list, tuple)), value, "a list")
     return list(value)
 
 
@@ -322,13 +325,7 @@ class Each(Kind):
         found = entries(value, at)
         if len(found) != len(self.kinds):
             raise at.error(f"has {len(found)} entries; it must have {len(self.kinds)}")
-        return tuple(
-            kind.read(entry, at[i]) for i, (kind, entry) in enumerate(zip(self.kinds, found))
-        )
-
-    def references(self, value: Any, at: Place) -> Iterator[tuple[Place, str, str]]:
-        for i, (kind, entry) in enumerate(zip(self.kinds, value)):
-            yield from kind.references(entry, at[i])
+        return tuple(kind.read(found[i], at[i]) for i, kind in enumerate(self.kinds))
 
 
 class Many(Kind):
@@ -349,28 +346,50 @@ class Many(Kind):
                 raise at[i].error(f'"{found[i]}" is named twice')
         return tuple(dict.fromkeys(found) if isinstance(self.kind, Choice) else found)
 
-    def references(self, value: Any, at: Place) -> Iterator[tuple[Place, str, str]]:
-        for i, entry in enumerate(value):
-            yield from self.kind.references(entry, at[i])
-
 
 class Rows(Kind):
     """A table of numbers: rows of 3 coordinates, or (``whole``) of the node numbers of elements."""
 
     def __init__(self, *widths: int, whole: bool = False):
         self.widths, self.whole = widths, whole
-        entry = Whole(0).json if whole else Number().json
-        row = {"type": "array", "items": entry}
+        row = {"type": "array", "items": (Whole(0) if whole else Number()).json}
         rows = [{"items": {**row, "minItems": n, "maxItems": n}} for n in widths]
         self.json = {"type": "array", "minItems": 1, "anyOf": rows}
 
     def read(self, value: Any, at: Place) -> NDArray[Any]:
+        """
+        The rows as a contiguous array of float64, or int32 if ``whole``. Any real numbers that it holds without loss are taken (float32, integers, any strides
+        or byte order), but no booleans, complex numbers, texts or wider floats.
+        """
+        at.need(isinstance(value, (np.ndarray, list, tuple)), value, "an array")
+        if np.ma.is_masked(value):
+            raise at.error("has masked values; fill or leave them out")
         try:
-            if self.whole:
-                return index_array(value, self.widths, MOST + 1)
-            return float_array(value, self.widths[0])
-        except ValueError as error:
-            raise at.error(str(error)) from None
+            array = np.asarray(value)
+        except (ValueError, TypeError, OverflowError) as error:
+            raise at.error(f"is no rectangular array ({error})") from None
+        kinds, need = ("iu", "whole") if self.whole else ("fiu", "real")
+        lists = [row for row in value if isinstance(row, (list, tuple))]
+        if any(isinstance(entry, bool) for row in lists for entry in row):
+            raise at.error("holds a boolean; numbers are needed")
+        if array.size == 0:
+            raise at.error("is empty")
+        if array.dtype.kind not in kinds or array.dtype.itemsize > 8:
+            raise at.error(f"holds {array.dtype}; {need} numbers of at most 64 bits are needed")
+        if array.ndim != 2 or array.shape[1] not in self.widths:
+            widths = " or ".join(map(str, self.widths))
+            raise at.error(f"has shape {array.shape}; it must be (n, {widths})")
+        out = np.ascontiguousarray(array, np.int32 if self.whole else np.float64)
+        if array.dtype.kind == "f":
+            good, why = np.isfinite(out), "; all coordinates must be finite"
+        else:
+            least, most = (0, MOST) if self.whole else (-(2**53), 2**53)
+            good = (array >= least) & (array <= most)
+            why = f", outside {'0 ... 2^31 - 1' if self.whole else 'the integers to 2^53 that float64 holds'}"
+        bad = np.flatnonzero(~good.all(axis=1))
+        if bad.size:
+            raise at.error(f"row {bad[0]} is {array[bad[0]].tolist()}{why}")
+        return out
 
 
 class Nested(Kind):
@@ -382,8 +401,20 @@ class Nested(Kind):
     def schema(self) -> dict[str, Any]:
         return self.model.schema()
 
-    def read(self, value: Any, at: Place) -> Table:
+    def read(self, value: Any, at: Place) -> Any:
         return self.model.read(value, at)
+
+
+class Several(Nested):
+    """Tables of one kind, written ``[[key]]``."""
+
+    def schema(self) -> dict[str, Any]:
+        return {"type": "array", "items": self.model.schema()}
+
+    def read(self, value: Any, at: Place) -> tuple[Table, ...]:
+        listed = isinstance(value, (list, tuple))
+        at.need(listed, value, f"an array of tables, written [[{at.key}]]")
+        return tuple(self.model.read(item, at[i]) for i, item in enumerate(value))
 
 
 VECTOR = Each(Number(), Number(), Number())
@@ -423,7 +454,9 @@ def key(
     return dataclasses.field(default=default, kw_only=kw_only, metadata=about)
 
 
-@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(key,))
+@dataclass_transform(
+    eq_default=False, kw_only_default=True, frozen_default=True, field_specifiers=(key,)
+)
 class Table:
     """A table of a scene. A subclass declares its keys as fields, ``young: float = key(Number(above=0.0), unit="stress")``, and says in its docstring what they mean."""
 
@@ -433,11 +466,10 @@ class Table:
     """Groups of keys at most one of which may be there."""
     needs: ClassVar[Mapping[str, str]] = {}
     """Keys that can't stand without another one."""
-    given: frozenset[str] = frozenset()
-    """The keys that the scene has; the others have their defaults."""
+    belongs: ClassVar[Mapping[str, tuple[str, str]]] = {}
+    """Keys that have a meaning only where another one has a certain word."""
 
-    def __init_subclass__(cls, eq: bool = True) -> None:
-        cls.__annotations__.pop("given", None)
+    def __init_subclass__(cls, eq: bool = False) -> None:
         dataclass(frozen=True, kw_only=True, eq=eq)(cls)
 
     @classmethod
@@ -455,11 +487,10 @@ class Table:
     @classmethod
     def read(cls: type[T], value: Any, at: Place) -> T:
         """The table of a scene, each key checked alone; :meth:`refusals` and references are for later, when the whole scene is there."""
-        if not isinstance(value, dict):
-            raise at.error(f"is {describe(value)}; it must be a table")
+        at.need(isinstance(value, dict), value, "a table")
         known = cls.keys()
-        for name in [name for name, field in known.items() if required(field)]:
-            if name not in value:
+        for name, field in known.items():
+            if required(field) and name not in value:
                 near = difflib.get_close_matches(name, map(str, value), n=1, cutoff=0.75)
                 hint = f'; is "{near[0]}" meant to be it?' if near and near[0] not in known else ""
                 raise (at / name).error("is missing" + hint)
@@ -472,9 +503,7 @@ class Table:
                 if value[name] is None:
                     raise (at / name).error("is None; leave the key out instead")
                 found[name] = field.metadata["kind"].read(value[name], at / name)
-        table = cls(**found)
-        object.__setattr__(table, "given", frozenset(value))
-        return table
+        return cls(**found)
 
     @classmethod
     def _alternatives(cls, value: Mapping[str, Any], at: Place) -> dict[str, Any]:
@@ -483,40 +512,33 @@ class Table:
         for group in cls.one + cls.rivals:
             there = [name for name in group if name in value]
             if len(there) > 1:
-                raise (at / there[1]).error(
-                    f'cannot stand beside "{there[0]}"; give exactly one of {listed(group)}'
-                )
+                reason = f'cannot stand beside "{there[0]}"; give exactly one of {listed(group)}'
+                raise (at / there[1]).error(reason)
             if not there and group in cls.one:
                 raise at.error(f"gives none of {listed(group, 'and')}; exactly one is needed")
             if there:
                 out |= dict.fromkeys(group)
         for name, other in cls.needs.items():
             if name in value and other not in value:
-                raise (at / name).error(
-                    f'stands alone; it belongs to "{other}", give "{other}" too'
-                )
+                reason = f'stands alone; it belongs to "{other}", give "{other}" too'
+                raise (at / name).error(reason)
         return out
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         """Keys, each right alone, that contradict each other: the key, such as ``radius[1]``, and the reason."""
-        return iter(())
-
-    def walk(self, at: Place) -> Iterator[tuple[Place, Table]]:
-        """The table and all tables within it."""
-        yield at, self
-        for name in self.keys():
-            inner = getattr(self, name)
-            if isinstance(inner, Table):
-                yield from inner.walk(at / name)
+        for name, (other, wanted) in self.belongs.items():
+            value, there = getattr(self, name), getattr(self, other)
+            if value != self.keys()[name].default and there != wanted:
+                belongs = f'it belongs to {other} = "{wanted}", not to "{there}"'
+                yield name, f"is {describe(value)}; {belongs}"
 
     def c(self, struct: str, **members: Any) -> dict[str, Any]:
-        """The members of a C struct that have the name of a key which has a value, and further ``members``."""
-        known = self.keys()
-        out = {
-            name: known[name].metadata["kind"].c(getattr(self, name))
-            for name, _ in ffi.typeof(struct).fields
-            if name in known and getattr(self, name) is not None
-        }
+        """The members of a C struct that have the name of a key which has a value but no table, and further ``members``."""
+        out, known, there = dict[str, Any](), self.keys(), dict(ffi.typeof(struct).fields)
+        for name in there.keys() & known.keys():
+            value = getattr(self, name)
+            if value is not None and not isinstance(value, Table):
+                out[name] = known[name].metadata["kind"].c(value)
         return {**out, **members}
 
     @classmethod
@@ -525,9 +547,10 @@ class Table:
         properties, docs = {}, cls.docs()
         for name, field in cls.keys().items():
             about: dict[str, Any] = {"description": plain(docs[name])} if name in docs else {}
-            if not required(field) and field.default is not None:
+            kind = field.metadata["kind"]
+            if not required(field) and field.default is not None and not isinstance(kind, Nested):
                 about["default"] = field.default
-            properties[name] = {**field.metadata["kind"].schema(), **about}
+            properties[name] = {**kind.schema(), **about}
         out = {
             "type": "object",
             "properties": properties,
@@ -546,79 +569,25 @@ def required(field: dataclasses.Field[Any]) -> bool:
     return field.default is dataclasses.MISSING
 
 
-# Files and arrays.
+def walk(value: Any, at: Place) -> Iterator[tuple[Place, Any]]:
+    """All tables and names in what was read, with their places."""
+    if isinstance(value, (Table, Named)):
+        yield at, value
+    if isinstance(value, Table):
+        for name in value.keys():
+            yield from walk(getattr(value, name), at / name)
+    elif isinstance(value, tuple) and value and isinstance(value[0], (Table, Named, Face)):
+        for i, entry in enumerate(value):
+            yield from walk(entry, at if isinstance(value, Face) else at[i])
 
 
 def check_file(path: str | Path, most: float = math.inf) -> None:
     """Refuse, with a ValueError that names it, a file that is none (a device or a pipe may never end) or that has more than ``most`` bytes."""
     found = os.stat(path)
     if not stat.S_ISREG(found.st_mode):
-        raise ValueError(
-            f'"{path}" is '
-            + (
-                "a folder"
-                if stat.S_ISDIR(found.st_mode)
-                else "no regular file but a device, a pipe or the like"
-            )
-        )
+        folder = stat.S_ISDIR(found.st_mode)
+        what = "a folder" if folder else "no regular file but a device, a pipe or the like"
+        raise ValueError(f'"{path}" is {what}')
     if found.st_size > most:
-        raise ValueError(
-            f'"{path}" has {found.st_size / 1e6:.6g} MB; at most {most / 1e6:g} MB are read'
-        )
-
-
-def float_array(value: Any, width: int) -> NDArray[Any]:
-    """
-    A table of coordinates as a contiguous float64 array of shape (n, ``width``).
-
-    Any real numbers that float64 holds without loss are taken (float32, integers, any strides or byte order);
-    booleans, complex numbers, texts and wider floats are refused with a ValueError that says why.
-    """
-    array = _rectangular(value)
-    if array.dtype.kind not in "fiu" or (array.dtype.kind == "f" and array.dtype.itemsize > 8):
-        raise ValueError(
-            f"holds {array.dtype}; real numbers (float64 or what it holds exactly) are needed"
-        )
-    if array.ndim != 2 or array.shape[1] != width:
-        raise ValueError(f"has shape {array.shape}; it must be (n, {width})")
-    out = np.ascontiguousarray(array, dtype=np.float64)
-    if array.dtype.kind in "iu" and not np.array_equal(out.astype(object), array.astype(object)):
-        raise ValueError("holds integers above 2^53, which float64 would round")
-    bad = np.flatnonzero(~np.isfinite(out).all(axis=1))
-    if bad.size:
-        raise ValueError(f"row {bad[0]} is {out[bad[0]].tolist()}; all coordinates must be finite")
-    return out
-
-
-def index_array(value: Any, widths: tuple[int, ...], limit: int) -> NDArray[Any]:
-    """A table of node numbers 0 ... ``limit`` - 1 as a contiguous int32 array whose row length is one of ``widths``; else ValueError."""
-    array = _rectangular(value)
-    if array.dtype.kind not in "iu":
-        raise ValueError(f"holds {array.dtype}; whole numbers are needed")
-    if array.ndim != 2 or array.shape[1] not in widths:
-        raise ValueError(
-            f"has shape {array.shape}; it must be (n, {' or '.join(map(str, widths))})"
-        )
-    bad = np.flatnonzero(((array < 0) | (array >= limit)).any(axis=1))
-    if bad.size:
-        raise ValueError(
-            f"row {bad[0]} names a node outside 0 ... {limit - 1}: {array[bad[0]].tolist()}"
-        )
-    return np.ascontiguousarray(array, dtype=np.int32)
-
-
-def _rectangular(value: Any) -> NDArray[Any]:
-    if not isinstance(value, (np.ndarray, list, tuple)):
-        raise ValueError(f"is {describe(value)}; it must be an array")
-    if np.ma.is_masked(value):
-        raise ValueError("has masked values; fill or leave them out")
-    try:
-        array = np.asarray(value)
-    except (ValueError, TypeError, OverflowError) as error:
-        raise ValueError(f"is no rectangular array ({error})") from None
-    if array.size == 0:
-        raise ValueError("is empty")
-    rows = [row for row in value if isinstance(row, (list, tuple))] if array.ndim == 2 else []
-    if any(isinstance(entry, bool) for row in rows for entry in row):
-        raise ValueError("holds a boolean; numbers are needed")
-    return array
+        size = f"{found.st_size / 1e6:.6g} MB; at most {most / 1e6:g} MB are read"
+        raise ValueError(f'"{path}" has {size}')

@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import Floats, Ints, ask, call, doubles, ints, members, real, row, whole
+from .bridge import Floats, Ints, ask, call, doubles, ints, positive, real, table, whole
 from .errors import check
 from .projection import columns, face_kind
 
 __all__ = ["Nearest", "Surface", "nearest"]
-
-_CHUNK = 16384  # points whose rows stay in the cache until they are sorted into arrays
 
 
 @dataclass(frozen=True)
@@ -77,14 +75,12 @@ class Surface:
         nodes, faces = real("nodes", nodes, ("n", 3)), whole("faces", faces)
         count = lib.ct_face_node_count(number)
         if faces.ndim != 2 or faces.shape[1] != count or len(faces) == 0:
-            raise ValueError(
-                f"faces of kind {kind} must have shape (f, {count}), f > 0, not {faces.shape}"
-            )
+            reason = f"must have shape (f, {count}), f > 0, not {faces.shape}"
+            raise ValueError(f"faces of kind {kind} {reason}")
         surface = ffi.new("ct_surface *", [number, len(nodes), len(faces)])
         surface.faces, surface.reference = ints(faces), doubles(nodes)
-        self._search = ffi.gc(
-            ask("ct_search **", lib.ct_search_create, surface), lib.ct_search_free
-        )
+        search = ask("ct_search **", lib.ct_search_create, surface)
+        self._search = ffi.gc(search, lib.ct_search_free)
         self._count, self._faces = len(nodes), len(faces)
 
     def move(self, nodes: Any) -> None:
@@ -146,31 +142,16 @@ class Surface:
         if start is not None:
             start = whole("start", start)
             if start.shape != (len(points),) or ((start < -1) | (start >= self._faces)).any():
-                raise ValueError(
-                    f"start must be a face, 0 to {self._faces - 1}, or -1 for each of {len(points)} points"
-                )
-        options = ffi.new(
-            "ct_search_options *", {"tolerance": float(tolerance), "threads": int(threads)}
-        )
-        if not 0 < options.tolerance < float("inf") or options.threads < 1:
-            raise ValueError(
-                f"tolerance must be positive and finite, threads at least 1, not {tolerance!r} and {threads!r}"
-            )
-        out = {
-            name: np.empty((len(points), *shape), kind)
-            for name, kind, shape in members("ct_nearest")
-        }
-        rows = np.empty(min(len(points), _CHUNK), row("ct_nearest"))
-        found = ffi.from_buffer("ct_nearest[]", rows)
-        for i in range(0, len(points), _CHUNK):
-            part = points[i : i + _CHUNK]
-            first = ffi.NULL if start is None else ints(start[i : i + _CHUNK])
-            check(
-                lib.ct_search_nearest(self._search, len(part), doubles(part), first, options, found)
-            )
-            for name, array in out.items():
-                array[i : i + _CHUNK] = rows[name][: len(part)]
-        return columns(Nearest, out)
+                faces = f"a face, 0 to {self._faces - 1}, or -1"
+                raise ValueError(f"start must be {faces} for each of {len(points)} points")
+        if int(threads) < 1:
+            raise ValueError(f"threads must be at least 1, not {threads!r}")
+        options = ffi.new("ct_search_options *", [positive("tolerance", tolerance), int(threads)])
+        rows, out = table("ct_nearest", len(points))
+        first = ffi.NULL if start is None else ints(start)
+        x = doubles(points)
+        check(lib.ct_search_nearest(self._search, len(points), x, first, options, out))
+        return columns(Nearest, rows)
 
 
 def nearest(

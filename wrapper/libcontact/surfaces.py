@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 
@@ -17,3 +17,12 @@ def pair_name(surfaces: Sequence[str | tuple[str, str]]) -> str:
 def obstacle_name(obstacle: Any) -> str:
     """An obstacle by the surface that it stands before."""
     return str(".".join(obstacle.given.surface))
+
+
+def pressing(parts: Any) -> Iterator[tuple[str, str, Any]]:
+    """The contacts and then the obstacles of a scene: its key, its surfaces in a sentence, and what was given."""
+    for i, contact in enumerate(parts.contact):
+        yield f"contact[{i}]", pair_name(contact.surfaces), contact
+    for added in parts.effects:
+        if added.name == "obstacle":
+            yield added.key, obstacle_name(added), added.given

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .model import Contact
 from .problem import Problem
 
 Array = npt.NDArray[np.float64]
@@ -21,10 +22,12 @@ class Touch:
 
     Attributes
     ----------
-    name : str
-        ``"contact"`` or ``"obstacle"``.
-    contact : int
-        Number among those of this name.
+    key : str
+        Its key in the scene, ``"contact[0]"`` or ``"obstacle[0]"``.
+    given : Contact or Obstacle
+        Its table.
+    surfaces : tuple
+        Its surfaces, each a body and a face: two, or that of an obstacle.
     body : str
         The body that comes.
     time : float
@@ -37,8 +40,9 @@ class Touch:
         Speed along ``normal`` with which the two meet; 0: they don't.
     """
 
-    name: str
-    contact: int
+    key: str
+    given: Any
+    surfaces: tuple[tuple[str, str], ...]
     body: str
     time: float
     shift: Array
@@ -60,35 +64,26 @@ def first_touch(problem: Problem) -> list[Touch]:
     Returns
     -------
     list of Touch
-        Obstacles first, then contacts, in the order of the scene.
+        Contacts first, then obstacles, in the order of the scene.
     """
-    obstacles = [added.given for added in problem.parts.effects if added.name == "obstacle"]
-    return [_obstacle(problem, i, given) for i, given in enumerate(obstacles)] + [
-        _pair(problem, i) for i in range(len(problem.parts.contacts))
-    ]
-
-
-def surface_box(problem: Problem, contact: int, side: int) -> tuple[Array, Array]:
-    """Return the smallest and largest coordinates of a contact's surface, 0 or 1."""
-    body, _ = problem.parts.contacts[contact].surfaces[side]
-    points = problem.bodies[body].mesh.nodes[np.unique(problem.faces[contact][side])]
-    return points.min(axis=0), points.max(axis=0)
+    parts = problem.parts
+    pairs = [_pair(problem, f"contact[{i}]", given) for i, given in enumerate(parts.contact)]
+    obstacles = enumerate(parts.obstacle)
+    return pairs + [_obstacle(problem, f"obstacle[{i}]", given) for i, given in obstacles]
 
 
 def gravity_on(problem: Problem, body: str) -> Array:
     """Return the acceleration (3,) of a body that falls freely."""
-    total = np.zeros(3)
-    for added in problem.parts.effects:
-        if added.name == "gravity" and (added.given.bodies is None or body in added.given.bodies):
-            total += added.given.acceleration
-    return total
+    gravity = problem.parts.gravity
+    falls = gravity is not None and (gravity.bodies is None or body in gravity.bodies)
+    return np.array(gravity.acceleration if falls else (0.0, 0.0, 0.0))
 
 
-def _pair(problem: Problem, number: int) -> Touch:
+def _pair(problem: Problem, key: str, given: Contact) -> Touch:
     """When the boxes of two bodies meet: not before they have met along every axis that they are apart along."""
-    (a, _), (b, _) = problem.parts.contacts[number].surfaces
+    (a, _), (b, _) = given.surfaces
     if a == b:
-        return Touch("contact", number, b, 0.0, np.zeros(3), np.zeros(3), 0.0)
+        return Touch(key, given, given.surfaces, b, 0.0, np.zeros(3), np.zeros(3), 0.0)
     (low_a, high_a), (low_b, high_b) = (problem.bodies[name].mesh.bounds for name in (a, b))
     apart = np.maximum(low_b - high_a, low_a - high_b)
     gaps, k = np.maximum(apart, 0.0), int(np.argmax(apart))
@@ -96,10 +91,10 @@ def _pair(problem: Problem, number: int) -> Touch:
     (v_a, g_a), (v_b, g_b) = _motion(problem, a), _motion(problem, b)
     meets = [_meet(*axis) for axis in zip(gaps, side * (v_a - v_b), side * (g_a - g_b))]
     normal, time = side * (np.arange(3) == k), max(time for time, _ in meets)
-    return Touch("contact", number, b, time, -gaps[k] * normal, normal, meets[k][1])
+    return Touch(key, given, given.surfaces, b, time, -gaps[k] * normal, normal, meets[k][1])
 
 
-def _obstacle(problem: Problem, number: int, given: Any) -> Touch:
+def _obstacle(problem: Problem, key: str, given: Any) -> Touch:
     """When the nearest node of an obstacle's surface comes to it; one that is moved by a history is touched from the start."""
     body, face = given.surface
     mesh = problem.bodies[body].mesh
@@ -108,7 +103,7 @@ def _obstacle(problem: Problem, number: int, given: Any) -> Touch:
     velocity, gravity = _motion(problem, body)
     time, closing = _meet(gap, (velocity - given.velocity) @ normal, gravity @ normal)
     time = 0.0 if given.history else time
-    return Touch("obstacle", number, body, time, gap * normal, normal, closing)
+    return Touch(key, given, (given.surface,), body, time, gap * normal, normal, closing)
 
 
 def _motion(problem: Problem, body: str) -> tuple[Array, Array]:

@@ -18,7 +18,7 @@ CT_BEGIN_DECLS
 typedef enum ct_contact_rule {
   /** Gauss points, which lie 0.21 h and more inside the face. */
   CT_POINTS_GAUSS,
-  /** Points at corners, middles of edges and centres, `ct_rule_lobatto`: no corner can enter a face
+  /** Points at corners, middles of edges and centres, Lobatto's rule: no corner can enter a face
      unseen. */
   CT_POINTS_LOBATTO
 } ct_contact_rule;
@@ -114,6 +114,15 @@ typedef struct ct_contact ct_contact;
 /**
  * Prepare the contact of two surfaces (both are slave once and master once). The surfaces' arrays
  * are copied.
+ *
+ * With `a` and `b` the same pointer it is the contact of a surface with itself: a fold, two layers,
+ * the ends of a C. Every point looks for the nearest face that shares no node with its own and does
+ * not look the same way, :eq:`self-adjacent`. A point under this face is in contact if it is less
+ * deep than half the body's thickness there in the reference shape, :eq:`self-depth`, and no deeper
+ * than its motion since the last update can have brought it, :eq:`self-status`. Parts that overlap
+ * in the reference shape meet only after they have come apart. In the calls below, what belongs to
+ * surface b is neither read nor written then and may be null.
+ *
  * ``CT_ERROR_ARGUMENT``: empty surface, node number out of range, coordinates not finite, ε not
  * positive;
  * ``CT_ERROR_GEOMETRY``: a face without area (`error` names the body 0 or 1 and the face).
@@ -121,19 +130,6 @@ typedef struct ct_contact ct_contact;
 CT_API ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
                                    const ct_contact_options *options, ct_contact **out,
                                    ct_error *error);
-
-/**
- * Prepare the contact of a surface with itself: a fold, two layers, the ends of a C. Every point
- * looks for the nearest face that shares no node with its own and does not look the same way,
- * :eq:`self-adjacent`. A point under this face is in contact if it is less deep than half the
- * body's thickness there in the reference shape, :eq:`self-depth`, and no deeper than its motion
- * since the last update can have brought it, :eq:`self-status`. Parts that overlap in the
- * reference shape meet only after they have come apart. In the calls below, what belongs to surface
- * b is neither read nor written then and may be null. Errors as of ct_contact_create.
- */
-CT_API ct_status ct_contact_create_self(const ct_surface *surface,
-                                        const ct_contact_options *options, ct_contact **out,
-                                        ct_error *error);
 
 /**
  * Find who meets whom at the current coordinates `xa`, `xb` [length], shapes (node_count of a

@@ -100,9 +100,6 @@ typedef struct ct_amplitude {
   const double *value;
 } ct_amplitude;
 
-/** The factor at a time, :eq:`amplitude`. */
-CT_API double ct_amplitude_value(const ct_amplitude *amplitude, double time);
-
 /** A traction and a pressure on faces, with an amplitude in time. */
 typedef struct ct_load_def {
   /** Set by `ct_load_def_default`. */
@@ -254,16 +251,6 @@ CT_API ct_viscosity_def ct_viscosity_def_default(void);
  */
 CT_API ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_problem *problem,
                                             ct_effect **effect, ct_error *error);
-
-/**
- * The pressure of one hex8 element, the readable form, :eq:`bulk-viscosity`: `nodes` and `velocity`
- * have shape (8, 3), `c1` is the speed of the dilatation wave. Writes the pressure [stress], 0
- * unless the element is compressed, and the force on the nodes, shape (8, 3) [force],
- * :eq:`viscous-force`.
- */
-CT_API ct_status ct_viscosity_element(const double *nodes, const double *velocity, double density,
-                                      double c1, double linear, double quadratic, double *pressure,
-                                      double *force, ct_error *error);
 
 /** Faces through which waves leave the body instead of being reflected. */
 typedef struct ct_absorb_def {

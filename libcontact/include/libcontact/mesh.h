@@ -32,16 +32,9 @@ typedef struct ct_material {
   ct_law law;
 } ct_material;
 
-/** Lamé's constants Λ and μ [stress], :eq:`lame`. */
-CT_API void ct_material_lame(const ct_material *material, double *lambda, double *mu);
-
 /** Speeds of the dilatation wave c₁ and of the transversal wave c₂ [length / time],
  * :eq:`wave-speeds`. */
 CT_API void ct_material_speeds(const ct_material *material, double *c1, double *c2);
-
-/** Refuse impossible constants: ``CT_ERROR_ARGUMENT`` with the constant's name and value in
- * `error`. */
-CT_API ct_status ct_material_check(const ct_material *material, ct_error *error);
 
 /**
  * Nodes and bricks of one body. The struct only points: the `ct_mesh_create_...` calls
@@ -169,10 +162,6 @@ CT_API int32_t ct_mesh_plane_nodes(const ct_mesh *mesh, int axis, double value, 
  * the same return values. */
 CT_API int32_t ct_mesh_outer_faces(const ct_mesh *mesh, int32_t *faces, int32_t *owners);
 
-/** Smallest and largest coordinates of the nodes [length]; infinite, the wrong way round, for a
- * null mesh. */
-CT_API void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3]);
-
 /** How the consistent mass matrix is made diagonal. */
 typedef enum ct_lumping {
   /** row sum for hex8, HRZ for hex20 */
@@ -182,13 +171,6 @@ typedef enum ct_lumping {
   /** the diagonal, scaled to the element's mass, :eq:`hrz` */
   CT_LUMP_HRZ = 2
 } ct_lumping;
-
-/**
- * Lumped mass of one element at its nodes, `mass` of shape (8 or 20) [mass].
- * Row sum is refused for hex20 (``CT_ERROR_UNSUPPORTED``): its corners would get negative masses.
- */
-CT_API ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double density,
-                                 ct_lumping lumping, double *mass, ct_error *error);
 
 /** Lumped mass of a whole mesh at its nodes, `mass` of shape (node_count) [mass]. */
 CT_API ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping,

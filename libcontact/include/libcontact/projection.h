@@ -120,23 +120,6 @@ typedef struct ct_projection {
  * trace. */
 CT_API ct_project_options ct_project_options_default(void);
 
-/** Name of a method as in Python, for example ``"nelder_mead"``; null for a value that is no
- * method. */
-CT_API const char *ct_method_name(ct_method method);
-
-/** Method of a name. CT_ERROR_ARGUMENT, with ``method`` untouched, when there is none of that name
- * or a pointer is null. */
-CT_API ct_status ct_method_from_name(const char *name, ct_method *method);
-
-/**
- * The function that a projection minimises, :eq:`projection-f`: its value ``f`` [length^2],
- * gradient ``g`` = (f,1 f,2) of :eq:`projection-gradient` and Hessian ``H`` = (f,11 f,22 f,12) of
- * :eq:`projection-hessian` at xi. Each output may be null. NaN comes out where ct_project would
- * answer CT_INVALID.
- */
-CT_API void ct_project_function(const ct_face *face, const double point[3], const double xi[2],
-                                double *f, double g[2], double H[3]);
-
 /**
  * Closest point of a face to ``point``, :eq:`projection-minimum`. Null ``options`` are the
  * defaults.
@@ -159,7 +142,7 @@ CT_API ct_status ct_project_points(const ct_face *face, size_t count, const doub
                                    const ct_project_options *options, const double *start,
                                    ct_projection *out);
 
-/** Where a line meets a face; everything is written by ct_project_ray. */
+/** Where a line meets a face; everything is written by ct_project_rays. */
 typedef struct ct_ray_hit {
   /**
    * CT_OK: the line meets the face, and of all such points this is the one nearest to the given
@@ -188,26 +171,21 @@ typedef struct ct_ray_hit {
 } ct_ray_hit;
 
 /**
- * Distance from ``point`` to a face along ``direction``, :eq:`ray-hit`: the gap as it is measured
- * along a normal of the other surface. The direction may have any length. ``tolerance`` is how far
- * beyond the face a hit may lie, in half-widths; 1e-10 is a good choice.
+ * Distance from each of ``count`` points to a face along a direction, both of shape (count, 3),
+ * into
+ * ``out[count]``, :eq:`ray-hit`: the gap as it is measured along a normal of the other surface. A
+ * direction may have any length. ``tolerance`` is how far beyond the face a hit may lie, in
+ * half-widths; 1e-10 is a good choice.
  *
- * The answer is ``out->status``, or CT_ERROR_ARGUMENT, with NaN, for a null pointer, an unknown
- * kind, or a tolerance that is not positive and below 1.
- */
-CT_API ct_status ct_project_ray(const ct_face *face, const double point[3],
-                                const double direction[3], double tolerance, ct_ray_hit *out);
-
-/**
- * The same for ``count`` points and directions, both of shape (count, 3), into ``out[count]``.
- * Answers CT_OK when every line was looked at, else the first error.
+ * Answers CT_OK when every line was looked at (see the status of each), else CT_ERROR_ARGUMENT,
+ * with NaN, for a null pointer, an unknown kind, or a tolerance that is not positive and below 1.
  */
 CT_API ct_status ct_project_rays(const ct_face *face, size_t count, const double *points,
                                  const double *directions, double tolerance, ct_ray_hit *out);
 
 /**
  * Where ct_project_batch writes the closest points of a batch; arrays in lanes, of
- * ct_batch_blocks(count) blocks. A null pointer is not written. A pair that ct_project answers with
+ * (count + 7) / 8 blocks. A null pointer is not written. A pair that ct_project answers with
  * CT_INVALID has NaN here too.
  */
 typedef struct ct_batch_closest {
@@ -225,23 +203,13 @@ typedef struct ct_batch_closest {
   int32_t *evaluations;
 } ct_batch_closest;
 
-/** Number of blocks of eight lanes that ``count`` pairs fill. */
-CT_API size_t ct_batch_blocks(size_t count);
-
-/**
- * Put rows of an array into lanes: row ``number[p * per + i]`` of ``rows``, shape (n, 3), goes to
- * the place (p / 8, i, k, p % 8) of ``lanes``, shape (blocks, per, 3, 8). Null ``number`` takes the
- * rows as they come, row p * per + i. The last block is filled up with its last pair.
- */
-CT_API void ct_batch_gather(size_t count, int per, const double *rows, const int32_t *number,
-                            double *lanes);
-
 /**
  * The closest points of ``count`` pairs of a face and a point, eight side by side; the answers are
- * those of CT_ROBUST. All faces are of one kind. ``nodes``, shape (blocks, nodes of the kind, 3,
- * 8), ``points``, shape (blocks, 3, 8), and ``start``, null or of shape (blocks, 2, 8), are laid
- * out as ct_batch_gather does; a start that is not finite is none. Null ``options`` are the
- * defaults; method, use_start, start and trace of them are not read.
+ * those of CT_ROBUST. All faces are of one kind. Pair p stands in lane p % 8 of block p / 8,
+ * :eq:`batch-lanes`: ``nodes``, shape (blocks, nodes of the kind, 3, 8), ``points``, shape (blocks,
+ * 3, 8), and ``start``, null or of shape (blocks, 2, 8); fill the last block up with any pair. A
+ * start that is not finite is none. Null ``options`` are the defaults; method, use_start, start and
+ * trace of them are not read.
  *
  * Eight pairs are computed at a time with AVX-512, four with AVX2, one on other machines; the bits
  * are the same. CT_ERROR_ARGUMENT, with nothing written: a null pointer, an unknown kind, a

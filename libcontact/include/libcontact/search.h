@@ -83,26 +83,22 @@ typedef struct ct_nearest {
   double normal[3];
 } ct_nearest;
 
-/** Choices of a query. Start from ct_search_options_default. */
+/** Choices of a query. */
 typedef struct ct_search_options {
-  /** Bound on the error of xi in half-widths of the face, as of ct_project; 1e-10. Must be
-   * positive. */
+  /** Bound on the error of xi in half-widths of the face, as of ct_project, > 0. */
   double tolerance;
-  /** Threads; results do not depend on it. 1. */
+  /** Threads; >= 1; results do not depend on it. */
   int threads;
 } ct_search_options;
 
-/** Default options: tolerance 1e-10, one thread. */
-CT_API ct_search_options ct_search_options_default(void);
-
 /**
  * Nearest face of the surface for each of ``count`` points, shape (count, 3), into ``out[count]``.
- * Null ``options`` are the defaults. ``start`` is null, or has a face for each point, shape
- * (count), that is probably near (that of the last step, say); -1 means none. Without it each point
- * begins with the face of the point before it. Points that follow each other closely and good
- * starts save time; no bit of the answer depends on them. ``CT_ERROR_ARGUMENT``: null pointer,
- * impossible option, a start that is no face; then nothing is written. Else CT_OK; see the status
- * of each point.
+ * Null ``options`` are a tolerance of 1e-10 and one thread. ``start`` is null, or has a face for
+ * each point, shape (count), that is probably near (that of the last step, say); -1 means none.
+ * Without it each point begins with the face of the point before it. Points that follow each other
+ * closely and good starts save time; no bit of the answer depends on them. ``CT_ERROR_ARGUMENT``:
+ * null pointer, impossible option, a start that is no face; then nothing is written. Else CT_OK;
+ * see the status of each point.
  */
 CT_API ct_status ct_search_nearest(const ct_search *search, size_t count, const double *points,
                                    const int32_t *start, const ct_search_options *options,

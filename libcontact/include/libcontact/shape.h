@@ -44,29 +44,8 @@ CT_API int ct_face_node_count(ct_face_kind kind);
  */
 CT_API void ct_segment_shape(ct_face_kind kind, const double xi[2], double N[8]);
 
-/** First derivatives ``dN[i][a]`` = dN_i/dxi_a. */
-CT_API void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2]);
-
-/** Second derivatives ``ddN[i]`` = (N_i,11  N_i,22  N_i,12). */
-CT_API void ct_segment_hessian(ct_face_kind kind, const double xi[2], double ddN[8][3]);
-
 /** The point y(xi) of the face [length], :eq:`segment-point`. */
 CT_API void ct_segment_point(const ct_face *face, const double xi[2], double y[3]);
-
-/** The tangents t_a = dy/dxi_a [length], :eq:`segment-tangents`. */
-CT_API void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3],
-                                double t2[3]);
-
-/**
- * The unit normal t_1 x t_2 / ``|t_1 x t_2|``, :eq:`segment-normal`. Where the tangents are
- * parallel, zero or not finite there is none: then ``n`` is NaN and the answer is
- * CT_ERROR_GEOMETRY. A null pointer or unknown kind gives CT_ERROR_ARGUMENT.
- */
-CT_API ct_status ct_segment_normal(const ct_face *face, const double xi[2], double n[3]);
-
-/** The area element J = ``|t_1 x t_2|`` [length^2] of :eq:`segment-area`; NaN for a null pointer or
- * unknown kind. */
-CT_API double ct_segment_area_element(const ct_face *face, const double xi[2]);
 
 /**
  * Kind of a brick element on -1 <= xi_1, xi_2, xi_3 <= 1, nodes in the order of VTK: the corners
@@ -88,12 +67,6 @@ CT_API int ct_brick_node_count(ct_brick_kind kind);
 CT_API ct_face_kind ct_brick_face_kind(ct_brick_kind kind);
 
 /**
- * Reference coordinates (each -1, 0 or 1) of node 0 to 19, written to ``xi``; NaN for a node that
- * the kind does not have. Here and below a null pointer writes nothing.
- */
-CT_API void ct_brick_reference(ct_brick_kind kind, int node, double xi[3]);
-
-/**
  * Shape functions N_i(xi), :eq:`brick-hex8` and :eq:`brick-hex20`; entries beyond the node count
  * are 0, an unknown kind gives NaN.
  */
@@ -101,16 +74,6 @@ CT_API void ct_brick_shape(ct_brick_kind kind, const double xi[3], double N[20])
 
 /** First derivatives ``dN[i][a]`` = dN_i/dxi_a. */
 CT_API void ct_brick_gradient(ct_brick_kind kind, const double xi[3], double dN[20][3]);
-
-/**
- * Nodes of one side as a face: ``side`` 0 to 5 is x_min, x_max, y_min, y_max, z_min, z_max (xi_1 =
- * -1, xi_1 = +1, xi_2 = -1,
- * ...). They are in the order of ct_face_kind, counter-clockwise seen from outside, so that the
- * face normal points out of a brick that is not inverted. Opposite sides have the same second axis
- * and the first one flipped (:eq:`brick-sides`): a mirrored brick has mirrored faces. ``nodes``
- * entries beyond the node count of the face, and all for an impossible side, are -1.
- */
-CT_API void ct_brick_face(ct_brick_kind kind, int side, int nodes[8]);
 
 /**
  * A quadrature rule on the reference face or brick, :eq:`quadrature-rule`. Points of quadrilaterals
@@ -127,31 +90,10 @@ typedef struct ct_rule {
 } ct_rule;
 
 /**
- * Gauss-Legendre rule with ``n`` = 1 to 10 points on [-1, 1], exact for polynomials of degree 2 n -
- * 1, :eq:`quadrature-gauss`. Writes the nodes, ascending and exactly antisymmetric, to ``x[n]`` and
- * the weights, exactly symmetric, to ``w[n]``. CT_ERROR_ARGUMENT for another ``n`` or a null
- * pointer.
+ * The Gauss rule that contact uses on a face: 2 x 2 points for Q4, 3 x 3 for Q8, 3 for T3, 6 for
+ * T6. CT_ERROR_ARGUMENT for an unknown kind or a null pointer, and then ``rule`` has no points.
  */
-CT_API ct_status ct_gauss_legendre(int n, double *x, double *w);
-
-/**
- * Rule for a face. ``points`` is the number of Gauss points along each direction of a quadrilateral
- * (1 to 5), or the number of all points of a triangle (1, 3, 6 or 7, exact for degree 1, 2, 4 and
- * 5); 0 takes what contact uses: 2 x 2 for Q4, 3 x 3 for Q8, 3 for T3, 6 for T6. CT_ERROR_ARGUMENT
- * for anything else or a null pointer, and then ``rule`` has no points.
- */
-CT_API ct_status ct_rule_face(ct_face_kind kind, int points, ct_rule *rule);
-
-/**
- * Rule for a face with points at its corners, at the middles of its edges and at its centre,
- * :eq:`quadrature-lobatto`: 3 x 3 points of Lobatto on a quadrilateral, 7 points on a triangle, all
- * weights positive, exact for degree 3. CT_ERROR_ARGUMENT for an unknown kind or a null pointer.
- */
-CT_API ct_status ct_rule_lobatto(ct_face_kind kind, ct_rule *rule);
-
-/** Rule for the full integration of a brick: 2 x 2 x 2 for hex8, 3 x 3 x 3 for hex20. Errors as in
- * ct_rule_face. */
-CT_API ct_status ct_rule_brick(ct_brick_kind kind, ct_rule *rule);
+CT_API ct_status ct_rule_face(ct_face_kind kind, ct_rule *rule);
 
 CT_END_DECLS
 

@@ -28,60 +28,8 @@ typedef enum ct_solid_kernel {
 } ct_solid_kernel;
 
 /**
- * Internal force of one element, the readable form: Gauss points one after another,
- * :eq:`internal-force`, and for large deformation :eq:`large-force`. `nodes` (undeformed) and
- * `displacement` and `force` have shape (8 or 20, 3); `force` [force] is what the element does to
- * its nodes. `energy` [energy], :eq:`large-energy`, may be null. ``CT_ERROR_GEOMETRY`` when the
- * deformation turns the element inside out (`error` names the Gauss point).
- */
-CT_API ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes,
-                                        const double *displacement, const ct_material *material,
-                                        double *force, double *energy, ct_error *error);
-
-/** Stress xx yy zz xy yz zx [stress] of one element at the point ξ, :eq:`hooke`; for large
- * deformation Cauchy's, :eq:`cauchy`. */
-CT_API ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes,
-                                         const double *displacement, const ct_material *material,
-                                         const double xi[3], double stress[6], ct_error *error);
-
-/**
- * Upper bound of the largest ω² of one element with its lumped `mass` (8 or 20), the largest
- * eigenvalue of M⁻¹K, :eq:`element-bound` [1 / time²].
- */
-CT_API ct_status ct_solid_element_omega2_bound(ct_brick_kind kind, const double *nodes,
-                                               const ct_material *material, const double *mass,
-                                               double *omega_squared, ct_error *error);
-
-/**
- * The same for the tangent stiffness at a displacement (8 or 20, 3), :eq:`large-tangent`; 0 when no
- * eigenvalue is positive. With the law CT_LINEAR the displacement changes nothing.
- */
-CT_API ct_status ct_solid_element_tangent_omega2_bound(ct_brick_kind kind, const double *nodes,
-                                                       const double *displacement,
-                                                       const ct_material *material,
-                                                       const double *mass, double *omega_squared,
-                                                       ct_error *error);
-
-/**
- * Force of one hex8 element with one point and hourglass control, the readable form,
- * :eq:`reduced-force`. `nodes`, `displacement` and `force` have shape (8, 3); `hourglass` > 0 is
- * the coefficient κ of :eq:`hourglass-stiffness`. `energy` (may be null) gets the energies of the
- * mean strain and of the hourglass control, :eq:`reduced-energy`. ``CT_ERROR_UNSUPPORTED`` for a
- * law of large deformation.
- */
-CT_API ct_status ct_solid_reduced_force(const double *nodes, const double *displacement,
-                                        const ct_material *material, double hourglass,
-                                        double *force, double energy[2], ct_error *error);
-
-/** Upper bound of the largest ω² of that element with its lumped `mass` (8), :eq:`element-bound` [1
- * / time²]. */
-CT_API ct_status ct_solid_reduced_omega2_bound(const double *nodes, const ct_material *material,
-                                               double hourglass, const double *mass,
-                                               double *omega_squared, ct_error *error);
-
-/**
  * Work that the library leaves out where that changes no value, :doc:`/theory/savings`; each 1 or
- * 0. A scene begins with `ct_optimisations_default`; turn one off to measure what it saves.
+ * 0. A scene begins with all of them; turn one off to measure what it saves.
  */
 typedef struct ct_optimisations {
   /** Elements that nothing has reached are not computed, and their nodes drift as a whole. */
@@ -93,9 +41,6 @@ typedef struct ct_optimisations {
   /** Contact surfaces that are too far from each other to touch are not searched. */
   int separated;
 } ct_optimisations;
-
-/** All optimisations on. */
-CT_API ct_optimisations ct_optimisations_default(void);
 
 /** One body as the solid effect sees it: its nodes stand at `first_node` of the problem. */
 typedef struct ct_solid_body {
@@ -109,8 +54,7 @@ typedef struct ct_solid_body {
   ct_solid_kernel kernel;
   /** How the masses were lumped, for the bound on the time step. */
   ct_lumping lumping;
-  /** What may be left out in this body, read when the effect is made; null: all that
-   * `ct_optimisations_default` tells. */
+  /** What may be left out in this body, read when the effect is made; null: all. */
   const ct_optimisations *optimisations;
   /** Threads for which room is kept; 0: one. With more threads than that the forces are the same.
    */

@@ -253,10 +253,6 @@ typedef struct ct_stage {
 /** The method of this scheme with its usual parameter: β = 28/27, p = 0.54, ρ∞ = 0.9. */
 CT_API ct_integrator ct_integrator_default(ct_scheme scheme);
 
-/** Name of a scheme: "central_difference", "chung_lee", "noh_bathe" or "tchamwa_wielgosz"; null for
- * another number. */
-CT_API const char *ct_scheme_name(ct_scheme scheme);
-
 /** ``CT_ERROR_ARGUMENT`` for an unknown scheme or a parameter out of its range, with the range in
  * `error`. */
 CT_API ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *error);
@@ -266,13 +262,6 @@ CT_API int ct_integrator_stages(const ct_integrator *integrator, ct_stage *stage
 
 /** Largest stable Ω = ω Δt of an oscillator without damping, :eq:`integrator-limits`. */
 CT_API double ct_integrator_limit(const ct_integrator *integrator);
-
-/**
- * Largest stable Δt [time] for the sums `omega_squared` of ω² [1 / time²] and `rate` of the damping
- * rates [1 / time], :eq:`integrator-damped-bound`.
- */
-CT_API double ct_integrator_step(const ct_integrator *integrator, double omega_squared,
-                                 double rate);
 
 /** One body of a problem. */
 typedef struct ct_body {
@@ -627,12 +616,6 @@ typedef struct ct_growth {
 /** The growth that was found since the monitor was made; zeros for a null monitor, or as long as no
  * check has found too much. */
 CT_API ct_growth ct_monitor_growth(const ct_monitor *monitor);
-
-/**
- * Largest ω² of the solid that the monitor has found in its last check [1 / time²], a lower bound
- * of the true one; 0 where no body can stiffen.
- */
-CT_API double ct_monitor_omega2(const ct_monitor *monitor);
 
 CT_END_DECLS
 

@@ -19,12 +19,8 @@ static void write_text(ct_error *error, size_t start, const char *format, va_lis
 ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *format, ...)
 {
   if (error != NULL) {
-    error->code = code;
-    error->body = where.body;
-    error->element = where.element;
-    error->point = where.point;
-    error->part = CT_PART_NONE;
-    error->number = 0;
+    *error = (ct_error){
+        .code = code, .body = where.body, .element = where.element, .point = where.point};
     va_list arguments;
     va_start(arguments, format);
     write_text(error, 0, format, arguments);

@@ -20,6 +20,11 @@ __attribute__((format(printf, 4, 5)))
 #endif
 ct_status ct_fail(ct_error *error, ct_status code, ct_place where, const char *format, ...);
 
+/* Refuse an impossible argument that is nowhere in a mesh, and tell what there is no memory for. */
+#define CT_REFUSE(error, ...) ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, __VA_ARGS__)
+#define CT_NO_MEMORY(error, ...) \
+  ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for " __VA_ARGS__)
+
 /** Name the part of a scene that a status other than CT_OK is about; answers the status. */
 ct_status ct_blame(ct_error *error, ct_status status, ct_scene_part part, int32_t number);
 

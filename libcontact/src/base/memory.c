@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ALIGNMENT = 64 };
+enum { ALIGNMENT = 64, HEADER = 2 * sizeof(void *) };
 
 /* The host's functions, or null for the C library's: one of the two variables of the whole process.
  * A host writes it before it makes anything. */
@@ -32,13 +32,14 @@ static void *zeroed(size_t bytes)
 void *ct_allocate(size_t count, size_t size)
 {
   if (count == 0) count = 1;
-  if (size != 0 && count > (SIZE_MAX - ALIGNMENT - sizeof(void *)) / size) return NULL;
-  char *raw = zeroed(count * size + ALIGNMENT + sizeof(void *));
+  if (size != 0 && count > (SIZE_MAX - ALIGNMENT - HEADER) / size) return NULL;
+  char *raw = zeroed(count * size + ALIGNMENT + HEADER);
   if (raw == NULL) return NULL;
-  // The address that was given stands just before the aligned block.
-  uintptr_t start = (uintptr_t)raw + sizeof(void *);
+  // The address that was given stands just before the aligned block, and before it the block of a
+  // pool that was taken earlier.
+  uintptr_t start = (uintptr_t)raw + HEADER;
   size_t shift = (ALIGNMENT - start % ALIGNMENT) % ALIGNMENT;
-  void **block = (void **)(void *)(raw + sizeof(void *) + shift);
+  void **block = (void **)(void *)(raw + HEADER + shift);
   block[-1] = raw;
   return block;
 }
@@ -56,4 +57,34 @@ void *ct_duplicate(const void *from, size_t bytes)
   void *copy = ct_allocate(bytes, 1);
   if (copy != NULL && bytes > 0) memcpy(copy, from, bytes);
   return copy;
+}
+
+void *ct_pool_take(ct_pool *pool, size_t count, size_t size)
+{
+  void **block = ct_allocate(count, size);
+  if (block == NULL) pool->failed = 1;
+  else block[-2] = pool->last, pool->last = block;
+  return block;
+}
+
+void *ct_pool_copy(ct_pool *pool, const void *from, size_t bytes)
+{
+  void *copy = ct_pool_take(pool, bytes, 1);
+  return copy != NULL && bytes > 0 ? memcpy(copy, from, bytes) : copy;
+}
+
+void ct_pool_empty(ct_pool *pool)
+{
+  for (void **block = pool->last, *before; block != NULL; block = before) {
+    before = block[-2];
+    ct_release(block);
+  }
+  *pool = (ct_pool){NULL, 0};
+}
+
+void ct_pool_free(void *object)
+{
+  if (object == NULL) return;
+  ct_pool_empty(object);
+  ct_release(object);
 }

@@ -13,4 +13,22 @@ void *ct_duplicate(const void *from, size_t bytes);
 
 void ct_release(void *memory);
 
+/* All memory of one object, which is given back together. Zeroed it is empty. */
+typedef struct ct_pool {
+  void *last;
+  int failed; /* a request was not met */
+} ct_pool;
+
+/* As ct_allocate, from a pool. */
+void *ct_pool_take(ct_pool *pool, size_t count, size_t size);
+
+/* As ct_duplicate. */
+void *ct_pool_copy(ct_pool *pool, const void *from, size_t bytes);
+
+/* Give back all that was taken. */
+void ct_pool_empty(ct_pool *pool);
+
+/* The same, and the object that begins with the pool; null is allowed. */
+void ct_pool_free(void *object);
+
 #endif

@@ -2,35 +2,20 @@
 
 const char *ct_status_name(ct_status status)
 {
-  switch (status) {
-  case CT_OK:
-    return "ok";
-  case CT_NOT_CERTIFIED:
-    return "not certified";
-  case CT_ITERATION_LIMIT:
-    return "iteration limit reached";
-  case CT_NO_CONVERGENCE:
-    return "no convergence";
-  case CT_INVALID:
-    return "invalid numbers";
-  case CT_ERROR_ARGUMENT:
-    return "impossible argument";
-  case CT_ERROR_MEMORY:
-    return "out of memory";
-  case CT_ERROR_GEOMETRY:
-    return "inverted or collapsed element";
-  case CT_ERROR_STEP:
-    return "time step above the stable one";
-  case CT_ERROR_UNSUPPORTED:
-    return "not supported";
-  case CT_ERROR_FILE:
-    return "file error";
-  case CT_ERROR_BLOWUP:
-    return "state is not finite";
-  case CT_ERROR_ENERGY:
-    return "energy from nothing";
-  }
-  return "unknown status";
+  static const char *const names[] = {[CT_OK] = "ok",
+                                      [CT_NOT_CERTIFIED] = "not certified",
+                                      [CT_ITERATION_LIMIT] = "iteration limit reached",
+                                      [CT_NO_CONVERGENCE] = "no convergence",
+                                      [CT_INVALID] = "invalid numbers",
+                                      [CT_ERROR_ARGUMENT] = "impossible argument",
+                                      [CT_ERROR_MEMORY] = "out of memory",
+                                      [CT_ERROR_GEOMETRY] = "inverted or collapsed element",
+                                      [CT_ERROR_STEP] = "time step above the stable one",
+                                      [CT_ERROR_UNSUPPORTED] = "not supported",
+                                      [CT_ERROR_FILE] = "file error",
+                                      [CT_ERROR_BLOWUP] = "state is not finite",
+                                      [CT_ERROR_ENERGY] = "energy from nothing"};
+  return (size_t)status < sizeof names / sizeof names[0] ? names[status] : "unknown status";
 }
 
 const char *ct_version(void)

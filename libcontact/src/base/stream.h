@@ -9,8 +9,8 @@
  * first to find the largest one and how many there are, then to be added (eq:order-free-sum). Zero
  * it, and
  *
- *   while (ct_stream_again(&sum, 1))
- *     for each piece: make its terms; ct_stream_add(&sum, terms, count);
+ *   for (int32_t first, end; ct_stream_piece(&sum, 1, count, &first, &end);)
+ *     make the terms first ... end - 1; ct_stream_add(&sum, terms, end - first);
  *
  * then ct_stream_sum gives the bits of ct_sum of all the terms. */
 typedef struct ct_stream {
@@ -30,6 +30,9 @@ static inline int32_t ct_piece_end(int32_t first, int32_t last)
 
 /* Whether the terms of one of some sums, which go together, must be made once more. */
 int ct_stream_again(ct_stream *sums, int count);
+
+/* The next piece of `count` terms of some sums, which go together; answers 0 after the last one. */
+int ct_stream_piece(ct_stream *sums, int sum_count, int32_t count, int32_t *first, int32_t *end);
 
 /* Show or add the next terms. */
 void ct_stream_add(ct_stream *sum, const double *terms, int64_t count);

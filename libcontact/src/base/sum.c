@@ -59,6 +59,17 @@ static void add_parts(const ct_grid *of, const double *terms, int64_t count, dou
   sum[1] += fine;
 }
 
+int ct_stream_piece(ct_stream *sums, int sum_count, int32_t count, int32_t *first, int32_t *end)
+{
+  if (sums->round == 0 || *end == count) {
+    if (!ct_stream_again(sums, sum_count)) return 0;
+    *end = 0;
+  }
+  *first = *end;
+  *end = ct_piece_end(*first, count);
+  return 1;
+}
+
 void ct_stream_add(ct_stream *s, const double *terms, int64_t count)
 {
   // -- In the first round only look: the largest number and the count fix the grids
@@ -93,12 +104,10 @@ double ct_sum_product(int32_t count, const double *mass, const double *x, const 
 {
   ct_stream sum = {0};
   double terms[CT_PIECE];
-  while (ct_stream_again(&sum, 1))
-    for (int32_t first = 0, end; first < count; first = end) {
-      end = ct_piece_end(first, count);
-      ct_product_terms(end - first, mass != NULL ? mass + first : NULL, x + 3 * (int64_t)first,
-                       y + 3 * (int64_t)first, terms);
-      ct_stream_add(&sum, terms, end - first);
-    }
+  for (int32_t first, end; ct_stream_piece(&sum, 1, count, &first, &end);) {
+    ct_product_terms(end - first, mass != NULL ? mass + first : NULL, x + 3 * (int64_t)first,
+                     y + 3 * (int64_t)first, terms);
+    ct_stream_add(&sum, terms, end - first);
+  }
   return ct_stream_sum(&sum);
 }

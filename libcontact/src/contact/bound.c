@@ -31,8 +31,8 @@ static int32_t partner(const ct_side *side, const ct_side *other, const ct_searc
   ct_nearest nearest;
   neighbourhood near = {now, (int32_t)(i / side->fixed->rule.count)};
   ct_side_position(side, i, NULL, y);
-  ct_search_point(now, y, -1, HUGE_VAL, ct_search_options_default().tolerance,
-                  side == other ? is_adjacent : NULL, &near, &nearest);
+  ct_search_point(now, y, -1, HUGE_VAL, CT_SEARCH_TOLERANCE, side == other ? is_adjacent : NULL,
+                  &near, &nearest);
   if (nearest.face >= 0) ct_segment_shape(other->search->kind, nearest.xi, N);
   return nearest.face;
 }
@@ -106,7 +106,7 @@ ct_status ct_contact_omega2_bound(const ct_contact *contact, const double *mass_
   ct_status status = find_rows(contact, mass, rows, now, omega2);
   for (int s = 0; s < 2; s++) {
     ct_release(rows[s]);
-    ct_search_leave(now[s]);
+    ct_search_free(now[s]);
   }
   return status;
 }

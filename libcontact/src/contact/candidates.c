@@ -53,8 +53,7 @@ static ct_status list_candidates(ct_side *side, const ct_side *other, double ski
     if (found > side->candidate_room - count) {
       int32_t room = 2 * (count + found) + 8 * side->search->face_count;
       int32_t *larger = ct_allocate((size_t)room, sizeof *larger);
-      if (larger == NULL)
-        return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for contact candidates");
+      if (larger == NULL) return CT_NO_MEMORY(error, "contact candidates");
       if (count > 0) memcpy(larger, side->candidates, (size_t)count * sizeof *larger);
       ct_release(side->candidates);
       side->candidates = larger;

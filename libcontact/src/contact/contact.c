@@ -5,6 +5,7 @@
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/vector.h"
+#include "../projection/projection_internal.h"
 #include "contact_internal.h"
 
 #include <math.h>
@@ -62,7 +63,7 @@ static ct_status check_options(const ct_contact_options *options, ct_error *erro
   if (options->points != CT_POINTS_GAUSS && options->points != CT_POINTS_LOBATTO)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no rule of points %d",
                    (int)options->points);
-  if (ct_method_name(options->method) == NULL)
+  if (!ct_method_exists(options->method))
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: there is no search method %d",
                    (int)options->method);
   const ct_constraint law = law_of(options);
@@ -141,31 +142,19 @@ ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_er
   return CT_OK;
 }
 
-/* A host's contact of `sides` surfaces: two, or one with itself. */
-static ct_status create(const ct_surface *const surface[2], int sides,
-                        const ct_contact_options *options, ct_contact **out, ct_error *error)
+ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
+                            const ct_contact_options *options, ct_contact **out, ct_error *error)
 {
   ct_contact_fixed *fixed = NULL;
-  if (surface[0] == NULL || surface[1] == NULL || options == NULL || out == NULL)
+  if (a == NULL || b == NULL || options == NULL || out == NULL)
     return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
-  ct_status status = ct_contact_fixed_create(surface, sides, options, &fixed, error);
+  const ct_surface *const surface[2] = {a, b};
+  ct_status status = ct_contact_fixed_create(surface, a == b ? 1 : 2, options, &fixed, error);
   if (status != CT_OK) return status;
   status = ct_contact_open(fixed, out, error);
   if (status == CT_OK) (*out)->own = fixed;
   else ct_contact_fixed_free(fixed);
   return status;
-}
-
-ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
-                            const ct_contact_options *options, ct_contact **out, ct_error *error)
-{
-  return create((const ct_surface *const[2]){a, b}, 2, options, out, error);
-}
-
-ct_status ct_contact_create_self(const ct_surface *surface, const ct_contact_options *options,
-                                 ct_contact **out, ct_error *error)
-{
-  return create((const ct_surface *const[2]){surface, surface}, 1, options, out, error);
 }
 
 /* No point has a face, as in the last call; a host may have set some since then, from an older

@@ -47,6 +47,7 @@ typedef struct tail_record {
 enum { RECORD = sizeof(slip_record) / sizeof(double), TAIL = sizeof(tail_record) / sizeof(double) };
 
 typedef struct friction_scratch {
+  ct_pool pool;
   slip_point *points;
   double *coarse, *fine; /* sums at the effect's nodes */
   double *terms;
@@ -307,8 +308,7 @@ static ct_status friction_force(const ct_effect *effect, const ct_view *view, do
   const friction_data *data = effect->data;
   friction_scratch *s = view->scratch;
   if (view->read == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "friction: what it acts on is not in the problem");
+    return CT_REFUSE(error, "friction: what it acts on is not in the problem");
   int64_t first = 0;
   call now = begin(data, view);
   for (int k = 0; k < data->sides; k++) {
@@ -335,28 +335,21 @@ static ct_status friction_omega2_bound(const ct_effect *effect, const ct_view *v
   return status;
 }
 
-static void free_scratch(void *scratch)
-{
-  friction_scratch *s = scratch;
-  if (s == NULL) return;
-  void *blocks[] = {s->points, s->terms, s->coarse, s->fine, s};
-  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
-}
-
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
   const friction_data *data = effect->data;
   friction_scratch *s = ct_allocate(1, sizeof *s);
-  if (s == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for friction");
-  s->points = ct_allocate((size_t)data->points, sizeof *s->points);
-  s->terms = ct_allocate((size_t)data->points, sizeof *s->terms);
-  s->coarse = ct_allocate((size_t)effect->node_count, 3 * sizeof(double));
-  s->fine = ct_allocate((size_t)effect->node_count, 3 * sizeof(double));
-  *scratch = s;
-  if (s->points && s->terms && s->coarse && s->fine) return CT_OK;
-  free_scratch(s);
-  *scratch = NULL;
-  return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for friction");
+  if (s == NULL) return CT_NO_MEMORY(error, "friction");
+  s->points = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->points);
+  s->terms = ct_pool_take(&s->pool, (size_t)data->points, sizeof *s->terms);
+  s->coarse = ct_pool_take(&s->pool, (size_t)effect->node_count, 3 * sizeof(double));
+  s->fine = ct_pool_take(&s->pool, (size_t)effect->node_count, 3 * sizeof(double));
+  if (!s->pool.failed) {
+    *scratch = s;
+    return CT_OK;
+  }
+  ct_pool_free(s);
+  return CT_NO_MEMORY(error, "friction");
 }
 
 ct_friction_def ct_friction_def_default(void)
@@ -367,15 +360,14 @@ ct_friction_def ct_friction_def_default(void)
 static ct_status check(const ct_friction_def *f, ct_error *error)
 {
   if (f->on == NULL || (f->on->kind != CT_EFFECT_CONTACT && f->on->kind != CT_EFFECT_OBSTACLE))
-    return ct_fail(
-        error, CT_ERROR_ARGUMENT, CT_NOWHERE,
+    return CT_REFUSE(
+        error,
         "friction: needs a contact or an obstacle, for there is no friction without a pressure");
   if (!(f->coefficient > 0.0) || !isfinite(f->coefficient))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "friction: the coefficient must be positive, not %g", f->coefficient);
+    return CT_REFUSE(error, "friction: the coefficient must be positive, not %g", f->coefficient);
   if (!(f->tangent > 0.0) || !isfinite(f->tangent))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "friction: a tangential penalty of %g times the normal one", f->tangent);
+    return CT_REFUSE(error, "friction: a tangential penalty of %g times the normal one",
+                     f->tangent);
   return CT_OK;
 }
 
@@ -387,7 +379,7 @@ ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem
   if (status == CT_OK) status = check(def, error);
   if (status != CT_OK) return status;
   friction_data *data = ct_allocate(1, sizeof *data);
-  if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for friction");
+  if (data == NULL) return CT_NO_MEMORY(error, "friction");
   *data = (friction_data){.on = def->on,
                           .mu = def->coefficient,
                           .rho = def->tangent,
@@ -408,7 +400,7 @@ ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem
                             .memory_count = RECORD * data->points + TAIL,
                             .reads = def->on,
                             .create_scratch = create_scratch,
-                            .free_scratch = free_scratch,
+                            .free_scratch = ct_pool_free,
                             .force = friction_force,
                             .omega2_bound = friction_omega2_bound,
                             .flops = (data->rigid ? 225.0 : 750.0) * points,
@@ -422,7 +414,7 @@ ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t
 {
   if (problem == NULL || state == NULL || held == NULL || dissipated == NULL || k < 0 ||
       k >= problem->effect_count || problem->effects[k]->kind != CT_EFFECT_FRICTION)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no friction", (int)k);
+    return CT_REFUSE(error, "effect %d is no friction", (int)k);
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   const friction_data *data = problem->effects[k]->data;

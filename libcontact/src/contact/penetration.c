@@ -40,8 +40,8 @@ static double depth_at(const ct_side *side, const ct_search *other, int32_t face
   // The nearest face says whether the place is inside at all; if it is a far side, the nearest
   // other one says how deep.
   for (int k = 0; k < 2; k++) {
-    ct_search_point(other, y, -1, HUGE_VAL, ct_search_options_default().tolerance,
-                    k == 0 ? NULL : looks_away, &s, &nearest);
+    ct_search_point(other, y, -1, HUGE_VAL, CT_SEARCH_TOLERANCE, k == 0 ? NULL : looks_away, &s,
+                    &nearest);
     if (nearest.face < 0 || !(nearest.signed_distance < 0.0)) return NAN;
     if (ct_vector_dot(s.own, nearest.normal) < 0.5) break;
   }
@@ -144,7 +144,7 @@ ct_status ct_contact_penetration(const ct_contact *contact, ct_penetration_at at
   for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)
     status = ct_search_look(contact->side[s].search, &now[s]);
   if (status == CT_OK) at_edges(contact, now, at == CT_AT_CORNERS ? 2 : 1, limit, out);
-  ct_search_leave(now[0]);
-  ct_search_leave(now[1]);
+  ct_search_free(now[0]);
+  ct_search_free(now[1]);
   return status;
 }

@@ -50,12 +50,11 @@ ct_status ct_side_fixed_init(ct_side_fixed *fixed, const ct_surface *surface, in
   if (status != CT_OK) return status;
   fixed->on_edges = on_edges;
   (void)(on_edges ? ct_rule_lobatto(surface->kind, &fixed->rule)
-                  : ct_rule_face(surface->kind, 0, &fixed->rule));
+                  : ct_rule_face(surface->kind, &fixed->rule));
   fixed->point_count = (int64_t)surface->face_count * fixed->rule.count;
   fixed->weight = ct_allocate((size_t)fixed->point_count, sizeof *fixed->weight);
-  status = fixed->weight != NULL
-               ? weigh(fixed, body, error)
-               : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact surface");
+  status =
+      fixed->weight != NULL ? weigh(fixed, body, error) : CT_NO_MEMORY(error, "a contact surface");
   if (status != CT_OK) ct_side_fixed_clear(fixed);
   return status;
 }
@@ -65,7 +64,7 @@ void ct_side_clear(ct_side *side)
   void *blocks[] = {side->listed,          side->x_built,    side->moved, side->points,
                     side->candidate_first, side->candidates, side->force, side->force_fine};
   for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
-  ct_search_leave(side->search);
+  ct_search_free(side->search);
   memset(side, 0, sizeof *side);
 }
 

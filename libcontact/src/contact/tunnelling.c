@@ -44,8 +44,8 @@ static double thickness(ct_search *search, double most)
     skin s = {.search = search};
     ct_nearest nearest;
     if (!middle_of(search, f, s.middle, s.normal)) continue;
-    ct_search_point(search, s.middle, -1, thin * thin, ct_search_options_default().tolerance,
-                    is_no_far_side, &s, &nearest);
+    ct_search_point(search, s.middle, -1, thin * thin, CT_SEARCH_TOLERANCE, is_no_far_side, &s,
+                    &nearest);
     if (nearest.face >= 0) thin = fmin(thin, nearest.distance);
   }
   return thin;

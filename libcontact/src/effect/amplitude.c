@@ -8,7 +8,7 @@ ct_status ct_amplitude_check(const ct_amplitude *amplitude, ct_error *error)
 {
   if (amplitude == NULL || amplitude->count < 0 ||
       (amplitude->count > 0 && (amplitude->time == NULL || amplitude->value == NULL)))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "amplitude: null argument");
+    return CT_REFUSE(error, "amplitude: null argument");
   for (int32_t i = 0; i < amplitude->count; i++) {
     if (!isfinite(amplitude->time[i]) || !isfinite(amplitude->value[i]))
       return ct_fail(error, CT_INVALID, (ct_place){-1, -1, i}, "amplitude: point %d is not finite",
@@ -18,6 +18,16 @@ ct_status ct_amplitude_check(const ct_amplitude *amplitude, ct_error *error)
                      "amplitude: time %g of point %d comes after %g", amplitude->time[i], (int)i,
                      amplitude->time[i - 1]);
   }
+  return CT_OK;
+}
+
+ct_status ct_amplitude_copy(ct_pool *pool, ct_amplitude *amplitude, ct_error *error)
+{
+  ct_status status = ct_amplitude_check(amplitude, error);
+  if (status != CT_OK) return status;
+  size_t bytes = (size_t)amplitude->count * sizeof(double);
+  amplitude->time = ct_pool_copy(pool, amplitude->time, bytes);
+  amplitude->value = ct_pool_copy(pool, amplitude->value, bytes);
   return CT_OK;
 }
 

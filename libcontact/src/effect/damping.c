@@ -10,16 +10,11 @@
 #include <string.h>
 
 typedef struct damping_data {
+  ct_pool pool;
   double rate;
   int32_t *nodes;
   const double *mass, *inverse_mass; /* of the problem */
 } damping_data;
-
-static void free_data(void *data)
-{
-  ct_release(((damping_data *)data)->nodes);
-  ct_release(data);
-}
 
 static ct_status damping_force(const ct_effect *effect, const ct_view *view, double *force,
                                ct_error *error)
@@ -62,14 +57,12 @@ static double rayleigh(const ct_effect *effect, const ct_view *view)
 {
   double stiff[CT_PIECE], mass[CT_PIECE];
   ct_stream sums[2] = {{0}};
-  while (ct_stream_again(sums, 2))
-    for (int32_t first = 0, end; first < effect->node_count; first = end) {
-      end = ct_piece_end(first, effect->node_count);
-      for (int32_t i = first; i < end; i++)
-        node_change(effect, view, i, &stiff[i - first], &mass[i - first]);
-      ct_stream_add(&sums[0], stiff, end - first);
-      ct_stream_add(&sums[1], mass, end - first);
-    }
+  for (int32_t first, end; ct_stream_piece(sums, 2, effect->node_count, &first, &end);) {
+    for (int32_t i = first; i < end; i++)
+      node_change(effect, view, i, &stiff[i - first], &mass[i - first]);
+    ct_stream_add(&sums[0], stiff, end - first);
+    ct_stream_add(&sums[1], mass, end - first);
+  }
   double top = ct_stream_sum(&sums[0]), bottom = ct_stream_sum(&sums[1]);
   return top > 0.0 && bottom > 0.0 && isfinite(top / bottom) ? top / bottom : 0.0;
 }
@@ -131,23 +124,22 @@ ct_damping_def ct_damping_def_default(void) { return (ct_damping_def){.cookie = 
 ct_status ct_damping_create_effect(const ct_damping_def *def, const ct_problem *problem,
                                    ct_effect **effect, ct_error *error)
 {
-  ct_status status =
-      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, effect, "damping", error);
-  if (status != CT_OK) return status;
-  if (!(def->rate >= 0.0) || !isfinite(def->rate))
-    return ct_fail(error, CT_INVALID, CT_NOWHERE, "damping: the rate is %g", def->rate);
-  if (def->relaxation && def->rate != 0.0)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "damping: relaxation chooses by itself, and a rate of %g is given too",
-                   def->rate);
-  damping_data *data = ct_allocate(1, sizeof *data);
-  if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "damping: no memory");
+  ct_status status;
+  damping_data *data =
+      ct_effect_begin(def, problem, effect, "damping", sizeof *data, &status, error);
+  if (data == NULL) return status;
   int32_t count = 0;
-  status = ct_effect_body_nodes(problem, def->bodies, def->body_count, "damping", &data->nodes,
-                                &count, error);
   data->rate = def->rate;
   data->mass = problem->mass;
   data->inverse_mass = problem->inverse_mass;
+  if (!(def->rate >= 0.0) || !isfinite(def->rate))
+    status = ct_fail(error, CT_INVALID, CT_NOWHERE, "damping: the rate is %g", def->rate);
+  else if (def->relaxation && def->rate != 0.0)
+    status = CT_REFUSE(
+        error, "damping: relaxation chooses by itself, and a rate of %g is given too", def->rate);
+  else
+    status = ct_effect_body_nodes(problem, def->bodies, def->body_count, "damping", &data->pool,
+                                  &data->nodes, &count, error);
   ct_effect filled = {.kind = CT_EFFECT_DAMPING,
                       .label = "damping",
                       .data = data,
@@ -157,7 +149,7 @@ ct_status ct_damping_create_effect(const ct_damping_def *def, const ct_problem *
                       .bytes = 60.0 * count,
                       .force = damping_force,
                       .rate_bound = damping_rate,
-                      .free_data = free_data};
+                      .free_data = ct_pool_free};
   if (def->relaxation) {
     filled.memory_count = SAMPLE + 6 * (int64_t)count;
     filled.phase = CT_PHASE_TOTAL;

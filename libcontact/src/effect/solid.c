@@ -50,7 +50,7 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   if (s == NULL || s->values == NULL ||
       (solid->sleeps && ct_sleep_create(solid->parts, solid->part_count, &s->sleep) != CT_OK)) {
     free_scratch(s);
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the element forces");
+    return CT_NO_MEMORY(error, "the element forces");
   }
   *scratch = s;
   return CT_OK;
@@ -67,16 +67,14 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
     const double *u = view->displacement + 3 * (int64_t)part->first_node;
     ct_part_call call = {.part = part,
                          .displacement = u,
-                         .values = scratch->values + part->first_value,
                          .f = force + 3 * (int64_t)part->first_node,
-                         .batch = ct_sleep_batches(scratch->sleep, i),
-                         .examined = part->ring == 0 && ct_sleep_examined(scratch->sleep)};
+                         .batch = ct_sleep_batches(scratch->sleep, i)};
     if (call.batch != NULL) call.summed = ct_sleep_summed(scratch->sleep);
-    if (part->plane != NULL && ct_plane_holds(&call)) {
-      call.values = scratch->values;
-      ct_plane_force(&call, view->threads);
-      continue;
-    }
+    int plane = part->plane != NULL && ct_plane_holds(&call);
+    call.ring = plane ? part->plane : part->ring;
+    call.batches = plane ? ct_plane_batches : part->batches;
+    call.values = scratch->values + (plane ? 0 : part->first_value);
+    call.examined = call.ring == NULL && ct_sleep_examined(scratch->sleep);
     ct_part_force(&call, view->threads);
     if (status == CT_OK && part->energies != NULL)
       status = ct_solid_check_volume(part, i, u, call.values, error);
@@ -86,11 +84,13 @@ static ct_status solid_force(const ct_effect *effect, const ct_view *view, doubl
 
 /* Energies of the elements of a batch, -½ f · (u - mean of u): the force is linear in u and blind
  * to a translation. */
-CT_INLINE void force_energies(const ct_solid_part *part, int per, int32_t b, const double *u,
-                              double *values, double energies[8])
+CT_CLONES
+static void force_energies(const ct_solid_part *part, int32_t b, const double *u, double *values,
+                           double energies[8])
 {
+  int per = ct_brick_node_count(part->mesh->kind);
   int64_t stride, last = part->mesh->element_count - 1;
-  const double *f = ct_batch_values(part, values, b, &stride);
+  const double *f = ct_batch_values(part->ring, per, values, b, &stride);
   double t[3][20][8], mean[8], work[3][8];
   for (int64_t l = 0, e = 8 * (int64_t)b; l < 8; l++, e += e < last)
     for (int a = 0; a < per; a++)
@@ -109,20 +109,6 @@ CT_INLINE void force_energies(const ct_solid_part *part, int per, int32_t b, con
   for (int l = 0; l < 8; l++) energies[l] = -0.5 * ((work[0][l] + work[1][l]) + work[2][l]);
 }
 
-CT_CLONES
-static void hex8_energies(const ct_solid_part *part, int32_t b, const double *u, double *values,
-                          double energies[8])
-{
-  force_energies(part, 8, b, u, values, energies);
-}
-
-CT_CLONES
-static void hex20_energies(const ct_solid_part *part, int32_t b, const double *u, double *values,
-                           double energies[8])
-{
-  force_energies(part, 20, b, u, values, energies);
-}
-
 /* Energies of the elements of the batches first ... last - 1, no more than a block, after
  * begin_energies. */
 static void block_energies(const ct_solid_part *part, int32_t first, int32_t last, const double *u,
@@ -130,20 +116,17 @@ static void block_energies(const ct_solid_part *part, int32_t first, int32_t las
 {
   double hourglass[8], *kept = &values[part->energy_value];
   // Forces that went through a ring are made once more.
-  if (part->ring > 0) part->batches(part, first, last, u, values);
+  if (part->ring != NULL || part->plane != NULL) part->batches(part, first, last, u, values);
   if (part->energies != NULL)
     memcpy(energies, &kept[8 * (int64_t)first], 8 * (size_t)(last - first) * sizeof *energies);
   for (int32_t b = first; part->energies == NULL && b < last; b++, energies += 8)
     if (part->mean != NULL) ct_solid_reduced_energies(part, b, u, energies, hourglass);
-    else if (part->mesh->kind == CT_HEX8) hex8_energies(part, b, u, values, energies);
-    else hex20_energies(part, b, u, values, energies);
+    else force_energies(part, b, u, values, energies);
 }
 
-/* What would cost too much to be made twice: the energies of large deformation. And the forces of
- * the bricks of a plane, whose own stand elsewhere. */
+/* What would cost too much to be made twice: the energies of large deformation. */
 static void begin_energies(const ct_solid_part *part, const double *u, double *values)
 {
-  if (part->plane != NULL && part->ring == 0) part->batches(part, 0, part->batch_count, u, values);
   for (int32_t b = 0; part->energies != NULL && b < part->batch_count; b++)
     part->energies(part, b, u, &values[part->energy_value + 8 * (int64_t)b]);
 }
@@ -199,14 +182,14 @@ static void place_values(solid_data *solid)
 {
   for (int32_t i = 0; i < solid->part_count; i++) {
     const ct_solid_part *part = &solid->parts[i];
-    int64_t bricks = part->ring > 0 ? part->value_count : 0,
+    int64_t bricks = part->ring != NULL ? part->ring->value_count : 0,
             plane = part->plane != NULL ? part->plane->value_count : 0;
     if (bricks > solid->value_count) solid->value_count = bricks;
     if (plane > solid->value_count) solid->value_count = plane;
   }
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];
-    if (part->ring > 0) continue;
+    if (part->ring != NULL) continue;
     part->first_value = solid->value_count;
     solid->value_count += part->value_count;
   }
@@ -215,16 +198,15 @@ static void place_values(solid_data *solid)
 static ct_status prepare(solid_data *solid, const ct_solid_body *blocks, ct_error *error)
 {
   solid->parts = ct_allocate((size_t)solid->part_count, sizeof *solid->parts);
-  if (solid->parts == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
+  if (solid->parts == NULL) return CT_NO_MEMORY(error, "the bodies");
   int32_t next_node = 0;
   for (int32_t i = 0; i < solid->part_count; i++) {
     ct_solid_part *part = &solid->parts[i];
     ct_status status = ct_material_check(&blocks[i].material, error);
     if (status == CT_OK) status = ct_mesh_check(blocks[i].mesh, error);
     if (status == CT_OK && blocks[i].first_node != next_node)
-      status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the body begins at node %d, not %d",
-                       (int)blocks[i].first_node, (int)next_node);
+      status = CT_REFUSE(error, "the body begins at node %d, not %d", (int)blocks[i].first_node,
+                         (int)next_node);
     if (status == CT_OK) status = ct_part_prepare(part, &blocks[i], error);
     if (status == CT_OK)
       status = ct_solid_part_omega2_bound(part, blocks[i].held, &part->omega_squared, error);
@@ -249,11 +231,9 @@ ct_status ct_solid_create_effect(const ct_solid_def *def, const ct_problem *prob
   (void)problem;
   if (def == NULL || effect == NULL || def->cookie != CT_DEF_COOKIE || def->blocks == NULL ||
       def->block_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "solid: no bodies, or a definition without its default");
+    return CT_REFUSE(error, "solid: no bodies, or a definition without its default");
   solid_data *solid = ct_allocate(1, sizeof *solid);
-  if (solid == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the solid effect");
+  if (solid == NULL) return CT_NO_MEMORY(error, "the solid effect");
   solid->part_count = def->block_count;
   ct_effect filled = {.kind = CT_EFFECT_SOLID,
                       .label = "solid",
@@ -307,8 +287,7 @@ static ct_status no_force(const ct_effect *effect, const ct_view *view, double *
 ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_error *error)
 {
   if (solid == NULL || solid->kind != CT_EFFECT_SOLID || out == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "hourglass: null argument or no solid effect");
+    return CT_REFUSE(error, "hourglass: null argument or no solid effect");
   const solid_data *data = solid->data;
   int reduced = 0;
   for (int32_t i = 0; i < data->part_count; i++) reduced |= data->parts[i].mean != NULL;
@@ -335,13 +314,10 @@ ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_ke
   double nodes = part->mesh->node_count / elements;
   // The gather adds 7 sums a component and node, in a plane 3 for two nodes.
   if (flops != NULL) *flops = part->flops + (plane ? 4.5 : 21.0) * nodes;
-  // Node numbers and element forces written once and read once; what is laid down; displacements
-  // and forces of the nodes, and the gather's places. A lattice has no node numbers and no places,
-  // and its forces stay in the cache; a plane has the numbers of its lower layer.
-  double laid_down = part->mean != NULL ? 256.0 : 0.0;
-  if (bytes != NULL)
-    *bytes = plane            ? 16.0 + 48.0 * nodes
-             : part->ring > 0 ? 48.0 * nodes
-                              : 52.0 * per + laid_down + 80.0 * nodes;
+  // Node numbers, in a plane those of the lower layer; what is laid down; displacements and forces
+  // of the nodes; and without a ring element forces written once and read once, and their places.
+  double numbers = plane ? 16.0 : 4.0 * per, laid_down = part->mean != NULL ? 256.0 : 0.0,
+         forces = plane || part->ring != NULL ? 0.0 : 48.0 * per + 32.0 * nodes;
+  if (bytes != NULL) *bytes = numbers + laid_down + 48.0 * nodes + forces;
   return CT_OK;
 }

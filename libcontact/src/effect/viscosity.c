@@ -4,7 +4,6 @@
 
 #include "../step/effect_internal.h"
 #include "../base/error.h"
-#include "../shape/jacobian.h"
 #include "../base/memory.h"
 #include "../solid/element.h"
 #include "../solid/kernel.h"
@@ -22,13 +21,13 @@ typedef struct viscous_body {
   const ct_mesh *mesh;
   int32_t first_node, batch_count;
   double density, c1;
-  int32_t *batch_nodes;
   viscous_lanes *lanes;
   ct_assembly *assembly;
   double most; /* largest l / V Σ b² / m over the elements, for the bound on the step */
 } viscous_body;
 
 typedef struct viscous_data {
+  ct_pool pool;
   double linear, quadratic;
   int32_t body_count;
   viscous_body *bodies;
@@ -39,50 +38,18 @@ typedef struct viscous_data {
 static void free_data(void *data)
 {
   viscous_data *d = data;
-  if (d == NULL) return;
-  for (int32_t i = 0; d->bodies != NULL && i < d->body_count; i++) {
-    ct_release(d->bodies[i].batch_nodes);
-    ct_release(d->bodies[i].lanes);
-    ct_assembly_free(d->bodies[i].assembly);
-  }
-  ct_release(d->bodies);
-  ct_release(d->nodes);
-  ct_release(d);
+  for (int32_t i = 0; d != NULL && i < d->body_count; i++) ct_assembly_free(d->bodies[i].assembly);
+  ct_pool_free(d);
 }
 
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
 {
   *scratch = ct_allocate((size_t)((const viscous_data *)effect->data)->value_count, sizeof(double));
-  return *scratch != NULL
-             ? CT_OK
-             : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscous forces");
+  return *scratch != NULL ? CT_OK : CT_NO_MEMORY(error, "the viscous forces");
 }
 
 /* l = √(3/2) / g from the mean gradients per volume; the edge of a cube (eq:element-length). */
 static double length_of(double g2) { return sqrt(1.5 / g2); }
-
-ct_status ct_viscosity_element(const double *nodes, const double *velocity, double density,
-                               double c1, double linear, double quadratic, double *pressure,
-                               double *force, ct_error *error)
-{
-  double v[20][3], B[20][3], G[3][3], V, g2;
-  if (nodes == NULL || velocity == NULL || pressure == NULL || force == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "viscosity: null argument");
-  ct_status status = ct_element_mean_gradients(nodes, B, &V, &g2, error);
-  if (status != CT_OK) return status;
-  memcpy(v, velocity, 8 * sizeof v[0]);
-  // -- The rate at which the volume changes (eq:volume-rate)
-  ct_reference_gradient(8, B, v, G);
-  double D = (G[0][0] + G[1][1]) + G[2][2], l = length_of(g2);
-  // -- A pressure against compression only (eq:bulk-viscosity)
-  double rate = D < 0.0 ? -D : 0.0,
-         q = density * (l * rate) * (linear * c1 + quadratic * quadratic * (l * rate));
-  // -- It pushes the nodes apart (eq:viscous-force)
-  for (int a = 0; a < 8; a++)
-    for (int j = 0; j < 3; j++) force[3 * a + j] = q * V * B[a][j];
-  *pressure = q;
-  return CT_OK;
-}
 
 /* Forces of all elements of one body. */
 CT_CLONES
@@ -95,23 +62,26 @@ static void body_batches(const viscous_body *body, const double *velocity, doubl
       const viscous_lanes *e = &body->lanes[(b * CT_BATCH + lane) / CT_LANES_COUNT];
       ct_lanes v[3 * 8], U[CT_MODES], D[3], F[CT_MODES], q;
       double rate[CT_LANES_COUNT];
-      ct_load_lanes(&body->batch_nodes[64 * (int64_t)b], 8, velocity, lane, v);
+      ct_load_lanes(body->mesh, b, 8, velocity, lane, v);
+      // -- The rate at which the volume changes (eq:volume-rate)
       for (int j = 0; j < 3; j++) {
         ct_brick_modes(&v[8 * j], U);
         ct_mean_sum(e->b[j], U, &D[j]);
       }
       q = ((D[0] + D[1]) + D[2]) * e->inverse_volume;
+      // -- A pressure against compression only (eq:bulk-viscosity)
       memcpy(rate, &q, sizeof rate);
       for (int l = 0; l < CT_LANES_COUNT; l++) rate[l] = rate[l] < 0.0 ? -rate[l] : 0.0;
       memcpy(&q, rate, sizeof rate);
       q = e->length * q;
       q = q * (slow + fast * q);
+      // -- It pushes the nodes apart (eq:viscous-force)
       for (int j = 0; j < 3; j++) {
         for (int m = 0; m < CT_MEAN_MODES; m++) F[m] = -(q * e->b[j][m]);
         F[CT_XI_ETA_ZETA] = q - q;
         ct_brick_nodal(F, &v[8 * j]);
       }
-      ct_store_lanes(v, 8, lane, &values[192 * (int64_t)b]);
+      ct_store_lanes(v, 8, lane, 8, &values[192 * (int64_t)b]);
     }
 }
 
@@ -165,8 +135,7 @@ static ct_status bound_body(viscous_body *body, const double *mass, ct_error *er
 {
   const ct_mesh *mesh = body->mesh;
   double *around = ct_allocate((size_t)mesh->node_count, sizeof *around), B[20][3], x[20][3], V, g2;
-  if (around == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  if (around == NULL) return CT_NO_MEMORY(error, "the viscosity");
   ct_status status = CT_OK;
   for (int pass = 0; pass < 2; pass++)
     for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {
@@ -195,7 +164,7 @@ static void lay_down(const viscous_body *body)
       viscous_lanes *e = &body->lanes[(b * CT_BATCH + lane) / CT_LANES_COUNT];
       ct_lanes x[3 * 8], X[3][CT_MODES], V, g[3];
       double length[CT_LANES_COUNT];
-      ct_load_lanes(&body->batch_nodes[64 * (int64_t)b], 8, body->mesh->nodes, lane, x);
+      ct_load_lanes(body->mesh, b, 8, body->mesh->nodes, lane, x);
       for (int j = 0; j < 3; j++) ct_brick_modes(&x[8 * j], X[j]);
       ct_mean_gradient(X, e->b, &V);
       e->inverse_volume = 1.0 / V;
@@ -208,7 +177,7 @@ static void lay_down(const viscous_body *body)
 }
 
 static ct_status prepare_body(viscous_body *body, const ct_body *from, const double *mass,
-                              ct_error *error)
+                              ct_pool *pool, ct_error *error)
 {
   double c2;
   if (from->mesh->kind != CT_HEX8)
@@ -219,40 +188,29 @@ static ct_status prepare_body(viscous_body *body, const ct_body *from, const dou
   body->density = from->material.density;
   ct_material_speeds(&from->material, &body->c1, &c2);
   body->batch_count = (body->mesh->element_count + 7) / 8;
-  body->batch_nodes = ct_allocate((size_t)body->batch_count * 64, sizeof *body->batch_nodes);
-  body->lanes =
-      ct_allocate((size_t)body->batch_count * (CT_BATCH / CT_LANES_COUNT), sizeof *body->lanes);
-  if (body->batch_nodes == NULL || body->lanes == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  body->lanes = ct_pool_take(pool, (size_t)body->batch_count * (CT_BATCH / CT_LANES_COUNT),
+                             sizeof *body->lanes);
+  if (body->lanes == NULL) return CT_NO_MEMORY(error, "the viscosity");
   ct_status status = ct_mesh_check(body->mesh, error);
   if (status == CT_OK) status = ct_assembly_create(body->mesh, 3, &body->assembly, error);
   if (status != CT_OK) return status;
-  ct_solid_batch_nodes(body->mesh, body->batch_nodes);
   lay_down(body);
   return bound_body(body, mass + body->first_node, error);
 }
 
-static ct_status check(const ct_viscosity_def *options, const ct_problem *problem, ct_error *error)
+static ct_status check(const ct_viscosity_def *options, ct_error *error)
 {
-  if (options->bodies != NULL && options->body_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "viscosity: the list of bodies is empty");
   if (!(options->linear >= 0.0 && options->quadratic >= 0.0 &&
         options->linear + options->quadratic > 0.0) ||
       !isfinite(options->linear + options->quadratic))
-    return ct_fail(
-        error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-        "viscosity: the coefficients must not be negative, and one positive, not %g and %g",
+    return CT_REFUSE(
+        error, "viscosity: the coefficients must not be negative, and one positive, not %g and %g",
         options->linear, options->quadratic);
-  for (int32_t i = 0; options->bodies != NULL && i < options->body_count; i++) {
-    int32_t body = options->bodies[i];
-    if (body < 0 || body >= problem->body_count)
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
-                     "viscosity: there is no body %d", (int)body);
+  for (int32_t i = 0; options->bodies != NULL && i < options->body_count; i++)
     for (int32_t k = 0; k < i; k++)
-      if (options->bodies[k] == body)
-        return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
-                       "viscosity: body %d is named twice", (int)body);
-  }
+      if (options->bodies[k] == options->bodies[i])
+        return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){options->bodies[i], -1, -1},
+                       "viscosity: body %d is named twice", (int)options->bodies[i]);
   return CT_OK;
 }
 
@@ -260,29 +218,22 @@ static ct_status check(const ct_viscosity_def *options, const ct_problem *proble
 static ct_status prepare(viscous_data *d, const ct_viscosity_def *options,
                          const ct_problem *problem, int32_t *node_count, ct_error *error)
 {
-  int32_t next = 0;
   d->linear = options->linear;
   d->quadratic = options->quadratic;
-  d->body_count = options->bodies == NULL ? problem->body_count : options->body_count;
-  d->bodies = ct_allocate((size_t)d->body_count, sizeof *d->bodies);
-  d->nodes = ct_allocate((size_t)problem->node_count, sizeof *d->nodes);
-  if (d->bodies == NULL || d->nodes == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
-  for (int32_t i = 0; i < problem->body_count; i++) {
-    int named = options->bodies == NULL;
-    for (int32_t k = 0; !named && k < options->body_count; k++) named = options->bodies[k] == i;
-    if (!named) continue;
-    viscous_body *body = &d->bodies[next++];
-    ct_status status = prepare_body(body, &problem->bodies[i], problem->mass, error);
-    if (status != CT_OK) {
-      if (error != NULL) error->body = i;
-      return status;
-    }
-    for (int32_t n = 0; n < body->mesh->node_count; n++)
-      d->nodes[(*node_count)++] = body->first_node + n;
+  d->bodies = ct_pool_take(&d->pool, (size_t)problem->body_count, sizeof *d->bodies);
+  if (d->bodies == NULL) return CT_NO_MEMORY(error, "the viscosity");
+  ct_status status = ct_effect_body_nodes(problem, options->bodies, options->body_count,
+                                          "viscosity", &d->pool, &d->nodes, node_count, error);
+  for (int32_t n = 0; status == CT_OK && n < *node_count;) {
+    int32_t i = ct_effect_body_of(problem, d->nodes[n]);
+    viscous_body *body = &d->bodies[d->body_count++];
+    status = prepare_body(body, &problem->bodies[i], problem->mass, &d->pool, error);
+    if (status != CT_OK && error != NULL) error->body = i;
+    if (status != CT_OK) return status;
     d->value_count += body->assembly->value_count;
+    n += body->mesh->node_count;
   }
-  return CT_OK;
+  return status;
 }
 
 ct_viscosity_def ct_viscosity_def_default(void)
@@ -293,12 +244,9 @@ ct_viscosity_def ct_viscosity_def_default(void)
 ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_problem *problem,
                                      ct_effect **effect, ct_error *error)
 {
-  ct_status status =
-      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, effect, "viscosity", error);
-  if (status == CT_OK) status = check(def, problem, error);
-  if (status != CT_OK) return status;
-  viscous_data *d = ct_allocate(1, sizeof *d);
-  if (d == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the viscosity");
+  ct_status status;
+  viscous_data *d = ct_effect_begin(def, problem, effect, "viscosity", sizeof *d, &status, error);
+  if (d == NULL) return status;
   ct_effect filled = {.kind = CT_EFFECT_VISCOSITY,
                       .label = "viscosity",
                       .data = d,
@@ -307,7 +255,8 @@ ct_status ct_viscosity_create_effect(const ct_viscosity_def *def, const ct_probl
                       .free_scratch = ct_release,
                       .force = viscous_force,
                       .rate_bound = viscous_damping};
-  status = prepare(d, def, problem, &filled.node_count, error);
+  status = check(def, error);
+  if (status == CT_OK) status = prepare(d, def, problem, &filled.node_count, error);
   filled.nodes = d->nodes;
   for (int32_t i = 0; status == CT_OK && i < d->body_count; i++) {
     // Operations counted in the kernel and the sums at the nodes; node numbers, what is stored,

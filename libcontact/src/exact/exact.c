@@ -6,7 +6,7 @@
  * = sn u, gamma1 = cn u, gamma2 = kappa dn u; K and iK' are the quarter periods and W = u - K. */
 #include <libcontact/exact.h>
 
-#include "../base/error.h"
+#include "points.h"
 
 #include <complex.h>
 #include <float.h>
@@ -484,10 +484,7 @@ static void face_waves(const ct_plates *e, double x, double y, double t, double 
  * (eq:exact-validity). */
 static const char *refusal(double x, double z, double t, double length)
 {
-  if (isnan(x) || isnan(z) || isnan(t)) return "a coordinate is not a number";
-  if (x < 0.0) return "x < 0 lies outside the plate";
-  if (fabs(z) > 1.0) return "|z| > 1 lies outside the plate";
-  if (t < 0.0) return "t < 0 is before the impact";
+  (void)z;
   if (t >= 2.0) return "t >= 2: the waves of one free face have reached the other";
   if (t + x >= 2.0 * length) return "t + x >= 2 length: the waves of the far end have arrived";
   if (x > length) return "x > length lies outside the plate";
@@ -503,19 +500,19 @@ static double rayleigh_infinity(const ct_plates *e)
 }
 
 /* Sum of the plane wave and of the waves of both faces (eq:exact-sum). */
-static void plates_point(const ct_plates *e, double x, double z, double t, ct_exact_field *out)
+static void plates_point(const ct_plates *e, double x, double z, double t, double out[FIELDS])
 {
   double upper[FIELDS], lower[FIELDS];
   face_waves(e, x, 1.0 - z, t, upper);
   face_waves(e, x, 1.0 + z, t, lower);
   const int behind = x <= t;
-  out->sigma_x = (behind ? -e->kappa2 / e->epsilon : 0.0) + (upper[SX] + lower[SX]);
-  out->sigma_z = (behind ? -1.0 : 0.0) + (upper[SY] + lower[SY]);
-  out->tau_xz = lower[SXY] - upper[SXY];
-  out->v_x = (behind ? 0.0 : -1.0) + (upper[VX] + lower[VX]);
-  out->v_z = lower[VY] - upper[VY];
+  out[SX] = (behind ? -e->kappa2 / e->epsilon : 0.0) + (upper[SX] + lower[SX]);
+  out[SY] = (behind ? -1.0 : 0.0) + (upper[SY] + lower[SY]);
+  out[SXY] = lower[SXY] - upper[SXY];
+  out[VX] = (behind ? 0.0 : -1.0) + (upper[VX] + lower[VX]);
+  out[VY] = lower[VY] - upper[VY];
   if (fabs(z) == 1.0 && t > 0.0 && fabs(x - e->c_r * t) <= 4.0 * DBL_EPSILON * x)
-    out->v_z = -z * rayleigh_infinity(e);
+    out[VY] = -z * rayleigh_infinity(e);
 }
 
 ct_status ct_exact_speeds(double nu, double *c2, double *c_r)
@@ -527,43 +524,17 @@ ct_status ct_exact_speeds(double nu, double *c2, double *c_r)
   return CT_OK;
 }
 
-ct_status ct_exact_plates(double x, double z, double t, double nu, double length,
-                          ct_exact_field *out)
-{
-  if (out == NULL || !(nu > 0.0 && nu <= 0.49) || !(length > 0.0)) return CT_ERROR_ARGUMENT;
-  if (refusal(x, z, t, length) != NULL) return CT_ERROR_ARGUMENT;
-  ct_plates e;
-  plates_init(&e, nu);
-  plates_point(&e, x, z, t, out);
-  return CT_OK;
-}
-
-ct_status ct_exact_plates_array(size_t n, const double *x, const double *z, const double *t,
-                                double nu, double length, double *fields, size_t *bad,
-                                ct_error *error)
+ct_status ct_exact_plates(size_t n, const double *x, const double *z, const double *t, double nu,
+                          double length, double *fields, size_t *bad, ct_error *error)
 {
   if (bad != NULL) *bad = n;
-  if (n > 0 && (x == NULL || z == NULL || t == NULL || fields == NULL))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "x, z, t or fields is a null pointer");
   if (!(nu > 0.0 && nu <= 0.49))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
-  if (!(length > 0.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "length = %g, must be positive", length);
-  for (size_t i = 0; i < n; i++) {
-    const char *reason = refusal(x[i], z[i], t[i], length);
-    if (reason == NULL) continue;
-    if (bad != NULL) *bad = i;
-    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, (int64_t)i},
-                   "point %zu (x = %g, z = %g, t = %g): %s", i, x[i], z[i], t[i], reason);
-  }
+    return CT_REFUSE(error, "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
+  if (!(length > 0.0)) return CT_REFUSE(error, "length = %g, must be positive", length);
+  ct_status status = ct_exact_check(n, x, z, t, fields, refusal, length, bad, error);
+  if (status != CT_OK) return status;
   ct_plates e;
   plates_init(&e, nu);
-  for (size_t i = 0; i < n; i++) {
-    ct_exact_field f;
-    plates_point(&e, x[i], z[i], t[i], &f);
-    double *row = fields + 5 * i;
-    row[0] = f.sigma_x, row[1] = f.sigma_z, row[2] = f.tau_xz, row[3] = f.v_x, row[4] = f.v_z;
-  }
+  for (size_t i = 0; i < n; i++) plates_point(&e, x[i], z[i], t[i], fields + FIELDS * i);
   return CT_OK;
 }

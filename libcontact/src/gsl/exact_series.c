@@ -7,7 +7,7 @@
 #include <libcontact/exact.h>
 #include <libcontact/series.h>
 
-#include "../base/error.h"
+#include "../exact/points.h"
 #include "../base/lanes.h"
 
 #include <gsl/gsl_errno.h>
@@ -34,11 +34,12 @@ typedef struct ct_mode_block {
   double xi[BLOCK], omega[BLOCK], alpha2[BLOCK], beta2[BLOCK], a[BLOCK], b[BLOCK];
 } ct_mode_block;
 
-struct ct_exact_series {
-  double epsilon, kappa2, reach;
+/* The modes of one Poisson's ratio and number of branches on a grid of wave numbers. */
+typedef struct ct_series {
+  double epsilon, kappa2;
   size_t count, blocks, room; /* modes; blocks in use and in memory */
   ct_mode_block *block;
-};
+} ct_series;
 
 /* cos s, s sin s, sin(s)/s as functions of s^2, divided by exp(|Im s|); `unit` is 1 divided by
  * exp(2 |Im s|). */
@@ -96,8 +97,7 @@ static double sine_energy(double beta2, const ct_trig *t)
 }
 
 /* The mode at (xi, omega) with its projection on the initial velocity (eq:series-projection). */
-static ct_mode mode_at(const ct_exact_series *s, double xi, double omega, double weight,
-                       double *size)
+static ct_mode mode_at(const ct_series *s, double xi, double omega, double weight, double *size)
 {
   // -- Amplitudes from the free face (eq:series-boundary)
   ct_mode m = {xi,  omega, (omega - xi) * (omega + xi), s->kappa2 * omega * omega - xi * xi,
@@ -123,7 +123,7 @@ static ct_mode mode_at(const ct_exact_series *s, double xi, double omega, double
   return m;
 }
 
-static ct_status keep(ct_exact_series *s, const ct_mode *mode)
+static ct_status keep(ct_series *s, const ct_mode *mode)
 {
   const size_t place = s->count % BLOCK;
   if (place == 0) {
@@ -152,7 +152,7 @@ typedef struct ct_branches {
 } ct_branches;
 
 /* The modes of one wave number on the lowest `branches` branches. */
-static ct_status wave_number(ct_exact_series *s, const ct_branches *how, double xi, double weight,
+static ct_status wave_number(ct_series *s, const ct_branches *how, double xi, double weight,
                              size_t branches)
 {
   ct_dispersion d = {s->kappa2, xi};
@@ -177,7 +177,7 @@ static ct_status wave_number(ct_exact_series *s, const ct_branches *how, double 
 
 /* All wave numbers: all branches up to 3 xi_N + 60, then the lowest alone, the Rayleigh wave, up to
  * 4000 (eq:series-grid). */
-static ct_status tabulate(ct_exact_series *s, size_t branches, const ct_branches *how,
+static ct_status tabulate(ct_series *s, size_t branches, const ct_branches *how,
                           const gsl_integration_glfixed_table *rule)
 {
   const double all = 60.0 + 3.0 * PI * (double)branches / sqrt(s->kappa2 - 1.0),
@@ -194,47 +194,42 @@ static ct_status tabulate(ct_exact_series *s, size_t branches, const ct_branches
   return CT_OK;
 }
 
-ct_status ct_exact_series_create(double nu, size_t branches, double reach, ct_exact_series **out,
-                                 ct_error *error)
+static void release(ct_series *s)
 {
-  if (out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "out is a null pointer");
-  *out = NULL;
+  if (s == NULL) return;
+  free(s->block);
+  free(s);
+}
+
+/* Find the branches (eq:series-dispersion) and the weights of their modes (eq:series-sum) for
+ * points up to x + t = reach: the waves in the integrand are sampled for it. */
+static ct_status tabulated(double nu, size_t branches, double reach, ct_series **out,
+                           ct_error *error)
+{
   const double width = fmin(1.0, 4.0 / reach);
   ct_branches how = {NULL, 0.0, width, 3e-8 * width};
   double c2;
   if (ct_exact_speeds(nu, &c2, &how.c_r) != CT_OK)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
+    return CT_REFUSE(error, "nu = %g, Poisson's ratio must be in (0, 0.49]", nu);
   if (branches < 1 || branches > 1000)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "branches = %zu, must be 1 to 1000",
-                   branches);
-  if (!(reach > 0.0 && reach <= 100.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reach = %g, x + t must be at most 100",
-                   reach);
-  ct_exact_series *s = calloc(1, sizeof *s);
+    return CT_REFUSE(error, "branches = %zu, must be 1 to 1000", branches);
+  ct_series *s = calloc(1, sizeof *s);
   gsl_integration_glfixed_table *rule = gsl_integration_glfixed_table_alloc(NODES);
   how.solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   ct_status status = s != NULL && rule != NULL && how.solver != NULL ? CT_OK : CT_ERROR_MEMORY;
   if (status == CT_OK) {
     const double epsilon = 2.0 * nu / (1.0 - 2.0 * nu);
-    *s = (ct_exact_series){epsilon, 2.0 + epsilon, reach, 0, 0, 0, NULL};
+    *s = (ct_series){epsilon, 2.0 + epsilon, 0, 0, 0, NULL};
     status = tabulate(s, branches, &how, rule);
   }
   if (how.solver != NULL) gsl_root_fsolver_free(how.solver);
   if (rule != NULL) gsl_integration_glfixed_table_free(rule);
   if (status != CT_OK) {
-    ct_exact_series_free(s);
+    release(s);
     return ct_fail(error, status, CT_NOWHERE, "no memory for %zu branches", branches);
   }
   *out = s;
   return CT_OK;
-}
-
-void ct_exact_series_free(ct_exact_series *series)
-{
-  if (series == NULL) return;
-  free(series->block);
-  free(series);
 }
 
 /* Sines and cosines of a block of angles, 0 <= angle < 1e6, written so that the compiler can do
@@ -346,7 +341,7 @@ static void add_modes(const ct_mode_block *m, const ct_wave_factors *f, double e
 }
 
 /* The points first, ..., last - 1 have one x and one t: all modes at each. */
-static void sum_line(const ct_exact_series *s, size_t first, size_t last, const double *x,
+static void sum_line(const ct_series *s, size_t first, size_t last, const double *x,
                      const double *z, const double *t, double *fields)
 {
   for (size_t i = 5 * first; i < 5 * last; i++) fields[i] = 0.0;
@@ -364,57 +359,25 @@ static void sum_line(const ct_exact_series *s, size_t first, size_t last, const 
 /* Why a point can't be answered; null when it can. */
 static const char *refusal(double x, double z, double t, double reach)
 {
-  if (isnan(x) || isnan(z) || isnan(t)) return "a coordinate is not a number";
-  if (x < 0.0) return "x < 0 lies outside the plate";
-  if (fabs(z) > 1.0) return "|z| > 1 lies outside the plate";
-  if (t < 0.0) return "t < 0 is before the impact";
-  if (x + t > reach) return "x + t is above the reach of the table of modes";
-  return NULL;
-}
-
-ct_status ct_exact_series_fields(const ct_exact_series *series, size_t n, const double *x,
-                                 const double *z, const double *t, double *fields, size_t *bad,
-                                 ct_error *error)
-{
-  if (bad != NULL) *bad = n;
-  if (series == NULL || (n > 0 && (x == NULL || z == NULL || t == NULL || fields == NULL)))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "series, x, z, t or fields is a null pointer");
-  for (size_t i = 0; i < n; i++) {
-    const char *reason = refusal(x[i], z[i], t[i], series->reach);
-    if (reason == NULL) continue;
-    if (bad != NULL) *bad = i;
-    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, (int64_t)i},
-                   "point %zu (x = %g, z = %g, t = %g): %s", i, x[i], z[i], t[i], reason);
-  }
-  for (size_t first = 0, last = 1; first < n; first = last++) {
-    while (last < n && x[last] == x[first] && t[last] == t[first]) last++;
-    sum_line(series, first, last, x, z, t, fields);
-  }
-  return CT_OK;
+  (void)z;
+  return x + t > reach ? "x + t is above 100, the reach of the series" : NULL;
 }
 
 ct_status ct_exact_plates_series(size_t n, const double *x, const double *z, const double *t,
                                  double nu, size_t branches, double *fields, size_t *bad,
                                  ct_error *error)
 {
-  if (bad != NULL) *bad = n;
-  if (n > 0 && (x == NULL || z == NULL || t == NULL || fields == NULL))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "x, z, t or fields is a null pointer");
-  double reach = 1.0;
-  for (size_t i = 0; i < n; i++) {
-    const char *reason = refusal(x[i], z[i], t[i], 100.0);
-    if (reason != NULL) {
-      if (bad != NULL) *bad = i;
-      return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, (int64_t)i},
-                     "point %zu (x = %g, z = %g, t = %g): %s", i, x[i], z[i], t[i], reason);
-    }
-    reach = fmax(reach, x[i] + t[i]);
-  }
-  ct_exact_series *series;
-  ct_status status = ct_exact_series_create(nu, branches, reach, &series, error);
+  ct_status status = ct_exact_check(n, x, z, t, fields, refusal, 100.0, bad, error);
   if (status != CT_OK) return status;
-  status = ct_exact_series_fields(series, n, x, z, t, fields, bad, error);
-  ct_exact_series_free(series);
-  return status;
+  double reach = 1.0;
+  for (size_t i = 0; i < n; i++) reach = fmax(reach, x[i] + t[i]);
+  ct_series *s = NULL;
+  status = tabulated(nu, branches, reach, &s, error);
+  if (status != CT_OK) return status;
+  for (size_t first = 0, last = 1; first < n; first = last++) {
+    while (last < n && x[last] == x[first] && t[last] == t[first]) last++;
+    sum_line(s, first, last, x, z, t, fields);
+  }
+  release(s);
+  return CT_OK;
 }

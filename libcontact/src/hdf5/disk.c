@@ -1,4 +1,8 @@
+#ifdef __linux__
+#define _GNU_SOURCE
+#else
 #define _XOPEN_SOURCE 700
+#endif
 #define _FILE_OFFSET_BITS 64
 
 #include "hdf5_internal.h"
@@ -11,89 +15,138 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { LONGEST_PATH_SHOWN = 400, ATTEMPTS = 100 };
-
-const char *ct_disk_short(const char *path)
-{
-  size_t length = strlen(path);
-  if (length <= LONGEST_PATH_SHOWN) return path;
-  const char *end = path + (length - LONGEST_PATH_SHOWN), *folder = strchr(end, '/');
-  return folder != NULL ? folder : end;
-}
+/* -- Names and errors -- */
 
 void ct_disk_check(ct_task *task, const char *what, int number)
 {
-  char reason[200];
-  if (number == 0 || task->status != CT_OK) return;
-  if (strerror_r(number, reason, sizeof reason) != 0)
-    snprintf(reason, sizeof reason, "error %d", number);
-  task->status = ct_fail(task->error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't %s: %s",
-                         ct_disk_short(task->path), what, reason);
+  if (number != 0)
+    ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE, "can't %s: %s", what,
+                 number == EAGAIN ? "another run is writing it" : strerror(number));
 }
 
-ct_status ct_disk_names(const char *path, char **target, char **part, ct_error *error)
+void ct_disk_names(ct_task *task, ct_disk *disk, const char *path)
 {
   struct stat found;
   if (stat(path, &found) == 0 && !S_ISREG(found.st_mode))
-    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't write the file: %s",
-                   ct_disk_short(path),
-                   S_ISDIR(found.st_mode) ? "Is a directory" : "it is no ordinary file");
-  char *real = realpath(path, NULL);
-  const char *name = real != NULL ? real : path;
-  size_t room = strlen(name) + sizeof ".part";
-  *target = malloc(room);
-  *part = malloc(room);
-  if (*target != NULL && *part != NULL) {
-    snprintf(*target, room, "%s", name);
-    snprintf(*part, room, "%s.part", name);
-  }
-  free(real);
-  if (*target == NULL || *part == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a path");
-  return CT_OK;
+    ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE, "can't write the file: %s",
+                 S_ISDIR(found.st_mode) ? "Is a directory" : "it is no ordinary file");
+  disk->path = realpath(path, NULL);
+  if (disk->path == NULL) disk->path = strdup(path);
+  if (disk->path != NULL) disk->part = malloc(strlen(disk->path) + sizeof ".part");
+  if (disk->part != NULL) sprintf(disk->part, "%s.part", disk->path);
+  else ct_task_fail(task, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a path");
+}
+
+void ct_disk_rename(ct_task *task, ct_disk *disk)
+{
+  if (disk->renamed) return;
+  ct_disk_check(task, "write the file", rename(disk->part, disk->path) == 0 ? 0 : errno);
+  disk->renamed = task->status == CT_OK;
+}
+
+/* -- One writer -- */
+
+/*
+ * A file that is written is locked, so that no second run writes it too. The lock belongs to the
+ * open file, and so goes with the process, however that ends; where the system has no such lock it
+ * belongs to the process, and two outputs of one process do not see each other's. It is not
+ * flock's, with which HDF5 itself would refuse to read a file that is written.
+ */
+#ifdef F_OFD_SETLK
+enum { SET_LOCK = F_OFD_SETLK };
+#else
+enum { SET_LOCK = F_SETLK };
+#endif
+
+static int set_lock(int descriptor, short type)
+{
+  struct flock whole = {.l_type = type, .l_whence = SEEK_SET};
+  return fcntl(descriptor, SET_LOCK, &whole);
+}
+
+/* 0, or EAGAIN when another has the lock. A file system without locks has none to respect. */
+static int take_lock(int descriptor)
+{
+  if (set_lock(descriptor, F_WRLCK) == 0) return 0;
+  return errno == EAGAIN || errno == EACCES ? EAGAIN : 0;
+}
+
+/* A forked child may have the file open as well, and must not keep the lock. */
+void ct_disk_unlock(int descriptor) { (void)set_lock(descriptor, F_UNLCK); }
+
+/* Whether an open file still bears a name. */
+static int bears(int descriptor, const char *name)
+{
+  struct stat one, two;
+  return fstat(descriptor, &one) == 0 && lstat(name, &two) == 0 && one.st_dev == two.st_dev &&
+         one.st_ino == two.st_ino;
+}
+
+static int open_if_there(const char *path)
+{
+  return open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+}
+
+/* Remove a file that a run which has ended left behind, or a link. Returns 0, EAGAIN while the run
+ * is alive, or the number of the system's error. */
+static int clear(const char *part)
+{
+  int descriptor = open_if_there(part), result = descriptor < 0 ? errno : take_lock(descriptor);
+  if (result == ENOENT) return 0;
+  int is_left = result == ELOOP || (result == 0 && bears(descriptor, part));
+  if (is_left) result = unlink(part) == 0 || errno == ENOENT ? 0 : errno;
+  if (descriptor >= 0) close(descriptor);
+  return result;
+}
+
+/* Whether nobody writes a file that may be there. */
+static int is_free(const char *path)
+{
+  int descriptor = open_if_there(path);
+  if (descriptor < 0) return 1;
+  int result = take_lock(descriptor);
+  close(descriptor);
+  return result == 0;
 }
 
 /* One attempt: a file that nobody else has taken for one that was left, between its making and its
  * lock. Negative without one. */
-static hid_t make_locked(ct_disk *disk, const char *part, hid_t how, hid_t access)
+static hid_t make_locked(ct_disk *disk, hid_t how, hid_t access)
 {
   void *handle = NULL;
-  hid_t file = H5Fcreate(part, H5F_ACC_EXCL, how, access);
+  hid_t file = H5Fcreate(disk->part, H5F_ACC_EXCL, how, access);
   if (file < 0 || H5Fget_vfd_handle(file, access, &handle) < 0) return file;
   int descriptor = *(int *)handle;
   (void)fcntl(descriptor, F_SETFD, FD_CLOEXEC);
-  if (ct_lock_take(descriptor) == 0 && ct_lock_bears(descriptor, part))
-    disk->descriptor = descriptor;
+  if (take_lock(descriptor) == 0 && bears(descriptor, disk->part)) disk->descriptor = descriptor;
   return file;
 }
 
-hid_t ct_disk_create(ct_task *task, ct_disk *disk, const char *part, hid_t how, hid_t access)
+enum { ATTEMPTS = 100 };
+
+hid_t ct_disk_create(ct_task *task, ct_disk *disk, hid_t how, hid_t access)
 {
   struct stat found;
   hid_t file = -1;
-  int result = EAGAIN;
-  for (int i = 0; i < ATTEMPTS && disk->descriptor < 0; i++) {
+  int result = 0;
+  for (int i = 0; i < ATTEMPTS && disk->descriptor < 0 && result == 0; i++) {
     if (file >= 0) H5Fclose(file);
     file = -1;
-    result = ct_lock_clear(part);
-    if (result != 0) break;
-    file = make_locked(disk, part, how, access);
-    if (file < 0 && lstat(part, &found) != 0) {
+    result = clear(disk->part);
+    if (result == 0) file = make_locked(disk, how, access);
+    if (result == 0 && file < 0 && lstat(disk->part, &found) != 0) {
       ct_hdf5_fail(task, "write the file");
       return -1;
     }
-    result = EAGAIN;
   }
   // -- Whoever has the lock of the new file may ask who has that of the old one: a run that has
   // given the file its final name
-  if (disk->descriptor >= 0 && ct_lock_is_free(task->path)) return file;
-  if (result != EAGAIN) ct_disk_check(task, "write the file", result);
-  else
-    task->status =
-        ct_fail(task->error, CT_ERROR_FILE, CT_NOWHERE,
-                "%s: can't write the file: another run is writing it", ct_disk_short(task->path));
+  if (result == 0 && (disk->descriptor < 0 || !is_free(disk->path))) result = EAGAIN;
+  ct_disk_check(task, "write the file", result);
   return file;
 }
+
+/* -- A full disk -- */
 
 /* Ask for the bytes from `start` on; 0, or the number of the error when the disk has no room for
  * them. */
@@ -111,12 +164,12 @@ static int reserve(int descriptor, off_t start, int64_t bytes)
   return 0;
 }
 
-void ct_disk_reserve(ct_task *task, const ct_disk *disk, hid_t file, int64_t bytes)
+void ct_disk_reserve(ct_task *task, const ct_disk *disk, int64_t bytes)
 {
   hsize_t size = 0;
-  if (task->status != CT_OK || H5Fget_filesize(file, &size) < 0) return;
+  if (task->status != CT_OK || H5Fget_filesize(task->file, &size) < 0) return;
   int result = reserve(disk->descriptor, (off_t)size, bytes);
-  if (result != 0) ct_disk_trim(disk, file);
+  if (result != 0) ct_disk_trim(disk, task->file);
   ct_disk_check(task, "write the next step", result);
 }
 
@@ -129,12 +182,8 @@ void ct_disk_trim(const ct_disk *disk, hid_t file)
   if (found.st_size > (off_t)size && ftruncate(disk->descriptor, (off_t)size) != 0) return;
 }
 
-void ct_disk_flush(ct_task *task, const ct_disk *disk, hid_t file, const char *what)
+void ct_disk_flush(ct_task *task, const ct_disk *disk, const char *what)
 {
-  if (task->status == CT_OK && H5Fflush(file, H5F_SCOPE_LOCAL) < 0) ct_hdf5_fail(task, what);
+  if (task->status == CT_OK && H5Fflush(task->file, H5F_SCOPE_LOCAL) < 0) ct_hdf5_fail(task, what);
   ct_disk_check(task, what, disk->error);
 }
-
-int ct_disk_rename(const char *from, const char *to) { return rename(from, to) == 0 ? 0 : errno; }
-
-void ct_disk_remove(const char *path) { unlink(path); }

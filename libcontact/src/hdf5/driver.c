@@ -38,7 +38,7 @@ static herr_t driver_truncate(H5FD_t *file, hid_t transfer, hbool_t closing)
 static herr_t driver_close(H5FD_t *file)
 {
   ct_disk *disk = disk_of(file);
-  ct_lock_release(disk->descriptor);
+  ct_disk_unlock(disk->descriptor);
   disk->descriptor = -1;
   keep_error(disk, disk->real->close(file));
   return 0;
@@ -59,15 +59,10 @@ int ct_driver_use(ct_disk *disk, hid_t access)
   own.write = driver_write;
   own.truncate = driver_truncate;
   own.close = driver_close;
-  // -- The end of our class is not the end of HDF5's; and the lock is ours (lock.c)
+  // -- The end of our class is not the end of HDF5's; and the lock is ours (disk.c)
   own.terminate = NULL;
   own.lock = NULL;
   own.unlock = NULL;
   disk->driver = H5FDregister(&own);
   return disk->driver >= 0 && H5Pset_driver(access, disk->driver, NULL) >= 0;
-}
-
-void ct_driver_release(ct_disk *disk)
-{
-  if (disk->driver >= 0) H5FDunregister(disk->driver);
 }

@@ -1,11 +1,24 @@
 #include "hdf5_internal.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 /* -- Errors -- */
 
-enum { LONGEST_REASON = 200 };
+enum { LONGEST_REASON = 200, LONGEST_SENTENCE = 600, LONGEST_PATH = 400 };
+
+void ct_task_fail(ct_task *task, ct_status status, ct_place where, const char *format, ...)
+{
+  char sentence[LONGEST_SENTENCE];
+  va_list arguments;
+  if (task->status != CT_OK) return;
+  va_start(arguments, format);
+  vsnprintf(sentence, sizeof sentence, format, arguments);
+  va_end(arguments);
+  size_t length = strlen(task->path), start = length > LONGEST_PATH ? length - LONGEST_PATH : 0;
+  task->status = ct_fail(task->error, status, where, "%s: %s", task->path + start, sentence);
+}
 
 /* Keeps the innermost text of the stack, and better one that quotes the system. */
 static herr_t keep_reason(unsigned level, const H5E_error2_t *entry, void *data)
@@ -28,8 +41,7 @@ void ct_hdf5_fail(ct_task *task, const char *what)
   char reason[LONGEST_REASON] = "HDF5 gives no reason";
   if (task->status != CT_OK) return;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_reason, reason);
-  task->status = ct_fail(task->error, CT_ERROR_FILE, CT_NOWHERE, "%s: can't %s: %s",
-                         ct_disk_short(task->path), what, reason);
+  ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE, "can't %s: %s", what, reason);
 }
 
 ct_status ct_hdf5_check_version(ct_error *error)
@@ -45,170 +57,157 @@ ct_status ct_hdf5_check_version(ct_error *error)
 
 /* -- Types -- */
 
+/* What can't be made has a negative id, with which every later call fails, so that only the last
+ * one is looked at. */
+
 static hid_t text_type(size_t size)
 {
   hid_t type = H5Tcopy(H5T_C_S1);
-  return H5Tset_size(type, size) < 0 || H5Tset_cset(type, H5T_CSET_UTF8) < 0 ? -1 : type;
+  H5Tset_size(type, size);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  return type;
 }
 
 hid_t ct_hdf5_type(ct_kind kind)
 {
   const hsize_t three = 3;
-  switch (kind) {
-  case CT_REAL:
-    return H5Tcopy(H5T_NATIVE_DOUBLE);
-  case CT_VECTOR:
-    return H5Tarray_create2(H5T_NATIVE_DOUBLE, 1, &three);
-  case CT_INT32:
-    return H5Tcopy(H5T_NATIVE_INT32);
-  case CT_INT64:
-    return H5Tcopy(H5T_NATIVE_INT64);
-  case CT_WORD:
-    return H5Tcopy(H5T_NATIVE_UINT64);
-  case CT_NAME:
-    return text_type(CT_NAME_SIZE);
-  }
-  return -1;
-}
-
-size_t ct_hdf5_size(ct_kind kind)
-{
-  return kind == CT_INT32 ? 4 : kind == CT_VECTOR ? 24 : kind == CT_NAME ? CT_NAME_SIZE : 8;
+  const hid_t number[] = {H5T_NATIVE_DOUBLE, H5T_NATIVE_INT32, H5T_NATIVE_INT64, H5T_NATIVE_UINT64};
+  if (kind == CT_NAME) return text_type(CT_NAME_SIZE);
+  if (kind == CT_VECTOR) return H5Tarray_create2(H5T_NATIVE_DOUBLE, 1, &three);
+  return H5Tcopy(number[kind]);
 }
 
 hid_t ct_hdf5_row_type(const ct_row_type *row)
 {
   hid_t type = H5Tcreate(H5T_COMPOUND, row->size);
-  int good = type >= 0;
-  for (int i = 0; i < row->field_count; i++) {
-    hid_t value = ct_hdf5_type(row->field[i].kind);
-    good = good && H5Tinsert(type, row->field[i].name, row->field[i].offset, value) >= 0;
+  for (const ct_field *f = row->field; f->name != NULL; f++) {
+    hid_t value = ct_hdf5_type(f->kind);
+    H5Tinsert(type, f->name, f->offset, value);
     H5Tclose(value);
   }
-  if (good) return type;
-  H5Tclose(type);
-  return -1;
+  return type;
 }
 
 /* -- Groups, arrays, attributes -- */
 
-hid_t ct_hdf5_create_group(ct_task *task, hid_t parent, const char *name)
+/* The files are of the second superblock and their growing datasets of the extensible-array kind:
+ * nothing that is already in the file moves when a step is appended, and no flag in it says that a
+ * writer was there (docs/theory/output.rst, "Killed in mid-run"). */
+hid_t ct_hdf5_access(void)
 {
-  if (task->status != CT_OK) return -1;
-  hid_t how = H5Pcreate(H5P_GROUP_CREATE), group = -1;
-  if (H5Pset_obj_track_times(how, 0) >= 0)
-    group = H5Gcreate2(parent, name, H5P_DEFAULT, how, H5P_DEFAULT);
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
+#if H5_VERSION_GE(1, 12, 1) || (H5_VERS_MINOR == 10 && H5_VERSION_GE(1, 10, 7))
+  H5Pset_file_locking(access, 0, 1);
+#endif
+  return access;
+}
+
+void ct_hdf5_create_group(ct_task *task, const char *path)
+{
+  if (task->status != CT_OK) return;
+  hid_t how = H5Pcreate(H5P_GROUP_CREATE);
+  H5Pset_obj_track_times(how, 0);
+  hid_t group = H5Gcreate2(task->file, path, H5P_DEFAULT, how, H5P_DEFAULT);
   if (group < 0) ct_hdf5_fail(task, "make a group");
+  H5Gclose(group);
   H5Pclose(how);
-  return group;
 }
 
 /* The dataset; `space` and `how` are closed. */
-static hid_t create_dataset(ct_task *task, hid_t parent, const char *name, hid_t type, hid_t space,
-                            hid_t how)
+static hid_t create_dataset(ct_task *task, const char *path, hid_t type, hid_t space, hid_t how)
 {
-  hid_t set = -1;
-  if (H5Pset_obj_track_times(how, 0) >= 0)
-    set = H5Dcreate2(parent, name, type, space, H5P_DEFAULT, how, H5P_DEFAULT);
+  H5Pset_obj_track_times(how, 0);
+  hid_t set = H5Dcreate2(task->file, path, type, space, H5P_DEFAULT, how, H5P_DEFAULT);
   if (set < 0) ct_hdf5_fail(task, "make a dataset");
   H5Pclose(how);
   H5Sclose(space);
   return set;
 }
 
-hid_t ct_hdf5_create_array(ct_task *task, hid_t parent, const char *name, hid_t type, int rank,
-                           const hsize_t *dims)
+static hid_t create_space(int rank, const hsize_t *dims)
 {
-  if (task->status != CT_OK) return -1;
-  hid_t space = rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, dims, NULL),
-        how = H5Pcreate(H5P_DATASET_CREATE);
-  if (H5Pset_alloc_time(how, H5D_ALLOC_TIME_EARLY) < 0) ct_hdf5_fail(task, "make a dataset");
-  return create_dataset(task, parent, name, type, space, how);
+  return rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, dims, NULL);
 }
 
-void ct_hdf5_write_array(ct_task *task, hid_t parent, const char *name, hid_t type, int rank,
-                         const hsize_t *dims, const void *data)
+void ct_hdf5_write_array(ct_task *task, const char *path, hid_t type, int rank, const hsize_t *dims,
+                         const void *data)
 {
-  hid_t set = ct_hdf5_create_array(task, parent, name, type, rank, dims);
   if (task->status != CT_OK) return;
-  if (H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0 || H5Dclose(set) < 0)
+  hid_t memory = H5Tget_class(type) == H5T_INTEGER ? H5T_NATIVE_INT64 : type,
+        set = H5Dopen2(task->file, path, H5P_DEFAULT);
+  if (set < 0) {
+    hid_t how = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_alloc_time(how, H5D_ALLOC_TIME_EARLY);
+    set = create_dataset(task, path, type, create_space(rank, dims), how);
+  }
+  if (data != NULL && H5Dwrite(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
     ct_hdf5_fail(task, "write an array");
+  H5Dclose(set);
 }
 
-void ct_hdf5_write_text(ct_task *task, hid_t parent, const char *name, const char *text)
+void ct_hdf5_write_text(ct_task *task, const char *path, const char *text)
 {
   hid_t type = text_type(strlen(text) + 1);
-  ct_hdf5_write_array(task, parent, name, type, 0, NULL, text);
+  ct_hdf5_write_array(task, path, type, 0, NULL, text);
   H5Tclose(type);
 }
 
-hid_t ct_hdf5_write_attribute(ct_task *task, hid_t parent, const char *name, hid_t type,
+hid_t ct_hdf5_write_attribute(ct_task *task, const char *path, const char *name, hid_t type,
                               hsize_t count, const void *data)
 {
   if (task->status != CT_OK) return -1;
-  hid_t space = count == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &count, NULL);
-  hid_t attribute = H5Acreate2(parent, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
-  if (attribute < 0 || H5Awrite(attribute, type, data) < 0)
+  hid_t memory = H5Tget_class(type) == H5T_STRING ? type : H5T_NATIVE_DOUBLE,
+        space = create_space(count > 0, &count),
+        attribute = H5Acreate_by_name(task->file, path, name, type, space, H5P_DEFAULT, H5P_DEFAULT,
+                                      H5P_DEFAULT);
+  if (attribute < 0 || H5Awrite(attribute, memory, data) < 0)
     ct_hdf5_fail(task, "write an attribute");
   H5Sclose(space);
   return attribute;
 }
 
-void ct_hdf5_write_label(ct_task *task, hid_t parent, const char *name, const char *text)
+void ct_hdf5_write_label(ct_task *task, const char *path, const char *name, const char *text)
 {
   // -- VTK wants the plain form: ASCII, and exactly as long as the text
   hid_t type = H5Tcopy(H5T_C_S1);
-  if (H5Tset_size(type, strlen(text)) < 0 || H5Tset_strpad(type, H5T_STR_NULLPAD) < 0)
-    ct_hdf5_fail(task, "write a label");
-  ct_hdf5_write_attribute(task, parent, name, type, 0, text);
+  H5Tset_size(type, strlen(text));
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  ct_hdf5_write_attribute(task, path, name, type, 0, text);
   H5Tclose(type);
 }
 
-static void wrong_shape(ct_task *task, const char *name)
-{
-  task->status =
-      ct_fail(task->error, CT_ERROR_FILE, CT_NOWHERE, "%s: '%s' has another shape than the problem",
-              ct_disk_short(task->path), name);
-}
-
-void ct_hdf5_read_array(ct_task *task, hid_t parent, const char *name, hid_t type, int rank,
-                        const hsize_t *dims, void *data)
+void ct_hdf5_read_array(ct_task *task, const char *path, hid_t type, int rank, const hsize_t *dims,
+                        void *data)
 {
   if (task->status != CT_OK) return;
-  hsize_t found[H5S_MAX_RANK];
-  hid_t set = H5Dopen2(parent, name, H5P_DEFAULT), space = set < 0 ? -1 : H5Dget_space(set);
-  int fits = space >= 0 && H5Sget_simple_extent_ndims(space) == rank &&
-             H5Sget_simple_extent_dims(space, found, NULL) == rank;
-  for (int a = 0; a < rank && fits; a++) fits = found[a] == dims[a];
-  if (space < 0) ct_hdf5_fail(task, "read an array");
-  else if (!fits) wrong_shape(task, name);
-  else if (H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+  hsize_t found[H5S_MAX_RANK] = {0};
+  hid_t set = H5Dopen2(task->file, path, H5P_DEFAULT), space = set < 0 ? -1 : H5Dget_space(set);
+  int fits = space >= 0 && H5Sget_simple_extent_dims(space, found, NULL) == rank;
+  for (int a = 0; a < rank; a++) fits = fits && found[a] == dims[a];
+  if (space >= 0 && !fits)
+    ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE,
+                 "the file belongs to another problem: '%s' has %ld rows, the problem %ld", path,
+                 (long)found[0], rank > 0 ? (long)dims[0] : 1);
+  else if (space < 0 || H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
     ct_hdf5_fail(task, "read an array");
   H5Sclose(space);
   H5Dclose(set);
 }
 
-void ct_hdf5_read_attribute(ct_task *task, hid_t parent, const char *name, hid_t type, void *data)
+double ct_hdf5_read_number(ct_task *task, const char *path, const char *name)
 {
-  if (task->status != CT_OK) return;
-  hid_t attribute = H5Aopen(parent, name, H5P_DEFAULT),
+  double value = 0;
+  if (task->status != CT_OK || H5Aexists_by_name(task->file, path, name, H5P_DEFAULT) <= 0)
+    return 0;
+  hid_t attribute = H5Aopen_by_name(task->file, path, name, H5P_DEFAULT, H5P_DEFAULT),
         space = attribute < 0 ? -1 : H5Aget_space(attribute);
-  if (space < 0) ct_hdf5_fail(task, "read an attribute");
-  else if (H5Sget_simple_extent_npoints(space) != 1) wrong_shape(task, name);
-  else if (H5Aread(attribute, type, data) < 0) ct_hdf5_fail(task, "read an attribute");
+  if (space < 0 || H5Sget_simple_extent_npoints(space) != 1 ||
+      H5Aread(attribute, H5T_NATIVE_DOUBLE, &value) < 0)
+    ct_hdf5_fail(task, "read an attribute");
   H5Sclose(space);
   H5Aclose(attribute);
-}
-
-int64_t ct_hdf5_row_count(hid_t parent, const char *name)
-{
-  hsize_t rows = 0;
-  hid_t set = H5Dopen2(parent, name, H5P_DEFAULT), space = set < 0 ? -1 : H5Dget_space(set);
-  int one_axis =
-      H5Sget_simple_extent_ndims(space) == 1 && H5Sget_simple_extent_dims(space, &rows, NULL) == 1;
-  H5Sclose(space);
-  H5Dclose(set);
-  return one_axis ? (int64_t)rows : -1;
+  return value;
 }
 
 /* -- Datasets that grow -- */
@@ -223,8 +222,7 @@ static int64_t chunk_rows(const ct_column *column, int is_field)
   return column->rows * (steps < 1 ? 1 : steps < MANY_STEPS ? steps : MANY_STEPS);
 }
 
-void ct_hdf5_create_column(ct_task *task, hid_t parent, const char *name, int is_field,
-                           ct_column *column)
+void ct_hdf5_create_column(ct_task *task, const char *path, int is_field, ct_column *column)
 {
   if (task->status != CT_OK) return;
   int rank = column->width > 0 ? 2 : 1;
@@ -232,15 +230,12 @@ void ct_hdf5_create_column(ct_task *task, hid_t parent, const char *name, int is
   column->row_bytes = (int64_t)H5Tget_size(column->type) * (rank == 2 ? column->width : 1);
   column->chunk_rows = chunk_rows(column, is_field);
   hsize_t chunk[2] = {(hsize_t)column->chunk_rows, width};
-  hid_t space = H5Screate_simple(rank, none, limit), how = H5Pcreate(H5P_DATASET_CREATE),
-        type = H5Tcopy(column->type);
+  hid_t how = H5Pcreate(H5P_DATASET_CREATE), type = H5Tcopy(column->type);
   // -- Structs lose their padding in the file
-  int ready = H5Tget_class(type) != H5T_COMPOUND || H5Tpack(type) >= 0;
-  ready = ready && H5Pset_chunk(how, rank, chunk) >= 0;
-  if (column->chunk_rows == column->rows)
-    ready = ready && H5Pset_fill_time(how, H5D_FILL_TIME_NEVER) >= 0;
-  if (!ready) ct_hdf5_fail(task, "make a dataset");
-  column->set = create_dataset(task, parent, name, type, space, how);
+  if (H5Tget_class(type) == H5T_COMPOUND) H5Tpack(type);
+  H5Pset_chunk(how, rank, chunk);
+  if (column->chunk_rows == column->rows) H5Pset_fill_time(how, H5D_FILL_TIME_NEVER);
+  column->set = create_dataset(task, path, type, H5Screate_simple(rank, none, limit), how);
   H5Tclose(type);
 }
 

@@ -23,11 +23,12 @@ typedef struct ct_task {
   const char *path;
   ct_error *error;
   ct_status status;
+  hid_t file;
 } ct_task;
 
 /* -- Types of values and of table rows -- */
 
-typedef enum ct_kind { CT_REAL, CT_VECTOR, CT_INT32, CT_INT64, CT_WORD, CT_NAME } ct_kind;
+typedef enum ct_kind { CT_REAL, CT_INT32, CT_INT64, CT_WORD, CT_VECTOR, CT_NAME } ct_kind;
 
 /* Bytes of a CT_NAME, with at least one zero at its end. */
 enum { CT_NAME_SIZE = 64 };
@@ -35,20 +36,20 @@ enum { CT_NAME_SIZE = 64 };
 /* A member of a struct that is a row of a table. */
 typedef struct ct_field {
   const char *name;
-  size_t offset;
+  size_t offset, size;
   ct_kind kind;
   /* What a message calls it where two problems differ; null: it is not compared. */
   const char *label;
 } ct_field;
 
+#define CT_FIELD(row, member, kind, label) \
+  {#member, offsetof(row, member), sizeof(((row *)0)->member), kind, label}
+
+/* The struct; behind its fields stands one without a name. */
 typedef struct ct_row_type {
   size_t size;
-  int field_count;
-  const ct_field *field;
+  ct_field field[12];
 } ct_row_type;
-
-#define CT_FIELD(row, member, kind, label) {#member, offsetof(row, member), kind, label}
-#define CT_ROW_TYPE(row, fields) {sizeof(row), (int)(sizeof(fields) / sizeof(fields)[0]), fields}
 
 /* -- What an output holds -- */
 
@@ -69,8 +70,7 @@ enum { CT_COLUMN_LIMIT = 48 };
 
 /* One row of /libcontact/effect. */
 typedef struct ct_effect_row {
-  double work;
-  double energy;
+  double work, energy;
 } ct_effect_row;
 
 /* What one step writes, gathered before the file is touched. */
@@ -83,8 +83,7 @@ typedef struct ct_record {
   double momentum[3], angular_momentum[3];
   /* Fields; null where they are not asked for. The displacement belongs to the state. */
   const double *displacement;
-  double *velocity;
-  double *stress;
+  double *velocity, *stress;
   ct_momentum *bodies;
   double *addends;
   ct_effect_row *effects;
@@ -103,128 +102,113 @@ typedef struct ct_disk {
   int descriptor;
   /* The number of the first error that a write has met, 0 when all is well. */
   int error;
+  /* Its name, and the one that it has until the first step is written. */
+  char *path, *part;
+  int renamed;
 } ct_disk;
 
 struct ct_output {
-  char *path;
-  /* The name until the first step is written. */
-  char *part_path;
-  int renamed;
+  ct_disk disk;
   /* A write has failed in the middle of a step: nothing more is written. */
   int broken;
-  ct_disk disk;
-  hid_t file, step_count, seal_type;
+  hid_t file, step_count;
   int64_t node_count, cell_count;
   int32_t body_count, effect_count, column_count;
   ct_column column[CT_COLUMN_LIMIT];
-  /* The two restart records: the arrays, then the seal. */
-  hid_t slot[2][CT_PART_COUNT + 1];
   int64_t part_count[CT_PART_COUNT];
   ct_record now;
   int64_t row;
 };
 
-/* -- handle.c: HDF5 calls with their errors told -- */
+/* -- handle.c: HDF5 calls with their errors told; `path` is that of an object in the file -- */
 
+/* The task has failed: "path: <sentence>", with the end of a path that is too long for a message.
+ */
+void ct_task_fail(ct_task *task, ct_status status, ct_place where, const char *format, ...);
 /* "path: can't <what>: <reason>", the reason from HDF5's error stack; call it before any other HDF5
  * call clears that. */
 void ct_hdf5_fail(ct_task *task, const char *what);
 /* The library that was loaded is the one that was compiled against (HDF5 itself would end the
  * process). */
 ct_status ct_hdf5_check_version(ct_error *error);
+/* How files are opened. */
+hid_t ct_hdf5_access(void);
 /* A new type, which the caller closes; negative on failure. */
 hid_t ct_hdf5_type(ct_kind kind);
-size_t ct_hdf5_size(ct_kind kind);
 hid_t ct_hdf5_row_type(const ct_row_type *row);
-hid_t ct_hdf5_create_group(ct_task *task, hid_t parent, const char *name);
-/* A dataset of fixed size, shape (dims[0], ... dims[rank - 1]), open; its space in the file is
- * there at once. */
-hid_t ct_hdf5_create_array(ct_task *task, hid_t parent, const char *name, hid_t type, int rank,
-                           const hsize_t *dims);
-/* The same with its data, closed. */
-void ct_hdf5_write_array(ct_task *task, hid_t parent, const char *name, hid_t type, int rank,
-                         const hsize_t *dims, const void *data);
-void ct_hdf5_write_text(ct_task *task, hid_t parent, const char *name, const char *text);
-/* An attribute with `count` values, or one value without an axis when `count` is 0; open. */
-hid_t ct_hdf5_write_attribute(ct_task *task, hid_t parent, const char *name, hid_t type,
+void ct_hdf5_create_group(ct_task *task, const char *path);
+/* Write a dataset of fixed size, shape (dims[0], ... dims[rank - 1]); whole numbers are given as
+ * int64_t. It is made if it is not there, and its space in the file is then there at once. Null
+ * data: it is only made. */
+void ct_hdf5_write_array(ct_task *task, const char *path, hid_t type, int rank, const hsize_t *dims,
+                         const void *data);
+void ct_hdf5_write_text(ct_task *task, const char *path, const char *text);
+/* An attribute of a group with `count` values, or one value without an axis when `count` is 0;
+ * open. Numbers are given as doubles. */
+hid_t ct_hdf5_write_attribute(ct_task *task, const char *path, const char *name, hid_t type,
                               hsize_t count, const void *data);
 /* The same as a text of plain ASCII. */
-void ct_hdf5_write_label(ct_task *task, hid_t parent, const char *name, const char *text);
+void ct_hdf5_write_label(ct_task *task, const char *path, const char *name, const char *text);
 /* Refuses when the dataset has another shape. */
-void ct_hdf5_read_array(ct_task *task, hid_t parent, const char *name, hid_t type, int rank,
-                        const hsize_t *dims, void *data);
-void ct_hdf5_read_attribute(ct_task *task, hid_t parent, const char *name, hid_t type, void *data);
-/* Number of rows of a dataset with one axis, -1 if there is none. */
-int64_t ct_hdf5_row_count(hid_t parent, const char *name);
+void ct_hdf5_read_array(ct_task *task, const char *path, hid_t type, int rank, const hsize_t *dims,
+                        void *data);
+/* A single number; 0 where there is no such attribute. */
+double ct_hdf5_read_number(ct_task *task, const char *path, const char *name);
 /* A dataset for the column; fields have one chunk a step, tables one for many steps. */
-void ct_hdf5_create_column(ct_task *task, hid_t parent, const char *name, int is_field,
-                           ct_column *column);
+void ct_hdf5_create_column(ct_task *task, const char *path, int is_field, ct_column *column);
 /* Append the rows of one step at `row`. */
 void ct_hdf5_write_column(ct_task *task, const ct_column *column, int64_t row, const void *source);
 
-/* -- disk.c: what HDF5 has no call for -- */
+/* -- disk.c: what HDF5 has no call for, and one writer for a file -- */
 
-/* Resolve symbolic links, refuse what is no ordinary file, and give the two names that the output
- * uses. */
-ct_status ct_disk_names(const char *path, char **target, char **part, ct_error *error);
-/* Make the file `part` anew and lock it, in place of one that nobody writes any more. */
-hid_t ct_disk_create(ct_task *task, ct_disk *disk, const char *part, hid_t how, hid_t access);
+/* Resolve symbolic links, refuse what is no ordinary file, and give the file its two names. */
+void ct_disk_names(ct_task *task, ct_disk *disk, const char *path);
+/* Make the file with its first name anew and lock it, in place of one that nobody writes any more.
+ */
+hid_t ct_disk_create(ct_task *task, ct_disk *disk, hid_t how, hid_t access);
 /* Ask the system for `bytes` bytes beyond the end of the file, so that a full disk is met before
  * anything is written. */
-void ct_disk_reserve(ct_task *task, const ct_disk *disk, hid_t file, int64_t bytes);
+void ct_disk_reserve(ct_task *task, const ct_disk *disk, int64_t bytes);
 /* Give back what was reserved and not used. */
 void ct_disk_trim(const ct_disk *disk, hid_t file);
 /* HDF5 writes what it has kept; a write that fails, now or since the file was made, is told. */
-void ct_disk_flush(ct_task *task, const ct_disk *disk, hid_t file, const char *what);
+void ct_disk_flush(ct_task *task, const ct_disk *disk, const char *what);
 /* ``CT_ERROR_FILE`` with the system's reason, unless `number` is 0. */
 void ct_disk_check(ct_task *task, const char *what, int number);
-/* Returns 0, or the number of the system's error. */
-int ct_disk_rename(const char *from, const char *to);
-void ct_disk_remove(const char *path);
-/* A path, or the end of one that is too long for a message, from the beginning of a folder on. */
-const char *ct_disk_short(const char *path);
-
-/* -- lock.c: one writer for a file -- */
-
-/* 0, or EAGAIN when another has the lock. A file system without locks has none to respect. */
-int ct_lock_take(int descriptor);
-void ct_lock_release(int descriptor);
-/* Whether an open file still bears a name. */
-int ct_lock_bears(int descriptor, const char *name);
-/* Remove a file that a run which has ended left behind, or a link. Returns 0, EAGAIN while the run
- * is alive, or the number of the system's error. */
-int ct_lock_clear(const char *part);
-/* Whether nobody writes a file that may be there. */
-int ct_lock_is_free(const char *path);
+/* Give the file its final name, unless it has it. */
+void ct_disk_rename(ct_task *task, ct_disk *disk);
+void ct_disk_unlock(int descriptor);
 
 /* -- driver.c: HDF5's own way to the disk, on which writes never fail -- */
 
 /* Files that are opened with `access` go through `disk`, which must live until they are closed and
- * ct_driver_release is called. Returns whether that went well. */
+ * its driver is given back (H5FDunregister). Returns whether that went well. */
 int ct_driver_use(ct_disk *disk, hid_t access);
-void ct_driver_release(ct_disk *disk);
+
+/* -- output.c -- */
+
+/* The rows of the current step. */
+const void *ct_record_at(const ct_record *now, const ct_column *column);
 
 /* -- layout.c: the file without its steps -- */
 
-hid_t ct_layout_open_access(void);
 void ct_layout_create(ct_task *task, ct_output *output, const ct_problem *problem,
                       const char *scene);
 
 /* -- identity.c: what a file says about its problem -- */
 
-/* `group` is /libcontact. */
-void ct_identity_write(ct_task *task, const ct_problem *problem, hid_t group);
+void ct_identity_write(ct_task *task, const ct_problem *problem);
 /* ``CT_ERROR_FILE`` that names the first difference. */
-void ct_identity_compare(ct_task *task, hid_t file, hid_t group, const ct_problem *problem);
+void ct_identity_compare(ct_task *task, const ct_problem *problem);
 
 /* -- restart.c -- */
 
 /* Bytes of the two records. */
 int64_t ct_restart_bytes(const ct_state *state);
-/* Make room for the two records in the group /libcontact. */
+/* Make room for the two records, which are of the size of this state. */
 void ct_restart_create_slots(ct_task *task, ct_output *output, const ct_state *state);
 /* The state has the sizes that the records were made for. */
 int ct_restart_fits(const ct_output *output, const ct_state *state);
-void ct_restart_write(ct_task *task, const ct_output *output, const ct_state *state);
+void ct_restart_write(ct_task *task, int64_t row, const ct_state *state);
 
 #endif

@@ -10,47 +10,48 @@
 /* Room for what HDF5 itself needs to know about a step. */
 enum { MARGIN = 1 << 18, PAGE = 4096 };
 
+static ct_task task_on(const ct_output *o, ct_error *error)
+{
+  const ct_task task = {o->disk.path, error, CT_OK, o->file};
+  return task;
+}
+
+const void *ct_record_at(const ct_record *now, const ct_column *column)
+{
+  const void *at = (const char *)now + column->source;
+  if (column->is_pointer) memcpy(&at, at, sizeof at);
+  return at;
+}
+
 /* -- Create -- */
 
 static ct_status check_problem(const ct_problem *problem, ct_error *error)
 {
   int64_t nodes = 0;
-  if (problem->node_count <= 0 || problem->body_count <= 0 || problem->effect_count < 0 ||
-      problem->bodies == NULL || problem->reference == NULL ||
-      (problem->effect_count > 0 && problem->effects == NULL))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "the problem of an output has no bodies");
   for (int32_t b = 0; b < problem->body_count; b++) {
     const ct_body *body = &problem->bodies[b];
-    ct_place where = {b, -1, -1};
-    if (body->mesh == NULL || body->mesh->element_count <= 0 ||
-        ct_brick_node_count(body->mesh->kind) == 0)
-      return ct_fail(error, CT_ERROR_ARGUMENT, where, "body %d of the problem has no elements",
-                     (int)b);
-    if (body->first_node != nodes)
+    const ct_place where = {b, -1, -1};
+    if (body->mesh == NULL || body->mesh->element_count <= 0 || body->first_node != nodes)
       return ct_fail(error, CT_ERROR_ARGUMENT, where,
-                     "body %d must start at node %ld of the problem", (int)b, (long)nodes);
+                     "body %d must have elements and start at node %ld of the problem", (int)b,
+                     (long)nodes);
     nodes += body->mesh->node_count;
   }
-  if (nodes != problem->node_count)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "the bodies have %ld nodes, the problem says %d", (long)nodes,
-                   (int)problem->node_count);
+  if (nodes == 0 || nodes != problem->node_count)
+    return CT_REFUSE(error, "the bodies have %ld nodes, the problem says %d", (long)nodes,
+                     (int)problem->node_count);
   return CT_OK;
-}
-
-static void count(ct_output *o, const ct_problem *problem)
-{
-  o->node_count = problem->node_count;
-  o->body_count = problem->body_count;
-  o->effect_count = problem->effect_count;
-  for (int32_t b = 0; b < problem->body_count; b++)
-    o->cell_count += problem->bodies[b].mesh->element_count;
 }
 
 static ct_status create_record(ct_output *o, const ct_problem *problem,
                                const ct_output_options *options, ct_error *error)
 {
   ct_record *now = &o->now;
+  o->node_count = problem->node_count;
+  o->body_count = problem->body_count;
+  o->effect_count = problem->effect_count;
+  for (int32_t b = 0; b < problem->body_count; b++)
+    o->cell_count += problem->bodies[b].mesh->element_count;
   now->one = 1;
   if (options->displacement) now->displacement = problem->reference;
   if (options->velocity) now->velocity = malloc(3 * (size_t)o->node_count * sizeof *now->velocity);
@@ -60,67 +61,64 @@ static ct_status create_record(ct_output *o, const ct_problem *problem,
   now->effects = calloc((size_t)o->effect_count + 1, sizeof *now->effects);
   if ((options->velocity && now->velocity == NULL) || (options->stress && now->stress == NULL) ||
       now->bodies == NULL || now->addends == NULL || now->effects == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the output of %ld nodes",
-                   (long)o->node_count);
+    return CT_NO_MEMORY(error, "the output of %ld nodes", (long)o->node_count);
   return CT_OK;
 }
 
 static void open_file(ct_task *task, ct_output *o)
 {
-  hid_t access = ct_layout_open_access(), how = H5Pcreate(H5P_FILE_CREATE);
+  hid_t access = ct_hdf5_access(), how = H5Pcreate(H5P_FILE_CREATE);
   // -- Closing the file closes what is still open in it; and in pages of the system's size no small
   // piece lies on two of them, so that a kill can't cut one in two
-  if (H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) < 0 || H5Pset_obj_track_times(how, 0) < 0 ||
-      H5Pset_file_space_strategy(how, H5F_FSPACE_STRATEGY_PAGE, 0, 1) < 0 ||
-      H5Pset_file_space_page_size(how, PAGE) < 0 || !ct_driver_use(&o->disk, access))
-    ct_hdf5_fail(task, "write the file");
-  else o->file = ct_disk_create(task, &o->disk, o->part_path, how, access);
+  H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+  H5Pset_obj_track_times(how, 0);
+  H5Pset_file_space_strategy(how, H5F_FSPACE_STRATEGY_PAGE, 0, 1);
+  H5Pset_file_space_page_size(how, PAGE);
+  if (!ct_driver_use(&o->disk, access)) ct_hdf5_fail(task, "write the file");
+  else o->file = ct_disk_create(task, &o->disk, how, access);
   // -- From here on: datasets that grow without moving (the superblock stays the old one)
   if (task->status == CT_OK && H5Fset_libver_bounds(o->file, H5F_LIBVER_V110, H5F_LIBVER_V110) < 0)
     ct_hdf5_fail(task, "write the file");
+  task->file = o->file;
   H5Pclose(how);
   H5Pclose(access);
 }
 
-/* Close what is open and give everything back; the first failure is told. */
-static ct_status destroy(ct_output *o, ct_error *error)
+/* Close what is open and give everything back. */
+static void destroy(ct_task *task, ct_output *o)
 {
-  ct_task task = {o->path, error, CT_OK};
   for (int32_t i = 0; i < o->column_count; i++) H5Tclose(o->column[i].type);
-  H5Tclose(o->seal_type);
-  if (!o->renamed && o->disk.descriptor >= 0) ct_disk_remove(o->part_path);
-  if (o->file >= 0 && H5Fclose(o->file) < 0) ct_hdf5_fail(&task, "close the file");
-  ct_driver_release(&o->disk);
-  ct_disk_check(&task, "close the file", o->disk.error);
+  if (!o->disk.renamed && o->disk.descriptor >= 0) remove(o->disk.part);
+  if (o->file >= 0 && H5Fclose(o->file) < 0) ct_hdf5_fail(task, "close the file");
+  if (o->disk.driver >= 0) H5FDunregister(o->disk.driver);
+  ct_disk_check(task, "close the file", o->disk.error);
   free(o->now.velocity);
   free(o->now.stress);
   free(o->now.bodies);
   free(o->now.addends);
   free(o->now.effects);
-  free(o->part_path);
-  free(o->path);
+  free(o->disk.part);
+  free(o->disk.path);
   free(o);
-  return task.status;
 }
 
 static ct_status create(const char *path, const ct_problem *problem,
                         const ct_output_options *options, ct_output **output, ct_error *error)
 {
   ct_output *o = calloc(1, sizeof *o);
-  if (o == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an output");
+  if (o == NULL) return CT_NO_MEMORY(error, "an output");
   o->disk.descriptor = -1;
-  o->disk.driver = o->file = o->seal_type = -1;
-  count(o, problem);
-  ct_task task = {path, error, create_record(o, problem, options, error)};
-  if (task.status == CT_OK) task.status = ct_disk_names(path, &o->path, &o->part_path, error);
+  o->disk.driver = o->file = -1;
+  ct_task task = {path, error, create_record(o, problem, options, error), -1};
+  ct_disk_names(&task, &o->disk, path);
   if (task.status == CT_OK) {
-    task.path = o->path;
+    task.path = o->disk.path;
     open_file(&task, o);
     ct_layout_create(&task, o, problem, options->scene);
-    ct_disk_flush(&task, &o->disk, o->file, "write the file");
+    ct_disk_flush(&task, &o->disk, "write the file");
   }
   if (task.status == CT_OK) *output = o;
-  else destroy(o, NULL);
+  else destroy(&task, o);
   return task.status;
 }
 
@@ -129,8 +127,7 @@ ct_status ct_output_create(const char *path, const ct_problem *problem,
 {
   if (output != NULL) *output = NULL;
   if (path == NULL || *path == 0 || problem == NULL || options == NULL || output == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "ct_output_create needs a path, a problem, options and an output");
+    return CT_REFUSE(error, "ct_output_create needs a path, a problem, options and an output");
   ct_status status = check_problem(problem, error);
   if (status == CT_OK) status = ct_hdf5_check_version(error);
   if (status != CT_OK) return status;
@@ -141,20 +138,16 @@ ct_status ct_output_create(const char *path, const ct_problem *problem,
 
 /* -- Append -- */
 
-static ct_status check_state(const ct_output *o, const ct_problem *problem, const ct_state *state,
-                             ct_error *error)
+static void check_state(ct_task *task, const ct_output *o, const ct_problem *problem,
+                        const ct_state *state)
 {
   if (problem->node_count != o->node_count || problem->body_count != o->body_count ||
       problem->effect_count != o->effect_count)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s was created for another problem",
-                   ct_disk_short(o->path));
+    ct_task_fail(task, CT_ERROR_ARGUMENT, CT_NOWHERE, "it was created for another problem");
   if (state->node_count != o->node_count || (o->row > 0 && !ct_restart_fits(o, state)))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "the state belongs to another problem than %s", ct_disk_short(o->path));
+    ct_task_fail(task, CT_ERROR_ARGUMENT, CT_NOWHERE, "the state belongs to another problem");
   if (o->broken)
-    return ct_fail(error, CT_ERROR_FILE, CT_NOWHERE, "%s: an earlier step could not be written",
-                   ct_disk_short(o->path));
-  return CT_OK;
+    ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE, "an earlier step could not be written");
 }
 
 /* A state that is not finite must not replace the last good restart record. */
@@ -172,13 +165,6 @@ static ct_status check_finite(const ct_problem *problem, const ct_state *state, 
   return CT_OK;
 }
 
-static double sum_over_bodies(ct_record *now, int32_t body_count, int angular, int axis)
-{
-  for (int32_t b = 0; b < body_count; b++)
-    now->addends[b] = angular ? now->bodies[b].L[axis] : now->bodies[b].p[axis];
-  return ct_sum(now->addends, body_count);
-}
-
 static ct_status gather_ledger(ct_record *now, const ct_problem *problem, ct_state *state,
                                ct_error *error)
 {
@@ -190,12 +176,13 @@ static ct_status gather_ledger(ct_record *now, const ct_problem *problem, ct_sta
     if (status == CT_OK)
       status = ct_energy_stored(problem, state, i, &now->effects[i].energy, error);
   }
-  if (status != CT_OK) return status;
-  for (int axis = 0; axis < 3; axis++) {
-    now->momentum[axis] = sum_over_bodies(now, problem->body_count, 0, axis);
-    now->angular_momentum[axis] = sum_over_bodies(now, problem->body_count, 1, axis);
+  for (int c = 0; c < 6 && status == CT_OK; c++) {
+    for (int32_t b = 0; b < problem->body_count; b++)
+      now->addends[b] = (c < 3 ? now->bodies[b].p : now->bodies[b].L)[c % 3];
+    (c < 3 ? now->momentum : now->angular_momentum)[c % 3] =
+        ct_sum(now->addends, problem->body_count);
   }
-  return CT_OK;
+  return status;
 }
 
 /* All that can fail for other reasons than the file is done before the file is touched. */
@@ -235,57 +222,44 @@ static int64_t step_bytes(const ct_output *o, const ct_state *state)
   return bytes;
 }
 
-static const void *source_of(const ct_output *o, const ct_column *column)
-{
-  const void *at = (const char *)&o->now + column->source;
-  if (column->is_pointer) memcpy(&at, at, sizeof at);
-  return at;
-}
-
 static void write_step(ct_task *task, ct_output *o, const ct_state *state)
 {
   // -- The data of the step, which no reader looks for yet
   if (o->row == 0) ct_restart_create_slots(task, o, state);
-  ct_restart_write(task, o, state);
-  for (int32_t i = 0; i < o->column_count; i++)
-    ct_hdf5_write_column(task, &o->column[i], o->row, source_of(o, &o->column[i]));
-  ct_disk_flush(task, &o->disk, o->file, "write a step");
+  ct_restart_write(task, o->row, state);
+  for (const ct_column *c = o->column; c < o->column + o->column_count; c++)
+    ct_hdf5_write_column(task, c, o->row, ct_record_at(&o->now, c));
+  ct_disk_flush(task, &o->disk, "write a step");
   // -- The number of steps, which makes it visible
   int64_t steps = o->row + 1;
   if (task->status == CT_OK && H5Awrite(o->step_count, H5T_NATIVE_INT64, &steps) < 0)
     ct_hdf5_fail(task, "write a step");
-  ct_disk_flush(task, &o->disk, o->file, "write a step");
+  ct_disk_flush(task, &o->disk, "write a step");
 }
 
-static ct_status append(ct_output *o, const ct_problem *problem, ct_state *state, ct_error *error)
+static void append(ct_task *task, ct_output *o, const ct_problem *problem, ct_state *state)
 {
-  ct_task task = {o->path, error, gather(o, problem, state, error)};
-  ct_disk_reserve(&task, &o->disk, o->file, step_bytes(o, state));
-  if (task.status != CT_OK) return task.status;
-  write_step(&task, o, state);
-  if (task.status != CT_OK) {
-    o->broken = 1;
-    return task.status;
-  }
+  check_state(task, o, problem, state);
+  if (task->status == CT_OK) task->status = gather(o, problem, state, task->error);
+  if (task->status == CT_OK) ct_disk_reserve(task, &o->disk, step_bytes(o, state));
+  if (task->status != CT_OK) return;
+  write_step(task, o, state);
+  o->broken = task->status != CT_OK;
+  if (o->broken) return;
   ct_disk_trim(&o->disk, o->file);
   o->row++;
-  if (o->renamed) return CT_OK;
-  ct_disk_check(&task, "write the file", ct_disk_rename(o->part_path, o->path));
-  o->renamed = task.status == CT_OK;
-  return task.status;
+  ct_disk_rename(task, &o->disk);
 }
 
 ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_state *state,
                            ct_error *error)
 {
   if (output == NULL || problem == NULL || state == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "ct_output_append needs an output, a problem and a state");
-  ct_status status = check_state(output, problem, state, error);
-  if (status != CT_OK) return status;
-  H5E_BEGIN_TRY { status = append(output, problem, state, error); }
+    return CT_REFUSE(error, "ct_output_append needs an output, a problem and a state");
+  ct_task task = task_on(output, error);
+  H5E_BEGIN_TRY { append(&task, output, problem, state); }
   H5E_END_TRY
-  return status;
+  return task.status;
 }
 
 /* -- Close -- */
@@ -293,13 +267,11 @@ ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_stat
 ct_status ct_output_close(ct_output *output, ct_error *error)
 {
   if (output == NULL) return CT_OK;
-  ct_status status;
-  int broken = output->broken;
-  if (broken)
-    ct_fail(error, CT_ERROR_FILE, CT_NOWHERE,
-            "%s: a step could not be written; the steps before it are in the file",
-            ct_disk_short(output->path));
-  H5E_BEGIN_TRY { status = destroy(output, broken ? NULL : error); }
+  ct_task task = task_on(output, error);
+  if (output->broken)
+    ct_task_fail(&task, CT_ERROR_FILE, CT_NOWHERE,
+                 "a step could not be written; the steps before it are in the file");
+  H5E_BEGIN_TRY { destroy(&task, output); }
   H5E_END_TRY
-  return broken ? CT_ERROR_FILE : status;
+  return task.status;
 }

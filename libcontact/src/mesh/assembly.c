@@ -4,14 +4,7 @@
 #include "../base/memory.h"
 #include "mesh_internal.h"
 
-void ct_assembly_free(ct_assembly *assembly)
-{
-  if (assembly == NULL) return;
-  ct_release(assembly->place);
-  ct_release(assembly->extra_to);
-  ct_release(assembly->extra_from);
-  ct_release(assembly);
-}
+void ct_assembly_free(ct_assembly *assembly) { ct_pool_free(assembly); }
 
 /* The octant around local node `a` in which the element lies: bit 0 is set when it lies on the side
  * of positive ξ. */
@@ -66,9 +59,7 @@ ct_status ct_assembly_create(const ct_mesh *mesh, int components, ct_assembly **
 {
   int per = ct_brick_node_count(mesh->kind);
   int32_t number[20];
-  ct_status status =
-      per > 0 ? CT_OK
-              : ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "mesh: unknown kind of element");
+  ct_status status = per > 0 ? CT_OK : CT_REFUSE(error, "mesh: unknown kind of element");
   for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++)
     status = ct_mesh_element_nodes(mesh, e, number, error);
   if (status != CT_OK) return status;
@@ -77,18 +68,18 @@ ct_status ct_assembly_create(const ct_mesh *mesh, int components, ct_assembly **
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE, "a mesh of %d elements is too large",
                    (int)mesh->element_count);
   ct_assembly *assembly = ct_allocate(1, sizeof *assembly);
-  if (assembly == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the assembly");
+  if (assembly == NULL) return CT_NO_MEMORY(error, "the assembly");
+  ct_pool *pool = &assembly->pool;
   assembly->node_count = mesh->node_count;
   assembly->components = components;
   assembly->element_values = values;
-  assembly->place = ct_allocate(8 * (size_t)mesh->node_count, sizeof *assembly->place);
+  assembly->place = ct_pool_take(pool, 8 * (size_t)mesh->node_count, sizeof(int32_t));
   if (assembly->place != NULL) fill_places(mesh, assembly);
-  assembly->extra_to = ct_allocate((size_t)assembly->extra_count, sizeof *assembly->extra_to);
-  assembly->extra_from = ct_allocate((size_t)assembly->extra_count, sizeof *assembly->extra_from);
-  if (assembly->place == NULL || assembly->extra_to == NULL || assembly->extra_from == NULL) {
+  assembly->extra_to = ct_pool_take(pool, (size_t)assembly->extra_count, sizeof(int32_t));
+  assembly->extra_from = ct_pool_take(pool, (size_t)assembly->extra_count, sizeof(int32_t));
+  if (pool->failed) {
     ct_assembly_free(assembly);
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the assembly");
+    return CT_NO_MEMORY(error, "the assembly");
   }
   fill_places(mesh, assembly);
   *out = assembly;

@@ -3,6 +3,8 @@
 
 #include <libcontact/mesh.h>
 
+#include "../base/memory.h"
+
 /* From element corners to nodes. Each node has 8 slots, one for each octant around it: an element
  * for which the node is the corner (-,-,-) fills the slot (+,+,+), and so on. A node's sum is a
  * tree over its slots that pairs along ξ, η, ζ (eq:tree-sum), independent of threads and mirrored
@@ -13,6 +15,7 @@
  * ((e / 8 * nodes + a) * components + c) * 8 + e % 8, and a slot without element points to a zero.
  */
 typedef struct ct_assembly {
+  ct_pool pool; /* its arrays */
   int32_t node_count;
   int components;
   /* Place of component 0 for each node and slot, shape (node_count, 8); components follow at steps

@@ -1,7 +1,6 @@
 /* The outer faces of a mesh: those that belong to one element only. */
-#include <libcontact/mesh.h>
-
 #include "../base/memory.h"
+#include "mesh_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -28,17 +27,13 @@ static int compare_places(const void *a, const void *b)
   return (p->side > q->side) - (p->side < q->side);
 }
 
-static side side_of(const ct_mesh *mesh, int32_t element, int number)
+static side side_of(const int32_t node[8], int32_t element, int number)
 {
-  size_t per = (size_t)ct_brick_node_count(mesh->kind);
-  int local[8];
   side s = {{0, 0, 0, 0}, element, number};
-  ct_brick_face(mesh->kind, number, local);
   for (int i = 0; i < 4; i++) {
-    int32_t node = mesh->elements[(size_t)element * per + (size_t)local[i]];
     int j = i;
-    for (; j > 0 && s.corner[j - 1] > node; j--) s.corner[j] = s.corner[j - 1];
-    s.corner[j] = node;
+    for (; j > 0 && s.corner[j - 1] > node[i]; j--) s.corner[j] = s.corner[j - 1];
+    s.corner[j] = node[i];
   }
   return s;
 }
@@ -72,7 +67,7 @@ static size_t list_sides(const ct_mesh *mesh, const plane *in, side *sides)
   for (int32_t e = 0; e < mesh->element_count; e++)
     for (int number = 0; number < 6; number++) {
       if (!is_in(mesh, e, number, in, node)) continue;
-      if (sides != NULL) sides[count] = side_of(mesh, e, number);
+      if (sides != NULL) sides[count] = side_of(node, e, number);
       count++;
     }
   return count;

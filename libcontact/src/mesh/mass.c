@@ -1,11 +1,10 @@
 #include <libcontact/mesh.h>
-#include <libcontact/shape.h>
 
 #include "assembly.h"
+#include "mesh_internal.h"
 #include "../base/error.h"
 #include "../shape/jacobian.h"
 #include "../base/memory.h"
-#include "mesh_internal.h"
 
 #include <string.h>
 
@@ -28,24 +27,6 @@ static ct_status tabulate(ct_brick_kind kind, shapes *out)
   return status;
 }
 
-/* det J at a point. In a box along x, y, z what stands off the diagonal of J is exactly 0, as the
- * sums mirror, and need not be summed. */
-static double determinant(shapes *at, int q, double nodes[20][3], int is_box)
-{
-  double J[3][3], C[3][3], t[20];
-  if (!is_box) {
-    ct_reference_gradient(at->per, at->dN[q], nodes, J);
-    return ct_cofactors(J, C);
-  }
-  for (int i = 0; i < 3; i++) {
-    for (int a = 0; a < 8; a++) t[a] = nodes[a][i];
-    double middle = ct_tree_corners(t, 1) / 8.0;
-    for (int a = 0; a < 8; a++) t[a] = at->dN[q][a][i] * (nodes[a][i] - middle);
-    J[i][i] = ct_tree_nodes(8, t, 1);
-  }
-  return J[0][0] * (J[1][1] * J[2][2]);
-}
-
 /* Integrals over one element: `row` of ρ N_a, `diagonal` of ρ N_a² (if not null), both (nodes), and
  * its mass. */
 static double integrate(shapes *at, double nodes[20][3], double density, double row[20],
@@ -53,10 +34,11 @@ static double integrate(shapes *at, double nodes[20][3], double density, double 
 {
   const ct_rule *rule = &at->rule;
   int per = at->per, n = rule->count == 8 ? 2 : 3;
-  double volume[27] = {0.0}, (*N)[20] = at->N, t[27] = {0.0}, box;
-  int is_box = per == 8 && ct_mesh_upright_box(nodes, &box);
-  for (int q = 0; q < rule->count; q++)
-    volume[q] = density * (rule->weight[q] * determinant(at, q, nodes, is_box));
+  double volume[27] = {0.0}, (*N)[20] = at->N, t[27] = {0.0}, J[3][3], C[3][3];
+  for (int q = 0; q < rule->count; q++) {
+    ct_reference_gradient(per, at->dN[q], nodes, J);
+    volume[q] = density * (rule->weight[q] * ct_cofactors(J, C));
+  }
   for (int a = 0; a < per; a++) {
     for (int q = 0; q < rule->count; q++) t[q] = N[q][a] * volume[q];
     row[a] = ct_tree_points(n, t);
@@ -92,7 +74,7 @@ ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double densit
   shapes at;
   if (ct_brick_node_count(kind) == 0 || nodes == NULL || mass == NULL ||
       tabulate(kind, &at) != CT_OK)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "mass: null argument or unknown element");
+    return CT_REFUSE(error, "mass: null argument or unknown element");
   return lump(&at, nodes, density, lumping, mass, error);
 }
 
@@ -100,13 +82,11 @@ ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping
                          ct_error *error)
 {
   ct_assembly *assembly = NULL;
-  if (mesh == NULL || mass == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "mass: null argument");
+  if (mesh == NULL || mass == NULL) return CT_REFUSE(error, "mass: null argument");
   ct_status status = ct_assembly_create(mesh, 1, &assembly, error);
   if (status != CT_OK) return status;
   double *values = ct_allocate((size_t)assembly->value_count, sizeof *values);
-  if (values == NULL)
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the masses");
+  if (values == NULL) status = CT_NO_MEMORY(error, "the masses");
   shapes at;
   if (status == CT_OK) status = tabulate(mesh->kind, &at);
 

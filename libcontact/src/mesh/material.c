@@ -1,6 +1,5 @@
-#include <libcontact/mesh.h>
-
 #include "../base/error.h"
+#include "mesh_internal.h"
 
 #include <math.h>
 
@@ -23,18 +22,14 @@ void ct_material_speeds(const ct_material *material, double *c1, double *c2)
 
 ct_status ct_material_check(const ct_material *material, ct_error *error)
 {
-  if (material == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "no material");
+  if (material == NULL) return CT_REFUSE(error, "no material");
   if (!(material->young > 0.0) || !isfinite(material->young))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "Young's modulus must be positive, not %g",
-                   material->young);
+    return CT_REFUSE(error, "Young's modulus must be positive, not %g", material->young);
   if (!(material->poisson > -1.0 && material->poisson < 0.5))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "Poisson's ratio must lie in -1 < nu < 1/2, not %g", material->poisson);
+    return CT_REFUSE(error, "Poisson's ratio must lie in -1 < nu < 1/2, not %g", material->poisson);
   if (!(material->density > 0.0) || !isfinite(material->density))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "density must be positive, not %g",
-                   material->density);
+    return CT_REFUSE(error, "density must be positive, not %g", material->density);
   if ((int)material->law < CT_LINEAR || (int)material->law > CT_NEO_HOOKEAN)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "there is no material law %d",
-                   (int)material->law);
+    return CT_REFUSE(error, "there is no material law %d", (int)material->law);
   return CT_OK;
 }

@@ -16,19 +16,16 @@ static ct_status mesh_allocate(ct_brick_kind kind, int64_t nodes, int64_t elemen
 {
   int per = ct_brick_node_count(kind);
   if (nodes < 1 || elements < 1 || nodes > INT32_MAX || elements > INT32_MAX / 64)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "a mesh of %lld nodes and %lld elements",
-                   (long long)nodes, (long long)elements);
+    return CT_REFUSE(error, "a mesh of %lld nodes and %lld elements", (long long)nodes,
+                     (long long)elements);
   ct_mesh *mesh = ct_allocate(1, sizeof *mesh);
-  if (mesh == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a mesh");
-  mesh->kind = kind;
-  mesh->node_count = (int32_t)nodes;
-  mesh->element_count = (int32_t)elements;
-  mesh->nodes = ct_allocate((size_t)nodes, 3 * sizeof *mesh->nodes);
-  mesh->elements = ct_allocate((size_t)elements * (size_t)per, sizeof *mesh->elements);
-  if (mesh->nodes == NULL || mesh->elements == NULL) {
+  if (mesh != NULL)
+    *mesh = (ct_mesh){kind, (int32_t)nodes, (int32_t)elements,
+                      ct_allocate((size_t)nodes, 3 * sizeof(double)),
+                      ct_allocate((size_t)elements * (size_t)per, sizeof(int32_t))};
+  if (mesh == NULL || mesh->nodes == NULL || mesh->elements == NULL) {
     ct_mesh_free(mesh);
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a mesh of %lld nodes",
-                   (long long)nodes);
+    return CT_NO_MEMORY(error, "a mesh of %lld nodes", (long long)nodes);
   }
   *out = mesh;
   return CT_OK;
@@ -77,15 +74,13 @@ static ct_status box_check(const ct_box *box, ct_error *error)
     if (!isfinite(box->origin[d]) ||
         !isfinite(2.0 * box->cells[d] * (fabs(box->origin[d]) + box->size[d])) ||
         !(box->size[d] > 0.0))
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: origin %g and size %g along %c",
-                     box->origin[d], box->size[d], "xyz"[d]);
+      return CT_REFUSE(error, "box: origin %g and size %g along %c", box->origin[d], box->size[d],
+                       "xyz"[d]);
     if (box->cells[d] < 1 || box->cells[d] > 1000000)
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: %d cells along %c",
-                     (int)box->cells[d], "xyz"[d]);
+      return CT_REFUSE(error, "box: %d cells along %c", (int)box->cells[d], "xyz"[d]);
   }
   if (box->layers != CT_LAYERS_X && box->layers != CT_LAYERS_Y && box->layers != CT_LAYERS_Z)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: unknown order of numbers %d",
-                   (int)box->layers);
+    return CT_REFUSE(error, "box: unknown order of numbers %d", (int)box->layers);
   return CT_OK;
 }
 
@@ -99,8 +94,7 @@ static ct_status create_lattice(ct_brick_kind kind, const int axes[3], const int
                                 ct_mesh **out, ct_error *error)
 {
   int64_t n[3] = {cells[0], cells[1], cells[2]};
-  if (n[0] * n[1] > INT32_MAX)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "a mesh of too many cells");
+  if (n[0] * n[1] > INT32_MAX) return CT_REFUSE(error, "a mesh of too many cells");
   int64_t nodes = corners[0] * corners[1] * corners[2];
   if (kind == CT_HEX20)
     nodes += n[0] * corners[1] * corners[2] + corners[0] * n[1] * corners[2] +
@@ -142,7 +136,7 @@ void ct_box_axes(const ct_box *box, int axes[3])
 ct_status ct_mesh_create_box(ct_brick_kind kind, const ct_box *box, ct_mesh **mesh, ct_error *error)
 {
   if (box == NULL || mesh == NULL || ct_brick_node_count(kind) == 0)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "box: null argument or unknown element");
+    return CT_REFUSE(error, "box: null argument or unknown element");
   ct_status status = box_check(box, error);
   if (status != CT_OK) return status;
   int axes[3];
@@ -189,21 +183,18 @@ ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh *
                               ct_error *error)
 {
   if (ring == NULL || mesh == NULL || ct_brick_node_count(kind) == 0)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ring: null argument or unknown element");
+    return CT_REFUSE(error, "ring: null argument or unknown element");
   const double *r = ring->radius;
   if (!(r[0] > 0.0 && r[1] > r[0]) || !isfinite(r[1]) || !(ring->width > 0.0) ||
       !isfinite(ring->width))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ring: radius %g to %g, width %g", r[0],
-                   r[1], ring->width);
+    return CT_REFUSE(error, "ring: radius %g to %g, width %g", r[0], r[1], ring->width);
   for (int d = 0; d < 3; d++) {
     static const char *const along[3] = {"along the radius", "around", "across"};
     int32_t least = d == 1 ? 3 : 1;
-    if (!isfinite(ring->centre[d]))
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "ring: its centre is not finite");
+    if (!isfinite(ring->centre[d])) return CT_REFUSE(error, "ring: its centre is not finite");
     if (ring->cells[d] < least || ring->cells[d] > 1000000)
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                     "ring: %d cells %s, at least %d are needed", (int)ring->cells[d], along[d],
-                     (int)least);
+      return CT_REFUSE(error, "ring: %d cells %s, at least %d are needed", (int)ring->cells[d],
+                       along[d], (int)least);
   }
   int64_t corners[3] = {ring->cells[0] + 1, ring->cells[1], ring->cells[2] + 1};
   return create_lattice(kind, (const int[3]){0, 1, 2}, ring->cells, corners, ring_coordinates, ring,
@@ -212,8 +203,7 @@ ct_status ct_mesh_create_ring(ct_brick_kind kind, const ct_ring *ring, ct_mesh *
 
 ct_status ct_mesh_create_copy(const ct_mesh *source, ct_mesh **mesh, ct_error *error)
 {
-  if (source == NULL || mesh == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "mesh: null argument");
+  if (source == NULL || mesh == NULL) return CT_REFUSE(error, "mesh: null argument");
   ct_status status = ct_mesh_check(source, error);
   if (status == CT_OK)
     status = mesh_allocate(source->kind, source->node_count, source->element_count, mesh, error);
@@ -251,7 +241,9 @@ static double jacobian(ct_brick_kind kind, double nodes[20][3], const double xi[
   return ct_cofactors(J, C);
 }
 
-int ct_mesh_upright_box(double nodes[8][3], double *volume)
+/* Whether a hex8 element is a box along x, y, z, the right way round, which needs no other look.
+ * Where the square of its volume is no normal number the answer is 0. */
+static int is_upright_box(double nodes[20][3])
 {
   const double *low = nodes[0], *high = nodes[6];
   for (int a = 0; a < 8; a++) {
@@ -260,8 +252,8 @@ int ct_mesh_upright_box(double nodes[8][3], double *volume)
       if (nodes[a][d] != (at[d] ? high[d] : low[d])) return 0;
   }
   double edge[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
-  *volume = edge[0] * edge[1] * edge[2];
-  return edge[0] > 0.0 && edge[1] > 0.0 && edge[2] > 0.0 && isnormal(*volume * *volume);
+  double volume = edge[0] * edge[1] * edge[2];
+  return edge[0] > 0.0 && edge[1] > 0.0 && edge[2] > 0.0 && isnormal(volume * volume);
 }
 
 /* At Gauss points: the determinant over the product of the edges there, which is 1 for a box
@@ -310,12 +302,12 @@ static ct_status element_check(const ct_mesh *mesh, const ct_rule *rule, int32_t
                                ct_error *error)
 {
   int32_t number[20];
-  double nodes[20][3], volume;
+  double nodes[20][3];
   ct_status status = ct_mesh_element_nodes(mesh, element, number, error);
   if (status != CT_OK) return status;
   for (int a = 0; a < ct_brick_node_count(mesh->kind); a++)
     memcpy(nodes[a], &mesh->nodes[3 * (size_t)number[a]], sizeof nodes[a]);
-  if (mesh->kind == CT_HEX8 && ct_mesh_upright_box(nodes, &volume)) return CT_OK;
+  if (mesh->kind == CT_HEX8 && is_upright_box(nodes)) return CT_OK;
   status = check_gauss(mesh->kind, nodes, rule, element, error);
   return status == CT_OK ? check_nodes(mesh->kind, nodes, number, element, error) : status;
 }
@@ -339,7 +331,7 @@ ct_status ct_mesh_check(const ct_mesh *mesh, ct_error *error)
 {
   if (mesh == NULL || mesh->nodes == NULL || mesh->elements == NULL ||
       ct_brick_node_count(mesh->kind) == 0 || mesh->node_count < 1 || mesh->element_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "mesh: empty, or unknown kind of element");
+    return CT_REFUSE(error, "mesh: empty, or unknown kind of element");
   for (int32_t i = 0; i < mesh->node_count; i++)
     for (int d = 0; d < 3; d++)
       if (!isfinite(mesh->nodes[3 * (size_t)i + (size_t)d]))

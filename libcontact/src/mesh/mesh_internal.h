@@ -1,15 +1,28 @@
 #ifndef CT_SRC_MESH_INTERNAL_H
 #define CT_SRC_MESH_INTERNAL_H
 
+#include "../shape/shape.h"
+
 #include <libcontact/mesh.h>
 
 /* Node numbers of one element, shape (8 or 20); CT_ERROR_ARGUMENT when one is out of range. */
 ct_status ct_mesh_element_nodes(const ct_mesh *mesh, int32_t element, int32_t *nodes,
                                 ct_error *error);
 
-/* Whether a hex8 element is a box along x, y, z, the right way round, so that its Jacobian is the
- * same at every point; and its volume. Where the square of the volume is no normal number the
- * answer is 0. */
-int ct_mesh_upright_box(double nodes[8][3], double *volume);
+/* Lamé's constants Λ and μ [stress], eq:lame. */
+void ct_material_lame(const ct_material *material, double *lambda, double *mu);
+
+/* Refuse impossible constants: CT_ERROR_ARGUMENT with the constant's name and value in
+ * `error`. */
+ct_status ct_material_check(const ct_material *material, ct_error *error);
+
+/* Smallest and largest coordinates of the nodes [length]; infinite, the wrong way round, for a
+ * null mesh. */
+void ct_mesh_bounds(const ct_mesh *mesh, double low[3], double high[3]);
+
+/* Lumped mass of one element at its nodes, `mass` of shape (8 or 20) [mass].
+ * Row sum is refused for hex20 (CT_ERROR_UNSUPPORTED): its corners would get negative masses. */
+ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double density,
+                          ct_lumping lumping, double *mass, ct_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-#include "batch_internal.h"
+#include "projection_internal.h"
 
 #include <math.h>
 
@@ -22,21 +22,8 @@ static inline void fetch(const double *values, size_t count)
 #endif
 }
 
-size_t ct_batch_blocks(size_t count) { return (count + 7) / 8; }
-
-void ct_batch_gather(size_t count, int per, const double *rows, const int32_t *number,
-                     double *lanes)
-{
-  if (count == 0 || rows == NULL || lanes == NULL) return;
-  size_t width = per > 0 ? (size_t)per : 0;
-  for (size_t p = 0; p < 8 * ct_batch_blocks(count); p++)
-    for (size_t i = 0; i < width; i++) {
-      size_t place = (p < count ? p : count - 1) * width + i,
-             row = number != NULL ? (size_t)number[place] : place;
-      for (size_t k = 0; k < 3; k++)
-        lanes[((p / 8 * width + i) * 3 + k) * 8 + p % 8] = rows[3 * row + k];
-    }
-}
+/* Blocks of eight lanes that the pairs fill. */
+static size_t blocks_of(size_t count) { return (count + 7) / 8; }
 
 ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
                            const double *points, const double *start,
@@ -50,10 +37,10 @@ ct_status ct_project_batch(ct_face_kind kind, size_t count, const double *nodes,
     return CT_ERROR_ARGUMENT;
   if (count > 0 && (nodes == NULL || points == NULL)) return CT_ERROR_ARGUMENT;
   ct_batch_kernel *kernel = widest_kernel();
-  for (size_t block = 0; block < ct_batch_blocks(count); block++) {
+  for (size_t block = 0; block < blocks_of(count); block++) {
     const double *x = nodes + 24 * per * block, *p = points + 24 * block,
                  *from = start != NULL ? start + 16 * block : NULL;
-    if (block + 1 < ct_batch_blocks(count)) fetch(x + 24 * per, 24 * per), fetch(p + 24, 24);
+    if (block + 1 < blocks_of(count)) fetch(x + 24 * per, 24 * per), fetch(p + 24, 24);
     kernel(kind, x, p, from, options, closest, block);
   }
   return CT_OK;

@@ -1,6 +1,5 @@
 /* A block of ct_project_batch, WIDTH pairs at a time. A source that includes this defines KERNEL,
  * the name. */
-#include "batch_internal.h"
 #include "robust.h"
 
 /* Write a row of numbers of a block, if they are wanted: NaN where there is no answer. */
@@ -13,15 +12,14 @@ PART void put(double *rows, size_t row, int first, mask good, real a)
 PART mask take_pairs(ct_face_kind kind, const double *nodes, const double *points, int first,
                      patches *patch)
 {
-  real v[8][COORDINATES], p[COORDINATES];
+  real v[8][3], p[3];
   int per = ct_face_node_count(kind);
-  for (int k = 0; k < COORDINATES; k++) {
-    p[k] = k < 3 ? load(points + 8 * k + first) : every(0);
-    for (int i = 0; i < per; i++)
-      v[i][k] = k < 3 ? load(nodes + 8 * (3 * i + k) + first) : every(0);
+  for (int k = 0; k < 3; k++) {
+    p[k] = load(points + 8 * k + first);
+    for (int i = 0; i < per; i++) v[i][k] = load(nodes + 8 * (3 * i + k) + first);
   }
   patch->kind = kind;
-  return patch_from((const real(*)[COORDINATES])v, p, patch);
+  return patch_from((const real(*)[3])v, p, patch);
 }
 
 /* The search in the lanes that can be used. A start that is not finite is none. */
@@ -39,7 +37,7 @@ PART void search_pairs(const patches *patch, const double *start, int first, mas
   mask cold = good & not(warm);
   if (!any(cold)) return;
   search(patch, options, 0, from, cold, count, &other);
-  take_ends(found, &other, cold);
+  take(found, &other, sizeof other, cold);
 }
 
 /* The answers, as ct_project gives them. */

@@ -47,5 +47,5 @@ ct_status ct_project_bfgs(const ct_patch *patch, const ct_project_options *optio
                           ct_closest *closest)
 {
   lessons none = {.count = 0};
-  return ct_iterate_descend(patch, options, 200, bfgs_step, &none, closest);
+  return ct_iterate_walk(patch, options, 200, 1, bfgs_step, &none, closest);
 }

@@ -36,5 +36,5 @@ ct_status ct_project_broyden(const ct_patch *patch, const ct_project_options *op
                              ct_closest *closest)
 {
   jacobian B = {{{0}}, 0};
-  return ct_iterate_walk(patch, options, broyden_step, &B, closest);
+  return ct_iterate_walk(patch, options, 200, 0, broyden_step, &B, closest);
 }

@@ -6,7 +6,7 @@
 
 double ct_iterate_value(const ct_patch *patch, const double xi[2], ct_closest *closest)
 {
-  double d[4];
+  double d[3];
   closest->evaluations++;
   return value(patch, xi, d);
 }
@@ -30,16 +30,9 @@ void ct_iterate_start(const ct_patch *patch, const ct_project_options *options, 
   for (int a = 0; a < 2; a++) xi[a] = options->use_start ? options->start[a] : centre;
 }
 
-int ct_iterate_step(double xi[2], const double s[2])
-{
-  double x = xi[0] + s[0], y = xi[1] + s[1];
-  if (!(fabs(x) < CT_FAR && fabs(y) < CT_FAR)) return 0;
-  xi[0] = x;
-  xi[1] = y;
-  return 1;
-}
-
-int ct_iterate_done(const double s[2], double tolerance, double *before)
+/* Are the steps so small, and shrinking so fast, that all which would follow make up less than the
+ * tolerance? `before` is the size of the last step and becomes that of s. */
+static int is_done(const double s[2], double tolerance, double *before)
 {
   double length = fmax(fabs(s[0]), fabs(s[1])), last = *before;
   *before = length;
@@ -72,25 +65,6 @@ ct_status ct_iterate_status(const ct_patch *patch, const ct_project_options *opt
   return fall <= noise(patch, at->f) ? CT_NOT_CERTIFIED : CT_NO_CONVERGENCE;
 }
 
-ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options,
-                          ct_step_rule *rule, void *memory, ct_closest *closest)
-{
-  int limit = options->iteration_limit > 0 ? options->iteration_limit : 200, done = 0, inside = 1;
-  double tolerance = options->tolerance * ct_patch_half_width(patch->kind), before = 2 * tolerance,
-         s[2] = {0, 0};
-  ct_iterate at;
-  ct_iterate_start(patch, options, at.xi);
-  ct_iterate_visit(patch, options, &at, closest);
-  for (; !done && inside && closest->iterations < limit; closest->iterations++) {
-    inside = rule(patch, &at, s, memory) && ct_iterate_step(at.xi, s);
-    if (!inside) break;
-    done = ct_iterate_done(s, tolerance, &before);
-    ct_iterate_visit(patch, options, &at, closest);
-  }
-  ct_status verdict = ct_iterate_status(patch, options, &at, closest);
-  return done ? verdict : inside ? CT_ITERATION_LIMIT : CT_NO_CONVERGENCE;
-}
-
 /* A lower point on the way along s: all of the step or a part. Answers 0 when there is none. */
 static int line_search(const ct_patch *patch, const ct_iterate *at, const double s[2],
                        ct_iterate *next, ct_closest *closest)
@@ -114,31 +88,46 @@ static int line_search(const ct_patch *patch, const ct_iterate *at, const double
   return 0;
 }
 
-ct_status ct_iterate_descend(const ct_patch *patch, const ct_project_options *options,
-                             int default_limit, ct_step_rule *rule, void *memory,
-                             ct_closest *closest)
+/* All of the step s. Answers 0 when it leads so far out that no iterate comes back, or is not
+ * finite. */
+static int full_step(const ct_patch *patch, const ct_iterate *at, const double s[2],
+                     ct_iterate *next, ct_closest *closest)
 {
-  int limit = options->iteration_limit > 0 ? options->iteration_limit : default_limit, done = 0;
+  for (int a = 0; a < 2; a++) next->xi[a] = at->xi[a] + s[a];
+  if (!(fabs(next->xi[0]) < CT_FAR && fabs(next->xi[1]) < CT_FAR)) return 0;
+  ct_iterate_look(patch, next, closest);
+  return 1;
+}
+
+ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options,
+                          int default_limit, int search_line, ct_step_rule *rule, void *memory,
+                          ct_closest *closest)
+{
+  int limit = options->iteration_limit > 0 ? options->iteration_limit : default_limit, done = 0,
+      moved = 1;
   double tolerance = options->tolerance * ct_patch_half_width(patch->kind), before = 2 * tolerance,
-         s[2];
+         s[2] = {0, 0};
   ct_iterate at, next;
   ct_iterate_start(patch, options, at.xi);
   ct_iterate_visit(patch, options, &at, closest);
   for (; !done && closest->iterations < limit; closest->iterations++) {
-    if (!rule(patch, &at, s, memory) || !line_search(patch, &at, s, &next, closest)) break;
-    for (int a = 0; a < 2; a++) s[a] = next.xi[a] - at.xi[a];
-    done = ct_iterate_done(s, tolerance, &before);
+    moved = rule(patch, &at, s, memory) &&
+            (search_line ? line_search : full_step)(patch, &at, s, &next, closest);
+    if (!moved) break;
+    for (int a = 0; a < 2 && search_line; a++) s[a] = next.xi[a] - at.xi[a];
+    done = is_done(s, tolerance, &before);
     at = next;
     if (options->trace != NULL) options->trace(at.xi, at.f, options->user);
   }
-  ct_status verdict = ct_iterate_status(patch, options, &at, closest);
-  return closest->iterations < limit || done ? verdict : CT_ITERATION_LIMIT;
+  ct_status end = ct_iterate_status(patch, options, &at, closest);
+  if (done || (!moved && search_line)) return end;
+  return moved ? CT_ITERATION_LIMIT : CT_NO_CONVERGENCE;
 }
 
 /* The local shape of the face at an iterate. Answers 0 where there is no normal. */
 static int local_at(const ct_patch *patch, const ct_iterate *at, ct_local *local)
 {
-  double t1[4], t2[4], t11[4], t22[4], t12[4], n[3], e2[3];
+  double t1[3], t2[3], t11[3], t22[3], t12[3], n[3], e2[3];
   tangents(patch, at->xi, t1, t2);
   curves(patch, at->xi, t11, t22, t12);
   if (!ct_vector_unit_normal(t1, t2, n)) return 0;
@@ -173,5 +162,5 @@ static int local_step(const ct_patch *patch, const ct_iterate *at, double s[2], 
 ct_status ct_local_walk(const ct_patch *patch, const ct_project_options *options,
                         ct_local_rule *rule, ct_closest *closest)
 {
-  return ct_iterate_walk(patch, options, local_step, &rule, closest);
+  return ct_iterate_walk(patch, options, 200, 0, local_step, &rule, closest);
 }

@@ -16,5 +16,5 @@ static int least_squares_step(const ct_patch *patch, const ct_iterate *at, doubl
 ct_status ct_project_least_squares(const ct_patch *patch, const ct_project_options *options,
                                    ct_closest *closest)
 {
-  return ct_iterate_walk(patch, options, least_squares_step, NULL, closest);
+  return ct_iterate_walk(patch, options, 200, 0, least_squares_step, NULL, closest);
 }

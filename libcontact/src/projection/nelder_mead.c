@@ -9,14 +9,18 @@ typedef struct triangle {
   double x[3][2], f[3];
 } triangle;
 
+static void move(triangle *t, int i, const double x[2], double f)
+{
+  t->x[i][0] = x[0], t->x[i][1] = x[1], t->f[i] = f;
+}
+
 /* Put vertices in order, the lowest first. */
 static void sort(triangle *t)
 {
   for (int i = 1; i < 3; i++)
     for (int j = i; j > 0 && t->f[j] < t->f[j - 1]; j--) {
-      double f = t->f[j], x = t->x[j][0], y = t->x[j][1];
-      t->f[j] = t->f[j - 1], t->x[j][0] = t->x[j - 1][0], t->x[j][1] = t->x[j - 1][1];
-      t->f[j - 1] = f, t->x[j - 1][0] = x, t->x[j - 1][1] = y;
+      triangle old = *t;
+      for (int k = 0; k < 2; k++) move(t, j - k, old.x[j - 1 + k], old.f[j - 1 + k]);
     }
 }
 
@@ -31,11 +35,6 @@ static double along(const triangle *t, const ct_patch *patch, double factor, dou
     image[a] = centre + factor * (t->x[2][a] - centre);
   }
   return ct_iterate_value(patch, image, closest);
-}
-
-static void replace_highest(triangle *t, const double x[2], double f)
-{
-  t->x[2][0] = x[0], t->x[2][1] = x[1], t->f[2] = f;
 }
 
 static void shrink(triangle *t, const ct_patch *patch, ct_closest *closest)
@@ -56,18 +55,18 @@ static void nelder_mead_step(triangle *t, const ct_patch *patch, ct_closest *clo
   if (f < t->f[0]) {
     // -- Expansion (eq:nelder-expansion)
     double further = along(t, patch, -2, other, closest);
-    if (further < t->f[0]) replace_highest(t, other, further);
-    else replace_highest(t, image, f);
+    if (further < t->f[0]) move(t, 2, other, further);
+    else move(t, 2, image, f);
     return;
   }
   if (f <= t->f[1]) {
-    replace_highest(t, image, f);
+    move(t, 2, image, f);
     return;
   }
-  if (f < t->f[2]) replace_highest(t, image, f);
+  if (f < t->f[2]) move(t, 2, image, f);
   // -- Contraction (eq:nelder-contraction)
   double nearer = along(t, patch, 0.5, other, closest);
-  if (nearer <= t->f[2]) replace_highest(t, other, nearer);
+  if (nearer <= t->f[2]) move(t, 2, other, nearer);
   else shrink(t, patch, closest);
 }
 
@@ -83,16 +82,9 @@ ct_status ct_project_nelder_mead(const ct_patch *patch, const ct_project_options
                                  ct_closest *closest)
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 2000;
-  double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width,
-         start[2];
-  // -- Regular simplex about the start (eq:simplex-start)
-  double corner[3][2] = {{-0.5, -sqrt(3) / 6}, {0.5, -sqrt(3) / 6}, {0, sqrt(3) / 3}};
+  double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width;
   triangle t;
-  ct_iterate_start(patch, options, start);
-  for (int i = 0; i < 3; i++) {
-    for (int a = 0; a < 2; a++) t.x[i][a] = start[a] + half_width * corner[i][a];
-    t.f[i] = ct_iterate_value(patch, t.x[i], closest);
-  }
+  ct_regular_simplex(patch, options, t.x, t.f, closest);
   ct_status status = CT_ITERATION_LIMIT;
   sort(&t);
   for (; closest->iterations < limit; closest->iterations++) {

@@ -4,20 +4,14 @@ CT_CLONES
 ct_status ct_patch_init(ct_patch *patch, ct_face_kind kind, const double node[8][3],
                         const double point[3])
 {
-  double v[8][4], p[4] = {point[0], point[1], point[2], 0};
-  int count = ct_face_node_count(kind);
-  if (count == 0) return CT_INVALID;
-  for (int i = 0; i < count; i++)
-    v[i][0] = node[i][0], v[i][1] = node[i][1], v[i][2] = node[i][2], v[i][3] = 0;
+  if (ct_face_node_count(kind) == 0) return CT_INVALID;
   patch->kind = kind;
-  return patch_from((const double (*)[4])v, p, patch) ? CT_OK : CT_INVALID;
+  return patch_from(node, point, patch) ? CT_OK : CT_INVALID;
 }
 
 double ct_patch_value(const ct_patch *patch, const double xi[2], double d[3])
 {
-  double e[4], f = value(patch, xi, e);
-  for (int k = 0; k < 3; k++) d[k] = e[k];
-  return f;
+  return value(patch, xi, d);
 }
 
 int ct_patch_normal(const ct_patch *patch, const double xi[2], double n[3])

@@ -13,7 +13,7 @@ typedef ct_iterate iterates;
 #else
 typedef struct patches {
   ct_face_kind kind;
-  real c[8][COORDINATES], size;
+  real c[8][3], size;
 } patches;
 typedef struct iterates {
   real xi[2], f, d[3], g[2], H[3], square[3];
@@ -23,10 +23,9 @@ typedef struct iterates {
 /* Coefficients of the patch from its nodes v and the point p. Only c[0] knows the point; the others
  * are made of differences between nodes, so that neither a far origin nor a far point costs them
  * digits. Each is a tree that flips map onto itself up to its sign. */
-PART void quadrilateral(const real v[8][COORDINATES], const real p[COORDINATES],
-                        real c[8][COORDINATES])
+PART void quadrilateral(const real v[8][3], const real p[3], real c[8][3])
 {
-  for (int k = 0; k < COORDINATES; k++) {
+  for (int k = 0; k < 3; k++) {
     // -- Corners (eq:projection-patch-q4)
     real all = ((v[0][k] - p[k]) + (v[1][k] - p[k])) + ((v[2][k] - p[k]) + (v[3][k] - p[k]));
     real right = (v[1][k] - v[0][k]) + (v[2][k] - v[3][k]),
@@ -38,9 +37,9 @@ PART void quadrilateral(const real v[8][COORDINATES], const real p[COORDINATES],
 }
 
 /* What the mid-sides change, after the corners. */
-PART void mid_sides(const real v[8][COORDINATES], const real p[COORDINATES], real c[8][COORDINATES])
+PART void mid_sides(const real v[8][3], const real p[3], real c[8][3])
 {
-  for (int k = 0; k < COORDINATES; k++) {
+  for (int k = 0; k < 3; k++) {
     // -- Mid-sides (eq:projection-patch-q8)
     real right = c[1][k], up = c[2][k];
     c[0][k] =
@@ -57,10 +56,9 @@ PART void mid_sides(const real v[8][COORDINATES], const real p[COORDINATES], rea
   }
 }
 
-PART void triangle(const real v[8][COORDINATES], const real p[COORDINATES], int quadratic,
-                   real c[8][COORDINATES])
+PART void triangle(const real v[8][3], const real p[3], int quadratic, real c[8][3])
 {
-  for (int k = 0; k < COORDINATES; k++) {
+  for (int k = 0; k < 3; k++) {
     c[0][k] = v[0][k] - p[k], c[1][k] = v[1][k] - v[0][k], c[2][k] = v[2][k] - v[0][k];
     c[3][k] = c[4][k] = c[5][k] = c[6][k] = c[7][k] = every(0);
     if (!quadratic) continue;
@@ -77,14 +75,14 @@ PART void triangle(const real v[8][COORDINATES], const real p[COORDINATES], int 
 /* The polynomials of the faces as seen from their points, with their sizes. Answers where they can
  * be used: products of four lengths must stay within double precision; and a sum is finite only if
  * all is. */
-PART mask patch_from(const real v[8][COORDINATES], const real p[COORDINATES], patches *patch)
+PART mask patch_from(const real v[8][3], const real p[3], patches *patch)
 {
-  real largest[COORDINATES], far[COORDINATES], sum[COORDINATES];
+  real largest[3], far[3], sum[3];
   // -- Subtract the point first (eq:projection-shift)
   if (ct_is_triangular(patch->kind)) triangle(v, p, patch->kind == CT_T6, patch->c);
   else quadrilateral(v, p, patch->c);
   if (patch->kind == CT_Q8) mid_sides(v, p, patch->c);
-  for (int k = 0; k < COORDINATES; k++) {
+  for (int k = 0; k < 3; k++) {
     far[k] = absolute(patch->c[0][k]), largest[k] = absolute(patch->c[1][k]),
     sum[k] = far[k] + largest[k];
     for (int j = 2; j < 8; j++) {
@@ -99,11 +97,11 @@ PART mask patch_from(const real v[8][COORDINATES], const real p[COORDINATES], pa
 }
 
 /* d at xi; answers f = d.d. */
-PART real value(const patches *patch, const real xi[2], real d[COORDINATES])
+PART real value(const patches *patch, const real xi[2], real d[3])
 {
-  const real(*c)[COORDINATES] = patch->c;
+  const real(*c)[3] = patch->c;
   real x = xi[0], y = xi[1], xx = x * x, yy = y * y, xy = x * y;
-  for (int k = 0; k < COORDINATES; k++) {
+  for (int k = 0; k < 3; k++) {
     // -- Point of the patch (eq:projection-patch)
     real a = c[4][k] + c[6][k] * y, b = c[5][k] + c[7][k] * x;
     d[k] = ((c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y)) + (a * xx + b * yy);
@@ -111,12 +109,11 @@ PART real value(const patches *patch, const real xi[2], real d[COORDINATES])
   return dot(d, d);
 }
 
-PART void tangents(const patches *patch, const real xi[2], real t1[COORDINATES],
-                   real t2[COORDINATES])
+PART void tangents(const patches *patch, const real xi[2], real t1[3], real t2[3])
 {
-  const real(*c)[COORDINATES] = patch->c;
+  const real(*c)[3] = patch->c;
   real x = xi[0], y = xi[1], xx = x * x, yy = y * y, two_x = 2 * x, two_y = 2 * y;
-  for (int k = 0; k < COORDINATES; k++) {
+  for (int k = 0; k < 3; k++) {
     // -- Tangents of the patch (eq:projection-patch-derivatives)
     real a = c[4][k] + c[6][k] * y, b = c[5][k] + c[7][k] * x;
     t1[k] = (c[1][k] + c[3][k] * y) + (a * two_x + c[7][k] * yy);
@@ -125,11 +122,10 @@ PART void tangents(const patches *patch, const real xi[2], real t1[COORDINATES],
 }
 
 /* Second derivatives t11, t22, t12. */
-PART void curves(const patches *patch, const real xi[2], real t11[COORDINATES],
-                 real t22[COORDINATES], real t12[COORDINATES])
+PART void curves(const patches *patch, const real xi[2], real t11[3], real t22[3], real t12[3])
 {
-  const real(*c)[COORDINATES] = patch->c;
-  for (int k = 0; k < COORDINATES; k++) {
+  const real(*c)[3] = patch->c;
+  for (int k = 0; k < 3; k++) {
     // -- Second derivatives of the patch (eq:projection-patch-derivatives)
     t11[k] = 2 * (c[4][k] + c[6][k] * xi[1]);
     t22[k] = 2 * (c[5][k] + c[7][k] * xi[0]);
@@ -137,25 +133,13 @@ PART void curves(const patches *patch, const real xi[2], real t11[COORDINATES],
   }
 }
 
-/* f and its derivatives at at->xi, all in one. */
+/* f and its derivatives at at->xi. */
 PART void look(const patches *patch, iterates *at)
 {
-  const real(*c)[COORDINATES] = patch->c;
-  real x = at->xi[0], y = at->xi[1], xx = x * x, yy = y * y, xy = x * y, two_x = 2 * x,
-       two_y = 2 * y;
-  real d[COORDINATES], t1[COORDINATES], t2[COORDINATES], a[COORDINATES], b[COORDINATES],
-      t12[COORDINATES];
-  for (int k = 0; k < COORDINATES; k++) {
-    // -- Point, tangents, second derivatives 2 a, 2 b, t12 (eq:projection-patch,
-    // eq:projection-patch-derivatives)
-    a[k] = c[4][k] + c[6][k] * y, b[k] = c[5][k] + c[7][k] * x;
-    d[k] = ((c[0][k] + c[3][k] * xy) + (c[1][k] * x + c[2][k] * y)) + (a[k] * xx + b[k] * yy);
-    t1[k] = (c[1][k] + c[3][k] * y) + (a[k] * two_x + c[7][k] * yy);
-    t2[k] = (c[2][k] + c[3][k] * x) + (b[k] * two_y + c[6][k] * xx);
-    t12[k] = c[3][k] + (c[6][k] * two_x + c[7][k] * two_y);
-  }
-  for (int k = 0; k < 3; k++) at->d[k] = d[k];
-  at->f = dot(d, d);
+  real *d = at->d, t1[3], t2[3], t11[3], t22[3], t12[3];
+  at->f = value(patch, at->xi, d);
+  tangents(patch, at->xi, t1, t2);
+  curves(patch, at->xi, t11, t22, t12);
   // -- Gradient (eq:projection-gradient)
   at->g[0] = 2 * dot(d, t1);
   at->g[1] = 2 * dot(d, t2);
@@ -163,8 +147,8 @@ PART void look(const patches *patch, iterates *at)
   at->square[0] = dot(t1, t1);
   at->square[1] = dot(t2, t2);
   at->square[2] = dot(t1, t2);
-  at->H[0] = 2 * (at->square[0] + 2 * dot(d, a));
-  at->H[1] = 2 * (at->square[1] + 2 * dot(d, b));
+  at->H[0] = 2 * (at->square[0] + dot(d, t11));
+  at->H[1] = 2 * (at->square[1] + dot(d, t22));
   at->H[2] = 2 * (at->square[2] + dot(d, t12));
 }
 
@@ -180,7 +164,7 @@ PART real noise(const patches *patch, real f)
  * parallel to rounding. */
 PART mask normal_at(const patches *patch, const real xi[2], real n[3])
 {
-  real t1[COORDINATES], t2[COORDINATES];
+  real t1[3], t2[3];
   tangents(patch, xi, t1, t2);
   // -- Unit normal (eq:segment-normal)
   for (int k = 0; k < 3; k++)

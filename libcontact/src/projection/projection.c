@@ -4,85 +4,47 @@
 #include "../base/vector.h"
 
 #include <math.h>
-#include <string.h>
 
-/* The table of methods. */
-static const struct {
-  const char *name;
-  ct_project_method *project;
-} METHOD[] = {
-    [CT_SIMPLEX] = {"simplex", ct_project_simplex},
-    [CT_NELDER_MEAD] = {"nelder_mead", ct_project_nelder_mead},
-    [CT_NEWTON] = {"newton", ct_project_newton},
-    [CT_LEAST_SQUARES] = {"least_squares", ct_project_least_squares},
-    [CT_STEEPEST_DESCENT] = {"steepest_descent", ct_project_steepest_descent},
-    [CT_BROYDEN] = {"broyden", ct_project_broyden},
-    [CT_BFGS] = {"bfgs", ct_project_bfgs},
-    [CT_ROBUST] = {"robust", ct_project_robust},
-    [CT_CERTIFIED] = {"certified", ct_project_certified},
-    [CT_SIMPLEX_NEWTON] = {"simplex_newton", ct_project_simplex_newton},
-    [CT_SPHERE] = {"sphere", ct_project_sphere},
-    [CT_TORUS] = {"torus", ct_project_torus},
+static ct_project_method *const METHOD[] = {
+    [CT_SIMPLEX] = ct_project_simplex,
+    [CT_NELDER_MEAD] = ct_project_nelder_mead,
+    [CT_NEWTON] = ct_project_newton,
+    [CT_LEAST_SQUARES] = ct_project_least_squares,
+    [CT_STEEPEST_DESCENT] = ct_project_steepest_descent,
+    [CT_BROYDEN] = ct_project_broyden,
+    [CT_BFGS] = ct_project_bfgs,
+    [CT_ROBUST] = ct_project_robust,
+    [CT_CERTIFIED] = ct_project_certified,
+    [CT_SIMPLEX_NEWTON] = ct_project_simplex_newton,
+    [CT_SPHERE] = ct_project_sphere,
+    [CT_TORUS] = ct_project_torus,
 };
-enum { METHODS = sizeof METHOD / sizeof METHOD[0] };
 
-const char *ct_method_name(ct_method method)
+int ct_method_exists(ct_method method)
 {
-  int row = (int)method;
-  return row >= 0 && row < METHODS ? METHOD[row].name : NULL;
-}
-
-ct_status ct_method_from_name(const char *name, ct_method *method)
-{
-  if (name == NULL || method == NULL) return CT_ERROR_ARGUMENT;
-  for (int row = 0; row < METHODS; row++)
-    if (strcmp(name, METHOD[row].name) == 0) {
-      *method = (ct_method)row;
-      return CT_OK;
-    }
-  return CT_ERROR_ARGUMENT;
+  return (int)method >= 0 && (size_t)method < sizeof METHOD / sizeof METHOD[0];
 }
 
 ct_project_options ct_project_options_default(void)
 {
-  ct_project_options options = {CT_ROBUST, 1e-10, 0, {0, 0}, 0, NULL, NULL};
-  return options;
-}
-
-void ct_project_function(const ct_face *face, const double point[3], const double xi[2], double *f,
-                         double g[2], double H[3])
-{
-  if (face == NULL || point == NULL || xi == NULL) return;
-  ct_patch patch;
-  ct_closest closest = {.evaluations = 0};
-  ct_iterate at = {{xi[0], xi[1]}, NAN, {0}, {NAN, NAN}, {NAN, NAN, NAN}, {0}};
-  // -- Value, gradient and Hessian (eq:projection-f, eq:projection-gradient, eq:projection-hessian)
-  if (ct_patch_init(&patch, face->kind, face->node, point) == CT_OK)
-    ct_iterate_look(&patch, &at, &closest);
-  if (f != NULL) *f = at.f;
-  for (int a = 0; a < 2 && g != NULL; a++) g[a] = at.g[a];
-  for (int i = 0; i < 3 && H != NULL; i++) H[i] = at.H[i];
+  return (ct_project_options){.method = CT_ROBUST, .tolerance = 1e-10};
 }
 
 /* Everything that has no answer. */
 static ct_status nothing(ct_projection *out, ct_status status)
 {
-  ct_projection none = {status, CT_OUTSIDE,     -1, 0, 0, 0, {NAN, NAN}, {NAN, NAN, NAN}, NAN,
-                        NAN,    {NAN, NAN, NAN}};
-  *out = none;
+  *out = (ct_projection){status, CT_OUTSIDE,     -1, 0, 0, 0, {NAN, NAN}, {NAN, NAN, NAN}, NAN,
+                         NAN,    {NAN, NAN, NAN}};
   return status;
 }
 
 /* Is there a method for these options, and are they possible? */
-static ct_status check_options(const ct_project_options *options)
+static int are_possible(const ct_project_options *options)
 {
-  if (ct_method_name(options->method) == NULL || options->iteration_limit < 0)
-    return CT_ERROR_ARGUMENT;
-  if (!(options->tolerance > 0 && options->tolerance < HUGE_VAL)) return CT_ERROR_ARGUMENT;
-  if (options->use_start &&
-      !(fabs(options->start[0]) < HUGE_VAL && fabs(options->start[1]) < HUGE_VAL))
-    return CT_ERROR_ARGUMENT;
-  return CT_OK;
+  return ct_method_exists(options->method) && options->iteration_limit >= 0 &&
+         options->tolerance > 0 && options->tolerance < HUGE_VAL &&
+         (!options->use_start ||
+          (fabs(options->start[0]) < HUGE_VAL && fabs(options->start[1]) < HUGE_VAL));
 }
 
 ct_status ct_project(const ct_face *face, const double point[3], const ct_project_options *options,
@@ -91,15 +53,14 @@ ct_status ct_project(const ct_face *face, const double point[3], const ct_projec
   if (out == NULL) return CT_ERROR_ARGUMENT;
   ct_project_options defaults = ct_project_options_default();
   if (options == NULL) options = &defaults;
-  if (face == NULL || point == NULL || ct_face_node_count(face->kind) == 0)
+  if (face == NULL || point == NULL || ct_face_node_count(face->kind) == 0 ||
+      !are_possible(options))
     return nothing(out, CT_ERROR_ARGUMENT);
-  ct_status status = check_options(options);
-  if (status != CT_OK) return nothing(out, status);
   ct_patch patch;
   if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK)
     return nothing(out, CT_INVALID);
-  ct_closest closest = {{0, 0}, {0, 0, 0}, 0, 0, 0};
-  out->status = METHOD[options->method].project(&patch, options, &closest);
+  ct_closest closest = {.evaluations = 0};
+  out->status = METHOD[options->method](&patch, options, &closest);
   // -- Neither without a normal nor beyond the range of numbers is there an answer
   double f = ct_vector_dot(closest.d, closest.d);
   if (!(f < HUGE_VAL) || !ct_patch_normal(&patch, closest.xi, out->normal))
@@ -137,19 +98,18 @@ ct_status ct_project_points(const ct_face *face, size_t count, const double *poi
 
 static ct_status no_hit(ct_ray_hit *out, ct_status status, int evaluations)
 {
-  ct_ray_hit none = {status,     CT_OUTSIDE,      -1,  evaluations,
-                     {NAN, NAN}, {NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}};
-  *out = none;
+  *out = (ct_ray_hit){status,     CT_OUTSIDE,      -1,  evaluations,
+                      {NAN, NAN}, {NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}};
   return status;
 }
 
-ct_status ct_project_ray(const ct_face *face, const double point[3], const double direction[3],
-                         double tolerance, ct_ray_hit *out)
+static ct_status project_ray(const ct_face *face, const double point[3], const double direction[3],
+                             double tolerance, ct_ray_hit *out)
 {
   if (out == NULL) return CT_ERROR_ARGUMENT;
-  if (face == NULL || point == NULL || direction == NULL || ct_face_node_count(face->kind) == 0)
+  if (face == NULL || point == NULL || direction == NULL || ct_face_node_count(face->kind) == 0 ||
+      !(tolerance > 0 && tolerance < 1))
     return no_hit(out, CT_ERROR_ARGUMENT, 0);
-  if (!(tolerance > 0 && tolerance < 1)) return no_hit(out, CT_ERROR_ARGUMENT, 0);
   ct_patch patch;
   if (ct_patch_init(&patch, face->kind, face->node, point) != CT_OK)
     return no_hit(out, CT_INVALID, 0);
@@ -176,7 +136,7 @@ ct_status ct_project_rays(const ct_face *face, size_t count, const double *point
   if (points == NULL || directions == NULL || out == NULL) return CT_ERROR_ARGUMENT;
   ct_status first = CT_OK;
   for (size_t i = 0; i < count; i++) {
-    ct_status status = ct_project_ray(face, points + 3 * i, directions + 3 * i, tolerance, &out[i]);
+    ct_status status = project_ray(face, points + 3 * i, directions + 3 * i, tolerance, &out[i]);
     if (first == CT_OK && status >= CT_ERROR_ARGUMENT) first = status;
   }
   return first;

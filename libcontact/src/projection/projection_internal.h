@@ -9,8 +9,8 @@
  * has mirrored bits. */
 typedef struct ct_patch {
   ct_face_kind kind;
-  double c[8][4]; /* three coordinates and a zero that fills the vector */
-  double size;    /* largest |c1 ... c7|, a length of the face */
+  double c[8][3];
+  double size; /* largest |c1 ... c7|, a length of the face */
 } ct_patch;
 
 /* Where a method has ended. d = y(xi) - y_s. */
@@ -76,18 +76,15 @@ void ct_iterate_visit(const ct_patch *patch, const ct_project_options *options, 
 /* Where a method without bounds begins: the given start, or the centre of the face. */
 void ct_iterate_start(const ct_patch *patch, const ct_project_options *options, double xi[2]);
 
-/* Take the step s. Answers 0 when it leads so far out that no iterate comes back, or is not finite.
- */
-int ct_iterate_step(double xi[2], const double s[2]);
-
-/* Are the steps so small, and shrinking so fast, that all which would follow make up less than the
- * tolerance? `before` is the size of the last step and becomes that of s. */
-int ct_iterate_done(const double s[2], double tolerance, double *before);
-
 /* The honest end of a method without bounds, at an iterate that has been looked at: is it a
  * minimum, within the tolerance? */
 ct_status ct_iterate_status(const ct_patch *patch, const ct_project_options *options,
                             const ct_iterate *at, ct_closest *closest);
+
+/* The regular simplex whose edge is a half-width, with its centroid at the start, and f at its
+ * vertices; a flip of xi_1 about the centroid maps it onto itself. */
+void ct_regular_simplex(const ct_patch *patch, const ct_project_options *options, double x[3][2],
+                        double f[3], ct_closest *closest);
 
 /* Newton's step to the root of the tangent of the gradient; answers the determinant of the Hessian.
  */
@@ -97,14 +94,10 @@ double ct_newton_step(const ct_iterate *at, double s[2]);
  * step before, or zero. Answers 0 when there is none. */
 typedef int ct_step_rule(const ct_patch *patch, const ct_iterate *at, double s[2], void *memory);
 
-/* Take the steps of a rule from the start to the end. */
+/* Take the steps of a rule from the start to the end, in full or with a line search along each. */
 ct_status ct_iterate_walk(const ct_patch *patch, const ct_project_options *options,
-                          ct_step_rule *rule, void *memory, ct_closest *closest);
-
-/* The same with a line search along each step. */
-ct_status ct_iterate_descend(const ct_patch *patch, const ct_project_options *options,
-                             int default_limit, ct_step_rule *rule, void *memory,
-                             ct_closest *closest);
+                          int default_limit, int search_line, ct_step_rule *rule, void *memory,
+                          ct_closest *closest);
 
 /* The face to second order about a point y: an orthonormal frame e1, e2, n; tangents t1 =
  * (stretch[0], 0), t2 = (stretch[2], stretch[1]) in it; curvatures k11, k22, k12; and the given
@@ -145,6 +138,22 @@ ct_outcome ct_proof_search(const ct_patch *patch, double tolerance, int budget, 
 ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double tolerance,
                        double xi[2], double *distance, int *looks);
 
+/* Compilers and machines that have vectors of four and eight; others search for one pair at a time.
+ */
+#if defined(__GNUC__) && defined(__x86_64__)
+#define CT_BATCH_KERNELS 1
+#else
+#define CT_BATCH_KERNELS 0
+#endif
+
+/* The closest points of block number `block`, which go to the closest points. */
+typedef void ct_batch_kernel(ct_face_kind kind, const double *nodes, const double *points,
+                             const double *start, const ct_project_options *options,
+                             const ct_batch_closest *closest, size_t block);
+
+/* The same search with one, four and eight lanes. */
+ct_batch_kernel ct_batch_kernel_1, ct_batch_kernel_4, ct_batch_kernel_8;
+
 /* The methods. They read tolerance, use_start, start, iteration_limit and trace of the options, and
  * add to the counts of the closest point, which the caller sets to zero. A contact kernel calls
  * ct_patch_init, one of these with the last xi as start, and ct_patch_normal. */
@@ -153,5 +162,8 @@ ct_project_method ct_project_simplex, ct_project_nelder_mead, ct_project_newton,
 ct_project_method ct_project_broyden, ct_project_bfgs, ct_project_robust, ct_project_certified,
     ct_project_simplex_newton;
 ct_project_method ct_project_sphere, ct_project_torus;
+
+/* Whether there is a method of this number. */
+int ct_method_exists(ct_method method);
 
 #endif

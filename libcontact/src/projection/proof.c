@@ -98,10 +98,9 @@ static int divide(int triangular, const cell *c, cell part[4])
 /* Does the triangular cell not touch the boundary of the face? */
 static int is_inside(const cell *c)
 {
-  double leg = 3 * fabs(c->half[0]), before = c->half[0] > 0 ? leg / 3 : 2 * leg / 3,
-         beyond = c->half[0] > 0 ? leg / 3 : 2 * leg / 3;
-  return c->centre[0] - before > DBL_EPSILON && c->centre[1] - before > DBL_EPSILON &&
-         c->centre[0] + c->centre[1] + beyond < 1 - DBL_EPSILON;
+  double far = c->half[0] > 0 ? c->half[0] : -2 * c->half[0];
+  return c->centre[0] - far > DBL_EPSILON && c->centre[1] - far > DBL_EPSILON &&
+         c->centre[0] + c->centre[1] + far < 1 - DBL_EPSILON;
 }
 
 typedef enum slope { OPEN, EMPTY, REDUCED } slope;
@@ -207,8 +206,8 @@ static void narrow_about(const proof *p, const base *closest, narrow *n)
 /* Is |u| too large throughout the cell? */
 static int is_beyond(const proof *p, const narrow *n, const cell *c)
 {
-  double d[4], t1[4], t2[4], t11[4], t22[4], t12[4], w[2];
-  const double (*a)[4] = n->along.c;
+  double d[3], t1[3], t2[3], t11[3], t22[3], t12[3], w[2];
+  const double (*a)[3] = n->along.c;
   reach(c, p->triangular, w);
   value(&n->along, c->centre, d);
   tangents(&n->along, c->centre, t1, t2);

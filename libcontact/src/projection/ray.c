@@ -12,7 +12,6 @@ typedef struct sight {
   double across[2][3], along[3]; /* unit vectors */
   double bend[2][3];             /* bounds of the second derivatives 11, 22, 12 of each component */
   double slack;                  /* how far beyond the face a hit may lie, in xi */
-  int triangular;
 } sight;
 
 /* A square of the reference plane. */
@@ -23,7 +22,7 @@ typedef struct square {
 /* The components across the line at xi, and their Jacobian. */
 static void look_across(const sight *s, const double xi[2], double G[2], double J[2][2])
 {
-  double d[4], t1[4], t2[4];
+  double d[3], t1[3], t2[3];
   value(s->patch, xi, d);
   tangents(s->patch, xi, t1, t2);
   for (int i = 0; i < 2; i++) {
@@ -124,15 +123,15 @@ ct_status ct_patch_ray(const ct_patch *patch, const double direction[3], double 
   static const double QUARTER[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   int size = 1, touch = 0, triangular = ct_is_triangular(patch->kind);
   square stack[3 * DEPTH + 4];
-  sight s = {patch, {{0}}, {0}, {{0}}, tolerance * ct_patch_half_width(patch->kind), triangular};
+  sight s = {.patch = patch, .slack = tolerance * ct_patch_half_width(patch->kind)};
   if (!sight_along(&s, direction)) return CT_INVALID;
-  stack[0].centre[0] = stack[0].centre[1] = s.triangular ? 0.5 : 0;
-  stack[0].half = (s.triangular ? 0.5 : 1) + s.slack;
+  stack[0].centre[0] = stack[0].centre[1] = triangular ? 0.5 : 0;
+  stack[0].half = (triangular ? 0.5 : 1) + s.slack;
   double smallest = ldexp(stack[0].half, -DEPTH), G[2], J[2][2], root[2];
   *distance = HUGE_VAL;
   for (; size > 0 && *looks < BUDGET; ++*looks) {
     square q = stack[--size];
-    if (s.triangular && q.centre[0] + q.centre[1] - 2 * q.half > 1 + s.slack) continue;
+    if (triangular && q.centre[0] + q.centre[1] - 2 * q.half > 1 + s.slack) continue;
     verdict found = judge(&s, &q, G, J);
     if (found == NONE) continue;
     if (found == ONE_AT_MOST) {

@@ -17,7 +17,7 @@ typedef struct model {
 
 /* Where descents have ended. */
 typedef struct ends {
-  real xi[2], f, d[COORDINATES], status;
+  real xi[2], f, d[3], status;
 } ends;
 
 /* What they took. */
@@ -203,9 +203,9 @@ PART mask resolved(const patches *patch, const iterates *last, const real xi[2],
  * valley only? What is not linear is weighed by its second derivatives. */
 PART mask is_mild(const patches *patch, const iterates *at)
 {
-  const real(*c)[COORDINATES] = patch->c;
-  real bent[COORDINATES];
-  for (int k = 0; k < COORDINATES; k++)
+  const real(*c)[3] = patch->c;
+  real bent[3];
+  for (int k = 0; k < 3; k++)
     bent[k] = 0.5 * (c[3][k] * c[3][k]) + ((c[4][k] * c[4][k] + c[5][k] * c[5][k]) +
                                            2 * (c[6][k] * c[6][k] + c[7][k] * c[7][k]));
   real area = at->square[0] * at->square[1] - at->square[2] * at->square[2],
@@ -222,16 +222,12 @@ RARE void show(const ct_project_options *options, real x, real y, real f)
   options->trace(xi, lane(f, 0), options->user);
 }
 
-/* Take over the iterates of some lanes, but for d, which is computed again at the end. */
-PART void take(iterates *at, const iterates *from, mask m)
+/* Take over some lanes of the numbers that a struct is made of. */
+PART void take(void *to, const void *from, size_t size, mask m)
 {
-  at->f = pick(m, from->f, at->f);
-  for (int a = 0; a < 2; a++)
-    at->xi[a] = pick(m, from->xi[a], at->xi[a]), at->g[a] = pick(m, from->g[a], at->g[a]);
-  for (int i = 0; i < 3; i++) {
-    at->H[i] = pick(m, from->H[i], at->H[i]);
-    at->square[i] = pick(m, from->square[i], at->square[i]);
-  }
+  real *old = to;
+  const real *new = from;
+  for (size_t i = 0; i < size / sizeof(real); i++) old[i] = pick(m, new[i], old[i]);
 }
 
 /* What a descent knows besides its iterate. `stalled` is the length of the last step that rounding
@@ -305,7 +301,7 @@ CLONED mask descend(const patches *patch, const ct_project_options *options, dou
     if (any(refused)) taken |= judge(patch, at.f, to.fall, length, refused, &r);
     r.radius = pick(taken & (length >= r.radius), least(2 * r.radius, 2 * wide), r.radius);
     r.before = pick(taken, length, r.before);
-    take(&at, &trial, taken);
+    take(&at, &trial, sizeof at, taken);
     count->iterations += masked(r.active, 1);
     if (!any(r.active)) break;
   }
@@ -348,15 +344,6 @@ PART mask is_better(const ends *a, const ends *b)
   return better | (equal & (a->status < b->status));
 }
 
-/* Take over the ends of some lanes. */
-PART void take_ends(ends *to, const ends *from, mask m)
-{
-  to->f = pick(m, from->f, to->f);
-  to->status = pick(m, from->status, to->status);
-  for (int a = 0; a < 2; a++) to->xi[a] = pick(m, from->xi[a], to->xi[a]);
-  for (int k = 0; k < 3; k++) to->d[k] = pick(m, from->d[k], to->d[k]);
-}
-
 /* Descend from the samples that are marked, each lane from its own, those of high number first;
  * keep the best of the ends. */
 RARE void descend_from(mask sample[9], const patches *patch, const ct_project_options *options,
@@ -376,46 +363,21 @@ RARE void descend_from(mask sample[9], const patches *patch, const ct_project_op
     }
     if (!any(active)) return;
     descend(patch, options, sought, xi, -1, active, count, &found);
-    take_ends(best, &found, active & ((best->f == HUGE_VAL) | is_better(&found, best)));
+    take(best, &found, sizeof found, active & ((best->f == HUGE_VAL) | is_better(&found, best)));
   }
-}
-
-/* f at the nine sample points of a quadrilateral, where its polynomial is a sum of coefficients. */
-PART void sample_quadrilateral(const patches *patch, real f[9])
-{
-  real d[9][COORDINATES];
-  for (int k = 0; k < COORDINATES; k++) {
-    // -- Corners, mid-sides and centre (eq:robust-samples)
-    real c0 = patch->c[0][k], twist = patch->c[3][k], right = patch->c[1][k], up = patch->c[2][k];
-    real row = c0 + patch->c[5][k], column = c0 + patch->c[4][k],
-         corner = c0 + (patch->c[4][k] + patch->c[5][k]);
-    real across = right + patch->c[7][k], along = up + patch->c[6][k];
-    d[0][k] = (corner + twist) - (across + along);
-    d[1][k] = (corner - twist) + (across - along);
-    d[2][k] = (corner + twist) + (across + along);
-    d[3][k] = (corner - twist) - (across - along);
-    d[4][k] = row - up;
-    d[5][k] = column + right;
-    d[6][k] = row + up;
-    d[7][k] = column - right;
-    d[8][k] = c0;
-  }
-  for (int i = 0; i < 9; i++) f[i] = dot(d[i], d[i]);
 }
 
 /* f at the sample points; answers the lowest. */
 PART real sample(const patches *patch, int samples, real f[9])
 {
-  real d[COORDINATES], lowest;
-  // -- Sample the face (eq:robust-samples)
-  if (samples == 9) sample_quadrilateral(patch, f);
-  else
-    for (int i = 0; i < samples; i++) {
-      real xi[2] = {every(TRIANGLE[i][0]), every(TRIANGLE[i][1])};
-      f[i] = value(patch, xi, d);
-    }
-  lowest = f[0];
-  for (int i = 1; i < samples; i++) lowest = least(lowest, f[i]);
+  const double (*at)[2] = samples == 9 ? QUADRILATERAL : TRIANGLE;
+  real d[3], lowest = every(HUGE_VAL);
+  for (int i = 0; i < samples; i++) {
+    // -- Sample the face (eq:robust-samples)
+    real xi[2] = {every(at[i][0]), every(at[i][1])};
+    f[i] = value(patch, xi, d);
+    lowest = least(lowest, f[i]);
+  }
   return lowest;
 }
 
@@ -491,5 +453,5 @@ PART void search(const patches *patch, const ct_project_options *options, int wa
       descend(patch, options, options->tolerance, from, warm ? 0 : 1, active, count, found);
   if (!any(rough)) return;
   search_samples(patch, options, warm, found, rough, count, &best);
-  take_ends(found, &best, rough);
+  take(found, &best, sizeof best, rough);
 }

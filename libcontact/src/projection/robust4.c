@@ -1,5 +1,5 @@
 /* The robust search in four lanes, for machines that have AVX2. */
-#include "batch_internal.h"
+#include "projection_internal.h"
 
 #if CT_BATCH_KERNELS
 #define WIDTH 4

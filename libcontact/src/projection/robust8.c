@@ -1,5 +1,5 @@
 /* The robust search in eight lanes, for machines that have AVX-512. */
-#include "batch_internal.h"
+#include "projection_internal.h"
 
 #if CT_BATCH_KERNELS
 #define WIDTH 8

@@ -30,8 +30,8 @@ typedef struct proof {
 
 /* The face about one of its points, and products of d there with the higher derivatives. */
 typedef struct base {
-  real xi[2], f, distance, d[COORDINATES], g[2];
-  real t1[COORDINATES], t2[COORDINATES], t11[COORDINATES], t22[COORDINATES], t12[COORDINATES];
+  real xi[2], f, distance, d[3], g[2];
+  real t1[3], t2[3], t11[3], t22[3], t12[3];
   real d11, d22, d12, d6, d7;
 } base;
 
@@ -103,10 +103,10 @@ PART void secant_form(const proof *p, const base *b, const cell *c, form *m)
 {
   const real *c6 = p->patch->c[6], *c7 = p->patch->c[7];
   double w[2];
-  real x = c->centre[0] - b->xi[0], y = c->centre[1] - b->xi[1], a1[COORDINATES], a2[COORDINATES];
+  real x = c->centre[0] - b->xi[0], y = c->centre[1] - b->xi[1], a1[3], a2[3];
   reach(c, p->triangular, w);
   real v = (absolute(x) * w[1] + absolute(y) * w[0]) + w[0] * w[1];
-  for (int k = 0; k < COORDINATES; k++) {
+  for (int k = 0; k < 3; k++) {
     // -- Secants from the base to the centre of the cell (eq:certified-secants)
     a1[k] = (b->t1[k] + 0.5 * (x * b->t11[k] + y * b->t12[k])) + x * y * c6[k];
     a2[k] = (b->t2[k] + 0.5 * (y * b->t22[k] + x * b->t12[k])) + x * y * c7[k];

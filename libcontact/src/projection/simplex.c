@@ -11,18 +11,16 @@ typedef struct simplex {
   double edge;
 } simplex;
 
-/* The regular simplex of edge `edge` with its centroid at `centre`; a flip of xi_1 about the
- * centroid maps it onto itself. */
-static void simplex_start(simplex *s, const ct_patch *patch, const double centre[2], double edge,
-                          ct_closest *closest)
+void ct_regular_simplex(const ct_patch *patch, const ct_project_options *options, double x[3][2],
+                        double f[3], ct_closest *closest)
 {
   // -- Regular simplex about the start (eq:simplex-start)
-  double corner[3][2] = {{-0.5, -sqrt(3) / 6}, {0.5, -sqrt(3) / 6}, {0, sqrt(3) / 3}};
-  s->edge = edge;
+  double corner[3][2] = {{-0.5, -sqrt(3) / 6}, {0.5, -sqrt(3) / 6}, {0, sqrt(3) / 3}}, start[2];
+  ct_iterate_start(patch, options, start);
   for (int i = 0; i < 3; i++) {
-    for (int a = 0; a < 2; a++) s->x[i][a] = centre[a] + edge * corner[i][a];
-    s->f[i] = ct_iterate_value(patch, s->x[i], closest);
-    s->age[i] = 0;
+    for (int a = 0; a < 2; a++)
+      x[i][a] = start[a] + ct_patch_half_width(patch->kind) * corner[i][a];
+    f[i] = ct_iterate_value(patch, x[i], closest);
   }
 }
 
@@ -95,12 +93,11 @@ ct_status ct_project_simplex(const ct_patch *patch, const ct_project_options *op
 {
   int limit = options->iteration_limit > 0 ? options->iteration_limit : 2000, low, second, high;
   double half_width = ct_patch_half_width(patch->kind), tolerance = options->tolerance * half_width;
-  double centre = ct_patch_centre(patch->kind), start[2] = {centre, centre};
   // -- Age at which a vertex is the centre of rotation, 3.5 for n = 2 (eq:simplex-age)
   const int n = 2;
   const double m = 1.65 * n + 0.05 * n * n;
-  simplex s;
-  simplex_start(&s, patch, options->use_start ? options->start : start, half_width, closest);
+  simplex s = {.edge = half_width};
+  ct_regular_simplex(patch, options, s.x, s.f, closest);
   ct_status status = CT_ITERATION_LIMIT;
   for (closest->iterations = 0; closest->iterations < limit; closest->iterations++) {
     double top = simplex_step(&s, patch, closest);

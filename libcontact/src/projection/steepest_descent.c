@@ -22,5 +22,5 @@ static int steepest_step(const ct_patch *patch, const ct_iterate *at, double s[2
 ct_status ct_project_steepest_descent(const ct_patch *patch, const ct_project_options *options,
                                       ct_closest *closest)
 {
-  return ct_iterate_descend(patch, options, 2000, steepest_step, NULL, closest);
+  return ct_iterate_walk(patch, options, 2000, 1, steepest_step, NULL, closest);
 }

@@ -25,8 +25,6 @@ typedef int mask; /* 0 or 1 */
 #define RARE static
 #define CLONED static CT_CLONES
 
-enum { COORDINATES = 4 }; /* a zero fills the vector, in which the compiler puts a point */
-
 PART mask not(mask m) { return !m; }
 PART int any(mask m) { return m; }
 PART mask masked(mask m, int n) { return m ? n : 0; }
@@ -52,8 +50,6 @@ typedef int64_t mask __attribute__((vector_size(8 * WIDTH), may_alias)); /* 0 or
 #define PART static inline __attribute__((always_inline, target(TARGET)))
 #define RARE static __attribute__((noinline, target(TARGET)))
 #define CLONED RARE
-
-enum { COORDINATES = 3 };
 
 PART mask not(mask m) { return ~m; }
 PART mask masked(mask m, int n) { return m & (int64_t)n; }

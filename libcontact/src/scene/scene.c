@@ -3,6 +3,7 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../mesh/mesh_internal.h"
 #include "../step/effect_internal.h"
 #include "../step/workspace.h"
 
@@ -11,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What was added of one body, contact and support. */
+/* What was added of one body and contact. */
 typedef struct scene_body {
   ct_scene_body given; /* without its mesh and arrays */
   ct_mesh *mesh;
@@ -19,30 +20,19 @@ typedef struct scene_body {
 } scene_body;
 
 typedef struct scene_contact {
-  ct_scene_contact given; /* its arrays are ours */
-  int32_t *faces[2];
+  ct_scene_contact given; /* without its faces */
+  int32_t body[2], face_count[2], *faces[2];
   double epsilon;
 } scene_contact;
 
-/* Nodes of the problem: first, first + step, ... Those of a face of a lattice are few runs. */
-typedef struct node_run {
-  int32_t first, step, count;
-} node_run;
-
-typedef struct scene_support {
-  ct_scene_support given; /* without its nodes */
-  node_run *runs;
-  int32_t run_count;
-} scene_support;
-
 struct ct_scene {
-  int32_t body_count, contact_count, support_count;
+  ct_pool pool; /* all but meshes and effects */
+  int32_t body_count, contact_count, support_count, added_count;
   ct_body *bodies;
   scene_body *parts;
   scene_contact *contacts;
-  scene_support *supports;
+  ct_support *supports;
   ct_effect **added; /* beside solid, contacts and supports */
-  int32_t added_count;
   ct_optimisations optimisations;
   int joined; /* the nodes are numbered, no body can be added */
   /* What `ct_scene_build` makes. */
@@ -51,24 +41,29 @@ struct ct_scene {
   double *reference, *mass, *inverse_mass, *velocity;
 };
 
-/* Room for one more row at the end of a table of `count` rows. */
-static int grow(void **table, int32_t count, size_t size)
+/* A table of `count` rows with room for one more; it stays the same where there is no memory. */
+static void *grow(ct_scene *scene, void *table, int32_t count, size_t size)
 {
-  if (count > 0 && (count & (count - 1)) != 0) return 1; // room doubles at powers of two
-  void *larger = ct_allocate(count == 0 ? 1 : 2 * (size_t)count, size);
-  if (larger == NULL) return 0;
-  if (count > 0) memcpy(larger, *table, (size_t)count * size);
-  ct_release(*table);
-  *table = larger;
-  return 1;
+  if (count > 0 && (count & (count - 1)) != 0) return table; // room doubles at powers of two
+  void *larger = ct_pool_take(&scene->pool, count == 0 ? 1 : 2 * (size_t)count, size);
+  if (larger != NULL && count > 0) memcpy(larger, table, (size_t)count * size);
+  return larger != NULL ? larger : table;
+}
+
+/* Whether there was memory for all that was taken; if not, the next call may try again. */
+static ct_status check_room(ct_scene *scene, const char *what, ct_error *error)
+{
+  if (!scene->pool.failed) return CT_OK;
+  scene->pool.failed = 0;
+  return CT_NO_MEMORY(error, "%s", what);
 }
 
 ct_status ct_scene_create(ct_scene **scene, ct_error *error)
 {
-  if (scene == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
+  if (scene == NULL) return CT_REFUSE(error, "scene: null argument");
   *scene = ct_allocate(1, sizeof **scene);
-  if (*scene == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a scene");
-  (*scene)->optimisations = ct_optimisations_default();
+  if (*scene == NULL) return CT_NO_MEMORY(error, "a scene");
+  (*scene)->optimisations = (ct_optimisations){1, 1, 1, 1};
   return CT_OK;
 }
 
@@ -76,7 +71,7 @@ ct_status ct_scene_set_optimisations(ct_scene *scene, const ct_optimisations *op
                                      ct_error *error)
 {
   if (scene == NULL || optimisations == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "optimisations: null argument");
+    return CT_REFUSE(error, "optimisations: null argument");
   scene->optimisations = *optimisations;
   return CT_OK;
 }
@@ -100,39 +95,16 @@ static void unbuild(ct_scene *scene)
   scene->problem.effect_count = 0;
 }
 
-/* Give back what `ct_scene_join` made. */
-static void unjoin(ct_scene *scene)
-{
-  ct_release(scene->reference);
-  ct_release(scene->mass);
-  ct_release(scene->inverse_mass);
-  ct_release(scene->velocity);
-  scene->reference = scene->mass = scene->inverse_mass = scene->velocity = NULL;
-  memset(&scene->problem, 0, sizeof scene->problem);
-}
-
 void ct_scene_free(ct_scene *scene)
 {
   if (scene == NULL) return;
   unbuild(scene);
   for (int32_t i = 0; i < scene->added_count; i++) ct_effect_free(scene->added[i]);
-  ct_release(scene->added);
   for (int32_t i = 0; i < scene->body_count; i++) {
-    if (scene->joined) scene->parts[i].mesh->nodes = NULL; // the problem's, which goes below
+    if (scene->joined) scene->parts[i].mesh->nodes = NULL; // the problem's
     ct_mesh_free(scene->parts[i].mesh);
-    ct_release(scene->parts[i].velocities);
   }
-  unjoin(scene);
-  for (int32_t i = 0; i < scene->contact_count; i++) {
-    ct_release(scene->contacts[i].faces[0]);
-    ct_release(scene->contacts[i].faces[1]);
-  }
-  for (int32_t i = 0; i < scene->support_count; i++) ct_release(scene->supports[i].runs);
-  ct_release(scene->bodies);
-  ct_release(scene->parts);
-  ct_release(scene->contacts);
-  ct_release(scene->supports);
-  ct_release(scene);
+  ct_pool_free(scene);
 }
 
 static ct_status check_velocities(const ct_scene_body *def, int32_t nodes, const char *name,
@@ -155,17 +127,15 @@ static ct_status check_new_body(const ct_scene *scene, const ct_scene_body *def,
                                 ct_error *error)
 {
   if (scene->joined)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "body %s: the scene's bodies were joined before, and none can be added after",
-                   name);
+    return CT_REFUSE(
+        error, "body %s: the scene's bodies were joined before, and none can be added after", name);
   if ((int)def->lumping < CT_LUMP_DEFAULT || (int)def->lumping > CT_LUMP_HRZ ||
       (int)def->kernel < CT_KERNEL_AUTO || (int)def->kernel > CT_KERNEL_REDUCED)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body %s: no lumping %d or no kernel %d",
-                   name, (int)def->lumping, (int)def->kernel);
+    return CT_REFUSE(error, "body %s: no lumping %d or no kernel %d", name, (int)def->lumping,
+                     (int)def->kernel);
   if (!(def->hourglass >= 0.0) || !isfinite(def->hourglass))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "body %s: the hourglass coefficient must be positive, not %g", name,
-                   def->hourglass);
+    return CT_REFUSE(error, "body %s: the hourglass coefficient must be positive, not %g", name,
+                     def->hourglass);
   return ct_material_check(&def->material, error);
 }
 
@@ -177,25 +147,22 @@ static ct_status copy_body(ct_scene *scene, const ct_scene_body *def, const char
                          ? ct_mesh_create_copy(def->mesh, &part->mesh, error)
                          : ct_mesh_create_box(def->kind, &def->box, &part->mesh, error);
   if (status == CT_OK) status = check_velocities(def, part->mesh->node_count, name, error);
-  if (status == CT_OK && def->velocities != NULL)
-    part->velocities =
-        ct_duplicate(def->velocities, 3 * (size_t)part->mesh->node_count * sizeof(double));
-  if (status == CT_OK &&
-      ((def->velocities != NULL && part->velocities == NULL) ||
-       !grow((void **)&scene->bodies, scene->body_count, sizeof *scene->bodies) ||
-       !grow((void **)&scene->parts, scene->body_count, sizeof *scene->parts)))
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for body %s", name);
-  if (status == CT_OK) return status;
-  ct_mesh_free(part->mesh);
-  ct_release(part->velocities);
+  if (status == CT_OK) {
+    if (def->velocities != NULL)
+      part->velocities = ct_pool_copy(&scene->pool, def->velocities,
+                                      3 * (size_t)part->mesh->node_count * sizeof(double));
+    scene->bodies = grow(scene, scene->bodies, scene->body_count, sizeof *scene->bodies);
+    scene->parts = grow(scene, scene->parts, scene->body_count, sizeof *scene->parts);
+    status = check_room(scene, "a body", error);
+  }
+  if (status != CT_OK) ct_mesh_free(part->mesh);
   return status;
 }
 
 ct_status ct_scene_add_body(ct_scene *scene, const ct_scene_body *def, int32_t *body,
                             ct_error *error)
 {
-  if (scene == NULL || def == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "body: null argument");
+  if (scene == NULL || def == NULL) return CT_REFUSE(error, "body: null argument");
   scene_body part = {.given = *def};
   const char *name = def->name == NULL ? "" : def->name;
   ct_status status = check_new_body(scene, def, name, error);
@@ -239,119 +206,85 @@ static ct_status check_nodes(const ct_scene *scene, int32_t body, const int32_t 
 }
 
 /* The outer faces in a side of a body's mesh, with the body's own node numbers. */
-static ct_status side_faces(const ct_mesh *mesh, ct_box_side side, int32_t **faces, int32_t *count,
-                            ct_error *error)
+static ct_status side_faces(ct_scene *scene, const ct_mesh *mesh, ct_box_side side, int32_t **faces,
+                            int32_t *count, ct_error *error)
 {
   double bound[2][3];
   int axis = ((int)side - 1) / 2, top = ((int)side - 1) % 2;
   ct_mesh_bounds(mesh, bound[0], bound[1]);
   *count = ct_mesh_plane_faces(mesh, axis, bound[top][axis], NULL, NULL);
+  if (*count == 0)
+    return CT_REFUSE(error, "contact: the body has no faces in its side %c_%s", "xyz"[axis],
+                     top ? "max" : "min");
   size_t per = (size_t)ct_face_node_count(ct_brick_face_kind(mesh->kind));
-  *faces = *count > 0 ? ct_allocate((size_t)*count * per, sizeof **faces) : NULL;
+  if (*count > 0) *faces = ct_pool_take(&scene->pool, (size_t)*count * per, sizeof **faces);
   if (*faces != NULL) *count = ct_mesh_plane_faces(mesh, axis, bound[top][axis], *faces, NULL);
-  if (*faces != NULL && *count > 0) return CT_OK;
-  ct_release(*faces);
-  *faces = NULL;
-  return *count == 0 ? ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                               "contact: the body has no faces in its side %c_%s", "xyz"[axis],
-                               top ? "max" : "min")
-                     : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  scene->pool.failed |= *count < 0;
+  return check_room(scene, "a contact", error);
 }
 
-/* A copy of one surface of a contact, with the body's own node numbers: what is listed, or a side.
- */
-static ct_status copy_surface(const ct_scene *scene, int32_t body, const int32_t *listed,
-                              ct_box_side side, int32_t **faces, int32_t *count, ct_error *error)
+/* Copy surface `s` of a contact: what is listed, or a side. */
+static ct_status copy_surface(ct_scene *scene, scene_contact *entry, int s, const int32_t *listed,
+                              ct_box_side side, ct_error *error)
 {
+  int32_t body = entry->body[s], *count = &entry->face_count[s];
   ct_status status = check_body(scene, body, "contact", error);
   if (status != CT_OK) return status;
   const ct_mesh *mesh = scene->parts[body].mesh;
-  if (listed == NULL && side >= CT_X_MIN && side <= CT_Z_MAX)
-    return side_faces(mesh, side, faces, count, error);
-  if (listed == NULL || *count < 1 || side != CT_SIDE_NONE)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "contact: a surface has no faces; it needs either a list or a side");
   int per = ct_face_node_count(ct_brick_face_kind(mesh->kind));
-  status = check_nodes(scene, body, listed, (int64_t)*count * per, per, "contact", error);
+  if (listed == NULL && side >= CT_X_MIN && side <= CT_Z_MAX)
+    status = side_faces(scene, mesh, side, &entry->faces[s], count, error);
+  else if (listed == NULL || *count < 1 || side != CT_SIDE_NONE)
+    status = CT_REFUSE(error, "contact: a surface has no faces; it needs either a list or a side");
+  else status = check_nodes(scene, body, listed, (int64_t)*count * per, per, "contact", error);
   if (status != CT_OK) return status;
-  *faces = ct_duplicate(listed, (size_t)*count * (size_t)per * sizeof **faces);
-  return *faces != NULL ? CT_OK
-                        : ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
+  size_t entries = (size_t)*count * (size_t)per;
+  if (listed != NULL)
+    entry->faces[s] = ct_pool_copy(&scene->pool, listed, entries * sizeof *listed);
+  for (size_t i = 0; entry->faces[s] != NULL && i < entries; i++)
+    entry->faces[s][i] += scene->bodies[body].first_node;
+  return check_room(scene, "a contact", error);
 }
 
 ct_status ct_scene_add_contact(ct_scene *scene, const ct_scene_contact *contact, ct_error *error)
 {
-  if (scene == NULL || contact == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
+  if (scene == NULL || contact == NULL) return CT_REFUSE(error, "contact: null argument");
   if (!(contact->beta >= 0.0) || !(contact->options.epsilon >= 0.0) ||
       (contact->beta > 0.0 && contact->options.epsilon > 0.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "contact: give beta or epsilon, positive, or neither (beta %g, epsilon %g)",
-                   contact->beta, contact->options.epsilon);
-  scene_contact entry = {.given = *contact};
-  ct_status status = copy_surface(scene, contact->body_a, contact->faces_a, contact->side_a,
-                                  &entry.faces[0], &entry.given.face_count_a, error);
+    return CT_REFUSE(error,
+                     "contact: give beta or epsilon, positive, or neither (beta %g, epsilon %g)",
+                     contact->beta, contact->options.epsilon);
+  scene_contact entry = {.given = *contact,
+                         .body = {contact->body_a, contact->body_b},
+                         .face_count = {contact->face_count_a, contact->face_count_b}};
+  ct_status status = copy_surface(scene, &entry, 0, contact->faces_a, contact->side_a, error);
   if (status == CT_OK)
-    status = copy_surface(scene, contact->body_b, contact->faces_b, contact->side_b,
-                          &entry.faces[1], &entry.given.face_count_b, error);
-  if (status == CT_OK &&
-      !grow((void **)&scene->contacts, scene->contact_count, sizeof *scene->contacts))
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
-  if (status != CT_OK) {
-    ct_release(entry.faces[0]);
-    ct_release(entry.faces[1]);
-    return status;
-  }
-  const int32_t body[2] = {contact->body_a, contact->body_b},
-                count[2] = {entry.given.face_count_a, entry.given.face_count_b};
-  for (int s = 0; s < 2; s++) {
-    int64_t per = ct_face_node_count(ct_brick_face_kind(scene->parts[body[s]].mesh->kind));
-    for (int64_t i = 0; i < count[s] * per; i++)
-      entry.faces[s][i] += scene->bodies[body[s]].first_node;
-  }
-  scene->contacts[scene->contact_count++] = entry;
-  return CT_OK;
-}
-
-/* Write the nodes of a support as runs, `shift` added; answers how many. Null `runs`: only count.
- */
-static int32_t list_runs(const ct_scene_support *support, int32_t shift, node_run *runs)
-{
-  int32_t count = 0;
-  node_run run = {0, 0, 0};
-  for (int32_t i = 0; i < support->node_count; i++) {
-    int32_t node = support->nodes[i] + shift;
-    if (run.count == 1) run.step = node - run.first;
-    if (run.count == 0 || node != run.first + (int64_t)run.step * run.count) {
-      run = (node_run){node, 0, 0};
-      count++;
-    }
-    run.count++;
-    if (runs != NULL) runs[count - 1] = run;
-  }
-  return count;
+    status = copy_surface(scene, &entry, 1, contact->faces_b, contact->side_b, error);
+  if (status != CT_OK) return status;
+  scene->contacts = grow(scene, scene->contacts, scene->contact_count, sizeof *scene->contacts);
+  status = check_room(scene, "a contact", error);
+  if (status == CT_OK) scene->contacts[scene->contact_count++] = entry;
+  return status;
 }
 
 ct_status ct_scene_add_support(ct_scene *scene, const ct_scene_support *support, ct_error *error)
 {
   if (scene == NULL || support == NULL || support->nodes == NULL || support->node_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "support: no nodes");
-  ct_status status = check_body(scene, support->body, "support", error);
+    return CT_REFUSE(error, "support: no nodes");
+  int32_t count = support->node_count, body = support->body;
+  ct_status status = check_body(scene, body, "support", error);
   if (status == CT_OK)
-    status =
-        check_nodes(scene, support->body, support->nodes, support->node_count, 0, "support", error);
+    status = check_nodes(scene, body, support->nodes, count, 0, "support", error);
   if (status != CT_OK) return status;
-  int32_t runs = list_runs(support, 0, NULL);
-  scene_support entry = {
-      .given = *support, .runs = ct_allocate((size_t)runs, sizeof *entry.runs), .run_count = runs};
-  if (entry.runs == NULL ||
-      !grow((void **)&scene->supports, scene->support_count, sizeof *scene->supports)) {
-    ct_release(entry.runs);
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a support");
-  }
-  list_runs(support, scene->bodies[support->body].first_node, entry.runs);
-  entry.given.nodes = NULL;
-  scene->supports[scene->support_count++] = entry;
+  scene->supports = grow(scene, scene->supports, scene->support_count, sizeof *scene->supports);
+  int32_t *nodes = ct_pool_copy(&scene->pool, support->nodes, (size_t)count * sizeof *nodes);
+  status = check_room(scene, "a support", error);
+  if (status != CT_OK) return status;
+  for (int32_t i = 0; i < count; i++) nodes[i] += scene->bodies[body].first_node;
+  ct_support *entry = &scene->supports[scene->support_count++];
+  *entry = (ct_support){.nodes = nodes, .node_count = count};
+  memcpy(entry->fixed, support->fixed, sizeof entry->fixed);
+  memcpy(entry->velocity, support->velocity, sizeof entry->velocity);
   return CT_OK;
 }
 
@@ -375,87 +308,70 @@ static ct_status start_body(ct_scene *scene, int32_t i, ct_error *error)
 
 static ct_status join_bodies(ct_scene *scene, ct_error *error)
 {
-  ct_problem *problem = &scene->problem;
-  for (int32_t i = 0; i < scene->body_count; i++)
-    problem->node_count += scene->parts[i].mesh->node_count;
-  size_t n = (size_t)problem->node_count;
+  ct_status status = CT_OK;
+  const ct_body *last = &scene->bodies[scene->body_count - 1];
+  size_t n = (size_t)last->first_node + (size_t)last->mesh->node_count;
   // Masses come first: to lump them takes much room for a while, and less is there yet.
-  scene->mass = ct_allocate(n, sizeof(double));
-  if (scene->mass == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for %d nodes",
-                   (int)problem->node_count);
-  for (int32_t i = 0; i < scene->body_count; i++) {
+  scene->mass = ct_pool_take(&scene->pool, n, sizeof(double));
+  for (int32_t i = 0; status == CT_OK && scene->mass != NULL && i < scene->body_count; i++) {
     const ct_body *body = &scene->bodies[i];
-    double *mass = &scene->mass[body->first_node];
-    ct_status status = ct_mass_lumped(body->mesh, body->material.density,
-                                      scene->parts[i].given.lumping, mass, error);
+    status = ct_mass_lumped(body->mesh, body->material.density, scene->parts[i].given.lumping,
+                            &scene->mass[body->first_node], error);
     if (status != CT_OK && error != NULL) error->body = i;
-    if (status != CT_OK) return status;
   }
-  scene->reference = ct_allocate(n, 3 * sizeof(double));
-  scene->inverse_mass = ct_allocate(n, 3 * sizeof(double));
-  scene->velocity = ct_allocate(n, 3 * sizeof(double));
-  if (!scene->reference || !scene->inverse_mass || !scene->velocity)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for %d nodes",
-                   (int)problem->node_count);
-  for (int32_t i = 0; i < scene->body_count; i++) {
-    const ct_mesh *mesh = scene->parts[i].mesh;
-    double *own = &scene->reference[3 * (size_t)scene->bodies[i].first_node];
-    memcpy(own, mesh->nodes, 3 * (size_t)mesh->node_count * sizeof *own);
-    ct_status status = start_body(scene, i, error);
-    if (status != CT_OK) return status;
-  }
+  double **arrays[] = {&scene->reference, &scene->inverse_mass, &scene->velocity};
+  for (int i = 0; i < 3; i++) *arrays[i] = ct_pool_take(&scene->pool, n, 3 * sizeof(double));
+  if (status == CT_OK) status = check_room(scene, "the nodes", error);
+  for (int32_t i = 0; status == CT_OK && i < scene->body_count; i++)
+    status = start_body(scene, i, error);
+  if (status != CT_OK) return status;
   // From here on the bodies' meshes share the coordinates of the problem.
   for (int32_t i = 0; i < scene->body_count; i++) {
     ct_mesh *mesh = scene->parts[i].mesh;
+    double *own = &scene->reference[3 * (size_t)scene->bodies[i].first_node];
+    memcpy(own, mesh->nodes, 3 * (size_t)mesh->node_count * sizeof *own);
     ct_release(mesh->nodes);
-    mesh->nodes = &scene->reference[3 * (size_t)scene->bodies[i].first_node];
+    mesh->nodes = own;
   }
-  *problem = (ct_problem){.node_count = problem->node_count,
-                          .body_count = scene->body_count,
-                          .bodies = scene->bodies,
-                          .reference = scene->reference,
-                          .mass = scene->mass,
-                          .inverse_mass = scene->inverse_mass,
-                          .initial_velocity = scene->velocity,
-                          .threads = 1};
+  scene->problem = (ct_problem){.node_count = (int32_t)n,
+                                .body_count = scene->body_count,
+                                .bodies = scene->bodies,
+                                .reference = scene->reference,
+                                .mass = scene->mass,
+                                .inverse_mass = scene->inverse_mass,
+                                .initial_velocity = scene->velocity,
+                                .threads = 1};
   return CT_OK;
 }
 
 ct_status ct_scene_join(ct_scene *scene, const ct_problem **problem, ct_error *error)
 {
-  if (scene == NULL || problem == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
-  if (scene->body_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: no bodies");
+  if (scene == NULL || problem == NULL) return CT_REFUSE(error, "scene: null argument");
+  if (scene->body_count < 1) return CT_REFUSE(error, "scene: no bodies");
   ct_status status = scene->joined ? CT_OK : join_bodies(scene, error);
   scene->joined = status == CT_OK;
   *problem = &scene->problem;
-  if (status != CT_OK) unjoin(scene);
   return status;
 }
 
 ct_status ct_scene_add_effect(ct_scene *scene, ct_effect *effect, ct_error *error)
 {
   ct_status status = CT_OK;
-  if (scene == NULL || effect == NULL)
-    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect: null argument");
+  if (scene == NULL || effect == NULL) status = CT_REFUSE(error, "effect: null argument");
   else if (!scene->joined)
-    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                     "effect %s: join the scene's bodies first, an effect is made for their nodes",
-                     effect->label);
+    status = CT_REFUSE(
+        error, "effect %s: join the scene's bodies first, an effect is made for their nodes",
+        effect->label);
   else if (is_added(scene, effect))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %s: the scene has it already",
-                   effect->label);
+    return CT_REFUSE(error, "effect %s: the scene has it already", effect->label);
   else status = ct_effect_check_nodes(effect, scene->problem.node_count, error);
-  if (status == CT_OK && !grow((void **)&scene->added, scene->added_count, sizeof(ct_effect *)))
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an effect");
-  if (status != CT_OK) {
-    ct_effect_free(effect);
-    return status;
+  if (status == CT_OK) {
+    scene->added = grow(scene, scene->added, scene->added_count, sizeof effect);
+    status = check_room(scene, "an effect", error);
   }
-  scene->added[scene->added_count++] = effect;
-  return CT_OK;
+  if (status == CT_OK) scene->added[scene->added_count++] = effect;
+  else ct_effect_free(effect);
+  return status;
 }
 
 /* Whether supports hold all nodes of a body in a direction at velocity 0; they were applied before.
@@ -474,8 +390,7 @@ static int held_body(const ct_scene *scene, int32_t body, int axis)
 static ct_status make_solid(ct_scene *scene, int threads, ct_error *error)
 {
   ct_solid_body *blocks = ct_allocate((size_t)scene->body_count, sizeof *blocks);
-  if (blocks == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the bodies");
+  if (blocks == NULL) return CT_NO_MEMORY(error, "the bodies");
   for (int32_t i = 0; i < scene->body_count; i++) {
     blocks[i] = (ct_solid_body){.mesh = scene->parts[i].mesh,
                                 .material = scene->bodies[i].material,
@@ -529,69 +444,54 @@ static double penalty_of(const ct_scene *scene, const ct_scene_contact *contact)
   return ct_contact_penalty(contact->beta, E, shortest_edge(scene, contact));
 }
 
-static ct_status make_contact(ct_scene *scene, int32_t number, ct_effect **effect, ct_error *error)
+/* Make a contact and its friction. */
+static ct_status make_contact(ct_scene *scene, scene_contact *entry, ct_error *error)
 {
-  scene_contact *entry = &scene->contacts[number];
-  ct_contact_options options = entry->given.options;
-  options.separated = options.separated && scene->optimisations.separated;
-  int32_t count[2] = {entry->given.face_count_a, entry->given.face_count_b},
-          body[2] = {entry->given.body_a, entry->given.body_b};
+  int32_t *next = &scene->problem.effect_count;
   ct_surface surface[2];
   for (int s = 0; s < 2; s++)
-    surface[s] = (ct_surface){.kind = ct_brick_face_kind(scene->parts[body[s]].mesh->kind),
+    surface[s] = (ct_surface){.kind = ct_brick_face_kind(scene->parts[entry->body[s]].mesh->kind),
                               .node_count = scene->problem.node_count,
-                              .face_count = count[s],
+                              .face_count = entry->face_count[s],
                               .faces = entry->faces[s],
                               .reference = scene->reference};
-  entry->epsilon = options.epsilon = penalty_of(scene, &entry->given);
   // The same faces twice: the contact of a surface with itself.
-  size_t bytes = (size_t)count[0] * (size_t)ct_face_node_count(surface[0].kind) * sizeof(int32_t);
-  int self = body[0] == body[1] && count[0] == count[1] &&
+  size_t bytes =
+      (size_t)entry->face_count[0] * (size_t)ct_face_node_count(surface[0].kind) * sizeof(int32_t);
+  int self = entry->body[0] == entry->body[1] && entry->face_count[0] == entry->face_count[1] &&
              memcmp(entry->faces[0], entry->faces[1], bytes) == 0;
   ct_contact_def def = ct_contact_def_default();
   def.a = &surface[0];
   def.b = &surface[self ? 0 : 1];
-  def.options = options;
-  ct_status status = ct_contact_create_effect(&def, &scene->problem, effect, error);
+  def.options = entry->given.options;
+  def.options.separated = def.options.separated && scene->optimisations.separated;
+  def.options.epsilon = entry->epsilon = penalty_of(scene, &entry->given);
+  ct_status status = ct_contact_create_effect(&def, &scene->problem, &scene->effects[*next], error);
   // What the contact calls surface 0 or 1 is one of our bodies.
   if (status != CT_OK && error != NULL && (error->body == 0 || error->body == 1))
-    error->body = body[error->body];
+    error->body = entry->body[error->body];
+  if (status == CT_OK) (*next)++;
+  if (status != CT_OK || entry->given.friction == 0.0) return status;
+  ct_friction_def friction = ct_friction_def_default();
+  friction.on = scene->effects[*next - 1];
+  friction.coefficient = entry->given.friction;
+  // -- Tangential springs are explicit: no stiffer than such springs usually are
+  friction.tangent =
+      entry->given.tangent != 0.0
+          ? entry->given.tangent
+          : fmin(1.0, usual_penalty(scene, &entry->given, CT_ENFORCE_PENALTY) / entry->epsilon);
+  status = ct_friction_create_effect(&friction, &scene->problem, &scene->effects[*next], error);
+  if (status == CT_OK) (*next)++;
   return status;
-}
-
-/* The nodes of a support, one after another. */
-static void write_nodes(const scene_support *support, int32_t *nodes)
-{
-  for (int32_t r = 0; r < support->run_count; r++)
-    for (int32_t i = 0; i < support->runs[r].count; i++)
-      *nodes++ = support->runs[r].first + support->runs[r].step * i;
 }
 
 static ct_status make_supports(ct_scene *scene, ct_effect **effect, ct_error *error)
 {
-  size_t all = 0, next = 0;
-  for (int32_t i = 0; i < scene->support_count; i++)
-    all += (size_t)scene->supports[i].given.node_count;
-  ct_support *supports = ct_allocate((size_t)scene->support_count, sizeof *supports);
-  int32_t *nodes = ct_allocate(all, sizeof *nodes);
   ct_support_def def = ct_support_def_default();
-  def.supports = supports;
+  def.supports = scene->supports;
   def.support_count = scene->support_count;
-  ct_status status = CT_OK;
-  if (supports == NULL || nodes == NULL)
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the supports");
-  for (int32_t i = 0; status == CT_OK && i < scene->support_count; i++) {
-    const ct_scene_support *from = &scene->supports[i].given;
-    write_nodes(&scene->supports[i], &nodes[next]);
-    supports[i].nodes = &nodes[next];
-    supports[i].node_count = from->node_count;
-    memcpy(supports[i].fixed, from->fixed, sizeof from->fixed);
-    memcpy(supports[i].velocity, from->velocity, sizeof from->velocity);
-    next += (size_t)from->node_count;
-  }
-  if (status == CT_OK) status = ct_support_create_effect(&def, &scene->problem, effect, error);
-  ct_release(nodes);
-  ct_release(supports);
+  if (def.support_count == 0) return CT_OK;
+  ct_status status = ct_support_create_effect(&def, &scene->problem, effect, error);
   return status == CT_OK ? ct_support_apply(*effect, scene->inverse_mass, scene->velocity) : status;
 }
 
@@ -601,32 +501,15 @@ static ct_status make_effects(ct_scene *scene, int threads, ct_error *error)
   ct_effect *supports = NULL, *hourglass = NULL;
   scene->effects = ct_allocate(2 * (size_t)scene->contact_count + (size_t)scene->added_count + 3,
                                sizeof *scene->effects);
-  if (scene->effects == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the effects");
+  if (scene->effects == NULL) return CT_NO_MEMORY(error, "the effects");
   // What is held decides on the kernels, so supports are made first; they stand last.
-  ct_status status = scene->support_count > 0 ? make_supports(scene, &supports, error) : CT_OK;
+  ct_status status = make_supports(scene, &supports, error);
   if (status == CT_OK) status = make_solid(scene, threads, error);
   if (status == CT_OK) (*count)++;
   if (status == CT_OK) status = ct_solid_create_hourglass(scene->effects[0], &hourglass, error);
   if (hourglass != NULL) scene->effects[(*count)++] = hourglass;
-  for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++) {
-    status = make_contact(scene, i, &scene->effects[*count], error);
-    ct_blame(error, status, CT_PART_CONTACT, i);
-    if (status == CT_OK) (*count)++;
-    const ct_scene_contact *given = &scene->contacts[i].given;
-    if (status != CT_OK || given->friction == 0.0) continue;
-    ct_friction_def friction = ct_friction_def_default();
-    friction.on = scene->effects[*count - 1];
-    friction.coefficient = given->friction;
-    // -- Tangential springs are explicit: no stiffer than such springs usually are
-    friction.tangent = given->tangent != 0.0
-                           ? given->tangent
-                           : fmin(1.0, usual_penalty(scene, given, CT_ENFORCE_PENALTY) /
-                                           scene->contacts[i].epsilon);
-    status = ct_friction_create_effect(&friction, &scene->problem, &scene->effects[*count], error);
-    ct_blame(error, status, CT_PART_CONTACT, i);
-    if (status == CT_OK) (*count)++;
-  }
+  for (int32_t i = 0; status == CT_OK && i < scene->contact_count; i++)
+    status = ct_blame(error, make_contact(scene, &scene->contacts[i], error), CT_PART_CONTACT, i);
   for (int32_t i = 0; status == CT_OK && i < scene->added_count; i++)
     scene->effects[(*count)++] = scene->added[i];
   if (supports != NULL) scene->effects[(*count)++] = supports;
@@ -641,10 +524,11 @@ static ct_status asked_step(const ct_scene_time *time, const ct_stable_step *sta
   int given = (time->courant > 0.0) + (time->fraction > 0.0) + (time->dt > 0.0);
   if (!(time->end > 0.0) || !isfinite(time->end) || given != 1 || time->threads < 1 ||
       time->threads > CT_MOST_THREADS)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "time: needs an end > 0 (%g), exactly one of courant, fraction, dt (%d given), "
-                   "1 to 1024 threads (%d)",
-                   time->end, given, time->threads);
+    return CT_REFUSE(
+        error,
+        "time: needs an end > 0 (%g), exactly one of courant, fraction, dt (%d given), "
+        "1 to 1024 threads (%d)",
+        time->end, given, time->threads);
   *dt = time->courant > 0.0    ? time->courant * stable->dt_courant
         : time->fraction > 0.0 ? time->fraction * stable->dt
                                : time->dt;
@@ -654,12 +538,12 @@ static ct_status asked_step(const ct_scene_time *time, const ct_stable_step *sta
         "time step %g (Courant number %g) is above the stable step %g (Courant number %g)", *dt,
         *dt / stable->dt_courant, stable->dt, stable->dt / stable->dt_courant);
   if (isinf(*dt))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "time: the stable step is infinite, so there is no share of it (are the bodies "
-                   "stiff at all?)");
+    return CT_REFUSE(
+        error, "time: the stable step is infinite, so there is no share of it (are the bodies "
+               "stiff at all?)");
   if (!(time->end / *dt < 9e15))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "time: %g steps to the end are more than can be counted", time->end / *dt);
+    return CT_REFUSE(error, "time: %g steps to the end are more than can be counted",
+                     time->end / *dt);
   return CT_OK;
 }
 
@@ -667,7 +551,7 @@ ct_status ct_scene_build(ct_scene *scene, const ct_scene_time *time, const ct_pr
                          int64_t *step_count, ct_stable_step *stable, ct_error *error)
 {
   if (scene == NULL || time == NULL || problem == NULL || step_count == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "scene: null argument");
+    return CT_REFUSE(error, "scene: null argument");
   ct_problem *p = &scene->problem;
   double dt = 0.0;
   const ct_problem *joined;

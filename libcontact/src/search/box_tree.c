@@ -60,7 +60,7 @@ ct_status ct_box_tree_create(int32_t count, ct_box_tree **out, ct_error *error)
   }
   if (tree == NULL || tree->nodes == NULL || tree->entries == NULL) {
     ct_box_tree_free(tree);
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a search tree");
+    return CT_NO_MEMORY(error, "a search tree");
   }
   *out = tree;
   return CT_OK;

@@ -20,8 +20,8 @@ typedef struct seeker {
   double bound;    /* square of a distance at which there is some face */
   int32_t face;
   double square;
-  double xi[2], d[3];    /* parameters and vector to the closest point, of triangles */
-  ct_projection closest; /* of all other kinds */
+  double d[3];           /* vector to the closest point */
+  ct_projection closest; /* of a triangle the parameters alone, until the end */
 } seeker;
 
 /* Nearer than the best, or as near and earlier in the list of faces. */
@@ -30,34 +30,26 @@ static int is_better(const seeker *s, double square, int32_t face)
   return square < s->square || (square == s->square && face < s->face);
 }
 
-static void try_triangle(seeker *s, int32_t face)
-{
-  double xi[2], d[3], square = ct_search_triangle(s->search, face, s->point, xi, d);
-  if (!is_better(s, square, face) || !(square < HUGE_VAL)) return;
-  s->face = face;
-  s->square = square;
-  memcpy(s->xi, xi, sizeof xi);
-  memcpy(s->d, d, sizeof d);
-}
-
-static void try_curved(seeker *s, int32_t face)
-{
-  ct_face own;
-  ct_projection closest;
-  ct_search_face(s->search, face, &own);
-  ct_project(&own, s->point, &s->project, &closest);
-  double square = closest.distance * closest.distance;
-  if (!(square < HUGE_VAL) || !is_better(s, square, face)) return;
-  s->face = face;
-  s->square = square;
-  s->closest = closest;
-}
-
+/* Try a face that is not left out; answers the least square of a distance that is known. */
 static double try_face(seeker *s, int32_t face)
 {
-  if (s->skip == NULL || !s->skip(s->user, face)) {
-    if (s->search->kind == CT_T3) try_triangle(s, face);
-    else try_curved(s, face);
+  if (s->skip != NULL && s->skip(s->user, face)) return fmin(s->square, s->bound);
+  ct_projection closest = {.status = CT_OK};
+  double d[3], square;
+  if (s->search->kind == CT_T3) {
+    square = ct_search_triangle(s->search, face, s->point, closest.xi, d);
+  } else {
+    ct_face own;
+    ct_search_face(s->search, face, &own);
+    ct_project(&own, s->point, &s->project, &closest);
+    square = closest.distance * closest.distance;
+    for (int c = 0; c < 3; c++) d[c] = closest.point[c] - s->point[c];
+  }
+  if (square < HUGE_VAL && is_better(s, square, face)) {
+    s->face = face;
+    s->square = square;
+    s->closest = closest;
+    memcpy(s->d, d, sizeof d);
   }
   return s->square < s->bound ? s->square : s->bound;
 }
@@ -92,11 +84,9 @@ static int finish_triangle(seeker *s)
     v[c] = face.node[2][c] - face.node[0][c];
     s->closest.point[c] = s->point[c] + s->d[c];
   }
-  s->closest.status = CT_OK;
   s->closest.distance = sqrt(s->square);
-  memcpy(s->closest.xi, s->xi, sizeof s->xi);
-  s->closest.where = ct_patch_where(CT_T3, s->xi, s->project.tolerance * ct_patch_half_width(CT_T3),
-                                    &s->closest.index);
+  s->closest.where = ct_patch_where(
+      CT_T3, s->closest.xi, s->project.tolerance * ct_patch_half_width(CT_T3), &s->closest.index);
   return ct_vector_unit_normal(u, v, s->closest.normal);
 }
 
@@ -114,7 +104,7 @@ static void finish(seeker *s, ct_nearest *out)
                       .where = closest->where,
                       .index = closest->index,
                       .distance = closest->distance};
-  double normal[3], d[3];
+  double normal[3];
   (void)ct_search_normal(s->search, s->face, closest->where, closest->index, closest->xi,
                          closest->normal, normal);
   double length = sqrt(ct_vector_dot(normal, normal));
@@ -122,11 +112,9 @@ static void finish(seeker *s, ct_nearest *out)
   for (int c = 0; c < 3; c++) {
     out->point[c] = closest->point[c];
     out->normal[c] = length > 0.0 ? normal[c] / length : closest->normal[c];
-    d[c] = closest->point[c] - s->point[c];
   }
-  out->signed_distance = ct_vector_dot(s->search->kind == CT_T3 ? s->d : d, out->normal) <= 0.0
-                             ? closest->distance
-                             : -closest->distance;
+  out->signed_distance =
+      ct_vector_dot(s->d, out->normal) <= 0.0 ? closest->distance : -closest->distance;
 }
 
 void ct_search_point(const ct_search *search, const double point[3], int32_t start, double bound,
@@ -153,11 +141,6 @@ void ct_search_point(const ct_search *search, const double point[3], int32_t sta
   ct_box_tree_visit(search->tree, point, bound, visit,
                     search->oriented != NULL ? oriented_bound : NULL, &s);
   finish(&s, out);
-}
-
-ct_search_options ct_search_options_default(void)
-{
-  return (ct_search_options){.tolerance = 1e-10, .threads = 1};
 }
 
 /* Points that are asked one after the other by one thread. */
@@ -193,7 +176,7 @@ static void ask_block(const ct_search *search, size_t first, size_t last, const 
 ct_status ct_search_nearest(const ct_search *search, size_t count, const double *points,
                             const int32_t *start, const ct_search_options *options, ct_nearest *out)
 {
-  ct_search_options own = options != NULL ? *options : ct_search_options_default();
+  ct_search_options own = options != NULL ? *options : (ct_search_options){CT_SEARCH_TOLERANCE, 1};
   if (search == NULL || (count > 0 && (points == NULL || out == NULL))) return CT_ERROR_ARGUMENT;
   if (!(own.tolerance > 0.0 && own.tolerance < HUGE_VAL) || own.threads < 1)
     return CT_ERROR_ARGUMENT;

@@ -94,14 +94,13 @@ static int add_corner(const ct_search *search, int32_t face, int k, double norma
 /* At corner `a` of a face: sum the normals of the faces around it; 0 at the border. */
 static int corner_normal(const ct_search *search, int32_t face, int a, double normal[3])
 {
+  const ct_incidence *around = &search->incidence;
   int32_t node = search->faces[(int64_t)face * search->per + a];
   int inside = 1;
   for (int c = 0; c < 3; c++) normal[c] = 0.0;
-  for (int32_t i = search->ring_first[node]; i < search->ring_first[node + 1]; i++) {
-    int32_t f = search->ring[i];
-    for (int k = 0; k < search->edges; k++)
-      if (search->faces[(int64_t)f * search->per + k] == node && !add_corner(search, f, k, normal))
-        inside = 0;
+  for (int32_t i = around->first[node]; i < around->first[node + 1]; i++) {
+    int32_t f = around->place[i] / search->per, k = around->place[i] % search->per;
+    if (k < search->edges && !add_corner(search, f, k, normal)) inside = 0;
   }
   return inside;
 }
@@ -143,14 +142,14 @@ int ct_search_is_minimum(const ct_search *search, int32_t face, ct_where where, 
     return grows(d, v);
   }
   if (where != CT_VERTEX) return 1;
+  const ct_incidence *around = &search->incidence;
   int32_t node = search->faces[(int64_t)face * search->per + index];
-  for (int32_t i = search->ring_first[node]; i < search->ring_first[node + 1]; i++)
-    for (int k = 0; k < search->edges; k++) {
-      if (search->faces[(int64_t)search->ring[i] * search->per + k] != node) continue;
-      for (int backwards = 0; backwards < 2; backwards++) {
-        edge_direction(search, search->ring[i], k, backwards, v);
-        if (!grows(d, v)) return 0;
-      }
+  for (int32_t i = around->first[node]; i < around->first[node + 1]; i++) {
+    int32_t f = around->place[i] / search->per, k = around->place[i] % search->per;
+    for (int backwards = 0; k < search->edges && backwards < 2; backwards++) {
+      edge_direction(search, f, k, backwards, v);
+      if (!grows(d, v)) return 0;
     }
+  }
   return 1;
 }

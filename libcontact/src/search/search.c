@@ -11,98 +11,60 @@
 void ct_search_free(ct_search *search)
 {
   if (search == NULL) return;
-  void *blocks[] = {search->nodes, search->faces, search->neighbour, search->ring_first,
-                    search->ring,  search->x,     search->boxes,     search->oriented};
-  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
   ct_box_tree_free(search->tree);
-  ct_release(search);
+  ct_pool_free(search);
 }
 
 static ct_status check_surface(const ct_surface *surface, int body, ct_error *error)
 {
-  ct_place where = {body, -1, -1};
   int per = surface == NULL ? 0 : ct_face_node_count(surface->kind);
   if (per == 0 || surface->faces == NULL || surface->reference == NULL || surface->face_count < 1 ||
       surface->node_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, where, "surface %d is empty or of an unknown kind",
-                   body);
+    return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
+                   "surface %d is empty or of an unknown kind", body);
   for (int32_t f = 0; f < surface->face_count; f++)
     for (int a = 0; a < per; a++) {
       int32_t node = surface->faces[(int64_t)f * per + a];
-      where.element = f;
       if (node < 0 || node >= surface->node_count)
-        return ct_fail(error, CT_ERROR_ARGUMENT, where,
+        return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, f, -1},
                        "face %d of surface %d names node %d, there are nodes 0 to %d", (int)f, body,
                        (int)node, (int)surface->node_count - 1);
-      for (int c = 0; c < 3; c++)
-        if (!isfinite(surface->reference[3 * (int64_t)node + c]))
-          return ct_fail(error, CT_INVALID, (ct_place){body, f, node},
-                         "coordinate %c of node %d of surface %d is not finite", "xyz"[c],
-                         (int)node, body);
     }
   return CT_OK;
 }
 
-static ct_status allocate(ct_search *search, ct_error *error)
+/* Number the surface's own nodes and make room for the rest. */
+static ct_status allocate(ct_search *search, const ct_surface *surface)
 {
-  size_t faces = (size_t)search->face_count, hosts = (size_t)search->host_count;
-  search->nodes = ct_allocate(hosts, sizeof *search->nodes);
-  search->faces = ct_allocate(faces * (size_t)search->per, sizeof *search->faces);
-  search->neighbour = ct_allocate(faces * (size_t)search->edges, sizeof *search->neighbour);
-  search->ring = ct_allocate(faces * (size_t)search->per, sizeof *search->ring);
-  search->boxes = ct_allocate(faces, sizeof *search->boxes);
-  if (search->kind != CT_T3) search->oriented = ct_allocate(faces, sizeof *search->oriented);
-  return search->nodes != NULL && search->faces != NULL && search->neighbour != NULL &&
-                 search->ring != NULL && search->boxes != NULL &&
-                 (search->kind == CT_T3 || search->oriented != NULL)
-             ? ct_box_tree_create(search->face_count, &search->tree, error)
-             : CT_ERROR_MEMORY;
+  size_t faces = (size_t)search->face_count, per = (size_t)search->per;
+  ct_pool *pool = &search->pool;
+  search->faces = ct_pool_take(pool, faces * per, sizeof *search->faces);
+  search->neighbour = ct_pool_take(pool, faces * (size_t)search->edges, sizeof *search->neighbour);
+  search->boxes = ct_pool_take(pool, faces, sizeof *search->boxes);
+  if (search->kind != CT_T3) search->oriented = ct_pool_take(pool, faces, sizeof *search->oriented);
+  if (pool->failed || ct_incidence_init(&search->incidence, (int64_t)(faces * per), surface->faces,
+                                        search->host_count, search->faces, pool) != CT_OK)
+    return CT_ERROR_MEMORY;
+  search->nodes = search->incidence.nodes;
+  search->node_count = search->incidence.count;
+  search->x = ct_pool_take(pool, (size_t)search->node_count, 3 * sizeof *search->x);
+  return search->x == NULL ? CT_ERROR_MEMORY
+                           : ct_box_tree_create(search->face_count, &search->tree, NULL);
 }
 
-/* Number the surface's own nodes. */
-static ct_status number_nodes(ct_search *search, const ct_surface *surface)
-{
-  size_t entries = (size_t)search->face_count * (size_t)search->per;
-  int32_t *own = ct_allocate((size_t)search->host_count, sizeof *own);
-  if (own == NULL) return CT_ERROR_MEMORY;
-  for (size_t i = 0; i < entries; i++) own[surface->faces[i]] = 1;
-  for (int32_t n = 0; n < search->host_count; n++)
-    if (own[n]) {
-      search->nodes[search->node_count] = n;
-      own[n] = search->node_count++;
-    }
-  for (size_t i = 0; i < entries; i++) search->faces[i] = own[surface->faces[i]];
-  ct_release(own);
-  search->ring_first = ct_allocate((size_t)search->node_count + 1, sizeof *search->ring_first);
-  search->x = ct_allocate((size_t)search->node_count, 3 * sizeof *search->x);
-  return search->ring_first != NULL && search->x != NULL ? CT_OK : CT_ERROR_MEMORY;
-}
-
-/* List the faces around each node. */
-static void find_rings(ct_search *search)
-{
-  size_t entries = (size_t)search->face_count * (size_t)search->per,
-         nodes = (size_t)search->node_count;
-  for (size_t i = 0; i < entries; i++) search->ring_first[search->faces[i] + 1]++;
-  for (size_t n = 0; n < nodes; n++) search->ring_first[n + 1] += search->ring_first[n];
-  for (size_t i = entries; i-- > 0;)
-    search->ring[--search->ring_first[search->faces[i] + 1]] = (int32_t)(i / (size_t)search->per);
-  // The filling has moved each end to its beginning: shift the table back by one.
-  for (size_t n = 0; n < nodes; n++) search->ring_first[n] = search->ring_first[n + 1];
-  search->ring_first[nodes] = (int32_t)entries;
-}
-
+/* Find the face across each edge: one that has its two corners the other way round. */
 static void find_neighbours(ct_search *search)
 {
+  const ct_incidence *around = &search->incidence;
   for (int32_t f = 0; f < search->face_count; f++)
     for (int e = 0; e < search->edges; e++) {
       const int32_t *mine = &search->faces[(int64_t)f * search->per];
       int32_t a = mine[e], b = mine[(e + 1) % search->edges], found = -1;
-      for (int32_t i = search->ring_first[a]; i < search->ring_first[a + 1]; i++) {
-        const int32_t *theirs = &search->faces[(int64_t)search->ring[i] * search->per];
-        for (int k = 0; k < search->edges; k++)
-          if (search->ring[i] != f && theirs[k] == b && theirs[(k + 1) % search->edges] == a)
-            found = search->ring[i];
+      for (int32_t i = around->first[a]; i < around->first[a + 1]; i++) {
+        int32_t other = around->place[i] / search->per, k = around->place[i] % search->per;
+        const int32_t *theirs = &search->faces[(int64_t)other * search->per];
+        if (other != f && k < search->edges && theirs[(k + search->edges - 1) % search->edges] == b)
+          found = other;
       }
       search->neighbour[(int64_t)f * search->edges + e] = found;
     }
@@ -131,16 +93,15 @@ ct_status ct_search_init(const ct_surface *surface, int body, ct_search **out, c
   ct_status status = check_surface(surface, body, error);
   if (status != CT_OK) return status;
   ct_search *search = ct_allocate(1, sizeof *search);
-  if (search == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a surface");
+  if (search == NULL) return CT_NO_MEMORY(error, "a surface");
   search->kind = surface->kind;
   search->per = ct_face_node_count(surface->kind);
   search->edges = surface->kind == CT_Q4 || surface->kind == CT_Q8 ? 4 : 3;
   search->face_count = surface->face_count;
   search->host_count = surface->node_count;
-  if (allocate(search, error) != CT_OK || number_nodes(search, surface) != CT_OK) {
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a surface");
+  if (allocate(search, surface) != CT_OK) {
+    status = CT_NO_MEMORY(error, "a surface");
   } else {
-    find_rings(search);
     find_neighbours(search);
     status = ct_search_set(search, surface->reference, body, error);
   }
@@ -196,30 +157,20 @@ void ct_search_refit(ct_search *search)
   ct_box_tree_refit(search->tree, search->boxes);
 }
 
-void ct_search_leave(ct_search *shared)
-{
-  if (shared == NULL) return;
-  ct_release(shared->x);
-  ct_release(shared->boxes);
-  ct_release(shared->oriented);
-  ct_box_tree_free(shared->tree);
-  ct_release(shared);
-}
-
 ct_status ct_search_share(const ct_search *search, ct_search **out)
 {
   ct_search *own = ct_allocate(1, sizeof *own);
   if (own == NULL) return CT_ERROR_MEMORY;
   *own = *search;
+  own->pool = (ct_pool){NULL, 0};
   own->tree = NULL;
-  own->x = ct_duplicate(search->x, 3 * (size_t)own->node_count * sizeof *own->x);
-  own->boxes = ct_duplicate(search->boxes, (size_t)own->face_count * sizeof *own->boxes);
-  own->oriented =
-      search->oriented == NULL ? NULL : ct_allocate((size_t)own->face_count, sizeof *own->oriented);
-  int whole =
-      own->x != NULL && own->boxes != NULL && (own->oriented != NULL) == (search->oriented != NULL);
-  if (!whole || ct_box_tree_create(own->face_count, &own->tree, NULL) != CT_OK) {
-    ct_search_leave(own);
+  own->x = ct_pool_copy(&own->pool, search->x, 3 * (size_t)own->node_count * sizeof *own->x);
+  own->boxes =
+      ct_pool_copy(&own->pool, search->boxes, (size_t)own->face_count * sizeof *own->boxes);
+  if (own->oriented != NULL)
+    own->oriented = ct_pool_take(&own->pool, (size_t)own->face_count, sizeof *own->oriented);
+  if (own->pool.failed || ct_box_tree_create(own->face_count, &own->tree, NULL) != CT_OK) {
+    ct_search_free(own);
     return CT_ERROR_MEMORY;
   }
   *out = own;
@@ -255,8 +206,7 @@ int ct_search_adjacent(const ct_search *search, int32_t face, int32_t other)
 
 ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error *error)
 {
-  if (surface == NULL || out == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "search: null argument");
+  if (surface == NULL || out == NULL) return CT_REFUSE(error, "search: null argument");
   ct_search *search = NULL;
   ct_status status = ct_search_init(surface, 0, &search, error);
   if (status != CT_OK) return status;
@@ -267,8 +217,7 @@ ct_status ct_search_create(const ct_surface *surface, ct_search **out, ct_error 
 
 ct_status ct_search_move(ct_search *search, const double *x, ct_error *error)
 {
-  if (search == NULL || x == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "search: null argument");
+  if (search == NULL || x == NULL) return CT_REFUSE(error, "search: null argument");
   ct_status status = ct_search_set(search, x, 0, error);
   if (status == CT_OK) ct_search_refit(search);
   return status;

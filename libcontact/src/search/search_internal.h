@@ -3,25 +3,31 @@
 
 #include <libcontact/search.h>
 
+#include "../shape/shape.h"
 #include "box_tree.h"
+#include "../shape/incidence.h"
+
+/* Tolerance of a search for which the caller chooses none. */
+static const double CT_SEARCH_TOLERANCE = 1e-10;
 
 /* A surface with its topology, its current shape and its tree. */
 struct ct_search {
+  ct_pool pool;
   ct_face_kind kind;
   int per;   /* nodes of a face */
   int edges; /* corners of a face */
   int32_t face_count;
-  int32_t host_count; /* nodes of the host's arrays */
-  int32_t node_count; /* nodes of the surface */
-  int32_t *nodes;     /* their numbers in the host's arrays, ascending, shape (node_count) */
-  int32_t *faces;     /* numbers in `nodes`, shape (face_count, per) */
-  int32_t *neighbour; /* face across each edge, -1 at the border, shape (face_count, edges) */
-  int32_t *ring_first, *ring; /* faces around each node, ascending: ring[ring_first[n]] ... */
-  double size;                /* largest diagonal of a face's reference box */
-  double *x;                  /* current coordinates, shape (node_count, 3) */
-  ct_bounds *boxes;           /* current boxes of the faces */
-  ct_oriented *oriented;      /* those along the faces, of the last refit; null for T3 */
-  ct_box_tree *tree;          /* over the boxes of the last refit */
+  int32_t host_count;     /* nodes of the host's arrays */
+  int32_t node_count;     /* nodes of the surface */
+  int32_t *nodes;         /* their numbers in the host's arrays, ascending: those of `incidence` */
+  int32_t *faces;         /* numbers in `nodes`, shape (face_count, per) */
+  int32_t *neighbour;     /* face across each edge, -1 at the border, shape (face_count, edges) */
+  ct_incidence incidence; /* of nodes in the list of faces: place / per is a face */
+  double size;            /* largest diagonal of a face's reference box */
+  double *x;              /* current coordinates, shape (node_count, 3) */
+  ct_bounds *boxes;       /* current boxes of the faces */
+  ct_oriented *oriented;  /* those along the faces, of the last refit; null for T3 */
+  ct_box_tree *tree;      /* over the boxes of the last refit */
 };
 
 /* As ct_search_create, for surface number `body` of a host. The tree is not made yet. */
@@ -46,10 +52,8 @@ ct_status ct_search_set(ct_search *search, const double *host, int body, ct_erro
 void ct_search_refit(ct_search *search);
 
 /* A surface with coordinates, boxes and a tree of its own, which share the topology of `search`
- * and begin where that stands; the tree is not made yet. Freed with ct_search_leave, before
- * `search`. */
+ * and begin where that stands; the tree is not made yet. Freed before `search`. */
 ct_status ct_search_share(const ct_search *search, ct_search **out);
-void ct_search_leave(ct_search *shared);
 
 /* The same with boxes and tree for the coordinates, so that a call may search a surface that is
  * const to it. */

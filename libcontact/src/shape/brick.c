@@ -1,4 +1,4 @@
-#include <libcontact/shape.h>
+#include "shape.h"
 
 #include <math.h>
 
@@ -26,7 +26,6 @@ ct_face_kind ct_brick_face_kind(ct_brick_kind kind) { return kind == CT_HEX20 ? 
 
 void ct_brick_reference(ct_brick_kind kind, int node, double xi[3])
 {
-  if (xi == NULL) return;
   int known = node >= 0 && node < ct_brick_node_count(kind);
   for (int a = 0; a < 3; a++) xi[a] = known ? NODE[node][a] : NAN;
 }
@@ -51,17 +50,11 @@ void ct_brick_shape(ct_brick_kind kind, const double xi[3], double N[20])
     double f[3], df[3];
     factors(i, xi, f, df);
     double product = (f[0] * f[1]) * f[2];
-    if (kind == CT_HEX8) {
-      // -- Corner of the trilinear brick (eq:brick-hex8)
-      N[i] = 0.125 * product;
-    } else if (i < 8) {
-      // -- Corner of the serendipity brick (eq:brick-hex20)
-      double sum = (NODE[i][0] * xi[0] + NODE[i][1] * xi[1]) + NODE[i][2] * xi[2];
-      N[i] = 0.125 * product * (sum - 2);
-    } else {
-      // -- Mid-edge of the serendipity brick (eq:brick-hex20)
-      N[i] = 0.25 * product;
-    }
+    // -- Corner of the trilinear brick (eq:brick-hex8)
+    N[i] = (i < 8 ? 0.125 : 0.25) * product;
+    // -- Corner of the serendipity brick (eq:brick-hex20)
+    if (kind == CT_HEX20 && i < 8)
+      N[i] *= ((NODE[i][0] * xi[0] + NODE[i][1] * xi[1]) + NODE[i][2] * xi[2]) - 2;
   }
 }
 
@@ -77,17 +70,14 @@ void ct_brick_gradient(ct_brick_kind kind, const double xi[3], double dN[20][3])
     double others[3] = {f[1] * f[2], f[0] * f[2], f[0] * f[1]};
     double sum = (NODE[i][0] * xi[0] + NODE[i][1] * xi[1]) + NODE[i][2] * xi[2];
     for (int a = 0; a < 3; a++) {
-      double slope = df[a] * others[a];
-      if (kind == CT_HEX8) dN[i][a] = 0.125 * slope;
-      else if (i < 8) dN[i][a] = 0.125 * slope * ((sum - 2) + f[a]);
-      else dN[i][a] = 0.25 * slope;
+      dN[i][a] = (i < 8 ? 0.125 : 0.25) * (df[a] * others[a]);
+      if (kind == CT_HEX20 && i < 8) dN[i][a] *= (sum - 2) + f[a];
     }
   }
 }
 
 void ct_brick_face(ct_brick_kind kind, int side, int nodes[8])
 {
-  if (nodes == NULL) return;
-  int count = ct_brick_node_count(kind) == 0 ? 0 : ct_face_node_count(ct_brick_face_kind(kind));
-  for (int i = 0; i < 8; i++) nodes[i] = side >= 0 && side < 6 && i < count ? SIDE[side][i] : -1;
+  int count = ct_face_node_count(ct_brick_face_kind(kind));
+  for (int i = 0; i < 8; i++) nodes[i] = i < count ? SIDE[side][i] : -1;
 }

@@ -1,38 +1,44 @@
 #ifndef CT_SRC_FACETS_H
 #define CT_SRC_FACETS_H
 
-#include <libcontact/shape.h>
+#include "shape.h"
 #include <libcontact/base.h>
+
+#include "../base/memory.h"
+#include "incidence.h"
 
 /* Faces on which an effect integrates, and the sums of their nodal values at the nodes. */
 typedef struct ct_facets {
   ct_face_kind kind;
   int per; /* nodes of a face */
   int32_t face_count, node_count;
-  int32_t *faces; /* node numbers of the problem, shape (face_count, per) */
-  int32_t *nodes; /* all of them once, ascending */
-  /* Where the values of each node stand: place[first[i]] ... place[first[i + 1] - 1], in units of a
-   * node of a face. */
-  int32_t *first, *place;
-  int32_t most; /* the most places of a node */
+  int32_t *faces;         /* node numbers of the problem, shape (face_count, per) */
+  int32_t *nodes;         /* all of them once, ascending: those of `incidence` */
+  ct_incidence incidence; /* where the values of each node stand, in units of a node of a face */
   ct_rule rule;
-  double N[25][8], dN[25][8][2];
+  double N[9][8], dN[9][8][2];
 } ct_facets;
 
 /* Copy and check the faces: they exist, their nodes are those of a problem with so many nodes, and
- * each has an area at every Gauss point. `name` begins the words of an error. */
+ * each has an area at every Gauss point. Arrays are taken from the pool. `name` begins the words of
+ * an error. */
 ct_status ct_facets_create(ct_face_kind kind, int32_t face_count, const int32_t *faces,
                            int32_t node_count, const double *reference, const char *name,
-                           ct_facets **out, ct_error *error);
-
-void ct_facets_free(ct_facets *facets);
+                           ct_pool *pool, ct_facets *out, ct_error *error);
 
 /* Coordinates of the nodes of a face, x + u (`u` may be null). */
 void ct_facets_face(const ct_facets *facets, int32_t face, const double *x, const double *u,
                     ct_face *out);
 
-/* Sum values, shape (face_count, per, 3), at the nodes: sums, shape (node_count, 3), in an order
- * that does not matter. `terms` has room for `most` numbers. */
-void ct_facets_sum(const ct_facets *facets, const double *values, double *terms, double *sums);
+/* Area vectors t1 x t2 at the Gauss points of a face, and their lengths. */
+void ct_facets_areas(const ct_facets *facets, const ct_face *face, double area[25][3],
+                     double length[25]);
+
+/* Numbers that ct_facets_sum needs: so many for each node of each face, and some to work with. */
+size_t ct_facets_room(const ct_facets *facets, int components);
+
+/* Sum values, shape (face_count, per, components), at the nodes: sums, shape (node_count,
+ * components), in an order that does not matter. */
+void ct_facets_sum(const ct_facets *facets, int components, double *values, double *sums);
 
 #endif

@@ -1,5 +1,3 @@
-#include <libcontact/shape.h>
-
 #include "shape.h"
 #include "../base/vector.h"
 
@@ -57,8 +55,7 @@ void ct_segment_shape(ct_face_kind kind, const double xi[2], double N[8])
 
 void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2])
 {
-  if (xi == NULL || dN == NULL) return;
-  fill(dN[0], 16, ct_face_node_count(kind) == 0 ? NAN : 0);
+  fill(dN[0], 16, 0);
   if (kind == CT_Q4 || kind == CT_Q8) {
     for (int i = 0; i < 4; i++) {
       const double *c = CORNER[i];
@@ -82,32 +79,6 @@ void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2])
         if (kind == CT_T6) dN[3 + i][a] = 4 * (dL[i][a] * L[j] + L[i] * dL[j][a]);
       }
     }
-  }
-}
-
-void ct_segment_hessian(ct_face_kind kind, const double xi[2], double ddN[8][3])
-{
-  if (xi == NULL || ddN == NULL) return;
-  fill(ddN[0], 24, ct_face_node_count(kind) == 0 ? NAN : 0);
-  if (kind == CT_Q4 || kind == CT_Q8) {
-    for (int i = 0; i < 4; i++) {
-      double x = CORNER[i][0] * xi[0], y = CORNER[i][1] * xi[1], sign = CORNER[i][0] * CORNER[i][1];
-      ddN[i][2] = 0.25 * sign;
-      if (kind == CT_Q4) continue;
-      ddN[i][0] = 0.5 * (1 + y);
-      ddN[i][1] = 0.5 * (1 + x);
-      ddN[i][2] *= 2 * (x + y) + 1;
-      int along;
-      double r, s;
-      side_axes(i, xi, &along, &r, &s);
-      ddN[4 + i][along] = -(1 + s);
-      ddN[4 + i][2] = -r * SIDE[i];
-    }
-  } else if (kind == CT_T6) {
-    static const double constant[6][3] = {{4, 4, 4},   {4, 0, 0}, {0, 4, 0},
-                                          {-8, 0, -4}, {0, 0, 4}, {0, -8, -4}};
-    for (int i = 0; i < 6; i++)
-      for (int a = 0; a < 3; a++) ddN[i][a] = constant[i][a];
   }
 }
 
@@ -150,7 +121,6 @@ void ct_segment_point(const ct_face *face, const double xi[2], double y[3])
 
 void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3], double t2[3])
 {
-  if (face == NULL || xi == NULL || t1 == NULL || t2 == NULL) return;
   double dN[8][2];
   ct_segment_gradient(face->kind, xi, dN);
   node_sum(face, &dN[0][0], 2, t1);
@@ -159,9 +129,7 @@ void ct_segment_tangents(const ct_face *face, const double xi[2], double t1[3], 
 
 ct_status ct_segment_normal(const ct_face *face, const double xi[2], double n[3])
 {
-  if (n == NULL) return CT_ERROR_ARGUMENT;
   fill(n, 3, NAN);
-  if (face == NULL || xi == NULL || ct_face_node_count(face->kind) == 0) return CT_ERROR_ARGUMENT;
   double t1[3], t2[3], normal[3];
   ct_segment_tangents(face, xi, t1, t2);
   if (!ct_vector_unit_normal(t1, t2, normal)) return CT_ERROR_GEOMETRY;
@@ -171,7 +139,6 @@ ct_status ct_segment_normal(const ct_face *face, const double xi[2], double n[3]
 
 double ct_segment_area_element(const ct_face *face, const double xi[2])
 {
-  if (face == NULL || xi == NULL || ct_face_node_count(face->kind) == 0) return NAN;
   double t1[3], t2[3], n[3];
   ct_segment_tangents(face, xi, t1, t2);
   ct_vector_cross(t1, t2, n);

@@ -89,8 +89,7 @@ static ct_status find_box(const ct_mesh *mesh, box *b, ct_error *error)
   if (elements != mesh->element_count || nodes != mesh->node_count) return CT_OK;
   // -- As many elements as cells: the box is full unless two of them share a cell
   char *taken = ct_allocate((size_t)mesh->element_count, 1);
-  if (taken == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the stable step");
+  if (taken == NULL) return CT_NO_MEMORY(error, "the stable step");
   for (int d = 0; d < 3; d++) b->cells[d] = (int32_t)floor((high[d] - low[d]) / b->edge[d] + 0.5);
   int full = 1;
   for (int32_t e = 0; full && e < mesh->element_count; e++) {

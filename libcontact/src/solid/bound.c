@@ -139,40 +139,18 @@ ct_status ct_largest_eigenvalue(int n, const double *mass, double A[SIZE][SIZE],
   return CT_OK;
 }
 
-/* Largest eigenvalue of M⁻¹K; the tangent's unless `displacement` is null. */
-static ct_status element_eigenvalue(ct_brick_kind kind, const double *nodes,
-                                    const double *displacement, const ct_material *material,
-                                    const double *mass, double *omega_squared, ct_error *error)
+ct_status ct_solid_element_omega2_bound(ct_brick_kind kind, const double *nodes,
+                                        const double *displacement, const ct_material *material,
+                                        const double *mass, double *omega_squared, ct_error *error)
 {
   double A[SIZE][SIZE], m[SIZE];
   int per = ct_brick_node_count(kind);
-  ct_spread_mass(per, mass, NULL, m);
-  ct_status status = ct_element_stiffness(kind, nodes, displacement, material, A, error);
-  return status == CT_OK ? ct_largest_eigenvalue(3 * per, m, A, omega_squared, error) : status;
-}
-
-ct_status ct_solid_element_omega2_bound(ct_brick_kind kind, const double *nodes,
-                                        const ct_material *material, const double *mass,
-                                        double *omega_squared, ct_error *error)
-{
-  if (ct_brick_node_count(kind) == 0 || nodes == NULL || mass == NULL || omega_squared == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
-  ct_status status = ct_material_check(material, error);
-  return status == CT_OK
-             ? element_eigenvalue(kind, nodes, NULL, material, mass, omega_squared, error)
-             : status;
-}
-
-ct_status ct_solid_element_tangent_omega2_bound(ct_brick_kind kind, const double *nodes,
-                                                const double *displacement,
-                                                const ct_material *material, const double *mass,
-                                                double *omega_squared, ct_error *error)
-{
-  if (ct_brick_node_count(kind) == 0 || nodes == NULL || displacement == NULL || mass == NULL ||
-      omega_squared == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
+  if (per == 0 || nodes == NULL || mass == NULL || omega_squared == NULL)
+    return CT_REFUSE(error, "solid: null argument or unknown element");
   ct_status status = ct_material_check(material, error);
   if (status != CT_OK) return status;
-  return element_eigenvalue(kind, nodes, material->law == CT_LINEAR ? NULL : displacement, material,
-                            mass, omega_squared, error);
+  if (material->law == CT_LINEAR) displacement = NULL;
+  ct_spread_mass(per, mass, NULL, m);
+  status = ct_element_stiffness(kind, nodes, displacement, material, A, error);
+  return status == CT_OK ? ct_largest_eigenvalue(3 * per, m, A, omega_squared, error) : status;
 }

@@ -90,26 +90,6 @@ static inline void box_stress(slope D[3][3], double lambda, double mu, slope s[3
   s[0][2] = (slope){zx, mu * D[0][2].p, zx_eta, mu * D[0][2].pq};
 }
 
-/* Node numbers of a batch, shape (8, 8 lanes), of a body in the order of a lattice. */
-static inline void lattice_nodes(const ct_solid_part *part, int32_t b, int32_t nodes[64])
-{
-  int32_t row = part->cells[0] + 1, layer = row * (part->cells[1] + 1), first[8];
-  int32_t e = 8 * b, i = e % part->cells[0], j = e / part->cells[0] % part->cells[1],
-          k = e / part->cells[0] / part->cells[1];
-  // Mostly all eight are in one row.
-  int whole = i + 8 <= part->cells[0];
-  for (int l = 0; l < 8; l++) first[l] = i + row * j + layer * k + l;
-  for (int l = 0; !whole && l < 8; l++) {
-    first[l] = i + row * j + layer * k;
-    if (e + l + 1 >= part->mesh->element_count) continue; // the last batch repeats its last element
-    i++;
-    if (i == part->cells[0]) i = 0, j++;
-    if (j == part->cells[1]) j = 0, k++;
-  }
-  for (int a = 0; a < 8; a++)
-    for (int l = 0; l < 8; l++) nodes[8 * a + l] = first[l] + part->corner[a];
-}
-
 CT_CLONES
 void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last,
                           const double *displacement, double *values)
@@ -123,14 +103,11 @@ void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last
   }
   for (int32_t b = first; b < last; b++) {
     int64_t stride;
-    int32_t own[64];
-    double *out = ct_batch_values(part, values, b, &stride);
-    const int32_t *nodes = part->batch_nodes == NULL ? own : &part->batch_nodes[64 * (int64_t)b];
-    if (nodes == own) lattice_nodes(part, b, own);
+    double *out = ct_batch_values(part->ring, 8, values, b, &stride);
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes u[3 * 8], f[3 * 8], U[CT_MODES], F[CT_MODES];
       slope D[3][3], s[3][3];
-      ct_load_lanes(nodes, 8, displacement, lane, u);
+      ct_load_lanes(part->mesh, b, 8, displacement, lane, u);
       for (int i = 0; i < 3; i++) {
         ct_brick_modes(&u[8 * i], U);
         slopes(U, k, D[i]);
@@ -140,9 +117,7 @@ void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last
         modal_force(s[i], K1, K3, K9, F);
         ct_brick_nodal(F, &f[8 * i]);
       }
-      for (int a = 0; a < 8; a++)
-        for (int c = 0; c < 3; c++)
-          *(ct_lanes *)(void *)&out[stride * (3 * a + c) + lane] = f[8 * c + a];
+      ct_store_lanes(f, 8, lane, stride, out);
     }
   }
 }

@@ -182,7 +182,7 @@ void ct_solid_box20_batches(const ct_solid_part *part, int32_t first, int32_t la
   for (int32_t b = first; b < last; b++)
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes u[3 * 20], U[3][MODES], F[3][MODES];
-      ct_load_lanes(&part->batch_nodes[160 * (int64_t)b], 20, displacement, lane, u);
+      ct_load_lanes(part->mesh, b, 20, displacement, lane, u);
       // Written out: the compiler keeps what it unrolls in registers.
       nodes_to_modes(&u[0], U[0]);
       nodes_to_modes(&u[20], U[1]);
@@ -193,6 +193,6 @@ void ct_solid_box20_batches(const ct_solid_part *part, int32_t first, int32_t la
       modes_to_nodes(F[0], &u[0]);
       modes_to_nodes(F[1], &u[20]);
       modes_to_nodes(F[2], &u[40]);
-      ct_store_lanes(u, 20, lane, &values[480 * (int64_t)b]);
+      ct_store_lanes(u, 20, lane, 8, &values[480 * (int64_t)b]);
     }
 }

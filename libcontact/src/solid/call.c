@@ -1,132 +1,124 @@
-/* One call of the force for one body: compute what is active, sum at the nodes while the forces
- * are in the cache. */
+/* One call of the force for one body: compute the elements that are active, and sum at the nodes.
+ */
 #include "call.h"
-
-#include "lattice.h"
 
 #include <string.h>
 
 /* Let the forces of a batch that is left out be the zeros that they are. */
-static void clear_batch(const ct_solid_part *part, int32_t b, double *values)
+static void clear_batch(const ct_part_call *call, int32_t b, double *values)
 {
-  int rows = 3 * ct_brick_node_count(part->mesh->kind);
+  const ct_solid_part *part = call->part;
+  int nodes = call->ring != NULL ? call->ring->corners : ct_brick_node_count(part->mesh->kind);
   int64_t stride;
-  double *v = ct_batch_values(part, values, b, &stride);
-  for (int i = 0; i < rows; i++) memset(&v[i * stride], 0, 8 * sizeof *v);
+  double *v = ct_batch_values(call->ring, nodes, values, b, &stride);
+  for (int i = 0; i < 3 * nodes; i++) memset(&v[i * stride], 0, 8 * sizeof *v);
   if (part->energies != NULL) values[part->assembly->value_count + b] = 1.0;
 }
 
-/* Compute those of the batches first ... last - 1 that are active. */
-static void call_batches(const ct_part_call *call, int32_t first, int32_t last)
+/* Whether a batch is computed. */
+static int computes(const ct_part_call *call, int32_t b)
+{
+  return call->batch == NULL || call->batch[b] == CT_ACTIVE;
+}
+
+/* Compute those of the batches first ... last - 1 that are active; the others get zeros where
+ * somebody reads them and they may not be there yet. */
+static void call_batches(const ct_part_call *call, int32_t first, int32_t last, double *values)
 {
   for (int32_t b = first, end; b < last; b = end) {
-    end = ct_call_run(call, b, last);
-    if (ct_call_computes(call, b))
-      call->part->batches(call->part, b, end, call->displacement, call->values);
-    else
-      for (int32_t i = b; i < end; i++)
-        if (ct_call_clears(call, i)) clear_batch(call->part, i, call->values);
+    int active = computes(call, b);
+    for (end = call->batch == NULL ? last : b + 1; end < last && computes(call, end) == active;)
+      end++;
+    if (active) call->batches(call->part, b, end, call->displacement, values);
+    for (int32_t i = b; !active && i < end; i++)
+      if (call->examined || call->batch[i] == CT_BORDER) clear_batch(call, i, values);
   }
 }
 
-static void part_gather(const ct_part_call *call, int32_t first, int32_t last)
+/* The first of the nodes n, n + 1, ... that is summed. */
+static int32_t next_node(const ct_part_call *call, int32_t n)
 {
-  const ct_solid_part *part = call->part;
-  if (part->ring > 0) ct_lattice_gather(part, call->values, first, last, call->f);
-  else ct_assembly_gather(part->assembly, call->values, first, last, call->f);
+  int32_t shift = call->part->first_node, last = shift + call->part->mesh->node_count;
+  return call->summed == NULL ? n : ct_bits_next(call->summed, shift + n, last, 1) - shift;
 }
 
-/* Sum at those of the part's nodes first ... last - 1 that have an active element. */
-static void call_gather(const ct_part_call *call, int32_t first, int32_t last)
+/* Sum at those nodes of a run that have an active element; answers the first such node behind it.
+ */
+static int32_t gather_run(const ct_part_call *call, const double *values, const ct_run *run)
 {
-  for (int32_t n = first, end; n < last; n = end) {
+  int32_t n = run->low, last = n + run->count;
+  for (int32_t end; n < last; n = end) {
     end = ct_call_nodes(call, &n, last);
-    part_gather(call, n, end);
+    ct_force_ring_gather(call->ring, values, run, n - run->low, end - run->low, call->f);
   }
+  return next_node(call, last);
 }
 
-/* One thread: sum each node as soon as its last element is there. */
-static void part_force(const ct_part_call *call)
+/* Forces at the nodes of the runs first ... last - 1, each run as soon as its last element is
+ * there. */
+static void sum_runs(const ct_part_call *call, int32_t first, int32_t last, double *values)
 {
-  const ct_solid_part *part = call->part;
-  const int32_t *ready = part->ready;
-  int32_t node[CT_FAMILIES];
-  memcpy(node, part->family, sizeof node);
-  for (int32_t b = 0; b < part->batch_count; b += CT_BLOCK) {
-    call_batches(call, b, b + CT_BLOCK < part->batch_count ? b + CT_BLOCK : part->batch_count);
-    if (part->assembly->extra_count > 0) continue;
-    for (int k = 0; k < part->families; k++, ready++) {
-      call_gather(call, node[k], *ready);
-      node[k] = *ready;
+  const ct_run *runs = call->ring->runs;
+  int32_t begin = INT32_MAX, next = next_node(call, 0);
+  for (int32_t r = first; r < last; r++) begin = runs[r].first < begin ? runs[r].first : begin;
+  for (int32_t b = begin / 8, end, r = first; r < last; b = end) {
+    end = b + CT_BLOCK < call->part->batch_count ? b + CT_BLOCK : call->part->batch_count;
+    call_batches(call, b, end, values);
+    for (; r < last; r++) {
+      if (runs[r].low + runs[r].count <= next) continue;
+      if (runs[r].last >= 8 * end) break;
+      next = gather_run(call, values, &runs[r]);
     }
-  }
-  ct_assembly_fold(part->assembly, call->values);
-  for (int k = 0; k < part->families; k++) call_gather(call, node[k], part->family[k + 1]);
-}
-
-/* The same for a range of the nodes of a body whose forces go through a ring: begin with the first
- * element that a node of the range may have. */
-static void ring_force(const ct_part_call *call, int32_t first, int32_t last)
-{
-  const ct_solid_part *part = call->part;
-  int32_t node = first;
-  for (int32_t b = ct_lattice_begin(part, first) / 8, end; node < last; b = end) {
-    end = b + part->block < part->batch_count ? b + part->block : part->batch_count;
-    call_batches(call, b, end);
-    int32_t ready = ct_lattice_ready(part, 8 * end);
-    ready = ready < last ? ready : last;
-    if (ready <= node) continue;
-    call_gather(call, node, ready);
-    node = ready;
   }
 }
 
 /* Each thread sums its share of the nodes with a ring of its own. Elements between two shares are
  * computed twice. */
-static void ring_force_threads(const ct_part_call *call, int threads)
+static void ring_force(const ct_part_call *call, int threads)
 {
-  int32_t nodes = call->part->mesh->node_count,
-          shares = threads < call->part->rings ? threads : call->part->rings;
+  const ct_force_ring *ring = call->ring;
+  int64_t runs = ring->run_count;
+  int shares = threads < ring->threads ? threads : ring->threads;
 #ifdef _OPENMP
 #pragma omp parallel for num_threads(shares) schedule(static, 1) if (shares > 1)
 #endif
-  for (int32_t i = 0; i < shares; i++) {
-    ct_part_call own = *call;
-    own.values += 24 * call->part->stride * i;
-    ring_force(&own, (int32_t)((int64_t)nodes * i / shares),
-               (int32_t)((int64_t)nodes * (i + 1) / shares));
+  for (int i = 0; i < shares; i++)
+    sum_runs(call, (int32_t)(runs * i / shares), (int32_t)(runs * (i + 1) / shares),
+             call->values + 3 * ring->corners * ring->stride * i);
+}
+
+enum { NODES_AT_ONCE = 1024 };
+
+/* Sum at those of the nodes first ... that have an active element. */
+static void gather_nodes(const ct_part_call *call, int32_t first)
+{
+  int32_t nodes = call->part->mesh->node_count,
+          last = nodes - first < NODES_AT_ONCE ? nodes : first + NODES_AT_ONCE;
+  for (int32_t n = first, end; n < last; n = end) {
+    end = ct_call_nodes(call, &n, last);
+    ct_assembly_gather(call->part->assembly, call->values, n, end, call->f);
   }
 }
 
-#ifdef _OPENMP
-enum { NODES_AT_ONCE = 1024 };
-
-/* Several threads: all elements, then all nodes. The sums are the same. */
-static void part_force_threads(const ct_part_call *call, int threads)
+/* All elements, then all nodes. */
+static void table_force(const ct_part_call *call, int threads)
 {
-  const ct_solid_part *part = call->part;
-  int32_t batches = part->batch_count, nodes = part->mesh->node_count;
-#pragma omp parallel for num_threads(threads) schedule(static)
-  for (int32_t b = 0; b < batches; b += CT_BLOCK)
-    call_batches(call, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches);
-  ct_assembly_fold(part->assembly, call->values);
-#pragma omp parallel for num_threads(threads) schedule(static)
-  for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE)
-    call_gather(call, n, n + NODES_AT_ONCE < nodes ? n + NODES_AT_ONCE : nodes);
-}
+  int32_t batches = call->part->batch_count, nodes = call->part->mesh->node_count;
+  (void)threads;
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
 #endif
+  for (int32_t b = 0; b < batches; b += CT_BLOCK)
+    call_batches(call, b, b + CT_BLOCK < batches ? b + CT_BLOCK : batches, call->values);
+  ct_assembly_fold(call->part->assembly, call->values);
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(threads) schedule(static) if (threads > 1)
+#endif
+  for (int32_t n = 0; n < nodes; n += NODES_AT_ONCE) gather_nodes(call, n);
+}
 
 void ct_part_force(const ct_part_call *call, int threads)
 {
-  if (call->part->ring > 0) {
-    ring_force_threads(call, threads);
-    return;
-  }
-#ifdef _OPENMP
-  if (threads > 1) {
-    part_force_threads(call, threads);
-    return;
-  }
-#endif
-  part_force(call);
+  if (call->ring != NULL) ring_force(call, threads);
+  else table_force(call, threads);
 }

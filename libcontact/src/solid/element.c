@@ -80,7 +80,7 @@ static ct_status element_arguments(ct_brick_kind kind, const double *nodes,
 {
   size_t per = (size_t)ct_brick_node_count(kind);
   if (per == 0 || nodes == NULL || displacement == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument or unknown element");
+    return CT_REFUSE(error, "solid: null argument or unknown element");
   memcpy(x, nodes, per * sizeof x[0]);
   memcpy(u, displacement, per * sizeof u[0]);
   return ct_material_check(material, error);
@@ -148,7 +148,7 @@ ct_status ct_solid_stress(const ct_mesh *mesh, const ct_material *material,
 {
   static const double centre[3] = {0.0, 0.0, 0.0};
   if (mesh == NULL || displacement == NULL || stress == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "solid: null argument");
+    return CT_REFUSE(error, "solid: null argument");
   size_t per = (size_t)ct_brick_node_count(mesh->kind);
   for (int32_t e = 0; e < mesh->element_count; e++) {
     double x[20][3] = {{0.0}}, u[20][3] = {{0.0}};

@@ -1,9 +1,7 @@
 #ifndef CT_SRC_SOLID_ELEMENT_H
 #define CT_SRC_SOLID_ELEMENT_H
 
-#include <libcontact/shape.h>
-#include <libcontact/mesh.h>
-#include <libcontact/base.h>
+#include "../mesh/mesh_internal.h"
 
 /* Degrees of freedom of the largest element. */
 enum { CT_ELEMENT_SIZE = 60 };
@@ -43,5 +41,37 @@ ct_status ct_largest_eigenvalue(int count, const double *mass,
 /* The masses of nodes as those of their degrees of freedom, infinite where `held` (null: nothing
  * is). */
 void ct_spread_mass(int per, const double *mass, const int held[3], double spread[CT_ELEMENT_SIZE]);
+
+/* Internal force of one element, the readable form: Gauss points one after another,
+ * eq:internal-force, and for large deformation eq:large-force. `nodes` (undeformed) and
+ * `displacement` and `force` have shape (8 or 20, 3); `force` [force] is what the element does to
+ * its nodes. `energy` [energy], eq:large-energy, may be null. CT_ERROR_GEOMETRY when the
+ * deformation turns the element inside out (`error` names the Gauss point). */
+ct_status ct_solid_element_force(ct_brick_kind kind, const double *nodes,
+                                 const double *displacement, const ct_material *material,
+                                 double *force, double *energy, ct_error *error);
+
+/* Stress xx yy zz xy yz zx [stress] of one element at the point ξ, eq:hooke; for large
+ * deformation Cauchy's, eq:cauchy. */
+ct_status ct_solid_element_stress(ct_brick_kind kind, const double *nodes,
+                                  const double *displacement, const ct_material *material,
+                                  const double xi[3], double stress[6], ct_error *error);
+
+/* Force of one hex8 element with one point and hourglass control, the readable form,
+ * eq:reduced-force. `nodes`, `displacement` and `force` have shape (8, 3); `hourglass` > 0 is
+ * the coefficient κ of eq:hourglass-stiffness. `energy` (may be null) gets the energies of the
+ * mean strain and of the hourglass control, eq:reduced-energy. CT_ERROR_UNSUPPORTED for a
+ * law of large deformation. */
+ct_status ct_solid_reduced_force(const double *nodes, const double *displacement,
+                                 const ct_material *material, double hourglass, double *force,
+                                 double energy[2], ct_error *error);
+
+/* Upper bound of the largest ω² of one element with its lumped `mass` (8 or 20), the largest
+ * eigenvalue of M⁻¹K (eq:element-bound) [1 / time²]; of the tangent stiffness at a `displacement`
+ * (8 or 20, 3) unless that is null (eq:large-tangent), 0 when no eigenvalue is positive. With the
+ * law CT_LINEAR the displacement changes nothing. */
+ct_status ct_solid_element_omega2_bound(ct_brick_kind kind, const double *nodes,
+                                        const double *displacement, const ct_material *material,
+                                        const double *mass, double *omega_squared, ct_error *error);
 
 #endif

@@ -1,38 +1,137 @@
-/* The kernel for hex8 elements of any shape, 2 x 2 x 2 Gauss points. */
-#include "hex8_points.h"
+/* The kernels for hex8 elements of any shape, 2 x 2 x 2 Gauss points, ξ fastest: forces for small
+ * and for large deformation, with the smallest J = det F of each batch, and energies. */
 #include "kernel.h"
+#include "modes.h"
 #include "point.h"
+
+/* Values of a gradient on the four lines of Gauss points along one direction: the factor g = 1/√3
+ * of the Gauss points belongs to each sign, and N = 1/8 Σ modes. Line k has the signs (k & 1, k >>
+ * 1) of the two other directions. */
+static inline void line_values(const ct_lanes *one, const ct_lanes *p, const ct_lanes *q,
+                               const ct_lanes *pq, ct_lanes v[4])
+{
+  const double g = 0.57735026918962576451;
+  for (int k = 0; k < 4; k++) {
+    double sp = k & 1 ? g : -g, sq = k >> 1 ? g : -g;
+    v[k] = 0.125 * ((*one + sp * *p) + (sq * *q + (sp * sq) * *pq));
+  }
+}
+
+/* ∂/∂ξ, ∂/∂η, ∂/∂ζ of one component on the lines of Gauss points. */
+CT_INLINE void line_gradients(const ct_lanes U[CT_MODES], ct_lanes G[3][4])
+{
+  line_values(&U[CT_XI], &U[CT_XI_ETA], &U[CT_ZETA_XI], &U[CT_XI_ETA_ZETA], G[0]);
+  line_values(&U[CT_ETA], &U[CT_XI_ETA], &U[CT_ETA_ZETA], &U[CT_XI_ETA_ZETA], G[1]);
+  line_values(&U[CT_ZETA], &U[CT_ZETA_XI], &U[CT_ETA_ZETA], &U[CT_XI_ETA_ZETA], G[2]);
+}
+
+/* Modal forces of one component from P at the eight points: the transpose of `line_gradients`. */
+CT_INLINE void collect_modes(ct_lanes P[8][3][3], int i, ct_lanes F[CT_MODES])
+{
+  static const int pair[3][4][2] = {{{0, 1}, {2, 3}, {4, 5}, {6, 7}},
+                                    {{0, 2}, {1, 3}, {4, 6}, {5, 7}},
+                                    {{0, 4}, {1, 5}, {2, 6}, {3, 7}}};
+  const double g = 0.57735026918962576451;
+  ct_lanes sum[3], p[3], q[3], pq[3];
+  for (int j = 0; j < 3; j++) {
+    ct_lanes t[4];
+    for (int k = 0; k < 4; k++) t[k] = P[pair[j][k][0]][i][j] + P[pair[j][k][1]][i][j];
+    ct_square_modes(t, &sum[j], &p[j], &q[j], &pq[j]);
+  }
+  F[CT_XI] = 0.125 * sum[0];
+  F[CT_ETA] = 0.125 * sum[1];
+  F[CT_ZETA] = 0.125 * sum[2];
+  F[CT_XI_ETA] = (0.125 * g) * (p[0] + p[1]);
+  F[CT_ZETA_XI] = (0.125 * g) * (q[0] + p[2]);
+  F[CT_ETA_ZETA] = (0.125 * g) * (q[1] + q[2]);
+  F[CT_XI_ETA_ZETA] = (0.125 * g * g) * ((pq[0] + pq[1]) + pq[2]);
+}
+
+/* Reference gradients of coordinates and displacements of 8 elements on the lines of Gauss points.
+ */
+typedef struct lines {
+  ct_lanes X[3][3][4], U[3][3][4];
+} lines;
+
+CT_INLINE void find_lines(const ct_solid_part *part, int32_t b, int lane,
+                          const double *displacement, lines *g)
+{
+  ct_lanes x[3 * 8], u[3 * 8], M[CT_MODES];
+  ct_load_lanes(part->mesh, b, 8, part->mesh->nodes, lane, x);
+  ct_load_lanes(part->mesh, b, 8, displacement, lane, u);
+  for (int i = 0; i < 3; i++) {
+    ct_brick_modes(&x[8 * i], M);
+    line_gradients(M, g->X[i]);
+    ct_brick_modes(&u[8 * i], M);
+    line_gradients(M, g->U[i]);
+  }
+}
+
+CT_INLINE void take_point(const lines *g, int q, ct_lanes J[3][3], ct_lanes H[3][3])
+{
+  int line[3] = {q >> 1, (q & 1) + 2 * (q >> 2), q & 3};
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      J[i][j] = g->X[i][j][line[j]];
+      H[i][j] = g->U[i][j][line[j]];
+    }
+}
+
+/* Forces of one batch, and for large deformation its smallest J. */
+CT_INLINE void batch_forces(const ct_solid_part *part, int32_t b, const double *displacement,
+                            double *values, double *lowest, int large)
+{
+  int64_t stride;
+  double *to = ct_batch_values(part->ring, 8, values, b, &stride);
+  for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
+    lines g;
+    ct_lanes P[8][3][3], J[3][3], H[3][3], f[3 * 8], volume[8], F[CT_MODES];
+    find_lines(part, b, lane, displacement, &g);
+    for (int q = 0; q < 8; q++) {
+      take_point(&g, q, J, H);
+      if (large) ct_large_point(part->material.law, J, H, part->lambda, part->mu, P[q], &volume[q]);
+      else ct_point_stress(J, H, part->lambda, part->mu, P[q]);
+    }
+    for (int i = 0; i < 3; i++) {
+      collect_modes(P, i, F);
+      ct_brick_nodal(F, &f[8 * i]);
+    }
+    for (int q = 0; large && q < 8; q++) ct_lanes_lowest(&volume[q], lowest);
+    ct_store_lanes(f, 8, lane, stride, to);
+  }
+}
 
 CT_CLONES
 void ct_solid_hex8_batches(const ct_solid_part *part, int32_t first, int32_t last,
                            const double *displacement, double *values)
 {
-  for (int32_t b = first; b < last; b++)
-    for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
-      ct_lanes x[3 * 8], u[3 * 8], X[CT_MODES], U[CT_MODES], GX[3][3][4], GU[3][3][4], P[8][3][3];
-      ct_load_lanes(&part->batch_nodes[64 * (int64_t)b], 8, part->mesh->nodes, lane, x);
-      ct_load_lanes(&part->batch_nodes[64 * (int64_t)b], 8, displacement, lane, u);
-      for (int i = 0; i < 3; i++) {
-        ct_brick_modes(&x[8 * i], X);
-        line_gradients(X, GX[i]);
-        ct_brick_modes(&u[8 * i], U);
-        line_gradients(U, GU[i]);
-      }
-      for (int q = 0; q < 8; q++) {
-        int line[3] = {q >> 1, (q & 1) + 2 * (q >> 2), q & 3};
-        ct_lanes J[3][3], H[3][3];
-        for (int i = 0; i < 3; i++)
-          for (int j = 0; j < 3; j++) {
-            J[i][j] = GX[i][j][line[j]];
-            H[i][j] = GU[i][j][line[j]];
-          }
-        ct_point_stress(J, H, part->lambda, part->mu, P[q]);
-      }
-      for (int i = 0; i < 3; i++) {
-        ct_lanes F[CT_MODES];
-        collect_modes(P, i, F);
-        ct_brick_nodal(F, &u[8 * i]);
-      }
-      ct_store_lanes(u, 8, lane, &values[192 * (int64_t)b]);
+  for (int32_t b = first; b < last; b++) batch_forces(part, b, displacement, values, NULL, 0);
+}
+
+CT_CLONES
+void ct_solid_large_hex8_batches(const ct_solid_part *part, int32_t first, int32_t last,
+                                 const double *displacement, double *values)
+{
+  for (int32_t b = first; b < last; b++) {
+    double lowest = 1.0;
+    batch_forces(part, b, displacement, values, &lowest, 1);
+    values[part->assembly->value_count + b] = lowest;
+  }
+}
+
+CT_CLONES
+void ct_solid_large_hex8_energies(const ct_solid_part *part, int32_t batch,
+                                  const double *displacement, double energies[8])
+{
+  for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
+    lines g;
+    ct_lanes W[8], J[3][3], H[3][3];
+    find_lines(part, batch, lane, displacement, &g);
+    for (int q = 0; q < 8; q++) {
+      take_point(&g, q, J, H);
+      ct_large_point_energy(part->material.law, J, H, part->lambda, part->mu, &W[q]);
     }
+    ct_lanes sum = ((W[0] + W[1]) + (W[2] + W[3])) + ((W[4] + W[5]) + (W[6] + W[7]));
+    memcpy(&energies[lane], &sum, sizeof sum);
+  }
 }

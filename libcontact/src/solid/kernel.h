@@ -4,7 +4,9 @@
 #include <libcontact/solid.h>
 
 #include "../mesh/assembly.h"
+#include "../mesh/mesh_internal.h"
 #include "../base/lanes.h"
+#include "ring.h"
 
 #include <string.h>
 
@@ -23,9 +25,6 @@ typedef void ct_solid_batches(const struct ct_solid_part *part, int32_t first, i
 typedef void ct_solid_energies(const struct ct_solid_part *part, int32_t batch,
                                const double *displacement, double energies[8]);
 
-/* Most families of nodes in a body: corners, and mid-sides along three axes. */
-enum { CT_FAMILIES = 4 };
-
 /* One body, prepared for its kernel. Element forces go to `values` in the layout of ct_assembly. */
 typedef struct ct_solid_part {
   const ct_mesh *mesh;
@@ -34,10 +33,6 @@ typedef struct ct_solid_part {
   ct_optimisations optimisations;
   double lambda, mu;
   int32_t first_node;
-  /* Families of nodes that are summed each in the order of their numbers, family[k] ... family[k +
-   * 1] - 1. */
-  int32_t family[CT_FAMILIES + 1];
-  int families;
   ct_solid_kernel kernel;
   ct_solid_batches *batches;
   /* Null where the force is linear: the energy is then half its work. */
@@ -48,22 +43,13 @@ typedef struct ct_solid_part {
   double omega_squared;
   /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
   double edge[3];
-  /* Cells of a body of boxes in the order of a lattice, along the axis that rows lie along, the
-   * next, and that of the layers; cells[0] = 0: it is none. These axes, and how far each corner's
-   * node number is from that of the first corner. */
-  int32_t cells[3];
-  int axes[3];
-  int32_t corner[8];
-  /* Where such elements share all that is stored, a ring of `ring` elements, a power of two, holds
-   * their forces, those of one component of one node `stride` after those of the one before; each
-   * of `rings` threads has one, and computes `block` batches at once. There are then no
-   * batch_nodes, assembly, ready. 0: there is no ring. */
-  int32_t rings, block;
-  int64_t ring, stride;
-  /* Node numbers in the body, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last
-   * element. */
+  /* Through which element forces go; null: they stand in the layout of ct_assembly. */
+  ct_force_ring *ring;
+  /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE. Values in rings stand where
+   * the effect's begin. */
+  ct_force_ring *plane;
+  /* Batches of 8 elements. */
   int32_t batch_count;
-  int32_t *batch_nodes;
   /* Coefficient of the hourglass control, and what is laid down for each batch, when the kernel is
    * CT_KERNEL_REDUCED. */
   double hourglass;
@@ -74,18 +60,12 @@ typedef struct ct_solid_part {
    * needs none. */
   double (*gradients)[20][3];
   ct_assembly *assembly;
-  /* After each block of CT_BLOCK batches: the first node of each family that waits for an element,
-   * shape (blocks, families). */
-  int32_t *ready;
   /* Where this part's values, and its batches, begin in the scratch of the effect, how many values
    * it has, and after how many of them energies are kept. */
   int64_t first_value, first_batch, value_count, energy_value;
   /* Batches of the elements of node n, batches_at[batch_begin[n]] ... batches_at[batch_begin[n + 1]
-   * - 1]; null for a lattice, and where no element sleeps. */
+   * - 1]; null where no element sleeps. */
   int32_t *batch_begin, *batches_at;
-  /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE; its values stand where the
-   * effect's begin. */
-  struct ct_plane *plane;
 } ct_solid_part;
 
 /* Batches that are computed before their nodes are summed, while their forces are still in the
@@ -122,23 +102,33 @@ static inline void ct_solid_load_element(const ct_mesh *mesh, int32_t e, const d
     memcpy(to[a], &from[3 * (size_t)mesh->elements[(size_t)e * per + a]], sizeof to[a]);
 }
 
-/* Node numbers of a mesh, shape (batches, 8 or 20, 8 lanes); the last batch repeats its last
- * element. */
-void ct_solid_batch_nodes(const ct_mesh *mesh, int32_t *batch_nodes);
-
-/* Read `per` nodes of 8 elements from an array (nodes, 3) into lanes v[component][node]. */
-static inline void ct_load_lanes(const int32_t *nodes, int per, const double *array, int lane,
-                                 ct_lanes *v)
+/* Node numbers of the 8 elements of batch `b`, shape (8, per); the last batch repeats its last
+ * element, in `room`. */
+CT_INLINE const int32_t *ct_batch_nodes(const ct_mesh *mesh, int32_t b, int per,
+                                        int32_t room[8 * 20])
 {
+  int32_t left = mesh->element_count - 8 * b;
+  const int32_t *nodes = &mesh->elements[8 * (int64_t)per * b];
+  for (int32_t i = 0; left < 8 && i < 8 * per; i++)
+    room[i] = nodes[i < per * left ? i : per * (left - 1) + i % per];
+  return left < 8 ? room : nodes;
+}
+
+/* Read the `per` nodes (8 or 20) of the elements of a batch from an array (nodes, 3) into lanes
+ * v[component][node]. */
+CT_INLINE void ct_load_lanes(const ct_mesh *mesh, int32_t b, int per, const double *array, int lane,
+                             ct_lanes *v)
+{
+  int32_t room[8 * 20];
+  const int32_t *nodes = ct_batch_nodes(mesh, b, per, room);
   for (int a = 0; a < per; a++) {
-    const int32_t *n = &nodes[8 * a + lane];
+    const int32_t *n = &nodes[per * lane + a];
 #if CT_LANES_WIDE
-    const double *p0 = array + 3 * (int64_t)n[0], *p1 = array + 3 * (int64_t)n[1],
-                 *p2 = array + 3 * (int64_t)n[2], *p3 = array + 3 * (int64_t)n[3],
-                 *p4 = array + 3 * (int64_t)n[4], *p5 = array + 3 * (int64_t)n[5],
-                 *p6 = array + 3 * (int64_t)n[6], *p7 = array + 3 * (int64_t)n[7];
+    const double *p[8];
+    for (int l = 0; l < 8; l++) p[l] = array + 3 * (int64_t)n[per * l];
     for (int c = 0; c < 3; c++)
-      v[per * c + a] = (ct_lanes){p0[c], p1[c], p2[c], p3[c], p4[c], p5[c], p6[c], p7[c]};
+      v[per * c + a] =
+          (ct_lanes){p[0][c], p[1][c], p[2][c], p[3][c], p[4][c], p[5][c], p[6][c], p[7][c]};
 #else
     for (int c = 0; c < 3; c++) v[per * c + a] = array[3 * (int64_t)n[0] + c];
 #endif
@@ -147,20 +137,20 @@ static inline void ct_load_lanes(const int32_t *nodes, int per, const double *ar
 
 /* Where the forces of batch `b` stand: number (3 a + c) of element l at [(3 a + c) * stride + l].
  */
-static inline double *ct_batch_values(const ct_solid_part *part, double *values, int32_t b,
+static inline double *ct_batch_values(const ct_force_ring *ring, int per, double *values, int32_t b,
                                       int64_t *stride)
 {
-  *stride = part->ring > 0 ? part->stride : 8;
-  return part->ring > 0 ? values + (8 * (int64_t)b & (part->ring - 1))
-                        : values + 24 * (int64_t)ct_brick_node_count(part->mesh->kind) * b;
+  *stride = ring != NULL ? ring->stride : 8;
+  return values + (ring != NULL ? 8 * (int64_t)b & (ring->size - 1) : 24 * (int64_t)per * b);
 }
 
-/* Write lanes f[component][node] of 8 elements to their place in `values`. */
-static inline void ct_store_lanes(const ct_lanes *f, int per, int lane, double *values)
+/* Write lanes f[component][node] of 8 elements there. */
+static inline void ct_store_lanes(const ct_lanes *f, int per, int lane, int64_t stride,
+                                  double *values)
 {
   for (int a = 0; a < per; a++)
     for (int c = 0; c < 3; c++)
-      *(ct_lanes *)(void *)&values[8 * (3 * a + c) + lane] = f[per * c + a];
+      *(ct_lanes *)(void *)&values[stride * (3 * a + c) + lane] = f[per * c + a];
 }
 
 #endif

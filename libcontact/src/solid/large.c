@@ -1,6 +1,8 @@
 /* St. Venant-Kirchhoff and neo-Hookean material at one point, as the equations read. */
 #include "large.h"
 
+#include "../shape/jacobian.h"
+
 #include <math.h>
 
 /* What both laws are made of: B = 2E = FᵀF - 1 without the loss of digits that FᵀF - 1 has for
@@ -11,16 +13,6 @@ typedef struct deformation {
   double one, two, three;
 } deformation;
 
-static double determinant(double A[3][3], double cofactor[3][3])
-{
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) {
-      int p = (i + 1) % 3, q = (i + 2) % 3, r = (j + 1) % 3, s = (j + 2) % 3;
-      cofactor[i][j] = A[p][r] * A[q][s] - A[p][s] * A[q][r];
-    }
-  return (A[0][0] * cofactor[0][0] + A[0][1] * cofactor[0][1]) + A[0][2] * cofactor[0][2];
-}
-
 static deformation deform(double G[3][3])
 {
   deformation d;
@@ -29,7 +21,7 @@ static deformation deform(double G[3][3])
     for (int j = 0; j < 3; j++)
       d.B[i][j] =
           (G[i][j] + G[j][i]) + ((G[0][i] * G[0][j] + G[1][i] * G[1][j]) + G[2][i] * G[2][j]);
-  d.three = determinant(d.B, d.adjugate);
+  d.three = ct_cofactors(d.B, d.adjugate);
   d.one = (d.B[0][0] + d.B[1][1]) + d.B[2][2];
   d.two = (d.adjugate[0][0] + d.adjugate[1][1]) + d.adjugate[2][2];
   return d;
@@ -41,7 +33,7 @@ double ct_large_stress(const ct_material *material, double G[3][3], double S[3][
   ct_material_lame(material, &lambda, &mu);
   deformation d = deform(G);
   // -- J - 1 from the gradient, where 1 has dropped out (eq:volume-change)
-  double three = determinant(G, minor), two = (minor[0][0] + minor[1][1]) + minor[2][2];
+  double three = ct_cofactors(G, minor), two = (minor[0][0] + minor[1][1]) + minor[2][2];
   double theta = ((G[0][0] + G[1][1]) + G[2][2]) + (two + three), J = 1.0 + theta;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
@@ -66,7 +58,7 @@ double ct_large_tangent(const ct_material *material, double G[3][3], ct_large_st
   if (!(J > 0.0)) return J;
   for (int i = 0; i < 9; i++) F[i / 3][i % 3] = G[i / 3][i % 3] + (i % 4 == 0 ? 1.0 : 0.0);
   int svk = material->law == CT_ST_VENANT_KIRCHHOFF;
-  (void)determinant(F, cofactor);
+  (void)ct_cofactors(F, cofactor);
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
       double one = i == j ? 1.0 : 0.0,

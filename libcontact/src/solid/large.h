@@ -1,7 +1,7 @@
 #ifndef CT_SRC_SOLID_LARGE_H
 #define CT_SRC_SOLID_LARGE_H
 
-#include <libcontact/mesh.h>
+#include "../mesh/mesh_internal.h"
 
 /* The laws for large deformation at one point, from the displacement gradient G = ∂u/∂X = F - 1. */
 

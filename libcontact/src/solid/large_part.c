@@ -1,6 +1,7 @@
 /* What a body of large deformation is asked beside its forces: whether an element is inside out,
  * and the tangent's eigenvalues. */
 #include "../base/error.h"
+#include "element.h"
 #include "kernel.h"
 
 #include <math.h>
@@ -48,8 +49,8 @@ ct_status ct_solid_tangent_omega2_bound(const ct_solid_part *part, const double 
       ct_status status =
           ct_mass_element(mesh->kind, &x[0][0], part->material.density, part->lumping, m, error);
       if (status == CT_OK)
-        status = ct_solid_element_tangent_omega2_bound(mesh->kind, &x[0][0], &v[0][0],
-                                                       &part->material, m, &w, error);
+        status = ct_solid_element_omega2_bound(mesh->kind, &x[0][0], &v[0][0], &part->material, m,
+                                               &w, error);
       if (status != CT_OK) {
         if (error != NULL) error->element = e;
         return status;

@@ -5,7 +5,6 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
-#include "lattice.h"
 #include "plane.h"
 #include "reduced.h"
 #include "sleep.h"
@@ -13,13 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-ct_optimisations ct_optimisations_default(void)
-{
-  return (ct_optimisations){.sleep = 1, .plane_strain = 1, .shared_stiffness = 1, .separated = 1};
-}
-
-/* Which function computes a block, and the operations of one element counted in it. The first row
- * that fits is taken. */
+/* Which function computes a block, and the operations of one element counted in it. */
 static const struct kernel_row {
   ct_solid_kernel kernel;
   ct_brick_kind kind;
@@ -46,14 +39,13 @@ static const struct kernel_row {
 
 void ct_part_release(ct_solid_part *part)
 {
-  ct_release(part->batch_nodes);
   ct_release(part->gradients);
-  ct_release(part->ready);
   ct_release(part->batch_begin);
   ct_release(part->batches_at);
   ct_release(part->mean);
   ct_release(part->box20);
-  ct_plane_free(part->plane);
+  ct_force_ring_free(part->plane);
+  ct_force_ring_free(part->ring);
   ct_assembly_free(part->assembly);
 }
 
@@ -68,76 +60,45 @@ static ct_status prepare_gradients(ct_solid_part *part)
   return CT_OK;
 }
 
-/* Families of nodes whose numbers each follow the elements: corners, and the mid-sides along ξ, η,
- * ζ where these stand apart, one after another, as ct_mesh_create_box numbers them; else all nodes
- * are one. */
-static void find_families(ct_solid_part *part)
-{
-  const ct_mesh *mesh = part->mesh;
-  int32_t high[CT_FAMILIES] = {-1, -1, -1, -1};
-  int64_t per = ct_brick_node_count(mesh->kind);
-  int apart = mesh->kind == CT_HEX20;
-  for (int k = 0; k < CT_FAMILIES; k++) part->family[k] = mesh->node_count;
-  for (int64_t i = 0; apart && i < per * mesh->element_count; i++) {
-    int32_t n = mesh->elements[i];
-    int a = (int)(i % per), k = a < 8 ? 0 : a < 16 ? 1 + a % 2 : 3;
-    part->family[k] = n < part->family[k] ? n : part->family[k];
-    high[k] = n > high[k] ? n : high[k];
-  }
-  for (int k = 0; k + 1 < CT_FAMILIES; k++) apart = apart && high[k] < part->family[k + 1];
-  part->families = apart ? CT_FAMILIES : 1;
-  part->family[0] = 0;
-  part->family[part->families] = mesh->node_count;
-}
-
-/* What hex20 elements share: the constants of a box, or the gradients at the Gauss points. */
-static ct_status prepare_hex20(ct_solid_part *part)
-{
-  return part->kernel == CT_KERNEL_BOX ? ct_box20_prepare(part) : prepare_gradients(part);
-}
-
-/* Find for each block of batches and each family how many of its nodes, from the first on, have all
- * their elements by then. */
-static ct_status prepare_ready(ct_solid_part *part)
-{
-  const ct_mesh *mesh = part->mesh;
-  int32_t blocks = (part->batch_count + CT_BLOCK - 1) / CT_BLOCK, node[CT_FAMILIES];
-  size_t per = (size_t)ct_brick_node_count(mesh->kind), count = 0;
-  find_families(part);
-  int32_t *last = ct_allocate((size_t)mesh->node_count, sizeof *last);
-  part->ready = ct_allocate((size_t)blocks * (size_t)part->families, sizeof *part->ready);
-  if (last == NULL || part->ready == NULL) {
-    ct_release(last);
-    return CT_ERROR_MEMORY;
-  }
-  for (int32_t e = 0; e < mesh->element_count; e++)
-    for (size_t a = 0; a < per; a++) last[mesh->elements[(size_t)e * per + a]] = e;
-  memcpy(node, part->family, sizeof node);
-  for (int32_t block = 0; block < blocks; block++)
-    for (int k = 0; k < part->families; k++) {
-      while (node[k] < part->family[k + 1] && last[node[k]] / (8 * CT_BLOCK) <= block) node[k]++;
-      part->ready[count++] = node[k];
-    }
-  ct_release(last);
-  return CT_OK;
-}
-
 /* Take the kernel of the plane where it fits: one layer of boxes held along its thickness. */
-static ct_status choose_plane(ct_solid_part *part, const ct_solid_body *block, int box,
-                              ct_error *error)
+static ct_status choose_plane(ct_solid_part *part, const ct_solid_body *block, int threads)
 {
-  int wanted = block->kernel == CT_KERNEL_PLANE ||
-               (block->kernel == CT_KERNEL_AUTO && part->optimisations.plane_strain);
-  for (int axis = 0;
-       wanted && box && part->mesh->kind == CT_HEX8 && part->plane == NULL && axis < 3; axis++)
-    if (block->held[axis] && ct_plane_create(part, axis, part->rings, &part->plane) != CT_OK)
-      return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
+  ct_status status = CT_OK;
+  for (int axis = 0; status == CT_OK && part->plane == NULL && axis < 3; axis++)
+    if (block->held[axis]) status = ct_force_ring_create(part->mesh, axis, threads, &part->plane);
   if (part->plane != NULL) part->kernel = CT_KERNEL_PLANE;
-  if (block->kernel == CT_KERNEL_PLANE && part->plane == NULL)
-    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
-                   "the plane kernel needs one layer of hex8 boxes whose nodes are all held along "
-                   "its thickness");
-  return CT_OK;
+  return status;
+}
+
+/* What the kernel needs beside the mesh. */
+static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block, int box)
+{
+  ct_status status = CT_OK;
+  int threads = block->threads < 1 ? 1 : block->threads, hex8 = part->mesh->kind == CT_HEX8;
+  int plane = block->kernel == CT_KERNEL_PLANE ||
+              (block->kernel == CT_KERNEL_AUTO && part->optimisations.plane_strain);
+  if (plane && box && hex8) status = choose_plane(part, block, threads);
+  if (status == CT_OK && part->optimisations.sleep) status = ct_sleep_prepare(part);
+  if (status == CT_OK && part->kernel == CT_KERNEL_REDUCED) status = ct_reduced_prepare(part);
+  if (status == CT_OK && !hex8)
+    status = part->kernel == CT_KERNEL_BOX ? ct_box20_prepare(part) : prepare_gradients(part);
+  if (status == CT_OK && hex8 && part->energies == NULL && part->optimisations.shared_stiffness)
+    status = ct_force_ring_create(part->mesh, -1, threads, &part->ring);
+  return status;
+}
+
+/* Take the row of the table that fits. */
+static void take_row(ct_solid_part *part)
+{
+  for (size_t k = 0; k < sizeof KERNELS / sizeof KERNELS[0]; k++) {
+    const struct kernel_row *row = &KERNELS[k];
+    if (row->kernel != part->kernel || row->kind != part->mesh->kind ||
+        row->law != part->material.law)
+      continue;
+    part->batches = row->batches;
+    part->energies = row->energies;
+    part->flops = row->flops;
+  }
 }
 
 /* The kernel that is asked for, or the cheapest that fits. */
@@ -157,71 +118,35 @@ static ct_status choose_kernel(ct_solid_part *part, const ct_solid_body *block, 
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "reduced integration with hourglass control is for hex8 and small strain");
   if (!(part->hourglass > 0.0) || !isfinite(part->hourglass))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "the hourglass coefficient must be positive, not %g", part->hourglass);
+    return CT_REFUSE(error, "the hourglass coefficient must be positive, not %g", part->hourglass);
   part->kernel = asked == CT_KERNEL_AUTO ? (box ? CT_KERNEL_BOX : CT_KERNEL_GENERAL) : asked;
-  int boxes = part->kernel == CT_KERNEL_BOX || part->kernel == CT_KERNEL_PLANE;
-  if (boxes && (part->optimisations.shared_stiffness || part->optimisations.sleep))
-    ct_lattice_find(part->mesh, part);
-  ct_status status = choose_plane(part, block, box, error);
-  for (size_t k = 0; part->batches == NULL && k < sizeof KERNELS / sizeof KERNELS[0]; k++) {
-    const struct kernel_row *row = &KERNELS[k];
-    if (row->kernel != part->kernel || row->kind != part->mesh->kind ||
-        row->law != part->material.law)
-      continue;
-    part->batches = row->batches;
-    part->energies = row->energies;
-    part->flops = row->flops;
-  }
-  return status;
-}
-
-void ct_solid_batch_nodes(const ct_mesh *mesh, int32_t *batch_nodes)
-{
-  int32_t per = ct_brick_node_count(mesh->kind);
-  for (int32_t b = 0; b < (mesh->element_count + 7) / 8; b++)
-    for (int32_t a = 0; a < per; a++)
-      for (int32_t l = 0; l < 8; l++) {
-        int32_t e = 8 * b + l < mesh->element_count ? 8 * b + l : mesh->element_count - 1;
-        batch_nodes[(b * per + a) * 8 + l] = mesh->elements[e * per + a];
-      }
+  take_row(part);
+  if (prepare_kernel(part, block, box) != CT_OK) return CT_NO_MEMORY(error, "the elements");
+  if (asked == CT_KERNEL_PLANE && part->plane == NULL)
+    return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
+                   "the plane kernel needs one layer of hex8 boxes whose nodes are all held along "
+                   "its thickness");
+  if (part->plane != NULL) take_row(part);
+  return CT_OK;
 }
 
 ct_status ct_part_prepare(ct_solid_part *part, const ct_solid_body *block, ct_error *error)
 {
-  int32_t per = ct_brick_node_count(block->mesh->kind);
   part->mesh = block->mesh;
   part->material = block->material;
   part->lumping = block->lumping;
   part->optimisations =
-      block->optimisations == NULL ? ct_optimisations_default() : *block->optimisations;
+      block->optimisations == NULL ? (ct_optimisations){1, 1, 1, 1} : *block->optimisations;
   part->first_node = block->first_node;
   ct_material_lame(&part->material, &part->lambda, &part->mu);
   part->hourglass = block->hourglass == 0.0 ? CT_HOURGLASS_DEFAULT : block->hourglass;
   part->batch_count = (part->mesh->element_count + 7) / 8;
-  part->rings = block->threads < 1               ? 1
-                : block->threads < CT_MOST_RINGS ? block->threads
-                                                 : CT_MOST_RINGS;
   ct_status status = choose_kernel(part, block, error);
-  if (status == CT_OK && part->optimisations.sleep && ct_sleep_prepare(part) != CT_OK)
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
-  if (status != CT_OK) return status;
-  if (part->cells[0] > 0 && part->optimisations.shared_stiffness) {
-    part->value_count = ct_lattice_prepare(part);
-    return CT_OK;
-  }
-  part->batch_nodes =
-      ct_allocate((size_t)part->batch_count * 8 * (size_t)per, sizeof *part->batch_nodes);
-  if (part->batch_nodes == NULL || prepare_ready(part) != CT_OK ||
-      (part->mesh->kind == CT_HEX20 && prepare_hex20(part) != CT_OK))
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
-  ct_solid_batch_nodes(part->mesh, part->batch_nodes);
-  if (part->kernel == CT_KERNEL_REDUCED && ct_reduced_prepare(part) != CT_OK)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the elements");
+  if (status != CT_OK || part->ring != NULL) return status;
   status = ct_assembly_create(part->mesh, 3, &part->assembly, error);
   if (status != CT_OK) return status;
   part->energy_value = part->assembly->value_count + (part->batch_count + 7) / 8 * 8;
   part->value_count = part->energies != NULL ? part->energy_value + 8 * (int64_t)part->batch_count
                                              : part->assembly->value_count;
-  return status;
+  return CT_OK;
 }

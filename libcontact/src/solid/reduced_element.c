@@ -48,8 +48,7 @@ static ct_status open_element(const double *nodes, const ct_material *material, 
 {
   double x[20][3] = {{0.0}}, xi[3], g2 = 0.0, middle[3];
   if (nodes == NULL || !(hourglass > 0.0) || !isfinite(hourglass))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "reduced: no nodes, or an hourglass coefficient of %g", hourglass);
+    return CT_REFUSE(error, "reduced: no nodes, or an hourglass coefficient of %g", hourglass);
   ct_status status = ct_material_check(material, error);
   if (status != CT_OK) return status;
   if (material->law != CT_LINEAR)
@@ -89,8 +88,7 @@ ct_status ct_solid_reduced_force(const double *nodes, const double *displacement
 {
   reduced_element r;
   double u[20][3], G[3][3], lambda, mu, W = 0.0, H = 0.0;
-  if (displacement == NULL || force == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: null argument");
+  if (displacement == NULL || force == NULL) return CT_REFUSE(error, "reduced: null argument");
   ct_status status = open_element(nodes, material, hourglass, &r, error);
   if (status != CT_OK) return status;
   memcpy(u, displacement, 8 * sizeof u[0]);
@@ -134,16 +132,4 @@ ct_status ct_reduced_stiffness(const double *nodes, const ct_material *material,
         for (int k = 0; k < 4; k++) A[3 * a + i][3 * b + i] += r.c * r.gamma[k][a] * r.gamma[k][b];
     }
   return CT_OK;
-}
-
-ct_status ct_solid_reduced_omega2_bound(const double *nodes, const ct_material *material,
-                                        double hourglass, const double *mass, double *omega_squared,
-                                        ct_error *error)
-{
-  double A[CT_ELEMENT_SIZE][CT_ELEMENT_SIZE], m[CT_ELEMENT_SIZE];
-  if (mass == NULL || omega_squared == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "reduced: null argument");
-  ct_spread_mass(8, mass, NULL, m);
-  ct_status status = ct_reduced_stiffness(nodes, material, hourglass, A, error);
-  return status == CT_OK ? ct_largest_eigenvalue(24, m, A, omega_squared, error) : status;
 }

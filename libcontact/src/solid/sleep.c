@@ -3,7 +3,6 @@
 
 #include "../base/bits.h"
 #include "../base/memory.h"
-#include "lattice.h"
 
 #include <string.h>
 
@@ -35,7 +34,6 @@ static void batch_nodes(const ct_solid_part *part, int32_t b, int64_t *first, in
 
 ct_status ct_sleep_prepare(ct_solid_part *part)
 {
-  if (part->cells[0] > 0) return CT_OK;
   int32_t nodes = part->mesh->node_count, *latest = ct_allocate((size_t)nodes, sizeof *latest),
           *begin = part->batch_begin = ct_allocate((size_t)nodes + 2, sizeof *begin);
   ct_status status = latest != NULL && begin != NULL ? CT_OK : CT_ERROR_MEMORY;
@@ -60,16 +58,6 @@ ct_status ct_sleep_prepare(ct_solid_part *part)
   }
   ct_release(latest);
   return status;
-}
-
-/* The batches of the elements of a node of the part; answers how many. `room` is for eight. */
-static int32_t batches_at(const ct_solid_part *part, int32_t node, int32_t *room,
-                          const int32_t **list)
-{
-  *list = room;
-  if (part->cells[0] > 0) return ct_lattice_batches(part, node, room);
-  *list = &part->batches_at[part->batch_begin[node]];
-  return part->batch_begin[node + 1] - part->batch_begin[node];
 }
 
 ct_status ct_sleep_create(const ct_solid_part *parts, int32_t part_count, ct_sleep **out)
@@ -122,12 +110,11 @@ static void wake_batch(ct_sleep *s, int32_t p, int32_t b, double *u)
   s->batch[part->first_batch + b] = CT_ACTIVE;
   s->bodies[p].computed += (int32_t)((last - first) / ct_brick_node_count(part->mesh->kind));
   for (int64_t i = first; i < last; i++) {
-    int32_t own = part->mesh->elements[i], n = part->first_node + own, room[8];
+    int32_t own = part->mesh->elements[i], n = part->first_node + own;
     if (ct_bits_get(s->summed, n)) continue;
     ct_bits_put(s->summed, n, n + 1, 1);
-    const int32_t *around;
-    for (int32_t k = batches_at(part, own, room, &around); k-- > 0;) {
-      uint8_t *neighbour = &s->batch[part->first_batch + around[k]];
+    for (int32_t k = part->batch_begin[own]; k < part->batch_begin[own + 1]; k++) {
+      uint8_t *neighbour = &s->batch[part->first_batch + part->batches_at[k]];
       if (*neighbour == CT_ASLEEP) *neighbour = CT_BORDER;
     }
     if (ct_bits_get(s->active, n)) continue;
@@ -213,10 +200,11 @@ void ct_sleep_examine(ct_sleep *s, const double *displacement, const double *vel
 static void wake_around(ct_sleep *s, int32_t p, int32_t n, double *u)
 {
   const ct_solid_part *part = &s->parts[p];
-  const int32_t *around;
-  int32_t room[8];
-  for (int32_t k = batches_at(part, n - part->first_node, room, &around); k-- > 0;)
-    if (s->batch[part->first_batch + around[k]] != CT_ACTIVE) wake_batch(s, p, around[k], u);
+  const int32_t *begin = &part->batch_begin[n - part->first_node];
+  for (int32_t k = begin[0]; k < begin[1]; k++) {
+    int32_t b = part->batches_at[k];
+    if (s->batch[part->first_batch + b] != CT_ACTIVE) wake_batch(s, p, b, u);
+  }
 }
 
 void ct_sleep_wake(ct_sleep *s, double *displacement)

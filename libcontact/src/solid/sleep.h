@@ -59,8 +59,7 @@ int ct_sleep_examined(const ct_sleep *sleep);
 /* Add the elements that are computed, and those that are left out. */
 void ct_sleep_count(const ct_sleep *sleep, int64_t updates[2]);
 
-/* For each node of a part the batches of its elements (ct_node_batches of the part), unless it is a
- * lattice. */
+/* For each node of a part the batches of its elements. */
 ct_status ct_sleep_prepare(ct_solid_part *part);
 
 #endif

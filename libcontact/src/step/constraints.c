@@ -10,17 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-void ct_constraints_free(const ct_problem *problem, ct_constraints *c)
-{
-  if (c == NULL) return;
-  ct_solver_free(c->solver);
-  for (int32_t k = 0; c->place != NULL && k < problem->effect_count; k++) ct_release(c->place[k]);
-  ct_release(c->place);
-  ct_release(c->increment);
-  ct_release(c->begun);
-  ct_release(c);
-}
-
 /* Whether an effect prescribes the motion of some degrees of freedom. */
 static int has_increment(const ct_effect *effect)
 {
@@ -28,48 +17,46 @@ static int has_increment(const ct_effect *effect)
 }
 
 /* Where the nodes of effects that prescribe motion stand among the solver's. */
-static ct_status find_places(const ct_problem *problem, const int32_t *number, ct_constraints *c)
+static void find_places(const ct_problem *problem, const int32_t *number, ct_constraints *c,
+                        ct_pool *pool)
 {
   int32_t longest = 0;
-  for (int32_t k = 0; k < problem->effect_count; k++) {
+  for (int32_t k = 0; !pool->failed && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (!has_increment(effect)) continue;
     if (effect->node_count > longest) longest = effect->node_count;
-    c->place[k] = ct_allocate((size_t)effect->node_count, sizeof *c->place[k]);
-    if (c->place[k] == NULL) return CT_ERROR_MEMORY;
-    for (int32_t i = 0; i < effect->node_count; i++)
+    c->place[k] = ct_pool_take(pool, (size_t)effect->node_count, sizeof *c->place[k]);
+    for (int32_t i = 0; c->place[k] != NULL && i < effect->node_count; i++)
       c->place[k][i] = number[ct_effect_node(effect, i)];
   }
-  if (longest > 0) c->increment = ct_allocate((size_t)longest, 3 * sizeof *c->increment);
-  return longest == 0 || c->increment != NULL ? CT_OK : CT_ERROR_MEMORY;
+  if (longest > 0) c->increment = ct_pool_take(pool, (size_t)longest, 3 * sizeof *c->increment);
 }
 
-ct_status ct_constraints_create(const ct_problem *problem, ct_constraints **out)
+void ct_constraints_create(const ct_problem *problem, ct_workspace *w)
 {
   size_t effects = (size_t)problem->effect_count;
   ct_row_set *sets = ct_allocate(effects, sizeof *sets);
-  int32_t count = 0, *number = NULL;
-  if (sets == NULL) return CT_ERROR_MEMORY;
-  for (int32_t k = 0; k < problem->effect_count; k++) {
+  int32_t count = 0, *number = ct_allocate((size_t)problem->node_count, sizeof *number);
+  w->pool.failed |= sets == NULL || number == NULL;
+  for (int32_t k = 0; sets != NULL && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (effect->phase == CT_PHASE_CONSTRAINT)
       sets[count++] = (ct_row_set){effect->constraint_count, effect->node_count, effect->nodes};
   }
-  ct_status status = CT_OK;
-  if (count > 0) {
-    ct_constraints *c = *out = ct_allocate(1, sizeof *c);
-    number = ct_allocate((size_t)problem->node_count, sizeof *number);
-    status = CT_ERROR_MEMORY;
-    if (c != NULL && number != NULL &&
-        (c->place = ct_allocate(effects, sizeof *c->place)) != NULL &&
-        (c->begun = ct_allocate((size_t)ct_bits_words(problem->node_count), sizeof *c->begun)) !=
-            NULL)
-      status = ct_solver_create(sets, count, problem->node_count, number, &c->solver);
-    if (status == CT_OK) status = find_places(problem, number, c);
+  if (count > 0 && !w->pool.failed) {
+    ct_constraints *c = w->constraints = ct_pool_take(&w->pool, 1, sizeof *c);
+    int32_t **place = ct_pool_take(&w->pool, effects, sizeof *place);
+    uint64_t *begun =
+        ct_pool_take(&w->pool, (size_t)ct_bits_words(problem->node_count), sizeof *begun);
+    if (!w->pool.failed) {
+      c->place = place, c->begun = begun;
+      w->pool.failed =
+          ct_solver_create(sets, count, problem->node_count, number, &c->solver) != CT_OK;
+      find_places(problem, number, c, &w->pool);
+    }
   }
   ct_release(number);
   ct_release(sets);
-  return status;
 }
 
 /* Whether the places of a row's nodes are in the list of its effect. */
@@ -93,9 +80,8 @@ static ct_status check_rows(const ct_effect *effect, ct_constraint *const *rows,
            has_places(effect, row->other_count, row->other, row->other_shape);
   }
   if (fine) return CT_OK;
-  return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                 "effect %s: it lists %lld rows of at most %lld, or nodes that it has not",
-                 effect->label, (long long)count, (long long)effect->constraint_count);
+  return CT_REFUSE(error, "effect %s: it lists %lld rows of at most %lld, or nodes that it has not",
+                   effect->label, (long long)count, (long long)effect->constraint_count);
 }
 
 /* Let every effect list the rows that may be active. */
@@ -120,22 +106,35 @@ static ct_status list_rows(const ct_problem *problem, ct_state *state, ct_solver
   return CT_OK;
 }
 
-/* Displacement increment of each node until t_{n+1} without the constraints, how far a force moves
- * it, and its increment since t_{n-1} (eq:constraint-problem). */
+/* Displacement increment of each node until t_{n+1} without the constraints, how far one more unit
+ * of force moves each component, and its increment since t_{n-1} (eq:constraint-problem, eq:stage).
+ */
 static void predict(const ct_problem *problem, const ct_state *state, ct_solver *s)
 {
   // The last evaluation was in the other stage, where there are two.
-  ct_stage stages[2];
+  ct_stage stages[2], stage = ct_stage_now(problem, state);
   int count = ct_integrator_stages(&problem->integrator, stages);
-  double before = stages[count - 1 - state->workspace->stage].tau * problem->dt;
+  double before = stages[count - 1 - state->workspace->stage].tau * problem->dt, push = stage.r;
   // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
   if (state->step == 0 && state->workspace->stage == 0) before = 0.0;
-  s->share = ct_integrator_predict(problem, state, s->node_count, s->nodes, CT_SOLVER_WIDE,
-                                   s->increment, s->mobility);
+  const double *past = ct_stage_past(problem, state);
+  // -- At the start the acceleration before is that of t = 0, and the velocity, the one of t = 0,
+  // has its share of it already (eq:stage-start)
+  if (state->workspace->starting) {
+    push = stage.r + stage.l - ct_integrator_share(&problem->integrator) * problem->dt;
+    past = NULL;
+  }
+  s->share = push / stage.r;
   for (int32_t i = 0; i < s->node_count; i++)
-    for (int64_t c = 0; c < 3; c++)
-      s->past[CT_SOLVER_WIDE * (int64_t)i + c] =
-          before * state->velocity[3 * (int64_t)s->nodes[i] + c];
+    for (int64_t c = 0; c < 3; c++) {
+      int64_t own = CT_SOLVER_WIDE * (int64_t)i + c, dof = 3 * (int64_t)s->nodes[i] + c;
+      double velocity = ct_kick(state->velocity[dof], push, problem->inverse_mass[dof],
+                                state->workspace->total[dof]);
+      if (past != NULL) velocity += stage.l * past[dof];
+      s->increment[own] = stage.tau * velocity;
+      s->mobility[own] = stage.tau * push * problem->inverse_mass[dof];
+      s->past[own] = before * state->velocity[dof];
+    }
 }
 
 /* Degrees of freedom whose motion is prescribed: no force moves them. */

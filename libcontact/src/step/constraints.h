@@ -4,6 +4,7 @@
 #include <libcontact/step.h>
 
 #include "../constraint/solve.h"
+#include "workspace.h"
 
 /* The constraints of a problem in a state: how the step fills the solver and reads it. */
 typedef struct ct_constraints {
@@ -15,9 +16,8 @@ typedef struct ct_constraints {
                         (eq:energy-start) */
 } ct_constraints;
 
-/* `*out` stays null when no effect has constraints. To be freed also when this fails. */
-ct_status ct_constraints_create(const ct_problem *problem, ct_constraints **out);
-void ct_constraints_free(const ct_problem *problem, ct_constraints *constraints);
+/* The workspace's constraints, from its pool, which may fail; null when no effect has any. */
+void ct_constraints_create(const ct_problem *problem, ct_workspace *w);
 
 /* List the constraints of all effects and find their forces, given the sum of all other forces
  * (eq:constraint-problem). */

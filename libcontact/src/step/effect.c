@@ -9,7 +9,7 @@ ct_status ct_effect_check(const ct_effect *effect, ct_error *error)
   const char *wrong = NULL;
   if (effect->label == NULL || effect->node_count < 0 || effect->memory_count < 0 ||
       effect->constraint_count < 0)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect: no label or negative counts");
+    return CT_REFUSE(error, "effect: no label or negative counts");
   if ((int)effect->phase < CT_PHASE_STATE || effect->phase > CT_PHASE_REACTION)
     wrong = "there is no such phase";
   else if ((effect->force == NULL) != (effect->phase == CT_PHASE_REACTION))
@@ -19,8 +19,7 @@ ct_status ct_effect_check(const ct_effect *effect, ct_error *error)
   else if (effect->phase == CT_PHASE_CONSTRAINT &&
            (effect->constraints == NULL || effect->constraints->list == NULL))
     wrong = "its phase needs a list of constraints";
-  if (wrong != NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %s: %s", effect->label, wrong);
+  if (wrong != NULL) return CT_REFUSE(error, "effect %s: %s", effect->label, wrong);
   for (int32_t i = 0; effect->nodes != NULL && i < effect->node_count; i++)
     if (effect->nodes[i] < 0 || (i > 0 && effect->nodes[i] <= effect->nodes[i - 1]))
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, -1, effect->nodes[i]},
@@ -35,20 +34,17 @@ ct_status ct_effect_check_nodes(const ct_effect *effect, int32_t node_count, ct_
   if (count == 0 ||
       (effect->nodes == NULL ? count == node_count : effect->nodes[count - 1] < node_count))
     return CT_OK;
-  return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                 "effect %s: its nodes are not those of the %d of the problem", effect->label,
-                 (int)node_count);
+  return CT_REFUSE(error, "effect %s: its nodes are not those of the %d of the problem",
+                   effect->label, (int)node_count);
 }
 
 ct_status ct_effect_copy(const ct_effect *filled, ct_effect **effect, ct_error *error)
 {
-  if (filled == NULL || effect == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect: null argument");
+  if (filled == NULL || effect == NULL) return CT_REFUSE(error, "effect: null argument");
   ct_status status = ct_effect_check(filled, error);
   if (status != CT_OK) return status;
   *effect = ct_allocate(1, sizeof **effect);
-  if (*effect == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for effect %s", filled->label);
+  if (*effect == NULL) return CT_NO_MEMORY(error, "effect %s", filled->label);
   **effect = *filled;
   return CT_OK;
 }
@@ -65,19 +61,26 @@ ct_status ct_effect_check_def(const int32_t *cookie, const ct_problem *problem, 
                               const char *what, ct_error *error)
 {
   if (cookie == NULL || problem == NULL || effect == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s: null argument", what);
+    return CT_REFUSE(error, "%s: null argument", what);
   if (*cookie != CT_DEF_COOKIE)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "%s: the definition does not start from ct_%s_def_default", what, what);
+    return CT_REFUSE(error, "%s: the definition does not start from ct_%s_def_default", what, what);
   return CT_OK;
+}
+
+void *ct_effect_begin(const void *def, const ct_problem *problem, ct_effect **effect,
+                      const char *what, size_t size, ct_status *status, ct_error *error)
+{
+  *status = ct_effect_check_def(def, problem, effect, what, error); // begins with its cookie
+  void *data = *status == CT_OK ? ct_allocate(1, size) : NULL;
+  if (*status == CT_OK && data == NULL) *status = CT_NO_MEMORY(error, "the effect %s", what);
+  return data;
 }
 
 ct_status ct_effect_create(const ct_effect *filled, ct_effect **effect, ct_error *error)
 {
   if (filled != NULL && filled->kind != CT_EFFECT_USER)
-    return ct_fail(
-        error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-        "effect: its kind is %d, one of the library's own, which only the library can make",
+    return CT_REFUSE(
+        error, "effect: its kind is %d, one of the library's own, which only the library can make",
         (int)filled->kind);
   return ct_effect_copy(filled, effect, error);
 }
@@ -97,18 +100,18 @@ int32_t ct_effect_body_of(const ct_problem *problem, int32_t node)
 }
 
 ct_status ct_effect_body_nodes(const ct_problem *problem, const int32_t *bodies, int32_t body_count,
-                               const char *name, int32_t **nodes, int32_t *node_count,
-                               ct_error *error)
+                               const char *name, ct_pool *pool, int32_t **nodes,
+                               int32_t *node_count, ct_error *error)
 {
   if (bodies != NULL && body_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "%s: the list of bodies is empty", name);
+    return CT_REFUSE(error, "%s: the list of bodies is empty", name);
   for (int32_t i = 0; bodies != NULL && i < body_count; i++)
     if (bodies[i] < 0 || bodies[i] >= problem->body_count)
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){bodies[i], -1, -1},
                      "%s: there is no body %d", name, (int)bodies[i]);
   *node_count = 0;
-  *nodes = ct_allocate((size_t)problem->node_count, sizeof **nodes);
-  if (*nodes == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "%s: no memory", name);
+  *nodes = ct_pool_take(pool, (size_t)problem->node_count, sizeof **nodes);
+  if (*nodes == NULL) return CT_NO_MEMORY(error, "%s", name);
   for (int32_t b = 0; b < problem->body_count; b++) {
     int listed = bodies == NULL;
     for (int32_t i = 0; !listed && i < body_count; i++) listed = bodies[i] == b;

@@ -3,15 +3,17 @@
 
 #include <libcontact/step.h>
 
+#include "../base/memory.h"
+
 /* An effect on the heap from a filled one, of any kind; see ct_effect_create, which is for those of
  * a host. */
 ct_status ct_effect_copy(const ct_effect *filled, ct_effect **effect, ct_error *error);
 
 /* Numbers of the nodes of some bodies of a problem, ascending, or of all bodies when `bodies` is
- * null. The caller releases them. */
+ * null; from a pool. */
 ct_status ct_effect_body_nodes(const ct_problem *problem, const int32_t *bodies, int32_t body_count,
-                               const char *name, int32_t **nodes, int32_t *node_count,
-                               ct_error *error);
+                               const char *name, ct_pool *pool, int32_t **nodes,
+                               int32_t *node_count, ct_error *error);
 
 /* The body that a node of the problem belongs to. */
 int32_t ct_effect_body_of(const ct_problem *problem, int32_t node);
@@ -23,6 +25,17 @@ enum { CT_DEF_COOKIE = 0x63745f64 };
  * not start from its default. */
 ct_status ct_effect_check_def(const int32_t *cookie, const ct_problem *problem, ct_effect **effect,
                               const char *what, ct_error *error);
+
+/* The beginning of a factory: check the definition and allocate the effect's data, of `size` bytes,
+ * a struct that begins with a pool, so that `ct_pool_free` frees them. Null with `status`. */
+void *ct_effect_begin(const void *def, const ct_problem *problem, ct_effect **effect,
+                      const char *what, size_t size, ct_status *status, ct_error *error);
+
+/* Node of the problem that is the i-th of an effect. */
+static inline int32_t ct_effect_node(const ct_effect *effect, int32_t i)
+{
+  return effect->nodes == NULL ? i : effect->nodes[i];
+}
 
 /* Whether the members of an effect go together, and its nodes ascend. */
 ct_status ct_effect_check(const ct_effect *effect, ct_error *error);

@@ -40,27 +40,25 @@ static double kinetic_energy(const ct_problem *problem, const ct_state *state)
   const uint64_t *begun = ct_workspace_begun(state);
   ct_stream sum = {0};
   double product[3 * CT_PIECE], terms[CT_PIECE], kick = kick_time(problem);
-  while (ct_stream_again(&sum, 1))
-    for (int32_t first = 0, end; first < problem->node_count; first = end) {
-      end = ct_piece_end(first, problem->node_count);
-      for (int64_t i = 0, d = 3 * (int64_t)first; d < 3 * (int64_t)end; i++, d++)
-        product[i] = velocity_product(problem, state, begun, kick, d);
-      for (int32_t n = first, i = 0; n < end; n++, i += 3)
-        terms[n - first] =
-            0.5 * problem->mass[n] * ((product[i] + product[i + 1]) + product[i + 2]);
-      ct_stream_add(&sum, terms, end - first);
-    }
+  for (int32_t first, end; ct_stream_piece(&sum, 1, problem->node_count, &first, &end);) {
+    for (int64_t i = 0, d = 3 * (int64_t)first; d < 3 * (int64_t)end; i++, d++)
+      product[i] = velocity_product(problem, state, begun, kick, d);
+    for (int32_t n = first, i = 0; n < end; n++, i += 3)
+      terms[n - first] = 0.5 * problem->mass[n] * ((product[i] + product[i + 1]) + product[i + 2]);
+    ct_stream_add(&sum, terms, end - first);
+  }
   return ct_stream_sum(&sum);
 }
 
-static ct_status check_effect(const ct_problem *problem, const ct_state *state, int32_t effect,
-                              const void *out, ct_error *error)
+/* Check the arguments of a question about an effect, and make the forces. */
+static ct_status begin(const ct_problem *problem, ct_state *state, int32_t effect, const void *out,
+                       ct_error *error)
 {
   if (problem == NULL || state == NULL || out == NULL || effect < 0 ||
       effect >= problem->effect_count)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "energy: null argument or no effect %d",
-                   (int)effect);
-  return ct_stage_check(state, error);
+    return CT_REFUSE(error, "energy: null argument or no effect %d", (int)effect);
+  ct_status status = ct_stage_check(state, error);
+  return status == CT_OK ? ct_workspace_forces(problem, state, error) : status;
 }
 
 /* Twice the work of one effect over Δt at its nodes first ... end - 1. */
@@ -68,35 +66,27 @@ static void work_terms(const ct_problem *problem, const ct_state *state, int32_t
                        int32_t end, double *terms)
 {
   const ct_effect *effect = problem->effects[k];
-  int64_t start = 3 * (int64_t)first, count = 3 * (int64_t)(end - first);
-  const double *past = effect->phase == CT_PHASE_REACTION
-                           ? state->impulse + ct_state_impulse_start(problem, k)
-                           : state->work + ct_state_work_start(problem, k);
-  const double *earlier =
-      effect->phase == CT_PHASE_REACTION ? past + state->impulse_count / 2 : past;
-  double room[3 * CT_PIECE], velocity[3 * CT_PIECE], t[3 * CT_PIECE],
-      share = ct_integrator_share(&problem->integrator);
-  const double *force = ct_workspace_force_of(problem, state, k, first, end, room),
-               *v = &state->velocity[start];
-  for (int32_t i = first; effect->nodes != NULL && i < end; i++)
-    memcpy(&velocity[3 * (i - first)], &state->velocity[3 * (int64_t)effect->nodes[i]],
-           3 * sizeof *velocity);
-  if (effect->nodes != NULL) v = velocity;
+  ct_starts start = ct_state_starts(problem, k);
+  int reaction = effect->phase == CT_PHASE_REACTION;
+  const double *past = reaction ? state->impulse + start.impulse : state->work + start.work,
+               *earlier = reaction ? past + state->impulse_count / 2 : NULL;
+  double force[3], t[3], share = ct_integrator_share(&problem->integrator);
   // -- Δt / 2 (Σ f (v⁻ + v⁺) + f_n v_{n-1/2}); a reaction's velocity is constant (eq:work-balance,
   // eq:stage-work)
-  if (effect->phase == CT_PHASE_REACTION)
-    for (int64_t d = 0; d < count; d++)
-      t[d] = 2.0 * (earlier[start + d] + (past[start + d] + share * force[d])) * v[d];
-  else
-    for (int64_t d = 0; d < count; d++) t[d] = past[start + d] + 2.0 * share * force[d] * v[d];
-  for (int32_t i = 0; i < end - first; i++) terms[i] = (t[3 * i] + t[3 * i + 1]) + t[3 * i + 2];
+  for (int32_t i = first; i < end; i++) {
+    const double *v = &state->velocity[3 * (int64_t)ct_effect_node(effect, i)];
+    ct_workspace_force_at(problem, state, k, i, force);
+    for (int64_t c = 0, d = 3 * (int64_t)i; c < 3; c++, d++)
+      t[c] = reaction ? 2.0 * (earlier[d] + (past[d] + share * force[c])) * v[c]
+                      : past[d] + 2.0 * share * force[c] * v[c];
+    terms[i - first] = (t[0] + t[1]) + t[2];
+  }
 }
 
 ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t k, double *work,
                          ct_error *error)
 {
-  ct_status status = check_effect(problem, state, k, work, error);
-  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  ct_status status = begin(problem, state, k, work, error);
   if (status != CT_OK) return status;
   // -- By t = 0 nothing has done work (eq:work-start)
   *work = 0.0;
@@ -104,12 +94,10 @@ ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t k, 
   ct_stream sum = {0};
   double terms[CT_PIECE];
   int32_t count = problem->effects[k]->node_count;
-  while (ct_stream_again(&sum, 1))
-    for (int32_t first = 0, end; first < count; first = end) {
-      end = ct_piece_end(first, count);
-      work_terms(problem, state, k, first, end, terms);
-      ct_stream_add(&sum, terms, end - first);
-    }
+  for (int32_t first, end; ct_stream_piece(&sum, 1, count, &first, &end);) {
+    work_terms(problem, state, k, first, end, terms);
+    ct_stream_add(&sum, terms, end - first);
+  }
   *work = 0.5 * problem->dt * ct_stream_sum(&sum);
   return CT_OK;
 }
@@ -117,8 +105,7 @@ ct_status ct_energy_work(const ct_problem *problem, ct_state *state, int32_t k, 
 ct_status ct_energy_stored(const ct_problem *problem, ct_state *state, int32_t k, double *energy,
                            ct_error *error)
 {
-  ct_status status = check_effect(problem, state, k, energy, error);
-  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  ct_status status = begin(problem, state, k, energy, error);
   if (status != CT_OK) return status;
   const ct_effect *effect = problem->effects[k];
   ct_view view = ct_workspace_view(problem, state, k);
@@ -126,35 +113,34 @@ ct_status ct_energy_stored(const ct_problem *problem, ct_state *state, int32_t k
   return effect->energy == NULL ? CT_OK : effect->energy(effect, &view, energy, error);
 }
 
-/* Add what comes in from outside through an effect that stores energy. */
-static ct_status add_external(const ct_problem *problem, const ct_state *state, int32_t k,
-                              double *external, ct_error *error)
+ct_status ct_energy_parts(const ct_problem *problem, ct_state *state, int32_t k, double *work,
+                          double *stored, double *external, ct_error *error)
 {
-  double work = 0.0;
+  const ct_effect *effect = problem->effects[k];
   ct_view view = ct_workspace_view(problem, state, k);
-  ct_status status = problem->effects[k]->external(problem->effects[k], &view, &work, error);
-  *external += work;
+  *external = 0.0;
+  ct_status status = ct_energy_work(problem, state, k, work, error);
+  if (status == CT_OK) status = ct_energy_stored(problem, state, k, stored, error);
+  if (status == CT_OK && effect->external != NULL)
+    status = effect->external(effect, &view, external, error);
   return status;
 }
 
 ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *energy,
                        ct_error *error)
 {
-  ct_status status = check_effect(problem, state, 0, energy, error);
-  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  ct_status status = begin(problem, state, 0, energy, error);
   if (status != CT_OK) return status;
   ct_energy e = {.time = state->time, .kinetic = kinetic_energy(problem, state)};
   double stored_total = 0.0, work_total = 0.0;
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    double work = 0.0, stored = 0.0;
-    status = ct_energy_work(problem, state, k, &work, error);
-    if (status == CT_OK) status = ct_energy_stored(problem, state, k, &stored, error);
+    double work = 0.0, stored = 0.0, external = 0.0;
+    status = ct_energy_parts(problem, state, k, &work, &stored, &external, error);
     work_total += work;
     stored_total += stored;
     if (effect->energy == NULL) e.external += work;
-    if (status == CT_OK && effect->external != NULL)
-      status = add_external(problem, state, k, &e.external, error);
+    e.external += external;
     if (effect->kind == CT_EFFECT_SOLID) e.strain += stored;
     if (effect->kind == CT_EFFECT_CONTACT) e.contact += stored;
   }
@@ -171,12 +157,10 @@ ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *en
 /* Largest component of the force of one effect. */
 static double largest_force(const ct_problem *problem, const ct_state *state, int32_t k)
 {
-  double top = 0.0, room[3 * CT_PIECE];
-  int32_t count = problem->effects[k]->node_count;
-  for (int32_t first = 0, end; first < count; first = end) {
-    end = ct_piece_end(first, count);
-    const double *force = ct_workspace_force_of(problem, state, k, first, end, room);
-    for (int64_t d = 0; d < 3 * (int64_t)(end - first); d++) top = fmax(top, fabs(force[d]));
+  double top = 0.0, force[3];
+  for (int32_t i = 0; i < problem->effects[k]->node_count; i++) {
+    ct_workspace_force_at(problem, state, k, i, force);
+    top = fmax(fmax(top, fabs(force[0])), fmax(fabs(force[1]), fabs(force[2])));
   }
   return top;
 }
@@ -184,8 +168,7 @@ static double largest_force(const ct_problem *problem, const ct_state *state, in
 ct_status ct_energy_residual(const ct_problem *problem, ct_state *state, double *unrest,
                              ct_error *error)
 {
-  ct_status status = check_effect(problem, state, 0, unrest, error);
-  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  ct_status status = begin(problem, state, 0, unrest, error);
   double acting = 0.0, left = 0.0, stored = 0.0;
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     double own;
@@ -212,18 +195,16 @@ static int64_t impulse_terms(const ct_problem *problem, const ct_state *state, i
                              double terms[3][CT_PIECE])
 {
   const ct_effect *effect = problem->effects[k];
-  const double *past = state->impulse + ct_state_impulse_start(problem, k),
+  const double *past = state->impulse + ct_state_starts(problem, k).impulse,
                *earlier = past + state->impulse_count / 2;
-  double room[3 * CT_PIECE], share = ct_integrator_share(&problem->integrator);
-  const double *force = ct_workspace_force_of(problem, state, k, i, end, room);
+  double force[3], share = ct_integrator_share(&problem->integrator);
   int64_t count = 0;
-  for (; i < end; i++, force += 3) {
+  for (; i < end; i++) {
     int32_t node = ct_effect_node(effect, i);
     if (node < range[0] || node >= range[1]) continue;
-    for (int c = 0; c < 3; c++) {
-      int64_t d = 3 * (int64_t)i + c;
+    ct_workspace_force_at(problem, state, k, i, force);
+    for (int64_t c = 0, d = 3 * (int64_t)i; c < 3; c++, d++)
       terms[c][count] = earlier[d] + (past[d] + share * force[c]);
-    }
     count++;
   }
   return count;
@@ -236,12 +217,10 @@ static void add_impulse(const ct_problem *problem, const ct_state *state, int32_
   int32_t nodes = problem->effects[k]->node_count;
   ct_stream sums[3] = {{0}};
   double terms[3][CT_PIECE];
-  while (ct_stream_again(sums, 3))
-    for (int32_t i = 0, end; i < nodes; i = end) {
-      end = ct_piece_end(i, nodes);
-      int64_t count = impulse_terms(problem, state, k, range, i, end, terms);
-      for (int c = 0; c < 3; c++) ct_stream_add(&sums[c], terms[c], count);
-    }
+  for (int32_t i, end; ct_stream_piece(sums, 3, nodes, &i, &end);) {
+    int64_t count = impulse_terms(problem, state, k, range, i, end, terms);
+    for (int c = 0; c < 3; c++) ct_stream_add(&sums[c], terms[c], count);
+  }
   for (int c = 0; c < 3; c++) impulse[c] += problem->dt * ct_stream_sum(&sums[c]);
 }
 
@@ -256,11 +235,8 @@ static void add_impulses(const ct_problem *problem, const ct_state *state, ct_ef
 ct_status ct_energy_impulse(const ct_problem *problem, ct_state *state, int32_t k,
                             double impulse[3], ct_error *error)
 {
-  ct_status status = check_effect(problem, state, k, impulse, error);
-  if (status == CT_OK && k == 0)
-    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                     "energy: no impulse of the first effect is kept");
-  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  if (k == 0) return CT_REFUSE(error, "energy: no impulse of the first effect is kept");
+  ct_status status = begin(problem, state, k, impulse, error);
   if (status != CT_OK) return status;
   for (int c = 0; c < 3; c++) impulse[c] = 0.0;
   add_impulse(problem, state, k, (int32_t[2]){0, problem->node_count}, impulse);
@@ -292,22 +268,19 @@ static void momentum_terms(const ct_problem *problem, const ct_state *state, int
 ct_status ct_momentum_of(const ct_problem *problem, ct_state *state, int32_t body,
                          ct_momentum *momentum, ct_error *error)
 {
-  ct_status status = check_effect(problem, state, 0, momentum, error);
+  ct_status status = begin(problem, state, 0, momentum, error);
   if (status == CT_OK && (body < 0 || body >= problem->body_count))
     status = ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){body, -1, -1},
                      "momentum: there is no body %d", (int)body);
-  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   const ct_body *own = &problem->bodies[body];
   int32_t range[2] = {own->first_node, own->first_node + own->mesh->node_count};
   ct_stream sums[6] = {{0}};
   double terms[6][CT_PIECE];
-  while (ct_stream_again(sums, 6))
-    for (int32_t first = range[0], end; first < range[1]; first = end) {
-      end = ct_piece_end(first, range[1]);
-      momentum_terms(problem, state, first, end, terms);
-      for (int i = 0; i < 6; i++) ct_stream_add(&sums[i], terms[i], end - first);
-    }
+  for (int32_t i, end; ct_stream_piece(sums, 6, own->mesh->node_count, &i, &end);) {
+    momentum_terms(problem, state, range[0] + i, range[0] + end, terms);
+    for (int c = 0; c < 6; c++) ct_stream_add(&sums[c], terms[c], end - i);
+  }
   *momentum = (ct_momentum){.time = state->time, .body = body};
   for (int c = 0; c < 3; c++) {
     momentum->p[c] = ct_stream_sum(&sums[c]);
@@ -330,8 +303,7 @@ void ct_mean_velocity(const ct_problem *problem, const ct_state *state, int32_t 
 ct_status ct_state_velocity(const ct_problem *problem, ct_state *state, double *velocity,
                             ct_error *error)
 {
-  ct_status status = check_effect(problem, state, 0, velocity, error);
-  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  ct_status status = begin(problem, state, 0, velocity, error);
   if (status == CT_OK) ct_mean_velocity(problem, state, 0, problem->node_count, velocity);
   return status;
 }
@@ -339,18 +311,11 @@ ct_status ct_state_velocity(const ct_problem *problem, ct_state *state, double *
 ct_status ct_state_force(const ct_problem *problem, ct_state *state, int32_t k, double *force,
                          ct_error *error)
 {
-  ct_status status = check_effect(problem, state, k, force, error);
-  if (status == CT_OK) status = ct_workspace_forces(problem, state, error);
+  ct_status status = begin(problem, state, k, force, error);
   if (status != CT_OK) return status;
   const ct_effect *effect = problem->effects[k];
-  int32_t count = effect->node_count;
-  double room[3 * CT_PIECE];
   memset(force, 0, 3 * (size_t)problem->node_count * sizeof *force);
-  for (int32_t first = 0, end; first < count; first = end) {
-    end = ct_piece_end(first, count);
-    const double *own = ct_workspace_force_of(problem, state, k, first, end, room);
-    for (int32_t i = first; i < end; i++, own += 3)
-      memcpy(&force[3 * (int64_t)ct_effect_node(effect, i)], own, 3 * sizeof *force);
-  }
+  for (int32_t i = 0; i < effect->node_count; i++)
+    ct_workspace_force_at(problem, state, k, i, &force[3 * (int64_t)ct_effect_node(effect, i)]);
   return CT_OK;
 }

@@ -25,11 +25,6 @@ static int is_scheme(ct_scheme scheme)
   return (int)scheme >= 0 && (size_t)scheme < sizeof RANGES / sizeof RANGES[0];
 }
 
-const char *ct_scheme_name(ct_scheme scheme)
-{
-  return is_scheme(scheme) ? RANGES[scheme].name : NULL;
-}
-
 ct_integrator ct_integrator_default(ct_scheme scheme)
 {
   return (ct_integrator){scheme, is_scheme(scheme) ? RANGES[scheme].usual : 0.0};
@@ -38,13 +33,12 @@ ct_integrator ct_integrator_default(ct_scheme scheme)
 ct_status ct_integrator_check(const ct_integrator *integrator, ct_error *error)
 {
   if (integrator == NULL || !is_scheme(integrator->scheme))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "integrator: there is no scheme %d",
-                   integrator == NULL ? -1 : (int)integrator->scheme);
+    return CT_REFUSE(error, "integrator: there is no scheme %d",
+                     integrator == NULL ? -1 : (int)integrator->scheme);
   const range *r = &RANGES[integrator->scheme];
   if (integrator->parameter >= r->least && integrator->parameter <= r->most) return CT_OK;
-  return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                 "integrator: %s = %.17g of %s is not between %.17g and %.17g", r->parameter,
-                 integrator->parameter, r->name, r->least, r->most);
+  return CT_REFUSE(error, "integrator: %s = %.17g of %s is not between %.17g and %.17g",
+                   r->parameter, integrator->parameter, r->name, r->least, r->most);
 }
 
 /* φ of Tchamwa and Wielgosz. */

@@ -105,50 +105,34 @@ static double largest(const lanczos *l)
   return high;
 }
 
-/* Bodies whose stiffness may change with time have no largest frequency once for all. */
-static int all_linear(const ct_problem *problem)
-{
-  for (int32_t i = 0; i < problem->body_count; i++)
-    if (problem->bodies[i].material.law != CT_LINEAR) return 0;
-  return problem->effects[0]->kind == CT_EFFECT_SOLID;
-}
-
 ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double *omega_squared,
                               ct_error *error)
 {
-  if (problem == NULL || state == NULL || omega_squared == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "stable step: null argument");
-  if (!all_linear(problem))
+  // Bodies whose stiffness may change with time have no largest frequency once for all.
+  if (!ct_problem_is_linear(problem) || problem->effects[0]->kind != CT_EFFECT_SOLID)
     return ct_fail(error, CT_ERROR_UNSUPPORTED, CT_NOWHERE,
                    "stable step: the assembled bound is for linear solids");
   const ct_effect *solid = problem->effects[0];
   size_t n = 3 * (size_t)problem->node_count;
-  lanczos l = {
-      .problem = problem, .view = ct_workspace_view(problem, state, 0), .seed = 88172645463325252u};
+  lanczos l = {.problem = problem,
+               .view = ct_workspace_view(problem, state, 0),
+               .scale = SMALL * ct_problem_edge(problem),
+               .seed = 88172645463325252u};
   // -- As many rounds as the margin asks for (eq:assembled-rounds)
   l.rounds = (int)ceil(0.5 * (log(1.648 * sqrt((double)n) / DOUBT) / sqrt(MARGIN) + 1.0));
-  double **vectors[] = {&l.now, &l.before, &l.next, &l.u, &l.force}, *room[5] = {NULL},
-         edge = INFINITY;
-  ct_status status = CT_OK;
-  for (int i = 0; i < 5; i++)
-    if ((room[i] = *vectors[i] = ct_allocate(n, sizeof(double))) == NULL) status = CT_ERROR_MEMORY;
-  l.diagonal = ct_allocate(2 * (size_t)l.rounds, sizeof(double));
+  ct_pool pool = {0};
+  double **vectors[] = {&l.now, &l.before, &l.next, &l.u, &l.force};
+  for (int i = 0; i < 5; i++) *vectors[i] = ct_pool_take(&pool, n, sizeof(double));
+  l.diagonal = ct_pool_take(&pool, (size_t)l.rounds, sizeof(double));
+  l.beside = ct_pool_take(&pool, (size_t)l.rounds, sizeof(double));
   void *scratch = NULL;
-  if (status != CT_OK || l.diagonal == NULL)
-    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the stable step");
-  else if (solid->create_scratch != NULL) status = solid->create_scratch(solid, &scratch, error);
-  for (int32_t i = 0; i < problem->body_count; i++)
-    edge = fmin(edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
-  if (status == CT_OK) {
-    l.beside = l.diagonal + l.rounds;
-    l.scale = SMALL * edge;
-    l.view.displacement = l.u;
-    l.view.scratch = scratch;
-    status = recur(&l, error);
-  }
+  ct_status status = pool.failed ? CT_NO_MEMORY(error, "the stable step") : CT_OK;
+  if (status == CT_OK) status = solid->create_scratch(solid, &scratch, error);
+  l.view.displacement = l.u;
+  l.view.scratch = scratch;
+  if (status == CT_OK) status = recur(&l, error);
   if (status == CT_OK) *omega_squared = largest(&l) / (1.0 - MARGIN);
-  for (int i = 0; i < 5; i++) ct_release(room[i]);
-  ct_release(l.diagonal);
   if (scratch != NULL) solid->free_scratch(scratch);
+  ct_pool_empty(&pool);
   return status;
 }

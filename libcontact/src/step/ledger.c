@@ -2,6 +2,7 @@
 #include "ledger.h"
 
 #include "../base/lanes.h"
+#include "../base/list.h"
 
 #include <string.h>
 
@@ -48,45 +49,20 @@ static void react(int64_t count, double share, const double *restrict inverse_ma
     impulse[d] -= only_where(inverse_mass[d] == 0.0, share * force[d]);
 }
 
-/* How many of the nodes i, i + 1, ... of an effect, of `left` that are asked for, have numbers that
- * follow each other. They ascend, so the last one tells. */
-static int32_t run_of(const ct_effect *effect, int32_t i, int32_t left)
-{
-  int32_t count = 1;
-  if (effect->nodes == NULL) return left;
-  for (int32_t more = 1; more > 0;) {
-    int32_t longer = count + more;
-    int follows = longer <= left && effect->nodes[i + longer - 1] - effect->nodes[i] == longer - 1;
-    count = follows ? longer : count;
-    more = follows ? 2 * more : more / 2;
-  }
-  return count;
-}
-
-/* The first of an effect's nodes that is `node` or a later one; it has some. */
-static int32_t entry_from(const ct_effect *effect, int32_t node)
-{
-  int32_t first = 0, last = effect->node_count, start = ct_effect_node(effect, 0);
-  // Where the numbers follow each other there is nothing to look for.
-  if (effect->nodes == NULL || effect->nodes[last - 1] - start == last - 1)
-    return node <= start ? 0 : node - start < last ? node - start : last;
-  while (first < last) {
-    int32_t middle = first + (last - first) / 2;
-    if (effect->nodes[middle] < node) first = middle + 1;
-    else last = middle;
-  }
-  return first;
-}
-
 /* The impulse of one reaction: minus all other forces on the degrees of freedom that it holds. */
 static void count_reaction(const ct_problem *problem, const double *total, const ct_effect *effect,
                            double share, int32_t first, int32_t last, double *impulse)
 {
-  int32_t stop = entry_from(effect, last);
-  for (int32_t i = entry_from(effect, first), run; i < stop; i += run) {
+  const int32_t *nodes = effect->nodes;
+  int32_t i = nodes == NULL ? first : ct_lower_bound(nodes, effect->node_count, first), end = last;
+  for (; i < effect->node_count && ct_effect_node(effect, i) < last; i = end) {
+    // Nodes whose numbers follow each other are taken together.
+    for (end = i + 1; nodes != NULL && end < effect->node_count && nodes[end] < last &&
+                      nodes[end] == nodes[end - 1] + 1;)
+      end++;
+    if (nodes == NULL) end = last;
     int64_t dof = 3 * (int64_t)ct_effect_node(effect, i);
-    run = run_of(effect, i, stop - i);
-    react(3 * (int64_t)run, share, &problem->inverse_mass[dof], &total[dof],
+    react(3 * (int64_t)(end - i), share, &problem->inverse_mass[dof], &total[dof],
           &impulse[3 * (int64_t)i]);
   }
 }
@@ -95,9 +71,9 @@ void ct_ledger_reactions(const ct_problem *problem, ct_state *state, double shar
                          int32_t last)
 {
   for (int32_t k = 1; k < problem->effect_count; k++)
-    if (problem->effects[k]->phase == CT_PHASE_REACTION && problem->effects[k]->node_count > 0)
+    if (problem->effects[k]->phase == CT_PHASE_REACTION)
       count_reaction(problem, state->workspace->total, problem->effects[k], share, first, last,
-                     state->impulse + ct_state_impulse_start(problem, k));
+                     state->impulse + ct_state_starts(problem, k).impulse);
 }
 
 /* Work and impulse of the effects beside the first and the reactions (eq:work-balance,
@@ -107,8 +83,8 @@ static void count_work(const ct_problem *problem, ct_state *state, double share)
   ct_workspace *w = state->workspace;
   for (int32_t k = 1; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    double *impulse = state->impulse + ct_state_impulse_start(problem, k),
-           *work = state->work + ct_state_work_start(problem, k);
+    ct_starts start = ct_state_starts(problem, k);
+    double *impulse = state->impulse + start.impulse, *work = state->work + start.work;
     for (int32_t i = 0, at = 0; effect->phase != CT_PHASE_REACTION && i < effect->node_count; i++) {
       int32_t node = ct_effect_node(effect, i);
       const double *after = &state->velocity[3 * (int64_t)node];

@@ -8,6 +8,7 @@
 #include "../base/random.h"
 #include "../base/stream.h"
 #include "../base/vector.h"
+#include "effect_internal.h"
 #include "workspace.h"
 
 #include <float.h>
@@ -20,6 +21,7 @@ enum { FIRST_ROUNDS = 12 };
 static const double NOISE = 0.01, SMALL = 1e-6;
 
 struct ct_monitor {
+  ct_pool pool; /* the arrays below */
   const ct_problem *problem;
   ct_monitor_options options;
   ct_state *good;
@@ -45,24 +47,22 @@ ct_monitor_options ct_monitor_options_default(void)
       .every = 1024, .energy_limit = 1.0, .omega_limit = 2.0, .growth_limit = 0.01};
 }
 
-/* The body of a node of the problem. */
-static int32_t body_of(const ct_problem *problem, int32_t node)
+/* Where a node of the problem is: its body, and its number there. */
+static ct_place place_of(const ct_problem *problem, int32_t node)
 {
-  int32_t body = 0;
-  while (body + 1 < problem->body_count && problem->bodies[body + 1].first_node <= node) body++;
-  return body;
+  int32_t body = ct_effect_body_of(problem, node);
+  return (ct_place){body, -1, node - problem->bodies[body].first_node};
 }
 
 ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
 {
   for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
     if (isfinite(state->velocity[d]) && fabs(state->displacement[d]) <= CT_LARGEST_LENGTH) continue;
-    int32_t node = (int32_t)(d / 3), body = body_of(problem, node);
-    return ct_fail(error, CT_ERROR_BLOWUP,
-                   (ct_place){body, -1, node - problem->bodies[body].first_node},
+    ct_place at = place_of(problem, (int32_t)(d / 3));
+    return ct_fail(error, CT_ERROR_BLOWUP, at,
                    "the motion stopped being finite by t = %g (step %lld): body %s, node %d",
-                   state->time, (long long)state->step, problem->bodies[body].name,
-                   (int)(node - problem->bodies[body].first_node));
+                   state->time, (long long)state->step, problem->bodies[at.body].name,
+                   (int)at.point);
   }
   return CT_OK;
 }
@@ -81,15 +81,10 @@ static void square_terms(const ct_problem *problem, const ct_state *state, const
 static int32_t largest_node(const ct_problem *problem, const ct_state *state, const double *x)
 {
   int32_t best = 0;
-  double most = -1.0, terms[CT_PIECE];
-  for (int32_t first = 0, end; first < problem->node_count; first = end) {
-    end = ct_piece_end(first, problem->node_count);
-    square_terms(problem, state, x, first, end, terms);
-    for (int32_t n = first; n < end; n++)
-      if (terms[n - first] > most) {
-        best = n;
-        most = terms[n - first];
-      }
+  double most = -1.0, terms[1];
+  for (int32_t n = 0; n < problem->node_count; n++) {
+    square_terms(problem, state, x, n, n + 1, terms);
+    if (terms[0] > most) best = n, most = terms[0];
   }
   return best;
 }
@@ -103,10 +98,11 @@ static int64_t element_with(const ct_mesh *mesh, int32_t node)
   return -1;
 }
 
-/* Energies of one look; `elastic` is what bodies and contacts store, `stored` what all effects do.
- */
+/* Energies of one look: of motion, what bodies and contacts store, what has appeared in the ledger;
+ * what motion and strain should have, and have had at most (eq:energy-appears); the largest energy
+ * of all, and below which nothing is reported. */
 typedef struct energies {
-  double kinetic, elastic, stored, external, total;
+  double kinetic, elastic, appeared, expected, most_expected, scale, least;
 } energies;
 
 static ct_status measure(const ct_monitor *w, ct_state *state, energies *e, ct_error *error)
@@ -117,27 +113,20 @@ static ct_status measure(const ct_monitor *w, ct_state *state, energies *e, ct_e
   if (status != CT_OK) return status;
   ct_stream sum = {0};
   double terms[CT_PIECE];
-  while (ct_stream_again(&sum, 1))
-    for (int32_t first = 0, end; first < problem->node_count; first = end) {
-      end = ct_piece_end(first, problem->node_count);
-      square_terms(problem, state, NULL, first, end, terms);
-      ct_stream_add(&sum, terms, end - first);
-    }
-  *e = (energies){0.5 * ct_stream_sum(&sum), ledger.strain + ledger.contact,
-                  ledger.total - ledger.kinetic + ledger.external, ledger.external, ledger.total};
+  for (int32_t first, end; ct_stream_piece(&sum, 1, problem->node_count, &first, &end);) {
+    square_terms(problem, state, NULL, first, end, terms);
+    ct_stream_add(&sum, terms, end - first);
+  }
+  double stored = ledger.total - ledger.kinetic + ledger.external;
+  *e = (energies){.kinetic = 0.5 * ct_stream_sum(&sum),
+                  .elastic = ledger.strain + ledger.contact,
+                  .appeared = ledger.total - w->start};
+  // All that was there and was brought, less what other effects store.
+  e->expected = w->start + ledger.external - (stored - e->elastic);
+  e->most_expected = fmax(fmax(e->expected, w->expected), 0.0);
+  e->scale = fmax(e->kinetic, fmax(fabs(stored), fabs(ledger.external)));
+  e->least = fmax(w->floor, 1e-9 * fmax(w->largest, e->scale));
   return CT_OK;
-}
-
-/* What motion and strain should have: all that was there and was brought, less what other effects
- * store. */
-static double expected_of(const ct_monitor *w, const energies *e)
-{
-  return w->start + e->external - (e->stored - e->elastic);
-}
-
-static double scale_of(const energies *e)
-{
-  return fmax(e->kinetic, fmax(fabs(e->stored), fabs(e->external)));
 }
 
 /* Energy that round-off can make: a part ε of what the material could hold, which is Σ m c₁²
@@ -159,40 +148,23 @@ static double floor_of(const ct_problem *problem)
 static ct_status given_by(const ct_problem *problem, ct_state *state, int32_t k, double *gave,
                           ct_error *error)
 {
-  const ct_effect *effect = problem->effects[k];
   double work = 0.0, stored = 0.0, external = 0.0;
   *gave = 0.0;
-  if (effect->energy == NULL) return CT_OK;
-  ct_view view = ct_workspace_view(problem, state, k);
-  ct_status status = ct_energy_work(problem, state, k, &work, error);
-  if (status == CT_OK) status = ct_energy_stored(problem, state, k, &stored, error);
-  if (status == CT_OK && effect->external != NULL)
-    status = effect->external(effect, &view, &external, error);
+  if (problem->effects[k]->energy == NULL) return CT_OK;
+  ct_status status = ct_energy_parts(problem, state, k, &work, &stored, &external, error);
   *gave = (work + stored) - external;
   return status;
-}
-
-/* Energy that motion and strain should have had at most, up to now (eq:energy-appears). */
-static double most_expected(const ct_monitor *w, const energies *e)
-{
-  return fmax(fmax(expected_of(w, e), w->expected), 0.0);
-}
-
-/* Below this energy nothing is reported. */
-static double least_of(const ct_monitor *w, const energies *e)
-{
-  return fmax(w->floor, 1e-9 * fmax(w->largest, scale_of(e)));
 }
 
 /* Store the first growth above the limit from which on it is reported (eq:energy-growth). */
 static ct_status note_growth(ct_monitor *w, ct_state *state, const energies *e, ct_error *error)
 {
-  double appeared = e->total - w->start, expected = most_expected(w, e), most = -INFINITY;
+  double most = -INFINITY;
   ct_growth found = {.time = state->time,
                      .step = state->step,
-                     .share = expected > 0.0 ? appeared / expected : INFINITY};
+                     .share = e->most_expected > 0.0 ? e->appeared / e->most_expected : INFINITY};
   if (w->growth.share > 0.0 ||
-      !(appeared > fmax(w->options.growth_limit * expected, least_of(w, e))))
+      !(e->appeared > fmax(w->options.growth_limit * e->most_expected, e->least)))
     return CT_OK;
   for (int32_t k = 0; k < w->problem->effect_count; k++) {
     double gave;
@@ -203,7 +175,7 @@ static ct_status note_growth(ct_monitor *w, ct_state *state, const energies *e, 
       found.effect = k;
     }
   }
-  found.body = body_of(w->problem, largest_node(w->problem, state, NULL));
+  found.body = ct_effect_body_of(w->problem, largest_node(w->problem, state, NULL));
   w->growth = found;
   return CT_OK;
 }
@@ -212,18 +184,16 @@ static ct_status look_at_energy(ct_monitor *w, const ct_state *state, const ener
                                 ct_error *error)
 {
   // -- What motion and strain should have at most, and what they have too much (eq:energy-appears)
-  double limit = w->options.energy_limit, expected = most_expected(w, e), least = least_of(w, e);
-  double appeared = e->total - w->start;
+  double limit = w->options.energy_limit, expected = e->most_expected;
   // -- A growing oscillation, of which the ledger's total knows nothing (eq:energy-grows)
   double grown = w->swing * e->elastic - expected;
-  if (isinf(limit) || !(fmax(appeared, grown) > fmax(limit * expected, least))) return CT_OK;
-  int32_t node = largest_node(w->problem, state, NULL), body = body_of(w->problem, node);
-  return ct_fail(error, CT_ERROR_ENERGY,
-                 (ct_place){body, -1, node - w->problem->bodies[body].first_node},
+  if (isinf(limit) || !(fmax(e->appeared, grown) > fmax(limit * expected, e->least))) return CT_OK;
+  ct_place at = place_of(w->problem, largest_node(w->problem, state, NULL));
+  return ct_fail(error, CT_ERROR_ENERGY, at,
                  "energy appears: %.3g more than the %.3g that should be there by t = %g (step "
                  "%lld); most of it moves at body %s, node %d",
-                 fmax(appeared, grown), expected, state->time, (long long)state->step,
-                 w->problem->bodies[body].name, (int)(node - w->problem->bodies[body].first_node));
+                 fmax(e->appeared, grown), expected, state->time, (long long)state->step,
+                 w->problem->bodies[at.body].name, (int)at.point);
 }
 
 /* Uniform on (-1, 1), the same for every run. */
@@ -263,12 +233,10 @@ static ct_status iterate(ct_monitor *w, ct_state *state, ct_error *error)
   ct_status status = solid->force(solid, &view, w->force, error);
   if (status != CT_OK) return status;
   // -- ω² = p · K p over p · M p = 1, then p becomes M⁻¹ K p (eq:step-quotient)
-  double room[3 * CT_PIECE];
-  for (int32_t first = 0, end; first < problem->node_count; first = end) {
-    end = ct_piece_end(first, problem->node_count);
-    const double *before = ct_workspace_force_of(problem, state, 0, first, end, room);
-    for (int64_t i = 0, d = 3 * (int64_t)first; d < 3 * (int64_t)end; i++, d++)
-      w->force[d] = (before[i] - w->force[d]) / small;
+  for (int32_t n = 0; n < problem->node_count; n++) {
+    double before[3], *change = &w->force[3 * (int64_t)n];
+    ct_workspace_force_at(problem, state, 0, n, before);
+    for (int c = 0; c < 3; c++) change[c] = (before[c] - change[c]) / small;
   }
   w->omega_squared = ct_sum_product(problem->node_count, NULL, w->mode, w->force);
   memcpy(w->moved, w->mode, (size_t)count * sizeof *w->moved);
@@ -290,14 +258,13 @@ static ct_status look_at_step(ct_monitor *w, ct_state *state, ct_error *error)
   double limit = 0.5 * w->options.omega_limit * ct_integrator_limit(&problem->integrator),
          omega = sqrt(fmax(w->omega_squared, 0.0));
   if (status != CT_OK || !(omega * problem->dt > limit * (1.0 + 1e-4))) return status;
-  int32_t node = largest_node(problem, state, w->moved), body = body_of(problem, node);
-  int32_t own = node - problem->bodies[body].first_node;
-  int64_t element = element_with(problem->bodies[body].mesh, own);
-  return ct_fail(error, CT_ERROR_STEP, (ct_place){body, element, own},
+  ct_place at = place_of(problem, largest_node(problem, state, w->moved));
+  at.element = element_with(problem->bodies[at.body].mesh, (int32_t)at.point);
+  return ct_fail(error, CT_ERROR_STEP, at,
                  "by t = %g (step %lld) the solid is too stiff for the time step %g, which may be "
                  "%g at most: body %s, element %lld",
                  state->time, (long long)state->step, problem->dt, limit / omega,
-                 problem->bodies[body].name, (long long)element);
+                 problem->bodies[at.body].name, (long long)at.element);
 }
 
 /* Whether the state is the one that was looked at last. */
@@ -312,8 +279,7 @@ static int is_good(const ct_monitor *w, const ct_state *state)
 ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error)
 {
   energies e;
-  if (monitor == NULL || state == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "monitor: null argument");
+  if (monitor == NULL || state == NULL) return CT_REFUSE(error, "monitor: null argument");
   if (is_good(monitor, state)) return CT_OK;
   ct_status status = ct_check_finite(monitor->problem, state, error);
   if (status == CT_OK) status = measure(monitor, state, &e, error);
@@ -322,8 +288,8 @@ ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error
   if (status == CT_OK) status = note_growth(monitor, state, &e, error);
   if (status == CT_OK) status = ct_state_copy(monitor->problem, state, monitor->good, error);
   if (status != CT_OK) return status;
-  monitor->largest = fmax(monitor->largest, scale_of(&e));
-  monitor->expected = fmax(monitor->expected, expected_of(monitor, &e));
+  monitor->largest = fmax(monitor->largest, e.scale);
+  monitor->expected = fmax(monitor->expected, e.expected);
   return CT_OK;
 }
 
@@ -347,8 +313,7 @@ static ct_status complete(const ct_problem *problem, const ct_state *state, ct_s
 ct_status ct_monitor_steps(ct_monitor *monitor, ct_state *state, int64_t count, ct_error *error)
 {
   if (monitor == NULL || state == NULL || count < 0)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "monitor: null argument or %lld steps",
-                   (long long)count);
+    return CT_REFUSE(error, "monitor: null argument or %lld steps", (long long)count);
   int64_t every = monitor->options.every;
   ct_status status = CT_OK;
   while (status == CT_OK && count > 0) {
@@ -360,18 +325,17 @@ ct_status ct_monitor_steps(ct_monitor *monitor, ct_state *state, int64_t count, 
   return complete(monitor->problem, state, status, error);
 }
 
-/* Room for the power iteration, and its first direction. */
+/* First rounds of the power iteration. A linear solid keeps its stiffness, and is not asked again.
+ */
 static ct_status prepare_iteration(ct_monitor *w, ct_state *state, ct_error *error)
 {
-  const ct_problem *problem = w->problem;
-  const ct_effect *solid = problem->effects[0];
-  size_t n = (size_t)problem->node_count;
-  w->mode = ct_allocate(n, 3 * sizeof(double));
-  w->moved = ct_allocate(n, 3 * sizeof(double));
-  w->force = ct_allocate(n, 3 * sizeof(double));
-  if (!w->mode || !w->moved || !w->force)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a monitor over %d nodes",
-                   (int)problem->node_count);
+  const ct_effect *solid = w->problem->effects[0];
+  if (ct_problem_is_linear(w->problem) || isinf(w->options.omega_limit)) return CT_OK;
+  double **arrays[] = {&w->mode, &w->moved, &w->force};
+  for (int i = 0; i < 3; i++)
+    *arrays[i] = ct_pool_take(&w->pool, (size_t)w->problem->node_count, 3 * sizeof(double));
+  if (w->pool.failed) return CT_NO_MEMORY(error, "a monitor");
+  w->edge = ct_problem_edge(w->problem);
   ct_status status =
       solid->create_scratch == NULL ? CT_OK : solid->create_scratch(solid, &w->scratch, error);
   for (int i = 0; status == CT_OK && i < FIRST_ROUNDS; i++) status = iterate(w, state, error);
@@ -383,29 +347,22 @@ static ct_status prepare(ct_monitor *w, ct_state *state, ct_error *error)
   const ct_problem *problem = w->problem;
   ct_stable_step stable = {.dt = w->options.stable};
   energies e;
-  int stiffens = 0;
   ct_status status = stable.dt == 0.0 ? ct_stable(problem, NULL, &stable, error) : CT_OK;
   if (status == CT_OK) status = ct_state_allocate(problem, &w->good, error);
   if (status == CT_OK) status = ct_check_finite(problem, state, error);
   if (status == CT_OK) status = measure(w, state, &e, error);
   if (status != CT_OK) return status;
-  w->start = e.total;
+  // Before the start no energy was known: all of it has appeared.
+  w->start = e.appeared;
   w->floor = floor_of(problem);
-  w->largest = scale_of(&e);
-  w->expected = expected_of(w, &e);
+  w->largest = e.scale;
+  w->expected = w->start + e.expected;
   w->swing = fmax(1.0 - problem->dt * problem->dt / (stable.dt * stable.dt), 0.02);
-  w->edge = INFINITY;
-  for (int32_t i = 0; i < problem->body_count; i++) {
-    stiffens |= problem->bodies[i].material.law != CT_LINEAR;
-    w->edge = fmin(w->edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
-  }
-  if ((w->gave = ct_allocate((size_t)problem->effect_count, sizeof *w->gave)) == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a monitor");
+  w->gave = ct_pool_take(&w->pool, (size_t)problem->effect_count, sizeof *w->gave);
+  if (w->gave == NULL) return CT_NO_MEMORY(error, "a monitor");
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
     status = given_by(problem, state, k, &w->gave[k], error);
-  if (status != CT_OK) return status;
-  // -- A linear solid keeps its stiffness, and is not asked again
-  if (stiffens && !isinf(w->options.omega_limit)) status = prepare_iteration(w, state, error);
+  if (status == CT_OK) status = prepare_iteration(w, state, error);
   return status == CT_OK ? ct_state_copy(problem, state, w->good, error) : status;
 }
 
@@ -414,27 +371,23 @@ ct_status ct_monitor_create(const ct_problem *problem, ct_state *state,
 {
   if (problem == NULL || state == NULL || options == NULL || out == NULL ||
       state->problem != problem)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "monitor: null argument, or a state of another problem");
+    return CT_REFUSE(error, "monitor: null argument, or a state of another problem");
   if (options->every < 1 || !(options->energy_limit > 0.0) || !(options->omega_limit > 0.0) ||
       !(options->stable >= 0.0) || !(options->growth_limit >= 0.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "monitor: every %lld steps, energy limit %g, ω Δt up to %g, stable step %g, "
-                   "growth reported from %g",
-                   (long long)options->every, options->energy_limit, options->omega_limit,
-                   options->stable, options->growth_limit);
+    return CT_REFUSE(error,
+                     "monitor: every %lld steps, energy limit %g, ω Δt up to %g, stable step %g, "
+                     "growth reported from %g",
+                     (long long)options->every, options->energy_limit, options->omega_limit,
+                     options->stable, options->growth_limit);
   ct_monitor *w = ct_allocate(1, sizeof *w);
-  if (w == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a monitor");
+  if (w == NULL) return CT_NO_MEMORY(error, "a monitor");
   w->problem = problem;
   w->options = *options;
   w->seed = 88172645463325252u;
   ct_status status = prepare(w, state, error);
-  if (status != CT_OK) {
-    ct_monitor_free(w);
-    return status;
-  }
-  *out = w;
-  return CT_OK;
+  if (status != CT_OK) ct_monitor_free(w);
+  else *out = w;
+  return status;
 }
 
 void ct_monitor_free(ct_monitor *w)
@@ -442,9 +395,7 @@ void ct_monitor_free(ct_monitor *w)
   if (w == NULL) return;
   if (w->scratch != NULL) w->problem->effects[0]->free_scratch(w->scratch);
   ct_state_free(w->good);
-  double *arrays[] = {w->mode, w->moved, w->force, w->gave};
-  for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) ct_release(arrays[i]);
-  ct_release(w);
+  ct_pool_free(w);
 }
 
 ct_state *ct_monitor_good(const ct_monitor *monitor)
@@ -456,9 +407,4 @@ ct_state *ct_monitor_good(const ct_monitor *monitor)
 ct_growth ct_monitor_growth(const ct_monitor *monitor)
 {
   return monitor == NULL ? (ct_growth){0} : monitor->growth;
-}
-
-double ct_monitor_omega2(const ct_monitor *monitor)
-{
-  return monitor == NULL || monitor->mode == NULL ? 0.0 : monitor->omega_squared;
 }

@@ -6,13 +6,27 @@
 
 #include <math.h>
 
+double ct_problem_edge(const ct_problem *problem)
+{
+  double edge = INFINITY;
+  for (int32_t i = 0; i < problem->body_count; i++)
+    edge = fmin(edge, ct_mesh_shortest_edge(problem->bodies[i].mesh));
+  return edge;
+}
+
+int ct_problem_is_linear(const ct_problem *problem)
+{
+  for (int32_t i = 0; i < problem->body_count; i++)
+    if (problem->bodies[i].material.law != CT_LINEAR) return 0;
+  return 1;
+}
+
 ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
                           double *omega_squared, double *rate, ct_error *error)
 {
   if (problem == NULL || state == NULL || omega_squared == NULL || rate == NULL || k < 0 ||
       k >= problem->effect_count)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "stable step: null argument or no effect %d", (int)k);
+    return CT_REFUSE(error, "stable step: null argument or no effect %d", (int)k);
   const ct_effect *effect = problem->effects[k];
   *omega_squared = *rate = 0.0;
   ct_status status = ct_stage_check(state, error);
@@ -24,9 +38,8 @@ ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
   if (status == CT_OK && effect->rate_bound != NULL)
     status = effect->rate_bound(effect, &view, rate, error);
   if (status == CT_OK && !(*omega_squared >= 0.0 && *rate >= 0.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "stable step: effect %s has the bounds %g and %g, which are none", effect->label,
-                   *omega_squared, *rate);
+    return CT_REFUSE(error, "stable step: effect %s has the bounds %g and %g, which are none",
+                     effect->label, *omega_squared, *rate);
   // -- The bound of the elements may be far above the whole (eq:assembled-bound)
   if (status == CT_OK && k == 0 && problem->assembled) {
     double whole = INFINITY;
@@ -37,52 +50,42 @@ ct_status ct_stable_share(const ct_problem *problem, ct_state *state, int32_t k,
   return status;
 }
 
-/* What bounds the step: sums over the effects of ω² and of the damping rate (eq:step-bound,
- * eq:damped-step-bound). */
-typedef struct bounds {
-  double omega_squared, rate;
-} bounds;
-
 /* Whether an effect of this kind acts only where something touches. */
 static int is_contact(ct_effect_kind kind)
 {
   return kind == CT_EFFECT_CONTACT || kind == CT_EFFECT_FRICTION || kind == CT_EFFECT_OBSTACLE;
 }
 
-/* Ask all effects, once with and once without the contacts. */
-static ct_status sum_bounds(const ct_problem *problem, ct_state *state, bounds *all,
-                            bounds *without_contact, ct_error *error)
+/* What bounds the step of all effects, and of all but the contacts: sums of ω² and of the damping
+ * rate (eq:step-bound, eq:damped-step-bound). */
+static ct_status sum_bounds(const ct_problem *problem, ct_state *state, double omega_squared[2],
+                            double rate[2], ct_error *error)
 {
-  *all = *without_contact = (bounds){0.0, 0.0};
-  ct_status status = CT_OK;
-  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
-    bounds own;
-    status = ct_stable_share(problem, state, k, &own.omega_squared, &own.rate, error);
+  for (int32_t k = 0; k < problem->effect_count; k++) {
+    double own, own_rate;
+    ct_status status = ct_stable_share(problem, state, k, &own, &own_rate, error);
     if (status != CT_OK) return status;
-    all->omega_squared += own.omega_squared;
-    all->rate += own.rate;
-    if (is_contact(problem->effects[k]->kind)) continue;
-    without_contact->omega_squared += own.omega_squared;
-    without_contact->rate += own.rate;
+    for (int without = 0; without < (is_contact(problem->effects[k]->kind) ? 1 : 2); without++) {
+      omega_squared[without] += own;
+      rate[without] += own_rate;
+    }
   }
-  return status;
+  return CT_OK;
 }
 
 ct_status ct_stable(const ct_problem *problem, ct_state *state, ct_stable_step *out,
                     ct_error *error)
 {
-  bounds all, without;
+  double omega_squared[2] = {0.0, 0.0}, rate[2] = {0.0, 0.0};
   ct_state *own = NULL;
-  if (problem == NULL || out == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "stable step: null argument");
+  if (problem == NULL || out == NULL) return CT_REFUSE(error, "stable step: null argument");
   ct_status status = state == NULL ? ct_state_create(problem, &own, error) : CT_OK;
   if (status == CT_OK)
-    status = sum_bounds(problem, state == NULL ? own : state, &all, &without, error);
+    status = sum_bounds(problem, state == NULL ? own : state, omega_squared, rate, error);
   ct_state_free(own);
   if (status != CT_OK) return status;
-  out->dt = ct_integrator_step(&problem->integrator, all.omega_squared, all.rate);
-  out->dt_without_contact =
-      ct_integrator_step(&problem->integrator, without.omega_squared, without.rate);
+  out->dt = ct_integrator_step(&problem->integrator, omega_squared[0], rate[0]);
+  out->dt_without_contact = ct_integrator_step(&problem->integrator, omega_squared[1], rate[1]);
   out->dt_courant = INFINITY;
   for (int32_t i = 0; i < problem->body_count; i++) {
     double c1, c2;

@@ -3,9 +3,9 @@
 #include <libcontact/step.h>
 
 #include "../base/bits.h"
+#include "../base/list.h"
 #include "../base/error.h"
 #include "../base/memory.h"
-#include "../base/stream.h"
 #include "../base/threads.h"
 #include "../solid/sleep.h"
 #include "constraints.h"
@@ -16,52 +16,38 @@
 #include <math.h>
 #include <string.h>
 
-int64_t ct_state_work_start(const ct_problem *problem, int32_t k)
+ct_starts ct_state_starts(const ct_problem *problem, int32_t k)
 {
-  int64_t start = 0;
-  for (int32_t i = 0; i < k; i++)
-    if (problem->effects[i]->phase != CT_PHASE_REACTION)
-      start += 3 * (int64_t)problem->effects[i]->node_count;
-  return start;
-}
-
-int64_t ct_state_impulse_start(const ct_problem *problem, int32_t k)
-{
-  int64_t start = 0;
-  for (int32_t i = 1; i < k; i++) start += 3 * (int64_t)problem->effects[i]->node_count;
-  return start;
-}
-
-int64_t ct_state_memory_start(const ct_problem *problem, int32_t k)
-{
-  int64_t start = 0;
-  for (int32_t i = 0; i < k; i++) start += problem->effects[i]->memory_count;
+  ct_starts start = {0, 0, 0};
+  for (int32_t i = 0; i < k; i++) {
+    int64_t dofs = 3 * (int64_t)problem->effects[i]->node_count;
+    start.work += problem->effects[i]->phase == CT_PHASE_REACTION ? 0 : dofs;
+    start.impulse += i == 0 ? 0 : dofs;
+    start.memory += problem->effects[i]->memory_count;
+  }
   return start;
 }
 
 double *ct_stage_past(const ct_problem *problem, const ct_state *state)
 {
   return problem->integrator.scheme == CT_CHUNG_LEE
-             ? state->memory + ct_state_memory_start(problem, problem->effect_count)
+             ? state->memory + ct_state_starts(problem, problem->effect_count).memory
              : state->workspace->past;
 }
 
 ct_status ct_stage_check(const ct_state *state, ct_error *error)
 {
   if (state->workspace->stage == 0) return CT_OK;
-  return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                 "the state stands within step %lld, whose second stage failed",
-                 (long long)state->step);
+  return CT_REFUSE(error, "the state stands within step %lld, whose second stage failed",
+                   (long long)state->step);
 }
 
-/* Whether the effect that effect `k` reads has its force first: it stands before it, and its phase
- * is no later one. */
-static int reads_earlier(const ct_problem *problem, int32_t k)
+/* Number of the effect that effect `k` reads, which stands before it; -1: of none. */
+static int32_t read_by(const ct_problem *problem, int32_t k)
 {
-  const ct_effect *effect = problem->effects[k], *other = effect->reads;
-  for (int32_t i = 0; i < k; i++)
-    if (problem->effects[i] == other) return other->phase <= effect->phase;
-  return other == NULL;
+  int32_t i = problem->effects[k]->reads == NULL ? -1 : k - 1;
+  while (i >= 0 && problem->effects[i] != problem->effects[k]->reads) i--;
+  return i;
 }
 
 /* Whether an effect that needs all other forces is not the only one. */
@@ -79,108 +65,87 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
   if (p == NULL || p->bodies == NULL || p->reference == NULL || p->mass == NULL ||
       p->inverse_mass == NULL || p->initial_velocity == NULL || p->effects == NULL ||
       p->node_count < 1 || p->body_count < 1 || p->effect_count < 1)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: something is missing");
+    return CT_REFUSE(error, "problem: something is missing");
   if (p->effects[0] == NULL || p->effects[0]->nodes != NULL ||
       p->effects[0]->node_count != p->node_count || p->effects[0]->phase != CT_PHASE_STATE)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "problem: the first effect must act on all nodes");
+    return CT_REFUSE(error, "problem: the first effect must act on all nodes");
   for (int32_t k = 0; k < p->effect_count; k++) {
-    if (p->effects[k] == NULL)
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: effect %d is null", (int)k);
+    if (p->effects[k] == NULL) return CT_REFUSE(error, "problem: effect %d is null", (int)k);
     ct_status status = ct_effect_check(p->effects[k], error);
     if (status == CT_OK) status = ct_effect_check_nodes(p->effects[k], p->node_count, error);
     if (status != CT_OK) return status;
   }
-  for (int32_t k = 1; k < p->effect_count; k++)
+  for (int32_t k = 1; k < p->effect_count; k++) {
+    const ct_effect *effect = p->effects[k];
+    int32_t read = read_by(p, k);
     if (is_second_of_its_phase(p, k))
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                     "problem: effect %s needs the forces of all others, as another one does",
-                     p->effects[k]->label);
-  for (int32_t k = 1; k < p->effect_count; k++)
-    if (!reads_earlier(p, k))
-      return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                     "problem: effect %s reads one whose force does not come before its own",
-                     p->effects[k]->label);
+      return CT_REFUSE(error,
+                       "problem: effect %s needs the forces of all others, as another one does",
+                       effect->label);
+    if (effect->reads != NULL && (read < 0 || p->effects[read]->phase > effect->phase))
+      return CT_REFUSE(error,
+                       "problem: effect %s reads one whose force does not come before its own",
+                       effect->label);
+  }
   if (!(p->dt > 0.0) || !isfinite(p->dt) || p->threads < 1 || p->threads > CT_MOST_THREADS)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "problem: a step of %g with %d threads",
-                   p->dt, p->threads);
+    return CT_REFUSE(error, "problem: a step of %g with %d threads", p->dt, p->threads);
   return ct_integrator_check(&p->integrator, error);
 }
 
 static void workspace_free(const ct_problem *problem, ct_workspace *w)
 {
   if (w == NULL) return;
-  ct_constraints_free(problem, w->constraints);
-  for (int32_t k = 0; k < problem->effect_count; k++) {
-    if (w->force != NULL) ct_release(w->force[k]);
-    if (w->scratch != NULL && w->scratch[k] != NULL)
-      problem->effects[k]->free_scratch(w->scratch[k]);
-  }
-  void *blocks[] = {w->total,        w->force,           w->scratch,     w->next_memory, w->shared,
-                    w->shared_first, w->shared_velocity, w->shared_work, w->past};
-  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
-  ct_release(w);
+  if (w->constraints != NULL) ct_solver_free(w->constraints->solver);
+  for (int32_t k = 0; w->scratch != NULL && k < problem->effect_count; k++)
+    if (w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
+  ct_pool_free(w);
 }
 
 /* List the nodes on which several effects act. */
-static ct_status list_shared(const ct_problem *problem, ct_workspace *w)
+static void list_shared(const ct_problem *problem, ct_workspace *w)
 {
   char *mark = ct_allocate((size_t)problem->node_count, 1);
-  if (mark == NULL) return CT_ERROR_MEMORY;
-  for (int32_t k = 1; k < problem->effect_count; k++) {
+  for (int32_t k = 1; mark != NULL && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     for (int32_t i = 0; effect->phase != CT_PHASE_REACTION && i < effect->node_count; i++)
       mark[ct_effect_node(effect, i)] = 1;
   }
-  for (int32_t n = 0; n < problem->node_count; n++) w->shared_count += mark[n];
+  for (int32_t n = 0; mark != NULL && n < problem->node_count; n++) w->shared_count += mark[n];
   size_t count = (size_t)w->shared_count;
-  w->shared = ct_allocate(count, sizeof *w->shared);
-  w->shared_first = ct_allocate(count, 3 * sizeof(double));
-  w->shared_velocity = ct_allocate(count, 3 * sizeof(double));
-  w->shared_work = ct_allocate(count, 3 * sizeof(double));
-  ct_status status = w->shared && w->shared_first && w->shared_velocity && w->shared_work
-                         ? CT_OK
-                         : CT_ERROR_MEMORY;
-  int32_t next = 0;
-  for (int32_t n = 0; status == CT_OK && n < problem->node_count; n++)
+  w->shared = ct_pool_take(&w->pool, count, sizeof *w->shared);
+  double **array[] = {&w->shared_first, &w->shared_velocity, &w->shared_work};
+  for (int i = 0; i < 3; i++) *array[i] = ct_pool_take(&w->pool, count, 3 * sizeof(double));
+  w->pool.failed |= mark == NULL;
+  for (int32_t n = 0, next = 0; !w->pool.failed && n < problem->node_count; n++)
     if (mark[n]) w->shared[next++] = n;
   ct_release(mark);
-  return status;
 }
 
-static ct_status workspace_create(const ct_problem *problem, ct_workspace **out, ct_error *error)
+static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct_error *error)
 {
   size_t n = (size_t)problem->node_count, effects = (size_t)problem->effect_count;
-  ct_workspace *w = ct_allocate(1, sizeof *w);
-  *out = w;
-  if (w == NULL) return CT_ERROR_MEMORY;
-  w->forces_at = -1;
-  w->total = ct_allocate(n, 3 * sizeof(double));
-  for (int32_t k = 1; k < problem->effect_count; k++)
-    w->seen |= problem->effects[k]->kind == CT_EFFECT_USER &&
-               problem->effects[k]->phase != CT_PHASE_REACTION;
-  w->force = ct_allocate(effects, sizeof *w->force);
-  w->scratch = ct_allocate(effects, sizeof *w->scratch);
-  w->next_memory =
-      ct_allocate((size_t)ct_state_memory_start(problem, problem->effect_count), sizeof(double));
-  if (!w->total || !w->force || !w->scratch || !w->next_memory ||
-      list_shared(problem, w) != CT_OK || ct_constraints_create(problem, &w->constraints) != CT_OK)
-    return CT_ERROR_MEMORY;
   ct_scheme scheme = problem->integrator.scheme;
-  if ((scheme == CT_NOH_BATHE || scheme == CT_TCHAMWA_WIELGOSZ) &&
-      (w->past = ct_allocate(n, 3 * sizeof(double))) == NULL)
-    return CT_ERROR_MEMORY;
-  for (int32_t k = 0; k < problem->effect_count; k++) {
+  ct_status status = CT_OK;
+  w->forces_at = -1;
+  w->total = ct_pool_take(&w->pool, n, 3 * sizeof(double));
+  w->force = ct_pool_take(&w->pool, effects, sizeof *w->force);
+  w->scratch = ct_pool_take(&w->pool, effects, sizeof *w->scratch);
+  w->next_memory = ct_pool_take(
+      &w->pool, (size_t)ct_state_starts(problem, problem->effect_count).memory, sizeof(double));
+  if (scheme == CT_NOH_BATHE || scheme == CT_TCHAMWA_WIELGOSZ)
+    w->past = ct_pool_take(&w->pool, n, 3 * sizeof(double));
+  list_shared(problem, w);
+  ct_constraints_create(problem, w);
+  for (int32_t k = 0; status == CT_OK && !w->pool.failed && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (k > 0 && effect->phase != CT_PHASE_REACTION) {
-      w->force[k] = ct_allocate((size_t)effect->node_count, 3 * sizeof(double));
-      if (w->force[k] == NULL) return CT_ERROR_MEMORY;
+      w->seen |= effect->kind == CT_EFFECT_USER;
+      w->force[k] = ct_pool_take(&w->pool, (size_t)effect->node_count, 3 * sizeof(double));
     }
-    ct_status status = effect->create_scratch == NULL
-                           ? CT_OK
-                           : effect->create_scratch(effect, &w->scratch[k], error);
-    if (status != CT_OK) return status;
+    if (effect->create_scratch != NULL)
+      status = effect->create_scratch(effect, &w->scratch[k], error);
   }
+  if (status != CT_OK || w->pool.failed) return status == CT_OK ? CT_ERROR_MEMORY : status;
   if (problem->effects[0]->kind == CT_EFFECT_SOLID)
     w->sleep = ((ct_solid_scratch *)w->scratch[0])->sleep;
   ct_sleep_share(w->sleep, w->shared_count, w->shared);
@@ -190,52 +155,47 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace **out,
 void ct_state_free(ct_state *state)
 {
   if (state == NULL) return;
-  if (state->workspace != NULL) workspace_free(state->problem, state->workspace);
+  workspace_free(state->problem, state->workspace);
   ct_release(state->displacement);
-  ct_release(state->velocity);
-  ct_release(state->work);
-  ct_release(state->impulse);
-  ct_release(state->memory);
-  ct_release(state->effect_seconds);
   ct_release(state);
 }
 
 static ct_status no_memory(const ct_problem *problem, ct_error *error)
 {
-  return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a state of %d nodes",
-                 (int)problem->node_count);
+  return CT_NO_MEMORY(error, "a state of %d nodes", (int)problem->node_count);
 }
 
+/* The arrays stand in one block: first those of a restart, which a copy takes all at once. */
 ct_status ct_state_allocate(const ct_problem *problem, ct_state **out, ct_error *error)
 {
-  ct_state *s = ct_allocate(1, sizeof *s);
-  *out = s;
+  ct_state *s = *out = ct_allocate(1, sizeof *s);
   if (s == NULL) return no_memory(problem, error);
-  size_t n = (size_t)problem->node_count;
+  int64_t dofs = 3 * (int64_t)problem->node_count, all = 0;
+  ct_starts end = ct_state_starts(problem, problem->effect_count);
   s->problem = problem;
   s->node_count = problem->node_count;
-  s->work_count = ct_state_work_start(problem, problem->effect_count);
-  s->impulse_count = 2 * ct_state_impulse_start(problem, problem->effect_count);
-  s->memory_count = ct_state_memory_start(problem, problem->effect_count) +
-                    (problem->integrator.scheme == CT_CHUNG_LEE ? 3 * (int64_t)n : 0);
-  s->displacement = ct_allocate(n, 3 * sizeof(double));
-  s->velocity = ct_allocate(n, 3 * sizeof(double));
-  s->work = ct_allocate((size_t)s->work_count, sizeof(double));
-  s->impulse = ct_allocate((size_t)s->impulse_count, sizeof(double));
-  s->memory = ct_allocate((size_t)s->memory_count, sizeof(double));
-  s->effect_seconds = ct_allocate((size_t)problem->effect_count + 1, sizeof(double));
-  int whole =
-      s->displacement && s->velocity && s->work && s->impulse && s->memory && s->effect_seconds;
-  return whole ? CT_OK : no_memory(problem, error);
+  s->work_count = end.work;
+  s->impulse_count = 2 * end.impulse;
+  s->memory_count = end.memory + (problem->integrator.scheme == CT_CHUNG_LEE ? dofs : 0);
+  double **array[] = {&s->displacement, &s->velocity, &s->work,
+                      &s->impulse,      &s->memory,   &s->effect_seconds};
+  int64_t start[6],
+      count[6] = {
+          dofs, dofs, s->work_count, s->impulse_count, s->memory_count, problem->effect_count + 1};
+  for (int i = 0; i < 6; i++) start[i] = all, all += (count[i] + 7) / 8 * 8;
+  double *block = ct_allocate((size_t)all, sizeof *block);
+  if (block == NULL) return no_memory(problem, error);
+  for (int i = 0; i < 6; i++) *array[i] = block + start[i];
+  return CT_OK;
 }
 
 ct_status ct_state_equip(ct_state *state, ct_error *error)
 {
   if (state->workspace != NULL) return CT_OK;
-  ct_status status = workspace_create(state->problem, &state->workspace, error);
-  if (status == CT_OK) return CT_OK;
-  workspace_free(state->problem, state->workspace);
-  state->workspace = NULL;
+  ct_workspace *w = ct_allocate(1, sizeof *w);
+  ct_status status = w == NULL ? CT_ERROR_MEMORY : workspace_create(state->problem, w, error);
+  if (status == CT_OK) state->workspace = w;
+  else workspace_free(state->problem, w);
   return status == CT_ERROR_MEMORY ? no_memory(state->problem, error) : status;
 }
 
@@ -258,7 +218,7 @@ static void step_back(const ct_problem *problem, ct_state *state)
       state->workspace->forces_at = -1;
   // Constraints that are solved once more begin with the forces that they have found.
   for (int32_t k = 0; k < problem->effect_count; k++) {
-    int64_t memory = ct_state_memory_start(problem, k);
+    int64_t memory = ct_state_starts(problem, k).memory;
     if (problem->effects[k]->phase == CT_PHASE_CONSTRAINT)
       memcpy(state->memory + memory, state->workspace->next_memory + memory,
              (size_t)problem->effects[k]->memory_count * sizeof(double));
@@ -291,22 +251,17 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state)
   const uint64_t *begun = ct_workspace_begun(state);
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    double *work = state->work + ct_state_work_start(problem, k),
-           *impulse = state->impulse + ct_state_impulse_start(problem, k);
-    double room[3 * CT_PIECE];
-    for (int32_t first = 0, end; first < effect->node_count; first = end) {
-      end = ct_piece_end(first, effect->node_count);
-      const double *force = ct_workspace_force_of(problem, state, k, first, end, room);
-      for (int32_t i = first; i < end; i++)
-        for (int c = 0; c < 3; c++) {
-          int64_t d = 3 * (int64_t)i + c;
-          double f = force[d - 3 * (int64_t)first];
-          if (effect->phase != CT_PHASE_REACTION)
-            work[d] =
-                -2.0 * share * f *
-                start_velocity(problem, state, begun, 3 * (int64_t)ct_effect_node(effect, i) + c);
-          if (k > 0) impulse[d] = -share * f;
-        }
+    ct_starts start = ct_state_starts(problem, k);
+    double *work = state->work + start.work, *impulse = state->impulse + start.impulse;
+    for (int32_t i = 0; i < effect->node_count; i++) {
+      double force[3];
+      ct_workspace_force_at(problem, state, k, i, force);
+      for (int64_t c = 0, d = 3 * (int64_t)i; c < 3; c++, d++) {
+        int64_t dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
+        if (effect->phase != CT_PHASE_REACTION)
+          work[d] = -2.0 * share * force[c] * start_velocity(problem, state, begun, dof);
+        if (k > 0) impulse[d] = -share * force[c];
+      }
     }
   }
 }
@@ -315,7 +270,7 @@ ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *e
 {
   ct_energy energy;
   ct_state *state = NULL;
-  if (out == NULL) return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "state: null argument");
+  if (out == NULL) return CT_REFUSE(error, "state: null argument");
   ct_status status = check_problem(problem, error);
   if (status != CT_OK) return status;
   status = ct_state_allocate(problem, &state, error);
@@ -334,13 +289,11 @@ ct_status ct_state_create(const ct_problem *problem, ct_state **out, ct_error *e
     ct_state_start_ledgers(problem, state);
     status = ct_energy_of(problem, state, &energy, error);
   }
-  if (status != CT_OK) {
-    ct_state_free(state);
-    return status;
-  }
-  state->kinetic_start = energy.kinetic;
-  *out = state;
-  return CT_OK;
+  if (status == CT_OK) {
+    state->kinetic_start = energy.kinetic;
+    *out = state;
+  } else ct_state_free(state);
+  return status;
 }
 
 ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_state *to,
@@ -349,18 +302,13 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   if (problem == NULL || from == NULL || to == NULL || from->node_count != to->node_count ||
       from->work_count != to->work_count || from->impulse_count != to->impulse_count ||
       from->memory_count != to->memory_count)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "state: the two states are of different problems");
+    return CT_REFUSE(error, "state: the two states are of different problems");
   // One that was read from a file, or is kept by a watch, has no workspace, and stands between two
   // steps.
   ct_status status = from->workspace == NULL ? CT_OK : ct_stage_check(from, error);
   if (status != CT_OK) return status;
-  size_t n = 3 * (size_t)problem->node_count;
-  memcpy(to->displacement, from->displacement, n * sizeof(double));
-  memcpy(to->velocity, from->velocity, n * sizeof(double));
-  memcpy(to->work, from->work, (size_t)from->work_count * sizeof(double));
-  memcpy(to->impulse, from->impulse, (size_t)from->impulse_count * sizeof(double));
-  memcpy(to->memory, from->memory, (size_t)from->memory_count * sizeof(double));
+  memcpy(to->displacement, from->displacement,
+         (size_t)(from->effect_seconds - from->displacement) * sizeof(double));
   to->step = from->step;
   to->time = from->time;
   to->kinetic_start = from->kinetic_start;
@@ -369,46 +317,15 @@ ct_status ct_state_copy(const ct_problem *problem, const ct_state *from, ct_stat
   to->workspace->stage = 0;
   // Between two steps the acceleration before counts for nothing, but nothing times what is not
   // finite is not nothing.
-  if (to->workspace->past != NULL) memset(to->workspace->past, 0, n * sizeof(double));
+  if (to->workspace->past != NULL)
+    memset(to->workspace->past, 0, 3 * (size_t)problem->node_count * sizeof(double));
   return CT_OK;
-}
-
-double ct_integrator_predict(const ct_problem *problem, const ct_state *state, int32_t count,
-                           const int32_t *nodes, int stride, double *way, double *mobility)
-{
-  ct_stage stage = ct_stage_now(problem, state);
-  const double *past = ct_stage_past(problem, state);
-  double push = stage.r;
-  // -- At the start the acceleration before is that of t = 0, and the velocity has its share of it
-  // already (eq:stage-start)
-  if (state->workspace->starting) {
-    push = stage.r + stage.l - ct_integrator_share(&problem->integrator) * problem->dt;
-    past = NULL;
-  }
-  for (int32_t i = 0; i < count; i++)
-    for (int64_t c = 0; c < 3; c++) {
-      int64_t own = stride * (int64_t)i + c, dof = 3 * (int64_t)nodes[i] + c;
-      double velocity = ct_kick(state->velocity[dof], push, problem->inverse_mass[dof],
-                                state->workspace->total[dof]);
-      if (past != NULL) velocity += stage.l * past[dof];
-      way[own] = stage.tau * velocity;
-      mobility[own] = stage.tau * push * problem->inverse_mass[dof];
-    }
-  return push / stage.r;
-}
-
-/* Scratch space of the effect that effect `k` reads. */
-static const void *scratch_read(const ct_problem *problem, const ct_state *state, int32_t k)
-{
-  const ct_effect *other = problem->effects[k]->reads;
-  for (int32_t i = 0; other != NULL && i < k; i++)
-    if (problem->effects[i] == other) return state->workspace->scratch[i];
-  return NULL;
 }
 
 ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int32_t k)
 {
-  int64_t memory = ct_state_memory_start(problem, k);
+  int64_t memory = ct_state_starts(problem, k).memory;
+  int32_t read = read_by(problem, k);
   ct_stage stage =
       state->workspace->starting ? (ct_stage){0.0, 0.0, 0.0, 0.0} : ct_stage_now(problem, state);
   return (ct_view){.time = state->time,
@@ -419,7 +336,7 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
                    .memory = state->memory + memory,
                    .next_memory = state->workspace->next_memory + memory,
                    .scratch = state->workspace->scratch[k],
-                   .read = scratch_read(problem, state, k),
+                   .read = read < 0 ? NULL : state->workspace->scratch[read],
                    .dt = stage.tau,
                    .c_dt = stage.c,
                    .r_dt = stage.r,
@@ -428,40 +345,23 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
                    .total = state->workspace->total};
 }
 
-/* The first of the shared nodes that is `node` or a later one. */
-static int32_t shared_from(const ct_workspace *w, int32_t node)
-{
-  int32_t first = 0, last = w->shared_count;
-  while (first < last) {
-    int32_t middle = first + (last - first) / 2;
-    if (w->shared[middle] < node) first = middle + 1;
-    else last = middle;
-  }
-  return first;
-}
-
-const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k,
-                                    int32_t first, int32_t last, double *room)
+void ct_workspace_force_at(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i,
+                           double force[3])
 {
   const ct_workspace *w = state->workspace;
-  const ct_effect *effect = problem->effects[k];
-  if (k > 0 && effect->phase != CT_PHASE_REACTION) return &w->force[k][3 * (int64_t)first];
-  if (k == 0) {
-    // The first effect's force stands in `total`, but for the nodes where others were added.
-    int32_t i = shared_from(w, first), end = shared_from(w, last);
-    if (i == end) return &w->total[3 * (int64_t)first];
-    memcpy(room, &w->total[3 * (int64_t)first], 3 * (size_t)(last - first) * sizeof *room);
-    for (; i < end; i++)
-      memcpy(&room[3 * (int64_t)(w->shared[i] - first)], &w->shared_first[3 * (int64_t)i],
-             3 * sizeof *room);
-    return room;
+  int32_t node = ct_effect_node(problem->effects[k], i);
+  const double *total = &w->total[3 * (int64_t)node], *own = total;
+  if (problem->effects[k]->phase == CT_PHASE_REACTION) {
+    const double *inverse_mass = &problem->inverse_mass[3 * (int64_t)node];
+    for (int c = 0; c < 3; c++) force[c] = inverse_mass[c] == 0.0 ? -total[c] : 0.0;
+    return;
   }
-  for (int32_t i = first; i < last; i++)
-    for (int c = 0; c < 3; c++) {
-      int64_t dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
-      room[3 * (int64_t)(i - first) + c] = problem->inverse_mass[dof] == 0.0 ? -w->total[dof] : 0.0;
-    }
-  return room;
+  // The first effect's force stands in `total`, but for the nodes where others were added.
+  int32_t place = ct_lower_bound(w->shared, w->shared_count, node);
+  if (k > 0) own = &w->force[k][3 * (int64_t)i];
+  else if (place < w->shared_count && w->shared[place] == node)
+    own = &w->shared_first[3 * (int64_t)place];
+  memcpy(force, own, 3 * sizeof *force);
 }
 
 /* Count the elements whose forces the solid effect has computed, and those that it has left out. */

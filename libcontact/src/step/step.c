@@ -99,7 +99,7 @@ static ct_status take_stage(const ct_problem *problem, ct_state *state, double s
   move(problem, state, share, made ? ct_sleep_active(w->sleep) : NULL);
   ct_ledger_count(problem, state, share);
   memcpy(state->memory, w->next_memory,
-         (size_t)ct_state_memory_start(problem, problem->effect_count) * sizeof(double));
+         (size_t)ct_state_starts(problem, problem->effect_count).memory * sizeof(double));
   w->forces_at = -1;
   w->followed = made;
   if (problem->clock != NULL)
@@ -141,8 +141,7 @@ static void end_series(ct_state *state)
 
 ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
 {
-  if (problem == NULL || state == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "step: null argument");
+  if (problem == NULL || state == NULL) return CT_REFUSE(error, "step: null argument");
   ct_status status = take_step(problem, state, error);
   end_series(state);
   return status;
@@ -151,8 +150,7 @@ ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
 ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count, ct_error *error)
 {
   if (problem == NULL || state == NULL || count < 0)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "step: null argument, or %lld steps",
-                   (long long)count);
+    return CT_REFUSE(error, "step: null argument, or %lld steps", (long long)count);
   ct_status status = CT_OK;
   for (int64_t i = 1; status == CT_OK && i <= count; i++) {
     status = take_step(problem, state, error);

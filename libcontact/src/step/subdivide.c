@@ -2,7 +2,6 @@
 #include <libcontact/step.h>
 
 #include "../base/error.h"
-#include "../base/stream.h"
 #include "workspace.h"
 
 #include <math.h>
@@ -36,23 +35,21 @@ static void move_ledgers(const ct_problem *problem, const ct_state *from, ct_sta
   double share = ct_integrator_share(&problem->integrator), r = (double)parts;
   for (int32_t k = 0; k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
-    double room[3 * CT_PIECE];
-    double *work = to->work + ct_state_work_start(problem, k),
-           *impulse = to->impulse + ct_state_impulse_start(problem, k),
+    ct_starts start = ct_state_starts(problem, k);
+    double *work = to->work + start.work, *impulse = to->impulse + start.impulse,
            *earlier = impulse + to->impulse_count / 2;
-    for (int32_t first = 0, end; first < effect->node_count; first = end) {
-      end = ct_piece_end(first, effect->node_count);
-      const double *force = ct_workspace_force_of(from->problem, from, k, first, end, room);
-      for (int32_t i = first; i < end; i++)
-        for (int c = 0; c < 3; c++) {
-          int64_t d = 3 * (int64_t)i + c, dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
-          double f = share * force[d - 3 * (int64_t)first];
-          if (effect->phase != CT_PHASE_REACTION)
-            work[d] = r * (work[d] + 2.0 * f * from->velocity[dof]) - 2.0 * f * to->velocity[dof];
-          if (k == 0) continue;
-          impulse[d] = r * (impulse[d] + f) - f;
-          earlier[d] *= r;
-        }
+    for (int32_t i = 0; i < effect->node_count; i++) {
+      double force[3];
+      ct_workspace_force_at(from->problem, from, k, i, force);
+      for (int64_t c = 0, d = 3 * (int64_t)i; c < 3; c++, d++) {
+        int64_t dof = 3 * (int64_t)ct_effect_node(effect, i) + c;
+        double f = share * force[c];
+        if (effect->phase != CT_PHASE_REACTION)
+          work[d] = r * (work[d] + 2.0 * f * from->velocity[dof]) - 2.0 * f * to->velocity[dof];
+        if (k == 0) continue;
+        impulse[d] = r * (impulse[d] + f) - f;
+        earlier[d] *= r;
+      }
     }
   }
 }
@@ -75,13 +72,11 @@ ct_status ct_state_subdivide_step(const ct_problem *problem, ct_state *from, ct_
 {
   ct_energy before, after;
   if (problem == NULL || from == NULL || to == NULL || from == to || to->problem != problem)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "smaller step: null argument, or a state of another problem");
+    return CT_REFUSE(error, "smaller step: null argument, or a state of another problem");
   int64_t parts = parts_of(from->problem, problem);
   if (parts == 0 || from->step > INT64_MAX / parts)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "smaller step: %g is no whole part of %g, or the problems differ", problem->dt,
-                   from->problem->dt);
+    return CT_REFUSE(error, "smaller step: %g is no whole part of %g, or the problems differ",
+                     problem->dt, from->problem->dt);
   ct_status status = ct_energy_of(from->problem, from, &before, error);
   if (status == CT_OK) status = ct_state_copy(problem, from, to, error);
   if (status != CT_OK || parts == 1) return status;

@@ -3,9 +3,12 @@
 
 #include <libcontact/step.h>
 
+#include "effect_internal.h"
+
 /* What a state needs to take a step and a restart does not: forces at t_n and scratch space of the
  * effects. */
 typedef struct ct_workspace {
+  ct_pool pool;      /* its arrays */
   int64_t forces_at; /* the step whose forces stand below, or -1 */
   int starting;      /* v_{-1/2} is not known yet */
   int stage;         /* of the step, 0 or 1: the next one whose forces are made */
@@ -56,13 +59,6 @@ static inline ct_stage ct_stage_now(const ct_problem *problem, const ct_state *s
  * use for it. */
 double *ct_stage_past(const ct_problem *problem, const ct_state *state);
 
-/* Way of nodes until the next evaluation with the forces in `total`, shape (node_count, 3), and how
- * far one more unit of force moves each component (eq:stage). Three numbers a node, `stride` apart.
- * At the start, before v_{-1/2} is known, the velocity is the one of t = 0 (eq:stage-start).
- * Answers how large a part this is of how far a force moves them in a step that does not start. */
-double ct_integrator_predict(const ct_problem *problem, const ct_state *state, int32_t count,
-                           const int32_t *nodes, int stride, double *way, double *mobility);
-
 /* Fails for a state whose last step ended after its first stage. */
 ct_status ct_stage_check(const ct_state *state, ct_error *error);
 
@@ -75,11 +71,10 @@ static inline double ct_kick(double v, double dt, double inverse_mass, double fo
   return v + dt * inverse_mass * force;
 }
 
-/* Forces of effect `k` on its nodes first ... last - 1, shape (last - first, 3), after
- * ct_workspace_forces; reactions are minus the total on held degrees of freedom (eq:reaction).
- * Answers where they stand, which may be in `room`, of 3 (last - first) numbers. */
-const double *ct_workspace_force_of(const ct_problem *problem, const ct_state *state, int32_t k,
-                                    int32_t first, int32_t last, double *room);
+/* Force of effect `k` on its i-th node, after ct_workspace_forces; that of a reaction is minus the
+ * total on held degrees of freedom (eq:reaction). */
+void ct_workspace_force_at(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i,
+                           double force[3]);
 
 /* Work and impulses that count only the part of the first forces that comes after t = 0
  * (eq:leapfrog-start), from the forces that stand. */
@@ -88,6 +83,16 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state);
 /* A bit a node at t = 0: the force of a constraint begins there, and with it all others
  * (eq:energy-start); null later on, and without constraints. */
 const uint64_t *ct_workspace_begun(const ct_state *state);
+
+/* Work of effect `k`, what it stores, and what came in through it from outside. */
+ct_status ct_energy_parts(const ct_problem *problem, ct_state *state, int32_t k, double *work,
+                          double *stored, double *external, ct_error *error);
+
+/* Shortest edge of all bodies. */
+double ct_problem_edge(const ct_problem *problem);
+
+/* Whether the stiffness of all bodies stays what it is. */
+int ct_problem_is_linear(const ct_problem *problem);
 
 /* v_n at the nodes first ... end - 1, shape (end - first, 3), after ct_workspace_forces. */
 void ct_mean_velocity(const ct_problem *problem, const ct_state *state, int32_t first, int32_t end,
@@ -104,15 +109,15 @@ double ct_integrator_share(const ct_integrator *integrator);
 ct_status ct_stable_assembled(const ct_problem *problem, ct_state *state, double *omega_squared,
                               ct_error *error);
 
-/* Node of the problem that is the i-th of an effect. */
-static inline int32_t ct_effect_node(const ct_effect *effect, int32_t i)
-{
-  return effect->nodes == NULL ? i : effect->nodes[i];
-}
+/* Where effect `k` begins in the state's `work`, `impulse` and `memory`; behind the last effect:
+ * how many numbers they have of all effects. */
+typedef struct ct_starts {
+  int64_t work, impulse, memory;
+} ct_starts;
+ct_starts ct_state_starts(const ct_problem *problem, int32_t k);
 
-/* Where effect `k` begins in the state's `work`, `impulse` and `memory`. */
-int64_t ct_state_work_start(const ct_problem *problem, int32_t k);
-int64_t ct_state_impulse_start(const ct_problem *problem, int32_t k);
-int64_t ct_state_memory_start(const ct_problem *problem, int32_t k);
+/* Largest stable Δt [time] for the sums `omega_squared` of ω² [1 / time²] and `rate` of the damping
+ * rates [1 / time], eq:integrator-damped-bound. */
+double ct_integrator_step(const ct_integrator *integrator, double omega_squared, double rate);
 
 #endif

@@ -9,20 +9,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ..schema import Many, Reference, Table, key
+from ..schema import Many, Reference, Surface, Table, key
 from ..units import Units
 
 
 class Effect(Table):
     """The keys of an effect, the C effect that they make, and the words for it."""
 
-    many: ClassVar[bool] = False
-    """Whether the table may stand several times, written ``[[key]]``, else once, written ``[key]``."""
     without: ClassVar[str]
     """What a scene without the effect goes without, for ``explain``."""
 
     def create(self, maker: Any) -> Any:
-        """The C effect (``ct_effect *``), or a list of them, by a :class:`libcontact.problem.Maker`."""
+        """The C effect (``ct_effect *``), or a list of them, by a :class:`libcontact.problem.Maker`; here of the keys that its struct has."""
+        return maker.make(type(self).__name__.lower(), self, **self.members(maker))
+
+    def members(self, maker: Any) -> dict[str, Any]:
+        """Members of the struct that are not keys of the same name."""
         raise NotImplementedError
 
     def describe(self, units: Units) -> str:
@@ -46,10 +48,31 @@ class OnBodies(Effect):
         says="all",
     )
 
+    def members(self, maker: Any) -> dict[str, Any]:
+        """The numbers of the bodies."""
+        return dict(maker.bodies(self.bodies))
+
     @property
     def whom(self) -> str:
         """The bodies in a sentence."""
         return "all bodies" if self.bodies is None else ", ".join(self.bodies)
+
+
+class OnSurface(Effect):
+    """
+    An effect that acts on a surface.
+
+    Attributes
+    ----------
+    surface
+        The face that it acts on.
+    """
+
+    surface: tuple[str, str] = key(Surface())
+
+    def members(self, maker: Any) -> dict[str, Any]:
+        """The faces."""
+        return dict(maker.faces(self.surface))
 
 
 @dataclass(frozen=True, eq=False)

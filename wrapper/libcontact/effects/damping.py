@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from ..model import FORWARD
 from ..schema import Flag, key
 from ..units import Units
@@ -30,9 +28,6 @@ class Damping(OnBodies):
     relaxation: bool | None = key(
         Flag(", or leave it out and give a rate"), default=None, says="one of two"
     )
-
-    def create(self, maker: Any) -> Any:
-        return maker.make("damping", self, **maker.bodies(self.bodies))
 
     def describe(self, units: Units) -> str:
         if self.rate is None:

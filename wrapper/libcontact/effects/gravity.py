@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from ..model import Vector
 from ..schema import VECTOR, key
 from ..units import Units
@@ -23,9 +21,6 @@ class Gravity(OnBodies):
     without = "no [gravity]: nothing falls"
 
     acceleration: Vector = key(VECTOR, unit="length / time²")
-
-    def create(self, maker: Any) -> Any:
-        return maker.make("gravity", self, **maker.bodies(self.bodies))
 
     def describe(self, units: Units) -> str:
         return f"{list(self.acceleration)} {units.length}/{units.time}^2 on {self.whom}"

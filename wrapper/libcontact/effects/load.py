@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..model import ORIGIN, History, Vector
-from ..schema import VECTOR, Flag, Nested, Number, Surface, key
+from ..schema import VECTOR, Flag, Nested, Number, key
 from ..units import Units
-from . import Effect
+from . import OnSurface
 
 
-class Load(Effect):
+class Load(OnSurface):
     """
     Traction and pressure on a surface, times a history.
 
@@ -29,10 +29,8 @@ class Load(Effect):
         A factor, straight between its points.
     """
 
-    many = True
     without = "no [[load]]: surfaces are free of tractions"
 
-    surface: tuple[str, str] = key(Surface())
     traction: Vector = key(VECTOR, unit="stress", default=ORIGIN)
     pressure: float = key(Number(), unit="stress", default=0.0)
     following: bool = key(Flag(), default=False)
@@ -44,9 +42,8 @@ class Load(Effect):
         if self.following and self.pressure == 0.0:
             yield "following", "is true, but only a pressure follows the surface, and there is none"
 
-    def create(self, maker: Any) -> Any:
-        history = maker.history(self.history)
-        return maker.make("load", self, **maker.faces(self.surface), amplitude=history)
+    def members(self, maker: Any) -> dict[str, Any]:
+        return {**super().members(maker), "amplitude": maker.history(self.history)}
 
     def describe(self, units: Units) -> str:
         parts = [f"traction {list(self.traction)}"] if any(self.traction) else []

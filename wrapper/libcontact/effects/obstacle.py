@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from .._core import ffi, lib
 from ..bridge import names
 from ..model import ENFORCEMENTS, ORIGIN, POSITIVE, History, Pressing, Vector
-from ..schema import VECTOR, Nested, Surface, Table, key
+from ..schema import VECTOR, Nested, Table, key
 from ..units import Units
-from . import Effect
+from . import OnSurface
 
 SHAPES = names("ct_obstacle_shape")
 NO_DIRECTION = "is zero, and must be a direction"
@@ -46,9 +46,9 @@ class Plane(Table):
             yield "normal", NO_DIRECTION
 
 
-class Round(Table):
+class Sphere(Table):
     """
-    What a sphere and a cylinder have in common.
+    A sphere.
 
     Attributes
     ----------
@@ -57,6 +57,8 @@ class Round(Table):
     radius
         Its radius.
     """
+
+    axis = (0.0, 0.0, 1.0)
 
     centre: Vector = key(VECTOR, unit="length")
     radius: float = key(POSITIVE, unit="length")
@@ -67,13 +69,7 @@ class Round(Table):
         return self.centre
 
 
-class Sphere(Round):
-    """A sphere."""
-
-    axis = (0.0, 0.0, 1.0)
-
-
-class Cylinder(Round):
+class Cylinder(Sphere):
     """
     A cylinder of any length.
 
@@ -83,14 +79,14 @@ class Cylinder(Round):
         Its direction.
     """
 
-    axis: Vector = key(VECTOR)
+    axis: Vector = key(VECTOR)  # type: ignore[assignment]
 
     def refusals(self) -> Iterator[tuple[str, str]]:
         if not any(self.axis):
             yield "axis", NO_DIRECTION
 
 
-class Obstacle(Pressing, Effect, eq=False):
+class Obstacle(Pressing, OnSurface):
     """
     A rigid obstacle. Its way is ``velocity`` times time plus ``travel`` times the line through
     ``history``.
@@ -113,11 +109,9 @@ class Obstacle(Pressing, Effect, eq=False):
         A line through points.
     """
 
-    many = True
     without = "no [[obstacle]]: no rigid walls, spheres or cylinders"
     one = (tuple(SHAPES),)
 
-    surface: tuple[str, str] = key(Surface())
     plane: Any = key(Nested(Plane), default=None, says="one of three")
     sphere: Any = key(Nested(Sphere), default=None, says="one of three")
     cylinder: Any = key(Nested(Cylinder), default=None, says="one of three")
@@ -158,23 +152,26 @@ class Obstacle(Pressing, Effect, eq=False):
         most = lib.ct_contact_penalty_default(lib.CT_ENFORCE_PENALTY, modulus, edge)
         return epsilon, self.tangent or min(1.0, most / epsilon)
 
-    def create(self, maker: Any) -> Any:
-        """The obstacle's effect, and after it that of its friction, if it has one."""
+    def members(self, maker: Any) -> dict[str, Any]:
         body, shape = maker.body(self.surface[0]), getattr(self, self.shape)
-        epsilon, ratio = self.penalties(body)
-        members = {
+        return {
+            **super().members(maker),
             "shape": SHAPES[self.shape],
             "point": shape.point,
             "axis": shape.axis,
             "radius": shape.radius,
-            "epsilon": epsilon,
+            "epsilon": self.penalties(body)[0],
             "amplitude": maker.history(self.history),
         }
-        made = [maker.make("obstacle", self, **maker.faces(self.surface), **members)]
-        if self.friction:
-            keys = {"on": made[0], "coefficient": self.friction, "tangent": ratio}
-            made.append(maker.make("friction", self, **keys))
-        return made
+
+    def create(self, maker: Any) -> Any:
+        """The obstacle's effect, and after it that of its friction, if it has one."""
+        made = super().create(maker)
+        if not self.friction:
+            return made
+        ratio = self.penalties(maker.body(self.surface[0]))[1]
+        keys = {"on": made, "coefficient": self.friction, "tangent": ratio}
+        return [made, maker.make("friction", self, **keys)]
 
     def describe(self, units: Units) -> str:
         shape = getattr(self, self.shape)

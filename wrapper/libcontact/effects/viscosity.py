@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 from ..model import FORWARD
 from ..schema import key
@@ -31,9 +30,6 @@ class Viscosity(OnBodies):
     def refusals(self) -> Iterator[tuple[str, str]]:
         if self.linear == 0.0 and self.quadratic == 0.0:
             yield "linear", "and quadratic are both 0; leave [viscosity] out instead"
-
-    def create(self, maker: Any) -> Any:
-        return maker.make("viscosity", self, **maker.bodies(self.bodies))
 
     def describe(self, units: Units) -> str:
         return f"pressure against compression, linear {self.linear:g} and quadratic {self.quadratic:g}, {self.whom}"

@@ -1,0 +1,207 @@
+/* Which nodes can be summed from a ring of element forces, and their sums. */
+#include "ring.h"
+
+#include "../base/lanes.h"
+#include "../base/memory.h"
+#include "kernel.h"
+
+#include <string.h>
+
+/* Nodes that lack an element are summed with as many zeros at most. */
+enum { ZEROS = 256 };
+
+/* Threads that have a ring each; more of them share. */
+enum { MOST_RINGS = 64 };
+
+/* Nodes of a run, on the average, below which tables are faster: rows of 8 bricks. */
+enum { SHORTEST_RUN = 3 };
+
+void ct_force_ring_free(ct_force_ring *ring)
+{
+  if (ring == NULL) return;
+  ct_release(ring->runs);
+  ct_release(ring);
+}
+
+/* Enter for each node its elements by octant or quadrant, -1 where there is none, and its partner
+ * in the other layer (of bricks: itself); of the upper layer, a partner below -1. Answers 0 when a
+ * node is in both layers or has two elements in one place. */
+static int enter_elements(const ct_mesh *mesh, const ct_force_ring *ring, int32_t *twin,
+                          int32_t (*around)[8])
+{
+  int corners = ring->corners, plane = corners == 4;
+  for (int32_t n = 0; n < mesh->node_count; n++) {
+    twin[n] = -1;
+    for (int k = 0; k < corners; k++) around[n][k] = -1;
+  }
+  for (int32_t e = 0; e < mesh->element_count; e++)
+    for (int k = 0; k < corners; k++) {
+      const int32_t *node = &mesh->elements[8 * (size_t)e];
+      int32_t low = node[ring->local[k]], high = plane ? node[ring->local[k + 4]] : low,
+              *slot = &around[low][corners - 1 - k];
+      if (*slot >= 0 || (twin[low] != -1 && twin[low] != high) ||
+          (plane && twin[high] != -1 && twin[high] != -2 - low))
+        return 0;
+      *slot = e;
+      twin[low] = high;
+      if (plane) twin[high] = -2 - low;
+    }
+  return 1;
+}
+
+/* Whether a node, its partner and its elements come next in a run. */
+static int goes_on(int corners, const ct_run *run, int32_t node, int32_t twin,
+                   const int32_t *around)
+{
+  int32_t i = run->count;
+  int wide = i < ZEROS, alike = node == run->low + i && twin == run->high + i;
+  for (int k = 0; k < corners; k++)
+    alike =
+        alike && (run->element[k] < 0 ? around[k] < 0 && wide : around[k] == run->element[k] + i);
+  return alike;
+}
+
+/* List the runs. */
+static ct_status enter_runs(const ct_mesh *mesh, ct_force_ring *ring, const int32_t *twin,
+                            int32_t (*around)[8])
+{
+  for (int pass = 0; pass < 2; pass++) {
+    ct_run run = {.count = 0};
+    int32_t count = 0;
+    for (int32_t n = 0; n < mesh->node_count; n++) {
+      if (twin[n] < 0) continue;
+      if (run.count == 0 || !goes_on(ring->corners, &run, n, twin[n], around[n])) {
+        run = (ct_run){.low = n, .high = twin[n]};
+        memcpy(run.element, around[n], sizeof run.element);
+        count++;
+      }
+      run.count++;
+      if (pass == 1) ring->runs[count - 1] = run;
+    }
+    ring->run_count = count;
+    if (pass == 0) ring->runs = ct_allocate((size_t)count, sizeof *ring->runs);
+    if (ring->runs == NULL) return CT_ERROR_MEMORY;
+  }
+  return CT_OK;
+}
+
+/* The first and last elements of the runs, and a ring that holds what they still wait for and what
+ * is computed at once (eq:lattice-ring). */
+static void size_ring(ct_force_ring *ring, int32_t element_count)
+{
+  int64_t need = 0, all = ((int64_t)element_count + 7) / 8 * 8;
+  int32_t top = -1;
+  for (int32_t r = 0; r < ring->run_count; r++) {
+    ct_run *run = &ring->runs[r];
+    run->first = INT32_MAX;
+    for (int k = 0; k < ring->corners; k++) {
+      int32_t first = run->element[k], last = first + run->count - 1;
+      if (first < 0) continue;
+      run->first = first < run->first ? first : run->first;
+      run->last = last > run->last ? last : run->last;
+    }
+    top = run->last > top ? run->last : top;
+    need = top - run->first > need ? top - run->first : need;
+  }
+  need += 8 * (CT_BLOCK + 2);
+  ring->size = 8;
+  while (ring->size < (need < all ? need : all)) ring->size *= 2;
+  ring->stride = ring->size + 8; // rows of the ring would fight for the same place in the cache
+  ring->value_count = 3 * ring->corners * ring->stride * ring->threads;
+}
+
+ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_force_ring **out)
+{
+  ct_force_ring *ring = ct_allocate(1, sizeof *ring);
+  int32_t *twin = ct_allocate((size_t)mesh->node_count, sizeof *twin),
+          (*around)[8] = ct_allocate((size_t)mesh->node_count, sizeof *around);
+  ct_status status = ring && twin && around ? CT_OK : CT_ERROR_MEMORY;
+  int fits = 0;
+  *out = NULL;
+  if (status == CT_OK) {
+    *ring = (ct_force_ring){.corners = axis < 0 ? 8 : 4,
+                            .axis = axis < 0 ? 2 : axis,
+                            .p = axis == 0 ? 1 : 0,
+                            .q = axis == 2 || axis < 0 ? 1 : 2,
+                            .threads = threads < MOST_RINGS ? threads : MOST_RINGS};
+    for (int a = 0; a < 8; a++) {
+      double xi[3];
+      ct_brick_reference(CT_HEX8, a, xi);
+      ring->local[(xi[ring->p] > 0.0) + 2 * (xi[ring->q] > 0.0) + 4 * (xi[ring->axis] > 0.0)] = a;
+    }
+    fits = enter_elements(mesh, ring, twin, around);
+    if (fits) status = enter_runs(mesh, ring, twin, around);
+    fits = fits && status == CT_OK &&
+           (axis >= 0 || (int64_t)SHORTEST_RUN * ring->run_count <= mesh->node_count);
+  }
+  ct_release(twin);
+  ct_release(around);
+  if (fits) {
+    size_ring(ring, mesh->element_count);
+    *out = ring;
+  } else {
+    ct_force_ring_free(ring);
+  }
+  return status;
+}
+
+/* Sum eight runs of element forces that lie side by side; `step`: from one component to the next.
+ */
+CT_CLONES
+static void gather_bricks(const double *const v[8], const int64_t step[8], int32_t count, double *f)
+{
+  for (int c = 0; c < 3; c++) {
+    const double *a = v[0] + c * step[0], *b = v[1] + c * step[1], *d = v[2] + c * step[2],
+                 *e = v[3] + c * step[3];
+    const double *p = v[4] + c * step[4], *q = v[5] + c * step[5], *r = v[6] + c * step[6],
+                 *s = v[7] + c * step[7];
+    // -- Pair the octants along ξ, then η, then ζ (eq:tree-sum)
+#pragma omp simd
+    for (int32_t n = 0; n < count; n++)
+      f[3 * n + c] = ((a[n] + b[n]) + (d[n] + e[n])) + ((p[n] + q[n]) + (r[n] + s[n]));
+  }
+}
+
+/* Sum four such runs of a plane, for both layers; the forces of the upper one have the signs
+ * `sign`. A sum that is zero has no minus, as that of the bricks, which begins with the zeros of
+ * the side where no element is, and as that of elements that sleep. */
+CT_CLONES
+static void gather_plane(const double *const v[4], const int64_t step[4], const double sign[3],
+                         int32_t count, double *restrict low, double *restrict high)
+{
+  const double *a = v[0], *b = v[1], *d = v[2], *e = v[3];
+#pragma omp simd
+  for (int32_t n = 0; n < count; n++)
+    for (int c = 0; c < 3; c++) {
+      double f =
+          (a[c * step[0] + n] + b[c * step[1] + n]) + (d[c * step[2] + n] + e[c * step[3] + n]);
+      low[3 * n + c] = f + 0.0;
+      high[3 * n + c] = sign[c] * f + 0.0;
+    }
+}
+
+/* In pieces that are whole in the ring. */
+void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const ct_run *run,
+                          int32_t first, int32_t last, double *sums)
+{
+  static const double zeros[ZEROS] = {0.0};
+  int plane = ring->corners == 4;
+  double apart[3] = {1.0, 1.0, 1.0};
+  // -- The upper layer is pulled as the lower one, but apart from it (eq:plane-force)
+  apart[ring->axis] = -1.0;
+  for (int32_t i = first, piece; i < last; i += piece) {
+    const double *v[8] = {NULL};
+    int64_t step[8] = {0};
+    piece = last - i;
+    for (int k = 0; k < ring->corners; k++) {
+      int there = run->element[k] >= 0, corner = plane ? 3 - k : ring->local[7 - k];
+      int64_t place = there ? (run->element[k] + i) & (ring->size - 1) : 0;
+      v[k] = there ? values + 3 * corner * ring->stride + place : zeros;
+      step[k] = there ? ring->stride : 0;
+      if (piece > ring->size - place) piece = (int32_t)(ring->size - place);
+    }
+    double *low = &sums[3 * (int64_t)(run->low + i)], *high = &sums[3 * (int64_t)(run->high + i)];
+    if (plane) gather_plane(v, step, apart, piece, low, high);
+    else gather_bricks(v, step, piece, low);
+  }
+}

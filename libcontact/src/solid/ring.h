@@ -1,0 +1,47 @@
+#ifndef CT_SRC_SOLID_RING_H
+#define CT_SRC_SOLID_RING_H
+
+#include <libcontact/mesh.h>
+
+/* Element forces of hex8 that live only until their nodes are summed: in a ring, which the nodes
+ * follow closely (eq:lattice-ring). */
+
+/* Nodes whose numbers follow each other, as do those of the elements around them, and in a plane
+ * those of their partners in the upper layer. */
+typedef struct ct_run {
+  int32_t low, high, count;
+  /* The first node's elements by octant, in a plane by quadrant (bit d: on the positive side along
+   * ξ, η, ζ, or p, q); -1: none, at all nodes of the run. */
+  int32_t element[8];
+  int32_t first, last; /* of all its elements */
+} ct_run;
+
+typedef struct ct_force_ring {
+  /* 8: bricks; 4: one layer in plane strain, where the nodes of the lower layer stand for both. */
+  int corners;
+  /* The direction that a layer is held in, and the two others, ascending; z and x, y for bricks. */
+  int axis, p, q;
+  /* Local numbers of the corners (-,-,-), (+,-,-), (-,+,-), ... in p, q and axis. */
+  int local[8];
+  /* All nodes, or all of the lower layer, ascending. */
+  ct_run *runs;
+  int32_t run_count;
+  /* Each of `threads` threads has a ring of `size` elements, a power of two; the forces of one
+   * component of one node stand `stride` after those of the one before. */
+  int threads;
+  int64_t size, stride, value_count;
+} ct_force_ring;
+
+/* The ring of a mesh of hex8 for `threads` threads, with `axis` that of its one layer as a plane,
+ * or -1: bricks. Null, with CT_OK, where a node has two elements in one octant, where there is more
+ * than one layer, or runs are so short that tables are faster. CT_ERROR_MEMORY. */
+ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_force_ring **out);
+
+void ct_force_ring_free(ct_force_ring *ring);
+
+/* Sum at the nodes first ... last - 1 of a run, in the order of ct_assembly_gather (eq:tree-sum).
+ */
+void ct_force_ring_gather(const ct_force_ring *ring, const double *values, const ct_run *run,
+                          int32_t first, int32_t last, double *sums);
+
+#endif
