@@ -10,7 +10,6 @@
 #include "sleep.h"
 
 #include <math.h>
-#include <string.h>
 
 /* Which function computes a block, and the operations of one element counted in it. */
 static const struct kernel_row {
