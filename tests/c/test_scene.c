@@ -208,7 +208,8 @@ static void contacts(void)
                            .options = ct_contact_options_default()},
                    c;
   c = good, c.options.epsilon = 1.0;
-  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "beta or epsilon, positive", "both beta and epsilon");
+  contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "beta or epsilon, positive",
+                  "both beta and epsilon");
   c = good, c.beta = -4.0;
   contact_refused(&p, c, 0, CT_ERROR_ARGUMENT, "beta or epsilon, positive", "a negative beta");
   c = good, c.beta = NAN;

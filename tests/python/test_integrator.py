@@ -34,7 +34,7 @@ def plates(integrator: str, **keys) -> ct.Scene:
         for face in ("y_min", "y_max"):
             made.add_support(f"{name}.{face}", fix=["y"])
         made.add_support(f"{name}.z_min", fix=["z"])
-    made.add_contact("left.x_max", "right.x_min")
+    made.add_contact("left.x_max", "right.x_min", beta=4.0)
     return made.set_time(
         **{"end": 0.02, "fraction": 0.9, "integrator": integrator, **keys}
     ).set_output(every=4)

@@ -97,9 +97,9 @@ def memory_of(problem: Problem) -> int:
         total += effect.node_count * (96 + (48 + 24 + 76 if works else 16))
         total += 24 * effect.memory_count
         total += 0 if effect.nodes == ffi.NULL else 4 * effect.node_count
-        # The solver keeps where a row is, and 11 numbers to find its force.
+        # The solver keeps the entries of a row at up to 16 nodes, where they stand, and 10 numbers to find its force.
         pressing = effect.phase == lib.CT_PHASE_CONSTRAINT
-        total += pressing * effect.constraint_count * 13 * 8
+        total += pressing * effect.constraint_count * (16 * 36 + 40 + 10 * 8)
     return total + POINT_BYTES * sum(sum(contact.gauss_points) for contact in problem.contacts)
 
 
