@@ -103,9 +103,11 @@ CT_API ct_contact_options ct_contact_options_default(void);
  * numbers near 0.125. */
 CT_API double ct_contact_penalty(double beta, double young, double h);
 
-/** The penalty that suits an enforcement [stress / length], :eq:`penalty-default`: 40 M / h for the
- * energy-controlled penalty, 4 M / h for the others, with the smaller modulus M = ρ c₁² of the
- * materials and the shortest edge h of their elements. */
+/**
+ * The penalty that suits an enforcement [stress / length], :eq:`penalty-default`: 40 M / h for the
+ * energy-controlled penalty and 4 M / h for the others, with the smaller modulus M = ρ c₁² of the
+ * materials and the shortest edge h of their elements.
+ */
 CT_API double ct_contact_penalty_default(ct_enforcement enforcement, double modulus, double h);
 
 /** The contact of two surfaces; opaque, as it holds the search tree. */
