@@ -17,17 +17,6 @@ enum { MOST_ITERATIONS = 500, WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS };
 /* The iteration ends when no force would change by more than this part of the largest. */
 static const double TOLERANCE = 1e-10;
 
-void ct_solver_free(ct_solver *s)
-{
-  if (s == NULL) return;
-  void *blocks[] = {s->rows,       s->first,    s->nodes,  s->first_node, s->place,
-                    s->increment,  s->mobility, s->past,   s->moved,      s->crowd,
-                    s->entries,    s->G,        s->active, s->C,          s->b,
-                    s->entry_node, s->free,     s->force,  s->rest,       s->scale,
-                    s->way,        s->answer,   s->terms,  s->guide,      s};
-  for (size_t i = 0; i < sizeof blocks / sizeof blocks[0]; i++) ct_release(blocks[i]);
-}
-
 /* Number the nodes of all sets, each once. */
 static void number_nodes(ct_solver *s, const ct_row_set *sets, int32_t problem_nodes,
                          int32_t *place)
@@ -47,37 +36,32 @@ static void number_nodes(ct_solver *s, const ct_row_set *sets, int32_t problem_n
 ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t problem_nodes,
                            int32_t *place, ct_solver **out)
 {
-  ct_solver *s = ct_allocate(1, sizeof *s);
-  *out = s;
+  ct_solver *s = *out = ct_allocate(1, sizeof *s);
   if (s == NULL) return CT_ERROR_MEMORY;
+  ct_pool *pool = &s->pool;
+  int64_t places = 0;
+  for (int32_t k = 0; k < count; k++) places += sets[k].node_count, s->most += sets[k].most;
+  size_t nodes = (size_t)places, rows = (size_t)s->most, entries = CT_ROW_NODES * rows;
   s->set_count = count;
-  s->first = ct_allocate((size_t)count + 1, sizeof *s->first);
-  s->first_node = ct_allocate((size_t)count + 1, sizeof *s->first_node);
-  if (!s->first || !s->first_node) return CT_ERROR_MEMORY;
-  for (int32_t k = 0; k < count; k++) {
-    s->most += sets[k].most;
-    s->first_node[k + 1] = s->first_node[k] + sets[k].node_count;
-  }
-  size_t nodes = (size_t)s->first_node[count], rows = (size_t)s->most,
-         entries = CT_ROW_NODES * rows;
-  s->nodes = ct_allocate(nodes, sizeof *s->nodes);
-  s->place = ct_allocate(nodes, sizeof *s->place);
-  s->crowd = ct_allocate(nodes, sizeof *s->crowd);
-  s->rows = ct_allocate(rows, sizeof *s->rows);
-  s->active = ct_allocate(rows, sizeof *s->active);
-  s->entries = ct_allocate(rows, sizeof *s->entries);
-  s->entry_node = ct_allocate(entries, sizeof *s->entry_node);
-  s->G = ct_allocate(entries, WIDE * sizeof *s->G);
-  int whole = s->nodes && s->place && s->crowd && s->rows && s->active && s->entries &&
-              s->entry_node && s->G;
+  s->first = ct_pool_take(pool, (size_t)count + 1, sizeof *s->first);
+  s->first_node = ct_pool_take(pool, (size_t)count + 1, sizeof *s->first_node);
+  s->nodes = ct_pool_take(pool, nodes, sizeof *s->nodes);
+  s->place = ct_pool_take(pool, nodes, sizeof *s->place);
+  s->crowd = ct_pool_take(pool, nodes, sizeof *s->crowd);
+  s->rows = ct_pool_take(pool, rows, sizeof *s->rows);
+  s->active = ct_pool_take(pool, rows, sizeof *s->active);
+  s->entries = ct_pool_take(pool, rows, sizeof *s->entries);
+  s->entry_node = ct_pool_take(pool, entries, sizeof *s->entry_node);
+  s->G = ct_pool_take(pool, entries, WIDE * sizeof *s->G);
   double **vectors[] = {&s->increment, &s->mobility, &s->past, &s->moved};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
-    whole = (*vectors[i] = ct_allocate(nodes, WIDE * sizeof(double))) != NULL && whole;
+    *vectors[i] = ct_pool_take(pool, nodes, WIDE * sizeof(double));
   double **numbers[] = {&s->C,     &s->b,   &s->free,   &s->force, &s->rest,
                         &s->scale, &s->way, &s->answer, &s->terms, &s->guide};
   for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
-    whole = (*numbers[i] = ct_allocate(rows, sizeof(double))) != NULL && whole;
-  if (!whole) return CT_ERROR_MEMORY;
+    *numbers[i] = ct_pool_take(pool, rows, sizeof(double));
+  if (pool->failed) return CT_ERROR_MEMORY;
+  for (int32_t k = 0; k < count; k++) s->first_node[k + 1] = s->first_node[k] + sets[k].node_count;
   number_nodes(s, sets, problem_nodes, place);
   return CT_OK;
 }

@@ -3,6 +3,8 @@
 
 #include <libcontact/constraint.h>
 
+#include "../base/memory.h"
+
 /* Rows of one effect; its nodes are numbers of the problem, ascending. */
 typedef struct ct_row_set {
   int64_t most;         /* rows that it can list */
@@ -24,6 +26,7 @@ typedef struct ct_entries {
 /* Room to find the forces of all constraints of a problem together. Its nodes are those of all
  * effects, each of them once. */
 typedef struct ct_solver {
+  ct_pool pool;
   int32_t set_count;
   int64_t most;         /* rows of all sets */
   ct_constraint **rows; /* those listed: of one set after those of another */
@@ -58,11 +61,10 @@ typedef struct ct_solver {
 } ct_solver;
 
 /* Make room for some sets of rows. `place` has room for a number for each of the problem's nodes,
- * and becomes the place of each among the solver's nodes, or -1. To be freed also when this
- * fails. */
+ * and becomes the place of each among the solver's nodes, or -1. To be given back by ct_pool_free,
+ * also when this fails. */
 ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t problem_nodes,
                            int32_t *place, ct_solver **out);
-void ct_solver_free(ct_solver *solver);
 
 /* Find the forces of the listed rows together (eq:constraint-problem), given `increment`,
  * `mobility` and `past`. Answers 0 when they are not finite. */

@@ -95,7 +95,7 @@ static ct_status check_problem(const ct_problem *p, ct_error *error)
 static void workspace_free(const ct_problem *problem, ct_workspace *w)
 {
   if (w == NULL) return;
-  if (w->constraints != NULL) ct_solver_free(w->constraints->solver);
+  if (w->constraints != NULL) ct_pool_free(w->constraints->solver);
   for (int32_t k = 0; w->scratch != NULL && k < problem->effect_count; k++)
     if (w->scratch[k] != NULL) problem->effects[k]->free_scratch(w->scratch[k]);
   ct_pool_free(w);
