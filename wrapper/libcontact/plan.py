@@ -197,7 +197,7 @@ def _known(problem: Problem, rounds: float = 0.0) -> list[Cost]:
         rows[k] = effect.node_count, effect.flops, effect.bytes, *bounds
         # A point of a contact moves the nodes of two faces.
         moves = face * (2 if effect.kind == lib.CT_EFFECT_CONTACT else 1)
-        round_cost = np.array([60.0 + 15.0 * moves, ffi.sizeof("ct_constraint") + 64.0 * moves])
+        round_cost = np.array([40.0 + 18.0 * moves, 80.0 + 100.0 * moves])
         rows[k, 1:3] += rounds * effect.constraint_count * round_cost
     for body in problem.bodies.values():
         rows[0, 1:3] += len(body.mesh.elements) * np.array([body.flops, body.bytes])
