@@ -415,16 +415,38 @@ const ct_side_fixed *ct_obstacle_side(const ct_effect *effect)
   return &((const obstacle_data *)effect->data)->side;
 }
 
+/* The obstacle of a state, with the forces of its time; null, with `status` and `error` filled, for
+ * an effect that is none. */
+static const ct_obstacle_state *state_of(const ct_problem *problem, ct_state *state, int32_t effect,
+                                         ct_status *status, ct_error *error)
+{
+  int is = problem != NULL && state != NULL && effect >= 0 && effect < problem->effect_count &&
+           problem->effects[effect]->kind == CT_EFFECT_OBSTACLE;
+  *status =
+      is ? ct_workspace_forces(problem, state, error)
+         : ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no obstacle", (int)effect);
+  return *status == CT_OK ? state->workspace->scratch[effect] : NULL;
+}
+
 ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect,
                                double force[3], double *work, ct_error *error)
 {
-  if (problem == NULL || state == NULL || force == NULL || work == NULL || effect < 0 ||
-      effect >= problem->effect_count || problem->effects[effect]->kind != CT_EFFECT_OBSTACLE)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no obstacle", (int)effect);
-  ct_status status = ct_workspace_forces(problem, state, error);
-  if (status != CT_OK) return status;
-  const ct_obstacle_state *s = state->workspace->scratch[effect];
+  if (force == NULL || work == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: null argument");
+  ct_status status = CT_OK;
+  const ct_obstacle_state *s = state_of(problem, state, effect, &status, error);
+  if (s == NULL) return status;
   memcpy(force, s->reaction, sizeof s->reaction);
   *work = s->work;
   return CT_OK;
+}
+
+ct_status ct_obstacle_traction(const ct_problem *problem, ct_state *state, int32_t effect,
+                               double *traction, double *area, ct_error *error)
+{
+  if (traction == NULL || area == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: null argument");
+  ct_status status = CT_OK;
+  const ct_obstacle_state *s = state_of(problem, state, effect, &status, error);
+  return s == NULL ? status : ct_side_traction(&s->side, NULL, traction, area, error);
 }
