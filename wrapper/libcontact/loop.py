@@ -23,7 +23,7 @@ from .errors import Error, NotBuiltIn, issue, new_error, place, raise_held, text
 from .mesh import view
 from .model import FEEDING
 from .plan import computed_share, measured, step_seconds
-from .problem import Problem, contact_points, new_state, penetrations
+from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
 from .run import (
     ENERGY,
     FAULTS,
@@ -404,6 +404,7 @@ class Loop:
             impulse[name] = impulse.get(name, 0.0) + given
         known = {"state": self._state(state, state), "writer": self, "impulse": impulse}
         known["penetration"] = [] if watched else penetrations(problem, state)
+        known["pressure"] = {} if watched else contact_pressure(problem, state)
         return {**known, "contact": contact_points(problem, state)}
 
     def _state(self, state: Any, owner: Any) -> State:

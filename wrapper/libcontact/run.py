@@ -310,6 +310,11 @@ class Run:
     #: gap (what the contact law sees: negative in contact, NaN where nothing was met), pressure, weight, start_gap (what ``gap`` counts from; the true
     #: distance is ``gap + start_gap``). Empty for a run that was read from a file.
     contact: list[Rows] = field(default_factory=list)
+    #: Pressure at the nodes of each "contact" and each "obstacle", in the order of the scene, in the last state: side, body (number in ``bodies``),
+    #: node (of the body), position, area (of the faces in contact that belongs to a corner; 0 at mid-sides), traction (force on the surface per reference
+    #: area, averaged over both passes and the faces around the node), pressure (its size), :eq:`recovered-traction`. Empty for a run that was read from a
+    #: file, and in a watch.
+    pressure: dict[str, list[Rows]] = field(default_factory=dict)
     #: Impulse of each effect on all bodies together since t = 0, shape (3,), by name: their sum is the change of momentum. Empty for a run that was
     #: read from a file.
     impulse: dict[str, Floats] = field(default_factory=dict)
