@@ -149,12 +149,10 @@ def cells(places):
     return np.vstack([places[:1], (places[1:] + places[:-1]) / 2, places[-1:]])
 
 
-def force(run, body, area, axis, weight=0.0):
-    """Middles of the times between records, and the pressure of the obstacle: change of momentum less weight and supports."""
-    m, t = run.body_momentum(body), run.time
-    return (t[1:] + t[:-1]) / 2, (
-        np.diff(m["p"][:, axis] - m["support_impulse"][:, axis]) / np.diff(t) + weight
-    ) / area
+def force(run, body, area, axis):
+    """Middles of the times between records, and the mean pressure of the obstacle between them."""
+    impulse, t = run.body_momentum(body)["obstacle_impulse"][:, axis], run.time
+    return (t[1:] + t[:-1]) / 2, np.diff(impulse) / np.diff(t) / area
 
 
 def exact_end(t):
@@ -254,7 +252,7 @@ above.axhline(0, color="0.4", lw=4)
 fig.colorbar(image, ax=[above, below], label="stress [Pa]", shrink=0.6)
 above.set(ylabel="z [m]", title="A bar bounces: where it is, and its stress")
 above.legend(loc="upper right")
-middle, pressure = force(records, "bar", 0.01, 2, weight=1.0)
+middle, pressure = force(records, "bar", 0.01, 2)
 below.plot(middle, pressure, color="tab:red", lw=1)
 for start in (1, 11 / 3):
     below.axvspan(

@@ -184,6 +184,7 @@ static void bar(void)
   tap_close(middle / count, 300.0, 1.0, "bar: with the pressure 300");
   tap_close(p.p[0] / 0.1, 10.0, 0.15, "bar: it goes back with the velocity 10");
   tap_close(impulse[0], p.p[0] + 1.0, 1e-12, "bar: the wall's impulse is the change of momentum");
+  tap_close(p.obstacle_impulse[0], p.p[0] + 1.0, 1e-12, "bar: and stands in the row of the body");
   tap_ok(balance < 1e-12, "bar: work balance %.2g", balance);
   tap_ok(drift < 0.01, "bar: the energy stays within %.2g", drift);
   end(&t);
@@ -388,7 +389,13 @@ static void tractions(ct_brick_kind kind)
   need(ct_obstacle_traction(t.problem, t.state, 1, traction, area, &error), &error);
   for (int i = 0; i < e->node_count; i++)
     off = worst(off, traction[3 * e->nodes[i] + 2] - epsilon * depth);
-  tap_ok(off < 1e-13 * epsilon * depth, "%s in a plane: traction of the penalty, off by %.2g",
+  double *pressure = numbers(nodes), elsewhere = 0.0;
+  need(ct_state_pressure(t.problem, t.state, pressure, &error), &error);
+  for (int i = 0; i < nodes; i++)
+    if (mesh->nodes[3 * i + 2] == -depth) off = worst(off, pressure[i] - epsilon * depth);
+    else elsewhere = worst(elsewhere, pressure[i]);
+  tap_ok(elsewhere == 0.0 && off < 1e-13 * epsilon * depth,
+         "%s in a plane: traction and pressure of the penalty, off by %.2g",
          kind == CT_HEX8 ? "hex8" : "hex20", off / (epsilon * depth));
   ct_state *shaken = NULL;
   need(ct_state_create(t.problem, &shaken, &error), &error);
@@ -404,6 +411,7 @@ static void tractions(ct_brick_kind kind)
              ct_obstacle_traction(t.problem, t.state, 1, NULL, area, &error) == CT_ERROR_ARGUMENT,
          "refused: %s", error.text);
   ct_state_free(shaken);
+  free(pressure);
   free(traction);
   free(area);
   end(&t);

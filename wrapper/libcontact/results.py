@@ -52,12 +52,20 @@ def _read(path: Path, file: Any, record: int) -> Run:
         units=_units(scene),
         steps=own["step"][:count].astype(np.int64),
         energy=_energy(own, count),
-        momentum=own["momentum"].fields(MOMENTUM.names)[: count * len(bodies)].astype(MOMENTUM),
+        momentum=_momentum(own["momentum"][: count * len(bodies)]),
         state=State(time, step, _bodies(vtk, bodies, record)),
         path=path,
         scene=scene,
         dt=float(file["libcontact"].attrs["dt"]),
     )
+
+
+def _momentum(held: Rows) -> Rows:
+    """The momenta of bodies; an impulse that an older file does not hold is NaN."""
+    momentum = np.zeros(len(held), MOMENTUM)
+    for name in MOMENTUM.names or ():
+        momentum[name] = held[name] if name in (held.dtype.names or ()) else np.nan
+    return momentum
 
 
 def _energy(own: Any, count: int) -> Rows:

@@ -288,7 +288,7 @@ class Run:
     #: Structured array, one row per record: time, kinetic, strain, contact, external, total, balance, and a field of the name of each further effect:
     #: the energy that it stores, or the work that it did if it stores none.
     energy: Rows
-    #: Structured array, one row per record and body: time, body (number in ``bodies``), p, L, contact_impulse, support_impulse.
+    #: Structured array, one row per record and body: time, body (number in ``bodies``), p, L, contact_impulse, obstacle_impulse, support_impulse.
     momentum: Rows
     #: The last recorded state.
     state: State | None

@@ -370,6 +370,14 @@ CT_API ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state
 CT_API ct_status ct_obstacle_traction(const ct_problem *problem, ct_state *state, int32_t effect,
                                       double *traction, double *area, ct_error *error);
 
+/**
+ * Contact pressure at the nodes of a problem at the state's time [stress], shape (node_count): the
+ * sizes of the tractions of all contacts and obstacles, added where a node belongs to several; 0
+ * elsewhere, :eq:`recovered-traction`.
+ */
+CT_API ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *pressure,
+                                   ct_error *error);
+
 /** Coulomb friction with stick on the points of a contact or of an obstacle. Start from
  * `ct_friction_def_default`. */
 typedef struct ct_friction_def {

@@ -5,7 +5,10 @@
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/stream.h"
+#include "../base/vector.h"
+#include "../step/workspace.h"
 
+#include <math.h>
 #include <string.h>
 
 /* One surface whose tractions are recovered. */
@@ -124,4 +127,53 @@ ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *t
                    "contact: null argument, or there is no surface %d", (int)side);
   return ct_side_traction(&contact->side[side], &contact->side[contact->fixed->sides - 1 - side],
                           traction, area, error);
+}
+
+/* Add the pressures of one surface at its nodes; `room` is that for tractions and areas, as many as
+ * the problem has nodes. */
+static ct_status add_pressure(const ct_side *side, const ct_side *other, int32_t count,
+                              double *room, double *pressure, ct_error *error)
+{
+  ct_status status = ct_side_traction(side, other, room, &room[3 * (int64_t)count], error);
+  for (int32_t n = 0; status == CT_OK && n < side->search->node_count; n++) {
+    const int64_t node = side->search->nodes[n];
+    pressure[node] += sqrt(ct_vector_dot(&room[3 * node], &room[3 * node]));
+  }
+  return status;
+}
+
+/* The surfaces of an effect of a state; answers how many, 0 for another kind of effect. */
+static int sides_of(const ct_effect *effect, const void *scratch, const ct_side **sides)
+{
+  if (effect->kind == CT_EFFECT_OBSTACLE) {
+    *sides = &((const ct_obstacle_state *)scratch)->side;
+    return 1;
+  }
+  if (effect->kind != CT_EFFECT_CONTACT) return 0;
+  *sides = ((const ct_contact *)scratch)->side;
+  return ((const ct_contact *)scratch)->fixed->sides;
+}
+
+ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *pressure,
+                            ct_error *error)
+{
+  if (problem == NULL || state == NULL || pressure == NULL)
+    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
+  ct_status status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  const int32_t nodes = problem->node_count;
+  double *room = ct_allocate(4 * (size_t)nodes, sizeof *room);
+  if (room == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for tractions");
+  memset(pressure, 0, (size_t)nodes * sizeof *pressure);
+  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    const ct_side *sides = NULL;
+    int count = sides_of(effect, state->workspace->scratch[k], &sides);
+    for (int s = 0; status == CT_OK && s < count; s++)
+      status =
+          add_pressure(&sides[s], effect->kind == CT_EFFECT_CONTACT ? &sides[count - 1 - s] : NULL,
+                       nodes, room, pressure, error);
+  }
+  ct_release(room);
+  return status;
 }

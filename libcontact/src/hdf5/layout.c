@@ -89,6 +89,7 @@ static const ct_row_type MOMENTUM = {
     {CT_FIELD(ct_momentum, time, CT_REAL, NULL), CT_FIELD(ct_momentum, body, CT_INT32, NULL),
      CT_FIELD(ct_momentum, p, CT_VECTOR, NULL), CT_FIELD(ct_momentum, L, CT_VECTOR, NULL),
      CT_FIELD(ct_momentum, contact_impulse, CT_VECTOR, NULL),
+     CT_FIELD(ct_momentum, obstacle_impulse, CT_VECTOR, NULL),
      CT_FIELD(ct_momentum, support_impulse, CT_VECTOR, NULL)}};
 
 static const ct_row_type EFFECT = {
