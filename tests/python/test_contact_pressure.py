@@ -5,6 +5,8 @@ import pytest
 
 import libcontact as ct
 
+needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
+
 
 def blocks(n, m, element="hex8", **contact):
     """Two blocks of 1 x 1 x 0.5 with ν = 0, their faces cut into n x n and m x m elements, pressed together by the pressure 1 and at rest."""
@@ -103,3 +105,32 @@ def test_nothing_where_nothing_touches():
     with pytest.warns(ct.NeverMeetWarning):
         (nodes,) = scene.run(progress=False).pressure["contact"]
     assert len(nodes) == 18 and not nodes["pressure"].any() and not nodes["area"].any()
+
+
+def wall():
+    """A bar of 10 cubes flies against a wall."""
+    scene = ct.Scene(title="wall", units={"length": "m", "mass": "kg", "time": "s"})
+    scene.add_material("elastic", young=900.0, poisson=0.0, density=1.0)
+    box = {"origin": [0, 0, 0], "size": [1, 0.1, 0.1], "cells": [10, 1, 1]}
+    scene.add_body("bar", material="elastic", box=box, velocity=[-1, 0, 0])
+    scene.add("obstacle", surface="bar.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]})
+    return scene.set_time(end=0.03, fraction=0.9)
+
+
+@needs_hdf5
+def test_obstacles_have_their_impulses_in_the_table_of_momenta(tmp_path):
+    """In memory and in the file: the change of momentum; NaN in a file of before."""
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "wall.vtkhdf"
+    momentum = wall().run(progress=False, output=path).momentum
+    change = momentum["p"] - momentum["p"][0]
+    assert change[-1, 0] > 0.005
+    assert np.abs(momentum["obstacle_impulse"] - change).max() < 1e-15
+    assert np.array_equal(ct.Run.load(path).momentum, momentum)
+    with h5py.File(path, "r+") as file:
+        table = file["libcontact/momentum"][:]
+        kept = [name for name in table.dtype.names if name != "obstacle_impulse"]
+        del file["libcontact/momentum"]
+        file["libcontact/momentum"] = table[kept].astype([(n, table.dtype[n]) for n in kept])
+    older = ct.Run.load(path).momentum
+    assert np.isnan(older["obstacle_impulse"]).all() and np.array_equal(older["p"], momentum["p"])
