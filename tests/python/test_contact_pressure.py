@@ -107,11 +107,11 @@ def test_nothing_where_nothing_touches():
     assert len(nodes) == 18 and not nodes["pressure"].any() and not nodes["area"].any()
 
 
-def wall():
-    """A bar of 10 cubes flies against a wall."""
+def wall(gap=0.0):
+    """A bar of 10 cubes flies against a wall with the speed 1."""
     scene = ct.Scene(title="wall", units={"length": "m", "mass": "kg", "time": "s"})
     scene.add_material("elastic", young=900.0, poisson=0.0, density=1.0)
-    box = {"origin": [0, 0, 0], "size": [1, 0.1, 0.1], "cells": [10, 1, 1]}
+    box = {"origin": [gap, 0, 0], "size": [1, 0.1, 0.1], "cells": [10, 1, 1]}
     scene.add_body("bar", material="elastic", box=box, velocity=[-1, 0, 0])
     scene.add("obstacle", surface="bar.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]})
     return scene.set_time(end=0.03, fraction=0.9)
@@ -134,3 +134,25 @@ def test_obstacles_have_their_impulses_in_the_table_of_momenta(tmp_path):
         file["libcontact/momentum"] = table[kept].astype([(n, table.dtype[n]) for n in kept])
     older = ct.Run.load(path).momentum
     assert np.isnan(older["obstacle_impulse"]).all() and np.array_equal(older["p"], momentum["p"])
+
+
+@needs_hdf5
+def test_the_file_holds_the_field_that_is_asked_for(tmp_path):
+    """At the nodes of the wall's surface what `run.pressure` has, 0 elsewhere; nothing where it is not asked for."""
+    scene = wall(0.01).set_output(
+        tmp_path / "asked.vtkhdf", fields=["displacement", "contact_pressure"]
+    )
+    run = scene.run(progress=False, until=0.025)
+    (nodes,), bar = run.pressure["obstacle"], run.state["bar"]
+    expected = np.zeros(len(bar.nodes))
+    expected[nodes["node"]] = nodes["pressure"]
+    assert expected.max() == pytest.approx(30.0, rel=0.3)  # ρ c v
+    loaded = ct.Run.load(tmp_path / "asked.vtkhdf").state["bar"]
+    assert np.array_equal(bar.contact_pressure, expected)
+    assert np.array_equal(loaded.contact_pressure, expected)
+    assert np.array_equal(loaded.component("contact_pressure")[0], expected)
+    first = ct.Run.load(tmp_path / "asked.vtkhdf", record=0).state["bar"]
+    assert not first.contact_pressure.any()
+    plain = wall().run(progress=False, output=tmp_path / "plain.vtkhdf", until=0.01)
+    for state in (plain.state["bar"], ct.Run.load(tmp_path / "plain.vtkhdf").state["bar"]):
+        assert not state.holds("contact_pressure")

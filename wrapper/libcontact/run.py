@@ -36,7 +36,7 @@ STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 PARTS = {"stress": STRESS, "displacement": "xyz", "velocity": "xyz"}
 COMPONENTS = {
     f"{field}_{part}": (field, i) for field in PARTS for i, part in enumerate(PARTS[field])
-}
+} | {"contact_pressure": ("contact_pressure", 0)}
 # Effects whose energy or work stands in the columns of ENERGY; others have a column of their own.
 IN_ENERGY = ("solid", "contact", "support")
 
@@ -132,7 +132,7 @@ class BodyState:
 
         Parameters
         ----------
-        field : {"displacement", "velocity", "stress"}
+        field : {"displacement", "velocity", "stress", "contact_pressure"}
             The field; stress can be had where it was recorded or can be computed.
 
         Returns
@@ -191,6 +191,11 @@ class BodyState:
         """Stresses xx yy zz xy yz zx at the element centres [force / length²], shape (elements, 6)."""
         return self._field("stress")
 
+    @property
+    def contact_pressure(self) -> Floats:
+        """Contact pressure at the nodes [force / length²], shape (nodes,), :eq:`recovered-traction`; 0 off all surfaces in contact."""
+        return self._field("contact_pressure")
+
     def component(self, name: str) -> tuple[Floats, bool]:
         """
         Read one component of a field.
@@ -198,7 +203,7 @@ class BodyState:
         Parameters
         ----------
         name : str
-            ``stress_xx``, ``velocity_z``, ``displacement_x`` and the like.
+            ``stress_xx``, ``velocity_z``, ``displacement_x`` and the like, or ``contact_pressure``.
 
         Returns
         -------
@@ -215,7 +220,9 @@ class BodyState:
         if name not in COMPONENTS:
             raise ValueError(f'no component is named "{name}"' + suggestion(name, COMPONENTS))
         field, column = COMPONENTS[name]
-        return self._field(field)[:, column], field == "stress"
+        return self._field(field).reshape(-1, len(PARTS.get(field, "p")))[
+            :, column
+        ], field == "stress"
 
     def sample(self, name: str, points: Floats) -> Floats:
         """

@@ -29,14 +29,6 @@ static void mark_faces(const recovery *r, const ct_side *other)
     if (ct_point_has_force(&other->points[i])) r->carries[other->points[i].other] = 1;
 }
 
-/* Place of a node in a face: below the number of edges where it is a corner. */
-static int place_in(const ct_search *search, int32_t face, int32_t node)
-{
-  int a = 0;
-  while (search->faces[(int64_t)face * search->per + a] != node) a++;
-  return a;
-}
-
 /* Add a share of a node's force to three sums. */
 static void add_force(const ct_side *side, int32_t node, double share, ct_stream sum[3])
 {
@@ -61,7 +53,7 @@ static void add_face(const recovery *r, int32_t face, int a, ct_stream sum[4])
   const int beside[2] = {a, (a + search->edges - 1) % search->edges};
   for (int k = 0; k < 2; k++) {
     int32_t node = search->faces[(int64_t)face * search->per + search->edges + beside[k]];
-    double faces = search->ring_first[node + 1] - search->ring_first[node];
+    double faces = search->incidence.first[node + 1] - search->incidence.first[node];
     add_force(r->side, node, 0.5 / faces, &sum[1]);
   }
 }
@@ -70,12 +62,13 @@ static void add_face(const recovery *r, int32_t face, int a, ct_stream sum[4])
  * (eq:recovered-traction). */
 static double recover_corner(const recovery *r, int32_t node, double traction[3])
 {
-  const ct_search *search = r->side->search;
+  const ct_incidence *around = &r->side->search->incidence;
+  const int per = r->side->search->per;
   ct_stream sum[4] = {{0}};
   while (ct_stream_again(sum, 4)) {
     add_force(r->side, node, 1.0, &sum[1]);
-    for (int32_t i = search->ring_first[node]; i < search->ring_first[node + 1]; i++)
-      add_face(r, search->ring[i], place_in(search, search->ring[i], node), sum);
+    for (int32_t i = around->first[node]; i < around->first[node + 1]; i++)
+      add_face(r, around->place[i] / per, around->place[i] % per, sum);
   }
   double area = ct_stream_sum(&sum[0]);
   for (int c = 0; c < 3; c++) traction[c] = area > 0.0 ? ct_stream_sum(&sum[1 + c]) / area : 0.0;
@@ -88,7 +81,7 @@ static void recover(const recovery *r, double *traction, double *area)
   const ct_search *search = r->side->search;
   const int32_t *nodes = search->nodes;
   for (int32_t n = 0; n < search->node_count; n++)
-    if (place_in(search, search->ring[search->ring_first[n]], n) < search->edges)
+    if (search->incidence.place[search->incidence.first[n]] % search->per < search->edges)
       area[nodes[n]] = recover_corner(r, n, &traction[3 * (int64_t)nodes[n]]);
   for (int64_t f = 0; search->per > search->edges && f < search->face_count; f++)
     for (int k = 0; k < search->edges; k++) {
@@ -108,8 +101,7 @@ ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *tr
   const ct_side_fixed *fixed = side->fixed;
   recovery r = {.side = side,
                 .carries = ct_allocate((size_t)side->search->face_count, sizeof *r.carries)};
-  if (r.carries == NULL)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for tractions");
+  if (r.carries == NULL) return CT_NO_MEMORY(error, "tractions");
   for (int q = 0; q < fixed->rule.count; q++)
     ct_segment_shape(side->search->edges == 4 ? CT_Q4 : CT_T3, fixed->rule.xi[q], r.N[q]);
   mark_faces(&r, other);
@@ -123,8 +115,7 @@ ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *t
 {
   if (contact == NULL || traction == NULL || area == NULL || side < 0 ||
       side >= contact->fixed->sides)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "contact: null argument, or there is no surface %d", (int)side);
+    return CT_REFUSE(error, "contact: null argument, or there is no surface %d", (int)side);
   return ct_side_traction(&contact->side[side], &contact->side[contact->fixed->sides - 1 - side],
                           traction, area, error);
 }
@@ -158,12 +149,12 @@ ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *
                             ct_error *error)
 {
   if (problem == NULL || state == NULL || pressure == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
+    return CT_REFUSE(error, "contact: null argument");
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   const int32_t nodes = problem->node_count;
   double *room = ct_allocate(4 * (size_t)nodes, sizeof *room);
-  if (room == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for tractions");
+  if (room == NULL) return CT_NO_MEMORY(error, "tractions");
   memset(pressure, 0, (size_t)nodes * sizeof *pressure);
   for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
