@@ -353,6 +353,80 @@ def unlike_meshes() -> Numbers:
     return found
 
 
+# -- Pressure from forces -----------------------------------------------------------------------------------------------------
+
+
+def blocks(n: int, m: int, element: str) -> ct.Run:
+    """Two elastic blocks with ν = 0, their faces cut into n x n and m x m elements, pressed together by the pressure 1 and relaxed, with the default contact."""
+    scene = scene_of(young=1000.0)
+    for name, z, cells in (("lower", -0.5, n), ("upper", 0.0, m)):
+        box = {
+            "origin": [0, 0, z],
+            "size": [1, 1, 0.5],
+            "cells": [cells, cells, max(cells // 2, 1)],
+        }
+        scene.add_body(name, material="elastic", element=element, box=box)
+        scene.add_support(f"{name}.x_min", fix="x").add_support(f"{name}.y_min", fix="y")
+    scene.add_support("lower.z_min", fix="z").add_contact("lower.z_max", "upper.z_min")
+    scene.add("load", surface="upper.z_max", pressure=1.0).add("damping", relaxation=True)
+    scene.set_time(end=20.0, fraction=0.9, until_static=1e-5).set_output(every=10**6)
+    return scene.run(progress=False)
+
+
+def projected(nodes: np.ndarray, n: int) -> np.ndarray:
+    """Pressures (n + 1, n + 1) on a face of n x n linear elements from the forces of its nodes, by the consistent matrix of the surface."""
+    force, matrix = np.zeros((n + 1, n + 1)), np.zeros((n + 1, n + 1))
+    i, j = np.rint(n * nodes["position"][:, :2]).astype(int).T
+    force[i, j] = nodes["area"] * np.abs(nodes["traction"][:, 2])
+    for e in range(n):
+        matrix[e : e + 2, e : e + 2] += np.array([[2, 1], [1, 2]]) / (6 * n)
+    return np.linalg.solve(matrix, np.linalg.solve(matrix, force).T).T
+
+
+@measurement
+def recovered_blocks() -> Numbers:
+    """Blocks of 8 and 11, and of 2 and 14 elements along an edge: largest errors of the traction of a point, of the recovered pressure and of the stress of an element."""
+    found = {}
+    for n, m in ((8, 11), (2, 14)):
+        for element in ("hex8", "hex20"):
+            run, name = blocks(n, m, element), f"{n}_{m}_{element}"
+            nodes = run.pressure["contact"][0]
+            stress = np.concatenate([run.state[body].stress[:, 2] for body in run.bodies])
+            found |= {
+                f"{name}_point": np.abs(run.contact[0]["pressure"] - 1).max(),
+                f"{name}_node": np.abs(nodes["pressure"] - 1).max(),
+                f"{name}_stress": np.abs(stress + 1).max(),
+            }
+            if element == "hex8":
+                sides = [
+                    projected(nodes[nodes["side"] == s], cells) for s, cells in ((0, n), (1, m))
+                ]
+                found[f"{name}_consistent"] = max(np.abs(side - 1).max() for side in sides)
+    return found
+
+
+@measurement
+def recovered_hertz() -> Numbers:
+    """tutorials/scenes/hertz.toml on a block of half the size with the same elements, relaxed: rms of the recovered pressure about Hertz's profile, fitted within 0.85 a, over its peak."""
+    found = {}
+    for element in ("hex8", "hex20"):
+        data = ct.Scene.load(ROOT / "tutorials" / "scenes" / "hertz.toml").data
+        data["body"][0] |= {
+            "element": element,
+            "box": {"origin": [0, 0, -2], "size": [2, 2, 2], "cells": [10, 10, 10]},
+        }
+        data["time"] |= {"end": 4e-3, "until_static": 1e-5}
+        data |= {"damping": {"relaxation": True}, "output": {"every": 10**6}}
+        nodes = ct.Scene(data).run(progress=False).pressure["obstacle"][0]
+        r = np.hypot(*nodes["position"][:, :2].T)
+        within = r < 0.85 * np.sqrt(4.0 * 0.1)
+        # Hertz's profile: p² is a straight line over r².
+        slope, peak = np.polyfit(r[within] ** 2, nodes["pressure"][within] ** 2, 1)
+        error = nodes["pressure"][within] - np.sqrt(peak + slope * r[within] ** 2)
+        found[element] = np.sqrt(np.mean(error**2) / peak)
+    return found
+
+
 def hat(x: np.ndarray, n: int) -> np.ndarray:
     """Shape functions (n + 1, points) of n equal linear elements on 0 ... 1."""
     return np.maximum(1 - np.abs(n * x - np.arange(n + 1)[:, None]), 0)

@@ -149,12 +149,10 @@ def cells(places):
     return np.vstack([places[:1], (places[1:] + places[:-1]) / 2, places[-1:]])
 
 
-def force(run, body, area, axis, weight=0.0):
-    """Middles of the times between records, and the pressure of the obstacle: change of momentum less weight and supports."""
-    m, t = run.body_momentum(body), run.time
-    return (t[1:] + t[:-1]) / 2, (
-        np.diff(m["p"][:, axis] - m["support_impulse"][:, axis]) / np.diff(t) + weight
-    ) / area
+def force(run, body, area, axis):
+    """Middles of the times between records, and the mean pressure of the obstacle between them."""
+    impulse, t = run.body_momentum(body)["obstacle_impulse"][:, axis], run.time
+    return (t[1:] + t[:-1]) / 2, np.diff(impulse) / np.diff(t) / area
 
 
 def exact_end(t):
@@ -254,7 +252,7 @@ above.axhline(0, color="0.4", lw=4)
 fig.colorbar(image, ax=[above, below], label="stress [Pa]", shrink=0.6)
 above.set(ylabel="z [m]", title="A bar bounces: where it is, and its stress")
 above.legend(loc="upper right")
-middle, pressure = force(records, "bar", 0.01, 2, weight=1.0)
+middle, pressure = force(records, "bar", 0.01, 2)
 below.plot(middle, pressure, color="tab:red", lw=1)
 for start in (1, 11 / 3):
     below.axvspan(
@@ -347,20 +345,18 @@ assert abs((p[0] + 0.3 * p[2]) / (3.6 * mass) - 1) < 5e-3
 # ``hertz.toml``: a rigid sphere with the radius R = 4 goes 0.1 into an elastic block, a quarter of which is computed. Hertz:
 # the force is :math:`\tfrac43 E^* \sqrt R\, d^{3/2}`, the radius of contact :math:`\sqrt{R d} = 0.63`, and under its middle the
 # stress fades as :math:`\sigma_z = -p_0 / (1 + z^2/a^2)`. Elements of 0.2 are three to the radius, so the picture is coarse; it
-# is a start for finer ones (:doc:`/theory/obstacle`).
+# is a start for finer ones (:doc:`/theory/obstacle`). The pressure at the nodes is recovered from the forces there
+# (:ref:`recovered-pressure`).
 
 hertz = run(load("hertz"))
 R, DEPTH, STAR = 4.0, 0.1, 1000 / (1 - 0.09)
 a = np.sqrt(R * DEPTH)
 p0 = 2 * STAR / np.pi * np.sqrt(DEPTH / R)
 block = hertz.state["block"]
-fig = plt.figure(figsize=(11, 6), layout="constrained")
-parts = fig.add_gridspec(2, 2, width_ratios=[1.25, 1])
-left, upper, lower = (
-    fig.add_subplot(parts[:, 0]),
-    fig.add_subplot(parts[0, 1]),
-    fig.add_subplot(parts[1, 1]),
-)
+fig = plt.figure(figsize=(11, 8), layout="constrained")
+parts = fig.add_gridspec(3, 2, width_ratios=[1.25, 1])
+left = fig.add_subplot(parts[:, 0])
+upper, centre, lower = (fig.add_subplot(parts[row, 1]) for row in range(3))
 for side in (1, -1):
     image = draw(
         left, block, "y_min", block.stress[:, 2], [0, 2], (-p0, 0), mirror=(side, 1), cmap="magma"
@@ -388,6 +384,17 @@ upper.set(
     ylim=(0, None),
     title="Force against depth",
 )
+nodes = hertz.pressure["obstacle"][0]
+r, fine = np.hypot(*nodes["position"][:, :2].T), np.linspace(0, a, 200)
+centre.plot(r, nodes["pressure"], "o", color="tab:red", ms=4, label="computed, at nodes")
+centre.plot(fine, p0 * np.sqrt(1 - (fine / a) ** 2), "k--", lw=1.2, label="Hertz")
+centre.set(
+    xlabel="radius [mm]",
+    ylabel="pressure [MPa]",
+    xlim=(0, 1.2),
+    ylim=(0, None),
+    title="Contact pressure",
+)
 column = np.flatnonzero((block.centres[:, 0] < 0.2) & (block.centres[:, 1] < 0.2))
 column = column[np.argsort(block.centres[column, 2])]
 z = np.linspace(-4, 0, 400)
@@ -407,7 +414,7 @@ lower.set(
     xlim=(0, 4),
     title="Stress under the middle",
 )
-for ax in (upper, lower):
+for ax in (upper, centre, lower):
     ax.grid(alpha=0.3)
     ax.legend()
 fig.savefig(folder / "scene_hertz.png", dpi=150)

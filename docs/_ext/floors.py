@@ -18,14 +18,9 @@ HEADERS = Path("libcontact/include/libcontact")
 
 # From the top down: the rooms of a floor, and what they know.
 FLOORS = (
-    ({"scene": "bodies, effects and time put together"}),
+    ({"scene": "bodies, effects and time put together", "hdf5": "results files and restart"}),
     ({"contact": "surfaces in contact, obstacles, friction"}),
-    (
-        {
-            "effect": "solid, support, motion, gravity, load, damping, viscosity, absorb",
-            "hdf5": "results files and restart",
-        }
-    ),
+    ({"effect": "solid, support, motion, gravity, load, damping, viscosity, absorb"}),
     ({"step": "contract of effects, problem, state, time loop, energy, monitor"}),
     (
         {

@@ -184,6 +184,7 @@ static void bar(void)
   tap_close(middle / count, 300.0, 1.0, "bar: with the pressure 300");
   tap_close(p.p[0] / 0.1, 10.0, 0.15, "bar: it goes back with the velocity 10");
   tap_close(impulse[0], p.p[0] + 1.0, 1e-12, "bar: the wall's impulse is the change of momentum");
+  tap_close(p.obstacle_impulse[0], p.p[0] + 1.0, 1e-12, "bar: and stands in the row of the body");
   tap_ok(balance < 1e-12, "bar: work balance %.2g", balance);
   tap_ok(drift < 0.01, "bar: the energy stays within %.2g", drift);
   end(&t);
@@ -369,6 +370,53 @@ static void hertz(void)
   end(&t);
 }
 
+/* A box that stands in a plane by `depth` has the traction of the explicit penalty at every node of
+ * its face; of any shape, areas times tractions are the force on the obstacle, turned round. */
+static void tractions(ct_brick_kind kind)
+{
+  const double depth = 0.01, epsilon = 100.0;
+  ct_mesh *mesh = box_mesh(kind, 0, 0, -depth, 1, 1, 1, 3, 2, 1);
+  against t = begin(mesh, &SOFT, 0, 0, 0);
+  ct_obstacle_def o = {COOKIE, .shape = CT_OBSTACLE_PLANE, .axis = {0, 0, 1}, .epsilon = epsilon,
+                       .enforcement = CT_ENFORCE_PENALTY};
+  add_obstacle(&t, o, 2, -depth, 0.0);
+  finish(&t, 1.0, 0.5);
+  const ct_effect *e = t.problem->effects[1];
+  int nodes = t.problem->node_count;
+  double *traction = numbers(3 * nodes), *area = numbers(nodes), off = 0.0, sum[3] = {0},
+         reaction[3], work;
+  ct_error error;
+  need(ct_obstacle_traction(t.problem, t.state, 1, traction, area, &error), &error);
+  for (int i = 0; i < e->node_count; i++)
+    off = worst(off, traction[3 * e->nodes[i] + 2] - epsilon * depth);
+  double *pressure = numbers(nodes), elsewhere = 0.0;
+  need(ct_state_pressure(t.problem, t.state, pressure, &error), &error);
+  for (int i = 0; i < nodes; i++)
+    if (mesh->nodes[3 * i + 2] == -depth) off = worst(off, pressure[i] - epsilon * depth);
+    else elsewhere = worst(elsewhere, pressure[i]);
+  tap_ok(elsewhere == 0.0 && off < 1e-13 * epsilon * depth,
+         "%s in a plane: traction and pressure of the penalty, off by %.2g",
+         kind == CT_HEX8 ? "hex8" : "hex20", off / (epsilon * depth));
+  ct_state *shaken = NULL;
+  need(ct_state_create(t.problem, &shaken, &error), &error);
+  for (int i = 0; i < 3 * nodes; i++) shaken->displacement[i] = uniform(0.02);
+  need(ct_obstacle_traction(t.problem, shaken, 1, traction, area, &error), &error);
+  need(ct_obstacle_reaction(t.problem, shaken, 1, reaction, &work, &error), &error);
+  for (int i = 0; i < nodes; i++)
+    for (int c = 0; c < 3; c++) sum[c] += area[i] * traction[3 * i + c];
+  tap_ok(fabs(sum[2] + reaction[2]) < 1e-12 * sum[2] && largest(sum, 2) == 0.0,
+         "%s, shaken: all of the force on the obstacle, off by %.2g",
+         kind == CT_HEX8 ? "hex8" : "hex20", fabs(sum[2] + reaction[2]) / sum[2]);
+  tap_ok(ct_obstacle_traction(t.problem, t.state, 0, traction, area, &error) == CT_ERROR_ARGUMENT &&
+             ct_obstacle_traction(t.problem, t.state, 1, NULL, area, &error) == CT_ERROR_ARGUMENT,
+         "refused: %s", error.text);
+  ct_state_free(shaken);
+  free(pressure);
+  free(traction);
+  free(area);
+  end(&t);
+}
+
 static void refusals(void)
 {
   ct_mesh *mesh = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
@@ -435,6 +483,8 @@ int main(void)
   incline(0.9, 0.0, 0);
   mirrored();
   hertz();
+  tractions(CT_HEX8);
+  tractions(CT_HEX20);
   refusals();
   return tap_done();
 }

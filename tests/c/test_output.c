@@ -166,7 +166,7 @@ static void pose(const rig *r, ct_state *state, int k)
   ct_state_free(hand);
 }
 
-static const ct_output_options ALL = {1, 1, 1, "title = \"Zwei Platten: \xce\xb1\"\n"};
+static const ct_output_options ALL = {1, 1, 1, "title = \"Zwei Platten: \xce\xb1\"\n", 1};
 
 /* -- Reading with HDF5 itself -- */
 

@@ -171,7 +171,7 @@ static void like_two(ct_face_kind kind)
   ct_contact *one = NULL, *two = NULL;
   ct_contact_options options = ct_contact_options_default();
   ct_error e;
-  double *f = numbers(3 * nodes), *g = numbers(3 * nodes), a, b;
+  double *f = numbers(3 * nodes), *g = numbers(3 * nodes), *area = numbers(nodes), a, b;
   options.epsilon = EPSILON;
   options.depth = 0.05;
   need(ct_contact_create(&p.surface, &p.surface, &options, &one, &e), &e);
@@ -187,10 +187,15 @@ static void like_two(ct_face_kind kind)
          a / b - 1.0);
   tap_ok(largest_difference(f, g, 3 * nodes) < 1e-12 * largest(g, 3 * nodes),
          "%s strip: so are the forces", KIND[kind]);
+  need(ct_contact_traction(one, 0, f, area, &e), &e);
+  for (int s = 0; s < 2; s++) need(ct_contact_traction(two, s, g, area, &e), &e);
+  tap_ok(largest_difference(f, g, 3 * nodes) < 1e-12 * largest(g, 3 * nodes),
+         "%s strip: so are the tractions at the nodes", KIND[kind]);
   ct_contact_free(one);
   ct_contact_free(two);
   free(f);
   free(g);
+  free(area);
   free_fold(&p);
 }
 

@@ -429,11 +429,12 @@ static void ask(play *p, ct_state *s)
   ct_error e = {0};
   const ct_problem *q = p->problem;
   int k = below(d, q->effect_count + (d->wild ? 2 : 0));
-  double number[8] = {0.0}, *field = room((size_t)q->node_count, 3 * sizeof *field);
+  double number[8] = {0.0}, *field = room((size_t)q->node_count, 3 * sizeof *field),
+         *area = room((size_t)q->node_count, sizeof *area);
   ct_energy energy;
   ct_momentum momentum;
   ct_stable_step stable;
-  switch (below(d, 12)) {
+  switch (below(d, 14)) {
   case 0:
     if (TRY(ct_energy_of(q, s, &energy, &e)) == CT_OK)
       demand(isfinite(energy.total) && isfinite(energy.balance), "energies are numbers");
@@ -468,9 +469,17 @@ static void ask(play *p, ct_state *s)
   case 10:
     (void)TRY(ct_friction_energy(q, s, k, number, number + 1, &e));
     break;
+  case 11:
+    (void)TRY(ct_obstacle_traction(q, s, k, field, area, &e));
+    break;
+  case 12:
+    if (TRY(ct_state_pressure(q, s, area, &e)) == CT_OK)
+      demand(all_finite(area, q->node_count), "contact pressures are numbers");
+    break;
   default:
     (void)TRY(ct_obstacle_reaction(q, s, k, number, number + 3, &e));
   }
+  free(area);
   free(field);
 }
 
@@ -581,7 +590,7 @@ static void files(play *p, ct_state *s)
   char path[300];
   ct_output *out = NULL;
   ct_output_options options = {below(d, 2), below(d, 2), below(d, 2),
-                               chance(d, 2) ? "a scene" : NULL};
+                               chance(d, 2) ? "a scene" : NULL, below(d, 2)};
   if (folder == NULL) return;
   snprintf(path, sizeof path, "%s/fuzz.vtkhdf", folder);
   if (TRY(ct_output_create(path, p->problem, &options, &out, &e)) != CT_OK) return;

@@ -191,7 +191,8 @@ def test_ledger(results):
         "total",
         "balance",
     )
-    assert momentum.dtype.names == ("time", "body", "p", "L", "contact_impulse", "support_impulse")
+    impulses = ("contact_impulse", "obstacle_impulse", "support_impulse")
+    assert momentum.dtype.names == ("time", "body", "p", "L", *impulses)
     factor = np.arange(1, STEPS + 1)
     mass = 2 * np.array([1.5, 2])
     assert np.allclose(energy["time"], 0.2 * np.arange(STEPS))

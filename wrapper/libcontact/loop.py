@@ -21,9 +21,9 @@ from ._core import ffi, lib
 from .bridge import Rows, ask, call, doubles, table
 from .errors import Error, NotBuiltIn, issue, new_error, place, raise_held, text_of
 from .mesh import view
-from .model import FEEDING
+from .model import FEEDING, FIELDS
 from .plan import computed_share, measured, step_seconds
-from .problem import Problem, contact_points, new_state, penetrations
+from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
 from .run import (
     ENERGY,
     FAULTS,
@@ -125,7 +125,7 @@ class Loop:
 
     def _create(self, path: str | Path) -> Any:
         text, fields = ffi.new("char[]", self.scene_text.encode()), self.problem.parts.output.fields
-        wanted = {name: name in fields for name in ("displacement", "velocity", "stress")}
+        wanted = {name: name in fields for name in FIELDS}
         options = ffi.new("ct_output_options *", {**wanted, "scene": text})
         pointer = self.problem.pointer
         return ask("ct_output **", lib.ct_output_create, os.fsencode(path), pointer, options)
@@ -404,6 +404,7 @@ class Loop:
             impulse[name] = impulse.get(name, 0.0) + given
         known = {"state": self._state(state, state), "writer": self, "impulse": impulse}
         known["penetration"] = [] if watched else penetrations(problem, state)
+        known["pressure"] = {} if watched else contact_pressure(problem, state)
         return {**known, "contact": contact_points(problem, state)}
 
     def _state(self, state: Any, owner: Any) -> State:
@@ -412,8 +413,12 @@ class Loop:
         v = np.empty((problem.pointer.node_count, 3))
         call(lib.ct_state_velocity, problem.pointer, state, doubles(v))
         u, bodies = view(state.displacement, v.shape, np.float64, (owner, problem)), {}
+        held = {"displacement": u, "velocity": v}
+        if "contact_pressure" in problem.parts.output.fields:
+            held["contact_pressure"] = np.empty(len(v))
+            call(lib.ct_state_pressure, problem.pointer, state, doubles(held["contact_pressure"]))
         for name, body in problem.bodies.items():
-            fields = {"displacement": u[body.nodes], "velocity": v[body.nodes]}
+            fields = {field: values[body.nodes] for field, values in held.items()}
             bodies[name] = BodyState(name, body.mesh, body.material, **fields)
         return State(state.time, state.step, bodies)
 

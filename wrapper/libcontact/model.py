@@ -52,7 +52,7 @@ OPTIMISATIONS = {
     "distant": "separated",
 }
 SAVINGS = tuple(OPTIMISATIONS)
-FIELDS = ("displacement", "velocity", "stress")
+FIELDS = ("displacement", "velocity", "stress", "contact_pressure")
 AXES = ("x", "y", "z")
 # What the C library takes where nothing is said.
 CONTACT = lib.ct_contact_options_default()
@@ -578,7 +578,8 @@ class Output(Table):
         nobody may write runs, and two runs of one scene in two folders do not meet. Without it
         the results stay in memory.
     fields
-        What is written of each node and element.
+        What is written of each node and element; ``contact_pressure`` is recovered at the nodes
+        of all surfaces in contact, :eq:`recovered-traction`, and 0 elsewhere.
     every
         Record every so many steps.
     times
@@ -588,7 +589,7 @@ class Output(Table):
     rivals = (("every", "times"),)
 
     file: Any = key(FileName(), default=None, says="none", kw_only=False)
-    fields: Sequence[str] = key(Many(Choice(FIELDS)), default=FIELDS)
+    fields: Sequence[str] = key(Many(Choice(FIELDS)), default=FIELDS[:3])
     every: int | None = key(Whole(most=2**53), default=None, says="about 100 records")
     times: Sequence[float] | None = key(Many(FORWARD), unit="time", default=None, says="none")
 

@@ -13,7 +13,12 @@ from .run import COMPONENTS, BodyState, Run
 Array = npt.NDArray[np.float64]
 # Corners and mid-sides of a Q8 face in the order in which one walks around it.
 AROUND = {4: [0, 1, 2, 3], 8: [0, 4, 1, 5, 2, 6, 3, 7]}
-QUANTITY = {"stress": "stress", "displacement": "length", "velocity": "velocity"}
+QUANTITY = {
+    "stress": "stress",
+    "displacement": "length",
+    "velocity": "velocity",
+    "contact_pressure": "stress",
+}
 
 
 def picture(run: Run, path: str | Path, field: str = "stress_xx", scale: float = 1.0) -> None:

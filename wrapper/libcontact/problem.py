@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import ffi, lib
-from .bridge import ask, names, row
+from .bridge import ask, call, doubles, names, row
 from .errors import Error, check, new_error, text_of
 from .mesh import KINDS, WIDTH, Mesh, physical_memory, read_vtkhdf, row_length
 from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support
@@ -29,6 +29,17 @@ SHORTEST_ROW = 32
 # Bodies with shorter rows are not told from others (the library's ct_force_ring_create).
 SHORTEST_LATTICE = 8
 POINT = row("ct_contact_point")
+NODE = np.dtype(
+    [
+        ("side", "i4"),
+        ("body", "i4"),
+        ("node", "i4"),
+        ("position", "f8", 3),
+        ("area", "f8"),
+        ("traction", "f8", 3),
+        ("pressure", "f8"),
+    ]
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -489,6 +500,43 @@ def contact_points(problem: Problem, state: Any) -> list[NDArray[Any]]:
         check(lib.ct_contact_points(contact, ffi.cast("ct_contact_point *", points.ctypes.data)))
         out.append(points)
     return out
+
+
+def contact_pressure(problem: Problem, state: Any) -> dict[str, list[NDArray[Any]]]:
+    """Tractions at the nodes of the surfaces of each contact and obstacle in a state (``ct_state *``); see ``Run.pressure``."""
+    out: dict[str, list[NDArray[Any]]] = {"contact": [], "obstacle": []}
+    contacts = _contacts(problem, state)
+    for k, effect in enumerate(problem.made):
+        if effect.kind == lib.CT_EFFECT_CONTACT:
+            contact, built = next(contacts), problem.contacts[len(out["contact"])]
+            sides = [
+                _node_rows(problem, state, side, lib.ct_contact_traction, contact, side)
+                for side in range(1 if built.with_itself else 2)
+            ]
+            out["contact"].append(np.concatenate(sides))
+        elif effect.kind == lib.CT_EFFECT_OBSTACLE:
+            asked = (lib.ct_obstacle_traction, problem.pointer, state, k)
+            out["obstacle"].append(_node_rows(problem, state, 0, *asked))
+    return out
+
+
+def _node_rows(
+    problem: Problem, state: Any, side: int, function: Any, *arguments: Any
+) -> NDArray[Any]:
+    """Rows of NODE for the nodes of one surface, from a function that writes tractions and areas at them."""
+    count, bodies = problem.pointer.node_count, problem.pointer.bodies
+    traction, area = np.zeros((count, 3)), np.full(count, np.nan)
+    call(function, *arguments, doubles(traction), doubles(area))
+    nodes = np.flatnonzero(~np.isnan(area))
+    first = np.array([bodies[b].first_node for b in range(len(problem.bodies))])
+    rows = np.zeros(len(nodes), NODE)
+    rows["side"], rows["body"] = side, np.searchsorted(first, nodes, "right") - 1
+    rows["node"] = nodes - first[rows["body"]]
+    places = (problem.rows(problem.pointer.reference), problem.rows(state.displacement))
+    rows["position"] = places[0][nodes] + places[1][nodes]
+    rows["area"], rows["traction"] = area[nodes], traction[nodes]
+    rows["pressure"] = np.linalg.norm(traction[nodes], axis=1)
+    return rows
 
 
 def penetrations(problem: Problem, state: Any) -> list[dict[str, dict[str, Any]]]:

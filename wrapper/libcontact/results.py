@@ -10,7 +10,7 @@ import numpy as np
 
 from .bridge import Floats, Rows
 from .mesh import KINDS, WIDTH, Mesh, open_hdf5, text_in
-from .model import LAWS, Material
+from .model import FIELDS, LAWS, Material
 from .run import MOMENTUM, BodyState, Run, State, energy_table
 from .schema import Place
 from .units import Units
@@ -52,12 +52,20 @@ def _read(path: Path, file: Any, record: int) -> Run:
         units=_units(scene),
         steps=own["step"][:count].astype(np.int64),
         energy=_energy(own, count),
-        momentum=own["momentum"].fields(MOMENTUM.names)[: count * len(bodies)].astype(MOMENTUM),
+        momentum=_momentum(own["momentum"][: count * len(bodies)]),
         state=State(time, step, _bodies(vtk, bodies, record)),
         path=path,
         scene=scene,
         dt=float(file["libcontact"].attrs["dt"]),
     )
+
+
+def _momentum(held: Rows) -> Rows:
+    """The momenta of bodies; an impulse that an older file does not hold is NaN."""
+    momentum = np.zeros(len(held), MOMENTUM)
+    for name in MOMENTUM.names or ():
+        momentum[name] = held[name] if name in (held.dtype.names or ()) else np.nan
+    return momentum
 
 
 def _energy(own: Any, count: int) -> Rows:
@@ -75,7 +83,7 @@ def _bodies(vtk: Any, rows: Rows, record: int) -> dict[str, BodyState]:
     points, connectivity, offsets = (
         vtk[name][()] for name in ("Points", "Connectivity", "Offsets")
     )
-    groups = {"displacement": "PointData", "velocity": "PointData", "stress": "CellData"}
+    groups = {name: "CellData" if name == "stress" else "PointData" for name in FIELDS}
     count = {"PointData": len(points), "CellData": len(offsets) - 1}
     held = {name: group for name, group in groups.items() if name in vtk[group]}
     fields = {name: _field(vtk, of, name, record, count[of]) for name, of in held.items()}

@@ -36,7 +36,7 @@ STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 PARTS = {"stress": STRESS, "displacement": "xyz", "velocity": "xyz"}
 COMPONENTS = {
     f"{field}_{part}": (field, i) for field in PARTS for i, part in enumerate(PARTS[field])
-}
+} | {"contact_pressure": ("contact_pressure", 0)}
 # Effects whose energy or work stands in the columns of ENERGY; others have a column of their own.
 IN_ENERGY = ("solid", "contact", "support")
 
@@ -132,7 +132,7 @@ class BodyState:
 
         Parameters
         ----------
-        field : {"displacement", "velocity", "stress"}
+        field : {"displacement", "velocity", "stress", "contact_pressure"}
             The field; stress can be had where it was recorded or can be computed.
 
         Returns
@@ -191,6 +191,11 @@ class BodyState:
         """Stresses xx yy zz xy yz zx at the element centres [force / length²], shape (elements, 6)."""
         return self._field("stress")
 
+    @property
+    def contact_pressure(self) -> Floats:
+        """Contact pressure at the nodes [force / length²], shape (nodes,), :eq:`recovered-traction`; 0 off all surfaces in contact."""
+        return self._field("contact_pressure")
+
     def component(self, name: str) -> tuple[Floats, bool]:
         """
         Read one component of a field.
@@ -198,7 +203,7 @@ class BodyState:
         Parameters
         ----------
         name : str
-            ``stress_xx``, ``velocity_z``, ``displacement_x`` and the like.
+            ``stress_xx``, ``velocity_z``, ``displacement_x`` and the like, or ``contact_pressure``.
 
         Returns
         -------
@@ -215,7 +220,9 @@ class BodyState:
         if name not in COMPONENTS:
             raise ValueError(f'no component is named "{name}"' + suggestion(name, COMPONENTS))
         field, column = COMPONENTS[name]
-        return self._field(field)[:, column], field == "stress"
+        return self._field(field).reshape(-1, len(PARTS.get(field, "p")))[
+            :, column
+        ], field == "stress"
 
     def sample(self, name: str, points: Floats) -> Floats:
         """
@@ -288,7 +295,7 @@ class Run:
     #: Structured array, one row per record: time, kinetic, strain, contact, external, total, balance, and a field of the name of each further effect:
     #: the energy that it stores, or the work that it did if it stores none.
     energy: Rows
-    #: Structured array, one row per record and body: time, body (number in ``bodies``), p, L, contact_impulse, support_impulse.
+    #: Structured array, one row per record and body: time, body (number in ``bodies``), p, L, contact_impulse, obstacle_impulse, support_impulse.
     momentum: Rows
     #: The last recorded state.
     state: State | None
@@ -310,6 +317,11 @@ class Run:
     #: gap (what the contact law sees: negative in contact, NaN where nothing was met), pressure, weight, start_gap (what ``gap`` counts from; the true
     #: distance is ``gap + start_gap``). Empty for a run that was read from a file.
     contact: list[Rows] = field(default_factory=list)
+    #: Pressure at the nodes of each "contact" and each "obstacle", in the order of the scene, in the last state: side, body (number in ``bodies``),
+    #: node (of the body), position, area (of the faces in contact that belongs to a corner; 0 at mid-sides), traction (force on the surface per reference
+    #: area, averaged over both passes and the faces around the node), pressure (its size), :eq:`recovered-traction`. Empty for a run that was read from a
+    #: file, and in a watch.
+    pressure: dict[str, list[Rows]] = field(default_factory=dict)
     #: Impulse of each effect on all bodies together since t = 0, shape (3,), by name: their sum is the change of momentum. Empty for a run that was
     #: read from a file.
     impulse: dict[str, Floats] = field(default_factory=dict)

@@ -204,6 +204,21 @@ CT_API int64_t ct_contact_point_count(const ct_contact *contact);
 /** The points of the last update, `points` of shape (ct_contact_point_count). */
 CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *points);
 
+/**
+ * Tractions at the nodes of surface `side` (0 or 1), recovered from the forces of the last update
+ * and averaged over both passes and the faces around a node, :eq:`recovered-traction`. The pressure
+ * at a node is the size of its traction. Areas times tractions add up to the force on the surface,
+ * and their moments to its moment where edges are straight. Entries of nodes that are not on the
+ * surface are left as they are.
+ *
+ * `traction` [stress], shape (node_count, 3): force on the surface per reference area; at a
+ * mid-side node the mean of the two corners, and 0 where no face carries forces. `area` [area],
+ * shape (node_count): the part of the faces in contact that belongs to a corner; 0 at mid-sides.
+ * ``CT_ERROR_ARGUMENT``: null argument, no such side; ``CT_ERROR_MEMORY``.
+ */
+CT_API ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *traction,
+                                     double *area, ct_error *error);
+
 /** Places where penetration is looked for. */
 typedef enum ct_penetration_at {
   /** The points of the contact. */
@@ -347,6 +362,21 @@ CT_API ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_
  */
 CT_API ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect,
                                       double force[3], double *work, ct_error *error);
+
+/**
+ * Tractions at the nodes of the surface that meets an obstacle, at the state's time, as
+ * `ct_contact_traction`; `traction` and `area` have the problem's nodes.
+ */
+CT_API ct_status ct_obstacle_traction(const ct_problem *problem, ct_state *state, int32_t effect,
+                                      double *traction, double *area, ct_error *error);
+
+/**
+ * Contact pressure at the nodes of a problem at the state's time [stress], shape (node_count): the
+ * sizes of the tractions of all contacts and obstacles, added where a node belongs to several; 0
+ * elsewhere, :eq:`recovered-traction`.
+ */
+CT_API ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *pressure,
+                                   ct_error *error);
 
 /** Coulomb friction with stick on the points of a contact or of an obstacle. Start from
  * `ct_friction_def_default`. */

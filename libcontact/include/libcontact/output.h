@@ -24,6 +24,8 @@ typedef struct ct_output_options {
   int stress;
   /** A text that goes with the file, for example the scene as TOML, in UTF-8; may be null. */
   const char *scene;
+  /** One more field (0 or 1): the contact pressure at the nodes, `ct_state_pressure`. */
+  int contact_pressure;
 } ct_output_options;
 
 /**

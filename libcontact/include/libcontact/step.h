@@ -488,6 +488,9 @@ typedef struct ct_momentum {
   /** Impulse of the contacts on the body since t = 0 [mass · length / time], :eq:`impulse-balance`.
    */
   double contact_impulse[3];
+  /** Impulse of the obstacles on the body since t = 0 [mass · length / time]; that of friction on
+   * them is not in it. */
+  double obstacle_impulse[3];
   /** Impulse of the supports on the body since t = 0 [mass · length / time]. */
   double support_impulse[3];
 } ct_momentum;

@@ -117,7 +117,7 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
       (s->terms = ct_allocate((size_t)data->side.point_count, sizeof *s->terms)) == NULL ||
       ct_side_init(&s->side, &data->side, &law) != CT_OK) {
     free_scratch(s);
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
+    return CT_NO_MEMORY(error, "an obstacle");
   }
   *scratch = s;
   return CT_OK;
@@ -290,26 +290,22 @@ static ct_status check(const ct_obstacle_def *o, const ct_problem *problem, ct_e
     return ct_fail(error, CT_INVALID, CT_NOWHERE,
                    "obstacle: its point, velocity or travel is not finite");
   if ((int)o->shape < CT_OBSTACLE_PLANE || (int)o->shape > CT_OBSTACLE_CYLINDER)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: there is no shape %d",
-                   (int)o->shape);
+    return CT_REFUSE(error, "obstacle: there is no shape %d", (int)o->shape);
   if (!(o->epsilon > 0.0) || !isfinite(o->epsilon))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "obstacle: the penalty must be positive, not %g", o->epsilon);
+    return CT_REFUSE(error, "obstacle: the penalty must be positive, not %g", o->epsilon);
   const ct_constraint law = law_of(o);
   ct_status status = ct_law_check(&law, "obstacle", error);
   if (status != CT_OK) return status;
   if (o->shape != CT_OBSTACLE_SPHERE && !unit(o->axis, a))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the %s has no length",
-                   o->shape == CT_OBSTACLE_PLANE ? "normal" : "axis");
+    return CT_REFUSE(error, "obstacle: the %s has no length",
+                     o->shape == CT_OBSTACLE_PLANE ? "normal" : "axis");
   if (o->shape != CT_OBSTACLE_PLANE && (!(o->radius > 0.0) || !isfinite(o->radius)))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "obstacle: the radius must be positive, not %g", o->radius);
+    return CT_REFUSE(error, "obstacle: the radius must be positive, not %g", o->radius);
   if (o->amplitude.count == 0 &&
       (o->travel[0] != 0.0 || o->travel[1] != 0.0 || o->travel[2] != 0.0))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "obstacle: it has a way to travel, but no amplitude says when");
+    return CT_REFUSE(error, "obstacle: it has a way to travel, but no amplitude says when");
   if (per == 0 || o->face_count < 1 || o->faces == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "obstacle: the surface has no faces");
+    return CT_REFUSE(error, "obstacle: the surface has no faces");
   for (int64_t i = 0; i < (int64_t)o->face_count * per; i++)
     if (o->faces[i] < 0 || o->faces[i] >= problem->node_count)
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){-1, i / per, o->faces[i]},
@@ -333,7 +329,7 @@ static ct_status bound_springs(obstacle_data *data, const double *mass, ct_error
   const ct_side_fixed *side = &data->side;
   const ct_search *search = side->search;
   double *rows = ct_allocate((size_t)search->node_count, sizeof *rows);
-  if (rows == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
+  if (rows == NULL) return CT_NO_MEMORY(error, "an obstacle");
   for (int64_t i = 0; i < side->point_count; i++) {
     const double *N = side->N[i % side->rule.count];
     const int32_t *node = &search->faces[i / side->rule.count * search->per];
@@ -362,8 +358,7 @@ static ct_status fill(obstacle_data *data, const ct_obstacle_def *o, const ct_pr
       ct_duplicate(o->amplitude.time, points * sizeof(double));
   data->given.amplitude.value = data->value =
       ct_duplicate(o->amplitude.value, points * sizeof(double));
-  if (!data->time || !data->value)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
+  if (!data->time || !data->value) return CT_NO_MEMORY(error, "an obstacle");
   ct_status status = ct_side_fixed_init(&data->side, &surface, 0, 0, error);
   if (status == CT_OK) status = bound_springs(data, problem->mass, error);
   if (status != CT_OK) return status;
@@ -394,7 +389,7 @@ ct_status ct_obstacle_create_effect(const ct_obstacle_def *def, const ct_problem
   if (status == CT_OK) status = check(def, problem, error);
   if (status != CT_OK) return status;
   obstacle_data *data = ct_allocate(1, sizeof *data);
-  if (data == NULL) return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for an obstacle");
+  if (data == NULL) return CT_NO_MEMORY(error, "an obstacle");
   ct_effect filled = {.kind = CT_EFFECT_OBSTACLE,
                       .label = "obstacle",
                       .data = data,
@@ -415,16 +410,35 @@ const ct_side_fixed *ct_obstacle_side(const ct_effect *effect)
   return &((const obstacle_data *)effect->data)->side;
 }
 
+/* The obstacle of a state, with the forces of its time; null, with `status` and `error` filled, for
+ * an effect that is none. */
+static const ct_obstacle_state *state_of(const ct_problem *problem, ct_state *state, int32_t effect,
+                                         ct_status *status, ct_error *error)
+{
+  int is = problem != NULL && state != NULL && effect >= 0 && effect < problem->effect_count &&
+           problem->effects[effect]->kind == CT_EFFECT_OBSTACLE;
+  *status = is ? ct_workspace_forces(problem, state, error)
+               : CT_REFUSE(error, "effect %d is no obstacle", (int)effect);
+  return *status == CT_OK ? state->workspace->scratch[effect] : NULL;
+}
+
 ct_status ct_obstacle_reaction(const ct_problem *problem, ct_state *state, int32_t effect,
                                double force[3], double *work, ct_error *error)
 {
-  if (problem == NULL || state == NULL || force == NULL || work == NULL || effect < 0 ||
-      effect >= problem->effect_count || problem->effects[effect]->kind != CT_EFFECT_OBSTACLE)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "effect %d is no obstacle", (int)effect);
-  ct_status status = ct_workspace_forces(problem, state, error);
-  if (status != CT_OK) return status;
-  const ct_obstacle_state *s = state->workspace->scratch[effect];
+  if (force == NULL || work == NULL) return CT_REFUSE(error, "obstacle: null argument");
+  ct_status status = CT_OK;
+  const ct_obstacle_state *s = state_of(problem, state, effect, &status, error);
+  if (s == NULL) return status;
   memcpy(force, s->reaction, sizeof s->reaction);
   *work = s->work;
   return CT_OK;
+}
+
+ct_status ct_obstacle_traction(const ct_problem *problem, ct_state *state, int32_t effect,
+                               double *traction, double *area, ct_error *error)
+{
+  if (traction == NULL || area == NULL) return CT_REFUSE(error, "obstacle: null argument");
+  ct_status status = CT_OK;
+  const ct_obstacle_state *s = state_of(problem, state, effect, &status, error);
+  return s == NULL ? status : ct_side_traction(&s->side, NULL, traction, area, error);
 }

@@ -146,4 +146,9 @@ double ct_side_rows_energy(const ct_side *sides, int count, double time, double 
  * sides, or of the one that is in contact with itself. */
 ct_status ct_side_collect(ct_side *sides, int count, int rigid, ct_error *error);
 
+/* Tractions and areas at the nodes of a side from its nodal forces, in the numbering of the host
+ * (eq:recovered-traction). `other` is the side whose points push on this one, or null. */
+ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *traction,
+                           double *area, ct_error *error);
+
 #endif

@@ -83,7 +83,7 @@ typedef struct ct_record {
   double momentum[3], angular_momentum[3];
   /* Fields; null where they are not asked for. The displacement belongs to the state. */
   const double *displacement;
-  double *velocity, *stress;
+  double *velocity, *stress, *contact_pressure;
   ct_momentum *bodies;
   double *addends;
   ct_effect_row *effects;

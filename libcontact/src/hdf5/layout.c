@@ -89,6 +89,7 @@ static const ct_row_type MOMENTUM = {
     {CT_FIELD(ct_momentum, time, CT_REAL, NULL), CT_FIELD(ct_momentum, body, CT_INT32, NULL),
      CT_FIELD(ct_momentum, p, CT_VECTOR, NULL), CT_FIELD(ct_momentum, L, CT_VECTOR, NULL),
      CT_FIELD(ct_momentum, contact_impulse, CT_VECTOR, NULL),
+     CT_FIELD(ct_momentum, obstacle_impulse, CT_VECTOR, NULL),
      CT_FIELD(ct_momentum, support_impulse, CT_VECTOR, NULL)}};
 
 static const ct_row_type EFFECT = {
@@ -116,6 +117,7 @@ static const plan COLUMN[] = {
     {STEPS, "ConnectivityIdOffsets", CT_INT64, NULL, ONE, 1, NOW(zero)},
     {POINT_DATA, "displacement", CT_REAL, NULL, NODES, 3, NOW(displacement)},
     {POINT_DATA, "velocity", CT_REAL, NULL, NODES, 3, NOW(velocity)},
+    {POINT_DATA, "contact_pressure", CT_REAL, NULL, NODES, 0, NOW(contact_pressure)},
     {CELL_DATA, "stress", CT_REAL, NULL, CELLS, 6, NOW(stress)},
     {CELL_DATA + TO_OFFSETS, "body", CT_INT64, NULL, ONE, 0, NOW(zero)},
     {FIELD_DATA, "kinetic", CT_REAL, NULL, ONE, 0, NOW_ENERGY(kinetic)},

@@ -1,5 +1,6 @@
 #include "hdf5_internal.h"
 
+#include <libcontact/contact.h>
 #include <libcontact/solid.h>
 #include <libcontact/base.h>
 
@@ -56,11 +57,14 @@ static ct_status create_record(ct_output *o, const ct_problem *problem,
   if (options->displacement) now->displacement = problem->reference;
   if (options->velocity) now->velocity = malloc(3 * (size_t)o->node_count * sizeof *now->velocity);
   if (options->stress) now->stress = malloc(6 * (size_t)o->cell_count * sizeof *now->stress);
+  if (options->contact_pressure)
+    now->contact_pressure = malloc((size_t)o->node_count * sizeof *now->contact_pressure);
   now->bodies = calloc((size_t)o->body_count, sizeof *now->bodies);
   now->addends = malloc((size_t)o->body_count * sizeof *now->addends);
   now->effects = calloc((size_t)o->effect_count + 1, sizeof *now->effects);
   if ((options->velocity && now->velocity == NULL) || (options->stress && now->stress == NULL) ||
-      now->bodies == NULL || now->addends == NULL || now->effects == NULL)
+      (options->contact_pressure && now->contact_pressure == NULL) || now->bodies == NULL ||
+      now->addends == NULL || now->effects == NULL)
     return CT_NO_MEMORY(error, "the output of %ld nodes", (long)o->node_count);
   return CT_OK;
 }
@@ -94,6 +98,7 @@ static void destroy(ct_task *task, ct_output *o)
   ct_disk_check(task, "close the file", o->disk.error);
   free(o->now.velocity);
   free(o->now.stress);
+  free(o->now.contact_pressure);
   free(o->now.bodies);
   free(o->now.addends);
   free(o->now.effects);
@@ -193,6 +198,8 @@ static ct_status gather(ct_output *o, const ct_problem *problem, ct_state *state
   if (status == CT_OK) status = gather_ledger(now, problem, state, error);
   if (status == CT_OK && now->velocity != NULL)
     status = ct_state_velocity(problem, state, now->velocity, error);
+  if (status == CT_OK && now->contact_pressure != NULL)
+    status = ct_state_pressure(problem, state, now->contact_pressure, error);
   double *stress = now->stress;
   for (int32_t b = 0; b < problem->body_count && now->stress != NULL && status == CT_OK; b++) {
     const ct_body *body = &problem->bodies[b];

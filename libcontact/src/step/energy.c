@@ -287,6 +287,7 @@ ct_status ct_momentum_of(const ct_problem *problem, ct_state *state, int32_t bod
     momentum->L[c] = ct_stream_sum(&sums[3 + c]);
   }
   add_impulses(problem, state, CT_EFFECT_CONTACT, range, momentum->contact_impulse);
+  add_impulses(problem, state, CT_EFFECT_OBSTACLE, range, momentum->obstacle_impulse);
   add_impulses(problem, state, CT_EFFECT_SUPPORT, range, momentum->support_impulse);
   add_impulses(problem, state, CT_EFFECT_MOTION, range, momentum->support_impulse);
   return CT_OK;

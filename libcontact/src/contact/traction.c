@@ -1,0 +1,170 @@
+/* Tractions at the nodes of a contact surface, recovered from the forces there
+ * (eq:recovered-traction). */
+#include "contact_internal.h"
+
+#include "../base/error.h"
+#include "../base/memory.h"
+#include "../base/stream.h"
+#include "../base/vector.h"
+#include "../step/workspace.h"
+
+#include <math.h>
+#include <string.h>
+
+/* One surface whose tractions are recovered. */
+typedef struct recovery {
+  const ct_side *side;
+  char *carries;   /* whether a face carries forces, shape (face_count) */
+  double N[27][8]; /* at the points: shape functions of the linear face with the same corners */
+} recovery;
+
+/* Mark the faces with a force of their own points, and those that points of the other side, unless
+ * it is null, push on. */
+static void mark_faces(const recovery *r, const ct_side *other)
+{
+  const ct_side *side = r->side;
+  for (int64_t i = 0; i < side->fixed->point_count; i++)
+    if (ct_point_has_force(&side->points[i])) r->carries[i / side->fixed->rule.count] = 1;
+  for (int64_t i = 0; other != NULL && i < other->fixed->point_count; i++)
+    if (ct_point_has_force(&other->points[i])) r->carries[other->points[i].other] = 1;
+}
+
+/* Add a share of a node's force to three sums. */
+static void add_force(const ct_side *side, int32_t node, double share, ct_stream sum[3])
+{
+  for (int c = 0; c < 3; c++) {
+    const int64_t dof = 3 * (int64_t)node + c;
+    const double term = share * (side->force[dof] + side->force_fine[dof]);
+    ct_stream_add(&sum[c], &term, 1);
+  }
+}
+
+/* What one face gives to its corner `a`: the area under the corner's hat if the face carries
+ * forces, and half the forces of the two mid-sides there, from each of the faces around them. */
+static void add_face(const recovery *r, int32_t face, int a, ct_stream sum[4])
+{
+  const ct_search *search = r->side->search;
+  const int points = r->side->fixed->rule.count;
+  double term[27];
+  for (int q = 0; q < points; q++)
+    term[q] = r->N[q][a] * r->side->fixed->weight[(int64_t)face * points + q];
+  if (r->carries[face]) ct_stream_add(&sum[0], term, points);
+  if (search->per == search->edges) return;
+  const int beside[2] = {a, (a + search->edges - 1) % search->edges};
+  for (int k = 0; k < 2; k++) {
+    int32_t node = search->faces[(int64_t)face * search->per + search->edges + beside[k]];
+    double faces = search->incidence.first[node + 1] - search->incidence.first[node];
+    add_force(r->side, node, 0.5 / faces, &sum[1]);
+  }
+}
+
+/* Area and traction of a corner, in sums that do not depend on their order
+ * (eq:recovered-traction). */
+static double recover_corner(const recovery *r, int32_t node, double traction[3])
+{
+  const ct_incidence *around = &r->side->search->incidence;
+  const int per = r->side->search->per;
+  ct_stream sum[4] = {{0}};
+  while (ct_stream_again(sum, 4)) {
+    add_force(r->side, node, 1.0, &sum[1]);
+    for (int32_t i = around->first[node]; i < around->first[node + 1]; i++)
+      add_face(r, around->place[i] / per, around->place[i] % per, sum);
+  }
+  double area = ct_stream_sum(&sum[0]);
+  for (int c = 0; c < 3; c++) traction[c] = area > 0.0 ? ct_stream_sum(&sum[1 + c]) / area : 0.0;
+  return area;
+}
+
+/* All corners first, then the mid-sides, whose tractions are the means of their corners. */
+static void recover(const recovery *r, double *traction, double *area)
+{
+  const ct_search *search = r->side->search;
+  const int32_t *nodes = search->nodes;
+  for (int32_t n = 0; n < search->node_count; n++)
+    if (search->incidence.place[search->incidence.first[n]] % search->per < search->edges)
+      area[nodes[n]] = recover_corner(r, n, &traction[3 * (int64_t)nodes[n]]);
+  for (int64_t f = 0; search->per > search->edges && f < search->face_count; f++)
+    for (int k = 0; k < search->edges; k++) {
+      const int32_t *face = &search->faces[f * search->per];
+      int32_t middle = nodes[face[search->edges + k]], a = nodes[face[k]],
+              b = nodes[face[(k + 1) % search->edges]];
+      area[middle] = 0.0;
+      for (int64_t c = 0; c < 3; c++)
+        traction[3 * (int64_t)middle + c] =
+            0.5 * (traction[3 * (int64_t)a + c] + traction[3 * (int64_t)b + c]);
+    }
+}
+
+ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *traction,
+                           double *area, ct_error *error)
+{
+  const ct_side_fixed *fixed = side->fixed;
+  recovery r = {.side = side,
+                .carries = ct_allocate((size_t)side->search->face_count, sizeof *r.carries)};
+  if (r.carries == NULL) return CT_NO_MEMORY(error, "tractions");
+  for (int q = 0; q < fixed->rule.count; q++)
+    ct_segment_shape(side->search->edges == 4 ? CT_Q4 : CT_T3, fixed->rule.xi[q], r.N[q]);
+  mark_faces(&r, other);
+  recover(&r, traction, area);
+  ct_release(r.carries);
+  return CT_OK;
+}
+
+ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *traction,
+                              double *area, ct_error *error)
+{
+  if (contact == NULL || traction == NULL || area == NULL || side < 0 ||
+      side >= contact->fixed->sides)
+    return CT_REFUSE(error, "contact: null argument, or there is no surface %d", (int)side);
+  return ct_side_traction(&contact->side[side], &contact->side[contact->fixed->sides - 1 - side],
+                          traction, area, error);
+}
+
+/* Add the pressures of one surface at its nodes; `room` is that for tractions and areas, as many as
+ * the problem has nodes. */
+static ct_status add_pressure(const ct_side *side, const ct_side *other, int32_t count,
+                              double *room, double *pressure, ct_error *error)
+{
+  ct_status status = ct_side_traction(side, other, room, &room[3 * (int64_t)count], error);
+  for (int32_t n = 0; status == CT_OK && n < side->search->node_count; n++) {
+    const int64_t node = side->search->nodes[n];
+    pressure[node] += sqrt(ct_vector_dot(&room[3 * node], &room[3 * node]));
+  }
+  return status;
+}
+
+/* The surfaces of an effect of a state; answers how many, 0 for another kind of effect. */
+static int sides_of(const ct_effect *effect, const void *scratch, const ct_side **sides)
+{
+  if (effect->kind == CT_EFFECT_OBSTACLE) {
+    *sides = &((const ct_obstacle_state *)scratch)->side;
+    return 1;
+  }
+  if (effect->kind != CT_EFFECT_CONTACT) return 0;
+  *sides = ((const ct_contact *)scratch)->side;
+  return ((const ct_contact *)scratch)->fixed->sides;
+}
+
+ct_status ct_state_pressure(const ct_problem *problem, ct_state *state, double *pressure,
+                            ct_error *error)
+{
+  if (problem == NULL || state == NULL || pressure == NULL)
+    return CT_REFUSE(error, "contact: null argument");
+  ct_status status = ct_workspace_forces(problem, state, error);
+  if (status != CT_OK) return status;
+  const int32_t nodes = problem->node_count;
+  double *room = ct_allocate(4 * (size_t)nodes, sizeof *room);
+  if (room == NULL) return CT_NO_MEMORY(error, "tractions");
+  memset(pressure, 0, (size_t)nodes * sizeof *pressure);
+  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++) {
+    const ct_effect *effect = problem->effects[k];
+    const ct_side *sides = NULL;
+    int count = sides_of(effect, state->workspace->scratch[k], &sides);
+    for (int s = 0; status == CT_OK && s < count; s++)
+      status =
+          add_pressure(&sides[s], effect->kind == CT_EFFECT_CONTACT ? &sides[count - 1 - s] : NULL,
+                       nodes, room, pressure, error);
+  }
+  ct_release(room);
+  return status;
+}

@@ -1,0 +1,285 @@
+/* Tractions recovered at the nodes of contact surfaces: closed forms, the forces and moments of the
+ * points, which faces count, the order of everything. */
+#include "patches.h"
+
+/* Tractions and areas of both surfaces of a contact; NaN where nothing was written. */
+typedef struct recovered {
+  double *traction[2], *area[2];
+} recovered;
+
+static recovered recover(const ct_contact *contact, const patch *a, const patch *b)
+{
+  recovered r;
+  ct_error e;
+  for (int s = 0; s < 2; s++) {
+    int nodes = (s == 0 ? a : b)->surface.node_count;
+    r.traction[s] = numbers(3 * nodes);
+    r.area[s] = numbers(nodes);
+    for (int i = 0; i < 4 * nodes; i++)
+      *(i < nodes ? &r.area[s][i] : &r.traction[s][i - nodes]) = NAN;
+    need(ct_contact_traction(contact, s, r.traction[s], r.area[s], &e), &e);
+  }
+  return r;
+}
+
+static void free_recovered(recovered *r)
+{
+  for (int s = 0; s < 2; s++) {
+    free(r->traction[s]);
+    free(r->area[s]);
+  }
+}
+
+/* Two equal squares pressed into each other: the traction is eps delta at every node, and the areas
+ * are those of the square. */
+static void uniform_overlap(ct_face_kind kind)
+{
+  patch a = new_patch(kind, 3, 2, 0, 0, 1, 0.75, 1), b = new_patch(kind, 3, 2, 0, 0, 1, 0.75, 0);
+  double off = 0.0, size[2] = {0.0, 0.0}, delta = 0.01;
+  int written = 0, used = 0;
+  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = -delta;
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  update(contact, &a, &b);
+  recovered r = recover(contact, &a, &b);
+  for (int s = 0; s < 2; s++)
+    for (int n = 0; n < a.surface.node_count; n++) {
+      if (isnan(r.area[s][n])) continue;
+      written++;
+      size[s] += r.area[s][n];
+      for (int c = 0; c < 3; c++)
+        off = worst(off, r.traction[s][3 * n + c] / (EPSILON * delta) -
+                             (c == 2 ? (s == 0 ? -1.0 : 1.0) : 0.0));
+    }
+  int32_t *seen = integers(a.surface.node_count);
+  for (int i = 0; i < a.surface.face_count * ct_face_node_count(kind); i++) {
+    used += !seen[a.faces[i]];
+    seen[a.faces[i]] = 1;
+  }
+  tap_ok(off < 1e-12 && written == 2 * used && fabs(size[0] / 0.75 - 1.0) < 1e-13 &&
+             fabs(size[1] / 0.75 - 1.0) < 1e-13,
+         "%s, matching meshes: eps delta at all %d nodes, off by %.2g; areas %.6g, %.6g",
+         KIND[kind], written, off, size[0], size[1]);
+  free(seen);
+  free_recovered(&r);
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* Warped patches that do not match, with straight edges if so wished. */
+static void warped_pair(ct_face_kind ka, ct_face_kind kb, int straight, patch *a, patch *b)
+{
+  *a = new_patch(ka, 3, 2, -1, -1, 2, 2, 1);
+  *b = new_patch(kb, 2, 2, -0.5, -0.5, 1, 1, 0);
+  for (int s = 0; s < 2; s++) {
+    patch *p = s == 0 ? a : b;
+    int per = ct_face_node_count(p->surface.kind), corners = p->surface.kind < CT_T3 ? 4 : 3;
+    for (int n = 0; n < p->surface.node_count; n++) {
+      double *x = &p->x[3 * n];
+      x[2] = s == 0 ? 0.05 * sin(2.0 * x[0] + 1.0) * cos(1.5 * x[1]) : 0.02 * x[0] * x[1] - 0.02;
+      for (int c = 0; c < 3; c++) x[c] += uniform(0.02);
+    }
+    for (int f = 0; straight && f < p->surface.face_count; f++)
+      for (int k = corners; k < per; k++)
+        for (int c = 0; c < 3; c++)
+          p->x[3 * p->faces[f * per + k] + c] =
+              0.5 * (p->x[3 * p->faces[f * per + k - corners] + c] +
+                     p->x[3 * p->faces[f * per + (k - corners + 1) % corners] + c]);
+  }
+}
+
+/* Add a force at a place to a resultant: force, then moment about the origin. */
+static void add(double sum[6], const double x[3], const double f[3])
+{
+  for (int c = 0; c < 3; c++) {
+    sum[c] += f[c];
+    sum[3 + c] += x[(c + 1) % 3] * f[(c + 2) % 3] - x[(c + 2) % 3] * f[(c + 1) % 3];
+  }
+}
+
+/* Areas times tractions against the forces of all points, those of both passes. */
+static void resultants(ct_face_kind ka, ct_face_kind kb, int straight)
+{
+  patch a, b;
+  warped_pair(ka, kb, straight, &a, &b);
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  update(contact, &a, &b);
+  recovered r = recover(contact, &a, &b);
+  int64_t count = ct_contact_point_count(contact);
+  ct_contact_point *point = room(count, sizeof *point);
+  double want[2][6] = {{0}}, found[2][6] = {{0}}, size = 0.0, force = 0.0, moment = 0.0;
+  ct_contact_points(contact, point);
+  for (int64_t i = 0; i < count; i++) {
+    const ct_contact_point *p = &point[i];
+    double f[3], back[3];
+    if (!(p->pressure > 0.0)) continue;
+    // -- A point presses with half its weight, along its gap
+    for (int c = 0; c < 3; c++) {
+      f[c] = 0.5 * p->pressure * p->weight * (p->closest[c] - p->position[c]) / -p->gap;
+      back[c] = -f[c];
+      size += fabs(f[c]);
+    }
+    add(want[p->side], p->position, f);
+    add(want[1 - p->side], p->closest, back);
+  }
+  for (int s = 0; s < 2; s++) {
+    const patch *p = s == 0 ? &a : &b;
+    for (int n = 0; n < p->surface.node_count; n++) {
+      double f[3];
+      if (!(r.area[s][n] > 0.0)) continue;
+      for (int c = 0; c < 3; c++) f[c] = r.area[s][n] * r.traction[s][3 * n + c];
+      add(found[s], &p->x[3 * n], f);
+    }
+    force = worst(force, largest_difference(found[s], want[s], 3) / size);
+    moment = worst(moment, largest_difference(&found[s][3], &want[s][3], 3) / size);
+  }
+  // Curved edges have their middles off the chords, by up to 0.03, and so the forces there.
+  tap_ok(force < 1e-12 && moment < (straight ? 1e-12 : 0.03) && size > 0.0,
+         "%s on %s, %s edges: force of the points, off by %.2g, and moment, %.2g", KIND[kb],
+         KIND[ka], straight ? "straight" : "curved", force, moment);
+  free(point);
+  free_recovered(&r);
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* A closed box stands on a patch, which is larger: the box's walls carry nothing, so the pressure
+ * at the rim of its bottom is that in the middle; faces of the patch beyond the box have none. */
+static void only_faces_in_contact(void)
+{
+  const double low[3] = {0, 0, -0.01}, size[3] = {1, 1, 0.5};
+  const int cells[3] = {4, 4, 1};
+  patch a = new_patch(CT_Q4, 8, 8, -0.5, -0.5, 2, 2, 1), b = new_box(low, size, cells);
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  update(contact, &a, &b);
+  recovered r = recover(contact, &a, &b);
+  double off = 0.0, bottom[2] = {0.0, 0.0}, beyond = 0.0;
+  for (int n = 0; n < b.surface.node_count; n++) {
+    bottom[1] += r.area[1][n];
+    off = worst(off, r.traction[1][3 * n + 2] / (0.01 * EPSILON) - (b.x[3 * n + 2] < 0.0));
+  }
+  for (int n = 0; n < a.surface.node_count; n++) {
+    const double *x = &a.x[3 * n];
+    if (isnan(r.area[0][n])) continue;
+    bottom[0] += r.area[0][n];
+    if (x[0] < -0.01 || x[0] > 1.01 || x[1] < -0.01 || x[1] > 1.01)
+      beyond = worst(beyond, worst(r.area[0][n], r.traction[0][3 * n + 2]));
+  }
+  tap_ok(off < 1e-12 && fabs(bottom[0] - 1.0) < 1e-12 && fabs(bottom[1] - 1.0) < 1e-12 &&
+             beyond == 0.0,
+         "box on a larger patch: uniform to the rim, off by %.2g; areas %.6g, %.6g; beyond %g", off,
+         bottom[0], bottom[1], beyond);
+  free_recovered(&r);
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* A small patch in the middle of one large face, between the points of that face: only the patch
+ * has points in contact, and the large face carries their force. */
+static void between_points(void)
+{
+  patch a = new_patch(CT_Q4, 1, 1, 0, 0, 1, 1, 1),
+        b = new_patch(CT_Q4, 2, 2, 0.4, 0.4, 0.2, 0.2, 0);
+  for (int n = 0; n < b.surface.node_count; n++) b.x[3 * n + 2] = -0.01;
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  update(contact, &a, &b);
+  recovered r = recover(contact, &a, &b);
+  double force = 0.0, size = 0.0;
+  for (int n = 0; n < a.surface.node_count; n++) {
+    if (isnan(r.area[0][n])) continue;
+    size += r.area[0][n];
+    force += r.area[0][n] * r.traction[0][3 * n + 2];
+  }
+  tap_close(force, -0.5 * EPSILON * 0.01 * 0.04, 1e-13, "a patch between points: half its force");
+  tap_close(size, 1.0, 1e-14, "the face between whose points it is counts");
+  free_recovered(&r);
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+/* Tractions and areas of a pair, in one list: tractions of a and b, areas of a and b; 0 where
+ * nothing was written. */
+static double *all_of(const patch *a, const patch *b)
+{
+  const int na = a->surface.node_count, nb = b->surface.node_count;
+  double *out = numbers(4 * (na + nb));
+  ct_contact *contact = open_contact(a, b, ct_contact_options_default());
+  ct_error e;
+  update(contact, a, b);
+  need(ct_contact_traction(contact, 0, out, out + 3 * (na + nb), &e), &e);
+  need(ct_contact_traction(contact, 1, out + 3 * na, out + 3 * (na + nb) + na, &e), &e);
+  ct_contact_free(contact);
+  return out;
+}
+
+/* Faces in the opposite order, and mirror images, for which (xi, eta) becomes (-xi, eta). */
+static void bits(ct_face_kind kind)
+{
+  static const int flipped[8] = {1, 0, 3, 2, 4, 7, 6, 5};
+  patch a, b;
+  warped_pair(kind, kind, 0, &a, &b);
+  const int nodes = a.surface.node_count + b.surface.node_count, per = ct_face_node_count(kind);
+  double *f = all_of(&a, &b), *g;
+  for (int i = 0, j = a.surface.face_count - 1; i < j; i++, j--)
+    for (int k = 0; k < per; k++) {
+      int32_t keep = a.faces[i * per + k];
+      a.faces[i * per + k] = a.faces[j * per + k];
+      a.faces[j * per + k] = keep;
+    }
+  g = all_of(&a, &b);
+  tap_ok(memcmp(f, g, 4 * (size_t)nodes * sizeof *f) == 0 && largest(f, 3 * nodes) > 0.0,
+         "%s: faces in the opposite order, the same bits", KIND[kind]);
+  free(g);
+  for (int s = 0; s < 2; s++) {
+    patch *p = s == 0 ? &a : &b;
+    for (int i = 0; i < p->surface.face_count; i++) {
+      int32_t old[8];
+      memcpy(old, &p->faces[i * per], (size_t)per * sizeof *old);
+      for (int k = 0; k < per; k++) p->faces[i * per + k] = old[flipped[k]];
+    }
+    for (int n = 0; n < p->surface.node_count; n++) p->x[3 * n] *= -1.0;
+  }
+  g = all_of(&a, &b);
+  int64_t faults = mirror_faults(f, g, nodes, 0) +
+                   (memcmp(f + 3 * nodes, g + 3 * nodes, (size_t)nodes * sizeof *f) != 0);
+  tap_ok(faults == 0, "%s: mirrored, the mirrored bits (%d are not)", KIND[kind], (int)faults);
+  free(f);
+  free(g);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+static void refusals(void)
+{
+  patch a = new_patch(CT_Q4, 1, 1, 0, 0, 1, 1, 1), b = new_patch(CT_Q4, 1, 1, 0, 0, 1, 1, 0);
+  double traction[27], area[9];
+  ct_error e;
+  ct_contact *contact = open_contact(&a, &b, ct_contact_options_default());
+  tap_ok(ct_contact_traction(contact, 2, traction, area, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_traction(contact, -1, traction, area, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_traction(contact, 0, NULL, area, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_traction(contact, 0, traction, NULL, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_traction(NULL, 0, traction, area, &e) == CT_ERROR_ARGUMENT,
+         "a surface that is none and null arguments are refused: %s", e.text);
+  ct_contact_free(contact);
+  free_patch(&a);
+  free_patch(&b);
+}
+
+int main(void)
+{
+  for (int k = 0; k < 4; k++) {
+    uniform_overlap((ct_face_kind)k);
+    for (int other = 0; other < 4; other++) resultants((ct_face_kind)k, (ct_face_kind)other, 1);
+    resultants((ct_face_kind)k, (ct_face_kind)k, 0);
+  }
+  only_faces_in_contact();
+  between_points();
+  bits(CT_Q4);
+  bits(CT_Q8);
+  refusals();
+  return tap_done();
+}

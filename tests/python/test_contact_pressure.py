@@ -1,0 +1,158 @@
+"""Pressure at the nodes of contact surfaces, recovered from forces: blocks of unlike meshes, Hertz's profile, force and moment of the points, tables."""
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+
+needs_hdf5 = pytest.mark.skipif(not ct.has("hdf5"), reason="built without HDF5")
+
+
+def blocks(n, m, element="hex8", **contact):
+    """Two blocks of 1 x 1 x 0.5 with ν = 0, their faces cut into n x n and m x m elements, pressed together by the pressure 1 and at rest."""
+    scene = ct.Scene(title="blocks", units={"length": "m", "mass": "kg", "time": "s"})
+    scene.add_material("elastic", young=1000.0, poisson=0.0, density=1.0)
+    for name, z, cells in (("lower", -0.5, n), ("upper", 0.0, m)):
+        box = {
+            "origin": [0, 0, z],
+            "size": [1, 1, 0.5],
+            "cells": [cells, cells, max(cells // 2, 1)],
+        }
+        scene.add_body(name, material="elastic", element=element, box=box)
+        scene.add_support(f"{name}.x_min", fix="x").add_support(f"{name}.y_min", fix="y")
+    scene.add_support("lower.z_min", fix="z").add_contact("lower.z_max", "upper.z_min", **contact)
+    scene.add("load", surface="upper.z_max", pressure=1.0).add("damping", relaxation=True)
+    scene.set_time(end=20.0, fraction=0.9, until_static=1e-5).set_output(every=10**6)
+    return scene.run(progress=False)
+
+
+@pytest.mark.parametrize("element", ["hex8", "hex20"])
+@pytest.mark.parametrize("n, m, most", [(8, 11, 0.02), (2, 14, 0.09)])
+def test_patch_test_on_unlike_meshes(n, m, most, element):
+    """Within 2 % (9 % where 2 elements meet 14), on both surfaces; points of Gauss are off by ten times as much."""
+    run = blocks(n, m, element)
+    (nodes,) = run.pressure["contact"]
+    for side in (0, 1):
+        assert np.abs(nodes["pressure"][nodes["side"] == side] - 1).max() < most
+    assert np.abs(run.contact[0]["pressure"] - 1).max() > 0.15
+
+
+def test_force_and_moment_are_those_of_the_points():
+    """Areas times tractions against the forces of both passes, each at its place; to 1e-12 of the force."""
+    run = blocks(3, 4)
+    (nodes,), (points,) = run.pressure["contact"], run.contact
+    normal = (points["closest"] - points["position"]) / -points["gap"][:, None]
+    push = (0.5 * points["pressure"] * points["weight"])[:, None] * normal
+    for side in (0, 1):
+        own, other = points["side"] == side, points["side"] != side
+        mine = nodes[nodes["side"] == side]
+        force = mine["area"][:, None] * mine["traction"]
+        assert np.abs(push[own].sum(0) - push[other].sum(0) - force.sum(0)).max() < 1e-12
+        moment = np.cross(mine["position"], force).sum(0)
+        of_points = np.cross(points["position"][own], push[own]).sum(0)
+        of_points -= np.cross(points["closest"][other], push[other]).sum(0)
+        assert np.abs(moment - of_points).max() < 1e-12
+
+
+@pytest.mark.parametrize("element", ["hex8", "hex20"])
+def test_hertz_is_smooth(element):
+    """Within 0.85 of the radius p² is a straight line over r², and the pressure is off it by less than 3 % rms of the peak; the force is Hertz's."""
+    data = ct.Scene.load(ct.example("hertz")).data
+    box = {"origin": [0, 0, -2], "size": [2, 2, 2], "cells": [10, 10, 10]}
+    data["body"][0] |= {"element": element, "box": box}
+    data["time"] |= {"end": 4e-3, "until_static": 1e-5}
+    data |= {"damping": {"relaxation": True}, "output": {"every": 10**6}}
+    run = ct.Scene(data).run(progress=False)
+    (nodes,) = run.pressure["obstacle"]
+    r, radius = np.hypot(*nodes["position"][:, :2].T), np.sqrt(4 * 0.1)
+    within = r < 0.85 * radius
+    slope, peak = np.polyfit(r[within] ** 2, nodes["pressure"][within] ** 2, 1)
+    error = nodes["pressure"][within] - np.sqrt(peak + slope * r[within] ** 2)
+    assert np.sqrt(np.mean(error**2) / peak) < 0.03
+    assert np.sqrt(-peak / slope) == pytest.approx(radius, rel=0.05)
+    exact = 4 / 3 * 1000 / 0.91 * 2.0 * 0.1**1.5
+    assert 4 * (nodes["area"] * nodes["traction"][:, 2]).sum() == pytest.approx(-exact, rel=0.2)
+
+
+def test_rows_name_body_and_node():
+    """Nodes of the two faces at their current places; mid-sides have no area and the mean of their corners."""
+    run = blocks(2, 3, "hex20")
+    (nodes,) = run.pressure["contact"]
+    assert run.pressure["obstacle"] == []
+    for side, name, face in ((0, "lower", "z_max"), (1, "upper", "z_min")):
+        rows, body = nodes[nodes["side"] == side], run.state[name]
+        assert np.array_equal(rows["node"], body.mesh.face_nodes(face))
+        assert set(rows["body"]) == {run.bodies.index(name)}
+        assert np.array_equal(rows["position"], body.positions[rows["node"]])
+        assert rows["area"].sum() == pytest.approx(1.0, rel=1e-14)
+        pressure = dict(zip(rows["node"], rows["pressure"]))
+        area = dict(zip(rows["node"], rows["area"]))
+        for corners in body.mesh.faces(face)[0]:
+            for k in range(4):
+                a, b, middle = corners[k], corners[(k + 1) % 4], corners[4 + k]
+                assert area[middle] == 0.0 < area[a]
+                assert pressure[middle] == pytest.approx(0.5 * (pressure[a] + pressure[b]))
+
+
+def test_nothing_where_nothing_touches():
+    """Bodies apart have no tractions and no areas."""
+    scene = ct.Scene(title="apart", units={"length": "m", "mass": "kg", "time": "s"})
+    scene.add_material("elastic", young=1000.0, poisson=0.0, density=1.0)
+    for name, z in (("lower", -1.0), ("upper", 0.1)):
+        box = {"origin": [0, 0, z], "size": [1, 1, 1], "cells": [2, 2, 2]}
+        scene.add_body(name, material="elastic", box=box)
+    scene.add_contact("lower.z_max", "upper.z_min").set_time(end=0.01, fraction=0.9)
+    with pytest.warns(ct.NeverMeetWarning):
+        (nodes,) = scene.run(progress=False).pressure["contact"]
+    assert len(nodes) == 18 and not nodes["pressure"].any() and not nodes["area"].any()
+
+
+def wall(gap=0.0):
+    """A bar of 10 cubes flies against a wall with the speed 1."""
+    scene = ct.Scene(title="wall", units={"length": "m", "mass": "kg", "time": "s"})
+    scene.add_material("elastic", young=900.0, poisson=0.0, density=1.0)
+    box = {"origin": [gap, 0, 0], "size": [1, 0.1, 0.1], "cells": [10, 1, 1]}
+    scene.add_body("bar", material="elastic", box=box, velocity=[-1, 0, 0])
+    scene.add("obstacle", surface="bar.x_min", plane={"point": [0, 0, 0], "normal": [1, 0, 0]})
+    return scene.set_time(end=0.03, fraction=0.9)
+
+
+@needs_hdf5
+def test_obstacles_have_their_impulses_in_the_table_of_momenta(tmp_path):
+    """In memory and in the file: the change of momentum; NaN in a file of before."""
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "wall.vtkhdf"
+    momentum = wall().run(progress=False, output=path).momentum
+    change = momentum["p"] - momentum["p"][0]
+    assert change[-1, 0] > 0.005
+    assert np.abs(momentum["obstacle_impulse"] - change).max() < 1e-15
+    assert np.array_equal(ct.Run.load(path).momentum, momentum)
+    with h5py.File(path, "r+") as file:
+        table = file["libcontact/momentum"][:]
+        kept = [name for name in table.dtype.names if name != "obstacle_impulse"]
+        del file["libcontact/momentum"]
+        file["libcontact/momentum"] = table[kept].astype([(n, table.dtype[n]) for n in kept])
+    older = ct.Run.load(path).momentum
+    assert np.isnan(older["obstacle_impulse"]).all() and np.array_equal(older["p"], momentum["p"])
+
+
+@needs_hdf5
+def test_the_file_holds_the_field_that_is_asked_for(tmp_path):
+    """At the nodes of the wall's surface what `run.pressure` has, 0 elsewhere; nothing where it is not asked for."""
+    scene = wall(0.01).set_output(
+        tmp_path / "asked.vtkhdf", fields=["displacement", "contact_pressure"]
+    )
+    run = scene.run(progress=False, until=0.025)
+    (nodes,), bar = run.pressure["obstacle"], run.state["bar"]
+    expected = np.zeros(len(bar.nodes))
+    expected[nodes["node"]] = nodes["pressure"]
+    assert expected.max() == pytest.approx(30.0, rel=0.3)  # ρ c v
+    loaded = ct.Run.load(tmp_path / "asked.vtkhdf").state["bar"]
+    assert np.array_equal(bar.contact_pressure, expected)
+    assert np.array_equal(loaded.contact_pressure, expected)
+    assert np.array_equal(loaded.component("contact_pressure")[0], expected)
+    first = ct.Run.load(tmp_path / "asked.vtkhdf", record=0).state["bar"]
+    assert not first.contact_pressure.any()
+    plain = wall().run(progress=False, output=tmp_path / "plain.vtkhdf", until=0.01)
+    for state in (plain.state["bar"], ct.Run.load(tmp_path / "plain.vtkhdf").state["bar"]):
+        assert not state.holds("contact_pressure")
