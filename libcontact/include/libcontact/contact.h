@@ -1,8 +1,8 @@
 /* The contact of two surfaces over a host's own arrays, and contacts, obstacles and friction as
  * effects.
  * Threads: a call that takes a const contact may run at once with others of its kind;
- * ct_contact_update and ct_contact_free must be alone with their contact. Different contacts are
- * independent. */
+ * ct_contact_update, ct_contact_step and ct_contact_free must be alone with their contact.
+ * Different contacts are independent. */
 #ifndef LIBCONTACT_CONTACT_H
 #define LIBCONTACT_CONTACT_H
 
@@ -66,8 +66,8 @@ typedef struct ct_contact_options {
    */
   int separated;
   /**
-   * How the contact effect of a problem makes forces of gaps; `ct_contact_update`, which knows of
-   * no step, is always the explicit penalty.
+   * How `ct_contact_step` and the contact effect of a problem make forces of gaps;
+   * `ct_contact_update`, which knows of no step, is always the explicit penalty.
    */
   ct_enforcement enforcement;
   /**
@@ -78,8 +78,9 @@ typedef struct ct_contact_options {
   /** Where the points are; Gauss points. */
   ct_contact_rule points;
   /**
-   * What becomes of points that are inside at the start; CT_INITIAL_KEEP by default. Only the
-   * effect heeds `initial_penetration` and `adjust`, a host's ct_contact_update does not.
+   * What becomes of points that are inside at the start; CT_INITIAL_KEEP by default.
+   * `ct_contact_step` and the effect obey `initial_penetration` and `adjust`, `ct_contact_update`
+   * does not.
    */
   ct_initial initial_penetration;
   /** Time in which CT_INITIAL_REMOVE parts the surfaces [time], > 0 with it. */
@@ -142,14 +143,83 @@ CT_API ct_status ct_contact_update(ct_contact *contact, const double *xa, const 
                                    ct_error *error);
 
 /**
- * Add the contact forces of the last update to `fa`, `fb` [force], shapes (node_count, 3). This and
- * all calls below that take a const contact only read it: several threads may ask one contact at
- * once.
+ * Add the contact forces of the last update or step to `fa`, `fb` [force], shapes (node_count, 3).
+ * This and all calls below that take a const contact only read it: several threads may ask one
+ * contact at once.
  */
 CT_API ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb);
 
-/** Potential Π of the last update [energy], :eq:`contact-potential`. */
+/** Energy that the contact holds after the last update or step [energy]: the potential Π of
+ * :eq:`contact-potential`, or that of the solved forces, :eq:`controlled-energy`. */
 CT_API double ct_contact_energy(const ct_contact *contact);
+
+/**
+ * What a host knows at t_n of its coming step, once it has all forces but those of the contact.
+ * The step is v_{n+1/2} = v_{n-1/2} + kick f / m, x_{n+1} = x_n + dt v_{n+1/2}, :eq:`leapfrog`.
+ * Arrays have the shape (node_count, 3) of a surface; what belongs to surface b is not read for the
+ * contact of a surface with itself. If both surfaces were given with one array of reference
+ * coordinates, give one array for both here too.
+ */
+typedef struct ct_contact_prediction {
+  /** Coordinates x_n [length]. */
+  const double *x_a, *x_b;
+  /** Velocities v_{n-1/2} [length / time]; in the first step v_0. */
+  const double *velocity_a, *velocity_b;
+  /** Sum of all other forces f_n [force]; null: none. */
+  const double *force_a, *force_b;
+  /** Inverse masses 1 / m of all components [1 / mass], >= 0; 0 where the motion is prescribed. */
+  const double *inverse_mass_a, *inverse_mass_b;
+  /**
+   * Displacement increments x_{n+1} - x_n without the contact [length], for motions that are
+   * prescribed and for hosts with damping or another drift; null: those of the step above. `force`
+   * is not read then.
+   */
+  const double *increment_a, *increment_b;
+  /** Length Δt of the coming step [time], > 0. */
+  double dt;
+  /**
+   * Time for which f_n changes the velocity [time], > 0: Δt; half of it in the first step, which
+   * begins with v_0; and the mean of two steps where they differ.
+   */
+  double kick;
+} ct_contact_prediction;
+
+/**
+ * The contact of a host's own time loop in one step, as that of a scene: find who meets whom at
+ * x_n, and solve for the forces of all points together, :eq:`constraint-problem`, by the law in
+ * the options. Call it once per step; the contact remembers what the next step needs. Then
+ * `ct_contact_add_force` adds the forces to f_n. They leave the stable step of the host as it is
+ * and, where gaps are linear in the motion of a step, never add energy, :eq:`controlled-energy`.
+ * With CT_ENFORCE_PENALTY both are as after `ct_contact_update`. Start gaps, the depth and
+ * refusals are those of the options, at the first call. All memory is allocated by the first call.
+ * ``CT_ERROR_ARGUMENT``: a pointer is missing, or a time not positive. ``CT_INVALID``: a coordinate
+ * is not finite (`error` names surface and node); all is then as the last good call left it.
+ * ``CT_ERROR_GEOMETRY``: surfaces overlap at the start and CT_INITIAL_REFUSE was chosen.
+ * ``CT_ERROR_STEP``: the last step may have brought the surfaces through each other.
+ * ``CT_ERROR_BLOWUP``: forces are not finite.
+ */
+CT_API ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *prediction,
+                                 ct_error *error);
+
+/** Energy balance of the steps of a contact; everything is written by `ct_contact_get_balance`. */
+typedef struct ct_contact_balance {
+  /** Energy that the contact holds at t_n [energy], as `ct_contact_energy`. */
+  double energy;
+  /**
+   * Work that its forces have done on the bodies from t_0 to t_n [energy], :eq:`work-balance`. The
+   * sum of `energy` and `work` - `removal` never grows where gaps are linear in the motion of a
+   * step.
+   */
+  double work;
+  /** Work that start gaps have done while they fade [energy], :eq:`initial-work`. */
+  double removal;
+  /** Number of steps in which the forces did not converge. */
+  int64_t unconverged;
+} ct_contact_balance;
+
+/** Energy balance of a contact after `ct_contact_step`. ``CT_ERROR_ARGUMENT``: no step was taken.
+ */
+CT_API ct_status ct_contact_get_balance(const ct_contact *contact, ct_contact_balance *out);
 
 /** Resultant force on each surface and its moment about the origin [force, force · length]; their
  * sums vanish to round-off. */

@@ -1,4 +1,5 @@
-/* The contact of two surfaces: both are slave once and master once (eq:contact-potential). */
+/* The contact of two surfaces: both are slave once and master once (eq:contact-potential). What a
+ * host's contact and an effect share. */
 #include <libcontact/contact.h>
 
 #include "../constraint/law.h"
@@ -74,7 +75,40 @@ void ct_contact_fixed_free(ct_contact_fixed *fixed)
 {
   if (fixed == NULL) return;
   for (int s = 0; s < fixed->sides; s++) ct_side_fixed_clear(&fixed->side[s]);
+  ct_release(fixed->place[0]);
+  ct_release(fixed->place[1]);
+  ct_release(fixed->nodes);
   ct_release(fixed);
+}
+
+/* List the nodes of all surfaces, each of which has them ascending; those of the second are numbers
+ * beyond `offset`. */
+static ct_status list_nodes(ct_contact_fixed *fixed, int32_t offset)
+{
+  const ct_search *search[2] = {fixed->side[0].search, fixed->side[1].search};
+  int32_t end[2] = {search[0]->node_count, fixed->sides == 1 ? 0 : search[1]->node_count};
+  fixed->nodes = ct_allocate((size_t)end[0] + (size_t)end[1], sizeof *fixed->nodes);
+  for (int s = 0; s < 2; s++)
+    fixed->place[s] = ct_allocate((size_t)end[s], sizeof *fixed->place[s]);
+  if (!fixed->nodes || !fixed->place[0] || !fixed->place[1]) return CT_ERROR_MEMORY;
+  for (int32_t at[2] = {0, 0}; at[0] < end[0] || at[1] < end[1]; fixed->node_count++) {
+    int32_t next = INT32_MAX;
+    for (int s = 0; s < 2; s++)
+      if (at[s] < end[s] && search[s]->nodes[at[s]] + s * offset < next)
+        next = search[s]->nodes[at[s]] + s * offset;
+    for (int s = 0; s < 2; s++)
+      if (at[s] < end[s] && search[s]->nodes[at[s]] + s * offset == next)
+        fixed->place[s][at[s]++] = fixed->node_count;
+    fixed->nodes[fixed->node_count] = next;
+  }
+  for (int s = 0; s < fixed->sides; s++) {
+    ct_side_fixed *side = &fixed->side[s];
+    size_t entries = (size_t)search[s]->face_count * (size_t)search[s]->per;
+    side->row_faces = ct_allocate(entries, sizeof *side->row_faces);
+    if (side->row_faces == NULL) return CT_ERROR_MEMORY;
+    for (size_t i = 0; i < entries; i++) side->row_faces[i] = fixed->place[s][search[s]->faces[i]];
+  }
+  return CT_OK;
 }
 
 ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
@@ -93,8 +127,14 @@ ct_status ct_contact_fixed_create(const ct_surface *const surface[2], int sides,
                                 options->points == CT_POINTS_LOBATTO, error);
     if (status != CT_OK) break;
     fixed->sides = s + 1;
+    fixed->point_count += fixed->side[s].point_count;
     size = fmax(size, fixed->side[s].search->size);
   }
+  const int32_t offset = fixed->one_array ? 0 : surface[0]->node_count;
+  if (status == CT_OK && offset > INT32_MAX - surface[sides - 1]->node_count)
+    status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: too many nodes");
+  if (status == CT_OK && list_nodes(fixed, offset) != CT_OK)
+    status = ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
   fixed->depth = options->depth > 0.0 ? options->depth : size;
   if (status == CT_OK && options->adjust > fixed->depth)
     status = ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
@@ -115,6 +155,7 @@ void ct_contact_free(ct_contact *contact)
   if (contact == NULL) return;
   for (int s = 0; s < 2; s++) ct_side_clear(&contact->side[s]);
   ct_contact_fixed_free(contact->own);
+  ct_host_free(contact->host);
   ct_release(contact->terms);
   ct_release(contact);
 }
@@ -123,16 +164,13 @@ ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_er
 {
   ct_contact *contact = ct_allocate(1, sizeof *contact);
   const ct_constraint law = law_of(&fixed->options);
-  int64_t points = 0;
   ct_status status = contact != NULL ? CT_OK : CT_ERROR_MEMORY;
-  for (int s = 0; status == CT_OK && s < fixed->sides; s++) {
-    points += fixed->side[s].point_count;
+  for (int s = 0; status == CT_OK && s < fixed->sides; s++)
     status = ct_side_init(&contact->side[s], &fixed->side[s], &law);
-  }
   if (status == CT_OK) {
     contact->fixed = fixed;
     contact->threads = fixed->options.threads;
-    contact->terms = ct_allocate((size_t)points, sizeof *contact->terms);
+    contact->terms = ct_allocate((size_t)fixed->point_count, sizeof *contact->terms);
   }
   if (status != CT_OK || contact->terms == NULL) {
     ct_contact_free(contact);
@@ -140,21 +178,6 @@ ct_status ct_contact_open(const ct_contact_fixed *fixed, ct_contact **out, ct_er
   }
   *out = contact;
   return CT_OK;
-}
-
-ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
-                            const ct_contact_options *options, ct_contact **out, ct_error *error)
-{
-  ct_contact_fixed *fixed = NULL;
-  if (a == NULL || b == NULL || options == NULL || out == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
-  const ct_surface *const surface[2] = {a, b};
-  ct_status status = ct_contact_fixed_create(surface, a == b ? 1 : 2, options, &fixed, error);
-  if (status != CT_OK) return status;
-  status = ct_contact_open(fixed, out, error);
-  if (status == CT_OK) (*out)->own = fixed;
-  else ct_contact_fixed_free(fixed);
-  return status;
 }
 
 /* No point has a face, as in the last call; a host may have set some since then, from an older
@@ -190,21 +213,78 @@ ct_status ct_contact_measure(ct_contact *contact, ct_error *error)
   return status;
 }
 
-ct_status ct_contact_update(ct_contact *contact, const double *xa, const double *xb,
-                            ct_error *error)
+/* No point has met anything, and the nodes stand at the reference shape. */
+static void forget(ct_contact *contact)
 {
-  if (contact == NULL || xa == NULL || (xb == NULL && contact->fixed->sides == 2))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
-  const int sides = contact->fixed->sides;
-  for (int s = 0; s < sides; s++) {
-    const ct_search *search = contact->side[s].search;
-    for (int32_t n = 0; n < search->node_count; n++)
-      memcpy(&contact->side[s].moved[3 * (int64_t)n],
-             &(s == 0 ? xa : xb)[3 * (int64_t)search->nodes[n]], 3 * sizeof(double));
+  contact->begun = 0;
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    ct_side *side = &contact->side[s];
+    memcpy(side->search->x, side->fixed->search->x,
+           3 * (size_t)side->search->node_count * sizeof *side->search->x);
+    for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
+      p->other = -1;
+      p->status = CT_POINT_NEW;
+      p->xi[0] = p->xi[1] = p->row.force = p->pressed = 0.0;
+      p->known = NAN;
+    }
+  }
+}
+
+ct_status ct_contact_begin(ct_contact *contact, const ct_moment *now, ct_error *error)
+{
+  contact->start = !(now->time > 0.0);
+  contact->stored = contact->time = contact->work = 0.0;
+  forget(contact);
+  if (!ct_start_gap_counts(&contact->fixed->options)) return CT_OK;
+  for (int s = 0; s < contact->fixed->sides; s++)
+    memcpy(contact->side[s].moved, contact->side[s].search->x,
+           3 * (size_t)contact->side[s].search->node_count * sizeof(double));
+  ct_status status = ct_contact_measure(contact, error);
+  if (status == CT_OK) ct_start_gap_begin(contact);
+  forget(contact);
+  return status;
+}
+
+ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_error *error)
+{
+  const ct_contact_options *options = &contact->fixed->options;
+  contact->start = !(now->time > 0.0);
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    ct_point *p = contact->side[s].points;
+    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++) p[i].last_known = p[i].known;
   }
   ct_status status = ct_contact_measure(contact, error);
-  if (status != CT_OK) return status;
-  for (int s = 0; s < sides; s++) ct_side_apply_penalty(&contact->side[s]);
+  if (status == CT_OK && now->before > 0.0)
+    status = ct_tunnelling_check(contact, now->velocity, now->before, now->time, error);
+  if (status == CT_OK && ct_start_gap_counts(options)) ct_start_gap_shift(contact, now);
+  if (status == CT_OK && now->first && options->initial_penetration == CT_INITIAL_REFUSE)
+    status = ct_start_gap_refuse(contact, error);
+  return status;
+}
+
+int64_t ct_contact_list_rows(ct_contact *contact, ct_constraint **rows)
+{
+  static const double at_rest[3] = {0.0, 0.0, 0.0};
+  int64_t count = 0;
+  for (int s = 0; s < contact->fixed->sides; s++)
+    count += ct_side_list_rows(&contact->side[s], ct_contact_other(contact, s), HUGE_VAL, at_rest,
+                               at_rest, &rows[count]);
+  return count;
+}
+
+ct_status ct_contact_find_forces(ct_contact *contact, const ct_moment *now, ct_error *error)
+{
+  const int sides = contact->fixed->sides;
+  contact->solved = !ct_contact_is_penalty(contact->fixed);
+  for (int s = 0; s < sides; s++)
+    if (contact->solved) ct_side_take_rows(&contact->side[s]);
+    else ct_side_apply_penalty(&contact->side[s]);
+  if (contact->solved)
+    contact->held = ct_side_rows_energy(contact->side, sides, now->time, contact->stored,
+                                        &contact->stored, contact->terms);
+  if (ct_start_gap_fades(&contact->fixed->options))
+    contact->work += ct_start_gap_work(contact, now->time, now->first ? now->time : contact->time);
+  contact->time = now->time;
   return ct_side_collect(contact->side, sides, 0, error);
 }
 
@@ -217,15 +297,15 @@ ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb
     double *f = s == 0 ? fa : fb;
     for (int64_t n = 0; n < side->search->node_count; n++)
       for (int c = 0; c < 3; c++)
-        f[3 * (int64_t)side->search->nodes[n] + c] +=
-            side->force[3 * n + c] + side->force_fine[3 * n + c];
+        f[3 * (int64_t)side->search->nodes[n] + c] += ct_side_force(side, n, c);
   }
   return CT_OK;
 }
 
 double ct_contact_energy(const ct_contact *contact)
 {
-  return contact == NULL ? NAN : ct_side_potential(contact->side, contact->fixed->sides);
+  if (contact == NULL) return NAN;
+  return contact->solved ? contact->held : ct_side_potential(contact->side, contact->fixed->sides);
 }
 
 ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], double moment_a[3],
@@ -240,7 +320,7 @@ ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], dou
     for (int c = 0; c < 3; c++) force[c] = moment[c] = 0.0;
     for (int64_t n = 0; n < side->search->node_count; n++) {
       double f[3], m[3];
-      for (int c = 0; c < 3; c++) f[c] = side->force[3 * n + c] + side->force_fine[3 * n + c];
+      for (int c = 0; c < 3; c++) f[c] = ct_side_force(side, n, c);
       ct_vector_cross(&side->search->x[3 * n], f, m);
       for (int c = 0; c < 3; c++) {
         force[c] += f[c];

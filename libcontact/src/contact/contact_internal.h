@@ -18,6 +18,11 @@ typedef struct ct_contact_fixed {
   int sides;       /* 2, or 1 for the contact of a surface with itself */
   int one_array;   /* whether the nodes of both sides are numbered in one array of the host */
   ct_side_fixed side[2];
+  int64_t point_count; /* of all sides */
+  int32_t node_count;  /* of all sides, a node of both counted once */
+  int32_t *nodes;      /* their numbers, ascending; with two arrays those of the second come after
+                          the first array's */
+  int32_t *place[2];   /* where the nodes of each side stand in `nodes` */
 } ct_contact_fixed;
 
 /* A contact now: of a host, or of one state. */
@@ -31,10 +36,49 @@ struct ct_contact {
   double clear; /* not 0: when they were made, no two faces were nearer than what points look plus
                    this (eq:contact-clear) */
   ct_side side[2];
-  double *terms; /* room for sums, one number a point */
-  double held;   /* energy of the constraints */
-  double work;   /* since t = 0 that has come in because start gaps fade */
+  double *terms;        /* room for sums, one number a point */
+  int solved;           /* whether the forces are those of solved rows */
+  double held;          /* energy of the constraints then */
+  double stored;        /* what all rows stored in the middle of the last step */
+  double time;          /* of that step */
+  double work;          /* since t = 0 that has come in because start gaps fade */
+  struct ct_host *host; /* of a host that calls ct_contact_step; else null */
 };
+
+/* A moment t_n of a contact. */
+typedef struct ct_moment {
+  double time;
+  double before;             /* Δt of the step that led here; 0: none */
+  double dt;                 /* of the coming step */
+  const double *velocity[2]; /* v_{n-1/2} in the numbering of the host, of each side */
+  int first;                 /* whether there was no moment before */
+} ct_moment;
+
+/* Begin: no point has met anything, the nodes stand at the reference shape, and start gaps are
+ * those of this shape (eq:initial-adjust). */
+ct_status ct_contact_begin(ct_contact *contact, const ct_moment *now, ct_error *error);
+
+/* Gaps of the points at a moment, counted from their start gaps, at the coordinates that stand in
+ * `moved` of the sides; and once the rows are solved, or for the explicit penalty at once, forces,
+ * energies and forces at nodes. */
+ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_error *error);
+ct_status ct_contact_find_forces(ct_contact *contact, const ct_moment *now, ct_error *error);
+
+/* List the rows of all points that may be active; answers how many. */
+int64_t ct_contact_list_rows(ct_contact *contact, ct_constraint **rows);
+
+/* Force on node `n` of a side. */
+static inline double ct_side_force(const ct_side *side, int64_t n, int c)
+{
+  return side->force[3 * n + c] + side->force_fine[3 * n + c];
+}
+
+static inline int ct_contact_is_penalty(const ct_contact_fixed *fixed)
+{
+  return fixed->options.enforcement == CT_ENFORCE_PENALTY;
+}
+
+void ct_host_free(struct ct_host *host);
 
 /* The side that side `s` meets. */
 static inline ct_side *ct_contact_other(ct_contact *contact, int s)
@@ -71,7 +115,7 @@ double ct_contact_rounding(const ct_contact *contact);
  * refuse a step of length `dt` to `time` that may have brought them nearer than that, with
  * velocities in the numbering of the host (eq:tunnelling). */
 void ct_tunnelling_init(ct_contact_fixed *fixed);
-ct_status ct_tunnelling_check(const ct_contact *contact, const double *velocity, double dt,
+ct_status ct_tunnelling_check(const ct_contact *contact, const double *const velocity[2], double dt,
                               double time, ct_error *error);
 
 /* Whether the gaps of a contact with these options count from start gaps; and whether these fade.
@@ -107,14 +151,12 @@ static inline ct_point_record ct_record_load(const double *memory)
 /* Start gaps of all points from their distances on the undeformed shape (eq:initial-adjust). */
 void ct_start_gap_begin(ct_contact *contact);
 
-/* Count the gaps of all points from their start gaps, given the records of the step before, at the
- * time `last`, or null in the first one. */
-void ct_start_gap_shift(ct_contact *contact, double last, double time, double dt,
-                        const double *memory);
+/* Count the gaps of all points from their start gaps. */
+void ct_start_gap_shift(ct_contact *contact, const ct_moment *now);
 
 /* Work that has come in since the time `last` of the last step because start gaps fade, once the
  * forces of the points are known (eq:initial-work). */
-double ct_start_gap_work(ct_contact *contact, double time, double last, const double *memory);
+double ct_start_gap_work(ct_contact *contact, double time, double last);
 
 /* Upper bound of the contact's part of the largest ω² [1 / time²] with every point taken as active
  * at its nearest face, whatever the enforcement (eq:contact-bound). `mass_a`, `mass_b`: nodal

@@ -3,20 +3,15 @@
 
 #include "../base/error.h"
 #include "../base/memory.h"
-#include "../base/vector.h"
 #include "../step/effect_internal.h"
 #include "../step/workspace.h"
 #include "contact_internal.h"
 
-#include <math.h>
 #include <string.h>
 
-/* What all states share. Surfaces number the problem's nodes; `place` tells where each node of a
- * surface stands in the effect's list. */
+/* What all states share. */
 typedef struct contact_data {
   ct_contact_fixed *fixed;
-  int32_t *nodes, *place[2];
-  int64_t point_count;
   const double *mass; /* of the problem's nodes */
 } contact_data;
 
@@ -30,19 +25,16 @@ typedef struct tail_record {
 } tail_record;
 enum { TAIL = sizeof(tail_record) / sizeof(double) };
 
-static int is_penalty(const contact_data *data)
-{
-  return data->fixed->options.enforcement == CT_ENFORCE_PENALTY;
-}
+static int is_penalty(const contact_data *data) { return ct_contact_is_penalty(data->fixed); }
 
 static tail_record load_tail(const contact_data *data, const double *memory)
 {
   tail_record tail;
-  memcpy(&tail, &memory[CT_RECORD * data->point_count], sizeof tail);
+  memcpy(&tail, &memory[CT_RECORD * data->fixed->point_count], sizeof tail);
   return tail;
 }
 
-/* What the points were in the last step; their start gaps stand already in the first one. */
+/* What the points were in the last step. */
 static void load_points(ct_contact *contact, const double *memory)
 {
   for (int s = 0; s < contact->fixed->sides; s++) {
@@ -58,30 +50,51 @@ static void load_points(ct_contact *contact, const double *memory)
                       : record.status == CT_POINT_INSIDE ? CT_POINT_INSIDE
                                                          : CT_POINT_OUTSIDE;
       memcpy(point->xi, record.xi, sizeof point->xi);
-      point->known = contact->begun ? record.known : NAN;
+      point->known = record.known;
       point->row.force = record.force;
-      if (contact->begun) point->start = record.start;
+      point->start = record.start;
+      point->pressed = record.pressed;
     }
   }
 }
 
-static void store(const ct_contact *contact, const tail_record *tail, double *memory)
+/* The contact as the last step left it. */
+static ct_status load(const contact_data *data, const double *memory, ct_contact *contact,
+                      ct_error *error)
 {
-  int fades = ct_start_gap_fades(&contact->fixed->options);
+  const tail_record tail = load_tail(data, memory);
+  load_points(contact, memory);
+  contact->begun = 1;
+  contact->stored = tail.stored;
+  contact->time = tail.time;
+  contact->work = tail.work;
+  memory += CT_RECORD * data->fixed->point_count + TAIL;
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    ct_search *search = contact->side[s].search;
+    ct_status status = ct_search_check(search, NULL, memory, s, error);
+    if (status != CT_OK) return status;
+    memcpy(search->x, memory, 3 * (size_t)search->node_count * sizeof *memory);
+    memory += 3 * (int64_t)search->node_count;
+  }
+  return CT_OK;
+}
+
+static void store(const ct_contact *contact, double *memory)
+{
   for (int s = 0; s < contact->fixed->sides; s++)
     for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++, memory += CT_RECORD) {
       const ct_point *point = &contact->side[s].points[i];
-      const ct_point_record record = {
-          .other = (double)point->other + 1.0,
-          .status = point->status,
-          .xi = {point->xi[0], point->xi[1]},
-          .known = point->known,
-          .force = point->row.force,
-          .start = point->start,
-          .pressed = fades ? sqrt(ct_vector_dot(point->force, point->force)) : 0.0};
+      const ct_point_record record = {.other = (double)point->other + 1.0,
+                                      .status = point->status,
+                                      .xi = {point->xi[0], point->xi[1]},
+                                      .known = point->known,
+                                      .force = point->row.force,
+                                      .start = point->start,
+                                      .pressed = point->pressed};
       memcpy(memory, &record, sizeof record);
     }
-  memcpy(memory, tail, sizeof *tail);
+  const tail_record tail = {1.0, contact->stored, contact->time, contact->work};
+  memcpy(memory, &tail, sizeof tail);
   memory += TAIL;
   for (int s = 0; s < contact->fixed->sides; s++) {
     size_t count = 3 * (size_t)contact->side[s].search->node_count;
@@ -90,74 +103,41 @@ static void store(const ct_contact *contact, const tail_record *tail, double *me
   }
 }
 
-/* Nodes move from where the last step saw them, and at the first look from the reference shape, to
- * the current coordinates, or with the displacement null to the reference shape (eq:gap-bound). */
-static ct_status move_nodes(const contact_data *data, const ct_view *view,
-                            const double *displacement, ct_contact *contact, ct_error *error)
+static ct_moment moment_of(const contact_data *data, const ct_view *view)
 {
-  const double *last = &view->memory[CT_RECORD * data->point_count + TAIL];
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    ct_side *side = &contact->side[s];
-    ct_search *search = side->search;
-    size_t count = 3 * (size_t)search->node_count;
-    const double *from = contact->begun ? last : side->fixed->search->x;
-    ct_status status = ct_search_check(search, NULL, from, s, error);
-    if (status != CT_OK) return status;
-    memcpy(search->x, from, count * sizeof *from);
-    last += count;
-    for (size_t d = 0; d < count; d++) {
-      int64_t dof = 3 * (int64_t)search->nodes[d / 3] + (int64_t)(d % 3);
-      side->moved[d] = view->reference[dof] + (displacement != NULL ? displacement[dof] : 0.0);
-    }
-  }
-  return CT_OK;
+  return (ct_moment){.time = view->time,
+                     .before = view->time > 0.0 ? view->dt : 0.0,
+                     .dt = view->dt,
+                     .velocity = {view->velocity, view->velocity},
+                     .first = load_tail(data, view->memory).begun == 0.0};
 }
 
-/* True distances of the points at the current coordinates, or on the undeformed shape. */
-static ct_status find_distances(const contact_data *data, const ct_view *view,
-                                const double *displacement, ct_error *error)
-{
-  ct_contact *contact = view->scratch;
-  contact->threads = view->threads;
-  contact->start = !(view->time > 0.0);
-  contact->begun = load_tail(data, view->memory).begun != 0.0;
-  load_points(contact, view->memory);
-  ct_status status = move_nodes(data, view, displacement, contact, error);
-  return status == CT_OK ? ct_contact_measure(contact, error) : status;
-}
-
-/* Gaps of the points at the time of the view, counted from their start gaps. */
+/* Gaps of the points at the time of the view. Nodes move from where the last step saw them, and at
+ * the first look from the reference shape, to the current coordinates (eq:gap-bound). */
 static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error *error)
 {
   const contact_data *data = effect->data;
-  const ct_contact_options *options = &data->fixed->options;
   ct_contact *contact = view->scratch;
-  const tail_record last = load_tail(data, view->memory);
-  int first = last.begun == 0.0, counts = ct_start_gap_counts(options);
-  ct_status status = CT_OK;
-  // -- Start gaps are those of the undeformed shape (eq:initial-adjust)
-  if (first && counts) status = find_distances(data, view, NULL, error);
-  if (status == CT_OK && first && counts) ct_start_gap_begin(contact);
-  if (status == CT_OK) status = find_distances(data, view, view->displacement, error);
-  if (status == CT_OK && view->dt > 0.0 && view->time > 0.0)
-    status = ct_tunnelling_check(contact, view->velocity, view->dt, view->time, error);
-  if (status == CT_OK && counts)
-    ct_start_gap_shift(contact, first ? view->time : last.time, view->time, view->dt,
-                       first ? NULL : view->memory);
-  if (status == CT_OK && first && options->initial_penetration == CT_INITIAL_REFUSE)
-    status = ct_start_gap_refuse(contact, error);
-  return status;
+  const ct_moment now = moment_of(data, view);
+  contact->threads = view->threads;
+  ct_status status =
+      now.first ? ct_contact_begin(contact, &now, error) : load(data, view->memory, contact, error);
+  if (status != CT_OK) return status;
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    const ct_search *search = contact->side[s].search;
+    for (int64_t d = 0; d < 3 * (int64_t)search->node_count; d++) {
+      int64_t dof = 3 * (int64_t)search->nodes[d / 3] + d % 3;
+      contact->side[s].moved[d] = view->reference[dof] + view->displacement[dof];
+    }
+  }
+  return ct_contact_find_gaps(contact, &now, error);
 }
 
 static ct_status contact_constrain(const ct_effect *effect, const ct_view *view,
                                    ct_constraint **rows, int64_t *count, ct_error *error)
 {
-  static const double at_rest[3] = {0.0, 0.0, 0.0};
-  ct_contact *contact = view->scratch;
   ct_status status = measure(effect, view, error);
-  for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)
-    *count += ct_side_list_rows(&contact->side[s], ct_contact_other(contact, s), HUGE_VAL, at_rest,
-                                at_rest, &rows[*count]);
+  if (status == CT_OK) *count = ct_contact_list_rows(view->scratch, rows);
   return status;
 }
 
@@ -168,39 +148,25 @@ static ct_status contact_force(const ct_effect *effect, const ct_view *view, dou
 {
   const contact_data *data = effect->data;
   ct_contact *contact = view->scratch;
-  const int sides = data->fixed->sides;
+  const ct_moment now = moment_of(data, view);
   ct_status status = is_penalty(data) ? measure(effect, view, error) : CT_OK;
+  if (status == CT_OK) status = ct_contact_find_forces(contact, &now, error);
   if (status != CT_OK) return status;
-  const tail_record last = load_tail(data, view->memory);
-  tail_record tail = {.begun = 1.0, .time = view->time, .work = last.work};
-  for (int s = 0; s < sides; s++)
-    if (is_penalty(data)) ct_side_apply_penalty(&contact->side[s]);
-    else ct_side_take_rows(&contact->side[s]);
-  if (!is_penalty(data))
-    contact->held = ct_side_rows_energy(contact->side, sides, view->time, last.stored, &tail.stored,
-                                        contact->terms);
-  if (last.begun != 0.0 && ct_start_gap_fades(&data->fixed->options))
-    tail.work += ct_start_gap_work(contact, view->time, last.time, view->memory);
-  contact->work = tail.work;
-  store(contact, &tail, view->next_memory);
-  status = ct_side_collect(contact->side, sides, 0, error);
-  if (status != CT_OK) return status;
+  store(contact, view->next_memory);
   memset(force, 0, 3 * (size_t)effect->node_count * sizeof *force);
-  for (int s = 0; s < sides; s++)
+  for (int s = 0; s < data->fixed->sides; s++)
     for (int32_t n = 0; n < contact->side[s].search->node_count; n++)
-      for (int64_t c = 0; c < 3; c++)
-        force[3 * (int64_t)data->place[s][n] + c] +=
-            contact->side[s].force[3 * (int64_t)n + c] +
-            contact->side[s].force_fine[3 * (int64_t)n + c];
+      for (int c = 0; c < 3; c++)
+        force[3 * (int64_t)data->fixed->place[s][n] + c] += ct_side_force(&contact->side[s], n, c);
   return CT_OK;
 }
 
 static ct_status contact_energy(const ct_effect *effect, const ct_view *view, double *energy,
                                 ct_error *error)
 {
-  const ct_contact *contact = view->scratch;
+  (void)effect;
   (void)error;
-  *energy = is_penalty(effect->data) ? ct_contact_energy(contact) : contact->held;
+  *energy = ct_contact_energy(view->scratch);
   return CT_OK;
 }
 
@@ -235,9 +201,6 @@ static void free_data(void *data)
   contact_data *d = data;
   if (d == NULL) return;
   ct_contact_fixed_free(d->fixed);
-  ct_release(d->place[0]);
-  ct_release(d->place[1]);
-  ct_release(d->nodes);
   ct_release(d);
 }
 
@@ -251,37 +214,11 @@ static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_erro
   return status;
 }
 
-/* Merge the nodes of the surfaces, which ascend, into the effect's list. */
-static ct_status list_nodes(contact_data *data, int32_t *count)
-{
-  const ct_search *search[2] = {data->fixed->side[0].search, data->fixed->side[1].search};
-  int32_t end[2] = {search[0]->node_count, search[1] == NULL ? 0 : search[1]->node_count};
-  data->nodes = ct_allocate((size_t)end[0] + (size_t)end[1], sizeof *data->nodes);
-  for (int s = 0; s < 2; s++) data->place[s] = ct_allocate((size_t)end[s], sizeof *data->place[s]);
-  if (!data->nodes || !data->place[0] || !data->place[1]) return CT_ERROR_MEMORY;
-  for (int32_t at[2] = {0, 0}; at[0] < end[0] || at[1] < end[1]; (*count)++) {
-    int32_t next = INT32_MAX;
-    for (int s = 0; s < 2; s++)
-      if (at[s] < end[s] && search[s]->nodes[at[s]] < next) next = search[s]->nodes[at[s]];
-    for (int s = 0; s < 2; s++)
-      if (at[s] < end[s] && search[s]->nodes[at[s]] == next) data->place[s][at[s]++] = *count;
-    data->nodes[*count] = next;
-  }
-  for (int s = 0; s < data->fixed->sides; s++) {
-    ct_side_fixed *side = &data->fixed->side[s];
-    size_t entries = (size_t)search[s]->face_count * (size_t)search[s]->per;
-    side->row_faces = ct_allocate(entries, sizeof *side->row_faces);
-    if (side->row_faces == NULL) return CT_ERROR_MEMORY;
-    for (size_t i = 0; i < entries; i++) side->row_faces[i] = data->place[s][search[s]->faces[i]];
-  }
-  return CT_OK;
-}
-
 /* Operations and bytes of a call with all points active, without the iterations in which their
  * forces are found: counted in a contact of two plane surfaces (eq:round-flops). */
 static void count_costs(ct_effect *effect, const contact_data *data)
 {
-  double points = (double)data->point_count, listed = is_penalty(data) ? 0.0 : 1.0;
+  double points = (double)data->fixed->point_count, listed = is_penalty(data) ? 0.0 : 1.0;
   effect->flops = (800.0 + 400.0 * listed) * points;
   double bytes = 2.0 * sizeof(ct_point) + 2.0 * sizeof(ct_point_record);
   effect->bytes = bytes * points + 250.0 * effect->node_count;
@@ -296,21 +233,17 @@ static ct_status fill(contact_data *data, const ct_contact_def *def, const ct_pr
   ct_status status = ct_contact_fixed_create(surface, def->a == def->b ? 1 : 2, &def->options,
                                              &data->fixed, error);
   if (status != CT_OK) return status;
-  if (list_nodes(data, &effect->node_count) != CT_OK)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for a contact");
-  effect->nodes = data->nodes;
-  effect->memory_count = TAIL;
-  for (int s = 0; s < data->fixed->sides; s++) {
-    data->point_count += data->fixed->side[s].point_count;
+  effect->nodes = data->fixed->nodes;
+  effect->node_count = data->fixed->node_count;
+  effect->memory_count = CT_RECORD * data->fixed->point_count + TAIL;
+  for (int s = 0; s < data->fixed->sides; s++)
     effect->memory_count += 3 * (int64_t)data->fixed->side[s].search->node_count;
-  }
-  effect->memory_count += CT_RECORD * data->point_count;
   count_costs(effect, data);
   if (ct_start_gap_fades(&def->options)) effect->external = contact_external;
   if (is_penalty(data)) return CT_OK;
   effect->phase = CT_PHASE_CONSTRAINT;
   effect->constraints = &CONSTRAINTS;
-  effect->constraint_count = data->point_count;
+  effect->constraint_count = data->fixed->point_count;
   return CT_OK;
 }
 

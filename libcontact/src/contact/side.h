@@ -31,13 +31,15 @@ typedef struct ct_point {
   double N[8];       /* shape functions of the other face at xi */
   double d[3];       /* ȳ - y */
   double outward[3]; /* normal of the other side at the closest point, of any length */
-  double known;    /* signed distance at the last update from the nearest place, in contact or not;
-                      NaN: none was near */
-  double start;    /* start gap that has not faded (eq:initial-adjust) */
-  double shift;    /* start gap that the gap counts from, of either sign (eq:initial-shift) */
-  double closed;   /* by how much the shift has grown since the step before */
-  double closing;  /* and by how much it grows until the next step */
-  double force[3]; /* on the point's own face */
+  double known;   /* signed distance at the last update from the nearest place, in contact or not;
+                     NaN: none was near */
+  double start;   /* start gap that has not faded (eq:initial-adjust) */
+  double shift;   /* start gap that the gap counts from, of either sign (eq:initial-shift) */
+  double closed;  /* by how much the shift has grown since the step before */
+  double closing; /* and by how much it grows until the next step */
+  double last_known, last_start; /* what these were in the last step */
+  double pressed;                /* size of the force then, where start gaps fade */
+  double force[3];               /* on the point's own face */
 } ct_point;
 
 /* Whether a point has a force. */

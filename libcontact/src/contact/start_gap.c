@@ -107,20 +107,19 @@ void ct_start_gap_begin(ct_contact *contact)
     }
 }
 
-void ct_start_gap_shift(ct_contact *contact, double last, double time, double dt,
-                        const double *memory)
+void ct_start_gap_shift(ct_contact *contact, const ct_moment *now)
 {
   const ct_contact_options *options = &contact->fixed->options;
-  double share = left(options, time), last_share = left(options, last),
-         next_share = left(options, time + dt);
+  double share = left(options, now->time),
+         last_share = left(options, now->first ? now->time : contact->time),
+         next_share = left(options, now->time + now->dt);
   for (int s = 0; s < contact->fixed->sides; s++) {
     const ct_side *side = &contact->side[s];
     for (ct_point *p = side->points; p < side->points + side->fixed->point_count; p++) {
+      p->last_start = p->start;
       if (p->other < 0 || !(share > 0.0)) p->start = 0.0;
-      else if (memory != NULL)
-        p->start =
-            later_gap(options, side, p->start, ct_record_load(memory).known, p->row.gap, share);
-      if (memory != NULL) memory += CT_RECORD;
+      else if (!now->first)
+        p->start = later_gap(options, side, p->start, p->last_known, p->row.gap, share);
       p->shift = p->start * share;
       p->closed = p->start * (share - last_share);
       p->closing = p->start * (next_share - share);
@@ -131,18 +130,18 @@ void ct_start_gap_shift(ct_contact *contact, double last, double time, double dt
   }
 }
 
-double ct_start_gap_work(ct_contact *contact, double time, double last, const double *memory)
+double ct_start_gap_work(ct_contact *contact, double time, double last)
 {
   const ct_contact_options *options = &contact->fixed->options;
   double change = left(options, time) - left(options, last);
   int64_t count = 0;
   for (int s = 0; s < contact->fixed->sides; s++)
-    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++, memory += CT_RECORD) {
-      const double *f = contact->side[s].points[i].force;
-      const ct_point_record before = ct_record_load(memory);
+    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++) {
+      ct_point *p = &contact->side[s].points[i];
+      double pressed = sqrt(ct_vector_dot(p->force, p->force));
       // -- Work of the start gap that fades (eq:initial-work)
-      contact->terms[count++] =
-          0.5 * (before.pressed + sqrt(ct_vector_dot(f, f))) * (before.start * change);
+      contact->terms[count++] = 0.5 * (p->pressed + pressed) * (p->last_start * change);
+      p->pressed = pressed;
     }
   return ct_sum(contact->terms, count);
 }

@@ -140,20 +140,20 @@ static int32_t fastest(const ct_search *search, const double *velocity, const ct
   return face;
 }
 
-ct_status ct_tunnelling_check(const ct_contact *contact, const double *velocity, double dt,
+ct_status ct_tunnelling_check(const ct_contact *contact, const double *const velocity[2], double dt,
                               double time, ct_error *error)
 {
   const ct_contact_fixed *fixed = contact->fixed;
   ct_bounds speed[2], place[2];
   const ct_search *search[2] = {contact->side[0].search, contact->side[fixed->sides - 1].search};
-  for (int s = 0; s < 2; s++) box_of(search[s], search[s]->nodes, velocity, &speed[s]);
+  for (int s = 0; s < 2; s++) box_of(search[s], search[s]->nodes, velocity[s], &speed[s]);
   double nearer = dt * farthest(&speed[0], &speed[1]);
   if (!(nearer > fixed->approach)) return CT_OK;
   // -- Where the surfaces are farther apart than that, no harm is done
   for (int s = 0; s < 2; s++) box_of(search[s], NULL, search[s]->x, &place[s]);
   if (closest(&place[0], &place[1]) > nearer + fixed->depth) return CT_OK;
-  int32_t face[2] = {fastest(search[0], velocity, &speed[1]),
-                     fastest(search[1], velocity, &speed[0])};
+  int32_t face[2] = {fastest(search[0], velocity[0], &speed[1]),
+                     fastest(search[1], velocity[1], &speed[0])};
   return ct_fail(
       error, CT_ERROR_STEP,
       (ct_place){-1, -1, search[0]->nodes[search[0]->faces[(int64_t)face[0] * search[0]->per]]},
