@@ -181,6 +181,23 @@ static void count_work(ct_contact *contact, const ct_contact_prediction *p,
   h->done += part[0] + part[1];
 }
 
+/* Gaps at a moment. A scene looks twice at t = 0, and the iterations of the second look begin at
+ * the closest points of the first; so does this, for equal bits. */
+static ct_status find_gaps(ct_contact *contact, const side_prediction side[2], ct_moment now,
+                           ct_error *error)
+{
+  const double *const x[2] = {side[0].x, side[1].x};
+  if (now.first) {
+    ct_status status = ct_contact_begin(contact, &now, error);
+    take_coordinates(contact, x);
+    if (status == CT_OK) status = ct_contact_find_gaps(contact, &now, error);
+    if (status != CT_OK) return status;
+    now.first = 0;
+  }
+  take_coordinates(contact, x);
+  return ct_contact_find_gaps(contact, &now, error);
+}
+
 static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
                            const side_prediction side[2], ct_error *error)
 {
@@ -190,9 +207,7 @@ static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
                          .dt = p->dt,
                          .velocity = {side[0].velocity, side[1].velocity},
                          .first = !h->begun};
-  ct_status status = now.first ? ct_contact_begin(contact, &now, error) : CT_OK;
-  take_coordinates(contact, (const double *const[2]){side[0].x, side[1].x});
-  if (status == CT_OK) status = ct_contact_find_gaps(contact, &now, error);
+  ct_status status = find_gaps(contact, side, now, error);
   if (status == CT_OK) status = solve(contact, p, side, &now, error);
   if (status == CT_OK) status = ct_contact_find_forces(contact, &now, error);
   if (status != CT_OK) return status;

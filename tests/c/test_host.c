@@ -1,0 +1,561 @@
+/* The contact of a host with its own time loop: forces against those of a scene, energy in loops of
+ * its own. */
+#include "../../libcontact/src/step/workspace.h"
+#include "blocks.h"
+#include "bodies.h"
+#include "counting.h"
+
+static const ct_material STEEL = {.young = 2.1e5, .poisson = 0.3, .density = 7.8e-9},
+                         SOFT = {.young = 900.0, .poisson = 0.0, .density = 1.0};
+
+/* Two bodies, or one in contact with itself: meshes, surfaces and initial velocities; a host. */
+typedef struct pair {
+  int bodies;
+  ct_mesh *mesh[2];
+  int32_t *faces[2], face_count[2];
+  double *velocity[2];
+  ct_material material;
+} pair;
+
+static pair pair_of(const ct_material *material, ct_mesh *a, double at_a, ct_mesh *b, double at_b,
+                    int axis)
+{
+  pair p = {.bodies = 2, .mesh = {a, b}, .material = *material};
+  for (int i = 0; i < 2; i++) {
+    p.faces[i] = integers(8 * 6 * p.mesh[i]->element_count);
+    p.velocity[i] = numbers(3 * p.mesh[i]->node_count);
+    p.face_count[i] = ct_mesh_plane_faces(p.mesh[i], axis, i == 0 ? at_a : at_b, p.faces[i], NULL);
+  }
+  return p;
+}
+
+static void throw_body(pair *p, int body, double vx, double vy, double vz)
+{
+  for (int n = 0; n < p->mesh[body]->node_count; n++) {
+    double *v = &p->velocity[body][3 * n];
+    v[0] = vx, v[1] = vy, v[2] = vz;
+  }
+}
+
+static void free_pair(pair *p)
+{
+  for (int i = 0; i < p->bodies; i++) {
+    ct_mesh_free(p->mesh[i]);
+    free(p->faces[i]);
+    free(p->velocity[i]);
+  }
+}
+
+/* Rods end to end, ν = 0, a distance apart. */
+static pair rods(double apart)
+{
+  pair p = pair_of(&SOFT, box_mesh(CT_HEX8, -10 - apart, 0, 0, 10, 1, 1, 25, 1, 1), -apart,
+                   box_mesh(CT_HEX8, 0, 0, 0, 10, 1, 1, 25, 1, 1), 0.0, 0);
+  throw_body(&p, 0, 5, 0, 0);
+  throw_body(&p, 1, -5, 0, 0);
+  return p;
+}
+
+/* Two equal plates of the impact. */
+static pair plates(double apart)
+{
+  pair p = pair_of(&STEEL, box_mesh(CT_HEX8, -4 - apart, 0, 0, 4, 2, 0.5, 8, 4, 1), -apart,
+                   box_mesh(CT_HEX8, 0, 0, 0, 4, 2, 0.5, 8, 4, 1), 0.0, 0);
+  throw_body(&p, 0, 5e4, 0, 0);
+  throw_body(&p, 1, -5e4, 0, 0);
+  return p;
+}
+
+/* Unlike blocks, one of which falls and slides on the other. */
+static pair blocks(ct_brick_kind up, ct_brick_kind low, double apart, double along)
+{
+  ct_mesh *a = box_mesh(up, 0.1, 0.05, apart, 1, 0.9, 1, 3, 2, 3),
+          *b = box_mesh(low, 0, 0, -1, 3, 1, 1, 7, 3, 3);
+  distort_inside(a, 0.02);
+  distort_inside(b, 0.02);
+  pair p = pair_of(&SOFT, a, apart, b, 0.0, 2);
+  throw_body(&p, 0, along, 0.1, fmin(-0.3, -0.25 * along));
+  return p;
+}
+
+/* A strip bent to a hairpin whose upper layer flies at the lower one. */
+static pair strip(void)
+{
+  const double middle = 0.15, arc = 3.14159265358979324 * middle;
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 1, 0.4, 1, 40, 2, 2);
+  pair p = {.bodies = 1, .mesh = {m}, .material = SOFT};
+  p.faces[0] = integers(8 * 6 * m->element_count);
+  p.velocity[0] = numbers(3 * m->node_count);
+  for (int n = 0; n < m->node_count; n++) {
+    double *x = &m->nodes[3 * n], s = (2.0 + arc) * x[0],
+           angle = fmin(fmax((s - 1.0) / middle, 0.0), arc / middle),
+           radius = middle - 0.2 * (x[2] - 0.5);
+    x[0] = (s < 1.0 ? s : s > 1.0 + arc ? 2.0 + arc - s : 1.0) + radius * sin(angle);
+    x[2] = -radius * cos(angle);
+    double share = x[2] > 0.0 ? 1.0 - fmin(fmax(x[0], 0.0), 1.0) : 0.0;
+    p.velocity[0][3 * n] = 6.0 * share, p.velocity[0][3 * n + 2] = -6.0 * share;
+  }
+  p.face_count[0] = ct_mesh_outer_faces(m, p.faces[0], NULL);
+  return p;
+}
+
+static double shortest_edge(const pair *p)
+{
+  double h = INFINITY;
+  for (int i = 0; i < p->bodies; i++) h = fmin(h, ct_mesh_shortest_edge(p->mesh[i]));
+  return h;
+}
+
+static ct_contact_options options_of(const pair *p, double beta)
+{
+  ct_contact_options options = ct_contact_options_default();
+  options.epsilon = ct_contact_penalty(beta, p->material.young, shortest_edge(p));
+  return options;
+}
+
+static ct_scene *scene_of(const pair *p, const ct_contact_options *options)
+{
+  ct_scene *scene = new_scene();
+  ct_error e;
+  for (int i = 0; i < p->bodies; i++)
+    add_moving_body(scene, i == 0 ? "a" : "b", p->mesh[i], &p->material, CT_KERNEL_AUTO,
+                    p->velocity[i]);
+  const int b = p->bodies - 1;
+  ct_scene_contact contact = {.body_a = 0,
+                              .body_b = b,
+                              .face_count_a = p->face_count[0],
+                              .face_count_b = p->face_count[b],
+                              .faces_a = p->faces[0],
+                              .faces_b = p->faces[b],
+                              .options = *options};
+  need(ct_scene_add_contact(scene, &contact, &e), &e);
+  return scene;
+}
+
+/* A contact of the surfaces of a pair over the nodes of a scene, in which the second body's come
+ * after the first's; or over two arrays. */
+static ct_contact *open_contact(const pair *p, const ct_contact_options *options,
+                                const double *reference, int one_array)
+{
+  ct_contact *contact = NULL;
+  ct_error e;
+  const ct_face_kind kind[2] = {ct_brick_face_kind(p->mesh[0]->kind),
+                                ct_brick_face_kind(p->mesh[p->bodies - 1]->kind)};
+  const int32_t first = p->mesh[0]->node_count,
+                all = first + (p->bodies == 2 ? p->mesh[1]->node_count : 0),
+                entries = p->bodies == 2 ? p->face_count[1] * ct_face_node_count(kind[1]) : 0;
+  int32_t *faces = integers(entries);
+  for (int32_t i = 0; i < entries; i++) faces[i] = p->faces[1][i] + (one_array ? first : 0);
+  ct_surface a = {kind[0], one_array ? all : first, p->face_count[0], p->faces[0], reference},
+             b = {kind[1], one_array ? all : all - first, p->face_count[1], faces,
+                  one_array ? reference : reference + 3 * first};
+  if (p->bodies == 1) need(ct_contact_create_self(&a, options, &contact, &e), &e);
+  else need(ct_contact_create(&a, &b, options, &contact, &e), &e);
+  free(faces);
+  return contact;
+}
+
+/* In each step of a scene a host makes the same call with the scene's coordinates, velocities and
+ * other forces, over one array of nodes and over two. */
+static void like_the_scene(pair p, const char *name, ct_contact_options options, double end,
+                           double bits)
+{
+  ct_scene *scene = scene_of(&p, &options);
+  ct_stable_step stable;
+  int64_t steps;
+  ct_error e;
+  // The scene's start gaps do not fade yet when it goes half a step back from t = 0.
+  const int64_t from = options.initial_penetration == CT_INITIAL_REMOVE;
+  const ct_problem *problem =
+      build(scene, (ct_scene_time){.end = end, .fraction = 0.9, .threads = 1}, &steps, &stable);
+  ct_state *state = new_state(problem);
+  int32_t effect = 0;
+  while (problem->effects[effect]->kind != CT_EFFECT_CONTACT) effect++;
+  const int32_t count = problem->node_count, split = p.bodies == 2 ? 3 * p.mesh[0]->node_count : 0;
+  ct_contact *contact[2];
+  for (int i = 0; i < 2; i++) contact[i] = open_contact(&p, &options, problem->reference, i == 0);
+  double *x = numbers(3 * count), *f = numbers(3 * count), *room = numbers(3 * count),
+         off[2] = {0.0, 0.0}, energy = 0.0, top = 0.0, most = 0.0;
+  for (int64_t n = 0; n < steps; n++) {
+    need(ct_workspace_forces(problem, state, &e), &e);
+    const double *solid = ct_workspace_force_of(problem, state, 0, 0, count, room),
+                 *v = n == 0 ? problem->initial_velocity : state->velocity;
+    for (int d = 0; d < 3 * count; d++) x[d] = problem->reference[d] + state->displacement[d];
+    ct_energy want = energy_of(problem, state);
+    for (int i = 0; i < 2; i++) {
+      int next = i == 0 ? 0 : split;
+      ct_contact_prediction prediction = {.x_a = x,
+                                          .x_b = x + next,
+                                          .velocity_a = v,
+                                          .velocity_b = v + next,
+                                          .force_a = solid,
+                                          .force_b = solid + next,
+                                          .inverse_mass_a = problem->inverse_mass,
+                                          .inverse_mass_b = problem->inverse_mass + next,
+                                          .dt = problem->dt,
+                                          .kick = n == 0 ? 0.5 * problem->dt : problem->dt};
+      need(ct_contact_step(contact[i], &prediction, &e), &e);
+      memset(f, 0, 3 * (size_t)count * sizeof *f);
+      need(ct_contact_add_force(contact[i], f, f + next), &e);
+      const ct_effect *own = problem->effects[effect];
+      for (int32_t k = 0; k < own->node_count; k++)
+        for (int c = 0; c < 3; c++) {
+          double force = state->workspace->force[effect][3 * k + c];
+          top = fmax(top, fabs(force));
+          if (n >= from) off[i] = worst(off[i], f[3 * ct_effect_node(own, k) + c] - force);
+        }
+      if (n > from) energy = worst(energy, ct_contact_energy(contact[i]) - want.contact);
+      most = fmax(most, want.contact);
+    }
+    advance(problem, state, 1);
+  }
+  tap_ok(top > 0.0 && off[0] <= bits * top && off[1] <= bits * top,
+         "%s: forces of %d steps are the scene's, off by %.1e, and over two arrays by %.1e of the "
+         "largest (allowed %.0e)",
+         name, (int)steps, off[0] / top, off[1] / top, bits);
+  tap_ok(most > 0.0 && energy <= 1e-12 * most, "%s: and so is the energy, off by %.1e", name,
+         energy / most);
+  for (int i = 0; i < 2; i++) ct_contact_free(contact[i]);
+  ct_state_free(state);
+  ct_scene_free(scene);
+  free(x);
+  free(f);
+  free(room);
+  free_pair(&p);
+}
+
+/* A host's own loop: bodies with all their arrays. */
+typedef struct host {
+  const pair *p;
+  block solid[2];
+  double *x[2], *u[2], *v[2], *f[2], *inverse_mass[2], *mass[2];
+  ct_contact *contact;
+  double dt;
+} host;
+
+static host open_host(const pair *p, const ct_contact_options *options, double fraction)
+{
+  host h = {.p = p};
+  double omega2 = 0.0;
+  ct_error e;
+  double *reference = numbers(6 * (p->mesh[0]->node_count + p->mesh[p->bodies - 1]->node_count));
+  for (int i = 0, n = 0; i < p->bodies; i++) {
+    const ct_mesh *m = p->mesh[i];
+    double **arrays[] = {&h.x[i], &h.u[i], &h.v[i], &h.f[i], &h.inverse_mass[i], &h.mass[i]};
+    for (int k = 0; k < 6; k++) *arrays[k] = numbers(3 * m->node_count);
+    need(ct_mass_lumped(m, p->material.density, CT_LUMP_HRZ, h.mass[i], &e), &e);
+    for (int d = 3 * m->node_count - 1; d >= 0; d--) {
+      h.mass[i][d] = h.mass[i][d / 3];
+      h.inverse_mass[i][d] = 1.0 / h.mass[i][d];
+      h.x[i][d] = reference[n + d] = m->nodes[d];
+      h.v[i][d] = p->velocity[i][d];
+    }
+    n += 3 * m->node_count;
+    h.solid[i] = open_block(m, &p->material, CT_KERNEL_AUTO);
+    omega2 = fmax(omega2, block_frequency(&h.solid[i]));
+  }
+  h.dt = fraction * 2.0 / sqrt(omega2);
+  h.contact = open_contact(p, options, reference, 0);
+  free(reference);
+  return h;
+}
+
+static void close_host(host *h)
+{
+  for (int i = 0; i < h->p->bodies; i++) {
+    double *arrays[] = {h->x[i], h->u[i], h->v[i], h->f[i], h->inverse_mass[i], h->mass[i]};
+    for (int k = 0; k < 6; k++) free(arrays[k]);
+    close_block(&h->solid[i]);
+  }
+  ct_contact_free(h->contact);
+}
+
+/* One step of the host; answers the energy of its bodies at t_n: strain, and the product of both
+ * velocities, or at t_0 that of v_0. */
+static double step_host(host *h, int64_t n)
+{
+  const double kick = n == 0 ? 0.5 * h->dt : h->dt;
+  double energy = 0.0;
+  ct_error e;
+  for (int i = 0; i < h->p->bodies; i++) energy += block_force(&h->solid[i], h->u[i], h->f[i]);
+  ct_contact_prediction prediction = {.x_a = h->x[0],
+                                      .x_b = h->x[1],
+                                      .velocity_a = h->v[0],
+                                      .velocity_b = h->v[1],
+                                      .force_a = h->f[0],
+                                      .force_b = h->f[1],
+                                      .inverse_mass_a = h->inverse_mass[0],
+                                      .inverse_mass_b = h->inverse_mass[1],
+                                      .dt = h->dt,
+                                      .kick = kick};
+  need(ct_contact_step(h->contact, &prediction, &e), &e);
+  need(ct_contact_add_force(h->contact, h->f[0], h->f[1]), &e);
+  for (int i = 0; i < h->p->bodies; i++)
+    for (int d = 0; d < 3 * h->p->mesh[i]->node_count; d++) {
+      double before = h->v[i][d];
+      h->v[i][d] += kick * h->inverse_mass[i][d] * h->f[i][d];
+      energy += 0.5 * h->mass[i][d] * before * (n == 0 ? before : h->v[i][d]);
+      h->u[i][d] += h->dt * h->v[i][d];
+      h->x[i][d] = h->p->mesh[i]->nodes[d] + h->u[i][d];
+    }
+  return energy;
+}
+
+/* In no step does the energy of bodies and contact grow, and what bodies gain is the work that the
+ * contact reports. */
+static void never_grows(pair p, const char *name, double end, double allowed, double least)
+{
+  static const double BETA[] = {1.0, 10.0, 40.0, 100.0};
+  double rise = -1.0, balance = 0.0, left = 1.0, most = 0.0;
+  int64_t steps = 0, unconverged = 0;
+  for (int b = 0; b < 4; b++) {
+    ct_contact_options options = options_of(&p, BETA[b]);
+    host h = open_host(&p, &options, 0.9);
+    ct_contact_balance now = {0};
+    ct_error e = {0};
+    double start = 0.0, lowest = INFINITY;
+    for (steps = 0; (double)steps * h.dt < end; steps++) {
+      double bodies = step_host(&h, steps);
+      need(ct_contact_get_balance(h.contact, &now), &e);
+      double total = bodies + now.energy;
+      if (steps == 0) start = total;
+      balance = worst(balance, (bodies - start - now.work) / start);
+      rise = fmax(rise, (total - fmin(lowest, start)) / start);
+      lowest = fmin(lowest, total);
+      left = fmin(left, total / start);
+      most = fmax(most, now.energy / start);
+    }
+    unconverged += now.unconverged;
+    close_host(&h);
+  }
+  tap_ok(rise <= allowed && left > least && most > 1e-3 && unconverged == 0,
+         "%s, %d steps of 0.9 of its own, beta 1 ... 100: the energy never grows by more than %.1e "
+         "(allowed %.0e), %.3f stays, the contact held up to %.3f",
+         name, (int)steps, rise, allowed, left, most);
+  tap_ok(balance < 1e-11, "%s: bodies gain the work of the contact, off by %.1e", name, balance);
+  free_pair(&p);
+}
+
+/* A face of four free nodes over a fixed one: by symmetry one mass M = 4 m on the springs of all
+ * eight points, K = ε A. */
+typedef struct face {
+  ct_surface surface;
+  double x[12], v[12], f[12], inverse_mass[12], increment[12];
+} face;
+
+static const int32_t UP[4] = {0, 3, 2, 1}, DOWN[4] = {0, 1, 2, 3};
+
+static face face_at(double z, double inverse_mass, const int32_t *nodes)
+{
+  static const double square[4][2] = {{0, 0}, {2, 0}, {2, 1}, {0, 1}};
+  face a = {.surface = {.kind = CT_Q4, .node_count = 4, .face_count = 1, .faces = nodes}};
+  for (int n = 0; n < 4; n++) {
+    a.x[3 * n] = square[n][0], a.x[3 * n + 1] = square[n][1], a.x[3 * n + 2] = z;
+    for (int c = 0; c < 3; c++) a.inverse_mass[3 * n + c] = inverse_mass;
+  }
+  return a;
+}
+
+static ct_contact_prediction prediction_of(face *a, face *b, double dt, double kick)
+{
+  return (ct_contact_prediction){.x_a = a->x,
+                                 .x_b = b->x,
+                                 .velocity_a = a->v,
+                                 .velocity_b = b->v,
+                                 .force_a = a->f,
+                                 .inverse_mass_a = a->inverse_mass,
+                                 .inverse_mass_b = b->inverse_mass,
+                                 .dt = dt,
+                                 .kick = kick};
+}
+
+static ct_contact *open_faces(face *a, face *b, ct_contact_options options)
+{
+  ct_contact *contact = NULL;
+  ct_error e;
+  a->surface.reference = a->x, b->surface.reference = b->x;
+  need(ct_contact_create(&a->surface, &b->surface, &options, &contact, &e), &e);
+  return contact;
+}
+
+static ct_contact_options plain(void)
+{
+  ct_contact_options options = ct_contact_options_default();
+  options.epsilon = 50.0;
+  options.dissipation = 0.0;
+  options.initial_penetration = CT_INITIAL_PUSH;
+  return options;
+}
+
+/* Force on the upper face along z. */
+static double lift(const ct_contact *contact)
+{
+  double fa[12] = {0}, fb[12] = {0}, sum = 0.0;
+  ct_contact_add_force(contact, fa, fb);
+  for (int n = 0; n < 4; n++) sum += fa[3 * n + 2];
+  return sum;
+}
+
+/* λ = K ⟨-½ [g_{n+1} + min(g_{n-1}, 0)]⟩ with g_{n+1} = g_free + Δt kick λ / M. */
+static double by_hand(double K, double free, double before, double mobility)
+{
+  return fmax(-0.5 * K * (free + fmin(before, 0.0)) / (1.0 + 0.5 * K * mobility), 0.0);
+}
+
+/* Steps of unlike lengths by hand, the first of them from v_0, with a load, over a wall that stands
+ * or moves; the increments given or left to the library. */
+static void steps_by_hand(double wall, int given)
+{
+  static const double DT[] = {0.01, 0.01, 0.02, 0.015, 0.015, 0.015};
+  const double m = 0.5, M = 4 * m, K = 100.0, load = -3.0;
+  face a = face_at(0.02, 1.0 / m, UP), b = face_at(0.0, 0.0, DOWN);
+  ct_contact *contact = open_faces(&a, &b, plain());
+  double off = 0.0, top = 0.0, g = 0.02, v = -2.0, last = 0.0;
+  ct_error e;
+  for (int n = 0; n < 4; n++) a.v[3 * n + 2] = v, b.v[3 * n + 2] = wall, a.f[3 * n + 2] = load / 4;
+  for (int i = 0; i < 6; i++) {
+    double dt = DT[i], kick = i == 0 ? 0.5 * dt : 0.5 * (dt + last),
+           free = g + dt * (v - wall + kick * load / M),
+           want = by_hand(K, free, g - last * (v - wall), dt * kick / M);
+    ct_contact_prediction p = prediction_of(&a, &b, dt, kick);
+    for (int n = 0; n < 4; n++) {
+      a.increment[3 * n + 2] = dt * (v + kick * load / M);
+      b.increment[3 * n + 2] = dt * wall;
+    }
+    if (given) p.increment_a = a.increment, p.increment_b = b.increment, p.force_a = NULL;
+    need(ct_contact_step(contact, &p, &e), &e);
+    off = worst(off, lift(contact) - want);
+    top = fmax(top, want);
+    v += kick * (load + want) / M;
+    g += dt * (v - wall);
+    for (int n = 0; n < 4; n++) {
+      a.v[3 * n + 2] = v;
+      a.x[3 * n + 2] += dt * v;
+      b.x[3 * n + 2] += dt * wall;
+    }
+    last = dt;
+  }
+  tap_ok(top > 1.0 && off < 1e-12 * top,
+         "six steps of unlike lengths over a wall with the velocity %g, increments %s: by hand, "
+         "off by %.1e",
+         wall, given ? "given" : "computed", off / top);
+  ct_contact_free(contact);
+}
+
+/* What is refused leaves all as it was: the next call gives the force of a contact that was never
+ * asked. */
+static void refusals(void)
+{
+  face a = face_at(-0.01, 2.0, UP), b = face_at(0.0, 0.0, DOWN);
+  ct_contact *contact = open_faces(&a, &b, plain()), *other = open_faces(&a, &b, plain());
+  ct_contact_prediction p = prediction_of(&a, &b, 0.01, 0.01), q = p;
+  ct_contact_balance balance;
+  ct_error e;
+  tap_ok(ct_contact_get_balance(contact, &balance) == CT_ERROR_ARGUMENT,
+         "no balance before the first step");
+  tap_ok(ct_contact_step(NULL, &p, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_step(contact, NULL, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_get_balance(contact, NULL) == CT_ERROR_ARGUMENT,
+         "null pointers are refused");
+  q.velocity_b = NULL;
+  tap_ok(ct_contact_step(contact, &q, &e) == CT_ERROR_ARGUMENT && e.body == 1,
+         "a missing array: %s", e.text);
+  for (int k = 0; k < 4; k++) {
+    static const double bad[] = {0.0, -1.0, NAN, INFINITY};
+    q = prediction_of(&a, &b, bad[k], 0.01);
+    ct_status status = ct_contact_step(contact, &q, &e);
+    q = prediction_of(&a, &b, 0.01, bad[k]);
+    tap_ok(status == CT_ERROR_ARGUMENT && ct_contact_step(contact, &q, &e) == CT_ERROR_ARGUMENT,
+           "times of %g: %s", bad[k], e.text);
+  }
+  for (int i = 0; i < 3; i++) {
+    double keep = b.x[5];
+    b.x[5] = NAN;
+    tap_ok(ct_contact_step(contact, &p, &e) == CT_INVALID && e.body == 1 && e.point == 1,
+           "step %d: NaN is refused by surface and node: %s", i, e.text);
+    b.x[5] = keep;
+    need(ct_contact_step(contact, &p, &e), &e);
+    need(ct_contact_step(other, &p, &e), &e);
+    tap_ok(lift(contact) == lift(other) && lift(contact) > 0.1, "and the next call is as ever");
+    for (int n = 0; n < 4; n++) a.v[3 * n + 2] += 0.01 * 2.0 * lift(contact) / 4;
+    for (int n = 0; n < 4; n++) a.x[3 * n + 2] += 0.01 * a.v[3 * n + 2];
+  }
+  ct_contact_free(other);
+  ct_contact_free(contact);
+  ct_contact_options options = plain();
+  options.initial_penetration = CT_INITIAL_REFUSE;
+  face c = face_at(-0.01, 2.0, UP);
+  contact = open_faces(&c, &b, options);
+  p = prediction_of(&c, &b, 0.01, 0.005);
+  tap_ok(ct_contact_step(contact, &p, &e) == CT_ERROR_GEOMETRY, "an overlap is refused: %s",
+         e.text);
+  ct_contact_free(contact);
+  options.initial_penetration = CT_INITIAL_KEEP;
+  contact = open_faces(&c, &b, options);
+  need(ct_contact_update(contact, c.x, b.x, &e), &e);
+  need(ct_contact_step(contact, &p, &e), &e);
+  tap_ok(lift(contact) == 0.0, "or kept, also after an update; it gives no force");
+  for (int n = 0; n < 4; n++) c.v[3 * n + 2] = -1000.0, c.x[3 * n + 2] -= 10.0;
+  tap_ok(ct_contact_step(contact, &p, &e) == CT_ERROR_STEP, "a leap: %s", e.text);
+  ct_contact_free(contact);
+}
+
+/* Nothing is allocated after the first call; one that fails for want of memory can be made again.
+ */
+static void memory(void)
+{
+  face a = face_at(0.05, 2.0, UP), b = face_at(0.0, 0.0, DOWN);
+  ct_error e;
+  ct_contact *contact = open_faces(&a, &b, plain());
+  ct_contact_prediction p = prediction_of(&a, &b, 0.01, 0.01);
+  int failed = 0;
+  for (;; failed++) {
+    counted.last_call = counted.calls + failed;
+    ct_status status = ct_contact_step(contact, &p, &e);
+    counted.last_call = -1;
+    if (status == CT_OK) break;
+    if (status != CT_ERROR_MEMORY) failed = -1000;
+  }
+  tap_ok(failed > 20, "the first step fails %d times for want of memory, and then does not",
+         failed);
+  long calls = counted.calls;
+  for (int i = 0; i < 20; i++) {
+    for (int n = 0; n < 4; n++) a.x[3 * n + 2] -= 0.005;
+    need(ct_contact_step(contact, &p, &e), &e);
+  }
+  tap_ok(counted.calls == calls && lift(contact) > 0.0, "20 more allocate nothing");
+  ct_contact_free(contact);
+}
+
+int main(void)
+{
+  ct_set_allocator(&COUNTING);
+  pair o = rods(-0.01), w = rods(0.01), t = rods(0.05);
+  pair r = rods(0.0), q = plates(0.05), b = blocks(CT_HEX8, CT_HEX20, 0.005, 0.3), s = strip(),
+       c = blocks(CT_HEX20, CT_HEX8, 0.005, 0.3);
+  like_the_scene(r, "rods", options_of(&r, 10.0), 0.9, 0.0);
+  like_the_scene(q, "plates", options_of(&q, 40.0), 2e-6, 0.0);
+  like_the_scene(s, "strip", options_of(&s, 4.0), 0.2, 0.0);
+  like_the_scene(b, "hex8 on hex20", options_of(&b, 40.0), 0.2, 0.0);
+  like_the_scene(c, "hex20 on hex8", options_of(&c, 4.0), 0.2, 0.0);
+  ct_contact_options removed = options_of(&o, 10.0), penalty = options_of(&t, 1.0);
+  removed.initial_penetration = CT_INITIAL_REMOVE, removed.removal_time = 0.3;
+  like_the_scene(o, "an overlap that is removed", removed, 0.9, 1e-12);
+  removed.adjust = 0.02;
+  like_the_scene(w, "a gap that is closed and removed", removed, 0.9, 1e-12);
+  penalty.enforcement = CT_ENFORCE_PENALTY;
+  like_the_scene(t, "explicit penalty", penalty, 0.9, 0.0);
+  never_grows(rods(0.05), "rods", 1.5, 1e-12, 0.9);
+  never_grows(plates(0.05), "plates", 6e-6, 1e-12, 0.9);
+  never_grows(blocks(CT_HEX8, CT_HEX8, 0.005, 0.3), "blocks", 0.3, 1e-12, 0.9);
+  never_grows(blocks(CT_HEX20, CT_HEX8, 0.005, 0.3), "blocks of hex20 on hex8", 0.3, 1e-12, 0.9);
+  never_grows(blocks(CT_HEX8, CT_HEX8, 0.02, 6.0), "sliding blocks", 0.3, 2e-3, 0.5);
+  never_grows(strip(), "strip", 0.3, 2e-3, 0.9);
+  for (int given = 0; given < 2; given++) {
+    steps_by_hand(0.0, given);
+    steps_by_hand(0.5, given);
+  }
+  refusals();
+  memory();
+  return tap_done();
+}
