@@ -79,6 +79,8 @@ class Surface:
             raise ValueError(f"faces of kind {kind} {reason}")
         surface = ffi.new("ct_surface *", [number, len(nodes), len(faces)])
         surface.faces, surface.reference = ints(faces), doubles(nodes)
+        # The surface as C has it, for a Contact; its arrays live as long.
+        self.given, self._arrays = surface, (faces, nodes)
         search = ask("ct_search **", lib.ct_search_create, surface)
         self._search = ffi.gc(search, lib.ct_search_free)
         self._count, self._faces = len(nodes), len(faces)

@@ -1,0 +1,234 @@
+"""The contact of a host with its own time loop: a step by hand, rods against their closed form, what is refused; scikit-fem as a host."""
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+
+SQUARE = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]], float)
+
+
+def test_first_step_by_hand():
+    """A face of mass 2 over a wall: λ = K ⟨-½ (g₁ + g₀)⟩ with g₁ = g₀ + Δt (v + ½ Δt f / m) + ½ Δt² λ / m, K = ε A."""
+    x, dt, m, K, v = SQUARE + [0, 0, -0.02], 0.01, 2.0, 100.0, -2.0
+    contact = ct.Contact(
+        ct.Surface("Q4", SQUARE + [0, 0, 0.1], [[0, 3, 2, 1]]),
+        ct.Surface("Q4", SQUARE, [[0, 1, 2, 3]]),
+        epsilon=50.0,
+        dissipation=0.0,
+    )
+    velocity, force = np.zeros((4, 3)), np.zeros((4, 3))
+    velocity[:, 2], force[:, 2] = v, -3.0 / 4
+    contact.step(
+        dt,
+        (x, SQUARE),
+        (velocity, np.zeros((4, 3))),
+        (np.full((4, 3), 4 / m), np.zeros((4, 3))),
+        (force, np.zeros((4, 3))),
+        kick=dt / 2,
+    )
+    free = -0.02 + dt * (v - 0.5 * dt * 3.0 / m)
+    want = -0.5 * K * (free - 0.02) / (1 + 0.25 * K * dt**2 / m)
+    before, floor = force.copy(), np.zeros((4, 3))
+    contact.add_force((force, floor))
+    assert (force - before)[:, 2].sum() == pytest.approx(want, rel=1e-12)
+    assert floor[:, 2].sum() == pytest.approx(-want, rel=1e-12)
+    assert contact.resultant[:, 0, 2] == pytest.approx([want, -want], rel=1e-12)
+    points = contact.points
+    assert len(points) == 8 and (points["gap"] == pytest.approx(-0.02))
+    assert (points["pressure"] * points["weight"]).sum() / 2 == pytest.approx(want, rel=1e-12)
+    # Nothing has been done yet, and an overlap holds ½ K g².
+    assert contact.balance == ct.Balance(pytest.approx(0.5 * K * 0.02**2, rel=1e-12), 0.0, 0.0, 0)
+    assert contact.energy == contact.balance.energy
+
+
+class Rods:
+    """Two rods of square layers with springs between them, E = ρ = A = 1, L = 10, that fly at each other with ±0.1."""
+
+    def __init__(self, one_array, layers=51):
+        self.h = 10 / (layers - 1)
+        places = np.concatenate([np.linspace(-10, 0, layers), np.linspace(0, 10, layers)])
+        self.X = np.zeros((8 * layers, 3))
+        self.X[:, 0] = np.repeat(places, 4)
+        self.X[:, 1:] = np.tile([[0, 0], [1, 0], [1, 1], [0, 1]], (2 * layers, 1))
+        ends = np.isin(np.arange(2 * layers), [0, layers - 1, layers, 2 * layers - 1])
+        mass = np.repeat(0.25 * self.h * np.where(ends, 0.5, 1.0), 4)
+        self.inverse_mass = np.repeat(1 / mass[:, None], 3, axis=1)
+        self.v = np.zeros_like(self.X)
+        self.v[:, 0] = np.repeat([0.1, -0.1], 4 * layers)
+        self.middle, self.one_array = 4 * layers, one_array
+        left, right = np.arange(4)[None] + self.middle - 4, np.arange(4)[None, ::-1]
+        if one_array:
+            self.surfaces = [ct.Surface("Q4", self.X, f) for f in (left, right + self.middle)]
+        else:
+            parts = self.split(self.X)
+            self.surfaces = [ct.Surface("Q4", part, f) for part, f in zip(parts, (left, right))]
+
+    def split(self, array):
+        return array if self.one_array else (array[: self.middle], array[self.middle :])
+
+    def force(self, x):
+        """The springs' forces, and their energy."""
+        force, stiffness, energy = np.zeros_like(x), 0.25 / self.h, 0.0
+        for part in slice(0, self.middle), slice(self.middle, None):
+            stretch = np.diff(x[part, 0].reshape(-1, 4), axis=0) - self.h
+            pull = stiffness * stretch.ravel()
+            force[part, 0][:-4] += pull
+            force[part, 0][4:] -= pull
+            energy += 0.5 * stiffness * (stretch**2).sum()
+        return force, energy
+
+    def run(self, beta, fraction=0.9, end=30.0):
+        """Total energy and force on the right rod at every step."""
+        contact = ct.Contact(*self.surfaces, epsilon=beta / self.h)
+        x, v, dt, rows = self.X.copy(), self.v.copy(), fraction * self.h, []
+        for n in range(int(end / dt)):
+            force, strain = self.force(x)
+            kick = dt if n else dt / 2
+            contact.step(
+                dt, *map(self.split, (x, v, self.inverse_mass)), self.split(force), kick=kick
+            )
+            contact.add_force(self.split(force))
+            after = v + kick * self.inverse_mass * force
+            kinetic = 0.5 * (v / self.inverse_mass * (after if n else v)).sum()
+            rows.append(
+                (kinetic + strain, contact.energy, contact.balance.work, contact.resultant[1, 0, 0])
+            )
+            v, x = after, x + dt * after
+        return dt, np.array(rows), v
+
+
+@pytest.mark.parametrize("beta", [1, 10, 40, 100])
+def test_rods(beta):
+    """At 0.9 of the host's own step the energy never grows; the pressure is ρcv, and the rods part after 2 L / c with exchanged velocities."""
+    rods = Rods(one_array=False)
+    dt, rows, v = rods.run(beta)
+    bodies, held, work, force = rows.T
+    total = bodies + held
+    assert np.diff(total).max() < 1e-12 * total[0]
+    assert total[-1] > 0.97 * total[0]
+    assert np.abs(bodies - bodies[0] - work).max() < 1e-12 * total[0]
+    contact = np.nonzero(force)[0] * dt
+    assert contact[-1] == pytest.approx(20, abs=0.5)
+    steady = (np.arange(len(force)) * dt > 5) & (np.arange(len(force)) * dt < 15)
+    assert force[steady].mean() == pytest.approx(0.1, rel=5e-3)
+    assert v[: rods.middle, 0].mean() == pytest.approx(-0.1, rel=0.02)
+
+
+def test_penalties_and_the_step_that_the_explicit_one_allows():
+    rods = Rods(one_array=False)
+    explicit = ct.Contact(*rods.surfaces, epsilon=1 / rods.h, enforcement="penalty")
+    mass = 1 / rods.inverse_mass[:, 0]
+    # One pair of end layers: k = 1 / (4 h), m = h / 8 each, so ω² = 2 k / m = 4 / h².
+    assert explicit.stable_step(rods.split(mass)) == pytest.approx(rods.h, rel=1e-12)
+    assert ct.Contact.penalty(3.0, 0.5) == 40 * 3.0 / 0.5
+    assert ct.Contact.penalty(3.0, 0.5, "penalty") == 4 * 3.0 / 0.5
+
+
+def test_one_array_or_two_give_the_same_bits():
+    one, two = Rods(True).run(10)[1], Rods(False).run(10)[1]
+    assert (one == two).all()
+
+
+def test_arrays_are_read_and_written_where_they_stand():
+    """Strided or whole numbers are read by a copy, but never written: the sums would be lost."""
+    a, b = ct.Surface("Q4", SQUARE, [[0, 3, 2, 1]]), ct.Surface("Q4", SQUARE, [[0, 1, 2, 3]])
+    contact = ct.Contact(a, b, epsilon=1.0, initial_penetration="push")
+    low = np.asfortranarray(SQUARE - [0, 0, 0.01])
+    zero, one = np.zeros((4, 3)), np.ones((4, 3), int)
+    contact.step(0.1, low, zero, one)
+    force = np.zeros((4, 3))
+    with pytest.raises(TypeError, match="writable"):
+        contact.add_force(np.zeros((4, 3), np.float32))
+    with pytest.raises(TypeError, match="writable"):
+        contact.add_force(np.zeros((8, 3))[::2])
+    with pytest.raises(TypeError, match="writable"):
+        contact.add_force(force.tolist())
+    force.flags.writeable = False
+    with pytest.raises(TypeError, match="writable"):
+        contact.add_force(force)
+
+
+def test_refusals():
+    a, b = ct.Surface("Q4", SQUARE, [[0, 3, 2, 1]]), ct.Surface("Q4", SQUARE + 0, [[0, 1, 2, 3]])
+    with pytest.raises(ct.ArgumentError, match="penalty must be positive"):
+        ct.Contact(a, b, epsilon=0.0)
+    with pytest.raises(ValueError, match='energy_controlled, .*, not "penalti"'):
+        ct.Contact(a, b, epsilon=1.0, enforcement="penalti")
+    contact = ct.Contact(a, b, epsilon=1.0)
+    pair = (np.zeros((4, 3)), np.zeros((4, 3)))
+    with pytest.raises(ct.ArgumentError):
+        _ = contact.balance
+    with pytest.raises(ValueError, match="x must be a pair"):
+        contact.step(0.1, SQUARE, pair, pair)
+    with pytest.raises(ValueError, match="velocity must have shape"):
+        contact.step(0.1, (SQUARE, SQUARE), (np.zeros((5, 3)), pair[0]), pair)
+    with pytest.raises(ct.ArgumentError, match="a step of -1"):
+        contact.step(-1.0, (SQUARE, SQUARE), pair, pair)
+    with pytest.raises(ct.ArgumentError, match="not finite") as refused:
+        contact.step(0.1, (SQUARE, SQUARE + [[np.nan, 0, 0]]), pair, pair)
+    assert refused.value.body == 1
+
+
+def fem_block(skfem, low, high, cells):
+    """A block of scikit-fem: mesh, stiffness, inverse masses and the largest ω² (Gershgorin)."""
+    from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+    axes = [np.linspace(a, b, n + 1) for a, b, n in zip(low, high, cells)]
+    mesh = skfem.MeshHex.init_tensor(*axes)
+    basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementHex1()))
+    stiffness = linear_elasticity(*lame_parameters(1.0, 0.3)).assemble(basis).tocsr()
+    mass = skfem.BilinearForm(lambda u, v, w: sum(u[i] * v[i] for i in range(3))).assemble(basis)
+    inverse = 1 / np.asarray(mass.sum(axis=1)).ravel()
+    bound = (np.asarray(abs(stiffness).sum(axis=1)).ravel() * inverse).max()
+    return mesh, basis, stiffness, inverse, bound
+
+
+def plane_faces(mesh, value, outwards):
+    """Faces in the plane x = value, counter-clockwise from outside."""
+    faces = mesh.facets[:, np.isclose(mesh.p[0][mesh.facets], value).all(axis=0)].T
+    y, z = mesh.p[1][faces], mesh.p[2][faces]
+    angle = np.arctan2(z - z.mean(axis=1)[:, None], y - y.mean(axis=1)[:, None])
+    return np.take_along_axis(faces, np.argsort(outwards * angle, axis=1), axis=1)
+
+
+def test_scikit_fem_as_the_host():
+    """Two unlike blocks of scikit-fem meet: energy never grows and momentum stays."""
+    skfem = pytest.importorskip("skfem")
+    halves = [
+        fem_block(skfem, (-2, 0, 0), (0, 1, 1), (8, 3, 3)),
+        fem_block(skfem, (0, 0, 0), (2, 1, 1), (8, 4, 4)),
+    ]
+    surfaces, X, V, inverse = [], [], [], []
+    for (mesh, basis, _, m, _), way in zip(halves, (1, -1)):
+        X.append(np.ascontiguousarray(mesh.p.T))
+        surfaces.append(ct.Surface("Q4", X[-1], plane_faces(mesh, 0.0, way)))
+        V.append(np.zeros_like(X[-1]))
+        V[-1][:, 0] = 0.05 * way
+        # Degrees of freedom of a node follow each other in nodal_dofs.
+        inverse.append(np.ascontiguousarray(m[basis.nodal_dofs.T]))
+    dt = 0.9 * 2 / np.sqrt(max(half[-1] for half in halves))
+    contact = ct.Contact(*surfaces, epsilon=ct.Contact.penalty(1.346, 0.25))
+    x, totals, momenta = [X[0].copy(), X[1].copy()], [], []
+    for n in range(int(6 / dt)):
+        forces, energy = [], 0.0
+        for (_, basis, stiffness, _, _), now, reference in zip(halves, x, X):
+            u = np.zeros(basis.N)
+            u[basis.nodal_dofs.T] = now - reference
+            f = -(stiffness @ u)
+            energy -= 0.5 * u @ f
+            forces.append(np.ascontiguousarray(f[basis.nodal_dofs.T]))
+        kick = dt if n else dt / 2
+        contact.step(dt, x, V, inverse, forces, kick=kick)
+        contact.add_force(forces)
+        after = [v + kick * w * f for v, w, f in zip(V, inverse, forces)]
+        energy += sum(0.5 * (v / w * (a if n else v)).sum() for v, w, a in zip(V, inverse, after))
+        totals.append(energy + contact.energy)
+        momenta.append(sum((a / w).sum(axis=0) for a, w in zip(after, inverse)))
+        V = after
+        x = [now + dt * v for now, v in zip(x, V)]
+    assert np.diff(totals).max() < 1e-12 * totals[0]
+    assert totals[-1] > 0.9 * totals[0]
+    assert np.abs(np.array(momenta) - momenta[0]).max() < 1e-12
+    assert contact.balance.unconverged == 0
+    assert V[0][:, 0].mean() < 0 < V[1][:, 0].mean()
