@@ -23,6 +23,10 @@ module libcontact
   ! ct_where
   integer(c_int), parameter :: CT_INTERIOR = 0, CT_EDGE = 1, CT_VERTEX = 2, CT_OUTSIDE = 3
 
+  ! ct_enforcement
+  integer(c_int), parameter :: CT_ENFORCE_PENALTY = 0, CT_ENFORCE_ENERGY_CONTROLLED = 1, &
+    CT_ENFORCE_BIPENALTY = 2, CT_ENFORCE_LAGRANGE = 3
+
   type, bind(C) :: ct_error
     integer(c_int) :: code
     integer(c_int64_t) :: body, element, point
@@ -65,6 +69,19 @@ module libcontact
     real(c_double) :: dissipation
     integer(c_int) :: points, initial_penetration
     real(c_double) :: removal_time, adjust
+  end type
+
+  type, bind(C) :: ct_contact_prediction
+    type(c_ptr) :: x_a = c_null_ptr, x_b = c_null_ptr, velocity_a = c_null_ptr, velocity_b = c_null_ptr
+    type(c_ptr) :: force_a = c_null_ptr, force_b = c_null_ptr
+    type(c_ptr) :: inverse_mass_a = c_null_ptr, inverse_mass_b = c_null_ptr
+    type(c_ptr) :: increment_a = c_null_ptr, increment_b = c_null_ptr
+    real(c_double) :: dt = 0, kick = 0
+  end type
+
+  type, bind(C) :: ct_contact_balance
+    real(c_double) :: energy, work, removal
+    integer(c_int64_t) :: unconverged
   end type
 
   interface
@@ -118,6 +135,37 @@ module libcontact
       type(c_ptr), value :: contact
       real(c_double), intent(in) :: xa(3, *), xb(3, *)
       type(ct_error), intent(inout) :: error
+      integer(c_int) :: status
+    end function
+
+    function ct_contact_create_self(surface, options, contact, error) bind(C) result(status)
+      import :: c_int, c_ptr, ct_surface, ct_contact_options, ct_error
+      type(ct_surface), intent(in) :: surface
+      type(ct_contact_options), intent(in) :: options
+      type(c_ptr), intent(inout) :: contact
+      type(ct_error), intent(inout) :: error
+      integer(c_int) :: status
+    end function
+
+    function ct_contact_penalty_default(enforcement, modulus, h) bind(C) result(epsilon)
+      import :: c_int, c_double
+      integer(c_int), value :: enforcement
+      real(c_double), value :: modulus, h
+      real(c_double) :: epsilon
+    end function
+
+    function ct_contact_step(contact, prediction, error) bind(C) result(status)
+      import :: c_int, c_ptr, ct_contact_prediction, ct_error
+      type(c_ptr), value :: contact
+      type(ct_contact_prediction), intent(in) :: prediction
+      type(ct_error), intent(inout) :: error
+      integer(c_int) :: status
+    end function
+
+    function ct_contact_get_balance(contact, balance) bind(C) result(status)
+      import :: c_int, c_ptr, ct_contact_balance
+      type(c_ptr), value :: contact
+      type(ct_contact_balance), intent(inout) :: balance
       integer(c_int) :: status
     end function
 

@@ -50,6 +50,22 @@ void host_layout(int64_t *place)
                                  PLACE(ct_contact_options, initial_penetration),
                                  PLACE(ct_contact_options, removal_time),
                                  PLACE(ct_contact_options, adjust),
-                                 (int64_t)sizeof(ct_contact_options)};
+                                 (int64_t)sizeof(ct_contact_options),
+                                 PLACE(ct_contact_prediction, x_b),
+                                 PLACE(ct_contact_prediction, velocity_a),
+                                 PLACE(ct_contact_prediction, velocity_b),
+                                 PLACE(ct_contact_prediction, force_a),
+                                 PLACE(ct_contact_prediction, force_b),
+                                 PLACE(ct_contact_prediction, inverse_mass_a),
+                                 PLACE(ct_contact_prediction, inverse_mass_b),
+                                 PLACE(ct_contact_prediction, increment_a),
+                                 PLACE(ct_contact_prediction, increment_b),
+                                 PLACE(ct_contact_prediction, dt),
+                                 PLACE(ct_contact_prediction, kick),
+                                 (int64_t)sizeof(ct_contact_prediction),
+                                 PLACE(ct_contact_balance, work),
+                                 PLACE(ct_contact_balance, removal),
+                                 PLACE(ct_contact_balance, unconverged),
+                                 (int64_t)sizeof(ct_contact_balance)};
   for (int i = 0; i < (int)(sizeof rows / sizeof rows[0]); i++) place[i] = rows[i];
 }
