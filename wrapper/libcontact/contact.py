@@ -17,7 +17,7 @@ __all__ = ["Balance", "Contact"]
 
 @dataclass(frozen=True)
 class Balance:
-    """Energy balance of the steps of a contact; ``energy + work - removal`` never grows where gaps are linear in the motion of a step."""
+    """Energy balance of the steps of a contact; ``energy + work - removal`` never grows, for steps of one length in which gaps are linear in the motion."""
 
     #: Energy that the contact holds at t_n [energy].
     energy: float

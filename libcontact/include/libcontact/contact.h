@@ -155,7 +155,7 @@ CT_API double ct_contact_energy(const ct_contact *contact);
 
 /**
  * What a host knows at t_n of its coming step, once it has all forces but those of the contact.
- * The step is v_{n+1/2} = v_{n-1/2} + kick f / m, x_{n+1} = x_n + dt v_{n+1/2}, :eq:`leapfrog`.
+ * The step is v_{n+1/2} = v_{n-1/2} + kick f / m, x_{n+1} = x_n + dt v_{n+1/2}, :eq:`host-step`.
  * Arrays have the shape (node_count, 3) of a surface; what belongs to surface b is not read for the
  * contact of a surface with itself. If both surfaces were given with one array of reference
  * coordinates, give one array for both here too.
@@ -189,9 +189,10 @@ typedef struct ct_contact_prediction {
  * x_n, and solve for the forces of all points together, :eq:`constraint-problem`, by the law in
  * the options. Call it once per step; the contact remembers what the next step needs. Then
  * `ct_contact_add_force` adds the forces to f_n. They leave the stable step of the host as it is
- * and, where gaps are linear in the motion of a step, never add energy, :eq:`controlled-energy`.
- * With CT_ENFORCE_PENALTY both are as after `ct_contact_update`. Start gaps, the depth and
- * refusals are those of the options, at the first call. All memory is allocated by the first call.
+ * and, for steps of one length in which gaps are linear in the motion, never add energy,
+ * :eq:`controlled-energy`. With CT_ENFORCE_PENALTY they are those of `ct_contact_update`. Start
+ * gaps begin at the first call, which also allocates; later calls do so only where lists of
+ * candidates grow.
  * ``CT_ERROR_ARGUMENT``: a pointer is missing, or a time not positive. ``CT_INVALID``: a coordinate
  * is not finite (`error` names surface and node); all is then as the last good call left it.
  * ``CT_ERROR_GEOMETRY``: surfaces overlap at the start and CT_INITIAL_REFUSE was chosen.
@@ -206,9 +207,9 @@ typedef struct ct_contact_balance {
   /** Energy that the contact holds at t_n [energy], as `ct_contact_energy`. */
   double energy;
   /**
-   * Work that its forces have done on the bodies from t_0 to t_n [energy], :eq:`work-balance`. The
-   * sum of `energy` and `work` - `removal` never grows where gaps are linear in the motion of a
-   * step.
+   * Work that its forces have done on the bodies from t_0 to t_n [energy], :eq:`host-work`. The
+   * sum of `energy` and `work` - `removal` never grows, for steps of one length in which gaps are
+   * linear in the motion.
    */
   double work;
   /** Work that start gaps have done while they fade [energy], :eq:`initial-work`. */

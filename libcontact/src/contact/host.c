@@ -115,7 +115,7 @@ static const side_prediction *find_node(const ct_contact_fixed *fixed,
   return &side[second];
 }
 
-/* Fill what the solver wants of the nodes (eq:constraint-problem). */
+/* What the solver wants of the nodes (eq:constraint-problem), of the leapfrog (eq:host-step). */
 static void predict(const ct_contact_fixed *fixed, const ct_contact_prediction *p,
                     const side_prediction side[2], double before, ct_solver *solver)
 {
@@ -150,8 +150,8 @@ static ct_status solve(ct_contact *contact, const ct_contact_prediction *p,
   return CT_OK;
 }
 
-/* Count the work of the forces: all of a kick, of which the first part ends at t_n
- * (eq:work-balance, eq:work-sum). */
+/* Count the work of the forces: of the whole kick, of which the first part ends at t_n
+ * (eq:host-work). */
 static void count_work(ct_contact *contact, const ct_contact_prediction *p,
                        const side_prediction side[2])
 {
