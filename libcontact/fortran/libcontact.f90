@@ -138,15 +138,6 @@ module libcontact
       integer(c_int) :: status
     end function
 
-    function ct_contact_create_self(surface, options, contact, error) bind(C) result(status)
-      import :: c_int, c_ptr, ct_surface, ct_contact_options, ct_error
-      type(ct_surface), intent(in) :: surface
-      type(ct_contact_options), intent(in) :: options
-      type(c_ptr), intent(inout) :: contact
-      type(ct_error), intent(inout) :: error
-      integer(c_int) :: status
-    end function
-
     function ct_contact_penalty_default(enforcement, modulus, h) bind(C) result(epsilon)
       import :: c_int, c_double
       integer(c_int), value :: enforcement

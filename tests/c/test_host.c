@@ -149,8 +149,7 @@ static ct_contact *open_contact(const pair *p, const ct_contact_options *options
   ct_surface a = {kind[0], one_array ? all : first, p->face_count[0], p->faces[0], reference},
              b = {kind[1], one_array ? all : all - first, p->face_count[1], faces,
                   one_array ? reference : reference + 3 * first};
-  if (p->bodies == 1) need(ct_contact_create_self(&a, options, &contact, &e), &e);
-  else need(ct_contact_create(&a, &b, options, &contact, &e), &e);
+  need(ct_contact_create(&a, p->bodies == 1 ? &a : &b, options, &contact, &e), &e);
   free(faces);
   return contact;
 }
@@ -174,12 +173,12 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
   const int32_t count = problem->node_count, split = p.bodies == 2 ? 3 * p.mesh[0]->node_count : 0;
   ct_contact *contact[2];
   for (int i = 0; i < 2; i++) contact[i] = open_contact(&p, &options, problem->reference, i == 0);
-  double *x = numbers(3 * count), *f = numbers(3 * count), *room = numbers(3 * count),
+  double *x = numbers(3 * count), *f = numbers(3 * count), *solid = numbers(3 * count),
          off[2] = {0.0, 0.0}, energy = 0.0, top = 0.0, most = 0.0;
   for (int64_t n = 0; n < steps; n++) {
     need(ct_workspace_forces(problem, state, &e), &e);
-    const double *solid = ct_workspace_force_of(problem, state, 0, 0, count, room),
-                 *v = n == 0 ? problem->initial_velocity : state->velocity;
+    for (int32_t k = 0; k < count; k++) ct_workspace_force_at(problem, state, 0, k, &solid[3 * k]);
+    const double *v = n == 0 ? problem->initial_velocity : state->velocity;
     for (int d = 0; d < 3 * count; d++) x[d] = problem->reference[d] + state->displacement[d];
     ct_energy want = energy_of(problem, state);
     for (int i = 0; i < 2; i++) {
@@ -220,7 +219,7 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
   ct_scene_free(scene);
   free(x);
   free(f);
-  free(room);
+  free(solid);
   free_pair(&p);
 }
 

@@ -118,11 +118,8 @@ class Contact:
             "initial_penetration", "ct_initial", initial_penetration
         )
         surfaces = [first] if second is None else [first, second]
-        given = [surface.given for surface in surfaces]
-        if second is None:
-            made = ask("ct_contact **", lib.ct_contact_create_self, given[0], options)
-        else:
-            made = ask("ct_contact **", lib.ct_contact_create, *given, options)
+        given = surfaces[0].given, surfaces[-1].given
+        made = ask("ct_contact **", lib.ct_contact_create, *given, options)
         self._contact = ffi.gc(made, lib.ct_contact_free)
         self._counts = [surface.given.node_count for surface in surfaces]
         self._pair = len({surface.given.reference for surface in surfaces}) == 2

@@ -52,7 +52,7 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
                             ct_error *error)
 {
   if (contact == NULL || xa == NULL || (xb == NULL && contact->fixed->sides == 2))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
+    return CT_REFUSE(error, "contact: null argument");
   const int sides = contact->fixed->sides;
   take_coordinates(contact, (const double *const[2]){xa, xb});
   ct_status status = ct_contact_measure(contact, error);
@@ -220,11 +220,9 @@ static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
 
 ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, ct_error *error)
 {
-  if (contact == NULL || p == NULL)
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE, "contact: null argument");
+  if (contact == NULL || p == NULL) return CT_REFUSE(error, "contact: null argument");
   if (!(p->dt > 0.0 && isfinite(p->dt) && p->kick > 0.0 && isfinite(p->kick)))
-    return ct_fail(error, CT_ERROR_ARGUMENT, CT_NOWHERE,
-                   "contact: a step of %g in which forces act for %g", p->dt, p->kick);
+    return CT_REFUSE(error, "contact: a step of %g in which forces act for %g", p->dt, p->kick);
   const side_prediction a = {p->x_a, p->velocity_a, p->force_a, p->inverse_mass_a, p->increment_a},
                         b = {p->x_b, p->velocity_b, p->force_b, p->inverse_mass_b, p->increment_b},
                         side[2] = {a, contact->fixed->sides == 2 ? b : a};
@@ -233,7 +231,7 @@ ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, c
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, -1},
                      "contact: surface %d lacks coordinates, velocities or inverse masses", s);
   if (contact->host == NULL && open_host(contact->fixed, &contact->host) != CT_OK)
-    return ct_fail(error, CT_ERROR_MEMORY, CT_NOWHERE, "no memory for the steps of a contact");
+    return CT_NO_MEMORY(error, "the steps of a contact");
   return take_step(contact, p, side, error);
 }
 
