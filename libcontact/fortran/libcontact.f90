@@ -153,7 +153,7 @@ module libcontact
       integer(c_int) :: status
     end function
 
-    function ct_contact_get_balance(contact, balance) bind(C) result(status)
+    function ct_contact_balance_of(contact, balance) bind(C) result(status)
       import :: c_int, c_ptr, ct_contact_balance
       type(c_ptr), value :: contact
       type(ct_contact_balance), intent(inout) :: balance

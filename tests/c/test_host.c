@@ -315,7 +315,7 @@ static void never_grows(pair p, const char *name, double end, double allowed, do
     double start = 0.0, lowest = INFINITY;
     for (steps = 0; (double)steps * h.dt < end; steps++) {
       double bodies = step_host(&h, steps);
-      need(ct_contact_get_balance(h.contact, &now), &e);
+      need(ct_contact_balance_of(h.contact, &now), &e);
       double total = bodies + now.energy;
       if (steps == 0) start = total;
       balance = worst(balance, (bodies - start - now.work) / start);
@@ -450,11 +450,11 @@ static void refusals(void)
   ct_contact_prediction p = prediction_of(&a, &b, 0.01, 0.01), q = p;
   ct_contact_balance balance;
   ct_error e;
-  tap_ok(ct_contact_get_balance(contact, &balance) == CT_ERROR_ARGUMENT,
+  tap_ok(ct_contact_balance_of(contact, &balance) == CT_ERROR_ARGUMENT,
          "no balance before the first step");
   tap_ok(ct_contact_step(NULL, &p, &e) == CT_ERROR_ARGUMENT &&
              ct_contact_step(contact, NULL, &e) == CT_ERROR_ARGUMENT &&
-             ct_contact_get_balance(contact, NULL) == CT_ERROR_ARGUMENT,
+             ct_contact_balance_of(contact, NULL) == CT_ERROR_ARGUMENT,
          "null pointers are refused");
   q.velocity_b = NULL;
   tap_ok(ct_contact_step(contact, &q, &e) == CT_ERROR_ARGUMENT && e.body == 1,

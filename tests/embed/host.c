@@ -127,7 +127,7 @@ static void controlled(const ct_surface *a, const ct_surface *b, double beta)
     p.kick = n == 0 ? 0.5 * dt : dt;
     if (ct_contact_step(contact, &p, &error) != CT_OK ||
         ct_contact_add_force(contact, &left.f[0][0], &right.f[0][0]) != CT_OK ||
-        ct_contact_get_balance(contact, &balance) != CT_OK ||
+        ct_contact_balance_of(contact, &balance) != CT_OK ||
         ct_contact_resultant(contact, fa, ma, fb, mb) != CT_OK) {
       tap_ok(0, "step %d: %s", n, error.text);
       break;

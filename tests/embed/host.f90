@@ -119,7 +119,7 @@ contains
       p%dt = dt; p%kick = kick
       bad = bad + ct_contact_step(contact, p, error)
       bad = bad + ct_contact_add_force(contact, left%f, right%f)
-      bad = bad + ct_contact_get_balance(contact, balance)
+      bad = bad + ct_contact_balance_of(contact, balance)
       bodies = advance(left, dt, kick, n == 0) + advance(right, dt, kick, n == 0)
       total = bodies + balance%energy
       if (n == 0) start = total

@@ -250,7 +250,7 @@ class Contact:
     def balance(self) -> Balance:
         """Energy balance since the first step."""
         out = ffi.new("ct_contact_balance *")
-        check(lib.ct_contact_get_balance(self._contact, out))
+        check(lib.ct_contact_balance_of(self._contact, out))
         return Balance(out.energy, out.work, out.removal, out.unconverged)
 
     @property

@@ -202,7 +202,7 @@ typedef struct ct_contact_prediction {
 CT_API ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *prediction,
                                  ct_error *error);
 
-/** Energy balance of the steps of a contact; everything is written by `ct_contact_get_balance`. */
+/** Energy balance of the steps of a contact; everything is written by `ct_contact_balance_of`. */
 typedef struct ct_contact_balance {
   /** Energy that the contact holds at t_n [energy], as `ct_contact_energy`. */
   double energy;
@@ -220,7 +220,7 @@ typedef struct ct_contact_balance {
 
 /** Energy balance of a contact after `ct_contact_step`. ``CT_ERROR_ARGUMENT``: no step was taken.
  */
-CT_API ct_status ct_contact_get_balance(const ct_contact *contact, ct_contact_balance *out);
+CT_API ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *out);
 
 /** Resultant force on each surface and its moment about the origin [force, force · length]; their
  * sums vanish to round-off. */

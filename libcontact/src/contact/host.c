@@ -235,7 +235,7 @@ ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, c
   return take_step(contact, p, side, error);
 }
 
-ct_status ct_contact_get_balance(const ct_contact *contact, ct_contact_balance *out)
+ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *out)
 {
   if (contact == NULL || out == NULL || contact->host == NULL || !contact->host->begun)
     return CT_ERROR_ARGUMENT;
