@@ -11,6 +11,7 @@
 
 /* What the steps of a host's contact need besides. */
 typedef struct ct_host {
+  ct_pool pool;
   ct_solver *solver; /* null for the explicit penalty */
   double *force;     /* of the contact on its nodes, shape (node_count, 3) */
   double *terms;     /* of a sum, likewise */
@@ -64,11 +65,8 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
 
 void ct_host_free(host *h)
 {
-  if (h == NULL) return;
-  ct_solver_free(h->solver);
-  ct_release(h->force);
-  ct_release(h->terms);
-  ct_release(h);
+  if (h != NULL) ct_pool_free(h->solver);
+  ct_pool_free(h);
 }
 
 /* Make room for the steps of a contact. */
@@ -77,16 +75,13 @@ static ct_status open_host(const ct_contact_fixed *fixed, host **out)
   const ct_row_set set = {fixed->point_count, fixed->node_count, NULL};
   const size_t nodes = (size_t)fixed->node_count;
   host *h = ct_allocate(1, sizeof *h);
-  ct_status status = CT_ERROR_MEMORY;
-  if (h == NULL) return status;
-  h->force = ct_allocate(nodes, 3 * sizeof *h->force);
-  h->terms = ct_allocate(nodes, 3 * sizeof *h->terms);
-  int32_t *number = ct_allocate(nodes, sizeof *number);
-  if (h->force != NULL && h->terms != NULL && number != NULL)
-    status = ct_contact_is_penalty(fixed)
-                 ? CT_OK
-                 : ct_solver_create(&set, 1, fixed->node_count, number, &h->solver);
-  ct_release(number);
+  if (h == NULL) return CT_ERROR_MEMORY;
+  h->force = ct_pool_take(&h->pool, nodes, 3 * sizeof *h->force);
+  h->terms = ct_pool_take(&h->pool, nodes, 3 * sizeof *h->terms);
+  int32_t *number = ct_pool_take(&h->pool, nodes, sizeof *number);
+  ct_status status = h->pool.failed ? CT_ERROR_MEMORY : CT_OK;
+  if (status == CT_OK && !ct_contact_is_penalty(fixed))
+    status = ct_solver_create(&set, 1, fixed->node_count, number, &h->solver);
   if (status == CT_OK) *out = h;
   else ct_host_free(h);
   return status;
