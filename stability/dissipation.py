@@ -90,7 +90,7 @@ def main() -> None:
     print("enforcement          ratio     beta   force rms   impulse   release   energy lost")
     for enforcement, dissipation, beta in CASES:
         force, impulse, release, lost = worst(enforcement, dissipation, beta)
-        share = "     " if dissipation is None else f"{dissipation:5.1f}"
+        share = "     " if dissipation is None else f"{dissipation:5.2f}"
         print(
             f"{enforcement:<20} {share} {beta:8g}  {100 * force:8.3f} %  {100 * impulse:6.2f} %  {release:8.1f}  {100 * lost:10.2f} %"
         )

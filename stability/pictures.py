@@ -87,7 +87,7 @@ def bouncing(rows: list):
             row.curve["impact"],
             100 * np.array(row.curve["late"]),
             ".-",
-            label=f"{row.enforcement.replace('_', ' ')}, {row.note.split(';')[0]}",
+            label=f"{row.enforcement.replace('_', ' ')}, {row.fraction:.2g} of the step, {row.steps} steps",
         )
     axis.axhline(0, color="black", linewidth=0.8)
     axis.set_xlabel("impact")

@@ -417,8 +417,8 @@ assert abs(results["Lagrange, 0.9"]["depth"]) < 1e-9
 # Look at the element next to the wall: there stands a spike that no finer mesh and no smaller step removes. The last node
 # swings on the spring of the contact, faster than any wave of the mesh, so nothing carries the swing away. The chapter derives
 # its frequency, :eq:`surface-mode`. With ``dissipation = 0`` the default law keeps all energy in lasting contact, and the swing
-# stays for ever; with its usual damping ratio of 0.15 it is gone after a few elements of travel, and slow motion loses hardly
-# anything (the chapter draws this trade).
+# stays for ever; with its usual damping ratio of 0.15 it is gone after a few elements of travel, and with the default penalty
+# slow motion loses hardly anything (the chapter draws this trade).
 
 
 def beside_the_wall(beta, dissipation):

@@ -371,13 +371,13 @@ typedef struct ct_state {
   double *effect_seconds;
   /**
    * Steps in which the forces of the constraints, :eq:`constraint-problem`, did not settle to 1e-10
-   * of the largest within 500 rounds, so far; the last of them is used then. Not part of a restart;
+   * of the largest within 2000 rounds, so far; the last of them is used then. Not part of a restart;
    * written by `ct_step`.
    */
   int64_t unconverged;
   /**
    * Work of the search for the forces of the constraints so far: rounds of
-   * :eq:`constraint-iteration` times the constraints that they went over, summed over the steps.
+   * :eq:`proportioning` times the constraints that they went over, summed over the steps.
    * Not part of a restart.
    */
   int64_t constraint_rounds;

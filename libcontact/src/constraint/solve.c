@@ -12,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_ITERATIONS = 5000, WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS };
+enum { MOST_ITERATIONS = 2000, WIDE = CT_SOLVER_WIDE, PARTS = CT_QUAD_PARTS };
 
 /* The iteration ends when no force would change by more than this part of the largest. */
 static const double TOLERANCE = 1e-10;
