@@ -371,8 +371,8 @@ typedef struct ct_state {
   double *effect_seconds;
   /**
    * Steps in which the forces of the constraints, :eq:`constraint-problem`, did not settle to 1e-10
-   * of the largest within 2000 rounds, so far; the last of them is used then. Not part of a restart;
-   * written by `ct_step`.
+   * of the largest within 2000 rounds, so far; the last of them is used then. Not part of a
+   * restart; written by `ct_step`.
    */
   int64_t unconverged;
   /**
