@@ -232,3 +232,29 @@ def test_scikit_fem_as_the_host():
     assert np.abs(np.array(momenta) - momenta[0]).max() < 1e-12
     assert contact.balance.unconverged == 0
     assert V[0][:, 0].mean() < 0 < V[1][:, 0].mean()
+
+
+def square(nodes, face):
+    return ct.Surface("Q4", nodes, [face])
+
+
+def test_numbers_that_are_no_prediction_are_refused_in_the_first_step():
+    flat = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
+    up, low, still, one = flat + [0, 0, 1e-3], flat.copy(), np.zeros((4, 3)), np.ones((4, 3))
+    for what in range(3):
+        for wrong in (np.nan, np.inf, -1.0):
+            if what < 2 and wrong == -1.0:
+                continue
+            contact = ct.Contact(square(up, [0, 3, 2, 1]), square(low, [0, 1, 2, 3]), epsilon=50.0)
+            velocity, force, inverse = still.copy(), still.copy(), one.copy()
+            (velocity, force, inverse)[what][2, 1] = wrong
+            with pytest.raises(ct.Error, match="node 2 of surface 0"):
+                contact.step(0.01, (up, low), (velocity, still), (inverse, one), (force, still))
+
+
+def test_one_array_is_one_array_also_where_it_must_be_converted():
+    flat = [[0, 0, 0.5], [1, 0, 0.5], [1, 1, 0.5], [0, 1, 0.5]]
+    nodes = np.array(flat + [[x, y, 0.0] for x, y, _ in flat], np.float32)
+    contact = ct.Contact(square(nodes, [0, 3, 2, 1]), square(nodes, [4, 5, 6, 7]), epsilon=50.0)
+    x = nodes.astype(float)
+    contact.step(0.01, x, np.zeros_like(x), np.ones_like(x))

@@ -118,11 +118,15 @@ class Contact:
             "initial_penetration", "ct_initial", initial_penetration
         )
         surfaces = [first] if second is None else [first, second]
-        given = surfaces[0].given, surfaces[-1].given
-        made = ask("ct_contact **", lib.ct_contact_create, *given, options)
+        other = first.given
+        if second is not None:
+            other = ffi.new("ct_surface *", second.given[0])
+            if second.asked is first.asked:  # one array of nodes, also where it was converted twice
+                other.reference = first.given.reference
+        made = ask("ct_contact **", lib.ct_contact_create, first.given, other, options)
         self._contact = ffi.gc(made, lib.ct_contact_free)
         self._counts = [surface.given.node_count for surface in surfaces]
-        self._pair = len({surface.given.reference for surface in surfaces}) == 2
+        self._pair = other.reference != first.given.reference
 
     @staticmethod
     def penalty(modulus: float, h: float, enforcement: str = "energy_controlled") -> float:

@@ -72,15 +72,15 @@ class Surface:
 
     def __init__(self, kind: str, nodes: Any, faces: Any):
         number = face_kind(kind)
-        nodes, faces = real("nodes", nodes, ("n", 3)), whole("faces", faces)
+        asked, nodes, faces = nodes, real("nodes", nodes, ("n", 3)), whole("faces", faces)
         count = lib.ct_face_node_count(number)
         if faces.ndim != 2 or faces.shape[1] != count or len(faces) == 0:
             reason = f"must have shape (f, {count}), f > 0, not {faces.shape}"
             raise ValueError(f"faces of kind {kind} {reason}")
         surface = ffi.new("ct_surface *", [number, len(nodes), len(faces)])
         surface.faces, surface.reference = ints(faces), doubles(nodes)
-        # The surface as C has it, for a Contact; its arrays live as long.
-        self.given, self._arrays = surface, (faces, nodes)
+        # The surface as C has it, and the array it was asked for with, for a Contact; its arrays live as long.
+        self.given, self.asked, self._arrays = surface, asked, (faces, nodes)
         search = ask("ct_search **", lib.ct_search_create, surface)
         self._search = ffi.gc(search, lib.ct_search_free)
         self._count, self._faces = len(nodes), len(faces)

@@ -193,8 +193,9 @@ typedef struct ct_contact_prediction {
  * :eq:`controlled-energy`. With CT_ENFORCE_PENALTY they are those of `ct_contact_update`. Start
  * gaps begin at the first call, which also allocates; later calls do so only where lists of
  * candidates grow.
- * ``CT_ERROR_ARGUMENT``: a pointer is missing, or a time not positive. ``CT_INVALID``: a coordinate
- * is not finite (`error` names surface and node); all is then as the last good call left it.
+ * ``CT_ERROR_ARGUMENT``: a pointer is missing, or a time not positive. ``CT_INVALID``: a number at
+ * a node of a surface is not finite, or an inverse mass negative (`error` names surface and node);
+ * all is then as the last good call left it.
  * ``CT_ERROR_GEOMETRY``: surfaces overlap at the start and CT_INITIAL_REFUSE was chosen.
  * ``CT_ERROR_STEP``: the last step may have brought the surfaces through each other.
  * ``CT_ERROR_BLOWUP``: forces are not finite.

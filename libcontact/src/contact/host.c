@@ -213,6 +213,27 @@ static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
   return CT_OK;
 }
 
+/* Refuse what is not finite at a node of a surface, and a negative inverse mass. */
+static ct_status check_side(const ct_contact *contact, int s, const side_prediction *p,
+                            ct_error *error)
+{
+  const ct_search *search = contact->fixed->side[s].search;
+  const double *vectors[] = {p->velocity, p->inverse_mass, p->increment,
+                             p->increment == NULL ? p->force : NULL};
+  for (int32_t n = 0; n < search->node_count; n++)
+    for (int64_t d = 3 * (int64_t)search->nodes[n], c = 0; c < 3; c++) {
+      int fine = p->inverse_mass[d + c] >= 0.0;
+      for (int v = 0; v < 4; v++)
+        fine = fine && (vectors[v] == NULL || isfinite(vectors[v][d + c]));
+      if (!fine)
+        return ct_fail(error, CT_INVALID, (ct_place){s, -1, search->nodes[n]},
+                       "contact: node %d of surface %d has a prediction that is not finite, or a "
+                       "negative inverse mass",
+                       (int)search->nodes[n], s);
+    }
+  return CT_OK;
+}
+
 ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, ct_error *error)
 {
   if (contact == NULL || p == NULL) return CT_REFUSE(error, "contact: null argument");
@@ -225,6 +246,10 @@ ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, c
     if (side[s].x == NULL || side[s].velocity == NULL || side[s].inverse_mass == NULL)
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, -1},
                      "contact: surface %d lacks coordinates, velocities or inverse masses", s);
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    ct_status status = check_side(contact, s, &side[s], error);
+    if (status != CT_OK) return status;
+  }
   if (contact->host == NULL && open_host(contact->fixed, &contact->host) != CT_OK)
     return CT_NO_MEMORY(error, "the steps of a contact");
   return take_step(contact, p, side, error);
