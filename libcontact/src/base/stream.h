@@ -40,6 +40,9 @@ void ct_stream_add(ct_stream *sum, const double *terms, int64_t count);
 /* The sum, at the end. */
 double ct_stream_sum(const ct_stream *sum);
 
+/* Largest size of some numbers; infinite if one is not finite. */
+double ct_largest(const double *values, int64_t count);
+
 /* m x · y of `count` nodes, shapes (count) and (count, 3); `mass` null: m = 1. */
 void ct_product_terms(int32_t count, const double *mass, const double *x, const double *y,
                       double *terms);

@@ -6,9 +6,8 @@
 #include <float.h>
 #include <math.h>
 
-/* Largest |value|; infinite if one is not finite. */
 CT_CLONES
-static double largest(const double *values, int64_t count)
+double ct_largest(const double *values, int64_t count)
 {
   double top = 0.0;
   int odd = 0;
@@ -75,7 +74,7 @@ void ct_stream_add(ct_stream *s, const double *terms, int64_t count)
   // -- In the first round only look: the largest number and the count fix the grids
   if (s->round == 1) {
     s->count += count;
-    s->top = fmax(s->top, largest(terms, count));
+    s->top = fmax(s->top, ct_largest(terms, count));
   }
   if (s->round != 2) return;
   double sum[2] = {s->coarse, s->fine};

@@ -7,6 +7,7 @@
 #include "../base/grid.h"
 #include "../base/lanes.h"
 #include "../base/memory.h"
+#include "../base/stream.h"
 
 #include <float.h>
 #include <math.h>
@@ -185,19 +186,6 @@ static void times_G_transposed(const ct_grid *grid, const ct_entries *rows, int6
   }
 }
 
-/* The largest size of some numbers, and zeros. */
-CT_CLONES
-static double largest(int64_t count, const double *x)
-{
-  double top = 0.0;
-#pragma omp simd reduction(max : top)
-  for (int64_t r = 0; r < count; r++) {
-    double size = fabs(x[r]);
-    top = size > top ? size : top;
-  }
-  return top;
-}
-
 CT_CLONES
 static void clear(int64_t count, double *x)
 {
@@ -210,7 +198,7 @@ static int move_nodes(ct_solver *s, const double *force)
 {
   ct_grid grid;
   int64_t components = WIDE * (int64_t)s->node_count;
-  double top = largest(s->count, force);
+  double top = ct_largest(force, s->count);
   clear(components, s->moved);
   if (top == 0.0) return 1;
   // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
@@ -411,12 +399,12 @@ static int improve(ct_solver *s, double slope)
   if (!apply(s, s->way, s->answer)) return -1;
   double curvature = product(s, s->way, s->answer), room = room_ahead(s->count, s->force, s->way),
          best = slope / curvature;
-  if (!(slope > 0.0 && curvature > 0.0))
-    return step_down(s) ? 1 : -1; // numbers too small to square
-  go(s->count, best < room ? best : room, s->way, s->answer, s->force, s->rest);
+  if (slope > 0.0 && curvature > 0.0) { // else numbers too small to square
+    go(s->count, best < room ? best : room, s->way, s->answer, s->force, s->rest);
+    if (best < room) return 0;
+  }
   // -- Farther on a force would pull
-  if (!(best < room)) return step_down(s) ? 1 : -1;
-  return 0;
+  return step_down(s) ? 1 : -1;
 }
 
 /* Whether the rows without a force have more to gain by their steps than those that are pressed,
