@@ -390,8 +390,7 @@ def test_ctrl_c_ends_the_run_and_keeps_what_there_is(with_file, tmp_path):
     # A shell starts background jobs with Ctrl-C switched off, and the tests inherit that: switch it on for this one.
     inherited = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        timer.start()
-        run = scene.run(output=path)
+        run = scene.run(output=path, watch=lambda record: record.steps[-1] or timer.start())
         timer.join()
         assert run.interrupted and signal.getsignal(signal.SIGINT) is signal.default_int_handler
     finally:

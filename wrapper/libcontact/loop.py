@@ -227,11 +227,15 @@ class Loop:
 
     # The loop.
 
-    def run(self, progress: Any) -> Run:
-        """Step to the end, recording as the scene says; what fails is a RunError with the run so far."""
+    def run(self, progress: Any, path: str | Path | None = None) -> Run:
+        """Step to the end, recording as the scene says, into a file where a path is given; what fails is a RunError with the run so far."""
         begin = clock.perf_counter()
         try:
-            self._steps(progress)
+            # Before the file is there: an interrupted run has a record in it.
+            with _ctrl_c() as stop:
+                if path is not None:
+                    self.open(path)
+                self._steps(progress, stop)
             self.seconds = clock.perf_counter() - begin
         except RunError as error:
             self.fail(error)
@@ -242,7 +246,7 @@ class Loop:
             self.abandon()
         return self.result()
 
-    def _steps(self, progress: Any) -> None:
+    def _steps(self, progress: Any, stop: list[int]) -> None:
         from tqdm import tqdm
 
         last, state = self.last, self.state
@@ -253,7 +257,7 @@ class Loop:
         # A bar where stderr is a terminal, or "always".
         hidden = None if progress and progress != "always" else not progress
         shown = {"unit": " steps", "file": sys.stderr, "dynamic_ncols": True, "disable": hidden}
-        with tqdm(total=last, initial=state.step, **shown) as bar, _ctrl_c() as stop:
+        with tqdm(total=last, initial=state.step, **shown) as bar:
             self._record_and_warn()
             while state.step < last and not stop and not self._at_rest():
                 at = bisect_right(self.due, state.step)

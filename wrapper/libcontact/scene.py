@@ -431,9 +431,7 @@ class Scene:
             issue(warning)
         if restart is not None:
             loop.restart(restart, self._built(threads, dt) if parts > 1 else None)
-        if path is not None:
-            loop.open(path)
-        return loop.run(progress)
+        return loop.run(progress, path)
 
     def _whole(self) -> Parts:
         """The parts of a scene that is complete; else the error that says what is missing."""
