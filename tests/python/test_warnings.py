@@ -151,6 +151,21 @@ def test_rings_in_one_place(radius, one_place):
     )
 
 
+@pytest.mark.parametrize(
+    "surfaces, twice",
+    [
+        (("a.outer", "b.outer"), True),
+        (("b.outer", "a.x_max"), True),
+        (("a.x_max", "b.y_min"), False),
+        (("a.y_max", "b.x_min"), False),
+        (("a.outer", "a.outer"), False),
+    ],
+)
+def test_two_contacts_with_the_same_faces(surfaces, twice):
+    found = pair().add_contact(*surfaces).explain().warnings
+    assert [one.key for one in found if type(one) is ct.TwiceWarning] == ["contact[1]"] * twice
+
+
 def test_bodies_that_never_meet():
     never = [(ct.NeverMeetWarning, "contact[0]")]
     assert (

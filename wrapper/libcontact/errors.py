@@ -17,7 +17,7 @@ __all__ = ["ArgumentError", "BlowupError", "EnergyError", "Error", "FileError", 
 __all__ += ["NotBuiltIn", "StepError"]
 __all__ += ["ChatterWarning", "EnergyGrowth", "InsideOutWarning", "NeverMeetWarning", "NotAtRest"]
 __all__ += ["NotSettled", "OutputWarning", "OverlapWarning", "RotationWarning", "SamePlaceWarning"]
-__all__ += ["SceneWarning", "ThinWarning", "UnitsWarning"]
+__all__ += ["SceneWarning", "ThinWarning", "TwiceWarning", "UnitsWarning"]
 
 
 class Error(Exception):
@@ -95,6 +95,10 @@ class InsideOutWarning(SceneWarning):
 
 class SamePlaceWarning(SceneWarning):
     """Two bodies fill the same space."""
+
+
+class TwiceWarning(SceneWarning):
+    """Two contacts have the same faces, which then press on each other twice."""
 
 
 class OverlapWarning(SceneWarning):
