@@ -432,6 +432,67 @@ def hat(x: np.ndarray, n: int) -> np.ndarray:
     return np.maximum(1 - np.abs(n * x - np.arange(n + 1)[:, None]), 0)
 
 
+def brick(size: np.ndarray, young: float) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness (24, 24) of a box with ν = 0 by 2 x 2 x 2 Gauss points, and σz in its centre for unit displacements (24,)."""
+    corners = np.array(np.meshgrid(*[[-1, 1]] * 3, indexing="ij")).reshape(3, 8)
+    stiffness, modulus = np.zeros((24, 24)), young * np.array([1, 1, 1, 0.5, 0.5, 0.5])
+    for point in [*(corners.T / np.sqrt(3)), np.zeros(3)]:
+        near = 1 + corners * point[:, None]
+        slope = corners / 4 * near[[1, 2, 0]] * near[[2, 0, 1]] / size[:, None]
+        B = np.zeros((6, 8, 3))
+        for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
+            B[i, :, i], B[3 + i, :, j], B[3 + i, :, k] = slope[i], slope[k], slope[j]
+        B = B.reshape(6, 24)
+        if point.any():
+            stiffness += B.T * modulus @ B * np.prod(size) / 8
+    return stiffness, young * B[2]
+
+
+def common(n: int, m: int) -> np.ndarray:
+    """Integrals (n + 1, m + 1) of products of the shape functions of n and of m equal elements on 0 ... 1, over the common pieces of both."""
+    cuts = np.unique(np.r_[np.arange(n + 1) / n, np.arange(m + 1) / m])
+    middle, half = (cuts[1:] + cuts[:-1]) / 2, np.diff(cuts) / 2
+    points = np.r_[middle - half / np.sqrt(3), middle + half / np.sqrt(3)]
+    return (hat(points, n) * np.r_[half, half]) @ hat(points, m).T
+
+
+@measurement
+def mortar() -> Numbers:
+    """The hex8 blocks of ``recovered_blocks``, two elements high, at rest and joined by multipliers on the finer face, with integrals over the common pieces of both meshes: largest errors of a multiplier and of the stress of an element."""
+    found = {"node": 0.0, "stress": 0.0}
+    for coarse, fine in ((8, 11), (2, 14)):
+        nodes = [np.arange(3 * (n + 1) ** 2).reshape(n + 1, n + 1, 3) for n in (coarse, fine)]
+        nodes[1] += nodes[0].size
+        below, above, size = nodes[0][..., 2], nodes[1][..., 0], 3 * (nodes[1].max() + 1)
+        A, b = np.zeros((size + above.size,) * 2), np.zeros(size + above.size)
+        pieces = []
+        for n, node in zip((coarse, fine), nodes):
+            K, row = brick(np.array([1 / n, 1 / n, 0.25]), 1000.0)
+            near = [slice(None, -1), slice(1, None)]
+            corners = np.stack([node[i, j, k] for i in near for j in near for k in near], -1)
+            for one in corners.reshape(-1, 8):
+                freedoms = (3 * one[:, None] + np.arange(3)).ravel()
+                A[np.ix_(freedoms, freedoms)] += K
+                pieces.append((freedoms, row))
+        for node, sign, n in ((above, 1, fine), (below, -1, coarse)):
+            joined = sign * np.kron(common(fine, n), common(fine, n))
+            A[size:, 3 * node.ravel() + 2] = joined
+            A[3 * node.ravel() + 2, size:] = joined.T
+        b[3 * nodes[1][..., 2].ravel() + 2] = -np.kron(*[common(fine, fine).sum(axis=1)] * 2)
+        held = [3 * node[0].ravel() for node in nodes] + [
+            3 * node[:, 0].ravel() + 1 for node in nodes
+        ]
+        free = np.delete(
+            np.arange(len(b)), np.concatenate([*held, 3 * nodes[0][..., 0].ravel() + 2])
+        )
+        x = np.zeros(len(b))
+        x[free] = np.linalg.solve(A[np.ix_(free, free)], b[free])
+        stress = [row @ x[freedoms] for freedoms, row in pieces]
+        for name, values in (("node", np.abs(x[size:])), ("stress", -np.array(stress))):
+            found[name] = max(found[name], np.abs(values - 1).max())
+    return found
+
+
 @measurement
 def nodal_forces() -> Numbers:
     """A line of n elements pressed evenly on one of m, two Gauss points an element: largest error of a nodal force on each side, over the true one."""
