@@ -21,6 +21,7 @@ import plates  # noqa: E402
 import projection  # noqa: E402
 import savings  # noqa: E402
 import search  # noqa: E402
+import whole  # noqa: E402
 
 import libcontact as ct  # noqa: E402
 
@@ -52,7 +53,7 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     where = machine()
     print("\n".join(f"{key}: {value}" for key, value in where.items()), flush=True)
-    for bench in (plates, penalty, projection, search, effects, savings, off_is_free):
+    for bench in (plates, penalty, projection, search, effects, savings, off_is_free, whole):
         result = bench.measure()
         print("\n" + bench.report(result), flush=True)
         (folder / f"{bench.__name__}.json").write_text(
