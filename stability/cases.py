@@ -93,7 +93,6 @@ def bar_on_a_wall(short: bool) -> Iterator[Row]:
                 ):
                     row.verdict = "less accurate than asked"
             yield row
-    yield wall("lagrange", None, 0.9, n)
     for enforcement, beta in (
         ("penalty", 1.0),
         ("penalty", 10.0),
@@ -109,9 +108,7 @@ def bar_with_each_integrator(short: bool) -> Iterator[Row]:
     for integrator in ("chung_lee", "noh_bathe", "tchamwa_wielgosz"):
         few = ((DEFAULT, None), ("penalty", 1.0))
         for enforcement, beta in (
-            few
-            if short
-            else (*few, (DEFAULT, 1.0), (DEFAULT, 1e4), ("penalty", 10.0), ("lagrange", None))
+            few if short else (*few, (DEFAULT, 1.0), (DEFAULT, 1e4), ("penalty", 10.0))
         ):
             for fraction in (0.9,) if short or enforcement != DEFAULT else (0.5, 0.9, 0.99):
                 yield wall(
@@ -196,9 +193,7 @@ def bouncing_bar(short: bool) -> Iterator[Row]:
     ways = [(DEFAULT, None, 0.99), ("bipenalty", 1.0, 0.99)]
     for n in (40,) if short else (50, 100, 200, 400):
         for enforcement, beta, fraction in (
-            ways
-            if n < 400
-            else [*ways, (DEFAULT, None, 0.9), ("lagrange", None, 0.99), ("penalty", 0.5, 0.9)]
+            ways if n < 400 else [*ways, (DEFAULT, None, 0.9), ("penalty", 0.5, 0.9)]
         ):
             row, late = bouncing(n, impacts, enforcement, beta, fraction)
             # On coarse meshes the vibration of thirty impacts makes the points of a bipenalty chatter.
@@ -226,7 +221,7 @@ def bouncing_bar(short: bool) -> Iterator[Row]:
 def two_bars(short: bool) -> Iterator[Row]:
     """Equal bars (contact lasts 2 L / c, pressure 0.1), and bars of impedance 1:100 and 1:1e4 in stiffness."""
     for name, stiff in (("equal", 1.0), ("impedance 1:100", 1e4)):
-        for enforcement, beta in ((DEFAULT, None), ("lagrange", None), ("penalty", 1.0)):
+        for enforcement, beta in ((DEFAULT, None), ("penalty", 1.0)):
             made = scene("two bars")
             for k, young in enumerate((1.0, stiff)):
                 material(made, f"m{k}", young, 0.0)
@@ -302,7 +297,6 @@ def plate_impact(short: bool) -> Iterator[Row]:
             # A penalty of a hundredth of the elements' stiffness is no wall: what it overlaps is its own choice.
             yield plates(cells, DEFAULT, beta, fraction, bound=math.inf if beta < 1 else 0.5)
     for enforcement, beta, expected in (
-        ("lagrange", None, "passes"),
         ("penalty", 1.0, "passes"),
         ("penalty", 100.0, "energy"),
         ("bipenalty", 100.0, "energy"),
@@ -339,7 +333,6 @@ def contact_and_reference(short: bool) -> Iterator[Row]:
     for enforcement, beta, time in (
         ("penalty", 4.0, {"courant": 0.125}),
         (DEFAULT, None, {"fraction": 0.94}),
-        ("lagrange", None, {"fraction": 0.94}),
     ):
         _, reference = run("plates_reference.toml", time)
         made, stress = run("plates.toml", time, **enforced(enforcement, beta))
@@ -357,8 +350,7 @@ def contact_and_reference(short: bool) -> Iterator[Row]:
 
 def unlike_meshes(short: bool) -> Iterator[Row]:
     for right in ((12, 18),) if short else ((12, 18), (12, 15), (12, 88), (5, 88)):
-        for enforcement, beta in ((DEFAULT, None), ("lagrange", None)):
-            yield plates(12, enforcement, beta, 0.9, right=right)
+        yield plates(12, DEFAULT, None, 0.9, right=right)
 
 
 # Corners, edges, rings.
@@ -392,26 +384,23 @@ def dropped_cube(short: bool) -> Iterator[Row]:
         ("corner", from_to(np.array([1.0, 1, 1]))),
     ]
     ways += [(f"way {i + 1}", random_rotation(random)) for i in range(2 if short else 50)]
-    for enforcement, beta in ((DEFAULT, None),) if short else ((DEFAULT, None), ("lagrange", None)):
-        for name, rotation in ways if enforcement == DEFAULT else ways[:3]:
-            nodes, elements = turned_cube(rotation)
-            made = scene("cube")
-            material(made, young=1e4, poisson=0.3, law="neo_hookean")
-            made.add_body(
-                "cube", nodes=nodes, elements=elements, material="soft", velocity=[0, 0, -5]
-            )
-            made.add("obstacle", surface="cube.outer", plane=FLOOR, **enforced(enforcement, beta))
-            made.set_time(end=0.08, fraction=0.7).set_output(every=2, fields=[])
-            # Gauss points sit 0.21 h inside their face: a corner enters by up to that before any of them does.
-            yield judge(
-                f"cube dropped on its {name}"
-                if not name.startswith("way")
-                else f"cube dropped, {name}",
-                made,
-                enforcement=enforcement,
-                beta=beta,
-                depth=lowest("cube"),
-            )
+    for name, rotation in ways:
+        nodes, elements = turned_cube(rotation)
+        made = scene("cube")
+        material(made, young=1e4, poisson=0.3, law="neo_hookean")
+        made.add_body("cube", nodes=nodes, elements=elements, material="soft", velocity=[0, 0, -5])
+        made.add("obstacle", surface="cube.outer", plane=FLOOR, **enforced(DEFAULT, None))
+        made.set_time(end=0.08, fraction=0.7).set_output(every=2, fields=[])
+        # Gauss points sit 0.21 h inside their face: a corner enters by up to that before any of them does.
+        yield judge(
+            f"cube dropped on its {name}"
+            if not name.startswith("way")
+            else f"cube dropped, {name}",
+            made,
+            enforcement=DEFAULT,
+            beta=None,
+            depth=lowest("cube"),
+        )
 
 
 def ring(
@@ -433,7 +422,7 @@ def ring(
 
 def spinning_ring(short: bool) -> Iterator[Row]:
     cells = [1, 32, 1] if short else [2, 64, 1]
-    for enforcement, beta in ((DEFAULT, None), ("lagrange", None), ("penalty", 1.0)):
+    for enforcement, beta in ((DEFAULT, None), ("penalty", 1.0)):
         made = scene("ring")
         material(made, young=1e4, poisson=0.3, law="neo_hookean")
         ring(made, "ring", [1.1, 0, 0], cells, [-10, 0, 0], 10.0)
@@ -456,7 +445,7 @@ def spinning_ring(short: bool) -> Iterator[Row]:
 def crossing_rings(short: bool) -> Iterator[Row]:
     """Two rings hit each other at a fifth of the speed of waves."""
     cells = [1, 32, 1] if short else [2, 64, 1]
-    for enforcement, beta in ((DEFAULT, None), ("lagrange", None), ("penalty", 1.0)):
+    for enforcement, beta in ((DEFAULT, None), ("penalty", 1.0)):
         made = scene("rings")
         material(made, young=1e4, poisson=0.3, law="neo_hookean")
         ring(made, "a", [-1.05, 0, 0], cells, [10, 0, 0])
@@ -478,7 +467,7 @@ def crossing_rings(short: bool) -> Iterator[Row]:
 def sliding_block(short: bool) -> Iterator[Row]:
     """A block slides over the borders of 20 faces, pressed on by its weight; the force must not jump there."""
     borders = 5 if short else 20
-    for enforcement, beta in ((DEFAULT, None), ("lagrange", None), ("penalty", 1.0)):
+    for enforcement, beta in ((DEFAULT, None), ("penalty", 1.0)):
         made = scene("sliding block")
         material(made, young=1e3, poisson=0.3)
         length = 0.1 * (borders + 8)
@@ -524,7 +513,7 @@ def sliding_block(short: bool) -> Iterator[Row]:
 
 def thin_plates(short: bool) -> Iterator[Row]:
     """One plate of one element's thickness falls on another: each must meet the near side of the other, never the far one."""
-    for enforcement, beta in ((DEFAULT, None), ("lagrange", None), ("penalty", 1.0)):
+    for enforcement, beta in ((DEFAULT, None), ("penalty", 1.0)):
         made = scene("thin plates")
         material(made, young=1e5, poisson=0.3)
         for k, name in enumerate("ab"):
@@ -601,45 +590,41 @@ def distorted_mesh(short: bool) -> Iterator[Row]:
         for x in nodes:
             inner = ((x > x.min(0) + 1e-9) & (x < x.max(0) - 1e-9)).all(1)
             x[inner] += random.uniform(-amount / 6, amount / 6, (inner.sum(), 3))
-        for enforcement, beta in (
-            ((DEFAULT, None), ("lagrange", None)) if amount < 0.4 else ((DEFAULT, None),)
-        ):
-            try:
-                row = judge(
-                    f"mesh distorted by {amount} h",
-                    two_blocks(nodes, elements, enforcement, beta),
-                    enforcement=enforcement,
-                    beta=beta,
-                    depth=overlap("a", "b", "x_max", "x_min"),
-                )
-            except (ct.Error, ct.SceneError) as error:
-                refused = wanted != "passes" and "element" in str(error)
-                row = Row(
-                    f"mesh distorted by {amount} h",
-                    enforcement,
-                    beta,
-                    *([math.nan] * 2),
-                    0,
-                    *([math.nan] * 5),
-                    "passes" if refused else type(error).__name__,
-                    note="refused: " + str(error),
-                )
-            else:
-                if wanted != "passes":
-                    row.verdict = "an inverted element was not refused"
-            yield row
+        try:
+            row = judge(
+                f"mesh distorted by {amount} h",
+                two_blocks(nodes, elements, DEFAULT, None),
+                enforcement=DEFAULT,
+                beta=None,
+                depth=overlap("a", "b", "x_max", "x_min"),
+            )
+        except (ct.Error, ct.SceneError) as error:
+            refused = wanted != "passes" and "element" in str(error)
+            row = Row(
+                f"mesh distorted by {amount} h",
+                DEFAULT,
+                None,
+                *([math.nan] * 2),
+                0,
+                *([math.nan] * 5),
+                "passes" if refused else type(error).__name__,
+                note="refused: " + str(error),
+            )
+        else:
+            if wanted != "passes":
+                row.verdict = "an inverted element was not refused"
+        yield row
 
 
 def aspect_ratio(short: bool) -> Iterator[Row]:
     nodes, elements = block_pair(3, 1e3)
-    for enforcement, beta in ((DEFAULT, None), ("lagrange", None)):
-        yield judge(
-            "aspect ratio 1000",
-            two_blocks(nodes, elements, enforcement, beta),
-            enforcement=enforcement,
-            beta=beta,
-            depth=overlap("a", "b", "x_max", "x_min"),
-        )
+    yield judge(
+        "aspect ratio 1000",
+        two_blocks(nodes, elements, DEFAULT, None),
+        enforcement=DEFAULT,
+        beta=None,
+        depth=overlap("a", "b", "x_max", "x_min"),
+    )
 
 
 def sizes(short: bool) -> Iterator[Row]:
@@ -738,7 +723,7 @@ def vibration(short: bool) -> Iterator[Row]:
 def resting(short: bool) -> Iterator[Row]:
     """A block that lies on a floor for a hundred thousand steps."""
     steps = 5000 if short else 10**5
-    for enforcement, beta in ((DEFAULT, None), ("lagrange", None), ("penalty", 1.0)):
+    for enforcement, beta in ((DEFAULT, None), ("penalty", 1.0)):
         made = scene("rest")
         material(made)
         made.add_body(

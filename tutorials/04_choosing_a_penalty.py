@@ -320,7 +320,7 @@ for beta in (0.5, 10, 1000):
     assert worst("energy_controlled", beta, 0.9)[0] < 1e-12  # never, not at any stiffness
 
 # %%
-# Five cures
+# Four cures
 # ----------
 # - *A softer spring*, :math:`\beta = 0.5`. Simple and fast. But more comes through the wall: at rest under the pressure p it
 #   is :math:`p/\varepsilon = p h/\beta E`.
@@ -329,7 +329,6 @@ for beta in (0.5, 10, 1000):
 #   only.
 # - *The energy-controlled penalty*, our default: the force knows the gap that it will lead to. Any stiffness, the step of the
 #   bodies alone. Without ``beta`` the penalty is stiff, 40 :math:`\rho c_1^2/h`.
-# - *Lagrange multipliers*: the same with an infinite stiffness. Nothing ends a step inside.
 #
 # The times are the least of 15 runs each, taken in turns, over that of the first.
 
@@ -340,7 +339,7 @@ cures = {
     "bipenalty 1, 0.9": ("bipenalty", 1, {"fraction": 0.9}),
     "energy-controlled 10, 0.9": ("energy_controlled", 10, {"fraction": 0.9}),
     "energy-controlled 1e4, 0.9": ("energy_controlled", 1e4, {"fraction": 0.9}),
-    "Lagrange, 0.9": ("lagrange", None, {"fraction": 0.9}),
+    "energy-controlled, 0.9": ("energy_controlled", None, {"fraction": 0.9}),
 }
 
 
@@ -404,12 +403,10 @@ fig.savefig(folder / "penalty_cures.png", dpi=150)
 for name, result in results.items():
     if name != "penalty 10, 0.9":
         assert result["most"] < 1.01 and result["after"] > 0.99, name
-for name in ("energy-controlled 10, 0.9", "energy-controlled 1e4, 0.9", "Lagrange, 0.9"):
-    assert results[name]["rms"] < 1e-3, name
-    assert results[name]["most"] < 1 + 1e-12, name
-for name, beta in (("energy-controlled 10, 0.9", 10), ("energy-controlled 1e4, 0.9", 1e4)):
-    np.testing.assert_allclose(results[name]["depth"], PRESSURE / (beta * E), rtol=0.01)
-assert abs(results["Lagrange, 0.9"]["depth"]) < 1e-9
+for name, beta in ((" 10", 10), (" 1e4", 1e4), ("", 40)):
+    result = results[f"energy-controlled{name}, 0.9"]
+    assert result["rms"] < 1e-3 and result["most"] < 1 + 1e-12
+    np.testing.assert_allclose(result["depth"], PRESSURE / (beta * E), rtol=0.01)
 
 # %%
 # The mode at the surface
@@ -484,7 +481,7 @@ choices = {
     "energy-controlled 10, 0.9": ("energy_controlled", 10, {"fraction": 0.9}),
     "energy-controlled 100, 0.9": ("energy_controlled", 100, {"fraction": 0.9}),
     "energy-controlled, 0.9": ("energy_controlled", None, {"fraction": 0.9}),
-    "Lagrange, 0.9": ("lagrange", None, {"fraction": 0.9}),
+    "energy-controlled 1000, 0.9": ("energy_controlled", 1000, {"fraction": 0.9}),
 }
 
 
@@ -541,7 +538,7 @@ for (name, difference), time in zip(differences.items(), seconds):
         time / seconds[0],
         floor,
         "o",
-        color="tab:green" if name.startswith(("energy", "Lagrange")) else "tab:blue",
+        color="tab:green" if name.startswith("energy") else "tab:blue",
     )
     left_of = name == "penalty 1, 0.9"
     shift = (-7 if left_of else 7, -6 if name == "penalty 4, 0.9" else 0)
@@ -560,7 +557,7 @@ ax.set(
     ylabel="off the reference [% of the plateau]",
     xlim=(-0.1, 1.45),
     ylim=(5e-4, 30),
-    title="Price and worth (multipliers: round-off, drawn at 0.001 %)",
+    title="Price and worth",
 )
 ax.spines[["top", "right"]].set_visible(False)
 fig.savefig(folder / "penalty_price.png", dpi=150)
@@ -568,14 +565,15 @@ fig.savefig(folder / "penalty_price.png", dpi=150)
 assert differences["energy-controlled 10, 0.9"] < differences["penalty 4, Courant 0.125"]
 assert differences["energy-controlled, 0.9"] < 0.3 * differences["penalty 4, Courant 0.125"]
 assert differences["energy-controlled 100, 0.9"] < 0.15 * differences["penalty 4, Courant 0.125"]
-assert differences["Lagrange, 0.9"] < 1e-10
+assert differences["energy-controlled 1000, 0.9"] < 0.02 * differences["penalty 4, Courant 0.125"]
 
 # %%
 # What to take
 # ------------
 # - If you have no reason for another: leave ``enforcement`` and the penalty at their defaults, ``"energy_controlled"`` with
 #   40 :math:`\rho c_1^2/h`. A step near 0.9 of the limit.
-# - Meshes that match, and no penetration wanted: ``"lagrange"``.
+# - Hardly any penetration wanted: the same with ``beta = 1000``. (Lagrange multipliers, the limit of an infinite stiffness, fail
+#   on meshes that do not match: :ref:`why-no-multipliers`.)
 # - A scene of the literature, or a contact that must cost as little as it can: ``"penalty"`` with :math:`\beta \le 1`, or
 #   with :math:`\beta = 4` and at most 0.4 of the stable step.
 # - Whatever you take: look at ``total`` in the ledger, and at what the library warns of.

@@ -25,7 +25,7 @@ module libcontact
 
   ! ct_enforcement
   integer(c_int), parameter :: CT_ENFORCE_PENALTY = 0, CT_ENFORCE_ENERGY_CONTROLLED = 1, &
-    CT_ENFORCE_BIPENALTY = 2, CT_ENFORCE_LAGRANGE = 3
+    CT_ENFORCE_BIPENALTY = 2
 
   type, bind(C) :: ct_error
     integer(c_int) :: code

@@ -14,7 +14,7 @@
 
 static const char *const SCHEME[] = {"central_difference", "chung_lee", "noh_bathe",
                                      "tchamwa_wielgosz"};
-static const char *const ENFORCEMENT[] = {"penalty", "energy_controlled", "bipenalty", "lagrange"};
+static const char *const ENFORCEMENT[] = {"penalty", "energy_controlled", "bipenalty"};
 enum { ENFORCEMENTS = sizeof ENFORCEMENT / sizeof ENFORCEMENT[0] };
 
 static unsigned long long bodies_seed = 88172645463325252ull;

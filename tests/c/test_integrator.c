@@ -251,15 +251,14 @@ static void free_fall(ct_scheme scheme)
 
 /* Two cubes that touch and run against each other: the forces of the first moment must be those of
  * the way that is then gone, and the velocity the given one. */
-static void pressed_start(ct_scheme scheme, ct_enforcement enforcement)
+static void pressed_start(ct_scheme scheme, double beta)
 {
   ct_mesh *a = box_mesh(CT_HEX8, -1, 0, 0, 1, 1, 1, 1, 1, 1),
           *b = box_mesh(CT_HEX8, 0, 0, 0, 1, 1, 1, 1, 1, 1);
   ct_scene *scene = new_scene_with("a", a, &SOFT, CT_KERNEL_AUTO, 0.5, 0, 0);
   add_body(scene, "b", b, &SOFT, CT_KERNEL_AUTO, -0.5, 0, 0);
   ct_contact_options options = ct_contact_options_default();
-  options.enforcement = enforcement;
-  add_contact_with(scene, 0, a, 0.0, 1, b, 0.0, 0, 2.0, options, 0.0, 1.0);
+  add_contact_with(scene, 0, a, 0.0, 1, b, 0.0, 0, beta, options, 0.0, 1.0);
   const ct_problem *p = build(
       scene,
       (ct_scene_time){
@@ -272,8 +271,8 @@ static void pressed_start(ct_scheme scheme, ct_enforcement enforcement)
   need(ct_state_force(p, state, 1, force, &e), &e);
   double off = largest_difference(v, p->initial_velocity, 3 * p->node_count),
          push = largest(force, 3 * p->node_count);
-  tap_ok(off < 1e-13 && push > 0.0, "%s, %s: pressed from the start, velocity off by %.2g",
-         SCHEME[scheme], ENFORCEMENT[enforcement], off);
+  tap_ok(off < 1e-13 && push > 0.0, "%s, beta %g: pressed from the start, velocity off by %.2g",
+         SCHEME[scheme], beta, off);
   free(v);
   free(force);
   close_run(state, scene, a);
@@ -588,10 +587,8 @@ int main(void)
     textbook((ct_scheme)s, 0.95);
   }
   for (int s = 0; s < CT_TCHAMWA_WIELGOSZ; s++) free_fall((ct_scheme)s);
-  for (int s = 0; s < SCHEMES; s++) {
-    pressed_start((ct_scheme)s, CT_ENFORCE_ENERGY_CONTROLLED);
-    pressed_start((ct_scheme)s, CT_ENFORCE_LAGRANGE);
-  }
+  for (int s = 0; s < SCHEMES; s++)
+    for (int k = 0; k < 2; k++) pressed_start((ct_scheme)s, k ? 1e4 : 2.0);
   order_of(CT_CHUNG_LEE, 1.9, 2.1);
   order_of(CT_NOH_BATHE, 1.9, 2.1);
   order_of(CT_TCHAMWA_WIELGOSZ, 0.9, 1.15);

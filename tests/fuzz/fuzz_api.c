@@ -181,7 +181,7 @@ static void add_contact(play *p)
   c.faces_b = any_faces(p, c.body_b, 0, &c.face_count_b, &kind);
   if (c.body_a == c.body_b && chance(d, 2)) c.faces_b = c.faces_a, c.face_count_b = c.face_count_a;
   if (chance(d, 5)) c.beta = 0.0, c.options.epsilon = between(d, 0.1, 10.0);
-  if (chance(d, 3)) c.options.enforcement = (ct_enforcement)below(d, 5);
+  if (chance(d, 3)) c.options.enforcement = (ct_enforcement)below(d, 4);
   if (chance(d, 5)) c.options.dissipation = between(d, 0.0, 1.0);
   if (chance(d, 6)) c.options.depth = between(d, 0.01, 2.0);
   if (chance(d, 8)) c.options.method = (ct_method)below(d, 13);
@@ -312,7 +312,7 @@ static ct_effect *surface_effect(play *p, int body)
                          .axis = {real(d), real(d), real(d)},
                          .radius = between(d, -1.0, 1.0),
                          .epsilon = between(d, 0.1, 5.0),
-                         .enforcement = (ct_enforcement)below(d, 4 + d->wild),
+                         .enforcement = (ct_enforcement)below(d, 3 + d->wild),
                          .dissipation = chance(d, 2) ? 0.0 : between(d, 0.0, 1.0),
                          .kind = kind,
                          .face_count = count,

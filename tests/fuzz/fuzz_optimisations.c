@@ -244,7 +244,7 @@ static void add_contact(run *r, dice *d)
                         .face_count_b = second->side_count[0],
                         .beta = between(d, 0.3, 2.0),
                         .options = ct_contact_options_default()};
-  if (chance(d, 2)) c.options.enforcement = (ct_enforcement)below(d, 4);
+  if (chance(d, 2)) c.options.enforcement = (ct_enforcement)below(d, 3);
   if (chance(d, 3)) c.options.points = CT_POINTS_LOBATTO;
   if (chance(d, 5))
     c.options.initial_penetration = chance(d, 2) ? CT_INITIAL_PUSH : CT_INITIAL_REMOVE;
@@ -439,7 +439,7 @@ static ct_status library_effect(run *r, dice *d, int32_t *number, ct_effect **ef
       .axis = {-sign, 0.0, 0.0},
       .radius = 5.0,
       .epsilon = between(d, 0.1, 1.0),
-      .enforcement = (ct_enforcement)below(d, 4),
+      .enforcement = (ct_enforcement)below(d, 3),
       .dissipation = 0.1,
       .kind = kind,
       .face_count = count,

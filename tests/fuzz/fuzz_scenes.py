@@ -37,7 +37,7 @@ KEYS = [
     "linear",
     "neo_hookean",
     "penalty",
-    "lagrange",
+    "energy_controlled",
     "bipenalty",
     "reduced",
     "box",

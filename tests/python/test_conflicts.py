@@ -106,5 +106,4 @@ def test_the_assumptions_are_those_of_the_scene():
     ):
         assert words in assumed(more) and words not in assumed("")
     assert "undeformed surface" not in assumed(load + "following = true\n")
-    assert "by a penalty" not in assumed(PAIR + 'enforcement = "lagrange"\n')
     assert "ringing" in assumed("") and "ringing" not in assumed("[damping]\nrate = 1\n")

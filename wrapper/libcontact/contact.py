@@ -45,7 +45,7 @@ class Contact:
         The surface that it meets; without it the first one meets itself.
     epsilon : float
         Penalty [stress / length]; see :meth:`penalty`.
-    enforcement : {"energy_controlled", "penalty", "bipenalty", "lagrange"}
+    enforcement : {"energy_controlled", "penalty", "bipenalty"}
         How gaps give forces.
     dissipation : float
         Damping ratio of the surface mode, 0 ... 1; for ``"energy_controlled"``.

@@ -121,10 +121,9 @@ def _assumptions(parts: Parts) -> list[str]:
     laws = [LAWS[law] for law in bodies]
     if len(bodies) > 1:
         laws = [f"{LAWS[law]} ({', '.join(names)})" for law, names in bodies.items()]
-    pressed = [*parts.contact, *parts.obstacle]
     holds = {
         STIFFENS: set(bodies) != {"linear"},
-        PENALTY: any(each.enforcement != "lagrange" for each in pressed),
+        PENALTY: bool(parts.contact or parts.obstacle),
         NAMED: True,
         DEAD: any(not load.following for load in parts.load),
         RELAXED: parts.damping is not None and parts.damping.rate is None,

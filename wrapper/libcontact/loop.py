@@ -279,12 +279,7 @@ class Loop:
             issue(errors.NotAtRest(text, "time.until_static"))
         if state.unconverged:
             text = f"the contact forces did not settle to their tolerance in {min(state.unconverged, state.step)} of {state.step} steps; "
-            issue(
-                errors.NotSettled(
-                    text
-                    + "a smaller step helps, a smaller beta, or for multipliers meshes that match"
-                )
-            )
+            issue(errors.NotSettled(text + "a smaller step helps, or a smaller beta"))
 
     def start_guard(self) -> None:
         """Monitor the state from here on; what is wrong with it already is an error of the input."""

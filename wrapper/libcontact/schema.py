@@ -291,15 +291,16 @@ def word(enum: Mapping[str, int], value: int) -> str:
 
 
 class Choice(Text):
-    """One of some words; those of a C enum come with their values."""
+    """One of some words; those of a C enum come with their values. ``gone`` says of words that were known once why they are not, and what to write."""
 
-    def __init__(self, known: Collection[str]):
-        self.known, self.json = known, {"enum": list(known)}
+    def __init__(self, known: Collection[str], gone: Mapping[str, str] | None = None):
+        self.known, self.gone, self.json = known, gone or {}, {"enum": list(known)}
 
     def read(self, value: Any, at: Place) -> str:
         chosen = super().read(value, at)
         if chosen not in self.known:
-            raise at.error(f'"{chosen}" is unknown' + suggestion(chosen, self.known, "it must be "))
+            unknown = "is unknown" + suggestion(chosen, self.known, "it must be ")
+            raise at.error(f'"{chosen}" {self.gone.get(chosen, unknown)}')
         return chosen
 
     def c(self, value: str) -> Any:

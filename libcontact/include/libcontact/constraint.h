@@ -20,12 +20,7 @@ typedef enum ct_enforcement {
   CT_ENFORCE_ENERGY_CONTROLLED,
   /** Penalty on gap and acceleration of the gap in a ratio that leaves the stable step as it is,
      :eq:`bipenalty`. */
-  CT_ENFORCE_BIPENALTY,
-  /**
-   * Forward increment Lagrange multipliers: no gap of the coming step is negative,
-   * :eq:`forward-increment`. Leaves the stable step as it is.
-   */
-  CT_ENFORCE_LAGRANGE
+  CT_ENFORCE_BIPENALTY
 } ct_enforcement;
 
 /**

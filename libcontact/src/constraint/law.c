@@ -41,26 +41,6 @@ static double bipenalty_stored(const ct_constraint *c, double g0, double g1)
   return c->gap < 0.0 ? 0.5 * c->stiffness * middle * middle : 0.0;
 }
 
-/* Lagrange multipliers (eq:forward-increment). */
-
-static ct_ramp multiplier_ramp(const ct_constraint *c)
-{
-  (void)c;
-  return (ct_ramp){.C = 0.0, .b = 0.0};
-}
-
-static double multiplier_stored(const ct_constraint *c, double g0, double g1)
-{
-  (void)c, (void)g0, (void)g1;
-  return 0.0;
-}
-
-static double multiplier_start(const ct_constraint *c)
-{
-  (void)c;
-  return 0.0;
-}
-
 /* All laws. */
 
 typedef struct law {
@@ -78,8 +58,7 @@ typedef struct law {
 static const law LAWS[] = {
     [CT_ENFORCE_PENALTY] = {0},
     [CT_ENFORCE_ENERGY_CONTROLLED] = {controlled_ramp, controlled_stored, controlled_start, 0},
-    [CT_ENFORCE_BIPENALTY] = {bipenalty_ramp, bipenalty_stored, NULL, 1},
-    [CT_ENFORCE_LAGRANGE] = {multiplier_ramp, multiplier_stored, multiplier_start, 0}};
+    [CT_ENFORCE_BIPENALTY] = {bipenalty_ramp, bipenalty_stored, NULL, 1}};
 
 ct_status ct_law_check(const ct_constraint *c, const char *who, ct_error *error)
 {

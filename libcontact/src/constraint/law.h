@@ -9,7 +9,7 @@ ct_status ct_law_check(const ct_constraint *law, const char *who, ct_error *erro
 
 /* A law in one step: λ = ⟨-(g_{n+1} + b)⟩ / C (eq:ramp). */
 typedef struct ct_ramp {
-  double C; /* compliance, 0 for multipliers */
+  double C; /* compliance, > 0 */
   double b; /* what the next gap counts from */
 } ct_ramp;
 

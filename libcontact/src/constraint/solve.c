@@ -301,7 +301,7 @@ static int fix_laws(ct_solver *s)
     ct_ramp ramp = ct_law_ramp(c);
     s->C[r] = ramp.C;
     s->b[r] = ramp.b;
-    s->scale[r] = bound + ramp.C > 0.0 ? 1.0 / (bound + ramp.C) : 0.0;
+    s->scale[r] = 1.0 / (bound + ramp.C);
   }
   return 1;
 }
