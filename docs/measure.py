@@ -493,6 +493,64 @@ def mortar() -> Numbers:
     return found
 
 
+def stiffest_over_softest(n: int, m: int, slip: float = 0.0) -> tuple[int, int, float]:
+    """
+    Two plane faces of n x n and m x m hex8 that touch, one slid along both edges by ``slip`` times the coarser element: contact points, rank of W,
+    :eq:`constraint-problem`, for layers of cubes, and its largest over its smallest eigenvalue that is not 0.
+    """
+    rows = []
+    for own, other, sign in ((n, m, 1), (m, n, -1)):
+        x = ((np.arange(own) + 0.5)[:, None] + np.array([-0.5, 0.5]) / np.sqrt(3)).ravel() / own
+        met = np.clip(x + sign * slip / min(n, m), 0, 1)
+        both = [np.kron(hat(x, own), hat(x, own)).T, -np.kron(hat(met, other), hat(met, other)).T]
+        rows.append(np.hstack(both[::sign]))
+    mass = [
+        np.kron(line, line) / c for c in (n, m) for line in [np.r_[0.5, np.ones(c - 1), 0.5] / c]
+    ]
+    G = np.vstack(rows)
+    found = np.linalg.svd(G / np.sqrt(np.concatenate(mass)), compute_uv=False) ** 2
+    found = found[found > 1e-13 * found[0]]
+    return len(G), len(found), found[0] / found[-1]
+
+
+def overlap(n: int, m: int, beta: float) -> float:
+    """Two blocks of n and m elements along an edge that meet with a hundredth of the wave speed each, at 0.9 of the step: deepest overlap over the finer element. Each step must converge."""
+    scene = scene_of(poisson=0.3)
+    speed = 0.01 * np.sqrt(0.7 / (1.3 * 0.4))
+    for name, z, cells, v in (("lower", -0.5, n, speed), ("upper", 0.0, m, -speed)):
+        box = {
+            "origin": [0, 0, z],
+            "size": [1, 1, 0.5],
+            "cells": [cells, cells, max(cells // 2, 1)],
+        }
+        scene.add_body(name, material="elastic", box=box, velocity=[0, 0, v])
+    scene.add_contact("lower.z_max", "upper.z_min", beta=beta)
+    deepest = []
+
+    def look(run: ct.Run) -> None:
+        deepest.append(max(0.0, -np.nanmin(run.contact[0]["gap"])))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ct.NotSettled)
+        scene.set_time(end=1.0, fraction=0.9).set_output(every=1, fields=[]).run(
+            progress=False, output=False, watch=look
+        )
+    return max(deepest) * max(n, m)
+
+
+@measurement
+def multipliers() -> Numbers:
+    """Pairs of meshes: contact points, rank and eigenvalue ratio of W, the ratio after a slip of a thousandth of an element, and the overlap of an impact at three penalties."""
+    found = {}
+    for n, m in ((8, 8), (8, 16), (4, 5), (8, 11), (16, 23)):
+        points, rank, ratio = stiffest_over_softest(n, m)
+        found |= {f"{n}_{m}_points": points, f"{n}_{m}_rank": rank, f"{n}_{m}_ratio": ratio}
+        found[f"{n}_{m}_slip"] = stiffest_over_softest(n, m, 1e-3)[2]
+        if n < 16:
+            found |= {f"{n}_{m}_{beta}": overlap(n, m, beta) for beta in (40, 1000, 10000)}
+    return found
+
+
 @measurement
 def nodal_forces() -> Numbers:
     """A line of n elements pressed evenly on one of m, two Gauss points an element: largest error of a nodal force on each side, over the true one."""

@@ -33,7 +33,7 @@ def ramp(share: Callable[[float, float], float]) -> Law:
 
 
 def damped(zeta: float) -> Law:
-    """Of a damping ratio, as in the library: κ = k Δt²/m with the half mass of the last node."""
+    """Of a damping ratio, as in the library: (ω Δt)² = k Δt²/m with the half mass of the last node."""
     return ramp(lambda k, dt: zeta * np.sqrt(1 + 4 / (2 * k * dt * dt)))
 
 

@@ -378,6 +378,15 @@ def test_chatter_has_its_key():
     ]
 
 
+def test_the_usual_penalty_is_judged_as_the_same_penalty_that_is_given():
+    """4 ρ c₁²/h by default, as ``epsilon`` and as ``beta`` E/h: one warning, with one β."""
+    wave, edge = 1e4 * 0.7 / (1.3 * 0.4), 0.25
+    ways = ({}, {"epsilon": 4 * wave / edge}, {"beta": 4 * wave / 1e4})
+    scenes = [drop(enforcement="penalty", **way).set_time(end=0.003, fraction=0.9) for way in ways]
+    texts = {str(scene.explain().warnings[0]) for scene in scenes}
+    assert len(texts) == 1 and "beta = 5.38" in texts.pop()
+
+
 def write(tmp_path, scene, **output):
     scene.set_output(**output).save(tmp_path / "scene.toml")
     return str(tmp_path / "scene.toml")

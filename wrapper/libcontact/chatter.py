@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 from ._core import lib
 from .errors import ChatterWarning
-from .problem import Problem
+from .problem import Problem, speeds
 from .surfaces import pressing
 
 # Measured on the bar on a wall, over ways to meet the wall: within these limits its energy grows by less than 1 %. (β, largest
 # fraction of the stable step) Integrators that damp single elements bear a stiffer penalty.
 PENALTY, DAMPED_PENALTY = ((4.0, 0.4), (30.0, 0.25)), ((50.0, 0.4),)
-DEFAULT = 4.0  # of the laws that chatter (eq:penalty-default)
+DEFAULT = 4.0  # of the laws that chatter, in ρ c₁² / h (eq:penalty-default); β is in E / h
 BIPENALTY_BETA, BIPENALTY_PRODUCT = 3.0, 1.5
 
 
@@ -33,10 +33,11 @@ def chatter(problem: Problem) -> Iterator[ChatterWarning]:
     for key, who, given in pressing(problem.parts):
         surfaces = [given.surface] if key.startswith("obstacle") else given.surfaces
         bodies = [problem.bodies[name] for name, _ in surfaces]
-        beta = given.beta or DEFAULT
+        young = min(body.material.young for body in bodies)
+        wave = min(body.material.density * speeds(body.material)[0] ** 2 for body in bodies)
+        beta = given.beta or DEFAULT * wave / young
         if given.epsilon:
-            edge = min(body.mesh.shortest_edge for body in bodies)
-            beta = given.epsilon * edge / min(body.material.young for body in bodies)
+            beta = given.epsilon * min(body.mesh.shortest_edge for body in bodies) / young
         stable = problem.stable.dt_without_contact
         fraction = problem.dt / (problem.stable.dt if given.enforcement == "penalty" else stable)
         if _makes_energy(problem, given.enforcement, beta, fraction):

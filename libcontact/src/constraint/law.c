@@ -80,7 +80,7 @@ ct_ramp ct_law_ramp(const ct_constraint *c) { return LAWS[c->enforcement].ramp(c
 
 double ct_law_dashpot(const ct_constraint *c, double mobility)
 {
-  // -- a = ζ √(1 + 4 / κ), κ = k W (eq:surface-damping)
+  // -- a = ζ √(1 + 4 / (ω Δt)²), (ω Δt)² = k Δt² / m (eq:surface-damping)
   double a = c->dissipation * sqrt(1.0 + 4.0 / (c->stiffness * mobility));
   return isfinite(a) ? a : 0.0;
 }
