@@ -26,6 +26,9 @@ typedef struct ct_output_options {
   const char *scene;
   /** One more field (0 or 1): the contact pressure at the nodes, `ct_state_pressure`. */
   int contact_pressure;
+  /** Null, or probes of the run: each record also writes what they have taken up to its time. They
+   * must outlive the output. */
+  const ct_probes *probes;
 } ct_output_options;
 
 /**
@@ -72,6 +75,14 @@ CT_API ct_status ct_output_close(ct_output *output, ct_error *error);
  */
 CT_API ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_state *state,
                                    ct_error *error);
+
+/**
+ * Put the histories that a file has of probes of these names and quantities, up to the time of the
+ * state, in place of theirs, after `ct_output_restart`; the history of any other probe begins with
+ * the state. ``CT_ERROR_FILE`` when the file can't be read.
+ */
+CT_API ct_status ct_output_restart_probes(const char *path, const ct_state *state,
+                                          ct_probes *probes, ct_error *error);
 
 CT_END_DECLS
 

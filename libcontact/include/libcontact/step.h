@@ -536,6 +536,111 @@ CT_API ct_status ct_state_velocity(const ct_problem *problem, ct_state *state, d
 CT_API ct_status ct_state_force(const ct_problem *problem, ct_state *state, int32_t effect,
                                 double *force, ct_error *error);
 
+/** What a probe takes down. Each is one number a row, or as many as are said. */
+typedef enum ct_quantity {
+  /** t_n [time]; every row begins with it */
+  CT_QUANTITY_TIME = 0,
+  /** u_n [length], 3 numbers */
+  CT_QUANTITY_DISPLACEMENT = 1,
+  /** v_n, the mean of the two half steps [length / time], :eq:`stage-velocity`, 3 numbers */
+  CT_QUANTITY_VELOCITY = 2,
+  /** a_n, all forces over the mass [length / time²], 3 numbers; 0 where a support holds */
+  CT_QUANTITY_ACCELERATION = 3,
+  /** xx yy zz xy yz zx at the centre of the element [stress], 6 numbers */
+  CT_QUANTITY_STRESS = 4,
+  /** minus the mean of xx, yy, zz [stress] */
+  CT_QUANTITY_PRESSURE = 5,
+  /** Σ f_n of the effects on the nodes [force], :eq:`probe-resultant`, 3 numbers */
+  CT_QUANTITY_FORCE = 6,
+  /** Σ x_n × f_n about the origin [force · length], :eq:`probe-resultant`, 3 numbers */
+  CT_QUANTITY_MOMENT = 7
+} ct_quantity;
+
+/**
+ * A probe: what is taken down of a run at every step, and where. Start from `ct_probe_def_default`.
+ * Everything given is copied.
+ */
+typedef struct ct_probe_def {
+  /** Set by `ct_probe_def_default`. */
+  int32_t cookie;
+  /** Names its table in a results file: 1 to 63 bytes, no slash. */
+  const char *name;
+  /** For each `ct_quantity` whether it is taken (0 or 1); the time always is. */
+  int take[8];
+  /** Steps between two rows, >= 1: rows are those of the steps that it divides. */
+  int64_t every;
+  /**
+   * Nodes of the problem, ascending: their motion, which for several nodes is that of their centre
+   * of mass, :eq:`probe-mean`; or the nodes on which forces are summed, and then null means all on
+   * which the effects act.
+   */
+  const int32_t *nodes;
+  /** Number of nodes. */
+  int32_t node_count;
+  /** Body and element (of that body) for stress and pressure. */
+  int32_t body;
+  /** Number of the element, or -1: none. */
+  int32_t element;
+  /** Effects of the problem whose forces are summed, such as a contact and its friction. */
+  const int32_t *effects;
+  /** Number of effects. */
+  int32_t effect_count;
+  /** Which of x, y, z of a force count (0 or 1): all three, or those that one support holds. */
+  int axes[3];
+} ct_probe_def;
+
+/** Every step, all axes, and nothing taken yet. */
+CT_API ct_probe_def ct_probe_def_default(void);
+
+/** Probes with their histories, which grow by rows in the time loop; opaque. */
+typedef struct ct_probes ct_probes;
+
+/** The history of one probe so far. */
+typedef struct ct_probe_history {
+  /** Its name. */
+  const char *name;
+  /** Doubles in a row. */
+  int32_t width;
+  /** Where each `ct_quantity` begins in a row; -1: not taken. */
+  int32_t column[8];
+  /** Number of rows. */
+  int64_t row_count;
+  /** Rows in the order of time, shape (row_count, width); they stay the probes', until the next
+   * call. */
+  const double *rows;
+} ct_probe_history;
+
+/**
+ * Probes of states of a problem, which must outlive them. They belong to one run, that is to one
+ * state at a time. ``CT_ERROR_ARGUMENT`` tells what is wrong with which definition.
+ */
+CT_API ct_status ct_probes_create(const ct_problem *problem, const ct_probe_def *defs,
+                                  int32_t count, ct_probes **probes, ct_error *error);
+
+/** Free probes and their histories; null is allowed. */
+CT_API void ct_probes_free(ct_probes *probes);
+
+/**
+ * Like `ct_step_many`, with the same bits of the state; the probes take their rows of the states
+ * before each step. `probes` of `ct_monitor_options` does the same in `ct_monitor_steps`. Rows that
+ * are later than the state, which may be that of a restart, are dropped first.
+ * ``CT_ERROR_MEMORY``: there is no room for the rows, and no step was taken.
+ */
+CT_API ct_status ct_probes_steps(ct_probes *probes, ct_state *state, int64_t count,
+                                 ct_error *error);
+
+/** Take the rows of the present state, as after the last step or at a record; those that are there
+ * are not taken again. */
+CT_API ct_status ct_probes_sample(ct_probes *probes, ct_state *state, ct_error *error);
+
+/** The history of one probe. ``CT_ERROR_ARGUMENT``: there is none of this number. */
+CT_API ct_status ct_probes_history(const ct_probes *probes, int32_t probe,
+                                   ct_probe_history *history);
+
+/** Put these rows in place of the history of one probe, to continue a run; copied. */
+CT_API ct_status ct_probes_restore(ct_probes *probes, int32_t probe, const double *rows,
+                                   int64_t count, ct_error *error);
+
 /** What a monitor looks for, and how often. */
 typedef struct ct_monitor_options {
   /** Steps between two checks, >= 1: the state is checked whenever its number of steps is a
@@ -559,6 +664,8 @@ typedef struct ct_monitor_options {
    * it, :eq:`energy-growth`, >= 0; the run goes on.
    */
   double growth_limit;
+  /** Null, or probes of the state that take their rows in `ct_monitor_steps`. */
+  ct_probes *probes;
 } ct_monitor_options;
 
 /** Every 1024 steps; as much energy again as should be there; ω Δt up to 2; growth is reported from

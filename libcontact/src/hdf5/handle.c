@@ -70,10 +70,11 @@ static hid_t text_type(size_t size)
 
 hid_t ct_hdf5_type(ct_kind kind)
 {
-  const hsize_t three = 3;
+  const hsize_t three = 3, six = 6;
   const hid_t number[] = {H5T_NATIVE_DOUBLE, H5T_NATIVE_INT32, H5T_NATIVE_INT64, H5T_NATIVE_UINT64};
   if (kind == CT_NAME) return text_type(CT_NAME_SIZE);
   if (kind == CT_VECTOR) return H5Tarray_create2(H5T_NATIVE_DOUBLE, 1, &three);
+  if (kind == CT_TENSOR) return H5Tarray_create2(H5T_NATIVE_DOUBLE, 1, &six);
   return H5Tcopy(number[kind]);
 }
 
@@ -241,11 +242,17 @@ void ct_hdf5_create_column(ct_task *task, const char *path, int is_field, ct_col
 
 void ct_hdf5_write_column(ct_task *task, const ct_column *column, int64_t row, const void *source)
 {
-  if (task->status != CT_OK) return;
+  ct_hdf5_write_rows(task, column, row * column->rows, column->rows, source);
+}
+
+void ct_hdf5_write_rows(ct_task *task, const ct_column *column, int64_t first, int64_t rows,
+                        const void *source)
+{
+  if (task->status != CT_OK || rows == 0) return;
   int rank = column->width > 0 ? 2 : 1;
-  hsize_t rows = (hsize_t)column->rows, width = (hsize_t)column->width;
-  hsize_t size[2] = {((hsize_t)row + 1) * rows, width}, start[2] = {(hsize_t)row * rows, 0},
-          count[2] = {rows, width};
+  hsize_t width = (hsize_t)column->width;
+  hsize_t size[2] = {(hsize_t)(first + rows), width}, start[2] = {(hsize_t)first, 0},
+          count[2] = {(hsize_t)rows, width};
   hid_t memory = H5Screate_simple(rank, count, NULL), space = -1;
   if (H5Dset_extent(column->set, size) >= 0) space = H5Dget_space(column->set);
   if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) < 0 ||

@@ -28,7 +28,15 @@ typedef struct ct_task {
 
 /* -- Types of values and of table rows -- */
 
-typedef enum ct_kind { CT_REAL, CT_INT32, CT_INT64, CT_WORD, CT_VECTOR, CT_NAME } ct_kind;
+typedef enum ct_kind {
+  CT_REAL,
+  CT_INT32,
+  CT_INT64,
+  CT_WORD,
+  CT_VECTOR,
+  CT_TENSOR,
+  CT_NAME
+} ct_kind;
 
 /* Bytes of a CT_NAME, with at least one zero at its end. */
 enum { CT_NAME_SIZE = 64 };
@@ -89,6 +97,12 @@ typedef struct ct_record {
   ct_effect_row *effects;
 } ct_record;
 
+/* The table of a probe, which grows by any number of rows a step. */
+typedef struct ct_probe_table {
+  ct_column column;
+  int64_t written;
+} ct_probe_table;
+
 /* The arrays of a restart record, in the order of the file. */
 enum { CT_PART_COUNT = 5 };
 
@@ -118,6 +132,10 @@ struct ct_output {
   int64_t part_count[CT_PART_COUNT];
   ct_record now;
   int64_t row;
+  /* Null without probes. */
+  const ct_probes *probes;
+  ct_probe_table *probe;
+  int32_t probe_count;
 };
 
 /* -- handle.c: HDF5 calls with their errors told; `path` is that of an object in the file -- */
@@ -158,6 +176,9 @@ double ct_hdf5_read_number(ct_task *task, const char *path, const char *name);
 void ct_hdf5_create_column(ct_task *task, const char *path, int is_field, ct_column *column);
 /* Append the rows of one step at `row`. */
 void ct_hdf5_write_column(ct_task *task, const ct_column *column, int64_t row, const void *source);
+/* Append some rows behind the first ones. */
+void ct_hdf5_write_rows(ct_task *task, const ct_column *column, int64_t first, int64_t rows,
+                        const void *source);
 
 /* -- disk.c: what HDF5 has no call for, and one writer for a file -- */
 
@@ -194,6 +215,14 @@ const void *ct_record_at(const ct_record *now, const ct_column *column);
 
 void ct_layout_create(ct_task *task, ct_output *output, const ct_problem *problem,
                       const char *scene);
+
+/* -- probe.c: histories of probes -- */
+
+void ct_probe_create_tables(ct_task *task, ct_output *output);
+/* Bytes that the rows up to a time add to the file, at most. */
+int64_t ct_probe_bytes(const ct_output *output, double time);
+/* Append the rows up to a time. */
+void ct_probe_write(ct_task *task, ct_output *output, double time);
 
 /* -- identity.c: what a file says about its problem -- */
 

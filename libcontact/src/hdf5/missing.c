@@ -37,3 +37,10 @@ ct_status ct_output_restart(const char *path, const ct_problem *problem, ct_stat
   (void)path, (void)problem, (void)state;
   return refuse(error);
 }
+
+ct_status ct_output_restart_probes(const char *path, const ct_state *state, ct_probes *probes,
+                                   ct_error *error)
+{
+  (void)path, (void)state, (void)probes;
+  return refuse(error);
+}

@@ -92,6 +92,7 @@ static void open_file(ct_task *task, ct_output *o)
 static void destroy(ct_task *task, ct_output *o)
 {
   for (int32_t i = 0; i < o->column_count; i++) H5Tclose(o->column[i].type);
+  for (int32_t i = 0; i < o->probe_count; i++) H5Tclose(o->probe[i].column.type);
   if (!o->disk.renamed && o->disk.descriptor >= 0) remove(o->disk.part);
   if (o->file >= 0 && H5Fclose(o->file) < 0) ct_hdf5_fail(task, "close the file");
   if (o->disk.driver >= 0) H5FDunregister(o->disk.driver);
@@ -102,6 +103,7 @@ static void destroy(ct_task *task, ct_output *o)
   free(o->now.bodies);
   free(o->now.addends);
   free(o->now.effects);
+  free(o->probe);
   free(o->disk.part);
   free(o->disk.path);
   free(o);
@@ -114,12 +116,14 @@ static ct_status create(const char *path, const ct_problem *problem,
   if (o == NULL) return CT_NO_MEMORY(error, "an output");
   o->disk.descriptor = -1;
   o->disk.driver = o->file = -1;
+  o->probes = options->probes;
   ct_task task = {path, error, create_record(o, problem, options, error), -1};
   ct_disk_names(&task, &o->disk, path);
   if (task.status == CT_OK) {
     task.path = o->disk.path;
     open_file(&task, o);
     ct_layout_create(&task, o, problem, options->scene);
+    ct_probe_create_tables(&task, o);
     ct_disk_flush(&task, &o->disk, "write the file");
   }
   if (task.status == CT_OK) *output = o;
@@ -226,7 +230,7 @@ static int64_t step_bytes(const ct_output *o, const ct_state *state)
     int64_t after = ((o->row + 1) * c->rows + c->chunk_rows - 1) / c->chunk_rows;
     bytes += (after - before) * c->chunk_rows * c->row_bytes;
   }
-  return bytes;
+  return bytes + ct_probe_bytes(o, state->time);
 }
 
 static void write_step(ct_task *task, ct_output *o, const ct_state *state)
@@ -236,6 +240,7 @@ static void write_step(ct_task *task, ct_output *o, const ct_state *state)
   ct_restart_write(task, o->row, state);
   for (const ct_column *c = o->column; c < o->column + o->column_count; c++)
     ct_hdf5_write_column(task, c, o->row, ct_record_at(&o->now, c));
+  ct_probe_write(task, o, state->time);
   ct_disk_flush(task, &o->disk, "write a step");
   // -- The number of steps, which makes it visible
   int64_t steps = o->row + 1;

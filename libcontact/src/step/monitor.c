@@ -318,7 +318,9 @@ ct_status ct_monitor_steps(ct_monitor *monitor, ct_state *state, int64_t count, 
   ct_status status = CT_OK;
   while (status == CT_OK && count > 0) {
     int64_t to_look = every - state->step % every, now = count < to_look ? count : to_look;
-    status = ct_step_many(monitor->problem, state, now, error);
+    status = monitor->options.probes == NULL
+                 ? ct_step_many(monitor->problem, state, now, error)
+                 : ct_probes_steps(monitor->options.probes, state, now, error);
     if (status == CT_OK && now == to_look) status = ct_monitor_check(monitor, state, error);
     count -= now;
   }

@@ -86,14 +86,16 @@ static void move(const ct_problem *problem, ct_state *state, double share, const
 }
 
 /* Take one stage of a step. Forces that stood already may be older than the last change of the
- * state by its host, and so may be what sleeps. */
-static ct_status take_stage(const ct_problem *problem, ct_state *state, double share,
-                            ct_error *error)
+ * state by its host, and so may be what sleeps. `sampler` is null where it is inlined without
+ * one, so that steps without probes have no trace of it. */
+CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, double share,
+                               const ct_sampler *sampler, ct_error *error)
 {
   ct_workspace *w = state->workspace;
   int made = w->forces_at != state->step;
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
+  if (sampler != NULL && w->stage == 0) sampler->take(sampler->data, state);
   double begin = problem->clock == NULL ? 0.0 : problem->clock();
   ct_ledger_keep(state);
   move(problem, state, share, made ? ct_sleep_active(w->sleep) : NULL);
@@ -108,7 +110,8 @@ static ct_status take_stage(const ct_problem *problem, ct_state *state, double s
 }
 
 /* Take a step: its stages one after another (eq:stage). */
-static ct_status take_step(const ct_problem *problem, ct_state *state, ct_error *error)
+CT_INLINE ct_status take_step(const ct_problem *problem, ct_state *state, const ct_sampler *sampler,
+                              ct_error *error)
 {
   ct_workspace *w = state->workspace;
   ct_stage stages[2];
@@ -116,7 +119,7 @@ static ct_status take_step(const ct_problem *problem, ct_state *state, ct_error 
   ct_status status = ct_stage_check(state, error);
   for (int i = 0; status == CT_OK && i < count; i++) {
     w->stage = i;
-    status = take_stage(problem, state, stages[i].c, error);
+    status = take_stage(problem, state, stages[i].c, sampler, error);
   }
   if (status != CT_OK) return status;
   w->stage = 0;
@@ -142,18 +145,17 @@ static void end_series(ct_state *state)
 ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
 {
   if (problem == NULL || state == NULL) return CT_REFUSE(error, "step: null argument");
-  ct_status status = take_step(problem, state, error);
+  ct_status status = take_step(problem, state, NULL, error);
   end_series(state);
   return status;
 }
 
-ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count, ct_error *error)
+CT_INLINE ct_status take_steps(const ct_problem *problem, ct_state *state, int64_t count,
+                               const ct_sampler *sampler, ct_error *error)
 {
-  if (problem == NULL || state == NULL || count < 0)
-    return CT_REFUSE(error, "step: null argument, or %lld steps", (long long)count);
   ct_status status = CT_OK;
   for (int64_t i = 1; status == CT_OK && i <= count; i++) {
-    status = take_step(problem, state, error);
+    status = take_step(problem, state, sampler, error);
     // An effect may be the first to meet a number that is not finite (CT_INVALID); the answer is
     // the same as without it.
     if (status == CT_INVALID ||
@@ -165,4 +167,17 @@ ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count
   }
   end_series(state);
   return status;
+}
+
+ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count, ct_error *error)
+{
+  if (problem == NULL || state == NULL || count < 0)
+    return CT_REFUSE(error, "step: null argument, or %lld steps", (long long)count);
+  return take_steps(problem, state, count, NULL, error);
+}
+
+ct_status ct_step_sampled(const ct_problem *problem, ct_state *state, int64_t count,
+                          const ct_sampler *sampler, ct_error *error)
+{
+  return take_steps(problem, state, count, sampler, error);
 }

@@ -43,6 +43,16 @@ ct_status ct_state_equip(ct_state *state, ct_error *error);
 /* Make the forces at the state's time, unless they stand already. */
 ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_error *error);
 
+/* Who is shown each state with its forces, before the state is moved. */
+typedef struct ct_sampler {
+  void (*take)(void *data, const ct_state *state);
+  void *data;
+} ct_sampler;
+
+/* ct_step_many, with a sampler. */
+ct_status ct_step_sampled(const ct_problem *problem, ct_state *state, int64_t count,
+                          const ct_sampler *sampler, ct_error *error);
+
 /* Name the first node whose motion is out of the range of numbers (CT_ERROR_BLOWUP). */
 ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error);
 
