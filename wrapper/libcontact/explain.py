@@ -12,6 +12,7 @@ from .errors import SceneWarning
 from .model import Contact, ContactKeys, Support
 from .parts import EFFECTS, Parts
 from .plan import Cost, predict, table
+from .probes import Located
 from .problem import BuiltBody, BuiltContact, Problem, speeds
 from .surfaces import pair_name
 from .units import Units
@@ -93,6 +94,7 @@ def explain(problem: Problem, every: int, records: int) -> Explanation:
         "contacts": contacts,
         "supports": [_support(support) for support in parts.support],
         "added": added,
+        "probes": [_probe(each) for each in problem.probes],
         "time": _time(problem, plan.costs),
         "cost": cost,
         "warnings": [str(warning) for warning in warnings],
@@ -166,6 +168,12 @@ def _contact(
 def _support(support: Support) -> dict[str, Any]:
     points = len(support.history.time) if support.history else 0
     return {**values_of(support), "set": ".".join(support.set), "history": points}
+
+
+def _probe(probe: Located) -> dict[str, Any]:
+    given = probe.given
+    facts = {"name": given.name, "quantities": list(given.taken), "every": given.every}
+    return {**facts, "where": probe.words, "row_bytes": probe.row_bytes}
 
 
 def _time(problem: Problem, plan: Sequence[Cost]) -> dict[str, Any]:
@@ -242,6 +250,7 @@ def _text(data: dict[str, Any], units: Units) -> str:
     lines += [f"  assumed: {assumption}" for assumption in data["assumptions"]]
     lines += ["", "Time", TIME.format(**{**time, "time": labels["time"]})]
     lines += ["", "Output", f"  {output['records']} records of {fields} {where}"]
+    lines += [f"  {_probe_line(probe)}" for probe in data["probes"]]
     lines += ["", "Cost", COST.format(**cost, megabytes=cost["memory_bytes"] / 1e6)]
     lines += [f"  {line}" for line in _plan_lines(data)]
     if data["warnings"]:
@@ -290,6 +299,11 @@ def _support_line(support: dict[str, Any], labels: dict[str, str]) -> str:
     if support["history"]:
         moving = f" on a path, {support['travel']} {labels['length']} times a history of {support['history']} points"
     return f"support {support['set']}: {', '.join(support['fix'])} held{moving}"
+
+
+def _probe_line(probe: dict[str, Any]) -> str:
+    every = "every step" if probe["every"] == 1 else f"every {probe['every']} steps"
+    return f"probe {probe['name']}: {', '.join(probe['quantities'])} of {probe['where']}, {every}"
 
 
 def _plan_lines(data: dict[str, Any]) -> list[str]:

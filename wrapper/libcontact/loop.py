@@ -23,6 +23,7 @@ from .errors import Error, NotBuiltIn, issue, new_error, place, raise_held, text
 from .mesh import view
 from .model import FEEDING, FIELDS
 from .plan import computed_share, measured, step_seconds
+from .probes import Histories
 from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
 from .run import (
     ENERGY,
@@ -86,6 +87,7 @@ class Loop:
         self.last, self.due = last_step(problem, until), schedule(problem)[1]
         self.time: Any = problem.parts.time
         self.state = new_state(problem)
+        self.probes = Histories(problem)
         self.monitor: Any = None
         self.output: Any = None
         self.path: Path | None = None
@@ -122,11 +124,16 @@ class Loop:
         self._input("restart", call, lib.ct_output_restart, name, problem.pointer, state)
         if coarse is not None:
             self._input("restart", call, lib.ct_state_subdivide_step, *fine)
+        if self.probes:
+            given = (name, self.state, self.probes.pointer)
+            self._input("restart", call, lib.ct_output_restart_probes, *given)
 
     def _create(self, path: str | Path) -> Any:
         text, fields = ffi.new("char[]", self.scene_text.encode()), self.problem.parts.output.fields
         wanted = {name: name in fields for name in FIELDS}
-        options = ffi.new("ct_output_options *", {**wanted, "scene": text})
+        options = ffi.new(
+            "ct_output_options *", {**wanted, "scene": text, "probes": self.probes.pointer}
+        )
         pointer = self.problem.pointer
         return ask("ct_output **", lib.ct_output_create, os.fsencode(path), pointer, options)
 
@@ -192,6 +199,8 @@ class Loop:
         """One row of each table, and one step of the file."""
         begin = clock.perf_counter() - step_seconds(self.problem, self.state).sum()
         self._call(lib.ct_monitor_check, self.monitor, self.state)
+        if self.probes:
+            self._call(lib.ct_probes_sample, self.probes.pointer, self.state)
         self._write_record(self.state)
         if self.watch is not None:
             self.watch(self.result(records=1))
@@ -285,7 +294,7 @@ class Loop:
         """Monitor the state from here on; what is wrong with it already is an error of the input."""
         options, time = ffi.new("ct_monitor_options *", lib.ct_monitor_options_default()), self.time
         options.every, options.energy_limit = time.look_every, time.energy_limit
-        options.stable = self.problem.stable.dt
+        options.stable, options.probes = self.problem.stable.dt, self.probes.pointer
         given, free = (self.problem.pointer, self.state, options), lib.ct_monitor_free
         monitor = self._input("", ask, "ct_monitor **", lib.ct_monitor_create, *given)
         self.monitor = ffi.gc(monitor, lambda watch, problem=self.problem: free(watch))
@@ -395,6 +404,7 @@ class Loop:
             costs=measured(problem, self.state, self.output_seconds),
             computed=computed_share(self.state),
             dt=problem.dt,
+            probes=self.probes.tables(last=bool(records)),
             **(fault or self._last(bool(records))),
         )
 

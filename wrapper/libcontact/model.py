@@ -23,6 +23,7 @@ from .schema import (
     Name,
     Nested,
     Number,
+    PartKey,
     Reference,
     Rows,
     Surface,
@@ -58,6 +59,14 @@ OPTIMISATIONS = {
 SAVINGS = tuple(OPTIMISATIONS)
 FIELDS = ("displacement", "velocity", "stress", "contact_pressure")
 AXES = ("x", "y", "z")
+# What a probe can take, and of what; the first ones are taken where nothing is said.
+QUANTITIES = names("ct_quantity")
+TAKEN = {
+    "point": ("displacement", "velocity", "acceleration", "stress", "pressure"),
+    "surface": ("displacement", "velocity", "acceleration"),
+    "resultant": ("force", "moment"),
+}
+USUAL = ("displacement", "velocity", "force")
 # What the C library takes where nothing is said.
 CONTACT = lib.ct_contact_options_default()
 POSITIVE = Number(above=0.0)
@@ -476,6 +485,81 @@ class Support(Table):
             for i, axis in enumerate(AXES):
                 if vector[i] != 0.0 and axis not in self.fix:
                     yield f"{name}[{i}]", f'is {vector[i]:g}, but "{axis}" is not in fix'
+
+
+class Probe(Table):
+    """
+    A history of a point, a surface or a resultant, taken at every step, :doc:`/theory/probe`.
+
+    Attributes
+    ----------
+    name
+        What ``run.probes`` calls it.
+    body
+        The body of the ``point``; or, of a contact's resultant, the body that the force acts on,
+        without which it is that of the contact's first surface.
+    point
+        A point of the body in the reference configuration: motion is that of its nearest node,
+        stress and pressure are those at the centre of the element that holds it.
+    surface
+        A face such as ``"bar.x_max"``, whose mean motion is that of the centre of mass of its
+        nodes, :eq:`probe-mean`.
+    resultant
+        ``"contact"``, ``"obstacle"`` or ``"support"``, with a number where there are several, as
+        in ``"contact[1]"``, counted from 0 as in error messages: the sum of its forces on the
+        body, friction included, :eq:`probe-resultant`.
+    quantities
+        What is taken: ``displacement``, ``velocity`` and ``acceleration`` of a point or a
+        surface, ``stress`` and ``pressure`` of a point, ``force`` and ``moment`` (about the
+        origin) of a resultant.
+    every
+        Steps between two rows.
+    """
+
+    one = (tuple(TAKEN),)
+    needs = {"point": "body"}
+
+    name: str = key(Name(), kw_only=False)
+    body: str | None = key(Reference("body"), default=None, says="see text")
+    point: Vector | None = key(VECTOR, unit="length", default=None, says="one of three")
+    surface: Any = key(Surface(), default=None, says="one of three")
+    resultant: Any = key(
+        PartKey("contact", "obstacle", "support"), default=None, says="one of three"
+    )
+    quantities: Sequence[str] | None = key(
+        Many(Choice(without(QUANTITIES, "time")), "name at least one"),
+        default=None,
+        says='``["displacement", "velocity"]``, or ``["force"]``',
+    )
+    every: int = key(Whole(most=2**53), default=1)
+
+    @property
+    def where(self) -> str:
+        """The key that says what the probe looks at."""
+        return next(name for name in TAKEN if getattr(self, name) is not None)
+
+    @property
+    def taken(self) -> tuple[str, ...]:
+        """The quantities in the order of a row."""
+        chosen = self.quantities or [name for name in USUAL if name in TAKEN[self.where]]
+        return tuple(name for name in QUANTITIES if name in chosen)
+
+    def refusals(self) -> Iterator[tuple[str, str]]:
+        yield from super().refusals()
+        if "/" in self.name or self.name == ".":
+            yield (
+                "name",
+                f'"{self.name}" has a slash or is a dot, and a results file can\'t have a table of this name',
+            )
+        if self.body is not None and self.surface is not None:
+            yield "body", f'cannot stand beside "surface", which names the body "{self.surface[0]}"'
+        for i, name in enumerate(self.quantities or ()):
+            if name not in TAKEN[self.where]:
+                words = ", ".join(TAKEN[self.where])
+                yield (
+                    f"quantities[{i}]",
+                    f'"{name}" is not taken of a {self.where}, which has {words}',
+                )
 
 
 class FrontTime(Table):

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from .effects import Added, Effect, absorb, damping, gravity, load, obstacle, viscosity
-from .model import Body, Contact, History, Material, Output, Run, Support, Time
+from .model import Body, Contact, History, Material, Output, Probe, Run, Support, Time
 from .schema import Nested, Place, Several, Table, Text, key, suggestion, walk
 from .units import Units
 
@@ -31,6 +31,7 @@ class Parts(Table):
     viscosity: Any = key(Nested(viscosity.Viscosity), default=None)
     time: Any = key(Nested(Time), default=None)
     output: Output = key(Nested(Output), default=Output())
+    probe: tuple[Probe, ...] = key(Several(Probe), default=())
     run: Run = key(Nested(Run), default=Run())
 
     @cached_property
@@ -68,7 +69,7 @@ def read(data: Any, file: str | None = None, whole: bool = True) -> Parts:
     parts = Parts.read(data, top)
     if whole and parts.time is None:
         raise (top / "time").error("is missing")
-    for name in ("material", "body"):
+    for name in ("material", "body", "probe"):
         names = [table.name for table in getattr(parts, name)]
         for i, word in enumerate(names):
             if word in names[:i]:
@@ -117,6 +118,7 @@ def conflicts(parts: Parts) -> Iterator[tuple[str, str]]:
                 yield from _not_on(parts, body, added)
     yield from _same_pair(parts)
     yield from _absorbing(parts)
+    yield from _probing(parts)
 
 
 def acts_on(effect: Any, name: str) -> bool:
@@ -162,3 +164,33 @@ def _absorbing(parts: Parts) -> Iterator[tuple[str, str]]:
         if len(held) == 3:
             why = "is held along x, y and z by a [[support]]; what does not move absorbs nothing"
             yield at, f"{name} {why}"
+
+
+def resultant_of(parts: Parts, probe: Probe) -> tuple[int, Any, tuple[str, ...]]:
+    """The number of the part whose resultant a probe takes, what was given for it, and the bodies that it acts on."""
+    table, number = probe.resultant
+    given = getattr(parts, table)[number or 0]
+    one: Any = given.set if table == "support" else getattr(given, "surface", None)
+    surfaces = given.surfaces if table == "contact" else [one]
+    return number or 0, given, tuple(str(body) for body, _ in surfaces)
+
+
+def _probing(parts: Parts) -> Iterator[tuple[str, str]]:
+    """Resultants of what is not there, of what could be one of several, and of another body."""
+    for i, probe in enumerate(parts.probe):
+        if probe.resultant is None:
+            continue
+        (table, number), at = probe.resultant, f"probe[{i}].resultant"
+        count = len(getattr(parts, table))
+        if (number or 0) >= count:
+            there = f"the scene has {count or 'no'} [[{table}]]"
+            yield at, f"{there}{', counted from 0' if count else ''}"
+            continue
+        if number is None and count > 1:
+            yield at, f'"{table}" is one of {count}; write "{table}[0]" ... "{table}[{count - 1}]"'
+        _, given, bodies = resultant_of(parts, probe)
+        if table == "contact" and given.with_itself:
+            yield at, f'is a contact of "{bodies[0]}" with itself, whose forces have the sum 0'
+        if probe.body is not None and probe.body not in bodies:
+            known = suggestion(probe.body, bodies)
+            yield f"probe[{i}].body", f'"{table}" does not act on "{probe.body}"{known}'

@@ -17,6 +17,7 @@ from .errors import Error, check, new_error, text_of
 from .mesh import KINDS, WIDTH, Mesh, physical_memory, read_vtkhdf, row_length
 from .model import AXES, KERNELS, OPTIMISATIONS, Body, Contact, History, Material, Support
 from .parts import Parts
+from .probes import locate
 from .schema import Place, Rows, SceneError, Table, word
 
 MOST_STEPS = 10**12
@@ -111,6 +112,9 @@ def memory_of(problem: Problem) -> int:
         # The solver keeps the entries of a row at up to 16 nodes, where they stand, and 10 numbers to find its force.
         pressing = effect.phase == lib.CT_PHASE_CONSTRAINT
         total += pressing * effect.constraint_count * (16 * 36 + 40 + 10 * 8)
+    # Rows of probes, for which there is room for twice as many.
+    for probe in problem.probes:
+        total += 2 * problem.step_count // probe.given.every * probe.row_bytes
     return total + POINT_BYTES * sum(sum(contact.gauss_points) for contact in problem.contacts)
 
 
@@ -150,6 +154,7 @@ class Problem:
         self.made = [self.pointer.effects[i] for i in range(self.pointer.effect_count)]
         self.effects = [ffi.string(effect.label).decode() for effect in self.made]
         self.stores = [effect.energy != ffi.NULL for effect in self.made]
+        self.probes = locate(self)
 
     @property
     def dt(self) -> float:

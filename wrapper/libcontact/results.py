@@ -44,6 +44,7 @@ def _read(path: Path, file: Any, record: int) -> Run:
     bodies = own["body"][()]
     scene = text_in(own["scene"][()]) if "scene" in own else ""
     time, step = float(vtk["Steps/Values"][record]), int(own["step"][record])
+    probes = _probes(own, float(vtk["Steps/Values"][count - 1]))
     # The rows of the recorded steps, or, where the file was saved from memory, its whole history.
     if "history" in own:
         own, count = own["history"], len(own["history/step"])
@@ -57,7 +58,14 @@ def _read(path: Path, file: Any, record: int) -> Run:
         path=path,
         scene=scene,
         dt=float(file["libcontact"].attrs["dt"]),
+        probes=probes,
     )
+
+
+def _probes(own: Any, last: float) -> dict[str, Rows]:
+    """The histories up to the last record; a run that was killed may have left rows behind it."""
+    tables = {name: table[()] for name, table in own.get("probe", {}).items()}
+    return {name: rows[rows["time"] <= last] for name, rows in tables.items()}
 
 
 def _momentum(held: Rows) -> Rows:

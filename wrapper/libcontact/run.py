@@ -327,6 +327,9 @@ class Run:
     impulse: dict[str, Floats] = field(default_factory=dict)
     #: The time step [time].
     dt: float | None = None
+    #: The history of each ``[[probe]]`` by name, a structured array with a row per step: time, and the quantities that it takes, each (rows, 3) but stress
+    #: (rows, 6) and pressure (rows,), all at the time of the row. In a watch the last row alone.
+    probes: dict[str, Rows] = field(default_factory=dict)
     #: For each contact a dict of the places "points", "corners" and "edges" (of all faces; a surface in contact with itself has "points" only), and for
     #: each place the numbers of those ``inside`` and ``buried`` (inside, but not in contact as they never came from outside), and depth ``deepest``,
     #: ``surface``, ``face`` and ``position`` of the deepest, by true distances; up to the depth ``touching`` surfaces only touch.

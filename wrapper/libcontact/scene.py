@@ -17,7 +17,7 @@ from .effects.own import Own, View
 from .errors import NotBuiltIn, issue
 from .explain import Explanation, explain
 from .loop import Loop, record_count, schedule
-from .model import Body, ContactKeys, Material, Output, Support, Time
+from .model import Body, ContactKeys, Material, Output, Probe, Support, Time
 from .model import Run as RunKeys
 from .parts import EFFECTS, MANY, Parts, read
 from .plan import Cost, predict, table
@@ -27,7 +27,7 @@ from .schema import FileName, Place, SceneError, Table, check_file, describe, su
 from .warned import known
 
 # Tables that may differ between a scene and the one whose run it continues, beside the keys that are ``free``.
-FREE_ON_RESTART = ("title", "output", "run", "units")
+FREE_ON_RESTART = ("title", "output", "probe", "run", "units")
 # The largest scene file that is read.
 MOST_BYTES = 256e6
 
@@ -237,6 +237,7 @@ class Scene:
     add_body = _adding("add_body", Body)
     add_contact = _adding_pair("add_contact", ContactKeys)
     add_support = _adding("add_support", Support)
+    add_probe = _adding("add_probe", Probe)
     set_time = _adding("set_time", Time)
     set_output = _adding("set_output", Output)
 

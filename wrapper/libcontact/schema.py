@@ -285,6 +285,29 @@ class Surface(Text):
         return Face(Named("body", body), face)
 
 
+class Part(NamedTuple):
+    """A table of the scene and its number; None: the only one."""
+
+    table: str
+    number: int | None
+
+
+class PartKey(Text):
+    """The key of one of the scene's tables of some kinds, ``"contact[1]"``, or ``"contact"`` where there is one only."""
+
+    def __init__(self, *tables: str):
+        self.tables = tables
+        self.json = {"type": "string", "pattern": rf"^({'|'.join(tables)})(\[[0-9]{{1,9}}\])?$"}
+
+    def read(self, value: Any, at: Place) -> Any:
+        text = super().read(value, at)
+        found = re.fullmatch(r"(\w+)(?:\[([0-9]{1,9})\])?", text)
+        if found is None or found[1] not in self.tables:
+            near = suggestion(text.partition("[")[0], self.tables, "it must be ")
+            raise at.error(f'"{text}" is no part of a scene that has a resultant{near}')
+        return Part(found[1], None if found[2] is None else int(found[2]))
+
+
 def word(enum: Mapping[str, int], value: int) -> str:
     """The word of a value of an enum."""
     return next(name for name, number in enum.items() if number == value)

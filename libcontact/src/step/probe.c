@@ -248,7 +248,7 @@ static void take_stress(const ct_probes *probes, const probe *p, const ct_state 
     for (int i = 0; i < 6; i++) stress[i] = NAN;
   int32_t all = p->column[CT_QUANTITY_STRESS], mean = p->column[CT_QUANTITY_PRESSURE];
   if (all >= 0) memcpy(&row[all], stress, sizeof stress);
-  if (mean >= 0) row[mean] = -((stress[0] + stress[1]) + stress[2]) / 3.0;
+  if (mean >= 0) row[mean] = (0.0 - ((stress[0] + stress[1]) + stress[2])) / 3.0;
 }
 
 /* Σ f, or Σ x × f about the origin (eq:probe-resultant). */
