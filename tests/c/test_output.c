@@ -166,7 +166,7 @@ static void pose(const rig *r, ct_state *state, int k)
   ct_state_free(hand);
 }
 
-static const ct_output_options ALL = {1, 1, 1, "title = \"Zwei Platten: \xce\xb1\"\n", 1};
+static const ct_output_options ALL = {1, 1, 1, "title = \"Zwei Platten: \xce\xb1\"\n", 1, NULL};
 
 /* -- Reading with HDF5 itself -- */
 
@@ -280,12 +280,58 @@ static const char *in_folder(const char *name)
   return path[turn];
 }
 
-static ct_output *must_create(const rig *r, const char *path)
+static ct_output *must_create_with(const rig *r, const char *path, const ct_probes *probes)
 {
   ct_output *output;
   ct_error error;
-  need(ct_output_create(path, &r->problem, &ALL, &output, &error), &error);
+  ct_output_options options = ALL;
+  options.probes = probes;
+  need(ct_output_create(path, &r->problem, &options, &output, &error), &error);
   return output;
+}
+
+static ct_output *must_create(const rig *r, const char *path)
+{
+  return must_create_with(r, path, NULL);
+}
+
+/* A probe of one node and of a stress. */
+static ct_probes *must_probe(const rig *r)
+{
+  static const int32_t node = 7;
+  ct_probes *probes;
+  ct_error error;
+  ct_probe_def def = ct_probe_def_default();
+  def.name = "node 7 \xce\xb1";
+  def.nodes = &node;
+  def.node_count = 1;
+  def.element = 1;
+  def.take[CT_QUANTITY_DISPLACEMENT] = def.take[CT_QUANTITY_STRESS] = 1;
+  need(ct_probes_create(&r->problem, &def, 1, &probes, &error), &error);
+  return probes;
+}
+
+/* Whether a file gives back the rows of the poses 0 ... k and no others. */
+static int check_history(const rig *r, const char *path, long k)
+{
+  ct_probes *probes = must_probe(r);
+  ct_state *state = new_state(&r->problem);
+  ct_probe_history history = {.row_count = -1};
+  ct_error error;
+  int good = ct_output_restart(path, &r->problem, state, &error) == CT_OK &&
+             ct_output_restart_probes(path, state, probes, &error) == CT_OK &&
+             ct_probes_history(probes, 0, &history) == CT_OK && history.row_count == k + 1;
+  for (long i = 0; good && i <= k; i++) {
+    const double *row = &history.rows[i * history.width];
+    good = row[0] == (double)(10 * i) * r->problem.dt;
+    for (int c = 0; c < 3; c++)
+      good = good && row[1 + c] == want_displacement(r->problem.reference + 21, c, (int)i);
+    // Hooke's law for the strain 1e-3 (i + 1) diag(1, 1, 3): σyy = λ tr ε + 2 μ εyy, λ = μ = 1.
+    good = good && fabs(row[5] - 7e-3 * (double)(i + 1)) <= 1e-14 * (double)(i + 1);
+  }
+  ct_probes_free(probes);
+  ct_state_free(state);
+  return good;
 }
 
 /* Write `steps` posed steps to a file. */
@@ -357,13 +403,15 @@ static int interesting(int k)
 static void test_any_moment(void)
 {
   rig *r = rig_create(0, 1);
-  ct_output *output = must_create(r, in_folder("moments.vtkhdf"));
+  ct_probes *probes = must_probe(r);
+  ct_output *output = must_create_with(r, in_folder("moments.vtkhdf"), probes);
   ct_state *state = new_state(&r->problem);
   ct_error error;
-  long moments = 0, bad_steps = 0, bad_records = 0;
+  long moments = 0, bad_steps = 0, bad_records = 0, bad_histories = 0;
   snprintf(disk.folder, sizeof disk.folder, "%s", folder);
   for (int k = 0; k <= 513; k++) {
     pose(r, state, k);
+    need(ct_probes_sample(probes, state, &error), &error);
     disk.snapshots = interesting(k);
     disk.snapshot_count = 0;
     if (ct_output_append(output, &r->problem, state, &error)) abort();
@@ -377,6 +425,7 @@ static void test_any_moment(void)
         bad_steps++, printf("# append %d, write %d: steps %ld\n", k, i, steps);
       if (record != k && record != k - 1)
         bad_records++, printf("# append %d, write %d: record %ld: %s\n", k, i, record, error.text);
+      if (record >= 0 && !check_history(r, path, record)) bad_histories++;
       remove(path);
     }
   }
@@ -387,7 +436,9 @@ static void test_any_moment(void)
     tap_ok(bad_records == 0,
            "a whole restart record at each of %ld moments between writes and inside them", moments);
     tap_ok(bad_steps == 0, "every step before it readable at each of them");
+    tap_ok(bad_histories == 0, "and the history of a probe up to the record");
   }
+  ct_probes_free(probes);
   ct_state_free(state);
   rig_free(r);
 }

@@ -589,8 +589,8 @@ static void files(play *p, ct_state *s)
   ct_error e = {0};
   char path[300];
   ct_output *out = NULL;
-  ct_output_options options = {below(d, 2), below(d, 2), below(d, 2),
-                               chance(d, 2) ? "a scene" : NULL, below(d, 2)};
+  ct_output_options options = {
+      below(d, 2), below(d, 2), below(d, 2), chance(d, 2) ? "a scene" : NULL, below(d, 2), NULL};
   if (folder == NULL) return;
   snprintf(path, sizeof path, "%s/fuzz.vtkhdf", folder);
   if (TRY(ct_output_create(path, p->problem, &options, &out, &e)) != CT_OK) return;

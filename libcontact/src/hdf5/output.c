@@ -235,12 +235,16 @@ static int64_t step_bytes(const ct_output *o, const ct_state *state)
 
 static void write_step(ct_task *task, ct_output *o, const ct_state *state)
 {
+  // -- Histories come first: the restart record is their end, and may be whole before the step is
+  if (o->probe_count > 0) {
+    ct_probe_write(task, o, state->time);
+    ct_disk_flush(task, &o->disk, "write a step");
+  }
   // -- The data of the step, which no reader looks for yet
   if (o->row == 0) ct_restart_create_slots(task, o, state);
   ct_restart_write(task, o->row, state);
   for (const ct_column *c = o->column; c < o->column + o->column_count; c++)
     ct_hdf5_write_column(task, c, o->row, ct_record_at(&o->now, c));
-  ct_probe_write(task, o, state->time);
   ct_disk_flush(task, &o->disk, "write a step");
   // -- The number of steps, which makes it visible
   int64_t steps = o->row + 1;
