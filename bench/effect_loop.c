@@ -19,6 +19,7 @@
 #define OBSTACLE 8
 #define CONTACT 9
 #define FRICTION 10
+#define PROBE 11
 #ifndef EFFECT
 #define EFFECT NONE
 #endif
@@ -99,7 +100,27 @@ static int32_t make(const ct_problem *problem, ct_mesh *const *mesh, ct_effect *
   need(ct_friction_create_effect(&rub, problem, &effect[1], &error));
 #endif
   (void)problem, (void)effect, (void)nodes;
-  return EFFECT == FRICTION ? 2 : EFFECT != NONE;
+  return EFFECT == FRICTION ? 2 : EFFECT != NONE && EFFECT != PROBE;
+}
+
+/* The steps, with the history of a node and of a face where the effect is a probe. */
+static void run(const ct_problem *problem, ct_mesh *const *mesh, ct_state *state, int32_t steps)
+{
+#if EFFECT == PROBE
+  static const int32_t corner = 0;
+  ct_probe_def def[2] = {ct_probe_def_default(), ct_probe_def_default()};
+  ct_probes *probes;
+  int32_t count = ct_mesh_plane_nodes(mesh[0], 2, 0.0, nodes);
+  def[0].name = "corner", def[0].nodes = &corner, def[0].node_count = 1;
+  def[1].name = "face", def[1].nodes = nodes, def[1].node_count = count;
+  for (int i = 0; i < 2; i++) def[i].take[CT_QUANTITY_DISPLACEMENT] = 1;
+  need(ct_probes_create(problem, def, 2, &probes, &error));
+  need(ct_probes_steps(probes, state, steps, &error));
+  ct_probes_free(probes);
+#else
+  (void)mesh;
+  need(ct_step_many(problem, state, steps, &error));
+#endif
 }
 
 int main(int count, char **argument)
@@ -141,7 +162,7 @@ int main(int count, char **argument)
   ct_state *state;
   need(ct_state_create(&problem, &state, &error));
   size_t held = counted.held;
-  need(ct_step_many(&problem, state, steps, &error));
+  run(&problem, mesh, state, steps);
   uint64_t hash = 14695981039346656037ull;
   const unsigned char *byte = (const unsigned char *)state->displacement;
   for (size_t i = 0; i < 48 * (size_t)NODES; i++) hash = (hash ^ byte[i]) * 1099511628211ull;

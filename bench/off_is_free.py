@@ -2,7 +2,7 @@
 Only the effects that a scene calls for: what each of them costs when it is declared, and that it costs nothing when it is
 not. ``effect_loop.c`` is compiled once for each effect, so that the program holds the code of this effect alone; a program
 without any effect is linked a second time with the code of all. Instructions in the time loop by callgrind, bytes by a
-counting allocator, code by ``size``. At last the plates with contact, with the objects they need and with all.
+counting allocator, code by ``size``. At last the plates with contact, with the objects they need and with all, and with ten probes.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 EFFECTS = (
     *("support", "motion", "gravity", "load", "damping", "viscosity"),
-    *("absorb", "obstacle", "friction", "contact"),
+    *("absorb", "obstacle", "friction", "contact", "probe"),
 )
 STEPS = 20
 
@@ -38,9 +38,10 @@ def compiled(source: str, folder: Path, effect: str = "none", whole: bool = Fals
 
 
 def counted(program: Path, arguments: list[str], folder: Path) -> dict:
-    """Instructions inside ct_step_many, bytes of code, and what the program prints."""
+    """Instructions inside ct_step_many or ct_probes_steps, bytes of code, and what the program prints."""
     out = folder / "callgrind.out"
     command = ["valgrind", "--tool=callgrind", "--toggle-collect=ct_step_many"]
+    command += ["--toggle-collect=ct_probes_steps"]
     command += [f"--callgrind-out-file={out}", str(program), *arguments]
     done = subprocess.run(
         command,
@@ -75,10 +76,12 @@ def measure() -> dict:
             counted(compiled("scene_loop.c", folder, whole=whole), ["plates", "qcd", "20"], folder)
             for whole in (False, True)
         ]
+        probed = counted(compiled("scene_loop.c", folder), ["plates", "qcdh", "20"], folder)
+    assert probed["hash"] == plates[0]["hash"]
     for alone, all_linked in ((rows["none"], off), plates):
         assert alone["hash"] == all_linked["hash"] and alone["bytes"] == all_linked["bytes"]
         assert abs(all_linked["instructions"] / alone["instructions"] - 1.0) <= 1e-3
-    return {"effects": rows, "off": off, "plates": plates}
+    return {"effects": rows, "off": off, "plates": plates, "probed": probed}
 
 
 def report(result: dict) -> str:
@@ -104,7 +107,13 @@ def report(result: dict) -> str:
         f"  plates with contact, own objects and all: {own['instructions']} and {whole['instructions']} instructions, "
         f"{own['bytes']} and {whole['bytes']} bytes, the same bits"
     )
-    lines.append("  friction stands on an obstacle and includes it")
+    share = result["probed"]["instructions"] / own["instructions"] - 1.0
+    lines.append(
+        f"  the plates with ten probes (six nodes, two faces of 202 nodes, two resultants): {share:+.2%}"
+    )
+    lines.append(
+        "  friction stands on an obstacle and includes it; probe: a node and a face of 169 nodes"
+    )
     return "\n".join(lines)
 
 

@@ -1,7 +1,8 @@
 /* Run one scene with chosen optimisations and tell steps, seconds, bytes held and at most on the
  * way there, and a hash of the state, as one line of JSON: scene_loop SCENE SAVINGS STEPS SCENE:
- * plates, plates200, platesz, block, bar, flight; SAVINGS: some of the letters q c d p, or -; STEPS
- * 0: to the end. Memory is counted where the linker wraps calloc and free. */
+ * plates, plates200, platesz, block, bar, flight; SAVINGS: some of the letters q c d p, or -, and h
+ * for the histories of ten probes in a scene with contact; STEPS 0: to the end. Memory is counted
+ * where the linker wraps calloc and free. */
 #define _POSIX_C_SOURCE 200809L
 #include <libcontact.h>
 
@@ -151,6 +152,40 @@ static double fill(ct_scene *scene, const char *name)
   return 0.0;
 }
 
+/* Displacement and velocity of six nodes and of the face in contact, twice, and the force of the
+ * contact on both parts. */
+static ct_probes *ten_probes(const ct_problem *problem)
+{
+  enum { POINTS = 6, FACES = 2, ALL = 10 };
+  static const int32_t effect = 1;
+  char name[ALL][8];
+  ct_probe_def def[ALL];
+  ct_probes *probes;
+  int32_t count = problem->node_count, first = problem->bodies[1].first_node, face_count = 0,
+          *all = malloc((size_t)count * sizeof *all), *face = malloc((size_t)count * sizeof *face);
+  for (int32_t n = 0; n < count; n++) {
+    all[n] = n;
+    if (n < first && problem->reference[3 * (size_t)n] == 0.0) face[face_count++] = n;
+  }
+  for (int i = 0; i < ALL; i++) {
+    def[i] = ct_probe_def_default();
+    snprintf(name[i], sizeof name[i], "%d", i);
+    def[i].name = name[i];
+    def[i].take[i < POINTS + FACES ? CT_QUANTITY_DISPLACEMENT : CT_QUANTITY_FORCE] = 1;
+    def[i].take[CT_QUANTITY_VELOCITY] = i < POINTS + FACES;
+    def[i].nodes = i < POINTS ? &all[i * (count / POINTS)] : i < POINTS + FACES ? face : all;
+    def[i].node_count = i < POINTS ? 1 : i < POINTS + FACES ? face_count : first;
+    def[i].effects = &effect;
+    def[i].effect_count = 1;
+  }
+  def[ALL - 1].nodes = &all[first];
+  def[ALL - 1].node_count = count - first;
+  need(ct_probes_create(problem, def, ALL, &probes, &error));
+  free(all);
+  free(face);
+  return probes;
+}
+
 /* Of values: the sign of a zero counts for nothing. */
 static uint64_t hash(uint64_t h, const double *values, int64_t count)
 {
@@ -186,8 +221,10 @@ int main(int count, char **argument)
   for (int32_t b = 0; b < problem->body_count; b++)
     elements += problem->bodies[b].mesh->element_count;
   size_t held = bytes_now, peak = bytes_peak;
+  ct_probes *probes = strchr(argument[2], 'h') != NULL ? ten_probes(problem) : NULL;
   double start = seconds();
-  need(ct_step_many(problem, state, steps, &error));
+  need(probes == NULL ? ct_step_many(problem, state, steps, &error)
+                      : ct_probes_steps(probes, state, steps, &error));
   double loop = seconds() - start;
   uint64_t h = 14695981039346656037ull;
   h = hash(h, state->displacement, 3 * (int64_t)state->node_count);
@@ -202,6 +239,7 @@ int main(int count, char **argument)
          problem->dt / stable.dt_courant, loop, state->effect_seconds[0],
          problem->effect_count > 1 ? state->effect_seconds[1] : 0.0,
          state->effect_seconds[problem->effect_count], held, peak, (unsigned long long)h);
+  ct_probes_free(probes);
   ct_state_free(state);
   ct_scene_free(scene);
   return 0;

@@ -99,6 +99,12 @@ int32_t ct_effect_body_of(const ct_problem *problem, int32_t node)
   return body;
 }
 
+ct_place ct_effect_place(const ct_problem *problem, int32_t node)
+{
+  int32_t body = ct_effect_body_of(problem, node);
+  return (ct_place){body, -1, node - problem->bodies[body].first_node};
+}
+
 ct_status ct_effect_body_nodes(const ct_problem *problem, const int32_t *bodies, int32_t body_count,
                                const char *name, ct_pool *pool, int32_t **nodes,
                                int32_t *node_count, ct_error *error)

@@ -3,6 +3,7 @@
 
 #include <libcontact/step.h>
 
+#include "../base/error.h"
 #include "../base/memory.h"
 
 /* An effect on the heap from a filled one, of any kind; see ct_effect_create, which is for those of
@@ -17,6 +18,9 @@ ct_status ct_effect_body_nodes(const ct_problem *problem, const int32_t *bodies,
 
 /* The body that a node of the problem belongs to. */
 int32_t ct_effect_body_of(const ct_problem *problem, int32_t node);
+
+/* Where it is: that body, and its number there. */
+ct_place ct_effect_place(const ct_problem *problem, int32_t node);
 
 /* The first member of every definition of an effect, set by its default. */
 enum { CT_DEF_COOKIE = 0x63745f64 };

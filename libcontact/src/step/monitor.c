@@ -7,7 +7,6 @@
 #include "../base/memory.h"
 #include "../base/random.h"
 #include "../base/stream.h"
-#include "../base/vector.h"
 #include "effect_internal.h"
 #include "workspace.h"
 
@@ -45,26 +44,6 @@ ct_monitor_options ct_monitor_options_default(void)
 {
   return (ct_monitor_options){
       .every = 1024, .energy_limit = 1.0, .omega_limit = 2.0, .growth_limit = 0.01};
-}
-
-/* Where a node of the problem is: its body, and its number there. */
-static ct_place place_of(const ct_problem *problem, int32_t node)
-{
-  int32_t body = ct_effect_body_of(problem, node);
-  return (ct_place){body, -1, node - problem->bodies[body].first_node};
-}
-
-ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
-{
-  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
-    if (isfinite(state->velocity[d]) && fabs(state->displacement[d]) <= CT_LARGEST_LENGTH) continue;
-    ct_place at = place_of(problem, (int32_t)(d / 3));
-    return ct_fail(error, CT_ERROR_BLOWUP, at,
-                   "the motion stopped being finite by t = %g (step %lld): body %s, node %d",
-                   state->time, (long long)state->step, problem->bodies[at.body].name,
-                   (int)at.point);
-  }
-  return CT_OK;
 }
 
 /* m x · x at the nodes first ... end - 1; a null x: m v_n · v_n. */
@@ -188,7 +167,7 @@ static ct_status look_at_energy(ct_monitor *w, const ct_state *state, const ener
   // -- A growing oscillation, of which the ledger's total knows nothing (eq:energy-grows)
   double grown = w->swing * e->elastic - expected;
   if (isinf(limit) || !(fmax(e->appeared, grown) > fmax(limit * expected, e->least))) return CT_OK;
-  ct_place at = place_of(w->problem, largest_node(w->problem, state, NULL));
+  ct_place at = ct_effect_place(w->problem, largest_node(w->problem, state, NULL));
   return ct_fail(error, CT_ERROR_ENERGY, at,
                  "energy appears: %.3g more than the %.3g that should be there by t = %g (step "
                  "%lld); most of it moves at body %s, node %d",
@@ -258,7 +237,7 @@ static ct_status look_at_step(ct_monitor *w, ct_state *state, ct_error *error)
   double limit = 0.5 * w->options.omega_limit * ct_integrator_limit(&problem->integrator),
          omega = sqrt(fmax(w->omega_squared, 0.0));
   if (status != CT_OK || !(omega * problem->dt > limit * (1.0 + 1e-4))) return status;
-  ct_place at = place_of(problem, largest_node(problem, state, w->moved));
+  ct_place at = ct_effect_place(problem, largest_node(problem, state, w->moved));
   at.element = element_with(problem->bodies[at.body].mesh, (int32_t)at.point);
   return ct_fail(error, CT_ERROR_STEP, at,
                  "by t = %g (step %lld) the solid is too stiff for the time step %g, which may be "

@@ -7,6 +7,7 @@
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "../base/threads.h"
+#include "../base/vector.h"
 #include "../solid/sleep.h"
 #include "constraints.h"
 #include "effect_internal.h"
@@ -345,6 +346,19 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
                    .total = state->workspace->total};
 }
 
+ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
+{
+  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
+    if (isfinite(state->velocity[d]) && fabs(state->displacement[d]) <= CT_LARGEST_LENGTH) continue;
+    ct_place at = ct_effect_place(problem, (int32_t)(d / 3));
+    return ct_fail(error, CT_ERROR_BLOWUP, at,
+                   "the motion stopped being finite by t = %g (step %lld): body %s, node %d",
+                   state->time, (long long)state->step, problem->bodies[at.body].name,
+                   (int)at.point);
+  }
+  return CT_OK;
+}
+
 void ct_workspace_force_at(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i,
                            double force[3])
 {
@@ -356,11 +370,13 @@ void ct_workspace_force_at(const ct_problem *problem, const ct_state *state, int
     for (int c = 0; c < 3; c++) force[c] = inverse_mass[c] == 0.0 ? -total[c] : 0.0;
     return;
   }
-  // The first effect's force stands in `total`, but for the nodes where others were added.
-  int32_t place = ct_lower_bound(w->shared, w->shared_count, node);
   if (k > 0) own = &w->force[k][3 * (int64_t)i];
-  else if (place < w->shared_count && w->shared[place] == node)
-    own = &w->shared_first[3 * (int64_t)place];
+  else {
+    // The first effect's force stands in `total`, but for the nodes where others were added.
+    int32_t place = ct_lower_bound(w->shared, w->shared_count, node);
+    if (place < w->shared_count && w->shared[place] == node)
+      own = &w->shared_first[3 * (int64_t)place];
+  }
   memcpy(force, own, 3 * sizeof *force);
 }
 
