@@ -118,13 +118,14 @@ assert abs(-right.stress[inside, 0].mean() / pressed - 1) < 0.01
 # ``bar_on_a_wall.toml``: a bar of 10 m flies at 10 m/s against a rigid wall :cite:p:`Doyen2011`. The wave of pressure
 # :math:`\rho c v = 300` runs to the free end at :math:`c = 30` m/s and comes back as a release; then, after :math:`2L/c`, the
 # bar flies off as it came, and no wave is left in it. Left: where the cross-sections of the bar are at each time, in the colour
-# of their stress. Right: the force of the wall, which is the change of momentum, over the area.
+# of their stress. Right: the force of the wall over the area, at every step by a probe (:doc:`/theory/probe`), and its mean
+# between two records, which is the change of momentum.
 
 wall = load("bar_on_a_wall")
 L, C, V, P = 10.0, 30.0, 10.0, 300.0
 times = np.linspace(0, 1.5, 121)[1:]
 film = states(wall, times)
-records = run(often(wall, 10))
+records = run(often(wall, 10).add_probe("wall", resultant="obstacle"))
 
 
 def along(film, axis):
@@ -186,7 +187,9 @@ left.set(
 )
 left.legend(loc="lower left")
 middle, pressure = force(records, "bar", 0.01, 0)
-right.plot(middle, pressure, color="tab:red", lw=1.2, label="computed")
+history = records.probes["wall"]
+right.plot(history["time"], history["force"][:, 0] / 0.01, color="0.6", lw=0.8, label="every step")
+right.plot(middle, pressure, color="tab:red", lw=1.2, label="mean of ten steps")
 off = 0.5 + 2 * L / C
 right.plot(
     [0, 0.5, 0.5, off, off, 1.5],
@@ -208,6 +211,12 @@ print(
     f"bar: mean pressure {pressure[steady].mean():.2f} Pa (300), ends within {100 * off / L:.2f} % of the length"
 )
 assert abs(pressure[steady].mean() / P - 1) < 0.01 and off < 0.02 * L
+
+# The history is the momentum's rate: the trapezoidal sum of the force is the change of momentum, to round-off.
+momentum = records.body_momentum("bar")["p"][:, 0]
+push, t_push = history["force"][:, 0], history["time"]
+impulse = (0.5 * (push[1:] + push[:-1]) * np.diff(t_push)).sum()
+assert abs(impulse - (momentum[-1] - momentum[0])) < 1e-12 * abs(momentum[0])
 
 # %%
 # A bar bounces

@@ -21,7 +21,7 @@ FLOORS = (
     ({"scene": "bodies, effects and time put together", "hdf5": "results files and restart"}),
     ({"contact": "surfaces in contact, obstacles, friction"}),
     ({"effect": "solid, support, motion, gravity, load, damping, viscosity, absorb"}),
-    ({"step": "contract of effects, problem, state, time loop, energy, monitor"}),
+    ({"step": "contract of effects, problem, state, time loop, energy, monitor, probes"}),
     (
         {
             "solid": "elements and their kernels",
