@@ -1,8 +1,8 @@
 /* The contact of two surfaces over a host's own arrays, and contacts, obstacles and friction as
  * effects.
  * Threads: a call that takes a const contact may run at once with others of its kind;
- * ct_contact_update, ct_contact_step and ct_contact_free must be alone with their contact.
- * Different contacts are independent. */
+ * ct_contact_update, ct_contact_step, ct_contact_add_..., ct_contact_restore and ct_contact_free
+ * must be alone with their contact. Different contacts are independent. */
 #ifndef LIBCONTACT_CONTACT_H
 #define LIBCONTACT_CONTACT_H
 
@@ -126,6 +126,9 @@ typedef struct ct_contact ct_contact;
  * in the reference shape meet only after they have come apart. In the calls below, what belongs to
  * surface b is neither read nor written then and may be null.
  *
+ * With `b` null there is no contact: the surface meets the obstacles of `ct_contact_add_obstacle`
+ * only, and of the options only `threads` matters, though all must be possible.
+ *
  * ``CT_ERROR_ARGUMENT``: empty surface, node number out of range, coordinates not finite, ε not
  * positive;
  * ``CT_ERROR_GEOMETRY``: a face without area (`error` names the body 0 or 1 and the face).
@@ -143,14 +146,17 @@ CT_API ct_status ct_contact_update(ct_contact *contact, const double *xa, const 
                                    ct_error *error);
 
 /**
- * Add the contact forces of the last update or step to `fa`, `fb` [force], shapes (node_count, 3).
+ * Add the contact forces of the last update or step to `fa`, `fb` [force], shapes (node_count, 3);
+ * after a step also those of obstacles and friction. With them, two surfaces over one array of
+ * nodes have one array of forces: ``CT_ERROR_ARGUMENT`` for two.
  * This and all calls below that take a const contact only read it: several threads may ask one
  * contact at once.
  */
 CT_API ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb);
 
 /** Energy that the contact holds after the last update or step [energy]: the potential Π of
- * :eq:`contact-potential`, or that of the solved forces, :eq:`controlled-energy`. */
+ * :eq:`contact-potential`, or that of the solved forces, :eq:`controlled-energy`; after a step with
+ * that of obstacles and the elastic slip of friction, :eq:`friction-dissipation`. */
 CT_API double ct_contact_energy(const ct_contact *contact);
 
 /**
@@ -179,21 +185,22 @@ typedef struct ct_contact_prediction {
   double dt;
   /**
    * Time for which f_n changes the velocity [time], > 0: Δt; half of it in the first step, which
-   * begins with v_0; and the mean of two steps where they differ.
+   * begins with v_0; and the mean of two steps where they differ. Without `increment` a time that
+   * is none of these is refused; in the first step any up to Δt is good.
    */
   double kick;
 } ct_contact_prediction;
 
 /**
  * The contact of a host's own time loop in one step, as that of a scene: find who meets whom at
- * x_n, and solve for the forces of all points together, :eq:`constraint-problem`, by the law in
- * the options. Call it once per step; the contact remembers what the next step needs. Then
- * `ct_contact_add_force` adds the forces to f_n. They leave the stable step of the host as it is
- * and, for steps of one length in which gaps are linear in the motion, never add energy,
- * :eq:`controlled-energy`. With CT_ENFORCE_PENALTY they are those of `ct_contact_update`. Start
- * gaps begin at the first call, which also allocates; later calls do so only where lists of
- * candidates grow.
- * ``CT_ERROR_ARGUMENT``: a pointer is missing, or a time not positive. ``CT_INVALID``: a number at
+ * x_n, and solve for the forces of all points together, :eq:`constraint-problem`, those of
+ * obstacles among them, by the law in the options; and then for those of friction. Call it once per
+ * step; the contact remembers what the next step needs. Then `ct_contact_add_force` adds the forces
+ * to f_n. They leave the stable step of the host as it is and, for steps of one length in which
+ * gaps are linear in the motion, never add energy, :eq:`controlled-energy`. With CT_ENFORCE_PENALTY
+ * they are those of `ct_contact_update`. Start gaps begin at the first call, which also allocates;
+ * later calls do so only where lists of candidates grow.
+ * ``CT_ERROR_ARGUMENT``: a pointer is missing, or a time impossible. ``CT_INVALID``: a number at
  * a node of a surface is not finite, or an inverse mass negative (`error` names surface and node);
  * all is then as the last good call left it.
  * ``CT_ERROR_GEOMETRY``: surfaces overlap at the start and CT_INITIAL_REFUSE was chosen.
@@ -208,29 +215,51 @@ typedef struct ct_contact_balance {
   /** Energy that the contact holds at t_n [energy], as `ct_contact_energy`. */
   double energy;
   /**
-   * Work that its forces have done on the bodies from t_0 to t_n [energy], :eq:`host-work`. The
-   * sum of `energy` and `work` - `removal` never grows, for steps of one length in which gaps are
-   * linear in the motion.
+   * Work that its forces, with obstacles and friction, have done on the bodies from t_0 to t_n
+   * [energy], :eq:`host-work`. Without friction the sum `energy` + `work` - `removal` - `motion`
+   * never grows, for steps of one length in which gaps are linear in the motion.
    */
   double work;
   /** Work that start gaps have done while they fade [energy], :eq:`initial-work`. */
   double removal;
   /** Number of steps in which the forces did not converge. */
   int64_t unconverged;
+  /** What friction has dissipated [energy], :eq:`friction-dissipation`. */
+  double friction;
+  /** Work that the motion of obstacles has put into the bodies [energy], :eq:`obstacle-work`. */
+  double motion;
 } ct_contact_balance;
 
-/** Energy balance of a contact after `ct_contact_step`. ``CT_ERROR_ARGUMENT``: no step was taken.
- */
+/** Energy balance of a contact after `ct_contact_step`. ``CT_ERROR_ARGUMENT``: the last call was no
+ * good step. */
 CT_API ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *out);
 
-/** Resultant force on each surface and its moment about the origin [force, force · length]; their
- * sums vanish to round-off. */
+/**
+ * What the contact must remember to continue after the last good step with the same bits: written
+ * into `memory`, unless it is null. The number of doubles; 0 for a null contact. It changes only
+ * when an obstacle or friction is added.
+ */
+CT_API int64_t ct_contact_save(const ct_contact *contact, double *memory);
+
+/**
+ * Go on from what `ct_contact_save` has written, `count` doubles of a contact that was made alike.
+ * The next call must be a step; until then there are no forces.
+ * ``CT_ERROR_ARGUMENT``: another number of doubles; ``CT_INVALID``: numbers that no contact has
+ * saved. All is then as it was.
+ */
+CT_API ct_status ct_contact_restore(ct_contact *contact, const double *memory, int64_t count,
+                                    ct_error *error);
+
+/** Resultant force on each surface and its moment about the origin [force, force · length], without
+ * obstacles and friction; their sums vanish to round-off. */
 CT_API ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3],
                                       double moment_a[3], double force_b[3], double moment_b[3]);
 
 /**
  * Largest stable step of the contact alone [time], 2 / ω, with every point taken as active at
- * its nearest face, :eq:`contact-bound`. A host combines it with its own limit
+ * its nearest face, :eq:`contact-bound`, as the explicit penalty. With obstacles or friction it is
+ * that of the forces of `ct_contact_step`: of friction, :eq:`friction-bound`, and of explicit
+ * penalties; infinite where there are none. A host combines it with its own limit
  * dt_host as 1 / sqrt(1 / dt² + 1 / dt_host²), :eq:`step-bound`. `mass_a`, `mass_b`: nodal masses,
  * shapes (node_count).
  */
@@ -278,10 +307,11 @@ CT_API ct_status ct_contact_points(const ct_contact *contact, ct_contact_point *
 
 /**
  * Tractions at the nodes of surface `side` (0 or 1), recovered from the forces of the last update
- * and averaged over both passes and the faces around a node, :eq:`recovered-traction`. The pressure
- * at a node is the size of its traction. Areas times tractions add up to the force on the surface,
- * and their moments to its moment where edges are straight. Entries of nodes that are not on the
- * surface are left as they are.
+ * or step, without friction, or, with `side` = 2 + k, those of obstacle k at the nodes of the
+ * surface that meets it; averaged over both passes and the faces around a node,
+ * :eq:`recovered-traction`. The pressure at a node is the size of its traction. Areas times
+ * tractions add up to the force on the surface, and their moments to its moment where edges are
+ * straight. Entries of nodes that are not on the surface are left as they are.
  *
  * `traction` [stress], shape (node_count, 3): force on the surface per reference area; at a
  * mid-side node the mean of the two corners, and 0 where no face carries forces. `area` [area],
@@ -418,6 +448,34 @@ typedef struct ct_obstacle_def {
 /** A plane at rest with the energy-controlled penalty and dissipation 0.15; the rest must be set.
  */
 CT_API ct_obstacle_def ct_obstacle_def_default(void);
+
+/**
+ * Add an obstacle that surface `side` (0 or 1) of a host's contact meets in `ct_contact_step`, with
+ * all its faces: `kind`, `face_count` and `faces` of the definition are not read. Obstacles count
+ * from 0; their time is 0 in the first step. Everything is copied.
+ * ``CT_ERROR_ARGUMENT``: no such surface, a step was taken, or what `ct_obstacle_create_effect`
+ * refuses.
+ */
+CT_API ct_status ct_contact_add_obstacle(ct_contact *contact, int32_t side,
+                                         const ct_obstacle_def *obstacle, ct_error *error);
+
+/**
+ * Add Coulomb friction to `ct_contact_step`: of obstacle `on`, or with `on` = -1 between the
+ * surfaces, with the coefficient μ > 0 and the ratio ρ > 0 of the tangential penalty to the normal
+ * one, as in :c:struct:`ct_friction_def`. Its springs limit the step, see `ct_contact_stable_step`.
+ * ``CT_ERROR_ARGUMENT``: no such obstacle, friction there already, a step was taken, μ or ρ not
+ * positive.
+ */
+CT_API ct_status ct_contact_add_friction(ct_contact *contact, int32_t on, double coefficient,
+                                         double tangent, ct_error *error);
+
+/**
+ * Force of the bodies on an obstacle of a host's contact in the last step, with its friction
+ * [force], and the work that its motion has put into the bodies [energy], :eq:`obstacle-work`.
+ * ``CT_ERROR_ARGUMENT``: null argument, no such obstacle, or the last call was no good step.
+ */
+CT_API ct_status ct_contact_reaction(const ct_contact *contact, int32_t obstacle, double force[3],
+                                     double *work);
 
 /**
  * The effect of one obstacle. It stores the penalty's energy; work of its motion is external.

@@ -2,7 +2,7 @@
 #include <libcontact/contact.h>
 
 #include "../base/memory.h"
-#include "contact_internal.h"
+#include "host.h"
 
 #include <math.h>
 
@@ -79,7 +79,7 @@ static ct_status find_rows(const ct_contact *contact, const double *const mass[2
     rows[s] = ct_allocate((size_t)search->node_count, sizeof *rows[s]);
     if (rows[s] == NULL || ct_search_look(search, &now[s]) != CT_OK) return CT_ERROR_MEMORY;
   }
-  for (int s = 0, t = sides - 1; s < sides; s++, t--)
+  for (int s = 0, t = sides - 1; !contact->fixed->alone && s < sides; s++, t--)
     add_rows(&contact->side[s], &contact->side[t], now[t], contact->fixed->options.epsilon, rows[s],
              rows[t]);
   if (sides == 2 && contact->fixed->one_array)
@@ -114,9 +114,11 @@ ct_status ct_contact_omega2_bound(const ct_contact *contact, const double *mass_
 ct_status ct_contact_stable_step(const ct_contact *contact, const double *mass_a,
                                  const double *mass_b, double *dt)
 {
+  const double *const mass[2] = {mass_a, mass_b};
   double omega2;
   if (dt == NULL) return CT_ERROR_ARGUMENT;
   ct_status status = ct_contact_omega2_bound(contact, mass_a, mass_b, &omega2);
+  if (status == CT_OK) status = ct_host_omega2_bound(contact, mass, &omega2);
   // -- Δt = 2 / ω (eq:step-bound)
   if (status == CT_OK) *dt = 2.0 / sqrt(omega2);
   return status;

@@ -112,6 +112,7 @@ static int holds(const ct_side *side)
  * times as far (eq:contact-clear). */
 int ct_contact_is_separated(const ct_contact *contact)
 {
+  if (contact->fixed->alone) return 1;
   if (!contact->built || !contact->begun || contact->clear == 0.0) return 0;
   const ct_side *a = &contact->side[0], *b = &contact->side[contact->fixed->sides - 1];
   double part =

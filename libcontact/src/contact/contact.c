@@ -7,7 +7,7 @@
 #include "../base/memory.h"
 #include "../base/vector.h"
 #include "../projection/projection_internal.h"
-#include "contact_internal.h"
+#include "host.h"
 
 #include <math.h>
 #include <string.h>
@@ -250,11 +250,12 @@ ct_status ct_contact_find_gaps(ct_contact *contact, const ct_moment *now, ct_err
   const ct_contact_options *options = &contact->fixed->options;
   contact->start = !(now->time > 0.0);
   for (int s = 0; s < contact->fixed->sides; s++) {
+    contact->velocity[s] = now->velocity[s];
     ct_point *p = contact->side[s].points;
     for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++) p[i].last_known = p[i].known;
   }
   ct_status status = ct_contact_measure(contact, error);
-  if (status == CT_OK && now->before > 0.0)
+  if (status == CT_OK && now->before > 0.0 && !contact->fixed->alone)
     status = ct_tunnelling_check(contact, now->velocity, now->before, now->time, error);
   if (status == CT_OK && ct_start_gap_counts(options)) ct_start_gap_shift(contact, now);
   if (status == CT_OK && now->first && options->initial_penetration == CT_INITIAL_REFUSE)
@@ -299,13 +300,16 @@ ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb
       for (int c = 0; c < 3; c++)
         f[3 * (int64_t)side->search->nodes[n] + c] += ct_side_force(side, n, c);
   }
-  return CT_OK;
+  if (contact->host == NULL || !contact->host->current) return CT_OK;
+  return ct_host_add_force(contact, (double *const[2]){fa, fb});
 }
 
 double ct_contact_energy(const ct_contact *contact)
 {
   if (contact == NULL) return NAN;
-  return contact->solved ? contact->held : ct_side_potential(contact->side, contact->fixed->sides);
+  double own =
+      contact->solved ? contact->held : ct_side_potential(contact->side, contact->fixed->sides);
+  return contact->host != NULL && contact->host->current ? own + contact->host->held : own;
 }
 
 ct_status ct_contact_resultant(const ct_contact *contact, double force_a[3], double moment_a[3],

@@ -17,6 +17,7 @@ typedef struct ct_contact_fixed {
   double skin;     /* how far beyond that candidates are listed */
   int sides;       /* 2, or 1 for the contact of a surface with itself */
   int one_array;   /* whether the nodes of both sides are numbered in one array of the host */
+  int alone;       /* whether there is no contact, and the surface meets only a host's obstacles */
   ct_side_fixed side[2];
   int64_t point_count; /* of all sides */
   int32_t node_count;  /* of all sides, a node of both counted once */
@@ -36,13 +37,14 @@ struct ct_contact {
   double clear; /* not 0: when they were made, no two faces were nearer than what points look plus
                    this (eq:contact-clear) */
   ct_side side[2];
-  double *terms;        /* room for sums, one number a point */
-  int solved;           /* whether the forces are those of solved rows */
-  double held;          /* energy of the constraints then */
-  double stored;        /* what all rows stored in the middle of the last step */
-  double time;          /* of that step */
-  double work;          /* since t = 0 that has come in because start gaps fade */
-  struct ct_host *host; /* of a host that calls ct_contact_step; else null */
+  double *terms;             /* room for sums, one number a point */
+  int solved;                /* whether the forces are those of solved rows */
+  double held;               /* energy of the constraints then */
+  double stored;             /* what all rows stored in the middle of the last step */
+  double time;               /* of that step */
+  double work;               /* since t = 0 that has come in because start gaps fade */
+  const double *velocity[2]; /* of the moment whose gaps were found last */
+  struct ct_host *host;      /* of a host that calls ct_contact_step; else null */
 };
 
 /* A moment t_n of a contact. */
@@ -141,12 +143,12 @@ typedef struct ct_point_record {
 } ct_point_record;
 enum { CT_RECORD = sizeof(ct_point_record) / sizeof(double) };
 
-static inline ct_point_record ct_record_load(const double *memory)
-{
-  ct_point_record record;
-  memcpy(&record, memory, sizeof record);
-  return record;
-}
+/* How many doubles a contact remembers, and whether they are of a step; make the contact what it
+ * was after that step, and remember what it is now. */
+int64_t ct_contact_fixed_memory(const ct_contact_fixed *fixed);
+int ct_contact_memory_begun(const ct_contact_fixed *fixed, const double *memory);
+ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *error);
+void ct_contact_store(const ct_contact *contact, double *memory);
 
 /* Start gaps of all points from their distances on the undeformed shape (eq:initial-adjust). */
 void ct_start_gap_begin(ct_contact *contact);
@@ -176,14 +178,24 @@ typedef struct ct_obstacle_state {
   double *terms;      /* a number a point */
 } ct_obstacle_state;
 
-/* What friction needs of the effect that it acts on: the fixed sides of a contact, of which there
- * are one or two, or that of an obstacle; and bounds of ω² with all points as springs, whatever the
- * enforcement. */
-int ct_contact_fixed_sides(const ct_effect *effect, const ct_side_fixed *side[2]);
+/* What friction needs of the effect that it acts on: what never changes of a contact, or the side
+ * of an obstacle; and bounds of ω² with all points as springs, whatever the enforcement. `mass`:
+ * of the nodes that the obstacle's surface numbers; null: the problem's. */
+const ct_contact_fixed *ct_contact_fixed_of(const ct_effect *effect);
 const ct_side_fixed *ct_obstacle_side(const ct_effect *effect);
 ct_status ct_contact_springs(const ct_effect *effect, const void *scratch, double *omega2,
                              ct_error *error);
-double ct_obstacle_springs(const ct_effect *effect);
+double ct_obstacle_springs(const ct_effect *effect, const double *mass);
+
+/* The effect of friction on a contact, or, with a null one, on the obstacle `def->on`. A host's
+ * contact is no effect; then `on` is null, and the view's `read` shows the contact. */
+ct_status ct_friction_create(const ct_friction_def *def, const ct_contact_fixed *contact,
+                             ct_effect **effect, ct_error *error);
+
+/* The factor of those bounds for its own (eq:friction-bound); and its sums over all points, of the
+ * last force (eq:friction-dissipation). */
+double ct_friction_stiffness(const ct_effect *effect);
+void ct_friction_sums(const ct_effect *effect, void *scratch, double *held, double *dissipated);
 
 /* Where the obstacle is at a time, relative to t = 0's `point` (eq:obstacle-motion); and the signed
  * distance of a point from it at its place of t = 0, negative inside, with the unit normal `n` out

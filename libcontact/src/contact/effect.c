@@ -15,93 +15,7 @@ typedef struct contact_data {
   const double *mass; /* of the problem's nodes */
 } contact_data;
 
-/* What the effect remembers after the records of the points. After it: the coordinates of the nodes
- * of each surface, shape (node_count, 3). */
-typedef struct tail_record {
-  double begun;  /* whether there was a step before */
-  double stored; /* what all rows stored in the middle of that step */
-  double time;   /* of that step */
-  double work;   /* since t = 0 of start gaps that fade */
-} tail_record;
-enum { TAIL = sizeof(tail_record) / sizeof(double) };
-
 static int is_penalty(const contact_data *data) { return ct_contact_is_penalty(data->fixed); }
-
-static tail_record load_tail(const contact_data *data, const double *memory)
-{
-  tail_record tail;
-  memcpy(&tail, &memory[CT_RECORD * data->fixed->point_count], sizeof tail);
-  return tail;
-}
-
-/* What the points were in the last step. */
-static void load_points(ct_contact *contact, const double *memory)
-{
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    double most = (double)contact->fixed->side[contact->fixed->sides - 1 - s].search->face_count;
-    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++, memory += CT_RECORD) {
-      ct_point *point = &contact->side[s].points[i];
-      const ct_point_record record = ct_record_load(memory);
-      int buried = record.status == CT_POINT_BURIED,
-          met = !buried && record.other >= 1.0 && record.other <= most;
-      point->other = met ? (int32_t)record.other - 1 : -1;
-      point->status = buried                             ? CT_POINT_BURIED
-                      : !met                             ? CT_POINT_NEW
-                      : record.status == CT_POINT_INSIDE ? CT_POINT_INSIDE
-                                                         : CT_POINT_OUTSIDE;
-      memcpy(point->xi, record.xi, sizeof point->xi);
-      point->known = record.known;
-      point->row.force = record.force;
-      point->start = record.start;
-      point->pressed = record.pressed;
-    }
-  }
-}
-
-/* The contact as the last step left it. */
-static ct_status load(const contact_data *data, const double *memory, ct_contact *contact,
-                      ct_error *error)
-{
-  const tail_record tail = load_tail(data, memory);
-  load_points(contact, memory);
-  contact->begun = 1;
-  contact->stored = tail.stored;
-  contact->time = tail.time;
-  contact->work = tail.work;
-  memory += CT_RECORD * data->fixed->point_count + TAIL;
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    ct_search *search = contact->side[s].search;
-    ct_status status = ct_search_check(search, NULL, memory, s, error);
-    if (status != CT_OK) return status;
-    memcpy(search->x, memory, 3 * (size_t)search->node_count * sizeof *memory);
-    memory += 3 * (int64_t)search->node_count;
-  }
-  return CT_OK;
-}
-
-static void store(const ct_contact *contact, double *memory)
-{
-  for (int s = 0; s < contact->fixed->sides; s++)
-    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++, memory += CT_RECORD) {
-      const ct_point *point = &contact->side[s].points[i];
-      const ct_point_record record = {.other = (double)point->other + 1.0,
-                                      .status = point->status,
-                                      .xi = {point->xi[0], point->xi[1]},
-                                      .known = point->known,
-                                      .force = point->row.force,
-                                      .start = point->start,
-                                      .pressed = point->pressed};
-      memcpy(memory, &record, sizeof record);
-    }
-  const tail_record tail = {1.0, contact->stored, contact->time, contact->work};
-  memcpy(memory, &tail, sizeof tail);
-  memory += TAIL;
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    size_t count = 3 * (size_t)contact->side[s].search->node_count;
-    memcpy(memory, contact->side[s].search->x, count * sizeof *memory);
-    memory += count;
-  }
-}
 
 static ct_moment moment_of(const contact_data *data, const ct_view *view)
 {
@@ -109,7 +23,7 @@ static ct_moment moment_of(const contact_data *data, const ct_view *view)
                      .before = view->time > 0.0 ? view->dt : 0.0,
                      .dt = view->dt,
                      .velocity = {view->velocity, view->velocity},
-                     .first = load_tail(data, view->memory).begun == 0.0};
+                     .first = !ct_contact_memory_begun(data->fixed, view->memory)};
 }
 
 /* Gaps of the points at the time of the view. Nodes move from where the last step saw them, and at
@@ -120,8 +34,8 @@ static ct_status measure(const ct_effect *effect, const ct_view *view, ct_error 
   ct_contact *contact = view->scratch;
   const ct_moment now = moment_of(data, view);
   contact->threads = view->threads;
-  ct_status status =
-      now.first ? ct_contact_begin(contact, &now, error) : load(data, view->memory, contact, error);
+  ct_status status = now.first ? ct_contact_begin(contact, &now, error)
+                               : ct_contact_load(contact, view->memory, error);
   if (status != CT_OK) return status;
   for (int s = 0; s < contact->fixed->sides; s++) {
     const ct_search *search = contact->side[s].search;
@@ -152,7 +66,7 @@ static ct_status contact_force(const ct_effect *effect, const ct_view *view, dou
   ct_status status = is_penalty(data) ? measure(effect, view, error) : CT_OK;
   if (status == CT_OK) status = ct_contact_find_forces(contact, &now, error);
   if (status != CT_OK) return status;
-  store(contact, view->next_memory);
+  ct_contact_store(contact, view->next_memory);
   memset(force, 0, 3 * (size_t)effect->node_count * sizeof *force);
   for (int s = 0; s < data->fixed->sides; s++)
     for (int32_t n = 0; n < contact->side[s].search->node_count; n++)
@@ -235,9 +149,7 @@ static ct_status fill(contact_data *data, const ct_contact_def *def, const ct_pr
   if (status != CT_OK) return status;
   effect->nodes = data->fixed->nodes;
   effect->node_count = data->fixed->node_count;
-  effect->memory_count = CT_RECORD * data->fixed->point_count + TAIL;
-  for (int s = 0; s < data->fixed->sides; s++)
-    effect->memory_count += 3 * (int64_t)data->fixed->side[s].search->node_count;
+  effect->memory_count = ct_contact_fixed_memory(data->fixed);
   count_costs(effect, data);
   if (ct_start_gap_fades(&def->options)) effect->external = contact_external;
   if (is_penalty(data)) return CT_OK;
@@ -282,11 +194,9 @@ ct_status ct_contact_create_effect(const ct_contact_def *def, const ct_problem *
   return ct_effect_finish(status, &filled, out, error);
 }
 
-int ct_contact_fixed_sides(const ct_effect *effect, const ct_side_fixed *side[2])
+const ct_contact_fixed *ct_contact_fixed_of(const ct_effect *effect)
 {
-  const ct_contact_fixed *fixed = ((const contact_data *)effect->data)->fixed;
-  for (int s = 0; s < fixed->sides; s++) side[s] = &fixed->side[s];
-  return fixed->sides;
+  return ((const contact_data *)effect->data)->fixed;
 }
 
 const ct_contact *ct_state_contact(const ct_problem *problem, ct_state *state, int32_t effect,

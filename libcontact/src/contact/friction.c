@@ -14,7 +14,7 @@
 
 /* What friction acts on: a contact or, if `rigid`, an obstacle, with one or two sides. */
 typedef struct friction_data {
-  const ct_effect *on;
+  const ct_effect *on; /* null in the contact of a host */
   double mu, rho;
   int rigid, sides;
   const ct_side_fixed *side[2];
@@ -59,6 +59,7 @@ typedef struct call {
   const friction_data *data;
   const ct_view *view;
   const ct_side *side[2];
+  const double *velocity[2]; /* v_{n-1/2} of each side, in the numbering of its nodes */
   double dt;
   double moved[3]; /* motion of the obstacle in that time */
 } call;
@@ -102,38 +103,39 @@ static int is_inside(ct_face_kind kind, const double xi[2])
 
 /* Displacement increment of a material point of a face since the call before: the leapfrog's
  * Δt v_{n-1/2}. */
-static void increment_of(const call *now, const ct_search *search, int64_t face, const double N[8],
-                         double out[3])
+static void increment_of(const call *now, int s, int64_t face, const double N[8], double out[3])
 {
+  const ct_search *search = now->side[s]->search;
   const int32_t *node = &search->faces[face * search->per];
   for (int c = 0; c < 3; c++) {
     double t[8] = {0.0};
     for (int a = 0; a < search->per; a++)
-      t[a] = N[a] * now->view->velocity[3 * (int64_t)search->nodes[node[a]] + c];
+      t[a] = N[a] * now->velocity[s][3 * (int64_t)search->nodes[node[a]] + c];
     out[c] = now->dt * ct_side_sum(search->per, t);
   }
 }
 
 /* The same of point `i` of a side. */
-static void increment_at(const call *now, const ct_side *side, int64_t i, double out[3])
+static void increment_at(const call *now, int s, int64_t i, double out[3])
 {
-  int32_t points = side->fixed->rule.count;
-  increment_of(now, side->search, i / points, side->fixed->N[i % points], out);
+  const ct_side_fixed *fixed = now->side[s]->fixed;
+  increment_of(now, s, i / fixed->rule.count, fixed->N[i % fixed->rule.count], out);
 }
 
 /* The slip before the return: what was held, carried along by the old partner's face, and the
  * motion of the point from that partner (eq:friction-trial). Of a point that touched nothing before
  * it is the increment of this step against the closest point. */
-static void trial_slip(const call *now, const ct_side *side, const ct_side *other, int64_t i,
-                       const slip_record *last, double v[3])
+static void trial_slip(const call *now, int s, int64_t i, const slip_record *last, double v[3])
 {
-  int32_t face = (int32_t)last->other - 1;
+  const int t = now->data->sides - 1 - s;
+  const ct_side *side = now->side[s], *other = now->side[t];
+  int met = last->other >= 1.0 && last->other <= (double)other->search->face_count;
+  int32_t face = met ? (int32_t)last->other - 1 : -1;
   const double *a = last->slip;
   double t1[3], t2[3], n[3], N[8], origin[3], y[3], closest[3];
-  if (!(last->other >= 1.0) || face >= other->search->face_count ||
-      !frame(other->search, face, last->place, t1, t2, n)) {
-    increment_at(now, side, i, v);
-    increment_of(now, other->search, side->points[i].other, side->points[i].N, closest);
+  if (!met || !frame(other->search, face, last->place, t1, t2, n)) {
+    increment_at(now, s, i, v);
+    increment_of(now, t, side->points[i].other, side->points[i].N, closest);
     for (int c = 0; c < 3; c++) v[c] -= closest[c];
     return;
   }
@@ -176,7 +178,7 @@ static void rub_contact(const call *now, int s, int64_t i, const slip_record *la
 
   // -- Tangential part of the trial slip, in the plane of the face or at right angles to the line
   // to an edge (eq:friction-trial)
-  trial_slip(now, side, other, i, last, p->s);
+  trial_slip(now, s, i, last, p->s);
   int inside = is_inside(other->search->kind, point->xi);
   if (!inside) make_tangential(point->force, p->s);
   components(t1, t2, p->s, c);
@@ -202,7 +204,7 @@ static void rub_obstacle(const call *now, int64_t i, const slip_record *last, sl
   const ct_point *point = &side->points[i];
   double y[3], first[3];
   ct_side_position(side, i, obstacle->place, y);
-  increment_at(now, side, i, first);
+  increment_at(now, 0, i, first);
   for (int c = 0; c < 3; c++) {
     p->s[c] =
         last->other != 0.0 ? (y[c] - last->place[c]) + last->slip[c] : first[c] - now->moved[c];
@@ -289,9 +291,11 @@ static call begin(const friction_data *data, const ct_view *view)
   tail_record last, next = {.begun = 1.0, .time = view->time};
   call now = {.data = data, .view = view};
   memcpy(&last, &view->memory[at], sizeof last);
-  for (int k = 0; k < data->sides; k++)
-    now.side[k] = data->rigid ? &((const ct_obstacle_state *)view->read)->side
-                              : &((const ct_contact *)view->read)->side[k];
+  for (int k = 0; k < data->sides; k++) {
+    const ct_contact *contact = view->read;
+    now.side[k] = data->rigid ? &((const ct_obstacle_state *)view->read)->side : &contact->side[k];
+    now.velocity[k] = data->rigid ? view->velocity : contact->velocity[k];
+  }
   if (data->rigid)
     memcpy(next.place, ((const ct_obstacle_state *)view->read)->place, sizeof next.place);
   if (last.begun != 0.0) {
@@ -329,10 +333,16 @@ static ct_status friction_omega2_bound(const ct_effect *effect, const ct_view *v
 {
   const friction_data *data = effect->data;
   ct_status status = CT_OK;
-  if (data->rigid) *omega2 = ct_obstacle_springs(data->on);
+  if (data->rigid) *omega2 = ct_obstacle_springs(data->on, NULL);
   else status = ct_contact_springs(data->on, view->read, omega2, error);
-  *omega2 *= fmax(data->rho, data->mu);
+  *omega2 *= ct_friction_stiffness(effect);
   return status;
+}
+
+double ct_friction_stiffness(const ct_effect *effect)
+{
+  const friction_data *data = effect->data;
+  return fmax(data->rho, data->mu);
 }
 
 static ct_status create_scratch(const ct_effect *effect, void **scratch, ct_error *error)
@@ -359,10 +369,6 @@ ct_friction_def ct_friction_def_default(void)
 
 static ct_status check(const ct_friction_def *f, ct_error *error)
 {
-  if (f->on == NULL || (f->on->kind != CT_EFFECT_CONTACT && f->on->kind != CT_EFFECT_OBSTACLE))
-    return CT_REFUSE(
-        error,
-        "friction: needs a contact or an obstacle, for there is no friction without a pressure");
   if (!(f->coefficient > 0.0) || !isfinite(f->coefficient))
     return CT_REFUSE(error, "friction: the coefficient must be positive, not %g", f->coefficient);
   if (!(f->tangent > 0.0) || !isfinite(f->tangent))
@@ -371,32 +377,33 @@ static ct_status check(const ct_friction_def *f, ct_error *error)
   return CT_OK;
 }
 
-ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem *problem,
-                                    ct_effect **out, ct_error *error)
+ct_status ct_friction_create(const ct_friction_def *def, const ct_contact_fixed *contact,
+                             ct_effect **out, ct_error *error)
 {
-  ct_status status =
-      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, out, "friction", error);
-  if (status == CT_OK) status = check(def, error);
+  ct_status status = check(def, error);
   if (status != CT_OK) return status;
   friction_data *data = ct_allocate(1, sizeof *data);
   if (data == NULL) return CT_NO_MEMORY(error, "friction");
   *data = (friction_data){.on = def->on,
                           .mu = def->coefficient,
                           .rho = def->tangent,
-                          .rigid = def->on->kind == CT_EFFECT_OBSTACLE};
-  if (data->rigid) data->side[0] = ct_obstacle_side(def->on);
-  data->sides = data->rigid ? 1 : ct_contact_fixed_sides(def->on, data->side);
-  for (int k = 0; k < data->sides; k++) data->points += data->side[k]->point_count;
-  double points = (double)data->points, nodes = def->on->node_count,
+                          .rigid = contact == NULL,
+                          .sides = contact == NULL ? 1 : contact->sides};
+  for (int k = 0; k < data->sides; k++) {
+    data->side[k] = data->rigid ? ct_obstacle_side(def->on) : &contact->side[k];
+    data->points += data->side[k]->point_count;
+  }
+  int32_t nodes = data->rigid ? def->on->node_count : contact->node_count;
+  double points = (double)data->points,
          bytes = 2.0 * sizeof(slip_point) + sizeof(ct_point) + 2.0 * sizeof(slip_record);
-  int follows = def->on->phase == CT_PHASE_CONSTRAINT;
+  int follows = def->on != NULL && def->on->phase == CT_PHASE_CONSTRAINT;
   // Costs with all points active, counted on two plane surfaces and on a plane.
   const ct_effect filled = {.kind = CT_EFFECT_FRICTION,
                             .label = "friction",
                             .phase = follows ? CT_PHASE_FOLLOWING : CT_PHASE_STATE,
                             .data = data,
-                            .nodes = def->on->nodes,
-                            .node_count = def->on->node_count,
+                            .nodes = data->rigid ? def->on->nodes : contact->nodes,
+                            .node_count = nodes,
                             .memory_count = RECORD * data->points + TAIL,
                             .reads = def->on,
                             .create_scratch = create_scratch,
@@ -409,6 +416,32 @@ ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem
   return ct_effect_finish(status, &filled, out, error);
 }
 
+ct_status ct_friction_create_effect(const ct_friction_def *def, const ct_problem *problem,
+                                    ct_effect **out, ct_error *error)
+{
+  ct_status status =
+      ct_effect_check_def(def == NULL ? NULL : &def->cookie, problem, out, "friction", error);
+  if (status != CT_OK) return status;
+  if (def->on == NULL ||
+      (def->on->kind != CT_EFFECT_CONTACT && def->on->kind != CT_EFFECT_OBSTACLE))
+    return CT_REFUSE(
+        error,
+        "friction: needs a contact or an obstacle, for there is no friction without a pressure");
+  return ct_friction_create(
+      def, def->on->kind == CT_EFFECT_CONTACT ? ct_contact_fixed_of(def->on) : NULL, out, error);
+}
+
+void ct_friction_sums(const ct_effect *effect, void *scratch, double *held, double *dissipated)
+{
+  const friction_data *data = effect->data;
+  friction_scratch *s = scratch;
+  for (int64_t i = 0; i < data->points; i++)
+    s->terms[i] = 0.5 * s->points[i].k * ct_vector_dot(s->points[i].s, s->points[i].s);
+  *held = ct_sum(s->terms, data->points);
+  for (int64_t i = 0; i < data->points; i++) s->terms[i] = s->points[i].lost;
+  *dissipated = ct_sum(s->terms, data->points);
+}
+
 ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t k, double *held,
                              double *dissipated, ct_error *error)
 {
@@ -417,12 +450,6 @@ ct_status ct_friction_energy(const ct_problem *problem, ct_state *state, int32_t
     return CT_REFUSE(error, "effect %d is no friction", (int)k);
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
-  const friction_data *data = problem->effects[k]->data;
-  friction_scratch *s = state->workspace->scratch[k];
-  for (int64_t i = 0; i < data->points; i++)
-    s->terms[i] = 0.5 * s->points[i].k * ct_vector_dot(s->points[i].s, s->points[i].s);
-  *held = ct_sum(s->terms, data->points);
-  for (int64_t i = 0; i < data->points; i++) s->terms[i] = s->points[i].lost;
-  *dissipated = ct_sum(s->terms, data->points);
+  ct_friction_sums(problem->effects[k], state->workspace->scratch[k], held, dissipated);
   return CT_OK;
 }

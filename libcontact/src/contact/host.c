@@ -1,37 +1,21 @@
 /* The contact of a host with its own time loop. */
-#include <libcontact/contact.h>
+#include "host.h"
 
 #include "../base/error.h"
-#include "../base/memory.h"
-#include "../constraint/solve.h"
-#include "contact_internal.h"
 
 #include <math.h>
-#include <string.h>
-
-/* What the steps of a host's contact need besides. */
-typedef struct ct_host {
-  ct_pool pool;
-  ct_solver *solver; /* null for the explicit penalty */
-  double *force;     /* of the contact on its nodes, shape (node_count, 3) */
-  double *terms;     /* of a sum, likewise */
-  int begun;         /* whether a step was taken */
-  double before;     /* Δt of the last one */
-  double time;       /* of the coming one */
-  double done;       /* work of the forces up to v_{n-1/2}, less that before t_0 */
-  double work;       /* up to t_n */
-  int64_t unconverged;
-} host;
 
 ct_status ct_contact_create(const ct_surface *a, const ct_surface *b,
                             const ct_contact_options *options, ct_contact **out, ct_error *error)
 {
   ct_contact_fixed *fixed = NULL;
-  if (a == NULL || b == NULL || options == NULL || out == NULL)
+  if (a == NULL || options == NULL || out == NULL)
     return CT_REFUSE(error, "contact: null argument");
-  const ct_surface *const surface[2] = {a, b};
-  ct_status status = ct_contact_fixed_create(surface, a == b ? 1 : 2, options, &fixed, error);
+  const ct_surface *const surface[2] = {a, b == NULL ? a : b};
+  ct_status status =
+      ct_contact_fixed_create(surface, surface[1] == a ? 1 : 2, options, &fixed, error);
   if (status != CT_OK) return status;
+  fixed->alone = b == NULL;
   status = ct_contact_open(fixed, out, error);
   if (status == CT_OK) (*out)->own = fixed;
   else ct_contact_fixed_free(fixed);
@@ -59,32 +43,106 @@ ct_status ct_contact_update(ct_contact *contact, const double *xa, const double 
   ct_status status = ct_contact_measure(contact, error);
   if (status != CT_OK) return status;
   contact->solved = 0;
+  if (contact->host != NULL) contact->host->current = 0;
   for (int s = 0; s < sides; s++) ct_side_apply_penalty(&contact->side[s]);
   return ct_side_collect(contact->side, sides, 0, error);
 }
 
-void ct_host_free(host *h)
+/* Give back what the first step has made. */
+static void close_host(ct_host *h)
 {
-  if (h != NULL) ct_pool_free(h->solver);
-  ct_pool_free(h);
+  for (ct_host_part *part = h->parts; part != NULL; part = part->next) {
+    if (part->scratch != NULL) part->effect->free_scratch(part->scratch);
+    part->scratch = NULL;
+  }
+  ct_pool_free(h->solver);
+  h->solver = NULL;
+  ct_pool_empty(&h->pool);
+  h->open = 0;
+}
+
+void ct_host_free(ct_host *h)
+{
+  if (h == NULL) return;
+  close_host(h);
+  for (ct_host_part *part = h->parts, *next; part != NULL; part = next) {
+    next = part->next;
+    ct_effect_free(part->effect);
+    ct_release(part);
+  }
+  ct_release(h);
+}
+
+ct_host *ct_host_of(ct_contact *contact)
+{
+  if (contact->host == NULL) contact->host = ct_allocate(1, sizeof *contact->host);
+  return contact->host;
+}
+
+/* Whether an obstacle's forces are solved for. */
+static int has_rows(const ct_host_part *part) { return part->effect->phase == CT_PHASE_CONSTRAINT; }
+
+/* The solver of all rows together: those of the contact, and those of each obstacle that has some.
+ */
+static ct_status open_solver(const ct_contact_fixed *fixed, ct_host *h)
+{
+  int64_t most = fixed->alone || ct_contact_is_penalty(fixed) ? 0 : fixed->point_count, all = most;
+  int32_t count = 1;
+  for (const ct_host_part *part = h->parts; part != NULL; part = part->next)
+    if (has_rows(part)) count++, all += part->effect->constraint_count;
+  ct_row_set *sets = ct_allocate((size_t)count, sizeof *sets);
+  int32_t *number = ct_allocate((size_t)fixed->node_count, sizeof *number);
+  ct_status status = sets != NULL && number != NULL ? CT_OK : CT_ERROR_MEMORY;
+  if (status == CT_OK && all > 0) {
+    int32_t next = 0;
+    sets[next++] = (ct_row_set){most, fixed->node_count, NULL};
+    for (const ct_host_part *part = h->parts; part != NULL; part = part->next)
+      if (has_rows(part))
+        sets[next++] = (ct_row_set){part->effect->constraint_count, part->effect->node_count,
+                                    fixed->place[part->side]};
+    status = ct_solver_create(sets, count, fixed->node_count, number, &h->solver);
+  }
+  ct_release(sets);
+  ct_release(number);
+  return status;
+}
+
+/* Scratch space, forces and memory of all parts; the memory begins behind that of the contact. */
+static ct_status open_parts(const ct_contact_fixed *fixed, ct_host *h, ct_error *error)
+{
+  ct_status status = CT_OK;
+  h->memory_count = CT_HOST_RECORD + ct_contact_fixed_memory(fixed);
+  for (ct_host_part *part = h->parts; status == CT_OK && part != NULL; part = part->next) {
+    part->memory = h->memory_count;
+    h->memory_count += ct_host_part_memory(part);
+    part->force = ct_pool_take(&h->pool, (size_t)part->effect->node_count, 3 * sizeof(double));
+    status = part->effect->create_scratch(part->effect, &part->scratch, error);
+  }
+  return status;
 }
 
 /* Make room for the steps of a contact. */
-static ct_status open_host(const ct_contact_fixed *fixed, host **out)
+static ct_status open_host(ct_contact *contact, ct_error *error)
 {
-  const ct_row_set set = {fixed->point_count, fixed->node_count, NULL};
+  const ct_contact_fixed *fixed = contact->fixed;
   const size_t nodes = (size_t)fixed->node_count;
-  host *h = ct_allocate(1, sizeof *h);
-  if (h == NULL) return CT_ERROR_MEMORY;
-  h->force = ct_pool_take(&h->pool, nodes, 3 * sizeof *h->force);
-  h->terms = ct_pool_take(&h->pool, nodes, 3 * sizeof *h->terms);
-  int32_t *number = ct_pool_take(&h->pool, nodes, sizeof *number);
-  ct_status status = h->pool.failed ? CT_ERROR_MEMORY : CT_OK;
-  if (status == CT_OK && !ct_contact_is_penalty(fixed))
-    status = ct_solver_create(&set, 1, fixed->node_count, number, &h->solver);
-  if (status == CT_OK) *out = h;
-  else ct_host_free(h);
-  return status;
+  ct_host *h = ct_host_of(contact);
+  if (h == NULL) return CT_NO_MEMORY(error, "the steps of a contact");
+  if (h->open) return CT_OK;
+  ct_status status = open_parts(fixed, h, error);
+  double **arrays[] = {&h->force, &h->terms, &h->velocity[0], &h->velocity[1], &h->rest};
+  for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+    if (i < 2 || h->parts != NULL) *arrays[i] = ct_pool_take(&h->pool, nodes, 3 * sizeof(double));
+  h->memory = ct_pool_take(&h->pool, (size_t)h->memory_count, sizeof *h->memory);
+  h->next_memory = ct_pool_take(&h->pool, (size_t)h->memory_count, sizeof *h->memory);
+  if (h->pool.failed) status = CT_ERROR_MEMORY;
+  if (status == CT_OK) status = open_solver(fixed, h);
+  if (status != CT_OK) {
+    close_host(h);
+    return CT_NO_MEMORY(error, "the steps of a contact");
+  }
+  h->open = 1;
+  return CT_OK;
 }
 
 /* What a host gives of one surface. */
@@ -126,23 +184,60 @@ static void predict(const ct_contact_fixed *fixed, const ct_contact_prediction *
   }
 }
 
+/* List the rows of the contact and of all obstacles. */
+static ct_status list_rows(ct_contact *contact, const ct_contact_prediction *p, ct_error *error)
+{
+  const ct_host *h = contact->host;
+  ct_solver *solver = h->solver;
+  const int none = contact->fixed->alone || ct_contact_is_penalty(contact->fixed);
+  int32_t set = 1;
+  solver->first[set] = none ? 0 : ct_contact_list_rows(contact, solver->rows);
+  for (const ct_host_part *part = h->parts; part != NULL; part = part->next) {
+    int64_t count = 0;
+    if (!has_rows(part)) continue;
+    const ct_view view = ct_host_view(contact, part, p);
+    ct_status status = part->effect->constraints->list(
+        part->effect, &view, solver->rows + solver->first[set], &count, error);
+    if (status != CT_OK) return status;
+    solver->first[set + 1] = solver->first[set] + count;
+    set++;
+  }
+  return CT_OK;
+}
+
 /* Find the forces of all points together. */
 static ct_status solve(ct_contact *contact, const ct_contact_prediction *p,
                        const side_prediction side[2], const ct_moment *now, ct_error *error)
 {
-  host *h = contact->host;
+  ct_host *h = contact->host;
   ct_solver *solver = h->solver;
   if (solver == NULL) return CT_OK;
-  solver->first[1] = ct_contact_list_rows(contact, solver->rows);
-  if (solver->first[1] == 0) return CT_OK;
+  ct_status status = list_rows(contact, p, error);
+  if (status != CT_OK || solver->first[solver->set_count] == 0) return status;
   // -- Before t = 0 there was no step: g_{-1} = g_0 (eq:energy-start)
   double before = !now->first ? now->before : p->kick < p->dt ? 0.0 : p->dt;
   predict(contact->fixed, p, side, before, solver);
   if (!ct_solver_solve(solver))
     return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE,
                    "the contact forces stopped being finite at t = %g", now->time);
-  h->unconverged += !solver->converged;
+  h->now.unconverged += !solver->converged;
   return CT_OK;
+}
+
+/* Sum of all forces on the contact's nodes. */
+static void add_forces(const ct_contact *contact, double *force)
+{
+  const ct_contact_fixed *fixed = contact->fixed;
+  memset(force, 0, 3 * (size_t)fixed->node_count * sizeof *force);
+  for (int s = 0; s < fixed->sides; s++)
+    for (int32_t n = 0; n < contact->side[s].search->node_count; n++)
+      for (int c = 0; c < 3; c++)
+        force[3 * (int64_t)fixed->place[s][n] + c] += ct_side_force(&contact->side[s], n, c);
+  for (const ct_host_part *part = contact->host->parts; part != NULL; part = part->next)
+    for (int32_t n = 0; n < part->effect->node_count; n++) {
+      int32_t node = part->side < 0 ? n : fixed->place[part->side][n];
+      for (int c = 0; c < 3; c++) force[3 * (int64_t)node + c] += part->force[3 * (int64_t)n + c];
+    }
 }
 
 /* Count the work of the forces: of the whole kick, of which the first part ends at t_n
@@ -151,13 +246,9 @@ static void count_work(ct_contact *contact, const ct_contact_prediction *p,
                        const side_prediction side[2])
 {
   const ct_contact_fixed *fixed = contact->fixed;
-  host *h = contact->host;
+  ct_host *h = contact->host;
   double part[2];
-  memset(h->force, 0, 3 * (size_t)fixed->node_count * sizeof *h->force);
-  for (int s = 0; s < fixed->sides; s++)
-    for (int32_t n = 0; n < contact->side[s].search->node_count; n++)
-      for (int c = 0; c < 3; c++)
-        h->force[3 * (int64_t)fixed->place[s][n] + c] += ct_side_force(&contact->side[s], n, c);
+  add_forces(contact, h->force);
   for (int k = 0; k < 2; k++) {
     for (int32_t n = 0; n < fixed->node_count; n++) {
       int64_t dof, own = 3 * (int64_t)n;
@@ -171,9 +262,10 @@ static void count_work(ct_contact *contact, const ct_contact_prediction *p,
     part[k] = ct_sum(h->terms, 3 * (int64_t)fixed->node_count);
   }
   // -- A kick that is whole has begun before t_0
-  if (!h->begun && !(p->kick < p->dt)) h->done = -part[0];
-  h->work = h->begun ? h->done + part[0] : 0.0;
-  h->done += part[0] + part[1];
+  const int begun = h->now.begun != 0.0;
+  if (!begun && !(p->kick < p->dt)) h->now.done = -part[0];
+  h->now.work = begun ? h->now.done + part[0] : 0.0;
+  h->now.done += part[0] + part[1];
 }
 
 /* Gaps at a moment. A scene looks twice at t = 0, and the iterations of the second look begin at
@@ -182,34 +274,65 @@ static ct_status find_gaps(ct_contact *contact, const side_prediction side[2], c
                            ct_error *error)
 {
   const double *const x[2] = {side[0].x, side[1].x};
+  ct_status status = CT_OK;
   if (now.first) {
-    ct_status status = ct_contact_begin(contact, &now, error);
+    status = ct_contact_begin(contact, &now, error);
     take_coordinates(contact, x);
     if (status == CT_OK) status = ct_contact_find_gaps(contact, &now, error);
-    if (status != CT_OK) return status;
     now.first = 0;
-  }
+  } else status = ct_contact_load(contact, contact->host->memory + CT_HOST_RECORD, error);
+  if (status != CT_OK) return status;
   take_coordinates(contact, x);
   return ct_contact_find_gaps(contact, &now, error);
+}
+
+/* Velocities at the nodes of each surface, which its obstacles are shown. */
+static void take_velocities(const ct_contact *contact, const side_prediction side[2])
+{
+  const ct_host *h = contact->host;
+  for (int s = 0; h->parts != NULL && s < contact->fixed->sides; s++) {
+    const ct_search *search = contact->side[s].search;
+    for (int32_t n = 0; n < search->node_count; n++)
+      memcpy(&h->velocity[s][3 * (int64_t)n], &side[s].velocity[3 * (int64_t)search->nodes[n]],
+             3 * sizeof(double));
+  }
+}
+
+/* The next step begins with what this one remembers. */
+static void end_step(ct_contact *contact, const ct_contact_prediction *p)
+{
+  ct_host *h = contact->host;
+  double *memory = h->memory;
+  h->now.begun = 1.0;
+  h->now.before = p->dt;
+  h->now.time += p->dt;
+  ct_host_sum_parts(h);
+  ct_contact_store(contact, h->next_memory + CT_HOST_RECORD);
+  memcpy(h->next_memory, &h->now, sizeof h->now);
+  h->memory = h->next_memory;
+  h->next_memory = memory;
+  contact->begun = h->current = 1;
 }
 
 static ct_status take_step(ct_contact *contact, const ct_contact_prediction *p,
                            const side_prediction side[2], ct_error *error)
 {
-  host *h = contact->host;
-  const ct_moment now = {.time = h->time,
-                         .before = h->before,
+  ct_host *h = contact->host;
+  memcpy(&h->now, h->memory, sizeof h->now);
+  const ct_moment now = {.time = h->now.time,
+                         .before = h->now.before,
                          .dt = p->dt,
                          .velocity = {side[0].velocity, side[1].velocity},
-                         .first = !h->begun};
+                         .first = h->now.begun == 0.0};
+  take_velocities(contact, side);
   ct_status status = find_gaps(contact, side, now, error);
+  if (status == CT_OK) h->current = 0;
   if (status == CT_OK) status = solve(contact, p, side, &now, error);
   if (status == CT_OK) status = ct_contact_find_forces(contact, &now, error);
+  if (status == CT_OK) status = ct_host_find_forces(contact, p, error);
   if (status != CT_OK) return status;
   count_work(contact, p, side);
-  contact->begun = h->begun = 1;
-  h->before = p->dt;
-  h->time += p->dt;
+  end_step(contact, p);
   return CT_OK;
 }
 
@@ -234,11 +357,37 @@ static ct_status check_side(const ct_contact *contact, int s, const side_predict
   return CT_OK;
 }
 
+/* The record of the last good step. */
+static ct_host_record record_of(const ct_host *h)
+{
+  ct_host_record record;
+  memcpy(&record, h->memory, sizeof record);
+  return record;
+}
+
+/* Refuse times that no leapfrog has: a kick is the mean of the last step and the coming one, or the
+ * coming one; in the first step it may be shorter. Other integrators give increments. */
+static ct_status check_times(const ct_contact *contact, const ct_contact_prediction *p,
+                             ct_error *error)
+{
+  static const double SLACK = 1e-6;
+  const ct_host_record last = record_of(contact->host);
+  double mean = last.begun != 0.0 ? 0.5 * (last.before + p->dt) : p->dt,
+         least = last.begun != 0.0 ? fmin(mean, p->dt) : 0.0, most = fmax(mean, p->dt);
+  if (!(p->dt > 0.0 && isfinite(p->dt) && p->kick > 0.0 && isfinite(p->kick)))
+    return CT_REFUSE(error, "contact: a step of %g in which forces act for %g", p->dt, p->kick);
+  if (p->increment_a != NULL ||
+      (p->kick >= (1.0 - SLACK) * least && p->kick <= (1.0 + SLACK) * most))
+    return CT_OK;
+  return CT_REFUSE(error,
+                   "contact: in a step of %g after one of %g forces act for %g, not for %g; give "
+                   "the increments if your step is no leapfrog",
+                   p->dt, last.before, mean, p->kick);
+}
+
 ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, ct_error *error)
 {
   if (contact == NULL || p == NULL) return CT_REFUSE(error, "contact: null argument");
-  if (!(p->dt > 0.0 && isfinite(p->dt) && p->kick > 0.0 && isfinite(p->kick)))
-    return CT_REFUSE(error, "contact: a step of %g in which forces act for %g", p->dt, p->kick);
   const side_prediction a = {p->x_a, p->velocity_a, p->force_a, p->inverse_mass_a, p->increment_a},
                         b = {p->x_b, p->velocity_b, p->force_b, p->inverse_mass_b, p->increment_b},
                         side[2] = {a, contact->fixed->sides == 2 ? b : a};
@@ -246,22 +395,72 @@ ct_status ct_contact_step(ct_contact *contact, const ct_contact_prediction *p, c
     if (side[s].x == NULL || side[s].velocity == NULL || side[s].inverse_mass == NULL)
       return ct_fail(error, CT_ERROR_ARGUMENT, (ct_place){s, -1, -1},
                      "contact: surface %d lacks coordinates, velocities or inverse masses", s);
-  for (int s = 0; s < contact->fixed->sides; s++) {
-    ct_status status = check_side(contact, s, &side[s], error);
-    if (status != CT_OK) return status;
-  }
-  if (contact->host == NULL && open_host(contact->fixed, &contact->host) != CT_OK)
-    return CT_NO_MEMORY(error, "the steps of a contact");
-  return take_step(contact, p, side, error);
+  ct_status status = open_host(contact, error);
+  if (status == CT_OK) status = check_times(contact, p, error);
+  for (int s = 0; status == CT_OK && s < contact->fixed->sides; s++)
+    status = check_side(contact, s, &side[s], error);
+  return status == CT_OK ? take_step(contact, p, side, error) : status;
 }
 
 ct_status ct_contact_balance_of(const ct_contact *contact, ct_contact_balance *out)
 {
-  if (contact == NULL || out == NULL || contact->host == NULL || !contact->host->begun)
+  if (contact == NULL || out == NULL || contact->host == NULL || !contact->host->current)
     return CT_ERROR_ARGUMENT;
+  const ct_host_record record = record_of(contact->host);
   *out = (ct_contact_balance){.energy = ct_contact_energy(contact),
-                              .work = contact->host->work,
+                              .work = record.work,
                               .removal = contact->work,
-                              .unconverged = contact->host->unconverged};
+                              .unconverged = (int64_t)record.unconverged,
+                              .friction = contact->host->friction,
+                              .motion = contact->host->motion};
+  return CT_OK;
+}
+
+int64_t ct_contact_save(const ct_contact *contact, double *memory)
+{
+  if (contact == NULL) return 0;
+  const ct_host *h = contact->host;
+  int64_t count = CT_HOST_RECORD + ct_contact_fixed_memory(contact->fixed);
+  for (const ct_host_part *part = h == NULL ? NULL : h->parts; part != NULL; part = part->next)
+    count += ct_host_part_memory(part);
+  if (memory != NULL && h != NULL && h->open)
+    memcpy(memory, h->memory, (size_t)count * sizeof *memory);
+  else if (memory != NULL) memset(memory, 0, (size_t)count * sizeof *memory);
+  return count;
+}
+
+/* Whether numbers may be what a contact remembers. */
+static int is_memory(const ct_contact_fixed *fixed, const double *memory, int64_t count)
+{
+  ct_host_record record;
+  memcpy(&record, memory, sizeof record);
+  if (record.begun != 1.0) {
+    for (int64_t i = 0; i < count; i++)
+      if (memory[i] != 0.0) return 0;
+    return 1;
+  }
+  const int64_t first = CT_HOST_RECORD, end = first + CT_RECORD * fixed->point_count,
+                known = offsetof(ct_point_record, known) / sizeof(double);
+  for (int64_t i = 0; i < count; i++)
+    if (!isfinite(memory[i]) && !(i >= first && i < end && (i - first) % CT_RECORD == known))
+      return 0;
+  return record.before > 0.0 && record.unconverged >= 0.0 && record.unconverged < 9e15 &&
+         ct_contact_memory_begun(fixed, memory + first);
+}
+
+ct_status ct_contact_restore(ct_contact *contact, const double *memory, int64_t count,
+                             ct_error *error)
+{
+  if (contact == NULL || memory == NULL) return CT_REFUSE(error, "contact: null argument");
+  ct_status status = open_host(contact, error);
+  if (status != CT_OK) return status;
+  ct_host *h = contact->host;
+  if (count != h->memory_count)
+    return CT_REFUSE(error, "contact: %lld numbers of another contact; this one remembers %lld",
+                     (long long)count, (long long)h->memory_count);
+  if (!is_memory(contact->fixed, memory, count))
+    return ct_fail(error, CT_INVALID, CT_NOWHERE, "contact: these numbers are no saved contact");
+  memcpy(h->memory, memory, (size_t)count * sizeof *memory);
+  h->current = 0;
   return CT_OK;
 }

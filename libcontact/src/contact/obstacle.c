@@ -20,7 +20,8 @@ typedef struct obstacle_data {
   ct_obstacle_def given;
   double *time, *value; /* of the amplitude */
   ct_side_fixed side;
-  double springs; /* bound of ω² with every point taken as inside */
+  const double *mass; /* of the problem's nodes; null at a host's, which gives it when it asks */
+  double *springs;    /* row sums of the stiffness with every point taken as inside */
 } obstacle_data;
 
 /* What the effect remembers, before the force of each point's row. */
@@ -88,6 +89,7 @@ static void free_data(void *data)
   ct_side_fixed_clear(&d->side);
   ct_release(d->time);
   ct_release(d->value);
+  ct_release(d->springs);
   ct_release(d);
 }
 
@@ -265,9 +267,14 @@ static ct_status obstacle_external(const ct_effect *effect, const ct_view *view,
   return CT_OK;
 }
 
-double ct_obstacle_springs(const ct_effect *effect)
+double ct_obstacle_springs(const ct_effect *effect, const double *mass)
 {
-  return ((const obstacle_data *)effect->data)->springs;
+  const obstacle_data *data = effect->data;
+  double omega2 = 0.0;
+  if (mass == NULL) mass = data->mass;
+  for (int32_t i = 0; i < effect->node_count; i++)
+    omega2 = fmax(omega2, data->springs[i] / mass[effect->nodes[i]]);
+  return omega2;
 }
 
 static ct_status obstacle_omega2_bound(const ct_effect *effect, const ct_view *view, double *omega2,
@@ -276,7 +283,7 @@ static ct_status obstacle_omega2_bound(const ct_effect *effect, const ct_view *v
   (void)view;
   (void)error;
   // -- Other enforcements leave the step as it is (eq:controlled-energy)
-  if (is_penalty(effect)) *omega2 = ct_obstacle_springs(effect);
+  if (is_penalty(effect)) *omega2 = ct_obstacle_springs(effect, NULL);
   return CT_OK;
 }
 
@@ -322,13 +329,12 @@ static void count_costs(ct_effect *effect, double points)
   effect->bytes = (2.0 * sizeof(ct_point) + 16.0 * listed) * points + 250.0 * effect->node_count;
 }
 
-/* Largest row sum of the penalty's stiffness over the mass, every point taken as inside
- * (eq:obstacle-bound). */
-static ct_status bound_springs(obstacle_data *data, const double *mass, ct_error *error)
+/* Row sums of the penalty's stiffness, every point taken as inside (eq:obstacle-bound). */
+static ct_status sum_springs(obstacle_data *data, ct_error *error)
 {
   const ct_side_fixed *side = &data->side;
   const ct_search *search = side->search;
-  double *rows = ct_allocate((size_t)search->node_count, sizeof *rows);
+  double *rows = data->springs = ct_allocate((size_t)search->node_count, sizeof *rows);
   if (rows == NULL) return CT_NO_MEMORY(error, "an obstacle");
   for (int64_t i = 0; i < side->point_count; i++) {
     const double *N = side->N[i % side->rule.count];
@@ -338,9 +344,6 @@ static ct_status bound_springs(obstacle_data *data, const double *mass, ct_error
     for (int a = 0; a < search->per; a++)
       rows[node[a]] += data->given.epsilon * side->weight[i] * sum * fabs(N[a]);
   }
-  for (int32_t i = 0; i < search->node_count; i++)
-    data->springs = fmax(data->springs, rows[i] / mass[search->nodes[i]]);
-  ct_release(rows);
   return CT_OK;
 }
 
@@ -360,7 +363,8 @@ static ct_status fill(obstacle_data *data, const ct_obstacle_def *o, const ct_pr
       ct_duplicate(o->amplitude.value, points * sizeof(double));
   if (!data->time || !data->value) return CT_NO_MEMORY(error, "an obstacle");
   ct_status status = ct_side_fixed_init(&data->side, &surface, 0, 0, error);
-  if (status == CT_OK) status = bound_springs(data, problem->mass, error);
+  data->mass = problem->mass;
+  if (status == CT_OK) status = sum_springs(data, error);
   if (status != CT_OK) return status;
   effect->nodes = data->side.search->nodes;
   effect->node_count = data->side.search->node_count;

@@ -1,6 +1,6 @@
 /* Tractions at the nodes of a contact surface, recovered from the forces there
  * (eq:recovered-traction). */
-#include "contact_internal.h"
+#include "host.h"
 
 #include "../base/error.h"
 #include "../base/memory.h"
@@ -110,9 +110,31 @@ ct_status ct_side_traction(const ct_side *side, const ct_side *other, double *tr
   return CT_OK;
 }
 
+/* The same at an obstacle of a host, whose surface numbers its nodes one after another. */
+static ct_status obstacle_traction(const ct_contact *contact, const ct_host_part *part,
+                                   double *traction, double *area, ct_error *error)
+{
+  const ct_search *search = contact->fixed->side[part->side].search;
+  double *own = ct_allocate((size_t)search->node_count, 4 * sizeof *own),
+         *own_area = own == NULL ? NULL : own + 3 * (int64_t)search->node_count;
+  if (own == NULL) return CT_NO_MEMORY(error, "tractions");
+  ct_status status = ct_side_traction(&((const ct_obstacle_state *)part->scratch)->side, NULL, own,
+                                      own_area, error);
+  for (int32_t n = 0; status == CT_OK && n < search->node_count; n++) {
+    memcpy(&traction[3 * (int64_t)search->nodes[n]], &own[3 * (int64_t)n], 3 * sizeof *own);
+    area[search->nodes[n]] = own_area[n];
+  }
+  ct_release(own);
+  return status;
+}
+
 ct_status ct_contact_traction(const ct_contact *contact, int32_t side, double *traction,
                               double *area, ct_error *error)
 {
+  const ct_host_part *obstacle =
+      contact == NULL || side < 2 ? NULL : ct_host_obstacle(contact, side - 2);
+  if (obstacle != NULL && traction != NULL && area != NULL && contact->host->current)
+    return obstacle_traction(contact, obstacle, traction, area, error);
   if (contact == NULL || traction == NULL || area == NULL || side < 0 ||
       side >= contact->fixed->sides)
     return CT_REFUSE(error, "contact: null argument, or there is no surface %d", (int)side);

@@ -1,0 +1,99 @@
+/* What a contact remembers from step to step, as doubles of a restart: a record of each point, one
+ * of the whole, and the coordinates of the nodes of each surface, shape (node_count, 3). */
+#include "contact_internal.h"
+
+/* What it remembers after the records of the points. */
+typedef struct tail_record {
+  double begun;  /* whether there was a step before */
+  double stored; /* what all rows stored in the middle of that step */
+  double time;   /* of that step */
+  double work;   /* since t = 0 of start gaps that fade */
+} tail_record;
+enum { TAIL = sizeof(tail_record) / sizeof(double) };
+
+int64_t ct_contact_fixed_memory(const ct_contact_fixed *fixed)
+{
+  int64_t count = CT_RECORD * fixed->point_count + TAIL;
+  for (int s = 0; s < fixed->sides; s++) count += 3 * (int64_t)fixed->side[s].search->node_count;
+  return count;
+}
+
+static tail_record load_tail(const ct_contact_fixed *fixed, const double *memory)
+{
+  tail_record tail;
+  memcpy(&tail, &memory[CT_RECORD * fixed->point_count], sizeof tail);
+  return tail;
+}
+
+int ct_contact_memory_begun(const ct_contact_fixed *fixed, const double *memory)
+{
+  return load_tail(fixed, memory).begun != 0.0;
+}
+
+/* What the points were in the last step. */
+static void load_points(ct_contact *contact, const double *memory)
+{
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    double most = (double)contact->fixed->side[contact->fixed->sides - 1 - s].search->face_count;
+    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++, memory += CT_RECORD) {
+      ct_point *point = &contact->side[s].points[i];
+      ct_point_record record;
+      memcpy(&record, memory, sizeof record);
+      int buried = record.status == CT_POINT_BURIED,
+          met = !buried && record.other >= 1.0 && record.other <= most;
+      point->other = met ? (int32_t)record.other - 1 : -1;
+      point->status = buried                             ? CT_POINT_BURIED
+                      : !met                             ? CT_POINT_NEW
+                      : record.status == CT_POINT_INSIDE ? CT_POINT_INSIDE
+                                                         : CT_POINT_OUTSIDE;
+      memcpy(point->xi, record.xi, sizeof point->xi);
+      point->known = record.known;
+      point->row.force = record.force;
+      point->start = record.start;
+      point->pressed = record.pressed;
+    }
+  }
+}
+
+ct_status ct_contact_load(ct_contact *contact, const double *memory, ct_error *error)
+{
+  const tail_record tail = load_tail(contact->fixed, memory);
+  load_points(contact, memory);
+  contact->begun = 1;
+  contact->stored = tail.stored;
+  contact->time = tail.time;
+  contact->work = tail.work;
+  memory += CT_RECORD * contact->fixed->point_count + TAIL;
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    ct_search *search = contact->side[s].search;
+    ct_status status = ct_search_check(search, NULL, memory, s, error);
+    if (status != CT_OK) return status;
+    memcpy(search->x, memory, 3 * (size_t)search->node_count * sizeof *memory);
+    memory += 3 * (int64_t)search->node_count;
+  }
+  return CT_OK;
+}
+
+void ct_contact_store(const ct_contact *contact, double *memory)
+{
+  for (int s = 0; s < contact->fixed->sides; s++)
+    for (int64_t i = 0; i < contact->fixed->side[s].point_count; i++, memory += CT_RECORD) {
+      const ct_point *point = &contact->side[s].points[i];
+      const ct_point_record record = {.other = (double)point->other + 1.0,
+                                      .status = point->status,
+                                      .xi = {point->xi[0], point->xi[1]},
+                                      .known = point->known,
+                                      .force = point->row.force,
+                                      .start = point->start,
+                                      .pressed = point->pressed};
+      memcpy(memory, &record, sizeof record);
+    }
+  const tail_record tail = {1.0, contact->stored, contact->time, contact->work};
+  memcpy(memory, &tail, sizeof tail);
+  memory += TAIL;
+  for (int s = 0; s < contact->fixed->sides; s++) {
+    size_t count = 3 * (size_t)contact->side[s].search->node_count;
+    memcpy(memory, contact->side[s].search->x, count * sizeof *memory);
+    memory += count;
+  }
+}
