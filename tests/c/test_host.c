@@ -15,6 +15,11 @@ typedef struct pair {
   int32_t *faces[2], face_count[2];
   double *velocity[2];
   ct_material material;
+  int alone;               /* whether the one body meets only obstacles */
+  double friction;         /* between the surfaces */
+  int obstacles, side[2];  /* which surface meets each */
+  ct_obstacle_def wall[2]; /* their faces and penalties are filled in later */
+  double rub[2];           /* their friction */
 } pair;
 
 static pair pair_of(const ct_material *material, ct_mesh *a, double at_a, ct_mesh *b, double at_b,
@@ -99,6 +104,78 @@ static pair strip(void)
   return p;
 }
 
+static void take_outer_faces(pair *p)
+{
+  for (int i = 0; i < p->bodies; i++)
+    p->face_count[i] = ct_mesh_outer_faces(p->mesh[i], p->faces[i], NULL);
+}
+
+static void add_wall(pair *p, int side, ct_obstacle_shape shape, double x, double y, double z,
+                     double radius, double friction)
+{
+  ct_obstacle_def *wall = &p->wall[p->obstacles];
+  *wall = ct_obstacle_def_default();
+  wall->shape = shape, wall->radius = radius;
+  wall->point[0] = x, wall->point[1] = y, wall->point[2] = z;
+  wall->axis[shape == CT_OBSTACLE_PLANE ? 2 : 1] = 1.0;
+  p->side[p->obstacles] = side, p->rub[p->obstacles++] = friction;
+}
+
+/* A block that falls and slides on a plane, and is hit by a sphere from above. */
+static pair thrown(double apart)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, apart, 1, 1, 1, 4, 4, 3);
+  pair p = {.bodies = 1, .mesh = {m}, .material = SOFT, .alone = 1};
+  distort_inside(m, 0.02);
+  p.faces[0] = integers(8 * 6 * m->element_count);
+  p.velocity[0] = numbers(3 * m->node_count);
+  take_outer_faces(&p);
+  throw_body(&p, 0, 0.6, 0.2, -0.5);
+  add_wall(&p, 0, CT_OBSTACLE_PLANE, 0, 0, 0, 0, 0.3);
+  add_wall(&p, 0, CT_OBSTACLE_SPHERE, 0.5, 0.4, 3.01 + apart, 2.0, 0.2);
+  p.wall[1].velocity[2] = -0.6, p.wall[1].velocity[0] = 0.1;
+  return p;
+}
+
+/* The same between a plane and a cylinder that comes by its amplitude, quadratic, without friction.
+ */
+static pair squeezed(void)
+{
+  static const double time[3] = {0.0, 0.1, 0.3}, value[3] = {0.0, 1.0, 0.5};
+  ct_mesh *m = box_mesh(CT_HEX20, 0, 0, 0.001, 1, 1, 1, 2, 2, 2);
+  pair p = {.bodies = 1, .mesh = {m}, .material = SOFT, .alone = 1};
+  p.faces[0] = integers(8 * 6 * m->element_count);
+  p.velocity[0] = numbers(3 * m->node_count);
+  take_outer_faces(&p);
+  throw_body(&p, 0, 0.1, 0.0, -0.3);
+  add_wall(&p, 0, CT_OBSTACLE_PLANE, 0, 0, 0, 0, 0.0);
+  add_wall(&p, 0, CT_OBSTACLE_CYLINDER, 0.5, 0, 2.502, 1.5, 0.0);
+  p.wall[1].travel[2] = -0.05;
+  p.wall[1].amplitude = (ct_amplitude){3, time, value};
+  return p;
+}
+
+/* A block that slides on another, which lies on a plane. */
+static pair stacked(void)
+{
+  ct_mesh *a = box_mesh(CT_HEX8, 0.1, 0.05, 0.005, 1, 0.9, 1, 3, 2, 3),
+          *b = box_mesh(CT_HEX8, 0, 0, -0.5, 3, 1, 0.5, 7, 3, 2);
+  pair p = pair_of(&SOFT, a, 0.005, b, 0.0, 2);
+  take_outer_faces(&p);
+  throw_body(&p, 0, 0.3, 0.1, -0.6);
+  p.friction = 0.3;
+  add_wall(&p, 1, CT_OBSTACLE_PLANE, 0, 0, -0.5, 0, 0.4);
+  add_wall(&p, 0, CT_OBSTACLE_SPHERE, 0.6, 0.5, 3.008, 2.0, 0.0);
+  p.wall[1].velocity[2] = -0.4;
+  return p;
+}
+
+static pair rubbing(pair p, double friction)
+{
+  p.friction = friction;
+  return p;
+}
+
 static double shortest_edge(const pair *p)
 {
   double h = INFINITY;
@@ -111,6 +188,46 @@ static ct_contact_options options_of(const pair *p, double beta)
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = ct_contact_penalty(beta, p->material.young, shortest_edge(p));
   return options;
+}
+
+/* The tangential penalty over the normal one, as of a scene: not more than the usual explicit one.
+ */
+static double tangent_of(const pair *p, const ct_contact_options *options)
+{
+  return fmin(1.0, 4.0 * p->material.young / shortest_edge(p) / options->epsilon);
+}
+
+static void give_effect(ct_scene *scene, ct_status made, ct_effect *effect, ct_error *e)
+{
+  need(made, e);
+  need(ct_scene_add_effect(scene, effect, e), e);
+}
+
+/* The obstacles of a scene, each with its friction after it. */
+static void add_walls(ct_scene *scene, const pair *p, const ct_contact_options *options)
+{
+  const ct_problem *joined = NULL;
+  ct_error e;
+  need(ct_scene_join(scene, &joined, &e), &e);
+  for (int k = 0; k < p->obstacles; k++) {
+    const int s = p->side[k];
+    ct_obstacle_def wall = p->wall[k];
+    wall.epsilon = options->epsilon, wall.enforcement = options->enforcement;
+    wall.kind = ct_brick_face_kind(p->mesh[s]->kind), wall.face_count = p->face_count[s];
+    const int entries = p->face_count[s] * ct_face_node_count(wall.kind);
+    int32_t *faces = integers(entries);
+    for (int i = 0; i < entries; i++) faces[i] = p->faces[s][i] + joined->bodies[s].first_node;
+    wall.faces = faces;
+    ct_effect *effect = NULL, *rub = NULL;
+    ct_status made = ct_obstacle_create_effect(&wall, joined, &effect, &e);
+    give_effect(scene, made, effect, &e);
+    free(faces);
+    ct_friction_def def = ct_friction_def_default();
+    def.on = effect, def.coefficient = p->rub[k], def.tangent = tangent_of(p, options);
+    if (p->rub[k] == 0.0) continue;
+    made = ct_friction_create_effect(&def, joined, &rub, &e);
+    give_effect(scene, made, rub, &e);
+  }
 }
 
 static ct_scene *scene_of(const pair *p, const ct_contact_options *options)
@@ -127,8 +244,11 @@ static ct_scene *scene_of(const pair *p, const ct_contact_options *options)
                               .face_count_b = p->face_count[b],
                               .faces_a = p->faces[0],
                               .faces_b = p->faces[b],
-                              .options = *options};
-  need(ct_scene_add_contact(scene, &contact, &e), &e);
+                              .options = *options,
+                              .friction = p->friction,
+                              .tangent = tangent_of(p, options)};
+  if (!p->alone) need(ct_scene_add_contact(scene, &contact, &e), &e);
+  if (p->obstacles > 0) add_walls(scene, p, options);
   return scene;
 }
 
@@ -149,9 +269,92 @@ static ct_contact *open_contact(const pair *p, const ct_contact_options *options
   ct_surface a = {kind[0], one_array ? all : first, p->face_count[0], p->faces[0], reference},
              b = {kind[1], one_array ? all : all - first, p->face_count[1], faces,
                   one_array ? reference : reference + 3 * first};
-  need(ct_contact_create(&a, p->bodies == 1 ? &a : &b, options, &contact, &e), &e);
+  const ct_surface *other = p->alone ? NULL : p->bodies == 1 ? &a : &b;
+  need(ct_contact_create(&a, other, options, &contact, &e), &e);
   free(faces);
+  const double tangent = tangent_of(p, options);
+  if (p->friction > 0.0) need(ct_contact_add_friction(contact, -1, p->friction, tangent, &e), &e);
+  for (int k = 0; k < p->obstacles; k++) {
+    ct_obstacle_def wall = p->wall[k];
+    wall.epsilon = options->epsilon, wall.enforcement = options->enforcement;
+    need(ct_contact_add_obstacle(contact, p->side[k], &wall, &e), &e);
+    if (p->rub[k] > 0.0) need(ct_contact_add_friction(contact, k, p->rub[k], tangent, &e), &e);
+  }
   return contact;
+}
+
+/* How far what a host is told is off from what a scene tells, and the largest of it. */
+typedef struct told {
+  double energy, most, lost, reaction, top, work, traction, pressure;
+} told;
+
+static int presses(const ct_effect *effect)
+{
+  return effect->kind == CT_EFFECT_CONTACT || effect->kind == CT_EFFECT_FRICTION ||
+         effect->kind == CT_EFFECT_OBSTACLE;
+}
+
+/* Forces of contacts, obstacles and friction of a scene. */
+static void add_scene(const ct_problem *problem, const ct_state *state, double *force)
+{
+  memset(force, 0, 3 * (size_t)problem->node_count * sizeof *force);
+  for (int32_t k = 0; k < problem->effect_count; k++)
+    for (int32_t i = 0; presses(problem->effects[k]) && i < problem->effects[k]->node_count; i++)
+      for (int c = 0; c < 3; c++)
+        force[3 * ct_effect_node(problem->effects[k], i) + c] +=
+            state->workspace->force[k][3 * i + c];
+}
+
+/* Force, work and tractions of obstacle `k` of a host and of effect `effect` of a scene. */
+static void compare_obstacle(const ct_problem *problem, ct_state *state, const ct_contact *contact,
+                             int32_t k, int32_t effect, told *so)
+{
+  const int32_t count = problem->node_count;
+  double force[3], work, got[3], done, *t = numbers(4 * count), *u = numbers(4 * count);
+  ct_error e;
+  need(ct_obstacle_reaction(problem, state, effect, force, &work, &e), &e);
+  need(ct_contact_reaction(contact, k, got, &done), &e);
+  const int rubs = effect + 1 < problem->effect_count &&
+                   problem->effects[effect + 1]->kind == CT_EFFECT_FRICTION;
+  for (int c = 0; c < 3; c++) {
+    for (int32_t i = 0; rubs && i < problem->effects[effect + 1]->node_count; i++)
+      force[c] -= state->workspace->force[effect + 1][3 * i + c];
+    so->reaction = worst(so->reaction, got[c] - force[c]);
+    so->top = fmax(so->top, fabs(force[c]));
+  }
+  if (!rubs) so->work = worst(so->work, done - work);
+  need(ct_obstacle_traction(problem, state, effect, t, t + 3 * count, &e), &e);
+  // Nodes of a second surface have numbers of their own; those of the first come first.
+  if (ct_contact_traction(contact, 2 + k, u, u + 3 * count, &e) != CT_OK) so->traction = INFINITY;
+  const int32_t first = problem->bodies[0].mesh->node_count;
+  for (int32_t d = 0; problem->effects[effect]->nodes[0] < first && d < 3 * first; d++) {
+    so->traction = worst(so->traction, u[d] - t[d]);
+    so->pressure = fmax(so->pressure, fabs(t[d]));
+  }
+  free(t);
+  free(u);
+}
+
+static void compare(const ct_problem *problem, ct_state *state, const ct_contact *contact, told *so)
+{
+  ct_contact_balance balance;
+  double energy = 0.0, lost = 0.0;
+  ct_error e = {0};
+  need(ct_contact_balance_of(contact, &balance), &e);
+  for (int32_t k = 0, wall = 0; k < problem->effect_count; k++) {
+    double held = 0.0, gone = 0.0;
+    const ct_effect_kind kind = problem->effects[k]->kind;
+    if (!presses(problem->effects[k])) continue;
+    if (kind == CT_EFFECT_FRICTION)
+      need(ct_friction_energy(problem, state, k, &held, &gone, &e), &e);
+    else need(ct_energy_stored(problem, state, k, &held, &e), &e);
+    if (kind == CT_EFFECT_OBSTACLE) compare_obstacle(problem, state, contact, wall++, k, so);
+    energy += held, lost += gone;
+  }
+  so->energy = worst(so->energy, balance.energy - energy);
+  so->energy = worst(so->energy, ct_contact_energy(contact) - balance.energy);
+  so->lost = worst(so->lost, balance.friction - lost);
+  so->most = fmax(so->most, energy);
 }
 
 /* In each step of a scene a host makes the same call with the scene's coordinates, velocities and
@@ -168,19 +371,19 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
   const ct_problem *problem =
       build(scene, (ct_scene_time){.end = end, .fraction = 0.9, .threads = 1}, &steps, &stable);
   ct_state *state = new_state(problem);
-  int32_t effect = 0;
-  while (problem->effects[effect]->kind != CT_EFFECT_CONTACT) effect++;
   const int32_t count = problem->node_count, split = p.bodies == 2 ? 3 * p.mesh[0]->node_count : 0;
   ct_contact *contact[2];
   for (int i = 0; i < 2; i++) contact[i] = open_contact(&p, &options, problem->reference, i == 0);
   double *x = numbers(3 * count), *f = numbers(3 * count), *solid = numbers(3 * count),
-         off[2] = {0.0, 0.0}, energy = 0.0, top = 0.0, most = 0.0;
+         *want = numbers(3 * count), off[2] = {0.0, 0.0}, top = 0.0;
+  told so = {0};
   for (int64_t n = 0; n < steps; n++) {
     need(ct_workspace_forces(problem, state, &e), &e);
     for (int32_t k = 0; k < count; k++) ct_workspace_force_at(problem, state, 0, k, &solid[3 * k]);
     const double *v = n == 0 ? problem->initial_velocity : state->velocity;
     for (int d = 0; d < 3 * count; d++) x[d] = problem->reference[d] + state->displacement[d];
-    ct_energy want = energy_of(problem, state);
+    add_scene(problem, state, want);
+    for (int d = 0; d < 3 * count; d++) top = fmax(top, fabs(want[d]));
     for (int i = 0; i < 2; i++) {
       int next = i == 0 ? 0 : split;
       ct_contact_prediction prediction = {.x_a = x,
@@ -196,15 +399,9 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
       need(ct_contact_step(contact[i], &prediction, &e), &e);
       memset(f, 0, 3 * (size_t)count * sizeof *f);
       need(ct_contact_add_force(contact[i], f, f + next), &e);
-      const ct_effect *own = problem->effects[effect];
-      for (int32_t k = 0; k < own->node_count; k++)
-        for (int c = 0; c < 3; c++) {
-          double force = state->workspace->force[effect][3 * k + c];
-          top = fmax(top, fabs(force));
-          if (n >= from) off[i] = worst(off[i], f[3 * ct_effect_node(own, k) + c] - force);
-        }
-      if (n > from) energy = worst(energy, ct_contact_energy(contact[i]) - want.contact);
-      most = fmax(most, want.contact);
+      for (int d = 0; d < 3 * count; d++)
+        if (n >= from) off[i] = worst(off[i], f[d] - want[d]);
+      if (n > from) compare(problem, state, contact[i], &so);
     }
     advance(problem, state, 1);
   }
@@ -212,14 +409,22 @@ static void like_the_scene(pair p, const char *name, ct_contact_options options,
          "%s: forces of %d steps are the scene's, off by %.1e, and over two arrays by %.1e of the "
          "largest (allowed %.0e)",
          name, (int)steps, off[0] / top, off[1] / top, bits);
-  tap_ok(most > 0.0 && energy <= 1e-12 * most, "%s: and so is the energy, off by %.1e", name,
-         energy / most);
+  tap_ok(so.most > 0.0 && so.energy <= 1e-12 * so.most && so.lost <= 1e-12 * so.most,
+         "%s: and so are the energy, off by %.1e, and what friction has dissipated, off by %.1e of "
+         "it",
+         name, so.energy / so.most, so.lost / so.most);
+  if (p.obstacles > 0)
+    tap_ok(so.top > 0.0 && so.reaction <= 1e-12 * so.top && so.work <= 1e-12 * so.most &&
+               so.traction <= 1e-12 * so.pressure,
+           "%s: and the forces on obstacles, off by %.1e, work, %.1e, and tractions, %.1e", name,
+           so.reaction / so.top, so.work / so.most, so.traction / so.pressure);
   for (int i = 0; i < 2; i++) ct_contact_free(contact[i]);
   ct_state_free(state);
   ct_scene_free(scene);
   free(x);
   free(f);
   free(solid);
+  free(want);
   free_pair(&p);
 }
 
@@ -253,8 +458,19 @@ static host open_host(const pair *p, const ct_contact_options *options, double f
     h.solid[i] = open_block(m, &p->material, CT_KERNEL_AUTO);
     omega2 = fmax(omega2, block_frequency(&h.solid[i]));
   }
-  h.dt = fraction * 2.0 / sqrt(omega2);
   h.contact = open_contact(p, options, reference, 0);
+  h.dt = fraction * 2.0 / sqrt(omega2);
+  if (p->friction > 0.0 || p->obstacles > 0) {
+    double dt, *mass = numbers(p->mesh[0]->node_count),
+               *other = numbers(p->mesh[p->bodies - 1]->node_count);
+    for (int n = 0; n < p->mesh[0]->node_count; n++) mass[n] = h.mass[0][3 * n];
+    for (int n = 0; n < p->mesh[p->bodies - 1]->node_count; n++)
+      other[n] = h.mass[p->bodies - 1][3 * n];
+    need(ct_contact_stable_step(h.contact, mass, other, &dt), &e);
+    h.dt = fraction / sqrt(omega2 / 4.0 + 1.0 / (dt * dt));
+    free(mass);
+    free(other);
+  }
   free(reference);
   return h;
 }
@@ -316,7 +532,7 @@ static void never_grows(pair p, const char *name, double end, double allowed, do
     for (steps = 0; (double)steps * h.dt < end; steps++) {
       double bodies = step_host(&h, steps);
       need(ct_contact_balance_of(h.contact, &now), &e);
-      double total = bodies + now.energy;
+      double total = bodies + now.energy - now.motion;
       if (steps == 0) start = total;
       balance = worst(balance, (bodies - start - now.work) / start);
       rise = fmax(rise, (total - fmin(lowest, start)) / start);
@@ -332,6 +548,63 @@ static void never_grows(pair p, const char *name, double end, double allowed, do
          "(allowed %.0e), %.3f stays, the contact held up to %.3f",
          name, (int)steps, rise, allowed, left, most);
   tap_ok(balance < 1e-11, "%s: bodies gain the work of the contact, off by %.1e", name, balance);
+  free_pair(&p);
+}
+
+static int same_host(const host *a, const host *b)
+{
+  int same = 1;
+  for (int i = 0; i < a->p->bodies; i++) {
+    const size_t size = 3 * (size_t)a->p->mesh[i]->node_count * sizeof(double);
+    same = same && memcmp(a->x[i], b->x[i], size) == 0 && memcmp(a->v[i], b->v[i], size) == 0 &&
+           memcmp(a->f[i], b->f[i], size) == 0;
+  }
+  return same;
+}
+
+/* A host that saves and gets another contact in mid-run, or the same one from an older moment,
+ * continues with the same bits. */
+static void restart(pair p, const char *name, ct_enforcement enforcement)
+{
+  enum { STEPS = 60 };
+  ct_contact_options options = options_of(&p, enforcement == CT_ENFORCE_PENALTY ? 1.0 : 10.0);
+  options.enforcement = enforcement;
+  if (p.obstacles == 0) {
+    options.initial_penetration = CT_INITIAL_REMOVE;
+    options.removal_time = 0.2;
+  }
+  host whole = open_host(&p, &options, 0.9), parts = open_host(&p, &options, 0.9),
+       spare = open_host(&p, &options, 0.9);
+  const int64_t count = ct_contact_save(parts.contact, NULL);
+  double *memory = numbers((int)count), *later = numbers((int)count);
+  ct_contact_balance want, got;
+  ct_error e;
+  for (int64_t n = 0; n < 2 * STEPS; n++) step_host(&whole, n);
+  for (int64_t n = 0; n < STEPS; n++) step_host(&parts, n);
+  ct_contact_save(parts.contact, memory);
+  ct_contact *first = parts.contact;
+  parts.contact = spare.contact, spare.contact = first;
+  need(ct_contact_restore(parts.contact, memory, count, &e), &e);
+  ct_contact_save(parts.contact, later);
+  const int alike = memcmp(memory, later, (size_t)count * sizeof *memory) == 0;
+  for (int64_t n = STEPS; n < 2 * STEPS; n++) step_host(&parts, n);
+  need(ct_contact_balance_of(whole.contact, &want), &e);
+  need(ct_contact_balance_of(parts.contact, &got), &e);
+  tap_ok(alike && same_host(&whole, &parts) && want.work != 0.0 && want.work == got.work &&
+             want.energy == got.energy && want.friction == got.friction &&
+             want.motion == got.motion && want.removal == got.removal,
+         "%s: a restart of %d numbers in mid-run has the same bits", name, (int)count);
+  // Once more from the beginning, by a contact that has gone on.
+  host again = open_host(&p, &options, 0.9);
+  ct_contact_save(again.contact, memory);
+  first = again.contact, again.contact = parts.contact, parts.contact = first;
+  need(ct_contact_restore(again.contact, memory, count, &e), &e);
+  for (int64_t n = 0; n < 2 * STEPS; n++) step_host(&again, n);
+  tap_ok(same_host(&whole, &again), "%s: and so has one from the beginning", name);
+  host *all[] = {&whole, &parts, &spare, &again};
+  for (int i = 0; i < 4; i++) close_host(all[i]);
+  free(memory);
+  free(later);
   free_pair(&p);
 }
 
@@ -495,8 +768,92 @@ static void refusals(void)
   need(ct_contact_step(contact, &p, &e), &e);
   tap_ok(lift(contact) == 0.0, "or kept, also after an update; it gives no force");
   for (int n = 0; n < 4; n++) c.v[3 * n + 2] = -1000.0, c.x[3 * n + 2] -= 10.0;
+  tap_ok(ct_contact_step(contact, &p, &e) == CT_ERROR_ARGUMENT && strstr(e.text, "not for 0.005"),
+         "half a kick in the second step: %s", e.text);
+  p.kick = 0.01;
   tap_ok(ct_contact_step(contact, &p, &e) == CT_ERROR_STEP, "a leap: %s", e.text);
   ct_contact_free(contact);
+}
+
+/* Obstacles, friction and saved numbers that are refused. */
+static void refused_parts(void)
+{
+  static const double BAD[] = {0.0, -0.3, NAN, INFINITY};
+  face a = face_at(-0.01, 2.0, UP), b = face_at(0.0, 0.0, DOWN);
+  ct_contact *contact = open_faces(&a, &b, plain()), *alone = NULL;
+  ct_contact_options options = plain();
+  ct_obstacle_def wall = ct_obstacle_def_default(), none = {0};
+  ct_error e;
+  double force[3], work, memory[400];
+  wall.axis[2] = 1.0, wall.epsilon = 50.0;
+  need(ct_contact_create(&a.surface, NULL, &options, &alone, &e), &e);
+  for (int k = 0; k < 4; k++) {
+    tap_ok(ct_contact_add_friction(contact, -1, BAD[k], 1.0, &e) == CT_ERROR_ARGUMENT &&
+               ct_contact_add_friction(contact, -1, 0.3, BAD[k], &e) == CT_ERROR_ARGUMENT,
+           "friction: %s", e.text);
+    ct_obstacle_def wrong = wall;
+    wrong.epsilon = BAD[k];
+    tap_ok(ct_contact_add_obstacle(contact, 0, &wrong, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
+    wrong = wall, wrong.shape = CT_OBSTACLE_SPHERE, wrong.radius = BAD[k];
+    tap_ok(ct_contact_add_obstacle(contact, 0, &wrong, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
+    wrong = wall, wrong.velocity[1] = BAD[k];
+    ct_contact *other = open_faces(&a, &b, plain());
+    ct_status status = ct_contact_add_obstacle(other, 0, &wrong, &e);
+    tap_ok(status == (isfinite(BAD[k]) ? CT_OK : CT_INVALID), "a velocity of %g: %s", BAD[k],
+           status == CT_OK ? "" : e.text);
+    ct_contact_free(other);
+  }
+  wall.shape = (ct_obstacle_shape)3;
+  tap_ok(ct_contact_add_obstacle(contact, 0, &wall, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
+  wall.shape = CT_OBSTACLE_PLANE;
+  tap_ok(ct_contact_add_obstacle(contact, 0, &none, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
+  tap_ok(ct_contact_add_obstacle(contact, 2, &wall, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_add_obstacle(contact, -1, &wall, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_add_obstacle(alone, 1, &wall, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_add_obstacle(contact, 0, NULL, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_add_obstacle(NULL, 0, &wall, &e) == CT_ERROR_ARGUMENT,
+         "surfaces that are not there: %s", e.text);
+  tap_ok(ct_contact_add_friction(alone, -1, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_add_friction(contact, 0, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_add_friction(contact, -2, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT,
+         "friction of nothing: %s", e.text);
+  need(ct_contact_add_obstacle(contact, 0, &wall, &e), &e);
+  need(ct_contact_add_friction(contact, 0, 0.3, 1.0, &e), &e);
+  tap_ok(ct_contact_add_friction(contact, 0, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT, "%s", e.text);
+  tap_ok(ct_contact_reaction(contact, 0, force, &work) == CT_ERROR_ARGUMENT,
+         "no reaction before the first step");
+  ct_contact_prediction p = prediction_of(&a, &b, 0.01, 0.005);
+  need(ct_contact_step(contact, &p, &e), &e);
+  tap_ok(ct_contact_reaction(contact, 1, force, &work) == CT_ERROR_ARGUMENT &&
+             ct_contact_reaction(contact, 0, NULL, &work) == CT_ERROR_ARGUMENT &&
+             ct_contact_reaction(contact, 0, force, &work) == CT_OK && force[2] < 0.0,
+         "and none of another obstacle");
+  tap_ok(ct_contact_add_obstacle(contact, 0, &wall, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_add_friction(contact, -1, 0.3, 1.0, &e) == CT_ERROR_ARGUMENT,
+         "%s", e.text);
+  const int64_t count = ct_contact_save(contact, memory);
+  double at = lift(contact);
+  int refused = 0, allowed = 0;
+  for (int64_t i = 0; i < count; i++) {
+    double keep = memory[i];
+    memory[i] = NAN;
+    if (ct_contact_restore(contact, memory, count, &e) == CT_INVALID) refused++;
+    else allowed++;
+    memory[i] = keep;
+  }
+  tap_ok(count < 400 && refused == count - 8 && allowed == 8,
+         "NaN in %d of %d saved numbers is refused, all but the distances of points: %s", refused,
+         (int)count, e.text);
+  tap_ok(ct_contact_restore(contact, memory, count - 1, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_restore(contact, NULL, count, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_restore(NULL, memory, count, &e) == CT_ERROR_ARGUMENT &&
+             ct_contact_save(NULL, memory) == 0,
+         "another number of them: %s", e.text);
+  need(ct_contact_restore(contact, memory, count, &e), &e);
+  tap_ok(at > 0.0 && ct_contact_balance_of(contact, &(ct_contact_balance){0}) == CT_ERROR_ARGUMENT,
+         "after a restart there is no balance before the next step");
+  ct_contact_free(contact);
+  ct_contact_free(alone);
 }
 
 /* Nothing is allocated after the first call; one that fails for want of memory can be made again.
@@ -506,6 +863,17 @@ static void memory(void)
   face a = face_at(0.05, 2.0, UP), b = face_at(0.0, 0.0, DOWN);
   ct_error e;
   ct_contact *contact = open_faces(&a, &b, plain());
+  ct_obstacle_def wall = ct_obstacle_def_default();
+  wall.axis[2] = 1.0, wall.epsilon = 50.0;
+  for (int k = 0; k < 3; k++)
+    for (int spare = 0; spare < 1000; spare++) {
+      counted.last_call = counted.calls + spare;
+      ct_status status = k == 0 ? ct_contact_add_obstacle(contact, 0, &wall, &e)
+                                : ct_contact_add_friction(contact, k - 2, 0.3, 1.0, &e);
+      if (status == CT_OK) break;
+      if (status != CT_ERROR_MEMORY) need(status, &e);
+    }
+  counted.last_call = -1;
   ct_contact_prediction p = prediction_of(&a, &b, 0.01, 0.01);
   int failed = 0;
   for (;; failed++) {
@@ -526,6 +894,31 @@ static void memory(void)
   ct_contact_free(contact);
 }
 
+/* Friction and obstacles, by the default law and by the explicit penalty. */
+static void with_parts(void)
+{
+  for (int explicit_one = 0; explicit_one < 2; explicit_one++) {
+    struct {
+      pair p;
+      const char *name;
+      double end;
+    } list[] = {
+        {rubbing(rods(0.0), 0.3), "rods with friction", 0.9},
+        {rubbing(plates(0.05), 0.3), "plates with friction", 2e-6},
+        {rubbing(strip(), 0.3), "strip with friction", 0.2},
+        {rubbing(blocks(CT_HEX8, CT_HEX8, 0.005, 0.3), 0.3), "blocks with friction", 0.2},
+        {rubbing(blocks(CT_HEX8, CT_HEX20, 0.005, 0.3), 0.3), "unlike blocks with friction", 0.2},
+        {thrown(0.01), "a block, a plane and a sphere", 0.2},
+        {squeezed(), "a block, a plane and a cylinder", 0.3},
+        {stacked(), "two blocks, a plane and a sphere", 0.2}};
+    for (size_t i = 0; i < sizeof list / sizeof list[0]; i++) {
+      ct_contact_options options = options_of(&list[i].p, explicit_one ? 1.0 : 40.0);
+      if (explicit_one) options.enforcement = CT_ENFORCE_PENALTY;
+      like_the_scene(list[i].p, list[i].name, options, list[i].end, 1e-12);
+    }
+  }
+}
+
 int main(void)
 {
   ct_set_allocator(&COUNTING);
@@ -544,17 +937,33 @@ int main(void)
   like_the_scene(w, "a gap that is closed and removed", removed, 0.9, 1e-12);
   penalty.enforcement = CT_ENFORCE_PENALTY;
   like_the_scene(t, "explicit penalty", penalty, 0.9, 0.0);
+  with_parts();
   never_grows(rods(0.05), "rods", 1.5, 1e-12, 0.9);
   never_grows(plates(0.05), "plates", 6e-6, 1e-12, 0.9);
   never_grows(blocks(CT_HEX8, CT_HEX8, 0.005, 0.3), "blocks", 0.3, 1e-12, 0.9);
   never_grows(blocks(CT_HEX20, CT_HEX8, 0.005, 0.3), "blocks of hex20 on hex8", 0.3, 1e-12, 0.9);
   never_grows(blocks(CT_HEX8, CT_HEX8, 0.02, 6.0), "sliding blocks", 0.3, 2e-3, 0.5);
   never_grows(strip(), "strip", 0.3, 2e-3, 0.9);
+  never_grows(rubbing(rods(0.05), 0.3), "rods with friction", 1.5, 1e-12, 0.9);
+  never_grows(rubbing(plates(0.05), 0.3), "plates with friction", 6e-6, 1e-12, 0.9);
+  never_grows(rubbing(blocks(CT_HEX8, CT_HEX8, 0.005, 0.3), 0.3), "blocks with friction", 0.3,
+              1e-12, 0.5);
+  never_grows(rubbing(blocks(CT_HEX20, CT_HEX8, 0.005, 0.3), 0.3), "unlike blocks with friction",
+              0.3, 1e-12, 0.5);
+  never_grows(thrown(0.01), "a block, a plane and a sphere", 0.3, 1e-12, -1.0);
+  never_grows(squeezed(), "a block, a plane and a cylinder", 0.3, 1e-12, -1.0);
+  never_grows(stacked(), "two blocks, a plane and a sphere", 0.3, 1e-12, -1.0);
+  restart(stacked(), "two blocks, a plane and a sphere", CT_ENFORCE_ENERGY_CONTROLLED);
+  restart(thrown(0.0), "a block, a plane and a sphere", CT_ENFORCE_PENALTY);
+  restart(squeezed(), "a block, a plane and a cylinder", CT_ENFORCE_ENERGY_CONTROLLED);
+  restart(rubbing(strip(), 0.3), "strip", CT_ENFORCE_ENERGY_CONTROLLED);
+  restart(blocks(CT_HEX20, CT_HEX8, -0.01, 0.3), "an overlap", CT_ENFORCE_ENERGY_CONTROLLED);
   for (int given = 0; given < 2; given++) {
     steps_by_hand(0.0, given);
     steps_by_hand(0.5, given);
   }
   refusals();
+  refused_parts();
   memory();
   return tap_done();
 }

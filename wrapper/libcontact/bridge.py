@@ -85,7 +85,7 @@ def real(name: str, values: Any, *shapes: tuple[str | int, ...]) -> Floats:
     if shapes and not any(_fits(array.shape, shape) for shape in shapes):
         wanted = " or ".join(map(str, shapes)).replace("'", "")
         raise ValueError(f"{name} must have shape {wanted}, not {array.shape}")
-    return np.ascontiguousarray(array, np.float64).reshape(array.shape)
+    return np.require(array, np.float64, ["C", "A"]).reshape(array.shape)
 
 
 def chosen(name: str, value: Any, known: dict[str, int]) -> int:
@@ -93,6 +93,21 @@ def chosen(name: str, value: Any, known: dict[str, int]) -> int:
     if not isinstance(value, str) or value not in known:
         raise ValueError(f"{name} must be one of {', '.join(known)}, not {value!r}")
     return known[value]
+
+
+def finite(name: str, value: Any) -> float:
+    """A value as a finite number."""
+    number = real(name, value, ())
+    if not np.isfinite(number):
+        raise ValueError(f"{name} must be finite, not {value!r}")
+    return float(number)
+
+
+def index(name: str, value: Any) -> int:
+    """A value as a whole number of 32 bits."""
+    if np.ndim(value) != 0:
+        raise ValueError(f"{name} must be a whole number, not {value!r}")
+    return int(whole(name, value)[0])
 
 
 def positive(name: str, value: Any) -> float:

@@ -8,7 +8,20 @@ from typing import Any
 import numpy as np
 
 from ._core import ffi, lib
-from .bridge import Floats, Rows, ask, call, doubles, names, real, row
+from .bridge import (
+    Floats,
+    Rows,
+    ask,
+    call,
+    chosen,
+    doubles,
+    finite,
+    index,
+    names,
+    positive,
+    real,
+    row,
+)
 from .errors import check
 from .search import Surface
 
@@ -17,9 +30,13 @@ __all__ = ["Balance", "Contact"]
 
 @dataclass(frozen=True)
 class Balance:
-    """Energy balance of the steps of a contact; ``energy + work - removal`` never grows, for steps of one length in which gaps are linear in the motion."""
+    """
+    Energy balance of the steps of a contact.
 
-    #: Energy that the contact holds at t_n [energy].
+    Without friction ``energy + work - removal - motion`` never grows, for steps of one length in which gaps are linear in the motion.
+    """
+
+    #: Energy that contact, obstacles and the elastic slip of friction hold at t_n [energy].
     energy: float
     #: Work that its forces have done on the bodies from t_0 to t_n [energy].
     work: float
@@ -27,11 +44,15 @@ class Balance:
     removal: float
     #: Number of steps in which the forces did not converge.
     unconverged: int
+    #: What friction has dissipated [energy].
+    friction: float
+    #: Work that the motion of obstacles has put into the bodies [energy].
+    motion: float
 
 
 class Contact:
     """
-    The contact of two surfaces, or of one with itself, in a time loop of your own: one call per step.
+    The contact of two surfaces, or of one with itself, and with rigid obstacles, in a time loop of your own: one call per step.
 
     The coordinates that the surfaces were made with are the reference shape. Surfaces that were made with the same array
     number their nodes in one array, and the calls below take one array for both. For two arrays the calls take a
@@ -42,7 +63,7 @@ class Contact:
     first : Surface
         A surface of the host's bodies.
     second : Surface, optional
-        The surface that it meets; without it the first one meets itself.
+        The surface that it meets; without it the first one meets itself, or with ``itself=False`` only obstacles.
     epsilon : float
         Penalty [stress / length]; see :meth:`penalty`.
     enforcement : {"energy_controlled", "penalty", "bipenalty"}
@@ -61,6 +82,12 @@ class Contact:
         How far points look for the other surface [length]; 0: as far as the size of a face.
     threads : int
         Number of threads; it changes no bit.
+    friction : float
+        Coefficient of Coulomb friction between the surfaces; 0: none.
+    tangent : float
+        Ratio of the tangential penalty of this friction to the normal one.
+    itself : bool
+        Whether one surface alone meets itself.
 
     Raises
     ------
@@ -107,18 +134,30 @@ class Contact:
         adjust: float = 0.0,
         depth: float = 0.0,
         threads: int = 1,
+        friction: float = 0.0,
+        tangent: float = 1.0,
+        itself: bool = True,
     ):
-        options = ffi.new("ct_contact_options *", lib.ct_contact_options_default())
-        options.epsilon, options.dissipation = epsilon, dissipation
-        options.removal_time, options.adjust = removal_time, adjust
-        options.depth, options.threads = depth, threads
-        options.enforcement = _number("enforcement", "ct_enforcement", enforcement)
-        options.points = _number("points", "ct_contact_rule", points)
-        options.initial_penetration = _number(
-            "initial_penetration", "ct_initial", initial_penetration
-        )
         surfaces = [first] if second is None else [first, second]
-        other = first.given
+        if not all(isinstance(surface, Surface) for surface in surfaces):
+            raise TypeError("a contact needs a Surface, or two of them")
+        options = ffi.new("ct_contact_options *", lib.ct_contact_options_default())
+        numbers = {
+            "epsilon": epsilon,
+            "dissipation": dissipation,
+            "removal_time": removal_time,
+            "adjust": adjust,
+            "depth": depth,
+        }
+        for name, value in numbers.items():
+            setattr(options, name, finite(name, value))
+        options.threads = index("threads", threads)
+        options.enforcement = chosen("enforcement", enforcement, names("ct_enforcement"))
+        options.points = chosen("points", points, names("ct_contact_rule"))
+        options.initial_penetration = chosen(
+            "initial_penetration", initial_penetration, names("ct_initial")
+        )
+        other = first.given if itself or second is not None else ffi.NULL
         if second is not None:
             other = ffi.new("ct_surface *", second.given[0])
             if second.asked is first.asked:  # one array of nodes, also where it was converted twice
@@ -126,7 +165,9 @@ class Contact:
         made = ask("ct_contact **", lib.ct_contact_create, first.given, other, options)
         self._contact = ffi.gc(made, lib.ct_contact_free)
         self._counts = [surface.given.node_count for surface in surfaces]
-        self._pair = other.reference != first.given.reference
+        self._pair = second is not None and other.reference != first.given.reference
+        self._enforcement, self._sides = enforcement, list[int]()
+        self._add_friction(-1, friction, tangent)
 
     @staticmethod
     def penalty(modulus: float, h: float, enforcement: str = "energy_controlled") -> float:
@@ -152,8 +193,98 @@ class Contact:
         ValueError
             There is no such enforcement.
         """
-        number = _number("enforcement", "ct_enforcement", enforcement)
-        return float(lib.ct_contact_penalty_default(number, modulus, h))
+        number = chosen("enforcement", enforcement, names("ct_enforcement"))
+        sizes = (
+            positive(name, finite(name, size)) for name, size in (("modulus", modulus), ("h", h))
+        )
+        return float(lib.ct_contact_penalty_default(number, *sizes))
+
+    def add_obstacle(
+        self,
+        shape: str,
+        point: Any,
+        *,
+        epsilon: float,
+        axis: Any = (0.0, 0.0, 1.0),
+        radius: float = 0.0,
+        velocity: Any = (0.0, 0.0, 0.0),
+        travel: Any = (0.0, 0.0, 0.0),
+        history: tuple[Any, Any] | None = None,
+        dissipation: float = 0.15,
+        friction: float = 0.0,
+        tangent: float = 1.0,
+        surface: int = 0,
+    ) -> int:
+        """
+        Add a rigid obstacle, before the first step. It has the enforcement of the contact.
+
+        Parameters
+        ----------
+        shape : {"plane", "sphere", "cylinder"}
+            Its shape.
+        point : array_like, shape (3,)
+            A point of the plane, the centre of the sphere, a point of the cylinder's axis, in the first step [length].
+        epsilon : float
+            Penalty [stress / length].
+        axis : array_like, shape (3,)
+            Normal of the plane out of the obstacle, or direction of the cylinder.
+        radius : float
+            Radius of sphere or cylinder [length].
+        velocity : array_like, shape (3,)
+            Its constant velocity [length / time].
+        travel : array_like, shape (3,)
+            Its displacement where the factor of the history is 1 [length].
+        history : pair of array_like, optional
+            Times, from the first step on, and factors.
+        dissipation : float
+            Damping ratio of the surface mode, 0 ... 1.
+        friction : float
+            Coefficient of Coulomb friction; 0: none.
+        tangent : float
+            Ratio of the tangential penalty to the normal one.
+        surface : int
+            The surface that meets it, 0 or 1.
+
+        Returns
+        -------
+        int
+            Its number, for :meth:`reaction` and :meth:`traction`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            An argument is impossible, or a step was taken.
+        """
+        definition = ffi.new("ct_obstacle_def *", lib.ct_obstacle_def_default())
+        definition.shape = chosen("shape", shape, names("ct_obstacle_shape"))
+        definition.enforcement = chosen("enforcement", self._enforcement, names("ct_enforcement"))
+        vectors = {"point": point, "axis": axis, "velocity": velocity, "travel": travel}
+        for name, values in vectors.items():
+            setattr(definition, name, real(name, values, (3,)).tolist())
+        for name, value in {
+            "epsilon": epsilon,
+            "radius": radius,
+            "dissipation": dissipation,
+        }.items():
+            setattr(definition, name, finite(name, value))
+        arrays = [
+            real("history", part, ("n",)) for part in (((), ()) if history is None else history)
+        ]
+        if len(arrays) != 2 or len(arrays[0]) != len(arrays[1]):
+            raise ValueError("history must be a pair of times and as many factors")
+        definition.amplitude.count = len(arrays[0])
+        definition.amplitude.time, definition.amplitude.value = map(doubles, arrays)
+        side, number = index("surface", surface), len(self._sides)
+        call(lib.ct_contact_add_obstacle, self._contact, side, definition)
+        self._sides.append(side)
+        self._add_friction(number, friction, tangent)
+        return number
+
+    def _add_friction(self, on: int, coefficient: float, tangent: float) -> None:
+        """Friction of an obstacle, or of the surfaces with -1, unless the coefficient is 0."""
+        mu, ratio = finite("friction", coefficient), finite("tangent", tangent)
+        if mu != 0.0:
+            call(lib.ct_contact_add_friction, self._contact, on, mu, ratio)
 
     def step(
         self,
@@ -209,7 +340,8 @@ class Contact:
             "increment": increment,
         }
         prediction = ffi.new("ct_contact_prediction *")
-        prediction.dt, prediction.kick = dt, dt if kick is None else kick
+        prediction.dt = finite("dt", dt)
+        prediction.kick = prediction.dt if kick is None else finite("kick", kick)
         arrays = []  # what C is given lives until the call returns
         for name, values in given.items():
             if values is None and name in ("force", "increment"):
@@ -221,7 +353,7 @@ class Contact:
 
     def add_force(self, force: Any) -> None:
         """
-        Add the contact forces of the last step.
+        Add the forces of the last step: contact, obstacles, friction.
 
         Parameters
         ----------
@@ -236,12 +368,9 @@ class Contact:
         arrays = []
         for part, count in zip(self._parts("force", force), self._counts):
             if not (
-                isinstance(part, np.ndarray)
-                and part.dtype == np.float64
-                and part.flags.c_contiguous
-                and part.flags.writeable
+                isinstance(part, np.ndarray) and part.dtype == np.float64 and part.flags.carray
             ):
-                raise TypeError("force must be a writable array of float64 in C order")
+                raise TypeError("force must be a writable, aligned array of float64 in C order")
             arrays.append(doubles(real("force", part, (count, 3))))
         check(lib.ct_contact_add_force(self._contact, arrays[0], arrays[-1]))
 
@@ -255,7 +384,96 @@ class Contact:
         """Energy balance since the first step."""
         out = ffi.new("ct_contact_balance *")
         check(lib.ct_contact_balance_of(self._contact, out))
-        return Balance(out.energy, out.work, out.removal, out.unconverged)
+        return Balance(out.energy, out.work, out.removal, out.unconverged, out.friction, out.motion)
+
+    def save(self) -> Floats:
+        """
+        What the contact must remember to continue with the same bits.
+
+        Returns
+        -------
+        ndarray
+            The numbers, for :meth:`restore` of a contact that was made alike.
+        """
+        memory = np.zeros(lib.ct_contact_save(self._contact, ffi.NULL))
+        lib.ct_contact_save(self._contact, doubles(memory))
+        return memory
+
+    def restore(self, memory: Any) -> None:
+        """
+        Go on from what :meth:`save` gave. The next call must be a step.
+
+        Parameters
+        ----------
+        memory : array_like
+            The numbers.
+
+        Raises
+        ------
+        TypeError, ValueError
+            They are not those of such a contact.
+        """
+        numbers = real("memory", memory, ("n",))
+        call(lib.ct_contact_restore, self._contact, doubles(numbers), len(numbers))
+
+    def reaction(self, obstacle: int) -> tuple[Floats, float]:
+        """
+        Force of the bodies on an obstacle in the last step.
+
+        Parameters
+        ----------
+        obstacle : int
+            Its number.
+
+        Returns
+        -------
+        force : ndarray, shape (3,)
+            The force, with friction [force].
+        work : float
+            Work that the obstacle's motion has put into the bodies [energy].
+
+        Raises
+        ------
+        ValueError
+            There is no such obstacle, or the last call was no good step.
+        """
+        force, work = np.zeros(3), ffi.new("double *")
+        number = index("obstacle", obstacle)
+        check(lib.ct_contact_reaction(self._contact, number, doubles(force), work))
+        return force, float(work[0])
+
+    def traction(self, surface: int = 0, obstacle: int | None = None) -> tuple[Floats, Floats]:
+        """
+        Tractions at the nodes of a surface, recovered from the forces of the last step, without friction.
+
+        Parameters
+        ----------
+        surface : int
+            The surface, 0 or 1.
+        obstacle : int, optional
+            The obstacle whose tractions on this surface are wanted, in place of those of the other surface.
+
+        Returns
+        -------
+        traction : ndarray, shape (n, 3)
+            Force on the surface per reference area [stress]; its size is the pressure.
+        area : ndarray, shape (n,)
+            Area that belongs to each corner [area].
+
+        Raises
+        ------
+        ValueError
+            There is no such surface or obstacle.
+        """
+        side = index("surface", surface)
+        if not 0 <= side < len(self._counts):
+            raise ValueError(f"there is no surface {surface!r}")
+        traction, area = np.zeros((self._counts[side], 3)), np.zeros(self._counts[side])
+        which = side if obstacle is None else 2 + index("obstacle", obstacle)
+        if obstacle is not None and self._sides[which - 2 : which - 1] != [side]:
+            raise ValueError(f"surface {side} meets no obstacle {obstacle!r}")
+        call(lib.ct_contact_traction, self._contact, which, doubles(traction), doubles(area))
+        return traction, area
 
     @property
     def points(self) -> Rows:
@@ -267,14 +485,14 @@ class Contact:
 
     @property
     def resultant(self) -> Floats:
-        """Resultant force on each surface and its moment about the origin, shape (surfaces, 2, 3) [force, force · length]."""
+        """Resultant force on each surface and its moment about the origin, without obstacles and friction, shape (surfaces, 2, 3) [force, force · length]."""
         out = np.zeros((2, 2, 3))
         check(lib.ct_contact_resultant(self._contact, *map(doubles, out.reshape(4, 3))))
         return out[: len(self._counts)]
 
     def stable_step(self, mass: Any) -> float:
         """
-        Largest stable step of the contact alone, for ``"penalty"``; the other enforcements do not limit the step.
+        Largest stable step of the contact alone, for ``"penalty"`` and for friction; the other enforcements do not limit the step.
 
         Parameters
         ----------
@@ -304,10 +522,3 @@ class Contact:
         if not isinstance(values, (tuple, list)) or len(values) != 2:
             raise ValueError(f"{name} must be a pair of arrays, one of each surface")
         return list(values)
-
-
-def _number(name: str, enum: str, word: str) -> int:
-    words = names(enum)
-    if word not in words:
-        raise ValueError(f'{name} must be one of {", ".join(words)}, not "{word}"')
-    return words[word]

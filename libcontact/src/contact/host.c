@@ -303,9 +303,12 @@ static void end_step(ct_contact *contact, const ct_contact_prediction *p)
 {
   ct_host *h = contact->host;
   double *memory = h->memory;
+  // t_n = n Δt as in a scene, as long as steps have one length
+  if (p->dt != h->now.before) h->now.since = h->now.time, h->now.count = 0.0;
   h->now.begun = 1.0;
   h->now.before = p->dt;
-  h->now.time += p->dt;
+  h->now.count += 1.0;
+  h->now.time = h->now.since + h->now.count * p->dt;
   ct_host_sum_parts(h);
   ct_contact_store(contact, h->next_memory + CT_HOST_RECORD);
   memcpy(h->next_memory, &h->now, sizeof h->now);

@@ -22,7 +22,8 @@ typedef struct ct_host_part {
 typedef struct ct_host_record {
   double begun;  /* whether a step was taken */
   double before; /* Δt of the last one */
-  double time;   /* of the coming one */
+  double time;   /* of the coming one: */
+  double since, count; /* that many steps of Δt after this time */
   double done;   /* work of the forces up to v_{n-1/2}, less that before t_0 */
   double work;   /* up to t_n */
   double unconverged;
