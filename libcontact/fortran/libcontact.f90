@@ -26,6 +26,8 @@ module libcontact
   ! ct_enforcement
   integer(c_int), parameter :: CT_ENFORCE_PENALTY = 0, CT_ENFORCE_ENERGY_CONTROLLED = 1, &
     CT_ENFORCE_BIPENALTY = 2
+  ! ct_obstacle_shape
+  integer(c_int), parameter :: CT_OBSTACLE_PLANE = 0, CT_OBSTACLE_SPHERE = 1, CT_OBSTACLE_CYLINDER = 2
 
   type, bind(C) :: ct_error
     integer(c_int) :: code
@@ -82,6 +84,24 @@ module libcontact
   type, bind(C) :: ct_contact_balance
     real(c_double) :: energy, work, removal
     integer(c_int64_t) :: unconverged
+    real(c_double) :: friction, motion
+  end type
+
+  type, bind(C) :: ct_amplitude
+    integer(c_int32_t) :: count
+    type(c_ptr) :: time, value
+  end type
+
+  type, bind(C) :: ct_obstacle_def
+    integer(c_int32_t) :: cookie
+    integer(c_int) :: shape
+    real(c_double) :: point(3), axis(3), radius, epsilon
+    integer(c_int) :: enforcement
+    real(c_double) :: dissipation, velocity(3), travel(3)
+    type(ct_amplitude) :: amplitude
+    integer(c_int) :: kind
+    integer(c_int32_t) :: face_count
+    type(c_ptr) :: faces
   end type
 
   interface
@@ -121,9 +141,11 @@ module libcontact
       real(c_double) :: epsilon
     end function
 
+    ! Without b the surface meets obstacles only.
     function ct_contact_create(a, b, options, contact, error) bind(C) result(status)
       import :: c_int, c_ptr, ct_surface, ct_contact_options, ct_error
-      type(ct_surface), intent(in) :: a, b
+      type(ct_surface), intent(in) :: a
+      type(ct_surface), intent(in), optional :: b
       type(ct_contact_options), intent(in) :: options
       type(c_ptr), intent(inout) :: contact
       type(ct_error), intent(inout) :: error
@@ -149,6 +171,63 @@ module libcontact
       import :: c_int, c_ptr, ct_contact_prediction, ct_error
       type(c_ptr), value :: contact
       type(ct_contact_prediction), intent(in) :: prediction
+      type(ct_error), intent(inout) :: error
+      integer(c_int) :: status
+    end function
+
+    function ct_obstacle_def_default() bind(C) result(obstacle)
+      import :: ct_obstacle_def
+      type(ct_obstacle_def) :: obstacle
+    end function
+
+    function ct_contact_add_obstacle(contact, side, obstacle, error) bind(C) result(status)
+      import :: c_int, c_int32_t, c_ptr, ct_obstacle_def, ct_error
+      type(c_ptr), value :: contact
+      integer(c_int32_t), value :: side
+      type(ct_obstacle_def), intent(in) :: obstacle
+      type(ct_error), intent(inout) :: error
+      integer(c_int) :: status
+    end function
+
+    function ct_contact_add_friction(contact, on, coefficient, tangent, error) bind(C) result(status)
+      import :: c_int, c_int32_t, c_double, c_ptr, ct_error
+      type(c_ptr), value :: contact
+      integer(c_int32_t), value :: on
+      real(c_double), value :: coefficient, tangent
+      type(ct_error), intent(inout) :: error
+      integer(c_int) :: status
+    end function
+
+    function ct_contact_reaction(contact, obstacle, force, work) bind(C) result(status)
+      import :: c_int, c_int32_t, c_double, c_ptr
+      type(c_ptr), value :: contact
+      integer(c_int32_t), value :: obstacle
+      real(c_double), intent(inout) :: force(3), work
+      integer(c_int) :: status
+    end function
+
+    ! Without memory it only tells how many numbers there are.
+    function ct_contact_save(contact, memory) bind(C) result(count)
+      import :: c_int64_t, c_double, c_ptr
+      type(c_ptr), value :: contact
+      real(c_double), intent(inout), optional :: memory(*)
+      integer(c_int64_t) :: count
+    end function
+
+    function ct_contact_restore(contact, memory, count, error) bind(C) result(status)
+      import :: c_int, c_int64_t, c_double, c_ptr, ct_error
+      type(c_ptr), value :: contact
+      real(c_double), intent(in) :: memory(*)
+      integer(c_int64_t), value :: count
+      type(ct_error), intent(inout) :: error
+      integer(c_int) :: status
+    end function
+
+    function ct_contact_traction(contact, side, traction, area, error) bind(C) result(status)
+      import :: c_int, c_int32_t, c_double, c_ptr, ct_error
+      type(c_ptr), value :: contact
+      integer(c_int32_t), value :: side
+      real(c_double), intent(inout) :: traction(3, *), area(*)
       type(ct_error), intent(inout) :: error
       integer(c_int) :: status
     end function

@@ -150,6 +150,60 @@ static void controlled(const ct_surface *a, const ct_surface *b, double beta)
   ct_contact_free(contact);
 }
 
+/* A plate of mass 2 slides on a plane: it stops after v² / (2 μ g), and what friction has
+ * dissipated is ½ m v²; another contact goes on from the memory of the first. */
+static void slide(void)
+{
+  static const int32_t face[4] = {0, 3, 2, 1};
+  static const double start[12] = {0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0};
+  double x[12], v[12], f[12], free_mass[12], force[3], motion, memory[200];
+  const double dt = 1e-3;
+  ct_surface plate;
+  ct_contact_options options = ct_contact_options_default();
+  ct_obstacle_def plane = ct_obstacle_def_default();
+  ct_contact_prediction p;
+  ct_contact_balance balance;
+  ct_contact *contact[2] = {NULL, NULL};
+  ct_error error;
+  int bad = 0, now = 0;
+  memset(&plate, 0, sizeof plate);
+  plate.kind = CT_Q4, plate.node_count = 4, plate.face_count = 1;
+  plate.faces = face, plate.reference = start;
+  options.epsilon = 1.0;
+  plane.axis[2] = 1.0, plane.epsilon = 2e5;
+  for (int k = 0; k < 2; k++)
+    bad += ct_contact_create(&plate, NULL, &options, &contact[k], &error) != CT_OK ||
+           ct_contact_add_obstacle(contact[k], 0, &plane, &error) != CT_OK ||
+           ct_contact_add_friction(contact[k], 0, 0.4, 1.0, &error) != CT_OK;
+  for (int d = 0; d < 12; d++) {
+    x[d] = start[d] - (d % 3 == 2 ? 10.0 / (2.0 * plane.epsilon) : 0.0);
+    v[d] = d % 3 == 0 ? 0.5 : 0.0;
+    free_mass[d] = 2.0;
+  }
+  memset(&p, 0, sizeof p);
+  p.x_a = x, p.velocity_a = v, p.force_a = f, p.inverse_mass_a = free_mass, p.dt = dt;
+  for (int n = 0; n < 1500 && bad == 0; n++) {
+    for (int d = 0; d < 12; d++) f[d] = d % 3 == 2 ? -2.5 : 0.0;
+    p.kick = n == 0 ? 0.5 * dt : dt;
+    bad += ct_contact_step(contact[now], &p, &error) != CT_OK ||
+           ct_contact_add_force(contact[now], f, NULL) != CT_OK;
+    for (int d = 0; d < 12; d++) v[d] += p.kick * free_mass[d] * f[d], x[d] += dt * v[d];
+    if (n != 100) continue;
+    int64_t count = ct_contact_save(contact[0], NULL);
+    now = 1;
+    bad += count > 200 || ct_contact_save(contact[0], memory) != count ||
+           ct_contact_restore(contact[1], memory, count, &error) != CT_OK;
+  }
+  bad += ct_contact_balance_of(contact[now], &balance) != CT_OK ||
+         ct_contact_reaction(contact[now], 0, force, &motion) != CT_OK;
+  if (!tap_ok(bad == 0, "a plate slides on a plane, with another contact from step 101 on")) return;
+  tap_close(x[0], 0.0625, 5e-3 * 0.0625, "and stops after v^2 / (2 mu g)");
+  tap_close(balance.friction, 0.25, 1e-3, "what friction has dissipated");
+  tap_close(force[2], -10.0, 1e-8, "the plane bears the weight");
+  ct_contact_free(contact[0]);
+  ct_contact_free(contact[1]);
+}
+
 /* What the time loop watched. */
 typedef struct watch {
   double first_contact, last_contact, pressure, imbalance, drift;
@@ -238,6 +292,7 @@ int main(void)
   bar_make(&left, -10.0, 0.1);
   bar_make(&right, 0.0, -0.1);
   for (double beta = 1.0; beta < 200.0; beta *= 10.0) controlled(&a, &b, beta);
+  slide();
 
   right.x[0][1] = sqrt(-1.0);
   tap_ok(ct_contact_update(contact, &left.x[0][0], &right.x[0][0], &error) == CT_INVALID &&

@@ -136,6 +136,69 @@ contains
     call ct_contact_free(contact)
   end subroutine
 
+  ! A plate of mass 2 slides on a plane: it stops after v**2/(2 mu g), and what friction has dissipated
+  ! is 1/2 m v**2; another contact goes on from the memory of the first.
+  subroutine slide()
+    integer(c_int32_t), target :: face(4) = [0, 3, 2, 1]
+    real(dp), target :: x(3, 4), v(3, 4), f(3, 4), free(3, 4), start(3, 4)
+    real(dp) :: force(3), motion
+    real(dp), allocatable :: memory(:)
+    type(ct_surface) :: plate
+    type(ct_contact_options) :: options
+    type(ct_obstacle_def) :: plane
+    type(ct_contact_prediction) :: p
+    type(ct_contact_balance) :: balance
+    type(ct_error) :: error
+    type(c_ptr) :: contact(2)
+    integer(c_int) :: bad
+    integer :: n, k
+    start = reshape([0.0_dp, 0.0_dp, 0.0_dp, 2.0_dp, 0.0_dp, 0.0_dp, 2.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp], [3, 4])
+    plate = ct_surface(CT_Q4, 4, 1, c_loc(face), c_loc(start))
+    options = ct_contact_options_default()
+    options%epsilon = 1.0_dp
+    plane = ct_obstacle_def_default()
+    plane%axis(3) = 1.0_dp
+    plane%epsilon = 2e5_dp
+    bad = 0
+    do k = 1, 2
+      contact(k) = c_null_ptr
+      bad = bad + ct_contact_create(plate, options=options, contact=contact(k), error=error)
+      bad = bad + ct_contact_add_obstacle(contact(k), 0, plane, error)
+      bad = bad + ct_contact_add_friction(contact(k), 0, 0.4_dp, 1.0_dp, error)
+    end do
+    x = start
+    x(3, :) = -10/(2*plane%epsilon)
+    v = 0
+    v(1, :) = 0.5_dp
+    free = 2.0_dp
+    p%x_a = c_loc(x); p%velocity_a = c_loc(v); p%force_a = c_loc(f); p%inverse_mass_a = c_loc(free)
+    p%dt = 1e-3_dp
+    k = 1
+    do n = 0, 1499
+      f = 0
+      f(3, :) = -2.5_dp
+      p%kick = merge(0.5_dp*p%dt, p%dt, n == 0)
+      bad = bad + ct_contact_step(contact(k), p, error)
+      bad = bad + ct_contact_add_force(contact(k), f, f)
+      v = v + p%kick*free*f
+      x = x + p%dt*v
+      if (n /= 100) cycle
+      allocate (memory(ct_contact_save(contact(1))))
+      bad = bad + merge(0, 1, ct_contact_save(contact(1), memory) == size(memory))
+      k = 2
+      bad = bad + ct_contact_restore(contact(2), memory, int(size(memory), c_int64_t), error)
+    end do
+    bad = bad + ct_contact_balance_of(contact(2), balance)
+    bad = bad + ct_contact_reaction(contact(2), 0, force, motion)
+    call check(bad == 0, "a plate slides on a plane, with another contact from step 101 on")
+    call check_close(x(1, 1), 0.5_dp**2/(2*0.4_dp*5), 5e-3_dp*0.0625_dp, "and stops after v**2/(2 mu g)")
+    call check_close(balance%friction, 0.25_dp, 1e-3_dp, "what friction has dissipated")
+    call check_close(force(3), -10.0_dp, 1e-8_dp, "the plane bears the weight")
+    call check(ct_contact_add_friction(contact(1), 0, -0.4_dp, 1.0_dp, error) == CT_ERROR_ARGUMENT, ct_error_text(error))
+    call ct_contact_free(contact(1))
+    call ct_contact_free(contact(2))
+  end subroutine
+
   real(dp) function momentum(b)
     type(bar), intent(in) :: b
     momentum = sum(b%mass*b%v(1, :))
@@ -163,7 +226,9 @@ contains
     type(ct_contact_options), target :: k
     type(ct_contact_prediction), target :: q
     type(ct_contact_balance), target :: w
-    integer(c_int64_t) :: there(64), here(60)
+    type(ct_amplitude), target :: m
+    type(ct_obstacle_def), target :: g
+    integer(c_int64_t) :: there(83), here(79)
     there = -1
     call host_layout(there)
     here = [ &
@@ -191,9 +256,16 @@ contains
       at(c_loc(q%inverse_mass_b), c_loc(q)), at(c_loc(q%increment_a), c_loc(q)), at(c_loc(q%increment_b), c_loc(q)), &
       at(c_loc(q%dt), c_loc(q)), at(c_loc(q%kick), c_loc(q)), int(c_sizeof(q), c_int64_t), &
       at(c_loc(w%work), c_loc(w)), at(c_loc(w%removal), c_loc(w)), at(c_loc(w%unconverged), c_loc(w)), &
-      int(c_sizeof(w), c_int64_t)]
-    call check(all(there(:60) == here) .and. all(there(61:) == -1), &
-               "each member and each size of eight structs is where C has it")
+      at(c_loc(w%friction), c_loc(w)), at(c_loc(w%motion), c_loc(w)), int(c_sizeof(w), c_int64_t), &
+      at(c_loc(m%time), c_loc(m)), at(c_loc(m%value), c_loc(m)), int(c_sizeof(m), c_int64_t), &
+      at(c_loc(g%shape), c_loc(g)), at(c_loc(g%point), c_loc(g)), at(c_loc(g%axis), c_loc(g)), &
+      at(c_loc(g%radius), c_loc(g)), at(c_loc(g%epsilon), c_loc(g)), at(c_loc(g%enforcement), c_loc(g)), &
+      at(c_loc(g%dissipation), c_loc(g)), at(c_loc(g%velocity), c_loc(g)), at(c_loc(g%travel), c_loc(g)), &
+      at(c_loc(g%amplitude), c_loc(g)), at(c_loc(g%kind), c_loc(g)), at(c_loc(g%face_count), c_loc(g)), &
+      at(c_loc(g%faces), c_loc(g)), &
+      int(c_sizeof(g), c_int64_t)]
+    call check(all(there(:79) == here) .and. all(there(80:) == -1), &
+               "each member and each size of ten structs is where C has it")
     o = ct_project_options_default()
     k = ct_contact_options_default()
     call check(o%method == CT_ROBUST .and. o%tolerance == 1e-10_dp .and. .not. c_associated(o%user) &
@@ -240,6 +312,7 @@ program host
 
   call compare_layouts()
   call project()
+  call slide()
   call check(len(ct_version()) >= 5 .and. ct_status_name(CT_OK) == "ok", "names and version: "//ct_version())
 
   call make(left, -10.0_dp, 0.1_dp)

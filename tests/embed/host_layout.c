@@ -66,6 +66,25 @@ void host_layout(int64_t *place)
                                  PLACE(ct_contact_balance, work),
                                  PLACE(ct_contact_balance, removal),
                                  PLACE(ct_contact_balance, unconverged),
-                                 (int64_t)sizeof(ct_contact_balance)};
+                                 PLACE(ct_contact_balance, friction),
+                                 PLACE(ct_contact_balance, motion),
+                                 (int64_t)sizeof(ct_contact_balance),
+                                 PLACE(ct_amplitude, time),
+                                 PLACE(ct_amplitude, value),
+                                 (int64_t)sizeof(ct_amplitude),
+                                 PLACE(ct_obstacle_def, shape),
+                                 PLACE(ct_obstacle_def, point),
+                                 PLACE(ct_obstacle_def, axis),
+                                 PLACE(ct_obstacle_def, radius),
+                                 PLACE(ct_obstacle_def, epsilon),
+                                 PLACE(ct_obstacle_def, enforcement),
+                                 PLACE(ct_obstacle_def, dissipation),
+                                 PLACE(ct_obstacle_def, velocity),
+                                 PLACE(ct_obstacle_def, travel),
+                                 PLACE(ct_obstacle_def, amplitude),
+                                 PLACE(ct_obstacle_def, kind),
+                                 PLACE(ct_obstacle_def, face_count),
+                                 PLACE(ct_obstacle_def, faces),
+                                 (int64_t)sizeof(ct_obstacle_def)};
   for (int i = 0; i < (int)(sizeof rows / sizeof rows[0]); i++) place[i] = rows[i];
 }

@@ -280,6 +280,22 @@ static ct_effect *own_effect(play *p, int body)
   return effect;
 }
 
+static ct_obstacle_def any_obstacle(play *p)
+{
+  dice *d = p->d;
+  ct_obstacle_def o = {.cookie = ct_obstacle_def_default().cookie,
+                       .shape = (ct_obstacle_shape)below(d, 3 + d->wild),
+                       .point = {real(d), real(d), real(d)},
+                       .axis = {real(d), real(d), real(d)},
+                       .radius = between(d, -1.0, 1.0),
+                       .epsilon = between(d, 0.1, 5.0),
+                       .enforcement = (ct_enforcement)below(d, 3 + d->wild),
+                       .dissipation = chance(d, 2) ? 0.0 : between(d, 0.0, 1.0)};
+  if (chance(d, 3)) o.velocity[0] = 0.1 * real(d);
+  if (chance(d, 3)) o.amplitude = any_history(p), o.travel[1] = 0.1 * real(d);
+  return o;
+}
+
 static ct_effect *surface_effect(play *p, int body)
 {
   dice *d = p->d;
@@ -306,19 +322,8 @@ static ct_effect *surface_effect(play *p, int body)
     break;
   }
   default: {
-    ct_obstacle_def o = {.cookie = ct_obstacle_def_default().cookie,
-                         .shape = (ct_obstacle_shape)below(d, 3 + d->wild),
-                         .point = {real(d), real(d), real(d)},
-                         .axis = {real(d), real(d), real(d)},
-                         .radius = between(d, -1.0, 1.0),
-                         .epsilon = between(d, 0.1, 5.0),
-                         .enforcement = (ct_enforcement)below(d, 3 + d->wild),
-                         .dissipation = chance(d, 2) ? 0.0 : between(d, 0.0, 1.0),
-                         .kind = kind,
-                         .face_count = count,
-                         .faces = faces};
-    if (chance(d, 3)) o.velocity[0] = 0.1 * real(d);
-    if (chance(d, 3)) o.amplitude = any_history(p), o.travel[1] = 0.1 * real(d);
+    ct_obstacle_def o = any_obstacle(p);
+    o.kind = kind, o.face_count = count, o.faces = faces;
     (void)TRY(ct_obstacle_create_effect(&o, p->joined, &effect, &e));
   }
   }
@@ -744,6 +749,82 @@ static void play_exact(dice *d)
   d->calls += 20;
 }
 
+/* Obstacles and friction of a host, which may be refused. */
+static void add_parts(play *p, ct_contact *contact)
+{
+  dice *d = p->d;
+  ct_error e = {0};
+  for (int k = below(d, 4); k > 0; k--) {
+    ct_obstacle_def wall = any_obstacle(p);
+    if (chance(d, 3))
+      (void)TRY(ct_contact_add_friction(contact, below(d, 3) - 1, between(d, -0.1, 1.0), 1.0, &e));
+    else (void)TRY(ct_contact_add_obstacle(contact, below(d, 2 + d->wild), &wall, &e));
+  }
+}
+
+/* Save, perhaps spoil, and restore. */
+static void save(play *p, ct_contact *contact)
+{
+  dice *d = p->d;
+  ct_error e = {0};
+  const int64_t count = ct_contact_save(contact, NULL);
+  double *memory = room((size_t)count, sizeof *memory), *later = room((size_t)count, sizeof *later);
+  demand(ct_contact_save(contact, memory) == count, "as many numbers as before");
+  if (d->wild) memory[below(d, (int)count)] = chance(d, 2) ? NAN : 1e3 * real(d);
+  if (TRY(ct_contact_restore(contact, memory, count, &e)) == CT_OK) {
+    (void)ct_contact_save(contact, later);
+    demand(memcmp(memory, later, (size_t)count * sizeof *memory) == 0, "what was restored");
+  } else demand(d->wild, "what was saved can be restored");
+  free(memory);
+  free(later);
+  d->calls += 3;
+}
+
+/* A host's own loop over two surfaces, or one, without forces of its own. */
+static void play_steps(play *p, ct_contact *contact, int two)
+{
+  dice *d = p->d;
+  ct_error e = {0};
+  double *x[2], *v[2], *f[2], *w[2], dt = between(d, 1e-3, 0.05), force[3], work;
+  add_parts(p, contact);
+  for (int b = 0; b < 2; b++) {
+    const size_t n = 3 * (size_t)p->mesh[b]->node_count;
+    double **arrays[] = {&x[b], &v[b], &f[b], &w[b]};
+    for (int i = 0; i < 4; i++) *arrays[i] = keep(p, n, sizeof(double));
+    for (size_t i = 0; i < n; i++)
+      x[b][i] = p->mesh[b]->nodes[i], v[b][i] = real(d), w[b][i] = chance(d, 9) ? 0.0 : 1.0;
+  }
+  if (d->wild && chance(d, 4)) v[0][below(d, 3 * p->mesh[0]->node_count)] = NAN;
+  for (int n = 0; n < 12; n++) {
+    if (d->wild && chance(d, 6)) dt *= between(d, -0.1, 2.0);
+    ct_contact_prediction q = {.x_a = x[0],
+                               .x_b = x[1],
+                               .velocity_a = v[0],
+                               .velocity_b = v[1],
+                               .inverse_mass_a = w[0],
+                               .inverse_mass_b = w[1],
+                               .dt = dt,
+                               .kick = n == 0 ? 0.5 * dt : dt};
+    ct_contact_balance balance;
+    for (int b = 0; b < 2; b++)
+      memset(f[b], 0, 3 * (size_t)p->mesh[b]->node_count * sizeof(double));
+    if (TRY(ct_contact_step(contact, &q, &e)) != CT_OK) return;
+    demand(ct_contact_add_force(contact, f[0], f[1]) == CT_OK &&
+               ct_contact_balance_of(contact, &balance) == CT_OK,
+           "forces and balance of a step");
+    demand(all_finite(&balance.energy, 3) && all_finite(&balance.friction, 2), "a finite balance");
+    (void)ct_contact_reaction(contact, below(d, 3), force, &work);
+    d->calls += 3;
+    for (int b = 0; b <= two; b++) {
+      const int64_t dofs = 3 * (int64_t)p->mesh[b]->node_count;
+      demand(all_finite(f[b], dofs), "finite forces");
+      for (int64_t i = 0; i < dofs; i++) v[b][i] += q.kick * w[b][i] * f[b][i];
+      for (int64_t i = 0; i < dofs; i++) x[b][i] += dt * v[b][i];
+    }
+    if (chance(d, 6)) save(p, contact);
+  }
+}
+
 /* Two surfaces that move through each other, apart from any scene. */
 static void play_surfaces(dice *d)
 {
@@ -773,8 +854,10 @@ static void play_surfaces(dice *d)
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = between(d, 0.1, 3.0);
   options.points = (ct_contact_rule)below(d, 2);
-  ct_status made = chance(d, 4) ? TRY(ct_contact_create(&s[0], &s[0], &options, &contact, &e))
-                                : TRY(ct_contact_create(&s[0], &s[1], &options, &contact, &e));
+  options.enforcement = (ct_enforcement)(chance(d, 2) ? options.enforcement : below(d, 3));
+  const ct_surface *second = chance(d, 4) ? &s[0] : chance(d, 4) ? NULL : &s[1];
+  ct_status made = TRY(ct_contact_create(&s[0], second, &options, &contact, &e));
+  if (made == CT_OK && chance(d, 2)) play_steps(p, contact, second == &s[1]);
   for (int round = below(d, 3); made == CT_OK && round >= 0; round--) {
     double *x[2], *f[2], omega;
     for (int b = 0; b < 2; b++) {
