@@ -854,7 +854,7 @@ static void play_surfaces(dice *d)
   ct_contact_options options = ct_contact_options_default();
   options.epsilon = between(d, 0.1, 3.0);
   options.points = (ct_contact_rule)below(d, 2);
-  options.enforcement = (ct_enforcement)(chance(d, 2) ? options.enforcement : below(d, 3));
+  options.enforcement = (ct_enforcement)(chance(d, 2) ? (int)options.enforcement : below(d, 3));
   const ct_surface *second = chance(d, 4) ? &s[0] : chance(d, 4) ? NULL : &s[1];
   ct_status made = TRY(ct_contact_create(&s[0], second, &options, &contact, &e));
   if (made == CT_OK && chance(d, 2)) play_steps(p, contact, second == &s[1]);

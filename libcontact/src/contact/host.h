@@ -20,12 +20,12 @@ typedef struct ct_host_part {
 
 /* What the steps so far leave of all parts together, as doubles of a restart. */
 typedef struct ct_host_record {
-  double begun;  /* whether a step was taken */
-  double before; /* Δt of the last one */
-  double time;   /* of the coming one: */
+  double begun;        /* whether a step was taken */
+  double before;       /* Δt of the last one */
+  double time;         /* of the coming one: */
   double since, count; /* that many steps of Δt after this time */
-  double done;   /* work of the forces up to v_{n-1/2}, less that before t_0 */
-  double work;   /* up to t_n */
+  double done;         /* work of the forces up to v_{n-1/2}, less that before t_0 */
+  double work;         /* up to t_n */
   double unconverged;
 } ct_host_record;
 
