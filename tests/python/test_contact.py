@@ -122,6 +122,17 @@ def test_penalties_and_the_step_that_the_explicit_one_allows():
     mass = 1 / rods.inverse_mass[:, 0]
     # One pair of end layers: k = 1 / (4 h), m = h / 8 each, so ω² = 2 k / m = 4 / h².
     assert explicit.stable_step(rods.split(mass)) == pytest.approx(rods.h, rel=1e-12)
+    # The tangential springs have max(ρ, μ) times that.
+    for enforcement, share in ("penalty", 1.3), ("energy_controlled", 0.3):
+        rub = ct.Contact(
+            *rods.surfaces, epsilon=1 / rods.h, enforcement=enforcement, friction=0.3, tangent=0.2
+        )
+        step = rub.stable_step(rods.split(mass))
+        assert step == pytest.approx(rods.h / share**0.5, rel=1e-12)
+    # An obstacle has k = ε / 4 at each node of mass h / 8.
+    rub.add_obstacle("plane", [0, 0, 0], epsilon=0.5, friction=0.1, tangent=0.8)
+    omega2 = 0.3 * 4 / rods.h**2 + 0.8 * 0.5 / 4 / (rods.h / 8)
+    assert rub.stable_step(rods.split(mass)) == pytest.approx(2 / omega2**0.5, rel=1e-12)
     assert ct.Contact.penalty(3.0, 0.5) == 40 * 3.0 / 0.5
     assert ct.Contact.penalty(3.0, 0.5, "penalty") == 4 * 3.0 / 0.5
 

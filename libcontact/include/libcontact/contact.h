@@ -154,9 +154,11 @@ CT_API ct_status ct_contact_update(ct_contact *contact, const double *xa, const 
  */
 CT_API ct_status ct_contact_add_force(const ct_contact *contact, double *fa, double *fb);
 
-/** Energy that the contact holds after the last update or step [energy]: the potential Π of
+/**
+ * Energy that the contact holds after the last update or step [energy]: the potential Π of
  * :eq:`contact-potential`, or that of the solved forces, :eq:`controlled-energy`; after a step with
- * that of obstacles and the elastic slip of friction, :eq:`friction-dissipation`. */
+ * that of obstacles and the elastic slip of friction, :eq:`friction-dissipation`.
+ */
 CT_API double ct_contact_energy(const ct_contact *contact);
 
 /**
