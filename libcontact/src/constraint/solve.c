@@ -52,9 +52,10 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   s->rows = ct_pool_take(pool, rows, sizeof *s->rows);
   s->active = ct_pool_take(pool, rows, sizeof *s->active);
   s->entries = ct_pool_take(pool, rows, sizeof *s->entries);
-  s->entry_node = ct_pool_take(pool, entries, sizeof *s->entry_node);
+  s->touched = ct_pool_take(pool, nodes, sizeof *s->touched);
+  s->entry_place = ct_pool_take(pool, entries, sizeof *s->entry_place);
   s->G = ct_pool_take(pool, entries, WIDE * sizeof *s->G);
-  double **vectors[] = {&s->increment, &s->mobility, &s->past, &s->moved};
+  double **vectors[] = {&s->increment, &s->mobility, &s->past, &s->sums, &s->moved};
   for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
     *vectors[i] = ct_pool_take(pool, nodes, WIDE * sizeof(double));
   double **numbers[] = {&s->C,     &s->b,   &s->free,   &s->force, &s->rest,
@@ -67,144 +68,177 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   return CT_OK;
 }
 
-/* Entries of the nodes of one face, at `entry`; the fourth component is the size |b_a|. */
-static void fill_face(ct_solver *s, int32_t set, int32_t count, const int32_t *node,
-                      const double *N, double sign, const double normal[3], int64_t entry)
+/* Where the nodes of a row stand in vectors at nodes, from `at` on. */
+static void find_places(ct_solver *s, int32_t set, const ct_constraint *c, int64_t at)
 {
-  for (int32_t a = 0; a < count; a++, entry++) {
-    s->entry_node[entry] = s->place[s->first_node[set] + node[a]];
-    for (int c = 0; c < 3; c++) s->G[WIDE * entry + c] = sign * N[a] * normal[c];
-    s->G[WIDE * entry + 3] = fabs(N[a]);
+  const int32_t *place = &s->place[s->first_node[set]];
+  int32_t *out = &s->entry_place[at];
+  for (int32_t a = 0; a < c->own_count; a++) *out++ = WIDE * place[c->own[a]];
+  for (int32_t a = 0; a < c->other_count; a++) *out++ = WIDE * place[c->other[a]];
+}
+
+/* Entries of the nodes of one face, N times a direction; the fourth component is the size |b_a|. */
+CT_INLINE void fill_face(int32_t count, const double *N, const double direction[WIDE], double *G)
+{
+  for (int32_t a = 0; a < count; a++) {
+    for (int i = 0; i < PARTS; i++)
+      ((ct_quad *)&G[WIDE * a])[i] = N[a] * ((const ct_quad *)direction)[i];
+    G[WIDE * a + 3] = fabs(N[a]);
   }
 }
 
-/* Tell how many of some rows from each on have the same nodes, and entries one after another. */
-static void find_alike(ct_constraint *const *rows, int64_t count, ct_entries *entries)
+/* Entries of one row. */
+CT_CLONES
+static void fill_row(const ct_constraint *c, double *G)
+{
+  const double *n = c->normal, to[WIDE] = {n[0], n[1], n[2]}, from[WIDE] = {-n[0], -n[1], -n[2]};
+  fill_face(c->own_count, c->own_shape, to, G);
+  fill_face(c->other_count, c->other_shape, from, G + WIDE * c->own_count);
+}
+
+static int has_nodes_of(const ct_constraint *c, const ct_constraint *d)
+{
+  return c->own == d->own && c->other == d->other && c->own_count == d->own_count &&
+         c->other_count == d->other_count;
+}
+
+/* The rows of G: b_a n for the nodes a of each listed row (eq:constraint-force). */
+static void fill_entries(ct_solver *s)
+{
+  int64_t next = 0, places = 0;
+  for (int32_t k = 0; k < s->set_count; k++)
+    for (int64_t j = s->first[k]; j < s->first[k + 1]; j++) {
+      const ct_constraint *c = s->rows[j];
+      ct_entries e = {next, places, c->own_count, c->other_count, 1};
+      int32_t nodes = e.own + e.other;
+      if (j > s->first[k] && has_nodes_of(c, s->rows[j - 1])) e.place -= nodes;
+      else find_places(s, k, c, places), places += nodes;
+      s->entries[j] = e;
+      fill_row(c, &s->G[WIDE * next]);
+      next += nodes;
+    }
+}
+
+/* Find how many of some rows from each on have the same nodes, and entries one after another. */
+static void find_alike(int64_t count, ct_entries *entries)
 {
   for (int64_t r = 0, end; r < count; r = end) {
     ct_entries e = entries[r];
     for (end = r + 1; end < count; end++)
-      if (rows[end]->own != rows[r]->own || rows[end]->other != rows[r]->other ||
+      if (entries[end].place != e.place ||
           entries[end].first != e.first + (end - r) * (e.own + e.other))
         break;
     entries[r].alike = (int32_t)(end - r);
   }
 }
 
-/* The rows of G: b_a n for the nodes a of each listed row (eq:constraint-force). */
-static void fill_entries(ct_solver *s)
-{
-  int64_t next = 0;
-  for (int32_t k = 0; k < s->set_count; k++)
-    for (int64_t j = s->first[k]; j < s->first[k + 1]; j++) {
-      const ct_constraint *c = s->rows[j];
-      s->entries[j] = (ct_entries){next, c->own_count, c->other_count, 1};
-      fill_face(s, k, c->own_count, c->own, c->own_shape, 1.0, c->normal, next);
-      next += c->own_count;
-      fill_face(s, k, c->other_count, c->other, c->other_shape, -1.0, c->normal, next);
-      next += c->other_count;
-    }
-  find_alike(s->rows, s->first[s->set_count], s->entries);
-}
-
 /* A quad of each of some nodes. */
-CT_INLINE void load_nodes(int32_t count, const int32_t *node, const double *x, ct_quad *at)
+CT_INLINE void load_nodes(int32_t count, const int32_t *place, const double *x, ct_quad *at)
 {
   for (int32_t a = 0; a < count; a++)
-    for (int i = 0; i < PARTS; i++)
-      at[PARTS * a + i] = ((const ct_quad *)&x[WIDE * (int64_t)node[a]])[i];
+    for (int i = 0; i < PARTS; i++) at[PARTS * a + i] = ((const ct_quad *)&x[place[a]])[i];
 }
 
 /* Σ over the nodes of one face, paired so that a flipped face gives the same bits (eq:tree-sum). */
 CT_INLINE void sum_face(int32_t count, const ct_quad *G, const ct_quad *at, ct_quad *out)
 {
+  ct_quad t[8];
+  const ct_quad none = {0.0};
   for (int i = 0; i < PARTS; i++) {
-    ct_quad t[8] = {{0.0}};
     for (int32_t a = 0; a < count; a++) t[a] = G[PARTS * a + i] * at[PARTS * a + i];
+    for (int32_t a = count; a < 8; a++) t[a] = none;
     out[i] = (t[0] + t[1]) + (t[2] + t[3]);
     if (count > 4) out[i] += (t[4] + t[6]) + (t[5] + t[7]);
   }
 }
 
 /* Some rows of G with the same nodes times a vector, or their sizes times its fourth components.
- * Inlined with the numbers of nodes known where they are four, as in most faces: the numbers of the
- * nodes stay in registers. */
-CT_INLINE void times_rows(int sizes, int32_t own, int32_t other, int32_t rows, const int32_t *node,
+ * Inlined with the numbers of nodes known where they are four or eight, as in most faces: what
+ * stands at the nodes stays in registers. */
+CT_INLINE void times_rows(int sizes, int32_t own, int32_t other, int32_t rows, const int32_t *place,
                           const double *G, const double *x, double *out)
 {
   ct_quad at[PARTS * CT_ROW_NODES], mine[PARTS], theirs[PARTS];
-  load_nodes(own + other, node, x, at);
+  load_nodes(own + other, place, x, at);
   for (int32_t r = 0; r < rows; r++, G += WIDE * (own + other)) {
     sum_face(own, (const ct_quad *)G, at, mine);
     sum_face(other, (const ct_quad *)G + PARTS * own, at + PARTS * own, theirs);
-    const double *a = (const double *)mine, *b = (const double *)theirs;
-    out[r] = sizes ? a[3] + b[3] : ((a[0] + b[0]) + (a[1] + b[1])) + (a[2] + b[2]);
+    for (int i = 0; i < PARTS; i++) mine[i] += theirs[i];
+    const double *sum = (const double *)mine;
+    out[r] = sizes ? sum[3] : (sum[0] + sum[1]) + sum[2];
   }
 }
 
 /* G times a vector at nodes; or with `sizes` that of its fourth components. */
 CT_CLONES
-static void times_G(int sizes, const ct_entries *rows, int64_t count, const int32_t *node,
+static void times_G(int sizes, const ct_entries *rows, int64_t count, const int32_t *places,
                     const double *G, const double *x, double *out)
 {
-  for (int64_t r = 0; r < count; r += rows[r].alike) {
-    ct_entries e = rows[r];
-    const int32_t *n = &node[e.first];
-    const double *g = &G[WIDE * e.first];
-    if (e.own == 4 && e.other == 4) times_rows(sizes, 4, 4, e.alike, n, g, x, &out[r]);
-    else times_rows(sizes, e.own, e.other, e.alike, n, g, x, &out[r]);
+  for (const ct_entries *e = rows; e < rows + count; e += e->alike) {
+    const int32_t *place = &places[e->place], alike = e->alike;
+    const double *g = &G[WIDE * e->first];
+    if (e->own == 4 && e->other == 4) times_rows(sizes, 4, 4, alike, place, g, x, out);
+    else if (e->own == 8 && e->other == 8) times_rows(sizes, 8, 8, alike, place, g, x, out);
+    else times_rows(sizes, e->own, e->other, alike, place, g, x, out);
+    out += alike;
   }
 }
 
 /* Add some rows of G with the same nodes, times their forces, to the sums at the nodes, as
  * multiples of the spacing of the coarse grid: these sums are exact in any order
- * (eq:order-free-sum). */
-CT_INLINE void add_rows(const ct_grid *grid, int32_t nodes, int32_t rows, const int32_t *node,
-                        const double *G, const double *force, double *moved)
+ * (eq:order-free-sum). Two rows at once need three operations a number in place of four. */
+CT_INLINE void add_rows(double coarse, int32_t nodes, int32_t rows, const int32_t *place,
+                        const double *G, const double *force, double *sums)
 {
-  ct_quad sum[PARTS * CT_ROW_NODES];
-  load_nodes(nodes, node, moved, sum);
-  for (int32_t r = 0; r < rows; r++, G += WIDE * nodes)
-    for (int32_t a = 0; a < PARTS * nodes; a++)
-      sum[a] += (((const ct_quad *)G)[a] * force[r] + grid->coarse) - grid->coarse;
-  for (int32_t a = 0; a < nodes; a++)
+  const ct_quad *g = (const ct_quad *)G;
+  for (; rows > 1; rows -= 2, g += 2 * PARTS * nodes, force += 2)
+    for (int32_t a = 0; a < nodes; a++)
+      for (int i = 0; i < PARTS; i++)
+        ((ct_quad *)&sums[place[a]])[i] += (g[PARTS * a + i] * force[0] + coarse) -
+                                           (coarse - g[PARTS * (nodes + a) + i] * force[1]);
+  for (int32_t a = 0; rows > 0 && a < nodes; a++)
     for (int i = 0; i < PARTS; i++)
-      ((ct_quad *)&moved[WIDE * (int64_t)node[a]])[i] = sum[PARTS * a + i];
+      ((ct_quad *)&sums[place[a]])[i] += (g[PARTS * a + i] * force[0] + coarse) - coarse;
 }
 
 /* Gᵀ times the forces of rows. */
 CT_CLONES
 static void times_G_transposed(const ct_grid *grid, const ct_entries *rows, int64_t count,
-                               const int32_t *node, const double *G, const double *force,
-                               double *restrict moved)
+                               const int32_t *places, const double *G, const double *force,
+                               double *restrict sums)
 {
-  for (int64_t r = 0; r < count; r += rows[r].alike) {
-    ct_entries e = rows[r];
-    const double *entry = &G[WIDE * e.first];
-    if (e.own + e.other == 8) add_rows(grid, 8, e.alike, &node[e.first], entry, &force[r], moved);
-    else add_rows(grid, e.own + e.other, e.alike, &node[e.first], entry, &force[r], moved);
+  const double coarse = grid->coarse;
+  for (const ct_entries *e = rows; e < rows + count; e += e->alike) {
+    const int32_t *place = &places[e->place], nodes = e->own + e->other;
+    const double *g = &G[WIDE * e->first];
+    if (nodes == 8) add_rows(coarse, 8, e->alike, place, g, force, sums);
+    else add_rows(coarse, nodes, e->alike, place, g, force, sums);
+    force += e->alike;
   }
 }
 
+/* `moved` = A times the sums at the nodes of active rows, which are cleared for the next ones. */
 CT_CLONES
-static void clear(int64_t count, double *x)
+static void move_touched(int32_t count, const int32_t *place, const double *mobility,
+                         double *restrict sums, double *restrict moved)
 {
-#pragma omp simd
-  for (int64_t i = 0; i < count; i++) x[i] = 0.0;
+  const ct_quad none = {0.0};
+  for (int32_t k = 0; k < count; k++)
+    for (int i = 0; i < PARTS; i++) {
+      ct_quad *sum = (ct_quad *)&sums[place[k]] + i;
+      ((ct_quad *)&moved[place[k]])[i] = *sum * ((const ct_quad *)&mobility[place[k]])[i];
+      *sum = none;
+    }
 }
 
 /* `moved` = A Gᵀ times forces. Answers 0 when they are not finite. */
 static int move_nodes(ct_solver *s, const double *force)
 {
   ct_grid grid;
-  int64_t components = WIDE * (int64_t)s->node_count;
-  double top = ct_largest(force, s->count);
-  clear(components, s->moved);
-  if (top == 0.0) return 1;
   // Shape functions of quadratic faces stay below 1 in size; a factor 2 is room enough.
-  if (!ct_grid_init(&grid, 2.0 * top, s->most_crowd)) return 0;
-  times_G_transposed(&grid, s->entries, s->count, s->entry_node, s->G, force, s->moved);
-  for (int64_t d = 0; d < components; d++) s->moved[d] *= s->mobility[d];
+  if (!ct_grid_init(&grid, 2.0 * ct_largest(force, s->count), s->most_crowd)) return 0;
+  times_G_transposed(&grid, s->entries, s->count, s->entry_place, s->G, force, s->sums);
+  move_touched(s->touched_count, s->touched, s->mobility, s->sums, s->moved);
   return 1;
 }
 
@@ -229,7 +263,7 @@ static void add_times(int64_t count, const double *a, const double *x, double *r
 static int apply(ct_solver *s, const double *force, double *out)
 {
   if (!move_nodes(s, force)) return 0;
-  times_G(0, s->entries, s->count, s->entry_node, s->G, s->moved, out);
+  times_G(0, s->entries, s->count, s->entry_place, s->G, s->moved, out);
   add_times(s->count, s->C, force, out);
   s->iterations++;
   return 1;
@@ -241,8 +275,8 @@ static double predict_gaps(ct_solver *s)
 {
   double most = 0.0;
   int64_t count = s->first[s->set_count];
-  times_G(0, s->entries, count, s->entry_node, s->G, s->past, s->terms);
-  times_G(0, s->entries, count, s->entry_node, s->G, s->increment, s->free);
+  times_G(0, s->entries, count, s->entry_place, s->G, s->past, s->terms);
+  times_G(0, s->entries, count, s->entry_place, s->G, s->increment, s->free);
   for (int64_t j = 0; j < count; j++) {
     ct_constraint *c = s->rows[j];
     c->before = c->gap - (s->terms[j] + c->came);
@@ -253,26 +287,36 @@ static double predict_gaps(ct_solver *s)
   return most;
 }
 
-/* Leave out the rows that the motions of this step cannot close (eq:near-constraints), and count
- * how many act on each node. */
+/* Leave out the rows that the motions of this step cannot close (eq:near-constraints). */
 static void choose_active(ct_solver *s)
 {
   double most = predict_gaps(s);
   s->count = 0;
-  s->most_crowd = 0;
-  memset(s->crowd, 0, (size_t)s->node_count * sizeof *s->crowd);
   for (int64_t j = 0; j < s->first[s->set_count]; j++) {
     ct_constraint *c = s->rows[j];
     double force = c->force;
     c->force = 0.0;
     if (!(c->gap <= 2.0 * most || c->after <= 2.0 * most) || !ct_law_presses(c)) continue;
-    ct_entries e = s->entries[s->count] = s->entries[j];
+    s->entries[s->count] = s->entries[j];
     s->free[s->count] = c->after;
     s->force[s->count] = force;
     s->active[s->count++] = c;
-    for (int64_t i = e.first; i < e.first + e.own + e.other; i++) {
-      int32_t crowd = ++s->crowd[s->entry_node[i]];
-      s->most_crowd = crowd > s->most_crowd ? crowd : s->most_crowd;
+  }
+  find_alike(s->count, s->entries);
+}
+
+/* List the nodes on which active rows act, and count how many act on each. */
+static void list_touched(ct_solver *s)
+{
+  for (int32_t k = 0; k < s->touched_count; k++) s->crowd[s->touched[k] / WIDE] = 0;
+  s->touched_count = s->most_crowd = 0;
+  for (int64_t r = 0; r < s->count; r += s->entries[r].alike) {
+    ct_entries e = s->entries[r];
+    for (int64_t i = e.place; i < e.place + e.own + e.other; i++) {
+      int32_t place = s->entry_place[i], *crowd = &s->crowd[place / WIDE];
+      if (*crowd == 0) s->touched[s->touched_count++] = place;
+      *crowd += e.alike;
+      s->most_crowd = *crowd > s->most_crowd ? *crowd : s->most_crowd;
     }
   }
 }
@@ -280,13 +324,13 @@ static void choose_active(ct_solver *s)
 /* Σ_k |W_jk| of each row, or more, into `scale` (eq:constraint-bound). */
 static int bound_rows(ct_solver *s)
 {
-  for (int32_t n = 0; n < s->node_count; n++) {
-    double *A = &s->mobility[WIDE * (int64_t)n];
+  for (int32_t k = 0; k < s->touched_count; k++) {
+    double *A = &s->mobility[s->touched[k]];
     A[3] = fmax(fmax(A[0], A[1]), A[2]);
   }
   for (int64_t r = 0; r < s->count; r++) s->way[r] = 1.0;
   if (!move_nodes(s, s->way)) return 0;
-  times_G(1, s->entries, s->count, s->entry_node, s->G, s->moved, s->scale);
+  times_G(1, s->entries, s->count, s->entry_place, s->G, s->moved, s->scale);
   return 1;
 }
 
@@ -456,8 +500,9 @@ static void hand_out(ct_solver *s)
 int ct_solver_solve(ct_solver *s)
 {
   fill_entries(s);
+  find_alike(s->first[s->set_count], s->entries);
   choose_active(s);
-  find_alike(s->active, s->count, s->entries);
+  list_touched(s);
   s->iterations = 0;
   s->converged = 1;
   if (!fix_laws(s) || !iterate(s)) return 0;

@@ -16,9 +16,10 @@ typedef struct ct_row_set {
  * nodes. */
 enum { CT_SOLVER_WIDE = 4, CT_ROW_NODES = 16 };
 
-/* Where the entries b_a n of a row of G stand: those of its own face, then those of the other. */
+/* Where the entries b_a n of a row of G stand: those of its own face, then those of the other; and
+ * where the places of their nodes begin, which rows one after another with the same nodes share. */
 typedef struct ct_entries {
-  int64_t first;
+  int64_t first, place;
   int32_t own, other;
   int32_t alike; /* how many rows from this one on have the same nodes, at least 1 */
 } ct_entries;
@@ -39,13 +40,16 @@ typedef struct ct_solver {
   double *mobility;    /* how far a force moves a degree of freedom until t_{n+1}, likewise */
   double share;        /* of the mobility in a step that does not begin at t = 0 */
   double *past;        /* u_n - u_{n-1}, likewise */
-  double *moved;       /* sums of forces, likewise, and then the displacement that they add */
+  double *sums;        /* of forces, likewise; 0 between two uses */
+  double *moved;       /* the displacement that they add, likewise */
   int32_t *crowd;      /* how many rows act on each node */
   int32_t most_crowd;  /* the largest of these numbers */
+  int32_t touched_count;
+  int32_t *touched;    /* the nodes on which active rows act, as `entry_place` */
   ct_entries *entries; /* of the listed rows, and then of those that are near enough to be active */
   double *G;           /* the entries, shape (any number, 4) */
-  int32_t *entry_node; /* their nodes */
-  int64_t count;       /* active rows */
+  int32_t *entry_place;   /* where their nodes begin in vectors at nodes */
+  int64_t count;          /* active rows */
   ct_constraint **active; /* these rows */
   double *C, *b;          /* their laws: compliance, and what the next gap counts from (eq:ramp) */
   double *free;           /* gaps at t_{n+1} without the constraints */

@@ -103,8 +103,8 @@ double ct_side_rows_energy(const ct_side *sides, int count, double time, double 
   return 0.5 * (before + *after) + sum_energy(sides, count, ct_law_lag, terms);
 }
 
-/* Sums at the nodes of one face, before they come to those of the surface: three components a node.
- */
+/* Sums at the nodes of one face, before they come to those of the surface: of each component, those
+ * of all nodes side by side. */
 typedef struct heap {
   int32_t face; /* -1: nothing is in it */
   double coarse[24], fine[24];
@@ -118,8 +118,8 @@ CT_INLINE void bring(int per, ct_side *side, heap *sums, int32_t next)
   for (int a = 0; sums->face >= 0 && a < search->per; a++) {
     int64_t node = 3 * (int64_t)search->faces[(int64_t)sums->face * search->per + a];
     for (int c = 0; c < 3; c++) {
-      side->force[node + c] += sums->coarse[3 * a + c];
-      side->force_fine[node + c] += sums->fine[3 * a + c];
+      side->force[node + c] += sums->coarse[per * c + a];
+      side->force_fine[node + c] += sums->fine[per * c + a];
     }
   }
   sums->face = next;
@@ -131,12 +131,11 @@ CT_INLINE void bring(int per, ct_side *side, heap *sums, int32_t next)
 CT_INLINE void push(int per, const ct_grid *grid, ct_side *side, int32_t face, const double N[8],
                     const double force[3], heap *sums)
 {
-  double x[24];
   if (face != sums->face) bring(per, side, sums, face);
-  for (int a = 0; a < per; a++)
-    for (int c = 0; c < 3; c++) x[3 * a + c] = N[a] * force[c];
+  for (int c = 0; c < 3; c++)
 #pragma omp simd
-  for (int i = 0; i < 3 * per; i++) ct_grid_add(grid, x[i], &sums->coarse[i], &sums->fine[i]);
+    for (int a = 0; a < per; a++)
+      ct_grid_add(grid, N[a] * force[c], &sums->coarse[per * c + a], &sums->fine[per * c + a]);
 }
 
 CT_INLINE void spread_faces(int per, const ct_grid *grid, ct_side *side, ct_side *other)
