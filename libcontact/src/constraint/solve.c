@@ -88,8 +88,7 @@ CT_INLINE void fill_face(int32_t count, const double *N, const double direction[
 }
 
 /* Entries of one row. */
-CT_CLONES
-static void fill_row(const ct_constraint *c, double *G)
+CT_INLINE void fill_row(const ct_constraint *c, double *G)
 {
   const double *n = c->normal, to[WIDE] = {n[0], n[1], n[2]}, from[WIDE] = {-n[0], -n[1], -n[2]};
   fill_face(c->own_count, c->own_shape, to, G);
@@ -103,6 +102,7 @@ static int has_nodes_of(const ct_constraint *c, const ct_constraint *d)
 }
 
 /* The rows of G: b_a n for the nodes a of each listed row (eq:constraint-force). */
+CT_CLONES
 static void fill_entries(ct_solver *s)
 {
   int64_t next = 0, places = 0;

@@ -97,13 +97,11 @@ CT_INLINE void gaps(int per, block *b)
   }
 }
 
-/* The positive part of a number, without a branch. */
-CT_INLINE double positive(double x) { return 0.5 * (x + fabs(x)); }
-
-/* How far a coordinate is outside a box: it cannot be on both sides. */
-CT_INLINE double outside(double low, double high, double x)
+/* Twice how far a coordinate is outside a box, without a branch: it cannot be on both sides. */
+CT_INLINE double twice_outside(double low, double high, double x)
 {
-  return positive(low - x) + positive(x - high);
+  double under = low - x, over = x - high;
+  return (under + fabs(under)) + (over + fabs(over));
 }
 
 /* Find the points to which some face but the last one may be nearer than the closest point; with
@@ -117,25 +115,27 @@ CT_INLINE void find_rivals(const ct_pass *p, block *b)
            z = b->points[16 + l] + b->origin[16 + l];
     double reach = b->distance[l] < p->depth ? b->distance[l] : p->depth;
     reach += 16.0 * DBL_EPSILON * ((fabs(x) + fabs(y)) + (fabs(z) + reach));
-    most[l] = reach * reach;
+    most[l] = 4.0 * (reach * reach);
     b->rival[l] = 0;
     at[l] = x, at[8 + l] = y, at[16 + l] = z;
   }
   for (int first = 0, last; first < CT_WARM; first = last) {
-    int32_t face = b->face[first];
-    for (last = first + 1; last < CT_WARM && b->face[last] == face;) last++;
+    int32_t face = b->face[first], met = b->target[first];
+    for (last = first + 1; last < CT_WARM && b->face[last] == face && b->target[last] == met;)
+      last++;
     for (int32_t i = p->side->candidate_first[face]; i < p->side->candidate_first[face + 1]; i++) {
       int32_t rival = p->side->candidates[i];
       const ct_bounds box = p->other->search->boxes[rival];
       int near[CT_WARM];
+      if (rival == met) continue;
 #pragma omp simd
       for (int l = 0; l < CT_WARM; l++) {
-        double x = outside(box.low[0], box.high[0], at[l]),
-               y = outside(box.low[1], box.high[1], at[8 + l]),
-               z = outside(box.low[2], box.high[2], at[16 + l]);
+        double x = twice_outside(box.low[0], box.high[0], at[l]),
+               y = twice_outside(box.low[1], box.high[1], at[8 + l]),
+               z = twice_outside(box.low[2], box.high[2], at[16 + l]);
         near[l] = (x * x + y * y) + z * z <= most[l];
       }
-      for (int l = first; l < last; l++) b->rival[l] |= near[l] & (b->target[l] != rival);
+      for (int l = first; l < last; l++) b->rival[l] |= near[l];
     }
   }
 }
