@@ -8,6 +8,7 @@
 #include "../step/effect_internal.h"
 #include "../step/workspace.h"
 #include "contact_internal.h"
+#include "heap.h"
 
 #include <math.h>
 #include <string.h>
@@ -235,22 +236,49 @@ static void rub_point(const call *now, int s, int64_t i, int64_t at, slip_point 
 static double largest(const friction_scratch *s, int64_t count)
 {
   double top = 0.0;
-  for (int64_t i = 0; i < count; i++)
+  for (const slip_point *p = s->points; p < s->points + count; p++) {
+    double weight = 0.0;
+    for (int b = 0; b < 8; b++) weight = fabs(p->q[b]) > weight ? fabs(p->q[b]) : weight;
     for (int c = 0; c < 3; c++) {
-      top = fmax(top, fabs(s->points[i].force[c]));
-      for (int b = 0; b < 8; b++) top = fmax(top, fabs(s->points[i].q[b] * s->points[i].couple[c]));
+      double size = fabs(p->force[c]), back = weight * fabs(p->couple[c]);
+      top = size > top ? size : top;
+      top = back > top ? back : top;
     }
+  }
   return top;
 }
 
-/* Add a force at a point of a face to the sums at the face's nodes. */
-static void push(const friction_scratch *s, const ct_grid *grid, const ct_side_fixed *side,
-                 int64_t face, const double N[8], const double force[3])
+/* Add the tractions and couples of the points of side `k` to the sums at the nodes. */
+CT_INLINE void push_side(int room, const call *now, int k, const ct_grid *grid, const slip_point *p,
+                         friction_scratch *s)
 {
-  const int32_t *node = ct_side_row_nodes(side, face);
-  for (int a = 0; a < side->search->per; a++)
-    for (int64_t c = 0, d = 3 * (int64_t)node[a]; c < 3; c++, d++)
-      ct_grid_add(grid, N[a] * force[c], &s->coarse[d], &s->fine[d]);
+  const ct_side_fixed *side = now->data->side[k],
+                      *other = now->data->side[now->data->sides - 1 - k];
+  ct_heap own = {s->coarse, s->fine, side->search->per, NULL, {0}, {0}},
+          theirs = {s->coarse, s->fine, other->search->per, NULL, {0}, {0}};
+  for (int64_t i = 0; i < side->point_count; i++, p++) {
+    const ct_point *point = &now->side[k]->points[i];
+    const double back[3] = {-p->force[0], -p->force[1], -p->force[2]};
+    if (!(p->k > 0.0)) continue;
+    ct_heap_add(room, grid, point->row.own, point->row.own_shape, p->force, &own);
+    if (now->data->rigid) continue;
+    const int32_t *node = ct_side_row_nodes(other, point->other);
+    ct_heap_add(room, grid, node, point->N, back, &theirs);
+    ct_heap_add(room, grid, node, p->q, p->couple, &theirs);
+  }
+  ct_heap_bring(room, &own, NULL);
+  ct_heap_bring(room, &theirs, NULL);
+}
+
+/* Tractions and couples of the points of side `k`, of at most four nodes a face or of more. */
+CT_CLONES
+static void push(const call *now, int k, const ct_grid *grid, const slip_point *p,
+                 friction_scratch *s)
+{
+  if (now->data->side[0]->search->per <= 4 &&
+      now->data->side[now->data->sides - 1]->search->per <= 4)
+    push_side(4, now, k, grid, p, s);
+  else push_side(8, now, k, grid, p, s);
 }
 
 /* Tractions and couples of all points at the nodes, in sums that do not depend on their order
@@ -268,16 +296,8 @@ static ct_status gather(const call *now, friction_scratch *s, int32_t nodes, dou
     return ct_fail(error, CT_ERROR_BLOWUP, CT_NOWHERE, "friction: a force of %g", top);
   const slip_point *p = s->points;
   for (int k = 0; top > 0.0 && k < data->sides; k++) {
-    const ct_side_fixed *side = data->side[k], *other = data->side[data->sides - 1 - k];
-    for (int64_t i = 0; i < side->point_count; i++, p++) {
-      const ct_point *point = &now->side[k]->points[i];
-      const double back[3] = {-p->force[0], -p->force[1], -p->force[2]};
-      if (!(p->k > 0.0)) continue;
-      push(s, &grid, side, i / side->rule.count, side->N[i % side->rule.count], p->force);
-      if (data->rigid) continue;
-      push(s, &grid, other, point->other, point->N, back);
-      push(s, &grid, other, point->other, p->q, p->couple);
-    }
+    push(now, k, &grid, p, s);
+    p += data->side[k]->point_count;
   }
   for (int64_t d = 0; d < 3 * (int64_t)nodes; d++) force[d] = s->coarse[d] + s->fine[d];
   return CT_OK;

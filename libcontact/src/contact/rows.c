@@ -1,11 +1,11 @@
 /* Points of a surface as rows of the constraint problem, and their forces at the nodes. */
+#include "heap.h"
 #include "side.h"
 
 #include <libcontact/base.h>
 
 #include "../constraint/law.h"
 #include "../base/error.h"
-#include "../base/lanes.h"
 #include "../base/stream.h"
 #include "../base/vector.h"
 
@@ -103,54 +103,30 @@ double ct_side_rows_energy(const ct_side *sides, int count, double time, double 
   return 0.5 * (before + *after) + sum_energy(sides, count, ct_law_lag, terms);
 }
 
-/* Sums at the nodes of one face, before they come to those of the surface: of each component, those
- * of all nodes side by side. */
-typedef struct heap {
-  int32_t face; /* -1: nothing is in it */
-  double coarse[24], fine[24];
-} heap;
-
-/* Bring what a heap holds to the nodes of its face, and begin with another face. These are inlined
- * with `per` known, 4 or as many as there may be. */
-CT_INLINE void bring(int per, ct_side *side, heap *sums, int32_t next)
+static ct_heap heap_of(const ct_side *side)
 {
-  const ct_search *search = side->search;
-  for (int a = 0; sums->face >= 0 && a < search->per; a++) {
-    int64_t node = 3 * (int64_t)search->faces[(int64_t)sums->face * search->per + a];
-    for (int c = 0; c < 3; c++) {
-      side->force[node + c] += sums->coarse[per * c + a];
-      side->force_fine[node + c] += sums->fine[per * c + a];
-    }
-  }
-  sums->face = next;
-  for (int i = 0; i < 3 * per; i++) sums->coarse[i] = sums->fine[i] = 0.0;
+  return (ct_heap){side->force, side->force_fine, side->search->per, NULL, {0}, {0}};
 }
 
-/* Add a force at a point of `face` to its heap. The grid makes all sums exact, so it does not
- * matter that they are made by parts. */
-CT_INLINE void push(int per, const ct_grid *grid, ct_side *side, int32_t face, const double N[8],
-                    const double force[3], heap *sums)
+static const int32_t *nodes_of(const ct_search *search, int32_t face)
 {
-  if (face != sums->face) bring(per, side, sums, face);
-  for (int c = 0; c < 3; c++)
-#pragma omp simd
-    for (int a = 0; a < per; a++)
-      ct_grid_add(grid, N[a] * force[c], &sums->coarse[per * c + a], &sums->fine[per * c + a]);
+  return &search->faces[(int64_t)face * search->per];
 }
 
-CT_INLINE void spread_faces(int per, const ct_grid *grid, ct_side *side, ct_side *other)
+CT_INLINE void spread_faces(int room, const ct_grid *grid, ct_side *side, ct_side *other)
 {
-  heap own = {.face = -1}, theirs = {.face = -1};
+  ct_heap own = heap_of(side), theirs = heap_of(other == NULL ? side : other);
   const ct_point *point = side->points;
   for (int32_t face = 0; face < side->search->face_count; face++)
     for (int q = 0; q < side->fixed->rule.count; q++, point++) {
       if (!ct_point_has_force(point)) continue;
       const double back[3] = {-point->force[0], -point->force[1], -point->force[2]};
-      push(per, grid, side, face, side->fixed->N[q], point->force, &own);
-      if (other != NULL) push(per, grid, other, point->other, point->N, back, &theirs);
+      ct_heap_add(room, grid, nodes_of(side->search, face), side->fixed->N[q], point->force, &own);
+      if (other != NULL)
+        ct_heap_add(room, grid, nodes_of(other->search, point->other), point->N, back, &theirs);
     }
-  bring(per, side, &own, -1);
-  if (other != NULL) bring(per, other, &theirs, -1);
+  ct_heap_bring(room, &own, NULL);
+  ct_heap_bring(room, &theirs, NULL);
 }
 
 /* Add the forces of one side's points to its nodes and, unless it is null, to those of the other

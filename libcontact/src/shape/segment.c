@@ -82,33 +82,39 @@ void ct_segment_gradient(ct_face_kind kind, const double xi[2], double dN[8][2])
   }
 }
 
+/* Weight times coordinate k of each node; inlined with their number known. */
+CT_INLINE void weigh(int count, const ct_face *face, int k, const double *weight, int stride,
+                     double v[8])
+{
+  for (int i = 0; i < count; i++) v[i] = weight[i * stride] * face->node[i][k];
+}
+
 /* Sum over the nodes of weight times coordinate, in the tree that a flip of xi_1 or xi_2 (of
  * quadrilaterals) and an exchange of xi_1 and xi_2 (of triangles) maps onto itself, so that a
  * mirrored face gives the mirrored bits. */
 static void node_sum(const ct_face *face, const double *weight, int stride, double sum[3])
 {
-  for (int k = 0; k < 3; k++) {
-    double v[8] = {0};
-    int count = ct_face_node_count(face->kind);
-    for (int i = 0; i < count; i++) v[i] = weight[i * stride] * face->node[i][k];
-    // -- Pair the nodes (eq:segment-tree)
-    switch (face->kind) {
+  double v[8];
+  for (int k = 0; k < 3; k++) switch (face->kind) { // -- Pair the nodes (eq:segment-tree)
     case CT_Q4:
+      weigh(4, face, k, weight, stride, v);
       sum[k] = (v[0] + v[1]) + (v[2] + v[3]);
       break;
     case CT_Q8:
+      weigh(8, face, k, weight, stride, v);
       sum[k] = ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[6]) + (v[5] + v[7]));
       break;
     case CT_T3:
+      weigh(3, face, k, weight, stride, v);
       sum[k] = v[0] + (v[1] + v[2]);
       break;
     case CT_T6:
+      weigh(6, face, k, weight, stride, v);
       sum[k] = (v[0] + (v[1] + v[2])) + (v[4] + (v[3] + v[5]));
       break;
     default:
       sum[k] = NAN;
     }
-  }
 }
 
 void ct_segment_point(const ct_face *face, const double xi[2], double y[3])

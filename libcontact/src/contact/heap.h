@@ -1,0 +1,45 @@
+#ifndef CT_SRC_HEAP_H
+#define CT_SRC_HEAP_H
+
+#include "../base/grid.h"
+#include "../base/lanes.h"
+
+#include <stddef.h>
+
+/* Sums of forces at the nodes of one face, before they come to those of all nodes: of each
+ * component, those of all nodes side by side. The grid makes all sums exact, so it does not matter
+ * that they are made by parts (eq:order-free-sum). These functions are inlined with `room` known, 4
+ * or 8: as many as the face has nodes, or more. */
+typedef struct ct_heap {
+  double *coarse_sum, *fine_sum; /* at all nodes, shape (any number, 3) */
+  int32_t count;                 /* nodes of a face */
+  const int32_t *node;           /* of this face; null: nothing is in the heap */
+  double coarse[24], fine[24];
+} ct_heap;
+
+/* Bring what a heap holds to the nodes of its face, and begin with another face, or null. */
+CT_INLINE void ct_heap_bring(int room, ct_heap *heap, const int32_t *next)
+{
+  for (int a = 0; heap->node != NULL && a < heap->count; a++) {
+    int64_t first = 3 * (int64_t)heap->node[a];
+    for (int c = 0; c < 3; c++) {
+      heap->coarse_sum[first + c] += heap->coarse[room * c + a];
+      heap->fine_sum[first + c] += heap->fine[room * c + a];
+    }
+  }
+  heap->node = next;
+  for (int i = 0; i < 3 * room; i++) heap->coarse[i] = heap->fine[i] = 0.0;
+}
+
+/* Add a force at a point of the face with the nodes `node`, whose weights N are finite. */
+CT_INLINE void ct_heap_add(int room, const ct_grid *grid, const int32_t *node, const double N[8],
+                           const double force[3], ct_heap *heap)
+{
+  if (node != heap->node) ct_heap_bring(room, heap, node);
+  for (int c = 0; c < 3; c++)
+#pragma omp simd
+    for (int a = 0; a < room; a++)
+      ct_grid_add(grid, N[a] * force[c], &heap->coarse[room * c + a], &heap->fine[room * c + a]);
+}
+
+#endif
