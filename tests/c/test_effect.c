@@ -149,8 +149,9 @@ static void refused(const char *name, ct_effect *first, ct_effect *second)
 
 static void refusals(void)
 {
-  static const int32_t nodes[2] = {0, 3}, outside[2] = {0, 8}, mixed[2] = {3, 0}, place[1] = {2};
-  static const double shape[1] = {1.0};
+  static const int32_t nodes[2] = {0, 3}, outside[2] = {0, 8}, mixed[2] = {3, 0}, place[1] = {2},
+                       both[2] = {0, 1};
+  static const double shape[1] = {1.0}, halves[2] = {0.5, 0.5};
   static const ct_effect_constraints constraints = {.list = list_wrongly};
   const ct_effect plain = {.label = "host", .nodes = nodes, .node_count = 2, .force = no_force};
   ct_effect a = plain, b = plain;
@@ -177,6 +178,16 @@ static void refusals(void)
     b.data = &one;
     refused(how[i], &a, &b);
   }
+  ct_constraint wide = {.enforcement = CT_ENFORCE_ENERGY_CONTROLLED,
+                        .own_count = 2,
+                        .own = both,
+                        .own_shape = halves,
+                        .stiffness = 1.0};
+  listing one = {&wide, 1};
+  b.data = &one, b.constraint_nodes = 1;
+  refused("a row with more nodes than it has room for", &a, &b);
+  b.constraint_nodes = 17;
+  refused("more nodes a row than there may be", &a, &b);
   const double bounds[] = {NAN, -1.0};
   for (int i = 0; i < 2; i++) {
     double bound = bounds[i];

@@ -109,9 +109,9 @@ def memory_of(problem: Problem) -> int:
         total += effect.node_count * (96 + (48 + 24 + 76 if works else 16))
         total += 24 * effect.memory_count
         total += 0 if effect.nodes == ffi.NULL else 4 * effect.node_count
-        # The solver keeps the entries of a row at up to 16 nodes, where they stand, and 10 numbers to find its force.
+        # The solver keeps the entries of a row at its nodes, where they stand, and 10 numbers to find its force.
         pressing = effect.phase == lib.CT_PHASE_CONSTRAINT
-        total += pressing * effect.constraint_count * (16 * 36 + 40 + 10 * 8)
+        total += pressing * effect.constraint_count * (36 * effect.constraint_nodes + 48 + 10 * 8)
     # Rows of probes, for which there is room for twice as many.
     for probe in problem.probes:
         total += 2 * problem.step_count // probe.given.every * probe.row_bytes

@@ -190,6 +190,8 @@ typedef struct ct_effect {
   const ct_effect_constraints *constraints;
   /** Most constraints that it can list. */
   int64_t constraint_count;
+  /** Most nodes of one of them, those of both faces together, for which room is kept; 0: 16. */
+  int32_t constraint_nodes;
   /** Null, or an effect that stands before this one in the problem's list, and whose scratch space
    * the view shows as `read`. */
   const struct ct_effect *reads;

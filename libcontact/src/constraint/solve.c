@@ -40,9 +40,12 @@ ct_status ct_solver_create(const ct_row_set *sets, int32_t count, int32_t proble
   ct_solver *s = *out = ct_allocate(1, sizeof *s);
   if (s == NULL) return CT_ERROR_MEMORY;
   ct_pool *pool = &s->pool;
-  int64_t places = 0;
-  for (int32_t k = 0; k < count; k++) places += sets[k].node_count, s->most += sets[k].most;
-  size_t nodes = (size_t)places, rows = (size_t)s->most, entries = CT_ROW_NODES * rows;
+  int64_t places = 0, most_entries = 0;
+  for (int32_t k = 0; k < count; k++) {
+    places += sets[k].node_count, s->most += sets[k].most;
+    most_entries += sets[k].row_nodes * sets[k].most;
+  }
+  size_t nodes = (size_t)places, rows = (size_t)s->most, entries = (size_t)most_entries;
   s->set_count = count;
   s->first = ct_pool_take(pool, (size_t)count + 1, sizeof *s->first);
   s->first_node = ct_pool_take(pool, (size_t)count + 1, sizeof *s->first_node);

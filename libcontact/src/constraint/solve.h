@@ -10,6 +10,7 @@ typedef struct ct_row_set {
   int64_t most;         /* rows that it can list */
   int32_t node_count;   /* nodes of the effect ... */
   const int32_t *nodes; /* ... in the problem; null: all */
+  int32_t row_nodes;    /* most nodes of a row, both faces together */
 } ct_row_set;
 
 /* Vectors at nodes have a fourth component, 0, so that they fill a register; a row has at most 16

@@ -80,6 +80,12 @@ static inline int ct_contact_is_penalty(const ct_contact_fixed *fixed)
   return fixed->options.enforcement == CT_ENFORCE_PENALTY;
 }
 
+/* Nodes of the two faces of a point. */
+static inline int32_t ct_contact_row_nodes(const ct_contact_fixed *fixed)
+{
+  return fixed->side[0].search->per + fixed->side[fixed->sides - 1].search->per;
+}
+
 void ct_host_free(struct ct_host *host);
 
 /* The side that side `s` meets. */

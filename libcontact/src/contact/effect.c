@@ -156,6 +156,7 @@ static ct_status fill(contact_data *data, const ct_contact_def *def, const ct_pr
   effect->phase = CT_PHASE_CONSTRAINT;
   effect->constraints = &CONSTRAINTS;
   effect->constraint_count = data->fixed->point_count;
+  effect->constraint_nodes = ct_contact_row_nodes(data->fixed);
   return CT_OK;
 }
 

@@ -95,11 +95,11 @@ static ct_status open_solver(const ct_contact_fixed *fixed, ct_host *h)
   ct_status status = sets != NULL && number != NULL ? CT_OK : CT_ERROR_MEMORY;
   if (status == CT_OK && all > 0) {
     int32_t next = 0;
-    sets[next++] = (ct_row_set){most, fixed->node_count, NULL};
+    sets[next++] = (ct_row_set){most, fixed->node_count, NULL, ct_contact_row_nodes(fixed)};
     for (const ct_host_part *part = h->parts; part != NULL; part = part->next)
       if (has_rows(part))
         sets[next++] = (ct_row_set){part->effect->constraint_count, part->effect->node_count,
-                                    fixed->place[part->side]};
+                                    fixed->place[part->side], part->effect->constraint_nodes};
     status = ct_solver_create(sets, count, fixed->node_count, number, &h->solver);
   }
   ct_release(sets);

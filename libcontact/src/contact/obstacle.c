@@ -372,6 +372,7 @@ static ct_status fill(obstacle_data *data, const ct_obstacle_def *o, const ct_pr
     effect->phase = CT_PHASE_CONSTRAINT;
     effect->constraints = &CONSTRAINTS;
     effect->constraint_count = data->side.point_count;
+    effect->constraint_nodes = data->side.search->per;
     effect->memory_count += effect->constraint_count;
   }
   count_costs(effect, (double)data->side.point_count);

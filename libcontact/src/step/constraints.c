@@ -16,6 +16,12 @@ static int has_increment(const ct_effect *effect)
   return effect->constraints != NULL && effect->constraints->increment != NULL;
 }
 
+/* Most nodes of a row of an effect. */
+static int32_t row_nodes(const ct_effect *effect)
+{
+  return effect->constraint_nodes > 0 ? effect->constraint_nodes : CT_ROW_NODES;
+}
+
 /* Where the nodes of effects that prescribe motion stand among the solver's. */
 static void find_places(const ct_problem *problem, const int32_t *number, ct_constraints *c,
                         ct_pool *pool)
@@ -41,7 +47,8 @@ void ct_constraints_create(const ct_problem *problem, ct_workspace *w)
   for (int32_t k = 0; sets != NULL && k < problem->effect_count; k++) {
     const ct_effect *effect = problem->effects[k];
     if (effect->phase == CT_PHASE_CONSTRAINT)
-      sets[count++] = (ct_row_set){effect->constraint_count, effect->node_count, effect->nodes};
+      sets[count++] = (ct_row_set){effect->constraint_count, effect->node_count, effect->nodes,
+                                   row_nodes(effect)};
   }
   if (count > 0 && !w->pool.failed) {
     ct_constraints *c = w->constraints = ct_pool_take(&w->pool, 1, sizeof *c);
@@ -77,7 +84,8 @@ static ct_status check_rows(const ct_effect *effect, ct_constraint *const *rows,
     const ct_constraint *row = rows[r];
     fine = row != NULL && ct_law_check(row, effect->label, NULL) == CT_OK && ct_law_has_rows(row) &&
            has_places(effect, row->own_count, row->own, row->own_shape) &&
-           has_places(effect, row->other_count, row->other, row->other_shape);
+           has_places(effect, row->other_count, row->other, row->other_shape) &&
+           row->own_count + row->other_count <= row_nodes(effect);
   }
   if (fine) return CT_OK;
   return CT_REFUSE(error, "effect %s: it lists %lld rows of at most %lld, or nodes that it has not",

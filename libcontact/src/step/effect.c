@@ -3,12 +3,14 @@
 #include "effect_internal.h"
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../constraint/solve.h"
 
 ct_status ct_effect_check(const ct_effect *effect, ct_error *error)
 {
   const char *wrong = NULL;
   if (effect->label == NULL || effect->node_count < 0 || effect->memory_count < 0 ||
-      effect->constraint_count < 0)
+      effect->constraint_count < 0 || effect->constraint_nodes < 0 ||
+      effect->constraint_nodes > CT_ROW_NODES)
     return CT_REFUSE(error, "effect: no label or negative counts");
   if ((int)effect->phase < CT_PHASE_STATE || effect->phase > CT_PHASE_REACTION)
     wrong = "there is no such phase";
