@@ -20,7 +20,12 @@ HEADERS = Path("libcontact/include/libcontact")
 FLOORS = (
     ({"scene": "bodies, effects and time put together", "hdf5": "results files and restart"}),
     ({"contact": "surfaces in contact, obstacles, friction"}),
-    ({"effect": "solid, support, motion, gravity, load, damping, viscosity, absorb"}),
+    (
+        {
+            "effect": "solid, support, motion, gravity, load, damping, viscosity, absorb",
+            "dispersion": "waves of a mesh in space and time",
+        }
+    ),
     ({"step": "contract of effects, problem, state, time loop, energy, monitor, probes"}),
     (
         {

@@ -13,6 +13,7 @@
 #include <libcontact/constraint.h>
 #include <libcontact/step.h>
 #include <libcontact/effect.h>
+#include <libcontact/dispersion.h>
 #include <libcontact/contact.h>
 #include <libcontact/scene.h>
 

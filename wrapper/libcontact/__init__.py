@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from . import exact as exact
+    from .bloch import *
     from .contact import *
     from .errors import *
     from .projection import *
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     __version__: str
 
 # The modules whose public names, those of their __all__, are names of the package; and where other names live.
-_PUBLIC = ("contact", "errors", "projection", "search", "run")
+_PUBLIC = ("bloch", "contact", "errors", "projection", "search", "run")
 _HOME = {"Scene": "scene", "example": "scene", "SceneError": "schema"}
 
 

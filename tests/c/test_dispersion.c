@@ -1,0 +1,512 @@
+/* Waves of a mesh against closed forms, against the equations of motion written by hand, against
+ * finite differences, and the front of a step against runs. */
+#include "bodies.h"
+
+static const double PI = 3.14159265358979323846;
+static const ct_material STEEL = {3.0, 0.3, 1.7, CT_LINEAR};
+enum { SCHEMES = 4, BRANCHES = 12 };
+
+static ct_dispersion_def waves_of(ct_brick_kind kind, ct_mass_form mass)
+{
+  ct_dispersion_def def = ct_dispersion_def_default();
+  def.kind = kind, def.mass = mass, def.material = STEEL;
+  return def;
+}
+
+static int branches_of(ct_brick_kind kind) { return kind == CT_HEX20 ? 12 : 3; }
+
+static void branches_at(const ct_dispersion_def *def, const double k[3], ct_branch out[BRANCHES])
+{
+  ct_error error;
+  need(ct_dispersion(def, 1, k, out, &error), &error);
+}
+
+static double c_of(const ct_material *material, int wave)
+{
+  double c[2];
+  ct_material_speeds(material, &c[0], &c[1]);
+  return c[wave];
+}
+
+static double dot(const double a[3], const double b[3])
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* A row of masses and springs (eq:dispersion-axis), with both masses and with leapfrog steps. */
+static void closed_form_on_the_axis(void)
+{
+  double off[2] = {0.0}, off_step = 0.0, off_group = 0.0;
+  for (int mass = 0; mass < 2; mass++)
+    for (int axis = 0; axis < 3; axis++)
+      for (int i = 1; i <= 64; i++) {
+        ct_dispersion_def def = waves_of(CT_HEX8, (ct_mass_form)mass);
+        ct_branch b[BRANCHES];
+        double h = 0.7 + axis, k[3] = {0.0}, q = PI * i / 64;
+        def.size[0] = 0.7, def.size[1] = 1.7, def.size[2] = 2.7;
+        k[axis] = q / h;
+        branches_at(&def, k, b);
+        double want = 2.0 / h * sin(0.5 * q) / (mass ? sqrt((2.0 + cos(q)) / 3.0) : 1.0);
+        for (int w = 0; w < 3; w++)
+          off[mass] = worst(off[mass], b[w].omega_mesh / (c_of(&STEEL, w < 2) * want) - 1.0);
+        if (mass) continue;
+        // The leapfrog at Courant 0.8, and the group velocity of both (eq:dispersion-axis-group).
+        const double c1 = c_of(&STEEL, 0), dt = def.step = 0.8 * h / c1, s = 0.8 * sin(0.5 * q);
+        branches_at(&def, k, b);
+        off_step = worst(off_step, b[2].omega * dt / (2.0 * asin(s)) - 1.0);
+        off_step = worst(off_step, b[2].decay * dt);
+        off_group = worst(off_group, b[2].group[axis] / c1 - cos(0.5 * q) / sqrt(1.0 - s * s));
+      }
+  // Round-off of some hundred products.
+  tap_close(off[0], 0.0, 1e-12, "hex8 with lumped mass along an axis, P and S");
+  tap_close(off[1], 0.0, 1e-12, "hex8 with consistent mass along an axis, P and S");
+  tap_close(off_step, 0.0, 1e-12, "the leapfrog's frequency, and no damping");
+  tap_close(off_group, 0.0, 1e-12, "group velocity of both");
+}
+
+/* K(k) and M(k) of hex8 as products of three rows of springs and masses (eq:dispersion-symbols). */
+static void symbols(const ct_dispersion_def *def, const double k[3], double K[3][3], double *mass)
+{
+  double stiff[3], m[3], g[3], young = def->material.young, nu = def->material.poisson;
+  double mu = young / (2.0 * (1.0 + nu)), lambda = 2.0 * mu * nu / (1.0 - 2.0 * nu);
+  for (int d = 0; d < 3; d++) {
+    double h = def->size[d], q = k[d] * h;
+    stiff[d] = (2.0 - 2.0 * cos(q)) / h, m[d] = h * (2.0 + cos(q)) / 3.0, g[d] = sin(q);
+  }
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      int a = (i + 1) % 3, b = (i + 2) % 3;
+      if (i != j) K[i][j] = (lambda + mu) * g[i] * g[j] * m[3 - i - j];
+      else
+        K[i][i] = (lambda + 2.0 * mu) * stiff[i] * m[a] * m[b] +
+                  mu * m[i] * (stiff[a] * m[b] + m[a] * stiff[b]);
+    }
+  *mass = def->material.density * (def->mass == CT_MASS_CONSISTENT
+                                       ? m[0] * m[1] * m[2]
+                                       : def->size[0] * def->size[1] * def->size[2]);
+}
+
+static void waves_of_any_direction(void)
+{
+  double off = 0.0, not_orthogonal = 0.0;
+  for (int i = 0; i < 400; i++) {
+    ct_dispersion_def def = waves_of(CT_HEX8, (ct_mass_form)(i % 2));
+    ct_branch b[BRANCHES];
+    double k[3], K[3][3], mass;
+    def.material.poisson = uniform(0.49);
+    for (int d = 0; d < 3; d++) def.size[d] = 1.5 + uniform(1.0), k[d] = uniform(PI) / def.size[d];
+    branches_at(&def, k, b);
+    symbols(&def, k, K, &mass);
+    double scale = mass * b[2].omega_mesh * b[2].omega_mesh;
+    for (int w = 0; w < 3; w++)
+      for (int r = 0; r < 3; r++) {
+        double force = -mass * b[w].omega_mesh * b[w].omega_mesh * b[w].shape[r];
+        for (int c = 0; c < 3; c++) force += K[r][c] * b[w].shape[c];
+        off = worst(off, force / scale);
+      }
+    for (int v = 0; v < 3; v++)
+      for (int w = 0; w <= v; w++) {
+        double brick = def.material.density * def.size[0] * def.size[1] * def.size[2];
+        double product = mass / brick * dot(b[v].shape, b[w].shape);
+        not_orthogonal = worst(not_orthogonal, product - (v == w));
+      }
+  }
+  tap_close(off, 0.0, 1e-13, "hex8 in any direction obeys the products of three rows");
+  tap_close(not_orthogonal, 0.0, 1e-12, "three shapes, orthogonal and scaled");
+}
+
+/* Forces on the nodes in the middle of a patch of 2 x 2 x 2 bricks that moves as a wave, by the
+ * element force of the readable form. */
+static void wave_residual(const ct_dispersion_def *def, const double k[3], const ct_branch *b,
+                          double *off)
+{
+  const double *h = def->size;
+  ct_mesh *mesh = box_mesh(def->kind, -h[0], -h[1], -h[2], 2 * h[0], 2 * h[1], 2 * h[2], 2, 2, 2);
+  const int per = ct_brick_node_count(def->kind), n = 3 * mesh->node_count;
+  double *u = numbers(n), *force = numbers(n), *mass = numbers(mesh->node_count);
+  for (int a = 0; a < mesh->node_count; a++) {
+    double *x = &mesh->nodes[3 * a], angle = k[0] * x[0] + k[1] * x[1] + k[2] * x[2] + 0.3;
+    int family = 0;
+    for (int d = 0; d < 3; d++)
+      if (fabs(fabs(x[d]) - 0.5 * h[d]) < 0.1 * h[d]) family = 1 + d;
+    for (int c = 0; c < 3; c++) u[3 * a + c] = b->shape[3 * family + c] * cos(angle);
+  }
+  ct_error error;
+  need(ct_mass_lumped(mesh, def->material.density, CT_LUMP_DEFAULT, mass, &error), &error);
+  for (int e = 0; e < mesh->element_count; e++) {
+    double x[60], v[60], f[60];
+    take_element(mesh, e, mesh->nodes, x), take_element(mesh, e, u, v);
+    need(ct_solid_element_force(def->kind, x, v, &def->material, f, NULL, &error), &error);
+    for (int i = 0; i < 3 * per; i++) force[3 * mesh->elements[e * per + i / 3] + i % 3] += f[i];
+  }
+  // Nodes in the middle have all their bricks: the one at 0 and the middles of the edges at it.
+  for (int a = 0; a < mesh->node_count; a++) {
+    int inside = 1;
+    for (int d = 0; d < 3; d++) inside &= fabs(mesh->nodes[3 * a + d]) < 0.75 * h[d];
+    for (int c = 0; inside && c < 3; c++)
+      *off =
+          worst(*off, (force[3 * a + c] + mass[a] * b->omega_mesh * b->omega_mesh * u[3 * a + c]) /
+                          (def->material.young * (h[0] + h[1] + h[2])));
+  }
+  free(u), free(force), free(mass);
+  ct_mesh_free(mesh);
+}
+
+static void waves_solve_the_mesh(void)
+{
+  for (int kind = 0; kind < 2; kind++) {
+    double off = 0.0;
+    for (int i = 0; i < 20; i++) {
+      ct_dispersion_def def = waves_of((ct_brick_kind)kind, CT_MASS_LUMPED);
+      ct_branch b[BRANCHES];
+      double k[3];
+      for (int d = 0; d < 3; d++)
+        def.size[d] = 1.5 + uniform(1.0), k[d] = uniform(PI) / def.size[d];
+      branches_at(&def, k, b);
+      for (int w = 0; w < branches_of(def.kind); w++) wave_residual(&def, k, &b[w], &off);
+    }
+    tap_close(off, 0.0, 1e-12, "hex%d: every wave moves the nodes of a patch as their forces do",
+              kind ? 20 : 8);
+  }
+}
+
+/* c k (1 - C k²h²): C of two wave lengths, extrapolated. */
+static double coefficient(const ct_dispersion_def *def, const double n[3], int branch, double c)
+{
+  double at[2];
+  for (int i = 0; i < 2; i++) {
+    ct_branch b[BRANCHES];
+    double length = 0.05 * (1 + i), k[3] = {length * n[0], length * n[1], length * n[2]};
+    branches_at(def, k, b);
+    at[i] = (1.0 - b[branch].omega / (c * length)) / (length * length);
+  }
+  return (4.0 * at[0] - at[1]) / 3.0;
+}
+
+static void long_waves(void)
+{
+  static const double AXIS[3] = {1.0, 0.0, 0.0},
+                      DIAGONAL[3] = {0.70710678118654752, 0.70710678118654752, 0.0};
+  const double c1 = c_of(&STEEL, 0), c2 = c_of(&STEEL, 1), ratio = c2 * c2 / (c1 * c1);
+  for (int i = 0; i < 4; i++) {
+    ct_dispersion_def def = waves_of(CT_HEX8, CT_MASS_LUMPED);
+    const double courant = 0.3 * i;
+    def.step = courant / c1;
+    tap_close(coefficient(&def, AXIS, 2, c1), (1.0 - courant * courant) / 24.0, 1e-6,
+              "hex8 on the axis, Courant %.1f: phase error (1 - Co²)k²h²/24", courant);
+    tap_close(coefficient(&def, DIAGONAL, 2, c1), (7.0 - ratio - 4.0 * courant * courant) / 96.0,
+              1e-6, "hex8 at 45°, Courant %.1f: (7 - (c2/c1)² - 4 Co²)k²h²/96", courant);
+  }
+  ct_dispersion_def def = waves_of(CT_HEX8, CT_MASS_CONSISTENT);
+  tap_close(coefficient(&def, AXIS, 2, c1), -1.0 / 24.0, 1e-6, "consistent mass: -k²h²/24");
+  def = waves_of(CT_HEX20, CT_MASS_CONSISTENT);
+  tap_close(coefficient(&def, AXIS, 2, c1), 0.0, 1e-5, "hex20, consistent: no error of this order");
+  // Two lengths tell the order: k⁴h⁴ grows 16 times.
+  ct_branch b[2][BRANCHES];
+  for (int i = 0; i < 2; i++) branches_at(&def, (double[3]){0.4 * (1 + i), 0.0, 0.0}, b[i]);
+  double growth = (b[1][2].omega / (0.8 * c1) - 1.0) / (b[0][2].omega / (0.4 * c1) - 1.0);
+  tap_close(growth, 16.0, 1.6, "hex20, consistent: fourth order");
+}
+
+/* Any direction, k -> 0: one P and two S waves with the speeds of the material. */
+static void isotropic_at_zero(void)
+{
+  double off = 0.0, group = 0.0, polar = 0.0;
+  for (int i = 0; i < 200; i++) {
+    ct_dispersion_def def = waves_of((ct_brick_kind)(i / 2 % 2), (ct_mass_form)(i % 2));
+    ct_branch b[BRANCHES];
+    double n[3], length = 0.0, small = 1e-3, k[3];
+    for (int d = 0; d < 3; d++) def.size[d] = 1.0 + uniform(0.5), n[d] = uniform(1.0);
+    length = sqrt(dot(n, n));
+    for (int d = 0; d < 3; d++) n[d] /= length, k[d] = small * n[d];
+    def.step = 0.1 / c_of(&STEEL, 0);
+    branches_at(&def, k, b);
+    for (int w = 0; w < 3; w++) {
+      double c = c_of(&STEEL, w < 2);
+      off = worst(off, b[w].omega / (small * c) - 1.0);
+      for (int d = 0; d < 3 && w == 2; d++) group = worst(group, b[w].group[d] / c - n[d]);
+    }
+    for (int family = 0; family < branches_of(def.kind) / 3; family++)
+      polar = worst(polar, fabs(dot(&b[2].shape[3 * family], n)) - 1.0);
+  }
+  tap_close(off, 0.0, 3e-6, "long waves run with c1 and c2 in every direction");
+  tap_close(group, 0.0, 3e-5, "so does their energy");
+  tap_close(polar, 0.0, 3e-5, "P waves move along their direction");
+}
+
+static void group_is_the_derivative(void)
+{
+  for (int scheme = 0; scheme < SCHEMES; scheme++) {
+    double off = 0.0;
+    for (int i = 0; i < 40; i++) {
+      ct_dispersion_def def = waves_of((ct_brick_kind)(i / 2 % 2), (ct_mass_form)(i % 2));
+      ct_branch b[BRANCHES], low[BRANCHES], high[BRANCHES];
+      double k[3], small = 1e-5;
+      def.integrator = ct_integrator_default((ct_scheme)scheme);
+      def.step = 0.15 / c_of(&STEEL, 0);
+      for (int d = 0; d < 3; d++) k[d] = 0.3 + d + uniform(0.3);
+      branches_at(&def, k, b);
+      for (int d = 0; d < 3; d++) {
+        double l[3] = {k[0], k[1], k[2]}, h[3] = {k[0], k[1], k[2]};
+        l[d] -= small, h[d] += small;
+        branches_at(&def, l, low), branches_at(&def, h, high);
+        for (int w = 0; w < branches_of(def.kind); w++) {
+          double slope = (high[w].omega - low[w].omega) / (2.0 * small);
+          // Near a crossing of branches the slope changes within the step.
+          double apart = fmin(w > 0 ? b[w].omega - b[w - 1].omega : 1.0,
+                              w + 1 < branches_of(def.kind) ? b[w + 1].omega - b[w].omega : 1.0);
+          if (apart > 0.01) off = worst(off, b[w].group[d] - slope);
+        }
+      }
+    }
+    // The difference quotient: 1e-11 ω''', which is large where two branches or roots meet.
+    tap_close(off, 0.0, 1e-6, "group velocity is the slope of ω: %s", SCHEME[scheme]);
+  }
+}
+
+static void symmetric(void)
+{
+  double off = 0.0;
+  for (int i = 0; i < 40; i++) {
+    ct_dispersion_def def = waves_of((ct_brick_kind)(i % 2), CT_MASS_LUMPED);
+    ct_branch a[BRANCHES], b[BRANCHES];
+    double k[3] = {uniform(PI), uniform(PI), uniform(PI)};
+    double image[3] = {-k[1], k[2] + 2.0 * PI * (pick(3) - 1), k[0]};
+    branches_at(&def, k, a), branches_at(&def, image, b);
+    for (int w = 0; w < branches_of(def.kind); w++) off = worst(off, b[w].omega / a[w].omega - 1.0);
+  }
+  tap_close(off, 0.0, 1e-12, "cubes: mirrored, permuted, a period further, the same frequencies");
+}
+
+/* The roots as the chapter on integrators writes their polynomials. */
+static void integrators_by_their_polynomials(void)
+{
+  for (int scheme = 0; scheme < SCHEMES; scheme++) {
+    ct_integrator integrator = ct_integrator_default((ct_scheme)scheme);
+    double off = 0.0, value = integrator.parameter, limit = ct_integrator_limit(&integrator);
+    for (int i = 1; i < 50; i++) {
+      // A row of cubes at k h = π has ω_h = 2 c1 / h: the step chooses Ω.
+      ct_dispersion_def def = waves_of(CT_HEX8, CT_MASS_LUMPED);
+      ct_branch b[BRANCHES];
+      const double Omega = 0.02 * i * limit, x = Omega * Omega;
+      def.integrator = integrator;
+      def.step = Omega / (2.0 * c_of(&STEEL, 0));
+      branches_at(&def, (double[3]){PI, 0.0, 0.0}, b);
+      double r = exp(-b[2].decay * def.step), re = r * cos(b[2].omega * def.step),
+             im = r * sin(b[2].omega * def.step);
+      double p2 = re * re - im * im, q2 = 2.0 * re * im; // λ²
+      double p3 = p2 * re - q2 * im, q3 = p2 * im + q2 * re;
+      double phi = 2.0 / (1.0 + value), s = 1.0 - value;
+      double trace = scheme == 2   ? 2.0 - x + 0.5 * value * value * s * x * x
+                     : scheme == 3 ? 2.0 - phi * x
+                                   : 2.0 - x;
+      double det = scheme == 2   ? 1.0 - 0.25 * (2.0 * value - 1.0) * s * s * x * x
+                   : scheme == 3 ? 1.0 - (phi - 1.0) * x
+                                 : 1.0;
+      double real = p2 - trace * re + det, imaginary = q2 - trace * im;
+      if (scheme == 1) {
+        real =
+            p3 + (value * x - 2.0) * p2 + (1.0 - 2.0 * (value - 1.0) * x) * re + (value - 1.0) * x;
+        imaginary = q3 + (value * x - 2.0) * q2 + (1.0 - 2.0 * (value - 1.0) * x) * im;
+      }
+      off = worst(off, real / x), off = worst(off, imaginary / x);
+    }
+    tap_close(off, 0.0, 1e-12, "a root of the polynomial of %s", SCHEME[scheme]);
+  }
+}
+
+/* -- The front ------------------------------------------------------------------------------- */
+
+/* A row of cubes that flies against a wall, or a wide layer in which two half-planes fly against
+ * each other along its diagonal. */
+typedef struct run {
+  ct_brick_kind kind;
+  int diagonal;
+  ct_scheme scheme;
+  double courant;
+  int steps;
+} run;
+
+enum { WIDE = 56, LONG = 64, MOST_POINTS = 2 * LONG };
+
+/* Stress along n of the elements on the line, over -ρ c1 v0, and their places; returns their
+ * number. */
+static int run_front(const run *r, double dt, double *distance, double *stress)
+{
+  const int wide = r->diagonal ? WIDE : 1, cells = r->diagonal ? WIDE : LONG,
+            half = r->diagonal ? WIDE / 2 : 0;
+  ct_mesh *mesh = box_mesh(r->kind, -half, -half, 0, cells, wide, 1, cells, wide, 1);
+  const double n[3] = {r->diagonal ? sqrt(0.5) : 1.0, r->diagonal ? sqrt(0.5) : 0.0, 0.0};
+  double *v = numbers(3 * (int64_t)mesh->node_count);
+  for (int a = 0; a < mesh->node_count; a++) {
+    double *x = &mesh->nodes[3 * a], s = r->diagonal ? x[0] + x[1] : x[0];
+    for (int c = 0; c < 3; c++) v[3 * a + c] = s == 0.0 ? 0.0 : s > 0.0 ? -n[c] : n[c];
+  }
+  ct_scene *scene = new_scene();
+  add_moving_body(scene, "body", mesh, &STEEL, CT_KERNEL_AUTO, v);
+  if (!r->diagonal) {
+    add_support(scene, 0, mesh, 0, 0.0, "x", 0.0);
+    add_support(scene, 0, mesh, 1, 0.0, "y", 0.0), add_support(scene, 0, mesh, 1, 1.0, "y", 0.0);
+  }
+  add_support(scene, 0, mesh, 2, 0.0, "z", 0.0), add_support(scene, 0, mesh, 2, 1.0, "z", 0.0);
+  int64_t steps;
+  const ct_problem *problem = build(scene,
+                                    (ct_scene_time){.end = r->steps * dt,
+                                                    .dt = dt,
+                                                    .keep_dt = 1,
+                                                    .threads = 1,
+                                                    .integrator = ct_integrator_default(r->scheme)},
+                                    &steps, NULL);
+  ct_state *state = new_state(problem);
+  advance(problem, state, r->steps);
+  double *all = numbers(6 * (int64_t)mesh->element_count);
+  ct_error error;
+  need(ct_solid_stress(mesh, &STEEL, state->displacement, all, &error), &error);
+  int count = 0;
+  for (int i = half; i < cells; i++)
+    for (int next = 0; next < (r->diagonal && i + 1 < cells ? 2 : 1); next++) {
+      const double *s = &all[6 * (r->diagonal ? i + cells * (i + next) : i)];
+      double across = r->diagonal ? 0.5 * (s[0] + s[1]) + s[3] : s[0];
+      distance[count] = r->diagonal ? (2 * (i - half) + 1 + next) * sqrt(0.5) : i + 0.5;
+      stress[count++] = -across / (STEEL.density * c_of(&STEEL, 0));
+    }
+  free(all), free(v);
+  close_run(state, scene, mesh);
+  return count;
+}
+
+/* Where the outermost passage through ½ is, and the largest value. */
+static double half_height(int count, const double *distance, const double *stress, double *top)
+{
+  int i = count - 2;
+  while (i > 0 && !(stress[i] >= 0.5)) i--;
+  *top = largest(stress, count);
+  return distance[i] +
+         (stress[i] - 0.5) / (stress[i] - stress[i + 1]) * (distance[i + 1] - distance[i]);
+}
+
+static void front_of_a_run(const run *r)
+{
+  ct_dispersion_def def = waves_of(r->kind, CT_MASS_LUMPED);
+  const int32_t normal[3] = {1, r->diagonal, 0};
+  double s[MOST_POINTS], computed[MOST_POINTS], predicted[MOST_POINTS], c1 = c_of(&STEEL, 0),
+                                                                        top[2];
+  def.integrator = ct_integrator_default(r->scheme);
+  def.step = r->courant / c1;
+  int count = run_front(r, def.step, s, computed), near = 0;
+  // The free sides of the layer disturb its diagonal later and farther out than this.
+  const double reach = r->steps * r->courant + 6.0;
+  while (near < count && s[near] < reach) near++;
+  ct_error error;
+  need(ct_dispersion_front(&def, normal, r->steps * def.step, (size_t)near, s, predicted, &error),
+       &error);
+  double at[2] = {half_height(near, s, computed, &top[0]),
+                  half_height(near, s, predicted, &top[1])};
+  tap_close(at[1], at[0], 1e-6,
+            "hex%d, %s, %s, Courant %.2f: half height at %.3f elements, c1 t = %.2f",
+            r->kind ? 20 : 8, r->diagonal ? "45°" : "axis", SCHEME[r->scheme], r->courant, at[0],
+            r->steps * r->courant);
+  tap_close(top[1], top[0], 1e-6, "... overshoot %.1f %%", 100.0 * (top[0] - 1.0));
+  tap_close(largest_difference(computed, predicted, near), 0.0, 1e-6, "... and all stresses");
+}
+
+static void fronts(void)
+{
+  static const run RUNS[] = {{CT_HEX8, 0, CT_CENTRAL_DIFFERENCE, 0.125, 320},
+                             {CT_HEX8, 0, CT_CENTRAL_DIFFERENCE, 0.7, 57},
+                             {CT_HEX8, 0, CT_CHUNG_LEE, 0.6, 66},
+                             {CT_HEX8, 0, CT_NOH_BATHE, 1.2, 33},
+                             {CT_HEX8, 0, CT_TCHAMWA_WIELGOSZ, 0.6, 66},
+                             {CT_HEX20, 0, CT_CENTRAL_DIFFERENCE, 0.2, 200},
+                             {CT_HEX20, 0, CT_NOH_BATHE, 0.4, 100},
+                             {CT_HEX20, 0, CT_CENTRAL_DIFFERENCE, 0.1, 400},
+                             {CT_HEX8, 1, CT_CENTRAL_DIFFERENCE, 0.125, 128},
+                             {CT_HEX8, 1, CT_CENTRAL_DIFFERENCE, 0.7, 23},
+                             {CT_HEX8, 1, CT_CHUNG_LEE, 0.6, 27},
+                             {CT_HEX8, 1, CT_TCHAMWA_WIELGOSZ, 0.6, 27},
+                             {CT_HEX20, 1, CT_CENTRAL_DIFFERENCE, 0.2, 60},
+                             {CT_HEX20, 1, CT_NOH_BATHE, 0.4, 30}};
+  for (size_t i = 0; i < sizeof RUNS / sizeof RUNS[0]; i++) front_of_a_run(&RUNS[i]);
+}
+
+/* A front of long waves is an integral of Airy's function (eq:front-airy): no sum of modes. */
+static void front_by_airy(void)
+{
+  static const double HALF = -0.409602956933; // ∫ Ai from here to infinity is ½
+  for (int i = 0; i < 2; i++) {
+    ct_dispersion_def def = waves_of(CT_HEX8, CT_MASS_LUMPED);
+    const double c1 = c_of(&STEEL, 0), ratio = c_of(&STEEL, 1) / c1, courant = 0.5;
+    const double L = i ? sqrt(0.5) : 1.0, travel = 1000.0;
+    enum { POINTS = 80 };
+    double s[POINTS], stress[POINTS], top;
+    double C = i ? (7.0 - ratio * ratio - 4.0 * courant * courant) / 96.0
+                 : (1.0 - courant * courant) / 24.0;
+    double width = cbrt(3.0 * C * travel);
+    def.step = courant / c1;
+    for (int k = 0; k < POINTS; k++)
+      s[k] = (i ? 0.0 : 0.5) + L * (floor((travel - 40.0 * L) / L) + k);
+    ct_error error;
+    need(ct_dispersion_front(&def, (int32_t[3]){1, i, 0}, travel / c1, POINTS, s, stress, &error),
+         &error);
+    tap_close(half_height(POINTS, s, stress, &top), travel + HALF * width, 0.1,
+              "after 1000 elements %s the half height is %.2f elements behind",
+              i ? "at 45°" : "along the axis", -HALF * width);
+    tap_close(top, 1.2743, 0.02, "and the overshoot 27.4 %%");
+  }
+}
+
+static void refusals(void)
+{
+  ct_branch b[BRANCHES] = {{.omega = -7.0}};
+  ct_error error;
+  double k[6] = {0.1, 0.0, 0.0, 0.0, NAN, 0.0}, s = 0.5, out = -7.0;
+  const ct_dispersion_def good = waves_of(CT_HEX8, CT_MASS_LUMPED);
+  ct_dispersion_def wrong[8] = {good, good, good, good, good, good, good, {0}};
+  wrong[0].kind = (ct_brick_kind)7, wrong[1].size[1] = 0.0, wrong[2].material.poisson = 0.5;
+  wrong[3].mass = (ct_mass_form)2, wrong[4].integrator.scheme = (ct_scheme)9, wrong[5].step = -1.0;
+  wrong[6].size[2] = INFINITY;
+  for (int i = 0; i < 8; i++)
+    tap_ok(ct_dispersion(&wrong[i], 1, k, b, &error) == CT_ERROR_ARGUMENT && b[0].omega == -7.0,
+           "refused: %s", error.text);
+  tap_ok(ct_dispersion(&good, 2, k, b, &error) == CT_ERROR_ARGUMENT && error.point == 1 &&
+             b[0].omega == -7.0,
+         "refused at 1: %s", error.text);
+  tap_ok(ct_dispersion(NULL, 1, k, b, &error) == CT_ERROR_ARGUMENT, "refused: %s", error.text);
+  tap_ok(ct_dispersion(&good, 1, NULL, b, NULL) == CT_ERROR_ARGUMENT, "refused: no wave vectors");
+  tap_ok(ct_dispersion(&good, 0, NULL, NULL, NULL) == CT_OK, "nothing asked, nothing done");
+  static const int32_t X[3] = {1, 0, 0}, ZERO[3] = {0, 0, 0}, FAR[3] = {1, 17, 0};
+  ct_dispersion_def stepped = good;
+  stepped.step = 0.1;
+  double no = NAN, away = 1e6;
+  struct {
+    const ct_dispersion_def *def;
+    const int32_t *normal;
+    double time;
+    const double *s;
+  } bad[] = {{&good, ZERO, 1.0, &s}, {&good, FAR, 1.0, &s},   {&good, X, -1.0, &s},
+             {&good, X, NAN, &s},    {&stepped, X, 0.25, &s}, {&good, X, 1.0, &no},
+             {&good, X, 1.0, &away}, {&wrong[1], X, 1.0, &s}};
+  for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+    tap_ok(ct_dispersion_front(bad[i].def, bad[i].normal, bad[i].time, 1, bad[i].s, &out, &error) ==
+                   CT_ERROR_ARGUMENT &&
+               out == -7.0,
+           "refused: %s", error.text);
+  tap_ok(ct_dispersion_front(&good, NULL, 1.0, 1, &s, &out, NULL) == CT_ERROR_ARGUMENT,
+         "refused: no normal");
+}
+
+int main(void)
+{
+  closed_form_on_the_axis();
+  waves_of_any_direction();
+  waves_solve_the_mesh();
+  long_waves();
+  isotropic_at_zero();
+  group_is_the_derivative();
+  symmetric();
+  integrators_by_their_polynomials();
+  fronts();
+  front_by_airy();
+  refusals();
+  return tap_done();
+}

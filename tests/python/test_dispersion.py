@@ -1,0 +1,236 @@
+"""Waves of a mesh: against meshes that numpy assembles, against runs of scenes, and the arrays of the Python face."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+import libcontact as ct
+
+# -- A periodic mesh, assembled here from polynomials -----------------------------------------------------------------------
+
+CORNERS = np.array(list(itertools.product((-1, 1), repeat=3)), float)
+MIDDLES = np.array([p for p in itertools.product((-1, 0, 1), repeat=3) if p.count(0) == 1], float)
+
+
+def places(element):
+    return CORNERS if element == "hex8" else np.vstack([CORNERS, MIDDLES])
+
+
+def monomials(element, xi):
+    """The polynomials that the element holds, and their gradients, at points (n, 3)."""
+    degree = 1 if element == "hex8" else 2
+    powers = [
+        p
+        for p in itertools.product(range(degree + 1), repeat=3)
+        # Serendipity: degree 3 at most, that in which an exponent 1 counts nothing.
+        if element == "hex8" or sum(e for e in p if e > 1) <= 2
+    ]
+    value = np.array([np.prod(xi ** np.array(p), axis=-1) for p in powers])
+    slope = np.zeros((len(powers), 3, len(xi)))
+    for i, p in enumerate(powers):
+        for d in range(3):
+            if p[d]:
+                lower = np.array(p) - np.eye(3, dtype=int)[d]
+                slope[i, d] = p[d] * np.prod(xi**lower, axis=-1)
+    return value, slope
+
+
+def element_matrices(element, size, poisson, mass):
+    """K (3n, 3n) and M (n, n) of a brick with c₁ = ρ = 1, by 4³ Gauss points."""
+    mu = 0.5 * (1 - 2 * poisson) / (1 - poisson)
+    lam = 1 - 2 * mu
+    x, w = np.polynomial.legendre.leggauss(4)
+    xi = np.array(list(itertools.product(x, repeat=3)))
+    weight = np.array([np.prod(t) for t in itertools.product(w, repeat=3)]) * np.prod(size) / 8
+    inverse = np.linalg.inv(monomials(element, places(element))[0])
+    value, slope = monomials(element, xi)
+    N = inverse @ value
+    B = np.einsum("ab,bdq->adq", inverse, slope) * 2 / np.array(size)[None, :, None]
+    n = len(N)
+    dot = np.einsum("adq,bdq,q->ab", B, B, weight)
+    outer = np.einsum("aiq,bjq,q->aibj", B, B, weight)
+    K = lam * outer + mu * outer.transpose(0, 3, 2, 1)
+    K += mu * np.einsum("ab,ij->aibj", dot, np.eye(3))
+    M = np.einsum("aq,bq,q->ab", N, N, weight)
+    if mass == "lumped":
+        M = np.diag(np.diag(M)) * np.prod(size) / np.trace(M)
+    return K.reshape(3 * n, 3 * n), M
+
+
+def periodic_frequencies(element, size, poisson, mass, cells):
+    """All frequencies of a periodic box of bricks."""
+    K, M = element_matrices(element, size, poisson, mass)
+    local = (places(element) + 1).astype(int)  # in half edges
+    numbers = {}
+    big, heavy = [], []
+    for cell in itertools.product(*map(range, cells)):
+        nodes = []
+        for p in local:
+            at = tuple((2 * np.array(cell) + p) % (2 * np.array(cells)))
+            nodes.append(numbers.setdefault(at, len(numbers)))
+        big.append(nodes)
+    n = len(numbers)
+    stiff, heavy = np.zeros((n, 3, n, 3)), np.zeros((n, n))
+    per = len(local)
+    for nodes in big:
+        for a, b in itertools.product(range(per), repeat=2):
+            stiff[nodes[a], :, nodes[b], :] += K.reshape(per, 3, per, 3)[a, :, b, :]
+            heavy[nodes[a], nodes[b]] += M[a, b]
+    L = np.linalg.inv(np.linalg.cholesky(np.kron(heavy, np.eye(3))))
+    return np.sort(np.linalg.eigvalsh(L @ stiff.reshape(3 * n, 3 * n) @ L.T))
+
+
+@pytest.mark.parametrize("mass", ["lumped", "consistent"])
+@pytest.mark.parametrize("element, cells", [("hex8", (3, 4, 2)), ("hex20", (2, 3, 2))])
+def test_all_waves_of_a_periodic_mesh(element, cells, mass):
+    size, poisson = (1.0, 0.7, 1.3), 0.27
+    wanted = periodic_frequencies(element, size, poisson, mass, cells)
+    steps = [2 * np.pi * np.arange(n) / (n * h) for n, h in zip(cells, size)]
+    wave = np.array(list(itertools.product(*steps)))
+    got = ct.dispersion(wave, element, size, poisson, mass).omega_mesh ** 2
+    assert got.size == wanted.size
+    # Round-off of a dense eigenvalue problem.
+    assert np.allclose(np.sort(got.ravel()), wanted, rtol=0, atol=1e-12 * wanted[-1])
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45])
+@pytest.mark.parametrize("branch, direction", [(2, (1, 0, 0)), (2, (1, 1, 0)), (0, (1, 0, 0))])
+def test_long_waves_of_hex20_with_lumped_mass(poisson, branch, direction):
+    """ω ≈ c k (1 - ½ c² k² d·K₀⁺d / m): what the masses have wrong moves the families against each other (eq:hrz-phase)."""
+    K, M = element_matrices("hex20", (1, 1, 1), poisson, "lumped")
+    consistent = element_matrices("hex20", (1, 1, 1), poisson, "consistent")[1]
+    family = np.array([0 if 0 not in p else 1 + p.index(0) for p in places("hex20").tolist()])
+    polarization = np.array(direction) / np.linalg.norm(direction)
+    if branch == 0:
+        polarization = np.array([0.0, 1.0, 0.0])
+    zero, wrong = np.zeros((4, 3, 4, 3)), np.zeros((4, 3))
+    for a, b in itertools.product(range(20), repeat=2):
+        zero[family[a], :, family[b], :] += K.reshape(20, 3, 20, 3)[a, :, b, :]
+    for a in range(20):
+        wrong[family[a]] += (M[a, a] - consistent[a].sum()) * polarization
+    d = wrong.ravel()
+    c2 = 1.0 if branch == 2 else 0.5 * (1 - 2 * poisson) / (1 - poisson)
+    wanted = 0.5 * c2 * d @ np.linalg.pinv(zero.reshape(12, 12)) @ d
+    k = np.array([0.02, 0.04])
+    n = np.array(direction) / np.linalg.norm(direction)
+    phase = ct.dispersion(k[:, None] * n, "hex20", poisson=poisson).phase[:, branch]
+    first, second = (1 - phase / np.sqrt(c2)) / k**2
+    assert (4 * first - second) / 3 == pytest.approx(wanted, rel=1e-4)
+
+
+# -- Runs -----------------------------------------------------------------------------------------------------------------
+
+
+def column(element, integrator, courant, steps):
+    """Stress of a row of cubes that flies against a wall, c₁ = ρ = v₀ = 1."""
+    nu, cells = 0.3, 80
+    scene = ct.Scene(title="column", units={"length": "m", "mass": "kg", "time": "s"})
+    young = (1 + nu) * (1 - 2 * nu) / (1 - nu)
+    scene.add_material("elastic", young=young, poisson=nu, density=1.0)
+    box = {"origin": [0, 0, 0], "size": [cells, 1, 1], "cells": [cells, 1, 1]}
+    scene.add_body("row", material="elastic", element=element, box=box, velocity=[-1, 0, 0])
+    scene.add_support("row.x_min", fix="x")
+    for face in ("y_min", "y_max", "z_min", "z_max"):
+        scene.add_support(f"row.{face}", fix=face[0])
+    scene.set_time(end=steps * courant, courant=courant, integrator=integrator)
+    stress = scene.run(progress=False, output=False).state["row"].stress[:, 0]
+    return ct.Front(np.arange(60) + 0.5, -stress[:60])
+
+
+@pytest.mark.parametrize(
+    "element, integrator, courant, steps",
+    [
+        ("hex8", "central_difference", 0.125, 400),
+        ("hex8", "noh_bathe", 1.25, 40),
+        ("hex20", "tchamwa_wielgosz", 0.2, 200),
+    ],
+)
+def test_front_of_a_run(element, integrator, courant, steps):
+    computed = column(element, integrator, courant, steps)
+    predicted = ct.dispersion_front(
+        steps * courant,
+        distance=computed.distance,
+        element=element,
+        integrator=integrator,
+        courant=courant,
+    )
+    assert predicted.half_height == pytest.approx(computed.half_height, abs=1e-6)
+    assert predicted.overshoot == pytest.approx(computed.overshoot, abs=1e-6)
+    assert computed.overshoot > 0.1
+    assert np.allclose(predicted.stress, computed.stress, rtol=0, atol=1e-6)
+
+
+# -- Arrays and refusals --------------------------------------------------------------------------------------------------
+
+
+def test_arrays_keep_their_shape():
+    wave = np.random.default_rng(1).uniform(-3, 3, (4, 2, 3))
+    for element, nodes in (("hex8", 1), ("hex20", 4)):
+        all_of = ct.dispersion(wave, element, courant=0.1)
+        assert all_of.omega.shape == all_of.phase.shape == (4, 2, 3 * nodes)
+        assert all_of.group.shape == (4, 2, 3 * nodes, 3)
+        assert all_of.shape.shape == (4, 2, 3 * nodes, nodes, 3)
+        one = ct.dispersion(wave[3, 1].tolist(), element, courant=0.1)
+        assert np.array_equal(one.group, all_of.group[3, 1])
+        assert np.array_equal(one.shape, all_of.shape[3, 1])
+    none = ct.dispersion(np.empty((0, 3)))
+    assert none.omega.shape == (0, 3)
+    still = ct.dispersion([0, 0, 0])
+    assert not still.omega.any() and np.isnan(still.phase).all() and np.isnan(still.group).all()
+
+
+def test_parameter_of_the_integrator():
+    k = [2.0, 0, 0]
+    plain = ct.dispersion(k, courant=0.5).omega
+    assert np.array_equal(
+        ct.dispersion(k, courant=0.5, integrator="chung_lee", parameter=1.0).omega, plain
+    )
+    assert (ct.dispersion(k, courant=0.5, integrator="chung_lee").omega != plain).any()
+
+
+def test_places_of_a_front():
+    front = ct.dispersion_front(20.03, (2, 2, 0), size=(1.0, 1.0, 2.0), courant=0.5)
+    assert np.allclose(np.diff(front.distance), 0.5**0.5) and front.distance[0] == 0.0
+    # 20 steps of a half: the nearest whole number.
+    same = ct.dispersion_front(20.0, (1, 1, 0), front.distance, size=(1.0, 1.0, 2.0), courant=0.5)
+    assert np.allclose(front.stress, same.stress, rtol=0, atol=1e-12)
+    line = ct.Front(np.array([0.0, 1.0, 2.0, 4.0]), np.array([1.0, 1.25, 0.75, 0.25]))
+    assert line.half_height == pytest.approx(3.0) and line.overshoot == 0.25
+    assert np.isnan(ct.Front(line.distance, np.zeros(4)).half_height)
+
+
+@pytest.mark.parametrize(
+    "wrong, word",
+    [
+        ({"wave": [1.0, 2.0]}, "shape"),
+        ({"wave": [np.nan, 0, 0]}, "nan"),
+        ({"element": "tet4"}, "element"),
+        ({"size": (1, 0, 1)}, "size"),
+        ({"poisson": 0.5}, "poisson"),
+        ({"mass": "row"}, "mass"),
+        ({"integrator": "euler"}, "integrator"),
+        ({"integrator": "chung_lee", "parameter": 2.0}, "beta"),
+        ({"courant": -0.1}, "courant"),
+    ],
+)
+def test_impossible_waves_are_refused(wrong, word):
+    with pytest.raises(ValueError, match=word):
+        ct.dispersion(**({"wave": [1, 0, 0]} | wrong))
+
+
+@pytest.mark.parametrize(
+    "wrong, word",
+    [
+        ({"normal": (0, 0, 0)}, "normal"),
+        ({"normal": (1, 0.5, 0)}, "normal"),
+        ({"normal": (17, 1, 0)}, "normal"),
+        ({"time": -1.0}, "time"),
+        ({"time": np.inf}, "time"),
+        ({"time": 1e5}, "planes"),
+        ({"distance": [[1.0]]}, "distance"),
+    ],
+)
+def test_impossible_fronts_are_refused(wrong, word):
+    with pytest.raises(ValueError, match=word):
+        ct.dispersion_front(**({"time": 10.0} | wrong))
