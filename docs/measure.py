@@ -25,6 +25,9 @@ FILE = DOCS / "measured.json"
 sys.path.insert(0, str(ROOT / "stability"))
 import dissipation  # noqa: E402 (the bar on a wall, of `make stability`)
 
+sys.path.insert(0, str(DOCS / "theory"))
+import dispersion as waves  # noqa: E402 (the pictures of the chapter)
+
 Numbers = dict[str, float]
 MEASUREMENTS: dict[str, Callable[[], Numbers]] = {}
 SLOW = {"integrator", "explicit"}  # a hundred runs each: too long for the test
@@ -569,6 +572,40 @@ def nodal_forces() -> Numbers:
             if n * 2 < m
             else {name: max(worst)}
         )
+    return found
+
+
+FRONTS: dict[str, tuple[tuple[int, int, int], dict[str, Any]]] = {
+    "paper": ((1, 0, 0), {"courant": 0.125}),
+    "fast": ((1, 0, 0), {"courant": 0.8}),
+    "chung_lee": ((1, 0, 0), {"courant": 0.5, "integrator": "chung_lee"}),
+    "noh_bathe": ((1, 0, 0), {"courant": 1.25, "integrator": "noh_bathe"}),
+    "tchamwa_wielgosz": ((1, 0, 0), {"courant": 0.5, "integrator": "tchamwa_wielgosz"}),
+    "consistent": ((1, 0, 0), {"mass": "consistent"}),
+    "askew": ((1, 1, 0), {"courant": 0.125}),
+    "askew_fast": ((1, 1, 0), {"courant": 0.8}),
+    "hex20": ((1, 0, 0), {"courant": 0.2, "element": "hex20"}),
+    "hex20_askew": ((1, 1, 0), {"courant": 0.2, "element": "hex20"}),
+    "hex20_noh_bathe": ((1, 0, 0), {"courant": 0.4, "element": "hex20", "integrator": "noh_bathe"}),
+}
+
+
+@measurement
+def dispersion() -> Numbers:
+    """The front of Fig. 4: how many elements it is late, and its overshoot, from a run, the sum of waves and Airy's function. FRONTS after 40 elements
+    on a fine line, and C of the phase error of hex20."""
+    run = waves.column()
+    found = {"run_late": waves.TRAVEL - run.half_height, "run_overshoot": run.overshoot}
+    fine = np.linspace(40.0, 62.0, 2201)
+    long = ct.Front(fine, waves.long_front(fine, (1 - 0.125**2) / 24))
+    found |= {"airy_late": waves.TRAVEL - long.half_height, "airy_overshoot": long.overshoot}
+    for name, (normal, options) in FRONTS.items():
+        front = ct.dispersion_front(40.0, normal, np.linspace(20.0, 46.0, 2601), **options)
+        found |= {f"{name}_late": 40.0 - front.half_height, f"{name}_overshoot": front.overshoot}
+    for nu in (0.0, 0.3, 0.45):
+        k = 0.02
+        phase = ct.dispersion([k, 0, 0], "hex20", poisson=nu).phase[2]
+        found[f"hex20_{nu:.2f}".replace(".", "")] = (1.0 - phase) / k**2
     return found
 
 

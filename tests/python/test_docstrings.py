@@ -10,7 +10,13 @@ import pytest
 import libcontact as ct
 
 # The modules whose docstrings have examples that run, and numpydoc's sections.
-DESCRIBED = ["libcontact.bloch", "libcontact.contact", "libcontact.exact", "libcontact.mesh", "libcontact.projection"]
+DESCRIBED = [
+    "libcontact.bloch",
+    "libcontact.contact",
+    "libcontact.exact",
+    "libcontact.mesh",
+    "libcontact.projection",
+]
 DESCRIBED += ["libcontact.run", "libcontact.search"]
 
 
