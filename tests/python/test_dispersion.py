@@ -197,7 +197,22 @@ def test_places_of_a_front():
     assert np.allclose(front.stress, same.stress, rtol=0, atol=1e-12)
     line = ct.Front(np.array([0.0, 1.0, 2.0, 4.0]), np.array([1.0, 1.25, 0.75, 0.25]))
     assert line.half_height == pytest.approx(3.0) and line.overshoot == 0.25
+    twice = ct.Front(line.distance, np.array([1.0, 0.25, 0.75, 0.25]))
+    assert twice.half_height == pytest.approx(3.0)
     assert np.isnan(ct.Front(line.distance, np.zeros(4)).half_height)
+
+
+def test_units_and_axes():
+    """Bricks twice as long along x: ω_h = (2/2) sin(k), and the Courant number is that of the short edges."""
+    for kx in (0.5, np.pi / 2):
+        omega_mesh, omega = np.sin(kx), 4 * np.arcsin(0.25 * np.sin(kx))
+        waves = ct.dispersion([kx, 0, 0], size=(2.0, 1.0, 1.0), courant=0.5)
+        assert waves.omega_mesh[2] == pytest.approx(omega_mesh, rel=1e-12)
+        assert waves.omega[2] == pytest.approx(omega, rel=1e-12)
+        assert waves.phase[2] == pytest.approx(omega / kx, rel=1e-12)
+    for axis in range(3):
+        shape = ct.dispersion(1e-3 * np.eye(3)[axis], "hex20").shape[2]
+        assert np.allclose(np.abs(shape), np.tile(np.eye(3)[axis], (4, 1)), rtol=0, atol=1e-5)
 
 
 @pytest.mark.parametrize(

@@ -82,8 +82,8 @@ CT_API ct_status ct_dispersion(const ct_dispersion_def *def, size_t count, const
  * `stress` gets σ_nn there over -ρ c1 v0: without dispersion it is 1 behind s = c1 t and 0 before.
  *
  * Errors: as for `ct_dispersion`; also for a normal that is zero or too large, a negative time, a
- * time between two steps, a distance that is not finite, or more than 10⁵ planes of nodes on the
- * way.
+ * time between two steps, a distance that is not finite, or a front that has passed more than
+ * 12 000 planes of nodes.
  */
 CT_API ct_status ct_dispersion_front(const ct_dispersion_def *def, const int32_t normal[3],
                                      double time, size_t count, const double *distance,

@@ -113,8 +113,9 @@ static ct_status find_period(front *f, size_t count, const double *distance, ct_
   }
   const double quarter = (c1 * f->time + farthest) / f->spacing + 16.0;
   if (!(4.0 * quarter < MOST_PLANES))
-    return CT_REFUSE(error, "dispersion: the front has more than %d planes of nodes on its way",
-                     MOST_PLANES / 8);
+    return CT_REFUSE(
+        error, "dispersion: the front and the distances are more than %d planes of nodes away",
+        MOST_PLANES / 8);
   f->planes = 4 * (int64_t)ceil(quarter);
   return CT_OK;
 }
