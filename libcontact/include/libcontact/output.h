@@ -61,6 +61,14 @@ CT_API ct_status ct_output_append(ct_output *output, const ct_problem *problem, 
                                   ct_error *error);
 
 /**
+ * The same with the row of the energy balance that the caller has of this state, with both its
+ * arrays, from `ct_monitor_ledger` or `ct_ledger_of`; a null `row` is found anew.
+ * ``CT_ERROR_ARGUMENT`` also for a row without its arrays or of another time.
+ */
+CT_API ct_status ct_output_append_row(ct_output *output, const ct_problem *problem, ct_state *state,
+                                      const ct_ledger *row, ct_error *error);
+
+/**
  * Close the file and free `output`, whatever is returned; a null `output` is no error.
  * ``CT_ERROR_FILE`` if a step or the last bytes could not be written. An output without a step
  * leaves no file.

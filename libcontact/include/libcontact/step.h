@@ -497,6 +497,35 @@ typedef struct ct_momentum {
   double support_impulse[3];
 } ct_momentum;
 
+/** What one effect has done by t_n. All [energy]. */
+typedef struct ct_effect_energy {
+  /** Its work since t = 0. */
+  double work;
+  /** What it stores; 0 for an effect without `energy`. */
+  double stored;
+  /** What came in through it from outside; 0 for an effect without `external`. */
+  double external;
+} ct_effect_energy;
+
+/** A row of the energy balance. All of it is found in one pass over the nodes, and one more over
+ * those of each effect but the first. */
+typedef struct ct_ledger {
+  /** Energies of all bodies, as `ct_energy_of` gives them. */
+  ct_energy energy;
+  /** Null, or the momenta of the bodies, shape (body_count). */
+  ct_momentum *momentum;
+  /** Null, or what each effect has done, shape (effect_count). */
+  ct_effect_energy *effects;
+} ct_ledger;
+
+/**
+ * A row at the state's time (evaluates the forces there if `ct_step` has not). The caller gives the
+ * two arrays, or null. ``CT_ERROR_BLOWUP`` where it is not finite, with body and node where the
+ * motion is not; after an error only the arrays may have changed.
+ */
+CT_API ct_status ct_ledger_of(const ct_problem *problem, ct_state *state, ct_ledger *ledger,
+                              ct_error *error);
+
 /** Energies at the state's time (evaluates the forces there if `ct_step` has not). */
 CT_API ct_status ct_energy_of(const ct_problem *problem, ct_state *state, ct_energy *energy,
                               ct_error *error);
@@ -709,6 +738,12 @@ CT_API ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error
  * monitor, or without memory for its forces.
  */
 CT_API ct_state *ct_monitor_good(const ct_monitor *monitor);
+
+/**
+ * The row of the energy balance of the last good state, with both arrays, which a check has made
+ * anyway; it belongs to the monitor, and the next check changes it. Null for a null monitor.
+ */
+CT_API const ct_ledger *ct_monitor_ledger(const ct_monitor *monitor);
 
 /** Spurious energy growth, as it was at the first check that found more than `growth_limit`. */
 typedef struct ct_growth {

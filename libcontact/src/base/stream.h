@@ -12,7 +12,9 @@
  *   for (int32_t first, end; ct_stream_piece(&sum, 1, count, &first, &end);)
  *     make the terms first ... end - 1; ct_stream_add(&sum, terms, end - first);
  *
- * then ct_stream_sum gives the bits of ct_sum of all the terms. */
+ * then ct_stream_sum gives the bits of ct_sum of all the terms. A sum that begins with the grids of
+ * one before, {.grid = ...}, makes its terms once if they turn out to be its own, with the same
+ * bits. */
 typedef struct ct_stream {
   int round; /* 0: not begun, 1: the largest is sought, 2: terms are added, 3: done */
   int64_t count;

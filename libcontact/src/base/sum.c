@@ -23,16 +23,19 @@ double ct_largest(const double *values, int64_t count)
 }
 
 /* Whether one sum needs its terms in the round that begins now: in the first, and in the second if
- * there is something to add. */
+ * there is something to add that was not added on the same grids yet. */
 static int stream_again(ct_stream *s)
 {
+  ct_grid before = s->grid;
   s->round++;
   if (s->round != 2) return s->round == 1;
   if (s->top == 0.0) return 0;
   // -- Choose two grids that the largest number and the count fix (eq:order-free-sum)
-  if (ct_grid_init(&s->grid, s->top, s->count)) return 1;
-  s->coarse = NAN;
-  return 0;
+  int fits = ct_grid_init(&s->grid, s->top, s->count);
+  if (fits && s->grid.coarse == before.coarse && s->grid.fine == before.fine) return 0;
+  s->coarse = fits ? 0.0 : NAN;
+  s->fine = 0.0;
+  return fits;
 }
 
 int ct_stream_again(ct_stream *sums, int count)
@@ -46,16 +49,24 @@ int ct_stream_again(ct_stream *sums, int count)
   return again;
 }
 
-/* Cut each number into its parts on the two grids; both sums are exact (eq:order-free-sum). */
+/* Cut each number into its parts on the two grids; both sums are exact (eq:order-free-sum). Answers
+ * the largest size; infinite if a number is not finite, as then a sum is not. */
 CT_CLONES
-static void add_parts(const ct_grid *of, const double *terms, int64_t count, double sum[2])
+static double add_parts(const ct_grid *of, const double *terms, int64_t count, double sum[2])
 {
   ct_grid grid = *of;
-  double coarse = 0.0, fine = 0.0;
-#pragma omp simd reduction(+ : coarse, fine)
-  for (int64_t i = 0; i < count; i++) ct_grid_add(&grid, terms[i], &coarse, &fine);
+  double coarse = 0.0, fine = 0.0, top = 0.0;
+#ifndef __clang__ // which knows no vector maximum that minds NaN, and says so
+#pragma omp simd reduction(+ : coarse, fine) reduction(max : top)
+#endif
+  for (int64_t i = 0; i < count; i++) {
+    double a = fabs(terms[i]);
+    top = a > top ? a : top;
+    ct_grid_add(&grid, terms[i], &coarse, &fine);
+  }
   sum[0] += coarse;
   sum[1] += fine;
+  return isfinite(coarse + fine) ? top : INFINITY;
 }
 
 int ct_stream_piece(ct_stream *sums, int sum_count, int32_t count, int32_t *first, int32_t *end)
@@ -71,16 +82,18 @@ int ct_stream_piece(ct_stream *sums, int sum_count, int32_t count, int32_t *firs
 
 void ct_stream_add(ct_stream *s, const double *terms, int64_t count)
 {
-  // -- In the first round only look: the largest number and the count fix the grids
-  if (s->round == 1) {
-    s->count += count;
-    s->top = fmax(s->top, ct_largest(terms, count));
-  }
-  if (s->round != 2) return;
-  double sum[2] = {s->coarse, s->fine};
-  add_parts(&s->grid, terms, count, sum);
+  // -- Add in the second round, and in the first on the grids of the sum before, which may be the
+  // same
+  double sum[2] = {s->coarse, s->fine}, top = 0.0;
+  int is_added = s->round == 2 || (s->round == 1 && s->grid.coarse != 0.0);
+  if (is_added) top = add_parts(&s->grid, terms, count, sum);
   s->coarse = sum[0];
   s->fine = sum[1];
+  // -- In the first find the largest number and the count, which fix the grids
+  if (s->round != 1) return;
+  if (!is_added) top = ct_largest(terms, count);
+  s->count += count;
+  s->top = top > s->top ? top : s->top;
 }
 
 double ct_stream_sum(const ct_stream *s) { return s->coarse + s->fine; }

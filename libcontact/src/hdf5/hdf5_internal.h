@@ -76,11 +76,6 @@ typedef struct ct_column {
 
 enum { CT_COLUMN_LIMIT = 48 };
 
-/* One row of /libcontact/effect. */
-typedef struct ct_effect_row {
-  double work, energy;
-} ct_effect_row;
-
 /* What one step writes, gathered before the file is touched. */
 typedef struct ct_record {
   int64_t zero, one;
@@ -92,9 +87,10 @@ typedef struct ct_record {
   /* Fields; null where they are not asked for. The displacement belongs to the state. */
   const double *displacement;
   double *velocity, *stress, *contact_pressure;
-  ct_momentum *bodies;
+  /* Of the row that is written. */
+  const ct_momentum *bodies;
+  const ct_effect_energy *effects;
   double *addends;
-  ct_effect_row *effects;
 } ct_record;
 
 /* The table of a probe, which grows by any number of rows a step. */
@@ -131,6 +127,7 @@ struct ct_output {
   ct_column column[CT_COLUMN_LIMIT];
   int64_t part_count[CT_PART_COUNT];
   ct_record now;
+  ct_ledger own; /* the row of a state that came without one */
   int64_t row;
   /* Null without probes. */
   const ct_probes *probes;

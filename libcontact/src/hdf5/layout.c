@@ -93,8 +93,9 @@ static const ct_row_type MOMENTUM = {
      CT_FIELD(ct_momentum, support_impulse, CT_VECTOR, NULL)}};
 
 static const ct_row_type EFFECT = {
-    sizeof(ct_effect_row),
-    {CT_FIELD(ct_effect_row, work, CT_REAL, NULL), CT_FIELD(ct_effect_row, energy, CT_REAL, NULL)}};
+    sizeof(ct_effect_energy),
+    {CT_FIELD(ct_effect_energy, work, CT_REAL, NULL),
+     {"energy", offsetof(ct_effect_energy, stored), sizeof(double), CT_REAL, NULL}}};
 
 typedef struct plan {
   int group;

@@ -25,6 +25,13 @@ ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_stat
   return refuse(error);
 }
 
+ct_status ct_output_append_row(ct_output *output, const ct_problem *problem, ct_state *state,
+                               const ct_ledger *row, ct_error *error)
+{
+  (void)output, (void)problem, (void)state, (void)row;
+  return refuse(error);
+}
+
 ct_status ct_output_close(ct_output *output, ct_error *error)
 {
   (void)output;

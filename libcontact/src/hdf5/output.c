@@ -4,7 +4,6 @@
 #include <libcontact/solid.h>
 #include <libcontact/base.h>
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -59,12 +58,12 @@ static ct_status create_record(ct_output *o, const ct_problem *problem,
   if (options->stress) now->stress = malloc(6 * (size_t)o->cell_count * sizeof *now->stress);
   if (options->contact_pressure)
     now->contact_pressure = malloc((size_t)o->node_count * sizeof *now->contact_pressure);
-  now->bodies = calloc((size_t)o->body_count, sizeof *now->bodies);
   now->addends = malloc((size_t)o->body_count * sizeof *now->addends);
-  now->effects = calloc((size_t)o->effect_count + 1, sizeof *now->effects);
+  o->own.momentum = calloc((size_t)o->body_count, sizeof *o->own.momentum);
+  o->own.effects = calloc((size_t)o->effect_count, sizeof *o->own.effects);
   if ((options->velocity && now->velocity == NULL) || (options->stress && now->stress == NULL) ||
-      (options->contact_pressure && now->contact_pressure == NULL) || now->bodies == NULL ||
-      now->addends == NULL || now->effects == NULL)
+      (options->contact_pressure && now->contact_pressure == NULL) || now->addends == NULL ||
+      o->own.momentum == NULL || o->own.effects == NULL)
     return CT_NO_MEMORY(error, "the output of %ld nodes", (long)o->node_count);
   return CT_OK;
 }
@@ -100,10 +99,10 @@ static void destroy(ct_task *task, ct_output *o)
   free(o->now.velocity);
   free(o->now.stress);
   free(o->now.contact_pressure);
-  free(o->now.bodies);
   free(o->now.addends);
-  free(o->now.effects);
   free(o->probe);
+  free(o->own.momentum);
+  free(o->own.effects);
   free(o->disk.part);
   free(o->disk.path);
   free(o);
@@ -159,47 +158,26 @@ static void check_state(ct_task *task, const ct_output *o, const ct_problem *pro
     ct_task_fail(task, CT_ERROR_FILE, CT_NOWHERE, "an earlier step could not be written");
 }
 
-/* A state that is not finite must not replace the last good restart record. */
-static ct_status check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
+static void gather_ledger(ct_record *now, const ct_ledger *row, int32_t body_count)
 {
-  for (int64_t i = 0; i < 3 * (int64_t)state->node_count; i++) {
-    if (isfinite(state->displacement[i]) && isfinite(state->velocity[i])) continue;
-    int32_t body = 0;
-    while (body + 1 < problem->body_count && problem->bodies[body + 1].first_node <= i / 3) body++;
-    ct_place where = {body, -1, i / 3};
-    return ct_fail(error, CT_ERROR_BLOWUP, where,
-                   "body %d '%.63s', node %ld: not finite at t = %g, so it is not written",
-                   (int)body, problem->bodies[body].name, (long)(i / 3), state->time);
+  now->energy = row->energy;
+  now->bodies = row->momentum;
+  now->effects = row->effects;
+  for (int c = 0; c < 6; c++) {
+    for (int32_t b = 0; b < body_count; b++)
+      now->addends[b] = (c < 3 ? row->momentum[b].p : row->momentum[b].L)[c % 3];
+    (c < 3 ? now->momentum : now->angular_momentum)[c % 3] = ct_sum(now->addends, body_count);
   }
-  return CT_OK;
 }
 
-static ct_status gather_ledger(ct_record *now, const ct_problem *problem, ct_state *state,
-                               ct_error *error)
-{
-  ct_status status = ct_energy_of(problem, state, &now->energy, error);
-  for (int32_t b = 0; b < problem->body_count && status == CT_OK; b++)
-    status = ct_momentum_of(problem, state, b, &now->bodies[b], error);
-  for (int32_t i = 0; i < problem->effect_count && status == CT_OK; i++) {
-    status = ct_energy_work(problem, state, i, &now->effects[i].work, error);
-    if (status == CT_OK)
-      status = ct_energy_stored(problem, state, i, &now->effects[i].energy, error);
-  }
-  for (int c = 0; c < 6 && status == CT_OK; c++) {
-    for (int32_t b = 0; b < problem->body_count; b++)
-      now->addends[b] = (c < 3 ? now->bodies[b].p : now->bodies[b].L)[c % 3];
-    (c < 3 ? now->momentum : now->angular_momentum)[c % 3] =
-        ct_sum(now->addends, problem->body_count);
-  }
-  return status;
-}
-
-/* All that can fail for other reasons than the file is done before the file is touched. */
-static ct_status gather(ct_output *o, const ct_problem *problem, ct_state *state, ct_error *error)
+/* All that can fail for other reasons than the file is done before the file is touched. A state
+ * that is not finite has no row, and so does not replace the last good restart record. */
+static ct_status gather(ct_output *o, const ct_problem *problem, ct_state *state,
+                        const ct_ledger *row, ct_error *error)
 {
   ct_record *now = &o->now;
-  ct_status status = check_finite(problem, state, error);
-  if (status == CT_OK) status = gather_ledger(now, problem, state, error);
+  ct_status status = row != NULL ? CT_OK : ct_ledger_of(problem, state, &o->own, error);
+  if (status == CT_OK) gather_ledger(now, row != NULL ? row : &o->own, problem->body_count);
   if (status == CT_OK && now->velocity != NULL)
     status = ct_state_velocity(problem, state, now->velocity, error);
   if (status == CT_OK && now->contact_pressure != NULL)
@@ -253,10 +231,11 @@ static void write_step(ct_task *task, ct_output *o, const ct_state *state)
   ct_disk_flush(task, &o->disk, "write a step");
 }
 
-static void append(ct_task *task, ct_output *o, const ct_problem *problem, ct_state *state)
+static void append(ct_task *task, ct_output *o, const ct_problem *problem, ct_state *state,
+                   const ct_ledger *row)
 {
   check_state(task, o, problem, state);
-  if (task->status == CT_OK) task->status = gather(o, problem, state, task->error);
+  if (task->status == CT_OK) task->status = gather(o, problem, state, row, task->error);
   if (task->status == CT_OK) ct_disk_reserve(task, &o->disk, step_bytes(o, state));
   if (task->status != CT_OK) return;
   write_step(task, o, state);
@@ -267,15 +246,24 @@ static void append(ct_task *task, ct_output *o, const ct_problem *problem, ct_st
   ct_disk_rename(task, &o->disk);
 }
 
-ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_state *state,
-                           ct_error *error)
+ct_status ct_output_append_row(ct_output *output, const ct_problem *problem, ct_state *state,
+                               const ct_ledger *row, ct_error *error)
 {
   if (output == NULL || problem == NULL || state == NULL)
     return CT_REFUSE(error, "ct_output_append needs an output, a problem and a state");
+  if (row != NULL &&
+      (row->momentum == NULL || row->effects == NULL || row->energy.time != state->time))
+    return CT_REFUSE(error, "ct_output_append_row needs the whole row of the state's time");
   ct_task task = task_on(output, error);
-  H5E_BEGIN_TRY { append(&task, output, problem, state); }
+  H5E_BEGIN_TRY { append(&task, output, problem, state, row); }
   H5E_END_TRY
   return task.status;
+}
+
+ct_status ct_output_append(ct_output *output, const ct_problem *problem, ct_state *state,
+                           ct_error *error)
+{
+  return ct_output_append_row(output, problem, state, NULL, error);
 }
 
 /* -- Close -- */

@@ -10,10 +10,13 @@
 typedef struct ct_sleep ct_sleep;
 
 /* Scratch space of an effect of the kind CT_EFFECT_SOLID: element forces of all bodies, and which
- * elements sleep; null where none may. */
+ * elements sleep; null where none may. While the energy is asked for, what each of `body_count`
+ * bodies stores if its forces are linear (eq:stored-by-forces); else null. */
 typedef struct ct_solid_scratch {
   double *values;
   ct_sleep *sleep;
+  const double *half_work;
+  int32_t body_count;
 } ct_solid_scratch;
 
 enum {

@@ -24,7 +24,8 @@ struct ct_monitor {
   const ct_problem *problem;
   ct_monitor_options options;
   ct_state *good;
-  double start; /* the ledger's total at the start */
+  ct_ledger ledger, next; /* the row of the good state, and of the one that is checked */
+  double start;           /* the ledger's total at the start */
   double *gave; /* what each effect that stores energy had given to the ledger's total by then */
   double floor; /* energy that round-off can make (eq:energy-floor) */
   ct_growth growth;
@@ -77,33 +78,24 @@ static int64_t element_with(const ct_mesh *mesh, int32_t node)
   return -1;
 }
 
-/* Energies of one look: of motion, what bodies and contacts store, what has appeared in the ledger;
- * what motion and strain should have, and have had at most (eq:energy-appears); the largest energy
- * of all, and below which nothing is reported. */
+/* Energies of one look: what bodies and contacts store, what has appeared in the ledger; what
+ * motion and strain should have, and have had at most (eq:energy-appears); the largest energy of
+ * all, and below which nothing is reported. */
 typedef struct energies {
-  double kinetic, elastic, appeared, expected, most_expected, scale, least;
+  double elastic, appeared, expected, most_expected, scale, least;
 } energies;
 
-static ct_status measure(const ct_monitor *w, ct_state *state, energies *e, ct_error *error)
+static ct_status measure(ct_monitor *w, ct_state *state, energies *e, ct_error *error)
 {
-  const ct_problem *problem = w->problem;
-  ct_energy ledger;
-  ct_status status = ct_energy_of(problem, state, &ledger, error);
+  ct_status status = ct_ledger_of(w->problem, state, &w->next, error);
   if (status != CT_OK) return status;
-  ct_stream sum = {0};
-  double terms[CT_PIECE];
-  for (int32_t first, end; ct_stream_piece(&sum, 1, problem->node_count, &first, &end);) {
-    square_terms(problem, state, NULL, first, end, terms);
-    ct_stream_add(&sum, terms, end - first);
-  }
+  ct_energy ledger = w->next.energy;
   double stored = ledger.total - ledger.kinetic + ledger.external;
-  *e = (energies){.kinetic = 0.5 * ct_stream_sum(&sum),
-                  .elastic = ledger.strain + ledger.contact,
-                  .appeared = ledger.total - w->start};
+  *e = (energies){.elastic = ledger.strain + ledger.contact, .appeared = ledger.total - w->start};
   // All that was there and was brought, less what other effects store.
   e->expected = w->start + ledger.external - (stored - e->elastic);
   e->most_expected = fmax(fmax(e->expected, w->expected), 0.0);
-  e->scale = fmax(e->kinetic, fmax(fabs(stored), fabs(ledger.external)));
+  e->scale = fmax(fabs(ledger.kinetic), fmax(fabs(stored), fabs(ledger.external)));
   e->least = fmax(w->floor, 1e-9 * fmax(w->largest, e->scale));
   return CT_OK;
 }
@@ -124,19 +116,14 @@ static double floor_of(const ct_problem *problem)
 
 /* What an effect has given to the ledger's total since t = 0: its work and what it stores, less
  * what came through it from outside (eq:energy-growth). */
-static ct_status given_by(const ct_problem *problem, ct_state *state, int32_t k, double *gave,
-                          ct_error *error)
+static double given_by(const ct_monitor *w, int32_t k)
 {
-  double work = 0.0, stored = 0.0, external = 0.0;
-  *gave = 0.0;
-  if (problem->effects[k]->energy == NULL) return CT_OK;
-  ct_status status = ct_energy_parts(problem, state, k, &work, &stored, &external, error);
-  *gave = (work + stored) - external;
-  return status;
+  const ct_effect_energy *own = &w->next.effects[k];
+  return w->problem->effects[k]->energy == NULL ? 0.0 : (own->work + own->stored) - own->external;
 }
 
 /* Store the first growth above the limit from which on it is reported (eq:energy-growth). */
-static ct_status note_growth(ct_monitor *w, ct_state *state, const energies *e, ct_error *error)
+static void note_growth(ct_monitor *w, const ct_state *state, const energies *e)
 {
   double most = -INFINITY;
   ct_growth found = {.time = state->time,
@@ -144,19 +131,13 @@ static ct_status note_growth(ct_monitor *w, ct_state *state, const energies *e, 
                      .share = e->most_expected > 0.0 ? e->appeared / e->most_expected : INFINITY};
   if (w->growth.share > 0.0 ||
       !(e->appeared > fmax(w->options.growth_limit * e->most_expected, e->least)))
-    return CT_OK;
+    return;
   for (int32_t k = 0; k < w->problem->effect_count; k++) {
-    double gave;
-    ct_status status = given_by(w->problem, state, k, &gave, error);
-    if (status != CT_OK) return status;
-    if (gave - w->gave[k] > most) {
-      most = gave - w->gave[k];
-      found.effect = k;
-    }
+    double gave = given_by(w, k) - w->gave[k];
+    if (gave > most) most = gave, found.effect = k;
   }
   found.body = ct_effect_body_of(w->problem, largest_node(w->problem, state, NULL));
   w->growth = found;
-  return CT_OK;
 }
 
 static ct_status look_at_energy(ct_monitor *w, const ct_state *state, const energies *e,
@@ -255,18 +236,26 @@ static int is_good(const ct_monitor *w, const ct_state *state)
          memcmp(w->good->velocity, state->velocity, bytes) == 0;
 }
 
+/* The row that was measured is that of the good state. */
+static void keep_ledger(ct_monitor *w)
+{
+  ct_ledger before = w->ledger;
+  w->ledger = w->next;
+  w->next = before;
+}
+
 ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error)
 {
   energies e;
   if (monitor == NULL || state == NULL) return CT_REFUSE(error, "monitor: null argument");
   if (is_good(monitor, state)) return CT_OK;
-  ct_status status = ct_check_finite(monitor->problem, state, error);
-  if (status == CT_OK) status = measure(monitor, state, &e, error);
+  ct_status status = measure(monitor, state, &e, error);
   if (status == CT_OK) status = look_at_energy(monitor, state, &e, error);
   if (status == CT_OK) status = look_at_step(monitor, state, error);
-  if (status == CT_OK) status = note_growth(monitor, state, &e, error);
   if (status == CT_OK) status = ct_state_copy(monitor->problem, state, monitor->good, error);
   if (status != CT_OK) return status;
+  note_growth(monitor, state, &e);
+  keep_ledger(monitor);
   monitor->largest = fmax(monitor->largest, e.scale);
   monitor->expected = fmax(monitor->expected, e.expected);
   return CT_OK;
@@ -323,14 +312,27 @@ static ct_status prepare_iteration(ct_monitor *w, ct_state *state, ct_error *err
   return status;
 }
 
+/* The good state, and the arrays of all monitors. */
+static ct_status allocate(ct_monitor *w, ct_error *error)
+{
+  size_t bodies = (size_t)w->problem->body_count, effects = (size_t)w->problem->effect_count;
+  ct_ledger *row[] = {&w->ledger, &w->next};
+  w->gave = ct_pool_take(&w->pool, effects, sizeof *w->gave);
+  for (int i = 0; i < 2; i++) {
+    row[i]->momentum = ct_pool_take(&w->pool, bodies, sizeof *row[i]->momentum);
+    row[i]->effects = ct_pool_take(&w->pool, effects, sizeof *row[i]->effects);
+  }
+  if (w->pool.failed) return CT_NO_MEMORY(error, "a monitor");
+  return ct_state_allocate(w->problem, &w->good, error);
+}
+
 static ct_status prepare(ct_monitor *w, ct_state *state, ct_error *error)
 {
   const ct_problem *problem = w->problem;
   ct_stable_step stable = {.dt = w->options.stable};
   energies e;
-  ct_status status = stable.dt == 0.0 ? ct_stable(problem, NULL, &stable, error) : CT_OK;
-  if (status == CT_OK) status = ct_state_allocate(problem, &w->good, error);
-  if (status == CT_OK) status = ct_check_finite(problem, state, error);
+  ct_status status = allocate(w, error);
+  if (status == CT_OK && stable.dt == 0.0) status = ct_stable(problem, NULL, &stable, error);
   if (status == CT_OK) status = measure(w, state, &e, error);
   if (status != CT_OK) return status;
   // Before the start no energy was known: all of it has appeared.
@@ -339,11 +341,9 @@ static ct_status prepare(ct_monitor *w, ct_state *state, ct_error *error)
   w->largest = e.scale;
   w->expected = w->start + e.expected;
   w->swing = fmax(1.0 - problem->dt * problem->dt / (stable.dt * stable.dt), 0.02);
-  w->gave = ct_pool_take(&w->pool, (size_t)problem->effect_count, sizeof *w->gave);
-  if (w->gave == NULL) return CT_NO_MEMORY(error, "a monitor");
-  for (int32_t k = 0; status == CT_OK && k < problem->effect_count; k++)
-    status = given_by(problem, state, k, &w->gave[k], error);
-  if (status == CT_OK) status = prepare_iteration(w, state, error);
+  for (int32_t k = 0; k < problem->effect_count; k++) w->gave[k] = given_by(w, k);
+  keep_ledger(w);
+  status = prepare_iteration(w, state, error);
   return status == CT_OK ? ct_state_copy(problem, state, w->good, error) : status;
 }
 
@@ -383,6 +383,11 @@ ct_state *ct_monitor_good(const ct_monitor *monitor)
 {
   // Most runs have no fault, and nobody asks for the forces of their good states.
   return monitor == NULL || ct_state_equip(monitor->good, NULL) != CT_OK ? NULL : monitor->good;
+}
+
+const ct_ledger *ct_monitor_ledger(const ct_monitor *monitor)
+{
+  return monitor == NULL ? NULL : &monitor->ledger;
 }
 
 ct_growth ct_monitor_growth(const ct_monitor *monitor)

@@ -6,11 +6,13 @@
 #include "../base/list.h"
 #include "../base/error.h"
 #include "../base/memory.h"
+#include "../base/stream.h"
 #include "../base/threads.h"
 #include "../base/vector.h"
 #include "../solid/sleep.h"
 #include "constraints.h"
 #include "effect_internal.h"
+#include "sums.h"
 #include "workspace.h"
 
 #include <float.h>
@@ -133,6 +135,8 @@ static ct_status workspace_create(const ct_problem *problem, ct_workspace *w, ct
   w->scratch = ct_pool_take(&w->pool, effects, sizeof *w->scratch);
   w->next_memory = ct_pool_take(
       &w->pool, (size_t)ct_state_starts(problem, problem->effect_count).memory, sizeof(double));
+  w->grids = ct_pool_take(&w->pool, ct_sum_grids(problem), sizeof *w->grids);
+  w->addends = ct_pool_take(&w->pool, (size_t)problem->body_count, 3 * sizeof *w->addends);
   if (scheme == CT_NOH_BATHE || scheme == CT_TCHAMWA_WIELGOSZ)
     w->past = ct_pool_take(&w->pool, n, 3 * sizeof(double));
   list_shared(problem, w);
@@ -348,15 +352,15 @@ ct_view ct_workspace_view(const ct_problem *problem, const ct_state *state, int3
 
 ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error)
 {
-  for (int64_t d = 0; d < 3 * (int64_t)problem->node_count; d++) {
-    if (isfinite(state->velocity[d]) && fabs(state->displacement[d]) <= CT_LARGEST_LENGTH) continue;
-    ct_place at = ct_effect_place(problem, (int32_t)(d / 3));
-    return ct_fail(error, CT_ERROR_BLOWUP, at,
-                   "the motion stopped being finite by t = %g (step %lld): body %s, node %d",
-                   state->time, (long long)state->step, problem->bodies[at.body].name,
-                   (int)at.point);
-  }
-  return CT_OK;
+  int64_t count = 3 * (int64_t)problem->node_count, d = 0;
+  if (ct_largest(state->velocity, count) <= DBL_MAX &&
+      ct_largest(state->displacement, count) <= CT_LARGEST_LENGTH)
+    return CT_OK;
+  while (isfinite(state->velocity[d]) && fabs(state->displacement[d]) <= CT_LARGEST_LENGTH) d++;
+  ct_place at = ct_effect_place(problem, (int32_t)(d / 3));
+  return ct_fail(error, CT_ERROR_BLOWUP, at,
+                 "the motion stopped being finite by t = %g (step %lld): body %s, node %d",
+                 state->time, (long long)state->step, problem->bodies[at.body].name, (int)at.point);
 }
 
 void ct_workspace_force_at(const ct_problem *problem, const ct_state *state, int32_t k, int32_t i,

@@ -3,6 +3,7 @@
 
 #include <libcontact/step.h>
 
+#include "../base/grid.h"
 #include "effect_internal.h"
 
 /* What a state needs to take a step and a restart does not: forces at t_n and scratch space of the
@@ -29,6 +30,8 @@ typedef struct ct_workspace {
       *shared_work; /* v_{n-1/2} and the first effect's work there, before the step */
   double *past;     /* acceleration of the evaluation before, shape (node_count, 3), where the state
                        does not keep it; or null */
+  ct_grid *grids;   /* of the sums that a row of the ledger was made of last (ct_sum_grids) */
+  double *addends;  /* room for sums over the bodies, shape (3, body_count) */
   struct ct_constraints *constraints; /* null without any */
 } ct_workspace;
 
@@ -93,10 +96,6 @@ void ct_state_start_ledgers(const ct_problem *problem, ct_state *state);
 /* A bit a node at t = 0: the force of a constraint begins there, and with it all others
  * (eq:energy-start); null later on, and without constraints. */
 const uint64_t *ct_workspace_begun(const ct_state *state);
-
-/* Work of effect `k`, what it stores, and what came in through it from outside. */
-ct_status ct_energy_parts(const ct_problem *problem, ct_state *state, int32_t k, double *work,
-                          double *stored, double *external, ct_error *error);
 
 /* Shortest edge of all bodies. */
 double ct_problem_edge(const ct_problem *problem);
