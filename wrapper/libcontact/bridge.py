@@ -59,6 +59,12 @@ def table(struct: str, count: int) -> tuple[Rows, Any]:
     return rows, ffi.from_buffer(f"{struct}[]", rows)
 
 
+def copied(struct: str, pointer: Any, count: int) -> Rows:
+    """A copy of an array of C structs."""
+    size = count * ffi.sizeof(struct)
+    return np.frombuffer(ffi.buffer(pointer, size), row(struct)).copy()
+
+
 def doubles(array: NDArray[Any]) -> Any:
     """A C pointer to a contiguous array of float64, which lives as long as the pointer."""
     if array.dtype != np.float64:

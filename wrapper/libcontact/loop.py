@@ -18,30 +18,20 @@ import numpy as np
 
 from . import errors, has
 from ._core import ffi, lib
-from .bridge import Rows, ask, call, doubles, table
+from .bridge import Rows, ask, call, copied, doubles
 from .errors import Error, NotBuiltIn, issue, new_error, place, raise_held, text_of
 from .mesh import view
 from .model import FEEDING, FIELDS
 from .plan import computed_share, measured, step_seconds
 from .probes import Histories
 from .problem import Problem, contact_points, contact_pressure, new_state, penetrations
-from .run import (
-    ENERGY,
-    FAULTS,
-    IN_ENERGY,
-    MOMENTUM,
-    BodyState,
-    NotFinite,
-    Run,
-    RunError,
-    State,
-    energy_table,
-)
+from .run import ENERGY, FAULTS, MOMENTUM, BodyState, Run, RunError, State, energy_table
 from .schema import Place, SceneError, is_number
 from .surfaces import pressing
 from .warned import turned
 
-DEFAULT_RECORDS = 100
+# Without a wish of the scene: so many records, at least so many steps apart in a problem of many nodes, and so many values of nodes.
+MOST_RECORDS, STEPS_A_RECORD, FEW_VALUES, MOST_VALUES = 100, 4, 10**6, 10**8
 CHUNK_SECONDS = 0.1
 REST_STEPS = 20
 
@@ -51,8 +41,14 @@ def schedule(problem: Problem) -> tuple[int, Sequence[int]]:
     output, count = problem.parts.output, problem.step_count
     if output.times is not None:
         return count, sorted({0, *(_step_of(t, problem) for t in output.times)} - {count})
-    every = output.every or max(1, math.ceil(count / DEFAULT_RECORDS))
+    every = output.every or default_interval(count, problem.pointer.node_count)
     return every, range(0, count, every)
+
+
+def default_interval(steps: int, nodes: int) -> int:
+    """Steps between two records where the scene names none, :eq:`default-records`; from counts alone, so that files are equal on every machine."""
+    most = max(steps // STEPS_A_RECORD, FEW_VALUES // nodes)
+    return max(1, math.ceil(steps / max(1, min(MOST_RECORDS, most, max(10, MOST_VALUES // nodes)))))
 
 
 def record_count(problem: Problem) -> int:
@@ -93,9 +89,10 @@ class Loop:
         self.path: Path | None = None
         # One entry a record in each, after empty tables.
         self.steps: list[int] = []
-        self.energy = [self._energy_rows(np.empty(0, ENERGY), self.state)]
+        none = np.empty((0, len(problem.effects)))
+        self.energy = [energy_table(np.empty(0, ENERGY), problem.effects, none)]
         self.momentum: list[Rows] = [np.empty(0, MOMENTUM)]
-        self.interrupted = False
+        self.interrupted, self.chunk = False, 1
         self.issued: set[str] = set()
         self.seconds = self.output_seconds = 0.0
 
@@ -209,30 +206,18 @@ class Loop:
         self.output_seconds += clock.perf_counter() - forces - begin
 
     def _write_record(self, state: Any) -> None:
-        problem = self.problem.pointer
-        energy, out = table("ct_energy", 1)
-        self._call(lib.ct_energy_of, problem, state, out)
-        momentum, out = table("ct_momentum", len(self.problem.bodies))
-        for body in range(len(momentum)):
-            self._call(lib.ct_momentum_of, problem, state, body, out + body)
-        energy = self._energy_rows(energy, state)
-        if not np.isfinite(energy.view(np.float64)).all():
-            text = f"the energy stopped being finite by t = {state.time:g} (step {state.step})"
-            raise NotFinite(text, code=lib.CT_ERROR_BLOWUP)
+        """One row of each table, and one step of the file, of the state that the monitor has found good last."""
+        problem, ledger = self.problem, lib.ct_monitor_ledger(self.monitor)
         if self.output is not None:
-            self._call(lib.ct_output_append, self.output, problem, state)
-        self.energy.append(energy)
+            self._call(lib.ct_output_append_row, self.output, problem.pointer, state, ledger)
+        row = ffi.addressof(ledger, "energy")
+        # A column for what each further effect stores or did.
+        done = copied("ct_effect_energy", ledger.effects, len(problem.effects))
+        values = np.where(problem.stores, done["stored"], done["work"])[np.newaxis]
+        self.energy.append(energy_table(copied("ct_energy", row, 1), problem.effects, values))
+        momentum = copied("ct_momentum", ledger.momentum, len(problem.bodies))
         self.momentum.append(momentum.astype(MOMENTUM))
         self.steps.append(state.step)
-
-    def _energy_rows(self, energy: Rows, state: Any) -> Rows:
-        """Rows of the energy balance (none or one), with a column for what each further effect stores or did."""
-        values = np.zeros((len(energy), len(self.problem.effects)))
-        for k, (name, stores) in enumerate(zip(self.problem.effects, self.problem.stores)):
-            if len(energy) and name not in IN_ENERGY:
-                function = lib.ct_energy_stored if stores else lib.ct_energy_work
-                self._call(function, self.problem.pointer, state, k, doubles(values[0, k:]))
-        return energy_table(energy, self.problem.effects, values)
 
     # The loop.
 
@@ -271,7 +256,7 @@ class Loop:
             while state.step < last and not stop and not self._at_rest():
                 at = bisect_right(self.due, state.step)
                 due = min([*self.due[at : at + 1], last])
-                self._advance(min(due, self._next_rest()), bar.update, stop)
+                self._advance(min(due, self._next_rest()), due, bar.update, stop)
                 if state.step == due:
                     self._record_and_warn()
                 self._warn_of_growth()
@@ -359,17 +344,24 @@ class Loop:
             return False
         return self.state.time >= self.problem.settled and bool(self._residual() <= wanted)
 
-    def _advance(self, target: int, advanced: Any, stop: list[int]) -> None:
-        """Steps to ``target`` in chunks of about a tenth of a second, so that Ctrl-C and the progress bar get their turn."""
-        chunk = 1
+    def _advance(self, target: int, due: int, advanced: Any, stop: list[int]) -> None:
+        """
+        Steps to ``target`` in chunks of about a tenth of a second, so that Ctrl-C and the progress bar get their turn; the state
+        that is ``due`` to be recorded is checked at once.
+        """
         while self.state.step < target and not stop:
-            count = min(chunk, target - self.state.step)
+            count = min(self.chunk, target - self.state.step)
             begin = clock.perf_counter()
-            self._call(lib.ct_monitor_steps, self.monitor, self.state, count)
+            steps = (
+                lib.ct_monitor_advance if self.state.step + count == due else lib.ct_monitor_steps
+            )
+            self._call(steps, self.monitor, self.state, count)
             took = clock.perf_counter() - begin
             advanced(count)
-            next_count = 2 * chunk if took < CHUNK_SECONDS / 2 else count * CHUNK_SECONDS / took
-            chunk = min(max(1, int(next_count)), 10**6)
+            next_count = (
+                2 * self.chunk if took < CHUNK_SECONDS / 2 else count * CHUNK_SECONDS / took
+            )
+            self.chunk = min(max(1, int(next_count)), 10**6)
 
     def _call(self, function: Any, *arguments: Any) -> None:
         """Call the C library in the middle of a run; what it refuses is a RunError of its kind, with the body's name."""

@@ -680,7 +680,11 @@ class Output(Table):
 
     file: Any = key(FileName(), default=None, says="none", kw_only=False)
     fields: Sequence[str] = key(Many(Choice(FIELDS)), default=FIELDS[:3])
-    every: int | None = key(Whole(most=2**53), default=None, says="about 100 records")
+    every: int | None = key(
+        Whole(most=2**53),
+        default=None,
+        says="about 100 records, fewer where they would cost more than the steps",
+    )
     times: Sequence[float] | None = key(Many(FORWARD), unit="time", default=None, says="none")
 
 

@@ -730,6 +730,14 @@ CT_API void ct_monitor_free(ct_monitor *monitor);
 CT_API ct_status ct_monitor_steps(ct_monitor *monitor, ct_state *state, int64_t count,
                                   ct_error *error);
 
+/**
+ * `ct_monitor_steps` and a check after the last step, whose row is `ct_monitor_ledger`. Where
+ * nobody changes the state between such calls, elements that sleep, :eq:`sleep`, sleep on over
+ * them.
+ */
+CT_API ct_status ct_monitor_advance(ct_monitor *monitor, ct_state *state, int64_t count,
+                                    ct_error *error);
+
 /** Check at once, at any step; with CT_OK the state is the last good one. Errors as above. */
 CT_API ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error);
 

@@ -61,6 +61,8 @@ static ct_status create_record(ct_output *o, const ct_problem *problem,
   now->addends = malloc((size_t)o->body_count * sizeof *now->addends);
   o->own.momentum = calloc((size_t)o->body_count, sizeof *o->own.momentum);
   o->own.effects = calloc((size_t)o->effect_count, sizeof *o->own.effects);
+  now->bodies = o->own.momentum;
+  now->effects = o->own.effects;
   if ((options->velocity && now->velocity == NULL) || (options->stress && now->stress == NULL) ||
       (options->contact_pressure && now->contact_pressure == NULL) || now->addends == NULL ||
       o->own.momentum == NULL || o->own.effects == NULL)

@@ -278,21 +278,45 @@ static ct_status complete(const ct_problem *problem, const ct_state *state, ct_s
   return status;
 }
 
-ct_status ct_monitor_steps(ct_monitor *monitor, ct_state *state, int64_t count, ct_error *error)
+/* Whether all of a state is the one that was looked at last. */
+static int is_unchanged(const ct_monitor *w, const ct_state *state)
+{
+  size_t bytes = (size_t)(state->effect_seconds - state->displacement) * sizeof(double);
+  return w->good->step == state->step && state->problem == w->problem &&
+         memcmp(w->good->displacement, state->displacement, bytes) == 0;
+}
+
+/* Steps with a check at every multiple of `every`, and one after the last step if that is asked
+ * for. A check between two steps lets what sleeps sleep on. */
+static ct_status steps(ct_monitor *monitor, ct_state *state, int64_t count, int at_end,
+                       ct_error *error)
 {
   if (monitor == NULL || state == NULL || count < 0)
     return CT_REFUSE(error, "monitor: null argument or %lld steps", (long long)count);
   int64_t every = monitor->options.every;
   ct_status status = CT_OK;
+  ct_series_begin(state, is_unchanged(monitor, state));
   while (status == CT_OK && count > 0) {
     int64_t to_look = every - state->step % every, now = count < to_look ? count : to_look;
     status = monitor->options.probes == NULL
-                 ? ct_step_many(monitor->problem, state, now, error)
+                 ? ct_series_steps(monitor->problem, state, now, NULL, error)
                  : ct_probes_steps(monitor->options.probes, state, now, error);
-    if (status == CT_OK && now == to_look) status = ct_monitor_check(monitor, state, error);
     count -= now;
+    if (status == CT_OK && (now == to_look || (at_end && count == 0)))
+      status = ct_monitor_check(monitor, state, error);
   }
+  ct_series_end(state);
   return complete(monitor->problem, state, status, error);
+}
+
+ct_status ct_monitor_steps(ct_monitor *monitor, ct_state *state, int64_t count, ct_error *error)
+{
+  return steps(monitor, state, count, 0, error);
+}
+
+ct_status ct_monitor_advance(ct_monitor *monitor, ct_state *state, int64_t count, ct_error *error)
+{
+  return steps(monitor, state, count, 1, error);
 }
 
 /* First rounds of the power iteration. A linear solid keeps its stiffness, and is not asked again.

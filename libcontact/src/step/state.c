@@ -436,6 +436,7 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
   ct_workspace *w = state->workspace;
   if (w->forces_at == state->step) return CT_OK;
   w->forces_at = -1;
+  w->known = 0;
   find_sleep(problem, state);
   for (int phase = CT_PHASE_STATE; phase < CT_PHASE_REACTION; phase++) {
     ct_status status = phase == CT_PHASE_CONSTRAINT && w->constraints != NULL
@@ -446,5 +447,6 @@ ct_status ct_workspace_forces(const ct_problem *problem, ct_state *state, ct_err
     if (status != CT_OK) return status;
   }
   w->forces_at = state->step;
+  w->known = 1;
   return CT_OK;
 }

@@ -92,18 +92,17 @@ CT_INLINE ct_status take_stage(const ct_problem *problem, ct_state *state, doubl
                                const ct_sampler *sampler, ct_error *error)
 {
   ct_workspace *w = state->workspace;
-  int made = w->forces_at != state->step;
   ct_status status = ct_workspace_forces(problem, state, error);
   if (status != CT_OK) return status;
   if (sampler != NULL && w->stage == 0) sampler->take(sampler->data, state);
   double begin = problem->clock == NULL ? 0.0 : problem->clock();
   ct_ledger_keep(state);
-  move(problem, state, share, made ? ct_sleep_active(w->sleep) : NULL);
+  move(problem, state, share, w->known ? ct_sleep_active(w->sleep) : NULL);
   ct_ledger_count(problem, state, share);
   memcpy(state->memory, w->next_memory,
          (size_t)ct_state_starts(problem, problem->effect_count).memory * sizeof(double));
   w->forces_at = -1;
-  w->followed = made;
+  w->followed = w->known;
   if (problem->clock != NULL)
     state->effect_seconds[problem->effect_count] += problem->clock() - begin;
   return CT_OK;
@@ -135,8 +134,12 @@ static void settle(ct_state *state)
   if (state->workspace->followed) ct_sleep_settle(state->workspace->sleep, state->displacement);
 }
 
-/* End a series of steps: its host may now read and change the state. */
-static void end_series(ct_state *state)
+void ct_series_begin(ct_state *state, int unchanged)
+{
+  if (!unchanged) state->workspace->known = 0;
+}
+
+void ct_series_end(ct_state *state)
 {
   settle(state);
   state->workspace->followed = 0;
@@ -145,8 +148,9 @@ static void end_series(ct_state *state)
 ct_status ct_step(const ct_problem *problem, ct_state *state, ct_error *error)
 {
   if (problem == NULL || state == NULL) return CT_REFUSE(error, "step: null argument");
+  ct_series_begin(state, 0);
   ct_status status = take_step(problem, state, NULL, error);
-  end_series(state);
+  ct_series_end(state);
   return status;
 }
 
@@ -165,7 +169,22 @@ CT_INLINE ct_status take_steps(const ct_problem *problem, ct_state *state, int64
       if (finite != CT_OK) status = finite;
     }
   }
-  end_series(state);
+  return status;
+}
+
+ct_status ct_series_steps(const ct_problem *problem, ct_state *state, int64_t count,
+                          const ct_sampler *sampler, ct_error *error)
+{
+  return sampler == NULL ? take_steps(problem, state, count, NULL, error)
+                         : take_steps(problem, state, count, sampler, error);
+}
+
+ct_status ct_step_sampled(const ct_problem *problem, ct_state *state, int64_t count,
+                          const ct_sampler *sampler, ct_error *error)
+{
+  ct_series_begin(state, 0);
+  ct_status status = ct_series_steps(problem, state, count, sampler, error);
+  ct_series_end(state);
   return status;
 }
 
@@ -173,11 +192,5 @@ ct_status ct_step_many(const ct_problem *problem, ct_state *state, int64_t count
 {
   if (problem == NULL || state == NULL || count < 0)
     return CT_REFUSE(error, "step: null argument, or %lld steps", (long long)count);
-  return take_steps(problem, state, count, NULL, error);
-}
-
-ct_status ct_step_sampled(const ct_problem *problem, ct_state *state, int64_t count,
-                          const ct_sampler *sampler, ct_error *error)
-{
-  return take_steps(problem, state, count, sampler, error);
+  return ct_step_sampled(problem, state, count, NULL, error);
 }

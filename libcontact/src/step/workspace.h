@@ -15,6 +15,7 @@ typedef struct ct_workspace {
   int stage;         /* of the step, 0 or 1: the next one whose forces are made */
   int followed;      /* whether the state was moved by one stage since the forces were made, and by
                         nothing else: what sleeps is known (eq:wake) */
+  int known;         /* whether what sleeps is still what it was when these forces were made */
   int seen;          /* whether an effect of a host may look at all nodes */
   struct ct_sleep *sleep; /* which elements sleep; the first effect's, null where none may */
   double *total;          /* sum of all forces but reactions, shape (node_count, 3) */
@@ -55,6 +56,17 @@ typedef struct ct_sampler {
 /* ct_step_many, with a sampler. */
 ct_status ct_step_sampled(const ct_problem *problem, ct_state *state, int64_t count,
                           const ct_sampler *sampler, ct_error *error);
+
+/* Begin a series of steps, in which nobody else changes the state; `unchanged` says that nobody has
+ * since the forces that stand were made in the series before. */
+void ct_series_begin(ct_state *state, int unchanged);
+
+/* Steps within a series, as ct_step_many takes them; `sampler` may be null. */
+ct_status ct_series_steps(const ct_problem *problem, ct_state *state, int64_t count,
+                          const ct_sampler *sampler, ct_error *error);
+
+/* End a series: its host may now read and change the state. */
+void ct_series_end(ct_state *state);
 
 /* Name the first node whose motion is out of the range of numbers (CT_ERROR_BLOWUP). */
 ct_status ct_check_finite(const ct_problem *problem, const ct_state *state, ct_error *error);
