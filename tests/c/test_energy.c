@@ -407,6 +407,125 @@ static void many_impulses(void)
   close_run(copy, scene, box);
 }
 
+/* Strain energy of a body, element by element as the equations read, in a plain sum. */
+static double strain_by_hand(const ct_body *body, const double *u)
+{
+  double sum = 0.0, x[60], v[60], force[60], energy;
+  ct_error e;
+  for (int el = 0; el < body->mesh->element_count; el++) {
+    take_element(body->mesh, el, body->mesh->nodes, x);
+    take_element(body->mesh, el, u + 3 * body->first_node, v);
+    need(ct_solid_element_force(body->mesh->kind, x, v, &body->material, force, &energy, &e), &e);
+    sum += energy;
+  }
+  return sum;
+}
+
+/* A row against sums by hand: over elements, over nodes, over effects. */
+static void check_row(const ct_problem *p, ct_state *state, const ct_ledger *row, const char *what)
+{
+  double *v = numbers(3 * p->node_count), strain = 0.0, work = 0.0, stored = 0.0, off = 0.0,
+         scale = row->energy.strain + row->energy.kinetic, size = 0.0;
+  ct_error e;
+  need(ct_state_velocity(p, state, v, &e), &e);
+  for (int b = 0; b < p->body_count; b++) {
+    const ct_body *own = &p->bodies[b];
+    double hand[6] = {0.0};
+    strain += strain_by_hand(own, state->displacement);
+    for (int n = own->first_node; n < own->first_node + own->mesh->node_count; n++)
+      for (int c = 0; c < 3; c++) {
+        int i = 3 * n + (c + 1) % 3, j = 3 * n + (c + 2) % 3;
+        double xi = p->reference[i] + state->displacement[i],
+               xj = p->reference[j] + state->displacement[j];
+        hand[c] += p->mass[n] * v[3 * n + c];
+        hand[3 + c] += p->mass[n] * (xi * v[j] - xj * v[i]);
+        size += p->mass[n] * (fabs(v[3 * n + c]) + fabs(xi * v[j]) + fabs(xj * v[i]));
+      }
+    off = worst(off, largest_difference(row->momentum[b].p, hand, 3));
+    off = worst(off, largest_difference(row->momentum[b].L, hand + 3, 3));
+  }
+  for (int k = 0; k < p->effect_count; k++) {
+    work += row->effects[k].work;
+    stored += row->effects[k].stored;
+  }
+  // Round-off of sums of some thousand terms.
+  tap_ok(off < 1e-13 * size, "%s: momenta are the sums over the nodes, off by %.2g", what,
+         off / size);
+  tap_ok(fabs(row->energy.strain - strain) < 1e-12 * scale && strain > 0.01 * scale,
+         "%s: strain is the sum over the elements, off by %.2g", what,
+         fabs(row->energy.strain - strain) / scale);
+  tap_ok(fabs(row->energy.kinetic - state->kinetic_start - work - row->energy.balance) <
+                 1e-13 * scale &&
+             fabs(row->energy.kinetic + stored - row->energy.external - row->energy.total) <
+                 1e-13 * scale,
+         "%s: balance and total are those of the effects", what);
+  free(v);
+}
+
+/* The row of a monitor, and the same state moved far away, whose strain is the same. */
+static void one_row(ct_brick_kind kind, ct_solid_kernel kernel, ct_law law, const char *what)
+{
+  ct_material soft = STEEL;
+  soft.law = law;
+  ct_mesh *a = box_mesh(kind, -2.5, 0, 0, 2.5, 0.5, 2.5, 7, 2, 5),
+          *b = box_mesh(kind, 0, 0, 0, 2.5, 0.5, 2.5, 5, 2, 9);
+  ct_scene *scene = new_scene_with("a", a, &soft, kernel, 900, 30, 0);
+  add_body(scene, "b", b, &STEEL, kernel, -1900, 0, 30);
+  plane_strain(scene, 1, b, 0.5);
+  add_contact(scene, 0, a, 0.0, 1, b, 0.0, 0, 1.0);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 3e-7, .fraction = 0.6, .threads = 1}, NULL, NULL);
+  ct_state *state = new_state(p);
+  ct_monitor_options options = ct_monitor_options_default();
+  ct_monitor *monitor;
+  ct_error e;
+  need(ct_monitor_create(p, state, &options, &monitor, &e), &e);
+  need(ct_monitor_advance(monitor, state, 12, &e), &e);
+  check_row(p, state, ct_monitor_ledger(monitor), what);
+  ct_energy energy = energy_of(p, state);
+  tap_ok(memcmp(&energy, &ct_monitor_ledger(monitor)->energy, sizeof energy) == 0,
+         "%s: the monitor's row has the bits of the state's energy", what);
+  ct_monitor_free(monitor);
+  close_run(state, scene, a);
+  ct_mesh_free(b);
+}
+
+/* Series of one step between checks: elements sleep on, and wake where a host pushes between. */
+static void sleep_over_checks(int push)
+{
+  ct_mesh *m = box_mesh(CT_HEX8, 0, 0, 0, 60, 1, 1, 120, 2, 2);
+  ct_scene *scene = new_scene_with("bar", m, &STEEL, CT_KERNEL_AUTO, 0, 0, 0);
+  const ct_optimisations sleeping = {.sleep = 1};
+  ct_error e;
+  need(ct_scene_set_optimisations(scene, &sleeping, &e), &e);
+  const ct_problem *p =
+      build(scene, (ct_scene_time){.end = 1e-5, .fraction = 0.9, .threads = 1}, NULL, NULL);
+  ct_state *one = new_state(p), *other = new_state(p);
+  one->velocity[0] = other->velocity[0] = 1000.0;
+  ct_monitor_options options = ct_monitor_options_default();
+  ct_monitor *monitor;
+  need(ct_monitor_create(p, one, &options, &monitor, &e), &e);
+  for (int i = 0; i < 20; i++) {
+    if (push && i == 10) one->velocity[3 * (p->node_count - 1)] = 1000.0;
+    need(ct_monitor_advance(monitor, one, 1, &e), &e);
+  }
+  advance(p, other, push ? 10 : 20);
+  if (push) other->velocity[3 * (p->node_count - 1)] = 1000.0;
+  if (push) advance(p, other, 10);
+  double off = largest_difference(one->displacement, other->displacement, 3 * p->node_count);
+  tap_ok(off == 0.0 && (one->displacement[3 * (p->node_count - 1)] != 0.0) == push,
+         "checks after each step%s: the same values, off by %.2g",
+         push ? ", and a push between two" : "", off);
+  if (!push)
+    tap_ok(one->element_updates[0] <= other->element_updates[0] + 480 &&
+               one->element_updates[1] > 3 * one->element_updates[0],
+           "checks after each step wake nobody: %lld updates, %lld without checks",
+           (long long)one->element_updates[0], (long long)other->element_updates[0]);
+  ct_monitor_free(monitor);
+  ct_state_free(other);
+  close_run(one, scene, m);
+}
+
 int main(void)
 {
   reference_run();
@@ -420,5 +539,9 @@ int main(void)
   flying_block();
   discrete_kinetic();
   many_impulses();
+  one_row(CT_HEX8, CT_KERNEL_AUTO, CT_LINEAR, "row of hex8");
+  one_row(CT_HEX20, CT_KERNEL_AUTO, CT_LINEAR, "row of hex20");
+  one_row(CT_HEX8, CT_KERNEL_AUTO, CT_NEO_HOOKEAN, "row of two laws");
+  for (int push = 0; push < 2; push++) sleep_over_checks(push);
   return tap_done();
 }

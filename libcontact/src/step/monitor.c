@@ -244,10 +244,9 @@ static void keep_ledger(ct_monitor *w)
   w->next = before;
 }
 
-ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error)
+static ct_status check(ct_monitor *monitor, ct_state *state, ct_error *error)
 {
   energies e;
-  if (monitor == NULL || state == NULL) return CT_REFUSE(error, "monitor: null argument");
   if (is_good(monitor, state)) return CT_OK;
   ct_status status = measure(monitor, state, &e, error);
   if (status == CT_OK) status = look_at_energy(monitor, state, &e, error);
@@ -259,6 +258,14 @@ ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error
   monitor->largest = fmax(monitor->largest, e.scale);
   monitor->expected = fmax(monitor->expected, e.expected);
   return CT_OK;
+}
+
+ct_status ct_monitor_check(ct_monitor *monitor, ct_state *state, ct_error *error)
+{
+  if (monitor == NULL || state == NULL) return CT_REFUSE(error, "monitor: null argument");
+  // Forces that stand may be older than the last change of the state by its host.
+  if (!is_good(monitor, state)) ct_series_begin(state, 0);
+  return check(monitor, state, error);
 }
 
 /* Tell time and body where an effect that failed could not. */
@@ -303,7 +310,7 @@ static ct_status steps(ct_monitor *monitor, ct_state *state, int64_t count, int 
                  : ct_probes_steps(monitor->options.probes, state, now, error);
     count -= now;
     if (status == CT_OK && (now == to_look || (at_end && count == 0)))
-      status = ct_monitor_check(monitor, state, error);
+      status = check(monitor, state, error);
   }
   ct_series_end(state);
   return complete(monitor->problem, state, status, error);
@@ -356,6 +363,7 @@ static ct_status prepare(ct_monitor *w, ct_state *state, ct_error *error)
   ct_stable_step stable = {.dt = w->options.stable};
   energies e;
   ct_status status = allocate(w, error);
+  ct_series_begin(state, 0);
   if (status == CT_OK && stable.dt == 0.0) status = ct_stable(problem, NULL, &stable, error);
   if (status == CT_OK) status = measure(w, state, &e, error);
   if (status != CT_OK) return status;
