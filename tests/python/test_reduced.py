@@ -106,7 +106,7 @@ def test_boxes_of_hex20_share_one_operator():
         and general[0]["kernel"] == "general"
     )
     assert run(kernel="box")[0]["kernel_why"] == "asked for"
-    assert general[0]["flops_per_update"] > 30 * box[0]["flops_per_update"]
+    assert general[0]["flops_per_update"] > 6 * box[0]["flops_per_update"]
     np.testing.assert_allclose(box[1].dt, general[1].dt, rtol=0)
     u, v = (r[1].state["block"].displacement for r in (box, general))
     assert np.abs(u - v).max() < 1e-13 * np.abs(v).max()

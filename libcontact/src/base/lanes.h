@@ -10,6 +10,7 @@
  * same bits. gcc and clang know the type; other compilers get one lane at a time. */
 #if defined(__GNUC__)
 typedef double ct_lanes __attribute__((vector_size(64), may_alias));
+typedef double ct_loose __attribute__((vector_size(64), aligned(8), may_alias));
 #define CT_LANES_WIDE 1
 #else
 typedef double ct_lanes;

@@ -1,67 +1,160 @@
 /* The kernels for hex20 elements of any shape, 3 x 3 x 3 Gauss points, ξ fastest: forces for small
  * and for large deformation, with the smallest J = det F of each batch, and energies. */
 #include "kernel.h"
+#include "modes20.h"
 #include "point.h"
 
 /* Of the points on a line. */
-static const double weight[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
+static const double WEIGHT[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
 
-/* Sum over the 20 nodes, paired along ξ, η, ζ (eq:tree-sum). */
-static inline void tree_nodes(const ct_lanes t[20], ct_lanes *sum)
+/* The Gauss points of a line stand at -g, 0, g with g² = 3/5. */
+static const double GAUSS = 0.77459666924148337704, GAUSS2 = 0.6, GAUSS3 = 0.46475800154489002622;
+
+/* Points along the axes follow each other at these steps. */
+static const int STEP[3] = {1, 3, 9};
+
+/* Reference gradients of one component at the 27 points, or the stresses that work on them. */
+typedef ct_lanes field[3][27];
+
+/* A polynomial of the coordinates p and q of a square: constant, p, q, pq, p², p² q, q², q² p, each
+ * times its value at the points, g, g² or g³. */
+typedef struct square {
+  ct_lanes one, p, q, pq, pp, ppq, qq, qqp;
+} square;
+
+/* Values at the nine points of a square, p fastest: `even` at the middle, at the ends of p, of q,
+ * and at the corners; what is odd in p, in q, at the ends and at the corners; what is odd in both.
+ */
+CT_INLINE void nine_points(const ct_lanes even[4], const ct_lanes p[2], const ct_lanes q[2],
+                           const ct_lanes *pq, ct_lanes v[9])
 {
-  ct_lanes corners = ((t[0] + t[1]) + (t[3] + t[2])) + ((t[4] + t[5]) + (t[7] + t[6]));
-  ct_lanes along_xi = (t[8] + t[10]) + (t[12] + t[14]);
-  ct_lanes along_eta = (t[11] + t[9]) + (t[15] + t[13]);
-  ct_lanes along_zeta = (t[16] + t[17]) + (t[19] + t[18]);
-  *sum = ((corners + along_xi) + along_eta) + along_zeta;
+  ct_lanes low = even[3] - p[1], high = even[3] + p[1], slope_low = q[1] - *pq,
+           slope_high = q[1] + *pq;
+  v[0] = low - slope_low;
+  v[1] = even[2] - q[0];
+  v[2] = high - slope_high;
+  v[3] = even[1] - p[0];
+  v[4] = even[0];
+  v[5] = even[1] + p[0];
+  v[6] = low + slope_low;
+  v[7] = even[2] + q[0];
+  v[8] = high + slope_high;
 }
 
-/* Take away the mean of the corners, so that a common translation gives exactly zero. */
-static inline void centre(ct_lanes v[20])
+/* Those of a polynomial without squares. */
+CT_INLINE void bilinear_points(const ct_lanes *one, const ct_lanes *p, const ct_lanes *q,
+                               const ct_lanes *pq, ct_lanes v[9])
 {
-  ct_lanes mean = 0.125 * (((v[0] + v[1]) + (v[3] + v[2])) + ((v[4] + v[5]) + (v[7] + v[6])));
-  for (int a = 0; a < 20; a++) v[a] = v[a] - mean;
+  ct_lanes even[4] = {*one, *one, *one, *one}, odd[2][2] = {{*p, *p}, {*q, *q}};
+  nine_points(even, odd[0], odd[1], pq, v);
 }
 
-static inline void reference_gradient(double dN[20][3], const ct_lanes v[60], ct_lanes G[3][3])
+CT_INLINE void square_points(const square *s, ct_lanes v[9])
+{
+  ct_lanes end = s->one + s->pp, even[4] = {s->one, end, s->one + s->qq, end + s->qq},
+           p[2] = {s->p, s->p + s->qqp}, q[2] = {s->q, s->q + s->ppq};
+  nine_points(even, p, q, &s->pq, v);
+}
+
+/* The transpose: the sums of nine values with the value of each term there. */
+CT_INLINE void square_sums(const ct_lanes v[9], square *s)
+{
+  ct_lanes t[4] = {v[0], v[2], v[6], v[8]}, corner, p_end = v[3] + v[5], q_end = v[1] + v[7];
+  ct_square_modes(t, &corner, &s->qqp, &s->ppq, &s->pq);
+  s->one = ((v[4] + p_end) + q_end) + corner;
+  s->p = (v[5] - v[3]) + s->qqp;
+  s->q = (v[7] - v[1]) + s->ppq;
+  s->pp = p_end + corner;
+  s->qq = q_end + corner;
+}
+
+/* Each mode, with squares ξ², times the values of its other factors where it is a gradient's term:
+ * a pair of coordinates times g, a square alone times g, and so on; both ways. */
+CT_INLINE void scale_modes(ct_lanes U[CT_MODES20])
+{
+  for (int d = 0; d < 3; d++) {
+    ct_lanes *bend = &U[CT_BEND + 4 * d];
+    U[CT_XI_ETA + d] = GAUSS * U[CT_XI_ETA + d];
+    bend[0] = GAUSS * bend[0];
+    bend[1] = GAUSS2 * bend[1];
+    bend[2] = GAUSS2 * bend[2];
+    bend[3] = GAUSS3 * bend[3];
+  }
+  U[CT_XI_ETA_ZETA] = GAUSS2 * U[CT_XI_ETA_ZETA];
+}
+
+/* 8 ∂u/∂ξ_d at the 27 points from the scaled modes: what is linear along d does not depend on ξ_d,
+ * and what is square has the factor 2 ξ_d (eq:brick20-gradient). */
+CT_INLINE void point_gradients(const ct_lanes U[CT_MODES20], int d, ct_lanes G[27])
+{
+  const int e = (d + 1) % 3, f = (d + 2) % 3;
+  const ct_lanes *along = &U[CT_BEND + 4 * d], *p = &U[CT_BEND + 4 * e], *q = &U[CT_BEND + 4 * f];
+  const square linear = {
+      U[CT_XI + d], U[CT_XI_ETA + d], U[CT_XI_ETA + f], U[CT_XI_ETA_ZETA], p[2], p[3], q[1], q[3]};
+  ct_lanes a[9], b[9], slope[4];
+  for (int k = 0; k < 4; k++) slope[k] = 2.0 * along[k];
+  square_points(&linear, a);
+  bilinear_points(&slope[0], &slope[1], &slope[2], &slope[3], b);
+  for (int k = 0; k < 9; k++) {
+    ct_lanes *at = &G[STEP[e] * (k % 3) + STEP[f] * (k / 3)];
+    at[0] = a[k] - b[k];
+    at[STEP[d]] = a[k];
+    at[2 * STEP[d]] = a[k] + b[k];
+  }
+}
+
+/* Forces on the scaled modes from the stresses of one component, the transpose of
+ * `point_gradients` for all three axes. */
+CT_INLINE void collect_modes(field P, ct_lanes F[CT_MODES20])
+{
+  square linear[3], slope[3];
+  for (int d = 0; d < 3; d++) {
+    const int e = (d + 1) % 3, f = (d + 2) % 3;
+    ct_lanes a[9], b[9];
+    for (int k = 0; k < 9; k++) {
+      const ct_lanes *at = &P[d][STEP[e] * (k % 3) + STEP[f] * (k / 3)];
+      a[k] = (at[0] + at[2 * STEP[d]]) + at[STEP[d]];
+      b[k] = at[2 * STEP[d]] - at[0];
+    }
+    square_sums(a, &linear[d]);
+    square_sums(b, &slope[d]);
+  }
+  for (int d = 0; d < 3; d++) {
+    const square *next = &linear[(d + 1) % 3], *last = &linear[(d + 2) % 3];
+    ct_lanes *bend = &F[CT_BEND + 4 * d];
+    F[CT_XI + d] = linear[d].one;
+    F[CT_XI_ETA + d] = linear[d].p + next->q;
+    bend[0] = 2.0 * slope[d].one;
+    bend[1] = 2.0 * slope[d].p + next->qq;
+    bend[2] = 2.0 * slope[d].q + last->pp;
+    bend[3] = (2.0 * slope[d].pq + next->qqp) + last->ppq;
+  }
+  F[CT_XI_ETA_ZETA] = (linear[0].pq + linear[1].pq) + linear[2].pq;
+}
+
+/* 8 times the reference gradients of coordinates and displacements of 8 elements. */
+CT_INLINE void find_gradients(const ct_solid_part *part, int32_t b, int lane, const double *array,
+                              field G[3])
+{
+  ct_lanes v[3 * 20], M[CT_MODES20];
+  ct_load_lanes(part->mesh, b, 20, array, lane, v);
+  for (int i = 0; i < 3; i++) {
+    ct_brick20_modes(1.0, &v[20 * i], M);
+    scale_modes(M);
+    for (int d = 0; d < 3; d++) point_gradients(M, d, G[i][d]);
+  }
+}
+
+/* The gradients at one point, and its weight times what brings forces from 8 times the gradients.
+ */
+CT_INLINE double take_point(field X[3], field U[3], int q, ct_lanes J[3][3], ct_lanes H[3][3])
 {
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
-      ct_lanes t[20];
-      for (int a = 0; a < 20; a++) t[a] = dN[a][j] * v[20 * i + a];
-      tree_nodes(t, &G[i][j]);
+      J[i][j] = X[i][j][q];
+      H[i][j] = U[i][j][q];
     }
-}
-
-/* Force of the 27 points on component i of node a; the weights of the rule are products of 5/9,
- * 8/9, 5/9. */
-static inline void nodal_force(ct_lanes P[27][3][3], double (*gradients)[20][3], int a, int i,
-                               ct_lanes *f)
-{
-  ct_lanes plane[3], line[3], t[3];
-  for (int k = 0; k < 3; k++) {
-    for (int j = 0; j < 3; j++) {
-      for (int l = 0; l < 3; l++) {
-        int q = l + 3 * (j + 3 * k);
-        double *d = gradients[q][a], w = (weight[l] * weight[j]) * weight[k];
-        t[l] = w * ((d[0] * P[q][i][0] + d[1] * P[q][i][1]) + d[2] * P[q][i][2]);
-      }
-      line[j] = (t[0] + t[2]) + t[1];
-    }
-    plane[k] = (line[0] + line[2]) + line[1];
-  }
-  *f = -((plane[0] + plane[2]) + plane[1]);
-}
-
-CT_INLINE void load_nodes(const ct_solid_part *part, int32_t b, int lane,
-                          const double *displacement, ct_lanes x[60], ct_lanes u[60])
-{
-  ct_load_lanes(part->mesh, b, 20, part->mesh->nodes, lane, x);
-  ct_load_lanes(part->mesh, b, 20, displacement, lane, u);
-  for (int i = 0; i < 3; i++) {
-    centre(&x[20 * i]);
-    centre(&u[20 * i]);
-  }
+  return ((WEIGHT[q % 3] * WEIGHT[q / 3 % 3]) * WEIGHT[q / 9]) / 512.0;
 }
 
 /* Forces of one batch, and for large deformation its smallest J. */
@@ -69,18 +162,24 @@ CT_INLINE void batch_forces(const ct_solid_part *part, int32_t b, const double *
                             double *values, double *lowest, int large)
 {
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
-    ct_lanes x[3 * 20], u[3 * 20], P[27][3][3], J[3][3], H[3][3], volume[27];
-    load_nodes(part, b, lane, displacement, x, u);
+    field X[3], U[3];
+    ct_lanes P[3][3], J[3][3], H[3][3], volume, F[CT_MODES20], f[3 * 20];
+    find_gradients(part, b, lane, part->mesh->nodes, X);
+    find_gradients(part, b, lane, displacement, U);
     for (int q = 0; q < 27; q++) {
-      reference_gradient(part->gradients[q], x, J);
-      reference_gradient(part->gradients[q], u, H);
-      if (large) ct_large_point(part->material.law, J, H, part->lambda, part->mu, P[q], &volume[q]);
-      else ct_point_stress(J, H, part->lambda, part->mu, P[q]);
+      double w = take_point(X, U, q, J, H), lambda = w * part->lambda, mu = w * part->mu;
+      if (large) ct_large_point(part->material.law, J, H, lambda, mu, P, &volume);
+      else ct_point_stress(J, H, lambda, mu, P);
+      if (large) ct_lanes_lowest(&volume, lowest);
+      // The stresses take the place of the gradients.
+      for (int i = 0; i < 9; i++) U[i / 3][i % 3][q] = P[i / 3][i % 3];
     }
-    for (int i = 0; i < 3; i++)
-      for (int a = 0; a < 20; a++) nodal_force(P, part->gradients, a, i, &u[20 * i + a]);
-    for (int q = 0; large && q < 27; q++) ct_lanes_lowest(&volume[q], lowest);
-    ct_store_lanes(u, 20, lane, 8, &values[480 * (int64_t)b]);
+    for (int i = 0; i < 3; i++) {
+      collect_modes(U[i], F);
+      scale_modes(F);
+      ct_brick20_nodal(1.0, F, &f[20 * i]);
+    }
+    ct_store_lanes(f, 20, lane, 8, &values[480 * (int64_t)b]);
   }
 }
 
@@ -107,13 +206,13 @@ void ct_solid_large_hex20_energies(const ct_solid_part *part, int32_t batch,
                                    const double *displacement, double energies[8])
 {
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
-    ct_lanes x[3 * 20], u[3 * 20], J[3][3], H[3][3], W[27], line[9], plane[3];
-    load_nodes(part, batch, lane, displacement, x, u);
+    field X[3], U[3];
+    ct_lanes J[3][3], H[3][3], W[27], line[9], plane[3];
+    find_gradients(part, batch, lane, part->mesh->nodes, X);
+    find_gradients(part, batch, lane, displacement, U);
     for (int q = 0; q < 27; q++) {
-      reference_gradient(part->gradients[q], x, J);
-      reference_gradient(part->gradients[q], u, H);
-      ct_large_point_energy(part->material.law, J, H, part->lambda, part->mu, &W[q]);
-      W[q] = ((weight[q % 3] * weight[q / 3 % 3]) * weight[q / 9]) * W[q];
+      double w = take_point(X, U, q, J, H);
+      ct_large_point_energy(part->material.law, J, H, w * part->lambda, w * part->mu, &W[q]);
     }
     for (int k = 0; k < 9; k++) line[k] = (W[3 * k] + W[3 * k + 2]) + W[3 * k + 1];
     for (int k = 0; k < 3; k++) plane[k] = (line[3 * k] + line[3 * k + 2]) + line[3 * k + 1];

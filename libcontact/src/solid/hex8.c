@@ -4,25 +4,30 @@
 #include "modes.h"
 #include "point.h"
 
-/* Values of a gradient on the four lines of Gauss points along one direction: the factor g = 1/√3
- * of the Gauss points belongs to each sign, and N = 1/8 Σ modes. Line k has the signs (k & 1, k >>
- * 1) of the two other directions. */
-static inline void line_values(const ct_lanes *one, const ct_lanes *p, const ct_lanes *q,
-                               const ct_lanes *pq, ct_lanes v[4])
+/* The Gauss points stand at ± this. */
+static const double GAUSS = 0.57735026918962576451;
+
+/* Values of one + s p + t (q + s pq) for the signs (s, t) = (-,-), (+,-), (-,+), (+,+). */
+CT_INLINE void square_values(const ct_lanes *one, const ct_lanes *p, const ct_lanes *q,
+                             const ct_lanes *pq, ct_lanes v[4])
 {
-  const double g = 0.57735026918962576451;
-  for (int k = 0; k < 4; k++) {
-    double sp = k & 1 ? g : -g, sq = k >> 1 ? g : -g;
-    v[k] = 0.125 * ((*one + sp * *p) + (sq * *q + (sp * sq) * *pq));
-  }
+  ct_lanes low = *one - *p, high = *one + *p, slope_low = *q - *pq, slope_high = *q + *pq;
+  v[0] = low - slope_low;
+  v[1] = high - slope_high;
+  v[2] = low + slope_low;
+  v[3] = high + slope_high;
 }
 
-/* ∂/∂ξ, ∂/∂η, ∂/∂ζ of one component on the lines of Gauss points. */
+/* 8 ∂/∂ξ, 8 ∂/∂η, 8 ∂/∂ζ of one component on the four lines of Gauss points along each. Line k has
+ * the signs (k & 1, k >> 1) of the two other directions, which each bring the factor 1/√3 of the
+ * points. */
 CT_INLINE void line_gradients(const ct_lanes U[CT_MODES], ct_lanes G[3][4])
 {
-  line_values(&U[CT_XI], &U[CT_XI_ETA], &U[CT_ZETA_XI], &U[CT_XI_ETA_ZETA], G[0]);
-  line_values(&U[CT_ETA], &U[CT_XI_ETA], &U[CT_ETA_ZETA], &U[CT_XI_ETA_ZETA], G[1]);
-  line_values(&U[CT_ZETA], &U[CT_ZETA_XI], &U[CT_ETA_ZETA], &U[CT_XI_ETA_ZETA], G[2]);
+  ct_lanes xy = GAUSS * U[CT_XI_ETA], yz = GAUSS * U[CT_ETA_ZETA], zx = GAUSS * U[CT_ZETA_XI],
+           xyz = (GAUSS * GAUSS) * U[CT_XI_ETA_ZETA];
+  square_values(&U[CT_XI], &xy, &zx, &xyz, G[0]);
+  square_values(&U[CT_ETA], &xy, &yz, &xyz, G[1]);
+  square_values(&U[CT_ZETA], &zx, &yz, &xyz, G[2]);
 }
 
 /* Modal forces of one component from P at the eight points: the transpose of `line_gradients`. */
@@ -31,20 +36,19 @@ CT_INLINE void collect_modes(ct_lanes P[8][3][3], int i, ct_lanes F[CT_MODES])
   static const int pair[3][4][2] = {{{0, 1}, {2, 3}, {4, 5}, {6, 7}},
                                     {{0, 2}, {1, 3}, {4, 6}, {5, 7}},
                                     {{0, 4}, {1, 5}, {2, 6}, {3, 7}}};
-  const double g = 0.57735026918962576451;
   ct_lanes sum[3], p[3], q[3], pq[3];
   for (int j = 0; j < 3; j++) {
     ct_lanes t[4];
     for (int k = 0; k < 4; k++) t[k] = P[pair[j][k][0]][i][j] + P[pair[j][k][1]][i][j];
     ct_square_modes(t, &sum[j], &p[j], &q[j], &pq[j]);
   }
-  F[CT_XI] = 0.125 * sum[0];
-  F[CT_ETA] = 0.125 * sum[1];
-  F[CT_ZETA] = 0.125 * sum[2];
-  F[CT_XI_ETA] = (0.125 * g) * (p[0] + p[1]);
-  F[CT_ZETA_XI] = (0.125 * g) * (q[0] + p[2]);
-  F[CT_ETA_ZETA] = (0.125 * g) * (q[1] + q[2]);
-  F[CT_XI_ETA_ZETA] = (0.125 * g * g) * ((pq[0] + pq[1]) + pq[2]);
+  F[CT_XI] = sum[0];
+  F[CT_ETA] = sum[1];
+  F[CT_ZETA] = sum[2];
+  F[CT_XI_ETA] = GAUSS * (p[0] + p[1]);
+  F[CT_ZETA_XI] = GAUSS * (q[0] + p[2]);
+  F[CT_ETA_ZETA] = GAUSS * (q[1] + q[2]);
+  F[CT_XI_ETA_ZETA] = (GAUSS * GAUSS) * ((pq[0] + pq[1]) + pq[2]);
 }
 
 /* Reference gradients of coordinates and displacements of 8 elements on the lines of Gauss points.
@@ -81,6 +85,7 @@ CT_INLINE void take_point(const lines *g, int q, ct_lanes J[3][3], ct_lanes H[3]
 CT_INLINE void batch_forces(const ct_solid_part *part, int32_t b, const double *displacement,
                             double *values, double *lowest, int large)
 {
+  const double lambda = part->lambda / 512.0, mu = part->mu / 512.0;
   int64_t stride;
   double *to = ct_batch_values(part->ring, 8, values, b, &stride);
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
@@ -89,8 +94,8 @@ CT_INLINE void batch_forces(const ct_solid_part *part, int32_t b, const double *
     find_lines(part, b, lane, displacement, &g);
     for (int q = 0; q < 8; q++) {
       take_point(&g, q, J, H);
-      if (large) ct_large_point(part->material.law, J, H, part->lambda, part->mu, P[q], &volume[q]);
-      else ct_point_stress(J, H, part->lambda, part->mu, P[q]);
+      if (large) ct_large_point(part->material.law, J, H, lambda, mu, P[q], &volume[q]);
+      else ct_point_stress(J, H, lambda, mu, P[q]);
     }
     for (int i = 0; i < 3; i++) {
       collect_modes(P, i, F);
@@ -123,13 +128,14 @@ CT_CLONES
 void ct_solid_large_hex8_energies(const ct_solid_part *part, int32_t batch,
                                   const double *displacement, double energies[8])
 {
+  const double lambda = part->lambda / 512.0, mu = part->mu / 512.0;
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
     lines g;
     ct_lanes W[8], J[3][3], H[3][3];
     find_lines(part, batch, lane, displacement, &g);
     for (int q = 0; q < 8; q++) {
       take_point(&g, q, J, H);
-      ct_large_point_energy(part->material.law, J, H, part->lambda, part->mu, &W[q]);
+      ct_large_point_energy(part->material.law, J, H, lambda, mu, &W[q]);
     }
     ct_lanes sum = ((W[0] + W[1]) + (W[2] + W[3])) + ((W[4] + W[5]) + (W[6] + W[7]));
     memcpy(&energies[lane], &sum, sizeof sum);

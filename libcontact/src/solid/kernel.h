@@ -56,9 +56,6 @@ typedef struct ct_solid_part {
   struct ct_reduced_lanes *mean;
   /* What the elements share when the kernel is CT_KERNEL_BOX for hex20. */
   struct ct_box20 *box20;
-  /* Shape gradients ∂N_a/∂ξ_j at the Gauss points of hex20, shape (27, 20, 3); null when the kernel
-   * needs none. */
-  double (*gradients)[20][3];
   ct_assembly *assembly;
   /* Where this part's values, and its batches, begin in the scratch of the effect, how many values
    * it has, and after how many of them energies are kept. */
@@ -114,6 +111,37 @@ CT_INLINE const int32_t *ct_batch_nodes(const ct_mesh *mesh, int32_t b, int per,
   return left < 8 ? room : nodes;
 }
 
+/* x, y, z of 8 nodes that stand side by side, at v[0], v[step], v[2 step]. */
+CT_INLINE void ct_load_row(const double *p, ct_lanes *v, int step)
+{
+#if CT_LANES_WIDE
+  const ct_loose *at = (const ct_loose *)(const void *)p;
+  ct_lanes a = at[0], b = at[1], c = at[2];
+  v[0] = __builtin_shufflevector(__builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, 0, 0), c, 0, 1,
+                                 2, 3, 4, 5, 10, 13);
+  v[step] = __builtin_shufflevector(__builtin_shufflevector(a, b, 1, 4, 7, 10, 13, 0, 0, 0), c, 0,
+                                    1, 2, 3, 4, 8, 11, 14);
+  v[2 * step] = __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 5, 8, 11, 14, 0, 0, 0), c,
+                                        0, 1, 2, 3, 4, 9, 12, 15);
+#else
+  for (int c = 0; c < 3; c++) v[step * c] = p[c];
+#endif
+}
+
+/* x, y, z of the nodes n[0], n[per], ... of 8 elements. */
+CT_INLINE void ct_load_nodes(const double *array, const int32_t *n, int per, ct_lanes *v, int step)
+{
+#if CT_LANES_WIDE
+  const double *p[8];
+  for (int l = 0; l < 8; l++) p[l] = array + 3 * (int64_t)n[per * l];
+  for (int c = 0; c < 3; c++)
+    v[step * c] =
+        (ct_lanes){p[0][c], p[1][c], p[2][c], p[3][c], p[4][c], p[5][c], p[6][c], p[7][c]};
+#else
+  for (int c = 0; c < 3; c++) v[step * c] = array[3 * (int64_t)n[0] + c];
+#endif
+}
+
 /* Read the `per` nodes (8 or 20) of the elements of a batch from an array (nodes, 3) into lanes
  * v[component][node]. */
 CT_INLINE void ct_load_lanes(const ct_mesh *mesh, int32_t b, int per, const double *array, int lane,
@@ -121,18 +149,12 @@ CT_INLINE void ct_load_lanes(const ct_mesh *mesh, int32_t b, int per, const doub
 {
   int32_t room[8 * 20];
   const int32_t *nodes = ct_batch_nodes(mesh, b, per, room);
-  for (int a = 0; a < per; a++) {
-    const int32_t *n = &nodes[per * lane + a];
-#if CT_LANES_WIDE
-    const double *p[8];
-    for (int l = 0; l < 8; l++) p[l] = array + 3 * (int64_t)n[per * l];
-    for (int c = 0; c < 3; c++)
-      v[per * c + a] =
-          (ct_lanes){p[0][c], p[1][c], p[2][c], p[3][c], p[4][c], p[5][c], p[6][c], p[7][c]};
-#else
-    for (int c = 0; c < 3; c++) v[per * c + a] = array[3 * (int64_t)n[0] + c];
-#endif
-  }
+  int row = 1;
+  for (int a = 0; a < per; a++) row &= nodes[7 * per + a] == nodes[a] + 7;
+  if (row && CT_LANES_WIDE)
+    for (int a = 0; a < per; a++) ct_load_row(array + 3 * (int64_t)nodes[a], &v[a], per);
+  else
+    for (int a = 0; a < per; a++) ct_load_nodes(array, &nodes[per * lane + a], per, &v[a], per);
 }
 
 /* Where the forces of batch `b` stand: number (3 a + c) of element l at [(3 a + c) * stride + l].

@@ -1,8 +1,6 @@
 /* One body of the solid effect: which kernel computes it, and what is laid down for that. */
 #include "part.h"
 
-#include <libcontact/shape.h>
-
 #include "../base/error.h"
 #include "../base/memory.h"
 #include "plane.h"
@@ -24,21 +22,20 @@ static const struct kernel_row {
     {CT_KERNEL_BOX, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 393.0},
     {CT_KERNEL_BOX, CT_HEX20, CT_LINEAR, ct_solid_box20_batches, NULL, 882.0},
     {CT_KERNEL_REDUCED, CT_HEX8, CT_LINEAR, ct_solid_reduced_batches, NULL, 538.0},
-    {CT_KERNEL_GENERAL, CT_HEX8, CT_LINEAR, ct_solid_hex8_batches, NULL, 2154.0},
-    {CT_KERNEL_GENERAL, CT_HEX20, CT_LINEAR, ct_solid_hex20_batches, NULL, 37434.0},
+    {CT_KERNEL_GENERAL, CT_HEX8, CT_LINEAR, ct_solid_hex8_batches, NULL, 1697.0},
+    {CT_KERNEL_GENERAL, CT_HEX20, CT_LINEAR, ct_solid_hex20_batches, NULL, 6393.0},
     {CT_KERNEL_GENERAL, CT_HEX8, CT_ST_VENANT_KIRCHHOFF, ct_solid_large_hex8_batches,
-     ct_solid_large_hex8_energies, 3250.0},
+     ct_solid_large_hex8_energies, 2793.0},
     {CT_KERNEL_GENERAL, CT_HEX8, CT_NEO_HOOKEAN, ct_solid_large_hex8_batches,
-     ct_solid_large_hex8_energies, 3594.0},
+     ct_solid_large_hex8_energies, 3137.0},
     {CT_KERNEL_GENERAL, CT_HEX20, CT_ST_VENANT_KIRCHHOFF, ct_solid_large_hex20_batches,
-     ct_solid_large_hex20_energies, 41133.0},
+     ct_solid_large_hex20_energies, 10092.0},
     {CT_KERNEL_GENERAL, CT_HEX20, CT_NEO_HOOKEAN, ct_solid_large_hex20_batches,
-     ct_solid_large_hex20_energies, 42294.0},
+     ct_solid_large_hex20_energies, 11253.0},
 };
 
 void ct_part_release(ct_solid_part *part)
 {
-  ct_release(part->gradients);
   ct_release(part->batch_begin);
   ct_release(part->batches_at);
   ct_release(part->mean);
@@ -46,17 +43,6 @@ void ct_part_release(ct_solid_part *part)
   ct_force_ring_free(part->plane);
   ct_force_ring_free(part->ring);
   ct_assembly_free(part->assembly);
-}
-
-static ct_status prepare_gradients(ct_solid_part *part)
-{
-  ct_rule rule;
-  part->gradients = ct_allocate(27, sizeof *part->gradients);
-  if (part->gradients == NULL) return CT_ERROR_MEMORY;
-  ct_rule_brick(part->mesh->kind, &rule);
-  for (int q = 0; q < rule.count; q++)
-    ct_brick_gradient(part->mesh->kind, rule.xi[q], part->gradients[q]);
-  return CT_OK;
 }
 
 /* Take the kernel of the plane where it fits: one layer of boxes held along its thickness. */
@@ -79,8 +65,7 @@ static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block,
   if (plane && box && hex8) status = choose_plane(part, block, threads);
   if (status == CT_OK && part->optimisations.sleep) status = ct_sleep_prepare(part);
   if (status == CT_OK && part->kernel == CT_KERNEL_REDUCED) status = ct_reduced_prepare(part);
-  if (status == CT_OK && !hex8)
-    status = part->kernel == CT_KERNEL_BOX ? ct_box20_prepare(part) : prepare_gradients(part);
+  if (status == CT_OK && !hex8 && part->kernel == CT_KERNEL_BOX) status = ct_box20_prepare(part);
   if (status == CT_OK && hex8 && part->energies == NULL && part->optimisations.shared_stiffness)
     status = ct_force_ring_create(part->mesh, -1, threads, &part->ring);
   return status;

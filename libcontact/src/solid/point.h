@@ -8,7 +8,7 @@
 /* One Gauss point of 8 elements. `element.c` and `large.c` have the same formulas as they read. */
 
 /* Cofactors and determinant of A. */
-static inline void ct_lanes_cofactors(ct_lanes A[3][3], ct_lanes C[3][3], ct_lanes *det)
+CT_INLINE void ct_lanes_cofactors(ct_lanes A[3][3], ct_lanes C[3][3], ct_lanes *det)
 {
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
@@ -21,8 +21,8 @@ static inline void ct_lanes_cofactors(ct_lanes A[3][3], ct_lanes C[3][3], ct_lan
 /* The stress of one Gauss point as it works on the reference gradients, P[i][j] = det J σ_ik
  * ∂ξ_j/∂x_k, from the reference gradients J of the coordinates and H of the displacements
  * (eq:reference-stress). */
-static inline void ct_point_stress(ct_lanes J[3][3], ct_lanes H[3][3], double lambda, double mu,
-                                   ct_lanes P[3][3])
+CT_INLINE void ct_point_stress(ct_lanes J[3][3], ct_lanes H[3][3], double lambda, double mu,
+                               ct_lanes P[3][3])
 {
   ct_lanes C[3][3], D[3][3], s[3][3], det;
   ct_lanes_cofactors(J, C, &det);
@@ -43,8 +43,8 @@ static inline void ct_point_stress(ct_lanes J[3][3], ct_lanes H[3][3], double la
 
 /* Displacement gradient G = ∂u/∂X from the reference gradients J of the coordinates, with their
  * cofactors C, and H of the displacements. */
-static inline void ct_large_gradient(ct_lanes J[3][3], ct_lanes H[3][3], ct_lanes C[3][3],
-                                     ct_lanes *det, ct_lanes G[3][3])
+CT_INLINE void ct_large_gradient(ct_lanes J[3][3], ct_lanes H[3][3], ct_lanes C[3][3],
+                                 ct_lanes *det, ct_lanes G[3][3])
 {
   ct_lanes_cofactors(J, C, det);
   ct_lanes inverse = 1.0 / *det;
@@ -54,7 +54,7 @@ static inline void ct_large_gradient(ct_lanes J[3][3], ct_lanes H[3][3], ct_lane
 }
 
 /* B = FᵀF - 1 as xx yy zz xy yz zx (eq:green-lagrange). */
-static inline void ct_large_strain(ct_lanes G[3][3], ct_lanes B[6])
+CT_INLINE void ct_large_strain(ct_lanes G[3][3], ct_lanes B[6])
 {
   for (int k = 0; k < 6; k++) {
     int i = k % 3, j = k < 3 ? i : (i + 1) % 3;
@@ -63,7 +63,7 @@ static inline void ct_large_strain(ct_lanes G[3][3], ct_lanes B[6])
 }
 
 /* Cofactors of B in the same order, and the invariants tr B, sum of principal minors, det B. */
-static inline void ct_large_invariants(const ct_lanes B[6], ct_lanes A[6], ct_lanes I[3])
+CT_INLINE void ct_large_invariants(const ct_lanes B[6], ct_lanes A[6], ct_lanes I[3])
 {
   for (int k = 0; k < 3; k++) {
     int i = (k + 1) % 3, j = (k + 2) % 3, xy = 3 + k, yz = 3 + i,
@@ -78,8 +78,8 @@ static inline void ct_large_invariants(const ct_lanes B[6], ct_lanes A[6], ct_la
 
 /* Second Piola-Kirchhoff stress from B and θ = J - 1 (eq:st-venant-kirchhoff,
  * eq:neo-hookean-stress). */
-static inline void ct_large_law(ct_law law, const ct_lanes B[6], const ct_lanes *theta,
-                                double lambda, double mu, ct_lanes S[6])
+CT_INLINE void ct_large_law(ct_law law, const ct_lanes B[6], const ct_lanes *theta, double lambda,
+                            double mu, ct_lanes S[6])
 {
   if (law == CT_ST_VENANT_KIRCHHOFF) {
     ct_lanes trace = (0.5 * lambda) * ((B[0] + B[1]) + B[2]);
@@ -96,8 +96,8 @@ static inline void ct_large_law(ct_law law, const ct_lanes B[6], const ct_lanes 
 
 /* The stress as it works on the reference gradients, P = F S C, and det F
  * (eq:large-reference-stress). */
-static inline void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], double lambda,
-                                  double mu, ct_lanes P[3][3], ct_lanes *volume)
+CT_INLINE void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], double lambda,
+                              double mu, ct_lanes P[3][3], ct_lanes *volume)
 {
   static const int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
   ct_lanes C[3][3], G[3][3], minor[3][3], B[6], S[6], T[3], det, three;
@@ -117,8 +117,8 @@ static inline void ct_large_point(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3]
 }
 
 /* Stored energy of one point times det J, for its weight (eq:large-energy). */
-static inline void ct_large_point_energy(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3],
-                                         double lambda, double mu, ct_lanes *energy)
+CT_INLINE void ct_large_point_energy(ct_law law, ct_lanes J[3][3], ct_lanes H[3][3], double lambda,
+                                     double mu, ct_lanes *energy)
 {
   ct_lanes C[3][3], G[3][3], B[6], A[6], I[3], det;
   ct_large_gradient(J, H, C, &det, G);
@@ -137,7 +137,7 @@ static inline void ct_large_point_energy(ct_law law, ct_lanes J[3][3], ct_lanes 
 }
 
 /* Smallest of the values that come in, one lane after another; NaN stays. */
-static inline void ct_lanes_lowest(const ct_lanes *value, double *lowest)
+CT_INLINE void ct_lanes_lowest(const ct_lanes *value, double *lowest)
 {
   const double *v = (const double *)value;
   for (int l = 0; l < CT_LANES_COUNT; l++)
