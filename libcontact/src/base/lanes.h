@@ -17,6 +17,16 @@ typedef double ct_lanes;
 #define CT_LANES_WIDE 0
 #endif
 
+/* Whether the compiler can pick lanes out of two vectors: 1 or 0. */
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+#define CT_ROWS 1
+#endif
+#endif
+#ifndef CT_ROWS
+#define CT_ROWS 0
+#endif
+
 enum { CT_BATCH = 8, CT_LANES_COUNT = CT_LANES_WIDE ? 8 : 1 };
 
 /* Four numbers side by side, anywhere in memory: one vector, or CT_QUAD_PARTS of them. */

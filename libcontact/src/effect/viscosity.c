@@ -62,7 +62,7 @@ static void body_batches(const viscous_body *body, const double *velocity, doubl
       const viscous_lanes *e = &body->lanes[(b * CT_BATCH + lane) / CT_LANES_COUNT];
       ct_lanes v[3 * 8], U[CT_MODES], D[3], F[CT_MODES], q;
       double rate[CT_LANES_COUNT];
-      ct_load_lanes(body->mesh, b, 8, velocity, lane, v);
+      ct_load_lanes(body->mesh, NULL, b, 8, velocity, lane, v);
       // -- The rate at which the volume changes (eq:volume-rate)
       for (int j = 0; j < 3; j++) {
         ct_brick_modes(&v[8 * j], U);
@@ -164,7 +164,7 @@ static void lay_down(const viscous_body *body)
       viscous_lanes *e = &body->lanes[(b * CT_BATCH + lane) / CT_LANES_COUNT];
       ct_lanes x[3 * 8], X[3][CT_MODES], V, g[3];
       double length[CT_LANES_COUNT];
-      ct_load_lanes(body->mesh, b, 8, body->mesh->nodes, lane, x);
+      ct_load_lanes(body->mesh, NULL, b, 8, body->mesh->nodes, lane, x);
       for (int j = 0; j < 3; j++) ct_brick_modes(&x[8 * j], X[j]);
       ct_mean_gradient(X, e->b, &V);
       e->inverse_volume = 1.0 / V;

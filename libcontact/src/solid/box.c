@@ -107,7 +107,7 @@ void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes u[3 * 8], f[3 * 8], U[CT_MODES], F[CT_MODES];
       slope D[3][3], s[3][3];
-      ct_load_lanes(part->mesh, b, 8, displacement, lane, u);
+      ct_load_lanes(part->mesh, part->rows, b, 8, displacement, lane, u);
       for (int i = 0; i < 3; i++) {
         ct_brick_modes(&u[8 * i], U);
         slopes(U, k, D[i]);

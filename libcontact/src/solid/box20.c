@@ -119,7 +119,7 @@ void ct_solid_box20_batches(const ct_solid_part *part, int32_t first, int32_t la
   for (int32_t b = first; b < last; b++)
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes u[3 * 20], U[3][CT_MODES20], F[3][CT_MODES20];
-      ct_load_lanes(part->mesh, b, 20, displacement, lane, u);
+      ct_load_lanes(part->mesh, part->rows, b, 20, displacement, lane, u);
       // Written out: the compiler keeps what it unrolls in registers.
       ct_brick20_modes(ENDS, &u[0], U[0]);
       ct_brick20_modes(ENDS, &u[20], U[1]);

@@ -137,7 +137,7 @@ CT_INLINE void find_gradients(const ct_solid_part *part, int32_t b, int lane, co
                               field G[3])
 {
   ct_lanes v[3 * 20], M[CT_MODES20];
-  ct_load_lanes(part->mesh, b, 20, array, lane, v);
+  ct_load_lanes(part->mesh, part->rows, b, 20, array, lane, v);
   for (int i = 0; i < 3; i++) {
     ct_brick20_modes(1.0, &v[20 * i], M);
     scale_modes(M);

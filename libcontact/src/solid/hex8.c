@@ -61,8 +61,8 @@ CT_INLINE void find_lines(const ct_solid_part *part, int32_t b, int lane,
                           const double *displacement, lines *g)
 {
   ct_lanes x[3 * 8], u[3 * 8], M[CT_MODES];
-  ct_load_lanes(part->mesh, b, 8, part->mesh->nodes, lane, x);
-  ct_load_lanes(part->mesh, b, 8, displacement, lane, u);
+  ct_load_lanes(part->mesh, part->rows, b, 8, part->mesh->nodes, lane, x);
+  ct_load_lanes(part->mesh, part->rows, b, 8, displacement, lane, u);
   for (int i = 0; i < 3; i++) {
     ct_brick_modes(&x[8 * i], M);
     line_gradients(M, g->X[i]);

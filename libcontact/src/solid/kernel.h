@@ -48,8 +48,10 @@ typedef struct ct_solid_part {
   /* The layer that stands for both, when the kernel is CT_KERNEL_PLANE. Values in rings stand where
    * the effect's begin. */
   ct_force_ring *plane;
-  /* Batches of 8 elements. */
+  /* Batches of 8 elements, and of each whether it is a row: node a of its element l is node a of
+   * its first one, plus l. */
   int32_t batch_count;
+  uint8_t *rows;
   /* Coefficient of the hourglass control, and what is laid down for each batch, when the kernel is
    * CT_KERNEL_REDUCED. */
   double hourglass;
@@ -111,20 +113,20 @@ CT_INLINE const int32_t *ct_batch_nodes(const ct_mesh *mesh, int32_t b, int per,
   return left < 8 ? room : nodes;
 }
 
-/* x, y, z of 8 nodes that stand side by side, at v[0], v[step], v[2 step]. */
+/* x, y, z of 8 nodes that stand side by side, at v[0], v[step], v[2 step]; only where CT_ROWS. */
 CT_INLINE void ct_load_row(const double *p, ct_lanes *v, int step)
 {
-#if CT_LANES_WIDE
+#if CT_ROWS
   const ct_loose *at = (const ct_loose *)(const void *)p;
   ct_lanes a = at[0], b = at[1], c = at[2];
-  v[0] = __builtin_shufflevector(__builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, 0, 0), c, 0, 1,
-                                 2, 3, 4, 5, 10, 13);
-  v[step] = __builtin_shufflevector(__builtin_shufflevector(a, b, 1, 4, 7, 10, 13, 0, 0, 0), c, 0,
-                                    1, 2, 3, 4, 8, 11, 14);
-  v[2 * step] = __builtin_shufflevector(__builtin_shufflevector(a, b, 2, 5, 8, 11, 14, 0, 0, 0), c,
-                                        0, 1, 2, 3, 4, 9, 12, 15);
+  ct_lanes x = __builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, 0, 0),
+           y = __builtin_shufflevector(a, b, 1, 4, 7, 10, 13, 0, 0, 0),
+           z = __builtin_shufflevector(a, b, 2, 5, 8, 11, 14, 0, 0, 0);
+  v[0] = __builtin_shufflevector(x, c, 0, 1, 2, 3, 4, 5, 10, 13);
+  v[step] = __builtin_shufflevector(y, c, 0, 1, 2, 3, 4, 8, 11, 14);
+  v[2 * step] = __builtin_shufflevector(z, c, 0, 1, 2, 3, 4, 9, 12, 15);
 #else
-  for (int c = 0; c < 3; c++) v[step * c] = p[c];
+  (void)p, (void)v, (void)step;
 #endif
 }
 
@@ -143,18 +145,18 @@ CT_INLINE void ct_load_nodes(const double *array, const int32_t *n, int per, ct_
 }
 
 /* Read the `per` nodes (8 or 20) of the elements of a batch from an array (nodes, 3) into lanes
- * v[component][node]. */
-CT_INLINE void ct_load_lanes(const ct_mesh *mesh, int32_t b, int per, const double *array, int lane,
-                             ct_lanes *v)
+ * v[component][node]. `rows`: ct_solid_part's, or null. */
+CT_INLINE void ct_load_lanes(const ct_mesh *mesh, const uint8_t *rows, int32_t b, int per,
+                             const double *array, int lane, ct_lanes *v)
 {
   int32_t room[8 * 20];
-  const int32_t *nodes = ct_batch_nodes(mesh, b, per, room);
-  int row = 1;
-  for (int a = 0; a < per; a++) row &= nodes[7 * per + a] == nodes[a] + 7;
-  if (row && CT_LANES_WIDE)
+  const int32_t *nodes = &mesh->elements[8 * (int64_t)per * b];
+  if (CT_ROWS && rows != NULL && rows[b]) {
     for (int a = 0; a < per; a++) ct_load_row(array + 3 * (int64_t)nodes[a], &v[a], per);
-  else
-    for (int a = 0; a < per; a++) ct_load_nodes(array, &nodes[per * lane + a], per, &v[a], per);
+    return;
+  }
+  nodes = ct_batch_nodes(mesh, b, per, room);
+  for (int a = 0; a < per; a++) ct_load_nodes(array, &nodes[per * lane + a], per, &v[a], per);
 }
 
 /* Where the forces of batch `b` stand: number (3 a + c) of element l at [(3 a + c) * stride + l].

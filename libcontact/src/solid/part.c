@@ -36,6 +36,7 @@ static const struct kernel_row {
 
 void ct_part_release(ct_solid_part *part)
 {
+  ct_release(part->rows);
   ct_release(part->batch_begin);
   ct_release(part->batches_at);
   ct_release(part->mean);
@@ -55,6 +56,21 @@ static ct_status choose_plane(ct_solid_part *part, const ct_solid_body *block, i
   return status;
 }
 
+/* Find the batches that are rows. */
+static ct_status prepare_rows(ct_solid_part *part)
+{
+  int32_t per = ct_brick_node_count(part->mesh->kind);
+  part->rows = ct_allocate((size_t)part->batch_count, sizeof *part->rows);
+  if (part->rows == NULL) return CT_ERROR_MEMORY;
+  for (int32_t b = 0; b < part->mesh->element_count / 8; b++) {
+    const int32_t *node = &part->mesh->elements[8 * (int64_t)per * b];
+    int32_t apart = 0;
+    for (int32_t i = 0; i < 8 * per; i++) apart |= node[i] - node[i % per] - i / per;
+    part->rows[b] = apart == 0;
+  }
+  return CT_OK;
+}
+
 /* What the kernel needs beside the mesh. */
 static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block, int box)
 {
@@ -63,6 +79,7 @@ static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block,
   int plane = block->kernel == CT_KERNEL_PLANE ||
               (block->kernel == CT_KERNEL_AUTO && part->optimisations.plane_strain);
   if (plane && box && hex8) status = choose_plane(part, block, threads);
+  if (status == CT_OK) status = prepare_rows(part);
   if (status == CT_OK && part->optimisations.sleep) status = ct_sleep_prepare(part);
   if (status == CT_OK && part->kernel == CT_KERNEL_REDUCED) status = ct_reduced_prepare(part);
   if (status == CT_OK && !hex8 && part->kernel == CT_KERNEL_BOX) status = ct_box20_prepare(part);

@@ -25,7 +25,7 @@ static void lay_down(const ct_solid_part *part, double scale)
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes x[3 * 8], X[3][CT_MODES], B[3][CT_MEAN_MODES], g[3];
       reduced_lanes *r = lanes_of(part, b, lane);
-      ct_load_lanes(part->mesh, b, 8, part->mesh->nodes, lane, x);
+      ct_load_lanes(part->mesh, part->rows, b, 8, part->mesh->nodes, lane, x);
       for (int j = 0; j < 3; j++) ct_brick_modes(&x[8 * j], X[j]);
       // -- Mean gradients per displacement (eq:mean-gradient), and the scale g² of their size
       // (eq:hourglass-stiffness)
@@ -106,7 +106,7 @@ void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t 
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes u[3 * 8], G[3][3], P[3][3], q[3][HOURGLASS];
       const reduced_lanes *r = lanes_of(part, b, lane);
-      ct_load_lanes(part->mesh, b, 8, displacement, lane, u);
+      ct_load_lanes(part->mesh, part->rows, b, 8, displacement, lane, u);
       strain_and_hourglass(r, u, part->lambda, part->mu, G, P, q);
       collect(r, P[0], q[0], &u[0]);
       collect(r, P[1], q[1], &u[8]);
@@ -124,7 +124,7 @@ void ct_solid_reduced_energies(const ct_solid_part *part, int32_t batch, const d
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
     ct_lanes u[3 * 8], G[3][3], S[3][3], q[3][HOURGLASS], W[3], H[3], half;
     const reduced_lanes *r = lanes_of(part, batch, lane);
-    ct_load_lanes(part->mesh, batch, 8, displacement, lane, u);
+    ct_load_lanes(part->mesh, part->rows, batch, 8, displacement, lane, u);
     strain_and_hourglass(r, u, part->lambda, part->mu, G, S, q);
     // -- ½ V σ : G and ½ c Σ q² (eq:reduced-energy)
     for (int i = 0; i < 3; i++) {
