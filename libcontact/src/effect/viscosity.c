@@ -79,9 +79,9 @@ static void body_batches(const viscous_body *body, const double *velocity, doubl
       for (int j = 0; j < 3; j++) {
         for (int m = 0; m < CT_MEAN_MODES; m++) F[m] = -(q * e->b[j][m]);
         F[CT_XI_ETA_ZETA] = q - q;
-        ct_brick_nodal(F, &v[8 * j]);
+        ct_brick_nodal(F, v);
+        ct_store_lanes(v, 8, j, lane, 8, &values[192 * (int64_t)b]);
       }
-      ct_store_lanes(v, 8, lane, 8, &values[192 * (int64_t)b]);
     }
 }
 

@@ -105,7 +105,7 @@ void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last
     int64_t stride;
     double *out = ct_batch_values(part->ring, 8, values, b, &stride);
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
-      ct_lanes u[3 * 8], f[3 * 8], U[CT_MODES], F[CT_MODES];
+      ct_lanes u[3 * 8], f[8], U[CT_MODES], F[CT_MODES];
       slope D[3][3], s[3][3];
       ct_load_lanes(part->mesh, part->rows, b, 8, displacement, lane, u);
       for (int i = 0; i < 3; i++) {
@@ -115,9 +115,9 @@ void ct_solid_box_batches(const ct_solid_part *part, int32_t first, int32_t last
       box_stress(D, part->lambda, part->mu, s);
       for (int i = 0; i < 3; i++) {
         modal_force(s[i], K1, K3, K9, F);
-        ct_brick_nodal(F, &f[8 * i]);
+        ct_brick_nodal(F, f);
+        ct_store_lanes(f, 8, i, lane, stride, out);
       }
-      ct_store_lanes(f, 8, lane, stride, out);
     }
   }
 }

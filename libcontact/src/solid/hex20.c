@@ -163,7 +163,7 @@ CT_INLINE void batch_forces(const ct_solid_part *part, int32_t b, const double *
 {
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
     field X[3], U[3];
-    ct_lanes P[3][3], J[3][3], H[3][3], volume, F[CT_MODES20], f[3 * 20];
+    ct_lanes P[3][3], J[3][3], H[3][3], volume, F[CT_MODES20], f[20];
     find_gradients(part, b, lane, part->mesh->nodes, X);
     find_gradients(part, b, lane, displacement, U);
     for (int q = 0; q < 27; q++) {
@@ -177,9 +177,9 @@ CT_INLINE void batch_forces(const ct_solid_part *part, int32_t b, const double *
     for (int i = 0; i < 3; i++) {
       collect_modes(U[i], F);
       scale_modes(F);
-      ct_brick20_nodal(1.0, F, &f[20 * i]);
+      ct_brick20_nodal(1.0, F, f);
+      ct_store_lanes(f, 20, i, lane, 8, &values[480 * (int64_t)b]);
     }
-    ct_store_lanes(f, 20, lane, 8, &values[480 * (int64_t)b]);
   }
 }
 

@@ -51,24 +51,41 @@ CT_INLINE void collect_modes(ct_lanes P[8][3][3], int i, ct_lanes F[CT_MODES])
   F[CT_XI_ETA_ZETA] = (GAUSS * GAUSS) * ((pq[0] + pq[1]) + pq[2]);
 }
 
+/* Write the nodal forces of one component. */
+CT_INLINE void store_forces(ct_lanes P[8][3][3], int i, int lane, int64_t stride, double *to)
+{
+  ct_lanes F[CT_MODES], f[8];
+  collect_modes(P, i, F);
+  ct_brick_nodal(F, f);
+  ct_store_lanes(f, 8, i, lane, stride, to);
+}
+
 /* Reference gradients of coordinates and displacements of 8 elements on the lines of Gauss points.
  */
 typedef struct lines {
   ct_lanes X[3][3][4], U[3][3][4];
 } lines;
 
+CT_INLINE void component_lines(const ct_lanes v[8], ct_lanes G[3][4])
+{
+  ct_lanes V[CT_MODES];
+  ct_brick_modes(v, V);
+  line_gradients(V, G);
+}
+
+/* Written out, here and below: the compiler keeps what it unrolls in registers. */
 CT_INLINE void find_lines(const ct_solid_part *part, int32_t b, int lane,
                           const double *displacement, lines *g)
 {
-  ct_lanes x[3 * 8], u[3 * 8], M[CT_MODES];
+  ct_lanes x[3 * 8], u[3 * 8];
   ct_load_lanes(part->mesh, part->rows, b, 8, part->mesh->nodes, lane, x);
   ct_load_lanes(part->mesh, part->rows, b, 8, displacement, lane, u);
-  for (int i = 0; i < 3; i++) {
-    ct_brick_modes(&x[8 * i], M);
-    line_gradients(M, g->X[i]);
-    ct_brick_modes(&u[8 * i], M);
-    line_gradients(M, g->U[i]);
-  }
+  component_lines(&x[0], g->X[0]);
+  component_lines(&u[0], g->U[0]);
+  component_lines(&x[8], g->X[1]);
+  component_lines(&u[8], g->U[1]);
+  component_lines(&x[16], g->X[2]);
+  component_lines(&u[16], g->U[2]);
 }
 
 CT_INLINE void take_point(const lines *g, int q, ct_lanes J[3][3], ct_lanes H[3][3])
@@ -90,19 +107,17 @@ CT_INLINE void batch_forces(const ct_solid_part *part, int32_t b, const double *
   double *to = ct_batch_values(part->ring, 8, values, b, &stride);
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
     lines g;
-    ct_lanes P[8][3][3], J[3][3], H[3][3], f[3 * 8], volume[8], F[CT_MODES];
+    ct_lanes P[8][3][3], J[3][3], H[3][3], volume[8];
     find_lines(part, b, lane, displacement, &g);
     for (int q = 0; q < 8; q++) {
       take_point(&g, q, J, H);
       if (large) ct_large_point(part->material.law, J, H, lambda, mu, P[q], &volume[q]);
       else ct_point_stress(J, H, lambda, mu, P[q]);
     }
-    for (int i = 0; i < 3; i++) {
-      collect_modes(P, i, F);
-      ct_brick_nodal(F, &f[8 * i]);
-    }
+    store_forces(P, 0, lane, stride, to);
+    store_forces(P, 1, lane, stride, to);
+    store_forces(P, 2, lane, stride, to);
     for (int q = 0; large && q < 8; q++) ct_lanes_lowest(&volume[q], lowest);
-    ct_store_lanes(f, 8, lane, stride, to);
   }
 }
 

@@ -168,13 +168,11 @@ static inline double *ct_batch_values(const ct_force_ring *ring, int per, double
   return values + (ring != NULL ? 8 * (int64_t)b & (ring->size - 1) : 24 * (int64_t)per * b);
 }
 
-/* Write lanes f[component][node] of 8 elements there. */
-static inline void ct_store_lanes(const ct_lanes *f, int per, int lane, int64_t stride,
-                                  double *values)
+/* Write component c of the forces of the `per` nodes of 8 elements there. */
+CT_INLINE void ct_store_lanes(const ct_lanes *f, int per, int c, int lane, int64_t stride,
+                              double *values)
 {
-  for (int a = 0; a < per; a++)
-    for (int c = 0; c < 3; c++)
-      *(ct_lanes *)(void *)&values[stride * (3 * a + c) + lane] = f[per * c + a];
+  for (int a = 0; a < per; a++) *(ct_lanes *)(void *)&values[stride * (3 * a + c) + lane] = f[a];
 }
 
 #endif

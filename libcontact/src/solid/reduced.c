@@ -102,19 +102,20 @@ CT_CLONES
 void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t last,
                               const double *displacement, double *values)
 {
-  for (int32_t b = first; b < last; b++)
+  for (int32_t b = first; b < last; b++) {
+    int64_t stride;
+    double *to = ct_batch_values(part->ring, 8, values, b, &stride);
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes u[3 * 8], G[3][3], P[3][3], q[3][HOURGLASS];
       const reduced_lanes *r = lanes_of(part, b, lane);
       ct_load_lanes(part->mesh, part->rows, b, 8, displacement, lane, u);
       strain_and_hourglass(r, u, part->lambda, part->mu, G, P, q);
-      collect(r, P[0], q[0], &u[0]);
-      collect(r, P[1], q[1], &u[8]);
-      collect(r, P[2], q[2], &u[16]);
-      int64_t stride;
-      double *to = ct_batch_values(part->ring, 8, values, b, &stride);
-      ct_store_lanes(u, 8, lane, stride, to);
+      for (int i = 0; i < 3; i++) {
+        collect(r, P[i], q[i], u);
+        ct_store_lanes(u, 8, i, lane, stride, to);
+      }
     }
+  }
 }
 
 CT_CLONES
