@@ -10,15 +10,16 @@
  * same bits. gcc and clang know the type; other compilers get one lane at a time. */
 #if defined(__GNUC__)
 typedef double ct_lanes __attribute__((vector_size(64), may_alias));
-typedef double ct_loose __attribute__((vector_size(64), aligned(8), may_alias));
+typedef double ct_loose __attribute__((vector_size(64), aligned(8), may_alias)); /* anywhere */
 #define CT_LANES_WIDE 1
 #else
-typedef double ct_lanes;
+typedef double ct_lanes, ct_loose;
 #define CT_LANES_WIDE 0
 #endif
 
-/* Whether the compiler can pick lanes out of two vectors: 1 or 0. */
-#if defined(__has_builtin)
+/* Lanes picked out of two vectors, and whether the compiler can do it: 1 or 0. */
+#define CT_PICK __builtin_shufflevector
+#if CT_LANES_WIDE && defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
 #define CT_ROWS 1
 #endif
@@ -52,5 +53,37 @@ enum { CT_QUAD_PARTS = 4 };
 #else
 #define CT_CLONES
 #endif
+
+/* x, y, z of 8 nodes that stand side by side, at v[0], v[step], v[2 step]; only where CT_ROWS. */
+CT_INLINE void ct_load_row(const double *p, ct_lanes *v, int step)
+{
+#if CT_ROWS
+  const ct_loose *at = (const ct_loose *)(const void *)p;
+  ct_lanes a = at[0], b = at[1], c = at[2];
+  ct_lanes x = CT_PICK(a, b, 0, 3, 6, 9, 12, 15, 0, 0), y = CT_PICK(a, b, 1, 4, 7, 10, 13, 0, 0, 0),
+           z = CT_PICK(a, b, 2, 5, 8, 11, 14, 0, 0, 0);
+  v[0] = CT_PICK(x, c, 0, 1, 2, 3, 4, 5, 10, 13);
+  v[step] = CT_PICK(y, c, 0, 1, 2, 3, 4, 8, 11, 14);
+  v[2 * step] = CT_PICK(z, c, 0, 1, 2, 3, 4, 9, 12, 15);
+#else
+  (void)p, (void)v, (void)step;
+#endif
+}
+
+/* Write them: the way back. */
+CT_INLINE void ct_store_row(const ct_lanes v[3], double *p)
+{
+#if CT_ROWS
+  ct_loose *at = (ct_loose *)(void *)p;
+  ct_lanes a = CT_PICK(v[0], v[1], 0, 8, 0, 1, 9, 0, 2, 10),
+           b = CT_PICK(v[0], v[1], 0, 3, 11, 0, 4, 12, 0, 5),
+           c = CT_PICK(v[0], v[1], 13, 0, 6, 14, 0, 7, 15, 0);
+  at[0] = CT_PICK(a, v[2], 0, 1, 8, 3, 4, 9, 6, 7);
+  at[1] = CT_PICK(b, v[2], 10, 1, 2, 11, 4, 5, 12, 7);
+  at[2] = CT_PICK(c, v[2], 0, 13, 2, 3, 14, 5, 6, 15);
+#else
+  (void)v, (void)p;
+#endif
+}
 
 #endif

@@ -113,23 +113,6 @@ CT_INLINE const int32_t *ct_batch_nodes(const ct_mesh *mesh, int32_t b, int per,
   return left < 8 ? room : nodes;
 }
 
-/* x, y, z of 8 nodes that stand side by side, at v[0], v[step], v[2 step]; only where CT_ROWS. */
-CT_INLINE void ct_load_row(const double *p, ct_lanes *v, int step)
-{
-#if CT_ROWS
-  const ct_loose *at = (const ct_loose *)(const void *)p;
-  ct_lanes a = at[0], b = at[1], c = at[2];
-  ct_lanes x = __builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, 0, 0),
-           y = __builtin_shufflevector(a, b, 1, 4, 7, 10, 13, 0, 0, 0),
-           z = __builtin_shufflevector(a, b, 2, 5, 8, 11, 14, 0, 0, 0);
-  v[0] = __builtin_shufflevector(x, c, 0, 1, 2, 3, 4, 5, 10, 13);
-  v[step] = __builtin_shufflevector(y, c, 0, 1, 2, 3, 4, 8, 11, 14);
-  v[2 * step] = __builtin_shufflevector(z, c, 0, 1, 2, 3, 4, 9, 12, 15);
-#else
-  (void)p, (void)v, (void)step;
-#endif
-}
-
 /* x, y, z of the nodes n[0], n[per], ... of 8 elements. */
 CT_INLINE void ct_load_nodes(const double *array, const int32_t *n, int per, ct_lanes *v, int step)
 {

@@ -150,16 +150,23 @@ ct_status ct_force_ring_create(const ct_mesh *mesh, int axis, int threads, ct_fo
 CT_CLONES
 static void gather_bricks(const double *const v[8], const int64_t step[8], int32_t count, double *f)
 {
-  for (int c = 0; c < 3; c++) {
-    const double *a = v[0] + c * step[0], *b = v[1] + c * step[1], *d = v[2] + c * step[2],
-                 *e = v[3] + c * step[3];
-    const double *p = v[4] + c * step[4], *q = v[5] + c * step[5], *r = v[6] + c * step[6],
-                 *s = v[7] + c * step[7];
-    // -- Pair the octants along ξ, then η, then ζ (eq:tree-sum)
-#pragma omp simd
-    for (int32_t n = 0; n < count; n++)
-      f[3 * n + c] = ((a[n] + b[n]) + (d[n] + e[n])) + ((p[n] + q[n]) + (r[n] + s[n]));
+  int32_t rows = CT_ROWS ? count / 8 * 8 : 0;
+  for (int32_t n = 0; n < rows; n += 8) {
+    ct_lanes sum[3];
+    for (int c = 0; c < 3; c++) {
+      ct_lanes t[8];
+      for (int k = 0; k < 8; k++) t[k] = *(const ct_loose *)(const void *)&v[k][c * step[k] + n];
+      // -- Pair the octants along ξ, then η, then ζ (eq:tree-sum)
+      sum[c] = ((t[0] + t[1]) + (t[2] + t[3])) + ((t[4] + t[5]) + (t[6] + t[7]));
+    }
+    ct_store_row(sum, &f[3 * n]);
   }
+  for (int32_t n = rows; n < count; n++)
+    for (int c = 0; c < 3; c++) {
+      double t[8];
+      for (int k = 0; k < 8; k++) t[k] = v[k][c * step[k] + n];
+      f[3 * n + c] = ((t[0] + t[1]) + (t[2] + t[3])) + ((t[4] + t[5]) + (t[6] + t[7]));
+    }
 }
 
 /* Sum four such runs of a plane, for both layers; the forces of the upper one have the signs
