@@ -98,7 +98,6 @@ def memory_of(problem: Problem) -> int:
         total += memory_estimate(nodes, elements, width, lattice)
         # What sleeps has the batches of each node.
         total += nodes * 22 if "quiet" in problem.parts.run.savings else 0
-        total += elements * 256 if body.kernel == "reduced" else 0
         # Of a body that may stiffen its frequency is watched: a direction, and a force with room of its own.
         total += nodes * 72 + elements * (24 * width + 18) if body.material.law != "linear" else 0
         total += nodes * CARRIED.get(problem.pointer.integrator.scheme, 0)

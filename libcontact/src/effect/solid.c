@@ -120,7 +120,8 @@ static void block_energies(const ct_solid_part *part, int32_t first, int32_t las
   if (part->energies != NULL)
     memcpy(energies, &kept[8 * (int64_t)first], 8 * (size_t)(last - first) * sizeof *energies);
   for (int32_t b = first; part->energies == NULL && b < last; b++, energies += 8)
-    if (part->mean != NULL) ct_solid_reduced_energies(part, b, u, energies, hourglass);
+    if (part->kernel == CT_KERNEL_REDUCED)
+      ct_solid_reduced_energies(part, b, u, energies, hourglass);
     else force_energies(part, b, u, values, energies);
 }
 
@@ -269,7 +270,7 @@ static ct_status hourglass_energy(const ct_effect *effect, const ct_view *view, 
     for (int32_t i = 0; i < solid->part_count; i++) {
       const ct_solid_part *part = &solid->parts[i];
       double strain[8], hourglass[8];
-      for (int32_t b = 0; part->mean != NULL && b < part->batch_count; b++) {
+      for (int32_t b = 0; part->kernel == CT_KERNEL_REDUCED && b < part->batch_count; b++) {
         ct_solid_reduced_energies(part, b, view->displacement + 3 * (int64_t)part->first_node,
                                   strain, hourglass);
         ct_stream_add(&sum, hourglass,
@@ -297,7 +298,8 @@ ct_status ct_solid_create_hourglass(const ct_effect *solid, ct_effect **out, ct_
     return CT_REFUSE(error, "hourglass: null argument or no solid effect");
   const solid_data *data = solid->data;
   int reduced = 0;
-  for (int32_t i = 0; i < data->part_count; i++) reduced |= data->parts[i].mean != NULL;
+  for (int32_t i = 0; i < data->part_count; i++)
+    reduced |= data->parts[i].kernel == CT_KERNEL_REDUCED;
   *out = NULL;
   if (!reduced) return CT_OK;
   ct_effect filled = {.kind = CT_EFFECT_HOURGLASS,
@@ -321,10 +323,14 @@ ct_status ct_solid_body_plan(const ct_effect *effect, int32_t block, ct_solid_ke
   double nodes = part->mesh->node_count / elements;
   // The gather adds 7 sums a component and node, in a plane 3 for two nodes.
   if (flops != NULL) *flops = part->flops + (plane ? 4.5 : 21.0) * nodes;
-  // Node numbers, in a plane those of the lower layer; what is laid down; displacements and forces
-  // of the nodes; and without a ring element forces written once and read once, and their places.
-  double numbers = plane ? 16.0 : 4.0 * per, laid_down = part->mean != NULL ? 256.0 : 0.0,
+  // Node numbers of a batch, or of its first element alone where it is a row, in a plane those of
+  // the lower layer; coordinates but of boxes, displacements and forces of the nodes; and without a
+  // ring element forces written once and read once, and their places.
+  double rows = 0.0, numbers = plane ? 16.0 : 4.0 * per;
+  for (int32_t b = 0; b < part->batch_count; b++) rows += part->rows[b];
+  if (!plane) numbers *= 1.0 - 7.0 / 8.0 * rows / part->batch_count;
+  double shape = plane || part->kernel == CT_KERNEL_BOX ? 0.0 : 24.0 * nodes,
          forces = plane || part->ring != NULL ? 0.0 : 48.0 * per + 32.0 * nodes;
-  if (bytes != NULL) *bytes = numbers + laid_down + 48.0 * nodes + forces;
+  if (bytes != NULL) *bytes = numbers + shape + 48.0 * nodes + forces;
   return CT_OK;
 }

@@ -224,7 +224,7 @@ static ct_status element_matrices(const ct_solid_part *part, double x[20][3], do
   ct_status status =
       ct_mass_element(part->mesh->kind, &x[0][0], material->density, part->lumping, m, error);
   if (status != CT_OK) return status;
-  return part->mean != NULL
+  return part->kernel == CT_KERNEL_REDUCED
              ? ct_reduced_stiffness(&x[0][0], material, part->hourglass, A, error)
              : ct_element_stiffness(part->mesh->kind, &x[0][0], NULL, material, A, error);
 }

@@ -52,10 +52,8 @@ typedef struct ct_solid_part {
    * its first one, plus l. */
   int32_t batch_count;
   uint8_t *rows;
-  /* Coefficient of the hourglass control, and what is laid down for each batch, when the kernel is
-   * CT_KERNEL_REDUCED. */
+  /* Coefficient of the hourglass control, when the kernel is CT_KERNEL_REDUCED. */
   double hourglass;
-  struct ct_reduced_lanes *mean;
   /* What the elements share when the kernel is CT_KERNEL_BOX for hex20. */
   struct ct_box20 *box20;
   ct_assembly *assembly;

@@ -21,7 +21,7 @@ static const struct kernel_row {
     {CT_KERNEL_PLANE, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 75.0},
     {CT_KERNEL_BOX, CT_HEX8, CT_LINEAR, ct_solid_box_batches, NULL, 393.0},
     {CT_KERNEL_BOX, CT_HEX20, CT_LINEAR, ct_solid_box20_batches, NULL, 882.0},
-    {CT_KERNEL_REDUCED, CT_HEX8, CT_LINEAR, ct_solid_reduced_batches, NULL, 538.0},
+    {CT_KERNEL_REDUCED, CT_HEX8, CT_LINEAR, ct_solid_reduced_batches, NULL, 839.0},
     {CT_KERNEL_GENERAL, CT_HEX8, CT_LINEAR, ct_solid_hex8_batches, NULL, 1697.0},
     {CT_KERNEL_GENERAL, CT_HEX20, CT_LINEAR, ct_solid_hex20_batches, NULL, 6393.0},
     {CT_KERNEL_GENERAL, CT_HEX8, CT_ST_VENANT_KIRCHHOFF, ct_solid_large_hex8_batches,
@@ -39,7 +39,6 @@ void ct_part_release(ct_solid_part *part)
   ct_release(part->rows);
   ct_release(part->batch_begin);
   ct_release(part->batches_at);
-  ct_release(part->mean);
   ct_release(part->box20);
   ct_force_ring_free(part->plane);
   ct_force_ring_free(part->ring);
@@ -81,7 +80,6 @@ static ct_status prepare_kernel(ct_solid_part *part, const ct_solid_body *block,
   if (plane && box && hex8) status = choose_plane(part, block, threads);
   if (status == CT_OK) status = prepare_rows(part);
   if (status == CT_OK && part->optimisations.sleep) status = ct_sleep_prepare(part);
-  if (status == CT_OK && part->kernel == CT_KERNEL_REDUCED) status = ct_reduced_prepare(part);
   if (status == CT_OK && !hex8 && part->kernel == CT_KERNEL_BOX) status = ct_box20_prepare(part);
   if (status == CT_OK && hex8 && part->energies == NULL && part->optimisations.shared_stiffness)
     status = ct_force_ring_create(part->mesh, -1, threads, &part->ring);

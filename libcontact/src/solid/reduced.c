@@ -1,51 +1,32 @@
 /* The kernel for hex8 elements of any shape with one point and hourglass control. */
 #include "reduced.h"
-#include "../base/memory.h"
 #include "mean.h"
 
 enum { HOURGLASS = 4, FIRST_HOURGLASS = CT_XI_ETA };
 
-/* What is laid down for the 8 elements of a batch: β[j][m] = b[j][m] / V, the hourglass modes
- * X[j][k] of the coordinates, the volume and the stiffness c of the hourglass modes. */
-struct ct_reduced_lanes {
+/* What 8 elements are: β[j][m] = b[j][m] / V, the hourglass modes X[j][k] of the coordinates, the
+ * volume and the stiffness c of the hourglass modes. */
+typedef struct reduced_lanes {
   ct_lanes beta[3][CT_MEAN_MODES], X[3][HOURGLASS], V, c;
-};
+} reduced_lanes;
 
-typedef struct ct_reduced_lanes reduced_lanes;
-
-static inline reduced_lanes *lanes_of(const ct_solid_part *part, int32_t batch, int lane)
+CT_INLINE void find_shape(const ct_solid_part *part, int32_t b, int lane, reduced_lanes *r)
 {
-  return &part->mean[((int64_t)batch * CT_BATCH + lane) / CT_LANES_COUNT];
-}
-
-CT_CLONES
-static void lay_down(const ct_solid_part *part, double scale)
-{
-  for (int32_t b = 0; b < part->batch_count; b++)
-    for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
-      ct_lanes x[3 * 8], X[3][CT_MODES], B[3][CT_MEAN_MODES], g[3];
-      reduced_lanes *r = lanes_of(part, b, lane);
-      ct_load_lanes(part->mesh, part->rows, b, 8, part->mesh->nodes, lane, x);
-      for (int j = 0; j < 3; j++) ct_brick_modes(&x[8 * j], X[j]);
-      // -- Mean gradients per displacement (eq:mean-gradient), and the scale g² of their size
-      // (eq:hourglass-stiffness)
-      ct_mean_gradient(X, B, &r->V);
-      for (int j = 0; j < 3; j++) {
-        for (int m = 0; m < CT_MEAN_MODES; m++) r->beta[j][m] = B[j][m] / r->V;
-        for (int k = 0; k < HOURGLASS; k++) r->X[j][k] = X[j][FIRST_HOURGLASS + k];
-        ct_mean_sum(r->beta[j], r->beta[j], &g[j]);
-      }
-      r->c = (scale * r->V) * (8.0 * ((g[0] + g[1]) + g[2]));
-    }
-}
-
-ct_status ct_reduced_prepare(ct_solid_part *part)
-{
-  part->mean =
-      ct_allocate((size_t)part->batch_count * (CT_BATCH / CT_LANES_COUNT), sizeof *part->mean);
-  if (part->mean == NULL) return CT_ERROR_MEMORY;
-  lay_down(part, part->hourglass * part->material.young / 72.0);
-  return CT_OK;
+  const double scale = part->hourglass * part->material.young / 72.0;
+  ct_lanes x[3 * 8], X[3][CT_MODES], B[3][CT_MEAN_MODES], g[3];
+  ct_load_lanes(part->mesh, part->rows, b, 8, part->mesh->nodes, lane, x);
+  ct_brick_modes(&x[0], X[0]);
+  ct_brick_modes(&x[8], X[1]);
+  ct_brick_modes(&x[16], X[2]);
+  // -- Mean gradients per displacement (eq:mean-gradient), and the scale g² of their size
+  // (eq:hourglass-stiffness)
+  ct_mean_gradient(X, B, &r->V);
+  for (int j = 0; j < 3; j++) {
+    for (int m = 0; m < CT_MEAN_MODES; m++) r->beta[j][m] = B[j][m] / r->V;
+    for (int k = 0; k < HOURGLASS; k++) r->X[j][k] = X[j][FIRST_HOURGLASS + k];
+    ct_mean_sum(r->beta[j], r->beta[j], &g[j]);
+  }
+  r->c = (scale * r->V) * (8.0 * ((g[0] + g[1]) + g[2]));
 }
 
 /* From one component of the displacements of the eight nodes: its mean gradient, and the hourglass
@@ -107,11 +88,12 @@ void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t 
     double *to = ct_batch_values(part->ring, 8, values, b, &stride);
     for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
       ct_lanes u[3 * 8], G[3][3], P[3][3], q[3][HOURGLASS];
-      const reduced_lanes *r = lanes_of(part, b, lane);
+      reduced_lanes r;
+      find_shape(part, b, lane, &r);
       ct_load_lanes(part->mesh, part->rows, b, 8, displacement, lane, u);
-      strain_and_hourglass(r, u, part->lambda, part->mu, G, P, q);
+      strain_and_hourglass(&r, u, part->lambda, part->mu, G, P, q);
       for (int i = 0; i < 3; i++) {
-        collect(r, P[i], q[i], u);
+        collect(&r, P[i], q[i], u);
         ct_store_lanes(u, 8, i, lane, stride, to);
       }
     }
@@ -124,9 +106,10 @@ void ct_solid_reduced_energies(const ct_solid_part *part, int32_t batch, const d
 {
   for (int lane = 0; lane < CT_BATCH; lane += CT_LANES_COUNT) {
     ct_lanes u[3 * 8], G[3][3], S[3][3], q[3][HOURGLASS], W[3], H[3], half;
-    const reduced_lanes *r = lanes_of(part, batch, lane);
+    reduced_lanes r;
+    find_shape(part, batch, lane, &r);
     ct_load_lanes(part->mesh, part->rows, batch, 8, displacement, lane, u);
-    strain_and_hourglass(r, u, part->lambda, part->mu, G, S, q);
+    strain_and_hourglass(&r, u, part->lambda, part->mu, G, S, q);
     // -- ½ V σ : G and ½ c Σ q² (eq:reduced-energy)
     for (int i = 0; i < 3; i++) {
       W[i] = (S[i][0] * G[i][0] + S[i][1] * G[i][1]) + S[i][2] * G[i][2];
@@ -135,7 +118,7 @@ void ct_solid_reduced_energies(const ct_solid_part *part, int32_t batch, const d
     // Arrays of the caller need not be aligned.
     half = 0.5 * ((W[0] + W[1]) + W[2]);
     memcpy(&strain[lane], &half, sizeof half);
-    half = (0.5 * r->c) * ((H[0] + H[1]) + H[2]);
+    half = (0.5 * r.c) * ((H[0] + H[1]) + H[2]);
     memcpy(&hourglass[lane], &half, sizeof half);
   }
 }

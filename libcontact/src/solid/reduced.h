@@ -7,9 +7,6 @@
  */
 static const double CT_HOURGLASS_DEFAULT = 1.0;
 
-/* Lay down the mean gradients and hourglass modes of a part's elements. */
-ct_status ct_reduced_prepare(ct_solid_part *part);
-
 /* Forces of the batches first ... last - 1, as those of the other kernels. */
 void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t last,
                               const double *displacement, double *values);
