@@ -127,9 +127,10 @@ void ct_solid_box20_batches(const ct_solid_part *part, int32_t first, int32_t la
       modal_forces(part->box20, 0, U, F[0]);
       modal_forces(part->box20, 1, U, F[1]);
       modal_forces(part->box20, 2, U, F[2]);
-      for (int i = 0; i < 3; i++) {
-        ct_brick20_nodal(ENDS, F[i], u);
-        ct_store_lanes(u, 20, i, lane, 8, &values[480 * (int64_t)b]);
-      }
+      ct_brick20_nodal(ENDS, F[0], &u[0]);
+      ct_brick20_nodal(ENDS, F[1], &u[20]);
+      ct_brick20_nodal(ENDS, F[2], &u[40]);
+      for (int i = 0; i < 3; i++)
+        ct_store_lanes(&u[20 * i], 20, i, lane, 8, &values[480 * (int64_t)b]);
     }
 }

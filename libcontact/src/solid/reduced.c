@@ -92,10 +92,10 @@ void ct_solid_reduced_batches(const ct_solid_part *part, int32_t first, int32_t 
       find_shape(part, b, lane, &r);
       ct_load_lanes(part->mesh, part->rows, b, 8, displacement, lane, u);
       strain_and_hourglass(&r, u, part->lambda, part->mu, G, P, q);
-      for (int i = 0; i < 3; i++) {
-        collect(&r, P[i], q[i], u);
-        ct_store_lanes(u, 8, i, lane, stride, to);
-      }
+      collect(&r, P[0], q[0], &u[0]);
+      collect(&r, P[1], q[1], &u[8]);
+      collect(&r, P[2], q[2], &u[16]);
+      for (int i = 0; i < 3; i++) ct_store_lanes(&u[8 * i], 8, i, lane, stride, to);
     }
   }
 }
