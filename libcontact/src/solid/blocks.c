@@ -59,25 +59,25 @@ static int64_t cell_at(const box *b, const double low[3], const double *x)
 {
   int64_t i[3];
   for (int d = 0; d < 3; d++)
-    i[d] = (int64_t)floor((ct_vector_dot(b->axis[d], x) - low[d]) / b->edge[d] + 0.5);
+    i[d] = (int64_t)((ct_vector_dot(b->axis[d], x) - low[d]) / b->edge[d] + 0.5);
   return i[0] + b->cells[0] * (i[1] + b->cells[1] * i[2]);
 }
 
 /* Whether a body is a full box, and which. */
-static ct_status find_box(const ct_mesh *mesh, box *b, ct_error *error)
+static ct_status find_box(const ct_solid_part *part, box *b, ct_error *error)
 {
+  const ct_mesh *mesh = part->mesh;
   double low[3], high[3], elements = 1.0, nodes = 1.0;
-  *b = (box){.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .aligned = 1};
+  *b = (box){.axis = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   ct_mesh_bounds(mesh, low, high);
   double size = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
   if (mesh->kind != CT_HEX8) return CT_OK;
-  if (!ct_solid_is_box(mesh, b->edge)) {
-    b->aligned = 0;
-    if (!find_edges(mesh, size, b)) return CT_OK;
-  }
+  b->aligned = part->box;
+  memcpy(b->edge, part->edge, sizeof b->edge);
+  if (!part->box && !find_edges(mesh, size, b)) return CT_OK;
   for (int d = 0; d < 3; d++) {
-    low[d] = INFINITY, high[d] = -INFINITY;
-    for (int32_t n = 0; n < mesh->node_count; n++) {
+    if (!b->aligned) low[d] = INFINITY, high[d] = -INFINITY;
+    for (int32_t n = 0; !b->aligned && n < mesh->node_count; n++) {
       double at = ct_vector_dot(b->axis[d], &mesh->nodes[3 * (size_t)n]);
       low[d] = fmin(low[d], at);
       high[d] = fmax(high[d], at);
@@ -254,7 +254,7 @@ ct_status ct_solid_part_omega2_bound(const ct_solid_part *part, const int held[3
   double last[20][3] = {{0.0}}, A[SIZE][SIZE], m[20], spread[SIZE];
   box b = {.cells = {0}};
   *omega_squared = 0.0;
-  ct_status status = part->energies == NULL ? find_box(mesh, &b, error) : CT_OK;
+  ct_status status = part->energies == NULL ? find_box(part, &b, error) : CT_OK;
   if (status == CT_OK && b.cells[0] > 0)
     return box_omega2_bound(part, &b, held, omega_squared, error);
   for (int32_t e = 0; status == CT_OK && e < mesh->element_count; e++) {

@@ -41,7 +41,9 @@ typedef struct ct_solid_part {
   double flops;
   /* Largest ω² of the undeformed elements. */
   double omega_squared;
-  /* Edge lengths of the elements, when the kernel is CT_KERNEL_BOX. */
+  /* Whether all elements are boxes of one size (ct_solid_is_box), for the linear law, and the
+   * lengths of their edges. */
+  int box;
   double edge[3];
   /* Through which element forces go; null: they stand in the layout of ct_assembly. */
   ct_force_ring *ring;
