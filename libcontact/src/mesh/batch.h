@@ -69,8 +69,8 @@ CT_INLINE void ct_lanes_centre(int per, ct_lanes *x)
 }
 
 /* The second half, from centred coordinates (eq:jacobian), with the determinant of J. */
-CT_INLINE void ct_lanes_jacobian(int per, double (*dN)[3], const ct_lanes *x, ct_lanes J[3][3],
-                                 ct_lanes *det)
+CT_INLINE void ct_lanes_jacobian(int per, const double (*dN)[3], const ct_lanes *x,
+                                 ct_lanes J[3][3], ct_lanes *det)
 {
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {

@@ -1,21 +1,14 @@
 #include <libcontact/mesh.h>
 
-#include "batch.h"
+#include "mass.h"
 #include "mesh_internal.h"
 #include "../base/error.h"
 #include "../base/memory.h"
 
 #include <string.h>
 
-/* What is the same for all elements: the shape functions and their derivatives at the points of the
- * rule. */
-typedef struct shapes {
-  int per, hrz;
-  ct_rule rule;
-  double N[27][20], dN[27][20][3];
-} shapes;
-
-static ct_status tabulate(ct_brick_kind kind, ct_lumping lumping, shapes *out, ct_error *error)
+ct_status ct_mass_tabulate(ct_brick_kind kind, ct_lumping lumping, ct_mass_shapes *out,
+                           ct_error *error)
 {
   out->per = ct_brick_node_count(kind);
   out->hrz = lumping == CT_LUMP_HRZ || (lumping == CT_LUMP_DEFAULT && out->per == 20);
@@ -46,8 +39,8 @@ CT_INLINE void sum_points(int count, const ct_lanes *t, ct_lanes *sum)
 
 /* Integrals over the elements of a batch with the coordinates x[component][node], which are lost:
  * `row` of ρ N_a, `diagonal` of ρ N_a² (if there is scaling), both (nodes), and their masses. */
-CT_INLINE void integrate(shapes *at, int per, ct_lanes *x, double density, ct_lanes *row,
-                         ct_lanes *diagonal, ct_lanes *total)
+CT_INLINE void integrate(const ct_mass_shapes *at, int per, ct_lanes *x, double density,
+                         ct_lanes *row, ct_lanes *diagonal, ct_lanes *total)
 {
   int points = per == 8 ? 8 : 27;
   ct_lanes volume[27], t[27], J[3][3], det;
@@ -65,7 +58,7 @@ CT_INLINE void integrate(shapes *at, int per, ct_lanes *x, double density, ct_la
   sum_points(points, volume, total);
 }
 
-CT_INLINE void lump(shapes *at, int per, ct_lanes *x, double density, ct_lanes *mass,
+CT_INLINE void lump(const ct_mass_shapes *at, int per, ct_lanes *x, double density, ct_lanes *mass,
                     ct_lanes *total)
 {
   ct_lanes diagonal[20], trace;
@@ -77,7 +70,8 @@ CT_INLINE void lump(shapes *at, int per, ct_lanes *x, double density, ct_lanes *
 }
 
 CT_CLONES
-static void lump_lanes(shapes *at, ct_lanes *x, double density, ct_lanes *mass, ct_lanes *total)
+void ct_mass_lanes(const ct_mass_shapes *at, ct_lanes *x, double density, ct_lanes *mass,
+                   ct_lanes *total)
 {
   if (at->per == 8) lump(at, 8, x, density, mass, total);
   else lump(at, 20, x, density, mass, total);
@@ -93,17 +87,17 @@ static ct_status check_mass(double total, int64_t element, ct_error *error)
 ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double density,
                           ct_lumping lumping, double *mass, ct_error *error)
 {
-  shapes at;
+  ct_mass_shapes at;
   ct_lanes x[3 * 20], m[20], total;
   double first;
   if (nodes == NULL || mass == NULL)
     return CT_REFUSE(error, "mass: null argument or unknown element");
-  ct_status status = tabulate(kind, lumping, &at, error);
+  ct_status status = ct_mass_tabulate(kind, lumping, &at, error);
   if (status != CT_OK) return status;
   for (int i = 0; i < 3 * at.per; i++)
     for (size_t l = 0; l < CT_LANES_COUNT; l++)
       memcpy((double *)(void *)&x[at.per * (i % 3) + i / 3] + l, &nodes[i], sizeof *nodes);
-  lump_lanes(&at, x, density, m, &total);
+  ct_mass_lanes(&at, x, density, m, &total);
   memcpy(&first, &total, sizeof first);
   status = check_mass(first, -1, error);
   for (int a = 0; status == CT_OK && a < at.per; a++) memcpy(&mass[a], &m[a], sizeof *mass);
@@ -111,8 +105,8 @@ ct_status ct_mass_element(ct_brick_kind kind, const double *nodes, double densit
 }
 
 /* Lump all elements, and add the masses of each node up by octant. */
-static ct_status fill_octants(const ct_mesh *mesh, shapes *at, double density, double (*octant)[8],
-                              ct_error *error)
+static ct_status fill_octants(const ct_mesh *mesh, const ct_mass_shapes *at, double density,
+                              double (*octant)[8], ct_error *error)
 {
   int slot[20], per = at->per;
   for (int a = 0; a < per; a++) slot[a] = ct_brick_octant(mesh->kind, a);
@@ -120,7 +114,7 @@ static ct_status fill_octants(const ct_mesh *mesh, shapes *at, double density, d
     ct_lanes x[3 * 20], m[20], total;
     double mass[20][CT_LANES_COUNT], sum[CT_LANES_COUNT];
     ct_load_lanes(mesh, e / 8, per, mesh->nodes, e % 8, x);
-    lump_lanes(at, x, density, m, &total);
+    ct_mass_lanes(at, x, density, m, &total);
     memcpy(mass, m, (size_t)per * sizeof *m);
     memcpy(sum, &total, sizeof sum);
     for (int32_t l = 0; l < CT_LANES_COUNT && e + l < mesh->element_count; l++) {
@@ -136,10 +130,10 @@ static ct_status fill_octants(const ct_mesh *mesh, shapes *at, double density, d
 ct_status ct_mass_lumped(const ct_mesh *mesh, double density, ct_lumping lumping, double *mass,
                          ct_error *error)
 {
-  shapes at;
+  ct_mass_shapes at;
   if (mesh == NULL || mass == NULL) return CT_REFUSE(error, "mass: null argument");
   ct_status status = ct_mesh_check_numbers(mesh, error);
-  if (status == CT_OK) status = tabulate(mesh->kind, lumping, &at, error);
+  if (status == CT_OK) status = ct_mass_tabulate(mesh->kind, lumping, &at, error);
   if (status != CT_OK) return status;
   double (*octant)[8] = ct_allocate((size_t)mesh->node_count, sizeof *octant);
   status = octant == NULL ? CT_NO_MEMORY(error, "the masses")

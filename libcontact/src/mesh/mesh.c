@@ -355,7 +355,7 @@ static void tabulate(ct_brick_kind kind, const ct_rule *rule, checks *at)
 
 /* Whether an element of a batch may fail `check_gauss` or `check_nodes`: the same numbers squared,
  * with a factor of 2 for round-off. The coordinates x[component][node] are lost. */
-CT_INLINE int may_fail(checks *at, int per, ct_lanes *x)
+CT_INLINE int may_fail(const checks *at, int per, ct_lanes *x)
 {
   ct_lanes J[3][3], det, product, centre = {0};
   double d[CT_LANES_COUNT], p[CT_LANES_COUNT];
@@ -400,7 +400,7 @@ CT_INLINE int are_upright_boxes(const ct_lanes *x)
 
 /* Whether the elements from `e` on, as many as there are lanes, are all surely good. */
 CT_CLONES
-static int are_good(const ct_mesh *mesh, checks *at, int32_t e)
+static int are_good(const ct_mesh *mesh, const checks *at, int32_t e)
 {
   ct_lanes x[3 * 20];
   ct_load_lanes(mesh, e / 8, at->per, mesh->nodes, e % 8, x);
