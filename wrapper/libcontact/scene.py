@@ -9,22 +9,23 @@ from collections.abc import Callable
 from dataclasses import replace
 from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec, cast
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, cast
 
 import numpy as np
 
 from .effects.own import Own, View
 from .errors import NotBuiltIn, issue
-from .explain import Explanation, explain
-from .loop import Loop, record_count, schedule
 from .model import Body, ContactKeys, Material, Output, Probe, Support, Time
 from .model import Run as RunKeys
 from .parts import EFFECTS, MANY, Parts, read
-from .plan import Cost, predict, table
-from .problem import Problem
-from .run import ENERGY, IN_ENERGY, Run
 from .schema import FileName, Place, SceneError, Table, check_file, describe, suggestion
-from .warned import known
+
+if TYPE_CHECKING:
+    # What computes is imported when a scene is built or run: a scene is read without it.
+    from .explain import Explanation
+    from .plan import Cost
+    from .problem import Problem
+    from .run import Run
 
 # Tables that may differ between a scene and the one whose run it continues, beside the keys that are ``free``.
 FREE_ON_RESTART = ("title", "output", "probe", "run", "units")
@@ -311,6 +312,8 @@ class Scene:
         >>> scene.add_effect("spring", "bar", "x_max", lambda view: -k * view.displacement, omega_squared=k / m)
         """
         own = Own(name, body, nodes, force, energy, omega_squared, rate)
+        from .run import ENERGY, IN_ENERGY
+
         if name in {*IN_ENERGY, *(ENERGY.names or ()), *(other.name for other in self._own)}:
             raise SceneError("is the name of something else in the ledger", name, self.file)
         self._own.append(own)
@@ -344,6 +347,9 @@ class Scene:
         Explanation
             A text, with the same facts as a dictionary in its ``data``.
         """
+        from .explain import explain
+        from .loop import record_count, schedule
+
         problem = self._built(None)
         return explain(problem, schedule(problem)[0], record_count(problem))
 
@@ -361,6 +367,9 @@ class Scene:
         list of Cost
             The costs, predicted from a trial of a few steps.
         """
+        from .loop import record_count
+        from .plan import predict
+
         problem = self._built(None)
         if run is None:
             return list(predict(problem, record_count(problem)).costs)
@@ -381,6 +390,8 @@ class Scene:
         str
             The table.
         """
+        from .plan import table
+
         return table(self.costs(run), self._built(None).stable.dt)
 
     def run(
@@ -418,6 +429,9 @@ class Scene:
         Run
             The results. The first Ctrl-C ends the run after a last record, and the Run says ``interrupted``.
         """
+        from .loop import Loop
+        from .warned import known
+
         if threads is not None:
             RunKeys.keys()["threads"].metadata["kind"].read(
                 threads, Place("run.threads", self.file)
@@ -442,6 +456,8 @@ class Scene:
 
     def _built(self, threads: int | None, dt: float | None = None) -> Problem:
         """The C problem, kept as long as nothing changes; ``dt`` is the step of a run that is continued."""
+        from .problem import Problem
+
         parts = self._whole()
         wanted = parts.run.threads if threads is None else threads
         if dt is not None:
@@ -472,6 +488,8 @@ class Scene:
 
     def _check_restart(self, path: Any, threads: int | None) -> tuple[float | None, int]:
         """Refuse to continue the run of another scene; the step that the run had, and in how many parts this scene divides it."""
+        from .run import Run
+
         at = Place("restart", self.file)
         try:
             run = Run.load(path)
