@@ -729,7 +729,7 @@ def test_a_scene_of_the_tutorials_is_short_and_explained(path):
 def test_a_scene_is_read_without_what_computes():
     code = "import sys, libcontact as ct; ct.Scene.load(ct.example('plates')); print(*sys.modules)"
     out = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    loaded = {"libcontact." + name for name in ("scene", "loop", "explain", "plan", "problem")}
+    loaded = {"libcontact." + name for name in ("scene", "loop", "explain", "plan", "warned")}
     assert loaded & set(out.stdout.split()) == {"libcontact.scene"}
 
 

@@ -18,14 +18,14 @@ from .errors import NotBuiltIn, issue
 from .model import Body, ContactKeys, Material, Output, Probe, Support, Time
 from .model import Run as RunKeys
 from .parts import EFFECTS, MANY, Parts, read
+from .problem import Problem
+from .run import ENERGY, IN_ENERGY, Run
 from .schema import FileName, Place, SceneError, Table, check_file, describe, suggestion
 
 if TYPE_CHECKING:
     # What computes is imported when a scene is built or run: a scene is read without it.
     from .explain import Explanation
     from .plan import Cost
-    from .problem import Problem
-    from .run import Run
 
 # Tables that may differ between a scene and the one whose run it continues, beside the keys that are ``free``.
 FREE_ON_RESTART = ("title", "output", "probe", "run", "units")
@@ -312,8 +312,6 @@ class Scene:
         >>> scene.add_effect("spring", "bar", "x_max", lambda view: -k * view.displacement, omega_squared=k / m)
         """
         own = Own(name, body, nodes, force, energy, omega_squared, rate)
-        from .run import ENERGY, IN_ENERGY
-
         if name in {*IN_ENERGY, *(ENERGY.names or ()), *(other.name for other in self._own)}:
             raise SceneError("is the name of something else in the ledger", name, self.file)
         self._own.append(own)
@@ -456,8 +454,6 @@ class Scene:
 
     def _built(self, threads: int | None, dt: float | None = None) -> Problem:
         """The C problem, kept as long as nothing changes; ``dt`` is the step of a run that is continued."""
-        from .problem import Problem
-
         parts = self._whole()
         wanted = parts.run.threads if threads is None else threads
         if dt is not None:
@@ -488,8 +484,6 @@ class Scene:
 
     def _check_restart(self, path: Any, threads: int | None) -> tuple[float | None, int]:
         """Refuse to continue the run of another scene; the step that the run had, and in how many parts this scene divides it."""
-        from .run import Run
-
         at = Place("restart", self.file)
         try:
             run = Run.load(path)
